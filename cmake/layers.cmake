@@ -1,0 +1,26 @@
+# One library per layer, so that a layer links only what it may include (see tools/check_layers.py).
+add_library(pliant_options INTERFACE)
+target_compile_features(pliant_options INTERFACE cxx_std_20)
+target_compile_options(pliant_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Werror
+                       -Wno-psabi -Wno-restrict -fno-math-errno)
+if(PLIANT_NATIVE)
+  target_compile_options(pliant_options INTERFACE -march=native)
+endif()
+if(PLIANT_SANITIZE)
+  target_compile_options(pliant_options INTERFACE -fsanitize=${PLIANT_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(pliant_options INTERFACE -fsanitize=${PLIANT_SANITIZE})
+endif()
+target_include_directories(pliant_options INTERFACE ${CMAKE_SOURCE_DIR}/src)
+
+# pliant_layer(<name> <dependency>...): src/<name>/*.cpp as the library pliant_<name>; a layer without sources is headers only.
+function(pliant_layer name)
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/${name}/*.cpp)
+  list(FILTER sources EXCLUDE REGEX "/main\\.cpp$")
+  if(sources)
+    add_library(pliant_${name} STATIC ${sources})
+    target_link_libraries(pliant_${name} PUBLIC pliant_options ${ARGN})
+  else()
+    add_library(pliant_${name} INTERFACE)
+    target_link_libraries(pliant_${name} INTERFACE pliant_options ${ARGN})
+  endif()
+endfunction()

@@ -1,0 +1,54 @@
+/// Failures as Pliant tells them: whose mistake it is decides the type, the type decides the exit code.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace pliant {
+
+/// What the program returns to the shell; the same from every rank.
+enum class ExitCode : int { done = 0, study_failed = 1, input = 2, solve = 3, file = 4, interrupted = 130 };
+
+/// A place in a file the user wrote. Lines and columns count from 1; 0 means "not known".
+struct Location {
+  std::string file;
+  int line = 0;
+  int column = 0;
+};
+
+/// "file:line:column", with the unknown parts left out.
+std::string to_string(const Location& where);
+
+/// One mistake: where it is, what is wrong and what to do about it.
+struct Diagnostic {
+  Location where;
+  std::string message;
+};
+
+/// The user's input is wrong (exit code 2). Carries every mistake found, so that all are reported at once.
+class InputError : public std::runtime_error {
+ public:
+  explicit InputError(std::vector<Diagnostic> diagnostics);
+  InputError(Location where, std::string message)
+      : InputError(std::vector<Diagnostic>{{std::move(where), std::move(message)}}) {}
+  const std::vector<Diagnostic>& diagnostics() const { return diagnostics_; }
+
+ private:
+  std::vector<Diagnostic> diagnostics_;
+};
+
+/// A file could not be read or written (exit code 4).
+class FileError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The solve failed after every retry (exit code 3).
+class SolveError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace pliant

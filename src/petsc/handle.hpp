@@ -1,0 +1,67 @@
+/// Ownership of PETSc objects: one handle template, no raw object owned elsewhere.
+#pragma once
+
+#include <utility>
+
+#include <petscdm.h>
+#include <petscis.h>
+#include <petscksp.h>
+#include <petscmat.h>
+#include <petscsection.h>
+#include <petscsf.h>
+#include <petscsnes.h>
+#include <petscvec.h>
+
+#include "petsc/check.hpp"
+
+namespace pliant {
+
+/// How to destroy a PETSc object of type T; one overload per type.
+inline PetscErrorCode destroy(Vec* x) { return VecDestroy(x); }
+inline PetscErrorCode destroy(Mat* x) { return MatDestroy(x); }
+inline PetscErrorCode destroy(DM* x) { return DMDestroy(x); }
+inline PetscErrorCode destroy(IS* x) { return ISDestroy(x); }
+inline PetscErrorCode destroy(KSP* x) { return KSPDestroy(x); }
+inline PetscErrorCode destroy(SNES* x) { return SNESDestroy(x); }
+inline PetscErrorCode destroy(PetscSection* x) { return PetscSectionDestroy(x); }
+inline PetscErrorCode destroy(PetscSF* x) { return PetscSFDestroy(x); }
+inline PetscErrorCode destroy(MatNullSpace* x) { return MatNullSpaceDestroy(x); }
+
+/// The single owner of a PETSc object. Movable, not copyable; `share()` makes a second owner on purpose.
+template <class T>
+class Handle {
+ public:
+  Handle() = default;
+  explicit Handle(T object) : object_(object) {}
+  Handle(Handle&& other) noexcept : object_(std::exchange(other.object_, nullptr)) {}
+  Handle& operator=(Handle&& other) noexcept {
+    std::swap(object_, other.object_);
+    return *this;
+  }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  ~Handle() {
+    PetscBool finalized = PETSC_FALSE;
+    if (object_ != nullptr && PetscFinalized(&finalized) == PETSC_SUCCESS && !finalized) (void)destroy(&object_);
+  }
+
+  T get() const { return object_; }
+  explicit operator bool() const { return object_ != nullptr; }
+
+  /// For PETSc's creating calls: `check(VecCreate(comm, v.out()))`. Destroys what was held.
+  T* out() {
+    if (object_ != nullptr) check(destroy(&object_));
+    return &object_;
+  }
+
+  /// A second owner of the same object.
+  Handle share() const {
+    if (object_ != nullptr) check(PetscObjectReference(reinterpret_cast<PetscObject>(object_)));
+    return Handle(object_);
+  }
+
+ private:
+  T object_ = nullptr;
+};
+
+}  // namespace pliant

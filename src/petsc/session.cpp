@@ -1,0 +1,63 @@
+#include "petsc/session.hpp"
+
+#include <petscviewer.h>
+
+#include "petsc/check.hpp"
+
+namespace pliant {
+namespace {
+
+// Called by PETSc at each level of a failing call: pass the code up, print nothing.
+PetscErrorCode pass_on(MPI_Comm, int, const char*, const char*, PetscErrorCode code, PetscErrorType, const char*,
+                       void*) {
+  return code;
+}
+
+}  // namespace
+
+Session::Session(const std::string& program, const std::vector<std::string>& petsc_options) {
+  std::vector<std::string> texts{program};
+  texts.insert(texts.end(), petsc_options.begin(), petsc_options.end());
+  std::vector<char*> pointers;
+  for (auto& text : texts) pointers.push_back(text.data());
+  pointers.push_back(nullptr);
+  int argc = static_cast<int>(texts.size());
+  char** argv = pointers.data();
+  // PETSc keeps argv until PetscFinalize only for PetscGetArgs, which nobody here calls.
+  check(PetscInitialize(&argc, &argv, nullptr, nullptr));
+  check(PetscPopSignalHandler());
+  check(PetscPushErrorHandler(pass_on, nullptr));
+  check(PetscOptionsSetValue(nullptr, "-options_left", "0"));
+}
+
+Session::~Session() {
+  (void)PetscPopErrorHandler();
+  (void)PetscFinalize();
+}
+
+int rank(MPI_Comm comm) {
+  int r = 0;
+  check_mpi(MPI_Comm_rank(comm, &r));
+  return r;
+}
+
+int num_ranks(MPI_Comm comm) {
+  int n = 1;
+  check_mpi(MPI_Comm_size(comm, &n));
+  return n;
+}
+
+std::vector<std::string> unused_petsc_options() {
+  PetscInt count = 0;
+  char** names = nullptr;
+  char** values = nullptr;
+  check(PetscOptionsLeftGet(nullptr, &count, &names, &values));
+  std::vector<std::string> unused;
+  for (PetscInt i = 0; i < count; ++i) {
+    if (std::string(names[i]) != "options_left") unused.push_back(std::string("-") + names[i]);
+  }
+  check(PetscOptionsLeftRestore(nullptr, &count, &names, &values));
+  return unused;
+}
+
+}  // namespace pliant

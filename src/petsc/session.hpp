@@ -1,0 +1,29 @@
+/// The lifetime of MPI and PETSc in the process.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <petscsys.h>
+
+namespace pliant {
+
+/// Initialises MPI and PETSc, finalises both at the end of the scope. One per process. Collective.
+/// PETSc's own error traces are silenced: failures travel as exceptions (check.hpp) and are told once.
+class Session {
+ public:
+  /// `petsc_options`: arguments in PETSc's syntax, e.g. {"-snes_monitor"}; the environment variable PETSC_OPTIONS counts too.
+  Session(const std::string& program, const std::vector<std::string>& petsc_options);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+};
+
+/// Rank and number of ranks of a communicator. Not collective.
+int rank(MPI_Comm comm);
+int num_ranks(MPI_Comm comm);
+
+/// Options given on the command line that no object has asked for, e.g. misspelt ones.
+std::vector<std::string> unused_petsc_options();
+
+}  // namespace pliant

@@ -1,0 +1,30 @@
+// GoogleTest under MPI: every rank runs every test; rank 0 prints, other ranks print only their failures.
+#include <gtest/gtest.h>
+
+#include "petsc/collective.hpp"
+#include "petsc/session.hpp"
+
+namespace {
+
+class FailuresOnly : public testing::EmptyTestEventListener {
+  void OnTestPartResult(const testing::TestPartResult& result) override {
+    if (result.failed()) {
+      std::fprintf(stderr, "[rank %d] %s:%d: %s\n", pliant::rank(MPI_COMM_WORLD),
+                   result.file_name() != nullptr ? result.file_name() : "", result.line_number(), result.message());
+    }
+  }
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  pliant::Session session("tests", {});
+  if (pliant::rank(MPI_COMM_WORLD) != 0) {
+    auto& listeners = testing::UnitTest::GetInstance()->listeners();
+    delete listeners.Release(listeners.default_result_printer());
+    listeners.Append(new FailuresOnly);
+  }
+  const bool failed = RUN_ALL_TESTS() != 0;
+  return pliant::any(MPI_COMM_WORLD, failed) ? 1 : 0;
+}
