@@ -2,7 +2,7 @@
 add_library(pliant_options INTERFACE)
 target_compile_features(pliant_options INTERFACE cxx_std_20)
 target_compile_options(pliant_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Werror
-                       -Wno-psabi -Wno-restrict -fno-math-errno)
+                       -Wno-psabi -Wno-restrict -Wno-maybe-uninitialized -fno-math-errno)
 if(PLIANT_NATIVE)
   target_compile_options(pliant_options INTERFACE -march=native)
 endif()

@@ -13,7 +13,7 @@ std::string place(const std::source_location& where) {
 }  // namespace
 
 void check(PetscErrorCode code, std::source_location where) {
-  if (code == PETSC_SUCCESS) return;
+  if (code == 0) return;
   const char* text = nullptr;
   char* specific = nullptr;
   PetscErrorMessage(code, &text, &specific);

@@ -42,7 +42,7 @@ class Handle {
   Handle& operator=(const Handle&) = delete;
   ~Handle() {
     PetscBool finalized = PETSC_FALSE;
-    if (object_ != nullptr && PetscFinalized(&finalized) == PETSC_SUCCESS && !finalized) (void)destroy(&object_);
+    if (object_ != nullptr && PetscFinalized(&finalized) == 0 && !finalized) (void)destroy(&object_);
   }
 
   T get() const { return object_; }
