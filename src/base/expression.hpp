@@ -1,0 +1,48 @@
+/// Formulas in x, y, z, t, as users write them.
+#pragma once
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+namespace pliant {
+
+/// What is wrong with a formula's text; `what()` says it in plain words, `position()` counts characters from 0.
+class ExpressionError : public std::runtime_error {
+ public:
+  ExpressionError(const std::string& message, int position) : std::runtime_error(message), position_(position) {}
+  int position() const { return position_; }
+
+ private:
+  int position_;
+};
+
+/// A formula of the reference position x, y, z [m] and time t [s], evaluated by muParser; the constant `pi` is known.
+/// Copies are independent. Default: the constant 0.
+class Expression {
+ public:
+  Expression() = default;
+  explicit Expression(double constant);
+  /// `factor` multiplies the formula's value (units). Throws ExpressionError.
+  explicit Expression(const std::string& text, double factor = 1.0);
+  Expression(const Expression& other);
+  Expression& operator=(const Expression& other);
+  Expression(Expression&&) noexcept;
+  Expression& operator=(Expression&&) noexcept;
+  ~Expression();
+
+  /// May return inf or NaN where the formula does.
+  double operator()(double x, double y, double z, double t) const;
+  bool depends_on_space() const;
+  bool depends_on_time() const;
+  bool is_zero() const;  ///< the constant 0
+  /// As written, without the factor; a constant is printed in full precision.
+  std::string text() const;
+
+ private:
+  struct Formula;
+  double constant_ = 0.0;
+  std::unique_ptr<Formula> formula_;  // none: constant
+};
+
+}  // namespace pliant

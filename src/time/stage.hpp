@@ -1,0 +1,43 @@
+/// A stage: the backward-Euler-like problem that every method of the time layer poses, and how a solver answers it.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "petsc/handle.hpp"
+
+namespace pliant {
+
+/// All that a term may know of time. The vectors are borrowed and hold the stage's start; rates inside a stage are
+/// v = (q - q0) / dt and a = (v - v0) / dt (docs: dynamics, "Mechanics: q alone is the unknown").
+struct StagePoint {
+  double time = 0.0;         ///< t_i, at which loads and constraints are evaluated [s]
+  double dt = 0.0;           ///< dt_i = beta A_ii dt, length of the stage [s]
+  Vec q0 = nullptr;          ///< configuration at the stage's start [m]
+  Vec v0 = nullptr;          ///< velocity at the stage's start [m/s]
+  double load_factor = 1.0;  ///< multiplies loads and prescribed displacements (load stepping of static problems; else 1)
+};
+
+enum class StageOutcome { converged, retry, fatal };
+
+struct StageReport {
+  StageOutcome outcome = StageOutcome::converged;
+  std::string reason;  ///< in plain words, for the log
+  int newton_iterations = 0;
+  int linear_iterations = 0;
+};
+
+/// Solves the stage's equation for q; on entry q holds the starting guess, prescribed entries already at their values.
+/// Leaves q undefined unless converged. Collective; every rank gets the same report.
+using StageSolve = std::function<StageReport(const StagePoint&, Vec q)>;
+
+/// Motion given in advance on some entries of the configuration, exact in time.
+struct PrescribedMotion {
+  /// Sets the prescribed entries of the stage's start to q0 = q_D(t) - dt v_D(t), v0 = v_D(t) - dt a_D(t), so that the
+  /// stage-local differences are exact on them, and those of the guess q to q_D(t). Collective.
+  std::function<void(const StagePoint& stage, Vec q)> start_stage = [](const StagePoint&, Vec) {};
+  /// Sets the prescribed entries of a completed step to q_D(t), v_D(t). Collective.
+  std::function<void(double time, Vec q, Vec v)> complete_step = [](double, Vec, Vec) {};
+};
+
+}  // namespace pliant
