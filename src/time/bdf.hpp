@@ -1,0 +1,32 @@
+/// Backward differentiation formulas on arbitrary times: y_{n+1} = sum_r alpha_r y_{n+1-r} + beta dt f_{n+1}.
+#pragma once
+
+#include "time/step.hpp"
+
+#include <span>
+#include <vector>
+
+namespace pliant {
+
+struct BdfWeights {
+  std::vector<double> alpha;  ///< alpha_1 multiplies y_n
+  double beta = 1.0;
+};
+
+/// The most past states a formula here may have.
+inline constexpr int max_bdf_steps = 3;
+
+/// Weights of the formula through y_{n+1} and the states at `past_times` (newest first, strictly falling, at most
+/// max_bdf_steps of them). Steps that are equal to rounding get the weights of equal steps, to the last bit.
+BdfWeights bdf_weights(std::span<const double> past_times, const Step& step);
+
+/// Ratio of successive steps up to which the formula with `num_steps` past states is zero-stable, whatever the sequence
+/// of steps: none for 1, 1 + sqrt 2 for 2, 1.5 (1.53 rounded down) for 3. Source: Calvo, Grande, Grigorieff 1990, "On
+/// the zero stability of the variable order variable stepsize BDF-formulas".
+double bdf_max_growth(int num_steps);
+
+/// How many of the past states may be used for the step: the most, such that no ratio of successive steps in the
+/// formula exceeds its limit. At least 1.
+int num_usable_states(std::span<const double> past_times, const Step& step);
+
+}  // namespace pliant

@@ -1,0 +1,67 @@
+/// The table of time integration methods: a row holds the coefficients (alpha, beta, A, b), everything else is derived.
+///
+///     base      y* = sum_r alpha_r y_{n+1-r}                 (r = 1..l)
+///     stage i   t_i = t_n + (1 - beta + beta c_i) dt,  dt_i = beta A_ii dt
+///               Y_i0 = y* + sum_{j<i} At_ij (Y_j - y*),  Y_i = Y_i0 + dt_i f(t_i, Y_i)
+///     end       y_{n+1} = y* + sum_i bt_i (Y_i - y*)
+///
+/// Sources: Kennedy & Carpenter 2016 (NASA/TM-2016-219173); Hairer & Wanner, Solving Ordinary Differential Equations
+/// II.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace pliant {
+
+/// What a row of the table says.
+struct MethodRow {
+  std::string name;  ///< as users type it
+  std::vector<double> alpha;
+  double beta = 1.0;
+  std::vector<std::vector<double>> A;  ///< rows of a lower triangular matrix, with their zeros
+  std::vector<double> b;
+  std::string summary;  ///< when to use the method
+};
+
+/// L-stability is a notion of one-step methods; see Method::R_infinity for the damping of multistep ones.
+enum class Stability { not_a_stable, a_stable, l_stable };
+
+/// "A-stable", ...
+std::string to_string(Stability stability);
+
+/// A row with all that follows from it. Obtained from derive_method, find_method or methods.
+struct Method : MethodRow {
+  int num_steps = 1;                    ///< l, the number of past states
+  int num_stages = 1;                   ///< s
+  std::vector<double> c;                ///< row sums of A
+  std::vector<std::vector<double>> At;  ///< At_i = A_{i,1:i-1} (A_{1:i-1,1:i-1})^-1; row i has i entries (i from 0)
+  std::vector<double> bt;               ///< bt^T = b^T A^-1; exactly (0, ..., 0, 1) if stiffly accurate
+  int order = 0;                        ///< for equal and for changing steps, after an exact start; told up to 3
+  Stability stability = Stability::not_a_stable;
+  double R_infinity = 0.0;        ///< what a step multiplies an infinitely fast decaying mode by
+  bool stiffly_accurate = false;  ///< y_{n+1} = Y_s
+  bool symplectic = false;
+  double max_growth = 0.0;  ///< limit of the ratio of successive steps; the stepper takes a lower formula above it
+};
+
+/// Why a row is not a method this layer can run, in plain words.
+struct MethodRefusal {
+  std::string reason;
+};
+
+/// Derives a method from its row. Refuses coefficients that are inconsistent, stages that are explicit or fully
+/// coupled, and several past states with anything but the backward differentiation formula (whose changing-step form is
+/// known).
+std::variant<Method, MethodRefusal> derive_method(MethodRow row);
+
+/// All methods, in the order in which they are to be shown.
+std::span<const Method> methods();
+
+/// The method users call `name`; nullptr if there is none.
+const Method* find_method(std::string_view name);
+
+}  // namespace pliant
