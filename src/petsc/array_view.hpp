@@ -1,9 +1,9 @@
 /// Scoped access to the local numbers of a vector.
 #pragma once
 
-#include <span>
-
 #include "petsc/handle.hpp"
+
+#include <span>
 
 namespace pliant {
 

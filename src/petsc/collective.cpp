@@ -1,12 +1,12 @@
 #include "petsc/collective.hpp"
 
-#include <exception>
-#include <sstream>
-#include <vector>
-
 #include "base/error.hpp"
 #include "petsc/check.hpp"
 #include "petsc/session.hpp"
+
+#include <exception>
+#include <sstream>
+#include <vector>
 
 namespace pliant {
 namespace {
@@ -79,10 +79,14 @@ void throw_everywhere(MPI_Comm comm, Outcome outcome, int from) {
   if (failure == Failure::none) return;
   const std::string text = broadcast_from(comm, std::move(outcome.text), from);
   switch (failure) {
-    case Failure::input: throw InputError(unpacked(text));
-    case Failure::file: throw FileError(text);
-    case Failure::solve: throw SolveError(text);
-    default: throw PetscFailure(PETSC_ERR_LIB, text);
+    case Failure::input:
+      throw InputError(unpacked(text));
+    case Failure::file:
+      throw FileError(text);
+    case Failure::solve:
+      throw SolveError(text);
+    default:
+      throw PetscFailure(PETSC_ERR_LIB, text);
   }
 }
 
@@ -107,12 +111,24 @@ void on_every_rank(MPI_Comm comm, const std::function<void()>& work) {
   if (first < size) throw_everywhere(comm, std::move(mine), first);
 }
 
-std::string broadcast(MPI_Comm comm, std::string text) { return broadcast_from(comm, std::move(text), 0); }
+std::string broadcast(MPI_Comm comm, std::string text) {
+  return broadcast_from(comm, std::move(text), 0);
+}
 
-double sum(MPI_Comm comm, double x) { return reduced(comm, x, MPI_DOUBLE, MPI_SUM); }
-double maximum(MPI_Comm comm, double x) { return reduced(comm, x, MPI_DOUBLE, MPI_MAX); }
-double minimum(MPI_Comm comm, double x) { return reduced(comm, x, MPI_DOUBLE, MPI_MIN); }
-PetscInt64 sum(MPI_Comm comm, PetscInt64 x) { return reduced(comm, x, MPIU_INT64, MPI_SUM); }
-bool any(MPI_Comm comm, bool x) { return reduced(comm, static_cast<int>(x), MPI_INT, MPI_MAX) != 0; }
+double sum(MPI_Comm comm, double x) {
+  return reduced(comm, x, MPI_DOUBLE, MPI_SUM);
+}
+double maximum(MPI_Comm comm, double x) {
+  return reduced(comm, x, MPI_DOUBLE, MPI_MAX);
+}
+double minimum(MPI_Comm comm, double x) {
+  return reduced(comm, x, MPI_DOUBLE, MPI_MIN);
+}
+PetscInt64 sum(MPI_Comm comm, PetscInt64 x) {
+  return reduced(comm, x, MPIU_INT64, MPI_SUM);
+}
+bool any(MPI_Comm comm, bool x) {
+  return reduced(comm, static_cast<int>(x), MPI_INT, MPI_MAX) != 0;
+}
 
 }  // namespace pliant

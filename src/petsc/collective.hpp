@@ -12,8 +12,8 @@ namespace pliant {
 /// diagnostics, FileError, SolveError; anything else as PetscFailure) with the same text. Collective.
 void on_root(MPI_Comm comm, const std::function<void()>& work);
 
-/// Runs `work` on every rank. If it throws on any rank, every rank throws the failure of the lowest such rank; `work` itself
-/// must not be collective. Collective.
+/// Runs `work` on every rank. If it throws on any rank, every rank throws the failure of the lowest such rank; `work`
+/// itself must not be collective. Collective.
 void on_every_rank(MPI_Comm comm, const std::function<void()>& work);
 
 /// The text of rank 0 on every rank. Collective.

@@ -1,6 +1,8 @@
 /// Ownership of PETSc objects: one handle template, no raw object owned elsewhere.
 #pragma once
 
+#include "petsc/check.hpp"
+
 #include <utility>
 
 #include <petscdm.h>
@@ -12,20 +14,36 @@
 #include <petscsnes.h>
 #include <petscvec.h>
 
-#include "petsc/check.hpp"
-
 namespace pliant {
 
 /// How to destroy a PETSc object of type T; one overload per type.
-inline PetscErrorCode destroy(Vec* x) { return VecDestroy(x); }
-inline PetscErrorCode destroy(Mat* x) { return MatDestroy(x); }
-inline PetscErrorCode destroy(DM* x) { return DMDestroy(x); }
-inline PetscErrorCode destroy(IS* x) { return ISDestroy(x); }
-inline PetscErrorCode destroy(KSP* x) { return KSPDestroy(x); }
-inline PetscErrorCode destroy(SNES* x) { return SNESDestroy(x); }
-inline PetscErrorCode destroy(PetscSection* x) { return PetscSectionDestroy(x); }
-inline PetscErrorCode destroy(PetscSF* x) { return PetscSFDestroy(x); }
-inline PetscErrorCode destroy(MatNullSpace* x) { return MatNullSpaceDestroy(x); }
+inline PetscErrorCode destroy(Vec* x) {
+  return VecDestroy(x);
+}
+inline PetscErrorCode destroy(Mat* x) {
+  return MatDestroy(x);
+}
+inline PetscErrorCode destroy(DM* x) {
+  return DMDestroy(x);
+}
+inline PetscErrorCode destroy(IS* x) {
+  return ISDestroy(x);
+}
+inline PetscErrorCode destroy(KSP* x) {
+  return KSPDestroy(x);
+}
+inline PetscErrorCode destroy(SNES* x) {
+  return SNESDestroy(x);
+}
+inline PetscErrorCode destroy(PetscSection* x) {
+  return PetscSectionDestroy(x);
+}
+inline PetscErrorCode destroy(PetscSF* x) {
+  return PetscSFDestroy(x);
+}
+inline PetscErrorCode destroy(MatNullSpace* x) {
+  return MatNullSpaceDestroy(x);
+}
 
 /// The single owner of a PETSc object. Movable, not copyable; `share()` makes a second owner on purpose.
 template <class T>

@@ -1,8 +1,8 @@
 #include "petsc/session.hpp"
 
-#include <petscviewer.h>
-
 #include "petsc/check.hpp"
+
+#include <petscviewer.h>
 
 namespace pliant {
 namespace {

@@ -12,7 +12,8 @@ namespace pliant {
 /// PETSc's own error traces are silenced: failures travel as exceptions (check.hpp) and are told once.
 class Session {
  public:
-  /// `petsc_options`: arguments in PETSc's syntax, e.g. {"-snes_monitor"}; the environment variable PETSC_OPTIONS counts too.
+  /// `petsc_options`: arguments in PETSc's syntax, e.g. {"-snes_monitor"}; the environment variable PETSC_OPTIONS
+  /// counts too.
   Session(const std::string& program, const std::vector<std::string>& petsc_options);
   ~Session();
   Session(const Session&) = delete;

@@ -1,0 +1,130 @@
+#include "fem/block_matrix.hpp"
+
+#include <algorithm>
+
+namespace pliant {
+
+BlockPattern::BlockPattern(const NodeLayout& layout) : num_owned_nodes_(layout.num_owned_nodes) {
+  const NodeGraph graph =
+      node_graph(layout.cell_nodes, layout.nodes_per_cell, layout.num_local_nodes, layout.num_owned_nodes);
+  diagonal_.offsets.assign(1, 0);
+  off_diagonal_.offsets.assign(1, 0);
+  for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
+    for (PetscInt k = graph.offsets[n]; k < graph.offsets[n + 1]; ++k) {
+      const PetscInt m = graph.neighbours[k];
+      (m < layout.num_owned_nodes ? diagonal_ : off_diagonal_).nodes.push_back(m);
+    }
+    // Within either part ascending local numbers are ascending global ones.
+    for (Rows* part : {&diagonal_, &off_diagonal_}) {
+      std::sort(part->nodes.begin() + part->offsets.back(), part->nodes.end());
+      part->offsets.push_back(static_cast<PetscInt>(part->nodes.size()));
+    }
+  }
+}
+
+std::int32_t BlockPattern::block(PetscInt row_node, PetscInt column_node) const {
+  const bool owned_column = column_node < num_owned_nodes_;
+  const Rows& part = owned_column ? diagonal_ : off_diagonal_;
+  const auto begin = part.nodes.begin() + part.offsets[row_node], end = part.nodes.begin() + part.offsets[row_node + 1];
+  const auto number = static_cast<std::int32_t>(std::lower_bound(begin, end, column_node) - part.nodes.begin());
+  return owned_column ? number : -1 - number;
+}
+
+Handle<Mat> make_matrix(const NodeLayout& layout, const BlockPattern& pattern) {
+  // Rows in CSR form over global columns; PETSc splits them into the same two parts in the same order.
+  const auto& diagonal = pattern.diagonal();
+  const auto& off_diagonal = pattern.off_diagonal();
+  const PetscInt num_rows = 3 * layout.num_owned_nodes;
+  std::vector<PetscInt> offsets(num_rows + 1, 0), columns;
+  columns.reserve(9 * (diagonal.nodes.size() + off_diagonal.nodes.size()));
+  std::vector<PetscInt> nodes;
+  for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
+    nodes.clear();
+    for (const auto* part : {&diagonal, &off_diagonal}) {
+      for (PetscInt k = part->offsets[n]; k < part->offsets[n + 1]; ++k) {
+        nodes.push_back(layout.global_node(part->nodes[k]));
+      }
+    }
+    std::sort(nodes.begin(), nodes.end());
+    for (int i = 0; i < 3; ++i) {
+      for (const PetscInt m : nodes) {
+        for (int j = 0; j < 3; ++j) columns.push_back(3 * m + j);
+      }
+      offsets[3 * n + i + 1] = static_cast<PetscInt>(columns.size());
+    }
+  }
+  Handle<Mat> matrix;
+  check(MatCreate(layout.comm, matrix.out()));
+  check(MatSetSizes(matrix.get(), num_rows, num_rows, PETSC_DETERMINE, PETSC_DETERMINE));
+  check(MatSetType(matrix.get(), MATMPIAIJ));
+  check(MatSetBlockSize(matrix.get(), 3));
+  check(MatMPIAIJSetPreallocationCSR(matrix.get(), offsets.data(), columns.data(), nullptr));
+  check(MatSetOption(matrix.get(), MAT_SYMMETRIC, PETSC_TRUE));
+  check(MatSetOption(matrix.get(), MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
+  check(MatSetOption(matrix.get(), MAT_NEW_NONZERO_LOCATION_ERR, PETSC_TRUE));
+  return matrix;
+}
+
+BlockWriter::BlockWriter(const BlockPattern& pattern, Mat matrix)
+    : matrix_(matrix),
+      diagonal_offsets_(pattern.diagonal().offsets.data()),
+      off_diagonal_offsets_(pattern.off_diagonal().offsets.data()),
+      diagonal_size_(9 * pattern.diagonal().nodes.size()),
+      off_diagonal_size_(9 * pattern.off_diagonal().nodes.size()) {
+  check(MatMPIAIJGetSeqAIJ(matrix_, &diagonal_matrix_, &off_diagonal_matrix_, nullptr));
+  check(MatSeqAIJGetArray(diagonal_matrix_, &diagonal_));
+  check(MatSeqAIJGetArray(off_diagonal_matrix_, &off_diagonal_));
+}
+
+BlockWriter::~BlockWriter() {
+  if (diagonal_ == nullptr) return;
+  (void)MatSeqAIJRestoreArray(diagonal_matrix_, &diagonal_);
+  (void)MatSeqAIJRestoreArray(off_diagonal_matrix_, &off_diagonal_);
+}
+
+void BlockWriter::finish() {
+  check(MatSeqAIJRestoreArray(diagonal_matrix_, &diagonal_));
+  check(MatSeqAIJRestoreArray(off_diagonal_matrix_, &off_diagonal_));
+  diagonal_ = off_diagonal_ = nullptr;
+  check(MatAssemblyBegin(matrix_, MAT_FINAL_ASSEMBLY));
+  check(MatAssemblyEnd(matrix_, MAT_FINAL_ASSEMBLY));
+}
+
+void BlockWriter::zero() {
+  std::fill_n(diagonal_, diagonal_size_, 0.0);
+  std::fill_n(off_diagonal_, off_diagonal_size_, 0.0);
+}
+
+RowElimination::RowElimination(const NodeLayout& layout, const BlockPattern& pattern,
+                               std::span<const char> is_prescribed) {
+  for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
+    for (const auto* part : {&pattern.diagonal(), &pattern.off_diagonal()}) {
+      const bool owned_columns = part == &pattern.diagonal();
+      for (PetscInt k = part->offsets[n]; k < part->offsets[n + 1]; ++k) {
+        const PetscInt m = part->nodes[k];
+        std::uint16_t mask = 0;
+        for (int i = 0; i < 3; ++i) {
+          for (int j = 0; j < 3; ++j) {
+            if (is_prescribed[3 * n + i] || is_prescribed[3 * m + j]) mask |= 1u << (3 * i + j);
+          }
+        }
+        if (mask != 0) entries_.push_back({n, owned_columns ? k : -1 - k, mask, m == n});
+      }
+    }
+  }
+}
+
+void RowElimination::apply(const BlockWriter& writer, double diagonal) const {
+  for (const Entry& e : entries_) {
+    const auto [values, stride] = writer.block(e.node, e.block);
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        if ((e.mask >> (3 * i + j) & 1u) == 0) continue;
+        // On a diagonal block, entry (i, i) is masked only when i itself is prescribed.
+        values[i * stride + j] = e.on_diagonal && i == j ? diagonal : 0.0;
+      }
+    }
+  }
+}
+
+}  // namespace pliant

@@ -1,0 +1,92 @@
+/// A distributed sparse matrix of 3 x 3 node blocks that cells write into directly, through positions found once.
+#pragma once
+
+#include "fem/layout.hpp"
+#include "petsc/handle.hpp"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace pliant {
+
+/// The pattern "nodes that share a cell" and, for a list of cells, where their blocks lie in it.
+/// A rank holds the rows of its owned nodes, split as PETSc's MPIAIJ does: the block of owned columns, and the rest.
+class BlockPattern {
+ public:
+  explicit BlockPattern(const NodeLayout& layout);
+
+  /// Block number of (row node, column node): >= 0 counts blocks of the owned columns, < 0 means -1 - (number among
+  /// the others). The row must be owned.
+  std::int32_t block(PetscInt row_node, PetscInt column_node) const;
+
+  struct Rows {
+    std::vector<PetscInt> offsets;  ///< blocks before each owned node's row, num_owned_nodes + 1
+    std::vector<PetscInt> nodes;    ///< local column nodes, ascending in global number within a row
+  };
+  const Rows& diagonal() const { return diagonal_; }
+  const Rows& off_diagonal() const { return off_diagonal_; }
+
+ private:
+  Rows diagonal_;
+  Rows off_diagonal_;
+  PetscInt num_owned_nodes_;
+};
+
+/// Write access to the values of a matrix made by `make_matrix`, until `finish` or the end of the scope.
+class BlockWriter {
+ public:
+  BlockWriter(const BlockPattern& pattern, Mat matrix);
+  ~BlockWriter();
+  BlockWriter(const BlockWriter&) = delete;
+  BlockWriter& operator=(const BlockWriter&) = delete;
+
+  /// Start of the 3 x 3 block `number` of the owned row `node`, and the distance between its rows.
+  struct Block {
+    double* values;
+    PetscInt stride;
+  };
+  Block block(PetscInt node, std::int32_t number) const {
+    if (number >= 0) {
+      const PetscInt before = diagonal_offsets_[node];
+      return {diagonal_ + 9 * before + 3 * (number - before), 3 * (diagonal_offsets_[node + 1] - before)};
+    }
+    const PetscInt before = off_diagonal_offsets_[node], n = -1 - number;
+    return {off_diagonal_ + 9 * before + 3 * (n - before), 3 * (off_diagonal_offsets_[node + 1] - before)};
+  }
+  void zero();
+  /// Ends the access and declares the matrix changed and assembled. Collective.
+  void finish();
+
+ private:
+  Mat matrix_, diagonal_matrix_ = nullptr, off_diagonal_matrix_ = nullptr;
+  double* diagonal_ = nullptr;
+  double* off_diagonal_ = nullptr;
+  const PetscInt* diagonal_offsets_;
+  const PetscInt* off_diagonal_offsets_;
+  std::size_t diagonal_size_, off_diagonal_size_;
+};
+
+/// A zero MPIAIJ matrix (block size 3, declared symmetric) of the pattern. Collective.
+Handle<Mat> make_matrix(const NodeLayout& layout, const BlockPattern& pattern);
+
+/// Symmetric elimination of prescribed entries from a matrix of the pattern: rows and columns to zero, diagonal to a
+/// given value.
+class RowElimination {
+ public:
+  /// `is_prescribed`: one flag per local entry (3 per local node, ghosts included).
+  RowElimination(const NodeLayout& layout, const BlockPattern& pattern, std::span<const char> is_prescribed);
+  /// Not collective; `diagonal` should be of the size of the other diagonal entries.
+  void apply(const BlockWriter& writer, double diagonal) const;
+
+ private:
+  struct Entry {
+    PetscInt node;
+    std::int32_t block;
+    std::uint16_t mask;  ///< bit 3 i + j: entry (i, j) of the block goes
+    bool on_diagonal;
+  };
+  std::vector<Entry> entries_;
+};
+
+}  // namespace pliant

@@ -1,0 +1,136 @@
+#include "fem/selection.hpp"
+
+#include "fem/element.hpp"
+#include "petsc/plex.hpp"
+
+#include <algorithm>
+
+namespace pliant {
+namespace {
+
+/// Local DMPlex points of the group, of its own dimension.
+std::vector<PetscInt> points_of_group(const Mesh& mesh, const PhysicalGroup& group) {
+  DM dm = mesh.dm.get();
+  const PointRange wanted = stratum(dm, group.dimension);
+  Handle<IS> is;
+  check(DMGetStratumIS(dm, label_name(group).c_str(), 1, is.out()));
+  std::vector<PetscInt> points;
+  if (!is) return points;
+  PetscInt size = 0;
+  const PetscInt* indices = nullptr;
+  check(ISGetLocalSize(is.get(), &size));
+  check(ISGetIndices(is.get(), &indices));
+  std::copy_if(indices, indices + size, std::back_inserter(points), [&](PetscInt p) { return wanted.contains(p); });
+  check(ISRestoreIndices(is.get(), &indices));
+  return points;
+}
+
+/// Collects facets; leaves out those with a node that is not in the layout or without an owned one.
+class FacetCollector {
+ public:
+  FacetCollector(const Mesh& mesh, const NodeLayout& layout)
+      : dm_(mesh.dm.get()),
+        layout_(layout),
+        vertices_(stratum(dm_, 0)),
+        edges_(stratum(dm_, 1)),
+        is_ghost_(ghost_points(dm_)) {
+    list_.nodes_per_facet = layout.order == 1 ? 3 : 6;
+  }
+
+  void add(PetscInt facet, const Region& inside) {
+    std::array<PetscInt, 6> points;
+    points.fill(-1);
+    std::array<PetscInt, 3> edges{-1, -1, -1};
+    int num_vertices = 0, num_edges = 0;
+    for_each_in_closure(dm_, facet, [&](PetscInt p) {
+      if (vertices_.contains(p)) points[num_vertices++] = p;
+      if (edges_.contains(p)) edges[num_edges++] = p;
+    });
+    if (list_.nodes_per_facet == 6) {
+      for (int e = 0; e < 3; ++e) {
+        points[3 + e] = joining_edge(dm_, edges, points[triangle_edges[e][0]], points[triangle_edges[e][1]]);
+      }
+    }
+    std::array<PetscInt, 6> nodes;
+    bool has_owned = false;
+    for (int a = 0; a < list_.nodes_per_facet; ++a) {
+      nodes[a] = layout_.node_of_point[points[a]];
+      if (nodes[a] < 0 || !inside(layout_.position(nodes[a]))) return;
+      has_owned = has_owned || nodes[a] < layout_.num_owned_nodes;
+    }
+    if (!has_owned) return;
+    list_.nodes.insert(list_.nodes.end(), nodes.begin(), nodes.begin() + list_.nodes_per_facet);
+    list_.is_owned.push_back(is_ghost_[facet] == 0);
+  }
+
+  FacetList take() { return std::move(list_); }
+
+ private:
+  DM dm_;
+  const NodeLayout& layout_;
+  PointRange vertices_, edges_;
+  std::vector<char> is_ghost_;
+  FacetList list_;
+};
+
+bool everywhere(const std::array<double, 3>&) {
+  return true;
+}
+
+}  // namespace
+
+std::vector<PetscInt> nodes_of_group(const Mesh& mesh, const NodeLayout& layout, const PhysicalGroup& group) {
+  std::vector<PetscInt> nodes;
+  for (const PetscInt p : points_of_group(mesh, group)) {
+    for_each_in_closure(mesh.dm.get(), p, [&](PetscInt q) {
+      const PetscInt n = layout.node_of_point[q];
+      if (n >= 0 && n < layout.num_owned_nodes) nodes.push_back(n);
+    });
+  }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  return nodes;
+}
+
+std::vector<PetscInt> nodes_in_region(const NodeLayout& layout, const Region& inside) {
+  std::vector<PetscInt> nodes;
+  for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
+    if (inside(layout.position(n))) nodes.push_back(n);
+  }
+  return nodes;
+}
+
+FacetList facets_of_group(const Mesh& mesh, const NodeLayout& layout, const PhysicalGroup& group) {
+  FacetCollector collector(mesh, layout);
+  for (const PetscInt p : points_of_group(mesh, group)) collector.add(p, everywhere);
+  return collector.take();
+}
+
+FacetList surface_facets(const Mesh& mesh, const NodeLayout& layout, const Region& inside) {
+  // A facet with an owned node has all its cells here, so one supporting cell means: on the surface.
+  FacetCollector collector(mesh, layout);
+  const PointRange facets = stratum(mesh.dm.get(), 2);
+  for (PetscInt f = facets.begin; f < facets.end; ++f) {
+    PetscInt num_cells = 0;
+    check(DMPlexGetSupportSize(mesh.dm.get(), f, &num_cells));
+    if (num_cells == 1) collector.add(f, inside);
+  }
+  return collector.take();
+}
+
+std::vector<int> volume_of_cells(const Mesh& mesh, const NodeLayout& layout,
+                                 const std::vector<PhysicalGroup>& volumes) {
+  const PointRange cells = stratum(mesh.dm.get(), 3);
+  std::vector<int> of_point(cells.end - cells.begin, -1);
+  for (std::size_t v = 0; v < volumes.size(); ++v) {
+    for (const PetscInt p : points_of_group(mesh, volumes[v])) {
+      int& entry = of_point[p - cells.begin];
+      entry = entry == -1 ? static_cast<int>(v) : -2;
+    }
+  }
+  std::vector<int> result;
+  for (const PetscInt p : layout.cell_points) result.push_back(of_point[p - cells.begin]);
+  return result;
+}
+
+}  // namespace pliant

@@ -1,0 +1,39 @@
+/// Parts of a mesh: the nodes and facets that a physical group or a condition on the position selects.
+#pragma once
+
+#include "fem/layout.hpp"
+
+#include <array>
+#include <functional>
+#include <vector>
+
+namespace pliant {
+
+/// True for the reference positions that belong to the selection.
+using Region = std::function<bool(const std::array<double, 3>&)>;
+
+/// Facets as local nodes: 3 or 6 per facet (corners, mid-edge nodes 01 12 02). Every facet with an owned node is in the
+/// list of the node's owner, so sums into owned nodes are complete without communication.
+struct FacetList {
+  int nodes_per_facet = 3;
+  std::vector<PetscInt> nodes;
+  std::vector<char> is_owned;  ///< one rank of all owns a facet
+  PetscInt size() const { return static_cast<PetscInt>(nodes.size()) / nodes_per_facet; }
+};
+
+/// Owned nodes on the group's points (for a volume: all nodes of its cells), ascending. Not collective.
+std::vector<PetscInt> nodes_of_group(const Mesh& mesh, const NodeLayout& layout, const PhysicalGroup& group);
+
+/// Owned nodes inside the region, ascending. Not collective.
+std::vector<PetscInt> nodes_in_region(const NodeLayout& layout, const Region& inside);
+
+/// Facets of a surface group. Not collective.
+FacetList facets_of_group(const Mesh& mesh, const NodeLayout& layout, const PhysicalGroup& group);
+
+/// Facets of the body's surface all of whose nodes are inside the region. Not collective.
+FacetList surface_facets(const Mesh& mesh, const NodeLayout& layout, const Region& inside);
+
+/// For each local cell the index into `volumes` of the group it belongs to, -1 if none, -2 if several. Not collective.
+std::vector<int> volume_of_cells(const Mesh& mesh, const NodeLayout& layout, const std::vector<PhysicalGroup>& volumes);
+
+}  // namespace pliant
