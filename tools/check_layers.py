@@ -1,0 +1,88 @@
+#!/usr/bin/python3
+"""Checks that includes run downward only: every `#include "layer/..."` in src/ against the table below, and no file cycles.
+
+Prints `file:line: what is wrong` and returns 1 when something is. With an argument: that folder instead of src/.
+The table is the design; change it on purpose, in its own commit (docs/developer/architecture.md shows it too).
+"""
+import pathlib
+import re
+import sys
+
+LAYERS = {
+    "base": "",
+    "petsc": "base",
+    "material": "base",
+    "mesh": "petsc base",
+    "fem": "mesh petsc base",
+    "time": "petsc base",
+    "energy": "fem material time petsc base",
+    "solver": "energy time petsc base",
+    "io": "fem mesh time petsc base",
+    "app": "io solver energy time fem mesh material petsc base",
+}
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]')
+
+
+def includes(file):
+    """Yields (line, include) of Pliant's own headers."""
+    for number, text in enumerate(file.read_text(encoding="utf-8").splitlines(), start=1):
+        match = INCLUDE.match(text)
+        if match and (match[1] == '"' or match[2].split("/")[0] in LAYERS and "/" in match[2]):
+            yield number, match[1], match[2]
+
+
+def check(source):
+    """All mistakes of the tree as lines of text."""
+    mistakes = []
+    graph = {}
+    for file in sorted(path for path in source.rglob("*") if path.suffix in (".cpp", ".hpp", ".h", ".c")):
+        name = file.relative_to(source).as_posix()
+        layer = name.split("/")[0]
+        graph[name] = {}
+        if layer not in LAYERS or layer == name:
+            mistakes.append(f"{file}:1: '{layer}' is no layer; the layers are: {', '.join(LAYERS)}")
+            continue
+        allowed = {layer, *LAYERS[layer].split()}
+        for line, quote, target in includes(file):
+            place = f"{file}:{line}:"
+            target_layer = target.split("/")[0]
+            if quote == "<":
+                mistakes.append(f'{place} write "{target}" for a header of Pliant')
+            elif not (source / target).is_file():
+                mistakes.append(f"{place} there is no src/{target}; name a header as \"layer/file.hpp\"")
+            elif target_layer not in allowed:
+                may = LAYERS[layer] or "nothing"
+                mistakes.append(f"{place} layer '{layer}' may not include layer '{target_layer}' (it may include: {may})")
+            graph[name][target] = line
+    return mistakes + cycles(source, graph)
+
+
+def cycles(source, graph):
+    """One line for every include that closes a cycle of files."""
+    mistakes, done = [], set()
+
+    def visit(name, path):
+        for target, line in graph.get(name, {}).items():
+            if target in path:
+                circle = " -> ".join([*path[path.index(target):], target])
+                mistakes.append(f"{source / name}:{line}: include cycle: {circle}")
+            elif target not in done:
+                visit(target, [*path, target])
+        done.add(name)
+
+    for name in graph:
+        if name not in done:
+            visit(name, [name])
+    return mistakes
+
+
+def main():
+    root = pathlib.Path(__file__).resolve().parent.parent
+    source = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else root / "src"
+    mistakes = check(source)
+    print("\n".join(mistakes) if mistakes else f"{source}: includes run downward only")
+    sys.exit(1 if mistakes else 0)
+
+
+if __name__ == "__main__":
+    main()
