@@ -1,13 +1,13 @@
 /// A distributed tetrahedral mesh with its named groups, as every layer above sees it.
 #pragma once
 
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "base/error.hpp"
 #include "mesh/report.hpp"
 #include "petsc/handle.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace pliant {
 
@@ -23,21 +23,22 @@ std::string label_name(const PhysicalGroup& group);
 
 /// Where a mesh comes from.
 struct MeshSource {
-  std::string file;             ///< .geo .step .stp .brep .stl are meshed by gmsh, .msh is read as it is
-  Location where;               ///< the place in the user's input that names the file, for messages
-  std::optional<double> size;   ///< target element size [m, before scaling], for files that gmsh meshes
-  double scale = 1.0;           ///< coordinates are multiplied by it
-  int refine = 0;               ///< uniform refinements after distribution (each cuts a tetrahedron into 8)
+  std::string file;            ///< .geo .step .stp .brep .stl are meshed by gmsh, .msh is read as it is
+  Location where;              ///< the place in the user's input that names the file, for messages
+  std::optional<double> size;  ///< target element size [m, before scaling], for files that gmsh meshes
+  double scale = 1.0;          ///< coordinates are multiplied by it
+  int refine = 0;              ///< uniform refinements after distribution (each cuts a tetrahedron into 8)
 };
 
 /// The distributed mesh. Tetrahedra only; positively oriented as numbered by the reader.
 struct Mesh {
-  Handle<DM> dm;  ///< interpolated DMPlex with one layer of overlap cells (all cells that share a vertex with an owned cell);
-                  ///< coordinates: three per vertex [m]; point SF tells who owns what
-  int geometry_order = 1;                ///< 2: edges are curved, see edge_midpoints
-  std::vector<double> edge_midpoints;    ///< geometry_order 2: xyz of the mid-edge node of local edge point p at 3 * (p - edge_start) [m]
-  std::vector<PhysicalGroup> groups;     ///< the same on every rank
-  MeshReport report;                     ///< the same on every rank
+  Handle<DM> dm;  ///< interpolated DMPlex with one layer of overlap cells (all cells that share a vertex with an owned
+                  ///< cell); coordinates: three per vertex [m]; point SF tells who owns what
+  int geometry_order = 1;  ///< 2: edges are curved, see edge_midpoints
+  std::vector<double>
+      edge_midpoints;  ///< geometry_order 2: xyz of the mid-edge node of local edge point p at 3 * (p - edge_start) [m]
+  std::vector<PhysicalGroup> groups;  ///< the same on every rank
+  MeshReport report;                  ///< the same on every rank
 };
 
 /// Reads or generates the mesh on rank 0, repairs and checks it, partitions it with METIS, distributes and refines it.

@@ -7,22 +7,37 @@
 
 namespace pliant {
 
-/// Size and health of one body's (volume group's) tetrahedra, or of the whole mesh.
+/// Size of a physical group on the distributed, refined mesh.
+struct GroupReport {
+  int dimension = 3;
+  int tag = 0;
+  std::string name;      ///< may be empty
+  long long count = 0;   ///< points, edges, facets or cells, each counted once over all ranks
+  double measure = 0.0;  ///< length [m], area [m^2] or volume [m^3]; 0 for points
+};
+
+/// Size and health of the tetrahedra of the whole mesh.
 struct MeshReport {
   long long num_cells = 0;
-  long long num_vertices = 0;                ///< used by tetrahedra, after refinement
+  long long num_vertices = 0;  ///< used by tetrahedra, after refinement
   long long num_edges = 0;
-  long long num_orphan_nodes = 0;            ///< nodes of the file that no tetrahedron uses; dropped
-  long long num_inverted_cells = 0;          ///< negatively oriented in the file; turned round
-  std::array<long long, 10> quality_histogram{};  ///< count per tenth of the mean-ratio quality 12 (3V)^(2/3) / sum of squared edges, 0..1
+  long long num_orphan_nodes = 0;    ///< nodes of the file that no tetrahedron uses; dropped
+  long long num_inverted_cells = 0;  ///< negatively oriented in the file; turned round
+  std::array<long long, 10>
+      quality_histogram{};  ///< count per tenth of the mean-ratio quality 12 (3V)^(2/3) / sum of squared edges, 0..1
   double min_quality = 0.0;
-  double min_edge = 0.0;                     ///< [m]
-  double max_edge = 0.0;                     ///< [m]
-  std::array<double, 6> bounds{};            ///< xmin ymin zmin xmax ymax zmax [m]
-  double volume = 0.0;                       ///< [m^3], of the straight tetrahedra
-  std::vector<long long> cells_per_rank;     ///< owned
-  long long edge_cut = 0;                    ///< facets shared by cells of two ranks, as METIS counted them on the unrefined mesh
-  std::vector<std::string> notices;          ///< in plain words, e.g. "12 inverted tetrahedra were turned round"
+  double min_edge = 0.0;                  ///< [m]
+  double max_edge = 0.0;                  ///< [m]
+  std::array<double, 6> bounds{};         ///< xmin ymin zmin xmax ymax zmax [m]
+  double volume = 0.0;                    ///< [m^3], of the straight tetrahedra
+  std::vector<long long> cells_per_rank;  ///< owned
+  long long edge_cut = 0;  ///< facets shared by cells of two ranks, as METIS counted them on the unrefined mesh
+  int geometry_order = 1;  ///< 2: curved edges
+  std::vector<GroupReport> groups;   ///< in the order of Mesh::groups
+  std::vector<std::string> notices;  ///< in plain words, e.g. "12 inverted tetrahedra were turned round"
 };
+
+/// The report as aligned text of several lines, with a histogram of the quality; ends with a line break.
+std::string describe(const MeshReport& report);
 
 }  // namespace pliant

@@ -1,0 +1,168 @@
+#include "mesh/dual_graph.hpp"
+
+#include "mesh/tetrahedron.hpp"
+
+#include <algorithm>
+#include <new>
+#include <numeric>
+#include <span>
+
+namespace pliant {
+namespace {
+
+constexpr idx_t seed = 20;
+
+/// Disjoint sets by path halving.
+class DisjointSets {
+ public:
+  explicit DisjointSets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
+  std::size_t root(std::size_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void join(std::size_t i, std::size_t j) { parent_[root(i)] = root(j); }
+  std::size_t count() const {
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < parent_.size(); ++i) n += parent_[i] == i ? 1 : 0;
+    return n;
+  }
+
+ private:
+  std::vector<std::size_t> parent_;
+};
+
+void require_success(int status, const char* call) {
+  if (status == METIS_OK) return;
+  if (status == METIS_ERROR_MEMORY) throw std::bad_alloc();
+  throw std::runtime_error(std::string("METIS failed in ") + call + ", status " + std::to_string(status));
+}
+
+std::span<const PetscInt> corners_of(const SerialMesh& mesh, std::size_t cell) {
+  return {&mesh.cells[4 * cell], 4};
+}
+
+/// Position in `cell` of the one corner that `other` does not have.
+int lone_corner(std::span<const PetscInt> cell, std::span<const PetscInt> other) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    if (std::find(other.begin(), other.end(), cell[i]) == other.end()) return static_cast<int>(i);
+  }
+  return 0;  // cannot be: cells are distinct
+}
+
+tetrahedron::Point place(const SerialMesh& mesh, PetscInt node) {
+  const double* x = mesh.node(node);
+  return {x[0], x[1], x[2]};
+}
+
+/// Do both cells lie on the same side of their common facet, which is opposite to corner i of `cell`?
+bool same_side(const SerialMesh& mesh, std::span<const PetscInt> cell, int i, PetscInt opposite) {
+  tetrahedron::Corners x;
+  for (std::size_t k = 0; k < 4; ++k) x[k] = place(mesh, static_cast<int>(k) == i ? opposite : cell[k]);
+  return tetrahedron::volume(x) > 0.0;
+}
+
+void notice_parts(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_vertices, MeshReport& report) {
+  DisjointSets vertices(static_cast<std::size_t>(num_vertices));
+  for (std::size_t c = 0; c < mesh.num_cells(); ++c) {
+    for (std::size_t i = 1; i < 4; ++i) {
+      vertices.join(static_cast<std::size_t>(mesh.cells[4 * c]), static_cast<std::size_t>(mesh.cells[4 * c + i]));
+    }
+  }
+  const std::size_t parts = vertices.count();
+  if (parts > 1) report.notices.push_back("the mesh has " + std::to_string(parts) + " parts that are not connected");
+  const std::size_t by_facets = graph.num_components();
+  if (by_facets > parts) {
+    report.notices.push_back(std::to_string(by_facets - parts + 1) +
+                             " parts hang together by an edge or a node only: they hinge freely there");
+  }
+}
+
+}  // namespace
+
+DualGraph::DualGraph(const SerialMesh& mesh) : num_cells_(mesh.num_cells()) {
+  static_assert(sizeof(idx_t) == sizeof(PetscInt), "METIS and PETSc must count with the same integers");
+  auto num_elements = static_cast<idx_t>(mesh.num_cells());
+  auto num_nodes = static_cast<idx_t>(mesh.num_nodes());
+  std::vector<idx_t> offsets(mesh.num_cells() + 1);
+  for (std::size_t c = 0; c < offsets.size(); ++c) offsets[c] = static_cast<idx_t>(4 * c);
+  idx_t num_common = 3, numbering = 0;
+  idx_t* xadj = nullptr;
+  idx_t* adjncy = nullptr;
+  // METIS takes the cells without const and leaves them alone.
+  require_success(METIS_MeshToDual(&num_elements, &num_nodes, offsets.data(), const_cast<idx_t*>(mesh.cells.data()),
+                                   &num_common, &numbering, &xadj, &adjncy),
+                  "METIS_MeshToDual");
+  offsets_.reset(xadj);
+  adjacency_.reset(adjncy);
+}
+
+std::size_t DualGraph::num_components() const {
+  DisjointSets cells(num_cells_);
+  for (std::size_t c = 0; c < num_cells_; ++c) {
+    for (const idx_t n : neighbours(c)) cells.join(c, static_cast<std::size_t>(n));
+  }
+  return cells.count();
+}
+
+std::vector<PetscInt> DualGraph::partition(int num_parts, long long& edge_cut) const {
+  std::vector<idx_t> part(num_cells_, 0);
+  edge_cut = 0;
+  if (num_parts == 1) return part;
+  std::array<idx_t, METIS_NOPTIONS> options{};
+  METIS_SetDefaultOptions(options.data());
+  options[METIS_OPTION_NUMBERING] = 0;
+  options[METIS_OPTION_SEED] = seed;
+  options[METIS_OPTION_OBJTYPE] = METIS_OBJTYPE_CUT;
+  options[METIS_OPTION_CONTIG] = num_components() == 1 ? 1 : 0;
+  auto num_vertices = static_cast<idx_t>(num_cells_);
+  idx_t num_constraints = 1, parts = num_parts, cut = 0;
+  require_success(METIS_PartGraphKway(&num_vertices, &num_constraints, offsets_.get(), adjacency_.get(), nullptr,
+                                      nullptr, nullptr, &parts, nullptr, nullptr, options.data(), &cut, part.data()),
+                  "METIS_PartGraphKway");
+  // On a handful of cells METIS may leave a part empty: it gets a cell of the largest one.
+  std::vector<std::size_t> sizes(static_cast<std::size_t>(num_parts), 0);
+  for (const idx_t p : part) ++sizes[static_cast<std::size_t>(p)];
+  for (auto empty = std::find(sizes.begin(), sizes.end(), 0u); empty != sizes.end();
+       empty = std::find(sizes.begin(), sizes.end(), 0u)) {
+    const auto largest = std::max_element(sizes.begin(), sizes.end());
+    *std::find(part.begin(), part.end(), static_cast<idx_t>(largest - sizes.begin())) =
+        static_cast<idx_t>(empty - sizes.begin());
+    --*largest;
+    ++*empty;
+  }
+  for (std::size_t c = 0; c < num_cells_; ++c) {
+    for (const idx_t n : neighbours(c)) {
+      const auto d = static_cast<std::size_t>(n);
+      if (c < d && part[c] != part[d]) ++edge_cut;
+    }
+  }
+  return part;
+}
+
+void check_connections(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_vertices, MeshReport& report) {
+  std::vector<std::size_t> overlapping, crowded;
+  for (std::size_t c = 0; c < mesh.num_cells(); ++c) {
+    const auto cell = corners_of(mesh, c);
+    std::array<int, 4> at_facet{};
+    for (const idx_t n : graph.neighbours(c)) {
+      const auto other = corners_of(mesh, static_cast<std::size_t>(n));
+      const int i = lone_corner(cell, other);
+      if (++at_facet[static_cast<std::size_t>(i)] == 2) crowded.push_back(mesh.cell_tags[c]);
+      const PetscInt opposite = other[static_cast<std::size_t>(lone_corner(other, cell))];
+      if (same_side(mesh, cell, i, opposite)) overlapping.push_back(mesh.cell_tags[c]);
+    }
+  }
+  std::vector<std::string> reasons;
+  if (!crowded.empty()) {
+    reasons.push_back("more than two tetrahedra share a facet: element " + first_few(crowded) +
+                      "; volumes overlap there: join them in gmsh (BooleanFragments) before meshing");
+  } else if (!overlapping.empty()) {
+    overlapping.erase(std::unique(overlapping.begin(), overlapping.end()), overlapping.end());
+    reasons.push_back("tetrahedra overlap a neighbour (both lie on the same side of their common facet): element " +
+                      first_few(overlapping) + "; the mesh is folded there, remesh it");
+  }
+  if (!reasons.empty()) throw MeshDefect(reasons);
+  notice_parts(mesh, graph, num_vertices, report);
+}
+
+}  // namespace pliant

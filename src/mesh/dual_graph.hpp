@@ -1,0 +1,45 @@
+/// Which tetrahedra share facets: connectivity, and the partition over ranks.
+#pragma once
+
+#include "mesh/report.hpp"
+#include "mesh/serial_mesh.hpp"
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <metis.h>
+
+namespace pliant {
+
+/// Cells as graph vertices, shared facets as edges, in compressed rows; made and freed by METIS.
+class DualGraph {
+ public:
+  explicit DualGraph(const SerialMesh& mesh);
+
+  std::size_t num_cells() const { return num_cells_; }
+  std::span<const idx_t> neighbours(std::size_t cell) const {
+    return {adjacency_.get() + offsets_.get()[cell], adjacency_.get() + offsets_.get()[cell + 1]};
+  }
+
+  /// Part of each cell: `num_parts` balanced parts, none empty, contiguous if the mesh is; the same on every call.
+  /// Counts the facets cut in `edge_cut`. Needs num_cells >= num_parts.
+  std::vector<PetscInt> partition(int num_parts, long long& edge_cut) const;
+
+  /// Number of parts that no facet connects.
+  std::size_t num_components() const;
+
+ private:
+  struct Free {
+    void operator()(idx_t* x) const { METIS_Free(x); }
+  };
+  std::size_t num_cells_ = 0;
+  std::unique_ptr<idx_t, Free> offsets_;
+  std::unique_ptr<idx_t, Free> adjacency_;
+};
+
+/// Rejects tetrahedra that overlap at a common facet (on the same side of it, or three at one); notices disconnected
+/// parts, and parts that hang together by an edge or a node only. Throws MeshDefect. Not collective.
+void check_connections(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_vertices, MeshReport& report);
+
+}  // namespace pliant

@@ -1,0 +1,86 @@
+#include "mesh/gmsh_import.hpp"
+
+#include "mesh/gmsh_extract.hpp"
+#include "mesh/gmsh_session.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+
+#include <gmsh.h>
+
+namespace pliant {
+namespace {
+
+enum class Kind { mesh, script, cad, surface };
+
+Kind kind_of(const std::string& file) {
+  std::string extension = std::filesystem::path(file).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  if (extension == ".msh") return Kind::mesh;
+  if (extension == ".geo") return Kind::script;
+  if (extension == ".step" || extension == ".stp" || extension == ".brep") return Kind::cad;
+  if (extension == ".stl") return Kind::surface;
+  throw MeshDefect(
+      "its extension says nothing I can read: meshes are .msh; geometry is .geo, .step, .stp, .brep or .stl");
+}
+
+void require_readable(const std::string& file) {
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) throw MeshDefect("there is no such file");
+  if (std::filesystem::is_directory(file, error)) throw MeshDefect("this is a directory, not a file");
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw FileError("mesh file '" + file + "' cannot be opened: no permission to read it");
+  if (stream.peek() == std::ifstream::traits_type::eof()) throw MeshDefect("it is empty");
+}
+
+/// Makes `size` the target everywhere: nothing else may give a size, and nothing may prescribe a division.
+void impose_size(double size) {
+  const auto set = [](const char* option, double value) { gmsh::option::setNumber(option, value); };
+  set("Mesh.MeshSizeFactor", 1);
+  set("Mesh.MeshSizeFromPoints", 0);
+  set("Mesh.MeshSizeFromCurvature", 0);
+  set("Mesh.MeshSizeFromParametricPoints", 0);
+  set("Mesh.MeshSizeExtendFromBoundary", 0);
+  set("Mesh.MeshSizeMin", size);
+  set("Mesh.MeshSizeMax", size);
+  gmsh::model::mesh::removeConstraints();
+}
+
+void generate(const std::optional<double>& size) {
+  if (size) impose_size(*size);
+  gmsh::model::mesh::generate(3);
+  std::string build;
+  gmsh::option::getString("General.BuildOptions", build);
+  gmsh::model::mesh::optimize(build.find("Netgen") != std::string::npos ? "Netgen" : "");
+}
+
+void load(const GmshSession& gmsh, const MeshSource& source, Kind kind) {
+  switch (kind) {
+    case Kind::mesh:
+      gmsh.run("read it", [&] { gmsh::open(source.file); });
+      break;
+    case Kind::script:
+      gmsh.run("make sense of it", [&] { gmsh::open(source.file); });
+      gmsh.run("mesh it", [&] { generate(source.size); });
+      break;
+    default:
+      throw MeshDefect("not yet");
+  }
+}
+
+}  // namespace
+
+SerialMesh import_mesh(const MeshSource& source) {
+  const Kind kind = kind_of(source.file);
+  require_readable(source.file);
+  const GmshSession gmsh;
+  load(gmsh, source, kind);
+  SerialMesh mesh;
+  gmsh.run("give its mesh", [&] { mesh = extract_mesh(); });
+  return mesh;
+}
+
+}  // namespace pliant

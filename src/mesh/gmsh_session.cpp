@@ -1,0 +1,78 @@
+#include "mesh/gmsh_session.hpp"
+
+#include "mesh/serial_mesh.hpp"
+
+#include <exception>
+#include <set>
+#include <vector>
+
+#include <gmsh.h>
+
+namespace pliant {
+namespace {
+
+constexpr char error_prefix[] = "Error: ";
+
+// gmsh's log lines read "Level: text".
+std::vector<std::string> logged_errors() {
+  std::vector<std::string> log;
+  gmsh::logger::get(log);
+  std::vector<std::string> errors;
+  std::set<std::string> seen;
+  for (const auto& line : log) {
+    if (line.rfind(error_prefix, 0) != 0) continue;
+    std::string text = line.substr(sizeof error_prefix - 1);
+    if (seen.insert(text).second) errors.push_back(std::move(text));
+  }
+  return errors;
+}
+
+// gmsh throws strings and integers besides exceptions; empty when `work` returned.
+std::string thrown_by(const std::function<void()>& work) {
+  try {
+    work();
+    return "";
+  } catch (const std::string& text) {
+    return text.empty() ? "unknown error" : text;
+  } catch (const char* text) {
+    return text;
+  } catch (int code) {
+    return "error " + std::to_string(code);
+  } catch (const std::bad_alloc&) {
+    return "out of memory";
+  } catch (const std::exception& e) {
+    return e.what();
+  }
+}
+
+}  // namespace
+
+GmshSession::GmshSession() {
+  gmsh::initialize(0, nullptr, false);
+  gmsh::option::setNumber("General.Terminal", 0);
+  gmsh::option::setNumber("General.AbortOnError", 2);  // throw
+  gmsh::option::setNumber("General.NumThreads", 1);    // the same mesh on every machine
+  gmsh::logger::start();
+}
+
+GmshSession::~GmshSession() {
+  try {
+    gmsh::logger::stop();
+    gmsh::finalize();
+  } catch (...) {  // nothing to be done about a failing end
+  }
+}
+
+void GmshSession::run(const std::string& doing, const std::function<void()>& work) const {
+  const std::string thrown = thrown_by(work);
+  std::vector<std::string> errors = logged_errors();
+  if (thrown.empty() && errors.empty()) return;
+  if (errors.empty()) errors.push_back(thrown);
+  constexpr std::size_t shown = 5;
+  std::string text = "gmsh could not " + doing + ":";
+  for (std::size_t i = 0; i < errors.size() && i < shown; ++i) text += "\n  " + errors[i];
+  if (errors.size() > shown) text += "\n  ... and " + std::to_string(errors.size() - shown) + " more errors";
+  throw MeshDefect(text);
+}
+
+}  // namespace pliant

@@ -1,0 +1,203 @@
+#include "mesh/measure.hpp"
+
+#include "mesh/tetrahedron.hpp"
+#include "petsc/array_view.hpp"
+#include "petsc/collective.hpp"
+#include "petsc/session.hpp"
+
+#include <limits>
+
+#include <petscdmplex.h>
+
+namespace pliant {
+namespace {
+
+using tetrahedron::Corners;
+using tetrahedron::Point;
+
+struct Stratum {
+  PetscInt begin = 0;
+  PetscInt end = 0;
+};
+
+Stratum stratum(DM dm, int dimension) {
+  Stratum s;
+  check(DMPlexGetDepthStratum(dm, dimension, &s.begin, &s.end));
+  return s;
+}
+
+/// True for the points that this rank owns.
+std::vector<bool> owned_points(DM dm) {
+  PetscInt begin = 0, end = 0;
+  check(DMPlexGetChart(dm, &begin, &end));
+  std::vector<bool> owned(static_cast<std::size_t>(end), true);
+  PetscSF sf = nullptr;
+  PetscInt num_leaves = 0;
+  const PetscInt* leaves = nullptr;
+  check(DMGetPointSF(dm, &sf));
+  check(PetscSFGetGraph(sf, nullptr, &num_leaves, &leaves, nullptr));
+  for (PetscInt i = 0; i < num_leaves; ++i) owned[static_cast<std::size_t>(leaves != nullptr ? leaves[i] : i)] = false;
+  return owned;
+}
+
+/// Corners of any local point: vertices of its closure and where they are.
+class Geometry {
+ public:
+  explicit Geometry(DM dm) : dm_(dm), vertices_(stratum(dm, 0)), coordinates_(local_coordinates(dm)) {
+    check(DMGetCoordinateSection(dm, &section_));
+  }
+  std::vector<Point> corners(PetscInt point) const {
+    std::vector<Point> x;
+    PetscInt count = 0;
+    PetscInt* closure = nullptr;
+    check(DMPlexGetTransitiveClosure(dm_, point, PETSC_TRUE, &count, &closure));
+    for (PetscInt i = 0; i < count; ++i) {
+      const PetscInt p = closure[2 * i];
+      if (p < vertices_.begin || p >= vertices_.end) continue;
+      PetscInt offset = 0;
+      check(PetscSectionGetOffset(section_, p, &offset));
+      x.push_back({coordinates_[offset], coordinates_[offset + 1], coordinates_[offset + 2]});
+    }
+    check(DMPlexRestoreTransitiveClosure(dm_, point, PETSC_TRUE, &count, &closure));
+    return x;
+  }
+
+ private:
+  static Vec local_coordinates(DM dm) {
+    Vec v = nullptr;
+    check(DMGetCoordinatesLocal(dm, &v));
+    return v;
+  }
+  DM dm_;
+  Stratum vertices_;
+  ConstArrayView coordinates_;
+  PetscSection section_ = nullptr;
+};
+
+double measure_of(const std::vector<Point>& x) {
+  using namespace tetrahedron;
+  switch (x.size()) {
+    case 2:
+      return std::sqrt(dot(x[1] - x[0], x[1] - x[0]));
+    case 3: {
+      const Point n = cross(x[1] - x[0], x[2] - x[0]);
+      return 0.5 * std::sqrt(dot(n, n));
+    }
+    case 4:
+      return volume({x[0], x[1], x[2], x[3]});
+    default:
+      return 0.0;
+  }
+}
+
+long long num_owned(const std::vector<bool>& owned, Stratum s) {
+  long long n = 0;
+  for (PetscInt p = s.begin; p < s.end; ++p) n += owned[static_cast<std::size_t>(p)] ? 1 : 0;
+  return n;
+}
+
+long long sum_of(MPI_Comm comm, long long x) {
+  return sum(comm, static_cast<PetscInt64>(x));
+}
+
+void measure_cells(MPI_Comm comm, DM dm, const std::vector<bool>& owned, MeshReport& report) {
+  constexpr double large = std::numeric_limits<double>::max();
+  const Geometry geometry(dm);
+  const Stratum cells = stratum(dm, 3);
+  std::array<long long, 10> histogram{};
+  double min_quality = 1.0, min_edge2 = large, max_edge2 = 0.0, volume = 0.0;
+  std::array<double, 3> lower{large, large, large}, upper{-large, -large, -large};
+  for (PetscInt c = cells.begin; c < cells.end; ++c) {
+    if (!owned[static_cast<std::size_t>(c)]) continue;
+    const auto x = geometry.corners(c);
+    const Corners corners{x[0], x[1], x[2], x[3]};
+    const double q = tetrahedron::mean_ratio(corners);
+    ++histogram[static_cast<std::size_t>(std::min(9.0, std::max(0.0, std::floor(10.0 * q))))];
+    min_quality = std::min(min_quality, q);
+    for (const double l2 : tetrahedron::squared_edges(corners)) {
+      min_edge2 = std::min(min_edge2, l2);
+      max_edge2 = std::max(max_edge2, l2);
+    }
+    volume += tetrahedron::volume(corners);
+    for (const Point& p : corners) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        lower[k] = std::min(lower[k], p[k]);
+        upper[k] = std::max(upper[k], p[k]);
+      }
+    }
+  }
+  for (std::size_t i = 0; i < histogram.size(); ++i) report.quality_histogram[i] = sum_of(comm, histogram[i]);
+  report.min_quality = minimum(comm, min_quality);
+  report.min_edge = std::sqrt(minimum(comm, min_edge2));
+  report.max_edge = std::sqrt(maximum(comm, max_edge2));
+  report.volume = sum(comm, volume);
+  for (std::size_t k = 0; k < 3; ++k) {
+    report.bounds[k] = minimum(comm, lower[k]);
+    report.bounds[3 + k] = maximum(comm, upper[k]);
+  }
+}
+
+void measure_groups(MPI_Comm comm, const Mesh& mesh, const std::vector<bool>& owned,
+                    std::vector<GroupReport>& reports) {
+  DM dm = mesh.dm.get();
+  const Geometry geometry(dm);
+  for (const auto& group : mesh.groups) {
+    DMLabel label = nullptr;
+    Handle<IS> points;
+    check(DMGetLabel(dm, label_name(group).c_str(), &label));
+    check(DMLabelGetStratumIS(label, 1, points.out()));
+    long long count = 0;
+    double size = 0.0;
+    if (points) {
+      PetscInt n = 0;
+      const PetscInt* p = nullptr;
+      check(ISGetLocalSize(points.get(), &n));
+      check(ISGetIndices(points.get(), &p));
+      for (PetscInt i = 0; i < n; ++i) {
+        if (!owned[static_cast<std::size_t>(p[i])]) continue;
+        ++count;
+        size += measure_of(geometry.corners(p[i]));
+      }
+      check(ISRestoreIndices(points.get(), &p));
+    }
+    reports.push_back({group.dimension, group.tag, group.name, sum_of(comm, count), sum(comm, size)});
+  }
+}
+
+/// What only rank 0 knows so far.
+void share_file_facts(MPI_Comm comm, MeshReport& report) {
+  std::array<long long, 3> counts{report.num_orphan_nodes, report.num_inverted_cells, report.edge_cut};
+  check_mpi(MPI_Bcast(counts.data(), static_cast<int>(counts.size()), MPI_LONG_LONG, 0, comm));
+  report.num_orphan_nodes = counts[0];
+  report.num_inverted_cells = counts[1];
+  report.edge_cut = counts[2];
+  std::string text;
+  for (const auto& notice : report.notices) text += notice + '\0';
+  text = broadcast(comm, std::move(text));
+  report.notices.clear();
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = text.find('\0', at);
+    report.notices.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+}
+
+}  // namespace
+
+void measure(MPI_Comm comm, Mesh& mesh) {
+  MeshReport& report = mesh.report;
+  DM dm = mesh.dm.get();
+  const std::vector<bool> owned = owned_points(dm);
+  long long num_cells = num_owned(owned, stratum(dm, 3));
+  report.num_cells = sum_of(comm, num_cells);
+  report.num_vertices = sum_of(comm, num_owned(owned, stratum(dm, 0)));
+  report.num_edges = sum_of(comm, num_owned(owned, stratum(dm, 1)));
+  report.cells_per_rank.resize(static_cast<std::size_t>(num_ranks(comm)));
+  check_mpi(MPI_Allgather(&num_cells, 1, MPI_LONG_LONG, report.cells_per_rank.data(), 1, MPI_LONG_LONG, comm));
+  report.geometry_order = mesh.geometry_order;
+  measure_cells(comm, dm, owned, report);
+  measure_groups(comm, mesh, owned, report.groups);
+  share_file_facts(comm, report);
+}
+
+}  // namespace pliant

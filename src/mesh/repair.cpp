@@ -1,0 +1,230 @@
+#include "mesh/repair.hpp"
+
+#include "mesh/tetrahedron.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+
+namespace pliant {
+namespace {
+
+using tetrahedron::Corners;
+using tetrahedron::Point;
+
+// A tetrahedron counts as flat if its volume is below this part of its longest edge cubed: 1e4 times the rounding error
+// of the volume for coordinates as large as the edge, far below any sliver a mesher leaves (1e-4).
+constexpr double flat_volume = 1e-11;
+// Nodes this close, relative to the extent of the mesh, are the same place.
+constexpr double coincidence = 1e-10;
+// A mid-edge node this close to the middle, relative to the edge's length, is on a straight edge.
+constexpr double straightness = 1e-9;
+
+using Reasons = std::vector<std::string>;
+
+Point corner(const SerialMesh& mesh, std::size_t cell, std::size_t i) {
+  const double* x = mesh.node(mesh.cells[4 * cell + i]);
+  return {x[0], x[1], x[2]};
+}
+
+Corners corners(const SerialMesh& mesh, std::size_t cell) {
+  return {corner(mesh, cell, 0), corner(mesh, cell, 1), corner(mesh, cell, 2), corner(mesh, cell, 3)};
+}
+
+void require_distinct_names(const SerialMesh& mesh, Reasons& reasons) {
+  std::set<std::pair<int, std::string>> seen;
+  for (const auto& g : mesh.groups) {
+    if (g.group.name.empty() || seen.insert({g.group.dimension, g.group.name}).second) continue;
+    reasons.push_back("two physical groups of dimension " + std::to_string(g.group.dimension) + " have the name '" +
+                      g.group.name + "': give each its own name");
+  }
+}
+
+void require_finite_nodes(const SerialMesh& mesh, Reasons& reasons) {
+  std::vector<std::size_t> bad;
+  for (std::size_t i = 0; i < mesh.num_nodes(); ++i) {
+    const double* x = mesh.node(static_cast<PetscInt>(i));
+    // the square of a length must be a number too
+    const double r = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
+    if (!std::isfinite(r * std::sqrt(r))) bad.push_back(mesh.node_tags[i]);
+  }
+  if (!bad.empty())
+    reasons.push_back("the coordinates are not finite numbers (or beyond 1e100) at node " + first_few(bad));
+}
+
+void turn_round(SerialMesh& mesh, std::size_t cell) {
+  std::swap(mesh.cells[4 * cell], mesh.cells[4 * cell + 1]);
+  if (mesh.mid_nodes.empty()) return;
+  std::swap(mesh.mid_nodes[6 * cell + 1], mesh.mid_nodes[6 * cell + 2]);  // (1,2) and (2,0)
+  std::swap(mesh.mid_nodes[6 * cell + 3], mesh.mid_nodes[6 * cell + 5]);  // (3,0) and (3,1)
+}
+
+void turn_inverted_round(SerialMesh& mesh, MeshReport& report, Reasons& reasons) {
+  std::vector<std::size_t> flat, inverted;
+  for (std::size_t c = 0; c < mesh.num_cells(); ++c) {
+    const Corners x = corners(mesh, c);
+    const double v = tetrahedron::volume(x);
+    const double longest = tetrahedron::longest_edge(x);
+    if (!(std::abs(v) > flat_volume * longest * longest * longest)) {
+      flat.push_back(mesh.cell_tags[c]);
+    } else if (v < 0.0) {
+      inverted.push_back(mesh.cell_tags[c]);
+      turn_round(mesh, c);
+    }
+  }
+  if (!flat.empty()) {
+    reasons.push_back("tetrahedra without volume: element " + first_few(flat) +
+                      "; remesh, or optimise the mesh in gmsh (Mesh.Optimize = 1)");
+  }
+  report.num_inverted_cells = static_cast<long long>(inverted.size());
+  if (!inverted.empty()) {
+    report.notices.push_back(std::to_string(inverted.size()) + " inverted tetrahedra were turned round: element " +
+                             first_few(inverted));
+  }
+}
+
+void require_distinct_cells(const SerialMesh& mesh, Reasons& reasons) {
+  struct Key {
+    std::array<PetscInt, 4> nodes;
+    std::size_t cell;
+  };
+  std::vector<Key> keys(mesh.num_cells());
+  for (std::size_t c = 0; c < keys.size(); ++c) {
+    std::copy_n(&mesh.cells[4 * c], 4, keys[c].nodes.begin());
+    std::sort(keys[c].nodes.begin(), keys[c].nodes.end());
+    keys[c].cell = c;
+  }
+  std::sort(keys.begin(), keys.end(),
+            [](const Key& a, const Key& b) { return a.nodes != b.nodes ? a.nodes < b.nodes : a.cell < b.cell; });
+  std::vector<std::size_t> repeated;
+  for (std::size_t i = 1; i < keys.size(); ++i) {
+    if (keys[i].nodes == keys[i - 1].nodes) repeated.push_back(mesh.cell_tags[keys[i].cell]);
+  }
+  if (!repeated.empty()) {
+    reasons.push_back("tetrahedra given twice (the same four nodes as another): element " + first_few(repeated) +
+                      "; delete one of each, e.g. with Mesh.SaveAll = 0 each volume in one physical group only");
+  }
+}
+
+/// Nodes that lie on top of each other: sorted along a direction in which lattice nodes do not tie, near neighbours are
+/// compared.
+void require_distinct_places(const SerialMesh& mesh, PetscInt num_vertices, Reasons& reasons) {
+  constexpr Point direction{0.6213412, 0.5177432, 0.5881174};  // of length 1 to 6 digits, generic
+  double extent = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    double lower = mesh.coordinates[static_cast<std::size_t>(k)], upper = lower;
+    for (PetscInt i = 0; i < num_vertices; ++i) {
+      lower = std::min(lower, mesh.node(i)[k]);
+      upper = std::max(upper, mesh.node(i)[k]);
+    }
+    extent = std::max(extent, upper - lower);
+  }
+  const double near = coincidence * extent;
+  std::vector<std::pair<double, PetscInt>> along(static_cast<std::size_t>(num_vertices));
+  for (PetscInt i = 0; i < num_vertices; ++i) {
+    const double* x = mesh.node(i);
+    along[static_cast<std::size_t>(i)] = {direction[0] * x[0] + direction[1] * x[1] + direction[2] * x[2], i};
+  }
+  std::sort(along.begin(), along.end());
+  std::vector<std::size_t> coinciding;
+  for (std::size_t i = 0; i < along.size(); ++i) {
+    for (std::size_t j = i + 1; j < along.size() && along[j].first - along[i].first <= 2 * near; ++j) {
+      const double* x = mesh.node(along[i].second);
+      const double* y = mesh.node(along[j].second);
+      if (std::hypot(x[0] - y[0], x[1] - y[1], x[2] - y[2]) > near) continue;
+      coinciding.push_back(mesh.node_tags[static_cast<std::size_t>(along[j].second)]);
+      break;
+    }
+  }
+  if (coinciding.empty()) return;
+  std::sort(coinciding.begin(), coinciding.end());
+  coinciding.erase(std::unique(coinciding.begin(), coinciding.end()), coinciding.end());
+  reasons.push_back(
+      "nodes that coincide with another node: " + first_few(coinciding) +
+      "; the parts that meet there are not joined. Join them in gmsh (Coherence or BooleanFragments in the "
+      "geometry, Coherence Mesh on a mesh), or leave a gap between them");
+}
+
+/// Numbers the corners first, then the mid-edge nodes, each in the file's order; drops the rest.
+PetscInt drop_orphans(SerialMesh& mesh, MeshReport& report) {
+  std::vector<PetscInt> number(mesh.num_nodes(), -1);
+  for (const PetscInt node : mesh.cells) number[static_cast<std::size_t>(node)] = 0;
+  for (const PetscInt node : mesh.mid_nodes) {
+    auto& n = number[static_cast<std::size_t>(node)];
+    if (n != 0) n = 1;
+  }
+  PetscInt next = 0, num_vertices = 0;
+  std::vector<double> coordinates;
+  std::vector<std::size_t> tags, orphans;
+  std::vector<PetscInt> renumbered(mesh.num_nodes(), -1);
+  for (const int kind : {0, 1}) {
+    for (std::size_t i = 0; i < number.size(); ++i) {
+      if (number[i] != kind) continue;
+      renumbered[i] = next++;
+      tags.push_back(mesh.node_tags[i]);
+      coordinates.insert(coordinates.end(), &mesh.coordinates[3 * i], &mesh.coordinates[3 * i] + 3);
+    }
+    if (kind == 0) num_vertices = next;
+  }
+  for (std::size_t i = 0; i < number.size(); ++i) {
+    if (number[i] < 0) orphans.push_back(mesh.node_tags[i]);
+  }
+  for (auto& node : mesh.cells) node = renumbered[static_cast<std::size_t>(node)];
+  for (auto& node : mesh.mid_nodes) node = renumbered[static_cast<std::size_t>(node)];
+  for (auto& g : mesh.groups) {
+    if (g.group.dimension == 3) continue;
+    for (auto& node : g.members) node = renumbered[static_cast<std::size_t>(node)];
+  }
+  mesh.coordinates = std::move(coordinates);
+  mesh.node_tags = std::move(tags);
+  report.num_orphan_nodes = static_cast<long long>(orphans.size());
+  if (!orphans.empty()) {
+    report.notices.push_back(std::to_string(orphans.size()) + " nodes that no tetrahedron uses were dropped: node " +
+                             first_few(orphans));
+  }
+  return num_vertices;
+}
+
+void forget_straight_mid_nodes(SerialMesh& mesh, PetscInt num_vertices, MeshReport& report) {
+  if (mesh.mid_nodes.empty()) return;
+  for (std::size_t c = 0; c < mesh.num_cells(); ++c) {
+    for (std::size_t e = 0; e < 6; ++e) {
+      const double* a = mesh.node(mesh.cells[4 * c + static_cast<std::size_t>(local_edges[e][0])]);
+      const double* b = mesh.node(mesh.cells[4 * c + static_cast<std::size_t>(local_edges[e][1])]);
+      const double* m = mesh.node(mesh.mid_nodes[6 * c + e]);
+      double offset = 0.0, length = 0.0;
+      for (int k = 0; k < 3; ++k) {
+        offset += std::pow(m[k] - 0.5 * (a[k] + b[k]), 2);
+        length += std::pow(b[k] - a[k], 2);
+      }
+      if (offset > straightness * straightness * length) return;
+    }
+  }
+  mesh.mid_nodes.clear();
+  mesh.coordinates.resize(3 * static_cast<std::size_t>(num_vertices));
+  mesh.node_tags.resize(static_cast<std::size_t>(num_vertices));
+  report.notices.push_back("all edges of the second-order mesh are straight: treated as a first-order geometry");
+}
+
+void throw_if_any(const Reasons& reasons) {
+  if (!reasons.empty()) throw MeshDefect(reasons);
+}
+
+}  // namespace
+
+PetscInt repair(SerialMesh& mesh, MeshReport& report) {
+  Reasons reasons;
+  require_distinct_names(mesh, reasons);
+  require_finite_nodes(mesh, reasons);
+  throw_if_any(reasons);
+  const PetscInt num_vertices = drop_orphans(mesh, report);
+  turn_inverted_round(mesh, report, reasons);
+  require_distinct_cells(mesh, reasons);
+  require_distinct_places(mesh, num_vertices, reasons);
+  throw_if_any(reasons);
+  forget_straight_mid_nodes(mesh, num_vertices, report);
+  return num_vertices;
+}
+
+}  // namespace pliant

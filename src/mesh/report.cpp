@@ -1,0 +1,67 @@
+#include "mesh/report.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+constexpr long long bar_length = 40;
+
+void describe_groups(std::string& text, const std::vector<GroupReport>& groups) {
+  constexpr std::array<const char*, 4> kinds{"point", "curve", "surface", "volume"};
+  constexpr std::array<const char*, 4> members{"points", "edges", "facets", "cells"};
+  constexpr std::array<const char*, 4> units{"", "m", "m^2", "m^3"};
+  std::size_t width = 0;
+  for (const auto& g : groups) width = std::max(width, g.name.size());
+  for (int dimension = 3; dimension >= 0; --dimension) {
+    const auto d = static_cast<std::size_t>(dimension);
+    for (const auto& g : groups) {
+      if (g.dimension != dimension) continue;
+      text += fmt::format("  {:<8} {:<{}} (tag {}): {:>9} {:<6}", kinds[d], g.name, width, g.tag, g.count, members[d]);
+      if (dimension > 0) text += fmt::format("  {:.6g} {}", g.measure, units[d]);
+      text += '\n';
+    }
+  }
+}
+
+void describe_quality(std::string& text, const MeshReport& report) {
+  const auto& counts = report.quality_histogram;
+  const long long most = std::max(1LL, *std::max_element(counts.begin(), counts.end()));
+  text += fmt::format("  quality    worst {:.3g} (mean ratio: 1 regular, 0 flat)\n", report.min_quality);
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    // any tetrahedron at all shows as one mark
+    const long long length = (bar_length * counts[i] + most - 1) / most;
+    text += fmt::format("    {:.1f}-{:.1f} {:>9}  {}\n", 0.1 * static_cast<double>(i), 0.1 * static_cast<double>(i + 1),
+                        counts[i], std::string(static_cast<std::size_t>(length), '#'));
+  }
+}
+
+void describe_ranks(std::string& text, const MeshReport& report) {
+  const auto& cells = report.cells_per_rank;
+  if (cells.size() < 2) return;
+  const auto [fewest, most] = std::minmax_element(cells.begin(), cells.end());
+  text += fmt::format("  ranks      {}, with {} to {} tetrahedra; {} facets between them before refinement\n",
+                      cells.size(), *fewest, *most, report.edge_cut);
+}
+
+}  // namespace
+
+std::string describe(const MeshReport& report) {
+  std::string text =
+      fmt::format("  size       {} tetrahedra{}, {} vertices, {} edges\n", report.num_cells,
+                  report.geometry_order == 2 ? " with curved edges" : "", report.num_vertices, report.num_edges);
+  const auto& b = report.bounds;
+  text += fmt::format("  extent     [{:.6g}, {:.6g}] x [{:.6g}, {:.6g}] x [{:.6g}, {:.6g}] m\n", b[0], b[3], b[1], b[4],
+                      b[2], b[5]);
+  text += fmt::format("  volume     {:.6g} m^3\n", report.volume);
+  text += fmt::format("  edges      {:.3g} to {:.3g} m\n", report.min_edge, report.max_edge);
+  describe_groups(text, report.groups);
+  describe_quality(text, report);
+  describe_ranks(text, report);
+  for (const auto& notice : report.notices) text += "  note: " + notice + '\n';
+  return text;
+}
+
+}  // namespace pliant

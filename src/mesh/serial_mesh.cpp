@@ -1,0 +1,27 @@
+#include "mesh/serial_mesh.hpp"
+
+namespace pliant {
+namespace {
+
+std::string joined(const std::vector<std::string>& reasons) {
+  std::string text;
+  for (const auto& reason : reasons) text += (text.empty() ? "" : "\n") + reason;
+  return text;
+}
+
+}  // namespace
+
+MeshDefect::MeshDefect(std::vector<std::string> reasons)
+    : std::runtime_error(joined(reasons)), reasons_(std::move(reasons)) {}
+
+std::string first_few(const std::vector<std::size_t>& numbers) {
+  constexpr std::size_t shown = 5;
+  std::string text;
+  for (std::size_t i = 0; i < numbers.size() && i < shown; ++i) {
+    text += (i == 0 ? "" : ", ") + std::to_string(numbers[i]);
+  }
+  if (numbers.size() > shown) text += ", ... (" + std::to_string(numbers.size()) + " in all)";
+  return text;
+}
+
+}  // namespace pliant
