@@ -1,0 +1,139 @@
+#include "io/file.hpp"
+
+#include "base/error.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <fcntl.h>
+#include <string>
+#include <sys/stat.h>
+#include <system_error>
+#include <unistd.h>
+#include <utility>
+
+namespace pliant {
+namespace {
+
+// Linux writes at most 2^31 - 4096 bytes at once.
+constexpr std::size_t largest_write = std::size_t{1} << 30;
+
+int flags_of(FileMode mode) {
+  switch (mode) {
+    case FileMode::create:
+      return O_WRONLY | O_CREAT | O_TRUNC;
+    case FileMode::modify:
+      return O_WRONLY;
+    case FileMode::append:
+      break;
+  }
+  return O_WRONLY | O_CREAT | O_APPEND;
+}
+
+FileError failure(const std::filesystem::path& path, int error) {
+  return FileError("cannot write '" + path.string() + "': " + std::generic_category().message(error));
+}
+
+}  // namespace
+
+File::File(std::filesystem::path path, FileMode mode) : path_(std::move(path)) {
+  do {
+    descriptor_ = ::open(path_.c_str(), flags_of(mode) | O_CLOEXEC, 0666);
+  } while (descriptor_ < 0 && errno == EINTR);
+  if (descriptor_ < 0) fail(errno);
+}
+
+File::File(File&& other) noexcept : path_(std::move(other.path_)), descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+File& File::operator=(File&& other) noexcept {
+  std::swap(path_, other.path_);
+  std::swap(descriptor_, other.descriptor_);
+  return *this;
+}
+
+File::~File() {
+  if (descriptor_ >= 0) (void)::close(descriptor_);
+}
+
+void File::fail(int error) const {
+  throw failure(path_, error);
+}
+
+void File::write(std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(descriptor_, text.data(), std::min(text.size(), largest_write));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail(errno);
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+void File::write_at(std::int64_t offset, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::pwrite(descriptor_, bytes.data(), std::min(bytes.size(), largest_write), offset);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail(errno);
+    offset += written;
+    bytes = bytes.subspan(static_cast<std::size_t>(written));
+  }
+}
+
+void File::reserve(std::int64_t num_bytes) {
+  const std::int64_t end = size();
+  int error = 0;
+  do {
+    error = ::posix_fallocate(descriptor_, end, num_bytes);
+  } while (error == EINTR);
+  // A file system that cannot reserve is no reason to stop: the writes themselves are checked.
+  if (error == 0 || error == EOPNOTSUPP || error == EINVAL) return;
+  resize(end);
+  fail(error);
+}
+
+void File::resize(std::int64_t num_bytes) {
+  if (::ftruncate(descriptor_, num_bytes) != 0) fail(errno);
+}
+
+std::int64_t File::size() const {
+  struct stat status {};
+  if (::fstat(descriptor_, &status) != 0) fail(errno);
+  return status.st_size;
+}
+
+void File::sync() {
+  // EINVAL: the file lies on something that knows no sync, such as a pipe.
+  if (::fdatasync(descriptor_) != 0 && errno != EINVAL) fail(errno);
+}
+
+void File::close() {
+  const int descriptor = std::exchange(descriptor_, -1);
+  if (descriptor >= 0 && ::close(descriptor) != 0 && errno != EINTR) fail(errno);
+}
+
+void write_text_atomically(const std::filesystem::path& file, std::string_view text) {
+  std::filesystem::path part = file;
+  part += ".part";
+  try {
+    File out(part, FileMode::create);
+    out.write(text);
+    out.sync();
+    out.close();
+  } catch (const FileError&) {
+    std::error_code ignored;
+    std::filesystem::remove(part, ignored);
+    throw;
+  }
+  std::error_code error;
+  std::filesystem::rename(part, file, error);
+  if (error) throw failure(file, error.value());
+}
+
+void make_directory(const std::filesystem::path& directory) {
+  std::error_code error;
+  std::filesystem::create_directories(directory, error);
+  if (!error && !std::filesystem::is_directory(directory, error) && !error) {
+    error = std::make_error_code(std::errc::not_a_directory);
+  }
+  if (error) throw FileError("cannot make the directory '" + directory.string() + "': " + error.message());
+}
+
+}  // namespace pliant

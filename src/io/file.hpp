@@ -1,0 +1,62 @@
+/// Files through the operating system. Every failure is a FileError that names the file and says why; nothing here is
+/// collective.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string_view>
+
+namespace pliant {
+
+/// create: empties an existing file. modify: the file must exist. append: writes go to the end, the file is made if
+/// missing.
+enum class FileMode { create, modify, append };
+
+/// An open file; closed at the end of the scope. `close()` closes earlier and tells failures, which some file systems
+/// report only then.
+class File {
+ public:
+  File(std::filesystem::path path, FileMode mode);
+  File(File&& other) noexcept;
+  File& operator=(File&& other) noexcept;
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+  ~File();
+
+  /// Writes all of `text` at the current position.
+  void write(std::string_view text);
+
+  /// Writes all bytes at `offset` [bytes], however many there are.
+  void write_at(std::int64_t offset, std::span<const std::byte> bytes);
+
+  /// Makes sure that `num_bytes` beyond the present end can be written: takes them from the disk now, or fails with the
+  /// file unchanged.
+  void reserve(std::int64_t num_bytes);
+
+  /// Cuts the file (or extends it with zeros) to `num_bytes`.
+  void resize(std::int64_t num_bytes);
+
+  /// Size [bytes].
+  std::int64_t size() const;
+
+  /// Returns when the data have reached the disk.
+  void sync();
+  void close();
+
+ private:
+  [[noreturn]] void fail(int error) const;
+
+  std::filesystem::path path_;
+  int descriptor_ = -1;
+};
+
+/// Replaces `file` by `text` so that a reader, or a run killed at any moment, sees either the old text or the new one:
+/// written under the name `<file>.part`, brought to the disk, renamed.
+void write_text_atomically(const std::filesystem::path& file, std::string_view text);
+
+/// Makes the directory and those above it; an existing one is fine.
+void make_directory(const std::filesystem::path& directory);
+
+}  // namespace pliant

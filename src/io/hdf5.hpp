@@ -1,0 +1,61 @@
+/// HDF5 with owned handles and checked return codes, as one rank uses it: nothing here is collective. Files are opened
+/// without HDF5's file locks, so that a reader holding the file open cannot stop the run.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include <hdf5.h>
+
+namespace pliant {
+
+/// While it lives, HDF5 prints no error stack of its own: failures travel as FileError.
+class QuietHdf5 {
+ public:
+  QuietHdf5();
+  ~QuietHdf5();
+  QuietHdf5(const QuietHdf5&) = delete;
+  QuietHdf5& operator=(const QuietHdf5&) = delete;
+
+ private:
+  H5E_auto2_t print_ = nullptr;
+  void* data_ = nullptr;
+};
+
+/// Throws FileError "cannot <doing>: <HDF5's reason>" if `code` (any HDF5 return value) is negative.
+void check_hdf5(std::int64_t code, const std::string& doing);
+
+/// The single owner of an HDF5 object. `close()` closes it before the end of the scope and throws FileError on failure.
+class Hdf5Handle {
+ public:
+  using Closer = herr_t (*)(hid_t);
+
+  Hdf5Handle() = default;
+  /// Takes over `id`, the result of an HDF5 call that makes or opens something; throws as check_hdf5 does if it failed.
+  Hdf5Handle(hid_t id, Closer closer, const std::string& doing);
+  Hdf5Handle(Hdf5Handle&& other) noexcept;
+  Hdf5Handle& operator=(Hdf5Handle&& other) noexcept;
+  Hdf5Handle(const Hdf5Handle&) = delete;
+  Hdf5Handle& operator=(const Hdf5Handle&) = delete;
+  ~Hdf5Handle();
+
+  hid_t get() const { return id_; }
+  void close(const std::string& doing);
+
+ private:
+  hid_t id_ = H5I_INVALID_HID;
+  Closer closer_ = nullptr;
+};
+
+enum class Hdf5Mode { read, modify, create };
+
+/// Opens a file on the calling rank alone.
+Hdf5Handle open_hdf5(const std::filesystem::path& file, Hdf5Mode mode);
+
+/// Attributes of a group, dataset or file.
+void write_attribute(hid_t object, const std::string& name, double value);
+void write_attribute(hid_t object, const std::string& name, std::int64_t value);
+void write_attribute(hid_t object, const std::string& name, const std::string& value);
+
+}  // namespace pliant

@@ -1,0 +1,94 @@
+/// The time series of a run for ParaView and other tools: result.h5 (the numbers) and result.xdmf (what they mean).
+///
+/// result.h5    attributes: format "pliant-result", version 1, title
+///   /mesh/coordinates       num_nodes x 3, reference positions X [m]
+///   /mesh/cells             num_cells x 4 or 10, node numbers in VTK's order
+///   /mesh/body, /mesh/rank  num_cells; attribute `names` of body: the names, one per line
+///   /frames/000000/...      attributes time [s], step; a dataset per field, num_nodes or num_cells x components,
+///   attributes
+///                           `unit` and `location` ("node" or "cell")
+///
+/// Only the metadata go through HDF5, on rank 0; every rank then writes its rows straight to their place in the file.
+/// The result is an ordinary HDF5 file that does not depend on the rank count but for the order of nodes and cells. Why
+/// not HDF5's MPI-IO driver: on a full disk its collective calls report success on some ranks, hang, or crash at the
+/// end (seen with HDF5 1.10.8 and Open MPI 4.1.4), while here each failure is one rank's failed system call and is told
+/// to all.
+///
+/// A frame is linked into /frames only after its numbers are on the disk, the file is closed after each frame, and
+/// result.xdmf lists the frame last and is replaced atomically: both are readable at any time while the run goes on,
+/// and after it was killed.
+#pragma once
+
+#include "io/xdmf.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <petscsys.h>
+
+namespace pliant {
+
+/// The rank's part of a tetrahedral mesh. Ranks own contiguous blocks of nodes and of cells, in the order of ranks.
+struct OutputMesh {
+  int nodes_per_cell = 4;             ///< 4: linear, 10: quadratic tetrahedra
+  std::int64_t global_num_nodes = 0;  ///< the same on every rank
+  std::int64_t first_node = 0;        ///< global number of the first owned node
+  std::vector<double> coordinates;    ///< reference positions of the owned nodes, xyz by node [m]
+  std::vector<std::int64_t>
+      cells;                ///< global node numbers of the owned cells; mid-edge nodes in VTK's order 01 12 02 03 13 23
+  std::vector<int> bodies;  ///< index into body_names of each owned cell
+  std::vector<std::string> body_names;
+};
+
+enum class FieldLocation { node, cell };
+
+/// The owned values of a field. Every rank passes the same fields in the same order.
+struct OutputField {
+  std::string name;
+  std::string unit;  ///< "m/s"; empty if it has none
+  FieldLocation location = FieldLocation::node;
+  int components = 1;              ///< 1, 3, 6 (symmetric: xx yy zz xy yz xz) or 9 (row by row)
+  std::span<const double> values;  ///< components by node or cell
+};
+
+/// A block of rows of a global array: which of them this rank owns.
+struct RowBlock {
+  std::int64_t first = 0;
+  std::int64_t num_owned = 0;
+  std::int64_t num_global = 0;
+};
+
+/// Writes result.h5 and result.xdmf. All members that write are collective; a failure throws FileError on every rank.
+class ResultWriter {
+ public:
+  /// Makes the directory if need be, replaces an earlier result, writes the mesh; result.xdmf lists no frame yet.
+  /// Collective.
+  ResultWriter(MPI_Comm comm, const std::filesystem::path& directory, std::string title, const OutputMesh& mesh);
+
+  /// Adds a frame; when it returns, the frame is on the disk and listed. Collective.
+  void write_frame(double time, std::int64_t step, std::span<const OutputField> fields);
+
+  std::int64_t num_frames() const { return num_frames_; }
+  const std::filesystem::path& xdmf_file() const { return xdmf_file_; }
+
+ private:
+  RowBlock rows_of(FieldLocation location) const { return location == FieldLocation::node ? nodes_ : cells_; }
+  XdmfArray array(const std::string& place, XdmfArray::Number number, const RowBlock& rows, int columns) const;
+  std::string grid_of_frame(double time, const std::string& group, std::span<const OutputField> fields) const;
+
+  MPI_Comm comm_;
+  std::string title_;
+  std::filesystem::path hdf5_file_;
+  std::filesystem::path xdmf_file_;
+  int nodes_per_cell_;
+  RowBlock nodes_;
+  RowBlock cells_;
+  std::int64_t num_frames_ = 0;
+  std::string grids_;  // rank 0: the XML of the frames so far
+};
+
+}  // namespace pliant

@@ -1,0 +1,44 @@
+/// The text of an XDMF 3 file: which arrays of result.h5 make up the grid of each frame. Pure text, no files.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+/// A rows x columns array in an HDF5 file, as XDMF refers to it.
+struct XdmfArray {
+  std::string place;  ///< "result.h5:/frames/000000/displacement"
+  enum class Number { float64, int64, int32 } number = Number::float64;
+  std::int64_t rows = 0;
+  int columns = 1;
+};
+
+/// A field on the nodes or cells of a grid.
+struct XdmfField {
+  std::string name;
+  std::string unit;  ///< empty: none
+  enum class Center { node, cell } center = Center::node;
+  XdmfArray values;
+};
+
+/// One frame of the time series.
+struct XdmfGrid {
+  std::string name;
+  double time = 0;        ///< [s]
+  XdmfArray cells;        ///< 4 columns: linear tetrahedra; 10: quadratic ones
+  XdmfArray coordinates;  ///< 3 columns
+  std::vector<XdmfField> fields;
+};
+
+/// `text` with XML's own characters replaced, fit for an attribute value or an element's content.
+std::string xml_escaped(const std::string& text);
+
+/// The <Grid> element of one frame.
+std::string to_xml(const XdmfGrid& grid);
+
+/// The whole file; `grids`: the <Grid> elements of the frames in order of time.
+std::string xdmf_document(const std::string& title, const std::string& grids);
+
+}  // namespace pliant
