@@ -159,9 +159,9 @@ TEST(ResultWriter, ReadOnlyDirectoryIsFileErrorOnEveryRank) {
   });
   // Root may write anywhere: act as "nobody" meanwhile.
   const bool as_root = ::geteuid() == 0;
-  if (as_root) ASSERT_EQ(::seteuid(65534), 0);
+  ASSERT_EQ(as_root ? ::seteuid(65534) : 0, 0);
   EXPECT_THROW(ResultWriter(comm, directory, "block", sample_mesh(comm, 4)), FileError);
-  if (as_root) ASSERT_EQ(::seteuid(0), 0);
+  ASSERT_EQ(as_root ? ::seteuid(0) : 0, 0);
   on_root(comm, [&] { std::filesystem::permissions(directory, std::filesystem::perms::owner_all); });
 }
 
