@@ -46,7 +46,7 @@ PLIANT_INLINE double sum(double x) {
 inline constexpr double log1p_series_lower = -0.4;
 inline constexpr double log1p_series_upper = 2.0 / 3.0;
 
-/// x - ln(1 + x) for log1p_series_lower <= x <= log1p_series_upper, to 3 ulp also where it is x^2/2 << x.
+/// x - ln(1 + x) for log1p_series_lower <= x <= log1p_series_upper, to 3 ulp, also where it is x^2/2 << x.
 ///
 /// With s = x / (2 + x), ln(1 + x) = 2 atanh(s) = 2 s + 2 s^3 (1/3 + s^2/5 + s^4/7 + ...) and x - 2 s = s x, hence
 ///   x - ln(1 + x) = s (x - 2 s^2 (1/3 + s^2/5 + ...)),
@@ -64,7 +64,7 @@ PLIANT_INLINE T x_minus_log1p_series(const T& x) {
   return s * (x - 2.0 * s2 * (odd * s2 + even));
 }
 
-/// x - ln(1 + x) with a relative error of a few ulp for every x > -1; +inf at -1, NaN below.
+/// x - ln(1 + x) to 6 ulp for every x > -1; +inf at -1, NaN below.
 inline double x_minus_log1p(double x) {
   if (x >= log1p_series_lower && x <= log1p_series_upper) return x_minus_log1p_series(x);
   return x - std::log1p(x);

@@ -62,9 +62,9 @@ struct NeoHookean {
     const T change = volume_change(H);
     const auto valid = change > -1.0;
     const T j = select(valid, change, T(0.0));
-    const T trE_minus_log_J = (0.5 * (j * j) - 2.0 * second_invariant(E)) - 4.0 * det(E) + x_minus_log1p(j);
+    const T tr_E_minus_log_J = (0.5 * (j * j) - 2.0 * second_invariant(E)) - 4.0 * det(E) + x_minus_log1p(j);
     const T log_J = log1p(j);
-    const T value = mu * trE_minus_log_J + 0.5 * lambda * (log_J * log_J);
+    const T value = mu * tr_E_minus_log_J + 0.5 * lambda * (log_J * log_J);
     return select(valid, value, T(std::numeric_limits<double>::infinity()));
   }
 

@@ -1,0 +1,33 @@
+/// Elastic constants: what users give (E, nu) and what laws take (mu, lambda).
+#pragma once
+
+namespace pliant {
+
+/// The Lame parameters of an isotropic solid.
+struct Lame {
+  double mu;      ///< shear modulus [Pa]
+  double lambda;  ///< first Lame parameter [Pa]
+};
+
+/// mu = E / (2 (1 + nu)), lambda = E nu / ((1 + nu) (1 - 2 nu)); E [Pa] > 0, -1 < nu < 1/2.
+constexpr Lame lame(double youngs_modulus, double poissons_ratio) {
+  return {youngs_modulus / (2.0 * (1.0 + poissons_ratio)),
+          youngs_modulus * poissons_ratio / ((1.0 + poissons_ratio) * (1.0 - 2.0 * poissons_ratio))};
+}
+
+/// E = mu (3 lambda + 2 mu) / (lambda + mu) [Pa].
+constexpr double youngs_modulus(const Lame& c) {
+  return c.mu * (3.0 * c.lambda + 2.0 * c.mu) / (c.lambda + c.mu);
+}
+
+/// nu = lambda / (2 (lambda + mu)).
+constexpr double poissons_ratio(const Lame& c) {
+  return 0.5 * c.lambda / (c.lambda + c.mu);
+}
+
+/// K = lambda + 2/3 mu [Pa].
+constexpr double bulk_modulus(const Lame& c) {
+  return c.lambda + 2.0 / 3.0 * c.mu;
+}
+
+}  // namespace pliant

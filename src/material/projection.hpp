@@ -1,0 +1,14 @@
+/// The nearest positive-semidefinite tangent, for Newton steps where the Hessian is indefinite.
+#pragma once
+
+#include "material/law.hpp"
+
+namespace pliant {
+
+/// Replaces every eigenvalue of the 9x9 tangent below `floor` [Pa] (>= 0) by `floor`: the nearest such tangent in the
+/// Frobenius norm. A tangent without such eigenvalues is left as it is, bit by bit; so is one that is not finite.
+/// Costs microseconds per point (a symmetric eigenproblem); lanes of a pack are treated one by one.
+void project_to_positive_semidefinite(Tangent<double>& A, double floor = 0.0);
+void project_to_positive_semidefinite(Tangent<Pack>& A, double floor = 0.0);
+
+}  // namespace pliant

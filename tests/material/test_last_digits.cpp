@@ -1,0 +1,115 @@
+// The laws keep their digits at strains far below 1, on stiff bodies and on rotated ones, and past inversion.
+#include "material/registry.hpp"
+#include "states.hpp"
+
+#include <cfenv>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace pliant {
+namespace {
+
+using namespace testing_states;
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+template <class L>
+class LastDigits : public testing::Test {};
+TYPED_TEST_SUITE(LastDigits, AlternativesOf<ElasticLawVariant>::type, NameOfLaw);
+
+TYPED_TEST(LastDigits, StiffBodyFromTinyToLargeStrain) {
+  for (const double nu : {0.0, 0.3, 0.49}) {
+    const auto law = law_of<TypeParam>(1e9, nu);
+    for (const double strain : {1e-14, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2, 0.2}) {
+      for (unsigned seed = 0; seed < 20; ++seed) {
+        const Matrix H = random_matrix(seed, strain);
+        // Below, the textbook energy, of second order, is itself at the end of the 34 digits of a Quad.
+        if (strain >= 1e-8) {
+          EXPECT_LE(relative_difference(law.psi(H), textbook_psi(law, converted<Quad>(H))), 16 * epsilon);
+        }
+        EXPECT_LE(relative_difference(law.P(H), textbook_P(law, converted<Quad>(H))), 16 * epsilon);
+      }
+    }
+  }
+}
+
+/// In a rotated body the entries of H are of order 1 and carry the strain to eps only: P to eps times the stiffness,
+/// and psi, of second order, to eps |P|. A law evaluated from F would leave psi nothing at all: it rounds to eps times
+/// the stiffness.
+TYPED_TEST(LastDigits, RotatedStiffBodyLosesNoMoreThanItsGradientDoes) {
+  if constexpr (!TypeParam::constant_tangent) {  // a law linear in H does not know rotations
+    const auto law = law_of<TypeParam>(1e9, 0.3);
+    const double stiffness = 2 * law.mu + 3 * law.lambda;
+    for (unsigned seed = 0; seed < 20; ++seed) {
+      const Matrix H = rotated(rotation(1.0, 0.3 * seed, -2.0), random_matrix(seed, 1e-8));
+      const Tensor3<Quad> P = textbook_P(law, converted<Quad>(H));
+      ASSERT_GT(norm(P), 1.0);
+      EXPECT_LE(relative_difference(law.P(H), P) * norm(P), 4 * epsilon * stiffness);
+      const double error = static_cast<double>(law.psi(H) - textbook_psi(law, converted<Quad>(H)));
+      EXPECT_LE(std::abs(error), 8 * epsilon * norm(P));
+    }
+  }
+}
+
+TEST(LastDigitsOfTheTextbookForm, AreLostInDouble) {
+  const auto law = law_of<NeoHookean>(1e9, 0.3);
+  const Matrix H = random_matrix(1, 1e-8);
+  const Matrix F = add_to_diagonal(H, 1.0);
+  const Matrix G = (1.0 / det(F)) * cofactor(F);
+  const Matrix P = law.mu * (F - G) + (law.lambda * std::log(det(F))) * G;
+  EXPECT_GT(relative_difference(P, textbook_P(law, converted<Quad>(H))), 1e-10);
+}
+
+TEST(NeoHookeanBarrier, EnergyGrowsWithoutBoundTowardsInversion) {
+  const auto law = law_of<NeoHookean>(1.0, 0.3);
+  double previous = 0;
+  for (const double stretch : {0.5, 1e-1, 1e-2, 1e-4, 1e-8}) {
+    const Matrix H{{stretch - 1, 0, 0, 0, 0, 0, 0, 0, 0}};
+    const double psi = law.psi(H);
+    EXPECT_GT(psi, previous);
+    EXPECT_LE(relative_difference(psi, textbook_psi(law, converted<Quad>(H))), 1e-14);
+    previous = psi;
+  }
+}
+
+TEST(NeoHookeanBarrier, InvertedLanesAreInfiniteAloneAndQuietly) {
+  const auto law = law_of<NeoHookean>(1.0, 0.3);
+  for (const double stretch : {0.0, -0.3, -2.0}) {  // of the last lane; 0 is flat
+    const Matrix good = moderate_state(5);
+    const Matrix bad = Matrix{{stretch - 1, 0, 0, 0, 0.1, 0, 0, 0, 0}};
+    Tensor3<Pack> H;
+    for (std::size_t n = 0; n < 9; ++n) {
+      H.a[n] = Pack([&](auto lane) { return lane + 1 == Pack::size() ? bad.a[n] : good.a[n]; });
+    }
+    std::feclearexcept(FE_ALL_EXCEPT);
+    const Pack psi = law.psi(H);
+    const auto linearization = law.linearize(H);
+    const Tangent<Pack> A = linearization.tangent();
+    const double psi_alone = law.psi(bad);
+    EXPECT_EQ(std::fetestexcept(FE_INVALID | FE_DIVBYZERO | FE_OVERFLOW), 0);
+
+    EXPECT_EQ(psi_alone, std::numeric_limits<double>::infinity());
+    EXPECT_EQ(psi[pack_size - 1], std::numeric_limits<double>::infinity());
+    EXPECT_LE(relative_difference(psi[0], law.psi(good)), 1e-14);
+    for (std::size_t n = 0; n < 9; ++n) {
+      EXPECT_TRUE(std::isnan(static_cast<double>(linearization.P.a[n][pack_size - 1])));
+      EXPECT_FALSE(std::isnan(static_cast<double>(linearization.P.a[n][0])));
+    }
+    for (std::size_t n = 0; n < 81; ++n) {
+      EXPECT_TRUE(std::isnan(static_cast<double>(A[n][pack_size - 1])));
+      EXPECT_FALSE(std::isnan(static_cast<double>(A[n][0])));
+    }
+  }
+}
+
+TEST(NeoHookeanBarrier, UndefinedGradientCountsAsInverted) {
+  const auto law = law_of<NeoHookean>(1.0, 0.3);
+  Matrix H = moderate_state(1);
+  H(1, 2) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(law.psi(H), std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(std::isnan(law.P(H)(0, 0)));
+}
+
+}  // namespace
+}  // namespace pliant
