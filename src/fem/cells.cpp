@@ -22,31 +22,46 @@ Tensor3<double> jacobian(const NodeLayout& layout, std::span<const PetscInt> nod
   return j;
 }
 
+struct LaneGeometry {
+  double jacobian;
+  Tensor3<double> inverse;
+};
+
+/// The mapping of one cell at a point of the reference cell.
+LaneGeometry lane_geometry(const NodeLayout& layout, std::span<const PetscInt> nodes,
+                           std::span<const std::array<double, 3>> dN) {
+  const Tensor3<double> j = jacobian(layout, nodes, dN);
+  const double determinant = det(j);
+  if (!(determinant > 0.0)) {
+    const auto x = layout.position(nodes[0]);
+    throw InputError({},
+                     fmt::format("a tetrahedron at ({:.6g}, {:.6g}, {:.6g}) m is turned inside out by its curved edges "
+                                 "(Jacobian {:.3g}); optimise the second-order mesh (gmsh -optimize_ho) or refine it",
+                                 x[0], x[1], x[2], determinant));
+  }
+  return {determinant, (1.0 / determinant) * transpose(cofactor(j))};
+}
+
 template <int Order>
 void fill_geometry(const NodeLayout& layout, CellGroup<Order>& group) {
   const auto num_batches = group.batches.size();
   group.inverse_jacobian.resize(num_batches * group.geometry_points);
   group.jacobian.resize(num_batches * group.geometry_points);
+  group.centroid_inverse_jacobian.resize(num_batches);
+  const auto centroid = Tet<Order>::gradients({0.25, 0.25, 0.25});
   for (std::size_t b = 0; b < num_batches; ++b) {
     const auto& batch = group.batches[b];
-    for (int q = 0; q < group.geometry_points; ++q) {
-      const auto dN = group.gradients(q);
-      const std::size_t at = group.geometry(b, q);
-      for (int lane = 0; lane < pack_size; ++lane) {
-        std::array<PetscInt, CellGroup<Order>::num_nodes> nodes;
-        for (std::size_t a = 0; a < nodes.size(); ++a) nodes[a] = batch.nodes[a][lane];
-        const Tensor3<double> j = jacobian(layout, nodes, dN);
-        const double determinant = det(j);
-        if (!(determinant > 0.0)) {
-          const auto x = layout.position(nodes[0]);
-          throw InputError(
-              {}, fmt::format("a tetrahedron at ({:.6g}, {:.6g}, {:.6g}) m is turned inside out by its curved edges "
-                              "(Jacobian {:.3g}); optimise the second-order mesh (gmsh: -optimize_ho) or refine it",
-                              x[0], x[1], x[2], determinant));
-        }
-        const Tensor3<double> inverse = (1.0 / determinant) * transpose(cofactor(j));
-        for (int i = 0; i < 9; ++i) group.inverse_jacobian[at].a[i][lane] = inverse.a[i];
-        group.jacobian[at][lane] = lane < batch.num_lanes ? determinant : 0.0;
+    for (int lane = 0; lane < pack_size; ++lane) {
+      std::array<PetscInt, CellGroup<Order>::num_nodes> nodes;
+      for (std::size_t a = 0; a < nodes.size(); ++a) nodes[a] = batch.nodes[a][lane];
+      const LaneGeometry middle = lane_geometry(layout, nodes, centroid);
+      for (int i = 0; i < 9; ++i) group.centroid_inverse_jacobian[b].a[i][lane] = middle.inverse.a[i];
+      for (int q = 0; q < group.geometry_points; ++q) {
+        const auto dN = group.gradients(q);
+        const LaneGeometry here = lane_geometry(layout, nodes, dN);
+        const std::size_t at = group.geometry(b, q);
+        for (int i = 0; i < 9; ++i) group.inverse_jacobian[at].a[i][lane] = here.inverse.a[i];
+        group.jacobian[at][lane] = lane < batch.num_lanes ? here.jacobian : 0.0;
       }
     }
   }

@@ -34,10 +34,11 @@ struct CellGroup {
   QuadratureRule<3> rule;
   std::vector<ShapeGradients> shape_gradients;  ///< dN_a/dxi at the rule's points
   std::vector<Batch> batches;
-  std::vector<PetscInt> cells;                  ///< local cells, pack_size per batch (padding: -1)
-  int geometry_points = 1;                      ///< 1 (affine) or the rule's points
-  std::vector<Tensor3<Pack>> inverse_jacobian;  ///< dxi/dX, [batch * geometry_points + point] [1/m]
-  std::vector<Pack> jacobian;                   ///< det dX/dxi, likewise [m^3]; 0 in padding lanes
+  std::vector<PetscInt> cells;                           ///< local cells, pack_size per batch (padding: -1)
+  int geometry_points = 1;                               ///< 1 (affine) or the rule's points
+  std::vector<Tensor3<Pack>> inverse_jacobian;           ///< dxi/dX, [batch * geometry_points + point] [1/m]
+  std::vector<Tensor3<Pack>> centroid_inverse_jacobian;  ///< dxi/dX at the centroid, per batch [1/m]
+  std::vector<Pack> jacobian;                            ///< det dX/dxi, likewise [m^3]; 0 in padding lanes
   std::vector<std::array<std::int32_t, pack_size>>
       blocks;  ///< BlockPattern::block of nodes (a, b) at [(batch * n + a) * n + b]
 

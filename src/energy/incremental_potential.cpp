@@ -1,0 +1,119 @@
+#include "energy/incremental_potential.hpp"
+
+#include "petsc/array_view.hpp"
+#include "petsc/collective.hpp"
+#include "petsc/ghosted.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pliant {
+
+IncrementalPotential::IncrementalPotential(const NodeLayout& layout, const BlockPattern& pattern,
+                                           std::vector<const EnergyTerm*> terms, const std::vector<char>& prescribed)
+    : layout_(layout),
+      pattern_(pattern),
+      terms_(std::move(terms)),
+      prescribed_(prescribed),
+      elimination_(layout, pattern, prescribed_) {
+  for (Handle<Vec>* v : {&q_, &d_, &q0_, &v0_, &work_, &diagonal_}) *v = make_vector(layout);
+}
+
+std::span<const double> IncrementalPotential::local(Vec q, const Handle<Vec>& work) {
+  check(VecCopy(q, work.get()));
+  update_ghosts(work.get());
+  return ConstGhostedView(work.get()).span();  // the memory stays where it is while `work` lives
+}
+
+void IncrementalPotential::clear_prescribed(std::span<double> r) const {
+  for (PetscInt i = 0; i < 3 * layout_.num_owned_nodes; ++i) {
+    if (prescribed_[i]) r[i] = 0.0;
+  }
+}
+
+void IncrementalPotential::begin_stage(const StagePoint& stage) {
+  stage_ = {stage.time, stage.dt, stage.load_factor, local(stage.q0, q0_), local(stage.v0, v0_)};
+}
+
+double IncrementalPotential::value(Vec q) {
+  const auto at = local(q, q_);
+  double mine = 0.0;
+  for (const EnergyTerm* term : terms_) mine += term->value(stage_, at);
+  const double total = sum(layout_.comm, mine);
+  return std::isfinite(total) ? total : std::numeric_limits<double>::infinity();
+}
+
+void IncrementalPotential::gradient_with_reactions(Vec q, Vec r) {
+  const auto at = local(q, q_);
+  {
+    const GhostedView rows(work_.get());
+    std::fill(rows.span().begin(), rows.span().end(), 0.0);
+    for (const EnergyTerm* term : terms_) term->add_gradient(stage_, at, rows.span());
+  }
+  check(VecCopy(work_.get(), r));
+}
+
+void IncrementalPotential::gradient(Vec q, Vec r) {
+  gradient_with_reactions(q, r);
+  const ArrayView rows(r);
+  clear_prescribed(rows.span());
+}
+
+double IncrementalPotential::force_scale(Vec q) {
+  const auto at = local(q, q_);
+  double scale = 0.0;
+  for (const EnergyTerm* term : terms_) {
+    {
+      const GhostedView rows(work_.get());
+      std::fill(rows.span().begin(), rows.span().end(), 0.0);
+      term->add_gradient(stage_, at, rows.span());
+      clear_prescribed(rows.span());
+    }
+    PetscReal norm = 0.0;
+    check(VecNorm(work_.get(), NORM_2, &norm));
+    scale += norm;
+  }
+  return scale;
+}
+
+void IncrementalPotential::hessian(Vec q, Mat K, Projection projection) {
+  const auto at = local(q, q_);
+  {
+    BlockWriter writer(pattern_, K);
+    writer.zero();
+    for (const EnergyTerm* term : terms_) term->add_hessian(stage_, at, writer, projection);
+    writer.finish();
+  }
+  check(MatGetDiagonal(K, diagonal_.get()));
+  PetscReal total = 0.0;
+  check(VecNorm(diagonal_.get(), NORM_1, &total));
+  {
+    BlockWriter writer(pattern_, K);
+    elimination_.apply(writer, total > 0.0 ? total / (3.0 * layout_.num_global_nodes) : 1.0);
+    writer.finish();
+  }
+}
+
+double IncrementalPotential::max_step(Vec q, Vec d) {
+  const auto at = local(q, q_);
+  const auto direction = local(d, d_);
+  double mine = std::numeric_limits<double>::infinity();
+  for (const EnergyTerm* term : terms_) mine = std::min(mine, term->max_step(at, direction));
+  return minimum(layout_.comm, mine);
+}
+
+double IncrementalPotential::rounding_floor(Vec q) const {
+  double squares = 0.0;
+  const ConstArrayView u(q), k(diagonal_.get());
+  for (PetscInt i = 0; i < 3 * layout_.num_owned_nodes; ++i) {
+    if (!prescribed_[i]) squares += std::pow(k[i] * u[i], 2);
+  }
+  return std::numeric_limits<double>::epsilon() * std::sqrt(sum(layout_.comm, squares));
+}
+
+bool IncrementalPotential::is_potential() const {
+  return std::all_of(terms_.begin(), terms_.end(), [](const EnergyTerm* t) { return t->declaration().is_potential; });
+}
+
+}  // namespace pliant

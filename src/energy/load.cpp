@@ -1,0 +1,181 @@
+#include "energy/load.hpp"
+
+#include "base/compensated_sum.hpp"
+#include "base/tensor.hpp"
+#include "fem/element.hpp"
+#include "fem/quadrature.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+namespace {
+
+using Point = std::array<double, 3>;
+
+double norm(const Point& x) {
+  return std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+}
+
+Point cross(const Point& a, const Point& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+/// Volume or area per reference measure, from the columns dX/dxi_k.
+template <std::size_t Dim>
+double measure(const std::array<Point, Dim>& columns) {
+  if constexpr (Dim == 3) {
+    const Point n = cross(columns[0], columns[1]);
+    return n[0] * columns[2][0] + n[1] * columns[2][1] + n[2] * columns[2][2];
+  } else {
+    return norm(cross(columns[0], columns[1]));
+  }
+}
+
+/// Adds the samples of items of one shape.
+template <int Dim, int Order>
+class Sampler {
+  using Element = Simplex<Dim, Order>;
+
+ public:
+  Sampler(const NodeLayout& layout, Variation variation) : layout_(layout) {
+    // Exact for a uniform load on straight items; the mapping of curved ones and a load in space add to the degree.
+    rule_ = simplex_rule<Dim>(Order + Dim * (Order - 1) + (variation == Variation::in_space ? 4 : 0));
+    samples_.nodes_per_item = Element::num_nodes;
+    samples_.points_per_item = rule_.size();
+    for (const auto& xi : rule_.points) {
+      const auto N = Element::values(xi);
+      samples_.shapes.emplace_back(N.begin(), N.end());
+    }
+  }
+
+  void add(std::span<const PetscInt> nodes, double factor) {
+    samples_.nodes.insert(samples_.nodes.end(), nodes.begin(), nodes.end());
+    for (int q = 0; q < rule_.size(); ++q) {
+      const auto dN = Element::gradients(rule_.points[q]);
+      Point x{};
+      std::array<Point, Dim> columns{};
+      for (int a = 0; a < Element::num_nodes; ++a) {
+        const Point X = layout_.position(nodes[a]);
+        for (int i = 0; i < 3; ++i) {
+          x[i] += samples_.shapes[q][a] * X[i];
+          for (int k = 0; k < Dim; ++k) columns[k][i] += X[i] * dN[a][k];
+        }
+      }
+      samples_.points.push_back(x);
+      samples_.weights.push_back(factor * rule_.weights[q] * measure(columns));
+    }
+  }
+
+  LoadSamples take() { return std::move(samples_); }
+
+ private:
+  const NodeLayout& layout_;
+  QuadratureRule<Dim> rule_;
+  LoadSamples samples_;
+};
+
+template <int Order>
+LoadSamples cell_samples_of(const NodeLayout& layout, const std::vector<double>& factor_of_cell, Variation variation) {
+  Sampler<3, Order> sampler(layout, variation);
+  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
+    if (factor_of_cell[c] != 0.0) sampler.add(layout.nodes_of_cell(c), factor_of_cell[c]);
+  }
+  return sampler.take();
+}
+
+template <int Order>
+LoadSamples facet_samples_of(const NodeLayout& layout, const FacetList& facets, Variation variation) {
+  Sampler<2, Order> sampler(layout, variation);
+  for (PetscInt f = 0; f < facets.size(); ++f) {
+    sampler.add(std::span(facets.nodes).subspan(f * facets.nodes_per_facet, facets.nodes_per_facet), 1.0);
+  }
+  return sampler.take();
+}
+
+}  // namespace
+
+LoadSamples cell_samples(const NodeLayout& layout, const std::vector<double>& factor_of_cell, Variation variation) {
+  return layout.order == 1 ? cell_samples_of<1>(layout, factor_of_cell, variation)
+                           : cell_samples_of<2>(layout, factor_of_cell, variation);
+}
+
+LoadSamples facet_samples(const NodeLayout& layout, const FacetList& facets, Variation variation) {
+  return layout.order == 1 ? facet_samples_of<1>(layout, facets, variation)
+                           : facet_samples_of<2>(layout, facets, variation);
+}
+
+Variation variation_of(const std::array<Expression, 3>& value) {
+  const auto varies = [](const Expression& e) { return e.depends_on_space(); };
+  return std::any_of(value.begin(), value.end(), varies) ? Variation::in_space : Variation::uniform;
+}
+
+DeadLoad::DeadLoad(const NodeLayout& layout, LoadSamples samples, std::array<Expression, 3> value)
+    : num_owned_nodes_(layout.num_owned_nodes),
+      size_(3 * static_cast<std::size_t>(layout.num_local_nodes)),
+      value_(std::move(value)),
+      samples_(std::move(samples)) {
+  for (const double w : samples_.weights) total_weight_ += std::abs(w);
+  if (variation_of(value_) == Variation::uniform) {
+    nodal_weights_.assign(layout.num_local_nodes, 0.0);
+    for (std::size_t p = 0; p < samples_.weights.size(); ++p) {
+      const std::size_t item = p / samples_.points_per_item, q = p % samples_.points_per_item;
+      for (int a = 0; a < samples_.nodes_per_item; ++a) {
+        nodal_weights_[samples_.nodes[item * samples_.nodes_per_item + a]] +=
+            samples_.weights[p] * samples_.shapes[q][a];
+      }
+    }
+    samples_ = {};
+  } else if (!depends_on_time()) {
+    constant_ = sampled(0.0);
+    samples_ = {};
+  }
+}
+
+bool DeadLoad::depends_on_time() const {
+  return std::any_of(value_.begin(), value_.end(), [](const Expression& e) { return e.depends_on_time(); });
+}
+
+double DeadLoad::total_weight() const {
+  return total_weight_;
+}
+
+std::vector<double> DeadLoad::sampled(double time) const {
+  std::vector<double> f(size_, 0.0);
+  for (std::size_t p = 0; p < samples_.weights.size(); ++p) {
+    const std::size_t item = p / samples_.points_per_item, q = p % samples_.points_per_item;
+    const auto& [x, y, z] = samples_.points[p];
+    for (int i = 0; i < 3; ++i) {
+      const double density = samples_.weights[p] * value_[i](x, y, z, time);
+      for (int a = 0; a < samples_.nodes_per_item; ++a) {
+        f[3 * samples_.nodes[item * samples_.nodes_per_item + a] + i] += density * samples_.shapes[q][a];
+      }
+    }
+  }
+  return f;
+}
+
+std::vector<double> DeadLoad::forces(double time) const {
+  if (!constant_.empty()) return constant_;
+  if (nodal_weights_.empty()) return sampled(time);
+  std::vector<double> f(size_, 0.0);
+  for (int i = 0; i < 3; ++i) {
+    const double density = value_[i](0.0, 0.0, 0.0, time);
+    for (PetscInt a = 0; a < num_owned_nodes_; ++a) f[3 * a + i] = density * nodal_weights_[a];
+  }
+  return f;
+}
+
+double DeadLoad::value(const LocalStage& stage, std::span<const double> q) const {
+  const std::vector<double> f = forces(stage.time);
+  CompensatedSum<double> total;
+  for (PetscInt i = 0; i < 3 * num_owned_nodes_; ++i) total.add(-f[i] * (q[i] - stage.q0[i]));
+  return stage.load_factor * total.total();
+}
+
+void DeadLoad::add_gradient(const LocalStage& stage, std::span<const double>, std::span<double> r) const {
+  const std::vector<double> f = forces(stage.time);
+  for (PetscInt i = 0; i < 3 * num_owned_nodes_; ++i) r[i] -= stage.load_factor * f[i];
+}
+
+}  // namespace pliant

@@ -1,0 +1,64 @@
+/// Dead loads: forces per reference volume or area that depend on place and time but not on the motion; U = -int f . u.
+#pragma once
+
+#include "base/expression.hpp"
+#include "energy/term.hpp"
+#include "fem/layout.hpp"
+#include "fem/selection.hpp"
+
+#include <array>
+#include <vector>
+
+namespace pliant {
+
+/// Where a load's density is evaluated, and how what is found there reaches the nodes.
+struct LoadSamples {
+  int nodes_per_item = 0;
+  int points_per_item = 0;
+  std::vector<PetscInt> nodes;                ///< local nodes per item (cell or facet)
+  std::vector<std::vector<double>> shapes;    ///< N_a at the points of an item
+  std::vector<std::array<double, 3>> points;  ///< reference positions, points_per_item per item [m]
+  std::vector<double> weights;                ///< likewise: measure [m^2 or m^3], times the factor of the item
+};
+
+enum class Variation { uniform, in_space };
+
+/// Samples of cells, each weighted by `factor_of_cell` (e.g. a density); a factor of zero leaves the cell out.
+LoadSamples cell_samples(const NodeLayout& layout, const std::vector<double>& factor_of_cell, Variation variation);
+
+/// Samples of facets.
+LoadSamples facet_samples(const NodeLayout& layout, const FacetList& facets, Variation variation);
+
+/// Whether a load of these components varies in space.
+Variation variation_of(const std::array<Expression, 3>& value);
+
+class DeadLoad final : public EnergyTerm {
+ public:
+  /// `value` [N per unit of the samples' weights], a function of X and t.
+  DeadLoad(const NodeLayout& layout, LoadSamples samples, std::array<Expression, 3> value);
+
+  std::string_view name() const override { return "load"; }
+  TermDeclaration declaration() const override { return {}; }
+  double value(const LocalStage& stage, std::span<const double> q) const override;
+  void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override;
+  void add_hessian(const LocalStage&, std::span<const double>, const BlockWriter&, Projection) const override {}
+
+  /// Nodal forces at a time, rows of owned nodes [N].
+  std::vector<double> forces(double time) const;
+  /// sum of |weights| on this rank: area, or mass.
+  double total_weight() const;
+  bool depends_on_time() const;
+
+ private:
+  std::vector<double> sampled(double time) const;
+
+  PetscInt num_owned_nodes_;
+  std::size_t size_;
+  std::array<Expression, 3> value_;
+  LoadSamples samples_;                // kept only if the load varies in space and time
+  std::vector<double> nodal_weights_;  // if it is uniform in space
+  std::vector<double> constant_;       // if it varies in space alone
+  double total_weight_ = 0.0;
+};
+
+}  // namespace pliant
