@@ -44,7 +44,7 @@ class Stepper {
   Stepper(const Method& method, StageSolve solve, PrescribedMotion motion, Guess guess, Vec layout);
 
   /// Tries the step from the newest state of `history` to `step.time`; allocates no vectors. Collective.
-  StepAttempt attempt(const History& history, const Step& step);
+  StepAttempt attempt(const History& history, const Step& step) &;
 
   const Method& method() const { return method_; }
 
