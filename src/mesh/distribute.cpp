@@ -52,12 +52,6 @@ PetscInt point_of(DM dm, std::span<const PetscInt> nodes, PetscInt vertices_begi
   return point;
 }
 
-std::string described(const PhysicalGroup& group) {
-  constexpr std::array<const char*, 4> kinds{"point", "curve", "surface", "volume"};
-  const std::string name = group.name.empty() ? std::to_string(group.tag) : "'" + group.name + "'";
-  return std::string("physical ") + kinds[static_cast<std::size_t>(group.dimension)] + " " + name;
-}
-
 std::vector<PetscInt> points_of(DM dm, const SerialGroup& group, std::vector<std::string>& notices) {
   if (group.group.dimension == 3) return group.members;  // cells are numbered from 0, in the order of the list
   const PetscInt vertices_begin = stratum(dm, 0).begin;
@@ -73,7 +67,7 @@ std::vector<PetscInt> points_of(DM dm, const SerialGroup& group, std::vector<std
     }
   }
   if (off_mesh > 0) {
-    notices.push_back(described(group.group) + ": " + std::to_string(off_mesh) + " of its " +
+    notices.push_back(describe(group.group) + ": " + std::to_string(off_mesh) + " of its " +
                       std::to_string(group.members.size() / size) +
                       " elements are not part of a tetrahedron and were left out");
   }
@@ -125,15 +119,8 @@ void keep_own_dimension(DM dm, const std::vector<PhysicalGroup>& groups) {
 
 }  // namespace
 
-std::string label_name(const PhysicalGroup& group) {
-  constexpr std::array<const char*, 4> kinds{"point", "curve", "surface", "volume"};
-  return std::string("physical ") + kinds.at(static_cast<std::size_t>(group.dimension)) + " " +
-         std::to_string(group.tag);
-}
-
 void distribute(MPI_Comm comm, MeshParts&& parts, int refine, Mesh& result) {
   Handle<DM> dm = build_plex(comm, parts);
-  on_root(comm, [] {});
   label_groups(dm.get(), parts, result.groups, result.report.notices);
   const int size = num_ranks(comm);
   if (size > 1) prescribe_partition(dm.get(), parts.part, size);

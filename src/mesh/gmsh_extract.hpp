@@ -5,9 +5,7 @@
 
 namespace pliant {
 
-/// The tetrahedra of gmsh's current model (those of the physical volumes if there are any), every node of the model,
-/// and the physical groups. Throws MeshDefect if there are no tetrahedra, or other volume elements than first- or
-/// second-order ones.
+/// Nodes, tetrahedra and physical groups of gmsh's current model, by MeshCollector's rules. Throws MeshDefect.
 SerialMesh extract_mesh();
 
 }  // namespace pliant

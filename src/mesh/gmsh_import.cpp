@@ -2,6 +2,7 @@
 
 #include "mesh/gmsh_extract.hpp"
 #include "mesh/gmsh_session.hpp"
+#include "mesh/msh_reader.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -59,9 +60,6 @@ void generate(const std::optional<double>& size) {
 
 void load(const GmshSession& gmsh, const MeshSource& source, Kind kind) {
   switch (kind) {
-    case Kind::mesh:
-      gmsh.run("read it", [&] { gmsh::open(source.file); });
-      break;
     case Kind::script:
       gmsh.run("make sense of it", [&] { gmsh::open(source.file); });
       gmsh.run("mesh it", [&] { generate(source.size); });
@@ -76,6 +74,7 @@ void load(const GmshSession& gmsh, const MeshSource& source, Kind kind) {
 SerialMesh import_mesh(const MeshSource& source) {
   const Kind kind = kind_of(source.file);
   require_readable(source.file);
+  if (kind == Kind::mesh) return read_msh(source.file);
   const GmshSession gmsh;
   load(gmsh, source, kind);
   SerialMesh mesh;

@@ -88,6 +88,12 @@ std::vector<PhysicalGroup> shared_groups(MPI_Comm comm, const SerialMesh& mesh) 
 
 }  // namespace
 
+std::string label_name(const PhysicalGroup& group) {
+  constexpr std::array<const char*, 4> kinds{"point", "curve", "surface", "volume"};
+  return std::string("physical ") + kinds.at(static_cast<std::size_t>(group.dimension)) + " " +
+         std::to_string(group.tag);
+}
+
 Mesh read_mesh(MPI_Comm comm, const MeshSource& source) {
   Mesh mesh;
   MeshParts parts;

@@ -14,6 +14,12 @@ std::string joined(const std::vector<std::string>& reasons) {
 MeshDefect::MeshDefect(std::vector<std::string> reasons)
     : std::runtime_error(joined(reasons)), reasons_(std::move(reasons)) {}
 
+std::string describe(const PhysicalGroup& group) {
+  constexpr std::array<const char*, 4> kinds{"point", "curve", "surface", "volume"};
+  const std::string name = group.name.empty() ? std::to_string(group.tag) : "'" + group.name + "'";
+  return std::string("physical ") + kinds.at(static_cast<std::size_t>(group.dimension)) + " " + name;
+}
+
 std::string first_few(const std::vector<std::size_t>& numbers) {
   constexpr std::size_t shown = 5;
   std::string text;

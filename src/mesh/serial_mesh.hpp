@@ -49,6 +49,9 @@ class MeshDefect : public std::runtime_error {
   std::vector<std::string> reasons_;
 };
 
+/// "physical surface 'clamp'", or with the tag if it has no name.
+std::string describe(const PhysicalGroup& group);
+
 /// "3, 17, 20, ... (1204 in all)": the first few of many numbers, in the order given.
 std::string first_few(const std::vector<std::size_t>& numbers);
 

@@ -1,0 +1,50 @@
+/// A serial mesh from elements as they come.
+#pragma once
+
+#include "mesh/node_numbering.hpp"
+#include "mesh/serial_mesh.hpp"
+
+#include <map>
+#include <span>
+#include <utility>
+
+namespace pliant {
+
+/// Takes the nodes at once and the elements one by one; `finish` decides what is used: the tetrahedra of the physical
+/// volumes if there are any, else all.
+class MeshCollector {
+ public:
+  /// `coordinates`: xyz per tag. Throws MeshDefect if a tag comes twice.
+  MeshCollector(std::vector<std::size_t> node_tags, std::vector<double> coordinates);
+
+  /// Gives a physical group its name; the group exists from now on, with or without elements.
+  void name_group(int dimension, int tag, const std::string& name);
+
+  /// `type` is gmsh's, of which `nodes` are the node tags; `physicals` are the tags of the groups of the element's
+  /// dimension that it is in. Throws MeshDefect if a node does not exist.
+  void add(int type, std::size_t tag, std::span<const std::size_t> nodes, std::span<const int> physicals);
+
+  /// Throws MeshDefect if there are no tetrahedra, other volume elements, or a mixture of orders.
+  SerialMesh finish();
+
+ private:
+  struct Count {
+    std::size_t grouped = 0;
+    std::size_t ungrouped = 0;
+  };
+  SerialGroup& group(int dimension, int tag);
+  void add_cell(int type, std::size_t tag, std::span<const std::size_t> nodes, std::span<const int> physicals);
+  bool has_grouped_cells() const;
+  void reject_other_elements(bool groups_only) const;
+  [[noreturn]] void reject_without_tetrahedra() const;
+  void drop_ungrouped_cells();
+
+  SerialMesh mesh_;
+  NodeNumbering number_;
+  std::map<std::pair<int, int>, SerialGroup> groups_;
+  std::vector<PetscInt> ungrouped_;
+  std::map<int, Count> found_;  // per element type
+  SerialGroup* last_ = nullptr;
+};
+
+}  // namespace pliant
