@@ -17,7 +17,7 @@ run_packages=(
   python3 python3-numpy python3-vtk9 python3-matplotlib python3-h5py python3-yaml ffmpeg xvfb
 )
 test_packages=(
-  libgtest-dev libbenchmark-dev python3-jsonschema python3-pil clang-format-14 clang-tidy-14
+  libgtest-dev libbenchmark-dev python3-jsonschema python3-pil clang-format-14 clang-tidy-16
 )
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
