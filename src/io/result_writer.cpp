@@ -7,10 +7,14 @@
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"
 
+#include <algorithm>
 #include <cassert>
+#include <fstream>
 #include <functional>
 #include <optional>
+#include <sstream>
 #include <system_error>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -159,15 +163,30 @@ void add_group(MPI_Comm comm, const std::filesystem::path& path, const Group& pl
   on_root(comm, [&] { group->publish(plan); });
 }
 
+/// Makes the group of the frames such that adding a frame is one write of one block, which a kill cannot cut in two:
+/// its links lie in its header, with room for 2000 of them; later ones take two writes each. (An ordinary group spreads
+/// a new link over a B-tree, a heap and a symbol table, and is unreadable if the process dies between.)
+void make_frames_group(hid_t file) {
+  constexpr unsigned expected_frames = 2000;  // more would not fit the 64 KiB of a header block
+  constexpr unsigned name_length = 6;
+  const std::string doing = "make the group '/frames'";
+  const Hdf5Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, doing);
+  check_hdf5(H5Pset_link_creation_order(creation.get(), H5P_CRT_ORDER_TRACKED), doing);
+  check_hdf5(H5Pset_link_phase_change(creation.get(), /*max_compact=*/65535, /*min_dense=*/0), doing);
+  check_hdf5(H5Pset_est_link_info(creation.get(), expected_frames, name_length), doing);
+  Hdf5Handle frames(H5Gcreate2(file, "frames", H5P_DEFAULT, creation.get(), H5P_DEFAULT), H5Gclose, doing);
+  frames.close(doing);
+}
+
 void make_empty_file(const std::filesystem::path& path, const std::string& title) {
   const QuietHdf5 quiet;
   const std::string doing = "write '" + path.string() + "'";
-  File(path, FileMode::create).reserve(64 * 1024);
+  File(path, FileMode::create).reserve(256 * 1024);
   Hdf5Handle file = open_hdf5(path, Hdf5Mode::create);
   write_attribute(file.get(), "format", std::string("pliant-result"));
   write_attribute(file.get(), "version", std::int64_t{1});
   write_attribute(file.get(), "title", title);
-  { const Hdf5Handle frames(H5Gcreate2(file.get(), "frames", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, doing); }
+  make_frames_group(file.get());
   file.close(doing);
 }
 
@@ -175,10 +194,54 @@ std::string lines(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, "\n"));
 }
 
+std::string text_of(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+herr_t append_name(hid_t, const char* name, const H5L_info_t*, void* names) {
+  static_cast<std::vector<std::string>*>(names)->emplace_back(name);
+  return 0;
+}
+
+std::vector<std::string> names_in(hid_t group) {
+  std::vector<std::string> names;
+  check_hdf5(H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, append_name, &names), "list a group");
+  return names;
+}
+
+/// Removes the frames that `grids` does not refer to. Returns the number of the next frame and a name for the next
+/// mesh.
+std::pair<std::int64_t, std::string> keep_listed(const std::filesystem::path& path, const std::string& grids) {
+  const QuietHdf5 quiet;
+  const std::string doing = "continue '" + path.string() + "'";
+  Hdf5Handle file = open_hdf5(path, Hdf5Mode::modify);
+  Hdf5Handle frames(H5Gopen2(file.get(), "frames", H5P_DEFAULT), H5Gclose, doing);
+  std::int64_t next = 0;
+  for (const auto& name : names_in(frames.get())) {
+    if (grids.find(":/frames/" + name + "/") != std::string::npos) {
+      next = std::stoll(name) + 1;
+    } else {
+      check_hdf5(H5Ldelete(frames.get(), name.c_str(), H5P_DEFAULT), doing);
+    }
+  }
+  std::string mesh = "mesh";
+  const auto taken = names_in(file.get());
+  for (int i = 1; std::find(taken.begin(), taken.end(), mesh) != taken.end(); ++i) mesh = fmt::format("mesh_{}", i);
+  frames.close(doing);
+  file.close(doing);
+  return {next, mesh};
+}
+
 }  // namespace
 
 ResultWriter::ResultWriter(MPI_Comm comm, const std::filesystem::path& directory, std::string title,
                            const OutputMesh& mesh)
+    : ResultWriter(comm, directory, std::move(title), mesh, /*last_step=*/-1) {}
+
+ResultWriter::ResultWriter(MPI_Comm comm, const std::filesystem::path& directory, std::string title,
+                           const OutputMesh& mesh, std::int64_t last_step)
     : comm_(comm),
       title_(std::move(title)),
       hdf5_file_(directory / "result.h5"),
@@ -189,40 +252,47 @@ ResultWriter::ResultWriter(MPI_Comm comm, const std::filesystem::path& directory
   assert(nodes_per_cell_ == 4 || nodes_per_cell_ == 10);
   on_root(comm_, [&] {
     make_directory(directory);
-    // The old list of frames goes first, so that it never describes the new file; removing the old numbers, rather than
-    // emptying them, leaves a reader that has them open undisturbed. A failure shows when the new files are made.
-    std::error_code ignored;
-    std::filesystem::remove(xdmf_file_, ignored);
-    std::filesystem::remove(hdf5_file_, ignored);
-    make_empty_file(hdf5_file_, title_);
+    grids_ = grids_up_to_step(text_of(xdmf_file_), last_step);
+    if (grids_.empty()) {
+      start_files();
+    } else {
+      write_text_atomically(xdmf_file_, xdmf_document(title_, grids_));
+      std::tie(next_frame_, mesh_) = keep_listed(hdf5_file_, grids_);
+    }
   });
-  const std::vector<std::int32_t> bodies(mesh.bodies.begin(), mesh.bodies.end());
-  const std::vector<std::int32_t> ranks(mesh.bodies.size(), rank(comm_));
-  Group group{"/", "mesh", [](hid_t) {}, {}};
-  group.datasets = {
-      {"coordinates",
-       XdmfArray::Number::float64,
-       nodes_,
-       3,
-       std::as_bytes(std::span(mesh.coordinates)),
-       {{"unit", "m"}}},
-      {"cells", XdmfArray::Number::int64, cells_, nodes_per_cell_, std::as_bytes(std::span(mesh.cells)), {}},
-      {"body",
-       XdmfArray::Number::int32,
-       cells_,
-       1,
-       std::as_bytes(std::span(bodies)),
-       {{"names", lines(mesh.body_names)}}},
-      {"rank", XdmfArray::Number::int32, cells_, 1, std::as_bytes(std::span(ranks)), {}}};
-  add_group(comm_, hdf5_file_, group);
+  mesh_ = broadcast(comm_, mesh_);
+  check_mpi(MPI_Bcast(&next_frame_, 1, MPI_INT64_T, 0, comm_));
+  write_mesh(mesh);
   on_root(comm_, [&] { write_text_atomically(xdmf_file_, xdmf_document(title_, grids_)); });
 }
 
+void ResultWriter::start_files() const {
+  // The old list of frames goes first, so that it never describes the new file; removing the old numbers, rather than
+  // emptying them, leaves a reader that has them open undisturbed. A failure shows when the new files are made.
+  std::error_code ignored;
+  std::filesystem::remove(xdmf_file_, ignored);
+  std::filesystem::remove(hdf5_file_, ignored);
+  make_empty_file(hdf5_file_, title_);
+}
+
+void ResultWriter::write_mesh(const OutputMesh& mesh) const {
+  using enum XdmfArray::Number;
+  const std::vector<std::int32_t> bodies(mesh.bodies.begin(), mesh.bodies.end());
+  const std::vector<std::int32_t> ranks(mesh.bodies.size(), rank(comm_));
+  Group group{"/", mesh_, [](hid_t) {}, {}};
+  group.datasets = {{"coordinates", float64, nodes_, 3, std::as_bytes(std::span(mesh.coordinates)), {{"unit", "m"}}},
+                    {"cells", int64, cells_, nodes_per_cell_, std::as_bytes(std::span(mesh.cells)), {}},
+                    {"body", int32, cells_, 1, std::as_bytes(std::span(bodies)), {{"names", lines(mesh.body_names)}}},
+                    {"rank", int32, cells_, 1, std::as_bytes(std::span(ranks)), {}}};
+  add_group(comm_, hdf5_file_, group);
+}
+
 void ResultWriter::write_frame(double time, std::int64_t step, std::span<const OutputField> fields) {
-  Group group{"/frames", fmt::format("{:06}", num_frames_), {}, {}};
+  Group group{"/frames", fmt::format("{:06}", next_frame_++), {}, {}};
   group.write_attributes = [&](hid_t frame) {
     write_attribute(frame, "time", time);
     write_attribute(frame, "step", step);
+    write_attribute(frame, "mesh", "/" + mesh_);
   };
   for (const auto& field : fields) {
     const std::string location = field.location == FieldLocation::node ? "node" : "cell";
@@ -235,11 +305,10 @@ void ResultWriter::write_frame(double time, std::int64_t step, std::span<const O
   }
   add_group(comm_, hdf5_file_, group);
   on_root(comm_, [&] {
-    const std::string grids = grids_ + grid_of_frame(time, "/frames/" + group.name, fields);
+    const std::string grids = grids_ + grid_of_frame(time, step, "/frames/" + group.name, fields);
     write_text_atomically(xdmf_file_, xdmf_document(title_, grids));
     grids_ = grids;
   });
-  ++num_frames_;
 }
 
 XdmfArray ResultWriter::array(const std::string& place, XdmfArray::Number number, const RowBlock& rows,
@@ -247,13 +316,14 @@ XdmfArray ResultWriter::array(const std::string& place, XdmfArray::Number number
   return {hdf5_file_.filename().string() + ":" + place, number, rows.num_global, columns};
 }
 
-std::string ResultWriter::grid_of_frame(double time, const std::string& group,
+std::string ResultWriter::grid_of_frame(double time, std::int64_t step, const std::string& group,
                                         std::span<const OutputField> fields) const {
   XdmfGrid grid;
-  grid.name = fmt::format("frame {}", num_frames_);
+  grid.name = fmt::format("step {}", step);
   grid.time = time;
-  grid.cells = array("/mesh/cells", XdmfArray::Number::int64, cells_, nodes_per_cell_);
-  grid.coordinates = array("/mesh/coordinates", XdmfArray::Number::float64, nodes_, 3);
+  grid.step = step;
+  grid.cells = array("/" + mesh_ + "/cells", XdmfArray::Number::int64, cells_, nodes_per_cell_);
+  grid.coordinates = array("/" + mesh_ + "/coordinates", XdmfArray::Number::float64, nodes_, 3);
   for (const auto& field : fields) {
     const auto center = field.location == FieldLocation::node ? XdmfField::Center::node : XdmfField::Center::cell;
     grid.fields.push_back(
@@ -262,7 +332,7 @@ std::string ResultWriter::grid_of_frame(double time, const std::string& group,
   }
   for (const std::string name : {"body", "rank"}) {
     grid.fields.push_back(
-        {name, "", XdmfField::Center::cell, array("/mesh/" + name, XdmfArray::Number::int32, cells_, 1)});
+        {name, "", XdmfField::Center::cell, array("/" + mesh_ + "/" + name, XdmfArray::Number::int32, cells_, 1)});
   }
   return to_xml(grid);
 }

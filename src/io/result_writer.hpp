@@ -4,8 +4,8 @@
 ///   /mesh/coordinates       num_nodes x 3, reference positions X [m]
 ///   /mesh/cells             num_cells x 4 or 10, node numbers in VTK's order
 ///   /mesh/body, /mesh/rank  num_cells; attribute `names` of body: the names, one per line
-///   /frames/000000/...      attributes time [s], step; a dataset per field, num_nodes or num_cells x components,
-///   attributes
+///   /frames/000000/...      attributes time [s], step, mesh (its group: "/mesh"; "/mesh_1" after a restart); a dataset
+///   per field, num_nodes or num_cells x components, attributes
 ///                           `unit` and `location` ("node" or "cell")
 ///
 /// Only the metadata go through HDF5, on rank 0; every rank then writes its rows straight to their place in the file.
@@ -69,16 +69,24 @@ class ResultWriter {
   /// Collective.
   ResultWriter(MPI_Comm comm, const std::filesystem::path& directory, std::string title, const OutputMesh& mesh);
 
+  /// Continues the result of an earlier run, e.g. from a checkpoint: its frames up to step `last_step` stay, later ones
+  /// go. The mesh is written anew, for the ranks may own other blocks of it now. Without an earlier result it starts
+  /// one. Collective.
+  ResultWriter(MPI_Comm comm, const std::filesystem::path& directory, std::string title, const OutputMesh& mesh,
+               std::int64_t last_step);
+
   /// Adds a frame; when it returns, the frame is on the disk and listed. Collective.
   void write_frame(double time, std::int64_t step, std::span<const OutputField> fields);
 
-  std::int64_t num_frames() const { return num_frames_; }
   const std::filesystem::path& xdmf_file() const { return xdmf_file_; }
 
  private:
   RowBlock rows_of(FieldLocation location) const { return location == FieldLocation::node ? nodes_ : cells_; }
   XdmfArray array(const std::string& place, XdmfArray::Number number, const RowBlock& rows, int columns) const;
-  std::string grid_of_frame(double time, const std::string& group, std::span<const OutputField> fields) const;
+  void start_files() const;
+  void write_mesh(const OutputMesh& mesh) const;
+  std::string grid_of_frame(double time, std::int64_t step, const std::string& group,
+                            std::span<const OutputField> fields) const;
 
   MPI_Comm comm_;
   std::string title_;
@@ -87,8 +95,9 @@ class ResultWriter {
   int nodes_per_cell_;
   RowBlock nodes_;
   RowBlock cells_;
-  std::int64_t num_frames_ = 0;
-  std::string grids_;  // rank 0: the XML of the frames so far
+  std::int64_t next_frame_ = 0;
+  std::string mesh_ = "mesh";  // the group of this run's mesh
+  std::string grids_;          // rank 0: the XML of the frames so far
 };
 
 }  // namespace pliant

@@ -1,5 +1,6 @@
 #include "io/xdmf.hpp"
 
+#include <cstdlib>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -81,6 +82,7 @@ std::string to_xml(const XdmfGrid& grid) {
   std::string text = fmt::format(
       R"(      <Grid Name="{}" GridType="Uniform">
         <Time Value="{}"/>
+        <Information Name="step" Value="{}"/>
         <Topology TopologyType="{}" NumberOfElements="{}">
           {}
         </Topology>
@@ -88,8 +90,8 @@ std::string to_xml(const XdmfGrid& grid) {
           {}
         </Geometry>
 )",
-      xml_escaped(grid.name), grid.time, grid.cells.columns == 4 ? "Tetrahedron" : "Tetrahedron_10", grid.cells.rows,
-      to_xml(grid.cells), to_xml(grid.coordinates));
+      xml_escaped(grid.name), grid.time, grid.step, grid.cells.columns == 4 ? "Tetrahedron" : "Tetrahedron_10",
+      grid.cells.rows, to_xml(grid.cells), to_xml(grid.coordinates));
   for (const auto& field : grid.fields) text += to_xml(field);
   return text + "      </Grid>\n";
 }
@@ -106,6 +108,20 @@ std::string xdmf_document(const std::string& title, const std::string& grids) {
 </Xdmf>
 )",
       xml_escaped(title), xml_escaped(title), grids);
+}
+
+std::string grids_up_to_step(const std::string& document, std::int64_t last_step) {
+  const std::string begin = "      <Grid ", end = "      </Grid>\n", step = "<Information Name=\"step\" Value=\"";
+  std::string kept;
+  std::size_t at = document.find(begin);
+  while (at != std::string::npos) {
+    const std::size_t past = document.find(end, at), value = document.find(step, at);
+    if (past == std::string::npos || value > past) break;
+    if (std::strtoll(document.c_str() + value + step.size(), nullptr, 10) > last_step) break;
+    kept += document.substr(at, past + end.size() - at);
+    at = document.find(begin, past);
+  }
+  return kept;
 }
 
 }  // namespace pliant

@@ -26,7 +26,8 @@ struct XdmfField {
 /// One frame of the time series.
 struct XdmfGrid {
   std::string name;
-  double time = 0;        ///< [s]
+  double time = 0;  ///< [s]
+  std::int64_t step = 0;
   XdmfArray cells;        ///< 4 columns: linear tetrahedra; 10: quadratic ones
   XdmfArray coordinates;  ///< 3 columns
   std::vector<XdmfField> fields;
@@ -40,5 +41,8 @@ std::string to_xml(const XdmfGrid& grid);
 
 /// The whole file; `grids`: the <Grid> elements of the frames in order of time.
 std::string xdmf_document(const std::string& title, const std::string& grids);
+
+/// The <Grid> elements in a text made by xdmf_document, up to the frame of step `last_step`.
+std::string grids_up_to_step(const std::string& document, std::int64_t last_step);
 
 }  // namespace pliant
