@@ -1,21 +1,22 @@
 /// A stage: the backward-Euler-like problem that every method of the time layer poses, and how a solver answers it.
 #pragma once
 
+#include "petsc/handle.hpp"
+
 #include <functional>
 #include <string>
-
-#include "petsc/handle.hpp"
 
 namespace pliant {
 
 /// All that a term may know of time. The vectors are borrowed and hold the stage's start; rates inside a stage are
 /// v = (q - q0) / dt and a = (v - v0) / dt (docs: dynamics, "Mechanics: q alone is the unknown").
 struct StagePoint {
-  double time = 0.0;         ///< t_i, at which loads and constraints are evaluated [s]
-  double dt = 0.0;           ///< dt_i = beta A_ii dt, length of the stage [s]
-  Vec q0 = nullptr;          ///< configuration at the stage's start [m]
-  Vec v0 = nullptr;          ///< velocity at the stage's start [m/s]
-  double load_factor = 1.0;  ///< multiplies loads and prescribed displacements (load stepping of static problems; else 1)
+  double time = 0.0;  ///< t_i, at which loads and constraints are evaluated [s]
+  double dt = 0.0;    ///< dt_i = beta A_ii dt, length of the stage [s]
+  Vec q0 = nullptr;   ///< configuration at the stage's start [m]
+  Vec v0 = nullptr;   ///< velocity at the stage's start [m/s]
+  double load_factor =
+      1.0;  ///< multiplies loads and prescribed displacements (load stepping of static problems; else 1)
 };
 
 enum class StageOutcome { converged, retry, fatal };

@@ -125,13 +125,13 @@ TEST(ProtheroRobinson, ErrorsArePublishedOnes) {
   struct Published {
     const char* method;
     double lambda;
-    std::vector<double> errors;
+    std::vector<double> errors;  // 0: not published
   };
   const std::vector<Published> published = {
       {"backward-euler", -1e6, {2.839e-8, 1.386e-8, 6.841e-9, 3.399e-9, 1.694e-9}},
-      {"dirk22", -1e6, {2.172e-8}},
+      {"dirk22", -1e6, {2.172e-8, 0, 0, 0, 1.202e-9}},
       {"dirk23", -1e6, {4.174e-4, 1.126e-4, 2.820e-5, 7.042e-6, 1.759e-6}},
-      {"dirk33", -1e6, {1.319e-8}},
+      {"dirk33", -1e6, {1.319e-8, 0, 0, 0, 7.107e-10}},
       {"backward-euler", -1.0, {2.444e-2, 1.244e-2, 6.278e-3, 3.154e-3}},
       {"dirk22", -1.0, {1.927e-4, 4.753e-5, 1.180e-5, 2.941e-6}},
       {"dirk23", -1.0, {4.100e-5, 5.392e-6, 6.920e-7, 8.768e-8}},
@@ -142,6 +142,7 @@ TEST(ProtheroRobinson, ErrorsArePublishedOnes) {
     const Ode ode = same_everywhere(
         [=](double t, auto, auto v, std::size_t k) { return l * (v[k] - std::cos(t)) - std::sin(t); }, 0.0, 1.0);
     for (std::size_t level = 0; level < errors.size(); ++level) {
+      if (errors[level] == 0.0) continue;
       const double dt = 1.0 / (10 << level);
       History history = test::history_of(ode);
       Stepper stepper = test::make_stepper(*find_method(name), ode);
