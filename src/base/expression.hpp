@@ -21,7 +21,7 @@ class ExpressionError : public std::runtime_error {
 /// Copies are independent. Default: the constant 0.
 class Expression {
  public:
-  Expression() = default;
+  Expression();
   explicit Expression(double constant);
   /// `factor` multiplies the formula's value (units). Throws ExpressionError.
   explicit Expression(const std::string& text, double factor = 1.0);

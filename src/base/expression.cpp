@@ -1,0 +1,182 @@
+#include "base/expression.hpp"
+
+#include "base/text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <muParser.h>
+
+namespace pliant {
+namespace {
+
+constexpr std::array variable_names{"x", "y", "z", "t"};
+constexpr std::size_t time_index = 3;
+
+/// Position of muParser's assignment operator, which would let a formula change its own variables.
+std::size_t assignment_position(const std::string& text) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] != '=') continue;
+    if (i + 1 < text.size() && text[i + 1] == '=') {
+      ++i;
+    } else if (i == 0 || std::string_view("<>!").find(text[i - 1]) == std::string_view::npos) {
+      return i;
+    }
+  }
+  return std::string::npos;
+}
+
+bool is_name_character(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_';
+}
+
+/// The name or symbol at `position`.
+std::string token_at(const std::string& text, std::size_t position) {
+  std::size_t end = position;
+  while (end < text.size() && is_name_character(text[end])) ++end;
+  if (end == position) {  // a symbol: up to the next blank
+    while (end < text.size() && std::isspace(static_cast<unsigned char>(text[end])) == 0) ++end;
+  }
+  return excerpt(text.substr(position, end - position), 20);
+}
+
+/// Start of the name that ends before `position`; `position` itself if there is none.
+std::size_t start_of_name(const std::string& text, std::size_t position) {
+  while (position > 0 && is_name_character(text[position - 1])) --position;
+  return position;
+}
+
+std::vector<std::string> known_names(const mu::Parser& parser) {
+  std::vector<std::string> names(variable_names.begin(), variable_names.end());
+  for (const auto& constant : parser.GetConst()) names.push_back(constant.first);
+  for (const auto& function : parser.GetFunDef()) names.push_back(function.first);
+  return names;
+}
+
+ExpressionError explained(const mu::ParserError& error, const mu::Parser& parser, const std::string& text) {
+  const int position = std::clamp(static_cast<int>(error.GetPos()), 0, static_cast<int>(text.size()));
+  const auto at = static_cast<std::size_t>(position);
+  const std::size_t start = start_of_name(text, at);
+  const std::string token = token_at(text, at);
+  const auto because = [&](const std::string& message) { return ExpressionError(message, position); };
+  switch (error.GetCode()) {
+    case mu::ecEMPTY_EXPRESSION:
+      return because("the formula is empty");
+    case mu::ecEXPRESSION_TOO_LONG:
+      return because("the formula is too long");
+    case mu::ecUNASSIGNABLE_TOKEN:
+      return because("'" + token + "' is not known; a formula has x, y, z, t, pi and functions" +
+                     did_you_mean(token, known_names(parser)));
+    case mu::ecUNEXPECTED_OPERATOR:
+      return because("operator '" + error.GetToken() + "' is not expected here" +
+                     (text.find("**") != std::string::npos ? " (a power is written '^')" : ""));
+    case mu::ecUNEXPECTED_EOF:
+      return because("the formula ends too early");
+    case mu::ecUNEXPECTED_VAL:
+    case mu::ecUNEXPECTED_VAR:
+    case mu::ecUNEXPECTED_FUN:
+      return because("an operator is missing before '" + token + "'");
+    case mu::ecMISSING_PARENS:
+      return because("a ')' is missing");
+    case mu::ecUNEXPECTED_PARENS:
+      if (start < at && error.GetToken() == "(") {
+        const std::string name = token_at(text, start);
+        return {"'" + name + "' is not a function" + did_you_mean(name, known_names(parser)), static_cast<int>(start)};
+      }
+      return because("parenthesis '" + error.GetToken() + "' is not expected here");
+    case mu::ecTOO_FEW_PARAMS:
+      return because("function '" + error.GetToken() + "' needs more arguments");
+    case mu::ecTOO_MANY_PARAMS:
+      return because("function '" + error.GetToken() + "' has too many arguments");
+    default:
+      return because(error.GetMsg());
+  }
+}
+
+}  // namespace
+
+/// A parsed formula. Variables are bound by address, so a formula stays where it was made.
+struct Expression::Formula {
+  Formula(std::string formula_text, double formula_factor) : text(std::move(formula_text)), factor(formula_factor) {
+    for (std::size_t i = 0; i < variable_names.size(); ++i) parser.DefineVar(variable_names[i], &variables[i]);
+    parser.DefineConst("pi", std::numbers::pi);
+    try {
+      parser.SetExpr(text);
+      for (const auto& used : parser.GetUsedVar()) {
+        (used.second == &variables[time_index] ? uses_time : uses_space) = true;
+      }
+      parser.Eval();
+    } catch (const mu::ParserError& error) {
+      throw explained(error, parser, text);
+    }
+    if (parser.GetNumResults() != 1) {
+      throw ExpressionError("a formula has one value, not several separated by ',' (a decimal point is written '.')",
+                            static_cast<int>(std::min(text.find(','), text.size())));
+    }
+  }
+  Formula(const Formula&) = delete;
+  Formula& operator=(const Formula&) = delete;
+
+  std::string text;
+  double factor;
+  std::array<double, 4> variables{};
+  mu::Parser parser;
+  bool uses_space = false;
+  bool uses_time = false;
+};
+
+Expression::Expression() = default;
+
+Expression::Expression(double constant) : constant_(constant) {}
+
+Expression::Expression(const std::string& text, double factor) {
+  const std::size_t assignment = assignment_position(text);
+  if (assignment != std::string::npos) {
+    throw ExpressionError("a formula cannot assign with '='; equality is tested with '=='",
+                          static_cast<int>(assignment));
+  }
+  auto formula = std::make_unique<Formula>(text, factor);
+  if (formula->uses_space || formula->uses_time) {
+    formula_ = std::move(formula);
+  } else {
+    constant_ = factor * formula->parser.Eval();
+  }
+}
+
+Expression::Expression(const Expression& other)
+    : constant_(other.constant_),
+      formula_(other.formula_ ? std::make_unique<Formula>(other.formula_->text, other.formula_->factor) : nullptr) {}
+
+Expression& Expression::operator=(const Expression& other) {
+  if (this != &other) *this = Expression(other);
+  return *this;
+}
+
+Expression::Expression(Expression&&) noexcept = default;
+Expression& Expression::operator=(Expression&&) noexcept = default;
+Expression::~Expression() = default;
+
+double Expression::operator()(double x, double y, double z, double t) const {
+  if (!formula_) return constant_;
+  formula_->variables = {x, y, z, t};
+  return formula_->factor * formula_->parser.Eval();
+}
+
+bool Expression::depends_on_space() const {
+  return formula_ && formula_->uses_space;
+}
+bool Expression::depends_on_time() const {
+  return formula_ && formula_->uses_time;
+}
+bool Expression::is_zero() const {
+  return !formula_ && constant_ == 0.0;
+}
+std::string Expression::text() const {
+  return formula_ ? formula_->text : format_number(constant_);
+}
+
+}  // namespace pliant

@@ -1,0 +1,164 @@
+#include "base/units.hpp"
+
+#include "base/text.hpp"
+
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include <udunits2.h>
+
+namespace pliant {
+namespace {
+
+struct Deleter {
+  void operator()(ut_system* x) const { ut_free_system(x); }
+  void operator()(ut_unit* x) const { ut_free(x); }
+  void operator()(cv_converter* x) const { cv_free(x); }
+};
+using System = std::unique_ptr<ut_system, Deleter>;
+using Unit = std::unique_ptr<ut_unit, Deleter>;
+using Converter = std::unique_ptr<cv_converter, Deleter>;
+
+struct Dimension {
+  const char* unit;
+  const char* name;
+};
+
+/// Words for what users most often give; the first unit of a dimension that fits a quantity names it.
+constexpr std::array dimensions{
+    Dimension{"m", "a length"},
+    Dimension{"s", "a time"},
+    Dimension{"kg", "a mass"},
+    Dimension{"Pa", "a pressure"},
+    Dimension{"kg/m^3", "a density"},
+    Dimension{"m/s", "a velocity"},
+    Dimension{"m/s^2", "an acceleration"},
+    Dimension{"N", "a force"},
+    Dimension{"J", "an energy"},
+    Dimension{"W", "a power"},
+    Dimension{"Pa*s", "a viscosity"},
+    Dimension{"s/m", "an inverse velocity"},
+    Dimension{"m^2", "an area"},
+    Dimension{"m^3", "a volume"},
+    Dimension{"1/s", "a frequency"},
+    Dimension{"N/m", "a stiffness"},
+    Dimension{"K", "a temperature"},
+    Dimension{"1", "a pure number"},
+};
+
+System loaded_system() {
+  ut_set_error_message_handler(ut_ignore);  // udunits writes to stderr otherwise
+  System system(ut_read_xml(nullptr));
+  if (!system)
+    throw std::runtime_error(
+        "the database of units cannot be read; install udunits2's data (Debian: libudunits2-data)");
+  return system;
+}
+
+ut_system* system_of_units() {
+  static const System system = loaded_system();
+  return system.get();
+}
+
+Unit parsed_unit(const std::string& text) {
+  return Unit(ut_parse(system_of_units(), text.c_str(), UT_UTF8));
+}
+
+/// Equal dimensions; unlike ut_are_convertible this tells s from Hz.
+bool same_dimension(const ut_unit* a, const ut_unit* b) {
+  const Unit quotient(ut_divide(a, b));
+  return quotient && ut_is_dimensionless(quotient.get()) != 0 && ut_are_convertible(a, b) != 0;
+}
+
+/// What one `unit` is in `expected`; nothing if the relation is no plain factor.
+std::optional<double> conversion_factor(ut_unit* unit, ut_unit* expected) {
+  const Converter converter(ut_get_converter(unit, expected));
+  if (!converter || cv_convert_double(converter.get(), 0.0) != 0.0) return {};
+  return cv_convert_double(converter.get(), 1.0);
+}
+
+/// value * factor, for factors that are meant as whole numbers or their reciprocals (1000, 1/1000) rounded only once,
+/// so that "0.7 mm" is 0.0007.
+double scaled(double value, double factor) {
+  constexpr double tolerance = 1e-14;  // udunits' own rounding of g/cm^3 is 1e-16
+  const double whole = std::round(factor);
+  if (std::abs(factor - whole) <= tolerance * whole) return value * whole;
+  const double reciprocal = std::round(1 / factor);
+  if (std::abs(factor * reciprocal - 1) <= tolerance) return value / reciprocal;
+  return value * factor;
+}
+
+struct NumberAndUnit {
+  double number;
+  std::string unit;  // empty: none
+};
+
+/// Longest leading number, and the rest without blanks.
+std::optional<NumberAndUnit> split(std::string_view text) {
+  text = trimmed(text);
+  const std::size_t digits = text.find_first_not_of("+-.0123456789eE");
+  for (std::size_t end = std::min(digits, text.size()); end > 0; --end) {
+    if (const auto number = parse_number(text.substr(0, end))) {
+      return NumberAndUnit{*number, std::string(trimmed(text.substr(end)))};
+    }
+  }
+  return {};
+}
+
+bool starts_unit(const std::string& text) {
+  const auto first = static_cast<unsigned char>(text.front());
+  return std::isalpha(first) != 0 || first >= 0x80 || first == '%';
+}
+
+/// "a length", or the unit itself where there is no word for it.
+std::string dimension_of(const ut_unit* unit, const std::string& text) {
+  for (const auto& d : dimensions) {
+    if (same_dimension(unit, parsed_unit(d.unit).get())) return d.name;
+  }
+  return "in [" + text + "]";
+}
+
+}  // namespace
+
+std::string quantity_name(const std::string& unit) {
+  if (unit == "1") return "a number";
+  for (const auto& d : dimensions) {
+    if (unit == d.unit) return std::string(d.name) + " [" + unit + "]";
+  }
+  return "a quantity [" + unit + "]";
+}
+
+bool looks_like_quantity(const std::string& text) {
+  const auto parts = split(text);
+  return parts && (parts->unit.empty() || starts_unit(parts->unit));
+}
+
+double parse_quantity(const std::string& text, const std::string& unit) {
+  const std::string wanted = quantity_name(unit) + " is expected";
+  const auto parts = split(text);
+  const std::string quoted = "'" + excerpt(text) + "'";
+  if (!parts) throw UnitError(quoted + " is not a number, but " + wanted);
+  if (parts->unit.empty()) return parts->number;
+
+  const bool quotient = parts->unit.starts_with('/') || parts->unit.starts_with("1/");
+  if (parts->unit.starts_with(',')) throw UnitError(quoted + " is not a number (a decimal point is written '.')");
+  if (!quotient && !starts_unit(parts->unit)) {
+    throw UnitError(quoted + " is neither a number nor a number with a unit, but " + wanted);
+  }
+  const Unit given = parsed_unit(parts->unit.starts_with('/') ? "1" + parts->unit : parts->unit);
+  if (!given) throw UnitError("'" + excerpt(parts->unit) + "' in " + quoted + " is not a known unit, but " + wanted);
+  const Unit expected = parsed_unit(unit);
+  if (!same_dimension(given.get(), expected.get())) {
+    throw UnitError(quoted + " is " + dimension_of(given.get(), parts->unit) + ", but " + wanted);
+  }
+  const auto factor = conversion_factor(given.get(), expected.get());
+  if (!factor) throw UnitError(quoted + " has a unit with an offset, but " + wanted);
+  const double value = scaled(parts->number, *factor);
+  if (!std::isfinite(value)) throw UnitError(quoted + " is too large for a number");
+  return value;
+}
+
+}  // namespace pliant
