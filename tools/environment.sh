@@ -14,7 +14,7 @@ on_ranks() {
     "$@"
     return
   fi
-  processors=$(nproc)
+  processors=$(env -u OMP_NUM_THREADS nproc)
   cores=$(lscpu --parse=CORE,SOCKET | grep -v '^#' | sort -u | wc -l)  # Open MPI counts cores, not hardware threads
   if ((cores < ranks || processors < ranks)); then
     options+=(--oversubscribe)

@@ -91,10 +91,13 @@ warn_of_slow_blas() {
   done
 }
 
+# Cores that may be used; plain nproc would take OMP_NUM_THREADS for their number.
+usable_cores() { env -u OMP_NUM_THREADS -u OMP_THREAD_LIMIT nproc; }
+
 # Compile jobs at once: one per core, as far as 1.5 GB of memory each go.
 build_jobs() {
   local cores memory limit
-  cores=$(nproc)
+  cores=$(usable_cores)
   memory=$(awk '/^MemAvailable:/ {print int($2 / 1024)}' /proc/meminfo)
   if [[ -r /sys/fs/cgroup/memory.max ]]; then
     limit=$(</sys/fs/cgroup/memory.max)

@@ -10,4 +10,4 @@ source "$root/tools/environment.sh"
 
 set_up test
 say "testing"
-ctest --test-dir "$build" --output-on-failure --no-tests=error -j "$(nproc)" "$@" </dev/null
+ctest --test-dir "$build" --output-on-failure --no-tests=error -j "$(usable_cores)" "$@" </dev/null
