@@ -5,6 +5,7 @@
 #include "petsc/session.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 #include <petscdmplex.h>
 
@@ -74,21 +75,97 @@ std::vector<PetscInt> points_of(DM dm, const SerialGroup& group, std::vector<std
   return points;
 }
 
+/// Makes the stratum of the label hold these points and no others. Not collective.
+void set_members(DM dm, const PhysicalGroup& group, std::vector<PetscInt> points) {
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  DMLabel label = nullptr;
+  check(DMGetLabel(dm, label_name(group).c_str(), &label));
+  Handle<IS> is;
+  check(ISCreateGeneral(PETSC_COMM_SELF, static_cast<PetscInt>(points.size()), points.data(), PETSC_COPY_VALUES,
+                        is.out()));
+  check(DMLabelSetStratumIS(label, 1, is.get()));
+}
+
 /// One label per group; every rank has all of them, rank 0 fills them.
 void label_groups(DM dm, const MeshParts& parts, const std::vector<PhysicalGroup>& groups,
                   std::vector<std::string>& notices) {
   for (const auto& group : groups) check(DMCreateLabel(dm, label_name(group).c_str()));
   for (const auto& group : parts.mesh.groups) {
-    std::vector<PetscInt> points = points_of(dm, group, notices);
-    std::sort(points.begin(), points.end());
-    points.erase(std::unique(points.begin(), points.end()), points.end());
-    DMLabel label = nullptr;
-    check(DMGetLabel(dm, label_name(group.group).c_str(), &label));
-    Handle<IS> is;
-    check(ISCreateGeneral(PETSC_COMM_SELF, static_cast<PetscInt>(points.size()), points.data(), PETSC_COPY_VALUES,
-                          is.out()));
-    check(DMLabelSetStratumIS(label, 1, is.get()));
+    set_members(dm, group.group, points_of(dm, group, notices));
   }
+}
+
+/// Mid-edge nodes on their way through the distribution: three numbers per edge point.
+struct EdgeField {
+  Handle<PetscSection> section;
+  Handle<Vec> values;
+};
+
+/// Edge points of a cell, with their mid-edge nodes.
+std::array<std::pair<PetscInt, PetscInt>, 6> mid_nodes_of(DM dm, const SerialMesh& mesh, std::size_t cell) {
+  std::array<std::pair<PetscInt, PetscInt>, 6> found{};
+  std::size_t num_found = 0;
+  const PetscInt vertices_begin = stratum(dm, 0).begin;
+  const Stratum edges = stratum(dm, 1);
+  PetscInt count = 0;
+  PetscInt* closure = nullptr;
+  check(DMPlexGetTransitiveClosure(dm, static_cast<PetscInt>(cell), PETSC_TRUE, &count, &closure));
+  for (PetscInt i = 0; i < count; ++i) {
+    const PetscInt p = closure[2 * i];
+    if (p < edges.begin || p >= edges.end) continue;
+    const PetscInt* ends = nullptr;
+    check(DMPlexGetCone(dm, p, &ends));
+    for (std::size_t e = 0; e < 6; ++e) {
+      const PetscInt a = vertices_begin + mesh.cells[4 * cell + static_cast<std::size_t>(local_edges[e][0])];
+      const PetscInt b = vertices_begin + mesh.cells[4 * cell + static_cast<std::size_t>(local_edges[e][1])];
+      if (std::minmax(a, b) == std::minmax(ends[0], ends[1])) found[num_found++] = {p, mesh.mid_nodes[6 * cell + e]};
+    }
+  }
+  check(DMPlexRestoreTransitiveClosure(dm, static_cast<PetscInt>(cell), PETSC_TRUE, &count, &closure));
+  return found;
+}
+
+EdgeField edge_field(MPI_Comm comm, DM dm, const SerialMesh& mesh) {
+  EdgeField field;
+  const Stratum edges = stratum(dm, 1);
+  check(PetscSectionCreate(comm, field.section.out()));
+  check(PetscSectionSetChart(field.section.get(), edges.begin, edges.end));
+  for (PetscInt e = edges.begin; e < edges.end; ++e) check(PetscSectionSetDof(field.section.get(), e, 3));
+  check(PetscSectionSetUp(field.section.get()));
+  check(VecCreate(comm, field.values.out()));
+  check(VecSetSizes(field.values.get(), 3 * (edges.end - edges.begin), PETSC_DETERMINE));
+  check(VecSetType(field.values.get(), VECSTANDARD));
+  const ArrayView values(field.values.get());
+  for (std::size_t c = 0; c < mesh.mid_nodes.size() / 6; ++c) {
+    for (const auto& [edge, mid_node] : mid_nodes_of(dm, mesh, c)) {
+      for (PetscInt k = 0; k < 3; ++k) values[3 * (edge - edges.begin) + k] = mesh.node(mid_node)[k];
+    }
+  }
+  return field;
+}
+
+/// The field on the mesh that `migration` led to.
+void migrate(MPI_Comm comm, DM dm, PetscSF migration, EdgeField& field) {
+  EdgeField moved;
+  check(PetscSectionCreate(comm, moved.section.out()));
+  check(VecCreate(comm, moved.values.out()));
+  check(DMPlexDistributeField(dm, migration, field.section.get(), field.values.get(), moved.section.get(),
+                              moved.values.get()));
+  field = std::move(moved);
+}
+
+std::vector<double> values_by_edge(DM dm, const EdgeField& field) {
+  const Stratum edges = stratum(dm, 1);
+  const ConstArrayView values(field.values.get());
+  std::vector<double> result;
+  result.reserve(3 * static_cast<std::size_t>(edges.end - edges.begin));
+  for (PetscInt e = edges.begin; e < edges.end; ++e) {
+    PetscInt offset = 0;
+    check(PetscSectionGetOffset(field.section.get(), e, &offset));
+    for (PetscInt k = 0; k < 3; ++k) result.push_back(values[offset + k]);
+  }
+  return result;
 }
 
 /// Hands the cells to the ranks that METIS chose. No other rank holds cells yet.
@@ -108,27 +185,46 @@ void prescribe_partition(DM dm, const std::vector<PetscInt>& part, int size) {
 }
 
 /// Refined facets also mark their inner edges, and so on: a label keeps the points of its group's own dimension.
+/// (DMLabelFilter of PETSc 3.18 would be the call, but it leaves garbage in the stratum.)
 void keep_own_dimension(DM dm, const std::vector<PhysicalGroup>& groups) {
   for (const auto& group : groups) {
     DMLabel label = nullptr;
+    Handle<IS> marked;
     check(DMGetLabel(dm, label_name(group).c_str(), &label));
-    const Stratum s = stratum(dm, group.dimension);
-    check(DMLabelFilter(label, s.begin, s.end));
+    check(DMLabelGetStratumIS(label, 1, marked.out()));
+    if (!marked) continue;
+    PetscInt count = 0;
+    const PetscInt* p = nullptr;
+    check(ISGetLocalSize(marked.get(), &count));
+    check(ISGetIndices(marked.get(), &p));
+    const Stratum own = stratum(dm, group.dimension);
+    std::vector<PetscInt> kept;
+    std::copy_if(p, p + count, std::back_inserter(kept), [&](PetscInt q) { return q >= own.begin && q < own.end; });
+    check(ISRestoreIndices(marked.get(), &p));
+    set_members(dm, group, std::move(kept));
   }
 }
 
 }  // namespace
 
 void distribute(MPI_Comm comm, MeshParts&& parts, int refine, Mesh& result) {
+  const int size = num_ranks(comm);
   Handle<DM> dm = build_plex(comm, parts);
   label_groups(dm.get(), parts, result.groups, result.report.notices);
-  const int size = num_ranks(comm);
+  result.geometry_order = any(comm, parts.mesh.geometry_order() == 2) ? 2 : 1;
+  EdgeField midpoints;
+  if (result.geometry_order == 2) midpoints = edge_field(comm, dm.get(), parts.mesh);
   if (size > 1) prescribe_partition(dm.get(), parts.part, size);
   parts = {};
+  const auto move_on = [&](DM from, Handle<DM> to, PetscSF migration) {
+    if (result.geometry_order == 2) migrate(comm, from, migration, midpoints);
+    dm = std::move(to);
+  };
   if (size > 1) {
     Handle<DM> distributed;
-    check(DMPlexDistribute(dm.get(), 0, nullptr, distributed.out()));
-    dm = std::move(distributed);
+    Handle<PetscSF> migration;
+    check(DMPlexDistribute(dm.get(), 0, migration.out(), distributed.out()));
+    move_on(dm.get(), std::move(distributed), migration.get());
   }
   for (int i = 0; i < refine; ++i) {
     Handle<DM> refined;
@@ -139,10 +235,12 @@ void distribute(MPI_Comm comm, MeshParts&& parts, int refine, Mesh& result) {
   }
   if (size > 1) {
     Handle<DM> overlapping;
+    Handle<PetscSF> migration;
     check(DMSetBasicAdjacency(dm.get(), PETSC_FALSE, PETSC_TRUE));
-    check(DMPlexDistributeOverlap(dm.get(), 1, nullptr, overlapping.out()));
-    dm = std::move(overlapping);
+    check(DMPlexDistributeOverlap(dm.get(), 1, migration.out(), overlapping.out()));
+    move_on(dm.get(), std::move(overlapping), migration.get());
   }
+  if (result.geometry_order == 2) result.edge_midpoints = values_by_edge(dm.get(), midpoints);
   result.dm = std::move(dm);
 }
 

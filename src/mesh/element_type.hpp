@@ -48,6 +48,7 @@ inline constexpr std::array<ElementType, 32> element_types{{
     {"56-node tetrahedron", 3, 56},
 }};
 
+inline constexpr int triangle_3 = 2;
 inline constexpr int tetrahedron_4 = 4;
 inline constexpr int tetrahedron_10 = 11;
 

@@ -1,5 +1,6 @@
 #include "mesh/gmsh_import.hpp"
 
+#include "mesh/closed_surface.hpp"
 #include "mesh/gmsh_extract.hpp"
 #include "mesh/gmsh_session.hpp"
 #include "mesh/msh_reader.hpp"
@@ -58,15 +59,43 @@ void generate(const std::optional<double>& size) {
   gmsh::model::mesh::optimize(build.find("Netgen") != std::string::npos ? "Netgen" : "");
 }
 
-void load(const GmshSession& gmsh, const MeshSource& source, Kind kind) {
-  switch (kind) {
-    case Kind::script:
-      gmsh.run("make sense of it", [&] { gmsh::open(source.file); });
-      gmsh.run("mesh it", [&] { generate(source.size); });
-      break;
-    default:
-      throw MeshDefect("not yet");
-  }
+/// Solids that touch share their interface from now on, so that their meshes fit together.
+void join_solids() {
+  gmsh::vectorpair solids;
+  gmsh::model::getEntities(solids, 3);
+  if (solids.empty()) throw MeshDefect("there is no solid in it, only surfaces or curves: export the solid body");
+  if (solids.size() < 2) return;
+  gmsh::model::occ::removeAllDuplicates();
+  gmsh::model::occ::synchronize();
+}
+
+SerialMesh extracted(const GmshSession& gmsh) {
+  SerialMesh mesh;
+  gmsh.run("give its mesh", [&] { mesh = extract_mesh(); });
+  return mesh;
+}
+
+SerialMesh mesh_script(const GmshSession& gmsh, const MeshSource& source) {
+  gmsh.run("make sense of it", [&] { gmsh::open(source.file); });
+  gmsh.run("mesh it", [&] { generate(source.size); });
+  return extracted(gmsh);
+}
+
+SerialMesh mesh_cad(const GmshSession& gmsh, const MeshSource& source) {
+  gmsh::option::setString("Geometry.OCCTargetUnit", "M");
+  gmsh.run("make sense of it", [&] { gmsh::open(source.file); });
+  gmsh.run("join its solids", [] { join_solids(); });
+  gmsh.run("mesh it", [&] { generate(source.size); });
+  SerialMesh mesh = extracted(gmsh);
+  if (!source.size) mesh.notices.push_back("no size is given: gmsh chose it, about a tenth of the body's diagonal");
+  return mesh;
+}
+
+SerialMesh mesh_surface(const GmshSession& gmsh, const MeshSource& source) {
+  gmsh.run("make sense of it", [&] { gmsh::open(source.file); });
+  gmsh.run("make volumes of it", [&] { add_enclosed_volumes(source.size ? Triangles::remesh : Triangles::keep); });
+  gmsh.run("mesh the inside of the surface", [&] { generate(source.size); });
+  return extracted(gmsh);
 }
 
 }  // namespace
@@ -76,10 +105,14 @@ SerialMesh import_mesh(const MeshSource& source) {
   require_readable(source.file);
   if (kind == Kind::mesh) return read_msh(source.file);
   const GmshSession gmsh;
-  load(gmsh, source, kind);
-  SerialMesh mesh;
-  gmsh.run("give its mesh", [&] { mesh = extract_mesh(); });
-  return mesh;
+  switch (kind) {
+    case Kind::script:
+      return mesh_script(gmsh, source);
+    case Kind::cad:
+      return mesh_cad(gmsh, source);
+    default:
+      return mesh_surface(gmsh, source);
+  }
 }
 
 }  // namespace pliant

@@ -30,7 +30,9 @@ struct MeshSource {
   int refine = 0;              ///< uniform refinements after distribution (each cuts a tetrahedron into 8)
 };
 
-/// The distributed mesh. Tetrahedra only; positively oriented as numbered by the reader.
+/// The distributed mesh. Tetrahedra only. The vertices x0 .. x3 that the transitive closure of a cell lists have
+/// det(x1 - x0, x2 - x0, x3 - x0) > 0, on owned and ghost cells, refined or not. Every owned point has all its cells on
+/// its rank.
 struct Mesh {
   Handle<DM> dm;  ///< interpolated DMPlex with one layer of overlap cells (all cells that share a vertex with an owned
                   ///< cell); coordinates: three per vertex [m]; point SF tells who owns what

@@ -1,11 +1,12 @@
 #include "mesh/repair.hpp"
 
-#include "mesh/tetrahedron.hpp"
+#include "mesh/curved.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <set>
+#include <tuple>
 
 namespace pliant {
 namespace {
@@ -186,6 +187,52 @@ PetscInt drop_orphans(SerialMesh& mesh, MeshReport& report) {
   return num_vertices;
 }
 
+/// Neighbours must agree on the node in the middle of their common edge, and that node must not be a corner.
+void require_one_mid_node_per_edge(const SerialMesh& mesh, PetscInt num_vertices, Reasons& reasons) {
+  struct Edge {
+    PetscInt first, second, mid, cell;
+  };
+  std::vector<Edge> edges;
+  edges.reserve(mesh.mid_nodes.size());
+  std::vector<std::size_t> bad;
+  for (std::size_t i = 0; i < mesh.mid_nodes.size(); ++i) {
+    const std::size_t c = i / 6, e = i % 6;
+    const PetscInt a = mesh.cells[4 * c + static_cast<std::size_t>(local_edges[e][0])];
+    const PetscInt b = mesh.cells[4 * c + static_cast<std::size_t>(local_edges[e][1])];
+    edges.push_back({std::min(a, b), std::max(a, b), mesh.mid_nodes[i], static_cast<PetscInt>(c)});
+    if (mesh.mid_nodes[i] < num_vertices) bad.push_back(mesh.cell_tags[c]);
+  }
+  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
+    return std::tie(a.first, a.second, a.cell) < std::tie(b.first, b.second, b.cell);
+  });
+  for (std::size_t i = 1; i < edges.size(); ++i) {
+    if (edges[i].first != edges[i - 1].first || edges[i].second != edges[i - 1].second) continue;
+    if (edges[i].mid != edges[i - 1].mid) bad.push_back(mesh.cell_tags[static_cast<std::size_t>(edges[i].cell)]);
+  }
+  if (bad.empty()) return;
+  std::sort(bad.begin(), bad.end());
+  bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
+  reasons.push_back(
+      "second-order tetrahedra that disagree with a neighbour on the middle node of an edge, or use a corner for it: "
+      "element " +
+      first_few(bad) + "; mesh all volumes together with Mesh.ElementOrder = 2");
+}
+
+void require_unfolded_curves(const SerialMesh& mesh, Reasons& reasons) {
+  std::vector<std::size_t> folded;
+  for (std::size_t c = 0; c < mesh.mid_nodes.size() / 6; ++c) {
+    std::array<Point, 10> x;
+    for (std::size_t i = 0; i < 10; ++i) {
+      const double* p = mesh.node(i < 4 ? mesh.cells[4 * c + i] : mesh.mid_nodes[6 * c + i - 4]);
+      x[i] = {p[0], p[1], p[2]};
+    }
+    if (!(tetrahedron::relative_jacobian(x) > 0.0)) folded.push_back(mesh.cell_tags[c]);
+  }
+  if (folded.empty()) return;
+  reasons.push_back("curved tetrahedra that fold over themselves: element " + first_few(folded) +
+                    "; mesh it finer there, set Mesh.HighOrderOptimize = 2 in gmsh, or use first-order elements");
+}
+
 void forget_straight_mid_nodes(SerialMesh& mesh, PetscInt num_vertices, MeshReport& report) {
   if (mesh.mid_nodes.empty()) return;
   for (std::size_t c = 0; c < mesh.num_cells(); ++c) {
@@ -222,6 +269,9 @@ PetscInt repair(SerialMesh& mesh, MeshReport& report) {
   turn_inverted_round(mesh, report, reasons);
   require_distinct_cells(mesh, reasons);
   require_distinct_places(mesh, num_vertices, reasons);
+  require_one_mid_node_per_edge(mesh, num_vertices, reasons);
+  throw_if_any(reasons);
+  require_unfolded_curves(mesh, reasons);
   throw_if_any(reasons);
   forget_straight_mid_nodes(mesh, num_vertices, report);
   return num_vertices;

@@ -1,0 +1,250 @@
+// The distributed mesh: who owns what, what the overlap holds, where groups and mid-edge nodes end up.
+#include "mesh/box_mesh.hpp"
+#include "mesh/mesh.hpp"
+#include "mesh/plex_points.hpp"
+#include "mesh/scratch.hpp"
+
+#include <numeric>
+#include <ostream>
+
+#include <gtest/gtest.h>
+
+namespace pliant {
+namespace {
+
+using testing::BoxOptions;
+using testing::Key;
+using testing::key_of;
+using testing::PlexPoints;
+using testing::Scratch;
+using testing::write_box_msh;
+
+const MPI_Comm comm = MPI_COMM_WORLD;
+
+struct Box {
+  std::array<int, 3> n;
+  int refine = 0;
+  long long num_cells() const { return 6LL * n[0] * n[1] * n[2] << (3 * refine); }
+  long long num_vertices() const {
+    return ((static_cast<long long>(n[0]) << refine) + 1) * ((n[1] << refine) + 1) * ((n[2] << refine) + 1);
+  }
+};
+
+std::ostream& operator<<(std::ostream& out, const Box& box) {
+  return out << box.n[0] << "x" << box.n[1] << "x" << box.n[2] << " refined " << box.refine;
+}
+
+constexpr std::array<double, 3> size{2.0, 1.0, 0.5};
+
+class DistributedBox : public ::testing::TestWithParam<Box> {
+ protected:
+  Mesh read() const {
+    MeshSource source;
+    source.file = scratch_.file("box.msh", [&](const std::string& file) { write_box_msh(file, size, GetParam().n); });
+    source.refine = GetParam().refine;
+    return read_mesh(comm, source);
+  }
+
+ private:
+  Scratch scratch_{comm};
+};
+
+TEST_P(DistributedBox, ReportAgreesWithTheStructure) {
+  const Box& box = GetParam();
+  const MeshReport report = read().report;
+  EXPECT_EQ(report.num_cells, box.num_cells());
+  EXPECT_EQ(report.num_vertices, box.num_vertices());
+  EXPECT_NEAR(report.volume, 1.0, 1e-13);
+  EXPECT_EQ(std::accumulate(report.cells_per_rank.begin(), report.cells_per_rank.end(), 0LL), box.num_cells());
+  EXPECT_EQ(std::accumulate(report.quality_histogram.begin(), report.quality_histogram.end(), 0LL), box.num_cells());
+  EXPECT_EQ(report.bounds, (std::array<double, 6>{0, 0, 0, 2, 1, 0.5}));
+  EXPECT_TRUE(report.notices.empty()) << report.notices.front();
+  // Every rank has work, and none much more than its share of a mesh that is large enough to be cut evenly.
+  for (const long long cells : report.cells_per_rank) {
+    EXPECT_GT(cells, 0);
+    if (box.num_cells() > 500) {
+      EXPECT_LT(static_cast<double>(cells * num_ranks(comm)), 1.1 * static_cast<double>(box.num_cells()));
+    }
+  }
+}
+
+TEST_P(DistributedBox, EveryCellIsPositivelyOrientedAsItsClosureLists) {
+  const Mesh mesh = read();
+  const PlexPoints points(mesh.dm.get());
+  for (PetscInt c = points.begin(3); c < points.end(3); ++c) {
+    const auto x = points.corners(c);
+    ASSERT_EQ(x.size(), 4u);
+    double d[3][3];
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) d[i][k] = x[i + 1][k] - x[0][k];
+    }
+    EXPECT_GT(d[0][0] * (d[1][1] * d[2][2] - d[1][2] * d[2][1]) - d[0][1] * (d[1][0] * d[2][2] - d[1][2] * d[2][0]) +
+                  d[0][2] * (d[1][0] * d[2][1] - d[1][1] * d[2][0]),
+              0.0);
+  }
+}
+
+// What the assembly of an owned point's rows relies on: all cells around it are here.
+TEST_P(DistributedBox, EveryOwnedPointHasAllItsCellsAndOneOwner) {
+  const Mesh mesh = read();
+  const PlexPoints points(mesh.dm.get());
+  for (int dimension = 0; dimension <= 3; ++dimension) {
+    std::vector<Key> incidences, owned;
+    for (PetscInt c = points.begin(3); c < points.end(3); ++c) {
+      if (!points.is_owned(c)) continue;
+      for (const PetscInt p : points.closure(c, dimension)) incidences.push_back(key_of(points.middle(p)));
+    }
+    for (PetscInt p = points.begin(dimension); p < points.end(dimension); ++p) {
+      if (points.is_owned(p)) owned.push_back(key_of(points.middle(p)));
+    }
+    const auto cells_around = testing::counted_everywhere(comm, incidences);
+    const auto owners = testing::counted_everywhere(comm, owned);
+    EXPECT_EQ(cells_around.size(), owners.size());
+    for (const auto& [key, count] : owners) EXPECT_EQ(count, 1);
+    for (PetscInt p = points.begin(dimension); p < points.end(dimension); ++p) {
+      if (!points.is_owned(p)) continue;
+      EXPECT_EQ(static_cast<int>(points.star(p, 3).size()), cells_around.at(key_of(points.middle(p))));
+    }
+  }
+}
+
+TEST_P(DistributedBox, EveryGhostCellTouchesAnOwnedOneAndEveryGhostPointHasAnOwnerElsewhere) {
+  const Mesh mesh = read();
+  const PlexPoints points(mesh.dm.get());
+  for (PetscInt c = points.begin(3); c < points.end(3); ++c) {
+    if (points.is_owned(c)) continue;
+    bool touches = false;
+    for (const PetscInt v : points.closure(c, 0)) {
+      for (const PetscInt other : points.star(v, 3)) touches = touches || points.is_owned(other);
+    }
+    EXPECT_TRUE(touches);
+  }
+  PetscSF sf = nullptr;
+  PetscInt num_leaves = 0;
+  const PetscSFNode* roots = nullptr;
+  check(DMGetPointSF(mesh.dm.get(), &sf));
+  check(PetscSFGetGraph(sf, nullptr, &num_leaves, nullptr, &roots));
+  for (PetscInt i = 0; i < num_leaves; ++i) EXPECT_NE(roots[i].rank, rank(comm));
+}
+
+TEST_P(DistributedBox, GroupsKeepTheirNamesMembersAndSizes) {
+  const Box& box = GetParam();
+  const Mesh mesh = read();
+  ASSERT_EQ(mesh.groups.size(), 3u);
+  ASSERT_EQ(mesh.report.groups.size(), 3u);
+  EXPECT_EQ(mesh.groups[0].name, "clamp");
+  EXPECT_EQ(mesh.groups[1].name, "tip");
+  EXPECT_EQ(mesh.groups[2].name, "body");
+  EXPECT_EQ(mesh.groups[2].tag, 3);
+  const long long facets = 2LL * box.n[1] * box.n[2] << (2 * box.refine);
+  for (const std::size_t g : {0u, 1u}) {
+    EXPECT_EQ(mesh.report.groups[g].count, facets);
+    EXPECT_NEAR(mesh.report.groups[g].measure, 0.5, 1e-14);
+  }
+  EXPECT_EQ(mesh.report.groups[2].count, box.num_cells());
+  const PlexPoints points(mesh.dm.get());
+  for (const auto& group : mesh.groups) {
+    DMLabel label = nullptr;
+    check(DMGetLabel(mesh.dm.get(), label_name(group).c_str(), &label));
+    ASSERT_NE(label, nullptr);
+    Handle<IS> members;
+    check(DMLabelGetStratumIS(label, 1, members.out()));
+    if (!members) continue;
+    PetscInt n = 0;
+    const PetscInt* p = nullptr;
+    check(ISGetLocalSize(members.get(), &n));
+    check(ISGetIndices(members.get(), &p));
+    for (PetscInt i = 0; i < n; ++i) {
+      EXPECT_GE(p[i], points.begin(group.dimension));
+      EXPECT_LT(p[i], points.end(group.dimension));
+      if (group.name == "clamp") {
+        EXPECT_NEAR(points.middle(p[i])[0], 0.0, 1e-14);
+      }
+      if (group.name == "tip") {
+        EXPECT_NEAR(points.middle(p[i])[0], 2.0, 1e-14);
+      }
+    }
+    check(ISRestoreIndices(members.get(), &p));
+  }
+}
+
+TEST_P(DistributedBox, GhostFacetsAreLabelledAsTheirOwnersLabelThem) {
+  const Mesh mesh = read();
+  const PlexPoints points(mesh.dm.get());
+  DMLabel label = nullptr;
+  check(DMGetLabel(mesh.dm.get(), label_name(mesh.groups[0]).c_str(), &label));
+  for (PetscInt f = points.begin(2); f < points.end(2); ++f) {
+    PetscInt value = -1;
+    check(DMLabelGetValue(label, f, &value));
+    EXPECT_EQ(value == 1, std::abs(points.middle(f)[0]) < 1e-14);
+  }
+}
+
+TEST_P(DistributedBox, IsTheSameOnEveryCall) {
+  const Mesh first = read(), second = read();
+  const PlexPoints a(first.dm.get()), b(second.dm.get());
+  ASSERT_EQ(a.end(3), b.end(3));
+  for (PetscInt c = a.begin(3); c < a.end(3); ++c) EXPECT_EQ(a.corners(c), b.corners(c));
+  EXPECT_EQ(first.report.edge_cut, second.report.edge_cut);
+}
+
+INSTANTIATE_TEST_SUITE_P(Boxes, DistributedBox,
+                         ::testing::Values(Box{{1, 1, 1}}, Box{{3, 3, 3}}, Box{{7, 2, 1}}, Box{{5, 4, 6}},
+                                           Box{{1, 1, 1}, 1}, Box{{3, 2, 2}, 1}, Box{{1, 1, 1}, 2}));
+
+// Nodes on a cylinder shell: x along the axis, y the angle, z the radius. Edges in y are arcs.
+std::array<double, 3> bent(std::array<double, 3> x) {
+  const double angle = x[1], radius = 1.0 + x[2];
+  return {x[0], radius * std::cos(angle), radius * std::sin(angle)};
+}
+
+TEST(CurvedBox, MidEdgeNodesArriveWithTheirEdges) {
+  const Scratch scratch(comm);
+  MeshSource source;
+  BoxOptions options;
+  options.order = 2;
+  options.map = bent;
+  source.file = scratch.file("bent.msh", [&](const std::string& file) {
+    write_box_msh(file, size, {4, 3, 2}, options);
+  });
+  source.scale = 0.5;
+  const Mesh mesh = read_mesh(comm, source);
+  EXPECT_EQ(mesh.geometry_order, 2);
+  EXPECT_EQ(mesh.report.num_vertices, 5 * 4 * 3);
+  EXPECT_EQ(mesh.report.num_orphan_nodes, 0);
+  const PlexPoints points(mesh.dm.get());
+  ASSERT_EQ(mesh.edge_midpoints.size(), 3 * static_cast<std::size_t>(points.end(1) - points.begin(1)));
+  for (PetscInt e = points.begin(1); e < points.end(1); ++e) {
+    const auto x = points.corners(e);
+    std::array<double, 3> parameters{};
+    for (const auto& end : x) {
+      parameters[0] += 0.5 * end[0] / source.scale;
+      parameters[1] += 0.5 * std::atan2(end[2], end[1]);
+      parameters[2] += 0.5 * (std::hypot(end[1], end[2]) / source.scale - 1.0);
+    }
+    const auto expected = bent(parameters);
+    for (std::size_t k = 0; k < 3; ++k) {
+      EXPECT_NEAR(mesh.edge_midpoints[3 * static_cast<std::size_t>(e - points.begin(1)) + k],
+                  source.scale * expected[k], 1e-14);
+    }
+  }
+}
+
+TEST(CurvedBox, StraightSecondOrderMeshesAreFirstOrderGeometry) {
+  const Scratch scratch(comm);
+  MeshSource source;
+  BoxOptions options;
+  options.order = 2;
+  source.file = scratch.file("straight.msh", [&](const std::string& file) {
+    write_box_msh(file, size, {2, 2, 2}, options);
+  });
+  source.refine = 1;
+  const Mesh mesh = read_mesh(comm, source);
+  EXPECT_EQ(mesh.geometry_order, 1);
+  EXPECT_TRUE(mesh.edge_midpoints.empty());
+  EXPECT_EQ(mesh.report.num_cells, 48 * 8);
+  EXPECT_EQ(mesh.report.groups[0].count, 8 * 4);
+}
+
+}  // namespace
+}  // namespace pliant
