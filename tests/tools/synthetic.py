@@ -1,0 +1,100 @@
+"""A result as Pliant writes it, made without Pliant: a cantilever of quadratic tetrahedra that swings, with its history."""
+import itertools
+import os
+import sys
+
+import h5py
+import numpy as np
+
+LENGTH, WIDTH, HEIGHT = 1.0, 0.2, 0.2
+MODULUS = 1e6  # [Pa]
+
+
+def block(cubes, order):
+    """Nodes and tetrahedra of a block of cubes, six of equal volume in each."""
+    shape = [n + 1 for n in cubes]
+    grid = np.stack(np.meshgrid(*[np.arange(n) for n in shape], indexing="ij"), axis=-1).reshape(-1, 3)
+    x = grid / np.array(cubes) * [LENGTH, WIDTH, HEIGHT] - [0, WIDTH / 2, HEIGHT / 2]
+    number = np.arange(len(grid)).reshape(shape)
+    cells = []
+    for corner in itertools.product(*[range(n) for n in cubes]):
+        for axes in itertools.permutations(range(3)):
+            at, cell = list(corner), [number[corner]]
+            for axis in axes:
+                at[axis] += 1
+                cell.append(number[tuple(at)])
+            if axes not in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+                cell[1], cell[2] = cell[2], cell[1]
+            cells.append(cell)
+    cells = np.array(cells)
+    if order == 1:
+        return x, cells
+    ends = np.sort(cells[:, [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)]].reshape(-1, 2), axis=1)
+    unique, index = np.unique(ends, axis=0, return_inverse=True)
+    middles = index.reshape(-1, 6) + len(x)
+    return np.vstack([x, x[unique].mean(axis=1)]), np.hstack([cells, middles])
+
+
+def bent(x, angle):
+    """Displacement of a bar bent into an arc that ends at `angle`."""
+    if abs(angle) < 1e-12:
+        return np.zeros_like(x)
+    radius = LENGTH / angle
+    phi = x[:, 0] / radius
+    r = radius - x[:, 2]
+    return np.stack([r * np.sin(phi), x[:, 1], radius - r * np.cos(phi)], axis=1) - x
+
+
+def write_result(directory, num_frames=6, order=2, cubes=(10, 2, 2), title="cantilever under gravity"):
+    os.makedirs(directory, exist_ok=True)
+    x, cells = block(cubes, order)
+    middle = x[cells[:, :4]].mean(axis=1)
+    times = np.linspace(0, 1, num_frames)
+    with h5py.File(os.path.join(directory, "result.h5"), "w") as h5:
+        h5.attrs.update({"format": "pliant-result", "version": 1, "title": title})
+        mesh = h5.create_group("mesh")
+        mesh["coordinates"], mesh["cells"] = x, cells.astype("i8")
+        mesh["body"] = (middle[:, 0] > LENGTH / 2).astype("i4")
+        mesh["body"].attrs["names"] = "root\ntip"
+        mesh["rank"] = (np.arange(len(cells)) * 2 // len(cells)).astype("i4")
+        for i, t in enumerate(times):
+            frame = h5.create_group(f"frames/{i:06}")
+            frame.attrs.update({"time": t, "step": 10 * i, "mesh": "/mesh"})
+            angle = -0.6 * (1 - np.cos(2 * np.pi * t))
+            rate = -0.6 * 2 * np.pi * np.sin(2 * np.pi * t)
+            stress = np.zeros((len(cells), 6))
+            stress[:, 0] = -MODULUS * angle * middle[:, 2]
+            fields = {"displacement": (bent(x, angle), "m", "node"),
+                      "velocity": ((bent(x, angle + 1e-6) - bent(x, angle)) / 1e-6 * rate, "m/s", "node"),
+                      "cauchy_stress": (stress, "Pa", "cell")}
+            for name, (values, unit, location) in fields.items():
+                frame[name] = values
+                frame[name].attrs.update({"unit": unit, "location": location})
+
+
+def write_history(directory, num_steps=200):
+    t = np.linspace(0, 1, num_steps + 1)
+    phase = 2 * np.pi * t
+    loss = 2 * t
+    columns = {
+        "step": np.arange(num_steps + 1), "time": t, "dt": np.where(t > 0, 1 / num_steps, 0),
+        "newton_iterations": np.where(t > 0, 3 + (np.sin(3 * phase) > 0.5), 0),
+        "linear_iterations": np.where(t > 0, 9, 0),
+        "kinetic_energy": 4 * np.sin(phase) ** 2, "elastic_energy": 5 * (1 - np.cos(phase)) / 2,
+        "load_potential": -4 * np.sin(phase) ** 2 - 5 * (1 - np.cos(phase)) / 2 - loss,
+        "dissipated_energy": loss, "load_work": 0 * t, "energy_balance_error": 1e-9 * t * np.cos(phase),
+        "px": 0 * t, "py": 0 * t, "pz": np.sin(phase), "Lx": 0 * t, "Ly": 0 * t, "Lz": 0 * t,
+        "floor_fx": 0 * t, "floor_fy": 0 * t, "floor_fz": 10 * np.maximum(0, np.sin(phase)),
+        "tip_x": 1 - 0.1 * np.sin(phase) ** 2, "tip_y": 0 * t, "tip_z": -0.5 * (1 - np.cos(phase)) / 2,
+        "tip_vx": 0 * t, "tip_vy": 0 * t, "tip_vz": -0.5 * np.pi * np.sin(phase),
+        "clamp_fx": 0 * t, "clamp_fy": 0 * t, "clamp_fz": 100 + 20 * np.cos(phase),
+    }
+    with open(os.path.join(directory, "history.csv"), "w", encoding="utf-8") as file:
+        file.write(",".join(columns) + "\n")
+        for row in zip(*columns.values()):
+            file.write(",".join(f"{value:.17g}" for value in row) + "\n")
+
+
+if __name__ == "__main__":
+    write_result(sys.argv[1], num_frames=25, cubes=(20, 4, 4))
+    write_history(sys.argv[1])

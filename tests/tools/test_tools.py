@@ -1,0 +1,182 @@
+#!/usr/bin/python3
+"""render.py and plot.py on a synthetic result: do they draw what is there, and do they say what is wrong in one line?"""
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import h5py
+import numpy as np
+from PIL import Image
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+TOOLS = os.path.join(HERE, "..", "..", "tools")
+sys.path[:0] = [HERE, TOOLS]
+sys.dont_write_bytecode = True
+
+import synthetic  # noqa: E402
+from result import Result, Surface, von_mises  # noqa: E402
+
+SMALL = ["--size", "320x240"]
+
+
+def run(tool, *arguments):
+    command = ["/usr/bin/python3", os.path.join(TOOLS, tool), *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+
+
+class WithResult(unittest.TestCase):
+    def setUp(self):
+        self.directory = tempfile.mkdtemp(prefix="pliant-tools-")
+        self.addCleanup(shutil.rmtree, self.directory)
+
+    def path(self, name):
+        return os.path.join(self.directory, name)
+
+    def draw(self, *arguments, tool="render.py"):
+        done = run(tool, self.directory, *arguments)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout.strip()
+
+    def fails(self, text, *arguments, tool="render.py"):
+        done = run(tool, *arguments)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn(text, done.stderr)
+        self.assertEqual(done.stderr.strip().count("\n"), 0, done.stderr)
+
+
+class Pictures(WithResult):
+    def setUp(self):
+        super().setUp()
+        synthetic.write_result(self.directory, num_frames=3, cubes=(6, 2, 2))
+
+    def body_pixels(self, image):
+        """Pixels below the header and left of the colour bar that are not background."""
+        width, height = image.size
+        scene = np.asarray(image.convert("RGB"))[int(0.12 * height):, : int(0.75 * width)].astype(int)
+        return scene[np.abs(scene - scene[-1, 0]).max(axis=2) > 12]
+
+    def test_picture_shows_a_coloured_body(self):
+        file = self.draw("--frame", 1, *SMALL)
+        self.assertEqual(file, self.path("picture.png"))
+        image = Image.open(file)
+        self.assertEqual(image.size, (320, 240))
+        body = self.body_pixels(image)
+        self.assertGreater(len(body), 0.08 * 320 * 240)
+        self.assertGreater(len(np.unique(body // 16, axis=0)), 20)
+
+    def test_every_kind_of_field(self):
+        for field in ("velocity", "velocity_z", "cauchy_stress_xx", "von_mises_stress", "body", "rank", "none"):
+            with self.subTest(field):
+                file = self.path(f"{field}.png")
+                self.draw("--field", field, "--mesh-edges", "--outline", "--frame", 1, "-o", file, *SMALL)
+                self.assertGreater(len(self.body_pixels(Image.open(file))), 1000)
+
+    def test_views_differ(self):
+        pictures = []
+        for view in ("iso", "front", "top", "-1,0.5,0.3"):
+            self.draw(f"--view={view}", "--frame", 1, "-o", self.path("view.png"), *SMALL)
+            pictures.append(np.asarray(Image.open(self.path("view.png"))).tobytes())
+        self.assertEqual(len(set(pictures)), 4)
+
+    def test_frames_and_movies(self):
+        self.draw("--frames", *SMALL)
+        frames = sorted(os.listdir(self.path("frames")))
+        self.assertEqual(frames, ["frame_0000.png", "frame_0001.png", "frame_0002.png"])
+        # The synthetic bar swings back to its start: the camera and the colours are the same, and so is the body.
+        first, last = (self.body_pixels(Image.open(self.path(f"frames/{frames[i]}"))) for i in (0, 2))
+        np.testing.assert_array_equal(first, last)
+        movie = self.draw("--movie", "mp4", *SMALL)
+        probe = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=nb_read_frames", "-of",
+                                "csv=p=0", movie], capture_output=True, text=True, check=True)
+        self.assertEqual(probe.stdout.strip(), "3")
+        with Image.open(self.draw("--movie", "gif", *SMALL)) as animation:
+            self.assertEqual(animation.n_frames, 3)
+
+    def test_linear_elements(self):
+        synthetic.write_result(self.directory, num_frames=2, order=1)
+        self.assertGreater(len(self.body_pixels(Image.open(self.draw(*SMALL)))), 1000)
+
+    def test_mistakes_are_told_in_one_line(self):
+        self.fails("does not exist", self.path("missing"))
+        self.fails("no field 'dispalcement'", self.directory, "--field", "dispalcement")
+        self.fails("no component 'q'", self.directory, "--field", "velocity_q")
+        self.fails("is a tensor", self.directory, "--field", "cauchy_stress")
+        self.fails("no frame 3", self.directory, "--frame", "3")
+        self.fails("--size", self.directory, "--size", "big")
+        self.fails("--view", self.directory, "--view", "0,0,0")
+        self.fails("No such file", self.directory, "-o", self.path("missing/picture.png"))
+        self.fails("picture.xyz", self.directory, "-o", self.path("picture.xyz"))
+        with h5py.File(self.path("other.h5"), "w"):
+            pass
+        self.fails("is not a result", self.path("other.h5"))
+        with open(self.path("text.h5"), "w", encoding="utf-8") as text:
+            text.write("no HDF5")
+        self.fails("cannot be read", self.path("text.h5"))
+
+
+class SurfaceOfBlock(WithResult):
+    def test_area_and_outward_normals(self):
+        for order in (1, 2):
+            directory = self.path(f"order{order}")
+            synthetic.write_result(directory, num_frames=1, order=order)
+            result = Result(directory)
+            surface = Surface(result.mesh(result.frames[0]))
+            x = surface.of_nodes(result.mesh(result.frames[0]).coordinates)
+            a, b, c = (x[surface.triangles[:, i]] for i in range(3))
+            area = np.cross(b - a, c - a) / 2
+            length, width, height = synthetic.LENGTH, synthetic.WIDTH, synthetic.HEIGHT
+            whole = 2 * (length * width + width * height + height * length)
+            self.assertAlmostEqual(np.linalg.norm(area, axis=1).sum(), whole, places=12)
+            # The divergence theorem gives the volume, with its sign, if all normals point outward.
+            self.assertAlmostEqual((area * (a + b + c)).sum() / 9, length * width * height, places=12)
+            # Each point is there once: Euler's formula of a closed surface.
+            self.assertEqual(len(x) - len(surface.triangles) // 2, 2)
+
+    def test_quadratic_fields_are_shown_exactly(self):
+        synthetic.write_result(self.directory, num_frames=1, order=2)
+        result = Result(self.directory)
+        mesh = result.mesh(result.frames[0])
+        surface = Surface(mesh, divisions=3)
+        quadratic = lambda x: (x[:, :1] ** 2 - x[:, 1:2] * x[:, 2:])  # noqa: E731
+        points = surface.of_nodes(mesh.coordinates)
+        np.testing.assert_allclose(surface.of_nodes(quadratic(mesh.coordinates)), quadratic(points), atol=1e-14)
+        np.testing.assert_allclose(surface.of_cells(np.full((len(mesh.cells), 1), 7.0)), 7.0)
+
+    def test_von_mises(self):
+        # Uniaxial tension, pure shear, pressure.
+        stress = np.array([[3.0, 0, 0, 0, 0, 0], [0, 0, 0, 1, 0, 0], [2, 2, 2, 0, 0, 0]])
+        np.testing.assert_allclose(von_mises(stress), [3, np.sqrt(3), 0])
+
+
+class Plots(WithResult):
+    def test_history(self):
+        synthetic.write_history(self.directory)
+        file = self.draw(tool="plot.py")
+        self.assertEqual(file, self.path("history.png"))
+        self.assertGreater(len(np.unique(np.asarray(Image.open(file).convert("RGB")).reshape(-1, 3), axis=0)), 100)
+        with open(self.path("history.csv"), "a", encoding="utf-8") as history:
+            history.write("201,1.00")  # a row that is just being written
+        self.assertEqual(self.draw("-o", self.path("plot.pdf"), tool="plot.py"), self.path("plot.pdf"))
+
+    def test_history_of_the_initial_state_alone(self):
+        synthetic.write_history(self.directory, num_steps=1)
+        with open(self.path("history.csv"), encoding="utf-8") as history:
+            start = history.readlines()[:2]
+        with open(self.path("history.csv"), "w", encoding="utf-8") as history:
+            history.writelines(start)
+        self.draw(tool="plot.py")
+
+    def test_mistakes_are_told_in_one_line(self):
+        self.fails("does not exist", self.directory, tool="plot.py")
+        with open(self.path("history.csv"), "w", encoding="utf-8") as history:
+            history.write("a,b\n1,2\n")
+        self.fails("is no history", self.directory, tool="plot.py")
+        synthetic.write_history(self.directory)
+        self.fails("plot.xyz", self.directory, "-o", self.path("plot.xyz"), tool="plot.py")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,682 @@
+#!/usr/bin/python3
+"""Turns a result of Pliant into a picture, a series of pictures or a movie.
+
+Needs no screen: VTK draws into a virtual one, which this program starts and ends.
+"""
+import argparse
+import atexit
+import ctypes
+import dataclasses
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+import matplotlib
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+from vtkmodules.vtkFiltersCore import vtkFeatureEdges, vtkPolyDataNormals
+from vtkmodules.vtkRenderingCore import (
+    vtkActor,
+    vtkLight,
+    vtkPolyDataMapper,
+    vtkRenderer,
+    vtkRenderWindow,
+    vtkWindowToImageFilter,
+)
+import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  the implementation behind vtkRenderWindow
+
+from result import Result, Surface, UserError
+
+BACKGROUND = (250, 250, 252)
+INK = (45, 49, 57)
+FAINT_INK = (120, 126, 136)
+PLAIN_BODY = (0.62, 0.70, 0.79)
+VIEW_ANGLE = 24.0  # [degrees], of the picture's height
+SUPERSAMPLING = 2  # drawn this much larger and scaled down: smooth edges on any graphics library
+VIEWS = {"iso": (0.62, -1.0, 0.48), "front": (0, -1, 0), "back": (0, 1, 0), "right": (1, 0, 0), "left": (-1, 0, 0),
+         "top": (0, 0, 1), "bottom": (0, 0, -1)}
+COMPONENTS = {3: "x y z".split(), 6: "xx yy zz xy yz xz".split(),
+              9: "xx xy xz yx yy yz zx zy zz".split()}
+
+
+# ---------------------------------------------------------------------------------------------- a screen to draw on
+
+
+def start_screen():
+    """A virtual X server of our own; one that is there already serves only if Xvfb is missing."""
+    program = shutil.which("Xvfb")
+    if program is None:
+        if os.environ.get("DISPLAY"):
+            return
+        raise UserError("pictures need a screen or a virtual one: install the package 'xvfb'")
+    read, write = os.pipe()
+    server = subprocess.Popen(
+        [program, "-displayfd", str(write), "-screen", "0", "640x480x24", "-nolisten", "tcp", "+extension", "GLX"],
+        pass_fds=[write], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+        start_new_session=True, preexec_fn=_die_with_parent)
+    os.close(write)
+    atexit.register(_end, server)
+    with os.fdopen(read) as pipe:
+        number = pipe.readline().strip()
+    if not number:
+        raise UserError("the virtual screen (Xvfb) did not start")
+    os.environ["DISPLAY"] = f":{number}"
+    os.environ.pop("XAUTHORITY", None)
+    os.environ["LIBGL_ALWAYS_SOFTWARE"] = "1"
+
+
+def _die_with_parent():
+    death_signal, terminate = 1, 15  # PR_SET_PDEATHSIG, SIGTERM
+    ctypes.CDLL(None).prctl(death_signal, terminate)
+
+
+def _end(server):
+    server.terminate()
+    server.wait()
+
+
+# ------------------------------------------------------------------------------------------------ what is displayed
+
+
+@dataclasses.dataclass(frozen=True)
+class Quantity:
+    """What colours the body: a field of the result, or a component or the length of it."""
+
+    field: str
+    component: int  # -1: the length of a vector
+    label: str
+    unit: str
+    names: list  # of a quantity that counts bodies or ranks; else empty
+
+    def at_points(self, result, frame, surface):
+        """Values at the points of the surface; of counted things, at its faces."""
+        field = result.field(frame, self.field)
+        if self.names:
+            return field.values[surface.cell_of_face, 0]
+        values = surface.of_nodes(field.values) if field.on_nodes else surface.of_cells(field.values)
+        return np.linalg.norm(values, axis=1) if self.component < 0 else values[:, self.component]
+
+
+def quantity_of(result, name):
+    """`displacement`, `displacement_z`, `cauchy_stress_xx`, ... as a Quantity."""
+    frame = result.frames[0]
+    known = result.field_names(frame)
+    base, _, suffix = name.rpartition("_")
+    if name not in known and base in known:
+        field = result.field(frame, base)
+        components = COMPONENTS.get(field.values.shape[1], [])
+        if suffix not in components:
+            raise UserError(f"the field '{base}' has no component '{suffix}'; it has {', '.join(components) or 'only one'}")
+        return Quantity(base, components.index(suffix), f"{_words(base)} {suffix}", field.unit, [])
+    field = result.field(frame, name)
+    if name == "body":
+        return Quantity(name, 0, "body", "", result.mesh(frame).body_names)
+    if name == "rank":
+        return Quantity(name, 0, "rank", "", [str(i) for i in range(int(field.values.max()) + 1)])
+    components = field.values.shape[1]
+    if components > 3:
+        example = COMPONENTS[components][0]
+        raise UserError(f"'{name}' is a tensor: choose a component such as {name}_{example}, or von_mises_stress")
+    return Quantity(name, -1 if components == 3 else 0, _words(name), field.unit, [])
+
+
+def _words(name):
+    return name.replace("_", " ").replace("von mises", "von Mises").replace("cauchy", "Cauchy")
+
+
+class Colours:
+    """Values to colours: one scale for all frames, perceptually uniform; diverging about zero for values of both signs."""
+
+    def __init__(self, low, high):
+        self.diverging = low < -0.02 * (high - low) and high > 0.02 * (high - low)
+        if self.diverging:
+            low, high = -max(-low, high), max(-low, high)
+        if not high > low:
+            low, high = (low, low + 1) if low == 0 else (low - abs(low) / 2, low + abs(low) / 2)
+        self.low, self.high = low, high
+        self._map = matplotlib.colormaps["RdBu_r" if self.diverging else "viridis"]
+        # Shading needs colours that can become darker: the darkest ends of the maps are left out.
+        self._ends = (0.07, 0.93) if self.diverging else (0.12, 1.0)
+
+    def __call__(self, values):
+        share = np.clip((values - self.low) / (self.high - self.low), 0, 1)
+        first, last = self._ends
+        return (self._map(first + (last - first) * share)[..., :3] * 255).astype(np.uint8)
+
+
+class NamedColours:
+    """A colour for each body or rank."""
+
+    def __init__(self, count):
+        self.count = count
+        self._table = np.array([matplotlib.colormaps["tab10"](i % 10)[:3] for i in range(count)]) * 0.85 + 0.15
+
+    def __call__(self, values):
+        return (self._table[values.astype(int)] * 255).astype(np.uint8)
+
+
+# ----------------------------------------------------------------------------------------------------- the 3D scene
+
+
+class Scene:
+    """The surface in VTK; `draw` moves and colours it and returns the pixels."""
+
+    def __init__(self, surface, size, options):
+        self._size = tuple(SUPERSAMPLING * n for n in size)
+        self._renderer = vtkRenderer()
+        self._renderer.SetBackground(*(c / 255 for c in BACKGROUND))
+        self._renderer.UseFXAAOn()
+        self._points = vtkPoints()
+        self._body = vtkPolyData()
+        self._add_body(surface)
+        self._edges = None
+        if options.mesh_edges:
+            self._edges = vtkPolyData()
+            self._add_lines(self._edges, surface.element_edges, (0.12, 0.14, 0.18), 1.1, 0.55)
+        self._add_lights()
+        self._window = vtkRenderWindow()
+        self._window.SetOffScreenRendering(1)
+        self._window.SetMultiSamples(0)
+        self._window.SetSize(*self._size)
+        self._window.AddRenderer(self._renderer)
+
+    def _add_body(self, surface):
+        self._body.SetPoints(self._points)
+        self._body.SetPolys(_cell_array(surface.triangles))
+        normals = vtkPolyDataNormals()
+        normals.SetInputData(self._body)
+        normals.SetFeatureAngle(35)
+        normals.ConsistencyOff()
+        mapper = vtkPolyDataMapper()
+        mapper.SetInputConnection(normals.GetOutputPort())
+        actor = vtkActor()
+        actor.SetMapper(mapper)
+        material = actor.GetProperty()
+        material.SetColor(*PLAIN_BODY)
+        material.SetAmbient(0.42)
+        material.SetDiffuse(0.66)
+        material.SetSpecular(0.10)
+        material.SetSpecularPower(25)
+        self._renderer.AddActor(actor)
+
+    def _add_lines(self, data, lines, colour, width, opacity):
+        data.SetPoints(self._points if data.GetPoints() is None else data.GetPoints())
+        data.SetLines(_cell_array(lines))
+        mapper = vtkPolyDataMapper()
+        mapper.SetInputData(data)
+        mapper.ScalarVisibilityOff()
+        mapper.SetResolveCoincidentTopologyToPolygonOffset()
+        mapper.SetRelativeCoincidentTopologyLineOffsetParameters(-1, -4)
+        actor = vtkActor()
+        actor.SetMapper(mapper)
+        actor.GetProperty().SetColor(*colour)
+        actor.GetProperty().SetLineWidth(width * SUPERSAMPLING)
+        actor.GetProperty().SetOpacity(opacity)
+        actor.GetProperty().LightingOff()
+        self._renderer.AddActor(actor)
+
+    def _add_lights(self):
+        """A key light over the viewer's left shoulder, a weak one from the right, a rim from behind."""
+        self._renderer.RemoveAllLights()
+        self._renderer.AutomaticLightCreationOff()
+        for position, intensity in (((-0.5, 0.8, 1.0), 0.80), ((1.0, -0.2, 0.8), 0.36), ((0.2, 0.5, -1.0), 0.25)):
+            light = vtkLight()
+            light.SetLightTypeToCameraLight()
+            light.SetPosition(*position)
+            light.SetFocalPoint(0, 0, 0)
+            light.SetIntensity(intensity)
+            self._renderer.AddLight(light)
+
+    def add_outline(self, positions, triangles):
+        """The reference shape as thin lines: its sharp edges."""
+        shape = vtkPolyData()
+        points = vtkPoints()
+        points.SetData(numpy_to_vtk(positions, deep=True))
+        shape.SetPoints(points)
+        shape.SetPolys(_cell_array(triangles))
+        edges = vtkFeatureEdges()
+        edges.SetInputData(shape)
+        edges.SetFeatureAngle(30)
+        edges.ColoringOff()
+        edges.Update()
+        found = edges.GetOutput()
+        if found.GetNumberOfCells() > 0:
+            lines = vtk_to_numpy(found.GetLines().GetConnectivityArray()).reshape(-1, 2)
+            outline = vtkPolyData()
+            outline.SetPoints(found.GetPoints())
+            self._add_lines(outline, lines, (0.45, 0.48, 0.53), 1.0, 0.8)
+
+    def aim(self, camera):
+        view = self._renderer.GetActiveCamera()
+        view.SetViewAngle(VIEW_ANGLE)
+        view.SetFocalPoint(*camera.target)
+        view.SetPosition(*camera.position)
+        view.SetViewUp(*camera.up)
+
+    def draw(self, positions, colours, by_face):
+        """`colours`: 8-bit RGB of each point (or triangle), or None for a plain body. Returns height x width x 3 pixels."""
+        self._points.SetData(numpy_to_vtk(np.ascontiguousarray(positions), deep=True))
+        self._points.Modified()
+        if colours is not None:
+            (self._body.GetCellData() if by_face else self._body.GetPointData()).SetScalars(
+                numpy_to_vtk(np.ascontiguousarray(colours), deep=True))
+        self._body.Modified()
+        if self._edges is not None:
+            self._edges.Modified()
+        self._renderer.ResetCameraClippingRange()
+        self._window.Render()
+        grab = vtkWindowToImageFilter()
+        grab.SetInput(self._window)
+        grab.ReadFrontBufferOff()
+        grab.Update()
+        image = grab.GetOutput()
+        width, height, _ = image.GetDimensions()
+        pixels = vtk_to_numpy(image.GetPointData().GetScalars()).reshape(height, width, -1)[::-1]
+        return pixels[..., :3]
+
+
+def _cell_array(cells):
+    array = vtkCellArray()
+    offsets = np.arange(0, cells.size + 1, cells.shape[1])
+    array.SetData(numpy_to_vtkIdTypeArray(offsets.astype(np.int64), deep=True),
+                  numpy_to_vtkIdTypeArray(np.ascontiguousarray(cells, dtype=np.int64).ravel(), deep=True))
+    return array
+
+
+@dataclasses.dataclass(frozen=True)
+class Camera:
+    position: np.ndarray
+    target: np.ndarray
+    up: np.ndarray
+
+
+def fitted_camera(direction, clouds, size):
+    """The camera that looks against `direction` and just sees all points of all clouds."""
+    back = np.asarray(direction, dtype=float)
+    back /= np.linalg.norm(back)
+    up = np.array([0, 0, 1.0]) if abs(back[2]) < 0.99 else np.array([0, 1.0, 0])
+    right = np.cross(up, back)
+    right /= np.linalg.norm(right)
+    up = np.cross(back, right)
+    axes = np.stack([right, up, back])
+    half_height = np.tan(np.radians(VIEW_ANGLE / 2)) * 0.93  # a margin of 7 %
+    slopes = np.array([half_height * size[0] / size[1], half_height])
+    local = np.concatenate([_extreme(points @ axes.T) for points in clouds])
+    # A point is seen from distance d over the shift s if |p - s| <= slope (d - depth); both bounds together give the least d.
+    planes = [(local[:, k, None] * [1, -1] + slopes[k] * local[:, 2, None]).max(axis=0) for k in (0, 1)]
+    distance = max(sum(planes[k]) / (2 * slopes[k]) for k in (0, 1))
+    shift = np.array([(planes[0][0] - planes[0][1]) / 2, (planes[1][0] - planes[1][1]) / 2, 0])
+    deepest = local[:, 2].max()
+    distance = max(distance, deepest + 1e-3 * (np.ptp(local) or 1))
+    target = (shift + [0, 0, local[:, 2].mean()]) @ axes
+    return Camera((shift + [0, 0, distance]) @ axes, target, up)
+
+
+def _extreme(points):
+    """Some points of a cloud that bound it: those farthest in 200 directions."""
+    directions = np.random.default_rng(1).normal(size=(200, 3))
+    directions /= np.linalg.norm(directions, axis=1)[:, None]
+    return points[np.unique((points @ directions.T).argmax(axis=0))]
+
+
+# -------------------------------------------------------------------------------------------------- text and colours
+
+
+def font(size, bold=False):
+    name = "DejaVuSans-Bold.ttf" if bold else "DejaVuSans.ttf"
+    return ImageFont.truetype(os.path.join(matplotlib.get_data_path(), "fonts", "ttf", name), round(size))
+
+
+def prefixed(unit, largest):
+    """The factor and the unit that give handy numbers: 2.3e5 Pa as 230 kPa."""
+    if unit not in ("m", "Pa", "m/s", "N", "J", "W", "m/s^2", "N/m^2"):
+        return 1.0, unit
+    for prefix, factor in (("µ", 1e-6), ("m", 1e-3), ("", 1.0), ("k", 1e3), ("M", 1e6), ("G", 1e9)):
+        if largest < 1000 * factor:
+            break
+    if unit.startswith("m") and factor > 1:
+        prefix, factor = "", 1.0
+    return factor, prefix + unit
+
+
+def ticks(low, high):
+    """About five round numbers from low to high, and how many decimals they need."""
+    step = (high - low) / 5
+    power = 10 ** np.floor(np.log10(step))
+    step = power * min((1, 2, 2.5, 5, 10), key=lambda m: abs(m - step / power))
+    values = np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1) * step
+    decimals = 0
+    while decimals < 8 and not np.allclose(np.round(values, decimals), values, rtol=0, atol=1e-6 * step):
+        decimals += 1
+    return values, decimals
+
+
+class Page:
+    """The picture around the scene: title, time, colour bar."""
+
+    def __init__(self, size, title, quantity, colours):
+        self.size = size
+        self._unit = size[1] / 100  # lengths go with the picture's height
+        self.bar_width = round(23 * self._unit) if quantity is not None else 0
+        self.header = round(10 * self._unit)
+        self._title, self._quantity, self._colours = title, quantity, colours
+
+    @property
+    def scene_size(self):
+        return self.size[0] - self.bar_width, self.size[1] - self.header
+
+    def compose(self, pixels, time):
+        page = Image.new("RGB", self.size, BACKGROUND)
+        scene = Image.fromarray(pixels).resize(self.scene_size, Image.LANCZOS)
+        page.paste(scene, (0, self.header))
+        draw = ImageDraw.Draw(page)
+        h = self._unit
+        draw.text((4 * h, 4.4 * h), self._title, INK, font(3.4 * h, bold=True))
+        draw.text((self.size[0] - 4 * h, 4.6 * h), f"t = {time}", INK, font(3.0 * h), anchor="ra")
+        if self._quantity is not None:
+            (self._draw_names if self._quantity.names else self._draw_bar)(page, draw)
+        return page
+
+    def _draw_bar(self, page, draw):
+        h, c = self._unit, self._colours
+        x, width = self.size[0] - self.bar_width + 2 * h, round(2.6 * h)
+        top, bottom = round(27 * h), round(88 * h)
+        values = np.linspace(c.high, c.low, bottom - top)
+        strip = np.repeat(c(values)[:, None, :], width, axis=1)
+        page.paste(Image.fromarray(strip), (round(x), top))
+        factor, unit = prefixed(self._quantity.unit, max(abs(c.low), abs(c.high)))
+        low, high = c.low / factor, c.high / factor
+        exponent = int(np.floor(np.log10(max(abs(low), abs(high)))))
+        if -3 <= exponent < 5:
+            exponent = 0
+        values, decimals = ticks(low / 10.0**exponent, high / 10.0**exponent)
+        for value in values:
+            y = bottom + (value * 10.0**exponent - low) / (high - low) * (top - bottom)
+            draw.line([(x + width, y), (x + width + 0.8 * h, y)], FAINT_INK, max(1, round(0.2 * h)))
+            draw.text((x + width + 1.5 * h, y), f"{value + 0.0:.{decimals}f}".replace("-", "\u2212"), INK,
+                      font(2.4 * h), anchor="lm")
+        scale = f"10{_superscript(exponent)} " if exponent else ""
+        self._draw_label(draw, x, f"[{scale}{_typeset(unit)}]" if unit or scale else "")
+
+    def _draw_label(self, draw, x, unit):
+        h = self._unit
+        lines = _wrapped(self._quantity.label, 14)
+        for i, line in enumerate(lines):
+            draw.text((x, (23.4 - 3.2 * (len(lines) - i)) * h), line, INK, font(2.5 * h, bold=True), anchor="ls")
+        draw.text((x, 23.4 * h), unit, FAINT_INK, font(2.4 * h), anchor="ls")
+
+    def _draw_names(self, _, draw):
+        h = self._unit
+        x = self.size[0] - self.bar_width + 2 * h
+        self._draw_label(draw, x, "")
+        for i, name in enumerate(self._quantity.names[:16]):
+            y = (24.5 + 4 * i) * h
+            draw.rectangle([x, y, x + 2.4 * h, y + 2.4 * h], fill=tuple(self._colours(np.array([i]))[0]))
+            draw.text((x + 3.6 * h, y + 1.2 * h), name, INK, font(2.4 * h), anchor="lm")
+
+
+def _wrapped(text, width):
+    lines = [""]
+    for word in text.split():
+        if lines[-1] and len(lines[-1]) + 1 + len(word) > width:
+            lines.append("")
+        lines[-1] = f"{lines[-1]} {word}".strip()
+    return lines
+
+
+def _superscript(exponent):
+    return str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
+def _typeset(unit):
+    return re.sub(r"\^(-?\d+)", lambda match: _superscript(match[1]), unit).replace("*", "·")
+
+
+def times_as_text(frames):
+    """Times with as many decimals as tell neighbouring frames apart, in a handy unit."""
+    times = np.array([frame.time for frame in frames])
+    last = abs(times).max()
+    factor, unit = (1, "s") if last >= 0.1 or last == 0 else (1e3, "ms") if last >= 1e-4 else (1e6, "µs")
+    times = times * factor
+    gap = np.diff(np.unique(times)).min() if len(np.unique(times)) > 1 else max(abs(times).max(), 1) / 100
+    decimals = int(np.clip(np.ceil(-np.log10(gap) + 0.001), 0, 6))
+    return [f"{t:.{decimals}f} {unit}" for t in times]
+
+
+# --------------------------------------------------------------------------------------------------------- the work
+
+
+class Renderer:
+    """Draws frames of a result, all with the same camera and colour scale."""
+
+    def __init__(self, result, chosen, options):
+        self._result, self._options = result, options
+        self._frames = chosen
+        self._surfaces = {}
+        self._scenes = {}
+        self._quantity = None if options.field == "none" else quantity_of(result, options.field)
+        self._colours = self._colour_scale()
+        title = options.title if options.title is not None else result.title
+        self._page = Page(options.size, title, self._quantity, self._colours)
+        self._times = dict(zip((frame.name for frame in result.frames), times_as_text(result.frames)))
+        clouds = [self._positions(frame) for frame in self._sample()]
+        if options.outline:
+            clouds.append(self._reference(chosen[0]))
+        self._camera = fitted_camera(options.view, clouds, self._page.scene_size)
+
+    def _sample(self, at_most=60):
+        """Frames from which the camera and the colour scale are taken."""
+        picked = np.unique(np.linspace(0, len(self._frames) - 1, at_most).round().astype(int))
+        return [self._frames[i] for i in picked]
+
+    def _surface(self, frame):
+        if frame.mesh not in self._surfaces:
+            self._surfaces[frame.mesh] = Surface(self._result.mesh(frame))
+        return self._surfaces[frame.mesh]
+
+    def _reference(self, frame):
+        return self._surface(frame).of_nodes(self._result.mesh(frame).coordinates)
+
+    def _positions(self, frame):
+        displacement = self._surface(frame).of_nodes(self._result.displacement(frame))
+        positions = self._reference(frame) + self._options.scale * displacement
+        if not np.isfinite(positions).all():
+            raise UserError(f"the displacement at t = {frame.time:g} s is not finite")
+        return positions
+
+    def _values(self, frame):
+        return self._quantity.at_points(self._result, frame, self._surface(frame))
+
+    def _colour_scale(self):
+        if self._quantity is None:
+            return None
+        if self._quantity.names:
+            return NamedColours(len(self._quantity.names))
+        if self._options.range is not None:
+            return Colours(*self._options.range)
+        # A magnitude starts at zero. Of cell stresses a sharp corner has far larger ones than the rest: the uppermost and
+        # lowermost thousandth get the colour of the ends.
+        values = np.concatenate([np.quantile(self._values(frame), [0.001, 0.999]) for frame in self._sample()])
+        low, high = values.min(), values.max()
+        return Colours(0.0 if 0 <= low < 0.5 * high else low, high)
+
+    def _scene(self, frame):
+        if frame.mesh not in self._scenes:
+            surface = self._surface(frame)
+            scene = Scene(surface, self._page.scene_size, self._options)
+            if self._options.outline:
+                scene.add_outline(self._reference(frame), surface.triangles)
+            scene.aim(self._camera)
+            self._scenes[frame.mesh] = scene
+        return self._scenes[frame.mesh]
+
+    def picture(self, frame):
+        colours, by_face = None, False
+        if self._quantity is not None:
+            colours, by_face = self._colours(self._values(frame)), bool(self._quantity.names)
+            if by_face:
+                colours = colours[self._surface(frame).face_of_triangle]
+        pixels = self._scene(frame).draw(self._positions(frame), colours, by_face)
+        return self._page.compose(pixels, self._times[frame.name])
+
+
+def write_movie(pictures, file, frames_per_second):
+    if file.endswith(".gif"):
+        pictures = [picture.quantize(128, dither=Image.NONE) for picture in pictures]
+        pictures[0].save(file, save_all=True, append_images=pictures[1:], duration=round(1000 / frames_per_second), loop=0)
+        return
+    program = shutil.which("ffmpeg")
+    if program is None:
+        raise UserError("a movie needs the package 'ffmpeg' (an animated GIF does not: --movie gif)")
+    encoder = None
+    for picture in pictures:
+        if encoder is None:
+            command = [program, "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s",
+                       f"{picture.width}x{picture.height}", "-r", f"{frames_per_second:g}", "-i", "-", "-vf",
+                       "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags",
+                       "+faststart", file]
+            encoder = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE)
+        try:
+            encoder.stdin.write(picture.tobytes())
+        except BrokenPipeError:
+            break
+    _, errors = encoder.communicate()
+    if encoder.returncode != 0:
+        raise UserError(f"ffmpeg could not write {file}: {errors.decode(errors='replace').strip().splitlines()[-1]}")
+
+
+def chosen_frames(result, options):
+    series = options.frames or options.movie
+    if options.frame is None:
+        return result.frames if series else result.frames[-1:]
+    if options.frame == "last":
+        return result.frames[-1:]
+    count = len(result.frames)
+    if not -count <= options.frame < count:
+        raise UserError(f"there is no frame {options.frame}: the result has the frames 0 to {count - 1}")
+    return [result.frames[options.frame]]
+
+
+def run(options):
+    result = Result(options.result)
+    if options.field is None:
+        options.field = "displacement" if "displacement" in result.field_names(result.frames[0]) else "none"
+    frames = chosen_frames(result, options)
+    renderer = Renderer(result, frames, options)
+    start_screen()
+    if options.movie:
+        file = options.output or os.path.join(result.directory, f"movie.{options.movie}")
+        write_movie((renderer.picture(frame) for frame in frames), file, options.fps)
+        print(file)
+    elif options.frames:
+        folder = options.output or os.path.join(result.directory, "frames")
+        os.makedirs(folder, exist_ok=True)
+        for i, frame in enumerate(frames):
+            renderer.picture(frame).save(os.path.join(folder, f"frame_{i:04}.png"))
+        print(f"{folder}/frame_0000.png to frame_{len(frames) - 1:04}.png")
+    else:
+        file = options.output or os.path.join(result.directory, "picture.png")
+        renderer.picture(frames[0]).save(file)
+        print(file)
+
+
+def _view(text):
+    if text in VIEWS:
+        return VIEWS[text]
+    numbers = [float(part) for part in text.split(",")]
+    if len(numbers) != 3 or not np.linalg.norm(numbers) > 0:
+        raise ValueError
+    return numbers
+
+
+def _size(text):
+    width, height = (int(part) for part in text.lower().split("x"))
+    if not (160 <= width <= 8192 and 120 <= height <= 8192):
+        raise argparse.ArgumentTypeError(f"{text}: sizes go from 160x120 to 8192x8192")
+    return width, height
+
+
+def _frame(text):
+    return "last" if text == "last" else int(text)
+
+
+def _range(text):
+    low, high = (float(part) for part in text.split(","))
+    if not low < high:
+        raise ValueError
+    return low, high
+
+
+def _positive(text):
+    number = float(text)
+    if not 0 < number < np.inf:
+        raise ValueError
+    return number
+
+
+def _finite(text):
+    number = float(text)
+    if not np.isfinite(number):
+        raise ValueError
+    return number
+
+
+# argparse puts these names into its message: "invalid WIDTHxHEIGHT value: '3'".
+_view.__name__, _size.__name__, _frame.__name__ = "view", "WIDTHxHEIGHT", "frame"
+_range.__name__, _positive.__name__, _finite.__name__ = "LOW,HIGH", "positive", "number"
+
+
+class Parser(argparse.ArgumentParser):
+    def error(self, message):
+        sys.exit(_complain(message))
+
+
+def _complain(message):
+    print(f"render.py: {message}", file=sys.stderr)
+    return 2
+
+
+def parsed(arguments):
+    parser = Parser(prog="render.py", description=__doc__.split("\n")[0])
+    parser.add_argument("result", help="the output directory of a run, its result.xdmf or its result.h5")
+    parser.add_argument("-o", "--output", help="file to write (with --frames: directory); default: in the output directory")
+    parser.add_argument("--field", help="what colours the body: displacement (default), velocity, von_mises_stress, "
+                        "velocity_z, cauchy_stress_xx, body, rank, ..., or none")
+    parser.add_argument("--range", type=_range, metavar="LOW,HIGH", help="of the colours, in SI units; default: that of all frames")
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument("--frames", action="store_true", help="write every frame as a PNG")
+    what.add_argument("--movie", choices=("mp4", "gif"), help="write a movie of all frames")
+    parser.add_argument("--fps", type=_positive, default=25, help="frames per second of the movie (25)")
+    parser.add_argument("--frame", type=_frame, metavar="N|last", help="which frame to draw, from 0; -1 is the last (default: last)")
+    parser.add_argument("--view", type=_view, default=VIEWS["iso"], metavar="X,Y,Z|NAME",
+                        help=f"where the viewer stands, seen from the body: a direction or one of {', '.join(VIEWS)} (iso)")
+    parser.add_argument("--size", type=_size, default=(1280, 800), metavar="WxH", help="in pixels (1280x800)")
+    parser.add_argument("--scale", type=_finite, default=1.0, help="displacements are multiplied by it (1)")
+    parser.add_argument("--mesh-edges", action="store_true", help="draw the edges of the elements")
+    parser.add_argument("--outline", action="store_true", help="draw the edges of the undeformed shape")
+    parser.add_argument("--title", help="instead of the run's title")
+    return parser.parse_args(arguments)
+
+
+def main():
+    options = parsed(sys.argv[1:])
+    try:
+        run(options)
+    except UserError as error:
+        return _complain(error)
+    except OSError as error:
+        return _complain(f"{error.filename}: {error.strerror}" if error.filename else error)
+    except ValueError as error:
+        if "unknown file extension" in str(error):
+            return _complain(f"{options.output}: pictures are written as .png, .jpg, ...")
+        raise
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
