@@ -5,11 +5,13 @@ import csv
 import os
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
-import numpy as np
+try:
+    import matplotlib
+    import matplotlib.pyplot as plt
+    import numpy as np
+except ImportError as missing:
+    print(f"plot.py: {missing}; run it with /usr/bin/python3, and with the packages of tools/setup.sh", file=sys.stderr)
+    sys.exit(2)
 
 COLOURS = ["#3b6fb6", "#d1603d", "#3f9c6b", "#8a63b8", "#c79a2b", "#4aa5b5", "#b5507c", "#6d7580"]
 STYLE = {
@@ -187,6 +189,7 @@ def main():
     parser.add_argument("result", help="the output directory of a run, or its history.csv")
     parser.add_argument("-o", "--output", help="file to write (.png, .pdf, .svg); default: history.png in the output directory")
     options = parser.parse_args()
+    plt.switch_backend("Agg")
     try:
         directory, history = read_history(options.result)
         file = options.output or os.path.join(directory, "history.png")
