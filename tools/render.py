@@ -8,15 +8,13 @@ import atexit
 import ctypes
 import dataclasses
 import os
-import re
 import shutil
 import subprocess
 import sys
 
 try:
-    import matplotlib
     import numpy as np
-    from PIL import Image, ImageDraw, ImageFont
+    from PIL import Image
     from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray, vtk_to_numpy
     from vtkmodules.vtkCommonCore import vtkPoints
     from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
@@ -30,14 +28,12 @@ try:
         vtkWindowToImageFilter,
     )
     import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  the implementation behind vtkRenderWindow
+    from page import BACKGROUND, Colours, NamedColours, Page, times_as_text
     from result import Result, Surface, UserError
 except ImportError as missing:
     print(f"render.py: {missing}; run it with /usr/bin/python3, and with the packages of tools/setup.sh", file=sys.stderr)
     sys.exit(2)
 
-BACKGROUND = (250, 250, 252)
-INK = (45, 49, 57)
-FAINT_INK = (120, 126, 136)
 PLAIN_BODY = (0.62, 0.70, 0.79)
 VIEW_ANGLE = 24.0  # [degrees], of the picture's height
 SUPERSAMPLING = 2  # drawn this much larger and scaled down: smooth edges on any graphics library
@@ -130,37 +126,6 @@ def quantity_of(result, name):
 
 def _words(name):
     return name.replace("_", " ").replace("von mises", "von Mises").replace("cauchy", "Cauchy")
-
-
-class Colours:
-    """Values to colours: one scale for all frames, perceptually uniform; diverging about zero for values of both signs."""
-
-    def __init__(self, low, high):
-        self.diverging = low < -0.02 * (high - low) and high > 0.02 * (high - low)
-        if self.diverging:
-            low, high = -max(-low, high), max(-low, high)
-        if not high > low:
-            low, high = (low, low + 1) if low == 0 else (low - abs(low) / 2, low + abs(low) / 2)
-        self.low, self.high = low, high
-        self._map = matplotlib.colormaps["RdBu_r" if self.diverging else "viridis"]
-        # Shading needs colours that can become darker: the darkest ends of the maps are left out.
-        self._ends = (0.07, 0.93) if self.diverging else (0.12, 1.0)
-
-    def __call__(self, values):
-        share = np.clip((values - self.low) / (self.high - self.low), 0, 1)
-        first, last = self._ends
-        return (self._map(first + (last - first) * share)[..., :3] * 255).astype(np.uint8)
-
-
-class NamedColours:
-    """A colour for each body or rank."""
-
-    def __init__(self, count):
-        self.count = count
-        self._table = np.array([matplotlib.colormaps["tab10"](i % 10)[:3] for i in range(count)]) * 0.85 + 0.15
-
-    def __call__(self, values):
-        return (self._table[values.astype(int)] * 255).astype(np.uint8)
 
 
 # ----------------------------------------------------------------------------------------------------- the 3D scene
@@ -325,130 +290,6 @@ def _extreme(points):
     directions = np.random.default_rng(1).normal(size=(200, 3))
     directions /= np.linalg.norm(directions, axis=1)[:, None]
     return points[np.unique((points @ directions.T).argmax(axis=0))]
-
-
-# -------------------------------------------------------------------------------------------------- text and colours
-
-
-def font(size, bold=False):
-    name = "DejaVuSans-Bold.ttf" if bold else "DejaVuSans.ttf"
-    return ImageFont.truetype(os.path.join(matplotlib.get_data_path(), "fonts", "ttf", name), round(size))
-
-
-def prefixed(unit, largest):
-    """The factor and the unit that give handy numbers: 2.3e5 Pa as 230 kPa."""
-    if unit not in ("m", "Pa", "m/s", "N", "J", "W", "m/s^2", "N/m^2"):
-        return 1.0, unit
-    for prefix, factor in (("µ", 1e-6), ("m", 1e-3), ("", 1.0), ("k", 1e3), ("M", 1e6), ("G", 1e9)):
-        if largest < 1000 * factor:
-            break
-    if unit.startswith("m") and factor > 1:
-        prefix, factor = "", 1.0
-    return factor, prefix + unit
-
-
-def ticks(low, high):
-    """About five round numbers from low to high, and how many decimals they need."""
-    step = (high - low) / 5
-    power = 10 ** np.floor(np.log10(step))
-    step = power * min((1, 2, 2.5, 5, 10), key=lambda m: abs(m - step / power))
-    values = np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1) * step
-    decimals = 0
-    while decimals < 8 and not np.allclose(np.round(values, decimals), values, rtol=0, atol=1e-6 * step):
-        decimals += 1
-    return values, decimals
-
-
-class Page:
-    """The picture around the scene: title, time, colour bar."""
-
-    def __init__(self, size, title, quantity, colours):
-        self.size = size
-        self._unit = size[1] / 100  # lengths go with the picture's height
-        self.bar_width = round(23 * self._unit) if quantity is not None else 0
-        self.header = round(10 * self._unit)
-        self._title, self._quantity, self._colours = title, quantity, colours
-
-    @property
-    def scene_size(self):
-        return self.size[0] - self.bar_width, self.size[1] - self.header
-
-    def compose(self, pixels, time):
-        page = Image.new("RGB", self.size, BACKGROUND)
-        scene = Image.fromarray(pixels).resize(self.scene_size, Image.LANCZOS)
-        page.paste(scene, (0, self.header))
-        draw = ImageDraw.Draw(page)
-        h = self._unit
-        draw.text((4 * h, 4.4 * h), self._title, INK, font(3.4 * h, bold=True))
-        draw.text((self.size[0] - 4 * h, 4.6 * h), f"t = {time}", INK, font(3.0 * h), anchor="ra")
-        if self._quantity is not None:
-            (self._draw_names if self._quantity.names else self._draw_bar)(page, draw)
-        return page
-
-    def _draw_bar(self, page, draw):
-        h, c = self._unit, self._colours
-        x, width = self.size[0] - self.bar_width + 2 * h, round(2.6 * h)
-        top, bottom = round(27 * h), round(88 * h)
-        values = np.linspace(c.high, c.low, bottom - top)
-        strip = np.repeat(c(values)[:, None, :], width, axis=1)
-        page.paste(Image.fromarray(strip), (round(x), top))
-        factor, unit = prefixed(self._quantity.unit, max(abs(c.low), abs(c.high)))
-        low, high = c.low / factor, c.high / factor
-        exponent = int(np.floor(np.log10(max(abs(low), abs(high)))))
-        if -3 <= exponent < 5:
-            exponent = 0
-        values, decimals = ticks(low / 10.0**exponent, high / 10.0**exponent)
-        for value in values:
-            y = bottom + (value * 10.0**exponent - low) / (high - low) * (top - bottom)
-            draw.line([(x + width, y), (x + width + 0.8 * h, y)], FAINT_INK, max(1, round(0.2 * h)))
-            draw.text((x + width + 1.5 * h, y), f"{value + 0.0:.{decimals}f}".replace("-", "\u2212"), INK,
-                      font(2.4 * h), anchor="lm")
-        scale = f"10{_superscript(exponent)} " if exponent else ""
-        self._draw_label(draw, x, f"[{scale}{_typeset(unit)}]" if unit or scale else "")
-
-    def _draw_label(self, draw, x, unit):
-        h = self._unit
-        lines = _wrapped(self._quantity.label, 14)
-        for i, line in enumerate(lines):
-            draw.text((x, (23.4 - 3.2 * (len(lines) - i)) * h), line, INK, font(2.5 * h, bold=True), anchor="ls")
-        draw.text((x, 23.4 * h), unit, FAINT_INK, font(2.4 * h), anchor="ls")
-
-    def _draw_names(self, _, draw):
-        h = self._unit
-        x = self.size[0] - self.bar_width + 2 * h
-        self._draw_label(draw, x, "")
-        for i, name in enumerate(self._quantity.names[:16]):
-            y = (24.5 + 4 * i) * h
-            draw.rectangle([x, y, x + 2.4 * h, y + 2.4 * h], fill=tuple(self._colours(np.array([i]))[0]))
-            draw.text((x + 3.6 * h, y + 1.2 * h), name, INK, font(2.4 * h), anchor="lm")
-
-
-def _wrapped(text, width):
-    lines = [""]
-    for word in text.split():
-        if lines[-1] and len(lines[-1]) + 1 + len(word) > width:
-            lines.append("")
-        lines[-1] = f"{lines[-1]} {word}".strip()
-    return lines
-
-
-def _superscript(exponent):
-    return str(exponent).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-
-
-def _typeset(unit):
-    return re.sub(r"\^(-?\d+)", lambda match: _superscript(match[1]), unit).replace("*", "·")
-
-
-def times_as_text(frames):
-    """Times with as many decimals as tell neighbouring frames apart, in a handy unit."""
-    times = np.array([frame.time for frame in frames])
-    last = abs(times).max()
-    factor, unit = (1, "s") if last >= 0.1 or last == 0 else (1e3, "ms") if last >= 1e-4 else (1e6, "µs")
-    times = times * factor
-    gap = np.diff(np.unique(times)).min() if len(np.unique(times)) > 1 else max(abs(times).max(), 1) / 100
-    decimals = int(np.clip(np.ceil(-np.log10(gap) + 0.001), 0, 6))
-    return [f"{t:.{decimals}f} {unit}" for t in times]
 
 
 # --------------------------------------------------------------------------------------------------------- the work
