@@ -11,6 +11,7 @@ if(PLIANT_SANITIZE)
   target_compile_options(pliant_options INTERFACE -fsanitize=${PLIANT_SANITIZE} -fno-omit-frame-pointer)
   target_link_options(pliant_options INTERFACE -fsanitize=${PLIANT_SANITIZE})
 endif()
+target_compile_definitions(pliant_options INTERFACE OMPI_SKIP_MPICXX)
 target_include_directories(pliant_options INTERFACE ${CMAKE_SOURCE_DIR}/src)
 
 # pliant_layer(<name> <dependency>...): src/<name>/*.cpp as the library pliant_<name>; a layer without sources is headers only.

@@ -1,0 +1,130 @@
+#include "app/commands.hpp"
+
+#include "app/model.hpp"
+#include "app/simulation.hpp"
+#include "material/registry.hpp"
+#include "petsc/collective.hpp"
+#include "solver/linear.hpp"
+#include "time/method.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// Bytes that the run will need, over all ranks: what is known exactly (mesh, matrix) and what MUMPS's factor was
+/// measured to take.
+struct Memory {
+  double matrix = 0.0;
+  double factor = 0.0;
+};
+
+Memory predicted_memory(const Model& model, LinearKind kind) {
+  const auto& pattern = model.pattern();
+  const auto blocks = static_cast<double>(pattern.diagonal().nodes.size() + pattern.off_diagonal().nodes.size());
+  Memory memory;
+  memory.matrix = 9.0 * 12.0 * sum(model.layout().comm, blocks);  // value and column index
+  const double unknowns = 3.0 * model.layout().num_global_nodes;
+  // Nested dissection in three dimensions: the fill grows as n^(4/3) (George 1973). The constant fits MUMPS with PORD
+  // on cubes of P1 and P2 tetrahedra; slender bodies need less. GAMG's hierarchy takes about as much as the matrix.
+  memory.factor = kind == LinearKind::cholesky ? 8.0 * 7.0 * std::pow(unknowns, 4.0 / 3.0) : 1.5 * memory.matrix;
+  return memory;
+}
+
+std::string bytes(double n) {
+  return n < 1e9 ? fmt::format("{:.0f} MB", std::ceil(n / 1e6)) : fmt::format("{:.1f} GB", n / 1e9);
+}
+
+void report_time_scales(const Model& model, const Config& config, Console& console) {
+  const auto& [fastest, slowest] = model.wave_speeds();
+  if (!(fastest > 0.0)) return;
+  const auto& b = model.mesh().report.bounds;
+  const double length = std::max({b[3] - b[0], b[4] - b[1], b[5] - b[2]});
+  const double across = length / slowest;
+  console.print("time scales");
+  console.print(fmt::format("  pressure wave across the smallest edge  {:.3g} s (an explicit code's step)",
+                            model.mesh().report.min_edge / fastest));
+  console.print(fmt::format("  shear wave along the body               {:.3g} s", across));
+  // Bending is slower than any wave; a twentieth of the shear transit resolves the lowest modes of compact bodies.
+  console.print(
+      fmt::format("  suggested step                          {:.2g} s (a tenth of that); the input's step is {:.3g} s",
+                  across / 10.0, config.time.step));
+}
+
+}  // namespace
+
+ExitCode run_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides, Console& console) {
+  return simulate(comm, read_input_file(comm, file, overrides), console);
+}
+
+ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides,
+                       Console& console) {
+  const Config config = read_input_file(comm, file, overrides);
+  const Model model(comm, config);
+  const NodeLayout& layout = model.layout();
+  console.print(fmt::format("{}: the input is well", file));
+  console.print(fmt::format("mesh {}", config.mesh.file.value));
+  std::string text = describe(model.mesh().report);
+  if (!text.empty() && text.back() == '\n') text.pop_back();
+  console.print(text);
+
+  console.print("bodies");
+  std::vector<double> cells(model.body_names().size(), 0.0);
+  for (PetscInt c = 0; c < layout.num_owned_cells; ++c) ++cells[model.body_of_cell()[c]];
+  for (std::size_t b = 0; b < cells.size(); ++b) {
+    const auto& e = config.bodies[b].elasticity;
+    console.print(fmt::format(
+        "  {}: {} tetrahedra, {} with E = {:.4g} Pa, nu = {:.4g}{}", model.body_names()[b],
+        static_cast<long long>(sum(layout.comm, cells[b])), e.model, e.youngs_modulus, e.poissons_ratio,
+        config.bodies[b].density ? fmt::format(", density {:.4g} kg/m^3", *config.bodies[b].density) : std::string()));
+  }
+  if (model.inertia() != nullptr) {
+    console.print(fmt::format("  mass {:.6g} kg", sum(layout.comm, model.inertia()->total_mass())));
+  }
+
+  const LinearKind kind = config.solver.linear == "cholesky" ? LinearKind::cholesky
+                          : config.solver.linear == "amg"    ? LinearKind::amg
+                                                             : automatic_linear_kind(layout);
+  const Memory memory = predicted_memory(model, kind);
+  const auto prescribed = std::count(model.prescribed().flags().begin(),
+                                     model.prescribed().flags().begin() + 3 * layout.num_owned_nodes, 1);
+  const double mine = 3.0 * layout.num_owned_nodes;
+  console.print("unknowns");
+  console.print(fmt::format("  {} ({} prescribed), P{} elements; {:.0f} to {:.0f} per rank",
+                            3 * layout.num_global_nodes, sum(layout.comm, static_cast<PetscInt64>(prescribed)),
+                            layout.order, minimum(layout.comm, mine), maximum(layout.comm, mine)));
+  console.print(fmt::format("  linear solver: {}", describe(kind)));
+  console.print(fmt::format("  predicted memory: matrix {}, {} about {}", bytes(memory.matrix),
+                            kind == LinearKind::cholesky ? "factor" : "multigrid", bytes(memory.factor)));
+  report_time_scales(model, config, console);
+  for (const auto& notice : model.mesh().report.notices) console.print("note: " + notice);
+  for (const auto& notice : model.notices()) console.print("note: " + notice);
+  return ExitCode::done;
+}
+
+std::string methods_text() {
+  std::string text = fmt::format("{:<20} {:>5} {:>6}  {:<12} {:>6}  {}\n", "method", "order", "stages", "stability",
+                                 "R(inf)", "when to use");
+  for (const auto& m : methods()) {
+    text += fmt::format("{:<20} {:>5} {:>6}  {:<12} {:>6.3f}  {}\n", m.name, m.order, m.num_stages,
+                        to_string(m.stability), m.R_infinity, m.summary);
+  }
+  return text;
+}
+
+std::string materials_text() {
+  std::string text;
+  for (const auto& law : elastic_laws()) {
+    text += fmt::format("{}\n  {}\n", law.name, law.formula);
+    for (const auto& p : law.parameters) {
+      text += fmt::format("  {:<16} [{}], {} < . < {}: {}\n", p.name, p.unit, p.lower, p.upper, p.meaning);
+    }
+    text += fmt::format("  use: {}\n  source: {}\n\n", law.when_to_use, law.source);
+  }
+  return text;
+}
+
+}  // namespace pliant

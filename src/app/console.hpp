@@ -1,0 +1,36 @@
+/// What the user reads while a run goes on: rank 0's terminal.
+#pragma once
+
+#include <string>
+
+#include <mpi.h>
+
+namespace pliant {
+
+enum class Verbosity { normal, quiet };
+
+/// Prints on rank 0; warnings always, the rest unless quiet. Not collective. On a terminal the progress line is
+/// rewritten in place.
+class Console {
+ public:
+  Console(MPI_Comm comm, Verbosity verbosity);
+  ~Console();
+  Console(const Console&) = delete;
+  Console& operator=(const Console&) = delete;
+
+  void print(const std::string& line);
+  void warn(const std::string& line);
+  /// A line that the next one replaces; only on a terminal.
+  void progress(const std::string& line);
+  bool is_terminal() const { return is_terminal_; }
+
+ private:
+  void clear_progress();
+
+  bool speaks_;
+  bool quiet_;
+  bool is_terminal_;
+  bool progress_shown_ = false;
+};
+
+}  // namespace pliant

@@ -1,0 +1,134 @@
+// pliant: the program. Parses the command line, starts MPI and PETSc, turns failures into messages and exit codes.
+#include "app/commands.hpp"
+#include "app/version.hpp"
+#include "petsc/check.hpp"
+#include "petsc/session.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+namespace {
+
+using namespace pliant;
+
+struct Arguments {
+  std::string file;
+  std::vector<std::string> settings;
+  std::string output;
+  bool quiet = false;
+  bool markdown = false;
+
+  std::vector<Override> overrides() const {
+    std::vector<Override> result;
+    for (const auto& setting : settings) {
+      const auto equals = setting.find('=');
+      if (equals == std::string::npos || equals == 0) {
+        throw InputError({"--set " + setting, 0, 0}, "expected KEY.PATH=VALUE, e.g. --set time.step=\"5 ms\"");
+      }
+      result.push_back({setting.substr(0, equals), setting.substr(equals + 1)});
+    }
+    if (!output.empty()) result.push_back({"output.directory", output});
+    return result;
+  }
+};
+
+/// Reads the command line. Returns the command to run, or an exit code after help, version or a mistake.
+ExitCode parse_and_run(int argc, const char* const* argv) {
+  const MPI_Comm comm = PETSC_COMM_WORLD;
+  const bool speaks = rank(comm) == 0;
+  Arguments arguments;
+  ExitCode result = ExitCode::done;
+  CLI::App app("Finite-element dynamics of soft bodies. Run in parallel with mpirun -n N pliant run INPUT.yaml",
+               "pliant");
+  app.footer("What stands after -- goes to PETSc, e.g. pliant run beam.yaml -- -snes_monitor -log_view");
+  app.set_version_flag("--version", version_text);
+  app.require_subcommand(1);
+  std::function<void()> command;
+
+  const auto add_input = [&](CLI::App* sub) {
+    sub->add_option("INPUT", arguments.file, "the input file (YAML)")->required();
+    sub->add_option("--set", arguments.settings, "KEY.PATH=VALUE: replaces a value of the input; may be repeated")
+        ->allow_extra_args(false);
+  };
+  const auto verbosity = [&] { return arguments.quiet ? Verbosity::quiet : Verbosity::normal; };
+
+  CLI::App* run = app.add_subcommand("run", "run a simulation");
+  add_input(run);
+  run->add_option("--output", arguments.output, "directory for the results");
+  run->add_flag("--quiet", arguments.quiet, "print warnings and errors only");
+  run->callback([&] {
+    command = [&] {
+      Console console(comm, verbosity());
+      result = run_command(comm, arguments.file, arguments.overrides(), console);
+    };
+  });
+
+  CLI::App* check = app.add_subcommand("check", "read the input, mesh and partition it, and report; solves nothing");
+  add_input(check);
+  check->callback([&] {
+    command = [&] {
+      Console console(comm, Verbosity::normal);
+      result = check_command(comm, arguments.file, arguments.overrides(), console);
+    };
+  });
+
+  const auto add_text = [&](const char* name, const char* what, std::function<std::string()> text) {
+    CLI::App* sub = app.add_subcommand(name, what);
+    sub->callback([&command, speaks, text] {
+      command = [speaks, text] {
+        if (speaks) fmt::print("{}", text());
+      };
+    });
+    return sub;
+  };
+  add_text("methods", "list the time integration methods", methods_text);
+  add_text("materials", "list the material laws", materials_text);
+  add_text("schema", "print the JSON schema of the input", [&] {
+    return arguments.markdown ? input_reference() : json_schema();
+  })->add_flag("--markdown", arguments.markdown, "print the reference of the input in Markdown instead");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    if (speaks) app.exit(help);
+    return ExitCode::done;
+  } catch (const CLI::ParseError& error) {
+    if (speaks) fmt::print(stderr, "pliant: {}; see pliant --help\n", error.what());
+    return ExitCode::input;
+  }
+  command();
+  return result;
+}
+
+int told(const std::exception& error, ExitCode code) {
+  if (rank(PETSC_COMM_WORLD) == 0) fmt::print(stderr, "{}\n", error.what());
+  return static_cast<int>(code);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  char** const separator = std::find_if(argv, argv + argc, [](const char* a) { return std::string(a) == "--"; });
+  const std::vector<std::string> petsc_options(std::min(separator + 1, argv + argc), argv + argc);
+  const Session session(argv[0], petsc_options);
+  try {
+    return static_cast<int>(parse_and_run(static_cast<int>(separator - argv), argv));
+  } catch (const InputError& error) {
+    return told(error, ExitCode::input);
+  } catch (const FileError& error) {
+    return told(error, ExitCode::file);
+  } catch (const SolveError& error) {
+    return told(error, ExitCode::solve);
+  } catch (const std::exception& error) {
+    // Not agreed between ranks: the others may be waiting for this one.
+    fmt::print(stderr, "pliant failed on rank {}: {}\n", rank(PETSC_COMM_WORLD), error.what());
+    std::fflush(stderr);
+    MPI_Abort(PETSC_COMM_WORLD, static_cast<int>(ExitCode::solve));
+    return static_cast<int>(ExitCode::solve);
+  }
+}

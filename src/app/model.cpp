@@ -1,0 +1,192 @@
+#include "app/model.hpp"
+
+#include "app/selections.hpp"
+#include "material/lame.hpp"
+#include "petsc/array_view.hpp"
+#include "petsc/collective.hpp"
+#include "petsc/ghosted.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// The support's name in the history: the surface's, else by its place in the list of constraints.
+std::string support_name(const ConstraintConfig& constraint, std::size_t index) {
+  return constraint.part.kind == Selection::Kind::surface ? constraint.part.name
+                                                          : fmt::format("constraint{}", index + 1);
+}
+
+WaveSpeeds speeds_of(const Config& config) {
+  WaveSpeeds speeds{0.0, HUGE_VAL};
+  for (const auto& body : config.bodies) {
+    if (!body.density) continue;
+    const auto [mu, lambda] = lame(body.elasticity.youngs_modulus, body.elasticity.poissons_ratio);
+    speeds.fastest = std::max(speeds.fastest, std::sqrt((lambda + 2.0 * mu) / *body.density));
+    speeds.slowest = std::min(speeds.slowest, std::sqrt(mu / *body.density));
+  }
+  return speeds;
+}
+
+}  // namespace
+
+Analysis analysis_of(const Config& config) {
+  if (config.time.method.value == "static") return Analysis::static_equilibrium;
+  return config.time.method.value == "quasistatic" ? Analysis::quasistatic : Analysis::dynamic;
+}
+
+Model::Model(MPI_Comm comm, const Config& config) {
+  mesh_ = read_mesh(
+      comm, {config.mesh.file.value, config.mesh.file.where, config.mesh.size, config.mesh.scale, config.mesh.refine});
+  const int order = static_cast<int>(config.element);
+  layout_ = make_layout(mesh_, order);
+  pattern_ = std::make_unique<BlockPattern>(layout_);
+  if (order == 1 && mesh_.geometry_order == 2) {
+    notices_.push_back("the mesh has curved edges, which P1 elements straighten; `element: P2` keeps them");
+  }
+  build_terms(config);
+  wave_speeds_ = speeds_of(config);
+}
+
+template <int Order>
+void Model::build_cells(const Config& config) {
+  std::vector<ElasticLawVariant> laws;
+  std::vector<int> degrees;
+  for (const auto& body : config.bodies) {
+    const auto& e = body.elasticity;
+    laws.push_back(make_law(e.model, e.youngs_modulus, e.poissons_ratio, e.where));
+    degrees.push_back(elastic_quadrature_degree(laws.back(), Order));
+  }
+  auto& groups = cells_.emplace<CellGroups<Order>>();
+  on_every_rank(layout_.comm, [&] {
+    try {
+      groups = make_cell_groups<Order>(layout_, *pattern_, body_of_cell_, degrees);
+    } catch (const InputError& e) {
+      throw InputError(config.mesh.file.where, e.diagnostics().front().message);
+    }
+  });
+  for (std::size_t b = 0; b < laws.size(); ++b) {
+    elastic_.push_back(make_elastic_term<Order>(laws[b], groups, static_cast<int>(b), layout_.num_owned_nodes));
+  }
+  const bool has_mass = std::any_of(densities_.begin(), densities_.end(), [](double d) { return d > 0.0; });
+  if (has_mass) {
+    inertia_ = make_inertia<Order>(layout_, *pattern_, groups, densities_,
+                                   config.mass == MassKind::consistent ? Mass::consistent : Mass::lumped);
+  }
+}
+
+void Model::build_terms(const Config& config) {
+  Selections selections(mesh_, layout_);
+
+  std::vector<Selection> parts;
+  for (const auto& body : config.bodies) {
+    parts.push_back(body.part);
+    body_names_.push_back(body.part.name.empty() ? "body" : body.part.name);
+    densities_.push_back(body.density.value_or(0.0));
+  }
+  body_of_cell_ = selections.cells(parts);
+
+  std::vector<PrescribedPart> prescriptions;
+  for (const auto& constraint : config.constraints) {
+    prescriptions.push_back({selections.nodes(constraint.part), constraint.displacement});
+  }
+  struct Dead {
+    LoadSamples samples;
+    const LoadConfig* load;
+  };
+  std::vector<Dead> dead;
+  for (const auto& load : config.loads) {
+    const Variation variation = variation_of(load.value);
+    if (load.kind == LoadConfig::Kind::traction) {
+      dead.push_back({facet_samples(layout_, selections.facets(load.part), variation), &load});
+    } else {
+      const auto inside = selections.cells(load.part);
+      std::vector<double> density(layout_.num_local_cells, 0.0);
+      for (PetscInt c = 0; c < layout_.num_local_cells; ++c) {
+        if (inside[c] && body_of_cell_[c] >= 0) density[c] = densities_[body_of_cell_[c]];
+      }
+      dead.push_back({cell_samples(layout_, density, variation), &load});
+    }
+  }
+  prescribed_ =
+      std::make_unique<PrescribedDisplacement>(layout_, prescriptions, config.time.step > 0.0 ? config.time.step : 1.0);
+  on_every_rank(layout_.comm, [&] {
+    for (const auto& [i, j] : prescribed_->conflicts(layout_, {0.0, config.time.end})) {
+      selections.report(
+          config.constraints[j].where,
+          fmt::format("{} and {} share nodes but prescribe different displacements there; make one of them `free` or "
+                      "let them agree",
+                      describe(config.constraints[i].part), describe(config.constraints[j].part)));
+    }
+    selections.throw_mistakes();
+  });
+  for (const auto& notice : selections.unused_groups()) notices_.push_back(notice);
+
+  if (layout_.order == 1) {
+    build_cells<1>(config);
+  } else {
+    build_cells<2>(config);
+  }
+  for (auto& [samples, load] : dead) {
+    loads_.push_back(std::make_unique<DeadLoad>(layout_, std::move(samples), load->value));
+  }
+
+  // Supports: entries under the name of the first constraint that claims them.
+  std::vector<char> claimed(prescribed_->flags().size(), 0);
+  for (std::size_t c = 0; c < config.constraints.size(); ++c) {
+    const std::string name = support_name(config.constraints[c], c);
+    auto support = std::find_if(supports_.begin(), supports_.end(), [&](const auto& s) { return s.name == name; });
+    if (support == supports_.end()) support = supports_.insert(supports_.end(), {name, {}});
+    for (int i = 0; i < 3; ++i) {
+      if (!config.constraints[c].displacement[i]) continue;
+      for (const PetscInt node : prescriptions[c].nodes) {
+        if (std::exchange(claimed[3 * node + i], 1)) continue;
+        support->dofs.push_back(3 * node + i);
+      }
+    }
+  }
+
+  std::vector<const EnergyTerm*> terms;
+  for (const auto& term : elastic_) terms.push_back(term.get());
+  for (const auto& term : loads_) terms.push_back(term.get());
+  if (analysis_of(config) == Analysis::dynamic && inertia_) terms.push_back(inertia_.get());
+  potential_ = std::make_unique<IncrementalPotential>(layout_, *pattern_, std::move(terms), prescribed_->flags());
+
+  for (const auto& probe : config.probes) {
+    probes_.push_back(locate(layout_, probe.point));
+    const double far = probes_.back().distance;
+    if (far > 0.0) {
+      notices_.push_back(fmt::format(
+          "probe '{}' lies outside the mesh; the nearest node, {:.3g} m away, is recorded instead", probe.name, far));
+    }
+  }
+}
+
+void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
+  {
+    const ArrayView displacement(q), velocity(v);
+    for (PetscInt n = 0; n < layout_.num_owned_nodes; ++n) {
+      const auto [x, y, z] = layout_.position(n);
+      for (int i = 0; i < 3; ++i) {
+        displacement[3 * n + i] = config.initial.displacement[i](x, y, z, 0.0);
+        velocity[3 * n + i] = config.initial.velocity[i](x, y, z, 0.0);
+      }
+    }
+  }
+  prescribed_->motion().complete_step(0.0, q, v);
+  update_ghosts(q);
+  const ConstGhostedView at(q);
+  double energy = 0.0;
+  for (const auto& term : elastic_) energy += term->energy(at.span());
+  if (!std::isfinite(sum(layout_.comm, energy))) {
+    throw InputError({config.file, 0, 0},
+                     "the initial displacement, or a prescribed one at t = 0, turns tetrahedra inside out; start from "
+                     "a smaller one");
+  }
+}
+
+}  // namespace pliant

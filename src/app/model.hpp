@@ -1,0 +1,88 @@
+/// Everything the input describes, ready to be solved: mesh, unknowns, terms and their sum.
+#pragma once
+
+#include "app/config.hpp"
+#include "energy/elastic.hpp"
+#include "energy/incremental_potential.hpp"
+#include "energy/inertia.hpp"
+#include "energy/load.hpp"
+#include "energy/prescribed.hpp"
+#include "fem/probe.hpp"
+#include "mesh/mesh.hpp"
+
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace pliant {
+
+enum class Analysis { dynamic, quasistatic, static_equilibrium };
+
+/// What `time.method` asks for.
+Analysis analysis_of(const Config& config);
+
+/// Owned entries whose reactions are summed under one name.
+struct Support {
+  std::string name;
+  std::vector<PetscInt> dofs;
+};
+
+/// Material time scales, for advice.
+struct WaveSpeeds {
+  double fastest = 0.0;  ///< pressure waves of the stiffest body [m/s]
+  double slowest = 0.0;  ///< shear waves of the softest body [m/s]
+};
+
+/// Built in one go from the input; its members refer to each other, so it stays where it is. A static problem has no
+/// inertia.
+class Model {
+ public:
+  /// Throws InputError with all mistakes that show only against the mesh. Collective.
+  Model(MPI_Comm comm, const Config& config);
+  Model(const Model&) = delete;
+  Model& operator=(const Model&) = delete;
+
+  const Mesh& mesh() const { return mesh_; }
+  const NodeLayout& layout() const { return layout_; }
+  const BlockPattern& pattern() const { return *pattern_; }
+  const std::vector<int>& body_of_cell() const { return body_of_cell_; }
+  const std::vector<std::string>& body_names() const { return body_names_; }
+  const std::vector<std::unique_ptr<ElasticTerm>>& elastic() const { return elastic_; }
+  const std::vector<std::unique_ptr<DeadLoad>>& loads() const { return loads_; }
+  const Inertia* inertia() const { return inertia_.get(); }  ///< nullptr if no body has a density
+  const PrescribedDisplacement& prescribed() const { return *prescribed_; }
+  const std::vector<Support>& supports() const { return supports_; }
+  IncrementalPotential& potential() { return *potential_; }
+  const std::vector<ProbeLocation>& probes() const { return probes_; }
+  const WaveSpeeds& wave_speeds() const { return wave_speeds_; }
+  /// What the user should know, in plain words.
+  const std::vector<std::string>& notices() const { return notices_; }
+
+  /// Initial displacement and velocity, prescribed entries at their values at t = 0. Collective.
+  void set_initial_state(const Config& config, Vec q, Vec v) const;
+
+ private:
+  void build_terms(const Config& config);
+  template <int Order>
+  void build_cells(const Config& config);
+
+  Mesh mesh_;
+  NodeLayout layout_;
+  std::unique_ptr<BlockPattern> pattern_;
+  std::vector<int> body_of_cell_;
+  std::vector<std::string> body_names_;
+  std::vector<double> densities_;
+  std::variant<CellGroups<1>, CellGroups<2>> cells_;
+  std::vector<std::unique_ptr<ElasticTerm>> elastic_;
+  std::vector<std::unique_ptr<DeadLoad>> loads_;
+  std::unique_ptr<Inertia> inertia_;
+  std::unique_ptr<PrescribedDisplacement> prescribed_;
+  std::vector<Support> supports_;
+  std::unique_ptr<IncrementalPotential> potential_;
+  std::vector<ProbeLocation> probes_;
+  WaveSpeeds wave_speeds_;
+  std::vector<std::string> notices_;
+};
+
+}  // namespace pliant

@@ -1,0 +1,197 @@
+#include "app/recorder.hpp"
+
+#include "app/input.hpp"
+#include "app/version.hpp"
+#include "base/stopwatch.hpp"
+#include "petsc/array_view.hpp"
+#include "petsc/collective.hpp"
+#include "petsc/ghosted.hpp"
+#include "petsc/session.hpp"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// A field per cell: its components come from the stress of the cell.
+struct CellField {
+  const char* name;
+  const char* unit;
+  int components;
+  void (*put)(const CellStress&, double*);
+};
+
+constexpr std::array<CellField, 4> cell_fields{{
+    {"cauchy_stress", "Pa", 6,
+     [](const CellStress& s, double* out) { std::copy(s.cauchy.begin(), s.cauchy.end(), out); }},
+    {"von_mises_stress", "Pa", 1, [](const CellStress& s, double* out) { *out = s.von_mises; }},
+    {"volume_ratio", "", 1, [](const CellStress& s, double* out) { *out = s.volume_ratio; }},
+    {"energy_density", "J/m^3", 1, [](const CellStress& s, double* out) { *out = s.energy_density; }},
+}};
+
+struct NodeField {
+  const char* name;
+  const char* unit;
+  Vec StepRecord::*values;
+};
+
+constexpr std::array<NodeField, 3> node_fields{{
+    {"displacement", "m", &StepRecord::q},
+    {"velocity", "m/s", &StepRecord::v},
+    {"acceleration", "m/s^2", &StepRecord::a},
+}};
+
+/// Starts the output directory; before the writers, so that they find it.
+std::filesystem::path prepared_directory(MPI_Comm comm, const Config& config) {
+  const std::filesystem::path directory = config.output.directory;
+  on_root(comm, [&] {
+    make_directory(directory);
+    write_text_atomically(directory / "run.yaml",
+                          fmt::format("# The input as understood: defaults and units resolved; can be run again.\n"
+                                      "# {} ranks\n{}{}",
+                                      num_ranks(comm), commented(version_text()), dump(config)));
+  });
+  return directory;
+}
+
+}  // namespace
+
+std::vector<std::string> field_names() {
+  std::vector<std::string> names;
+  for (const auto& field : node_fields) names.emplace_back(field.name);
+  for (const auto& field : cell_fields) names.emplace_back(field.name);
+  return names;
+}
+
+Recorder::Recorder(MPI_Comm comm, const Config& config, const Model& model)
+    : model_(model),
+      fields_(config.output.fields),
+      result_(comm, prepared_directory(comm, config), config.title, output_mesh()),
+      history_(comm, std::filesystem::path(config.output.directory) / "history.csv", columns(config)),
+      q_(make_vector(model.layout())),
+      v_(make_vector(model.layout())) {}
+
+OutputMesh Recorder::output_mesh() const {
+  const NodeLayout& layout = model_.layout();
+  OutputMesh mesh;
+  mesh.nodes_per_cell = layout.nodes_per_cell;
+  mesh.global_num_nodes = layout.num_global_nodes;
+  mesh.first_node = layout.first_global_node;
+  mesh.coordinates.assign(layout.coordinates.begin(), layout.coordinates.begin() + 3 * layout.num_owned_nodes);
+  for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+    for (const PetscInt n : layout.nodes_of_cell(c)) mesh.cells.push_back(layout.global_node(n));
+    mesh.bodies.push_back(model_.body_of_cell()[c]);
+  }
+  mesh.body_names = model_.body_names();
+  return mesh;
+}
+
+std::vector<std::string> Recorder::columns(const Config& config) const {
+  std::vector<std::string> names{"step",
+                                 "time",
+                                 "dt",
+                                 "newton_iterations",
+                                 "linear_iterations",
+                                 "kinetic_energy",
+                                 "elastic_energy",
+                                 "load_potential",
+                                 "dissipated_energy",
+                                 "load_work",
+                                 "energy_balance_error",
+                                 "px",
+                                 "py",
+                                 "pz",
+                                 "Lx",
+                                 "Ly",
+                                 "Lz"};
+  for (const auto& probe : config.probes) {
+    for (const char* suffix : {"_x", "_y", "_z", "_vx", "_vy", "_vz"}) names.push_back(probe.name + suffix);
+  }
+  for (const auto& support : model_.supports()) {
+    for (const char* suffix : {"_fx", "_fy", "_fz"}) names.push_back(support.name + suffix);
+  }
+  return names;
+}
+
+void Recorder::record(const StepRecord& record, const Ledger& ledger) {
+  const Stopwatch watch(seconds_);
+  const Energies& e = ledger.energies();
+  std::vector<double> row{static_cast<double>(record.step),
+                          record.time,
+                          record.dt,
+                          static_cast<double>(record.newton_iterations),
+                          static_cast<double>(record.linear_iterations),
+                          e.kinetic,
+                          e.elastic,
+                          e.load_potential,
+                          e.dissipated,
+                          e.load_work,
+                          e.balance_error};
+  row.insert(row.end(), e.momenta.linear.begin(), e.momenta.linear.end());
+  row.insert(row.end(), e.momenta.angular.begin(), e.momenta.angular.end());
+
+  if (!model_.probes().empty()) {
+    check(VecCopy(record.q, q_.get()));
+    check(VecCopy(record.v, v_.get()));
+    update_ghosts(q_.get());
+    update_ghosts(v_.get());
+    const ConstGhostedView u(q_.get()), velocity(v_.get());
+    std::vector<double> values;
+    for (const auto& probe : model_.probes()) {
+      const auto X = probe.interpolate(model_.layout().coordinates), d = probe.interpolate(u.span()),
+                 w = probe.interpolate(velocity.span());
+      for (int i = 0; i < 3; ++i) values.push_back(X[i] + d[i]);
+      values.insert(values.end(), w.begin(), w.end());
+    }
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM,
+                            model_.layout().comm));
+    row.insert(row.end(), values.begin(), values.end());
+  }
+  for (const auto& force : ledger.reactions()) row.insert(row.end(), force.begin(), force.end());
+  history_.append(row);
+}
+
+void Recorder::write_frame(const StepRecord& record) {
+  const Stopwatch watch(seconds_);
+  const NodeLayout& layout = model_.layout();
+  std::vector<std::vector<double>> storage;
+  storage.reserve(fields_.size());
+  std::vector<OutputField> fields;
+  const auto wanted = [&](const char* name) {
+    return std::find(fields_.begin(), fields_.end(), name) != fields_.end();
+  };
+
+  for (const auto& field : node_fields) {
+    if (!wanted(field.name)) continue;
+    auto& values = storage.emplace_back(3 * static_cast<std::size_t>(layout.num_owned_nodes), 0.0);
+    if (Vec v = record.*field.values; v != nullptr) {
+      const ConstArrayView array(v);
+      std::copy(array.span().begin(), array.span().end(), values.begin());
+    }
+    fields.push_back({field.name, field.unit, FieldLocation::node, 3, values});
+  }
+  std::vector<std::pair<const CellField*, double*>> places;
+  for (const auto& field : cell_fields) {
+    if (!wanted(field.name)) continue;
+    auto& values = storage.emplace_back(field.components * static_cast<std::size_t>(layout.num_owned_cells), 0.0);
+    places.emplace_back(&field, values.data());
+    fields.push_back({field.name, field.unit, FieldLocation::cell, field.components, values});
+  }
+  if (!places.empty()) {
+    check(VecCopy(record.q, q_.get()));
+    update_ghosts(q_.get());
+    const ConstGhostedView u(q_.get());
+    for (const auto& term : model_.elastic()) {
+      term->stresses(u.span(), [&](PetscInt cell, const CellStress& stress) {
+        for (const auto& [field, values] : places) field->put(stress, values + cell * field->components);
+      });
+    }
+  }
+  result_.write_frame(record.time, record.step, fields);
+}
+
+}  // namespace pliant

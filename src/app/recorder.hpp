@@ -1,0 +1,53 @@
+/// What a run leaves on disk: result.h5 and result.xdmf, history.csv, run.yaml.
+#pragma once
+
+#include "app/ledger.hpp"
+#include "io/history_writer.hpp"
+#include "io/result_writer.hpp"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+/// A completed step, or the initial state (step 0).
+struct StepRecord {
+  std::int64_t step = 0;
+  double time = 0.0;  ///< [s]
+  double dt = 0.0;    ///< [s]
+  int newton_iterations = 0;
+  int linear_iterations = 0;
+  Vec q = nullptr;
+  Vec v = nullptr;
+  Vec a = nullptr;  ///< nullptr: zero
+};
+
+class Recorder {
+ public:
+  /// Makes the directory and starts all files. Throws FileError on every rank. Collective.
+  Recorder(MPI_Comm comm, const Config& config, const Model& model);
+
+  /// Adds a row to the history. Collective.
+  void record(const StepRecord& record, const Ledger& ledger);
+  /// Adds a frame to the result. Collective.
+  void write_frame(const StepRecord& record);
+
+  double seconds() const { return seconds_; }
+
+ private:
+  OutputMesh output_mesh() const;
+  std::vector<std::string> columns(const Config& config) const;
+
+  const Model& model_;
+  std::vector<std::string> fields_;
+  double seconds_ = 0.0;
+  ResultWriter result_;
+  HistoryWriter history_;
+  Handle<Vec> q_, v_;
+};
+
+/// Names that `output.fields` may list.
+std::vector<std::string> field_names();
+
+}  // namespace pliant

@@ -1,0 +1,25 @@
+/// Points of the reference body at which histories are recorded.
+#pragma once
+
+#include "fem/layout.hpp"
+
+#include <array>
+#include <vector>
+
+namespace pliant {
+
+/// A point as weights of nodes. One rank holds it; the nodes are empty on the others.
+struct ProbeLocation {
+  std::vector<PetscInt> nodes;  ///< local nodes
+  std::vector<double> weights;  ///< shape functions at the point
+  double distance =
+      0.0;  ///< from the wanted point to the one found [m]; > 0 if it lies outside the mesh. The same on every rank
+
+  /// Interpolated xyz of an array over local nodes; zero on ranks that do not hold the point.
+  std::array<double, 3> interpolate(std::span<const double> local) const;
+};
+
+/// The place of X in the mesh; for a point outside, the nearest node. Collective.
+ProbeLocation locate(const NodeLayout& layout, const std::array<double, 3>& X);
+
+}  // namespace pliant

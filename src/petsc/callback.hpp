@@ -1,0 +1,38 @@
+/// C++ exceptions do not travel through PETSc's C frames: a callback keeps them and returns a code instead.
+#pragma once
+
+#include "petsc/check.hpp"
+
+#include <exception>
+
+namespace pliant {
+
+/// Holds what a callback threw until control is back in C++.
+class CallbackGuard {
+ public:
+  /// Runs the callback's body; 0, or a PETSc code if it threw.
+  template <class Body>
+  PetscErrorCode run(Body body) noexcept {
+    try {
+      body();
+      return 0;
+    } catch (const PetscFailure& failure) {
+      caught_ = std::current_exception();
+      return failure.code();
+    } catch (...) {
+      caught_ = std::current_exception();
+      return PETSC_ERR_LIB;
+    }
+  }
+
+  /// After the PETSc call returned `code`: throws what a callback threw, else what `code` says.
+  void rethrow(PetscErrorCode code, std::source_location where = std::source_location::current()) {
+    if (caught_) std::rethrow_exception(std::exchange(caught_, nullptr));
+    check(code, where);
+  }
+
+ private:
+  std::exception_ptr caught_;
+};
+
+}  // namespace pliant

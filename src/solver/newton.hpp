@@ -1,0 +1,85 @@
+/// The solver of a stage: Newton's method on the incremental potential, through SNES.
+#pragma once
+
+#include "energy/incremental_potential.hpp"
+#include "petsc/callback.hpp"
+#include "petsc/handle.hpp"
+#include "solver/linear.hpp"
+#include "time/stage.hpp"
+
+#include <vector>
+
+namespace pliant {
+
+struct NewtonOptions {
+  double relative =
+      1e-8;  ///< residual over the sum of the norms of the forces that balance at the stage's starting guess
+  double absolute = 0.0;  ///< residual [N]
+  int max_iterations = 50;
+};
+
+/// What the solver has done since it was made.
+struct SolverStatistics {
+  long long stages = 0;
+  long long newton_iterations = 0;
+  long long linear_iterations = 0;
+  long long backtracks = 0;       ///< step lengths refused by the line search
+  long long capped_steps = 0;     ///< steps shortened because a tetrahedron would have inverted
+  long long projections = 0;      ///< Hessians made positive semidefinite cell by cell
+  long long rounding_stops = 0;   ///< stages whose residual ended at its rounding floor, above the tolerance
+  double assembly_seconds = 0.0;  ///< residuals, energies, Hessians
+  double factorization_seconds = 0.0;
+  double solve_seconds = 0.0;
+};
+
+/// Newton with exact Hessian, a line search on the potential, and a ladder for trouble: where the factorization counts
+/// negative pivots, the linear solver breaks down, the direction does not descend or no step length helps, the
+/// Hessian is projected to positive semidefinite cell by cell; where that does not help either, the stage asks for a
+/// smaller step. Every rank takes the same decisions: all of them rest on reduced numbers.
+///
+/// Line search along d = -K^-1 r, from alpha = min(1, 0.9 of the step at which a tetrahedron inverts): Armijo's
+/// condition on Phi; where the change of Phi is within its rounding error, the gradient decides (Hager & Zhang 2005,
+/// approximate Wolfe condition); +inf backtracks.
+class NewtonSolver {
+ public:
+  /// `potential` outlives the solver. PETSc options -snes_..., -ksp_..., -pc_... override. Collective.
+  NewtonSolver(IncrementalPotential& potential, const BlockPattern& pattern, const NewtonOptions& options,
+               LinearKind linear);
+
+  /// Solves the stage from the guess in q, or from q0 + dt v0 where that lowers the potential further. Collective.
+  StageReport solve(const StagePoint& stage, Vec q);
+
+  const SolverStatistics& statistics() const { return statistics_; }
+
+ private:
+  static PetscErrorCode residual_callback(SNES, Vec q, Vec r, void* self);
+  static PetscErrorCode hessian_callback(SNES, Vec q, Mat K, Mat P, void* self);
+  static PetscErrorCode line_search_callback(SNESLineSearch search, void* self);
+  static PetscErrorCode convergence_callback(SNES, PetscInt it, PetscReal, PetscReal, PetscReal f,
+                                             SNESConvergedReason* reason, void* self);
+
+  void choose_guess(const StagePoint& stage, Vec q);
+  void assemble(Vec q, Projection projection);
+  void linearize(Vec q);
+  void search_line(SNESLineSearch search);
+  bool descends(Vec r, Vec y, double& slope);
+  void solve_linear(Vec r, Vec y);
+  SNESConvergedReason judge(PetscInt iteration, double residual);
+  double value(Vec q);
+
+  IncrementalPotential& potential_;
+  NewtonOptions options_;
+  Handle<Mat> K_;
+  Handle<Vec> r_, trial_;
+  Handle<SNES> snes_;
+  CallbackGuard guard_;
+  SolverStatistics statistics_;
+  // Of the stage being solved.
+  Vec solution_ = nullptr;
+  double scale_ = 0.0;
+  double phi_ = 0.0;  // value at the current iterate
+  Projection projection_ = Projection::none;
+  bool at_rounding_floor_ = false;
+};
+
+}  // namespace pliant
