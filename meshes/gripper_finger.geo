@@ -21,7 +21,7 @@ height_root = 25;
 height_tip = 16;
 height_block = 29;
 round = 1.6;                // of the pleats' tops
-fillet = 1;                 // of all outer edges
+fillet = 1;                 // of the outer edges
 far = 200;
 eps = 0.05;
 
@@ -103,12 +103,13 @@ plan_view[] = Extrude {0, 0, 2 * far} { Surface{s}; };
 
 outer[] = BooleanIntersection{ Volume{side_view[1]}; Delete; }{ Volume{plan_view[1]}; Delete; };
 
-// The edges of the two flanks and of the nose, but neither those of the mount face nor the upright ones of the nose.
+// Round all edges of the two flanks and of the nose's upper side, but neither those of the mount face nor those of the
+// pad, which is the open side of the mould and therefore sharp.
 edges[] = Curve In BoundingBox{-eps, -far, -eps, far, -eps, far};
 edges[] += Curve In BoundingBox{-eps, eps, -eps, far, far, far};
 edges[] -= Curve In BoundingBox{-eps, -far, -eps, eps, far, far};
+edges[] -= Curve In BoundingBox{-eps, -far, -eps, far, far, eps};
 edges[] -= Curve In BoundingBox{x_round - eps, -far, -eps, far, far, spine + eps};
-edges[] += Curve In BoundingBox{x_round - eps, -far, -eps, far, far, eps};
 edges[] += Curve In BoundingBox{x_round - eps, -far, spine - eps, far, far, spine + eps};
 outer[] = Fillet{ outer[0] }{ edges[] }{ fillet };
 
@@ -132,6 +133,10 @@ For i In {0 : num_pleats - 1}
   inside[] += Surface In BoundingBox{chamber_x[i] - eps, -chamber_y[i] - eps, floor - eps,
                                      chamber_x[i] + length + eps, chamber_y[i] + eps, chamber_z[i] + eps};
 EndFor
+// What is left of the two drawings.
+Delete{ Point{Point In BoundingBox{-eps, -far - eps, -eps, far + eps, -far + eps, far}}; }
+Delete{ Point{Point In BoundingBox{-eps, -far, -far - eps, far, far, -far + eps}}; }
+
 Physical Volume("finger") = {finger[]};
 Physical Surface("mount") = {Surface In BoundingBox{-eps, -far, -eps, eps, far, far}};
 Physical Surface("pad") = {Surface In BoundingBox{-eps, -far, -eps, far, far, eps}};

@@ -57,4 +57,5 @@ if ((status != 0)); then
 fi
 directory=$(output_directory "$@")
 say "drawing $directory"
-picture "$directory"
+file=$("$python" "$root/tools/render.py" "$directory" </dev/null | tail -n 1)
+echo "picture: $file"

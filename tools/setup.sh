@@ -14,10 +14,10 @@ run_packages=(
   libpetsc-real-dev libgmsh-dev gmsh libmetis-dev libhdf5-openmpi-dev libopenmpi-dev openmpi-bin
   libopenblas0-pthread libopenblas-dev libyaml-cpp-dev libcli11-dev libfmt-dev libspdlog-dev libmuparser-dev
   libudunits2-dev nlohmann-json3-dev libeigen3-dev
-  python3 python3-numpy python3-vtk9 python3-matplotlib python3-h5py python3-yaml ffmpeg xvfb
+  python3 python3-numpy python3-vtk9 python3-matplotlib python3-h5py python3-yaml python3-pil ffmpeg xvfb
 )
 test_packages=(
-  libgtest-dev libbenchmark-dev python3-jsonschema python3-pil clang-format-14 clang-tidy-16
+  libgtest-dev libbenchmark-dev python3-jsonschema clang-format-14 clang-tidy-16
 )
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
