@@ -1,0 +1,263 @@
+#include "app/input_schema.hpp"
+
+#include "material/registry.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace pliant {
+namespace {
+
+using Kind = Selection::Kind;
+
+template <std::size_t N>
+std::vector<std::string> strings(const std::array<std::string_view, N>& names) {
+  return {names.begin(), names.end()};
+}
+
+std::vector<std::string> elastic_law_names() {
+  std::vector<std::string> names;
+  for (const LawInfo& law : elastic_laws()) names.emplace_back(law.name);
+  return names;
+}
+
+/// A parameter with the unit and the bounds that the laws' registry gives it.
+Format<double> law_parameter(std::string_view name) {
+  for (const LawInfo& law : elastic_laws()) {
+    for (const ParameterInfo& p : law.parameters) {
+      if (p.name == name) return quantity(std::string(p.unit), Range::between(p.lower, p.upper));
+    }
+  }
+  throw std::logic_error("no elastic law has the parameter " + std::string(name));
+}
+
+/// A field of the part of the mesh that an entry speaks of; its key is the kind's name.
+template <class T>
+Field<T> selector(const std::string& key, Kind kind, const std::string& description) {
+  return field(key, &T::part, selection(kind), description);
+}
+
+/// The value of a load; the key decides the load's kind.
+Field<LoadConfig> load(const std::string& key, LoadConfig::Kind kind, const std::string& unit,
+                       const std::string& description) {
+  auto result = field(key, &LoadConfig::value, array_of<3>(expression(unit, Variables::space_and_time)), description);
+  result.read = [kind, read = result.read](const InputNode& node, Problems& problems, LoadConfig& into) {
+    into.kind = kind;
+    read(node, problems, into);
+  };
+  return std::move(result).left_out_if([kind](const LoadConfig& l) { return l.kind != kind; });
+}
+
+Section<MeshConfig> mesh_keys() {
+  return {{
+      field(
+          "file", &MeshConfig::file, text(),
+          "geometry or mesh, relative to the input file; .geo, .step, .brep and .stl are meshed by gmsh, .msh (2.2 or "
+          "4.1, text or binary) is read as it is")
+          .required(),
+      field("size", &MeshConfig::size, quantity("m", Range::above(0)),
+            "target element size for files that gmsh meshes, before scaling")
+          .otherwise_in_words("the geometry's own"),
+      field("scale", &MeshConfig::scale, quantity("1", Range::above(0)), "coordinates are multiplied by it")
+          .otherwise("1"),
+      field("refine", &MeshConfig::refine, integer(Range::from_to(0, 6)),
+            "uniform refinements; each cuts a tetrahedron into 8")
+          .otherwise("0"),
+  }};
+}
+
+Section<ElasticityConfig> elasticity_keys() {
+  return {
+      {
+          field("model", &ElasticityConfig::model, choice(elastic_law_names()), "elastic law (`pliant materials`)")
+              .required(),
+          field("youngs_modulus", &ElasticityConfig::youngs_modulus, law_parameter("youngs_modulus"), "Young's modulus")
+              .required(),
+          field("poissons_ratio", &ElasticityConfig::poissons_ratio, law_parameter("poissons_ratio"), "Poisson's ratio")
+              .required(),
+      },
+      {},
+      &ElasticityConfig::where};
+}
+
+Section<BodyConfig> body_keys() {
+  return {{
+              selector<BodyConfig>("volume", Kind::volume, "the volume that the body fills")
+                  .otherwise_in_words("the whole mesh"),
+              field("density", &BodyConfig::density, quantity("kg/m^3", Range::above(0)), "mass per reference volume")
+                  .otherwise_in_words("none; needed for dynamics and for gravity"),
+              field("elasticity", &BodyConfig::elasticity, map_of(elasticity_keys()), "elastic law").required(),
+          },
+          {},
+          &BodyConfig::where};
+}
+
+Section<ConstraintConfig> constraint_keys() {
+  return {{
+              selector<ConstraintConfig>("surface", Kind::surface, "nodes of this surface"),
+              selector<ConstraintConfig>("volume", Kind::volume, "nodes of this volume"),
+              selector<ConstraintConfig>("curve", Kind::curve, "nodes of this curve"),
+              selector<ConstraintConfig>("point", Kind::point, "nodes of this point group"),
+              selector<ConstraintConfig>("box", Kind::box, "nodes inside this box"),
+              selector<ConstraintConfig>("where", Kind::where, "nodes whose reference position fulfils this"),
+              field("displacement", &ConstraintConfig::displacement,
+                    array_of<3>(expression_or_free("m", Variables::space_and_time)),
+                    "prescribed displacement; a component `free` is left alone")
+                  .required(),
+          },
+          {{{"surface", "volume", "curve", "point", "box", "where"}}},
+          &ConstraintConfig::where};
+}
+
+Section<LoadConfig> load_keys() {
+  return {{
+              load("gravity", LoadConfig::Kind::gravity, "m/s^2", "acceleration of gravity, acts on mass"),
+              selector<LoadConfig>("volume", Kind::volume, "with gravity: the volume it acts on")
+                  .otherwise_in_words("the whole mesh"),
+              load("traction", LoadConfig::Kind::traction, "Pa", "force per reference area, fixed in direction (dead)"),
+              selector<LoadConfig>("surface", Kind::surface, "with traction: the surface it acts on"),
+              selector<LoadConfig>("box", Kind::box, "with traction: boundary facets inside this box"),
+              selector<LoadConfig>("where", Kind::where, "with traction: boundary facets that fulfil this"),
+          },
+          {{{"gravity", "traction"}},
+           {{"volume"}, OneOf::Need::at_most_one, "gravity"},
+           {{"surface", "box", "where"}, OneOf::Need::exactly_one, "traction"}},
+          &LoadConfig::where};
+}
+
+Section<InitialConfig> initial_keys() {
+  return {{
+      field("displacement", &InitialConfig::displacement, array_of<3>(expression("m", Variables::space)),
+            "displacement at time 0")
+          .otherwise("[0, 0, 0]"),
+      field("velocity", &InitialConfig::velocity, array_of<3>(expression("m/s", Variables::space)),
+            "velocity at time 0")
+          .otherwise("[0, 0, 0]"),
+  }};
+}
+
+Section<TimeConfig> time_keys() {
+  return {{
+      field(
+          "method", &TimeConfig::method, choice(strings(time_methods)),
+          "time integrator (`pliant methods`); `quasistatic`: equilibria without inertia, step by step; `static`: one "
+          "equilibrium")
+          .otherwise("backward-euler"),
+      field("step", &TimeConfig::step, quantity("s", Range::above(0)), "time step; not used by `static`")
+          .otherwise_in_words("none; needed unless `static`")
+          .left_out_if([](const TimeConfig& t) { return t.step <= 0; }),
+      field("end", &TimeConfig::end, quantity("s", Range::at_least(0)),
+            "end of the simulation; for `static` the time at which formulas are evaluated")
+          .otherwise_in_words("none; `static`: 0"),
+      field("load_steps", &TimeConfig::load_steps, integer(Range::from_to(1, 1e6)),
+            "for `static`: loads and prescribed displacements grow to their values in this many equal parts")
+          .otherwise("1"),
+      field("startup", &TimeConfig::startup, choice({"ramp"}),
+            "how a method with several steps of history starts; `ramp`: with the methods of lower order")
+          .otherwise("ramp"),
+      field("min_step", &TimeConfig::min_step, quantity("s", Range::above(0)),
+            "smallest step that is tried when a solve fails")
+          .otherwise_in_words("step / 1024")
+          .left_out_if([](const TimeConfig& t) { return t.min_step <= 0; }),
+  }};
+}
+
+Section<NewtonConfig> newton_keys() {
+  return {{
+      field("relative", &NewtonConfig::relative, quantity("1", Range::from_to(0, 0.1)),
+            "converged when the residual is this part of the forces at work")
+          .otherwise("1e-8"),
+      field("absolute", &NewtonConfig::absolute, quantity("N", Range::at_least(0)),
+            "converged when the residual is below this")
+          .otherwise("0"),
+      field("max_iterations", &NewtonConfig::max_iterations, integer(Range::from_to(1, 1e6)),
+            "iterations before a solve has failed")
+          .otherwise("50"),
+  }};
+}
+
+Section<SolverConfig> solver_keys() {
+  return {{
+      field("linear", &SolverConfig::linear, choice({"auto", "cholesky", "amg"}),
+            "linear solver: sparse Cholesky (MUMPS), conjugate gradients with algebraic multigrid, or by size")
+          .otherwise("auto"),
+      field("newton", &SolverConfig::newton, map_of(newton_keys()), "Newton's method"),
+  }};
+}
+
+Section<OutputConfig> output_keys() {
+  return {{
+      field("directory", &OutputConfig::directory, text(), "where results go, relative to the working directory")
+          .otherwise_in_words("out/<name of the input file>"),
+      field("every", &OutputConfig::every, quantity("s", Range::above(0)), "time between frames of the result")
+          .otherwise_in_words("every step"),
+      field("fields", &OutputConfig::fields, list_of(choice(strings(output_fields)), 1), "fields of the result")
+          .otherwise("[displacement, velocity, cauchy_stress]"),
+  }};
+}
+
+Section<ProbeConfig> probe_keys() {
+  return {{
+              field("name", &ProbeConfig::name, column_name(), "begins the names of the probe's columns in history.csv")
+                  .required(),
+              field("point", &ProbeConfig::point, array_of<3>(quantity("m")), "reference position").required(),
+          },
+          {},
+          &ProbeConfig::where};
+}
+
+Section<Config> config_keys() {
+  return {{
+      field("title", &Config::title, text(), "free text for the log and the results"),
+      field("mesh", &Config::mesh, map_of(mesh_keys()), "the mesh").required(),
+      field("element", &Config::element, choice_of<ElementOrder>({{"P1", ElementOrder::p1}, {"P2", ElementOrder::p2}}),
+            "linear or quadratic tetrahedra")
+          .otherwise("P1"),
+      field("mass", &Config::mass,
+            choice_of<MassKind>({{"consistent", MassKind::consistent}, {"lumped", MassKind::lumped}}), "mass matrix")
+          .otherwise("consistent"),
+      field("bodies", &Config::bodies, list_of(map_of(body_keys()), 1), "the bodies and their materials").required(),
+      field("constraints", &Config::constraints, list_of(map_of(constraint_keys()), 0), "prescribed displacements"),
+      field("loads", &Config::loads, list_of(map_of(load_keys()), 0), "gravity and surface loads"),
+      field("initial", &Config::initial, map_of(initial_keys()), "the state at time 0"),
+      field("time", &Config::time, map_of(time_keys()), "how time advances").required(),
+      field("solver", &Config::solver, map_of(solver_keys()), "how equations are solved"),
+      field("output", &Config::output, map_of(output_keys()), "what is written"),
+      field("probes", &Config::probes, list_of(map_of(probe_keys()), 0), "points whose motion history.csv follows"),
+  }};
+}
+
+const Format<Config>& config_format() {
+  static const Format<Config> format = map_of(config_keys());
+  return format;
+}
+
+}  // namespace
+
+bool is_planned(std::string_view word) {
+  static constexpr std::array words{"contact",  "checkpoint", "viscosity",   "volumetric", "mean-dilatation",
+                                    "pressure", "adaptive",   "p-multigrid", "obstacles",  "friction_update"};
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+const std::vector<KeyInfo>& input_keys() {
+  return config_format().children;
+}
+
+Config read_config(const InputNode& root, Problems& problems) {
+  Config config;
+  config_format().read(root, "", problems, config);
+  return config;
+}
+
+InputNode write_config(const Config& config) {
+  return config_format().write(config);
+}
+
+Json input_schema() {
+  Json schema{{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "Input of Pliant"}};
+  schema.update(config_format().schema);
+  return schema;
+}
+
+}  // namespace pliant

@@ -1,0 +1,68 @@
+/// The input file as a tree of texts with their places: YAML in, YAML out, and changes from the command line.
+#pragma once
+
+#include "base/error.hpp"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace pliant {
+
+/// Collects the mistakes of an input, so that all are reported at once.
+class Problems {
+ public:
+  void add(Location where, std::string message) { found_.push_back({std::move(where), std::move(message)}); }
+  bool empty() const { return found_.empty(); }
+  /// Throws InputError with everything found, in the order of the file; returns if nothing was.
+  void throw_if_any();
+
+ private:
+  std::vector<Diagnostic> found_;
+};
+
+/// A value of the input and, in a map, its key. Aliases are resolved (copied).
+struct InputNode {
+  enum class Kind { null, scalar, list, map };
+  Kind kind = Kind::null;
+  std::string key;                  ///< empty unless in a map
+  std::string text;                 ///< scalar
+  std::vector<InputNode> children;  ///< list: items; map: values with their keys, each key once
+  Location where;                   ///< of the value
+  Location key_where;
+  enum class Style { plain, quoted } style = Style::plain;
+
+  static InputNode scalar(std::string text);
+  static InputNode list(std::vector<InputNode> items);
+  static InputNode map(std::vector<InputNode> entries);
+  /// The same value under a key.
+  InputNode under(std::string new_key) &&;
+
+  /// The value of a key of a map; none (also for anything but a map): nullptr.
+  const InputNode* find(std::string_view name) const;
+  /// Where a message about this value should point: a value left empty has no place of its own.
+  const Location& place() const { return kind == Kind::null && !key.empty() ? key_where : where; }
+};
+
+/// "a list", "a map of keys", "empty" or "'the text'", for messages.
+std::string description(const InputNode& node);
+
+/// Reads YAML text (UTF-8). Beyond what yaml-cpp refuses, it refuses: keys given twice, several documents, quotes that
+/// are not closed, anything that is not text, and more depth or values than an input can need (alias bombs). Mistakes
+/// that leave a tree to go on with are added to `problems`; others throw InputError.
+InputNode parse_yaml(const std::string& text, const std::string& file, Problems& problems);
+
+/// A change of the input from the command line: --set KEY.PATH=VALUE. Numbers in the path count list entries from 0.
+struct Override {
+  std::string path;
+  std::string value;
+};
+
+/// Sets the value (YAML text) at the path, making sections that are missing. Locations of what it sets: "--set
+/// PATH=VALUE".
+void apply(const Override& change, InputNode& root, Problems& problems);
+
+/// The tree as YAML text that parse_yaml reads back.
+std::string to_yaml(const InputNode& root);
+
+}  // namespace pliant

@@ -1,0 +1,301 @@
+// What a good input becomes, and that it is the same after writing and reading.
+#include "app/input.hpp"
+#include "app/input_schema.hpp"
+#include "base/error.hpp"
+#include "petsc/collective.hpp"
+#include "petsc/session.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace pliant {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string smallest = R"yaml(
+mesh: {file: beam.msh}
+bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e6, poissons_ratio: 0.4}}]
+time: {step: 10 ms, end: 1}
+)yaml";
+
+const std::string everything = R"yaml(title: "cantilever: under \"gravity\""
+mesh:
+  file: ../meshes/cantilever.geo
+  size: 20 mm
+  scale: 1e-3
+  refine: 2
+element: P2
+mass: lumped
+bodies:
+  - volume: beam
+    density: 1.2 g/cm^3
+    elasticity: &soft {model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 40 %}
+  - volume: 7
+    density: 900
+    elasticity:
+      <<: *soft
+      model: linear
+constraints:
+  - {surface: clamp, displacement: [0, free, "0.1*t"]}
+  - {volume: 3, displacement: [0, 0, 0]}
+  - {curve: edge, displacement: [1 mm, 0, 0]}
+  - {point: "corner one", displacement: [0, 0, 0]}
+  - {box: [[0, 0, 0], [1 mm, 1, 1]], displacement: [0, 0, 0]}
+  - {where: "x < 1e-9 && y > 0", displacement: [0, 0, 0]}
+loads:
+  - {gravity: [0, 0, -9.81 m/s^2]}
+  - {gravity: ["sin(t)", 0, 0], volume: beam}
+  - {surface: tip, traction: [0, 2 kPa, "-100*sin(2*pi*t)"]}
+  - {box: [[0, 0, 0], [1, 1, 1]], traction: [0, 0, 1/3]}
+  - {where: "x > 1 - 1e-9", traction: [0, 0, 1]}
+initial: {displacement: ["0.01*x", 0, 0], velocity: [0, "-y", 3 km/h]}
+time: {method: bdf2, step: 10 ms, end: 2 s, startup: ramp, min_step: 1 us}
+solver: {linear: cholesky, newton: {relative: 1e-6, absolute: 1 mN, max_iterations: 20}}
+output: {directory: out/here, every: 20 ms, fields: [velocity, von_mises_stress]}
+probes: [{name: tip, point: [1, 0.1, 100 mm]}, {name: "the root", point: [0, 0, 0]}]
+)yaml";
+
+Config read(const std::string& text, const std::vector<Override>& overrides = {}) {
+  return read_input(text, "input/a.yaml", overrides);
+}
+
+TEST(Input, DefaultsAreThoseOfTheTable) {
+  const Config c = read(smallest);
+  EXPECT_EQ(c.file, "input/a.yaml");
+  EXPECT_EQ(c.title, "");
+  EXPECT_EQ(c.mesh.file.value, "input/beam.msh") << "relative to the input file";
+  EXPECT_EQ(c.mesh.file.where.line, 2);
+  EXPECT_EQ(c.mesh.file.where.column, 14);
+  EXPECT_FALSE(c.mesh.size);
+  EXPECT_EQ(c.mesh.scale, 1);
+  EXPECT_EQ(c.mesh.refine, 0);
+  EXPECT_EQ(c.element, ElementOrder::p1);
+  EXPECT_EQ(c.mass, MassKind::consistent);
+  ASSERT_EQ(c.bodies.size(), 1u);
+  EXPECT_EQ(c.bodies[0].part.kind, Selection::Kind::everything);
+  EXPECT_EQ(c.bodies[0].part.where.line, 3);
+  EXPECT_TRUE(c.constraints.empty());
+  EXPECT_TRUE(c.loads.empty());
+  EXPECT_TRUE(c.initial.velocity[2].is_zero());
+  EXPECT_EQ(c.time.method.value, "backward-euler");
+  EXPECT_EQ(c.time.step, 0.01);
+  EXPECT_EQ(c.time.min_step, 0.01 / 1024);
+  EXPECT_EQ(c.time.load_steps, 1);
+  EXPECT_EQ(c.time.startup, "ramp");
+  EXPECT_EQ(c.solver.linear, "auto");
+  EXPECT_EQ(c.solver.newton.relative, 1e-8);
+  EXPECT_EQ(c.solver.newton.absolute, 0);
+  EXPECT_EQ(c.solver.newton.max_iterations, 50);
+  EXPECT_EQ(c.output.directory, "out/a");
+  EXPECT_FALSE(c.output.every);
+  EXPECT_EQ(c.output.fields, (std::vector<std::string>{"displacement", "velocity", "cauchy_stress"}));
+  EXPECT_TRUE(c.probes.empty());
+}
+
+TEST(Input, EveryValueArrivesInSI) {
+  const Config c = read(everything);
+  EXPECT_EQ(c.title, "cantilever: under \"gravity\"");
+  EXPECT_EQ(c.mesh.file.value, "input/../meshes/cantilever.geo");
+  EXPECT_EQ(c.mesh.size, 0.02);
+  EXPECT_EQ(c.mesh.scale, 1e-3);
+  EXPECT_EQ(c.mesh.refine, 2);
+  EXPECT_EQ(c.element, ElementOrder::p2);
+  EXPECT_EQ(c.mass, MassKind::lumped);
+  ASSERT_EQ(c.bodies.size(), 2u);
+  EXPECT_EQ(c.bodies[0].part.name, "beam");
+  EXPECT_EQ(c.bodies[0].density, 1200);
+  EXPECT_EQ(c.bodies[0].elasticity.youngs_modulus, 1e6);
+  EXPECT_EQ(c.bodies[0].elasticity.poissons_ratio, 0.4);
+  EXPECT_EQ(c.bodies[1].part.name, "7");
+  EXPECT_EQ(c.bodies[1].elasticity.model, "linear");
+  EXPECT_EQ(c.bodies[1].elasticity.youngs_modulus, 1e6) << "merged from the anchor";
+  ASSERT_EQ(c.constraints.size(), 6u);
+  EXPECT_FALSE(c.constraints[0].displacement[1]) << "free";
+  EXPECT_EQ((*c.constraints[0].displacement[2])(0, 0, 0, 2), 0.2);
+  EXPECT_EQ((*c.constraints[2].displacement[0])(0, 0, 0, 0), 1e-3);
+  EXPECT_EQ(c.constraints[3].part.name, "corner one");
+  EXPECT_EQ(c.constraints[4].part.box, (std::array<double, 6>{0, 0, 0, 1e-3, 1, 1}));
+  EXPECT_EQ((*c.constraints[5].part.region)(0, 1, 0, 0), 1);
+  EXPECT_EQ((*c.constraints[5].part.region)(1, 1, 0, 0), 0);
+  ASSERT_EQ(c.loads.size(), 5u);
+  EXPECT_EQ(c.loads[0].kind, LoadConfig::Kind::gravity);
+  EXPECT_EQ(c.loads[0].part.kind, Selection::Kind::everything);
+  EXPECT_EQ(c.loads[0].value[2](0, 0, 0, 0), -9.81);
+  EXPECT_EQ(c.loads[1].part.kind, Selection::Kind::volume);
+  EXPECT_EQ(c.loads[2].kind, LoadConfig::Kind::traction);
+  EXPECT_EQ(c.loads[2].value[1](0, 0, 0, 0), 2000);
+  EXPECT_TRUE(c.loads[2].value[2].depends_on_time());
+  EXPECT_EQ(c.loads[2].where.line, 28);
+  EXPECT_EQ(c.loads[3].part.kind, Selection::Kind::box);
+  EXPECT_EQ(c.loads[3].value[2](0, 0, 0, 0), 1.0 / 3.0);
+  EXPECT_EQ(c.initial.velocity[1](0, 2, 0, 0), -2);
+  EXPECT_DOUBLE_EQ(c.initial.velocity[2](0, 0, 0, 0), 3 / 3.6);
+  EXPECT_EQ(c.time.method.value, "bdf2");
+  EXPECT_EQ(c.time.method.where.line, 32);
+  EXPECT_EQ(c.time.min_step, 1e-6);
+  EXPECT_EQ(c.solver.linear, "cholesky");
+  EXPECT_EQ(c.solver.newton.absolute, 1e-3);
+  EXPECT_EQ(c.output.directory, "out/here");
+  EXPECT_EQ(c.output.every, 0.02);
+  EXPECT_EQ(c.probes[0].point[2], 0.1);
+  EXPECT_EQ(c.probes[1].name, "the root");
+}
+
+/// Every path of keys that a tree gives.
+void collect_paths(const InputNode& node, const std::string& path, std::vector<std::string>& paths) {
+  for (const InputNode& child : node.children) {
+    const std::string own = child.key.empty() ? path : path.empty() ? child.key : path + "." + child.key;
+    paths.push_back(own);
+    collect_paths(child, own, paths);
+  }
+}
+
+void collect_paths(const std::vector<KeyInfo>& keys, const std::string& path, std::vector<std::string>& paths) {
+  for (const KeyInfo& key : keys) {
+    const std::string own = path.empty() ? key.key : path + "." + key.key;
+    paths.push_back(own);
+    collect_paths(key.children, own, paths);
+  }
+}
+
+TEST(Dump, SpellsOutEveryKeyOfTheTable) {
+  std::vector<std::string> expected, written;
+  collect_paths(input_keys(), "", expected);
+  Problems none;
+  collect_paths(parse_yaml(dump(read(everything)), "dump", none), "", written);
+  for (const auto& path : expected) {
+    EXPECT_NE(std::find(written.begin(), written.end(), path), written.end()) << path << " is not written";
+  }
+}
+
+class RoundTrip : public testing::TestWithParam<std::string> {};
+
+TEST_P(RoundTrip, KeepsTheConfiguration) {
+  const Config original = read(GetParam());
+  const std::string text = dump(original);
+  const Config again = read_input(text, "quite/elsewhere/run.yaml", {});
+  EXPECT_EQ(dump(again), text);
+  EXPECT_EQ(again.output.directory, original.output.directory);
+  EXPECT_TRUE(fs::path(again.mesh.file.value).is_absolute());
+  ASSERT_EQ(again.constraints.size(), original.constraints.size());
+  for (std::size_t i = 0; i < again.constraints.size(); ++i) {
+    EXPECT_EQ(again.constraints[i].part.kind, original.constraints[i].part.kind);
+    EXPECT_EQ(again.constraints[i].part.name, original.constraints[i].part.name);
+    EXPECT_EQ(again.constraints[i].part.box, original.constraints[i].part.box);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto &a = again.constraints[i].displacement[k], &b = original.constraints[i].displacement[k];
+      ASSERT_EQ(a.has_value(), b.has_value());
+      if (a) {
+        EXPECT_EQ((*a)(0.1, 0.2, 0.3, 0.4), (*b)(0.1, 0.2, 0.3, 0.4));
+      }
+    }
+  }
+  ASSERT_EQ(again.loads.size(), original.loads.size());
+  for (std::size_t i = 0; i < again.loads.size(); ++i) {
+    EXPECT_EQ(again.loads[i].kind, original.loads[i].kind);
+    EXPECT_EQ(again.loads[i].value[2](0.1, 0.2, 0.3, 0.4), original.loads[i].value[2](0.1, 0.2, 0.3, 0.4));
+  }
+  EXPECT_EQ(again.time.step, original.time.step);
+  EXPECT_EQ(again.time.min_step, original.time.min_step);
+}
+
+INSTANTIATE_TEST_SUITE_P(Inputs, RoundTrip,
+                         testing::Values(smallest, everything,
+                                         smallest + "title: \"line\\none\\ttab \\\\ caf\u00e9\"\n",
+                                         smallest + "constraints: [{surface: \"null\", displacement: [0, 0, 0]}]\n",
+                                         smallest + "constraints: [{surface: \"~\", displacement: [0, 0, 0]}]\n",
+                                         smallest +
+                                             "constraints: [{surface: \"a: b # c\", displacement: [0, 0, 1e-17]}]\n",
+                                         R"yaml(
+mesh: {file: /absolute/beam.msh}
+bodies: [{elasticity: {model: linear, youngs_modulus: 1e6, poissons_ratio: 0.4}}]
+constraints: [{surface: 1, displacement: [0, 0, 0]}]
+time: {method: static, load_steps: 4}
+)yaml"));
+
+TEST(Input, StaticNeedsNoStep) {
+  const Config c = read(R"yaml(
+mesh: {file: b.msh}
+bodies: [{elasticity: {model: linear, youngs_modulus: 1e6, poissons_ratio: 0.4}}]
+constraints: [{surface: 1, displacement: [0, 0, 0]}]
+time: {method: static, load_steps: 4}
+)yaml");
+  EXPECT_EQ(c.time.load_steps, 4);
+  EXPECT_EQ(c.time.end, 0);
+}
+
+TEST(Input, AValueLeftEmptyIsTheDefault) {
+  const Config c = read(smallest + "loads:\nsolver:\n  newton:\ntitle:\nmass: ~\n");
+  EXPECT_TRUE(c.loads.empty());
+  EXPECT_EQ(c.solver.newton.max_iterations, 50);
+  EXPECT_EQ(c.mass, MassKind::consistent);
+}
+
+TEST(Override, ChangesAndAddsValues) {
+  const Config c = read(everything, {{"bodies.0.density", "900"},
+                                     {"time.step", "1 ms"},
+                                     {"solver.newton.max_iterations", "7"},
+                                     {"loads.2.traction", "[0, 0, \"t\"]"},
+                                     {"loads.2.traction.0", "5 Pa"},
+                                     {"output", "{directory: there}"},
+                                     {"title", ""}});
+  EXPECT_EQ(c.bodies[0].density, 900);
+  EXPECT_EQ(c.time.step, 1e-3);
+  EXPECT_EQ(c.solver.newton.max_iterations, 7);
+  EXPECT_EQ(c.loads[2].value[0](0, 0, 0, 0), 5);
+  EXPECT_TRUE(c.loads[2].value[2].depends_on_time());
+  EXPECT_EQ(c.output.directory, "there");
+  EXPECT_FALSE(c.output.every) << "the whole section was replaced";
+  EXPECT_EQ(c.title, "");
+  EXPECT_EQ(read(smallest, {{"output.every", "1 s"}}).output.every, 1) << "a section that was not there";
+}
+
+TEST(Override, MendsWhatTheFileHasWrong) {
+  EXPECT_THROW(read(smallest + "element: P7\n"), InputError);
+  EXPECT_EQ(read(smallest + "element: P7\n", {{"element", "P2"}}).element, ElementOrder::p2);
+}
+
+TEST(InputFile, EveryRankReadsTheSame) {
+  const std::string file = testing::TempDir() + "pliant_input.yaml";
+  on_root(MPI_COMM_WORLD, [&] { std::ofstream(file) << smallest; });
+  const Config c = read_input_file(MPI_COMM_WORLD, file, {{"title", "set"}});
+  EXPECT_EQ(c.file, file);
+  EXPECT_EQ(c.title, "set");
+  on_root(MPI_COMM_WORLD, [&] { std::ofstream(file) << "mesh: [\n"; });
+  EXPECT_THROW(read_input_file(MPI_COMM_WORLD, file, {}), InputError);
+  on_root(MPI_COMM_WORLD, [&] { fs::remove(file); });
+}
+
+TEST(InputFile, ThatCannotBeReadIsTheUsersMistakeOnEveryRank) {
+  const std::vector<std::pair<std::string, std::string>> cases{
+      {"no/such/file.yaml", "no/such/file.yaml: there is no such input file; check its name and the working directory"},
+      {testing::TempDir(), testing::TempDir() + ": this is a directory; name the input file in it"},
+      {"/dev/null", "/dev/null: the input is empty"},
+      {"", "there is no such input file; check its name and the working directory"}};
+  for (const auto& [file, message] : cases) {
+    try {
+      read_input_file(MPI_COMM_WORLD, file, {});
+      FAIL() << file;
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.what(), message);
+    }
+  }
+  EXPECT_THROW(read_input_file(MPI_COMM_WORLD, "/dev/zero", {}), InputError);
+}
+
+TEST(InputFile, ShippedInputsAreGood) {
+  const fs::path inputs = fs::path(PLIANT_SOURCE_DIR) / "input";
+  if (!fs::exists(inputs)) GTEST_SKIP() << "no inputs yet";
+  for (const auto& entry : fs::recursive_directory_iterator(inputs)) {
+    if (entry.path().extension() != ".yaml") continue;
+    EXPECT_NO_THROW(read_input_file(MPI_COMM_WORLD, entry.path().string(), {})) << entry.path();
+  }
+}
+
+}  // namespace
+}  // namespace pliant

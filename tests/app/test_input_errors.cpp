@@ -1,0 +1,379 @@
+// Every mistake is told once, at its place, in words that help.
+#include "app/input.hpp"
+#include "base/error.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace pliant {
+namespace {
+
+constexpr std::array<const char*, 5> good_lines{
+    "mesh: {file: beam.msh}",
+    "bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e6, poissons_ratio: 0.4}}]",
+    "constraints: [{surface: clamp, displacement: [0, 0, 0]}]",
+    "loads: [{gravity: [0, 0, -9.81]}]",
+    "time: {step: 0.01, end: 1}",
+};
+
+std::vector<Diagnostic> mistakes(const std::string& text, const std::vector<Override>& overrides = {}) {
+  try {
+    read_input(text, "dir/a.yaml", overrides);
+    return {};
+  } catch (const InputError& error) {
+    return error.diagnostics();
+  }
+}
+
+std::string told(const std::vector<Diagnostic>& diagnostics) {
+  std::string text;
+  for (const auto& d : diagnostics) text += to_string(d.where) + ": " + d.message + '\n';
+  return text;
+}
+
+/// The good input with one line (from 1; one past the end: added) replaced.
+std::string with_line(std::size_t line, const std::string& replacement) {
+  std::string text;
+  for (std::size_t i = 1; i <= good_lines.size() + 1; ++i) {
+    if (i == line) {
+      text += replacement + '\n';
+    } else if (i <= good_lines.size()) {
+      text += std::string(good_lines[i - 1]) + '\n';
+    }
+  }
+  return text;
+}
+
+TEST(InputErrors, TheGoodInputIsGood) {
+  EXPECT_EQ(told(mistakes(with_line(6, "title: good"))), "");
+}
+
+struct Bad {
+  std::size_t line;         ///< of the good input that is replaced
+  const char* replacement;  ///< '@' marks where the message must point; none: at the whole file
+  const char* message;      ///< a part of it
+};
+
+void PrintTo(const Bad& bad, std::ostream* out) {
+  *out << bad.replacement;
+}
+
+class BadInput : public testing::TestWithParam<Bad> {};
+
+TEST_P(BadInput, IsToldOnceAtItsPlace) {
+  const Bad& bad = GetParam();
+  std::string text = with_line(bad.line, bad.replacement);
+  Location expected{"dir/a.yaml", 0, 0};
+  if (const std::size_t marker = text.find('@'); marker != std::string::npos) {
+    const std::size_t line_start = text.rfind('\n', marker) + 1;
+    expected.line = static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(marker), '\n')) + 1;
+    expected.column = static_cast<int>(marker - line_start) + 1;
+    text.erase(marker, 1);
+  }
+  const auto found = mistakes(text);
+  ASSERT_EQ(found.size(), 1u) << told(found);
+  EXPECT_EQ(to_string(found[0].where), to_string(expected)) << told(found);
+  EXPECT_NE(found[0].message.find(bad.message), std::string::npos) << told(found);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Keys, BadInput,
+    testing::Values(
+        Bad{2,
+            "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0, @youngs_modulos: "
+            "2}}]",
+            "unknown key 'youngs_modulos' in elasticity (did you mean 'youngs_modulus'?)"},
+        Bad{6, "@titel: x", "unknown key 'titel' (did you mean 'title'?)"},
+        Bad{6, "@colour: red", "unknown key 'colour'; the keys are title, mesh,"},
+        Bad{6, "@method: bdf2", "unknown key 'method' (it belongs in time)"},
+        Bad{5, "time: {step: 0.01, end: 1, @\"end:2\"}", "a blank must follow the ':'"},
+        Bad{5, "time: {step: 0.01, end: 1, @step: 2}", "key 'step' is given twice (first in line 5)"},
+        Bad{6, "@mesh: {file: b.msh}", "key 'mesh' is given twice (first in line 1)"},
+        Bad{6, "? @[a, b]\n: c", "a key must be a word, not a list"}, Bad{1, "@title: no mesh", "missing key 'mesh'"},
+        Bad{1, "@mesh:", "key 'mesh' has no value"}, Bad{1, "mesh: {@file: }", "key 'file' in mesh has no value"},
+        Bad{1, "mesh: @{scale: 2}", "missing key 'file' in mesh"},
+        Bad{2, "bodies: [{density: 1, elasticity: @{model: linear, youngs_modulus: 1}}]",
+            "missing key 'poissons_ratio' in elasticity"},
+        Bad{2, "bodies: [@{density: 1}]", "missing key 'elasticity' in bodies[0]"},
+        Bad{6, "@contact: {law: penalty}", "'contact' is not supported by this version of Pliant"},
+        Bad{6, "@checkpoint: {every: 100}", "'checkpoint' is not supported by this version of Pliant"},
+        Bad{4, "loads: [{gravity: [0, 0, 0], @pressure: 2 kPa}]", "'pressure' is not supported by this version"},
+        Bad{5, "time: {step: 0.01, end: 1, @adaptive: {relative: 1e-4}}", "'adaptive' is not supported"},
+        Bad{6, "solver: {linear: @p-multigrid}", "'linear': 'p-multigrid' is not supported by this version"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Values, BadInput,
+    testing::Values(
+        Bad{1, "mesh: @[beam.msh]", "'mesh' must be a map of keys, not a list"},
+        Bad{1, "mesh: @beam.msh", "'mesh' must be a map of keys, not 'beam.msh'"},
+        Bad{1, "mesh: {file: @[a, b]}", "'file' must be a text, not a list"},
+        Bad{1, "mesh: {file: beam.msh, refine: @7}", "'refine' must be a whole number from 0 to 6, not '7'"},
+        Bad{1, "mesh: {file: beam.msh, refine: @1.5}", "'refine' must be a whole number"},
+        Bad{1, "mesh: {file: beam.msh, scale: @0}", "'scale' must be > 0, not '0'"},
+        Bad{1, "mesh: {file: beam.msh, size: @5 s}", "'size': '5 s' is a time, but a length [m] is expected"},
+        Bad{2, "bodies: @{density: 1}", "'bodies' must be a list (each entry starts with '- '), not a map of keys"},
+        Bad{2, "bodies: @[]", "'bodies' must be a list with entries"},
+        Bad{2, "bodies: [{density: @-1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}}]",
+            "'density' must be > 0 [kg/m^3], not '-1'"},
+        Bad{2, "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: @0 Pa, poissons_ratio: 0}}]",
+            "'youngs_modulus' must be > 0 [Pa], not '0 Pa'"},
+        Bad{2, "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: @0.5}}]",
+            "'poissons_ratio' must be between -1 and 0.5 (both excluded), not '0.5'"},
+        Bad{2, "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: @[1], poissons_ratio: 0}}]",
+            "'youngs_modulus' must be a pressure [Pa], not a list"},
+        Bad{2, "bodies: [{density: 1, elasticity: {model: @neohookean, youngs_modulus: 1, poissons_ratio: 0}}]",
+            "not 'neohookean' (did you mean 'neo-hookean'?)"},
+        Bad{5, "time: {step: @10 mm, end: 1}", "'step': '10 mm' is a length, but a time [s] is expected"},
+        Bad{5, "time: {step: @-1, end: 1}", "'step' must be > 0 [s], not '-1'"},
+        Bad{5, "time: {step: @\"0,01\", end: 1}", "a decimal point is written '.'"},
+        Bad{5, "time: {step: @.nan, end: 1}", "'.nan' is not a number"},
+        Bad{5, "time: {step: @1e999, end: 1}", "'1e999' is neither a number nor a number with a unit"},
+        Bad{5, "time: {step: 0.01, end: 1, method: @bfd2}", "did you mean 'bdf2'?"},
+        Bad{5, "time: {step: 0.01, end: 1, startup: @dirk33}", "'startup' must be 'ramp', not 'dirk33'"},
+        Bad{6, "element: @P3", "'element' must be one of P1, P2, not 'P3'"},
+        Bad{6, "mass: @[lumped]", "'mass' must be one of consistent, lumped, not a list"},
+        Bad{6, "solver: {newton: {relative: @-1e-8}}", "'relative' must be from 0 to 0.1"},
+        Bad{6, "solver: {newton: {max_iterations: @0}}", "'max_iterations' must be a whole number from 1"},
+        Bad{6, "solver: {newton: {relative: @0}}", "one of 'relative' and 'absolute' in newton must be above 0"},
+        Bad{6, "output: {every: @-1}", "'every' must be > 0 [s], not '-1'"},
+        Bad{6, "output: {fields: [displacement, @stress]}", "'fields[1]' must be one of displacement, velocity,"},
+        Bad{6, "output: {fields: [velocity, @velocity]}", "the field 'velocity' is given twice"},
+        Bad{6, "probes: [{name: @\"a,b\", point: [0, 0, 0]}]", "'name' must be a name without commas"},
+        Bad{6, "probes: [{name: a, point: @[0, 0]}]", "'point' must be a list of 3 values, not of 2"},
+        Bad{6, "probes: [{name: a, point: [0, @x, 0]}]", "'point[1]': 'x' is not a number"},
+        Bad{6, "probes: [{name: a, point: [0, 0, 0]}, {name: @a, point: [1, 0, 0]}]",
+            "the probe name 'a' is given twice"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Formulas, BadInput,
+    testing::Values(
+        Bad{4, "loads: [{gravity: [0, 0, 9.81*@foo]}]", "'gravity[2]': 'foo' is not known"},
+        Bad{4, "loads: [{gravity: [0, 0, \"2*@sine(t)\"]}]", "'sine' is not a function (did you mean 'sin'?)"},
+        Bad{4, "loads: [{gravity: [0, 0, \"x @= 3\"]}]", "cannot assign"},
+        Bad{4, "loads: [{gravity: [0, 0, \"1@,5*t\"]}]", "one value"},
+        Bad{4, "loads: [{gravity: [0, 0, @9.81 m/s]}]",
+            "'gravity[2]': '9.81 m/s' is a velocity, but an acceleration [m/s^2] is expected"},
+        Bad{4, "loads: [{gravity: [0, 0, @2 kPa*sin(t)]}]", "formulas are in SI without units"},
+        Bad{4, "loads: [{gravity: [0, 0, @1/0]}]", "'gravity[2]' must be finite"},
+        Bad{4, "loads: [{gravity: [0, 0, @[1]]}]",
+            "'gravity[2]' must be an acceleration [m/s^2] or a formula, not a list"},
+        Bad{4, "loads: [{gravity: [0, 0, @{}]}]",
+            "'gravity[2]' must be an acceleration [m/s^2] or a formula, not a map"},
+        Bad{3, "constraints: [{surface: clamp, displacement: [0, @fixed, 0]}]", "'fixed' is not known"},
+        Bad{6, "initial: {velocity: [0, 0, @t]}", "'velocity[2]' cannot depend on the time t"},
+        Bad{3, "constraints: [{where: @\"x < t\", displacement: [0, 0, 0]}]", "'where' cannot depend on the time t"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Selections, BadInput,
+    testing::Values(
+        Bad{3, "constraints: [@{displacement: [0, 0, 0]}]",
+            "one of surface, volume, curve, point, box, where is needed in constraints[0]"},
+        Bad{3, "constraints: [{surface: a, @box: [[0, 0, 0], [1, 1, 1]], displacement: [0, 0, 0]}]",
+            "only one of surface, box can be given in constraints[0]"},
+        Bad{3, "constraints: [{box: [[0, 0, 0], @[1, 1]], displacement: [0, 0, 0]}]", "'box[1]' must be a list of 3"},
+        Bad{3, "constraints: [{box: @[[0, 2, 0], [1, 1, 1]], displacement: [0, 0, 0]}]", "the lower corner, then"},
+        Bad{3, "constraints: [{surface: @\"\", displacement: [0, 0, 0]}]", "the name or tag of a physical group"},
+        Bad{3, "constraints: [{surface: @[a], displacement: [0, 0, 0]}]", "'surface' must be a text"},
+        Bad{4, "loads: [@{traction: [0, 0, 1]}]", "one of surface, box, where is needed in loads[0] beside 'traction'"},
+        Bad{4, "loads: [@{surface: tip}]", "one of gravity, traction is needed in loads[0]"},
+        Bad{4, "loads: [{gravity: [0, 0, 1], @surface: tip}]", "'surface' goes only beside 'traction' in loads[0]"},
+        Bad{4, "loads: [{traction: [0, 0, 1], surface: tip, @volume: a}]", "'volume' goes only beside 'gravity'"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Contradictions, BadInput,
+    testing::Values(
+        Bad{5, "time: {step: @2, end: 1}", "the step of 2 s is longer than the simulation, which ends at 1 s"},
+        Bad{5, "time: {step: @1e-12, end: 1}", "would need 1000000000000 steps"},
+        Bad{5, "time: {step: 0.1, end: 1, min_step: @1}", "'min_step' is larger than the step of 0.1 s"},
+        Bad{5, "time: @{end: 1}", "missing key 'step' in time"},
+        Bad{5, "time: @{step: 1}", "missing key 'end' in time"},
+        Bad{2, "bodies: [@{elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}}]",
+            "missing key 'density' in bodies[0], which dynamics needs"},
+        Bad{2,
+            "bodies:\n  - {density: 1, elasticity: &e {model: linear, youngs_modulus: 1, poissons_ratio: 0}}\n"
+            "  - {volume: @a, density: 1, elasticity: *e}",
+            "bodies[1] and bodies[0] fill the same volume"},
+        Bad{2,
+            "bodies:\n  - {volume: a, density: 1, elasticity: &e {model: linear, youngs_modulus: 1, poissons_ratio: "
+            "0}}\n"
+            "  - {volume: @a, density: 1, elasticity: *e}",
+            "bodies[1] and bodies[0] fill the same volume"}));
+
+INSTANTIATE_TEST_SUITE_P(Yaml, BadInput,
+                         testing::Values(Bad{6, "title: a@: b", "not valid YAML: ':' is not expected here"},
+                                         Bad{6, "output:\n@\tdirectory: x", "tabs cannot indent YAML; use spaces"},
+                                         Bad{6, "title: @'never closed", "this quote is not closed"},
+                                         Bad{6, "title: @\"never closed \\\"", "this quote is not closed"},
+                                         Bad{6, "title: @%x", "a text cannot start with this character; quote it"},
+                                         Bad{6, "title: @*none", "an anchor ('&name') that is not defined"},
+                                         Bad{6, "title: &a [@*a]", "this alias stands inside what it refers to"},
+                                         Bad{6, "title: @]", "this bracket was never opened"},
+                                         Bad{6, "@---\ntitle: second", "the input ends before this line"},
+                                         Bad{6, "title: caf@\xE9", "this is not UTF-8 text"},
+                                         Bad{6, "title: a@\x01z", "the file holds a control character"}));
+
+TEST(InputErrors, AllAreReportedAtOnceInTheOrderOfTheFile) {
+  const auto found = mistakes(R"yaml(titel: x
+mesh: {size: 5 s}
+bodies:
+  - elasticity: {model: steel, youngs_modulus: -1, poissons_ratio: 0.7}
+loads:
+  - gravity: [0, 0, foo]
+    surface: a
+time: {step: 3, end: 2}
+probes: [{name: a}]
+)yaml");
+  const std::vector<std::string> expected{
+      "dir/a.yaml:1:1: unknown key 'titel' (did you mean 'title'?)",
+      "dir/a.yaml:2:7: missing key 'file' in mesh",
+      "dir/a.yaml:2:14: 'size': '5 s' is a time, but a length [m] is expected",
+      "dir/a.yaml:4:5: missing key 'density' in bodies[0], which dynamics needs",
+      "dir/a.yaml:4:25: 'model' must be one of linear, saint-venant-kirchhoff, neo-hookean, not 'steel'",
+      "dir/a.yaml:4:48: 'youngs_modulus' must be > 0 [Pa], not '-1'",
+      "dir/a.yaml:4:68: 'poissons_ratio' must be between -1 and 0.5 (both excluded), not '0.7'",
+      "dir/a.yaml:6:21: 'gravity[2]': 'foo' is not known",
+      "dir/a.yaml:7:5: 'surface' goes only beside 'traction' in loads[0]",
+      "dir/a.yaml:8:14: the step of 3 s is longer than the simulation, which ends at 2 s",
+      "dir/a.yaml:9:10: missing key 'point' in probes[0]"};
+  ASSERT_EQ(found.size(), expected.size()) << told(found);
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ((to_string(found[i].where) + ": " + found[i].message).find(expected[i]), 0u) << told(found);
+  }
+}
+
+TEST(InputErrors, StaticProblemsMustBeHeld) {
+  for (const std::string method : {"static", "quasistatic"}) {
+    const std::string time = "time: {method: " + method + ", step: 0.1, end: 1}";
+    const std::vector<Override> set{{"time.method", method}};
+    EXPECT_EQ(told(mistakes(with_line(6, "title: held"), set)), "");
+    EXPECT_EQ(told(mistakes(with_line(3, ""), set)),
+              "--set time.method=" + method + ": a " + method +
+                  " analysis needs constraints; without them the bodies can move as a whole\n");
+    const auto slides = mistakes(
+        with_line(
+            3, "constraints: [{surface: a, displacement: [0, 0, free]}, {surface: b, displacement: [0, free, free]}]"),
+        set);
+    EXPECT_EQ(told(slides), "--set time.method=" + method + ": a " + method +
+                                " analysis needs a constraint in every direction; none holds z\n");
+  }
+  EXPECT_EQ(told(mistakes(with_line(3, ""))), "") << "dynamics needs no constraint";
+}
+
+TEST(InputErrors, DensityIsNeededByGravityAlsoWithoutInertia) {
+  const std::string weightless =
+      "bodies: [{volume: a, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}}]";
+  std::vector<Override> set{{"time.method", "static"}};
+  EXPECT_NE(told(mistakes(with_line(2, weightless), set)).find("which gravity needs"), std::string::npos);
+  set.push_back({"loads.0.volume", "b"});
+  EXPECT_EQ(told(mistakes(with_line(2, weightless), set)), "");
+  set.back() = {"loads", "[]"};
+  EXPECT_EQ(told(mistakes(with_line(2, weightless), set)), "");
+}
+
+TEST(InputErrors, OfOverridesNameTheOverride) {
+  const std::string good = with_line(6, "");
+  const std::vector<std::pair<Override, std::string>> cases{
+      {{"time.step", "-1"}, "'step' must be > 0 [s], not '-1'"},
+      {{"time.stp", "1"}, "unknown key 'stp' in time (did you mean 'step'?)"},
+      {{"bodies.1.density", "1"}, "'1' does not name an entry of this list; they are numbered from 0 to 0"},
+      {{"bodies.first.density", "1"}, "'first' does not name an entry of this list"},
+      {{"time.step.size", "1"}, "there is no key 'size' in the value '0.01'"},
+      {{"", "1"}, "the path must be keys with dots between them"},
+      {{"time..step", "1"}, "the path must be keys with dots between them"},
+      {{"time", "[1, 2"}, "a ']' is missing"},
+      {{"time", "{step: 1, step: 2}"}, "key 'step' is given twice"},
+      {{"mesh.file", ""}, "key 'file' in mesh has no value"}};
+  for (const auto& [change, message] : cases) {
+    const auto found = mistakes(good, {change});
+    ASSERT_FALSE(found.empty()) << change.path;
+    EXPECT_EQ(to_string(found[0].where), "--set " + change.path + "=" + change.value) << told(found);
+    EXPECT_NE(found[0].message.find(message), std::string::npos) << told(found);
+  }
+}
+
+TEST(InputErrors, PlacesHoldAlsoWithWindowsLinesAndLettersBeyondAscii) {
+  const std::string text = "\xEF\xBB\xBFtitle: 'caf\u00e9 \u20ac'\r\nmesh: {file: \"b.msh\"}\r\ncolour: 'x'\r\n";
+  EXPECT_EQ(told(mistakes(text)).find("dir/a.yaml:1:1: missing key 'bodies'"), 0u) << told(mistakes(text));
+  EXPECT_NE(told(mistakes(text)).find("dir/a.yaml:3:1: unknown key 'colour'"), std::string::npos);
+  EXPECT_EQ(told(mistakes(text + "title2: 'open\r\n")), "dir/a.yaml:4:9: this quote is not closed\n");
+}
+
+TEST(InputErrors, EmptyInputsSaySo) {
+  for (const std::string text : {"", "\n\n", "# only a comment\n", "---\n"}) {
+    EXPECT_EQ(told(mistakes(text)), "dir/a.yaml: the input is empty\n") << text;
+  }
+  EXPECT_NE(told(mistakes("just words")).find("the input must be a map of keys"), std::string::npos);
+  EXPECT_NE(told(mistakes("- a\n- b")).find("the input must be a map of keys"), std::string::npos);
+  EXPECT_NE(told(mistakes("mesh:1\ntime:2")).find("a blank must follow the ':'"), std::string::npos);
+}
+
+/// Text that is repeated.
+std::string times(int n, const std::string& text) {
+  std::string result;
+  for (int i = 0; i < n; ++i) result += text;
+  return result;
+}
+
+std::string alias_bomb() {
+  std::string text = "a0: &a0 [x, x, x, x, x, x, x, x, x]\n";
+  for (int i = 1; i < 20; ++i) {
+    const std::string alias = "*a" + std::to_string(i - 1);
+    const std::string name = "a" + std::to_string(i);
+    text += name + ": &" + name + " [" + times(8, alias + ", ") + alias + "]\n";
+  }
+  return text;
+}
+
+TEST(InputErrors, HostileTextIsRefusedQuickly) {
+  std::string bytes(5000, '\0');
+  std::mt19937 random(1);
+  for (char& c : bytes) c = static_cast<char>(random());
+  const std::vector<std::string> hostile{times(100000, "["),
+                                         times(50000, "{a: "),
+                                         times(50000, "{["),
+                                         times(50000, "- "),
+                                         times(50000, "? "),
+                                         times(50000, "\""),
+                                         times(50000, "&a "),
+                                         times(50000, "*a "),
+                                         times(50000, ":"),
+                                         alias_bomb(),
+                                         times(20000, "a: b\n"),
+                                         "[" + times(100000, ",") + "]",
+                                         bytes,
+                                         std::string("\xFF\xFE"
+                                                     "a\0",
+                                                     4),
+                                         times(5 << 20, "x")};
+  for (const std::string& text : hostile) {
+    const auto start = std::chrono::steady_clock::now();
+    const auto found = mistakes(text);
+    const auto seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    EXPECT_FALSE(found.empty()) << text.substr(0, 20);
+    EXPECT_LE(found.size(), 60u) << text.substr(0, 20);
+    EXPECT_LT(seconds, 10) << text.substr(0, 20);
+    for (const auto& d : found) EXPECT_LT(d.message.size(), 400u) << d.message;
+  }
+}
+
+/// Any damage to a good input gives a configuration or an InputError, never anything else.
+TEST(InputErrors, DamagedInputsNeverCrash) {
+  const std::string good = with_line(6, "probes: [{name: \"tip\", point: [0, 0, 1 mm]}]\noutput: {every: 20 ms}");
+  const std::string pieces = "[]{}:,-#&*!|>'\"%@`\n\t \\x0.e\xC3";
+  std::mt19937 random(7);
+  for (int round = 0; round < 2000; ++round) {
+    std::string text = good;
+    for (int i = 0; i < 3; ++i) text[random() % text.size()] = pieces[random() % pieces.size()];
+    if (round % 3 == 0) text.resize(random() % text.size());
+    EXPECT_NO_THROW(mistakes(text)) << text;
+  }
+}
+
+}  // namespace
+}  // namespace pliant
