@@ -87,7 +87,7 @@ ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector
 
   const LinearKind kind = config.solver.linear == "cholesky" ? LinearKind::cholesky
                           : config.solver.linear == "amg"    ? LinearKind::amg
-                                                             : automatic_linear_kind(layout);
+                                                             : automatic_linear_kind(3 * layout.num_global_nodes);
   const Memory memory = predicted_memory(model, kind);
   const auto prescribed = std::count(model.prescribed().flags().begin(),
                                      model.prescribed().flags().begin() + 3 * layout.num_owned_nodes, 1);

@@ -1,17 +1,18 @@
 /// The input file as typed values in SI units; every default stands in the key table (app/schema), none here.
 #pragma once
 
+#include "base/error.hpp"
+#include "base/expression.hpp"
+
 #include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "base/error.hpp"
-#include "base/expression.hpp"
-
 namespace pliant {
 
-/// A value and the place in the file that gave it, so that later checks (e.g. against the mesh's groups) can point at it.
+/// A value and the place in the file that gave it, so that later checks (e.g. against the mesh's groups) can point at
+/// it.
 template <class T>
 struct Located {
   T value{};
@@ -41,14 +42,14 @@ struct MeshConfig {
 };
 
 struct ElasticityConfig {
-  std::string model;           ///< registry name: linear, saint-venant-kirchhoff, neo-hookean
-  double youngs_modulus = 0;   ///< [Pa]
+  std::string model;          ///< registry name: linear, saint-venant-kirchhoff, neo-hookean
+  double youngs_modulus = 0;  ///< [Pa]
   double poissons_ratio = 0;
   Location where;
 };
 
 struct BodyConfig {
-  Selection part;              ///< volume, or everything
+  Selection part;                 ///< volume, or everything
   std::optional<double> density;  ///< [kg/m^3]; required for dynamics and gravity
   ElasticityConfig elasticity;
   Location where;
@@ -63,8 +64,8 @@ struct ConstraintConfig {
 struct LoadConfig {
   enum class Kind { gravity, traction };
   Kind kind = Kind::gravity;
-  Selection part;              ///< traction: surface, box or where; gravity: everything (or a volume)
-  VectorExpression value;      ///< gravity [m/s^2], traction [Pa] per reference area
+  Selection part;          ///< traction: surface, box or where; gravity: everything (or a volume)
+  VectorExpression value;  ///< gravity [m/s^2], traction [Pa] per reference area
   Location where;
 };
 
@@ -74,28 +75,28 @@ struct InitialConfig {
 };
 
 struct TimeConfig {
-  Located<std::string> method;    ///< a method's name, or quasistatic, or static
-  double step = 0;                ///< [s]; static: unused
-  double end = 0;                 ///< [s]; static: the time at which expressions are evaluated (default 0)
-  int load_steps = 1;             ///< static: loads are applied in this many equal parts
-  std::string startup;            ///< ramp
-  double min_step = 0;            ///< smallest step that a retry may try [s]; default step / 1024
+  Located<std::string> method;  ///< a method's name, or quasistatic, or static
+  double step = 0;              ///< [s]; static: unused
+  double end = 0;               ///< [s]; static: the time at which expressions are evaluated (default 0)
+  int load_steps = 1;           ///< static: loads are applied in this many equal parts
+  std::string startup;          ///< ramp
+  double min_step = 0;          ///< smallest step that a retry may try [s]; default step / 1024
 };
 
 struct NewtonConfig {
   double relative = 0;
-  double absolute = 0;            ///< [N]
+  double absolute = 0;  ///< [N]
   int max_iterations = 0;
 };
 
 struct SolverConfig {
-  std::string linear;             ///< auto, cholesky, amg
+  std::string linear;  ///< auto, cholesky, amg
   NewtonConfig newton;
 };
 
 struct OutputConfig {
-  std::string directory;          ///< resolved against the working directory; default out/<input's stem>
-  std::optional<double> every;    ///< [s]; default: the step
+  std::string directory;        ///< resolved against the working directory; default out/<input's stem>
+  std::optional<double> every;  ///< [s]; default: the step
   std::vector<std::string> fields;
 };
 
@@ -106,7 +107,7 @@ struct ProbeConfig {
 };
 
 struct Config {
-  std::string file;               ///< the input file as the user named it
+  std::string file;  ///< the input file as the user named it
   std::string title;
   MeshConfig mesh;
   ElementOrder element = ElementOrder::p1;

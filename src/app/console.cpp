@@ -3,6 +3,9 @@
 #include "petsc/session.hpp"
 
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <system_error>
 #include <unistd.h>
 
 #include <fmt/format.h>

@@ -30,7 +30,7 @@ double seconds_since(Clock::time_point start) {
 LinearKind linear_kind(const Config& config, const NodeLayout& layout) {
   if (config.solver.linear == "cholesky") return LinearKind::cholesky;
   if (config.solver.linear == "amg") return LinearKind::amg;
-  return automatic_linear_kind(layout);
+  return automatic_linear_kind(3 * layout.num_global_nodes);
 }
 
 /// What moves the state from one step to the next; a step's outcome is only a proposal until it is accepted.
@@ -124,7 +124,7 @@ class Run {
       model_.set_initial_state(config, q_.get(), v_.get());
     }
     const LinearKind kind = linear_kind(config, model_.layout());
-    solver_.emplace(model_.potential(), model_.pattern(),
+    solver_.emplace(model_.potential(),
                     NewtonOptions{config.solver.newton.relative, config.solver.newton.absolute,
                                   config.solver.newton.max_iterations},
                     kind);

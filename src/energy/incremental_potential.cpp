@@ -17,7 +17,7 @@ IncrementalPotential::IncrementalPotential(const NodeLayout& layout, const Block
       terms_(std::move(terms)),
       prescribed_(prescribed),
       elimination_(layout, pattern, prescribed_) {
-  for (Handle<Vec>* v : {&q_, &d_, &q0_, &v0_, &work_, &diagonal_}) *v = make_vector(layout);
+  for (Handle<Vec>* v : {&q_, &d_, &q0_, &v0_, &work_, &diagonal_}) *v = pliant::make_vector(layout);
 }
 
 std::span<const double> IncrementalPotential::local(Vec q, const Handle<Vec>& work) {
@@ -93,6 +93,12 @@ void IncrementalPotential::hessian(Vec q, Mat K, Projection projection) {
     elimination_.apply(writer, total > 0.0 ? total / (3.0 * layout_.num_global_nodes) : 1.0);
     writer.finish();
   }
+}
+
+Handle<Mat> IncrementalPotential::make_hessian() const {
+  Handle<Mat> K = make_matrix(layout_, pattern_);
+  set_rigid_body_modes(K.get(), layout_, prescribed_);
+  return K;
 }
 
 double IncrementalPotential::max_step(Vec q, Vec d) {

@@ -28,6 +28,8 @@ class IncrementalPotential {
   void gradient(Vec q, Vec r);
   /// The same with what it takes to hold the prescribed entries: the reactions stand there.
   void gradient_with_reactions(Vec q, Vec r);
+  /// A zero matrix for the Hessian, with the rigid-body modes as its near-null space.
+  Handle<Mat> make_hessian() const;
   /// K = d2Phi/dq2 [N/m]; rows and columns of prescribed entries are zero but for the diagonal.
   void hessian(Vec q, Mat K, Projection projection);
   /// The largest alpha for which q + alpha d stays clear of all barriers.
@@ -39,7 +41,10 @@ class IncrementalPotential {
 
   bool is_potential() const;
   const std::vector<char>& prescribed() const { return prescribed_; }
-  const NodeLayout& layout() const { return layout_; }
+  PetscInt num_unknowns() const { return 3 * layout_.num_global_nodes; }
+  MPI_Comm comm() const { return layout_.comm; }
+  /// A zero vector of the unknowns.
+  Handle<Vec> make_vector() const { return pliant::make_vector(layout_); }
 
  private:
   std::span<const double> local(Vec q, const Handle<Vec>& work);

@@ -1,6 +1,9 @@
 #include "fem/block_matrix.hpp"
 
+#include "petsc/array_view.hpp"
+
 #include <algorithm>
+#include <array>
 
 namespace pliant {
 
@@ -63,6 +66,46 @@ Handle<Mat> make_matrix(const NodeLayout& layout, const BlockPattern& pattern) {
   check(MatSetOption(matrix.get(), MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
   check(MatSetOption(matrix.get(), MAT_NEW_NONZERO_LOCATION_ERR, PETSC_TRUE));
   return matrix;
+}
+
+void set_rigid_body_modes(Mat K, const NodeLayout& layout, std::span<const char> prescribed) {
+  std::array<Handle<Vec>, 6> modes;
+  std::array<Vec, 6> raw;
+  for (int m = 0; m < 6; ++m) {
+    check(MatCreateVecs(K, modes[m].out(), nullptr));
+    raw[m] = modes[m].get();
+    const ArrayView mode(raw[m]);
+    for (PetscInt a = 0; a < layout.num_owned_nodes; ++a) {
+      const auto X = layout.position(a);
+      std::array<double, 3> u{};
+      if (m < 3) {
+        u[m] = 1.0;
+      } else {
+        const int i = m - 3, j = (i + 1) % 3, k = (i + 2) % 3;
+        u[j] = -X[k];
+        u[k] = X[j];
+      }
+      for (int i = 0; i < 3; ++i) mode[3 * a + i] = prescribed[3 * a + i] ? 0.0 : u[i];
+    }
+  }
+  // Modified Gram-Schmidt; modes that the prescribed entries leave nothing of are dropped.
+  std::vector<Vec> kept;
+  for (Vec v : raw) {
+    PetscReal before = 0.0, after = 0.0;
+    check(VecNorm(v, NORM_2, &before));
+    for (Vec w : kept) {
+      PetscScalar product = 0.0;
+      check(VecDot(v, w, &product));
+      check(VecAXPY(v, -product, w));
+    }
+    check(VecNorm(v, NORM_2, &after));
+    if (after <= 1e-10 * before || before == 0.0) continue;
+    check(VecScale(v, 1.0 / after));
+    kept.push_back(v);
+  }
+  Handle<MatNullSpace> space;
+  check(MatNullSpaceCreate(layout.comm, PETSC_FALSE, static_cast<PetscInt>(kept.size()), kept.data(), space.out()));
+  check(MatSetNearNullSpace(K, space.get()));
 }
 
 BlockWriter::BlockWriter(const BlockPattern& pattern, Mat matrix)

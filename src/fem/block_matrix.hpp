@@ -70,6 +70,10 @@ class BlockWriter {
 /// A zero MPIAIJ matrix (block size 3, declared symmetric) of the pattern. Collective.
 Handle<Mat> make_matrix(const NodeLayout& layout, const BlockPattern& pattern);
 
+/// Gives the matrix its near-null space: three translations and three rotations of the reference configuration, zero on
+/// prescribed entries (flags as in RowElimination). Multigrid represents them on coarse levels. Collective.
+void set_rigid_body_modes(Mat matrix, const NodeLayout& layout, std::span<const char> is_prescribed);
+
 /// Symmetric elimination of prescribed entries from a matrix of the pattern: rows and columns to zero, diagonal to a
 /// given value.
 class RowElimination {

@@ -1,9 +1,5 @@
 #include "solver/linear.hpp"
 
-#include "petsc/array_view.hpp"
-
-#include <array>
-
 #include <dmumps_c.h>
 
 namespace pliant {
@@ -33,52 +29,10 @@ bool factorizes_with_mumps(KSP ksp, Mat* factor) {
   return *factor != nullptr;
 }
 
-/// Three translations and three rotations of the reference configuration, zero on prescribed entries: what coarse
-/// levels must represent.
-void set_near_null_space(Mat K, const NodeLayout& layout, const std::vector<char>& prescribed) {
-  std::array<Handle<Vec>, 6> modes;
-  std::array<Vec, 6> raw;
-  for (int m = 0; m < 6; ++m) {
-    check(MatCreateVecs(K, modes[m].out(), nullptr));
-    raw[m] = modes[m].get();
-    const ArrayView mode(raw[m]);
-    for (PetscInt a = 0; a < layout.num_owned_nodes; ++a) {
-      const auto X = layout.position(a);
-      std::array<double, 3> u{};
-      if (m < 3) {
-        u[m] = 1.0;
-      } else {
-        const int i = m - 3, j = (i + 1) % 3, k = (i + 2) % 3;
-        u[j] = -X[k];
-        u[k] = X[j];
-      }
-      for (int i = 0; i < 3; ++i) mode[3 * a + i] = prescribed[3 * a + i] ? 0.0 : u[i];
-    }
-  }
-  // Modified Gram-Schmidt; modes that the prescribed entries leave nothing of are dropped.
-  std::vector<Vec> kept;
-  for (Vec v : raw) {
-    PetscReal before = 0.0, after = 0.0;
-    check(VecNorm(v, NORM_2, &before));
-    for (Vec w : kept) {
-      PetscScalar product = 0.0;
-      check(VecDot(v, w, &product));
-      check(VecAXPY(v, -product, w));
-    }
-    check(VecNorm(v, NORM_2, &after));
-    if (after <= 1e-10 * before || before == 0.0) continue;
-    check(VecScale(v, 1.0 / after));
-    kept.push_back(v);
-  }
-  Handle<MatNullSpace> space;
-  check(MatNullSpaceCreate(layout.comm, PETSC_FALSE, static_cast<PetscInt>(kept.size()), kept.data(), space.out()));
-  check(MatSetNearNullSpace(K, space.get()));
-}
-
 }  // namespace
 
-LinearKind automatic_linear_kind(const NodeLayout& layout) {
-  return 3 * layout.num_global_nodes <= max_unknowns_of_factorization ? LinearKind::cholesky : LinearKind::amg;
+LinearKind automatic_linear_kind(PetscInt num_unknowns) {
+  return num_unknowns <= max_unknowns_of_factorization ? LinearKind::cholesky : LinearKind::amg;
 }
 
 std::string describe(LinearKind kind) {
@@ -86,8 +40,7 @@ std::string describe(LinearKind kind) {
                                       : "conjugate gradients with algebraic multigrid (GAMG)";
 }
 
-void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, const NodeLayout& layout,
-                             const std::vector<char>& prescribed) {
+void configure_linear_solver(KSP ksp, Mat K, LinearKind kind) {
   PC pc = nullptr;
   check(KSPGetPC(ksp, &pc));
   check(KSPSetOperators(ksp, K, K));
@@ -104,7 +57,6 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, const NodeLayout& 
     set_default_option("-mg_levels_ksp_type", "chebyshev");
     set_default_option("-mg_levels_pc_type", "jacobi");
     set_default_option("-pc_gamg_threshold", "0.01");
-    set_near_null_space(K, layout, prescribed);
   }
   check(KSPSetFromOptions(ksp));
   Mat factor = nullptr;
@@ -115,7 +67,9 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, const NodeLayout& 
   }
 }
 
-std::string mumps_version() { return MUMPS_VERSION; }
+std::string mumps_version() {
+  return MUMPS_VERSION;
+}
 
 PetscInt negative_pivots(KSP ksp) {
   Mat factor = nullptr;

@@ -47,14 +47,14 @@ double norm(Vec a) {
 
 }  // namespace
 
-NewtonSolver::NewtonSolver(IncrementalPotential& potential, const BlockPattern& pattern, const NewtonOptions& options,
-                           LinearKind linear)
-    : potential_(potential), options_(options), K_(make_matrix(potential.layout(), pattern)) {
-  const NodeLayout& layout = potential.layout();
-  r_ = make_vector(layout);
-  trial_ = make_vector(layout);
+NewtonSolver::NewtonSolver(IncrementalPotential& potential, const NewtonOptions& options, LinearKind linear)
+    : potential_(potential),
+      options_(options),
+      K_(potential.make_hessian()),
+      r_(potential.make_vector()),
+      trial_(potential.make_vector()) {
   SNES snes = nullptr;
-  check(SNESCreate(layout.comm, snes_.out()));
+  check(SNESCreate(potential.comm(), snes_.out()));
   snes = snes_.get();
   check(SNESSetType(snes, SNESNEWTONLS));
   check(SNESSetFunction(snes, r_.get(), residual_callback, this));
@@ -69,7 +69,7 @@ NewtonSolver::NewtonSolver(IncrementalPotential& potential, const BlockPattern& 
   check(SNESLineSearchShellSetUserFunc(search, line_search_callback, this));
   KSP ksp = nullptr;
   check(SNESGetKSP(snes, &ksp));
-  configure_linear_solver(ksp, K_.get(), linear, layout, potential.prescribed());
+  configure_linear_solver(ksp, K_.get(), linear);
   check(SNESSetFromOptions(snes));
 }
 

@@ -43,8 +43,7 @@ struct SolverStatistics {
 class NewtonSolver {
  public:
   /// `potential` outlives the solver. PETSc options -snes_..., -ksp_..., -pc_... override. Collective.
-  NewtonSolver(IncrementalPotential& potential, const BlockPattern& pattern, const NewtonOptions& options,
-               LinearKind linear);
+  NewtonSolver(IncrementalPotential& potential, const NewtonOptions& options, LinearKind linear);
 
   /// Solves the stage from the guess in q, or from q0 + dt v0 where that lowers the potential further. Collective.
   StageReport solve(const StagePoint& stage, Vec q);
