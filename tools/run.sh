@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Sets up what is missing, runs a simulation and makes a picture of it.
 #
-#   tools/run.sh                           the demo, input/gripper_finger.yaml, on two ranks
+#   tools/run.sh [OPTION ...]              the demo, input/gripper_finger.yaml, on two ranks
 #   tools/run.sh INPUT.yaml [OPTION ...]   another input; options are those of `pliant run`
 #
 # PLIANT_RANKS sets the number of ranks. Returns what the program returns.
@@ -13,14 +13,13 @@ source "$root/tools/environment.sh"
 
 ranks=${PLIANT_RANKS:-2}
 [[ $ranks =~ ^[1-9][0-9]*$ ]] || fail "PLIANT_RANKS must be a number of ranks, not '$ranks'"
-if (($# == 0)); then
-  set -- "$root/input/gripper_finger.yaml" --output "$root/out/gripper_finger"
-fi
-case $1 in
+
+case ${1:-} in
   -h | --help)
     sed -n '2,/^set /{/^set /d;s/^# \{0,1\}//;p}' "${BASH_SOURCE[0]}"
     exit
     ;;
+  '' | -*) set -- "$root/input/gripper_finger.yaml" --output "$root/out/gripper_finger" "$@" ;;
 esac
 
 # output_directory INPUT [OPTION ...]: where the program will put the results, by the rules of `pliant run`.
