@@ -36,22 +36,22 @@ LinearKind automatic_linear_kind(PetscInt num_unknowns) {
 }
 
 std::string describe(LinearKind kind) {
-  return kind == LinearKind::cholesky ? "MUMPS LDL^T factorization"
-                                      : "conjugate gradients with algebraic multigrid (GAMG)";
+  return kind == LinearKind::cholesky
+             ? "conjugate gradients preconditioned by a MUMPS LDL^T factorization that is kept while it pays"
+             : "conjugate gradients with algebraic multigrid (GAMG)";
 }
 
 void configure_linear_solver(KSP ksp, Mat K, LinearKind kind) {
   PC pc = nullptr;
   check(KSPGetPC(ksp, &pc));
   check(KSPSetOperators(ksp, K, K));
+  check(KSPSetType(ksp, KSPCG));
+  check(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
+  check(KSPSetTolerances(ksp, 1e-5, PETSC_DEFAULT, PETSC_DEFAULT, 500));
   if (kind == LinearKind::cholesky) {
-    check(KSPSetType(ksp, KSPPREONLY));
     check(PCSetType(pc, PCCHOLESKY));
     check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
   } else {
-    check(KSPSetType(ksp, KSPCG));
-    check(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
-    check(KSPSetTolerances(ksp, 1e-5, PETSC_DEFAULT, PETSC_DEFAULT, 500));
     check(PCSetType(pc, PCGAMG));
     check(PCGAMGSetReuseInterpolation(pc, PETSC_TRUE));
     set_default_option("-mg_levels_ksp_type", "chebyshev");

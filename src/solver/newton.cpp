@@ -15,6 +15,9 @@ constexpr double armijo = 1e-4;
 constexpr double wolfe = 0.9;
 constexpr double inversion_margin = 0.9;  // of the step at which a tetrahedron becomes flat
 constexpr int max_backtracks = 40;
+/// Conjugate gradients that need more iterations than this with a kept factor have it renewed for the next Hessian. A
+/// factorization costs some 10 (few unknowns) to 25 (many) iterations.
+constexpr PetscInt iterations_that_age = 8;
 /// The residual's rounding floor is an estimate: below this multiple of it nothing is to be gained.
 constexpr double floor_factor = 4.0;
 
@@ -61,6 +64,8 @@ NewtonSolver::NewtonSolver(IncrementalPotential& potential, const NewtonOptions&
   check(SNESSetJacobian(snes, K_.get(), K_.get(), hessian_callback, this));
   check(SNESSetConvergenceTest(snes, convergence_callback, this, nullptr));
   check(SNESSetTolerances(snes, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, options.max_iterations, PETSC_MAX_INT));
+  // Preconditioners are set up in `factorize`, nowhere else.
+  check(SNESSetLagPreconditioner(snes, -1));
   // A failed linear solve is the line search's business: it climbs the ladder.
   check(SNESSetMaxLinearSolveFailures(snes, PETSC_MAX_INT));
   SNESLineSearch search = nullptr;
@@ -71,6 +76,9 @@ NewtonSolver::NewtonSolver(IncrementalPotential& potential, const NewtonOptions&
   check(SNESGetKSP(snes, &ksp));
   configure_linear_solver(ksp, K_.get(), linear);
   check(SNESSetFromOptions(snes));
+  PetscBool solves_directly = PETSC_FALSE;
+  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ksp), KSPPREONLY, &solves_directly));
+  may_keep_factor_ = !solves_directly;
 }
 
 PetscErrorCode NewtonSolver::residual_callback(SNES, Vec q, Vec r, void* self) {
@@ -127,22 +135,34 @@ void NewtonSolver::assemble(Vec q, Projection projection) {
     const Stopwatch watch(statistics_.assembly_seconds);
     potential_.hessian(q, K_.get(), projection);
   }
+  factor_is_current_ = false;
   if (projection != Projection::none) ++statistics_.projections;
+  projection_ = projection;
+}
+
+void NewtonSolver::factorize() {
   const Stopwatch watch(statistics_.factorization_seconds);
   KSP ksp = nullptr;
   check(SNESGetKSP(snes_.get(), &ksp));
+  check(KSPSetReusePreconditioner(ksp, PETSC_FALSE));
   check(KSPSetOperators(ksp, K_.get(), K_.get()));
   check(KSPSetUp(ksp));
+  check(KSPSetReusePreconditioner(ksp, PETSC_TRUE));
+  ++statistics_.factorizations;
+  factor_is_wanted_ = !may_keep_factor_;
+  factor_is_current_ = true;
 }
 
 void NewtonSolver::linearize(Vec q) {
   KSP ksp = nullptr;
   check(SNESGetKSP(snes_.get(), &ksp));
-  projection_ = Projection::none;
-  assemble(q, projection_);
+  assemble(q, Projection::none);
+  if (!factor_is_wanted_) return;
+  factorize();
   if (negative_pivots(ksp) > 0) {
-    projection_ = Projection::positive_semidefinite;
-    assemble(q, projection_);
+    assemble(q, Projection::positive_semidefinite);
+    factorize();
+    factor_is_wanted_ = true;  // the next Hessian may be definite again: look
   }
 }
 
@@ -162,6 +182,9 @@ bool NewtonSolver::descends(Vec r, Vec y, double& slope) {
   check(SNESGetKSP(snes_.get(), &ksp));
   check(KSPGetConvergedReason(ksp, &reason));
   slope = -dot(r, y);
+  PetscInt iterations = 0;
+  check(KSPGetIterationNumber(ksp, &iterations));
+  if (!factor_is_current_ && iterations > iterations_that_age) factor_is_wanted_ = true;
   // Out of iterations is a poor direction, not a wrong one.
   return (reason >= 0 || reason == KSP_DIVERGED_ITS) && slope < 0.0 && std::isfinite(slope);
 }
@@ -219,9 +242,15 @@ void NewtonSolver::search_line(SNESLineSearch search) {
         return;
       }
     }
-    if (projection_ == Projection::positive_semidefinite) break;
-    projection_ = Projection::positive_semidefinite;
-    assemble(q, projection_);
+    if (!factor_is_current_) {
+      factorize();
+    } else if (projection_ == Projection::none) {
+      assemble(q, Projection::positive_semidefinite);
+      factorize();
+      factor_is_wanted_ = true;
+    } else {
+      break;
+    }
     solve_linear(r, y);
   }
   check(SNESLineSearchSetReason(search, SNES_LINESEARCH_FAILED_REDUCT));

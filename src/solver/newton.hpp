@@ -23,6 +23,7 @@ struct SolverStatistics {
   long long stages = 0;
   long long newton_iterations = 0;
   long long linear_iterations = 0;
+  long long factorizations = 0;   ///< or set-ups of another preconditioner
   long long backtracks = 0;       ///< step lengths refused by the line search
   long long capped_steps = 0;     ///< steps shortened because a tetrahedron would have inverted
   long long projections = 0;      ///< Hessians made positive semidefinite cell by cell
@@ -32,10 +33,14 @@ struct SolverStatistics {
   double solve_seconds = 0.0;
 };
 
-/// Newton with exact Hessian, a line search on the potential, and a ladder for trouble: where the factorization counts
-/// negative pivots, the linear solver breaks down, the direction does not descend or no step length helps, the
-/// Hessian is projected to positive semidefinite cell by cell; where that does not help either, the stage asks for a
-/// smaller step. Every rank takes the same decisions: all of them rest on reduced numbers.
+/// Newton with exact Hessian, a line search on the potential, and a ladder for trouble.
+///
+/// A factorization is kept as long as it pays: conjugate gradients on the current Hessian, preconditioned by the factor
+/// of an earlier one, need a few iterations, each a fraction of a factorization; when they need many, the next Hessian
+/// is factorized. The ladder: where conjugate gradients fail with a kept factor, the current Hessian is factorized;
+/// where the factorization counts negative pivots, the linear solver breaks down, the direction does not descend or no
+/// step length helps, the Hessian is projected to positive semidefinite cell by cell; where that does not help either,
+/// the stage asks for a smaller step. Every rank takes the same decisions: all of them rest on reduced numbers.
 ///
 /// Line search along d = -K^-1 r, from alpha = min(1, 0.9 of the step at which a tetrahedron inverts): Armijo's
 /// condition on Phi; where the change of Phi is within its rounding error, the gradient decides (Hager & Zhang 2005,
@@ -59,6 +64,7 @@ class NewtonSolver {
 
   void choose_guess(const StagePoint& stage, Vec q);
   void assemble(Vec q, Projection projection);
+  void factorize();
   void linearize(Vec q);
   void search_line(SNESLineSearch search);
   bool descends(Vec r, Vec y, double& slope);
@@ -79,6 +85,10 @@ class NewtonSolver {
   double phi_ = 0.0;  // value at the current iterate
   Projection projection_ = Projection::none;
   bool at_rounding_floor_ = false;
+  // Of the preconditioner, kept across stages.
+  bool may_keep_factor_ = false;    // the linear solver iterates, so a preconditioner of an earlier Hessian will do
+  bool factor_is_wanted_ = true;    // none yet, or the last one has aged
+  bool factor_is_current_ = false;  // it is that of the present Hessian
 };
 
 }  // namespace pliant
