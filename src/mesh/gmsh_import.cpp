@@ -3,13 +3,16 @@
 #include "mesh/closed_surface.hpp"
 #include "mesh/gmsh_extract.hpp"
 #include "mesh/gmsh_session.hpp"
+#include "mesh/isolated.hpp"
 #include "mesh/msh_reader.hpp"
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
+#include <fmt/format.h>
 #include <gmsh.h>
 
 namespace pliant {
@@ -51,8 +54,24 @@ void impose_size(double size) {
   gmsh::model::mesh::removeConstraints();
 }
 
+/// A size in the wrong unit would fill the memory before gmsh gives up.
+void require_feasible(double size) {
+  constexpr double most_cells = 1e9;  // the index range, with edges counted
+  std::array<double, 6> b{};
+  gmsh::model::getBoundingBox(-1, -1, b[0], b[1], b[2], b[3], b[4], b[5]);
+  const double num_cells = 8.5 * ((b[3] - b[0]) / size) * ((b[4] - b[1]) / size) * ((b[5] - b[2]) / size);
+  if (!(num_cells > most_cells)) return;
+  throw MeshDefect(fmt::format(
+      "elements of size {:g} would be about {:.1g} in its bounding box of {:g} x {:g} x {:g}: is the size in "
+      "the unit of the file?",
+      size, num_cells, b[3] - b[0], b[4] - b[1], b[5] - b[2]));
+}
+
 void generate(const std::optional<double>& size) {
-  if (size) impose_size(*size);
+  if (size) {
+    require_feasible(*size);
+    impose_size(*size);
+  }
   gmsh::model::mesh::generate(3);
   std::string build;
   gmsh::option::getString("General.BuildOptions", build);
@@ -73,6 +92,29 @@ SerialMesh extracted(const GmshSession& gmsh) {
   SerialMesh mesh;
   gmsh.run("give its mesh", [&] { mesh = extract_mesh(); });
   return mesh;
+}
+
+double mean_edge(const SerialMesh& mesh) {
+  double sum = 0.0;
+  for (std::size_t c = 0; c < mesh.num_cells(); ++c) {
+    for (const auto& [i, j] : local_edges) {
+      const double* x = mesh.node(mesh.cells[4 * c + static_cast<std::size_t>(i)]);
+      const double* y = mesh.node(mesh.cells[4 * c + static_cast<std::size_t>(j)]);
+      sum += std::hypot(x[0] - y[0], x[1] - y[1], x[2] - y[2]);
+    }
+  }
+  return sum / static_cast<double>(6 * mesh.num_cells());
+}
+
+/// Divisions of gmsh's built-in kernel (Transfinite, Layers) cannot be taken back through its interface, and small
+/// parts need small elements.
+void notice_other_size(SerialMesh& mesh, const std::optional<double>& size) {
+  const double mean = mean_edge(mesh);
+  if (!size || (mean < 1.5 * *size && mean > 0.6 * *size)) return;
+  mesh.notices.push_back(
+      fmt::format("the elements measure {:.2g} in the mean, not the size {:g} asked for: the shape needs it, or the "
+                  "file prescribes divisions (Transfinite, Layers)",
+                  mean, *size));
 }
 
 SerialMesh mesh_script(const GmshSession& gmsh, const MeshSource& source) {
@@ -104,15 +146,14 @@ SerialMesh import_mesh(const MeshSource& source) {
   const Kind kind = kind_of(source.file);
   require_readable(source.file);
   if (kind == Kind::mesh) return read_msh(source.file);
-  const GmshSession gmsh;
-  switch (kind) {
-    case Kind::script:
-      return mesh_script(gmsh, source);
-    case Kind::cad:
-      return mesh_cad(gmsh, source);
-    default:
-      return mesh_surface(gmsh, source);
-  }
+  return isolated([&] {
+    const GmshSession gmsh;
+    SerialMesh mesh = kind == Kind::script ? mesh_script(gmsh, source)
+                      : kind == Kind::cad  ? mesh_cad(gmsh, source)
+                                           : mesh_surface(gmsh, source);
+    notice_other_size(mesh, source.size);
+    return mesh;
+  });
 }
 
 }  // namespace pliant

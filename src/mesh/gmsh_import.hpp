@@ -9,7 +9,9 @@ namespace pliant {
 ///
 /// * .msh (2.2, 4.1; ascii, binary): as it is; `size` does not apply.
 /// * .geo: built by gmsh's own interpreter. A `size` overrides every size the file gives (points, fields, curvature,
-///   transfinite divisions).
+/// and with the
+///   OpenCASCADE kernel transfinite divisions; those of the built-in kernel and its extrusion layers stay, with a
+///   notice).
 /// * .step, .stp: lengths in the file's own unit, converted to metres. .brep: lengths as they are.
 /// * .stl: lengths as they are; the surface must be closed. Its triangles bound the mesh unless `size` asks for other
 /// ones.

@@ -1,0 +1,203 @@
+#include "mesh/isolated.hpp"
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fcntl.h>
+#include <string_view>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <system_error>
+#include <unistd.h>
+
+namespace pliant {
+namespace {
+
+enum class Outcome : char { mesh = 'M', defect = 'D', failure = 'F' };
+
+constexpr int left_by_exit = 77;
+
+/// Values of plain types and their vectors, one behind the other.
+class Packer {
+ public:
+  template <class T>
+  void put(const T& value) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    bytes_.append(reinterpret_cast<const char*>(&value), sizeof(T));
+  }
+  template <class Range>
+  void put_range(const Range& range) {
+    put(range.size());
+    bytes_.append(reinterpret_cast<const char*>(range.data()), range.size() * sizeof(typename Range::value_type));
+  }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+};
+
+class Unpacker {
+ public:
+  explicit Unpacker(std::string_view bytes) : bytes_(bytes) {}
+  template <class T>
+  T get() {
+    T value;
+    take(&value, sizeof(T));
+    return value;
+  }
+  template <class Range>
+  Range get_range() {
+    Range range;
+    range.resize(get<std::size_t>());
+    take(range.data(), range.size() * sizeof(typename Range::value_type));
+    return range;
+  }
+
+ private:
+  void take(void* to, std::size_t size) {
+    if (size > bytes_.size()) throw std::runtime_error("the answer of the meshing process is incomplete");
+    std::memcpy(to, bytes_.data(), size);
+    bytes_.remove_prefix(size);
+  }
+  std::string_view bytes_;
+};
+
+void pack(Packer& out, const std::vector<std::string>& texts) {
+  out.put(texts.size());
+  for (const auto& text : texts) out.put_range(text);
+}
+
+std::vector<std::string> unpack_texts(Unpacker& in) {
+  std::vector<std::string> texts(in.get<std::size_t>());
+  for (auto& text : texts) text = in.get_range<std::string>();
+  return texts;
+}
+
+void pack(Packer& out, const SerialMesh& mesh) {
+  out.put_range(mesh.coordinates);
+  out.put_range(mesh.node_tags);
+  out.put_range(mesh.cells);
+  out.put_range(mesh.mid_nodes);
+  out.put_range(mesh.cell_tags);
+  out.put(mesh.groups.size());
+  for (const auto& [group, members] : mesh.groups) {
+    out.put(group.dimension);
+    out.put(group.tag);
+    out.put_range(group.name);
+    out.put_range(members);
+  }
+  pack(out, mesh.notices);
+}
+
+SerialMesh unpack_mesh(Unpacker& in) {
+  SerialMesh mesh;
+  mesh.coordinates = in.get_range<std::vector<double>>();
+  mesh.node_tags = in.get_range<std::vector<std::size_t>>();
+  mesh.cells = in.get_range<std::vector<PetscInt>>();
+  mesh.mid_nodes = in.get_range<std::vector<PetscInt>>();
+  mesh.cell_tags = in.get_range<std::vector<std::size_t>>();
+  mesh.groups.resize(in.get<std::size_t>());
+  for (auto& [group, members] : mesh.groups) {
+    group.dimension = in.get<int>();
+    group.tag = in.get<int>();
+    group.name = in.get_range<std::string>();
+    members = in.get_range<std::vector<PetscInt>>();
+  }
+  mesh.notices = unpack_texts(in);
+  return mesh;
+}
+
+Packer outcome_of(const std::function<SerialMesh()>& work) {
+  Packer out;
+  try {
+    const SerialMesh mesh = work();
+    out.put(Outcome::mesh);
+    pack(out, mesh);
+  } catch (const MeshDefect& defect) {
+    out = {};
+    out.put(Outcome::defect);
+    pack(out, defect.reasons());
+  } catch (const std::exception& e) {
+    out = {};
+    out.put(Outcome::failure);
+    pack(out, {e.what()});
+  }
+  return out;
+}
+
+void write_all(int file, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = write(file, bytes.data(), bytes.size());
+    if (written < 0 && errno != EINTR) return;  // the reader sees an incomplete answer
+    if (written > 0) bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+std::string read_all(int file) {
+  std::string bytes;
+  std::vector<char> buffer(1 << 20);
+  for (;;) {
+    const ssize_t size = read(file, buffer.data(), buffer.size());
+    if (size < 0 && errno == EINTR) continue;
+    if (size <= 0) return bytes;
+    bytes.append(buffer.data(), static_cast<std::size_t>(size));
+  }
+}
+
+[[noreturn]] void be_the_child(int answer, const std::function<SerialMesh()>& work) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // never outlives the simulation
+  for (const int signal : {SIGINT, SIGTERM, SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL}) std::signal(signal, SIG_DFL);
+  // Runs before the handlers of MPI and others, which must not act twice.
+  std::atexit([] { _exit(left_by_exit); });
+  const int nowhere = open("/dev/null", O_WRONLY);
+  dup2(nowhere, STDOUT_FILENO);
+  dup2(nowhere, STDERR_FILENO);
+  write_all(answer, outcome_of(work).bytes());
+  _exit(0);
+}
+
+[[noreturn]] void reject_dead_child(int status) {
+  if (WIFEXITED(status) && WEXITSTATUS(status) == left_by_exit) {
+    throw MeshDefect("the file ended gmsh before there was a mesh: remove its Exit or Abort command");
+  }
+  const std::string how =
+      WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "exit code " + std::to_string(WEXITSTATUS(status));
+  throw MeshDefect(
+      "gmsh died while working on it (" + how +
+      "): the file is damaged, or the mesh too large for the memory; see what the gmsh program says to it");
+}
+
+}  // namespace
+
+SerialMesh isolated(const std::function<SerialMesh()>& work) {
+  std::array<int, 2> channel{};
+  if (pipe(channel.data()) != 0)
+    throw std::system_error(errno, std::generic_category(), "cannot start the meshing process");
+  std::fflush(nullptr);  // or the child would write the same text again
+  const pid_t child = fork();
+  if (child < 0) throw std::system_error(errno, std::generic_category(), "cannot start the meshing process");
+  if (child == 0) {
+    close(channel[0]);
+    be_the_child(channel[1], work);
+  }
+  close(channel[1]);
+  const std::string answer = read_all(channel[0]);
+  close(channel[0]);
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || answer.empty()) reject_dead_child(status);
+  Unpacker in(answer);
+  switch (in.get<Outcome>()) {
+    case Outcome::mesh:
+      return unpack_mesh(in);
+    case Outcome::defect:
+      throw MeshDefect(unpack_texts(in));
+    default:
+      throw std::runtime_error(unpack_texts(in).at(0));
+  }
+}
+
+}  // namespace pliant
