@@ -19,7 +19,8 @@ void describe_groups(std::string& text, const std::vector<GroupReport>& groups) 
     const auto d = static_cast<std::size_t>(dimension);
     for (const auto& g : groups) {
       if (g.dimension != dimension) continue;
-      text += fmt::format("  {:<8} {:<{}} (tag {}): {:>9} {:<6}", kinds[d], g.name, width, g.tag, g.count, members[d]);
+      text += fmt::format("  physical {:<8} {:<{}} (tag {}): {:>9} {:<6}", kinds[d], g.name, width, g.tag, g.count,
+                          members[d]);
       if (dimension > 0) text += fmt::format("  {:.6g} {}", g.measure, units[d]);
       text += '\n';
     }
