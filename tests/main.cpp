@@ -1,8 +1,8 @@
 // GoogleTest under MPI: every rank runs every test; rank 0 prints, other ranks print only their failures.
-#include <gtest/gtest.h>
-
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"
+
+#include <gtest/gtest.h>
 
 namespace {
 

@@ -1,11 +1,10 @@
-#include "petsc/collective.hpp"
-
-#include <gtest/gtest.h>
-
 #include "base/error.hpp"
 #include "petsc/check.hpp"
+#include "petsc/collective.hpp"
 #include "petsc/handle.hpp"
 #include "petsc/session.hpp"
+
+#include <gtest/gtest.h>
 
 namespace pliant {
 namespace {
