@@ -9,7 +9,7 @@ import jsonschema
 import yaml
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PROGRAM = pathlib.Path(os.environ.get("PLIANT_PROGRAM", ROOT / "build/bin/pliant"))
+PROGRAM = pathlib.Path(os.environ.get("PLIANT", ROOT / "build/bin/pliant"))
 
 
 @unittest.skipUnless(PROGRAM.exists(), f"{PROGRAM} is not built")
