@@ -25,7 +25,8 @@ std::vector<PetscInt> points_of_group(const Mesh& mesh, const PhysicalGroup& gro
   return points;
 }
 
-/// Collects facets; leaves out those with a node that is not in the layout or without an owned one.
+/// Collects facets; leaves out those with a node that is not in the layout, and those that neither are owned nor have
+/// an owned node. (The nodes of an owned facet may all belong to other ranks.)
 class FacetCollector {
  public:
   FacetCollector(const Mesh& mesh, const NodeLayout& layout)
@@ -52,15 +53,16 @@ class FacetCollector {
       }
     }
     std::array<PetscInt, 6> nodes;
-    bool has_owned = false;
+    const bool is_owned = is_ghost_[facet] == 0;
+    bool is_wanted = is_owned;
     for (int a = 0; a < list_.nodes_per_facet; ++a) {
       nodes[a] = layout_.node_of_point[points[a]];
       if (nodes[a] < 0 || !inside(layout_.position(nodes[a]))) return;
-      has_owned = has_owned || nodes[a] < layout_.num_owned_nodes;
+      is_wanted = is_wanted || nodes[a] < layout_.num_owned_nodes;
     }
-    if (!has_owned) return;
+    if (!is_wanted) return;
     list_.nodes.insert(list_.nodes.end(), nodes.begin(), nodes.begin() + list_.nodes_per_facet);
-    list_.is_owned.push_back(is_ghost_[facet] == 0);
+    list_.is_owned.push_back(is_owned);
   }
 
   FacetList take() { return std::move(list_); }
@@ -107,7 +109,7 @@ FacetList facets_of_group(const Mesh& mesh, const NodeLayout& layout, const Phys
 }
 
 FacetList surface_facets(const Mesh& mesh, const NodeLayout& layout, const Region& inside) {
-  // A facet with an owned node has all its cells here, so one supporting cell means: on the surface.
+  // A facet that is owned or has an owned node has all its cells here, so one supporting cell means: on the surface.
   FacetCollector collector(mesh, layout);
   const PointRange facets = stratum(mesh.dm.get(), 2);
   for (PetscInt f = facets.begin; f < facets.end; ++f) {

@@ -13,7 +13,8 @@ namespace pliant {
 using Region = std::function<bool(const std::array<double, 3>&)>;
 
 /// Facets as local nodes: 3 or 6 per facet (corners, mid-edge nodes 01 12 02). Every facet with an owned node is in the
-/// list of the node's owner, so sums into owned nodes are complete without communication.
+/// list of the node's owner, so sums into owned nodes are complete without communication; and every facet is in the
+/// list of its own owner, whoever owns its nodes, so sums over owned facets are complete too.
 struct FacetList {
   int nodes_per_facet = 3;
   std::vector<PetscInt> nodes;
