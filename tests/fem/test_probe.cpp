@@ -1,0 +1,103 @@
+#include "fem/body.hpp"
+#include "fem/probe.hpp"
+
+namespace pliant {
+namespace {
+
+using testing::Body;
+using testing::BodySpec;
+using testing::Point;
+using testing::Scratch;
+using testing::Shape;
+
+const MPI_Comm comm = MPI_COMM_WORLD;
+
+class Probes : public ::testing::TestWithParam<BodySpec> {
+ protected:
+  /// What the probe reads from a field, on every rank; also that one rank holds it.
+  Point read(const ProbeLocation& probe, const std::vector<double>& local) const {
+    EXPECT_EQ(sum(comm, PetscInt64{probe.nodes.empty() ? 0 : 1}), 1);
+    Point value = probe.interpolate(local);
+    for (double& v : value) v = sum(comm, v);
+    return value;
+  }
+
+  /// The positions on curved cells, beside them a field of the elements' degree.
+  std::vector<double> field() const {
+    std::vector<double> u;
+    for (PetscInt a = 0; a < layout_.num_local_nodes; ++a) {
+      for (const double value : field_at(layout_.position(a))) u.push_back(value);
+    }
+    return u;
+  }
+  Point field_at(const Point& x) const {
+    const double c = GetParam().order == 2 && GetParam().shape != Shape::curved ? 1.0 : 0.0;
+    return {x[0] - 2.0 * x[1] + c * x[0] * x[2], 3.0 * x[2] + c * x[1] * x[1], 1.0 + x[0] + x[1] + x[2]};
+  }
+
+  Scratch scratch_{comm};
+  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam()); });
+  Body body_{comm, file_, GetParam().order};
+  const NodeLayout& layout_ = body_.layout;
+};
+
+INSTANTIATE_TEST_SUITE_P(Bodies, Probes,
+                         ::testing::Values(BodySpec{1, Shape::jittered, 3}, BodySpec{2, Shape::jittered, 2},
+                                           BodySpec{2, Shape::curved, 2}),
+                         [](const auto& of) { return testing::name_of(of.param); });
+
+TEST_P(Probes, InsideReadTheField) {
+  const auto u = field();
+  for (const Point& xi : {Point{0.31, 0.47, 0.83}, {0.05, 0.02, 0.9}, {0.5, 0.5, 0.5}, {0.999, 0.7, 0.001}}) {
+    const Point x = GetParam().shape == Shape::curved ? testing::bent(xi) : xi;
+    const auto probe = locate(layout_, x);
+    EXPECT_EQ(probe.distance, 0.0);
+    double total = 0.0;
+    for (const double w : probe.weights) total += w;
+    EXPECT_NEAR(sum(comm, total), 1.0, 1e-13);
+    const Point expected = field_at(x), value = read(probe, u);
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(value[k], expected[k], 1e-12);
+  }
+}
+
+TEST_P(Probes, OnTheSurfaceAndAtCornersAreInside) {
+  const auto u = field();
+  for (const Point& xi :
+       {Point{0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}, {1.0, 0.0, 0.0}, {0.0, 0.37, 0.61}, {1.0, 0.37, 0.0}}) {
+    const Point x = GetParam().shape == Shape::curved ? testing::bent(xi) : xi;
+    const auto probe = locate(layout_, x);
+    EXPECT_EQ(probe.distance, 0.0);
+    const Point expected = field_at(x), value = read(probe, u);
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(value[k], expected[k], 1e-8);
+  }
+}
+
+TEST_P(Probes, AtEveryNodeReadThatNode) {
+  const auto u = field();
+  const Body whole(MPI_COMM_SELF, file_, GetParam().order);  // the same list on every rank
+  for (PetscInt a = 0; a < whole.layout.num_owned_nodes; a += 7) {
+    const Point x = whole.layout.position(a);
+    const auto probe = locate(layout_, x);
+    EXPECT_EQ(probe.distance, 0.0);
+    const Point expected = field_at(x), value = read(probe, u);
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(value[k], expected[k], 1e-11);
+  }
+}
+
+TEST_P(Probes, OutsideTakeTheNearestNodeAndSayHowFar) {
+  const Point X{1.3, 1.2, 1.1};
+  double nearest = HUGE_VAL;
+  for (PetscInt a = 0; a < layout_.num_owned_nodes; ++a) {
+    const Point x = layout_.position(a);
+    nearest = std::min(nearest, std::hypot(x[0] - X[0], x[1] - X[1], x[2] - X[2]));
+  }
+  nearest = minimum(comm, nearest);
+  const auto probe = locate(layout_, X);
+  EXPECT_GT(probe.distance, 0.0);
+  EXPECT_NEAR(probe.distance, nearest, 1e-14);
+  const Point x = read(probe, layout_.coordinates);
+  EXPECT_NEAR(std::hypot(x[0] - X[0], x[1] - X[1], x[2] - X[2]), nearest, 1e-14);
+}
+
+}  // namespace
+}  // namespace pliant

@@ -1,0 +1,188 @@
+// Parts of the mesh: each facet counted once over the ranks, each node's facets complete on its owner.
+#include "fem/body.hpp"
+#include "fem/element.hpp"
+#include "fem/quadrature.hpp"
+#include "fem/selection.hpp"
+
+#include <map>
+
+namespace pliant {
+namespace {
+
+using testing::Body;
+using testing::BodySpec;
+using testing::Key;
+using testing::key_of;
+using testing::Point;
+using testing::Scratch;
+using testing::Shape;
+
+const MPI_Comm comm = MPI_COMM_WORLD;
+
+/// Area of a facet, by a rule that is exact for flat ones.
+template <int Order>
+double area(const NodeLayout& layout, std::span<const PetscInt> nodes) {
+  const auto rule = simplex_rule<2>(9);
+  double total = 0.0;
+  for (int q = 0; q < rule.size(); ++q) {
+    const auto dN = Triangle<Order>::gradients(rule.points[q]);
+    Point t{}, s{};
+    for (std::size_t a = 0; a < nodes.size(); ++a) {
+      const Point x = layout.position(nodes[a]);
+      for (int k = 0; k < 3; ++k) {
+        t[k] += dN[a][0] * x[k];
+        s[k] += dN[a][1] * x[k];
+      }
+    }
+    total +=
+        rule.weights[q] * std::hypot(t[1] * s[2] - t[2] * s[1], t[2] * s[0] - t[0] * s[2], t[0] * s[1] - t[1] * s[0]);
+  }
+  return total;
+}
+
+class Selections : public ::testing::TestWithParam<BodySpec> {
+ protected:
+  std::span<const PetscInt> nodes_of(const FacetList& facets, PetscInt f) const {
+    return std::span(facets.nodes).subspan(f * facets.nodes_per_facet, facets.nodes_per_facet);
+  }
+  double area_of(std::span<const PetscInt> nodes) const {
+    return GetParam().order == 1 ? area<1>(layout_, nodes) : area<2>(layout_, nodes);
+  }
+  double owned_area(const FacetList& facets) const {
+    double mine = 0.0;
+    for (PetscInt f = 0; f < facets.size(); ++f) {
+      if (facets.is_owned[f]) mine += area_of(nodes_of(facets, f));
+    }
+    return sum(comm, mine);
+  }
+  /// One key per owned facet.
+  std::vector<Key> owned_places(const FacetList& facets) const {
+    std::vector<Key> places;
+    for (PetscInt f = 0; f < facets.size(); ++f) {
+      if (!facets.is_owned[f]) continue;
+      Point m{};
+      for (const PetscInt n : nodes_of(facets, f).first(3)) {
+        for (int k = 0; k < 3; ++k) m[k] += layout_.position(n)[k] / 3.0;
+      }
+      places.push_back(key_of(m));
+    }
+    return places;
+  }
+  /// Each owned node has the facets around it that it has on one rank.
+  void expect_complete(const FacetList& facets, const NodeLayout& whole, const FacetList& all) const {
+    std::map<Key, int> expected, here;
+    for (const PetscInt n : all.nodes) ++expected[key_of(whole.position(n))];
+    for (const PetscInt n : facets.nodes) {
+      if (n < layout_.num_owned_nodes) ++here[key_of(layout_.position(n))];
+    }
+    for (PetscInt a = 0; a < layout_.num_owned_nodes; ++a) {
+      const Key key = key_of(layout_.position(a));
+      EXPECT_EQ(here[key], expected[key]);
+    }
+  }
+
+  Scratch scratch_{comm};
+  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam()); });
+  Body body_{comm, file_, GetParam().order};
+  const NodeLayout& layout_ = body_.layout;
+};
+
+// n = 7 on three ranks: a facet whose nodes all belong to other ranks than its own.
+INSTANTIATE_TEST_SUITE_P(Bodies, Selections,
+                         ::testing::Values(BodySpec{1, Shape::straight, 1}, BodySpec{1, Shape::straight, 7},
+                                           BodySpec{2, Shape::straight, 1}, BodySpec{1, Shape::jittered, 4},
+                                           BodySpec{2, Shape::jittered, 3}, BodySpec{2, Shape::curved, 2}),
+                         [](const auto& of) { return testing::name_of(of.param); });
+
+TEST_P(Selections, NodesOfASurfaceGroupAreThoseOnIt) {
+  const int along = GetParam().order * GetParam().n + 1;
+  const auto clamp = nodes_of_group(body_.mesh, layout_, testing::group_named(body_.mesh, "clamp"));
+  EXPECT_EQ(sum(comm, static_cast<PetscInt64>(clamp.size())), along * along);
+  EXPECT_TRUE(std::is_sorted(clamp.begin(), clamp.end()));
+  for (const PetscInt n : clamp) {
+    ASSERT_LT(n, layout_.num_owned_nodes);
+    if (GetParam().shape != Shape::curved) {
+      EXPECT_EQ(layout_.position(n)[0], 0.0);
+    }
+  }
+  const auto all = nodes_of_group(body_.mesh, layout_, testing::group_named(body_.mesh, "body"));
+  EXPECT_EQ(static_cast<PetscInt>(all.size()), layout_.num_owned_nodes);
+}
+
+TEST_P(Selections, NodesInARegion) {
+  const auto nodes = nodes_in_region(layout_, [](const Point& x) { return x[2] > 0.4; });
+  std::vector<PetscInt> expected;
+  for (PetscInt a = 0; a < layout_.num_owned_nodes; ++a) {
+    if (layout_.position(a)[2] > 0.4) expected.push_back(a);
+  }
+  EXPECT_EQ(nodes, expected);
+  EXPECT_GT(sum(comm, static_cast<PetscInt64>(nodes.size())), 0);
+}
+
+TEST_P(Selections, FacetsOfAGroupHaveItsArea) {
+  const auto facets = facets_of_group(body_.mesh, layout_, testing::group_named(body_.mesh, "tip"));
+  EXPECT_EQ(facets.is_owned.size(), static_cast<std::size_t>(facets.size()));
+  const int n = GetParam().n;
+  const auto places = testing::counted_everywhere(comm, owned_places(facets));
+  EXPECT_EQ(static_cast<int>(places.size()), 2 * n * n);
+  for (const auto& [place, count] : places) EXPECT_EQ(count, 1);
+  const Body whole(MPI_COMM_SELF, file_, GetParam().order);
+  const auto all = facets_of_group(whole.mesh, whole.layout, testing::group_named(whole.mesh, "tip"));
+  double expected = 0.0;
+  for (PetscInt f = 0; f < all.size(); ++f) {
+    const auto nodes = std::span(all.nodes).subspan(f * all.nodes_per_facet, all.nodes_per_facet);
+    expected += GetParam().order == 1 ? area<1>(whole.layout, nodes) : area<2>(whole.layout, nodes);
+  }
+  if (GetParam().shape != Shape::curved) {
+    EXPECT_NEAR(expected, 1.0, 1e-13);
+  }
+  EXPECT_NEAR(owned_area(facets), expected, 1e-12);
+  expect_complete(facets, whole.layout, all);
+}
+
+TEST_P(Selections, TheWholeSurfaceIsFoundOnce) {
+  const auto everywhere = [](const Point&) { return true; };
+  const auto facets = surface_facets(body_.mesh, layout_, everywhere);
+  const int n = GetParam().n;
+  const auto places = testing::counted_everywhere(comm, owned_places(facets));
+  EXPECT_EQ(static_cast<int>(places.size()), 12 * n * n);
+  for (const auto& [place, count] : places) EXPECT_EQ(count, 1);
+  if (GetParam().shape != Shape::curved) {
+    EXPECT_NEAR(owned_area(facets), 6.0, 1e-12);
+  }
+  const Body whole(MPI_COMM_SELF, file_, GetParam().order);
+  expect_complete(facets, whole.layout, surface_facets(whole.mesh, whole.layout, everywhere));
+}
+
+TEST_P(Selections, ARegionSelectsTheFacetsThatLieInItWhole) {
+  if (GetParam().shape == Shape::curved) return;  // its faces are not planes
+  const auto facets = surface_facets(body_.mesh, layout_, [](const Point& x) { return x[1] > 1.0 - 1e-9; });
+  EXPECT_NEAR(owned_area(facets), 1.0, 1e-13);
+  const auto none = surface_facets(body_.mesh, layout_, [](const Point& x) { return x[1] > 2.0; });
+  EXPECT_EQ(none.size(), 0);
+}
+
+TEST_P(Selections, MidEdgeNodesFollowTheirEdges) {
+  if (GetParam().order == 1 || GetParam().shape == Shape::curved) return;
+  const auto facets = surface_facets(body_.mesh, layout_, [](const Point&) { return true; });
+  for (PetscInt f = 0; f < facets.size(); ++f) {
+    const auto nodes = nodes_of(facets, f);
+    for (int e = 0; e < 3; ++e) {
+      const Point a = layout_.position(nodes[triangle_edges[e][0]]), b = layout_.position(nodes[triangle_edges[e][1]]);
+      for (int k = 0; k < 3; ++k) EXPECT_NEAR(layout_.position(nodes[3 + e])[k], 0.5 * (a[k] + b[k]), 1e-15);
+    }
+  }
+}
+
+TEST_P(Selections, CellsKnowTheirVolume) {
+  const PhysicalGroup body = testing::group_named(body_.mesh, "body");
+  const auto once = volume_of_cells(body_.mesh, layout_, {body});
+  EXPECT_EQ(once, std::vector<int>(static_cast<std::size_t>(layout_.num_local_cells), 0));
+  const auto twice = volume_of_cells(body_.mesh, layout_, {body, body});
+  EXPECT_EQ(twice, std::vector<int>(static_cast<std::size_t>(layout_.num_local_cells), -2));
+  const auto none = volume_of_cells(body_.mesh, layout_, {});
+  EXPECT_EQ(none, std::vector<int>(static_cast<std::size_t>(layout_.num_local_cells), -1));
+}
+
+}  // namespace
+}  // namespace pliant
