@@ -15,14 +15,14 @@ void sum_over_ranks(MPI_Comm comm, double* values, int count) {
 
 }  // namespace
 
-Ledger::Ledger(Model& model, LoadBooking booking, Vec q, Vec v)
-    : model_(model), booking_(booking), reactions_(model.supports().size(), std::array<double, 3>{}) {
+Ledger::Ledger(Model& model, Analysis analysis, Vec q, Vec v)
+    : model_(model), analysis_(analysis), reactions_(model.supports().size(), std::array<double, 3>{}) {
   for (Handle<Vec>* x : {&q_, &v_, &reaction_, &next_reaction_}) *x = make_vector(model.layout());
   measure(q, v);
   initial_ = energies_.kinetic + energies_.elastic + energies_.load_potential;
   const auto size = static_cast<std::size_t>(3 * model.layout().num_local_nodes);
   for (const auto& load : model.loads()) {
-    if (booking == LoadBooking::work) {
+    if (analysis == Analysis::static_equilibrium) {
       forces_.emplace_back(size, 0.0);  // load steps start from nothing
     } else {
       forces_.push_back(load->depends_on_time() ? load->forces(0.0) : std::vector<double>());
@@ -47,7 +47,7 @@ void Ledger::measure(Vec q, Vec v) {
     for (PetscInt i = 0; i < num_owned; ++i) potential.add(-f[i] * u.span()[i]);
     local[1] += potential.total();
   }
-  if (model_.inertia() != nullptr) {
+  if (analysis_ == Analysis::dynamic && model_.inertia() != nullptr) {
     local[2] = model_.inertia()->kinetic_energy(velocity.span());
     const Momenta m = model_.inertia()->momenta(model_.layout().coordinates, u.span(), velocity.span());
     std::copy(m.linear.begin(), m.linear.end(), local.begin() + 3);
@@ -63,7 +63,7 @@ void Ledger::measure(Vec q, Vec v) {
 
 void Ledger::book(const StepAttempt& attempt) {
   const PetscInt num_owned = 3 * model_.layout().num_owned_nodes;
-  const double time_of_loads = booking_ == LoadBooking::work ? attempt.last_stage.time : attempt.time;
+  const double time_of_loads = analysis_ == Analysis::static_equilibrium ? attempt.last_stage.time : attempt.time;
   model_.potential().begin_stage(attempt.last_stage);
   model_.potential().gradient_with_reactions(attempt.last_q, next_reaction_.get());
   std::vector<double> local(3 * reactions_.size() + 1, 0.0);

@@ -7,7 +7,8 @@
 namespace pliant {
 
 /// Totals over all ranks. Loads that do not depend on time count with their potential, the others with the work they
-/// did.
+/// did; so do all loads of a static analysis, which grow from step to step. Kinetic energy and momenta are those of
+/// inertia: without it (static, quasistatic) they are zero.
 struct Energies {
   double kinetic = 0.0;         ///< [J]
   double elastic = 0.0;         ///< [J]
@@ -19,17 +20,11 @@ struct Energies {
   Momenta momenta;
 };
 
-/// How dead loads enter the books.
-enum class LoadBooking {
-  potential_if_constant,  ///< constant loads as a potential, time-dependent ones by their work
-  work                    ///< all by their work: they are scaled from step to step (static load steps)
-};
-
 /// Keeps the books from step to step. All methods are collective.
 class Ledger {
  public:
   /// Opens with the initial state.
-  Ledger(Model& model, LoadBooking booking, Vec q, Vec v);
+  Ledger(Model& model, Analysis analysis, Vec q, Vec v);
 
   /// Books a completed step; call before it is accepted into the history, while `attempt` is valid. The works are
   /// trapezoidal.
@@ -42,10 +37,12 @@ class Ledger {
 
  private:
   void measure(Vec q, Vec v);
-  bool counts_by_work(const DeadLoad& load) const { return booking_ == LoadBooking::work || load.depends_on_time(); }
+  bool counts_by_work(const DeadLoad& load) const {
+    return analysis_ == Analysis::static_equilibrium || load.depends_on_time();
+  }
 
   Model& model_;
-  LoadBooking booking_;
+  Analysis analysis_;
   Energies energies_;
   double initial_ = 0.0;
   bool started_ = false;

@@ -1,6 +1,7 @@
 // pliant: the program. Parses the command line, starts MPI and PETSc, turns failures into messages and exit codes.
 #include "app/commands.hpp"
 #include "app/version.hpp"
+#include "base/text.hpp"
 #include "petsc/check.hpp"
 #include "petsc/session.hpp"
 
@@ -36,6 +37,14 @@ struct Arguments {
     return result;
   }
 };
+
+/// CLI11 says "a subcommand is required" where the command is misspelt.
+std::string explained(const CLI::ParseError& error, const CLI::App& app, int argc, const char* const* argv) {
+  if (argc < 2 || argv[1][0] == '-' || !app.get_subcommands().empty()) return error.what();
+  std::vector<std::string> names;
+  for (const CLI::App* sub : app.get_subcommands({})) names.push_back(sub->get_name());
+  return fmt::format("there is no command '{}'{}", argv[1], did_you_mean(argv[1], names));
+}
 
 /// Reads the command line. Returns the command to run, or an exit code after help, version or a mistake.
 ExitCode parse_and_run(int argc, const char* const* argv) {
@@ -98,7 +107,7 @@ ExitCode parse_and_run(int argc, const char* const* argv) {
     if (speaks) app.exit(help);
     return ExitCode::done;
   } catch (const CLI::ParseError& error) {
-    if (speaks) fmt::print(stderr, "pliant: {}; see pliant --help\n", error.what());
+    if (speaks) fmt::print(stderr, "pliant: {}; see pliant --help\n", explained(error, app, argc, argv));
     return ExitCode::input;
   }
   command();

@@ -130,9 +130,7 @@ class Run {
                     kind);
     console.print(fmt::format("solver: Newton, {}", describe(kind)));
     make_advance();
-    ledger_.emplace(model_,
-                    analysis_ == Analysis::static_equilibrium ? LoadBooking::work : LoadBooking::potential_if_constant,
-                    q_.get(), v_.get());
+    ledger_.emplace(model_, analysis_, q_.get(), v_.get());
     recorder_.emplace(comm, config, model_);
     setup_seconds_ = seconds_since(start_);
   }
@@ -220,21 +218,23 @@ class Run {
 
   void give_up_or_shorten(StepControl& control, const Step& step, const StepAttempt& attempt,
                           const StepRecord& record) {
-    const RetryDecision decision = control.reject(attempt.report.reason);
     ++rejected_;
-    if (decision.retry == Retry::again && attempt.report.outcome == StageOutcome::retry) {
+    const bool may_retry = attempt.report.outcome == StageOutcome::retry;
+    if (control.reject(attempt.report.reason).retry == Retry::again && may_retry) {
       console_.warn(fmt::format("step to {} = {:.6g} failed ({}); trying half of it", variable(), step.time,
                                 attempt.report.reason));
       return;
     }
     if (!last_frame_written_) recorder_->write_frame(record_of_state(record));
     summarise();
-    throw SolveError(
-        fmt::format("the solve failed at {} = {:.6g}: {}. The last good state ({} = {:.6g}) is in {}. "
-                    "What may help: a smaller time.step, a finer or better mesh where it deforms most, weaker loads or "
-                    "faster load steps, `-- -snes_monitor` to watch Newton's method",
-                    variable(), step.time, decision.reason.empty() ? attempt.report.reason : decision.reason,
-                    variable(), record.time, config_.output.directory));
+    throw SolveError(fmt::format(
+        "the solve failed at {0} = {1:.6g}: {2}{3}. The last good state ({0} = {4:.6g}) is in {5}. What may "
+        "help: {6}, a finer or better mesh where it deforms most, weaker loads; `-- -snes_monitor` shows "
+        "Newton's method at work",
+        variable(), step.time, attempt.report.reason,
+        may_retry ? fmt::format("; half the step is below the smallest allowed, {:.3g}", plan_.min_dt) : "",
+        record.time, config_.output.directory,
+        analysis_ == Analysis::static_equilibrium ? "more load_steps" : "a smaller time.step"));
   }
 
   const char* variable() const { return analysis_ == Analysis::static_equilibrium ? "load factor" : "t"; }
