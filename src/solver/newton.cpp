@@ -15,8 +15,8 @@ constexpr double armijo = 1e-4;
 constexpr double wolfe = 0.9;
 constexpr double inversion_margin = 0.9;  // of the step at which a tetrahedron becomes flat
 constexpr int max_backtracks = 40;
-/// Conjugate gradients that need more iterations than this with a kept factor have it renewed for the next Hessian. A
-/// factorization costs some 10 (few unknowns) to 25 (many) iterations.
+/// Conjugate gradients that need so many iterations more than with a fresh factor have it renewed for the next Hessian.
+/// A factorization costs some 10 (few unknowns) to 25 (many) iterations, a set-up of multigrid about as many.
 constexpr PetscInt iterations_that_age = 8;
 /// The residual's rounding floor is an estimate: below this multiple of it nothing is to be gained.
 constexpr double floor_factor = 4.0;
@@ -184,7 +184,11 @@ bool NewtonSolver::descends(Vec r, Vec y, double& slope) {
   slope = -dot(r, y);
   PetscInt iterations = 0;
   check(KSPGetIterationNumber(ksp, &iterations));
-  if (!factor_is_current_ && iterations > iterations_that_age) factor_is_wanted_ = true;
+  if (factor_is_current_) {
+    fresh_iterations_ = iterations;
+  } else if (iterations > fresh_iterations_ + iterations_that_age) {
+    factor_is_wanted_ = true;
+  }
   // Out of iterations is a poor direction, not a wrong one.
   return (reason >= 0 || reason == KSP_DIVERGED_ITS) && slope < 0.0 && std::isfinite(slope);
 }

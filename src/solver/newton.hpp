@@ -88,6 +88,7 @@ class NewtonSolver {
   // Of the preconditioner, kept across stages.
   bool may_keep_factor_ = false;    // the linear solver iterates, so a preconditioner of an earlier Hessian will do
   bool factor_is_wanted_ = true;    // none yet, or the last one has aged
+  PetscInt fresh_iterations_ = 0;   // what the linear solver needed when the factor was that of its matrix
   bool factor_is_current_ = false;  // it is that of the present Hessian
 };
 
