@@ -11,6 +11,8 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <regex>
 
 #include <fmt/format.h>
 #include <gmsh.h>
@@ -20,10 +22,15 @@ namespace {
 
 enum class Kind { mesh, script, cad, surface };
 
-Kind kind_of(const std::string& file) {
+std::string extension_of(const std::string& file) {
   std::string extension = std::filesystem::path(file).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
+  return extension;
+}
+
+Kind kind_of(const std::string& file) {
+  const std::string extension = extension_of(file);
   if (extension == ".msh") return Kind::mesh;
   if (extension == ".geo") return Kind::script;
   if (extension == ".step" || extension == ".stp" || extension == ".brep") return Kind::cad;
@@ -52,6 +59,19 @@ void impose_size(double size) {
   set("Mesh.MeshSizeMin", size);
   set("Mesh.MeshSizeMax", size);
   gmsh::model::mesh::removeConstraints();
+}
+
+/// A .brep file ends with the reference to its main shape. The CAD kernel does not notice that a file is cut short: it
+/// reads on for ever.
+void require_whole_brep(const std::string& file) {
+  constexpr std::streamoff longest_end = 64;
+  std::ifstream stream(file, std::ios::binary | std::ios::ate);
+  const std::streamoff size = stream.tellg();
+  stream.seekg(std::max<std::streamoff>(0, size - longest_end));
+  const std::string end{std::istreambuf_iterator<char>(stream), {}};
+  static const std::regex reference(R"(\*\s+[+-]\d+\s+\d+\s*$)");
+  if (!std::regex_search(end, reference))
+    throw MeshDefect("it does not end like a .brep file: it is truncated or damaged");
 }
 
 /// A size in the wrong unit would fill the memory before gmsh gives up.
@@ -146,6 +166,7 @@ SerialMesh import_mesh(const MeshSource& source) {
   const Kind kind = kind_of(source.file);
   require_readable(source.file);
   if (kind == Kind::mesh) return read_msh(source.file);
+  if (extension_of(source.file) == ".brep") require_whole_brep(source.file);
   return isolated([&] {
     const GmshSession gmsh;
     SerialMesh mesh = kind == Kind::script ? mesh_script(gmsh, source)

@@ -149,8 +149,8 @@ std::vector<Defect> defects() {
       {"GeoOrder3", "a.geo", box_geo + "Mesh.ElementOrder = 3;\n", "order 1 or 2"},
       {"StepGarbage", "a.step", "ISO-10303-21;\nHEADER;\nnonsense\n", "gmsh"},
       {"StepText", "a.stp", "hello\n", "gmsh"},
-      {"BrepGarbage", "a.brep", "DBRep_DrawableShape\nCASCADE Topology V1, (c) Matra-Datavision\n", ""},
-      {"StlGarbage", "a.stl", "hello\n", ""},
+      {"BrepGarbage", "a.brep", "DBRep_DrawableShape\nCASCADE Topology V1, (c) Matra-Datavision\n", "truncated"},
+      {"StlGarbage", "a.stl", "hello\n", "no triangles"},
       {"StlOpen", "a.stl",
        "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
        "facet normal 0 0 1\nouter loop\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n",
