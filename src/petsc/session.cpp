@@ -2,6 +2,9 @@
 
 #include "petsc/check.hpp"
 
+#include <cstdlib>
+#include <dlfcn.h>
+
 #include <petscviewer.h>
 
 namespace pliant {
@@ -11,6 +14,15 @@ namespace {
 PetscErrorCode pass_on(MPI_Comm, int, const char*, const char*, PetscErrorCode code, PetscErrorType, const char*,
                        void*) {
   return code;
+}
+
+/// One BLAS thread per rank, unless the user asks for more: ranks are the parallelism, and OpenBLAS would start a
+/// thread per core in each. The function is looked up at run time because another BLAS may stand in for OpenBLAS.
+void use_one_blas_thread() {
+  if (std::getenv("OPENBLAS_NUM_THREADS") != nullptr || std::getenv("OMP_NUM_THREADS") != nullptr) return;
+  using SetThreads = void (*)(int);
+  const auto set_threads = reinterpret_cast<SetThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
+  if (set_threads != nullptr) set_threads(1);
 }
 
 }  // namespace
@@ -25,6 +37,7 @@ Session::Session(const std::string& program, const std::vector<std::string>& pet
   char** argv = pointers.data();
   // PETSc keeps argv until PetscFinalize only for PetscGetArgs, which nobody here calls.
   check(PetscInitialize(&argc, &argv, nullptr, nullptr));
+  use_one_blas_thread();
   check(PetscPopSignalHandler());
   check(PetscPushErrorHandler(pass_on, nullptr));
   check(PetscOptionsSetValue(nullptr, "-options_left", "0"));
