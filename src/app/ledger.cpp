@@ -83,9 +83,7 @@ void Ledger::book(const StepAttempt& attempt) {
       if (forces_[k].empty()) continue;
       auto f = model_.loads()[k]->forces(time_of_loads);
       for (double& x : f) x *= attempt.last_stage.load_factor;
-      for (PetscInt i = 0; i < num_owned; ++i) {
-        if (!prescribed[i]) work.add(0.5 * (forces_[k][i] + f[i]) * (u1[i] - u0[i]));
-      }
+      for (PetscInt i = 0; i < num_owned; ++i) work.add(0.5 * (forces_[k][i] + f[i]) * (u1[i] - u0[i]));
       forces_[k] = f;
     }
     local.back() = work.total();
