@@ -56,7 +56,7 @@ Section<MeshConfig> mesh_keys() {
           "4.1, text or binary) is read as it is")
           .required(),
       field("size", &MeshConfig::size, quantity("m", Range::above(0)),
-            "target element size for files that gmsh meshes, before scaling")
+            "target element size for files that gmsh meshes, in metres as simulated: after scaling")
           .otherwise_in_words("the geometry's own"),
       field("scale", &MeshConfig::scale, quantity("1", Range::above(0)), "coordinates are multiplied by it")
           .otherwise("1"),

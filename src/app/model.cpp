@@ -1,5 +1,6 @@
 #include "app/model.hpp"
 
+#include "app/input_schema.hpp"
 #include "app/selections.hpp"
 #include "material/lame.hpp"
 #include "petsc/array_view.hpp"
@@ -35,13 +36,16 @@ WaveSpeeds speeds_of(const Config& config) {
 }  // namespace
 
 Analysis analysis_of(const Config& config) {
-  if (config.time.method.value == "static") return Analysis::static_equilibrium;
-  return config.time.method.value == "quasistatic" ? Analysis::quasistatic : Analysis::dynamic;
+  if (config.time.method.value == static_method) return Analysis::static_equilibrium;
+  return config.time.method.value == quasistatic_method ? Analysis::quasistatic : Analysis::dynamic;
 }
 
 Model::Model(MPI_Comm comm, const Config& config) {
-  mesh_ = read_mesh(
-      comm, {config.mesh.file.value, config.mesh.file.where, config.mesh.size, config.mesh.scale, config.mesh.refine});
+  // The input's size is in metres, gmsh's in the unit of the geometry.
+  auto size = config.mesh.size;
+  if (size) *size /= config.mesh.scale;
+  mesh_ =
+      read_mesh(comm, {config.mesh.file.value, config.mesh.file.where, size, config.mesh.scale, config.mesh.refine});
   const int order = static_cast<int>(config.element);
   layout_ = make_layout(mesh_, order);
   pattern_ = std::make_unique<BlockPattern>(layout_);

@@ -60,13 +60,6 @@ std::filesystem::path prepared_directory(MPI_Comm comm, const Config& config) {
 
 }  // namespace
 
-std::vector<std::string> field_names() {
-  std::vector<std::string> names;
-  for (const auto& field : node_fields) names.emplace_back(field.name);
-  for (const auto& field : cell_fields) names.emplace_back(field.name);
-  return names;
-}
-
 Recorder::Recorder(MPI_Comm comm, const Config& config, const Model& model)
     : model_(model),
       fields_(config.output.fields),

@@ -47,7 +47,4 @@ class Recorder {
   Handle<Vec> q_, v_;
 };
 
-/// Names that `output.fields` may list.
-std::vector<std::string> field_names();
-
 }  // namespace pliant

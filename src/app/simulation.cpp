@@ -239,13 +239,14 @@ class Run {
 
   const char* variable() const { return analysis_ == Analysis::static_equilibrium ? "load factor" : "t"; }
 
-  std::string progress_line(const StepRecord& record, double elapsed) const {
+  std::string progress_line(const StepRecord& record, double elapsed) {
     const Energies& e = ledger_->energies();
     const double done = record.time / plan_.end;
-    const double scale = std::max({std::abs(e.kinetic), std::abs(e.elastic), std::abs(e.load_potential), 1e-300});
+    largest_energy_ =
+        std::max({largest_energy_, e.kinetic, e.elastic, std::abs(e.load_potential), std::abs(e.load_work)});
     return fmt::format("{} {:.6g}{}  step {}  dt {:.3g}  newton {}  energy balance {:+.1e}  {:.0f} s left", variable(),
                        record.time, analysis_ == Analysis::static_equilibrium ? "" : " s", record.step, record.dt,
-                       record.newton_iterations, e.balance_error / scale,
+                       record.newton_iterations, e.balance_error / std::max(largest_energy_, 1e-300),
                        elapsed * (1.0 - done) / std::max(done, 1e-12));
   }
 
@@ -294,6 +295,7 @@ class Run {
   double setup_seconds_ = 0.0;
   bool last_frame_written_ = true;
   int rejected_ = 0;
+  double largest_energy_ = 0.0;  // so far [J]
   WorstStep worst_;
 };
 

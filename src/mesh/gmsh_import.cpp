@@ -81,10 +81,10 @@ void require_feasible(double size) {
   gmsh::model::getBoundingBox(-1, -1, b[0], b[1], b[2], b[3], b[4], b[5]);
   const double num_cells = 8.5 * ((b[3] - b[0]) / size) * ((b[4] - b[1]) / size) * ((b[5] - b[2]) / size);
   if (!(num_cells > most_cells)) return;
-  throw MeshDefect(fmt::format(
-      "elements of size {:g} would be about {:.1g} in its bounding box of {:g} x {:g} x {:g}: is the size in "
-      "the unit of the file?",
-      size, num_cells, b[3] - b[0], b[4] - b[1], b[5] - b[2]));
+  throw MeshDefect(
+      fmt::format("elements of size {:g} would be about {:.1g} in its bounding box of {:g} x {:g} x {:g} (before "
+                  "`scale`): are the unit of the size and the scale right?",
+                  size, num_cells, b[3] - b[0], b[4] - b[1], b[5] - b[2]));
 }
 
 void generate(const std::optional<double>& size) {

@@ -25,7 +25,7 @@ std::string label_name(const PhysicalGroup& group);
 struct MeshSource {
   std::string file;            ///< .geo .step .stp .brep .stl are meshed by gmsh, .msh is read as it is
   Location where;              ///< the place in the user's input that names the file, for messages
-  std::optional<double> size;  ///< target element size [m, before scaling], for files that gmsh meshes
+  std::optional<double> size;  ///< target element size in the unit of the file, for files that gmsh meshes
   double scale = 1.0;          ///< coordinates are multiplied by it
   int refine = 0;              ///< uniform refinements after distribution (each cuts a tetrahedron into 8)
 };
