@@ -52,8 +52,8 @@ std::filesystem::path prepared_directory(MPI_Comm comm, const Config& config) {
     make_directory(directory);
     write_text_atomically(directory / "run.yaml",
                           fmt::format("# The input as understood: defaults and units resolved; can be run again.\n"
-                                      "# {} ranks\n{}{}",
-                                      num_ranks(comm), commented(version_text()), dump(config)));
+                                      "# ranks: {}; PETSc options: {}\n{}{}",
+                                      num_ranks(comm), petsc_options(), commented(version_text()), dump(config)));
   });
   return directory;
 }

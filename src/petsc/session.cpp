@@ -60,6 +60,14 @@ int num_ranks(MPI_Comm comm) {
   return n;
 }
 
+std::string petsc_options() {
+  char* text = nullptr;
+  check(PetscOptionsGetAll(nullptr, &text));
+  const std::string result = text;
+  check(PetscFree(text));
+  return result;
+}
+
 std::vector<std::string> unused_petsc_options() {
   PetscInt count = 0;
   char** names = nullptr;

@@ -24,6 +24,9 @@ class Session {
 int rank(MPI_Comm comm);
 int num_ranks(MPI_Comm comm);
 
+/// All PETSc options in force, as on a command line.
+std::string petsc_options();
+
 /// Options given on the command line that no object has asked for, e.g. misspelt ones.
 std::vector<std::string> unused_petsc_options();
 
