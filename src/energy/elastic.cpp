@@ -2,6 +2,7 @@
 
 #include "base/compensated_sum.hpp"
 #include "energy/cell_matrix.hpp"
+#include "energy/energy_change.hpp"
 #include "energy/step_bound.hpp"
 #include "material/projection.hpp"
 
@@ -82,14 +83,24 @@ class ElasticTermOf final : public ElasticTerm {
   TermDeclaration declaration() const override { return {}; }
 
   double value(const LocalStage& stage, std::span<const double> q) const override {
-    return integrate([&](const Group& group, std::size_t b, int point, const Gradient& grad) {
-      return law_.psi(grad(group, b, point, q)) - law_.psi(grad(group, b, point, stage.q0));
+    return integrate([&](const auto& batch) {
+      const auto u0 = gather<Order>(batch, stage.q0.data());
+      auto du = gather<Order>(batch, q.data());
+      for (int a = 0; a < num_nodes; ++a) {
+        for (int i = 0; i < 3; ++i) du[a][i] -= u0[a][i];
+      }
+      return [this, u0, du](const auto& dN, const Tensor3<Pack>& inverse_jacobian) {
+        return energy_change(law_, displacement_gradient<Order>(u0, dN, inverse_jacobian),
+                             displacement_gradient<Order>(du, dN, inverse_jacobian));
+      };
     });
   }
 
   double energy(std::span<const double> q) const override {
-    return integrate([&](const Group& group, std::size_t b, int point, const Gradient& grad) {
-      return law_.psi(grad(group, b, point, q));
+    return integrate([&](const auto& batch) {
+      return [this, u = gather<Order>(batch, q.data())](const auto& dN, const Tensor3<Pack>& inverse_jacobian) {
+        return law_.psi(displacement_gradient<Order>(u, dN, inverse_jacobian));
+      };
     });
   }
 
@@ -176,25 +187,19 @@ class ElasticTermOf final : public ElasticTerm {
   }
 
  private:
-  /// grad u of one of several displacement arrays.
-  struct Gradient {
-    PLIANT_INLINE Tensor3<Pack> operator()(const Group& group, std::size_t b, int point,
-                                           std::span<const double> q) const {
-      return displacement_gradient<Order>(gather<Order>(group.batches[b], q.data()), group.gradients(point),
-                                          group.inverse_jacobian[group.geometry(b, point)]);
-    }
-  };
-
-  /// Compensated sum over the owned cells of weight * density(group, batch, point, grad).
-  template <class Density>
-  double integrate(Density density) const {
+  /// Compensated sum over the owned cells of weight * density; `density_of(batch)` gives the density as a function of
+  /// the shape functions' gradients and dxi/dX at a point.
+  template <class DensityOf>
+  double integrate(DensityOf density_of) const {
     CompensatedSum<Pack> total;
     for (const Group* group : groups_) {
       for (std::size_t b = 0; b < group->batches.size(); ++b) {
+        const auto density = density_of(group->batches[b]);
         const Pack& owned = group->batches[b].owned;
         for (int point = 0; point < group->rule.size(); ++point) {
-          const Pack weight = group->rule.weights[point] * group->jacobian[group->geometry(b, point)];
-          const Pack contribution = weight * density(*group, b, point, Gradient{});
+          const std::size_t at = group->geometry(b, point);
+          const Pack weight = group->rule.weights[point] * group->jacobian[at];
+          const Pack contribution = weight * density(group->gradients(point), group->inverse_jacobian[at]);
           total.add(select(owned > 0.0, contribution, Pack(0.0)));  // a ghost's +inf times 0 would be NaN
         }
       }

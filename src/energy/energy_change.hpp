@@ -1,0 +1,25 @@
+/// The change of a law's energy between two near states, to the digits of the change.
+#pragma once
+
+#include "material/law.hpp"
+
+namespace pliant {
+
+/// psi(H + dH) - psi(H). As a difference it loses as many digits as the change is below the energy, and a Newton step
+/// near convergence changes a strained body's energy by far less than the rounding of the energy. Small increments are
+/// therefore integrated, int_0^1 P(H + s dH) : dH ds, by Gauss's rule of three points: exact where psi is a polynomial
+/// of degree 6, and for |F^-1 dH| <= 2^-8 to some 1e-15 of dH : A : dH for a logarithm of J too. Such increments do not
+/// reach J = 0.
+template <class T, ElasticLaw L>
+PLIANT_INLINE T energy_change(const L& law, const Tensor3<T>& H, const Tensor3<T>& dH) {
+  constexpr double small = 1.0 / 256;
+  const Tensor3<T> F = add_to_diagonal(H, 1.0), C = cofactor(F);
+  const T J = det(F);
+  // |F^-1 dH| <= |cof F| |dH| / J
+  if (!all_of(J > 0.0 && dot(C, C) * dot(dH, dH) <= small * small * (J * J))) return law.psi(H + dH) - law.psi(H);
+  constexpr double offset = 0.38729833462074168852;  // sqrt(3/5) / 2
+  const auto power = [&](double s) -> T { return dot(law.P(H + s * dH), dH); };
+  return (5.0 * (power(0.5 - offset) + power(0.5 + offset)) + 8.0 * power(0.5)) / 18.0;
+}
+
+}  // namespace pliant
