@@ -21,10 +21,12 @@ PrescribedDisplacement::Kinematics PrescribedDisplacement::kinematics(const Expr
   const auto& [x, y, z] = X;
   Kinematics result{formula(x, y, z, time), 0.0, 0.0};
   if (!formula.depends_on_time()) return result;
-  // Backward from t, not beyond the start of the run; at the start itself forward, which is a negative h.
-  const double h = time > 0.0 ? std::min(time, time_scale) / 6.0 : -time_scale / 6.0;
+  // Backward from t, not beyond the start of the run; at the start itself forward, which is a negative h. The last
+  // point is the end of the range itself: rounding must not carry it across.
+  const double end = time > 0.0 ? std::max(0.0, time - time_scale) : time_scale;
+  const double h = (time - end) / 6.0;
   for (int k = 0; k < 7; ++k) {
-    const double f = formula(x, y, z, time - k * h);
+    const double f = formula(x, y, z, k < 6 ? time - k * h : end);
     result.v += first[k] * f / h;
     result.a += second[k] * f / (h * h);
   }
@@ -78,14 +80,14 @@ std::vector<std::pair<std::size_t, std::size_t>> PrescribedDisplacement::conflic
 }
 
 template <class Set>
-void PrescribedDisplacement::for_each(double time, Set set) const {
+void PrescribedDisplacement::for_each(double time, double time_scale, Set set) const {
   // Entries come part by part and component by component: a formula without space is evaluated once per run of them.
   const Entry* previous = nullptr;
   Kinematics value;
   for (const Entry& e : entries_) {
     const Expression& formula = *parts_[e.part].displacement[e.dof % 3];
     const bool same = previous != nullptr && previous->part == e.part && previous->dof % 3 == e.dof % 3;
-    if (!same || formula.depends_on_space()) value = kinematics(formula, e.X, time, time_scale_);
+    if (!same || formula.depends_on_space()) value = kinematics(formula, e.X, time, time_scale);
     set(e.dof, value);
     previous = &e;
   }
@@ -95,7 +97,8 @@ PrescribedMotion PrescribedDisplacement::motion() const {
   PrescribedMotion motion;
   motion.start_stage = [this](const StagePoint& stage, Vec q) {
     const ArrayView guess(q), q0(stage.q0), v0(stage.v0);
-    for_each(stage.time, [&](PetscInt dof, const Kinematics& k) {
+    // The stage's own length, if it is shorter than the step: what came before the step may lie behind a kink.
+    for_each(stage.time, std::min(time_scale_, stage.dt), [&](PetscInt dof, const Kinematics& k) {
       const double f = stage.load_factor;
       guess[dof] = f * k.u;
       q0[dof] = f * (k.u - stage.dt * k.v);
@@ -104,7 +107,7 @@ PrescribedMotion PrescribedDisplacement::motion() const {
   };
   motion.complete_step = [this](double time, Vec q, Vec v) {
     const ArrayView position(q), velocity(v);
-    for_each(time, [&](PetscInt dof, const Kinematics& k) {
+    for_each(time, time_scale_, [&](PetscInt dof, const Kinematics& k) {
       position[dof] = k.u;
       velocity[dof] = k.v;
     });

@@ -32,8 +32,9 @@ class PrescribedDisplacement {
                                                              const std::vector<double>& times) const;
 
   /// The hooks of the time layer; they refer to this object. The velocity and acceleration of a formula are one-sided
-  /// differences of sixth and fifth order over at most `time_scale` before t (at t = 0: after it), so that a formula
-  /// with kinks at step boundaries is never differentiated across one.
+  /// differences of sixth and fifth order over at most `time_scale`, in a stage at most the stage's length, before t
+  /// (at t = 0: after it), so that a formula with kinks at step boundaries is not differentiated across one. (Only a
+  /// stage longer than the part of the step that has passed, the second of dirk23, still sees the step before.)
   PrescribedMotion motion() const;
 
   /// Displacement, velocity and acceleration of a formula at a place and time.
@@ -49,9 +50,9 @@ class PrescribedDisplacement {
     std::size_t part;
     std::array<double, 3> X;
   };
-  /// Calls `set(dof, kinematics)` for each prescribed entry.
+  /// Calls `set(dof, kinematics)` for each prescribed entry, with rates from differences over `time_scale`.
   template <class Set>
-  void for_each(double time, Set set) const;
+  void for_each(double time, double time_scale, Set set) const;
 
   std::vector<PrescribedPart> parts_;
   std::vector<Entry> entries_;
