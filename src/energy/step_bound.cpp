@@ -25,7 +25,7 @@ double first_inversion(const Tensor3<double>& F, const Tensor3<double>& dF) {
   for (const double end : ends) {
     if (value(end) <= 0.0) {
       double above = end;
-      for (int i = 0; i < 60 && above - below > 1e-12 * above; ++i) {
+      for (int i = 0; i < 200 && above - below > 1e-12 * above; ++i) {
         const double middle = 0.5 * (below + above);
         (value(middle) > 0.0 ? below : above) = middle;
       }
