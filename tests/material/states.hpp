@@ -23,7 +23,7 @@ template <class Variant>
 struct AlternativesOf;
 template <class... L>
 struct AlternativesOf<std::variant<L...>> {
-  using type = testing::Types<L...>;
+  using type = ::testing::Types<L...>;
 };
 
 struct NameOfLaw {

@@ -1,0 +1,164 @@
+/// A small body with cells, from which tests make energy terms; and vectors, stages and norms to test them with.
+#pragma once
+
+#include "energy/elastic.hpp"
+#include "energy/incremental_potential.hpp"
+#include "energy/inertia.hpp"
+#include "energy/load.hpp"
+#include "fem/body.hpp"
+#include "petsc/array_view.hpp"
+#include "petsc/ghosted.hpp"
+
+#include <functional>
+#include <memory>
+#include <variant>
+#include <vector>
+
+namespace pliant::testing {
+
+using Field = std::function<Point(const Point&)>;
+
+/// A body and its cells for the quadrature of a law.
+class Solid {
+ public:
+  Solid(MPI_Comm comm, const std::string& file, int order, int degree) : body_(comm, file, order) {
+    const std::vector<int> one_body(static_cast<std::size_t>(layout().num_local_cells), 0);
+    if (order == 1) {
+      groups_ = make_cell_groups<1>(layout(), pattern(), one_body, {degree});
+    } else {
+      groups_ = make_cell_groups<2>(layout(), pattern(), one_body, {degree});
+    }
+  }
+  Solid(const Solid&) = delete;
+  Solid& operator=(const Solid&) = delete;
+
+  const Mesh& mesh() const { return body_.mesh; }
+  const NodeLayout& layout() const { return body_.layout; }
+  const BlockPattern& pattern() const { return body_.pattern; }
+  const std::variant<CellGroups<1>, CellGroups<2>>& groups() const { return groups_; }
+
+  std::unique_ptr<ElasticTerm> elastic(const ElasticLawVariant& law) const {
+    if (layout().order == 1) return make_elastic_term<1>(law, std::get<0>(groups_), 0, layout().num_owned_nodes);
+    return make_elastic_term<2>(law, std::get<1>(groups_), 0, layout().num_owned_nodes);
+  }
+  std::unique_ptr<Inertia> inertia(double density, Mass mass) const {
+    if (layout().order == 1) return make_inertia<1>(layout(), pattern(), std::get<0>(groups_), {density}, mass);
+    return make_inertia<2>(layout(), pattern(), std::get<1>(groups_), {density}, mass);
+  }
+  /// A force per mass on the whole body [N/kg].
+  std::unique_ptr<DeadLoad> gravity(double density, const std::array<Expression, 3>& value) const {
+    const std::vector<double> densities(static_cast<std::size_t>(layout().num_local_cells), density);
+    return std::make_unique<DeadLoad>(layout(), cell_samples(layout(), densities, variation_of(value)), value);
+  }
+  /// A force per area on the group "tip" [Pa].
+  std::unique_ptr<DeadLoad> traction(const std::array<Expression, 3>& value) const {
+    const auto facets = facets_of_group(mesh(), layout(), group_named(mesh(), "tip"));
+    return std::make_unique<DeadLoad>(layout(), facet_samples(layout(), facets, variation_of(value)), value);
+  }
+
+  std::vector<char> nothing_prescribed() const {
+    return std::vector<char>(3 * static_cast<std::size_t>(layout().num_local_nodes), 0);
+  }
+
+  /// The field at the nodes, ghosts included. Collective.
+  Handle<Vec> vector(const Field& field) const {
+    Handle<Vec> v = make_vector(layout());
+    {
+      const ArrayView values(v.get());
+      for (PetscInt a = 0; a < layout().num_owned_nodes; ++a) {
+        const Point value = field(layout().position(a));
+        for (int i = 0; i < 3; ++i) values[3 * a + i] = value[i];
+      }
+    }
+    update_ghosts(v.get());
+    return v;
+  }
+
+ private:
+  Body body_;
+  std::variant<CellGroups<1>, CellGroups<2>> groups_;
+};
+
+/// Local copies of vectors, as the terms see them.
+inline std::vector<double> local_values(Vec v) {
+  update_ghosts(v);
+  const ConstGhostedView view(v);
+  return {view.span().begin(), view.span().end()};
+}
+
+inline double norm(Vec v) {
+  PetscReal result = 0.0;
+  check(VecNorm(v, NORM_2, &result));
+  return result;
+}
+
+inline double dot(Vec a, Vec b) {
+  PetscScalar result = 0.0;
+  check(VecDot(a, b, &result));
+  return result;
+}
+
+/// |a - b|.
+inline double distance(Vec a, Vec b) {
+  Handle<Vec> d;
+  check(VecDuplicate(a, d.out()));
+  check(VecWAXPY(d.get(), -1.0, b, a));
+  return norm(d.get());
+}
+
+/// a + s b, with ghosts.
+inline Handle<Vec> moved(Vec a, double s, Vec b) {
+  Handle<Vec> c;
+  check(VecDuplicate(a, c.out()));
+  check(VecWAXPY(c.get(), s, b, a));
+  update_ghosts(c.get());
+  return c;
+}
+
+/// Strains of some tenths that differ from cell to cell; sound for barriers.
+inline Point strained(const Point& x) {
+  return {0.15 * x[0] + 0.1 * x[1] * x[1] + 0.01 * rough(x, 0, 0),
+          -0.1 * x[1] + 0.12 * x[2] * x[0] + 0.01 * rough(x, 1, 0), 0.08 * x[2] - 0.1 * x[0] + 0.01 * rough(x, 2, 0)};
+}
+
+inline Field rough_field(double size, int seed) {
+  return [=](const Point& x) {
+    return Point{size * rough(x, 0, seed), size * rough(x, 1, seed), size * rough(x, 2, seed)};
+  };
+}
+
+inline Point at_rest(const Point&) {
+  return {0.0, 0.0, 0.0};
+}
+
+/// A stage with vectors of its own.
+struct TestStage {
+  Handle<Vec> q0, v0;
+  StagePoint point;
+  TestStage(const Solid& solid, double time, double dt, const Field& start = at_rest, const Field& velocity = at_rest)
+      : q0(solid.vector(start)), v0(solid.vector(velocity)), point{time, dt, q0.get(), v0.get(), 1.0} {}
+};
+
+/// The laws of the registry, E = 1000 Pa and nu = 0.3.
+inline std::vector<ElasticLawVariant> every_law(double youngs_modulus = 1000.0, double poissons_ratio = 0.3) {
+  std::vector<ElasticLawVariant> laws;
+  for (const auto& info : elastic_laws()) laws.push_back(make_law(info.name, youngs_modulus, poissons_ratio));
+  return laws;
+}
+
+/// Name of a law without characters that GoogleTest refuses.
+inline std::string name_of(const ElasticLawVariant& law) {
+  std::string name = std::visit([](const auto& of) { return std::string(of.name); }, law);
+  std::erase(name, '-');
+  return name;
+}
+
+inline bool is_barrier(const ElasticLawVariant& law) {
+  return std::visit([](const auto& of) { return of.needs_positive_volume; }, law);
+}
+/// A law that knows no rotation.
+inline bool is_linear(const ElasticLawVariant& law) {
+  return std::visit([](const auto& of) { return of.constant_tangent; }, law);
+}
+
+}  // namespace pliant::testing

@@ -1,0 +1,181 @@
+// Every term: its gradient is that of its value, its Hessian that of its gradient; over the registry of laws.
+#include "energy/solid.hpp"
+
+#include <ostream>
+
+namespace pliant {
+namespace {
+
+using testing::BodySpec;
+using testing::Scratch;
+using testing::Shape;
+using testing::Solid;
+using testing::TestStage;
+
+const MPI_Comm comm = MPI_COMM_WORLD;
+constexpr double density = 3.0;
+
+struct TermCase {
+  std::string name;
+  BodySpec body;
+  int degree;
+  std::function<std::unique_ptr<EnergyTerm>(const Solid&)> make;
+  bool has_hessian = true;
+};
+
+std::ostream& operator<<(std::ostream& out, const TermCase& c) {
+  return out << c.name << c.body;
+}
+
+std::vector<TermCase> every_case() {
+  std::vector<TermCase> cases;
+  for (const BodySpec body :
+       {BodySpec{1, Shape::jittered, 3}, BodySpec{2, Shape::jittered, 2}, BodySpec{2, Shape::curved, 2}}) {
+    for (const auto& law : testing::every_law()) {
+      cases.push_back({testing::name_of(law), body, elastic_quadrature_degree(law, body.order),
+                       [=](const Solid& solid) { return solid.elastic(law); }});
+    }
+    for (const auto& [name, mass] : {std::pair{"consistent", Mass::consistent}, {"lumped", Mass::lumped}}) {
+      const Mass of = mass;
+      cases.push_back({name, body, 2, [=](const Solid& solid) { return solid.inertia(density, of); }});
+    }
+    const auto load = [&](const std::string& name, const std::array<Expression, 3>& value) {
+      cases.push_back({"gravity" + name, body, 1, [=](const Solid& s) { return s.gravity(density, value); }, false});
+      cases.push_back({"traction" + name, body, 1, [=](const Solid& s) { return s.traction(value); }, false});
+    };
+    load("Constant", {Expression(2.0), Expression(), Expression(-9.81)});
+    load("InSpace", {Expression("x*y"), Expression("3*z"), Expression("-9.81*sin(pi*y)")});
+    load("InTime", {Expression("sin(4*t)"), Expression(), Expression(-9.81)});
+    load("InBoth", {Expression("x*t"), Expression("cos(t+y)"), Expression(1.0)});
+  }
+  return cases;
+}
+
+class Terms : public ::testing::TestWithParam<TermCase> {
+ protected:
+  Terms() {
+    for (int i = 0; i < 3; ++i) directions_.push_back(solid_.vector(testing::rough_field(0.05, 11 + i)));
+    potential_.begin_stage(stage_.point);
+  }
+
+  double value(double alpha, Vec d) { return potential_.value(testing::moved(q_.get(), alpha, d).get()); }
+  Handle<Vec> gradient(double alpha, Vec d) {
+    Handle<Vec> r = potential_.make_vector();
+    potential_.gradient(testing::moved(q_.get(), alpha, d).get(), r.get());
+    return r;
+  }
+
+  Scratch scratch_{comm};
+  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam().body); });
+  Solid solid_{comm, file_, GetParam().body.order, GetParam().degree};
+  std::unique_ptr<EnergyTerm> term_ = GetParam().make(solid_);
+  IncrementalPotential potential_{solid_.layout(), solid_.pattern(), {term_.get()}, solid_.nothing_prescribed()};
+  TestStage stage_{solid_, 0.7, 0.05, testing::rough_field(0.01, 3), testing::rough_field(0.3, 4)};
+  Handle<Vec> q_ = solid_.vector(testing::strained);
+  std::vector<Handle<Vec>> directions_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Registry, Terms, ::testing::ValuesIn(every_case()),
+                         [](const auto& of) { return of.param.name + testing::name_of(of.param.body); });
+
+// Differences of fourth order: their error is some 1e-12, their rounding some 1e-12, of the derivative.
+constexpr double h = 1e-3;
+
+TEST_P(Terms, GradientIsThatOfTheValue) {
+  const auto g = gradient(0.0, directions_[0].get());
+  ASSERT_GT(testing::norm(g.get()), 1e-3);
+  for (const auto& d : directions_) {
+    const double expected =
+        (8.0 * (value(h, d.get()) - value(-h, d.get())) - (value(2.0 * h, d.get()) - value(-2.0 * h, d.get()))) /
+        (12.0 * h);
+    const double slope = testing::dot(g.get(), d.get());
+    EXPECT_GT(std::abs(slope), 1e-4 * testing::norm(g.get()) * testing::norm(d.get()));
+    EXPECT_NEAR(slope, expected, 1e-9 * testing::norm(g.get()) * testing::norm(d.get()));
+  }
+}
+
+TEST_P(Terms, HessianIsThatOfTheGradient) {
+  const Handle<Mat> K = potential_.make_hessian();
+  potential_.hessian(q_.get(), K.get(), Projection::none);
+  const Handle<Vec> Kd = potential_.make_vector(), difference = potential_.make_vector();
+  for (const auto& d : directions_) {
+    check(MatMult(K.get(), d.get(), Kd.get()));
+    const auto ahead = gradient(h, d.get()), behind = gradient(-h, d.get());
+    const auto far_ahead = gradient(2.0 * h, d.get()), far_behind = gradient(-2.0 * h, d.get());
+    check(VecWAXPY(difference.get(), -1.0, behind.get(), ahead.get()));
+    check(VecScale(difference.get(), 8.0));
+    check(VecAXPY(difference.get(), -1.0, far_ahead.get()));
+    check(VecAXPY(difference.get(), 1.0, far_behind.get()));
+    check(VecScale(difference.get(), 1.0 / (12.0 * h)));
+    if (GetParam().has_hessian) {
+      ASSERT_GT(testing::norm(Kd.get()), 1e-3);
+      EXPECT_LE(testing::distance(Kd.get(), difference.get()), 1e-8 * testing::norm(Kd.get()));
+    } else {
+      EXPECT_EQ(testing::norm(Kd.get()), 0.0);
+      EXPECT_EQ(testing::norm(difference.get()), 0.0);
+    }
+  }
+}
+
+TEST_P(Terms, HessianIsSymmetric) {
+  const Handle<Mat> K = potential_.make_hessian();
+  potential_.hessian(q_.get(), K.get(), Projection::none);
+  Handle<Mat> D;
+  check(MatTranspose(K.get(), MAT_INITIAL_MATRIX, D.out()));
+  check(MatAXPY(D.get(), -1.0, K.get(), DIFFERENT_NONZERO_PATTERN));
+  PetscReal size = 0.0, asymmetry = 0.0;
+  check(MatNorm(K.get(), NORM_FROBENIUS, &size));
+  check(MatNorm(D.get(), NORM_FROBENIUS, &asymmetry));
+  EXPECT_LE(asymmetry, 1e-15 * size);
+}
+
+// The same numbers as on one rank, and zero at the stage's start.
+TEST_P(Terms, NothingDependsOnTheNumberOfRanks) {
+  const Solid whole(MPI_COMM_SELF, file_, GetParam().body.order, GetParam().degree);
+  const auto term = GetParam().make(whole);
+  IncrementalPotential alone(whole.layout(), whole.pattern(), {term.get()}, whole.nothing_prescribed());
+  const TestStage stage(whole, 0.7, 0.05, testing::rough_field(0.01, 3), testing::rough_field(0.3, 4));
+  alone.begin_stage(stage.point);
+  const Handle<Vec> q = whole.vector(testing::strained), r = alone.make_vector();
+  alone.gradient(q.get(), r.get());
+  const double expected = alone.value(q.get());
+  EXPECT_NEAR(potential_.value(q_.get()), expected, 1e-12 * std::abs(expected));
+  const auto g = gradient(0.0, directions_[0].get());
+  EXPECT_NEAR(testing::norm(g.get()), testing::norm(r.get()), 1e-12 * testing::norm(r.get()));
+  EXPECT_NEAR(potential_.force_scale(q_.get()), testing::norm(r.get()), 1e-12 * testing::norm(r.get()));
+  EXPECT_EQ(potential_.value(stage_.q0.get()), 0.0);
+}
+
+TEST_P(Terms, PrescribedEntriesHaveNoGradientAndAnIdleRow) {
+  std::vector<char> flags;
+  for (PetscInt a = 0; a < solid_.layout().num_local_nodes; ++a) {
+    const bool is_held = solid_.layout().position(a)[0] < 0.3;
+    for (int i = 0; i < 3; ++i) flags.push_back(is_held && i != 1);
+  }
+  IncrementalPotential held(solid_.layout(), solid_.pattern(), {term_.get()}, flags);
+  held.begin_stage(stage_.point);
+  const Handle<Vec> r = held.make_vector(), reactions = held.make_vector(), d = held.make_vector();
+  held.gradient(q_.get(), r.get());
+  held.gradient_with_reactions(q_.get(), reactions.get());
+  const auto free = gradient(0.0, directions_[0].get());
+  EXPECT_EQ(testing::distance(reactions.get(), free.get()), 0.0);
+  const Handle<Mat> K = held.make_hessian();
+  held.hessian(q_.get(), K.get(), Projection::none);
+  check(MatMult(K.get(), directions_[0].get(), d.get()));
+  const ConstArrayView gradient(r.get()), all(free.get()), product(d.get()), direction(directions_[0].get());
+  const Handle<Vec> diagonal = held.make_vector();
+  check(MatGetDiagonal(K.get(), diagonal.get()));
+  const ConstArrayView k(diagonal.get());
+  for (PetscInt i = 0; i < 3 * solid_.layout().num_owned_nodes; ++i) {
+    if (flags[static_cast<std::size_t>(i)]) {
+      EXPECT_EQ(gradient[i], 0.0);
+      EXPECT_EQ(product[i], k[i] * direction[i]);
+      EXPECT_GT(k[i], 0.0);
+    } else {
+      EXPECT_EQ(gradient[i], all[i]);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pliant

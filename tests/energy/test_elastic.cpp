@@ -1,0 +1,350 @@
+// What strain energy must do beyond having the right derivatives.
+#include "energy/elastic.hpp"
+#include "energy/solid.hpp"
+#include "energy/step_bound.hpp"
+#include "material/states.hpp"
+
+#include <eigen3/Eigen/Eigenvalues>
+#include <ostream>
+
+namespace pliant {
+namespace {
+
+using testing::BodySpec;
+using testing::Point;
+using testing::Scratch;
+using testing::Shape;
+using testing::Solid;
+using testing::TestStage;
+using testing_states::Quad;
+
+const MPI_Comm comm = MPI_COMM_WORLD;
+
+struct ElasticCase {
+  ElasticLawVariant law;
+  BodySpec body;
+};
+
+std::ostream& operator<<(std::ostream& out, const ElasticCase& c) {
+  return out << testing::name_of(c.law) << c.body;
+}
+
+std::vector<ElasticCase> every_case() {
+  std::vector<ElasticCase> cases;
+  for (const BodySpec body :
+       {BodySpec{1, Shape::jittered, 2}, BodySpec{2, Shape::jittered, 2}, BodySpec{2, Shape::curved, 2}}) {
+    for (const auto& law : testing::every_law(1e9, 0.3)) cases.push_back({law, body});
+  }
+  return cases;
+}
+
+class Elastic : public ::testing::TestWithParam<ElasticCase> {
+ protected:
+  int degree() const { return elastic_quadrature_degree(GetParam().law, GetParam().body.order); }
+
+  Handle<Vec> gradient(const Handle<Vec>& q) {
+    Handle<Vec> r = potential_.make_vector();
+    potential_.gradient(q.get(), r.get());
+    return r;
+  }
+
+  Scratch scratch_{comm};
+  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam().body); });
+  Solid solid_{comm, file_, GetParam().body.order, degree()};
+  std::unique_ptr<ElasticTerm> term_ = solid_.elastic(GetParam().law);
+  IncrementalPotential potential_{solid_.layout(), solid_.pattern(), {term_.get()}, solid_.nothing_prescribed()};
+};
+
+INSTANTIATE_TEST_SUITE_P(Registry, Elastic, ::testing::ValuesIn(every_case()), [](const auto& of) {
+  return testing::name_of(of.param.law) + testing::name_of(of.param.body);
+});
+
+Point rigidly_moved(const Point& x) {
+  const auto Q = testing_states::rotation(0.7, -1.9, 1.1);
+  Point u{100.0, -20.0, 7.0};
+  for (int i = 0; i < 3; ++i) {
+    for (int k = 0; k < 3; ++k) u[i] += Q(i, k) * x[k];
+    u[i] -= x[i];
+  }
+  return u;
+}
+
+// Rounding of the positions after the motion, 1e-14 of some 100 m, strains the cells by as much.
+TEST_P(Elastic, RigidMotionsCostNothing) {
+  const TestStage stage(solid_, 0.0, 1.0);
+  potential_.begin_stage(stage.point);
+  const double modulus = 1e9;
+  const auto translated = solid_.vector([](const Point&) { return Point{100.0, -20.0, 7.0}; });
+  EXPECT_EQ(potential_.value(translated.get()), 0.0);
+  EXPECT_EQ(testing::norm(gradient(translated).get()), 0.0);
+  const auto rotated = solid_.vector(rigidly_moved);
+  if (testing::is_linear(GetParam().law)) {
+    EXPECT_GT(potential_.value(rotated.get()), 0.1 * modulus);
+    return;
+  }
+  EXPECT_LE(testing::norm(gradient(rotated).get()), 1e-12 * modulus);
+  EXPECT_LE(std::abs(potential_.value(rotated.get())), 1e-24 * modulus);
+}
+
+// The internal forces balance: no net force, and no net moment about the origin of the deformed body.
+TEST_P(Elastic, InternalForcesBalance) {
+  const TestStage stage(solid_, 0.0, 1.0);
+  potential_.begin_stage(stage.point);
+  const auto q = solid_.vector(testing::strained);
+  const auto r = gradient(q);
+  const double size = testing::norm(r.get());
+  ASSERT_GT(size, 1.0);
+  Point force{}, moment{};
+  {
+    const ConstArrayView f(r.get()), u(q.get());
+    for (PetscInt a = 0; a < solid_.layout().num_owned_nodes; ++a) {
+      Point x = solid_.layout().position(a);
+      for (int i = 0; i < 3; ++i) {
+        if (!testing::is_linear(GetParam().law)) x[i] += u[3 * a + i];
+        force[i] += f[3 * a + i];
+      }
+      for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        moment[i] += x[j] * f[3 * a + k] - x[k] * f[3 * a + j];
+      }
+    }
+  }
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(sum(comm, force[i]), 0.0, 1e-13 * size);
+    EXPECT_NEAR(sum(comm, moment[i]), 0.0, 1e-13 * size);
+  }
+}
+
+// int P : grad(direction) along a straight path of configurations is the energy at its end.
+TEST_P(Elastic, WorkAlongAPathIsTheEnergyAtItsEnd) {
+  const TestStage stage(solid_, 0.0, 1.0);
+  potential_.begin_stage(stage.point);
+  const auto q = solid_.vector(testing::strained), rest = solid_.vector(testing::at_rest);
+  // Gauss's rule of five points: the force along the path is smooth.
+  constexpr std::array<std::array<double, 2>, 3> half{
+      {{0.0, 128.0 / 225.0}, {0.5384693101056831, 0.4786286704993665}, {0.9061798459386640, 0.2369268850561891}}};
+  double work = 0.0;
+  for (const auto& [x, w] : half) {
+    for (const double side : {-1.0, 1.0}) {
+      if (x == 0.0 && side > 0.0) continue;
+      const auto at = testing::moved(rest.get(), 0.5 + 0.5 * side * x, q.get());
+      work += 0.5 * w * testing::dot(gradient(at).get(), q.get());
+    }
+  }
+  const double energy = sum(comm, term_->energy(testing::local_values(q.get())));
+  ASSERT_GT(energy, 1.0);
+  EXPECT_NEAR(work, energy, 1e-8 * energy);
+  EXPECT_NEAR(potential_.value(q.get()), energy, 1e-13 * energy);
+}
+
+// A strained body that hardly moves: the change of its energy, 1e-10 of the energy and less, keeps its digits.
+// Simpson's rule over the path is exact here: its error is of fifth order in an increment of 1e-10.
+TEST_P(Elastic, SmallChangesSurviveBesideALargeEnergy) {
+  const TestStage stage(solid_, 0.0, 1.0, testing::strained);
+  potential_.begin_stage(stage.point);
+  const double energy = sum(comm, term_->energy(testing::local_values(stage.q0.get())));
+  for (const double size : {1e-4, 1e-7, 1e-10}) {
+    const auto q = testing::moved(stage.q0.get(), size, solid_.vector(testing::rough_field(1.0, 8)).get());
+    // As rounded: what the vectors hold.
+    const auto step = testing::moved(q.get(), -1.0, stage.q0.get());
+    const auto middle = testing::moved(stage.q0.get(), 0.5, step.get());
+    const double start = testing::dot(gradient(stage.q0).get(), step.get());
+    const double half = testing::dot(gradient(middle).get(), step.get());
+    const double end = testing::dot(gradient(q).get(), step.get());
+    const double expected = (start + 4.0 * half + end) / 6.0;
+    ASSERT_LT(std::abs(expected), 1e3 * size * energy);
+    ASSERT_GT(std::abs(expected), 1e-3 * size * energy);
+    const double path = size == 1e-4 ? 1e-10 : 1e-12;  // Simpson's own error at the largest increment
+    EXPECT_NEAR(potential_.value(q.get()), expected, path * std::abs(expected)) << "increment " << size;
+  }
+}
+
+// Where the first-order part vanishes (at equilibrium) the change is of second order: d . K d / 2.
+TEST_P(Elastic, SecondOrderChangesSurviveBesideALargeEnergy) {
+  const TestStage stage(solid_, 0.0, 1.0, testing::strained);
+  potential_.begin_stage(stage.point);
+  const Handle<Mat> K = potential_.make_hessian();
+  potential_.hessian(stage.q0.get(), K.get(), Projection::none);
+  const double size = 1e-7;
+  const Handle<Vec> d = solid_.vector(testing::rough_field(size, 8)), Kd = potential_.make_vector();
+  const auto ahead = testing::moved(stage.q0.get(), 1.0, d.get());
+  const auto step = testing::moved(ahead.get(), -1.0, stage.q0.get());
+  const auto behind = testing::moved(stage.q0.get(), -1.0, step.get());
+  check(MatMult(K.get(), step.get(), Kd.get()));
+  const double expected = testing::dot(step.get(), Kd.get());
+  const double energy = sum(comm, term_->energy(testing::local_values(stage.q0.get())));
+  ASSERT_GT(std::abs(expected), 0.0);
+  ASSERT_LT(std::abs(expected), 1e-8 * energy);
+  // The first-order parts of both sides cancel: they are larger by 1e6 or so, and each is exact to 1e-15.
+  EXPECT_NEAR(potential_.value(ahead.get()) + potential_.value(behind.get()), expected, 1e-6 * std::abs(expected));
+}
+
+/// The smallest and the largest eigenvalue of the Hessian at q.
+std::array<double, 2> extreme_eigenvalues(IncrementalPotential& potential, Vec q, Projection projection) {
+  const Handle<Mat> K = potential.make_hessian();
+  potential.hessian(q, K.get(), projection);
+  const PetscInt n = potential.num_unknowns();
+  Eigen::MatrixXd A(n, n);
+  std::vector<PetscInt> all(static_cast<std::size_t>(n));
+  for (PetscInt i = 0; i < n; ++i) all[i] = i;
+  check(MatGetValues(K.get(), n, all.data(), n, all.data(), A.data()));
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(A, Eigen::EigenvaluesOnly);
+  return {solver.eigenvalues()(0), solver.eigenvalues()(n - 1)};
+}
+
+// A body compressed on all sides would rather turn: its Hessian is indefinite for every law that knows rotations.
+TEST_P(Elastic, ProjectedHessianIsPositiveSemidefiniteWhereTheHessianIsNot) {
+  const Solid whole(MPI_COMM_SELF, file_, GetParam().body.order, degree());
+  const auto term = whole.elastic(GetParam().law);
+  IncrementalPotential alone(whole.layout(), whole.pattern(), {term.get()}, whole.nothing_prescribed());
+  const TestStage stage(whole, 0.0, 1.0);
+  alone.begin_stage(stage.point);
+  const auto q = whole.vector([](const Point& x) {
+    return Point{-0.3 * x[0] + 0.01 * testing::rough(x, 0, 2), -0.35 * x[1], -0.3 * x[2]};
+  });
+  const auto [lowest, highest] = extreme_eigenvalues(alone, q.get(), Projection::none);
+  const auto [projected, projected_highest] = extreme_eigenvalues(alone, q.get(), Projection::positive_semidefinite);
+  if (!testing::is_linear(GetParam().law)) {
+    EXPECT_LT(lowest, -1e-3 * highest);
+  }
+  EXPECT_GE(projected, -1e-13 * projected_highest);
+  // Where the Hessian is definite, projection changes nothing.
+  const auto stretched = whole.vector([](const Point& x) { return Point{0.1 * x[0], 0.1 * x[1], 0.1 * x[2]}; });
+  const auto exact = extreme_eigenvalues(alone, stretched.get(), Projection::none);
+  const auto same = extreme_eigenvalues(alone, stretched.get(), Projection::positive_semidefinite);
+  EXPECT_NEAR(exact[1], same[1], 1e-12 * exact[1]);
+}
+
+/// Internal forces in four times the digits, cell by cell from the laws as textbooks write them.
+template <int Order>
+std::vector<Quad> reference_forces(const Solid& solid, const ElasticLawVariant& law, int degree,
+                                   const std::vector<double>& q) {
+  const NodeLayout& layout = solid.layout();
+  const auto rule = simplex_rule<3>(degree);
+  std::vector<Quad> r(q.size(), Quad(0));
+  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
+    const auto nodes = layout.nodes_of_cell(c);
+    for (int p = 0; p < rule.size(); ++p) {
+      const auto dN = Tet<Order>::gradients(rule.points[p]);
+      Tensor3<Quad> X{}, U{};
+      for (std::size_t a = 0; a < nodes.size(); ++a) {
+        for (int i = 0; i < 3; ++i) {
+          for (int k = 0; k < 3; ++k) {
+            X(i, k) += Quad(layout.coordinates[3 * nodes[a] + i]) * dN[a][k];
+            U(i, k) += Quad(q[3 * nodes[a] + i]) * dN[a][k];
+          }
+        }
+      }
+      const Quad J = det(X);
+      const Tensor3<Quad> inverse = Quad(1 / J) * transpose(cofactor(X));
+      const Tensor3<Quad> P =
+          std::visit([&](const auto& of) { return testing_states::textbook_P(of, matmul(U, inverse)); }, law);
+      const Tensor3<Quad> S = Quad(J * rule.weights[p]) * matmul(P, transpose(inverse));
+      for (std::size_t a = 0; a < nodes.size(); ++a) {
+        for (int i = 0; i < 3; ++i) {
+          for (int k = 0; k < 3; ++k) r[3 * nodes[a] + i] += S(i, k) * dN[a][k];
+        }
+      }
+    }
+  }
+  return r;
+}
+
+// Gradients of the shape functions in double do not sum to zero exactly: what a rigid motion of the size of q makes of
+// that, 1e-16 of q, is beyond both sides.
+TEST_P(Elastic, ForcesOfStrainsOf1e8KeepTheirDigits) {
+  const auto q = solid_.vector([](const Point& x) {
+    return Point{1e-8 * (x[0] * x[1] + 0.1 * testing::rough(x, 0, 1)), 1e-8 * (x[2] * x[2] - x[0]),
+                 1e-8 * (x[1] + 0.3 * x[2] + 0.1 * testing::rough(x, 2, 1))};
+  });
+  const TestStage stage(solid_, 0.0, 1.0);
+  const auto local = testing::local_values(q.get());
+  const LocalStage at{0.0, 1.0, 1.0, {}, {}};
+  std::vector<double> r(local.size(), 0.0);
+  term_->add_gradient(at, local, r);
+  const auto expected = GetParam().body.order == 1 ? reference_forces<1>(solid_, GetParam().law, degree(), local)
+                                                   : reference_forces<2>(solid_, GetParam().law, degree(), local);
+  double error = 0.0, size = 0.0;
+  for (std::size_t i = 0; i < 3 * static_cast<std::size_t>(solid_.layout().num_owned_nodes); ++i) {
+    error += std::pow(static_cast<double>(Quad(r[i]) - expected[i]), 2);
+    size += std::pow(static_cast<double>(expected[i]), 2);
+  }
+  error = std::sqrt(sum(comm, error));
+  size = std::sqrt(sum(comm, size));
+  ASSERT_GT(size, 0.1);  // 1e9 Pa at strains of 1e-8
+  EXPECT_LE(error, 2e-14 * size);
+  RecordProperty("relative_error", std::to_string(error / size));
+}
+
+// Uniform strain: the stress at the centroids, and the energy in closed form.
+TEST_P(Elastic, StressesOfAUniformStrainAreTheLaws) {
+  Tensor3<double> H{{0.1, 0.05, 0.0, -0.02, 0.08, 0.03, 0.0, 0.01, -0.06}};
+  const auto q = solid_.vector([&](const Point& x) {
+    Point u{};
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k) u[i] += H(i, k) * x[k];
+    }
+    return u;
+  });
+  const auto local = testing::local_values(q.get());
+  std::visit(
+      [&](const auto& law) {
+        const double psi = law.psi(H);
+        const auto F = add_to_diagonal(H, 1.0);
+        const auto sigma = (1.0 / det(F)) * matmul(law.P(H), transpose(F));
+        EXPECT_NEAR(sum(comm, term_->energy(local)), psi * GetParam().body.volume(), 1e-12 * psi);
+        PetscInt visited = 0;
+        term_->stresses(local, [&](PetscInt cell, const CellStress& s) {
+          ++visited;
+          ASSERT_LT(cell, solid_.layout().num_owned_cells);
+          EXPECT_NEAR(s.volume_ratio, det(F), 1e-13);
+          EXPECT_NEAR(s.energy_density, psi, 1e-12 * psi);
+          const std::array<double, 6> expected{sigma(0, 0), sigma(1, 1), sigma(2, 2),
+                                               sigma(0, 1), sigma(1, 2), sigma(0, 2)};
+          for (int i = 0; i < 6; ++i) EXPECT_NEAR(s.cauchy[i], expected[i], 1e-12 * 1e9);
+          const double a = s.cauchy[0] - s.cauchy[1], b = s.cauchy[1] - s.cauchy[2], c = s.cauchy[2] - s.cauchy[0];
+          const double d = s.cauchy[3] * s.cauchy[3] + s.cauchy[4] * s.cauchy[4] + s.cauchy[5] * s.cauchy[5];
+          // The linear law's P F^T is not symmetric at finite strain.
+          if (!testing::is_linear(GetParam().law)) {
+            EXPECT_NEAR(s.von_mises, std::sqrt(0.5 * (a * a + b * b + c * c) + 3.0 * d), 1e-12 * 1e9);
+          }
+        });
+        EXPECT_EQ(visited, solid_.layout().num_owned_cells);
+      },
+      GetParam().law);
+}
+
+// Beyond a barrier: +inf on every rank, though one cell is inverted on one rank alone.
+TEST_P(Elastic, AnInvertedCellIsInfinitelyFarForEveryRank) {
+  if (!testing::is_barrier(GetParam().law)) return;
+  const TestStage stage(solid_, 0.0, 1.0);
+  potential_.begin_stage(stage.point);
+  const auto q = solid_.vector([](const Point& x) {
+    const bool is_corner = x[0] < 1e-9 && x[1] < 1e-9 && x[2] < 1e-9;
+    return is_corner ? Point{2.0, 2.0, 2.0} : Point{0.0, 0.0, 0.0};
+  });
+  EXPECT_EQ(potential_.value(q.get()), HUGE_VAL);
+  EXPECT_TRUE(std::isnan(testing::norm(gradient(q).get())));
+  // And from an inverted start nothing is finite either, so that no rank goes on.
+  const TestStage bad(solid_, 0.0, 1.0, [](const Point& x) { return Point{-2.0 * x[0], 0.0, 0.0}; });
+  potential_.begin_stage(bad.point);
+  EXPECT_EQ(potential_.value(solid_.vector(testing::at_rest).get()), HUGE_VAL);
+}
+
+// The whole body is pressed flat along x at alpha = 1 / 1.25; its first cell to go is any.
+TEST_P(Elastic, StepBoundIsWhereTheBodyIsFlat) {
+  const TestStage stage(solid_, 0.0, 1.0);
+  potential_.begin_stage(stage.point);
+  const auto q = solid_.vector(testing::at_rest);
+  const auto d = solid_.vector([](const Point& x) { return Point{-1.25 * x[0], 0.0, 0.0}; });
+  const double bound = potential_.max_step(q.get(), d.get());
+  if (!testing::is_barrier(GetParam().law)) {
+    EXPECT_EQ(bound, HUGE_VAL);
+    return;
+  }
+  EXPECT_NEAR(bound, 0.8, 1e-12);
+  EXPECT_EQ(potential_.max_step(q.get(), testing::moved(q.get(), 0.5, d.get()).get()), HUGE_VAL);
+}
+
+}  // namespace
+}  // namespace pliant

@@ -1,0 +1,175 @@
+// Prescribed displacements: how exact their rates are, who wins where parts overlap, what the time layer is told.
+#include "energy/prescribed.hpp"
+#include "energy/solid.hpp"
+#include "fem/selection.hpp"
+
+#include <cmath>
+
+namespace pliant {
+namespace {
+
+using testing::BodySpec;
+using testing::Point;
+using testing::Scratch;
+using testing::Shape;
+using testing::Solid;
+using testing::TestStage;
+
+const MPI_Comm comm = MPI_COMM_WORLD;
+constexpr Point origin{0.0, 0.0, 0.0};
+
+PrescribedDisplacement::Kinematics at(const std::string& formula, double time, double time_scale) {
+  return PrescribedDisplacement::kinematics(Expression(formula), origin, time, time_scale);
+}
+
+// A difference over seven points: exact, but for rounding, to the sixth degree.
+TEST(Kinematics, OfPolynomialsAreExact) {
+  for (const double t : {0.0, 0.05, 0.1, 2.0}) {
+    const double scale = 0.1;
+    const auto k = at("1 + 2*t - 3*t^2 + 0.5*t^3 - t^5", t, scale);
+    EXPECT_DOUBLE_EQ(k.u, 1.0 + 2.0 * t - 3.0 * t * t + 0.5 * t * t * t - std::pow(t, 5));
+    const double size = 1.0 + std::pow(t, 5);
+    EXPECT_NEAR(k.v, 2.0 - 6.0 * t + 1.5 * t * t - 5.0 * std::pow(t, 4), 1e-12 * size);
+    EXPECT_NEAR(k.a, -6.0 + 3.0 * t - 20.0 * std::pow(t, 3), 1e-9 * size);
+  }
+}
+
+// Errors of sixth and fifth order in the time scale, which is the step: far below those of any method here.
+TEST(Kinematics, OfVibrationsAreOfHighOrder) {
+  for (const double t : {0.0, 0.3, 1.7}) {
+    const auto sine = at("sin(3*t)", t, 0.05);
+    EXPECT_NEAR(sine.v, 3.0 * std::cos(3.0 * t), 2e-10);
+    EXPECT_NEAR(sine.a, -9.0 * std::sin(3.0 * t), 1e-7);
+    const auto cosine = at("1-cos(3*t)", t, 0.05);
+    EXPECT_NEAR(cosine.v, 3.0 * std::sin(3.0 * t), 2e-10);
+    EXPECT_NEAR(cosine.a, 9.0 * std::cos(3.0 * t), 1e-7);
+  }
+  const double coarse = std::abs(at("sin(3*t)", 2.0, 0.2).v - 3.0 * std::cos(6.0));
+  const double fine = std::abs(at("sin(3*t)", 2.0, 0.1).v - 3.0 * std::cos(6.0));
+  EXPECT_GT(std::log2(coarse / fine), 5.5);
+  const double coarse_a = std::abs(at("sin(3*t)", 2.0, 0.2).a + 9.0 * std::sin(6.0));
+  const double fine_a = std::abs(at("sin(3*t)", 2.0, 0.1).a + 9.0 * std::sin(6.0));
+  EXPECT_GT(std::log2(coarse_a / fine_a), 4.5);
+}
+
+// Differences stay on the side of t that the step is on, and never ask for times before the start.
+TEST(Kinematics, DoNotLookAcrossAKinkAtTheStepsStartNorBeforeTheRuns) {
+  const std::string ramp = "t < 1 ? 2*t : 2";
+  EXPECT_NEAR(at(ramp, 1.0, 0.1).v, 2.0, 1e-12);  // the step that ends at the kink
+  EXPECT_NEAR(at(ramp, 1.1, 0.1).v, 0.0, 1e-12);  // the one that starts there
+  EXPECT_NEAR(at(ramp, 1.1, 0.1).a, 0.0, 1e-9);
+  const std::string from_rest = "t < 0 ? 1000 : 3*t";
+  EXPECT_NEAR(at(from_rest, 0.0, 0.1).v, 3.0, 1e-12);
+  EXPECT_NEAR(at(from_rest, 0.03, 0.1).v, 3.0, 1e-12);
+}
+
+TEST(Kinematics, OfConstantsAreZero) {
+  const auto k = PrescribedDisplacement::kinematics(Expression("2*x"), {3.0, 0.0, 0.0}, 0.7, 0.1);
+  EXPECT_EQ(k.u, 6.0);
+  EXPECT_EQ(k.v, 0.0);
+  EXPECT_EQ(k.a, 0.0);
+}
+
+class Prescribed : public ::testing::Test {
+ protected:
+  std::vector<PetscInt> nodes(const Region& region) const { return nodes_in_region(solid_.layout(), region); }
+
+  Scratch scratch_{comm};
+  std::string file_ = scratch_.file("body.msh", [](const std::string& f) {
+    testing::write_body(f, {1, Shape::straight, 3});
+  });
+  Solid solid_{comm, file_, 1, 1};
+  Region left_ = [](const Point& x) { return x[0] < 1e-9; };
+  Region bottom_ = [](const Point& x) { return x[2] < 1e-9; };
+};
+
+TEST_F(Prescribed, FlagsAreTheSameOnGhosts) {
+  const PrescribedDisplacement motion(solid_.layout(),
+                                      {{nodes(left_), {Expression(0.0), std::nullopt, Expression("t")}}}, 0.1);
+  ASSERT_EQ(motion.flags().size(), 3 * static_cast<std::size_t>(solid_.layout().num_local_nodes));
+  for (PetscInt a = 0; a < solid_.layout().num_local_nodes; ++a) {
+    const bool on_it = left_(solid_.layout().position(a));
+    EXPECT_EQ(motion.flags()[3 * a] != 0, on_it);
+    EXPECT_EQ(motion.flags()[3 * a + 1], 0);
+    EXPECT_EQ(motion.flags()[3 * a + 2] != 0, on_it);
+  }
+}
+
+TEST_F(Prescribed, TheFirstPartCountsAndConflictsAreTold) {
+  const std::array<std::optional<Expression>, 3> fixed{Expression(0.0), Expression(0.0), std::nullopt};
+  const std::array<std::optional<Expression>, 3> pulled{Expression("t"), Expression("0*t"), Expression(1.0)};
+  const PrescribedDisplacement motion(solid_.layout(), {{nodes(left_), fixed}, {nodes(bottom_), pulled}}, 0.1);
+  const auto none = motion.conflicts(solid_.layout(), {0.0});
+  EXPECT_TRUE(none.empty());  // both are 0 there at t = 0
+  const auto some = motion.conflicts(solid_.layout(), {0.0, 1.0});
+  EXPECT_TRUE(any(comm, !some.empty()));
+  for (const auto& pair : some) EXPECT_EQ(pair, std::pair(std::size_t{0}, std::size_t{1}));
+
+  const Handle<Vec> q = solid_.vector(testing::at_rest), v = solid_.vector(testing::at_rest);
+  motion.motion().complete_step(1.0, q.get(), v.get());
+  const ConstArrayView u(q.get());
+  for (PetscInt a = 0; a < solid_.layout().num_owned_nodes; ++a) {
+    const Point x = solid_.layout().position(a);
+    EXPECT_EQ(u[3 * a], !left_(x) && bottom_(x) ? 1.0 : 0.0);
+    EXPECT_EQ(u[3 * a + 2], bottom_(x) ? 1.0 : 0.0);
+  }
+}
+
+// v = (q - q0) / dt and a = (v - v0) / dt are those of the formula, which is what the stage is promised.
+TEST_F(Prescribed, StageLocalDifferencesAreExact) {
+  const double t = 0.6, dt = 0.1;
+  const PrescribedDisplacement prescribed(
+      solid_.layout(), {{nodes(left_), {Expression("(1+y)*(t^2+t)"), std::nullopt, std::nullopt}}}, dt);
+  TestStage stage(solid_, t, dt, testing::rough_field(1.0, 1), testing::rough_field(1.0, 2));
+  const auto q = solid_.vector(testing::rough_field(1.0, 3));
+  prescribed.motion().start_stage(stage.point, q.get());
+  const ConstArrayView at_end(q.get()), q0(stage.q0.get()), v0(stage.v0.get());
+  for (PetscInt a = 0; a < solid_.layout().num_owned_nodes; ++a) {
+    const Point x = solid_.layout().position(a);
+    if (!left_(x)) {
+      EXPECT_NEAR(at_end[3 * a], testing::rough(x, 0, 3), 1e-13);
+      EXPECT_NEAR(q0[3 * a], testing::rough(x, 0, 1), 1e-13);
+      EXPECT_NEAR(v0[3 * a], testing::rough(x, 0, 2), 1e-13);
+      continue;
+    }
+    const double v = (at_end[3 * a] - q0[3 * a]) / dt;
+    EXPECT_NEAR(at_end[3 * a], (1.0 + x[1]) * (t * t + t), 1e-14);
+    EXPECT_NEAR(v, (1.0 + x[1]) * (2.0 * t + 1.0), 1e-11);
+    EXPECT_NEAR((v - v0[3 * a]) / dt, (1.0 + x[1]) * 2.0, 1e-9);
+  }
+}
+
+// Inside a step the differences are taken over the part of it that has passed: a kink at its start is not seen.
+TEST_F(Prescribed, AStageInsideAStepDoesNotSeeTheStepBefore) {
+  const double start = 1.0, step = 0.1;
+  const PrescribedDisplacement prescribed(
+      solid_.layout(), {{nodes(left_), {Expression("t < 1 ? 2*t : 2"), std::nullopt, std::nullopt}}}, step);
+  for (const double fraction : {0.25, 0.2928932188134524, 0.5, 1.0}) {
+    const double dt = fraction * step;  // of the first stage of a DIRK method
+    TestStage stage(solid_, start + dt, dt);
+    const auto q = solid_.vector(testing::at_rest);
+    prescribed.motion().start_stage(stage.point, q.get());
+    const ConstArrayView q0(stage.q0.get()), v0(stage.v0.get());
+    for (PetscInt a = 0; a < solid_.layout().num_owned_nodes; ++a) {
+      if (!left_(solid_.layout().position(a))) continue;
+      EXPECT_NEAR(q0[3 * a], 2.0, 1e-12) << fraction;
+      EXPECT_NEAR(v0[3 * a], 0.0, 1e-9) << fraction;
+    }
+  }
+}
+
+TEST_F(Prescribed, LoadFactorScalesTheMotion) {
+  const PrescribedDisplacement prescribed(solid_.layout(),
+                                          {{nodes(left_), {Expression("3*t"), std::nullopt, std::nullopt}}}, 0.1);
+  TestStage stage(solid_, 2.0, 0.1);
+  stage.point.load_factor = 0.25;
+  const auto q = solid_.vector(testing::at_rest);
+  prescribed.motion().start_stage(stage.point, q.get());
+  const ConstArrayView u(q.get());
+  for (PetscInt a = 0; a < solid_.layout().num_owned_nodes; ++a) {
+    EXPECT_EQ(u[3 * a], left_(solid_.layout().position(a)) ? 1.5 : 0.0);
+  }
+}
+
+}  // namespace
+}  // namespace pliant
