@@ -28,6 +28,7 @@ Ledger::Ledger(Model& model, Analysis analysis, Vec q, Vec v)
       forces_.push_back(load->depends_on_time() ? load->forces(0.0) : std::vector<double>());
     }
   }
+  reaction_is_known_ = analysis == Analysis::static_equilibrium;  // load steps start from nothing
 }
 
 void Ledger::measure(Vec q, Vec v) {
@@ -76,8 +77,8 @@ void Ledger::book(const StepAttempt& attempt) {
     const ConstArrayView u0(q_.get()), u1(attempt.q);
     const auto& prescribed = model_.prescribed().flags();
     for (PetscInt i = 0; i < num_owned; ++i) {
-      // The reaction at the start is not known before the first step.
-      if (prescribed[i]) work.add((started_ ? 0.5 * (before[i] + after[i]) : after[i]) * (u1[i] - u0[i]));
+      // In time the reaction at the start is not known: it depends on the accelerations there.
+      if (prescribed[i]) work.add((reaction_is_known_ ? 0.5 * (before[i] + after[i]) : after[i]) * (u1[i] - u0[i]));
     }
     for (std::size_t k = 0; k < forces_.size(); ++k) {
       if (forces_[k].empty()) continue;
@@ -92,7 +93,7 @@ void Ledger::book(const StepAttempt& attempt) {
   for (std::size_t s = 0; s < reactions_.size(); ++s) std::copy_n(local.begin() + 3 * s, 3, reactions_[s].begin());
   energies_.load_work += local.back();
   std::swap(reaction_, next_reaction_);
-  started_ = true;
+  reaction_is_known_ = true;
   measure(attempt.q, attempt.v);
   energies_.balance_error = energies_.kinetic + energies_.elastic + energies_.load_potential + energies_.dissipated -
                             energies_.load_work - initial_;

@@ -45,7 +45,7 @@ class Ledger {
   Analysis analysis_;
   Energies energies_;
   double initial_ = 0.0;
-  bool started_ = false;
+  bool reaction_is_known_ = false;  // that at the last step
   std::vector<std::array<double, 3>> reactions_;
   Handle<Vec> q_, v_, reaction_, next_reaction_;
   std::vector<std::vector<double>> forces_;  // of the loads that count by their work, at the last step

@@ -4,6 +4,7 @@
 #include "app/model.hpp"
 #include "app/recorder.hpp"
 #include "app/signals.hpp"
+#include "petsc/check.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"
 #include "solver/newton.hpp"
@@ -124,10 +125,7 @@ class Run {
       model_.set_initial_state(config, q_.get(), v_.get());
     }
     const LinearKind kind = linear_kind(config, model_.layout());
-    solver_.emplace(model_.potential(),
-                    NewtonOptions{config.solver.newton.relative, config.solver.newton.absolute,
-                                  config.solver.newton.max_iterations},
-                    kind);
+    make_solver(kind);
     console.print(fmt::format("solver: Newton, {}", describe(kind)));
     make_advance();
     ledger_.emplace(model_, analysis_, q_.get(), v_.get());
@@ -195,6 +193,17 @@ class Run {
                                3 * layout.num_global_nodes, num_ranks(comm_), num_ranks(comm_) == 1 ? "" : "s"));
     for (const auto& notice : model_.mesh().report.notices) console_.print("note: " + notice);
     for (const auto& notice : model_.notices()) console_.print("note: " + notice);
+  }
+
+  /// PETSc reads its options here, the same on every rank, so that all fail together.
+  void make_solver(LinearKind kind) {
+    const auto& newton = config_.solver.newton;
+    try {
+      solver_.emplace(model_.potential(), NewtonOptions{newton.relative, newton.absolute, newton.max_iterations}, kind);
+    } catch (const PetscFailure& failure) {
+      if (failure.code() == PETSC_ERR_MEM) throw;
+      throw InputError({"PETSc options", 0, 0}, failure.what());
+    }
   }
 
   void make_advance() {
