@@ -1,0 +1,61 @@
+#!/usr/bin/python3
+"""The reference beam: 1 x 0.2 x 0.2 m, neo-Hookean, let go from rest under gravity, backward Euler with steps of 10 ms.
+
+Its deflection u_z(1, 0, 0) is known from independent finite-element codes on the very same meshes, to ten digits.
+"""
+import subprocess
+import sys
+import unittest
+
+from program import ROOT, ProgramTest
+
+BEAM = ROOT / "input/beam_small.yaml"
+AFTER_TEN_STEPS = {(30, 6, 6): -6.920071856e-02, (55, 11, 11): -6.856066406e-02}
+QUADRATIC_AFTER_TWO_STEPS = -2.961637428e-03  # 30 x 6 x 6, from dolfinx 0.5.2 on the same mesh, four quadrature points
+SAME = 1e-6  # relative; Newton's method stops at 1e-8 of the forces
+
+
+class Beam(ProgramTest):
+    def mesh(self, n, size=(1, 0.2, 0.2)):
+        file = self.directory / f"beam{n[0]}.msh"
+        numbers = [*map(str, n), "--box", *map(str, size)]
+        subprocess.run([sys.executable, ROOT / "tools/beam_mesh.py", "--n", *numbers, "--binary", "-o", file], check=True)
+        return f"mesh.file={file}"
+
+    def check(self, n, ranks, expected, *settings):
+        history = self.run_input(BEAM, self.mesh(n), *settings, ranks=ranks, timeout=300)
+        self.assertAlmostEqual(history["tip_z"][-1] / expected, 1, delta=SAME)
+
+    def test_small(self):
+        for ranks in (1, 2, 3):
+            with self.subTest(ranks=ranks):
+                self.check((30, 6, 6), ranks, AFTER_TEN_STEPS[30, 6, 6])
+
+    def test_the_mesh_that_comes_with_the_program(self):
+        history = self.run_input(BEAM)
+        self.assertAlmostEqual(history["tip_z"][-1] / AFTER_TEN_STEPS[30, 6, 6], 1, delta=SAME)
+
+    def test_medium(self):
+        for ranks in (1, 2):
+            with self.subTest(ranks=ranks):
+                self.check((55, 11, 11), ranks, AFTER_TEN_STEPS[55, 11, 11])
+
+    def test_multigrid(self):
+        self.check((30, 6, 6), 2, AFTER_TEN_STEPS[30, 6, 6], "solver.linear=amg")
+
+    def test_quadratic(self):
+        for ranks in (1, 2, 3):
+            with self.subTest(ranks=ranks):
+                self.check((30, 6, 6), ranks, QUADRATIC_AFTER_TWO_STEPS, "element=P2", "time.end=20 ms")
+
+    def test_a_stiff_bulky_body_takes_few_iterations(self):
+        # Nearly static: the residual's rounding floor lies close to the tolerance.
+        history = self.run_input(BEAM, self.mesh((19, 19, 19), (0.3, 0.3, 0.3)), "bodies.0.elasticity.youngs_modulus=1e9",
+                                 "bodies.0.elasticity.poissons_ratio=0.45", "time.step=25 ms", "time.end=250 ms",
+                                 "probes.0.point=[0.3, 0, 0]", timeout=300)
+        self.assertEqual(len(history["step"]), 11)
+        self.assertLessEqual(history["newton_iterations"].max(), 4)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,111 @@
+#!/usr/bin/python3
+"""The commands that solve nothing: check, methods, materials, schema, help and version."""
+import json
+import re
+import subprocess
+import unittest
+
+import jsonschema
+import yaml
+
+from program import PROGRAM, ROOT, ProgramTest, write_box
+
+INPUT = """
+mesh: {file: bar.msh}
+element: P2
+bodies:
+  - {volume: body, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e6, poissons_ratio: 0.4}}
+constraints: [{surface: left, displacement: [0, 0, 0]}]
+loads: [{gravity: [0, 0, -9.81]}]
+time: {method: bdf2, step: 0.01, end: 1}
+"""
+
+
+class Commands(ProgramTest):
+    def text(self, *arguments, ranks=1):
+        done = self.call(*arguments, ranks=ranks)
+        self.assertEqual((done.returncode, done.stderr), (0, ""), done.stderr)
+        return done.stdout
+
+    def test_check(self):
+        write_box(self.directory / "bar.msh", (8, 2, 2), (1, 0.2, 0.2))
+        file = self.write("bar.yaml", INPUT)
+        for ranks in (1, 2, 3):
+            with self.subTest(ranks=ranks):
+                text = self.text("check", file, ranks=ranks)
+                # Bodies, surfaces, quality, unknowns, time scales, memory.
+                self.assertIn("192 tetrahedra", text)
+                self.assertRegex(text, r"volume +0\.04 m\^3")
+                self.assertRegex(text, r"surface +left +\(tag 1\): +8 facets +0\.04 m\^2")
+                self.assertRegex(text, r"body: .*neo-hookean.*1000 kg/m\^3")
+                self.assertRegex(text, r"mass +40 kg")
+                self.assertRegex(text, r"quality +worst 0\.7")
+                self.assertRegex(text, r"1275 \(75 prescribed\), P2")
+                self.assertRegex(text, r"memory: .*\d+ MB")
+                # Transit of waves: c_p = sqrt((lambda + 2 mu) / rho), c_s = sqrt(mu / rho).
+                self.assertRegex(text, r"shear wave .* 0\.0529 s")
+                self.assertRegex(text, r"suggested step +\S+ s")
+                per_rank = re.search(r"(\d+) to (\d+) per rank", text)
+                self.assertLessEqual(int(per_rank[1]) * ranks, 1275)
+                self.assertGreaterEqual(int(per_rank[2]) * ranks, 1275)
+                lines = [line.strip().removeprefix("note: ") for line in text.splitlines() if "note:" in line]
+                self.assertEqual(len(lines), len(set(lines)), "a note is given twice")
+        self.assertEqual([p.name for p in self.directory.iterdir() if p.is_dir()], [], "check writes nothing")
+
+    def test_check_of_the_inputs_that_come_with_the_program(self):
+        for file in sorted((ROOT / "input").rglob("*.yaml")):
+            with self.subTest(file.name):
+                self.text("check", file)
+
+    def test_schema(self):
+        schema = json.loads(self.text("schema"))
+        jsonschema.Draft7Validator.check_schema(schema)
+        for file in sorted((ROOT / "input").rglob("*.yaml")):
+            with self.subTest(file.name):
+                jsonschema.validate(yaml.safe_load(file.read_text(encoding="utf-8")), schema)
+        jsonschema.validate(yaml.safe_load(INPUT), schema)
+        for bad in (INPUT.replace("density", "densty"), INPUT.replace("element: P2", "element: P3"), "mesh: {}"):
+            with self.assertRaises(jsonschema.ValidationError):
+                jsonschema.validate(yaml.safe_load(bad), schema)
+
+    def test_the_schema_accepts_what_was_understood(self):
+        write_box(self.directory / "bar.msh", (2, 1, 1), (1, 0.2, 0.2))
+        self.run_input(self.write("bar.yaml", INPUT), "time.end=0.01")
+        jsonschema.validate(yaml.safe_load((self.directory / "out/run.yaml").read_text()), json.loads(self.text("schema")))
+
+    def test_version(self):
+        for ranks in (1, 2):
+            text = self.text("--version", ranks=ranks)
+            for name in ("pliant", "PETSc", "MUMPS", "HDF5", "gmsh", "MPI"):
+                self.assertRegex(text, rf"(?m)^ *{name} .*\d+\.\d+")
+                self.assertEqual(len(re.findall(rf"(?m)^ *{name} ", text)), 1, "told by one rank")
+
+    def test_methods(self):
+        text = self.text("methods")
+        for name in ("backward-euler", "bdf2"):
+            self.assertRegex(text, rf"(?m)^{name} .*-stable")
+
+    def test_materials(self):
+        text = self.text("materials", ranks=2)
+        for name in ("linear", "saint-venant-kirchhoff", "neo-hookean"):
+            self.assertEqual(len(re.findall(rf"(?m)^{name}$", text)), 1)
+        for word in ("psi = ", "youngs_modulus", "[Pa]", "poissons_ratio", "source"):
+            self.assertIn(word, text)
+
+    def test_help(self):
+        text = self.text("--help")
+        for command in ("run", "check", "methods", "materials", "schema"):
+            self.assertRegex(text, rf"(?m)^ +{command} +\w")
+            self.assertIn("Usage", self.text(command, "--help"))
+        for option in ("--output", "--set", "--quiet"):
+            self.assertIn(option, self.text("run", "--help"))
+
+    def test_output_can_be_cut_off(self):
+        # As in `pliant materials | head -1`.
+        done = subprocess.run(f"'{PROGRAM}' materials | head -1", shell=True, capture_output=True,
+                              text=True, check=False, cwd=self.directory)
+        self.assertEqual((done.stdout, done.stderr), ("linear\n", ""))
+
+
+if __name__ == "__main__":
+    unittest.main()

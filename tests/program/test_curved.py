@@ -1,0 +1,76 @@
+#!/usr/bin/python3
+"""Quadratic elements on a second-order mesh follow curved surfaces: half a ring."""
+import math
+import re
+import unittest
+
+import h5py
+import numpy as np
+
+from program import ProgramTest, write_box
+
+INNER, THICKNESS, WIDTH = 1.0, 0.2, 0.2
+VOLUME = math.pi / 2 * ((INNER + THICKNESS) ** 2 - INNER**2) * WIDTH
+INPUT = """
+mesh: {file: ring.msh}
+element: P2
+bodies:
+  - {volume: body, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e6, poissons_ratio: 0.4}}
+constraints: [{surface: left, displacement: [0, 0, 0]}]
+loads: [{gravity: [0, 0, -9.81]}]
+time: {method: bdf2, step: 0.02, end: 0.1}
+solver: {newton: {relative: 1e-11}}
+probes: [{name: top, point: [0, 0.1, 1.1]}]
+"""
+
+
+def half_ring(points):
+    angle, radius = np.pi * points[:, 0], INNER + points[:, 2]
+    return np.stack([-radius * np.cos(angle), points[:, 1], radius * np.sin(angle)], axis=1)
+
+
+class Curved(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        write_box(self.directory / "ring.msh", (8, 2, 2), (1, WIDTH, THICKNESS), order=2, shape=half_ring)
+        self.input = self.write("ring.yaml", INPUT)
+
+    def mass(self, *settings, ranks=1):
+        options = [word for setting in settings for word in ("--set", setting)]
+        done = self.call("check", self.input, *options, ranks=ranks)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return float(re.search(r"mass (\S+) kg", done.stdout)[1]), done.stdout
+
+    def test_mass(self):
+        for ranks in (1, 2, 3):
+            with self.subTest(ranks=ranks):
+                quadratic, _ = self.mass(ranks=ranks)
+                linear, text = self.mass("element=P1", ranks=ranks)
+                error = [abs(m / (1000 * VOLUME) - 1) for m in (quadratic, linear)]
+                self.assertLess(error[0], 1e-4)
+                self.assertGreater(error[1], 0.02)
+                self.assertIn("P1 elements straighten", text)
+
+    def test_supports_carry_the_whole_weight(self):
+        history = self.run_input(self.input, "time.method=static", ranks=2)
+        self.assertAlmostEqual(history["left_fz"][-1] / (9.81 * 1000 * VOLUME), 1, delta=1e-4)
+
+    def test_any_number_of_ranks(self):
+        alone = self.run_input(self.input)
+        self.assertLess(alone["top_z"][-1], 1.1 - 0.01)
+        for ranks in (2, 3):
+            with self.subTest(ranks=ranks):
+                self.assert_same_history(alone, self.run_input(self.input, ranks=ranks, output=str(ranks)), 1e-9)
+
+    def test_the_result_holds_the_curved_edges(self):
+        self.run_input(self.input, "time.end=0.02")
+        with h5py.File(self.directory / "out/result.h5") as file:
+            points = file["mesh/coordinates"][()]
+            self.assertEqual(file["mesh/cells"].shape[1], 10)
+        radius = np.hypot(points[:, 0], points[:, 2])
+        self.assertAlmostEqual(radius.max(), INNER + THICKNESS, delta=1e-12)
+        self.assertAlmostEqual(radius.min(), INNER, delta=1e-12)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,247 @@
+#!/usr/bin/python3
+"""A user's mistake ends the program, on any number of ranks alike, with one message that names the place and helps."""
+import concurrent.futures
+import os
+import re
+import unittest
+
+
+from program import ProgramTest, box, finish, start, write_box, write_mesh
+
+LINES = {
+    "mesh": "mesh: {file: cube.msh}",
+    "bodies": "bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e6, poissons_ratio: 0.4}}]",
+    "constraints": "constraints: [{surface: left, displacement: [0, 0, 0]}]",
+    "loads": "loads: [{gravity: [0, 0, -9.81]}]",
+    "time": "time: {step: 0.01, end: 0.02}",
+    "output": "output: {directory: out}",
+}
+LAW = "density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e6, poissons_ratio: 0.4}"
+
+# Name: line of the good input that is replaced, its replacement ('@' stands before the place that the message must
+# name), words of the message.
+BAD_LINES = {
+    "unknown key": ("bodies", "bodies: [{density: 1, elasticity: {model: linear, @youngs_modulos: 1, poissons_ratio: 0}}]",
+                    "did you mean 'youngs_modulus'"),
+    "unknown section": ("output", "@constrains: []", "did you mean 'constraints'"),
+    "a key of a later version": ("output", "@contact: {law: penalty}", "not supported by this version"),
+    "wrong unit": ("time", "time: {step: @5 mm, end: 1}", "5 mm"),
+    "no such unit": ("time", "time: {step: @5 flops, end: 1}", "flops"),
+    "not a number": ("bodies", "bodies: [{density: @heavy, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}}]",
+                     "heavy"),
+    "Poisson's ratio": ("bodies", "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: @0.5}}]",
+                        "0.5"),
+    "unknown law": ("bodies", "bodies: [{density: 1, elasticity: {model: @neohookean, youngs_modulus: 1, poissons_ratio: 0}}]",
+                    "did you mean 'neo-hookean'"),
+    "unknown method": ("time", "time: {method: @bdf22, step: 0.01, end: 1}", "did you mean 'bdf2'"),
+    "negative step": ("time", "time: {step: @-0.01, end: 1}", "above 0|positive|> 0"),
+    "step beyond the end": ("time", "time: {step: @2, end: 1}", "longer than the simulation"),
+    "no step": ("time", "time: @{end: 1}", "missing key 'step'"),
+    "no density": ("bodies", "bodies: [@{elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}}]",
+                   "density"),
+    "bad formula": ("loads", 'loads: [{gravity: [0, 0, "sin(t@"]}]', r"'gravity\[2\]': a '\)' is missing"),
+    "formula of an unknown name": ("loads", 'loads: [{gravity: [0, 0, "9.81*@time"]}]', "time"),
+    "bad vector": ("loads", "loads: [{gravity: @[0, 0]}]", "3"),
+    "key given twice": ("output", "time: {step: 1, @step: 2}", "twice"),
+    "tab": ("output", "output:\n@\tdirectory: out", "tab"),
+    "unbalanced bracket": ("output", "probes: [{name: tip, point: [0, 0, 0}]", "not valid YAML"),
+    "no such mesh": ("mesh", "mesh: {file: @nowhere.msh}", "nowhere.msh"),
+    "a directory as mesh": ("mesh", "mesh: {file: @folder}", "folder"),
+    "a mesh of unknown kind": ("mesh", "mesh: {file: @in.yaml}", "in.yaml"),
+    "empty mesh": ("mesh", "mesh: {file: @empty.msh}", "empty"),
+    "geometry with an error": ("mesh", "mesh: {file: @bad.geo}", "bad.geo"),
+    "flat geometry": ("mesh", "mesh: {file: @flat.geo}", "volume|tetrahedr|three-dimensional|solid"),
+    "misspelt surface": ("constraints", "constraints: [{surface: @lefd, displacement: [0, 0, 0]}]", "did you mean 'left'"),
+    "surface as volume": ("bodies", "bodies: [{volume: @left, " + LAW + "}]", "surface: left|surface"),
+    "volume as surface": ("constraints", "constraints: [{surface: @body, displacement: [0, 0, 0]}]", "volume"),
+    "box of nothing": ("constraints", "constraints: [{box: @[[2, 2, 2], [3, 3, 3]], displacement: [0, 0, 0]}]", "no node"),
+    "condition on nothing": ("constraints", 'constraints: [{where: @"x > 7", displacement: [0, 0, 0]}]', "no node"),
+    "traction on nothing": ("loads", 'loads: [{where: @"x > 7", traction: [0, 0, 1]}]', "no facet"),
+    "traction inside": ("loads", 'loads: [{where: @"abs(x - 0.5) < 1e-9", traction: [0, 0, 1]}]', "no facet"),
+    "constraints at odds": ("constraints", "constraints: [{surface: left, displacement: [0, 0, 0]}, "
+                            "{surface: right, displacement: [0.1, 0, 0]}, @{surface: top, displacement: [0, 0, 0]}]",
+                            "'right' and .*'top'|'top' and .*'right'"),
+    "a static body that nothing holds": ("constraints", "constraints: []", "constraint"),
+    "unknown field": ("output", "output: {fields: [displacement, @stress]}", "stress"),
+    "volumes that do not cover": ("bodies", "bodies: [{volume: @lower, " + LAW + "}]", "upper"),
+    "one volume twice": ("bodies", "bodies: [{volume: body, " + LAW + "}, {volume: @body, " + LAW + "}]", "same volume"),
+    "initial state inside out": ("output", 'initial: {displacement: ["-2*x", 0, 0]}', "inside out"),
+}
+IN_TWO_VOLUMES = {"volumes that do not cover"}
+
+def with_elements(text, elements):
+    head = text[: text.index("$Elements")]
+    return head + "\n".join(["$Elements", str(len(elements)), *elements, "$EndElements", ""])
+
+
+def flattened(text):
+    head, rest = text.split("$Nodes\n")
+    nodes, tail = rest.split("$EndNodes")
+    count, *rows = nodes.strip().split("\n")
+    rows = [" ".join([*row.split()[:3], "0"]) for row in rows]
+    return head + "$Nodes\n" + "\n".join([count, *rows, ""]) + "$EndNodes" + tail
+
+
+# Name: changes of the good mesh file, words of the message (beside the place in the input).
+BAD_MESHES = {
+    "truncated": (lambda text: text[: text.index("$EndNodes") - 40], "bad.msh"),
+    "truncated elements": (lambda text: text[: text.index("$EndElements") - 40], "bad.msh"),
+    "not a number": (lambda text: text.replace("\n5 0.5 0.5 0.0\n", "\n5 nan 0.5 0.0\n"), "not finite .* node 5"),
+    "an element of unknown nodes": (lambda text: text.replace(" 27\n", " 99\n"), "99"),
+    "hexahedra": (lambda text: with_elements(text, ["1 5 2 7 7 1 2 5 4 10 11 14 13"]), "hexahedr"),
+    "no tetrahedra": (lambda text: with_elements(text, ["1 2 2 1 1 1 2 5", "2 2 2 1 1 1 5 4"]),
+                      "volume|tetrahedr|three-dimensional|solid"),
+    "another format": (lambda text: text.replace("2.2 0 8", "1.0 0 8"), "2.2"),
+    "not a mesh": (lambda text: "solid part\nendsolid part\n", "bad.msh"),
+    "no thickness": (flattened, "flat|volume|degenerate"),
+}
+
+# Name: arguments, words of the message.
+BAD_COMMANDS = {
+    "no command": ([], "subcommand|command"),
+    "unknown command": (["runn", "in.yaml"], "'runn' .*did you mean 'run'"),
+    "no input": (["run"], "INPUT"),
+    "unknown option": (["run", "in.yaml", "--outputs", "x"], "--outputs"),
+    "option without value": (["run", "in.yaml", "--output"], "--output"),
+    "no such input": (["run", "nowhere.yaml"], "nowhere.yaml"),
+    "a directory as input": (["run", "folder"], "directory"),
+    "an empty input": (["run", "empty.yaml"], "empty"),
+    "binary input": (["run", "binary.yaml"], "binary.yaml"),
+    "set without value": (["run", "in.yaml", "--set", "time.step"], "KEY.PATH=VALUE"),
+    "set an unknown key": (["run", "in.yaml", "--set", "time.stop=1"], "did you mean 'step'|stop"),
+    "set a bad value": (["run", "in.yaml", "--set", "time.step=1 kg"], "1 kg"),
+    "set beyond the list": (["run", "in.yaml", "--set", "bodies.3.density=1"], "bodies"),
+    "PETSc options that do not fit": (["run", "in.yaml", "--", "-pc_type", "nonsense"], "PETSc options: .*nonsense"),
+    "check of a bad input": (["check", "in.yaml", "--set", "mesh.file=nowhere.msh"], "nowhere.msh"),
+}
+
+
+class Errors(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.pool = concurrent.futures.ThreadPoolExecutor(2)
+        self.addCleanup(self.pool.shutdown)
+
+    def case(self, name):
+        """A directory with the good input and meshes, and what users name by mistake."""
+        directory = self.directory / re.sub(r"\W+", "_", name)
+        directory.mkdir()
+        (directory / "in.yaml").write_text("\n".join(LINES.values()) + "\n")
+        (directory / "folder").mkdir()
+        (directory / "empty.yaml").write_text("")
+        (directory / "empty.msh").write_text("")
+        (directory / "binary.yaml").write_bytes(bytes(range(256)))
+        (directory / "bad.geo").write_text("Point(1) = {0, 0, 0};\nLine(1) = {1, 2;\n")
+        (directory / "flat.geo").write_text('SetFactory("OpenCASCADE");\nRectangle(1) = {0, 0, 0, 1, 1};\n')
+        if name in IN_TWO_VOLUMES:
+            points, triangles, cells = box((2, 2, 2))
+            above = (points[cells].mean(axis=1)[:, 2] > 0.5).astype(int)
+            write_mesh(directory / "cube.msh", points, triangles, cells, (["lower", "upper"], above))
+        else:
+            write_box(directory / "cube.msh", (2, 2, 2))
+        return directory
+
+    def judge(self, directory, arguments, ranks, code, place, words):
+        done = finish(start(arguments, directory, ranks), 60)
+        told = done.stderr
+        # What mpirun itself says of a code that is not 0.
+        told = re.sub(r"-{20,}\n.*?-{20,}\n", "", told, flags=re.DOTALL)
+        shown = f"{' '.join(map(str, arguments))} on {ranks} ranks: code {done.returncode}\n{done.stdout}{done.stderr}"
+        self.assertEqual(done.returncode, code, shown)
+        self.assertRegex(told, words, shown)
+        if place is not None:
+            self.assertEqual(told.count(place), 1, f"{place} is not named once\n{shown}")
+        lines = [line for line in told.splitlines() if line]
+        self.assertEqual(len(lines), len(set(lines)), shown)
+        self.assertLessEqual(len(lines), 2, shown)
+        for noise in ("PETSC ERROR", "Traceback", "terminate called", "Segmentation", "PetscFailure", "MPI_ABORT"):
+            self.assertNotIn(noise, done.stdout + done.stderr, shown)
+
+    def judge_all(self, cases):
+        """Each case on 1 and 2 ranks, every sixth on 4; two at a time."""
+        waiting = []
+        for number, (name, (directory, arguments, code, place, words)) in enumerate(cases.items()):
+            for ranks in (1, 2, 4) if number % 6 == 0 else (1, 2):
+                waiting.append((name, ranks, self.pool.submit(self.judge, directory, arguments, ranks, code, place, words)))
+        for name, ranks, result in waiting:
+            with self.subTest(name, ranks=ranks):
+                result.result()
+
+    def test_the_good_input_is_good(self):
+        self.assertEqual(finish(start(["run", "in.yaml"], self.case("good")), 60).returncode, 0)
+
+    def test_mistakes_in_the_input(self):
+        cases = {}
+        for name, (key, replacement, words) in BAD_LINES.items():
+            directory = self.case(name)
+            lines = LINES | {key: replacement}
+            if name == "a static body that nothing holds":
+                lines |= {"time": "time: {method: @static}"}
+            text = "\n".join(lines.values()) + "\n"
+            place = "in.yaml:"
+            if "@" in text:
+                before = text[: text.index("@")]
+                place = f"in.yaml:{before.count(chr(10)) + 1}:{len(before) - before.rfind(chr(10))}:"
+            (directory / "in.yaml").write_text(text.replace("@", ""))
+            cases[name] = (directory, ["run", "in.yaml"], 2, place, words)
+        self.judge_all(cases)
+
+    def test_bad_meshes(self):
+        cases = {}
+        for name, (change, words) in BAD_MESHES.items():
+            directory = self.case("mesh " + name)
+            good = (directory / "cube.msh").read_text()
+            bad = change(good)
+            self.assertNotEqual(bad, good, name)
+            (directory / "bad.msh").write_text(bad)
+            (directory / "in.yaml").write_text("\n".join((LINES | {"mesh": "mesh: {file: bad.msh}"}).values()) + "\n")
+            cases[name] = (directory, ["run", "in.yaml"], 2, None, words)
+        self.judge_all(cases)
+
+    def test_bad_command_lines(self):
+        cases = {name: (self.case("command " + name), arguments, 2, None, words)
+                 for name, (arguments, words) in BAD_COMMANDS.items()}
+        self.judge_all(cases)
+
+    def test_output_that_cannot_be_written(self):
+        cases = {}
+        for name, way in {"a file in the way": "in.yaml", "a file as parent": "in.yaml/out"}.items():
+            cases[name] = (self.case("output " + name), ["run", "in.yaml", "--output", way], 4, None, "in.yaml")
+        for file in ("history.csv", "result.h5", "result.xdmf", "run.yaml"):
+            directory = self.case("output " + file)
+            (directory / "out" / file / "taken").mkdir(parents=True)
+            cases["a directory in the place of " + file] = (directory, ["run", "in.yaml"], 4, None, file)
+        if os.geteuid() != 0:  # nothing is read-only to root
+            directory = self.case("output read-only")
+            (directory / "out").mkdir(mode=0o500)
+            cases["a read-only directory"] = (directory, ["run", "in.yaml"], 4, None, "out")
+            directory = self.case("input unreadable")
+            (directory / "in.yaml").chmod(0)
+            cases["an unreadable input"] = (directory, ["run", "in.yaml"], 2, None, "permissions")
+        elif os.path.isdir("/proc"):
+            cases["a file system without files"] = (self.case("output proc"), ["run", "in.yaml", "--output", "/proc/pliant"], 4,
+                                                    None, "/proc/pliant")
+        self.judge_all(cases)
+
+    def test_all_mistakes_at_once(self):
+        directory = self.case("several")
+        lines = LINES | {"time": "time: {step: 1 kg, end: 0.02, ende: 1}", "output": "outputs: {}"}
+        (directory / "in.yaml").write_text("\n".join(lines.values()) + "\n")
+        done = finish(start(["run", "in.yaml"], directory, 2), 60)
+        self.assertEqual(done.returncode, 2)
+        for place in ("in.yaml:5:14:", "in.yaml:5:31:", "in.yaml:6:1:"):
+            self.assertEqual(done.stderr.count(place), 1, done.stderr)
+
+    def test_mistakes_against_the_mesh_at_once(self):
+        directory = self.case("several groups")
+        lines = LINES | {"constraints": "constraints: [{surface: lefd, displacement: [0, 0, 0]}, "
+                                        "{surface: topp, displacement: [0, 0, 0]}]"}
+        (directory / "in.yaml").write_text("\n".join(lines.values()) + "\n")
+        done = finish(start(["run", "in.yaml"], directory, 2), 60)
+        self.assertEqual(done.returncode, 2)
+        for hint in ("'left'", "'top'"):
+            self.assertIn(f"did you mean {hint}", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
