@@ -15,6 +15,9 @@ constexpr double armijo = 1e-4;
 constexpr double wolfe = 0.9;
 constexpr double inversion_margin = 0.9;  // of the step at which a tetrahedron becomes flat
 constexpr int max_backtracks = 40;
+/// What the last rung of the ladder adds to the diagonal, as a part of its mean: enough for a definite matrix where the
+/// projected Hessian is singular.
+constexpr double regularization = 1e-3;
 /// Conjugate gradients that need so many iterations more than with a fresh factor have it renewed for the next Hessian.
 /// A factorization costs some 10 (few unknowns) to 25 (many) iterations, a set-up of multigrid about as many.
 constexpr PetscInt iterations_that_age = 8;
@@ -63,7 +66,9 @@ NewtonSolver::NewtonSolver(IncrementalPotential& potential, const NewtonOptions&
   check(SNESSetFunction(snes, r_.get(), residual_callback, this));
   check(SNESSetJacobian(snes, K_.get(), K_.get(), hessian_callback, this));
   check(SNESSetConvergenceTest(snes, convergence_callback, this, nullptr));
-  check(SNESSetTolerances(snes, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, options.max_iterations, PETSC_MAX_INT));
+  // No tolerance on the step: SNES would compare it after a failed line search too, with the lengths of an earlier
+  // step.
+  check(SNESSetTolerances(snes, PETSC_DEFAULT, PETSC_DEFAULT, 0.0, options.max_iterations, PETSC_MAX_INT));
   // Preconditioners are set up in `factorize`, nowhere else.
   check(SNESSetLagPreconditioner(snes, -1));
   // A failed linear solve is the line search's business: it climbs the ladder.
@@ -138,6 +143,17 @@ void NewtonSolver::assemble(Vec q, Projection projection) {
   factor_is_current_ = false;
   if (projection != Projection::none) ++statistics_.projections;
   projection_ = projection;
+  is_regularized_ = false;
+}
+
+void NewtonSolver::regularize() {
+  check(MatGetDiagonal(K_.get(), trial_.get()));
+  PetscReal total = 0.0;
+  check(VecNorm(trial_.get(), NORM_1, &total));
+  check(MatShift(K_.get(), regularization * total / potential_.num_unknowns()));
+  factor_is_current_ = false;
+  is_regularized_ = true;
+  ++statistics_.regularizations;
 }
 
 void NewtonSolver::factorize() {
@@ -199,19 +215,24 @@ void NewtonSolver::search_line(SNESLineSearch search) {
   check(SNESLineSearchSetReason(search, SNES_LINESEARCH_SUCCEEDED));
   const double residual = norm(r);
   const bool potential = potential_.is_potential();
+  const double force_rounding = potential_.rounding_floor(q);
+  check(VecWAXPY(trial_.get(), -1.0, start_, q));
+  const double way = norm(trial_.get());
   for (;;) {
     double slope = 0.0;
     if (descends(r, y, slope)) {
       // q + alpha d with d = -y.
       check(VecScale(y, -1.0));
-      const double bound = inversion_margin * potential_.max_step(q, y);
+      const double step = norm(y), bound = inversion_margin * potential_.max_step(q, y);
       double alpha = std::min(1.0, bound);
       if (bound < 1.0) ++statistics_.capped_steps;
       for (int i = 0; i < max_backtracks; ++i) {
         check(VecWAXPY(trial, alpha, y, q));
         const double phi = value(trial);
-        // Rounding of Phi: a few units in the last place of what it was summed from.
-        const double noise = 1e3 * std::numeric_limits<double>::epsilon() * (std::abs(phi) + std::abs(phi_));
+        // Rounding of Phi: that of the forces along the way from the stage's start, which is of first order where Phi
+        // itself is of second; and a few units in the last place of Phi.
+        const double noise = floor_factor * force_rounding * (way + alpha * step) +
+                             1e3 * std::numeric_limits<double>::epsilon() * (std::abs(phi) + std::abs(phi_));
         bool accepted = potential && phi <= phi_ + armijo * alpha * slope;
         const bool undecided = !accepted && std::isfinite(phi) && std::abs(phi - phi_) <= noise;
         if (accepted || undecided) {
@@ -223,11 +244,10 @@ void NewtonSolver::search_line(SNESLineSearch search) {
           }
           if (accepted && std::isfinite(after)) {
             phi_ = phi;
-            const double length = alpha * norm(y);
             check(VecCopy(trial, q));
             check(VecScale(y, -1.0));
             check(SNESLineSearchSetLambda(search, alpha));
-            check(SNESLineSearchSetNorms(search, norm(q), after, length));
+            check(SNESLineSearchSetNorms(search, norm(q), after, alpha * step));
             return;
           }
         }
@@ -240,7 +260,7 @@ void NewtonSolver::search_line(SNESLineSearch search) {
       check(VecScale(y, -1.0));
       check(SNESComputeFunction(snes_.get(), q, r));
       // Nothing lowers Phi any more, and the residual is as small as its rounding errors: this is the minimum.
-      if (residual <= 100.0 * floor_factor * potential_.rounding_floor(q)) {
+      if (residual <= 100.0 * floor_factor * force_rounding) {
         at_rounding_floor_ = true;
         check(SNESLineSearchSetNorms(search, norm(q), residual, 0.0));
         return;
@@ -250,6 +270,10 @@ void NewtonSolver::search_line(SNESLineSearch search) {
       factorize();
     } else if (projection_ == Projection::none) {
       assemble(q, Projection::positive_semidefinite);
+      factorize();
+      factor_is_wanted_ = true;
+    } else if (!is_regularized_) {
+      regularize();
       factorize();
       factor_is_wanted_ = true;
     } else {
@@ -274,6 +298,7 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
   ++statistics_.stages;
   potential_.begin_stage(stage);
   at_rounding_floor_ = false;
+  start_ = stage.q0;
   solution_ = q;
   choose_guess(stage, q);
   StageReport report;

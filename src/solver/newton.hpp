@@ -27,6 +27,7 @@ struct SolverStatistics {
   long long backtracks = 0;       ///< step lengths refused by the line search
   long long capped_steps = 0;     ///< steps shortened because a tetrahedron would have inverted
   long long projections = 0;      ///< Hessians made positive semidefinite cell by cell
+  long long regularizations = 0;  ///< projected Hessians that needed a shift of their diagonal too
   long long rounding_stops = 0;   ///< stages whose residual ended at its rounding floor, above the tolerance
   double assembly_seconds = 0.0;  ///< residuals, energies, Hessians
   double factorization_seconds = 0.0;
@@ -39,8 +40,9 @@ struct SolverStatistics {
 /// of an earlier one, need a few iterations, each a fraction of a factorization; when they need many, the next Hessian
 /// is factorized. The ladder: where conjugate gradients fail with a kept factor, the current Hessian is factorized;
 /// where the factorization counts negative pivots, the linear solver breaks down, the direction does not descend or no
-/// step length helps, the Hessian is projected to positive semidefinite cell by cell; where that does not help either,
-/// the stage asks for a smaller step. Every rank takes the same decisions: all of them rest on reduced numbers.
+/// step length helps, the Hessian is projected to positive semidefinite cell by cell; where that does not help either
+/// (it may be singular), its diagonal is shifted; where nothing helps, the stage asks for a smaller step. Every rank
+/// takes the same decisions: all of them rest on reduced numbers.
 ///
 /// Line search along d = -K^-1 r, from alpha = min(1, 0.9 of the step at which a tetrahedron inverts): Armijo's
 /// condition on Phi; where the change of Phi is within its rounding error, the gradient decides (Hager & Zhang 2005,
@@ -64,6 +66,7 @@ class NewtonSolver {
 
   void choose_guess(const StagePoint& stage, Vec q);
   void assemble(Vec q, Projection projection);
+  void regularize();
   void factorize();
   void linearize(Vec q);
   void search_line(SNESLineSearch search);
@@ -80,10 +83,12 @@ class NewtonSolver {
   CallbackGuard guard_;
   SolverStatistics statistics_;
   // Of the stage being solved.
+  Vec start_ = nullptr;
   Vec solution_ = nullptr;
   double scale_ = 0.0;
   double phi_ = 0.0;  // value at the current iterate
   Projection projection_ = Projection::none;
+  bool is_regularized_ = false;
   bool at_rounding_floor_ = false;
   // Of the preconditioner, kept across stages.
   bool may_keep_factor_ = false;    // the linear solver iterates, so a preconditioner of an earlier Hessian will do
