@@ -64,90 +64,43 @@ class CellMasses {
   std::vector<std::array<Pack, num_pairs>> curved_;
 };
 
+/// The consistent mass of every block of the pattern.
 template <int Order>
-class ConsistentInertia final : public Inertia {
-  static constexpr int n = CellGroup<Order>::num_nodes;
-
- public:
-  ConsistentInertia(const NodeLayout& layout, const CellGroups<Order>& groups, const std::vector<double>& densities)
-      : Inertia(layout.num_owned_nodes, layout.num_local_nodes), groups_(groups), densities_(densities) {
-    for (const auto& group : groups) masses_.emplace_back(layout, group);
-  }
-
-  void add_mass_times(std::span<const double> x, std::span<double> y) const override {
-    for (std::size_t g = 0; g < groups_.size(); ++g) {
-      const auto& group = groups_[g];
-      const double density = densities_[group.body];
-      for (std::size_t b = 0; b < group.batches.size(); ++b) {
-        const auto u = gather<Order>(group.batches[b], x.data());
-        NodeValues<n> f{};
-        for (int a = 0; a < n; ++a) {
-          for (int c = a; c < n; ++c) {
-            const Pack m = density * masses_[g](b, CellMasses<Order>::index(a, c));
-            for (int i = 0; i < 3; ++i) f[a][i] += m * u[c][i];
-            if (c == a) continue;
-            for (int i = 0; i < 3; ++i) f[c][i] += m * u[a][i];
-          }
-        }
-        scatter_add<Order>(group.batches[b], f, y.data());
-      }
-    }
-  }
-
-  void add_hessian(const LocalStage& stage, std::span<const double>, const BlockWriter& K, Projection) const override {
-    for (std::size_t g = 0; g < groups_.size(); ++g) {
-      const auto& group = groups_[g];
-      const double factor = densities_[group.body] / (stage.dt * stage.dt);
-      for (std::size_t b = 0; b < group.batches.size(); ++b) {
-        const auto& batch = group.batches[b];
-        const auto* blocks = group.blocks.data() + b * n * n;
-        for (int a = 0; a < n; ++a) {
-          for (int c = 0; c < n; ++c) {
-            const Pack m = factor * masses_[g](b, CellMasses<Order>::index(a, c));
-            for (int lane = 0; lane < batch.num_lanes; ++lane) {
-              const PetscInt row = batch.nodes[a][lane];
-              if (row >= num_owned_nodes_) continue;
-              const auto [values, stride] = K.block(row, blocks[a * n + c][lane]);
-              for (int i = 0; i < 3; ++i) values[i * stride + i] += m[lane];
-            }
+std::unique_ptr<Inertia> consistent_inertia(const NodeLayout& layout, const BlockPattern& pattern,
+                                            const CellGroups<Order>& groups, const std::vector<double>& densities) {
+  constexpr int n = CellGroup<Order>::num_nodes;
+  std::vector<double> diagonal(pattern.diagonal().nodes.size(), 0.0);
+  std::vector<double> off_diagonal(pattern.off_diagonal().nodes.size(), 0.0);
+  for (const auto& group : groups) {
+    const CellMasses<Order> masses(layout, group);
+    for (std::size_t b = 0; b < group.batches.size(); ++b) {
+      const auto& batch = group.batches[b];
+      const auto* blocks = group.blocks.data() + b * n * n;
+      for (int a = 0; a < n; ++a) {
+        for (int c = 0; c < n; ++c) {
+          const Pack m = densities[group.body] * masses(b, CellMasses<Order>::index(a, c));
+          for (int lane = 0; lane < batch.num_lanes; ++lane) {
+            if (batch.nodes[a][lane] >= layout.num_owned_nodes) continue;
+            const std::int32_t block = blocks[a * n + c][lane];
+            (block >= 0 ? diagonal[block] : off_diagonal[-1 - block]) += m[lane];
           }
         }
       }
     }
   }
+  return std::make_unique<Inertia>(layout, pattern, std::move(diagonal), std::move(off_diagonal));
+}
 
- private:
-  const CellGroups<Order>& groups_;
-  std::vector<double> densities_;
-  std::vector<CellMasses<Order>> masses_;
-};
+/// The given masses on the diagonal of the pattern.
+std::unique_ptr<Inertia> lumped_inertia(const NodeLayout& layout, const BlockPattern& pattern,
+                                        const std::vector<double>& masses) {
+  std::vector<double> diagonal(pattern.diagonal().nodes.size(), 0.0);
+  for (PetscInt a = 0; a < layout.num_owned_nodes; ++a) diagonal[pattern.block(a, a)] = masses[a];
+  return std::make_unique<Inertia>(layout, pattern, std::move(diagonal),
+                                   std::vector<double>(pattern.off_diagonal().nodes.size(), 0.0));
+}
 
-class LumpedInertia final : public Inertia {
- public:
-  LumpedInertia(const NodeLayout& layout, const BlockPattern& pattern, std::vector<double> masses)
-      : Inertia(layout.num_owned_nodes, layout.num_local_nodes), masses_(std::move(masses)) {
-    for (PetscInt a = 0; a < num_owned_nodes_; ++a) diagonal_blocks_.push_back(pattern.block(a, a));
-  }
-
-  void add_mass_times(std::span<const double> x, std::span<double> y) const override {
-    for (PetscInt a = 0; a < num_owned_nodes_; ++a) {
-      for (int i = 0; i < 3; ++i) y[3 * a + i] += masses_[a] * x[3 * a + i];
-    }
-  }
-
-  void add_hessian(const LocalStage& stage, std::span<const double>, const BlockWriter& K, Projection) const override {
-    for (PetscInt a = 0; a < num_owned_nodes_; ++a) {
-      const auto [values, stride] = K.block(a, diagonal_blocks_[a]);
-      for (int i = 0; i < 3; ++i) values[i * stride + i] += masses_[a] / (stage.dt * stage.dt);
-    }
-  }
-
- private:
-  std::vector<double> masses_;  // per local node [kg]
-  std::vector<std::int32_t> diagonal_blocks_;
-};
-
-/// Calls `visit(batch, lane, a, share)` with each node's share of the mass of each real cell.
+/// The mass that the cells give to each owned node, by each node's share of a cell.
 template <int Order, class Share>
 std::vector<double> distributed_mass(const NodeLayout& layout, const CellGroups<Order>& groups,
                                      const std::vector<double>& densities, Share share) {
@@ -186,6 +139,39 @@ Pack lumped_share(const CellMasses<Order>& masses, std::size_t b, int a) {
 }
 
 }  // namespace
+
+Inertia::Inertia(const NodeLayout& layout, const BlockPattern& pattern, std::vector<double> diagonal,
+                 std::vector<double> off_diagonal)
+    : num_owned_nodes_(layout.num_owned_nodes),
+      num_local_nodes_(layout.num_local_nodes),
+      diagonal_{&pattern.diagonal(), std::move(diagonal)},
+      off_diagonal_{&pattern.off_diagonal(), std::move(off_diagonal)} {}
+
+void Inertia::add_mass_times(std::span<const double> x, std::span<double> y) const {
+  for (const Part* part : {&diagonal_, &off_diagonal_}) {
+    const auto& [offsets, nodes] = *part->rows;
+    for (PetscInt a = 0; a < num_owned_nodes_; ++a) {
+      std::array<double, 3> total{};
+      for (PetscInt k = offsets[a]; k < offsets[a + 1]; ++k) {
+        const double* column = x.data() + 3 * nodes[k];
+        for (int i = 0; i < 3; ++i) total[i] += part->masses[k] * column[i];
+      }
+      for (int i = 0; i < 3; ++i) y[3 * a + i] += total[i];
+    }
+  }
+}
+
+void Inertia::add_hessian(const LocalStage& stage, std::span<const double>, const BlockWriter& K, Projection) const {
+  const double factor = 1.0 / (stage.dt * stage.dt);
+  for (const Part* part : {&diagonal_, &off_diagonal_}) {
+    for (PetscInt a = 0; a < num_owned_nodes_; ++a) {
+      for (PetscInt k = part->rows->offsets[a]; k < part->rows->offsets[a + 1]; ++k) {
+        const auto [values, stride] = K.block(a, part == &diagonal_ ? k : -1 - k);
+        for (int i = 0; i < 3; ++i) values[i * stride + i] += factor * part->masses[k];
+      }
+    }
+  }
+}
 
 double Inertia::value(const LocalStage& stage, std::span<const double> q) const {
   // 1/(2 dt^2) (|q - qt|_M^2 - |q0 - qt|_M^2) = 1/(2 dt^2) d . M (d - 2 dt v0),  d = q - q0, qt = q0 + dt v0
@@ -247,9 +233,8 @@ template <int Order>
 std::unique_ptr<Inertia> make_inertia(const NodeLayout& layout, const BlockPattern& pattern,
                                       const CellGroups<Order>& groups, const std::vector<double>& densities,
                                       Mass mass) {
-  if (mass == Mass::consistent) return std::make_unique<ConsistentInertia<Order>>(layout, groups, densities);
-  return std::make_unique<LumpedInertia>(layout, pattern,
-                                         distributed_mass(layout, groups, densities, lumped_share<Order>));
+  if (mass == Mass::consistent) return consistent_inertia(layout, pattern, groups, densities);
+  return lumped_inertia(layout, pattern, distributed_mass(layout, groups, densities, lumped_share<Order>));
 }
 
 template <int Order>

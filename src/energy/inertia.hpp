@@ -18,16 +18,23 @@ struct Momenta {
   std::array<double, 3> angular{};  ///< about the origin [kg m^2/s]
 };
 
-class Inertia : public EnergyTerm {
+/// A scalar mass per pair of nodes that share a cell, assembled once; it acts on each component alike.
+class Inertia final : public EnergyTerm {
  public:
-  /// y += M x on rows of owned nodes [x unit * kg]. Not collective.
-  virtual void add_mass_times(std::span<const double> x, std::span<double> y) const = 0;
+  /// `diagonal`, `off_diagonal`: masses of the pattern's blocks of owned and of other columns [kg]. The pattern
+  /// outlives the term.
+  Inertia(const NodeLayout& layout, const BlockPattern& pattern, std::vector<double> diagonal,
+          std::vector<double> off_diagonal);
 
   std::string_view name() const override { return "inertia"; }
   TermDeclaration declaration() const override { return {}; }
   double value(const LocalStage& stage, std::span<const double> q) const override;
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override;
+  void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
+                   Projection projection) const override;
 
+  /// y += M x on rows of owned nodes [x unit * kg]. Not collective.
+  void add_mass_times(std::span<const double> x, std::span<double> y) const;
   /// 1/2 v . M v of the owned nodes [J].
   double kinetic_energy(std::span<const double> v) const;
   /// Of this rank's owned nodes; `X` are the reference coordinates of the local nodes.
@@ -35,16 +42,20 @@ class Inertia : public EnergyTerm {
   /// This rank's share of the mass [kg].
   double total_mass() const;
 
- protected:
-  Inertia(PetscInt num_owned_nodes, PetscInt num_local_nodes)
-      : num_owned_nodes_(num_owned_nodes), num_local_nodes_(num_local_nodes) {}
+ private:
+  struct Part {
+    const BlockPattern::Rows* rows;
+    std::vector<double> masses;  // per block [kg]
+  };
   PetscInt num_owned_nodes_;
   PetscInt num_local_nodes_;
+  Part diagonal_;
+  Part off_diagonal_;
 };
 
 /// `densities`: per body [kg/m^3]. The consistent mass is integrated exactly on affine cells, on curved ones to the
 /// degree of their mapping; the lumped mass distributes each cell's mass in proportion to the diagonal of its
-/// consistent matrix (Hinton, Rock & Zienkiewicz 1976), so that it stays positive for P2. `groups` outlives the term.
+/// consistent matrix (Hinton, Rock & Zienkiewicz 1976), so that it stays positive for P2. `pattern` outlives the term.
 template <int Order>
 std::unique_ptr<Inertia> make_inertia(const NodeLayout& layout, const BlockPattern& pattern,
                                       const CellGroups<Order>& groups, const std::vector<double>& densities, Mass mass);
