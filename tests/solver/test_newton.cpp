@@ -1,0 +1,389 @@
+// The solver in trouble, and where it stops.
+#include "solver/newton.hpp"
+#include "solver/problem.hpp"
+
+#include <limits>
+
+namespace pliant {
+namespace {
+
+using testing::Field;
+using testing::Point;
+using testing::Problem;
+using testing::ProblemSpec;
+using testing::Scratch;
+using testing::Shape;
+using testing::Solid;
+
+const MPI_Comm comm = MPI_COMM_WORLD;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+class Newton : public ::testing::Test {
+ protected:
+  std::string mesh(int n, Shape shape = Shape::straight) const {
+    return scratch_.file("cube" + std::to_string(n) + ".msh", [&](const std::string& f) {
+      testing::write_body(f, {1, shape, n});
+    });
+  }
+  /// Clamped at x = 0.
+  static ProblemSpec clamped(const ElasticLawVariant& law) {
+    ProblemSpec spec;
+    spec.law = law;
+    spec.supports = {{testing::face(0, 0.0), testing::fixed()}};
+    return spec;
+  }
+  static testing::TermsOf traction(double x, double y, double z) {
+    return [=](const Solid& solid) {
+      std::vector<std::unique_ptr<EnergyTerm>> loads;
+      loads.push_back(solid.traction({Expression(x), Expression(y), Expression(z)}));
+      return loads;
+    };
+  }
+  template <class Term, class... Arguments>
+  static testing::TermsOf with_term(Arguments... arguments) {
+    return [=](const Solid& solid) {
+      std::vector<std::unique_ptr<EnergyTerm>> terms;
+      terms.push_back(std::make_unique<Term>(solid, arguments...));
+      return terms;
+    };
+  }
+  /// Every rank must have the same report, word for word.
+  static void expect_same_everywhere(const StageReport& report) {
+    EXPECT_EQ(broadcast(comm, report.reason), report.reason);
+    const int outcome = static_cast<int>(report.outcome);
+    EXPECT_EQ(maximum(comm, outcome), minimum(comm, outcome));
+    EXPECT_EQ(maximum(comm, report.newton_iterations), minimum(comm, report.newton_iterations));
+  }
+
+  Scratch scratch_{comm};
+};
+
+// The benchmark of stiff bodies: E = 1 GPa, almost incompressible, long steps.
+TEST_F(Newton, AStiffBodyTakesFewIterations) {
+  for (const auto* name : {"saint-venant-kirchhoff", "neo-hookean"}) {
+    ProblemSpec spec = clamped(make_law(name, 1e9, 0.45));
+    spec.density = 1000.0;
+    spec.loads = [](const Solid& solid) {
+      std::vector<std::unique_ptr<EnergyTerm>> loads;
+      loads.push_back(solid.gravity(1000.0, {Expression(), Expression(), Expression(-9.81)}));
+      return loads;
+    };
+    Problem problem(comm, mesh(8), spec);
+    const double dt = 0.025;
+    auto q = problem.solid().vector(testing::at_rest), v = problem.solid().vector(testing::at_rest);
+    for (int step = 1; step <= 3; ++step) {
+      const auto q0 = testing::moved(q.get(), 0.0, q.get()), v0 = testing::moved(v.get(), 0.0, v.get());
+      const auto report = problem.solve(step * dt, dt, q0, v0, q);
+      ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
+      EXPECT_LE(report.newton_iterations, 4);
+      check(VecWAXPY(v.get(), -1.0, q0.get(), q.get()));
+      check(VecScale(v.get(), 1.0 / dt));
+    }
+    EXPECT_EQ(problem.statistics().backtracks, 0);
+    EXPECT_EQ(problem.statistics().rounding_stops, 0);
+    EXPECT_GT(testing::norm(q.get()), 1e-6);
+  }
+}
+
+// A start pressed to half its size: Hessians there are indefinite; the ladder brings the body back to rest.
+TEST_F(Newton, ACompressedStartConvergesOnProjectedHessians) {
+  for (const auto kind : {LinearKind::cholesky, LinearKind::amg}) {
+    for (const auto* name : {"saint-venant-kirchhoff", "neo-hookean"}) {
+      ProblemSpec spec = clamped(make_law(name, 1e6, 0.3));
+      spec.newton.relative = 1e-10;
+      spec.linear = kind;
+      Problem problem(comm, mesh(3), spec);
+      const auto start = problem.solid().vector([](const Point& x) {
+        return Point{-0.4 * x[0], -0.3 * x[0] * (x[1] - 0.5) + 0.03 * x[0] * testing::rough(x, 1, 1),
+                     -0.3 * x[0] * (x[2] - 0.5)};
+      });
+      const auto v0 = problem.solid().vector(testing::at_rest), q = problem.solid().vector(testing::at_rest);
+      const auto report = problem.solve(1.0, 1.0, start, v0, q);
+      ASSERT_EQ(report.outcome, StageOutcome::converged) << name << ": " << report.reason;
+      EXPECT_GT(problem.statistics().projections, 0) << name;
+      EXPECT_LE(testing::deviation(problem.solid(), q.get(), testing::at_rest), 1e-8) << name;
+      expect_same_everywhere(report);
+    }
+  }
+}
+
+// A push that a full Newton step answers by turning cells inside out.
+TEST_F(Newton, StepsThatWouldInvertAreCapped) {
+  ProblemSpec spec = clamped(make_law("neo-hookean", 1e5, 0.3));
+  spec.loads = traction(-4e5, 0.0, 0.0);
+  Problem problem(comm, mesh(3), spec);
+  const auto q = problem.solid().vector(testing::at_rest);
+  const auto report = problem.solve_static(q);
+  ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
+  EXPECT_GT(problem.statistics().capped_steps, 0);
+  EXPECT_TRUE(std::isfinite(problem.strain_energy(q.get())));
+  EXPECT_LT(testing::norm(problem.reactions(q.get()).get()), 1e7);
+  double lowest = infinity;
+  problem.elastic().stresses(testing::local_values(q.get()),
+                             [&](PetscInt, const CellStress& s) { lowest = std::min(lowest, s.volume_ratio); });
+  lowest = minimum(comm, lowest);
+  EXPECT_GT(lowest, 0.0);
+  EXPECT_LT(lowest, 0.6);
+}
+
+/// -strength ln(1 - u_x / limit) at every node: a wall that no step bound announces. Beyond it the value is what the
+/// test says (infinity or NaN).
+class Wall final : public EnergyTerm {
+ public:
+  Wall(const Solid& solid, double beyond) : size_(solid.layout().num_owned_nodes), beyond_(beyond) {
+    for (PetscInt a = 0; a < size_; ++a) blocks_.push_back(solid.pattern().block(a, a));
+  }
+  std::string_view name() const override { return "wall"; }
+  TermDeclaration declaration() const override { return {}; }
+  double value(const LocalStage& stage, std::span<const double> q) const override {
+    double total = 0.0;
+    for (PetscInt a = 0; a < size_; ++a) {
+      if (q[3 * a] >= limit) return beyond_;
+      total -= strength * (std::log1p(-q[3 * a] / limit) - std::log1p(-stage.q0[3 * a] / limit));
+    }
+    return total;
+  }
+  void add_gradient(const LocalStage&, std::span<const double> q, std::span<double> r) const override {
+    for (PetscInt a = 0; a < size_; ++a) r[3 * a] += strength / (limit - q[3 * a]);
+  }
+  void add_hessian(const LocalStage&, std::span<const double> q, const BlockWriter& K, Projection) const override {
+    for (PetscInt a = 0; a < size_; ++a) K.block(a, blocks_[a]).values[0] += strength / std::pow(limit - q[3 * a], 2);
+  }
+  static constexpr double limit = 0.05, strength = 1.0;
+
+ private:
+  PetscInt size_;
+  double beyond_;
+  std::vector<std::int32_t> blocks_;
+};
+
+TEST_F(Newton, InfinityAndNanMakeItBacktrack) {
+  for (const double beyond : {infinity, std::numeric_limits<double>::quiet_NaN(), -infinity}) {
+    ProblemSpec spec = clamped(make_law("linear", 1e5, 0.3));
+    spec.loads = [=](const Solid& solid) {
+      auto terms = with_term<Wall>(beyond)(solid);
+      terms.push_back(solid.traction({Expression(2e4), Expression(), Expression()}));
+      return terms;
+    };
+    Problem problem(comm, mesh(3), spec);
+    const auto q = problem.solid().vector(testing::at_rest);
+    const auto report = problem.solve_static(q);
+    ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
+    EXPECT_GT(problem.statistics().backtracks, 0);
+    double furthest = 0.0;
+    {
+      const ConstArrayView u(q.get());
+      for (PetscInt a = 0; a < problem.solid().layout().num_owned_nodes; ++a) furthest = std::max(furthest, u[3 * a]);
+    }
+    furthest = maximum(comm, furthest);
+    EXPECT_LT(furthest, Wall::limit);
+    EXPECT_GT(furthest, 0.5 * Wall::limit);
+    expect_same_everywhere(report);
+  }
+}
+
+// A support that presses the body flat: no rank hangs, all ask for a smaller step, and the next stage is none the
+// worse.
+TEST_F(Newton, APrescribedMotionThatFlattensTheBodyIsToBeRetried) {
+  ProblemSpec spec = clamped(make_law("neo-hookean", 1e6, 0.3));
+  spec.supports.push_back({testing::face(0, 1.0), {Expression("t < 2 ? -1.2 : -0.05"), std::nullopt, std::nullopt}});
+  Problem problem(comm, mesh(3), spec);
+  const auto v0 = problem.solid().vector(testing::at_rest), q = problem.solid().vector(testing::at_rest);
+  const auto flat = problem.solve(1.0, 1.0, problem.solid().vector(testing::at_rest), v0, q);
+  EXPECT_EQ(flat.outcome, StageOutcome::retry);
+  EXPECT_FALSE(flat.reason.empty());
+  expect_same_everywhere(flat);
+  const auto sound = problem.solve(9.0, 1.0, problem.solid().vector(testing::at_rest), v0, q);
+  EXPECT_EQ(sound.outcome, StageOutcome::converged) << sound.reason;
+  expect_same_everywhere(sound);
+}
+
+// No inertia and no support: the matrix is singular. Not converged, or at the state of rest, but never stuck.
+TEST_F(Newton, AFloatingBodyUnderLoadIsToBeRetried) {
+  for (const auto kind : {LinearKind::cholesky, LinearKind::amg}) {
+    ProblemSpec spec;
+    spec.law = make_law("neo-hookean", 1e6, 0.3);
+    spec.loads = traction(1e4, 0.0, 0.0);
+    spec.linear = kind;
+    spec.newton.max_iterations = 10;
+    Problem problem(comm, mesh(2), spec);
+    const auto q = problem.solid().vector(testing::at_rest);
+    const auto report = problem.solve_static(q);
+    EXPECT_EQ(report.outcome, StageOutcome::retry);
+    expect_same_everywhere(report);
+  }
+}
+
+TEST_F(Newton, OutOfIterationsIsToBeRetried) {
+  ProblemSpec spec = clamped(make_law("neo-hookean", 1e6, 0.3));
+  spec.loads = traction(3e5, 0.0, 0.0);
+  spec.newton.max_iterations = 1;
+  Problem problem(comm, mesh(2), spec);
+  const auto q = problem.solid().vector(testing::at_rest);
+  const auto report = problem.solve_static(q);
+  EXPECT_EQ(report.outcome, StageOutcome::retry);
+  EXPECT_EQ(report.newton_iterations, 1);
+  EXPECT_NE(report.reason.find("iterations"), std::string::npos);
+}
+
+/// Says, from a time on, that every step away from the start is uphill, which its gradient does not know.
+class Liar final : public EnergyTerm {
+ public:
+  explicit Liar(const Solid& solid) : size_(3 * solid.layout().num_owned_nodes) {}
+  std::string_view name() const override { return "liar"; }
+  TermDeclaration declaration() const override { return {}; }
+  double value(const LocalStage& stage, std::span<const double> q) const override {
+    double away = 0.0;
+    for (PetscInt i = 0; i < size_; ++i) away += std::abs(q[i] - stage.q0[i]);
+    return stage.time > 1.5 ? 1e9 * away : 0.0;
+  }
+  void add_gradient(const LocalStage&, std::span<const double>, std::span<double>) const override {}
+  void add_hessian(const LocalStage&, std::span<const double>, const BlockWriter&, Projection) const override {}
+
+ private:
+  PetscInt size_;
+};
+
+// Also after a stage whose last step was tiny: SNES must not take that for the failed stage's convergence.
+TEST_F(Newton, ALineSearchWithoutDescentIsToBeRetried) {
+  ProblemSpec spec = clamped(make_law("neo-hookean", 1e6, 0.3));
+  spec.newton.relative = 1e-12;
+  spec.loads = [](const Solid& solid) {
+    auto terms = with_term<Liar>()(solid);
+    terms.push_back(solid.gravity(1000.0, {Expression(), Expression(), Expression("-10*t")}));
+    return terms;
+  };
+  Problem problem(comm, mesh(2), spec);
+  const auto v0 = problem.solid().vector(testing::at_rest), q = problem.solid().vector(testing::at_rest);
+  const auto sound = problem.solve(1.0, 1.0, problem.solid().vector(testing::at_rest), v0, q);
+  ASSERT_EQ(sound.outcome, StageOutcome::converged) << sound.reason;
+  const auto q0 = testing::moved(q.get(), 0.0, q.get());
+  const auto report = problem.solve(2.0, 1.0, q0, v0, q);
+  EXPECT_EQ(report.outcome, StageOutcome::retry) << report.reason;
+  expect_same_everywhere(report);
+}
+
+TEST_F(Newton, CholeskyAndMultigridAgree) {
+  const auto file = mesh(4, Shape::jittered);
+  for (const int order : {1, 2}) {
+    std::array<Handle<Vec>, 2> q;
+    std::array<std::unique_ptr<Problem>, 2> problems;
+    for (const int i : {0, 1}) {
+      ProblemSpec spec = clamped(make_law("neo-hookean", 1e6, 0.4));
+      spec.order = order;
+      spec.newton.relative = 1e-11;
+      spec.linear = i == 0 ? LinearKind::cholesky : LinearKind::amg;
+      spec.loads = traction(1e5, 2e4, -5e4);
+      problems[i] = std::make_unique<Problem>(comm, file, spec);
+      q[i] = problems[i]->solid().vector(testing::at_rest);
+      const auto report = problems[i]->solve_static(q[i]);
+      ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
+    }
+    EXPECT_LE(testing::distance(q[0].get(), q[1].get()), 1e-7 * testing::norm(q[0].get()));
+  }
+}
+
+// Nothing asked for but zero: it stops where rounding begins, and says so.
+TEST_F(Newton, StopsAtTheRoundingFloor) {
+  for (const auto* name : {"linear", "saint-venant-kirchhoff", "neo-hookean"}) {
+    for (const int order : {1, 2}) {
+      ProblemSpec spec = clamped(make_law(name, 1e9, 0.45));
+      spec.order = order;
+      spec.newton.relative = 0.0;
+      spec.loads = traction(1e7, 0.0, 2e6);
+      Problem problem(comm, mesh(3), spec);
+      const auto q = problem.solid().vector(testing::at_rest);
+      const auto report = problem.solve_static(q);
+      ASSERT_EQ(report.outcome, StageOutcome::converged) << name << order << ": " << report.reason;
+      EXPECT_EQ(problem.statistics().rounding_stops, 1);
+      EXPECT_LE(report.newton_iterations, 8);
+      const Handle<Vec> r = problem.potential().make_vector();
+      problem.potential().gradient(q.get(), r.get());
+      EXPECT_LE(testing::norm(r.get()), 1e-12 * problem.potential().force_scale(q.get()));
+    }
+  }
+}
+
+// A body under a large constant load whose load grows a little: the energies compared are differences from the start,
+// beside which the strain energy itself is larger by 1e12 and more.
+TEST_F(Newton, SmallLoadIncrementsOnAPrestressedBodyConverge) {
+  for (const auto* name : {"saint-venant-kirchhoff", "neo-hookean"}) {
+    for (const double growth : {1e-2, 1e-4, 1e-6, 1e-8}) {
+      ProblemSpec spec = clamped(make_law(name, 1e6, 0.3));
+      spec.newton.relative = 1e-12;
+      spec.loads = traction(2e5, 0.0, 3e4);
+      Problem problem(comm, mesh(3), spec);
+      const auto v0 = problem.solid().vector(testing::at_rest), q = problem.solid().vector(testing::at_rest);
+      ASSERT_EQ(problem.solve_static(q).outcome, StageOutcome::converged);
+      const auto q0 = testing::moved(q.get(), 0.0, q.get());
+      const auto before = problem.statistics();
+      const auto report = problem.solve(2.0, 1.0, q0, v0, q, 1.0 + growth);
+      ASSERT_EQ(report.outcome, StageOutcome::converged) << name << " " << growth << ": " << report.reason;
+      EXPECT_LE(report.newton_iterations, 4) << growth;
+      EXPECT_EQ(problem.statistics().backtracks - before.backtracks, 0) << name << " " << growth;
+      EXPECT_EQ(problem.statistics().projections - before.projections, 0) << name << " " << growth;
+      const double moved = testing::distance(q.get(), q0.get());
+      EXPECT_GT(moved, 0.1 * growth * testing::norm(q0.get()));
+      EXPECT_LT(moved, 10.0 * growth * testing::norm(q0.get()));
+    }
+  }
+}
+
+// The same in motion: a body at rest in its strained state, and a step in which almost nothing happens.
+TEST_F(Newton, ShortStepsOfAPrestressedBodyConverge) {
+  ProblemSpec spec = clamped(make_law("neo-hookean", 1e6, 0.3));
+  spec.newton.relative = 1e-12;
+  spec.loads = traction(2e5, 0.0, 3e4);
+  Problem still(comm, mesh(3), spec);
+  const auto q0 = still.solid().vector(testing::at_rest);
+  ASSERT_EQ(still.solve_static(q0).outcome, StageOutcome::converged);
+  spec.density = 1000.0;
+  spec.newton.relative = 1e-8;
+  Problem moving(comm, mesh(3), spec);
+  const auto q = moving.solid().vector(testing::at_rest);
+  for (const double dt : {1e-2, 1e-4, 1e-6}) {
+    for (const double speed : {0.0, 1e-6, 1.0}) {
+      const auto v0 = moving.solid().vector([=](const Point& x) { return Point{0.0, speed * x[0], 0.0}; });
+      const auto start = testing::moved(q0.get(), 0.0, q0.get());
+      const auto report = moving.solve(1.0, dt, start, v0, q, 1.0);
+      ASSERT_EQ(report.outcome, StageOutcome::converged) << dt << " " << speed << ": " << report.reason;
+      EXPECT_LE(report.newton_iterations, 4) << dt << " " << speed;
+    }
+  }
+  EXPECT_EQ(moving.statistics().backtracks, 0);
+}
+
+// Nothing to do: no forces at all, or the solution already there.
+TEST_F(Newton, ABodyAtRestTakesNoIteration) {
+  Problem problem(comm, mesh(2), clamped(make_law("neo-hookean", 1e6, 0.3)));
+  const auto q = problem.solid().vector(testing::at_rest);
+  const auto report = problem.solve_static(q);
+  EXPECT_EQ(report.outcome, StageOutcome::converged);
+  EXPECT_EQ(report.newton_iterations, 0);
+  EXPECT_EQ(testing::norm(q.get()), 0.0);
+}
+
+// Free fall: the guess q0 + dt v0 - dt^2 g is not far, and the body is not strained by it.
+TEST_F(Newton, FreeFallIsExact) {
+  ProblemSpec spec;
+  spec.law = make_law("neo-hookean", 1e6, 0.3);
+  spec.density = 1000.0;
+  spec.loads = [](const Solid& solid) {
+    std::vector<std::unique_ptr<EnergyTerm>> loads;
+    loads.push_back(solid.gravity(1000.0, {Expression(), Expression(), Expression(-9.81)}));
+    return loads;
+  };
+  Problem problem(comm, mesh(2), spec);
+  const auto q0 = problem.solid().vector([](const Point&) { return Point{0.0, 0.0, 100.0}; });
+  const auto v0 = problem.solid().vector([](const Point&) { return Point{3.0, 0.0, -20.0}; });
+  const auto q = problem.solid().vector(testing::at_rest);
+  const double dt = 0.1;
+  const auto report = problem.solve(dt, dt, q0, v0, q);
+  ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
+  EXPECT_LE(report.newton_iterations, 2);
+  const Field exact = [=](const Point&) { return Point{3.0 * dt, 0.0, 100.0 - 20.0 * dt - 9.81 * dt * dt}; };
+  EXPECT_LE(testing::deviation(problem.solid(), q.get(), exact), 1e-9);
+}
+
+}  // namespace
+}  // namespace pliant
