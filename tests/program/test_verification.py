@@ -1,0 +1,100 @@
+#!/usr/bin/python3
+"""The quick cases of input/verification keep to their published numbers; docs/verification.md says where those come from."""
+import unittest
+
+import h5py
+import numpy as np
+
+from program import ROOT, ProgramTest, write_box
+
+INPUTS = ROOT / "input/verification"
+
+
+class Verification(ProgramTest):
+    def history(self, case, *settings, ranks=1):
+        return self.run_input(INPUTS / f"{case}.yaml", *settings, ranks=ranks)
+
+    def assert_close(self, value, expected, relative):
+        self.assertAlmostEqual(value / expected, 1, delta=relative)
+
+    def frames(self):
+        with h5py.File(self.directory / "out/result.h5") as file:
+            names = sorted(file["frames"])
+            mesh = {name: file["mesh"][name][()] for name in ("coordinates", "cells")}
+            return mesh, [{name: data[()] for name, data in file["frames"][frame].items()} for frame in names]
+
+    def test_turek_hron_statics(self):
+        # 70 x 4 elements along and across: the error halves twice with the next mesh.
+        for case, ux, uy in (("turek_hron_csm1", -7.187e-3, -66.10e-3), ("turek_hron_csm2", -0.4690e-3, -16.97e-3)):
+            with self.subTest(case):
+                h = self.history(case, ranks=2)
+                self.assert_close(h["A_x"][-1] - 0.6, ux, 3e-3)
+                self.assert_close(h["A_y"][-1] - 0.2, uy, 2e-3)
+
+    def test_turek_hron_dynamics(self):
+        # A fifth of the period; within the difference of two time integrators at this step.
+        h = self.history("turek_hron_csm3", "time.end=0.2")
+        self.assertEqual(len(h["time"]), 81)
+        self.assert_close(h["A_x"][-1] - 0.6, -4.3498e-3, 3e-3)
+        self.assert_close(h["A_y"][-1] - 0.2, -52.011e-3, 1e-3)
+
+    def test_cooks_membrane(self):
+        h = self.history("cooks_membrane")
+        self.assert_close(h["end_y"][-1] - 0.052, 14.505e-3, 2e-3)
+        self.assertAlmostEqual(h["clamp_fy"][-1], -1, delta=1e-7)
+
+    def test_bent_cube(self):
+        # dolfinx, the same mesh and quadrature.
+        h = self.history("bent_cube", "solver.newton.relative=1e-11")
+        self.assert_close(h["elastic_energy"][-1], 2.190388296086e-1, 1e-10)
+        for axis, expected in zip("xyz", (1.09436176, 0.95054436, -0.14346301)):
+            self.assertAlmostEqual(h[f"corner_{axis}"][-1], expected, delta=2e-8)
+        # Finer: the independent code integrates by another rule.
+        for n, energy in ((4, 2.192716468225e-1), (8, 2.207060693174e-1)):
+            points_per_side = write_box(self.directory / "cube.msh", (n, n, n))
+            h = self.history("bent_cube", f"mesh.file={points_per_side}", "constraints.0.surface=left")
+            self.assert_close(h["elastic_energy"][-1], energy, 2e-3)
+
+    def test_rotation_and_stretch(self):
+        h = self.history("rotation_and_stretch", ranks=2)
+        turned, stretched, end = (np.argmin(np.abs(h["time"] - t)) for t in (1, 2, 3))
+        self.assertLess(h["elastic_energy"][: turned + 1].max(), 1e-10)
+        np.testing.assert_allclose([h[f"end_{c}"][turned] for c in "xyz"], [-0.5, 1, 0.5], atol=1e-12)
+        self.assertAlmostEqual(h["end_y"][stretched], 1.1, delta=1e-8)
+        np.testing.assert_allclose([h[f"end_{c}"][end] for c in "xyz"], [-0.5, 1, 0.5], atol=1e-12)
+        _, frames = self.frames()
+        stress = frames[stretched]["cauchy_stress"]  # xx yy zz xy yz xz; the axis lies along y now
+        np.testing.assert_allclose(stress[:, 1], 31096.154e6, rtol=1e-7)
+        np.testing.assert_allclose(stress[:, [0, 2]], 11013.986e6, rtol=1e-7)
+        np.testing.assert_allclose(stress[:, 3:], 0, atol=1e3)
+
+    def test_pulled_cube(self):
+        h = self.history("pulled_cube")
+        self.assert_close(h["elastic_energy"][-1], 4.065814263543e2, 1e-11)
+        mesh, frames = self.frames()
+        u, cells = frames[-1]["displacement"], mesh["cells"]
+        corners = mesh["coordinates"][cells]
+        edges = corners[:, 1:] - corners[:, :1]
+        volumes = np.abs(np.linalg.det(edges)) / 6
+        middle = u[cells].mean(axis=1)
+        gradient = np.linalg.solve(edges, u[cells][:, 1:] - u[cells][:, :1])
+        self.assert_close(np.sqrt((volumes * (middle**2).sum(axis=1)).sum()), 0.06019896863581861, 1e-9)
+        self.assert_close(np.sqrt((volumes * (gradient**2).sum(axis=(1, 2))).sum()), 0.21798642314867062, 1e-9)
+        self.assert_close(np.linalg.norm(middle, axis=1).max(), 0.08992836526, 1e-9)
+        self.assert_close(self.history("pulled_cube", "element=P2")["elastic_energy"][-1], 3.904527566047e2, 1e-11)
+
+    def test_beam_theory(self):
+        h = self.history("slender_beam")
+        self.assert_close(h["tip_z"][-1] - 0.1, -2.56e-3, 1e-3)
+
+    def test_axial_vibration(self):
+        h = self.history("axial_vibration")
+        u, t = h["end_x"] - 1, h["time"]
+        self.assert_close(h["elastic_energy"][0], 2.467401e-2, 1e-5)
+        zero = [t[k] - u[k] * (t[k + 1] - t[k]) / (u[k + 1] - u[k]) for k in range(len(t) - 1) if u[k] * u[k + 1] < 0]
+        # BDF2 lengthens a period by (w dt)^2 / 3 of it.
+        self.assert_close(2 * (zero[1] - zero[0]), 0.126491 * (1 + (49.673 * 0.5e-3) ** 2 / 3), 1e-4)
+
+
+if __name__ == "__main__":
+    unittest.main()
