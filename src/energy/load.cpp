@@ -115,7 +115,6 @@ DeadLoad::DeadLoad(const NodeLayout& layout, LoadSamples samples, std::array<Exp
       size_(3 * static_cast<std::size_t>(layout.num_local_nodes)),
       value_(std::move(value)),
       samples_(std::move(samples)) {
-  for (const double w : samples_.weights) total_weight_ += std::abs(w);
   if (variation_of(value_) == Variation::uniform) {
     nodal_weights_.assign(layout.num_local_nodes, 0.0);
     for (std::size_t p = 0; p < samples_.weights.size(); ++p) {
@@ -134,10 +133,6 @@ DeadLoad::DeadLoad(const NodeLayout& layout, LoadSamples samples, std::array<Exp
 
 bool DeadLoad::depends_on_time() const {
   return std::any_of(value_.begin(), value_.end(), [](const Expression& e) { return e.depends_on_time(); });
-}
-
-double DeadLoad::total_weight() const {
-  return total_weight_;
 }
 
 std::vector<double> DeadLoad::sampled(double time) const {

@@ -45,8 +45,6 @@ class DeadLoad final : public EnergyTerm {
 
   /// Nodal forces at a time, rows of owned nodes [N].
   std::vector<double> forces(double time) const;
-  /// sum of |weights| on this rank: area, or mass.
-  double total_weight() const;
   bool depends_on_time() const;
 
  private:
@@ -58,7 +56,6 @@ class DeadLoad final : public EnergyTerm {
   LoadSamples samples_;                // kept only if the load varies in space and time
   std::vector<double> nodal_weights_;  // if it is uniform in space
   std::vector<double> constant_;       // if it varies in space alone
-  double total_weight_ = 0.0;
 };
 
 }  // namespace pliant
