@@ -34,7 +34,7 @@ class Masses : public ::testing::TestWithParam<MassCase> {
   std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam().body); });
   Solid solid_{comm, file_, GetParam().body.order, 2};
   std::unique_ptr<Inertia> inertia_ = solid_.inertia(density, GetParam().mass);
-  const double volume_ = GetParam().body.volume();
+  double volume_ = GetParam().body.volume();
 };
 
 INSTANTIATE_TEST_SUITE_P(Bodies, Masses,

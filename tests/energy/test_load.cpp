@@ -38,7 +38,7 @@ class Loads : public ::testing::TestWithParam<BodySpec> {
   Scratch scratch_{comm};
   std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam()); });
   Solid solid_{comm, file_, GetParam().order, 2};
-  const bool is_curved_ = GetParam().shape == Shape::curved;
+  bool is_curved_ = GetParam().shape == Shape::curved;
 };
 
 INSTANTIATE_TEST_SUITE_P(Bodies, Loads,
