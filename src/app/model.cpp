@@ -135,8 +135,15 @@ void Model::build_terms(const Config& config) {
   } else {
     build_cells<2>(config);
   }
+  const double first_time = analysis_of(config) == Analysis::static_equilibrium ? config.time.end : 0.0;
   for (auto& [samples, load] : dead) {
     loads_.push_back(std::make_unique<DeadLoad>(layout_, std::move(samples), load->value));
+    on_every_rank(layout_.comm, [&, where = load->where] {
+      const auto f = loads_.back()->forces(first_time);
+      if (!std::all_of(f.begin(), f.end(), [](double x) { return std::isfinite(x); })) {
+        throw InputError(where, fmt::format("the load is not finite at t = {:g}", first_time));
+      }
+    });
   }
 
   // Supports: entries under the name of the first constraint that claims them.

@@ -58,6 +58,7 @@ BAD_LINES = {
     "condition on nothing": ("constraints", 'constraints: [{where: @"x > 7", displacement: [0, 0, 0]}]', "no node"),
     "traction on nothing": ("loads", 'loads: [{where: @"x > 7", traction: [0, 0, 1]}]', "no facet"),
     "traction inside": ("loads", 'loads: [{where: @"abs(x - 0.5) < 1e-9", traction: [0, 0, 1]}]', "no facet"),
+    "a load without end": ("loads", 'loads: [@{gravity: [0, 0, "1/t"]}]', "not finite at t = 0"),
     "constraints at odds": ("constraints", "constraints: [{surface: left, displacement: [0, 0, 0]}, "
                             "{surface: right, displacement: [0.1, 0, 0]}, @{surface: top, displacement: [0, 0, 0]}]",
                             "'right' and .*'top'|'top' and .*'right'"),
