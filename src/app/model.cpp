@@ -113,7 +113,9 @@ void Model::build_terms(const Config& config) {
       for (PetscInt c = 0; c < layout_.num_local_cells; ++c) {
         if (inside[c] && body_of_cell_[c] >= 0) density[c] = densities_[body_of_cell_[c]];
       }
-      dead.push_back({cell_samples(layout_, density, variation), &load});
+      const bool lumped = config.mass == MassKind::lumped;
+      dead.push_back(
+          {lumped ? lumped_cell_samples(layout_, density) : cell_samples(layout_, density, variation), &load});
     }
   }
   prescribed_ =

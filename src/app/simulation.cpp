@@ -271,10 +271,10 @@ class Run {
                     recorder_->seconds(), total - known));
     console_.print(
         fmt::format("newton: {} iterations in {} stages; {} factorizations, {} linear iterations, {} step lengths "
-                    "refused, {} steps "
-                    "capped before inversion, {} Hessians projected, {} stages ended at rounding, {} steps repeated",
+                    "refused, {} steps capped before inversion, {} Hessians projected, {} shifted, {} stages ended at "
+                    "rounding, {} steps repeated",
                     s.newton_iterations, s.stages, s.factorizations, s.linear_iterations, s.backtracks, s.capped_steps,
-                    s.projections, s.rounding_stops, rejected_));
+                    s.projections, s.regularizations, s.rounding_stops, rejected_));
     if (worst_.newton_iterations >= 0) {
       console_.print(fmt::format("worst step: {} at {} = {:.6g} with {} Newton iterations", worst_.step, variable(),
                                  worst_.time, worst_.newton_iterations));

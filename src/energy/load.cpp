@@ -84,6 +84,54 @@ LoadSamples cell_samples_of(const NodeLayout& layout, const std::vector<double>&
   return sampler.take();
 }
 
+/// The position derivatives dX/dxi_k of a cell.
+template <int Order>
+std::array<Point, 3> mapping_columns(const NodeLayout& layout, std::span<const PetscInt> nodes, const Point& xi) {
+  const auto dN = Tet<Order>::gradients(xi);
+  std::array<Point, 3> columns{};
+  for (std::size_t a = 0; a < dN.size(); ++a) {
+    const Point X = layout.position(nodes[a]);
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k) columns[k][i] += X[i] * dN[a][k];
+    }
+  }
+  return columns;
+}
+
+template <int Order>
+LoadSamples lumped_samples_of(const NodeLayout& layout, const std::vector<double>& factor_of_cell) {
+  constexpr int n = Tet<Order>::num_nodes;
+  const auto straight = simplex_rule<3>(2 * Order), curved = simplex_rule<3>(5 * Order - 3);
+  LoadSamples samples;
+  samples.nodes_per_item = samples.points_per_item = n;
+  for (int a = 0; a < n; ++a) {
+    samples.shapes.emplace_back(n, 0.0);
+    samples.shapes.back()[a] = 1.0;
+  }
+  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
+    if (factor_of_cell[c] == 0.0) continue;
+    const auto nodes = layout.nodes_of_cell(c);
+    const auto& rule = layout.cell_is_affine[c] ? straight : curved;
+    std::array<double, n> squares{};  // int N_a^2
+    double volume = 0.0, sum_of_squares = 0.0;
+    for (int q = 0; q < rule.size(); ++q) {
+      const auto N = Tet<Order>::values(rule.points[q]);
+      const double weight = rule.weights[q] * measure(mapping_columns<Order>(layout, nodes, rule.points[q]));
+      volume += weight;
+      for (int a = 0; a < n; ++a) {
+        squares[a] += weight * N[a] * N[a];
+        sum_of_squares += weight * N[a] * N[a];
+      }
+    }
+    samples.nodes.insert(samples.nodes.end(), nodes.begin(), nodes.end());
+    for (int a = 0; a < n; ++a) {
+      samples.points.push_back(layout.position(nodes[a]));
+      samples.weights.push_back(factor_of_cell[c] * volume * squares[a] / sum_of_squares);
+    }
+  }
+  return samples;
+}
+
 template <int Order>
 LoadSamples facet_samples_of(const NodeLayout& layout, const FacetList& facets, Variation variation) {
   Sampler<2, Order> sampler(layout, variation);
@@ -98,6 +146,11 @@ LoadSamples facet_samples_of(const NodeLayout& layout, const FacetList& facets, 
 LoadSamples cell_samples(const NodeLayout& layout, const std::vector<double>& factor_of_cell, Variation variation) {
   return layout.order == 1 ? cell_samples_of<1>(layout, factor_of_cell, variation)
                            : cell_samples_of<2>(layout, factor_of_cell, variation);
+}
+
+LoadSamples lumped_cell_samples(const NodeLayout& layout, const std::vector<double>& factor_of_cell) {
+  return layout.order == 1 ? lumped_samples_of<1>(layout, factor_of_cell)
+                           : lumped_samples_of<2>(layout, factor_of_cell);
 }
 
 LoadSamples facet_samples(const NodeLayout& layout, const FacetList& facets, Variation variation) {

@@ -26,6 +26,10 @@ enum class Variation { uniform, in_space };
 /// Samples of cells, each weighted by `factor_of_cell` (e.g. a density); a factor of zero leaves the cell out.
 LoadSamples cell_samples(const NodeLayout& layout, const std::vector<double>& factor_of_cell, Variation variation);
 
+/// The same for bodies of lumped mass: at the nodes, each weighted by its share of the cell's mass as the lumped
+/// inertia has it, so that a body falls without shaking.
+LoadSamples lumped_cell_samples(const NodeLayout& layout, const std::vector<double>& factor_of_cell);
+
 /// Samples of facets.
 LoadSamples facet_samples(const NodeLayout& layout, const FacetList& facets, Variation variation);
 
