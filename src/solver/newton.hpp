@@ -69,7 +69,12 @@ class NewtonSolver {
   void regularize();
   void factorize();
   void linearize(Vec q);
+  /// SNES's line search: along the direction y (q goes to q - y), from one rung of the ladder to the next.
   void search_line(SNESLineSearch search);
+  /// Goes along -y as far as it helps; false if no step length does. `slope`: of Phi along -y.
+  bool step_along(Vec y, double slope, SNESLineSearch search);
+  /// Makes the linear system safer by one rung; false if there is none left.
+  bool climb(Vec q);
   bool descends(Vec r, Vec y, double& slope);
   void solve_linear(Vec r, Vec y);
   SNESConvergedReason judge(PetscInt iteration, double residual);
