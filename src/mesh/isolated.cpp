@@ -58,6 +58,7 @@ class Unpacker {
  private:
   void take(void* to, std::size_t size) {
     if (size > bytes_.size()) throw std::runtime_error("the answer of the meshing process is incomplete");
+    if (size == 0) return;  // memcpy takes no null pointers
     std::memcpy(to, bytes_.data(), size);
     bytes_.remove_prefix(size);
   }
