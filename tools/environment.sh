@@ -5,8 +5,6 @@
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 # A rank that waits lets others run: on a busy machine that is several times faster, on an idle one it costs nothing.
 export OMPI_MCA_mpi_yield_when_idle="${OMPI_MCA_mpi_yield_when_idle:-1}"
-# An interrupted run ends between two steps and closes its files: mpirun gives it a minute for that.
-export OMPI_MCA_odls_base_sigkill_timeout="${OMPI_MCA_odls_base_sigkill_timeout:-60}"
 # Open MPI refuses to start as root unless told twice.
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 
