@@ -40,7 +40,7 @@ void Ledger::measure(Vec q, Vec v) {
   const PetscInt num_owned = 3 * model_.layout().num_owned_nodes;
 
   std::array<double, 9> local{};
-  for (const auto& term : model_.elastic()) local[0] += term->energy(u.span());
+  for (const auto& term : model_.elastic()) local[0] += term->energy(u.span(), {});
   for (const auto& load : model_.loads()) {
     if (counts_by_work(*load)) continue;
     const auto f = load->forces(0.0);

@@ -190,11 +190,11 @@ void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
       }
     }
   }
-  prescribed_->motion().complete_step(0.0, q, v);
+  prescribed_->motion().complete_step({0.0, config.time.step}, q, v);
   update_ghosts(q);
   const ConstGhostedView at(q);
   double energy = 0.0;
-  for (const auto& term : elastic_) energy += term->energy(at.span());
+  for (const auto& term : elastic_) energy += term->energy(at.span(), {});
   if (!std::isfinite(sum(layout_.comm, energy))) {
     throw InputError({config.file, 0, 0},
                      "the initial displacement, or a prescribed one at t = 0, turns tetrahedra inside out; start from "

@@ -72,7 +72,7 @@ class LoadAdvance final : public Advance {
     check(VecSet(start_velocity_.get(), 0.0));
     StepAttempt result;
     result.time = step.time;
-    result.last_stage = {time_, 1.0, start_.get(), start_velocity_.get(), step.time};
+    result.last_stage = {time_, 1.0, start_.get(), start_velocity_.get(), step.time, time_ - 1.0};
     motion_.start_stage(result.last_stage, q_.get());
     result.report = solve_(result.last_stage, q_.get());
     result.q = result.last_q = q_.get();

@@ -96,7 +96,7 @@ class ElasticTermOf final : public ElasticTerm {
     });
   }
 
-  double energy(std::span<const double> q) const override {
+  double energy(std::span<const double> q, std::span<const double> /*z*/) const override {
     return integrate([&](const auto& batch) {
       return [this, u = gather<Order>(batch, q.data())](const auto& dN, const Tensor3<Pack>& inverse_jacobian) {
         return law_.psi(displacement_gradient<Order>(u, dN, inverse_jacobian));

@@ -23,8 +23,6 @@ struct CellStress {
 /// are inlined.
 class ElasticTerm : public EnergyTerm {
  public:
-  /// Strain energy of the owned cells [J].
-  virtual double energy(std::span<const double> q) const = 0;
   /// Calls `visit(local cell, stress)` for each owned cell.
   virtual void stresses(std::span<const double> q,
                         const std::function<void(PetscInt, const CellStress&)>& visit) const = 0;

@@ -17,6 +17,8 @@ IncrementalPotential::IncrementalPotential(const NodeLayout& layout, const Block
       terms_(std::move(terms)),
       prescribed_(prescribed),
       elimination_(layout, pattern, prescribed_) {
+  first_internal_.push_back(0);
+  for (const EnergyTerm* term : terms_) first_internal_.push_back(first_internal_.back() + term->num_internal());
   for (Handle<Vec>* v : {&q_, &d_, &q0_, &v0_, &work_, &diagonal_}) *v = pliant::make_vector(layout);
 }
 
@@ -33,13 +35,27 @@ void IncrementalPotential::clear_prescribed(std::span<double> r) const {
 }
 
 void IncrementalPotential::begin_stage(const StagePoint& stage) {
-  stage_ = {stage.time, stage.dt, stage.load_factor, local(stage.q0, q0_), local(stage.v0, v0_)};
+  stage_ = {stage.time, stage.dt, stage.load_factor, local(stage.q0, q0_), local(stage.v0, v0_), {}};
+  z0_ = stage.z0;
+}
+
+std::span<double> IncrementalPotential::slice(std::span<double> z, std::size_t k) const {
+  return z.subspan(first_internal_[k], first_internal_[k + 1] - first_internal_[k]);
+}
+
+const LocalStage& IncrementalPotential::stage_of(std::size_t k) {
+  stage_.z0 = {};
+  if (z0_ != nullptr) {
+    const ConstArrayView z0(z0_);  // the memory stays where it is while the vector lives
+    stage_.z0 = z0.span().subspan(first_internal_[k], first_internal_[k + 1] - first_internal_[k]);
+  }
+  return stage_;
 }
 
 double IncrementalPotential::value(Vec q) {
   const auto at = local(q, q_);
   double mine = 0.0;
-  for (const EnergyTerm* term : terms_) mine += term->value(stage_, at);
+  for (std::size_t k = 0; k < terms_.size(); ++k) mine += terms_[k]->value(stage_of(k), at);
   const double total = sum(layout_.comm, mine);
   return std::isfinite(total) ? total : std::numeric_limits<double>::infinity();
 }
@@ -49,7 +65,7 @@ void IncrementalPotential::gradient_with_reactions(Vec q, Vec r) {
   {
     const GhostedView rows(work_.get());
     std::fill(rows.span().begin(), rows.span().end(), 0.0);
-    for (const EnergyTerm* term : terms_) term->add_gradient(stage_, at, rows.span());
+    for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k]->add_gradient(stage_of(k), at, rows.span());
   }
   check(VecCopy(work_.get(), r));
 }
@@ -63,11 +79,11 @@ void IncrementalPotential::gradient(Vec q, Vec r) {
 double IncrementalPotential::force_scale(Vec q) {
   const auto at = local(q, q_);
   double scale = 0.0;
-  for (const EnergyTerm* term : terms_) {
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
     {
       const GhostedView rows(work_.get());
       std::fill(rows.span().begin(), rows.span().end(), 0.0);
-      term->add_gradient(stage_, at, rows.span());
+      terms_[k]->add_gradient(stage_of(k), at, rows.span());
       clear_prescribed(rows.span());
     }
     PetscReal norm = 0.0;
@@ -82,7 +98,7 @@ void IncrementalPotential::hessian(Vec q, Mat K, Projection projection) {
   {
     BlockWriter writer(pattern_, K);
     writer.zero();
-    for (const EnergyTerm* term : terms_) term->add_hessian(stage_, at, writer, projection);
+    for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k]->add_hessian(stage_of(k), at, writer, projection);
     writer.finish();
   }
   check(MatGetDiagonal(K, diagonal_.get()));
@@ -118,8 +134,60 @@ double IncrementalPotential::rounding_floor(Vec q) const {
   return std::numeric_limits<double>::epsilon() * std::sqrt(sum(layout_.comm, squares));
 }
 
-bool IncrementalPotential::is_potential() const {
-  return std::all_of(terms_.begin(), terms_.end(), [](const EnergyTerm* t) { return t->declaration().is_potential; });
+std::vector<std::string> IncrementalPotential::non_potentials() const {
+  std::vector<std::string> names;
+  for (const EnergyTerm* term : terms_) {
+    if (term->declaration().is_potential || std::ranges::find(names, term->name()) != names.end()) continue;
+    names.emplace_back(term->name());
+  }
+  return names;
+}
+
+Symmetry IncrementalPotential::symmetry() const {
+  const auto is_unsymmetric = [](const EnergyTerm* t) { return t->declaration().symmetry == Symmetry::unsymmetric; };
+  return std::ranges::any_of(terms_, is_unsymmetric) ? Symmetry::unsymmetric : Symmetry::symmetric;
+}
+
+std::vector<double> IncrementalPotential::powers(Vec q, Vec v, Vec r) {
+  const auto at = local(q, q_);
+  std::vector<double> result(terms_.size(), 0.0);
+  check(VecZeroEntries(r));
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    {
+      const GhostedView rows(work_.get());
+      std::fill(rows.span().begin(), rows.span().end(), 0.0);
+      terms_[k]->add_gradient(stage_of(k), at, rows.span());
+    }
+    PetscScalar power = 0.0;
+    check(VecDot(work_.get(), v, &power));
+    result[k] = -power;
+    check(VecAXPY(r, 1.0, work_.get()));
+  }
+  return result;
+}
+
+Handle<Vec> IncrementalPotential::make_internal() const {
+  Handle<Vec> z;
+  const auto size = static_cast<PetscInt>(first_internal_.back());
+  if (sum(layout_.comm, static_cast<PetscInt64>(size)) == 0) return z;
+  check(VecCreateMPI(layout_.comm, size, PETSC_DECIDE, z.out()));
+  return z;
+}
+
+InternalVariables IncrementalPotential::internal_variables() {
+  InternalVariables internal;
+  internal.end_stage = [this](const StagePoint& stage, Vec q, Vec z) {
+    begin_stage(stage);
+    const auto at = local(q, q_);
+    const ArrayView values(z);
+    for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k]->end_stage(stage_of(k), at, slice(values.span(), k));
+  };
+  internal.complete_step = [this](Vec q, Vec z) {
+    const auto at = local(q, q_);
+    const ArrayView values(z);
+    for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k]->complete_step(at, slice(values.span(), k));
+  };
+  return internal;
 }
 
 }  // namespace pliant

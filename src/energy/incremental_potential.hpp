@@ -1,7 +1,7 @@
 /// The incremental potential of a stage: the sum of its terms over all ranks, with prescribed entries eliminated.
 #pragma once
 
-#include "energy/term.hpp"
+#include "energy/stage_equation.hpp"
 #include "fem/block_matrix.hpp"
 #include "fem/layout.hpp"
 #include "time/stage.hpp"
@@ -11,43 +11,52 @@
 
 namespace pliant {
 
-/// Phi(q) = sum of terms(q); docs: dynamics, "Mechanics". All methods are collective and give every rank the same
-/// answer, NaN and infinity included, so that no rank decides alone. Works on vectors of make_vector(layout).
-class IncrementalPotential {
+/// Phi(q) = sum of terms(q); docs: dynamics, "Mechanics". Works on vectors of make_vector(layout).
+class IncrementalPotential final : public StageEquation {
  public:
   /// `prescribed`: one flag per local entry. The references and terms outlive the object.
   IncrementalPotential(const NodeLayout& layout, const BlockPattern& pattern, std::vector<const EnergyTerm*> terms,
                        const std::vector<char>& prescribed);
 
   /// The stage that all following calls speak of.
-  void begin_stage(const StagePoint& stage);
+  void begin_stage(const StagePoint& stage) override;
 
   /// Phi(q) - Phi(q0) [J]; +inf where a barrier is crossed or a number is not finite.
-  double value(Vec q);
+  double value(Vec q) override;
   /// r = dPhi/dq [N], zero on prescribed entries.
-  void gradient(Vec q, Vec r);
+  void gradient(Vec q, Vec r) override;
   /// The same with what it takes to hold the prescribed entries: the reactions stand there.
   void gradient_with_reactions(Vec q, Vec r);
+  /// The same, and the power of each term's forces, -dPhi_k/dq . v summed over all entries, reduced over ranks [W].
+  std::vector<double> powers(Vec q, Vec v, Vec r);
   /// A zero matrix for the Hessian, with the rigid-body modes as its near-null space.
-  Handle<Mat> make_hessian() const;
+  Handle<Mat> make_hessian() const override;
   /// K = d2Phi/dq2 [N/m]; rows and columns of prescribed entries are zero but for the diagonal.
-  void hessian(Vec q, Mat K, Projection projection);
+  void hessian(Vec q, Mat K, Projection projection) override;
   /// The largest alpha for which q + alpha d stays clear of all barriers.
-  double max_step(Vec q, Vec d);
+  double max_step(Vec q, Vec d) override;
   /// Sum over the terms of the norms of their gradients on free entries [N]: the size of the forces that must balance.
-  double force_scale(Vec q);
+  double force_scale(Vec q) override;
   /// Size of the rounding errors in the gradient at q [N]: |eps K_ii u_i|, with the diagonal of the last Hessian.
-  double rounding_floor(Vec q) const;
+  double rounding_floor(Vec q) const override;
 
-  bool is_potential() const;
-  const std::vector<char>& prescribed() const { return prescribed_; }
-  PetscInt num_unknowns() const { return 3 * layout_.num_global_nodes; }
-  MPI_Comm comm() const { return layout_.comm; }
-  /// A zero vector of the unknowns.
-  Handle<Vec> make_vector() const { return pliant::make_vector(layout_); }
+  std::vector<std::string> non_potentials() const override;
+  Symmetry symmetry() const override;
+  const std::vector<char>& prescribed() const override { return prescribed_; }
+  PetscInt num_unknowns() const override { return 3 * layout_.num_global_nodes; }
+  MPI_Comm comm() const override { return layout_.comm; }
+  Handle<Vec> make_vector() const override { return pliant::make_vector(layout_); }
+
+  /// A vector for the internal variables of all terms, zero; nullptr if there are none.
+  Handle<Vec> make_internal() const;
+  /// The hooks of the time layer; they refer to this object.
+  InternalVariables internal_variables();
 
  private:
   std::span<const double> local(Vec q, const Handle<Vec>& work);
+  /// The stage as the k-th term sees it.
+  const LocalStage& stage_of(std::size_t k);
+  std::span<double> slice(std::span<double> z, std::size_t k) const;
   void clear_prescribed(std::span<double> r) const;
 
   const NodeLayout& layout_;
@@ -56,6 +65,8 @@ class IncrementalPotential {
   std::vector<char> prescribed_;
   RowElimination elimination_;
   LocalStage stage_;
+  std::vector<std::size_t> first_internal_;  // of each term, and their total
+  Vec z0_ = nullptr;                         // of the stage, borrowed
   // Copies with ghosts of the vectors spoken of; memory taken once.
   Handle<Vec> q_, d_, q0_, v0_, work_, diagonal_;
 };

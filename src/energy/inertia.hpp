@@ -27,7 +27,7 @@ class Inertia final : public EnergyTerm {
           std::vector<double> off_diagonal);
 
   std::string_view name() const override { return "inertia"; }
-  TermDeclaration declaration() const override { return {}; }
+  TermDeclaration declaration() const override { return {.account = Account::kinetic}; }
   double value(const LocalStage& stage, std::span<const double> q) const override;
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override;
   void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,

@@ -42,7 +42,7 @@ class DeadLoad final : public EnergyTerm {
   DeadLoad(const NodeLayout& layout, LoadSamples samples, std::array<Expression, 3> value);
 
   std::string_view name() const override { return "load"; }
-  TermDeclaration declaration() const override { return {}; }
+  TermDeclaration declaration() const override { return {.account = Account::load}; }
   double value(const LocalStage& stage, std::span<const double> q) const override;
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override;
   void add_hessian(const LocalStage&, std::span<const double>, const BlockWriter&, Projection) const override {}

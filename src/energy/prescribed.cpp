@@ -97,17 +97,19 @@ PrescribedMotion PrescribedDisplacement::motion() const {
   PrescribedMotion motion;
   motion.start_stage = [this](const StagePoint& stage, Vec q) {
     const ArrayView guess(q), q0(stage.q0), v0(stage.v0);
-    // The stage's own length, if it is shorter than the step: what came before the step may lie behind a kink.
-    for_each(stage.time, std::min(time_scale_, stage.dt), [&](PetscInt dof, const Kinematics& k) {
-      const double f = stage.load_factor;
-      guess[dof] = f * k.u;
-      q0[dof] = f * (k.u - stage.dt * k.v);
-      v0[dof] = f * (k.v - stage.dt * k.a);
-    });
+    // What came before the step may lie behind a kink.
+    const double smooth = stage.time - stage.step_start;
+    for_each(stage.time, std::min(time_scale_, smooth > 0.0 ? smooth : stage.dt),
+             [&](PetscInt dof, const Kinematics& k) {
+               const double f = stage.load_factor;
+               guess[dof] = f * k.u;
+               q0[dof] = f * (k.u - stage.dt * k.v);
+               v0[dof] = f * (k.v - stage.dt * k.a);
+             });
   };
-  motion.complete_step = [this](double time, Vec q, Vec v) {
+  motion.complete_step = [this](const Step& step, Vec q, Vec v) {
     const ArrayView position(q), velocity(v);
-    for_each(time, time_scale_, [&](PetscInt dof, const Kinematics& k) {
+    for_each(step.time, std::min(time_scale_, step.dt), [&](PetscInt dof, const Kinematics& k) {
       position[dof] = k.u;
       velocity[dof] = k.v;
     });

@@ -16,15 +16,28 @@ struct LocalStage {
   double load_factor = 1.0;    ///< multiplies loads
   std::span<const double> q0;  ///< stage-start displacement [m]
   std::span<const double> v0;  ///< stage-start velocity [m/s]
+  std::span<const double> z0;  ///< the term's own internal variables at the stage's start
 };
 
 /// Whether the Hessian is taken as it is or made positive semidefinite cell by cell.
 enum class Projection { none, positive_semidefinite };
 
-/// What a term says of itself; the solver picks the line search from what all terms say.
+/// Where the power of a term's forces is booked.
+enum class Account {
+  kinetic,  ///< inertia: changes the kinetic energy
+  stored,   ///< elasticity: changes `EnergyTerm::energy`; what `dissipation` says is lost
+  load      ///< done by loads
+};
+
+/// Whether `add_hessian` adds a symmetric matrix.
+enum class Symmetry { symmetric, unsymmetric };
+
+/// What a term says of itself; the solver picks line search and linear solver from what all terms say.
 struct TermDeclaration {
   bool is_potential = true;              ///< the gradient is that of `value`
   bool has_frozen_coefficients = false;  ///< coefficients are frozen at the stage's start (first order in time)
+  Symmetry symmetry = Symmetry::symmetric;
+  Account account = Account::stored;
 };
 
 /// One contribution to the incremental potential of a stage (docs: dynamics, Phi_i). The arrays span all local nodes; a
@@ -47,6 +60,18 @@ class EnergyTerm {
   /// K += d2Phi/dq2 [N/m], rows of owned nodes.
   virtual void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                            Projection projection) const = 0;
+
+  /// Numbers of internal variables on this rank (those of ghost cells included, computed there too).
+  virtual std::size_t num_internal() const { return 0; }
+  /// z = the internal variables at the end of the stage with the solution q.
+  virtual void end_stage(const LocalStage& /*stage*/, std::span<const double> /*q*/, std::span<double> /*z*/) const {}
+  /// Sets those of z that are functions of q to their values at q; the others stand as the method left them.
+  virtual void complete_step(std::span<const double> /*q*/, std::span<double> /*z*/) const {}
+
+  /// Stored energy of the owned cells [J].
+  virtual double energy(std::span<const double> /*q*/, std::span<const double> /*z*/) const { return 0.0; }
+  /// Power that the owned cells dissipate by physical mechanisms at the end of the stage [W], >= 0.
+  virtual double dissipation(const LocalStage& /*stage*/, std::span<const double> /*q*/) const { return 0.0; }
 
   /// The largest alpha for which q + alpha d stays clear of the term's barrier; +inf if it has none.
   virtual double max_step(std::span<const double> /*q*/, std::span<const double> /*d*/) const {

@@ -53,7 +53,7 @@ double norm(Vec a) {
 
 }  // namespace
 
-NewtonSolver::NewtonSolver(IncrementalPotential& potential, const NewtonOptions& options, LinearKind linear)
+NewtonSolver::NewtonSolver(StageEquation& potential, const NewtonOptions& options, LinearKind linear)
     : potential_(potential),
       options_(options),
       K_(potential.make_hessian()),

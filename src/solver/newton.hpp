@@ -1,7 +1,7 @@
 /// The solver of a stage: Newton's method on the incremental potential, through SNES.
 #pragma once
 
-#include "energy/incremental_potential.hpp"
+#include "energy/stage_equation.hpp"
 #include "petsc/callback.hpp"
 #include "petsc/handle.hpp"
 #include "solver/linear.hpp"
@@ -50,7 +50,7 @@ struct SolverStatistics {
 class NewtonSolver {
  public:
   /// `potential` outlives the solver. PETSc options -snes_..., -ksp_..., -pc_... override. Collective.
-  NewtonSolver(IncrementalPotential& potential, const NewtonOptions& options, LinearKind linear);
+  NewtonSolver(StageEquation& potential, const NewtonOptions& options, LinearKind linear);
 
   /// Solves the stage from the guess in q, or from q0 + dt v0 where that lowers the potential further. Collective.
   StageReport solve(const StagePoint& stage, Vec q);
@@ -80,7 +80,7 @@ class NewtonSolver {
   SNESConvergedReason judge(PetscInt iteration, double residual);
   double value(Vec q);
 
-  IncrementalPotential& potential_;
+  StageEquation& potential_;
   NewtonOptions options_;
   Handle<Mat> K_;
   Handle<Vec> r_, trial_;

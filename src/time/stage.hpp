@@ -2,14 +2,19 @@
 #pragma once
 
 #include "petsc/handle.hpp"
+#include "time/step.hpp"
 
 #include <functional>
+#include <span>
 #include <string>
 
 namespace pliant {
 
 /// All that a term may know of time. The vectors are borrowed and hold the stage's start; rates inside a stage are
 /// v = (q - q0) / dt and a = (v - v0) / dt (docs: dynamics, "Mechanics: q alone is the unknown").
+///
+/// On a configuration space that is not a vector space the unknown `q` and its start `q0` are coordinates around
+/// `centre` (time/space.hpp); terms of nodal positions need not care.
 struct StagePoint {
   double time = 0.0;  ///< t_i, at which loads and constraints are evaluated [s]
   double dt = 0.0;    ///< dt_i = beta A_ii dt, length of the stage [s]
@@ -17,6 +22,9 @@ struct StagePoint {
   Vec v0 = nullptr;   ///< velocity at the stage's start [m/s]
   double load_factor =
       1.0;  ///< multiplies loads and prescribed displacements (load stepping of static problems; else 1)
+  double step_start = 0.0;  ///< t_n; what is given as a function of time is smooth from there on [s]
+  Vec z0 = nullptr;         ///< internal variables at the stage's start; nullptr if there are none
+  Vec centre = nullptr;     ///< q_n, around which coordinates are taken; nullptr on a vector space
 };
 
 enum class StageOutcome { converged, retry, fatal };
@@ -37,8 +45,25 @@ struct PrescribedMotion {
   /// Sets the prescribed entries of the stage's start to q0 = q_D(t) - dt v_D(t), v0 = v_D(t) - dt a_D(t), so that the
   /// stage-local differences are exact on them, and those of the guess q to q_D(t). Collective.
   std::function<void(const StagePoint& stage, Vec q)> start_stage = [](const StagePoint&, Vec) {};
-  /// Sets the prescribed entries of a completed step to q_D(t), v_D(t). Collective.
-  std::function<void(double time, Vec q, Vec v)> complete_step = [](double, Vec, Vec) {};
+  /// Sets the prescribed entries of a completed step to q_D(t), v_D(t), t = step.time. Collective.
+  std::function<void(const Step& step, Vec q, Vec v)> complete_step = [](const Step&, Vec, Vec) {};
+};
+
+/// Variables of the material beside q and v, one more part of y: each obeys an ordinary differential equation of its
+/// own (or is a function of q whose rate is wanted), and is found once q is. The stage algebra is that of q and v.
+struct InternalVariables {
+  /// z = the variables at the end of the converged stage (from stage.z0 and q). Collective.
+  std::function<void(const StagePoint& stage, Vec q, Vec z)> end_stage;
+  /// On entry z is what the method's formula gives for the end of a step; those that are functions of q are set to
+  /// their values at q. Collective.
+  std::function<void(Vec q, Vec z)> complete_step;
+};
+
+/// Pure integrals along the motion, dw/dt = rate(t, q, v), integrated by the method itself (energies, works). They are
+/// the same numbers on every rank.
+struct Quadratures {
+  /// Rates at the end of the converged stage; v and a are the stage's velocity and acceleration. Collective.
+  std::function<void(const StagePoint& stage, Vec q, Vec v, Vec a, std::span<double> rates)> rates;
 };
 
 }  // namespace pliant

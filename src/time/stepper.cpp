@@ -38,6 +38,7 @@ StepAttempt Stepper::attempt(const History& history, const Step& step) & {
     StagePoint stage;
     stage.time = step.time - w.beta * (1.0 - method_.c[i]) * step.dt;  // exactly the end of the step for c_i = 1
     stage.dt = w.beta * method_.A[i][i] * step.dt;
+    stage.step_start = history.newest().time;
     stage.q0 = start_.q.get();
     stage.v0 = start_.v.get();
     start_stage(i, stage);
@@ -52,7 +53,7 @@ StepAttempt Stepper::attempt(const History& history, const Step& step) & {
     end_stage(i, stage);
     attempt.last_stage = stage;
   }
-  complete_step(step.time);
+  complete_step(step);
   attempt.q = end_.q.get();
   attempt.v = end_.v.get();
   attempt.last_q = stage_.q.get();
@@ -116,7 +117,7 @@ void Stepper::end_stage(std::size_t i, const StagePoint& stage) {
 }
 
 // y_{n+1} = y* + sum_i bt_i (Y_i - y*); of a stiffly accurate method it is Y_s, in place already
-void Stepper::complete_step(double time) {
+void Stepper::complete_step(const Step& step) {
   if (!method_.stiffly_accurate) {
     const auto s = static_cast<PetscInt>(method_.b.size());
     check(VecCopy(base_.q.get(), end_.q.get()));
@@ -124,7 +125,7 @@ void Stepper::complete_step(double time) {
     check(VecMAXPY(end_.q.get(), s, method_.bt.data(), increments_q_.data()));
     check(VecMAXPY(end_.v.get(), s, method_.bt.data(), increments_v_.data()));
   }
-  motion_.complete_step(time, end_.q.get(), end_.v.get());
+  motion_.complete_step(step, end_.q.get(), end_.v.get());
 }
 
 void accept(const StepAttempt& attempt, History& history) {

@@ -57,7 +57,7 @@ class Stepper {
   void set_base(const History& history, const std::vector<double>& alpha);
   void start_stage(std::size_t i, const StagePoint& stage);
   void end_stage(std::size_t i, const StagePoint& stage);
-  void complete_step(double time);
+  void complete_step(const Step& step);
 
   Method method_;
   StageSolve solve_;

@@ -133,7 +133,7 @@ TEST_P(Elastic, WorkAlongAPathIsTheEnergyAtItsEnd) {
       work += 0.5 * w * testing::dot(gradient(at).get(), q.get());
     }
   }
-  const double energy = sum(comm, term_->energy(testing::local_values(q.get())));
+  const double energy = sum(comm, term_->energy(testing::local_values(q.get()), {}));
   ASSERT_GT(energy, 1.0);
   EXPECT_NEAR(work, energy, 1e-8 * energy);
   EXPECT_NEAR(potential_.value(q.get()), energy, 1e-13 * energy);
@@ -144,7 +144,7 @@ TEST_P(Elastic, WorkAlongAPathIsTheEnergyAtItsEnd) {
 TEST_P(Elastic, SmallChangesSurviveBesideALargeEnergy) {
   const TestStage stage(solid_, 0.0, 1.0, testing::strained);
   potential_.begin_stage(stage.point);
-  const double energy = sum(comm, term_->energy(testing::local_values(stage.q0.get())));
+  const double energy = sum(comm, term_->energy(testing::local_values(stage.q0.get()), {}));
   for (const double size : {1e-4, 1e-7, 1e-10}) {
     const auto q = testing::moved(stage.q0.get(), size, solid_.vector(testing::rough_field(1.0, 8)).get());
     // As rounded: what the vectors hold.
@@ -174,7 +174,7 @@ TEST_P(Elastic, SecondOrderChangesSurviveBesideALargeEnergy) {
   const auto behind = testing::moved(stage.q0.get(), -1.0, step.get());
   check(MatMult(K.get(), step.get(), Kd.get()));
   const double expected = testing::dot(step.get(), Kd.get());
-  const double energy = sum(comm, term_->energy(testing::local_values(stage.q0.get())));
+  const double energy = sum(comm, term_->energy(testing::local_values(stage.q0.get()), {}));
   ASSERT_GT(std::abs(expected), 0.0);
   ASSERT_LT(std::abs(expected), 1e-8 * energy);
   // The first-order parts of both sides cancel: they are larger by 1e6 or so, and each is exact to 1e-15.
@@ -261,7 +261,7 @@ TEST_P(Elastic, ForcesOfStrainsOf1e8KeepTheirDigits) {
   });
   const TestStage stage(solid_, 0.0, 1.0);
   const auto local = testing::local_values(q.get());
-  const LocalStage at{0.0, 1.0, 1.0, {}, {}};
+  const LocalStage at{0.0, 1.0, 1.0, {}, {}, {}};
   std::vector<double> r(local.size(), 0.0);
   term_->add_gradient(at, local, r);
   const auto expected = GetParam().body.order == 1 ? reference_forces<1>(solid_, GetParam().law, degree(), local)
@@ -294,7 +294,7 @@ TEST_P(Elastic, StressesOfAUniformStrainAreTheLaws) {
         const double psi = law.psi(H);
         const auto F = add_to_diagonal(H, 1.0);
         const auto sigma = (1.0 / det(F)) * matmul(law.P(H), transpose(F));
-        EXPECT_NEAR(sum(comm, term_->energy(local)), psi * GetParam().body.volume(), 1e-12 * psi);
+        EXPECT_NEAR(sum(comm, term_->energy(local, {})), psi * GetParam().body.volume(), 1e-12 * psi);
         PetscInt visited = 0;
         term_->stresses(local, [&](PetscInt cell, const CellStress& s) {
           ++visited;

@@ -89,7 +89,7 @@ class Problem {
     return report;
   }
 
-  double strain_energy(Vec q) { return sum(solid_.layout().comm, elastic_->energy(local_values(q))); }
+  double strain_energy(Vec q) { return sum(solid_.layout().comm, elastic_->energy(local_values(q), {})); }
 
   /// What holds the supports: gradient at q where it is prescribed.
   Handle<Vec> reactions(Vec q) {

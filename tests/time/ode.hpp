@@ -93,8 +93,8 @@ inline PrescribedMotion motion_of(const Ode& ode) {
       q[k] = q_D;
     }
   };
-  motion.complete_step = [ode](double time, Vec q_vec, Vec v_vec) {
-    const auto [q_D, v_D, a_D] = ode.prescribed(time);
+  motion.complete_step = [ode](const Step& step, Vec q_vec, Vec v_vec) {
+    const auto [q_D, v_D, a_D] = ode.prescribed(step.time);
     const ArrayView q(q_vec), v(v_vec);
     for (PetscInt k = 0; k < static_cast<PetscInt>(ode.initial.q.size()); k += 2) {
       q[k] = q_D;

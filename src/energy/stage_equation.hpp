@@ -1,0 +1,50 @@
+/// What Newton's method asks of a stage: r(q) = 0 and what helps to solve it.
+#pragma once
+
+#include "energy/term.hpp"
+#include "petsc/handle.hpp"
+#include "time/stage.hpp"
+
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+/// The equation of a stage. All methods are collective and give every rank the same answer, NaN and infinity included,
+/// so that no rank decides alone.
+class StageEquation {
+ public:
+  virtual ~StageEquation() = default;
+
+  /// The stage that all following calls speak of.
+  virtual void begin_stage(const StagePoint& stage) = 0;
+
+  /// Phi(q) - Phi(q0) of the terms that are potentials [J]; +inf where a barrier is crossed or a number is not finite.
+  virtual double value(Vec q) = 0;
+  /// r(q) [N], zero on prescribed entries; the gradient of `value` if is_potential().
+  virtual void gradient(Vec q, Vec r) = 0;
+  /// A zero matrix for the Hessian, with a near-null space where there is one.
+  virtual Handle<Mat> make_hessian() const = 0;
+  /// K = dr/dq [N/m], or an approximation; rows and columns of prescribed entries are zero but for the diagonal.
+  virtual void hessian(Vec q, Mat K, Projection projection) = 0;
+  /// The largest alpha for which q + alpha d stays clear of all barriers.
+  virtual double max_step(Vec q, Vec d) = 0;
+  /// Sum over the terms of the norms of their forces on free entries [N]: the size of the forces that must balance.
+  virtual double force_scale(Vec q) = 0;
+  /// Size of the rounding errors in r at q [N].
+  virtual double rounding_floor(Vec q) const = 0;
+
+  /// Names of the terms that are no potentials, each once; empty if r is the gradient of `value`.
+  virtual std::vector<std::string> non_potentials() const = 0;
+  bool is_potential() const { return non_potentials().empty(); }
+  virtual Symmetry symmetry() const = 0;
+
+  /// One flag per owned entry (at least).
+  virtual const std::vector<char>& prescribed() const = 0;
+  virtual PetscInt num_unknowns() const = 0;
+  virtual MPI_Comm comm() const = 0;
+  /// A zero vector of the unknowns.
+  virtual Handle<Vec> make_vector() const = 0;
+};
+
+}  // namespace pliant
