@@ -45,20 +45,6 @@ std::optional<ElasticLawVariant> find_law(std::string_view name, const Lame& c, 
   return found;
 }
 
-std::optional<std::string> complaint(const ParameterInfo& parameter, double value) {
-  if (value > parameter.lower && value < parameter.upper) return std::nullopt;
-  const std::string range = parameter.upper < infinity
-                                ? fmt::format("between {} and {}, both excluded", parameter.lower, parameter.upper)
-                                : fmt::format("finite and above {}", parameter.lower);
-  return fmt::format("{} is {}; it must be {}", parameter.name, value, range);
-}
-
-std::string known_names() {
-  std::string names;
-  for (const auto& law : laws) names += (names.empty() ? "" : ", ") + std::string(law.name);
-  return names;
-}
-
 }  // namespace
 
 std::span<const LawInfo> elastic_laws() {
@@ -69,7 +55,7 @@ ElasticLawVariant make_law(std::string_view name, double youngs_modulus, double 
   std::vector<Diagnostic> mistakes;
   const auto law = find_law(name, lame(youngs_modulus, poissons_ratio),
                             std::make_index_sequence<std::variant_size_v<ElasticLawVariant>>{});
-  if (!law) mistakes.push_back({where, fmt::format("unknown model '{}'; the models are {}", name, known_names())});
+  if (!law) mistakes.push_back({where, fmt::format("unknown model '{}'; the models are {}", name, names_of(laws))});
   for (const auto& [parameter, value] : {std::pair{isotropic[0], youngs_modulus}, {isotropic[1], poissons_ratio}}) {
     if (const auto text = complaint(parameter, value)) mistakes.push_back({where, *text});
   }

@@ -2,7 +2,7 @@
 /// the tests, the input file and `pliant materials` read the list from here.
 #pragma once
 
-#include "base/error.hpp"
+#include "material/law_info.hpp"
 #include "material/linear.hpp"
 #include "material/neo_hookean.hpp"
 #include "material/saint_venant_kirchhoff.hpp"
@@ -14,24 +14,6 @@
 namespace pliant {
 
 using ElasticLawVariant = std::variant<Linear, SaintVenantKirchhoff, NeoHookean>;
-
-/// A parameter as users give it. The bounds themselves are not admissible.
-struct ParameterInfo {
-  std::string_view name;
-  std::string_view unit;  ///< SI; "1" when dimensionless
-  double lower;
-  double upper;
-  std::string_view meaning;
-};
-
-/// What a user must know of a law.
-struct LawInfo {
-  std::string_view name;
-  std::string_view formula;
-  std::span<const ParameterInfo> parameters;
-  std::string_view source;
-  std::string_view when_to_use;
-};
 
 /// One row per law, in the order of ElasticLawVariant.
 std::span<const LawInfo> elastic_laws();

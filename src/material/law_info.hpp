@@ -1,0 +1,39 @@
+/// What a user must know of a law: the rows of the registries of laws.
+#pragma once
+
+#include "base/error.hpp"
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace pliant {
+
+enum class LowerBound { excluded, included };
+
+/// A parameter as users give it. Its upper bound is not admissible.
+struct ParameterInfo {
+  std::string_view name;
+  std::string_view unit;  ///< SI; "1" when dimensionless
+  double lower;
+  double upper;
+  std::string_view meaning;
+  LowerBound lower_bound = LowerBound::excluded;  ///< whether `lower` itself is admissible
+};
+
+struct LawInfo {
+  std::string_view name;
+  std::string_view formula;
+  std::span<const ParameterInfo> parameters;
+  std::string_view source;
+  std::string_view when_to_use;
+};
+
+/// What is wrong with the value of a parameter; nothing if it is admissible.
+std::optional<std::string> complaint(const ParameterInfo& parameter, double value);
+
+/// The names of the laws, separated by commas.
+std::string names_of(std::span<const LawInfo> laws);
+
+}  // namespace pliant

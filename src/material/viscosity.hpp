@@ -1,0 +1,67 @@
+/// Laws of viscosity, in the Green-Lagrange strain E and its rate: exact under rotation, linear in E.
+///
+///   Kelvin-Voigt   R = shear dev(Edot):dev(Edot) + bulk/2 tr(Edot)^2     dissipation potential [W/m^3]
+///                  S = 2 shear dev(Edot) + bulk tr(Edot) I               stress beside the elastic one [Pa]
+///   Maxwell        Gdot = (E - G)/tau,  G the strain of the dashpot of a spring and a dashpot in series
+///                  psi = mu_b dev(E - G):dev(E - G) + kappa_b/2 tr(E - G)^2   stored in the spring [J/m^3]
+///                  S = 2 mu_b dev(E - G) + kappa_b tr(E - G) I                [Pa]
+///                  (E - G):S/tau                                              dissipated [W/m^3]
+///
+/// all per reference volume; the first Piola-Kirchhoff stress is P = F S. Both are quadratic forms of one isotropic
+/// tensor, and so are their incremental potentials over a time dt (energy/viscous.hpp).
+/// Sources: Landau & Lifshitz, Theory of Elasticity (3rd ed. 1986), section 34 (Kelvin-Voigt); Holzapfel, Nonlinear
+/// Solid Mechanics (Wiley, 2000), section 6.10, and Kumar & Lopez-Pamies, C. R. Mecanique 344 (2016), 102-112
+/// (Maxwell).
+#pragma once
+
+#include "base/tensor.hpp"
+
+#include <string_view>
+#include <variant>
+
+namespace pliant {
+
+/// How a stage that starts at q0 and lasts dt forms Edot from the configuration q at its end.
+enum class StrainRate {
+  secant,         ///< (E(q) - E(q0)) / dt; has a potential; first order in time for every method
+  reconstructed,  ///< (E(q) - E0) / dt, E0 from the strains of earlier stages as q0 is from their q; has a potential
+  exact           ///< sym(F^T (F - F0)) / dt; keeps the order of every method; has no potential
+};
+
+struct KelvinVoigt {
+  static constexpr std::string_view name = "kelvin-voigt";
+
+  double shear;  ///< [Pa s]
+  double bulk;   ///< [Pa s]
+  StrainRate rate;
+};
+
+struct Maxwell {
+  static constexpr std::string_view name = "maxwell";
+
+  double shear_modulus;    ///< mu_b [Pa]
+  double bulk_modulus;     ///< kappa_b [Pa]
+  double relaxation_time;  ///< tau [s]
+};
+
+using ViscosityVariant = std::variant<KelvinVoigt, Maxwell>;
+
+/// The isotropic tensor C of fourth order on symmetric D: C:D = 2 shear dev(D) + bulk tr(D) I.
+struct IsotropicTensor {
+  double shear;  ///< [Pa] on strains, [Pa s] on rates
+  double bulk;
+
+  /// Factor of tr(D) I beside that of D: bulk - 2/3 shear.
+  constexpr double lambda() const { return bulk - 2.0 / 3.0 * shear; }
+
+  template <class T>
+  PLIANT_INLINE Tensor3<T> operator()(const Tensor3<T>& D) const {
+    return add_to_diagonal(2.0 * shear * D, lambda() * trace(D));
+  }
+};
+
+constexpr IsotropicTensor operator*(double s, const IsotropicTensor& C) {
+  return {s * C.shear, s * C.bulk};
+}
+
+}  // namespace pliant
