@@ -8,9 +8,9 @@
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"
 #include "solver/newton.hpp"
+#include "time/integrator.hpp"
 #include "time/method.hpp"
 #include "time/step_control.hpp"
-#include "time/stepper.hpp"
 
 #include <chrono>
 #include <cmath>
@@ -46,15 +46,13 @@ class Advance {
 class TimeAdvance final : public Advance {
  public:
   TimeAdvance(Model& model, StageSolve solve, const Method& method, Vec q, Vec v)
-      : stepper_(method, std::move(solve), model.prescribed().motion(), Guess::start, q),
-        history_(method.num_steps, 0.0, q, v) {}
+      : integrator_({method}, {std::move(solve), model.prescribed().motion()}, {0.0, q, v}) {}
 
-  StepAttempt attempt(const Step& step) override { return stepper_.attempt(history_, step); }
-  void accept(const StepAttempt& attempt) override { pliant::accept(attempt, history_); }
+  StepAttempt attempt(const Step& step) override { return integrator_.attempt(step); }
+  void accept(const StepAttempt& attempt) override { integrator_.accept(attempt); }
 
  private:
-  Stepper stepper_;
-  History history_;
+  Integrator integrator_;
 };
 
 /// Along the load factor from 0 to 1, at one time; "time" of a step is the load factor.

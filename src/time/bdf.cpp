@@ -9,16 +9,16 @@ namespace pliant {
 namespace {
 
 /// s_r = (t_{n+1} - t_{n+1-r}) / dt, r = 1..l; exactly r if the steps are equal to rounding.
-std::vector<double> distances(std::span<const double> past_times, const Step& step) {
+std::array<double, max_bdf_steps> distances(std::span<const double> past_times, const Step& step) {
   const double rounding = 8 * std::numeric_limits<double>::epsilon() * std::abs(step.time);
   bool equal = true;
-  std::vector<double> s;
+  std::array<double, max_bdf_steps> s{};
   for (std::size_t r = 0; r < past_times.size(); ++r) {
     const double past = past_times.front() - past_times[r];
     equal = equal && std::abs(past - static_cast<double>(r) * step.dt) <= rounding;
-    s.push_back(1.0 + past / step.dt);
+    s[r] = 1.0 + past / step.dt;
   }
-  for (std::size_t r = 0; equal && r < s.size(); ++r) s[r] = static_cast<double>(r + 1);
+  for (std::size_t r = 0; equal && r < past_times.size(); ++r) s[r] = static_cast<double>(r + 1);
   return s;
 }
 
@@ -30,16 +30,17 @@ std::vector<double> distances(std::span<const double> past_times, const Step& st
 // it follows that alpha_r = -L_r' / L_0' and beta = 1 / L_0'.
 BdfWeights bdf_weights(std::span<const double> past_times, const Step& step) {
   assert(!past_times.empty() && past_times.size() <= max_bdf_steps);
-  const std::vector<double> s = distances(past_times, step);
+  const auto all = distances(past_times, step);
+  const std::span s = std::span(all).first(past_times.size());
   double dL0 = 0.0;
   for (double s_r : s) dL0 += 1.0 / s_r;
-  BdfWeights weights{{}, 1.0 / dL0};
+  BdfWeights weights{{}, s.size(), 1.0 / dL0};
   for (std::size_t r = 0; r < s.size(); ++r) {
     double alpha = 1.0 / (dL0 * s[r]);
     for (std::size_t m = 0; m < s.size(); ++m) {
       if (m != r) alpha *= s[m] / (s[m] - s[r]);
     }
-    weights.alpha.push_back(alpha);
+    weights.values[r] = alpha;
   }
   return weights;
 }

@@ -3,18 +3,23 @@
 
 #include "time/step.hpp"
 
+#include <array>
+#include <cstddef>
 #include <span>
-#include <vector>
 
 namespace pliant {
 
-struct BdfWeights {
-  std::vector<double> alpha;  ///< alpha_1 multiplies y_n
-  double beta = 1.0;
-};
-
 /// The most past states a formula here may have.
 inline constexpr int max_bdf_steps = 3;
+
+/// Takes no memory of its own: steps are many.
+struct BdfWeights {
+  std::array<double, max_bdf_steps> values{};  ///< alpha, filled up with zeros
+  std::size_t num_steps = 1;                   ///< past states in the formula
+  double beta = 1.0;
+  /// alpha_1 multiplies y_n.
+  std::span<const double> alpha() const { return std::span(values).first(num_steps); }
+};
 
 /// Weights of the formula through y_{n+1} and the states at `past_times` (newest first, strictly falling, at most
 /// max_bdf_steps of them). Steps that are equal to rounding get the weights of equal steps, to the last bit.

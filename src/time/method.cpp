@@ -74,7 +74,7 @@ std::optional<std::string> refuse_inconsistency(const MethodRow& row) {
   for (std::size_t r = 1; r <= l; ++r) past_times.push_back(-static_cast<double>(r));
   const BdfWeights bdf = bdf_weights(past_times, {0.0, 1.0});
   bool same = is_zero(bdf.beta - row.beta);
-  for (std::size_t r = 0; r < l; ++r) same = same && is_zero(bdf.alpha[r] - row.alpha[r]);
+  for (std::size_t r = 0; r < l; ++r) same = same && is_zero(bdf.alpha()[r] - row.alpha[r]);
   if (!same) return "with several past states it must be the backward differentiation formula";
   return std::nullopt;
 }

@@ -56,7 +56,7 @@ struct InternalVariables {
   std::function<void(const StagePoint& stage, Vec q, Vec z)> end_stage;
   /// On entry z is what the method's formula gives for the end of a step; those that are functions of q are set to
   /// their values at q. Collective.
-  std::function<void(Vec q, Vec z)> complete_step;
+  std::function<void(Vec q, Vec z)> complete_step = [](Vec, Vec) {};
 };
 
 /// Pure integrals along the motion, dw/dt = rate(t, q, v), integrated by the method itself (energies, works). They are

@@ -1,50 +1,51 @@
-/// Accepted states of the motion.
+/// States y = (q, v, z, w) of the motion: configuration, velocity, internal variables (time/stage.hpp) and quadratures.
 #pragma once
 
 #include "petsc/handle.hpp"
 
-#include <algorithm>
-#include <cassert>
+#include <span>
 #include <vector>
 
 namespace pliant {
 
-struct State {
-  double time = 0.0;  ///< [s]
-  Handle<Vec> q;      ///< configuration [m]
-  Handle<Vec> v;      ///< velocity [m/s]
+/// A state that belongs to somebody else.
+struct StateView {
+  double time = 0.0;               ///< [s]
+  Vec q = nullptr;                 ///< configuration [m]
+  Vec v = nullptr;                 ///< velocity [m/s]
+  Vec z = nullptr;                 ///< internal variables; nullptr if there are none
+  std::span<const double> w = {};  ///< quadratures, the same numbers on every rank; empty if there are none
 };
 
-/// The last accepted states, newest first. Only `push` changes it, and only an accepted step is pushed; the vectors are
-/// the history's own and are read by others, never written. Memory is taken once, at construction.
+struct State {
+  double time = 0.0;      ///< [s]
+  Handle<Vec> q;          ///< configuration [m]
+  Handle<Vec> v;          ///< velocity [m/s]
+  Handle<Vec> z;          ///< internal variables; null if there are none
+  std::vector<double> w;  ///< quadratures
+
+  State() = default;
+  /// A copy. Collective.
+  explicit State(const StateView& state);
+  /// Copies a state of the same layout; takes no memory. Collective.
+  void assign(const StateView& state);
+  StateView view() const { return {time, q.get(), v.get(), z.get(), w}; }
+};
+
+/// The last accepted states, newest first. Only accepted steps are pushed; the vectors are the history's own and are
+/// read by others, never written. Memory is taken once, at construction.
 class History {
  public:
-  /// Holds up to `depth` states, at present the one given, which is copied. Collective.
-  History(int depth, double time, Vec q, Vec v) : states_(static_cast<std::size_t>(depth)) {
-    assert(depth >= 1);
-    for (auto& state : states_) {
-      check(VecDuplicate(q, state.q.out()));
-      check(VecDuplicate(v, state.v.out()));
-    }
-    push(time, q, v);
-  }
+  /// Holds up to `depth` >= 1 states, at present the one given, which is copied. Collective.
+  History(int depth, const StateView& initial);
 
-  /// Makes a copy of (time, q, v) the newest state and forgets the oldest if all places are taken. Collective.
-  void push(double time, Vec q, Vec v) {
-    assert(size_ == 0 || time > states_.front().time);
-    std::rotate(states_.begin(), states_.end() - 1, states_.end());
-    State& newest = states_.front();
-    newest.time = time;
-    check(VecCopy(q, newest.q.get()));
-    check(VecCopy(v, newest.v.get()));
-    size_ = std::min(size_ + 1, depth());
-  }
+  /// Makes a copy the newest state and forgets the oldest if all places are taken. Collective.
+  void push(const StateView& state);
+  /// Forgets all states but the newest, after which the motion is no continuation of what went before.
+  void forget() { size_ = 1; }
 
   /// The state `age` steps before the newest, 0 <= age < size().
-  const State& operator[](int age) const {
-    assert(age >= 0 && age < size_);
-    return states_[static_cast<std::size_t>(age)];
-  }
+  const State& operator[](int age) const;
   const State& newest() const { return (*this)[0]; }
   int size() const { return size_; }
   int depth() const { return static_cast<int>(states_.size()); }

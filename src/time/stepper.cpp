@@ -6,43 +6,41 @@
 
 namespace pliant {
 
-Stepper::Stepper(const Method& method, StageSolve solve, PrescribedMotion motion, Guess guess, Vec layout)
-    : method_(method), solve_(std::move(solve)), motion_(std::move(motion)), guess_(guess) {
-  base_ = make_pair(layout);
-  start_ = make_pair(layout);
-  stage_ = make_pair(layout);
-  end_ = method_.stiffly_accurate ? Pair{stage_.q.share(), stage_.v.share()} : make_pair(layout);
-  check(VecDuplicate(layout, a_.out()));
-  const int num_increments = method_.stiffly_accurate ? method_.num_stages - 1 : method_.num_stages;
-  for (int i = 0; i < num_increments; ++i) {
-    increments_.push_back(make_pair(layout));
-    increments_q_.push_back(increments_.back().q.get());
-    increments_v_.push_back(increments_.back().v.get());
+Stepper::Stepper(const Method& method, System system, const StateView& like)
+    : method_(method),
+      system_(std::move(system)),
+      q_(method, system_.space ? like.v : like.q),
+      v_(method, like.v),
+      w_(like.w.size()),
+      rates_(like.w.size()) {
+  if (like.z != nullptr) z_.emplace(method, like.z);
+  check(VecDuplicate(like.v, a_.out()));
+  const auto l = static_cast<std::size_t>(method_.num_steps);
+  if (system_.space) {
+    check(VecDuplicate(like.v, rate_.out()));
+    check(VecDuplicate(like.q, end_q_.out()));
+    charted_.resize(l);
+    for (auto& xi : charted_) check(VecDuplicate(like.v, xi.out()));
+    check(VecZeroEntries(charted_[0].get()));  // q_n seen from itself
   }
-}
-
-Stepper::Pair Stepper::make_pair(Vec layout) const {
-  Pair y;
-  check(VecDuplicate(layout, y.q.out()));
-  check(VecDuplicate(layout, y.v.out()));
-  return y;
+  past_times_.reserve(l);
+  for (auto* past : {&past_q_, &past_v_, &past_z_}) past->reserve(l);
 }
 
 StepAttempt Stepper::attempt(const History& history, const Step& step) & {
   assert(step.time > history.newest().time && step.dt > 0.0);
-  const BdfWeights w = weights(history, step);
-  set_base(history, w.alpha);
+  const BdfWeights weight = weights(history, step);
+  set_base(history, weight.alpha());
   StepAttempt attempt;
   attempt.time = step.time;
   for (std::size_t i = 0; i < method_.b.size(); ++i) {
     StagePoint stage;
-    stage.time = step.time - w.beta * (1.0 - method_.c[i]) * step.dt;  // exactly the end of the step for c_i = 1
-    stage.dt = w.beta * method_.A[i][i] * step.dt;
+    stage.time = step.time - weight.beta * (1.0 - method_.c[i]) * step.dt;  // exactly the end of the step for c_i = 1
+    stage.dt = weight.beta * method_.A[i][i] * step.dt;
     stage.step_start = history.newest().time;
-    stage.q0 = start_.q.get();
-    stage.v0 = start_.v.get();
+    if (system_.space) stage.centre = history.newest().q.get();
     start_stage(i, stage);
-    const StageReport report = solve_(stage, stage_.q.get());
+    const StageReport report = system_.solve(stage, q_.stage());
     attempt.report.newton_iterations += report.newton_iterations;
     attempt.report.linear_iterations += report.linear_iterations;
     if (report.outcome != StageOutcome::converged) {
@@ -51,12 +49,15 @@ StepAttempt Stepper::attempt(const History& history, const Step& step) & {
       return attempt;
     }
     end_stage(i, stage);
+    for (std::size_t m = 0; m < w_.size(); ++m) w_[m] += weight.beta * step.dt * method_.b[i] * rates_[m];
     attempt.last_stage = stage;
   }
-  complete_step(step);
-  attempt.q = end_.q.get();
-  attempt.v = end_.v.get();
-  attempt.last_q = stage_.q.get();
+  complete_step(history.newest(), step);
+  attempt.q = system_.space ? end_q_.get() : q_.end();
+  attempt.v = v_.end();
+  if (z_) attempt.z = z_->end();
+  attempt.w = w_;
+  attempt.last_q = q_.stage();
   attempt.last_a = a_.get();
   return attempt;
 }
@@ -68,69 +69,77 @@ BdfWeights Stepper::weights(const History& history, const Step& step) {
   return bdf_weights(std::span(past_times_).first(num_used), step);
 }
 
-// y* = y_n + sum_{r>=2} alpha_r (y_{n+1-r} - y_n)
-void Stepper::set_base(const History& history, const std::vector<double>& alpha) {
+// y*; of w only w* - w_n, lest small contributions drown
+void Stepper::set_base(const History& history, std::span<const double> alpha) {
+  for (auto* past : {&past_q_, &past_v_, &past_z_}) past->clear();
+  std::ranges::fill(w_, 0.0);
   const State& newest = history.newest();
-  check(VecCopy(newest.q.get(), base_.q.get()));
-  check(VecCopy(newest.v.get(), base_.v.get()));
-  for (std::size_t r = 1; r < alpha.size(); ++r) {
-    const State& older = history[static_cast<int>(r)];
-    check(VecWAXPY(stage_.q.get(), -1.0, newest.q.get(), older.q.get()));
-    check(VecWAXPY(stage_.v.get(), -1.0, newest.v.get(), older.v.get()));
-    check(VecAXPY(base_.q.get(), alpha[r], stage_.q.get()));
-    check(VecAXPY(base_.v.get(), alpha[r], stage_.v.get()));
+  for (std::size_t r = 0; r < alpha.size(); ++r) {
+    const State& state = history[static_cast<int>(r)];
+    if (system_.space && r > 0) system_.space->difference(newest.q.get(), state.q.get(), charted_[r].get());
+    past_q_.push_back(system_.space ? charted_[r].get() : state.q.get());
+    past_v_.push_back(state.v.get());
+    past_z_.push_back(state.z.get());
+    for (std::size_t m = 0; r > 0 && m < w_.size(); ++m) w_[m] += alpha[r] * (state.w[m] - newest.w[m]);
   }
+  q_.set_base(past_q_, alpha);
+  v_.set_base(past_v_, alpha);
+  if (z_) z_->set_base(past_z_, alpha);
 }
 
-// Y_i0 = y* + sum_{j<i} At_ij (Y_j - y*), and the guess
-void Stepper::start_stage(std::size_t i, const StagePoint& stage) {
-  const auto num_earlier = static_cast<PetscInt>(i);
-  check(VecCopy(base_.q.get(), stage.q0));
-  check(VecCopy(base_.v.get(), stage.v0));
-  if (num_earlier > 0) {
-    check(VecMAXPY(stage.q0, num_earlier, method_.At[i].data(), increments_q_.data()));
-    check(VecMAXPY(stage.v0, num_earlier, method_.At[i].data(), increments_v_.data()));
+// Y_i0, and the guess
+void Stepper::start_stage(std::size_t i, StagePoint& stage) {
+  for (StageVariable* y : {&q_, &v_, z_ ? &*z_ : nullptr}) {
+    if (y != nullptr) y->start_stage(method_.At[i]);
   }
-  switch (guess_) {
+  stage.q0 = q_.start();
+  stage.v0 = v_.start();
+  if (z_) stage.z0 = z_->start();
+  switch (system_.guess) {
     case Guess::start:
-      check(VecCopy(stage.q0, stage_.q.get()));
+      check(VecCopy(stage.q0, q_.stage()));
       break;
     case Guess::extrapolated:
-      check(VecWAXPY(stage_.q.get(), stage.dt, stage.v0, stage.q0));
+      check(VecWAXPY(q_.stage(), stage.dt, stage.v0, stage.q0));
       break;
   }
-  motion_.start_stage(stage, stage_.q.get());
+  system_.motion.start_stage(stage, q_.stage());
 }
 
-// v_i = (q_i - q_i0) / dt_i, and Y_i - y* where it is needed again; a_s = (v_s - v_s0) / dt_s
+// v_i = (q_i - q_i0) / dt_i, a_i = (v_i - v_i0) / dt_i where it is needed, z_i, and Y_i - y*
 void Stepper::end_stage(std::size_t i, const StagePoint& stage) {
-  check(VecWAXPY(stage_.v.get(), -1.0, stage.q0, stage_.q.get()));
-  check(VecScale(stage_.v.get(), 1.0 / stage.dt));
-  if (i < increments_.size()) {
-    check(VecWAXPY(increments_q_[i], -1.0, base_.q.get(), stage_.q.get()));
-    check(VecWAXPY(increments_v_[i], -1.0, base_.v.get(), stage_.v.get()));
-  }
-  if (i + 1 == method_.b.size()) {
-    check(VecWAXPY(a_.get(), -1.0, stage.v0, stage_.v.get()));
+  const Vec rate = system_.space ? rate_.get() : v_.stage();
+  check(VecWAXPY(rate, -1.0, stage.q0, q_.stage()));
+  check(VecScale(rate, 1.0 / stage.dt));
+  if (system_.space) system_.space->velocity(q_.stage(), rate, v_.stage());
+  if (z_) system_.internal.end_stage(stage, q_.stage(), z_->stage());
+  if (i + 1 == method_.b.size() || !w_.empty()) {
+    check(VecWAXPY(a_.get(), -1.0, stage.v0, v_.stage()));
     check(VecScale(a_.get(), 1.0 / stage.dt));
   }
+  if (!w_.empty()) system_.quadratures.rates(stage, q_.stage(), v_.stage(), a_.get(), rates_);
+  q_.end_stage(i);
+  v_.end_stage(i);
+  if (z_) z_->end_stage(i);
 }
 
-// y_{n+1} = y* + sum_i bt_i (Y_i - y*); of a stiffly accurate method it is Y_s, in place already
-void Stepper::complete_step(const Step& step) {
-  if (!method_.stiffly_accurate) {
-    const auto s = static_cast<PetscInt>(method_.b.size());
-    check(VecCopy(base_.q.get(), end_.q.get()));
-    check(VecCopy(base_.v.get(), end_.v.get()));
-    check(VecMAXPY(end_.q.get(), s, method_.bt.data(), increments_q_.data()));
-    check(VecMAXPY(end_.v.get(), s, method_.bt.data(), increments_v_.data()));
+// y_{n+1}
+void Stepper::complete_step(const State& newest, const Step& step) {
+  q_.complete_step(method_.bt);
+  v_.complete_step(method_.bt);
+  if (system_.space) system_.space->retract(newest.q.get(), q_.end(), end_q_.get());
+  const Vec end_q = system_.space ? end_q_.get() : q_.end();
+  system_.motion.complete_step(step, end_q, v_.end());
+  if (z_) {
+    z_->complete_step(method_.bt);
+    system_.internal.complete_step(end_q, z_->end());
   }
-  motion_.complete_step(step, end_.q.get(), end_.v.get());
+  for (std::size_t m = 0; m < w_.size(); ++m) w_[m] += newest.w[m];
 }
 
 void accept(const StepAttempt& attempt, History& history) {
   assert(attempt.report.outcome == StageOutcome::converged);
-  history.push(attempt.time, attempt.q, attempt.v);
+  history.push(attempt.view());
 }
 
 }  // namespace pliant

@@ -106,7 +106,7 @@ inline PrescribedMotion motion_of(const Ode& ode) {
 
 inline Stepper make_stepper(const Method& method, const Ode& ode, Guess guess = Guess::extrapolated) {
   const Handle<Vec> layout = vector_of(ode.initial.q);
-  return {method, newton(ode), motion_of(ode), guess, layout.get()};
+  return {method, {.solve = newton(ode), .motion = motion_of(ode), .guess = guess}, {0.0, layout.get(), layout.get()}};
 }
 
 /// The motion at time t by the classical Runge-Kutta method; with 2000 steps per unit of time its error is below 1e-13
@@ -151,10 +151,10 @@ inline History history_of(const Ode& ode, const std::vector<double>& earlier = {
   times.push_back(0.0);
   const auto state = [&](double t) { return t == 0.0 ? ode.initial : reference(ode, t); };
   const Values oldest = state(times[0]);
-  History history(std::max(depth, 3), times[0], vector_of(oldest.q).get(), vector_of(oldest.v).get());
+  History history(std::max(depth, 3), {times[0], vector_of(oldest.q).get(), vector_of(oldest.v).get()});
   for (std::size_t i = 1; i < times.size(); ++i) {
     const Values y = state(times[i]);
-    history.push(times[i], vector_of(y.q).get(), vector_of(y.v).get());
+    history.push({times[i], vector_of(y.q).get(), vector_of(y.v).get()});
   }
   return history;
 }

@@ -135,9 +135,9 @@ TEST(Bdf, WeightsOfEqualStepsAreTheTables) {
     std::vector<double> past_times;  // times that rounding has touched
     for (int r = 0; r < m.num_steps; ++r) past_times.push_back((1000 - r) * 0.1);
     const BdfWeights w = bdf_weights(past_times, {1001 * 0.1, 0.1});
-    ASSERT_EQ(w.alpha.size(), m.alpha.size());
+    ASSERT_EQ(w.alpha().size(), m.alpha.size());
     EXPECT_NEAR(w.beta, m.beta, 1e-15);
-    for (std::size_t r = 0; r < w.alpha.size(); ++r) EXPECT_NEAR(w.alpha[r], m.alpha[r], 4e-15);
+    for (std::size_t r = 0; r < w.alpha().size(); ++r) EXPECT_NEAR(w.alpha()[r], m.alpha[r], 4e-15);
     past_times.clear();
     for (int r = 0; r < m.num_steps; ++r) past_times.push_back((77 - r) * 0.1);
     EXPECT_EQ(bdf_weights(past_times, {78 * 0.1, 0.1}).beta, w.beta) << "to the last bit";
@@ -147,8 +147,8 @@ TEST(Bdf, WeightsOfEqualStepsAreTheTables) {
 TEST(Bdf, WeightsOfTwoStepsFollowTheKnownFormula) {
   for (double w : {0.3, 1.0, 2.0}) {
     const BdfWeights got = bdf_weights(std::vector{5.0, 5.0 - 1.0 / w}, {6.0, 1.0});
-    EXPECT_NEAR(got.alpha[0], (1 + w) * (1 + w) / (1 + 2 * w), 1e-14);
-    EXPECT_NEAR(got.alpha[1], -w * w / (1 + 2 * w), 1e-14);
+    EXPECT_NEAR(got.alpha()[0], (1 + w) * (1 + w) / (1 + 2 * w), 1e-14);
+    EXPECT_NEAR(got.alpha()[1], -w * w / (1 + 2 * w), 1e-14);
     EXPECT_NEAR(got.beta, (1 + w) / (1 + 2 * w), 1e-14);
   }
 }
@@ -158,7 +158,7 @@ TEST(Bdf, ThreeStepsAreExactForCubics) {
   const BdfWeights w = bdf_weights(past_times, {2.8, 0.8});
   for (int k = 0; k <= 3; ++k) {
     double y = w.beta * 0.8 * k * std::pow(2.8, k - 1);
-    for (std::size_t r = 0; r < 3; ++r) y += w.alpha[r] * std::pow(past_times[r], k);
+    for (std::size_t r = 0; r < 3; ++r) y += w.alpha()[r] * std::pow(past_times[r], k);
     EXPECT_NEAR(y, std::pow(2.8, k), 1e-13) << "power " << k;
   }
 }

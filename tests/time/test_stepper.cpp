@@ -69,8 +69,8 @@ TEST_P(MethodSteps, MultipliesAStiffModeByRInfinity) {
   const double z = -1e7;
   const Ode ode = test_equation(z);
   const Values initial = ode.initial;
-  History history(3, -2.0, test::vector_of(initial.q).get(), test::vector_of(initial.v).get());
-  for (double t : {-1.0, 0.0}) history.push(t, test::vector_of(initial.q).get(), test::vector_of(initial.v).get());
+  History history(3, {-2.0, test::vector_of(initial.q).get(), test::vector_of(initial.v).get()});
+  for (double t : {-1.0, 0.0}) history.push({t, test::vector_of(initial.q).get(), test::vector_of(initial.v).get()});
   Stepper stepper = test::make_stepper(m, ode);
   const StepAttempt attempt = stepper.attempt(history, {1.0, 1.0});
   ASSERT_EQ(attempt.report.outcome, StageOutcome::converged) << attempt.report.reason;
@@ -100,10 +100,10 @@ TEST(Oscillator, ErrorsArePublishedOnes) {
         return Values{{q, q}, {v, v}};
       };
       const Values first = exact(0.0);
-      History history(3, 0.0, test::vector_of(first.q).get(), test::vector_of(first.v).get());
+      History history(3, {0.0, test::vector_of(first.q).get(), test::vector_of(first.v).get()});
       for (int n = 1; n < m.num_steps; ++n) {
         const Values y = exact(n * dt);
-        history.push(n * dt, test::vector_of(y.q).get(), test::vector_of(y.v).get());
+        history.push({n * dt, test::vector_of(y.q).get(), test::vector_of(y.v).get()});
       }
       Stepper stepper = test::make_stepper(m, ode);
       const StepProgress started{m.num_steps - 1, (m.num_steps - 1) * dt, dt};
@@ -169,7 +169,7 @@ TEST_P(MethodSteps, StartsTheSolverWhereTheGuessSays) {
       EXPECT_NEAR(test::values_of(q)[0], expected, 1e-15);
       return inner(stage, q);
     };
-    Stepper stepper(GetParam(), solve, {}, guess, history.newest().q.get());
+    Stepper stepper(GetParam(), {.solve = solve, .guess = guess}, history.newest().view());
     const StepAttempt attempt = stepper.attempt(history, {0.1, 0.1});
     EXPECT_EQ(num_stages, GetParam().num_stages);
     EXPECT_GE(attempt.report.newton_iterations, num_stages);
@@ -210,7 +210,7 @@ Course run_with_failures(const Method& method, const std::vector<int>& failing_c
     check(VecSet(q, NAN));
     return StageReport{StageOutcome::retry, "asked to fail", 1, 1};
   };
-  Stepper stepper(method, solve, {}, Guess::extrapolated, history.newest().q.get());
+  Stepper stepper(method, {.solve = solve, .guess = Guess::extrapolated}, history.newest().view());
   Course course;
   for (StepControl control({0.0, 0.25, 3.0, 1e-3}); !control.finished();) {
     const StepAttempt attempt = stepper.attempt(history, control.next());
@@ -289,7 +289,7 @@ TEST(Stepper, ReportsAFatalStageAndStopsThere) {
   const StageSolve solve = [&, inner = test::newton(ode)](const StagePoint& stage, Vec q) {
     return ++call == 2 ? StageReport{StageOutcome::fatal, "no memory", 3, 4} : inner(stage, q);
   };
-  Stepper stepper(*find_method("dirk33"), solve, {}, Guess::start, history.newest().q.get());
+  Stepper stepper(*find_method("dirk33"), {.solve = solve}, history.newest().view());
   const StepAttempt attempt = stepper.attempt(history, {0.1, 0.1});
   EXPECT_EQ(attempt.report.outcome, StageOutcome::fatal);
   EXPECT_EQ(attempt.report.reason, "no memory");

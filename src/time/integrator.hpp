@@ -1,0 +1,45 @@
+/// A method with its start-up and its memory: takes one step after another.
+#pragma once
+
+#include "time/stepper.hpp"
+
+#include <optional>
+
+namespace pliant {
+
+/// How a multistep method gets its first states.
+enum class Startup {
+  ramp,   ///< by formulas with fewer states, backward Euler first: robust, but costs bdf3 one order
+  dirk33  ///< by steps of dirk33, which keeps the order of all methods of the table
+};
+
+struct IntegratorOptions {
+  Method method;
+  Startup startup = Startup::ramp;
+};
+
+/// Steppers and history of one motion. An attempt leaves no trace unless it is accepted.
+class Integrator {
+ public:
+  /// Starts from a copy of `initial`. Collective.
+  Integrator(const IntegratorOptions& options, System system, const StateView& initial);
+
+  /// Tries the step from the newest state; takes no memory. Collective.
+  StepAttempt attempt(const Step& step) &;
+  /// Makes the last attempt, which converged, the newest state. Collective.
+  void accept(const StepAttempt& attempt);
+  /// Forgets all but the newest state, and the start-up runs anew: after an event at which accelerations jump, past
+  /// states say nothing about what follows.
+  void restart();
+
+  /// The newest accepted state.
+  const State& state() const { return history_.newest(); }
+  const Method& method() const { return stepper_.method(); }
+
+ private:
+  Stepper stepper_;
+  std::optional<Stepper> starter_;
+  History history_;
+};
+
+}  // namespace pliant

@@ -1,0 +1,41 @@
+#include "time/state.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace pliant {
+
+State::State(const StateView& state) : w(state.w.size()) {
+  check(VecDuplicate(state.q, q.out()));
+  check(VecDuplicate(state.v, v.out()));
+  if (state.z != nullptr) check(VecDuplicate(state.z, z.out()));
+  assign(state);
+}
+
+void State::assign(const StateView& state) {
+  assert(w.size() == state.w.size() && (z.get() == nullptr) == (state.z == nullptr));
+  time = state.time;
+  check(VecCopy(state.q, q.get()));
+  check(VecCopy(state.v, v.get()));
+  if (state.z != nullptr) check(VecCopy(state.z, z.get()));
+  std::ranges::copy(state.w, w.begin());
+}
+
+History::History(int depth, const StateView& initial) : size_(1) {
+  assert(depth >= 1);
+  for (int age = 0; age < depth; ++age) states_.emplace_back(initial);
+}
+
+void History::push(const StateView& state) {
+  assert(state.time > newest().time);
+  std::rotate(states_.begin(), states_.end() - 1, states_.end());
+  states_.front().assign(state);
+  size_ = std::min(size_ + 1, depth());
+}
+
+const State& History::operator[](int age) const {
+  assert(age >= 0 && age < size_);
+  return states_[static_cast<std::size_t>(age)];
+}
+
+}  // namespace pliant
