@@ -1,5 +1,6 @@
 #include "fem/selection.hpp"
 
+#include "base/tensor.hpp"
 #include "fem/element.hpp"
 #include "petsc/plex.hpp"
 
@@ -52,7 +53,7 @@ class FacetCollector {
         points[3 + e] = joining_edge(dm_, edges, points[triangle_edges[e][0]], points[triangle_edges[e][1]]);
       }
     }
-    std::array<PetscInt, 6> nodes;
+    std::array<PetscInt, 6> nodes{};
     const bool is_owned = is_ghost_[facet] == 0;
     bool is_wanted = is_owned;
     for (int a = 0; a < list_.nodes_per_facet; ++a) {
@@ -61,13 +62,40 @@ class FacetCollector {
       is_wanted = is_wanted || nodes[a] < layout_.num_owned_nodes;
     }
     if (!is_wanted) return;
+    const PetscInt* cells = nullptr;
+    PetscInt num_cells = 0;
+    check(DMPlexGetSupport(dm_, facet, &cells));
+    check(DMPlexGetSupportSize(dm_, facet, &num_cells));
+    const bool is_outer = num_cells == 1;
+    if (is_outer && points_inward(cells[0], points, nodes)) {
+      std::swap(nodes[1], nodes[2]);
+      std::swap(nodes[3], nodes[5]);  // of the edges 01 and 02
+    }
     list_.nodes.insert(list_.nodes.end(), nodes.begin(), nodes.begin() + list_.nodes_per_facet);
     list_.is_owned.push_back(is_owned);
+    list_.is_outer.push_back(is_outer);
   }
 
   FacetList take() { return std::move(list_); }
 
  private:
+  /// Whether the corners go clockwise seen from outside the cell that the facet (its points and nodes) belongs to.
+  bool points_inward(PetscInt cell, const std::array<PetscInt, 6>& points, const std::array<PetscInt, 6>& nodes) const {
+    const auto X0 = layout_.position(nodes[0]);
+    Tensor3<double> edges{};  // to the facet's other corners, and to the cell's corner off the facet
+    const auto set_row = [&](int row, PetscInt node) {
+      const auto X = layout_.position(node);
+      for (int i = 0; i < 3; ++i) edges(row, i) = X[i] - X0[i];
+    };
+    set_row(0, nodes[1]);
+    set_row(1, nodes[2]);
+    for_each_in_closure(dm_, cell, [&](PetscInt p) {
+      const bool is_of_facet = std::find(points.begin(), points.begin() + 3, p) != points.begin() + 3;
+      if (vertices_.contains(p) && !is_of_facet) set_row(2, layout_.node_of_point[p]);
+    });
+    return det(edges) > 0.0;
+  }
+
   DM dm_;
   const NodeLayout& layout_;
   PointRange vertices_, edges_;

@@ -14,11 +14,13 @@ using Region = std::function<bool(const std::array<double, 3>&)>;
 
 /// Facets as local nodes: 3 or 6 per facet (corners, mid-edge nodes 01 12 02). Every facet with an owned node is in the
 /// list of the node's owner, so sums into owned nodes are complete without communication; and every facet is in the
-/// list of its own owner, whoever owns its nodes, so sums over owned facets are complete too.
+/// list of its own owner, whoever owns its nodes, so sums over owned facets are complete too. On the surface of the
+/// mesh the corners go anticlockwise seen from outside: x_xi cross x_eta points outward.
 struct FacetList {
   int nodes_per_facet = 3;
   std::vector<PetscInt> nodes;
   std::vector<char> is_owned;  ///< one rank of all owns a facet
+  std::vector<char> is_outer;  ///< on the surface of the mesh; else cells lie on both sides, and no side is outside
   PetscInt size() const { return static_cast<PetscInt>(nodes.size()) / nodes_per_facet; }
 };
 

@@ -11,11 +11,13 @@ namespace {
 
 using testing::Body;
 using testing::BodySpec;
+using testing::BoxOptions;
 using testing::Key;
 using testing::key_of;
 using testing::Point;
 using testing::Scratch;
 using testing::Shape;
+using testing::write_box_msh;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -38,6 +40,34 @@ double area(const NodeLayout& layout, std::span<const PetscInt> nodes) {
         rule.weights[q] * std::hypot(t[1] * s[2] - t[2] * s[1], t[2] * s[0] - t[0] * s[2], t[0] * s[1] - t[1] * s[0]);
   }
   return total;
+}
+
+/// int X . n dA and int n dA over a facet.
+template <int Order>
+std::pair<double, Point> flux_of(const NodeLayout& layout, std::span<const PetscInt> nodes) {
+  const auto rule = simplex_rule<2>(6);
+  double flux = 0.0;
+  Point total{};
+  for (int q = 0; q < rule.size(); ++q) {
+    const auto N = Triangle<Order>::values(rule.points[q]);
+    const auto dN = Triangle<Order>::gradients(rule.points[q]);
+    Point x{}, t{}, s{};
+    for (std::size_t a = 0; a < nodes.size(); ++a) {
+      const Point X = layout.position(nodes[a]);
+      for (int k = 0; k < 3; ++k) {
+        x[k] += N[a] * X[k];
+        t[k] += dN[a][0] * X[k];
+        s[k] += dN[a][1] * X[k];
+      }
+    }
+    for (int k = 0; k < 3; ++k) {
+      const int i = (k + 1) % 3, j = (k + 2) % 3;
+      const double n = rule.weights[q] * (t[i] * s[j] - t[j] * s[i]);
+      flux += x[k] * n;
+      total[k] += n;
+    }
+  }
+  return {flux, total};
 }
 
 class Selections : public ::testing::TestWithParam<BodySpec> {
@@ -160,6 +190,45 @@ TEST_P(Selections, ARegionSelectsTheFacetsThatLieInItWhole) {
   EXPECT_NEAR(owned_area(facets), 1.0, 1e-13);
   const auto none = surface_facets(body_.mesh, layout_, [](const Point& x) { return x[1] > 2.0; });
   EXPECT_EQ(none.size(), 0);
+}
+
+// The divergence theorem: int X . n dA over the surface is three times the volume, and int n dA vanishes, if all facets
+// look outward. A straight-sided facet that looked inward would be missing twice.
+TEST_P(Selections, SurfaceFacetsLookOutward) {
+  const auto facets = surface_facets(body_.mesh, layout_, [](const Point&) { return true; });
+  double volume = 0.0;
+  Point sum_of_normals{};
+  for (PetscInt f = 0; f < facets.size(); ++f) {
+    EXPECT_TRUE(facets.is_outer[f]);
+    if (!facets.is_owned[f]) continue;
+    const auto nodes = nodes_of(facets, f);
+    const auto [flux, normal] = GetParam().order == 1 ? flux_of<1>(layout_, nodes) : flux_of<2>(layout_, nodes);
+    volume += flux / 3.0;
+    for (int k = 0; k < 3; ++k) sum_of_normals[k] += normal[k];
+  }
+  EXPECT_NEAR(sum(comm, volume), GetParam().volume(), 1e-12);
+  for (const double component : sum_of_normals) EXPECT_NEAR(sum(comm, component), 0.0, 1e-12);
+}
+
+// Those between the two halves of a body have no outside.
+TEST(InnerFacets, AreNotOuter) {
+  const Scratch scratch(comm);
+  const auto file = scratch.file("cut.msh", [](const std::string& f) {
+    BoxOptions options;
+    options.cut = 1;
+    write_box_msh(f, {1.0, 1.0, 1.0}, {2, 2, 2}, options);
+  });
+  const Body body(comm, file, 1);
+  PetscInt64 num_inner = 0, num_outer = 0;
+  for (const auto* name : {"cut", "tip"}) {
+    const auto facets = facets_of_group(body.mesh, body.layout, testing::group_named(body.mesh, name));
+    ASSERT_EQ(facets.is_outer.size(), facets.is_owned.size());
+    for (PetscInt f = 0; f < facets.size(); ++f) {
+      if (facets.is_owned[f]) ++(facets.is_outer[f] ? num_outer : num_inner);
+    }
+  }
+  EXPECT_EQ(sum(comm, num_inner), 8);
+  EXPECT_EQ(sum(comm, num_outer), 8);
 }
 
 TEST_P(Selections, MidEdgeNodesFollowTheirEdges) {

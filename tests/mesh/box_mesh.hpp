@@ -18,7 +18,8 @@ struct BoxOptions {
   bool groups = true;  ///< "clamp" (x = 0), "tip" (x = lx) and "body"; false: no physical names
   std::array<double, 3> origin{0.0, 0.0, 0.0};  ///< corner of the box [m]
   std::function<std::array<double, 3>(std::array<double, 3>)>
-      map;  ///< moves every node (mid-edge nodes too), e.g. to bend the box
+      map;      ///< moves every node (mid-edge nodes too), e.g. to bend the box
+  int cut = 0;  ///< > 0: also the group "cut" (tag 4), the facets inside the box at x = cut lx / n[0]
 };
 
 /// Writes the box of `size` [m] with n[0] x n[1] x n[2] cubes as gmsh 2.2 ascii: (n0 + 1)(n1 + 1)(n2 + 1) vertices, 6
@@ -55,13 +56,14 @@ inline void write_box_msh(const std::string& file, std::array<double, 3> size, s
     if (options.order == 2) at.insert(at.end(), {between(a, b), between(b, c), between(c, a)});
     add(options.order == 2 ? 9 : 2, options.groups ? tag : 0, tag, at);
   };
-  for (const int side : {0, 1}) {
-    const int x = side == 0 ? 0 : 2 * n[0];
+  std::vector<std::array<int, 2>> planes{{1, 0}, {2, 2 * n[0]}};  // tag and place
+  if (options.cut > 0) planes.push_back({4, 2 * options.cut});
+  for (const auto& [tag, x] : planes) {
     for (int j = 0; j < n[1]; ++j) {
       for (int k = 0; k < n[2]; ++k) {
         const Lattice a{x, 2 * j, 2 * k}, b{x, 2 * j + 2, 2 * k}, c{x, 2 * j + 2, 2 * k + 2}, d{x, 2 * j, 2 * k + 2};
-        add_triangle(side + 1, a, b, c);
-        add_triangle(side + 1, a, c, d);
+        add_triangle(tag, a, b, c);
+        add_triangle(tag, a, c, d);
       }
     }
   }
@@ -90,7 +92,10 @@ inline void write_box_msh(const std::string& file, std::array<double, 3> size, s
   std::ofstream out(file);
   out.precision(std::numeric_limits<double>::max_digits10);
   out << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
-  if (options.groups) out << "$PhysicalNames\n3\n2 1 \"clamp\"\n2 2 \"tip\"\n3 3 \"body\"\n$EndPhysicalNames\n";
+  if (options.groups) {
+    out << "$PhysicalNames\n" << (options.cut > 0 ? 4 : 3) << "\n2 1 \"clamp\"\n2 2 \"tip\"\n3 3 \"body\"\n";
+    out << (options.cut > 0 ? "2 4 \"cut\"\n" : "") << "$EndPhysicalNames\n";
+  }
   out << "$Nodes\n" << nodes.size() << "\n";
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     std::array<double, 3> x{};
