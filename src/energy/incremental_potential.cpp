@@ -113,6 +113,11 @@ void IncrementalPotential::hessian(Vec q, Mat K, Projection projection) {
 
 Handle<Mat> IncrementalPotential::make_hessian() const {
   Handle<Mat> K = make_matrix(layout_, pattern_);
+  if (symmetry() == Symmetry::unsymmetric) {
+    check(MatSetOption(K.get(), MAT_SYMMETRY_ETERNAL, PETSC_FALSE));
+    check(MatSetOption(K.get(), MAT_SYMMETRIC, PETSC_FALSE));
+    check(MatSetOption(K.get(), MAT_STRUCTURALLY_SYMMETRIC, PETSC_TRUE));
+  }
   set_rigid_body_modes(K.get(), layout_, prescribed_);
   return K;
 }

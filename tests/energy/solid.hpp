@@ -5,6 +5,7 @@
 #include "energy/incremental_potential.hpp"
 #include "energy/inertia.hpp"
 #include "energy/load.hpp"
+#include "energy/pressure.hpp"
 #include "fem/body.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/ghosted.hpp"
@@ -54,6 +55,11 @@ class Solid {
   std::unique_ptr<DeadLoad> traction(const std::array<Expression, 3>& value) const {
     const auto facets = facets_of_group(mesh(), layout(), group_named(mesh(), "tip"));
     return std::make_unique<DeadLoad>(layout(), facet_samples(layout(), facets, variation_of(value)), value);
+  }
+  /// A follower pressure on the group "tip" [Pa].
+  std::unique_ptr<FollowerPressure> pressure(const Expression& value) const {
+    auto facets = facets_of_group(mesh(), layout(), group_named(mesh(), "tip"));
+    return std::make_unique<FollowerPressure>(layout(), pattern(), std::move(facets), value);
   }
 
   std::vector<char> nothing_prescribed() const {
