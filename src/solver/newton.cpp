@@ -192,6 +192,100 @@ void NewtonSolver::solve_linear(Vec r, Vec y) {
   statistics_.linear_iterations += iterations;
 }
 
+bool NewtonSolver::descends(Vec r, Vec y, double& slope) {
+  KSP ksp = nullptr;
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  check(SNESGetKSP(snes_.get(), &ksp));
+  check(KSPGetConvergedReason(ksp, &reason));
+  slope = -dot(r, y);
+  PetscInt iterations = 0;
+  check(KSPGetIterationNumber(ksp, &iterations));
+  if (factor_is_current_) {
+    fresh_iterations_ = iterations;
+  } else if (iterations > fresh_iterations_ + iterations_that_age) {
+    factor_is_wanted_ = true;
+  }
+  // Out of iterations is a poor direction, not a wrong one.
+  return (reason >= 0 || reason == KSP_DIVERGED_ITS) && slope < 0.0 && std::isfinite(slope);
+}
+
+bool NewtonSolver::step_along(Vec y, double slope, SNESLineSearch search) {
+  Vec q = nullptr, r = nullptr, trial = nullptr;
+  check(SNESLineSearchGetVecs(search, &q, &r, nullptr, &trial, nullptr));
+  const double residual = norm(r), force_rounding = potential_.rounding_floor(q);
+  check(VecWAXPY(trial_.get(), -1.0, start_, q));
+  const double way = norm(trial_.get()), step = norm(y);
+  check(VecScale(y, -1.0));  // the direction d
+  const double bound = inversion_margin * potential_.max_step(q, y);
+  if (bound < 1.0) ++statistics_.capped_steps;
+  double alpha = std::min(1.0, bound);
+  bool accepted = false;
+  for (int i = 0; i < max_backtracks; ++i) {
+    check(VecWAXPY(trial, alpha, y, q));
+    const double phi = value(trial);
+    // Rounding of Phi: that of the forces along the way from the stage's start, which is of first order where Phi
+    // itself is of second; and a few units in the last place of Phi.
+    const double noise = floor_factor * force_rounding * (way + alpha * step) +
+                         1e3 * std::numeric_limits<double>::epsilon() * (std::abs(phi) + std::abs(phi_));
+    const bool decreases = potential_.is_potential() && phi <= phi_ + armijo * alpha * slope;
+    const bool undecided = !decreases && std::isfinite(phi) && std::abs(phi - phi_) <= noise;
+    if (decreases || undecided) {
+      check(SNESComputeFunction(snes_.get(), trial, r));
+      const double after = norm(r), slope_after = dot(r, y);
+      const bool wolfe_holds = slope_after >= wolfe * slope && slope_after <= (2 * armijo - 1) * slope;
+      accepted = std::isfinite(after) && (decreases || after < residual || wolfe_holds);
+      if (accepted) {
+        phi_ = phi;
+        check(VecCopy(trial, q));
+        check(SNESLineSearchSetLambda(search, alpha));
+        check(SNESLineSearchSetNorms(search, norm(q), after, alpha * step));
+        break;
+      }
+    }
+    ++statistics_.backtracks;
+    // Minimum of the parabola through Phi(0), its slope and Phi(alpha), kept within a tenth and a half.
+    const double parabola = std::isfinite(phi) ? -slope * alpha / (2.0 * ((phi - phi_) / alpha - slope)) : 0.5 * alpha;
+    alpha = std::clamp(parabola, 0.1 * alpha, 0.5 * alpha);
+  }
+  check(VecScale(y, -1.0));
+  if (accepted) return true;
+  check(SNESComputeFunction(snes_.get(), q, r));
+  // Nothing lowers Phi any more; if the residual is as small as its rounding errors, this is the minimum.
+  at_rounding_floor_ = residual <= 100.0 * floor_factor * force_rounding;
+  if (at_rounding_floor_) check(SNESLineSearchSetNorms(search, norm(q), residual, 0.0));
+  return at_rounding_floor_;
+}
+
+bool NewtonSolver::climb(Vec q) {
+  if (!factor_is_current_) {
+    factorize();
+    return true;
+  }
+  if (projection_ == Projection::none) {
+    assemble(q, Projection::positive_semidefinite);
+  } else if (!is_regularized_) {
+    regularize();
+  } else {
+    return false;
+  }
+  factorize();
+  factor_is_wanted_ = true;  // the next Hessian may do without
+  return true;
+}
+
+void NewtonSolver::search_line(SNESLineSearch search) {
+  Vec q = nullptr, r = nullptr, y = nullptr;
+  check(SNESLineSearchGetVecs(search, &q, &r, &y, nullptr, nullptr));
+  check(SNESLineSearchSetReason(search, SNES_LINESEARCH_SUCCEEDED));
+  for (;;) {
+    double slope = 0.0;
+    if (descends(r, y, slope) && step_along(y, slope, search)) return;
+    if (!climb(q)) break;
+    solve_linear(r, y);
+  }
+  check(SNESLineSearchSetReason(search, SNES_LINESEARCH_FAILED_REDUCT));
+}
+
 SNESConvergedReason NewtonSolver::judge(PetscInt iteration, double residual) {
   if (!std::isfinite(residual)) return SNES_DIVERGED_FNORM_NAN;
   if (residual <= std::max(options_.relative * scale_, options_.absolute)) return SNES_CONVERGED_FNORM_RELATIVE;
