@@ -104,9 +104,13 @@ inline PrescribedMotion motion_of(const Ode& ode) {
   return motion;
 }
 
+inline System system_of(const Ode& ode, Guess guess = Guess::extrapolated) {
+  return {.solve = newton(ode), .motion = motion_of(ode), .guess = guess};
+}
+
 inline Stepper make_stepper(const Method& method, const Ode& ode, Guess guess = Guess::extrapolated) {
   const Handle<Vec> layout = vector_of(ode.initial.q);
-  return {method, {.solve = newton(ode), .motion = motion_of(ode), .guess = guess}, {0.0, layout.get(), layout.get()}};
+  return {method, system_of(ode, guess), {0.0, layout.get(), layout.get()}};
 }
 
 /// The motion at time t by the classical Runge-Kutta method; with 2000 steps per unit of time its error is below 1e-13

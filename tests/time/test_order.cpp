@@ -1,6 +1,8 @@
 // Orders measured on nonlinear motions, and what symplectic methods keep.
 #include "time/every_method.hpp"
+#include "time/integrator.hpp"
 #include "time/ode.hpp"
+#include "time/order.hpp"
 #include "time/step_control.hpp"
 #include "time/stepper.hpp"
 
@@ -11,73 +13,34 @@
 namespace pliant {
 namespace {
 
+using test::end_time;
+using test::equal;
+using test::Errors;
+using test::expect_order;
 using test::Ode;
 using test::pendulum;
-using test::Values;
+using test::Times;
+using test::uneven;
 
 class MethodOrders : public test::EveryMethod {};
 
 INSTANTIATE_TEST_SUITE_P(Table, MethodOrders, test::every_method(), test::method_name);
 
-constexpr double end_time = 2.0;
-constexpr double slope_tolerance = 0.1;
-constexpr int num_coarse = 320;  // steps of the coarser of two levels
-constexpr int num_samples = 5;   // times at which errors are taken, lest one that passes through zero mislead
-
 enum class Start { exact, ramp };
 
-/// Where the steps end that make up [0, end_time], and those before 0 for an exact start.
-using Times = std::function<double(int step, int num_steps)>;
-
-double equal(int step, int num_steps) {
-  return end_time * step / num_steps;
-}
-
-/// Eight steps of different lengths over and over; the longest jump up is by 1.4.
-double uneven(int step, int num_steps) {
-  constexpr std::array<double, 8> length = {1.0, 1.4, 1.7, 1.2, 0.8, 0.5, 0.6, 0.8};
-  double offset = 0.0;
-  const int period = static_cast<int>(std::floor(step / 8.0));
-  for (int i = 0; i < step - 8 * period; ++i) offset += length[static_cast<std::size_t>(i)];
-  return end_time * (8.0 * period + offset) / num_steps;
-}
-
-/// Largest over entries, ranks and the times looked at.
-struct Error {
-  double q = 0.0, v = 0.0;
-
-  void look(const Ode& ode, const State& state) {
-    const Values exact = test::reference(ode, state.time);
-    q = std::max(q, test::distance(test::values_of(state.q.get()), exact.q));
-    v = std::max(v, test::distance(test::values_of(state.v.get()), exact.v));
-  }
-};
-
-Error error_after(const Method& method, const Ode& ode, Start start, const Times& times, int num_steps) {
-  std::vector<double> earlier;
-  if (start == Start::exact) {
-    for (int r = method.num_steps - 1; r >= 1; --r) earlier.push_back(times(-r, num_steps));
-  }
-  History history = test::history_of(ode, earlier);
+Errors error_after(const Method& method, const Ode& ode, Start start, const Times& times, int num_steps) {
+  History history = start == Start::exact ? test::history_of(ode, test::earlier_times(method, times, num_steps))
+                                          : test::history_of(ode);
   Stepper stepper = test::make_stepper(method, ode);
-  Error error;
+  Errors errors;
   for (int n = 1; n <= num_steps; ++n) {
     const double t = times(n, num_steps);
     const StepAttempt attempt = stepper.attempt(history, {t, t - history.newest().time});
     EXPECT_EQ(attempt.report.outcome, StageOutcome::converged);
     accept(attempt, history);
-    if (n % (num_steps / num_samples) == 0) error.look(ode, history.newest());
+    if (test::is_sampled(n, num_steps)) errors.look(ode, history.newest());
   }
-  return error;
-}
-
-void expect_order(const std::string& what, double order, const std::function<Error(int num_steps)>& error) {
-  const Error coarse = error(num_coarse), fine = error(2 * num_coarse);
-  const double order_q = std::log2(coarse.q / fine.q), order_v = std::log2(coarse.v / fine.v);
-  EXPECT_NEAR(order_q, order, slope_tolerance) << what << ", q: errors " << coarse.q << ", " << fine.q;
-  EXPECT_NEAR(order_v, order, slope_tolerance) << what << ", v: errors " << coarse.v << ", " << fine.v;
-  testing::Test::RecordProperty("order_q", std::to_string(order_q));
-  testing::Test::RecordProperty("order_v", std::to_string(order_v));
+  return errors;
 }
 
 /// A mass driven through a spring and a dashpot by a neighbour that moves as u_D = A (1 - cos w t).
@@ -104,6 +67,20 @@ TEST_P(MethodOrders, HasAtMostSecondOrderAfterARamp) {
                [&](int n) { return error_after(GetParam(), pendulum(), Start::ramp, equal, n); });
 }
 
+TEST_P(MethodOrders, HasItsOrderAfterAStartByDirk33) {
+  const Ode ode = pendulum();
+  expect_order("dirk33 start " + GetParam().name, GetParam().order, [&](int n) {
+    const Handle<Vec> q = test::vector_of(ode.initial.q), v = test::vector_of(ode.initial.v);
+    Integrator integrator({GetParam(), Startup::dirk33}, test::system_of(ode), {0.0, q.get(), v.get()});
+    Errors errors;
+    for (int step = 1; step <= n; ++step) {
+      integrator.accept(integrator.attempt({equal(step, n), end_time / n}));
+      if (test::is_sampled(step, n)) errors.look(ode, integrator.state());
+    }
+    return errors;
+  });
+}
+
 TEST_P(MethodOrders, KeepsItsOrderWithChangingSteps) {
   expect_order("uneven " + GetParam().name, GetParam().order,
                [&](int n) { return error_after(GetParam(), pendulum(), Start::exact, uneven, n); });
@@ -125,11 +102,9 @@ TEST_P(MethodOrders, KeepsItsOrderAcrossARetry) {
   const Ode ode = pendulum();
   expect_order("retry " + GetParam().name, GetParam().order, [&](int n) {
     const double dt = end_time / n;
-    std::vector<double> earlier;
-    for (int r = GetParam().num_steps - 1; r >= 1; --r) earlier.push_back(-r * dt);
-    History history = test::history_of(ode, earlier);
+    History history = test::history_of(ode, test::earlier_times(GetParam(), equal, n));
     Stepper stepper = test::make_stepper(GetParam(), ode);
-    Error error;
+    Errors errors;
     for (StepControl control({0.0, dt, end_time, dt / 8}); !control.finished();) {
       if (control.progress().nominal == n / 2 && control.next().dt == dt) {
         control.reject("asked to");
@@ -138,9 +113,10 @@ TEST_P(MethodOrders, KeepsItsOrderAcrossARetry) {
       accept(stepper.attempt(history, control.next()), history);
       control.accept();
       const bool on_grid = control.progress().time == static_cast<double>(control.progress().nominal) * dt;
-      if (on_grid && control.progress().nominal % (n / num_samples) == 0) error.look(ode, history.newest());
+      if (on_grid && test::is_sampled(static_cast<int>(control.progress().nominal), n))
+        errors.look(ode, history.newest());
     }
-    return error;
+    return errors;
   });
 }
 

@@ -267,21 +267,6 @@ TEST_P(MethodSteps, HistoryIsUntouchedUntilAcceptance) {
   EXPECT_EQ(test::values_of(history[1].q.get()), before[0]);
 }
 
-// PETSc numbers its objects as they are made.
-TEST_P(MethodSteps, MakesNoVectorsOnceItIsBuilt) {
-  const auto id_of_a_new_object = [] {
-    PetscObjectId id = 0;
-    check(PetscObjectGetId(reinterpret_cast<PetscObject>(test::vector_of({1.0}).get()), &id));
-    return id;
-  };
-  const Ode ode = pendulum();
-  History history = test::history_of(ode);
-  Stepper stepper = test::make_stepper(GetParam(), ode);
-  const PetscObjectId first = id_of_a_new_object(), before = id_of_a_new_object();
-  for (int n = 1; n <= 4; ++n) accept(stepper.attempt(history, {n * 0.1, 0.1}), history);
-  EXPECT_EQ(id_of_a_new_object() - before, before - first);
-}
-
 TEST(Stepper, ReportsAFatalStageAndStopsThere) {
   const Ode ode = pendulum();
   History history = test::history_of(ode);
