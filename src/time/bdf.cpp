@@ -45,6 +45,10 @@ BdfWeights bdf_weights(std::span<const double> past_times, const Step& step) {
   return weights;
 }
 
+bool has_known_growth(int num_steps) {
+  return num_steps <= 3;
+}
+
 double bdf_max_growth(int num_steps) {
   assert(num_steps >= 1 && num_steps <= max_bdf_steps);
   switch (num_steps) {
@@ -52,8 +56,10 @@ double bdf_max_growth(int num_steps) {
       return std::numeric_limits<double>::infinity();
     case 2:
       return 1.0 + std::sqrt(2.0);
-    default:
+    case 3:
       return 1.5;
+    default:
+      return 1.0;
   }
 }
 

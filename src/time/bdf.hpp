@@ -9,8 +9,8 @@
 
 namespace pliant {
 
-/// The most past states a formula here may have.
-inline constexpr int max_bdf_steps = 3;
+/// The most past states a formula may have: with seven or more it is not zero-stable.
+inline constexpr int max_bdf_steps = 6;
 
 /// Takes no memory of its own: steps are many.
 struct BdfWeights {
@@ -25,9 +25,12 @@ struct BdfWeights {
 /// max_bdf_steps of them). Steps that are equal to rounding get the weights of equal steps, to the last bit.
 BdfWeights bdf_weights(std::span<const double> past_times, const Step& step);
 
+/// Whether bdf_max_growth is a proven bound: up to three past states.
+bool has_known_growth(int num_steps);
+
 /// Ratio of successive steps up to which the formula with `num_steps` past states is zero-stable, whatever the sequence
 /// of steps: none for 1, 1 + sqrt 2 for 2, 1.5 (1.53 rounded down) for 3. Source: Calvo, Grande, Grigorieff 1990, "On
-/// the zero stability of the variable order variable stepsize BDF-formulas".
+/// the zero stability of the variable order variable stepsize BDF-formulas". 1 for more states.
 double bdf_max_growth(int num_steps);
 
 /// How many of the past states may be used for the step: the most, such that no ratio of successive steps in the

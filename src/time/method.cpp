@@ -1,27 +1,24 @@
 #include "time/method.hpp"
 
+#include "base/text.hpp"
 #include "time/bdf.hpp"
+#include "time/linear_stability.hpp"
+#include "time/order_conditions.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
-#include <complex>
-#include <limits>
 #include <numbers>
 #include <numeric>
-#include <optional>
 
 namespace pliant {
 namespace {
 
-constexpr double tolerance = 1e-12;  // of identities between coefficients of size one, written in double precision
-
-bool is_zero(double x) {
-  return std::abs(x) < tolerance;
-}
-
 std::string row_number(std::size_t i) {
   return std::to_string(i + 1);
+}
+
+bool is_close(double a, double b) {
+  return std::abs(a - b) < coefficient_tolerance;
 }
 
 std::optional<std::string> refuse_shape(const MethodRow& row) {
@@ -37,6 +34,14 @@ std::optional<std::string> refuse_shape(const MethodRow& row) {
       std::isfinite(row.beta) && std::ranges::all_of(row.alpha, finite) && std::ranges::all_of(row.b, finite);
   for (const auto& A_i : row.A) all_finite = all_finite && std::ranges::all_of(A_i, finite);
   if (!all_finite) return "a coefficient is not a finite number";
+  if (row.alpha.size() > max_past_states) {
+    return "it has " + std::to_string(row.alpha.size()) + " past states, and at most " +
+           std::to_string(max_past_states) + " are kept";
+  }
+  if (s > max_stages) {
+    return "it has " + std::to_string(s) + " stages, and at most " + std::to_string(max_stages) + " are supported";
+  }
+  if (row.alpha.back() == 0.0) return "alpha ends in a zero: leave it out";
   return std::nullopt;
 }
 
@@ -55,111 +60,66 @@ std::optional<std::string> refuse_stages(const MethodRow& row) {
   return std::nullopt;
 }
 
+// Stricter than the orders: what is missing here is missing from a body at rest in every step.
 std::optional<std::string> refuse_inconsistency(const MethodRow& row) {
+  constexpr double tolerance = 1e-12;
   double sum_alpha = 0.0, lag = 0.0;
   for (std::size_t r = 0; r < row.alpha.size(); ++r) {
     sum_alpha += row.alpha[r];
     lag += static_cast<double>(r) * row.alpha[r];
   }
   const double sum_b = std::accumulate(row.b.begin(), row.b.end(), 0.0);
-  if (!is_zero(sum_alpha - 1.0)) return "it is inconsistent: alpha does not sum to 1";
-  if (!is_zero(sum_b - 1.0)) return "it is inconsistent: b does not sum to 1";
-  if (!is_zero(row.beta - lag - 1.0)) return "it is inconsistent: beta does not fit alpha";
-  if (row.alpha.size() == 1) return std::nullopt;
-
-  const std::size_t l = row.alpha.size();
-  if (row.b.size() > 1 || row.A[0][0] != 1.0) return "several past states go with the single stage A = [1] only";
-  if (l > max_bdf_steps) return "more than " + std::to_string(max_bdf_steps) + " past states are not supported";
-  std::vector<double> past_times;
-  for (std::size_t r = 1; r <= l; ++r) past_times.push_back(-static_cast<double>(r));
-  const BdfWeights bdf = bdf_weights(past_times, {0.0, 1.0});
-  bool same = is_zero(bdf.beta - row.beta);
-  for (std::size_t r = 0; r < l; ++r) same = same && is_zero(bdf.alpha()[r] - row.alpha[r]);
-  if (!same) return "with several past states it must be the backward differentiation formula";
+  const auto differs = [](double a, double b) { return std::abs(a - b) > tolerance; };
+  if (differs(sum_alpha, 1.0)) {
+    return "it is inconsistent: alpha sums to " + format_number(sum_alpha) + " instead of 1";
+  }
+  if (differs(sum_b, 1.0)) return "it is inconsistent: b sums to " + format_number(sum_b) + " instead of 1";
+  if (differs(row.beta, 1.0 + lag)) {
+    return "it is inconsistent: with this alpha, beta must be " + format_number(1.0 + lag);
+  }
   return std::nullopt;
 }
 
-/// x^T = r^T L^-1 for the leading n x n block L of A.
-std::vector<double> times_inverse(const std::vector<double>& r, const std::vector<std::vector<double>>& A,
-                                  std::size_t n) {
-  std::vector<double> x(n);
-  for (std::size_t j = n; j-- > 0;) {
-    double sum = r[j];
-    for (std::size_t k = j + 1; k < n; ++k) sum -= x[k] * A[k][j];
-    x[j] = sum / A[j][j];
-  }
-  return x;
+std::optional<std::string> refuse_instability(const MethodRow& row) {
+  if (is_zero_stable(row)) return std::nullopt;
+  return "it is not zero-stable: errors grow from step to step, the faster the shorter the steps (a root of zeta^l = "
+         "sum_r alpha_r zeta^(l-r) lies outside the unit circle, or a double one on it)";
 }
 
-/// Exactness of y_{n+1} = sum_r alpha_r y_{n+1-r} + beta dt f_{n+1} on t^k, with t_n = 0 and dt = 1.
-int multistep_order(const MethodRow& row) {
-  int order = 0;
-  for (int k = 1; k <= max_bdf_steps; ++k) {
-    double sum = row.beta * k;
-    for (std::size_t r = 0; r < row.alpha.size(); ++r) sum += row.alpha[r] * std::pow(-static_cast<double>(r), k);
-    if (!is_zero(sum - 1.0)) break;
-    order = k;
-  }
-  return order;
+static_assert(max_past_states <= max_bdf_steps);
+
+/// Whether the row is the backward differentiation formula of its past states, whose form for changing steps is known.
+bool is_bdf(const MethodRow& row) {
+  if (row.b.size() > 1 || !is_close(row.A[0][0], 1.0)) return false;
+  const std::size_t l = row.alpha.size();
+  std::vector<double> past_times;
+  for (std::size_t r = 1; r <= l; ++r) past_times.push_back(-static_cast<double>(r));
+  const BdfWeights bdf = bdf_weights(past_times, {0.0, 1.0});
+  return is_close(bdf.beta, row.beta) && std::ranges::equal(bdf.alpha(), row.alpha, is_close);
 }
 
-/// The conditions sum b = 1; b.c = 1/2; b.c^2 = 1/3, b.A c = 1/6 (Hairer & Wanner II, IV.5).
-int multistage_order(const Method& m) {
+void set_weights(Method& m) {
   const std::size_t s = m.b.size();
-  double b = 0.0, bc = 0.0, bcc = 0.0, bAc = 0.0;
-  for (std::size_t i = 0; i < s; ++i) {
-    b += m.b[i];
-    bc += m.b[i] * m.c[i];
-    bcc += m.b[i] * m.c[i] * m.c[i];
-    for (std::size_t j = 0; j <= i; ++j) bAc += m.b[i] * m.A[i][j] * m.c[j];
+  for (const auto& A_i : m.A) m.c.push_back(std::accumulate(A_i.begin(), A_i.end(), 0.0));
+  for (std::size_t i = 0; i < s; ++i) m.At.push_back(times_inverse(std::span(m.A[i]).first(i), m.A));
+  m.bt = times_inverse(m.b, m.A);
+  m.stiffly_accurate = std::ranges::equal(m.A[s - 1], m.b, is_close);
+  if (m.stiffly_accurate) {  // free of rounding, so that the last stage is the end to the last bit
+    std::ranges::fill(m.bt, 0.0);
+    m.bt.back() = 1.0;
+    m.c.back() = 1.0;
   }
-  if (!is_zero(b - 1.0)) return 0;
-  if (!is_zero(bc - 1.0 / 2.0)) return 1;
-  if (!is_zero(bcc - 1.0 / 3.0) || !is_zero(bAc - 1.0 / 6.0)) return 2;
-  return 3;
 }
 
-/// R(z) = 1 + z b^T (1 - z A)^-1 (1, ..., 1).
-std::complex<double> stability_function(const MethodRow& row, std::complex<double> z) {
-  std::vector<std::complex<double>> k(row.b.size());
-  std::complex<double> R = 1.0;
-  for (std::size_t i = 0; i < k.size(); ++i) {
-    k[i] = 1.0;
-    for (std::size_t j = 0; j < i; ++j) k[i] += z * row.A[i][j] * k[j];
-    k[i] /= 1.0 - z * row.A[i][i];
-    R += z * row.b[i] * k[i];
+/// The embedded formula tells the error by way of the error constant, so both must be known.
+void set_embedded(Method& m) {
+  m.error_constant = error_constant(m, m.order);
+  if (m.symplectic || is_close(m.error_constant, 0.0)) return;
+  if (auto embedded = embedded_formula(m)) {
+    m.bt_embedded = std::move(embedded->bt);
+    m.embedded_order = embedded->order;
+    m.embedded_error = embedded->error;
   }
-  return R;
-}
-
-/// One-step methods: the poles 1/A_ii lie to the right, so |R| <= 1 on the imaginary axis suffices (maximum principle).
-/// Multistep: the root locus z(zeta) = (1 - sum_r alpha_r zeta^-r) / beta of the unit circle must not enter Re z < 0.
-bool is_a_stable(const MethodRow& row) {
-  constexpr int num_samples = 2000;
-  for (int k = 0; k < num_samples; ++k) {
-    const double x = (k + 0.5) / num_samples;
-    if (row.alpha.size() == 1) {
-      const double y = std::pow(10.0, -4.0 + 10.0 * x);
-      if (std::abs(stability_function(row, {0.0, y})) > 1.0 + tolerance) return false;
-    } else {
-      const auto zeta_inverse = std::polar(1.0, -std::numbers::pi * x);
-      std::complex<double> z = 1.0, power = 1.0;
-      for (double alpha_r : row.alpha) z -= alpha_r * (power *= zeta_inverse);
-      if (z.real() < -tolerance) return false;
-    }
-  }
-  return true;
-}
-
-/// b_i A_ij + b_j A_ji = b_i b_j (Hairer, Lubich & Wanner, Geometric Numerical Integration, VI.4).
-bool is_symplectic(const MethodRow& row) {
-  if (row.alpha.size() > 1) return false;
-  for (std::size_t i = 0; i < row.b.size(); ++i) {
-    for (std::size_t j = 0; j <= i; ++j) {
-      if (!is_zero(row.b[i] * row.A[i][j] + row.b[j] * row.A[j][i] - row.b[i] * row.b[j])) return false;
-    }
-  }
-  return true;
 }
 
 std::vector<MethodRow> rows() {
@@ -209,33 +169,39 @@ std::string to_string(Stability stability) {
 }
 
 std::variant<Method, MethodRefusal> derive_method(MethodRow row) {
-  for (const auto refuse : {refuse_shape, refuse_stages, refuse_inconsistency}) {
+  for (const auto refuse : {refuse_shape, refuse_stages, refuse_inconsistency, refuse_instability}) {
     if (const auto reason = refuse(row)) return MethodRefusal{"method '" + row.name + "' is refused: " + *reason};
   }
   Method m;
   static_cast<MethodRow&>(m) = std::move(row);
-  const std::size_t s = m.b.size();
   m.num_steps = static_cast<int>(m.alpha.size());
-  m.num_stages = static_cast<int>(s);
-  for (const auto& A_i : m.A) m.c.push_back(std::accumulate(A_i.begin(), A_i.end(), 0.0));
-  for (std::size_t i = 0; i < s; ++i) m.At.push_back(times_inverse(m.A[i], m.A, i));
-  m.bt = times_inverse(m.b, m.A, s);
-
-  m.stiffly_accurate = true;
-  for (std::size_t j = 0; j < s; ++j) m.stiffly_accurate = m.stiffly_accurate && is_zero(m.A[s - 1][j] - m.b[j]);
-  if (m.stiffly_accurate) {  // free of rounding, so that the last stage is the end to the last bit
-    std::ranges::fill(m.bt, 0.0);
-    m.bt.back() = 1.0;
-    m.c.back() = 1.0;
-  }
-  m.order = m.num_steps > 1 ? multistep_order(m) : multistage_order(m);
-  m.R_infinity = 1.0 - std::accumulate(m.bt.begin(), m.bt.end(), 0.0);
+  m.num_stages = static_cast<int>(m.b.size());
+  set_weights(m);
+  m.order = convergence_order(m);
+  m.reconstructed_rate_order = reconstructed_rate_order(m);
+  m.R_infinity = damping_at_infinity(m.alpha, m.bt);
   m.symplectic = is_symplectic(m);
   if (is_a_stable(m)) {
-    m.stability = m.num_steps == 1 && is_zero(m.R_infinity) ? Stability::l_stable : Stability::a_stable;
+    m.stability = m.num_steps == 1 && is_close(m.R_infinity, 0.0) ? Stability::l_stable : Stability::a_stable;
   }
-  m.max_growth = bdf_max_growth(m.num_steps);
+  m.needs_equal_steps = m.num_steps > 1 && !(is_bdf(m) && has_known_growth(m.num_steps));
+  m.max_growth = m.needs_equal_steps ? 1.0 : bdf_max_growth(m.num_steps);
+  set_embedded(m);
   return m;
+}
+
+std::optional<std::string> why_not_adaptive(const Method& method) {
+  if (method.symplectic) {
+    return "method '" + method.name + "' is symplectic, and keeps what it is chosen for at a constant step only";
+  }
+  if (method.needs_equal_steps) {
+    return "method '" + method.name + "' needs equal steps: its coefficients for changing ones are not known";
+  }
+  if (is_bdf(method) || !method.bt_embedded.empty()) return std::nullopt;
+  if (method.num_stages > 1 && is_close(method.error_constant, 0.0)) {
+    return "method '" + method.name + "' has a higher order than is told here, so that its error is not known";
+  }
+  return "method '" + method.name + "' has too few stages for an embedded formula that would tell its error";
 }
 
 std::span<const Method> methods() {

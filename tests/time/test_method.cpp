@@ -1,5 +1,6 @@
 #include "time/bdf.hpp"
 #include "time/every_method.hpp"
+#include "time/formula.hpp"
 #include "time/method.hpp"
 
 #include <cmath>
@@ -15,17 +16,26 @@ struct Expected {
   Stability stability;
   double R_infinity;
   bool stiffly_accurate, symplectic;
+  int reconstructed_rate_order, embedded_order;
+  double error_constant;
+  bool adaptive;
 };
 
+const double g = 0.43586652150845899941601945;
+const double g22 = 1.0 - std::sqrt(0.5);
+const double g23 = 0.5 + 0.5 / std::sqrt(3.0);
+// Error constants of several stages: the series of P(z)/(1 - gz)^s - e^z, P given by the order.
 const std::map<std::string, Expected> expected = {
-    {"backward-euler", {1, 1, 1, Stability::l_stable, 0.0, true, false}},
-    {"bdf2", {2, 1, 2, Stability::a_stable, 0.0, true, false}},
-    {"bdf3", {3, 1, 3, Stability::not_a_stable, 0.0, true, false}},
-    {"dirk22", {1, 2, 2, Stability::l_stable, 0.0, true, false}},
-    {"dirk23", {1, 2, 3, Stability::a_stable, 1.0 - std::sqrt(3.0), false, false}},
-    {"dirk33", {1, 3, 3, Stability::l_stable, 0.0, true, false}},
-    {"implicit-midpoint", {1, 1, 2, Stability::a_stable, -1.0, false, true}},
-    {"symplectic-dirk22", {1, 2, 2, Stability::a_stable, 1.0, false, true}},
+    {"backward-euler", {1, 1, 1, Stability::l_stable, 0.0, true, false, 1, 0, 1.0 / 2, true}},
+    {"bdf2", {2, 1, 2, Stability::a_stable, 0.0, true, false, 2, 0, 2.0 / 9, true}},
+    {"bdf3", {3, 1, 3, Stability::not_a_stable, 0.0, true, false, 3, 0, 3.0 / 22, true}},
+    {"dirk22", {1, 2, 2, Stability::l_stable, 0.0, true, false, 2, 1, g22* g22*(3 - 2 * g22) - 1.0 / 6, true}},
+    {"dirk23",
+     {1, 2, 3, Stability::a_stable, 1.0 - std::sqrt(3.0), false, false, 1, 1, g23* g23*(1.5 - 2 * g23) - 1.0 / 24,
+      true}},
+    {"dirk33", {1, 3, 3, Stability::l_stable, 0.0, true, false, 2, 2, g* g*(3 - 8 * g + 3 * g * g) - 1.0 / 24, true}},
+    {"implicit-midpoint", {1, 1, 2, Stability::a_stable, -1.0, false, true, 1, 0, 1.0 / 12, false}},
+    {"symplectic-dirk22", {1, 2, 2, Stability::a_stable, 1.0, false, true, 2, 0, 1.0 / 48, false}},
 };
 
 class MethodRows : public test::EveryMethod {};
@@ -42,6 +52,12 @@ TEST_P(MethodRows, HasThePropertiesOfTheLiterature) {
   EXPECT_EQ(m.stiffly_accurate, e.stiffly_accurate);
   EXPECT_EQ(m.symplectic, e.symplectic);
   EXPECT_FALSE(m.summary.empty());
+  EXPECT_EQ(m.reconstructed_rate_order, e.reconstructed_rate_order);
+  EXPECT_EQ(m.embedded_order, e.embedded_order);
+  EXPECT_EQ(m.bt_embedded.empty(), e.embedded_order == 0);
+  EXPECT_NEAR(m.error_constant, e.error_constant, 1e-14);
+  EXPECT_FALSE(m.needs_equal_steps);
+  EXPECT_EQ(!why_not_adaptive(m).has_value(), e.adaptive);
 }
 
 // At_i A_{1:i-1,1:i-1} = A_{i,1:i-1} and bt^T A = b^T: the reconstruction is the Runge-Kutta formula without its
@@ -100,33 +116,63 @@ TEST(DeriveMethod, RefusesWhatTheLayerCannotRunAndSaysWhy) {
   expect(row({1}, 1, {{0, 0}, {0.5, 0.5}}, {0.5, 0.5}), "stage 1 is explicit");  // trapezoidal rule
   expect(row({1}, 1, {{0.25, 0.25 - x}, {0.25 + x, 0.25}}, {0.5, 0.5}), "stage 1 depends on stage 2");  // Gauss
   expect(row({1}, 1, {{-1}}, {1}), "negative on its diagonal");
-  expect(row({1}, 1, {{1}}, {0.9}), "b does not sum to 1");
-  expect(row({0.9}, 1, {{1}}, {1}), "alpha does not sum to 1");
-  expect(row({1}, 0.9, {{1}}, {1}), "beta does not fit");
+  expect(row({1}, 1, {{1}}, {0.9}), "b sums to 0.9 instead of 1");
+  expect(row({0.9}, 1, {{1}}, {1}), "alpha sums to 0.9 instead of 1");
+  expect(row({1}, 0.9, {{1}}, {1}), "beta must be 1");
+  expect(row({0.5, 0.5}, 1, {{1}}, {1}), "beta must be 1.5");
   expect(row({1}, -1, {{1}}, {1}), "beta must be positive");
   expect(row({1}, 1, {{1, 0}}, {1}), "square");
   expect(row({}, 1, {{1}}, {1}), "past state");
+  expect(row({1}, 1, {}, {}), "square");
   expect(row({1}, 1, {{std::nan("")}}, {1}), "finite");
-  expect(row({0.5, 0.5}, 1.5, {{1}}, {1}), "backward differentiation");
-  expect(row({4. / 3, -1. / 3}, 2. / 3, {{0.5}}, {1}), "single stage");
-  expect(row({48. / 25, -36. / 25, 16. / 25, -3. / 25}, 12. / 25, {{1}}, {1}), "more than 3");
+  expect(row({1}, INFINITY, {{1}}, {1}), "finite");
+  expect(row({1, 0}, 1, {{1}}, {1}), "ends in a zero");
+  expect(row({-1, 2}, 3, {{1}}, {1}), "not zero-stable");
+  expect(row({-1, 1, 1}, 4, {{1}}, {1}), "not zero-stable");
+  expect(row({0.4, 0.1, 0.1, 0.1, 0.1, 0.1, 0.1}, 3.1, {{1}}, {1}), "7 past states");
+  std::vector<std::vector<double>> A(11, std::vector<double>(11, 0.0));
+  for (std::size_t i = 0; i < A.size(); ++i) A[i][i] = 1;
+  expect(row({1}, 1, A, std::vector<double>(11, 1.0 / 11)), "11 stages");
   EXPECT_EQ(refusal(row({4. / 3, -1. / 3}, 2. / 3, {{1}}, {1})), "");
 }
 
 // SDIRK34 of Norsett (A-stable, order 4; told as 3), whose R(infinity) is known: a row is all it takes.
 TEST(DeriveMethod, DerivesANewRow) {
   const double a = std::cos(M_PI / 18) / std::sqrt(3.0) + 0.5, q = 1 / (6 * (2 * a - 1) * (2 * a - 1));
-  const auto result =
-      derive_method(row({1}, 1, {{a, 0, 0}, {0.5 - a, a, 0}, {2 * a, 1 - 4 * a, a}}, {q, 1 - 2 * q, q}));
-  const auto& m = std::get<Method>(result);
+  const Method m = test::method_of({1}, 1, {{a, 0, 0}, {0.5 - a, a, 0}, {2 * a, 1 - 4 * a, a}}, {q, 1 - 2 * q, q});
   EXPECT_EQ(m.order, 3);
   EXPECT_EQ(m.stability, Stability::a_stable);
   EXPECT_NEAR(m.R_infinity, -0.630415, 1e-6);
+  EXPECT_NEAR(m.error_constant, 0.0, 1e-14);
   // The other root of the two-stage method of order 3, (3 - sqrt 3)/6, is not A-stable.
-  const double g = (3 - std::sqrt(3.0)) / 6;
-  const auto other = derive_method(row({1}, 1, {{g, 0}, {1 - 2 * g, g}}, {0.5, 0.5}));
-  EXPECT_EQ(std::get<Method>(other).order, 3);
-  EXPECT_EQ(std::get<Method>(other).stability, Stability::not_a_stable);
+  const double h = (3 - std::sqrt(3.0)) / 6;
+  const Method other = test::method_of({1}, 1, {{h, 0}, {1 - 2 * h, h}}, {0.5, 0.5});
+  EXPECT_EQ(other.order, 3);
+  EXPECT_EQ(other.stability, Stability::not_a_stable);
+}
+
+TEST(DeriveMethod, KnowsBackwardDifferentiationInAnyDigits) {
+  const Method bdf2 = test::method_of({4. / 3 + 1e-11, -1. / 3 - 1e-11}, 2. / 3 - 1e-11, {{1}}, {1});
+  EXPECT_FALSE(bdf2.needs_equal_steps);
+  EXPECT_EQ(bdf2.max_growth, 1 + std::sqrt(2.0));
+  EXPECT_FALSE(why_not_adaptive(bdf2).has_value());
+  // Four steps: what changing steps do to its stability is not known.
+  const Method bdf4 = test::method_of({48. / 25, -36. / 25, 16. / 25, -3. / 25}, 12. / 25, {{1}}, {1});
+  EXPECT_EQ(bdf4.order, 3) << "told up to 3";
+  EXPECT_EQ(bdf4.stability, Stability::not_a_stable);
+  EXPECT_TRUE(bdf4.needs_equal_steps);
+  EXPECT_EQ(bdf4.max_growth, 1.0);
+}
+
+TEST(DeriveMethod, SaysWhyStepsCannotAdapt) {
+  const auto expect = [](const Method& m, const std::string& reason) {
+    EXPECT_NE(why_not_adaptive(m).value_or("").find(reason), std::string::npos) << why_not_adaptive(m).value_or("");
+  };
+  expect(*find_method("implicit-midpoint"), "symplectic");
+  expect(*find_method("symplectic-dirk22"), "symplectic");
+  expect(test::method_of({1.2, -0.2}, 0.8, {{0.6875}}, {1}), "equal steps");
+  expect(test::method_of({1}, 1, {{0.7}}, {1}), "too few stages");
+  expect(test::own_methods()[0].method, "higher order");
 }
 
 TEST(Bdf, WeightsOfEqualStepsAreTheTables) {
