@@ -30,6 +30,12 @@ PLIANT_INLINE Tensor3<T> green_lagrange(const Tensor3<T>& H) {
   return {{entry(0, 0), e01, e02, e01, entry(1, 1), e12, e02, e12, entry(2, 2)}};
 }
 
+/// E(H + dH) - E(H) = sym((F + dH/2)^T dH), to the digits of the change.
+template <class T>
+PLIANT_INLINE Tensor3<T> green_lagrange_change(const Tensor3<T>& H, const Tensor3<T>& dH) {
+  return small_strain(matmul(transpose(add_to_diagonal(H + 0.5 * dH, 1.0)), dH));
+}
+
 /// Volume change J - 1 = det F - 1 = tr H + (tr^2 H - tr H^2) / 2 + det H.
 template <class T>
 PLIANT_INLINE T volume_change(const Tensor3<T>& H) {

@@ -1,0 +1,42 @@
+/// Viscosity of a body: Kelvin-Voigt and Maxwell (material/viscosity.hpp) as terms of a stage.
+///
+/// Both are a dashpot of viscosity eta behind a spring of stiffness eta / tau; in Kelvin-Voigt's the spring is rigid,
+/// tau = 0. The dashpot's strain G obeys tau Gdot = E - G, so at the end of a stage of length dt that starts from G0
+///
+///     G - G0 = dt / (tau + dt) (E - G0)
+///     Phi(q) = int 1/2 (E - G0) : eta / (tau + dt) : (E - G0) dX
+///     dissipation = int Gdot : eta : Gdot dX,   Gdot = (E - G0) / (tau + dt)
+///
+/// (docs: dynamics, "Rates inside a stage"). The three forms of Kelvin-Voigt's rate differ in the reference strain G0:
+/// `secant` has E(q0), `reconstructed` takes G = E as one more variable of the method, `exact` puts
+/// sym(F^T (F - F0)) in the place of E - G0, and with it loses the potential.
+#pragma once
+
+#include "energy/term.hpp"
+#include "fem/cells.hpp"
+#include "material/viscosity.hpp"
+#include "time/method.hpp"
+
+#include <memory>
+
+namespace pliant {
+
+/// A term of the cells of `body`; `groups` holds all bodies' cells and outlives it. A body of several Maxwell branches
+/// has several terms. Internal variables (`reconstructed`, `maxwell`): G at every quadrature point as xx yy zz xy yz
+/// xz, cell by cell in the order of the groups, ghost cells included. They start at 0, the undeformed body at rest, and
+/// `complete_step` sets the reconstructed strains of any other configuration.
+template <int Order>
+std::unique_ptr<EnergyTerm> make_viscous_term(const ViscosityVariant& law, const CellGroups<Order>& groups, int body,
+                                              PetscInt num_owned_nodes);
+
+/// The form of the strain rate that keeps the method's order: `reconstructed`, which has a potential, where that does,
+/// else `exact`.
+///
+/// The reconstructed strain is smooth in time but no linear function of q, and a stage's q is exact to first order
+/// only: Edot has the error dt/2 (A^-1 c^2 - 2 c) d2E(v, v) at the stages. It does no harm to second order if its
+/// weighted sum b^T (A^-1 c^2 - 2 c) vanishes, that is if bt . c^2 = 1 (b . c = 1/2 holds); to third order no method of
+/// several stages survives it. Backward differentiation formulas have no such error: their one stage is at the end of
+/// the step.
+StrainRate strain_rate_for(const Method& method);
+
+}  // namespace pliant
