@@ -6,7 +6,9 @@
 #include "energy/inertia.hpp"
 #include "energy/load.hpp"
 #include "energy/pressure.hpp"
+#include "energy/viscous.hpp"
 #include "fem/body.hpp"
+#include "material/viscosity_registry.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/ghosted.hpp"
 
@@ -41,6 +43,10 @@ class Solid {
   std::unique_ptr<ElasticTerm> elastic(const ElasticLawVariant& law) const {
     if (layout().order == 1) return make_elastic_term<1>(law, std::get<0>(groups_), 0, layout().num_owned_nodes);
     return make_elastic_term<2>(law, std::get<1>(groups_), 0, layout().num_owned_nodes);
+  }
+  std::unique_ptr<EnergyTerm> viscous(const ViscosityVariant& law) const {
+    if (layout().order == 1) return make_viscous_term<1>(law, std::get<0>(groups_), 0, layout().num_owned_nodes);
+    return make_viscous_term<2>(law, std::get<1>(groups_), 0, layout().num_owned_nodes);
   }
   std::unique_ptr<Inertia> inertia(double density, Mass mass) const {
     if (layout().order == 1) return make_inertia<1>(layout(), pattern(), std::get<0>(groups_), {density}, mass);
@@ -139,10 +145,22 @@ inline Point at_rest(const Point&) {
 
 /// A stage with vectors of its own.
 struct TestStage {
-  Handle<Vec> q0, v0;
+  Handle<Vec> q0, v0, z0;
   StagePoint point;
   TestStage(const Solid& solid, double time, double dt, const Field& start = at_rest, const Field& velocity = at_rest)
       : q0(solid.vector(start)), v0(solid.vector(velocity)), point{time, dt, q0.get(), v0.get(), 1.0} {}
+
+  /// Internal variables as they are at the end of a stage as long as this one that moved the body from rest to `end`.
+  void set_internal(const Solid& solid, IncrementalPotential& potential, const Field& end) {
+    z0 = potential.make_internal();
+    if (!z0) return;
+    const Handle<Vec> rest = solid.vector(at_rest), zero = potential.make_internal();
+    StagePoint earlier = point;
+    earlier.q0 = earlier.v0 = rest.get();
+    earlier.z0 = zero.get();
+    potential.internal_variables().end_stage(earlier, solid.vector(end).get(), z0.get());
+    point.z0 = z0.get();
+  }
 };
 
 /// The laws of the registry, E = 1000 Pa and nu = 0.3.
@@ -157,6 +175,26 @@ inline std::string name_of(const ElasticLawVariant& law) {
   std::string name = std::visit([](const auto& of) { return std::string(of.name); }, law);
   std::erase(name, '-');
   return name;
+}
+
+/// The laws of viscosity in every form, of the size of `every_law` over some hundredths of a second; the bulk is as
+/// viscous as the shape, so that nothing passes for the other.
+inline std::vector<ViscosityVariant> every_viscosity() {
+  std::vector<ViscosityVariant> laws;
+  for (const auto& form : strain_rates()) laws.push_back(KelvinVoigt{20.0, 35.0, form.rate});
+  laws.push_back(Maxwell{300.0, 500.0, 0.1});
+  return laws;
+}
+
+inline std::string name_of(const ViscosityVariant& law) {
+  if (std::holds_alternative<Maxwell>(law)) return "Maxwell";
+  return "KelvinVoigt" + std::string(strain_rates()[static_cast<std::size_t>(std::get<KelvinVoigt>(law).rate)].name);
+}
+
+/// Whether forces of the law are a gradient.
+inline bool is_potential(const ViscosityVariant& law) {
+  const auto* kelvin_voigt = std::get_if<KelvinVoigt>(&law);
+  return kelvin_voigt == nullptr || kelvin_voigt->rate != StrainRate::exact;
 }
 
 inline bool is_barrier(const ElasticLawVariant& law) {

@@ -7,6 +7,7 @@ namespace pliant {
 namespace {
 
 using testing::BodySpec;
+using testing::Point;
 using testing::Scratch;
 using testing::Shape;
 using testing::Solid;
@@ -35,6 +36,11 @@ std::vector<TermCase> every_case() {
       cases.push_back({testing::name_of(law), body, elastic_quadrature_degree(law, body.order),
                        [=](const Solid& solid) { return solid.elastic(law); }});
     }
+    for (const auto& law : testing::every_viscosity()) {
+      if (!testing::is_potential(law)) continue;
+      cases.push_back(
+          {testing::name_of(law), body, 2 * (body.order - 1), [=](const Solid& solid) { return solid.viscous(law); }});
+    }
     for (const auto& [name, mass] : {std::pair{"consistent", Mass::consistent}, {"lumped", Mass::lumped}}) {
       const Mass of = mass;
       cases.push_back({name, body, 2, [=](const Solid& solid) { return solid.inertia(density, of); }});
@@ -55,10 +61,17 @@ std::vector<TermCase> every_case() {
   return cases;
 }
 
+/// Where internal variables come from: strains like those of the stage, but not the same.
+Point internal_end(const Point& x) {
+  const Point u = testing::strained(x), w = testing::rough_field(0.01, 6)(x);
+  return {0.6 * u[0] + w[0], 0.6 * u[1] + w[1], 0.6 * u[2] + w[2]};
+}
+
 class Terms : public ::testing::TestWithParam<TermCase> {
  protected:
   Terms() {
     for (int i = 0; i < 3; ++i) directions_.push_back(solid_.vector(testing::rough_field(0.05, 11 + i)));
+    stage_.set_internal(solid_, potential_, internal_end);
     potential_.begin_stage(stage_.point);
   }
 
@@ -146,7 +159,8 @@ TEST_P(Terms, NothingDependsOnTheNumberOfRanks) {
   const Solid whole(MPI_COMM_SELF, file_, GetParam().body.order, GetParam().degree);
   const auto term = GetParam().make(whole);
   IncrementalPotential alone(whole.layout(), whole.pattern(), {term.get()}, whole.nothing_prescribed());
-  const TestStage stage(whole, 0.7, 0.05, testing::rough_field(0.01, 3), testing::rough_field(0.3, 4));
+  TestStage stage(whole, 0.7, 0.05, testing::rough_field(0.01, 3), testing::rough_field(0.3, 4));
+  stage.set_internal(whole, alone, internal_end);
   alone.begin_stage(stage.point);
   const Handle<Vec> q = whole.vector(testing::strained), r = alone.make_vector();
   alone.gradient(q.get(), r.get());
