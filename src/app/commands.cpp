@@ -110,7 +110,6 @@ std::string methods_text() {
   std::string text = fmt::format("{:<20} {:>5} {:>6}  {:<12} {:>6}  {}\n", "method", "order", "stages", "stability",
                                  "R(inf)", "when to use");
   for (const auto& m : methods()) {
-    if (std::find(time_methods.begin(), time_methods.end(), m.name) == time_methods.end()) continue;
     text += fmt::format("{:<20} {:>5} {:>6}  {:<12} {:>6.3f}  {}\n", m.name, m.order, m.num_stages,
                         to_string(m.stability), m.R_infinity, m.summary);
   }

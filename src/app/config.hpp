@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/expression.hpp"
+#include "time/method.hpp"
 
 #include <array>
 #include <optional>
@@ -74,14 +75,32 @@ struct InitialConfig {
   VectorExpression velocity;      ///< [m/s], function of x, y, z
 };
 
-struct TimeConfig {
-  Located<std::string> method;  ///< a method's name, or quasistatic, or static
-  double step = 0;              ///< [s]; static: unused
-  double end = 0;               ///< [s]; static: the time at which expressions are evaluated (default 0)
-  int load_steps = 1;           ///< static: loads are applied in this many equal parts
-  std::string startup;          ///< ramp
-  double min_step = 0;          ///< smallest step that a retry may try [s]; default step / 1024
+/// Steps chosen by the error they make. Tolerances are for the error of the whole run.
+struct AdaptiveConfig {
+  double relative = 0;           ///< of displacement and velocity
+  double absolute = 0;           ///< of displacement [m]
+  double absolute_velocity = 0;  ///< of velocity [m/s]; default absolute / the first step
+  double min_step = 0;           ///< [s]; also TimeConfig::min_step
+  double max_step = 0;           ///< [s]; default end / 10
+  Location where;
 };
+
+struct TimeConfig {
+  Located<std::string> method;       ///< a method's name (own_method's, too), petsc:<integrator>, quasistatic or static
+  std::optional<Method> own_method;  ///< of the user's coefficients
+  double step = 0;                   ///< [s]; adaptive: the first one tried, default end / 1000; static: unused
+  double end = 0;                    ///< [s]; static: the time at which expressions are evaluated (default 0)
+  int load_steps = 1;                ///< static: loads are applied in this many equal parts
+  std::string startup;               ///< ramp or dirk33
+  double min_step = 0;               ///< smallest step that may be tried [s]; default step / 1024
+  std::optional<AdaptiveConfig> adaptive;
+  std::vector<double> events;  ///< times at which loads change abruptly, ascending, in (0, end) [s]; static: unused
+};
+
+/// The method's table; nullptr for quasistatic, static and PETSc's integrators.
+inline const Method* method_of(const TimeConfig& time) {
+  return time.own_method ? &*time.own_method : find_method(time.method.value);
+}
 
 struct NewtonConfig {
   double relative = 0;

@@ -6,12 +6,15 @@
 #include <algorithm>
 #include <filesystem>
 #include <initializer_list>
+#include <optional>
 
 namespace pliant {
 namespace {
 
-constexpr double min_step_divisor = 1024;  // ten halvings
-constexpr double most_steps = 1e9;         // steps are counted in an int
+constexpr double min_step_divisor = 1024;    // ten halvings
+constexpr double first_step_divisor = 1000;  // parts of an adaptive run
+constexpr double max_step_divisor = 10;
+constexpr double most_steps = 1e9;  // steps are counted in an int
 
 /// The node at a path of keys, if it is there and not empty.
 const InputNode* given(const InputNode& root, std::initializer_list<std::string_view> path) {
@@ -32,30 +35,94 @@ std::string numbered(const std::string& list, std::size_t index) {
   return list + "[" + std::to_string(index) + "]";
 }
 
+std::string seconds(double time) {
+  return format_number(time) + " s";
+}
+
+/// Why the steps of this analysis cannot follow from their error; nothing if they can.
+std::optional<std::string> why_not_adaptive(const TimeConfig& time) {
+  const std::string& name = time.method.value;
+  const Method* method = method_of(time);
+  if (method == nullptr) {
+    const bool is_petsc = name.starts_with(petsc_prefix);
+    return "'" + name + "' " +
+           (is_petsc ? "runs at the step it is given" : "has no motion whose error could be estimated");
+  }
+  if (method->symplectic) return "'" + name + "' is symplectic, which it is at a constant step alone";
+  return std::nullopt;
+}
+
+/// Is the end there, and was it understood?
+bool end_is_known(const TimeConfig& time, const InputNode& section) {
+  const InputNode* end = given(section, {"end"});
+  return end != nullptr && (time.end > 0 || parse_number(end->text) == 0.0);
+}
+
+void check_step(const TimeConfig& time, const InputNode& section, Problems& problems) {
+  const InputNode* step = given(section, {"step"});
+  if (time.step <= 0 || !end_is_known(time, section)) return;
+  const Location& where = step != nullptr ? step->where : time.method.where;
+  if (time.step > time.end) {
+    problems.add(where, "the step of " + seconds(time.step) + " is longer than the simulation, which ends at " +
+                            seconds(time.end));
+  } else if (time.end / time.step > most_steps) {
+    problems.add(where, "the step of " + seconds(time.step) + " would need " + format_number(time.end / time.step) +
+                            " steps to the end; at most " + format_number(most_steps) + " are possible");
+  }
+  const InputNode* min_step = given(section, {"min_step"});
+  if (min_step != nullptr && time.adaptive) {
+    problems.add(min_step->key_where, "'min_step' goes into 'adaptive' where steps adapt");
+  } else if (min_step != nullptr && time.min_step > time.step) {
+    problems.add(min_step->where, "'min_step' is larger than the step of " + seconds(time.step));
+  }
+}
+
+void check_adaptive(const TimeConfig& time, const InputNode& section, Problems& problems) {
+  if (!time.adaptive) return;
+  const AdaptiveConfig& adaptive = *time.adaptive;
+  if (const auto reason = why_not_adaptive(time)) {
+    problems.add(adaptive.where, "steps cannot adapt: " + *reason + "; choose another method or remove 'adaptive'");
+  }
+  if (time.step <= 0) return;
+  const InputNode* min_step = given(section, {"adaptive", "min_step"});
+  const InputNode* max_step = given(section, {"adaptive", "max_step"});
+  if (min_step != nullptr && max_step != nullptr && adaptive.min_step > adaptive.max_step) {
+    problems.add(min_step->where, "'min_step' is larger than 'max_step', " + seconds(adaptive.max_step));
+  } else if (min_step != nullptr && adaptive.min_step > time.step) {
+    problems.add(min_step->where, "'min_step' is larger than the first step, " + seconds(time.step));
+  } else if (max_step != nullptr && adaptive.max_step < time.step) {
+    problems.add(max_step->where, "'max_step' is smaller than the first step, " + seconds(time.step));
+  }
+}
+
+void check_events(const TimeConfig& time, const InputNode& section, Problems& problems) {
+  const InputNode* events = given(section, {"events"});
+  if (events == nullptr) return;
+  double last = 0.0;
+  for (std::size_t i = 0; i < time.events.size(); ++i) {
+    const double event = time.events[i];
+    if (event <= 0.0) continue;  // could not be read
+    const Location& where = events->children[i].where;
+    if (end_is_known(time, section) && event >= time.end) {
+      problems.add(where, "the event at " + seconds(event) + " is not before the end, " + seconds(time.end));
+    } else if (event <= last) {
+      problems.add(where, "events are given in ascending order, but " + seconds(event) + " follows " + seconds(last));
+    }
+    last = event;
+  }
+}
+
 void check_time(const TimeConfig& time, const InputNode& root, Problems& problems) {
   const InputNode* section = given(root, {"time"});
   if (section == nullptr || section->kind != InputNode::Kind::map || time.method.value.empty()) return;
+  check_adaptive(time, *section, problems);
   if (time.method.value == static_method) return;
-  for (const char* key : {"step", "end"}) {
-    if (given(*section, {key}) == nullptr) {
-      problems.add(section->where, "missing key '" + std::string(key) + "' in time");
-    }
+  if (given(*section, {"step"}) == nullptr && !time.adaptive) {
+    problems.add(section->where, "missing key 'step' in time");
   }
-  const InputNode* step = given(*section, {"step"});
-  const InputNode* end = given(*section, {"end"});
-  if (step == nullptr || end == nullptr || time.step <= 0) return;
-  const std::string step_text = format_number(time.step) + " s";
-  if (time.step > time.end) {
-    problems.add(step->where, "the step of " + step_text + " is longer than the simulation, which ends at " +
-                                  format_number(time.end) + " s");
-  } else if (time.end / time.step > most_steps) {
-    problems.add(step->where, "the step of " + step_text + " would need " + format_number(time.end / time.step) +
-                                  " steps to the end; at most " + format_number(most_steps) + " are possible");
-  }
-  const InputNode* min_step = given(*section, {"min_step"});
-  if (min_step != nullptr && time.min_step > time.step) {
-    problems.add(min_step->where, "'min_step' is larger than the step of " + step_text);
-  }
+  if (given(*section, {"end"}) == nullptr) problems.add(section->where, "missing key 'end' in time");
+  check_step(time, *section, problems);
+  check_events(time, *section, problems);
 }
 
 bool may_overlap(const Selection& a, const Selection& b) {
@@ -141,6 +208,29 @@ void check_tolerances(const Config& config, const InputNode& root, Problems& pro
   problems.add(relative->where, "one of 'relative' and 'absolute' in newton must be above 0");
 }
 
+/// The first step is the user's, or else one between the bounds that the user gives.
+void complete_adaptive(TimeConfig& time, const InputNode& section) {
+  AdaptiveConfig& adaptive = *time.adaptive;
+  if (given(section, {"step"}) == nullptr) {
+    time.step = std::max(time.end / first_step_divisor, adaptive.min_step);
+    if (adaptive.max_step > 0) time.step = std::min(time.step, adaptive.max_step);
+  }
+  if (adaptive.max_step <= 0) adaptive.max_step = std::max(time.end / max_step_divisor, time.step);
+  if (adaptive.min_step <= 0) adaptive.min_step = time.step / min_step_divisor;
+  if (adaptive.absolute_velocity <= 0 && time.step > 0) adaptive.absolute_velocity = adaptive.absolute / time.step;
+  if (given(section, {"min_step"}) == nullptr) time.min_step = adaptive.min_step;
+}
+
+void complete_time(TimeConfig& time, const InputNode& root) {
+  if (const InputNode* section = given(root, {"time"}); time.adaptive && section != nullptr) {
+    complete_adaptive(time, *section);
+  }
+  if (time.min_step <= 0) time.min_step = time.step / min_step_divisor;
+  if (!time.startup.empty()) return;
+  const Method* method = method_of(time);
+  time.startup = time.adaptive && method != nullptr && method->num_steps > 1 ? "dirk33" : "ramp";
+}
+
 template <class Entries>
 void place_whole_mesh_parts(Entries& entries) {
   for (auto& e : entries) {
@@ -156,7 +246,7 @@ void complete(Config& config, const InputNode& root) {
   const fs::path mesh(config.mesh.file.value);
   if (!mesh.empty() && mesh.is_relative()) config.mesh.file.value = (input.parent_path() / mesh).string();
   if (config.output.directory.empty()) config.output.directory = (fs::path("out") / input.stem()).string();
-  if (given(root, {"time", "min_step"}) == nullptr) config.time.min_step = config.time.step / min_step_divisor;
+  complete_time(config.time, root);
   place_whole_mesh_parts(config.bodies);
   place_whole_mesh_parts(config.loads);
 }

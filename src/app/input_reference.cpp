@@ -96,10 +96,12 @@ std::string table(const std::string& path, const std::vector<KeyInfo>& keys) {
 std::string sentence(const OneOf& group) {
   std::string keys;
   for (const std::string& key : group.keys) keys += (keys.empty() ? "`" : ", `") + key + '`';
-  const std::string beside = group.beside.empty() ? "" : "Beside `" + group.beside + "`: ";
+  std::string beside;
+  for (const std::string& key : group.beside) beside += (beside.empty() ? "Beside `" : " or `") + key + '`';
+  if (!beside.empty()) beside += ": ";
   const bool single = group.keys.size() == 1;
   if (group.need == OneOf::Need::exactly_one) return beside + (single ? keys : "exactly one of " + keys) + ".";
-  return beside + (single ? "optionally " + keys : "at most one of " + keys) + ".";
+  return beside + (single || group.need == OneOf::Need::any ? "optionally " + keys : "at most one of " + keys) + ".";
 }
 
 void write_sections(const std::string& path, const std::vector<KeyInfo>& keys, std::string& out) {

@@ -120,8 +120,8 @@ Section<LoadConfig> load_keys() {
               selector<LoadConfig>("where", Kind::where, "with traction: boundary facets that fulfil this"),
           },
           {{{"gravity", "traction"}},
-           {{"volume"}, OneOf::Need::at_most_one, "gravity"},
-           {{"surface", "box", "where"}, OneOf::Need::exactly_one, "traction"}},
+           {{"volume"}, OneOf::Need::at_most_one, {"gravity"}},
+           {{"surface", "box", "where"}, OneOf::Need::exactly_one, {"traction"}}},
           &LoadConfig::where};
 }
 
@@ -133,32 +133,6 @@ Section<InitialConfig> initial_keys() {
       field("velocity", &InitialConfig::velocity, array_of<3>(expression("m/s", Variables::space)),
             "velocity at time 0")
           .otherwise("[0, 0, 0]"),
-  }};
-}
-
-Section<TimeConfig> time_keys() {
-  return {{
-      field(
-          "method", &TimeConfig::method, choice(strings(time_methods)),
-          "time integrator (`pliant methods`); `quasistatic`: equilibria without inertia, step by step; `static`: one "
-          "equilibrium")
-          .otherwise("backward-euler"),
-      field("step", &TimeConfig::step, quantity("s", Range::above(0)), "time step; not used by `static`")
-          .otherwise_in_words("none; needed unless `static`")
-          .left_out_if([](const TimeConfig& t) { return t.step <= 0; }),
-      field("end", &TimeConfig::end, quantity("s", Range::at_least(0)),
-            "end of the simulation; for `static` the time at which formulas are evaluated")
-          .otherwise_in_words("none; `static`: 0"),
-      field("load_steps", &TimeConfig::load_steps, integer(Range::from_to(1, 1e6)),
-            "for `static`: loads and prescribed displacements grow to their values in this many equal parts")
-          .otherwise("1"),
-      field("startup", &TimeConfig::startup, choice({"ramp"}),
-            "how a method with several steps of history starts; `ramp`: with the methods of lower order")
-          .otherwise("ramp"),
-      field("min_step", &TimeConfig::min_step, quantity("s", Range::above(0)),
-            "smallest step that is tried when a solve fails")
-          .otherwise_in_words("step / 1024")
-          .left_out_if([](const TimeConfig& t) { return t.min_step <= 0; }),
   }};
 }
 
@@ -235,8 +209,8 @@ const Format<Config>& config_format() {
 }  // namespace
 
 bool is_planned(std::string_view word) {
-  static constexpr std::array words{"contact",  "checkpoint", "viscosity",   "volumetric", "mean-dilatation",
-                                    "pressure", "adaptive",   "p-multigrid", "obstacles",  "friction_update"};
+  static constexpr std::array words{"contact",  "checkpoint",  "viscosity", "volumetric",     "mean-dilatation",
+                                    "pressure", "p-multigrid", "obstacles", "friction_update"};
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 

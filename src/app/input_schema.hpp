@@ -1,18 +1,13 @@
 /// The table of the input's keys, and what follows from it.
 #pragma once
 
+#include "app/input_time.hpp"
 #include "app/schema.hpp"
 
 #include <array>
 #include <string_view>
 
 namespace pliant {
-
-/// What `time: {method: ...}` takes; the last two are no integrators but sequences of equilibria.
-inline constexpr std::string_view quasistatic_method = "quasistatic";
-inline constexpr std::string_view static_method = "static";
-inline constexpr std::array<std::string_view, 4> time_methods{"backward-euler", "bdf2", quasistatic_method,
-                                                              static_method};
 
 /// Fields that results may hold.
 inline constexpr std::array<std::string_view, 7> output_fields{

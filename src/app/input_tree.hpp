@@ -14,6 +14,7 @@ class Problems {
  public:
   void add(Location where, std::string message) { found_.push_back({std::move(where), std::move(message)}); }
   bool empty() const { return found_.empty(); }
+  std::size_t size() const { return found_.size(); }
   /// Throws InputError with everything found, in the order of the file; returns if nothing was.
   void throw_if_any();
 

@@ -3,6 +3,7 @@
 #include "base/text.hpp"
 
 #include <algorithm>
+#include <optional>
 
 namespace pliant {
 namespace {
@@ -40,33 +41,52 @@ bool is_given(const InputNode& node, const std::string& key) {
   return value != nullptr && value->kind != InputNode::Kind::null;
 }
 
-void check_alternatives(const InputNode& node, const std::string& name, const OneOf& group, Problems& problems) {
+std::vector<std::string> given_keys(const InputNode& node, const OneOf& group) {
   std::vector<std::string> given;
   std::copy_if(group.keys.begin(), group.keys.end(), std::back_inserter(given),
                [&](const std::string& key) { return is_given(node, key); });
-  if (!group.beside.empty() && !is_given(node, group.beside)) return;
-  const std::string beside = group.beside.empty() ? "" : " beside '" + group.beside + "'";
+  return given;
+}
+
+/// The key there that the group's keys stand beside.
+std::optional<std::string> anchor_of(const InputNode& node, const OneOf& group) {
+  const auto found = std::find_if(group.beside.begin(), group.beside.end(),
+                                  [&](const std::string& key) { return is_given(node, key); });
+  return found == group.beside.end() ? std::nullopt : std::optional(*found);
+}
+
+void check_alternatives(const InputNode& node, const std::string& name, const OneOf& group, Problems& problems) {
+  const auto given = given_keys(node, group);
+  const auto anchor = anchor_of(node, group);
+  if (!group.beside.empty() && !anchor) return;
+  const std::string beside = anchor ? " beside '" + *anchor + "'" : "";
   if (given.empty() && group.need == OneOf::Need::exactly_one) {
     const std::string choice = group.keys.size() == 1 ? "'" + group.keys.front() + "'" : "one of " + joined(group.keys);
     problems.add(node.where, choice + " is needed" + in_section(name) + beside);
   }
-  if (given.size() > 1) {
+  if (given.size() > 1 && group.need != OneOf::Need::any) {
     problems.add(node.find(given[1])->key_where, "only one of " + joined(given) + " can be given" + in_section(name));
   }
 }
 
-/// Keys that stand only beside another key which is not there.
+/// "'a' or 'b'".
+std::string quoted(const std::vector<std::string>& keys) {
+  std::string text;
+  for (const std::string& key : keys) text += (text.empty() ? "'" : " or '") + key + "'";
+  return text;
+}
+
+/// Keys that stand only beside another key which is not there. None where a choice is missing, which is told already.
 void check_strays(const InputNode& node, const std::string& name, const KeyInfo& section, Problems& problems) {
-  const bool any_anchor =
-      std::any_of(section.alternatives.begin(), section.alternatives.end(),
-                  [&](const OneOf& group) { return !group.beside.empty() && is_given(node, group.beside); });
-  if (!any_anchor) return;  // that one of them is missing is reported already
   for (const OneOf& group : section.alternatives) {
-    if (group.beside.empty() || is_given(node, group.beside)) continue;
+    if (group.beside.empty() && group.need == OneOf::Need::exactly_one && given_keys(node, group).empty()) return;
+  }
+  for (const OneOf& group : section.alternatives) {
+    if (group.beside.empty() || anchor_of(node, group)) continue;
     for (const std::string& key : group.keys) {
       if (!is_given(node, key)) continue;
       problems.add(node.find(key)->key_where,
-                   "'" + key + "' goes only beside '" + group.beside + "'" + in_section(name));
+                   "'" + key + "' goes only beside " + quoted(group.beside) + in_section(name));
     }
   }
 }
@@ -75,9 +95,14 @@ Json required_key(const std::string& key) {
   return {{"required", Json::array({key})}};
 }
 
-Json exclusion(const OneOf& group) {
+Json required_keys(const std::vector<std::string>& keys) {
   Json options = Json::array();
-  for (const std::string& key : group.keys) options.push_back(required_key(key));
+  for (const std::string& key : keys) options.push_back(required_key(key));
+  return options;
+}
+
+Json exclusion(const OneOf& group) {
+  Json options = required_keys(group.keys);
   if (group.need == OneOf::Need::exactly_one) return {{"oneOf", options}};
   options.push_back({{"not", {{"anyOf", options}}}});
   return {{"oneOf", options}};
@@ -152,8 +177,10 @@ Json object_schema(const std::vector<KeyInfo>& keys, const std::vector<OneOf>& a
     if (group.beside.empty()) {
       exclusions.push_back(exclusion(group));
     } else {
-      schema["dependencies"][group.beside] = exclusion(group);
-      for (const std::string& key : group.keys) schema["dependencies"][key] = Json::array({group.beside});
+      for (const std::string& anchor : group.beside) {
+        if (group.need != OneOf::Need::any) schema["dependencies"][anchor]["allOf"].push_back(exclusion(group));
+      }
+      for (const std::string& key : group.keys) schema["dependencies"][key] = {{"anyOf", required_keys(group.beside)}};
     }
   }
   if (!exclusions.empty()) schema["allOf"] = exclusions;

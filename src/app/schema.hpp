@@ -20,12 +20,12 @@ namespace pliant {
 
 using Json = nlohmann::ordered_json;
 
-/// Keys of one section that exclude each other.
+/// Keys of one section that exclude each other, or (any) only belong to another key.
 struct OneOf {
-  enum class Need { exactly_one, at_most_one };
+  enum class Need { exactly_one, at_most_one, any };
   std::vector<std::string> keys;
   Need need = Need::exactly_one;
-  std::string beside = {};  ///< if given, these keys belong to that key and stand only beside it
+  std::vector<std::string> beside = {};  ///< if given, these keys belong to those and stand only beside one of them
 };
 
 /// A key as users see it.
@@ -73,6 +73,8 @@ struct Range {
 enum class Variables { space, space_and_time };
 
 Format<double> quantity(const std::string& unit, const Range& range = {});
+/// A number as it stands in formulas of the literature, e.g. 1 - sqrt(2)/2.
+Format<double> coefficient();
 Format<int> integer(const Range& range);
 Format<std::string> text();
 /// A text that can stand in the header of a CSV column.
@@ -193,6 +195,11 @@ template <class V>
 void store(V value, const Location& where, Located<V>& member) {
   member = {std::move(value), where};
 }
+template <class M>
+constexpr bool is_optional = false;
+template <class V>
+constexpr bool is_optional<std::optional<V>> = true;
+
 template <class V>
 const V* stored(const V& member) {
   return &member;
@@ -216,6 +223,7 @@ struct Field {
 
   Field required() && {
     info.need = KeyInfo::Need::required;
+    fallback.reset();
     return std::move(*this);
   }
   /// The default, as a user would type it.
@@ -245,6 +253,7 @@ Field<T> field(const std::string& key, M T::*member, const Format<V>& format, co
   result.info.schema = format.schema;
   result.info.children = format.children;
   result.info.alternatives = format.alternatives;
+  if (result.info.has_type("object") && !is_optional<M>) result.fallback = InputNode::map({});  // its keys' defaults
   result.read = [key, member, read = format.read](const InputNode& node, Problems& problems, T& into) {
     V value{};
     if (read(node, key, problems, value)) store(std::move(value), node.where, into.*member);
@@ -267,11 +276,10 @@ struct Section {
     if (where != nullptr) into.*where = node.where;
     for (const Field<T>& f : fields) {
       const InputNode* given = node.find(f.info.key);
-      const bool is_section = f.info.has_type("object");
       if (given != nullptr && given->kind != InputNode::Kind::null) {
         f.read(*given, problems, into);
-      } else if (f.fallback || (is_section && f.info.need == KeyInfo::Need::optional)) {
-        InputNode fallback = f.fallback ? *f.fallback : InputNode::map({});
+      } else if (f.fallback) {
+        InputNode fallback = *f.fallback;
         fallback.where = node.where;
         f.read(fallback, problems, into);
       }

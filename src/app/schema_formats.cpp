@@ -152,6 +152,19 @@ Format<double> quantity(const std::string& unit, const Range& range) {
   return format;
 }
 
+Format<double> coefficient() {
+  Format<double> format{"number or formula of numbers", {{"type", {"number", "string"}}}, {}, {}};
+  format.read = [type = format.type](const InputNode& node, const std::string& name, Problems& problems, double& into) {
+    Expression value;
+    if (!read_expression(node, name, "1", problems, value)) return false;
+    if (value.depends_on_space() || value.depends_on_time()) return refuse(node, name, "a " + type, problems);
+    into = value(0, 0, 0, 0);
+    return true;
+  };
+  format.write = [](double value) { return InputNode::scalar(format_number(value)); };
+  return format;
+}
+
 Format<int> integer(const Range& range) {
   const std::string type = "whole number " + in_words(range);
   Format<int> format{type, with_limits({{"type", "integer"}}, range), {}, {}};

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -59,6 +60,18 @@ solver: {linear: cholesky, newton: {relative: 1e-6, absolute: 1 mN, max_iteratio
 output: {directory: out/here, every: 20 ms, fields: [velocity, von_mises_stress]}
 probes: [{name: tip, point: [1, 0.1, 100 mm]}, {name: "the root", point: [0, 0, 0]}]
 )yaml";
+
+/// What stands for `time` in `everything` otherwise; together they give every key of the table.
+const std::vector<std::string> other_times{
+    "{method: bdf3, end: 2 s, adaptive: {}}",
+    "{method: dirk22, step: 1 ms, end: 2 s, events: [0.5, 800 ms], adaptive: {relative: 1e-3, absolute: 1 um, "
+    "absolute_velocity: 1 cm/s, min_step: 2 us, max_step: 50 ms}}",
+    "{method: {petsc: arkimex}, step: 1 ms, end: 2 s}",
+    "{method: \"petsc:bdf\", step: 1 ms, end: 2 s}",
+    "{method: {name: bdf2 of mine, alpha: [4/3, -1/3], beta: 2/3, A: [[1]], b: [1]}, startup: dirk33, step: 1 ms, end: "
+    "1 s}",
+    "{method: {A: [[1 - sqrt(2)/2, 0], [sqrt(2)/2, 1 - sqrt(2)/2]], b: [sqrt(2)/2, 1 - sqrt(2)/2]}, step: 1 ms, end: "
+    "2 s}"};
 
 Config read(const std::string& text, const std::vector<Override>& overrides = {}) {
   return read_input(text, "input/a.yaml", overrides);
@@ -168,6 +181,9 @@ TEST(Dump, SpellsOutEveryKeyOfTheTable) {
   collect_paths(input_keys(), "", expected);
   Problems none;
   collect_paths(parse_yaml(dump(read(everything)), "dump", none), "", written);
+  for (const std::string& time : other_times) {
+    collect_paths(parse_yaml(dump(read(everything, {{"time", time}})), "dump", none), "", written);
+  }
   for (const auto& path : expected) {
     EXPECT_NE(std::find(written.begin(), written.end(), path), written.end()) << path << " is not written";
   }
@@ -217,6 +233,85 @@ bodies: [{elasticity: {model: linear, youngs_modulus: 1e6, poissons_ratio: 0.4}}
 constraints: [{surface: 1, displacement: [0, 0, 0]}]
 time: {method: static, load_steps: 4}
 )yaml"));
+
+TEST(Input, TimesOfAllKindsKeepThroughWritingAndReading) {
+  for (const std::string& time : other_times) {
+    const Config original = read(everything, {{"time", time}});
+    const Config again = read_input(dump(original), "run.yaml", {});
+    EXPECT_EQ(dump(again), dump(original)) << time;
+    EXPECT_EQ(again.time.method.value, original.time.method.value);
+    EXPECT_EQ(again.time.step, original.time.step);
+    EXPECT_EQ(again.time.min_step, original.time.min_step);
+    EXPECT_EQ(again.time.startup, original.time.startup);
+    EXPECT_EQ(again.time.events, original.time.events);
+    ASSERT_EQ(again.time.adaptive.has_value(), original.time.adaptive.has_value());
+    if (again.time.adaptive) {
+      const AdaptiveConfig &a = *again.time.adaptive, &b = *original.time.adaptive;
+      EXPECT_EQ(std::tie(a.relative, a.absolute, a.absolute_velocity, a.min_step, a.max_step),
+                std::tie(b.relative, b.absolute, b.absolute_velocity, b.min_step, b.max_step));
+    }
+    ASSERT_EQ(again.time.own_method.has_value(), original.time.own_method.has_value());
+    if (again.time.own_method) {
+      const Method &a = *again.time.own_method, &b = *original.time.own_method;
+      EXPECT_EQ(std::tie(a.alpha, a.beta, a.A, a.b), std::tie(b.alpha, b.beta, b.A, b.b)) << "to the last bit";
+    }
+  }
+}
+
+TEST(Input, EveryMethodOfTheTableIsTaken) {
+  for (const Method& method : methods()) {
+    const Config c = read(smallest, {{"time.method", method.name}});
+    EXPECT_EQ(c.time.method.value, method.name);
+    EXPECT_EQ(method_of(c.time), &method);
+    EXPECT_EQ(c.time.startup, "ramp");
+    EXPECT_FALSE(c.time.adaptive);
+    EXPECT_TRUE(c.time.events.empty());
+  }
+}
+
+TEST(Input, OwnCoefficientsBecomeAMethod) {
+  const Config c = read(smallest, {{"time.method", "{A: [[1/2]], b: [1]}"}});
+  EXPECT_EQ(c.time.method.value, "own");
+  ASSERT_TRUE(c.time.own_method);
+  EXPECT_EQ(method_of(c.time), &*c.time.own_method);
+  EXPECT_EQ(c.time.own_method->alpha, std::vector<double>{1.0});
+  EXPECT_EQ(c.time.own_method->order, 2);
+  EXPECT_TRUE(c.time.own_method->symplectic);
+  EXPECT_FALSE(read(smallest).time.own_method);
+}
+
+TEST(Input, IntegratorsOfPetscHaveTwoSpellings) {
+  for (const std::string method : {"petsc:alpha2", "{petsc: alpha2}"}) {
+    const Config c = read(smallest, {{"time.method", method}});
+    EXPECT_EQ(c.time.method.value, "petsc:alpha2");
+    EXPECT_EQ(method_of(c.time), nullptr);
+  }
+  EXPECT_EQ(read(everything, {{"time", "{method: petsc:bdf, step: 1, end: 1}"}}).time.method.value, "petsc:bdf")
+      << "without quotes, too";
+}
+
+TEST(Input, AdaptiveStepsHaveDefaults) {
+  const auto adaptive = [](const std::string& time) { return read(smallest, {{"time", time}}).time; };
+  const TimeConfig plain = adaptive("{end: 2, adaptive: {}}");
+  EXPECT_EQ(plain.step, 2e-3) << "the first one";
+  EXPECT_EQ(plain.adaptive->relative, 1e-4);
+  EXPECT_EQ(plain.adaptive->absolute, 1e-6);
+  EXPECT_EQ(plain.adaptive->absolute_velocity, 1e-6 / 2e-3);
+  EXPECT_EQ(plain.adaptive->min_step, 2e-3 / 1024);
+  EXPECT_EQ(plain.adaptive->max_step, 0.2);
+  EXPECT_EQ(plain.min_step, plain.adaptive->min_step);
+  EXPECT_EQ(plain.startup, "ramp") << "one past state needs no other";
+  EXPECT_EQ(adaptive("{method: bdf2, end: 2, adaptive: {}}").startup, "dirk33");
+  EXPECT_EQ(adaptive("{method: bdf2, end: 2, startup: ramp, adaptive: {}}").startup, "ramp");
+
+  const TimeConfig given = adaptive("{step: 0.5, end: 2, adaptive: {min_step: 1 us}}");
+  EXPECT_EQ(given.adaptive->max_step, 0.5) << "not below the first step";
+  EXPECT_EQ(given.adaptive->absolute_velocity, 2e-6);
+  EXPECT_EQ(given.min_step, 1e-6);
+  EXPECT_EQ(adaptive("{end: 2, adaptive: {max_step: 1 us}}").step, 1e-6) << "the first step keeps to the bounds";
+  EXPECT_EQ(adaptive("{end: 2, adaptive: {min_step: 1 s, max_step: 1.5 s}}").step, 1);
+  EXPECT_FALSE(adaptive("{step: 0.5, end: 2, adaptive: }").adaptive) << "a value left empty is the default";
+}
 
 TEST(Input, StaticNeedsNoStep) {
   const Config c = read(R"yaml(

@@ -104,7 +104,6 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{6, "@contact: {law: penalty}", "'contact' is not supported by this version of Pliant"},
         Bad{6, "@checkpoint: {every: 100}", "'checkpoint' is not supported by this version of Pliant"},
         Bad{4, "loads: [{gravity: [0, 0, 0], @pressure: 2 kPa}]", "'pressure' is not supported by this version"},
-        Bad{5, "time: {step: 0.01, end: 1, @adaptive: {relative: 1e-4}}", "'adaptive' is not supported"},
         Bad{6, "solver: {linear: @p-multigrid}", "'linear': 'p-multigrid' is not supported by this version"}));
 
 INSTANTIATE_TEST_SUITE_P(
@@ -135,7 +134,14 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{5, "time: {step: @.nan, end: 1}", "'.nan' is not a number"},
         Bad{5, "time: {step: @1e999, end: 1}", "'1e999' is neither a number nor a number with a unit"},
         Bad{5, "time: {step: 0.01, end: 1, method: @bfd2}", "did you mean 'bdf2'?"},
-        Bad{5, "time: {step: 0.01, end: 1, startup: @dirk33}", "'startup' must be 'ramp', not 'dirk33'"},
+        Bad{5, "time: {step: 0.01, end: 1, startup: @bdf2}", "'startup' must be one of ramp, dirk33, not 'bdf2'"},
+        Bad{5, "time: {step: 0.01, end: 1, events: @0.5}", "'events' must be a list"},
+        Bad{5, "time: {step: 0.01, end: 1, events: [0.5, @-1]}", "'events[1]' must be > 0 [s], not '-1'"},
+        Bad{5, "time: {step: 0.01, end: 1, events: [0.5, @1 m]}", "'1 m' is a length, but a time [s] is expected"},
+        Bad{5, "time: {step: 0.01, end: 1, adaptive: @true}", "'adaptive' must be a map of keys, not 'true'"},
+        Bad{5, "time: {step: 0.01, end: 1, adaptive: {relative: @0}}", "'relative' must be > 0, not '0'"},
+        Bad{5, "time: {step: 0.01, end: 1, adaptive: {absolute: @1 s}}", "'1 s' is a time, but a length [m] is"},
+        Bad{5, "time: {step: 0.01, end: 1, adaptive: {absolute_velocity: 1, @min_stp: 1}}", "unknown key 'min_stp'"},
         Bad{6, "element: @P3", "'element' must be one of P1, P2, not 'P3'"},
         Bad{6, "mass: @[lumped]", "'mass' must be one of consistent, lumped, not a list"},
         Bad{6, "solver: {newton: {relative: @-1e-8}}", "'relative' must be from 0 to 0.1"},
@@ -186,11 +192,48 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{4, "loads: [{traction: [0, 0, 1], surface: tip, @volume: a}]", "'volume' goes only beside 'gravity'"}));
 
 INSTANTIATE_TEST_SUITE_P(
+    Methods, BadInput,
+    testing::Values(
+        Bad{5, "time: {step: 1, end: 1, method: @[bdf2]}", "'method' must be one of backward-euler, bdf2, bdf3,"},
+        Bad{5, "time: {step: 1, end: 1, method: @\"petsc:alpha\"}", "(did you mean 'petsc:alpha2'?)"},
+        Bad{5, "time: {step: 1, end: 1, method: {petsc: @rk}}",
+            "'petsc' must be one of alpha2, bdf, arkimex, not 'rk'"},
+        Bad{5, "time: {step: 1, end: 1, method: @{name: mine}}", "one of petsc, A is needed in method"},
+        Bad{5, "time: {step: 1, end: 1, method: @{A: [[1]]}}", "'b' is needed in method beside 'A'"},
+        Bad{5, "time: {step: 1, end: 1, method: {petsc: bdf, @b: [1]}}", "'b' goes only beside 'A' in method"},
+        Bad{5, "time: {step: 1, end: 1, method: {petsc: bdf, @A: [[1]], b: [1]}}", "only one of petsc, A can be given"},
+        Bad{5, "time: {step: 1, end: 1, method: {A: @1, b: [1]}}", "'A' must be a list"},
+        Bad{5, "time: {step: 1, end: 1, method: {A: [@1], b: [1]}}", "'A[0]' must be a list"},
+        Bad{5, "time: {step: 1, end: 1, method: {A: [[1]], b: [@one]}}", "'b[0]': 'one' is not known"},
+        Bad{5, "time: {step: 1, end: 1, method: {A: [[1]], b: [@x]}}", "'b[0]' must be a number or formula of numbers"},
+        Bad{5, "time: {step: 1, end: 1, method: {A: [[1]], b: [@1/0]}}", "'b[0]' must be finite"},
+        Bad{5, "time: {step: 1, end: 1, method: {A: [[1]], b: [1], name: @bdf2}}", "'bdf2' is a method of Pliant"},
+        Bad{5, "time: {step: 1, end: 1, method: {A: [[1]], b: [1], name: @\"a,b\"}}", "'name' must be a name without"},
+        Bad{5, "time: {step: 1, end: 1, method: @{A: [[1, 1], [0, 1]], b: [0, 1]}}",
+            "method 'own' is refused: A is not lower triangular"},
+        Bad{5, "time: {step: 1, end: 1, method: @{A: [[1]], b: [0.5], name: half}}",
+            "method 'half' is refused: it is inconsistent: b does not sum to 1"}));
+
+INSTANTIATE_TEST_SUITE_P(
     Contradictions, BadInput,
     testing::Values(
         Bad{5, "time: {step: @2, end: 1}", "the step of 2 s is longer than the simulation, which ends at 1 s"},
         Bad{5, "time: {step: @1e-12, end: 1}", "would need 1000000000000 steps"},
         Bad{5, "time: {step: 0.1, end: 1, min_step: @1}", "'min_step' is larger than the step of 0.1 s"},
+        Bad{5, "time: {step: 0.1, end: 1, adaptive: {}, @min_step: 0.01}", "'min_step' goes into 'adaptive' where"},
+        Bad{5, "time: {step: 0.1, end: 1, adaptive: {min_step: @0.2}}", "is larger than the first step, 0.1 s"},
+        Bad{5, "time: {step: 0.1, end: 1, adaptive: {max_step: @0.05}}", "is smaller than the first step, 0.1 s"},
+        Bad{5, "time: {end: 1, adaptive: {min_step: @0.2, max_step: 0.1}}", "larger than 'max_step', 0.1 s"},
+        Bad{5, "time: {method: implicit-midpoint, step: 0.1, end: 1, adaptive: @{}}",
+            "steps cannot adapt: 'implicit-midpoint' is symplectic"},
+        Bad{5, "time: {method: quasistatic, step: 0.1, end: 1, adaptive: @{}}",
+            "'quasistatic' has no motion whose error could be estimated"},
+        Bad{5, "time: {method: {petsc: bdf}, step: 0.1, end: 1, adaptive: @{}}", "'petsc:bdf' runs at the step"},
+        Bad{5, "time: @{adaptive: {}}", "missing key 'end' in time"},
+        Bad{5, "time: {step: 0.1, end: 1, events: [0.5, @1]}", "the event at 1 s is not before the end, 1 s"},
+        Bad{5, "time: {step: 0.1, end: 1, events: [0.5, @0.2]}", "ascending order, but 0.2 s follows 0.5 s"},
+        Bad{5, "time: {step: 0.1, end: 1, events: [0.5, @0.5]}", "ascending order, but 0.5 s follows 0.5 s"},
+        Bad{5, "time: {step: 0.1, end: @1 m, events: [0.5]}", "'1 m' is a length"},
         Bad{5, "time: @{end: 1}", "missing key 'step' in time"},
         Bad{5, "time: @{step: 1}", "missing key 'end' in time"},
         Bad{2, "bodies: [@{elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}}]",
