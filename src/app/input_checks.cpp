@@ -41,15 +41,10 @@ std::string seconds(double time) {
 
 /// Why the steps of this analysis cannot follow from their error; nothing if they can.
 std::optional<std::string> why_not_adaptive(const TimeConfig& time) {
+  if (const Method* method = method_of(time)) return why_not_adaptive(*method);
   const std::string& name = time.method.value;
-  const Method* method = method_of(time);
-  if (method == nullptr) {
-    const bool is_petsc = name.starts_with(petsc_prefix);
-    return "'" + name + "' " +
-           (is_petsc ? "runs at the step it is given" : "has no motion whose error could be estimated");
-  }
-  if (method->symplectic) return "'" + name + "' is symplectic, which it is at a constant step alone";
-  return std::nullopt;
+  return "method '" + name + "' " +
+         (name.starts_with(petsc_prefix) ? "runs at the step it is given" : "has no motion whose error could be told");
 }
 
 /// Is the end there, and was it understood?

@@ -35,7 +35,7 @@ BAD_LINES = {
                     "did you mean 'neo-hookean'"),
     "unknown method": ("time", "time: {method: @bdf22, step: 0.01, end: 1}", "did you mean 'bdf2'"),
     "integrator that PETSc does not have": ("time", "time: {method: {petsc: @rk}, step: 0.01, end: 1}", "alpha2, bdf, arkimex"),
-    "coefficients that are no method": ("time", "time: {method: @{A: [[0.5]], b: [0.9]}, step: 0.01, end: 1}", "sum to 1"),
+    "coefficients that are no method": ("time", "time: {method: @{A: [[0.5]], b: [0.9]}, step: 0.01, end: 1}", "inconsistent"),
     "adaptive steps of a symplectic method": ("time", "time: {method: implicit-midpoint, end: 1, adaptive: @{}}", "symplectic"),
     "event after the end": ("time", "time: {step: 0.01, end: 1, events: [0.5, @2]}", "not before the end"),
     "negative step": ("time", "time: {step: @-0.01, end: 1}", "above 0|positive|> 0"),
