@@ -10,19 +10,25 @@ namespace {
 
 /// s_r = (t_{n+1} - t_{n+1-r}) / dt, r = 1..l; exactly r if the steps are equal to rounding.
 std::array<double, max_bdf_steps> distances(std::span<const double> past_times, const Step& step) {
-  const double rounding = 8 * std::numeric_limits<double>::epsilon() * std::abs(step.time);
-  bool equal = true;
+  const bool equal = are_equal_steps(past_times, step);
   std::array<double, max_bdf_steps> s{};
   for (std::size_t r = 0; r < past_times.size(); ++r) {
-    const double past = past_times.front() - past_times[r];
-    equal = equal && std::abs(past - static_cast<double>(r) * step.dt) <= rounding;
-    s[r] = 1.0 + past / step.dt;
+    s[r] = equal ? static_cast<double>(r + 1) : 1.0 + (past_times.front() - past_times[r]) / step.dt;
   }
-  for (std::size_t r = 0; equal && r < past_times.size(); ++r) s[r] = static_cast<double>(r + 1);
   return s;
 }
 
 }  // namespace
+
+bool are_equal_steps(std::span<const double> past_times, const Step& step) {
+  const double rounding = 8 * std::numeric_limits<double>::epsilon() * std::abs(step.time);
+  bool equal = true;
+  for (std::size_t r = 0; r < past_times.size(); ++r) {
+    const double past = past_times.front() - past_times[r];
+    equal = equal && std::abs(past - static_cast<double>(r) * step.dt) <= rounding;
+  }
+  return equal;
+}
 
 // The polynomial p through y_{n+1} and the past states has p'(t_{n+1}) = f_{n+1}. With the Lagrange polynomials L_0 (of
 // t_{n+1}) and L_r, whose derivatives at t_{n+1} are, for dt = 1,

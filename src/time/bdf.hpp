@@ -21,6 +21,9 @@ struct BdfWeights {
   std::span<const double> alpha() const { return std::span(values).first(num_steps); }
 };
 
+/// Whether the step and those between the past times (newest first) are equal to rounding.
+bool are_equal_steps(std::span<const double> past_times, const Step& step);
+
 /// Weights of the formula through y_{n+1} and the states at `past_times` (newest first, strictly falling, at most
 /// max_bdf_steps of them). Steps that are equal to rounding get the weights of equal steps, to the last bit.
 BdfWeights bdf_weights(std::span<const double> past_times, const Step& step);

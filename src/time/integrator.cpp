@@ -1,27 +1,52 @@
 #include "time/integrator.hpp"
 
+#include <algorithm>
+#include <cassert>
+#include <string_view>
 #include <utility>
 
 namespace pliant {
+namespace {
+
+/// The method that starts another one; nullptr if that starts by itself.
+const Method* starter_of(const IntegratorOptions& options) {
+  if (options.method.num_steps == 1) return nullptr;
+  if (options.startup == Startup::dirk33) return find_method("dirk33");
+  return options.method.needs_equal_steps ? find_method("bdf3") : nullptr;
+}
+
+int history_depth(const IntegratorOptions& options, const std::optional<LocalError>& error) {
+  const Method* starter = starter_of(options);
+  return std::max({options.method.num_steps, starter ? starter->num_steps : 1, error ? error->num_states() : 1});
+}
+
+}  // namespace
 
 Integrator::Integrator(const IntegratorOptions& options, System system, const StateView& initial)
-    : stepper_(options.method, system, initial), history_(options.method.num_steps, initial) {
-  if (options.startup == Startup::dirk33 && options.method.num_steps > 1) {
-    starter_.emplace(*find_method("dirk33"), std::move(system), initial);
-  }
+    : stepper_(options.method, system, initial),
+      error_(options.estimate == ErrorEstimate::local
+                 ? std::optional<LocalError>(std::in_place, options.method, system.space, initial)
+                 : std::nullopt),
+      history_(history_depth(options, error_), initial) {
+  if (const Method* starter = starter_of(options)) starter_.emplace(*starter, std::move(system), initial);
 }
 
 StepAttempt Integrator::attempt(const Step& step) & {
-  const bool starting = history_.size() < method().num_steps;
-  return starting && starter_ ? starter_->attempt(history_, step) : stepper_.attempt(history_, step);
+  const bool starts = history_.size() < method().num_steps || !stepper_.can_take(history_, step);
+  Stepper& stepper = starter_ && starts ? *starter_ : stepper_;
+  StepAttempt attempt = stepper.attempt(history_, step);
+  if (error_ && attempt.report.outcome == StageOutcome::converged) error_->estimate(history_, stepper, attempt);
+  return attempt;
 }
 
 void Integrator::accept(const StepAttempt& attempt) {
   pliant::accept(attempt, history_);
+  if (error_) error_->accept(attempt);
 }
 
 void Integrator::restart() {
   history_.forget();
+  if (error_) error_->restart();
 }
 
 }  // namespace pliant

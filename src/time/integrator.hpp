@@ -1,6 +1,7 @@
 /// A method with its start-up and its memory: takes one step after another.
 #pragma once
 
+#include "time/error_estimate.hpp"
 #include "time/stepper.hpp"
 
 #include <optional>
@@ -9,22 +10,27 @@ namespace pliant {
 
 /// How a multistep method gets its first states.
 enum class Startup {
-  ramp,   ///< by formulas with fewer states, backward Euler first: robust, but costs bdf3 one order
+  ramp,   ///< by formulas with fewer states, backward Euler first: robust, but costs third-order methods one order
   dirk33  ///< by steps of dirk33, which keeps the order of all methods of the table
 };
 
 struct IntegratorOptions {
   Method method;
   Startup startup = Startup::ramp;
+  ErrorEstimate estimate = ErrorEstimate::none;
 };
 
 /// Steppers and history of one motion. An attempt leaves no trace unless it is accepted.
+///
+/// Where a method needs equal steps (Method::needs_equal_steps) and the step is not the last of as many, the start-up
+/// method takes it: dirk33, or bdf3 with its ramp.
 class Integrator {
  public:
   /// Starts from a copy of `initial`. Collective.
   Integrator(const IntegratorOptions& options, System system, const StateView& initial);
 
-  /// Tries the step from the newest state; takes no memory. Collective.
+  /// Tries the step from the newest state; takes no memory. With the estimated error if that was asked for and the
+  /// method has an estimate. Collective.
   StepAttempt attempt(const Step& step) &;
   /// Makes the last attempt, which converged, the newest state. Collective.
   void accept(const StepAttempt& attempt);
@@ -39,6 +45,7 @@ class Integrator {
  private:
   Stepper stepper_;
   std::optional<Stepper> starter_;
+  std::optional<LocalError> error_;
   History history_;
 };
 

@@ -43,4 +43,14 @@ void StageVariable::complete_step(std::span<const double> bt) {
   check(VecMAXPY(end_.get(), static_cast<PetscInt>(bt.size()), bt.data(), borrowed_.data()));
 }
 
+void StageVariable::combine_increments(std::span<const double> d, Vec x) const {
+  const std::size_t num_kept = increments_.size();
+  check(VecZeroEntries(x));
+  if (num_kept < d.size()) {  // the last one is not kept
+    check(VecWAXPY(x, -1.0, base_.get(), stage_.get()));
+    check(VecScale(x, d.back()));
+  }
+  if (num_kept > 0) check(VecMAXPY(x, static_cast<PetscInt>(num_kept), d.data(), const_cast<Vec*>(borrowed_.data())));
+}
+
 }  // namespace pliant

@@ -26,6 +26,9 @@ class StageVariable {
   /// y_{n+1} = y* + sum_i bt_i (Y_i - y*); of a stiffly accurate method it is Y_s, in place already.
   void complete_step(std::span<const double> bt);
 
+  /// x = sum_i d_i (Y_i - y*), after the step's completion.
+  void combine_increments(std::span<const double> d, Vec x) const;
+
   Vec start() const { return start_.get(); }  ///< Y_i0
   Vec stage() const { return stage_.get(); }  ///< Y_i
   Vec end() const { return end_.get(); }      ///< y_{n+1}; the same vector as Y_s if the method is stiffly accurate

@@ -1,6 +1,7 @@
 #include "time/stepper.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <utility>
 
@@ -15,6 +16,8 @@ Stepper::Stepper(const Method& method, System system, const StateView& like)
       rates_(like.w.size()) {
   if (like.z != nullptr) z_.emplace(method, like.z);
   check(VecDuplicate(like.v, a_.out()));
+  for (std::size_t i = 0; i < method_.bt_embedded.size(); ++i)
+    embedded_.push_back(method_.bt[i] - method_.bt_embedded[i]);
   const auto l = static_cast<std::size_t>(method_.num_steps);
   if (system_.space) {
     check(VecDuplicate(like.v, rate_.out()));
@@ -57,12 +60,28 @@ StepAttempt Stepper::attempt(const History& history, const Step& step) & {
   attempt.v = v_.end();
   if (z_) attempt.z = z_->end();
   attempt.w = w_;
+  if (method_.stiffly_accurate) attempt.a = a_.get();
   attempt.last_q = q_.stage();
   attempt.last_a = a_.get();
   return attempt;
 }
 
+bool Stepper::can_take(const History& history, const Step& step) const {
+  if (!method_.needs_equal_steps) return true;
+  if (history.size() < method_.num_steps) return false;
+  std::array<double, max_bdf_steps> past_times{};
+  const auto l = static_cast<std::size_t>(method_.num_steps);
+  for (std::size_t r = 0; r < l; ++r) past_times[r] = history[static_cast<int>(r)].time;
+  return are_equal_steps(std::span(past_times).first(l), step);
+}
+
 BdfWeights Stepper::weights(const History& history, const Step& step) {
+  if (method_.needs_equal_steps) {
+    assert(can_take(history, step));
+    BdfWeights table{{}, method_.alpha.size(), method_.beta};
+    std::ranges::copy(method_.alpha, table.values.begin());
+    return table;
+  }
   past_times_.clear();
   for (int r = 0; r < std::min(history.size(), method_.num_steps); ++r) past_times_.push_back(history[r].time);
   const auto num_used = static_cast<std::size_t>(num_usable_states(past_times_, step));
@@ -135,6 +154,12 @@ void Stepper::complete_step(const State& newest, const Step& step) {
     system_.internal.complete_step(end_q, z_->end());
   }
   for (std::size_t m = 0; m < w_.size(); ++m) w_[m] += newest.w[m];
+}
+
+void Stepper::embedded_difference(Vec q, Vec v) const {
+  assert(!embedded_.empty());
+  q_.combine_increments(embedded_, q);
+  v_.combine_increments(embedded_, v);
 }
 
 void accept(const StepAttempt& attempt, History& history) {

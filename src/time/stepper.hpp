@@ -44,18 +44,27 @@ struct StepAttempt {
   std::span<const double> w = {};  ///< quadratures at the end of the step
   StagePoint last_stage;           ///< the last stage; its residual at `last_q` holds the reaction forces
   Vec last_q = nullptr;  ///< the unknown at the end of the last stage: q_s [m], or coordinates around last_stage.centre
+  Vec a = nullptr;  ///< acceleration at the end of the step [m/s^2]; nullptr if no stage is there (unless the method
+                    ///< is stiffly accurate)
   Vec last_a = nullptr;  ///< acceleration of the last stage, (v_s - v_s0) / dt_s [m/s^2]
+
+  /// Estimated error that the step adds, y_{n+1} minus the exact motion from y_n; nullptr if there is no estimate.
+  /// Coordinates around q_n, if there is a space.
+  Vec error_q = nullptr;   ///< [m]
+  Vec error_v = nullptr;   ///< [m/s]
+  int estimate_order = 0;  ///< the estimate falls as dt^(estimate_order + 1)
 
   StateView view() const { return {time, q, v, z, w}; }
 };
 
 /// Takes steps of a method.
 ///
-/// Multistep methods start by a ramp: with fewer accepted states than the method wants, the formula of as many states
-/// as there are is used (first backward Euler). For another start-up let another stepper take the first steps into the
-/// same history (time/integrator.hpp does). With changing steps the formula's weights follow the actual times; where a
-/// step grows beyond the formula's limit (Method::max_growth), that step and those which see the jump use the formula
-/// with one state less.
+/// Backward differentiation formulas start by a ramp: with fewer accepted states than the method wants, the formula of
+/// as many states as there are is used (first backward Euler). For another start-up let another stepper take the first
+/// steps into the same history (time/integrator.hpp does). With changing steps the formula's weights follow the actual
+/// times; where a step grows beyond the formula's limit (Method::max_growth), that step and those which see the jump
+/// use the formula with one state less. Other methods with several past states (Method::needs_equal_steps) take only
+/// steps that continue as many equal ones.
 class Stepper {
  public:
   /// Vectors are made like those of `like`. Collective.
@@ -63,6 +72,12 @@ class Stepper {
 
   /// Tries the step from the newest state of `history` to `step.time`; takes no memory. Collective.
   StepAttempt attempt(const History& history, const Step& step) &;
+
+  /// Whether the method can take the step.
+  bool can_take(const History& history, const Step& step) const;
+  /// q, v = sum_i (bt - bt_embedded)_i (Y_i - y*) of the last attempt, which converged: the difference to a formula of
+  /// the order Method::embedded_order. Collective.
+  void embedded_difference(Vec q, Vec v) const;
 
   const Method& method() const { return method_; }
 
@@ -79,6 +94,7 @@ class Stepper {
   StageVariable v_;
   std::optional<StageVariable> z_;
   std::vector<double> w_, rates_;
+  std::vector<double> embedded_;  // bt - bt_embedded
   Handle<Vec> a_;
   // Of a space only: the coordinates of the past states, xi' of a stage, the configuration at the end of the step.
   std::vector<Handle<Vec>> charted_;
