@@ -12,60 +12,181 @@ namespace {
 constexpr double growth = 2.0;
 constexpr double sliver = 1e-6;  // of a step: a step is made longer by so much rather than followed by one so short
 
-std::string seconds(double t) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g s", t);
-  return text;
+// Of adaptive steps:
+constexpr double stretch = 0.1;  // a step may be so much longer than wanted if it spares a step
+constexpr double strongest_cut = 0.2;
+constexpr double after_event = 0.1;    // of the wanted step before the event
+constexpr double aim = 0.8;            // the error aimed at, as a share of what is allowed
+constexpr double largest_retry = 0.9;  // of a step whose error is too large
+// The step stays as it is while the one aimed at is between 0.95 and 1.1 of it: the error is then 0.93 to 0.6 of what
+// is allowed (third order; closer for lower).
+constexpr double keep_from = 0.95, keep_to = 1.1;
+
+/// Times are the same if they differ by no more.
+double rounding_of(double a, double b) {
+  return 8 * std::numeric_limits<double>::epsilon() * std::max(std::abs(a), std::abs(b));
+}
+
+/// Length between times that are hit; without an interval the whole run.
+double spacing(const StepPlan& plan) {
+  if (!plan.adaptive) return plan.dt;
+  return plan.adaptive->interval > 0.0 ? plan.adaptive->interval : std::max(plan.end - plan.origin, plan.dt);
 }
 
 std::int64_t count_steps(const StepPlan& plan) {
-  return std::max<std::int64_t>(0, static_cast<std::int64_t>(std::ceil((plan.end - plan.origin) / plan.dt - sliver)));
+  const double num_steps = (plan.end - plan.origin) / spacing(plan);
+  return std::max<std::int64_t>(0, static_cast<std::int64_t>(std::ceil(num_steps - sliver)));
 }
 
 }  // namespace
 
-StepControl::StepControl(const StepPlan& plan) : StepControl(plan, {0, plan.origin, plan.dt}) {}
+StepControl::StepControl(const StepPlan& plan)
+    : StepControl(
+          plan, {0, plan.origin, plan.adaptive ? std::clamp(plan.dt, plan.min_dt, plan.adaptive->max_dt) : plan.dt}) {}
 
 StepControl::StepControl(const StepPlan& plan, const StepProgress& progress)
     : plan_(plan), num_nominal_(count_steps(plan)), progress_(progress) {
   assert(plan.dt > 0.0 && plan.min_dt > 0.0 && progress.limit > 0.0);
+  assert(std::ranges::is_sorted(plan.events));
+  assert(!plan.adaptive || (plan.adaptive->max_dt >= plan.min_dt && plan.adaptive->order >= 1));
 }
 
 double StepControl::nominal_time(std::int64_t n) const {
-  return n == num_nominal_ ? plan_.end : plan_.origin + static_cast<double>(n) * plan_.dt;
+  return n == num_nominal_ ? plan_.end : plan_.origin + static_cast<double>(n) * spacing(plan_);
+}
+
+StepControl::Target StepControl::target() const {
+  const double nominal = nominal_time(progress_.nominal + 1), same = 0.5 * sliver * plan_.dt;
+  const auto event = std::ranges::upper_bound(plan_.events, progress_.time + same);
+  const bool is_end = progress_.nominal + 1 == num_nominal_;
+  if (event == plan_.events.end() || *event > nominal + same || (is_end && *event >= nominal)) {
+    return {nominal, false, true};
+  }
+  const bool is_nominal = std::abs(*event - nominal) <= same;
+  return {is_nominal && is_end ? nominal : *event, true, is_nominal};
 }
 
 Step StepControl::next() const {
   assert(!finished());
-  const double target = nominal_time(progress_.nominal + 1);
-  const double rest = target - progress_.time;
-  const double rounding =
-      8 * std::numeric_limits<double>::epsilon() * std::max(std::abs(target), std::abs(plan_.origin));
+  return plan_.adaptive ? next_adaptive(target()) : next_nominal(target());
+}
+
+Step StepControl::next_nominal(const Target& target) const {
+  const double rest = target.time - progress_.time;
   if (rest <= progress_.limit * (1.0 + sliver)) {
-    return {target, std::abs(rest - plan_.dt) <= rounding ? plan_.dt : rest};
+    return {target.time, std::abs(rest - plan_.dt) <= rounding_of(target.time, plan_.origin) ? plan_.dt : rest};
   }
   // A rest of less than two steps is shared evenly, lest the second be short.
   const double dt = rest < growth * progress_.limit ? 0.5 * rest : progress_.limit;
   return {progress_.time + dt, dt};
 }
 
-void StepControl::accept() {
+// Times on the way are counted back from the target, so that equal steps stay equal to the last bit.
+Step StepControl::next_adaptive(const Target& target) const {
+  const AdaptivePlan& adaptive = *plan_.adaptive;
+  const double rest = target.time - progress_.time;
+  double longest = adaptive.max_dt;
+  if (progress_.last_dt > 0.0) longest = std::min(longest, adaptive.max_growth * progress_.last_dt);
+  const double slack = progress_.rejected ? sliver : stretch;  // a rejected step must become shorter
+  const double num_steps =
+      std::max({1.0, std::ceil(rest / progress_.limit - slack), std::ceil(rest / longest - sliver)});
+  double dt = rest / num_steps;
+  if (std::abs(dt - progress_.last_dt) <= rounding_of(target.time, plan_.origin)) dt = progress_.last_dt;
+  return {num_steps > 1.0 ? target.time - (num_steps - 1.0) * dt : target.time, dt};
+}
+
+/// The error as a share of what the step may have.
+double StepControl::share(const Step& step, double error) const {
+  return error * (plan_.end - plan_.origin) / step.dt;
+}
+
+bool StepControl::accepts(double error) const {
+  return !plan_.adaptive || share(next(), error) <= 1.0;  // false for NaN
+}
+
+void StepControl::accept(double error) {
+  const Target reached = target();
   const Step step = next();
-  if (step.time == nominal_time(progress_.nominal + 1)) ++progress_.nominal;
+  const bool is_reached = step.time == reached.time;
+  progress_.at_event = is_reached && reached.is_event;
+  progress_.at_interval = is_reached && reached.is_nominal;
+  if (progress_.at_interval) ++progress_.nominal;
   progress_.time = step.time;
-  progress_.limit = std::min(growth * step.dt, plan_.dt);
+  if (plan_.adaptive) {
+    adapt(step, error);
+  } else if (growth * step.dt >= progress_.limit * (1.0 - sliver)) {  // else an event cut it short
+    progress_.limit = std::min(growth * step.dt, plan_.dt);
+  }
+}
+
+// The PI controller of Gustafsson (Hairer & Wanner II, IV.8; exponents of the error per unit step):
+//     dt_new = dt (aim/e)^kI (e_prev/e)^kP,   kI = 0.7/p, kP = 0.3/p
+// An error that stays at e is corrected at once, kI + kP = 1/p, and one that was already falling, or rising, the less,
+// or the more. Of steps longer or shorter than wanted the error is taken to the wanted length; one of less than half of
+// it tells nothing, and changes nothing.
+void StepControl::adapt(const Step& step, double error) {
+  const AdaptivePlan& adaptive = *plan_.adaptive;
+  const double p = adaptive.order, wanted = progress_.limit;
+  if (step.dt >= 0.5 * wanted) {
+    const double e = std::max(share(step, error) * std::pow(wanted / step.dt, p), 1e-10);  // e = 0 would be no number
+    const double proposed = std::pow(aim / e, 1.0 / p);
+    double factor = proposed;
+    if (proposed >= keep_from && proposed <= keep_to) {
+      factor = 1.0;
+    } else if (progress_.error > 0.0) {
+      factor = std::pow(proposed, 0.7) * std::pow(progress_.error / e, 0.3 / p);
+    }
+    const double most = progress_.rejected ? 1.0 : std::min(growth, adaptive.max_growth);
+    progress_.limit = std::clamp(wanted * std::clamp(factor, strongest_cut, most), plan_.min_dt, adaptive.max_dt);
+    progress_.error = e;
+    progress_.rejected = false;
+  }
+  progress_.last_dt = step.dt;
+  if (progress_.at_event) {
+    progress_.limit = std::max(after_event * progress_.limit, plan_.min_dt);
+    progress_.last_dt = 0.0;
+    progress_.error = 0.0;
+  }
 }
 
 RetryDecision StepControl::reject(const std::string& reason) {
   const Step step = next();
+  const std::string failure = "step of " + quantity(step.dt) + " from " + plan_.variable.name + " = " +
+                              quantity(progress_.time) + " failed: " + reason;
   const double half = 0.5 * step.dt;
-  const std::string failure =
-      "step of " + seconds(step.dt) + " from t = " + seconds(progress_.time) + " failed: " + reason;
   if (half < plan_.min_dt) {
-    return {Retry::give_up, failure + "; half of it is below the smallest step allowed, " + seconds(plan_.min_dt)};
+    return {Retry::give_up, failure + "; half of it is below the smallest step allowed, " + quantity(plan_.min_dt)};
   }
-  progress_.limit = half;
-  return {Retry::again, failure + "; trying " + seconds(half)};
+  return shorten(step, half, failure);
+}
+
+RetryDecision StepControl::reject_error(double error) {
+  assert(plan_.adaptive);
+  const Step step = next();
+  const double e = share(step, error);
+  char times[32];
+  std::snprintf(times, sizeof times, "%.3g", e);
+  const std::string failure = "step of " + quantity(step.dt) + " from " + plan_.variable.name + " = " +
+                              quantity(progress_.time) + " has " + times + " times the error it may have";
+  if (step.dt <= plan_.min_dt * (1.0 + sliver)) {
+    return {Retry::give_up, failure + ", and the smallest step allowed is " + quantity(plan_.min_dt)};
+  }
+  const double factor = std::isfinite(e) ? std::pow(aim / e, 1.0 / plan_.adaptive->order) : strongest_cut;
+  return shorten(step, std::max(step.dt * std::clamp(factor, strongest_cut, largest_retry), plan_.min_dt), failure);
+}
+
+RetryDecision StepControl::shorten(const Step& step, double dt, const std::string& failure) {
+  assert(dt < step.dt);
+  progress_.limit = dt;
+  progress_.error = 0.0;
+  progress_.rejected = true;
+  return {Retry::again, failure + "; trying " + quantity(dt)};
+}
+
+std::string StepControl::quantity(double value) const {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", value);
+  return plan_.variable.unit.empty() ? text : text + (" " + plan_.variable.unit);
 }
 
 }  // namespace pliant

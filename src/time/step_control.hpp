@@ -1,26 +1,52 @@
-/// Which step to try next: a nominal step on a fixed grid of times, shortened when a step fails.
+/// Which step to try next: a nominal step on a fixed grid of times, shortened when a step fails, or steps whose length
+/// follows the error.
 #pragma once
 
 #include "time/step.hpp"
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace pliant {
 
-/// What the run asks for. dt > 0, 0 < min_dt.
+/// Steps that follow the error of the method.
+struct AdaptivePlan {
+  double max_dt = 0.0;      ///< no step is longer [s]
+  double interval = 0.0;    ///< the times origin + k interval are hit (output); 0: none [s]
+  double max_growth = 0.0;  ///< limit of the ratio of successive steps (Method::max_growth)
+  int order = 1;            ///< the error of a step grows as dt^(order + 1)
+};
+
+/// What steps advance, as messages name it: time, or the load factor of a static problem.
+struct StepVariable {
+  std::string name = "t";
+  std::string unit = "s";  ///< empty if it has none
+};
+
+/// What the run asks for. dt > 0, 0 < min_dt <= max_dt.
 struct StepPlan {
   double origin = 0.0;  ///< nominal step n ends at origin + n dt, the last at `end` [s]
-  double dt = 0.0;      ///< nominal step [s]
+  double dt = 0.0;      ///< nominal step; of adaptive ones the first to be tried [s]
   double end = 0.0;     ///< end of the run [s]
-  double min_dt = 0.0;  ///< a failed step is not halved below this [s]
+  double min_dt = 0.0;  ///< neither a failure nor an error makes a step shorter, except by equal steps to a target [s]
+  std::vector<double> events = {};  ///< rising times at which loads may have a kink or a jump: steps end there [s]
+  std::optional<AdaptivePlan> adaptive = {};  ///< none: nominal steps
+  StepVariable variable = {};
 };
 
 /// Where the run stands; with the plan, all that continues it exactly.
 struct StepProgress {
-  std::int64_t nominal = 0;  ///< nominal steps completed
+  std::int64_t nominal = 0;  ///< nominal steps (adaptive: intervals) completed
   double time = 0.0;         ///< end of the last accepted step [s]
-  double limit = 0.0;        ///< the next step may not be longer [s]
+  double limit = 0.0;        ///< the next step may not be longer; of adaptive steps the wanted length [s]
+  bool at_event = false;     ///< the last accepted step ended at an event
+  bool at_interval = false;  ///< ... at the end of a nominal step or interval
+  // Of adaptive steps only:
+  double last_dt = 0.0;   ///< length of the last accepted step; 0 at the start and after an event [s]
+  double error = 0.0;     ///< of the last step asked about its error, as a share of what it may have; 0: none
+  bool rejected = false;  ///< a step was rejected since the last accepted one
 };
 
 enum class Retry { again, give_up };
@@ -33,7 +59,14 @@ struct RetryDecision {
 /// Fixed nominal step with retry. A failed step is halved, and again; after a success the step at most doubles until it
 /// is back at the nominal one. Every time origin + n dt is hit, computed by multiplication so that it carries no
 /// accumulated rounding, and so is the end: the last step is shortened where the end is no multiple of the step, or
-/// longer by a millionth of it, lest a sliver remain. A value: copies are independent.
+/// longer by a millionth of it, lest a sliver remain. So are the events on the way; a nominal time within half a
+/// millionth of dt of an event is that event.
+///
+/// Adaptive steps keep the error of the run near the tolerance by allowing each step its share dt / (end - origin). The
+/// way to the next time that must be hit is cut into equal steps, as many as the wanted length asks for: so no sliver
+/// arises, and a step that a target cut short does not shorten those after it. The length stays, to the last bit, as
+/// long as no considerable change is called for, because factorizations and weights hold for one length. After an event
+/// steps start small, as nothing is known of what follows. A value: copies are independent.
 class StepControl {
  public:
   /// Starts at the plan's origin.
@@ -44,17 +77,39 @@ class StepControl {
   bool finished() const { return progress_.nominal >= num_nominal_; }
   /// The step to try. Not when finished.
   Step next() const;
-  /// The step `next()` was accepted.
-  void accept();
+  /// Whether `next()` may be accepted with this error, in units of the tolerance for the whole run. Nominal steps
+  /// always.
+  bool accepts(double error) const;
+  /// The step `next()` was accepted. Nominal steps have no use for the error.
+  void accept(double error = 0.0);
   /// The step `next()` failed for the reason given: `next()` is shorter now, unless the decision is to give up.
   RetryDecision reject(const std::string& reason);
+  /// The step `next()` is not accepted for its error. Adaptive steps only.
+  RetryDecision reject_error(double error);
+
+  /// The last accepted step ended at an event: past states say nothing about what follows.
+  bool at_event() const { return progress_.at_event; }
+  /// The last accepted step ended at a nominal time or interval, or at the end.
+  bool at_interval() const { return progress_.at_interval; }
 
   const StepProgress& progress() const { return progress_; }
-  /// Nominal steps from the origin to the end.
+  /// Nominal steps (adaptive: intervals) from the origin to the end.
   std::int64_t num_nominal() const { return num_nominal_; }
 
  private:
+  /// A time that must be hit.
+  struct Target {
+    double time = 0.0;
+    bool is_event = false, is_nominal = false;
+  };
+  Target target() const;
   double nominal_time(std::int64_t n) const;
+  Step next_nominal(const Target& target) const;
+  Step next_adaptive(const Target& target) const;
+  double share(const Step& step, double error) const;
+  void adapt(const Step& step, double error);
+  RetryDecision shorten(const Step& step, double dt, const std::string& failure);
+  std::string quantity(double value) const;
 
   StepPlan plan_;
   std::int64_t num_nominal_ = 0;
