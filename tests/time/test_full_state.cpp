@@ -1,4 +1,5 @@
 // States with internal variables and quadratures, and configurations on a space with coordinates of its own.
+#include "time/circle.hpp"
 #include "time/every_method.hpp"
 #include "time/integrator.hpp"
 #include "time/ode.hpp"
@@ -6,8 +7,9 @@
 
 #include <array>
 #include <cmath>
-#include <map>
+#include <functional>
 #include <memory>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -166,71 +168,11 @@ TEST_P(FullStates, CompletedStepsSetWhatIsAFunctionOfTheConfiguration) {
   EXPECT_NE(z[1], formula[1]);
 }
 
-/// The circle, with coordinates that are no angles: retract((cos phi, sin phi), xi) turns phi by sinh(xi). The velocity
-/// is phi', so that two numbers of configuration go with one of velocity, and xi' is not the velocity.
-class Circle final : public ConfigurationSpace {
- public:
-  static double angle(std::span<const double> q, std::size_t k) { return std::atan2(q[2 * k + 1], q[2 * k]); }
-
-  void difference(Vec a, Vec b, Vec xi) const override {
-    const ConstArrayView from(a), to(b);
-    const ArrayView values(xi);
-    for (std::size_t k = 0; k < values.span().size(); ++k) {
-      values.span()[k] = std::asinh(std::remainder(angle(to, k) - angle(from, k), 2 * M_PI));
-    }
-  }
-  void retract(Vec a, Vec xi, Vec b) const override {
-    const ConstArrayView from(a), by(xi);
-    const ArrayView to(b);
-    for (std::size_t k = 0; k < by.span().size(); ++k) {
-      const double phi = angle(from, k) + std::sinh(by.span()[k]);
-      to.span()[2 * k] = std::cos(phi);
-      to.span()[2 * k + 1] = std::sin(phi);
-    }
-  }
-  void velocity(Vec xi, Vec xi_dot, Vec v) const override {
-    const ConstArrayView by(xi), rate(xi_dot);
-    const ArrayView values(v);
-    for (std::size_t k = 0; k < by.span().size(); ++k) {
-      values.span()[k] = std::cosh(by.span()[k]) * rate.span()[k];
-    }
-  }
-};
-
-Handle<Vec> points_of(const std::vector<double>& angles) {
-  std::vector<double> points;
-  for (double phi : angles) points.insert(points.end(), {std::cos(phi), std::sin(phi)});
-  return test::vector_of(points);
-}
-
-/// The equation of `ode`, whose unknown is an angle, in coordinates around stage.centre; Newton's method, to rounding.
-StageSolve solve_on_circle(const Ode& ode) {
-  return [ode](const StagePoint& stage, Vec xi_vec) {
-    const ConstArrayView centre(stage.centre), xi0(stage.q0), v0(stage.v0);
-    const ArrayView xi(xi_vec);
-    std::vector<double> phi(xi.span().size()), v(phi.size());
-    for (std::size_t k = 0; k < phi.size(); ++k) {
-      const auto residual = [&](double x) {
-        phi[k] = Circle::angle(centre, k) + std::sinh(x);
-        v[k] = std::cosh(x) * (x - xi0.span()[k]) / stage.dt;
-        return (v[k] - v0.span()[k]) / stage.dt - ode.acceleration(stage.time, phi, v, k);
-      };
-      double& x = xi.span()[k];
-      double change = INFINITY;
-      for (int i = 0; i < 50 && std::abs(change) > 1e-15; ++i) {
-        change = -residual(x) / (residual(x + 1e-5) - residual(x - 1e-5)) * 2e-5;
-        x += change;
-      }
-    }
-    return StageReport{};
-  };
-}
-
 Errors errors_on_circle(const Method& method, const test::Times& times, int num_steps) {
   const Ode ode = test::pendulum();
   const auto push = [&](double t, const std::function<void(const StateView&)>& to) {
     const test::Values y = t == 0.0 ? ode.initial : test::reference(ode, t);
-    const Handle<Vec> q = points_of(y.q), v = test::vector_of(y.v);
+    const Handle<Vec> q = test::points_of(y.q), v = test::vector_of(y.v);
     to({t, q.get(), v.get()});
   };
   std::vector<double> past = test::earlier_times(method, times, num_steps);
@@ -238,7 +180,7 @@ Errors errors_on_circle(const Method& method, const test::Times& times, int num_
   std::optional<History> history;
   push(past[0], [&](const StateView& y) { history.emplace(method.num_steps, y); });
   for (std::size_t r = 1; r < past.size(); ++r) push(past[r], [&](const StateView& y) { history->push(y); });
-  Stepper stepper(method, {.solve = solve_on_circle(ode), .space = std::make_shared<Circle>()},
+  Stepper stepper(method, {.solve = test::solve_on_circle(ode), .space = std::make_shared<test::Circle>()},
                   history->newest().view());
   Errors errors;
   for (int n = 1; n <= num_steps; ++n) {
@@ -246,7 +188,7 @@ Errors errors_on_circle(const Method& method, const test::Times& times, int num_
     accept(stepper.attempt(*history, {t, t - history->newest().time}), *history);
     if (!test::is_sampled(n, num_steps)) continue;
     const test::Values expected = test::reference(ode, t);
-    const Handle<Vec> points = points_of(expected.q);
+    const Handle<Vec> points = test::points_of(expected.q);
     errors.look("q", test::values_of(history->newest().q.get()), test::values_of(points.get()));
     errors.look("v", test::values_of(history->newest().v.get()), expected.v);
   }

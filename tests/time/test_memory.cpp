@@ -44,7 +44,8 @@ TEST_P(MemoryOfSteps, IsTakenOnceAndForAll) {
   const Handle<Vec> q = test::vector_of({1.0, 0.5}), v = test::vector_of({0.0, 0.2}), z = test::vector_of({0.0, 0.0});
   const std::vector<double> w{0.0};
   for (const Startup startup : {Startup::ramp, Startup::dirk33}) {
-    Integrator integrator({GetParam(), startup}, oscillator(), {0.0, q.get(), v.get(), z.get(), w});
+    Integrator integrator({GetParam(), startup, ErrorEstimate::local}, oscillator(),
+                          {0.0, q.get(), v.get(), z.get(), w});
     const PetscObjectId first = id_of_a_new_object(), before = id_of_a_new_object();
     const std::size_t num_before = test::num_allocations();
     for (int n = 1; n <= 8; ++n) {
