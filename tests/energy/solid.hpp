@@ -127,6 +127,34 @@ inline Handle<Vec> moved(Vec a, double s, Vec b) {
   return c;
 }
 
+/// Net force of nodal forces, and their moment about the origin. Collective.
+struct Resultant {
+  Point force{}, moment{};
+};
+
+/// The nodes are displaced by u.
+inline Resultant resultant(const Solid& solid, Vec forces, Vec u) {
+  Resultant mine;
+  {
+    const ConstArrayView f(forces), displacement(u);
+    for (PetscInt a = 0; a < solid.layout().num_owned_nodes; ++a) {
+      Point x = solid.layout().position(a);
+      for (int i = 0; i < 3; ++i) x[i] += displacement[3 * a + i];
+      for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        mine.force[i] += f[3 * a + i];
+        mine.moment[i] += x[j] * f[3 * a + k] - x[k] * f[3 * a + j];
+      }
+    }
+  }
+  const auto total = [&](Point& values) {
+    for (double& value : values) value = sum(solid.layout().comm, value);
+  };
+  total(mine.force);
+  total(mine.moment);
+  return mine;
+}
+
 /// Strains of some tenths that differ from cell to cell; sound for barriers.
 inline Point strained(const Point& x) {
   return {0.15 * x[0] + 0.1 * x[1] * x[1] + 0.01 * rough(x, 0, 0),

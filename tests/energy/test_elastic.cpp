@@ -1,10 +1,10 @@
 // What strain energy must do beyond having the right derivatives.
 #include "energy/elastic.hpp"
+#include "energy/reference.hpp"
 #include "energy/solid.hpp"
 #include "energy/step_bound.hpp"
 #include "material/states.hpp"
 
-#include <eigen3/Eigen/Eigenvalues>
 #include <ostream>
 
 #include <fmt/format.h>
@@ -18,7 +18,6 @@ using testing::Scratch;
 using testing::Shape;
 using testing::Solid;
 using testing::TestStage;
-using testing_states::Quad;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -96,24 +95,12 @@ TEST_P(Elastic, InternalForcesBalance) {
   const auto r = gradient(q);
   const double size = testing::norm(r.get());
   ASSERT_GT(size, 1.0);
-  Point force{}, moment{};
-  {
-    const ConstArrayView f(r.get()), u(q.get());
-    for (PetscInt a = 0; a < solid_.layout().num_owned_nodes; ++a) {
-      Point x = solid_.layout().position(a);
-      for (int i = 0; i < 3; ++i) {
-        if (!testing::is_linear(GetParam().law)) x[i] += u[3 * a + i];
-        force[i] += f[3 * a + i];
-      }
-      for (int i = 0; i < 3; ++i) {
-        const int j = (i + 1) % 3, k = (i + 2) % 3;
-        moment[i] += x[j] * f[3 * a + k] - x[k] * f[3 * a + j];
-      }
-    }
-  }
+  // About the places at rest for the law that knows no others.
+  const auto [force, moment] =
+      testing::resultant(solid_, r.get(), testing::is_linear(GetParam().law) ? stage.q0.get() : q.get());
   for (int i = 0; i < 3; ++i) {
-    EXPECT_NEAR(sum(comm, force[i]), 0.0, 1e-13 * size);
-    EXPECT_NEAR(sum(comm, moment[i]), 0.0, 1e-13 * size);
+    EXPECT_NEAR(force[i], 0.0, 1e-13 * size);
+    EXPECT_NEAR(moment[i], 0.0, 1e-13 * size);
   }
 }
 
@@ -181,19 +168,6 @@ TEST_P(Elastic, SecondOrderChangesSurviveBesideALargeEnergy) {
   EXPECT_NEAR(potential_.value(ahead.get()) + potential_.value(behind.get()), expected, 1e-6 * std::abs(expected));
 }
 
-/// The smallest and the largest eigenvalue of the Hessian at q.
-std::array<double, 2> extreme_eigenvalues(IncrementalPotential& potential, Vec q, Projection projection) {
-  const Handle<Mat> K = potential.make_hessian();
-  potential.hessian(q, K.get(), projection);
-  const PetscInt n = potential.num_unknowns();
-  Eigen::MatrixXd A(n, n);
-  std::vector<PetscInt> all(static_cast<std::size_t>(n));
-  for (PetscInt i = 0; i < n; ++i) all[i] = i;
-  check(MatGetValues(K.get(), n, all.data(), n, all.data(), A.data()));
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(A, Eigen::EigenvaluesOnly);
-  return {solver.eigenvalues()(0), solver.eigenvalues()(n - 1)};
-}
-
 // A body compressed on all sides would rather turn: its Hessian is indefinite for every law that knows rotations.
 TEST_P(Elastic, ProjectedHessianIsPositiveSemidefiniteWhereTheHessianIsNot) {
   const Solid whole(MPI_COMM_SELF, file_, GetParam().body.order, degree());
@@ -204,52 +178,18 @@ TEST_P(Elastic, ProjectedHessianIsPositiveSemidefiniteWhereTheHessianIsNot) {
   const auto q = whole.vector([](const Point& x) {
     return Point{-0.3 * x[0] + 0.01 * testing::rough(x, 0, 2), -0.35 * x[1], -0.3 * x[2]};
   });
-  const auto [lowest, highest] = extreme_eigenvalues(alone, q.get(), Projection::none);
-  const auto [projected, projected_highest] = extreme_eigenvalues(alone, q.get(), Projection::positive_semidefinite);
+  const auto [lowest, highest] = testing::extreme_eigenvalues(alone, q.get(), Projection::none);
+  const auto [projected, projected_highest] =
+      testing::extreme_eigenvalues(alone, q.get(), Projection::positive_semidefinite);
   if (!testing::is_linear(GetParam().law)) {
     EXPECT_LT(lowest, -1e-3 * highest);
   }
   EXPECT_GE(projected, -1e-13 * projected_highest);
   // Where the Hessian is definite, projection changes nothing.
   const auto stretched = whole.vector([](const Point& x) { return Point{0.1 * x[0], 0.1 * x[1], 0.1 * x[2]}; });
-  const auto exact = extreme_eigenvalues(alone, stretched.get(), Projection::none);
-  const auto same = extreme_eigenvalues(alone, stretched.get(), Projection::positive_semidefinite);
+  const auto exact = testing::extreme_eigenvalues(alone, stretched.get(), Projection::none);
+  const auto same = testing::extreme_eigenvalues(alone, stretched.get(), Projection::positive_semidefinite);
   EXPECT_NEAR(exact[1], same[1], 1e-12 * exact[1]);
-}
-
-/// Internal forces in four times the digits, cell by cell from the laws as textbooks write them.
-template <int Order>
-std::vector<Quad> reference_forces(const Solid& solid, const ElasticLawVariant& law, int degree,
-                                   const std::vector<double>& q) {
-  const NodeLayout& layout = solid.layout();
-  const auto rule = simplex_rule<3>(degree);
-  std::vector<Quad> r(q.size(), Quad(0));
-  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
-    const auto nodes = layout.nodes_of_cell(c);
-    for (int p = 0; p < rule.size(); ++p) {
-      const auto dN = Tet<Order>::gradients(rule.points[p]);
-      Tensor3<Quad> X{}, U{};
-      for (std::size_t a = 0; a < nodes.size(); ++a) {
-        for (int i = 0; i < 3; ++i) {
-          for (int k = 0; k < 3; ++k) {
-            X(i, k) += Quad(layout.coordinates[3 * nodes[a] + i]) * dN[a][k];
-            U(i, k) += Quad(q[3 * nodes[a] + i]) * dN[a][k];
-          }
-        }
-      }
-      const Quad J = det(X);
-      const Tensor3<Quad> inverse = Quad(1 / J) * transpose(cofactor(X));
-      const Tensor3<Quad> P =
-          std::visit([&](const auto& of) { return testing_states::textbook_P(of, matmul(U, inverse)); }, law);
-      const Tensor3<Quad> S = Quad(J * rule.weights[p]) * matmul(P, transpose(inverse));
-      for (std::size_t a = 0; a < nodes.size(); ++a) {
-        for (int i = 0; i < 3; ++i) {
-          for (int k = 0; k < 3; ++k) r[3 * nodes[a] + i] += S(i, k) * dN[a][k];
-        }
-      }
-    }
-  }
-  return r;
 }
 
 // Gradients of the shape functions in double do not sum to zero exactly: what a rigid motion of the size of q makes of
@@ -264,15 +204,9 @@ TEST_P(Elastic, ForcesOfStrainsOf1e8KeepTheirDigits) {
   const LocalStage at{0.0, 1.0, 1.0, {}, {}, {}};
   std::vector<double> r(local.size(), 0.0);
   term_->add_gradient(at, local, r);
-  const auto expected = GetParam().body.order == 1 ? reference_forces<1>(solid_, GetParam().law, degree(), local)
-                                                   : reference_forces<2>(solid_, GetParam().law, degree(), local);
-  double error = 0.0, size = 0.0;
-  for (std::size_t i = 0; i < 3 * static_cast<std::size_t>(solid_.layout().num_owned_nodes); ++i) {
-    error += std::pow(static_cast<double>(Quad(r[i]) - expected[i]), 2);
-    size += std::pow(static_cast<double>(expected[i]), 2);
-  }
-  error = std::sqrt(sum(comm, error));
-  size = std::sqrt(sum(comm, size));
+  const auto [error, size] = testing::error_and_size(solid_, degree(), r, {local}, [&](const testing::Gradients& H) {
+    return std::visit([&](const auto& of) { return testing_states::textbook_P(of, H[0]); }, GetParam().law);
+  });
   ASSERT_GT(size, 0.1);  // 1e9 Pa at strains of 1e-8
   EXPECT_LE(error, 2e-14 * size);
   RecordProperty("relative_error", fmt::format("{:.1e}", error / size));

@@ -52,6 +52,20 @@ TYPED_TEST(LastDigits, RotatedStiffBodyLosesNoMoreThanItsGradientDoes) {
   }
 }
 
+// Two states of a stiff body that differ by less and less: the change of E has the digits of the change of H.
+TEST(LastDigitsOfStrainChanges, AreThoseOfTheIncrement) {
+  const auto E = [](const Tensor3<Quad>& H) { return Quad(0.5) * (H + transpose(H) + matmul(transpose(H), H)); };
+  for (const double strain : {1e-8, 1e-4, 0.2}) {
+    for (const double change : {1.0, 1e-4, 1e-10}) {
+      for (unsigned seed = 0; seed < 20; ++seed) {
+        const Matrix H = random_matrix(seed, strain), dH = random_matrix(seed + 100, strain * change);
+        const Tensor3<Quad> expected = E(converted<Quad>(H) + converted<Quad>(dH)) - E(converted<Quad>(H));
+        EXPECT_LE(relative_difference(green_lagrange_change(H, dH), expected), 8 * epsilon);
+      }
+    }
+  }
+}
+
 TEST(LastDigitsOfTheTextbookForm, AreLostInDouble) {
   const auto law = law_of<NeoHookean>(1e9, 0.3);
   const Matrix H = random_matrix(1, 1e-8);

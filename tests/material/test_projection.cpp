@@ -88,6 +88,21 @@ TYPED_TEST(Projection, TreatsEachLaneAlone) {
   }
 }
 
+TEST(ProjectionOfStresses, KeepsTensionAndDropsCompressionLaneByLane) {
+  const Matrix Q = rotation(0.4, -1.0, 0.3);
+  const auto turned = [&](double a, double b, double c) {
+    return matmul(Q, matmul(Matrix{{a, 0, 0, 0, b, 0, 0, 0, c}}, transpose(Q)));
+  };
+  Tensor3<Pack> S;
+  const auto stress = [&](std::size_t lane) { return lane % 2 == 0 ? turned(-3, 2, -1) : turned(1, 2, 3); };
+  for (std::size_t n = 0; n < 9; ++n) S.a[n] = Pack([&](auto lane) { return stress(lane).a[n]; });
+  project_to_positive_semidefinite(S);
+  for (std::size_t lane = 0; lane < Pack::size(); ++lane) {
+    const Matrix expected = lane % 2 == 0 ? turned(0, 2, 0) : turned(1, 2, 3);
+    for (std::size_t n = 0; n < 9; ++n) EXPECT_NEAR(S.a[n][lane], expected.a[n], 1e-14);
+  }
+}
+
 TEST(ProjectionOfInvertedCells, LeavesTheUndefinedAlone) {
   const Matrix inverted{{-2.5, 0, 0, 0, 0, 0, 0, 0, 0}};
   Tangent<double> A = tangent(law_of<NeoHookean>(E, 0.3), inverted);
