@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/expression.hpp"
+#include "material/viscosity.hpp"
 #include "time/method.hpp"
 
 #include <array>
@@ -49,10 +50,23 @@ struct ElasticityConfig {
   Location where;
 };
 
+/// Values of the model's parameters; those of other models stay 0.
+struct ViscosityConfig {
+  std::string model;               ///< registry name: kelvin-voigt, maxwell
+  double shear = 0;                ///< kelvin-voigt [Pa s]
+  double bulk = 0;                 ///< kelvin-voigt [Pa s]
+  std::optional<StrainRate> rate;  ///< kelvin-voigt; empty: as suits the method
+  double shear_modulus = 0;        ///< maxwell [Pa]
+  double bulk_modulus = 0;         ///< maxwell [Pa]
+  double relaxation_time = 0;      ///< maxwell [s]
+  Location where;
+};
+
 struct BodyConfig {
   Selection part;                 ///< volume, or everything
   std::optional<double> density;  ///< [kg/m^3]; required for dynamics and gravity
   ElasticityConfig elasticity;
+  std::optional<ViscosityConfig> viscosity;
   Location where;
 };
 
@@ -63,10 +77,11 @@ struct ConstraintConfig {
 };
 
 struct LoadConfig {
-  enum class Kind { gravity, traction };
+  enum class Kind { gravity, traction, pressure };
   Kind kind = Kind::gravity;
-  Selection part;          ///< traction: surface, box or where; gravity: everything (or a volume)
+  Selection part;          ///< traction, pressure: surface, box or where; gravity: everything (or a volume)
   VectorExpression value;  ///< gravity [m/s^2], traction [Pa] per reference area
+  Expression pressure;     ///< [Pa] per current area, pushes onto the surface
   Location where;
 };
 

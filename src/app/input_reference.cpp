@@ -93,15 +93,23 @@ std::string table(const std::string& path, const std::vector<KeyInfo>& keys) {
   return out;
 }
 
-std::string sentence(const OneOf& group) {
+std::string sentence(const KeyGroup& group) {
   std::string keys;
   for (const std::string& key : group.keys) keys += (keys.empty() ? "`" : ", `") + key + '`';
   std::string beside;
-  for (const std::string& key : group.beside) beside += (beside.empty() ? "Beside `" : " or `") + key + '`';
+  for (const Anchor& anchor : group.beside) {
+    beside += (beside.empty() ? "Beside `" : " or `") + to_string(anchor) + '`';
+  }
   if (!beside.empty()) beside += ": ";
-  const bool single = group.keys.size() == 1;
-  if (group.need == OneOf::Need::exactly_one) return beside + (single ? keys : "exactly one of " + keys) + ".";
-  return beside + (single || group.need == OneOf::Need::any ? "optionally " + keys : "at most one of " + keys) + ".";
+  switch (group.need) {
+    case KeyGroup::Need::exactly_one:
+      return beside + "exactly one of " + keys + ".";
+    case KeyGroup::Need::all:
+      return beside + keys + ".";
+    case KeyGroup::Need::any:
+      return beside + "optionally " + keys + ".";
+  }
+  return "";
 }
 
 void write_sections(const std::string& path, const std::vector<KeyInfo>& keys, std::string& out) {
@@ -112,7 +120,7 @@ void write_sections(const std::string& path, const std::vector<KeyInfo>& keys, s
     out += "\n" + std::string(static_cast<std::size_t>(depth) + 2, '#') + " " + own_path + "\n\n" +
            capitalised(key.description) + ".\n";
     out += table(own_path, key.children);
-    for (const OneOf& group : key.alternatives) {
+    for (const KeyGroup& group : key.groups) {
       out += "\n" + capitalised(sentence(group)) + "\n";
     }
     write_sections(own_path, key.children, out);

@@ -1,8 +1,10 @@
 #include "app/input_schema.hpp"
 
 #include "material/registry.hpp"
+#include "material/viscosity_registry.hpp"
 
 #include <algorithm>
+#include <span>
 #include <stdexcept>
 
 namespace pliant {
@@ -15,20 +17,31 @@ std::vector<std::string> strings(const std::array<std::string_view, N>& names) {
   return {names.begin(), names.end()};
 }
 
-std::vector<std::string> elastic_law_names() {
+std::vector<std::string> law_names(std::span<const LawInfo> laws) {
   std::vector<std::string> names;
-  for (const LawInfo& law : elastic_laws()) names.emplace_back(law.name);
+  for (const LawInfo& law : laws) names.emplace_back(law.name);
   return names;
 }
 
-/// A parameter with the unit and the bounds that the laws' registry gives it.
-Format<double> law_parameter(std::string_view name) {
-  for (const LawInfo& law : elastic_laws()) {
+/// A parameter as the laws' registry describes it.
+const ParameterInfo& parameter(std::span<const LawInfo> laws, std::string_view name) {
+  for (const LawInfo& law : laws) {
     for (const ParameterInfo& p : law.parameters) {
-      if (p.name == name) return quantity(std::string(p.unit), Range::between(p.lower, p.upper));
+      if (p.name == name) return p;
     }
   }
-  throw std::logic_error("no elastic law has the parameter " + std::string(name));
+  throw std::logic_error("no law has the parameter " + std::string(name));
+}
+
+Format<double> format_of(const ParameterInfo& p) {
+  const bool included = p.lower_bound == LowerBound::included;
+  return quantity(std::string(p.unit), included ? Range::at_least(p.lower) : Range::between(p.lower, p.upper));
+}
+
+template <class T>
+Field<T> law_field(std::span<const LawInfo> laws, double T::*member, std::string_view name) {
+  const ParameterInfo& p = parameter(laws, name);
+  return field(std::string(name), member, format_of(p), std::string(p.meaning));
 }
 
 /// A field of the part of the mesh that an entry speaks of; its key is the kind's name.
@@ -37,10 +50,8 @@ Field<T> selector(const std::string& key, Kind kind, const std::string& descript
   return field(key, &T::part, selection(kind), description);
 }
 
-/// The value of a load; the key decides the load's kind.
-Field<LoadConfig> load(const std::string& key, LoadConfig::Kind kind, const std::string& unit,
-                       const std::string& description) {
-  auto result = field(key, &LoadConfig::value, array_of<3>(expression(unit, Variables::space_and_time)), description);
+/// The value of a load, which decides the load's kind.
+Field<LoadConfig> load(LoadConfig::Kind kind, Field<LoadConfig> result) {
   result.read = [kind, read = result.read](const InputNode& node, Problems& problems, LoadConfig& into) {
     into.kind = kind;
     read(node, problems, into);
@@ -67,17 +78,49 @@ Section<MeshConfig> mesh_keys() {
 }
 
 Section<ElasticityConfig> elasticity_keys() {
+  return {{
+              field("model", &ElasticityConfig::model, choice(law_names(elastic_laws())),
+                    "elastic law (`pliant materials`)")
+                  .required(),
+              law_field(elastic_laws(), &ElasticityConfig::youngs_modulus, "youngs_modulus").required(),
+              law_field(elastic_laws(), &ElasticityConfig::poissons_ratio, "poissons_ratio").required(),
+          },
+          {},
+          &ElasticityConfig::where};
+}
+
+Format<std::optional<StrainRate>> strain_rate() {
+  std::vector<std::pair<std::string, std::optional<StrainRate>>> forms{{"auto", std::nullopt}};
+  for (const StrainRateInfo& form : strain_rates()) forms.emplace_back(form.name, form.rate);
+  return choice_of(forms);
+}
+
+Section<ViscosityConfig> viscosity_keys() {
+  using Need = KeyGroup::Need;
+  using V = ViscosityConfig;
+  const auto laws = viscosity_laws();
+  const Anchor kelvin_voigt{"model", std::string(KelvinVoigt::name)};
+  const Anchor maxwell{"model", std::string(Maxwell::name)};
+  const auto is_not = [](const Anchor& model) { return [model](const V& v) { return v.model != model.value; }; };
   return {
       {
-          field("model", &ElasticityConfig::model, choice(elastic_law_names()), "elastic law (`pliant materials`)")
-              .required(),
-          field("youngs_modulus", &ElasticityConfig::youngs_modulus, law_parameter("youngs_modulus"), "Young's modulus")
-              .required(),
-          field("poissons_ratio", &ElasticityConfig::poissons_ratio, law_parameter("poissons_ratio"), "Poisson's ratio")
-              .required(),
+          field("model", &V::model, choice(law_names(laws)), "law of viscosity (`pliant materials`)").required(),
+          law_field(laws, &V::shear, "shear").left_out_if(is_not(kelvin_voigt)),
+          law_field(laws, &V::bulk, "bulk").otherwise("0").left_out_if(is_not(kelvin_voigt)),
+          field("rate", &V::rate, strain_rate(),
+                "strain rate within a step; `auto`: the form that has a potential where it keeps the method's order, "
+                "else the exact one")
+              .otherwise("auto")
+              .left_out_if(is_not(kelvin_voigt)),
+          law_field(laws, &V::shear_modulus, "shear_modulus").left_out_if(is_not(maxwell)),
+          law_field(laws, &V::bulk_modulus, "bulk_modulus").otherwise("0").left_out_if(is_not(maxwell)),
+          law_field(laws, &V::relaxation_time, "relaxation_time").left_out_if(is_not(maxwell)),
       },
-      {},
-      &ElasticityConfig::where};
+      {{{"shear"}, Need::all, {kelvin_voigt}},
+       {{"bulk", "rate"}, Need::any, {kelvin_voigt}},
+       {{"shear_modulus", "relaxation_time"}, Need::all, {maxwell}},
+       {{"bulk_modulus"}, Need::any, {maxwell}}},
+      &V::where};
 }
 
 Section<BodyConfig> body_keys() {
@@ -87,6 +130,9 @@ Section<BodyConfig> body_keys() {
               field("density", &BodyConfig::density, quantity("kg/m^3", Range::above(0)), "mass per reference volume")
                   .otherwise_in_words("none; needed for dynamics and for gravity"),
               field("elasticity", &BodyConfig::elasticity, map_of(elasticity_keys()), "elastic law").required(),
+              field("viscosity", &BodyConfig::viscosity, map_of(viscosity_keys()),
+                    "law of viscosity beside the elastic one")
+                  .otherwise_in_words("none"),
           },
           {},
           &BodyConfig::where};
@@ -110,19 +156,27 @@ Section<ConstraintConfig> constraint_keys() {
 }
 
 Section<LoadConfig> load_keys() {
-  return {{
-              load("gravity", LoadConfig::Kind::gravity, "m/s^2", "acceleration of gravity, acts on mass"),
-              selector<LoadConfig>("volume", Kind::volume, "with gravity: the volume it acts on")
-                  .otherwise_in_words("the whole mesh"),
-              load("traction", LoadConfig::Kind::traction, "Pa", "force per reference area, fixed in direction (dead)"),
-              selector<LoadConfig>("surface", Kind::surface, "with traction: the surface it acts on"),
-              selector<LoadConfig>("box", Kind::box, "with traction: boundary facets inside this box"),
-              selector<LoadConfig>("where", Kind::where, "with traction: boundary facets that fulfil this"),
-          },
-          {{{"gravity", "traction"}},
-           {{"volume"}, OneOf::Need::at_most_one, {"gravity"}},
-           {{"surface", "box", "where"}, OneOf::Need::exactly_one, {"traction"}}},
-          &LoadConfig::where};
+  const auto vector = [](const std::string& unit) { return array_of<3>(expression(unit, Variables::space_and_time)); };
+  return {
+      {
+          load(LoadConfig::Kind::gravity,
+               field("gravity", &LoadConfig::value, vector("m/s^2"), "acceleration of gravity, acts on mass")),
+          selector<LoadConfig>("volume", Kind::volume, "with gravity: the volume it acts on")
+              .otherwise_in_words("the whole mesh"),
+          load(LoadConfig::Kind::traction, field("traction", &LoadConfig::value, vector("Pa"),
+                                                 "force per reference area, fixed in direction (dead)")),
+          load(LoadConfig::Kind::pressure,
+               field("pressure", &LoadConfig::pressure, expression("Pa", Variables::space_and_time),
+                     "force per current area, against the outward normal: it follows the surface, and pushes where it "
+                     "is positive")),
+          selector<LoadConfig>("surface", Kind::surface, "with traction and pressure: the surface it acts on"),
+          selector<LoadConfig>("box", Kind::box, "with traction and pressure: boundary facets inside this box"),
+          selector<LoadConfig>("where", Kind::where, "with traction and pressure: boundary facets that fulfil this"),
+      },
+      {{{"gravity", "traction", "pressure"}},
+       {{"volume"}, KeyGroup::Need::any, {{"gravity"}}},
+       {{"surface", "box", "where"}, KeyGroup::Need::exactly_one, {{"traction"}, {"pressure"}}}},
+      &LoadConfig::where};
 }
 
 Section<InitialConfig> initial_keys() {
@@ -209,8 +263,8 @@ const Format<Config>& config_format() {
 }  // namespace
 
 bool is_planned(std::string_view word) {
-  static constexpr std::array words{"contact",  "checkpoint",  "viscosity", "volumetric",     "mean-dilatation",
-                                    "pressure", "p-multigrid", "obstacles", "friction_update"};
+  static constexpr std::array words{"contact",     "checkpoint", "volumetric",     "mean-dilatation",
+                                    "p-multigrid", "obstacles",  "friction_update"};
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 

@@ -49,8 +49,8 @@ Section<MethodKeys> method_keys() {
               .left_out_if(is_petsc),
       },
       {{{"petsc", "A"}},
-       {{"b"}, OneOf::Need::exactly_one, {"A"}},
-       {{"alpha", "beta", "name"}, OneOf::Need::any, {"A"}}}};
+       {{"b"}, KeyGroup::Need::all, {{"A"}}},
+       {{"alpha", "beta", "name"}, KeyGroup::Need::any, {{"A"}}}}};
 }
 
 /// Derives the method that the keys describe; its name must not be one that means another.
@@ -79,7 +79,7 @@ Format<MethodChoice> method_choice() {
                               {},
                               {},
                               by_keys.children,
-                              by_keys.alternatives};
+                              by_keys.groups};
   format.read = [by_name, by_keys](const InputNode& node, const std::string& name, Problems& problems,
                                    MethodChoice& into) {
     if (node.kind != InputNode::Kind::map) return by_name.read(node, name, problems, into.name);

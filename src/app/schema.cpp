@@ -41,48 +41,68 @@ bool is_given(const InputNode& node, const std::string& key) {
   return value != nullptr && value->kind != InputNode::Kind::null;
 }
 
-std::vector<std::string> given_keys(const InputNode& node, const OneOf& group) {
+std::vector<std::string> given_keys(const InputNode& node, const KeyGroup& group) {
   std::vector<std::string> given;
   std::copy_if(group.keys.begin(), group.keys.end(), std::back_inserter(given),
                [&](const std::string& key) { return is_given(node, key); });
   return given;
 }
 
-/// The key there that the group's keys stand beside.
-std::optional<std::string> anchor_of(const InputNode& node, const OneOf& group) {
+bool is_given(const InputNode& node, const Anchor& anchor) {
+  return is_given(node, anchor.key) && (anchor.value.empty() || node.find(anchor.key)->text == anchor.value);
+}
+
+/// What is there of that which the group's keys stand beside.
+std::optional<Anchor> anchor_of(const InputNode& node, const KeyGroup& group) {
   const auto found = std::find_if(group.beside.begin(), group.beside.end(),
-                                  [&](const std::string& key) { return is_given(node, key); });
+                                  [&](const Anchor& anchor) { return is_given(node, anchor); });
   return found == group.beside.end() ? std::nullopt : std::optional(*found);
 }
 
-void check_alternatives(const InputNode& node, const std::string& name, const OneOf& group, Problems& problems) {
+void check_group(const InputNode& node, const std::string& name, const KeyGroup& group, Problems& problems) {
   const auto given = given_keys(node, group);
   const auto anchor = anchor_of(node, group);
   if (!group.beside.empty() && !anchor) return;
-  const std::string beside = anchor ? " beside '" + *anchor + "'" : "";
-  if (given.empty() && group.need == OneOf::Need::exactly_one) {
-    const std::string choice = group.keys.size() == 1 ? "'" + group.keys.front() + "'" : "one of " + joined(group.keys);
-    problems.add(node.where, choice + " is needed" + in_section(name) + beside);
+  if (group.need == KeyGroup::Need::all) {
+    for (const std::string& key : group.keys) {
+      if (is_given(node, key)) continue;
+      const std::string why = anchor ? ", which '" + to_string(*anchor) + "' needs" : "";
+      problems.add(node.where, "missing key '" + key + "'" + in_section(name) + why);
+    }
   }
-  if (given.size() > 1 && group.need != OneOf::Need::any) {
+  if (group.need != KeyGroup::Need::exactly_one) return;
+  if (given.empty()) {
+    const std::string beside = anchor ? " beside '" + to_string(*anchor) + "'" : "";
+    problems.add(node.where, "one of " + joined(group.keys) + " is needed" + in_section(name) + beside);
+  }
+  if (given.size() > 1) {
     problems.add(node.find(given[1])->key_where, "only one of " + joined(given) + " can be given" + in_section(name));
   }
 }
 
 /// "'a' or 'b'".
-std::string quoted(const std::vector<std::string>& keys) {
+std::string quoted(const std::vector<Anchor>& anchors) {
   std::string text;
-  for (const std::string& key : keys) text += (text.empty() ? "'" : " or '") + key + "'";
+  for (const Anchor& anchor : anchors) text += (text.empty() ? "'" : " or '") + to_string(anchor) + "'";
   return text;
 }
 
-/// Keys that stand only beside another key which is not there. None where a choice is missing, which is told already.
+/// Was the choice not made, or badly, to which some keys of the section belong?
+bool is_open(const std::string& choice, const InputNode& node, const KeyInfo& section) {
+  return std::none_of(section.groups.begin(), section.groups.end(), [&](const KeyGroup& group) {
+    return std::any_of(group.beside.begin(), group.beside.end(),
+                       [&](const Anchor& anchor) { return anchor.key == choice && is_given(node, anchor); });
+  });
+}
+
+/// Keys that stand only beside something which is not there. None where a choice is missing, which is told already.
 void check_strays(const InputNode& node, const std::string& name, const KeyInfo& section, Problems& problems) {
-  for (const OneOf& group : section.alternatives) {
-    if (group.beside.empty() && group.need == OneOf::Need::exactly_one && given_keys(node, group).empty()) return;
+  for (const KeyGroup& group : section.groups) {
+    if (group.beside.empty() && group.need == KeyGroup::Need::exactly_one && given_keys(node, group).empty()) return;
   }
-  for (const OneOf& group : section.alternatives) {
+  for (const KeyGroup& group : section.groups) {
     if (group.beside.empty() || anchor_of(node, group)) continue;
+    if (!group.beside[0].value.empty() && is_open(group.beside[0].key, node, section)) continue;
     for (const std::string& key : group.keys) {
       if (!is_given(node, key)) continue;
       problems.add(node.find(key)->key_where,
@@ -101,11 +121,32 @@ Json required_keys(const std::vector<std::string>& keys) {
   return options;
 }
 
-Json exclusion(const OneOf& group) {
-  Json options = required_keys(group.keys);
-  if (group.need == OneOf::Need::exactly_one) return {{"oneOf", options}};
-  options.push_back({{"not", {{"anyOf", options}}}});
-  return {{"oneOf", options}};
+/// The schema of maps that have what the group needs.
+Json with_group(const KeyGroup& group) {
+  if (group.need == KeyGroup::Need::exactly_one) return {{"oneOf", required_keys(group.keys)}};
+  return {{"required", group.keys}};
+}
+
+/// The schema of maps in which the anchor is there.
+Json with_anchor(const Anchor& anchor) {
+  Json schema = required_key(anchor.key);
+  if (!anchor.value.empty()) schema["properties"] = {{anchor.key, {{"const", anchor.value}}}};
+  return schema;
+}
+
+/// What the group adds to the conditions and dependencies of its section's schema.
+void add_conditions(const KeyGroup& group, Json& schema) {
+  if (group.beside.empty()) {
+    schema["allOf"].push_back(with_group(group));
+    return;
+  }
+  Json anchors = Json::array();
+  for (const Anchor& anchor : group.beside) {
+    anchors.push_back(with_anchor(anchor));
+    if (group.need == KeyGroup::Need::any) continue;
+    schema["allOf"].push_back({{"if", with_anchor(anchor)}, {"then", with_group(group)}});
+  }
+  for (const std::string& key : group.keys) schema["dependencies"][key] = {{"anyOf", anchors}};
 }
 
 Json default_value(const InputNode& node) {
@@ -122,6 +163,10 @@ Json default_value(const InputNode& node) {
 }
 
 }  // namespace
+
+std::string to_string(const Anchor& anchor) {
+  return anchor.value.empty() ? anchor.key : anchor.key + ": " + anchor.value;
+}
 
 bool refuse(const InputNode& node, const std::string& name, const std::string& wanted, Problems& problems) {
   problems.add(node.place(), "'" + name + "' must be " + wanted + ", not " + description(node));
@@ -152,12 +197,12 @@ bool check_keys(const InputNode& node, const std::string& name, const KeyInfo& s
                  empty != nullptr ? "key '" + key.key + "'" + in_section(name) + " has no value"
                                   : "missing key '" + key.key + "'" + in_section(name));
   }
-  for (const OneOf& group : section.alternatives) check_alternatives(node, name, group, problems);
+  for (const KeyGroup& group : section.groups) check_group(node, name, group, problems);
   check_strays(node, name, section, problems);
   return true;
 }
 
-Json object_schema(const std::vector<KeyInfo>& keys, const std::vector<OneOf>& alternatives) {
+Json object_schema(const std::vector<KeyInfo>& keys, const std::vector<KeyGroup>& groups) {
   Json properties = Json::object();
   Json required = Json::array();
   for (const KeyInfo& key : keys) {
@@ -172,18 +217,7 @@ Json object_schema(const std::vector<KeyInfo>& keys, const std::vector<OneOf>& a
   }
   Json schema{{"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
   if (!required.empty()) schema["required"] = required;
-  Json exclusions = Json::array();
-  for (const OneOf& group : alternatives) {
-    if (group.beside.empty()) {
-      exclusions.push_back(exclusion(group));
-    } else {
-      for (const std::string& anchor : group.beside) {
-        if (group.need != OneOf::Need::any) schema["dependencies"][anchor]["allOf"].push_back(exclusion(group));
-      }
-      for (const std::string& key : group.keys) schema["dependencies"][key] = {{"anyOf", required_keys(group.beside)}};
-    }
-  }
-  if (!exclusions.empty()) schema["allOf"] = exclusions;
+  for (const KeyGroup& group : groups) add_conditions(group, schema);
   return schema;
 }
 

@@ -20,12 +20,21 @@ namespace pliant {
 
 using Json = nlohmann::ordered_json;
 
-/// Keys of one section that exclude each other, or (any) only belong to another key.
-struct OneOf {
-  enum class Need { exactly_one, at_most_one, any };
+/// A key, or the value of a choice, to which other keys of the section belong.
+struct Anchor {
+  std::string key;
+  std::string value = {};  ///< empty: any
+};
+
+/// "key" or "key: value".
+std::string to_string(const Anchor& anchor);
+
+/// Keys of one section of which one, all or any are to be given.
+struct KeyGroup {
+  enum class Need { exactly_one, all, any };
   std::vector<std::string> keys;
   Need need = Need::exactly_one;
-  std::vector<std::string> beside = {};  ///< if given, these keys belong to those and stand only beside one of them
+  std::vector<Anchor> beside = {};  ///< if given, the keys belong to these and stand only beside one of them
 };
 
 /// A key as users see it.
@@ -35,11 +44,11 @@ struct KeyInfo {
   std::string type;  ///< in words
   std::string description;
   Need need = Need::optional;
-  std::string fallback = {};             ///< the default as a user would type it; empty: none
-  std::string fallback_words = {};       ///< a default that depends on other keys, in words
-  Json schema = {};                      ///< of the value
-  std::vector<KeyInfo> children = {};    ///< the keys of a section or of the entries of a list of sections
-  std::vector<OneOf> alternatives = {};  ///< among the children
+  std::string fallback = {};           ///< the default as a user would type it; empty: none
+  std::string fallback_words = {};     ///< a default that depends on other keys, in words
+  Json schema = {};                    ///< of the value
+  std::vector<KeyInfo> children = {};  ///< the keys of a section or of the entries of a list of sections
+  std::vector<KeyGroup> groups = {};   ///< of the children
 
   /// Is the value of this JSON type?
   bool has_type(const char* json_type) const { return schema.contains("type") && schema["type"] == json_type; }
@@ -54,7 +63,7 @@ struct Format {
   std::function<bool(const InputNode&, const std::string& name, Problems&, V&)> read;
   std::function<InputNode(const V&)> write;
   std::vector<KeyInfo> children = {};
-  std::vector<OneOf> alternatives = {};
+  std::vector<KeyGroup> groups = {};
 };
 
 /// Admissible values of a number.
@@ -94,7 +103,7 @@ bool refuse(const InputNode& node, const std::string& name, const std::string& w
 bool check_keys(const InputNode& node, const std::string& name, const KeyInfo& section, Problems& problems);
 
 /// JSON schema of a map with these keys.
-Json object_schema(const std::vector<KeyInfo>& keys, const std::vector<OneOf>& alternatives);
+Json object_schema(const std::vector<KeyInfo>& keys, const std::vector<KeyGroup>& groups);
 
 /// Keys and values that Pliant's interface names but this version does not do yet; they get a message of their own.
 bool is_planned(std::string_view word);
@@ -160,7 +169,7 @@ Format<std::vector<V>> list_of(const Format<V>& entry, std::size_t fewest) {
                                 {},
                                 {},
                                 entry.children,
-                                entry.alternatives};
+                                entry.groups};
   format.read = [entry, fewest](const InputNode& node, const std::string& name, Problems& problems,
                                 std::vector<V>& into) {
     if (node.kind != InputNode::Kind::list) {
@@ -200,6 +209,7 @@ constexpr bool is_optional = false;
 template <class V>
 constexpr bool is_optional<std::optional<V>> = true;
 
+/// The value kept, if there is one. V is given, since it may be optional itself.
 template <class V>
 const V* stored(const V& member) {
   return &member;
@@ -252,14 +262,14 @@ Field<T> field(const std::string& key, M T::*member, const Format<V>& format, co
   Field<T> result{{key, format.type, description}};
   result.info.schema = format.schema;
   result.info.children = format.children;
-  result.info.alternatives = format.alternatives;
+  result.info.groups = format.groups;
   if (result.info.has_type("object") && !is_optional<M>) result.fallback = InputNode::map({});  // its keys' defaults
   result.read = [key, member, read = format.read](const InputNode& node, Problems& problems, T& into) {
     V value{};
     if (read(node, key, problems, value)) store(std::move(value), node.where, into.*member);
   };
   result.write = [member, write = format.write](const T& from) {
-    const V* value = stored(from.*member);
+    const V* value = stored<V>(from.*member);
     return value == nullptr ? InputNode{} : write(*value);
   };
   return result;
@@ -269,7 +279,7 @@ Field<T> field(const std::string& key, M T::*member, const Format<V>& format, co
 template <class T>
 struct Section {
   std::vector<Field<T>> fields;
-  std::vector<OneOf> alternatives = {};
+  std::vector<KeyGroup> groups = {};
   Location T::*where = nullptr;  ///< where T keeps the map's place
 
   void read(const InputNode& node, Problems& problems, T& into) const {
@@ -300,11 +310,11 @@ template <class T>
 Format<T> map_of(const Section<T>& section) {
   Format<T> format{"with the keys below", {}, {}, {}};
   for (const Field<T>& f : section.fields) format.children.push_back(f.info);
-  format.alternatives = section.alternatives;
-  format.schema = object_schema(format.children, format.alternatives);
+  format.groups = section.groups;
+  format.schema = object_schema(format.children, format.groups);
   KeyInfo info;
   info.children = format.children;
-  info.alternatives = format.alternatives;
+  info.groups = format.groups;
   format.read = [section, info](const InputNode& node, const std::string& name, Problems& problems, T& into) {
     if (check_keys(node, name, info, problems)) section.read(node, problems, into);
     return true;  // what could be read serves the checks that follow

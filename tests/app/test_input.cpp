@@ -36,11 +36,13 @@ bodies:
   - volume: beam
     density: 1.2 g/cm^3
     elasticity: &soft {model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 40 %}
+    viscosity: {model: kelvin-voigt, shear: 20 Pa*s, bulk: 1 mPa*s, rate: exact}
   - volume: 7
     density: 900
     elasticity:
       <<: *soft
       model: linear
+    viscosity: {model: maxwell, shear_modulus: 1 kPa, bulk_modulus: 2 kPa, relaxation_time: 5 ms}
 constraints:
   - {surface: clamp, displacement: [0, free, "0.1*t"]}
   - {volume: 3, displacement: [0, 0, 0]}
@@ -54,6 +56,8 @@ loads:
   - {surface: tip, traction: [0, 2 kPa, "-100*sin(2*pi*t)"]}
   - {box: [[0, 0, 0], [1, 1, 1]], traction: [0, 0, 1/3]}
   - {where: "x > 1 - 1e-9", traction: [0, 0, 1]}
+  - {surface: inside, pressure: 2 kPa}
+  - {where: "z > 1 - 1e-9", pressure: "1e3*t*x"}
 initial: {displacement: ["0.01*x", 0, 0], velocity: [0, "-y", 3 km/h]}
 time: {method: bdf2, step: 10 ms, end: 2 s, startup: ramp, min_step: 1 us}
 solver: {linear: cholesky, newton: {relative: 1e-6, absolute: 1 mN, max_iterations: 20}}
@@ -92,6 +96,7 @@ TEST(Input, DefaultsAreThoseOfTheTable) {
   ASSERT_EQ(c.bodies.size(), 1u);
   EXPECT_EQ(c.bodies[0].part.kind, Selection::Kind::everything);
   EXPECT_EQ(c.bodies[0].part.where.line, 3);
+  EXPECT_FALSE(c.bodies[0].viscosity);
   EXPECT_TRUE(c.constraints.empty());
   EXPECT_TRUE(c.loads.empty());
   EXPECT_TRUE(c.initial.velocity[2].is_zero());
@@ -127,6 +132,17 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_EQ(c.bodies[1].part.name, "7");
   EXPECT_EQ(c.bodies[1].elasticity.model, "linear");
   EXPECT_EQ(c.bodies[1].elasticity.youngs_modulus, 1e6) << "merged from the anchor";
+  ASSERT_TRUE(c.bodies[0].viscosity && c.bodies[1].viscosity);
+  const ViscosityConfig &kelvin_voigt = *c.bodies[0].viscosity, &maxwell = *c.bodies[1].viscosity;
+  EXPECT_EQ(kelvin_voigt.model, "kelvin-voigt");
+  EXPECT_EQ(kelvin_voigt.shear, 20);
+  EXPECT_EQ(kelvin_voigt.bulk, 1e-3);
+  EXPECT_EQ(kelvin_voigt.rate, StrainRate::exact);
+  EXPECT_EQ(kelvin_voigt.where.line, 13);
+  EXPECT_EQ(maxwell.model, "maxwell");
+  EXPECT_EQ(maxwell.shear_modulus, 1000);
+  EXPECT_EQ(maxwell.bulk_modulus, 2000);
+  EXPECT_EQ(maxwell.relaxation_time, 5e-3);
   ASSERT_EQ(c.constraints.size(), 6u);
   EXPECT_FALSE(c.constraints[0].displacement[1]) << "free";
   EXPECT_EQ((*c.constraints[0].displacement[2])(0, 0, 0, 2), 0.2);
@@ -135,7 +151,7 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_EQ(c.constraints[4].part.box, (std::array<double, 6>{0, 0, 0, 1e-3, 1, 1}));
   EXPECT_EQ((*c.constraints[5].part.region)(0, 1, 0, 0), 1);
   EXPECT_EQ((*c.constraints[5].part.region)(1, 1, 0, 0), 0);
-  ASSERT_EQ(c.loads.size(), 5u);
+  ASSERT_EQ(c.loads.size(), 7u);
   EXPECT_EQ(c.loads[0].kind, LoadConfig::Kind::gravity);
   EXPECT_EQ(c.loads[0].part.kind, Selection::Kind::everything);
   EXPECT_EQ(c.loads[0].value[2](0, 0, 0, 0), -9.81);
@@ -143,13 +159,17 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_EQ(c.loads[2].kind, LoadConfig::Kind::traction);
   EXPECT_EQ(c.loads[2].value[1](0, 0, 0, 0), 2000);
   EXPECT_TRUE(c.loads[2].value[2].depends_on_time());
-  EXPECT_EQ(c.loads[2].where.line, 28);
+  EXPECT_EQ(c.loads[2].where.line, 30);
   EXPECT_EQ(c.loads[3].part.kind, Selection::Kind::box);
   EXPECT_EQ(c.loads[3].value[2](0, 0, 0, 0), 1.0 / 3.0);
+  EXPECT_EQ(c.loads[5].kind, LoadConfig::Kind::pressure);
+  EXPECT_EQ(c.loads[5].part.name, "inside");
+  EXPECT_EQ(c.loads[5].pressure(0, 0, 0, 0), 2000);
+  EXPECT_EQ(c.loads[6].pressure(2, 0, 0, 3), 6000);
   EXPECT_EQ(c.initial.velocity[1](0, 2, 0, 0), -2);
   EXPECT_DOUBLE_EQ(c.initial.velocity[2](0, 0, 0, 0), 3 / 3.6);
   EXPECT_EQ(c.time.method.value, "bdf2");
-  EXPECT_EQ(c.time.method.where.line, 32);
+  EXPECT_EQ(c.time.method.where.line, 36);
   EXPECT_EQ(c.time.min_step, 1e-6);
   EXPECT_EQ(c.solver.linear, "cholesky");
   EXPECT_EQ(c.solver.newton.absolute, 1e-3);
@@ -215,6 +235,7 @@ TEST_P(RoundTrip, KeepsTheConfiguration) {
   for (std::size_t i = 0; i < again.loads.size(); ++i) {
     EXPECT_EQ(again.loads[i].kind, original.loads[i].kind);
     EXPECT_EQ(again.loads[i].value[2](0.1, 0.2, 0.3, 0.4), original.loads[i].value[2](0.1, 0.2, 0.3, 0.4));
+    EXPECT_EQ(again.loads[i].pressure(0.1, 0.2, 0.3, 0.4), original.loads[i].pressure(0.1, 0.2, 0.3, 0.4));
   }
   EXPECT_EQ(again.time.step, original.time.step);
   EXPECT_EQ(again.time.min_step, original.time.min_step);
@@ -256,6 +277,18 @@ TEST(Input, TimesOfAllKindsKeepThroughWritingAndReading) {
       EXPECT_EQ(std::tie(a.alpha, a.beta, a.A, a.b), std::tie(b.alpha, b.beta, b.A, b.b)) << "to the last bit";
     }
   }
+}
+
+TEST(Input, ViscosityHasDefaults) {
+  const auto viscosity = [](const std::string& text) {
+    const Config c = read(smallest, {{"bodies.0.viscosity", text}});
+    EXPECT_EQ(dump(read_input(dump(c), "run.yaml", {})), dump(c));
+    return *c.bodies[0].viscosity;
+  };
+  const ViscosityConfig kelvin_voigt = viscosity("{model: kelvin-voigt, shear: 1}");
+  EXPECT_EQ(kelvin_voigt.bulk, 0);
+  EXPECT_FALSE(kelvin_voigt.rate) << "auto";
+  EXPECT_EQ(viscosity("{model: maxwell, shear_modulus: 1, relaxation_time: 2}").bulk_modulus, 0);
 }
 
 TEST(Input, EveryMethodOfTheTableIsTaken) {

@@ -103,7 +103,6 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{2, "bodies: [@{density: 1}]", "missing key 'elasticity' in bodies[0]"},
         Bad{6, "@contact: {law: penalty}", "'contact' is not supported by this version of Pliant"},
         Bad{6, "@checkpoint: {every: 100}", "'checkpoint' is not supported by this version of Pliant"},
-        Bad{4, "loads: [{gravity: [0, 0, 0], @pressure: 2 kPa}]", "'pressure' is not supported by this version"},
         Bad{6, "solver: {linear: @p-multigrid}", "'linear': 'p-multigrid' is not supported by this version"}));
 
 INSTANTIATE_TEST_SUITE_P(
@@ -169,6 +168,10 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{4, "loads: [{gravity: [0, 0, @1/0]}]", "'gravity[2]' must be finite"},
         Bad{4, "loads: [{gravity: [0, 0, @[1]]}]",
             "'gravity[2]' must be an acceleration [m/s^2] or a formula, not a list"},
+        Bad{4, "loads: [{surface: tip, pressure: @[0, 0, 1]}]",
+            "'pressure' must be a pressure [Pa] or a formula, not a list"},
+        Bad{4, "loads: [{surface: tip, pressure: @2 N}]", "'2 N' is a force, but a pressure [Pa] is expected"},
+        Bad{4, "loads: [{surface: tip, pressure: 2*@s}]", "'pressure': 's' is not known"},
         Bad{4, "loads: [{gravity: [0, 0, @{}]}]",
             "'gravity[2]' must be an acceleration [m/s^2] or a formula, not a map"},
         Bad{3, "constraints: [{surface: clamp, displacement: [0, @fixed, 0]}]", "'fixed' is not known"},
@@ -187,9 +190,59 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{3, "constraints: [{surface: @\"\", displacement: [0, 0, 0]}]", "the name or tag of a physical group"},
         Bad{3, "constraints: [{surface: @[a], displacement: [0, 0, 0]}]", "'surface' must be a text"},
         Bad{4, "loads: [@{traction: [0, 0, 1]}]", "one of surface, box, where is needed in loads[0] beside 'traction'"},
-        Bad{4, "loads: [@{surface: tip}]", "one of gravity, traction is needed in loads[0]"},
-        Bad{4, "loads: [{gravity: [0, 0, 1], @surface: tip}]", "'surface' goes only beside 'traction' in loads[0]"},
+        Bad{4, "loads: [@{surface: tip}]", "one of gravity, traction, pressure is needed in loads[0]"},
+        Bad{4, "loads: [{surface: tip, traction: [0, 0, 1], @pressure: 1}]",
+            "only one of traction, pressure can be given"},
+        Bad{4, "loads: [@{pressure: 1}]", "one of surface, box, where is needed in loads[0] beside 'pressure'"},
+        Bad{4, "loads: [{pressure: 1, surface: tip, @volume: a}]", "'volume' goes only beside 'gravity' in loads[0]"},
+        Bad{4, "loads: [{gravity: [0, 0, 1], @surface: tip}]",
+            "'surface' goes only beside 'traction' or 'pressure' in loads[0]"},
         Bad{4, "loads: [{traction: [0, 0, 1], surface: tip, @volume: a}]", "'volume' goes only beside 'gravity'"}));
+
+constexpr const char* viscous =
+    "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}, viscosity: ";
+
+/// Of line 2 with this viscosity.
+struct BadViscosity {
+  const char* value;    ///< '@' marks the place
+  const char* message;  ///< a part of it
+};
+
+void PrintTo(const BadViscosity& bad, std::ostream* out) {
+  *out << bad.value;
+}
+
+class BadViscosityOfABody : public testing::TestWithParam<BadViscosity> {};
+
+TEST_P(BadViscosityOfABody, IsToldOnceAtItsPlace) {
+  std::string line = viscous + std::string(GetParam().value) + "}]";
+  const std::size_t marker = line.find('@');
+  line.erase(marker, 1);
+  const auto found = mistakes(with_line(2, line));
+  ASSERT_EQ(found.size(), 1u) << told(found);
+  EXPECT_EQ(to_string(found[0].where), "dir/a.yaml:2:" + std::to_string(marker + 1)) << told(found);
+  EXPECT_NE(found[0].message.find(GetParam().message), std::string::npos) << told(found);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Viscosity, BadViscosityOfABody,
+    testing::Values(
+        BadViscosity{"@1", "'viscosity' must be a map of keys, not '1'"},
+        BadViscosity{"@{shear: 1}", "missing key 'model' in viscosity"},
+        BadViscosity{"{model: @kelvin, shear: 1}", "'model' must be one of kelvin-voigt, maxwell, not 'kelvin'"},
+        BadViscosity{"@{model: kelvin-voigt}", "missing key 'shear' in viscosity, which 'model: kelvin-voigt' needs"},
+        BadViscosity{"@{model: maxwell, shear_modulus: 1}",
+                     "missing key 'relaxation_time' in viscosity, which 'model: maxwell' needs"},
+        BadViscosity{"{model: kelvin-voigt, shear: 1, @shear_modulus: 1}",
+                     "'shear_modulus' goes only beside 'model: maxwell' in viscosity"},
+        BadViscosity{"{model: maxwell, shear_modulus: 1, relaxation_time: 1, @rate: exact}",
+                     "'rate' goes only beside 'model: kelvin-voigt' in viscosity"},
+        BadViscosity{"{model: kelvin-voigt, shear: 1, @bulks: 1}", "(did you mean 'bulk'?)"},
+        BadViscosity{"{model: kelvin-voigt, shear: @-1}", "'shear' must be >= 0 [Pa*s], not '-1'"},
+        BadViscosity{"{model: kelvin-voigt, shear: @20 Pa}",
+                     "'20 Pa' is a pressure, but a viscosity [Pa*s] is expected"},
+        BadViscosity{"{model: kelvin-voigt, shear: 1, rate: @exakt}", "(did you mean 'exact'?)"},
+        BadViscosity{"{model: maxwell, shear_modulus: 1, relaxation_time: @0}", "'relaxation_time' must be > 0 [s]"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Methods, BadInput,
@@ -199,7 +252,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{5, "time: {step: 1, end: 1, method: {petsc: @rk}}",
             "'petsc' must be one of alpha2, bdf, arkimex, not 'rk'"},
         Bad{5, "time: {step: 1, end: 1, method: @{name: mine}}", "one of petsc, A is needed in method"},
-        Bad{5, "time: {step: 1, end: 1, method: @{A: [[1]]}}", "'b' is needed in method beside 'A'"},
+        Bad{5, "time: {step: 1, end: 1, method: @{A: [[1]]}}", "missing key 'b' in method, which 'A' needs"},
         Bad{5, "time: {step: 1, end: 1, method: {petsc: bdf, @b: [1]}}", "'b' goes only beside 'A' in method"},
         Bad{5, "time: {step: 1, end: 1, method: {petsc: bdf, @A: [[1]], b: [1]}}", "only one of petsc, A can be given"},
         Bad{5, "time: {step: 1, end: 1, method: {A: @1, b: [1]}}", "'A' must be a list"},
@@ -284,7 +337,7 @@ probes: [{name: a}]
       "dir/a.yaml:4:48: 'youngs_modulus' must be > 0 [Pa], not '-1'",
       "dir/a.yaml:4:68: 'poissons_ratio' must be between -1 and 0.5 (both excluded), not '0.7'",
       "dir/a.yaml:6:21: 'gravity[2]': 'foo' is not known",
-      "dir/a.yaml:7:5: 'surface' goes only beside 'traction' in loads[0]",
+      "dir/a.yaml:7:5: 'surface' goes only beside 'traction' or 'pressure' in loads[0]",
       "dir/a.yaml:8:14: the step of 3 s is longer than the simulation, which ends at 2 s",
       "dir/a.yaml:9:10: missing key 'point' in probes[0]"};
   ASSERT_EQ(found.size(), expected.size()) << told(found);

@@ -113,8 +113,17 @@ time: {step: 10 ms, end: 1}
   return text + line + '\n';
 }
 
+std::string viscous(const std::string& viscosity) {
+  return "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}, viscosity: " +
+         viscosity + "}]";
+}
+
 const std::vector<std::string> good_lines{
     "title: good",
+    "loads: [{surface: a, pressure: 2 kPa}, {where: x, pressure: \"t\"}, {gravity: [0, 0, 1], volume: a}]",
+    viscous("{model: kelvin-voigt, shear: 20 Pa*s}"),
+    viscous("{model: kelvin-voigt, shear: 0, bulk: 1, rate: reconstructed}"),
+    viscous("{model: maxwell, shear_modulus: 1, relaxation_time: 1, bulk_modulus: 1}"),
     "time: {method: symplectic-dirk22, step: 1 ms, end: 1, events: [0.1, 200 ms]}",
     "time: {method: bdf3, end: 1 s, startup: ramp, adaptive: {}}",
     "time: {method: dirk22, end: 1, adaptive: {relative: 1.0e-3, absolute: 1 um, absolute_velocity: 1 mm/s, min_step: "
@@ -131,6 +140,16 @@ const std::vector<std::string> bad_lines{
     "loads: [{gravity: [0, 0, 1], volume: a, where: x}]",
     "loads: [{traction: [0, 0, 1]}]",
     "loads: [{surface: a}]",
+    "loads: [{pressure: 1}]",
+    "loads: [{surface: a, box: [[0, 0, 0], [1, 1, 1]], pressure: 1}]",
+    "loads: [{surface: a, traction: [0, 0, 1], pressure: 1}]",
+    viscous("{shear: 1}"),
+    viscous("{model: kelvin-voigt}"),
+    viscous("{model: kelvin-voigt, shear: -1}"),
+    viscous("{model: kelvin-voigt, shear: 1, rate: best}"),
+    viscous("{model: kelvin-voigt, shear: 1, relaxation_time: 1}"),
+    viscous("{model: maxwell, shear_modulus: 1}"),
+    viscous("{model: maxwell, shear_modulus: 1, relaxation_time: 1, bulk: 1}"),
     "element: P3",
     "mesh: {size: 1}",
     "mesh: {file: a, scale: 0}",

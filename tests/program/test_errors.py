@@ -33,6 +33,12 @@ BAD_LINES = {
                         "0.5"),
     "unknown law": ("bodies", "bodies: [{density: 1, elasticity: {model: @neohookean, youngs_modulus: 1, poissons_ratio: 0}}]",
                     "did you mean 'neo-hookean'"),
+    "a key of another viscosity": ("bodies", "bodies: [{" + LAW + ", viscosity: {model: maxwell, shear_modulus: 1, "
+                                   "relaxation_time: 1, @shear: 1}}]", "only beside 'model: kelvin-voigt'"),
+    "a viscosity without its parameter": ("bodies", "bodies: [{" + LAW + ", viscosity: @{model: kelvin-voigt}}]",
+                                          "missing key 'shear'"),
+    "pressure as a vector": ("loads", "loads: [{surface: top, pressure: @[0, 0, 1]}]", "'pressure' must be a pressure"),
+    "pressure on nothing": ("loads", "loads: [@{pressure: 2 kPa}]", "surface, box, where"),
     "unknown method": ("time", "time: {method: @bdf22, step: 0.01, end: 1}", "did you mean 'bdf2'"),
     "integrator that PETSc does not have": ("time", "time: {method: {petsc: @rk}, step: 0.01, end: 1}", "alpha2, bdf, arkimex"),
     "coefficients that are no method": ("time", "time: {method: @{A: [[0.5]], b: [0.9]}, step: 0.01, end: 1}", "inconsistent"),
