@@ -18,6 +18,8 @@ class IncrementalPotential final : public StageEquation {
   IncrementalPotential(const NodeLayout& layout, const BlockPattern& pattern, std::vector<const EnergyTerm*> terms,
                        const std::vector<char>& prescribed);
 
+  std::span<const EnergyTerm* const> terms() const { return terms_; }
+
   /// The stage that all following calls speak of.
   void begin_stage(const StagePoint& stage) override;
 

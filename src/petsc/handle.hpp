@@ -12,6 +12,7 @@
 #include <petscsection.h>
 #include <petscsf.h>
 #include <petscsnes.h>
+#include <petscts.h>
 #include <petscvec.h>
 
 namespace pliant {
@@ -34,6 +35,9 @@ inline PetscErrorCode destroy(KSP* x) {
 }
 inline PetscErrorCode destroy(SNES* x) {
   return SNESDestroy(x);
+}
+inline PetscErrorCode destroy(TS* x) {
+  return TSDestroy(x);
 }
 inline PetscErrorCode destroy(PetscSection* x) {
   return PetscSectionDestroy(x);

@@ -5,6 +5,7 @@
 #include "energy/solid.hpp"
 #include "fem/selection.hpp"
 #include "solver/newton.hpp"
+#include "time/stepper.hpp"
 
 #include <map>
 #include <optional>
@@ -67,6 +68,11 @@ class Problem {
   const ElasticTerm& elastic() const { return *elastic_; }
   IncrementalPotential& potential() { return potential_; }
   const SolverStatistics& statistics() const { return solver_.statistics(); }
+  PrescribedMotion motion() const { return prescribed_.motion(); }
+  /// What integrators ask of it.
+  System system() {
+    return {.solve = [this](const StagePoint& stage, Vec q) { return solver_.solve(stage, q); }, .motion = motion()};
+  }
 
   /// One stage from q0 at velocity v0; the solution is left in `q`.
   StageReport solve(double time, double dt, const Handle<Vec>& q0, const Handle<Vec>& v0, const Handle<Vec>& q,

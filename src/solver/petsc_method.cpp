@@ -1,0 +1,43 @@
+#include "solver/petsc_method.hpp"
+
+#include "petsc/collective.hpp"
+
+#include <array>
+
+#include <fmt/format.h>
+#include <petscts.h>
+
+namespace pliant {
+namespace {
+
+constexpr std::array<PetscMethod, 3> methods_of_petsc{{
+    {PetscMethod::Kind::alpha2, "alpha2", TSALPHA2, 2,
+     "generalized-alpha; -ts_alpha_radius 1 (the default, no damping: the implicit midpoint rule) to 0"},
+    {PetscMethod::Kind::bdf, "bdf", TSBDF, 2, "backward differentiation; -ts_bdf_order 1 to 6"},
+    {PetscMethod::Kind::arkimex, "arkimex", TSARKIMEX, 3,
+     "diagonally implicit Runge-Kutta, the implicit part of an additive method; -ts_arkimex_type 2e, 3, 4, 5, ..."},
+}};
+
+}  // namespace
+
+std::span<const PetscMethod> petsc_methods() {
+  return methods_of_petsc;
+}
+
+std::optional<std::string> why_not(const IncrementalPotential& potential) {
+  bool has_inertia = false;
+  for (const EnergyTerm* term : potential.terms()) {
+    has_inertia = has_inertia || term->declaration().account == Account::kinetic;
+    if (term->declaration().has_frozen_coefficients) {
+      return fmt::format("the term `{}` freezes coefficients at the start of a stage, which PETSc does not have",
+                         term->name());
+    }
+    if (any(potential.comm(), term->num_internal() > 0)) {
+      return fmt::format("the term `{}` has internal variables, which PETSc would not carry along", term->name());
+    }
+  }
+  if (!has_inertia) return "there is no inertia: nothing moves in time";
+  return std::nullopt;
+}
+
+}  // namespace pliant
