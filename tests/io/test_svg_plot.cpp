@@ -1,0 +1,216 @@
+// The picture is well-formed, shows what it was given at the right places, and says it in words.
+#include "base/error.hpp"
+#include "io/svg_plot.hpp"
+#include "petsc/collective.hpp"
+#include "petsc/session.hpp"
+#include "sample.hpp"
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <regex>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+namespace pliant {
+namespace {
+
+const MPI_Comm comm = MPI_COMM_WORLD;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Errors c h^p at h = 0.02, 0.01, ...
+PlotSeries power_law(const std::string& name, double c, double p, int num_points = 5) {
+  PlotSeries series{name, {}, {}};
+  for (int k = 0; k < num_points; ++k) {
+    series.x.push_back(0.02 * std::pow(0.5, k));
+    series.y.push_back(c * std::pow(series.x.back(), p));
+  }
+  return series;
+}
+
+LogLogPlot study() {
+  return {"Convergence",
+          "time step [s]",
+          "error [m]",
+          {power_law("backward-euler", 1, 1), power_law("bdf2", 2, 2), power_law("dirk33", 0.5, 3)},
+          {1, 2, 3}};
+}
+
+/// Groups of every match.
+std::vector<std::vector<std::string>> all_matches(const std::string& text, const std::string& pattern) {
+  const std::regex expression(pattern);
+  std::vector<std::vector<std::string>> found;
+  for (std::sregex_iterator it(text.begin(), text.end(), expression), end; it != end; ++it) {
+    found.emplace_back(it->begin(), it->end());
+  }
+  return found;
+}
+
+struct Pixel {
+  double x, y;
+};
+
+/// The corners of each series' line.
+std::vector<std::vector<Pixel>> polylines(const std::string& picture) {
+  std::vector<std::vector<Pixel>> lines;
+  for (const auto& line : all_matches(picture, R"re(<polyline points="([^"]*)")re")) {
+    lines.emplace_back();
+    for (const auto& p : all_matches(line[1], R"re(([-\d.]+),([-\d.]+))re")) {
+      lines.back().push_back({std::stod(p[1]), std::stod(p[2])});
+    }
+  }
+  return lines;
+}
+
+/// The frame by its two axes: the bottom, then the left side.
+struct Frame {
+  Pixel low, high;
+  bool contains(const Pixel& p) const { return p.x >= low.x && p.x <= high.x && p.y >= high.y && p.y <= low.y; }
+};
+
+Frame frame_of(const std::string& picture) {
+  const auto axes =
+      all_matches(picture, R"re(<line x1="([\d.]+)" y1="([\d.]+)" x2="([\d.]+)" y2="([\d.]+)" class="axis"/>)re");
+  EXPECT_EQ(axes.size(), 2u);
+  return {{std::stod(axes[0][1]), std::stod(axes[0][2])}, {std::stod(axes[0][3]), std::stod(axes[1][2])}};
+}
+
+/// Is it XML, by Python's parser? On rank 0.
+bool is_xml(const std::string& picture, const std::filesystem::path& file) {
+  std::ofstream(file) << picture;
+  const std::string command = "/usr/bin/python3 -c 'import sys, xml.dom.minidom as x; x.parse(sys.argv[1])' '";
+  return std::system((command + file.string() + "'").c_str()) == 0;
+}
+
+TEST(SvgPlot, IsWellFormedWhateverTheTexts) {
+  const auto file = empty_directory(comm, "svg_texts") / "plot.svg";
+  LogLogPlot plot = study();
+  plot.title = "a < b & \"c\" > 'd' \x01 caf\u00e9";
+  plot.x_label = plot.y_label = "<x> & [m]";
+  plot.series[0].name = "</g> & \"quoted\"";
+  if (rank(comm) != 0) return;
+  const std::string picture = svg(plot);
+  EXPECT_TRUE(is_xml(picture, file)) << picture;
+  EXPECT_NE(picture.find("&lt;/g&gt; &amp; &quot;quoted&quot;"), std::string::npos);
+  EXPECT_TRUE(is_xml(svg({}), file)) << "nothing to draw";
+  EXPECT_TRUE(is_xml(svg({"one", "x", "y", {{"point", {3}, {4}}, {"none", {}, {}}}, {2}}), file));
+}
+
+TEST(SvgPlot, ShowsEverySeriesInsideTheFrameAndInTheLegend) {
+  const LogLogPlot plot = study();
+  const std::string picture = svg(plot);
+  const auto lines = polylines(picture);
+  const Frame frame = frame_of(picture);
+  ASSERT_EQ(lines.size(), plot.series.size());
+  for (std::size_t s = 0; s < lines.size(); ++s) {
+    EXPECT_EQ(lines[s].size(), plot.series[s].x.size());
+    for (const Pixel& p : lines[s]) EXPECT_TRUE(frame.contains(p)) << p.x << ' ' << p.y;
+    EXPECT_EQ(all_matches(picture, "class=\"name\">" + plot.series[s].name + "<").size(), 1u);
+  }
+  EXPECT_NE(picture.find("<title id=\"title\">Convergence</title>"), std::string::npos);
+  EXPECT_NE(picture.find(">time step [s]</text>"), std::string::npos);
+  EXPECT_NE(picture.find(">error [m]</text>"), std::string::npos);
+  EXPECT_NE(picture.find("dirk33: 5 points of mean slope 3.00"), std::string::npos) << "in words too";
+}
+
+/// A power law is a straight line, and all are drawn to the same scale.
+TEST(SvgPlot, PlacesPointsByTheirLogarithms) {
+  const LogLogPlot plot = study();
+  const auto lines = polylines(svg(plot));
+  const double column = lines[0][1].x - lines[0][0].x, row = lines[0][1].y - lines[0][0].y;  // of one halving
+  for (std::size_t s = 0; s < lines.size(); ++s) {
+    const double order = static_cast<double>(s + 1);
+    for (std::size_t k = 1; k < lines[s].size(); ++k) {
+      EXPECT_NEAR(lines[s][k].x - lines[s][k - 1].x, column, 0.02) << "two decimals are written";
+      EXPECT_NEAR(lines[s][k].y - lines[s][k - 1].y, order * row, 0.05);
+    }
+  }
+}
+
+struct AxisRange {
+  double low, high;
+  std::vector<std::string> labels;  ///< of the x axis, in this order
+};
+
+class SvgTicks : public testing::TestWithParam<AxisRange> {};
+
+TEST_P(SvgTicks, StandAtRoundValues) {
+  const auto& [low, high, labels] = GetParam();
+  const std::string picture = svg({"ticks", "x", "y", {{"s", {low, high}, {1, 2}}}, {}});
+  const auto ticks = all_matches(picture, R"re(<text x="([\d.]+)" y="[\d.]+" class="tick middle">([^<]*)<)re");
+  const auto ends = polylines(picture).at(0);
+  ASSERT_EQ(ticks.size(), labels.size()) << picture;
+  const std::vector<std::string> superscripts{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    EXPECT_EQ(ticks[i][2], labels[i]);
+    std::string number = std::regex_replace(labels[i], std::regex("·10|^10"), labels[i][0] == '1' ? "1e" : "e");
+    number = std::regex_replace(number, std::regex("⁻"), "-");
+    for (std::size_t d = 0; d < 10; ++d) {
+      number = std::regex_replace(number, std::regex(superscripts[d]), std::to_string(d));
+    }
+    const double at = std::log(std::stod(number) / low) / std::log(high / low);
+    EXPECT_NEAR(std::stod(ticks[i][1]), ends[0].x + at * (ends[1].x - ends[0].x), 0.02) << number;
+    EXPECT_EQ(all_matches(picture, "<line x1=\"" + ticks[i][1] + "\" [^>]*class=\"major\"").size(), 1u) << "its line";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Ranges, SvgTicks,
+    testing::Values(AxisRange{1e-3, 1, {"10⁻³", "10⁻²", "10⁻¹", "10⁰"}},
+                    AxisRange{0.00125, 0.02, {"2·10⁻³", "5·10⁻³", "10⁻²", "2·10⁻²"}},
+                    AxisRange{1e-12, 1e3, {"10⁻¹²", "10⁻¹⁰", "10⁻⁸", "10⁻⁶", "10⁻⁴", "10⁻²", "10⁰", "10²"}},
+                    AxisRange{0.99, 1.01, {"10⁰"}}));
+
+TEST(SvgPlot, LeavesOutWhatHasNoLogarithm) {
+  const std::string picture =
+      svg({"holes",
+           "x",
+           "y",
+           {{"holes", {1, 0.1, 0, -1, 0.01, infinity, 1e-3}, {1, std::nan(""), 1, 1, 0.0, 1, 0.1}}, {"none", {0}, {1}}},
+           {1}});
+  const auto lines = polylines(picture);
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_EQ(lines[0].size(), 2u);
+  EXPECT_TRUE(lines[1].empty());
+  EXPECT_EQ(picture.find("nan"), std::string::npos);
+  EXPECT_EQ(picture.find("inf"), std::string::npos);
+}
+
+TEST(SvgPlot, TrianglesHaveTheirSlopesAndLieBelowTheirSeries) {
+  const LogLogPlot plot = study();
+  const std::string picture = svg(plot);
+  const Frame frame = frame_of(picture);
+  const auto triangles = all_matches(
+      picture, R"re(<path d="M([\d.]+),([\d.]+) L([\d.]+),([\d.]+) L([\d.]+),([\d.]+) z" class="slope"/>)re");
+  const auto orders = all_matches(picture, R"re(class="order">order ([\d.]+)<)re");
+  const auto lines = polylines(picture);
+  const double scale = (lines[0][1].y - lines[0][0].y) / (lines[0][1].x - lines[0][0].x);  // of slope 1
+  ASSERT_EQ(triangles.size(), plot.slopes.size());
+  ASSERT_EQ(orders.size(), plot.slopes.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const auto number = [&](std::size_t k) { return std::stod(triangles[i][k]); };
+    const Pixel left{number(1), number(2)}, corner{number(3), number(4)}, right{number(5), number(6)};
+    EXPECT_EQ(std::stod(orders[i][1]), plot.slopes[i]);
+    EXPECT_NEAR((right.y - left.y) / (right.x - left.x), plot.slopes[i] * scale, 1e-3);
+    for (const Pixel& p : {left, corner, right}) EXPECT_TRUE(frame.contains(p));
+    const Pixel &a = lines[i].front(), &b = lines[i].back();
+    const double line_at_left = b.y + (a.y - b.y) * (left.x - b.x) / (a.x - b.x);
+    EXPECT_NEAR(left.y - line_at_left, 16.0, 1.5) << "below its series, by a little";
+  }
+}
+
+TEST(SvgPlot, IsWrittenInOneGo) {
+  const auto directory = empty_directory(comm, "svg");
+  write_svg(comm, directory / "plot.svg", study());
+  on_root(comm, [&] {
+    std::ifstream stream(directory / "plot.svg");
+    EXPECT_EQ((std::string{std::istreambuf_iterator<char>(stream), {}}), svg(study()));
+    EXPECT_FALSE(std::filesystem::exists(directory / "plot.svg.part"));
+  });
+  EXPECT_THROW(write_svg(comm, directory / "missing" / "plot.svg", study()), FileError) << "on every rank";
+}
+
+}  // namespace
+}  // namespace pliant
