@@ -277,8 +277,14 @@ std::string draw_triangle(const SlopeTriangle& triangle, const Axes& axes) {
   const double x1 = axes.column(triangle.left.x), y1 = axes.row(triangle.left.y);
   const double x2 = axes.column(triangle.right.x), y2 = axes.row(triangle.right.y);
   return fmt::format("<path d=\"M{:.2f},{:.2f} L{:.2f},{:.2f} L{:.2f},{:.2f} z\" class=\"slope\"/>\n", x1, y1, x2, y1,
-                     x2, y2) +
-         text(x2 + 6, (y1 + y2) / 2 + 4, "order", fmt::format("order {:g}", triangle.order));
+                     x2, y2);
+}
+
+/// Beside the upright side.
+std::string draw_order(const SlopeTriangle& triangle, const Axes& axes) {
+  const double middle = 0.5 * (triangle.left.y + triangle.right.y);
+  return text(axes.column(triangle.right.x) + 6, axes.row(middle) + 4, "order",
+              fmt::format("order {:g}", triangle.order));
 }
 
 /// Letters, not bytes.
@@ -340,6 +346,7 @@ std::string svg(const LogLogPlot& plot) {
   out += text(frame_left, frame_top - 20, "heading", plot.title) + draw_axes(plot, axes);
   for (const SlopeTriangle& triangle : triangles) out += draw_triangle(triangle, axes);
   for (std::size_t i = 0; i < curves.size(); ++i) out += draw_curve(curves[i], axes, i);
+  for (const SlopeTriangle& triangle : triangles) out += draw_order(triangle, axes);
   return out + draw_legend(curves) + "</svg>\n";
 }
 
