@@ -8,6 +8,12 @@ namespace {
 /// Beyond this many unknowns the fill of a factorization costs more time and memory (about 1.6 GB here) than the
 /// iterations of CG + GAMG; measured up to 84,000, where it was still ahead.
 constexpr PetscInt max_unknowns_of_factorization = 150000;
+constexpr PetscInt min_unknowns_of_pord = 100;
+/// Workspace of MUMPS beyond its estimate, in per cent: where pivoting needs more, it is multiplied by four and tried
+/// again.
+constexpr PetscInt first_workspace = 40, last_workspace = 10240;
+/// Vectors that GMRES keeps before it starts anew. With a factor it needs a few; with multigrid some tens.
+constexpr PetscInt gmres_restart = 60;
 
 /// An option the user has not given.
 void set_default_option(const char* name, const char* value) {
@@ -16,12 +22,13 @@ void set_default_option(const char* name, const char* value) {
   if (!given) check(PetscOptionsSetValue(nullptr, name, value));
 }
 
-bool factorizes_with_mumps(KSP ksp, Mat* factor) {
+/// Whether the preconditioner is a factorization of that type (PCCHOLESKY or PCLU) by MUMPS.
+bool factorizes_with_mumps(KSP ksp, PCType wanted, Mat* factor) {
   PC pc = nullptr;
   check(KSPGetPC(ksp, &pc));
-  PetscBool is_cholesky = PETSC_FALSE;
-  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCCHOLESKY, &is_cholesky));
-  if (!is_cholesky) return false;
+  PetscBool is_wanted = PETSC_FALSE;
+  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), wanted, &is_wanted));
+  if (!is_wanted) return false;
   MatSolverType type = nullptr;
   check(PCFactorGetMatSolverType(pc, &type));
   if (type == nullptr || std::string(type) != MATSOLVERMUMPS) return false;
@@ -30,27 +37,53 @@ bool factorizes_with_mumps(KSP ksp, Mat* factor) {
   return *factor != nullptr;
 }
 
+bool factorizes_with_mumps(KSP ksp, Mat* factor) {
+  return factorizes_with_mumps(ksp, PCCHOLESKY, factor) || factorizes_with_mumps(ksp, PCLU, factor);
+}
+
+/// `workspace`: per cent beyond MUMPS's estimate.
+void control_mumps(KSP ksp, Mat K, PetscInt workspace) {
+  Mat factor = nullptr;
+  if (!factorizes_with_mumps(ksp, &factor)) return;
+  // Ordering: PORD, as Debian's MUMPS has neither METIS nor SCOTCH. It ends the process where all unknowns couple with
+  // all (a rigid body, a single cell): AMD there.
+  PetscInt num_unknowns = 0;
+  check(MatGetSize(K, &num_unknowns, nullptr));
+  check(MatMumpsSetIcntl(factor, 7, num_unknowns < min_unknowns_of_pord ? 0 : 4));
+  check(MatMumpsSetIcntl(factor, 13, 1));  // no ScaLAPACK at the root: its pivots would be missing from the inertia
+  check(MatMumpsSetIcntl(factor, 14, workspace));
+}
+
 }  // namespace
 
 LinearKind automatic_linear_kind(PetscInt num_unknowns) {
   return num_unknowns <= max_unknowns_of_factorization ? LinearKind::cholesky : LinearKind::amg;
 }
 
-std::string describe(LinearKind kind) {
-  return kind == LinearKind::cholesky
-             ? "conjugate gradients preconditioned by a MUMPS LDL^T factorization that is kept while it pays"
-             : "conjugate gradients with algebraic multigrid (GAMG)";
+std::string describe(LinearKind kind, Symmetry symmetry) {
+  const bool is_symmetric = symmetry == Symmetry::symmetric;
+  const std::string krylov = is_symmetric ? "conjugate gradients" : "GMRES";
+  return krylov + (kind == LinearKind::amg ? " with algebraic multigrid (GAMG)"
+                   : is_symmetric          ? " preconditioned by a MUMPS LDL^T factorization that is kept while it pays"
+                                           : " preconditioned by a MUMPS LU factorization that is kept while it pays");
 }
 
-void configure_linear_solver(KSP ksp, Mat K, LinearKind kind) {
+void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry) {
+  const bool is_symmetric = symmetry == Symmetry::symmetric;
   PC pc = nullptr;
   check(KSPGetPC(ksp, &pc));
   check(KSPSetOperators(ksp, K, K));
-  check(KSPSetType(ksp, KSPCG));
+  if (is_symmetric) {
+    check(KSPSetType(ksp, KSPCG));
+  } else {
+    check(KSPSetType(ksp, KSPGMRES));
+    check(KSPSetPCSide(ksp, PC_RIGHT));  // so that its residual is that of the system
+    check(KSPGMRESSetRestart(ksp, gmres_restart));
+  }
   check(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
   check(KSPSetTolerances(ksp, 1e-5, PETSC_DEFAULT, PETSC_DEFAULT, 500));
   if (kind == LinearKind::cholesky) {
-    check(PCSetType(pc, PCCHOLESKY));
+    check(PCSetType(pc, is_symmetric ? PCCHOLESKY : PCLU));
     check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
   } else {
     check(PCSetType(pc, PCGAMG));
@@ -60,12 +93,33 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind) {
     set_default_option("-pc_gamg_threshold", "0.01");
   }
   check(KSPSetFromOptions(ksp));
-  Mat factor = nullptr;
-  if (factorizes_with_mumps(ksp, &factor)) {
-    check(MatMumpsSetIcntl(factor, 7, 4));    // ordering: PORD; Debian's MUMPS has neither METIS nor SCOTCH
-    check(MatMumpsSetIcntl(factor, 13, 1));   // no ScaLAPACK at the root: its pivots would be missing from the inertia
-    check(MatMumpsSetIcntl(factor, 14, 40));  // per cent of workspace beyond the estimate
+  control_mumps(ksp, K, first_workspace);
+}
+
+bool set_up_preconditioner(KSP ksp, Mat K) {
+  PC pc = nullptr;
+  check(KSPGetPC(ksp, &pc));
+  check(KSPSetReusePreconditioner(ksp, PETSC_FALSE));
+  check(KSPSetOperators(ksp, K, K));
+  bool is_sound = false, lacks_workspace = true;
+  for (PetscInt workspace = first_workspace; lacks_workspace && workspace <= last_workspace;) {
+    check(KSPSetUp(ksp));
+    PCFailedReason failure = PC_NOERROR;
+    check(PCGetFailedReason(pc, &failure));
+    is_sound = failure == PC_NOERROR;
+    if (is_sound) break;
+    Mat factor = nullptr;
+    PetscInt error = 0;
+    if (factorizes_with_mumps(ksp, &factor)) check(MatMumpsGetInfog(factor, 1, &error));
+    lacks_workspace = error == -8 || error == -9;
+    if (lacks_workspace) workspace *= 4;
+    // PETSc 3.18 skips every factorization after one that failed, and says nothing; so the next one shall be the first.
+    check(PCReset(pc));
+    check(KSPSetOperators(ksp, K, K));
+    control_mumps(ksp, K, workspace);
   }
+  check(KSPSetReusePreconditioner(ksp, PETSC_TRUE));
+  return is_sound;
 }
 
 std::string mumps_version() {
@@ -74,7 +128,7 @@ std::string mumps_version() {
 
 PetscInt negative_pivots(KSP ksp) {
   Mat factor = nullptr;
-  if (!factorizes_with_mumps(ksp, &factor)) return 0;
+  if (!factorizes_with_mumps(ksp, PCCHOLESKY, &factor)) return 0;
   PetscInt negative = 0;
   check(MatGetInertia(factor, &negative, nullptr, nullptr));
   return negative;

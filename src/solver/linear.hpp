@@ -1,28 +1,36 @@
 /// How the linear systems of Newton's method are solved.
 #pragma once
 
+#include "energy/term.hpp"
 #include "petsc/handle.hpp"
 
 #include <string>
 
 namespace pliant {
 
+/// Factorization (LDL^T, or LU where the matrix is unsymmetric) or algebraic multigrid.
 enum class LinearKind { cholesky, amg };
 
 /// What is chosen when the user says `auto`.
 LinearKind automatic_linear_kind(PetscInt num_unknowns);
 
-/// "MUMPS LDL^T" ...
-std::string describe(LinearKind kind);
+/// "conjugate gradients preconditioned by a MUMPS LDL^T factorization ..."
+std::string describe(LinearKind kind, Symmetry symmetry = Symmetry::symmetric);
 
-/// Sets up `ksp` for the symmetric matrix K (with its near-null space, for multigrid) and the given method; PETSc
-/// options (-ksp_..., -pc_..., -mat_mumps_...) override. Collective.
-void configure_linear_solver(KSP ksp, Mat K, LinearKind kind);
+/// Sets up `ksp` for the matrix K (with its near-null space, for multigrid) and the given method: conjugate gradients
+/// where K is symmetric, else GMRES. PETSc options (-ksp_..., -pc_..., -mat_mumps_...) override. Collective.
+void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry);
+
+/// Sets up the preconditioner (factorizes) for the present K, and keeps it for all further solves; a factorization that
+/// runs out of workspace is repeated with more. False if there is none, as K is singular: solve nothing then.
+/// Collective.
+bool set_up_preconditioner(KSP ksp, Mat K);
 
 /// Of the library that factorizes, e.g. "5.5.1".
 std::string mumps_version();
 
-/// Number of negative pivots of the current factorization, if the solver factorizes and tells; else 0. Collective.
+/// Number of negative pivots of the current factorization, if it is LDL^T and tells; else 0 (those of LU mean nothing).
+/// Collective.
 PetscInt negative_pivots(KSP ksp);
 
 }  // namespace pliant

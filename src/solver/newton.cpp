@@ -11,18 +11,9 @@
 namespace pliant {
 namespace {
 
-constexpr double armijo = 1e-4;
-constexpr double wolfe = 0.9;
-constexpr double inversion_margin = 0.9;  // of the step at which a tetrahedron becomes flat
-constexpr int max_backtracks = 40;
 /// What the last rung of the ladder adds to the diagonal, as a part of its mean: enough for a definite matrix where the
 /// projected Hessian is singular.
 constexpr double regularization = 1e-3;
-/// Conjugate gradients that need so many iterations more than with a fresh factor have it renewed for the next Hessian.
-/// A factorization costs some 10 (few unknowns) to 25 (many) iterations, a set-up of multigrid about as many.
-constexpr PetscInt iterations_that_age = 8;
-/// The residual's rounding floor is an estimate: below this multiple of it nothing is to be gained.
-constexpr double floor_factor = 4.0;
 
 std::string in_words(SNESConvergedReason reason) {
   switch (reason) {
@@ -31,7 +22,9 @@ std::string in_words(SNESConvergedReason reason) {
     case SNES_DIVERGED_MAX_IT:
       return "Newton's method ran out of iterations";
     case SNES_DIVERGED_LINE_SEARCH:
-      return "no step length lowers the potential";
+      return "no step length lowers the potential, or the residual where there is none";
+    case SNES_DIVERGED_JACOBIAN_DOMAIN:
+      return "the Hessian is singular, whatever is added to it";
     case SNES_DIVERGED_LINEAR_SOLVE:
       return "the linear solver failed";
     default:
@@ -39,28 +32,28 @@ std::string in_words(SNESConvergedReason reason) {
   }
 }
 
-double dot(Vec a, Vec b) {
-  PetscScalar result = 0.0;
-  check(VecDot(a, b, &result));
-  return result;
-}
-
-double norm(Vec a) {
-  PetscReal result = 0.0;
-  check(VecNorm(a, NORM_2, &result));
-  return result;
-}
-
 }  // namespace
 
-NewtonSolver::NewtonSolver(StageEquation& potential, const NewtonOptions& options, LinearKind linear)
-    : potential_(potential),
+std::string describe(const StageEquation& equation, LinearKind linear) {
+  const auto names = equation.non_potentials();
+  std::string how = "Newton on the incremental potential";
+  if (!names.empty()) {
+    how = fmt::format("Newton on the residual with merits r.D^-1 r and |K^-1 r|, because '{}' {} no potential",
+                      fmt::join(names, "' and '"), names.size() == 1 ? "has" : "have");
+  }
+  return how + "; " + describe(linear, equation.symmetry());
+}
+
+NewtonSolver::NewtonSolver(StageEquation& equation, const NewtonOptions& options, LinearKind linear)
+    : equation_(equation),
       options_(options),
-      K_(potential.make_hessian()),
-      r_(potential.make_vector()),
-      trial_(potential.make_vector()) {
+      K_(equation.make_hessian()),
+      r_(equation.make_vector()),
+      trial_(equation.make_vector()),
+      correction_(equation.make_vector()),
+      merit_(equation.make_vector()) {
   SNES snes = nullptr;
-  check(SNESCreate(potential.comm(), snes_.out()));
+  check(SNESCreate(equation.comm(), snes_.out()));
   snes = snes_.get();
   check(SNESSetType(snes, SNESNEWTONLS));
   check(SNESSetFunction(snes, r_.get(), residual_callback, this));
@@ -71,6 +64,7 @@ NewtonSolver::NewtonSolver(StageEquation& potential, const NewtonOptions& option
   check(SNESSetTolerances(snes, PETSC_DEFAULT, PETSC_DEFAULT, 0.0, options.max_iterations, PETSC_MAX_INT));
   // Preconditioners are set up in `factorize`, nowhere else.
   check(SNESSetLagPreconditioner(snes, -1));
+  check(SNESSetCheckJacobianDomainError(snes, PETSC_TRUE));
   // A failed linear solve is the line search's business: it climbs the ladder.
   check(SNESSetMaxLinearSolveFailures(snes, PETSC_MAX_INT));
   SNESLineSearch search = nullptr;
@@ -79,7 +73,7 @@ NewtonSolver::NewtonSolver(StageEquation& potential, const NewtonOptions& option
   check(SNESLineSearchShellSetUserFunc(search, line_search_callback, this));
   KSP ksp = nullptr;
   check(SNESGetKSP(snes, &ksp));
-  configure_linear_solver(ksp, K_.get(), linear);
+  configure_linear_solver(ksp, K_.get(), linear, equation.symmetry());
   check(SNESSetFromOptions(snes));
   PetscBool solves_directly = PETSC_FALSE;
   check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ksp), KSPPREONLY, &solves_directly));
@@ -90,7 +84,7 @@ PetscErrorCode NewtonSolver::residual_callback(SNES, Vec q, Vec r, void* self) {
   auto* solver = static_cast<NewtonSolver*>(self);
   return solver->guard_.run([&] {
     const Stopwatch watch(solver->statistics_.assembly_seconds);
-    solver->potential_.gradient(q, r);
+    solver->equation_.gradient(q, r);
   });
 }
 
@@ -112,23 +106,30 @@ PetscErrorCode NewtonSolver::convergence_callback(SNES, PetscInt it, PetscReal, 
 
 double NewtonSolver::value(Vec q) {
   const Stopwatch watch(statistics_.assembly_seconds);
-  return potential_.value(q);
+  return equation_.value(q);
+}
+
+double NewtonSolver::height(Vec q) {
+  if (path_ == Path::minimisation) return value(q);
+  const Stopwatch watch(statistics_.assembly_seconds);
+  equation_.gradient(q, r_.get());
+  return merit_.of_residual(r_.get());
 }
 
 void NewtonSolver::choose_guess(const StagePoint& stage, Vec q) {
   // Prescribed entries of q stand at their values; the others may go where inertia alone would lead.
-  phi_ = value(q);
+  phi_ = height(q);
   check(VecCopy(q, trial_.get()));
   {
     const ArrayView guess(trial_.get());
     const ConstArrayView q0(stage.q0), v0(stage.v0);
-    const auto& prescribed = potential_.prescribed();
+    const auto& prescribed = equation_.prescribed();
     for (std::size_t i = 0; i < q0.span().size(); ++i) {
       const auto k = static_cast<PetscInt>(i);
       if (!prescribed[i]) guess[k] = q0[k] + stage.dt * v0[k];
     }
   }
-  const double phi = value(trial_.get());
+  const double phi = height(trial_.get());
   if (phi < phi_) {
     phi_ = phi;
     check(VecCopy(trial_.get(), q));
@@ -138,7 +139,7 @@ void NewtonSolver::choose_guess(const StagePoint& stage, Vec q) {
 void NewtonSolver::assemble(Vec q, Projection projection) {
   {
     const Stopwatch watch(statistics_.assembly_seconds);
-    potential_.hessian(q, K_.get(), projection);
+    equation_.hessian(q, K_.get(), projection);
   }
   factor_is_current_ = false;
   if (projection != Projection::none) ++statistics_.projections;
@@ -150,7 +151,7 @@ void NewtonSolver::regularize() {
   check(MatGetDiagonal(K_.get(), trial_.get()));
   PetscReal total = 0.0;
   check(VecNorm(trial_.get(), NORM_1, &total));
-  check(MatShift(K_.get(), regularization * total / potential_.num_unknowns()));
+  check(MatShift(K_.get(), regularization * total / equation_.num_unknowns()));
   factor_is_current_ = false;
   is_regularized_ = true;
   ++statistics_.regularizations;
@@ -160,10 +161,7 @@ void NewtonSolver::factorize() {
   const Stopwatch watch(statistics_.factorization_seconds);
   KSP ksp = nullptr;
   check(SNESGetKSP(snes_.get(), &ksp));
-  check(KSPSetReusePreconditioner(ksp, PETSC_FALSE));
-  check(KSPSetOperators(ksp, K_.get(), K_.get()));
-  check(KSPSetUp(ksp));
-  check(KSPSetReusePreconditioner(ksp, PETSC_TRUE));
+  factor_failed_ = !set_up_preconditioner(ksp, K_.get());
   ++statistics_.factorizations;
   factor_is_wanted_ = !may_keep_factor_;
   factor_is_current_ = true;
@@ -173,9 +171,17 @@ void NewtonSolver::linearize(Vec q) {
   KSP ksp = nullptr;
   check(SNESGetKSP(snes_.get(), &ksp));
   assemble(q, Projection::none);
+  if (path_ == Path::residual && !merit_has_scale_) {
+    merit_.set_scale(K_.get());
+    merit_has_scale_ = true;
+  }
   if (!factor_is_wanted_) return;
   factorize();
-  if (negative_pivots(ksp) > 0) {
+  if (factor_failed_) {
+    while (factor_failed_ && climb(q)) {
+    }
+    if (factor_failed_) check(SNESSetJacobianDomainError(snes_.get()));
+  } else if (negative_pivots(ksp) > 0) {
     assemble(q, Projection::positive_semidefinite);
     factorize();
     factor_is_wanted_ = true;  // the next Hessian may be definite again: look
@@ -192,104 +198,10 @@ void NewtonSolver::solve_linear(Vec r, Vec y) {
   statistics_.linear_iterations += iterations;
 }
 
-bool NewtonSolver::descends(Vec r, Vec y, double& slope) {
-  KSP ksp = nullptr;
-  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
-  check(SNESGetKSP(snes_.get(), &ksp));
-  check(KSPGetConvergedReason(ksp, &reason));
-  slope = -dot(r, y);
-  PetscInt iterations = 0;
-  check(KSPGetIterationNumber(ksp, &iterations));
-  if (factor_is_current_) {
-    fresh_iterations_ = iterations;
-  } else if (iterations > fresh_iterations_ + iterations_that_age) {
-    factor_is_wanted_ = true;
-  }
-  // Out of iterations is a poor direction, not a wrong one.
-  return (reason >= 0 || reason == KSP_DIVERGED_ITS) && slope < 0.0 && std::isfinite(slope);
-}
-
-bool NewtonSolver::step_along(Vec y, double slope, SNESLineSearch search) {
-  Vec q = nullptr, r = nullptr, trial = nullptr;
-  check(SNESLineSearchGetVecs(search, &q, &r, nullptr, &trial, nullptr));
-  const double residual = norm(r), force_rounding = potential_.rounding_floor(q);
-  check(VecWAXPY(trial_.get(), -1.0, start_, q));
-  const double way = norm(trial_.get()), step = norm(y);
-  check(VecScale(y, -1.0));  // the direction d
-  const double bound = inversion_margin * potential_.max_step(q, y);
-  if (bound < 1.0) ++statistics_.capped_steps;
-  double alpha = std::min(1.0, bound);
-  bool accepted = false;
-  for (int i = 0; i < max_backtracks; ++i) {
-    check(VecWAXPY(trial, alpha, y, q));
-    const double phi = value(trial);
-    // Rounding of Phi: that of the forces along the way from the stage's start, which is of first order where Phi
-    // itself is of second; and a few units in the last place of Phi.
-    const double noise = floor_factor * force_rounding * (way + alpha * step) +
-                         1e3 * std::numeric_limits<double>::epsilon() * (std::abs(phi) + std::abs(phi_));
-    const bool decreases = potential_.is_potential() && phi <= phi_ + armijo * alpha * slope;
-    const bool undecided = !decreases && std::isfinite(phi) && std::abs(phi - phi_) <= noise;
-    if (decreases || undecided) {
-      check(SNESComputeFunction(snes_.get(), trial, r));
-      const double after = norm(r), slope_after = dot(r, y);
-      const bool wolfe_holds = slope_after >= wolfe * slope && slope_after <= (2 * armijo - 1) * slope;
-      accepted = std::isfinite(after) && (decreases || after < residual || wolfe_holds);
-      if (accepted) {
-        phi_ = phi;
-        check(VecCopy(trial, q));
-        check(SNESLineSearchSetLambda(search, alpha));
-        check(SNESLineSearchSetNorms(search, norm(q), after, alpha * step));
-        break;
-      }
-    }
-    ++statistics_.backtracks;
-    // Minimum of the parabola through Phi(0), its slope and Phi(alpha), kept within a tenth and a half.
-    const double parabola = std::isfinite(phi) ? -slope * alpha / (2.0 * ((phi - phi_) / alpha - slope)) : 0.5 * alpha;
-    alpha = std::clamp(parabola, 0.1 * alpha, 0.5 * alpha);
-  }
-  check(VecScale(y, -1.0));
-  if (accepted) return true;
-  check(SNESComputeFunction(snes_.get(), q, r));
-  // Nothing lowers Phi any more; if the residual is as small as its rounding errors, this is the minimum.
-  at_rounding_floor_ = residual <= 100.0 * floor_factor * force_rounding;
-  if (at_rounding_floor_) check(SNESLineSearchSetNorms(search, norm(q), residual, 0.0));
-  return at_rounding_floor_;
-}
-
-bool NewtonSolver::climb(Vec q) {
-  if (!factor_is_current_) {
-    factorize();
-    return true;
-  }
-  if (projection_ == Projection::none) {
-    assemble(q, Projection::positive_semidefinite);
-  } else if (!is_regularized_) {
-    regularize();
-  } else {
-    return false;
-  }
-  factorize();
-  factor_is_wanted_ = true;  // the next Hessian may do without
-  return true;
-}
-
-void NewtonSolver::search_line(SNESLineSearch search) {
-  Vec q = nullptr, r = nullptr, y = nullptr;
-  check(SNESLineSearchGetVecs(search, &q, &r, &y, nullptr, nullptr));
-  check(SNESLineSearchSetReason(search, SNES_LINESEARCH_SUCCEEDED));
-  for (;;) {
-    double slope = 0.0;
-    if (descends(r, y, slope) && step_along(y, slope, search)) return;
-    if (!climb(q)) break;
-    solve_linear(r, y);
-  }
-  check(SNESLineSearchSetReason(search, SNES_LINESEARCH_FAILED_REDUCT));
-}
-
 SNESConvergedReason NewtonSolver::judge(PetscInt iteration, double residual) {
   if (!std::isfinite(residual)) return SNES_DIVERGED_FNORM_NAN;
   if (residual <= std::max(options_.relative * scale_, options_.absolute)) return SNES_CONVERGED_FNORM_RELATIVE;
-  if (at_rounding_floor_ || (iteration > 0 && residual <= floor_factor * potential_.rounding_floor(solution_))) {
+  if (at_rounding_floor_ || (iteration > 0 && residual <= floor_factor * equation_.rounding_floor(solution_))) {
     ++statistics_.rounding_stops;
     return SNES_CONVERGED_FNORM_ABS;
   }
@@ -298,7 +210,10 @@ SNESConvergedReason NewtonSolver::judge(PetscInt iteration, double residual) {
 
 StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
   ++statistics_.stages;
-  potential_.begin_stage(stage);
+  equation_.begin_stage(stage);
+  path_ = equation_.is_potential() ? Path::minimisation : Path::residual;
+  ++(path_ == Path::minimisation ? statistics_.minimisations : statistics_.residual_solves);
+  merit_has_scale_ = false;
   at_rounding_floor_ = false;
   start_ = stage.q0;
   solution_ = q;
@@ -309,7 +224,7 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
     report.reason = "the prescribed motion turns a tetrahedron inside out within one step";
     return report;
   }
-  scale_ = potential_.force_scale(q);
+  scale_ = equation_.force_scale(q);
 
   const double before = statistics_.factorization_seconds + statistics_.assembly_seconds + statistics_.solve_seconds;
   double total = 0.0;

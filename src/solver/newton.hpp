@@ -1,13 +1,14 @@
-/// The solver of a stage: Newton's method on the incremental potential, through SNES.
+/// The solver of a stage: Newton's method on the incremental potential, or on the residual alone, through SNES.
 #pragma once
 
 #include "energy/stage_equation.hpp"
 #include "petsc/callback.hpp"
 #include "petsc/handle.hpp"
 #include "solver/linear.hpp"
+#include "solver/merit.hpp"
 #include "time/stage.hpp"
 
-#include <vector>
+#include <string>
 
 namespace pliant {
 
@@ -21,6 +22,8 @@ struct NewtonOptions {
 /// What the solver has done since it was made.
 struct SolverStatistics {
   long long stages = 0;
+  long long minimisations = 0;    ///< stages solved on the incremental potential
+  long long residual_solves = 0;  ///< stages solved on the residual, because a term has no potential
   long long newton_iterations = 0;
   long long linear_iterations = 0;
   long long factorizations = 0;   ///< or set-ups of another preconditioner
@@ -34,7 +37,11 @@ struct SolverStatistics {
   double solve_seconds = 0.0;
 };
 
-/// Newton with exact Hessian, a line search on the potential, and a ladder for trouble.
+/// How the solver solves an equation and why, in words for the log.
+std::string describe(const StageEquation& equation, LinearKind linear);
+
+/// Newton with the Hessian, a line search on the potential, or on a merit of the residual where there is none, and a
+/// ladder for trouble.
 ///
 /// A factorization is kept as long as it pays: conjugate gradients on the current Hessian, preconditioned by the factor
 /// of an earlier one, need a few iterations, each a fraction of a factorization; when they need many, the next Hessian
@@ -47,12 +54,21 @@ struct SolverStatistics {
 /// Line search along d = -K^-1 r, from alpha = min(1, 0.9 of the step at which a tetrahedron inverts): Armijo's
 /// condition on Phi; where the change of Phi is within its rounding error, the gradient decides (Hager & Zhang 2005,
 /// approximate Wolfe condition); +inf backtracks.
+///
+/// Without a potential the line search works on the residual, with K that may be an approximation of dr/dq. A step is
+/// taken where one of two measures falls by a tenth of what a linear equation promises, |.(q + alpha d)| <= (1 - alpha
+/// / 10) |.(q)|: the residual in the norm of D^-1; or, where stiff directions hide the progress of soft ones (a strip
+/// that bends is stretched by every straight step), the correction K^-1 r in the norm of D, with the K of the
+/// iteration: the natural monotonicity test (Deuflhard 2011, Newton Methods for Nonlinear Problems, 3.3). D is the
+/// absolute diagonal of the stage's first K. The pivots of an
+/// unsymmetric K tell nothing of stability.
 class NewtonSolver {
  public:
-  /// `potential` outlives the solver. PETSc options -snes_..., -ksp_..., -pc_... override. Collective.
-  NewtonSolver(StageEquation& potential, const NewtonOptions& options, LinearKind linear);
+  /// `equation` outlives the solver. PETSc options -snes_..., -ksp_..., -pc_... override. Collective.
+  NewtonSolver(StageEquation& equation, const NewtonOptions& options, LinearKind linear);
 
-  /// Solves the stage from the guess in q, or from q0 + dt v0 where that lowers the potential further. Collective.
+  /// Solves the stage from the guess in q, or from q0 + dt v0 where that lowers the potential (or the merit) further.
+  /// Collective.
   StageReport solve(const StagePoint& stage, Vec q);
 
   const SolverStatistics& statistics() const { return statistics_; }
@@ -64,6 +80,10 @@ class NewtonSolver {
   static PetscErrorCode convergence_callback(SNES, PetscInt it, PetscReal, PetscReal, PetscReal f,
                                              SNESConvergedReason* reason, void* self);
 
+  /// The residual's rounding floor is an estimate: below this multiple of it nothing is to be gained.
+  static constexpr double floor_factor = 4.0;
+  enum class Path { minimisation, residual };
+
   void choose_guess(const StagePoint& stage, Vec q);
   void assemble(Vec q, Projection projection);
   void regularize();
@@ -72,22 +92,36 @@ class NewtonSolver {
   /// SNES's line search: along the direction y (q goes to q - y), from one rung of the ladder to the next.
   void search_line(SNESLineSearch search);
   /// Goes along -y as far as it helps; false if no step length does. `slope`: of Phi along -y.
-  bool step_along(Vec y, double slope, SNESLineSearch search);
+  bool lower_potential(Vec y, double slope, SNESLineSearch search);
+  bool lower_residual(Vec y, SNESLineSearch search);
+  /// Whether the correction at a trial step of length alpha along d, with the residual r, is shorter than d by the
+  /// required part; else alpha becomes the next length to try.
+  bool shortens_correction(Vec r, Vec d, double& alpha);
+  /// The length to try first along d.
+  double first_length(Vec q, Vec d);
+  /// Whether the residual is so near its rounding errors that no more can be expected: the search then ends well.
+  bool stops_at_rounding(SNESLineSearch search, double residual, double force_rounding);
   /// Makes the linear system safer by one rung; false if there is none left.
   bool climb(Vec q);
   bool descends(Vec r, Vec y, double& slope);
   void solve_linear(Vec r, Vec y);
+  bool linear_solver_broke_down() const;
   SNESConvergedReason judge(PetscInt iteration, double residual);
   double value(Vec q);
+  /// What is to be lowered: the potential at q, or the merit of the residual there.
+  double height(Vec q);
 
-  StageEquation& potential_;
+  StageEquation& equation_;
   NewtonOptions options_;
   Handle<Mat> K_;
-  Handle<Vec> r_, trial_;
+  Handle<Vec> r_, trial_, correction_;
+  Merit merit_;
   Handle<SNES> snes_;
   CallbackGuard guard_;
   SolverStatistics statistics_;
   // Of the stage being solved.
+  Path path_ = Path::minimisation;
+  bool merit_has_scale_ = false;
   Vec start_ = nullptr;
   Vec solution_ = nullptr;
   double scale_ = 0.0;
@@ -100,6 +134,7 @@ class NewtonSolver {
   bool factor_is_wanted_ = true;    // none yet, or the last one has aged
   PetscInt fresh_iterations_ = 0;   // what the linear solver needed when the factor was that of its matrix
   bool factor_is_current_ = false;  // it is that of the present Hessian
+  bool factor_failed_ = false;      // there is none: the Hessian was singular
 };
 
 }  // namespace pliant

@@ -75,7 +75,7 @@ void PetscIntegrator::configure_newton() {
   KSP ksp = nullptr;
   check(SNESGetKSP(snes, &ksp));
   if (is_second_order()) {
-    configure_linear_solver(ksp, K_.get(), options_.linear);
+    configure_linear_solver(ksp, K_.get(), options_.linear, equation_.symmetry());
   } else {
     system_->configure(ksp);
   }

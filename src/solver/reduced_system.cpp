@@ -37,7 +37,7 @@ ReducedSystem::ReducedSystem(const StageEquation& equation, LinearKind linear)
   check(MatCreateShell(equation.comm(), 2 * size, 2 * size, PETSC_DETERMINE, PETSC_DETERMINE, this, J_.out()));
   check(MatShellSetOperation(J_.get(), MATOP_MULT, reinterpret_cast<void (*)()>(multiply_callback)));
   check(KSPCreate(equation.comm(), ksp_.out()));
-  configure_linear_solver(ksp_.get(), H_.get(), linear);
+  configure_linear_solver(ksp_.get(), H_.get(), linear, equation.symmetry());
 }
 
 void ReducedSystem::configure(KSP ksp) {

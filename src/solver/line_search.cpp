@@ -1,0 +1,197 @@
+// How far NewtonSolver goes along a direction, and where it turns when that does not help.
+#include "solver/newton.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pliant {
+namespace {
+
+constexpr double armijo = 1e-4;
+constexpr double wolfe = 0.9;
+constexpr double inversion_margin = 0.9;  // of the step at which a tetrahedron becomes flat
+constexpr int max_backtracks = 40;
+/// Of a residual: a direction that does not help within 1e-6 of its length is not that of an approximation of K.
+constexpr int max_residual_backtracks = 20;
+/// Of the decrease that a linear equation promises. An approximation of K may thus converge linearly by a factor of
+/// 0.9.
+constexpr double required_part = 0.1;
+/// Conjugate gradients that need so many iterations more than with a fresh factor have it renewed for the next Hessian.
+/// A factorization costs some 10 (few unknowns) to 25 (many) iterations, a set-up of multigrid about as many.
+constexpr PetscInt iterations_that_age = 8;
+
+double dot(Vec a, Vec b) {
+  PetscScalar result = 0.0;
+  check(VecDot(a, b, &result));
+  return result;
+}
+
+double norm(Vec a) {
+  PetscReal result = 0.0;
+  check(VecNorm(a, NORM_2, &result));
+  return result;
+}
+
+}  // namespace
+
+bool NewtonSolver::linear_solver_broke_down() const {
+  KSP ksp = nullptr;
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  check(SNESGetKSP(snes_.get(), &ksp));
+  check(KSPGetConvergedReason(ksp, &reason));
+  return reason < 0 && reason != KSP_DIVERGED_ITS;  // out of iterations is a poor direction, not a wrong one
+}
+
+bool NewtonSolver::descends(Vec r, Vec y, double& slope) {
+  KSP ksp = nullptr;
+  check(SNESGetKSP(snes_.get(), &ksp));
+  slope = -dot(r, y);
+  PetscInt iterations = 0;
+  check(KSPGetIterationNumber(ksp, &iterations));
+  if (factor_is_current_) {
+    fresh_iterations_ = iterations;
+  } else if (iterations > fresh_iterations_ + iterations_that_age) {
+    factor_is_wanted_ = true;
+  }
+  if (linear_solver_broke_down() || !std::isfinite(slope)) return false;
+  return path_ == Path::residual || slope < 0.0;  // whether a merit descends shows when it is tried
+}
+
+double NewtonSolver::first_length(Vec q, Vec d) {
+  const double bound = inversion_margin * equation_.max_step(q, d);
+  if (bound < 1.0) ++statistics_.capped_steps;
+  return std::min(1.0, bound);
+}
+
+bool NewtonSolver::stops_at_rounding(SNESLineSearch search, double residual, double force_rounding) {
+  at_rounding_floor_ = residual <= 100.0 * floor_factor * force_rounding;
+  if (at_rounding_floor_) check(SNESLineSearchSetNorms(search, norm(solution_), residual, 0.0));
+  return at_rounding_floor_;
+}
+
+bool NewtonSolver::lower_potential(Vec y, double slope, SNESLineSearch search) {
+  Vec q = nullptr, r = nullptr, trial = nullptr;
+  check(SNESLineSearchGetVecs(search, &q, &r, nullptr, &trial, nullptr));
+  const double residual = norm(r), force_rounding = equation_.rounding_floor(q);
+  check(VecWAXPY(trial_.get(), -1.0, start_, q));
+  const double way = norm(trial_.get()), step = norm(y);
+  check(VecScale(y, -1.0));  // the direction d
+  double alpha = first_length(q, y);
+  bool accepted = false;
+  for (int i = 0; i < max_backtracks; ++i) {
+    check(VecWAXPY(trial, alpha, y, q));
+    const double phi = value(trial);
+    // Rounding of Phi: that of the forces along the way from the stage's start, which is of first order where Phi
+    // itself is of second; and a few units in the last place of Phi.
+    const double noise = floor_factor * force_rounding * (way + alpha * step) +
+                         1e3 * std::numeric_limits<double>::epsilon() * (std::abs(phi) + std::abs(phi_));
+    const bool decreases = phi <= phi_ + armijo * alpha * slope;
+    const bool undecided = !decreases && std::isfinite(phi) && std::abs(phi - phi_) <= noise;
+    if (decreases || undecided) {
+      check(SNESComputeFunction(snes_.get(), trial, r));
+      const double after = norm(r), slope_after = dot(r, y);
+      const bool wolfe_holds = slope_after >= wolfe * slope && slope_after <= (2 * armijo - 1) * slope;
+      accepted = std::isfinite(after) && (decreases || after < residual || wolfe_holds);
+      if (accepted) {
+        phi_ = phi;
+        check(VecCopy(trial, q));
+        check(SNESLineSearchSetLambda(search, alpha));
+        check(SNESLineSearchSetNorms(search, norm(q), after, alpha * step));
+        break;
+      }
+    }
+    ++statistics_.backtracks;
+    // Minimum of the parabola through Phi(0), its slope and Phi(alpha), kept within a tenth and a half.
+    const double parabola = std::isfinite(phi) ? -slope * alpha / (2.0 * ((phi - phi_) / alpha - slope)) : 0.5 * alpha;
+    alpha = std::clamp(parabola, 0.1 * alpha, 0.5 * alpha);
+  }
+  check(VecScale(y, -1.0));
+  if (accepted) return true;
+  check(SNESComputeFunction(snes_.get(), q, r));
+  // Nothing lowers Phi any more; if the residual is as small as its rounding errors, this is the minimum.
+  return stops_at_rounding(search, residual, force_rounding);
+}
+
+bool NewtonSolver::shortens_correction(Vec r, Vec d, double& alpha) {
+  solve_linear(r, correction_.get());
+  const bool is_usable = !linear_solver_broke_down();
+  const double before = merit_.of_step(d), after = merit_.of_step(correction_.get());
+  if (is_usable && after <= std::pow(1.0 - required_part * alpha, 2) * before) return true;
+  // What a linear equation would leave is (1 - alpha) d; the rest grows with alpha^2, and this length leaves half the
+  // promised decrease (Deuflhard 2011, 3.49).
+  check(VecAXPY(correction_.get(), 1.0 - alpha, d));
+  const double rest = merit_.of_step(correction_.get());
+  const double next = is_usable && rest > 0.0 ? 0.5 * alpha * alpha * std::sqrt(before / rest) : 0.0;
+  alpha = std::clamp(next, 0.1 * alpha, 0.5 * alpha);
+  return false;
+}
+
+bool NewtonSolver::lower_residual(Vec y, SNESLineSearch search) {
+  Vec q = nullptr, r = nullptr, trial = nullptr;
+  check(SNESLineSearchGetVecs(search, &q, &r, nullptr, &trial, nullptr));
+  const double residual = norm(r), force_rounding = equation_.rounding_floor(q), step = norm(y);
+  const double merit = merit_.of_residual(r);
+  check(VecScale(y, -1.0));  // the direction d
+  double alpha = first_length(q, y);
+  bool accepted = false;
+  for (int i = 0; i < max_residual_backtracks; ++i) {
+    const double length = alpha;
+    check(VecWAXPY(trial, length, y, q));
+    check(SNESComputeFunction(snes_.get(), trial, trial_.get()));
+    const double after = norm(trial_.get());
+    const bool falls = merit_.of_residual(trial_.get()) <= std::pow(1.0 - required_part * length, 2) * merit;
+    accepted = falls || after <= floor_factor * force_rounding;
+    if (!accepted && std::isfinite(after)) {
+      accepted = shortens_correction(trial_.get(), y, alpha);
+    } else {
+      alpha *= 0.5;
+    }
+    if (accepted) {
+      check(VecCopy(trial_.get(), r));
+      check(VecCopy(trial, q));
+      check(SNESLineSearchSetLambda(search, length));
+      check(SNESLineSearchSetNorms(search, norm(q), after, length * step));
+      break;
+    }
+    ++statistics_.backtracks;
+  }
+  check(VecScale(y, -1.0));
+  return accepted || stops_at_rounding(search, residual, force_rounding);
+}
+
+bool NewtonSolver::climb(Vec q) {
+  if (!factor_is_current_) {
+    factorize();
+    return true;
+  }
+  if (projection_ == Projection::none) {
+    assemble(q, Projection::positive_semidefinite);
+  } else if (!is_regularized_) {
+    regularize();
+  } else {
+    return false;
+  }
+  factorize();
+  factor_is_wanted_ = true;  // the next Hessian may do without
+  return true;
+}
+
+void NewtonSolver::search_line(SNESLineSearch search) {
+  Vec q = nullptr, r = nullptr, y = nullptr;
+  check(SNESLineSearchGetVecs(search, &q, &r, &y, nullptr, nullptr));
+  check(SNESLineSearchSetReason(search, SNES_LINESEARCH_SUCCEEDED));
+  for (;;) {
+    double slope = 0.0;
+    if (descends(r, y, slope)) {
+      if (path_ == Path::minimisation ? lower_potential(y, slope, search) : lower_residual(y, search)) return;
+    }
+    bool has_factor = false;
+    while (!has_factor && climb(q)) has_factor = !factor_failed_;
+    if (!has_factor) break;
+    solve_linear(r, y);
+  }
+  check(SNESLineSearchSetReason(search, SNES_LINESEARCH_FAILED_REDUCT));
+}
+
+}  // namespace pliant

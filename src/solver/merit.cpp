@@ -1,0 +1,52 @@
+#include "solver/merit.hpp"
+
+#include "petsc/array_view.hpp"
+#include "petsc/collective.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace pliant {
+namespace {
+
+/// 1/2 sum of term(x_i, D_i) over all ranks.
+template <class Term>
+double half_sum(Vec x, Vec scale, Term term) {
+  double mine = 0.0;
+  {
+    const ConstArrayView values(x), D(scale);
+    for (std::size_t i = 0; i < values.span().size(); ++i) mine += term(values.span()[i], D.span()[i]);
+  }
+  const double total = sum(PetscObjectComm(reinterpret_cast<PetscObject>(x)), mine);
+  return std::isfinite(total) ? 0.5 * total : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+Merit::Merit(Handle<Vec> unknowns) : scale_(std::move(unknowns)) {
+  check(VecSet(scale_.get(), 1.0));
+}
+
+void Merit::set_scale(Mat K) {
+  check(MatGetDiagonal(K, scale_.get()));
+  PetscReal total = 0.0;
+  PetscInt size = 0;
+  check(VecNorm(scale_.get(), NORM_1, &total));
+  check(VecGetSize(scale_.get(), &size));
+  const double mean = total > 0.0 ? total / size : 1.0;
+  const ArrayView D(scale_.get());
+  for (double& d : D.span()) {
+    d = std::abs(d);
+    if (d <= std::numeric_limits<double>::epsilon() * mean) d = mean;
+  }
+}
+
+double Merit::of_residual(Vec r) const {
+  return half_sum(r, scale_.get(), [](double x, double d) { return x * x / d; });
+}
+
+double Merit::of_step(Vec d) const {
+  return half_sum(d, scale_.get(), [](double x, double scale) { return x * x * scale; });
+}
+
+}  // namespace pliant

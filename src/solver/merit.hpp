@@ -1,0 +1,27 @@
+/// How far a stage without a potential is from its solution: what its line search lowers.
+#pragma once
+
+#include "petsc/handle.hpp"
+
+namespace pliant {
+
+/// Two measures of a point's distance from r = 0, both energies [J] whatever the unknowns are (metres, radians); D is
+/// the absolute diagonal of a Hessian [N/m].
+class Merit {
+ public:
+  /// D = 1 until `set_scale`. `unknowns`: a vector to take over. Collective.
+  explicit Merit(Handle<Vec> unknowns);
+
+  /// Takes D from K; entries that are zero count as the mean one. Collective.
+  void set_scale(Mat K);
+
+  /// 1/2 r . D^-1 r of a residual [N]; +inf if it is not finite. Collective.
+  double of_residual(Vec r) const;
+  /// 1/2 d . D d of a step [m]; +inf if it is not finite. Collective.
+  double of_step(Vec d) const;
+
+ private:
+  Handle<Vec> scale_;  // D
+};
+
+}  // namespace pliant
