@@ -6,7 +6,6 @@
 #include "material/saint_venant_kirchhoff.hpp"
 
 #include <cassert>
-#include <cmath>
 
 namespace pliant {
 namespace {
@@ -218,11 +217,7 @@ template std::unique_ptr<EnergyTerm> make_viscous_term<1>(const ViscosityVariant
 template std::unique_ptr<EnergyTerm> make_viscous_term<2>(const ViscosityVariant&, const CellGroups<2>&, int, PetscInt);
 
 StrainRate strain_rate_for(const Method& method) {
-  if (method.num_stages == 1 && method.stiffly_accurate) return StrainRate::reconstructed;
-  double moment = 0.0;  // bt . c^2
-  for (std::size_t i = 0; i < method.bt.size(); ++i) moment += method.bt[i] * method.c[i] * method.c[i];
-  constexpr double rounding = 1e-12;
-  return method.order <= 2 && std::abs(moment - 1.0) < rounding ? StrainRate::reconstructed : StrainRate::exact;
+  return method.reconstructed_rate_order < method.order ? StrainRate::exact : StrainRate::reconstructed;
 }
 
 }  // namespace pliant

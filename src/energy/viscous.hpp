@@ -31,12 +31,6 @@ std::unique_ptr<EnergyTerm> make_viscous_term(const ViscosityVariant& law, const
 
 /// The form of the strain rate that keeps the method's order: `reconstructed`, which has a potential, where that does,
 /// else `exact`.
-///
-/// The reconstructed strain is smooth in time but no linear function of q, and a stage's q is exact to first order
-/// only: Edot has the error dt/2 (A^-1 c^2 - 2 c) d2E(v, v) at the stages. It does no harm to second order if its
-/// weighted sum b^T (A^-1 c^2 - 2 c) vanishes, that is if bt . c^2 = 1 (b . c = 1/2 holds); to third order no method of
-/// several stages survives it. Backward differentiation formulas have no such error: their one stage is at the end of
-/// the step.
 StrainRate strain_rate_for(const Method& method);
 
 }  // namespace pliant

@@ -1,0 +1,185 @@
+// Orders in time of a spinning, vibrating viscous body: every method with every law of viscosity in every form.
+#include "energy/solid.hpp"
+#include "material/viscosity_registry.hpp"
+#include "petsc/collective.hpp"
+#include "time/integrator.hpp"
+
+#include <cmath>
+#include <eigen3/Eigen/LU>
+#include <map>
+#include <ostream>
+
+#include <gtest/gtest.h>
+
+namespace pliant {
+namespace {
+
+using testing::BodySpec;
+using testing::Point;
+using testing::Scratch;
+using testing::Shape;
+using testing::Solid;
+
+struct OrderCase {
+  int number;
+  Method method;
+  ViscosityVariant law;
+  BodySpec body;
+};
+
+std::string name_of(const OrderCase& c) {
+  std::string name = testing::name_of(c.body) + testing::name_of(c.law) + "_" + c.method.name;
+  std::erase(name, '-');
+  return name;
+}
+
+std::ostream& operator<<(std::ostream& out, const OrderCase& c) {
+  return out << name_of(c);
+}
+
+/// A cube of 1 m and 5 Pa: it vibrates at some rad/s, damped by some hundredths to some tenths of critical.
+constexpr double density = 1.0, shear = 0.1, bulk = 0.07;
+const Maxwell branch{3.0, 2.0, 0.1};
+
+KelvinVoigt kelvin_voigt(StrainRate rate) {
+  return {shear, bulk, rate};
+}
+
+std::vector<OrderCase> every_case() {
+  std::vector<OrderCase> cases;
+  const auto add = [&](const Method& method, const ViscosityVariant& law, int order) {
+    cases.push_back({static_cast<int>(cases.size()), method, law, {order, Shape::straight, 1}});
+  };
+  for (const Method& method : methods()) {
+    for (const auto& form : strain_rates()) add(method, kelvin_voigt(form.rate), 1);
+    add(method, branch, 1);
+    add(method, kelvin_voigt(strain_rate_for(method)), 2);
+  }
+  return cases;
+}
+
+double expected_order(const OrderCase& c) {
+  const auto* law = std::get_if<KelvinVoigt>(&c.law);
+  if (law == nullptr || law->rate == StrainRate::exact) return c.method.order;
+  return law->rate == StrainRate::secant ? 1 : c.method.reconstructed_rate_order;
+}
+
+/// Newton's method with the whole matrix, to the last digits that it gains.
+StageSolve dense_newton(IncrementalPotential& potential) {
+  return [&potential, K = std::make_shared<Handle<Mat>>(potential.make_hessian()),
+          r = std::make_shared<Handle<Vec>>(potential.make_vector())](const StagePoint& stage, Vec q) {
+    const PetscInt n = potential.num_unknowns();
+    std::vector<PetscInt> all(static_cast<std::size_t>(n));
+    for (PetscInt i = 0; i < n; ++i) all[static_cast<std::size_t>(i)] = i;
+    Eigen::MatrixXd A(n, n);
+    potential.begin_stage(stage);
+    double previous = HUGE_VAL;
+    for (int iteration = 1; iteration <= 50; ++iteration) {
+      potential.gradient(q, r->get());
+      potential.hessian(q, K->get(), Projection::none);
+      check(MatGetValues(K->get(), n, all.data(), n, all.data(), A.data()));  // symmetric: rows are columns
+      const ArrayView x(q), residual(r->get());
+      const Eigen::Map<Eigen::VectorXd> b(residual.span().data(), n);
+      const Eigen::VectorXd d = A.partialPivLu().solve(b);
+      Eigen::Map<Eigen::VectorXd>(x.span().data(), n) -= d;
+      const double change = d.lpNorm<Eigen::Infinity>();
+      if (change < 1e-14 || (change < 1e-12 && change >= previous)) return StageReport{};
+      previous = change;
+    }
+    return StageReport{StageOutcome::retry, "no convergence", 50, 0};
+  };
+}
+
+/// On one rank alone.
+struct Motion {
+  Motion(const std::string& file, const BodySpec& body, const ViscosityVariant& law)
+      : solid(MPI_COMM_SELF, file, body.order, 2 * (body.order - 1)),
+        elastic(solid.elastic(make_law("neo-hookean", 5.0, 0.3))),
+        inertia(solid.inertia(density, Mass::consistent)),
+        viscous(solid.viscous(law)),
+        potential(solid.layout(), solid.pattern(), {elastic.get(), inertia.get(), viscous.get()},
+                  solid.nothing_prescribed()) {}
+
+  /// (q, v) at the end of `num_steps` steps.
+  std::array<std::vector<double>, 2> end(const Method& method, int num_steps) {
+    const auto q = solid.vector([](const Point& x) { return Point{0.08 * x[0], -0.03 * x[1], 0.05 * x[0] * x[2]}; });
+    const auto v = solid.vector([](const Point& x) {
+      const Point spin{-3.0 * (x[1] - 0.5) + 1.0 * x[2], 3.0 * (x[0] - 0.5), -1.0 * x[0]};
+      return Point{spin[0] + 0.4 * x[0], spin[1] - 0.3 * x[1] * x[2], spin[2] + 0.5 * x[2]};
+    });
+    const Handle<Vec> z = potential.make_internal();
+    System system{dense_newton(potential)};
+    system.guess = Guess::extrapolated;
+    if (z) {
+      system.internal = potential.internal_variables();
+      system.internal.complete_step(q.get(), z.get());
+    }
+    Integrator integrator({method, Startup::dirk33}, system, {0.0, q.get(), v.get(), z.get(), {}});
+    for (int n = 1; n <= num_steps; ++n) {
+      const double time = end_time * n / num_steps;
+      const StepAttempt attempt = integrator.attempt({time, time - integrator.state().time});
+      EXPECT_EQ(attempt.report.outcome, StageOutcome::converged);
+      if (attempt.report.outcome != StageOutcome::converged) break;
+      integrator.accept(attempt);
+    }
+    return {testing::local_values(integrator.state().q.get()), testing::local_values(integrator.state().v.get())};
+  }
+
+  static constexpr double end_time = 0.5;
+  Solid solid;
+  std::unique_ptr<ElasticTerm> elastic;
+  std::unique_ptr<Inertia> inertia;
+  std::unique_ptr<EnergyTerm> viscous;
+  IncrementalPotential potential;
+};
+
+double difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double squares = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) squares += (a[i] - b[i]) * (a[i] - b[i]);
+  return std::sqrt(squares);
+}
+
+constexpr int num_fine = 192;
+
+class ViscousOrders : public ::testing::TestWithParam<OrderCase> {
+ protected:
+  /// The same for all forms of the rate: the exact one by dirk33, with steps so short that its error, of third order,
+  /// is some hundredth of the least one measured.
+  static const std::array<std::vector<double>, 2>& reference(const std::string& file, const OrderCase& c) {
+    static std::map<std::string, std::array<std::vector<double>, 2>> known;
+    const bool is_branch = std::holds_alternative<Maxwell>(c.law);
+    auto& result = known[testing::name_of(c.body) + (is_branch ? "Maxwell" : "")];
+    if (result[0].empty()) {
+      const ViscosityVariant law = is_branch ? ViscosityVariant(branch) : kelvin_voigt(StrainRate::exact);
+      result = Motion(file, c.body, law).end(*find_method("dirk33"), 4 * num_fine);
+    }
+    return result;
+  }
+
+  Scratch scratch_{MPI_COMM_SELF};
+};
+
+INSTANTIATE_TEST_SUITE_P(Registry, ViscousOrders, ::testing::ValuesIn(every_case()),
+                         [](const auto& of) { return name_of(of.param); });
+
+TEST_P(ViscousOrders, AreThoseOfTheTable) {
+  const OrderCase& c = GetParam();
+  if (c.number % num_ranks(MPI_COMM_WORLD) != rank(MPI_COMM_WORLD)) return;  // another rank's
+  const std::string file = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, c.body); });
+  const auto& exact = reference(file, c);
+  Motion motion(file, c.body, c.law);
+  std::array<std::array<double, 2>, 2> errors;
+  for (const int level : {0, 1}) {
+    const auto end = motion.end(c.method, level == 0 ? num_fine / 2 : num_fine);
+    for (const int part : {0, 1}) errors[level][part] = difference(end[part], exact[part]);
+  }
+  for (const int part : {0, 1}) {
+    const double order = std::log2(errors[0][part] / errors[1][part]);
+    EXPECT_NEAR(order, expected_order(c), 0.15)
+        << (part == 0 ? "q" : "v") << ": errors " << errors[0][part] << ", " << errors[1][part];
+    RecordProperty(part == 0 ? "order_q" : "order_v", std::to_string(order));
+  }
+}
+
+}  // namespace
+}  // namespace pliant
