@@ -67,8 +67,8 @@ class Drag final : public EnergyTerm {
 
 class PetscIntegration : public ::testing::Test {
  protected:
-  /// A soft block, shaken at one end along x, heavy, in drag; waves take about half a second through it. The shaking
-  /// carries its velocity and acceleration into the body. After 5 s the end is pushed through the block.
+  /// A soft, viscous block, shaken at one end along x, heavy, in drag; waves take about half a second through it. The
+  /// shaking carries its velocity and acceleration into the body. After 5 s the end is pushed through the block.
   Problem& problem() {
     if (!problem_) problem_ = std::make_unique<Problem>(on_, mesh(), spec());
     return *problem_;
@@ -88,6 +88,7 @@ class PetscIntegration : public ::testing::Test {
       std::vector<std::unique_ptr<EnergyTerm>> terms;
       terms.push_back(solid.gravity(1000.0, {Expression(), Expression("-3*sin(5*t)"), Expression(-2.0)}));
       terms.push_back(std::make_unique<Drag>(solid));
+      terms.push_back(solid.viscous(KelvinVoigt{.shear = 10.0, .bulk = 20.0, .rate = StrainRate::exact}));
       return terms;
     };
     spec.newton.relative = 1e-11;  // far below the errors of the steps
