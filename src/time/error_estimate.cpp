@@ -49,6 +49,12 @@ LocalError::LocalError(const Method& method, std::shared_ptr<const Configuration
   check(VecDuplicate(like.v, v_.out()));
   accelerations_.resize(num_rates - 1);
   for (auto& a : accelerations_) check(VecDuplicate(like.v, a.out()));
+  if (!method.stiffly_accurate) {
+    for (EmbeddedDifference* e : {&tried_, &accepted_}) {
+      check(VecDuplicate(q_.get(), e->q.out()));
+      check(VecDuplicate(like.v, e->v.out()));
+    }
+  }
   if (space_) {
     check(VecDuplicate(like.v, xi_.out()));
     check(VecDuplicate(like.v, change_.out()));
@@ -65,7 +71,9 @@ void LocalError::estimate(const History& history, const Stepper& stepper, StepAt
   const int num_rates_q = std::min(num_rates_, 1 + history.size());
   const int num_rates_v = attempt.a == nullptr ? 0 : std::min(num_rates_q, 1 + num_accelerations_);
   const bool is_sharp = num_rates_v > method.order;
-  if (!is_sharp && !method.bt_embedded.empty()) {
+  if (!method.stiffly_accurate && !method.bt_embedded.empty()) {
+    difference_embedded(stepper, attempt, attempt.time - history.newest().time);
+  } else if (!is_sharp && !method.bt_embedded.empty()) {
     stepper.embedded_difference(q_.get(), v_.get());
     attempt.estimate_order = method.embedded_order;
   } else if (num_rates_v > 0) {
@@ -76,6 +84,19 @@ void LocalError::estimate(const History& history, const Stepper& stepper, StepAt
   }
   attempt.error_q = q_.get();
   attempt.error_v = v_.get();
+}
+
+void LocalError::difference_embedded(const Stepper& stepper, StepAttempt& attempt, double dt) {
+  stepper.embedded_difference(tried_.q.get(), tried_.v.get());
+  tried_.dt = dt;
+  check(VecCopy(tried_.q.get(), q_.get()));
+  check(VecCopy(tried_.v.get(), v_.get()));
+  attempt.estimate_order = stepper.method().embedded_order;
+  if (accepted_.dt == 0.0) return;
+  attempt.estimate_order += 1;
+  const double growth = std::pow(dt / accepted_.dt, attempt.estimate_order);
+  check(VecAXPY(q_.get(), -growth, accepted_.q.get()));
+  check(VecAXPY(v_.get(), -growth, accepted_.v.get()));
 }
 
 void LocalError::compare(const History& history, StepAttempt& attempt, int num_rates_q, int num_rates_v) {
@@ -123,6 +144,7 @@ Vec LocalError::rate_of_coordinates(const History& history, const StepAttempt& a
 }
 
 void LocalError::accept(const StepAttempt& attempt) {
+  std::swap(tried_, accepted_);
   if (attempt.a == nullptr) {
     num_accelerations_ = 0;
     return;
@@ -130,6 +152,11 @@ void LocalError::accept(const StepAttempt& attempt) {
   std::rotate(accelerations_.begin(), accelerations_.end() - 1, accelerations_.end());
   check(VecCopy(attempt.a, accelerations_.front().get()));
   num_accelerations_ = std::min(num_accelerations_ + 1, static_cast<int>(accelerations_.size()));
+}
+
+void LocalError::restart() {
+  num_accelerations_ = 0;
+  accepted_.dt = 0.0;
 }
 
 ErrorNorm::ErrorNorm(const Tolerances& tolerances, const StateView& initial)

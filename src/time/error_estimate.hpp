@@ -14,7 +14,11 @@
 /// While fewer rates are known, after a start, the estimate is of lower order and nearly always too large: the embedded
 /// formula's difference if the method has one, else that of the Adams-Moulton formula through the rates there are. At
 /// the first step of a multistep method's ramp, backward Euler, nothing is known yet of how the acceleration changes:
-/// the estimate is zero for v, and right for q. Methods that are not stiffly accurate always use the embedded formula.
+/// the estimate is zero for v, and right for q.
+///
+/// Methods that are not stiffly accurate know no acceleration at the ends of their steps. Theirs is the embedded
+/// difference e_n ~ c dt^(p^+1) y^(p^+1) less that of the step before, e_n - (dt_n / dt_{n-1})^(p^+1) e_{n-1}, which is
+/// of one order more; still too large by orders if the embedded formula is.
 #pragma once
 
 #include "time/stepper.hpp"
@@ -40,10 +44,11 @@ class LocalError {
   /// The attempt was accepted. Collective.
   void accept(const StepAttempt& attempt);
   /// What was known of the past says nothing about what follows.
-  void restart() { num_accelerations_ = 0; }
+  void restart();
 
  private:
   void compare(const History& history, StepAttempt& attempt, int num_rates_q, int num_rates_v);
+  void difference_embedded(const Stepper& stepper, StepAttempt& attempt, double dt);
   Vec rate_of_coordinates(const History& history, const StepAttempt& attempt, int r);
 
   int num_rates_ = 0;  // of a full estimate
@@ -51,6 +56,12 @@ class LocalError {
   Handle<Vec> q_, v_;                       // the estimate
   std::vector<Handle<Vec>> accelerations_;  // of accepted states, newest first
   int num_accelerations_ = 0;
+  // Of methods that are not stiffly accurate: embedded differences of the attempt and of the last accepted step.
+  struct EmbeddedDifference {
+    Handle<Vec> q, v;
+    double dt = 0.0;  // of the step; 0: unknown
+  };
+  EmbeddedDifference tried_, accepted_;
   std::vector<double> nodes_, weights_;
   std::vector<Vec> rates_;
   // Of a space only: coordinates, the change of their rate, and the rates.

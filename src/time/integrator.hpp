@@ -10,7 +10,9 @@ namespace pliant {
 
 /// How a multistep method gets its first states.
 enum class Startup {
-  ramp,   ///< by formulas with fewer states, backward Euler first: robust, but costs third-order methods one order
+  ramp,   ///< by formulas with fewer states, backward Euler first: robust, but costs third-order methods one order. Not
+          ///< for steps that follow a tight tolerance: to keep to it backward Euler needs steps of the size of the
+          ///< tolerance, so short that the rounding of v = (q - q0) / dt may exceed what they may have
   dirk33  ///< by steps of dirk33, which keeps the order of all methods of the table
 };
 

@@ -188,6 +188,9 @@ TEST_P(ErrorEstimates, AreOfTheirOrderAndNotTooSmallAtTheStart) {
       int order = 0;
       const Comparison coarse = nth_step(method, startup, 4e-3, n, &order);
       const Comparison fine = nth_step(method, startup, 2e-3, n, &order);
+      if (n > method.order) {
+        EXPECT_EQ(order, method.stiffly_accurate ? method.order : method.embedded_order + 1) << method.name;
+      }
       for (std::size_t m = 0; m < 2; ++m) {
         const std::string what = method.name + (m == 0 ? ", q, step " : ", v, step ") + std::to_string(n) +
                                  (startup == Startup::ramp ? " of the ramp" : " from dirk33");
