@@ -12,7 +12,7 @@
 namespace pliant {
 
 /// Forces on the nodes of a facet with the current positions x(xi, eta) = sum_a N_a (X_a + u_a) (Bonet & Wood 2008,
-/// section 9.3.4):
+/// pressure forces):
 ///
 ///     f_a  = -p int N_a n dxi deta,     n = x_xi cross x_eta, outward
 ///     K_ab =  p int N_a ( dN_b/deta [x_xi] - dN_b/dxi [x_eta] ) dxi deta,     [v] w = v cross w

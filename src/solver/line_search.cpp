@@ -119,7 +119,7 @@ bool NewtonSolver::shortens_correction(Vec r, Vec d, double& alpha) {
   const double before = merit_.of_step(d), after = merit_.of_step(correction_.get());
   if (is_usable && after <= std::pow(1.0 - required_part * alpha, 2) * before) return true;
   // What a linear equation would leave is (1 - alpha) d; the rest grows with alpha^2, and this length leaves half the
-  // promised decrease (Deuflhard 2011, 3.49).
+  // promised decrease.
   check(VecAXPY(correction_.get(), 1.0 - alpha, d));
   const double rest = merit_.of_step(correction_.get());
   const double next = is_usable && rest > 0.0 ? 0.5 * alpha * alpha * std::sqrt(before / rest) : 0.0;
