@@ -3,6 +3,7 @@
 #include "app/input_schema.hpp"
 #include "app/model.hpp"
 #include "app/simulation.hpp"
+#include "base/text.hpp"
 #include "material/registry.hpp"
 #include "petsc/collective.hpp"
 #include "solver/linear.hpp"
@@ -107,12 +108,39 @@ ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector
 }
 
 std::string methods_text() {
-  std::string text = fmt::format("{:<20} {:>5} {:>6}  {:<12} {:>6}  {}\n", "method", "order", "stages", "stability",
-                                 "R(inf)", "when to use");
+  constexpr std::size_t width = 100, indent = 4;
+  constexpr const char* row = "{:<18}  {:<7} {:>6}  {:<12} {:>6}  {:<8} {:>8}  {}\n";
+  std::string text =
+      fmt::format(row, "method", "order", "solves", "stability", "R(inf)", "adaptive", "embedded", "viscous rate");
   for (const auto& m : methods()) {
-    text += fmt::format("{:<20} {:>5} {:>6}  {:<12} {:>6.3f}  {}\n", m.name, m.order, m.num_stages,
-                        to_string(m.stability), m.R_infinity, m.summary);
+    const bool loses_by_ramp = m.num_steps > 1 && m.order > 2;
+    text += '\n' + fmt::format(row, m.name, loses_by_ramp ? fmt::format("{} (2)", m.order) : fmt::format("{}", m.order),
+                               m.num_stages, to_string(m.stability), fmt::format("{:.3f}", m.R_infinity),
+                               why_not_adaptive(m) ? "no" : "yes",
+                               m.bt_embedded.empty() ? "-" : fmt::format("{}", m.embedded_order),
+                               keeps_order_with_reconstructed_rates(m) ? "reconstructed" : "exact");
+    text += wrapped(m.summary, width, indent);
   }
+  const auto legend = [&](const char* word, const char* meaning) {
+    const std::string lines = wrapped(meaning, width, 14);
+    text += fmt::format("{:<14}", word) + lines.substr(14);
+  };
+  text += '\n';
+  legend("order",
+         "of the error in displacement and velocity; in brackets after startup: ramp, without it after "
+         "startup: dirk33");
+  legend("solves", "nonlinear solves in a step");
+  legend("R(inf)",
+         "what a step multiplies an infinitely fast decaying mode by: 0 removes it, -1 and 1 keep it ringing");
+  legend("adaptive",
+         "whether the step can follow the error (time.adaptive); symplectic methods run at a constant step");
+  legend("embedded",
+         "order of the formula of the same stages that tells the error, until (stiffly accurate methods) "
+         "enough steps are known to estimate it better");
+  legend("viscous rate",
+         "the form of the strain rate that rate: auto takes: reconstructed has a potential to minimise, "
+         "and is taken where it keeps the order");
+  text += "\nYour own coefficients: time: {method: {alpha: [...], beta: ..., A: [[...]], b: [...]}}.\n";
   return text;
 }
 

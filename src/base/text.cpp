@@ -112,6 +112,24 @@ std::string excerpt(std::string_view text, std::size_t size) {
   return end < text.size() ? result + "..." : result;
 }
 
+std::string wrapped(std::string_view text, std::size_t width, std::size_t indent) {
+  std::string lines;
+  std::size_t column = 0;
+  while (!(text = trimmed(text)).empty()) {
+    const auto length = static_cast<std::size_t>(std::ranges::find_if(text, is_blank) - text.begin());
+    if (column > 0 && column + 1 + length > width) {
+      lines += '\n';
+      column = 0;
+    }
+    lines += column == 0 ? std::string(indent, ' ') : " ";
+    lines += text.substr(0, length);
+    column += length + (column == 0 ? indent : 1);
+    text.remove_prefix(length);
+  }
+  if (column > 0) lines += '\n';
+  return lines;
+}
+
 std::optional<std::size_t> first_invalid_utf8(std::string_view text) {
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t length = utf8_length(text, at);

@@ -33,6 +33,10 @@ std::string_view trimmed(std::string_view text);
 /// Fit for one line of a message: at most `size` bytes, control characters replaced by blanks.
 std::string excerpt(std::string_view text, std::size_t size = 60);
 
+/// Words of `text` in lines of at most `width` columns, each begun by `indent` blanks and ended by a line feed. A word
+/// too long has a line of its own. ASCII.
+std::string wrapped(std::string_view text, std::size_t width, std::size_t indent);
+
 /// Byte offset of the first byte that is not UTF-8 (overlong forms and surrogates included), else nothing.
 std::optional<std::size_t> first_invalid_utf8(std::string_view text);
 

@@ -111,10 +111,9 @@ void set_weights(Method& m) {
   }
 }
 
-/// The embedded formula tells the error by way of the error constant, so both must be known.
+/// None for symplectic methods, which run at a constant step.
 void set_embedded(Method& m) {
-  m.error_constant = error_constant(m, m.order);
-  if (m.symplectic || is_close(m.error_constant, 0.0)) return;
+  if (m.symplectic) return;
   if (auto embedded = embedded_formula(m)) {
     m.bt_embedded = std::move(embedded->bt);
     m.embedded_order = embedded->order;
@@ -186,6 +185,7 @@ std::variant<Method, MethodRefusal> derive_method(MethodRow row) {
   }
   m.needs_equal_steps = m.num_steps > 1 && !(is_bdf(m) && has_known_growth(m.num_steps));
   m.max_growth = m.needs_equal_steps ? 1.0 : bdf_max_growth(m.num_steps);
+  m.error_constant = error_constant(m, m.order);
   set_embedded(m);
   return m;
 }
@@ -197,11 +197,16 @@ std::optional<std::string> why_not_adaptive(const Method& method) {
   if (method.needs_equal_steps) {
     return "method '" + method.name + "' needs equal steps: its coefficients for changing ones are not known";
   }
-  if (is_bdf(method) || !method.bt_embedded.empty()) return std::nullopt;
-  if (method.num_stages > 1 && is_close(method.error_constant, 0.0)) {
-    return "method '" + method.name + "' has a higher order than is told here, so that its error is not known";
-  }
+  if (method.stiffly_accurate || !method.bt_embedded.empty()) return std::nullopt;
   return "method '" + method.name + "' has too few stages for an embedded formula that would tell its error";
+}
+
+bool keeps_order_with_reconstructed_rates(const Method& method) {
+  return method.reconstructed_rate_order == method.order;
+}
+
+int estimate_order(const Method& method) {
+  return method.stiffly_accurate ? method.order : method.embedded_order + 1;
 }
 
 std::span<const Method> methods() {

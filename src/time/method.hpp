@@ -81,6 +81,14 @@ std::variant<Method, MethodRefusal> derive_method(MethodRow row);
 /// Why the length of the method's steps cannot follow its error, in plain words; nothing if it can.
 std::optional<std::string> why_not_adaptive(const Method& method);
 
+/// Whether reconstructed rates cost the method none of its order.
+bool keeps_order_with_reconstructed_rates(const Method& method);
+
+/// Of methods whose steps can adapt: the estimated error of a step falls as dt^(this + 1) once enough steps are known
+/// (time/error_estimate.hpp). The method's order if its last stage ends the step, else one more than that of the
+/// embedded formula.
+int estimate_order(const Method& method);
+
 /// All methods, in the order in which they are to be shown.
 std::span<const Method> methods();
 

@@ -58,6 +58,14 @@ TEST(Excerpt, KeepsMessagesOnOneLineAndCharactersWhole) {
   EXPECT_EQ(excerpt("\u00e9\u00e9", 3), "\u00e9...");
 }
 
+TEST(Wrapped, KeepsWordsWholeAndLinesShort) {
+  EXPECT_EQ(wrapped("a bb  ccc\nd", 6, 1), " a bb\n ccc d\n");
+  EXPECT_EQ(wrapped("a bb ccc d", 7, 1), " a bb\n ccc d\n");
+  EXPECT_EQ(wrapped("a bb ccc d", 9, 1), " a bb ccc\n d\n");
+  EXPECT_EQ(wrapped("a long word", 3, 0), "a\nlong\nword\n");
+  EXPECT_EQ(wrapped(" \n", 10, 2), "");
+}
+
 TEST(Utf8, FindsTheFirstBadByte) {
   EXPECT_EQ(first_invalid_utf8("plain"), std::nullopt);
   EXPECT_EQ(first_invalid_utf8("m\u00b2 \u20ac \U0001F600"), std::nullopt);

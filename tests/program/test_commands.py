@@ -82,7 +82,8 @@ class Commands(ProgramTest):
 
     def test_methods(self):
         text = self.text("methods")
-        for name in ("backward-euler", "bdf2"):
+        for name in ("backward-euler", "bdf2", "bdf3", "dirk22", "dirk23", "dirk33", "implicit-midpoint",
+                     "symplectic-dirk22"):
             self.assertRegex(text, rf"(?m)^{name} .*-stable")
 
     def test_materials(self):

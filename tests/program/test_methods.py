@@ -26,8 +26,8 @@ class Methods(ProgramTest):
 
     def test_every_method_of_the_list_runs(self):
         table = subprocess.run([PROGRAM, "methods"], capture_output=True, text=True, check=True).stdout.splitlines()
-        names = [line.split()[0] for line in table[1:]]
-        self.assertLessEqual({"backward-euler", "bdf2"}, set(names))
+        names = [line.split()[0] for line in table if not line.startswith(" ") and "-stable" in line]
+        self.assertEqual(len(names), 8)
         ends = {}
         for name in names:
             with self.subTest(name):

@@ -172,7 +172,11 @@ TEST(DeriveMethod, SaysWhyStepsCannotAdapt) {
   expect(*find_method("symplectic-dirk22"), "symplectic");
   expect(test::method_of({1.2, -0.2}, 0.8, {{0.6875}}, {1}), "equal steps");
   expect(test::method_of({1}, 1, {{0.7}}, {1}), "too few stages");
-  expect(test::own_methods()[0].method, "higher order");
+  // Norsett's is told by its embedded formula, backward differentiation by its own rates.
+  EXPECT_FALSE(why_not_adaptive(test::own_methods()[0].method).has_value());
+  EXPECT_EQ(estimate_order(test::own_methods()[0].method), 3);
+  EXPECT_EQ(estimate_order(*find_method("bdf3")), 3);
+  EXPECT_EQ(estimate_order(*find_method("dirk23")), 2);
 }
 
 TEST(Bdf, WeightsOfEqualStepsAreTheTables) {
