@@ -2,7 +2,7 @@
 
 #include "app/input_schema.hpp"
 #include "app/model.hpp"
-#include "app/simulation.hpp"
+#include "app/run.hpp"
 #include "base/text.hpp"
 #include "material/registry.hpp"
 #include "petsc/collective.hpp"
@@ -60,7 +60,7 @@ void report_time_scales(const Model& model, const Config& config, Console& conso
 }  // namespace
 
 ExitCode run_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides, Console& console) {
-  return simulate(comm, read_input_file(comm, file, overrides), console);
+  return run_with_output(comm, read_input_file(comm, file, overrides), console);
 }
 
 ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides,

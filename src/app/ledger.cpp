@@ -1,6 +1,5 @@
 #include "app/ledger.hpp"
 
-#include "base/compensated_sum.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/ghosted.hpp"
 
@@ -15,88 +14,191 @@ void sum_over_ranks(MPI_Comm comm, double* values, int count) {
 
 }  // namespace
 
-Ledger::Ledger(Model& model, Analysis analysis, Vec q, Vec v)
+Ledger::Ledger(Model& model, Analysis analysis, const StateView& initial)
     : model_(model), analysis_(analysis), reactions_(model.supports().size(), std::array<double, 3>{}) {
-  for (Handle<Vec>* x : {&q_, &v_, &reaction_, &next_reaction_}) *x = make_vector(model.layout());
-  measure(q, v);
-  initial_ = energies_.kinetic + energies_.elastic + energies_.load_potential;
-  const auto size = static_cast<std::size_t>(3 * model.layout().num_local_nodes);
-  for (const auto& load : model.loads()) {
-    if (analysis == Analysis::static_equilibrium) {
-      forces_.emplace_back(size, 0.0);  // load steps start from nothing
-    } else {
-      forces_.push_back(load->depends_on_time() ? load->forces(0.0) : std::vector<double>());
-    }
-  }
-  reaction_is_known_ = analysis == Analysis::static_equilibrium;  // load steps start from nothing
+  for (Handle<Vec>* x : {&q_, &at_, &way_, &reaction_}) *x = make_vector(model.layout());
+  measure(initial);
+  initial_ = energies_;
+  time_ = initial.time;
+  check(VecCopy(initial.q, q_.get()));
+  if (analysis == Analysis::dynamic) return;
+  for (auto& f : forces_) f = make_vector(model.layout());
+  // Static: nothing acts yet. Quasistatic: the first state is at rest.
+  const Handle<Vec> at_rest = make_vector(model.layout());
+  StagePoint start{initial.time, 1e-12, initial.q, at_rest.get()};  // in which nothing relaxes
+  start.load_factor = analysis == Analysis::static_equilibrium ? 0.0 : 1.0;
+  start.z0 = initial.z;
+  keep_forces(start, initial.q);
 }
 
-void Ledger::measure(Vec q, Vec v) {
-  check(VecCopy(q, q_.get()));
-  check(VecCopy(v, v_.get()));
-  update_ghosts(q_.get());
-  update_ghosts(v_.get());
-  const ConstGhostedView u(q_.get()), velocity(v_.get());
-  const PetscInt num_owned = 3 * model_.layout().num_owned_nodes;
+Ledger::Works Ledger::powers(const StagePoint& stage, Vec q, Vec v) {
+  IncrementalPotential& potential_of_stage = model_.potential();
+  potential_of_stage.begin_stage(stage);
+  const auto of_term = potential_of_stage.powers(q, v, reaction_.get());
+  Works power{};
+  for (std::size_t k = 0; k < of_term.size(); ++k) {
+    const auto& [exerted, dissipated] = of_term[k];
+    power[dissipation] += dissipated;
+    switch (account_of(*potential_of_stage.terms()[k])) {
+      case Account::kinetic:
+        power[kinetic] -= exerted;
+        break;
+      case Account::stored:
+        power[stored] -= exerted + dissipated;
+        break;
+      case Account::load_potential:
+        power[potential] -= exerted;
+        break;
+      case Account::load:
+        power[loads] += exerted;
+        break;
+    }
+  }
+  power[supports] = work_of_supports(v);
+  return power;
+}
 
-  std::array<double, 9> local{};
-  for (const auto& term : model_.elastic()) local[0] += term->energy(u.span(), {});
-  for (const auto& load : model_.loads()) {
-    if (counts_by_work(*load)) continue;
-    const auto f = load->forces(0.0);
-    CompensatedSum<double> potential;
-    for (PetscInt i = 0; i < num_owned; ++i) potential.add(-f[i] * u.span()[i]);
-    local[1] += potential.total();
-  }
-  if (analysis_ == Analysis::dynamic && model_.inertia() != nullptr) {
-    local[2] = model_.inertia()->kinetic_energy(velocity.span());
-    const Momenta m = model_.inertia()->momenta(model_.layout().coordinates, u.span(), velocity.span());
-    std::copy(m.linear.begin(), m.linear.end(), local.begin() + 3);
-    std::copy(m.angular.begin(), m.angular.end(), local.begin() + 6);
-  }
-  sum_over_ranks(model_.layout().comm, local.data(), static_cast<int>(local.size()));
-  energies_.elastic = local[0];
-  energies_.load_potential = local[1];
-  energies_.kinetic = local[2];
-  std::copy_n(local.begin() + 3, 3, energies_.momenta.linear.begin());
-  std::copy_n(local.begin() + 6, 3, energies_.momenta.angular.begin());
+Account Ledger::account_of(const EnergyTerm& term) const {
+  const Account account = term.declaration().account;
+  // Load steps change even those loads that do not depend on time.
+  const bool grows = analysis_ == Analysis::static_equilibrium && account == Account::load_potential;
+  return grows ? Account::load : account;
+}
+
+Quadratures Ledger::quadratures() {
+  return {[this](const StagePoint& stage, Vec q, Vec v, Vec /*a*/, std::span<double> rates) {
+    const Works power = powers(stage, q, v);
+    std::copy(power.begin(), power.end(), rates.begin());
+  }};
 }
 
 void Ledger::book(const StepAttempt& attempt) {
-  const PetscInt num_owned = 3 * model_.layout().num_owned_nodes;
-  const double time_of_loads = analysis_ == Analysis::static_equilibrium ? attempt.last_stage.time : attempt.time;
-  model_.potential().begin_stage(attempt.last_stage);
-  model_.potential().gradient_with_reactions(attempt.last_q, next_reaction_.get());
-  std::vector<double> local(3 * reactions_.size() + 1, 0.0);
-  {
-    const ConstArrayView before(reaction_.get()), after(next_reaction_.get());
-    for (std::size_t s = 0; s < reactions_.size(); ++s) {
-      for (const PetscInt dof : model_.supports()[s].dofs) local[3 * s + dof % 3] += after[dof];
-    }
-    CompensatedSum<double> work;
-    const ConstArrayView u0(q_.get()), u1(attempt.q);
-    const auto& prescribed = model_.prescribed().flags();
-    for (PetscInt i = 0; i < num_owned; ++i) {
-      // In time the reaction at the start is not known: it depends on the accelerations there.
-      if (prescribed[i]) work.add((reaction_is_known_ ? 0.5 * (before[i] + after[i]) : after[i]) * (u1[i] - u0[i]));
-    }
-    for (std::size_t k = 0; k < forces_.size(); ++k) {
-      if (forces_[k].empty()) continue;
-      auto f = model_.loads()[k]->forces(time_of_loads);
-      for (double& x : f) x *= attempt.last_stage.load_factor;
-      for (PetscInt i = 0; i < num_owned; ++i) work.add(0.5 * (forces_[k][i] + f[i]) * (u1[i] - u0[i]));
-      forces_[k] = f;
-    }
-    local.back() = work.total();
+  if (analysis_ != Analysis::dynamic) {
+    add_works_along_way(attempt);
+  } else if (attempt.w.empty()) {
+    add_works_in_time(attempt);
+  } else {
+    std::copy(attempt.w.begin(), attempt.w.end(), works_.begin());
   }
+  sum_reactions();
+  measure(attempt.view());
+  time_ = attempt.time;
+  check(VecCopy(attempt.q, q_.get()));
+
+  Energies& e = energies_;
+  e.dissipated = works_[dissipation];
+  e.support_work = works_[supports];
+  e.load_work = works_[loads] + works_[supports];
+  e.numerical_dissipation = (works_[kinetic] - (e.kinetic - initial_.kinetic)) +
+                            (works_[stored] - (e.elastic - initial_.elastic)) +
+                            (works_[potential] - (e.load_potential - initial_.load_potential));
+  e.balance_error = (e.kinetic - initial_.kinetic) + (e.elastic - initial_.elastic) +
+                    (e.load_potential - initial_.load_potential) + e.dissipated + e.numerical_dissipation - e.load_work;
+}
+
+// Where the last equation solved lies within the step, the midpoint rule; else the trapezoidal one. The powers at the
+// start of the first step are not known: they depend on the accelerations there.
+void Ledger::add_works_in_time(const StepAttempt& attempt) {
+  const double dt = attempt.time - time_;
+  check(VecWAXPY(way_.get(), -1.0, q_.get(), attempt.q));
+  check(VecScale(way_.get(), 1.0 / dt));
+  const bool is_within = attempt.last_stage.time < attempt.time - 1e-6 * dt;
+  const Works power = powers(attempt.last_stage, attempt.last_q, is_within ? way_.get() : attempt.v);
+  const bool takes_mean = !is_within && powers_are_known_;
+  for (std::size_t w = 0; w < num_works; ++w) {
+    works_[w] += dt * (takes_mean ? 0.5 * (last_powers_[w] + power[w]) : power[w]);
+  }
+  last_powers_ = power;
+  powers_are_known_ = true;
+}
+
+// Forces at both ends of the step, along the way between them.
+void Ledger::add_works_along_way(const StepAttempt& attempt) {
+  check(VecWAXPY(way_.get(), -1.0, q_.get(), attempt.q));
+  const Works before = works_along(way_.get());
+  const Works power = powers(attempt.last_stage, attempt.last_q, attempt.v);
+  keep_forces(attempt.last_stage, attempt.last_q);
+  const Works after = works_along(way_.get());
+  const double dissipated = 0.5 * (attempt.time - time_) * (last_powers_[dissipation] + power[dissipation]);
+  for (std::size_t w = 0; w < num_works; ++w) works_[w] += 0.5 * (before[w] + after[w]);
+  works_[stored] -= dissipated;
+  works_[dissipation] += dissipated;
+  last_powers_ = power;
+}
+
+void Ledger::keep_forces(const StagePoint& stage, Vec q) {
+  IncrementalPotential& potential_of_stage = model_.potential();
+  potential_of_stage.begin_stage(stage);
+  for (const Account account : {Account::stored, Account::load_potential, Account::load}) {
+    const auto is_booked_here = [&](const EnergyTerm& term) { return account_of(term) == account; };
+    potential_of_stage.gradient_of(is_booked_here, q, forces_[static_cast<std::size_t>(account)].get());
+  }
+  potential_of_stage.gradient_with_reactions(q, reaction_.get());
+}
+
+Ledger::Works Ledger::works_along(Vec way) const {
+  const auto along = [&](Account account) {
+    PetscScalar work = 0.0;
+    check(VecDot(forces_[static_cast<std::size_t>(account)].get(), way, &work));
+    return work;
+  };
+  Works works{};
+  works[stored] = along(Account::stored);
+  works[potential] = along(Account::load_potential);
+  works[loads] = -along(Account::load);
+  works[supports] = work_of_supports(way);
+  return works;
+}
+
+double Ledger::work_of_supports(Vec way) const {
+  double work = 0.0;
+  {
+    const ConstArrayView reaction(reaction_.get()), moved(way);
+    const auto& prescribed = model_.prescribed().flags();
+    for (PetscInt i = 0; i < 3 * model_.layout().num_owned_nodes; ++i) {
+      if (prescribed[i]) work += reaction[i] * moved[i];
+    }
+  }
+  sum_over_ranks(model_.layout().comm, &work, 1);
+  return work;
+}
+
+void Ledger::sum_reactions() {
+  if (reactions_.empty()) return;
+  std::vector<double> forces(3 * reactions_.size(), 0.0);
+  {
+    const ConstArrayView reaction(reaction_.get());
+    for (std::size_t s = 0; s < reactions_.size(); ++s) {
+      for (const PetscInt dof : model_.supports()[s].dofs) forces[3 * s + dof % 3] += reaction[dof];
+    }
+  }
+  sum_over_ranks(model_.layout().comm, forces.data(), static_cast<int>(forces.size()));
+  for (std::size_t s = 0; s < reactions_.size(); ++s) std::copy_n(forces.begin() + 3 * s, 3, reactions_[s].begin());
+}
+
+void Ledger::measure(const StateView& state) {
+  const IncrementalPotential& sum = model_.potential();
+  energies_.elastic = energies_.load_potential = 0.0;
+  const auto energies = model_.potential().energies(state.q, state.z);
+  for (std::size_t k = 0; k < energies.size(); ++k) {
+    const Account account = account_of(*sum.terms()[k]);
+    if (account == Account::stored) energies_.elastic += energies[k];
+    if (account == Account::load_potential) energies_.load_potential += energies[k];
+  }
+  if (analysis_ != Analysis::dynamic || model_.inertia() == nullptr) return;
+  check(VecCopy(state.q, at_.get()));
+  check(VecCopy(state.v, way_.get()));
+  update_ghosts(at_.get());
+  update_ghosts(way_.get());
+  const ConstGhostedView u(at_.get()), velocity(way_.get());
+  const Momenta m = model_.inertia()->momenta(model_.layout().coordinates, u.span(), velocity.span());
+  std::array<double, 7> local{model_.inertia()->kinetic_energy(velocity.span())};
+  std::copy(m.linear.begin(), m.linear.end(), local.begin() + 1);
+  std::copy(m.angular.begin(), m.angular.end(), local.begin() + 4);
   sum_over_ranks(model_.layout().comm, local.data(), static_cast<int>(local.size()));
-  for (std::size_t s = 0; s < reactions_.size(); ++s) std::copy_n(local.begin() + 3 * s, 3, reactions_[s].begin());
-  energies_.load_work += local.back();
-  std::swap(reaction_, next_reaction_);
-  reaction_is_known_ = true;
-  measure(attempt.q, attempt.v);
-  energies_.balance_error = energies_.kinetic + energies_.elastic + energies_.load_potential + energies_.dissipated -
-                            energies_.load_work - initial_;
+  energies_.kinetic = local[0];
+  std::copy_n(local.begin() + 1, 3, energies_.momenta.linear.begin());
+  std::copy_n(local.begin() + 4, 3, energies_.momenta.angular.begin());
 }
 
 }  // namespace pliant

@@ -1,8 +1,19 @@
-/// The energy ledger: where the energy of the bodies is, what came in, and what the method lost.
+/// The energy ledger: where the energy of the bodies is, what came in, and what was lost, to what.
+///
+/// Every term's forces do work along the motion, and so do the supports. The works are quadratures of the method
+/// itself: dw/dt = f . v, integrated with the weights that integrate q and v. Then, to the accuracy of Newton's method,
+///
+///     w_kinetic + w_stored + w_potential + dissipated - load_work = 0
+///
+/// whatever the method and the step, because the forces balance in every stage. The energies of the state itself differ
+/// from the works that should have changed them: that difference is what the method dissipated (or made).
 #pragma once
 
 #include "app/model.hpp"
 #include "time/stepper.hpp"
+
+#include <array>
+#include <vector>
 
 namespace pliant {
 
@@ -10,24 +21,32 @@ namespace pliant {
 /// did; so do all loads of a static analysis, which grow from step to step. Kinetic energy and momenta are those of
 /// inertia: without it (static, quasistatic) they are zero.
 struct Energies {
-  double kinetic = 0.0;         ///< [J]
-  double elastic = 0.0;         ///< [J]
-  double load_potential = 0.0;  ///< -int f . u of the constant dead loads [J]
-  double dissipated = 0.0;      ///< by physical mechanisms, since the start [J]
-  double load_work = 0.0;       ///< of time-dependent loads and of prescribed motion, since the start [J]
-  double balance_error = 0.0;   ///< kinetic + elastic + load_potential + dissipated - load_work - initial [J]: minus
-                                ///< what the method dissipated numerically
+  double kinetic = 0.0;                ///< [J]
+  double elastic = 0.0;                ///< stored in the material, branches of viscous bodies included [J]
+  double load_potential = 0.0;         ///< -int f . u of the constant dead loads [J]
+  double dissipated = 0.0;             ///< by physical mechanisms, since the start [J]
+  double load_work = 0.0;              ///< of the other loads and of prescribed motion, since the start [J]
+  double support_work = 0.0;           ///< the part of it that prescribed motion did [J]
+  double numerical_dissipation = 0.0;  ///< by the method, since the start; negative where it made energy [J]
+  /// kinetic + elastic + load_potential + dissipated + numerical_dissipation - load_work - initial [J]: what Newton's
+  /// tolerance leaves.
+  double balance_error = 0.0;
   Momenta momenta;
 };
 
 /// Keeps the books from step to step. All methods are collective.
 class Ledger {
  public:
-  /// Opens with the initial state.
-  Ledger(Model& model, Analysis analysis, Vec q, Vec v);
+  /// Opens with the initial state. `model` outlives the ledger.
+  Ledger(Model& model, Analysis analysis, const StateView& initial);
 
-  /// Books a completed step; call before it is accepted into the history, while `attempt` is valid. The works are
-  /// trapezoidal.
+  /// The works, for the integrator; they refer to this object.
+  Quadratures quadratures();
+  /// Their values at the start.
+  std::span<const double> initial_works() const { return works_; }
+
+  /// Books a completed step; call before it is accepted into the history, while `attempt` is valid. Where the
+  /// integrator has not integrated the works, they are trapezoidal, or by the midpoint rule.
   void book(const StepAttempt& attempt);
 
   const Energies& energies() const { return energies_; }
@@ -36,19 +55,32 @@ class Ledger {
   const std::vector<std::array<double, 3>>& reactions() const { return reactions_; }
 
  private:
-  void measure(Vec q, Vec v);
-  bool counts_by_work(const DeadLoad& load) const {
-    return analysis_ == Analysis::static_equilibrium || load.depends_on_time();
-  }
+  enum Work : std::size_t { kinetic, stored, potential, dissipation, loads, supports, num_works };
+  using Works = std::array<double, num_works>;
+
+  /// The powers at the end of a stage; leaves its reactions in `reaction_`.
+  Works powers(const StagePoint& stage, Vec q, Vec v);
+  Account account_of(const EnergyTerm& term) const;
+  void add_works_in_time(const StepAttempt& attempt);
+  void add_works_along_way(const StepAttempt& attempt);
+  void keep_forces(const StagePoint& stage, Vec q);
+  Works works_along(Vec way) const;
+  double work_of_supports(Vec way) const;
+  void sum_reactions();
+  void measure(const StateView& state);
 
   Model& model_;
   Analysis analysis_;
   Energies energies_;
-  double initial_ = 0.0;
-  bool reaction_is_known_ = false;  // that at the last step
+  Energies initial_;
+  Works works_{};        // since the start
+  Works last_powers_{};  // at the last step, for trapezoids
+  bool powers_are_known_ = false;
+  double time_ = 0.0;  // of the last step, or its load factor
   std::vector<std::array<double, 3>> reactions_;
-  Handle<Vec> q_, v_, reaction_, next_reaction_;
-  std::vector<std::vector<double>> forces_;  // of the loads that count by their work, at the last step
+  Handle<Vec> q_;  // of the last step
+  Handle<Vec> at_, way_, reaction_;
+  std::array<Handle<Vec>, 4> forces_;  // without inertia: those of each account at the last step
 };
 
 }  // namespace pliant

@@ -1,5 +1,6 @@
 // pliant: the program. Parses the command line, starts MPI and PETSc, turns failures into messages and exit codes.
 #include "app/commands.hpp"
+#include "app/converge.hpp"
 #include "app/version.hpp"
 #include "base/text.hpp"
 #include "petsc/check.hpp"
@@ -7,6 +8,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -23,6 +25,7 @@ struct Arguments {
   std::string output;
   bool quiet = false;
   bool markdown = false;
+  StudyOptions study;
 
   std::vector<Override> overrides() const {
     std::vector<Override> result;
@@ -83,6 +86,33 @@ ExitCode parse_and_run(int argc, const char* const* argv) {
     command = [&] {
       Console console(comm, Verbosity::normal);
       result = check_command(comm, arguments.file, arguments.overrides(), console);
+    };
+  });
+
+  CLI::App* converge = app.add_subcommand("converge", "convergence study: finer and finer steps, meshes or tolerances");
+  add_input(converge);
+  converge->add_option("--output", arguments.output, "directory for convergence.csv and the plots");
+  converge
+      ->add_option("--in", arguments.study.refine,
+                   "what is refined: time (steps), space (the mesh, uniformly) or tolerance (of adaptive steps)")
+      ->required()
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Refine>{
+              {"time", Refine::time}, {"space", Refine::space}, {"tolerance", Refine::tolerance}},
+          CLI::ignore_case));
+  converge->add_option("--levels", arguments.study.levels, "how many; each halves steps or mesh size")
+      ->check(CLI::Range(2, 12))
+      ->capture_default_str();
+  converge
+      ->add_option("--methods", arguments.study.methods,
+                   "methods to compare, e.g. bdf2,dirk22; all; default: the input's")
+      ->delimiter(',');
+  converge->add_flag("--no-check{false}", arguments.study.checks_orders,
+                     "do not fail where an observed order falls short of the theoretical one by more than 0.3");
+  converge->callback([&] {
+    command = [&] {
+      Console console(comm, Verbosity::normal);
+      result = converge_command(comm, arguments.file, arguments.overrides(), arguments.study, console);
     };
   });
 

@@ -2,6 +2,8 @@
 
 #include "app/input_schema.hpp"
 #include "app/selections.hpp"
+#include "energy/pressure.hpp"
+#include "energy/viscous.hpp"
 #include "material/lame.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
@@ -40,6 +42,11 @@ Analysis analysis_of(const Config& config) {
   return config.time.method.value == quasistatic_method ? Analysis::quasistatic : Analysis::dynamic;
 }
 
+const Method* integrator_of(const Config& config) {
+  if (analysis_of(config) == Analysis::quasistatic) return find_method("backward-euler");
+  return method_of(config.time);
+}
+
 Model::Model(MPI_Comm comm, const Config& config) {
   // The input's size is in metres, gmsh's in the unit of the geometry.
   auto size = config.mesh.size;
@@ -53,6 +60,7 @@ Model::Model(MPI_Comm comm, const Config& config) {
     notices_.push_back("the mesh has curved edges, which P1 elements straighten; `element: P2` keeps them");
   }
   build_terms(config);
+  prepare(config);
   wave_speeds_ = speeds_of(config);
 }
 
@@ -102,8 +110,17 @@ void Model::build_terms(const Config& config) {
     LoadSamples samples;
     const LoadConfig* load;
   };
+  struct Follower {
+    FacetList facets;
+    const LoadConfig* load;
+  };
   std::vector<Dead> dead;
+  std::vector<Follower> follower;
   for (const auto& load : config.loads) {
+    if (load.kind == LoadConfig::Kind::pressure) {
+      follower.push_back({selections.facets(load.part), &load});
+      continue;
+    }
     const Variation variation = variation_of(load.value);
     if (load.kind == LoadConfig::Kind::traction) {
       dead.push_back({facet_samples(layout_, selections.facets(load.part), variation), &load});
@@ -118,8 +135,7 @@ void Model::build_terms(const Config& config) {
           {lumped ? lumped_cell_samples(layout_, density) : cell_samples(layout_, density, variation), &load});
     }
   }
-  prescribed_ =
-      std::make_unique<PrescribedDisplacement>(layout_, prescriptions, config.time.step > 0.0 ? config.time.step : 1.0);
+  prescribed_ = std::make_unique<PrescribedDisplacement>(layout_, prescriptions, HUGE_VAL);
   on_every_rank(layout_.comm, [&] {
     for (const auto& [i, j] : prescribed_->conflicts(layout_, {0.0, config.time.end})) {
       selections.report(
@@ -140,12 +156,11 @@ void Model::build_terms(const Config& config) {
   const double first_time = analysis_of(config) == Analysis::static_equilibrium ? config.time.end : 0.0;
   for (auto& [samples, load] : dead) {
     loads_.push_back(std::make_unique<DeadLoad>(layout_, std::move(samples), load->value));
-    on_every_rank(layout_.comm, [&, where = load->where] {
-      const auto f = loads_.back()->forces(first_time);
-      if (!std::all_of(f.begin(), f.end(), [](double x) { return std::isfinite(x); })) {
-        throw InputError(where, fmt::format("the load is not finite at t = {:g}", first_time));
-      }
-    });
+    check_finite(*loads_.back(), load->where, first_time);
+  }
+  for (auto& [facets, load] : follower) {
+    loads_.push_back(std::make_unique<FollowerPressure>(layout_, *pattern_, std::move(facets), load->pressure));
+    check_finite(*loads_.back(), load->where, first_time);
   }
 
   // Supports: entries under the name of the first constraint that claims them.
@@ -163,20 +178,73 @@ void Model::build_terms(const Config& config) {
     }
   }
 
-  std::vector<const EnergyTerm*> terms;
-  for (const auto& term : elastic_) terms.push_back(term.get());
-  for (const auto& term : loads_) terms.push_back(term.get());
-  if (analysis_of(config) == Analysis::dynamic && inertia_) terms.push_back(inertia_.get());
-  potential_ = std::make_unique<IncrementalPotential>(layout_, *pattern_, std::move(terms), prescribed_->flags());
-
-  for (const auto& probe : config.probes) {
-    probes_.push_back(locate(layout_, probe.point));
-    const double far = probes_.back().distance;
+  std::vector<std::array<double, 3>> points;
+  for (const auto& probe : config.probes) points.push_back(probe.point);
+  probes_ = locate(layout_, points);
+  for (std::size_t p = 0; p < probes_.size(); ++p) {
+    const double far = probes_[p].distance;
     if (far > 0.0) {
-      notices_.push_back(fmt::format(
-          "probe '{}' lies outside the mesh; the nearest node, {:.3g} m away, is recorded instead", probe.name, far));
+      notices_.push_back(
+          fmt::format("probe '{}' lies outside the mesh; the nearest node, {:.3g} m away, is recorded instead",
+                      config.probes[p].name, far));
     }
   }
+}
+
+void Model::check_finite(const EnergyTerm& load, const Location& where, double time) const {
+  const std::vector<double> zero(3 * static_cast<std::size_t>(layout_.num_local_nodes), 0.0);
+  std::vector<double> forces(zero);
+  LocalStage stage;
+  stage.time = time;
+  stage.dt = 1.0;
+  stage.q0 = stage.v0 = zero;
+  on_every_rank(layout_.comm, [&] {
+    load.add_gradient(stage, zero, forces);
+    if (!std::all_of(forces.begin(), forces.end(), [](double f) { return std::isfinite(f); })) {
+      throw InputError(where, fmt::format("the load is not finite at t = {:g}", time));
+    }
+  });
+}
+
+namespace {
+
+/// A form of the rate that has a potential, if one keeps the method's order; without a method of ours the exact one,
+/// which needs no history.
+StrainRate automatic_rate(const Method* method) {
+  if (method == nullptr) return StrainRate::exact;
+  return method->order == 1 ? StrainRate::secant : strain_rate_for(*method);
+}
+
+template <int Order>
+std::unique_ptr<EnergyTerm> viscous_term(const ViscosityConfig& viscosity, const Method* method,
+                                         const CellGroups<Order>& groups, int body, PetscInt num_owned_nodes) {
+  const ViscosityConfig& v = viscosity;
+  const auto law = v.model == KelvinVoigt::name
+                       ? ViscosityVariant(KelvinVoigt{v.shear, v.bulk, v.rate.value_or(automatic_rate(method))})
+                       : ViscosityVariant(Maxwell{v.shear_modulus, v.bulk_modulus, v.relaxation_time});
+  return make_viscous_term<Order>(law, groups, body, num_owned_nodes);
+}
+
+}  // namespace
+
+void Model::prepare(const Config& config) {
+  viscous_.clear();
+  const Analysis analysis = analysis_of(config);
+  for (std::size_t b = 0; b < config.bodies.size(); ++b) {
+    const auto& viscosity = config.bodies[b].viscosity;
+    if (!viscosity || analysis == Analysis::static_equilibrium) continue;
+    viscous_.push_back(std::visit(
+        [&](const auto& groups) {
+          return viscous_term(*viscosity, integrator_of(config), groups, static_cast<int>(b), layout_.num_owned_nodes);
+        },
+        cells_));
+  }
+  std::vector<const EnergyTerm*> terms;
+  for (const auto& term : elastic_) terms.push_back(term.get());
+  for (const auto& term : viscous_) terms.push_back(term.get());
+  for (const auto& term : loads_) terms.push_back(term.get());
+  if (analysis == Analysis::dynamic && inertia_) terms.push_back(inertia_.get());
+  potential_ = std::make_unique<IncrementalPotential>(layout_, *pattern_, std::move(terms), prescribed_->flags());
 }
 
 void Model::set_initial_state(const Config& config, Vec q, Vec v) const {

@@ -22,6 +22,9 @@ enum class Analysis { dynamic, quasistatic, static_equilibrium };
 /// What `time.method` asks for.
 Analysis analysis_of(const Config& config);
 
+/// The method that advances time; nullptr for static problems and PETSc's integrators.
+const Method* integrator_of(const Config& config);
+
 /// Owned entries whose reactions are summed under one name.
 struct Support {
   std::string name;
@@ -49,7 +52,6 @@ class Model {
   const std::vector<int>& body_of_cell() const { return body_of_cell_; }
   const std::vector<std::string>& body_names() const { return body_names_; }
   const std::vector<std::unique_ptr<ElasticTerm>>& elastic() const { return elastic_; }
-  const std::vector<std::unique_ptr<DeadLoad>>& loads() const { return loads_; }
   const Inertia* inertia() const { return inertia_.get(); }  ///< nullptr if no body has a density
   const PrescribedDisplacement& prescribed() const { return *prescribed_; }
   const std::vector<Support>& supports() const { return supports_; }
@@ -59,11 +61,16 @@ class Model {
   /// What the user should know, in plain words.
   const std::vector<std::string>& notices() const { return notices_; }
 
+  /// Sets up the terms and their sum for the method of `config`, which else is the one of the constructor: the form of
+  /// strain rates may depend on it. What `potential()` gave before is gone. Collective.
+  void prepare(const Config& config);
+
   /// Initial displacement and velocity, prescribed entries at their values at t = 0. Collective.
   void set_initial_state(const Config& config, Vec q, Vec v) const;
 
  private:
   void build_terms(const Config& config);
+  void check_finite(const EnergyTerm& load, const Location& where, double time) const;
   template <int Order>
   void build_cells(const Config& config);
 
@@ -75,7 +82,8 @@ class Model {
   std::vector<double> densities_;
   std::variant<CellGroups<1>, CellGroups<2>> cells_;
   std::vector<std::unique_ptr<ElasticTerm>> elastic_;
-  std::vector<std::unique_ptr<DeadLoad>> loads_;
+  std::vector<std::unique_ptr<EnergyTerm>> viscous_;
+  std::vector<std::unique_ptr<EnergyTerm>> loads_;
   std::unique_ptr<Inertia> inertia_;
   std::unique_ptr<PrescribedDisplacement> prescribed_;
   std::vector<Support> supports_;

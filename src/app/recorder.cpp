@@ -107,6 +107,7 @@ std::vector<std::string> Recorder::columns(const Config& config) const {
   for (const auto& support : model_.supports()) {
     for (const char* suffix : {"_fx", "_fy", "_fz"}) names.push_back(support.name + suffix);
   }
+  for (const char* name : {"numerical_dissipation", "support_work"}) names.emplace_back(name);
   return names;
 }
 
@@ -145,6 +146,8 @@ void Recorder::record(const StepRecord& record, const Ledger& ledger) {
     row.insert(row.end(), values.begin(), values.end());
   }
   for (const auto& force : ledger.reactions()) row.insert(row.end(), force.begin(), force.end());
+  row.push_back(e.numerical_dissipation);
+  row.push_back(e.support_work);
   history_.append(row);
 }
 

@@ -1,7 +1,7 @@
 /// What a run leaves on disk: result.h5 and result.xdmf, history.csv, run.yaml.
 #pragma once
 
-#include "app/ledger.hpp"
+#include "app/simulation.hpp"
 #include "io/history_writer.hpp"
 #include "io/result_writer.hpp"
 
@@ -10,18 +10,6 @@
 #include <vector>
 
 namespace pliant {
-
-/// A completed step, or the initial state (step 0).
-struct StepRecord {
-  std::int64_t step = 0;
-  double time = 0.0;  ///< [s]
-  double dt = 0.0;    ///< [s]
-  int newton_iterations = 0;
-  int linear_iterations = 0;
-  Vec q = nullptr;
-  Vec v = nullptr;
-  Vec a = nullptr;  ///< nullptr: zero
-};
 
 class Recorder {
  public:

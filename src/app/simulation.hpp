@@ -1,14 +1,91 @@
-/// The simulation: the one place that wires mesh, terms, solver, stepper and output together.
+/// A problem in motion: solver, integrator, control of the steps and ledger on a model; no output.
 #pragma once
 
+#include "app/advance.hpp"
 #include "app/config.hpp"
-#include "app/console.hpp"
-#include "base/error.hpp"
+#include "app/ledger.hpp"
+#include "app/model.hpp"
+#include "solver/newton.hpp"
+#include "time/step_control.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
 
 namespace pliant {
 
-/// Runs what the input describes. Returns done or interrupted; throws InputError, FileError, or SolveError when the
-/// solve failed after every retry (the last good state is in the result then). Collective.
-ExitCode simulate(MPI_Comm comm, const Config& config, Console& console);
+/// A completed step, or the initial state (step 0).
+struct StepRecord {
+  std::int64_t step = 0;
+  double time = 0.0;  ///< [s]; of a static problem the load factor
+  double dt = 0.0;    ///< likewise
+  int newton_iterations = 0;
+  int linear_iterations = 0;
+  Vec q = nullptr;
+  Vec v = nullptr;
+  Vec a = nullptr;  ///< nullptr: zero
+};
+
+/// What came of trying a step.
+struct StepOutcome {
+  enum class Kind {
+    accepted,
+    inaccurate,  ///< the next one is shorter
+    unsolved,    ///< the next one is shorter
+    failed       ///< there is no way on
+  };
+  Kind kind = Kind::accepted;
+  std::string reason;  ///< of a step that was not accepted, in plain words
+};
+
+/// What all the steps took.
+struct StepStatistics {
+  std::int64_t accepted = 0;
+  std::int64_t failed = 0;      ///< not solved, tried again shorter
+  std::int64_t inaccurate = 0;  ///< solved, but above the tolerance, tried again shorter
+  double shortest = 0.0;        ///< [s]
+  double longest = 0.0;         ///< [s]
+};
+
+/// All methods are collective.
+class Simulation {
+ public:
+  /// Starts from the input's initial state. `model` and `config` outlive the object; the model's terms are set up for
+  /// the method of `config`. Throws InputError where the initial state or a PETSc option is wrong.
+  Simulation(const Config& config, Model& model);
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  bool finished() const { return control_->finished(); }
+  /// Tries one step.
+  StepOutcome advance();
+
+  /// The last completed step; its acceleration is known until the next one is tried.
+  const StepRecord& record() const { return record_; }
+  const StepPlan& plan() const { return plan_; }
+  const Ledger& ledger() const { return *ledger_; }
+  Analysis analysis() const { return analysis_; }
+  /// Of our own solver, or of PETSc's integrator as far as it tells.
+  const SolverStatistics& solver_statistics() const { return advance_->solver_statistics(); }
+  const StepStatistics& steps() const { return steps_; }
+  /// How equations are solved and time advances, line by line, for the log.
+  std::vector<std::string> description() const { return advance_->description(); }
+
+ private:
+  void set_plan(const Config& config);
+  StepOutcome reject(const StepAttempt& attempt);
+  void accept(const StepAttempt& attempt, const Step& step);
+
+  Analysis analysis_;
+  Model& model_;
+  Handle<Vec> q_, v_;
+  StepPlan plan_;
+  std::optional<Ledger> ledger_;
+  std::unique_ptr<Advance> advance_;
+  std::optional<StepControl> control_;
+  StepRecord record_;
+  StepStatistics steps_;
+};
 
 }  // namespace pliant

@@ -1,5 +1,6 @@
 #include "energy/incremental_potential.hpp"
 
+#include "base/compensated_sum.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/ghosted.hpp"
@@ -60,14 +61,20 @@ double IncrementalPotential::value(Vec q) {
   return std::isfinite(total) ? total : std::numeric_limits<double>::infinity();
 }
 
-void IncrementalPotential::gradient_with_reactions(Vec q, Vec r) {
+void IncrementalPotential::gradient_of(const std::function<bool(const EnergyTerm&)>& wanted, Vec q, Vec r) {
   const auto at = local(q, q_);
   {
     const GhostedView rows(work_.get());
     std::fill(rows.span().begin(), rows.span().end(), 0.0);
-    for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k]->add_gradient(stage_of(k), at, rows.span());
+    for (std::size_t k = 0; k < terms_.size(); ++k) {
+      if (wanted(*terms_[k])) terms_[k]->add_gradient(stage_of(k), at, rows.span());
+    }
   }
   check(VecCopy(work_.get(), r));
+}
+
+void IncrementalPotential::gradient_with_reactions(Vec q, Vec r) {
+  gradient_of([](const EnergyTerm&) { return true; }, q, r);
 }
 
 void IncrementalPotential::gradient(Vec q, Vec r) {
@@ -153,21 +160,43 @@ Symmetry IncrementalPotential::symmetry() const {
   return std::ranges::any_of(terms_, is_unsymmetric) ? Symmetry::unsymmetric : Symmetry::symmetric;
 }
 
-std::vector<double> IncrementalPotential::powers(Vec q, Vec v, Vec r) {
+std::vector<TermPower> IncrementalPotential::powers(Vec q, Vec v, Vec r) {
   const auto at = local(q, q_);
-  std::vector<double> result(terms_.size(), 0.0);
+  std::vector<double> mine(2 * terms_.size(), 0.0);
   check(VecZeroEntries(r));
   for (std::size_t k = 0; k < terms_.size(); ++k) {
-    {
-      const GhostedView rows(work_.get());
-      std::fill(rows.span().begin(), rows.span().end(), 0.0);
-      terms_[k]->add_gradient(stage_of(k), at, rows.span());
+    const GhostedView rows(work_.get());
+    std::fill(rows.span().begin(), rows.span().end(), 0.0);
+    terms_[k]->add_gradient(stage_of(k), at, rows.span());
+    mine[2 * k + 1] = terms_[k]->dissipation(stage_of(k), at);
+    const ConstArrayView velocity(v);
+    const ArrayView total(r);
+    CompensatedSum<double> power;
+    for (PetscInt i = 0; i < 3 * layout_.num_owned_nodes; ++i) {
+      power.add(-rows.span()[i] * velocity[i]);
+      total[i] += rows.span()[i];
     }
-    PetscScalar power = 0.0;
-    check(VecDot(work_.get(), v, &power));
-    result[k] = -power;
-    check(VecAXPY(r, 1.0, work_.get()));
+    mine[2 * k] = power.total();
   }
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, mine.data(), static_cast<int>(mine.size()), MPI_DOUBLE, MPI_SUM, layout_.comm));
+  std::vector<TermPower> result;
+  for (std::size_t k = 0; k < terms_.size(); ++k) result.push_back({mine[2 * k], mine[2 * k + 1]});
+  return result;
+}
+
+std::vector<double> IncrementalPotential::energies(Vec q, Vec z) {
+  const auto at = local(q, q_);
+  std::vector<double> result;
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    std::span<const double> own;
+    if (z != nullptr) {
+      const ConstArrayView values(z);
+      own = values.span().subspan(first_internal_[k], first_internal_[k + 1] - first_internal_[k]);
+    }
+    result.push_back(terms_[k]->energy(at, own));
+  }
+  check_mpi(
+      MPI_Allreduce(MPI_IN_PLACE, result.data(), static_cast<int>(result.size()), MPI_DOUBLE, MPI_SUM, layout_.comm));
   return result;
 }
 

@@ -6,10 +6,17 @@
 #include "fem/layout.hpp"
 #include "time/stage.hpp"
 
+#include <functional>
 #include <memory>
 #include <vector>
 
 namespace pliant {
+
+/// What the forces of a term do, over all ranks.
+struct TermPower {
+  double exerted = 0.0;     ///< by its forces, -dPhi_k/dq . v summed over all entries, prescribed ones included [W]
+  double dissipated = 0.0;  ///< EnergyTerm::dissipation [W]
+};
 
 /// Phi(q) = sum of terms(q); docs: dynamics, "Mechanics". Works on vectors of make_vector(layout).
 class IncrementalPotential final : public StageEquation {
@@ -29,8 +36,12 @@ class IncrementalPotential final : public StageEquation {
   void gradient(Vec q, Vec r) override;
   /// The same with what it takes to hold the prescribed entries: the reactions stand there.
   void gradient_with_reactions(Vec q, Vec r);
-  /// The same, and the power of each term's forces, -dPhi_k/dq . v summed over all entries, reduced over ranks [W].
-  std::vector<double> powers(Vec q, Vec v, Vec r);
+  /// The sum of the gradients of some terms.
+  void gradient_of(const std::function<bool(const EnergyTerm&)>& wanted, Vec q, Vec r);
+  /// gradient_with_reactions, and what each term's forces do at the velocity v.
+  std::vector<TermPower> powers(Vec q, Vec v, Vec r);
+  /// EnergyTerm::energy of each term; z may be nullptr if there are no internal variables [J].
+  std::vector<double> energies(Vec q, Vec z);
   /// A zero matrix for the Hessian, with the rigid-body modes as its near-null space.
   Handle<Mat> make_hessian() const override;
   /// K = d2Phi/dq2 [N/m]; rows and columns of prescribed entries are zero but for the diagonal.

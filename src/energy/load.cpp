@@ -188,42 +188,61 @@ bool DeadLoad::depends_on_time() const {
   return std::any_of(value_.begin(), value_.end(), [](const Expression& e) { return e.depends_on_time(); });
 }
 
-std::vector<double> DeadLoad::sampled(double time) const {
-  std::vector<double> f(size_, 0.0);
+template <class Add>
+void DeadLoad::for_each_force(double time, Add add) const {
+  if (!constant_.empty()) {
+    for (PetscInt i = 0; i < 3 * num_owned_nodes_; ++i) add(i, constant_[i]);
+  } else if (!nodal_weights_.empty()) {
+    for (int i = 0; i < 3; ++i) {
+      const double density = value_[i](0.0, 0.0, 0.0, time);
+      for (PetscInt a = 0; a < num_owned_nodes_; ++a) add(3 * a + i, density * nodal_weights_[a]);
+    }
+  } else {
+    for_each_sample(time, add);
+  }
+}
+
+template <class Add>
+void DeadLoad::for_each_sample(double time, Add add) const {
   for (std::size_t p = 0; p < samples_.weights.size(); ++p) {
     const std::size_t item = p / samples_.points_per_item, q = p % samples_.points_per_item;
     const auto& [x, y, z] = samples_.points[p];
     for (int i = 0; i < 3; ++i) {
       const double density = samples_.weights[p] * value_[i](x, y, z, time);
       for (int a = 0; a < samples_.nodes_per_item; ++a) {
-        f[3 * samples_.nodes[item * samples_.nodes_per_item + a] + i] += density * samples_.shapes[q][a];
+        const PetscInt node = samples_.nodes[item * samples_.nodes_per_item + a];
+        if (node < num_owned_nodes_) add(3 * node + i, density * samples_.shapes[q][a]);
       }
     }
   }
+}
+
+std::vector<double> DeadLoad::sampled(double time) const {
+  std::vector<double> f(size_, 0.0);
+  for_each_sample(time, [&](PetscInt i, double force) { f[i] += force; });
   return f;
 }
 
 std::vector<double> DeadLoad::forces(double time) const {
-  if (!constant_.empty()) return constant_;
-  if (nodal_weights_.empty()) return sampled(time);
   std::vector<double> f(size_, 0.0);
-  for (int i = 0; i < 3; ++i) {
-    const double density = value_[i](0.0, 0.0, 0.0, time);
-    for (PetscInt a = 0; a < num_owned_nodes_; ++a) f[3 * a + i] = density * nodal_weights_[a];
-  }
+  for_each_force(time, [&](PetscInt i, double force) { f[i] += force; });
   return f;
 }
 
 double DeadLoad::value(const LocalStage& stage, std::span<const double> q) const {
-  const std::vector<double> f = forces(stage.time);
   CompensatedSum<double> total;
-  for (PetscInt i = 0; i < 3 * num_owned_nodes_; ++i) total.add(-f[i] * (q[i] - stage.q0[i]));
+  for_each_force(stage.time, [&](PetscInt i, double force) { total.add(-force * (q[i] - stage.q0[i])); });
   return stage.load_factor * total.total();
 }
 
+double DeadLoad::energy(std::span<const double> q, std::span<const double> /*z*/) const {
+  CompensatedSum<double> total;
+  if (!depends_on_time()) for_each_force(0.0, [&](PetscInt i, double force) { total.add(-force * q[i]); });
+  return total.total();
+}
+
 void DeadLoad::add_gradient(const LocalStage& stage, std::span<const double>, std::span<double> r) const {
-  const std::vector<double> f = forces(stage.time);
-  for (PetscInt i = 0; i < 3 * num_owned_nodes_; ++i) r[i] -= stage.load_factor * f[i];
+  for_each_force(stage.time, [&](PetscInt i, double force) { r[i] -= stage.load_factor * force; });
 }
 
 }  // namespace pliant

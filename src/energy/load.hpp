@@ -42,16 +42,26 @@ class DeadLoad final : public EnergyTerm {
   DeadLoad(const NodeLayout& layout, LoadSamples samples, std::array<Expression, 3> value);
 
   std::string_view name() const override { return "load"; }
-  TermDeclaration declaration() const override { return {.account = Account::load}; }
+  TermDeclaration declaration() const override {
+    return {.account = depends_on_time() ? Account::load : Account::load_potential};
+  }
   double value(const LocalStage& stage, std::span<const double> q) const override;
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override;
   void add_hessian(const LocalStage&, std::span<const double>, const BlockWriter&, Projection) const override {}
+
+  /// -int f . u of a load that does not depend on time; 0 of others.
+  double energy(std::span<const double> q, std::span<const double> z) const override;
 
   /// Nodal forces at a time, rows of owned nodes [N].
   std::vector<double> forces(double time) const;
   bool depends_on_time() const;
 
  private:
+  /// Calls `add(owned entry, force)`, several times for an entry perhaps.
+  template <class Add>
+  void for_each_force(double time, Add add) const;
+  template <class Add>
+  void for_each_sample(double time, Add add) const;
   std::vector<double> sampled(double time) const;
 
   PetscInt num_owned_nodes_;

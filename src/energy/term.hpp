@@ -24,9 +24,10 @@ enum class Projection { none, positive_semidefinite };
 
 /// Where the power of a term's forces is booked.
 enum class Account {
-  kinetic,  ///< inertia: changes the kinetic energy
-  stored,   ///< elasticity: changes `EnergyTerm::energy`; what `dissipation` says is lost
-  load      ///< done by loads
+  kinetic,         ///< inertia: changes the kinetic energy
+  stored,          ///< elasticity: changes `EnergyTerm::energy`; what `dissipation` says is lost
+  load_potential,  ///< done by loads that have an energy of their own, `EnergyTerm::energy`
+  load             ///< done by other loads
 };
 
 /// Whether `add_hessian` adds a symmetric matrix.
@@ -68,7 +69,7 @@ class EnergyTerm {
   /// Sets those of z that are functions of q to their values at q; the others stand as the method left them.
   virtual void complete_step(std::span<const double> /*q*/, std::span<double> /*z*/) const {}
 
-  /// Stored energy of the owned cells [J].
+  /// Energy of the owned cells or nodes, if the account is `stored` or `load_potential` [J].
   virtual double energy(std::span<const double> /*q*/, std::span<const double> /*z*/) const { return 0.0; }
   /// Power that the owned cells dissipate by physical mechanisms at the end of the stage [W], >= 0.
   virtual double dissipation(const LocalStage& /*stage*/, std::span<const double> /*q*/) const { return 0.0; }

@@ -62,27 +62,88 @@ double depth(const Point& xi) {
   return std::min({xi[0], xi[1], xi[2], 1.0 - xi[0] - xi[1] - xi[2]});
 }
 
+struct Box {
+  Point low, high;
+};
+
+/// Around the owned cell, with room for curved sides.
+Box box_of(const NodeLayout& layout, PetscInt cell) {
+  const auto nodes = layout.nodes_of_cell(cell);
+  Box box{layout.position(nodes[0]), layout.position(nodes[0])};
+  for (const PetscInt n : nodes) {
+    const Point x = layout.position(n);
+    for (int i = 0; i < 3; ++i) {
+      box.low[i] = std::min(box.low[i], x[i]);
+      box.high[i] = std::max(box.high[i], x[i]);
+    }
+  }
+  for (int i = 0; i < 3; ++i) {
+    const double margin = 0.1 * (box.high[i] - box.low[i]);
+    box.low[i] -= margin;
+    box.high[i] += margin;
+  }
+  return box;
+}
+
+/// The owned cells in a regular grid of about as many bins.
+class CellGrid {
+ public:
+  explicit CellGrid(const NodeLayout& layout) {
+    constexpr double inf = std::numeric_limits<double>::infinity();
+    bounds_ = {{inf, inf, inf}, {-inf, -inf, -inf}};
+    for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+      const Box box = box_of(layout, c);
+      for (int i = 0; i < 3; ++i) {
+        bounds_.low[i] = std::min(bounds_.low[i], box.low[i]);
+        bounds_.high[i] = std::max(bounds_.high[i], box.high[i]);
+      }
+    }
+    per_side_ = std::max(1, static_cast<int>(std::cbrt(static_cast<double>(layout.num_owned_cells))));
+    bins_.resize(static_cast<std::size_t>(per_side_) * per_side_ * per_side_);
+    for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+      const Box box = box_of(layout, c);
+      const auto first = bin(box.low), last = bin(box.high);
+      for (int i = first[0]; i <= last[0]; ++i) {
+        for (int j = first[1]; j <= last[1]; ++j) {
+          for (int k = first[2]; k <= last[2]; ++k) bins_[number({i, j, k})].push_back(c);
+        }
+      }
+    }
+  }
+
+  /// Cells whose box may hold X.
+  std::span<const PetscInt> near(const Point& X) const {
+    for (int i = 0; i < 3; ++i) {
+      if (!(X[i] >= bounds_.low[i] && X[i] <= bounds_.high[i])) return {};
+    }
+    return bins_[number(bin(X))];
+  }
+
+ private:
+  std::array<int, 3> bin(const Point& X) const {
+    std::array<int, 3> index{};
+    for (int i = 0; i < 3; ++i) {
+      const double part = (X[i] - bounds_.low[i]) / (bounds_.high[i] - bounds_.low[i]);
+      index[i] = std::clamp(static_cast<int>(part * per_side_), 0, per_side_ - 1);
+    }
+    return index;
+  }
+  std::size_t number(const std::array<int, 3>& index) const {
+    return (static_cast<std::size_t>(index[0]) * per_side_ + index[1]) * per_side_ + index[2];
+  }
+
+  Box bounds_;
+  int per_side_ = 1;
+  std::vector<std::vector<PetscInt>> bins_;
+};
+
 template <int Order>
-ProbeLocation locate_local(const NodeLayout& layout, const Point& X) {
+ProbeLocation locate_local(const NodeLayout& layout, const CellGrid& grid, const Point& X) {
   ProbeLocation best;
   best.distance = std::numeric_limits<double>::infinity();
   double best_depth = -1e-9;
-  for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+  for (const PetscInt c : grid.near(X)) {
     const auto nodes = layout.nodes_of_cell(c);
-    Point low = layout.position(nodes[0]), high = low;
-    for (const PetscInt n : nodes) {
-      const Point x = layout.position(n);
-      for (int i = 0; i < 3; ++i) {
-        low[i] = std::min(low[i], x[i]);
-        high[i] = std::max(high[i], x[i]);
-      }
-    }
-    bool near = true;
-    for (int i = 0; i < 3; ++i) {
-      const double margin = 0.1 * (high[i] - low[i]);
-      near = near && X[i] >= low[i] - margin && X[i] <= high[i] + margin;
-    }
-    if (!near) continue;
     const CellMap<Order> map{layout, nodes};
     const Point xi = map.inverse(X);
     if (!(depth(xi) > best_depth)) continue;
@@ -114,16 +175,26 @@ std::array<double, 3> ProbeLocation::interpolate(std::span<const double> local) 
   return value;
 }
 
-ProbeLocation locate(const NodeLayout& layout, const std::array<double, 3>& X) {
-  ProbeLocation location = layout.order == 1 ? locate_local<1>(layout, X) : locate_local<2>(layout, X);
-  struct {
+std::vector<ProbeLocation> locate(const NodeLayout& layout, std::span<const std::array<double, 3>> points) {
+  const CellGrid grid(layout);
+  struct Candidate {
     double distance;
     int rank;
-  } mine{location.distance, rank(layout.comm)}, nearest{};
-  check_mpi(MPI_Allreduce(&mine, &nearest, 1, MPI_DOUBLE_INT, MPI_MINLOC, layout.comm));
-  if (nearest.rank != mine.rank) location = {};
-  location.distance = nearest.distance;
-  return location;
+  };
+  std::vector<ProbeLocation> locations;
+  std::vector<Candidate> mine;
+  for (const auto& X : points) {
+    locations.push_back(layout.order == 1 ? locate_local<1>(layout, grid, X) : locate_local<2>(layout, grid, X));
+    mine.push_back({locations.back().distance, rank(layout.comm)});
+  }
+  std::vector<Candidate> nearest(mine.size());
+  check_mpi(MPI_Allreduce(mine.data(), nearest.data(), static_cast<int>(mine.size()), MPI_DOUBLE_INT, MPI_MINLOC,
+                          layout.comm));
+  for (std::size_t p = 0; p < locations.size(); ++p) {
+    if (nearest[p].rank != mine[p].rank) locations[p] = {};
+    locations[p].distance = nearest[p].distance;
+  }
+  return locations;
 }
 
 }  // namespace pliant

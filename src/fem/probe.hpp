@@ -4,6 +4,7 @@
 #include "fem/layout.hpp"
 
 #include <array>
+#include <span>
 #include <vector>
 
 namespace pliant {
@@ -19,7 +20,11 @@ struct ProbeLocation {
   std::array<double, 3> interpolate(std::span<const double> local) const;
 };
 
-/// The place of X in the mesh; for a point outside, the nearest node. Collective.
-ProbeLocation locate(const NodeLayout& layout, const std::array<double, 3>& X);
+/// The places of the points (the same on every rank) in the mesh; for a point outside, the nearest node. Collective.
+std::vector<ProbeLocation> locate(const NodeLayout& layout, std::span<const std::array<double, 3>> points);
+
+inline ProbeLocation locate(const NodeLayout& layout, const std::array<double, 3>& X) {
+  return locate(layout, std::span(&X, 1)).front();
+}
 
 }  // namespace pliant

@@ -10,6 +10,9 @@ namespace pliant {
 namespace {
 
 constexpr double growth = 2.0;
+constexpr int num_start_steps = 4;       // until estimates have their full order
+constexpr int many_rejections = 3;       // in a row
+constexpr double hard_step_part = 0.01;  // of the tolerance, for a step that is hard to estimate
 constexpr double sliver = 1e-6;  // of a step: a step is made longer by so much rather than followed by one so short
 
 // Of adaptive steps:
@@ -87,7 +90,7 @@ Step StepControl::next_adaptive(const Target& target) const {
   const double rest = target.time - progress_.time;
   double longest = adaptive.max_dt;
   if (progress_.last_dt > 0.0) longest = std::min(longest, adaptive.max_growth * progress_.last_dt);
-  const double slack = progress_.rejected ? sliver : stretch;  // a rejected step must become shorter
+  const double slack = progress_.rejections > 0 ? sliver : stretch;  // a rejected step must become shorter
   const double num_steps =
       std::max({1.0, std::ceil(rest / progress_.limit - slack), std::ceil(rest / longest - sliver)});
   double dt = rest / num_steps;
@@ -95,9 +98,13 @@ Step StepControl::next_adaptive(const Target& target) const {
   return {num_steps > 1.0 ? target.time - (num_steps - 1.0) * dt : target.time, dt};
 }
 
-/// The error as a share of what the step may have.
+/// The error as a share of what the step may have: of the tolerance as much as of the run's duration, but a hundredth
+/// where steps are hard to estimate. After a start or event estimates are of low order and too large; at a kink that is
+/// no event, and where rounding and the solver's tolerance are all that is left, the error does not fall as it should.
 double StepControl::share(const Step& step, double error) const {
-  return error * (plan_.end - plan_.origin) / step.dt;
+  const double part = step.dt / (plan_.end - plan_.origin);
+  const bool is_hard = progress_.num_after_start < num_start_steps || progress_.rejections >= many_rejections;
+  return error / (is_hard ? std::max(part, hard_step_part) : part);
 }
 
 bool StepControl::accepts(double error) const {
@@ -136,16 +143,18 @@ void StepControl::adapt(const Step& step, double error) {
     } else if (progress_.error > 0.0) {
       factor = std::pow(proposed, 0.7) * std::pow(progress_.error / e, 0.3 / p);
     }
-    const double most = progress_.rejected ? 1.0 : std::min(growth, adaptive.max_growth);
+    const double most = progress_.rejections > 0 ? 1.0 : std::min(growth, adaptive.max_growth);
     progress_.limit = std::clamp(wanted * std::clamp(factor, strongest_cut, most), plan_.min_dt, adaptive.max_dt);
     progress_.error = e;
-    progress_.rejected = false;
+    progress_.rejections = 0;
   }
   progress_.last_dt = step.dt;
+  progress_.num_after_start = std::min(progress_.num_after_start + 1, num_start_steps);
   if (progress_.at_event) {
     progress_.limit = std::max(after_event * progress_.limit, plan_.min_dt);
     progress_.last_dt = 0.0;
     progress_.error = 0.0;
+    progress_.num_after_start = 0;
   }
 }
 
@@ -179,7 +188,7 @@ RetryDecision StepControl::shorten(const Step& step, double dt, const std::strin
   assert(dt < step.dt);
   progress_.limit = dt;
   progress_.error = 0.0;
-  progress_.rejected = true;
+  ++progress_.rejections;
   return {Retry::again, failure + "; trying " + quantity(dt)};
 }
 

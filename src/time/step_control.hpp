@@ -44,9 +44,10 @@ struct StepProgress {
   bool at_event = false;     ///< the last accepted step ended at an event
   bool at_interval = false;  ///< ... at the end of a nominal step or interval
   // Of adaptive steps only:
-  double last_dt = 0.0;   ///< length of the last accepted step; 0 at the start and after an event [s]
-  double error = 0.0;     ///< of the last step asked about its error, as a share of what it may have; 0: none
-  bool rejected = false;  ///< a step was rejected since the last accepted one
+  double last_dt = 0.0;     ///< length of the last accepted step; 0 at the start and after an event [s]
+  double error = 0.0;       ///< of the last step asked about its error, as a share of what it may have; 0: none
+  int rejections = 0;       ///< since the last accepted step
+  int num_after_start = 0;  ///< accepted steps since the start or the last event, counted as far as it matters
 };
 
 enum class Retry { again, give_up };

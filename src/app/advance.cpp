@@ -1,0 +1,177 @@
+#include "app/advance.hpp"
+
+#include "app/input_schema.hpp"
+#include "petsc/check.hpp"
+#include "solver/petsc_integrator.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+NewtonOptions newton_options(const Config& config) {
+  const auto& newton = config.solver.newton;
+  return {newton.relative, newton.absolute, newton.max_iterations};
+}
+
+LinearKind linear_kind(const Config& config, const NodeLayout& layout) {
+  if (config.solver.linear == "cholesky") return LinearKind::cholesky;
+  if (config.solver.linear == "amg") return LinearKind::amg;
+  return automatic_linear_kind(3 * layout.num_global_nodes);
+}
+
+/// PETSc reads its options here, the same on every rank, so that all fail together.
+template <class Make>
+auto with_user_options(const Make& make) {
+  try {
+    return make();
+  } catch (const PetscFailure& failure) {
+    if (failure.code() == PETSC_ERR_MEM) throw;
+    throw InputError({"PETSc options", 0, 0}, failure.what());
+  }
+}
+
+/// With our own Newton's method.
+class OwnSolver {
+ public:
+  OwnSolver(const Config& config, Model& model)
+      : solver_(with_user_options([&] {
+          return std::make_unique<NewtonSolver>(model.potential(), newton_options(config),
+                                                linear_kind(config, model.layout()));
+        })),
+        description_("solver: " + describe(model.potential(), linear_kind(config, model.layout()))) {}
+
+  StageSolve stage_solve() {
+    return [solver = solver_.get()](const StagePoint& stage, Vec q) { return solver->solve(stage, q); };
+  }
+  const NewtonSolver& solver() const { return *solver_; }
+  std::string description() const { return description_; }
+
+ private:
+  std::unique_ptr<NewtonSolver> solver_;
+  std::string description_;
+};
+
+/// In time, by a method of the table or the user's own.
+class TimeAdvance final : public Advance {
+ public:
+  TimeAdvance(const Config& config, Model& model, Ledger& ledger, const StateView& initial)
+      : own_(config, model), integrator_(options_of(config), system_of(model, ledger, own_), initial) {
+    if (const auto& adaptive = config.time.adaptive) {
+      norm_.emplace(Tolerances{adaptive->relative, adaptive->absolute, adaptive->absolute_velocity}, initial);
+    }
+  }
+
+  StepAttempt attempt(const Step& step) override { return integrator_.attempt(step); }
+  void accept(const StepAttempt& attempt) override {
+    if (norm_) norm_->accept(attempt);
+    integrator_.accept(attempt);
+  }
+  void restart() override { integrator_.restart(); }
+  double error(const StepAttempt& attempt) const override { return norm_ ? (*norm_)(attempt) : 0.0; }
+  const SolverStatistics& solver_statistics() const override { return own_.solver().statistics(); }
+  std::vector<std::string> description() const override { return {own_.description()}; }
+
+ private:
+  static IntegratorOptions options_of(const Config& config) {
+    return {*integrator_of(config), config.time.startup == "dirk33" ? Startup::dirk33 : Startup::ramp,
+            config.time.adaptive ? ErrorEstimate::local : ErrorEstimate::none};
+  }
+  static System system_of(Model& model, Ledger& ledger, OwnSolver& own) {
+    System system;
+    system.solve = own.stage_solve();
+    system.motion = model.prescribed().motion();
+    system.internal = model.potential().internal_variables();
+    system.quadratures = ledger.quadratures();
+    return system;
+  }
+
+  OwnSolver own_;
+  Integrator integrator_;
+  std::optional<ErrorNorm> norm_;
+};
+
+/// In time, by an integrator of PETSc.
+class PetscAdvance final : public Advance {
+ public:
+  PetscAdvance(const Config& config, Model& model, const PetscMethod& method, const StateView& initial)
+      : name_(method.name), integrator_(with_user_options([&] {
+          const PetscIntegratorOptions options{method, newton_options(config), linear_kind(config, model.layout())};
+          return std::make_unique<PetscIntegrator>(options, model.potential(), model.prescribed().motion(), initial);
+        })) {}
+
+  StepAttempt attempt(const Step& step) override { return integrator_->attempt(step); }
+  void accept(const StepAttempt& attempt) override { integrator_->accept(attempt); }
+  void restart() override { integrator_->restart(); }
+  const SolverStatistics& solver_statistics() const override { return integrator_->statistics(); }
+  std::vector<std::string> description() const override {
+    return {fmt::format("solver: PETSc's integrator {}, with its own Newton's method", name_)};
+  }
+
+ private:
+  std::string name_;
+  std::unique_ptr<PetscIntegrator> integrator_;
+};
+
+const PetscMethod* petsc_method_of(const Config& config) {
+  const auto all = petsc_methods();
+  const auto found = std::ranges::find_if(
+      all, [&](const PetscMethod& m) { return config.time.method.value == fmt::format("petsc:{}", m.name); });
+  return found == all.end() ? nullptr : &*found;
+}
+
+/// Along the load factor from 0 to 1, at one time; "time" of a step is the load factor.
+class LoadAdvance final : public Advance {
+ public:
+  LoadAdvance(const Config& config, Model& model, Vec q)
+      : own_(config, model), solve_(own_.stage_solve()), motion_(model.prescribed().motion()), time_(config.time.end) {
+    for (Handle<Vec>* v : {&state_, &q_, &start_, &zero_, &start_velocity_}) *v = make_vector(model.layout());
+    check(VecCopy(q, state_.get()));
+  }
+
+  StepAttempt attempt(const Step& step) override {
+    check(VecCopy(state_.get(), q_.get()));
+    check(VecCopy(state_.get(), start_.get()));
+    check(VecSet(start_velocity_.get(), 0.0));
+    StepAttempt result;
+    result.time = step.time;
+    result.last_stage = {time_, 1.0, start_.get(), start_velocity_.get(), step.time, time_ - 1.0};
+    motion_.start_stage(result.last_stage, q_.get());
+    result.report = solve_(result.last_stage, q_.get());
+    result.q = result.last_q = q_.get();
+    result.v = result.last_a = zero_.get();
+    return result;
+  }
+
+  void accept(const StepAttempt& attempt) override { check(VecCopy(attempt.q, state_.get())); }
+  const SolverStatistics& solver_statistics() const override { return own_.solver().statistics(); }
+  std::vector<std::string> description() const override { return {own_.description()}; }
+
+ private:
+  OwnSolver own_;
+  StageSolve solve_;
+  PrescribedMotion motion_;
+  double time_;
+  Handle<Vec> state_, q_, start_, zero_, start_velocity_;
+};
+
+}  // namespace
+
+std::unique_ptr<Advance> make_advance(const Config& config, Model& model, Ledger& ledger, const StateView& initial) {
+  if (analysis_of(config) == Analysis::static_equilibrium) {
+    return std::make_unique<LoadAdvance>(config, model, initial.q);
+  }
+  if (const PetscMethod* method = petsc_method_of(config)) {
+    if (const auto reason = why_not(model.potential())) {
+      throw InputError(config.time.method.where,
+                       fmt::format("'{}' cannot be used here: {}", config.time.method.value, *reason));
+    }
+    return std::make_unique<PetscAdvance>(config, model, *method, initial);
+  }
+  return std::make_unique<TimeAdvance>(config, model, ledger, initial);
+}
+
+}  // namespace pliant

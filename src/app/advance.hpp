@@ -1,0 +1,37 @@
+/// What moves the state from one step to the next: our integrators, PETSc's, or load steps.
+#pragma once
+
+#include "app/config.hpp"
+#include "app/ledger.hpp"
+#include "app/model.hpp"
+#include "solver/newton.hpp"
+#include "time/integrator.hpp"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+/// A step's outcome is only a proposal until it is accepted. All methods are collective.
+class Advance {
+ public:
+  virtual ~Advance() = default;
+
+  /// Tries a step from the last accepted state. What the attempt points to is valid until the next one.
+  virtual StepAttempt attempt(const Step& step) = 0;
+  virtual void accept(const StepAttempt& attempt) = 0;
+  /// Loads may have jumped: what was before the last accepted state is of no use to the next step.
+  virtual void restart() {}
+  /// Estimated error of a converged attempt in units of the tolerances; 0 if errors are not estimated.
+  virtual double error(const StepAttempt& /*attempt*/) const { return 0.0; }
+
+  virtual const SolverStatistics& solver_statistics() const = 0;
+  /// How it works, line by line, for the log.
+  virtual std::vector<std::string> description() const = 0;
+};
+
+/// What the input's method asks for, from the initial state. `config`, `model` and `ledger` outlive the result.
+std::unique_ptr<Advance> make_advance(const Config& config, Model& model, Ledger& ledger, const StateView& initial);
+
+}  // namespace pliant

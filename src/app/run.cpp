@@ -1,0 +1,187 @@
+#include "app/run.hpp"
+
+#include "app/model.hpp"
+#include "app/recorder.hpp"
+#include "app/signals.hpp"
+#include "app/simulation.hpp"
+#include "petsc/collective.hpp"
+#include "petsc/session.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Frames are due at multiples of the output interval, at the first step at or after them.
+class FrameSchedule {
+ public:
+  explicit FrameSchedule(std::optional<double> interval) : interval_(interval) {}
+  bool due(double time) {
+    if (!interval_) return true;
+    const auto reached = static_cast<long long>(std::floor(time / *interval_ * (1.0 + 1e-12) + 1e-9));
+    if (reached <= last_) return false;
+    last_ = reached;
+    return true;
+  }
+
+ private:
+  std::optional<double> interval_;
+  long long last_ = 0;
+};
+
+/// The steps that needed most.
+struct WorstStep {
+  std::int64_t step = 0;
+  double time = 0.0;
+  int newton_iterations = -1;
+};
+
+class Run {
+ public:
+  Run(MPI_Comm comm, const Config& config, Console& console)
+      : comm_(comm), config_(config), console_(console), model_(comm, config) {
+    introduce();
+    simulation_.emplace(config, model_);
+    for (const auto& line : simulation_->description()) console.print(line);
+    recorder_.emplace(comm, config, model_);
+    setup_seconds_ = seconds_since(start_);
+  }
+
+  ExitCode operator()() {
+    const InterruptGuard interrupt;
+    // Every step is a frame unless an interval is given.
+    FrameSchedule schedule(config_.output.every);
+    recorder_->record(record(), simulation_->ledger());
+    recorder_->write_frame(record());
+    const auto start = Clock::now();
+    while (!simulation_->finished()) {
+      if (interrupt.interrupted(comm_)) {
+        if (!last_frame_written_) recorder_->write_frame(record());
+        summarise();
+        console_.warn(fmt::format("interrupted after step {} at t = {:.6g} s; what was computed is in {}",
+                                  record().step, record().time, config_.output.directory));
+        return ExitCode::interrupted;
+      }
+      const StepOutcome outcome = simulation_->advance();
+      if (outcome.kind == StepOutcome::Kind::failed) give_up(outcome.reason);
+      if (outcome.kind == StepOutcome::Kind::unsolved) console_.warn(outcome.reason);
+      if (outcome.kind != StepOutcome::Kind::accepted) continue;
+      recorder_->record(record(), simulation_->ledger());
+      if (record().newton_iterations > worst_.newton_iterations) {
+        worst_ = {record().step, record().time, record().newton_iterations};
+      }
+      last_frame_written_ = schedule.due(record().time) || simulation_->finished();
+      if (last_frame_written_) recorder_->write_frame(record());
+      const std::string line = progress_line(seconds_since(start));
+      if (console_.is_terminal()) {
+        console_.progress(line);
+      } else if (last_frame_written_) {
+        console_.print(line);
+      }
+    }
+    summarise();
+    return ExitCode::done;
+  }
+
+ private:
+  const StepRecord& record() const { return simulation_->record(); }
+  bool is_static() const { return analysis_of(config_) == Analysis::static_equilibrium; }
+  const char* variable() const { return is_static() ? "load factor" : "t"; }
+
+  void introduce() {
+    const NodeLayout& layout = model_.layout();
+    console_.print(fmt::format("{}: {} tetrahedra, {} unknowns, {} rank{}",
+                               config_.title.empty() ? config_.file : config_.title, layout.num_global_cells,
+                               3 * layout.num_global_nodes, num_ranks(comm_), num_ranks(comm_) == 1 ? "" : "s"));
+    for (const auto& notice : model_.mesh().report.notices) console_.print("note: " + notice);
+    for (const auto& notice : model_.notices()) console_.print("note: " + notice);
+  }
+
+  [[noreturn]] void give_up(const std::string& reason) {
+    if (!last_frame_written_) recorder_->write_frame(record());
+    summarise();
+    throw SolveError(fmt::format(
+        "the solve failed at {0} = {1:.6g}: {2}. The last good state ({0} = {1:.6g}) is in {3}. What may help: {4}, a "
+        "finer or better mesh where it deforms most, weaker loads; `-- -snes_monitor` shows Newton's method at work",
+        variable(), record().time, reason, config_.output.directory,
+        is_static() ? "more load_steps" : "a smaller time.step"));
+  }
+
+  std::string progress_line(double elapsed) {
+    const Energies& e = simulation_->ledger().energies();
+    const double done = record().time / simulation_->plan().end;
+    largest_energy_ =
+        std::max({largest_energy_, e.kinetic, e.elastic, std::abs(e.load_potential), std::abs(e.load_work)});
+    return fmt::format("{} {:.6g}{}  step {}  dt {:.3g}  newton {}  energy balance {:+.1e}  {:.0f} s left", variable(),
+                       record().time, is_static() ? "" : " s", record().step, record().dt, record().newton_iterations,
+                       e.balance_error / std::max(largest_energy_, 1e-300),
+                       elapsed * (1.0 - done) / std::max(done, 1e-12));
+  }
+
+  void summarise() {
+    const SolverStatistics& s = simulation_->solver_statistics();
+    const StepStatistics& steps = simulation_->steps();
+    const double total = seconds_since(start_);
+    const double known =
+        setup_seconds_ + s.assembly_seconds + s.factorization_seconds + s.solve_seconds + recorder_->seconds();
+    console_.print(
+        fmt::format("time: {:.2f} s = set-up {:.2f} + assembly {:.2f} + factorization {:.2f} + solve {:.2f} + output "
+                    "{:.2f} + rest {:.2f}",
+                    total, setup_seconds_, s.assembly_seconds, s.factorization_seconds, s.solve_seconds,
+                    recorder_->seconds(), total - known));
+    console_.print(fmt::format("steps: {} from {:.3g} to {:.3g}{}; {} repeated after a failed solve, {} for accuracy",
+                               steps.accepted, steps.shortest, steps.longest, is_static() ? "" : " s", steps.failed,
+                               steps.inaccurate));
+    console_.print(
+        fmt::format("newton: {} iterations in {} stages; {} factorizations, {} linear iterations, {} step lengths "
+                    "refused, {} steps capped before inversion, {} Hessians projected, {} shifted, {} stages ended at "
+                    "rounding",
+                    s.newton_iterations, s.stages, s.factorizations, s.linear_iterations, s.backtracks, s.capped_steps,
+                    s.projections, s.regularizations, s.rounding_stops));
+    if (worst_.newton_iterations >= 0) {
+      console_.print(fmt::format("worst step: {} at {} = {:.6g} with {} Newton iterations", worst_.step, variable(),
+                                 worst_.time, worst_.newton_iterations));
+    }
+    const Energies& e = simulation_->ledger().energies();
+    console_.print(
+        fmt::format("energy [J]: kinetic {:.6g}, elastic {:.6g}, load potential {:.6g}; since the start: "
+                    "work of loads {:.6g}, of prescribed motion {:.6g}, dissipated by the material {:.6g}, "
+                    "by the method {:.6g}; balance {:+.3g}",
+                    e.kinetic, e.elastic, e.load_potential, e.load_work - e.support_work, e.support_work, e.dissipated,
+                    e.numerical_dissipation, e.balance_error));
+    console_.print(fmt::format("results: {0}/result.xdmf, {0}/history.csv", config_.output.directory));
+    for (const auto& option : unused_petsc_options()) {
+      console_.warn(fmt::format("PETSc option {} was not used by any object; is it misspelt?", option));
+    }
+  }
+
+  Clock::time_point start_ = Clock::now();
+  MPI_Comm comm_;
+  const Config& config_;
+  Console& console_;
+  Model model_;
+  std::optional<Simulation> simulation_;
+  std::optional<Recorder> recorder_;
+  double setup_seconds_ = 0.0;
+  bool last_frame_written_ = true;
+  double largest_energy_ = 0.0;  // so far [J]
+  WorstStep worst_;
+};
+
+}  // namespace
+
+ExitCode run_with_output(MPI_Comm comm, const Config& config, Console& console) {
+  return Run(comm, config, console)();
+}
+
+}  // namespace pliant
