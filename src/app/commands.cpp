@@ -4,9 +4,12 @@
 #include "app/model.hpp"
 #include "app/run.hpp"
 #include "base/text.hpp"
+#include "energy/viscous.hpp"
 #include "material/registry.hpp"
+#include "material/viscosity_registry.hpp"
 #include "petsc/collective.hpp"
 #include "solver/linear.hpp"
+#include "solver/petsc_method.hpp"
 #include "time/method.hpp"
 
 #include <algorithm>
@@ -118,7 +121,7 @@ std::string methods_text() {
                                m.num_stages, to_string(m.stability), fmt::format("{:.3f}", m.R_infinity),
                                why_not_adaptive(m) ? "no" : "yes",
                                m.bt_embedded.empty() ? "-" : fmt::format("{}", m.embedded_order),
-                               keeps_order_with_reconstructed_rates(m) ? "reconstructed" : "exact");
+                               strain_rates()[static_cast<std::size_t>(strain_rate_for(m))].name);
     text += wrapped(m.summary, width, indent);
   }
   const auto legend = [&](const char* word, const char* meaning) {
@@ -138,20 +141,32 @@ std::string methods_text() {
          "order of the formula of the same stages that tells the error, until (stiffly accurate methods) "
          "enough steps are known to estimate it better");
   legend("viscous rate",
-         "the form of the strain rate that rate: auto takes: reconstructed has a potential to minimise, "
-         "and is taken where it keeps the order");
+         "the form of the strain rate that rate: auto takes: one with a potential to minimise, secant or "
+         "reconstructed, where that keeps the order");
   text += "\nYour own coefficients: time: {method: {alpha: [...], beta: ..., A: [[...]], b: [...]}}.\n";
+  text += "Integrators of PETSc, a second opinion: time: {method: {petsc: NAME}}, NAME one of\n";
+  for (const auto& m : petsc_methods()) text += fmt::format("  {:<10} order {}  {}\n", m.name, m.order, m.description);
   return text;
 }
 
 std::string materials_text() {
   std::string text;
-  for (const auto& law : elastic_laws()) {
-    text += fmt::format("{}\n  {}\n", law.name, law.formula);
-    for (const auto& p : law.parameters) {
-      text += fmt::format("  {:<16} [{}], {} < . < {}: {}\n", p.name, p.unit, p.lower, p.upper, p.meaning);
+  const auto list = [&](const char* title, std::span<const LawInfo> laws) {
+    text += fmt::format("{}\n\n", title);
+    for (const auto& law : laws) {
+      text += fmt::format("{}\n  {}\n", law.name, law.formula);
+      for (const auto& p : law.parameters) {
+        text += fmt::format("  {:<16} [{}], {} {} . < {}: {}\n", p.name, p.unit, p.lower,
+                            p.lower_bound == LowerBound::included ? "<=" : "<", p.upper, p.meaning);
+      }
+      text += fmt::format("  use: {}\n  source: {}\n\n", law.when_to_use, law.source);
     }
-    text += fmt::format("  use: {}\n  source: {}\n\n", law.when_to_use, law.source);
+  };
+  list("ELASTICITY (bodies[].elasticity)", elastic_laws());
+  list("VISCOSITY (bodies[].viscosity)", viscosity_laws());
+  text += "rate: the form of the strain rate of kelvin-voigt; auto takes what suits the method\n";
+  for (const auto& rate : strain_rates()) {
+    text += fmt::format("  {:<14} {}; {}\n", rate.name, rate.formula, rate.when_to_use);
   }
   return text;
 }

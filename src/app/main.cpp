@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -26,6 +25,8 @@ struct Arguments {
   bool quiet = false;
   bool markdown = false;
   StudyOptions study;
+  std::string refine;
+  bool accepts_any_order = false;
 
   std::vector<Override> overrides() const {
     std::vector<Override> result;
@@ -93,25 +94,29 @@ ExitCode parse_and_run(int argc, const char* const* argv) {
   add_input(converge);
   converge->add_option("--output", arguments.output, "directory for convergence.csv and the plots");
   converge
-      ->add_option("--in", arguments.study.refine,
+      ->add_option("--in", arguments.refine,
                    "what is refined: time (steps), space (the mesh, uniformly) or tolerance (of adaptive steps)")
       ->required()
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Refine>{
-              {"time", Refine::time}, {"space", Refine::space}, {"tolerance", Refine::tolerance}},
-          CLI::ignore_case));
+      ->check(CLI::IsMember({"time", "space", "tolerance"}))
+      ->type_name("time|space|tolerance");
   converge->add_option("--levels", arguments.study.levels, "how many; each halves steps or mesh size")
       ->check(CLI::Range(2, 12))
+      ->type_name("N")
       ->capture_default_str();
   converge
       ->add_option("--methods", arguments.study.methods,
                    "methods to compare, e.g. bdf2,dirk22; all; default: the input's")
-      ->delimiter(',');
-  converge->add_flag("--no-check{false}", arguments.study.checks_orders,
+      ->delimiter(',')
+      ->type_name("NAME,...");
+  converge->add_flag("--no-check", arguments.accepts_any_order,
                      "do not fail where an observed order falls short of the theoretical one by more than 0.3");
   converge->callback([&] {
     command = [&] {
       Console console(comm, Verbosity::normal);
+      arguments.study.refine = arguments.refine == "space"       ? Refine::space
+                               : arguments.refine == "tolerance" ? Refine::tolerance
+                                                                 : Refine::time;
+      arguments.study.checks_orders = !arguments.accepts_any_order;
       result = converge_command(comm, arguments.file, arguments.overrides(), arguments.study, console);
     };
   });

@@ -61,6 +61,10 @@ Model::Model(MPI_Comm comm, const Config& config) {
   }
   build_terms(config);
   prepare(config);
+  if (analysis_of(config) == Analysis::static_equilibrium &&
+      std::ranges::any_of(config.bodies, [](const BodyConfig& body) { return body.viscosity.has_value(); })) {
+    notices_.push_back("viscosity has no effect on a static equilibrium");
+  }
   wave_speeds_ = speeds_of(config);
 }
 
@@ -119,6 +123,12 @@ void Model::build_terms(const Config& config) {
   for (const auto& load : config.loads) {
     if (load.kind == LoadConfig::Kind::pressure) {
       follower.push_back({selections.facets(load.part), &load});
+      const auto& is_outer = follower.back().facets.is_outer;
+      if (any(layout_.comm, std::ranges::find(is_outer, 0) != is_outer.end())) {
+        selections.report(load.where, fmt::format("{} lies inside the mesh, where a pressure has no side to push on; "
+                                                  "name a part of the outer surface",
+                                                  describe(load.part)));
+      }
       continue;
     }
     const Variation variation = variation_of(load.value);
@@ -208,11 +218,9 @@ void Model::check_finite(const EnergyTerm& load, const Location& where, double t
 
 namespace {
 
-/// A form of the rate that has a potential, if one keeps the method's order; without a method of ours the exact one,
-/// which needs no history.
+/// Without a method of ours the exact form, which needs no history.
 StrainRate automatic_rate(const Method* method) {
-  if (method == nullptr) return StrainRate::exact;
-  return method->order == 1 ? StrainRate::secant : strain_rate_for(*method);
+  return method == nullptr ? StrainRate::exact : strain_rate_for(*method);
 }
 
 template <int Order>

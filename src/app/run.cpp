@@ -142,12 +142,13 @@ class Run {
     console_.print(fmt::format("steps: {} from {:.3g} to {:.3g}{}; {} repeated after a failed solve, {} for accuracy",
                                steps.accepted, steps.shortest, steps.longest, is_static() ? "" : " s", steps.failed,
                                steps.inaccurate));
-    console_.print(
-        fmt::format("newton: {} iterations in {} stages; {} factorizations, {} linear iterations, {} step lengths "
-                    "refused, {} steps capped before inversion, {} Hessians projected, {} shifted, {} stages ended at "
-                    "rounding",
-                    s.newton_iterations, s.stages, s.factorizations, s.linear_iterations, s.backtracks, s.capped_steps,
-                    s.projections, s.regularizations, s.rounding_stops));
+    console_.print(fmt::format(
+        "newton: {} iterations in {} stages, {} of them minimised, {} solved on the residual; {} factorizations, {} "
+        "linear iterations, {} step lengths "
+        "refused, {} steps capped before inversion, {} Hessians projected, {} shifted, {} stages ended at "
+        "rounding",
+        s.newton_iterations, s.stages, s.minimisations, s.residual_solves, s.factorizations, s.linear_iterations,
+        s.backtracks, s.capped_steps, s.projections, s.regularizations, s.rounding_stops));
     if (worst_.newton_iterations >= 0) {
       console_.print(fmt::format("worst step: {} at {} = {:.6g} with {} Newton iterations", worst_.step, variable(),
                                  worst_.time, worst_.newton_iterations));

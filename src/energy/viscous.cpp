@@ -64,7 +64,7 @@ class ViscousTerm final : public EnergyTerm {
   ViscousTerm(const Dashpot& dashpot, const CellGroups<Order>& groups, int body, PetscInt num_owned_nodes)
       : dashpot_(dashpot), cells_(groups, body, num_owned_nodes) {}
 
-  std::string_view name() const override { return "viscous"; }
+  std::string_view name() const override { return "viscosity"; }
   TermDeclaration declaration() const override { return {.is_potential = reference != Reference::rate}; }
 
   /// 1/2 D:C:D - 1/2 D0:C:D0 = (D - D0):C:(D + D0)/2 with D0 = D at q0.
@@ -217,7 +217,8 @@ template std::unique_ptr<EnergyTerm> make_viscous_term<1>(const ViscosityVariant
 template std::unique_ptr<EnergyTerm> make_viscous_term<2>(const ViscosityVariant&, const CellGroups<2>&, int, PetscInt);
 
 StrainRate strain_rate_for(const Method& method) {
-  return method.reconstructed_rate_order < method.order ? StrainRate::exact : StrainRate::reconstructed;
+  if (method.order == 1) return StrainRate::secant;
+  return keeps_order_with_reconstructed_rates(method) ? StrainRate::reconstructed : StrainRate::exact;
 }
 
 }  // namespace pliant

@@ -29,8 +29,8 @@ template <int Order>
 std::unique_ptr<EnergyTerm> make_viscous_term(const ViscosityVariant& law, const CellGroups<Order>& groups, int body,
                                               PetscInt num_owned_nodes);
 
-/// The form of the strain rate that keeps the method's order: `reconstructed`, which has a potential, where that does,
-/// else `exact`.
+/// The form of the strain rate that keeps the method's order: a form that has a potential where one does, `secant`,
+/// which needs no memory, before `reconstructed`; else `exact`.
 StrainRate strain_rate_for(const Method& method);
 
 }  // namespace pliant
