@@ -145,7 +145,9 @@ std::string methods_text() {
          "reconstructed, where that keeps the order");
   text += "\nYour own coefficients: time: {method: {alpha: [...], beta: ..., A: [[...]], b: [...]}}.\n";
   text += "Integrators of PETSc, a second opinion: time: {method: {petsc: NAME}}, NAME one of\n";
-  for (const auto& m : petsc_methods()) text += fmt::format("  {:<10} order {}  {}\n", m.name, m.order, m.description);
+  for (const auto& m : petsc_methods()) {
+    text += wrapped(fmt::format("{} (order {}): {}", m.name, m.order, m.description), width, indent);
+  }
   return text;
 }
 

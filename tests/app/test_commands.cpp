@@ -44,7 +44,8 @@ TEST(MethodsText, HasARowForEveryMethodWithItsNumbers) {
     EXPECT_NEAR(std::strtod(tail[0].c_str(), nullptr), m.R_infinity, 5.1e-4);
     EXPECT_EQ(tail[1], m.symplectic ? "no" : "yes");
     EXPECT_EQ(tail[2], m.bt_embedded.empty() ? "-" : std::to_string(m.embedded_order));
-    EXPECT_EQ(tail[3], m.reconstructed_rate_order == m.order ? "reconstructed" : "exact");
+    const bool keeps = m.reconstructed_rate_order == m.order;
+    EXPECT_EQ(tail[3], m.order == 1 ? "secant" : (keeps ? "reconstructed" : "exact"));
     // The words of the summary follow, in their order.
     std::vector<std::string> below;
     for (auto next = line + 1; next != lines.end() && next->starts_with("    "); ++next) {

@@ -105,7 +105,7 @@ class Commands(ProgramTest):
         # As in `pliant materials | head -1`.
         done = subprocess.run(f"'{PROGRAM}' materials | head -1", shell=True, capture_output=True,
                               text=True, check=False, cwd=self.directory)
-        self.assertEqual((done.stdout, done.stderr), ("linear\n", ""))
+        self.assertEqual((done.stdout, done.stderr), ("ELASTICITY (bodies[].elasticity)\n", ""))
 
 
 if __name__ == "__main__":
