@@ -1,0 +1,130 @@
+#!/usr/bin/python3
+"""Convergence studies: the shipped ones keep the orders of theory, a shortfall is an exit code, mistakes are told."""
+import csv
+import unittest
+import xml.etree.ElementTree
+
+import numpy as np
+
+from program import ROOT, ProgramTest
+
+INPUTS = ROOT / "input/convergence"
+COLUMNS = ["method", "level", "step", "size", "error_displacement", "error_velocity", "order_displacement", "order_velocity"]
+ORDERS = {"backward-euler": 1, "bdf2": 2, "bdf3": 3, "dirk22": 2, "dirk23": 3, "dirk33": 3, "implicit-midpoint": 2,
+          "symplectic-dirk22": 2, "petsc:alpha2": 2, "petsc:bdf": 2, "petsc:arkimex": 3}
+SHORTFALL = 0.3  # what the program allows
+PARALLEL = 1e-6  # relative; Newton's method stops far below the errors that are measured
+
+
+class Convergence(ProgramTest):
+    def converge(self, case, kind, levels, *more, ranks=1):
+        return self.call("converge", INPUTS / f"{case}.yaml", "--in", kind, "--levels", str(levels), "--output", "study", *more,
+                         ranks=ranks)
+
+    def study(self, case, kind, levels, *more, ranks=1, code=0):
+        """Names of the methods and the columns of numbers of a study that ends with `code`."""
+        done = self.converge(case, kind, levels, *more, ranks=ranks)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        with open(self.directory / "study/convergence.csv", encoding="ascii", newline="") as file:
+            header, *rows = csv.reader(file)
+        self.assertEqual(header[:8], COLUMNS)
+        self.assertTrue(all(len(row) == len(header) for row in rows))
+        table = {name: np.array([float(row[k + 1]) for row in rows]) for k, name in enumerate(header[1:])}
+        return [row[0] for row in rows], table, done
+
+    def check_orders(self, methods, table, expected):
+        """Orders are those of the errors in the table, and the last ones those of theory."""
+        for name in dict.fromkeys(methods):
+            of = np.array(methods) == name
+            np.testing.assert_array_equal(table["level"][of], np.arange(of.sum()))
+            np.testing.assert_allclose(table["step"][of][1:], table["step"][of][:-1] / 2, rtol=1e-12)
+            for kind in ("displacement", "velocity"):
+                errors, orders = table["error_" + kind][of], table["order_" + kind][of]
+                self.assertTrue(np.isnan(orders[0]))
+                np.testing.assert_allclose(orders[1:], np.log2(errors[:-1] / errors[1:]), atol=1e-9)
+                self.assertAlmostEqual(orders[-1], expected[name], delta=SHORTFALL, msg=f"{name}, {kind}")
+
+    def check_pictures(self, *names):
+        for name in names:
+            root = xml.etree.ElementTree.parse(self.directory / "study" / name).getroot()
+            self.assertEqual(root.tag, "{http://www.w3.org/2000/svg}svg")
+            self.assertGreater(len(list(root.iter())), 10)
+
+    def check_study_in_time(self, case):
+        methods, table, _ = self.study(case, "time", 4, "--methods", "all")
+        own = [name for name in ORDERS if not name.startswith("petsc")]
+        self.assertEqual(list(dict.fromkeys(methods)), own)
+        self.assertEqual(len(methods), 4 * len(own))
+        self.check_orders(methods, table, ORDERS)
+        self.check_pictures("convergence.svg", "work.svg")
+
+    def test_spinning_block(self):
+        self.check_study_in_time("spinning_block")
+
+    def test_relaxing_block(self):
+        self.check_study_in_time("relaxing_block")
+
+    def test_moving_clamp(self):
+        self.check_study_in_time("moving_clamp")
+
+    def test_integrators_of_petsc(self):
+        names = ["petsc:alpha2", "petsc:bdf", "petsc:arkimex"]
+        methods, table, _ = self.study("spinning_block", "time", 4, "--methods", ",".join(names))
+        self.assertEqual(list(dict.fromkeys(methods)), names)
+        self.check_orders(methods, table, ORDERS)
+
+    def test_ranks_agree(self):
+        one, two = (self.study("spinning_block", "time", 2, "--methods", "bdf3,dirk22", "--no-check", ranks=n) for n in (1, 2))
+        self.assertEqual(one[0], two[0])
+        for name in COLUMNS[1:]:
+            np.testing.assert_allclose(two[1][name], one[1][name], rtol=PARALLEL, err_msg=name)
+
+    def test_a_shortfall_is_an_exit_code(self):
+        # The difference of strains over a step is the strain rate to first order only, where a body turns.
+        secant = ("--set", "bodies.0.viscosity.rate=secant", "--methods", "backward-euler,bdf2")
+        _, table, done = self.study("spinning_block", "time", 3, *secant, code=1)
+        self.assertLess(table["order_displacement"][-1], 2 - SHORTFALL)
+        self.assertRegex(done.stderr, r"bdf2.*order.*2 expected")
+        self.assertNotIn("backward-euler", done.stderr)
+        self.study("spinning_block", "time", 3, *secant, "--no-check")
+
+    def test_linear_elements(self):
+        methods, table, _ = self.study("stretched_cube", "space", 3)
+        self.assertEqual(methods, ["static"] * 3)
+        np.testing.assert_allclose(table["size"][1:], table["size"][:-1] / 2, rtol=1e-12)
+        self.assertAlmostEqual(table["order_displacement"][-1], 2, delta=SHORTFALL)
+        self.check_pictures("convergence.svg")
+
+    def test_steps_chosen_by_tolerance(self):
+        # 40 ms of the blow and what follows: errors of the whole run stay near what was allowed.
+        methods, table, done = self.study("kicked_beam", "tolerance", 2, "--methods", "bdf2,dirk33", "--set", "time.end=40 ms")
+        self.assertEqual(methods, ["bdf2", "bdf2", "dirk33", "dirk33"])
+        np.testing.assert_allclose(table["size"][1::2], table["size"][::2] / 10, rtol=1e-12)  # the tolerances
+        told = [float(line.split()[-1]) for line in done.stdout.splitlines() if line.startswith(("bdf2", "dirk33"))]
+        self.assertEqual(len(told), 4)
+        self.assertLessEqual(max(told), 3)
+        self.assertTrue((table["error_displacement"][1::2] < table["error_displacement"][::2] / 3).all())
+        self.check_pictures("convergence.svg", "work.svg")
+
+    def test_mistakes(self):
+        cases = {
+            "static in time": ("stretched_cube", "time", 3, "no convergence in time"),
+            "tolerance of equal steps": ("spinning_block", "tolerance", 2, "adaptive"),
+            "unknown method": ("spinning_block", "time", 3, "'foo'", "--methods", "bdf2,foo"),
+            "one level": ("spinning_block", "time", 1, "--levels"),
+            "no number of levels": ("spinning_block", "time", "many", "--levels"),
+            "unknown kind": ("spinning_block", "size", 3, "--in"),
+        }
+        for name, (case, kind, levels, words, *more) in cases.items():
+            for ranks in (1, 2) if name == "unknown method" else (1,):
+                with self.subTest(name, ranks=ranks):
+                    done = self.converge(case, kind, levels, *more, ranks=ranks)
+                    self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+                    messages = [line for line in done.stderr.splitlines() if words in line]
+                    self.assertEqual(len(messages), 1, done.stderr)
+                    self.assertNotIn("PETSC ERROR", done.stderr)
+                    self.assertFalse((self.directory / "study/convergence.csv").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()
