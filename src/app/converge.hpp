@@ -26,8 +26,9 @@ inline constexpr double order_shortfall = 0.3;
 /// Runs the study and prints its table; writes convergence.csv and convergence.svg (in time also work.svg) into the
 /// output directory.
 ///
-/// In time and by tolerance, errors are distances from dirk33 with a quarter of the finest step, as root mean squares
-/// over the mass (over the nodes, where there is none) of the displacement [m] and the velocity [m/s] at the end. In
+/// In time and by tolerance, errors are distances from dirk33 with a quarter of the finest step or a hundredth of the
+/// finest tolerance, and with strain rates that keep its order, as root mean squares over the mass (over the nodes,
+/// where there is none) of the displacement [m] and the velocity [m/s] at the end. In
 /// space no finer solution is assumed right: the error of a level is its distance from the next one, as root mean
 /// square over the volume of the coarsest mesh, and one level more is solved for the last row. Returns done, or
 /// shortfall if an observed order, that of the two finest levels, is too low. Collective.

@@ -88,6 +88,12 @@ class Convergence(ProgramTest):
         self.assertNotIn("backward-euler", done.stderr)
         self.study("spinning_block", "time", 3, *secant, "--no-check")
 
+    def test_the_reference_keeps_its_order(self):
+        # All potential forms of the strain rate are one for backward Euler, so its errors tell whether the reference is.
+        rates = [self.study("spinning_block", "time", 2, "--methods", "backward-euler", "--no-check", "--set",
+                            f"bodies.0.viscosity.rate={rate}")[1] for rate in ("secant", "reconstructed")]
+        np.testing.assert_allclose(rates[0]["error_displacement"], rates[1]["error_displacement"], rtol=1e-5)
+
     def test_linear_elements(self):
         methods, table, _ = self.study("stretched_cube", "space", 3)
         self.assertEqual(methods, ["static"] * 3)
