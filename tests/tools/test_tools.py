@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""render.py and plot.py on a synthetic result: do they draw what is there, and do they say what is wrong in one line?"""
+"""The tools on synthetic results: do they draw what is there, and do they say what is wrong in one line?"""
 import os
 import shutil
 import subprocess
@@ -176,6 +176,42 @@ class Plots(WithResult):
         self.fails("is no history", self.directory, tool="plot.py")
         synthetic.write_history(self.directory)
         self.fails("plot.xyz", self.directory, "-o", self.path("plot.xyz"), tool="plot.py")
+
+
+class WorkPrecision(unittest.TestCase):
+    HEAD = ("method,level,step,size,error_displacement,error_velocity,order_displacement,order_velocity,"
+            "newton_iterations,seconds\n")
+
+    def setUp(self):
+        self.directory = tempfile.mkdtemp(prefix="pliant-tools-")
+        self.addCleanup(shutil.rmtree, self.directory)
+        self.table = os.path.join(self.directory, "convergence.csv")
+
+    def write(self, text):
+        with open(self.table, "w", encoding="ascii") as file:
+            file.write(text)
+
+    def test_a_study_is_drawn(self):
+        rows = [f"{method},{k},{2**-k},1,{4.0**-k},{4.0**-k},2,2,{100 * 2**k},{2**k}" for method in ("bdf2", "petsc:alpha2")
+                for k in range(3)]
+        self.write(self.HEAD + "\n".join(rows) + "\ndirk22,0,1,1,nan,nan,nan,nan,10,1\n")
+        done = run("work_precision.py", self.directory)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with Image.open(done.stdout.strip()) as picture:
+            both = picture.size
+        done = run("work_precision.py", self.table, "--work", "seconds", "-o", os.path.join(self.directory, "one.png"))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with Image.open(done.stdout.strip()) as picture:
+            self.assertLess(picture.size[1], both[1])
+
+    def test_mistakes_are_told_in_one_line(self):
+        for text, message in ((None, "does not exist"), (self.HEAD, "holds no level"), ("a,b\n1,2\n", "is no study")):
+            if text is not None:
+                self.write(text)
+            done = run("work_precision.py", self.directory)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn(message, done.stderr)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
 
 
 if __name__ == "__main__":
