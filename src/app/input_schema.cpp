@@ -1,11 +1,10 @@
 #include "app/input_schema.hpp"
 
+#include "app/input_laws.hpp"
+#include "app/input_viscosity.hpp"
 #include "material/registry.hpp"
-#include "material/viscosity_registry.hpp"
 
 #include <algorithm>
-#include <span>
-#include <stdexcept>
 
 namespace pliant {
 namespace {
@@ -15,33 +14,6 @@ using Kind = Selection::Kind;
 template <std::size_t N>
 std::vector<std::string> strings(const std::array<std::string_view, N>& names) {
   return {names.begin(), names.end()};
-}
-
-std::vector<std::string> law_names(std::span<const LawInfo> laws) {
-  std::vector<std::string> names;
-  for (const LawInfo& law : laws) names.emplace_back(law.name);
-  return names;
-}
-
-/// A parameter as the laws' registry describes it.
-const ParameterInfo& parameter(std::span<const LawInfo> laws, std::string_view name) {
-  for (const LawInfo& law : laws) {
-    for (const ParameterInfo& p : law.parameters) {
-      if (p.name == name) return p;
-    }
-  }
-  throw std::logic_error("no law has the parameter " + std::string(name));
-}
-
-Format<double> format_of(const ParameterInfo& p) {
-  const bool included = p.lower_bound == LowerBound::included;
-  return quantity(std::string(p.unit), included ? Range::at_least(p.lower) : Range::between(p.lower, p.upper));
-}
-
-template <class T>
-Field<T> law_field(std::span<const LawInfo> laws, double T::*member, std::string_view name) {
-  const ParameterInfo& p = parameter(laws, name);
-  return field(std::string(name), member, format_of(p), std::string(p.meaning));
 }
 
 /// A field of the part of the mesh that an entry speaks of; its key is the kind's name.
@@ -87,40 +59,6 @@ Section<ElasticityConfig> elasticity_keys() {
           },
           {},
           &ElasticityConfig::where};
-}
-
-Format<std::optional<StrainRate>> strain_rate() {
-  std::vector<std::pair<std::string, std::optional<StrainRate>>> forms{{"auto", std::nullopt}};
-  for (const StrainRateInfo& form : strain_rates()) forms.emplace_back(form.name, form.rate);
-  return choice_of(forms);
-}
-
-Section<ViscosityConfig> viscosity_keys() {
-  using Need = KeyGroup::Need;
-  using V = ViscosityConfig;
-  const auto laws = viscosity_laws();
-  const Anchor kelvin_voigt{"model", std::string(KelvinVoigt::name)};
-  const Anchor maxwell{"model", std::string(Maxwell::name)};
-  const auto is_not = [](const Anchor& model) { return [model](const V& v) { return v.model != model.value; }; };
-  return {
-      {
-          field("model", &V::model, choice(law_names(laws)), "law of viscosity (`pliant materials`)").required(),
-          law_field(laws, &V::shear, "shear").left_out_if(is_not(kelvin_voigt)),
-          law_field(laws, &V::bulk, "bulk").otherwise("0").left_out_if(is_not(kelvin_voigt)),
-          field("rate", &V::rate, strain_rate(),
-                "strain rate within a step; `auto`: the form that has a potential where it keeps the method's order, "
-                "else the exact one")
-              .otherwise("auto")
-              .left_out_if(is_not(kelvin_voigt)),
-          law_field(laws, &V::shear_modulus, "shear_modulus").left_out_if(is_not(maxwell)),
-          law_field(laws, &V::bulk_modulus, "bulk_modulus").otherwise("0").left_out_if(is_not(maxwell)),
-          law_field(laws, &V::relaxation_time, "relaxation_time").left_out_if(is_not(maxwell)),
-      },
-      {{{"shear"}, Need::all, {kelvin_voigt}},
-       {{"bulk", "rate"}, Need::any, {kelvin_voigt}},
-       {{"shear_modulus", "relaxation_time"}, Need::all, {maxwell}},
-       {{"bulk_modulus"}, Need::any, {maxwell}}},
-      &V::where};
 }
 
 Section<BodyConfig> body_keys() {

@@ -2,8 +2,8 @@
 
 #include "app/input_schema.hpp"
 #include "app/selections.hpp"
+#include "app/viscosity.hpp"
 #include "energy/pressure.hpp"
-#include "energy/viscous.hpp"
 #include "material/lame.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
@@ -61,8 +61,7 @@ Model::Model(MPI_Comm comm, const Config& config) {
   }
   build_terms(config);
   prepare(config);
-  if (analysis_of(config) == Analysis::static_equilibrium &&
-      std::ranges::any_of(config.bodies, [](const BodyConfig& body) { return body.viscosity.has_value(); })) {
+  if (analysis_of(config) == Analysis::static_equilibrium && has_viscosity(config)) {
     notices_.push_back("viscosity has no effect on a static equilibrium");
   }
   wave_speeds_ = speeds_of(config);
@@ -216,37 +215,9 @@ void Model::check_finite(const EnergyTerm& load, const Location& where, double t
   });
 }
 
-namespace {
-
-/// Without a method of ours the exact form, which needs no history.
-StrainRate automatic_rate(const Method* method) {
-  return method == nullptr ? StrainRate::exact : strain_rate_for(*method);
-}
-
-template <int Order>
-std::unique_ptr<EnergyTerm> viscous_term(const ViscosityConfig& viscosity, const Method* method,
-                                         const CellGroups<Order>& groups, int body, PetscInt num_owned_nodes) {
-  const ViscosityConfig& v = viscosity;
-  const auto law = v.model == KelvinVoigt::name
-                       ? ViscosityVariant(KelvinVoigt{v.shear, v.bulk, v.rate.value_or(automatic_rate(method))})
-                       : ViscosityVariant(Maxwell{v.shear_modulus, v.bulk_modulus, v.relaxation_time});
-  return make_viscous_term<Order>(law, groups, body, num_owned_nodes);
-}
-
-}  // namespace
-
 void Model::prepare(const Config& config) {
-  viscous_.clear();
   const Analysis analysis = analysis_of(config);
-  for (std::size_t b = 0; b < config.bodies.size(); ++b) {
-    const auto& viscosity = config.bodies[b].viscosity;
-    if (!viscosity || analysis == Analysis::static_equilibrium) continue;
-    viscous_.push_back(std::visit(
-        [&](const auto& groups) {
-          return viscous_term(*viscosity, integrator_of(config), groups, static_cast<int>(b), layout_.num_owned_nodes);
-        },
-        cells_));
-  }
+  viscous_ = make_viscous_terms(config, {layout_, *pattern_, cells_});
   std::vector<const EnergyTerm*> terms;
   for (const auto& term : elastic_) terms.push_back(term.get());
   for (const auto& term : viscous_) terms.push_back(term.get());
