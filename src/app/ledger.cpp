@@ -4,6 +4,7 @@
 #include "petsc/ghosted.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace pliant {
 namespace {
@@ -16,6 +17,13 @@ void sum_over_ranks(MPI_Comm comm, double* values, int count) {
 
 Ledger::Ledger(Model& model, Analysis analysis, const StateView& initial)
     : model_(model), analysis_(analysis), reactions_(model.supports().size(), std::array<double, 3>{}) {
+  for (const EnergyTerm* term : model.potential().terms()) {
+    const auto known = std::ranges::find(mechanisms_, term->name());
+    mechanism_of_term_.push_back(static_cast<std::size_t>(known - mechanisms_.begin()));
+    if (term->declaration().dissipates && known == mechanisms_.end()) mechanisms_.emplace_back(term->name());
+  }
+  works_ = last_powers_ = no_works();
+  energies_.dissipated_by.resize(mechanisms_.size());
   for (Handle<Vec>* x : {&q_, &at_, &way_, &reaction_}) *x = make_vector(model.layout());
   measure(initial);
   initial_ = energies_;
@@ -35,10 +43,10 @@ Ledger::Works Ledger::powers(const StagePoint& stage, Vec q, Vec v) {
   IncrementalPotential& potential_of_stage = model_.potential();
   potential_of_stage.begin_stage(stage);
   const auto of_term = potential_of_stage.powers(q, v, reaction_.get());
-  Works power{};
+  Works power = no_works();
   for (std::size_t k = 0; k < of_term.size(); ++k) {
     const auto& [exerted, dissipated] = of_term[k];
-    power[dissipation] += dissipated;
+    if (potential_of_stage.terms()[k]->declaration().dissipates) power[num_works + mechanism_of_term_[k]] += dissipated;
     switch (account_of(*potential_of_stage.terms()[k])) {
       case Account::kinetic:
         power[kinetic] -= exerted;
@@ -86,7 +94,8 @@ void Ledger::book(const StepAttempt& attempt) {
   check(VecCopy(attempt.q, q_.get()));
 
   Energies& e = energies_;
-  e.dissipated = works_[dissipation];
+  e.dissipated_by.assign(works_.begin() + num_works, works_.end());
+  e.dissipated = std::accumulate(e.dissipated_by.begin(), e.dissipated_by.end(), 0.0);
   e.support_work = works_[supports];
   e.load_work = works_[loads] + works_[supports];
   e.numerical_dissipation = (works_[kinetic] - (e.kinetic - initial_.kinetic)) +
@@ -105,7 +114,7 @@ void Ledger::add_works_in_time(const StepAttempt& attempt) {
   const bool is_within = attempt.last_stage.time < attempt.time - 1e-6 * dt;
   const Works power = powers(attempt.last_stage, attempt.last_q, is_within ? way_.get() : attempt.v);
   const bool takes_mean = !is_within && powers_are_known_;
-  for (std::size_t w = 0; w < num_works; ++w) {
+  for (std::size_t w = 0; w < works_.size(); ++w) {
     works_[w] += dt * (takes_mean ? 0.5 * (last_powers_[w] + power[w]) : power[w]);
   }
   last_powers_ = power;
@@ -119,10 +128,12 @@ void Ledger::add_works_along_way(const StepAttempt& attempt) {
   const Works power = powers(attempt.last_stage, attempt.last_q, attempt.v);
   keep_forces(attempt.last_stage, attempt.last_q);
   const Works after = works_along(way_.get());
-  const double dissipated = 0.5 * (attempt.time - time_) * (last_powers_[dissipation] + power[dissipation]);
   for (std::size_t w = 0; w < num_works; ++w) works_[w] += 0.5 * (before[w] + after[w]);
-  works_[stored] -= dissipated;
-  works_[dissipation] += dissipated;
+  for (std::size_t m = num_works; m < works_.size(); ++m) {
+    const double dissipated = 0.5 * (attempt.time - time_) * (last_powers_[m] + power[m]);
+    works_[stored] -= dissipated;
+    works_[m] += dissipated;
+  }
   last_powers_ = power;
 }
 
@@ -142,7 +153,7 @@ Ledger::Works Ledger::works_along(Vec way) const {
     check(VecDot(forces_[static_cast<std::size_t>(account)].get(), way, &work));
     return work;
   };
-  Works works{};
+  Works works = no_works();
   works[stored] = along(Account::stored);
   works[potential] = along(Account::load_potential);
   works[loads] = -along(Account::load);

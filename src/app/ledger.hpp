@@ -13,6 +13,7 @@
 #include "time/stepper.hpp"
 
 #include <array>
+#include <string>
 #include <vector>
 
 namespace pliant {
@@ -25,6 +26,7 @@ struct Energies {
   double elastic = 0.0;                ///< stored in the material, branches of viscous bodies included [J]
   double load_potential = 0.0;         ///< -int f . u of the constant dead loads [J]
   double dissipated = 0.0;             ///< by physical mechanisms, since the start [J]
+  std::vector<double> dissipated_by;   ///< the parts of it of Ledger::mechanisms() [J]
   double load_work = 0.0;              ///< of the other loads and of prescribed motion, since the start [J]
   double support_work = 0.0;           ///< the part of it that prescribed motion did [J]
   double numerical_dissipation = 0.0;  ///< by the method, since the start; negative where it made energy [J]
@@ -39,6 +41,9 @@ class Ledger {
  public:
   /// Opens with the initial state. `model` outlives the ledger.
   Ledger(Model& model, Analysis analysis, const StateView& initial);
+
+  /// Names of the terms that dissipate, each once.
+  const std::vector<std::string>& mechanisms() const { return mechanisms_; }
 
   /// The works, for the integrator; they refer to this object.
   Quadratures quadratures();
@@ -55,11 +60,13 @@ class Ledger {
   const std::vector<std::array<double, 3>>& reactions() const { return reactions_; }
 
  private:
-  enum Work : std::size_t { kinetic, stored, potential, dissipation, loads, supports, num_works };
-  using Works = std::array<double, num_works>;
+  /// The works; what each mechanism dissipated follows them.
+  enum Work : std::size_t { kinetic, stored, potential, loads, supports, num_works };
+  using Works = std::vector<double>;
 
   /// The powers at the end of a stage; leaves its reactions in `reaction_`.
   Works powers(const StagePoint& stage, Vec q, Vec v);
+  Works no_works() const { return Works(num_works + mechanisms_.size(), 0.0); }
   Account account_of(const EnergyTerm& term) const;
   void add_works_in_time(const StepAttempt& attempt);
   void add_works_along_way(const StepAttempt& attempt);
@@ -71,10 +78,12 @@ class Ledger {
 
   Model& model_;
   Analysis analysis_;
+  std::vector<std::string> mechanisms_;
+  std::vector<std::size_t> mechanism_of_term_;  // of terms that dissipate
   Energies energies_;
   Energies initial_;
-  Works works_{};        // since the start
-  Works last_powers_{};  // at the last step, for trapezoids
+  Works works_;        // since the start
+  Works last_powers_;  // at the last step, for trapezoids
   bool powers_are_known_ = false;
   double time_ = 0.0;  // of the last step, or its load factor
   std::vector<std::array<double, 3>> reactions_;

@@ -60,11 +60,11 @@ std::filesystem::path prepared_directory(MPI_Comm comm, const Config& config) {
 
 }  // namespace
 
-Recorder::Recorder(MPI_Comm comm, const Config& config, const Model& model)
+Recorder::Recorder(MPI_Comm comm, const Config& config, const Model& model, const Ledger& ledger)
     : model_(model),
       fields_(config.output.fields),
       result_(comm, prepared_directory(comm, config), config.title, output_mesh()),
-      history_(comm, std::filesystem::path(config.output.directory) / "history.csv", columns(config)),
+      history_(comm, std::filesystem::path(config.output.directory) / "history.csv", columns(config, ledger)),
       q_(make_vector(model.layout())),
       v_(make_vector(model.layout())) {}
 
@@ -83,7 +83,7 @@ OutputMesh Recorder::output_mesh() const {
   return mesh;
 }
 
-std::vector<std::string> Recorder::columns(const Config& config) const {
+std::vector<std::string> Recorder::columns(const Config& config, const Ledger& ledger) const {
   std::vector<std::string> names{"step",
                                  "time",
                                  "dt",
@@ -108,6 +108,10 @@ std::vector<std::string> Recorder::columns(const Config& config) const {
     for (const char* suffix : {"_fx", "_fy", "_fz"}) names.push_back(support.name + suffix);
   }
   for (const char* name : {"numerical_dissipation", "support_work"}) names.emplace_back(name);
+  for (std::string mechanism : ledger.mechanisms()) {
+    std::ranges::replace(mechanism, '-', '_');
+    names.push_back("dissipated_" + mechanism);
+  }
   return names;
 }
 
@@ -148,6 +152,7 @@ void Recorder::record(const StepRecord& record, const Ledger& ledger) {
   for (const auto& force : ledger.reactions()) row.insert(row.end(), force.begin(), force.end());
   row.push_back(e.numerical_dissipation);
   row.push_back(e.support_work);
+  row.insert(row.end(), e.dissipated_by.begin(), e.dissipated_by.end());
   history_.append(row);
 }
 

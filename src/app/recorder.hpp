@@ -13,8 +13,9 @@ namespace pliant {
 
 class Recorder {
  public:
-  /// Makes the directory and starts all files. Throws FileError on every rank. Collective.
-  Recorder(MPI_Comm comm, const Config& config, const Model& model);
+  /// Makes the directory and starts all files; the history has columns for the ledger's mechanisms. Throws FileError on
+  /// every rank. Collective.
+  Recorder(MPI_Comm comm, const Config& config, const Model& model, const Ledger& ledger);
 
   /// Adds a row to the history. Collective.
   void record(const StepRecord& record, const Ledger& ledger);
@@ -25,7 +26,7 @@ class Recorder {
 
  private:
   OutputMesh output_mesh() const;
-  std::vector<std::string> columns(const Config& config) const;
+  std::vector<std::string> columns(const Config& config, const Ledger& ledger) const;
 
   const Model& model_;
   std::vector<std::string> fields_;

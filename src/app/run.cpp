@@ -53,7 +53,7 @@ class Run {
     introduce();
     simulation_.emplace(config, model_);
     for (const auto& line : simulation_->description()) console.print(line);
-    recorder_.emplace(comm, config, model_);
+    recorder_.emplace(comm, config, model_, simulation_->ledger());
     setup_seconds_ = seconds_since(start_);
   }
 

@@ -39,6 +39,7 @@ struct TermDeclaration {
   bool has_frozen_coefficients = false;  ///< coefficients are frozen at the stage's start (first order in time)
   Symmetry symmetry = Symmetry::symmetric;
   Account account = Account::stored;
+  bool dissipates = false;  ///< `dissipation` may be above 0; the ledger books it under the term's name
 };
 
 /// One contribution to the incremental potential of a stage (docs: dynamics, Phi_i). The arrays span all local nodes; a
@@ -48,6 +49,7 @@ class EnergyTerm {
  public:
   virtual ~EnergyTerm() = default;
 
+  /// What kind of thing it is; several terms of a sum may have one name.
   virtual std::string_view name() const = 0;
   virtual TermDeclaration declaration() const = 0;
 

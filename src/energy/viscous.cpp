@@ -11,6 +11,7 @@ namespace pliant {
 namespace {
 
 struct Dashpot {
+  std::string_view name;      ///< of the law
   IsotropicTensor viscosity;  ///< eta [Pa s]
   double relaxation_time;     ///< tau [s]
 
@@ -64,8 +65,10 @@ class ViscousTerm final : public EnergyTerm {
   ViscousTerm(const Dashpot& dashpot, const CellGroups<Order>& groups, int body, PetscInt num_owned_nodes)
       : dashpot_(dashpot), cells_(groups, body, num_owned_nodes) {}
 
-  std::string_view name() const override { return "viscosity"; }
-  TermDeclaration declaration() const override { return {.is_potential = reference != Reference::rate}; }
+  std::string_view name() const override { return dashpot_.name; }
+  TermDeclaration declaration() const override {
+    return {.is_potential = reference != Reference::rate, .dissipates = true};
+  }
 
   /// 1/2 D:C:D - 1/2 D0:C:D0 = (D - D0):C:(D + D0)/2 with D0 = D at q0.
   double value(const LocalStage& stage, std::span<const double> q) const override {
@@ -198,10 +201,10 @@ std::unique_ptr<EnergyTerm> make_viscous_term(const ViscosityVariant& law, const
   if (const auto* maxwell = std::get_if<Maxwell>(&law)) {
     const double tau = maxwell->relaxation_time;
     return make.template operator()<Reference::internal>(
-        {tau * IsotropicTensor{maxwell->shear_modulus, maxwell->bulk_modulus}, tau});
+        {Maxwell::name, tau * IsotropicTensor{maxwell->shear_modulus, maxwell->bulk_modulus}, tau});
   }
   const auto& kelvin_voigt = std::get<KelvinVoigt>(law);
-  const Dashpot dashpot{{kelvin_voigt.shear, kelvin_voigt.bulk}, 0.0};
+  const Dashpot dashpot{KelvinVoigt::name, {kelvin_voigt.shear, kelvin_voigt.bulk}, 0.0};
   switch (kelvin_voigt.rate) {
     case StrainRate::secant:
       return make.template operator()<Reference::start>(dashpot);

@@ -24,6 +24,8 @@ TEST_P(Viscous, DeclaresWhatItIs) {
   EXPECT_EQ(body_.term->declaration().is_potential, !is_exact_);
   EXPECT_EQ(body_.term->declaration().symmetry, Symmetry::symmetric);
   EXPECT_EQ(body_.term->declaration().account, Account::stored);
+  EXPECT_TRUE(body_.term->declaration().dissipates);
+  EXPECT_EQ(body_.term->name(), std::visit([](const auto& law) { return law.name; }, GetParam().law));
 }
 
 TEST_P(Viscous, StayingWhereItHasBeenForEverCostsNothing) {

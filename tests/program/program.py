@@ -101,7 +101,8 @@ class ProgramTest(unittest.TestCase):
 
 def kinds(history):
     """Columns grouped by what they measure; components that are zero but for rounding are measured by their neighbours."""
-    energies = [n for n in history if n.endswith("_energy") or n in ("load_potential", "load_work", "energy_balance_error")]
+    books = ("load_potential", "load_work", "energy_balance_error")
+    energies = [n for n in history if n.endswith("_energy") or n.startswith("dissipated_") or n in books]
     groups = [energies, ["px", "py", "pz"], ["Lx", "Ly", "Lz"]]
     plain = ["step", "time", "dt"]
     groups += [[name] for name in plain]
