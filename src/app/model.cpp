@@ -1,9 +1,9 @@
 #include "app/model.hpp"
 
 #include "app/input_schema.hpp"
+#include "app/loads.hpp"
 #include "app/selections.hpp"
 #include "app/viscosity.hpp"
-#include "energy/pressure.hpp"
 #include "material/lame.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
@@ -109,42 +109,8 @@ void Model::build_terms(const Config& config) {
   for (const auto& constraint : config.constraints) {
     prescriptions.push_back({selections.nodes(constraint.part), constraint.displacement});
   }
-  struct Dead {
-    LoadSamples samples;
-    const LoadConfig* load;
-  };
-  struct Follower {
-    FacetList facets;
-    const LoadConfig* load;
-  };
-  std::vector<Dead> dead;
-  std::vector<Follower> follower;
-  for (const auto& load : config.loads) {
-    if (load.kind == LoadConfig::Kind::pressure) {
-      follower.push_back({selections.facets(load.part), &load});
-      const auto& is_outer = follower.back().facets.is_outer;
-      if (any(layout_.comm, std::ranges::find(is_outer, 0) != is_outer.end())) {
-        selections.report(load.where, fmt::format("{} lies inside the mesh, where a pressure has no side to push on; "
-                                                  "name a part of the outer surface",
-                                                  describe(load.part)));
-      }
-      continue;
-    }
-    const Variation variation = variation_of(load.value);
-    if (load.kind == LoadConfig::Kind::traction) {
-      dead.push_back({facet_samples(layout_, selections.facets(load.part), variation), &load});
-    } else {
-      const auto inside = selections.cells(load.part);
-      std::vector<double> density(layout_.num_local_cells, 0.0);
-      for (PetscInt c = 0; c < layout_.num_local_cells; ++c) {
-        if (inside[c] && body_of_cell_[c] >= 0) density[c] = densities_[body_of_cell_[c]];
-      }
-      const bool lumped = config.mass == MassKind::lumped;
-      dead.push_back(
-          {lumped ? lumped_cell_samples(layout_, density) : cell_samples(layout_, density, variation), &load});
-    }
-  }
   prescribed_ = std::make_unique<PrescribedDisplacement>(layout_, prescriptions, HUGE_VAL);
+  loads_ = make_loads(config, {layout_, *pattern_, body_of_cell_, densities_}, selections);
   on_every_rank(layout_.comm, [&] {
     for (const auto& [i, j] : prescribed_->conflicts(layout_, {0.0, config.time.end})) {
       selections.report(
@@ -162,15 +128,7 @@ void Model::build_terms(const Config& config) {
   } else {
     build_cells<2>(config);
   }
-  const double first_time = analysis_of(config) == Analysis::static_equilibrium ? config.time.end : 0.0;
-  for (auto& [samples, load] : dead) {
-    loads_.push_back(std::make_unique<DeadLoad>(layout_, std::move(samples), load->value));
-    check_finite(*loads_.back(), load->where, first_time);
-  }
-  for (auto& [facets, load] : follower) {
-    loads_.push_back(std::make_unique<FollowerPressure>(layout_, *pattern_, std::move(facets), load->pressure));
-    check_finite(*loads_.back(), load->where, first_time);
-  }
+  check_finite(loads_, config, layout_);
 
   // Supports: entries under the name of the first constraint that claims them.
   std::vector<char> claimed(prescribed_->flags().size(), 0);
@@ -198,21 +156,6 @@ void Model::build_terms(const Config& config) {
                       config.probes[p].name, far));
     }
   }
-}
-
-void Model::check_finite(const EnergyTerm& load, const Location& where, double time) const {
-  const std::vector<double> zero(3 * static_cast<std::size_t>(layout_.num_local_nodes), 0.0);
-  std::vector<double> forces(zero);
-  LocalStage stage;
-  stage.time = time;
-  stage.dt = 1.0;
-  stage.q0 = stage.v0 = zero;
-  on_every_rank(layout_.comm, [&] {
-    load.add_gradient(stage, zero, forces);
-    if (!std::all_of(forces.begin(), forces.end(), [](double f) { return std::isfinite(f); })) {
-      throw InputError(where, fmt::format("the load is not finite at t = {:g}", time));
-    }
-  });
 }
 
 void Model::prepare(const Config& config) {

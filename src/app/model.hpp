@@ -5,7 +5,6 @@
 #include "energy/elastic.hpp"
 #include "energy/incremental_potential.hpp"
 #include "energy/inertia.hpp"
-#include "energy/load.hpp"
 #include "energy/prescribed.hpp"
 #include "fem/probe.hpp"
 #include "mesh/mesh.hpp"
@@ -70,7 +69,6 @@ class Model {
 
  private:
   void build_terms(const Config& config);
-  void check_finite(const EnergyTerm& load, const Location& where, double time) const;
   template <int Order>
   void build_cells(const Config& config);
 

@@ -275,6 +275,12 @@ Field<T> field(const std::string& key, M T::*member, const Format<V>& format, co
   return result;
 }
 
+/// A field of the part of the mesh that an entry speaks of; its key is the kind's name.
+template <class T>
+Field<T> selector(const std::string& key, Selection::Kind kind, const std::string& description) {
+  return field(key, &T::part, selection(kind), description);
+}
+
 /// The keys of a map that is read into T.
 template <class T>
 struct Section {
