@@ -1,5 +1,6 @@
 #include "app/input_schema.hpp"
 
+#include "app/input_constraints.hpp"
 #include "app/input_laws.hpp"
 #include "app/input_loads.hpp"
 #include "app/input_viscosity.hpp"
@@ -60,23 +61,6 @@ Section<BodyConfig> body_keys() {
           },
           {},
           &BodyConfig::where};
-}
-
-Section<ConstraintConfig> constraint_keys() {
-  return {{
-              selector<ConstraintConfig>("surface", Kind::surface, "nodes of this surface"),
-              selector<ConstraintConfig>("volume", Kind::volume, "nodes of this volume"),
-              selector<ConstraintConfig>("curve", Kind::curve, "nodes of this curve"),
-              selector<ConstraintConfig>("point", Kind::point, "nodes of this point group"),
-              selector<ConstraintConfig>("box", Kind::box, "nodes inside this box"),
-              selector<ConstraintConfig>("where", Kind::where, "nodes whose reference position fulfils this"),
-              field("displacement", &ConstraintConfig::displacement,
-                    array_of<3>(expression_or_free("m", Variables::space_and_time)),
-                    "prescribed displacement; a component `free` is left alone")
-                  .required(),
-          },
-          {{{"surface", "volume", "curve", "point", "box", "where"}}},
-          &ConstraintConfig::where};
 }
 
 Section<InitialConfig> initial_keys() {

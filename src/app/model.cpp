@@ -11,18 +11,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include <fmt/format.h>
 
 namespace pliant {
 namespace {
-
-/// The support's name in the history: the surface's, else by its place in the list of constraints.
-std::string support_name(const ConstraintConfig& constraint, std::size_t index) {
-  return constraint.part.kind == Selection::Kind::surface ? constraint.part.name
-                                                          : fmt::format("constraint{}", index + 1);
-}
 
 WaveSpeeds speeds_of(const Config& config) {
   WaveSpeeds speeds{0.0, HUGE_VAL};
@@ -105,22 +98,8 @@ void Model::build_terms(const Config& config) {
   }
   body_of_cell_ = selections.cells(parts);
 
-  std::vector<PrescribedPart> prescriptions;
-  for (const auto& constraint : config.constraints) {
-    prescriptions.push_back({selections.nodes(constraint.part), constraint.displacement});
-  }
-  prescribed_ = std::make_unique<PrescribedDisplacement>(layout_, prescriptions, HUGE_VAL);
   loads_ = make_loads(config, {layout_, *pattern_, body_of_cell_, densities_}, selections);
-  on_every_rank(layout_.comm, [&] {
-    for (const auto& [i, j] : prescribed_->conflicts(layout_, {0.0, config.time.end})) {
-      selections.report(
-          config.constraints[j].where,
-          fmt::format("{} and {} share nodes but prescribe different displacements there; make one of them `free` or "
-                      "let them agree",
-                      describe(config.constraints[i].part), describe(config.constraints[j].part)));
-    }
-    selections.throw_mistakes();
-  });
+  constraints_ = std::make_unique<Constraints>(config, layout_, selections);
   for (const auto& notice : selections.unused_groups()) notices_.push_back(notice);
 
   if (layout_.order == 1) {
@@ -129,21 +108,6 @@ void Model::build_terms(const Config& config) {
     build_cells<2>(config);
   }
   check_finite(loads_, config, layout_);
-
-  // Supports: entries under the name of the first constraint that claims them.
-  std::vector<char> claimed(prescribed_->flags().size(), 0);
-  for (std::size_t c = 0; c < config.constraints.size(); ++c) {
-    const std::string name = support_name(config.constraints[c], c);
-    auto support = std::find_if(supports_.begin(), supports_.end(), [&](const auto& s) { return s.name == name; });
-    if (support == supports_.end()) support = supports_.insert(supports_.end(), {name, {}});
-    for (int i = 0; i < 3; ++i) {
-      if (!config.constraints[c].displacement[i]) continue;
-      for (const PetscInt node : prescriptions[c].nodes) {
-        if (std::exchange(claimed[3 * node + i], 1)) continue;
-        support->dofs.push_back(3 * node + i);
-      }
-    }
-  }
 
   std::vector<std::array<double, 3>> points;
   for (const auto& probe : config.probes) points.push_back(probe.point);
@@ -166,7 +130,7 @@ void Model::prepare(const Config& config) {
   for (const auto& term : viscous_) terms.push_back(term.get());
   for (const auto& term : loads_) terms.push_back(term.get());
   if (analysis == Analysis::dynamic && inertia_) terms.push_back(inertia_.get());
-  potential_ = std::make_unique<IncrementalPotential>(layout_, *pattern_, std::move(terms), prescribed_->flags());
+  potential_ = std::make_unique<IncrementalPotential>(layout_, *pattern_, std::move(terms), prescribed().flags());
 }
 
 void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
@@ -180,7 +144,7 @@ void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
       }
     }
   }
-  prescribed_->motion().complete_step({0.0, config.time.step}, q, v);
+  prescribed().motion().complete_step({0.0, config.time.step}, q, v);
   update_ghosts(q);
   const ConstGhostedView at(q);
   double energy = 0.0;

@@ -2,10 +2,10 @@
 #pragma once
 
 #include "app/config.hpp"
+#include "app/constraints.hpp"
 #include "energy/elastic.hpp"
 #include "energy/incremental_potential.hpp"
 #include "energy/inertia.hpp"
-#include "energy/prescribed.hpp"
 #include "fem/probe.hpp"
 #include "mesh/mesh.hpp"
 
@@ -23,12 +23,6 @@ Analysis analysis_of(const Config& config);
 
 /// The method that advances time; nullptr for static problems and PETSc's integrators.
 const Method* integrator_of(const Config& config);
-
-/// Owned entries whose reactions are summed under one name.
-struct Support {
-  std::string name;
-  std::vector<PetscInt> dofs;
-};
 
 /// Material time scales, for advice.
 struct WaveSpeeds {
@@ -52,8 +46,8 @@ class Model {
   const std::vector<std::string>& body_names() const { return body_names_; }
   const std::vector<std::unique_ptr<ElasticTerm>>& elastic() const { return elastic_; }
   const Inertia* inertia() const { return inertia_.get(); }  ///< nullptr if no body has a density
-  const PrescribedDisplacement& prescribed() const { return *prescribed_; }
-  const std::vector<Support>& supports() const { return supports_; }
+  const PrescribedDisplacement& prescribed() const { return constraints_->prescribed(); }
+  const std::vector<Support>& supports() const { return constraints_->supports(); }
   IncrementalPotential& potential() { return *potential_; }
   const std::vector<ProbeLocation>& probes() const { return probes_; }
   const WaveSpeeds& wave_speeds() const { return wave_speeds_; }
@@ -83,8 +77,7 @@ class Model {
   std::vector<std::unique_ptr<EnergyTerm>> viscous_;
   std::vector<std::unique_ptr<EnergyTerm>> loads_;
   std::unique_ptr<Inertia> inertia_;
-  std::unique_ptr<PrescribedDisplacement> prescribed_;
-  std::vector<Support> supports_;
+  std::unique_ptr<Constraints> constraints_;
   std::unique_ptr<IncrementalPotential> potential_;
   std::vector<ProbeLocation> probes_;
   WaveSpeeds wave_speeds_;
