@@ -3,8 +3,9 @@
 
   tools/check_naming.py [--build DIR] [--all-checks] [FILE.cpp ...]      without files: all
 
-Most of clang-tidy's time goes into library headers, so the sources of a folder are checked as one translation unit; those that do not
-compile together (the same local name in two files) are halved until they do. --all-checks adds the checks of likely mistakes: minutes.
+Most of clang-tidy's time goes into library headers, so all sources of src/ are checked as one translation unit, and all of tests/. Their
+unnamed namespaces get different names for that; sources that clash nevertheless are checked in a further unit. --all-checks adds the
+checks of likely mistakes: minutes.
 """
 import argparse
 import concurrent.futures
@@ -23,36 +24,69 @@ QUIET = re.compile(r"^(\d+ warnings?( and \d+ errors?)? generated\.|Error while 
 
 
 def commands(build):
-    """Source file -> its compile options (without compiler, output and input)."""
+    """Source file -> its compile options (without compiler, output and input), an option with a separate value as one entry."""
     found = {}
     for entry in json.loads((build / "compile_commands.json").read_text()):
         words = shlex.split(entry["command"])
         file = pathlib.Path(entry["file"])
         if ROOT in file.parents:
-            output = words.index("-o")
-            found[file] = [word for word in words[1:output] if word != "-c"]
+            options = iter(word for word in words[1 : words.index("-o")] if word != "-c")
+            found[file] = [(word, next(options)) if word == "-isystem" else (word,) for word in options]
     return found
 
 
 def tidy(file, options, checks):
-    """clang-tidy's complaints on a file as lines; -w: warnings are the compiler's business."""
-    command = [CLANG_TIDY, "--quiet", f"--config-file={ROOT / '.clang-tidy'}", *checks, str(file), "--", *options, "-w"]
+    """clang-tidy's complaints on a file, each with its notes; -w: warnings are the compiler's business."""
+    command = [CLANG_TIDY, "--quiet", f"--config-file={ROOT / '.clang-tidy'}", *checks, str(file), "--", *options, "-w",
+               "-ferror-limit=0"]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
+    complaints = re.split(r"^(?=/.*?:\d+:\d+: (?:error|warning): |error: )", done.stdout, flags=re.MULTILINE)
     noise = [line for line in done.stderr.splitlines() if not QUIET.match(line)]
-    return done.stdout.splitlines() + (noise if done.returncode and not done.stdout else [])
+    return [text for text in complaints if text] + (noise if done.returncode and not done.stdout else [])
 
 
-def tidy_together(files, options, checks):
+def with_named_namespace(text, name):
+    """A source whose unnamed namespace has a name, seen from outside of it only if something stands there."""
+    use = "" if text.endswith("}  // namespace\n}  // namespace pliant\n") else f"namespace {name} {{}} using namespace {name}; "
+    return re.sub(r"^namespace \{$", f"{use}namespace {name} {{", text, flags=re.MULTILINE)
+
+
+def unit_of(files, folder):
+    """Writes one translation unit of all files; returns it, and by file the copy that it includes."""
+    copies = {}
+    headers = {}
+    for number, file in enumerate(files):
+        text = file.read_text()
+        headers |= dict.fromkeys(re.findall(r'^#include "(.*/.*)"', text, flags=re.MULTILINE))
+        copies[file] = folder / file.relative_to(ROOT)
+        copies[file].parent.mkdir(parents=True, exist_ok=True)
+        copies[file].write_text(with_named_namespace(text, f"unit_{number}"))
+    unit = folder / "unit.cpp"
+    # The namespace of the tests' helpers must not hide GoogleTest's from those who do not include them. Headers come
+    # first: what a source defines cannot spoil them.
+    unit.write_text("namespace testing {}\nnamespace pliant::testing { using namespace ::testing; }\n" +
+                    "".join(f'#include "{file}"\n' for file in [*sorted(headers), *copies.values()]))
+    return unit, copies
+
+
+def tidy_together(files, options_of, checks):
+    """Complaints on all files."""
+    options = [f"-iquote{folder}" for folder in dict.fromkeys(file.parent for file in files)]
+    options += [word for option in dict.fromkeys(option for file in files for option in options_of[file]) for word in option]
     if len(files) == 1:
         return tidy(files[0], options, checks)
     with tempfile.TemporaryDirectory() as folder:
-        unit = pathlib.Path(folder) / "unit.cpp"
-        unit.write_text("".join(f'#include "{file}"\n' for file in files))
+        unit, copies = unit_of(files, pathlib.Path(folder))
         complaints = tidy(unit, options, checks)
-    if any("clang-diagnostic-error" in line for line in complaints):
+    errors = [text for text in complaints if "[clang-diagnostic-error" in text]
+    places = [text.split(":", 1)[0] for text in errors]
+    clashing = [file for file in files if str(copies[file]) in places]
+    if len(clashing) == len(files) or not set(places) <= {str(copies[file]) for file in clashing}:
         half = len(files) // 2
-        return tidy_together(files[:half], options, checks) + tidy_together(files[half:], options, checks)
-    return complaints
+        return tidy_together(files[:half], options_of, checks) + tidy_together(files[half:], options_of, checks)
+    spoilt = (*(str(copies[file]) for file in clashing),)
+    kept = [text.replace(folder, str(ROOT)) for text in complaints if text not in errors and not text.startswith(spoilt)]
+    return kept + (tidy_together(clashing, options_of, checks) if clashing else [])
 
 
 def main():
@@ -70,13 +104,11 @@ def main():
         sys.exit(f"not compiled in {arguments.build}: " + " ".join(str(file) for file in chosen - set(options_of)))
     groups = {}
     for file in sorted(chosen):
-        groups.setdefault((file.parent, tuple(options_of[file])), []).append(file)
+        groups.setdefault(file.relative_to(ROOT).parts[0], []).append(file)
     checks = [] if arguments.all_checks else ["--checks=-*,readability-identifier-naming"]
-    # Largest first, so that no core is left with the longest alone.
-    work = sorted(groups.items(), key=lambda group: -sum(file.stat().st_size for file in group[1]))
     with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
-        results = pool.map(lambda group: tidy_together(group[1], group[0][1], checks), work)
-        complaints = list(dict.fromkeys(line for lines in results for line in lines))
+        results = pool.map(lambda files: tidy_together(files, options_of, checks), groups.values())
+        complaints = list(dict.fromkeys(text.rstrip("\n") for texts in results for text in texts))
     print("\n".join(complaints) if complaints else f"{len(chosen)} sources follow .clang-tidy")
     sys.exit(1 if complaints else 0)
 
