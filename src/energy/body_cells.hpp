@@ -16,8 +16,9 @@ namespace pliant {
 template <int Order>
 struct CellBatch {
   const CellGroup<Order>& group;
-  std::size_t number;      ///< in its group
-  std::size_t first_cell;  ///< number of lane 0's cell among the rank's cells of the body, as the loops meet them
+  std::size_t number;       ///< in its group
+  std::size_t first_cell;   ///< number of lane 0's cell among the rank's cells of the body, as the loops meet them
+  std::size_t first_point;  ///< number of its first pack of points, likewise
 
   const auto& batch() const { return group.batches[number]; }
   PLIANT_INLINE auto values(std::span<const double> local) const { return gather<Order>(batch(), local.data()); }
@@ -40,6 +41,8 @@ struct CellPoint {
   const CellBatch<Order>& in;
   int number;
 
+  /// Number of the pack among those of the body's quadrature points on this rank.
+  std::size_t index() const { return in.first_point + static_cast<std::size_t>(number); }
   PLIANT_INLINE decltype(auto) shape_gradients() const { return in.group.gradients(number); }
   PLIANT_INLINE const Tensor3<Pack>& inverse_jacobian() const {
     return in.group.inverse_jacobian[in.group.geometry(in.number, number)];
@@ -125,11 +128,12 @@ class BodyCells {
   /// Calls `visit(CellBatch)`.
   template <class Visit>
   PLIANT_INLINE void for_each_batch(Visit visit) const {
-    std::size_t first_cell = 0;
+    std::size_t first_cell = 0, first_point = 0;
     for (const Group* group : groups_) {
       for (std::size_t b = 0; b < group->batches.size(); ++b) {
-        visit(CellBatch<Order>{*group, b, first_cell});
+        visit(CellBatch<Order>{*group, b, first_cell, first_point});
         first_cell += static_cast<std::size_t>(group->batches[b].num_lanes);
+        first_point += static_cast<std::size_t>(group->rule.size());
       }
     }
   }

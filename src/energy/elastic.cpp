@@ -1,7 +1,6 @@
 #include "energy/elastic.hpp"
 
 #include "energy/body_cells.hpp"
-#include "energy/energy_change.hpp"
 #include "energy/step_bound.hpp"
 #include "material/projection.hpp"
 
@@ -11,14 +10,15 @@
 namespace pliant {
 namespace {
 
-template <int Order, class Law>
+template <int Order>
 class ElasticTermOf final : public ElasticTerm {
   using Batch = CellBatch<Order>;
   using Point = CellPoint<Order>;
 
  public:
-  ElasticTermOf(const Law& law, const CellGroups<Order>& groups, int body, PetscInt num_owned_nodes)
-      : law_(law), cells_(groups, body, num_owned_nodes) {}
+  ElasticTermOf(std::shared_ptr<const LawField> law, const CellGroups<Order>& groups, int body,
+                PetscInt num_owned_nodes)
+      : law_(std::move(law)), cells_(groups, body, num_owned_nodes) {}
 
   std::string_view name() const override { return "elastic"; }
   TermDeclaration declaration() const override { return {}; }
@@ -26,20 +26,20 @@ class ElasticTermOf final : public ElasticTerm {
   double value(const LocalStage& stage, std::span<const double> q) const override {
     return cells_.integrate([&](const Batch& batch) {
       return [this, u0 = batch.values(stage.q0), du = batch.change(q, stage.q0)](const Point& point) {
-        return energy_change(law_, point.gradient(u0), point.gradient(du));
+        return law_->psi_change(point.index(), point.gradient(u0), point.gradient(du));
       };
     });
   }
 
   double energy(std::span<const double> q, std::span<const double> /*z*/) const override {
     return cells_.integrate([&](const Batch& batch) {
-      return [this, u = batch.values(q)](const Point& point) { return law_.psi(point.gradient(u)); };
+      return [this, u = batch.values(q)](const Point& point) { return law_->psi(point.index(), point.gradient(u)); };
     });
   }
 
   void add_gradient(const LocalStage&, std::span<const double> q, std::span<double> r) const override {
     const auto stress_of = [&](const Batch& batch) {
-      return [this, u = batch.values(q)](const Point& point) { return law_.P(point.gradient(u)); };
+      return [this, u = batch.values(q)](const Point& point) { return law_->P(point.index(), point.gradient(u)); };
     };
     cells_.add_forces(stress_of, r);
   }
@@ -48,7 +48,8 @@ class ElasticTermOf final : public ElasticTerm {
                    Projection projection) const override {
     const auto tangent_of = [&](const Batch& batch) {
       return [this, projection, u = batch.values(q)](const Point& point) {
-        Tangent<Pack> A = tangent(law_, point.gradient(u));
+        Tangent<Pack> A;
+        law_->tangent(point.index(), point.gradient(u), A);
         if (projection == Projection::positive_semidefinite) project_to_positive_semidefinite(A);
         return A;
       };
@@ -58,19 +59,18 @@ class ElasticTermOf final : public ElasticTerm {
 
   double max_step(std::span<const double> q, std::span<const double> d) const override {
     double step = std::numeric_limits<double>::infinity();
-    if constexpr (Law::needs_positive_volume) {
-      cells_.for_each_batch([&](const Batch& batch) {
-        const auto u = batch.values(q), du = batch.values(d);
-        for (int k = 0; k < batch.group.rule.size(); ++k) {
-          const Point point{batch, k};
-          const Tensor3<Pack> F = add_to_diagonal(point.gradient(u), 1.0), dF = point.gradient(du);
-          if (!may_invert(F, dF)) continue;
-          for (int lane = 0; lane < batch.batch().num_lanes; ++lane) {
-            step = std::min(step, first_inversion(one_lane(F, lane), one_lane(dF, lane)));
-          }
+    if (!law_->traits().is_barrier) return step;
+    cells_.for_each_batch([&](const Batch& batch) {
+      const auto u = batch.values(q), du = batch.values(d);
+      for (int k = 0; k < batch.group.rule.size(); ++k) {
+        const Point point{batch, k};
+        const Tensor3<Pack> F = add_to_diagonal(point.gradient(u), 1.0), dF = point.gradient(du);
+        if (!may_invert(F, dF)) continue;
+        for (int lane = 0; lane < batch.batch().num_lanes; ++lane) {
+          step = std::min(step, first_inversion(one_lane(F, lane), one_lane(dF, lane)));
         }
-      });
-    }
+      }
+    });
     return step;
   }
 
@@ -81,8 +81,9 @@ class ElasticTermOf final : public ElasticTerm {
       const auto u = batch.values(q);
       const Tensor3<Pack> H =
           displacement_gradient<Order>(u, centroid, batch.group.centroid_inverse_jacobian[batch.number]);
-      const Pack psi = law_.psi(H);
-      const Tensor3<Pack> P = law_.P(H), F = add_to_diagonal(H, 1.0);
+      const std::size_t n = Point{batch, 0}.index();
+      const Pack psi = law_->psi(n, H);
+      const Tensor3<Pack> P = law_->P(n, H), F = add_to_diagonal(H, 1.0);
       for (int lane = 0; lane < batch.batch().num_lanes; ++lane) {
         if (batch.batch().owned[lane] == 0.0) continue;
         visit(batch.group.cells[batch.number * pack_size + lane],
@@ -107,30 +108,57 @@ class ElasticTermOf final : public ElasticTerm {
             psi};
   }
 
-  Law law_;
+  std::shared_ptr<const LawField> law_;
   BodyCells<Order> cells_;
 };
 
 }  // namespace
 
 template <int Order>
-std::unique_ptr<ElasticTerm> make_elastic_term(const ElasticLawVariant& law, const CellGroups<Order>& groups, int body,
-                                               PetscInt num_owned_nodes) {
-  return std::visit(
-      [&](const auto& of) -> std::unique_ptr<ElasticTerm> {
-        return std::make_unique<ElasticTermOf<Order, std::decay_t<decltype(of)>>>(of, groups, body, num_owned_nodes);
-      },
-      law);
+std::unique_ptr<ElasticTerm> make_elastic_term(std::shared_ptr<const LawField> law, const CellGroups<Order>& groups,
+                                               int body, PetscInt num_owned_nodes) {
+  return std::make_unique<ElasticTermOf<Order>>(std::move(law), groups, body, num_owned_nodes);
 }
 
-template std::unique_ptr<ElasticTerm> make_elastic_term<1>(const ElasticLawVariant&, const CellGroups<1>&, int,
-                                                           PetscInt);
-template std::unique_ptr<ElasticTerm> make_elastic_term<2>(const ElasticLawVariant&, const CellGroups<2>&, int,
-                                                           PetscInt);
+template <int Order>
+std::unique_ptr<LawField> make_varying_law(
+    const ElasticLawSpec& common, const NodeLayout& layout, const CellGroups<Order>& groups, int body,
+    const std::function<ElasticLawSpec(PetscInt, const std::array<double, 3>&)>& at) {
+  const BodyCells<Order> cells(groups, body, layout.num_owned_nodes);
+  struct Place {
+    const CellGroup<Order>* group;
+    std::size_t batch;
+    int point;
+  };
+  std::vector<Place> places;
+  cells.for_each_batch([&](const CellBatch<Order>& batch) {
+    for (int k = 0; k < batch.group.rule.size(); ++k) places.push_back({&batch.group, batch.number, k});
+  });
+  return make_law_field(common, places.size(), [&](std::size_t n, int lane) {
+    const auto& [group, batch, point] = places[n];
+    const auto N = Tet<Order>::values(group->rule.points[point]);
+    std::array<double, 3> X{};
+    for (int a = 0; a < Tet<Order>::num_nodes; ++a) {
+      const PetscInt node = group->batches[batch].nodes[a][lane];
+      for (int i = 0; i < 3; ++i) X[i] += N[a] * layout.coordinates[3 * node + i];
+    }
+    const int real_lane = lane < group->batches[batch].num_lanes ? lane : 0;
+    return at(group->cells[batch * pack_size + real_lane], X);
+  });
+}
 
-int elastic_quadrature_degree(const ElasticLawVariant& law, int order) {
-  // H is a polynomial of degree order - 1; St Venant-Kirchhoff's psi is one of degree 4 of H.
-  return (order - 1) * (std::holds_alternative<SaintVenantKirchhoff>(law) ? 4 : 2);
+#define PLIANT_INSTANTIATE(Order)                                                                          \
+  template std::unique_ptr<ElasticTerm> make_elastic_term<Order>(std::shared_ptr<const LawField>,          \
+                                                                 const CellGroups<Order>&, int, PetscInt); \
+  template std::unique_ptr<LawField> make_varying_law<Order>(                                              \
+      const ElasticLawSpec&, const NodeLayout&, const CellGroups<Order>&, int,                             \
+      const std::function<ElasticLawSpec(PetscInt, const std::array<double, 3>&)>&);
+PLIANT_INSTANTIATE(1)
+PLIANT_INSTANTIATE(2)
+#undef PLIANT_INSTANTIATE
+
+int elastic_quadrature_degree(const LawTraits& law, int order) {
+  return (order - 1) * law.energy_degree;  // H is a polynomial of degree order - 1
 }
 
 }  // namespace pliant

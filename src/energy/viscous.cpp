@@ -101,7 +101,7 @@ class ViscousTerm final : public EnergyTerm {
         if constexpr (reference == Reference::rate) F = F + 0.5 * d.F_change;
         // The part F C F is semidefinite as it stands.
         if (projection == Projection::positive_semidefinite) project_to_positive_semidefinite(S);
-        return SaintVenantKirchhoff::Linearization<Pack>{C.shear, C.lambda(), F, S, {}}.tangent();
+        return SaintVenantKirchhoff<double>::Linearization<Pack>{C.shear, C.lambda(), F, S, {}}.tangent();
       };
     };
     cells_.add_stiffness(tangent_of, K);

@@ -1,13 +1,15 @@
-/// Elastic constants: what users give (E, nu) and what laws take (mu, lambda).
+/// Elastic constants of an isotropic solid: what users give and what laws take.
 #pragma once
 
 namespace pliant {
 
-/// The Lame parameters of an isotropic solid.
-struct Lame {
-  double mu;      ///< shear modulus [Pa]
-  double lambda;  ///< first Lame parameter [Pa]
+/// The Lame parameters.
+template <class S>
+struct LameOf {
+  S mu;      ///< shear modulus [Pa]
+  S lambda;  ///< first Lame parameter [Pa]
 };
+using Lame = LameOf<double>;
 
 /// mu = E / (2 (1 + nu)), lambda = E nu / ((1 + nu) (1 - 2 nu)); E [Pa] > 0, -1 < nu < 1/2.
 constexpr Lame lame(double youngs_modulus, double poissons_ratio) {

@@ -12,7 +12,7 @@ namespace pliant {
 
 enum class LowerBound { excluded, included };
 
-/// A parameter as users give it. Its upper bound is not admissible.
+/// A parameter. Its upper bound is not admissible.
 struct ParameterInfo {
   std::string_view name;
   std::string_view unit;  ///< SI; "1" when dimensionless
@@ -20,6 +20,8 @@ struct ParameterInfo {
   double upper;
   std::string_view meaning;
   LowerBound lower_bound = LowerBound::excluded;  ///< whether `lower` itself is admissible
+  double typical = 1.0;                           ///< of a soft body: for examples, plots and tests
+  std::optional<double> fallback = {};            ///< its value if the user does not give it
 };
 
 struct LawInfo {

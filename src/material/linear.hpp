@@ -9,26 +9,32 @@
 
 namespace pliant {
 
+template <class S>
 struct Linear {
   static constexpr std::string_view name = "linear";
-  static constexpr bool needs_positive_volume = false;
+  static constexpr bool is_barrier = false;
   static constexpr bool constant_tangent = true;
+  static constexpr int num_directions = 0;
+  static constexpr int energy_degree = 2;
 
-  double mu;      ///< shear modulus [Pa]
-  double lambda;  ///< first Lame parameter [Pa]
+  S mu;      ///< shear modulus [Pa]
+  S lambda;  ///< first Lame parameter [Pa]
+
+  static Linear of(const LawData<S>& d) { return {d.parameters[0], d.parameters[1]}; }
+  LameOf<S> at_rest() const { return {mu, lambda}; }
 
   template <class T>
   struct Linearization {
-    double mu;      ///< [Pa]
-    double lambda;  ///< [Pa]
-    Tensor3<T> P;   ///< [Pa]
+    S mu;          ///< [Pa]
+    S lambda;      ///< [Pa]
+    Tensor3<T> P;  ///< [Pa]
 
-    PLIANT_INLINE Tensor3<T> operator()(const Tensor3<T>& dH) const { return Linear{mu, lambda}.P(dH); }
+    PLIANT_INLINE Tensor3<T> operator()(const Tensor3<T>& dH) const { return Linear<S>{mu, lambda}.P(dH); }
 
     PLIANT_INLINE Tangent<T> tangent() const {
       return make_symmetric_tangent<T>([&](int p, int q) -> T {
         const int i = p / 3, J = p % 3, k = q / 3, L = q % 3;
-        return T((p == q ? mu : 0.0) + (i == L && J == k ? mu : 0.0) + (i == J && k == L ? lambda : 0.0));
+        return T((p == q ? mu : S(0.0)) + (i == L && J == k ? mu : S(0.0)) + (i == J && k == L ? lambda : S(0.0)));
       });
     }
   };
@@ -51,6 +57,6 @@ struct Linear {
   }
 };
 
-static_assert(ElasticLaw<Linear>);
+static_assert(ElasticLawTemplate<Linear> && IsotropicLaw<Linear<double>>);
 
 }  // namespace pliant

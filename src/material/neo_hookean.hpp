@@ -22,21 +22,27 @@
 
 namespace pliant {
 
+template <class S>
 struct NeoHookean {
   static constexpr std::string_view name = "neo-hookean";
-  static constexpr bool needs_positive_volume = true;
+  static constexpr bool is_barrier = true;
   static constexpr bool constant_tangent = false;
+  static constexpr int num_directions = 0;
+  static constexpr int energy_degree = 2;
 
-  double mu;      ///< shear modulus [Pa]
-  double lambda;  ///< first Lame parameter [Pa]
+  S mu;      ///< shear modulus [Pa]
+  S lambda;  ///< first Lame parameter [Pa]
+
+  static NeoHookean of(const LawData<S>& d) { return {d.parameters[0], d.parameters[1]}; }
+  LameOf<S> at_rest() const { return {mu, lambda}; }
 
   template <class T>
   struct Linearization {
-    double mu;      ///< [Pa]
-    double lambda;  ///< [Pa]
-    T log_J;        ///< NaN where J <= 0
-    Tensor3<T> G;   ///< F^-T
-    Tensor3<T> P;   ///< [Pa]
+    S mu;          ///< [Pa]
+    S lambda;      ///< [Pa]
+    T log_J;       ///< NaN where J <= 0
+    Tensor3<T> G;  ///< F^-T
+    Tensor3<T> P;  ///< [Pa]
 
     /// dP = mu dH + (mu - lambda ln J) G dH^T G + lambda (G : dH) G.
     PLIANT_INLINE Tensor3<T> operator()(const Tensor3<T>& dH) const {
@@ -85,6 +91,6 @@ struct NeoHookean {
   }
 };
 
-static_assert(ElasticLaw<NeoHookean>);
+static_assert(ElasticLawTemplate<NeoHookean> && IsotropicLaw<NeoHookean<double>>);
 
 }  // namespace pliant

@@ -1,14 +1,10 @@
 #include "material/registry.hpp"
 
-#include "material/lame.hpp"
+#include "material/constants.hpp"
 
-#include <array>
+#include <algorithm>
 #include <limits>
-#include <optional>
-#include <string>
-#include <type_traits>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
@@ -17,32 +13,77 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-constexpr std::array isotropic{
-    ParameterInfo{"youngs_modulus", "Pa", 0.0, infinity, "stiffness in simple tension at small strain"},
-    ParameterInfo{"poissons_ratio", "1", -1.0, 0.5, "lateral contraction per extension at small strain"},
-};
+constexpr ParameterInfo shear_modulus{
+    "shear_modulus",      "Pa", 0.0, infinity, "stiffness against change of shape at small strain",
+    LowerBound::excluded, 400e3};
+constexpr ParameterInfo lame_lambda{
+    "lame_lambda", "Pa", -infinity, infinity, "first Lame parameter at small strain", LowerBound::excluded, 1.6e6};
+constexpr ParameterInfo bulk_modulus_at_rest{
+    "bulk_modulus",       "Pa", 0.0, infinity, "stiffness against change of volume at small strain",
+    LowerBound::excluded, 2e6};
 
-constexpr std::array<LawInfo, std::variant_size_v<ElasticLawVariant>> laws{{
-    {Linear::name, "psi = mu eps:eps + lambda/2 (tr eps)^2, eps = (H + H^T)/2, H = grad u", isotropic,
+constexpr ParameterInfo coefficient(std::string_view name, std::string_view meaning, double typical,
+                                    double lower = -infinity) {
+  return {name, "Pa", lower, infinity, meaning, LowerBound::included, typical};
+}
+
+constexpr std::array lame_parameters{shear_modulus, lame_lambda};
+constexpr std::array split{shear_modulus, bulk_modulus_at_rest};
+constexpr std::array mooney_rivlin{
+    coefficient("c10", "of I1b - 3; c10 + c01 is half the shear modulus at small strain", 150e3),
+    coefficient("c01", "of I2b - 3", 50e3), bulk_modulus_at_rest};
+constexpr std::array mooney_rivlin_5{
+    coefficient("c10", "of I1b - 3; c10 + c01 is half the shear modulus at small strain", 150e3),
+    coefficient("c01", "of I2b - 3", 50e3),
+    coefficient("c20", "of (I1b - 3)^2", 20e3),
+    coefficient("c11", "of (I1b - 3) (I2b - 3)", 5e3),
+    coefficient("c02", "of (I2b - 3)^2", 3e3),
+    bulk_modulus_at_rest};
+
+constexpr std::array<LawInfo, ElasticLaws::size> laws{{
+    {Linear<double>::name, "psi = mu eps:eps + lambda/2 (tr eps)^2, eps = (H + H^T)/2, H = grad u", lame_parameters,
      "Hooke's law; Holzapfel, Nonlinear Solid Mechanics (2000)",
      "small strains and small rotations; a rotation of more than a few degrees raises false stresses"},
-    {SaintVenantKirchhoff::name, "psi = mu E:E + lambda/2 (tr E)^2, E = (F^T F - I)/2", isotropic,
+    {SaintVenantKirchhoff<double>::name, "psi = mu E:E + lambda/2 (tr E)^2, E = (F^T F - I)/2", lame_parameters,
      "Holzapfel, Nonlinear Solid Mechanics (2000), section 6.5",
      "large rotations with small strains (slender beams, shells); not for strong compression: it softens and lets "
      "cells invert"},
-    {NeoHookean::name, "psi = mu/2 (tr(F^T F) - 3) - mu ln J + lambda/2 (ln J)^2, J = det F", isotropic,
+    {NeoHookean<double>::name, "psi = mu/2 (tr(F^T F) - 3) - mu ln J + lambda/2 (ln J)^2, J = det F", lame_parameters,
      "Bonet & Wood, Nonlinear Continuum Mechanics for Finite Element Analysis (2008), section 6.4.3",
      "large rotations and large strains, the usual choice for soft bodies; never lets a cell invert"},
+    {NeoHookeanIsochoric<double>::name, "psi = mu/2 (I1b - 3) + kappa U(J), I1b = J^(-2/3) tr(F^T F)", split,
+     "Simo & Hughes, Computational Inelasticity (1998), section 9.2",
+     "nearly incompressible soft bodies; comparison with other programs, most of which split the volume off"},
+    {MooneyRivlin<double>::name, "psi = c10 (I1b - 3) + c01 (I2b - 3) + kappa U(J), I2b = J^(-4/3) I2(F^T F)",
+     mooney_rivlin, "Mooney (1940); Rivlin (1948); Holzapfel (2000), section 6.5",
+     "rubbers up to a stretch of about 2"},
+    {MooneyRivlin5<double>::name,
+     "psi = c10 i1 + c01 i2 + c20 i1^2 + c11 i1 i2 + c02 i2^2 + kappa U(J), i1 = I1b - 3, i2 = I2b - 3",
+     mooney_rivlin_5, "Rivlin & Saunders (1951); Holzapfel (2000), section 6.5",
+     "rubbers whose stress-stretch curve has an upturn; fit to more than one kind of test"},
 }};
 
-template <std::size_t... i>
-std::optional<ElasticLawVariant> find_law(std::string_view name, const Lame& c, std::index_sequence<i...>) {
-  std::optional<ElasticLawVariant> found;
-  const auto consider = [&]<class L>(std::type_identity<L>) {
-    if (L::name == name) found = L{c.mu, c.lambda};
-  };
-  (consider(std::type_identity<std::variant_alternative_t<i, ElasticLawVariant>>{}), ...);
-  return found;
+template <class Visit>
+auto for_law(std::size_t row, const Visit& visit) {
+  return [&]<std::size_t... i>(std::index_sequence<i...>) {
+    using Result = decltype(visit(std::type_identity<std::variant_alternative_t<0, ElasticLawVariant>>{}));
+    std::optional<Result> result;
+    const bool found =
+        ((i == row &&
+          (result.emplace(visit(std::type_identity<std::variant_alternative_t<i, ElasticLawVariant>>{})), true)) ||
+         ...);
+    static_cast<void>(found);
+    return std::move(*result);
+  }
+  (std::make_index_sequence<ElasticLaws::size>{});
+}
+
+std::size_t row_of(std::string_view name, const Location& where) {
+  const auto found = std::ranges::find(laws, name, &LawInfo::name);
+  if (found == laws.end()) {
+    throw InputError(where, fmt::format("unknown model '{}'; the models are {}", name, names_of(laws)));
+  }
+  return static_cast<std::size_t>(found - laws.begin());
 }
 
 }  // namespace
@@ -51,16 +92,48 @@ std::span<const LawInfo> elastic_laws() {
   return laws;
 }
 
-ElasticLawVariant make_law(std::string_view name, double youngs_modulus, double poissons_ratio, const Location& where) {
-  std::vector<Diagnostic> mistakes;
-  const auto law = find_law(name, lame(youngs_modulus, poissons_ratio),
-                            std::make_index_sequence<std::variant_size_v<ElasticLawVariant>>{});
-  if (!law) mistakes.push_back({where, fmt::format("unknown model '{}'; the models are {}", name, names_of(laws))});
-  for (const auto& [parameter, value] : {std::pair{isotropic[0], youngs_modulus}, {isotropic[1], poissons_ratio}}) {
-    if (const auto text = complaint(parameter, value)) mistakes.push_back({where, *text});
+LawTraits ElasticLawSpec::traits() const {
+  return for_law(row, []<class L>(std::type_identity<L>) { return traits_of<L>(); });
+}
+
+std::optional<Lame> ElasticLawSpec::at_rest() const {
+  return std::visit(
+      []<class L>(const L& law) -> std::optional<Lame> {
+        if constexpr (IsotropicLaw<L>) return law.at_rest();
+        return std::nullopt;
+      },
+      law());
+}
+
+ElasticLawSpec make_law(std::string_view name, const GivenConstants& constants, const Location& where) {
+  const std::size_t row = row_of(name, where);
+  std::vector<std::string> keys;
+  std::vector<double> values;
+  for (const auto& [key, value] : constants) {
+    keys.push_back(key);
+    values.push_back(value);
   }
+  const ConstantsRule rule(row, keys, where);
+  std::vector<Diagnostic> mistakes;
+  for (const auto& text : rule.complaints(values)) mistakes.push_back({where, text});
   if (!mistakes.empty()) throw InputError(std::move(mistakes));
-  return *law;
+  return {row, rule(values)};
+}
+
+ElasticLawSpec make_law(std::string_view name, double youngs_modulus, double poissons_ratio, const Location& where) {
+  GivenConstants constants{{"youngs_modulus", youngs_modulus}, {"poissons_ratio", poissons_ratio}};
+  for (const auto& p : laws[row_of(name, where)].parameters) {
+    if (std::ranges::find(elastic_constants(), p.name, &ParameterInfo::name) == elastic_constants().end()) {
+      constants[std::string(p.name)] = p.typical;
+    }
+  }
+  return make_law(name, constants, where);
+}
+
+ElasticLawSpec typical_law(std::size_t row) {
+  ElasticLawSpec spec{row, {}};
+  for (const auto& p : laws[row].parameters) spec.parameters.push_back(p.typical);
+  return spec;
 }
 
 }  // namespace pliant

@@ -1,25 +1,79 @@
-/// Every elastic law a user can name. A new law is a header, a place in ElasticLawVariant and a row in registry.cpp;
-/// the tests, the input file and `pliant materials` read the list from here.
+/// Every elastic law a user can name. A new law is a header, a place in ElasticLaws and a row in registry.cpp; the
+/// tests, the input file, the plots and `pliant materials` read the list from here.
 #pragma once
 
 #include "material/law_info.hpp"
 #include "material/linear.hpp"
+#include "material/mooney_rivlin.hpp"
 #include "material/neo_hookean.hpp"
+#include "material/neo_hookean_isochoric.hpp"
 #include "material/saint_venant_kirchhoff.hpp"
 
+#include <array>
+#include <map>
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 namespace pliant {
 
-using ElasticLawVariant = std::variant<Linear, SaintVenantKirchhoff, NeoHookean>;
+template <template <class> class... L>
+struct LawList {
+  template <class S>
+  using Variant = std::variant<L<S>...>;
+  static constexpr std::size_t size = sizeof...(L);
+};
 
-/// One row per law, in the order of ElasticLawVariant.
+using ElasticLaws = LawList<Linear, SaintVenantKirchhoff, NeoHookean, NeoHookeanIsochoric, MooneyRivlin, MooneyRivlin5>;
+using ElasticLawVariant = ElasticLaws::Variant<double>;
+
+/// One row per law, in the order of ElasticLaws; the parameters are those of LawData.
 std::span<const LawInfo> elastic_laws();
 
-/// The law of that name with E [Pa] and nu. Throws InputError, every mistake at `where`.
-ElasticLawVariant make_law(std::string_view name, double youngs_modulus, double poissons_ratio,
-                           const Location& where = {});
+/// What the law's type says of it.
+struct LawTraits {
+  bool is_barrier;
+  bool constant_tangent;
+  int num_directions;
+  int energy_degree;
+  bool takes_volumetric_form;
+};
+template <ElasticLaw L>
+constexpr LawTraits traits_of() {
+  return {L::is_barrier, L::constant_tangent, L::num_directions, L::energy_degree,
+          requires(const L& law){law.volumetric;
+}
+};  // namespace pliant
+}
+
+/// A law as a value: which one, and with what. Directions are unit vectors.
+struct ElasticLawSpec {
+  std::size_t row = 0;             ///< in elastic_laws()
+  std::vector<double> parameters;  ///< in the row's order
+  VolumetricForm volumetric = VolumetricForm::mixed;
+  std::array<std::array<double, 3>, 2> directions{{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}}};
+
+  const LawInfo& info() const { return elastic_laws()[row]; }
+  LawTraits traits() const;
+  ElasticLawVariant law() const;
+  /// Hooke's constants at rest of an isotropic law.
+  std::optional<Lame> at_rest() const;
+};
+
+/// Constants as users give them, by their key.
+using GivenConstants = std::map<std::string, double, std::less<>>;
+
+/// The law of that name with these constants (material/constants.hpp). Throws InputError, every mistake at `where`.
+ElasticLawSpec make_law(std::string_view name, const GivenConstants& constants, const Location& where = {});
+
+/// The same with E [Pa] and nu, and what else the law has at its typical value.
+ElasticLawSpec make_law(std::string_view name, double youngs_modulus, double poissons_ratio,
+                        const Location& where = {});
+
+/// The law of the row with all parameters at their typical values.
+ElasticLawSpec typical_law(std::size_t row);
 
 }  // namespace pliant

@@ -11,27 +11,33 @@
 
 namespace pliant {
 
+template <class S>
 struct SaintVenantKirchhoff {
   static constexpr std::string_view name = "saint-venant-kirchhoff";
-  static constexpr bool needs_positive_volume = false;
+  static constexpr bool is_barrier = false;
   static constexpr bool constant_tangent = false;
+  static constexpr int num_directions = 0;
+  static constexpr int energy_degree = 4;
 
-  double mu;      ///< shear modulus [Pa]
-  double lambda;  ///< first Lame parameter [Pa]
+  S mu;      ///< shear modulus [Pa]
+  S lambda;  ///< first Lame parameter [Pa]
+
+  static SaintVenantKirchhoff of(const LawData<S>& d) { return {d.parameters[0], d.parameters[1]}; }
+  LameOf<S> at_rest() const { return {mu, lambda}; }
 
   template <class T>
   struct Linearization {
-    double mu;      ///< [Pa]
-    double lambda;  ///< [Pa]
+    S mu;      ///< [Pa]
+    S lambda;  ///< [Pa]
     Tensor3<T> F;
-    Tensor3<T> S;  ///< second Piola-Kirchhoff stress [Pa]
-    Tensor3<T> P;  ///< [Pa]
+    Tensor3<T> stress;  ///< second Piola-Kirchhoff stress [Pa]
+    Tensor3<T> P;       ///< [Pa]
 
     /// dP = dH S + F dS,  dS = 2 mu dE + lambda tr(dE) I,  dE = (F^T dH + dH^T F) / 2.
     PLIANT_INLINE Tensor3<T> operator()(const Tensor3<T>& dH) const {
       const Tensor3<T> dE = small_strain(matmul(transpose(F), dH));
       const Tensor3<T> dS = add_to_diagonal(2.0 * mu * dE, lambda * trace(dE));
-      return matmul(dH, S) + matmul(F, dS);
+      return matmul(dH, stress) + matmul(F, dS);
     }
 
     PLIANT_INLINE Tangent<T> tangent() const {
@@ -39,7 +45,7 @@ struct SaintVenantKirchhoff {
       return make_symmetric_tangent<T>([&](int p, int q) -> T {
         const int i = p / 3, J = p % 3, k = q / 3, L = q % 3;
         T value = lambda * F(i, J) * F(k, L) + mu * (F(i, L) * F(k, J));
-        if (i == k) value += S(J, L);
+        if (i == k) value += stress(J, L);
         if (J == L) value += mu * B(i, k);
         return value;
       });
@@ -61,11 +67,11 @@ struct SaintVenantKirchhoff {
   template <class T>
   PLIANT_INLINE Linearization<T> linearize(const Tensor3<T>& H) const {
     const Tensor3<T> E = green_lagrange(H);
-    const Tensor3<T> S = add_to_diagonal(2.0 * mu * E, lambda * trace(E));
-    return {mu, lambda, add_to_diagonal(H, 1.0), S, S + matmul(H, S)};
+    const Tensor3<T> stress = add_to_diagonal(2.0 * mu * E, lambda * trace(E));
+    return {mu, lambda, add_to_diagonal(H, 1.0), stress, stress + matmul(H, stress)};
   }
 };
 
-static_assert(ElasticLaw<SaintVenantKirchhoff>);
+static_assert(ElasticLawTemplate<SaintVenantKirchhoff> && IsotropicLaw<SaintVenantKirchhoff<double>>);
 
 }  // namespace pliant

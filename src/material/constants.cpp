@@ -1,0 +1,183 @@
+#include "material/constants.hpp"
+
+#include "base/text.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+enum Constant { youngs, poissons, shear, bulk, lame_first };
+
+constexpr std::array constants{
+    ParameterInfo{"youngs_modulus", "Pa", 0.0, infinity, "stiffness in simple tension at small strain"},
+    ParameterInfo{"poissons_ratio", "1", -1.0, 0.5, "lateral contraction per extension at small strain"},
+    ParameterInfo{"shear_modulus", "Pa", 0.0, infinity, "stiffness against change of shape at small strain"},
+    ParameterInfo{"bulk_modulus", "Pa", 0.0, infinity, "stiffness against change of volume at small strain"},
+    ParameterInfo{"lame_lambda", "Pa", -infinity, infinity, "first Lame parameter: bulk_modulus - 2/3 shear_modulus"},
+};
+
+std::string names_of_parameters(std::span<const ParameterInfo> parameters) {
+  std::string names;
+  for (const auto& p : parameters) names += (names.empty() ? "" : ", ") + std::string(p.name);
+  return names;
+}
+
+int place_in(std::span<const ParameterInfo> parameters, std::string_view name) {
+  const auto found = std::ranges::find(parameters, name, &ParameterInfo::name);
+  return found == parameters.end() ? -1 : static_cast<int>(found - parameters.begin());
+}
+
+bool has(const LawInfo& law, Constant c) {
+  return place_in(law.parameters, constants[c].name) >= 0;
+}
+
+/// Are two constants of the isotropic solid asked for, or a bulk modulus alone, or none?
+bool takes_two_constants(const LawInfo& law) {
+  return has(law, shear) && (has(law, bulk) || has(law, lame_first));
+}
+
+double value_of(Constant c, const Lame& l) {
+  switch (c) {
+    case youngs:
+      return youngs_modulus(l);
+    case poissons:
+      return poissons_ratio(l);
+    case shear:
+      return l.mu;
+    case bulk:
+      return bulk_modulus(l);
+    case lame_first:
+      break;
+  }
+  return l.lambda;
+}
+
+}  // namespace
+
+std::span<const ParameterInfo> elastic_constants() {
+  return constants;
+}
+
+Lame lame_of(int first, double a, int second, double b) {
+  switch (10 * first + second) {
+    case 10 * youngs + poissons:
+      return lame(a, b);
+    case 10 * youngs + shear:
+      return {b, b * (a - 2.0 * b) / (3.0 * b - a)};
+    case 10 * youngs + bulk:
+      return {3.0 * b * a / (9.0 * b - a), 3.0 * b * (3.0 * b - a) / (9.0 * b - a)};
+    case 10 * youngs + lame_first: {
+      const double R = std::sqrt(a * a + 9.0 * b * b + 2.0 * a * b);
+      return {0.25 * (a - 3.0 * b + R), b};
+    }
+    case 10 * poissons + shear:
+      return {b, 2.0 * b * a / (1.0 - 2.0 * a)};
+    case 10 * poissons + bulk:
+      return {1.5 * b * (1.0 - 2.0 * a) / (1.0 + a), 3.0 * b * a / (1.0 + a)};
+    case 10 * poissons + lame_first:
+      return {b * (1.0 - 2.0 * a) / (2.0 * a), b};
+    case 10 * shear + bulk:
+      return {a, b - 2.0 / 3.0 * a};
+    case 10 * shear + lame_first:
+      return {a, b};
+    default:
+      return {1.5 * (a - b), b};  // bulk, lame_lambda
+  }
+}
+
+std::string equivalents(const Lame& l) {
+  return fmt::format("E = {:.4g} Pa, nu = {:.4g}, mu = {:.4g} Pa, K = {:.4g} Pa, lambda = {:.4g} Pa", youngs_modulus(l),
+                     poissons_ratio(l), l.mu, bulk_modulus(l), l.lambda);
+}
+
+ConstantsRule::ConstantsRule(std::size_t row, std::vector<std::string> keys, const Location& where)
+    : row_(row), keys_(std::move(keys)) {
+  const LawInfo& law = elastic_laws()[row];
+  std::vector<Diagnostic> mistakes;
+  key_of_parameter_.assign(law.parameters.size(), -1);
+  const bool two = takes_two_constants(law), one = !two && has(law, bulk);
+  for (std::size_t k = 0; k < keys_.size(); ++k) {
+    const int constant = place_in(constants, keys_[k]), own = place_in(law.parameters, keys_[k]);
+    const bool belongs = two ? constant >= 0 : one && (constant == bulk || constant == poissons);
+    if (belongs) {
+      constants_.push_back({constant, static_cast<int>(k)});
+    } else if (own >= 0) {
+      key_of_parameter_[own] = static_cast<int>(k);
+    } else {
+      mistakes.push_back({where, fmt::format("'{}' is no parameter of {}, which has {}{}", keys_[k], law.name,
+                                             names_of_parameters(law.parameters),
+                                             two ? " (or other two of the elastic constants)" : "")});
+    }
+  }
+  std::ranges::sort(constants_);
+  const std::size_t wanted = two ? 2 : one ? 1 : 0;
+  if (constants_.size() != wanted) {
+    const std::string given = constants_.empty() ? "none is given" : fmt::format("{} given", constants_.size());
+    mistakes.push_back({where, two ? fmt::format("{} needs two of {}; {}", law.name, names_of_parameters(constants),
+                                                 constants_.size() == 1 ? "one is given" : given)
+                                   : fmt::format("{} needs one of bulk_modulus, poissons_ratio; {}", law.name, given)});
+  }
+  for (std::size_t p = 0; p < law.parameters.size(); ++p) {
+    const bool is_constant = (two || one) && place_in(constants, law.parameters[p].name) >= 0;
+    if (is_constant || key_of_parameter_[p] >= 0 || law.parameters[p].fallback) continue;
+    mistakes.push_back({where, fmt::format("missing key '{}' of {}: {}", law.parameters[p].name, law.name,
+                                           law.parameters[p].meaning)});
+  }
+  if (!mistakes.empty()) throw InputError(std::move(mistakes));
+}
+
+std::vector<double> ConstantsRule::operator()(std::span<const double> values) const {
+  const LawInfo& law = elastic_laws()[row_];
+  std::vector<double> result(law.parameters.size(), 0.0);
+  for (std::size_t p = 0; p < result.size(); ++p) {
+    const int key = key_of_parameter_[p];
+    result[p] = key >= 0 ? values[key] : law.parameters[p].fallback.value_or(0.0);
+  }
+  if (constants_.empty()) return result;
+  const auto [first, first_key] = constants_.front();
+  if (takes_two_constants(law)) {
+    const auto [second, second_key] = constants_.back();
+    const Lame l = lame_of(first, values[first_key], second, values[second_key]);
+    for (const Constant c : {youngs, poissons, shear, bulk, lame_first}) {
+      const int p = place_in(law.parameters, constants[c].name);
+      if (p >= 0) result[p] = value_of(c, l);
+    }
+  } else if (const int p = place_in(law.parameters, constants[bulk].name); first == bulk) {
+    result[p] = values[first_key];
+  } else {
+    const auto rest = ElasticLawSpec{row_, result}.at_rest();
+    const double nu = values[first_key];
+    result[p] = 2.0 * rest.value_or(Lame{}).mu * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu));
+  }
+  return result;
+}
+
+std::vector<std::string> ConstantsRule::complaints(std::span<const double> values) const {
+  const LawInfo& law = elastic_laws()[row_];
+  std::vector<std::string> found;
+  for (std::size_t k = 0; k < keys_.size(); ++k) {
+    const int constant = place_in(constants, keys_[k]), own = place_in(law.parameters, keys_[k]);
+    const ParameterInfo& p = own >= 0 ? law.parameters[own] : constants[constant];
+    if (const auto text = complaint(p, values[k])) found.push_back(*text);
+  }
+  if (!found.empty()) return found;
+  const ElasticLawSpec spec{row_, (*this)(values)};
+  if (const auto rest = spec.at_rest()) {
+    if (!(rest->mu > 0.0) || !(bulk_modulus(*rest) > 0.0)) {
+      found.push_back(fmt::format(
+          "these constants of {} make the body at rest unstable: shear modulus {:.4g} Pa, bulk modulus {:.4g} Pa; both "
+          "must be above 0",
+          law.name, rest->mu, bulk_modulus(*rest)));
+    }
+  }
+  return found;
+}
+
+}  // namespace pliant

@@ -1,0 +1,34 @@
+/// An elastic law of a body, evaluated on packs of its quadrature points. Its kind is known at run time only, and its
+/// parameters may differ from point to point. The call costs a few per cent of the cheapest law, and the loops over
+/// cells need not be compiled for each law.
+#pragma once
+
+#include "material/registry.hpp"
+
+#include <functional>
+#include <memory>
+
+namespace pliant {
+
+/// All functions are those of material/law.hpp at the n-th pack of points; n is ignored by a uniform body.
+class LawField {
+ public:
+  virtual ~LawField() = default;
+
+  virtual LawTraits traits() const = 0;
+
+  virtual Pack psi(std::size_t n, const Tensor3<Pack>& H) const = 0;
+  /// psi(H + dH) - psi(H), to the digits of the change (material/energy_change.hpp).
+  virtual Pack psi_change(std::size_t n, const Tensor3<Pack>& H, const Tensor3<Pack>& dH) const = 0;
+  virtual Tensor3<Pack> P(std::size_t n, const Tensor3<Pack>& H) const = 0;
+  /// A = dP/dH.
+  virtual void tangent(std::size_t n, const Tensor3<Pack>& H, Tangent<Pack>& A) const = 0;
+};
+
+std::unique_ptr<LawField> make_law_field(const ElasticLawSpec& uniform);
+
+/// `at(n, lane)` is the law of the lane's point in the n-th pack, n < num_packs; all of the kind of `common`.
+std::unique_ptr<LawField> make_law_field(const ElasticLawSpec& common, std::size_t num_packs,
+                                         const std::function<ElasticLawSpec(std::size_t n, int lane)>& at);
+
+}  // namespace pliant
