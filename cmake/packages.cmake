@@ -11,3 +11,8 @@ find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_library(GMSH_LIBRARY gmsh REQUIRED)
 find_library(METIS_LIBRARY metis REQUIRED)
+
+# glibc's vector mathematics (base/vector_math.hpp); it exists on x86-64 only.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+  find_library(PLIANT_VECTOR_MATH mvec REQUIRED)
+endif()

@@ -1,5 +1,6 @@
 #include "app/commands.hpp"
 
+#include "app/elasticity.hpp"
 #include "app/input_schema.hpp"
 #include "app/model.hpp"
 #include "app/run.hpp"
@@ -81,10 +82,9 @@ ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector
   std::vector<double> cells(model.body_names().size(), 0.0);
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) ++cells[model.body_of_cell()[c]];
   for (std::size_t b = 0; b < cells.size(); ++b) {
-    const auto& e = config.bodies[b].elasticity;
     console.print(fmt::format(
-        "  {}: {} tetrahedra, {} with E = {:.4g} Pa, nu = {:.4g}{}", model.body_names()[b],
-        static_cast<long long>(sum(layout.comm, cells[b])), e.model, e.youngs_modulus, e.poissons_ratio,
+        "  {}: {} tetrahedra, {}{}", model.body_names()[b], static_cast<long long>(sum(layout.comm, cells[b])),
+        describe(config.bodies[b].elasticity),
         config.bodies[b].density ? fmt::format(", density {:.4g} kg/m^3", *config.bodies[b].density) : std::string()));
   }
   if (model.inertia() != nullptr) {

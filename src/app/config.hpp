@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "base/expression.hpp"
 #include "material/viscosity.hpp"
+#include "material/volumetric.hpp"
 #include "time/method.hpp"
 
 #include <array>
@@ -43,10 +44,17 @@ struct MeshConfig {
   int refine = 0;
 };
 
+/// A constant of a law, in SI: a number or a function of x, y, z.
+struct GivenConstant {
+  std::string key;
+  Expression value;
+  Location where;
+};
+
 struct ElasticityConfig {
-  std::string model;          ///< registry name: linear, saint-venant-kirchhoff, neo-hookean
-  double youngs_modulus = 0;  ///< [Pa]
-  double poissons_ratio = 0;
+  std::string model;                     ///< registry name
+  std::vector<GivenConstant> constants;  ///< of the law (material/constants.hpp)
+  VolumetricForm volumetric_energy = VolumetricForm::mixed;
   Location where;
 };
 

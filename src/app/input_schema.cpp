@@ -1,6 +1,7 @@
 #include "app/input_schema.hpp"
 
 #include "app/input_constraints.hpp"
+#include "app/input_elasticity.hpp"
 #include "app/input_laws.hpp"
 #include "app/input_loads.hpp"
 #include "app/input_viscosity.hpp"
@@ -36,25 +37,13 @@ Section<MeshConfig> mesh_keys() {
   }};
 }
 
-Section<ElasticityConfig> elasticity_keys() {
-  return {{
-              field("model", &ElasticityConfig::model, choice(law_names(elastic_laws())),
-                    "elastic law (`pliant materials`)")
-                  .required(),
-              law_field(elastic_laws(), &ElasticityConfig::youngs_modulus, "youngs_modulus").required(),
-              law_field(elastic_laws(), &ElasticityConfig::poissons_ratio, "poissons_ratio").required(),
-          },
-          {},
-          &ElasticityConfig::where};
-}
-
 Section<BodyConfig> body_keys() {
   return {{
               selector<BodyConfig>("volume", Kind::volume, "the volume that the body fills")
                   .otherwise_in_words("the whole mesh"),
               field("density", &BodyConfig::density, quantity("kg/m^3", Range::above(0)), "mass per reference volume")
                   .otherwise_in_words("none; needed for dynamics and for gravity"),
-              field("elasticity", &BodyConfig::elasticity, map_of(elasticity_keys()), "elastic law").required(),
+              field("elasticity", &BodyConfig::elasticity, elasticity_format(), "elastic law").required(),
               field("viscosity", &BodyConfig::viscosity, map_of(viscosity_keys()),
                     "law of viscosity beside the elastic one")
                   .otherwise_in_words("none"),

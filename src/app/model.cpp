@@ -1,10 +1,10 @@
 #include "app/model.hpp"
 
+#include "app/elasticity.hpp"
 #include "app/input_schema.hpp"
 #include "app/loads.hpp"
 #include "app/selections.hpp"
 #include "app/viscosity.hpp"
-#include "material/lame.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/ghosted.hpp"
@@ -15,21 +15,6 @@
 #include <fmt/format.h>
 
 namespace pliant {
-namespace {
-
-WaveSpeeds speeds_of(const Config& config) {
-  WaveSpeeds speeds{0.0, HUGE_VAL};
-  for (const auto& body : config.bodies) {
-    if (!body.density) continue;
-    const auto [mu, lambda] = lame(body.elasticity.youngs_modulus, body.elasticity.poissons_ratio);
-    speeds.fastest = std::max(speeds.fastest, std::sqrt((lambda + 2.0 * mu) / *body.density));
-    speeds.slowest = std::min(speeds.slowest, std::sqrt(mu / *body.density));
-  }
-  return speeds;
-}
-
-}  // namespace
-
 Analysis analysis_of(const Config& config) {
   if (config.time.method.value == static_method) return Analysis::static_equilibrium;
   return config.time.method.value == quasistatic_method ? Analysis::quasistatic : Analysis::dynamic;
@@ -57,17 +42,22 @@ Model::Model(MPI_Comm comm, const Config& config) {
   if (analysis_of(config) == Analysis::static_equilibrium && has_viscosity(config)) {
     notices_.push_back("viscosity has no effect on a static equilibrium");
   }
-  wave_speeds_ = speeds_of(config);
+}
+
+void Model::include_waves(const ElasticLawSpec& law, double density) {
+  if (density <= 0.0) return;
+  const WaveModuli moduli = wave_moduli(law);
+  wave_speeds_.fastest = std::max(wave_speeds_.fastest, std::sqrt(moduli.largest / density));
+  wave_speeds_.slowest = std::min(wave_speeds_.slowest, std::sqrt(moduli.smallest / density));
 }
 
 template <int Order>
 void Model::build_cells(const Config& config) {
-  std::vector<ElasticLawVariant> laws;
+  std::vector<ElasticityRule> rules;
   std::vector<int> degrees;
   for (const auto& body : config.bodies) {
-    const auto& e = body.elasticity;
-    laws.push_back(make_law(e.model, e.youngs_modulus, e.poissons_ratio, e.where));
-    degrees.push_back(elastic_quadrature_degree(laws.back(), Order));
+    rules.emplace_back(body.elasticity);
+    degrees.push_back(elastic_quadrature_degree(rules.back().kind().traits(), Order));
   }
   auto& groups = cells_.emplace<CellGroups<Order>>();
   on_every_rank(layout_.comm, [&] {
@@ -77,9 +67,25 @@ void Model::build_cells(const Config& config) {
       throw InputError(config.mesh.file.where, e.diagnostics().front().message);
     }
   });
-  for (std::size_t b = 0; b < laws.size(); ++b) {
-    elastic_.push_back(make_elastic_term<Order>(laws[b], groups, static_cast<int>(b), layout_.num_owned_nodes));
-  }
+  wave_speeds_ = {0.0, HUGE_VAL};
+  on_every_rank(layout_.comm, [&] {
+    for (std::size_t b = 0; b < rules.size(); ++b) {
+      const int body = static_cast<int>(b);
+      const auto law_at = [&](PetscInt, const std::array<double, 3>& X) {
+        const ElasticLawSpec law = rules[b].law_at(X);
+        include_waves(law, densities_[b]);
+        return law;
+      };
+      std::shared_ptr<const LawField> law;
+      if (rules[b].is_uniform()) {
+        law = make_law_field(law_at(0, {}));
+      } else {
+        law = make_varying_law<Order>(rules[b].kind(), layout_, groups, body, law_at);
+      }
+      elastic_.push_back(make_elastic_term<Order>(std::move(law), groups, body, layout_.num_owned_nodes));
+    }
+  });
+  wave_speeds_ = {maximum(layout_.comm, wave_speeds_.fastest), minimum(layout_.comm, wave_speeds_.slowest)};
   const bool has_mass = std::any_of(densities_.begin(), densities_.end(), [](double d) { return d > 0.0; });
   if (has_mass) {
     inertia_ = make_inertia<Order>(layout_, *pattern_, groups, densities_,

@@ -63,6 +63,8 @@ class Model {
 
  private:
   void build_terms(const Config& config);
+  /// Widens the range of wave speeds.
+  void include_waves(const ElasticLawSpec& law, double density);
   template <int Order>
   void build_cells(const Config& config);
 

@@ -96,6 +96,12 @@ LawTraits ElasticLawSpec::traits() const {
   return for_law(row, []<class L>(std::type_identity<L>) { return traits_of<L>(); });
 }
 
+ElasticLawVariant ElasticLawSpec::law() const {
+  return for_law(row, [this]<class L>(std::type_identity<L>) -> ElasticLawVariant {
+    return L::of({parameters, volumetric, directions});
+  });
+}
+
 std::optional<Lame> ElasticLawSpec::at_rest() const {
   return std::visit(
       []<class L>(const L& law) -> std::optional<Lame> {

@@ -33,7 +33,7 @@ class Body {
     pattern_ = std::make_unique<BlockPattern>(layout_);
     const auto law = make_law(law_name, 1e6, 0.4);
     groups_ = make_cell_groups<Order>(layout_, *pattern_, std::vector<int>(layout_.num_local_cells, 0),
-                                      {elastic_quadrature_degree(law, Order)});
+                                      {elastic_quadrature_degree(law.traits(), Order)});
     elastic_ = make_elastic_term<Order>(law, groups_, 0, layout_.num_owned_nodes);
     inertia_ = make_inertia<Order>(layout_, *pattern_, groups_, {1000.0}, Mass::consistent);
     const std::vector<char> free(3 * static_cast<std::size_t>(layout_.num_local_nodes), 0);

@@ -40,7 +40,7 @@ class Solid {
   const BlockPattern& pattern() const { return body_.pattern; }
   const std::variant<CellGroups<1>, CellGroups<2>>& groups() const { return groups_; }
 
-  std::unique_ptr<ElasticTerm> elastic(const ElasticLawVariant& law) const {
+  std::unique_ptr<ElasticTerm> elastic(const ElasticLawSpec& law) const {
     if (layout().order == 1) return make_elastic_term<1>(law, std::get<0>(groups_), 0, layout().num_owned_nodes);
     return make_elastic_term<2>(law, std::get<1>(groups_), 0, layout().num_owned_nodes);
   }
@@ -191,16 +191,27 @@ struct TestStage {
   }
 };
 
-/// The laws of the registry, E = 1000 Pa and nu = 0.3.
-inline std::vector<ElasticLawVariant> every_law(double youngs_modulus = 1000.0, double poissons_ratio = 0.3) {
-  std::vector<ElasticLawVariant> laws;
-  for (const auto& info : elastic_laws()) laws.push_back(make_law(info.name, youngs_modulus, poissons_ratio));
+/// The laws of the registry with typical parameters, made as stiff at rest as E = 1000 Pa and nu = 0.3 are.
+inline std::vector<ElasticLawSpec> every_law(double youngs_modulus = 1000.0, double poissons_ratio = 0.3) {
+  const Lame wanted = lame(youngs_modulus, poissons_ratio);
+  std::vector<ElasticLawSpec> laws;
+  for (std::size_t row = 0; row < elastic_laws().size(); ++row) {
+    ElasticLawSpec law = typical_law(row);
+    const double scale = wanted.mu / law.at_rest().value_or(Lame{400e3, 0.0}).mu;
+    for (std::size_t p = 0; p < law.parameters.size(); ++p) {
+      const auto& [name, unit, lower, upper, meaning, bound, typical, fallback] = law.info().parameters[p];
+      if (unit == "Pa") law.parameters[p] *= scale;
+      if (name == "lame_lambda") law.parameters[p] = wanted.lambda;
+      if (name == "bulk_modulus") law.parameters[p] = bulk_modulus(wanted);
+    }
+    laws.push_back(law);
+  }
   return laws;
 }
 
 /// Name of a law without characters that GoogleTest refuses.
-inline std::string name_of(const ElasticLawVariant& law) {
-  std::string name = std::visit([](const auto& of) { return std::string(of.name); }, law);
+inline std::string name_of(const ElasticLawSpec& law) {
+  std::string name(law.info().name);
   std::erase(name, '-');
   return name;
 }
@@ -225,12 +236,12 @@ inline bool is_potential(const ViscosityVariant& law) {
   return kelvin_voigt == nullptr || kelvin_voigt->rate != StrainRate::exact;
 }
 
-inline bool is_barrier(const ElasticLawVariant& law) {
-  return std::visit([](const auto& of) { return of.needs_positive_volume; }, law);
+inline bool is_barrier(const ElasticLawSpec& law) {
+  return law.traits().is_barrier;
 }
 /// A law that knows no rotation.
-inline bool is_linear(const ElasticLawVariant& law) {
-  return std::visit([](const auto& of) { return of.constant_tangent; }, law);
+inline bool is_linear(const ElasticLawSpec& law) {
+  return law.traits().constant_tangent;
 }
 
 }  // namespace pliant::testing

@@ -22,7 +22,7 @@ using testing::TestStage;
 const MPI_Comm comm = MPI_COMM_WORLD;
 
 struct ElasticCase {
-  ElasticLawVariant law;
+  ElasticLawSpec law;
   BodySpec body;
 };
 
@@ -41,7 +41,7 @@ std::vector<ElasticCase> every_case() {
 
 class Elastic : public ::testing::TestWithParam<ElasticCase> {
  protected:
-  int degree() const { return elastic_quadrature_degree(GetParam().law, GetParam().body.order); }
+  int degree() const { return elastic_quadrature_degree(GetParam().law.traits(), GetParam().body.order); }
 
   Handle<Vec> gradient(const Handle<Vec>& q) {
     Handle<Vec> r = potential_.make_vector();
@@ -205,7 +205,7 @@ TEST_P(Elastic, ForcesOfStrainsOf1e8KeepTheirDigits) {
   std::vector<double> r(local.size(), 0.0);
   term_->add_gradient(at, local, r);
   const auto [error, size] = testing::error_and_size(solid_, degree(), r, {local}, [&](const testing::Gradients& H) {
-    return std::visit([&](const auto& of) { return testing_states::textbook_P(of, H[0]); }, GetParam().law);
+    return std::visit([&](const auto& of) { return testing_states::textbook_P(of, H[0]); }, GetParam().law.law());
   });
   ASSERT_GT(size, 0.1);  // 1e9 Pa at strains of 1e-8
   EXPECT_LE(error, 2e-14 * size);
@@ -247,7 +247,7 @@ TEST_P(Elastic, StressesOfAUniformStrainAreTheLaws) {
         });
         EXPECT_EQ(visited, solid_.layout().num_owned_cells);
       },
-      GetParam().law);
+      GetParam().law.law());
 }
 
 // Beyond a barrier: +inf on every rank, though one cell is inverted on one rank alone.

@@ -78,7 +78,7 @@ TEST(StepBound, OfASingleTetrahedronIsExact) {
                    "$EndNodes\n$Elements\n1\n1 4 2 0 1 1 2 3 4\n$EndElements\n");
   for (const int order : {1, 2}) {
     for (const auto& law : testing::every_law()) {
-      const Solid solid(MPI_COMM_SELF, file, order, elastic_quadrature_degree(law, order));
+      const Solid solid(MPI_COMM_SELF, file, order, elastic_quadrature_degree(law.traits(), order));
       const auto term = solid.elastic(law);
       const auto q = testing::local_values(solid.vector(testing::at_rest).get());
       // Affine, so that P2's middles follow.

@@ -140,7 +140,8 @@ TEST_P(Viscous, StressOfABranchRelaxes) {
 TEST_P(Viscous, ABranchIsASpringInFastMotion) {
   if (body_.maxwell == nullptr) return;
   const Maxwell& law = *body_.maxwell;
-  const SaintVenantKirchhoff spring{law.shear_modulus, law.bulk_modulus - 2.0 / 3.0 * law.shear_modulus};
+  const ElasticLawSpec spring =
+      make_law("saint-venant-kirchhoff", {{"shear_modulus", law.shear_modulus}, {"bulk_modulus", law.bulk_modulus}});
   const auto q = solid_.vector(at_time(0.0));
   const auto force = [&](double h) {
     TestStage stage(solid_, 0.0, h);

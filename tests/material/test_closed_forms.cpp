@@ -17,7 +17,7 @@ Matrix diagonal(double a, double b, double c) {
 }
 
 TEST(ClosedForm, LinearUniaxialStress) {
-  const auto law = law_of<Linear>(E, nu);
+  const auto law = law_of<Linear<double>>(E, nu);
   const double e = 1e-3;
   const Matrix P = law.P(diagonal(e, -nu * e, -nu * e));
   EXPECT_NEAR(P(0, 0), E * e, tolerance);
@@ -27,7 +27,7 @@ TEST(ClosedForm, LinearUniaxialStress) {
 
 /// Saint Venant-Kirchhoff, sides free: S_11 = E E_11, hence P_11 = E a (a^2 - 1) / 2 at the stretch a.
 TEST(ClosedForm, SaintVenantKirchhoffUniaxialStress) {
-  const auto law = law_of<SaintVenantKirchhoff>(E, nu);
+  const auto law = law_of<SaintVenantKirchhoff<double>>(E, nu);
   const double a = 1.3;
   const double strain = 0.5 * (a * a - 1);
   const double side = std::sqrt(1 - 2 * nu * strain) - 1;
@@ -38,7 +38,7 @@ TEST(ClosedForm, SaintVenantKirchhoffUniaxialStress) {
 
 /// Code_Aster SSNV121: stretch 1.1 with blocked sides after a quarter turn, Saint Venant-Kirchhoff.
 TEST(ClosedForm, SaintVenantKirchhoffStretchedAfterAQuarterTurn) {
-  const auto law = law_of<SaintVenantKirchhoff>(E, nu);
+  const auto law = law_of<SaintVenantKirchhoff<double>>(E, nu);
   const Matrix Q = rotation(0, 0, 2 * std::atan(1.0));
   const Matrix P = law.P(rotated(Q, diagonal(0.1, 0, 0)));
   EXPECT_NEAR(P(1, 0), 31096.154, 5e-4);         // dead traction on the face that now looks along y
@@ -48,7 +48,7 @@ TEST(ClosedForm, SaintVenantKirchhoffStretchedAfterAQuarterTurn) {
 
 /// Neo-Hookean under F = a I: P = (mu (a - 1/a) + 3 lambda ln(a) / a) I.
 TEST(ClosedForm, NeoHookeanHydrostatic) {
-  const auto law = law_of<NeoHookean>(E, nu);
+  const auto law = law_of<NeoHookean<double>>(E, nu);
   for (const double a : {0.5, 0.9, 1.1, 3.0}) {
     const Matrix P = law.P(diagonal(a - 1, a - 1, a - 1));
     const double expected = law.mu * (a - 1 / a) + 3 * law.lambda * std::log(a) / a;
@@ -63,7 +63,7 @@ TEST(ClosedForm, NeoHookeanHydrostatic) {
 /// Neo-Hookean in simple shear k: J = 1, P = mu (F - F^-T), that is k mu in both shears and nothing on the diagonal but
 /// what the shear does: F^-T = [[1, 0], [-k, 1]].
 TEST(ClosedForm, NeoHookeanSimpleShear) {
-  const auto law = law_of<NeoHookean>(E, nu);
+  const auto law = law_of<NeoHookean<double>>(E, nu);
   const double k = 0.7;
   const Matrix H{{0, k, 0, 0, 0, 0, 0, 0, 0}};
   const Matrix P = law.P(H);

@@ -19,16 +19,17 @@ class LastDigits : public testing::Test {};
 TYPED_TEST_SUITE(LastDigits, AlternativesOf<ElasticLawVariant>::type, NameOfLaw);
 
 TYPED_TEST(LastDigits, StiffBodyFromTinyToLargeStrain) {
-  for (const double nu : {0.0, 0.3, 0.49}) {
-    const auto law = law_of<TypeParam>(1e9, nu);
-    for (const double strain : {1e-14, 1e-10, 1e-8, 1e-6, 1e-4, 1e-2, 0.2}) {
+  for (const VolumetricForm form : forms_of<TypeParam>()) {
+    const auto law = typical<TypeParam>(form, 1e3);
+    for (const double strain : {1e-10, 1e-8, 1e-6, 1e-4, 1e-2, 0.2}) {
       for (unsigned seed = 0; seed < 20; ++seed) {
         const Matrix H = random_matrix(seed, strain);
         // Below, the textbook energy, of second order, is itself at the end of the 34 digits of a Quad.
         if (strain >= 1e-8) {
-          EXPECT_LE(relative_difference(law.psi(H), textbook_psi(law, converted<Quad>(H))), 16 * epsilon);
+          EXPECT_LE(relative_difference(law.psi(H), textbook_psi(law, converted<Quad>(H))), 32 * epsilon);
         }
-        EXPECT_LE(relative_difference(law.P(H), textbook_P(law, converted<Quad>(H))), 16 * epsilon);
+        // The difference quotient of the textbook energy has an absolute error of 1e-26 of the stiffness.
+        EXPECT_LE(relative_difference(law.P(H), textbook_P(law, converted<Quad>(H))), 32 * epsilon);
       }
     }
   }
@@ -39,13 +40,13 @@ TYPED_TEST(LastDigits, StiffBodyFromTinyToLargeStrain) {
 /// the stiffness.
 TYPED_TEST(LastDigits, RotatedStiffBodyLosesNoMoreThanItsGradientDoes) {
   if constexpr (!TypeParam::constant_tangent) {  // a law linear in H does not know rotations
-    const auto law = law_of<TypeParam>(1e9, 0.3);
-    const double stiffness = 2 * law.mu + 3 * law.lambda;
+    const auto law = typical<TypeParam>(VolumetricForm::mixed, 1e3);
+    const double size = 3 * stiffness(law);
     for (unsigned seed = 0; seed < 20; ++seed) {
       const Matrix H = rotated(rotation(1.0, 0.3 * seed, -2.0), random_matrix(seed, 1e-8));
       const Tensor3<Quad> P = textbook_P(law, converted<Quad>(H));
       ASSERT_GT(norm(P), 1.0);
-      EXPECT_LE(relative_difference(law.P(H), P) * norm(P), 4 * epsilon * stiffness);
+      EXPECT_LE(relative_difference(law.P(H), P) * norm(P), 4 * epsilon * size);
       const double error = static_cast<double>(law.psi(H) - textbook_psi(law, converted<Quad>(H)));
       EXPECT_LE(std::abs(error), 8 * epsilon * norm(P));
     }
@@ -67,7 +68,7 @@ TEST(LastDigitsOfStrainChanges, AreThoseOfTheIncrement) {
 }
 
 TEST(LastDigitsOfTheTextbookForm, AreLostInDouble) {
-  const auto law = law_of<NeoHookean>(1e9, 0.3);
+  const auto law = law_of<NeoHookean<double>>(1e9, 0.3);
   const Matrix H = random_matrix(1, 1e-8);
   const Matrix F = add_to_diagonal(H, 1.0);
   const Matrix G = (1.0 / det(F)) * cofactor(F);
@@ -76,7 +77,7 @@ TEST(LastDigitsOfTheTextbookForm, AreLostInDouble) {
 }
 
 TEST(NeoHookeanBarrier, EnergyGrowsWithoutBoundTowardsInversion) {
-  const auto law = law_of<NeoHookean>(1.0, 0.3);
+  const auto law = law_of<NeoHookean<double>>(1.0, 0.3);
   double previous = 0;
   for (const double stretch : {0.5, 1e-1, 1e-2, 1e-4, 1e-8}) {
     const Matrix H{{stretch - 1, 0, 0, 0, 0, 0, 0, 0, 0}};
@@ -88,7 +89,7 @@ TEST(NeoHookeanBarrier, EnergyGrowsWithoutBoundTowardsInversion) {
 }
 
 TEST(NeoHookeanBarrier, InvertedLanesAreInfiniteAloneAndQuietly) {
-  const auto law = law_of<NeoHookean>(1.0, 0.3);
+  const auto law = law_of<NeoHookean<double>>(1.0, 0.3);
   for (const double stretch : {0.0, -0.3, -2.0}) {  // of the last lane; 0 is flat
     const Matrix good = moderate_state(5);
     const Matrix bad = Matrix{{stretch - 1, 0, 0, 0, 0.1, 0, 0, 0, 0}};
@@ -118,7 +119,7 @@ TEST(NeoHookeanBarrier, InvertedLanesAreInfiniteAloneAndQuietly) {
 }
 
 TEST(NeoHookeanBarrier, UndefinedGradientCountsAsInverted) {
-  const auto law = law_of<NeoHookean>(1.0, 0.3);
+  const auto law = law_of<NeoHookean<double>>(1.0, 0.3);
   Matrix H = moderate_state(1);
   H(1, 2) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(law.psi(H), std::numeric_limits<double>::infinity());

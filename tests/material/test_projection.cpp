@@ -34,7 +34,7 @@ const Matrix compressed{{-0.4, 0.05, 0, 0.02, 0.1, 0, 0, 0, 0.1}};
 
 template <class L>
 class Projection : public testing::Test {};
-using Laws = testing::Types<SaintVenantKirchhoff, NeoHookean>;
+using Laws = testing::Types<SaintVenantKirchhoff<double>, NeoHookean<double>>;
 TYPED_TEST_SUITE(Projection, Laws);
 
 TYPED_TEST(Projection, MakesTheIndefiniteSemidefinite) {
@@ -105,7 +105,7 @@ TEST(ProjectionOfStresses, KeepsTensionAndDropsCompressionLaneByLane) {
 
 TEST(ProjectionOfInvertedCells, LeavesTheUndefinedAlone) {
   const Matrix inverted{{-2.5, 0, 0, 0, 0, 0, 0, 0, 0}};
-  Tangent<double> A = tangent(law_of<NeoHookean>(E, 0.3), inverted);
+  Tangent<double> A = tangent(law_of<NeoHookean<double>>(E, 0.3), inverted);
   project_to_positive_semidefinite(A);
   EXPECT_TRUE(std::isnan(A[0]));
 }

@@ -22,7 +22,7 @@ using TermsOf = std::function<std::vector<std::unique_ptr<EnergyTerm>>(const Sol
 
 struct ProblemSpec {
   int order = 1;
-  ElasticLawVariant law;
+  ElasticLawSpec law;
   std::vector<Support> supports;
   TermsOf loads = [](const Solid&) { return std::vector<std::unique_ptr<EnergyTerm>>(); };
   std::optional<double> density;  ///< none: static [kg/m^3]
@@ -56,7 +56,7 @@ class NodalForces final : public EnergyTerm {
 class Problem {
  public:
   Problem(MPI_Comm comm, const std::string& file, const ProblemSpec& spec)
-      : solid_(comm, file, spec.order, spec.degree.value_or(elastic_quadrature_degree(spec.law, spec.order))),
+      : solid_(comm, file, spec.order, spec.degree.value_or(elastic_quadrature_degree(spec.law.traits(), spec.order))),
         elastic_(solid_.elastic(spec.law)),
         inertia_(spec.density ? solid_.inertia(*spec.density, Mass::consistent) : nullptr),
         more_(spec.loads(solid_)),

@@ -26,7 +26,7 @@ class Newton : public ::testing::Test {
     });
   }
   /// Clamped at x = 0.
-  static ProblemSpec clamped(const ElasticLawVariant& law) {
+  static ProblemSpec clamped(const ElasticLawSpec& law) {
     ProblemSpec spec;
     spec.law = law;
     spec.supports = {{testing::face(0, 0.0), testing::fixed()}};

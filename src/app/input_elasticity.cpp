@@ -1,0 +1,118 @@
+#include "app/input_elasticity.hpp"
+
+#include "app/elasticity.hpp"
+#include "app/input_laws.hpp"
+#include "material/constants.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+namespace {
+
+bool is_constant(const Expression& e) {
+  return !e.depends_on_space() && !e.depends_on_time();
+}
+
+/// A constant that any law may have: its bounds are checked where it is one number.
+Field<ElasticityConfig> constant_field(const ParameterInfo& p, const std::string& description) {
+  using E = ElasticityConfig;
+  const auto format = expression(std::string(p.unit), Variables::space);
+  Field<E> result{{std::string(p.name), format.type, description}};
+  result.info.schema = format.schema;
+  result.read = [p, read = format.read](const InputNode& node, Problems& problems, E& into) {
+    GivenConstant constant{std::string(p.name), {}, node.where};
+    if (!read(node, constant.key, problems, constant.value)) return;
+    if (is_constant(constant.value)) {
+      if (const auto text = complaint(p, constant.value(0, 0, 0, 0))) problems.add(node.where, *text);
+    }
+    into.constants.push_back(std::move(constant));
+  };
+  result.write = [p, write = format.write](const E& from) {
+    const auto found = std::ranges::find(from.constants, p.name, &GivenConstant::key);
+    return found == from.constants.end() ? InputNode{} : write(found->value);
+  };
+  return result;
+}
+
+std::string joined_names(const std::vector<std::string>& names) {
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+/// The elastic constants, then the parameters of the laws by name; a name that several laws have stands once.
+std::vector<Field<ElasticityConfig>> constant_fields() {
+  std::vector<Field<ElasticityConfig>> fields;
+  for (const auto& p : elastic_constants()) fields.push_back(constant_field(p, std::string(p.meaning)));
+  const auto is_known = [&](std::string_view name) {
+    return std::ranges::any_of(fields, [&](const auto& f) { return f.info.key == name; });
+  };
+  for (const auto& law : elastic_laws()) {
+    for (const auto& p : law.parameters) {
+      if (is_known(p.name)) continue;
+      std::vector<std::string> owners;
+      for (const auto& other : elastic_laws()) {
+        if (std::ranges::find(other.parameters, p.name, &ParameterInfo::name) != other.parameters.end()) {
+          owners.emplace_back(other.name);
+        }
+      }
+      fields.push_back(constant_field(p, joined_names(owners) + ": " + std::string(p.meaning)));
+    }
+  }
+  return fields;
+}
+
+Section<ElasticityConfig> elasticity_keys() {
+  using E = ElasticityConfig;
+  Section<E> section;
+  section.where = &E::where;
+  section.fields.push_back(
+      field("model", &E::model, choice(law_names(elastic_laws())), "elastic law (`pliant materials`)").required());
+  for (auto& f : constant_fields()) section.fields.push_back(std::move(f));
+  std::vector<std::pair<std::string, VolumetricForm>> forms;
+  std::vector<Anchor> laws_with_form;
+  for (std::size_t n = 0; n < volumetric_form_names.size(); ++n) {
+    forms.emplace_back(volumetric_form_names[n], static_cast<VolumetricForm>(n));
+  }
+  for (std::size_t row = 0; row < elastic_laws().size(); ++row) {
+    if (typical_law(row).traits().takes_volumetric_form) {
+      laws_with_form.push_back({"model", std::string(elastic_laws()[row].name)});
+    }
+  }
+  const auto has_no_form = [laws_with_form](const E& e) {
+    return std::ranges::find(laws_with_form, e.model, &Anchor::value) == laws_with_form.end();
+  };
+  section.fields.push_back(field("volumetric_energy", &E::volumetric_energy, choice_of(forms),
+                                 "energy U of a change of volume: (ln J)^2/2, (J - 1)^2/2 or (J^2 - 1 - 2 ln J)/4")
+                               .otherwise("mixed")
+                               .left_out_if(has_no_form));
+  section.groups.push_back({{"volumetric_energy"}, KeyGroup::Need::any, laws_with_form});
+  return section;
+}
+
+/// Whether the constants determine the law; where they are numbers, whether it is admissible.
+void check_law(const ElasticityConfig& e, Problems& problems) {
+  try {
+    const ElasticityRule rule(e);
+    if (rule.is_uniform()) static_cast<void>(rule.law_at({0, 0, 0}));
+  } catch (const InputError& error) {
+    for (const auto& d : error.diagnostics()) problems.add(d.where, d.message);
+  }
+}
+
+}  // namespace
+
+Format<ElasticityConfig> elasticity_format() {
+  Format<ElasticityConfig> format = map_of(elasticity_keys());
+  format.read = [read = format.read](const InputNode& node, const std::string& name, Problems& problems,
+                                     ElasticityConfig& into) {
+    const std::size_t before = problems.size();
+    const bool good = read(node, name, problems, into);
+    if (good && problems.size() == before) check_law(into, problems);
+    return good;
+  };
+  return format;
+}
+
+}  // namespace pliant
