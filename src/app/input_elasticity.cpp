@@ -2,6 +2,7 @@
 
 #include "app/elasticity.hpp"
 #include "app/input_laws.hpp"
+#include "base/units.hpp"
 #include "material/constants.hpp"
 
 #include <algorithm>
@@ -20,13 +21,15 @@ Field<ElasticityConfig> constant_field(const ParameterInfo& p, const std::string
   const auto format = expression(std::string(p.unit), Variables::space);
   Field<E> result{{std::string(p.name), format.type, description}};
   result.info.schema = format.schema;
-  result.read = [p, read = format.read](const InputNode& node, Problems& problems, E& into) {
+  result.read = [p, read = format.read, bounded = format_of(p).read](const InputNode& node, Problems& problems,
+                                                                     E& into) {
     GivenConstant constant{std::string(p.name), {}, node.where};
     if (!read(node, constant.key, problems, constant.value)) return;
-    if (is_constant(constant.value)) {
-      if (const auto text = complaint(p, constant.value(0, 0, 0, 0))) problems.add(node.where, *text);
-    }
-    into.constants.push_back(std::move(constant));
+    double number = 0.0;
+    const bool good = is_constant(constant.value) && looks_like_quantity(node.text)
+                          ? bounded(node, constant.key, problems, number)
+                          : true;
+    if (good) into.constants.push_back(std::move(constant));
   };
   result.write = [p, write = format.write](const E& from) {
     const auto found = std::ranges::find(from.constants, p.name, &GivenConstant::key);

@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 namespace pliant {
+
 Analysis analysis_of(const Config& config) {
   if (config.time.method.value == static_method) return Analysis::static_equilibrium;
   return config.time.method.value == quasistatic_method ? Analysis::quasistatic : Analysis::dynamic;

@@ -2,6 +2,7 @@
 #include "app/input.hpp"
 #include "app/input_schema.hpp"
 #include "base/error.hpp"
+#include "material/registry.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"
 
@@ -11,6 +12,7 @@
 #include <tuple>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 namespace pliant {
@@ -212,6 +214,14 @@ TEST(Dump, SpellsOutEveryKeyOfTheTable) {
   collect_paths(parse_yaml(dump(read(everything)), "dump", none), "", written);
   for (const std::string& time : other_times) {
     collect_paths(parse_yaml(dump(read(everything, {{"time", time}})), "dump", none), "", written);
+  }
+  for (std::size_t row = 0; row < elastic_laws().size(); ++row) {
+    const ElasticLawSpec law = typical_law(row);
+    std::string body = "[{density: 1, elasticity: {model: " + std::string(law.info().name);
+    for (std::size_t p = 0; p < law.parameters.size(); ++p) {
+      body += fmt::format(", {}: {}", law.info().parameters[p].name, law.parameters[p]);
+    }
+    collect_paths(parse_yaml(dump(read(everything, {{"bodies", body + "}}]"}})), "dump", none), "", written);
   }
   for (const auto& path : expected) {
     EXPECT_NE(std::find(written.begin(), written.end(), path), written.end()) << path << " is not written";
