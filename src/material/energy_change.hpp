@@ -9,10 +9,14 @@ namespace pliant {
 /// near convergence changes a strained body's energy by far less than the rounding of the energy. Small increments are
 /// therefore integrated, int_0^1 P(H + s dH) : dH ds, by Gauss's rule of three points: exact where psi is a polynomial
 /// of degree 6, and for |F^-1 dH| <= 2^-8 to some 1e-15 of dH : A : dH for a logarithm of J too. Such increments do not
-/// reach J = 0.
+/// reach J = 0. They may reach a limit of stretch; near it psi grows so fast that the difference has the digits.
 template <class T, ElasticLaw L>
 PLIANT_INLINE T energy_change(const L& law, const Tensor3<T>& H, const Tensor3<T>& dH) {
   constexpr double small = 1.0 / 256;
+  if constexpr (requires { requires L::has_stretch_limit; }) {
+    const T before = law.psi(H), after = law.psi(H + dH);
+    if (!all_of(after - before <= small * before && before - after <= small * before)) return after - before;
+  }
   const Tensor3<T> F = add_to_diagonal(H, 1.0), C = cofactor(F);
   const T J = det(F);
   // |F^-1 dH| <= |cof F| |dH| / J

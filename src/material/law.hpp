@@ -10,7 +10,8 @@
 /// all of them without cancellation when H is small: relative to the stress of a strain of 1e-8 the rounding of P stays
 /// at 1e-15. psi and P are zero at rest. A law whose energy is a barrier (in J, or at a limit of stretch) says so by
 /// `is_barrier`: where J <= 0 or the limit is passed (or H is NaN) its psi is +inf and its P, dP and tangent are NaN,
-/// lane by lane; no floating-point exception is raised there.
+/// lane by lane; no floating-point exception is raised there. A law with a limit of stretch says so by
+/// `has_stretch_limit`.
 #pragma once
 
 #include "base/simd.hpp"

@@ -39,6 +39,15 @@ constexpr std::array mooney_rivlin_5{
     coefficient("c11", "of (I1b - 3) (I2b - 3)", 5e3),
     coefficient("c02", "of (I2b - 3)^2", 3e3),
     bulk_modulus_at_rest};
+constexpr std::array yeoh{coefficient("c10", "of I1b - 3; half the shear modulus at small strain", 200e3),
+                          coefficient("c20", "of (I1b - 3)^2", -10e3), coefficient("c30", "of (I1b - 3)^3", 5e3),
+                          bulk_modulus_at_rest};
+constexpr std::array gent{
+    shear_modulus, bulk_modulus_at_rest,
+    ParameterInfo{"stretch_limit", "1", 0.0, infinity, "I1b - 3 stays below it", LowerBound::excluded, 20.0}};
+constexpr std::array arruda_boyce{shear_modulus, bulk_modulus_at_rest,
+                                  ParameterInfo{"locking_stretch", "1", 1.0, infinity,
+                                                "stretch at which the chains lock", LowerBound::excluded, 2.8}};
 
 constexpr std::array<LawInfo, ElasticLaws::size> laws{{
     {Linear<double>::name, "psi = mu eps:eps + lambda/2 (tr eps)^2, eps = (H + H^T)/2, H = grad u", lame_parameters,
@@ -61,6 +70,21 @@ constexpr std::array<LawInfo, ElasticLaws::size> laws{{
      "psi = c10 i1 + c01 i2 + c20 i1^2 + c11 i1 i2 + c02 i2^2 + kappa U(J), i1 = I1b - 3, i2 = I2b - 3",
      mooney_rivlin_5, "Rivlin & Saunders (1951); Holzapfel (2000), section 6.5",
      "rubbers whose stress-stretch curve has an upturn; fit to more than one kind of test"},
+    {Yeoh<double>::name, "psi = c10 i1 + c20 i1^2 + c30 i1^3 + kappa U(J), i1 = I1b - 3", yeoh,
+     "Yeoh, Rubber Chem. Technol. 66 (1993)",
+     "filled rubbers at large strain, also when only tension has been measured; c20 is usually below 0"},
+    {Gent<double>::name, "psi = -mu Jm/2 ln(1 - (I1b - 3)/Jm) + kappa U(J), Jm: stretch_limit", gent,
+     "Gent, Rubber Chem. Technol. 69 (1996)", "rubbers and tissues that stiffen sharply towards a limit of stretch"},
+    {ArrudaBoyce<double>::name,
+     "psi = C_R sum_k a_k lm^(2-2k) (I1b^k - 3^k) + kappa U(J), a = 1/2, 1/20, 11/1050, 19/7000, 519/673750, "
+     "lm: locking_stretch, C_R: so that shear_modulus is the one at rest",
+     arruda_boyce, "Arruda & Boyce, J. Mech. Phys. Solids 41 (1993)",
+     "rubbers up to large strain in any kind of loading, from two constants"},
+    {StableNeoHookean<double>::name,
+     "psi = m/2 (I1 - 3) + l/2 (J - 1 - 3/4 m/l)^2 - m/2 ln(I1 + 1) - psi(I), I1 = tr(F^T F), m = 4/3 mu, "
+     "l = lambda + 5/6 mu",
+     lame_parameters, "Smith, de Goes & Kim, ACM Trans. Graph. 37 (2018)",
+     "bodies whose cells may invert on the way, from a bad start or under rough handling: they come back"},
 }};
 
 template <class Visit>

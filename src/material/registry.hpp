@@ -2,12 +2,16 @@
 /// tests, the input file, the plots and `pliant materials` read the list from here.
 #pragma once
 
+#include "material/arruda_boyce.hpp"
+#include "material/gent.hpp"
 #include "material/law_info.hpp"
 #include "material/linear.hpp"
 #include "material/mooney_rivlin.hpp"
 #include "material/neo_hookean.hpp"
 #include "material/neo_hookean_isochoric.hpp"
 #include "material/saint_venant_kirchhoff.hpp"
+#include "material/stable_neo_hookean.hpp"
+#include "material/yeoh.hpp"
 
 #include <array>
 #include <map>
@@ -27,7 +31,8 @@ struct LawList {
   static constexpr std::size_t size = sizeof...(L);
 };
 
-using ElasticLaws = LawList<Linear, SaintVenantKirchhoff, NeoHookean, NeoHookeanIsochoric, MooneyRivlin, MooneyRivlin5>;
+using ElasticLaws = LawList<Linear, SaintVenantKirchhoff, NeoHookean, NeoHookeanIsochoric, MooneyRivlin, MooneyRivlin5,
+                            Yeoh, Gent, ArrudaBoyce, StableNeoHookean>;
 using ElasticLawVariant = ElasticLaws::Variant<double>;
 
 /// One row per law, in the order of ElasticLaws; the parameters are those of LawData.

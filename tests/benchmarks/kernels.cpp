@@ -8,6 +8,7 @@
 #include "petsc/array_view.hpp"
 #include "petsc/session.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -31,7 +32,8 @@ class Body {
     std::filesystem::remove(file);
     layout_ = make_layout(mesh_, Order);
     pattern_ = std::make_unique<BlockPattern>(layout_);
-    const auto law = make_law(law_name, 1e6, 0.4);
+    const auto law = typical_law(static_cast<std::size_t>(
+        std::ranges::find(elastic_laws(), std::string_view(law_name), &LawInfo::name) - elastic_laws().begin()));
     groups_ = make_cell_groups<Order>(layout_, *pattern_, std::vector<int>(layout_.num_local_cells, 0),
                                       {elastic_quadrature_degree(law.traits(), Order)});
     elastic_ = make_elastic_term<Order>(law, groups_, 0, layout_.num_owned_nodes);

@@ -131,7 +131,9 @@ inline Quad twice_atanh(Quad s) {
   Quad sum = 0;
   Quad power = 2 * s;
   for (int n = 1; n < 200; n += 2) {
-    sum += power / n;
+    const Quad next = sum + power / n;
+    if (next == sum) break;
+    sum = next;
     power *= s * s;
   }
   return sum;
@@ -139,7 +141,7 @@ inline Quad twice_atanh(Quad s) {
 
 /// ln x, halved or doubled into (0.7, 1.4) first.
 inline Quad log_reference(Quad x) {
-  const Quad log_2 = twice_atanh(Quad(1) / 3);
+  static const Quad log_2 = twice_atanh(Quad(1) / 3);
   int doublings = 0;
   for (; x > 1.4; x /= 2) ++doublings;
   for (; x < 0.7; x *= 2) --doublings;
@@ -153,6 +155,7 @@ inline Quad exp_reference(Quad x) {
   Quad sum = 1, power = 1;
   for (int n = 1; n < 40; ++n) {
     power *= x / n;
+    if (sum + power == sum) break;
     sum += power;
   }
   for (; halvings > 0; --halvings) sum *= sum;
@@ -221,6 +224,42 @@ inline Quad textbook_psi(const MooneyRivlin5<double>& law, const Tensor3<Quad>& 
   const Invariants I(H);
   return law.c10 * I.i1 + law.c01 * I.i2 + law.c20 * I.i1 * I.i1 + law.c11 * I.i1 * I.i2 + law.c02 * I.i2 * I.i2 +
          textbook_volumetric(law.volumetric, I.J);
+}
+
+inline Quad textbook_psi(const Yeoh<double>& law, const Tensor3<Quad>& H) {
+  const Invariants I(H);
+  return law.c10 * I.i1 + law.c20 * I.i1 * I.i1 + law.c30 * I.i1 * I.i1 * I.i1 +
+         textbook_volumetric(law.volumetric, I.J);
+}
+inline Quad textbook_psi(const Gent<double>& law, const Tensor3<Quad>& H) {
+  const Invariants I(H);
+  const Quad limit = law.stretch_limit;
+  return -law.mu * limit / 2 * log_reference(1 - I.i1 / limit) + textbook_volumetric(law.volumetric, I.J);
+}
+/// With the paper's constant, from its own formula for the modulus at rest.
+inline Quad textbook_psi(const ArrudaBoyce<double>& law, const Tensor3<Quad>& H) {
+  const Invariants I(H);
+  const Quad s = 1 / (Quad(law.locking_stretch) * law.locking_stretch), I1 = I.i1 + 3;
+  const Quad C_R = law.mu / (1 + 3 * s / 5 + 99 * s * s / 175 + 513 * s * s * s / 875 + 42039 * s * s * s * s / 67375);
+  const auto term = [&](int k) {
+    Quad power = 1, rest = 1;
+    for (int n = 0; n < k; ++n) {
+      power *= I1;
+      rest *= 3;
+    }
+    return power - rest;
+  };
+  return C_R * (term(1) / 2 + s * term(2) / 20 + 11 * s * s * term(3) / 1050 + 19 * s * s * s * term(4) / 7000 +
+                519 * s * s * s * s * term(5) / 673750) +
+         textbook_volumetric(law.volumetric, I.J);
+}
+inline Quad textbook_psi(const StableNeoHookean<double>& law, const Tensor3<Quad>& H) {
+  const Tensor3<Quad> F = add_to_diagonal(H, 1);
+  const Quad m = Quad(4) / 3 * law.mu, l = law.lambda + Quad(5) / 6 * law.mu, alpha = 1 + 3 * m / (4 * l);
+  const auto psi = [&](Quad I_C, Quad J) {
+    return m / 2 * (I_C - 3) + l / 2 * (J - alpha) * (J - alpha) - m / 2 * log_reference(I_C + 1);
+  };
+  return psi(dot(F, F), det(F)) - psi(3, 1);
 }
 
 /// (f(H + h e_p) - f(H - h e_p)) / 2h in Quad, extrapolated once: the error, h^4 and 1e-34 / h, is below 1e-25 of f.
