@@ -2,13 +2,15 @@
 
 #include "app/elasticity.hpp"
 #include "app/input_schema.hpp"
+#include "app/material_plot.hpp"
 #include "app/model.hpp"
 #include "app/run.hpp"
 #include "base/text.hpp"
 #include "energy/viscous.hpp"
-#include "material/registry.hpp"
+#include "material/elastic_law.hpp"
 #include "material/viscosity_registry.hpp"
 #include "petsc/collective.hpp"
+#include "petsc/session.hpp"
 #include "solver/linear.hpp"
 #include "solver/petsc_method.hpp"
 #include "time/method.hpp"
@@ -62,6 +64,19 @@ void report_time_scales(const Model& model, const Config& config, Console& conso
 }
 
 }  // namespace
+
+void plot_material_command(MPI_Comm comm, const std::string& law, const std::vector<std::string>& settings,
+                           const std::array<double, 2>& stretches, const std::string& file) {
+  const auto [lowest, highest] = stretches;
+  if (!(lowest > 0.0 && lowest <= 1.0 && highest > 1.0)) {
+    throw InputError({}, fmt::format("--stretch {:g} {:g}: the first must be above 0 and at most 1, the second above 1",
+                                     lowest, highest));
+  }
+  const ElasticLawSpec spec = law_for_plot(law, settings);
+  const std::string target = file.empty() ? law + ".svg" : file;
+  write_svg(comm, target, stress_stretch_plot(spec, lowest, highest));
+  if (rank(comm) == 0) fmt::print("{}: {}\n", target, describe(spec));
+}
 
 ExitCode run_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides, Console& console) {
   return run_with_output(comm, read_input_file(comm, file, overrides), console);
@@ -158,13 +173,21 @@ std::string materials_text() {
     for (const auto& law : laws) {
       text += fmt::format("{}\n  {}\n", law.name, law.formula);
       for (const auto& p : law.parameters) {
-        text += fmt::format("  {:<16} [{}], {} {} . < {}: {}\n", p.name, p.unit, p.lower,
-                            p.lower_bound == LowerBound::included ? "<=" : "<", p.upper, p.meaning);
+        text += fmt::format("  {:<16} [{}] {}: {}\n", p.name, p.unit, admissible(p), p.meaning);
       }
       text += fmt::format("  use: {}\n  source: {}\n\n", law.when_to_use, law.source);
     }
   };
   list("ELASTICITY (bodies[].elasticity)", elastic_laws());
+  text +=
+      "Where a law has two of these constants, any other two may be given; instead of a bulk_modulus alone a "
+      "poissons_ratio:\n";
+  for (const auto& p : elastic_constants()) {
+    text += fmt::format("  {:<16} [{}] {}: {}\n", p.name, p.unit, admissible(p), p.meaning);
+  }
+  text +=
+      "U(J) by volumetric_energy: log (ln J)^2/2, quadratic (J - 1)^2/2, mixed (J^2 - 1 - 2 ln J)/4, the default.\n"
+      "Stress over stretch as a picture: pliant materials plot LAW\n\n";
   list("VISCOSITY (bodies[].viscosity)", viscosity_laws());
   text += "rate: the form of the strain rate of kelvin-voigt; auto takes what suits the method\n";
   for (const auto& rate : strain_rates()) {

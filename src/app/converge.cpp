@@ -319,8 +319,8 @@ class Study {
     return all;
   }
 
-  LogLogPlot error_plot() const {
-    LogLogPlot plot;
+  Plot error_plot() const {
+    Plot plot;
     plot.title = first().title.empty() ? "convergence" : first().title;
     plot.x_label = options_.refine == Refine::time    ? "step [s]"
                    : options_.refine == Refine::space ? "mesh size [m]"
@@ -334,8 +334,8 @@ class Study {
     return plot;
   }
 
-  LogLogPlot work_plot() const {
-    LogLogPlot plot;
+  Plot work_plot() const {
+    Plot plot;
     plot.title = first().title.empty() ? "work and precision" : first().title;
     plot.x_label = "wall time [s]";
     plot.y_label = "error of the displacement [m]";

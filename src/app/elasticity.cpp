@@ -1,5 +1,7 @@
 #include "app/elasticity.hpp"
 
+#include "material/registry.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -51,8 +53,11 @@ std::string describe(const ElasticityConfig& config) {
       text += fmt::format("{} {} = {}", c.key == config.constants.front().key ? " with" : ",", c.key, c.value.text());
     return text;
   }
-  const ElasticLawSpec law = rule.law_at({0, 0, 0});
-  std::string text = config.model;
+  return describe(rule.law_at({0, 0, 0}));
+}
+
+std::string describe(const ElasticLawSpec& law) {
+  std::string text(law.info().name);
   for (std::size_t p = 0; p < law.parameters.size(); ++p) {
     const ParameterInfo& info = law.info().parameters[p];
     text += fmt::format("{} {} = {:.4g}{}", p == 0 ? " with" : ",", info.name, law.parameters[p],
@@ -64,7 +69,7 @@ std::string describe(const ElasticityConfig& config) {
 
 WaveModuli wave_moduli(const ElasticLawSpec& law) {
   if (const auto rest = law.at_rest()) return {rest->lambda + 2.0 * rest->mu, rest->mu};
-  const Tangent<double> A = std::visit([](const auto& l) { return tangent(l, Tensor3<double>{}); }, law.law());
+  const Tangent<double> A = std::visit([](const auto& l) { return tangent(l, Tensor3<double>{}); }, instantiate(law));
   // Plane waves along the axes: the moduli of stretch and of shear there.
   WaveModuli moduli{0.0, std::numeric_limits<double>::infinity()};
   for (std::size_t p = 0; p < 9; ++p) {

@@ -31,6 +31,8 @@ class ElasticityRule {
 /// The law and its constants in words, with what is equivalent to them.
 std::string describe(const ElasticityConfig& config);
 
+std::string describe(const ElasticLawSpec& law);
+
 /// Stiffness against the fastest and the slowest wave in a body at rest, density times the squared speed [Pa].
 struct WaveModuli {
   double largest;

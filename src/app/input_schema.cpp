@@ -5,7 +5,7 @@
 #include "app/input_laws.hpp"
 #include "app/input_loads.hpp"
 #include "app/input_viscosity.hpp"
-#include "material/registry.hpp"
+#include "material/elastic_law.hpp"
 
 #include <algorithm>
 

@@ -7,6 +7,7 @@
 #include "petsc/session.hpp"
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <string>
 #include <vector>
@@ -22,6 +23,7 @@ struct Arguments {
   std::string file;
   std::vector<std::string> settings;
   std::string output;
+  std::array<double, 2> stretches{0.6, 2.0};
   bool quiet = false;
   bool markdown = false;
   StudyOptions study;
@@ -123,7 +125,8 @@ ExitCode parse_and_run(int argc, const char* const* argv) {
 
   const auto add_text = [&](const char* name, const char* what, std::function<std::string()> text) {
     CLI::App* sub = app.add_subcommand(name, what);
-    sub->callback([&command, speaks, text] {
+    sub->callback([&command, sub, speaks, text] {
+      if (!sub->get_subcommands().empty()) return;  // theirs ran already
       command = [speaks, text] {
         if (speaks) fmt::print("{}", text());
       };
@@ -131,7 +134,19 @@ ExitCode parse_and_run(int argc, const char* const* argv) {
     return sub;
   };
   add_text("methods", "list the time integration methods", methods_text);
-  add_text("materials", "list the material laws", materials_text);
+  CLI::App* plot = add_text("materials", "list the material laws, or plot one", materials_text)
+                       ->add_subcommand("plot", "draw stress over stretch of an elastic law");
+  plot->add_option("LAW", arguments.file, "name of the law")->required();
+  plot->add_option("--set", arguments.settings,
+                   "KEY=VALUE: a parameter of the law; the others are typical ones; may be repeated")
+      ->allow_extra_args(false);
+  plot->add_option("--stretch", arguments.stretches, "the lowest and the highest stretch")->capture_default_str();
+  plot->add_option("--output", arguments.output, "the SVG file; default: LAW.svg");
+  plot->callback([&] {
+    command = [&] {
+      plot_material_command(comm, arguments.file, arguments.settings, arguments.stretches, arguments.output);
+    };
+  });
   add_text("schema", "print the JSON schema of the input", [&] {
     return arguments.markdown ? input_reference() : json_schema();
   })->add_flag("--markdown", arguments.markdown, "print the reference of the input in Markdown instead");

@@ -25,12 +25,12 @@ constexpr double height = frame_top + frame_height + 64;
 constexpr double legend_left = frame_left + frame_width + 24, legend_line = 22, letter_width = 6.8;
 constexpr double triangle_gap = 16;  // between a series and the triangle below it
 
-/// A point by the decimal logarithms of its values.
-struct LogPoint {
+/// A point by its values on the axes: decimal logarithms where they are logarithmic.
+struct AxisPoint {
   double x, y;
 };
 
-/// Limits of an axis, decimal logarithms.
+/// Limits of an axis.
 struct Span {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
@@ -40,55 +40,62 @@ struct Span {
     high = std::max(high, value);
   }
   double length() const { return high - low; }
-  /// With room around what is to be seen, and at least a factor of 4 in all, so that the axis has ticks.
-  Span padded() const {
+  /// With room around what is to be seen, and on a logarithmic axis at least a factor of 4 in all, so that it has
+  /// ticks.
+  Span padded(Scale scale) const {
     if (low > high) return {-1.0, 0.0};
-    const double room = std::max(0.06 * length(), 0.5 * (0.6 - length()));
+    const double least = scale == Scale::logarithmic ? 0.6 : low == high ? 1.0 : 0.0;
+    const double room = std::max(0.06 * length(), 0.5 * (least - length()));
     return {low - room, high + room};
   }
 };
 
 struct Curve {
   std::string name;
-  std::vector<LogPoint> points;
+  std::vector<AxisPoint> points;
   std::string colour;
 };
 
 /// The corners at the hypotenuse's ends; the right angle is at (right.x, left.y).
 struct SlopeTriangle {
-  LogPoint left, right;
+  AxisPoint left, right;
   double order;
 };
 
 struct Axes {
+  Scale scale;
   Span x, y;
 
-  double column(double log_x) const { return frame_left + frame_width * (log_x - x.low) / x.length(); }
-  double row(double log_y) const { return frame_top + frame_height * (y.high - log_y) / y.length(); }
+  double column(double at) const { return frame_left + frame_width * (at - x.low) / x.length(); }
+  double row(double at) const { return frame_top + frame_height * (y.high - at) / y.length(); }
 };
 
-bool can_be_shown(double value) {
-  return std::isfinite(value) && value > 0.0;
+bool can_be_shown(double value, Scale scale) {
+  return std::isfinite(value) && (scale == Scale::linear || value > 0.0);
 }
 
-std::vector<Curve> curves_of(const LogLogPlot& plot) {
+double on_axis(double value, Scale scale) {
+  return scale == Scale::logarithmic ? std::log10(value) : value;
+}
+
+std::vector<Curve> curves_of(const Plot& plot) {
   std::vector<Curve> curves;
   for (const PlotSeries& series : plot.series) {
     assert(series.x.size() == series.y.size());
     Curve curve{series.name, {}, colours[curves.size() % colours.size()]};
     for (std::size_t i = 0; i < series.x.size(); ++i) {
-      if (!can_be_shown(series.x[i]) || !can_be_shown(series.y[i])) continue;
-      curve.points.push_back({std::log10(series.x[i]), std::log10(series.y[i])});
+      if (!can_be_shown(series.x[i], plot.scale) || !can_be_shown(series.y[i], plot.scale)) continue;
+      curve.points.push_back({on_axis(series.x[i], plot.scale), on_axis(series.y[i], plot.scale)});
     }
     curves.push_back(std::move(curve));
   }
   return curves;
 }
 
-Axes axes_of(const std::vector<Curve>& curves, const std::vector<SlopeTriangle>& triangles) {
-  Axes axes;
+Axes axes_of(const std::vector<Curve>& curves, const std::vector<SlopeTriangle>& triangles, Scale scale) {
+  Axes axes{scale, {}, {}};
   for (const Curve& curve : curves) {
-    for (const LogPoint& p : curve.points) {
+    for (const AxisPoint& p : curve.points) {
       axes.x.include(p.x);
       axes.y.include(p.y);
     }
@@ -97,17 +104,17 @@ Axes axes_of(const std::vector<Curve>& curves, const std::vector<SlopeTriangle>&
     axes.y.include(t.left.y);
     axes.y.include(t.right.y);
   }
-  return {axes.x.padded(), axes.y.padded()};
+  return {scale, axes.x.padded(scale), axes.y.padded(scale)};
 }
 
 /// Slope of the least-squares line; nothing for points above one another.
-std::optional<double> slope_of(const std::vector<LogPoint>& points) {
+std::optional<double> slope_of(const std::vector<AxisPoint>& points) {
   double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
-  for (const LogPoint& p : points) {
+  for (const AxisPoint& p : points) {
     x += p.x / static_cast<double>(points.size());
     y += p.y / static_cast<double>(points.size());
   }
-  for (const LogPoint& p : points) {
+  for (const AxisPoint& p : points) {
     xx += (p.x - x) * (p.x - x);
     xy += (p.x - x) * (p.y - y);
   }
@@ -123,7 +130,7 @@ const Curve* nearest_curve(const std::vector<Curve>& curves, double order) {
   };
   double least = std::numeric_limits<double>::infinity();
   for (const Curve& curve : curves) least = std::min(least, distance(curve));
-  const auto lowest = [](const Curve& curve) { return std::ranges::min(curve.points, {}, &LogPoint::y).y; };
+  const auto lowest = [](const Curve& curve) { return std::ranges::min(curve.points, {}, &AxisPoint::y).y; };
   const Curve* nearest = nullptr;
   for (const Curve& curve : curves) {
     if (!std::isfinite(distance(curve)) || distance(curve) > least + about) continue;
@@ -133,32 +140,32 @@ const Curve* nearest_curve(const std::vector<Curve>& curves, double order) {
 }
 
 /// Height of the line through points that ascend in x, at an x between their ends.
-double interpolated(const std::vector<LogPoint>& points, double x) {
-  const auto right = std::ranges::lower_bound(points, x, {}, &LogPoint::x);
+double interpolated(const std::vector<AxisPoint>& points, double x) {
+  const auto right = std::ranges::lower_bound(points, x, {}, &AxisPoint::x);
   if (right == points.begin()) return points.front().y;
   if (right == points.end()) return points.back().y;
-  const LogPoint &a = *(right - 1), &b = *right;
+  const AxisPoint &a = *(right - 1), &b = *right;
   return a.y + (b.y - a.y) * (x - a.x) / (b.x - a.x);
 }
 
 /// Below the curve by `gap` decades, its right angle pointing away. Centre and width are parts of the curve's width.
-SlopeTriangle triangle_below(std::vector<LogPoint> curve, double order, double gap, double centre, double width) {
-  std::ranges::sort(curve, {}, &LogPoint::x);
+SlopeTriangle triangle_below(std::vector<AxisPoint> curve, double order, double gap, double centre, double width) {
+  std::ranges::sort(curve, {}, &AxisPoint::x);
   const double length = curve.back().x - curve.front().x, half = 0.5 * width * length;
   centre = curve.front().x + centre * length;
   // The line y = base + order (x - centre) touches the curve from below between the triangle's ends.
   double base =
       std::min(interpolated(curve, centre - half) + order * half, interpolated(curve, centre + half) - order * half);
-  for (const LogPoint& p : curve) {
+  for (const AxisPoint& p : curve) {
     if (std::abs(p.x - centre) <= half) base = std::min(base, p.y - order * (p.x - centre));
   }
   return {{centre - half, base - gap - order * half}, {centre + half, base - gap + order * half}, order};
 }
 
-std::vector<SlopeTriangle> triangles_of(const LogLogPlot& plot, const std::vector<Curve>& curves) {
+std::vector<SlopeTriangle> triangles_of(const Plot& plot, const std::vector<Curve>& curves) {
   std::vector<const Curve*> owners;
   for (const double order : plot.slopes) owners.push_back(nearest_curve(curves, order));
-  const double gap = axes_of(curves, {}).y.length() * triangle_gap / frame_height;
+  const double gap = axes_of(curves, {}, plot.scale).y.length() * triangle_gap / frame_height;
   std::vector<SlopeTriangle> triangles;
   for (std::size_t i = 0; i < owners.size(); ++i) {
     if (owners[i] == nullptr) continue;
@@ -183,12 +190,12 @@ std::string power_of_ten(int exponent) {
 }
 
 struct Tick {
-  double at;          // decimal logarithm
+  double at;          // on the axis
   std::string label;  // empty: a line of the grid only
 };
 
 /// Decades are labelled (on long axes every second, third, ...); on short axes so are 2 and 5, and the grid has 2 to 9.
-std::vector<Tick> ticks_of(const Span& span) {
+std::vector<Tick> decades_of(const Span& span) {
   constexpr double most_labels = 9, short_axis = 2.0, grid_axis = 4.0;
   const int every = std::max(1, static_cast<int>(std::ceil(span.length() / most_labels)));
   std::vector<Tick> ticks;
@@ -206,6 +213,22 @@ std::vector<Tick> ticks_of(const Span& span) {
   return ticks;
 }
 
+/// Multiples of 1, 2 or 5 times a power of ten, about six of them.
+std::vector<Tick> multiples_of(const Span& span) {
+  const double power = std::pow(10.0, std::floor(std::log10(span.length() / 6.0)));
+  const double ratio = span.length() / 6.0 / power;
+  const double distance = power * (ratio < 1.5 ? 1.0 : ratio < 3.5 ? 2.0 : ratio < 7.5 ? 5.0 : 10.0);
+  std::vector<Tick> ticks;
+  for (double n = std::ceil(span.low / distance); n * distance <= span.high; ++n) {
+    ticks.push_back({n * distance, fmt::format("{:g}", n * distance)});
+  }
+  return ticks;
+}
+
+std::vector<Tick> ticks_of(const Span& span, Scale scale) {
+  return scale == Scale::logarithmic ? decades_of(span) : multiples_of(span);
+}
+
 std::string line(double x1, double y1, double x2, double y2, const std::string& style) {
   return fmt::format("<line x1=\"{:.2f}\" y1=\"{:.2f}\" x2=\"{:.2f}\" y2=\"{:.2f}\" class=\"{}\"/>\n", x1, y1, x2, y2,
                      style);
@@ -215,15 +238,15 @@ std::string text(double x, double y, const std::string& style, const std::string
   return fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" class=\"{}\">{}</text>\n", x, y, style, xml_escaped(content));
 }
 
-std::string draw_axes(const LogLogPlot& plot, const Axes& axes) {
+std::string draw_axes(const Plot& plot, const Axes& axes) {
   const double right = frame_left + frame_width, bottom = frame_top + frame_height;
   std::string out = "<g aria-hidden=\"true\">\n";
-  for (const Tick& tick : ticks_of(axes.x)) {
+  for (const Tick& tick : ticks_of(axes.x, axes.scale)) {
     const double x = axes.column(tick.at);
     out += line(x, frame_top, x, bottom, tick.label.empty() ? "minor" : "major");
     if (!tick.label.empty()) out += text(x, bottom + 18, "tick middle", tick.label);
   }
-  for (const Tick& tick : ticks_of(axes.y)) {
+  for (const Tick& tick : ticks_of(axes.y, axes.scale)) {
     const double y = axes.row(tick.at);
     out += line(frame_left, y, right, y, tick.label.empty() ? "minor" : "major");
     if (!tick.label.empty()) out += text(frame_left - 8, y + 4, "tick end", tick.label);
@@ -251,9 +274,10 @@ std::string mark(std::size_t number, double x, double y) {
 
 std::string draw_curve(const Curve& curve, const Axes& axes, std::size_t number) {
   std::string corners, marks;
-  for (const LogPoint& p : curve.points) {
+  for (const AxisPoint& p : curve.points) {
     const double x = axes.column(p.x), y = axes.row(p.y);
     corners += fmt::format("{}{:.2f},{:.2f}", corners.empty() ? "" : " ", x, y);
+    if (axes.scale == Scale::linear) continue;  // a curve, not a few measurements
     marks += mark(number, x, y) + fmt::format("><title>{}: {:.4g}, {:.4g}</title>", xml_escaped(curve.name),
                                               std::pow(10.0, p.x), std::pow(10.0, p.y));
     marks += number % 4 == 0 ? "</circle>\n" : number % 4 == 1 ? "</rect>\n" : "</path>\n";
@@ -262,12 +286,14 @@ std::string draw_curve(const Curve& curve, const Axes& axes, std::size_t number)
                      curve.colour, corners, marks);
 }
 
-std::string draw_legend(const std::vector<Curve>& curves) {
+std::string draw_legend(const std::vector<Curve>& curves, Scale scale) {
   std::string out;
   double y = frame_top + 12;
   for (std::size_t i = 0; i < curves.size(); ++i, y += legend_line) {
     out += fmt::format("<g class=\"series\" stroke=\"{0}\" fill=\"{0}\">\n", curves[i].colour);
-    out += line(legend_left, y, legend_left + 28, y, "sample") + mark(i, legend_left + 14, y) + "/>\n</g>\n";
+    out += line(legend_left, y, legend_left + 28, y, "sample");
+    if (scale == Scale::logarithmic) out += mark(i, legend_left + 14, y) + "/>\n";
+    out += "</g>\n";
     out += text(legend_left + 38, y + 4, "name", curves[i].name);
   }
   return out;
@@ -300,11 +326,13 @@ double width_of(const std::vector<Curve>& curves) {
 }
 
 /// In words, for those who do not see the picture.
-std::string description(const LogLogPlot& plot, const std::vector<Curve>& curves) {
-  std::string out = plot.y_label + " over " + plot.x_label + ", both logarithmic.";
+std::string description(const Plot& plot, const std::vector<Curve>& curves) {
+  const bool is_logarithmic = plot.scale == Scale::logarithmic;
+  std::string out = plot.y_label + " over " + plot.x_label + (is_logarithmic ? ", both logarithmic." : ".");
   for (const Curve& curve : curves) {
     out += " " + curve.name + ": " + std::to_string(curve.points.size()) + " points";
-    if (const auto slope = slope_of(curve.points)) out += fmt::format(" of mean slope {:.2f}", *slope);
+    const auto slope = is_logarithmic ? slope_of(curve.points) : std::nullopt;
+    if (slope) out += fmt::format(" of mean slope {:.2f}", *slope);
     out += ".";
   }
   return out;
@@ -329,10 +357,10 @@ text { font-family: "DejaVu Sans", Verdana, Arial, sans-serif; font-size: 12px; 
 
 }  // namespace
 
-std::string svg(const LogLogPlot& plot) {
+std::string svg(const Plot& plot) {
   const auto curves = curves_of(plot);
   const auto triangles = triangles_of(plot, curves);
-  const Axes axes = axes_of(curves, triangles);
+  const Axes axes = axes_of(curves, triangles, plot.scale);
   const double legend_bottom = frame_top + 12 + legend_line * static_cast<double>(curves.size());
   const double width = width_of(curves), tall = std::max(height, legend_bottom);
   std::string out = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
@@ -347,10 +375,10 @@ std::string svg(const LogLogPlot& plot) {
   for (const SlopeTriangle& triangle : triangles) out += draw_triangle(triangle, axes);
   for (std::size_t i = 0; i < curves.size(); ++i) out += draw_curve(curves[i], axes, i);
   for (const SlopeTriangle& triangle : triangles) out += draw_order(triangle, axes);
-  return out + draw_legend(curves) + "</svg>\n";
+  return out + draw_legend(curves, plot.scale) + "</svg>\n";
 }
 
-void write_svg(MPI_Comm comm, const std::filesystem::path& file, const LogLogPlot& plot) {
+void write_svg(MPI_Comm comm, const std::filesystem::path& file, const Plot& plot) {
   on_root(comm, [&] { write_text_atomically(file, svg(plot)); });
 }
 

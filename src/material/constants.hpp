@@ -7,7 +7,7 @@
 /// place.
 #pragma once
 
-#include "material/registry.hpp"
+#include "material/elastic_law.hpp"
 
 #include <string>
 #include <utility>

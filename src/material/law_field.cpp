@@ -1,6 +1,7 @@
 #include "material/law_field.hpp"
 
 #include "material/energy_change.hpp"
+#include "material/registry.hpp"
 
 #include <utility>
 

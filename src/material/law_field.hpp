@@ -3,7 +3,8 @@
 /// cells need not be compiled for each law.
 #pragma once
 
-#include "material/registry.hpp"
+#include "material/elastic_law.hpp"
+#include "material/law.hpp"
 
 #include <functional>
 #include <memory>

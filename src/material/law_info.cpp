@@ -1,10 +1,19 @@
 #include "material/law_info.hpp"
 
+#include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
 
 namespace pliant {
+
+std::string admissible(const ParameterInfo& p) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const bool has_lower = p.lower > -infinity, has_upper = p.upper < infinity;
+  if (has_lower && has_upper) return fmt::format("between {} and {}", p.lower, p.upper);
+  if (has_lower) return fmt::format("{} {}", p.lower_bound == LowerBound::included ? ">=" : ">", p.lower);
+  return has_upper ? fmt::format("< {}", p.upper) : "any";
+}
 
 std::optional<std::string> complaint(const ParameterInfo& parameter, double value) {
   const bool may_be_lower = parameter.lower_bound == LowerBound::included;

@@ -32,6 +32,9 @@ struct LawInfo {
   std::string_view when_to_use;
 };
 
+/// The admissible values: "> 0", "between -1 and 0.5", "any".
+std::string admissible(const ParameterInfo& parameter);
+
 /// What is wrong with the value of a parameter; nothing if it is admissible.
 std::optional<std::string> complaint(const ParameterInfo& parameter, double value);
 

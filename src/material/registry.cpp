@@ -120,9 +120,9 @@ LawTraits ElasticLawSpec::traits() const {
   return for_law(row, []<class L>(std::type_identity<L>) { return traits_of<L>(); });
 }
 
-ElasticLawVariant ElasticLawSpec::law() const {
-  return for_law(row, [this]<class L>(std::type_identity<L>) -> ElasticLawVariant {
-    return L::of({parameters, volumetric, directions});
+ElasticLawVariant instantiate(const ElasticLawSpec& spec) {
+  return for_law(spec.row, [&]<class L>(std::type_identity<L>) -> ElasticLawVariant {
+    return L::of({spec.parameters, spec.volumetric, spec.directions});
   });
 }
 
@@ -132,7 +132,7 @@ std::optional<Lame> ElasticLawSpec::at_rest() const {
         if constexpr (IsotropicLaw<L>) return law.at_rest();
         return std::nullopt;
       },
-      law());
+      instantiate(*this));
 }
 
 ElasticLawSpec make_law(std::string_view name, const GivenConstants& constants, const Location& where) {

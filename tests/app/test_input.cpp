@@ -2,7 +2,7 @@
 #include "app/input.hpp"
 #include "app/input_schema.hpp"
 #include "base/error.hpp"
-#include "material/registry.hpp"
+#include "material/elastic_law.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"
 

@@ -30,7 +30,7 @@ PlotSeries power_law(const std::string& name, double c, double p, int num_points
   return series;
 }
 
-LogLogPlot study() {
+Plot study() {
   return {"Convergence",
           "time step [s]",
           "error [m]",
@@ -86,7 +86,7 @@ bool is_xml(const std::string& picture, const std::filesystem::path& file) {
 
 TEST(SvgPlot, IsWellFormedWhateverTheTexts) {
   const auto file = empty_directory(comm, "svg_texts") / "plot.svg";
-  LogLogPlot plot = study();
+  Plot plot = study();
   plot.title = "a < b & \"c\" > 'd' \x01 caf\u00e9";
   plot.x_label = plot.y_label = "<x> & [m]";
   plot.series[0].name = "</g> & \"quoted\"";
@@ -99,7 +99,7 @@ TEST(SvgPlot, IsWellFormedWhateverTheTexts) {
 }
 
 TEST(SvgPlot, ShowsEverySeriesInsideTheFrameAndInTheLegend) {
-  const LogLogPlot plot = study();
+  const Plot plot = study();
   const std::string picture = svg(plot);
   const auto lines = polylines(picture);
   const Frame frame = frame_of(picture);
@@ -117,7 +117,7 @@ TEST(SvgPlot, ShowsEverySeriesInsideTheFrameAndInTheLegend) {
 
 /// A power law is a straight line, and all are drawn to the same scale.
 TEST(SvgPlot, PlacesPointsByTheirLogarithms) {
-  const LogLogPlot plot = study();
+  const Plot plot = study();
   const auto lines = polylines(svg(plot));
   const double column = lines[0][1].x - lines[0][0].x, row = lines[0][1].y - lines[0][0].y;  // of one halving
   for (std::size_t s = 0; s < lines.size(); ++s) {
@@ -179,7 +179,7 @@ TEST(SvgPlot, LeavesOutWhatHasNoLogarithm) {
 }
 
 TEST(SvgPlot, TrianglesHaveTheirSlopesAndLieBelowTheirSeries) {
-  const LogLogPlot plot = study();
+  const Plot plot = study();
   const std::string picture = svg(plot);
   const Frame frame = frame_of(picture);
   const auto triangles = all_matches(

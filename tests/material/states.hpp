@@ -102,7 +102,7 @@ L typical(VolumetricForm form = VolumetricForm::mixed, double scale = 1.0) {
   for (std::size_t p = 0; p < spec.parameters.size(); ++p) {
     if (spec.info().parameters[p].unit == "Pa") spec.parameters[p] *= scale;
   }
-  return std::get<L>(spec.law());
+  return std::get<L>(instantiate(spec));
 }
 
 /// The volumetric forms that the law knows; one if it has its own.

@@ -190,7 +190,7 @@ TYPED_TEST(EveryLaw, FieldTakesItsParametersFromThePoint) {
   for (std::size_t n = 0; n < 3; ++n) {
     const Pack psi = field->psi(n, H);
     for (int lane = 0; lane < pack_size; ++lane) {
-      const double expected = std::visit([&](const auto& law) { return law.psi(h); }, at(n, lane).law());
+      const double expected = std::visit([&](const auto& law) { return law.psi(h); }, instantiate(at(n, lane)));
       EXPECT_LE(relative_difference(psi[lane], expected), 1e-13);
     }
   }

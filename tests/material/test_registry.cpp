@@ -25,7 +25,7 @@ TEST(Registry, HasOneCompleteRowPerLawInOrder) {
       EXPECT_FALSE(parameter.unit.empty());
       EXPECT_LT(parameter.lower, parameter.upper);
     }
-    const ElasticLawVariant law = typical_law(n).law();
+    const ElasticLawVariant law = instantiate(typical_law(n));
     EXPECT_EQ(law.index(), n);
     EXPECT_EQ(std::visit([]<class L>(const L&) { return L::name; }, law), row.name);
     for (const ParameterInfo& parameter : row.parameters) {

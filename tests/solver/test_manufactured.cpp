@@ -17,7 +17,7 @@ using Real = long double;
 using RealPoint = std::array<Real, 3>;
 
 const ElasticLawSpec spec_of_law = make_law("saint-venant-kirchhoff", 20000.0, 0.3);
-const auto law = std::get<SaintVenantKirchhoff<double>>(spec_of_law.law());
+const auto law = std::get<SaintVenantKirchhoff<double>>(instantiate(spec_of_law));
 
 RealPoint exact(const RealPoint& X) {
   const auto [x, y, z] = X;

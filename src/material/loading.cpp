@@ -1,0 +1,79 @@
+#include "material/loading.hpp"
+
+#include "material/registry.hpp"
+
+#include <cmath>
+#include <vector>
+
+namespace pliant {
+namespace {
+
+/// Diagonal entries of H that the loading leaves free.
+std::vector<int> free_entries(Loading loading) {
+  if (loading == Loading::uniaxial) return {1, 2};
+  if (loading == Loading::equibiaxial) return {2};
+  return {};
+}
+
+void prescribe(Tensor3<double>& H, Loading loading, double amount) {
+  if (loading == Loading::simple_shear) {
+    H(0, 1) = amount - 1.0;
+    return;
+  }
+  H(0, 0) = amount - 1.0;
+  if (loading == Loading::equibiaxial) H(1, 1) = amount - 1.0;
+}
+
+/// Solves P_kk = 0 for the free H_kk; false if it does not converge.
+bool release(const ElasticLawVariant& law, const std::vector<int>& free, Tensor3<double>& H) {
+  constexpr int most_iterations = 30;
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    const auto [P, A] = std::visit(
+        [&](const auto& l) {
+          const auto at = l.linearize(H);
+          return std::pair{at.P, at.tangent()};
+        },
+        law);
+    double residual = 0.0, size = 0.0;
+    for (const int k : free) residual = std::max(residual, std::abs(P(k, k)));
+    for (const double p : P.a) size = std::max(size, std::abs(p));
+    for (const double a : A) size = std::max(size, 1e-3 * std::abs(a));
+    if (!std::isfinite(size)) return false;
+    if (residual <= 1e-13 * size) return true;
+    const auto a = [&, &A = A](int k, int l) { return A[static_cast<std::size_t>(36 * free[k] + 4 * free[l])]; };
+    std::array<double, 2> change{};
+    if (free.size() == 1) {
+      change[0] = -P(free[0], free[0]) / a(0, 0);
+    } else {
+      const double determinant = a(0, 0) * a(1, 1) - a(0, 1) * a(1, 0);
+      const double r0 = -P(free[0], free[0]), r1 = -P(free[1], free[1]);
+      change = {(r0 * a(1, 1) - r1 * a(0, 1)) / determinant, (a(0, 0) * r1 - a(1, 0) * r0) / determinant};
+    }
+    for (std::size_t n = 0; n < free.size(); ++n) {
+      const int k = free[n];
+      H(k, k) += std::max(change[n], -0.5 * (1.0 + H(k, k)));  // never through zero
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+std::optional<LoadedState> loaded(const ElasticLawSpec& spec, Loading loading, double amount) {
+  const ElasticLawVariant law = instantiate(spec);
+  const auto free = free_entries(loading);
+  constexpr double largest_step = 0.05;
+  const int steps = static_cast<int>(std::ceil(std::abs(amount - 1.0) / largest_step));
+  Tensor3<double> H{};
+  for (int n = 1; n <= steps; ++n) {
+    prescribe(H, loading, 1.0 + (amount - 1.0) * n / steps);
+    if (!release(law, free, H)) return std::nullopt;
+  }
+  return LoadedState{H, std::visit([&](const auto& l) { return l.P(H); }, law)};
+}
+
+double nominal_stress(const LoadedState& state, Loading loading) {
+  return loading == Loading::simple_shear ? state.P(0, 1) : state.P(0, 0);
+}
+
+}  // namespace pliant

@@ -1,0 +1,39 @@
+/// Homogeneous deformations of a piece of material, as test machines make them: what its law answers to a stretch.
+#pragma once
+
+#include "base/tensor.hpp"
+#include "material/elastic_law.hpp"
+
+#include <array>
+#include <optional>
+#include <string_view>
+
+namespace pliant {
+
+enum class Loading {
+  uniaxial,      ///< stretched along x, sides free
+  equibiaxial,   ///< stretched along x and y, free along z
+  simple_shear,  ///< x moves by the amount times y, all else held
+};
+
+struct LoadingInfo {
+  std::string_view name;
+  std::string_view stress;  ///< what is plotted
+};
+/// One row per loading, in its order.
+inline constexpr std::array<LoadingInfo, 3> loadings{
+    {{"uniaxial", "P_xx"}, {"equibiaxial", "P_xx = P_yy"}, {"simple shear", "P_xy"}}};
+
+struct LoadedState {
+  Tensor3<double> H;
+  Tensor3<double> P;  ///< [Pa]; the component of the loading is the force per reference area
+};
+
+/// The state of a piece that is brought from rest to `amount`: the stretch, or 1 + the amount of shear. The free
+/// stretches are found by Newton's method along the way. Nothing if the law does not reach so far.
+std::optional<LoadedState> loaded(const ElasticLawSpec& law, Loading loading, double amount);
+
+/// The component of P that the loading is about [Pa].
+double nominal_stress(const LoadedState& state, Loading loading);
+
+}  // namespace pliant
