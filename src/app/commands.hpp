@@ -23,6 +23,9 @@ std::string methods_text();
 /// The laws, for people.
 std::string materials_text();
 
+/// The same as a page of the documentation, docs/laws.md.
+std::string material_reference();
+
 /// Draws stress over stretch of an elastic law into an SVG file, by default <law>.svg, and says with which parameters.
 void plot_material_command(MPI_Comm comm, const std::string& law, const std::vector<std::string>& settings,
                            const std::array<double, 2>& stretches, const std::string& file);

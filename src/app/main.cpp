@@ -134,8 +134,10 @@ ExitCode parse_and_run(int argc, const char* const* argv) {
     return sub;
   };
   add_text("methods", "list the time integration methods", methods_text);
-  CLI::App* plot = add_text("materials", "list the material laws, or plot one", materials_text)
-                       ->add_subcommand("plot", "draw stress over stretch of an elastic law");
+  CLI::App* materials = add_text("materials", "list the material laws, or plot one",
+                                 [&] { return arguments.markdown ? material_reference() : materials_text(); });
+  materials->add_flag("--markdown", arguments.markdown, "print the reference of the laws in Markdown instead");
+  CLI::App* plot = materials->add_subcommand("plot", "draw stress over stretch of an elastic law");
   plot->add_option("LAW", arguments.file, "name of the law")->required();
   plot->add_option("--set", arguments.settings,
                    "KEY=VALUE: a parameter of the law; the others are typical ones; may be repeated")

@@ -56,10 +56,12 @@ ElasticLawSpec law_for_plot(const std::string& name, const std::vector<std::stri
   }
   GivenConstants constants;
   for (const auto& setting : settings) constants.insert(parsed(*row, setting));
-  const bool gives_elastic = std::ranges::any_of(constants, [](const auto& c) { return is_elastic_constant(c.first); });
+  // Elastic constants that the law does not have stand in the place of those that it has.
+  const bool replaces = std::ranges::any_of(constants, [&](const auto& given) {
+    return std::ranges::find(row->parameters, given.first, &ParameterInfo::name) == row->parameters.end();
+  });
   for (const auto& p : row->parameters) {
-    const bool is_replaced = gives_elastic && is_elastic_constant(p.name);
-    if (!is_replaced) constants.emplace(p.name, p.typical);
+    if (!replaces || !is_elastic_constant(p.name)) constants.emplace(p.name, p.typical);
   }
   return make_law(name, constants);
 }

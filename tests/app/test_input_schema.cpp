@@ -1,4 +1,5 @@
 // The JSON schema and the reference tell of every key of the table.
+#include "app/commands.hpp"
 #include "app/input.hpp"
 #include "app/input_schema.hpp"
 #include "petsc/session.hpp"
@@ -87,6 +88,15 @@ TEST(InputReference, IsUpToDate) {
   const std::string written{std::istreambuf_iterator<char>(stream), {}};
   EXPECT_TRUE(written == input_reference())
       << "docs/input.md is stale; write it anew: build/bin/pliant schema --markdown > docs/input.md";
+}
+
+TEST(MaterialReference, IsUpToDate) {
+  std::ifstream stream(std::string(PLIANT_SOURCE_DIR) + "/docs/laws.md");
+  const std::string written{std::istreambuf_iterator<char>(stream), {}};
+  EXPECT_TRUE(written == material_reference())
+      << "docs/laws.md is stale; write it anew: build/bin/pliant materials --markdown > docs/laws.md, and the "
+         "pictures: "
+         "build/bin/pliant materials plot LAW --output docs/images/law-LAW.svg";
 }
 
 /// The example in the reference is what users copy first.
