@@ -28,6 +28,7 @@ ENVIRONMENT = {
     "OPENBLAS_NUM_THREADS": "1",
     "OMPI_ALLOW_RUN_AS_ROOT": "1",
     "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    "OMPI_MCA_mpi_yield_when_idle": "1",  # more ranks than cores: those who wait must not spin
 }
 ENVIRONMENT.pop("DISPLAY", None)  # MPI asks an X server for its graphics cards, and fails with it
 

@@ -18,6 +18,7 @@ LINES = {
 }
 LAW = "density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e6, poissons_ratio: 0.4}"
 
+# Mistakes that the input alone tells; every rank reads it alike.
 # Name: line of the good input that is replaced, its replacement ('@' stands before the place that the message must
 # name), words of the message.
 BAD_LINES = {
@@ -55,6 +56,9 @@ BAD_LINES = {
     "key given twice": ("output", "time: {step: 1, @step: 2}", "twice"),
     "tab": ("output", "output:\n@\tdirectory: out", "tab"),
     "unbalanced bracket": ("output", "probes: [{name: tip, point: [0, 0, 0}]", "not valid YAML"),
+}
+# Mistakes that only the mesh tells, of which a rank has a part.
+BAD_AGAINST_THE_MESH = {
     "no such mesh": ("mesh", "mesh: {file: @nowhere.msh}", "nowhere.msh"),
     "a directory as mesh": ("mesh", "mesh: {file: @folder}", "folder"),
     "a mesh of unknown kind": ("mesh", "mesh: {file: @in.yaml}", "in.yaml"),
@@ -78,6 +82,9 @@ BAD_LINES = {
     "one volume twice": ("bodies", "bodies: [{volume: body, " + LAW + "}, {volume: @body, " + LAW + "}]", "same volume"),
     "initial state inside out": ("output", 'initial: {displacement: ["-2*x", 0, 0]}', "inside out"),
 }
+# Number of ranks -> each how many-th case runs on them.
+READ_ALIKE = {1: 1, 2: 4}  # each rank has the whole text of the input and of the command line
+HELD_IN_PARTS = {1: 1, 2: 1, 4: 6}  # a rank has a part of the mesh, or reads or writes for all
 IN_TWO_VOLUMES = {"volumes that do not cover"}
 
 def with_elements(text, elements):
@@ -108,29 +115,31 @@ BAD_MESHES = {
 }
 
 # Name: arguments, words of the message.
+BAD_FILES_AND_OPTIONS = {  # told once ranks do different work
+    "no such input": (["run", "nowhere.yaml"], "nowhere.yaml"),
+    "a directory as input": (["run", "folder"], "directory"),
+    "an empty input": (["run", "empty.yaml"], "empty"),
+    "binary input": (["run", "binary.yaml"], "binary.yaml"),
+    "PETSc options that do not fit": (["run", "in.yaml", "--", "-pc_type", "nonsense"], "PETSc options: .*nonsense"),
+    "check of a bad input": (["check", "in.yaml", "--set", "mesh.file=nowhere.msh"], "nowhere.msh"),
+}
 BAD_COMMANDS = {
     "no command": ([], "subcommand|command"),
     "unknown command": (["runn", "in.yaml"], "'runn' .*did you mean 'run'"),
     "no input": (["run"], "INPUT"),
     "unknown option": (["run", "in.yaml", "--outputs", "x"], "--outputs"),
     "option without value": (["run", "in.yaml", "--output"], "--output"),
-    "no such input": (["run", "nowhere.yaml"], "nowhere.yaml"),
-    "a directory as input": (["run", "folder"], "directory"),
-    "an empty input": (["run", "empty.yaml"], "empty"),
-    "binary input": (["run", "binary.yaml"], "binary.yaml"),
     "set without value": (["run", "in.yaml", "--set", "time.step"], "KEY.PATH=VALUE"),
     "set an unknown key": (["run", "in.yaml", "--set", "time.stop=1"], "did you mean 'step'|stop"),
     "set a bad value": (["run", "in.yaml", "--set", "time.step=1 kg"], "1 kg"),
     "set beyond the list": (["run", "in.yaml", "--set", "bodies.3.density=1"], "bodies"),
-    "PETSc options that do not fit": (["run", "in.yaml", "--", "-pc_type", "nonsense"], "PETSc options: .*nonsense"),
-    "check of a bad input": (["check", "in.yaml", "--set", "mesh.file=nowhere.msh"], "nowhere.msh"),
 }
 
 
 class Errors(ProgramTest):
     def setUp(self):
         super().setUp()
-        self.pool = concurrent.futures.ThreadPoolExecutor(2)
+        self.pool = concurrent.futures.ThreadPoolExecutor(4)  # most of a run under mpirun is waiting
         self.addCleanup(self.pool.shutdown)
 
     def case(self, name):
@@ -168,11 +177,11 @@ class Errors(ProgramTest):
         for noise in ("PETSC ERROR", "Traceback", "terminate called", "Segmentation", "PetscFailure", "MPI_ABORT"):
             self.assertNotIn(noise, done.stdout + done.stderr, shown)
 
-    def judge_all(self, cases):
-        """Each case on 1 and 2 ranks, every sixth on 4; two at a time."""
+    def judge_all(self, cases, every):
+        """Each case, several at a time. `every`: number of ranks -> each how many-th case runs on them."""
         waiting = []
         for number, (name, (directory, arguments, code, place, words)) in enumerate(cases.items()):
-            for ranks in (1, 2, 4) if number % 6 == 0 else (1, 2):
+            for ranks in (ranks for ranks, nth in every.items() if number % nth == 0):
                 waiting.append((name, ranks, self.pool.submit(self.judge, directory, arguments, ranks, code, place, words)))
         for name, ranks, result in waiting:
             with self.subTest(name, ranks=ranks):
@@ -181,9 +190,9 @@ class Errors(ProgramTest):
     def test_the_good_input_is_good(self):
         self.assertEqual(finish(start(["run", "in.yaml"], self.case("good")), 60).returncode, 0)
 
-    def test_mistakes_in_the_input(self):
+    def cases_of(self, bad_lines):
         cases = {}
-        for name, (key, replacement, words) in BAD_LINES.items():
+        for name, (key, replacement, words) in bad_lines.items():
             directory = self.case(name)
             lines = LINES | {key: replacement}
             if name == "a static body that nothing holds":
@@ -195,7 +204,13 @@ class Errors(ProgramTest):
                 place = f"in.yaml:{before.count(chr(10)) + 1}:{len(before) - before.rfind(chr(10))}:"
             (directory / "in.yaml").write_text(text.replace("@", ""))
             cases[name] = (directory, ["run", "in.yaml"], 2, place, words)
-        self.judge_all(cases)
+        return cases
+
+    def test_mistakes_in_the_input(self):
+        self.judge_all(self.cases_of(BAD_LINES), READ_ALIKE)
+
+    def test_mistakes_against_the_mesh(self):
+        self.judge_all(self.cases_of(BAD_AGAINST_THE_MESH), HELD_IN_PARTS)
 
     def test_bad_meshes(self):
         cases = {}
@@ -207,12 +222,13 @@ class Errors(ProgramTest):
             (directory / "bad.msh").write_text(bad)
             (directory / "in.yaml").write_text("\n".join((LINES | {"mesh": "mesh: {file: bad.msh}"}).values()) + "\n")
             cases[name] = (directory, ["run", "in.yaml"], 2, None, words)
-        self.judge_all(cases)
+        self.judge_all(cases, HELD_IN_PARTS)
 
     def test_bad_command_lines(self):
-        cases = {name: (self.case("command " + name), arguments, 2, None, words)
-                 for name, (arguments, words) in BAD_COMMANDS.items()}
-        self.judge_all(cases)
+        for commands, every in ((BAD_COMMANDS, READ_ALIKE), (BAD_FILES_AND_OPTIONS, HELD_IN_PARTS)):
+            cases = {name: (self.case("command " + name), arguments, 2, None, words)
+                     for name, (arguments, words) in commands.items()}
+            self.judge_all(cases, every)
 
     def test_output_that_cannot_be_written(self):
         cases = {}
@@ -232,7 +248,7 @@ class Errors(ProgramTest):
         elif os.path.isdir("/proc"):
             cases["a file system without files"] = (self.case("output proc"), ["run", "in.yaml", "--output", "/proc/pliant"], 4,
                                                     None, "/proc/pliant")
-        self.judge_all(cases)
+        self.judge_all(cases, HELD_IN_PARTS)
 
     def test_all_mistakes_at_once(self):
         directory = self.case("several")
