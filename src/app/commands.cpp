@@ -103,7 +103,7 @@ ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector
         config.bodies[b].density ? fmt::format(", density {:.4g} kg/m^3", *config.bodies[b].density) : std::string()));
   }
   if (model.inertia() != nullptr) {
-    console.print(fmt::format("  mass {:.6g} kg", sum(layout.comm, model.inertia()->total_mass())));
+    console.print(fmt::format("  mass {:.6g} kg", sum(layout.comm, model.inertia()->mass().total())));
   }
 
   const LinearKind kind = config.solver.linear == "cholesky" ? LinearKind::cholesky

@@ -87,7 +87,7 @@ double mean_square_distance(const Model& model, Vec a, Vec b) {
   update_ghosts(difference.get());
   const ConstGhostedView d(difference.get());
   const MPI_Comm comm = model.layout().comm;
-  const double mass = sum(comm, model.inertia()->total_mass());
+  const double mass = sum(comm, model.inertia()->mass().total());
   return std::sqrt(2.0 * sum(comm, model.inertia()->kinetic_energy(d.span())) / mass);
 }
 

@@ -1,210 +1,31 @@
 #include "energy/inertia.hpp"
 
-#include "base/compensated_sum.hpp"
-#include "energy/cell_matrix.hpp"
-
 namespace pliant {
-namespace {
-
-/// int N_a N_b over cells: one matrix times det J for affine cells, one per batch for curved ones.
-template <int Order>
-class CellMasses {
- public:
-  static constexpr int n = CellGroup<Order>::num_nodes;
-  static constexpr int num_pairs = n * (n + 1) / 2;
-  static constexpr int index(int a, int b) { return a <= b ? CellMatrix<n>::index(a, b) : CellMatrix<n>::index(b, a); }
-
-  /// The degree of N_a N_b det J: 2 order, plus 3 (order - 1) where the mapping is curved.
-  explicit CellMasses(const NodeLayout& layout, const CellGroup<Order>& group) : group_(group) {
-    const auto rule = simplex_rule<3>(group.shape == CellShape::affine ? 2 * Order : 5 * Order - 3);
-    std::vector<std::array<double, num_pairs>> products(rule.size());
-    for (int q = 0; q < rule.size(); ++q) {
-      const auto N = Tet<Order>::values(rule.points[q]);
-      for (int a = 0; a < n; ++a) {
-        for (int b = a; b < n; ++b) products[q][index(a, b)] = rule.weights[q] * N[a] * N[b];
-      }
-    }
-    if (group.shape == CellShape::affine) {
-      for (const auto& p : products) {
-        for (int k = 0; k < num_pairs; ++k) reference_[k] += p[k];
-      }
-      return;
-    }
-    for (const auto& batch : group.batches) {
-      auto& mass = curved_.emplace_back();
-      for (int q = 0; q < rule.size(); ++q) {
-        const Pack jacobian = jacobian_at(layout, batch, Tet<Order>::gradients(rule.points[q]));
-        for (int k = 0; k < num_pairs; ++k) mass[k] += products[q][k] * jacobian;
-      }
-    }
-  }
-
-  /// The pair's entry of batch b.
-  PLIANT_INLINE Pack operator()(std::size_t b, int pair) const {
-    return group_.shape == CellShape::affine ? reference_[pair] * group_.jacobian[b] : curved_[b][pair];
-  }
-
- private:
-  static Pack jacobian_at(const NodeLayout& layout, const typename CellGroup<Order>::Batch& batch,
-                          const typename CellGroup<Order>::ShapeGradients& dN) {
-    const auto x = gather<Order>(batch, layout.coordinates.data());
-    Tensor3<Pack> j{};
-    for (int a = 1; a < n; ++a) {
-      for (int i = 0; i < 3; ++i) {
-        for (int k = 0; k < 3; ++k) j(i, k) += (x[a][i] - x[0][i]) * dN[a][k];
-      }
-    }
-    Pack result = det(j);
-    for (int lane = batch.num_lanes; lane < pack_size; ++lane) result[lane] = 0.0;
-    return result;
-  }
-
-  const CellGroup<Order>& group_;
-  std::array<double, num_pairs> reference_{};
-  std::vector<std::array<Pack, num_pairs>> curved_;
-};
-
-/// The consistent mass of every block of the pattern.
-template <int Order>
-std::unique_ptr<Inertia> consistent_inertia(const NodeLayout& layout, const BlockPattern& pattern,
-                                            const CellGroups<Order>& groups, const std::vector<double>& densities) {
-  constexpr int n = CellGroup<Order>::num_nodes;
-  std::vector<double> diagonal(pattern.diagonal().nodes.size(), 0.0);
-  std::vector<double> off_diagonal(pattern.off_diagonal().nodes.size(), 0.0);
-  for (const auto& group : groups) {
-    const CellMasses<Order> masses(layout, group);
-    for (std::size_t b = 0; b < group.batches.size(); ++b) {
-      const auto& batch = group.batches[b];
-      const auto* blocks = group.blocks.data() + b * n * n;
-      for (int a = 0; a < n; ++a) {
-        for (int c = 0; c < n; ++c) {
-          const Pack m = densities[group.body] * masses(b, CellMasses<Order>::index(a, c));
-          for (int lane = 0; lane < batch.num_lanes; ++lane) {
-            if (batch.nodes[a][lane] >= layout.num_owned_nodes) continue;
-            const std::int32_t block = blocks[a * n + c][lane];
-            (block >= 0 ? diagonal[block] : off_diagonal[-1 - block]) += m[lane];
-          }
-        }
-      }
-    }
-  }
-  return std::make_unique<Inertia>(layout, pattern, std::move(diagonal), std::move(off_diagonal));
-}
-
-/// The given masses on the diagonal of the pattern.
-std::unique_ptr<Inertia> lumped_inertia(const NodeLayout& layout, const BlockPattern& pattern,
-                                        const std::vector<double>& masses) {
-  std::vector<double> diagonal(pattern.diagonal().nodes.size(), 0.0);
-  for (PetscInt a = 0; a < layout.num_owned_nodes; ++a) diagonal[pattern.block(a, a)] = masses[a];
-  return std::make_unique<Inertia>(layout, pattern, std::move(diagonal),
-                                   std::vector<double>(pattern.off_diagonal().nodes.size(), 0.0));
-}
-
-/// The mass that the cells give to each owned node, by each node's share of a cell.
-template <int Order, class Share>
-std::vector<double> distributed_mass(const NodeLayout& layout, const CellGroups<Order>& groups,
-                                     const std::vector<double>& densities, Share share) {
-  constexpr int n = CellGroup<Order>::num_nodes;
-  std::vector<double> masses(layout.num_local_nodes, 0.0);
-  for (const auto& group : groups) {
-    const CellMasses<Order> cell_masses(layout, group);
-    for (std::size_t b = 0; b < group.batches.size(); ++b) {
-      const auto& batch = group.batches[b];
-      for (int a = 0; a < n; ++a) {
-        const Pack m = densities[group.body] * share(cell_masses, b, a);
-        for (int lane = 0; lane < batch.num_lanes; ++lane) masses[batch.nodes[a][lane]] += m[lane];
-      }
-    }
-  }
-  std::fill(masses.begin() + layout.num_owned_nodes, masses.end(), 0.0);
-  return masses;
-}
-
-template <int Order>
-Pack row_sum(const CellMasses<Order>& masses, std::size_t b, int a) {
-  Pack total = 0.0;
-  for (int c = 0; c < CellMasses<Order>::n; ++c) total += masses(b, CellMasses<Order>::index(a, c));
-  return total;
-}
-
-template <int Order>
-Pack lumped_share(const CellMasses<Order>& masses, std::size_t b, int a) {
-  Pack total = 0.0, diagonal = 0.0;
-  for (int c = 0; c < CellMasses<Order>::n; ++c) {
-    total += row_sum(masses, b, c);
-    diagonal += masses(b, CellMasses<Order>::index(c, c));
-  }
-  const Pack share = masses(b, CellMasses<Order>::index(a, a)) * total;
-  return share / select(diagonal > 0.0, diagonal, Pack(1.0));  // padding lanes: 0 / 1
-}
-
-}  // namespace
-
-Inertia::Inertia(const NodeLayout& layout, const BlockPattern& pattern, std::vector<double> diagonal,
-                 std::vector<double> off_diagonal)
-    : num_owned_nodes_(layout.num_owned_nodes),
-      num_local_nodes_(layout.num_local_nodes),
-      diagonal_{&pattern.diagonal(), std::move(diagonal)},
-      off_diagonal_{&pattern.off_diagonal(), std::move(off_diagonal)} {}
-
-void Inertia::add_mass_times(std::span<const double> x, std::span<double> y) const {
-  for (const Part* part : {&diagonal_, &off_diagonal_}) {
-    const auto& [offsets, nodes] = *part->rows;
-    for (PetscInt a = 0; a < num_owned_nodes_; ++a) {
-      std::array<double, 3> total{};
-      for (PetscInt k = offsets[a]; k < offsets[a + 1]; ++k) {
-        const double* column = x.data() + 3 * nodes[k];
-        for (int i = 0; i < 3; ++i) total[i] += part->masses[k] * column[i];
-      }
-      for (int i = 0; i < 3; ++i) y[3 * a + i] += total[i];
-    }
-  }
-}
-
-void Inertia::add_hessian(const LocalStage& stage, std::span<const double>, const BlockWriter& K, Projection) const {
-  const double factor = 1.0 / (stage.dt * stage.dt);
-  for (const Part* part : {&diagonal_, &off_diagonal_}) {
-    for (PetscInt a = 0; a < num_owned_nodes_; ++a) {
-      for (PetscInt k = part->rows->offsets[a]; k < part->rows->offsets[a + 1]; ++k) {
-        const auto [values, stride] = K.block(a, part == &diagonal_ ? k : -1 - k);
-        for (int i = 0; i < 3; ++i) values[i * stride + i] += factor * part->masses[k];
-      }
-    }
-  }
-}
 
 double Inertia::value(const LocalStage& stage, std::span<const double> q) const {
   // 1/(2 dt^2) (|q - qt|_M^2 - |q0 - qt|_M^2) = 1/(2 dt^2) d . M (d - 2 dt v0),  d = q - q0, qt = q0 + dt v0
-  const auto size = static_cast<std::size_t>(3 * num_local_nodes_);
-  std::vector<double> d(size), x(size), y(size, 0.0);
-  for (std::size_t i = 0; i < size; ++i) {
+  std::vector<double> d(q.size()), x(q.size());
+  for (std::size_t i = 0; i < d.size(); ++i) {
     d[i] = q[i] - stage.q0[i];
     x[i] = d[i] - 2.0 * stage.dt * stage.v0[i];
   }
-  add_mass_times(x, y);
-  CompensatedSum<double> total;
-  for (PetscInt i = 0; i < 3 * num_owned_nodes_; ++i) total.add(d[i] * y[i]);
-  return 0.5 * total.total() / (stage.dt * stage.dt);
+  return 0.5 * mass_.product(d, x) / (stage.dt * stage.dt);
 }
 
 void Inertia::add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const {
   const double factor = 1.0 / (stage.dt * stage.dt);
   std::vector<double> a(q.size());
   for (std::size_t i = 0; i < a.size(); ++i) a[i] = factor * ((q[i] - stage.q0[i]) - stage.dt * stage.v0[i]);
-  add_mass_times(a, r);
+  mass_.add_times(a, r);
 }
 
-double Inertia::kinetic_energy(std::span<const double> v) const {
-  std::vector<double> momentum(v.size(), 0.0);
-  add_mass_times(v, momentum);
-  CompensatedSum<double> total;
-  for (PetscInt i = 0; i < 3 * num_owned_nodes_; ++i) total.add(v[i] * momentum[i]);
-  return 0.5 * total.total();
+void Inertia::add_hessian(const LocalStage& stage, std::span<const double>, const BlockWriter& K, Projection) const {
+  mass_.add_to(1.0 / (stage.dt * stage.dt), K);
 }
 
 Momenta Inertia::momenta(std::span<const double> X, std::span<const double> q, std::span<const double> v) const {
   std::vector<double> p(v.size(), 0.0);
-  add_mass_times(v, p);
+  mass_.add_times(v, p);
   Momenta result;
   for (PetscInt a = 0; a < num_owned_nodes_; ++a) {
     std::array<double, 3> x;
@@ -220,34 +41,16 @@ Momenta Inertia::momenta(std::span<const double> X, std::span<const double> q, s
   return result;
 }
 
-double Inertia::total_mass() const {
-  const std::vector<double> one(static_cast<std::size_t>(3 * num_local_nodes_), 1.0);
-  std::vector<double> y(one.size(), 0.0);
-  add_mass_times(one, y);
-  CompensatedSum<double> total;
-  for (PetscInt a = 0; a < num_owned_nodes_; ++a) total.add(y[3 * a]);
-  return total.total();
-}
-
 template <int Order>
 std::unique_ptr<Inertia> make_inertia(const NodeLayout& layout, const BlockPattern& pattern,
                                       const CellGroups<Order>& groups, const std::vector<double>& densities,
                                       Mass mass) {
-  if (mass == Mass::consistent) return consistent_inertia(layout, pattern, groups, densities);
-  return lumped_inertia(layout, pattern, distributed_mass(layout, groups, densities, lumped_share<Order>));
-}
-
-template <int Order>
-std::vector<double> nodal_masses(const NodeLayout& layout, const CellGroups<Order>& groups,
-                                 const std::vector<double>& densities) {
-  return distributed_mass(layout, groups, densities, row_sum<Order>);
+  return std::make_unique<Inertia>(layout, make_mass_matrix(layout, pattern, groups, densities, mass));
 }
 
 template std::unique_ptr<Inertia> make_inertia<1>(const NodeLayout&, const BlockPattern&, const CellGroups<1>&,
                                                   const std::vector<double>&, Mass);
 template std::unique_ptr<Inertia> make_inertia<2>(const NodeLayout&, const BlockPattern&, const CellGroups<2>&,
                                                   const std::vector<double>&, Mass);
-template std::vector<double> nodal_masses<1>(const NodeLayout&, const CellGroups<1>&, const std::vector<double>&);
-template std::vector<double> nodal_masses<2>(const NodeLayout&, const CellGroups<2>&, const std::vector<double>&);
 
 }  // namespace pliant

@@ -1,0 +1,55 @@
+/// The mass matrix M of the bodies, or of any density that is given per body.
+#pragma once
+
+#include "fem/block_matrix.hpp"
+#include "fem/cells.hpp"
+
+#include <span>
+#include <vector>
+
+namespace pliant {
+
+enum class Mass { consistent, lumped };
+
+/// A scalar per pair of nodes that share a cell, assembled once; it acts on each component alike. No method is
+/// collective; arrays span all local nodes.
+class MassMatrix {
+ public:
+  /// `diagonal`, `off_diagonal`: masses of the pattern's blocks of owned and of other columns [kg]. The pattern
+  /// outlives the object.
+  MassMatrix(const NodeLayout& layout, const BlockPattern& pattern, std::vector<double> diagonal,
+             std::vector<double> off_diagonal);
+
+  /// y += M x on rows of owned nodes [x unit * kg].
+  void add_times(std::span<const double> x, std::span<double> y) const;
+  /// x . M y over the owned nodes' rows, summed with compensation.
+  double product(std::span<const double> x, std::span<const double> y) const;
+  /// K += factor M, rows of owned nodes.
+  void add_to(double factor, const BlockWriter& K) const;
+  /// This rank's share of the mass [kg].
+  double total() const;
+
+ private:
+  struct Part {
+    const BlockPattern::Rows* rows;
+    std::vector<double> masses;  // per block [kg]
+  };
+  PetscInt num_owned_nodes_;
+  PetscInt num_local_nodes_;
+  Part diagonal_;
+  Part off_diagonal_;
+};
+
+/// `densities`: per body [kg/m^3]. The consistent mass is integrated exactly on affine cells, on curved ones to the
+/// degree of their mapping; the lumped mass distributes each cell's mass in proportion to the diagonal of its
+/// consistent matrix (Hinton, Rock & Zienkiewicz 1976), so that it stays positive for P2. `pattern` outlives it.
+template <int Order>
+MassMatrix make_mass_matrix(const NodeLayout& layout, const BlockPattern& pattern, const CellGroups<Order>& groups,
+                            const std::vector<double>& densities, Mass mass);
+
+/// int density N_a dX per owned node [kg], 0 in ghost places. Not collective.
+template <int Order>
+std::vector<double> nodal_masses(const NodeLayout& layout, const CellGroups<Order>& groups,
+                                 const std::vector<double>& densities);
+
+}  // namespace pliant
