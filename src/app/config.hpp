@@ -58,15 +58,19 @@ struct ElasticityConfig {
   Location where;
 };
 
-/// Values of the model's parameters; those of other models stay 0.
+/// A mechanism of damping: values of the model's parameters; those of other models stay 0.
 struct ViscosityConfig {
-  std::string model;               ///< registry name: kelvin-voigt, maxwell
-  double shear = 0;                ///< kelvin-voigt [Pa s]
-  double bulk = 0;                 ///< kelvin-voigt [Pa s]
-  std::optional<StrainRate> rate;  ///< kelvin-voigt; empty: as suits the method
-  double shear_modulus = 0;        ///< maxwell [Pa]
-  double bulk_modulus = 0;         ///< maxwell [Pa]
-  double relaxation_time = 0;      ///< maxwell [s]
+  std::string model;                  ///< registry name: kelvin-voigt, maxwell, ...
+  double shear = 0;                   ///< kelvin-voigt [Pa s]
+  double bulk = 0;                    ///< kelvin-voigt [Pa s]
+  std::optional<StrainRate> rate;     ///< kelvin-voigt, stiffness-proportional; empty: as suits the method
+  double shear_modulus = 0;           ///< maxwell [Pa]
+  double bulk_modulus = 0;            ///< maxwell [Pa]
+  std::optional<double> shear_ratio;  ///< maxwell: moduli as parts of the elastic ones instead
+  double bulk_ratio = 0;              ///< maxwell
+  double relaxation_time = 0;         ///< maxwell [s]
+  double time = 0;                    ///< stiffness-proportional [s]
+  double decay_rate = 0;              ///< mass-proportional [1/s]
   Location where;
 };
 
@@ -74,7 +78,7 @@ struct BodyConfig {
   Selection part;                 ///< volume, or everything
   std::optional<double> density;  ///< [kg/m^3]; required for dynamics and gravity
   ElasticityConfig elasticity;
-  std::optional<ViscosityConfig> viscosity;
+  std::vector<ViscosityConfig> viscosity;
   Location where;
 };
 

@@ -193,7 +193,7 @@ class Study {
     reference.time.step = step;
     reference.time.min_step = step / 1024.0;
     for (auto& body : reference.bodies) {  // a rate that costs the compared methods their order would cost it its own
-      if (body.viscosity) body.viscosity->rate.reset();
+      for (auto& mechanism : body.viscosity) mechanism.rate.reset();
     }
     return reference;
   }

@@ -124,6 +124,10 @@ bool may_overlap(const Selection& a, const Selection& b) {
   return a.kind == Selection::Kind::everything || b.kind == Selection::Kind::everything || a.name == b.name;
 }
 
+bool damps_by_mass(const ViscosityConfig& mechanism) {
+  return mechanism.model == MassProportional::name;
+}
+
 void check_bodies(const Config& config, const InputNode& root, Problems& problems) {
   const auto& bodies = config.bodies;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -143,6 +147,8 @@ void check_bodies(const Config& config, const InputNode& root, Problems& problem
       problems.add(bodies[i].where, missing + ", which dynamics needs");
     } else if (std::any_of(config.loads.begin(), config.loads.end(), pulls)) {
       problems.add(bodies[i].where, missing + ", which gravity needs");
+    } else if (method == quasistatic_method && std::ranges::any_of(bodies[i].viscosity, damps_by_mass)) {
+      problems.add(bodies[i].where, missing + ", which mass-proportional damping needs");
     }
   }
 }

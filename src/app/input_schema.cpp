@@ -44,8 +44,8 @@ Section<BodyConfig> body_keys() {
               field("density", &BodyConfig::density, quantity("kg/m^3", Range::above(0)), "mass per reference volume")
                   .otherwise_in_words("none; needed for dynamics and for gravity"),
               field("elasticity", &BodyConfig::elasticity, elasticity_format(), "elastic law").required(),
-              field("viscosity", &BodyConfig::viscosity, map_of(viscosity_keys()),
-                    "law of viscosity beside the elastic one")
+              field("viscosity", &BodyConfig::viscosity, viscosity_format(),
+                    "law of viscosity beside the elastic one; several act side by side")
                   .otherwise_in_words("none"),
           },
           {},

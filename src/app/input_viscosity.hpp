@@ -5,6 +5,7 @@
 
 namespace pliant {
 
-Section<ViscosityConfig> viscosity_keys();
+/// One mechanism, or a list of them that act side by side.
+Format<std::vector<ViscosityConfig>> viscosity_format();
 
 }  // namespace pliant

@@ -83,6 +83,7 @@ void Model::build_cells(const Config& config) {
       } else {
         law = make_varying_law<Order>(rules[b].kind(), layout_, groups, body, law_at);
       }
+      laws_.push_back(law);
       elastic_.push_back(make_elastic_term<Order>(std::move(law), groups, body, layout_.num_owned_nodes));
     }
   });
@@ -131,7 +132,7 @@ void Model::build_terms(const Config& config) {
 
 void Model::prepare(const Config& config) {
   const Analysis analysis = analysis_of(config);
-  viscous_ = make_viscous_terms(config, {layout_, *pattern_, cells_});
+  viscous_ = make_viscous_terms(config, {layout_, *pattern_, cells_, laws_});
   std::vector<const EnergyTerm*> terms;
   for (const auto& term : elastic_) terms.push_back(term.get());
   for (const auto& term : viscous_) terms.push_back(term.get());

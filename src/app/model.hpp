@@ -75,6 +75,7 @@ class Model {
   std::vector<std::string> body_names_;
   std::vector<double> densities_;
   std::variant<CellGroups<1>, CellGroups<2>> cells_;
+  std::vector<std::shared_ptr<const LawField>> laws_;  // elastic ones of each body
   std::vector<std::unique_ptr<ElasticTerm>> elastic_;
   std::vector<std::unique_ptr<EnergyTerm>> viscous_;
   std::vector<std::unique_ptr<EnergyTerm>> loads_;

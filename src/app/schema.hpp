@@ -191,6 +191,24 @@ Format<std::vector<V>> list_of(const Format<V>& entry, std::size_t fewest) {
   return format;
 }
 
+/// An entry, or a list of at least one.
+template <class V>
+Format<std::vector<V>> one_or_list_of(const Format<V>& entry) {
+  const auto several = list_of(entry, 1);
+  Format<std::vector<V>> format = several;
+  format.type = entry.type + ", or a list of such";
+  format.schema = {{"anyOf", Json::array({entry.schema, several.schema})}};
+  format.read = [entry, several](const InputNode& node, const std::string& name, Problems& problems,
+                                 std::vector<V>& into) {
+    if (node.kind == InputNode::Kind::list) return several.read(node, name, problems, into);
+    return entry.read(node, name, problems, into.emplace_back());
+  };
+  format.write = [entry, several](const std::vector<V>& values) {
+    return values.size() == 1 ? entry.write(values.front()) : several.write(values);
+  };
+  return format;
+}
+
 /// Where a field keeps its value: as it is, only if given, or with its place.
 template <class V>
 void store(V value, const Location&, V& member) {

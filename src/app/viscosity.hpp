@@ -5,6 +5,7 @@
 #include "energy/term.hpp"
 #include "fem/cells.hpp"
 #include "fem/layout.hpp"
+#include "material/law_field.hpp"
 
 #include <memory>
 #include <variant>
@@ -17,6 +18,7 @@ struct BodyParts {
   const NodeLayout& layout;
   const BlockPattern& pattern;
   const std::variant<CellGroups<1>, CellGroups<2>>& cells;
+  const std::vector<std::shared_ptr<const LawField>>& elastic;  ///< of each body
 };
 
 /// Whether any body has a viscosity.

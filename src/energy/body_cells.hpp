@@ -190,6 +190,13 @@ class BodyCells {
     });
   }
 
+  /// Packs of quadrature points on this rank (CellPoint::index).
+  std::size_t num_packs() const {
+    std::size_t total = 0;
+    for (const Group* group : groups_) total += group->batches.size() * static_cast<std::size_t>(group->rule.size());
+    return total;
+  }
+
   /// Quadrature points on this rank.
   std::size_t num_points() const {
     std::size_t total = 0;

@@ -1,6 +1,7 @@
 #include "energy/viscous.hpp"
 
 #include "energy/body_cells.hpp"
+#include "energy/point_tensor.hpp"
 #include "material/kinematics.hpp"
 #include "material/projection.hpp"
 #include "material/saint_venant_kirchhoff.hpp"
@@ -11,42 +12,23 @@ namespace pliant {
 namespace {
 
 struct Dashpot {
-  std::string_view name;      ///< of the law
-  IsotropicTensor viscosity;  ///< eta [Pa s]
-  double relaxation_time;     ///< tau [s]
+  std::string_view name;                           ///< of the law
+  std::vector<IsotropicTensor<Pack>> viscosities;  ///< eta [Pa s] of each pack of points, or one of all
+  double relaxation_time;                          ///< tau [s]
 
+  const IsotropicTensor<Pack>& viscosity(std::size_t n) const { return viscosities[viscosities.size() > 1 ? n : 0]; }
   /// eta / (tau + dt) [Pa].
-  IsotropicTensor stiffness(double dt) const { return 1.0 / (relaxation_time + dt) * viscosity; }
+  PLIANT_INLINE IsotropicTensor<Pack> stiffness(std::size_t n, double dt) const {
+    return 1.0 / (relaxation_time + dt) * viscosity(n);
+  }
 };
 
-/// A symmetric tensor per point, xx yy zz xy yz xz.
-constexpr int num_components = 6;
-constexpr std::array<int, num_components> rows{0, 1, 2, 0, 1, 0}, columns{0, 1, 2, 1, 2, 2};
-
-template <int Order>
-std::size_t first_component(const CellPoint<Order>& point, int lane) {
-  return num_components * (point.in.cell(lane) * point.in.group.rule.size() + point.number);
-}
-
-template <int Order>
-PLIANT_INLINE Tensor3<Pack> load(const CellPoint<Order>& point, std::span<const double> z) {
-  Tensor3<Pack> G;
-  for (int lane = 0; lane < pack_size; ++lane) {
-    const double* p = z.data() + first_component(point, lane);
-    for (int k = 0; k < num_components; ++k) {
-      G(rows[k], columns[k])[lane] = p[k];
-      G(columns[k], rows[k])[lane] = p[k];
-    }
-  }
-  return G;
-}
-
-template <int Order>
-PLIANT_INLINE void store(const CellPoint<Order>& point, const Tensor3<Pack>& G, std::span<double> z) {
-  for (int lane = 0; lane < point.in.batch().num_lanes; ++lane) {
-    double* p = z.data() + first_component(point, lane);
-    for (int k = 0; k < num_components; ++k) p[k] = G(rows[k], columns[k])[lane];
-  }
+/// C0 of an isotropic elastic law at its n-th pack of points [Pa].
+IsotropicTensor<Pack> tangent_at_rest(const LawField& elastic, std::size_t n) {
+  Tangent<Pack> A;
+  elastic.tangent(n, Tensor3<Pack>{}, A);
+  const Pack mu = A[9 * 1 + 1], lambda = A[9 * 0 + 4];  // A_1212, A_1122
+  return {mu, lambda + 2.0 / 3.0 * mu};
 }
 
 /// What the strain E of the stage is compared with.
@@ -62,8 +44,7 @@ class ViscousTerm final : public EnergyTerm {
   using Point = CellPoint<Order>;
 
  public:
-  ViscousTerm(const Dashpot& dashpot, const CellGroups<Order>& groups, int body, PetscInt num_owned_nodes)
-      : dashpot_(dashpot), cells_(groups, body, num_owned_nodes) {}
+  ViscousTerm(Dashpot dashpot, BodyCells<Order> cells) : dashpot_(std::move(dashpot)), cells_(std::move(cells)) {}
 
   std::string_view name() const override { return dashpot_.name; }
   TermDeclaration declaration() const override {
@@ -73,16 +54,16 @@ class ViscousTerm final : public EnergyTerm {
   /// 1/2 D:C:D - 1/2 D0:C:D0 = (D - D0):C:(D + D0)/2 with D0 = D at q0.
   double value(const LocalStage& stage, std::span<const double> q) const override {
     if constexpr (reference == Reference::rate) return 0.0;
-    const IsotropicTensor C = dashpot_.stiffness(stage.dt);
-    return integrate(stage, q, [C](const Increment& d) { return dot(d.D_change, C(d.D - 0.5 * d.D_change)); });
+    return integrate(stage, q, [&](const Increment& d) {
+      return dot(d.D_change, dashpot_.stiffness(d.n, stage.dt)(d.D - 0.5 * d.D_change));
+    });
   }
 
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override {
-    const IsotropicTensor C = dashpot_.stiffness(stage.dt);
     const auto stress_of = [&](const Batch& batch) {
-      return [C, increment = increments(stage, q, batch)](const Point& point) {
+      return [this, dt = stage.dt, increment = increments(stage, q, batch)](const Point& point) {
         const Increment d = increment(point);
-        return matmul(d.F, C(d.D));  // P = F S
+        return matmul(d.F, dashpot_.stiffness(d.n, dt)(d.D));  // P = F S
       };
     };
     cells_.add_forces(stress_of, r);
@@ -93,22 +74,22 @@ class ViscousTerm final : public EnergyTerm {
   /// skew part alone.
   void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                    Projection projection) const override {
-    const IsotropicTensor C = dashpot_.stiffness(stage.dt);
     const auto tangent_of = [&](const Batch& batch) {
-      return [C, projection, increment = increments(stage, q, batch)](const Point& point) {
+      return [this, dt = stage.dt, projection, increment = increments(stage, q, batch)](const Point& point) {
         const Increment d = increment(point);
+        const IsotropicTensor<Pack> C = dashpot_.stiffness(d.n, dt);
         Tensor3<Pack> S = C(d.D), F = d.F;
         if constexpr (reference == Reference::rate) F = F + 0.5 * d.F_change;
         // The part F C F is semidefinite as it stands.
         if (projection == Projection::positive_semidefinite) project_to_positive_semidefinite(S);
-        return SaintVenantKirchhoff<double>::Linearization<Pack>{C.shear, C.lambda(), F, S, {}}.tangent();
+        return SaintVenantKirchhoff<Pack>::Linearization<Pack>{C.shear, C.lambda(), F, S, {}}.tangent();
       };
     };
     cells_.add_stiffness(tangent_of, K);
   }
 
   std::size_t num_internal() const override {
-    return reference == Reference::internal ? num_components * cells_.num_points() : 0;
+    return reference == Reference::internal ? num_symmetric * cells_.num_points() : 0;
   }
 
   void end_stage(const LocalStage& stage, std::span<const double> q, std::span<double> z) const override {
@@ -117,7 +98,7 @@ class ViscousTerm final : public EnergyTerm {
       cells_.for_each_batch([&](const Batch& batch) {
         const auto increment = increments(stage, q, batch);
         for_each_point(
-            batch, [&](const Point& point) { store(point, load(point, stage.z0) + share * increment(point).D, z); });
+            batch, [&](const Point& point) { store_symmetric(point, load_symmetric(point, stage.z0) + share * increment(point).D, z); });
       });
     }
   }
@@ -126,31 +107,32 @@ class ViscousTerm final : public EnergyTerm {
     if (reference != Reference::internal || dashpot_.relaxation_time > 0.0) return;
     cells_.for_each_batch([&](const Batch& batch) {
       const auto u = batch.values(q);
-      for_each_point(batch, [&](const Point& point) { store(point, green_lagrange(point.gradient(u)), z); });
+      for_each_point(batch, [&](const Point& point) { store_symmetric(point, green_lagrange(point.gradient(u)), z); });
     });
   }
 
   /// 1/2 (E - G):eta/tau:(E - G), in the spring.
   double energy(std::span<const double> q, std::span<const double> z) const override {
     if (reference != Reference::internal || dashpot_.relaxation_time == 0.0) return 0.0;
-    const IsotropicTensor C = dashpot_.stiffness(0.0);
     return cells_.integrate([&](const Batch& batch) {
-      return [C, z, u = batch.values(q)](const Point& point) {
-        const Tensor3<Pack> D = green_lagrange(point.gradient(u)) - load(point, z);
-        return 0.5 * dot(D, C(D));
+      return [this, z, u = batch.values(q)](const Point& point) {
+        const Tensor3<Pack> D = green_lagrange(point.gradient(u)) - load_symmetric(point, z);
+        return 0.5 * dot(D, dashpot_.stiffness(point.index(), 0.0)(D));
       };
     });
   }
 
   double dissipation(const LocalStage& stage, std::span<const double> q) const override {
-    const IsotropicTensor C = 1.0 / (dashpot_.relaxation_time + stage.dt) * dashpot_.stiffness(stage.dt);
-    return integrate(stage, q, [C](const Increment& d) { return dot(d.D, C(d.D)); });
+    const double per_time = 1.0 / (dashpot_.relaxation_time + stage.dt);
+    return per_time *
+           integrate(stage, q, [&](const Increment& d) { return dot(d.D, dashpot_.stiffness(d.n, stage.dt)(d.D)); });
   }
 
  private:
   /// The stage at a point. D = E - G0, or what stands for it; D_change = D - D at q0, summed from dH: no digits of a
   /// stiff body's small strains cancel.
   struct Increment {
+    std::size_t n;  // number of the pack
     Tensor3<Pack> F, F_change, D, D_change;
   };
 
@@ -160,6 +142,7 @@ class ViscousTerm final : public EnergyTerm {
     return [z0 = stage.z0, u0 = batch.values(stage.q0), du = batch.change(q, stage.q0)](const Point& point) {
       const Tensor3<Pack> H0 = point.gradient(u0), dH = point.gradient(du);
       Increment d;
+      d.n = point.index();
       d.F = add_to_diagonal(H0 + dH, 1.0);
       d.F_change = dH;
       if constexpr (reference == Reference::rate) {
@@ -168,7 +151,7 @@ class ViscousTerm final : public EnergyTerm {
         d.D_change = green_lagrange_change(H0, dH);
       }
       d.D = d.D_change;
-      if constexpr (reference == Reference::internal) d.D = d.D + (green_lagrange(H0) - load(point, z0));
+      if constexpr (reference == Reference::internal) d.D = d.D + (green_lagrange(H0) - load_symmetric(point, z0));
       return d;
     };
   }
@@ -193,31 +176,50 @@ class ViscousTerm final : public EnergyTerm {
 }  // namespace
 
 template <int Order>
-std::unique_ptr<EnergyTerm> make_viscous_term(const ViscosityVariant& law, const CellGroups<Order>& groups, int body,
-                                              PetscInt num_owned_nodes) {
-  const auto make = [&]<Reference reference>(const Dashpot& dashpot) -> std::unique_ptr<EnergyTerm> {
-    return std::make_unique<ViscousTerm<Order, reference>>(dashpot, groups, body, num_owned_nodes);
+std::unique_ptr<EnergyTerm> make_viscous_term(const ViscosityVariant& law, const LawField& elastic,
+                                              const CellGroups<Order>& groups, int body, PetscInt num_owned_nodes) {
+  BodyCells<Order> cells(groups, body, num_owned_nodes);
+  const auto make = [&]<Reference reference>(Dashpot dashpot) -> std::unique_ptr<EnergyTerm> {
+    return std::make_unique<ViscousTerm<Order, reference>>(std::move(dashpot), std::move(cells));
   };
-  if (const auto* maxwell = std::get_if<Maxwell>(&law)) {
-    const double tau = maxwell->relaxation_time;
+  const auto make_alone = [&](Dashpot dashpot, StrainRate rate) {
+    switch (rate) {
+      case StrainRate::secant:
+        return make.template operator()<Reference::start>(std::move(dashpot));
+      case StrainRate::reconstructed:
+        return make.template operator()<Reference::internal>(std::move(dashpot));
+      case StrainRate::exact:
+        break;
+    }
+    return make.template operator()<Reference::rate>(std::move(dashpot));
+  };
+  const auto uniform = [](double shear, double bulk) { return std::vector{IsotropicTensor<Pack>{shear, bulk}}; };
+  const auto proportional = [&](double shear, double bulk) {
+    std::vector<IsotropicTensor<Pack>> viscosities(cells.num_packs());
+    for (std::size_t n = 0; n < viscosities.size(); ++n) {
+      const auto C0 = tangent_at_rest(elastic, n);
+      viscosities[n] = {shear * C0.shear, bulk * C0.bulk};
+    }
+    return viscosities;
+  };
+  if (const auto* m = std::get_if<Maxwell>(&law)) {
+    const double tau = m->relaxation_time, shear = tau * m->shear_modulus, bulk = tau * m->bulk_modulus;
     return make.template operator()<Reference::internal>(
-        {Maxwell::name, tau * IsotropicTensor{maxwell->shear_modulus, maxwell->bulk_modulus}, tau});
+        {m->name, m->moduli == Moduli::relative ? proportional(shear, bulk) : uniform(shear, bulk), tau});
   }
-  const auto& kelvin_voigt = std::get<KelvinVoigt>(law);
-  const Dashpot dashpot{KelvinVoigt::name, {kelvin_voigt.shear, kelvin_voigt.bulk}, 0.0};
-  switch (kelvin_voigt.rate) {
-    case StrainRate::secant:
-      return make.template operator()<Reference::start>(dashpot);
-    case StrainRate::reconstructed:
-      return make.template operator()<Reference::internal>(dashpot);
-    case StrainRate::exact:
-      break;
+  if (const auto* s = std::get_if<StiffnessProportional>(&law)) {
+    return make_alone({s->name, proportional(s->time, s->time), 0.0}, s->rate);
   }
-  return make.template operator()<Reference::rate>(dashpot);
+  const auto& k = std::get<KelvinVoigt>(law);
+  return make_alone({k.name, uniform(k.shear, k.bulk), 0.0}, k.rate);
 }
 
-template std::unique_ptr<EnergyTerm> make_viscous_term<1>(const ViscosityVariant&, const CellGroups<1>&, int, PetscInt);
-template std::unique_ptr<EnergyTerm> make_viscous_term<2>(const ViscosityVariant&, const CellGroups<2>&, int, PetscInt);
+#define PLIANT_INSTANTIATE(Order)                                                                         \
+  template std::unique_ptr<EnergyTerm> make_viscous_term<Order>(const ViscosityVariant&, const LawField&, \
+                                                                const CellGroups<Order>&, int, PetscInt);
+PLIANT_INSTANTIATE(1)
+PLIANT_INSTANTIATE(2)
+#undef PLIANT_INSTANTIATE
 
 StrainRate strain_rate_for(const Method& method) {
   if (method.order == 1) return StrainRate::secant;

@@ -2,13 +2,15 @@
 ///
 ///   Kelvin-Voigt   R = shear dev(Edot):dev(Edot) + bulk/2 tr(Edot)^2     dissipation potential [W/m^3]
 ///                  S = 2 shear dev(Edot) + bulk tr(Edot) I               stress beside the elastic one [Pa]
+///   stiffness-proportional: Kelvin-Voigt with time C0, C0 the elastic tangent at rest
 ///   Maxwell        Gdot = (E - G)/tau,  G the strain of the dashpot of a spring and a dashpot in series
 ///                  psi = mu_b dev(E - G):dev(E - G) + kappa_b/2 tr(E - G)^2   stored in the spring [J/m^3]
 ///                  S = 2 mu_b dev(E - G) + kappa_b tr(E - G) I                [Pa]
 ///                  (E - G):S/tau                                              dissipated [W/m^3]
 ///
 /// all per reference volume; the first Piola-Kirchhoff stress is P = F S. Both are quadratic forms of one isotropic
-/// tensor, and so are their incremental potentials over a time dt (energy/viscous.hpp).
+/// tensor, and so are their incremental potentials over a time dt (energy/viscous.hpp). Mass-proportional damping,
+/// R = alpha/2 rho v.v, acts on the velocity itself (energy/mass_damping.hpp).
 /// Sources: Landau & Lifshitz, Theory of Elasticity (3rd ed. 1986), section 34 (Kelvin-Voigt); Holzapfel, Nonlinear
 /// Solid Mechanics (Wiley, 2000), section 6.10, and Kumar & Lopez-Pamies, C. R. Mecanique 344 (2016), 102-112
 /// (Maxwell).
@@ -28,6 +30,31 @@ enum class StrainRate {
   exact           ///< sym(F^T (F - F0)) / dt; keeps the order of every method; has no potential
 };
 
+/// The isotropic tensor C of fourth order on symmetric D: C:D = 2 shear dev(D) + bulk tr(D) I.
+template <class S>
+struct IsotropicTensor {
+  S shear;  ///< [Pa] on strains, [Pa s] on rates
+  S bulk;
+
+  /// Factor of tr(D) I beside that of D: bulk - 2/3 shear.
+  PLIANT_INLINE constexpr S lambda() const { return bulk - 2.0 / 3.0 * shear; }
+
+  PLIANT_INLINE Tensor3<S> operator()(const Tensor3<S>& D) const {
+    return add_to_diagonal(2.0 * shear * D, lambda() * trace(D));
+  }
+};
+
+template <class S>
+PLIANT_INLINE constexpr IsotropicTensor<S> operator*(double s, const IsotropicTensor<S>& C) {
+  return {s * C.shear, s * C.bulk};
+}
+
+/// What the moduli of a law are given in.
+enum class Moduli {
+  absolute,  ///< SI
+  relative   ///< parts of the elastic law's at rest
+};
+
 struct KelvinVoigt {
   static constexpr std::string_view name = "kelvin-voigt";
 
@@ -39,29 +66,26 @@ struct KelvinVoigt {
 struct Maxwell {
   static constexpr std::string_view name = "maxwell";
 
-  double shear_modulus;    ///< mu_b [Pa]
-  double bulk_modulus;     ///< kappa_b [Pa]
+  double shear_modulus;    ///< mu_b [Pa], or part of mu
+  double bulk_modulus;     ///< kappa_b [Pa], or part of K
   double relaxation_time;  ///< tau [s]
+  Moduli moduli = Moduli::absolute;
 };
 
-using ViscosityVariant = std::variant<KelvinVoigt, Maxwell>;
+struct StiffnessProportional {
+  static constexpr std::string_view name = "stiffness-proportional";
 
-/// The isotropic tensor C of fourth order on symmetric D: C:D = 2 shear dev(D) + bulk tr(D) I.
-struct IsotropicTensor {
-  double shear;  ///< [Pa] on strains, [Pa s] on rates
-  double bulk;
-
-  /// Factor of tr(D) I beside that of D: bulk - 2/3 shear.
-  constexpr double lambda() const { return bulk - 2.0 / 3.0 * shear; }
-
-  template <class T>
-  PLIANT_INLINE Tensor3<T> operator()(const Tensor3<T>& D) const {
-    return add_to_diagonal(2.0 * shear * D, lambda() * trace(D));
-  }
+  double time;  ///< beta [s]
+  StrainRate rate;
 };
 
-constexpr IsotropicTensor operator*(double s, const IsotropicTensor& C) {
-  return {s * C.shear, s * C.bulk};
-}
+struct MassProportional {
+  static constexpr std::string_view name = "mass-proportional";
+
+  double decay_rate;  ///< alpha [1/s]
+};
+
+/// The laws in E.
+using ViscosityVariant = std::variant<KelvinVoigt, Maxwell, StiffnessProportional>;
 
 }  // namespace pliant

@@ -1,11 +1,7 @@
 #include "material/viscosity_registry.hpp"
 
 #include <array>
-#include <cassert>
 #include <limits>
-#include <vector>
-
-#include <fmt/format.h>
 
 namespace pliant {
 namespace {
@@ -25,7 +21,20 @@ constexpr std::array maxwell{
     ParameterInfo{"relaxation_time", "s", 0.0, infinity, "time in which the branch's stress falls to 1/e"},
 };
 
-constexpr std::array<LawInfo, std::variant_size_v<ViscosityVariant>> laws{{
+constexpr std::array stiffness_proportional{
+    ParameterInfo{"time", "s", 0.0, infinity,
+                  "beta: a mode of the angular frequency w is damped by beta w / 2 of critical", LowerBound::included},
+};
+
+constexpr std::array mass_proportional{
+    ParameterInfo{
+        "decay_rate", "1/s", 0.0, infinity,
+        "alpha: a mode of the angular frequency w is damped by alpha / (2 w) of critical, and free motion falls "
+        "to 1/e in the time 1/alpha",
+        LowerBound::included},
+};
+
+constexpr std::array<LawInfo, 4> laws{{
     {KelvinVoigt::name, "R = shear dev(Edot):dev(Edot) + bulk/2 (tr Edot)^2, E = (F^T F - I)/2", kelvin_voigt,
      "Landau & Lifshitz, Theory of Elasticity (1986), section 34, with E for the small strain",
      "damping that grows with frequency: the damping ratio of a mode w is (viscosity/stiffness) w / 2; take some of it "
@@ -33,7 +42,15 @@ constexpr std::array<LawInfo, std::variant_size_v<ViscosityVariant>> laws{{
     {Maxwell::name,
      "psi = shear_modulus dev(E-G):dev(E-G) + bulk_modulus/2 (tr(E-G))^2, Gdot = (E - G)/relaxation_time", maxwell,
      "Holzapfel, Nonlinear Solid Mechanics (2000), section 6.10; Kumar & Lopez-Pamies (2016)",
-     "stress that relaxes: stiffer in fast motion than at rest; damps most near the frequency 1/relaxation_time"},
+     "stress that relaxes: stiffer in fast motion than at rest; damps most near the frequency 1/relaxation_time; one "
+     "entry "
+     "per branch. `shear_ratio` and `bulk_ratio` give its moduli as parts of the elastic law's at rest"},
+    {StiffnessProportional::name, "R = time/2 Edot:C0:Edot, C0 the elastic tangent at rest", stiffness_proportional,
+     "Rayleigh, The Theory of Sound (1894), section 81; Bathe, Finite Element Procedures (2014), section 9.3.3",
+     "kelvin-voigt with one constant: damping that grows with frequency, shear and volume alike"},
+    {MassProportional::name, "R = decay_rate/2 rho v.v", mass_proportional,
+     "Rayleigh, The Theory of Sound (1894), section 81; Bathe, Finite Element Procedures (2014), section 9.3.3",
+     "drag of a surrounding medium, or a way to a state of rest; it damps low frequencies most, and rigid motion too"},
 }};
 
 constexpr std::array<StrainRateInfo, 3> rates{{
@@ -51,25 +68,6 @@ std::span<const LawInfo> viscosity_laws() {
 
 std::span<const StrainRateInfo> strain_rates() {
   return rates;
-}
-
-ViscosityVariant make_viscosity(std::string_view name, std::span<const double> values, StrainRate rate,
-                                const Location& where) {
-  const LawInfo* row = nullptr;
-  for (const auto& law : laws) {
-    if (law.name == name) row = &law;
-  }
-  if (row == nullptr) {
-    throw InputError(where, fmt::format("unknown model '{}'; the models are {}", name, names_of(laws)));
-  }
-  assert(values.size() == row->parameters.size());
-  std::vector<Diagnostic> mistakes;
-  for (std::size_t n = 0; n < values.size(); ++n) {
-    if (const auto text = complaint(row->parameters[n], values[n])) mistakes.push_back({where, *text});
-  }
-  if (!mistakes.empty()) throw InputError(std::move(mistakes));
-  if (name == KelvinVoigt::name) return KelvinVoigt{values[0], values[1], rate};
-  return Maxwell{values[0], values[1], values[2]};
 }
 
 }  // namespace pliant

@@ -44,7 +44,11 @@ bodies:
     elasticity:
       <<: *soft
       model: linear
-    viscosity: {model: maxwell, shear_modulus: 1 kPa, bulk_modulus: 2 kPa, relaxation_time: 5 ms}
+    viscosity:
+      - {model: maxwell, shear_modulus: 1 kPa, bulk_modulus: 2 kPa, relaxation_time: 5 ms}
+      - {model: maxwell, shear_ratio: 30 %, bulk_ratio: 0.1, relaxation_time: 1 min}
+      - {model: stiffness-proportional, time: 1 us, rate: secant}
+      - {model: mass-proportional, decay_rate: 2 Hz}
 constraints:
   - {surface: clamp, displacement: [0, free, "0.1*t"]}
   - {volume: 3, displacement: [0, 0, 0]}
@@ -107,7 +111,7 @@ TEST(Input, DefaultsAreThoseOfTheTable) {
   ASSERT_EQ(c.bodies.size(), 1u);
   EXPECT_EQ(c.bodies[0].part.kind, Selection::Kind::everything);
   EXPECT_EQ(c.bodies[0].part.where.line, 3);
-  EXPECT_FALSE(c.bodies[0].viscosity);
+  EXPECT_TRUE(c.bodies[0].viscosity.empty());
   EXPECT_TRUE(c.constraints.empty());
   EXPECT_TRUE(c.loads.empty());
   EXPECT_TRUE(c.initial.velocity[2].is_zero());
@@ -143,8 +147,11 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_EQ(c.bodies[1].part.name, "7");
   EXPECT_EQ(c.bodies[1].elasticity.model, "linear");
   EXPECT_EQ(constant(c.bodies[1], "youngs_modulus"), 1e6) << "merged from the anchor";
-  ASSERT_TRUE(c.bodies[0].viscosity && c.bodies[1].viscosity);
-  const ViscosityConfig &kelvin_voigt = *c.bodies[0].viscosity, &maxwell = *c.bodies[1].viscosity;
+  ASSERT_EQ(c.bodies[0].viscosity.size(), 1u);
+  ASSERT_EQ(c.bodies[1].viscosity.size(), 4u);
+  const ViscosityConfig &kelvin_voigt = c.bodies[0].viscosity[0], &maxwell = c.bodies[1].viscosity[0],
+                        &share = c.bodies[1].viscosity[1], &stiffness = c.bodies[1].viscosity[2],
+                        &mass = c.bodies[1].viscosity[3];
   EXPECT_EQ(kelvin_voigt.model, "kelvin-voigt");
   EXPECT_EQ(kelvin_voigt.shear, 20);
   EXPECT_EQ(kelvin_voigt.bulk, 1e-3);
@@ -154,6 +161,14 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_EQ(maxwell.shear_modulus, 1000);
   EXPECT_EQ(maxwell.bulk_modulus, 2000);
   EXPECT_EQ(maxwell.relaxation_time, 5e-3);
+  EXPECT_FALSE(maxwell.shear_ratio);
+  EXPECT_EQ(share.shear_ratio, 0.3);
+  EXPECT_EQ(share.bulk_ratio, 0.1);
+  EXPECT_EQ(share.relaxation_time, 60);
+  EXPECT_EQ(stiffness.time, 1e-6);
+  EXPECT_EQ(stiffness.rate, StrainRate::secant);
+  EXPECT_EQ(mass.decay_rate, 2);
+  EXPECT_EQ(mass.where.line, maxwell.where.line + 3);
   ASSERT_EQ(c.constraints.size(), 6u);
   EXPECT_FALSE(c.constraints[0].displacement[1]) << "free";
   EXPECT_EQ((*c.constraints[0].displacement[2])(0, 0, 0, 2), 0.2);
@@ -170,7 +185,7 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_EQ(c.loads[2].kind, LoadConfig::Kind::traction);
   EXPECT_EQ(c.loads[2].value[1](0, 0, 0, 0), 2000);
   EXPECT_TRUE(c.loads[2].value[2].depends_on_time());
-  EXPECT_EQ(c.loads[2].where.line, 30);
+  EXPECT_EQ(c.loads[2].where.line, 34);
   EXPECT_EQ(c.loads[3].part.kind, Selection::Kind::box);
   EXPECT_EQ(c.loads[3].value[2](0, 0, 0, 0), 1.0 / 3.0);
   EXPECT_EQ(c.loads[5].kind, LoadConfig::Kind::pressure);
@@ -180,7 +195,7 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_EQ(c.initial.velocity[1](0, 2, 0, 0), -2);
   EXPECT_DOUBLE_EQ(c.initial.velocity[2](0, 0, 0, 0), 3 / 3.6);
   EXPECT_EQ(c.time.method.value, "bdf2");
-  EXPECT_EQ(c.time.method.where.line, 36);
+  EXPECT_EQ(c.time.method.where.line, 40);
   EXPECT_EQ(c.time.min_step, 1e-6);
   EXPECT_EQ(c.solver.linear, "cholesky");
   EXPECT_EQ(c.solver.newton.absolute, 1e-3);
@@ -302,12 +317,14 @@ TEST(Input, ViscosityHasDefaults) {
   const auto viscosity = [](const std::string& text) {
     const Config c = read(smallest, {{"bodies.0.viscosity", text}});
     EXPECT_EQ(dump(read_input(dump(c), "run.yaml", {})), dump(c));
-    return *c.bodies[0].viscosity;
+    return c.bodies[0].viscosity.at(0);
   };
   const ViscosityConfig kelvin_voigt = viscosity("{model: kelvin-voigt, shear: 1}");
   EXPECT_EQ(kelvin_voigt.bulk, 0);
   EXPECT_FALSE(kelvin_voigt.rate) << "auto";
   EXPECT_EQ(viscosity("{model: maxwell, shear_modulus: 1, relaxation_time: 2}").bulk_modulus, 0);
+  EXPECT_EQ(viscosity("[{model: maxwell, shear_ratio: 1, relaxation_time: 2}]").bulk_ratio, 0);
+  EXPECT_FALSE(viscosity("{model: stiffness-proportional, time: 1}").rate) << "auto";
 }
 
 TEST(Input, EveryMethodOfTheTableIsTaken) {

@@ -229,14 +229,30 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         BadViscosity{"@1", "'viscosity' must be a map of keys, not '1'"},
         BadViscosity{"@{shear: 1}", "missing key 'model' in viscosity"},
-        BadViscosity{"{model: @kelvin, shear: 1}", "'model' must be one of kelvin-voigt, maxwell, not 'kelvin'"},
+        BadViscosity{
+            "{model: @kelvin, shear: 1}",
+            "'model' must be one of kelvin-voigt, maxwell, stiffness-proportional, mass-proportional, not 'kelvin'"},
+        BadViscosity{"@[]", "'viscosity' must be a list with entries"},
+        BadViscosity{"[{model: mass-proportional, decay_rate: 1}, @{model: mass-proportional}]",
+                     "missing key 'decay_rate' in viscosity[1], which 'model: mass-proportional' needs"},
+        BadViscosity{"{model: mass-proportional, decay_rate: @1 s}",
+                     "'1 s' is a time, but a frequency [1/s] is expected"},
+        BadViscosity{"@{model: stiffness-proportional}", "missing key 'time' in viscosity"},
+        BadViscosity{"{model: kelvin-voigt, shear: 1, @time: 1}",
+                     "'time' goes only beside 'model: stiffness-proportional' in viscosity"},
+        BadViscosity{"@{model: maxwell, relaxation_time: 1}",
+                     "one of shear_modulus, shear_ratio is needed in viscosity beside 'model: maxwell'"},
+        BadViscosity{"{model: maxwell, relaxation_time: 1, shear_modulus: 1, @shear_ratio: 1}",
+                     "only one of shear_modulus, shear_ratio can be given"},
+        BadViscosity{"{model: maxwell, relaxation_time: 1, shear_ratio: 1, @bulk_modulus: 1}",
+                     "'bulk_modulus' goes only beside 'shear_modulus'"},
         BadViscosity{"@{model: kelvin-voigt}", "missing key 'shear' in viscosity, which 'model: kelvin-voigt' needs"},
         BadViscosity{"@{model: maxwell, shear_modulus: 1}",
                      "missing key 'relaxation_time' in viscosity, which 'model: maxwell' needs"},
         BadViscosity{"{model: kelvin-voigt, shear: 1, @shear_modulus: 1}",
                      "'shear_modulus' goes only beside 'model: maxwell' in viscosity"},
         BadViscosity{"{model: maxwell, shear_modulus: 1, relaxation_time: 1, @rate: exact}",
-                     "'rate' goes only beside 'model: kelvin-voigt' in viscosity"},
+                     "'rate' goes only beside 'model: kelvin-voigt' or 'model: stiffness-proportional' in viscosity"},
         BadViscosity{"{model: kelvin-voigt, shear: 1, @bulks: 1}", "(did you mean 'bulk'?)"},
         BadViscosity{"{model: kelvin-voigt, shear: @-1}", "'shear' must be >= 0 [Pa*s], not '-1'"},
         BadViscosity{"{model: kelvin-voigt, shear: @20 Pa}",
@@ -362,6 +378,15 @@ TEST(InputErrors, StaticProblemsMustBeHeld) {
                                 " analysis needs a constraint in every direction; none holds z\n");
   }
   EXPECT_EQ(told(mistakes(with_line(3, ""))), "") << "dynamics needs no constraint";
+}
+
+TEST(InputErrors, DensityIsNeededByDampingOfMassAlsoWithoutInertia) {
+  const std::string weightless =
+      "bodies: [{elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}, viscosity: {model: "
+      "mass-proportional, decay_rate: 1}}]";
+  const std::vector<Override> set{{"time.method", "quasistatic"}, {"loads", "[]"}};
+  EXPECT_NE(told(mistakes(with_line(2, weightless), set)).find("which mass-proportional damping needs"),
+            std::string::npos);
 }
 
 TEST(InputErrors, DensityIsNeededByGravityAlsoWithoutInertia) {

@@ -69,8 +69,8 @@ TEST_P(EveryKey, StandsInTheJsonSchema) {
   Json node = Json::parse(json_schema());
   for (const auto& parent : parents) {
     node = node.at("properties").at(parent);
+    if (node.contains("anyOf")) node = node.at("anyOf").back();  // names first, keys after them; one, then a list
     if (node.contains("items")) node = node.at("items");
-    if (node.contains("anyOf")) node = node.at("anyOf").back();  // names first, keys after them
   }
   ASSERT_TRUE(node.at("properties").contains(key.key));
   EXPECT_EQ(node["properties"][key.key].at("description"), key.description);
@@ -134,6 +134,9 @@ const std::vector<std::string> good_lines{
     viscous("{model: kelvin-voigt, shear: 20 Pa*s}"),
     viscous("{model: kelvin-voigt, shear: 0, bulk: 1, rate: reconstructed}"),
     viscous("{model: maxwell, shear_modulus: 1, relaxation_time: 1, bulk_modulus: 1}"),
+    viscous("[{model: maxwell, shear_ratio: 1, relaxation_time: 1, bulk_ratio: 10 %}, {model: mass-proportional, "
+            "decay_rate: 1 Hz}]"),
+    viscous("{model: stiffness-proportional, time: 1 ms, rate: auto}"),
     "time: {method: symplectic-dirk22, step: 1 ms, end: 1, events: [0.1, 200 ms]}",
     "time: {method: bdf3, end: 1 s, startup: ramp, adaptive: {}}",
     "time: {method: dirk22, end: 1, adaptive: {relative: 1.0e-3, absolute: 1 um, absolute_velocity: 1 mm/s, min_step: "
@@ -160,6 +163,8 @@ const std::vector<std::string> bad_lines{
     viscous("{model: kelvin-voigt, shear: 1, relaxation_time: 1}"),
     viscous("{model: maxwell, shear_modulus: 1}"),
     viscous("{model: maxwell, shear_modulus: 1, relaxation_time: 1, bulk: 1}"),
+    viscous("{model: maxwell, shear_modulus: 1, shear_ratio: 1, relaxation_time: 1}"),
+    viscous("[]"),
     "element: P3",
     "mesh: {size: 1}",
     "mesh: {file: a, scale: 0}",

@@ -5,6 +5,7 @@
 #include "energy/incremental_potential.hpp"
 #include "energy/inertia.hpp"
 #include "energy/load.hpp"
+#include "energy/mass_damping.hpp"
 #include "energy/pressure.hpp"
 #include "energy/viscous.hpp"
 #include "fem/body.hpp"
@@ -14,12 +15,16 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <variant>
 #include <vector>
 
 namespace pliant::testing {
 
 using Field = std::function<Point(const Point&)>;
+
+/// Of what is proportional to the elastic stiffness [Pa].
+inline constexpr IsotropicTensor<double> stiffness_at_rest{400.0, 700.0};
 
 /// A body and its cells for the quadrature of a law.
 class Solid {
@@ -45,8 +50,20 @@ class Solid {
     return make_elastic_term<2>(law, std::get<1>(groups_), 0, layout().num_owned_nodes);
   }
   std::unique_ptr<EnergyTerm> viscous(const ViscosityVariant& law) const {
-    if (layout().order == 1) return make_viscous_term<1>(law, std::get<0>(groups_), 0, layout().num_owned_nodes);
-    return make_viscous_term<2>(law, std::get<1>(groups_), 0, layout().num_owned_nodes);
+    const auto elastic = make_law_field(
+        make_law("linear", {{"shear_modulus", stiffness_at_rest.shear}, {"bulk_modulus", stiffness_at_rest.bulk}}));
+    const PetscInt num_owned = layout().num_owned_nodes;
+    if (layout().order == 1) return make_viscous_term<1>(law, *elastic, std::get<0>(groups_), 0, num_owned);
+    return make_viscous_term<2>(law, *elastic, std::get<1>(groups_), 0, num_owned);
+  }
+  /// alpha rho [kg/(s m^3)].
+  std::unique_ptr<MassDamping> mass_damping(double density, Mass mass) const {
+    if (layout().order == 1) {
+      return std::make_unique<MassDamping>(
+          make_mass_matrix<1>(layout(), pattern(), std::get<0>(groups_), {density}, mass));
+    }
+    return std::make_unique<MassDamping>(
+        make_mass_matrix<2>(layout(), pattern(), std::get<1>(groups_), {density}, mass));
   }
   std::unique_ptr<Inertia> inertia(double density, Mass mass) const {
     if (layout().order == 1) return make_inertia<1>(layout(), pattern(), std::get<0>(groups_), {density}, mass);
@@ -222,18 +239,27 @@ inline std::vector<ViscosityVariant> every_viscosity() {
   std::vector<ViscosityVariant> laws;
   for (const auto& form : strain_rates()) laws.push_back(KelvinVoigt{20.0, 35.0, form.rate});
   laws.push_back(Maxwell{300.0, 500.0, 0.1});
+  laws.push_back(StiffnessProportional{0.05, StrainRate::reconstructed});
   return laws;
 }
 
+/// Of a dashpot alone.
+inline std::optional<StrainRate> rate_of(const ViscosityVariant& law) {
+  if (const auto* kelvin_voigt = std::get_if<KelvinVoigt>(&law)) return kelvin_voigt->rate;
+  if (const auto* proportional = std::get_if<StiffnessProportional>(&law)) return proportional->rate;
+  return std::nullopt;
+}
+
 inline std::string name_of(const ViscosityVariant& law) {
-  if (std::holds_alternative<Maxwell>(law)) return "Maxwell";
-  return "KelvinVoigt" + std::string(strain_rates()[static_cast<std::size_t>(std::get<KelvinVoigt>(law).rate)].name);
+  std::string name = std::visit([](const auto& of) { return std::string(of.name); }, law);
+  std::erase(name, '-');
+  if (const auto rate = rate_of(law)) name += strain_rates()[static_cast<std::size_t>(*rate)].name;
+  return name;
 }
 
 /// Whether forces of the law are a gradient.
 inline bool is_potential(const ViscosityVariant& law) {
-  const auto* kelvin_voigt = std::get_if<KelvinVoigt>(&law);
-  return kelvin_voigt == nullptr || kelvin_voigt->rate != StrainRate::exact;
+  return rate_of(law) != StrainRate::exact;
 }
 
 inline bool is_barrier(const ElasticLawSpec& law) {

@@ -44,6 +44,8 @@ std::vector<TermCase> every_case() {
     for (const auto& [name, mass] : {std::pair{"consistent", Mass::consistent}, {"lumped", Mass::lumped}}) {
       const Mass of = mass;
       cases.push_back({name, body, 2, [=](const Solid& solid) { return solid.inertia(density, of); }});
+      cases.push_back({std::string("damping") + name, body, 2,
+                       [=](const Solid& solid) { return solid.mass_damping(density, of); }});
     }
     const auto load = [&](const std::string& name, const std::array<Expression, 3>& value) {
       cases.push_back({"gravity" + name, body, 1, [=](const Solid& s) { return s.gravity(density, value); }, false});

@@ -6,7 +6,11 @@ namespace pliant {
 namespace {
 
 using testing::at_time;
+using testing::BodySpec;
 using testing::Point;
+using testing::Scratch;
+using testing::Shape;
+using testing::Solid;
 using testing::stage_before_zero;
 using testing::TestStage;
 using testing::ViscousBody;
@@ -244,8 +248,7 @@ TEST_P(Viscous, NothingDependsOnTheNumberOfRanks) {
 TEST_P(Viscous, CompletedStepsHoldTheStrainsOfTheirConfiguration) {
   Handle<Vec> z = body_.potential.make_internal();
   EXPECT_EQ(static_cast<bool>(z), body_.term->num_internal() > 0);
-  const bool holds_strain = !is_exact_ && GetParam().law.index() == 0 &&
-                            std::get<KelvinVoigt>(GetParam().law).rate == StrainRate::reconstructed;
+  const bool holds_strain = testing::rate_of(GetParam().law) == StrainRate::reconstructed;
   EXPECT_EQ(static_cast<bool>(z), holds_strain || body_.maxwell != nullptr);
   if (!z) return;
   const auto q = solid_.vector(at_time(0.0));
@@ -255,6 +258,57 @@ TEST_P(Viscous, CompletedStepsHoldTheStrainsOfTheirConfiguration) {
       holds_strain ? body_.stage_from(at_time(0.0)).z0.share() : body_.potential.make_internal();
   if (!holds_strain) check(VecSet(expected.get(), 0.25));
   EXPECT_LE(testing::distance(z.get(), expected.get()), 1e-15 * testing::norm(expected.get()));
+}
+
+TEST(RelativeModuli, ArePartsOfTheElasticOnes) {
+  const Scratch scratch(MPI_COMM_WORLD);
+  const BodySpec spec{2, Shape::jittered, 2};
+  const std::string file = scratch.file("body.msh", [&](const std::string& f) { testing::write_body(f, spec); });
+  const auto forces = [&](const ViscosityVariant& law) {
+    ViscousBody body(comm, file, {law, spec});
+    const TestStage stage = stage_before_zero(body, dt);
+    body.potential.begin_stage(stage.point);
+    return body.gradient(body.solid.vector(at_time(0.0)));
+  };
+  const auto& [shear, bulk] = testing::stiffness_at_rest;
+  const auto expected = forces(KelvinVoigt{0.02 * shear, 0.02 * bulk, StrainRate::exact});
+  const auto proportional = forces(StiffnessProportional{0.02, StrainRate::exact});
+  EXPECT_LE(testing::distance(proportional.get(), expected.get()), 1e-14 * testing::norm(expected.get()));
+  const auto branch = forces(Maxwell{0.3 * shear, 0.2 * bulk, 0.1});
+  const auto part = forces(Maxwell{0.3, 0.2, 0.1, Moduli::relative});
+  EXPECT_LE(testing::distance(part.get(), branch.get()), 1e-14 * testing::norm(branch.get()));
+}
+
+// Of the body's mass as a whole: the elements hold an affine velocity exactly.
+TEST(MassProportionalDamping, TakesItsPartOfTheMomentum) {
+  const Scratch scratch(MPI_COMM_WORLD);
+  const BodySpec spec{2, Shape::jittered, 2};
+  const std::string file = scratch.file("body.msh", [&](const std::string& f) { testing::write_body(f, spec); });
+  const Solid solid(comm, file, 2, 2);
+  constexpr double alpha = 0.7, density = 3.0;
+  for (const Mass mass : {Mass::consistent, Mass::lumped}) {
+    const auto term = solid.mass_damping(alpha * density, mass);
+    const auto inertia = solid.inertia(density, mass);
+    const auto v = solid.vector([](const Point& x) { return Point{1.0 + x[1], -2.0 * x[2], 0.5}; });
+    TestStage stage(solid, 0.0, dt, testing::rough_field(0.1, 1));
+    const auto q = testing::moved(stage.q0.get(), dt, v.get());
+    IncrementalPotential potential(solid.layout(), solid.pattern(), {term.get()}, solid.nothing_prescribed());
+    potential.begin_stage(stage.point);
+    const Handle<Vec> r = potential.make_vector();
+    potential.gradient(q.get(), r.get());
+    const auto [force, moment] = testing::resultant(solid, r.get(), stage.q0.get());
+    const Momenta m = inertia->momenta(solid.layout().coordinates, testing::local_values(stage.q0.get()),
+                                       testing::local_values(v.get()));
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(force[i], alpha * sum(comm, m.linear[i]), 1e-12 * density);
+      EXPECT_NEAR(moment[i], alpha * sum(comm, m.angular[i]), 1e-12 * density);
+    }
+    const auto power = potential.powers(q.get(), v.get(), r.get());
+    const double lost = 2.0 * alpha * sum(comm, inertia->kinetic_energy(testing::local_values(v.get())));
+    EXPECT_NEAR(power[0].dissipated, lost, 1e-12 * lost);
+    EXPECT_NEAR(power[0].exerted, -lost, 1e-12 * lost);
+    EXPECT_NEAR(potential.value(q.get()), 0.5 * dt * lost, 1e-12 * lost);
+  }
 }
 
 TEST(StrainRateFor, KeepsTheOrderOfEveryMethodWithAPotentialWhereThereIsOne) {

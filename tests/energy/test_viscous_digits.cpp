@@ -52,9 +52,12 @@ TEST_P(ViscousDigits, ForcesOfStrainsOf1e8KeepTheirDigits) {
     if (body_.maxwell != nullptr) {
       const Quad yield = 1 + Quad(dt) / body_.maxwell->relaxation_time;
       shear = body_.maxwell->shear_modulus / yield, bulk = body_.maxwell->bulk_modulus / yield;
+    } else if (const auto* kelvin_voigt = std::get_if<KelvinVoigt>(&GetParam().law)) {
+      shear = kelvin_voigt->shear / Quad(dt), bulk = kelvin_voigt->bulk / Quad(dt);
     } else {
-      const auto& law = std::get<KelvinVoigt>(GetParam().law);
-      shear = law.shear / Quad(dt), bulk = law.bulk / Quad(dt);
+      const auto& law = std::get<StiffnessProportional>(GetParam().law);
+      const auto& C0 = testing::stiffness_at_rest;
+      shear = law.time * Quad(C0.shear) / dt, bulk = law.time * Quad(C0.bulk) / dt;
     }
     return matmul(F, add_to_diagonal(2 * shear * D, (bulk - 2 * shear / 3) * trace(D)));
   };

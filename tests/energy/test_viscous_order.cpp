@@ -20,15 +20,22 @@ using testing::Scratch;
 using testing::Shape;
 using testing::Solid;
 
+/// Mechanisms that act side by side.
+struct Damping {
+  std::string name;
+  std::vector<ViscosityVariant> laws;
+  double decay_rate = 0.0;  ///< of mass-proportional damping [1/s]
+};
+
 struct OrderCase {
   int number;
   Method method;
-  ViscosityVariant law;
+  Damping damping;
   BodySpec body;
 };
 
 std::string name_of(const OrderCase& c) {
-  std::string name = testing::name_of(c.body) + testing::name_of(c.law) + "_" + c.method.name;
+  std::string name = testing::name_of(c.body) + c.damping.name + "_" + c.method.name;
   std::erase(name, '-');
   return name;
 }
@@ -41,27 +48,40 @@ std::ostream& operator<<(std::ostream& out, const OrderCase& c) {
 constexpr double density = 1.0, shear = 0.1, bulk = 0.07;
 const Maxwell branch{3.0, 2.0, 0.1};
 
-KelvinVoigt kelvin_voigt(StrainRate rate) {
-  return {shear, bulk, rate};
+Damping kelvin_voigt(StrainRate rate) {
+  const KelvinVoigt law{shear, bulk, rate};
+  return {testing::name_of(law), {law}};
+}
+
+Damping maxwell() {
+  return {"Maxwell", {branch}};
+}
+
+Damping every_mechanism(StrainRate rate) {
+  return {
+      "EveryMechanism",
+      {KelvinVoigt{0.5 * shear, 0.5 * bulk, rate}, branch, Maxwell{0.5, 0.8, 0.4}, StiffnessProportional{1e-4, rate}},
+      0.3};
 }
 
 std::vector<OrderCase> every_case() {
   std::vector<OrderCase> cases;
-  const auto add = [&](const Method& method, const ViscosityVariant& law, int order) {
-    cases.push_back({static_cast<int>(cases.size()), method, law, {order, Shape::straight, 1}});
+  const auto add = [&](const Method& method, const Damping& damping, int order) {
+    cases.push_back({static_cast<int>(cases.size()), method, damping, {order, Shape::straight, 1}});
   };
   for (const Method& method : methods()) {
     for (const auto& form : strain_rates()) add(method, kelvin_voigt(form.rate), 1);
-    add(method, branch, 1);
+    add(method, maxwell(), 1);
+    add(method, every_mechanism(strain_rate_for(method)), 1);
     add(method, kelvin_voigt(strain_rate_for(method)), 2);
   }
   return cases;
 }
 
 double expected_order(const OrderCase& c) {
-  const auto* law = std::get_if<KelvinVoigt>(&c.law);
-  if (law == nullptr || law->rate == StrainRate::exact) return c.method.order;
-  return law->rate == StrainRate::secant ? 1 : c.method.reconstructed_rate_order;
+  const auto rate = testing::rate_of(c.damping.laws[0]);
+  if (!rate || rate == StrainRate::exact) return c.method.order;
+  return rate == StrainRate::secant ? 1 : c.method.reconstructed_rate_order;
 }
 
 /// Newton's method with the whole matrix, to the last digits that it gains.
@@ -92,13 +112,25 @@ StageSolve dense_newton(IncrementalPotential& potential) {
 
 /// On one rank alone.
 struct Motion {
-  Motion(const std::string& file, const BodySpec& body, const ViscosityVariant& law)
+  Motion(const std::string& file, const BodySpec& body, const Damping& damping)
       : solid(MPI_COMM_SELF, file, body.order, 2 * (body.order - 1)),
         elastic(solid.elastic(make_law("neo-hookean", 5.0, 0.3))),
         inertia(solid.inertia(density, Mass::consistent)),
-        viscous(solid.viscous(law)),
-        potential(solid.layout(), solid.pattern(), {elastic.get(), inertia.get(), viscous.get()},
-                  solid.nothing_prescribed()) {}
+        dampers(dampers_of(solid, damping)),
+        potential(solid.layout(), solid.pattern(), all_terms(), solid.nothing_prescribed()) {}
+
+  static std::vector<std::unique_ptr<EnergyTerm>> dampers_of(const Solid& solid, const Damping& damping) {
+    std::vector<std::unique_ptr<EnergyTerm>> terms;
+    for (const auto& law : damping.laws) terms.push_back(solid.viscous(law));
+    if (damping.decay_rate > 0.0) terms.push_back(solid.mass_damping(damping.decay_rate * density, Mass::consistent));
+    return terms;
+  }
+
+  std::vector<const EnergyTerm*> all_terms() const {
+    std::vector<const EnergyTerm*> terms{elastic.get(), inertia.get()};
+    for (const auto& term : dampers) terms.push_back(term.get());
+    return terms;
+  }
 
   /// (q, v) at the end of `num_steps` steps.
   std::array<std::vector<double>, 2> end(const Method& method, int num_steps) {
@@ -129,7 +161,7 @@ struct Motion {
   Solid solid;
   std::unique_ptr<ElasticTerm> elastic;
   std::unique_ptr<Inertia> inertia;
-  std::unique_ptr<EnergyTerm> viscous;
+  std::vector<std::unique_ptr<EnergyTerm>> dampers;
   IncrementalPotential potential;
 };
 
@@ -147,12 +179,14 @@ class ViscousOrders : public ::testing::TestWithParam<OrderCase> {
   /// is some hundredth of the least one measured.
   static const std::array<std::vector<double>, 2>& reference(const std::string& file, const OrderCase& c) {
     static std::map<std::string, std::array<std::vector<double>, 2>> known;
-    const bool is_branch = std::holds_alternative<Maxwell>(c.law);
-    auto& result = known[testing::name_of(c.body) + (is_branch ? "Maxwell" : "")];
-    if (result[0].empty()) {
-      const ViscosityVariant law = is_branch ? ViscosityVariant(branch) : kelvin_voigt(StrainRate::exact);
-      result = Motion(file, c.body, law).end(*find_method("dirk33"), 4 * num_fine);
+    Damping damping = c.damping;
+    if (damping.laws.size() > 1) {
+      damping = every_mechanism(StrainRate::exact);
+    } else if (testing::rate_of(damping.laws[0])) {
+      damping = kelvin_voigt(StrainRate::exact);
     }
+    auto& result = known[testing::name_of(c.body) + damping.name];
+    if (result[0].empty()) result = Motion(file, c.body, damping).end(*find_method("dirk33"), 4 * num_fine);
     return result;
   }
 
@@ -167,7 +201,7 @@ TEST_P(ViscousOrders, AreThoseOfTheTable) {
   if (c.number % num_ranks(MPI_COMM_WORLD) != rank(MPI_COMM_WORLD)) return;  // another rank's
   const std::string file = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, c.body); });
   const auto& exact = reference(file, c);
-  Motion motion(file, c.body, c.law);
+  Motion motion(file, c.body, c.damping);
   std::array<std::array<double, 2>, 2> errors;
   for (const int level : {0, 1}) {
     const auto end = motion.end(c.method, level == 0 ? num_fine / 2 : num_fine);

@@ -143,6 +143,28 @@ class Time(ProgramTest):
                     if method == "backward-euler":
                         self.assertGreaterEqual(np.diff(h["dissipated_energy"]).min(), 0)
 
+    def test_every_mechanism_has_its_account(self):
+        # Several side by side; without integrals of the method too, and without inertia (there the start is in balance).
+        several = ("{model: kelvin-voigt, shear: 500}, {model: stiffness-proportional, time: 1 ms}, "
+                   "{model: mass-proportional, decay_rate: 1}")
+        branches = ("{model: maxwell, shear_ratio: 0.3, bulk_ratio: 0.3, relaxation_time: 50 ms}, "
+                    "{model: maxwell, shear_modulus: 5e4, relaxation_time: 0.5}")
+        for method in ("backward-euler", "dirk33", "petsc:alpha2", "quasistatic"):
+            with self.subTest(method):
+                names = [f"dissipated_{n}" for n in ("kelvin_voigt", "stiffness_proportional", "maxwell", "mass_proportional")]
+                mechanisms = f"{several}, {branches}"
+                if method.startswith("petsc:"):  # which has no place for internal variables
+                    names.remove("dissipated_maxwell")
+                    mechanisms = several
+                h = self.history(DRIVEN, "time.method=" + method, "loads=[]", f"bodies.0.viscosity=[{mechanisms}]")
+                self.assertEqual(set(list(h)[-len(names):]), set(names))
+                np.testing.assert_allclose(sum(h[n] for n in names), h["dissipated_energy"], rtol=1e-13)
+                self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-7 * largest_energy(h))
+                for name in names:
+                    self.assertGreater(h[name][-1], 1e-4 * largest_energy(h))
+                    if method != "dirk33":  # whose weights are not all positive
+                        self.assertGreaterEqual(np.diff(h[name]).min(), 0)
+
     def test_midpoint_keeps_the_energy_of_linear_elasticity(self):
         text = BODY.split("    viscosity")[0].replace("neo-hookean", "linear") + TIP
         text += "constraints: [{surface: left, displacement: [0, 0, 0]}]\nloads: [{gravity: [0, 0, -9.81]}]\n"
