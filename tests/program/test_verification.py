@@ -43,6 +43,34 @@ class Verification(ProgramTest):
         self.assert_close(h["end_y"][-1] - 0.052, 14.505e-3, 2e-3)
         self.assertAlmostEqual(h["clamp_fy"][-1], -1, delta=1e-7)
 
+    def test_cooks_membrane_with_the_volume_split_off(self):
+        # Quadrilaterals of second order, 32 x 32; here triangles cut from 16 x 16.
+        h = self.history("cooks_membrane_isochoric", ranks=2)
+        self.assert_close(h["end_y"][-1] - 0.052, 14.74e-3, 2e-3)
+
+    def test_long_wall(self):
+        # The closed form, to the digits it is published with.
+        h = self.history("long_wall")
+        self.assertAlmostEqual(h["corner_x"][-1] - 1, -0.1675, delta=1e-4)
+        self.assertAlmostEqual(h["corner_y"][-1] - 2, 0.4025, delta=1e-4)
+
+    def test_twisting_column(self):
+        # The start of the motion, within what the independent code's two meshes differ by.
+        h = self.history("twisting_column", "time.end=0.02")
+        self.assert_close(h["kinetic_energy"][0], 3.0319e6, 1e-4)
+        for time, degrees in ((0.01, 55.87), (0.02, 110.84)):
+            at = np.argmin(np.abs(h["time"] - time))
+            turned = np.degrees(np.arctan2(h["corner_x"][at], h["corner_z"][at])) - 45
+            self.assert_close(turned, degrees, 1e-2)
+
+    def test_vibrating_cantilever(self):
+        # Against another code and element, 1.5 % of the largest displacement.
+        h = self.history("cantilever_vibration", "time.end=0.3")
+        for time, expected in ((0.1, 0.81436), (0.2, 2.00586), (0.3, 2.76568)):
+            at = np.argmin(np.abs(h["time"] - time))
+            u = np.linalg.norm([h["end_x"][at] - 0.1, h["end_y"][at] - 0.1, h["end_z"][at] - 2])
+            self.assertAlmostEqual(u, expected, delta=0.015 * 2.8)
+
     def test_bent_cube(self):
         # dolfinx, the same mesh and quadrature.
         h = self.history("bent_cube", "solver.newton.relative=1e-11")
