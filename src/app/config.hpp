@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/expression.hpp"
+#include "energy/foundation.hpp"
 #include "material/viscosity.hpp"
 #include "material/volumetric.hpp"
 #include "time/method.hpp"
@@ -89,11 +90,16 @@ struct ConstraintConfig {
 };
 
 struct LoadConfig {
-  enum class Kind { gravity, traction, pressure };
+  enum class Kind { gravity, traction, pressure, force_density, line_force, force, foundation, point_foundation };
   Kind kind = Kind::gravity;
-  Selection part;          ///< traction, pressure: surface, box or where; gravity: everything (or a volume)
-  VectorExpression value;  ///< gravity [m/s^2], traction [Pa] per reference area
+  Selection part;          ///< gravity, force_density: everything (or a volume); line_force: curve; point_foundation:
+                           ///< point; force: surface, box, where, curve or point; the others: surface, box or where
+  VectorExpression value;  ///< gravity [m/s^2], traction [Pa] per reference area, force_density [N/m^3], line_force
+                           ///< [N/m], force [N] in all
   Expression pressure;     ///< [Pa] per current area, pushes onto the surface
+  std::optional<double> spring;   ///< foundation [N/m^3] per reference area, point_foundation [N/m] in all
+  std::optional<double> dashpot;  ///< foundation [N s/m^3], point_foundation [N s/m]
+  FoundationDirection direction = FoundationDirection::all;  ///< foundation
   Location where;
 };
 

@@ -157,6 +157,9 @@ void check_bodies(const Config& config, const InputNode& root, Problems& problem
 void check_held(const Config& config, const InputNode& root, Problems& problems) {
   const std::string& method = config.time.method.value;
   if (method != static_method && method != quasistatic_method) return;
+  // Springs hold, too; in which directions they do shows only against the mesh.
+  const auto is_spring = [](const LoadConfig& load) { return load.spring.value_or(0.0) > 0.0; };
+  if (std::ranges::any_of(config.loads, is_spring)) return;
   const InputNode* constraints = given(root, {"constraints"});
   const Location& where = config.time.method.where;
   if (constraints == nullptr || constraints->children.empty()) {

@@ -93,6 +93,17 @@ std::string table(const std::string& path, const std::vector<KeyInfo>& keys) {
   return out;
 }
 
+/// Keys of the group that may stand together.
+std::string exceptions(const KeyGroup& group) {
+  std::string text;
+  for (const auto& set : group.together) {
+    std::string keys;
+    for (const std::string& key : set) keys += (keys.empty() ? "`" : " and `") + key + '`';
+    text += " " + keys + " may stand together.";
+  }
+  return text;
+}
+
 std::string sentence(const KeyGroup& group) {
   std::string keys;
   for (const std::string& key : group.keys) keys += (keys.empty() ? "`" : ", `") + key + '`';
@@ -103,7 +114,7 @@ std::string sentence(const KeyGroup& group) {
   if (!beside.empty()) beside += ": ";
   switch (group.need) {
     case KeyGroup::Need::exactly_one:
-      return beside + "exactly one of " + keys + ".";
+      return beside + "exactly one of " + keys + "." + exceptions(group);
     case KeyGroup::Need::all:
       return beside + keys + ".";
     case KeyGroup::Need::any:

@@ -1,6 +1,7 @@
 #include "app/loads.hpp"
 
 #include "app/model.hpp"
+#include "energy/foundation.hpp"
 #include "energy/load.hpp"
 #include "energy/pressure.hpp"
 #include "petsc/collective.hpp"
@@ -24,6 +25,22 @@ std::unique_ptr<EnergyTerm> make_pressure(const LoadConfig& load, const LoadedBo
   return std::make_unique<FollowerPressure>(bodies.layout, bodies.pattern, std::move(facets), load.pressure);
 }
 
+std::unique_ptr<EnergyTerm> make_foundation(const LoadConfig& load, Analysis analysis, const LoadedBodies& bodies,
+                                            Selections& selections) {
+  // A static equilibrium knows no velocity.
+  const double dashpot = analysis == Analysis::static_equilibrium ? 0.0 : load.dashpot.value_or(0.0);
+  const FoundationStiffness stiffness{load.spring.value_or(0.0), dashpot};
+  if (load.kind == LoadConfig::Kind::foundation) {
+    const auto facets = selections.facets(load.part);
+    return std::make_unique<Foundation>(surface_foundation(bodies.layout, bodies.pattern, facets, load.direction),
+                                        stiffness);
+  }
+  const auto nodes = selections.nodes(load.part);
+  const auto num_nodes = sum(bodies.layout.comm, static_cast<PetscInt64>(nodes.size()));
+  return std::make_unique<Foundation>(nodal_foundation(bodies.pattern, nodes, 1.0 / static_cast<double>(num_nodes)),
+                                      stiffness);
+}
+
 LoadSamples gravity_samples(const LoadConfig& load, MassKind mass, const LoadedBodies& bodies, Selections& selections) {
   const NodeLayout& layout = bodies.layout;
   const auto inside = selections.cells(load.part);
@@ -35,20 +52,69 @@ LoadSamples gravity_samples(const LoadConfig& load, MassKind mass, const LoadedB
                                   : cell_samples(layout, density, variation_of(load.value));
 }
 
+LoadSamples volume_samples(const LoadConfig& load, const LoadedBodies& bodies, Selections& selections) {
+  const auto inside = selections.cells(load.part);
+  return cell_samples(bodies.layout, {inside.begin(), inside.end()}, variation_of(load.value));
+}
+
+/// Of a total force.
+LoadSamples shared_samples(const LoadConfig& load, const LoadedBodies& bodies, Selections& selections) {
+  const NodeLayout& layout = bodies.layout;
+  const Variation variation = variation_of(load.value);
+  if (load.part.kind == Selection::Kind::point) {
+    const auto nodes = selections.nodes(load.part);
+    return shared(layout, node_samples(layout, nodes), std::vector<char>(nodes.size(), 1));
+  }
+  if (load.part.kind == Selection::Kind::curve) {
+    const auto edges = selections.edges(load.part);
+    return shared(layout, edge_samples(layout, edges, variation), edges.is_owned);
+  }
+  const auto facets = selections.facets(load.part);
+  return shared(layout, facet_samples(layout, facets, variation), facets.is_owned);
+}
+
+std::unique_ptr<EnergyTerm> make_dead_load(const LoadConfig& load, MassKind mass, const LoadedBodies& bodies,
+                                           Selections& selections) {
+  using Kind = LoadConfig::Kind;
+  LoadSamples samples;
+  switch (load.kind) {
+    case Kind::gravity:
+      samples = gravity_samples(load, mass, bodies, selections);
+      break;
+    case Kind::force_density:
+      samples = volume_samples(load, bodies, selections);
+      break;
+    case Kind::traction:
+      samples = facet_samples(bodies.layout, selections.facets(load.part), variation_of(load.value));
+      break;
+    case Kind::line_force:
+      samples = edge_samples(bodies.layout, selections.edges(load.part), variation_of(load.value));
+      break;
+    default:
+      samples = shared_samples(load, bodies, selections);
+      break;
+  }
+  return std::make_unique<DeadLoad>(bodies.layout, std::move(samples), load.value);
+}
+
 }  // namespace
+
+bool has_dashpots(const Config& config) {
+  return std::ranges::any_of(config.loads, [](const LoadConfig& load) { return load.dashpot.value_or(0.0) > 0.0; });
+}
 
 std::vector<std::unique_ptr<EnergyTerm>> make_loads(const Config& config, const LoadedBodies& bodies,
                                                     Selections& selections) {
+  using Kind = LoadConfig::Kind;
   std::vector<std::unique_ptr<EnergyTerm>> terms;
   for (const LoadConfig& load : config.loads) {
-    if (load.kind == LoadConfig::Kind::pressure) {
+    if (load.kind == Kind::pressure) {
       terms.push_back(make_pressure(load, bodies, selections));
-      continue;
+    } else if (load.kind == Kind::foundation || load.kind == Kind::point_foundation) {
+      terms.push_back(make_foundation(load, analysis_of(config), bodies, selections));
+    } else {
+      terms.push_back(make_dead_load(load, config.mass, bodies, selections));
     }
-    LoadSamples samples = load.kind == LoadConfig::Kind::traction
-                              ? facet_samples(bodies.layout, selections.facets(load.part), variation_of(load.value))
-                              : gravity_samples(load, config.mass, bodies, selections);
-    terms.push_back(std::make_unique<DeadLoad>(bodies.layout, std::move(samples), load.value));
   }
   return terms;
 }

@@ -20,6 +20,9 @@ struct LoadedBodies {
   const std::vector<double>& densities;  ///< per body [kg/m^3]
 };
 
+/// Whether any load has a dashpot, which needs motion.
+bool has_dashpots(const Config& config);
+
 /// A term per load, in the input's order; mistakes are reported to `selections`, and their terms are of no use.
 /// Collective.
 std::vector<std::unique_ptr<EnergyTerm>> make_loads(const Config& config, const LoadedBodies& bodies,

@@ -43,6 +43,9 @@ Model::Model(MPI_Comm comm, const Config& config) {
   if (analysis_of(config) == Analysis::static_equilibrium && has_viscosity(config)) {
     notices_.push_back("viscosity has no effect on a static equilibrium");
   }
+  if (analysis_of(config) == Analysis::static_equilibrium && has_dashpots(config)) {
+    notices_.push_back("dashpots have no effect on a static equilibrium");
+  }
 }
 
 void Model::include_waves(const ElasticLawSpec& law, double density) {

@@ -59,6 +59,16 @@ std::optional<Anchor> anchor_of(const InputNode& node, const KeyGroup& group) {
   return found == group.beside.end() ? std::nullopt : std::optional(*found);
 }
 
+bool holds(const std::vector<std::string>& keys, const std::string& key) {
+  return std::find(keys.begin(), keys.end(), key) != keys.end();
+}
+
+bool count_as_one(const std::vector<std::string>& keys, const KeyGroup& group) {
+  return std::any_of(group.together.begin(), group.together.end(), [&](const auto& set) {
+    return std::all_of(keys.begin(), keys.end(), [&](const std::string& key) { return holds(set, key); });
+  });
+}
+
 void check_group(const InputNode& node, const std::string& name, const KeyGroup& group, Problems& problems) {
   const auto given = given_keys(node, group);
   const auto anchor = anchor_of(node, group);
@@ -75,15 +85,18 @@ void check_group(const InputNode& node, const std::string& name, const KeyGroup&
     const std::string beside = anchor ? " beside '" + to_string(*anchor) + "'" : "";
     problems.add(node.where, "one of " + joined(group.keys) + " is needed" + in_section(name) + beside);
   }
-  if (given.size() > 1) {
+  if (given.size() > 1 && !count_as_one(given, group)) {
     problems.add(node.find(given[1])->key_where, "only one of " + joined(given) + " can be given" + in_section(name));
   }
 }
 
-/// "'a' or 'b'".
+/// "'a', 'b' or 'c'".
 std::string quoted(const std::vector<Anchor>& anchors) {
   std::string text;
-  for (const Anchor& anchor : anchors) text += (text.empty() ? "'" : " or '") + to_string(anchor) + "'";
+  for (std::size_t i = 0; i < anchors.size(); ++i) {
+    text += i == 0 ? "" : i + 1 < anchors.size() ? ", " : " or ";
+    text += "'" + to_string(anchors[i]) + "'";
+  }
   return text;
 }
 
@@ -95,19 +108,28 @@ bool is_open(const std::string& choice, const InputNode& node, const KeyInfo& se
   });
 }
 
+/// What a key stands beside in any of the groups.
+std::vector<Anchor> anchors_of(const std::string& key, const KeyInfo& section) {
+  std::vector<Anchor> anchors;
+  for (const KeyGroup& group : section.groups) {
+    if (holds(group.keys, key)) anchors.insert(anchors.end(), group.beside.begin(), group.beside.end());
+  }
+  return anchors;
+}
+
 /// Keys that stand only beside something which is not there. None where a choice is missing, which is told already.
 void check_strays(const InputNode& node, const std::string& name, const KeyInfo& section, Problems& problems) {
   for (const KeyGroup& group : section.groups) {
     if (group.beside.empty() && group.need == KeyGroup::Need::exactly_one && given_keys(node, group).empty()) return;
   }
-  for (const KeyGroup& group : section.groups) {
-    if (group.beside.empty() || anchor_of(node, group)) continue;
-    if (!group.beside[0].value.empty() && is_open(group.beside[0].key, node, section)) continue;
-    for (const std::string& key : group.keys) {
-      if (!is_given(node, key)) continue;
-      problems.add(node.find(key)->key_where,
-                   "'" + key + "' goes only beside " + quoted(group.beside) + in_section(name));
-    }
+  for (const KeyInfo& key : section.children) {
+    if (!is_given(node, key.key)) continue;
+    const auto anchors = anchors_of(key.key, section);
+    const auto is_there = [&](const Anchor& anchor) { return is_given(node, anchor); };
+    if (anchors.empty() || std::any_of(anchors.begin(), anchors.end(), is_there)) continue;
+    if (!anchors[0].value.empty() && is_open(anchors[0].key, node, section)) continue;
+    problems.add(node.find(key.key)->key_where,
+                 "'" + key.key + "' goes only beside " + quoted(anchors) + in_section(name));
   }
 }
 
@@ -123,7 +145,14 @@ Json required_keys(const std::vector<std::string>& keys) {
 
 /// The schema of maps that have what the group needs.
 Json with_group(const KeyGroup& group) {
-  if (group.need == KeyGroup::Need::exactly_one) return {{"oneOf", required_keys(group.keys)}};
+  if (group.need == KeyGroup::Need::exactly_one) {
+    Json options = Json::array();
+    for (const std::string& key : group.keys) {
+      if (!count_as_one({key}, group)) options.push_back(required_key(key));
+    }
+    for (const auto& set : group.together) options.push_back({{"anyOf", required_keys(set)}});
+    return {{"oneOf", options}};
+  }
   return {{"required", group.keys}};
 }
 
@@ -146,7 +175,10 @@ void add_conditions(const KeyGroup& group, Json& schema) {
     if (group.need == KeyGroup::Need::any) continue;
     schema["allOf"].push_back({{"if", with_anchor(anchor)}, {"then", with_group(group)}});
   }
-  for (const std::string& key : group.keys) schema["dependencies"][key] = {{"anyOf", anchors}};
+  for (const std::string& key : group.keys) {
+    Json& beside = schema["dependencies"][key]["anyOf"];
+    for (const Json& anchor : anchors) beside.push_back(anchor);
+  }
 }
 
 Json default_value(const InputNode& node) {

@@ -35,6 +35,7 @@ struct KeyGroup {
   std::vector<std::string> keys;
   Need need = Need::exactly_one;
   std::vector<Anchor> beside = {};  ///< if given, the keys belong to these and stand only beside one of them
+  std::vector<std::vector<std::string>> together = {};  ///< exactly_one: sets of keys that count as one
 };
 
 /// A key as users see it.

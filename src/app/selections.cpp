@@ -124,6 +124,16 @@ FacetList Selections::facets(const Selection& part) {
   return result;
 }
 
+EdgeList Selections::edges(const Selection& part) {
+  const PhysicalGroup* g = group(part);
+  if (g == nullptr) return {};
+  EdgeList result = edges_of_group(mesh_, layout_, *g);
+  if (sum(layout_.comm, static_cast<PetscInt64>(result.size())) == 0) {
+    report(part.where, fmt::format("{} holds no edge of the mesh", describe(part)));
+  }
+  return result;
+}
+
 std::vector<int> Selections::cells(const std::vector<Selection>& parts) {
   std::vector<int> result(layout_.num_local_cells, parts.empty() ? -1 : 0);
   const bool whole = parts.size() == 1 && parts[0].kind == Selection::Kind::everything;

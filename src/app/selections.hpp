@@ -18,6 +18,8 @@ class Selections {
   std::vector<PetscInt> nodes(const Selection& part);
   /// Facets: of a surface group, or of the body's surface inside a box or region. Collective.
   FacetList facets(const Selection& part);
+  /// Edges of a curve. Collective.
+  EdgeList edges(const Selection& part);
   /// Per local cell the index of the part that holds it. Every cell must be in exactly one. Collective.
   std::vector<int> cells(const std::vector<Selection>& parts);
   /// Per local cell: in the part or not. Collective.

@@ -4,6 +4,7 @@
 #include "base/tensor.hpp"
 #include "fem/element.hpp"
 #include "fem/quadrature.hpp"
+#include "petsc/collective.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -21,14 +22,16 @@ Point cross(const Point& a, const Point& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-/// Volume or area per reference measure, from the columns dX/dxi_k.
+/// Volume, area or length per reference measure, from the columns dX/dxi_k.
 template <std::size_t Dim>
 double measure(const std::array<Point, Dim>& columns) {
   if constexpr (Dim == 3) {
     const Point n = cross(columns[0], columns[1]);
     return n[0] * columns[2][0] + n[1] * columns[2][1] + n[2] * columns[2][2];
-  } else {
+  } else if constexpr (Dim == 2) {
     return norm(cross(columns[0], columns[1]));
+  } else {
+    return norm(columns[0]);
   }
 }
 
@@ -132,12 +135,12 @@ LoadSamples lumped_samples_of(const NodeLayout& layout, const std::vector<double
   return samples;
 }
 
-template <int Order>
-LoadSamples facet_samples_of(const NodeLayout& layout, const FacetList& facets, Variation variation) {
-  Sampler<2, Order> sampler(layout, variation);
-  for (PetscInt f = 0; f < facets.size(); ++f) {
-    sampler.add(std::span(facets.nodes).subspan(f * facets.nodes_per_facet, facets.nodes_per_facet), 1.0);
-  }
+/// Of items given by their nodes.
+template <int Dim, int Order>
+LoadSamples item_samples_of(const NodeLayout& layout, std::span<const PetscInt> nodes, Variation variation) {
+  constexpr std::size_t n = Simplex<Dim, Order>::num_nodes;
+  Sampler<Dim, Order> sampler(layout, variation);
+  for (std::size_t first = 0; first < nodes.size(); first += n) sampler.add(nodes.subspan(first, n), 1.0);
   return sampler.take();
 }
 
@@ -154,8 +157,29 @@ LoadSamples lumped_cell_samples(const NodeLayout& layout, const std::vector<doub
 }
 
 LoadSamples facet_samples(const NodeLayout& layout, const FacetList& facets, Variation variation) {
-  return layout.order == 1 ? facet_samples_of<1>(layout, facets, variation)
-                           : facet_samples_of<2>(layout, facets, variation);
+  return layout.order == 1 ? item_samples_of<2, 1>(layout, facets.nodes, variation)
+                           : item_samples_of<2, 2>(layout, facets.nodes, variation);
+}
+
+LoadSamples edge_samples(const NodeLayout& layout, const EdgeList& edges, Variation variation) {
+  return layout.order == 1 ? item_samples_of<1, 1>(layout, edges.nodes, variation)
+                           : item_samples_of<1, 2>(layout, edges.nodes, variation);
+}
+
+LoadSamples node_samples(const NodeLayout& layout, const std::vector<PetscInt>& nodes) {
+  LoadSamples samples{1, 1, nodes, {{1.0}}, {}, std::vector<double>(nodes.size(), 1.0)};
+  for (const PetscInt node : nodes) samples.points.push_back(layout.position(node));
+  return samples;
+}
+
+LoadSamples shared(const NodeLayout& layout, LoadSamples samples, const std::vector<char>& is_owned) {
+  double mine = 0.0;
+  for (std::size_t p = 0; p < samples.weights.size(); ++p) {
+    if (is_owned[p / samples.points_per_item]) mine += samples.weights[p];
+  }
+  const double total = sum(layout.comm, mine);
+  for (double& weight : samples.weights) weight /= total;
+  return samples;
 }
 
 Variation variation_of(const std::array<Expression, 3>& value) {

@@ -1,4 +1,5 @@
-/// Dead loads: forces per reference volume or area that depend on place and time but not on the motion; U = -int f . u.
+/// Dead loads: forces per reference volume, area or length, or at nodes, that depend on place and time but not on the
+/// motion; U = -int f . u.
 #pragma once
 
 #include "base/expression.hpp"
@@ -15,10 +16,10 @@ namespace pliant {
 struct LoadSamples {
   int nodes_per_item = 0;
   int points_per_item = 0;
-  std::vector<PetscInt> nodes;                ///< local nodes per item (cell or facet)
+  std::vector<PetscInt> nodes;                ///< local nodes per item (cell, facet, edge or node)
   std::vector<std::vector<double>> shapes;    ///< N_a at the points of an item
   std::vector<std::array<double, 3>> points;  ///< reference positions, points_per_item per item [m]
-  std::vector<double> weights;                ///< likewise: measure [m^2 or m^3], times the factor of the item
+  std::vector<double> weights;                ///< likewise: measure [m, m^2 or m^3], times the factor of the item
 };
 
 enum class Variation { uniform, in_space };
@@ -30,8 +31,16 @@ LoadSamples cell_samples(const NodeLayout& layout, const std::vector<double>& fa
 /// inertia has it, so that a body falls without shaking.
 LoadSamples lumped_cell_samples(const NodeLayout& layout, const std::vector<double>& factor_of_cell);
 
-/// Samples of facets.
+/// Samples of facets and of edges.
 LoadSamples facet_samples(const NodeLayout& layout, const FacetList& facets, Variation variation);
+LoadSamples edge_samples(const NodeLayout& layout, const EdgeList& edges, Variation variation);
+
+/// One sample of weight 1 per owned node.
+LoadSamples node_samples(const NodeLayout& layout, const std::vector<PetscInt>& nodes);
+
+/// The samples with their weights divided by the total weight of the owned items of all ranks, so that a density
+/// becomes a total force. `is_owned`: one flag per item. Collective.
+LoadSamples shared(const NodeLayout& layout, LoadSamples samples, const std::vector<char>& is_owned);
 
 /// Whether a load of these components varies in space.
 Variation variation_of(const std::array<Expression, 3>& value);

@@ -1,5 +1,5 @@
-/// Lagrange shape functions on the reference tetrahedron {xi >= 0, xi1 + xi2 + xi3 <= 1} and triangle.
-/// Corners first, then mid-edge nodes in VTK's order of edges: 01 12 02 03 13 23 (triangle: 01 12 02).
+/// Lagrange shape functions on the reference tetrahedron {xi >= 0, xi1 + xi2 + xi3 <= 1}, triangle and line.
+/// Corners first, then mid-edge nodes in VTK's order of edges: 01 12 02 03 13 23 (triangle: 01 12 02, line: 01).
 #pragma once
 
 #include <array>
@@ -10,13 +10,13 @@ namespace pliant {
 inline constexpr std::array<std::array<int, 2>, 6> tet_edges{{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
 inline constexpr std::array<std::array<int, 2>, 3> triangle_edges{{{0, 1}, {1, 2}, {0, 2}}};
 
-/// Shape functions of polynomial degree Order (1 or 2) on a simplex of dimension Dim (2 or 3).
+/// Shape functions of polynomial degree Order (1 or 2) on a simplex of dimension Dim (1, 2 or 3).
 template <int Dim, int Order>
 struct Simplex {
   static constexpr int dim = Dim;
   static constexpr int order = Order;
   static constexpr int num_corners = Dim + 1;
-  static constexpr int num_edges = Dim == 3 ? 6 : 3;
+  static constexpr int num_edges = Dim * (Dim + 1) / 2;
   static constexpr int num_nodes = num_corners + (Order == 2 ? num_edges : 0);
   using Point = std::array<double, Dim>;
 
@@ -72,5 +72,7 @@ template <int Order>
 using Tet = Simplex<3, Order>;
 template <int Order>
 using Triangle = Simplex<2, Order>;
+template <int Order>
+using Line = Simplex<1, Order>;
 
 }  // namespace pliant

@@ -10,7 +10,7 @@ namespace pliant {
 namespace {
 
 constexpr double volume(int dim) {
-  return dim == 3 ? 1.0 / 6.0 : 0.5;
+  return dim == 3 ? 1.0 / 6.0 : 1.0 / dim;
 }
 
 template <int Dim>
@@ -83,13 +83,16 @@ QuadratureRule<Dim> simplex_rule(int degree) {
     centroid.fill(1.0 / (Dim + 1));
     return {{centroid}, {volume(Dim)}};
   }
-  if (degree == 2) return symmetric_degree_2<Dim>();
+  if constexpr (Dim > 1) {
+    if (degree == 2) return symmetric_degree_2<Dim>();
+  }
   if constexpr (Dim == 3) {
     if (degree <= 5) return walkington_degree_5();
   }
   return conical_product<Dim>(degree);
 }
 
+template QuadratureRule<1> simplex_rule<1>(int);
 template QuadratureRule<2> simplex_rule<2>(int);
 template QuadratureRule<3> simplex_rule<3>(int);
 

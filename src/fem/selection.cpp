@@ -130,6 +130,28 @@ std::vector<PetscInt> nodes_in_region(const NodeLayout& layout, const Region& in
   return nodes;
 }
 
+EdgeList edges_of_group(const Mesh& mesh, const NodeLayout& layout, const PhysicalGroup& group) {
+  DM dm = mesh.dm.get();
+  const std::vector<char> is_ghost = ghost_points(dm);
+  EdgeList list;
+  list.nodes_per_edge = layout.order + 1;
+  for (const PetscInt edge : points_of_group(mesh, group)) {
+    const PetscInt* ends = ends_of_edge(dm, edge);
+    const std::array<PetscInt, 3> points{ends[0], ends[1], edge};
+    std::array<PetscInt, 3> nodes{};
+    bool is_here = true, is_wanted = is_ghost[edge] == 0;
+    for (int a = 0; a < list.nodes_per_edge; ++a) {
+      nodes[a] = layout.node_of_point[points[a]];
+      is_here = is_here && nodes[a] >= 0;
+      is_wanted = is_wanted || nodes[a] < layout.num_owned_nodes;
+    }
+    if (!is_here || !is_wanted) continue;
+    list.nodes.insert(list.nodes.end(), nodes.begin(), nodes.begin() + list.nodes_per_edge);
+    list.is_owned.push_back(is_ghost[edge] == 0);
+  }
+  return list;
+}
+
 FacetList facets_of_group(const Mesh& mesh, const NodeLayout& layout, const PhysicalGroup& group) {
   FacetCollector collector(mesh, layout);
   for (const PetscInt p : points_of_group(mesh, group)) collector.add(p, everywhere);

@@ -24,11 +24,22 @@ struct FacetList {
   PetscInt size() const { return static_cast<PetscInt>(nodes.size()) / nodes_per_facet; }
 };
 
+/// Edges as local nodes: 2 or 3 per edge (ends, mid-edge node), in the lists of the same ranks as a FacetList's facets.
+struct EdgeList {
+  int nodes_per_edge = 2;
+  std::vector<PetscInt> nodes;
+  std::vector<char> is_owned;  ///< one rank of all owns an edge
+  PetscInt size() const { return static_cast<PetscInt>(nodes.size()) / nodes_per_edge; }
+};
+
 /// Owned nodes on the group's points (for a volume: all nodes of its cells), ascending. Not collective.
 std::vector<PetscInt> nodes_of_group(const Mesh& mesh, const NodeLayout& layout, const PhysicalGroup& group);
 
 /// Owned nodes inside the region, ascending. Not collective.
 std::vector<PetscInt> nodes_in_region(const NodeLayout& layout, const Region& inside);
+
+/// Edges of a curve group. Not collective.
+EdgeList edges_of_group(const Mesh& mesh, const NodeLayout& layout, const PhysicalGroup& group);
 
 /// Facets of a surface group. Not collective.
 FacetList facets_of_group(const Mesh& mesh, const NodeLayout& layout, const PhysicalGroup& group);

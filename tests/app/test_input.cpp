@@ -64,6 +64,12 @@ loads:
   - {where: "x > 1 - 1e-9", traction: [0, 0, 1]}
   - {surface: inside, pressure: 2 kPa}
   - {where: "z > 1 - 1e-9", pressure: "1e3*t*x"}
+  - {force_density: [0, "x*t", 5 N/m^3], volume: beam}
+  - {curve: edge, line_force: [0, 0, 2 N/mm]}
+  - {point: "corner one", force: [3 N, 0, 0]}
+  - {surface: tip, force: [0, "4*t", 0]}
+  - {surface: tip, spring: 2 kPa/mm, dashpot: 5, direction: normal}
+  - {point: 9, point_spring: 3 N/mm, point_dashpot: 2 N*s/m}
 initial: {displacement: ["0.01*x", 0, 0], velocity: [0, "-y", 3 km/h]}
 time: {method: bdf2, step: 10 ms, end: 2 s, startup: ramp, min_step: 1 us}
 solver: {linear: cholesky, newton: {relative: 1e-6, absolute: 1 mN, max_iterations: 20}}
@@ -177,7 +183,7 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_EQ(c.constraints[4].part.box, (std::array<double, 6>{0, 0, 0, 1e-3, 1, 1}));
   EXPECT_EQ((*c.constraints[5].part.region)(0, 1, 0, 0), 1);
   EXPECT_EQ((*c.constraints[5].part.region)(1, 1, 0, 0), 0);
-  ASSERT_EQ(c.loads.size(), 7u);
+  ASSERT_EQ(c.loads.size(), 13u);
   EXPECT_EQ(c.loads[0].kind, LoadConfig::Kind::gravity);
   EXPECT_EQ(c.loads[0].part.kind, Selection::Kind::everything);
   EXPECT_EQ(c.loads[0].value[2](0, 0, 0, 0), -9.81);
@@ -192,10 +198,24 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_EQ(c.loads[5].part.name, "inside");
   EXPECT_EQ(c.loads[5].pressure(0, 0, 0, 0), 2000);
   EXPECT_EQ(c.loads[6].pressure(2, 0, 0, 3), 6000);
+  EXPECT_EQ(c.loads[7].kind, LoadConfig::Kind::force_density);
+  EXPECT_EQ(c.loads[7].value[1](2, 0, 0, 3), 6);
+  EXPECT_EQ(c.loads[8].part.kind, Selection::Kind::curve);
+  EXPECT_DOUBLE_EQ(c.loads[8].value[2](0, 0, 0, 0), 2000);
+  EXPECT_EQ(c.loads[9].kind, LoadConfig::Kind::force);
+  EXPECT_EQ(c.loads[9].part.kind, Selection::Kind::point);
+  EXPECT_EQ(c.loads[10].part.kind, Selection::Kind::surface);
+  EXPECT_EQ(c.loads[11].kind, LoadConfig::Kind::foundation);
+  EXPECT_DOUBLE_EQ(c.loads[11].spring.value(), 2e6);
+  EXPECT_EQ(c.loads[11].dashpot, 5.0);
+  EXPECT_EQ(c.loads[11].direction, FoundationDirection::normal);
+  EXPECT_EQ(c.loads[12].kind, LoadConfig::Kind::point_foundation);
+  EXPECT_DOUBLE_EQ(c.loads[12].spring.value(), 3000);
+  EXPECT_EQ(c.loads[12].direction, FoundationDirection::all);
   EXPECT_EQ(c.initial.velocity[1](0, 2, 0, 0), -2);
   EXPECT_DOUBLE_EQ(c.initial.velocity[2](0, 0, 0, 0), 3 / 3.6);
   EXPECT_EQ(c.time.method.value, "bdf2");
-  EXPECT_EQ(c.time.method.where.line, 40);
+  EXPECT_EQ(c.time.method.where.line, 46);
   EXPECT_EQ(c.time.min_step, 1e-6);
   EXPECT_EQ(c.solver.linear, "cholesky");
   EXPECT_EQ(c.solver.newton.absolute, 1e-3);
@@ -270,6 +290,10 @@ TEST_P(RoundTrip, KeepsTheConfiguration) {
     EXPECT_EQ(again.loads[i].kind, original.loads[i].kind);
     EXPECT_EQ(again.loads[i].value[2](0.1, 0.2, 0.3, 0.4), original.loads[i].value[2](0.1, 0.2, 0.3, 0.4));
     EXPECT_EQ(again.loads[i].pressure(0.1, 0.2, 0.3, 0.4), original.loads[i].pressure(0.1, 0.2, 0.3, 0.4));
+    EXPECT_EQ(again.loads[i].spring, original.loads[i].spring);
+    EXPECT_EQ(again.loads[i].dashpot, original.loads[i].dashpot);
+    EXPECT_EQ(again.loads[i].direction, original.loads[i].direction);
+    EXPECT_EQ(again.loads[i].part.kind, original.loads[i].part.kind);
   }
   EXPECT_EQ(again.time.step, original.time.step);
   EXPECT_EQ(again.time.min_step, original.time.min_step);

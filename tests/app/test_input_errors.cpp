@@ -190,14 +190,32 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{3, "constraints: [{surface: @\"\", displacement: [0, 0, 0]}]", "the name or tag of a physical group"},
         Bad{3, "constraints: [{surface: @[a], displacement: [0, 0, 0]}]", "'surface' must be a text"},
         Bad{4, "loads: [@{traction: [0, 0, 1]}]", "one of surface, box, where is needed in loads[0] beside 'traction'"},
-        Bad{4, "loads: [@{surface: tip}]", "one of gravity, traction, pressure is needed in loads[0]"},
+        Bad{4, "loads: [@{surface: tip}]",
+            "one of gravity, traction, pressure, force_density, line_force, force, spring, dashpot, point_spring, "
+            "point_dashpot is needed in loads[0]"},
         Bad{4, "loads: [{surface: tip, traction: [0, 0, 1], @pressure: 1}]",
             "only one of traction, pressure can be given"},
         Bad{4, "loads: [@{pressure: 1}]", "one of surface, box, where is needed in loads[0] beside 'pressure'"},
-        Bad{4, "loads: [{pressure: 1, surface: tip, @volume: a}]", "'volume' goes only beside 'gravity' in loads[0]"},
+        Bad{4, "loads: [{pressure: 1, surface: tip, @volume: a}]",
+            "'volume' goes only beside 'gravity' or 'force_density' in loads[0]"},
         Bad{4, "loads: [{gravity: [0, 0, 1], @surface: tip}]",
-            "'surface' goes only beside 'traction' or 'pressure' in loads[0]"},
-        Bad{4, "loads: [{traction: [0, 0, 1], surface: tip, @volume: a}]", "'volume' goes only beside 'gravity'"}));
+            "'surface' goes only beside 'traction', 'pressure', 'spring', 'dashpot' or 'force' in loads[0]"},
+        Bad{4, "loads: [{traction: [0, 0, 1], surface: tip, @volume: a}]", "'volume' goes only beside 'gravity'"},
+        Bad{4, "loads: [@{spring: 1}]", "one of surface, box, where is needed in loads[0] beside 'spring'"},
+        Bad{4, "loads: [{spring: @-1, surface: a}]", "'spring' must be >= 0 [Pa/m], not '-1'"},
+        Bad{4, "loads: [{spring: @1 N/m, surface: a}]", "but"},
+        Bad{4, "loads: [{@spring: 1, dashpot: 1, surface: a, pressure: 1}]",
+            "only one of pressure, spring, dashpot can be given in loads[0]"},
+        Bad{4, "loads: [{spring: 1, surface: a, direction: @up}]", "'direction' must be one of all, normal, not 'up'"},
+        Bad{4, "loads: [{surface: a, traction: [0, 0, 1], @direction: all}]",
+            "'direction' goes only beside 'spring' or 'dashpot' in loads[0]"},
+        Bad{4, "loads: [@{point_spring: 1}]", "missing key 'point' in loads[0], which 'point_spring' needs"},
+        Bad{4, "loads: [@{line_force: [0, 0, 1]}]", "missing key 'curve' in loads[0], which 'line_force' needs"},
+        Bad{4, "loads: [{line_force: [0, 0, @1 N], curve: a}]", "'1 N' is a force, but"},
+        Bad{4, "loads: [@{force: [0, 0, 1]}]",
+            "one of surface, box, where, curve, point is needed in loads[0] beside 'force'"},
+        Bad{4, "loads: [{force: [0, 0, 1], curve: a, @point: b}]", "only one of curve, point can be given in loads[0]"},
+        Bad{4, "loads: [{force_density: [0, 0, 1], @surface: a}]", "'surface' goes only beside 'traction',"}));
 
 constexpr const char* viscous =
     "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}, viscosity: ";
@@ -353,7 +371,7 @@ probes: [{name: a}]
       "dir/a.yaml:4:48: 'youngs_modulus' must be > 0 [Pa], not '-1'",
       "dir/a.yaml:4:68: 'poissons_ratio' must be between -1 and 0.5 (both excluded), not '0.7'",
       "dir/a.yaml:6:21: 'gravity[2]': 'foo' is not known",
-      "dir/a.yaml:7:5: 'surface' goes only beside 'traction' or 'pressure' in loads[0]",
+      "dir/a.yaml:7:5: 'surface' goes only beside 'traction', 'pressure', 'spring', 'dashpot' or 'force' in loads[0]",
       "dir/a.yaml:8:14: the step of 3 s is longer than the simulation, which ends at 2 s",
       "dir/a.yaml:9:10: missing key 'point' in probes[0]"};
   ASSERT_EQ(found.size(), expected.size()) << told(found);

@@ -131,6 +131,10 @@ std::string viscous(const std::string& viscosity) {
 const std::vector<std::string> good_lines{
     "title: good",
     "loads: [{surface: a, pressure: 2 kPa}, {where: x, pressure: \"t\"}, {gravity: [0, 0, 1], volume: a}]",
+    "loads: [{surface: a, spring: 1e5 Pa/m, dashpot: 3, direction: normal}, {where: x, dashpot: 2 Pa*s/m}, {point: p, "
+    "point_spring: 2 N/m, point_dashpot: 1}]",
+    "loads: [{force_density: [0, 0, 1 N/m^3]}, {curve: c, line_force: [0, t, 1]}, {point: p, force: [0, 1 N, 0]}, "
+    "{surface: s, force: [1, 1, 1]}, {volume: v, force_density: [1, 0, 0]}]",
     viscous("{model: kelvin-voigt, shear: 20 Pa*s}"),
     viscous("{model: kelvin-voigt, shear: 0, bulk: 1, rate: reconstructed}"),
     viscous("{model: maxwell, shear_modulus: 1, relaxation_time: 1, bulk_modulus: 1}"),
@@ -154,6 +158,14 @@ const std::vector<std::string> bad_lines{
     "loads: [{traction: [0, 0, 1]}]",
     "loads: [{surface: a}]",
     "loads: [{pressure: 1}]",
+    "loads: [{spring: 1}]",
+    "loads: [{spring: 1, point_spring: 1, surface: a}]",
+    "loads: [{spring: 1, surface: a, point: p}]",
+    "loads: [{point_dashpot: 1, surface: a}]",
+    "loads: [{surface: a, pressure: 1, direction: all}]",
+    "loads: [{force: [0, 0, 1]}]",
+    "loads: [{force: [0, 0, 1], curve: a, point: b}]",
+    "loads: [{line_force: [0, 0, 1], surface: a}]",
     "loads: [{surface: a, box: [[0, 0, 0], [1, 1, 1]], pressure: 1}]",
     "loads: [{surface: a, traction: [0, 0, 1], pressure: 1}]",
     viscous("{shear: 1}"),

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "energy/elastic.hpp"
+#include "energy/foundation.hpp"
 #include "energy/incremental_potential.hpp"
 #include "energy/inertia.hpp"
 #include "energy/load.hpp"
@@ -78,6 +79,16 @@ class Solid {
   std::unique_ptr<DeadLoad> traction(const std::array<Expression, 3>& value) const {
     const auto facets = facets_of_group(mesh(), layout(), group_named(mesh(), "tip"));
     return std::make_unique<DeadLoad>(layout(), facet_samples(layout(), facets, variation_of(value)), value);
+  }
+  /// A force per length on the group "edge" [N/m].
+  std::unique_ptr<DeadLoad> line_force(const std::array<Expression, 3>& value) const {
+    const auto edges = edges_of_group(mesh(), layout(), group_named(mesh(), "edge"));
+    return std::make_unique<DeadLoad>(layout(), edge_samples(layout(), edges, variation_of(value)), value);
+  }
+  /// Springs and dashpots on the group "tip" [N/m^3, N s/m^3].
+  std::unique_ptr<Foundation> foundation(const FoundationStiffness& stiffness, FoundationDirection direction) const {
+    const auto facets = facets_of_group(mesh(), layout(), group_named(mesh(), "tip"));
+    return std::make_unique<Foundation>(surface_foundation(layout(), pattern(), facets, direction), stiffness);
   }
   /// A follower pressure on the group "tip" [Pa].
   std::unique_ptr<FollowerPressure> pressure(const Expression& value) const {

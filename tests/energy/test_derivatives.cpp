@@ -54,7 +54,24 @@ std::vector<TermCase> every_case() {
     load("Constant", {Expression(2.0), Expression(), Expression(-9.81)});
     load("InSpace", {Expression("x*y"), Expression("3*z"), Expression("-9.81*sin(pi*y)")});
     load("InTime", {Expression("sin(4*t)"), Expression(), Expression(-9.81)});
+    cases.push_back({"lineForce", body, 1,
+                     [](const Solid& s) {
+                       return s.line_force({Expression("x*t"), Expression("cos(t+x)"), Expression(1.0)});
+                     },
+                     false});
     load("InBoth", {Expression("x*t"), Expression("cos(t+y)"), Expression(1.0)});
+    for (const auto& [name, direction] :
+         {std::pair{"All", FoundationDirection::all}, {"Normal", FoundationDirection::normal}}) {
+      const FoundationDirection of = direction;
+      cases.push_back({std::string("foundation") + name, body, 1, [=](const Solid& s) {
+                         return s.foundation({30.0, 2.0}, of);
+                       }});
+    }
+    cases.push_back({"nodalFoundation", body, 1, [=](const Solid& s) {
+                       const auto nodes = nodes_of_group(s.mesh(), s.layout(), testing::group_named(s.mesh(), "edge"));
+                       return std::make_unique<Foundation>(nodal_foundation(s.pattern(), nodes, 0.5),
+                                                           FoundationStiffness{30.0, 2.0});
+                     }});
     for (const auto& [name, value] : {std::pair{"Uniform", "2+t"}, {"Varied", "1+x*y+z*t"}}) {
       const Expression pressure(value);
       cases.push_back({std::string("pressure") + name, body, 1, [=](const Solid& s) { return s.pressure(pressure); }});

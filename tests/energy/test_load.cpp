@@ -81,6 +81,33 @@ TEST_P(Loads, LoadsInSpaceAreIntegrated) {
   EXPECT_NEAR(g[2], 1.0, 1e-13);
 }
 
+TEST_P(Loads, LineForceIsItsDensityTimesTheLength) {
+  if (is_curved_) return;
+  const auto load = solid_.line_force({Expression(5.0), Expression("3*x^2"), Expression("t*x")});
+  const Point f = resultant(*load, 2.0);
+  EXPECT_NEAR(f[0], 5.0, 1e-13);
+  EXPECT_NEAR(f[1], 1.0, 1e-13);
+  EXPECT_NEAR(f[2], 1.0, 1e-13);
+  EXPECT_NEAR(first_moment(*load, 0, 0), 2.5, 1e-13);
+}
+
+// Whatever the area, the length and the number of nodes.
+TEST_P(Loads, ATotalForceIsShared) {
+  const std::array<Expression, 3> value{Expression(2.0), Expression("1-t"), Expression(-9.0)};
+  const NodeLayout& layout = solid_.layout();
+  const auto facets = facets_of_group(solid_.mesh(), layout, testing::group_named(solid_.mesh(), "tip"));
+  const auto edges = edges_of_group(solid_.mesh(), layout, testing::group_named(solid_.mesh(), "edge"));
+  const auto nodes = nodes_of_group(solid_.mesh(), layout, testing::group_named(solid_.mesh(), "clamp"));
+  for (const LoadSamples& samples : {shared(layout, facet_samples(layout, facets, Variation::uniform), facets.is_owned),
+                                     shared(layout, edge_samples(layout, edges, Variation::uniform), edges.is_owned),
+                                     shared(layout, node_samples(layout, nodes), std::vector<char>(nodes.size(), 1))}) {
+    const Point f = resultant(DeadLoad(layout, samples, value), 3.0);
+    EXPECT_NEAR(f[0], 2.0, 1e-13);
+    EXPECT_NEAR(f[1], -2.0, 1e-13);
+    EXPECT_NEAR(f[2], -9.0, 1e-13);
+  }
+}
+
 // On a curved body too: the same load written as one that varies in space, by its own rule.
 TEST_P(Loads, AUniformLoadIsTheSameHoweverItIsWritten) {
   const auto uniform = solid_.gravity(density, {Expression(1.0), Expression(2.0), Expression(3.0)});

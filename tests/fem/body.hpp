@@ -63,6 +63,7 @@ inline std::string name_of(const BodySpec& spec) {
 inline void write_body(const std::string& file, const BodySpec& spec) {
   BoxOptions options;
   options.order = spec.geometry_order();
+  options.outline = Outline::edge_and_corner;
   if (spec.shape == Shape::jittered) options.map = jittered;
   if (spec.shape == Shape::curved) options.map = bent;
   write_box_msh(file, {1.0, 1.0, 1.0}, {spec.n, spec.n, spec.n}, options);

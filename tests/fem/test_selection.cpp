@@ -98,11 +98,12 @@ class Selections : public ::testing::TestWithParam<BodySpec> {
     }
     return places;
   }
-  /// Each owned node has the facets around it that it has on one rank.
-  void expect_complete(const FacetList& facets, const NodeLayout& whole, const FacetList& all) const {
+  /// Each owned node has the facets (or edges, given by their nodes) around it that it has on one rank.
+  void expect_complete(const std::vector<PetscInt>& nodes, const NodeLayout& whole,
+                       const std::vector<PetscInt>& all) const {
     std::map<Key, int> expected, here;
-    for (const PetscInt n : all.nodes) ++expected[key_of(whole.position(n))];
-    for (const PetscInt n : facets.nodes) {
+    for (const PetscInt n : all) ++expected[key_of(whole.position(n))];
+    for (const PetscInt n : nodes) {
       if (n < layout_.num_owned_nodes) ++here[key_of(layout_.position(n))];
     }
     for (PetscInt a = 0; a < layout_.num_owned_nodes; ++a) {
@@ -167,7 +168,27 @@ TEST_P(Selections, FacetsOfAGroupHaveItsArea) {
     EXPECT_NEAR(expected, 1.0, 1e-13);
   }
   EXPECT_NEAR(owned_area(facets), expected, 1e-12);
-  expect_complete(facets, whole.layout, all);
+  expect_complete(facets.nodes, whole.layout, all.nodes);
+}
+
+TEST_P(Selections, EdgesOfACurveAreFoundOnceAndCompleteAtTheirNodes) {
+  const auto edges = edges_of_group(body_.mesh, layout_, testing::group_named(body_.mesh, "edge"));
+  const int per_edge = edges.nodes_per_edge;
+  ASSERT_EQ(per_edge, GetParam().order + 1);
+  ASSERT_EQ(edges.is_owned.size(), static_cast<std::size_t>(edges.size()));
+  PetscInt64 owned = 0;
+  for (PetscInt e = 0; e < edges.size(); ++e) {
+    owned += edges.is_owned[e];
+    if (per_edge == 2 || GetParam().shape == Shape::curved) continue;
+    const auto x = [&](int a) { return layout_.position(edges.nodes[e * per_edge + a])[0]; };
+    EXPECT_NEAR(x(2), 0.5 * (x(0) + x(1)), 1e-14);
+  }
+  EXPECT_EQ(sum(comm, owned), GetParam().n);
+  const Body whole(MPI_COMM_SELF, file_, GetParam().order);
+  const auto all = edges_of_group(whole.mesh, whole.layout, testing::group_named(whole.mesh, "edge"));
+  expect_complete(edges.nodes, whole.layout, all.nodes);
+  const auto corner = nodes_of_group(body_.mesh, layout_, testing::group_named(body_.mesh, "corner"));
+  EXPECT_EQ(sum(comm, static_cast<PetscInt64>(corner.size())), 1);
 }
 
 TEST_P(Selections, TheWholeSurfaceIsFoundOnce) {
@@ -181,7 +202,7 @@ TEST_P(Selections, TheWholeSurfaceIsFoundOnce) {
     EXPECT_NEAR(owned_area(facets), 6.0, 1e-12);
   }
   const Body whole(MPI_COMM_SELF, file_, GetParam().order);
-  expect_complete(facets, whole.layout, surface_facets(whole.mesh, whole.layout, everywhere));
+  expect_complete(facets.nodes, whole.layout, surface_facets(whole.mesh, whole.layout, everywhere).nodes);
 }
 
 TEST_P(Selections, ARegionSelectsTheFacetsThatLieInItWhole) {

@@ -13,6 +13,10 @@
 
 namespace pliant::testing {
 
+/// Lower parts of the box that may be groups too: the curve "edge" (tag 5) along the x axis and the point "corner" (tag
+/// 6) at its end.
+enum class Outline { none, edge_and_corner };
+
 struct BoxOptions {
   int order = 1;       ///< 2 writes ten-node tetrahedra
   bool groups = true;  ///< "clamp" (x = 0), "tip" (x = lx) and "body"; false: no physical names
@@ -20,6 +24,7 @@ struct BoxOptions {
   std::function<std::array<double, 3>(std::array<double, 3>)>
       map;      ///< moves every node (mid-edge nodes too), e.g. to bend the box
   int cut = 0;  ///< > 0: also the group "cut" (tag 4), the facets inside the box at x = cut lx / n[0]
+  Outline outline = Outline::none;
 };
 
 /// Writes the box of `size` [m] with n[0] x n[1] x n[2] cubes as gmsh 2.2 ascii: (n0 + 1)(n1 + 1)(n2 + 1) vertices, 6
@@ -67,6 +72,13 @@ inline void write_box_msh(const std::string& file, std::array<double, 3> size, s
       }
     }
   }
+  const bool has_outline = options.outline == Outline::edge_and_corner;
+  for (int i = 0; i < n[0] && has_outline; ++i) {
+    std::vector<Lattice> at{{2 * i, 0, 0}, {2 * i + 2, 0, 0}};
+    if (options.order == 2) at.push_back(between(at[0], at[1]));
+    add(options.order == 2 ? 8 : 1, 5, 5, at);
+  }
+  if (has_outline) add(15, 6, 6, {{2 * n[0], 0, 0}});
   constexpr std::array<std::array<std::size_t, 2>, 6> edges{{{0, 1}, {1, 2}, {2, 0}, {3, 0}, {3, 2}, {3, 1}}};
   constexpr std::array<std::array<int, 3>, 6> axes{{{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
   for (int i = 0; i < n[0]; ++i) {
@@ -93,8 +105,10 @@ inline void write_box_msh(const std::string& file, std::array<double, 3> size, s
   out.precision(std::numeric_limits<double>::max_digits10);
   out << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
   if (options.groups) {
-    out << "$PhysicalNames\n" << (options.cut > 0 ? 4 : 3) << "\n2 1 \"clamp\"\n2 2 \"tip\"\n3 3 \"body\"\n";
-    out << (options.cut > 0 ? "2 4 \"cut\"\n" : "") << "$EndPhysicalNames\n";
+    const int num_names = 3 + (options.cut > 0 ? 1 : 0) + (has_outline ? 2 : 0);
+    out << "$PhysicalNames\n" << num_names << "\n2 1 \"clamp\"\n2 2 \"tip\"\n3 3 \"body\"\n";
+    out << (options.cut > 0 ? "2 4 \"cut\"\n" : "") << (has_outline ? "1 5 \"edge\"\n0 6 \"corner\"\n" : "");
+    out << "$EndPhysicalNames\n";
   }
   out << "$Nodes\n" << nodes.size() << "\n";
   for (std::size_t i = 0; i < nodes.size(); ++i) {

@@ -20,13 +20,13 @@ inline void PrintTo(const Method& method, std::ostream* out) {
 namespace pliant::test {
 
 /// Derive a suite from it and instantiate that with `every_method()` and `method_name`.
-class EveryMethod : public testing::TestWithParam<Method> {};
+class EveryMethod : public ::testing::TestWithParam<Method> {};
 
 inline auto every_method() {
-  return testing::ValuesIn(methods().begin(), methods().end());
+  return ::testing::ValuesIn(methods().begin(), methods().end());
 }
 
-inline std::string method_name(const testing::TestParamInfo<Method>& info) {
+inline std::string method_name(const ::testing::TestParamInfo<Method>& info) {
   std::string name = info.param.name;
   std::erase(name, '-');  // which a test's name must not contain
   return name;
