@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 namespace pliant {
 namespace {
 
@@ -60,7 +62,8 @@ std::vector<Field<ElasticityConfig>> constant_fields() {
           owners.emplace_back(other.name);
         }
       }
-      fields.push_back(constant_field(p, joined_names(owners) + ": " + std::string(p.meaning)));
+      const std::string fallback = p.fallback ? fmt::format("; {:g} if not given", *p.fallback) : "";
+      fields.push_back(constant_field(p, fmt::format("{}: {}{}", joined_names(owners), p.meaning, fallback)));
     }
   }
   return fields;

@@ -1,5 +1,5 @@
-/// exp and expm1 of packs, by glibc's vector mathematics library (libmvec), to some 2 ulp; lane by lane where it is
-/// absent. A scalar takes the C library's.
+/// exp, expm1 and sqrt of packs, and quotients of them that keep their digits near 0. exp and expm1 by glibc's vector
+/// mathematics library (libmvec), to some 2 ulp; lane by lane where it is absent. A scalar takes the C library's.
 #pragma once
 
 #include "base/simd.hpp"
@@ -62,6 +62,40 @@ inline Pack expm1(const Pack& x) {
 #else
   return Pack(_ZGVbN2v_expm1(static_cast<__m128d>(x)));
 #endif
+}
+
+PLIANT_INLINE double sqrt(double x) {
+  return std::sqrt(x);
+}
+PLIANT_INLINE Pack sqrt(const Pack& x) {
+#if defined(PLIANT_HAS_LIBMVEC) && defined(__AVX512F__)
+  // Not _mm512_sqrt_pd: g++ 12 warns of its own header.
+  const auto v = static_cast<__m512d>(x);
+  return Pack(_mm512_mask_sqrt_pd(v, 0xff, v));
+#else
+  return std::experimental::sqrt(x);
+#endif
+}
+
+/// (exp(x) - 1) / x; 1 at 0.
+template <class T>
+PLIANT_INLINE T phi1(const T& x) {
+  const auto zero = x == 0.0;
+  const T safe = select(zero, T(1.0), x);
+  return select(zero, T(1.0), T(expm1(safe) / safe));
+}
+
+/// (exp(x) - 1 - x) / x^2; 1/2 at 0. For |x| <= 1 by its power series, whose first term left out is below 1e-17.
+template <class T>
+PLIANT_INLINE T phi2(const T& x) {
+  const auto far = x * x > 1.0;
+  const T near = select(far, T(0.0), x);
+  T series = 1.0 / 19;
+  for (int n = 18; n >= 3; --n) series = (1.0 + near * series) / n;
+  series = 0.5 * (1.0 + near * series);
+  if (!any_of(far)) return series;
+  const T safe = select(far, x, T(1.0));
+  return select(far, T((expm1(safe) - safe) / (safe * safe)), series);
 }
 
 }  // namespace pliant

@@ -49,6 +49,25 @@ constexpr std::array arruda_boyce{shear_modulus, bulk_modulus_at_rest,
                                   ParameterInfo{"locking_stretch", "1", 1.0, infinity,
                                                 "stretch at which the chains lock", LowerBound::excluded, 2.8}};
 
+constexpr ParameterInfo ogden_modulus(std::string_view name, std::string_view meaning, double typical,
+                                      std::optional<double> fallback = {}) {
+  return {name, "Pa", -infinity, infinity, meaning, LowerBound::excluded, typical, fallback};
+}
+constexpr ParameterInfo ogden_exponent(std::string_view name, std::string_view meaning, double typical,
+                                       std::optional<double> fallback = {}) {
+  return {name, "1", -infinity, infinity, meaning, LowerBound::excluded, typical, fallback};
+}
+constexpr std::array ogden{ogden_modulus("mu1", "part of the first term in the shear modulus at small strain", 220e3),
+                           ogden_exponent("alpha1", "exponent of the first term", 1.3),
+                           ogden_modulus("mu2", "of the second term", 100e3, 0.0),
+                           ogden_exponent("alpha2", "of the second term", 5.0, 2.0),
+                           ogden_modulus("mu3", "of the third term", 60e3, 0.0),
+                           ogden_exponent("alpha3", "of the third term", -2.0, 2.0),
+                           ogden_modulus("mu4", "of the fourth term", 20e3, 0.0),
+                           ogden_exponent("alpha4", "of the fourth term", -4.0, 2.0),
+                           bulk_modulus_at_rest};
+constexpr std::array shear_alone{shear_modulus};
+
 constexpr std::array<LawInfo, ElasticLaws::size> laws{{
     {Linear<double>::name, "psi = mu eps:eps + lambda/2 (tr eps)^2, eps = (H + H^T)/2, H = grad u", lame_parameters,
      "Hooke's law; Holzapfel, Nonlinear Solid Mechanics (2000)",
@@ -80,11 +99,23 @@ constexpr std::array<LawInfo, ElasticLaws::size> laws{{
      "lm: locking_stretch, C_R: so that shear_modulus is the one at rest",
      arruda_boyce, "Arruda & Boyce, J. Mech. Phys. Solids 41 (1993)",
      "rubbers up to large strain in any kind of loading, from two constants"},
+    {Ogden<double>::name,
+     "psi = sum_p 2 mu_p/alpha_p^2 (l1b^alpha_p + l2b^alpha_p + l3b^alpha_p - 3) + kappa U(J), l_ib = J^(-1/3) l_i: "
+     "stretches; Ogden's own mu_p is 2 mu_p/alpha_p of here",
+     ogden, "Ogden (1972); Holzapfel, Nonlinear Solid Mechanics (2000), section 6.5",
+     "rubbers and tissues up to very large strain, fitted to several kinds of test"},
     {StableNeoHookean<double>::name,
      "psi = m/2 (I1 - 3) + l/2 (J - 1 - 3/4 m/l)^2 - m/2 ln(I1 + 1) - psi(I), I1 = tr(F^T F), m = 4/3 mu, "
      "l = lambda + 5/6 mu",
      lame_parameters, "Smith, de Goes & Kim, ACM Trans. Graph. 37 (2018)",
      "bodies whose cells may invert on the way, from a bad start or under rough handling: they come back"},
+    {FixedCorotated<double>::name, "psi = mu |F - R|^2 + lambda/2 (J - 1)^2, R: rotation of F", lame_parameters,
+     "Stomakhin et al., Energetically consistent invertible elasticity (2012)",
+     "animation and rough handling: linear in the stretches, and inverted cells come back"},
+    {Arap<double>::name, "psi = mu |F - R|^2, R: rotation of F", shear_alone,
+     "Smith, de Goes & Kim, ACM Trans. Graph. 38 (2019)",
+     "as rigid as possible: deformation of shapes; its Poisson's ratio at rest is 0, it has no bulk modulus of its "
+     "own"},
 }};
 
 template <class Visit>

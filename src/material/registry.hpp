@@ -3,12 +3,14 @@
 #pragma once
 
 #include "material/arruda_boyce.hpp"
+#include "material/corotated.hpp"
 #include "material/elastic_law.hpp"
 #include "material/gent.hpp"
 #include "material/linear.hpp"
 #include "material/mooney_rivlin.hpp"
 #include "material/neo_hookean.hpp"
 #include "material/neo_hookean_isochoric.hpp"
+#include "material/ogden.hpp"
 #include "material/saint_venant_kirchhoff.hpp"
 #include "material/stable_neo_hookean.hpp"
 #include "material/yeoh.hpp"
@@ -26,7 +28,7 @@ struct LawList {
 };
 
 using ElasticLaws = LawList<Linear, SaintVenantKirchhoff, NeoHookean, NeoHookeanIsochoric, MooneyRivlin, MooneyRivlin5,
-                            Yeoh, Gent, ArrudaBoyce, StableNeoHookean>;
+                            Yeoh, Gent, ArrudaBoyce, Ogden, StableNeoHookean, FixedCorotated, Arap>;
 using ElasticLawVariant = ElasticLaws::Variant<double>;
 
 template <class L>

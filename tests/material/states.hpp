@@ -3,6 +3,7 @@
 
 #include "material/lame.hpp"
 #include "material/registry.hpp"
+#include "quad.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,9 +17,6 @@
 #include <gtest/gtest.h>
 
 namespace pliant::testing_states {
-
-/// Four times the digits of the laws' double: differences and textbook formulas in it count as exact.
-__extension__ typedef __float128 Quad;
 
 using Matrix = Tensor3<double>;
 
@@ -126,46 +124,6 @@ L law_of(double youngs_modulus, double poissons_ratio) {
   return L{c.mu, c.lambda};
 }
 
-/// 2 atanh(s) = ln((1 + s) / (1 - s)) by its power series.
-inline Quad twice_atanh(Quad s) {
-  Quad sum = 0;
-  Quad power = 2 * s;
-  for (int n = 1; n < 200; n += 2) {
-    const Quad next = sum + power / n;
-    if (next == sum) break;
-    sum = next;
-    power *= s * s;
-  }
-  return sum;
-}
-
-/// ln x, halved or doubled into (0.7, 1.4) first.
-inline Quad log_reference(Quad x) {
-  static const Quad log_2 = twice_atanh(Quad(1) / 3);
-  int doublings = 0;
-  for (; x > 1.4; x /= 2) ++doublings;
-  for (; x < 0.7; x *= 2) --doublings;
-  return doublings * log_2 + twice_atanh((x - 1) / (x + 1));
-}
-
-/// exp x by its power series, after halvings.
-inline Quad exp_reference(Quad x) {
-  int halvings = 0;
-  for (; x > 0.1 || x < -0.1; x /= 2) ++halvings;
-  Quad sum = 1, power = 1;
-  for (int n = 1; n < 40; ++n) {
-    power *= x / n;
-    if (sum + power == sum) break;
-    sum += power;
-  }
-  for (; halvings > 0; --halvings) sum *= sum;
-  return sum;
-}
-
-inline Quad power_reference(Quad x, Quad exponent) {
-  return exp_reference(exponent * log_reference(x));
-}
-
 // The energies of F as textbooks write them, in Quad. A law of the registry without one does not compile.
 
 template <class S>
@@ -260,6 +218,38 @@ inline Quad textbook_psi(const StableNeoHookean<double>& law, const Tensor3<Quad
     return m / 2 * (I_C - 3) + l / 2 * (J - alpha) * (J - alpha) - m / 2 * log_reference(I_C + 1);
   };
   return psi(dot(F, F), det(F)) - psi(3, 1);
+}
+
+/// Principal stretches of a body that is not inverted.
+inline std::array<Quad, 3> stretches_reference(const Tensor3<Quad>& H) {
+  const Tensor3<Quad> F = add_to_diagonal(H, 1);
+  std::array<Quad, 3> l = eigenvalues_reference(add_to_diagonal(matmul(transpose(F), F), -1));
+  for (Quad& value : l) value = root_reference(1 + value);
+  return l;
+}
+
+inline Quad textbook_psi(const Ogden<double>& law, const Tensor3<Quad>& H) {
+  const Quad J = det(add_to_diagonal(H, 1)), log_J = log_reference(J);
+  Quad psi = textbook_volumetric(law.volumetric, J);
+  for (const Quad l : stretches_reference(H)) {
+    const Quad log_l = log_reference(l) - log_J / 3;
+    for (std::size_t p = 0; p < law.mu.size(); ++p) {
+      const Quad mu = law.mu[p], alpha = law.alpha[p];
+      psi += alpha == 0 ? mu * log_l * log_l : 2 * mu / (alpha * alpha) * (exp_reference(alpha * log_l) - 1);
+    }
+  }
+  return psi;
+}
+template <class S>
+Quad textbook_psi(const Arap<S>& law, const Tensor3<Quad>& H) {
+  Quad sum = 0;
+  for (const Quad l : stretches_reference(H)) sum += (l - 1) * (l - 1);
+  return law.mu * sum;
+}
+template <class S>
+Quad textbook_psi(const FixedCorotated<S>& law, const Tensor3<Quad>& H) {
+  const Quad J = det(add_to_diagonal(H, 1));
+  return textbook_psi(Arap<S>{law.mu}, H) + law.lambda / 2 * (J - 1) * (J - 1);
 }
 
 /// (f(H + h e_p) - f(H - h e_p)) / 2h in Quad, extrapolated once: the error, h^4 and 1e-34 / h, is below 1e-25 of f.

@@ -103,7 +103,10 @@ TEST_P(EveryLaw, UniaxialTensionIsTheLaws) {
       (stress(GetParam().law, l, m)(1, 1) < 0 ? low : high) = m;
     }
     const double m = 0.5 * (low + high), T = static_cast<double>(stress(GetParam().law, l, m)(0, 0));
-    ASSERT_GT(std::abs(m - 1.0), 0.01);
+    const auto rest = GetParam().law.at_rest();
+    if (!rest || rest->lambda > 0.0) {  // without lambda the sides stay
+      ASSERT_GT(std::abs(m - 1.0), 0.01);
+    }
     ProblemSpec of = spec();
     of.supports = testing::rollers();
     of.loads = [T](const Solid& solid) {
