@@ -2,6 +2,7 @@
 
 #include "app/input_schema.hpp"
 #include "petsc/check.hpp"
+#include "solver/constrained_newton.hpp"
 #include "solver/petsc_integrator.hpp"
 
 #include <algorithm>
@@ -37,21 +38,31 @@ auto with_user_options(const Make& make) {
 /// With our own Newton's method.
 class OwnSolver {
  public:
-  OwnSolver(const Config& config, Model& model)
-      : solver_(with_user_options([&] {
-          return std::make_unique<NewtonSolver>(model.potential(), newton_options(config),
-                                                linear_kind(config, model.layout()));
-        })),
-        description_("solver: " + describe(model.potential(), linear_kind(config, model.layout()))) {}
+  OwnSolver(const Config& config, Model& model) {
+    const LinearKind linear = linear_kind(config, model.layout());
+    IncrementalPotential& equation = model.potential();
+    description_ = "solver: " + describe(equation, linear);
+    with_user_options([&] {
+      if (ConstraintMap* map = model.constraints().map()) {
+        tied_ = std::make_unique<ConstrainedNewton>(equation, *map, newton_options(config), linear);
+        description_ += ", in the unknowns that the constraints leave";
+      } else {
+        plain_ = std::make_unique<NewtonSolver>(equation, newton_options(config), linear);
+      }
+    });
+  }
 
   StageSolve stage_solve() {
-    return [solver = solver_.get()](const StagePoint& stage, Vec q) { return solver->solve(stage, q); };
+    if (tied_) return [solver = tied_.get()](const StagePoint& stage, Vec q) { return solver->solve(stage, q); };
+    return [solver = plain_.get()](const StagePoint& stage, Vec q) { return solver->solve(stage, q); };
   }
-  const NewtonSolver& solver() const { return *solver_; }
+  const SolverStatistics& statistics() const { return tied_ ? tied_->statistics() : plain_->statistics(); }
   std::string description() const { return description_; }
 
  private:
-  std::unique_ptr<NewtonSolver> solver_;
+  // One of them.
+  std::unique_ptr<NewtonSolver> plain_;
+  std::unique_ptr<ConstrainedNewton> tied_;
   std::string description_;
 };
 
@@ -72,7 +83,7 @@ class TimeAdvance final : public Advance {
   }
   void restart() override { integrator_.restart(); }
   double error(const StepAttempt& attempt) const override { return norm_ ? (*norm_)(attempt) : 0.0; }
-  const SolverStatistics& solver_statistics() const override { return own_.solver().statistics(); }
+  const SolverStatistics& solver_statistics() const override { return own_.statistics(); }
   std::vector<std::string> description() const override { return {own_.description()}; }
 
  private:
@@ -83,7 +94,7 @@ class TimeAdvance final : public Advance {
   static System system_of(Model& model, Ledger& ledger, OwnSolver& own) {
     System system;
     system.solve = own.stage_solve();
-    system.motion = model.prescribed().motion();
+    system.motion = model.constraints().motion();
     system.internal = model.potential().internal_variables();
     system.quadratures = ledger.quadratures();
     return system;
@@ -100,7 +111,7 @@ class PetscAdvance final : public Advance {
   PetscAdvance(const Config& config, Model& model, const PetscMethod& method, const StateView& initial)
       : name_(method.name), integrator_(with_user_options([&] {
           const PetscIntegratorOptions options{method, newton_options(config), linear_kind(config, model.layout())};
-          return std::make_unique<PetscIntegrator>(options, model.potential(), model.prescribed().motion(), initial);
+          return std::make_unique<PetscIntegrator>(options, model.potential(), model.constraints().motion(), initial);
         })) {}
 
   StepAttempt attempt(const Step& step) override { return integrator_->attempt(step); }
@@ -127,7 +138,7 @@ const PetscMethod* petsc_method_of(const Config& config) {
 class LoadAdvance final : public Advance {
  public:
   LoadAdvance(const Config& config, Model& model, Vec q)
-      : own_(config, model), solve_(own_.stage_solve()), motion_(model.prescribed().motion()), time_(config.time.end) {
+      : own_(config, model), solve_(own_.stage_solve()), motion_(model.constraints().motion()), time_(config.time.end) {
     for (Handle<Vec>* v : {&state_, &q_, &start_, &zero_, &start_velocity_}) *v = make_vector(model.layout());
     check(VecCopy(q, state_.get()));
   }
@@ -147,7 +158,7 @@ class LoadAdvance final : public Advance {
   }
 
   void accept(const StepAttempt& attempt) override { check(VecCopy(attempt.q, state_.get())); }
-  const SolverStatistics& solver_statistics() const override { return own_.solver().statistics(); }
+  const SolverStatistics& solver_statistics() const override { return own_.statistics(); }
   std::vector<std::string> description() const override { return {own_.description()}; }
 
  private:
@@ -165,6 +176,12 @@ std::unique_ptr<Advance> make_advance(const Config& config, Model& model, Ledger
     return std::make_unique<LoadAdvance>(config, model, initial.q);
   }
   if (const PetscMethod* method = petsc_method_of(config)) {
+    if (model.constraints().map() != nullptr) {
+      throw InputError(config.time.method.where,
+                       fmt::format("'{}' cannot be used here: it knows no constraints that tie displacements to one "
+                                   "another; choose a method of Pliant",
+                                   config.time.method.value));
+    }
     if (const auto reason = why_not(model.potential())) {
       throw InputError(config.time.method.where,
                        fmt::format("'{}' cannot be used here: {}", config.time.method.value, *reason));

@@ -110,8 +110,8 @@ ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector
                           : config.solver.linear == "amg"    ? LinearKind::amg
                                                              : automatic_linear_kind(3 * layout.num_global_nodes);
   const Memory memory = predicted_memory(model, kind);
-  const auto prescribed = std::count(model.prescribed().flags().begin(),
-                                     model.prescribed().flags().begin() + 3 * layout.num_owned_nodes, 1);
+  const auto prescribed = std::count(model.constraints().prescribed().flags().begin(),
+                                     model.constraints().prescribed().flags().begin() + 3 * layout.num_owned_nodes, 1);
   const double mine = 3.0 * layout.num_owned_nodes;
   console.print("unknowns");
   console.print(fmt::format("  {} ({} prescribed), P{} elements; {:.0f} to {:.0f} per rank",

@@ -45,16 +45,26 @@ struct MeshConfig {
   int refine = 0;
 };
 
-/// A constant of a law, in SI: a number or a function of x, y, z.
+/// A constant of a law, in SI: a number, a function of x, y, z, or data of the mesh file.
 struct GivenConstant {
   std::string key;
   Expression value;
+  std::string cell_data;  ///< name of the data; empty: `value` counts
+  Location where;
+};
+
+/// A preferred direction, of any length: a function of x, y, z, or data of the mesh file.
+struct GivenDirection {
+  std::string key;  ///< fibre, sheet, fibre2
+  VectorExpression value;
+  std::string cell_data;  ///< name of the data; empty: `value` counts
   Location where;
 };
 
 struct ElasticityConfig {
   std::string model;                     ///< registry name
   std::vector<GivenConstant> constants;  ///< of the law (material/constants.hpp)
+  std::vector<GivenDirection> directions;
   VolumetricForm volumetric_energy = VolumetricForm::mixed;
   Location where;
 };
@@ -69,9 +79,18 @@ struct ViscosityConfig {
   double bulk_modulus = 0;            ///< maxwell [Pa]
   std::optional<double> shear_ratio;  ///< maxwell: moduli as parts of the elastic ones instead
   double bulk_ratio = 0;              ///< maxwell
-  double relaxation_time = 0;         ///< maxwell [s]
+  double ratio = 0;                   ///< prony
+  double relaxation_time = 0;         ///< maxwell, prony [s]
   double time = 0;                    ///< stiffness-proportional [s]
   double decay_rate = 0;              ///< mass-proportional [1/s]
+  Location where;
+};
+
+/// Contraction along fibres; functions of x, y, z, t.
+struct ActiveConfig {
+  std::vector<GivenDirection> fibre;     ///< empty: that of the elastic law
+  std::optional<Expression> stress;      ///< tension per reference area [Pa]
+  std::optional<Expression> shortening;  ///< of the fibres, per length
   Location where;
 };
 
@@ -80,12 +99,45 @@ struct BodyConfig {
   std::optional<double> density;  ///< [kg/m^3]; required for dynamics and gravity
   ElasticityConfig elasticity;
   std::vector<ViscosityConfig> viscosity;
+  std::optional<ActiveConfig> active;
+  Location where;
+};
+
+using OptionalVectorExpression = std::array<std::optional<Expression>, 3>;  ///< an empty component is free
+
+struct RotationConfig {
+  enum class Kind { free, fixed, about_axis };
+  Kind kind = Kind::free;
+  std::array<double, 3> axis{};     ///< about_axis; of any length
+  std::optional<Expression> angle;  ///< about_axis [rad]; empty: free
+  Location where;
+};
+
+struct RigidConfig {
+  OptionalVectorExpression translation;  ///< of the centre [m]
+  RotationConfig rotation;
+  std::optional<std::array<double, 3>> center;  ///< [m]; empty: the mean of the nodes
+};
+
+/// coefficient times a component of the mean displacement of some nodes
+struct EquationTermConfig {
+  Selection part;
+  int component = 0;
+  double coefficient = 1;
   Location where;
 };
 
 struct ConstraintConfig {
-  Selection part;
-  std::array<std::optional<Expression>, 3> displacement;  ///< [m]; empty component = free
+  enum class Kind { displacement, symmetry, normal, along, periodic, rigid, equation };
+  Kind kind = Kind::displacement;
+  Selection part;                         ///< not of an equation
+  OptionalVectorExpression displacement;  ///< displacement [m]
+  Expression value;                       ///< normal, along, equation [m]
+  std::array<double, 3> direction{};      ///< along; of any length
+  Selection partner;                      ///< periodic: the surface that `part` repeats
+  OptionalVectorExpression difference;    ///< periodic [m]
+  RigidConfig rigid;
+  std::vector<EquationTermConfig> equation;
   Location where;
 };
 

@@ -1,9 +1,15 @@
 #include "app/constraints.hpp"
 
+#include "energy/rigid_fit.hpp"
+#include "energy/surface_ties.hpp"
+#include "fem/plane.hpp"
+#include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
+#include "petsc/session.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -11,46 +17,322 @@
 namespace pliant {
 namespace {
 
+using Kind = ConstraintConfig::Kind;
+
+/// An equation couples all its entries with one another in the Hessian.
+constexpr std::size_t most_entries_of_equation = 1000;
+
 /// The support's name in the history: the surface's, else by its place in the list of constraints.
 std::string support_name(const ConstraintConfig& constraint, std::size_t index) {
   return constraint.part.kind == Selection::Kind::surface ? constraint.part.name
                                                           : fmt::format("constraint{}", index + 1);
 }
 
+/// In a message.
+std::string title(const Config& config, std::size_t index) {
+  const ConstraintConfig& constraint = config.constraints[index];
+  return constraint.kind == Kind::equation ? fmt::format("the equation constraints[{}]", index)
+                                           : describe(constraint.part);
+}
+
+Expression times(double factor, const Expression& e) {
+  if (e.depends_on_space() || e.depends_on_time()) return Expression(e.text(), factor);
+  return Expression(factor * e(0.0, 0.0, 0.0, 0.0));
+}
+
+Vector3<double> unit(const Vector3<double>& a) {
+  return (1.0 / std::sqrt(dot(a, a))) * a;
+}
+
+/// The axis that the direction lies along; nothing if it lies along none.
+std::optional<int> axis_of(const Vector3<double>& direction) {
+  for (int i = 0; i < 3; ++i) {
+    if (std::abs(direction[static_cast<std::size_t>(i)]) == std::sqrt(dot(direction, direction))) return i;
+  }
+  return std::nullopt;
+}
+
+std::string counted_nodes(std::size_t number) {
+  return fmt::format("{} node{}", number, number == 1 ? "" : "s");
+}
+
+/// Times at which given displacements are compared: the start, the end, and two that no round period fits.
+std::vector<double> times_to_compare(const Config& config) {
+  const double end = config.time.end;
+  return {0.0, 0.3819660113 * end, 0.7320508076 * end, end};
+}
+
 }  // namespace
 
-Constraints::Constraints(const Config& config, const NodeLayout& layout, Selections& selections) {
-  std::vector<PrescribedPart> parts;
-  for (const auto& constraint : config.constraints) {
-    parts.push_back({selections.nodes(constraint.part), constraint.displacement});
+Constraints::Constraints(const Config& config, const NodeLayout& layout, Selections& selections) : layout_(layout) {
+  for (const auto& constraint : config.constraints) parts_.push_back(make_part(constraint, selections));
+  std::vector<PrescribedPart> prescriptions;
+  for (const Part& part : parts_) {
+    prescriptions.push_back({part.is_prescribed ? part.nodes : std::vector<PetscInt>(), part.displacement});
   }
-  prescribed_ = std::make_unique<PrescribedDisplacement>(layout, parts, HUGE_VAL);
+  prescribed_ = std::make_unique<PrescribedDisplacement>(layout, std::move(prescriptions), HUGE_VAL);
   on_every_rank(layout.comm, [&] {
-    for (const auto& [i, j] : prescribed_->conflicts(layout, {0.0, config.time.end})) {
+    for (const auto& [i, j] : prescribed_->conflicts(layout, times_to_compare(config))) {
       selections.report(
           config.constraints[j].where,
           fmt::format("{} and {} share nodes but prescribe different displacements there; make one of them `free` or "
                       "let them agree",
-                      describe(config.constraints[i].part), describe(config.constraints[j].part)));
+                      title(config, i), title(config, j)));
     }
     selections.throw_mistakes();
   });
-  add_supports(config, parts);
+  auto all_ties = ties(config, selections);
+  selections.throw_mistakes();
+  all_ties = gathered(layout.comm, all_ties);
+  if (!all_ties.empty()) eliminate_ties(config, std::move(all_ties), selections);
+  add_supports(config);
 }
 
-// Entries go under the name of the first constraint that claims them.
-void Constraints::add_supports(const Config& config, const std::vector<PrescribedPart>& parts) {
+Constraints::Part Constraints::make_part(const ConstraintConfig& constraint, Selections& selections) {
+  switch (constraint.kind) {
+    case Kind::displacement:
+      return {selections.nodes(constraint.part), {constraint.displacement}, true};
+    case Kind::symmetry:
+    case Kind::normal:
+      return plane(constraint, selections);
+    case Kind::along: {
+      const Vector3<double> direction = unit(constraint.direction);
+      Part part{selections.nodes(constraint.part), {}, false, direction};
+      part.displacement.components[0] = constraint.value;
+      return part;
+    }
+    case Kind::periodic:
+      return {selections.nodes(constraint.part), {constraint.difference}};
+    case Kind::rigid:
+      return rigid(constraint, selections);
+    case Kind::equation: {
+      Part part;
+      part.displacement.components[0] = constraint.value;
+      const EquationTermConfig& first = constraint.equation.front();
+      part.direction[static_cast<std::size_t>(first.component)] = first.coefficient;
+      return part;
+    }
+  }
+  return {};
+}
+
+// Along an axis it is a prescribed component, at no cost.
+Constraints::Part Constraints::plane(const ConstraintConfig& constraint, Selections& selections) {
+  Part part;
+  part.nodes = selections.nodes(constraint.part);
+  const bool is_of_surface = constraint.part.kind == Selection::Kind::surface ||
+                             constraint.part.kind == Selection::Kind::box ||
+                             constraint.part.kind == Selection::Kind::where;
+  if (!is_of_surface) {
+    selections.report(constraint.part.where, fmt::format("{} has no normal; choose a plane surface by `surface`, "
+                                                         "`box` or `where`",
+                                                         describe(constraint.part)));
+    return part;
+  }
+  const FacetList facets = selections.facets(constraint.part);
+  if (sum(layout_.comm, static_cast<PetscInt64>(facets.size())) == 0) return part;  // told already
+  if (any(layout_.comm, std::ranges::find(facets.is_outer, 0) != facets.is_outer.end())) {
+    selections.report(constraint.part.where, fmt::format("{} lies inside the mesh, where a normal has no outside; name "
+                                                         "a part of the outer surface",
+                                                         describe(constraint.part)));
+    return part;
+  }
+  const auto normal = common_normal(layout_, facets);
+  if (!normal) {
+    selections.report(constraint.part.where, fmt::format("{} is not plane, so its nodes have no normal in common; give "
+                                                         "each plane part a constraint of its own",
+                                                         describe(constraint.part)));
+    return part;
+  }
+  const Expression value = constraint.kind == Kind::normal ? constraint.value : Expression();
+  if (const auto axis = axis_of(*normal)) {
+    const auto i = static_cast<std::size_t>(*axis);
+    part.displacement.components[i] = times((*normal)[i] < 0.0 ? -1.0 : 1.0, value);
+    part.is_prescribed = true;
+  } else {
+    part.displacement.components[0] = value;
+    part.direction = *normal;
+  }
+  return part;
+}
+
+Constraints::Part Constraints::rigid(const ConstraintConfig& constraint, Selections& selections) {
+  const RigidConfig& config = constraint.rigid;
+  Part part{selections.nodes(constraint.part), {}, true};
+  RigidMotion motion;
+  motion.translation = config.translation;
+  if (config.rotation.kind == RotationConfig::Kind::about_axis) {
+    motion.axis = unit(config.rotation.axis);
+    motion.angle = *config.rotation.angle;
+  }
+  if (config.center) {
+    motion.centre = *config.center;
+  } else {
+    Vector3<double> total{};
+    for (const PetscInt n : part.nodes) total = total + layout_.position(n);
+    const auto number = sum(layout_.comm, static_cast<PetscInt64>(part.nodes.size()));
+    for (std::size_t i = 0; i < 3; ++i) {
+      motion.centre[i] = sum(layout_.comm, total[i]) / static_cast<double>(std::max<PetscInt64>(number, 1));
+    }
+  }
+  part.displacement.rigid = motion;
+  return part;
+}
+
+// What all ranks know alike is counted once, on the first.
+std::vector<LinearConstraint> Constraints::ties(const Config& config, Selections& selections) const {
+  std::vector<LinearConstraint> result;
+  const auto add = [&](std::vector<LinearConstraint> more) { std::ranges::move(more, std::back_inserter(result)); };
+  const bool is_first = rank(layout_.comm) == 0;
+  for (std::size_t c = 0; c < parts_.size(); ++c) {
+    const ConstraintConfig& constraint = config.constraints[c];
+    const Part& part = parts_[c];
+    if (constraint.kind == Kind::rigid) {
+      add(translated_together(layout_, part.nodes, part.displacement, c));
+    } else if (constraint.kind == Kind::periodic) {
+      auto more = periodic_ties(constraint, c, selections);
+      if (is_first) add(std::move(more));
+    } else if (constraint.kind == Kind::equation) {
+      auto more = equation_ties(constraint, c, selections);
+      if (is_first) add(std::move(more));
+    } else if (!part.is_prescribed) {
+      add(along(layout_, part.nodes, part.direction, c));
+    }
+  }
+  return result;
+}
+
+std::vector<LinearConstraint> Constraints::periodic_ties(const ConstraintConfig& constraint, std::size_t c,
+                                                         Selections& selections) const {
+  const auto partners = selections.nodes(constraint.partner);
+  const PeriodicPairs pairs = match(layout_, partners, parts_[c].nodes);
+  const std::size_t num_lonely = pairs.num_lonely_a + pairs.num_lonely_b;
+  if (num_lonely > 0) {
+    const auto& [x, y, z] = pairs.lonely;
+    const auto& [dx, dy, dz] = pairs.translation;
+    selections.report(
+        constraint.partner.where,
+        fmt::format("{} of {} and {} of {} have no partner when one is shifted by ({:g}, {:g}, {:g}) onto "
+                    "the other, the first at ({:g}, {:g}, {:g}); their meshes must be copies of each "
+                    "other (gmsh: `Periodic Surface`)",
+                    counted_nodes(pairs.num_lonely_b), describe(constraint.part), counted_nodes(pairs.num_lonely_a),
+                    describe(constraint.partner), dx, dy, dz, x, y, z));
+  }
+  return periodic(pairs, parts_[c].displacement, c);
+}
+
+std::vector<LinearConstraint> Constraints::equation_ties(const ConstraintConfig& constraint, std::size_t c,
+                                                         Selections& selections) const {
+  std::vector<MeanTerm> terms;
+  for (const EquationTermConfig& term : constraint.equation) {
+    terms.push_back({selections.nodes(term.part), term.component, term.coefficient});
+  }
+  LinearConstraint result = equation(layout_, terms, c);
+  if (result.entries.size() > most_entries_of_equation) {
+    selections.report(constraint.where, fmt::format("the equation has {} entries, which it couples all with one "
+                                                    "another; choose at most {} nodes",
+                                                    result.entries.size(), most_entries_of_equation));
+  }
+  return {std::move(result)};
+}
+
+void Constraints::eliminate_ties(const Config& config, std::vector<LinearConstraint> ties, Selections& selections) {
+  std::set<PetscInt> named;
+  for (const auto& tie : ties) {
+    for (const auto& e : tie.entries) named.insert(e.entry);
+  }
+  auto all = gathered(layout_.comm, prescribed_->constraints(layout_, named));
+  const std::size_t num_prescribed = all.size();
+  std::ranges::stable_sort(ties, {}, &LinearConstraint::source);
+  std::ranges::move(ties, std::back_inserter(all));
+  std::vector<GivenDisplacement> given;
+  for (const Part& part : parts_) given.push_back(part.displacement);
+  Elimination result = eliminate(all, given, times_to_compare(config));
+  for (const auto& [i, j] : result.conflicts) {
+    selections.report(config.constraints[j].where,
+                      fmt::format("{} and {} contradict each other where they meet; make a component `free`, or let "
+                                  "them agree at all times",
+                                  title(config, i), title(config, j)));
+  }
+  selections.throw_mistakes();
+  // The first are the prescribed entries themselves.
+  result.slaves.erase(result.slaves.begin(), result.slaves.begin() + static_cast<std::ptrdiff_t>(num_prescribed));
+  map_ = std::make_unique<ConstraintMap>(layout_, result.slaves, std::move(given));
+}
+
+// Entries go under the name of the first constraint that claims them; those of a rigid part all.
+void Constraints::add_supports(const Config& config) {
   std::vector<char> claimed(prescribed_->flags().size(), 0);
-  for (std::size_t c = 0; c < config.constraints.size(); ++c) {
+  for (std::size_t c = 0; c < parts_.size(); ++c) {
+    const Part& part = parts_[c];
+    const bool is_rigid = part.displacement.rigid.has_value();
     const std::string name = support_name(config.constraints[c], c);
-    auto support = std::find_if(supports_.begin(), supports_.end(), [&](const auto& s) { return s.name == name; });
-    if (support == supports_.end()) support = supports_.insert(supports_.end(), {name, {}});
+    auto support = std::ranges::find(supports_, name, &Support::name);
+    if (support == supports_.end()) support = supports_.insert(supports_.end(), {name, {}, {}});
+    support_of_part_.push_back(static_cast<std::size_t>(support - supports_.begin()));
+    if (is_rigid && !support->rigid_part) support->rigid_part = c;
     for (int i = 0; i < 3; ++i) {
-      if (!config.constraints[c].displacement[i]) continue;
-      for (const PetscInt node : parts[c].nodes) {
+      if (!is_rigid && !(part.is_prescribed && part.displacement.gives(i))) continue;
+      for (const PetscInt node : part.nodes) {
         if (std::exchange(claimed[3 * node + i], 1)) continue;
         support->dofs.push_back(3 * node + i);
       }
+    }
+  }
+}
+
+PrescribedMotion Constraints::motion() const {
+  return map_ ? map_->motion(prescribed_->motion()) : prescribed_->motion();
+}
+
+std::vector<char> Constraints::held() const {
+  std::vector<char> result(prescribed_->flags().begin(), prescribed_->flags().begin() + 3 * layout_.num_owned_nodes);
+  for (std::size_t i = 0; map_ && i < result.size(); ++i) result[i] = result[i] != 0 || map_->is_tied()[i] != 0;
+  return result;
+}
+
+std::vector<Reaction> Constraints::reactions(Vec r, Vec q) const {
+  std::vector<Vector3<double>> centres(supports_.size());
+  for (std::size_t s = 0; s < supports_.size(); ++s) {
+    if (!supports_[s].rigid_part) continue;
+    const Part& part = parts_[*supports_[s].rigid_part];
+    const Vector3<double>& centre = part.displacement.rigid->centre;
+    centres[s] = centre + nearest_placement(layout_, part.nodes, centre, q).translation;
+  }
+  std::vector<double> sums(6 * supports_.size(), 0.0);
+  {
+    const ConstArrayView reaction(r), u(q);
+    for (std::size_t s = 0; s < supports_.size(); ++s) {
+      for (const PetscInt dof : supports_[s].dofs) {
+        const int i = dof % 3, j = (i + 1) % 3, k = (i + 2) % 3;
+        const PetscInt node = dof / 3;
+        const auto X = layout_.position(node);
+        const auto arm = [&](int m) { return X[m] + u[3 * node + m] - centres[s][m]; };
+        sums[6 * s + i] += reaction[dof];
+        sums[6 * s + 3 + j] += arm(k) * reaction[dof];
+        sums[6 * s + 3 + k] -= arm(j) * reaction[dof];
+      }
+    }
+  }
+  if (map_) add_multipliers(r, sums);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, layout_.comm));
+  std::vector<Reaction> result(supports_.size());
+  for (std::size_t s = 0; s < supports_.size(); ++s) {
+    std::copy_n(sums.begin() + 6 * static_cast<std::ptrdiff_t>(s), 3, result[s].force.begin());
+    std::copy_n(sums.begin() + 6 * static_cast<std::ptrdiff_t>(s) + 3, 3, result[s].torque.begin());
+  }
+  return result;
+}
+
+// The nodes of a rigid part are counted one by one.
+void Constraints::add_multipliers(Vec r, std::vector<double>& sums) const {
+  const auto multipliers = map_->multipliers(r);
+  for (std::size_t c = 0; c < parts_.size(); ++c) {
+    const Part& part = parts_[c];
+    if (part.displacement.rigid) continue;
+    const bool has_direction = dot(part.direction, part.direction) > 0.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      sums[6 * support_of_part_[c] + i] += has_direction ? multipliers[c][0] * part.direction[i] : multipliers[c][i];
     }
   }
 }

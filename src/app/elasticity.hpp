@@ -2,6 +2,7 @@
 #pragma once
 
 #include "app/config.hpp"
+#include "app/directions.hpp"
 #include "material/constants.hpp"
 
 #include <array>
@@ -9,22 +10,31 @@
 
 namespace pliant {
 
-/// A body's law as a function of the reference position.
+/// A body's law as a function of the place.
 class ElasticityRule {
  public:
-  /// Throws InputError if the constants do not determine the law.
+  /// Throws InputError if the constants and directions do not determine the law.
   explicit ElasticityRule(const ElasticityConfig& config);
 
+  /// Finds its data on the mesh, which outlive the object. Throws InputError with all mistakes.
+  void bind(const CellData& data);
   bool is_uniform() const { return is_uniform_; }
-  /// Throws InputError if the constants are not admissible there.
-  ElasticLawSpec law_at(const std::array<double, 3>& X) const;
+  /// At the reference position X in a local cell; a uniform law is the same everywhere. Throws InputError if the
+  /// constants or directions are not admissible there.
+  ElasticLawSpec law_at(PetscInt cell, const std::array<double, 3>& X) const;
   /// Its kind, for what does not depend on the constants.
   const ElasticLawSpec& kind() const { return kind_; }
 
  private:
+  std::vector<double> constants_at(PetscInt cell, const std::array<double, 3>& X) const;
+  void set_directions(PetscInt cell, const std::array<double, 3>& X, ElasticLawSpec& law) const;
+
   const ElasticityConfig& config_;
   ElasticLawSpec kind_;
   ConstantsRule rule_;
+  std::vector<DirectionRule> directions_;  // in the order of the law's
+  const CellData* data_ = nullptr;
+  std::vector<std::size_t> data_of_constant_;  // where the constant is data of the mesh
   bool is_uniform_;
 };
 

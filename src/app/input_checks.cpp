@@ -137,6 +137,10 @@ void check_bodies(const Config& config, const InputNode& root, Problems& problem
                                              " fill the same volume; give each a 'volume' of its own");
       break;
     }
+    const auto& active = bodies[i].active;
+    if (active && active->fibre.empty() && bodies[i].elasticity.directions.empty()) {
+      problems.add(active->where, "missing key 'fibre' in active: the elastic law has no fibres of its own");
+    }
     if (given(entry(root, "bodies", i), {"density"}) != nullptr) continue;
     const std::string& method = config.time.method.value;
     const std::string missing = "missing key 'density' in " + numbered("bodies", i);

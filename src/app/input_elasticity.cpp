@@ -1,6 +1,7 @@
 #include "app/input_elasticity.hpp"
 
 #include "app/elasticity.hpp"
+#include "app/input_cell_data.hpp"
 #include "app/input_laws.hpp"
 #include "base/units.hpp"
 #include "material/constants.hpp"
@@ -20,22 +21,23 @@ bool is_constant(const Expression& e) {
 /// A constant that any law may have: its bounds are checked where it is one number.
 Field<ElasticityConfig> constant_field(const ParameterInfo& p, const std::string& description) {
   using E = ElasticityConfig;
-  const auto format = expression(std::string(p.unit), Variables::space);
+  const auto format = or_cell_data(expression(std::string(p.unit), Variables::space));
   Field<E> result{{std::string(p.name), format.type, description}};
   result.info.schema = format.schema;
   result.read = [p, read = format.read, bounded = format_of(p).read](const InputNode& node, Problems& problems,
                                                                      E& into) {
-    GivenConstant constant{std::string(p.name), {}, node.where};
-    if (!read(node, constant.key, problems, constant.value)) return;
+    ValueOrCellData<Expression> given;
+    if (!read(node, std::string(p.name), problems, given)) return;
+    GivenConstant constant{std::string(p.name), std::move(given.value), std::move(given.cell_data), node.where};
     double number = 0.0;
-    const bool good = is_constant(constant.value) && looks_like_quantity(node.text)
+    const bool good = constant.cell_data.empty() && is_constant(constant.value) && looks_like_quantity(node.text)
                           ? bounded(node, constant.key, problems, number)
                           : true;
     if (good) into.constants.push_back(std::move(constant));
   };
   result.write = [p, write = format.write](const E& from) {
     const auto found = std::ranges::find(from.constants, p.name, &GivenConstant::key);
-    return found == from.constants.end() ? InputNode{} : write(found->value);
+    return found == from.constants.end() ? InputNode{} : write({found->value, found->cell_data});
   };
   return result;
 }
@@ -76,6 +78,11 @@ Section<ElasticityConfig> elasticity_keys() {
   section.fields.push_back(
       field("model", &E::model, choice(law_names(elastic_laws())), "elastic law (`pliant materials`)").required());
   for (auto& f : constant_fields()) section.fields.push_back(std::move(f));
+  section.fields.push_back(direction_field("fibre", &E::directions, "of laws with fibres: their direction"));
+  section.fields.push_back(direction_field("sheet", &E::directions,
+                                           "holzapfel-ogden: direction of the sheets, made to lie across the fibres"));
+  section.fields.push_back(
+      direction_field("fibre2", &E::directions, "holzapfel-gasser-ogden: direction of the second family of fibres"));
   std::vector<std::pair<std::string, VolumetricForm>> forms;
   std::vector<Anchor> laws_with_form;
   for (std::size_t n = 0; n < volumetric_form_names.size(); ++n) {
@@ -101,7 +108,7 @@ Section<ElasticityConfig> elasticity_keys() {
 void check_law(const ElasticityConfig& e, Problems& problems) {
   try {
     const ElasticityRule rule(e);
-    if (rule.is_uniform()) static_cast<void>(rule.law_at({0, 0, 0}));
+    if (rule.is_uniform()) static_cast<void>(rule.law_at(0, {}));
   } catch (const InputError& error) {
     for (const auto& d : error.diagnostics()) problems.add(d.where, d.message);
   }

@@ -1,5 +1,6 @@
 #include "app/input_schema.hpp"
 
+#include "app/input_active.hpp"
 #include "app/input_constraints.hpp"
 #include "app/input_elasticity.hpp"
 #include "app/input_laws.hpp"
@@ -46,6 +47,8 @@ Section<BodyConfig> body_keys() {
               field("elasticity", &BodyConfig::elasticity, elasticity_format(), "elastic law").required(),
               field("viscosity", &BodyConfig::viscosity, viscosity_format(),
                     "law of viscosity beside the elastic one; several act side by side")
+                  .otherwise_in_words("none"),
+              field("active", &BodyConfig::active, map_of(active_keys()), "contraction along fibres, as of muscle")
                   .otherwise_in_words("none"),
           },
           {},
@@ -118,7 +121,8 @@ Section<Config> config_keys() {
             choice_of<MassKind>({{"consistent", MassKind::consistent}, {"lumped", MassKind::lumped}}), "mass matrix")
           .otherwise("consistent"),
       field("bodies", &Config::bodies, list_of(map_of(body_keys()), 1), "the bodies and their materials").required(),
-      field("constraints", &Config::constraints, list_of(map_of(constraint_keys()), 0), "prescribed displacements"),
+      field("constraints", &Config::constraints, list_of(map_of(constraint_keys()), 0),
+            "what holds the bodies and ties their parts to one another"),
       field("loads", &Config::loads, list_of(map_of(load_keys()), 0), "gravity and surface loads"),
       field("initial", &Config::initial, map_of(initial_keys()), "the state at time 0"),
       field("time", &Config::time, map_of(time_keys()), "how time advances").required(),

@@ -17,10 +17,11 @@ Section<ViscosityConfig> mechanism_keys() {
   using V = ViscosityConfig;
   const auto laws = viscosity_laws();
   const auto model = [](std::string_view name) { return Anchor{"model", std::string(name)}; };
-  const Anchor kelvin_voigt = model(KelvinVoigt::name), maxwell = model(Maxwell::name),
+  const Anchor kelvin_voigt = model(KelvinVoigt::name), maxwell = model(Maxwell::name), prony = model(Prony::name),
                stiffness = model(StiffnessProportional::name), mass = model(MassProportional::name);
   const auto is_not = [](const Anchor& of) { return [of](const V& v) { return v.model != of.value; }; };
   const auto has_no_rate = [=](const V& v) { return v.model != kelvin_voigt.value && v.model != stiffness.value; };
+  const auto has_no_branch = [=](const V& v) { return v.model != maxwell.value && v.model != prony.value; };
   const auto has_no_moduli = [=](const V& v) { return v.model != maxwell.value || v.shear_ratio; };
   return {
       {
@@ -42,14 +43,16 @@ Section<ViscosityConfig> mechanism_keys() {
                 "`bulk_modulus` as a part of the elastic law's bulk modulus at rest")
               .otherwise("0")
               .left_out_if([](const V& v) { return !v.shear_ratio; }),
-          law_field(laws, &V::relaxation_time, "relaxation_time").left_out_if(is_not(maxwell)),
+          law_field(laws, &V::ratio, "ratio").left_out_if(is_not(prony)),
+          law_field(laws, &V::relaxation_time, "relaxation_time").left_out_if(has_no_branch),
       },
       {{{"shear"}, Need::all, {kelvin_voigt}},
        {{"bulk"}, Need::any, {kelvin_voigt}},
        {{"time"}, Need::all, {stiffness}},
        {{"rate"}, Need::any, {kelvin_voigt, stiffness}},
        {{"decay_rate"}, Need::all, {mass}},
-       {{"relaxation_time"}, Need::all, {maxwell}},
+       {{"relaxation_time"}, Need::all, {maxwell, prony}},
+       {{"ratio"}, Need::all, {prony}},
        {{"shear_modulus", "shear_ratio"}, Need::exactly_one, {maxwell}},
        {{"bulk_modulus"}, Need::any, {{"shear_modulus"}}},
        {{"bulk_ratio"}, Need::any, {{"shear_ratio"}}}},

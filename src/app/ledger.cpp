@@ -16,7 +16,10 @@ void sum_over_ranks(MPI_Comm comm, double* values, int count) {
 }  // namespace
 
 Ledger::Ledger(Model& model, Analysis analysis, const StateView& initial)
-    : model_(model), analysis_(analysis), reactions_(model.supports().size(), std::array<double, 3>{}) {
+    : model_(model),
+      analysis_(analysis),
+      held_(model.constraints().held()),
+      reactions_(model.constraints().supports().size()) {
   for (const EnergyTerm* term : model.potential().terms()) {
     const auto known = std::ranges::find(mechanisms_, term->name());
     mechanism_of_term_.push_back(static_cast<std::size_t>(known - mechanisms_.begin()));
@@ -45,14 +48,15 @@ Ledger::Works Ledger::powers(const StagePoint& stage, Vec q, Vec v) {
   const auto of_term = potential_of_stage.powers(q, v, reaction_.get());
   Works power = no_works();
   for (std::size_t k = 0; k < of_term.size(); ++k) {
-    const auto& [exerted, dissipated] = of_term[k];
+    const auto& [exerted, dissipated, supplied] = of_term[k];
     if (potential_of_stage.terms()[k]->declaration().dissipates) power[num_works + mechanism_of_term_[k]] += dissipated;
     switch (account_of(*potential_of_stage.terms()[k])) {
       case Account::kinetic:
         power[kinetic] -= exerted;
         break;
       case Account::stored:
-        power[stored] -= exerted + dissipated;
+        power[stored] += supplied - exerted - dissipated;
+        power[loads] += supplied;
         break;
       case Account::load_potential:
         power[potential] -= exerted;
@@ -88,7 +92,7 @@ void Ledger::book(const StepAttempt& attempt) {
   } else {
     std::copy(attempt.w.begin(), attempt.w.end(), works_.begin());
   }
-  sum_reactions();
+  if (!reactions_.empty()) reactions_ = model_.constraints().reactions(reaction_.get(), attempt.last_q);
   measure(attempt.view());
   time_ = attempt.time;
   check(VecCopy(attempt.q, q_.get()));
@@ -129,6 +133,11 @@ void Ledger::add_works_along_way(const StepAttempt& attempt) {
   keep_forces(attempt.last_stage, attempt.last_q);
   const Works after = works_along(way_.get());
   for (std::size_t w = 0; w < num_works; ++w) works_[w] += 0.5 * (before[w] + after[w]);
+  const Instant start = model_.instant(time_), end = model_.instant(attempt.time);
+  const double supplied =
+      0.5 * (model_.potential().supplied(start, end, q_.get()) + model_.potential().supplied(start, end, attempt.q));
+  works_[stored] += supplied;
+  works_[loads] += supplied;
   for (std::size_t m = num_works; m < works_.size(); ++m) {
     const double dissipated = 0.5 * (attempt.time - time_) * (last_powers_[m] + power[m]);
     works_[stored] -= dissipated;
@@ -165,32 +174,18 @@ double Ledger::work_of_supports(Vec way) const {
   double work = 0.0;
   {
     const ConstArrayView reaction(reaction_.get()), moved(way);
-    const auto& prescribed = model_.prescribed().flags();
-    for (PetscInt i = 0; i < 3 * model_.layout().num_owned_nodes; ++i) {
-      if (prescribed[i]) work += reaction[i] * moved[i];
+    for (std::size_t i = 0; i < held_.size(); ++i) {
+      if (held_[i]) work += reaction.span()[i] * moved.span()[i];
     }
   }
   sum_over_ranks(model_.layout().comm, &work, 1);
   return work;
 }
 
-void Ledger::sum_reactions() {
-  if (reactions_.empty()) return;
-  std::vector<double> forces(3 * reactions_.size(), 0.0);
-  {
-    const ConstArrayView reaction(reaction_.get());
-    for (std::size_t s = 0; s < reactions_.size(); ++s) {
-      for (const PetscInt dof : model_.supports()[s].dofs) forces[3 * s + dof % 3] += reaction[dof];
-    }
-  }
-  sum_over_ranks(model_.layout().comm, forces.data(), static_cast<int>(forces.size()));
-  for (std::size_t s = 0; s < reactions_.size(); ++s) std::copy_n(forces.begin() + 3 * s, 3, reactions_[s].begin());
-}
-
 void Ledger::measure(const StateView& state) {
   const IncrementalPotential& sum = model_.potential();
   energies_.elastic = energies_.load_potential = 0.0;
-  const auto energies = model_.potential().energies(state.q, state.z);
+  const auto energies = model_.potential().energies(model_.instant(state.time), state.q, state.z);
   for (std::size_t k = 0; k < energies.size(); ++k) {
     const Account account = account_of(*sum.terms()[k]);
     if (account == Account::stored) energies_.elastic += energies[k];

@@ -19,8 +19,8 @@
 namespace pliant {
 
 /// Totals over all ranks. Loads that do not depend on time count with their potential, the others with the work they
-/// did; so do all loads of a static analysis, which grow from step to step. Kinetic energy and momenta are those of
-/// inertia: without it (static, quasistatic) they are zero.
+/// did; so do all loads of a static analysis, which grow from step to step, and the shortening of active fibres.
+/// Kinetic energy and momenta are those of inertia: without it (static, quasistatic) they are zero.
 struct Energies {
   double kinetic = 0.0;                ///< [J]
   double elastic = 0.0;                ///< stored in the material, branches of viscous bodies included [J]
@@ -55,9 +55,8 @@ class Ledger {
   void book(const StepAttempt& attempt);
 
   const Energies& energies() const { return energies_; }
-  /// Force that holds each support of the model, on the bodies, at the end of the last stage [N]; zero before the first
-  /// step.
-  const std::vector<std::array<double, 3>>& reactions() const { return reactions_; }
+  /// Of each support of the model, at the end of the last stage; zero before the first step.
+  const std::vector<Reaction>& reactions() const { return reactions_; }
 
  private:
   /// The works; what each mechanism dissipated follows them.
@@ -73,7 +72,6 @@ class Ledger {
   void keep_forces(const StagePoint& stage, Vec q);
   Works works_along(Vec way) const;
   double work_of_supports(Vec way) const;
-  void sum_reactions();
   void measure(const StateView& state);
 
   Model& model_;
@@ -85,8 +83,9 @@ class Ledger {
   Works works_;        // since the start
   Works last_powers_;  // at the last step, for trapezoids
   bool powers_are_known_ = false;
-  double time_ = 0.0;  // of the last step, or its load factor
-  std::vector<std::array<double, 3>> reactions_;
+  double time_ = 0.0;       // of the last step, or its load factor
+  std::vector<char> held_;  // owned entries on which constraints do work
+  std::vector<Reaction> reactions_;
   Handle<Vec> q_;  // of the last step
   Handle<Vec> at_, way_, reaction_;
   std::array<Handle<Vec>, 4> forces_;  // without inertia: those of each account at the last step

@@ -1,5 +1,6 @@
 #include "app/model.hpp"
 
+#include "app/active.hpp"
 #include "app/elasticity.hpp"
 #include "app/input_schema.hpp"
 #include "app/loads.hpp"
@@ -72,11 +73,13 @@ void Model::build_cells(const Config& config) {
     }
   });
   wave_speeds_ = {0.0, HUGE_VAL};
+  const CellData cell_data(mesh_, layout_);
   on_every_rank(layout_.comm, [&] {
     for (std::size_t b = 0; b < rules.size(); ++b) {
       const int body = static_cast<int>(b);
-      const auto law_at = [&](PetscInt, const std::array<double, 3>& X) {
-        const ElasticLawSpec law = rules[b].law_at(X);
+      rules[b].bind(cell_data);
+      const auto law_at = [&](PetscInt cell, const std::array<double, 3>& X) {
+        const ElasticLawSpec law = rules[b].law_at(cell, X);
         include_waves(law, densities_[b]);
         return law;
       };
@@ -87,7 +90,12 @@ void Model::build_cells(const Config& config) {
         law = make_varying_law<Order>(rules[b].kind(), layout_, groups, body, law_at);
       }
       laws_.push_back(law);
-      elastic_.push_back(make_elastic_term<Order>(std::move(law), groups, body, layout_.num_owned_nodes));
+      const ActiveParts active = make_active_parts<Order>(config.bodies[b], {cell_data, layout_, groups, body});
+      elastic_.push_back(
+          make_elastic_term<Order>(std::move(law), groups, body, layout_.num_owned_nodes, active.shortening));
+      if (active.tension) {
+        active_.push_back(make_active_stress_term<Order>(active.tension, groups, body, layout_.num_owned_nodes));
+      }
     }
   });
   wave_speeds_ = {maximum(layout_.comm, wave_speeds_.fastest), minimum(layout_.comm, wave_speeds_.slowest)};
@@ -135,13 +143,16 @@ void Model::build_terms(const Config& config) {
 
 void Model::prepare(const Config& config) {
   const Analysis analysis = analysis_of(config);
+  static_time_ = analysis == Analysis::static_equilibrium ? std::optional(config.time.end) : std::nullopt;
   viscous_ = make_viscous_terms(config, {layout_, *pattern_, cells_, laws_});
   std::vector<const EnergyTerm*> terms;
   for (const auto& term : elastic_) terms.push_back(term.get());
+  for (const auto& term : active_) terms.push_back(term.get());
   for (const auto& term : viscous_) terms.push_back(term.get());
   for (const auto& term : loads_) terms.push_back(term.get());
   if (analysis == Analysis::dynamic && inertia_) terms.push_back(inertia_.get());
-  potential_ = std::make_unique<IncrementalPotential>(layout_, *pattern_, std::move(terms), prescribed().flags());
+  potential_ =
+      std::make_unique<IncrementalPotential>(layout_, *pattern_, std::move(terms), constraints_->prescribed().flags());
 }
 
 void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
@@ -155,11 +166,11 @@ void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
       }
     }
   }
-  prescribed().motion().complete_step({0.0, config.time.step}, q, v);
+  constraints_->motion().complete_step({0.0, config.time.step}, q, v);
   update_ghosts(q);
   const ConstGhostedView at(q);
   double energy = 0.0;
-  for (const auto& term : elastic_) energy += term->energy(at.span(), {});
+  for (const auto& term : elastic_) energy += term->energy_at(instant(0.0), at.span(), {});
   if (!std::isfinite(sum(layout_.comm, energy))) {
     throw InputError({config.file, 0, 0},
                      "the initial displacement, or a prescribed one at t = 0, turns tetrahedra inside out; start from "

@@ -46,8 +46,7 @@ class Model {
   const std::vector<std::string>& body_names() const { return body_names_; }
   const std::vector<std::unique_ptr<ElasticTerm>>& elastic() const { return elastic_; }
   const Inertia* inertia() const { return inertia_.get(); }  ///< nullptr if no body has a density
-  const PrescribedDisplacement& prescribed() const { return constraints_->prescribed(); }
-  const std::vector<Support>& supports() const { return constraints_->supports(); }
+  const Constraints& constraints() const { return *constraints_; }
   IncrementalPotential& potential() { return *potential_; }
   const std::vector<ProbeLocation>& probes() const { return probes_; }
   const WaveSpeeds& wave_speeds() const { return wave_speeds_; }
@@ -57,6 +56,9 @@ class Model {
   /// Sets up the terms and their sum for the method of `config`, which else is the one of the constructor: the form of
   /// strain rates may depend on it. What `potential()` gave before is gone. Collective.
   void prepare(const Config& config);
+
+  /// What terms know of a time of the run (of a static one: the load factor).
+  Instant instant(double time) const { return static_time_ ? Instant{*static_time_, time} : Instant{time, 1.0}; }
 
   /// Initial displacement and velocity, prescribed entries at their values at t = 0. Collective.
   void set_initial_state(const Config& config, Vec q, Vec v) const;
@@ -77,12 +79,14 @@ class Model {
   std::variant<CellGroups<1>, CellGroups<2>> cells_;
   std::vector<std::shared_ptr<const LawField>> laws_;  // elastic ones of each body
   std::vector<std::unique_ptr<ElasticTerm>> elastic_;
+  std::vector<std::unique_ptr<EnergyTerm>> active_;
   std::vector<std::unique_ptr<EnergyTerm>> viscous_;
   std::vector<std::unique_ptr<EnergyTerm>> loads_;
   std::unique_ptr<Inertia> inertia_;
   std::unique_ptr<Constraints> constraints_;
   std::unique_ptr<IncrementalPotential> potential_;
   std::vector<ProbeLocation> probes_;
+  std::optional<double> static_time_;  // at which a static problem takes its loads
   WaveSpeeds wave_speeds_;
   std::vector<std::string> notices_;
 };

@@ -18,14 +18,14 @@ namespace pliant {
 namespace {
 
 /// A field per cell: its components come from the stress of the cell.
-struct CellField {
+struct StressField {
   const char* name;
   const char* unit;
   int components;
   void (*put)(const CellStress&, double*);
 };
 
-constexpr std::array<CellField, 4> cell_fields{{
+constexpr std::array<StressField, 4> cell_fields{{
     {"cauchy_stress", "Pa", 6,
      [](const CellStress& s, double* out) { std::copy(s.cauchy.begin(), s.cauchy.end(), out); }},
     {"von_mises_stress", "Pa", 1, [](const CellStress& s, double* out) { *out = s.von_mises; }},
@@ -104,13 +104,17 @@ std::vector<std::string> Recorder::columns(const Config& config, const Ledger& l
   for (const auto& probe : config.probes) {
     for (const char* suffix : {"_x", "_y", "_z", "_vx", "_vy", "_vz"}) names.push_back(probe.name + suffix);
   }
-  for (const auto& support : model_.supports()) {
+  for (const auto& support : model_.constraints().supports()) {
     for (const char* suffix : {"_fx", "_fy", "_fz"}) names.push_back(support.name + suffix);
   }
   for (const char* name : {"numerical_dissipation", "support_work"}) names.emplace_back(name);
   for (std::string mechanism : ledger.mechanisms()) {
     std::ranges::replace(mechanism, '-', '_');
     names.push_back("dissipated_" + mechanism);
+  }
+  for (const auto& support : model_.constraints().supports()) {
+    if (!support.rigid_part) continue;
+    for (const char* suffix : {"_tx", "_ty", "_tz"}) names.push_back(support.name + suffix);
   }
   return names;
 }
@@ -149,10 +153,14 @@ void Recorder::record(const StepRecord& record, const Ledger& ledger) {
                             model_.layout().comm));
     row.insert(row.end(), values.begin(), values.end());
   }
-  for (const auto& force : ledger.reactions()) row.insert(row.end(), force.begin(), force.end());
+  for (const auto& [force, torque] : ledger.reactions()) row.insert(row.end(), force.begin(), force.end());
   row.push_back(e.numerical_dissipation);
   row.push_back(e.support_work);
   row.insert(row.end(), e.dissipated_by.begin(), e.dissipated_by.end());
+  for (std::size_t s = 0; s < ledger.reactions().size(); ++s) {
+    const auto& torque = ledger.reactions()[s].torque;
+    if (model_.constraints().supports()[s].rigid_part) row.insert(row.end(), torque.begin(), torque.end());
+  }
   history_.append(row);
 }
 
@@ -175,7 +183,7 @@ void Recorder::write_frame(const StepRecord& record) {
     }
     fields.push_back({field.name, field.unit, FieldLocation::node, 3, values});
   }
-  std::vector<std::pair<const CellField*, double*>> places;
+  std::vector<std::pair<const StressField*, double*>> places;
   for (const auto& field : cell_fields) {
     if (!wanted(field.name)) continue;
     auto& values = storage.emplace_back(field.components * static_cast<std::size_t>(layout.num_owned_cells), 0.0);
@@ -187,7 +195,7 @@ void Recorder::write_frame(const StepRecord& record) {
     update_ghosts(q_.get());
     const ConstGhostedView u(q_.get());
     for (const auto& term : model_.elastic()) {
-      term->stresses(u.span(), [&](PetscInt cell, const CellStress& stress) {
+      term->stresses(model_.instant(record.time), u.span(), [&](PetscInt cell, const CellStress& stress) {
         for (const auto& [field, values] : places) field->put(stress, values + cell * field->components);
       });
     }

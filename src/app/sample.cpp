@@ -6,7 +6,6 @@
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/ghosted.hpp"
-#include "petsc/session.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,18 +15,6 @@ namespace pliant {
 namespace {
 
 constexpr int degree = 5;
-
-/// The ranks' lists one after another, on every rank.
-std::vector<double> gathered(MPI_Comm comm, const std::vector<double>& mine) {
-  const int count = static_cast<int>(mine.size());
-  std::vector<int> counts(static_cast<std::size_t>(num_ranks(comm))), offsets(counts.size(), 0);
-  check_mpi(MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm));
-  std::partial_sum(counts.begin(), counts.end() - 1, offsets.begin() + 1);
-  std::vector<double> all(static_cast<std::size_t>(offsets.back() + counts.back()));
-  check_mpi(
-      MPI_Allgatherv(mine.data(), count, MPI_DOUBLE, all.data(), counts.data(), offsets.data(), MPI_DOUBLE, comm));
-  return all;
-}
 
 /// x, y, z and weight of each point of this rank's cells.
 template <int Order>

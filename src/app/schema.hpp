@@ -80,7 +80,7 @@ struct Range {
   static Range from_to(double low, double high) { return {low, high, Ends::included}; }
 };
 
-enum class Variables { space, space_and_time };
+enum class Variables { space, time, space_and_time };
 
 Format<double> quantity(const std::string& unit, const Range& range = {});
 /// A number as it stands in formulas of the literature, e.g. 1 - sqrt(2)/2.

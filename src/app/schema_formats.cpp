@@ -86,9 +86,15 @@ bool read_expression(const InputNode& node, const std::string& name, const std::
 
 bool check_variables(const Expression& e, Variables variables, const InputNode& node, const std::string& name,
                      Problems& problems) {
-  if (variables == Variables::space_and_time || !e.depends_on_time()) return true;
-  problems.add(node.where, "'" + name + "' cannot depend on the time t; it is a function of x, y, z");
-  return false;
+  if (variables == Variables::space && e.depends_on_time()) {
+    problems.add(node.where, "'" + name + "' cannot depend on the time t; it is a function of x, y, z");
+    return false;
+  }
+  if (variables == Variables::time && e.depends_on_space()) {
+    problems.add(node.where, "'" + name + "' cannot depend on the place x, y, z; it is a function of t");
+    return false;
+  }
+  return true;
 }
 
 InputNode written(const Expression& e) {
@@ -229,7 +235,9 @@ Format<std::string> choice(const std::vector<std::string>& names) {
 }
 
 Format<Expression> expression(const std::string& unit, Variables variables) {
-  const std::string arguments = variables == Variables::space ? "x, y, z" : "x, y, z, t";
+  const std::string arguments = variables == Variables::space  ? "x, y, z"
+                                : variables == Variables::time ? "t"
+                                                               : "x, y, z, t";
   Format<Expression> format{noun(unit) + " or formula of " + arguments, {{"type", {"number", "string"}}}, {}, {}};
   format.read = [unit, variables](const InputNode& node, const std::string& name, Problems& problems,
                                   Expression& into) {

@@ -2,6 +2,7 @@
 
 #include "app/model.hpp"
 #include "energy/mass_damping.hpp"
+#include "energy/prony.hpp"
 #include "energy/viscous.hpp"
 
 #include <algorithm>
@@ -20,7 +21,7 @@ Maxwell branch_of(const ViscosityConfig& v) {
   return {*v.shear_ratio, v.bulk_ratio, v.relaxation_time, Moduli::relative};
 }
 
-/// The mechanisms that act on the body's velocity are no such law.
+/// Prony series and what acts on the body's velocity are no such laws.
 std::optional<ViscosityVariant> law_of(const ViscosityConfig& v, StrainRate automatic) {
   const StrainRate rate = v.rate.value_or(automatic);
   if (v.model == KelvinVoigt::name) return KelvinVoigt{v.shear, v.bulk, rate};
@@ -45,7 +46,9 @@ std::vector<std::unique_ptr<EnergyTerm>> make_terms(const Config& config, const 
   const StrainRate automatic = automatic_rate(integrator_of(config));
   std::vector<std::unique_ptr<EnergyTerm>> terms;
   for (std::size_t b = 0; b < config.bodies.size(); ++b) {
+    std::vector<Prony> branches;
     for (const auto& mechanism : config.bodies[b].viscosity) {
+      if (mechanism.model == Prony::name) branches.push_back({mechanism.ratio, mechanism.relaxation_time});
       const auto law = law_of(mechanism, automatic);
       if (!law) continue;
       if ((mechanism.shear_ratio || mechanism.model == StiffnessProportional::name) &&
@@ -57,6 +60,9 @@ std::vector<std::unique_ptr<EnergyTerm>> make_terms(const Config& config, const 
       terms.push_back(
           make_viscous_term<Order>(*law, *on.elastic[b], groups, static_cast<int>(b), on.layout.num_owned_nodes));
     }
+    if (branches.empty()) continue;
+    terms.push_back(make_prony_term<Order>(std::move(branches), on.elastic[b], groups, static_cast<int>(b),
+                                           on.layout.num_owned_nodes));
   }
   const auto damping = damping_densities(config);
   if (std::ranges::any_of(damping, [](double density) { return density > 0.0; })) {

@@ -47,6 +47,7 @@ constexpr std::array dimensions{
     Dimension{"N/m", "a stiffness"},
     Dimension{"K", "a temperature"},
     Dimension{"1", "a pure number"},
+    Dimension{"rad", "an angle"},
 };
 
 System loaded_system() {

@@ -28,12 +28,12 @@ constexpr Vector3<T> operator*(const S& s, const Vector3<T>& a) {
 }
 
 template <class T>
-constexpr T dot(const Vector3<T>& a, const Vector3<T>& b) {
+PLIANT_INLINE constexpr T dot(const Vector3<T>& a, const Vector3<T>& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 template <class T>
-constexpr Vector3<T> cross(const Vector3<T>& a, const Vector3<T>& b) {
+PLIANT_INLINE constexpr Vector3<T> cross(const Vector3<T>& a, const Vector3<T>& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 

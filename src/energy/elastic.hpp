@@ -1,7 +1,7 @@
 /// Strain energy of a body: U = int psi(grad u) dX.
 #pragma once
 
-#include "energy/term.hpp"
+#include "energy/activation.hpp"
 #include "fem/cells.hpp"
 #include "material/law_field.hpp"
 
@@ -23,15 +23,16 @@ struct CellStress {
 class ElasticTerm : public EnergyTerm {
  public:
   /// Calls `visit(local cell, stress)` for each owned cell.
-  virtual void stresses(std::span<const double> q,
+  virtual void stresses(const Instant& at, std::span<const double> q,
                         const std::function<void(PetscInt, const CellStress&)>& visit) const = 0;
 };
 
 /// `groups` holds all bodies' cells and outlives the term; those of `body` are the term's. The packs of `law` are the
-/// body's quadrature points (CellPoint::index).
+/// body's quadrature points (CellPoint::index). `shortening`, if given, is the active strain of its fibres.
 template <int Order>
 std::unique_ptr<ElasticTerm> make_elastic_term(std::shared_ptr<const LawField> law, const CellGroups<Order>& groups,
-                                               int body, PetscInt num_owned_nodes);
+                                               int body, PetscInt num_owned_nodes,
+                                               std::shared_ptr<const Activation> shortening = nullptr);
 
 /// The same of a uniform body.
 template <int Order>

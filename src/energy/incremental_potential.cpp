@@ -162,13 +162,14 @@ Symmetry IncrementalPotential::symmetry() const {
 
 std::vector<TermPower> IncrementalPotential::powers(Vec q, Vec v, Vec r) {
   const auto at = local(q, q_);
-  std::vector<double> mine(2 * terms_.size(), 0.0);
+  std::vector<double> mine(3 * terms_.size(), 0.0);
   check(VecZeroEntries(r));
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     const GhostedView rows(work_.get());
     std::fill(rows.span().begin(), rows.span().end(), 0.0);
     terms_[k]->add_gradient(stage_of(k), at, rows.span());
-    mine[2 * k + 1] = terms_[k]->dissipation(stage_of(k), at);
+    mine[3 * k + 1] = terms_[k]->dissipation(stage_of(k), at);
+    mine[3 * k + 2] = terms_[k]->supply(stage_of(k), at);
     const ConstArrayView velocity(v);
     const ArrayView total(r);
     CompensatedSum<double> power;
@@ -176,15 +177,17 @@ std::vector<TermPower> IncrementalPotential::powers(Vec q, Vec v, Vec r) {
       power.add(-rows.span()[i] * velocity[i]);
       total[i] += rows.span()[i];
     }
-    mine[2 * k] = power.total();
+    mine[3 * k] = power.total();
   }
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, mine.data(), static_cast<int>(mine.size()), MPI_DOUBLE, MPI_SUM, layout_.comm));
   std::vector<TermPower> result;
-  for (std::size_t k = 0; k < terms_.size(); ++k) result.push_back({mine[2 * k], mine[2 * k + 1]});
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    result.push_back({mine[3 * k], mine[3 * k + 1], mine[3 * k + 2]});
+  }
   return result;
 }
 
-std::vector<double> IncrementalPotential::energies(Vec q, Vec z) {
+std::vector<double> IncrementalPotential::energies(const Instant& instant, Vec q, Vec z) {
   const auto at = local(q, q_);
   std::vector<double> result;
   for (std::size_t k = 0; k < terms_.size(); ++k) {
@@ -193,11 +196,22 @@ std::vector<double> IncrementalPotential::energies(Vec q, Vec z) {
       const ConstArrayView values(z);
       own = values.span().subspan(first_internal_[k], first_internal_[k + 1] - first_internal_[k]);
     }
-    result.push_back(terms_[k]->energy(at, own));
+    result.push_back(terms_[k]->energy_at(instant, at, own));
   }
   check_mpi(
       MPI_Allreduce(MPI_IN_PLACE, result.data(), static_cast<int>(result.size()), MPI_DOUBLE, MPI_SUM, layout_.comm));
   return result;
+}
+
+double IncrementalPotential::supplied(const Instant& from, const Instant& to, Vec q) {
+  const auto is_concerned = [](const EnergyTerm* term) { return term->declaration().depends_on_time; };
+  if (std::ranges::none_of(terms_, is_concerned)) return 0.0;
+  const auto at = local(q, q_);
+  double mine = 0.0;
+  for (const EnergyTerm* term : terms_) {
+    if (is_concerned(term)) mine += term->energy_at(to, at, {}) - term->energy_at(from, at, {});
+  }
+  return sum(layout_.comm, mine);
 }
 
 Handle<Vec> IncrementalPotential::make_internal() const {

@@ -16,6 +16,7 @@ namespace pliant {
 struct TermPower {
   double exerted = 0.0;     ///< by its forces, -dPhi_k/dq . v summed over all entries, prescribed ones included [W]
   double dissipated = 0.0;  ///< EnergyTerm::dissipation [W]
+  double supplied = 0.0;    ///< EnergyTerm::supply [W]
 };
 
 /// Phi(q) = sum of terms(q); docs: dynamics, "Mechanics". Works on vectors of make_vector(layout).
@@ -40,8 +41,10 @@ class IncrementalPotential final : public StageEquation {
   void gradient_of(const std::function<bool(const EnergyTerm&)>& wanted, Vec q, Vec r);
   /// gradient_with_reactions, and what each term's forces do at the velocity v.
   std::vector<TermPower> powers(Vec q, Vec v, Vec r);
-  /// EnergyTerm::energy of each term; z may be nullptr if there are no internal variables [J].
-  std::vector<double> energies(Vec q, Vec z);
+  /// EnergyTerm::energy_at of each term; z may be nullptr if there are no internal variables [J].
+  std::vector<double> energies(const Instant& at, Vec q, Vec z);
+  /// Change of the energies at fixed q from one instant to another, which time alone makes [J].
+  double supplied(const Instant& from, const Instant& to, Vec q);
   /// A zero matrix for the Hessian, with the rigid-body modes as its near-null space.
   Handle<Mat> make_hessian() const override;
   /// K = d2Phi/dq2 [N/m]; rows and columns of prescribed entries are zero but for the diagonal.

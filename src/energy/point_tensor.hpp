@@ -1,5 +1,5 @@
-/// Symmetric tensors at the quadrature points of a body, among the internal variables of a term: xx yy zz xy yz xz, cell
-/// by cell in the order of the groups, ghost cells included.
+/// Symmetric tensors at the quadrature points of a body, among the internal variables of a term: xx yy zz xy yz xz,
+/// cell by cell in the order of the groups, ghost cells included.
 #pragma once
 
 #include "energy/body_cells.hpp"

@@ -7,31 +7,6 @@
 #include <cmath>
 
 namespace pliant {
-namespace {
-
-// Weights of f(t - k h), k = 0..6, for f'(t) h (sixth order) and f''(t) h^2 (fifth order): Fornberg 1988, table 3.
-constexpr std::array<double, 7> first{49.0 / 20, -6.0, 15.0 / 2, -20.0 / 3, 15.0 / 4, -6.0 / 5, 1.0 / 6};
-constexpr std::array<double, 7> second{203.0 / 45, -87.0 / 5, 117.0 / 4, -254.0 / 9, 33.0 / 2, -27.0 / 5, 137.0 / 180};
-
-}  // namespace
-
-PrescribedDisplacement::Kinematics PrescribedDisplacement::kinematics(const Expression& formula,
-                                                                      const std::array<double, 3>& X, double time,
-                                                                      double time_scale) {
-  const auto& [x, y, z] = X;
-  Kinematics result{formula(x, y, z, time), 0.0, 0.0};
-  if (!formula.depends_on_time()) return result;
-  // Backward from t, not beyond the start of the run; at the start itself forward, which is a negative h. The last
-  // point is the end of the range itself: rounding must not carry it across.
-  const double end = time > 0.0 ? std::max(0.0, time - time_scale) : time_scale;
-  const double h = (time - end) / 6.0;
-  for (int k = 0; k < 7; ++k) {
-    const double f = formula(x, y, z, k < 6 ? time - k * h : end);
-    result.v += first[k] * f / h;
-    result.a += second[k] * f / (h * h);
-  }
-  return result;
-}
 
 PrescribedDisplacement::PrescribedDisplacement(const NodeLayout& layout, std::vector<PrescribedPart> parts,
                                                double time_scale)
@@ -41,7 +16,7 @@ PrescribedDisplacement::PrescribedDisplacement(const NodeLayout& layout, std::ve
     const ArrayView mark(marks.get());
     for (std::size_t p = 0; p < parts_.size(); ++p) {
       for (int i = 0; i < 3; ++i) {
-        if (!parts_[p].displacement[i]) continue;
+        if (!parts_[p].displacement.gives(i)) continue;
         for (const PetscInt node : parts_[p].nodes) {
           if (mark[3 * node + i] != 0.0) continue;
           mark[3 * node + i] = 1.0;
@@ -62,13 +37,13 @@ std::vector<std::pair<std::size_t, std::size_t>> PrescribedDisplacement::conflic
   std::vector<std::pair<std::size_t, std::size_t>> result;
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     for (int i = 0; i < 3; ++i) {
-      if (!parts_[p].displacement[i]) continue;
+      if (!parts_[p].displacement.gives(i)) continue;
       for (const PetscInt node : parts_[p].nodes) {
         const std::size_t w = winner[3 * node + i];
         if (w == p) continue;
-        const auto [x, y, z] = layout.position(node);
+        const auto X = layout.position(node);
         for (const double t : times) {
-          const double a = (*parts_[w].displacement[i])(x, y, z, t), b = (*parts_[p].displacement[i])(x, y, z, t);
+          const double a = parts_[w].displacement(i, X, t), b = parts_[p].displacement(i, X, t);
           if (std::abs(a - b) > 1e-12 * (std::abs(a) + std::abs(b))) result.emplace_back(w, p);
         }
       }
@@ -79,18 +54,21 @@ std::vector<std::pair<std::size_t, std::size_t>> PrescribedDisplacement::conflic
   return result;
 }
 
-template <class Set>
-void PrescribedDisplacement::for_each(double time, double time_scale, Set set) const {
-  // Entries come part by part and component by component: a formula without space is evaluated once per run of them.
-  const Entry* previous = nullptr;
-  Kinematics value;
+std::vector<LinearConstraint> PrescribedDisplacement::constraints(const NodeLayout& layout,
+                                                                  const std::set<PetscInt>& wanted) const {
+  std::vector<LinearConstraint> result;
   for (const Entry& e : entries_) {
-    const Expression& formula = *parts_[e.part].displacement[e.dof % 3];
-    const bool same = previous != nullptr && previous->part == e.part && previous->dof % 3 == e.dof % 3;
-    if (!same || formula.depends_on_space()) value = kinematics(formula, e.X, time, time_scale);
-    set(e.dof, value);
-    previous = &e;
+    const PetscInt entry = 3 * layout.first_global_node + e.dof;
+    if (wanted.contains(entry)) result.push_back({{{entry, 1.0}}, {{1.0, e.part, e.dof % 3, e.X}}, e.part});
   }
+  return result;
+}
+
+template <class Set>
+void PrescribedDisplacement::for_each(double time, double time_scale, double factor, Set set) const {
+  std::vector<GivenKinematics> given;
+  for (const PrescribedPart& part : parts_) given.emplace_back(part.displacement, time, time_scale, factor);
+  for (const Entry& e : entries_) set(e.dof, given[e.part](e.dof % 3, e.X));
 }
 
 PrescribedMotion PrescribedDisplacement::motion() const {
@@ -99,17 +77,16 @@ PrescribedMotion PrescribedDisplacement::motion() const {
     const ArrayView guess(q), q0(stage.q0), v0(stage.v0);
     // What came before the step may lie behind a kink.
     const double smooth = stage.time - stage.step_start;
-    for_each(stage.time, std::min(time_scale_, smooth > 0.0 ? smooth : stage.dt),
+    for_each(stage.time, std::min(time_scale_, smooth > 0.0 ? smooth : stage.dt), stage.load_factor,
              [&](PetscInt dof, const Kinematics& k) {
-               const double f = stage.load_factor;
-               guess[dof] = f * k.u;
-               q0[dof] = f * (k.u - stage.dt * k.v);
-               v0[dof] = f * (k.v - stage.dt * k.a);
+               guess[dof] = k.u;
+               q0[dof] = k.u - stage.dt * k.v;
+               v0[dof] = k.v - stage.dt * k.a;
              });
   };
   motion.complete_step = [this](const Step& step, Vec q, Vec v) {
     const ArrayView position(q), velocity(v);
-    for_each(step.time, std::min(time_scale_, step.dt), [&](PetscInt dof, const Kinematics& k) {
+    for_each(step.time, std::min(time_scale_, step.dt), 1.0, [&](PetscInt dof, const Kinematics& k) {
       position[dof] = k.u;
       velocity[dof] = k.v;
     });

@@ -1,21 +1,21 @@
 /// Prescribed displacements: which entries of the configuration are given, and their motion in time.
 #pragma once
 
-#include "base/expression.hpp"
+#include "energy/given_motion.hpp"
+#include "energy/linear_constraint.hpp"
 #include "fem/layout.hpp"
 #include "time/stage.hpp"
 
-#include <array>
-#include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
 namespace pliant {
 
-/// Owned nodes that share a prescription; a component without a formula is free.
+/// Owned nodes that share a prescription.
 struct PrescribedPart {
   std::vector<PetscInt> nodes;
-  std::array<std::optional<Expression>, 3> displacement;  ///< [m]
+  GivenDisplacement displacement;
 };
 
 class PrescribedDisplacement {
@@ -31,18 +31,14 @@ class PrescribedDisplacement {
   std::vector<std::pair<std::size_t, std::size_t>> conflicts(const NodeLayout& layout,
                                                              const std::vector<double>& times) const;
 
-  /// The hooks of the time layer; they refer to this object. The velocity and acceleration of a formula are one-sided
-  /// differences of sixth and fifth order over at most `time_scale`, in a stage at most the stage's length, before t
-  /// (at t = 0: after it), so that a formula with kinks at step boundaries is not differentiated across one. (Only a
-  /// stage longer than the part of the step that has passed, the second of dirk23, still sees the step before.)
-  PrescribedMotion motion() const;
+  /// What is prescribed to owned entries among the `wanted` (numbered over all ranks), as constraints; a part is the
+  /// source of the same number. Not collective.
+  std::vector<LinearConstraint> constraints(const NodeLayout& layout, const std::set<PetscInt>& wanted) const;
 
-  /// Displacement, velocity and acceleration of a formula at a place and time.
-  struct Kinematics {
-    double u = 0.0, v = 0.0, a = 0.0;
-  };
-  static Kinematics kinematics(const Expression& formula, const std::array<double, 3>& X, double time,
-                               double time_scale);
+  /// The hooks of the time layer; they refer to this object. Rates are differences (GivenKinematics) over at most
+  /// `time_scale`, in a stage at most the part of the step that has passed, so that a kink at the step's start is not
+  /// seen.
+  PrescribedMotion motion() const;
 
  private:
   struct Entry {
@@ -50,9 +46,10 @@ class PrescribedDisplacement {
     std::size_t part;
     std::array<double, 3> X;
   };
-  /// Calls `set(dof, kinematics)` for each prescribed entry, with rates from differences over `time_scale`.
+  /// Calls `set(dof, kinematics)` for each prescribed entry, with rates from differences over `time_scale`; `factor`:
+  /// the part of the motion that a load step has reached.
   template <class Set>
-  void for_each(double time, double time_scale, Set set) const;
+  void for_each(double time, double time_scale, double factor, Set set) const;
 
   std::vector<PrescribedPart> parts_;
   std::vector<Entry> entries_;

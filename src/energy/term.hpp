@@ -19,6 +19,15 @@ struct LocalStage {
   std::span<const double> z0;  ///< the term's own internal variables at the stage's start
 };
 
+/// What of time an energy may depend on by itself.
+struct Instant {
+  double time = 0.0;         ///< [s]
+  double load_factor = 1.0;  ///< LocalStage::load_factor
+};
+inline Instant instant_of(const LocalStage& stage) {
+  return {stage.time, stage.load_factor};
+}
+
 /// Whether the Hessian is taken as it is or made positive semidefinite cell by cell.
 enum class Projection { none, positive_semidefinite };
 
@@ -39,7 +48,8 @@ struct TermDeclaration {
   bool has_frozen_coefficients = false;  ///< coefficients are frozen at the stage's start (first order in time)
   Symmetry symmetry = Symmetry::symmetric;
   Account account = Account::stored;
-  bool dissipates = false;  ///< `dissipation` may be above 0; the ledger books it under the term's name
+  bool depends_on_time = false;  ///< `energy_at` changes with time at a fixed configuration: `supply`
+  bool dissipates = false;       ///< `dissipation` may be above 0; the ledger books it under the term's name
 };
 
 /// One contribution to the incremental potential of a stage (docs: dynamics, Phi_i). The arrays span all local nodes; a
@@ -73,6 +83,13 @@ class EnergyTerm {
 
   /// Energy of the owned cells or nodes, if the account is `stored` or `load_potential` [J].
   virtual double energy(std::span<const double> /*q*/, std::span<const double> /*z*/) const { return 0.0; }
+  /// The same at an instant, of terms whose energy depends on time by itself [J].
+  virtual double energy_at(const Instant& /*at*/, std::span<const double> q, std::span<const double> z) const {
+    return energy(q, z);
+  }
+  /// Power that the passing of time alone brings into the energy of the owned cells at the end of the stage, dU/dt at
+  /// fixed q [W]: work done from outside of mechanics.
+  virtual double supply(const LocalStage& /*stage*/, std::span<const double> /*q*/) const { return 0.0; }
   /// Power that the owned cells dissipate by physical mechanisms at the end of the stage [W], >= 0.
   virtual double dissipation(const LocalStage& /*stage*/, std::span<const double> /*q*/) const { return 0.0; }
 

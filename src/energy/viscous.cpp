@@ -97,8 +97,9 @@ class ViscousTerm final : public EnergyTerm {
       const double share = stage.dt / (dashpot_.relaxation_time + stage.dt);
       cells_.for_each_batch([&](const Batch& batch) {
         const auto increment = increments(stage, q, batch);
-        for_each_point(
-            batch, [&](const Point& point) { store_symmetric(point, load_symmetric(point, stage.z0) + share * increment(point).D, z); });
+        for_each_point(batch, [&](const Point& point) {
+          store_symmetric(point, load_symmetric(point, stage.z0) + share * increment(point).D, z);
+        });
       });
     }
   }

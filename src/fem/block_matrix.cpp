@@ -68,29 +68,11 @@ Handle<Mat> make_matrix(const NodeLayout& layout, const BlockPattern& pattern) {
   return matrix;
 }
 
-void set_rigid_body_modes(Mat K, const NodeLayout& layout, std::span<const char> prescribed) {
-  std::array<Handle<Vec>, 6> modes;
-  std::array<Vec, 6> raw;
-  for (int m = 0; m < 6; ++m) {
-    check(MatCreateVecs(K, modes[m].out(), nullptr));
-    raw[m] = modes[m].get();
-    const ArrayView mode(raw[m]);
-    for (PetscInt a = 0; a < layout.num_owned_nodes; ++a) {
-      const auto X = layout.position(a);
-      std::array<double, 3> u{};
-      if (m < 3) {
-        u[m] = 1.0;
-      } else {
-        const int i = m - 3, j = (i + 1) % 3, k = (i + 2) % 3;
-        u[j] = -X[k];
-        u[k] = X[j];
-      }
-      for (int i = 0; i < 3; ++i) mode[3 * a + i] = prescribed[3 * a + i] ? 0.0 : u[i];
-    }
-  }
-  // Modified Gram-Schmidt; modes that the prescribed entries leave nothing of are dropped.
+void set_near_null_modes(Mat K, std::vector<Handle<Vec>> modes) {
+  // Modified Gram-Schmidt; modes that nothing is left of are dropped.
   std::vector<Vec> kept;
-  for (Vec v : raw) {
+  for (const Handle<Vec>& mode : modes) {
+    Vec v = mode.get();
     PetscReal before = 0.0, after = 0.0;
     check(VecNorm(v, NORM_2, &before));
     for (Vec w : kept) {
@@ -104,8 +86,30 @@ void set_rigid_body_modes(Mat K, const NodeLayout& layout, std::span<const char>
     kept.push_back(v);
   }
   Handle<MatNullSpace> space;
-  check(MatNullSpaceCreate(layout.comm, PETSC_FALSE, static_cast<PetscInt>(kept.size()), kept.data(), space.out()));
+  check(MatNullSpaceCreate(PetscObjectComm(reinterpret_cast<PetscObject>(K)), PETSC_FALSE,
+                           static_cast<PetscInt>(kept.size()), kept.data(), space.out()));
   check(MatSetNearNullSpace(K, space.get()));
+}
+
+void set_rigid_body_modes(Mat K, const NodeLayout& layout, std::span<const char> prescribed) {
+  std::vector<Handle<Vec>> modes(6);
+  for (int m = 0; m < 6; ++m) {
+    check(MatCreateVecs(K, modes[m].out(), nullptr));
+    const ArrayView mode(modes[m].get());
+    for (PetscInt a = 0; a < layout.num_owned_nodes; ++a) {
+      const auto X = layout.position(a);
+      std::array<double, 3> u{};
+      if (m < 3) {
+        u[m] = 1.0;
+      } else {
+        const int i = m - 3, j = (i + 1) % 3, k = (i + 2) % 3;
+        u[j] = -X[k];
+        u[k] = X[j];
+      }
+      for (int i = 0; i < 3; ++i) mode[3 * a + i] = prescribed[3 * a + i] ? 0.0 : u[i];
+    }
+  }
+  set_near_null_modes(K, std::move(modes));
 }
 
 BlockWriter::BlockWriter(const BlockPattern& pattern, Mat matrix)

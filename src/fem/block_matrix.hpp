@@ -70,6 +70,10 @@ class BlockWriter {
 /// A zero MPIAIJ matrix (block size 3, declared symmetric) of the pattern. Collective.
 Handle<Mat> make_matrix(const NodeLayout& layout, const BlockPattern& pattern);
 
+/// Gives the matrix the space of the modes as its near-null space: made orthonormal, without those that others span.
+/// Collective.
+void set_near_null_modes(Mat matrix, std::vector<Handle<Vec>> modes);
+
 /// Gives the matrix its near-null space: three translations and three rotations of the reference configuration, zero on
 /// prescribed entries (flags as in RowElimination). Multigrid represents them on coarse levels. Collective.
 void set_rigid_body_modes(Mat matrix, const NodeLayout& layout, std::span<const char> is_prescribed);

@@ -43,6 +43,11 @@ bool takes_two_constants(const LawInfo& law) {
   return has(law, shear) && (has(law, bulk) || has(law, lame_first));
 }
 
+/// Where the law is isotropic, so that Poisson's ratio can stand for it.
+bool takes_bulk_modulus(const LawInfo& law) {
+  return !takes_two_constants(law) && law.directions.empty() && has(law, bulk);
+}
+
 double value_of(Constant c, const Lame& l) {
   switch (c) {
     case youngs:
@@ -102,7 +107,7 @@ ConstantsRule::ConstantsRule(std::size_t row, std::vector<std::string> keys, con
   const LawInfo& law = elastic_laws()[row];
   std::vector<Diagnostic> mistakes;
   key_of_parameter_.assign(law.parameters.size(), -1);
-  const bool two = takes_two_constants(law), one = !two && has(law, bulk);
+  const bool two = takes_two_constants(law), one = takes_bulk_modulus(law);
   for (std::size_t k = 0; k < keys_.size(); ++k) {
     const int constant = place_in(constants, keys_[k]), own = place_in(law.parameters, keys_[k]);
     const bool belongs = two ? constant >= 0 : one && (constant == bulk || constant == poissons);
@@ -175,6 +180,10 @@ std::vector<std::string> ConstantsRule::complaints(std::span<const double> value
           "these constants of {} make the body at rest unstable: shear modulus {:.4g} Pa, bulk modulus {:.4g} Pa; both "
           "must be above 0",
           law.name, rest->mu, bulk_modulus(*rest)));
+    }
+  } else {
+    for (std::size_t p = 0; p < law.parameters.size(); ++p) {
+      if (const auto text = complaint(law.parameters[p], spec.parameters[p])) found.push_back(*text);
     }
   }
   return found;

@@ -33,6 +33,7 @@ struct Distortion {
   Tensor3<T> D;  ///< dev E
   T tr;          ///< tr E
   T j;           ///< J - 1; 0 where J <= 0
+  T y;           ///< J^(2/3) - 1
   T a;           ///< J^(-2/3)
   T i1, i2;      ///< I1b - 3, I2b - 3
 
@@ -40,7 +41,7 @@ struct Distortion {
   PLIANT_INLINE Distortion(const Tensor3<T>& H, const T& volume_change, const Mask& valid)
       : E(green_lagrange(H)), tr(trace(E)), j(select(valid, volume_change, T(0.0))) {
     D = add_to_diagonal(E, T(-1.0 / 3.0 * tr));
-    const T y = expm1(T(2.0 / 3.0 * log1p(j)));  // x - 1
+    y = expm1(T(2.0 / 3.0 * log1p(j)));
     a = 1.0 / (1.0 + y);
     const T shape = 2.0 * dot(D, D) - 4.0 / 3.0 * (tr * tr), I3 = det(E), y2 = y * y;
     i1 = a * (shape + (y2 * (3.0 + y) - 8.0 * I3));

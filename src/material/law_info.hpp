@@ -30,6 +30,7 @@ struct LawInfo {
   std::span<const ParameterInfo> parameters;
   std::string_view source;
   std::string_view when_to_use;
+  std::span<const std::string_view> directions = {};  ///< keys of its preferred directions (material/fibre.hpp)
 };
 
 /// The admissible values: "> 0", "between -1 and 0.5", "any".

@@ -68,6 +68,30 @@ constexpr std::array ogden{ogden_modulus("mu1", "part of the first term in the s
                            bulk_modulus_at_rest};
 constexpr std::array shear_alone{shear_modulus};
 
+constexpr ParameterInfo exponent(std::string_view name, std::string_view meaning, double typical) {
+  return {name, "1", 0.0, infinity, meaning, LowerBound::excluded, typical};
+}
+
+constexpr std::array guccione{
+    coefficient("C", "scale of the stresses", 100e3, 0.0), exponent("bf", "stiffening along the fibres", 4.0),
+    exponent("bt", "stiffening across the fibres", 1.0),
+    exponent("bfs", "stiffening against shear between fibres and what is across", 2.0), bulk_modulus_at_rest};
+constexpr std::array holzapfel_gasser_ogden{
+    shear_modulus, bulk_modulus_at_rest, coefficient("k1", "of the fibres", 300e3, 0.0),
+    exponent("k2", "stiffening of the fibres", 0.8),
+    ParameterInfo{"dispersion", "1", 0.0, 1.0 / 3.0, "of the fibres of a family: 0 parallel, 1/3 in all directions",
+                  LowerBound::included, 0.1, 0.0}};
+constexpr std::array holzapfel_ogden{
+    coefficient("a", "of the ground; the shear modulus there at small strain", 200e3, 0.0),
+    exponent("b", "stiffening of the ground", 1.5),
+    coefficient("a_f", "along the fibres", 400e3, 0.0),
+    exponent("b_f", "stiffening along the fibres", 1.2),
+    coefficient("a_s", "along the sheets", 100e3, 0.0),
+    exponent("b_s", "stiffening along the sheets", 0.9),
+    coefficient("a_fs", "of shear between fibres and sheets", 50e3, 0.0),
+    exponent("b_fs", "stiffening against that shear", 1.1),
+    bulk_modulus_at_rest};
+
 constexpr std::array<LawInfo, ElasticLaws::size> laws{{
     {Linear<double>::name, "psi = mu eps:eps + lambda/2 (tr eps)^2, eps = (H + H^T)/2, H = grad u", lame_parameters,
      "Hooke's law; Holzapfel, Nonlinear Solid Mechanics (2000)",
@@ -116,6 +140,20 @@ constexpr std::array<LawInfo, ElasticLaws::size> laws{{
      "Smith, de Goes & Kim, ACM Trans. Graph. 38 (2019)",
      "as rigid as possible: deformation of shapes; its Poisson's ratio at rest is 0, it has no bulk modulus of its "
      "own"},
+    {Guccione<double>::name,
+     "psi = C/2 (exp Q - 1) + kappa U(J), Q = bf Eff^2 + bt (Ess^2 + Enn^2 + 2 Esn^2) + 2 bfs (Efs^2 + Efn^2)",
+     guccione, "Guccione, McCulloch & Waldman (1991); Land et al. (2015)",
+     "passive heart muscle; the law of the cardiac benchmarks", one_fibre},
+    {HolzapfelGasserOgden<double>::name,
+     "psi = mu/2 (I1b - 3) + k1/(2 k2) sum_i (exp(k2 <Ei>^2) - 1) + kappa U(J), "
+     "Ei = d (I1b - 3) + (1 - 3 d) (I4b_i - 1), d the dispersion",
+     holzapfel_gasser_ogden, "Gasser, Ogden & Holzapfel (2006)",
+     "walls of arteries and other tissue with two families of fibres, which do not push", two_fibres},
+    {HolzapfelOgden<double>::name,
+     "psi = a/(2 b) (exp(b (I1b - 3)) - 1) + sum_i a_i/(2 b_i) (exp(b_i <I4i - 1>^2) - 1) "
+     "+ a_fs/(2 b_fs) (exp(b_fs I8fs^2) - 1) + kappa U(J), i = f, s",
+     holzapfel_ogden, "Holzapfel & Ogden (2009)", "passive heart muscle with fibres and sheets, which do not push",
+     fibre_and_sheet},
 }};
 
 template <class Visit>

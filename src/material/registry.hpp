@@ -6,6 +6,9 @@
 #include "material/corotated.hpp"
 #include "material/elastic_law.hpp"
 #include "material/gent.hpp"
+#include "material/guccione.hpp"
+#include "material/holzapfel_gasser_ogden.hpp"
+#include "material/holzapfel_ogden.hpp"
 #include "material/linear.hpp"
 #include "material/mooney_rivlin.hpp"
 #include "material/neo_hookean.hpp"
@@ -27,8 +30,9 @@ struct LawList {
   static constexpr std::size_t size = sizeof...(L);
 };
 
-using ElasticLaws = LawList<Linear, SaintVenantKirchhoff, NeoHookean, NeoHookeanIsochoric, MooneyRivlin, MooneyRivlin5,
-                            Yeoh, Gent, ArrudaBoyce, Ogden, StableNeoHookean, FixedCorotated, Arap>;
+using ElasticLaws =
+    LawList<Linear, SaintVenantKirchhoff, NeoHookean, NeoHookeanIsochoric, MooneyRivlin, MooneyRivlin5, Yeoh, Gent,
+            ArrudaBoyce, Ogden, StableNeoHookean, FixedCorotated, Arap, Guccione, HolzapfelGasserOgden, HolzapfelOgden>;
 using ElasticLawVariant = ElasticLaws::Variant<double>;
 
 template <class L>

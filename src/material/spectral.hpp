@@ -8,6 +8,7 @@
 /// simulation of large deformation", Symp. Computer Animation (2004).
 #pragma once
 
+#include "base/vector3.hpp"
 #include "base/vector_math.hpp"
 #include "material/kinematics.hpp"
 #include "material/law.hpp"
@@ -102,11 +103,6 @@ PLIANT_INLINE std::array<T, 3> unit_vector(const std::array<T, 3>& v, const T& f
   const T scale = 1.0 / sqrt(select(good, square, T(1.0)));
   return {select(good, T(scale * v[0]), otherwise[0]), select(good, T(scale * v[1]), otherwise[1]),
           select(good, T(scale * v[2]), otherwise[2])};
-}
-
-template <class T>
-PLIANT_INLINE std::array<T, 3> cross(const std::array<T, 3>& a, const std::array<T, 3>& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
 /// A unit vector normal to the unit vector r.

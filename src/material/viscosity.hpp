@@ -8,6 +8,8 @@
 ///                  S = 2 mu_b dev(E - G) + kappa_b tr(E - G) I                [Pa]
 ///                  (E - G):S/tau                                              dissipated [W/m^3]
 ///
+///   Prony          Hdot + H/tau = g d/dt S_e, S_e the stress of the elastic law
+///
 /// all per reference volume; the first Piola-Kirchhoff stress is P = F S. Both are quadratic forms of one isotropic
 /// tensor, and so are their incremental potentials over a time dt (energy/viscous.hpp). Mass-proportional damping,
 /// R = alpha/2 rho v.v, acts on the velocity itself (energy/mass_damping.hpp).
@@ -77,6 +79,14 @@ struct StiffnessProportional {
 
   double time;  ///< beta [s]
   StrainRate rate;
+};
+
+/// A branch with the stress of the elastic law, relaxing (energy/prony.hpp).
+struct Prony {
+  static constexpr std::string_view name = "prony";
+
+  double ratio;            ///< g, of the stress in fast motion to that at rest
+  double relaxation_time;  ///< tau [s]
 };
 
 struct MassProportional {

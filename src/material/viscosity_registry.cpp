@@ -21,6 +21,13 @@ constexpr std::array maxwell{
     ParameterInfo{"relaxation_time", "s", 0.0, infinity, "time in which the branch's stress falls to 1/e"},
 };
 
+constexpr std::array prony{
+    ParameterInfo{"ratio", "1", 0.0, infinity,
+                  "g: stress of the branch in fast motion, as a part of the elastic law's; not normalised",
+                  LowerBound::included},
+    ParameterInfo{"relaxation_time", "s", 0.0, infinity, "time in which the branch's stress falls to 1/e"},
+};
+
 constexpr std::array stiffness_proportional{
     ParameterInfo{"time", "s", 0.0, infinity,
                   "beta: a mode of the angular frequency w is damped by beta w / 2 of critical", LowerBound::included},
@@ -34,7 +41,7 @@ constexpr std::array mass_proportional{
         LowerBound::included},
 };
 
-constexpr std::array<LawInfo, 4> laws{{
+constexpr std::array<LawInfo, 5> laws{{
     {KelvinVoigt::name, "R = shear dev(Edot):dev(Edot) + bulk/2 (tr Edot)^2, E = (F^T F - I)/2", kelvin_voigt,
      "Landau & Lifshitz, Theory of Elasticity (1986), section 34, with E for the small strain",
      "damping that grows with frequency: the damping ratio of a mode w is (viscosity/stiffness) w / 2; take some of it "
@@ -45,6 +52,9 @@ constexpr std::array<LawInfo, 4> laws{{
      "stress that relaxes: stiffer in fast motion than at rest; damps most near the frequency 1/relaxation_time; one "
      "entry "
      "per branch. `shear_ratio` and `bulk_ratio` give its moduli as parts of the elastic law's at rest"},
+    {Prony::name, "Hdot + H/relaxation_time = ratio d/dt S_e, S_e the elastic second Piola-Kirchhoff stress", prony,
+     "Simo, Comput. Methods Appl. Mech. Eng. 60 (1987); Holzapfel, Nonlinear Solid Mechanics (2000), section 6.10",
+     "stress that relaxes by the same parts at any strain, with tables of Prony series; one entry per branch"},
     {StiffnessProportional::name, "R = time/2 Edot:C0:Edot, C0 the elastic tangent at rest", stiffness_proportional,
      "Rayleigh, The Theory of Sound (1894), section 81; Bathe, Finite Element Procedures (2014), section 9.3.3",
      "kelvin-voigt with one constant: damping that grows with frequency, shear and volume alike"},

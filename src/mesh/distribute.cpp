@@ -96,11 +96,26 @@ void label_groups(DM dm, const MeshParts& parts, const std::vector<PhysicalGroup
   }
 }
 
-/// Mid-edge nodes on their way through the distribution: three numbers per edge point.
-struct EdgeField {
+/// Numbers of points of one dimension on their way through the distribution.
+struct PointField {
+  int dimension = 0;
+  PetscInt components = 0;
   Handle<PetscSection> section;
   Handle<Vec> values;
 };
+
+PointField make_field(MPI_Comm comm, DM dm, int dimension, PetscInt components) {
+  PointField field{dimension, components, {}, {}};
+  const auto [begin, end] = stratum(dm, dimension);
+  check(PetscSectionCreate(comm, field.section.out()));
+  check(PetscSectionSetChart(field.section.get(), begin, end));
+  for (PetscInt p = begin; p < end; ++p) check(PetscSectionSetDof(field.section.get(), p, components));
+  check(PetscSectionSetUp(field.section.get()));
+  check(VecCreate(comm, field.values.out()));
+  check(VecSetSizes(field.values.get(), components * (end - begin), PETSC_DETERMINE));
+  check(VecSetType(field.values.get(), VECSTANDARD));
+  return field;
+}
 
 /// Edge points of a cell, with their mid-edge nodes.
 std::array<std::pair<PetscInt, PetscInt>, 6> mid_nodes_of(DM dm, const SerialMesh& mesh, std::size_t cell) {
@@ -126,28 +141,37 @@ std::array<std::pair<PetscInt, PetscInt>, 6> mid_nodes_of(DM dm, const SerialMes
   return found;
 }
 
-EdgeField edge_field(MPI_Comm comm, DM dm, const SerialMesh& mesh) {
-  EdgeField field;
-  const Stratum edges = stratum(dm, 1);
-  check(PetscSectionCreate(comm, field.section.out()));
-  check(PetscSectionSetChart(field.section.get(), edges.begin, edges.end));
-  for (PetscInt e = edges.begin; e < edges.end; ++e) check(PetscSectionSetDof(field.section.get(), e, 3));
-  check(PetscSectionSetUp(field.section.get()));
-  check(VecCreate(comm, field.values.out()));
-  check(VecSetSizes(field.values.get(), 3 * (edges.end - edges.begin), PETSC_DETERMINE));
-  check(VecSetType(field.values.get(), VECSTANDARD));
+/// Mid-edge nodes.
+PointField edge_field(MPI_Comm comm, DM dm, const SerialMesh& mesh) {
+  PointField field = make_field(comm, dm, 1, 3);
+  const PetscInt first = stratum(dm, 1).begin;
   const ArrayView values(field.values.get());
   for (std::size_t c = 0; c < mesh.mid_nodes.size() / 6; ++c) {
     for (const auto& [edge, mid_node] : mid_nodes_of(dm, mesh, c)) {
-      for (PetscInt k = 0; k < 3; ++k) values[3 * (edge - edges.begin) + k] = mesh.node(mid_node)[k];
+      for (PetscInt k = 0; k < 3; ++k) values[3 * (edge - first) + k] = mesh.node(mid_node)[k];
+    }
+  }
+  return field;
+}
+
+/// All data of a cell one after another. Rank 0 has the cells and the values.
+PointField cell_field(MPI_Comm comm, DM dm, const SerialMesh& mesh, const std::vector<CellField>& names) {
+  PetscInt components = 0;
+  for (const auto& data : names) components += data.components;
+  PointField field = make_field(comm, dm, 3, components);
+  const ArrayView values(field.values.get());
+  for (std::size_t c = 0, at = 0; c < mesh.num_cells(); ++c) {
+    for (const auto& data : mesh.cell_data) {
+      const auto size = static_cast<std::size_t>(data.components);
+      for (std::size_t k = 0; k < size; ++k) values[static_cast<PetscInt>(at++)] = data.values[size * c + k];
     }
   }
   return field;
 }
 
 /// The field on the mesh that `migration` led to.
-void migrate(MPI_Comm comm, DM dm, PetscSF migration, EdgeField& field) {
-  EdgeField moved;
+void migrate(MPI_Comm comm, DM dm, PetscSF migration, PointField& field) {
+  PointField moved{field.dimension, field.components, {}, {}};
   check(PetscSectionCreate(comm, moved.section.out()));
   check(VecCreate(comm, moved.values.out()));
   check(DMPlexDistributeField(dm, migration, field.section.get(), field.values.get(), moved.section.get(),
@@ -155,17 +179,38 @@ void migrate(MPI_Comm comm, DM dm, PetscSF migration, EdgeField& field) {
   field = std::move(moved);
 }
 
-std::vector<double> values_by_edge(DM dm, const EdgeField& field) {
-  const Stratum edges = stratum(dm, 1);
+std::vector<double> values_by_point(DM dm, const PointField& field) {
+  const auto [begin, end] = stratum(dm, field.dimension);
   const ConstArrayView values(field.values.get());
   std::vector<double> result;
-  result.reserve(3 * static_cast<std::size_t>(edges.end - edges.begin));
-  for (PetscInt e = edges.begin; e < edges.end; ++e) {
+  result.reserve(static_cast<std::size_t>(field.components * (end - begin)));
+  for (PetscInt p = begin; p < end; ++p) {
     PetscInt offset = 0;
-    check(PetscSectionGetOffset(field.section.get(), e, &offset));
-    for (PetscInt k = 0; k < 3; ++k) result.push_back(values[offset + k]);
+    check(PetscSectionGetOffset(field.section.get(), p, &offset));
+    for (PetscInt k = 0; k < field.components; ++k) result.push_back(values[offset + k]);
   }
   return result;
+}
+
+/// The field of cells on their children: regular refinement numbers the eight of a cell one after another.
+PointField refined(MPI_Comm comm, DM coarse, DM fine, const PointField& field) {
+  PointField result = make_field(comm, fine, 3, field.components);
+  const std::vector<double> parents = values_by_point(coarse, field);
+  const ArrayView values(result.values.get());
+  const auto size = static_cast<std::size_t>(field.components);
+  for (std::size_t i = 0; i < 8 * parents.size(); ++i) {
+    values[static_cast<PetscInt>(i)] = parents[i / (8 * size) * size + i % size];
+  }
+  return result;
+}
+
+/// Each of the data by itself.
+void take_apart(const std::vector<double>& all, std::vector<CellField>& fields) {
+  for (std::size_t at = 0; at < all.size();) {
+    for (auto& data : fields) {
+      for (int k = 0; k < data.components; ++k) data.values.push_back(all[at++]);
+    }
+  }
 }
 
 /// Hands the cells to the ranks that METIS chose. No other rank holds cells yet.
@@ -212,12 +257,15 @@ void distribute(MPI_Comm comm, MeshParts&& parts, int refine, Mesh& result) {
   Handle<DM> dm = build_plex(comm, parts);
   label_groups(dm.get(), parts, result.groups, result.report.notices);
   result.geometry_order = any(comm, parts.mesh.geometry_order() == 2) ? 2 : 1;
-  EdgeField midpoints;
+  PointField midpoints, data;
   if (result.geometry_order == 2) midpoints = edge_field(comm, dm.get(), parts.mesh);
+  const bool has_data = !result.cell_data.empty();
+  if (has_data) data = cell_field(comm, dm.get(), parts.mesh, result.cell_data);
   if (size > 1) prescribe_partition(dm.get(), parts.part, size);
   parts = {};
   const auto move_on = [&](DM from, Handle<DM> to, PetscSF migration) {
     if (result.geometry_order == 2) migrate(comm, from, migration, midpoints);
+    if (has_data) migrate(comm, from, migration, data);
     dm = std::move(to);
   };
   if (size > 1) {
@@ -227,10 +275,11 @@ void distribute(MPI_Comm comm, MeshParts&& parts, int refine, Mesh& result) {
     move_on(dm.get(), std::move(distributed), migration.get());
   }
   for (int i = 0; i < refine; ++i) {
-    Handle<DM> refined;
+    Handle<DM> fine;
     check(DMPlexSetRefinementUniform(dm.get(), PETSC_TRUE));
-    check(DMRefine(dm.get(), comm, refined.out()));
-    dm = std::move(refined);
+    check(DMRefine(dm.get(), comm, fine.out()));
+    if (has_data) data = refined(comm, dm.get(), fine.get(), data);
+    dm = std::move(fine);
     keep_own_dimension(dm.get(), result.groups);
   }
   if (size > 1) {
@@ -240,7 +289,8 @@ void distribute(MPI_Comm comm, MeshParts&& parts, int refine, Mesh& result) {
     check(DMPlexDistributeOverlap(dm.get(), 1, migration.out(), overlapping.out()));
     move_on(dm.get(), std::move(overlapping), migration.get());
   }
-  if (result.geometry_order == 2) result.edge_midpoints = values_by_edge(dm.get(), midpoints);
+  if (result.geometry_order == 2) result.edge_midpoints = values_by_point(dm.get(), midpoints);
+  if (has_data) take_apart(values_by_point(dm.get(), data), result.cell_data);
   result.dm = std::move(dm);
 }
 

@@ -86,6 +86,20 @@ std::vector<PhysicalGroup> shared_groups(MPI_Comm comm, const SerialMesh& mesh) 
   return groups;
 }
 
+/// Names and numbers of components of rank 0's data on every rank.
+std::vector<CellField> shared_cell_data(MPI_Comm comm, const SerialMesh& mesh) {
+  std::string text;
+  for (const auto& data : mesh.cell_data) text += std::to_string(data.components) + data.name + field_end;
+  text = broadcast(comm, std::move(text));
+  std::vector<CellField> result;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = text.find(field_end, at);
+    result.push_back({text.substr(at + 1, end - at - 1), text[at] - '0', {}});  // 1 to 9 components
+    at = end + 1;
+  }
+  return result;
+}
+
 }  // namespace
 
 std::string label_name(const PhysicalGroup& group) {
@@ -99,6 +113,7 @@ Mesh read_mesh(MPI_Comm comm, const MeshSource& source) {
   MeshParts parts;
   on_root(comm, [&] { parts = prepare_or_reject(source, num_ranks(comm), mesh.report); });
   mesh.groups = shared_groups(comm, parts.mesh);
+  mesh.cell_data = shared_cell_data(comm, parts.mesh);
   distribute(comm, std::move(parts), source.refine, mesh);
   measure(comm, mesh);
   return mesh;

@@ -21,6 +21,13 @@ struct PhysicalGroup {
 /// Name of the DMLabel that marks the points of a group (value 1 on points of the group's own dimension).
 std::string label_name(const PhysicalGroup& group);
 
+/// Numbers that the file gives for its cells ($ElementData).
+struct CellField {
+  std::string name;
+  int components = 1;
+  std::vector<double> values;  ///< `components` per cell; NaN where the file has none
+};
+
 /// Where a mesh comes from.
 struct MeshSource {
   std::string file;            ///< .geo .step .stp .brep .stl are meshed by gmsh, .msh is read as it is
@@ -40,6 +47,7 @@ struct Mesh {
   std::vector<double>
       edge_midpoints;  ///< geometry_order 2: xyz of the mid-edge node of local edge point p at 3 * (p - edge_start) [m]
   std::vector<PhysicalGroup> groups;  ///< the same on every rank
+  std::vector<CellField> cell_data;   ///< the same names on every rank; values by cell point, ghosts included
   MeshReport report;                  ///< the same on every rank
 };
 

@@ -2,6 +2,9 @@
 
 #include "mesh/element_type.hpp"
 
+#include <algorithm>
+#include <limits>
+
 namespace pliant {
 namespace {
 
@@ -52,6 +55,35 @@ void MeshCollector::add_cell(int type, std::size_t tag, std::span<const std::siz
   mesh_.cell_tags.push_back(tag);
   if (physicals.empty()) ungrouped_.push_back(cell);
   for (const int physical : physicals) group(3, physical).members.push_back(cell);
+}
+
+void MeshCollector::add_data(CellField data, std::vector<std::size_t> element_tags) {
+  if (std::ranges::find(mesh_.cell_data, data.name, &CellField::name) != mesh_.cell_data.end()) {
+    mesh_.notices.push_back("there are several $ElementData '" + data.name + "'; the first counts");
+    return;
+  }
+  mesh_.cell_data.push_back(std::move(data));
+  data_tags_.push_back(std::move(element_tags));
+}
+
+void MeshCollector::sort_data_by_cell() {
+  if (mesh_.cell_data.empty()) return;
+  std::vector<std::pair<std::size_t, std::size_t>> cell_of_tag;
+  for (std::size_t c = 0; c < mesh_.num_cells(); ++c) cell_of_tag.emplace_back(mesh_.cell_tags[c], c);
+  std::ranges::sort(cell_of_tag);
+  for (std::size_t d = 0; d < mesh_.cell_data.size(); ++d) {
+    CellField& data = mesh_.cell_data[d];
+    const auto size = static_cast<std::size_t>(data.components);
+    std::vector<double> sorted(size * mesh_.num_cells(), std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t e = 0; e < data_tags_[d].size(); ++e) {
+      const auto found =
+          std::ranges::lower_bound(cell_of_tag, data_tags_[d][e], {}, &std::pair<std::size_t, std::size_t>::first);
+      if (found == cell_of_tag.end() || found->first != data_tags_[d][e]) continue;
+      std::copy_n(data.values.begin() + static_cast<std::ptrdiff_t>(size * e), size,
+                  sorted.begin() + static_cast<std::ptrdiff_t>(size * found->second));
+    }
+    data.values = std::move(sorted);
+  }
 }
 
 bool MeshCollector::has_grouped_cells() const {
@@ -114,6 +146,7 @@ SerialMesh MeshCollector::finish() {
     throw MeshDefect("it mixes first- and second-order tetrahedra: mesh all volumes with the same Mesh.ElementOrder");
   }
   if (groups_only && !ungrouped_.empty()) drop_ungrouped_cells();
+  sort_data_by_cell();
   for (auto& [key, g] : groups_) {
     if (g.members.empty()) mesh_.notices.push_back(describe(g.group) + " has no elements");
     mesh_.groups.push_back(std::move(g));

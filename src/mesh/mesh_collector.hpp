@@ -24,6 +24,10 @@ class MeshCollector {
   /// dimension that it is in. Throws MeshDefect if a node does not exist.
   void add(int type, std::size_t tag, std::span<const std::size_t> nodes, std::span<const int> physicals);
 
+  /// Data of elements, `components` numbers each; those of no tetrahedron are left out by `finish`. The first of a name
+  /// counts.
+  void add_data(CellField data, std::vector<std::size_t> element_tags);
+
   /// Throws MeshDefect if there are no tetrahedra, other volume elements, or a mixture of orders.
   SerialMesh finish();
 
@@ -38,12 +42,14 @@ class MeshCollector {
   void reject_other_elements(bool groups_only) const;
   [[noreturn]] void reject_without_tetrahedra() const;
   void drop_ungrouped_cells();
+  void sort_data_by_cell();
 
   SerialMesh mesh_;
   NodeNumbering number_;
   std::map<std::pair<int, int>, SerialGroup> groups_;
   std::vector<PetscInt> ungrouped_;
-  std::map<int, Count> found_;  // per element type
+  std::map<int, Count> found_;                       // per element type
+  std::vector<std::vector<std::size_t>> data_tags_;  // elements of mesh_.cell_data, until `finish`
   SerialGroup* last_ = nullptr;
 };
 

@@ -44,6 +44,7 @@ class MshFile {
   void read_nodes_4();
   void read_elements_2();
   void read_elements_4();
+  void read_element_data();
   void read_entity(int dimension, bool is_partitioned);
   void read_element_2(int type, int tag, std::size_t num_tags);
   int element_type();
@@ -59,7 +60,8 @@ class MshFile {
   std::vector<std::tuple<int, int, std::string>> names_;
   std::map<std::pair<int, int>, std::vector<int>> physicals_;  // version 4: of each entity
   std::optional<MeshCollector> collector_;
-  std::vector<std::size_t> nodes_;  // of the element at hand
+  std::vector<std::size_t> nodes_;                                    // of the element at hand
+  std::vector<std::pair<CellField, std::vector<std::size_t>>> data_;  // with the elements' tags
 };
 
 void MshFile::read_format() {
@@ -268,6 +270,38 @@ void MshFile::read_elements_4() {
   }
 }
 
+// The head is ascii in binary files too: names, real numbers (the time), integers (step, components, entries, ...).
+void MshFile::read_element_data() {
+  in_.use(Encoding::ascii);
+  CellField data;
+  const auto num_names = in_.count<int>("the number of names of the data", bytes_of(1));
+  for (std::size_t i = 0; i < num_names; ++i) {
+    const std::string name = in_.quoted("the name of the data");
+    if (i == 0) data.name = name;
+  }
+  const auto num_reals = in_.count<int>("the number of real tags of the data", bytes_of(1));
+  for (std::size_t i = 0; i < num_reals; ++i) (void)in_.number<double>("a real tag of the data");
+  const auto num_integers = in_.count<int>("the number of integer tags of the data", bytes_of(1));
+  if (num_integers < 3) in_.fail("data need three integer tags: step, components, number of elements");
+  (void)in_.number<int>("the step of the data");
+  data.components = in_.number<int>("the number of components of the data");
+  if (data.components < 1 || data.components > 9) in_.fail("the number of components of the data must be 1 to 9");
+  const auto size = static_cast<std::size_t>(data.components);
+  const auto count = in_.count<int>("the number of elements of the data", bytes_of(1 + size));
+  for (std::size_t i = 3; i < num_integers; ++i) (void)in_.number<int>("an integer tag of the data");
+  (void)in_.line();
+  in_.use(encoding_);
+  std::vector<std::size_t> tags(count);
+  data.values.resize(size * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const int tag = in_.number<int>("the number of an element");
+    if (tag < 0) in_.fail("the number of an element must not be negative");
+    tags[i] = static_cast<std::size_t>(tag);
+    for (std::size_t k = 0; k < size; ++k) data.values[size * i + k] = in_.number<double>("a value of the data");
+  }
+  data_.emplace_back(std::move(data), std::move(tags));
+}
+
 void MshFile::end_section(const std::string& name) {
   in_.use(Encoding::ascii);
   const std::string_view word = in_.word();
@@ -287,13 +321,14 @@ void MshFile::read_section(const std::string& name) {
       {"PartitionedEntities", is_4 ? &MshFile::read_partitioned_entities : nullptr},
       {"Nodes", is_4 ? &MshFile::read_nodes_4 : &MshFile::read_nodes_2},
       {"Elements", is_4 ? &MshFile::read_elements_4 : &MshFile::read_elements_2},
+      {"ElementData", &MshFile::read_element_data},
   };
   const auto reader = readers.find(name);
   if (reader == readers.end() || reader->second == nullptr) {
     if (!in_.skip_past("$End" + name)) in_.fail("the file ends inside of $" + name + ": it is truncated");
     return;
   }
-  if (!sections_.insert(name).second) in_.fail("there is a second $" + name + " section");
+  if (!sections_.insert(name).second && name != "ElementData") in_.fail("there is a second $" + name + " section");
   (void)in_.line();
   in_.use(encoding_);
   (this->*reader->second)();
@@ -313,6 +348,7 @@ SerialMesh MshFile::read() {
     if (sections_.count(name) == 0) in_.fail(std::string("the file ends without a $") + name + " section");
   }
   for (const auto& [dimension, tag, name] : names_) collector_->name_group(dimension, tag, name);
+  for (auto& [data, tags] : data_) collector_->add_data(std::move(data), std::move(tags));
   return collector_->finish();
 }
 

@@ -25,6 +25,7 @@ struct SerialMesh {
   std::vector<PetscInt> mid_nodes;  ///< geometry_order 2: 6 nodes per cell, on the edges of `local_edges`; else empty
   std::vector<std::size_t> cell_tags;  ///< the file's number of each element, for messages
   std::vector<SerialGroup> groups;
+  std::vector<CellField> cell_data;
   std::vector<std::string> notices;  ///< what the reader has to tell the user
 
   std::size_t num_nodes() const { return coordinates.size() / 3; }

@@ -5,8 +5,8 @@
 #include "petsc/session.hpp"
 
 #include <exception>
+#include <numeric>
 #include <sstream>
-#include <vector>
 
 namespace pliant {
 namespace {
@@ -129,6 +129,17 @@ PetscInt64 sum(MPI_Comm comm, PetscInt64 x) {
 }
 bool any(MPI_Comm comm, bool x) {
   return reduced(comm, static_cast<int>(x), MPI_INT, MPI_MAX) != 0;
+}
+
+std::vector<double> gathered(MPI_Comm comm, std::span<const double> mine) {
+  const int count = static_cast<int>(mine.size());
+  std::vector<int> counts(static_cast<std::size_t>(num_ranks(comm))), offsets(counts.size(), 0);
+  check_mpi(MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm));
+  std::partial_sum(counts.begin(), counts.end() - 1, offsets.begin() + 1);
+  std::vector<double> all(static_cast<std::size_t>(offsets.back() + counts.back()));
+  check_mpi(
+      MPI_Allgatherv(mine.data(), count, MPI_DOUBLE, all.data(), counts.data(), offsets.data(), MPI_DOUBLE, comm));
+  return all;
 }
 
 }  // namespace pliant

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include <petscsys.h>
 
@@ -25,5 +27,8 @@ double maximum(MPI_Comm comm, double x);
 double minimum(MPI_Comm comm, double x);
 PetscInt64 sum(MPI_Comm comm, PetscInt64 x);
 bool any(MPI_Comm comm, bool x);
+
+/// The ranks' lists one after another, on every rank. Collective.
+std::vector<double> gathered(MPI_Comm comm, std::span<const double> mine);
 
 }  // namespace pliant

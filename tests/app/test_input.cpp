@@ -56,6 +56,14 @@ constraints:
   - {point: "corner one", displacement: [0, 0, 0]}
   - {box: [[0, 0, 0], [1 mm, 1, 1]], displacement: [0, 0, 0]}
   - {where: "x < 1e-9 && y > 0", displacement: [0, 0, 0]}
+  - {surface: half, symmetry: plane}
+  - {surface: lid, normal_displacement: "-0.1*t"}
+  - {curve: rail, displacement_along: 1 mm, direction: [1, 1, 0]}
+  - {surface: right, periodic_with: left, difference: [0.1, free, "t"]}
+  - {surface: grip, rigid: {translation: [0, free, "0.01*t"], rotation: {axis: [0, 0, 2], angle: 90 degree}, center: [1, 0, 0]}}
+  - {box: [[0, 0, 0], [1, 1, 1]], rigid: {translation: [1 mm, 0, 0], rotation: fixed}}
+  - {equation: [{point: a, component: x}, {surface: b, component: z, coefficient: -0.5}], value: "t^2"}
+  - {equation: [{volume: a, component: x}, {curve: b, component: y}, {box: [[0, 0, 0], [1, 1, 1]], component: z}, {where: "x > 1", component: z}]}
 loads:
   - {gravity: [0, 0, -9.81 m/s^2]}
   - {gravity: ["sin(t)", 0, 0], volume: beam}
@@ -175,7 +183,7 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_EQ(stiffness.rate, StrainRate::secant);
   EXPECT_EQ(mass.decay_rate, 2);
   EXPECT_EQ(mass.where.line, maxwell.where.line + 3);
-  ASSERT_EQ(c.constraints.size(), 6u);
+  ASSERT_EQ(c.constraints.size(), 14u);
   EXPECT_FALSE(c.constraints[0].displacement[1]) << "free";
   EXPECT_EQ((*c.constraints[0].displacement[2])(0, 0, 0, 2), 0.2);
   EXPECT_EQ((*c.constraints[2].displacement[0])(0, 0, 0, 0), 1e-3);
@@ -183,6 +191,33 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_EQ(c.constraints[4].part.box, (std::array<double, 6>{0, 0, 0, 1e-3, 1, 1}));
   EXPECT_EQ((*c.constraints[5].part.region)(0, 1, 0, 0), 1);
   EXPECT_EQ((*c.constraints[5].part.region)(1, 1, 0, 0), 0);
+  using Kind = ConstraintConfig::Kind;
+  EXPECT_EQ(c.constraints[5].kind, Kind::displacement);
+  EXPECT_EQ(c.constraints[6].kind, Kind::symmetry);
+  EXPECT_EQ(c.constraints[7].kind, Kind::normal);
+  EXPECT_EQ(c.constraints[7].value(0, 0, 0, 2), -0.2);
+  EXPECT_EQ(c.constraints[8].kind, Kind::along);
+  EXPECT_EQ(c.constraints[8].value(0, 0, 0, 0), 1e-3);
+  EXPECT_EQ(c.constraints[8].direction, (std::array<double, 3>{1, 1, 0}));
+  EXPECT_EQ(c.constraints[9].kind, Kind::periodic);
+  EXPECT_EQ(c.constraints[9].partner.name, "left");
+  EXPECT_FALSE(c.constraints[9].difference[1]);
+  EXPECT_EQ((*c.constraints[9].difference[2])(0, 0, 0, 3), 3);
+  EXPECT_EQ(c.constraints[10].kind, Kind::rigid);
+  const RigidConfig& grip = c.constraints[10].rigid;
+  EXPECT_FALSE(grip.translation[1]);
+  EXPECT_EQ(grip.rotation.kind, RotationConfig::Kind::about_axis);
+  EXPECT_EQ(grip.rotation.axis, (std::array<double, 3>{0, 0, 2}));
+  EXPECT_NEAR((*grip.rotation.angle)(0, 0, 0, 0), 1.5707963267948966, 1e-15);
+  EXPECT_EQ(grip.center, (std::array<double, 3>{1, 0, 0}));
+  EXPECT_EQ(c.constraints[11].rigid.rotation.kind, RotationConfig::Kind::fixed);
+  EXPECT_FALSE(c.constraints[11].rigid.center);
+  EXPECT_EQ(c.constraints[12].kind, Kind::equation);
+  ASSERT_EQ(c.constraints[12].equation.size(), 2u);
+  EXPECT_EQ(c.constraints[12].equation[0].coefficient, 1);
+  EXPECT_EQ(c.constraints[12].equation[1].component, 2);
+  EXPECT_EQ(c.constraints[12].equation[1].coefficient, -0.5);
+  EXPECT_EQ(c.constraints[12].value(0, 0, 0, 3), 9);
   ASSERT_EQ(c.loads.size(), 13u);
   EXPECT_EQ(c.loads[0].kind, LoadConfig::Kind::gravity);
   EXPECT_EQ(c.loads[0].part.kind, Selection::Kind::everything);
@@ -191,7 +226,7 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_EQ(c.loads[2].kind, LoadConfig::Kind::traction);
   EXPECT_EQ(c.loads[2].value[1](0, 0, 0, 0), 2000);
   EXPECT_TRUE(c.loads[2].value[2].depends_on_time());
-  EXPECT_EQ(c.loads[2].where.line, 34);
+  EXPECT_EQ(c.loads[2].where.line, 42);
   EXPECT_EQ(c.loads[3].part.kind, Selection::Kind::box);
   EXPECT_EQ(c.loads[3].value[2](0, 0, 0, 0), 1.0 / 3.0);
   EXPECT_EQ(c.loads[5].kind, LoadConfig::Kind::pressure);
@@ -215,7 +250,7 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_EQ(c.initial.velocity[1](0, 2, 0, 0), -2);
   EXPECT_DOUBLE_EQ(c.initial.velocity[2](0, 0, 0, 0), 3 / 3.6);
   EXPECT_EQ(c.time.method.value, "bdf2");
-  EXPECT_EQ(c.time.method.where.line, 46);
+  EXPECT_EQ(c.time.method.where.line, 54);
   EXPECT_EQ(c.time.min_step, 1e-6);
   EXPECT_EQ(c.solver.linear, "cholesky");
   EXPECT_EQ(c.solver.newton.absolute, 1e-3);
@@ -250,17 +285,49 @@ TEST(Dump, SpellsOutEveryKeyOfTheTable) {
   for (const std::string& time : other_times) {
     collect_paths(parse_yaml(dump(read(everything, {{"time", time}})), "dump", none), "", written);
   }
+  collect_paths(parse_yaml(dump(read(everything, {{"bodies",
+                                                   "[{density: 1, elasticity: {model: neo-hookean, youngs_modulus: 1, "
+                                                   "poissons_ratio: 0}, viscosity: {model: prony, ratio: 0.3, "
+                                                   "relaxation_time: 1}}]"}})),
+                           "dump", none),
+                "", written);
   for (std::size_t row = 0; row < elastic_laws().size(); ++row) {
     const ElasticLawSpec law = typical_law(row);
     std::string body = "[{density: 1, elasticity: {model: " + std::string(law.info().name);
     for (std::size_t p = 0; p < law.parameters.size(); ++p) {
       body += fmt::format(", {}: {}", law.info().parameters[p].name, law.parameters[p]);
     }
+    for (std::size_t d = 0; d < law.info().directions.size(); ++d) {
+      body += fmt::format(", {}: [x, {}, 0]", law.info().directions[d], d);
+    }
     collect_paths(parse_yaml(dump(read(everything, {{"bodies", body + "}}]"}})), "dump", none), "", written);
+  }
+  for (const char* active : {"{stress: 20 kPa, fibre: {cell_data: f}}", "{shortening: 0.1*t, fibre: [1, y, 0]}"}) {
+    const std::string body =
+        "[{density: 1, elasticity: {model: linear, youngs_modulus: {cell_data: \"the E\"}, "
+        "poissons_ratio: 0}, active: ";
+    collect_paths(parse_yaml(dump(read(everything, {{"bodies", body + active + "}]"}})), "dump", none), "", written);
   }
   for (const auto& path : expected) {
     EXPECT_NE(std::find(written.begin(), written.end(), path), written.end()) << path << " is not written";
   }
+}
+
+TEST(Input, DirectionsAndDataOfTheMesh) {
+  const Config c = read(everything, {{"bodies",
+                                      "[{density: 1, elasticity: {model: holzapfel-gasser-ogden, "
+                                      "shear_modulus: {cell_data: \"mu of it\"}, bulk_modulus: 1 MPa, k1: 1, "
+                                      "k2: 1, fibre: {cell_data: f}, fibre2: [y, 2, -x]}}]"}});
+  const ElasticityConfig& e = c.bodies[0].elasticity;
+  ASSERT_EQ(e.constants.size(), 4u);
+  EXPECT_EQ(e.constants[0].cell_data, "mu of it");
+  EXPECT_TRUE(e.constants[1].cell_data.empty());
+  ASSERT_EQ(e.directions.size(), 2u);
+  EXPECT_EQ(e.directions[0].key, "fibre");
+  EXPECT_EQ(e.directions[0].cell_data, "f");
+  EXPECT_EQ(e.directions[1].key, "fibre2");
+  EXPECT_TRUE(e.directions[1].cell_data.empty());
+  EXPECT_EQ(e.directions[1].value[2](3, 0, 0, 0), -3);
 }
 
 class RoundTrip : public testing::TestWithParam<std::string> {};
@@ -277,6 +344,7 @@ TEST_P(RoundTrip, KeepsTheConfiguration) {
     EXPECT_EQ(again.constraints[i].part.kind, original.constraints[i].part.kind);
     EXPECT_EQ(again.constraints[i].part.name, original.constraints[i].part.name);
     EXPECT_EQ(again.constraints[i].part.box, original.constraints[i].part.box);
+    EXPECT_EQ(again.constraints[i].kind, original.constraints[i].kind);
     for (std::size_t k = 0; k < 3; ++k) {
       const auto &a = again.constraints[i].displacement[k], &b = original.constraints[i].displacement[k];
       ASSERT_EQ(a.has_value(), b.has_value());

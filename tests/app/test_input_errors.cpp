@@ -125,6 +125,39 @@ INSTANTIATE_TEST_SUITE_P(
             "'poissons_ratio' must be between -1 and 0.5 (both excluded), not '0.5'"},
         Bad{2, "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: @[1], poissons_ratio: 0}}]",
             "'youngs_modulus' must be a pressure [Pa] or a formula, not a list"},
+        Bad{2, "bodies: [{density: 1, elasticity: @{model: guccione, C: 1, bf: 1, bt: 1, bfs: 1, bulk_modulus: 1}}]",
+            "missing key 'fibre' of guccione"},
+        Bad{2,
+            "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0, fibre: @[1, 0, "
+            "0]}}]",
+            "'fibre' is no direction of linear, which has none"},
+        Bad{2,
+            "bodies: [{density: 1, elasticity: {model: guccione, C: 1, bf: 1, bt: 1, bfs: 1, bulk_modulus: 1, fibre: "
+            "@[0, 0, 0]}}]",
+            "'fibre' has no direction: its components are (0, 0, 0)"},
+        Bad{2,
+            "bodies: [{density: 1, elasticity: {model: holzapfel-ogden, a: 1, b: 1, a_f: 1, b_f: 1, a_s: 1, b_s: 1, "
+            "a_fs: "
+            "1, b_fs: 1, bulk_modulus: 1, fibre: [1, 1, 0], sheet: @[-2, -2, 0]}}]",
+            "'sheet' is parallel to 'fibre': it must lie across"},
+        Bad{2,
+            "bodies: [{density: 1, elasticity: @{model: guccione, C: 1, bf: 1, bt: 1, bfs: 1, bulk_modulus: 1, "
+            "poissons_ratio: 0.3, "
+            "fibre: "
+            "[1, 0, 0]}}]",
+            "'poissons_ratio' is no parameter of guccione"},
+        Bad{2,
+            "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: {cell_data: a, @cell: a}, "
+            "poissons_ratio: 0}}]",
+            "unknown key 'cell' in youngs_modulus"},
+        Bad{2,
+            "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}, active: "
+            "@{stress: 1}}]",
+            "missing key 'fibre' in active: the elastic law has no fibres of its own"},
+        Bad{2,
+            "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}, active: "
+            "{fibre: [1, 0, 0], stress: 1, @shortening: 0.1}}]",
+            "shortening"},
         Bad{2, "bodies: [{density: 1, elasticity: {model: @neohookean, youngs_modulus: 1, poissons_ratio: 0}}]",
             "not 'neohookean' (did you mean 'neo-hookean'?)"},
         Bad{5, "time: {step: @10 mm, end: 1}", "'step': '10 mm' is a length, but a time [s] is expected"},
@@ -177,6 +210,34 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{3, "constraints: [{surface: clamp, displacement: [0, @fixed, 0]}]", "'fixed' is not known"},
         Bad{6, "initial: {velocity: [0, 0, @t]}", "'velocity[2]' cannot depend on the time t"},
         Bad{3, "constraints: [{where: @\"x < t\", displacement: [0, 0, 0]}]", "'where' cannot depend on the time t"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Constraints, BadInput,
+    testing::Values(
+        Bad{3, "constraints: [@{surface: a}]",
+            "one of displacement, symmetry, normal_displacement, displacement_along, periodic_with, rigid, equation is "
+            "needed in constraints[0]"},
+        Bad{3, "constraints: [{surface: a, symmetry: @true}]", "'symmetry' must be 'plane', not 'true'"},
+        Bad{3, "constraints: [{surface: a, symmetry: plane, @normal_displacement: 0}]",
+            "only one of symmetry, normal_displacement can be given"},
+        Bad{3, "constraints: [@{surface: a, displacement_along: 1}]",
+            "missing key 'direction' in constraints[0], which 'displacement_along' needs"},
+        Bad{3, "constraints: [{surface: a, displacement_along: 1, direction: @[0, 0, 0]}]", "points nowhere"},
+        Bad{3, "constraints: [{surface: a, symmetry: plane, @direction: [0, 0, 1]}]",
+            "'direction' goes only beside 'displacement_along'"},
+        Bad{3, "constraints: [@{periodic_with: a}]", "is needed in constraints[0] beside 'periodic_with'"},
+        Bad{3, "constraints: [{surface: b, periodic_with: a, difference: [0, @x, 0]}]",
+            "'difference[1]' cannot depend on the place x, y, z; it is a function of t"},
+        Bad{3, "constraints: [{surface: a, rigid: {rotation: @none}}]", "'rotation' must be"},
+        Bad{3, "constraints: [{surface: a, rigid: {rotation: @{axis: [0, 0, 1]}}}]", "missing key 'angle' in rotation"},
+        Bad{3, "constraints: [{surface: a, rigid: {rotation: {axis: [0, 0, 1], angle: @1 m}}}]",
+            "'1 m' is a length, but an angle [rad] is expected"},
+        Bad{3, "constraints: [{surface: a, rigid: {@angle: 1}}]",
+            "unknown key 'angle' in rigid (it belongs in rotation)"},
+        Bad{3, "constraints: [{equation: [{point: a, component: @w}]}]", "'component' must be one of x, y, z, not 'w'"},
+        Bad{3, "constraints: [{equation: [@{component: x}]}]",
+            "one of surface, volume, curve, point, box, where is needed in equation[0]"},
+        Bad{3, "constraints: [{@surface: a, equation: [{point: a, component: x}]}]", "'surface' goes only beside"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Selections, BadInput,
@@ -247,14 +308,15 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         BadViscosity{"@1", "'viscosity' must be a map of keys, not '1'"},
         BadViscosity{"@{shear: 1}", "missing key 'model' in viscosity"},
-        BadViscosity{
-            "{model: @kelvin, shear: 1}",
-            "'model' must be one of kelvin-voigt, maxwell, stiffness-proportional, mass-proportional, not 'kelvin'"},
+        BadViscosity{"{model: @kelvin, shear: 1}",
+                     "'model' must be one of kelvin-voigt, maxwell, prony, stiffness-proportional, mass-proportional, "
+                     "not 'kelvin'"},
         BadViscosity{"@[]", "'viscosity' must be a list with entries"},
         BadViscosity{"[{model: mass-proportional, decay_rate: 1}, @{model: mass-proportional}]",
                      "missing key 'decay_rate' in viscosity[1], which 'model: mass-proportional' needs"},
         BadViscosity{"{model: mass-proportional, decay_rate: @1 s}",
                      "'1 s' is a time, but a frequency [1/s] is expected"},
+        BadViscosity{"@{model: prony, relaxation_time: 1}", "missing key 'ratio' in viscosity"},
         BadViscosity{"@{model: stiffness-proportional}", "missing key 'time' in viscosity"},
         BadViscosity{"{model: kelvin-voigt, shear: 1, @time: 1}",
                      "'time' goes only beside 'model: stiffness-proportional' in viscosity"},

@@ -135,12 +135,17 @@ const std::vector<std::string> good_lines{
     "point_spring: 2 N/m, point_dashpot: 1}]",
     "loads: [{force_density: [0, 0, 1 N/m^3]}, {curve: c, line_force: [0, t, 1]}, {point: p, force: [0, 1 N, 0]}, "
     "{surface: s, force: [1, 1, 1]}, {volume: v, force_density: [1, 0, 0]}]",
+    "constraints: [{surface: a, symmetry: plane}, {where: x, normal_displacement: \"t\"}, {point: a, "
+    "displacement_along: 1, direction: [1, 0, 0]}, {surface: a, periodic_with: b, difference: [free, 0, 0]}]",
+    "constraints: [{surface: a, rigid: {}}, {point: a, rigid: {translation: [0, free, \"t\"], rotation: {axis: [0, 0, "
+    "1], angle: 90 degree}}}, {equation: [{point: a, component: x}, {point: b, component: y, coefficient: 2}]}]",
     viscous("{model: kelvin-voigt, shear: 20 Pa*s}"),
     viscous("{model: kelvin-voigt, shear: 0, bulk: 1, rate: reconstructed}"),
     viscous("{model: maxwell, shear_modulus: 1, relaxation_time: 1, bulk_modulus: 1}"),
     viscous("[{model: maxwell, shear_ratio: 1, relaxation_time: 1, bulk_ratio: 10 %}, {model: mass-proportional, "
             "decay_rate: 1 Hz}]"),
     viscous("{model: stiffness-proportional, time: 1 ms, rate: auto}"),
+    viscous("[{model: prony, ratio: 0.3, relaxation_time: 1}, {model: prony, ratio: 30 %, relaxation_time: 1 min}]"),
     "time: {method: symplectic-dirk22, step: 1 ms, end: 1, events: [0.1, 200 ms]}",
     "time: {method: bdf3, end: 1 s, startup: ramp, adaptive: {}}",
     "time: {method: dirk22, end: 1, adaptive: {relative: 1.0e-3, absolute: 1 um, absolute_velocity: 1 mm/s, min_step: "
@@ -182,6 +187,12 @@ const std::vector<std::string> bad_lines{
     "mesh: {file: a, scale: 0}",
     "constraints: [{displacement: [0, 0, 0]}]",
     "constraints: [{surface: a, curve: b, displacement: [0, 0, 0]}]",
+    "constraints: [{surface: a}]",
+    "constraints: [{surface: a, symmetry: true}]",
+    "constraints: [{surface: a, displacement_along: 1}]",
+    "constraints: [{surface: a, symmetry: plane, difference: [0, 0, 0]}]",
+    "constraints: [{surface: a, rigid: {rotation: {axis: [0, 0, 1]}}}]",
+    "constraints: [{surface: a, equation: [{point: a, component: x}]}]",
     "time: {method: bdf4, step: 1, end: 1}",
     "time: {method: {petsc: rk}, step: 1, end: 1}",
     "time: {method: {A: [[1]]}, step: 1, end: 1}",

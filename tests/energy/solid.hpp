@@ -1,6 +1,7 @@
 /// A small body with cells, from which tests make energy terms; and vectors, stages and norms to test them with.
 #pragma once
 
+#include "energy/active_stress.hpp"
 #include "energy/elastic.hpp"
 #include "energy/foundation.hpp"
 #include "energy/incremental_potential.hpp"
@@ -8,13 +9,16 @@
 #include "energy/load.hpp"
 #include "energy/mass_damping.hpp"
 #include "energy/pressure.hpp"
+#include "energy/prony.hpp"
 #include "energy/viscous.hpp"
 #include "fem/body.hpp"
+#include "material/registry.hpp"
 #include "material/viscosity_registry.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/ghosted.hpp"
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <variant>
@@ -26,6 +30,9 @@ using Field = std::function<Point(const Point&)>;
 
 /// Of what is proportional to the elastic stiffness [Pa].
 inline constexpr IsotropicTensor<double> stiffness_at_rest{400.0, 700.0};
+
+/// Young's modulus of the laws whose stress branches have, unless said otherwise [Pa].
+inline constexpr double prony_modulus = 1000.0;
 
 /// A body and its cells for the quadrature of a law.
 class Solid {
@@ -57,6 +64,13 @@ class Solid {
     if (layout().order == 1) return make_viscous_term<1>(law, *elastic, std::get<0>(groups_), 0, num_owned);
     return make_viscous_term<2>(law, *elastic, std::get<1>(groups_), 0, num_owned);
   }
+  std::unique_ptr<EnergyTerm> prony(const std::vector<Prony>& branches, std::string_view law,
+                                    double youngs_modulus = prony_modulus, double poissons_ratio = 0.3) const {
+    std::shared_ptr<const LawField> elastic = make_law_field(make_law(law, youngs_modulus, poissons_ratio));
+    const PetscInt num_owned = layout().num_owned_nodes;
+    if (layout().order == 1) return make_prony_term<1>(branches, elastic, std::get<0>(groups_), 0, num_owned);
+    return make_prony_term<2>(branches, elastic, std::get<1>(groups_), 0, num_owned);
+  }
   /// alpha rho [kg/(s m^3)].
   std::unique_ptr<MassDamping> mass_damping(double density, Mass mass) const {
     if (layout().order == 1) {
@@ -65,6 +79,36 @@ class Solid {
     }
     return std::make_unique<MassDamping>(
         make_mass_matrix<2>(layout(), pattern(), std::get<1>(groups_), {density}, mass));
+  }
+  /// An amount of contraction along fibres that turn from place to place, or lie across all axes.
+  std::shared_ptr<const Activation> activation(const Expression& amount, FibreField::Kind kind) const {
+    const FibreField fibres{[kind](PetscInt, const Point& X) -> Point {
+                              if (kind == FibreField::Kind::parallel) return {2.0 / 7, 3.0 / 7, 6.0 / 7};
+                              return {std::cos(X[0] + X[2]), std::sin(X[0] + X[2]) * 0.6, std::sin(X[0] + X[2]) * 0.8};
+                            },
+                            kind};
+    return std::visit(
+        [&]<int Order>(const CellGroups<Order>& groups) {
+          return std::make_shared<const Activation>(make_activation<Order>(amount, fibres, layout(), groups, 0));
+        },
+        groups_);
+  }
+  std::unique_ptr<EnergyTerm> active_stress(const Expression& tension, FibreField::Kind kind) const {
+    return std::visit(
+        [&]<int Order>(const CellGroups<Order>& groups) {
+          return make_active_stress_term<Order>(activation(tension, kind), groups, 0, layout().num_owned_nodes);
+        },
+        groups_);
+  }
+  /// The law under active strain.
+  std::unique_ptr<ElasticTerm> shortened(const ElasticLawSpec& law, const Expression& shortening,
+                                         FibreField::Kind kind) const {
+    return std::visit(
+        [&]<int Order>(const CellGroups<Order>& groups) {
+          return make_elastic_term<Order>(make_law_field(law), groups, 0, layout().num_owned_nodes,
+                                          activation(shortening, kind));
+        },
+        groups_);
   }
   std::unique_ptr<Inertia> inertia(double density, Mass mass) const {
     if (layout().order == 1) return make_inertia<1>(layout(), pattern(), std::get<0>(groups_), {density}, mass);
@@ -219,13 +263,21 @@ struct TestStage {
   }
 };
 
+/// The least stiffness of the law at rest against shear along the axes.
+inline double softest_shear(const ElasticLawSpec& law) {
+  const Tangent<double> A = std::visit([](const auto& of) { return tangent(of, Tensor3<double>{}); }, instantiate(law));
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::size_t p : {1u, 2u, 3u, 5u, 6u, 7u}) least = std::min(least, A[9 * p + p]);
+  return least;
+}
+
 /// The laws of the registry with typical parameters, made as stiff at rest as E = 1000 Pa and nu = 0.3 are.
 inline std::vector<ElasticLawSpec> every_law(double youngs_modulus = 1000.0, double poissons_ratio = 0.3) {
   const Lame wanted = lame(youngs_modulus, poissons_ratio);
   std::vector<ElasticLawSpec> laws;
   for (std::size_t row = 0; row < elastic_laws().size(); ++row) {
     ElasticLawSpec law = typical_law(row);
-    const double scale = wanted.mu / law.at_rest().value_or(Lame{400e3, 0.0}).mu;
+    const double scale = wanted.mu / softest_shear(law);
     for (std::size_t p = 0; p < law.parameters.size(); ++p) {
       const auto& [name, unit, lower, upper, meaning, bound, typical, fallback] = law.info().parameters[p];
       if (unit == "Pa") law.parameters[p] *= scale;

@@ -36,10 +36,32 @@ std::vector<TermCase> every_case() {
       cases.push_back({testing::name_of(law), body, elastic_quadrature_degree(law.traits(), body.order),
                        [=](const Solid& solid) { return solid.elastic(law); }});
     }
+    for (const auto& law : testing::every_law()) {
+      if (law.info().name != "neo-hookean" && law.info().name != "guccione") continue;
+      for (const auto& [name, amount] : {std::pair{"Uniform", "0.1*sin(2*t)"}, {"Varied", "0.1*(1-x)+0.05*z*t"}}) {
+        const Expression shortening(amount);
+        cases.push_back(
+            {testing::name_of(law) + "Shortened" + name, body, elastic_quadrature_degree(law.traits(), body.order),
+             [=](const Solid& solid) { return solid.shortened(law, shortening, FibreField::Kind::varying); }});
+      }
+    }
+    cases.push_back({"activeStressUniform", body, 2 * (body.order - 1), [](const Solid& solid) {
+                       return solid.active_stress(Expression("300*sin(2*t)"), FibreField::Kind::parallel);
+                     }});
+    cases.push_back({"activeStressVaried", body, 2 * (body.order - 1), [](const Solid& solid) {
+                       return solid.active_stress(Expression("300*x-100*y*t"), FibreField::Kind::varying);
+                     }});
     for (const auto& law : testing::every_viscosity()) {
       if (!testing::is_potential(law)) continue;
       cases.push_back(
           {testing::name_of(law), body, 2 * (body.order - 1), [=](const Solid& solid) { return solid.viscous(law); }});
+    }
+    for (const char* law : {"linear", "saint-venant-kirchhoff", "neo-hookean", "neo-hookean-isochoric"}) {
+      std::string name = std::string("prony") + law;
+      std::erase(name, '-');
+      cases.push_back({name, body, 2 * (body.order - 1), [=](const Solid& solid) {
+                         return solid.prony({{0.5, 0.1}, {2.0, 0.02}}, law);
+                       }});
     }
     for (const auto& [name, mass] : {std::pair{"consistent", Mass::consistent}, {"lumped", Mass::lumped}}) {
       const Mass of = mass;

@@ -62,7 +62,7 @@ TEST_P(Foundations, PullBackAndTakeEnergy) {
       EXPECT_NEAR(force[i], (spring + dashpot / dt) * resisted, 1e-12);
     }
     const double resisted_square = term == normal.get() ? 0.3 * 0.3 : square;
-    EXPECT_NEAR(potential.energies(q.get(), nullptr)[0], 0.5 * spring * resisted_square, 1e-13);
+    EXPECT_NEAR(potential.energies({}, q.get(), nullptr)[0], 0.5 * spring * resisted_square, 1e-13);
     EXPECT_NEAR(potential.value(q.get()), 0.5 * (spring + dashpot / dt) * resisted_square, 1e-12);
     const auto power =
         potential.powers(q.get(),
@@ -98,8 +98,8 @@ class FoundationOrders : public test::EveryMethod {
     return [this](const StagePoint& stage, Vec q) {
       potential_.begin_stage(stage);
       potential_.gradient(q, r_.get());
-      potential_.hessian(q, K_.get(), Projection::none);
-      check(MatGetDiagonal(K_.get(), diagonal_.get()));
+      potential_.hessian(q, hessian_.get(), Projection::none);
+      check(MatGetDiagonal(hessian_.get(), diagonal_.get()));
       check(VecPointwiseDivide(r_.get(), r_.get(), diagonal_.get()));
       check(VecAXPY(q, -1.0, r_.get()));
       return StageReport{};
@@ -145,7 +145,7 @@ class FoundationOrders : public test::EveryMethod {
   Foundation foundation_{proportional_to_mass(), {c0, c1}};
   IncrementalPotential potential_{
       solid_.layout(), solid_.pattern(), {inertia_.get(), &foundation_}, solid_.nothing_prescribed()};
-  Handle<Mat> K_ = potential_.make_hessian();
+  Handle<Mat> hessian_ = potential_.make_hessian();
   Handle<Vec> r_ = potential_.make_vector(), diagonal_ = potential_.make_vector();
 };
 

@@ -18,8 +18,9 @@ using testing::TestStage;
 const MPI_Comm comm = MPI_COMM_WORLD;
 constexpr Point origin{0.0, 0.0, 0.0};
 
-PrescribedDisplacement::Kinematics at(const std::string& formula, double time, double time_scale) {
-  return PrescribedDisplacement::kinematics(Expression(formula), origin, time, time_scale);
+Kinematics at(const std::string& formula, double time, double time_scale) {
+  const GivenDisplacement given{{Expression(formula), std::nullopt, std::nullopt}};
+  return GivenKinematics(given, time, time_scale)(0, origin);
 }
 
 // A difference over seven points: exact, but for rounding, to the sixth degree.
@@ -64,10 +65,43 @@ TEST(Kinematics, DoNotLookAcrossAKinkAtTheStepsStartNorBeforeTheRuns) {
 }
 
 TEST(Kinematics, OfConstantsAreZero) {
-  const auto k = PrescribedDisplacement::kinematics(Expression("2*x"), {3.0, 0.0, 0.0}, 0.7, 0.1);
+  const GivenDisplacement given{{Expression("2*x"), std::nullopt, std::nullopt}};
+  const auto k = GivenKinematics(given, 0.7, 0.1)(0, {3.0, 0.0, 0.0});
   EXPECT_EQ(k.u, 6.0);
   EXPECT_EQ(k.v, 0.0);
   EXPECT_EQ(k.a, 0.0);
+}
+
+// A body that turns about an axis which itself moves: rates by the formulas of rigid motion.
+TEST(Kinematics, OfARigidBodyAreThoseOfItsMotion) {
+  const Point centre{0.2, -0.1, 0.3}, X{1.0, 0.5, -0.4};
+  const GivenDisplacement given{
+      {},
+      RigidMotion{
+          {Expression("0.1*t"), std::nullopt, Expression("0.2*t^2")}, {0.6, 0.0, 0.8}, Expression("3*t"), centre}};
+  EXPECT_TRUE(given.gives(0));
+  EXPECT_FALSE(given.gives(1));
+  const double t = 0.7;
+  const GivenKinematics kinematics(given, t, 0.01);
+  const Point omega{1.8, 0.0, 2.4}, arm = turn(Point{1.8 * t, 0.0, 2.4 * t}, X - centre);
+  const Point v = Point{0.1, 0.0, 0.4 * t} + cross(omega, arm),
+              a = Point{0.0, 0.0, 0.4} + cross(omega, cross(omega, arm));
+  const Point u = Point{0.1 * t, 0.0, 0.2 * t * t} + (arm - (X - centre));
+  for (int i = 0; i < 3; ++i) {
+    const auto k = kinematics(i, X);
+    EXPECT_NEAR(k.u, u[i], 1e-15);
+    EXPECT_NEAR(given(i, X, t), k.u, 1e-15);
+    EXPECT_NEAR(k.v, v[i], 1e-11);
+    EXPECT_NEAR(k.a, a[i], 1e-7);
+  }
+}
+
+// A turn by 1e-9 moves by 1e-9 of the arm, to all digits.
+TEST(Placement, SmallRotationsKeepTheirDigits) {
+  const Placement placement{{}, exponential({0.0, 0.0, 1e-9})};
+  const auto u = placement.displacement({0.7, 0.0, 0.2});
+  EXPECT_NEAR(u[1], 0.7e-9, 1e-24);
+  EXPECT_NEAR(u[0], -0.35e-18, 1e-32);
 }
 
 class Prescribed : public ::testing::Test {

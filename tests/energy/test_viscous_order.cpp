@@ -1,11 +1,11 @@
 // Orders in time of a spinning, vibrating viscous body: every method with every law of viscosity in every form.
+#include "dense_newton.hpp"
 #include "energy/solid.hpp"
 #include "material/viscosity_registry.hpp"
 #include "petsc/collective.hpp"
 #include "time/integrator.hpp"
 
 #include <cmath>
-#include <eigen3/Eigen/LU>
 #include <map>
 #include <ostream>
 
@@ -24,7 +24,8 @@ using testing::Solid;
 struct Damping {
   std::string name;
   std::vector<ViscosityVariant> laws;
-  double decay_rate = 0.0;  ///< of mass-proportional damping [1/s]
+  double decay_rate = 0.0;           ///< of mass-proportional damping [1/s]
+  std::vector<Prony> branches = {};  ///< with the stress of the elastic law
 };
 
 struct OrderCase {
@@ -57,6 +58,10 @@ Damping maxwell() {
   return {"Maxwell", {branch}};
 }
 
+Damping prony() {
+  return {"Prony", {}, 0.0, {{0.6, 0.1}, {0.4, 0.4}}};
+}
+
 Damping every_mechanism(StrainRate rate) {
   return {
       "EveryMechanism",
@@ -72,6 +77,7 @@ std::vector<OrderCase> every_case() {
   for (const Method& method : methods()) {
     for (const auto& form : strain_rates()) add(method, kelvin_voigt(form.rate), 1);
     add(method, maxwell(), 1);
+    add(method, prony(), 1);
     add(method, every_mechanism(strain_rate_for(method)), 1);
     add(method, kelvin_voigt(strain_rate_for(method)), 2);
   }
@@ -79,35 +85,9 @@ std::vector<OrderCase> every_case() {
 }
 
 double expected_order(const OrderCase& c) {
-  const auto rate = testing::rate_of(c.damping.laws[0]);
+  const auto rate = c.damping.laws.empty() ? std::nullopt : testing::rate_of(c.damping.laws[0]);
   if (!rate || rate == StrainRate::exact) return c.method.order;
   return rate == StrainRate::secant ? 1 : c.method.reconstructed_rate_order;
-}
-
-/// Newton's method with the whole matrix, to the last digits that it gains.
-StageSolve dense_newton(IncrementalPotential& potential) {
-  return [&potential, K = std::make_shared<Handle<Mat>>(potential.make_hessian()),
-          r = std::make_shared<Handle<Vec>>(potential.make_vector())](const StagePoint& stage, Vec q) {
-    const PetscInt n = potential.num_unknowns();
-    std::vector<PetscInt> all(static_cast<std::size_t>(n));
-    for (PetscInt i = 0; i < n; ++i) all[static_cast<std::size_t>(i)] = i;
-    Eigen::MatrixXd A(n, n);
-    potential.begin_stage(stage);
-    double previous = HUGE_VAL;
-    for (int iteration = 1; iteration <= 50; ++iteration) {
-      potential.gradient(q, r->get());
-      potential.hessian(q, K->get(), Projection::none);
-      check(MatGetValues(K->get(), n, all.data(), n, all.data(), A.data()));  // symmetric: rows are columns
-      const ArrayView x(q), residual(r->get());
-      const Eigen::Map<Eigen::VectorXd> b(residual.span().data(), n);
-      const Eigen::VectorXd d = A.partialPivLu().solve(b);
-      Eigen::Map<Eigen::VectorXd>(x.span().data(), n) -= d;
-      const double change = d.lpNorm<Eigen::Infinity>();
-      if (change < 1e-14 || (change < 1e-12 && change >= previous)) return StageReport{};
-      previous = change;
-    }
-    return StageReport{StageOutcome::retry, "no convergence", 50, 0};
-  };
 }
 
 /// On one rank alone.
@@ -122,6 +102,7 @@ struct Motion {
   static std::vector<std::unique_ptr<EnergyTerm>> dampers_of(const Solid& solid, const Damping& damping) {
     std::vector<std::unique_ptr<EnergyTerm>> terms;
     for (const auto& law : damping.laws) terms.push_back(solid.viscous(law));
+    if (!damping.branches.empty()) terms.push_back(solid.prony(damping.branches, "neo-hookean", 5.0, 0.3));
     if (damping.decay_rate > 0.0) terms.push_back(solid.mass_damping(damping.decay_rate * density, Mass::consistent));
     return terms;
   }
@@ -140,7 +121,7 @@ struct Motion {
       return Point{spin[0] + 0.4 * x[0], spin[1] - 0.3 * x[1] * x[2], spin[2] + 0.5 * x[2]};
     });
     const Handle<Vec> z = potential.make_internal();
-    System system{dense_newton(potential)};
+    System system{testing::dense_newton(potential)};
     system.guess = Guess::extrapolated;
     if (z) {
       system.internal = potential.internal_variables();
@@ -182,7 +163,7 @@ class ViscousOrders : public ::testing::TestWithParam<OrderCase> {
     Damping damping = c.damping;
     if (damping.laws.size() > 1) {
       damping = every_mechanism(StrainRate::exact);
-    } else if (testing::rate_of(damping.laws[0])) {
+    } else if (!damping.laws.empty() && testing::rate_of(damping.laws[0])) {
       damping = kelvin_voigt(StrainRate::exact);
     }
     auto& result = known[testing::name_of(c.body) + damping.name];

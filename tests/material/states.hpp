@@ -92,15 +92,20 @@ constexpr std::size_t row_of() {
   (std::make_index_sequence<ElasticLaws::size>{});
 }
 
-/// The law with typical parameters, each times `scale` if it is a stiffness.
+/// The law with typical parameters, each times `scale` if it is a stiffness; fibres lie across all axes.
 template <class L>
-L typical(VolumetricForm form = VolumetricForm::mixed, double scale = 1.0) {
+ElasticLawSpec typical_spec(VolumetricForm form = VolumetricForm::mixed, double scale = 1.0) {
   ElasticLawSpec spec = typical_law(row_of<L>());
   spec.volumetric = form;
+  spec.directions = {{{2.0 / 7, 3.0 / 7, 6.0 / 7}, {3.0 / 7, -6.0 / 7, 2.0 / 7}}};
   for (std::size_t p = 0; p < spec.parameters.size(); ++p) {
     if (spec.info().parameters[p].unit == "Pa") spec.parameters[p] *= scale;
   }
-  return std::get<L>(instantiate(spec));
+  return spec;
+}
+template <class L>
+L typical(VolumetricForm form = VolumetricForm::mixed, double scale = 1.0) {
+  return std::get<L>(instantiate(typical_spec<L>(form, scale)));
 }
 
 /// The volumetric forms that the law knows; one if it has its own.
@@ -147,11 +152,12 @@ Quad textbook_psi(const NeoHookean<S>& law, const Tensor3<Quad>& H) {
 /// J and the invariants of C, the first two of its part without change of volume.
 struct Invariants {
   Quad J, i1, i2;  ///< J, I1b - 3, I2b - 3
+  Quad a;          ///< J^(-2/3)
 
   explicit Invariants(const Tensor3<Quad>& H) {
     const Tensor3<Quad> F = add_to_diagonal(H, 1), C = matmul(transpose(F), F);
     J = det(F);
-    const Quad a = power_reference(J, Quad(-2) / 3);
+    a = power_reference(J, Quad(-2) / 3);
     i1 = a * trace(C) - 3;
     i2 = a * a * second_invariant(C) - 3;
   }
@@ -252,6 +258,86 @@ Quad textbook_psi(const FixedCorotated<S>& law, const Tensor3<Quad>& H) {
   return textbook_psi(Arap<S>{law.mu}, H) + law.lambda / 2 * (J - 1) * (J - 1);
 }
 
+/// a.(C - I)b; its digits do not depend on how exactly a and b are unit vectors.
+inline Quad strain_between(const std::array<double, 3>& a, const std::array<double, 3>& b, const Tensor3<Quad>& H) {
+  const Tensor3<Quad> F = add_to_diagonal(H, 1), C = matmul(transpose(F), F);
+  Quad sum = 0;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) sum += Quad(a[i]) * (C(i, j) - (i == j)) * Quad(b[j]);
+  }
+  return sum;
+}
+
+/// a/(2 b) (exp(b i^2) - 1).
+inline Quad exponential(double a, double b, Quad i) {
+  return a / (2 * Quad(b)) * (exp_reference(b * i * i) - 1);
+}
+
+/// In the frame of the fibre and two directions across, as the papers write it.
+inline Quad textbook_psi(const Guccione<double>& law, const Tensor3<Quad>& H) {
+  const auto& f = law.fibre;
+  // Across the fibre: along the axis that it is least along, and normal to both; in double, as the fibre is.
+  const std::size_t k =
+      static_cast<std::size_t>(std::ranges::min_element(f, {}, [](double x) { return std::abs(x); }) - f.begin());
+  Vector3<double> axis{};
+  axis[k] = 1.0;
+  const Vector3<double> normal = cross(f, axis), s = (1.0 / std::sqrt(dot(normal, normal))) * normal, n = cross(f, s);
+  const auto E = [&](const auto& a, const auto& b) { return strain_between(a, b, H) / 2; };
+  const Quad Q = law.bf * E(f, f) * E(f, f) + law.bt * (E(s, s) * E(s, s) + E(n, n) * E(n, n) + 2 * E(s, n) * E(s, n)) +
+                 2 * law.bfs * (E(f, s) * E(f, s) + E(f, n) * E(f, n));
+  return law.C / 2 * (exp_reference(Q) - 1) + textbook_volumetric(law.volumetric, Invariants(H).J);
+}
+
+// Of laws with fibres that are slack in compression: which of them pull, and the energy while these pull.
+
+inline std::array<Quad, 2> family_strains(const HolzapfelGasserOgden<double>& law, const Tensor3<Quad>& H,
+                                          const Invariants& I) {
+  std::array<Quad, 2> strains;
+  for (std::size_t n = 0; n < 2; ++n) {
+    const auto& f = law.families[n];
+    const Quad length = Quad(f[0]) * f[0] + Quad(f[1]) * f[1] + Quad(f[2]) * f[2], d = law.dispersion;
+    strains[n] = d * I.i1 + (1 - 3 * d) * (I.a * (strain_between(f, f, H) / length + 1) - 1);
+  }
+  return strains;
+}
+inline std::array<bool, 2> pulling(const HolzapfelGasserOgden<double>& law, const Tensor3<Quad>& H) {
+  const auto strains = family_strains(law, H, Invariants(H));
+  return {strains[0] > 0, strains[1] > 0};
+}
+inline Quad textbook_psi(const HolzapfelGasserOgden<double>& law, const Tensor3<Quad>& H,
+                         const std::array<bool, 2>& pulls) {
+  const Invariants I(H);
+  const auto strains = family_strains(law, H, I);
+  Quad psi = law.mu / 2 * I.i1 + textbook_volumetric(law.volumetric, I.J);
+  for (std::size_t n = 0; n < 2; ++n) {
+    if (pulls[n]) psi += exponential(law.pull.a, law.pull.b, strains[n]);
+  }
+  return psi;
+}
+
+inline std::array<bool, 2> pulling(const HolzapfelOgden<double>& law, const Tensor3<Quad>& H) {
+  const auto& [f, s] = law.directions;
+  return {strain_between(f, f, H) > 0, strain_between(s, s, H) > 0};
+}
+inline Quad textbook_psi(const HolzapfelOgden<double>& law, const Tensor3<Quad>& H, const std::array<bool, 2>& pulls) {
+  const auto& [f, s] = law.directions;
+  const Invariants I(H);
+  Quad psi = law.a / (2 * Quad(law.b)) * (exp_reference(law.b * I.i1) - 1) +
+             exponential(law.shear.a, law.shear.b, strain_between(f, s, H)) + textbook_volumetric(law.volumetric, I.J);
+  if (pulls[0]) psi += exponential(law.along_f.a, law.along_f.b, strain_between(f, f, H));
+  if (pulls[1]) psi += exponential(law.along_s.a, law.along_s.b, strain_between(s, s, H));
+  return psi;
+}
+
+template <class L>
+concept HasSlackFibres = requires(const L& law, const Tensor3<Quad>& H) {
+  pulling(law, H);
+};
+template <HasSlackFibres L>
+Quad textbook_psi(const L& law, const Tensor3<Quad>& H) {
+  return textbook_psi(law, H, pulling(law, H));
+}
+
 /// (f(H + h e_p) - f(H - h e_p)) / 2h in Quad, extrapolated once: the error, h^4 and 1e-34 / h, is below 1e-25 of f.
 template <class F>
 auto central_difference(const F& f, const Tensor3<Quad>& H, std::size_t p) {
@@ -265,14 +351,19 @@ auto central_difference(const F& f, const Tensor3<Quad>& H, std::size_t p) {
   return Quad(1) / 3 * (Quad(4) * at(h / 2) - at(h));
 }
 
-/// The stress of the textbook energy.
+/// The stress of the textbook energy; fibres that pull at H do so in its neighbourhood, that of the differences.
 template <class L>
 Tensor3<Quad> textbook_P(const L& law, const Tensor3<Quad>& H) {
-  Tensor3<Quad> P;
-  for (std::size_t p = 0; p < 9; ++p) {
-    P.a[p] = central_difference([&](const auto& X) { return textbook_psi(law, X); }, H, p);
+  const auto gradient = [&](const auto& psi) {
+    Tensor3<Quad> P;
+    for (std::size_t p = 0; p < 9; ++p) P.a[p] = central_difference(psi, H, p);
+    return P;
+  };
+  if constexpr (HasSlackFibres<L>) {
+    return gradient([&, at = pulling(law, H)](const auto& X) { return textbook_psi(law, X, at); });
+  } else {
+    return gradient([&](const auto& X) { return textbook_psi(law, X); });
   }
-  return P;
 }
 
 }  // namespace pliant::testing_states

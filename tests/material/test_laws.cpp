@@ -160,7 +160,7 @@ TYPED_TEST(EveryLaw, PackEqualsScalarLaneByLane) {
   }
   const TypeParam law = typical<TypeParam>();
   const double size = stiffness(law);
-  const auto field = make_law_field(typical_law(row_of<TypeParam>()));
+  const auto field = make_law_field(typical_spec<TypeParam>());
   const Pack psi = field->psi(0, H), change = field->psi_change(0, H, dH);
   const Tensor3<Pack> P = field->P(0, H);
   Tangent<Pack> A;

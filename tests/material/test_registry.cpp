@@ -27,6 +27,7 @@ TEST(Registry, HasOneCompleteRowPerLawInOrder) {
     }
     const ElasticLawVariant law = instantiate(typical_law(n));
     EXPECT_EQ(law.index(), n);
+    EXPECT_EQ(static_cast<int>(row.directions.size()), typical_law(n).traits().num_directions) << row.name;
     EXPECT_EQ(std::visit([]<class L>(const L&) { return L::name; }, law), row.name);
     for (const ParameterInfo& parameter : row.parameters) {
       EXPECT_EQ(complaint(parameter, parameter.typical), std::nullopt) << row.name << " " << parameter.name;

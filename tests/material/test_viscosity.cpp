@@ -24,7 +24,7 @@ TEST(ViscosityRegistry, HasOneCompleteRowPerLaw) {
       EXPECT_FALSE(parameter.meaning.empty());
     }
   }
-  const std::set<std::string_view> expected{KelvinVoigt::name, Maxwell::name, StiffnessProportional::name,
+  const std::set<std::string_view> expected{KelvinVoigt::name, Maxwell::name, Prony::name, StiffnessProportional::name,
                                             MassProportional::name};
   EXPECT_EQ(names, expected);
 }

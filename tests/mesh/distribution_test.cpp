@@ -4,6 +4,8 @@
 #include "mesh/plex_points.hpp"
 #include "mesh/scratch.hpp"
 
+#include <fstream>
+#include <map>
 #include <numeric>
 #include <ostream>
 
@@ -191,6 +193,92 @@ TEST_P(DistributedBox, IsTheSameOnEveryCall) {
 INSTANTIATE_TEST_SUITE_P(Boxes, DistributedBox,
                          ::testing::Values(Box{{1, 1, 1}}, Box{{3, 3, 3}}, Box{{7, 2, 1}}, Box{{5, 4, 6}},
                                            Box{{1, 1, 1}, 1}, Box{{3, 2, 2}, 1}, Box{{1, 1, 1}, 2}));
+
+/// Appends data to a box of one group: the corners of each tetrahedron, nine numbers and three.
+void append_corners(const std::string& file) {
+  std::ifstream in(file);
+  std::string word;
+  std::map<int, std::array<double, 3>> nodes;
+  std::string first, last;
+  int count = 0, num_cells = 0;
+  while (in >> word && word != "$Nodes") {
+  }
+  in >> count;
+  for (int n = 0, tag = 0; n < count; ++n) {
+    in >> tag;
+    for (double& x : nodes[tag]) in >> x;
+  }
+  in >> word >> word >> count;  // $EndNodes $Elements
+  for (int n = 0; n < count; ++n) {
+    int tag = 0, type = 0, skipped = 0;
+    in >> tag >> type >> skipped >> skipped >> skipped;
+    first += type == 4 ? std::to_string(tag) : "";
+    last += type == 4 ? std::to_string(tag) : "";
+    num_cells += type == 4 ? 1 : 0;
+    for (int k = 0; k < (type == 4 ? 4 : 3); ++k) {
+      int node = 0;
+      in >> node;
+      if (type != 4) continue;
+      for (const double x : nodes[node]) (k < 3 ? first : last) += " " + std::to_string(x);
+    }
+    first += type == 4 ? "\n" : "";
+    last += type == 4 ? "\n" : "";
+  }
+  in.close();
+  std::ofstream out(file, std::ios::app);
+  const auto write = [&](const std::string& name, int components, const std::string& values) {
+    out << "$ElementData\n1\n\"" << name << "\"\n1\n0.0\n3\n0\n"
+        << components << "\n"
+        << num_cells << "\n"
+        << values << "$EndElementData\n";
+  };
+  write("first corners", 9, first);
+  write("last corner", 3, last);
+}
+
+// On ghosts too, and children of a refined cell have what their parent had: they lie in it.
+TEST_P(DistributedBox, DataArriveOnTheirCells) {
+  const Scratch scratch(comm);
+  MeshSource source;
+  // Corners at multiples of some 1e-2 are exact in the six digits of std::to_string.
+  const auto [nx, ny, nz] = GetParam().n;
+  source.file = scratch.file("data.msh", [&, nx = nx, ny = ny, nz = nz](const std::string& file) {
+    write_box_msh(file, {1.0 * nx, 1.0 * ny, 1.0 * nz}, GetParam().n);
+    append_corners(file);
+  });
+  source.refine = GetParam().refine;
+  const Mesh mesh = read_mesh(comm, source);
+  ASSERT_EQ(mesh.cell_data.size(), 2u);
+  EXPECT_EQ(mesh.cell_data[0].name, "first corners");
+  EXPECT_EQ(mesh.cell_data[0].components, 9);
+  EXPECT_EQ(mesh.cell_data[1].components, 3);
+  const PlexPoints points(mesh.dm.get());
+  const auto num_cells = static_cast<std::size_t>(points.end(3));
+  ASSERT_EQ(mesh.cell_data[0].values.size(), 9 * num_cells);
+  ASSERT_EQ(mesh.cell_data[1].values.size(), 3 * num_cells);
+  for (PetscInt c = 0; c < points.end(3); ++c) {
+    const auto corner = [&](std::size_t k) {
+      const double* x = k < 3 ? &mesh.cell_data[0].values[9 * static_cast<std::size_t>(c) + 3 * k]
+                              : &mesh.cell_data[1].values[3 * static_cast<std::size_t>(c)];
+      return std::array<double, 3>{x[0], x[1], x[2]};
+    };
+    const auto volume = [](const std::array<std::array<double, 3>, 4>& x) {
+      double d[3][3];
+      for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t k = 0; k < 3; ++k) d[i][k] = x[i + 1][k] - x[0][k];
+      }
+      return d[0][0] * (d[1][1] * d[2][2] - d[1][2] * d[2][1]) - d[0][1] * (d[1][0] * d[2][2] - d[1][2] * d[2][0]) +
+             d[0][2] * (d[1][0] * d[2][1] - d[1][1] * d[2][0]);
+    };
+    const std::array parent{corner(0), corner(1), corner(2), corner(3)};
+    const double whole = volume(parent);
+    for (std::size_t k = 0; k < 4; ++k) {
+      auto part = parent;
+      part[k] = points.middle(c);
+      EXPECT_GT(volume(part) / whole, GetParam().refine == 0 ? 0.2499 : 0.01);
+    }
+  }
+}
 
 // Nodes on a cylinder shell: x along the axis, y the angle, z the radius. Edges in y are arcs.
 std::array<double, 3> bent(std::array<double, 3> x) {

@@ -89,6 +89,53 @@ INSTANTIATE_TEST_SUITE_P(All, MshFormats,
                                            MshKind{4.1, 1, 1}, MshKind{2.2, 0, 2}, MshKind{2.2, 1, 2},
                                            MshKind{4.1, 0, 2}, MshKind{4.1, 1, 2}));
 
+TEST_P(MshFormats, DataOfElementsReadTheSame) {
+  const auto [version, is_binary, order] = GetParam();
+  const Scratch scratch(comm);
+  BoxOptions options;
+  options.order = order;
+  const std::string original = scratch.file("original.msh", [&](const std::string& f) {
+    write_box_msh(f, {2, 1, 1}, {1, 1, 1}, options);
+  });
+  // Elements 5 to 10 are the tetrahedra, 1 to 4 triangles.
+  const std::string rewritten = scratch.file("rewritten.msh", [&](const std::string& f) {
+    const GmshSession gmsh;
+    gmsh.run("rewrite", [&] {
+      gmsh::open(original);
+      gmsh::option::setNumber("Mesh.MshFileVersion", version);
+      gmsh::option::setNumber("Mesh.Binary", is_binary);
+      gmsh::option::setNumber("PostProcessing.SaveMesh", 0);
+      gmsh::write(f);
+      std::string model;
+      gmsh::model::getCurrent(model);
+      const auto add = [&](const std::string& name, const std::vector<std::vector<double>>& values) {
+        const int view = gmsh::view::add(name);
+        gmsh::view::addModelData(view, 0, model, "ElementData", {3, 5, 6, 7, 8, 10}, values, 0.0,
+                                 static_cast<int>(values[0].size()));
+        gmsh::view::write(view, f, true);
+      };
+      add("a stiffness", {{-1}, {0.5}, {1.5}, {2.5}, {3.5}, {1e9}});
+      add("fibre", {{0, 0, 0}, {1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {1, 0, 0}, {0, 1, -1}});
+    });
+  });
+  const Mesh mesh = read(rewritten);
+  ASSERT_EQ(mesh.cell_data.size(), 2u);
+  EXPECT_EQ(mesh.cell_data[0].name, "a stiffness");
+  EXPECT_EQ(mesh.cell_data[0].components, 1);
+  EXPECT_EQ(mesh.cell_data[1].name, "fibre");
+  EXPECT_EQ(mesh.cell_data[1].components, 3);
+  if (num_ranks(comm) > 1) return;  // where cells go is another test's
+  const auto& stiffness = mesh.cell_data[0].values;
+  const auto& fibre = mesh.cell_data[1].values;
+  ASSERT_EQ(stiffness.size(), 6u);
+  ASSERT_EQ(fibre.size(), 18u);
+  for (const std::size_t c : {0u, 1u, 2u, 3u}) EXPECT_EQ(stiffness[c], 0.5 + static_cast<double>(c));
+  EXPECT_TRUE(std::isnan(stiffness[4])) << "element 9 has none";
+  EXPECT_EQ(stiffness[5], 1e9);
+  for (const std::size_t k : {0u, 1u, 8u}) EXPECT_EQ(fibre[k], 1.0 + static_cast<double>(k));
+  EXPECT_EQ(fibre[17], -1.0);
+}
+
 constexpr char two_tets[] = R"($MeshFormat
 2.2 0 8
 $EndMeshFormat
@@ -122,6 +169,36 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   const auto at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   return text.replace(at, from.size(), to);
+}
+
+TEST(Msh, DamagedDataAreRefused) {
+  const Scratch scratch(comm);
+  const std::string good = R"($ElementData
+1
+"d"
+1
+0.0
+3
+0
+1
+2
+7 1.5
+9 2.5
+$EndElementData
+)";
+  const auto message = [&](const std::string& from, const std::string& to) -> std::string {
+    try {
+      read(scratch.text("data.msh", two_tets + replaced(good, from, to)));
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "no error";
+  };
+  EXPECT_NE(message("3\n0\n1\n2", "3\n0\n1\n2000").find("number of elements of the data"), std::string::npos);
+  EXPECT_NE(message("3\n0\n1\n2", "3\n0\n10\n2").find("components of the data must be 1 to 9"), std::string::npos);
+  EXPECT_NE(message("3\n0\n1\n2", "2\n0\n1").find("three integer tags"), std::string::npos);
+  EXPECT_NE(message("9 2.5\n", "").find("the number of an element"), std::string::npos);
+  EXPECT_NE(message("9 2.5", "-9 2.5").find("must not be negative"), std::string::npos);
 }
 
 TEST(Msh, InvertedTetrahedraAreTurnedRoundAndOrphansDropped) {

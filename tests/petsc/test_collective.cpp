@@ -43,6 +43,14 @@ TEST(Collective, BroadcastAndReductions) {
   EXPECT_TRUE(any(comm, rank(comm) == n - 1));
 }
 
+TEST(Collective, ListsAreGatheredRankByRank) {
+  // Rank r gives r numbers: none on the first.
+  const std::vector<double> mine(static_cast<std::size_t>(rank(comm)), rank(comm));
+  std::vector<double> expected;
+  for (int r = 0; r < num_ranks(comm); ++r) expected.insert(expected.end(), static_cast<std::size_t>(r), r);
+  EXPECT_EQ(gathered(comm, mine), expected);
+}
+
 TEST(Check, NamesThePlaceAndThrows) {
   try {
     check(PETSC_ERR_ARG_SIZ);

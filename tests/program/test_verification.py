@@ -123,6 +123,45 @@ class Verification(ProgramTest):
         # BDF2 lengthens a period by (w dt)^2 / 3 of it.
         self.assert_close(2 * (zero[1] - zero[0]), 0.126491 * (1 + (49.673 * 0.5e-3) ** 2 / 3), 1e-4)
 
+    def test_damped_bar(self):
+        h = self.history("damped_bar")
+        u, t = h["end_x"] - 1, h["time"]
+        ratio, omega = 0.0496729, 49.67294
+        damped = omega * np.sqrt(1 - ratio**2)
+        # Of a decaying vibration u[k + 1] = 2 r cos(w dt) u[k] - r^2 u[k - 1], r the decay in a step.
+        (p, q), *_ = np.linalg.lstsq(np.stack([u[1:-1], -u[:-2]], axis=1), u[2:], rcond=None)
+        angle = np.arccos(p / (2 * np.sqrt(q)))
+        self.assert_close(angle / (t[1] - t[0]), damped, 2e-4)
+        self.assert_close(-np.pi * np.log(q) / angle, 0.312490, 1e-3)
+        # The motion by its formula, cos(w t) + z / sqrt(1 - z^2) sin(w t) within the decay.
+        decay = np.exp(-ratio * omega * t)
+        exact = 1e-5 * decay * (np.cos(damped * t) + ratio / np.sqrt(1 - ratio**2) * np.sin(damped * t))
+        np.testing.assert_allclose(u, exact, atol=2e-4 * 1e-5)
+        self.assert_close(h["dissipated_stiffness_proportional"][-1], h["dissipated_energy"][-1], 1e-12)
+
+    def test_viscous_column(self):
+        exact = 3 * 0.5 / 5 + 1 - (1 - 9 / 4 * 0.25) ** (1 / 3)
+        # Backward Euler's recursion for 2 l^2 dl/dt = -3 t, by hand.
+        for step, expected in ((0.1, 0.72458), (0.05, 0.59605)):
+            h = self.history("viscous_column", "time.method=backward-euler", f"time.step={step}")
+            self.assertAlmostEqual(h["foot_z"][-1], expected, delta=1e-5)
+        errors = [abs(self.history("viscous_column", f"time.step={step}")["foot_z"][-1] - exact) for step in (0.025, 0.0125)]
+        self.assertLess(errors[1], 2e-3)
+        self.assertAlmostEqual(np.log2(errors[0] / errors[1]), 2, delta=0.3)
+
+    def test_viscous_tube(self):
+        h = self.history("viscous_tube", "time.end=1000", ranks=2)
+        branches = ((2.93, 30), (5.86, 300), (6.60, 3000), (18.32, 12000))
+        # Lame's solution in plane strain; four quadratic elements through the wall are 0.2 % off at this node.
+        self.assert_close(h["outer_x"][-1] - 10e-3, 0.6175115e-6, 3e-3)
+        n, step = h["step"][1:], 50
+        # Backward Euler holds the exponentials by (1 + step / tau)^-n, so exactly as the stresses do.
+        modulus = 39.58 + sum(E / (1 + step / tau) ** n for E, tau in branches)
+        force = h["inner_fx"][1:]
+        np.testing.assert_allclose(force / force[0], modulus / modulus[0], rtol=1e-8)
+        continuous = 39.58 + sum(E * np.exp(-h["time"][-1] / tau) for E, tau in branches)
+        self.assert_close(modulus[-1], continuous, 3e-3)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -1,0 +1,43 @@
+/// The equation of a stage in the unknowns that constraints leave.
+#pragma once
+
+#include "energy/constraint_map.hpp"
+#include "energy/stage_equation.hpp"
+
+namespace pliant {
+
+/// Phi(T(y)) and its derivatives, T the map of the constraints with the Jacobian J: J^T r, J^T K J. What belongs to a
+/// potential stays one, and Newton's method on it converges quadratically. Entries of slaves are as prescribed ones:
+/// their rows of the gradient are zero, those of the Hessian hold the diagonal alone.
+class ConstrainedEquation final : public StageEquation {
+ public:
+  /// Both outlive the object. Collective.
+  ConstrainedEquation(StageEquation& equation, ConstraintMap& map);
+
+  void begin_stage(const StagePoint& stage) override;
+  double value(Vec y) override;
+  void gradient(Vec y, Vec r) override;
+  Handle<Mat> make_hessian() const override;
+  /// `K` comes from make_hessian.
+  void hessian(Vec y, Mat K, Projection projection) override;
+  double max_step(Vec y, Vec d) override;
+  double force_scale(Vec y) override;
+  double rounding_floor(Vec y) const override;
+  std::vector<std::string> non_potentials() const override { return equation_.non_potentials(); }
+  Symmetry symmetry() const override { return equation_.symmetry(); }
+  const std::vector<char>& prescribed() const override { return prescribed_; }
+  PetscInt num_unknowns() const override { return equation_.num_unknowns(); }
+  MPI_Comm comm() const override { return equation_.comm(); }
+  Handle<Vec> make_vector() const override { return equation_.make_vector(); }
+
+ private:
+  void set_near_null_space(Mat K) const;
+
+  StageEquation& equation_;
+  ConstraintMap& map_;
+  std::vector<char> prescribed_;  // those of the equation, and slaves
+  Handle<Mat> full_;              // Hessian in q
+  Handle<Vec> q_, d_, full_gradient_, diagonal_;
+};
+
+}  // namespace pliant

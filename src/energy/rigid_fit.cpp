@@ -1,0 +1,89 @@
+#include "energy/rigid_fit.hpp"
+
+#include "petsc/array_view.hpp"
+
+#include <cmath>
+
+namespace pliant {
+namespace {
+
+using Matrix4 = std::array<std::array<double, 4>, 4>;
+
+/// The eigenvector of a symmetric matrix for its largest eigenvalue, by Jacobi's rotations (Golub & Van Loan, Matrix
+/// Computations, 8.5).
+Quaternion largest_eigenvector(Matrix4 N) {
+  constexpr int most_sweeps = 20;  // it converges quadratically: five or six
+  Matrix4 V{};
+  for (std::size_t i = 0; i < 4; ++i) V[i][i] = 1.0;
+  for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+    for (std::size_t p = 0; p < 4; ++p) {
+      for (std::size_t q = p + 1; q < 4; ++q) {
+        if (N[p][q] == 0.0) continue;
+        const double tau = (N[q][q] - N[p][p]) / (2.0 * N[p][q]);
+        const double t = (tau < 0.0 ? -1.0 : 1.0) / (std::abs(tau) + std::sqrt(1.0 + tau * tau));
+        const double c = 1.0 / std::sqrt(1.0 + t * t), s = t * c;
+        const auto turn_pair = [&](double& x, double& y) {
+          const double old = x;
+          x = c * old - s * y;
+          y = s * old + c * y;
+        };
+        for (std::size_t k = 0; k < 4; ++k) turn_pair(N[k][p], N[k][q]);
+        for (std::size_t k = 0; k < 4; ++k) turn_pair(N[p][k], N[q][k]);
+        for (std::size_t k = 0; k < 4; ++k) turn_pair(V[k][p], V[k][q]);
+        N[p][q] = N[q][p] = 0.0;
+      }
+    }
+  }
+  std::size_t largest = 0;
+  for (std::size_t i = 1; i < 4; ++i) {
+    if (N[i][i] > N[largest][largest]) largest = i;
+  }
+  return {V[0][largest], V[1][largest], V[2][largest], V[3][largest]};
+}
+
+/// The rotation R that makes tr(R^T A) largest.
+Quaternion rotation_nearest_to(const Tensor3<double>& A) {
+  const double x = A(2, 1) - A(1, 2), y = A(0, 2) - A(2, 0), z = A(1, 0) - A(0, 1);
+  const double xy = A(1, 0) + A(0, 1), yz = A(2, 1) + A(1, 2), zx = A(0, 2) + A(2, 0);
+  const std::array<double, 4> d{A(0, 0) + A(1, 1) + A(2, 2), A(0, 0) - A(1, 1) - A(2, 2), A(1, 1) - A(0, 0) - A(2, 2),
+                                A(2, 2) - A(0, 0) - A(1, 1)};
+  const Quaternion R =
+      largest_eigenvector({{{d[0], x, y, z}, {x, d[1], xy, zx}, {y, xy, d[2], yz}, {z, zx, yz, d[3]}}});
+  return product(R, {R[0] < 0.0 ? -1.0 : 1.0, 0.0, 0.0, 0.0});
+}
+
+}  // namespace
+
+Placement nearest_placement(const NodeLayout& layout, std::span<const PetscInt> nodes, const Vector3<double>& centre,
+                            Vec u) {
+  // Number, sum of arms, of displaced arms, of their products.
+  std::array<double, 16> sums{};
+  {
+    const ConstArrayView displacement(u);
+    for (const PetscInt a : nodes) {
+      const Vector3<double> arm = layout.position(a) - centre;
+      const Vector3<double> now = {arm[0] + displacement[3 * a], arm[1] + displacement[3 * a + 1],
+                                   arm[2] + displacement[3 * a + 2]};
+      sums[0] += 1.0;
+      for (std::size_t i = 0; i < 3; ++i) {
+        sums[1 + i] += arm[i];
+        sums[4 + i] += now[i];
+        for (std::size_t k = 0; k < 3; ++k) sums[7 + 3 * i + k] += now[i] * arm[k];
+      }
+    }
+  }
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, layout.comm));
+  const double n = sums[0];
+  const Vector3<double> arm = (1.0 / n) * Vector3<double>{sums[1], sums[2], sums[3]};
+  const Vector3<double> now = (1.0 / n) * Vector3<double>{sums[4], sums[5], sums[6]};
+  Placement placement;
+  placement.rotation = rotation_nearest_to(make_tensor([&](int i, int k) {
+    return sums[7 + 3 * static_cast<std::size_t>(i) + static_cast<std::size_t>(k)] -
+           n * now[static_cast<std::size_t>(i)] * arm[static_cast<std::size_t>(k)];
+  }));
+  // now - R arm, with the small difference of the two kept.
+  placement.translation = now - arm - placement.displacement(arm);
+  return placement;
+}
+
+}  // namespace pliant

@@ -1,0 +1,17 @@
+/// The rigid motion that is nearest to the motion of some nodes.
+#pragma once
+
+#include "energy/given_motion.hpp"
+#include "fem/layout.hpp"
+
+#include <span>
+
+namespace pliant {
+
+/// Minimises sum |X + u - x(X)|^2 over the placements of a rigid body, all nodes weighing the same. `nodes`: owned
+/// ones; `centre`: of the placement [m]. The rotation of nodes on one line is arbitrary about that line. Source: Horn
+/// 1987, "Closed-form solution of absolute orientation using unit quaternions". Collective.
+Placement nearest_placement(const NodeLayout& layout, std::span<const PetscInt> nodes, const Vector3<double>& centre,
+                            Vec u);
+
+}  // namespace pliant

@@ -1,0 +1,177 @@
+/// What laws with fibres share: the invariants of unit directions f, s of the reference body, with their gradients
+/// B = di/dF and the increments dB, and the exponential energy of an invariant.
+///
+///   I1b - 3                                    isochoric.hpp
+///   I4 - 1  = 2 f.Ef                           stretch of a fibre, squared
+///   I4b - 1 = a (2 f.Ef - (x - 1))             the same without change of volume; a = J^(-2/3), x = J^(2/3)
+///   I8      = 2 f.Es,  f.s = 0                 shear between two directions
+///
+/// Written in E nothing cancels when the strain is small. An energy sum_k w_k(i_k) + kappa U(J) then has
+///   P  = sum_k w_k' B_k + kappa J U' G,  G = F^-T
+///   dP = sum_k (w_k'' (B_k : dH) B_k + w_k' dB_k) + ...
+/// Source: Holzapfel & Ogden, Phil. Trans. R. Soc. A 367 (2009) 3445-3475, sections 3 and 4.
+#pragma once
+
+#include "base/vector3.hpp"
+#include "material/isochoric.hpp"
+
+namespace pliant {
+
+/// Keys of the directions of laws with one preferred direction, with a second across it, with two families.
+inline constexpr std::array<std::string_view, 1> one_fibre{"fibre"};
+inline constexpr std::array<std::string_view, 2> fibre_and_sheet{"fibre", "sheet"};
+inline constexpr std::array<std::string_view, 2> two_fibres{"fibre", "fibre2"};
+
+/// A direction in the scalar of the state.
+template <class T, class S>
+PLIANT_INLINE Vector3<T> direction_as(const std::array<S, 3>& d) {
+  return {T(d[0]), T(d[1]), T(d[2])};
+}
+
+/// A a.
+template <class T>
+PLIANT_INLINE Vector3<T> product(const Tensor3<T>& A, const Vector3<T>& a) {
+  return {A(0, 0) * a[0] + A(0, 1) * a[1] + A(0, 2) * a[2], A(1, 0) * a[0] + A(1, 1) * a[1] + A(1, 2) * a[2],
+          A(2, 0) * a[0] + A(2, 1) * a[1] + A(2, 2) * a[2]};
+}
+
+/// a (x) b.
+template <class T>
+PLIANT_INLINE Tensor3<T> outer(const Vector3<T>& a, const Vector3<T>& b) {
+  return make_tensor([&](int i, int j) -> T { return a[i] * b[j]; });
+}
+
+/// What depends on F alone. Where J <= 0, G is NaN.
+template <class T>
+struct FibreState {
+  Distortion<T> at;
+  Tensor3<T> F, G;  ///< G = F^-T
+
+  template <class Mask>
+  PLIANT_INLINE FibreState(const Tensor3<T>& H, const T& volume_change, const Mask& valid)
+      : at(H, volume_change, valid), F(add_to_diagonal(H, 1.0)) {
+    G = select(valid, T(1.0 / (1.0 + at.j)), T(std::numeric_limits<double>::quiet_NaN())) * cofactor(F);
+  }
+
+  /// dG = -G dH^T G.
+  PLIANT_INLINE Tensor3<T> change_of_G(const Tensor3<T>& dH) const {
+    return -1.0 * matmul(G, matmul(transpose(dH), G));
+  }
+};
+
+/// I1b - 3.
+template <class T>
+struct IsochoricInvariant {
+  T value;
+  Tensor3<T> D1, B;
+
+  PLIANT_INLINE explicit IsochoricInvariant(const FibreState<T>& s)
+      : value(s.at.i1), D1((2.0 * s.at.a) * s.at.D), B(2.0 * matmul(s.G, D1)) {}
+
+  PLIANT_INLINE Tensor3<T> change(const FibreState<T>& s, const Tensor3<T>& dH) const {
+    const Tensor3<T> dE = small_strain(matmul(transpose(s.F), dH));
+    const Tensor3<T> dD = add_to_diagonal(dE, T(-1.0 / 3.0 * trace(dE)));
+    const Tensor3<T> dD1 = (2.0 * s.at.a) * dD - (2.0 / 3.0 * dot(s.G, dH)) * D1;
+    return matmul(s.G, 2.0 * dD1 - matmul(transpose(dH), B));
+  }
+};
+
+/// I4 - 1 of a direction.
+template <class T>
+struct FibreInvariant {
+  Vector3<T> f, Ff;
+  T value;
+  Tensor3<T> B;
+
+  PLIANT_INLINE FibreInvariant(const FibreState<T>& s, const Vector3<T>& direction)
+      : f(direction), Ff(product(s.F, f)), value(2.0 * dot(f, product(s.at.E, f))), B(2.0 * outer(Ff, f)) {}
+
+  PLIANT_INLINE Tensor3<T> change(const FibreState<T>&, const Tensor3<T>& dH) const {
+    return 2.0 * outer(product(dH, f), f);
+  }
+};
+
+/// I4b - 1 of a direction.
+template <class T>
+struct IsochoricFibreInvariant {
+  FibreInvariant<T> full;
+  T value;
+  Tensor3<T> B;
+
+  PLIANT_INLINE IsochoricFibreInvariant(const FibreState<T>& s, const Vector3<T>& direction)
+      : full(s, direction),
+        value(s.at.a * (full.value - s.at.y)),
+        B(s.at.a * (full.B - (2.0 / 3.0 * (1.0 + full.value)) * s.G)) {}
+
+  PLIANT_INLINE Tensor3<T> change(const FibreState<T>& s, const Tensor3<T>& dH) const {
+    return s.at.a * (full.change(s, dH) - (2.0 / 3.0 * dot(full.B, dH)) * s.G -
+                     (2.0 / 3.0 * (1.0 + full.value)) * s.change_of_G(dH)) -
+           (2.0 / 3.0 * dot(s.G, dH)) * B;
+  }
+};
+
+/// I8 of two directions at right angles.
+template <class T>
+struct ShearInvariant {
+  Vector3<T> f, s;
+  T value;
+  Tensor3<T> B;
+
+  PLIANT_INLINE ShearInvariant(const FibreState<T>& state, const Vector3<T>& first, const Vector3<T>& second)
+      : f(first),
+        s(second),
+        value(2.0 * dot(f, product(state.at.E, s))),
+        B(outer(product(state.F, s), f) + outer(product(state.F, f), s)) {}
+
+  PLIANT_INLINE Tensor3<T> change(const FibreState<T>&, const Tensor3<T>& dH) const {
+    return outer(product(dH, s), f) + outer(product(dH, f), s);
+  }
+};
+
+/// First and second derivative of an energy of one invariant [Pa].
+template <class T>
+struct Derivatives {
+  T first, second;
+};
+
+/// exp(x) where it is below some 1e304, else `beyond`, without overflow.
+template <class T, class Function>
+PLIANT_INLINE T within_exponent(const T& x, double beyond, const Function& f) {
+  const auto fits = x <= 700.0;
+  return select(fits, f(T(select(fits, x, T(0.0)))), T(beyond));
+}
+
+/// Fibres are slack in compression, or not.
+enum class Compression { slack, stiff };
+
+/// w(i) = a/(2 b) (exp(b i^2) - 1), of <i> = max(i, 0) where compression is slack.
+template <class S, Compression compression = Compression::slack>
+struct ExponentialFibre {
+  S a;  ///< [Pa]
+  S b;  ///< above 0
+
+  template <class T>
+  PLIANT_INLINE T energy(const T& i) const {
+    const T m = pulled(i);
+    return (0.5 * a / b) * within_exponent(T(b * (m * m)), std::numeric_limits<double>::infinity(),
+                                           [](const T& x) -> T { return expm1(x); });
+  }
+  template <class T>
+  PLIANT_INLINE Derivatives<T> derivatives(const T& i) const {
+    const T m = pulled(i), x = b * (m * m);
+    const T scale =
+        a * within_exponent(x, std::numeric_limits<double>::quiet_NaN(), [](const T& y) -> T { return exp(y); });
+    const T second = scale * (1.0 + 2.0 * x);
+    if constexpr (compression == Compression::stiff) return {scale * m, second};
+    return {scale * m, select(i > 0.0, second, T(0.0 * scale))};
+  }
+
+ private:
+  template <class T>
+  PLIANT_INLINE static T pulled(const T& i) {
+    if constexpr (compression == Compression::stiff) return i;
+    return select(i <= 0.0, T(0.0), i);  // NaN stays
+  }
+};
+
+}  // namespace pliant

@@ -1,0 +1,117 @@
+/// Transversely isotropic exponential law of passive heart muscle.
+///   psi = C/2 (exp Q - 1) + kappa U(J)
+///   Q = bf Eff^2 + bt (Ess^2 + Enn^2 + 2 Esn^2) + 2 bfs (Efs^2 + Efn^2)
+/// With g = E f - Eff f and T = E - f (x) g - g (x) f - Eff f (x) f, the parts of E between fibre and cross plane and
+/// in the cross plane, Q = bf Eff^2 + 2 bfs g.g + bt T:T needs no second direction. Then
+///   S = C exp(Q) A,  A = bf Eff f (x) f + bfs (f (x) g + g (x) f) + bt T
+///   dS = C exp(Q) (A(dE) + 2 (A : dE) A),  P = F S + kappa J U' F^-T
+/// Sources: Guccione, McCulloch & Waldman, J. Biomech. Eng. 113 (1991) 42-55; Land et al., Proc. R. Soc. A 471 (2015)
+/// 20150641, equation 2.3.
+#pragma once
+
+#include "material/fibre.hpp"
+
+namespace pliant {
+
+template <class S>
+struct Guccione {
+  static constexpr std::string_view name = "guccione";
+  static constexpr bool is_barrier = true;
+  static constexpr bool constant_tangent = false;
+  static constexpr int num_directions = 1;
+  static constexpr int energy_degree = 2;
+  static constexpr bool has_stretch_limit = true;
+
+  S C;            ///< [Pa]
+  S bf, bt, bfs;  ///< exponents along the fibres, across, of shear between both
+  Volumetric<S> volumetric;
+  std::array<S, 3> fibre;
+
+  static Guccione of(const LawData<S>& d) {
+    const auto& p = d.parameters;
+    return {p[0], p[1], p[2], p[3], {p[4], d.volumetric}, d.directions[0]};
+  }
+
+  template <class T>
+  struct Linearization {
+    FibreState<T> s;
+    Vector3<T> f;
+    T scale;  ///< C exp Q [Pa]
+    T bf, bt, bfs;
+    Tensor3<T> A, S2;   ///< S2: the second Piola-Kirchhoff stress without the volume's [Pa]
+    T pressure, slope;  ///< Kirchhoff, and J d/dJ of it [Pa]
+    Tensor3<T> P;       ///< [Pa]
+
+    PLIANT_INLINE Tensor3<T> operator()(const Tensor3<T>& dH) const {
+      const Tensor3<T> dE = small_strain(matmul(transpose(s.F), dH));
+      const Tensor3<T> dS = scale * (weighted(dE, f, {bf, bt, bfs}) + (2.0 * dot(A, dE)) * A);
+      return matmul(dH, S2) + matmul(s.F, dS) + (slope * dot(s.G, dH)) * s.G + pressure * s.change_of_G(dH);
+    }
+
+    PLIANT_INLINE Tangent<T> tangent() const { return tangent_by_columns<T>(*this); }
+  };
+
+  template <class T>
+  PLIANT_INLINE T psi(const Tensor3<T>& H) const {
+    const T change = volume_change(H);
+    const auto valid = change > -1.0;
+    const Tensor3<T> E = green_lagrange(H);
+    const T j = select(valid, change, T(0.0)), Q = dot(weighted(E, direction_as<T>(fibre), exponents<T>()), E);
+    const T value = (0.5 * C) * within_exponent(Q, std::numeric_limits<double>::infinity(),
+                                                [](const T& x) -> T { return expm1(x); }) +
+                    volumetric.energy(j);
+    return select(valid, value, T(std::numeric_limits<double>::infinity()));
+  }
+
+  template <class T>
+  PLIANT_INLINE Tensor3<T> P(const Tensor3<T>& H) const {
+    return linearize(H).P;
+  }
+
+  template <class T>
+  PLIANT_INLINE Linearization<T> linearize(const Tensor3<T>& H) const {
+    const T change = volume_change(H);
+    const FibreState<T> s(H, change, change > -1.0);
+    const Vector3<T> f = direction_as<T>(fibre);
+    const Tensor3<T> A = weighted(s.at.E, f, exponents<T>());
+    const T scale = C * within_exponent(T(dot(A, s.at.E)), std::numeric_limits<double>::quiet_NaN(),
+                                        [](const T& x) -> T { return exp(x); });
+    const auto pressure = volumetric.stress(s.at.j);
+    const Tensor3<T> S2 = scale * A;
+    return {s,
+            f,
+            scale,
+            T(bf),
+            T(bt),
+            T(bfs),
+            A,
+            S2,
+            pressure.value,
+            pressure.slope,
+            matmul(s.F, S2) + pressure.value * s.G};
+  }
+
+ private:
+  template <class T>
+  struct Exponents {
+    T f, t, fs;
+  };
+  template <class T>
+  PLIANT_INLINE Exponents<T> exponents() const {
+    return {T(bf), T(bt), T(bfs)};
+  }
+
+  /// A of E; Q = A : E.
+  template <class T>
+  PLIANT_INLINE static Tensor3<T> weighted(const Tensor3<T>& E, const Vector3<T>& f, const Exponents<T>& b) {
+    const Vector3<T> Ef = product(E, f);
+    const T Eff = dot(f, Ef);
+    const Vector3<T> g{Ef[0] - Eff * f[0], Ef[1] - Eff * f[1], Ef[2] - Eff * f[2]};
+    const Tensor3<T> between = outer(f, g) + outer(g, f), along = Eff * outer(f, f);
+    return b.f * along + b.fs * between + b.t * (E - between - along);
+  }
+};
+
+static_assert(ElasticLawTemplate<Guccione>);
+
+}  // namespace pliant

@@ -1,0 +1,155 @@
+/// A body with prescribed displacements and ties, for the tests of constraints.
+#pragma once
+
+#include "energy/constraint_map.hpp"
+#include "energy/prescribed.hpp"
+#include "energy/solid.hpp"
+#include "energy/surface_ties.hpp"
+#include "fem/selection.hpp"
+#include "petsc/collective.hpp"
+#include "petsc/session.hpp"
+
+#include <functional>
+#include <memory>
+#include <set>
+#include <vector>
+
+namespace pliant::testing {
+
+/// One constraint: prescribed components of `given` at the nodes of the region, or ties that refer to it.
+struct TestConstraint {
+  GivenDisplacement given;
+  Region prescribed = nullptr;
+  /// From the nodes of this rank; `source` is the constraint's number.
+  std::function<std::vector<LinearConstraint>(const NodeLayout&, std::size_t source)> ties = nullptr;
+};
+
+struct TiedSpec {
+  int order = 1;
+  ElasticLawSpec law;
+  double density = 0.0;  ///< 0: static [kg/m^3]
+  std::vector<TestConstraint> constraints;
+};
+
+class TiedBody {
+ public:
+  TiedBody(MPI_Comm comm, const std::string& file, const TiedSpec& spec)
+      : solid_(comm, file, spec.order, elastic_quadrature_degree(spec.law.traits(), spec.order)),
+        elastic_(solid_.elastic(spec.law)),
+        inertia_(spec.density > 0.0 ? solid_.inertia(spec.density, Mass::consistent) : nullptr),
+        prescribed_(layout(), parts(spec), HUGE_VAL),
+        potential_(layout(), solid_.pattern(), terms(), prescribed_.flags()) {
+    std::vector<LinearConstraint> ties;
+    std::vector<GivenDisplacement> given;
+    for (std::size_t c = 0; c < spec.constraints.size(); ++c) {
+      given.push_back(spec.constraints[c].given);
+      if (!spec.constraints[c].ties) continue;
+      for (auto& tie : spec.constraints[c].ties(layout(), c)) ties.push_back(std::move(tie));
+    }
+    ties = gathered(comm, ties);
+    std::set<PetscInt> named;
+    for (const auto& tie : ties) {
+      for (const auto& e : tie.entries) named.insert(e.entry);
+    }
+    auto all = gathered(comm, prescribed_.constraints(layout(), named));
+    const auto num_prescribed = static_cast<std::ptrdiff_t>(all.size());
+    all.insert(all.end(), ties.begin(), ties.end());
+    auto result = eliminate(all, given, std::array{0.0, 0.4, 1.0});
+    EXPECT_TRUE(result.conflicts.empty());
+    result.slaves.erase(result.slaves.begin(), result.slaves.begin() + num_prescribed);
+    map_ = std::make_unique<ConstraintMap>(layout(), result.slaves, given);
+    ties_ = std::move(all);
+    given_ = std::move(given);
+  }
+
+  const Solid& solid() const { return solid_; }
+  const NodeLayout& layout() const { return solid_.layout(); }
+  IncrementalPotential& potential() { return potential_; }
+  ConstraintMap& map() { return *map_; }
+  PrescribedMotion motion() const { return map_->motion(prescribed_.motion()); }
+  double strain_energy(Vec q) const { return sum(layout().comm, elastic_->energy(local_values(q), {})); }
+
+  /// The largest amount by which q misses a constraint at a time [m]. Collective.
+  double violation(Vec q, double time) const {
+    const Handle<Vec> copy = moved(q, 0.0, q);
+    PetscInt first = 0, last = 0;
+    check(VecGetOwnershipRange(copy.get(), &first, &last));
+    std::vector<double> mine(2 * ties_.size(), 0.0);
+    const ConstArrayView u(copy.get());
+    for (std::size_t k = 0; k < ties_.size(); ++k) {
+      for (const auto& [entry, coefficient] : ties_[k].entries) {
+        if (entry >= first && entry < last) mine[k] += coefficient * u[entry - first];
+      }
+    }
+    check_mpi(
+        MPI_Allreduce(MPI_IN_PLACE, mine.data(), static_cast<int>(mine.size()), MPI_DOUBLE, MPI_SUM, layout().comm));
+    double worst = 0.0;
+    for (std::size_t k = 0; k < ties_.size(); ++k) {
+      for (const auto& g : ties_[k].given) mine[k] -= g.weight * given_[g.source](g.component, g.X, time);
+      worst = std::max(worst, std::abs(mine[k]));
+    }
+    return worst;
+  }
+
+ private:
+  std::vector<PrescribedPart> parts(const TiedSpec& spec) const {
+    std::vector<PrescribedPart> result;
+    for (const auto& c : spec.constraints) {
+      result.push_back({c.prescribed ? nodes_in_region(layout(), c.prescribed) : std::vector<PetscInt>(), c.given});
+    }
+    return result;
+  }
+  std::vector<const EnergyTerm*> terms() const {
+    std::vector<const EnergyTerm*> result{elastic_.get()};
+    if (inertia_) result.push_back(inertia_.get());
+    return result;
+  }
+
+  Solid solid_;
+  std::unique_ptr<ElasticTerm> elastic_;
+  std::unique_ptr<Inertia> inertia_;
+  PrescribedDisplacement prescribed_;
+  IncrementalPotential potential_;
+  std::vector<LinearConstraint> ties_;
+  std::vector<GivenDisplacement> given_;
+  std::unique_ptr<ConstraintMap> map_;
+};
+
+/// The first component of a given displacement alone.
+inline GivenDisplacement scalar(const std::string& formula) {
+  return {{Expression(formula), std::nullopt, std::nullopt}};
+}
+
+inline GivenDisplacement vector(const std::string& x, const std::string& y, const std::string& z) {
+  return {{Expression(x), Expression(y), Expression(z)}};
+}
+
+/// direction . u = `formula` in the region.
+inline TestConstraint slide(const Region& region, const Point& direction, const std::string& formula) {
+  return {scalar(formula), nullptr, [=](const NodeLayout& layout, std::size_t source) {
+            return along(layout, nodes_in_region(layout, region), direction, source);
+          }};
+}
+
+/// The face b follows the face a.
+inline TestConstraint repeat(const Region& a, const Region& b, const GivenDisplacement& difference) {
+  return {difference, nullptr, [=](const NodeLayout& layout, std::size_t source) {
+            const auto pairs = match(layout, nodes_in_region(layout, a), nodes_in_region(layout, b));
+            EXPECT_EQ(pairs.num_lonely_a + pairs.num_lonely_b, 0u);
+            return rank(layout.comm) == 0 ? periodic(pairs, difference, source) : std::vector<LinearConstraint>();
+          }};
+}
+
+inline MeanTerm mean(const NodeLayout& layout, const Region& region, int component, double coefficient) {
+  return {nodes_in_region(layout, region), component, coefficient};
+}
+
+/// The nodes of the region turn as given and are else as free as that says.
+inline TestConstraint grip(const Region& region, const RigidMotion& motion) {
+  const GivenDisplacement given{{}, motion};
+  return {given, region, [=](const NodeLayout& layout, std::size_t source) {
+            return translated_together(layout, nodes_in_region(layout, region), given, source);
+          }};
+}
+
+}  // namespace pliant::testing

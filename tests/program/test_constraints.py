@@ -1,0 +1,148 @@
+#!/usr/bin/python3
+"""Constraints beyond prescribed displacements, as users type them: planes of symmetry, periodic surfaces, rigid parts,
+equations; against the same problems solved otherwise."""
+import unittest
+
+import numpy as np
+
+from program import ProgramTest, box, write_box, write_mesh
+
+LAW = "elasticity: {model: neo-hookean, youngs_modulus: 1e5, poissons_ratio: 0.3}"
+
+
+def turned(points):
+    """By 0.7 rad about (1, 2, 2) / 3."""
+    n = np.array([1, 2, 2]) / 3
+    c, s = np.cos(0.7), np.sin(0.7)
+    return points * c + np.cross(n, points) * s + np.outer(points @ n, n).reshape(points.shape) * (1 - c)
+
+
+def mirrored(points, triangles, cells):
+    """The box and its mirror image across its side x = 0."""
+    image = np.arange(len(points)) + len(points)
+    on_plane = np.abs(points[:, 0]) < 1e-12
+    image[on_plane] = np.flatnonzero(on_plane)
+    both = np.vstack([points, points * [-1, 1, 1]])
+    cells = np.vstack([cells, image[cells][:, [0, 2, 1, 3]]])
+    sides = [image[triangles[1]][:, [0, 2, 1]]] + [np.vstack([t, image[t][:, [0, 2, 1]]]) for t in triangles[1:]]
+    sides[1] = triangles[1]
+    used = np.unique(cells)
+    number = np.full(len(both), -1)
+    number[used] = np.arange(len(used))
+    return both[used], [number[side] for side in sides], number[cells]
+
+
+class Constraints(ProgramTest):
+    def solve(self, mesh, constraints, *settings, ranks=1, more=""):
+        """History of an input with these constraints, in one static step unless `settings` say otherwise."""
+        lines = "".join(f"  - {c}\n" for c in constraints)
+        time = "" if "time:" in more else "time: {method: static, load_steps: 2}\n"
+        self.write("in.yaml", f"mesh: {{file: {mesh}}}\nbodies: [{{density: 1000, {LAW}}}]\n"
+                              f"solver: {{newton: {{relative: 1e-11}}}}\nconstraints:\n{lines}{time}{more}")
+        return self.run_input("in.yaml", *settings, ranks=ranks)
+
+    def test_half_a_model_is_the_whole_one(self):
+        # Pressed, sheared along the plane, and pulled; the plane lies at any angle in space.
+        half = box((2, 3, 3), (0.5, 1, 1))
+        whole = mirrored(*half)
+        write_mesh(self.directory / "half.msh", turned(half[0]), *half[1:])
+        write_mesh(self.directory / "whole.msh", turned(whole[0]), *whole[1:])
+        down, tip = turned(np.array([[0.0, 0.1, -0.2]]))[0], turned(np.array([[0.5, 1.0, 0.6]]))[0]
+        lid = f"{{surface: top, displacement: [{down[0]}, {down[1]}, {down[2]}]}}"
+        held = "{surface: bottom, displacement: [0, 0, 0]}"
+        probes = f"probes: [{{name: tip, point: [{tip[0]}, {tip[1]}, {tip[2]}]}}]\n"
+        full = self.solve("whole.msh", [held, lid], more=probes)
+        for ranks in (1, 2):
+            part = self.solve("half.msh", [held, lid, "{surface: left, symmetry: plane}"], more=probes, ranks=ranks)
+            self.assertAlmostEqual(2 * part["elastic_energy"][-1] / full["elastic_energy"][-1], 1, delta=1e-9)
+            self.assertGreater(np.abs(part["tip_x"][-1] - tip[0]), 1e-3)
+            for column in ("tip_x", "tip_y", "tip_z"):
+                self.assertAlmostEqual(part[column][-1], full[column][-1], delta=1e-9)
+            # What the plane holds points along its normal, and with the held ends' reactions sums to nothing.
+            normal = turned(np.array([[1.0, 0.0, 0.0]]))[0]
+            force = np.array([part[f"left_f{i}"][-1] for i in "xyz"])
+            self.assertGreater(abs(force @ normal), 100)
+            self.assertLess(np.linalg.norm(force - (force @ normal) * normal), 1e-6 * abs(force @ normal))
+            total = force + sum(np.array([part[f"{name}_f{i}"][-1] for i in "xyz"]) for name in ("top", "bottom"))
+            self.assertLess(np.linalg.norm(total), 1e-6 * np.linalg.norm(force))
+
+    def test_a_straight_plane_is_a_prescribed_component(self):
+        write_box(self.directory / "cube.msh", (2, 2, 2))
+        lid = "{surface: top, displacement: [free, free, 0.2]}"
+        others = [lid, "{surface: left, displacement: [0, free, free]}", "{surface: front, displacement: [free, 0, free]}"]
+        expected = self.solve("cube.msh", [*others, "{surface: bottom, displacement: [free, free, 0]}"])
+        self.assert_same_history(self.solve("cube.msh", [*others, "{surface: bottom, symmetry: plane}"]), expected, 1e-12)
+        symmetric = [f"{{surface: {side}, symmetry: plane}}" for side in ("left", "front", "bottom")]
+        lifted = self.solve("cube.msh", ["{surface: top, normal_displacement: 0.2}", *symmetric])
+        self.assert_same_history({name: lifted[name] for name in expected}, expected, 1e-9)
+
+    def test_periodic_cell(self):
+        # Simple shear of the cell: the force on the surface is the derivative of the energy, and the ranks agree.
+        write_box(self.directory / "cube.msh", (3, 3, 3))
+        corner = "{box: [[-1, -1, -1], [1e-6, 1e-6, 1e-6]], displacement: [0, 0, 0]}"
+        cell = [corner, '{surface: right, periodic_with: left, difference: [0, "0.3*t", 0]}',
+                "{surface: back, periodic_with: front}", "{surface: top, periodic_with: bottom, difference: [0, 0, free]}"]
+        time = "time: {method: quasistatic, step: 0.1, end: 1}\n"
+        history = self.solve("cube.msh", cell, more=time, ranks=2)
+        energy, force = history["elastic_energy"], history["right_fy"]
+        slope = (8 * (energy[6] - energy[4]) - (energy[7] - energy[3])) / (12 * 0.03)
+        self.assertAlmostEqual(force[5] / slope, 1, delta=1e-4)
+        self.assertLess(np.abs(history["top_fz"]).max(), 1e-6 * np.abs(force).max())
+        self.assertLess(np.abs(history["energy_balance_error"]).max(), 1e-9 * energy[-1])
+        again = self.solve("cube.msh", cell, more=time, ranks=3)
+        for column in ("elastic_energy", "right_fy", "support_work"):
+            np.testing.assert_allclose(again[column], history[column], rtol=1e-8, atol=0)
+
+    def test_turning_grip(self):
+        # A bar turned by a grip that also moves: the torque is the derivative of the energy, the ledger closes.
+        write_box(self.directory / "bar.msh", (6, 2, 2), (3, 1, 1), origin=(0, -0.5, -0.5))
+        grip = ('{surface: right, rigid: {translation: [free, "0.1*t", 0], '
+                'rotation: {axis: [2, 0, 0], angle: "2*t"}, center: [3, 0, 0]}}')
+        ends = ["{surface: left, displacement: [0, 0, 0]}", grip]
+        history = self.solve("bar.msh", ends, more="time: {method: quasistatic, step: 0.1, end: 1}\n", ranks=2)
+        power = 2 * history["right_tx"] + 0.1 * history["right_fy"]
+        energy = history["elastic_energy"]
+        slope = (8 * (energy[6] - energy[4]) - (energy[7] - energy[3])) / (12 * 0.1)
+        self.assertAlmostEqual(power[5] / slope, 1, delta=1e-4)
+        self.assertLess(np.abs(history["right_fx"]).max(), 1e-6 * history["right_tx"].max())
+        moving = self.solve("bar.msh", ends, more="time: {method: bdf2, step: 0.02, end: 0.2}\n")
+        self.assertLess(np.abs(moving["energy_balance_error"]).max(), 1e-9 * moving["elastic_energy"][-1])
+        self.assertGreater(moving["support_work"][-1], moving["elastic_energy"][-1])
+
+    def test_equation(self):
+        # The mean of a surface is moved; what moves it is a force spread evenly over its nodes, as another run shows.
+        write_box(self.directory / "cube.msh", (2, 2, 2))
+        held = "{surface: bottom, displacement: [0, 0, 0]}"
+        history = self.solve("cube.msh", [held, "{equation: [{surface: top, component: z, coefficient: 2}], value: 0.4}"])
+        self.assertGreater(history["constraint2_fz"][-1], 0)
+        self.assertAlmostEqual(history["constraint2_fz"][-1], -history["bottom_fz"][-1],
+                               delta=1e-8 * history["constraint2_fz"][-1])
+        pair = self.solve("cube.msh", [held, "{surface: top, displacement: [free, free, 0.2]}"])
+        self.assertLess(history["elastic_energy"][-1], pair["elastic_energy"][-1])
+
+    def refused(self, constraints, words, mesh="cube.msh"):
+        lines = "".join(f"  - {c}\n" for c in constraints)
+        text = f"mesh: {{file: {mesh}}}\nbodies: [{{density: 1000, {LAW}}}]\ntime: {{step: 0.1, end: 1}}\nconstraints:\n{lines}"
+        at = text.index("@")
+        place = f"in.yaml:{text[:at].count(chr(10)) + 1}:{at - text[:at].rfind(chr(10))}:"
+        self.write("in.yaml", text.replace("@", ""))
+        done = self.call("run", "in.yaml", ranks=2)
+        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+        self.assertIn(place, done.stderr)
+        self.assertRegex(done.stderr, words)
+
+    def test_mistakes_against_the_mesh(self):
+        write_box(self.directory / "cube.msh", (2, 3, 2))
+        bent = box((2, 3, 2))
+        write_mesh(self.directory / "bent.msh", bent[0] + 0.1 * bent[0][:, [1, 2, 0]] ** 2, *bent[1:])
+        self.refused(["{surface: @left, symmetry: plane}"], "surface 'left' is not plane", "bent.msh")
+        self.refused(["{volume: @body, symmetry: plane}"], "volume 'body' has no normal")
+        self.refused(["{surface: left, periodic_with: @front}"], "nodes? of surface 'left' and .* have no partner")
+        self.refused(["{surface: left, displacement: [0, 0, 0]}", "{surface: right, displacement: [0.1, 0, 0]}",
+                      "@{surface: right, periodic_with: left}"], "surface 'right' .*contradict")
+        self.refused(["{surface: left, displacement: [0, 0, 0]}",
+                      "@{surface: left, rigid: {rotation: {axis: [1, 0, 0], angle: t}}}"], "surface 'left' .*contradict")
+
+
+if __name__ == "__main__":
+    unittest.main()

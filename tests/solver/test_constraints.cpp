@@ -1,0 +1,343 @@
+// Bodies whose displacements are tied to one another, against the same problems solved otherwise.
+#include "energy/tied_body.hpp"
+#include "material/states.hpp"
+#include "solver/constrained_newton.hpp"
+#include "solver/problem.hpp"
+#include "time/integrator.hpp"
+#include "time/method.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+using testing::face;
+using testing::Field;
+using testing::Point;
+using testing::Scratch;
+using testing::Shape;
+using testing::Solid;
+using testing::TiedBody;
+using testing::TiedSpec;
+using testing_states::Quad;
+
+const MPI_Comm comm = MPI_COMM_WORLD;
+constexpr double modulus = 1e6;
+
+/// A tied body and its solver.
+struct TiedProblem {
+  TiedProblem(MPI_Comm on, const std::string& file, const TiedSpec& spec, LinearKind linear = LinearKind::cholesky)
+      : body(on, file, spec), solver(body.potential(), body.map(), {.relative = 1e-12}, linear) {}
+
+  /// The equilibrium at t = 1 from rest, in `steps` equal parts.
+  Handle<Vec> equilibrium(int steps = 1) {
+    Handle<Vec> q = body.solid().vector(testing::at_rest);
+    for (int s = 1; s <= steps; ++s) {
+      const auto q0 = testing::moved(q.get(), 0.0, q.get()), v0 = body.solid().vector(testing::at_rest);
+      const StagePoint stage{1.0, 1.0, q0.get(), v0.get(), static_cast<double>(s) / steps};
+      body.motion().start_stage(stage, q.get());
+      const StageReport report = solver.solve(stage, q.get());
+      EXPECT_EQ(report.outcome, StageOutcome::converged) << report.reason;
+    }
+    EXPECT_LE(body.violation(q.get(), 1.0), 1e-14);
+    return q;
+  }
+
+  TiedBody body;
+  ConstrainedNewton solver;
+};
+
+class Tied : public ::testing::Test {
+ protected:
+  /// A cube; `map` moves its nodes.
+  std::string cube(int n, const std::function<Point(Point)>& map = nullptr) const {
+    return scratch_.file("cube.msh", [&](const std::string& f) {
+      testing::BoxOptions options;
+      options.map = map;
+      testing::write_box_msh(f, {1.0, 1.0, 1.0}, {n, n, n}, options);
+    });
+  }
+
+  Scratch scratch_{comm};
+};
+
+/// About the axis (1, 2, 2) / 3.
+const Point turned_by{0.7 / 3.0, 1.4 / 3.0, 1.4 / 3.0};
+Point turned(const Point& x) {
+  return turn(turned_by, x);
+}
+Point turned_back(const Point& x) {
+  return turn(-1.0 * turned_by, x);
+}
+Region turned(const Region& region) {
+  return [=](const Point& x) { return region(turned_back(x)); };
+}
+
+// Planes of symmetry in any direction: a cube pressed and sheared between three of them and a lid, and the same cube
+// turned.
+TEST_F(Tied, ObliquePlanesAreTurnedOnes) {
+  TiedSpec spec;
+  spec.order = 2;
+  spec.law = make_law("neo-hookean", modulus, 0.3);
+  testing::TestConstraint lid{testing::vector("0.2*t*y", "0.05*t", "-0.15*t"), face(2, 1.0)};
+  spec.constraints = {lid};
+  for (int axis = 0; axis < 3; ++axis) {
+    testing::TestConstraint plane{{}, [=](const Point& x) { return face(axis, 0.0)(x) && !face(2, 1.0)(x); }};
+    plane.given.components[static_cast<std::size_t>(axis)] = Expression(0.0);
+    spec.constraints.push_back(plane);
+  }
+  TiedProblem straight(comm, cube(2), spec);
+  const auto u = straight.equilibrium();
+
+  // The lid's displacement along the turned axes; the planes as ties.
+  std::array<std::string, 3> lid_formula;
+  const Point y_axis = turned(Point{0.0, 1.0, 0.0});
+  const std::string y = fmt::format("({}*x+({})*y+({})*z)", y_axis[0], y_axis[1], y_axis[2]);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double a = turned(Point{0.2, 0.0, 0.0})[i], b = turned(Point{0.0, 0.05, -0.15})[i];
+    lid_formula[i] = fmt::format("({})*t*{}+({})*t", a, y, b);
+  }
+  TiedSpec oblique = spec;
+  oblique.constraints = {{testing::vector(lid_formula[0], lid_formula[1], lid_formula[2]), turned(face(2, 1.0))}};
+  for (int axis = 0; axis < 3; ++axis) {
+    Point normal{};
+    normal[static_cast<std::size_t>(axis)] = -1.0;
+    const Region plane = [=](const Point& x) { return face(axis, 0.0)(x) && !face(2, 1.0)(x); };
+    oblique.constraints.push_back(testing::slide(turned(plane), turned(normal), "0"));
+  }
+  TiedProblem other(comm, cube(2, [](Point x) { return turned(x); }), oblique);
+  const auto w = other.equilibrium();
+  EXPECT_NEAR(other.body.strain_energy(w.get()), straight.body.strain_energy(u.get()),
+              1e-12 * straight.body.strain_energy(u.get()));
+  EXPECT_GT(straight.body.strain_energy(u.get()), 1e-3 * modulus);
+
+  // Node by node, each problem whole on every rank.
+  TiedProblem alone(MPI_COMM_SELF, cube(2), spec);
+  const Field expected = testing::by_place(alone.body.solid(), alone.equilibrium().get());
+  const double worst = testing::deviation(other.body.solid(), w.get(), [&](const Point& x) {
+    Point X = turned_back(x);
+    for (double& X_i : X) X_i = std::round(4.0 * X_i) / 4.0;  // nodes of P2 are there
+    return turned(expected(X));
+  });
+  EXPECT_LE(worst, 1e-11);
+}
+
+/// P of the stretches (l, m, m), by the textbook.
+double stress(const ElasticLawSpec& law, double l, double m, int component) {
+  const Tensor3<Quad> H{{Quad(l) - 1, 0, 0, 0, Quad(m) - 1, 0, 0, 0, Quad(m) - 1}};
+  return static_cast<double>(std::visit([&](const auto& of) { return testing_states::textbook_P(of, H); },
+                                        instantiate(law))(component, component));
+}
+
+// A cell whose faces repeat one another, stretched along x, free to contract: the homogeneous state of every law, whose
+// force per area is the multiplier of the given difference. Edges and corners are reached in several ways.
+TEST_F(Tied, PeriodicCellHasTheHomogeneousState) {
+  for (const auto& law : testing::every_law(modulus, 0.3)) {
+    if (law.traits().num_directions == 2) continue;  // its sides differ
+    double low = 0.5, high = 1.5;                    // the lateral stress grows with m
+    for (int i = 0; i < 60; ++i) {
+      const double m = 0.5 * (low + high);
+      (stress(law, 1.2, m, 1) < 0 ? low : high) = m;
+    }
+    const double m = 0.5 * (low + high);
+    TiedSpec spec;
+    spec.law = law;
+    spec.constraints = {
+        {testing::vector("0", "0", "0"), [](const Point& x) { return dot(x, x) < 1e-12; }},
+        testing::repeat(face(0, 0.0), face(0, 1.0), testing::vector("0.2*t", "0", "0")),
+        testing::repeat(face(1, 0.0), face(1, 1.0), {{Expression(0.0), std::nullopt, Expression(0.0)}}),
+        testing::repeat(face(2, 0.0), face(2, 1.0), {{Expression(0.0), Expression(0.0), std::nullopt}})};
+    TiedProblem problem(comm, cube(3), spec);
+    const auto q = problem.equilibrium();
+    const Field exact = [=](const Point& x) { return Point{0.2 * x[0], (m - 1.0) * x[1], (m - 1.0) * x[2]}; };
+    EXPECT_LE(testing::deviation(problem.body.solid(), q.get(), exact), 1e-11) << testing::name_of(law);
+    const Handle<Vec> r = problem.body.potential().make_vector();
+    problem.body.potential().gradient_with_reactions(q.get(), r.get());
+    const auto multipliers = problem.body.map().multipliers(r.get());
+    const double T = stress(law, 1.2, m, 0);
+    for (std::size_t source = 1; source < 4; ++source) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_NEAR(sum(comm, multipliers[source][i]), source == 1 && i == 0 ? T : 0.0, 1e-9 * T);
+      }
+    }
+  }
+}
+
+/// A bar of the section 1 x 1 and the length 4 along x, held at x = 0 and gripped at the other end.
+TiedSpec gripped(const RigidMotion& motion) {
+  TiedSpec spec;
+  spec.order = 2;
+  spec.law = make_law("neo-hookean", modulus, 0.25);
+  spec.constraints = {{testing::vector("0", "0", "0"), face(0, 0.0)}, testing::grip(face(0, 4.0), motion)};
+  return spec;
+}
+
+class Twist : public Tied {
+ protected:
+  static constexpr double length = 4.0;
+  std::string bar_ = scratch_.file("bar.msh", [](const std::string& f) {
+    testing::BoxOptions options;
+    options.origin = {0.0, -0.5, -0.5};
+    testing::write_box_msh(f, {length, 1.0, 1.0}, {6, 3, 3}, options);
+  });
+  /// Turned about its axis, free along it.
+  static RigidMotion turning(double angle) {
+    return {{std::nullopt, Expression(0.0), Expression(0.0)}, {1.0, 0.0, 0.0}, Expression(angle), {length, 0.0, 0.0}};
+  }
+  struct State {
+    double energy;
+    testing::Resultant grip;  // about the origin, which lies on the axis
+    double lengthening;
+  };
+  State state(double angle, int steps) {
+    TiedProblem problem(comm, bar_, gripped(turning(angle)));
+    const auto q = problem.equilibrium(steps);
+    const Handle<Vec> r = problem.body.potential().make_vector();
+    problem.body.potential().gradient_with_reactions(q.get(), r.get());
+    double u = 0.0;
+    {
+      const ArrayView reaction(r.get());
+      const ConstArrayView x(q.get());
+      for (PetscInt a = 0; a < problem.body.layout().num_owned_nodes; ++a) {
+        if (face(0, length)(problem.body.layout().position(a))) {
+          u = x[3 * a];
+        } else {
+          for (int i = 0; i < 3; ++i) reaction[3 * a + i] = 0.0;
+        }
+      }
+    }
+    return {problem.body.strain_energy(q.get()), testing::resultant(problem.body.solid(), r.get(), q.get()),
+            maximum(comm, u)};
+  }
+};
+
+// The square bar: T = G beta a^4 angle / length, beta = 0.140577 (Timoshenko & Goodier, Theory of Elasticity, 109), but
+// that the held ends cannot warp, which stiffens a bar of four sides by some per cent.
+TEST_F(Twist, SmallTorqueIsSaintVenants) {
+  const double angle = 1e-3, G = modulus / 2.5;
+  const auto twisted = state(angle, 1);
+  const double T = G * 0.140577 * angle / length;
+  EXPECT_GT(twisted.grip.moment[0], T);
+  EXPECT_LT(twisted.grip.moment[0], 1.06 * T);
+  EXPECT_NEAR(twisted.energy, 0.5 * twisted.grip.moment[0] * angle, 1e-5 * twisted.energy);
+}
+
+// At 100 degrees: the torque is dE/d(angle), nothing pulls along the axis, and the bar lengthens (Poynting).
+TEST_F(Twist, LargeTorqueIsTheEnergysDerivative) {
+  const double angle = 1.75, h = 0.02;
+  const auto at = state(angle, 4);
+  double slope = 0.0;
+  for (const auto& [k, weight] : {std::pair{1, 8.0}, {-1, -8.0}, {2, -1.0}, {-2, 1.0}}) {
+    slope += weight * state(angle + k * h, 4).energy / (12.0 * h);
+  }
+  EXPECT_NEAR(at.grip.moment[0], slope, 1e-6 * slope);
+  EXPECT_LE(std::abs(at.grip.force[0]), 1e-8 * at.grip.moment[0]);
+  EXPECT_GT(at.lengthening, 1e-3);
+}
+
+TEST_F(Twist, MultigridAndRanksGiveTheSame) {
+  RigidMotion motion = turning(0.8);
+  motion.translation = {std::nullopt, std::nullopt, Expression(0.3)};
+  TiedProblem alone(MPI_COMM_SELF, bar_, gripped(motion)), several(comm, bar_, gripped(motion)),
+      multigrid(comm, bar_, gripped(motion), LinearKind::amg);
+  const Field expected = testing::by_place(alone.body.solid(), alone.equilibrium(2).get());
+  EXPECT_LE(testing::deviation(several.body.solid(), several.equilibrium(2).get(), expected), 1e-9);
+  EXPECT_LE(testing::deviation(multigrid.body.solid(), multigrid.equilibrium(2).get(), expected), 1e-9);
+  // A bar with a grip that is free along two axes; multigrid solves what a clamped one takes a dozen iterations for.
+  const auto& statistics = multigrid.solver.statistics();
+  EXPECT_LE(statistics.linear_iterations, 40 * statistics.newton_iterations);
+}
+
+struct OrderCase {
+  int number;
+  Method method;
+  std::string name;
+  std::vector<testing::TestConstraint> constraints;
+};
+
+std::ostream& operator<<(std::ostream& out, const OrderCase& c) {
+  return out << c.name << " " << c.method.name;
+}
+
+std::vector<OrderCase> every_order_case() {
+  const RigidMotion turning{{Expression("0.1*sin(3*t)"), std::nullopt, Expression(0.0)},
+                            {0.6, 0.0, 0.8},
+                            Expression("2*t^2"),
+                            {0.0, 0.5, 0.5}};
+  const std::vector<std::pair<std::string, std::vector<testing::TestConstraint>>> kinds{
+      {"Grip", {testing::grip(face(0, 0.0), turning)}},
+      {"Ties",
+       {testing::slide(face(0, 0.0), {0.8, 0.6, 0.0}, "0.1*sin(2*t)*(1+y)"),
+        testing::repeat(face(2, 0.0), face(2, 1.0), {{Expression("0.05*t^2"), std::nullopt, Expression(0.0)}})}}};
+  std::vector<OrderCase> cases;
+  for (const auto& [name, constraints] : kinds) {
+    for (const Method& method : methods()) {
+      cases.push_back({static_cast<int>(cases.size()), method, name, constraints});
+    }
+  }
+  return cases;
+}
+
+class TiedOrders : public ::testing::TestWithParam<OrderCase> {
+ protected:
+  static constexpr double end_time = 0.5;
+  static constexpr int num_fine = 96;
+
+  /// (q, v) at the end of `num_steps` steps, on one rank alone.
+  static std::array<Handle<Vec>, 2> end(TiedProblem& problem, const Method& method, int num_steps) {
+    auto q = problem.body.solid().vector(testing::at_rest);
+    auto v = problem.body.solid().vector([](const Point& x) {
+      return Point{0.2 * x[1], -0.1 * x[0], 0.3 * x[0] * x[1]};
+    });
+    const PrescribedMotion motion = problem.body.motion();
+    motion.complete_step({0.0, end_time / num_steps}, q.get(), v.get());
+    System system{[&](const StagePoint& stage, Vec at) { return problem.solver.solve(stage, at); }, motion};
+    system.guess = Guess::extrapolated;
+    Integrator integrator({method, Startup::dirk33}, system, {0.0, q.get(), v.get(), nullptr, {}});
+    for (int n = 1; n <= num_steps; ++n) {
+      const double time = end_time * n / num_steps;
+      const StepAttempt attempt = integrator.attempt({time, time - integrator.state().time});
+      EXPECT_EQ(attempt.report.outcome, StageOutcome::converged) << attempt.report.reason;
+      if (attempt.report.outcome != StageOutcome::converged) break;
+      integrator.accept(attempt);
+    }
+    check(VecCopy(integrator.state().q.get(), q.get()));
+    check(VecCopy(integrator.state().v.get(), v.get()));
+    EXPECT_LE(problem.body.violation(q.get(), end_time), 1e-13);
+    return {std::move(q), std::move(v)};
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Registry, TiedOrders, ::testing::ValuesIn(every_order_case()), [](const auto& of) {
+  std::string name = of.param.name + "_" + of.param.method.name;
+  std::erase(name, '-');
+  return name;
+});
+
+// Constraints that move cost no method its order, in q or v.
+TEST_P(TiedOrders, AreThoseOfTheMethod) {
+  const OrderCase& c = GetParam();
+  if (c.number % num_ranks(comm) != rank(comm)) return;  // another rank's
+  const Scratch scratch(MPI_COMM_SELF);
+  const auto file = scratch.file("body.msh", [](const std::string& f) {
+    testing::write_body(f, {1, Shape::straight, 1});
+  });
+  TiedSpec spec;
+  spec.law = make_law("neo-hookean", 5.0, 0.3);  // it vibrates at some rad/s
+  spec.density = 1.0;
+  spec.constraints = c.constraints;
+  TiedProblem problem(MPI_COMM_SELF, file, spec);
+  const auto exact = end(problem, *find_method("dirk33"), 4 * num_fine);
+  const auto coarse = end(problem, c.method, num_fine / 2), fine = end(problem, c.method, num_fine);
+  for (const std::size_t part : {0, 1}) {
+    const double error = testing::distance(coarse[part].get(), exact[part].get());
+    const double finer = testing::distance(fine[part].get(), exact[part].get());
+    EXPECT_NEAR(std::log2(error / finer), c.method.order, 0.15)
+        << (part == 0 ? "q" : "v") << ": errors " << error << ", " << finer;
+  }
+}
+
+}  // namespace
+}  // namespace pliant
