@@ -105,6 +105,10 @@ ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector
   if (model.inertia() != nullptr) {
     console.print(fmt::format("  mass {:.6g} kg", sum(layout.comm, model.inertia()->mass().total())));
   }
+  if (!model.cavities().empty()) console.print("cavities");
+  for (const auto& cavity : model.cavities()) {
+    console.print(fmt::format("  {}: volume {:.6g} m^3", cavity.name, cavity.volume));
+  }
 
   const LinearKind kind = config.solver.linear == "cholesky" ? LinearKind::cholesky
                           : config.solver.linear == "amg"    ? LinearKind::amg

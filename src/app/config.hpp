@@ -155,6 +155,30 @@ struct LoadConfig {
   Location where;
 };
 
+struct GasConfig {
+  double pressure = 0;  ///< at the start, above the ambient one [Pa]
+  double ambient = 0;   ///< absolute [Pa]
+  double exponent = 0;
+  Expression amount;  ///< in parts of that at the start; a function of t
+};
+
+struct LiquidConfig {
+  double bulk_modulus = 0;  ///< [Pa]
+  double pressure = 0;      ///< at the start [Pa]
+  Expression added_volume;  ///< [m^3]; a function of t
+};
+
+/// Exactly one content is given.
+struct CavityConfig {
+  std::string name;
+  Selection part;                      ///< surface, box or where
+  std::optional<double> volume;        ///< of the reference configuration [m^3]; default: that behind the surface
+  std::optional<Expression> pressure;  ///< [Pa]; a function of t
+  std::optional<GasConfig> gas;
+  std::optional<LiquidConfig> liquid;
+  Location where;
+};
+
 struct InitialConfig {
   VectorExpression displacement;  ///< [m], function of x, y, z
   VectorExpression velocity;      ///< [m/s], function of x, y, z
@@ -219,6 +243,7 @@ struct Config {
   std::vector<BodyConfig> bodies;
   std::vector<ConstraintConfig> constraints;
   std::vector<LoadConfig> loads;
+  std::vector<CavityConfig> cavities;
   InitialConfig initial;
   TimeConfig time;
   SolverConfig solver;

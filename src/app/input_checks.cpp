@@ -202,6 +202,14 @@ void check_names(const Config& config, const InputNode& root, Problems& problems
     places.push_back(name != nullptr ? name->where : config.probes[i].where);
   }
   check_unique(names, places, "probe name", problems);
+  names.clear();
+  places.clear();
+  for (std::size_t i = 0; i < config.cavities.size(); ++i) {
+    const InputNode* name = given(entry(root, "cavities", i), {"name"});
+    names.push_back(config.cavities[i].name);
+    places.push_back(name != nullptr ? name->where : config.cavities[i].where);
+  }
+  check_unique(names, places, "cavity name", problems);
 
   const InputNode* fields = given(root, {"output", "fields"});
   if (fields == nullptr || fields->kind != InputNode::Kind::list) return;

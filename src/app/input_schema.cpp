@@ -1,6 +1,7 @@
 #include "app/input_schema.hpp"
 
 #include "app/input_active.hpp"
+#include "app/input_cavities.hpp"
 #include "app/input_constraints.hpp"
 #include "app/input_elasticity.hpp"
 #include "app/input_laws.hpp"
@@ -123,7 +124,9 @@ Section<Config> config_keys() {
       field("bodies", &Config::bodies, list_of(map_of(body_keys()), 1), "the bodies and their materials").required(),
       field("constraints", &Config::constraints, list_of(map_of(constraint_keys()), 0),
             "what holds the bodies and ties their parts to one another"),
-      field("loads", &Config::loads, list_of(map_of(load_keys()), 0), "gravity and surface loads"),
+      field("loads", &Config::loads, list_of(map_of(load_keys()), 0), "forces, pressures, springs and dashpots"),
+      field("cavities", &Config::cavities, list_of(map_of(cavity_keys()), 0),
+            "hollows of the bodies that hold a gas or a liquid"),
       field("initial", &Config::initial, map_of(initial_keys()), "the state at time 0"),
       field("time", &Config::time, map_of(time_keys()), "how time advances").required(),
       field("solver", &Config::solver, map_of(solver_keys()), "how equations are solved"),

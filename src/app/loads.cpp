@@ -3,7 +3,6 @@
 #include "app/model.hpp"
 #include "energy/foundation.hpp"
 #include "energy/load.hpp"
-#include "energy/pressure.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
@@ -13,17 +12,6 @@
 
 namespace pliant {
 namespace {
-
-std::unique_ptr<EnergyTerm> make_pressure(const LoadConfig& load, const LoadedBodies& bodies, Selections& selections) {
-  FacetList facets = selections.facets(load.part);
-  if (any(bodies.layout.comm, std::ranges::find(facets.is_outer, 0) != facets.is_outer.end())) {
-    selections.report(load.where, fmt::format("{} lies inside the mesh, where a pressure has no side to push on; "
-                                              "name a part of the outer surface",
-                                              describe(load.part)));
-    return nullptr;
-  }
-  return std::make_unique<FollowerPressure>(bodies.layout, bodies.pattern, std::move(facets), load.pressure);
-}
 
 std::unique_ptr<EnergyTerm> make_foundation(const LoadConfig& load, Analysis analysis, const LoadedBodies& bodies,
                                             Selections& selections) {
@@ -103,35 +91,40 @@ bool has_dashpots(const Config& config) {
   return std::ranges::any_of(config.loads, [](const LoadConfig& load) { return load.dashpot.value_or(0.0) > 0.0; });
 }
 
-std::vector<std::unique_ptr<EnergyTerm>> make_loads(const Config& config, const LoadedBodies& bodies,
-                                                    Selections& selections) {
+Loads::Loads(const Config& config, const LoadedBodies& bodies, Selections& selections)
+    : layout_(bodies.layout), pattern_(bodies.pattern), wetted_(config, selections, bodies.layout.comm) {
   using Kind = LoadConfig::Kind;
-  std::vector<std::unique_ptr<EnergyTerm>> terms;
   for (const LoadConfig& load : config.loads) {
-    if (load.kind == Kind::pressure) {
-      terms.push_back(make_pressure(load, bodies, selections));
-    } else if (load.kind == Kind::foundation || load.kind == Kind::point_foundation) {
-      terms.push_back(make_foundation(load, analysis_of(config), bodies, selections));
-    } else {
-      terms.push_back(make_dead_load(load, config.mass, bodies, selections));
-    }
+    if (load.kind == Kind::pressure) continue;
+    const bool is_foundation = load.kind == Kind::foundation || load.kind == Kind::point_foundation;
+    add(is_foundation ? make_foundation(load, analysis_of(config), bodies, selections)
+                      : make_dead_load(load, config.mass, bodies, selections),
+        load.where);
   }
-  return terms;
 }
 
-void check_finite(const std::vector<std::unique_ptr<EnergyTerm>>& loads, const Config& config,
-                  const NodeLayout& layout) {
-  const std::vector<double> zero(3 * static_cast<std::size_t>(layout.num_local_nodes), 0.0);
+void Loads::add(std::unique_ptr<EnergyTerm> term, const Location& where) {
+  terms_.push_back(std::move(term));
+  places_.push_back(where);
+}
+
+void Loads::complete(const Config& config, const PrescribedDisplacement& prescribed) {
+  for (auto& [term, where] : wetted_.make_terms(config, layout_, pattern_, prescribed)) add(std::move(term), where);
+  check_finite(analysis_of(config) == Analysis::static_equilibrium ? config.time.end : 0.0);
+}
+
+void Loads::check_finite(double time) const {
+  const std::vector<double> zero(3 * static_cast<std::size_t>(layout_.num_local_nodes), 0.0);
   LocalStage stage;
-  stage.time = analysis_of(config) == Analysis::static_equilibrium ? config.time.end : 0.0;
+  stage.time = time;
   stage.dt = 1.0;
   stage.q0 = stage.v0 = zero;
-  on_every_rank(layout.comm, [&] {
-    for (std::size_t k = 0; k < loads.size(); ++k) {
+  on_every_rank(layout_.comm, [&] {
+    for (std::size_t k = 0; k < terms_.size(); ++k) {
       std::vector<double> forces(zero);
-      loads[k]->add_gradient(stage, zero, forces);
+      terms_[k]->add_gradient(stage, zero, forces);
       if (std::all_of(forces.begin(), forces.end(), [](double f) { return std::isfinite(f); })) continue;
-      throw InputError(config.loads[k].where, fmt::format("the load is not finite at t = {:g}", stage.time));
+      throw InputError(places_[k], fmt::format("the load is not finite at t = {:g}", time));
     }
   });
 }

@@ -1,6 +1,7 @@
-/// The terms of the input's loads.
+/// The terms of the input's loads and cavities.
 #pragma once
 
+#include "app/cavities.hpp"
 #include "app/config.hpp"
 #include "app/selections.hpp"
 #include "energy/term.hpp"
@@ -23,13 +24,28 @@ struct LoadedBodies {
 /// Whether any load has a dashpot, which needs motion.
 bool has_dashpots(const Config& config);
 
-/// A term per load, in the input's order; mistakes are reported to `selections`, and their terms are of no use.
-/// Collective.
-std::vector<std::unique_ptr<EnergyTerm>> make_loads(const Config& config, const LoadedBodies& bodies,
-                                                    Selections& selections);
+/// The terms of loads and cavities.
+class Loads {
+ public:
+  /// Mistakes are reported to `selections`; if there are any, the object is of no use. Collective.
+  Loads(const Config& config, const LoadedBodies& bodies, Selections& selections);
 
-/// Throws InputError where a force is not finite at the start. `loads`: those of make_loads. Collective.
-void check_finite(const std::vector<std::unique_ptr<EnergyTerm>>& loads, const Config& config,
-                  const NodeLayout& layout);
+  /// Adds those that depend on what constraints hold. Throws InputError where a cavity is open, or a force not finite
+  /// at the start. Collective.
+  void complete(const Config& config, const PrescribedDisplacement& prescribed);
+
+  const std::vector<std::unique_ptr<EnergyTerm>>& terms() const { return terms_; }
+  const std::vector<ModelCavity>& cavities() const { return wetted_.cavities(); }
+
+ private:
+  void add(std::unique_ptr<EnergyTerm> term, const Location& where);
+  void check_finite(double time) const;
+
+  const NodeLayout& layout_;
+  const BlockPattern& pattern_;
+  WettedParts wetted_;
+  std::vector<std::unique_ptr<EnergyTerm>> terms_;
+  std::vector<Location> places_;  // of the terms in the input
+};
 
 }  // namespace pliant

@@ -3,7 +3,6 @@
 #include "app/active.hpp"
 #include "app/elasticity.hpp"
 #include "app/input_schema.hpp"
-#include "app/loads.hpp"
 #include "app/selections.hpp"
 #include "app/viscosity.hpp"
 #include "petsc/array_view.hpp"
@@ -117,7 +116,7 @@ void Model::build_terms(const Config& config) {
   }
   body_of_cell_ = selections.cells(parts);
 
-  loads_ = make_loads(config, {layout_, *pattern_, body_of_cell_, densities_}, selections);
+  loads_ = std::make_unique<Loads>(config, LoadedBodies{layout_, *pattern_, body_of_cell_, densities_}, selections);
   constraints_ = std::make_unique<Constraints>(config, layout_, selections);
   for (const auto& notice : selections.unused_groups()) notices_.push_back(notice);
 
@@ -126,7 +125,7 @@ void Model::build_terms(const Config& config) {
   } else {
     build_cells<2>(config);
   }
-  check_finite(loads_, config, layout_);
+  loads_->complete(config, constraints_->prescribed());
 
   std::vector<std::array<double, 3>> points;
   for (const auto& probe : config.probes) points.push_back(probe.point);
@@ -149,7 +148,7 @@ void Model::prepare(const Config& config) {
   for (const auto& term : elastic_) terms.push_back(term.get());
   for (const auto& term : active_) terms.push_back(term.get());
   for (const auto& term : viscous_) terms.push_back(term.get());
-  for (const auto& term : loads_) terms.push_back(term.get());
+  for (const auto& term : loads_->terms()) terms.push_back(term.get());
   if (analysis == Analysis::dynamic && inertia_) terms.push_back(inertia_.get());
   potential_ =
       std::make_unique<IncrementalPotential>(layout_, *pattern_, std::move(terms), constraints_->prescribed().flags());

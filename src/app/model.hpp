@@ -3,6 +3,7 @@
 
 #include "app/config.hpp"
 #include "app/constraints.hpp"
+#include "app/loads.hpp"
 #include "energy/elastic.hpp"
 #include "energy/incremental_potential.hpp"
 #include "energy/inertia.hpp"
@@ -47,6 +48,7 @@ class Model {
   const std::vector<std::unique_ptr<ElasticTerm>>& elastic() const { return elastic_; }
   const Inertia* inertia() const { return inertia_.get(); }  ///< nullptr if no body has a density
   const Constraints& constraints() const { return *constraints_; }
+  const std::vector<ModelCavity>& cavities() const { return loads_->cavities(); }
   IncrementalPotential& potential() { return *potential_; }
   const std::vector<ProbeLocation>& probes() const { return probes_; }
   const WaveSpeeds& wave_speeds() const { return wave_speeds_; }
@@ -81,7 +83,7 @@ class Model {
   std::vector<std::unique_ptr<ElasticTerm>> elastic_;
   std::vector<std::unique_ptr<EnergyTerm>> active_;
   std::vector<std::unique_ptr<EnergyTerm>> viscous_;
-  std::vector<std::unique_ptr<EnergyTerm>> loads_;
+  std::unique_ptr<Loads> loads_;
   std::unique_ptr<Inertia> inertia_;
   std::unique_ptr<Constraints> constraints_;
   std::unique_ptr<IncrementalPotential> potential_;

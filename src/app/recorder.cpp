@@ -63,6 +63,7 @@ std::filesystem::path prepared_directory(MPI_Comm comm, const Config& config) {
 Recorder::Recorder(MPI_Comm comm, const Config& config, const Model& model, const Ledger& ledger)
     : model_(model),
       fields_(config.output.fields),
+      static_time_(analysis_of(config) == Analysis::static_equilibrium ? std::optional(config.time.end) : std::nullopt),
       result_(comm, prepared_directory(comm, config), config.title, output_mesh()),
       history_(comm, std::filesystem::path(config.output.directory) / "history.csv", columns(config, ledger)),
       q_(make_vector(model.layout())),
@@ -116,6 +117,9 @@ std::vector<std::string> Recorder::columns(const Config& config, const Ledger& l
     if (!support.rigid_part) continue;
     for (const char* suffix : {"_tx", "_ty", "_tz"}) names.push_back(support.name + suffix);
   }
+  for (const auto& cavity : model_.cavities()) {
+    for (const char* suffix : {"_pressure", "_volume"}) names.push_back(cavity.name + suffix);
+  }
   return names;
 }
 
@@ -161,7 +165,22 @@ void Recorder::record(const StepRecord& record, const Ledger& ledger) {
     const auto& torque = ledger.reactions()[s].torque;
     if (model_.constraints().supports()[s].rigid_part) row.insert(row.end(), torque.begin(), torque.end());
   }
+  for (const double value : cavity_states(record)) row.push_back(value);
   history_.append(row);
+}
+
+std::vector<double> Recorder::cavity_states(const StepRecord& record) {
+  std::vector<double> values;
+  if (model_.cavities().empty()) return values;
+  check(VecCopy(record.q, q_.get()));
+  update_ghosts(q_.get());
+  const ConstGhostedView u(q_.get());
+  for (const auto& cavity : model_.cavities()) {
+    const double swept = sum(model_.layout().comm, cavity.term->swept(u.span()));
+    const LoadState at = static_time_ ? LoadState{*static_time_, record.time} : LoadState{record.time, 1.0};
+    values.insert(values.end(), {cavity.term->pressure(swept, at), cavity.volume - swept});
+  }
+  return values;
 }
 
 void Recorder::write_frame(const StepRecord& record) {

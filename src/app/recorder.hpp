@@ -6,6 +6,7 @@
 #include "io/result_writer.hpp"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,10 +27,13 @@ class Recorder {
 
  private:
   OutputMesh output_mesh() const;
+  /// Gauge pressure [Pa] and volume [m^3] of each cavity.
+  std::vector<double> cavity_states(const StepRecord& record);
   std::vector<std::string> columns(const Config& config, const Ledger& ledger) const;
 
   const Model& model_;
   std::vector<std::string> fields_;
+  std::optional<double> static_time_;  // at which formulas are evaluated while the load factor grows [s]
   double seconds_ = 0.0;
   ResultWriter result_;
   HistoryWriter history_;

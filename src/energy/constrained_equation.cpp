@@ -89,6 +89,15 @@ void ConstrainedEquation::hessian(Vec y, Mat K, Projection projection) {
   check(MatAssemblyEnd(K, MAT_FINAL_ASSEMBLY));
 }
 
+void ConstrainedEquation::rank_one_parts(Vec y, std::vector<RankOne>& parts) {
+  map_.expand(y, q_.get());
+  equation_.rank_one_parts(q_.get(), parts);
+  for (const RankOne& part : parts) {
+    check(VecCopy(part.g.get(), full_gradient_.get()));
+    check(MatMultTranspose(map_.matrix(), full_gradient_.get(), part.g.get()));
+  }
+}
+
 double ConstrainedEquation::max_step(Vec y, Vec d) {
   map_.expand(y, q_.get());
   check(MatMult(map_.matrix(), d, d_.get()));

@@ -1,6 +1,7 @@
 #include "energy/incremental_potential.hpp"
 
 #include "base/compensated_sum.hpp"
+#include "energy/function_of_sum.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/ghosted.hpp"
@@ -20,6 +21,10 @@ IncrementalPotential::IncrementalPotential(const NodeLayout& layout, const Block
       elimination_(layout, pattern, prescribed_) {
   first_internal_.push_back(0);
   for (const EnergyTerm* term : terms_) first_internal_.push_back(first_internal_.back() + term->num_internal());
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    if (terms_[k]->function_of_sum() != nullptr) functions_of_sum_.push_back(k);
+  }
+  sums_.resize(terms_.size());
   for (Handle<Vec>* v : {&q_, &d_, &q0_, &v0_, &work_, &diagonal_}) *v = pliant::make_vector(layout);
 }
 
@@ -27,6 +32,26 @@ std::span<const double> IncrementalPotential::local(Vec q, const Handle<Vec>& wo
   check(VecCopy(q, work.get()));
   update_ghosts(work.get());
   return ConstGhostedView(work.get()).span();  // the memory stays where it is while `work` lives
+}
+
+std::span<const double> IncrementalPotential::evaluated_at(Vec q) {
+  const auto at = local(q, q_);
+  add_up(stage_, at);
+  return at;
+}
+
+void IncrementalPotential::add_up(const LocalStage& stage, std::span<const double> q) {
+  if (functions_of_sum_.empty()) return;
+  std::vector<double> parts;
+  for (const std::size_t k : functions_of_sum_) {
+    const SumOverRanks part = terms_[k]->function_of_sum()->part(stage, q);
+    parts.insert(parts.end(), {part.start, part.change});
+  }
+  check_mpi(
+      MPI_Allreduce(MPI_IN_PLACE, parts.data(), static_cast<int>(parts.size()), MPI_DOUBLE, MPI_SUM, layout_.comm));
+  for (std::size_t i = 0; i < functions_of_sum_.size(); ++i) {
+    sums_[functions_of_sum_[i]] = {parts[2 * i], parts[2 * i + 1]};
+  }
 }
 
 void IncrementalPotential::clear_prescribed(std::span<double> r) const {
@@ -45,6 +70,7 @@ std::span<double> IncrementalPotential::slice(std::span<double> z, std::size_t k
 }
 
 const LocalStage& IncrementalPotential::stage_of(std::size_t k) {
+  stage_.sum = sums_[k];
   stage_.z0 = {};
   if (z0_ != nullptr) {
     const ConstArrayView z0(z0_);  // the memory stays where it is while the vector lives
@@ -54,15 +80,16 @@ const LocalStage& IncrementalPotential::stage_of(std::size_t k) {
 }
 
 double IncrementalPotential::value(Vec q) {
-  const auto at = local(q, q_);
+  const auto at = evaluated_at(q);
   double mine = 0.0;
   for (std::size_t k = 0; k < terms_.size(); ++k) mine += terms_[k]->value(stage_of(k), at);
-  const double total = sum(layout_.comm, mine);
+  double total = sum(layout_.comm, mine);
+  for (const std::size_t k : functions_of_sum_) total += terms_[k]->function_of_sum()->value_of_sum(stage_of(k));
   return std::isfinite(total) ? total : std::numeric_limits<double>::infinity();
 }
 
 void IncrementalPotential::gradient_of(const std::function<bool(const EnergyTerm&)>& wanted, Vec q, Vec r) {
-  const auto at = local(q, q_);
+  const auto at = evaluated_at(q);
   {
     const GhostedView rows(work_.get());
     std::fill(rows.span().begin(), rows.span().end(), 0.0);
@@ -84,7 +111,7 @@ void IncrementalPotential::gradient(Vec q, Vec r) {
 }
 
 double IncrementalPotential::force_scale(Vec q) {
-  const auto at = local(q, q_);
+  const auto at = evaluated_at(q);
   double scale = 0.0;
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     {
@@ -101,7 +128,7 @@ double IncrementalPotential::force_scale(Vec q) {
 }
 
 void IncrementalPotential::hessian(Vec q, Mat K, Projection projection) {
-  const auto at = local(q, q_);
+  const auto at = evaluated_at(q);
   {
     BlockWriter writer(pattern_, K);
     writer.zero();
@@ -115,6 +142,29 @@ void IncrementalPotential::hessian(Vec q, Mat K, Projection projection) {
     BlockWriter writer(pattern_, K);
     elimination_.apply(writer, total > 0.0 ? total / (3.0 * layout_.num_global_nodes) : 1.0);
     writer.finish();
+  }
+}
+
+void IncrementalPotential::rank_one_parts(Vec q, std::vector<RankOne>& parts) {
+  const auto at = evaluated_at(q);
+  sum_rounding_ = 0.0;
+  for (std::size_t i = 0; i < functions_of_sum_.size(); ++i) {
+    const std::size_t k = functions_of_sum_[i];
+    const FunctionOfSum& function = *terms_[k]->function_of_sum();
+    auto& [c, g] = parts[i];
+    c = function.curvature(stage_of(k));
+    double size = 0.0;
+    {
+      const GhostedView rows(work_.get());
+      std::fill(rows.span().begin(), rows.span().end(), 0.0);
+      function.add_gradient_of_sum(at, rows.span());
+      clear_prescribed(rows.span());
+      for (PetscInt e = 0; e < 3 * layout_.num_owned_nodes; ++e) size += std::abs(rows.span()[e] * at[e]);
+    }
+    check(VecCopy(work_.get(), g.get()));
+    PetscReal norm = 0.0;
+    check(VecNorm(g.get(), NORM_2, &norm));
+    sum_rounding_ += std::numeric_limits<double>::epsilon() * c * norm * sum(layout_.comm, size);
   }
 }
 
@@ -143,7 +193,7 @@ double IncrementalPotential::rounding_floor(Vec q) const {
   for (PetscInt i = 0; i < 3 * layout_.num_owned_nodes; ++i) {
     if (!prescribed_[i]) squares += std::pow(k[i] * u[i], 2);
   }
-  return std::numeric_limits<double>::epsilon() * std::sqrt(sum(layout_.comm, squares));
+  return std::numeric_limits<double>::epsilon() * std::sqrt(sum(layout_.comm, squares)) + sum_rounding_;
 }
 
 std::vector<std::string> IncrementalPotential::non_potentials() const {
@@ -161,7 +211,7 @@ Symmetry IncrementalPotential::symmetry() const {
 }
 
 std::vector<TermPower> IncrementalPotential::powers(Vec q, Vec v, Vec r) {
-  const auto at = local(q, q_);
+  const auto at = evaluated_at(q);
   std::vector<double> mine(3 * terms_.size(), 0.0);
   check(VecZeroEntries(r));
   for (std::size_t k = 0; k < terms_.size(); ++k) {
@@ -200,6 +250,12 @@ std::vector<double> IncrementalPotential::energies(const Instant& instant, Vec q
   }
   check_mpi(
       MPI_Allreduce(MPI_IN_PLACE, result.data(), static_cast<int>(result.size()), MPI_DOUBLE, MPI_SUM, layout_.comm));
+  LocalStage here;  // a stage that starts at q
+  here.q0 = at;
+  add_up(here, at);
+  for (const std::size_t k : functions_of_sum_) {
+    result[k] += terms_[k]->function_of_sum()->energy_of_sum(sums_[k].total());
+  }
   return result;
 }
 

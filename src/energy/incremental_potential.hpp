@@ -49,11 +49,14 @@ class IncrementalPotential final : public StageEquation {
   Handle<Mat> make_hessian() const override;
   /// K = d2Phi/dq2 [N/m]; rows and columns of prescribed entries are zero but for the diagonal.
   void hessian(Vec q, Mat K, Projection projection) override;
+  std::size_t num_rank_one() const override { return functions_of_sum_.size(); }
+  void rank_one_parts(Vec q, std::vector<RankOne>& parts) override;
   /// The largest alpha for which q + alpha d stays clear of all barriers.
   double max_step(Vec q, Vec d) override;
   /// Sum over the terms of the norms of their gradients on free entries [N]: the size of the forces that must balance.
   double force_scale(Vec q) override;
-  /// Size of the rounding errors in the gradient at q [N]: |eps K_ii u_i|, with the diagonal of the last Hessian.
+  /// Size of the rounding errors in the gradient at q [N]: |eps K_ii u_i|, with the diagonal of the last Hessian, and
+  /// eps c |g| sum |g_i u_i| of the last parts of rank one.
   double rounding_floor(Vec q) const override;
 
   std::vector<std::string> non_potentials() const override;
@@ -70,6 +73,9 @@ class IncrementalPotential final : public StageEquation {
 
  private:
   std::span<const double> local(Vec q, const Handle<Vec>& work);
+  /// `local`, with the sums over all ranks of the terms that are functions of one.
+  std::span<const double> evaluated_at(Vec q);
+  void add_up(const LocalStage& stage, std::span<const double> q);
   /// The stage as the k-th term sees it.
   const LocalStage& stage_of(std::size_t k);
   std::span<double> slice(std::span<double> z, std::size_t k) const;
@@ -81,8 +87,11 @@ class IncrementalPotential final : public StageEquation {
   std::vector<char> prescribed_;
   RowElimination elimination_;
   LocalStage stage_;
-  std::vector<std::size_t> first_internal_;  // of each term, and their total
-  Vec z0_ = nullptr;                         // of the stage, borrowed
+  std::vector<std::size_t> first_internal_;    // of each term, and their total
+  Vec z0_ = nullptr;                           // of the stage, borrowed
+  std::vector<std::size_t> functions_of_sum_;  // among the terms
+  std::vector<SumOverRanks> sums_;             // of each term, at the last q
+  double sum_rounding_ = 0.0;                  // of the last parts of rank one [N]
   // Copies with ghosts of the vectors spoken of; memory taken once.
   Handle<Vec> q_, d_, q0_, v0_, work_, diagonal_;
 };

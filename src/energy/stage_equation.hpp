@@ -1,6 +1,7 @@
 /// What Newton's method asks of a stage: r(q) = 0 and what helps to solve it.
 #pragma once
 
+#include "energy/rank_one.hpp"
 #include "energy/term.hpp"
 #include "petsc/handle.hpp"
 #include "time/stage.hpp"
@@ -25,8 +26,13 @@ class StageEquation {
   virtual void gradient(Vec q, Vec r) = 0;
   /// A zero matrix for the Hessian, with a near-null space where there is one.
   virtual Handle<Mat> make_hessian() const = 0;
-  /// K = dr/dq [N/m], or an approximation; rows and columns of prescribed entries are zero but for the diagonal.
+  /// K = dr/dq [N/m] without the parts of rank one, or an approximation; rows and columns of prescribed entries are
+  /// zero but for the diagonal.
   virtual void hessian(Vec q, Mat K, Projection projection) = 0;
+  /// How many parts of rank one the Hessian has beside K.
+  virtual std::size_t num_rank_one() const { return 0; }
+  /// Those parts at q; `parts` has num_rank_one() of them, with vectors of make_vector().
+  virtual void rank_one_parts(Vec /*q*/, std::vector<RankOne>& /*parts*/) {}
   /// The largest alpha for which q + alpha d stays clear of all barriers.
   virtual double max_step(Vec q, Vec d) = 0;
   /// Sum over the terms of the norms of their forces on free entries [N]: the size of the forces that must balance.

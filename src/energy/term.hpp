@@ -9,6 +9,15 @@
 
 namespace pliant {
 
+class FunctionOfSum;
+
+/// A number S summed over all ranks (energy/function_of_sum.hpp).
+struct SumOverRanks {
+  double start = 0.0;   ///< S(q0)
+  double change = 0.0;  ///< S(q) - S(q0)
+  double total() const { return start + change; }
+};
+
 /// A stage as the terms see it: StagePoint with the arrays of this rank, owned nodes first, then ghosts, xyz per node.
 struct LocalStage {
   double time = 0.0;           ///< t_i [s]
@@ -17,6 +26,7 @@ struct LocalStage {
   std::span<const double> q0;  ///< stage-start displacement [m]
   std::span<const double> v0;  ///< stage-start velocity [m/s]
   std::span<const double> z0;  ///< the term's own internal variables at the stage's start
+  SumOverRanks sum = {};       ///< of a FunctionOfSum, at the q of the call
 };
 
 /// What of time an energy may depend on by itself.
@@ -92,6 +102,9 @@ class EnergyTerm {
   virtual double supply(const LocalStage& /*stage*/, std::span<const double> /*q*/) const { return 0.0; }
   /// Power that the owned cells dissipate by physical mechanisms at the end of the stage [W], >= 0.
   virtual double dissipation(const LocalStage& /*stage*/, std::span<const double> /*q*/) const { return 0.0; }
+
+  /// The term as a function of one number of all ranks, if it is one.
+  virtual const FunctionOfSum* function_of_sum() const { return nullptr; }
 
   /// The largest alpha for which q + alpha d stays clear of the term's barrier; +inf if it has none.
   virtual double max_step(std::span<const double> /*q*/, std::span<const double> /*d*/) const {

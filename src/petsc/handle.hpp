@@ -33,6 +33,9 @@ inline PetscErrorCode destroy(IS* x) {
 inline PetscErrorCode destroy(KSP* x) {
   return KSPDestroy(x);
 }
+inline PetscErrorCode destroy(PC* x) {
+  return PCDestroy(x);
+}
 inline PetscErrorCode destroy(SNES* x) {
   return SNESDestroy(x);
 }

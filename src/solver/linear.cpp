@@ -23,9 +23,7 @@ void set_default_option(const char* name, const char* value) {
 }
 
 /// Whether the preconditioner is a factorization of that type (PCCHOLESKY or PCLU) by MUMPS.
-bool factorizes_with_mumps(KSP ksp, PCType wanted, Mat* factor) {
-  PC pc = nullptr;
-  check(KSPGetPC(ksp, &pc));
+bool factorizes_with_mumps(PC pc, PCType wanted, Mat* factor) {
   PetscBool is_wanted = PETSC_FALSE;
   check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), wanted, &is_wanted));
   if (!is_wanted) return false;
@@ -37,14 +35,14 @@ bool factorizes_with_mumps(KSP ksp, PCType wanted, Mat* factor) {
   return *factor != nullptr;
 }
 
-bool factorizes_with_mumps(KSP ksp, Mat* factor) {
-  return factorizes_with_mumps(ksp, PCCHOLESKY, factor) || factorizes_with_mumps(ksp, PCLU, factor);
+bool factorizes_with_mumps(PC pc, Mat* factor) {
+  return factorizes_with_mumps(pc, PCCHOLESKY, factor) || factorizes_with_mumps(pc, PCLU, factor);
 }
 
 /// `workspace`: per cent beyond MUMPS's estimate.
-void control_mumps(KSP ksp, Mat K, PetscInt workspace) {
+void control_mumps(PC pc, Mat K, PetscInt workspace) {
   Mat factor = nullptr;
-  if (!factorizes_with_mumps(ksp, &factor)) return;
+  if (!factorizes_with_mumps(pc, &factor)) return;
   // Ordering: PORD, as Debian's MUMPS has neither METIS nor SCOTCH. It ends the process where all unknowns couple with
   // all (a rigid body, a single cell): AMD there.
   PetscInt num_unknowns = 0;
@@ -93,32 +91,30 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry)
     set_default_option("-pc_gamg_threshold", "0.01");
   }
   check(KSPSetFromOptions(ksp));
-  control_mumps(ksp, K, first_workspace);
+  control_mumps(pc, K, first_workspace);
 }
 
-bool set_up_preconditioner(KSP ksp, Mat K) {
-  PC pc = nullptr;
-  check(KSPGetPC(ksp, &pc));
-  check(KSPSetReusePreconditioner(ksp, PETSC_FALSE));
-  check(KSPSetOperators(ksp, K, K));
+bool set_up_preconditioner(PC pc, Mat K) {
+  check(PCSetReusePreconditioner(pc, PETSC_FALSE));
+  check(PCSetOperators(pc, K, K));
   bool is_sound = false, lacks_workspace = true;
   for (PetscInt workspace = first_workspace; lacks_workspace && workspace <= last_workspace;) {
-    check(KSPSetUp(ksp));
+    check(PCSetUp(pc));
     PCFailedReason failure = PC_NOERROR;
     check(PCGetFailedReason(pc, &failure));
     is_sound = failure == PC_NOERROR;
     if (is_sound) break;
     Mat factor = nullptr;
     PetscInt error = 0;
-    if (factorizes_with_mumps(ksp, &factor)) check(MatMumpsGetInfog(factor, 1, &error));
+    if (factorizes_with_mumps(pc, &factor)) check(MatMumpsGetInfog(factor, 1, &error));
     lacks_workspace = error == -8 || error == -9;
     if (lacks_workspace) workspace *= 4;
     // PETSc 3.18 skips every factorization after one that failed, and says nothing; so the next one shall be the first.
     check(PCReset(pc));
-    check(KSPSetOperators(ksp, K, K));
-    control_mumps(ksp, K, workspace);
+    check(PCSetOperators(pc, K, K));
+    control_mumps(pc, K, workspace);
   }
-  check(KSPSetReusePreconditioner(ksp, PETSC_TRUE));
+  check(PCSetReusePreconditioner(pc, PETSC_TRUE));
   return is_sound;
 }
 
@@ -126,9 +122,9 @@ std::string mumps_version() {
   return MUMPS_VERSION;
 }
 
-PetscInt negative_pivots(KSP ksp) {
+PetscInt negative_pivots(PC pc) {
   Mat factor = nullptr;
-  if (!factorizes_with_mumps(ksp, PCCHOLESKY, &factor)) return 0;
+  if (!factorizes_with_mumps(pc, PCCHOLESKY, &factor)) return 0;
   PetscInt negative = 0;
   check(MatGetInertia(factor, &negative, nullptr, nullptr));
   return negative;

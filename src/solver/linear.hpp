@@ -24,13 +24,13 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry)
 /// Sets up the preconditioner (factorizes) for the present K, and keeps it for all further solves; a factorization that
 /// runs out of workspace is repeated with more. False if there is none, as K is singular: solve nothing then.
 /// Collective.
-bool set_up_preconditioner(KSP ksp, Mat K);
+bool set_up_preconditioner(PC pc, Mat K);
 
 /// Of the library that factorizes, e.g. "5.5.1".
 std::string mumps_version();
 
 /// Number of negative pivots of the current factorization, if it is LDL^T and tells; else 0 (those of LU mean nothing).
 /// Collective.
-PetscInt negative_pivots(KSP ksp);
+PetscInt negative_pivots(PC pc);
 
 }  // namespace pliant

@@ -75,6 +75,11 @@ NewtonSolver::NewtonSolver(StageEquation& equation, const NewtonOptions& options
   check(SNESGetKSP(snes, &ksp));
   configure_linear_solver(ksp, K_.get(), linear, equation.symmetry());
   check(SNESSetFromOptions(snes));
+  for (std::size_t k = 0; k < equation.num_rank_one(); ++k) rank_one_.push_back({0.0, equation.make_vector()});
+  if (!rank_one_.empty()) {
+    rank_one_system_ = std::make_unique<RankOneSystem>(ksp, K_.get(), rank_one_);
+    check(SNESSetJacobian(snes, rank_one_system_->matrix(), K_.get(), hessian_callback, this));
+  }
   PetscBool solves_directly = PETSC_FALSE;
   check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ksp), KSPPREONLY, &solves_directly));
   may_keep_factor_ = !solves_directly;
@@ -140,6 +145,7 @@ void NewtonSolver::assemble(Vec q, Projection projection) {
   {
     const Stopwatch watch(statistics_.assembly_seconds);
     equation_.hessian(q, K_.get(), projection);
+    if (rank_one_system_) equation_.rank_one_parts(q, rank_one_);
   }
   factor_is_current_ = false;
   if (projection != Projection::none) ++statistics_.projections;
@@ -159,17 +165,31 @@ void NewtonSolver::regularize() {
 
 void NewtonSolver::factorize() {
   const Stopwatch watch(statistics_.factorization_seconds);
+  factor_failed_ = !set_up_preconditioner(preconditioner(), K_.get());
+  if (rank_one_system_ && !factor_failed_) factor_failed_ = !rank_one_system_->set_up();
   KSP ksp = nullptr;
   check(SNESGetKSP(snes_.get(), &ksp));
-  factor_failed_ = !set_up_preconditioner(ksp, K_.get());
+  check(KSPSetOperators(ksp, rank_one_system_ ? rank_one_system_->matrix() : K_.get(), K_.get()));
   ++statistics_.factorizations;
   factor_is_wanted_ = !may_keep_factor_;
   factor_is_current_ = true;
 }
 
-void NewtonSolver::linearize(Vec q) {
+PC NewtonSolver::preconditioner() const {
+  if (rank_one_system_) return rank_one_system_->inner();
   KSP ksp = nullptr;
+  PC pc = nullptr;
   check(SNESGetKSP(snes_.get(), &ksp));
+  check(KSPGetPC(ksp, &pc));
+  return pc;
+}
+
+PetscInt NewtonSolver::negative_eigenvalues() const {
+  const PetscInt of_K = negative_pivots(preconditioner());
+  return rank_one_system_ ? of_K - rank_one_system_->negative_eigenvalues() : of_K;
+}
+
+void NewtonSolver::linearize(Vec q) {
   assemble(q, Projection::none);
   if (path_ == Path::residual && !merit_has_scale_) {
     merit_.set_scale(K_.get());
@@ -181,7 +201,7 @@ void NewtonSolver::linearize(Vec q) {
     while (factor_failed_ && climb(q)) {
     }
     if (factor_failed_) check(SNESSetJacobianDomainError(snes_.get()));
-  } else if (negative_pivots(ksp) > 0) {
+  } else if (negative_eigenvalues() > 0) {
     assemble(q, Projection::positive_semidefinite);
     factorize();
     factor_is_wanted_ = true;  // the next Hessian may be definite again: look

@@ -6,8 +6,10 @@
 #include "petsc/handle.hpp"
 #include "solver/linear.hpp"
 #include "solver/merit.hpp"
+#include "solver/rank_one_system.hpp"
 #include "time/stage.hpp"
 
+#include <memory>
 #include <string>
 
 namespace pliant {
@@ -62,6 +64,9 @@ std::string describe(const StageEquation& equation, LinearKind linear);
 /// iteration: the natural monotonicity test (Deuflhard 2011, Newton Methods for Nonlinear Problems, 3.3). D is the
 /// absolute diagonal of the stage's first K. The pivots of an
 /// unsymmetric K tell nothing of stability.
+///
+/// Parts of rank one (the pressure of a cavity depends on its volume) are no part of K: linear systems take them in by
+/// the formula of Woodbury, and the iteration remains Newton's.
 class NewtonSolver {
  public:
   /// `equation` outlives the solver. PETSc options -snes_..., -ksp_..., -pc_... override. Collective.
@@ -88,6 +93,10 @@ class NewtonSolver {
   void assemble(Vec q, Projection projection);
   void regularize();
   void factorize();
+  /// The preconditioner of K.
+  PC preconditioner() const;
+  /// Of the Hessian with its parts of rank one, as the factorization of the present K tells.
+  PetscInt negative_eigenvalues() const;
   void linearize(Vec q);
   /// SNES's line search: along the direction y (q goes to q - y), from one rung of the ladder to the next.
   void search_line(SNESLineSearch search);
@@ -116,7 +125,9 @@ class NewtonSolver {
   Handle<Mat> K_;
   Handle<Vec> r_, trial_, correction_;
   Merit merit_;
+  std::vector<RankOne> rank_one_;  // parts of the Hessian beside K
   Handle<SNES> snes_;
+  std::unique_ptr<RankOneSystem> rank_one_system_;  // nullptr if there are no such parts
   CallbackGuard guard_;
   SolverStatistics statistics_;
   // Of the stage being solved.

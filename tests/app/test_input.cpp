@@ -83,6 +83,10 @@ time: {method: bdf2, step: 10 ms, end: 2 s, startup: ramp, min_step: 1 us}
 solver: {linear: cholesky, newton: {relative: 1e-6, absolute: 1 mN, max_iterations: 20}}
 output: {directory: out/here, every: 20 ms, fields: [velocity, von_mises_stress]}
 probes: [{name: tip, point: [1, 0.1, 100 mm]}, {name: "the root", point: [0, 0, 0]}]
+cavities:
+  - {name: left, surface: inside, pressure: "2e3*t"}
+  - {name: middle, box: [[0, 0, 0], [1, 1, 1]], volume: 3 cm^3, gas: {pressure: 5 kPa, ambient: 1 bar, exponent: 1.4, amount: "1 + t"}}
+  - {name: right, where: "x > 1", liquid: {bulk_modulus: 2 GPa, pressure: 1 kPa, added_volume: "1e-6*t"}}
 )yaml";
 
 /// What stands for `time` in `everything` otherwise; together they give every key of the table.
@@ -247,6 +251,16 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_EQ(c.loads[12].kind, LoadConfig::Kind::point_foundation);
   EXPECT_DOUBLE_EQ(c.loads[12].spring.value(), 3000);
   EXPECT_EQ(c.loads[12].direction, FoundationDirection::all);
+  ASSERT_EQ(c.cavities.size(), 3u);
+  EXPECT_EQ(c.cavities[0].part.name, "inside");
+  EXPECT_EQ(c.cavities[0].pressure.value()(0, 0, 0, 2), 4000);
+  EXPECT_DOUBLE_EQ(c.cavities[1].volume.value(), 3e-6);
+  EXPECT_EQ(c.cavities[1].gas.value().ambient, 1e5);
+  EXPECT_EQ(c.cavities[1].gas.value().exponent, 1.4);
+  EXPECT_EQ(c.cavities[1].gas.value().amount(0, 0, 0, 2), 3);
+  EXPECT_FALSE(c.cavities[1].liquid.has_value());
+  EXPECT_EQ(c.cavities[2].liquid.value().bulk_modulus, 2e9);
+  EXPECT_EQ(c.cavities[2].liquid.value().added_volume(0, 0, 0, 2), 2e-6);
   EXPECT_EQ(c.initial.velocity[1](0, 2, 0, 0), -2);
   EXPECT_DOUBLE_EQ(c.initial.velocity[2](0, 0, 0, 0), 3 / 3.6);
   EXPECT_EQ(c.time.method.value, "bdf2");

@@ -133,6 +133,8 @@ const std::vector<std::string> good_lines{
     "loads: [{surface: a, pressure: 2 kPa}, {where: x, pressure: \"t\"}, {gravity: [0, 0, 1], volume: a}]",
     "loads: [{surface: a, spring: 1e5 Pa/m, dashpot: 3, direction: normal}, {where: x, dashpot: 2 Pa*s/m}, {point: p, "
     "point_spring: 2 N/m, point_dashpot: 1}]",
+    "cavities: [{name: a, surface: b, gas: {}}, {name: c, where: x, liquid: {added_volume: t}}]",
+    "cavities: [{name: a, surface: b, volume: 1, pressure: 2 kPa}]",
     "loads: [{force_density: [0, 0, 1 N/m^3]}, {curve: c, line_force: [0, t, 1]}, {point: p, force: [0, 1 N, 0]}, "
     "{surface: s, force: [1, 1, 1]}, {volume: v, force_density: [1, 0, 0]}]",
     "constraints: [{surface: a, symmetry: plane}, {where: x, normal_displacement: \"t\"}, {point: a, "
@@ -163,6 +165,10 @@ const std::vector<std::string> bad_lines{
     "loads: [{traction: [0, 0, 1]}]",
     "loads: [{surface: a}]",
     "loads: [{pressure: 1}]",
+    "cavities: [{name: a, surface: b}]",
+    "cavities: [{surface: b, gas: {}}]",
+    "cavities: [{name: a, surface: b, gas: {}, liquid: {}}]",
+    "cavities: [{name: a, surface: b, gas: {exponent: 0}}]",
     "loads: [{spring: 1}]",
     "loads: [{spring: 1, point_spring: 1, surface: a}]",
     "loads: [{spring: 1, surface: a, point: p}]",

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "energy/active_stress.hpp"
+#include "energy/cavity.hpp"
 #include "energy/elastic.hpp"
 #include "energy/foundation.hpp"
 #include "energy/incremental_potential.hpp"
@@ -137,7 +138,13 @@ class Solid {
   /// A follower pressure on the group "tip" [Pa].
   std::unique_ptr<FollowerPressure> pressure(const Expression& value) const {
     auto facets = facets_of_group(mesh(), layout(), group_named(mesh(), "tip"));
-    return std::make_unique<FollowerPressure>(layout(), pattern(), std::move(facets), value);
+    return std::make_unique<FollowerPressure>(layout(), pattern(), std::move(facets), value, Rim::free);
+  }
+
+  /// The surroundings of the body as a cavity.
+  std::unique_ptr<Cavity> cavity_around(const CavityContent& content) const {
+    auto facets = surface_facets(mesh(), layout(), [](const Point&) { return true; });
+    return std::make_unique<Cavity>(WettedSurface(layout(), pattern(), std::move(facets), 0), content);
   }
 
   std::vector<char> nothing_prescribed() const {

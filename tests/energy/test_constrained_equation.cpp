@@ -44,6 +44,7 @@ TiedSpec everything(int order) {
          const auto tie = equation(layout, terms, source);
          return rank(layout.comm) == 0 ? std::vector{tie} : std::vector<LinearConstraint>();
        }});
+  spec.surroundings = Gas{3.0, 50.0, 400.0, 1.4, Expression(1.0)};
   return spec;
 }
 
@@ -126,10 +127,16 @@ TEST_P(Constrained, HessianIsThatOfTheGradient) {
   const Handle<Mat> K = equation_.make_hessian();
   equation_.hessian(testing::moved(y_.get(), 0.3, y_.get()).get(), K.get(), Projection::none);  // the pattern is reused
   equation_.hessian(y_.get(), K.get(), Projection::none);
+  std::vector<RankOne> parts(equation_.num_rank_one());
+  ASSERT_EQ(parts.size(), 1u);  // of the gas around the body
+  parts[0].g = equation_.make_vector();
+  equation_.rank_one_parts(y_.get(), parts);
+  EXPECT_GT(parts[0].c, 0.0);
   const Handle<Vec> Kd = equation_.make_vector(), difference = equation_.make_vector();
   for (const int seed : {11, 12}) {
     const auto d = direction(seed);
     check(MatMult(K.get(), d.get(), Kd.get()));
+    check(VecAXPY(Kd.get(), parts[0].c * testing::dot(parts[0].g.get(), d.get()), parts[0].g.get()));
     const auto ahead = gradient(h, d.get()), behind = gradient(-h, d.get());
     const auto far_ahead = gradient(2.0 * h, d.get()), far_behind = gradient(-2.0 * h, d.get());
     check(VecWAXPY(difference.get(), -1.0, behind.get(), ahead.get()));

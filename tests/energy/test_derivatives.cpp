@@ -94,6 +94,12 @@ std::vector<TermCase> every_case() {
                        return std::make_unique<Foundation>(nodal_foundation(s.pattern(), nodes, 0.5),
                                                            FoundationStiffness{30.0, 2.0});
                      }});
+    for (const auto& [name, content] : {std::pair{"Given", CavityContent(GivenPressure{Expression("2+t")})},
+                                        {"Gas", CavityContent(Gas{3.0, 0.5, 4.0, 1.4, Expression("1+t")})},
+                                        {"Liquid", CavityContent(Liquid{3.0, 0.5, 9.0, Expression("t")})}}) {
+      const CavityContent of = content;
+      cases.push_back({std::string("cavity") + name, body, 1, [=](const Solid& s) { return s.cavity_around(of); }});
+    }
     for (const auto& [name, value] : {std::pair{"Uniform", "2+t"}, {"Varied", "1+x*y+z*t"}}) {
       const Expression pressure(value);
       cases.push_back({std::string("pressure") + name, body, 1, [=](const Solid& s) { return s.pressure(pressure); }});
@@ -156,9 +162,13 @@ TEST_P(Terms, GradientIsThatOfTheValue) {
 TEST_P(Terms, HessianIsThatOfTheGradient) {
   const Handle<Mat> K = potential_.make_hessian();
   potential_.hessian(q_.get(), K.get(), Projection::none);
+  std::vector<RankOne> parts;
+  for (std::size_t k = 0; k < potential_.num_rank_one(); ++k) parts.push_back({0.0, potential_.make_vector()});
+  potential_.rank_one_parts(q_.get(), parts);
   const Handle<Vec> Kd = potential_.make_vector(), difference = potential_.make_vector();
   for (const auto& d : directions_) {
     check(MatMult(K.get(), d.get(), Kd.get()));
+    for (const auto& [c, g] : parts) check(VecAXPY(Kd.get(), c * testing::dot(g.get(), d.get()), g.get()));
     const auto ahead = gradient(h, d.get()), behind = gradient(-h, d.get());
     const auto far_ahead = gradient(2.0 * h, d.get()), far_behind = gradient(-2.0 * h, d.get());
     check(VecWAXPY(difference.get(), -1.0, behind.get(), ahead.get()));

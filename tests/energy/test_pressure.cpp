@@ -45,9 +45,9 @@ class Pressure : public ::testing::TestWithParam<BodySpec> {
     const auto u = testing::local_values(q);
     return GetParam().order == 1 ? volume<1>(solid_.layout(), u) : volume<2>(solid_.layout(), u);
   }
-  std::unique_ptr<FollowerPressure> on_the_whole_surface(double p) const {
+  std::unique_ptr<FollowerPressure> on_the_whole_surface(const Expression& p) const {
     auto facets = surface_facets(solid_.mesh(), solid_.layout(), [](const Point&) { return true; });
-    return std::make_unique<FollowerPressure>(solid_.layout(), solid_.pattern(), std::move(facets), Expression(p));
+    return std::make_unique<FollowerPressure>(solid_.layout(), solid_.pattern(), std::move(facets), p, Rim::none);
   }
   IncrementalPotential equation(const EnergyTerm& term) const {
     return {solid_.layout(), solid_.pattern(), {&term}, solid_.nothing_prescribed()};
@@ -111,7 +111,7 @@ TEST_P(Pressure, PressureInSpaceIsIntegrated) {
 // Closed surface: no resultant force, no moment, in any state; and the work on any motion is -p dV.
 TEST_P(Pressure, OnAClosedSurfaceItWorksOnTheVolumeAlone) {
   const double p = 7.0;
-  const auto term = on_the_whole_surface(p);
+  const auto term = on_the_whole_surface(Expression(p));
   const TestStage stage(solid_, 0.0, 0.1);
   const auto q = solid_.vector(testing::strained);
   const auto f = forces(*term, stage, q.get());
@@ -145,7 +145,7 @@ TEST_P(Pressure, OnAClosedSurfaceItWorksOnTheVolumeAlone) {
 
 // There p V is a potential, so K is symmetric, although its facets' parts are not.
 TEST_P(Pressure, OnAClosedSurfaceItsTangentIsSymmetric) {
-  const auto term = on_the_whole_surface(1.0);
+  const auto term = on_the_whole_surface(Expression(1.0));
   auto of = equation(*term);
   const TestStage stage(solid_, 0.0, 0.1);
   of.begin_stage(stage.point);
@@ -158,6 +158,60 @@ TEST_P(Pressure, OnAClosedSurfaceItsTangentIsSymmetric) {
   ASSERT_GT(testing::norm(Ka.get()), 0.1);
   EXPECT_NEAR(testing::dot(b.get(), Ka.get()), testing::dot(a.get(), Kb.get()),
               1e-13 * testing::norm(Ka.get()) * testing::norm(b.get()));
+}
+
+// Its potential is p times the volume that the surface has swept.
+TEST_P(Pressure, OnAClosedSurfaceItHasAPotential) {
+  const auto term = on_the_whole_surface(Expression(7.0));
+  EXPECT_TRUE(term->declaration().is_potential);
+  EXPECT_EQ(term->declaration().symmetry, Symmetry::symmetric);
+  EXPECT_EQ(term->declaration().account, Account::load_potential);
+  auto of = equation(*term);
+  const TestStage stage(solid_, 0.0, 0.1, testing::rough_field(0.01, 3));
+  of.begin_stage(stage.point);
+  const auto q = solid_.vector(testing::strained);
+  const double V = volume_at(q.get()), V0 = volume_at(stage.q0.get()), V_rest = GetParam().volume();
+  EXPECT_NEAR(of.value(q.get()), 7.0 * (V - V0), 1e-13);
+  EXPECT_NEAR(of.energies({}, q.get(), nullptr)[0], 7.0 * (V - V_rest), 1e-12);
+  EXPECT_EQ(on_the_whole_surface(Expression("t"))->declaration().account, Account::load);
+  EXPECT_FALSE(on_the_whole_surface(Expression("1+x"))->declaration().is_potential);
+}
+
+// The work from one state to another does not depend on the way where the rim slides in its plane, and does where it
+// leaves it.
+TEST(PressureWithARim, HasAPotentialWhereTheRimStaysInItsPlane) {
+  for (const int order : {1, 2}) {
+    const Scratch scratch(comm);
+    const auto file = scratch.file("body.msh", [&](const std::string& f) {
+      testing::write_body(f, {order, Shape::jittered, 3});
+    });
+    const Solid solid(comm, file, order, 2);
+    const auto facets =
+        surface_facets(solid.mesh(), solid.layout(), [](const Point& x) { return std::abs(x[0] - 1.0) < 1e-9; });
+    const FollowerPressure term(solid.layout(), solid.pattern(), facets, Expression(7.0), Rim::still);
+    EXPECT_TRUE(term.declaration().is_potential);
+    const auto excess_of_a_detour = [&](double out_of_plane) {
+      const auto state = [&](int seed) {
+        return testing::local_values(solid
+                                         .vector([=](const Point& x) {
+                                           Point u = testing::rough_field(0.1, seed)(x);
+                                           const bool is_on_rim = std::min({x[1], x[2], 1.0 - x[1], 1.0 - x[2]}) < 1e-9;
+                                           if (is_on_rim) u[0] *= out_of_plane;
+                                           return u;
+                                         })
+                                         .get());
+      };
+      const std::array q{state(1), state(2), state(3)};
+      const auto work = [&](int from, int to) {
+        LocalStage stage;
+        stage.q0 = q[from];
+        return term.value(stage, q[to]);
+      };
+      return std::abs(sum(comm, work(0, 1) + work(1, 2) + work(2, 0)));
+    };
+    EXPECT_LE(excess_of_a_detour(0.0), 1e-14);
+    EXPECT_GE(excess_of_a_detour(1.0), 1e-4);
+  }
 }
 
 TEST_P(Pressure, DeclaresItselfALoadWithoutPotential) {

@@ -11,6 +11,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -29,6 +30,7 @@ struct TiedSpec {
   ElasticLawSpec law;
   double density = 0.0;  ///< 0: static [kg/m^3]
   std::vector<TestConstraint> constraints;
+  std::optional<CavityContent> surroundings = std::nullopt;
 };
 
 class TiedBody {
@@ -37,6 +39,7 @@ class TiedBody {
       : solid_(comm, file, spec.order, elastic_quadrature_degree(spec.law.traits(), spec.order)),
         elastic_(solid_.elastic(spec.law)),
         inertia_(spec.density > 0.0 ? solid_.inertia(spec.density, Mass::consistent) : nullptr),
+        surroundings_(spec.surroundings ? solid_.cavity_around(*spec.surroundings) : nullptr),
         prescribed_(layout(), parts(spec), HUGE_VAL),
         potential_(layout(), solid_.pattern(), terms(), prescribed_.flags()) {
     std::vector<LinearConstraint> ties;
@@ -102,12 +105,14 @@ class TiedBody {
   std::vector<const EnergyTerm*> terms() const {
     std::vector<const EnergyTerm*> result{elastic_.get()};
     if (inertia_) result.push_back(inertia_.get());
+    if (surroundings_) result.push_back(surroundings_.get());
     return result;
   }
 
   Solid solid_;
   std::unique_ptr<ElasticTerm> elastic_;
   std::unique_ptr<Inertia> inertia_;
+  std::unique_ptr<Cavity> surroundings_;
   PrescribedDisplacement prescribed_;
   IncrementalPotential potential_;
   std::vector<LinearConstraint> ties_;

@@ -48,7 +48,8 @@ TEST(LinearSolver, AFactorizationOutOfWorkspaceIsRepeatedWithMore) {
     check(PCGetFailedReason(pc, &failure));
     ASSERT_NE(failure, PC_NOERROR);
 
-    ASSERT_TRUE(set_up_preconditioner(ksp.get(), K.get()));
+    check(KSPGetPC(ksp.get(), &pc));
+    ASSERT_TRUE(set_up_preconditioner(pc, K.get()));
     const auto b = solid.vector(testing::rough_field(1.0, 1));
     const Handle<Vec> x = potential.make_vector(), Kx = potential.make_vector();
     check(KSPSolve(ksp.get(), b.get(), x.get()));

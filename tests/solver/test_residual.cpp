@@ -81,8 +81,8 @@ class Residual : public ::testing::Test {
     spec.loads = [=](const Solid& solid) {
       std::vector<std::unique_ptr<EnergyTerm>> terms;
       auto facets = surface_facets(solid.mesh(), solid.layout(), testing::face(2, 0.0));
-      terms.push_back(
-          std::make_unique<FollowerPressure>(solid.layout(), solid.pattern(), std::move(facets), Expression(pressure)));
+      terms.push_back(std::make_unique<FollowerPressure>(solid.layout(), solid.pattern(), std::move(facets),
+                                                         Expression(pressure), Rim::free));
       return terms;
     };
     return spec;

@@ -1,0 +1,219 @@
+#include "fem/rim.hpp"
+
+#include "base/vector3.hpp"
+#include "fem/element.hpp"
+#include "fem/quadrature.hpp"
+#include "mesh/disjoint_sets.hpp"
+#include "petsc/collective.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace pliant {
+namespace {
+
+/// Places of one plane differ by less than this part of an edge's length.
+constexpr double flatness = 1e-9;
+
+std::span<const PetscInt> nodes_of(const NodeLayout& layout, const RimEdge& edge) {
+  return std::span(edge.nodes).first(layout.order + 1);
+}
+
+/// The directions in which the edge has no extent and its nodes are held, so that this stays so.
+std::array<bool, 3> flat_directions(const NodeLayout& layout, const RimEdge& edge, const PrescribedSamples& samples) {
+  const auto nodes = nodes_of(layout, edge);
+  const auto X0 = layout.position(nodes[0]), X1 = layout.position(nodes[1]);
+  const auto chord = Vector3<double>(X1) - X0;
+  const double tolerance = flatness * std::sqrt(dot(chord, chord));
+  std::array<bool, 3> is_flat{true, true, true};
+  for (const PetscInt node : nodes) {
+    const auto X = layout.position(node);
+    for (int k = 0; k < 3; ++k) {
+      is_flat[k] = is_flat[k] && samples.flags[3 * node + k] && std::abs(X[k] - X0[k]) <= tolerance;
+      for (const auto& u : samples.displacements) {
+        is_flat[k] = is_flat[k] && std::abs(u[3 * node + k] - u[3 * nodes[0] + k]) <= tolerance;
+      }
+    }
+  }
+  return is_flat;
+}
+
+Rim classify_edge(const NodeLayout& layout, RimEdge& edge, const PrescribedSamples& samples) {
+  const auto nodes = nodes_of(layout, edge);
+  const auto is_flat = flat_directions(layout, edge, samples);
+  const auto is_free = [&](int i) {
+    return std::ranges::any_of(nodes, [&](PetscInt node) { return !samples.flags[3 * node + i]; });
+  };
+  const auto moves = [&](int i) {
+    return std::ranges::any_of(nodes, [&](PetscInt node) {
+      return std::ranges::any_of(samples.displacements, [&](const auto& u) { return u[3 * node + i] != 0; });
+    });
+  };
+  // Whether motions in the direction i and in another do volume on each other through the edge's extent in the third.
+  const auto couples_with = [&](int other, int third) { return (is_free(other) || moves(other)) && !is_flat[third]; };
+  Rim rim = Rim::still;
+  edge.plane.reset();
+  for (int i = 0; i < 3; ++i) {
+    if (moves(i)) rim = std::max(rim, Rim::moving);
+    if (!is_free(i)) continue;
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    if (couples_with(j, k) || couples_with(k, j)) return Rim::free;
+    if (!is_flat[j] && !is_flat[k]) rim = std::max(rim, Rim::moving);
+    edge.plane = is_flat[j] ? j : k;
+  }
+  return rim;
+}
+
+/// int x cross x' ds along the edge, in its direction.
+template <int Order>
+Vector3<double> moment(const NodeLayout& layout, const RimEdge& edge) {
+  const auto rule = simplex_rule<1>(2 * Order - 1);
+  Vector3<double> result{};
+  for (int p = 0; p < rule.size(); ++p) {
+    const auto N = Line<Order>::values(rule.points[p]);
+    const auto dN = Line<Order>::gradients(rule.points[p]);
+    Vector3<double> x{}, tangent{};
+    for (std::size_t a = 0; a < N.size(); ++a) {
+      const auto X = layout.position(edge.nodes[a]);
+      x = x + N[a] * X;
+      tangent = tangent + dN[a][0] * X;
+    }
+    result = result + rule.weights[p] * cross(x, tangent);
+  }
+  return result;
+}
+
+/// int X . N dA / 3 over the owned facets.
+template <int Order>
+double third_of_flux(const NodeLayout& layout, const FacetList& facets) {
+  constexpr int n = Triangle<Order>::num_nodes;
+  const auto rule = simplex_rule<2>(Order + 2 * (Order - 1));
+  double flux = 0.0;
+  for (PetscInt f = 0; f < facets.size(); ++f) {
+    if (!facets.is_owned[f]) continue;
+    for (int p = 0; p < rule.size(); ++p) {
+      const auto N = Triangle<Order>::values(rule.points[p]);
+      const auto dN = Triangle<Order>::gradients(rule.points[p]);
+      Vector3<double> x{}, x_xi{}, x_eta{};
+      for (int a = 0; a < n; ++a) {
+        const auto X = layout.position(facets.nodes[f * n + a]);
+        x = x + N[a] * X;
+        x_xi = x_xi + dN[a][0] * X;
+        x_eta = x_eta + dN[a][1] * X;
+      }
+      flux += rule.weights[p] * dot(x, cross(x_xi, x_eta));
+    }
+  }
+  return flux / 3.0;
+}
+
+/// What the ranks tell each other of an edge.
+struct EdgeRecord {
+  double start = 0.0, end = 0.0;  ///< global nodes
+  double plane = -1.0;            ///< RimEdge::plane, or -1
+  Vector3<double> X{}, moment{};  ///< of the start [m]; of the edge [m^2]
+};
+static_assert(sizeof(EdgeRecord) == 9 * sizeof(double));
+
+std::vector<EdgeRecord> gathered(const NodeLayout& layout, const std::vector<RimEdge>& edges) {
+  std::vector<EdgeRecord> mine;
+  for (const RimEdge& e : edges) {
+    mine.push_back({static_cast<double>(layout.global_node(e.nodes[0])),
+                    static_cast<double>(layout.global_node(e.nodes[1])), static_cast<double>(e.plane.value_or(-1)),
+                    layout.position(e.nodes[0]), layout.order == 1 ? moment<1>(layout, e) : moment<2>(layout, e)});
+  }
+  int num_ranks = 0;
+  check_mpi(MPI_Comm_size(layout.comm, &num_ranks));
+  const int count = static_cast<int>(9 * mine.size());
+  std::vector<int> counts(num_ranks), offsets(num_ranks, 0);
+  check_mpi(MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, layout.comm));
+  for (int r = 1; r < num_ranks; ++r) offsets[r] = offsets[r - 1] + counts[r - 1];
+  std::vector<EdgeRecord> all(static_cast<std::size_t>((offsets.back() + counts.back()) / 9));
+  check_mpi(MPI_Allgatherv(mine.data(), count, MPI_DOUBLE, all.data(), counts.data(), offsets.data(), MPI_DOUBLE,
+                           layout.comm));
+  return all;
+}
+
+/// A loop of the rim, summed up.
+struct Loop {
+  int num_edges = 0;
+  Vector3<double> sum_of_starts{}, moment{};
+  std::array<std::optional<double>, 3> plane;  ///< the place of the plane in each direction
+  bool has_one_apex = true;
+  void add(const EdgeRecord& e) {
+    ++num_edges;
+    sum_of_starts = sum_of_starts + e.X;
+    moment = moment + e.moment;
+    if (e.plane < 0.0) return;
+    const auto k = static_cast<std::size_t>(e.plane);
+    const double size = std::abs(e.X[k]) + std::sqrt(std::sqrt(dot(e.moment, e.moment)));
+    if (plane[k] && std::abs(*plane[k] - e.X[k]) > 1e-9 * size) has_one_apex = false;
+    plane[k] = e.X[k];
+  }
+  Vector3<double> apex() const {
+    Vector3<double> c{};
+    for (int k = 0; k < 3; ++k) c[k] = plane[k].value_or(sum_of_starts[k] / num_edges);
+    return c;
+  }
+};
+
+}  // namespace
+
+std::vector<RimEdge> rim_edges(const NodeLayout& layout, const FacetList& facets) {
+  struct Met {
+    RimEdge edge;
+    int balance = 0;  // facets on its left less those on its right, in the direction of ascending nodes
+  };
+  std::map<std::pair<PetscInt, PetscInt>, Met> met;
+  for (PetscInt f = 0; f < facets.size(); ++f) {
+    const auto nodes = std::span(facets.nodes).subspan(f * facets.nodes_per_facet, facets.nodes_per_facet);
+    for (int e = 0; e < 3; ++e) {
+      const PetscInt a = nodes[e], b = nodes[(e + 1) % 3];
+      const bool ascends = layout.global_node(a) < layout.global_node(b);
+      // All facets at a node are in the list of its owner.
+      if ((ascends ? a : b) >= layout.num_owned_nodes) continue;
+      auto& [edge, balance] = met[std::minmax(a, b)];
+      balance += ascends ? 1 : -1;
+      edge.nodes = {a, b, layout.order == 2 ? nodes[3 + e] : -1};
+      if (!ascends) std::swap(edge.nodes[0], edge.nodes[1]);
+    }
+  }
+  std::vector<RimEdge> rim;
+  for (auto& [ends, of] : met) {
+    if (of.balance == 0) continue;
+    if (of.balance < 0) std::swap(of.edge.nodes[0], of.edge.nodes[1]);
+    rim.push_back(of.edge);
+  }
+  return rim;
+}
+
+Rim classify(const NodeLayout& layout, std::vector<RimEdge>& edges, const PrescribedSamples& prescribed) {
+  Rim worst = Rim::none;
+  for (RimEdge& edge : edges) worst = std::max(worst, classify_edge(layout, edge, prescribed));
+  return static_cast<Rim>(static_cast<int>(maximum(layout.comm, static_cast<double>(worst))));
+}
+
+std::optional<double> volume_behind(const NodeLayout& layout, const FacetList& facets,
+                                    const std::vector<RimEdge>& edges) {
+  const auto all = gathered(layout, edges);
+  std::map<double, std::size_t> number;
+  for (const EdgeRecord& e : all) {
+    number.try_emplace(e.start, number.size());
+    number.try_emplace(e.end, number.size());
+  }
+  DisjointSets sets(number.size());
+  for (const EdgeRecord& e : all) sets.join(number[e.start], number[e.end]);
+  std::map<std::size_t, Loop> loops;
+  for (const EdgeRecord& e : all) loops[sets.root(number[e.start])].add(e);
+  double volume =
+      sum(layout.comm, layout.order == 1 ? third_of_flux<1>(layout, facets) : third_of_flux<2>(layout, facets));
+  for (const auto& [root, loop] : loops) {
+    if (!loop.has_one_apex) return {};
+    volume -= dot(loop.apex(), loop.moment) / 6.0;
+  }
+  return -volume;
+}
+
+}  // namespace pliant

@@ -1,0 +1,52 @@
+/// Where a part of the surface ends, and whether it can sweep a volume there.
+#pragma once
+
+#include "fem/selection.hpp"
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace pliant {
+
+/// An edge on which a surface ends, with the surface on its left seen from outside.
+struct RimEdge {
+  std::array<PetscInt, 3> nodes{};  ///< local: ends, mid-edge node (order 2)
+  std::optional<int> plane;         ///< it stays within a plane of constant x, y or z, whatever the free entries do
+};
+
+/// What the free entries of the displacement can do to a rim.
+enum class Rim {
+  none,    ///< the surface is closed
+  still,   ///< it rests, or slides within planes that rest
+  moving,  ///< it sweeps a volume, but one that prescribed entries alone decide, or that the parts of the rim do not
+           ///< do on each other
+  free     ///< what it sweeps depends on the way the solid goes
+};
+
+/// Prescribed entries and their displacements at some times, per local entry, ghosts included.
+struct PrescribedSamples {
+  std::span<const char> flags;
+  std::vector<std::vector<double>> displacements;  ///< [m]; 0 in free entries
+};
+
+/// The edges that belong to one facet only, each on one rank of all. Facets that meet there with opposite directions
+/// count as going on. Not collective.
+std::vector<RimEdge> rim_edges(const NodeLayout& layout, const FacetList& facets);
+
+/// The worst of the edges on all ranks; sets their `plane`. Collective.
+///
+/// The antisymmetric part of a uniform pressure's tangent is int N_a N_b x' . (da cross db) ds along the rim, for
+/// motions da and db of its nodes. It vanishes on an edge if for all free entries i of a node and j of a node, i != j,
+/// the edge does not extend in the third direction. Prescribed entries that move count as the j's do: the work of a
+/// pressure in a stage is told along a way on which they move, too.
+Rim classify(const NodeLayout& layout, std::vector<RimEdge>& edges, const PrescribedSamples& prescribed);
+
+/// The volume behind the surface in the reference configuration [m^3], positive if the facets look into it: each loop
+/// of the rim is closed by the cone to a point, that where its planes meet, else the middle of the loop. Nothing if a
+/// loop lies in two planes of the same direction, between which no such point is. Collective.
+std::optional<double> volume_behind(const NodeLayout& layout, const FacetList& facets,
+                                    const std::vector<RimEdge>& edges);
+
+}  // namespace pliant

@@ -1,0 +1,52 @@
+/// Linear systems with a sparse matrix and a few parts of rank one.
+#pragma once
+
+#include "energy/rank_one.hpp"
+#include "petsc/callback.hpp"
+#include "petsc/handle.hpp"
+
+#include <vector>
+
+namespace pliant {
+
+/// A = K + sum_k c_k g_k g_k^T as an operator, and a preconditioner of it made of one of K, P ~ K^-1, by the formula of
+/// Sherman, Morrison and Woodbury: with Z = P G, D = diag(sqrt c) and the small matrix T = I + D G^T Z D,
+///
+///     A^-1 ~ P - Z D T^-1 D Z^T
+///
+/// (Golub & Van Loan, Matrix Computations, 2.1.4). It is exact where P is, and A then has as many negative eigenvalues
+/// as K, less those of T: a part of rank one may make definite what the sparse matrix alone is not.
+class RankOneSystem {
+ public:
+  /// Takes the place of the preconditioner of `ksp`, which stays that of K. `parts` and K outlive the object.
+  RankOneSystem(KSP ksp, Mat K, const std::vector<RankOne>& parts);
+  RankOneSystem(const RankOneSystem&) = delete;  // PETSc's objects point to it
+  RankOneSystem& operator=(const RankOneSystem&) = delete;
+
+  /// A.
+  Mat matrix() const { return A_.get(); }
+  /// The preconditioner of K.
+  PC inner() const { return inner_.get(); }
+  /// After `inner` was set up; keeps Z and T until the next call, while the parts of A may change. False if T is
+  /// singular. Collective.
+  bool set_up();
+  /// Of T.
+  PetscInt negative_eigenvalues() const { return negative_; }
+
+ private:
+  static PetscErrorCode multiply_callback(Mat A, Vec x, Vec y);
+  static PetscErrorCode apply_callback(PC pc, Vec x, Vec y);
+  void multiply(Vec x, Vec y) const;
+  void apply(Vec x, Vec y) const;
+
+  Mat K_;
+  const std::vector<RankOne>& parts_;
+  Handle<Mat> A_;
+  Handle<PC> inner_;
+  std::vector<Handle<Vec>> directions_;  // D G of the last set-up
+  std::vector<Handle<Vec>> solutions_;   // Z D
+  std::vector<double> factors_;          // L and U of T in one, row by row
+  PetscInt negative_ = 0;
+};
+
+}  // namespace pliant

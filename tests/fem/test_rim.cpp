@@ -1,0 +1,139 @@
+// Where a surface ends: the edges, what may move there, and the volume that the surface looks into.
+#include "fem/body.hpp"
+#include "fem/rim.hpp"
+#include "petsc/collective.hpp"
+
+namespace pliant {
+namespace {
+
+using testing::Body;
+using testing::BodySpec;
+using testing::Point;
+using testing::Scratch;
+using testing::Shape;
+
+const MPI_Comm comm = MPI_COMM_WORLD;
+
+class Rims : public ::testing::TestWithParam<BodySpec> {
+ protected:
+  static bool is_on(const Point& x, int axis, double value) { return std::abs(x[axis] - value) < 1e-9; }
+
+  FacetList face(int axis, double value) const {
+    return surface_facets(body_.mesh, layout_, [=](const Point& x) { return is_on(x, axis, value); });
+  }
+  static FacetList joined(FacetList a, const FacetList& b) {
+    a.nodes.insert(a.nodes.end(), b.nodes.begin(), b.nodes.end());
+    a.is_owned.insert(a.is_owned.end(), b.is_owned.begin(), b.is_owned.end());
+    a.is_outer.insert(a.is_outer.end(), b.is_outer.begin(), b.is_outer.end());
+    return a;
+  }
+  PetscInt64 count(const std::vector<RimEdge>& edges) const { return sum(comm, static_cast<PetscInt64>(edges.size())); }
+
+  /// Flags and displacements of all local entries, from functions of place and direction.
+  struct Samples {
+    std::vector<char> flags;
+    PrescribedSamples view;
+  };
+  template <class IsHeld, class Displacement>
+  Samples samples(IsHeld is_held, Displacement displacement) const {
+    Samples result;
+    auto& u = result.view.displacements.emplace_back();
+    for (PetscInt a = 0; a < layout_.num_local_nodes; ++a) {
+      for (int i = 0; i < 3; ++i) {
+        const bool held = is_held(layout_.position(a), i);
+        result.flags.push_back(held);
+        u.push_back(held ? displacement(layout_.position(a), i) : 0.0);
+      }
+    }
+    result.view.flags = result.flags;
+    return result;
+  }
+  static double at_rest(const Point&, int) { return 0.0; }
+  static bool on_rollers(const Point& x, int i) { return is_on(x, i, 0.0); }
+
+  Scratch scratch_{comm};
+  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam()); });
+  Body body_{comm, file_, GetParam().order};
+  const NodeLayout& layout_ = body_.layout;
+};
+
+INSTANTIATE_TEST_SUITE_P(Bodies, Rims,
+                         ::testing::Values(BodySpec{1, Shape::straight, 1}, BodySpec{1, Shape::jittered, 5},
+                                           BodySpec{2, Shape::jittered, 3}),
+                         [](const auto& of) { return testing::name_of(of.param); });
+
+TEST_P(Rims, AClosedSurfaceHasNone) {
+  const auto facets = surface_facets(body_.mesh, layout_, [](const Point&) { return true; });
+  auto edges = rim_edges(layout_, facets);
+  EXPECT_EQ(count(edges), 0);
+  const Samples free = samples([](const Point&, int) { return false; }, at_rest);
+  EXPECT_EQ(classify(layout_, edges, free.view), Rim::none);
+  EXPECT_NEAR(volume_behind(layout_, facets, edges).value(), -1.0, 1e-13);  // they look away from the body
+}
+
+TEST_P(Rims, OfAFaceAreItsFourSides) {
+  auto edges = rim_edges(layout_, face(0, 1.0));
+  EXPECT_EQ(count(edges), 4 * GetParam().n);
+  Point around{};  // int x cross dx of the loop: twice the area, along the normal
+  for (const RimEdge& edge : edges) {
+    const auto a = layout_.position(edge.nodes[0]), b = layout_.position(edge.nodes[1]);
+    for (int i = 0; i < 3; ++i) around[i] += a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+    if (GetParam().order == 2) {
+      for (int i = 0; i < 3; ++i) EXPECT_NEAR(layout_.position(edge.nodes[2])[i], 0.5 * (a[i] + b[i]), 1e-14);
+    }
+  }
+  EXPECT_NEAR(sum(comm, around[0]), 2.0, 1e-13);
+}
+
+TEST_P(Rims, AreClassifiedByWhatTheyMayDo) {
+  auto edges = rim_edges(layout_, face(0, 1.0));
+  const auto of = [&](auto is_held, auto displacement) {
+    return classify(layout_, edges, samples(is_held, displacement).view);
+  };
+  const auto all = [](const Point&, int) { return true; };
+  const auto along = [](int axis) { return [axis](const Point&, int i) { return i == axis; }; };
+  const auto but = [](int axis) { return [axis](const Point&, int i) { return i != axis; }; };
+  EXPECT_EQ(of([](const Point&, int) { return false; }, at_rest), Rim::free);
+  EXPECT_EQ(of(all, at_rest), Rim::still);
+  EXPECT_EQ(of(all, [](const Point& x, int i) { return i == 0 ? x[1] : 0.0; }), Rim::moving);
+  EXPECT_EQ(of(along(0), at_rest), Rim::still);  // slides in its plane
+  for (const RimEdge& edge : edges) EXPECT_EQ(edge.plane, 0);
+  EXPECT_EQ(of(along(0), [](const Point&, int) { return 0.1; }), Rim::free);  // the plane does work on what it cuts
+  EXPECT_EQ(of(but(1), [](const Point&, int i) { return i == 2 ? 0.1 : 0.0; }), Rim::moving);  // within the plane x = 1
+  EXPECT_EQ(of(along(0), [](const Point& x, int) { return 0.1 * x[1]; }), Rim::free);          // no plane any more
+  EXPECT_EQ(of(along(1), at_rest), Rim::free);
+  EXPECT_EQ(of(but(0), at_rest), Rim::still);                                          // a piston in a square tube
+  EXPECT_EQ(of([](const Point& x, int) { return x[1] > 1e-9; }, at_rest), Rim::free);  // one side is loose
+}
+
+// Three faces at the far corner on rollers in the planes through the origin, which close what is behind them.
+TEST_P(Rims, PlanesCloseWhatTheyCut) {
+  const auto facets = joined(joined(face(0, 1.0), face(1, 1.0)), face(2, 1.0));
+  auto edges = rim_edges(layout_, facets);
+  EXPECT_EQ(count(edges), 6 * GetParam().n);
+  EXPECT_EQ(classify(layout_, edges, samples(on_rollers, at_rest).view), Rim::still);
+  EXPECT_NEAR(volume_behind(layout_, facets, edges).value(), -1.0, 1e-13);
+}
+
+TEST_P(Rims, ParallelPlanesLeaveTheVolumeOpen) {
+  const auto facets = face(1, 1.0);
+  auto edges = rim_edges(layout_, facets);
+  const auto sides =
+      samples([](const Point& x, int i) { return i != 1 && (is_on(x, i, 0.0) || is_on(x, i, 1.0)); }, at_rest);
+  EXPECT_EQ(classify(layout_, edges, sides.view), Rim::still);
+  EXPECT_FALSE(volume_behind(layout_, facets, edges).has_value());
+}
+
+// Five faces of the cube, the sixth closed by the cone to the middle of its sides.
+TEST_P(Rims, AHeldLoopIsClosedByALid) {
+  auto facets = face(0, 1.0);
+  for (const auto& [axis, value] : {std::pair{1, 0.0}, {1, 1.0}, {2, 0.0}, {2, 1.0}}) {
+    facets = joined(facets, face(axis, value));
+  }
+  auto edges = rim_edges(layout_, facets);
+  EXPECT_EQ(classify(layout_, edges, samples([](const Point&, int) { return true; }, at_rest).view), Rim::still);
+  EXPECT_NEAR(volume_behind(layout_, facets, edges).value(), -1.0, 1e-13);
+}
+
+}  // namespace
+}  // namespace pliant
