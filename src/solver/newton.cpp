@@ -220,6 +220,8 @@ void NewtonSolver::solve_linear(Vec r, Vec y) {
 
 SNESConvergedReason NewtonSolver::judge(PetscInt iteration, double residual) {
   if (!std::isfinite(residual)) return SNES_DIVERGED_FNORM_NAN;
+  // A guess may squeeze the liquid in a cavity to a pressure far from that of the solution.
+  if (rank_one_system_ && iteration > 0) scale_ = std::min(scale_, equation_.force_scale(solution_));
   if (residual <= std::max(options_.relative * scale_, options_.absolute)) return SNES_CONVERGED_FNORM_RELATIVE;
   if (at_rounding_floor_ || (iteration > 0 && residual <= floor_factor * equation_.rounding_floor(solution_))) {
     ++statistics_.rounding_stops;

@@ -102,26 +102,20 @@ class Cavities(ProgramTest):
         self.assertGreater(h["chamber_pressure"][-1], 5e3)
         self.assertLess(h["tip_z"][-1] - h["tip_z"][0], -5e-3)
         scale = max(np.abs(h[n]).max() for n in ("elastic_energy", "load_work", "load_potential"))
-        np.testing.assert_allclose(h["energy_balance_error"], 0, atol=1e-6 * scale)
+        np.testing.assert_allclose(h["energy_balance_error"], 0, atol=1e-7 * scale)
 
     def test_open_cavities_are_told(self):
         self.tube((2, 3, 1))
         cavity = "cavities: [{name: c, surface: left, gas: {}}]\n"
-        free = TUBE.replace("  - {surface: top, displacement: [free, free, 0]}\n", "")
         moving = TUBE.replace("surface: top, displacement: [free, free, 0]", "surface: top, displacement: [0, 0, 0.01]")
         shifted = TUBE.replace("surface: top, displacement: [free, free, 0]", "surface: top, displacement: [free, free, 0.01]")
-        for text, message in ((free, "is open: the edge of surface 'left' can move"),
-                              (shifted, "is open: the edge of surface 'left' can move"),
+        for text, message in ((shifted, "is open: the edge of surface 'left' can move"),
                               (moving, "is open: the edge of surface 'left' moves"),
                               (TUBE, "between two parallel planes")):
             with self.subTest(message):
                 done = self.call("run", self.write("in.yaml", text + STATIC + cavity))
                 self.assertEqual(done.returncode, 2, done.stdout)
                 self.assertIn(message, done.stderr)
-        write_box(self.directory / "tube.msh", (2, 2, 2))
-        done = self.call("run", self.write("in.yaml", TUBE + STATIC + 'cavities: [{name: c, where: "x > -1", gas: {}}]\n'))
-        self.assertEqual(done.returncode, 2, done.stdout)
-        self.assertIn("encloses no cavity", done.stderr)
 
 
 if __name__ == "__main__":

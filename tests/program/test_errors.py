@@ -81,6 +81,10 @@ BAD_AGAINST_THE_MESH = {
     "volumes that do not cover": ("bodies", "bodies: [{volume: @lower, " + LAW + "}]", "upper"),
     "one volume twice": ("bodies", "bodies: [{volume: body, " + LAW + "}, {volume: @body, " + LAW + "}]", "same volume"),
     "initial state inside out": ("output", 'initial: {displacement: ["-2*x", 0, 0]}', "inside out"),
+    "a cavity with a loose edge": ("output", "cavities: [@{name: c, surface: right, gas: {}}]", "is open: .* can move"),
+    "a cavity around the body": ("output", 'cavities: [@{name: c, where: "x > -1", gas: {}}]', "encloses no cavity"),
+    "a cavity and PETSc's integrators": ("time", "time: {method: @{petsc: alpha2}, step: 0.01, end: 1}\n"
+                                         'cavities: [{name: c, where: "x > -1", volume: 3, gas: {}}]', "`cavity` couples all"),
 }
 # Number of ranks -> each how many-th case runs on them.
 READ_ALIKE = {1: 1, 2: 4}  # each rank has the whole text of the input and of the command line

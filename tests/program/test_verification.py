@@ -163,6 +163,17 @@ class Verification(ProgramTest):
         continuous = 39.58 + sum(E * np.exp(-h["time"][-1] / tau) for E, tau in branches)
         self.assert_close(modulus[-1], continuous, 3e-3)
 
+    def test_inflated_tube(self):
+        h = self.history("inflated_tube", ranks=2)
+        tube = ThickShell(5e-3, 10e-3, 1e6, 0.4, curved=1)
+        radii = 5e-3 * np.sqrt(h["bore_volume"] / h["bore_volume"][0])
+        expected = [tube.pressure(radius, 20) for radius in radii]
+        # 3.6e-4 off, with elements of half the size 2.5e-5.
+        np.testing.assert_allclose(h["bore_pressure"], expected, rtol=5e-4, atol=1e-3)
+        self.assert_close(h["bore_pressure"][-1], 1e5, 1e-12)
+        # Nodes lie off the circle by more.
+        self.assert_close(h["inside_x"][-1], radii[-1], 1e-3)
+
     def test_balloon(self):
         # Past the greatest pressure, where one that is given would have no stable answer. Two quadratic elements through
         # the wall are 1e-4 off at most.
@@ -170,6 +181,7 @@ class Verification(ProgramTest):
         ball = ThickShell(8e-3, 10e-3, 1e6, 0.45, curved=2)
         expected = np.array([ball.pressure(radius) for radius in h["inside_x"]])
         np.testing.assert_allclose(h["hollow_pressure"], expected, rtol=3e-4, atol=1e-3)
+        np.testing.assert_allclose(h["energy_balance_error"], 0, atol=1e-8 * h["elastic_energy"][-1])
         self.assertLess(h["hollow_pressure"][-1], 0.9 * h["hollow_pressure"].max())
         np.testing.assert_allclose(h["inside_x"] / 8e-3, (h["hollow_volume"] / h["hollow_volume"][0]) ** (1 / 3), rtol=3e-4)
 
