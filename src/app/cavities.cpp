@@ -42,10 +42,14 @@ PrescribedSamples samples_of(const Config& config, const NodeLayout& layout, con
   return samples;
 }
 
-CavityContent content_of(const CavityConfig& cavity, double volume) {
+CavityContent content_of(const CavityConfig& cavity, double volume, const TimeConfig& time) {
   if (cavity.pressure) return GivenPressure{*cavity.pressure};
   if (const auto& gas = cavity.gas) return Gas{volume, gas->pressure, gas->ambient, gas->exponent, gas->amount};
-  return Liquid{volume, cavity.liquid->pressure, cavity.liquid->bulk_modulus, cavity.liquid->added_volume};
+  const LiquidConfig& liquid = *cavity.liquid;
+  // A static equilibrium has no step.
+  const double panel = time.step > 0.0 ? time.step : time.end / 1000.0;
+  return Liquid{volume, liquid.pressure, liquid.bulk_modulus, liquid.added_volume,
+                TimeIntegral(liquid.flow, time.end, panel)};
 }
 
 /// The volume in the reference configuration; throws InputError where there is none.
@@ -107,7 +111,7 @@ std::vector<WettedParts::Term> WettedParts::make_terms(const Config& config, con
     auto edges = rim_edges(layout, of_cavities_[c]);
     const double volume = volume_of(cavity, layout, of_cavities_[c], edges, samples);
     auto term = std::make_unique<Cavity>(WettedSurface(layout, pattern, std::move(of_cavities_[c]), 0),
-                                         content_of(cavity, volume));
+                                         content_of(cavity, volume, config.time));
     cavities_.push_back({cavity.name, term.get(), volume});
     terms.push_back({std::move(term), cavity.where});
   }

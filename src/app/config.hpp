@@ -166,6 +166,7 @@ struct LiquidConfig {
   double bulk_modulus = 0;  ///< [Pa]
   double pressure = 0;      ///< at the start [Pa]
   Expression added_volume;  ///< [m^3]; a function of t
+  Expression flow;          ///< [m^3/s]; a function of t
 };
 
 /// Exactly one content is given.

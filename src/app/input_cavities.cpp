@@ -29,6 +29,9 @@ Section<LiquidConfig> liquid_keys() {
       field("added_volume", &LiquidConfig::added_volume, expression("m^3", Variables::time),
             "liquid pumped in since the start")
           .otherwise("0"),
+      field("flow", &LiquidConfig::flow, expression("m^3/s", Variables::time),
+            "liquid pumped in per time, beside added_volume")
+          .otherwise("0"),
   }};
 }
 

@@ -43,6 +43,7 @@ constexpr std::array dimensions{
     Dimension{"s/m", "an inverse velocity"},
     Dimension{"m^2", "an area"},
     Dimension{"m^3", "a volume"},
+    Dimension{"m^3/s", "a volume flow"},
     Dimension{"1/s", "a frequency"},
     Dimension{"N/m", "a stiffness"},
     Dimension{"K", "a temperature"},

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "base/expression.hpp"
+#include "base/time_integral.hpp"
 
 #include <cmath>
 #include <limits>
@@ -65,15 +66,16 @@ struct Liquid {
   double volume = 0.0;        ///< V0 [m^3]
   double initial = 0.0;       ///< p_0 [Pa]
   double bulk_modulus = 0.0;  ///< K [Pa]
-  Expression added;           ///< A(t), volume at the pressure of the surroundings [m^3]
+  Expression added;           ///< part of A(t), volume at the pressure of the surroundings [m^3]
+  TimeIntegral flow = {};     ///< the rest of A(t) [m^3]
 
   double pressure(double S, const LoadState& at) const {
-    const double A = at.load_factor * added(0.0, 0.0, 0.0, at.time);
+    const double A = at.load_factor * (added(0.0, 0.0, 0.0, at.time) + flow(at.time));
     return at.load_factor * initial + bulk_modulus * (S + A) / volume;
   }
   double stiffness(double /*S*/, const LoadState& /*at*/) const { return bulk_modulus / volume; }
   double work(double S, double dS, const LoadState& at) const { return pressure(S + 0.5 * dS, at) * dS; }
-  bool depends_on_time() const { return added.depends_on_time(); }
+  bool depends_on_time() const { return added.depends_on_time() || !flow.is_zero(); }
 };
 
 using CavityContent = std::variant<GivenPressure, Gas, Liquid>;

@@ -86,7 +86,7 @@ probes: [{name: tip, point: [1, 0.1, 100 mm]}, {name: "the root", point: [0, 0, 
 cavities:
   - {name: left, surface: inside, pressure: "2e3*t"}
   - {name: middle, box: [[0, 0, 0], [1, 1, 1]], volume: 3 cm^3, gas: {pressure: 5 kPa, ambient: 1 bar, exponent: 1.4, amount: "1 + t"}}
-  - {name: right, where: "x > 1", liquid: {bulk_modulus: 2 GPa, pressure: 1 kPa, added_volume: "1e-6*t"}}
+  - {name: right, where: "x > 1", liquid: {bulk_modulus: 2 GPa, pressure: 1 kPa, added_volume: "1e-6*t", flow: 2 cm^3/s}}
 )yaml";
 
 /// What stands for `time` in `everything` otherwise; together they give every key of the table.
@@ -261,6 +261,7 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_FALSE(c.cavities[1].liquid.has_value());
   EXPECT_EQ(c.cavities[2].liquid.value().bulk_modulus, 2e9);
   EXPECT_EQ(c.cavities[2].liquid.value().added_volume(0, 0, 0, 2), 2e-6);
+  EXPECT_DOUBLE_EQ(c.cavities[2].liquid.value().flow(0, 0, 0, 2), 2e-6);
   EXPECT_EQ(c.initial.velocity[1](0, 2, 0, 0), -2);
   EXPECT_DOUBLE_EQ(c.initial.velocity[2](0, 0, 0, 0), 3 / 3.6);
   EXPECT_EQ(c.time.method.value, "bdf2");

@@ -41,7 +41,8 @@ INSTANTIATE_TEST_SUITE_P(All, Contents,
                          ::testing::Values(CavityContent(GivenPressure{Expression("3+t")}),
                                            CavityContent(Gas{2.0, 0.5, 4.0, 1.0, Expression("1+t")}),
                                            CavityContent(Gas{2.0, -0.5, 4.0, 1.4, Expression(1.0)}),
-                                           CavityContent(Liquid{2.0, 0.3, 9.0, Expression("0.1*t")})));
+                                           CavityContent(Liquid{2.0, 0.3, 9.0, Expression("0.1*t"),
+                                                                TimeIntegral(Expression("t"), 1.0, 0.1)})));
 
 // The work is the integral of the pressure (Simpson's rule of many parts), the stiffness its derivative.
 TEST_P(Contents, WorkPressureAndStiffnessBelongTogether) {

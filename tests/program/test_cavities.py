@@ -78,6 +78,16 @@ class Cavities(ProgramTest):
         np.testing.assert_allclose(h["load_work"], 0, atol=1e-8 * scale)
         self.assertLess(np.abs(h["numerical_dissipation"]).max(), 0.01 * scale)
 
+    # For a tenth of a second 2/s of the bore's volume flows in, then half as much.
+    def test_liquid_flows_in(self):
+        self.tube((2, 3, 1))
+        text = TUBE + (f"cavities: [{{name: c, surface: left, volume: {VOLUME}, "
+                       f'liquid: {{bulk_modulus: 1e11, flow: "{VOLUME}*(t < 0.1 ? 2 : 1)"}}}}]\n')
+        h = self.history(text + "time: {method: bdf2, step: 10 ms, end: 0.2, events: [0.1]}\n", ranks=2)
+        t = h["time"]
+        np.testing.assert_allclose(h["c_volume"] / VOLUME, 1 + 2 * np.minimum(t, 0.1) + np.maximum(0, t - 0.1), rtol=1e-5)
+        np.testing.assert_allclose(h["energy_balance_error"], 0, atol=1e-7 * h["elastic_energy"].max())
+
     # A closed surface, here that of the whole body, has a potential as well, and so the solver minimises.
     def test_a_pressure_on_a_closed_surface_is_minimised(self):
         write_box(self.directory / "bar.msh", (4, 1, 1), (1, 0.2, 0.2))
