@@ -41,13 +41,14 @@ class OwnSolver {
   OwnSolver(const Config& config, Model& model) {
     const LinearKind linear = linear_kind(config, model.layout());
     IncrementalPotential& equation = model.potential();
-    description_ = "solver: " + describe(equation, linear);
     with_user_options([&] {
       if (ConstraintMap* map = model.constraints().map()) {
         tied_ = std::make_unique<ConstrainedNewton>(equation, *map, newton_options(config), linear);
-        description_ += ", in the unknowns that the constraints leave";
+        description_ =
+            fmt::format("solver: {}, in the unknowns that the constraints leave", describe(tied_->equation(), linear));
       } else {
         plain_ = std::make_unique<NewtonSolver>(equation, newton_options(config), linear);
+        description_ = "solver: " + describe(equation, linear);
       }
     });
   }
@@ -94,7 +95,7 @@ class TimeAdvance final : public Advance {
   static System system_of(Model& model, Ledger& ledger, OwnSolver& own) {
     System system;
     system.solve = own.stage_solve();
-    system.motion = model.constraints().motion();
+    system.motion = model.motion();
     system.internal = model.potential().internal_variables();
     system.quadratures = ledger.quadratures();
     return system;

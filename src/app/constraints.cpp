@@ -1,5 +1,6 @@
 #include "app/constraints.hpp"
 
+#include "app/model.hpp"
 #include "energy/rigid_fit.hpp"
 #include "energy/surface_ties.hpp"
 #include "fem/plane.hpp"
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -84,7 +86,9 @@ Constraints::Constraints(const Config& config, const NodeLayout& layout, Selecti
   auto all_ties = ties(config, selections);
   selections.throw_mistakes();
   all_ties = gathered(layout.comm, all_ties);
-  if (!all_ties.empty()) eliminate_ties(config, std::move(all_ties), selections);
+  check_turning_parts(config, all_ties, selections);
+  const bool any_turns = std::ranges::any_of(parts_, [](const Part& part) { return part.turns.has_value(); });
+  if (any_turns || !all_ties.empty()) eliminate_ties(config, std::move(all_ties), selections);
   add_supports(config);
 }
 
@@ -120,6 +124,7 @@ Constraints::Part Constraints::make_part(const ConstraintConfig& constraint, Sel
 Constraints::Part Constraints::plane(const ConstraintConfig& constraint, Selections& selections) {
   Part part;
   part.nodes = selections.nodes(constraint.part);
+  if (sum(layout_.comm, static_cast<PetscInt64>(part.nodes.size())) == 0) return part;  // told already
   const bool is_of_surface = constraint.part.kind == Selection::Kind::surface ||
                              constraint.part.kind == Selection::Kind::box ||
                              constraint.part.kind == Selection::Kind::where;
@@ -163,8 +168,15 @@ Constraints::Part Constraints::rigid(const ConstraintConfig& constraint, Selecti
   motion.translation = config.translation;
   if (config.rotation.kind == RotationConfig::Kind::about_axis) {
     motion.axis = unit(config.rotation.axis);
-    motion.angle = *config.rotation.angle;
+    if (config.rotation.angle) {
+      motion.angle = *config.rotation.angle;
+    } else {
+      part.turns = FreeRotation::about_axis;
+    }
+  } else if (config.rotation.kind == RotationConfig::Kind::free) {
+    part.turns = FreeRotation::about_all_axes;
   }
+  part.is_prescribed = !part.turns;
   if (config.center) {
     motion.centre = *config.center;
   } else {
@@ -176,6 +188,12 @@ Constraints::Part Constraints::rigid(const ConstraintConfig& constraint, Selecti
     }
   }
   part.displacement.rigid = motion;
+  if (part.turns && sum(layout_.comm, static_cast<PetscInt64>(part.nodes.size())) > 0) {
+    if (const auto reason = why_not_rigid(layout_, part.nodes, motion, *part.turns)) {
+      selections.report(constraint.where,
+                        fmt::format("{} {}; give the rotation, or say `fixed`", describe(constraint.part), *reason));
+    }
+  }
   return part;
 }
 
@@ -187,6 +205,7 @@ std::vector<LinearConstraint> Constraints::ties(const Config& config, Selections
   for (std::size_t c = 0; c < parts_.size(); ++c) {
     const ConstraintConfig& constraint = config.constraints[c];
     const Part& part = parts_[c];
+    if (part.turns) continue;
     if (constraint.kind == Kind::rigid) {
       add(translated_together(layout_, part.nodes, part.displacement, c));
     } else if (constraint.kind == Kind::periodic) {
@@ -204,6 +223,11 @@ std::vector<LinearConstraint> Constraints::ties(const Config& config, Selections
 
 std::vector<LinearConstraint> Constraints::periodic_ties(const ConstraintConfig& constraint, std::size_t c,
                                                          Selections& selections) const {
+  if (constraint.part.kind == constraint.partner.kind && constraint.part.name == constraint.partner.name) {
+    selections.report(constraint.partner.where,
+                      fmt::format("{} cannot repeat itself; name another surface", describe(constraint.partner)));
+    return {};
+  }
   const auto partners = selections.nodes(constraint.partner);
   const PeriodicPairs pairs = match(layout_, partners, parts_[c].nodes);
   const std::size_t num_lonely = pairs.num_lonely_a + pairs.num_lonely_b;
@@ -257,7 +281,62 @@ void Constraints::eliminate_ties(const Config& config, std::vector<LinearConstra
   selections.throw_mistakes();
   // The first are the prescribed entries themselves.
   result.slaves.erase(result.slaves.begin(), result.slaves.begin() + static_cast<std::ptrdiff_t>(num_prescribed));
-  map_ = std::make_unique<ConstraintMap>(layout_, result.slaves, std::move(given));
+  std::vector<RigidPatch> patches;
+  for (const Part& part : parts_) {
+    if (part.turns) patches.emplace_back(layout_, part.nodes, *part.displacement.rigid, *part.turns);
+  }
+  map_ = std::make_unique<ConstraintMap>(layout_, result.slaves, std::move(given), std::move(patches));
+}
+
+void Constraints::check_turning_parts(const Config& config, const std::vector<LinearConstraint>& ties,
+                                      Selections& selections) const {
+  std::map<PetscInt, std::size_t> turning;  // by the node's global number
+  std::set<std::pair<std::size_t, std::size_t>> quarrels;
+  for (std::size_t c = 0; c < parts_.size(); ++c) {
+    if (!parts_[c].turns) continue;
+    std::vector<double> mine;
+    for (const PetscInt n : parts_[c].nodes) mine.push_back(static_cast<double>(layout_.global_node(n)));
+    for (const double node : gathered(layout_.comm, mine)) {
+      const auto [first, is_new] = turning.try_emplace(static_cast<PetscInt>(node), c);
+      if (!is_new) quarrels.emplace(c, first->second);
+    }
+  }
+  const auto compare = [&](PetscInt node, std::size_t other) {
+    const auto found = turning.find(node);
+    if (found != turning.end()) quarrels.emplace(other, found->second);
+  };
+  for (const auto& tie : ties) {
+    for (const auto& e : tie.entries) compare(e.entry / 3, tie.source);
+  }
+  for (std::size_t c = 0; c < parts_.size(); ++c) {
+    if (!parts_[c].is_prescribed) continue;
+    for (const PetscInt n : parts_[c].nodes) compare(layout_.global_node(n), c);
+  }
+  // What this rank has found among its nodes, and the others among theirs.
+  std::vector<double> mine;
+  for (const auto& [other, part] : quarrels)
+    mine.insert(mine.end(), {static_cast<double>(other), static_cast<double>(part)});
+  const auto all = gathered(layout_.comm, mine);
+  for (std::size_t k = 0; k < all.size(); k += 2) {
+    quarrels.emplace(static_cast<std::size_t>(all[k]), static_cast<std::size_t>(all[k + 1]));
+  }
+  for (std::size_t c = 0; c < parts_.size() && analysis_of(config) == Analysis::dynamic; ++c) {
+    const auto& rigid = parts_[c].displacement.rigid;
+    const bool is_led = rigid && std::ranges::any_of(rigid->translation, [](const auto& u) { return u.has_value(); });
+    if (parts_[c].turns != FreeRotation::about_all_axes || !is_led) continue;
+    if (!centre_is_off_plane(layout_, parts_[c].nodes, *rigid)) continue;
+    selections.report(config.constraints[c].where,
+                      fmt::format("{} lies in a plane that does not hold its `center`, whose translation is given; in "
+                                  "dynamics put `center` into the plane, or choose nodes that span a volume",
+                                  title(config, c)));
+  }
+  for (const auto& [other, part] : quarrels) {
+    selections.report(config.constraints[part].where,
+                      fmt::format("{} turns freely, so nodes of it cannot obey {} too; give its rotation, or leave out "
+                                  "the nodes that both hold",
+                                  title(config, part), title(config, other)));
+  }
+  selections.throw_mistakes();
 }
 
 // Entries go under the name of the first constraint that claims them; those of a rigid part all.

@@ -53,6 +53,7 @@ class Constraints {
     GivenDisplacement displacement;  // what its ties refer to, too
     bool is_prescribed = false;      // the components that `displacement` gives
     Vector3<double> direction{};     // of the force that holds its first component, if that has one of its own
+    std::optional<FreeRotation> turns = std::nullopt;  // rigid, with a rotation that is not given
   };
 
   Part make_part(const ConstraintConfig& constraint, Selections& selections);
@@ -65,6 +66,9 @@ class Constraints {
   std::vector<LinearConstraint> equation_ties(const ConstraintConfig& constraint, std::size_t c,
                                               Selections& selections) const;
   void eliminate_ties(const Config& config, std::vector<LinearConstraint> ties, Selections& selections);
+  /// Parts that turn freely obey nothing else: a mistake for each that does.
+  void check_turning_parts(const Config& config, const std::vector<LinearConstraint>& ties,
+                           Selections& selections) const;
   void add_supports(const Config& config);
   void add_multipliers(Vec r, std::vector<double>& sums) const;
 

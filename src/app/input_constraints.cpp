@@ -27,8 +27,8 @@ Section<RotationConfig> axis_keys() {
   return {{
               field("axis", &RotationConfig::axis, direction_of_any_length(), "direction of the axis through `center`")
                   .required(),
-              field("angle", &RotationConfig::angle, expression("rad", Variables::time),
-                    "angle of rotation about it, by the right-hand rule")
+              field("angle", &RotationConfig::angle, expression_or_free("rad", Variables::time),
+                    "angle of rotation about it, by the right-hand rule; `free`: a hinge")
                   .required(),
           },
           {},
@@ -36,7 +36,7 @@ Section<RotationConfig> axis_keys() {
 }
 
 Format<RotationConfig> rotation() {
-  const auto by_name = choice({"fixed"});
+  const auto by_name = choice({"free", "fixed"});
   const auto by_keys = map_of(axis_keys());
   Format<RotationConfig> format{by_name.type + ", or with the keys below",
                                 {{"anyOf", Json::array({by_name.schema, by_keys.schema})}},
@@ -68,8 +68,9 @@ Section<RigidConfig> rigid_keys() {
       field("translation", &RigidConfig::translation, array_of<3>(expression_or_free("m", Variables::time)),
             "displacement of the center; a component `free` follows from the forces")
           .otherwise("[free, free, free]"),
-      field("rotation", &RigidConfig::rotation, rotation(), "rotation about the center; `fixed`: none")
-          .otherwise("fixed"),
+      field("rotation", &RigidConfig::rotation, rotation(),
+            "rotation about the center; `free`: it follows from the forces; `fixed`: none")
+          .otherwise("free"),
       field("center", &RigidConfig::center, array_of<3>(quantity("m")), "reference position of the center")
           .otherwise_in_words("the mean of the nodes"),
   }};

@@ -5,6 +5,7 @@
 #include "app/input_schema.hpp"
 #include "app/selections.hpp"
 #include "app/viscosity.hpp"
+#include "energy/velocity_projection.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/ghosted.hpp"
@@ -143,6 +144,9 @@ void Model::build_terms(const Config& config) {
 void Model::prepare(const Config& config) {
   const Analysis analysis = analysis_of(config);
   static_time_ = analysis == Analysis::static_equilibrium ? std::optional(config.time.end) : std::nullopt;
+  if (ConstraintMap* map = constraints_->map()) {
+    map->set_rigidity(analysis == Analysis::dynamic ? Rigidity::of_accelerations : Rigidity::of_configurations);
+  }
   viscous_ = make_viscous_terms(config, {layout_, *pattern_, cells_, laws_});
   std::vector<const EnergyTerm*> terms;
   for (const auto& term : elastic_) terms.push_back(term.get());
@@ -152,6 +156,14 @@ void Model::prepare(const Config& config) {
   if (analysis == Analysis::dynamic && inertia_) terms.push_back(inertia_.get());
   potential_ =
       std::make_unique<IncrementalPotential>(layout_, *pattern_, std::move(terms), constraints_->prescribed().flags());
+}
+
+PrescribedMotion Model::motion() const {
+  PrescribedMotion motion = constraints_->motion();
+  ConstraintMap* map = constraints_->map();
+  if (map == nullptr || map->is_symmetric() || !inertia_) return motion;
+  return with_projected_velocities(std::move(motion),
+                                   {layout_, *pattern_, *inertia_, constraints_->prescribed().flags(), *map}, layout_);
 }
 
 void Model::set_initial_state(const Config& config, Vec q, Vec v) const {

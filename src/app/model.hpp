@@ -62,6 +62,9 @@ class Model {
   /// What terms know of a time of the run (of a static one: the load factor).
   Instant instant(double time) const { return static_time_ ? Instant{*static_time_, time} : Instant{time, 1.0}; }
 
+  /// The hooks of the time layer; they refer to this object. Collective.
+  PrescribedMotion motion() const;
+
   /// Initial displacement and velocity, prescribed entries at their values at t = 0. Collective.
   void set_initial_state(const Config& config, Vec q, Vec v) const;
 

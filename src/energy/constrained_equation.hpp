@@ -6,14 +6,22 @@
 
 namespace pliant {
 
-/// Phi(T(y)) and its derivatives, T the map of the constraints with the Jacobian J: J^T r, J^T K J. What belongs to a
-/// potential stays one, and Newton's method on it converges quadratically. Entries of slaves are as prescribed ones:
-/// their rows of the gradient are zero, those of the Hessian hold the diagonal alone.
+/// Phi(T(y)) and its derivatives, T the map of the constraints with the Jacobian J: J^T r and J^T K J + sum_i r_i
+/// d2T_i/dy2 (the second part not where the Hessian is to be positive semidefinite, as its first is then). What belongs
+/// to a potential stays one, and Newton's method on it converges quadratically. Where the map balances forces by other
+/// virtual displacements W than J (ConstraintMap::is_symmetric), these are W^T r and W^T K J + sum_i r_i dW_i/dy, of no
+/// potential. Entries of slaves are as prescribed ones: their rows of the gradient are zero, those of the Hessian hold
+/// the diagonal alone.
 class ConstrainedEquation final : public StageEquation {
  public:
-  /// Both outlive the object. Collective.
+  /// Both outlive the object; the map's rigidity is set. Collective.
   ConstrainedEquation(StageEquation& equation, ConstraintMap& map);
 
+  /// The stage `stage` of configurations, from the guess q, in the unknowns: the guess y, and a start whose
+  /// extrapolation by dt v0 is that of the configurations. What is returned refers to this object. Collective.
+  StagePoint reduce(const StagePoint& stage, Vec q, Vec y);
+
+  /// `stage`: what `reduce` has returned.
   void begin_stage(const StagePoint& stage) override;
   double value(Vec y) override;
   void gradient(Vec y, Vec r) override;
@@ -25,8 +33,8 @@ class ConstrainedEquation final : public StageEquation {
   double max_step(Vec y, Vec d) override;
   double force_scale(Vec y) override;
   double rounding_floor(Vec y) const override;
-  std::vector<std::string> non_potentials() const override { return equation_.non_potentials(); }
-  Symmetry symmetry() const override { return equation_.symmetry(); }
+  std::vector<std::string> non_potentials() const override;
+  Symmetry symmetry() const override;
   const std::vector<char>& prescribed() const override { return prescribed_; }
   PetscInt num_unknowns() const override { return equation_.num_unknowns(); }
   MPI_Comm comm() const override { return equation_.comm(); }
@@ -34,12 +42,16 @@ class ConstrainedEquation final : public StageEquation {
 
  private:
   void set_near_null_space(Mat K) const;
+  /// K = W^T (Hessian in q) J.
+  void project(Mat K);
 
   StageEquation& equation_;
   ConstraintMap& map_;
   std::vector<char> prescribed_;  // those of the equation, and slaves
   Handle<Mat> full_;              // Hessian in q
-  Handle<Vec> q_, d_, full_gradient_, diagonal_;
+  Handle<Mat> product_;           // K J, where W is not J
+  StagePoint stage_;              // of configurations
+  Handle<Vec> q_, d_, full_gradient_, diagonal_, y0_, w0_;
 };
 
 }  // namespace pliant

@@ -1,33 +1,43 @@
 #include "energy/constraint_map.hpp"
 
 #include "petsc/array_view.hpp"
+#include "petsc/collective.hpp"
 
 #include <algorithm>
-#include <map>
 
 namespace pliant {
 
 ConstraintMap::ConstraintMap(const NodeLayout& layout, std::span<const Slave> slaves,
-                             std::vector<GivenDisplacement> given)
-    : given_(std::move(given)) {
-  const PetscInt num_owned = 3 * layout.num_owned_nodes, first = 3 * layout.first_global_node;
-  const auto is_owned = [&](PetscInt entry) { return entry >= first && entry < first + num_owned; };
+                             std::vector<GivenDisplacement> given, std::vector<RigidPatch> patches)
+    : comm_(layout.comm),
+      first_entry_(3 * layout.first_global_node),
+      given_(std::move(given)),
+      patches_(std::move(patches)) {
+  const PetscInt num_owned = 3 * layout.num_owned_nodes;
+  const auto is_owned = [&](PetscInt entry) { return entry >= first_entry_ && entry < first_entry_ + num_owned; };
   is_slave_.assign(static_cast<std::size_t>(num_owned), 0);
   is_tied_ = is_slave_;
-  std::vector<std::map<PetscInt, double>> rows(static_cast<std::size_t>(num_owned));
-  for (PetscInt i = 0; i < num_owned; ++i) rows[i][first + i] = 1.0;
+  Rows rows(static_cast<std::size_t>(num_owned));
+  for (PetscInt i = 0; i < num_owned; ++i) rows[i][first_entry_ + i] = 1.0;
   for (const Slave& slave : slaves) {
     for (const auto& master : slave.masters) {
-      if (is_owned(master.entry)) is_tied_[master.entry - first] = 1;
+      if (is_owned(master.entry)) is_tied_[master.entry - first_entry_] = 1;
     }
     if (!is_owned(slave.entry)) continue;
-    const PetscInt i = slave.entry - first;
+    const PetscInt i = slave.entry - first_entry_;
     is_slave_[i] = is_tied_[i] = 1;
     rows[i][slave.entry] = 0.0;
     for (const auto& [entry, coefficient] : slave.masters) rows[i][entry] = coefficient;
     slaves_.push_back({i, slave.given});
   }
+  C_ = make_matrix(rows);
+  J_ = patches_.empty() ? C_.share() : make_jacobian(std::move(rows));
+  W_ = J_.share();
+  offset_ = make_vector(layout);
+  work_ = make_vector(layout);
+}
 
+Handle<Mat> ConstraintMap::make_matrix(const Rows& rows) const {
   std::vector<PetscInt> offsets{0}, columns;
   std::vector<double> values;
   for (const auto& row : rows) {
@@ -37,26 +47,136 @@ ConstraintMap::ConstraintMap(const NodeLayout& layout, std::span<const Slave> sl
     }
     offsets.push_back(static_cast<PetscInt>(columns.size()));
   }
-  check(MatCreate(layout.comm, C_.out()));
-  check(MatSetSizes(C_.get(), num_owned, num_owned, PETSC_DETERMINE, PETSC_DETERMINE));
-  check(MatSetType(C_.get(), MATMPIAIJ));
-  check(MatSetBlockSize(C_.get(), 3));
-  check(MatMPIAIJSetPreallocationCSR(C_.get(), offsets.data(), columns.data(), values.data()));
-  offset_ = make_vector(layout);
-  work_ = make_vector(layout);
+  const auto num_owned = static_cast<PetscInt>(rows.size());
+  Handle<Mat> matrix;
+  check(MatCreate(comm_, matrix.out()));
+  check(MatSetSizes(matrix.get(), num_owned, num_owned, PETSC_DETERMINE, PETSC_DETERMINE));
+  check(MatSetType(matrix.get(), MATMPIAIJ));
+  check(MatSetBlockSize(matrix.get(), 3));
+  check(MatMPIAIJSetPreallocationCSR(matrix.get(), offsets.data(), columns.data(), values.data()));
+  return matrix;
 }
 
-void ConstraintMap::set_time(double time, double factor) {
+// `rows`: those of C.
+Handle<Mat> ConstraintMap::make_jacobian(Rows rows) {
+  for (const RigidPatch& patch : patches_) {
+    for (const PetscInt a : patch.nodes()) {
+      for (PetscInt i = 3 * a; i < 3 * a + 3; ++i) {
+        rows[i] = {{first_entry_ + i, 0.0}};
+        for (const PetscInt host : patch.hosts()) rows[i][host] = 0.0;
+        is_tied_[i] = is_slave_[i] = 1;
+      }
+    }
+    for (const PetscInt host : patch.hosts()) {
+      const PetscInt i = host - first_entry_;
+      if (i >= 0 && i < static_cast<PetscInt>(rows.size())) is_slave_[i] = 0;
+    }
+  }
+  return make_matrix(rows);
+}
+
+void ConstraintMap::set_rigidity(Rigidity rigidity) {
+  for (RigidPatch& patch : patches_) patch.set_rigidity(rigidity);
+  if (is_linear() || rigidity == Rigidity::of_configurations) {
+    W_ = J_.share();
+  } else {
+    W_ = Handle<Mat>();
+    check(MatDuplicate(J_.get(), MAT_COPY_VALUES, W_.out()));
+  }
+}
+
+void ConstraintMap::begin_stage(const StagePoint& stage, Vec q) {
+  for (RigidPatch& patch : patches_) patch.begin_stage(stage, q);
   const ArrayView offset(offset_.get());
   for (const auto& slave : slaves_) {
     double u = 0.0;
-    for (const GivenTerm& g : slave.given) u += g.weight * given_[g.source](g.component, g.X, time, factor);
+    for (const GivenTerm& g : slave.given) {
+      u += g.weight * given_[g.source](g.component, g.X, stage.time, stage.load_factor);
+    }
     offset[slave.local_entry] = u;
   }
 }
 
 void ConstraintMap::expand(Vec y, Vec q) const {
   check(MatMultAdd(C_.get(), y, offset_.get(), q));
+  for (const RigidPatch& patch : patches_) patch.put_displacements(patch.unknowns(y), q);
+}
+
+void ConstraintMap::put_columns(Mat matrix, const RigidPatch& patch, PetscInt node,
+                                const RigidPatch::Columns& columns) const {
+  for (std::size_t i = 0; i < 3; ++i) {
+    std::array<double, RigidPatch::most_unknowns> values{};
+    for (std::size_t k = 0; k < columns.size(); ++k) values[k] = columns[k][i];
+    const PetscInt row = first_entry_ + 3 * node + static_cast<PetscInt>(i);
+    check(MatSetValues(matrix, 1, &row, static_cast<PetscInt>(patch.hosts().size()), patch.hosts().data(),
+                       values.data(), INSERT_VALUES));
+  }
+}
+
+void ConstraintMap::linearize(Vec y) {
+  if (is_linear()) return;
+  for (const RigidPatch& patch : patches_) {
+    const auto unknowns = patch.unknowns(y);
+    for (const PetscInt a : patch.nodes()) {
+      put_columns(J_.get(), patch, a, patch.columns(unknowns, a));
+      if (!is_symmetric()) put_columns(W_.get(), patch, a, patch.test_columns(unknowns, a));
+    }
+  }
+  for (Mat matrix : {J_.get(), W_.get()}) {
+    check(MatAssemblyBegin(matrix, MAT_FINAL_ASSEMBLY));
+    check(MatAssemblyEnd(matrix, MAT_FINAL_ASSEMBLY));
+  }
+}
+
+void ConstraintMap::linearize_at(Vec q) {
+  for (RigidPatch& patch : patches_) {
+    patch.linearize_at(q);
+    const std::vector<double> at_reference(patch.hosts().size(), 0.0);
+    for (const PetscInt a : patch.nodes()) put_columns(J_.get(), patch, a, patch.columns(at_reference, a));
+  }
+  check(MatAssemblyBegin(J_.get(), MAT_FINAL_ASSEMBLY));
+  check(MatAssemblyEnd(J_.get(), MAT_FINAL_ASSEMBLY));
+}
+
+void ConstraintMap::keep_free_patches(Vec v) const {
+  std::vector<char> is_kept(is_slave_.size(), 0);
+  for (const RigidPatch& patch : patches_) {
+    for (const PetscInt a : patch.nodes()) std::fill_n(is_kept.begin() + 3 * a, 3, 1);
+  }
+  {
+    const ArrayView entries(v);
+    for (std::size_t i = 0; i < is_kept.size(); ++i) {
+      if (!is_kept[i]) entries[static_cast<PetscInt>(i)] = 0.0;
+    }
+  }
+  for (const RigidPatch& patch : patches_) patch.subtract_given(v);
+}
+
+void ConstraintMap::add_curvature(Vec y, Vec f, Mat K) const {
+  if (is_linear()) return;
+  PetscInt first = 0, last = 0;
+  check(MatGetOwnershipRange(K, &first, &last));
+  for (const RigidPatch& patch : patches_) {
+    const auto values = patch.curvature(patch.unknowns(y), f);
+    const auto n = static_cast<PetscInt>(patch.hosts().size());
+    for (PetscInt k = 0; k < n; ++k) {
+      const PetscInt row = patch.hosts()[k];
+      if (row < first || row >= last) continue;  // another rank's
+      check(MatSetValues(K, 1, &row, n, patch.hosts().data(), values.data() + n * k, ADD_VALUES));
+    }
+  }
+  check(MatAssemblyBegin(K, MAT_FINAL_ASSEMBLY));
+  check(MatAssemblyEnd(K, MAT_FINAL_ASSEMBLY));
+}
+
+void ConstraintMap::restrict(Vec q, Vec y) const {
+  check(VecCopy(q, y));
+  for (const RigidPatch& patch : patches_) patch.put_unknowns(patch.nearest_unknowns(q), y);
+}
+
+void ConstraintMap::restrict_rates(Vec v, Vec w) const {
+  check(VecCopy(v, w));
+  for (const RigidPatch& patch : patches_) patch.put_unknowns(patch.nearest_rates(v), w);
 }
 
 std::vector<Kinematics> ConstraintMap::offsets(double time, double time_scale, double factor) const {
@@ -95,12 +215,14 @@ PrescribedMotion ConstraintMap::motion(PrescribedMotion before) const {
     put_slaves(q, [&](std::size_t s) { return g[s].u; });
     put_slaves(stage.q0, [&](std::size_t s) { return g[s].u - dt * g[s].v; });
     put_slaves(stage.v0, [&](std::size_t s) { return g[s].v - dt * g[s].a; });
+    for (const RigidPatch& patch : patches_) patch.start_stage(stage);
   };
   motion.complete_step = [this, complete = before.complete_step](const Step& step, Vec q, Vec v) {
     complete(step, q, v);
     const auto g = offsets(step.time, step.dt, 1.0);
     put_slaves(q, [&](std::size_t s) { return g[s].u; });
     put_slaves(v, [&](std::size_t s) { return g[s].v; });
+    for (const RigidPatch& patch : patches_) patch.make_rigid(step.time, step.dt, q, v);
   };
   return motion;
 }

@@ -41,21 +41,13 @@ Quaternion largest_eigenvector(Matrix4 N) {
   return {V[0][largest], V[1][largest], V[2][largest], V[3][largest]};
 }
 
-/// The rotation R that makes tr(R^T A) largest.
-Quaternion rotation_nearest_to(const Tensor3<double>& A) {
-  const double x = A(2, 1) - A(1, 2), y = A(0, 2) - A(2, 0), z = A(1, 0) - A(0, 1);
-  const double xy = A(1, 0) + A(0, 1), yz = A(2, 1) + A(1, 2), zx = A(0, 2) + A(2, 0);
-  const std::array<double, 4> d{A(0, 0) + A(1, 1) + A(2, 2), A(0, 0) - A(1, 1) - A(2, 2), A(1, 1) - A(0, 0) - A(2, 2),
-                                A(2, 2) - A(0, 0) - A(1, 1)};
-  const Quaternion R =
-      largest_eigenvector({{{d[0], x, y, z}, {x, d[1], xy, zx}, {y, xy, d[2], yz}, {z, zx, yz, d[3]}}});
-  return product(R, {R[0] < 0.0 ? -1.0 : 1.0, 0.0, 0.0, 0.0});
-}
+/// Where nodes are on average before and after, and the sum of products of the differences from that.
+struct Moments {
+  Vector3<double> arm{}, now{};  // from the centre
+  Tensor3<double> products{};    // sum (now - mean)(arm - mean)^T
+};
 
-}  // namespace
-
-Placement nearest_placement(const NodeLayout& layout, std::span<const PetscInt> nodes, const Vector3<double>& centre,
-                            Vec u) {
+Moments moments(const NodeLayout& layout, std::span<const PetscInt> nodes, const Vector3<double>& centre, Vec u) {
   // Number, sum of arms, of displaced arms, of their products.
   std::array<double, 16> sums{};
   {
@@ -74,16 +66,51 @@ Placement nearest_placement(const NodeLayout& layout, std::span<const PetscInt> 
   }
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, layout.comm));
   const double n = sums[0];
-  const Vector3<double> arm = (1.0 / n) * Vector3<double>{sums[1], sums[2], sums[3]};
-  const Vector3<double> now = (1.0 / n) * Vector3<double>{sums[4], sums[5], sums[6]};
-  Placement placement;
-  placement.rotation = rotation_nearest_to(make_tensor([&](int i, int k) {
-    return sums[7 + 3 * static_cast<std::size_t>(i) + static_cast<std::size_t>(k)] -
-           n * now[static_cast<std::size_t>(i)] * arm[static_cast<std::size_t>(k)];
-  }));
-  // now - R arm, with the small difference of the two kept.
-  placement.translation = now - arm - placement.displacement(arm);
+  Moments result;
+  result.arm = (1.0 / n) * Vector3<double>{sums[1], sums[2], sums[3]};
+  result.now = (1.0 / n) * Vector3<double>{sums[4], sums[5], sums[6]};
+  result.products = make_tensor([&](int i, int k) {
+    const auto j = static_cast<std::size_t>(i), l = static_cast<std::size_t>(k);
+    return sums[7 + 3 * j + l] - n * result.now[j] * result.arm[l];
+  });
+  return result;
+}
+
+/// The translation that goes with a rotation: now - R arm, with the small difference of the two kept.
+Placement placed(const Moments& m, const Quaternion& rotation) {
+  Placement placement{{}, rotation};
+  placement.translation = m.now - m.arm - placement.displacement(m.arm);
   return placement;
+}
+
+}  // namespace
+
+Quaternion rotation_nearest_to(const Tensor3<double>& A) {
+  const double x = A(2, 1) - A(1, 2), y = A(0, 2) - A(2, 0), z = A(1, 0) - A(0, 1);
+  const double xy = A(1, 0) + A(0, 1), yz = A(2, 1) + A(1, 2), zx = A(0, 2) + A(2, 0);
+  const std::array<double, 4> d{A(0, 0) + A(1, 1) + A(2, 2), A(0, 0) - A(1, 1) - A(2, 2), A(1, 1) - A(0, 0) - A(2, 2),
+                                A(2, 2) - A(0, 0) - A(1, 1)};
+  const Quaternion R =
+      largest_eigenvector({{{d[0], x, y, z}, {x, d[1], xy, zx}, {y, xy, d[2], yz}, {z, zx, yz, d[3]}}});
+  return product(R, {R[0] < 0.0 ? -1.0 : 1.0, 0.0, 0.0, 0.0});
+}
+
+// tr(exp(phi axis)^T A) = c + (tr A - axis . A axis) cos phi + axis . axial(A) sin phi
+Quaternion rotation_nearest_to(const Tensor3<double>& A, const Vector3<double>& axis) {
+  const Vector3<double> axial = {A(2, 1) - A(1, 2), A(0, 2) - A(2, 0), A(1, 0) - A(0, 1)};
+  return exponential(std::atan2(dot(axis, axial), trace(A) - dot(axis, matvec(A, axis))) * axis);
+}
+
+Placement nearest_placement(const NodeLayout& layout, std::span<const PetscInt> nodes, const Vector3<double>& centre,
+                            Vec u) {
+  const Moments m = moments(layout, nodes, centre, u);
+  return placed(m, rotation_nearest_to(m.products));
+}
+
+Placement nearest_placement_about(const Vector3<double>& axis, const NodeLayout& layout,
+                                  std::span<const PetscInt> nodes, const Vector3<double>& centre, Vec u) {
+  const Moments m = moments(layout, nodes, centre, u);
+  return placed(m, rotation_nearest_to(m.products, axis));
 }
 
 }  // namespace pliant

@@ -14,4 +14,13 @@ namespace pliant {
 Placement nearest_placement(const NodeLayout& layout, std::span<const PetscInt> nodes, const Vector3<double>& centre,
                             Vec u);
 
+/// The same with a rotation about an axis (of unit length) alone.
+Placement nearest_placement_about(const Vector3<double>& axis, const NodeLayout& layout,
+                                  std::span<const PetscInt> nodes, const Vector3<double>& centre, Vec u);
+
+/// The rotation R that makes tr(R^T A) largest.
+Quaternion rotation_nearest_to(const Tensor3<double>& A);
+/// The same among the rotations about an axis of unit length.
+Quaternion rotation_nearest_to(const Tensor3<double>& A, const Vector3<double>& axis);
+
 }  // namespace pliant

@@ -7,8 +7,8 @@ ConstrainedNewton::ConstrainedNewton(StageEquation& equation, ConstraintMap& map
     : map_(map), equation_(equation, map), solver_(equation_, options, linear), y_(equation.make_vector()) {}
 
 StageReport ConstrainedNewton::solve(const StagePoint& stage, Vec q) {
-  check(VecCopy(q, y_.get()));
-  const StageReport report = solver_.solve(stage, y_.get());
+  const StagePoint reduced = equation_.reduce(stage, q, y_.get());
+  const StageReport report = solver_.solve(reduced, y_.get());
   map_.expand(y_.get(), q);
   return report;
 }

@@ -15,6 +15,7 @@ class ConstrainedNewton {
   /// As NewtonSolver::solve. Collective.
   StageReport solve(const StagePoint& stage, Vec q);
 
+  const StageEquation& equation() const { return equation_; }
   const SolverStatistics& statistics() const { return solver_.statistics(); }
 
  private:

@@ -37,6 +37,13 @@ void StageVariable::end_stage(std::size_t i) {
   if (i < increments_.size()) check(VecWAXPY(borrowed_[i], -1.0, base_.get(), stage_.get()));
 }
 
+void StageVariable::start_last_stage(std::span<const double> bt) {
+  if (end_.get() == stage_.get()) return;
+  check(VecCopy(base_.get(), end_.get()));
+  check(VecScale(end_.get(), 1.0 - bt.back()));
+  check(VecMAXPY(end_.get(), static_cast<PetscInt>(bt.size()) - 1, bt.data(), borrowed_.data()));
+}
+
 void StageVariable::complete_step(std::span<const double> bt) {
   if (end_.get() == stage_.get()) return;
   check(VecCopy(base_.get(), end_.get()));

@@ -23,6 +23,8 @@ class StageVariable {
   void start_stage(std::span<const double> At_i);
   /// Keeps Y_i - y* of a stage, counted from 0, if a later one or the end needs it.
   void end_stage(std::size_t i);
+  /// end() = y_{n+1} - bt_s Y_s, before the last stage s; of a stiffly accurate method there is none such.
+  void start_last_stage(std::span<const double> bt);
   /// y_{n+1} = y* + sum_i bt_i (Y_i - y*); of a stiffly accurate method it is Y_s, in place already.
   void complete_step(std::span<const double> bt);
 

@@ -113,6 +113,11 @@ void Stepper::start_stage(std::size_t i, StagePoint& stage) {
   }
   stage.q0 = q_.start();
   stage.v0 = v_.start();
+  if (i + 1 == method_.b.size() && !system_.space) {
+    q_.start_last_stage(method_.bt);
+    stage.end_weight = method_.bt[i];
+    stage.end_rest = method_.stiffly_accurate ? nullptr : q_.end();
+  }
   if (z_) stage.z0 = z_->start();
   switch (system_.guess) {
     case Guess::start:

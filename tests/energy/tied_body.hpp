@@ -1,10 +1,13 @@
 /// A body with prescribed displacements and ties, for the tests of constraints.
 #pragma once
 
+#include "energy/constrained_equation.hpp"
 #include "energy/constraint_map.hpp"
 #include "energy/prescribed.hpp"
+#include "energy/rigid_fit.hpp"
 #include "energy/solid.hpp"
 #include "energy/surface_ties.hpp"
+#include "energy/velocity_projection.hpp"
 #include "fem/selection.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"
@@ -23,6 +26,9 @@ struct TestConstraint {
   Region prescribed = nullptr;
   /// From the nodes of this rank; `source` is the constraint's number.
   std::function<std::vector<LinearConstraint>(const NodeLayout&, std::size_t source)> ties = nullptr;
+  /// Nodes of a rigid part that turns freely, as far as `given.rigid` says.
+  Region turning = nullptr;
+  FreeRotation rotation = FreeRotation::about_all_axes;
 };
 
 struct TiedSpec {
@@ -31,6 +37,7 @@ struct TiedSpec {
   double density = 0.0;  ///< 0: static [kg/m^3]
   std::vector<TestConstraint> constraints;
   std::optional<CavityContent> surroundings = std::nullopt;
+  Rigidity rigidity = Rigidity::of_configurations;
 };
 
 class TiedBody {
@@ -60,7 +67,16 @@ class TiedBody {
     auto result = eliminate(all, given, std::array{0.0, 0.4, 1.0});
     EXPECT_TRUE(result.conflicts.empty());
     result.slaves.erase(result.slaves.begin(), result.slaves.begin() + num_prescribed);
-    map_ = std::make_unique<ConstraintMap>(layout(), result.slaves, given);
+    std::vector<RigidPatch> patches;
+    for (const auto& c : spec.constraints) {
+      if (!c.turning) continue;
+      const auto nodes = nodes_in_region(layout(), c.turning);
+      EXPECT_EQ(why_not_rigid(layout(), nodes, *c.given.rigid, c.rotation), std::nullopt);
+      patches.emplace_back(layout(), nodes, *c.given.rigid, c.rotation);
+      turning_.push_back({nodes, *c.given.rigid});
+    }
+    map_ = std::make_unique<ConstraintMap>(layout(), result.slaves, given, std::move(patches));
+    map_->set_rigidity(spec.rigidity);
     ties_ = std::move(all);
     given_ = std::move(given);
   }
@@ -69,8 +85,30 @@ class TiedBody {
   const NodeLayout& layout() const { return solid_.layout(); }
   IncrementalPotential& potential() { return potential_; }
   ConstraintMap& map() { return *map_; }
-  PrescribedMotion motion() const { return map_->motion(prescribed_.motion()); }
+  const Inertia& inertia() const { return *inertia_; }
+  PrescribedMotion motion() const {
+    PrescribedMotion motion = map_->motion(prescribed_.motion());
+    if (map_->is_symmetric() || !inertia_) return motion;
+    return with_projected_velocities(std::move(motion),
+                                     {layout(), solid_.pattern(), *inertia_, prescribed_.flags(), *map_}, layout());
+  }
   double strain_energy(Vec q) const { return sum(layout().comm, elastic_->energy(local_values(q), {})); }
+
+  /// The placement of the turning part of this number that is nearest to its nodes. Collective.
+  Placement placement(std::size_t part, Vec q) const {
+    return nearest_placement(layout(), turning_[part].nodes, turning_[part].motion.centre, q);
+  }
+  /// The largest distance of a node from it [m]. Collective.
+  double distortion(std::size_t part, Vec q) const {
+    const Placement at = placement(part, q);
+    double worst = 0.0;
+    const ConstArrayView u(q);
+    for (const PetscInt a : turning_[part].nodes) {
+      const auto rigid = at.displacement(layout().position(a) - turning_[part].motion.centre);
+      for (int i = 0; i < 3; ++i) worst = std::max(worst, std::abs(rigid[i] - u[3 * a + i]));
+    }
+    return maximum(layout().comm, worst);
+  }
 
   /// The largest amount by which q misses a constraint at a time [m]. Collective.
   double violation(Vec q, double time) const {
@@ -118,6 +156,11 @@ class TiedBody {
   std::vector<LinearConstraint> ties_;
   std::vector<GivenDisplacement> given_;
   std::unique_ptr<ConstraintMap> map_;
+  struct TurningPart {
+    std::vector<PetscInt> nodes;
+    RigidMotion motion;
+  };
+  std::vector<TurningPart> turning_;
 };
 
 /// The first component of a given displacement alone.
@@ -155,6 +198,14 @@ inline TestConstraint grip(const Region& region, const RigidMotion& motion) {
   return {given, region, [=](const NodeLayout& layout, std::size_t source) {
             return translated_together(layout, nodes_in_region(layout, region), given, source);
           }};
+}
+
+/// The nodes of the region are rigid and turn freely; `motion` gives the translation, and a hinge's axis.
+inline TestConstraint platen(const Region& region, const RigidMotion& motion, FreeRotation rotation) {
+  TestConstraint result{{{}, motion}};
+  result.turning = region;
+  result.rotation = rotation;
+  return result;
 }
 
 }  // namespace pliant::testing

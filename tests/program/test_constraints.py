@@ -109,6 +109,60 @@ class Constraints(ProgramTest):
         self.assertLess(np.abs(moving["energy_balance_error"]).max(), 1e-9 * moving["elastic_energy"][-1])
         self.assertGreater(moving["support_work"][-1], moving["elastic_energy"][-1])
 
+    HINGE = "{surface: top, rigid: {translation: [0, 0, 0], rotation: {axis: [0, 1, 0], angle: free}, center: [0, 0, 1]}}"
+
+    def test_body_hanging_at_a_hinge(self):
+        # With gravity aslant it hangs as with gravity straight down, turned about the hinge.
+        write_box(self.directory / "bar.msh", (2, 2, 5), (0.4, 0.4, 1), origin=(-0.2, -0.2, 0))
+        tilt, g = 0.6, 200.0
+        more = "probes: [{name: foot, point: [0, 0, 0]}]\nloads: [{gravity: [%r, 0, %r]}]\n"
+        straight = self.solve("bar.msh", [self.HINGE], more=more % (0.0, -g))
+        x, z = straight["foot_x"][-1], straight["foot_z"][-1] - 1
+        self.assertLess(z, -1.001)
+        weight = 0.16 * 1000 * g
+        for ranks in (1, 2):
+            h = self.solve("bar.msh", [self.HINGE], more=more % (-g * np.sin(tilt), -g * np.cos(tilt)), ranks=ranks)
+            self.assertAlmostEqual(h["elastic_energy"][-1] / straight["elastic_energy"][-1], 1, delta=1e-8)
+            self.assertAlmostEqual(h["foot_x"][-1], x * np.cos(tilt) + z * np.sin(tilt), delta=1e-8)
+            self.assertAlmostEqual(h["foot_z"][-1], 1 + z * np.cos(tilt) - x * np.sin(tilt), delta=1e-8)
+            self.assertAlmostEqual(h["top_fx"][-1], weight * np.sin(tilt), delta=1e-6 * weight)
+            self.assertAlmostEqual(h["top_fz"][-1], weight * np.cos(tilt), delta=1e-6 * weight)
+            self.assertLess(abs(h["top_ty"][-1]), 1e-6 * weight)
+
+    def test_pendulum(self):
+        # A stiff bar swings at a hinge as a rigid body: I theta'' = -m g a sin(theta).
+        write_box(self.directory / "bar.msh", (2, 2, 5), (0.2, 0.2, 1), origin=(-0.1, -0.1, 0))
+        rate, step, end = 3.0, 0.01, 0.8
+        more = (f"probes: [{{name: foot, point: [0, 0, 0]}}]\nloads: [{{gravity: [0, 0, -9.81]}}]\n"
+                f"initial: {{velocity: ['{rate}*(z-1)', 0, '-{rate}*x']}}\n"
+                f"time: {{method: implicit-midpoint, step: {step}, end: {end}}}\n")
+        h = self.solve("bar.msh", [self.HINGE], "bodies.0.elasticity.youngs_modulus=1e9", more=more, ranks=2)
+        # About the hinge, per mass: (length^2 / 3 + width^2 / 12), by steps of a twentieth.
+        inertia, y, dt = 1 / 3 + 0.04 / 12, np.array([0.0, rate]), step / 20
+        slope = lambda y: np.array([y[1], -9.81 * 0.5 / inertia * np.sin(y[0])])  # noqa: E731
+        for _ in range(round(end / dt)):
+            k1 = slope(y)
+            k2 = slope(y + dt / 2 * k1)
+            k3 = slope(y + dt / 2 * k2)
+            y = y + dt / 6 * (k1 + 2 * k2 + 2 * k3 + slope(y + dt * k3))
+        self.assertLess(y[1], 0)  # on its way back
+        self.assertAlmostEqual(np.arctan2(-h["foot_x"][-1], 1 - h["foot_z"][-1]), y[0], delta=2e-3)
+        scale = h["kinetic_energy"].max()
+        self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-8 * scale)
+        self.assertLess(np.abs(h["support_work"]).max(), 1e-8 * scale)  # the hinge does none
+
+    def test_flying_body_with_rigid_ends(self):
+        write_box(self.directory / "bar.msh", (4, 2, 2), (1, 0.4, 0.3))
+        more = ("initial: {velocity: ['1+2*y*y', '3*z', '-3*y+2*x*x']}\n"
+                "time: {method: implicit-midpoint, step: 0.01, end: 0.3}\n")
+        for ranks in (1, 3):
+            h = self.solve("bar.msh", ["{surface: left, rigid: {}}", "{surface: right, rigid: {}}"], more=more, ranks=ranks)
+            scale = np.abs([h[c] for c in ("px", "py", "pz", "Lx", "Ly", "Lz")]).max()
+            for column in ("px", "py", "pz", "Lx", "Ly", "Lz"):
+                self.assertLess(np.ptp(h[column]), 1e-10 * scale, column)
+            self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-9 * h["kinetic_energy"][0])
+            self.assertLess(np.abs(h["left_fx"]).max(), 1e-3 * h["kinetic_energy"][0])
+
     def test_equation(self):
         # The mean of a surface is moved; what moves it is a force spread evenly over its nodes, as another run shows.
         write_box(self.directory / "cube.msh", (2, 2, 2))
@@ -138,6 +192,15 @@ class Constraints(ProgramTest):
         self.refused(["{surface: @left, symmetry: plane}"], "surface 'left' is not plane", "bent.msh")
         self.refused(["{volume: @body, symmetry: plane}"], "volume 'body' has no normal")
         self.refused(["{surface: left, periodic_with: @front}"], "nodes? of surface 'left' and .* have no partner")
+        self.refused(["{surface: left, periodic_with: @left}"], "surface 'left' cannot repeat itself")
+        self.refused(["{surface: @lefd, symmetry: plane}"], "did you mean 'left'")
+        self.refused(["@{surface: left, rigid: {translation: [0, 0, 0], center: [-1, 0, 0]}}"], "does not hold its `center`")
+        self.refused(["@{box: [[0, 0, 0], [0.1, 0.1, 0.1]], rigid: {}}"], "has a single node")
+        self.refused(["@{where: x + y < 1e-6, rigid: {translation: [0, 0, 0]}}"], "lies on one line")
+        self.refused(["@{surface: left, rigid: {}}", "{surface: top, displacement: [0, free, free]}"],
+                     "surface 'left' turns freely, .* surface 'top'")
+        self.refused(["@{surface: left, rigid: {}}", "{surface: top, rigid: {}}"],
+                     "turns freely")
         self.refused(["{surface: left, displacement: [0, 0, 0]}", "{surface: right, displacement: [0.1, 0, 0]}",
                       "@{surface: right, periodic_with: left}"], "surface 'right' .*contradict")
         self.refused(["{surface: left, displacement: [0, 0, 0]}",
