@@ -176,6 +176,15 @@ class Verification(ProgramTest):
         self.about("pulled_cube", "384 cells, P2", 3)
         self.row("strain energy", "390.4527566047 J", self.history("pulled_cube", "element=P2")["elastic_energy"][-1], 1e-11)
 
+    def test_single_tetrahedron(self):
+        h = self.history("single_tetrahedron")
+        u = np.array([h["right_x"][-1] - 1, h["back_y"][-1] - 1, h["apex_z"][-1] - 1])
+        self.about("single_tetrahedron", "1 cell", 13)
+        self.row("u_x(1, 0, 0)", "0.2144631867 m", u[0], 1e-9)
+        self.row("u_z(0, 0, 1)", "-0.3224567281 m", u[2], 1e-9)
+        # The published components make this a norm of 0.4426818930 m, too.
+        self.row("norm of all displacements", "0.44268188785 m", np.linalg.norm(u), 2e-8)
+
     def test_beam_theory(self):
         h = self.history("slender_beam")
         self.about("slender_beam", "as given", 7)
