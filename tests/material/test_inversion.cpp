@@ -1,4 +1,5 @@
 // What the laws do in flat and inverted bodies, and at a limit of stretch.
+#include "material/energy_change.hpp"
 #include "material/registry.hpp"
 #include "states.hpp"
 
@@ -155,6 +156,20 @@ TEST(StretchLimit, BeyondItIsInfiniteAloneAndQuietly) {
   EXPECT_TRUE(std::isfinite(law.psi(pulled(4.75))));
   EXPECT_GT(law.P(pulled(4.75))(0, 0), 1e3 * law.mu);
   for (const double l : {4.76, 10.0}) expect_infinite_alone_and_quietly(law, pulled(l));
+}
+
+/// Small steps near the limit: those that cross it, and the others to the digits of the change.
+TEST(StretchLimit, ChangesOfEnergyNearIt) {
+  const auto law = typical<Gent<double>>();
+  EXPECT_EQ(energy_change(law, pulled(4.75), pulled(4.76) - pulled(4.75)), infinity);
+  for (const double l : {2.0, 4.7, 4.75}) {
+    for (const double dl : {-1e-3, 3e-4, 1e-6, 1e-9}) {
+      const Matrix H = pulled(l), dH = pulled(l + dl) - H;
+      const Quad expected =
+          textbook_psi(law, converted<Quad>(H) + converted<Quad>(dH)) - textbook_psi(law, converted<Quad>(H));
+      EXPECT_LE(relative_difference(energy_change(law, H, dH), expected), 1e-9) << l << " " << dl;
+    }
+  }
 }
 
 }  // namespace
