@@ -2,6 +2,7 @@
 #include "material/registry.hpp"
 #include "states.hpp"
 
+#include <cmath>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -30,6 +31,24 @@ TYPED_TEST(LastDigits, StiffBodyFromTinyToLargeStrain) {
         // The difference quotient of the textbook energy has an absolute error of 1e-26 of the stiffness.
         EXPECT_LE(relative_difference(law.P(H), textbook_P(law, converted<Quad>(H))), 32 * epsilon);
       }
+    }
+  }
+}
+
+// The strains of soft bodies too: where the law gives the state an energy, and the volume is not so small that the
+// digits of J are those of a difference.
+TYPED_TEST(LastDigits, StressIsRightUpToUnitStrain) {
+  for (const VolumetricForm form : forms_of<TypeParam>()) {
+    const auto law = typical<TypeParam>(form, 1e3);
+    for (const double strain : {1e-10, 1e-7, 1e-4, 1e-2, 0.1, 0.5, 1.0}) {
+      int num_admissible = 0;
+      for (unsigned seed = 0; seed < 40; ++seed) {
+        const Matrix H = random_matrix(seed, strain);
+        if (det(add_to_diagonal(H, 1.0)) < 0.1 || !std::isfinite(law.psi(H))) continue;
+        ++num_admissible;
+        EXPECT_LE(relative_difference(law.P(H), textbook_P(law, converted<Quad>(H))), 1e-12) << strain << " " << seed;
+      }
+      EXPECT_GE(num_admissible, 10) << strain;
     }
   }
 }
