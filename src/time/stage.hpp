@@ -24,7 +24,7 @@ struct StagePoint {
       1.0;  ///< multiplies loads and prescribed displacements (load stepping of static problems; else 1)
   double step_start = 0.0;  ///< t_n; what is given as a function of time is smooth from there on [s]
   Vec z0 = nullptr;         ///< internal variables at the stage's start; nullptr if there are none
-  /// Of the last stage of a step on a vector space: q_{n+1} = end_rest + end_weight q. Else 0.
+  /// Of the last stage of a step on a vector space, while it is solved: q_{n+1} = end_rest + end_weight q. Else 0.
   double end_weight = 0.0;
   Vec end_rest = nullptr;  ///< nullptr: zero, as for stiffly accurate methods
   Vec centre = nullptr;    ///< q_n, around which coordinates are taken; nullptr on a vector space

@@ -64,6 +64,35 @@ TEST(OneStepMethods, MultiplyTheTestEquationByTheirStabilityFunction) {
   }
 }
 
+// What the last stage is told of the end of its step, so that a constraint can be put there.
+TEST_P(MethodSteps, EndsWhereTheLastStageIsTold) {
+  const Ode ode = pendulum();
+  const Values initial = ode.initial;
+  History history(3, {-0.2, test::vector_of(initial.q).get(), test::vector_of(initial.v).get()});
+  for (double t : {-0.1, 0.0}) history.push({t, test::vector_of(initial.q).get(), test::vector_of(initial.v).get()});
+  System system = test::system_of(ode);
+  std::vector<double> told, weights;
+  system.solve = [&, solve = system.solve](const StagePoint& stage, Vec q) {
+    const StageReport report = solve(stage, q);
+    weights.push_back(stage.end_weight);
+    told = test::values_of(q);
+    for (std::size_t k = 0; k < told.size(); ++k) {
+      told[k] *= stage.end_weight;
+      if (stage.end_rest != nullptr) told[k] += test::values_of(stage.end_rest)[k];
+    }
+    return report;
+  };
+  const Handle<Vec> layout = test::vector_of(initial.q);
+  Stepper stepper(GetParam(), system, {0.0, layout.get(), layout.get()});
+  const StepAttempt attempt = stepper.attempt(history, {0.1, 0.1});
+  ASSERT_EQ(attempt.report.outcome, StageOutcome::converged) << attempt.report.reason;
+  ASSERT_EQ(weights.size(), GetParam().b.size());
+  for (std::size_t i = 0; i + 1 < weights.size(); ++i) EXPECT_EQ(weights[i], 0.0);
+  const auto end = test::values_of(attempt.q);
+  for (std::size_t k = 0; k < end.size(); ++k) EXPECT_NEAR(told[k], end[k], 1e-15);
+  EXPECT_GT(std::abs(end[0] - initial.q[0]), 1e-4);
+}
+
 TEST_P(MethodSteps, MultipliesAStiffModeByRInfinity) {
   const Method& m = GetParam();
   const double z = -1e7;
