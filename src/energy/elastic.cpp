@@ -1,12 +1,8 @@
 #include "energy/elastic.hpp"
 
 #include "energy/active_strain.hpp"
-#include "energy/body_cells.hpp"
-#include "energy/step_bound.hpp"
+#include "energy/elastic_cells.hpp"
 #include "material/projection.hpp"
-
-#include <algorithm>
-#include <cmath>
 
 namespace pliant {
 namespace {
@@ -76,38 +72,17 @@ class ElasticTermOf final : public ElasticTerm {
   }
 
   double max_step(std::span<const double> q, std::span<const double> d) const override {
-    double step = std::numeric_limits<double>::infinity();
-    if (!law_->traits().is_barrier) return step;
-    cells_.for_each_batch([&](const Batch& batch) {
-      const auto u = batch.values(q), du = batch.values(d);
-      for (int k = 0; k < batch.group.rule.size(); ++k) {
-        const Point point{batch, k};
-        const Tensor3<Pack> F = add_to_diagonal(point.gradient(u), 1.0), dF = point.gradient(du);
-        if (!may_invert(F, dF)) continue;
-        for (int lane = 0; lane < batch.batch().num_lanes; ++lane) {
-          step = std::min(step, first_inversion(one_lane(F, lane), one_lane(dF, lane)));
-        }
-      }
-    });
-    return step;
+    if (!law_->traits().is_barrier) return std::numeric_limits<double>::infinity();
+    return step_to_inversion(cells_, q, d);
   }
 
   void stresses(const Instant& at, std::span<const double> q,
                 const std::function<void(PetscInt, const CellStress&)>& visit) const override {
     const LawNow law = law_at(at);
-    const auto centroid = Tet<Order>::gradients({0.25, 0.25, 0.25});
     cells_.for_each_batch([&](const Batch& batch) {
-      const auto u = batch.values(q);
-      const Tensor3<Pack> H =
-          displacement_gradient<Order>(u, centroid, batch.group.centroid_inverse_jacobian[batch.number]);
+      const Tensor3<Pack> H = centroid_gradient(batch, batch.values(q));
       const std::size_t n = Point{batch, 0}.index();
-      const Pack psi = law->psi(n, H);
-      const Tensor3<Pack> P = law->P(n, H), F = add_to_diagonal(H, 1.0);
-      for (int lane = 0; lane < batch.batch().num_lanes; ++lane) {
-        if (batch.batch().owned[lane] == 0.0) continue;
-        visit(batch.group.cells[batch.number * pack_size + lane],
-              cell_stress(one_lane(P, lane), one_lane(F, lane), psi[lane]));
-      }
+      visit_stresses(batch, {H, law->P(n, H), det(add_to_diagonal(H, 1.0)), law->psi(n, H)}, visit);
     });
   }
 
@@ -126,21 +101,6 @@ class ElasticTermOf final : public ElasticTerm {
   LawNow law_at(const Instant& at) const {
     if (!shortening_) return LawNow(*law_);
     return LawNow(std::make_unique<ActiveStrain>(*law_, *shortening_, at));
-  }
-
-  static Tensor3<double> one_lane(const Tensor3<Pack>& A, int lane) {
-    return make_tensor([&](int i, int j) -> double { return A(i, j)[lane]; });
-  }
-
-  static CellStress cell_stress(const Tensor3<double>& P, const Tensor3<double>& F, double psi) {
-    const double J = det(F);
-    const Tensor3<double> sigma = (1.0 / J) * matmul(P, transpose(F));
-    const double pressure = trace(sigma) / 3.0;
-    const Tensor3<double> s = add_to_diagonal(sigma, -pressure);
-    return {{sigma(0, 0), sigma(1, 1), sigma(2, 2), sigma(0, 1), sigma(1, 2), sigma(0, 2)},
-            std::sqrt(1.5 * dot(s, s)),
-            J,
-            psi};
   }
 
   std::shared_ptr<const LawField> law_;

@@ -42,6 +42,10 @@ void project_to_positive_semidefinite(Tangent<Pack>& A, double floor) {
   clamp_eigenvalues<9>(A, floor);
 }
 
+void project_to_positive_semidefinite(std::array<Pack, 100>& M) {
+  clamp_eigenvalues<10>(M, 0.0);
+}
+
 void project_to_positive_semidefinite(Tensor3<Pack>& S) {
   clamp_eigenvalues<3>(S.a, 0.0);
 }

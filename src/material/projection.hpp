@@ -11,6 +11,9 @@ namespace pliant {
 void project_to_positive_semidefinite(Tangent<double>& A, double floor = 0.0);
 void project_to_positive_semidefinite(Tangent<Pack>& A, double floor = 0.0);
 
+/// The same of a symmetric 10x10 matrix, a tangent bordered by one more variable, with the floor 0.
+void project_to_positive_semidefinite(std::array<Pack, 100>& M);
+
 /// The same of a symmetric 3x3 tensor, with the floor 0.
 void project_to_positive_semidefinite(Tensor3<Pack>& S);
 

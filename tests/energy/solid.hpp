@@ -9,6 +9,7 @@
 #include "energy/inertia.hpp"
 #include "energy/load.hpp"
 #include "energy/mass_damping.hpp"
+#include "energy/mean_dilatation.hpp"
 #include "energy/pressure.hpp"
 #include "energy/prony.hpp"
 #include "energy/viscous.hpp"
@@ -35,6 +36,9 @@ inline constexpr IsotropicTensor<double> stiffness_at_rest{400.0, 700.0};
 /// Young's modulus of the laws whose stress branches have, unless said otherwise [Pa].
 inline constexpr double prony_modulus = 1000.0;
 
+/// Where a change of volume is resisted.
+enum class Dilatation { pointwise, mean };
+
 /// A body and its cells for the quadrature of a law.
 class Solid {
  public:
@@ -54,7 +58,10 @@ class Solid {
   const BlockPattern& pattern() const { return body_.pattern; }
   const std::variant<CellGroups<1>, CellGroups<2>>& groups() const { return groups_; }
 
-  std::unique_ptr<ElasticTerm> elastic(const ElasticLawSpec& law) const {
+  std::unique_ptr<ElasticTerm> elastic(const ElasticLawSpec& law, Dilatation dilatation = Dilatation::pointwise) const {
+    if (dilatation == Dilatation::mean) {
+      return make_mean_dilatation_term(make_law_field(law), std::get<1>(groups_), 0, layout().num_owned_nodes);
+    }
     if (layout().order == 1) return make_elastic_term<1>(law, std::get<0>(groups_), 0, layout().num_owned_nodes);
     return make_elastic_term<2>(law, std::get<1>(groups_), 0, layout().num_owned_nodes);
   }
@@ -294,6 +301,16 @@ inline std::vector<ElasticLawSpec> every_law(double youngs_modulus = 1000.0, dou
     laws.push_back(law);
   }
   return laws;
+}
+
+/// The ways of an order of elements with a law.
+inline std::vector<Dilatation> every_dilatation(const ElasticLawSpec& law, int order) {
+  if (order == 1 || law.traits().constant_tangent) return {Dilatation::pointwise};
+  return {Dilatation::pointwise, Dilatation::mean};
+}
+
+inline std::string name_of(Dilatation dilatation) {
+  return dilatation == Dilatation::mean ? "MeanDilatation" : "";
 }
 
 /// Name of a law without characters that GoogleTest refuses.

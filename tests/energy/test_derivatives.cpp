@@ -33,8 +33,11 @@ std::vector<TermCase> every_case() {
   for (const BodySpec body :
        {BodySpec{1, Shape::jittered, 3}, BodySpec{2, Shape::jittered, 2}, BodySpec{2, Shape::curved, 2}}) {
     for (const auto& law : testing::every_law()) {
-      cases.push_back({testing::name_of(law), body, elastic_quadrature_degree(law.traits(), body.order),
-                       [=](const Solid& solid) { return solid.elastic(law); }});
+      for (const auto dilatation : testing::every_dilatation(law, body.order)) {
+        cases.push_back({testing::name_of(law) + testing::name_of(dilatation), body,
+                         elastic_quadrature_degree(law.traits(), body.order),
+                         [=](const Solid& solid) { return solid.elastic(law, dilatation); }});
+      }
     }
     for (const auto& law : testing::every_law()) {
       if (law.info().name != "neo-hookean" && law.info().name != "guccione") continue;

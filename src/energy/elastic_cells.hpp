@@ -1,0 +1,67 @@
+/// What the elastic terms share beside their energies.
+#pragma once
+
+#include "energy/body_cells.hpp"
+#include "energy/elastic.hpp"
+#include "energy/step_bound.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pliant {
+
+inline Tensor3<double> one_lane(const Tensor3<Pack>& A, int lane) {
+  return make_tensor([&](int i, int j) -> double { return A(i, j)[lane]; });
+}
+
+/// The largest alpha <= 1 for which no quadrature point of q + alpha d is turned inside out; +inf if none is.
+template <int Order>
+double step_to_inversion(const BodyCells<Order>& cells, std::span<const double> q, std::span<const double> d) {
+  double step = std::numeric_limits<double>::infinity();
+  cells.for_each_batch([&](const CellBatch<Order>& batch) {
+    const auto u = batch.values(q), du = batch.values(d);
+    for (int k = 0; k < batch.group.rule.size(); ++k) {
+      const CellPoint<Order> point{batch, k};
+      const Tensor3<Pack> F = add_to_diagonal(point.gradient(u), 1.0), dF = point.gradient(du);
+      if (!may_invert(F, dF)) continue;
+      for (int lane = 0; lane < batch.batch().num_lanes; ++lane) {
+        step = std::min(step, first_inversion(one_lane(F, lane), one_lane(dF, lane)));
+      }
+    }
+  });
+  return step;
+}
+
+/// grad u at the centroids of a batch.
+template <int Order>
+Tensor3<Pack> centroid_gradient(const CellBatch<Order>& batch, const NodeValues<CellGroup<Order>::num_nodes>& u) {
+  return displacement_gradient<Order>(u, Tet<Order>::gradients({0.25, 0.25, 0.25}),
+                                      batch.group.centroid_inverse_jacobian[batch.number]);
+}
+
+/// The state at the centroids of a batch.
+struct CentroidState {
+  Tensor3<Pack> H;  ///< grad u
+  Tensor3<Pack> P;  ///< [Pa]
+  Pack J;           ///< the volume ratio to be told
+  Pack psi;         ///< [J/m^3]
+};
+
+/// Calls `visit(local cell, stress)` for the owned cells of a batch.
+template <int Order, class Visit>
+void visit_stresses(const CellBatch<Order>& batch, const CentroidState& at, const Visit& visit) {
+  for (int lane = 0; lane < batch.batch().num_lanes; ++lane) {
+    if (batch.batch().owned[lane] == 0.0) continue;
+    const Tensor3<double> F = add_to_diagonal(one_lane(at.H, lane), 1.0);
+    const Tensor3<double> sigma = (1.0 / det(F)) * matmul(one_lane(at.P, lane), transpose(F));
+    const Tensor3<double> s = add_to_diagonal(sigma, -trace(sigma) / 3.0);
+    const CellStress stress{{sigma(0, 0), sigma(1, 1), sigma(2, 2), sigma(0, 1), sigma(1, 2), sigma(0, 2)},
+                            std::sqrt(1.5 * dot(s, s)),
+                            at.J[lane],
+                            at.psi[lane]};
+    visit(batch.group.cells[batch.number * pack_size + lane], stress);
+  }
+}
+
+}  // namespace pliant
