@@ -1,10 +1,9 @@
-// A quarter of a slice of a hollow cylinder about z, radii 5 and 10, in millimetres.
+// A quarter of a slice of a hollow cylinder about z, radii 5 and 10.
 // Groups: volume `tube`; surfaces `inner`, `outer`, `xz` (y = 0), `yz` (x = 0) and `ends` (both sides of the slice).
 DefineConstant[ radial = {4, Name "Elements through the wall"} ];
 DefineConstant[ around = {6, Name "Elements around the quarter"} ];
+DefineConstant[ inner = {5, Name "Inner radius"}, outer = {10, Name "Outer radius"} ];
 Mesh.ElementOrder = 2;  // edges follow the circles
-inner = 5;
-outer = 10;
 
 Point(1) = {0, 0, 0};
 Point(2) = {inner, 0, 0};

@@ -21,6 +21,7 @@ NewtonOptions newton_options(const Config& config) {
 LinearKind linear_kind(const Config& config, const NodeLayout& layout) {
   if (config.solver.linear == "cholesky") return LinearKind::cholesky;
   if (config.solver.linear == "amg") return LinearKind::amg;
+  if (config.volumetric == VolumetricTreatment::mixed) return LinearKind::cholesky;  // the matrix is indefinite
   return automatic_linear_kind(3 * layout.num_global_nodes);
 }
 
@@ -38,9 +39,9 @@ auto with_user_options(const Make& make) {
 /// With our own Newton's method.
 class OwnSolver {
  public:
-  OwnSolver(const Config& config, Model& model) {
+  OwnSolver(const Config& config, Model& model) : mixed_(model.mixed_equation()) {
     const LinearKind linear = linear_kind(config, model.layout());
-    IncrementalPotential& equation = model.potential();
+    StageEquation& equation = mixed_ != nullptr ? static_cast<StageEquation&>(*mixed_) : model.potential();
     with_user_options([&] {
       if (ConstraintMap* map = model.constraints().map()) {
         tied_ = std::make_unique<ConstrainedNewton>(equation, *map, newton_options(config), linear);
@@ -55,12 +56,17 @@ class OwnSolver {
 
   StageSolve stage_solve() {
     if (tied_) return [solver = tied_.get()](const StagePoint& stage, Vec q) { return solver->solve(stage, q); };
-    return [solver = plain_.get()](const StagePoint& stage, Vec q) { return solver->solve(stage, q); };
+    const StageSolve solve = [solver = plain_.get()](const StagePoint& stage, Vec x) {
+      return solver->solve(stage, x);
+    };
+    if (mixed_ == nullptr) return solve;
+    return [solve, mixed = mixed_](const StagePoint& stage, Vec q) { return mixed->solve(stage, q, solve); };
   }
   const SolverStatistics& statistics() const { return tied_ ? tied_->statistics() : plain_->statistics(); }
   std::string description() const { return description_; }
 
  private:
+  MixedEquation* mixed_;  // or nullptr
   // One of them.
   std::unique_ptr<NewtonSolver> plain_;
   std::unique_ptr<ConstrainedNewton> tied_;
@@ -170,9 +176,21 @@ class LoadAdvance final : public Advance {
   Handle<Vec> state_, q_, start_, zero_, start_velocity_;
 };
 
+/// Pressures and tied displacements have no common solver yet.
+void check_mixed(const Config& config, Model& model) {
+  if (model.mixed_equation() == nullptr || model.constraints().map() == nullptr) return;
+  const auto ties = std::ranges::find_if(config.constraints, [](const ConstraintConfig& constraint) {
+    return constraint.kind != ConstraintConfig::Kind::displacement;
+  });
+  throw InputError(ties->where,
+                   "constraints that tie displacements to one another do not go with 'volumetric: mixed'; use "
+                   "'volumetric: mean-dilatation', or a 'displacement' along the axes");
+}
+
 }  // namespace
 
 std::unique_ptr<Advance> make_advance(const Config& config, Model& model, Ledger& ledger, const StateView& initial) {
+  check_mixed(config, model);
   if (analysis_of(config) == Analysis::static_equilibrium) {
     return std::make_unique<LoadAdvance>(config, model, initial.q);
   }

@@ -36,6 +36,8 @@ struct Selection {
 using VectorExpression = std::array<Expression, 3>;
 
 enum class ElementOrder { p1 = 1, p2 = 2 };
+/// How bodies resist a change of volume: at every point, the mean of each cell, or by a pressure of its own.
+enum class VolumetricTreatment { standard, mean_dilatation, mixed };
 enum class MassKind { consistent, lumped };
 
 struct MeshConfig {
@@ -240,6 +242,7 @@ struct Config {
   std::string title;
   MeshConfig mesh;
   ElementOrder element = ElementOrder::p1;
+  VolumetricTreatment volumetric = VolumetricTreatment::standard;
   MassKind mass = MassKind::consistent;
   std::vector<BodyConfig> bodies;
   std::vector<ConstraintConfig> constraints;

@@ -1,6 +1,7 @@
 #include "app/input_checks.hpp"
 
 #include "app/input_schema.hpp"
+#include "app/volumetric.hpp"
 #include "base/text.hpp"
 
 #include <algorithm>
@@ -270,6 +271,7 @@ void complete(Config& config, const InputNode& root) {
 void check(const Config& config, const InputNode& root, Problems& problems) {
   check_time(config.time, root, problems);
   check_bodies(config, root, problems);
+  check_volumetric(config, root, problems);
   check_held(config, root, problems);
   check_names(config, root, problems);
   check_tolerances(config, root, problems);

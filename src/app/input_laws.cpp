@@ -20,6 +20,9 @@ const ParameterInfo& parameter(std::span<const LawInfo> laws, std::string_view n
 }
 
 Format<double> format_of(const ParameterInfo& p) {
+  if (p.upper_bound == UpperBound::included) {
+    return quantity(std::string(p.unit), {p.lower, p.upper, Range::Ends::high_included});
+  }
   const bool included = p.lower_bound == LowerBound::included;
   return quantity(std::string(p.unit), included ? Range::at_least(p.lower) : Range::between(p.lower, p.upper));
 }

@@ -5,6 +5,8 @@
 #include "app/input_schema.hpp"
 #include "app/selections.hpp"
 #include "app/viscosity.hpp"
+#include "app/volumetric.hpp"
+#include "energy/mean_dilatation.hpp"
 #include "energy/velocity_projection.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
@@ -52,7 +54,9 @@ Model::Model(MPI_Comm comm, const Config& config) {
 void Model::include_waves(const ElasticLawSpec& law, double density) {
   if (density <= 0.0) return;
   const WaveModuli moduli = wave_moduli(law);
-  wave_speeds_.fastest = std::max(wave_speeds_.fastest, std::sqrt(moduli.largest / density));
+  const double largest =
+      std::isfinite(moduli.largest) ? moduli.largest : moduli.smallest;  // incompressible: shear only
+  wave_speeds_.fastest = std::max(wave_speeds_.fastest, std::sqrt(largest / density));
   wave_speeds_.slowest = std::min(wave_speeds_.slowest, std::sqrt(moduli.smallest / density));
 }
 
@@ -65,6 +69,11 @@ void Model::build_cells(const Config& config) {
     degrees.push_back(elastic_quadrature_degree(rules.back().kind().traits(), Order));
   }
   auto& groups = cells_.emplace<CellGroups<Order>>();
+  const bool is_mixed = config.volumetric == VolumetricTreatment::mixed;
+  if (is_mixed) {
+    pressures_ = std::make_unique<PressureField>(
+        make_pressure_layout(layout_, body_of_cell_, static_cast<int>(rules.size())), layout_.comm);
+  }
   on_every_rank(layout_.comm, [&] {
     try {
       groups = make_cell_groups<Order>(layout_, *pattern_, body_of_cell_, degrees);
@@ -80,9 +89,24 @@ void Model::build_cells(const Config& config) {
       rules[b].bind(cell_data);
       const auto law_at = [&](PetscInt cell, const std::array<double, 3>& X) {
         const ElasticLawSpec law = rules[b].law_at(cell, X);
+        if (!is_mixed) require_compressible(law, config.bodies[b].elasticity.where);
         include_waves(law, densities_[b]);
         return law;
       };
+      const ActiveParts active = make_active_parts<Order>(config.bodies[b], {cell_data, layout_, groups, body});
+      if (active.tension) {
+        active_.push_back(make_active_stress_term<Order>(active.tension, groups, body, layout_.num_owned_nodes));
+      }
+      if constexpr (Order == 2) {
+        if (is_mixed) {
+          const VolumeSplit split = *split_volume(law_at(0, {}));
+          laws_.push_back(make_law_field(split.rest));
+          auto term = make_mixed_term(split, groups, body, layout_.num_owned_nodes, *pressures_);
+          mixed_.push_back(term.get());
+          elastic_.push_back(std::move(term));
+          continue;
+        }
+      }
       std::shared_ptr<const LawField> law;
       if (rules[b].is_uniform()) {
         law = make_law_field(law_at(0, {}));
@@ -90,12 +114,14 @@ void Model::build_cells(const Config& config) {
         law = make_varying_law<Order>(rules[b].kind(), layout_, groups, body, law_at);
       }
       laws_.push_back(law);
-      const ActiveParts active = make_active_parts<Order>(config.bodies[b], {cell_data, layout_, groups, body});
+      if constexpr (Order == 2) {
+        if (config.volumetric == VolumetricTreatment::mean_dilatation) {
+          elastic_.push_back(make_mean_dilatation_term(std::move(law), groups, body, layout_.num_owned_nodes));
+          continue;
+        }
+      }
       elastic_.push_back(
           make_elastic_term<Order>(std::move(law), groups, body, layout_.num_owned_nodes, active.shortening));
-      if (active.tension) {
-        active_.push_back(make_active_stress_term<Order>(active.tension, groups, body, layout_.num_owned_nodes));
-      }
     }
   });
   wave_speeds_ = {maximum(layout_.comm, wave_speeds_.fastest), minimum(layout_.comm, wave_speeds_.slowest)};
@@ -156,6 +182,10 @@ void Model::prepare(const Config& config) {
   if (analysis == Analysis::dynamic && inertia_) terms.push_back(inertia_.get());
   potential_ =
       std::make_unique<IncrementalPotential>(layout_, *pattern_, std::move(terms), constraints_->prescribed().flags());
+  if (!pressures_) return;
+  check(VecSet(pressures_->values(), 0.0));
+  update_ghosts(pressures_->values());
+  mixed_equation_ = std::make_unique<MixedEquation>(*potential_, layout_, *pattern_, mixed_, *pressures_);
 }
 
 PrescribedMotion Model::motion() const {
@@ -178,6 +208,7 @@ void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
     }
   }
   constraints_->motion().complete_step({0.0, config.time.step}, q, v);
+  if (pressures_) require_undeformed(config, q);
   update_ghosts(q);
   const ConstGhostedView at(q);
   double energy = 0.0;

@@ -7,6 +7,7 @@
 #include "energy/elastic.hpp"
 #include "energy/incremental_potential.hpp"
 #include "energy/inertia.hpp"
+#include "energy/mixed_equation.hpp"
 #include "fem/probe.hpp"
 #include "mesh/mesh.hpp"
 
@@ -50,6 +51,8 @@ class Model {
   const Constraints& constraints() const { return *constraints_; }
   const std::vector<ModelCavity>& cavities() const { return loads_->cavities(); }
   IncrementalPotential& potential() { return *potential_; }
+  /// Of the potential with pressures as unknowns of their own; nullptr if there are none.
+  MixedEquation* mixed_equation() { return mixed_equation_.get(); }
   const std::vector<ProbeLocation>& probes() const { return probes_; }
   const WaveSpeeds& wave_speeds() const { return wave_speeds_; }
   /// What the user should know, in plain words.
@@ -90,6 +93,9 @@ class Model {
   std::unique_ptr<Inertia> inertia_;
   std::unique_ptr<Constraints> constraints_;
   std::unique_ptr<IncrementalPotential> potential_;
+  std::unique_ptr<PressureField> pressures_;
+  std::vector<const MixedTerm*> mixed_;
+  std::unique_ptr<MixedEquation> mixed_equation_;
   std::vector<ProbeLocation> probes_;
   std::optional<double> static_time_;  // at which a static problem takes its loads
   WaveSpeeds wave_speeds_;

@@ -69,7 +69,7 @@ struct Format {
 
 /// Admissible values of a number.
 struct Range {
-  enum class Ends { included, excluded };
+  enum class Ends { included, excluded, high_included };
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
   Ends ends = Ends::included;

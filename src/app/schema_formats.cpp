@@ -9,8 +9,8 @@ namespace pliant {
 namespace {
 
 bool contains(const Range& range, double value) {
-  return range.ends == Range::Ends::included ? value >= range.low && value <= range.high
-                                             : value > range.low && value < range.high;
+  const bool is_above = range.ends == Range::Ends::included ? value >= range.low : value > range.low;
+  return is_above && (range.ends == Range::Ends::excluded ? value < range.high : value <= range.high);
 }
 
 /// "> 0", ">= 0", "between -1 and 0.5", "from 0 to 6"; empty if everything is admissible.
@@ -18,6 +18,7 @@ std::string in_words(const Range& range) {
   const bool included = range.ends == Range::Ends::included;
   const std::string low = format_number(range.low);
   const std::string high = format_number(range.high);
+  if (range.ends == Range::Ends::high_included) return "between " + low + " (excluded) and " + high;
   if (std::isfinite(range.high))
     return included ? "from " + low + " to " + high : "between " + low + " and " + high + " (both excluded)";
   if (std::isfinite(range.low)) return (included ? ">= " : "> ") + low;
@@ -29,9 +30,9 @@ Json number(double value) {
 }
 
 Json with_limits(Json schema, const Range& range) {
-  const bool included = range.ends == Range::Ends::included;
-  if (std::isfinite(range.low)) schema[included ? "minimum" : "exclusiveMinimum"] = number(range.low);
-  if (std::isfinite(range.high)) schema[included ? "maximum" : "exclusiveMaximum"] = number(range.high);
+  const bool low_included = range.ends == Range::Ends::included, high_included = range.ends != Range::Ends::excluded;
+  if (std::isfinite(range.low)) schema[low_included ? "minimum" : "exclusiveMinimum"] = number(range.low);
+  if (std::isfinite(range.high)) schema[high_included ? "maximum" : "exclusiveMaximum"] = number(range.high);
   return schema;
 }
 

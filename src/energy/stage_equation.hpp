@@ -40,6 +40,11 @@ class StageEquation {
   /// Size of the rounding errors in r at q [N].
   virtual double rounding_floor(Vec q) const = 0;
 
+  /// The size of the diagonal of K in D: what a unit of each unknown weighs.
+  virtual void size_of_diagonal(Mat K, Vec D) const { check(MatGetDiagonal(K, D)); }
+  /// Of K at a stable solution.
+  virtual PetscInt num_negative_pivots() const { return 0; }
+
   /// Names of the terms that are no potentials, each once; empty if r is the gradient of `value`.
   virtual std::vector<std::string> non_potentials() const = 0;
   bool is_potential() const { return non_potentials().empty(); }

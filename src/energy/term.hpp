@@ -49,8 +49,9 @@ enum class Account {
   load             ///< done by other loads
 };
 
-/// Whether `add_hessian` adds a symmetric matrix.
-enum class Symmetry { symmetric, unsymmetric };
+/// What kind of matrix a Hessian is. Those that `add_hessian` of a term adds are one of the first two; the matrix of a
+/// saddle point is symmetric with negative eigenvalues of its own.
+enum class Symmetry { symmetric, unsymmetric, indefinite };
 
 /// What a term says of itself; the solver picks line search and linear solver from what all terms say.
 struct TermDeclaration {

@@ -17,7 +17,8 @@ enum Constant { youngs, poissons, shear, bulk, lame_first };
 
 constexpr std::array constants{
     ParameterInfo{"youngs_modulus", "Pa", 0.0, infinity, "stiffness in simple tension at small strain"},
-    ParameterInfo{"poissons_ratio", "1", -1.0, 0.5, "lateral contraction per extension at small strain"},
+    ParameterInfo{"poissons_ratio", "1", -1.0, 0.5, "lateral contraction per extension at small strain",
+                  LowerBound::excluded, 1.0, std::nullopt, UpperBound::included},
     ParameterInfo{"shear_modulus", "Pa", 0.0, infinity, "stiffness against change of shape at small strain"},
     ParameterInfo{"bulk_modulus", "Pa", 0.0, infinity, "stiffness against change of volume at small strain"},
     ParameterInfo{"lame_lambda", "Pa", -infinity, infinity, "first Lame parameter: bulk_modulus - 2/3 shear_modulus"},

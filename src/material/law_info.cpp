@@ -18,10 +18,13 @@ std::string admissible(const ParameterInfo& p) {
 std::optional<std::string> complaint(const ParameterInfo& parameter, double value) {
   const bool may_be_lower = parameter.lower_bound == LowerBound::included;
   const bool is_above = may_be_lower ? value >= parameter.lower : value > parameter.lower;
-  if (is_above && value < parameter.upper) return std::nullopt;
+  const bool may_be_upper = parameter.upper_bound == UpperBound::included;
+  if (is_above && (value < parameter.upper || (may_be_upper && value == parameter.upper))) return std::nullopt;
   const std::string range = parameter.upper < std::numeric_limits<double>::infinity()
                                 ? fmt::format("between {} and {}, {} excluded", parameter.lower, parameter.upper,
-                                              may_be_lower ? "the latter" : "both")
+                                              may_be_upper   ? "the former"
+                                              : may_be_lower ? "the latter"
+                                                             : "both")
                                 : fmt::format("finite and {} {}", may_be_lower ? "at least" : "above", parameter.lower);
   return fmt::format("{} is {}; it must be {}", parameter.name, value, range);
 }

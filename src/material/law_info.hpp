@@ -11,8 +11,9 @@
 namespace pliant {
 
 enum class LowerBound { excluded, included };
+enum class UpperBound { excluded, included };
 
-/// A parameter. Its upper bound is not admissible.
+/// A parameter.
 struct ParameterInfo {
   std::string_view name;
   std::string_view unit;  ///< SI; "1" when dimensionless
@@ -22,6 +23,7 @@ struct ParameterInfo {
   LowerBound lower_bound = LowerBound::excluded;  ///< whether `lower` itself is admissible
   double typical = 1.0;                           ///< of a soft body: for examples, plots and tests
   std::optional<double> fallback = {};            ///< its value if the user does not give it
+  UpperBound upper_bound = UpperBound::excluded;  ///< whether `upper` itself is admissible
 };
 
 struct LawInfo {

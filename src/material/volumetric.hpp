@@ -13,11 +13,41 @@
 #include "base/simd.hpp"
 
 #include <array>
+#include <cmath>
 #include <string_view>
 
 namespace pliant {
 
 enum class VolumetricForm { log, quadratic, mixed };
+
+/// g(j) with U = g^2 / 2 and the sign of j, and its derivatives: what a pressure of its own multiplies.
+template <class T>
+struct VolumeMeasure {
+  T g, slope, curvature;
+};
+
+/// Of a form; j > -1.
+///   log  g = ln J      quadratic  g = J - 1      mixed  g = j r, r = sqrt(1/2 + (j - ln J)/j^2),
+/// the last with g' = (2 + j)/(2 J r) from g g' = U', and g'' = g' (1/(2 + j) - 1/J - r'/r), where
+/// (r^2)' = (1/J - 2 (j - ln J)/j^2)/j = -1/3 + 2/4 j - 3/5 j^2 + ... needs its series when j is small.
+template <class T>
+PLIANT_INLINE VolumeMeasure<T> volume_measure(VolumetricForm form, const T& j) {
+  const T J = 1.0 + j;
+  if (form == VolumetricForm::quadratic) return {j, T(1.0), T(0.0)};
+  if (form == VolumetricForm::log) return {log1p(j), 1.0 / J, -1.0 / (J * J)};
+  const T j2 = j * j;
+  const auto tiny = j2 < 1e-200;
+  const T ratio = select(tiny, T(0.5), T(x_minus_log1p(j) / select(tiny, T(1.0), j2)));
+  using std::sqrt;
+  const T r = sqrt(T(0.5 + ratio));
+  const auto small = j2 < 1e-4;
+  const T series =
+      -1.0 / 3 + j * (2.0 / 4 + j * (-3.0 / 5 + j * (4.0 / 6 + j * (-5.0 / 7 + j * (6.0 / 8 - 7.0 / 9 * j)))));
+  const T closed = (1.0 / J - 2.0 * ratio) / select(small, T(1.0), j);
+  const T slope = (2.0 + j) / (2.0 * J * r);
+  const T fall = select(small, series, closed) / (2.0 * (r * r));  // r'/r
+  return {j * r, slope, slope * (1.0 / (2.0 + j) - 1.0 / J - fall)};
+}
 
 /// As users type them, in the order of VolumetricForm.
 inline constexpr std::array<std::string_view, 3> volumetric_form_names{"log", "quadratic", "mixed"};

@@ -59,19 +59,19 @@ LinearKind automatic_linear_kind(PetscInt num_unknowns) {
 }
 
 std::string describe(LinearKind kind, Symmetry symmetry) {
-  const bool is_symmetric = symmetry == Symmetry::symmetric;
-  const std::string krylov = is_symmetric ? "conjugate gradients" : "GMRES";
+  const bool is_symmetric = symmetry != Symmetry::unsymmetric;
+  const std::string krylov = symmetry == Symmetry::symmetric ? "conjugate gradients" : "GMRES";
   return krylov + (kind == LinearKind::amg ? " with algebraic multigrid (GAMG)"
                    : is_symmetric          ? " preconditioned by a MUMPS LDL^T factorization that is kept while it pays"
                                            : " preconditioned by a MUMPS LU factorization that is kept while it pays");
 }
 
 void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry) {
-  const bool is_symmetric = symmetry == Symmetry::symmetric;
+  const bool is_symmetric = symmetry != Symmetry::unsymmetric;
   PC pc = nullptr;
   check(KSPGetPC(ksp, &pc));
   check(KSPSetOperators(ksp, K, K));
-  if (is_symmetric) {
+  if (symmetry == Symmetry::symmetric) {
     check(KSPSetType(ksp, KSPCG));
   } else {
     check(KSPSetType(ksp, KSPGMRES));
@@ -122,9 +122,9 @@ std::string mumps_version() {
   return MUMPS_VERSION;
 }
 
-PetscInt negative_pivots(PC pc) {
+std::optional<PetscInt> negative_pivots(PC pc) {
   Mat factor = nullptr;
-  if (!factorizes_with_mumps(pc, PCCHOLESKY, &factor)) return 0;
+  if (!factorizes_with_mumps(pc, PCCHOLESKY, &factor)) return std::nullopt;
   PetscInt negative = 0;
   check(MatGetInertia(factor, &negative, nullptr, nullptr));
   return negative;

@@ -4,6 +4,7 @@
 #include "energy/term.hpp"
 #include "petsc/handle.hpp"
 
+#include <optional>
 #include <string>
 
 namespace pliant {
@@ -18,7 +19,8 @@ LinearKind automatic_linear_kind(PetscInt num_unknowns);
 std::string describe(LinearKind kind, Symmetry symmetry = Symmetry::symmetric);
 
 /// Sets up `ksp` for the matrix K (with its near-null space, for multigrid) and the given method: conjugate gradients
-/// where K is symmetric, else GMRES. PETSc options (-ksp_..., -pc_..., -mat_mumps_...) override. Collective.
+/// where K is symmetric and not indefinite, else GMRES. PETSc options (-ksp_..., -pc_..., -mat_mumps_...) override.
+/// Collective.
 void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry);
 
 /// Sets up the preconditioner (factorizes) for the present K, and keeps it for all further solves; a factorization that
@@ -29,8 +31,8 @@ bool set_up_preconditioner(PC pc, Mat K);
 /// Of the library that factorizes, e.g. "5.5.1".
 std::string mumps_version();
 
-/// Number of negative pivots of the current factorization, if it is LDL^T and tells; else 0 (those of LU mean nothing).
+/// Number of negative pivots of the current factorization, if it is LDL^T and tells; those of LU mean nothing.
 /// Collective.
-PetscInt negative_pivots(PC pc);
+std::optional<PetscInt> negative_pivots(PC pc);
 
 }  // namespace pliant

@@ -27,8 +27,8 @@ Merit::Merit(Handle<Vec> unknowns) : scale_(std::move(unknowns)) {
   check(VecSet(scale_.get(), 1.0));
 }
 
-void Merit::set_scale(Mat K) {
-  check(MatGetDiagonal(K, scale_.get()));
+void Merit::set_scale(Vec diagonal) {
+  check(VecCopy(diagonal, scale_.get()));
   PetscReal total = 0.0;
   PetscInt size = 0;
   check(VecNorm(scale_.get(), NORM_1, &total));

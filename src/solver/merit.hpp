@@ -12,8 +12,8 @@ class Merit {
   /// D = 1 until `set_scale`. `unknowns`: a vector to take over. Collective.
   explicit Merit(Handle<Vec> unknowns);
 
-  /// Takes D from K; entries that are zero count as the mean one. Collective.
-  void set_scale(Mat K);
+  /// Takes D from a diagonal of K; entries that are zero count as the mean one. Collective.
+  void set_scale(Vec diagonal);
 
   /// 1/2 r . D^-1 r of a residual [N]; +inf if it is not finite. Collective.
   double of_residual(Vec r) const;

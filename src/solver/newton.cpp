@@ -157,7 +157,16 @@ void NewtonSolver::regularize() {
   check(MatGetDiagonal(K_.get(), trial_.get()));
   PetscReal total = 0.0;
   check(VecNorm(trial_.get(), NORM_1, &total));
-  check(MatShift(K_.get(), regularization * total / equation_.num_unknowns()));
+  const double shift = regularization * total / equation_.num_unknowns();
+  if (equation_.symmetry() == Symmetry::indefinite) {
+    {
+      const ArrayView diagonal(trial_.get());
+      for (double& d : diagonal.span()) d = d > 0.0 ? shift : -shift;  // away from zero on either side
+    }
+    check(MatDiagonalSet(K_.get(), trial_.get(), ADD_VALUES));
+  } else {
+    check(MatShift(K_.get(), shift));
+  }
   factor_is_current_ = false;
   is_regularized_ = true;
   ++statistics_.regularizations;
@@ -184,15 +193,17 @@ PC NewtonSolver::preconditioner() const {
   return pc;
 }
 
-PetscInt NewtonSolver::negative_eigenvalues() const {
-  const PetscInt of_K = negative_pivots(preconditioner());
-  return rank_one_system_ ? of_K - rank_one_system_->negative_eigenvalues() : of_K;
+std::optional<PetscInt> NewtonSolver::negative_eigenvalues() const {
+  std::optional<PetscInt> number = negative_pivots(preconditioner());
+  if (number && rank_one_system_) *number -= rank_one_system_->negative_eigenvalues();
+  return number;
 }
 
 void NewtonSolver::linearize(Vec q) {
   assemble(q, Projection::none);
   if (path_ == Path::residual && !merit_has_scale_) {
-    merit_.set_scale(K_.get());
+    equation_.size_of_diagonal(K_.get(), trial_.get());
+    merit_.set_scale(trial_.get());
     merit_has_scale_ = true;
   }
   if (!factor_is_wanted_) return;
@@ -201,7 +212,7 @@ void NewtonSolver::linearize(Vec q) {
     while (factor_failed_ && climb(q)) {
     }
     if (factor_failed_) check(SNESSetJacobianDomainError(snes_.get()));
-  } else if (negative_eigenvalues() > 0) {
+  } else if (negative_eigenvalues().value_or(equation_.num_negative_pivots()) != equation_.num_negative_pivots()) {
     assemble(q, Projection::positive_semidefinite);
     factorize();
     factor_is_wanted_ = true;  // the next Hessian may be definite again: look

@@ -96,7 +96,7 @@ class NewtonSolver {
   /// The preconditioner of K.
   PC preconditioner() const;
   /// Of the Hessian with its parts of rank one, as the factorization of the present K tells.
-  PetscInt negative_eigenvalues() const;
+  std::optional<PetscInt> negative_eigenvalues() const;
   void linearize(Vec q);
   /// SNES's line search: along the direction y (q goes to q - y), from one rung of the ladder to the next.
   void search_line(SNESLineSearch search);

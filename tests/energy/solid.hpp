@@ -293,7 +293,7 @@ inline std::vector<ElasticLawSpec> every_law(double youngs_modulus = 1000.0, dou
     ElasticLawSpec law = typical_law(row);
     const double scale = wanted.mu / softest_shear(law);
     for (std::size_t p = 0; p < law.parameters.size(); ++p) {
-      const auto& [name, unit, lower, upper, meaning, bound, typical, fallback] = law.info().parameters[p];
+      const auto& [name, unit, lower, upper, meaning, bound, typical, fallback, upper_bound] = law.info().parameters[p];
       if (unit == "Pa") law.parameters[p] *= scale;
       if (name == "lame_lambda") law.parameters[p] = wanted.lambda;
       if (name == "bulk_modulus") law.parameters[p] = bulk_modulus(wanted);

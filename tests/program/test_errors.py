@@ -30,8 +30,8 @@ BAD_LINES = {
     "no such unit": ("time", "time: {step: @5 flops, end: 1}", "flops"),
     "not a number": ("bodies", "bodies: [{density: @heavy, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}}]",
                      "heavy"),
-    "Poisson's ratio": ("bodies", "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: @0.5}}]",
-                        "0.5"),
+    "Poisson's ratio": ("bodies", "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: @0.6}}]",
+                        "0.6"),
     "unknown law": ("bodies", "bodies: [{density: 1, elasticity: {model: @neohookean, youngs_modulus: 1, poissons_ratio: 0}}]",
                     "did you mean 'neo-hookean'"),
     "a key of another viscosity": ("bodies", "bodies: [{" + LAW + ", viscosity: {model: maxwell, shear_modulus: 1, "
@@ -80,6 +80,10 @@ BAD_AGAINST_THE_MESH = {
     "unknown field": ("output", "output: {fields: [displacement, @stress]}", "stress"),
     "volumes that do not cover": ("bodies", "bodies: [{volume: @lower, " + LAW + "}]", "upper"),
     "one volume twice": ("bodies", "bodies: [{volume: body, " + LAW + "}, {volume: @body, " + LAW + "}]", "same volume"),
+    "pressures of bodies that start deformed": ("constraints", 'constraints: [@{surface: left, displacement: ["0.1 + t", 0, 0]}]\n'
+                                                "element: P2\nvolumetric: mixed", "prescribed at t = 0"),
+    "pressures and ties": ("constraints", "constraints: [@{surface: left, rigid: {}}]\nelement: P2\nvolumetric: mixed",
+                           "tie displacements"),
     "initial state inside out": ("output", 'initial: {displacement: ["-2*x", 0, 0]}', "inside out"),
     "a cavity with a loose edge": ("output", "cavities: [@{name: c, surface: right, gas: {}}]", "is open: .* can move"),
     "a cavity around the body": ("output", 'cavities: [@{name: c, where: "x > -1", gas: {}}]', "encloses no cavity"),

@@ -128,6 +128,55 @@ class Verification(ProgramTest):
             u = np.linalg.norm([h["end_x"][at] - 0.1, h["end_y"][at] - 0.1, h["end_z"][at] - 2])
             self.row(f"displacement at {time} s; difference of the largest, 2.8 m", expected, u, 0.015, size=2.8)
 
+    def test_nearly_incompressible(self):
+        # Cook's membrane at nu = 0.4999; quadrilaterals of second order find 11.954 mm on 4 x 4, 11.974 mm on 8 x 8.
+        geometry = (ROOT / "meshes/cooks_membrane.geo").read_text(encoding="utf-8")
+        for treatment, n, expected, within in (("mixed", 8, "11.974 mm", 2e-2), ("mean-dilatation", 4, "11.954 mm", 1e-2)):
+            with self.subTest(treatment):
+                mesh = self.write("cook.geo", geometry.replace("n = {16", f"n = {{{n}"))
+                h = self.history("cooks_membrane_incompressible", f"volumetric={treatment}", f"mesh.file={mesh}", ranks=2)
+                self.about("cooks_membrane_incompressible", f"{n} x {n}, `{treatment}`", 3)
+                self.row("u_y(48, 52)", expected, (h["end_y"][-1] - 0.052) * 1e3, within)
+                self.assertAlmostEqual(h["clamp_fy"][-1], -1, delta=1e-7)
+                # What the loads did is stored, but for the error of the trapezoidal rule over four steps.
+                self.assert_close(h["elastic_energy"][-1], h["load_work"][-1], 1e-2)
+
+    def test_indented_block(self):
+        # An independent code, quadrilaterals of second order with pressures of their own, 8 bricks a side; its own
+        # coarser meshes scatter by 1.4 %.
+        h = self.history("indented_block", ranks=2)
+        self.about("indented_block", "4 x 4 x 4", 3)
+        for step, expected in ((2, "-0.21968 mm"), (5, "-0.51199 mm"), (10, "-0.76115 mm")):
+            self.row(f"u_y(0, 1, 0) at {40 * step} MPa", expected, h["middle_y"][step] * 1e3 - 1, 1.4e-2)
+
+    def test_pressure_vessel(self):
+        h = self.history("pressure_vessel", ranks=2)
+        self.about("pressure_vessel", "8 x 12", 9)
+        self.row("u_r of the inner wall", "3.211502 m", h["inner_x"][-1] - 7, 1e-3)
+        self.row("u_r of the outer wall", "1.429062 m", h["outer_x"][-1] - 18.625, 1e-3)
+        # The hoop stress of the closed form, in every cell to half a percent of the largest one.
+        mesh, frames = self.frames()
+        cells = mesh["cells"]
+        centres = mesh["coordinates"][cells[:, 4:]].sum(axis=1) / 4 - mesh["coordinates"][cells[:, :4]].sum(axis=1) / 8
+        R = np.hypot(centres[:, 0], centres[:, 1])
+        across = np.stack([-centres[:, 1], centres[:, 0]]) / R
+        xx, yy, _, xy, _, _ = frames[-1]["cauchy_stress"].T
+        hoop = xx * across[0] ** 2 + yy * across[1] ** 2 + 2 * xy * across[0] * across[1]
+        c = 55.274768
+
+        def pressure_to(R):
+            return 200e6 * (0.5 * np.log(R**2 / (R**2 + c)) - c / (2 * (R**2 + c)))
+
+        self.assert_close(pressure_to(18.625) - pressure_to(7), 100e6, 1e-7)
+        stretch = 1 + c / R**2
+        expected = pressure_to(R) - pressure_to(7) - 100e6 + 200e6 * (stretch - 1 / stretch)
+        np.testing.assert_allclose(hoop, expected, atol=5e-3 * 231.6e6)
+        # The nearest cell is off by the same part as the closed form at its centre.
+        for radius, published in ((8.043, "183.74 MPa"), (10.693, "118.37 MPa"), (14.534, "78.36 MPa")):
+            near = np.argmin(np.abs(R - radius))
+            at_radius = hoop[near] * number_in(published) * 1e6 / expected[near]
+            self.row(f"hoop stress at R = {radius} m", published, at_radius / 1e6, 5e-3)
+
     def test_bent_cube(self):
         # dolfinx, the same mesh and quadrature.
         h = self.history("bent_cube", "solver.newton.relative=1e-11")

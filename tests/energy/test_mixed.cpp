@@ -1,0 +1,248 @@
+// Displacements and pressures: the derivatives of their potential, and the equation of a stage made of them.
+#include "energy/mixed.hpp"
+#include "energy/mixed_equation.hpp"
+#include "energy/solid.hpp"
+#include "material/kinematics.hpp"
+#include "material/volume_split.hpp"
+
+#include <eigen3/Eigen/Eigenvalues>
+#include <limits>
+#include <optional>
+#include <ostream>
+
+namespace pliant {
+namespace {
+
+using testing::BodySpec;
+using testing::Point;
+using testing::Scratch;
+using testing::Shape;
+using testing::Solid;
+using testing::TestStage;
+
+const MPI_Comm comm = MPI_COMM_WORLD;
+
+struct Case {
+  ElasticLawSpec law;
+  BodySpec body;
+};
+
+std::string name_of(const Case& c) {
+  return testing::name_of(c.law) + std::string(volumetric_form_names[static_cast<std::size_t>(c.law.volumetric)]) +
+         testing::name_of(c.body);
+}
+std::ostream& operator<<(std::ostream& out, const Case& c) {
+  return out << name_of(c);
+}
+
+std::vector<Case> every_case() {
+  std::vector<Case> cases;
+  for (const BodySpec body : {BodySpec{2, Shape::jittered, 2}, BodySpec{2, Shape::curved, 2}}) {
+    for (auto law : testing::every_law(1000.0, 0.45)) {
+      if (!split_volume(law)) continue;
+      for (const auto form : {VolumetricForm::log, VolumetricForm::quadratic, VolumetricForm::mixed}) {
+        law.volumetric = form;
+        if (law.traits().takes_volumetric_form || form == VolumetricForm::mixed) cases.push_back({law, body});
+      }
+    }
+  }
+  return cases;
+}
+
+class Mixed : public ::testing::TestWithParam<Case> {
+ protected:
+  Mixed() {
+    for (PetscInt n = 0; n < solid_.layout().num_local_nodes; ++n) {
+      if (solid_.layout().global_node(n) == 0) prescribed_[3 * n] = 1;  // one entry, as all ranks see it
+    }
+    potential_.emplace(solid_.layout(), solid_.pattern(), std::vector<const EnergyTerm*>{term_.get()}, prescribed_);
+    equation_.emplace(*potential_, solid_.layout(), solid_.pattern(), std::vector<const MixedTerm*>{term_.get()},
+                      field_);
+    whole_ = {stage_.point.time, stage_.point.dt};
+    x0_ = unknowns(testing::at_rest, 0.0);
+    v0_ = equation_->make_vector();
+    whole_.q0 = x0_.get();
+    whole_.v0 = v0_.get();
+    equation_->begin_stage(whole_);
+  }
+
+  int degree() const { return elastic_quadrature_degree(GetParam().law.traits(), 2); }
+
+  /// Displacements by the field, pressures that differ from vertex to vertex.
+  Handle<Vec> unknowns(const testing::Field& displacement, double pressure) const {
+    Handle<Vec> x = equation_->make_vector();
+    const auto q = solid_.vector(displacement);
+    const ArrayView values(x.get());
+    const ConstArrayView from(q.get());
+    const auto num_q = static_cast<PetscInt>(from.span().size());
+    std::copy(from.span().begin(), from.span().end(), values.span().begin());
+    for (PetscInt n = 0; n < solid_.layout().num_owned_nodes; ++n) {
+      const PetscInt p = field_.layout().of_node[0][static_cast<std::size_t>(n)];
+      if (p >= 0) values[num_q + p] = pressure * (1.0 + testing::rough(solid_.layout().position(n), 0, 5));
+    }
+    return x;
+  }
+  Handle<Vec> gradient(Vec x) {
+    Handle<Vec> r = equation_->make_vector();
+    equation_->gradient(x, r.get());
+    return r;
+  }
+  static Handle<Vec> shifted(Vec x, double s, Vec d) {
+    Handle<Vec> y;
+    check(VecDuplicate(x, y.out()));
+    check(VecWAXPY(y.get(), s, d, x));
+    return y;
+  }
+
+  Scratch scratch_{comm};
+  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam().body); });
+  Solid solid_{comm, file_, 2, degree()};
+  PressureField field_{
+      make_pressure_layout(solid_.layout(),
+                           std::vector<int>(static_cast<std::size_t>(solid_.layout().num_local_cells), 0), 1),
+      comm};
+  std::unique_ptr<MixedTerm> term_ = make_mixed_term(*split_volume(GetParam().law), std::get<1>(solid_.groups()), 0,
+                                                     solid_.layout().num_owned_nodes, field_);
+  TestStage stage_{solid_, 0.0, 1.0};
+  std::vector<char> prescribed_ = solid_.nothing_prescribed();
+  std::optional<IncrementalPotential> potential_;
+  std::optional<MixedEquation> equation_;
+  StagePoint whole_;
+  Handle<Vec> x0_, v0_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Registry, Mixed, ::testing::ValuesIn(every_case()),
+                         [](const auto& of) { return name_of(of.param); });
+
+// Differences of fourth order: their error is some 1e-12, their rounding some 1e-12, of the derivative.
+constexpr double h = 1e-3;
+
+TEST_P(Mixed, MatrixIsTheDerivativeOfTheResidual) {
+  const auto x = unknowns(testing::strained, 0.05);
+  const Handle<Mat> A = equation_->make_hessian();
+  equation_->hessian(x.get(), A.get(), Projection::none);
+  const auto Ad = equation_->make_vector();
+  for (int seed : {11, 12}) {
+    auto d = unknowns(testing::rough_field(0.05, seed), 0.03);
+    {
+      const ArrayView direction(d.get());
+      for (std::size_t i = 0; i < equation_->prescribed().size(); ++i) {
+        if (equation_->prescribed()[i]) direction[static_cast<PetscInt>(i)] = 0.0;
+      }
+    }
+    check(MatMult(A.get(), d.get(), Ad.get()));
+    const auto ahead = gradient(shifted(x.get(), h, d.get()).get());
+    const auto behind = gradient(shifted(x.get(), -h, d.get()).get());
+    const auto far_ahead = gradient(shifted(x.get(), 2.0 * h, d.get()).get());
+    const auto far_behind = gradient(shifted(x.get(), -2.0 * h, d.get()).get());
+    auto difference = shifted(ahead.get(), -1.0, behind.get());
+    check(VecScale(difference.get(), 8.0));
+    check(VecAXPY(difference.get(), -1.0, far_ahead.get()));
+    check(VecAXPY(difference.get(), 1.0, far_behind.get()));
+    check(VecScale(difference.get(), 1.0 / (12.0 * h)));
+    ASSERT_GT(testing::norm(Ad.get()), 1e-2);
+    EXPECT_LE(testing::distance(Ad.get(), difference.get()), 1e-9 * testing::norm(Ad.get()));
+  }
+  // Symmetry, as seen by two directions.
+  const auto d = unknowns(testing::rough_field(0.05, 13), 0.03), e = unknowns(testing::rough_field(0.05, 14), 0.02);
+  const auto Ae = equation_->make_vector();
+  check(MatMult(A.get(), d.get(), Ad.get()));
+  check(MatMult(A.get(), e.get(), Ae.get()));
+  EXPECT_NEAR(testing::dot(e.get(), Ad.get()), testing::dot(d.get(), Ae.get()),
+              1e-13 * testing::norm(Ad.get()) * testing::norm(e.get()));
+}
+
+TEST_P(Mixed, DisplacementsFeelTheGradientOfTheEnergyAtGivenPressures) {
+  const auto x = unknowns(testing::strained, 0.05), d = unknowns(testing::rough_field(0.05, 11), 0.0);
+  const auto value = [&](double s) { return equation_->value(shifted(x.get(), s, d.get()).get()); };
+  const double expected = (8.0 * (value(h) - value(-h)) - (value(2.0 * h) - value(-2.0 * h))) / (12.0 * h);
+  equation_->value(x.get());  // sets the pressures
+  const auto q = solid_.vector(testing::strained), direction = solid_.vector(testing::rough_field(0.05, 11));
+  const auto forces = potential_->make_vector();
+  potential_->gradient_with_reactions(q.get(), forces.get());
+  const double slope = testing::dot(forces.get(), direction.get());
+  ASSERT_GT(std::abs(slope), 1e-3);
+  EXPECT_NEAR(slope, expected, 1e-9 * testing::norm(forces.get()) * testing::norm(direction.get()));
+}
+
+// Where p = kappa g(J) at every point the mixed body is the law's own.
+TEST_P(Mixed, UniformStrainsAreTheLaws) {
+  const Tensor3<double> H{{0.1, 0.05, 0.0, -0.02, 0.08, 0.03, 0.0, 0.01, -0.06}};
+  const auto split = *split_volume(GetParam().law);
+  const double j = volume_change(H), p = split.kappa * volume_measure(split.form, j).g;
+  check(VecSet(field_.values(), p));
+  update_ghosts(field_.values());
+  const auto q = solid_.vector([&](const Point& x) {
+    Point u{};
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k) u[i] += H(i, k) * x[k];
+    }
+    return u;
+  });
+  const auto local = testing::local_values(q.get());
+  const auto like = solid_.elastic(GetParam().law);
+  const double energy = sum(comm, like->energy(local, {}));
+  EXPECT_NEAR(sum(comm, term_->energy(local, {})), energy, 1e-12 * energy);
+  std::vector<double> r(local.size(), 0.0), expected(local.size(), 0.0), volume(local.size(), 0.0);
+  const LocalStage stage{0.0, 1.0, 1.0, {}, {}, {}};
+  term_->add_gradient(stage, local, r);
+  like->add_gradient(stage, local, expected);
+  for (PetscInt i = 0; i < 3 * solid_.layout().num_owned_nodes; ++i) EXPECT_NEAR(r[i], expected[i], 1e-10);
+  term_->add_pressure_gradient(local, volume);
+  for (PetscInt i = 0; i < field_.layout().num_owned; ++i) EXPECT_NEAR(volume[i], 0.0, 1e-15);
+  std::vector<CellStress> stresses;
+  like->stresses({}, local, [&](PetscInt, const CellStress& s) { stresses.push_back(s); });
+  std::size_t n = 0;
+  term_->stresses({}, local, [&](PetscInt, const CellStress& s) {
+    const CellStress& of_law = stresses[n++];
+    for (int i = 0; i < 6; ++i) EXPECT_NEAR(s.cauchy[i], of_law.cauchy[i], 1e-10);
+    EXPECT_NEAR(s.energy_density, of_law.energy_density, 1e-12 * of_law.energy_density);
+    EXPECT_NEAR(s.volume_ratio, of_law.volume_ratio, 1e-13);
+  });
+  EXPECT_EQ(n, stresses.size());
+}
+
+// The matrix of a body at rest that is held in one place and cannot be compressed: as many negative eigenvalues as
+// pressures.
+TEST_P(Mixed, NegativeEigenvaluesAreThoseOfThePressures) {
+  if (sum(comm, 1.0) > 1.0) return;  // a dense problem of one rank
+  for (PetscInt i = 0; i < 9; ++i) prescribed_[static_cast<std::size_t>(i)] = 1;
+  VolumeSplit law = *split_volume(GetParam().law);
+  law.kappa = std::numeric_limits<double>::infinity();
+  const auto term = make_mixed_term(law, std::get<1>(solid_.groups()), 0, solid_.layout().num_owned_nodes, field_);
+  IncrementalPotential potential(solid_.layout(), solid_.pattern(), {term.get()}, prescribed_);
+  MixedEquation equation(potential, solid_.layout(), solid_.pattern(), {term.get()}, field_);
+  equation.begin_stage(whole_);
+  const Handle<Mat> A = equation.make_hessian();
+  equation.hessian(x0_.get(), A.get(), Projection::none);
+  const PetscInt size = equation.num_unknowns();
+  Eigen::MatrixXd dense(size, size);
+  std::vector<PetscInt> all(static_cast<std::size_t>(size));
+  for (PetscInt i = 0; i < size; ++i) all[static_cast<std::size_t>(i)] = i;
+  check(MatGetValues(A.get(), size, all.data(), size, all.data(), dense.data()));
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(dense, Eigen::EigenvaluesOnly);
+  EXPECT_EQ((solver.eigenvalues().array() < 0.0).count(), equation.num_negative_pivots());
+}
+
+// Against the energy and its derivatives, which have tests of their own.
+TEST(VolumeMeasure, IsTheRootOfTwiceTheEnergy) {
+  for (const auto form : {VolumetricForm::log, VolumetricForm::quadratic, VolumetricForm::mixed}) {
+    for (const double size : {1e-9, 1e-4, 0.0099, 0.0101, 0.1, 0.7}) {
+      for (const double j : {size, -size}) {
+        const auto at = volume_measure(form, j);
+        const Volumetric<double> unit{1.0, form};
+        EXPECT_NEAR(0.5 * at.g * at.g, unit.energy(j), 1e-14 * unit.energy(j));
+        EXPECT_GT(at.g * j, 0.0);
+        EXPECT_NEAR(at.g * at.slope * (1.0 + j), unit.stress(j).value, 1e-14 * std::abs(unit.stress(j).value));
+        // (J U')' = U' + J U'' = g g' + J (g'^2 + g g'')
+        const double slope = at.g * at.slope + (1.0 + j) * (at.slope * at.slope + at.g * at.curvature);
+        EXPECT_NEAR((1.0 + j) * slope, unit.stress(j).slope, 1e-14 * std::abs(unit.stress(j).slope));
+      }
+    }
+    EXPECT_EQ(volume_measure(form, 0.0).g, 0.0);
+    EXPECT_EQ(volume_measure(form, 0.0).slope, 1.0);
+  }
+}
+
+}  // namespace
+}  // namespace pliant

@@ -1,0 +1,256 @@
+// Nearly and fully incompressible bodies: orders of convergence against a manufactured solution, and locking.
+#include "energy/mixed_equation.hpp"
+#include "material/kinematics.hpp"
+#include "material/registry.hpp"
+#include "material/volume_split.hpp"
+#include "solver/problem.hpp"
+
+#include <ostream>
+
+namespace pliant {
+namespace {
+
+using testing::Dilatation;
+using testing::Point;
+using testing::Scratch;
+using testing::Shape;
+using testing::Solid;
+
+const MPI_Comm comm = MPI_COMM_WORLD;
+
+enum class Treatment { standard, mean_dilatation, mixed };
+
+/// A static problem with any treatment of the volume.
+class Problem {
+ public:
+  Problem(const std::string& file, int order, const ElasticLawSpec& law, Treatment treatment)
+      : solid_(comm, file, order, elastic_quadrature_degree(law.traits(), order)), treatment_(treatment) {
+    if (treatment == Treatment::mixed) {
+      const std::vector<int> one_body(static_cast<std::size_t>(solid_.layout().num_local_cells), 0);
+      field_.emplace(make_pressure_layout(solid_.layout(), one_body, 1), comm);
+      auto term = make_mixed_term(*split_volume(law), std::get<1>(solid_.groups()), 0, solid_.layout().num_owned_nodes,
+                                  *field_);
+      mixed_ = term.get();
+      elastic_ = std::move(term);
+    } else {
+      elastic_ = solid_.elastic(law, treatment == Treatment::standard ? Dilatation::pointwise : Dilatation::mean);
+    }
+  }
+
+  const Solid& solid() const { return solid_; }
+  const SolverStatistics& statistics() const { return solver_->statistics(); }
+  double pressure(PetscInt local) const { return ConstGhostedView(field_->values()).span()[local]; }
+  const PressureLayout& pressures() const { return field_->layout(); }
+
+  /// From rest.
+  StageReport solve(const std::vector<testing::Support>& supports, const EnergyTerm& load, Vec q) {
+    std::vector<PrescribedPart> parts;
+    for (const auto& support : supports) {
+      parts.push_back({nodes_in_region(solid_.layout(), support.region), support.displacement});
+    }
+    const PrescribedDisplacement prescribed(solid_.layout(), parts, 1.0);
+    potential_.emplace(solid_.layout(), solid_.pattern(), std::vector<const EnergyTerm*>{elastic_.get(), &load},
+                       prescribed.flags());
+    StageEquation* equation = &*potential_;
+    if (mixed_ != nullptr) {
+      mixed_equation_.emplace(*potential_, solid_.layout(), solid_.pattern(), std::vector<const MixedTerm*>{mixed_},
+                              *field_);
+      equation = &*mixed_equation_;
+    }
+    solver_.emplace(*equation, NewtonOptions{1e-10, 0.0, 50}, LinearKind::cholesky);
+    const auto q0 = solid_.vector(testing::at_rest), v0 = solid_.vector(testing::at_rest);
+    const StagePoint stage{1.0, 1.0, q0.get(), v0.get()};
+    check(VecCopy(q0.get(), q));
+    prescribed.motion().start_stage(stage, q);
+    const StageSolve solve = [this](const StagePoint& s, Vec x) { return solver_->solve(s, x); };
+    return mixed_ != nullptr ? mixed_equation_->solve(stage, q, solve) : solve(stage, q);
+  }
+
+ private:
+  Solid solid_;
+  Treatment treatment_;
+  std::optional<PressureField> field_;
+  MixedTerm* mixed_ = nullptr;
+  std::unique_ptr<ElasticTerm> elastic_;
+  std::optional<IncrementalPotential> potential_;
+  std::optional<MixedEquation> mixed_equation_;
+  std::optional<NewtonSolver> solver_;
+};
+
+/// x = X + h(Y, Z), y = Y + k(Z): no volume changes anywhere, so that the pressure of every law is zero.
+Point exact(const Point& X) {
+  const auto [x, y, z] = X;
+  return {0.05 * (y * y * y + y * z * z - z * z * z), 0.06 * z * z * z * z, 0.0};
+}
+
+Tensor3<double> exact_gradient(const Point& X) {
+  const auto [x, y, z] = X;
+  return {{0, 0.05 * (3 * y * y + z * z), 0.05 * (2 * y * z - 3 * z * z), 0, 0, 0.24 * z * z * z, 0, 0, 0}};
+}
+
+/// P of the law without its part of the volume, which vanishes.
+Tensor3<double> exact_stress(const ElasticLawSpec& law, const Point& X) {
+  return std::visit([&](const auto& of) { return of.P(exact_gradient(X)); }, instantiate(split_volume(law)->rest));
+}
+
+/// Loads of the exact solution: -Div P in the body, by differences of fourth order, and P N on the face x = 1.
+template <int Order>
+testing::NodalForces exact_load(const Solid& solid, const ElasticLawSpec& law) {
+  const NodeLayout& layout = solid.layout();
+  std::vector<double> f(3 * static_cast<std::size_t>(layout.num_local_nodes), 0.0);
+  const auto rule = simplex_rule<3>(5);
+  const auto face_rule = simplex_rule<2>(5);
+  const auto place = [&](std::span<const PetscInt> nodes, const std::array<double, 4>& L) {
+    Point X{};
+    for (int a = 0; a < 4; ++a) {
+      for (int i = 0; i < 3; ++i) X[i] += L[a] * layout.position(nodes[a])[i];
+    }
+    return X;
+  };
+  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
+    const auto nodes = layout.nodes_of_cell(c);
+    const auto edge = [&](int a, int b) {
+      Point d = layout.position(nodes[b]);
+      for (int i = 0; i < 3; ++i) d[i] -= layout.position(nodes[a])[i];
+      return d;
+    };
+    const auto cross = [](const Point& a, const Point& b) {
+      return Point{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+    };
+    const Point normal = cross(edge(0, 1), edge(0, 2)), third = edge(0, 3);
+    const double det = normal[0] * third[0] + normal[1] * third[1] + normal[2] * third[2];
+    const auto add = [&](const std::array<double, 4>& L, double weight, const Point& force) {
+      const auto N = Tet<Order>::values({L[1], L[2], L[3]});
+      for (std::size_t a = 0; a < nodes.size(); ++a) {
+        for (int i = 0; i < 3; ++i) f[3 * nodes[a] + i] += weight * N[a] * force[i];
+      }
+    };
+    for (int q = 0; q < rule.size(); ++q) {
+      const auto L = Tet<1>::values(rule.points[q]);
+      const Point X = place(nodes, L);
+      Point b{};
+      constexpr double h = 1e-2;
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto stress = [&](double s) {
+          Point at = X;
+          at[axis] += s;
+          return exact_stress(law, at);
+        };
+        const auto near = stress(h) - stress(-h), far = stress(2 * h) - stress(-2 * h);
+        for (int i = 0; i < 3; ++i) b[i] -= (8 * near(i, axis) - far(i, axis)) / (12 * h);
+      }
+      add(L, rule.weights[q] * det, b);
+    }
+    for (int opposite = 0; opposite < 4; ++opposite) {
+      std::array<int, 3> corners{};
+      for (int a = 0, n = 0; a < 4; ++a) {
+        if (a != opposite) corners[n++] = a;
+      }
+      if (std::any_of(corners.begin(), corners.end(),
+                      [&](int a) { return layout.position(nodes[a])[0] < 1.0 - 1e-9; })) {
+        continue;
+      }
+      const Point area = cross(edge(corners[0], corners[1]), edge(corners[0], corners[2]));
+      for (int q = 0; q < face_rule.size(); ++q) {
+        const auto l = Triangle<1>::values(face_rule.points[q]);
+        std::array<double, 4> L{};
+        for (int a = 0; a < 3; ++a) L[corners[a]] = l[a];
+        const auto P = exact_stress(law, place(nodes, L));
+        add(L, face_rule.weights[q] * std::abs(area[0]), {P(0, 0), P(1, 0), P(2, 0)});
+      }
+    }
+  }
+  return {layout, std::move(f)};
+}
+
+struct Errors {
+  double displacement;  ///< in L2
+  double pressure;      ///< the largest at a vertex over mu; mixed only
+};
+
+template <int Order>
+Errors errors(const ElasticLawSpec& law, Treatment treatment, int n) {
+  const Scratch scratch(comm);
+  const auto file = scratch.file("cube.msh", [&](const std::string& f) {
+    testing::write_body(f, {1, Shape::straight, n});
+  });
+  Problem problem(file, Order, law, treatment);
+  // The edges of the loaded face are held by its neighbours.
+  const auto held = [](const Point& x) { return testing::on_the_surface({std::min(x[0], 0.5), x[1], x[2]}); };
+  const std::vector<testing::Support> supports{
+      {held, {Expression("0.05*(y^3+y*z^2-z^3)"), Expression("0.06*z^4"), Expression("0")}}};
+  const auto load = exact_load<Order>(problem.solid(), law);
+  const auto q = problem.solid().vector(testing::at_rest);
+  const auto report = problem.solve(supports, load, q.get());
+  EXPECT_EQ(report.outcome, StageOutcome::converged) << report.reason;
+  const auto u = testing::local_values(q.get());
+  const NodeLayout& layout = problem.solid().layout();
+  const auto rule = simplex_rule<3>(6);
+  double square = 0.0, pressure = 0.0;
+  for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+    const auto nodes = layout.nodes_of_cell(c);
+    for (int k = 0; k < rule.size(); ++k) {
+      const auto L = Tet<1>::values(rule.points[k]);
+      const auto N = Tet<Order>::values(rule.points[k]);
+      Point X{}, value{};
+      for (int i = 0; i < 3; ++i) {
+        for (int a = 0; a < 4; ++a) X[i] += L[a] * layout.position(nodes[a])[i];
+        for (std::size_t a = 0; a < nodes.size(); ++a) value[i] += N[a] * u[3 * nodes[a] + i];
+      }
+      const Point expected = exact(X);
+      // All cells of the structured mesh are of one size.
+      for (int i = 0; i < 3; ++i) {
+        square += 6.0 * rule.weights[k] * std::pow(value[i] - expected[i], 2) / layout.num_global_cells;
+      }
+    }
+  }
+  if (treatment == Treatment::mixed) {
+    for (PetscInt p = 0; p < problem.pressures().num_owned; ++p) {
+      pressure = std::max(pressure, std::abs(problem.pressure(p)));
+    }
+  }
+  return {std::sqrt(sum(comm, square)), maximum(comm, pressure) / law.at_rest()->mu};
+}
+
+ElasticLawSpec rubber(double poissons_ratio) {
+  return make_law("neo-hookean-isochoric", 3e6, poissons_ratio);
+}
+
+template <int Order>
+double order_of(const ElasticLawSpec& law, Treatment treatment) {
+  const double coarse = errors<Order>(law, treatment, 2).displacement;
+  const double fine = errors<Order>(law, treatment, 4).displacement;
+  return std::log2(coarse / fine);
+}
+
+// Linear elements have order 2 and quadratic ones 3 in L2, the mean of the volume costs one where its pressure counts.
+TEST(Incompressible, OrdersOfCompressibleBodies) {
+  const auto law = rubber(0.3);
+  for (const auto treatment : {Treatment::standard, Treatment::mixed}) {
+    const double slope = order_of<2>(law, treatment);
+    RecordProperty(treatment == Treatment::mixed ? "mixed" : "standard", std::to_string(slope));
+    EXPECT_GT(slope, 2.75);
+  }
+  EXPECT_GT(order_of<2>(law, Treatment::mean_dilatation), 1.9);
+  EXPECT_GT(order_of<1>(law, Treatment::standard), 1.7);
+}
+
+TEST(Incompressible, OrdersOfNearlyIncompressibleBodies) {
+  const auto law = rubber(0.4999);
+  EXPECT_GT(order_of<2>(law, Treatment::mixed), 2.75);
+  EXPECT_GT(order_of<2>(law, Treatment::mean_dilatation), 1.9);
+}
+
+// A body of nu = 1/2 exactly is the limit of those near it, and its pressure is zero here as they know.
+TEST(Incompressible, OrderOfAnIncompressibleBody) {
+  ElasticLawSpec law = rubber(0.5);
+  ASSERT_TRUE(std::isinf(split_volume(law)->kappa));
+  const Errors coarse = errors<2>(law, Treatment::mixed, 2), fine = errors<2>(law, Treatment::mixed, 4);
+  const Errors near = errors<2>(rubber(0.4999999), Treatment::mixed, 4);
+  EXPECT_GT(std::log2(coarse.displacement / fine.displacement), 2.75);
+  EXPECT_GT(std::log2(coarse.pressure / fine.pressure), 1.5);
+  EXPECT_NEAR(near.displacement, fine.displacement, 1e-4 * fine.displacement);
+}
+
+}  // namespace
+}  // namespace pliant
