@@ -418,14 +418,14 @@ class TiedOrders : public ::testing::TestWithParam<OrderCase> {
   }
   /// What the errors are measured against: once for all methods.
   static const std::array<Handle<Vec>, 2>& reference(TiedProblem& problem, const std::string& name) {
-    const auto found = references_.find(name);
-    if (found != references_.end()) return found->second;
-    return references_.emplace(name, end(problem, *find_method("dirk33"), 4 * num_fine)).first->second;
+    const auto found = references.find(name);
+    if (found != references.end()) return found->second;
+    return references.emplace(name, end(problem, *find_method("dirk33"), 4 * num_fine)).first->second;
   }
-  static void TearDownTestSuite() { references_.clear(); }
+  static void TearDownTestSuite() { references.clear(); }
 
  private:
-  static inline std::map<std::string, std::array<Handle<Vec>, 2>> references_;
+  static inline std::map<std::string, std::array<Handle<Vec>, 2>> references;
 };
 
 INSTANTIATE_TEST_SUITE_P(Registry, TiedOrders, ::testing::ValuesIn(every_order_case()), [](const auto& of) {
