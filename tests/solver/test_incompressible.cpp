@@ -5,7 +5,7 @@
 #include "material/volume_split.hpp"
 #include "solver/problem.hpp"
 
-#include <ostream>
+#include <fmt/format.h>
 
 namespace pliant {
 namespace {
@@ -42,7 +42,7 @@ class Problem {
   double pressure(PetscInt local) const { return ConstGhostedView(field_->values()).span()[local]; }
   const PressureLayout& pressures() const { return field_->layout(); }
 
-  /// From rest.
+  /// From the guess q.
   StageReport solve(const std::vector<testing::Support>& supports, const EnergyTerm& load, Vec q) {
     std::vector<PrescribedPart> parts;
     for (const auto& support : supports) {
@@ -59,8 +59,8 @@ class Problem {
     }
     solver_.emplace(*equation, NewtonOptions{1e-10, 0.0, 50}, LinearKind::cholesky);
     const auto q0 = solid_.vector(testing::at_rest), v0 = solid_.vector(testing::at_rest);
+    check(VecCopy(q, q0.get()));
     const StagePoint stage{1.0, 1.0, q0.get(), v0.get()};
-    check(VecCopy(q0.get(), q));
     prescribed.motion().start_stage(stage, q);
     const StageSolve solve = [this](const StagePoint& s, Vec x) { return solver_->solve(s, x); };
     return mixed_ != nullptr ? mixed_equation_->solve(stage, q, solve) : solve(stage, q);
@@ -77,25 +77,48 @@ class Problem {
   std::optional<NewtonSolver> solver_;
 };
 
-/// x = X + h(Y, Z), y = Y + k(Z): no volume changes anywhere, so that the pressure of every law is zero.
-Point exact(const Point& X) {
-  const auto [x, y, z] = X;
-  return {0.05 * (y * y * y + y * z * z - z * z * z), 0.06 * z * z * z * z, 0.0};
-}
+/// A deformation whose pressure is given and the same for every bulk modulus: X is stretched so that J = 1 + p/kappa,
+/// then three shears that change no volume follow, along x, y and z. The volumetric form is g = J - 1.
+class Exact {
+ public:
+  explicit Exact(const ElasticLawSpec& law)
+      : split_(*split_volume(law)), size_(0.2 * law.at_rest()->mu), c_(size_ / split_.kappa) {}
 
-Tensor3<double> exact_gradient(const Point& X) {
-  const auto [x, y, z] = X;
-  return {{0, 0.05 * (3 * y * y + z * z), 0.05 * (2 * y * z - 3 * z * z), 0, 0, 0.24 * z * z * z, 0, 0, 0}};
-}
+  std::array<Expression, 3> formulas() const {
+    const std::string x1 = fmt::format("(x+{:.17g}*(x^2/2-x/2+x*y*z))", c_);
+    const std::string x2 = "(" + x1 + "+0.1*(y^2*z+z^2))", y2 = "(y+0.1*(" + x2 + "^2-z*" + x2 + "))";
+    return {Expression(x2 + "-x"), Expression(y2 + "-y"), Expression("0.1*" + x2 + "*" + y2)};
+  }
+  Point displacement(const Point& X) const {
+    const auto [x, y, z] = X;
+    const double x1 = x + c_ * (0.5 * x * x - 0.5 * x + x * y * z), x2 = x1 + 0.1 * (y * y * z + z * z);
+    const double y2 = y + 0.1 * (x2 * x2 - z * x2);
+    return {x2 - x, y2 - y, 0.1 * x2 * y2};
+  }
+  /// [Pa]
+  double pressure(const Point& X) const { return size_ * (X[0] - 0.5 + X[1] * X[2]); }
+  Tensor3<double> stress(const Point& X) const {
+    const auto [x, y, z] = X;
+    const auto u = displacement(X);
+    const double x2 = x + u[0], y2 = y + u[1];
+    const Tensor3<double> stretch{1 + c_ * (x - 0.5 + y * z), c_ * x * z, c_ * x * y, 0, 1, 0, 0, 0, 1};
+    const Tensor3<double> along_x{1, 0.2 * y * z, 0.1 * (y * y + 2 * z), 0, 1, 0, 0, 0, 1};
+    const Tensor3<double> along_y{1, 0, 0, 0.1 * (2 * x2 - z), 1, -0.1 * x2, 0, 0, 1};
+    const Tensor3<double> along_z{1, 0, 0, 0, 1, 0, 0.1 * y2, 0.1 * x2, 1};
+    const Tensor3<double> F = matmul(along_z, matmul(along_y, matmul(along_x, stretch)));
+    const auto P = std::visit([&](const auto& of) { return of.P(add_to_diagonal(F, -1.0)); }, instantiate(split_.rest));
+    return P + pressure(X) * cofactor(F);
+  }
 
-/// P of the law without its part of the volume, which vanishes.
-Tensor3<double> exact_stress(const ElasticLawSpec& law, const Point& X) {
-  return std::visit([&](const auto& of) { return of.P(exact_gradient(X)); }, instantiate(split_volume(law)->rest));
-}
+ private:
+  VolumeSplit split_;
+  double size_;  // of the pressure [Pa]
+  double c_;
+};
 
 /// Loads of the exact solution: -Div P in the body, by differences of fourth order, and P N on the face x = 1.
 template <int Order>
-testing::NodalForces exact_load(const Solid& solid, const ElasticLawSpec& law) {
+testing::NodalForces exact_load(const Solid& solid, const Exact& exact) {
   const NodeLayout& layout = solid.layout();
   std::vector<double> f(3 * static_cast<std::size_t>(layout.num_local_nodes), 0.0);
   const auto rule = simplex_rule<3>(5);
@@ -134,7 +157,7 @@ testing::NodalForces exact_load(const Solid& solid, const ElasticLawSpec& law) {
         const auto stress = [&](double s) {
           Point at = X;
           at[axis] += s;
-          return exact_stress(law, at);
+          return exact.stress(at);
         };
         const auto near = stress(h) - stress(-h), far = stress(2 * h) - stress(-2 * h);
         for (int i = 0; i < 3; ++i) b[i] -= (8 * near(i, axis) - far(i, axis)) / (12 * h);
@@ -155,7 +178,7 @@ testing::NodalForces exact_load(const Solid& solid, const ElasticLawSpec& law) {
         const auto l = Triangle<1>::values(face_rule.points[q]);
         std::array<double, 4> L{};
         for (int a = 0; a < 3; ++a) L[corners[a]] = l[a];
-        const auto P = exact_stress(law, place(nodes, L));
+        const auto P = exact.stress(place(nodes, L));
         add(L, face_rule.weights[q] * std::abs(area[0]), {P(0, 0), P(1, 0), P(2, 0)});
       }
     }
@@ -175,12 +198,12 @@ Errors errors(const ElasticLawSpec& law, Treatment treatment, int n) {
     testing::write_body(f, {1, Shape::straight, n});
   });
   Problem problem(file, Order, law, treatment);
+  const Exact exact(law);
   // The edges of the loaded face are held by its neighbours.
   const auto held = [](const Point& x) { return testing::on_the_surface({std::min(x[0], 0.5), x[1], x[2]}); };
-  const std::vector<testing::Support> supports{
-      {held, {Expression("0.05*(y^3+y*z^2-z^3)"), Expression("0.06*z^4"), Expression("0")}}};
-  const auto load = exact_load<Order>(problem.solid(), law);
-  const auto q = problem.solid().vector(testing::at_rest);
+  const std::vector<testing::Support> supports{{held, {exact.formulas()[0], exact.formulas()[1], exact.formulas()[2]}}};
+  const auto load = exact_load<Order>(problem.solid(), exact);
+  const auto q = problem.solid().vector([&](const Point& X) { return exact.displacement(X); });
   const auto report = problem.solve(supports, load, q.get());
   EXPECT_EQ(report.outcome, StageOutcome::converged) << report.reason;
   const auto u = testing::local_values(q.get());
@@ -197,7 +220,7 @@ Errors errors(const ElasticLawSpec& law, Treatment treatment, int n) {
         for (int a = 0; a < 4; ++a) X[i] += L[a] * layout.position(nodes[a])[i];
         for (std::size_t a = 0; a < nodes.size(); ++a) value[i] += N[a] * u[3 * nodes[a] + i];
       }
-      const Point expected = exact(X);
+      const Point expected = exact.displacement(X);
       // All cells of the structured mesh are of one size.
       for (int i = 0; i < 3; ++i) {
         square += 6.0 * rule.weights[k] * std::pow(value[i] - expected[i], 2) / layout.num_global_cells;
@@ -205,15 +228,19 @@ Errors errors(const ElasticLawSpec& law, Treatment treatment, int n) {
     }
   }
   if (treatment == Treatment::mixed) {
-    for (PetscInt p = 0; p < problem.pressures().num_owned; ++p) {
-      pressure = std::max(pressure, std::abs(problem.pressure(p)));
+    for (PetscInt node = 0; node < layout.num_owned_nodes; ++node) {
+      const PetscInt p = problem.pressures().of_node[0][static_cast<std::size_t>(node)];
+      if (p < 0) continue;
+      pressure = std::max(pressure, std::abs(problem.pressure(p) - exact.pressure(layout.position(node))));
     }
   }
   return {std::sqrt(sum(comm, square)), maximum(comm, pressure) / law.at_rest()->mu};
 }
 
 ElasticLawSpec rubber(double poissons_ratio) {
-  return make_law("neo-hookean-isochoric", 3e6, poissons_ratio);
+  ElasticLawSpec law = make_law("neo-hookean-isochoric", 3e6, poissons_ratio);
+  law.volumetric = VolumetricForm::quadratic;
+  return law;
 }
 
 template <int Order>
@@ -223,32 +250,33 @@ double order_of(const ElasticLawSpec& law, Treatment treatment) {
   return std::log2(coarse / fine);
 }
 
-// Linear elements have order 2 and quadratic ones 3 in L2, the mean of the volume costs one where its pressure counts.
+// In L2, from 2 x 2 x 2 to 4 x 4 x 4 bricks. Theory says 2 for linear elements, 3 for quadratic ones and for P2-P1, 2
+// for P2-P0, whose pressure is of the first order; that one is on its way: 1.65 here and 1.8 from 4 to 6 bricks at nu =
+// 0.3, 1.45 and 1.7 at nu = 0.4999.
 TEST(Incompressible, OrdersOfCompressibleBodies) {
   const auto law = rubber(0.3);
-  for (const auto treatment : {Treatment::standard, Treatment::mixed}) {
-    const double slope = order_of<2>(law, treatment);
-    RecordProperty(treatment == Treatment::mixed ? "mixed" : "standard", std::to_string(slope));
-    EXPECT_GT(slope, 2.75);
-  }
-  EXPECT_GT(order_of<2>(law, Treatment::mean_dilatation), 1.9);
-  EXPECT_GT(order_of<1>(law, Treatment::standard), 1.7);
+  EXPECT_NEAR(order_of<1>(law, Treatment::standard), 2.0, 0.15);
+  EXPECT_NEAR(order_of<2>(law, Treatment::standard), 3.0, 0.15);
+  EXPECT_NEAR(order_of<2>(law, Treatment::mixed), 3.0, 0.15);
+  EXPECT_GT(order_of<2>(law, Treatment::mean_dilatation), 1.5);
 }
 
 TEST(Incompressible, OrdersOfNearlyIncompressibleBodies) {
   const auto law = rubber(0.4999);
-  EXPECT_GT(order_of<2>(law, Treatment::mixed), 2.75);
-  EXPECT_GT(order_of<2>(law, Treatment::mean_dilatation), 1.9);
+  EXPECT_NEAR(order_of<1>(law, Treatment::standard), 2.0, 0.15);  // this motion does not make them lock, Cook's does
+  EXPECT_LT(order_of<2>(law, Treatment::standard), 2.65);         // a part of an order lost
+  EXPECT_NEAR(order_of<2>(law, Treatment::mixed), 3.0, 0.15);
+  EXPECT_GT(order_of<2>(law, Treatment::mean_dilatation), 1.3);
 }
 
-// A body of nu = 1/2 exactly is the limit of those near it, and its pressure is zero here as they know.
+// A body of nu = 1/2 exactly is the limit of those near it. Pressures are of the second order.
 TEST(Incompressible, OrderOfAnIncompressibleBody) {
-  ElasticLawSpec law = rubber(0.5);
+  const ElasticLawSpec law = rubber(0.5);
   ASSERT_TRUE(std::isinf(split_volume(law)->kappa));
   const Errors coarse = errors<2>(law, Treatment::mixed, 2), fine = errors<2>(law, Treatment::mixed, 4);
   const Errors near = errors<2>(rubber(0.4999999), Treatment::mixed, 4);
-  EXPECT_GT(std::log2(coarse.displacement / fine.displacement), 2.75);
-  EXPECT_GT(std::log2(coarse.pressure / fine.pressure), 1.5);
+  EXPECT_NEAR(std::log2(coarse.displacement / fine.displacement), 3.0, 0.15);
+  EXPECT_NEAR(std::log2(coarse.pressure / fine.pressure), 2.0, 0.15);
   EXPECT_NEAR(near.displacement, fine.displacement, 1e-4 * fine.displacement);
 }
 
