@@ -11,6 +11,7 @@ find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_library(GMSH_LIBRARY gmsh REQUIRED)
 find_library(METIS_LIBRARY metis REQUIRED)
+find_library(SMUMPS_LIBRARY smumps REQUIRED)
 
 # glibc's vector mathematics (base/vector_math.hpp); it exists on x86-64 only.
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")

@@ -104,6 +104,7 @@ class TimeAdvance final : public Advance {
     system.motion = model.motion();
     system.internal = model.potential().internal_variables();
     system.quadratures = ledger.quadratures();
+    system.guess = Guess::predicted;
     return system;
   }
 

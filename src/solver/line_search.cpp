@@ -49,9 +49,12 @@ bool NewtonSolver::descends(Vec r, Vec y, double& slope) {
   slope = -dot(r, y);
   PetscInt iterations = 0;
   check(KSPGetIterationNumber(ksp, &iterations));
+  PetscReal tolerance = 0.0;
+  check(KSPGetTolerances(ksp, &tolerance, nullptr, nullptr, nullptr));
+  const double digits = -std::log10(tolerance);
   if (factor_is_current_) {
-    fresh_iterations_ = iterations;
-  } else if (iterations > fresh_iterations_ + iterations_that_age) {
+    fresh_rate_ = iterations / digits;
+  } else if (iterations > fresh_rate_ * digits + iterations_that_age) {
     factor_is_wanted_ = true;
   }
   if (linear_solver_broke_down() || !std::isfinite(slope)) return false;
@@ -97,6 +100,7 @@ bool NewtonSolver::lower_potential(Vec y, double slope, SNESLineSearch search) {
         phi_ = phi;
         check(VecCopy(trial, q));
         check(SNESLineSearchSetLambda(search, alpha));
+        took_full_step_ = alpha == 1.0;
         check(SNESLineSearchSetNorms(search, norm(q), after, alpha * step));
         break;
       }
@@ -151,6 +155,7 @@ bool NewtonSolver::lower_residual(Vec y, SNESLineSearch search) {
       check(VecCopy(trial_.get(), r));
       check(VecCopy(trial, q));
       check(SNESLineSearchSetLambda(search, length));
+      took_full_step_ = length == 1.0;
       check(SNESLineSearchSetNorms(search, norm(q), after, length * step));
       break;
     }

@@ -1,6 +1,13 @@
 #include "solver/linear.hpp"
 
+#include "petsc/callback.hpp"
+#include "solver/single_factorization.hpp"
+
 #include <dmumps_c.h>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
 
 namespace pliant {
 namespace {
@@ -52,50 +59,9 @@ void control_mumps(PC pc, Mat K, PetscInt workspace) {
   check(MatMumpsSetIcntl(factor, 14, workspace));
 }
 
-}  // namespace
-
-LinearKind automatic_linear_kind(PetscInt num_unknowns) {
-  return num_unknowns <= max_unknowns_of_factorization ? LinearKind::cholesky : LinearKind::amg;
-}
-
-std::string describe(LinearKind kind, Symmetry symmetry) {
-  const bool is_symmetric = symmetry != Symmetry::unsymmetric;
-  const std::string krylov = symmetry == Symmetry::symmetric ? "conjugate gradients" : "GMRES";
-  return krylov + (kind == LinearKind::amg ? " with algebraic multigrid (GAMG)"
-                   : is_symmetric          ? " preconditioned by a MUMPS LDL^T factorization that is kept while it pays"
-                                           : " preconditioned by a MUMPS LU factorization that is kept while it pays");
-}
-
-void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry) {
-  const bool is_symmetric = symmetry != Symmetry::unsymmetric;
-  PC pc = nullptr;
-  check(KSPGetPC(ksp, &pc));
-  check(KSPSetOperators(ksp, K, K));
-  if (symmetry == Symmetry::symmetric) {
-    check(KSPSetType(ksp, KSPCG));
-  } else {
-    check(KSPSetType(ksp, KSPGMRES));
-    check(KSPSetPCSide(ksp, PC_RIGHT));  // so that its residual is that of the system
-    check(KSPGMRESSetRestart(ksp, gmres_restart));
-  }
-  check(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
-  check(KSPSetTolerances(ksp, 1e-5, PETSC_DEFAULT, PETSC_DEFAULT, 500));
-  if (kind == LinearKind::cholesky) {
-    check(PCSetType(pc, is_symmetric ? PCCHOLESKY : PCLU));
-    check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
-  } else {
-    check(PCSetType(pc, PCGAMG));
-    check(PCGAMGSetReuseInterpolation(pc, PETSC_TRUE));
-    set_default_option("-mg_levels_ksp_type", "chebyshev");
-    set_default_option("-mg_levels_pc_type", "jacobi");
-    set_default_option("-pc_gamg_threshold", "0.01");
-  }
-  check(KSPSetFromOptions(ksp));
-  control_mumps(pc, K, first_workspace);
-}
-
-bool set_up_preconditioner(PC pc, Mat K) {
-  check(PCSetReusePreconditioner(pc, PETSC_FALSE));
+/// Sets up a preconditioner of PETSc's; a factorization that runs out of workspace is repeated with more. False if
+/// there is none.
+bool set_up_with_workspace(PC pc, Mat K) {
   check(PCSetOperators(pc, K, K));
   bool is_sound = false, lacks_workspace = true;
   for (PetscInt workspace = first_workspace; lacks_workspace && workspace <= last_workspace;) {
@@ -114,6 +80,151 @@ bool set_up_preconditioner(PC pc, Mat K) {
     check(PCSetOperators(pc, K, K));
     control_mumps(pc, K, workspace);
   }
+  return is_sound;
+}
+
+void use_double_precision(PC pc, Symmetry symmetry) {
+  check(PCSetType(pc, symmetry == Symmetry::unsymmetric ? PCLU : PCCHOLESKY));
+  check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
+}
+
+/// A factorization in single precision as long as that does, then in double.
+class Factorization {
+ public:
+  explicit Factorization(Symmetry symmetry) : symmetry_(symmetry), single_(std::in_place, symmetry) {}
+
+  void set_up(Mat K) {
+    if (!single_) {
+      is_sound_ = set_up_with_workspace(double_.get(), K);
+      return;
+    }
+    is_sound_ = single_->factorize(K);
+    if (is_sound_ && single_->negative_pivots() == 0) return;
+    // Singular or indefinite, so far as single precision can tell. If K is definite in double precision, single
+    // precision does not do for this body: double takes over for good.
+    check(PCCreate(PetscObjectComm(reinterpret_cast<PetscObject>(K)), double_.out()));
+    use_double_precision(double_.get(), symmetry_);
+    check(PCSetOperators(double_.get(), K, K));
+    control_mumps(double_.get(), K, first_workspace);
+    const bool double_is_sound = set_up_with_workspace(double_.get(), K);
+    if (double_is_sound && (!is_sound_ || pliant::negative_pivots(double_.get()) == 0)) {
+      single_.reset();
+      is_sound_ = true;
+    } else {
+      double_ = {};
+    }
+  }
+  void apply(Vec b, Vec x) { single_ ? single_->solve(b, x) : check(PCApply(double_.get(), b, x)); }
+  std::optional<PetscInt> negative_pivots() const {
+    if (symmetry_ == Symmetry::unsymmetric) return std::nullopt;
+    return single_ ? single_->negative_pivots() : pliant::negative_pivots(double_.get());
+  }
+  bool is_sound() const { return is_sound_; }
+  bool is_in_single_precision() const { return single_.has_value(); }
+
+ private:
+  Symmetry symmetry_;
+  std::optional<SingleFactorization> single_;  // until double takes over
+  Handle<PC> double_;
+  bool is_sound_ = false;
+};
+
+/// nullptr if the preconditioner is another one.
+Factorization* factorization_of(PC pc) {
+  PetscBool is_shell = PETSC_FALSE;
+  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCSHELL, &is_shell));
+  Factorization* factorization = nullptr;
+  if (is_shell) check(PCShellGetContext(pc, &factorization));
+  return factorization;
+}
+
+PetscErrorCode set_up_callback(PC pc) {
+  return CallbackGuard().run([&] {
+    Mat K = nullptr;
+    check(PCGetOperators(pc, nullptr, &K));
+    Factorization* factorization = factorization_of(pc);
+    factorization->set_up(K);
+    if (!factorization->is_in_single_precision()) check(PCShellSetName(pc, "MUMPS factorization in double precision"));
+    check(PCSetFailedReason(pc, factorization->is_sound() ? PC_NOERROR : PC_FACTOR_NUMERIC_ZEROPIVOT));
+  });
+}
+
+PetscErrorCode apply_callback(PC pc, Vec b, Vec x) {
+  return CallbackGuard().run([&] { factorization_of(pc)->apply(b, x); });
+}
+
+PetscErrorCode destroy_callback(PC pc) {
+  return CallbackGuard().run([&] { delete factorization_of(pc); });
+}
+
+void use_factorization(PC pc, Symmetry symmetry) {
+  auto factorization = std::make_unique<Factorization>(symmetry);
+  check(PCSetType(pc, PCSHELL));
+  check(PCShellSetName(pc, "MUMPS factorization in single precision"));
+  check(PCShellSetContext(pc, factorization.release()));
+  check(PCShellSetSetUp(pc, set_up_callback));
+  check(PCShellSetApply(pc, apply_callback));
+  check(PCShellSetDestroy(pc, destroy_callback));
+}
+
+}  // namespace
+
+LinearKind automatic_linear_kind(PetscInt num_unknowns) {
+  return num_unknowns <= max_unknowns_of_factorization ? LinearKind::cholesky : LinearKind::amg;
+}
+
+std::string describe(LinearKind kind, Symmetry symmetry) {
+  const std::string krylov = symmetry == Symmetry::symmetric ? "conjugate gradients" : "GMRES";
+  if (kind == LinearKind::amg) return krylov + " with algebraic multigrid (GAMG)";
+  return fmt::format("{} preconditioned by a MUMPS {} factorization in {} precision, kept while it pays", krylov,
+                     symmetry == Symmetry::unsymmetric ? "LU" : "LDL^T",
+                     symmetry == Symmetry::indefinite ? "double" : "single");
+}
+
+void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry) {
+  PC pc = nullptr;
+  check(KSPGetPC(ksp, &pc));
+  check(KSPSetOperators(ksp, K, K));
+  const bool may_be_single = kind == LinearKind::cholesky && symmetry != Symmetry::indefinite;
+  if (symmetry == Symmetry::symmetric) {
+    check(KSPSetType(ksp, KSPCG));
+  } else {
+    // Flexible where a solve in single precision is linear to its rounding errors only. On the right, so that the
+    // residual is that of the system.
+    check(KSPSetType(ksp, may_be_single ? KSPFGMRES : KSPGMRES));
+    check(KSPSetPCSide(ksp, PC_RIGHT));
+    check(KSPGMRESSetRestart(ksp, gmres_restart));
+  }
+  check(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
+  check(KSPSetTolerances(ksp, 1e-5, PETSC_DEFAULT, PETSC_DEFAULT, 500));
+  if (may_be_single) {
+    use_factorization(pc, symmetry);
+  } else if (kind == LinearKind::cholesky) {
+    use_double_precision(pc, symmetry);
+  } else {
+    check(PCSetType(pc, PCGAMG));
+    check(PCGAMGSetReuseInterpolation(pc, PETSC_TRUE));
+    set_default_option("-mg_levels_ksp_type", "chebyshev");
+    set_default_option("-mg_levels_pc_type", "jacobi");
+    set_default_option("-pc_gamg_threshold", "0.01");
+  }
+  check(KSPSetFromOptions(ksp));
+  PetscBool solves_directly = PETSC_FALSE;
+  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ksp), KSPPREONLY, &solves_directly));
+  if (solves_directly && factorization_of(pc) != nullptr) use_double_precision(pc, symmetry);
+  control_mumps(pc, K, first_workspace);
+}
+
+bool set_up_preconditioner(PC pc, Mat K) {
+  check(PCSetReusePreconditioner(pc, PETSC_FALSE));
+  check(PCSetOperators(pc, K, K));
+  bool is_sound = false;
+  if (const Factorization* factorization = factorization_of(pc)) {
+    check(PCSetUp(pc));
+    is_sound = factorization->is_sound();
+  } else {
+    is_sound = set_up_with_workspace(pc, K);
+  }
   check(PCSetReusePreconditioner(pc, PETSC_TRUE));
   return is_sound;
 }
@@ -123,6 +234,7 @@ std::string mumps_version() {
 }
 
 std::optional<PetscInt> negative_pivots(PC pc) {
+  if (const Factorization* factorization = factorization_of(pc)) return factorization->negative_pivots();
   Mat factor = nullptr;
   if (!factorizes_with_mumps(pc, PCCHOLESKY, &factor)) return std::nullopt;
   PetscInt negative = 0;

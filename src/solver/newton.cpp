@@ -83,6 +83,9 @@ NewtonSolver::NewtonSolver(StageEquation& equation, const NewtonOptions& options
   PetscBool solves_directly = PETSC_FALSE;
   check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ksp), KSPPREONLY, &solves_directly));
   may_keep_factor_ = !solves_directly;
+  PetscBool tolerance_is_given = PETSC_FALSE;
+  check(PetscOptionsHasName(nullptr, nullptr, "-ksp_rtol", &tolerance_is_given));
+  adapts_tolerance_ = !tolerance_is_given;
 }
 
 PetscErrorCode NewtonSolver::residual_callback(SNES, Vec q, Vec r, void* self) {
@@ -201,6 +204,16 @@ std::optional<PetscInt> NewtonSolver::negative_eigenvalues() const {
 
 void NewtonSolver::linearize(Vec q) {
   assemble(q, Projection::none);
+  if (adapts_tolerance_) {
+    KSP ksp = nullptr;
+    check(SNESGetKSP(snes_.get(), &ksp));
+    PetscInt iteration = 0;
+    PetscReal residual = 0.0;
+    check(SNESGetIterationNumber(snes_.get(), &iteration));
+    check(VecNorm(r_.get(), NORM_2, &residual));
+    check(KSPSetTolerances(ksp, forcing_.tolerance(static_cast<int>(iteration), residual, target()), PETSC_DEFAULT,
+                           PETSC_DEFAULT, PETSC_DEFAULT));
+  }
   if (path_ == Path::residual && !merit_has_scale_) {
     equation_.size_of_diagonal(K_.get(), trial_.get());
     merit_.set_scale(trial_.get());
@@ -233,7 +246,8 @@ SNESConvergedReason NewtonSolver::judge(PetscInt iteration, double residual) {
   if (!std::isfinite(residual)) return SNES_DIVERGED_FNORM_NAN;
   // A guess may squeeze the liquid in a cavity to a pressure far from that of the solution.
   if (rank_one_system_ && iteration > 0) scale_ = std::min(scale_, equation_.force_scale(solution_));
-  if (residual <= std::max(options_.relative * scale_, options_.absolute)) return SNES_CONVERGED_FNORM_RELATIVE;
+  if (iteration > 0) took_full_step_ ? forcing_.observe(residual) : forcing_.forget();
+  if (residual <= target()) return SNES_CONVERGED_FNORM_RELATIVE;
   if (at_rounding_floor_ || (iteration > 0 && residual <= floor_factor * equation_.rounding_floor(solution_))) {
     ++statistics_.rounding_stops;
     return SNES_CONVERGED_FNORM_ABS;

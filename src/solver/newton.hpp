@@ -4,11 +4,13 @@
 #include "energy/stage_equation.hpp"
 #include "petsc/callback.hpp"
 #include "petsc/handle.hpp"
+#include "solver/forcing.hpp"
 #include "solver/linear.hpp"
 #include "solver/merit.hpp"
 #include "solver/rank_one_system.hpp"
 #include "time/stage.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <string>
 
@@ -98,6 +100,7 @@ class NewtonSolver {
   /// Of the Hessian with its parts of rank one, as the factorization of the present K tells.
   std::optional<PetscInt> negative_eigenvalues() const;
   void linearize(Vec q);
+  double target() const { return std::max(options_.relative * scale_, options_.absolute); }
   /// SNES's line search: along the direction y (q goes to q - y), from one rung of the ladder to the next.
   void search_line(SNESLineSearch search);
   /// Goes along -y as far as it helps; false if no step length does. `slope`: of Phi along -y.
@@ -139,11 +142,14 @@ class NewtonSolver {
   double phi_ = 0.0;  // value at the current iterate
   Projection projection_ = Projection::none;
   bool is_regularized_ = false;
+  bool took_full_step_ = false;
   bool at_rounding_floor_ = false;
-  // Of the preconditioner, kept across stages.
+  // Kept across stages.
+  Forcing forcing_;
+  bool adapts_tolerance_ = true;    // unless the user gives one
   bool may_keep_factor_ = false;    // the linear solver iterates, so a preconditioner of an earlier Hessian will do
   bool factor_is_wanted_ = true;    // none yet, or the last one has aged
-  PetscInt fresh_iterations_ = 0;   // what the linear solver needed when the factor was that of its matrix
+  double fresh_rate_ = 0.0;         // iterations per digit when the factor was that of its matrix
   bool factor_is_current_ = false;  // it is that of the present Hessian
   bool factor_failed_ = false;      // there is none: the Hessian was singular
 };

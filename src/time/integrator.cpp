@@ -15,9 +15,10 @@ const Method* starter_of(const IntegratorOptions& options) {
   return options.method.needs_equal_steps ? find_method("bdf3") : nullptr;
 }
 
-int history_depth(const IntegratorOptions& options, const std::optional<LocalError>& error) {
+int history_depth(const IntegratorOptions& options, Guess guess, const std::optional<LocalError>& error) {
   const Method* starter = starter_of(options);
-  return std::max({options.method.num_steps, starter ? starter->num_steps : 1, error ? error->num_states() : 1});
+  return std::max(
+      {options.method.num_steps, starter ? starter->num_steps : 1, error ? error->num_states() : 1, num_states(guess)});
 }
 
 }  // namespace
@@ -27,7 +28,7 @@ Integrator::Integrator(const IntegratorOptions& options, System system, const St
       error_(options.estimate == ErrorEstimate::local
                  ? std::optional<LocalError>(std::in_place, options.method, system.space, initial)
                  : std::nullopt),
-      history_(history_depth(options, error_), initial) {
+      history_(history_depth(options, system.guess, error_), initial) {
   if (const Method* starter = starter_of(options)) starter_.emplace(*starter, std::move(system), initial);
 }
 

@@ -6,6 +6,12 @@
 #include <utility>
 
 namespace pliant {
+namespace {
+
+/// Lengths of the past steps that a velocity is continued.
+constexpr double max_extrapolation = 2.0;
+
+}  // namespace
 
 Stepper::Stepper(const Method& method, System system, const StateView& like)
     : method_(method),
@@ -42,7 +48,7 @@ StepAttempt Stepper::attempt(const History& history, const Step& step) & {
     stage.dt = weight.beta * method_.A[i][i] * step.dt;
     stage.step_start = history.newest().time;
     if (system_.space) stage.centre = history.newest().q.get();
-    start_stage(i, stage);
+    start_stage(i, history, stage);
     const StageReport report = system_.solve(stage, q_.stage());
     attempt.report.newton_iterations += report.newton_iterations;
     attempt.report.linear_iterations += report.linear_iterations;
@@ -107,7 +113,7 @@ void Stepper::set_base(const History& history, std::span<const double> alpha) {
 }
 
 // Y_i0, and the guess
-void Stepper::start_stage(std::size_t i, StagePoint& stage) {
+void Stepper::start_stage(std::size_t i, const History& history, StagePoint& stage) {
   for (StageVariable* y : {&q_, &v_, z_ ? &*z_ : nullptr}) {
     if (y != nullptr) y->start_stage(method_.At[i]);
   }
@@ -126,8 +132,31 @@ void Stepper::start_stage(std::size_t i, StagePoint& stage) {
     case Guess::extrapolated:
       check(VecWAXPY(q_.stage(), stage.dt, stage.v0, stage.q0));
       break;
+    case Guess::predicted:
+      predict(history, stage, q_.stage());
+      break;
   }
   system_.motion.start_stage(stage, q_.stage());
+}
+
+void Stepper::predict(const History& history, const StagePoint& stage, Vec q) const {
+  int num_used = std::min(history.size(), num_states(Guess::predicted));
+  // Beyond the length of the steps that led here a polynomial says little.
+  while (num_used > 1 && stage.time - history[0].time >
+                             max_extrapolation * (history[0].time - history[num_used - 1].time) / (num_used - 1))
+    --num_used;
+  if (system_.space || num_used == 1) {
+    check(VecWAXPY(q, stage.dt, stage.v0, stage.q0));
+    return;
+  }
+  check(VecCopy(stage.q0, q));
+  for (int r = 0; r < num_used; ++r) {
+    double weight = stage.dt;
+    for (int k = 0; k < num_used; ++k) {
+      if (k != r) weight *= (stage.time - history[k].time) / (history[r].time - history[k].time);
+    }
+    check(VecAXPY(q, weight, history[r].v.get()));
+  }
 }
 
 // v_i = (q_i - q_i0) / dt_i, a_i = (v_i - v_i0) / dt_i where it is needed, z_i, and Y_i - y*

@@ -18,9 +18,11 @@ namespace pliant {
 
 /// Where the solver of a stage starts from.
 enum class Guess {
-  start,        ///< q_i0
-  extrapolated  ///< q_i0 + dt_i v_i0, where inertia alone would lead; on a vector space the stage's solution lies
-                ///< exactly dt_i^2 a_i from it
+  start,         ///< q_i0
+  extrapolated,  ///< q_i0 + dt_i v_i0, where inertia alone would lead; on a vector space the stage's solution lies
+                 ///< exactly dt_i^2 a_i from it
+  predicted      ///< q_i0 + dt_i v, the velocity continued from those of the newest states: along a parabola through
+                 ///< three, a line through two; extrapolated where there is one state, or a space
 };
 
 /// What moves: the equation of a stage and all that goes with it.
@@ -84,9 +86,10 @@ class Stepper {
  private:
   BdfWeights weights(const History& history, const Step& step);
   void set_base(const History& history, std::span<const double> alpha);
-  void start_stage(std::size_t i, StagePoint& stage);
+  void start_stage(std::size_t i, const History& history, StagePoint& stage);
   void end_stage(std::size_t i, const StagePoint& stage);
   void complete_step(const State& newest, const Step& step);
+  void predict(const History& history, const StagePoint& stage, Vec q) const;
 
   Method method_;
   System system_;
@@ -103,6 +106,11 @@ class Stepper {
   std::vector<double> past_times_;
   std::vector<Vec> past_q_, past_v_, past_z_;
 };
+
+/// How many states the guess needs at most.
+constexpr int num_states(Guess guess) {
+  return guess == Guess::predicted ? 3 : 1;
+}
 
 /// Makes a converged attempt the newest state of the history. Collective.
 void accept(const StepAttempt& attempt, History& history);

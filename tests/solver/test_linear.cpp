@@ -1,6 +1,10 @@
 // Linear solvers: what they recover from.
 #include "energy/solid.hpp"
+#include "petsc/collective.hpp"
 #include "solver/linear.hpp"
+#include "solver/single_factorization.hpp"
+
+#include <string_view>
 
 namespace pliant {
 namespace {
@@ -19,28 +23,97 @@ void shrink_workspace(KSP ksp) {
   check(MatMumpsSetIcntl(factor, 14, -95));
 }
 
+/// An option of PETSc while the object lives.
+class Option {
+ public:
+  Option(const char* name, const char* value) : name_(name) { check(PetscOptionsSetValue(nullptr, name, value)); }
+  ~Option() { (void)PetscOptionsClearValue(nullptr, name_); }
+  Option(const Option&) = delete;
+  Option& operator=(const Option&) = delete;
+
+ private:
+  const char* name_;
+};
+
+/// A cube of linear tetrahedra, E = 1 MPa, with `density` / s^2 times its mass matrix: the less of it, the nearer to
+/// the six motions that cost nothing.
+class Cube {
+ public:
+  explicit Cube(double density)
+      : solid_(comm,
+               scratch_.file("cube.msh",
+                             [](const std::string& f) {
+                               testing::write_body(f, {1, testing::Shape::straight, 8});
+                             }),
+               1, 2),
+        elastic_(solid_.elastic(make_law("linear", 1e6, 0.3))),
+        inertia_(solid_.inertia(density, Mass::consistent)),
+        potential_(solid_.layout(), solid_.pattern(), {elastic_.get(), inertia_.get()}, solid_.nothing_prescribed()),
+        stage_(solid_, 0.0, 1.0),
+        K_(potential_.make_hessian()) {
+    potential_.begin_stage(stage_.point);
+    potential_.hessian(stage_.q0.get(), K_.get(), Projection::none);
+  }
+  Mat K() const { return K_.get(); }
+  Handle<Vec> vector() const { return potential_.make_vector(); }
+  /// K x for a rough field x.
+  Handle<Vec> right_hand_side() const {
+    const auto x = solid_.vector(testing::rough_field(1.0, 1));
+    Handle<Vec> b = vector();
+    check(MatMult(K(), x.get(), b.get()));
+    return b;
+  }
+  double residual(Vec x, Vec b) const {
+    const Handle<Vec> Kx = vector();
+    check(MatMult(K(), x, Kx.get()));
+    return testing::distance(Kx.get(), b) / testing::norm(b);
+  }
+
+ private:
+  Scratch scratch_{comm};
+  Solid solid_;
+  std::unique_ptr<ElasticTerm> elastic_;
+  std::unique_ptr<Inertia> inertia_;
+  IncrementalPotential potential_;
+  testing::TestStage stage_;
+  Handle<Mat> K_;
+};
+
+Handle<KSP> solver_of(const Cube& cube, Symmetry symmetry) {
+  Handle<KSP> ksp;
+  check(KSPCreate(comm, ksp.out()));
+  configure_linear_solver(ksp.get(), cube.K(), LinearKind::cholesky, symmetry);
+  return ksp;
+}
+
+PC preconditioner_of(KSP ksp) {
+  PC pc = nullptr;
+  check(KSPGetPC(ksp, &pc));
+  return pc;
+}
+
+bool set_up(KSP ksp, Mat K) {
+  return set_up_preconditioner(preconditioner_of(ksp), K);
+}
+
+PetscInt num_negative(KSP ksp) {
+  return negative_pivots(preconditioner_of(ksp)).value_or(-1);
+}
+
+bool is_in_single_precision(KSP ksp) {
+  const char* name = nullptr;
+  check(PCShellGetName(preconditioner_of(ksp), &name));
+  return std::string_view(name).find("single precision") != std::string_view::npos;
+}
+
 // It fails with too little, as a plain set-up shows, and is given more.
 TEST(LinearSolver, AFactorizationOutOfWorkspaceIsRepeatedWithMore) {
-  const Scratch scratch(comm);
-  const auto file = scratch.file("cube.msh", [](const std::string& f) {
-    testing::write_body(f, {1, testing::Shape::straight, 8});
-  });
-  const Solid solid(comm, file, 1, 2);
-  const auto elastic = solid.elastic(make_law("linear", 1e6, 0.3));
-  const auto inertia = solid.inertia(1e6, Mass::consistent);
-  IncrementalPotential potential(solid.layout(), solid.pattern(), {elastic.get(), inertia.get()},
-                                 solid.nothing_prescribed());
-  const testing::TestStage stage(solid, 0.0, 1.0);
-  potential.begin_stage(stage.point);
-  const Handle<Mat> K = potential.make_hessian();
-  potential.hessian(stage.q0.get(), K.get(), Projection::none);
+  const Cube cube(1e6);
   for (const auto symmetry : {Symmetry::symmetric, Symmetry::unsymmetric}) {
-    Handle<KSP> plain, ksp;
-    for (Handle<KSP>* solver : {&plain, &ksp}) {
-      check(KSPCreate(comm, solver->out()));
-      configure_linear_solver(solver->get(), K.get(), LinearKind::cholesky, symmetry);
-      shrink_workspace(solver->get());
-    }
+    const Option type("-pc_type", symmetry == Symmetry::symmetric ? "cholesky" : "lu");
+    const Option library("-pc_factor_mat_solver_type", "mumps");
+    const auto plain = solver_of(cube, symmetry), ksp = solver_of(cube, symmetry);
+    for (const auto& solver : {plain.get(), ksp.get()}) shrink_workspace(solver);
     check(KSPSetUp(plain.get()));
     PC pc = nullptr;
     PCFailedReason failure = PC_NOERROR;
@@ -48,17 +121,97 @@ TEST(LinearSolver, AFactorizationOutOfWorkspaceIsRepeatedWithMore) {
     check(PCGetFailedReason(pc, &failure));
     ASSERT_NE(failure, PC_NOERROR);
 
-    check(KSPGetPC(ksp.get(), &pc));
-    ASSERT_TRUE(set_up_preconditioner(pc, K.get()));
-    const auto b = solid.vector(testing::rough_field(1.0, 1));
-    const Handle<Vec> x = potential.make_vector(), Kx = potential.make_vector();
+    ASSERT_TRUE(set_up(ksp.get(), cube.K()));
+    const auto b = cube.right_hand_side(), x = cube.vector();
     check(KSPSolve(ksp.get(), b.get(), x.get()));
     PetscInt iterations = 0;
     check(KSPGetIterationNumber(ksp.get(), &iterations));
     EXPECT_LE(iterations, 2);
-    check(MatMult(K.get(), x.get(), Kx.get()));
-    EXPECT_LE(testing::distance(Kx.get(), b.get()), 1e-5 * testing::norm(b.get()));
+    EXPECT_LE(cube.residual(x.get(), b.get()), 1e-5);
   }
+}
+
+TEST(LinearSolver, AFactorizationInSinglePrecisionOutOfWorkspaceIsRepeatedWithMore) {
+  const Option option("-mat_mumps_icntl_14", "-95");
+  const Cube cube(1e6);
+  SingleFactorization factorization(Symmetry::symmetric);
+  ASSERT_TRUE(factorization.factorize(cube.K()));
+  const auto b = cube.right_hand_side(), x = cube.vector();
+  factorization.solve(b.get(), x.get());
+  EXPECT_LE(cube.residual(x.get(), b.get()), 1e-5);
+}
+
+// eps = 6e-8 of single precision times some tens of operations; whatever the size of the numbers.
+TEST(LinearSolver, SinglePrecisionIsAGoodPreconditioner) {
+  const Cube cube(1e6);
+  for (const double scale : {1.0, 1e-60, 1e60}) {
+    check(MatScale(cube.K(), scale));
+    for (const auto symmetry : {Symmetry::symmetric, Symmetry::unsymmetric}) {
+      SingleFactorization factorization(symmetry);
+      for (int again = 0; again < 2; ++again) {
+        ASSERT_TRUE(factorization.factorize(cube.K()));
+        const auto b = cube.right_hand_side(), x = cube.vector();
+        factorization.solve(b.get(), x.get());
+        EXPECT_LE(cube.residual(x.get(), b.get()), 1e-5);
+        EXPECT_EQ(factorization.negative_pivots(), 0);
+        check(VecZeroEntries(b.get()));
+        factorization.solve(b.get(), x.get());
+        EXPECT_EQ(testing::norm(x.get()), 0.0);
+      }
+      const auto ksp = solver_of(cube, symmetry);
+      ASSERT_TRUE(set_up(ksp.get(), cube.K()));
+      EXPECT_TRUE(is_in_single_precision(ksp.get()));
+      check(KSPSetTolerances(ksp.get(), 1e-12, 0.0, PETSC_DEFAULT, PETSC_DEFAULT));
+      const auto b = cube.right_hand_side(), x = cube.vector();
+      check(KSPSolve(ksp.get(), b.get(), x.get()));
+      PetscInt iterations = 0;
+      check(KSPGetIterationNumber(ksp.get(), &iterations));
+      EXPECT_LE(iterations, 4);
+      EXPECT_LE(cube.residual(x.get(), b.get()), 2e-12);
+    }
+    check(MatScale(cube.K(), 1.0 / scale));
+  }
+}
+
+TEST(LinearSolver, SinglePrecisionCountsNegativePivots) {
+  const Cube cube(1e6);
+  Handle<Vec> shift = cube.vector();
+  check(MatGetDiagonal(cube.K(), shift.get()));
+  PetscInt expected = 0;
+  {
+    // A row far below zero is a negative pivot, wherever it stands: its neighbours weigh little against it.
+    PetscInt begin = 0;
+    check(VecGetOwnershipRange(shift.get(), &begin, nullptr));
+    const ArrayView values(shift.get());
+    for (std::size_t i = 0; i < values.span().size(); ++i) {
+      const bool is_chosen = (begin + static_cast<PetscInt>(i)) % 7 == 0;
+      values[static_cast<PetscInt>(i)] *= is_chosen ? -1e4 : 0.0;
+      expected += is_chosen;
+    }
+  }
+  expected = static_cast<PetscInt>(sum(comm, static_cast<PetscInt64>(expected)));
+  check(MatDiagonalSet(cube.K(), shift.get(), ADD_VALUES));
+  const auto ksp = solver_of(cube, Symmetry::symmetric);
+  ASSERT_TRUE(set_up(ksp.get(), cube.K()));
+  EXPECT_EQ(num_negative(ksp.get()), expected);
+  // Double precision found the same, and leaves the work to single precision.
+  EXPECT_TRUE(is_in_single_precision(ksp.get()));
+}
+
+// The six motions that cost nothing have 1e-11 of the stiffness of the others: single precision cannot tell them from
+// singular ones, double precision can.
+TEST(LinearSolver, DoublePrecisionTakesOverWhereSingleDoesNotDo) {
+  const Cube cube(1e-5);
+  const auto ksp = solver_of(cube, Symmetry::symmetric);
+  ASSERT_TRUE(set_up(ksp.get(), cube.K()));
+  EXPECT_FALSE(is_in_single_precision(ksp.get()));
+  EXPECT_EQ(num_negative(ksp.get()), 0);
+  const auto b = cube.right_hand_side(), x = cube.vector();
+  check(KSPSolve(ksp.get(), b.get(), x.get()));
+  PetscInt iterations = 0;
+  check(KSPGetIterationNumber(ksp.get(), &iterations));
+  EXPECT_LE(iterations, 3);
+  EXPECT_LE(cube.residual(x.get(), b.get()), 1e-5);
 }
 
 }  // namespace

@@ -207,6 +207,44 @@ TEST_P(MethodSteps, StartsTheSolverWhereTheGuessSays) {
   EXPECT_LT(test::distance(ends[0], ends[1]), 1e-14);
 }
 
+// On a motion whose velocity is a parabola of time the prediction from three states is exact.
+TEST_P(MethodSteps, ThePredictionContinuesTheVelocity) {
+  const auto q_at = [](double t) { return 1.0 + t - t * t + t * t * t / 3.0; };
+  const auto v_at = [](double t) { return 1.0 - 2.0 * t + t * t; };
+  const Ode ode = pendulum();
+  const std::vector<double> times{0.05, 0.1, 0.25, 0.4, 0.5, 0.6};
+  for (const std::size_t num_states : {2u, 3u, 6u}) {
+    if (GetParam().needs_equal_steps) continue;
+    History history(static_cast<int>(num_states), test::history_of(ode).newest().view());
+    State state(history.newest().view());
+    for (std::size_t k = times.size() - num_states; k < times.size(); ++k) {
+      check(VecSet(state.q.get(), q_at(times[k])));
+      check(VecSet(state.v.get(), v_at(times[k])));
+      state.time = times[k];
+      history.push(state.view());
+    }
+    const StageSolve solve = [&, inner = test::newton(ode)](const StagePoint& stage, Vec q) {
+      const double q0 = test::values_of(stage.q0)[0];
+      const double line = v_at(0.6) + (v_at(0.6) - v_at(0.5)) / 0.1 * (stage.time - 0.6);
+      const double v = num_states == 2 ? line : v_at(stage.time);
+      EXPECT_NEAR(test::values_of(q)[0], q0 + stage.dt * v, 1e-14);
+      return inner(stage, q);
+    };
+    Stepper stepper(GetParam(), {.solve = solve, .guess = Guess::predicted}, history.newest().view());
+    EXPECT_EQ(stepper.attempt(history, {0.7, 0.1}).report.outcome, StageOutcome::converged);
+    // Where a step is much longer than those before, a polynomial says little.
+    const StageSolve long_solve = [&, inner = test::newton(ode)](const StagePoint& stage, Vec q) {
+      if (stage.time - 0.6 > 0.25) {
+        const double q0 = test::values_of(stage.q0)[0], v0 = test::values_of(stage.v0)[0];
+        EXPECT_NEAR(test::values_of(q)[0], q0 + stage.dt * v0, 1e-14);
+      }
+      return inner(stage, q);
+    };
+    Stepper leaps(GetParam(), {.solve = long_solve, .guess = Guess::predicted}, history.newest().view());
+    EXPECT_EQ(leaps.attempt(history, {1.6, 1.0}).report.outcome, StageOutcome::converged);
+  }
+}
+
 TEST_P(MethodSteps, AccelerationBalancesTheForceOfTheLastStage) {
   const Ode ode = pendulum();
   History history = test::history_of(ode);

@@ -1,0 +1,53 @@
+/// A sparse factorization in single precision, as a preconditioner for equations in double precision.
+#pragma once
+
+#include "energy/term.hpp"
+#include "petsc/handle.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace pliant {
+
+/// K = L D L^T, or L U of an unsymmetric K, by MUMPS in single precision. It takes half the time and memory of double
+/// precision, to factorize as to solve, for one or two iterations more of the Krylov method around it; the accuracy of
+/// the solution is that method's. No pivoting in L D L^T: pivots of small size make it a poor preconditioner, no wrong
+/// one. The analysis is done once: K keeps its pattern. All methods are collective.
+class SingleFactorization {
+ public:
+  explicit SingleFactorization(Symmetry symmetry);
+  ~SingleFactorization();
+  SingleFactorization(SingleFactorization&&) noexcept;
+  SingleFactorization& operator=(SingleFactorization&&) noexcept;
+
+  /// Factorizes K, an assembled matrix distributed by rows; what was there before is lost. False if there is no
+  /// factorization: K is singular to single precision.
+  bool factorize(Mat K);
+  /// x = K^-1 b, approximately, after a successful `factorize`.
+  void solve(Vec b, Vec x);
+  /// Number of negative pivots of L D L^T, as far as single precision tells; 0 for L U.
+  PetscInt negative_pivots() const;
+
+ private:
+  struct Mumps;
+
+  void analyse(Mat K);
+  /// The entries of K, divided by the largest.
+  void set_values(Mat K);
+  bool is_kept(PetscInt row, PetscInt column) const { return symmetry_ == Symmetry::unsymmetric || column >= row; }
+  void gather_solution(Vec x);
+
+  Symmetry symmetry_;
+  std::unique_ptr<Mumps> mumps_;
+  std::vector<int> rows_, columns_;  // of the entries, from 1
+  std::vector<float> values_;
+  double scale_ = 1.0;
+  // Right-hand side and solution; with several ranks the solution lies where the pivots are.
+  std::vector<int> rhs_rows_, solution_rows_;
+  std::vector<float> rhs_, solution_;
+  Handle<Vec> pivots_;
+  Handle<VecScatter> to_owners_;
+};
+
+}  // namespace pliant
