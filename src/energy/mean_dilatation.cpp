@@ -86,13 +86,13 @@ void project(DilatedTangent<Pack>& at) {
   std::array<Pack, 100> M;
   for (std::size_t p = 0; p < 9; ++p) {
     for (std::size_t q = 0; q < 9; ++q) M[10 * p + q] = at.FF[9 * p + q];
-    M[10 * p + 9] = M[90 + p] = at.Ftheta.a[p];
+    M[10 * p + 9] = M[90 + p] = at.coupling.a[p];
   }
   M[99] = at.thetatheta;
   project_to_positive_semidefinite(M);
   for (std::size_t p = 0; p < 9; ++p) {
     for (std::size_t q = 0; q < 9; ++q) at.FF[9 * p + q] = M[10 * p + q];
-    at.Ftheta.a[p] = M[10 * p + 9];
+    at.coupling.a[p] = M[10 * p + 9];
   }
   at.thetatheta = M[99];
 }
@@ -188,7 +188,7 @@ class MeanDilatationTerm final : public ElasticTerm {
         if (projection == Projection::positive_semidefinite) project(tangent);
         for (Pack& entry : tangent.FF) entry = select(at.valid(), w * entry, Pack(nan));
         add_blocks<num_nodes>(pulled_back(tangent.FF, X), dN, matrix);
-        add_force(w * pulled_back(tangent.Ftheta, X), dN, h);
+        add_force(w * pulled_back(tangent.coupling, X), dN, h);
         add_force(at.mean(w * at.point(k).J) * pulled_back(at.point(k).G, X), dN, g);
         k_theta += w * tangent.thetatheta;
       }

@@ -63,7 +63,7 @@ struct DilatedStress {
 template <class T>
 struct DilatedTangent {
   Tangent<T> FF;
-  Tensor3<T> Ftheta;
+  Tensor3<T> coupling;
   T thetatheta;
 
   PLIANT_INLINE DilatedTangent(const Dilated<T>& at, const Tensor3<T>& Pb, const Tangent<T>& Ab, const T& p) {
@@ -74,7 +74,7 @@ struct DilatedTangent {
     }
     const T tau = dot(Pb, Fbar), s = dot(Fbar, c), m = (tau + s) / 3.0;
     c = at.a * (c + Pb);
-    Ftheta = T(1.0 / (3.0 * at.theta)) * (c - m * at.G);
+    coupling = T(1.0 / (3.0 * at.theta)) * (c - m * at.G);
     thetatheta = (s - 2.0 * tau) / (9.0 * (at.theta * at.theta));
     const T pJ = p * at.J, same = m / 3.0 + pJ, crossed = tau / 3.0 - pJ, a2 = at.a * at.a;
     for (std::size_t k = 0; k < 9; ++k) {
