@@ -175,8 +175,13 @@ Handle<Mat> IncrementalPotential::make_hessian() const {
     check(MatSetOption(K.get(), MAT_SYMMETRIC, PETSC_FALSE));
     check(MatSetOption(K.get(), MAT_STRUCTURALLY_SYMMETRIC, PETSC_TRUE));
   }
-  set_rigid_body_modes(K.get(), layout_, prescribed_);
+  set_near_null_modes(K.get(), rigid_body_modes(layout_, prescribed_));
   return K;
+}
+
+std::optional<Coarsening> IncrementalPotential::make_coarsening() const {
+  if (layout_.order == 1) return std::nullopt;
+  return pliant::make_coarsening(layout_, prescribed_);
 }
 
 double IncrementalPotential::max_step(Vec q, Vec d) {

@@ -3,9 +3,11 @@
 
 #include "energy/rank_one.hpp"
 #include "energy/term.hpp"
+#include "fem/coarsening.hpp"
 #include "petsc/handle.hpp"
 #include "time/stage.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +28,8 @@ class StageEquation {
   virtual void gradient(Vec q, Vec r) = 0;
   /// A zero matrix for the Hessian, with a near-null space where there is one.
   virtual Handle<Mat> make_hessian() const = 0;
+  /// A coarse space of the unknowns for multigrid; nullopt where there is none.
+  virtual std::optional<Coarsening> make_coarsening() const { return std::nullopt; }
   /// K = dr/dq [N/m] without the parts of rank one, or an approximation; rows and columns of prescribed entries are
   /// zero but for the diagonal.
   virtual void hessian(Vec q, Mat K, Projection projection) = 0;

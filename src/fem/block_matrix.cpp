@@ -91,10 +91,10 @@ void set_near_null_modes(Mat K, std::vector<Handle<Vec>> modes) {
   check(MatSetNearNullSpace(K, space.get()));
 }
 
-void set_rigid_body_modes(Mat K, const NodeLayout& layout, std::span<const char> prescribed) {
+std::vector<Handle<Vec>> rigid_body_modes(const NodeLayout& layout, std::span<const char> prescribed) {
   std::vector<Handle<Vec>> modes(6);
   for (int m = 0; m < 6; ++m) {
-    check(MatCreateVecs(K, modes[m].out(), nullptr));
+    check(VecCreateMPI(layout.comm, 3 * layout.num_owned_nodes, PETSC_DETERMINE, modes[m].out()));
     const ArrayView mode(modes[m].get());
     for (PetscInt a = 0; a < layout.num_owned_nodes; ++a) {
       const auto X = layout.position(a);
@@ -109,7 +109,7 @@ void set_rigid_body_modes(Mat K, const NodeLayout& layout, std::span<const char>
       for (int i = 0; i < 3; ++i) mode[3 * a + i] = prescribed[3 * a + i] ? 0.0 : u[i];
     }
   }
-  set_near_null_modes(K, std::move(modes));
+  return modes;
 }
 
 BlockWriter::BlockWriter(const BlockPattern& pattern, Mat matrix)

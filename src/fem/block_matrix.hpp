@@ -74,9 +74,9 @@ Handle<Mat> make_matrix(const NodeLayout& layout, const BlockPattern& pattern);
 /// Collective.
 void set_near_null_modes(Mat matrix, std::vector<Handle<Vec>> modes);
 
-/// Gives the matrix its near-null space: three translations and three rotations of the reference configuration, zero on
-/// prescribed entries (flags as in RowElimination). Multigrid represents them on coarse levels. Collective.
-void set_rigid_body_modes(Mat matrix, const NodeLayout& layout, std::span<const char> is_prescribed);
+/// Three translations and three rotations of the reference configuration, zero on prescribed entries (flags as in
+/// RowElimination): the near-null space of a stiffness. Multigrid represents them on coarse levels. Collective.
+std::vector<Handle<Vec>> rigid_body_modes(const NodeLayout& layout, std::span<const char> is_prescribed);
 
 /// Symmetric elimination of prescribed entries from a matrix of the pattern: rows and columns to zero, diagonal to a
 /// given value.

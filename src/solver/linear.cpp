@@ -1,5 +1,6 @@
 #include "solver/linear.hpp"
 
+#include "fem/block_matrix.hpp"
 #include "petsc/callback.hpp"
 #include "solver/single_factorization.hpp"
 
@@ -44,6 +45,13 @@ bool factorizes_with_mumps(PC pc, PCType wanted, Mat* factor) {
 
 bool factorizes_with_mumps(PC pc, Mat* factor) {
   return factorizes_with_mumps(pc, PCCHOLESKY, factor) || factorizes_with_mumps(pc, PCLU, factor);
+}
+
+void use_algebraic_multigrid(PC pc) {
+  check(PCSetType(pc, PCGAMG));
+  check(PCGAMGSetReuseInterpolation(pc, PETSC_TRUE));
+  PetscReal threshold = 0.01;
+  check(PCGAMGSetThreshold(pc, &threshold, 1));
 }
 
 /// `workspace`: per cent beyond MUMPS's estimate.
@@ -167,6 +175,55 @@ void use_factorization(PC pc, Symmetry symmetry) {
   check(PCShellSetDestroy(pc, destroy_callback));
 }
 
+/// Two levels, quadratic and linear elements: Chebyshev smoothing on the first (Adams et al. 2003, "Parallel multigrid
+/// smoothing: polynomial versus Gauss-Seidel"), on the second a factorization, or algebraic multigrid where that is too
+/// large.
+void use_p_multigrid(PC pc, Mat K, const Coarsening& coarsening) {
+  Mat P = coarsening.prolongation.get();
+  check(PCSetType(pc, PCMG));
+  check(PCMGSetLevels(pc, 2, nullptr));
+  check(PCMGSetGalerkin(pc, PC_MG_GALERKIN_NONE));
+  check(PCMGSetInterpolation(pc, 1, P));
+  KSP smoother = nullptr, coarse = nullptr;
+  PC of_smoother = nullptr, of_coarse = nullptr;
+  check(PCMGGetSmoother(pc, 1, &smoother));
+  check(KSPSetType(smoother, KSPCHEBYSHEV));
+  check(KSPGetPC(smoother, &of_smoother));
+  check(PCSetType(of_smoother, PCJACOBI));
+  check(PCMGGetCoarseSolve(pc, &coarse));
+  check(KSPSetType(coarse, KSPPREONLY));
+  Handle<Mat> linear;
+  check(MatPtAP(K, P, MAT_INITIAL_MATRIX, PETSC_DEFAULT, linear.out()));
+  check(MatSetOption(linear.get(), MAT_SYMMETRIC, PETSC_TRUE));
+  check(MatSetOption(linear.get(), MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
+  std::vector<Handle<Vec>> modes;
+  for (const Handle<Vec>& mode : coarsening.rigid_body_modes) modes.push_back(mode.share());
+  set_near_null_modes(linear.get(), std::move(modes));
+  check(KSPSetOperators(coarse, linear.get(), linear.get()));
+  check(KSPGetPC(coarse, &of_coarse));
+  PetscInt num_unknowns = 0;
+  check(MatGetSize(linear.get(), &num_unknowns, nullptr));
+  if (automatic_linear_kind(num_unknowns) == LinearKind::cholesky) {
+    use_factorization(of_coarse, Symmetry::symmetric);
+  } else {
+    use_algebraic_multigrid(of_coarse);
+  }
+}
+
+/// The operator of the coarse level follows that of the fine one; PCs without levels of their own are left alone.
+void update_coarse_level(PC pc, Mat K) {
+  PetscBool is_multigrid = PETSC_FALSE;
+  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCMG, &is_multigrid));
+  if (!is_multigrid) return;
+  Mat P = nullptr, linear = nullptr;
+  KSP coarse = nullptr;
+  check(PCMGGetInterpolation(pc, 1, &P));
+  check(PCMGGetCoarseSolve(pc, &coarse));
+  check(KSPGetOperators(coarse, &linear, nullptr));
+  check(MatPtAP(K, P, MAT_REUSE_MATRIX, PETSC_DEFAULT, &linear));
+  check(KSPSetOperators(coarse, linear, linear));
+}
+
 }  // namespace
 
 LinearKind automatic_linear_kind(PetscInt num_unknowns) {
@@ -175,13 +232,13 @@ LinearKind automatic_linear_kind(PetscInt num_unknowns) {
 
 std::string describe(LinearKind kind, Symmetry symmetry) {
   const std::string krylov = symmetry == Symmetry::symmetric ? "conjugate gradients" : "GMRES";
-  if (kind == LinearKind::amg) return krylov + " with algebraic multigrid (GAMG)";
+  if (kind == LinearKind::amg) return krylov + " with multigrid (on P2: its linear functions, then GAMG)";
   return fmt::format("{} preconditioned by a MUMPS {} factorization in {} precision, kept while it pays", krylov,
                      symmetry == Symmetry::unsymmetric ? "LU" : "LDL^T",
                      symmetry == Symmetry::indefinite ? "double" : "single");
 }
 
-void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry) {
+void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry, const Coarsening* coarsening) {
   PC pc = nullptr;
   check(KSPGetPC(ksp, &pc));
   check(KSPSetOperators(ksp, K, K));
@@ -201,12 +258,12 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry)
     use_factorization(pc, symmetry);
   } else if (kind == LinearKind::cholesky) {
     use_double_precision(pc, symmetry);
+  } else if (coarsening != nullptr && symmetry == Symmetry::symmetric) {
+    use_p_multigrid(pc, K, *coarsening);
   } else {
-    check(PCSetType(pc, PCGAMG));
-    check(PCGAMGSetReuseInterpolation(pc, PETSC_TRUE));
+    use_algebraic_multigrid(pc);
     set_default_option("-mg_levels_ksp_type", "chebyshev");
     set_default_option("-mg_levels_pc_type", "jacobi");
-    set_default_option("-pc_gamg_threshold", "0.01");
   }
   check(KSPSetFromOptions(ksp));
   PetscBool solves_directly = PETSC_FALSE;
@@ -218,6 +275,7 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry)
 bool set_up_preconditioner(PC pc, Mat K) {
   check(PCSetReusePreconditioner(pc, PETSC_FALSE));
   check(PCSetOperators(pc, K, K));
+  update_coarse_level(pc, K);
   bool is_sound = false;
   if (const Factorization* factorization = factorization_of(pc)) {
     check(PCSetUp(pc));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "energy/term.hpp"
+#include "fem/coarsening.hpp"
 #include "petsc/handle.hpp"
 
 #include <optional>
@@ -19,9 +20,11 @@ LinearKind automatic_linear_kind(PetscInt num_unknowns);
 std::string describe(LinearKind kind, Symmetry symmetry = Symmetry::symmetric);
 
 /// Sets up `ksp` for the matrix K (with its near-null space, for multigrid) and the given method: conjugate gradients
-/// where K is symmetric and not indefinite, else GMRES. PETSc options (-ksp_..., -pc_..., -mat_mumps_...) override.
+/// where K is symmetric and not indefinite, else GMRES. Multigrid of a symmetric K takes the coarse space for its first
+/// coarse level, if there is one (it is copied from). PETSc options (-ksp_..., -pc_..., -mat_mumps_...) override.
 /// Collective.
-void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry);
+void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
+                             const Coarsening* coarsening = nullptr);
 
 /// Sets up the preconditioner (factorizes) for the present K, and keeps it for all further solves; a factorization that
 /// runs out of workspace is repeated with more. False if there is none, as K is singular: solve nothing then.

@@ -73,7 +73,8 @@ NewtonSolver::NewtonSolver(StageEquation& equation, const NewtonOptions& options
   check(SNESLineSearchShellSetUserFunc(search, line_search_callback, this));
   KSP ksp = nullptr;
   check(SNESGetKSP(snes, &ksp));
-  configure_linear_solver(ksp, K_.get(), linear, equation.symmetry());
+  const auto coarsening = linear == LinearKind::amg ? equation.make_coarsening() : std::nullopt;
+  configure_linear_solver(ksp, K_.get(), linear, equation.symmetry(), coarsening ? &*coarsening : nullptr);
   check(SNESSetFromOptions(snes));
   for (std::size_t k = 0; k < equation.num_rank_one(); ++k) rank_one_.push_back({0.0, equation.make_vector()});
   if (!rank_one_.empty()) {

@@ -46,7 +46,7 @@ TEST(Registry, TellsEveryMistakeAtItsPlace) {
     for (const auto& row : elastic_laws()) EXPECT_NE(text.find(row.name), std::string::npos);
   }
   try {
-    make_law("neo-hookean", -1.0, 0.5, {"a.yaml", 3, 5});
+    make_law("neo-hookean", -1.0, 0.6, {"a.yaml", 3, 5});
     FAIL() << "no exception";
   } catch (const InputError& e) {
     ASSERT_EQ(e.diagnostics().size(), 2u);

@@ -214,5 +214,48 @@ TEST(LinearSolver, DoublePrecisionTakesOverWhereSingleDoesNotDo) {
   EXPECT_LE(cube.residual(x.get(), b.get()), 1e-5);
 }
 
+// The finer the mesh, the better linear functions take care of what the smoother does not: the iterations stay.
+TEST(LinearSolver, PMultigridTakesAsManyIterationsOnFinerMeshes) {
+  const Scratch scratch(comm);
+  std::vector<PetscInt> iterations;
+  for (const int n : {4, 8}) {
+    const auto file = scratch.file("cube.msh", [&](const std::string& f) {
+      testing::write_body(f, {1, testing::Shape::straight, n});
+    });
+    const Solid solid(comm, file, 2, 2);
+    const auto elastic = solid.elastic(make_law("neo-hookean", 1e6, 0.3));
+    std::vector<char> clamped(3 * static_cast<std::size_t>(solid.layout().num_local_nodes), 0);
+    for (PetscInt a = 0; a < solid.layout().num_local_nodes; ++a) {
+      if (solid.layout().position(a)[0] < 1e-9) std::fill_n(clamped.begin() + 3 * a, 3, 1);
+    }
+    IncrementalPotential potential(solid.layout(), solid.pattern(), {elastic.get()}, clamped);
+    const testing::TestStage stage(solid, 0.0, 1.0);
+    potential.begin_stage(stage.point);
+    const Handle<Mat> K = potential.make_hessian();
+    potential.hessian(stage.q0.get(), K.get(), Projection::none);
+    const auto coarsening = potential.make_coarsening();
+    ASSERT_TRUE(coarsening.has_value());
+    Handle<KSP> ksp;
+    check(KSPCreate(comm, ksp.out()));
+    configure_linear_solver(ksp.get(), K.get(), LinearKind::amg, Symmetry::symmetric, &*coarsening);
+    // A second set-up, of a matrix twice as stiff, must not keep the coarse level of the first.
+    for (const double factor : {1.0, 2.0}) {
+      check(MatScale(K.get(), factor));
+      ASSERT_TRUE(set_up(ksp.get(), K.get()));
+      check(KSPSetTolerances(ksp.get(), 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+      const Handle<Vec> b = potential.make_vector(), x = potential.make_vector(), Kx = potential.make_vector();
+      check(MatMult(K.get(), solid.vector(testing::rough_field(1.0, 1)).get(), b.get()));
+      check(KSPSolve(ksp.get(), b.get(), x.get()));
+      check(MatMult(K.get(), x.get(), Kx.get()));
+      EXPECT_LE(testing::distance(Kx.get(), b.get()), 2e-8 * testing::norm(b.get()));
+      iterations.push_back(0);
+      check(KSPGetIterationNumber(ksp.get(), &iterations.back()));
+    }
+    EXPECT_EQ(iterations.back(), iterations[iterations.size() - 2]);
+  }
+  EXPECT_LE(iterations.back(), 16);
+  EXPECT_LE(iterations.back(), iterations.front() + 1);
+}
+
 }  // namespace
 }  // namespace pliant
