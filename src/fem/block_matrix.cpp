@@ -68,7 +68,7 @@ Handle<Mat> make_matrix(const NodeLayout& layout, const BlockPattern& pattern) {
   return matrix;
 }
 
-void set_near_null_modes(Mat K, std::vector<Handle<Vec>> modes) {
+Handle<MatNullSpace> near_null_space(MPI_Comm comm, std::vector<Handle<Vec>> modes) {
   // Modified Gram-Schmidt; modes that nothing is left of are dropped.
   std::vector<Vec> kept;
   for (const Handle<Vec>& mode : modes) {
@@ -86,8 +86,12 @@ void set_near_null_modes(Mat K, std::vector<Handle<Vec>> modes) {
     kept.push_back(v);
   }
   Handle<MatNullSpace> space;
-  check(MatNullSpaceCreate(PetscObjectComm(reinterpret_cast<PetscObject>(K)), PETSC_FALSE,
-                           static_cast<PetscInt>(kept.size()), kept.data(), space.out()));
+  check(MatNullSpaceCreate(comm, PETSC_FALSE, static_cast<PetscInt>(kept.size()), kept.data(), space.out()));
+  return space;
+}
+
+void set_near_null_modes(Mat K, std::vector<Handle<Vec>> modes) {
+  const auto space = near_null_space(PetscObjectComm(reinterpret_cast<PetscObject>(K)), std::move(modes));
   check(MatSetNearNullSpace(K, space.get()));
 }
 

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cassert>
+#include <vector>
 
 namespace pliant {
 namespace {
@@ -82,6 +83,7 @@ Coarsening make_coarsening(const NodeLayout& layout, std::span<const char> presc
   check(MatAssemblyBegin(P, MAT_FINAL_ASSEMBLY));
   check(MatAssemblyEnd(P, MAT_FINAL_ASSEMBLY));
 
+  std::vector<Handle<Vec>> modes;
   for (const Handle<Vec>& fine : rigid_body_modes(layout, prescribed)) {
     Handle<Vec> coarse;
     check(MatCreateVecs(P, coarse.out(), nullptr));
@@ -95,8 +97,9 @@ Coarsening make_coarsening(const NodeLayout& layout, std::span<const char> presc
         ++vertex;
       }
     }
-    result.rigid_body_modes.push_back(std::move(coarse));
+    modes.push_back(std::move(coarse));
   }
+  result.near_null = near_null_space(layout.comm, std::move(modes));
   return result;
 }
 

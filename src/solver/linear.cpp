@@ -1,6 +1,5 @@
 #include "solver/linear.hpp"
 
-#include "fem/block_matrix.hpp"
 #include "petsc/callback.hpp"
 #include "solver/single_factorization.hpp"
 
@@ -196,9 +195,7 @@ void use_p_multigrid(PC pc, Mat K, const Coarsening& coarsening) {
   check(MatPtAP(K, P, MAT_INITIAL_MATRIX, PETSC_DEFAULT, linear.out()));
   check(MatSetOption(linear.get(), MAT_SYMMETRIC, PETSC_TRUE));
   check(MatSetOption(linear.get(), MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
-  std::vector<Handle<Vec>> modes;
-  for (const Handle<Vec>& mode : coarsening.rigid_body_modes) modes.push_back(mode.share());
-  set_near_null_modes(linear.get(), std::move(modes));
+  check(MatSetNearNullSpace(linear.get(), coarsening.near_null.get()));
   check(KSPSetOperators(coarse, linear.get(), linear.get()));
   check(KSPGetPC(coarse, &of_coarse));
   PetscInt num_unknowns = 0;

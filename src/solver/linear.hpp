@@ -1,8 +1,7 @@
 /// How the linear systems of Newton's method are solved.
 #pragma once
 
-#include "energy/term.hpp"
-#include "fem/coarsening.hpp"
+#include "energy/stage_equation.hpp"
 #include "petsc/handle.hpp"
 
 #include <optional>
