@@ -2,9 +2,9 @@
 
 #include "base/error.hpp"
 #include "io/file.hpp"
-#include "io/hdf5.hpp"
 #include "petsc/check.hpp"
 #include "petsc/collective.hpp"
+#include "petsc/hdf5.hpp"
 #include "petsc/session.hpp"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #include "base/error.hpp"
-#include "io/hdf5.hpp"
 #include "io/result_writer.hpp"
 #include "petsc/collective.hpp"
+#include "petsc/hdf5.hpp"
 #include "petsc/session.hpp"
 #include "sample.hpp"
 

@@ -1,4 +1,4 @@
-#include "io/hdf5.hpp"
+#include "petsc/hdf5.hpp"
 
 #include "base/error.hpp"
 
