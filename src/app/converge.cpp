@@ -3,7 +3,7 @@
 #include "app/model.hpp"
 #include "app/sample.hpp"
 #include "app/simulation.hpp"
-#include "io/file.hpp"
+#include "base/file.hpp"
 #include "io/history_writer.hpp"
 #include "io/svg_plot.hpp"
 #include "petsc/collective.hpp"

@@ -1,7 +1,7 @@
 /// history.csv: one row of numbers per completed step, on the disk as soon as it is known.
 #pragma once
 
-#include "io/file.hpp"
+#include "base/file.hpp"
 
 #include <filesystem>
 #include <optional>

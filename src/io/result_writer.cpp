@@ -1,7 +1,7 @@
 #include "io/result_writer.hpp"
 
 #include "base/error.hpp"
-#include "io/file.hpp"
+#include "base/file.hpp"
 #include "petsc/check.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/hdf5.hpp"

@@ -1,6 +1,6 @@
 #include "io/svg_plot.hpp"
 
-#include "io/file.hpp"
+#include "base/file.hpp"
 #include "io/xdmf.hpp"
 #include "petsc/collective.hpp"
 

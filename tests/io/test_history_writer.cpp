@@ -1,5 +1,5 @@
 #include "base/error.hpp"
-#include "io/file.hpp"
+#include "base/file.hpp"
 #include "io/history_writer.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"

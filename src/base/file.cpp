@@ -1,4 +1,4 @@
-#include "io/file.hpp"
+#include "base/file.hpp"
 
 #include "base/error.hpp"
 
