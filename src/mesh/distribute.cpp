@@ -2,12 +2,15 @@
 
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
+#include "petsc/global_order.hpp"
 #include "petsc/session.hpp"
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 
 #include <petscdmplex.h>
+#include <petscdmplextransform.h>
 
 namespace pliant {
 namespace {
@@ -204,6 +207,65 @@ PointField refined(MPI_Comm comm, DM coarse, DM fine, const PointField& field) {
   return result;
 }
 
+/// Numbers from 0 as the serial mesh has them, of vertices or cells.
+PointField number_field(MPI_Comm comm, DM dm, int dimension) {
+  PointField field = make_field(comm, dm, dimension, 1);
+  const ArrayView values(field.values.get());
+  std::iota(values.span().begin(), values.span().end(), 0.0);
+  return field;
+}
+
+/// The numbers of cells on their children.
+PointField refined_cell_numbers(MPI_Comm comm, DM coarse, DM fine, const PointField& numbers) {
+  PointField result = refined(comm, coarse, fine, numbers);
+  const ArrayView values(result.values.get());
+  for (std::size_t i = 0; i < values.span().size(); ++i) {
+    double& number = values.span()[i];
+    number = 8.0 * number + static_cast<double>(i % 8);
+  }
+  return result;
+}
+
+/// Vertices of the refined mesh lie on vertices and edges of the coarse one; they are numbered in the order of the
+/// numbers of the ends.
+PointField refined_vertex_numbers(MPI_Comm comm, DM coarse, DM fine, const PointField& numbers) {
+  const std::vector<double> of_vertex = values_by_point(coarse, numbers);
+  const Stratum vertices = stratum(coarse, 0), edges = stratum(coarse, 1), fine_vertices = stratum(fine, 0);
+  // The same transformation as that of DMRefine, which alone knows where a point has gone.
+  Handle<DMPlexTransform> transform;
+  check(DMPlexTransformCreate(comm, transform.out()));
+  check(DMPlexTransformSetDM(transform.get(), coarse));
+  check(DMPlexTransformSetType(transform.get(), DMPLEXREFINEREGULAR));
+  check(DMPlexTransformSetUp(transform.get()));
+  std::vector<EntryKey> keys(static_cast<std::size_t>(fine_vertices.end - fine_vertices.begin));
+  const auto put = [&](DMPolytopeType from, PetscInt point, double a, double b) {
+    PetscInt target = -1;
+    check(DMPlexTransformGetTargetPoint(transform.get(), from, DM_POLYTOPE_POINT, point, 0, &target));
+    keys[static_cast<std::size_t>(target - fine_vertices.begin)] = {static_cast<std::int64_t>(std::min(a, b)),
+                                                                    static_cast<std::int64_t>(std::max(a, b))};
+  };
+  for (PetscInt v = vertices.begin; v < vertices.end; ++v) {
+    const double number = of_vertex[static_cast<std::size_t>(v - vertices.begin)];
+    put(DM_POLYTOPE_POINT, v, number, number);
+  }
+  for (PetscInt e = edges.begin; e < edges.end; ++e) {
+    const PetscInt* ends = nullptr;
+    check(DMPlexGetCone(coarse, e, &ends));
+    put(DM_POLYTOPE_SEGMENT, e, of_vertex[static_cast<std::size_t>(ends[0] - vertices.begin)],
+        of_vertex[static_cast<std::size_t>(ends[1] - vertices.begin)]);
+  }
+  const GlobalOrder order(comm, keys);
+  PointField result = make_field(comm, fine, 0, 1);
+  const ArrayView values(result.values.get());
+  std::ranges::copy(order.row_of_entry(), values.span().begin());
+  return result;
+}
+
+std::vector<std::int64_t> numbers_by_point(DM dm, const PointField& field) {
+  const std::vector<double> values = values_by_point(dm, field);
+  return {values.begin(), values.end()};
+}
+
 /// Each of the data by itself.
 void take_apart(const std::vector<double>& all, std::vector<CellField>& fields) {
   for (std::size_t at = 0; at < all.size();) {
@@ -261,9 +323,12 @@ void distribute(MPI_Comm comm, MeshParts&& parts, int refine, Mesh& result) {
   if (result.geometry_order == 2) midpoints = edge_field(comm, dm.get(), parts.mesh);
   const bool has_data = !result.cell_data.empty();
   if (has_data) data = cell_field(comm, dm.get(), parts.mesh, result.cell_data);
+  PointField vertex_numbers = number_field(comm, dm.get(), 0), cell_numbers = number_field(comm, dm.get(), 3);
   if (size > 1) prescribe_partition(dm.get(), parts.part, size);
   parts = {};
   const auto move_on = [&](DM from, Handle<DM> to, PetscSF migration) {
+    migrate(comm, from, migration, vertex_numbers);
+    migrate(comm, from, migration, cell_numbers);
     if (result.geometry_order == 2) migrate(comm, from, migration, midpoints);
     if (has_data) migrate(comm, from, migration, data);
     dm = std::move(to);
@@ -279,6 +344,8 @@ void distribute(MPI_Comm comm, MeshParts&& parts, int refine, Mesh& result) {
     check(DMPlexSetRefinementUniform(dm.get(), PETSC_TRUE));
     check(DMRefine(dm.get(), comm, fine.out()));
     if (has_data) data = refined(comm, dm.get(), fine.get(), data);
+    vertex_numbers = refined_vertex_numbers(comm, dm.get(), fine.get(), vertex_numbers);
+    cell_numbers = refined_cell_numbers(comm, dm.get(), fine.get(), cell_numbers);
     dm = std::move(fine);
     keep_own_dimension(dm.get(), result.groups);
   }
@@ -291,6 +358,8 @@ void distribute(MPI_Comm comm, MeshParts&& parts, int refine, Mesh& result) {
   }
   if (result.geometry_order == 2) result.edge_midpoints = values_by_point(dm.get(), midpoints);
   if (has_data) take_apart(values_by_point(dm.get(), data), result.cell_data);
+  result.vertex_numbers = numbers_by_point(dm.get(), vertex_numbers);
+  result.cell_numbers = numbers_by_point(dm.get(), cell_numbers);
   result.dm = std::move(dm);
 }
 

@@ -5,6 +5,7 @@
 #include "mesh/report.hpp"
 #include "petsc/handle.hpp"
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,7 +49,10 @@ struct Mesh {
       edge_midpoints;  ///< geometry_order 2: xyz of the mid-edge node of local edge point p at 3 * (p - edge_start) [m]
   std::vector<PhysicalGroup> groups;  ///< the same on every rank
   std::vector<CellField> cell_data;   ///< the same names on every rank; values by cell point, ghosts included
-  MeshReport report;                  ///< the same on every rank
+  /// Numbers from 0 of the local vertex and cell points (number - start of their stratum), ghosts included: which one
+  /// it is of the whole mesh, however that is spread over the ranks. Children of a refined cell c have 8 c .. 8 c + 7.
+  std::vector<std::int64_t> vertex_numbers, cell_numbers;
+  MeshReport report;  ///< the same on every rank
 };
 
 /// Reads or generates the mesh on rank 0, repairs and checks it, partitions it with METIS, distributes and refines it.

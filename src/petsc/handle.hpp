@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <petscdm.h>
+#include <petscdmplextransform.h>
 #include <petscis.h>
 #include <petscksp.h>
 #include <petscmat.h>
@@ -47,6 +48,9 @@ inline PetscErrorCode destroy(PetscSection* x) {
 }
 inline PetscErrorCode destroy(PetscSF* x) {
   return PetscSFDestroy(x);
+}
+inline PetscErrorCode destroy(DMPlexTransform* x) {
+  return DMPlexTransformDestroy(x);
 }
 inline PetscErrorCode destroy(MatNullSpace* x) {
   return MatNullSpaceDestroy(x);
