@@ -95,6 +95,17 @@ void ConstrainedEquation::set_near_null_space(Mat K) const {
   set_near_null_modes(K, std::move(reduced));
 }
 
+std::unique_ptr<NodalRotations> ConstrainedEquation::make_rotations() const {
+  auto rotations = equation_.make_rotations();
+  if (rotations) rotations->hold(map_.is_tied());
+  return rotations;
+}
+
+Vec ConstrainedEquation::displacements(Vec y) {
+  map_.expand(y, q_.get());
+  return q_.get();
+}
+
 void ConstrainedEquation::project(Mat K) {
   if (map_.is_symmetric()) {
     check(MatPtAP(full_.get(), map_.jacobian(), MAT_REUSE_MATRIX, PETSC_DEFAULT, &K));

@@ -28,6 +28,8 @@ class ConstrainedEquation final : public StageEquation {
   Handle<Mat> make_hessian() const override;
   /// `K` comes from make_hessian.
   void hessian(Vec y, Mat K, Projection projection) override;
+  std::unique_ptr<NodalRotations> make_rotations() const override;
+  Vec displacements(Vec y) override;
   std::size_t num_rank_one() const override { return equation_.num_rank_one(); }
   void rank_one_parts(Vec y, std::vector<RankOne>& parts) override;
   double max_step(Vec y, Vec d) override;

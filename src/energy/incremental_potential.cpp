@@ -184,6 +184,10 @@ std::optional<Coarsening> IncrementalPotential::make_coarsening() const {
   return pliant::make_coarsening(layout_, prescribed_);
 }
 
+std::unique_ptr<NodalRotations> IncrementalPotential::make_rotations() const {
+  return std::make_unique<NodalRotations>(layout_, prescribed_);
+}
+
 double IncrementalPotential::max_step(Vec q, Vec d) {
   const auto at = local(q, q_);
   const auto direction = local(d, d_);

@@ -48,6 +48,7 @@ class IncrementalPotential final : public StageEquation {
   /// A zero matrix for the Hessian, with the rigid-body modes as its near-null space.
   Handle<Mat> make_hessian() const override;
   std::optional<Coarsening> make_coarsening() const override;
+  std::unique_ptr<NodalRotations> make_rotations() const override;
   /// K = d2Phi/dq2 [N/m]; rows and columns of prescribed entries are zero but for the diagonal.
   void hessian(Vec q, Mat K, Projection projection) override;
   std::size_t num_rank_one() const override { return functions_of_sum_.size(); }

@@ -4,9 +4,11 @@
 #include "energy/rank_one.hpp"
 #include "energy/term.hpp"
 #include "fem/coarsening.hpp"
+#include "fem/nodal_rotations.hpp"
 #include "petsc/handle.hpp"
 #include "time/stage.hpp"
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +32,11 @@ class StageEquation {
   virtual Handle<Mat> make_hessian() const = 0;
   /// A coarse space of the unknowns for multigrid; nullopt where there is none.
   virtual std::optional<Coarsening> make_coarsening() const { return std::nullopt; }
+  /// Of the nodes whose displacements are unknowns, for preconditioners that turn with the body; nullptr where unknowns
+  /// are something else.
+  virtual std::unique_ptr<NodalRotations> make_rotations() const { return nullptr; }
+  /// The displacements of all nodes at the unknowns q, until the next call.
+  virtual Vec displacements(Vec q) { return q; }
   /// K = dr/dq [N/m] without the parts of rank one, or an approximation; rows and columns of prescribed entries are
   /// zero but for the diagonal.
   virtual void hessian(Vec q, Mat K, Projection projection) = 0;

@@ -21,6 +21,9 @@ constexpr double required_part = 0.1;
 /// A factorization costs some 10 (few unknowns) to 25 (many) iterations, a set-up of multigrid about as many.
 constexpr PetscInt iterations_that_age = 8;
 
+/// Of the residual of a linear system that conjugate gradients may leave where they meet negative curvature.
+constexpr double truncated_part = 0.1;
+
 double dot(Vec a, Vec b) {
   PetscScalar result = 0.0;
   check(VecDot(a, b, &result));
@@ -35,11 +38,19 @@ double norm(Vec a) {
 
 }  // namespace
 
-bool NewtonSolver::linear_solver_broke_down() const {
+bool NewtonSolver::linear_solver_broke_down(Vec r) const {
   KSP ksp = nullptr;
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   check(SNESGetKSP(snes_.get(), &ksp));
   check(KSPGetConvergedReason(ksp, &reason));
+  // Conjugate gradients that meet negative curvature leave what they had before it: a direction of descent, and a good
+  // one if the linear system is nearly solved (truncated Newton: Nash 1984, "Newton-type minimization via the Lanczos
+  // method").
+  if (reason == KSP_DIVERGED_INDEFINITE_MAT) {
+    PetscReal left = 0.0;
+    check(KSPGetResidualNorm(ksp, &left));
+    return left > truncated_part * norm(r);
+  }
   return reason < 0 && reason != KSP_DIVERGED_ITS;  // out of iterations is a poor direction, not a wrong one
 }
 
@@ -57,7 +68,7 @@ bool NewtonSolver::descends(Vec r, Vec y, double& slope) {
   } else if (iterations > fresh_rate_ * digits + iterations_that_age) {
     factor_is_wanted_ = true;
   }
-  if (linear_solver_broke_down() || !std::isfinite(slope)) return false;
+  if (linear_solver_broke_down(r) || !std::isfinite(slope)) return false;
   return path_ == Path::residual || slope < 0.0;  // whether a merit descends shows when it is tried
 }
 
@@ -119,7 +130,7 @@ bool NewtonSolver::lower_potential(Vec y, double slope, SNESLineSearch search) {
 
 bool NewtonSolver::shortens_correction(Vec r, Vec d, double& alpha) {
   solve_linear(r, correction_.get());
-  const bool is_usable = !linear_solver_broke_down();
+  const bool is_usable = !linear_solver_broke_down(r);
   const double before = merit_.of_step(d), after = merit_.of_step(correction_.get());
   if (is_usable && after <= std::pow(1.0 - required_part * alpha, 2) * before) return true;
   // What a linear equation would leave is (1 - alpha) d; the rest grows with alpha^2, and this length leaves half the
@@ -167,7 +178,7 @@ bool NewtonSolver::lower_residual(Vec y, SNESLineSearch search) {
 
 bool NewtonSolver::climb(Vec q) {
   if (!factor_is_current_) {
-    factorize();
+    factorize(q);
     return true;
   }
   if (projection_ == Projection::none) {
@@ -177,7 +188,7 @@ bool NewtonSolver::climb(Vec q) {
   } else {
     return false;
   }
-  factorize();
+  factorize(q);
   factor_is_wanted_ = true;  // the next Hessian may do without
   return true;
 }

@@ -284,6 +284,12 @@ bool set_up_preconditioner(PC pc, Mat K) {
   return is_sound;
 }
 
+bool is_factorization(PC pc) {
+  PetscBool is_of_petsc = PETSC_FALSE;
+  check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(pc), &is_of_petsc, PCCHOLESKY, PCLU, ""));
+  return is_of_petsc || factorization_of(pc) != nullptr;
+}
+
 std::string mumps_version() {
   return MUMPS_VERSION;
 }

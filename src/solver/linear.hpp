@@ -30,6 +30,9 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
 /// Collective.
 bool set_up_preconditioner(PC pc, Mat K);
 
+/// Whether all that the preconditioner applies comes from the matrix of its set-up: a factorization.
+bool is_factorization(PC pc);
+
 /// Of the library that factorizes, e.g. "5.5.1".
 std::string mumps_version();
 

@@ -76,6 +76,10 @@ NewtonSolver::NewtonSolver(StageEquation& equation, const NewtonOptions& options
   const auto coarsening = linear == LinearKind::amg ? equation.make_coarsening() : std::nullopt;
   configure_linear_solver(ksp, K_.get(), linear, equation.symmetry(), coarsening ? &*coarsening : nullptr);
   check(SNESSetFromOptions(snes));
+  PC pc = nullptr;
+  check(KSPGetPC(ksp, &pc));
+  check(PetscObjectReference(reinterpret_cast<PetscObject>(pc)));
+  preconditioner_ = Handle<PC>(pc);
   for (std::size_t k = 0; k < equation.num_rank_one(); ++k) rank_one_.push_back({0.0, equation.make_vector()});
   if (!rank_one_.empty()) {
     rank_one_system_ = std::make_unique<RankOneSystem>(ksp, K_.get(), rank_one_);
@@ -84,6 +88,11 @@ NewtonSolver::NewtonSolver(StageEquation& equation, const NewtonOptions& options
   PetscBool solves_directly = PETSC_FALSE;
   check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ksp), KSPPREONLY, &solves_directly));
   may_keep_factor_ = !solves_directly;
+  PetscBool turns = PETSC_TRUE;
+  check(PetscOptionsGetBool(nullptr, nullptr, "-newton_turn_factor", &turns, nullptr));
+  // Multigrid smooths with the present K, which has turned already.
+  if (turns && may_keep_factor_ && is_factorization(pc)) rotations_ = equation.make_rotations();
+  if (rotations_) turned_ = std::make_unique<TurnedPreconditioner>(ksp, *rotations_);
   PetscBool tolerance_is_given = PETSC_FALSE;
   check(PetscOptionsHasName(nullptr, nullptr, "-ksp_rtol", &tolerance_is_given));
   adapts_tolerance_ = !tolerance_is_given;
@@ -176,29 +185,21 @@ void NewtonSolver::regularize() {
   ++statistics_.regularizations;
 }
 
-void NewtonSolver::factorize() {
+void NewtonSolver::factorize(Vec q) {
   const Stopwatch watch(statistics_.factorization_seconds);
-  factor_failed_ = !set_up_preconditioner(preconditioner(), K_.get());
+  factor_failed_ = !set_up_preconditioner(preconditioner_.get(), K_.get());
   if (rank_one_system_ && !factor_failed_) factor_failed_ = !rank_one_system_->set_up();
   KSP ksp = nullptr;
   check(SNESGetKSP(snes_.get(), &ksp));
   check(KSPSetOperators(ksp, rank_one_system_ ? rank_one_system_->matrix() : K_.get(), K_.get()));
+  if (rotations_) rotations_->start(equation_.displacements(q));
   ++statistics_.factorizations;
   factor_is_wanted_ = !may_keep_factor_;
   factor_is_current_ = true;
 }
 
-PC NewtonSolver::preconditioner() const {
-  if (rank_one_system_) return rank_one_system_->inner();
-  KSP ksp = nullptr;
-  PC pc = nullptr;
-  check(SNESGetKSP(snes_.get(), &ksp));
-  check(KSPGetPC(ksp, &pc));
-  return pc;
-}
-
 std::optional<PetscInt> NewtonSolver::negative_eigenvalues() const {
-  std::optional<PetscInt> number = negative_pivots(preconditioner());
+  std::optional<PetscInt> number = negative_pivots(preconditioner_.get());
   if (number && rank_one_system_) *number -= rank_one_system_->negative_eigenvalues();
   return number;
 }
@@ -220,15 +221,18 @@ void NewtonSolver::linearize(Vec q) {
     merit_.set_scale(trial_.get());
     merit_has_scale_ = true;
   }
-  if (!factor_is_wanted_) return;
-  factorize();
+  if (!factor_is_wanted_) {
+    if (rotations_) rotations_->follow(equation_.displacements(q));
+    return;
+  }
+  factorize(q);
   if (factor_failed_) {
     while (factor_failed_ && climb(q)) {
     }
     if (factor_failed_) check(SNESSetJacobianDomainError(snes_.get()));
   } else if (negative_eigenvalues().value_or(equation_.num_negative_pivots()) != equation_.num_negative_pivots()) {
     assemble(q, Projection::positive_semidefinite);
-    factorize();
+    factorize(q);
     factor_is_wanted_ = true;  // the next Hessian may be definite again: look
   }
 }

@@ -8,6 +8,7 @@
 #include "solver/linear.hpp"
 #include "solver/merit.hpp"
 #include "solver/rank_one_system.hpp"
+#include "solver/turned_preconditioner.hpp"
 #include "time/stage.hpp"
 
 #include <algorithm>
@@ -94,9 +95,8 @@ class NewtonSolver {
   void choose_guess(const StagePoint& stage, Vec q);
   void assemble(Vec q, Projection projection);
   void regularize();
-  void factorize();
-  /// The preconditioner of K.
-  PC preconditioner() const;
+  /// The present K, which is that of q.
+  void factorize(Vec q);
   /// Of the Hessian with its parts of rank one, as the factorization of the present K tells.
   std::optional<PetscInt> negative_eigenvalues() const;
   void linearize(Vec q);
@@ -117,7 +117,8 @@ class NewtonSolver {
   bool climb(Vec q);
   bool descends(Vec r, Vec y, double& slope);
   void solve_linear(Vec r, Vec y);
-  bool linear_solver_broke_down() const;
+  /// Whether the solution of the last linear system, whose right-hand side was r, is no direction to go.
+  bool linear_solver_broke_down(Vec r) const;
   SNESConvergedReason judge(PetscInt iteration, double residual);
   double value(Vec q);
   /// What is to be lowered: the potential at q, or the merit of the residual there.
@@ -130,7 +131,10 @@ class NewtonSolver {
   Merit merit_;
   std::vector<RankOne> rank_one_;  // parts of the Hessian beside K
   Handle<SNES> snes_;
+  Handle<PC> preconditioner_;                       // of K
   std::unique_ptr<RankOneSystem> rank_one_system_;  // nullptr if there are no such parts
+  std::unique_ptr<NodalRotations> rotations_;       // since the factorization; nullptr if it does not turn
+  std::unique_ptr<TurnedPreconditioner> turned_;
   CallbackGuard guard_;
   SolverStatistics statistics_;
   // Of the stage being solved.

@@ -385,5 +385,35 @@ TEST_F(Newton, FreeFallIsExact) {
   EXPECT_LE(testing::deviation(problem.solid(), q.get(), exact), 1e-9);
 }
 
+// A tumbling body strains little, and its stiffness turns with it: so does the factorization.
+TEST_F(Newton, AKeptFactorizationTurnsWithTheBody) {
+  for (const bool turns : {true, false}) {
+    check(PetscOptionsSetValue(nullptr, "-newton_turn_factor", turns ? "true" : "false"));
+    ProblemSpec spec;
+    spec.law = make_law("neo-hookean", 1e7, 0.3);
+    spec.density = 1000.0;
+    Problem problem(comm, mesh(3), spec);
+    // About the z axis through the middle, by 0.2 rad each step.
+    const double dt = 0.01, spin = 20.0;
+    const auto q = problem.solid().vector(testing::at_rest), q0 = problem.solid().vector(testing::at_rest);
+    const auto v = problem.solid().vector([&](const Point& X) -> Point {
+      return {-spin * (X[1] - 0.5), spin * (X[0] - 0.5), 0.0};
+    });
+    for (int step = 1; step <= 10; ++step) {
+      const auto report = problem.solve(step * dt, dt, q0, v, q);
+      ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
+      check(VecWAXPY(v.get(), -1.0, q0.get(), q.get()));
+      check(VecScale(v.get(), 1.0 / dt));
+      check(VecCopy(q.get(), q0.get()));
+    }
+    if (turns) {
+      EXPECT_EQ(problem.statistics().factorizations, 1);
+    } else {
+      EXPECT_GT(problem.statistics().factorizations, 1);
+    }
+    check(PetscOptionsClearValue(nullptr, "-newton_turn_factor"));
+  }
+}
+
 }  // namespace
 }  // namespace pliant

@@ -1,0 +1,39 @@
+#include "solver/turned_preconditioner.hpp"
+
+#include "petsc/callback.hpp"
+
+namespace pliant {
+
+TurnedPreconditioner::TurnedPreconditioner(KSP ksp, const NodalRotations& rotations) : rotations_(rotations) {
+  PC pc = nullptr;
+  check(KSPGetPC(ksp, &pc));
+  check(PetscObjectReference(reinterpret_cast<PetscObject>(pc)));
+  inner_ = Handle<PC>(pc);
+  Mat A = nullptr, K = nullptr;
+  check(KSPGetOperators(ksp, &A, &K));
+  check(MatCreateVecs(K, turned_back_.out(), nullptr));
+  Handle<PC> outer;
+  check(PCCreate(PetscObjectComm(reinterpret_cast<PetscObject>(ksp)), outer.out()));
+  check(PCSetType(outer.get(), PCSHELL));
+  check(PCShellSetName(outer.get(), "an earlier factorization, turned with the nodes"));
+  check(PCShellSetContext(outer.get(), this));
+  check(PCShellSetApply(outer.get(), apply_callback));
+  check(KSPSetPC(ksp, outer.get()));
+  check(KSPSetOperators(ksp, A, K));
+}
+
+void TurnedPreconditioner::apply(Vec x, Vec y) {
+  check(VecCopy(x, turned_back_.get()));
+  rotations_.turn_back(turned_back_.get());
+  check(PCApply(inner_.get(), turned_back_.get(), y));
+  rotations_.turn(y);
+}
+
+PetscErrorCode TurnedPreconditioner::apply_callback(PC pc, Vec x, Vec y) {
+  void* self = nullptr;
+  const PetscErrorCode code = PCShellGetContext(pc, &self);
+  if (code != 0) return code;
+  return CallbackGuard().run([&] { static_cast<TurnedPreconditioner*>(self)->apply(x, y); });
+}
+
+}  // namespace pliant
