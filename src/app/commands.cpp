@@ -6,6 +6,7 @@
 #include "app/model.hpp"
 #include "app/run.hpp"
 #include "base/text.hpp"
+#include "base/units.hpp"
 #include "energy/viscous.hpp"
 #include "material/elastic_law.hpp"
 #include "material/viscosity_registry.hpp"
@@ -76,6 +77,24 @@ void plot_material_command(MPI_Comm comm, const std::string& law, const std::vec
   const std::string target = file.empty() ? law + ".svg" : file;
   write_svg(comm, target, stress_stretch_plot(spec, lowest, highest));
   if (rank(comm) == 0) fmt::print("{}: {}\n", target, describe(spec));
+}
+
+void convert_mesh_command(MPI_Comm comm, const Conversion& conversion, Console& console) {
+  MeshReport report;
+  on_root(comm, [&] {
+    MeshSource source;
+    source.file = conversion.from;
+    source.scale = conversion.scale;
+    try {
+      // The size is in metres, gmsh's in the unit of the geometry.
+      if (!conversion.size.empty()) source.size = parse_quantity(conversion.size, "m") / conversion.scale;
+    } catch (const UnitError& e) {
+      throw InputError({}, "--size " + conversion.size + ": " + e.what());
+    }
+    report = convert_mesh(source, conversion.to);
+  });
+  console.print(fmt::format("{}: {} tetrahedra, {} vertices", conversion.to, report.num_cells, report.num_vertices));
+  for (const auto& notice : report.notices) console.print("note: " + notice);
 }
 
 ExitCode run_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides, Console& console) {

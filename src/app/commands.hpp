@@ -17,6 +17,16 @@ ExitCode run_command(MPI_Comm comm, const std::string& file, const std::vector<O
 ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides,
                        Console& console);
 
+/// How `pliant mesh convert` is called.
+struct Conversion {
+  std::string from, to;
+  std::string size;    ///< target element size with a unit, for geometry; may be empty
+  double scale = 1.0;  ///< coordinates are multiplied by it
+};
+
+/// Writes a mesh, or what gmsh makes of a geometry, in the format that every rank reads its part of.
+void convert_mesh_command(MPI_Comm comm, const Conversion& conversion, Console& console);
+
 /// The integrators, for people.
 std::string methods_text();
 

@@ -27,6 +27,7 @@ struct Arguments {
   bool quiet = false;
   bool markdown = false;
   StudyOptions study;
+  Conversion conversion;
   std::string refine;
   bool accepts_any_order = false;
 
@@ -120,6 +121,21 @@ ExitCode parse_and_run(int argc, const char* const* argv) {
                                                                  : Refine::time;
       arguments.study.checks_orders = !arguments.accepts_any_order;
       result = converge_command(comm, arguments.file, arguments.overrides(), arguments.study, console);
+    };
+  });
+
+  CLI::App* mesh = app.add_subcommand("mesh", "what can be done with a mesh alone")->require_subcommand(1);
+  CLI::App* convert = mesh->add_subcommand(
+      "convert", "write a mesh as HDF5: every rank of a run reads its part of it, which large meshes need");
+  convert->add_option("MESH", arguments.conversion.from, "what mesh.file of an input may name (.msh, .geo, .step, ...)")
+      ->required();
+  convert->add_option("OUTPUT", arguments.conversion.to, "the file to write, NAME.h5")->required();
+  convert->add_option("--size", arguments.conversion.size, "target element size of geometry, e.g. \"2 mm\"");
+  convert->add_option("--scale", arguments.conversion.scale, "coordinates are multiplied by it")->capture_default_str();
+  convert->callback([&] {
+    command = [&] {
+      Console console(comm, Verbosity::normal);
+      convert_mesh_command(comm, arguments.conversion, console);
     };
   });
 

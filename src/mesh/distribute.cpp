@@ -28,53 +28,77 @@ Stratum stratum(DM dm, int dimension) {
   return s;
 }
 
-Handle<DM> build_plex(MPI_Comm comm, const MeshParts& parts) {
+/// The DMPlex of the cells as the ranks hold them, and the numbers in the file of its local vertices, ascending.
+struct Plex {
+  Handle<DM> dm;
+  std::vector<PetscInt> vertices;
+
+  /// The point of a vertex of the file.
+  PetscInt vertex_point(PetscInt node) const {
+    const auto found = std::lower_bound(vertices.begin(), vertices.end(), node);
+    return stratum(dm.get(), 0).begin + static_cast<PetscInt>(found - vertices.begin());
+  }
+};
+
+Handle<DM> plex_of_blocks(MPI_Comm comm, const MeshParts& parts, std::vector<PetscInt>& vertices) {
+  Handle<DM> dm;
+  const SerialMesh& mesh = parts.mesh;
+  check(DMPlexCreateFromCellListParallelPetsc(comm, 3, static_cast<PetscInt>(mesh.num_cells()), parts.num_vertices,
+                                              PETSC_DECIDE, num_corners, PETSC_TRUE, mesh.cells.data(), 3,
+                                              mesh.coordinates.data(), nullptr, nullptr, dm.out()));
+  // The vertices of the rank's cells, in ascending order, as the call makes them.
+  vertices = mesh.cells;
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return dm;
+}
+
+Handle<DM> plex_of_root(MPI_Comm comm, const MeshParts& parts, std::vector<PetscInt>& vertices) {
   Handle<DM> dm;
   const SerialMesh& mesh = parts.mesh;
   check(DMPlexCreateFromCellListPetsc(comm, 3, static_cast<PetscInt>(mesh.num_cells()), parts.num_vertices, num_corners,
                                       PETSC_TRUE, mesh.cells.data(), 3, mesh.coordinates.data(), dm.out()));
-  // Cells that share a vertex are neighbours: what the assembly of a vertex's rows needs.
-  check(DMSetBasicAdjacency(dm.get(), PETSC_FALSE, PETSC_TRUE));
-  // Shared points are spread over their ranks instead of going all to the highest one.
-  check(DMPlexSetPartitionBalance(dm.get(), PETSC_TRUE));
+  vertices.resize(static_cast<std::size_t>(parts.num_vertices));
+  std::iota(vertices.begin(), vertices.end(), 0);
   return dm;
 }
 
+Plex build_plex(MPI_Comm comm, const MeshParts& parts) {
+  Plex plex;
+  plex.dm = parts.held == MeshParts::Held::on_root ? plex_of_root(comm, parts, plex.vertices)
+                                                   : plex_of_blocks(comm, parts, plex.vertices);
+  // Cells that share a vertex are neighbours: what the assembly of a vertex's rows needs.
+  check(DMSetBasicAdjacency(plex.dm.get(), PETSC_FALSE, PETSC_TRUE));
+  // Shared points are spread over their ranks instead of going all to the highest one.
+  check(DMPlexSetPartitionBalance(plex.dm.get(), PETSC_TRUE));
+  return plex;
+}
+
 /// The point spanned by vertices, or -1 if the mesh has no such point.
-PetscInt point_of(DM dm, std::span<const PetscInt> nodes, PetscInt vertices_begin) {
+PetscInt point_of(const Plex& plex, std::span<const PetscInt> nodes) {
   std::array<PetscInt, 3> vertices{};
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     if (nodes[i] < 0) return -1;
-    vertices[i] = vertices_begin + nodes[i];
+    vertices[i] = plex.vertex_point(nodes[i]);
   }
   if (nodes.size() == 1) return vertices[0];
   PetscInt count = 0;
   const PetscInt* joined = nullptr;
-  check(DMPlexGetFullJoin(dm, static_cast<PetscInt>(nodes.size()), vertices.data(), &count, &joined));
+  check(DMPlexGetFullJoin(plex.dm.get(), static_cast<PetscInt>(nodes.size()), vertices.data(), &count, &joined));
   const PetscInt point = count == 1 ? joined[0] : -1;
-  check(DMPlexRestoreJoin(dm, static_cast<PetscInt>(nodes.size()), vertices.data(), &count, &joined));
+  check(DMPlexRestoreJoin(plex.dm.get(), static_cast<PetscInt>(nodes.size()), vertices.data(), &count, &joined));
   return point;
 }
 
-std::vector<PetscInt> points_of(DM dm, const SerialGroup& group, std::vector<std::string>& notices) {
+std::vector<PetscInt> points_of(const Plex& plex, const SerialGroup& group, std::vector<std::string>& notices) {
   if (group.group.dimension == 3) return group.members;  // cells are numbered from 0, in the order of the list
-  const PetscInt vertices_begin = stratum(dm, 0).begin;
   const auto size = static_cast<std::size_t>(group.group.dimension) + 1;
   std::vector<PetscInt> points;
-  std::size_t off_mesh = 0;
   for (std::size_t i = 0; i + size <= group.members.size(); i += size) {
-    const PetscInt p = point_of(dm, {&group.members[i], size}, vertices_begin);
-    if (p >= 0) {
-      points.push_back(p);
-    } else {
-      ++off_mesh;
-    }
+    const PetscInt p = point_of(plex, {&group.members[i], size});
+    if (p >= 0) points.push_back(p);
   }
-  if (off_mesh > 0) {
-    notices.push_back(describe(group.group) + ": " + std::to_string(off_mesh) + " of its " +
-                      std::to_string(group.members.size() / size) +
-                      " elements are not part of a tetrahedron and were left out");
-  }
+  notice_left_out(group, points.size(), notices);
   return points;
 }
 
@@ -90,12 +114,36 @@ void set_members(DM dm, const PhysicalGroup& group, std::vector<PetscInt> points
   check(DMLabelSetStratumIS(label, 1, is.get()));
 }
 
-/// One label per group; every rank has all of them, rank 0 fills them.
-void label_groups(DM dm, const MeshParts& parts, const std::vector<PhysicalGroup>& groups,
+/// The points that any rank has listed, of those that it shares with others too. Collective.
+std::vector<PetscInt> shared_members(DM dm, const std::vector<PetscInt>& points) {
+  PetscInt num_points = 0;
+  check(DMPlexGetChart(dm, nullptr, &num_points));
+  std::vector<PetscInt> mine(static_cast<std::size_t>(num_points), 0);
+  for (const PetscInt p : points) mine[static_cast<std::size_t>(p)] = 1;
+  PetscSF sf = nullptr;
+  check(DMGetPointSF(dm, &sf));
+  std::vector<PetscInt> all = mine;
+  check(PetscSFReduceBegin(sf, MPIU_INT, mine.data(), all.data(), MPI_MAX));
+  check(PetscSFReduceEnd(sf, MPIU_INT, mine.data(), all.data(), MPI_MAX));
+  mine = all;
+  check(PetscSFBcastBegin(sf, MPIU_INT, mine.data(), all.data(), MPI_REPLACE));
+  check(PetscSFBcastEnd(sf, MPIU_INT, mine.data(), all.data(), MPI_REPLACE));
+  std::vector<PetscInt> result;
+  for (PetscInt p = 0; p < num_points; ++p) {
+    if (all[static_cast<std::size_t>(p)] != 0) result.push_back(p);
+  }
+  return result;
+}
+
+/// One label per group; every rank has all of them, and fills them as far as it holds the groups. Collective.
+void label_groups(const Plex& plex, const MeshParts& parts, const std::vector<PhysicalGroup>& groups,
                   std::vector<std::string>& notices) {
+  DM dm = plex.dm.get();
   for (const auto& group : groups) check(DMCreateLabel(dm, label_name(group).c_str()));
   for (const auto& group : parts.mesh.groups) {
-    set_members(dm, group.group, points_of(dm, group, notices));
+    std::vector<PetscInt> points = points_of(plex, group, notices);
+    const bool can_be_shared = parts.held == MeshParts::Held::in_blocks && group.group.dimension < 3;
+    set_members(dm, group.group, can_be_shared ? shared_members(dm, points) : std::move(points));
   }
 }
 
@@ -157,7 +205,7 @@ PointField edge_field(MPI_Comm comm, DM dm, const SerialMesh& mesh) {
   return field;
 }
 
-/// All data of a cell one after another. Rank 0 has the cells and the values.
+/// All data of a cell one after another, where the cells are.
 PointField cell_field(MPI_Comm comm, DM dm, const SerialMesh& mesh, const std::vector<CellField>& names) {
   PetscInt components = 0;
   for (const auto& data : names) components += data.components;
@@ -207,12 +255,18 @@ PointField refined(MPI_Comm comm, DM coarse, DM fine, const PointField& field) {
   return result;
 }
 
-/// Numbers from 0 as the serial mesh has them, of vertices or cells.
-PointField number_field(MPI_Comm comm, DM dm, int dimension) {
+/// Numbers from 0 as the file has them, of vertices or cells.
+PointField number_field(MPI_Comm comm, DM dm, int dimension, const std::vector<PetscInt>& numbers) {
   PointField field = make_field(comm, dm, dimension, 1);
   const ArrayView values(field.values.get());
-  std::iota(values.span().begin(), values.span().end(), 0.0);
+  std::ranges::copy(numbers, values.span().begin());
   return field;
+}
+
+std::vector<PetscInt> numbers_of_cells(const MeshParts& parts) {
+  std::vector<PetscInt> numbers(parts.mesh.num_cells());
+  std::iota(numbers.begin(), numbers.end(), parts.first_cell);
+  return numbers;
 }
 
 /// The numbers of cells on their children.
@@ -275,6 +329,38 @@ void take_apart(const std::vector<double>& all, std::vector<CellField>& fields) 
   }
 }
 
+/// Hands the cells to ranks by PTScotch or ParMETIS, whichever PETSc has. PTScotch does not cut a mesh the same way
+/// again: the order in which its messages arrive decides.
+void partition_in_parallel(DM dm) {
+#if defined(PETSC_HAVE_PTSCOTCH)
+  constexpr const char* kind = PETSCPARTITIONERPTSCOTCH;
+#elif defined(PETSC_HAVE_PARMETIS)
+  constexpr const char* kind = PETSCPARTITIONERPARMETIS;
+#else
+  // The file's order along a space-filling curve makes compact parts too.
+  constexpr const char* kind = PETSCPARTITIONERSIMPLE;
+#endif
+  PetscPartitioner partitioner = nullptr;
+  check(DMPlexGetPartitioner(dm, &partitioner));
+  check(PetscPartitionerSetType(partitioner, kind));
+}
+
+/// Facets whose two cells are on different ranks. There must be no overlap yet. Collective.
+long long num_cut_facets(MPI_Comm comm, DM dm) {
+  const auto [begin, end] = stratum(dm, 2);
+  PetscSF sf = nullptr;
+  PetscInt num_leaves = 0;
+  const PetscInt* leaves = nullptr;
+  check(DMGetPointSF(dm, &sf));
+  check(PetscSFGetGraph(sf, nullptr, &num_leaves, &leaves, nullptr));
+  PetscInt64 count = 0;
+  for (PetscInt i = 0; i < num_leaves; ++i) {
+    const PetscInt p = leaves != nullptr ? leaves[i] : i;
+    count += p >= begin && p < end ? 1 : 0;
+  }
+  return sum(comm, count);
+}
+
 /// Hands the cells to the ranks that METIS chose. No other rank holds cells yet.
 void prescribe_partition(DM dm, const std::vector<PetscInt>& part, int size) {
   std::vector<PetscInt> sizes(static_cast<std::size_t>(size), 0);
@@ -316,16 +402,21 @@ void keep_own_dimension(DM dm, const std::vector<PhysicalGroup>& groups) {
 
 void distribute(MPI_Comm comm, MeshParts&& parts, int refine, Mesh& result) {
   const int size = num_ranks(comm);
-  Handle<DM> dm = build_plex(comm, parts);
-  label_groups(dm.get(), parts, result.groups, result.report.notices);
+  const bool in_blocks = parts.held == MeshParts::Held::in_blocks;
+  Plex plex = build_plex(comm, parts);
+  label_groups(plex, parts, result.groups, result.report.notices);
+  Handle<DM> dm = std::move(plex.dm);
   result.geometry_order = any(comm, parts.mesh.geometry_order() == 2) ? 2 : 1;
   PointField midpoints, data;
   if (result.geometry_order == 2) midpoints = edge_field(comm, dm.get(), parts.mesh);
   const bool has_data = !result.cell_data.empty();
   if (has_data) data = cell_field(comm, dm.get(), parts.mesh, result.cell_data);
-  PointField vertex_numbers = number_field(comm, dm.get(), 0), cell_numbers = number_field(comm, dm.get(), 3);
-  if (size > 1) prescribe_partition(dm.get(), parts.part, size);
+  PointField vertex_numbers = number_field(comm, dm.get(), 0, plex.vertices);
+  PointField cell_numbers = number_field(comm, dm.get(), 3, numbers_of_cells(parts));
+  if (size > 1 && in_blocks) partition_in_parallel(dm.get());
+  if (size > 1 && !in_blocks) prescribe_partition(dm.get(), parts.part, size);
   parts = {};
+  plex = {};
   const auto move_on = [&](DM from, Handle<DM> to, PetscSF migration) {
     migrate(comm, from, migration, vertex_numbers);
     migrate(comm, from, migration, cell_numbers);
@@ -339,6 +430,7 @@ void distribute(MPI_Comm comm, MeshParts&& parts, int refine, Mesh& result) {
     check(DMPlexDistribute(dm.get(), 0, migration.out(), distributed.out()));
     move_on(dm.get(), std::move(distributed), migration.get());
   }
+  if (size > 1 && in_blocks) result.report.edge_cut = num_cut_facets(comm, dm.get());
   for (int i = 0; i < refine; ++i) {
     Handle<DM> fine;
     check(DMPlexSetRefinementUniform(dm.get(), PETSC_TRUE));

@@ -5,11 +5,17 @@
 
 namespace pliant {
 
-/// A serial mesh with what the distribution needs; empty but for `groups` on ranks other than 0.
+/// The mesh before its distribution.
 struct MeshParts {
-  SerialMesh mesh;             ///< corner nodes first
-  PetscInt num_vertices = 0;   ///< corner nodes
-  std::vector<PetscInt> part;  ///< rank of each cell
+  enum class Held {
+    on_root,   ///< rank 0 has all of it, METIS has cut it
+    in_blocks  ///< each rank has a block of the cells and one of the nodes, rank after rank; it is cut in parallel
+  };
+  Held held = Held::on_root;
+  SerialMesh mesh;             ///< corner nodes first; in blocks: the cells and groups count the nodes of all ranks
+  PetscInt num_vertices = 0;   ///< corner nodes that this rank holds
+  PetscInt first_cell = 0;     ///< in blocks: cells that ranks before this one hold
+  std::vector<PetscInt> part;  ///< on rank 0: rank of each cell
 };
 
 /// Builds the DMPlex with its labels, hands the cells to their ranks, refines, and adds the layer of overlap cells.

@@ -5,6 +5,7 @@
 #include "mesh/gmsh_session.hpp"
 #include "mesh/isolated.hpp"
 #include "mesh/msh_reader.hpp"
+#include "mesh/source_checks.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -36,16 +37,7 @@ Kind kind_of(const std::string& file) {
   if (extension == ".step" || extension == ".stp" || extension == ".brep") return Kind::cad;
   if (extension == ".stl") return Kind::surface;
   throw MeshDefect(
-      "its extension says nothing I can read: meshes are .msh; geometry is .geo, .step, .stp, .brep or .stl");
-}
-
-void require_readable(const std::string& file) {
-  std::error_code error;
-  if (!std::filesystem::exists(file, error)) throw MeshDefect("there is no such file");
-  if (std::filesystem::is_directory(file, error)) throw MeshDefect("this is a directory, not a file");
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw FileError("mesh file '" + file + "' cannot be opened: no permission to read it");
-  if (stream.peek() == std::ifstream::traits_type::eof()) throw MeshDefect("it is empty");
+      "its extension says nothing I can read: meshes are .msh or .h5; geometry is .geo, .step, .stp, .brep or .stl");
 }
 
 /// Makes `size` the target everywhere: nothing else may give a size, and nothing may prescribe a division.

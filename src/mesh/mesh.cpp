@@ -4,34 +4,23 @@
 #include "mesh/dual_graph.hpp"
 #include "mesh/gmsh_import.hpp"
 #include "mesh/measure.hpp"
+#include "mesh/mesh_file.hpp"
 #include "mesh/repair.hpp"
+#include "mesh/source_checks.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"
 
-#include <cmath>
+#include <algorithm>
+#include <iterator>
 
 namespace pliant {
 namespace {
 
-void require_sane(const MeshSource& source) {
-  std::vector<std::string> reasons;
-  if (source.size && !(*source.size > 0.0 && std::isfinite(*source.size)))
-    reasons.push_back("its size must be a positive length");
-  if (!(source.scale > 0.0 && std::isfinite(source.scale))) reasons.push_back("its scale must be a positive number");
-  if (source.refine < 0) reasons.push_back("refine must be 0 or a positive number of refinements");
-  if (!reasons.empty()) throw MeshDefect(reasons);
-}
-
-void require_enough_cells(std::size_t num_cells, int size) {
-  if (num_cells >= static_cast<std::size_t>(size)) return;
-  throw MeshDefect("it has " + std::to_string(num_cells) + " tetrahedra for " + std::to_string(size) +
-                   " ranks, and every rank needs one: run on fewer ranks or mesh it finer");
-}
-
-/// All that rank 0 does alone.
-MeshParts prepare(const MeshSource& source, int size, MeshReport& report) {
+/// The whole mesh, repaired and checked, and its partition into `num_parts`.
+MeshParts prepare(const MeshSource& source, int num_parts, MeshReport& report) {
   require_sane(source);
-  MeshParts parts{import_mesh(source), 0, {}};
+  MeshParts parts;
+  parts.mesh = import_mesh(source);
   report.notices = std::move(parts.mesh.notices);
   for (double& x : parts.mesh.coordinates) x *= source.scale;
   parts.num_vertices = repair(parts.mesh, report);
@@ -39,23 +28,11 @@ MeshParts prepare(const MeshSource& source, int size, MeshReport& report) {
     throw MeshDefect(
         "refine cannot be used with curved second-order elements: mesh it finer in gmsh, or use first-order elements");
   }
-  require_enough_cells(parts.mesh.num_cells(), size);
+  require_enough_cells(static_cast<std::int64_t>(parts.mesh.num_cells()), num_parts);
   const DualGraph graph(parts.mesh);
   check_connections(parts.mesh, graph, parts.num_vertices, report);
-  parts.part = graph.partition(size, report.edge_cut);
+  parts.part = graph.partition(num_parts, report.edge_cut);
   return parts;
-}
-
-MeshParts prepare_or_reject(const MeshSource& source, int size, MeshReport& report) {
-  try {
-    return prepare(source, size, report);
-  } catch (const MeshDefect& defect) {
-    std::vector<Diagnostic> diagnostics;
-    for (const auto& reason : defect.reasons()) {
-      diagnostics.push_back({source.where, "mesh file '" + source.file + "': " + reason});
-    }
-    throw InputError(std::move(diagnostics));
-  }
 }
 
 constexpr char field_end = '\x1f';
@@ -111,12 +88,37 @@ std::string label_name(const PhysicalGroup& group) {
 Mesh read_mesh(MPI_Comm comm, const MeshSource& source) {
   Mesh mesh;
   MeshParts parts;
-  on_root(comm, [&] { parts = prepare_or_reject(source, num_ranks(comm), mesh.report); });
+  const bool is_whole = !is_mesh_file(source.file);
+  if (is_whole) {
+    on_root(comm, [&] { telling_the_user(source, [&] { parts = prepare(source, num_ranks(comm), mesh.report); }); });
+  } else {
+    parts = read_mesh_file(comm, source);
+  }
   mesh.groups = shared_groups(comm, parts.mesh);
   mesh.cell_data = shared_cell_data(comm, parts.mesh);
   distribute(comm, std::move(parts), source.refine, mesh);
   measure(comm, mesh);
+  // The whole mesh was checked before; of another's parts only their sum is known.
+  telling_the_user(source, [&] {
+    if (is_whole || mesh.report.min_quality > 0.0) return;
+    throw MeshDefect(
+        "it has inverted or flat tetrahedra, which `pliant mesh convert` would not have written: write it again");
+  });
   return mesh;
+}
+
+MeshReport convert_mesh(const MeshSource& source, const std::string& file) {
+  MeshReport report;
+  telling_the_user(source, [&] {
+    if (!is_mesh_file(file)) throw MeshDefect("the mesh that is made of it must be named .h5, not '" + file + "'");
+    if (is_mesh_file(source.file)) throw MeshDefect("it is in Pliant's own format already");
+    MeshParts parts = prepare(source, 1, report);
+    report.num_cells = static_cast<long long>(parts.mesh.num_cells());
+    report.num_vertices = parts.num_vertices;
+    write_mesh_file(file, parts.mesh);
+    std::ranges::move(parts.mesh.notices, std::back_inserter(report.notices));
+  });
+  return report;
 }
 
 }  // namespace pliant

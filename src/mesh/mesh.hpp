@@ -31,7 +31,7 @@ struct CellField {
 
 /// Where a mesh comes from.
 struct MeshSource {
-  std::string file;            ///< .geo .step .stp .brep .stl are meshed by gmsh, .msh is read as it is
+  std::string file;            ///< .geo .step .stp .brep .stl are meshed by gmsh, .msh and .h5 are read as they are
   Location where;              ///< the place in the user's input that names the file, for messages
   std::optional<double> size;  ///< target element size in the unit of the file, for files that gmsh meshes
   double scale = 1.0;          ///< coordinates are multiplied by it
@@ -56,7 +56,13 @@ struct Mesh {
 };
 
 /// Reads or generates the mesh on rank 0, repairs and checks it, partitions it with METIS, distributes and refines it.
+/// Of a mesh in Pliant's own format (.h5, see mesh_file.hpp) every rank reads a part, PTScotch partitions it on all
+/// ranks, and no rank ever holds the whole.
 /// Throws InputError (named file, what is wrong, what to do) or FileError on every rank alike. Collective.
 Mesh read_mesh(MPI_Comm comm, const MeshSource& source);
+
+/// Writes what read_mesh would read (`refine` does not count) to `file` in Pliant's own format. Returns what it found:
+/// numbers of cells, vertices and repairs, and notices. Throws as read_mesh does. Not collective.
+MeshReport convert_mesh(const MeshSource& source, const std::string& file);
 
 }  // namespace pliant

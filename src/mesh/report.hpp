@@ -31,10 +31,10 @@ struct MeshReport {
   std::array<double, 6> bounds{};         ///< xmin ymin zmin xmax ymax zmax [m]
   double volume = 0.0;                    ///< [m^3], of the straight tetrahedra
   std::vector<long long> cells_per_rank;  ///< owned
-  long long edge_cut = 0;  ///< facets shared by cells of two ranks, as METIS counted them on the unrefined mesh
-  int geometry_order = 1;  ///< 2: curved edges
-  std::vector<GroupReport> groups;   ///< in the order of Mesh::groups
-  std::vector<std::string> notices;  ///< in plain words, e.g. "12 inverted tetrahedra were turned round"
+  long long edge_cut = 0;                 ///< facets shared by cells of two ranks, on the unrefined mesh
+  int geometry_order = 1;                 ///< 2: curved edges
+  std::vector<GroupReport> groups;        ///< in the order of Mesh::groups
+  std::vector<std::string> notices;       ///< in plain words, e.g. "12 inverted tetrahedra were turned round"
 };
 
 /// The report as aligned text of several lines, with a histogram of the quality; ends with a line break.

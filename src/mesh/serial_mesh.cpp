@@ -20,6 +20,13 @@ std::string describe(const PhysicalGroup& group) {
   return std::string("physical ") + kinds.at(static_cast<std::size_t>(group.dimension)) + " " + name;
 }
 
+void notice_left_out(const SerialGroup& group, std::size_t num_found, std::vector<std::string>& notices) {
+  const std::size_t num_members = group.members.size() / (static_cast<std::size_t>(group.group.dimension) + 1);
+  if (num_found == num_members) return;
+  notices.push_back(describe(group.group) + ": " + std::to_string(num_members - num_found) + " of its " +
+                    std::to_string(num_members) + " elements are not part of a tetrahedron and were left out");
+}
+
 std::string first_few(const std::vector<std::size_t>& numbers) {
   constexpr std::size_t shown = 5;
   std::string text;

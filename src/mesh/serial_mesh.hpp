@@ -53,6 +53,10 @@ class MeshDefect : public std::runtime_error {
 /// "physical surface 'clamp'", or with the tag if it has no name.
 std::string describe(const PhysicalGroup& group);
 
+/// Adds "physical surface 'clamp': 2 of its 8 elements are not part of a tetrahedron and were left out" if not all of
+/// them were found. For groups of points, curves and surfaces.
+void notice_left_out(const SerialGroup& group, std::size_t num_found, std::vector<std::string>& notices);
+
 /// "3, 17, 20, ... (1204 in all)": the first few of many numbers, in the order given.
 std::string first_few(const std::vector<std::size_t>& numbers);
 

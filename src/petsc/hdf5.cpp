@@ -96,4 +96,69 @@ void write_attribute(hid_t object, const std::string& name, const std::string& v
   write_scalar(object, name, type.get(), value.c_str());
 }
 
+std::int64_t integer_attribute(hid_t object, const std::string& name) {
+  const std::string doing = "read the attribute '" + name + "'";
+  const Hdf5Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, doing);
+  const Hdf5Handle type(H5Aget_type(attribute.get()), H5Tclose, doing);
+  const Hdf5Handle space(H5Aget_space(attribute.get()), H5Sclose, doing);
+  if (H5Tget_class(type.get()) != H5T_INTEGER || H5Sget_simple_extent_npoints(space.get()) != 1) {
+    throw FileError("cannot " + doing + ": it is not a whole number");
+  }
+  std::int64_t value = 0;
+  check_hdf5(H5Aread(attribute.get(), H5T_NATIVE_INT64, &value), doing);
+  return value;
+}
+
+std::string text_attribute(hid_t object, const std::string& name) {
+  const std::string doing = "read the attribute '" + name + "'";
+  const Hdf5Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, doing);
+  const Hdf5Handle type(H5Aget_type(attribute.get()), H5Tclose, doing);
+  const Hdf5Handle space(H5Aget_space(attribute.get()), H5Sclose, doing);
+  if (H5Tget_class(type.get()) != H5T_STRING || H5Sget_simple_extent_npoints(space.get()) != 1) {
+    throw FileError("cannot " + doing + ": it is not a text");
+  }
+  if (H5Tis_variable_str(type.get()) > 0) {
+    char* text = nullptr;
+    check_hdf5(H5Aread(attribute.get(), type.get(), &text), doing);
+    const std::string value = text != nullptr ? text : "";
+    (void)H5free_memory(text);
+    return value;
+  }
+  std::string value(H5Tget_size(type.get()), '\0');
+  check_hdf5(H5Aread(attribute.get(), type.get(), value.data()), doing);
+  return value.substr(0, value.find('\0'));
+}
+
+std::vector<hsize_t> sizes_of(hid_t dataset) {
+  const Hdf5Handle space(H5Dget_space(dataset), H5Sclose, "read the size of a dataset");
+  const int rank = H5Sget_simple_extent_ndims(space.get());
+  check_hdf5(rank, "read the size of a dataset");
+  std::vector<hsize_t> sizes(static_cast<std::size_t>(rank));
+  check_hdf5(H5Sget_simple_extent_dims(space.get(), sizes.data(), nullptr), "read the size of a dataset");
+  return sizes;
+}
+
+void read_rows(hid_t dataset, const Hdf5Rows& rows, hid_t type, void* values) {
+  if (rows.count == 0) return;
+  const std::string doing = "read rows of a dataset";
+  std::vector<hsize_t> count = sizes_of(dataset), start(count.size(), 0);
+  start.at(0) = static_cast<hsize_t>(rows.first);
+  count.at(0) = static_cast<hsize_t>(rows.count);
+  const Hdf5Handle in_file(H5Dget_space(dataset), H5Sclose, doing);
+  check_hdf5(H5Sselect_hyperslab(in_file.get(), H5S_SELECT_SET, start.data(), nullptr, count.data(), /*block=*/nullptr),
+             doing);
+  const Hdf5Handle in_memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr), H5Sclose, doing);
+  check_hdf5(H5Dread(dataset, type, in_memory.get(), in_file.get(), H5P_DEFAULT, values), doing);
+}
+
+void write_dataset(hid_t parent, const std::string& name, const std::vector<hsize_t>& sizes, hid_t type,
+                   const void* values) {
+  const std::string doing = "write the dataset '" + name + "'";
+  const Hdf5Handle space(H5Screate_simple(static_cast<int>(sizes.size()), sizes.data(), nullptr), H5Sclose, doing);
+  const Hdf5Handle dataset(H5Dcreate2(parent, name.c_str(), type, space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                           H5Dclose, doing);
+  if (H5Sget_simple_extent_npoints(space.get()) == 0) return;
+  check_hdf5(H5Dwrite(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), doing);
+}
+
 }  // namespace pliant

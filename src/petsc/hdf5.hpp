@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <hdf5.h>
 
@@ -57,5 +58,25 @@ Hdf5Handle open_hdf5(const std::filesystem::path& file, Hdf5Mode mode);
 void write_attribute(hid_t object, const std::string& name, double value);
 void write_attribute(hid_t object, const std::string& name, std::int64_t value);
 void write_attribute(hid_t object, const std::string& name, const std::string& value);
+
+/// Throw FileError if there is no such attribute, or it is no whole number or no text.
+std::int64_t integer_attribute(hid_t object, const std::string& name);
+std::string text_attribute(hid_t object, const std::string& name);
+
+/// Sizes of a dataset, slowest first.
+std::vector<hsize_t> sizes_of(hid_t dataset);
+
+/// Rows of a dataset, counted by its slowest index.
+struct Hdf5Rows {
+  std::int64_t first = 0;
+  std::int64_t count = 0;
+};
+
+/// Whole rows into `values`, which has room for them. `type`: of the values in memory.
+void read_rows(hid_t dataset, const Hdf5Rows& rows, hid_t type, void* values);
+
+/// A dataset of the given sizes with all its values.
+void write_dataset(hid_t parent, const std::string& name, const std::vector<hsize_t>& sizes, hid_t type,
+                   const void* values);
 
 }  // namespace pliant

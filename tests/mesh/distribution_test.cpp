@@ -23,9 +23,13 @@ using testing::write_box_msh;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
+/// How the mesh comes in: by rank 0 and METIS, or in parts on every rank.
+enum class Format { msh, h5 };
+
 struct Box {
   std::array<int, 3> n;
   int refine = 0;
+  Format format = Format::msh;
   long long num_cells() const { return 6LL * n[0] * n[1] * n[2] << (3 * refine); }
   long long num_vertices() const {
     return ((static_cast<long long>(n[0]) << refine) + 1) * ((n[1] << refine) + 1) * ((n[2] << refine) + 1);
@@ -33,16 +37,29 @@ struct Box {
 };
 
 std::ostream& operator<<(std::ostream& out, const Box& box) {
-  return out << box.n[0] << "x" << box.n[1] << "x" << box.n[2] << " refined " << box.refine;
+  return out << box.n[0] << "x" << box.n[1] << "x" << box.n[2] << " refined " << box.refine
+             << (box.format == Format::msh ? " msh" : " h5");
 }
 
 constexpr std::array<double, 3> size{2.0, 1.0, 0.5};
 
+/// The .msh file, or the one in Pliant's own format that it becomes. Collective.
+std::string in_format(Format format, const Scratch& scratch, const std::string& msh) {
+  if (format == Format::msh) return msh;
+  return scratch.file("box.h5", [&](const std::string& file) {
+    MeshSource source;
+    source.file = msh;
+    (void)convert_mesh(source, file);
+  });
+}
+
 class DistributedBox : public ::testing::TestWithParam<Box> {
  protected:
   Mesh read() const {
+    const std::string msh =
+        scratch_.file("box.msh", [&](const std::string& file) { write_box_msh(file, size, GetParam().n); });
     MeshSource source;
-    source.file = scratch_.file("box.msh", [&](const std::string& file) { write_box_msh(file, size, GetParam().n); });
+    source.file = in_format(GetParam().format, scratch_, msh);
     source.refine = GetParam().refine;
     return read_mesh(comm, source);
   }
@@ -183,6 +200,7 @@ TEST_P(DistributedBox, GhostFacetsAreLabelledAsTheirOwnersLabelThem) {
 }
 
 TEST_P(DistributedBox, IsTheSameOnEveryCall) {
+  if (GetParam().format == Format::h5) GTEST_SKIP() << "PTScotch cuts by the order in which messages arrive";
   const Mesh first = read(), second = read();
   const PlexPoints a(first.dm.get()), b(second.dm.get());
   ASSERT_EQ(a.end(3), b.end(3));
@@ -192,7 +210,10 @@ TEST_P(DistributedBox, IsTheSameOnEveryCall) {
 
 INSTANTIATE_TEST_SUITE_P(Boxes, DistributedBox,
                          ::testing::Values(Box{{1, 1, 1}}, Box{{3, 3, 3}}, Box{{7, 2, 1}}, Box{{5, 4, 6}},
-                                           Box{{1, 1, 1}, 1}, Box{{3, 2, 2}, 1}, Box{{1, 1, 1}, 2}));
+                                           Box{{1, 1, 1}, 1}, Box{{3, 2, 2}, 1}, Box{{1, 1, 1}, 2},
+                                           Box{{1, 1, 1}, 0, Format::h5}, Box{{3, 3, 3}, 0, Format::h5},
+                                           Box{{7, 2, 1}, 0, Format::h5}, Box{{5, 4, 6}, 0, Format::h5},
+                                           Box{{3, 2, 2}, 1, Format::h5}, Box{{1, 1, 1}, 2, Format::h5}));
 
 /// Appends data to a box of one group: the corners of each tetrahedron, nine numbers and three.
 void append_corners(const std::string& file) {
@@ -242,10 +263,11 @@ TEST_P(DistributedBox, DataArriveOnTheirCells) {
   MeshSource source;
   // Corners at multiples of some 1e-2 are exact in the six digits of std::to_string.
   const auto [nx, ny, nz] = GetParam().n;
-  source.file = scratch.file("data.msh", [&, nx = nx, ny = ny, nz = nz](const std::string& file) {
+  const std::string msh = scratch.file("data.msh", [&, nx = nx, ny = ny, nz = nz](const std::string& file) {
     write_box_msh(file, {1.0 * nx, 1.0 * ny, 1.0 * nz}, GetParam().n);
     append_corners(file);
   });
+  source.file = in_format(GetParam().format, scratch, msh);
   source.refine = GetParam().refine;
   const Mesh mesh = read_mesh(comm, source);
   ASSERT_EQ(mesh.cell_data.size(), 2u);

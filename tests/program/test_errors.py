@@ -5,6 +5,7 @@ import os
 import re
 import unittest
 
+import h5py
 
 from program import ProgramTest, box, finish, start, write_box, write_mesh
 
@@ -62,6 +63,8 @@ BAD_AGAINST_THE_MESH = {
     "no such mesh": ("mesh", "mesh: {file: @nowhere.msh}", "nowhere.msh"),
     "a directory as mesh": ("mesh", "mesh: {file: @folder}", "folder"),
     "a mesh of unknown kind": ("mesh", "mesh: {file: @in.yaml}", "in.yaml"),
+    "a mesh in parts that is none": ("mesh", "mesh: {file: @bad.h5}", "bad.h5.*no HDF5 file"),
+    "a result as mesh": ("mesh", "mesh: {file: @other.h5}", "other.h5.*no mesh of Pliant"),
     "empty mesh": ("mesh", "mesh: {file: @empty.msh}", "empty"),
     "geometry with an error": ("mesh", "mesh: {file: @bad.geo}", "bad.geo"),
     "flat geometry": ("mesh", "mesh: {file: @flat.geo}", "volume|tetrahedr|three-dimensional|solid"),
@@ -129,12 +132,19 @@ BAD_FILES_AND_OPTIONS = {  # told once ranks do different work
     "an empty input": (["run", "empty.yaml"], "empty"),
     "binary input": (["run", "binary.yaml"], "binary.yaml"),
     "PETSc options that do not fit": (["run", "in.yaml", "--", "-pc_type", "nonsense"], "PETSc options: .*nonsense"),
+    "a mesh to convert that is missing": (["mesh", "convert", "nowhere.msh", "a.h5"], "nowhere.msh.*no such file"),
+    "a mesh to convert into another format": (["mesh", "convert", "cube.msh", "cube.vtk"], "must be named .h5"),
+    "a mesh that is converted already": (["mesh", "convert", "bad.h5", "a.h5"], "own format already"),
+    "a size that is no length": (["mesh", "convert", "bad.geo", "a.h5", "--size", "2 kg"], "--size 2 kg"),
+    "a scale that turns inside out": (["mesh", "convert", "cube.msh", "a.h5", "--scale", "-1"], "scale must be a positive"),
     "check of a bad input": (["check", "in.yaml", "--set", "mesh.file=nowhere.msh"], "nowhere.msh"),
 }
 BAD_COMMANDS = {
     "no command": ([], "subcommand|command"),
     "unknown command": (["runn", "in.yaml"], "'runn' .*did you mean 'run'"),
     "no input": (["run"], "INPUT"),
+    "nothing to do with a mesh": (["mesh"], "subcommand"),
+    "nowhere to convert to": (["mesh", "convert", "cube.msh"], "OUTPUT"),
     "unknown option": (["run", "in.yaml", "--outputs", "x"], "--outputs"),
     "option without value": (["run", "in.yaml", "--output"], "--output"),
     "set without value": (["run", "in.yaml", "--set", "time.step"], "KEY.PATH=VALUE"),
@@ -158,6 +168,9 @@ class Errors(ProgramTest):
         (directory / "folder").mkdir()
         (directory / "empty.yaml").write_text("")
         (directory / "empty.msh").write_text("")
+        (directory / "bad.h5").write_bytes(bytes(range(256)))
+        with h5py.File(directory / "other.h5", "w") as other:
+            other.attrs["format"] = "pliant-result"
         (directory / "binary.yaml").write_bytes(bytes(range(256)))
         (directory / "bad.geo").write_text("Point(1) = {0, 0, 0};\nLine(1) = {1, 2;\n")
         (directory / "flat.geo").write_text('SetFactory("OpenCASCADE");\nRectangle(1) = {0, 0, 0, 1, 1};\n')
@@ -246,6 +259,7 @@ class Errors(ProgramTest):
             directory = self.case("output " + file)
             (directory / "out" / file / "taken").mkdir(parents=True)
             cases["a directory in the place of " + file] = (directory, ["run", "in.yaml"], 4, None, file)
+        cases["no folder for a mesh"] = (self.case("no folder"), ["mesh", "convert", "cube.msh", "no/cube.h5"], 4, None, "no/cube.h5")
         if os.geteuid() != 0:  # nothing is read-only to root
             directory = self.case("output read-only")
             (directory / "out").mkdir(mode=0o500)

@@ -41,6 +41,18 @@ class Parallel(ProgramTest):
                 with self.subTest(order, ranks=ranks):
                     self.assert_same_history(alone, self.run_input(file, ranks=ranks, output=f"{order}_{ranks}"), 1e-9)
 
+    def test_the_mesh_in_parts_on_every_rank(self):
+        write_box(self.directory / "bar.msh", (12, 3, 4), (1, 0.2, 0.2))
+        done = self.call("mesh", "convert", "bar.msh", "bar.h5", ranks=2)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("bar.h5: 864 tetrahedra, 260 vertices", done.stdout)
+        file = self.write("in.yaml", INPUT.replace("ORDER", "P1"))
+        whole = self.run_input(file)
+        for ranks in (1, 2, 3):
+            with self.subTest(ranks=ranks):
+                parts = self.run_input(file, "mesh.file=bar.h5", ranks=ranks, output=f"parts_{ranks}")
+                self.assert_same_history(whole, parts, 1e-9)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -1,0 +1,45 @@
+#include "mesh/source_checks.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+namespace pliant {
+
+void telling_the_user(const MeshSource& source, const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const MeshDefect& defect) {
+    std::vector<Diagnostic> diagnostics;
+    for (const auto& reason : defect.reasons()) {
+      diagnostics.push_back({source.where, "mesh file '" + source.file + "': " + reason});
+    }
+    throw InputError(std::move(diagnostics));
+  }
+}
+
+void require_readable(const std::string& file) {
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) throw MeshDefect("there is no such file");
+  if (std::filesystem::is_directory(file, error)) throw MeshDefect("this is a directory, not a file");
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw FileError("mesh file '" + file + "' cannot be opened: no permission to read it");
+  if (stream.peek() == std::ifstream::traits_type::eof()) throw MeshDefect("it is empty");
+}
+
+void require_sane(const MeshSource& source) {
+  std::vector<std::string> reasons;
+  if (source.size && !(*source.size > 0.0 && std::isfinite(*source.size)))
+    reasons.push_back("its size must be a positive length");
+  if (!(source.scale > 0.0 && std::isfinite(source.scale))) reasons.push_back("its scale must be a positive number");
+  if (source.refine < 0) reasons.push_back("refine must be 0 or a positive number of refinements");
+  if (!reasons.empty()) throw MeshDefect(reasons);
+}
+
+void require_enough_cells(std::int64_t num_cells, int num_ranks) {
+  if (num_cells >= num_ranks) return;
+  throw MeshDefect("it has " + std::to_string(num_cells) + " tetrahedra for " + std::to_string(num_ranks) +
+                   " ranks, and every rank needs one: run on fewer ranks or mesh it finer");
+}
+
+}  // namespace pliant
