@@ -17,9 +17,6 @@ constexpr int max_residual_backtracks = 20;
 /// Of the decrease that a linear equation promises. An approximation of K may thus converge linearly by a factor of
 /// 0.9.
 constexpr double required_part = 0.1;
-/// Conjugate gradients that need so many iterations more than with a fresh factor have it renewed for the next Hessian.
-/// A factorization costs some 10 (few unknowns) to 25 (many) iterations, a set-up of multigrid about as many.
-constexpr PetscInt iterations_that_age = 8;
 
 /// Of the residual of a linear system that conjugate gradients may leave where they meet negative curvature.
 constexpr double truncated_part = 0.1;
@@ -65,8 +62,11 @@ bool NewtonSolver::descends(Vec r, Vec y, double& slope) {
   const double digits = -std::log10(tolerance);
   if (factor_is_current_) {
     fresh_rate_ = iterations / digits;
-  } else if (iterations > fresh_rate_ * digits + iterations_that_age) {
-    factor_is_wanted_ = true;
+  } else {
+    // What a kept factor has cost in iterations beyond those of a fresh one. When that makes a factorization, it was
+    // time for one: never more than twice what foresight would have cost (as with skis, to be hired or bought).
+    excess_iterations_ += std::max(0.0, iterations - (fresh_rate_ * digits + 1.0));
+    if (excess_iterations_ > cost_of_set_up(preconditioner_.get())) factor_is_wanted_ = true;
   }
   if (linear_solver_broke_down(r) || !std::isfinite(slope)) return false;
   return path_ == Path::residual || slope < 0.0;  // whether a merit descends shows when it is tried

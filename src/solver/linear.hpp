@@ -30,6 +30,10 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
 /// Collective.
 bool set_up_preconditioner(PC pc, Mat K);
 
+/// What a set-up of the preconditioner costs, in iterations of the Krylov method with it: an estimate that depends on
+/// the matrix alone, not on the clock.
+double cost_of_set_up(PC pc);
+
 /// Whether all that the preconditioner applies comes from the matrix of its set-up: a factorization.
 bool is_factorization(PC pc);
 

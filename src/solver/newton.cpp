@@ -196,6 +196,7 @@ void NewtonSolver::factorize(Vec q) {
   ++statistics_.factorizations;
   factor_is_wanted_ = !may_keep_factor_;
   factor_is_current_ = true;
+  excess_iterations_ = 0.0;
 }
 
 std::optional<PetscInt> NewtonSolver::negative_eigenvalues() const {

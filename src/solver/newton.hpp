@@ -154,6 +154,7 @@ class NewtonSolver {
   bool may_keep_factor_ = false;    // the linear solver iterates, so a preconditioner of an earlier Hessian will do
   bool factor_is_wanted_ = true;    // none yet, or the last one has aged
   double fresh_rate_ = 0.0;         // iterations per digit when the factor was that of its matrix
+  double excess_iterations_ = 0.0;  // beyond those that fresh factors would have taken, since the last factorization
   bool factor_is_current_ = false;  // it is that of the present Hessian
   bool factor_failed_ = false;      // there is none: the Hessian was singular
 };

@@ -206,6 +206,12 @@ void SingleFactorization::solve(Vec b, Vec x) {
   check(VecScale(x, size / scale_));
 }
 
+double SingleFactorization::flops_per_entry() const {
+  // Where the number is large it is told in millions, with a minus sign.
+  const double told = mumps_->infog(29), entries = told < 0.0 ? -1e6 * told : told;
+  return mumps_->id.rinfog[2] / std::max(entries, 1.0);
+}
+
 PetscInt SingleFactorization::negative_pivots() const {
   return symmetry_ == Symmetry::unsymmetric ? 0 : mumps_->infog(12);
 }
