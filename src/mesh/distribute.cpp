@@ -1,5 +1,6 @@
 #include "mesh/distribute.hpp"
 
+#include "mesh/tetrahedra_plex.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/global_order.hpp"
@@ -53,20 +54,16 @@ Handle<DM> plex_of_blocks(MPI_Comm comm, const MeshParts& parts, std::vector<Pet
   return dm;
 }
 
-Handle<DM> plex_of_root(MPI_Comm comm, const MeshParts& parts, std::vector<PetscInt>& vertices) {
-  Handle<DM> dm;
-  const SerialMesh& mesh = parts.mesh;
-  check(DMPlexCreateFromCellListPetsc(comm, 3, static_cast<PetscInt>(mesh.num_cells()), parts.num_vertices, num_corners,
-                                      PETSC_TRUE, mesh.cells.data(), 3, mesh.coordinates.data(), dm.out()));
+Handle<DM> plex_of_one(MPI_Comm comm, const MeshParts& parts, std::vector<PetscInt>& vertices) {
   vertices.resize(static_cast<std::size_t>(parts.num_vertices));
   std::iota(vertices.begin(), vertices.end(), 0);
-  return dm;
+  return make_tetrahedra_plex(comm, parts.mesh, parts.num_vertices);
 }
 
 Plex build_plex(MPI_Comm comm, const MeshParts& parts) {
   Plex plex;
-  plex.dm = parts.held == MeshParts::Held::on_root ? plex_of_root(comm, parts, plex.vertices)
-                                                   : plex_of_blocks(comm, parts, plex.vertices);
+  const bool one_has_all = parts.held == MeshParts::Held::on_root || num_ranks(comm) == 1;
+  plex.dm = one_has_all ? plex_of_one(comm, parts, plex.vertices) : plex_of_blocks(comm, parts, plex.vertices);
   // Cells that share a vertex are neighbours: what the assembly of a vertex's rows needs.
   check(DMSetBasicAdjacency(plex.dm.get(), PETSC_FALSE, PETSC_TRUE));
   // Shared points are spread over their ranks instead of going all to the highest one.
