@@ -1,9 +1,12 @@
 #include "fem/block_matrix.hpp"
 
+#include "base/error.hpp"
 #include "petsc/array_view.hpp"
 
 #include <algorithm>
 #include <array>
+#include <limits>
+#include <string>
 
 namespace pliant {
 
@@ -22,6 +25,12 @@ BlockPattern::BlockPattern(const NodeLayout& layout) : num_owned_nodes_(layout.n
       std::sort(part->nodes.begin() + part->offsets.back(), part->nodes.end());
       part->offsets.push_back(static_cast<PetscInt>(part->nodes.size()));
     }
+  }
+  const std::size_t num_blocks = diagonal_.nodes.size() + off_diagonal_.nodes.size();
+  const auto most = std::min<PetscInt>(PETSC_MAX_INT / 9, std::numeric_limits<std::int32_t>::max());
+  if (num_blocks > static_cast<std::size_t>(most)) {
+    throw InputError({}, "the matrix has " + std::to_string(9 * num_blocks) +
+                             " entries on one rank, more than its integers count: run on more ranks");
   }
 }
 
@@ -159,7 +168,7 @@ RowElimination::RowElimination(const NodeLayout& layout, const BlockPattern& pat
             if (is_prescribed[3 * n + i] || is_prescribed[3 * m + j]) mask |= 1u << (3 * i + j);
           }
         }
-        if (mask != 0) entries_.push_back({n, owned_columns ? k : -1 - k, mask, m == n});
+        if (mask != 0) entries_.push_back({n, static_cast<std::int32_t>(owned_columns ? k : -1 - k), mask, m == n});
       }
     }
   }

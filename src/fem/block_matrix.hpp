@@ -14,7 +14,7 @@ namespace pliant {
 /// A rank holds the rows of its owned nodes, split as PETSc's MPIAIJ does: the block of owned columns, and the rest.
 class BlockPattern {
  public:
-  explicit BlockPattern(const NodeLayout& layout);
+  explicit BlockPattern(const NodeLayout& layout);  ///< throws InputError for more blocks than integers count
 
   /// Block number of (row node, column node): >= 0 counts blocks of the owned columns, < 0 means -1 - (number among
   /// the others). The row must be owned.

@@ -1,12 +1,15 @@
 #include "fem/layout.hpp"
 
+#include "base/error.hpp"
 #include "fem/element.hpp"
 #include "petsc/array_view.hpp"
+#include "petsc/collective.hpp"
 #include "petsc/plex.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <string>
 
 namespace pliant {
 namespace {
@@ -208,7 +211,12 @@ NodeLayout make_layout(const Mesh& mesh, int order) {
 
   // 3. Global numbers: contiguous per rank; ghosts learn theirs from the owners.
   check_mpi(MPI_Exscan(&layout.num_owned_nodes, &layout.first_global_node, 1, MPIU_INT, MPI_SUM, layout.comm));
-  check_mpi(MPI_Allreduce(&layout.num_owned_nodes, &layout.num_global_nodes, 1, MPIU_INT, MPI_SUM, layout.comm));
+  const PetscInt64 num_nodes = sum(layout.comm, static_cast<PetscInt64>(layout.num_owned_nodes));
+  if (3 * num_nodes > static_cast<PetscInt64>(PETSC_MAX_INT)) {
+    throw InputError({}, "there are " + std::to_string(3 * num_nodes) +
+                             " unknowns, more than 32-bit integers count: build Pliant with a PETSc of 64-bit indices");
+  }
+  layout.num_global_nodes = static_cast<PetscInt>(num_nodes);
   const std::int64_t owned_cells = layout.num_owned_cells;
   check_mpi(MPI_Allreduce(&owned_cells, &layout.num_global_cells, 1, MPI_INT64_T, MPI_SUM, layout.comm));
   std::vector<PetscInt> global_of_point(num_points, -1);

@@ -51,7 +51,7 @@ struct NodeLayout {
 };
 
 /// Numbers the nodes of the elements of the given order (1 or 2). Second-order geometry bends P2 elements only.
-/// Collective.
+/// Throws InputError if there are more unknowns than integers count. Collective.
 NodeLayout make_layout(const Mesh& mesh, int order);
 
 /// A vector of three entries per node with ghosts (petsc/ghosted.hpp), zero. Collective.

@@ -4,6 +4,7 @@
 #include "mesh/tetrahedron.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <new>
 #include <span>
 
@@ -61,17 +62,20 @@ void notice_parts(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_v
 }  // namespace
 
 DualGraph::DualGraph(const SerialMesh& mesh) : num_cells_(mesh.num_cells()) {
-  static_assert(sizeof(idx_t) == sizeof(PetscInt), "METIS and PETSc must count with the same integers");
+  if (4 * mesh.num_cells() > static_cast<std::size_t>(std::numeric_limits<idx_t>::max())) {
+    throw MeshDefect("it has " + std::to_string(mesh.num_cells()) +
+                     " tetrahedra, more than METIS counts: take a coarser one and `refine`");
+  }
   auto num_elements = static_cast<idx_t>(mesh.num_cells());
   auto num_nodes = static_cast<idx_t>(mesh.num_nodes());
   std::vector<idx_t> offsets(mesh.num_cells() + 1);
   for (std::size_t c = 0; c < offsets.size(); ++c) offsets[c] = static_cast<idx_t>(4 * c);
+  std::vector<idx_t> cells(mesh.cells.begin(), mesh.cells.end());
   idx_t num_common = 3, numbering = 0;
   idx_t* xadj = nullptr;
   idx_t* adjncy = nullptr;
-  // METIS takes the cells without const and leaves them alone.
-  require_success(METIS_MeshToDual(&num_elements, &num_nodes, offsets.data(), const_cast<idx_t*>(mesh.cells.data()),
-                                   &num_common, &numbering, &xadj, &adjncy),
+  require_success(METIS_MeshToDual(&num_elements, &num_nodes, offsets.data(), cells.data(), &num_common, &numbering,
+                                   &xadj, &adjncy),
                   "METIS_MeshToDual");
   offsets_.reset(xadj);
   adjacency_.reset(adjncy);
@@ -88,7 +92,7 @@ std::size_t DualGraph::num_components() const {
 std::vector<PetscInt> DualGraph::partition(int num_parts, long long& edge_cut) const {
   std::vector<idx_t> part(num_cells_, 0);
   edge_cut = 0;
-  if (num_parts == 1) return part;
+  if (num_parts == 1) return std::vector<PetscInt>(num_cells_, 0);
   std::array<idx_t, METIS_NOPTIONS> options{};
   METIS_SetDefaultOptions(options.data());
   options[METIS_OPTION_NUMBERING] = 0;
@@ -117,7 +121,7 @@ std::vector<PetscInt> DualGraph::partition(int num_parts, long long& edge_cut) c
       if (c < d && part[c] != part[d]) ++edge_cut;
     }
   }
-  return part;
+  return {part.begin(), part.end()};
 }
 
 void check_connections(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_vertices, MeshReport& report) {
