@@ -48,6 +48,30 @@ std::string bytes(double n) {
   return n < 1e9 ? fmt::format("{:.0f} MB", std::ceil(n / 1e6)) : fmt::format("{:.1f} GB", n / 1e9);
 }
 
+/// Ranks that this one gets ghosts from. Collective.
+int num_neighbours(const NodeLayout& layout) {
+  std::vector<PetscInt> first(static_cast<std::size_t>(num_ranks(layout.comm)));
+  check_mpi(MPI_Allgather(&layout.first_global_node, 1, MPIU_INT, first.data(), 1, MPIU_INT, layout.comm));
+  int count = 0;
+  auto owner = first.begin();
+  for (const PetscInt node : layout.ghost_global_nodes) {  // ascending
+    const auto next = std::upper_bound(owner, first.end(), node);
+    count += next != owner ? 1 : 0;
+    owner = next;
+  }
+  return count;
+}
+
+/// What an update of the ghosts costs: numbers and messages.
+void report_communication(const NodeLayout& layout, Console& console) {
+  const auto ghosts = static_cast<double>(layout.ghost_global_nodes.size()), neighbours = 1.0 * num_neighbours(layout);
+  if (num_ranks(layout.comm) == 1) return;
+  console.print(
+      fmt::format("  ghosts: {:.0f} to {:.0f} nodes per rank, {:.0f} in all; from {:.0f} to {:.0f} other ranks",
+                  minimum(layout.comm, ghosts), maximum(layout.comm, ghosts), sum(layout.comm, ghosts),
+                  minimum(layout.comm, neighbours), maximum(layout.comm, neighbours)));
+}
+
 void report_time_scales(const Model& model, const Config& config, Console& console) {
   const auto& [fastest, slowest] = model.wave_speeds();
   if (!(fastest > 0.0)) return;
@@ -140,6 +164,7 @@ ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector
   console.print(fmt::format("  {} ({} prescribed), P{} elements; {:.0f} to {:.0f} per rank",
                             3 * layout.num_global_nodes, sum(layout.comm, static_cast<PetscInt64>(prescribed)),
                             layout.order, minimum(layout.comm, mine), maximum(layout.comm, mine)));
+  report_communication(layout, console);
   console.print(fmt::format("  linear solver: {}", describe(kind)));
   console.print(fmt::format("  predicted memory: matrix {}, {} about {}", bytes(memory.matrix),
                             kind == LinearKind::cholesky ? "factor" : "multigrid", bytes(memory.factor)));

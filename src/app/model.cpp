@@ -6,6 +6,7 @@
 #include "app/selections.hpp"
 #include "app/viscosity.hpp"
 #include "app/volumetric.hpp"
+#include "base/stopwatch.hpp"
 #include "energy/mean_dilatation.hpp"
 #include "energy/velocity_projection.hpp"
 #include "petsc/array_view.hpp"
@@ -33,11 +34,14 @@ Model::Model(MPI_Comm comm, const Config& config) {
   // The input's size is in metres, gmsh's in the unit of the geometry.
   auto size = config.mesh.size;
   if (size) *size /= config.mesh.scale;
-  mesh_ =
-      read_mesh(comm, {config.mesh.file.value, config.mesh.file.where, size, config.mesh.scale, config.mesh.refine});
+  {
+    const Stopwatch watch(mesh_seconds_);
+    mesh_ =
+        read_mesh(comm, {config.mesh.file.value, config.mesh.file.where, size, config.mesh.scale, config.mesh.refine});
+  }
   const int order = static_cast<int>(config.element);
   layout_ = make_layout(mesh_, order);
-  pattern_ = std::make_unique<BlockPattern>(layout_);
+  on_every_rank(comm, [&] { pattern_ = std::make_unique<BlockPattern>(layout_); });
   if (order == 1 && mesh_.geometry_order == 2) {
     notices_.push_back("the mesh has curved edges, which P1 elements straighten; `element: P2` keeps them");
   }

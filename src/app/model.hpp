@@ -55,6 +55,8 @@ class Model {
   MixedEquation* mixed_equation() { return mixed_equation_.get(); }
   const std::vector<ProbeLocation>& probes() const { return probes_; }
   const WaveSpeeds& wave_speeds() const { return wave_speeds_; }
+  /// Wall-clock time that the mesh took: reading or meshing, checks, partition, distribution [s].
+  double mesh_seconds() const { return mesh_seconds_; }
   /// What the user should know, in plain words.
   const std::vector<std::string>& notices() const { return notices_; }
 
@@ -78,6 +80,7 @@ class Model {
   template <int Order>
   void build_cells(const Config& config);
 
+  double mesh_seconds_ = 0.0;
   Mesh mesh_;
   NodeLayout layout_;
   std::unique_ptr<BlockPattern> pattern_;

@@ -7,6 +7,7 @@
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <optional>
@@ -20,6 +21,12 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Seconds with three significant digits, never as a power of ten.
+std::string three_digits(double t) {
+  const int before_point = t > 0.0 ? static_cast<int>(std::floor(std::log10(t))) + 1 : 0;
+  return fmt::format("{:.{}f}", t, std::clamp(3 - before_point, 0, 4));
 }
 
 /// Frames are due at multiples of the output interval, at the first step at or after them.
@@ -134,11 +141,11 @@ class Run {
     const double total = seconds_since(start_);
     const double known =
         setup_seconds_ + s.assembly_seconds + s.factorization_seconds + s.solve_seconds + recorder_->seconds();
-    console_.print(
-        fmt::format("time: {:.2f} s = set-up {:.2f} + assembly {:.2f} + factorization {:.2f} + solve {:.2f} + output "
-                    "{:.2f} + rest {:.2f}",
-                    total, setup_seconds_, s.assembly_seconds, s.factorization_seconds, s.solve_seconds,
-                    recorder_->seconds(), total - known));
+    console_.print(fmt::format(
+        "time: {} s = set-up {} (mesh {}) + assembly {} + factorization {} + solve {} + output {} + rest {}",
+        three_digits(total), three_digits(setup_seconds_), three_digits(model_.mesh_seconds()),
+        three_digits(s.assembly_seconds), three_digits(s.factorization_seconds), three_digits(s.solve_seconds),
+        three_digits(recorder_->seconds()), three_digits(std::max(0.0, total - known))));
     console_.print(fmt::format("steps: {} from {:.3g} to {:.3g}{}; {} repeated after a failed solve, {} for accuracy",
                                steps.accepted, steps.shortest, steps.longest, is_static() ? "" : " s", steps.failed,
                                steps.inaccurate));
