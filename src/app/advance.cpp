@@ -18,13 +18,6 @@ NewtonOptions newton_options(const Config& config) {
   return {newton.relative, newton.absolute, newton.max_iterations};
 }
 
-LinearKind linear_kind(const Config& config, const NodeLayout& layout) {
-  if (config.solver.linear == "cholesky") return LinearKind::cholesky;
-  if (config.solver.linear == "amg") return LinearKind::amg;
-  if (config.volumetric == VolumetricTreatment::mixed) return LinearKind::cholesky;  // the matrix is indefinite
-  return automatic_linear_kind(3 * layout.num_global_nodes);
-}
-
 /// PETSc reads its options here, the same on every rank, so that all fail together.
 template <class Make>
 auto with_user_options(const Make& make) {
@@ -189,6 +182,14 @@ void check_mixed(const Config& config, Model& model) {
 }
 
 }  // namespace
+
+LinearKind linear_kind(const Config& config, const NodeLayout& layout) {
+  if (config.solver.linear == "cholesky") return LinearKind::cholesky;
+  if (config.solver.linear == "amg") return LinearKind::amg;
+  if (config.solver.linear == "p-multigrid") return LinearKind::p_multigrid;
+  if (config.volumetric == VolumetricTreatment::mixed) return LinearKind::cholesky;  // the matrix is indefinite
+  return automatic_linear_kind(3 * layout.num_global_nodes, layout.order);
+}
 
 std::unique_ptr<Advance> make_advance(const Config& config, Model& model, Ledger& ledger, const StateView& initial) {
   check_mixed(config, model);

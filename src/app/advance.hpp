@@ -31,6 +31,9 @@ class Advance {
   virtual std::vector<std::string> description() const = 0;
 };
 
+/// The linear solver that the input asks for, or leaves to us.
+LinearKind linear_kind(const Config& config, const NodeLayout& layout);
+
 /// What the input's method asks for, from the initial state. `config`, `model` and `ledger` outlive the result.
 std::unique_ptr<Advance> make_advance(const Config& config, Model& model, Ledger& ledger, const StateView& initial);
 

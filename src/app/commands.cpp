@@ -1,5 +1,6 @@
 #include "app/commands.hpp"
 
+#include "app/advance.hpp"
 #include "app/elasticity.hpp"
 #include "app/input_schema.hpp"
 #include "app/material_plot.hpp"
@@ -153,9 +154,7 @@ ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector
     console.print(fmt::format("  {}: volume {:.6g} m^3", cavity.name, cavity.volume));
   }
 
-  const LinearKind kind = config.solver.linear == "cholesky" ? LinearKind::cholesky
-                          : config.solver.linear == "amg"    ? LinearKind::amg
-                                                             : automatic_linear_kind(3 * layout.num_global_nodes);
+  const LinearKind kind = linear_kind(config, layout);
   const Memory memory = predicted_memory(model, kind);
   const auto prescribed = std::count(model.constraints().prescribed().flags().begin(),
                                      model.constraints().prescribed().flags().begin() + 3 * layout.num_owned_nodes, 1);

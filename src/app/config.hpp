@@ -221,7 +221,7 @@ struct NewtonConfig {
 };
 
 struct SolverConfig {
-  std::string linear;  ///< auto, cholesky, amg
+  std::string linear;  ///< auto, cholesky, amg, p-multigrid
   NewtonConfig newton;
 };
 

@@ -225,6 +225,15 @@ void check_tolerances(const Config& config, const InputNode& root, Problems& pro
   problems.add(relative->where, "one of 'relative' and 'absolute' in newton must be above 0");
 }
 
+void check_linear_solver(const Config& config, const InputNode& root, Problems& problems) {
+  const InputNode* linear = given(root, {"solver", "linear"});
+  if (linear == nullptr || config.solver.linear != "p-multigrid" || config.element != ElementOrder::p1) return;
+  problems.add(
+      linear->where,
+      "p-multigrid goes from quadratic elements to linear ones, and needs quadratic elements; add 'element: P2', "
+      "or use 'amg'");
+}
+
 /// The first step is the user's, or else one between the bounds that the user gives.
 void complete_adaptive(TimeConfig& time, const InputNode& section) {
   AdaptiveConfig& adaptive = *time.adaptive;
@@ -275,6 +284,7 @@ void check(const Config& config, const InputNode& root, Problems& problems) {
   check_held(config, root, problems);
   check_names(config, root, problems);
   check_tolerances(config, root, problems);
+  check_linear_solver(config, root, problems);
 }
 
 }  // namespace pliant

@@ -83,8 +83,10 @@ Section<NewtonConfig> newton_keys() {
 
 Section<SolverConfig> solver_keys() {
   return {{
-      field("linear", &SolverConfig::linear, choice({"auto", "cholesky", "amg"}),
-            "linear solver: sparse Cholesky (MUMPS), conjugate gradients with algebraic multigrid, or by size")
+      field(
+          "linear", &SolverConfig::linear, choice({"auto", "cholesky", "amg", "p-multigrid"}),
+          "linear solver: sparse Cholesky (MUMPS), conjugate gradients with algebraic multigrid, or with multigrid of "
+          "quadratic elements through linear ones; auto: by size")
           .otherwise("auto"),
       field("newton", &SolverConfig::newton, map_of(newton_keys()), "Newton's method"),
   }};
@@ -150,7 +152,7 @@ const Format<Config>& config_format() {
 }  // namespace
 
 bool is_planned(std::string_view word) {
-  static constexpr std::array words{"contact", "checkpoint", "p-multigrid", "obstacles", "friction_update"};
+  static constexpr std::array words{"contact", "checkpoint", "obstacles", "friction_update"};
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 

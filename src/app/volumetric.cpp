@@ -95,7 +95,7 @@ void check_mixed(const Config& config, const InputNode& root, Problems& problems
                              "mean-dilatation'",
                              method->name));
   }
-  if (config.solver.linear == "amg") {
+  if (config.solver.linear == "amg" || config.solver.linear == "p-multigrid") {
     problems.add(where_is(root, {"solver", "linear"}),
                  "'volumetric: mixed' makes an indefinite matrix, which multigrid does not solve; use 'cholesky'");
   }

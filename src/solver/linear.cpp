@@ -3,6 +3,7 @@
 #include "petsc/callback.hpp"
 #include "solver/single_factorization.hpp"
 
+#include <algorithm>
 #include <dmumps_c.h>
 #include <memory>
 #include <optional>
@@ -131,8 +132,16 @@ class Factorization {
   }
   bool is_sound() const { return is_sound_; }
   double cost_of_set_up() const {
-    return single_ ? cost_of_small_factorization + cost_per_operation * single_->flops_per_entry()
-                   : cost_of_usual_set_up;
+    if (!single_) return cost_of_usual_set_up;
+    const auto size = single_->size();
+    return cost_of_small_factorization + cost_per_operation * size.flops / std::max(size.entries, 1.0);
+  }
+  void view(PetscViewer viewer) const {
+    if (!single_) return check(PCView(double_.get(), viewer));
+    if (!is_sound_) return;
+    const auto size = single_->size();
+    check(PetscViewerASCIIPrintf(viewer, "    entries of the factors %.3g, operations %.3g, ordering (ICNTL(7)) %d\n",
+                                 size.entries, size.flops, size.ordering));
   }
   bool is_in_single_precision() const { return single_.has_value(); }
 
@@ -167,6 +176,10 @@ PetscErrorCode apply_callback(PC pc, Vec b, Vec x) {
   return CallbackGuard().run([&] { factorization_of(pc)->apply(b, x); });
 }
 
+PetscErrorCode view_callback(PC pc, PetscViewer viewer) {
+  return CallbackGuard().run([&] { factorization_of(pc)->view(viewer); });
+}
+
 PetscErrorCode destroy_callback(PC pc) {
   return CallbackGuard().run([&] { delete factorization_of(pc); });
 }
@@ -178,6 +191,7 @@ void use_factorization(PC pc, Symmetry symmetry) {
   check(PCShellSetContext(pc, factorization.release()));
   check(PCShellSetSetUp(pc, set_up_callback));
   check(PCShellSetApply(pc, apply_callback));
+  check(PCShellSetView(pc, view_callback));
   check(PCShellSetDestroy(pc, destroy_callback));
 }
 
@@ -207,7 +221,7 @@ void use_p_multigrid(PC pc, Mat K, const Coarsening& coarsening) {
   check(KSPGetPC(coarse, &of_coarse));
   PetscInt num_unknowns = 0;
   check(MatGetSize(linear.get(), &num_unknowns, nullptr));
-  if (automatic_linear_kind(num_unknowns) == LinearKind::cholesky) {
+  if (automatic_linear_kind(num_unknowns, 1) == LinearKind::cholesky) {
     use_factorization(of_coarse, Symmetry::symmetric);
   } else {
     use_algebraic_multigrid(of_coarse);
@@ -230,13 +244,18 @@ void update_coarse_level(PC pc, Mat K) {
 
 }  // namespace
 
-LinearKind automatic_linear_kind(PetscInt num_unknowns) {
-  return num_unknowns <= max_unknowns_of_factorization ? LinearKind::cholesky : LinearKind::amg;
+LinearKind automatic_linear_kind(PetscInt num_unknowns, int order) {
+  if (num_unknowns <= max_unknowns_of_factorization) return LinearKind::cholesky;
+  return order == 1 ? LinearKind::amg : LinearKind::p_multigrid;
 }
 
 std::string describe(LinearKind kind, Symmetry symmetry) {
   const std::string krylov = symmetry == Symmetry::symmetric ? "conjugate gradients" : "GMRES";
-  if (kind == LinearKind::amg) return krylov + " with multigrid (on P2: its linear functions, then GAMG)";
+  if (kind == LinearKind::amg) return krylov + " with algebraic multigrid (GAMG)";
+  if (kind == LinearKind::p_multigrid) {
+    return krylov +
+           " with p-multigrid (quadratic elements, then linear ones by a factorization, or GAMG if they are many)";
+  }
   return fmt::format("{} preconditioned by a MUMPS {} factorization in {} precision, kept while it pays", krylov,
                      symmetry == Symmetry::unsymmetric ? "LU" : "LDL^T",
                      symmetry == Symmetry::indefinite ? "double" : "single");

@@ -9,19 +9,22 @@
 
 namespace pliant {
 
-/// Factorization (LDL^T, or LU where the matrix is unsymmetric) or algebraic multigrid.
-enum class LinearKind { cholesky, amg };
+enum class LinearKind {
+  cholesky,    ///< factorization: LDL^T, or LU where the matrix is unsymmetric
+  amg,         ///< algebraic multigrid
+  p_multigrid  ///< of quadratic elements: to their linear functions, and from there by one of the others
+};
 
-/// What is chosen when the user says `auto`.
-LinearKind automatic_linear_kind(PetscInt num_unknowns);
+/// What is chosen when the user says `auto`, for elements of that order.
+LinearKind automatic_linear_kind(PetscInt num_unknowns, int order);
 
 /// "conjugate gradients preconditioned by a MUMPS LDL^T factorization ..."
 std::string describe(LinearKind kind, Symmetry symmetry = Symmetry::symmetric);
 
 /// Sets up `ksp` for the matrix K (with its near-null space, for multigrid) and the given method: conjugate gradients
-/// where K is symmetric and not indefinite, else GMRES. Multigrid of a symmetric K takes the coarse space for its first
-/// coarse level, if there is one (it is copied from). PETSc options (-ksp_..., -pc_..., -mat_mumps_...) override.
-/// Collective.
+/// where K is symmetric and not indefinite, else GMRES. p-multigrid needs the
+/// coarse space (it is copied from) and a symmetric K; without, it is algebraic multigrid. PETSc options (-ksp_...,
+/// -pc_..., -mat_mumps_...) override. Collective.
 void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
                              const Coarsening* coarsening = nullptr);
 

@@ -73,7 +73,7 @@ NewtonSolver::NewtonSolver(StageEquation& equation, const NewtonOptions& options
   check(SNESLineSearchShellSetUserFunc(search, line_search_callback, this));
   KSP ksp = nullptr;
   check(SNESGetKSP(snes, &ksp));
-  const auto coarsening = linear == LinearKind::amg ? equation.make_coarsening() : std::nullopt;
+  const auto coarsening = linear == LinearKind::p_multigrid ? equation.make_coarsening() : std::nullopt;
   configure_linear_solver(ksp, K_.get(), linear, equation.symmetry(), coarsening ? &*coarsening : nullptr);
   check(SNESSetFromOptions(snes));
   PC pc = nullptr;

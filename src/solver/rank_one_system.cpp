@@ -29,6 +29,8 @@ RankOneSystem::RankOneSystem(KSP ksp, Mat K, const std::vector<RankOne>& parts) 
   check(PCSetType(outer.get(), PCSHELL));
   check(PCShellSetContext(outer.get(), this));
   check(PCShellSetApply(outer.get(), apply_callback));
+  check(PCShellSetName(outer.get(), "parts of rank one, by the formula of Woodbury"));
+  check(PCShellSetView(outer.get(), view_callback));
   check(KSPSetPC(ksp, outer.get()));
   check(KSPSetOperators(ksp, A_.get(), K));
 }
@@ -100,6 +102,13 @@ PetscErrorCode RankOneSystem::apply_callback(PC pc, Vec x, Vec y) {
   const PetscErrorCode code = PCShellGetContext(pc, &self);
   if (code != 0) return code;
   return CallbackGuard().run([&] { static_cast<RankOneSystem*>(self)->apply(x, y); });
+}
+
+PetscErrorCode RankOneSystem::view_callback(PC pc, PetscViewer viewer) {
+  void* self = nullptr;
+  const PetscErrorCode code = PCShellGetContext(pc, &self);
+  if (code != 0) return code;
+  return PCView(static_cast<RankOneSystem*>(self)->inner_.get(), viewer);
 }
 
 }  // namespace pliant

@@ -36,6 +36,7 @@ class RankOneSystem {
  private:
   static PetscErrorCode multiply_callback(Mat A, Vec x, Vec y);
   static PetscErrorCode apply_callback(PC pc, Vec x, Vec y);
+  static PetscErrorCode view_callback(PC pc, PetscViewer viewer);
   void multiply(Vec x, Vec y) const;
   void apply(Vec x, Vec y) const;
 

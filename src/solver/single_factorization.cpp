@@ -206,10 +206,10 @@ void SingleFactorization::solve(Vec b, Vec x) {
   check(VecScale(x, size / scale_));
 }
 
-double SingleFactorization::flops_per_entry() const {
-  // Where the number is large it is told in millions, with a minus sign.
-  const double told = mumps_->infog(29), entries = told < 0.0 ? -1e6 * told : told;
-  return mumps_->id.rinfog[2] / std::max(entries, 1.0);
+SingleFactorization::Size SingleFactorization::size() const {
+  // Where the number of entries is large it is told in millions, with a minus sign.
+  const double entries = mumps_->infog(29);
+  return {entries < 0.0 ? -1e6 * entries : entries, mumps_->id.rinfog[2], mumps_->infog(7)};
 }
 
 PetscInt SingleFactorization::negative_pivots() const {

@@ -26,8 +26,13 @@ class SingleFactorization {
   bool factorize(Mat K);
   /// x = K^-1 b, approximately, after a successful `factorize`.
   void solve(Vec b, Vec x);
-  /// Floating-point operations of the last factorization for each entry of its factors, as MUMPS estimates.
-  double flops_per_entry() const;
+  /// What MUMPS tells of the last factorization.
+  struct Size {
+    double entries = 0.0;  ///< of the factors, over all ranks
+    double flops = 0.0;    ///< of the elimination
+    int ordering = 0;      ///< as ICNTL(7)
+  };
+  Size size() const;
   /// Number of negative pivots of L D L^T, as far as single precision tells; 0 for L U.
   PetscInt negative_pivots() const;
 

@@ -18,6 +18,7 @@ TurnedPreconditioner::TurnedPreconditioner(KSP ksp, const NodalRotations& rotati
   check(PCShellSetName(outer.get(), "an earlier factorization, turned with the nodes"));
   check(PCShellSetContext(outer.get(), this));
   check(PCShellSetApply(outer.get(), apply_callback));
+  check(PCShellSetView(outer.get(), view_callback));
   check(KSPSetPC(ksp, outer.get()));
   check(KSPSetOperators(ksp, A, K));
 }
@@ -34,6 +35,13 @@ PetscErrorCode TurnedPreconditioner::apply_callback(PC pc, Vec x, Vec y) {
   const PetscErrorCode code = PCShellGetContext(pc, &self);
   if (code != 0) return code;
   return CallbackGuard().run([&] { static_cast<TurnedPreconditioner*>(self)->apply(x, y); });
+}
+
+PetscErrorCode TurnedPreconditioner::view_callback(PC pc, PetscViewer viewer) {
+  void* self = nullptr;
+  const PetscErrorCode code = PCShellGetContext(pc, &self);
+  if (code != 0) return code;
+  return PCView(static_cast<TurnedPreconditioner*>(self)->inner_.get(), viewer);
 }
 
 }  // namespace pliant

@@ -17,6 +17,7 @@ class TurnedPreconditioner {
 
  private:
   static PetscErrorCode apply_callback(PC pc, Vec x, Vec y);
+  static PetscErrorCode view_callback(PC pc, PetscViewer viewer);
   void apply(Vec x, Vec y);
 
   const NodalRotations& rotations_;

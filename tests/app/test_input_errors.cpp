@@ -102,8 +102,7 @@ INSTANTIATE_TEST_SUITE_P(
             "linear needs two of youngs_modulus, poissons_ratio"},
         Bad{2, "bodies: [@{density: 1}]", "missing key 'elasticity' in bodies[0]"},
         Bad{6, "@contact: {law: penalty}", "'contact' is not supported by this version of Pliant"},
-        Bad{6, "@checkpoint: {every: 100}", "'checkpoint' is not supported by this version of Pliant"},
-        Bad{6, "solver: {linear: @p-multigrid}", "'linear': 'p-multigrid' is not supported by this version"}));
+        Bad{6, "@checkpoint: {every: 100}", "'checkpoint' is not supported by this version of Pliant"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Values, BadInput,
@@ -204,6 +203,8 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{5, "time: {method: @petsc:bdf, step: 0.01, end: 1}\nelement: P2\nvolumetric: mixed",
             "needs one of Pliant's own methods"},
         Bad{6, "element: P2\nvolumetric: mixed\nsolver: {linear: @amg}", "which multigrid does not solve"},
+        Bad{6, "element: P2\nvolumetric: mixed\nsolver: {linear: @p-multigrid}", "which multigrid does not solve"},
+        Bad{6, "solver: {linear: @p-multigrid}", "needs quadratic elements; add 'element: P2', or use 'amg'"},
         Bad{6, "element: P2\nvolumetric: mixed\ninitial: {displacement: @[x, 0, 0]}",
             "starts from the undeformed bodies"},
         Bad{6, "mass: @[lumped]", "'mass' must be one of consistent, lumped, not a list"},

@@ -44,7 +44,7 @@ class Beam(ProgramTest):
         self.check((30, 6, 6), 2, AFTER_TEN_STEPS[30, 6, 6], "solver.linear=amg")
         for ranks in (1, 3):
             with self.subTest(ranks=ranks):
-                self.check((30, 6, 6), ranks, QUADRATIC_AFTER_TWO_STEPS, "solver.linear=amg", "element=P2", "time.end=20 ms")
+                self.check((30, 6, 6), ranks, QUADRATIC_AFTER_TWO_STEPS, "solver.linear=p-multigrid", "element=P2", "time.end=20 ms")
 
     def test_quadratic(self):
         for ranks in (1, 2, 3):

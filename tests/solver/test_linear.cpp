@@ -237,7 +237,7 @@ TEST(LinearSolver, PMultigridTakesAsManyIterationsOnFinerMeshes) {
     ASSERT_TRUE(coarsening.has_value());
     Handle<KSP> ksp;
     check(KSPCreate(comm, ksp.out()));
-    configure_linear_solver(ksp.get(), K.get(), LinearKind::amg, Symmetry::symmetric, &*coarsening);
+    configure_linear_solver(ksp.get(), K.get(), LinearKind::p_multigrid, Symmetry::symmetric, &*coarsening);
     // A second set-up, of a matrix twice as stiff, must not keep the coarse level of the first.
     for (const double factor : {1.0, 2.0}) {
       check(MatScale(K.get(), factor));

@@ -265,14 +265,16 @@ TEST_F(Newton, ALineSearchWithoutDescentIsToBeRetried) {
 
 TEST_F(Newton, CholeskyAndMultigridAgree) {
   const auto file = mesh(4, Shape::jittered);
-  for (const int order : {1, 2}) {
+  constexpr std::array<std::pair<int, LinearKind>, 3> kinds{
+      {{1, LinearKind::amg}, {2, LinearKind::amg}, {2, LinearKind::p_multigrid}}};
+  for (const auto& [order, multigrid] : kinds) {
     std::array<Handle<Vec>, 2> q;
     std::array<std::unique_ptr<Problem>, 2> problems;
     for (const int i : {0, 1}) {
       ProblemSpec spec = clamped(make_law("neo-hookean", 1e6, 0.4));
       spec.order = order;
       spec.newton.relative = 1e-11;
-      spec.linear = i == 0 ? LinearKind::cholesky : LinearKind::amg;
+      spec.linear = i == 0 ? LinearKind::cholesky : multigrid;
       spec.loads = traction(1e5, 2e4, -5e4);
       problems[i] = std::make_unique<Problem>(comm, file, spec);
       q[i] = problems[i]->solid().vector(testing::at_rest);
