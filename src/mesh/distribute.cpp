@@ -327,9 +327,10 @@ void take_apart(const std::vector<double>& all, std::vector<CellField>& fields) 
 }
 
 /// Hands the cells to ranks by PTScotch or ParMETIS, whichever PETSc has. PTScotch does not cut a mesh the same way
-/// again: the order in which its messages arrive decides.
+/// again: the order in which its messages arrive decides. Debian's counts with 32 bits even where PETSc does with 64,
+/// and PETSc passes its numbers on without a look.
 void partition_in_parallel(DM dm) {
-#if defined(PETSC_HAVE_PTSCOTCH)
+#if defined(PETSC_HAVE_PTSCOTCH) && !defined(PETSC_USE_64BIT_INDICES)
   constexpr const char* kind = PETSCPARTITIONERPTSCOTCH;
 #elif defined(PETSC_HAVE_PARMETIS)
   constexpr const char* kind = PETSCPARTITIONERPARMETIS;
