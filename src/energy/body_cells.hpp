@@ -31,6 +31,7 @@ struct CellBatch {
     }
     return d;
   }
+  PetscInt local_cell(int lane) const { return group.cells[number * pack_size + static_cast<std::size_t>(lane)]; }
   /// Number among the rank's cells of the body; padding lanes have that of the cell they repeat.
   std::size_t cell(int lane) const { return first_cell + (lane < batch().num_lanes ? lane : 0); }
 };

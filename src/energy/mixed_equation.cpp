@@ -124,6 +124,11 @@ StageReport MixedEquation::solve(const StagePoint& stage, Vec q, const StageSolv
   return report;
 }
 
+void MixedEquation::keep(Archive& archive) {
+  archive.vector("pressures", Entries::pressures, pressures_.values());
+  update_ghosts(pressures_.values());
+}
+
 void MixedEquation::begin_stage(const StagePoint& stage) {
   take_displacement(stage.q0, q0_.get());
   take_displacement(stage.v0, v0_.get());

@@ -11,6 +11,7 @@
 
 #include "energy/incremental_potential.hpp"
 #include "energy/mixed.hpp"
+#include "petsc/archive.hpp"
 
 #include <span>
 #include <vector>
@@ -28,6 +29,10 @@ class MixedEquation final : public StageEquation {
   /// the last solution. Leaves the solution's pressures in the field, or where there is none, the last one's.
   /// Collective.
   StageReport solve(const StagePoint& stage, Vec q, const StageSolve& solve);
+
+  const PressureLayout& pressure_layout() const { return pressures_.layout(); }
+  /// The pressures, from which the next solve starts. Collective.
+  void keep(Archive& archive);
 
   /// In x.
   void begin_stage(const StagePoint& stage) override;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "energy/body_cells.hpp"
+#include "energy/term.hpp"
 
 namespace pliant {
 
@@ -12,6 +13,20 @@ inline constexpr std::array<int, num_symmetric> symmetric_rows{0, 1, 2, 0, 1, 0}
 template <int Order>
 std::size_t first_component(const CellPoint<Order>& point, int lane) {
   return num_symmetric * (point.in.cell(lane) * point.in.group.rule.size() + point.number);
+}
+
+/// The places of the tensors of all points, the `number`-th that the term has there.
+template <int Order>
+void place_symmetric(const BodyCells<Order>& cells, int number, std::span<InternalPlace> places) {
+  cells.for_each_batch([&](const CellBatch<Order>& batch) {
+    for (int k = 0; k < batch.group.rule.size(); ++k) {
+      const CellPoint<Order> point{batch, k};
+      for (int lane = 0; lane < batch.batch().num_lanes; ++lane) {
+        places[first_component(point, lane) / num_symmetric] = {batch.local_cell(lane), batch.group.rule.points[k],
+                                                                number};
+      }
+    }
+  });
 }
 
 template <int Order>

@@ -161,6 +161,13 @@ class PronyTerm final : public EnergyTerm {
 
   std::size_t num_internal() const override { return branches_.size() * num_per_branch_; }
 
+  void place_internal(std::span<InternalPlace> places) const override {
+    const std::size_t num_points = cells_.num_points();
+    for (std::size_t i = 0; i < branches_.size(); ++i) {
+      place_symmetric(cells_, static_cast<int>(i), places.subspan(i * num_points, num_points));
+    }
+  }
+
   void end_stage(const LocalStage& stage, std::span<const double> q, std::span<double> z) const override {
     cells_.for_each_batch([&](const Batch& batch) {
       const auto u = batch.values(q);

@@ -3,6 +3,7 @@
 
 #include "fem/block_matrix.hpp"
 
+#include <array>
 #include <limits>
 #include <span>
 #include <string_view>
@@ -63,6 +64,13 @@ struct TermDeclaration {
   bool dissipates = false;       ///< `dissipation` may be above 0; the ledger books it under the term's name
 };
 
+/// Where a symmetric tensor of six internal variables belongs.
+struct InternalPlace {
+  PetscInt cell = 0;              ///< local
+  std::array<double, 3> point{};  ///< on the reference cell
+  int number = 0;                 ///< of those that the term has there
+};
+
 /// One contribution to the incremental potential of a stage (docs: dynamics, Phi_i). The arrays span all local nodes; a
 /// term adds to the rows of owned nodes completely (what it leaves in ghost rows is ignored), and counts energies of
 /// owned cells and nodes only, so that a sum over ranks is the total. No method is collective.
@@ -85,8 +93,11 @@ class EnergyTerm {
   virtual void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                            Projection projection) const = 0;
 
-  /// Numbers of internal variables on this rank (those of ghost cells included, computed there too).
+  /// Numbers of internal variables on this rank (those of ghost cells included, computed there too); symmetric tensors
+  /// at points of cells.
   virtual std::size_t num_internal() const { return 0; }
+  /// Where each six of them belong.
+  virtual void place_internal(std::span<InternalPlace> /*places*/) const {}
   /// z = the internal variables at the end of the stage with the solution q.
   virtual void end_stage(const LocalStage& /*stage*/, std::span<const double> /*q*/, std::span<double> /*z*/) const {}
   /// Sets those of z that are functions of q to their values at q; the others stand as the method left them.

@@ -92,6 +92,10 @@ class ViscousTerm final : public EnergyTerm {
     return reference == Reference::internal ? num_symmetric * cells_.num_points() : 0;
   }
 
+  void place_internal(std::span<InternalPlace> places) const override {
+    if (reference == Reference::internal) place_symmetric(cells_, 0, places);
+  }
+
   void end_stage(const LocalStage& stage, std::span<const double> q, std::span<double> z) const override {
     if constexpr (reference == Reference::internal) {
       const double share = stage.dt / (dashpot_.relaxation_time + stage.dt);

@@ -23,6 +23,18 @@ std::uint64_t mixed(std::uint64_t seed, std::int64_t x) {
 
 }  // namespace
 
+MeshNumbers mesh_numbers(const Mesh& mesh, const NodeLayout& layout) {
+  const PointRange vertices = stratum(mesh.dm.get(), 0), cells = stratum(mesh.dm.get(), 3);
+  MeshNumbers numbers;
+  numbers.of_node.assign(static_cast<std::size_t>(layout.num_local_nodes), -1);
+  for (PetscInt v = vertices.begin; v < vertices.end; ++v) {
+    const PetscInt node = layout.node_of_point[v];
+    if (node >= 0) numbers.of_node[node] = mesh.vertex_numbers[v - vertices.begin];
+  }
+  for (const PetscInt point : layout.cell_points) numbers.of_cell.push_back(mesh.cell_numbers[point - cells.begin]);
+  return numbers;
+}
+
 std::vector<EntryKey> node_keys(const Mesh& mesh, const NodeLayout& layout) {
   DM dm = mesh.dm.get();
   const PointRange vertices = stratum(dm, 0), edges = stratum(dm, 1);

@@ -11,6 +11,15 @@
 
 namespace pliant {
 
+/// Numbers of the whole mesh, however it is spread (Mesh::vertex_numbers), ghosts included.
+struct MeshNumbers {
+  std::vector<std::int64_t> of_node;  ///< of local nodes that are vertices, -1 of others
+  std::vector<std::int64_t> of_cell;  ///< of local cells
+};
+
+/// Not collective.
+MeshNumbers mesh_numbers(const Mesh& mesh, const NodeLayout& layout);
+
 /// Of the owned nodes: the numbers of the two vertices between which they lie, twice that of the vertex on which they
 /// do. Not collective.
 std::vector<EntryKey> node_keys(const Mesh& mesh, const NodeLayout& layout);

@@ -42,7 +42,7 @@ GlobalOrder::GlobalOrder(MPI_Comm comm, std::span<const EntryKey> keys) : comm_(
   }
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_INT64_T, MPI_MAX, comm));
   // Keys with a common first part meet on one rank; the parts are spread evenly.
-  const std::int64_t width = largest / static_cast<std::int64_t>(num_ranks_here) + 1;
+  const std::int64_t width = std::max<std::int64_t>(largest, 0) / static_cast<std::int64_t>(num_ranks_here) + 1;
   std::iota(sent_.begin(), sent_.end(), std::size_t{0});
   std::ranges::stable_sort(sent_, {}, [&](std::size_t entry) { return keys[entry].first / width; });
   num_sent_.assign(num_ranks_here, 0);

@@ -15,6 +15,9 @@ class ConstrainedNewton {
   /// As NewtonSolver::solve. Collective.
   StageReport solve(const StagePoint& stage, Vec q);
 
+  /// As NewtonSolver::forget.
+  void forget() { solver_.forget(); }
+
   const StageEquation& equation() const { return equation_; }
   const SolverStatistics& statistics() const { return solver_.statistics(); }
 

@@ -261,6 +261,11 @@ SNESConvergedReason NewtonSolver::judge(PetscInt iteration, double residual) {
   return SNES_CONVERGED_ITERATING;
 }
 
+void NewtonSolver::forget() {
+  forcing_.forget();
+  factor_is_wanted_ = true;
+}
+
 StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
   ++statistics_.stages;
   equation_.begin_stage(stage);

@@ -79,6 +79,9 @@ class NewtonSolver {
   /// Collective.
   StageReport solve(const StagePoint& stage, Vec q);
 
+  /// Forgets what earlier stages have taught: the next one is solved as a new solver would.
+  void forget();
+
   const SolverStatistics& statistics() const { return statistics_; }
 
  private:

@@ -418,6 +418,12 @@ void PetscIntegrator::accept([[maybe_unused]] const StepAttempt& attempt) {
   check(TSMonitor(ts_.get(), num_accepted_, accepted_.time, y_.get()));
 }
 
+void PetscIntegrator::keep(Archive& archive) {
+  accepted_.keep(archive);
+  archive.number("num_accepted", num_accepted_);
+  if (archive.restores()) starts_ = true;
+}
+
 void PetscIntegrator::restart() {
   if (is_tried_) roll_back();
   starts_ = true;

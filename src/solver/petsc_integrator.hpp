@@ -50,6 +50,8 @@ class PetscIntegrator {
   void accept(const StepAttempt& attempt);
   /// Forgets all but the newest state: TS starts anew from it, after an event at which accelerations jump.
   void restart();
+  /// The newest state; what TS remembers of earlier ones is its own: after restoring, it starts anew. Collective.
+  void keep(Archive& archive);
 
   /// The newest accepted state.
   const State& state() const { return accepted_; }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <string>
 #include <utility>
 
 namespace pliant {
@@ -159,6 +160,17 @@ void LocalError::restart() {
   accepted_.dt = 0.0;
 }
 
+void LocalError::keep(Archive& archive) {
+  archive.number("num_accelerations", num_accelerations_);
+  for (int i = 0; i < num_accelerations_; ++i) {
+    archive.vector("a" + std::to_string(i), Entries::nodes, accelerations_.at(static_cast<std::size_t>(i)).get());
+  }
+  archive.number("embedded_dt", accepted_.dt);
+  if (accepted_.dt == 0.0) return;
+  archive.vector("embedded_q", Entries::nodes, accepted_.q.get());
+  archive.vector("embedded_v", Entries::nodes, accepted_.v.get());
+}
+
 ErrorNorm::ErrorNorm(const Tolerances& tolerances, const StateView& initial)
     : tolerances_(tolerances), largest_q_(rms(initial.q)), largest_v_(rms(initial.v)) {}
 
@@ -175,6 +187,11 @@ double ErrorNorm::operator()(const StepAttempt& attempt) const {
 void ErrorNorm::accept(const StepAttempt& attempt) {
   largest_q_ = std::max(largest_q_, rms(attempt.q));
   largest_v_ = std::max(largest_v_, rms(attempt.v));
+}
+
+void ErrorNorm::keep(Archive& archive) {
+  archive.number("largest_q", largest_q_);
+  archive.number("largest_v", largest_v_);
 }
 
 }  // namespace pliant

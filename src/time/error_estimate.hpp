@@ -45,6 +45,8 @@ class LocalError {
   void accept(const StepAttempt& attempt);
   /// What was known of the past says nothing about what follows.
   void restart();
+  /// Collective.
+  void keep(Archive& archive);
 
  private:
   void compare(const History& history, StepAttempt& attempt, int num_rates_q, int num_rates_v);
@@ -88,6 +90,7 @@ class ErrorNorm {
   double operator()(const StepAttempt& attempt) const;
   /// The attempt was accepted. Collective.
   void accept(const StepAttempt& attempt);
+  void keep(Archive& archive);
 
  private:
   Tolerances tolerances_;

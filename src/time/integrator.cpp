@@ -45,6 +45,16 @@ void Integrator::accept(const StepAttempt& attempt) {
   if (error_) error_->accept(attempt);
 }
 
+void Integrator::keep(Archive& archive) {
+  {
+    const Archive::Section section(archive, "history");
+    history_.keep(archive);
+  }
+  if (!error_) return;
+  const Archive::Section section(archive, "error");
+  error_->keep(archive);
+}
+
 void Integrator::restart() {
   history_.forget();
   if (error_) error_->restart();

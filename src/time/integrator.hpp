@@ -39,6 +39,8 @@ class Integrator {
   /// Forgets all but the newest state, and the start-up runs anew: after an event at which accelerations jump, past
   /// states say nothing about what follows.
   void restart();
+  /// Collective.
+  void keep(Archive& archive);
 
   /// The newest accepted state.
   const State& state() const { return history_.newest(); }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <string>
 
 namespace pliant {
 
@@ -21,6 +22,14 @@ void State::assign(const StateView& state) {
   std::ranges::copy(state.w, w.begin());
 }
 
+void State::keep(Archive& archive) {
+  archive.number("time", time);
+  archive.vector("q", Entries::nodes, q.get());
+  archive.vector("v", Entries::nodes, v.get());
+  if (z) archive.vector("z", Entries::internal, z.get());
+  if (!w.empty()) archive.numbers("w", w);
+}
+
 History::History(int depth, const StateView& initial) : size_(1) {
   assert(depth >= 1);
   for (int age = 0; age < depth; ++age) states_.emplace_back(initial);
@@ -31,6 +40,14 @@ void History::push(const StateView& state) {
   std::rotate(states_.begin(), states_.end() - 1, states_.end());
   states_.front().assign(state);
   size_ = std::min(size_ + 1, depth());
+}
+
+void History::keep(Archive& archive) {
+  archive.number("size", size_);
+  for (int age = 0; age < size_; ++age) {
+    const Archive::Section section(archive, std::to_string(age));
+    states_.at(static_cast<std::size_t>(age)).keep(archive);
+  }
 }
 
 const State& History::operator[](int age) const {

@@ -1,6 +1,7 @@
 /// States y = (q, v, z, w) of the motion: configuration, velocity, internal variables (time/stage.hpp) and quadratures.
 #pragma once
 
+#include "petsc/archive.hpp"
 #include "petsc/handle.hpp"
 
 #include <span>
@@ -29,6 +30,8 @@ struct State {
   explicit State(const StateView& state);
   /// Copies a state of the same layout; takes no memory. Collective.
   void assign(const StateView& state);
+  /// Collective.
+  void keep(Archive& archive);
   StateView view() const { return {time, q.get(), v.get(), z.get(), w}; }
 };
 
@@ -43,6 +46,9 @@ class History {
   void push(const StateView& state);
   /// Forgets all states but the newest, after which the motion is no continuation of what went before.
   void forget() { size_ = 1; }
+
+  /// Collective.
+  void keep(Archive& archive);
 
   /// The state `age` steps before the newest, 0 <= age < size().
   const State& operator[](int age) const;

@@ -43,6 +43,25 @@ std::int64_t count_steps(const StepPlan& plan) {
 
 }  // namespace
 
+void StepProgress::keep(Archive& archive) {
+  archive.number("nominal", nominal);
+  archive.number("time", time);
+  archive.number("limit", limit);
+  archive.number("at_event", at_event);
+  archive.number("at_interval", at_interval);
+  archive.number("last_dt", last_dt);
+  archive.number("error", error);
+  archive.number("rejections", rejections);
+  archive.number("num_after_start", num_after_start);
+}
+
+StepProgress under_plan(const StepPlan& plan, StepProgress progress) {
+  const bool is_over = progress.time >= plan.end - 0.5 * sliver * plan.dt;
+  const auto completed = static_cast<std::int64_t>(std::floor((progress.time - plan.origin) / spacing(plan) + sliver));
+  progress.nominal = is_over ? count_steps(plan) : completed;
+  return progress;
+}
+
 StepControl::StepControl(const StepPlan& plan)
     : StepControl(
           plan, {0, plan.origin, plan.adaptive ? std::clamp(plan.dt, plan.min_dt, plan.adaptive->max_dt) : plan.dt}) {}

@@ -2,6 +2,7 @@
 /// follows the error.
 #pragma once
 
+#include "petsc/archive.hpp"
 #include "time/step.hpp"
 
 #include <cstdint>
@@ -48,6 +49,8 @@ struct StepProgress {
   double error = 0.0;       ///< of the last step asked about its error, as a share of what it may have; 0: none
   int rejections = 0;       ///< since the last accepted step
   int num_after_start = 0;  ///< accepted steps since the start or the last event, counted as far as it matters
+
+  void keep(Archive& archive);
 };
 
 enum class Retry { again, give_up };
@@ -56,6 +59,10 @@ struct RetryDecision {
   Retry retry = Retry::again;
   std::string reason;  ///< in plain words, for the log
 };
+
+/// The progress of a run under a plan with another step, end or interval: the nominal steps completed are those whose
+/// ends lie behind. Of an unchanged plan it is as it was.
+StepProgress under_plan(const StepPlan& plan, StepProgress progress);
 
 /// Fixed nominal step with retry. A failed step is halved, and again; after a success the step at most doubles until it
 /// is back at the nominal one. Every time origin + n dt is hit, computed by multiplication so that it carries no
