@@ -122,9 +122,20 @@ void write_text_atomically(const std::filesystem::path& file, std::string_view t
     std::filesystem::remove(part, ignored);
     throw;
   }
+  replace_file(part, file);
+}
+
+void replace_file(const std::filesystem::path& from, const std::filesystem::path& to) {
   std::error_code error;
-  std::filesystem::rename(part, file, error);
-  if (error) throw failure(file, error.value());
+  std::filesystem::rename(from, to, error);
+  if (error) throw failure(to, error.value());
+  // The new name lies on the disk when the directory does. One that may not be read, or on something that knows no
+  // sync, is no reason to stop.
+  const std::filesystem::path directory = to.has_parent_path() ? to.parent_path() : ".";
+  const int descriptor = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  (void)::fsync(descriptor);
+  (void)::close(descriptor);
 }
 
 void make_directory(const std::filesystem::path& directory) {

@@ -56,6 +56,9 @@ class File {
 /// written under the name `<file>.part`, brought to the disk, renamed.
 void write_text_atomically(const std::filesystem::path& file, std::string_view text);
 
+/// Gives a file that lies on the disk the name of another, which it replaces, and brings the change to the disk.
+void replace_file(const std::filesystem::path& from, const std::filesystem::path& to);
+
 /// Makes the directory and those above it; an existing one is fine.
 void make_directory(const std::filesystem::path& directory);
 

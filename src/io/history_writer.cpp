@@ -43,20 +43,20 @@ std::string kept_lines(const std::filesystem::path& path, const std::string& hea
 }  // namespace
 
 HistoryWriter::HistoryWriter(MPI_Comm comm, const std::filesystem::path& file, const std::vector<std::string>& columns)
+    : HistoryWriter(comm, file, columns, std::nullopt) {}
+
+HistoryWriter::HistoryWriter(MPI_Comm comm, const std::filesystem::path& file, const std::vector<std::string>& columns,
+                             std::optional<double> last)
     : comm_(comm), num_columns_(columns.size()) {
   on_root(comm_, [&] {
-    file_.emplace(file, FileMode::create);
-    file_->write(csv_header(columns) + "\n");
+    if (last) write_text_atomically(file, kept_lines(file, csv_header(columns), *last));
+    file_.emplace(file, last ? FileMode::append : FileMode::create);
+    if (!last) file_->write(csv_header(columns) + "\n");
   });
 }
 
-HistoryWriter::HistoryWriter(MPI_Comm comm, const std::filesystem::path& file, const std::vector<std::string>& columns,
-                             double last)
-    : comm_(comm), num_columns_(columns.size()) {
-  on_root(comm_, [&] {
-    write_text_atomically(file, kept_lines(file, csv_header(columns), last));
-    file_.emplace(file, FileMode::append);
-  });
+void HistoryWriter::sync() {
+  on_root(comm_, [&] { file_->sync(); });
 }
 
 void HistoryWriter::append(std::span<const double> row) {

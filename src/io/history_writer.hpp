@@ -20,11 +20,14 @@ class HistoryWriter {
   HistoryWriter(MPI_Comm comm, const std::filesystem::path& file, const std::vector<std::string>& columns);
 
   /// Continues the file of an earlier run: its rows up to the one whose first column is `last` stay, later ones go.
-  /// Without such a file it starts anew; with other columns it throws FileError. Collective.
-  HistoryWriter(MPI_Comm comm, const std::filesystem::path& file, const std::vector<std::string>& columns, double last);
+  /// Without such a file, or with no `last`, it starts anew; with other columns it throws FileError. Collective.
+  HistoryWriter(MPI_Comm comm, const std::filesystem::path& file, const std::vector<std::string>& columns,
+                std::optional<double> last);
 
   /// Adds a row, one value per column; the values of rank 0 count. Collective.
   void append(std::span<const double> row);
+  /// Returns when all rows have reached the disk. Collective.
+  void sync();
 
  private:
   MPI_Comm comm_;

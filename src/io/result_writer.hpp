@@ -19,6 +19,7 @@
 /// and after it was killed.
 #pragma once
 
+#include "io/hdf5_group.hpp"
 #include "io/xdmf.hpp"
 
 #include <cstddef>
@@ -53,13 +54,6 @@ struct OutputField {
   FieldLocation location = FieldLocation::node;
   int components = 1;              ///< 1, 3, 6 (symmetric: xx yy zz xy yz xz) or 9 (row by row)
   std::span<const double> values;  ///< components by node or cell
-};
-
-/// A block of rows of a global array: which of them this rank owns.
-struct RowBlock {
-  std::int64_t first = 0;
-  std::int64_t num_owned = 0;
-  std::int64_t num_global = 0;
 };
 
 /// Writes result.h5 and result.xdmf. All members that write are collective; a failure throws FileError on every rank.

@@ -22,6 +22,11 @@ void write_scalar(hid_t object, const std::string& name, hid_t type, const void*
   check_hdf5(H5Awrite(attribute.get(), type, value), doing);
 }
 
+herr_t append_name(hid_t, const char* name, const H5L_info_t*, void* names) {
+  static_cast<std::vector<std::string>*>(names)->emplace_back(name);
+  return 0;
+}
+
 }  // namespace
 
 QuietHdf5::QuietHdf5() {
@@ -62,7 +67,7 @@ void Hdf5Handle::close(const std::string& doing) {
   if (id >= 0) check_hdf5(closer_(id), doing);
 }
 
-Hdf5Handle open_hdf5(const std::filesystem::path& file, Hdf5Mode mode) {
+Hdf5Handle open_hdf5(const std::filesystem::path& file, Hdf5Mode mode, std::int64_t user_block) {
   const std::string doing = (mode == Hdf5Mode::create ? "create '" : "open '") + file.string() + "'";
   const Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, doing);
   check_hdf5(H5Pset_file_locking(access.get(), /*use_file_locking=*/false, /*ignore_when_disabled=*/true), doing);
@@ -75,7 +80,15 @@ Hdf5Handle open_hdf5(const std::filesystem::path& file, Hdf5Mode mode) {
     case Hdf5Mode::create:
       break;
   }
-  return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose, doing};
+  const Hdf5Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose, doing);
+  check_hdf5(H5Pset_userblock(creation.get(), static_cast<hsize_t>(user_block)), doing);
+  return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose, doing};
+}
+
+std::vector<std::string> names_in(hid_t group) {
+  std::vector<std::string> names;
+  check_hdf5(H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, append_name, &names), "list a group");
+  return names;
 }
 
 void write_attribute(hid_t object, const std::string& name, double value) {
@@ -159,6 +172,25 @@ void write_dataset(hid_t parent, const std::string& name, const std::vector<hsiz
                            H5Dclose, doing);
   if (H5Sget_simple_extent_npoints(space.get()) == 0) return;
   check_hdf5(H5Dwrite(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), doing);
+}
+
+void write_attribute(hid_t object, const std::string& name, std::span<const double> values) {
+  const std::string doing = "write the attribute '" + name + "'";
+  const hsize_t size = values.size();
+  const Hdf5Handle space(H5Screate_simple(1, &size, nullptr), H5Sclose, doing);
+  const Hdf5Handle attribute(H5Acreate2(object, name.c_str(), H5T_NATIVE_DOUBLE, space.get(), H5P_DEFAULT, H5P_DEFAULT),
+                             H5Aclose, doing);
+  check_hdf5(H5Awrite(attribute.get(), H5T_NATIVE_DOUBLE, values.data()), doing);
+}
+
+void read_attribute(hid_t object, const std::string& name, std::span<double> values) {
+  const std::string doing = "read the attribute '" + name + "'";
+  const Hdf5Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, doing);
+  const Hdf5Handle space(H5Aget_space(attribute.get()), H5Sclose, doing);
+  if (H5Sget_simple_extent_npoints(space.get()) != static_cast<hssize_t>(values.size())) {
+    throw FileError("cannot " + doing + ": it has another size");
+  }
+  check_hdf5(H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, values.data()), doing);
 }
 
 }  // namespace pliant

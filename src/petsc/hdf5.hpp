@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -51,13 +52,20 @@ class Hdf5Handle {
 
 enum class Hdf5Mode { read, modify, create };
 
-/// Opens a file on the calling rank alone.
-Hdf5Handle open_hdf5(const std::filesystem::path& file, Hdf5Mode mode);
+/// Opens a file on the calling rank alone. `user_block`: bytes before HDF5's own that a file to be created leaves to
+/// others, 0 or a power of two from 512 on.
+Hdf5Handle open_hdf5(const std::filesystem::path& file, Hdf5Mode mode, std::int64_t user_block = 0);
+
+/// Names of what is linked into a group, in alphabetical order.
+std::vector<std::string> names_in(hid_t group);
 
 /// Attributes of a group, dataset or file.
 void write_attribute(hid_t object, const std::string& name, double value);
 void write_attribute(hid_t object, const std::string& name, std::int64_t value);
 void write_attribute(hid_t object, const std::string& name, const std::string& value);
+void write_attribute(hid_t object, const std::string& name, std::span<const double> values);
+/// An attribute of as many numbers as there are places.
+void read_attribute(hid_t object, const std::string& name, std::span<double> values);
 
 /// Throw FileError if there is no such attribute, or it is no whole number or no text.
 std::int64_t integer_attribute(hid_t object, const std::string& name);

@@ -1,0 +1,141 @@
+#include "io/hdf5_group.hpp"
+
+#include "base/error.hpp"
+#include "base/file.hpp"
+#include "petsc/check.hpp"
+#include "petsc/collective.hpp"
+#include "petsc/hdf5.hpp"
+#include "petsc/session.hpp"
+
+#include <optional>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+hid_t hdf5_type(XdmfArray::Number number) {
+  switch (number) {
+    case XdmfArray::Number::float64:
+      return H5T_NATIVE_DOUBLE;
+    case XdmfArray::Number::int64:
+      return H5T_NATIVE_INT64;
+    case XdmfArray::Number::int32:
+      break;
+  }
+  return H5T_NATIVE_INT32;
+}
+
+std::int64_t size_of_number(XdmfArray::Number number) {
+  return number == XdmfArray::Number::int32 ? 4 : 8;
+}
+
+std::int64_t bytes_per_row(const Dataset& dataset) {
+  return dataset.columns * size_of_number(dataset.number);
+}
+
+/// Makes a dataset with its space in the file, unwritten. Returns where its first row lies [bytes], -1 if it has none.
+std::int64_t make_dataset(hid_t group, const Dataset& dataset) {
+  const std::string doing = "make the dataset '" + dataset.name + "'";
+  const hsize_t sizes[2] = {static_cast<hsize_t>(dataset.rows.num_global), static_cast<hsize_t>(dataset.columns)};
+  const Hdf5Handle space(H5Screate_simple(dataset.columns == 1 ? 1 : 2, sizes, nullptr), H5Sclose, doing);
+  const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, doing);
+  check_hdf5(H5Pset_layout(creation.get(), H5D_CONTIGUOUS), doing);
+  check_hdf5(H5Pset_alloc_time(creation.get(), H5D_ALLOC_TIME_EARLY), doing);
+  check_hdf5(H5Pset_fill_time(creation.get(), H5D_FILL_TIME_NEVER), doing);
+  const Hdf5Handle made(H5Dcreate2(group, dataset.name.c_str(), hdf5_type(dataset.number), space.get(), H5P_DEFAULT,
+                                   creation.get(), H5P_DEFAULT),
+                        H5Dclose, doing);
+  for (const auto& [name, value] : dataset.attributes) write_attribute(made.get(), name, value);
+  if (dataset.rows.num_global == 0) return -1;
+  const haddr_t offset = H5Dget_offset(made.get());
+  if (offset == HADDR_UNDEF) throw FileError("cannot " + doing + ": HDF5 gave it no place in the file");
+  return static_cast<std::int64_t>(offset);
+}
+
+/// A group under construction, on rank 0: everything in it is in the file, but no path leads to it before `publish`.
+/// Dropped unpublished, it leaves no trace.
+class UnpublishedGroup {
+ public:
+  UnpublishedGroup(const std::filesystem::path& path, const Group& plan) : path_(path.string()) {
+    reserve_space(plan);
+    file_ = open_hdf5(path_, Hdf5Mode::modify);
+    const std::string doing = "write '" + path_ + "'";
+    group_ = Hdf5Handle(H5Gcreate_anon(file_.get(), H5P_DEFAULT, H5P_DEFAULT), H5Gclose, doing);
+    plan.write_attributes(group_.get());
+    for (const auto& dataset : plan.datasets) offsets_.push_back(make_dataset(group_.get(), dataset));
+    check_hdf5(H5Fflush(file_.get(), H5F_SCOPE_LOCAL), doing);
+  }
+
+  const std::vector<std::int64_t>& offsets() const { return offsets_; }
+
+  void publish(const Group& plan) {
+    const std::string doing = "write '" + path_ + "'";
+    const Hdf5Handle parent(H5Gopen2(file_.get(), plan.parent.c_str(), H5P_DEFAULT), H5Gclose, doing);
+    check_hdf5(H5Olink(group_.get(), parent.get(), plan.name.c_str(), H5P_DEFAULT, H5P_DEFAULT), doing);
+    group_.close(doing);
+    file_.close(doing);
+    File file(path_, FileMode::modify);
+    file.sync();
+    file.close();
+  }
+
+ private:
+  /// HDF5 does not survive a full disk (it crashes when the process ends): take the space before it starts. What is too
+  /// much it cuts off when it closes the file.
+  void reserve_space(const Group& plan) const {
+    constexpr std::int64_t metadata = 64 * 1024;  // [bytes], several times of what a group of a few datasets takes
+    std::int64_t needed = metadata;
+    for (const auto& dataset : plan.datasets) needed += metadata / 8 + dataset.rows.num_global * bytes_per_row(dataset);
+    File file(path_, FileMode::modify);
+    file.reserve(needed);
+    file.close();
+  }
+
+  QuietHdf5 quiet_;
+  std::string path_;
+  Hdf5Handle file_;
+  Hdf5Handle group_;
+  std::vector<std::int64_t> offsets_;
+};
+
+}  // namespace
+
+RowBlock row_block(MPI_Comm comm, std::int64_t num_owned) {
+  RowBlock rows{0, num_owned, 0};
+  check_mpi(MPI_Exscan(&rows.num_owned, &rows.first, 1, MPI_INT64_T, MPI_SUM, comm));
+  if (rank(comm) == 0) rows.first = 0;  // MPI_Exscan leaves it undefined there
+  check_mpi(MPI_Allreduce(&rows.num_owned, &rows.num_global, 1, MPI_INT64_T, MPI_SUM, comm));
+  return rows;
+}
+
+void add_group(MPI_Comm comm, const std::filesystem::path& path, const Group& plan) {
+  on_every_rank(comm, [&] {
+    for (const auto& dataset : plan.datasets) {
+      if (std::ssize(dataset.owned) != dataset.rows.num_owned * bytes_per_row(dataset)) {
+        throw std::logic_error(fmt::format("output '{}': {} bytes for {} rows of {} columns", dataset.name,
+                                           dataset.owned.size(), dataset.rows.num_owned, dataset.columns));
+      }
+    }
+  });
+  std::optional<UnpublishedGroup> group;  // on rank 0
+  std::vector<std::int64_t> offsets(plan.datasets.size(), -1);
+  on_root(comm, [&] {
+    group.emplace(path, plan);
+    offsets = group->offsets();
+  });
+  check_mpi(MPI_Bcast(offsets.data(), static_cast<int>(offsets.size()), MPI_INT64_T, 0, comm));
+  on_every_rank(comm, [&] {
+    File file(path, FileMode::modify);
+    for (std::size_t i = 0; i < offsets.size(); ++i) {
+      const Dataset& dataset = plan.datasets[i];
+      if (offsets[i] >= 0) file.write_at(offsets[i] + dataset.rows.first * bytes_per_row(dataset), dataset.owned);
+    }
+    file.sync();
+    file.close();
+  });
+  on_root(comm, [&] { group->publish(plan); });
+}
+
+}  // namespace pliant

@@ -1,0 +1,64 @@
+#include "io/result_info.hpp"
+
+#include "base/error.hpp"
+#include "petsc/hdf5.hpp"
+
+#include <array>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// Rows and columns.
+std::array<hsize_t, 2> size_of_dataset(hid_t group, const std::string& name) {
+  const Hdf5Handle dataset(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, "read '" + name + "'");
+  const auto sizes = sizes_of(dataset.get());
+  return {sizes.at(0), sizes.size() > 1 ? sizes[1] : 1};
+}
+
+std::string format_of(hid_t file) {
+  return H5Aexists(file, "format") > 0 ? text_attribute(file, "format") : std::string();
+}
+
+double time_of(hid_t frames, const std::string& name) {
+  const Hdf5Handle frame(H5Gopen2(frames, name.c_str(), H5P_DEFAULT), H5Gclose, "open the frame '" + name + "'");
+  double time = 0.0;
+  read_attribute(frame.get(), "time", std::span(&time, 1));
+  return time;
+}
+
+std::string fields_of(hid_t frames, const std::string& name) {
+  const Hdf5Handle frame(H5Gopen2(frames, name.c_str(), H5P_DEFAULT), H5Gclose, "open the frame '" + name + "'");
+  std::string text;
+  for (const auto& field : names_in(frame.get())) {
+    const std::string doing = "read '" + field + "'";
+    const Hdf5Handle dataset(H5Dopen2(frame.get(), field.c_str(), H5P_DEFAULT), H5Dclose, doing);
+    const std::string unit = text_attribute(dataset.get(), "unit");
+    text += fmt::format("  {}{}, {} per {}\n", field, unit.empty() ? "" : fmt::format(" [{}]", unit),
+                        size_of_dataset(frame.get(), field)[1], text_attribute(dataset.get(), "location"));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string describe_result(const std::filesystem::path& path) {
+  const QuietHdf5 quiet;
+  const Hdf5Handle file = open_hdf5(path, Hdf5Mode::read);
+  if (format_of(file.get()) != "pliant-result") {
+    throw FileError("'" + path.string() + "' is neither a checkpoint nor a result of Pliant");
+  }
+  const std::string title = text_attribute(file.get(), "title");
+  const Hdf5Handle frames(H5Gopen2(file.get(), "frames", H5P_DEFAULT), H5Gclose, "read '" + path.string() + "'");
+  const auto names = names_in(frames.get());
+  std::string text =
+      fmt::format("result{}: {} nodes, {} tetrahedra\n", title.empty() ? "" : fmt::format(" of '{}'", title),
+                  size_of_dataset(file.get(), "mesh/coordinates")[0], size_of_dataset(file.get(), "mesh/cells")[0]);
+  if (names.empty()) return text + "no frames\n";
+  text += fmt::format("{} frame{} from t = {:.6g} to {:.6g}\n", names.size(), names.size() == 1 ? "" : "s",
+                      time_of(frames.get(), names.front()), time_of(frames.get(), names.back()));
+  return text + fields_of(frames.get(), names.back());
+}
+
+}  // namespace pliant
