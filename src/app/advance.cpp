@@ -55,6 +55,7 @@ class OwnSolver {
     if (mixed_ == nullptr) return solve;
     return [solve, mixed = mixed_](const StagePoint& stage, Vec q) { return mixed->solve(stage, q, solve); };
   }
+  void forget() { tied_ ? tied_->forget() : plain_->forget(); }
   const SolverStatistics& statistics() const { return tied_ ? tied_->statistics() : plain_->statistics(); }
   std::string description() const { return description_; }
 
@@ -83,6 +84,12 @@ class TimeAdvance final : public Advance {
   }
   void restart() override { integrator_.restart(); }
   double error(const StepAttempt& attempt) const override { return norm_ ? (*norm_)(attempt) : 0.0; }
+  StateView state() const override { return integrator_.state().view(); }
+  void keep(Archive& archive) override {
+    integrator_.keep(archive);
+    if (norm_) norm_->keep(archive);
+  }
+  void forget() override { own_.forget(); }
   const SolverStatistics& solver_statistics() const override { return own_.statistics(); }
   std::vector<std::string> description() const override { return {own_.description()}; }
 
@@ -118,6 +125,8 @@ class PetscAdvance final : public Advance {
   StepAttempt attempt(const Step& step) override { return integrator_->attempt(step); }
   void accept(const StepAttempt& attempt) override { integrator_->accept(attempt); }
   void restart() override { integrator_->restart(); }
+  StateView state() const override { return integrator_->state().view(); }
+  void keep(Archive& archive) override { integrator_->keep(archive); }
   const SolverStatistics& solver_statistics() const override { return integrator_->statistics(); }
   std::vector<std::string> description() const override {
     return {fmt::format("solver: PETSc's integrator {}, with its own Newton's method", name_)};
@@ -158,7 +167,16 @@ class LoadAdvance final : public Advance {
     return result;
   }
 
-  void accept(const StepAttempt& attempt) override { check(VecCopy(attempt.q, state_.get())); }
+  void accept(const StepAttempt& attempt) override {
+    check(VecCopy(attempt.q, state_.get()));
+    load_factor_ = attempt.time;
+  }
+  StateView state() const override { return {load_factor_, state_.get(), zero_.get()}; }
+  void keep(Archive& archive) override {
+    archive.number("load_factor", load_factor_);
+    archive.vector("q", Entries::nodes, state_.get());
+  }
+  void forget() override { own_.forget(); }
   const SolverStatistics& solver_statistics() const override { return own_.statistics(); }
   std::vector<std::string> description() const override { return {own_.description()}; }
 
@@ -167,6 +185,7 @@ class LoadAdvance final : public Advance {
   StageSolve solve_;
   PrescribedMotion motion_;
   double time_;
+  double load_factor_ = 0.0;
   Handle<Vec> state_, q_, start_, zero_, start_velocity_;
 };
 

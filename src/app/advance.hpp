@@ -26,6 +26,13 @@ class Advance {
   /// Estimated error of a converged attempt in units of the tolerances; 0 if errors are not estimated.
   virtual double error(const StepAttempt& /*attempt*/) const { return 0.0; }
 
+  /// The last accepted state.
+  virtual StateView state() const = 0;
+  /// What the steps that follow depend on.
+  virtual void keep(Archive& archive) = 0;
+  /// Forgets what only makes the following steps faster, so that they do not depend on it even in the last digits.
+  virtual void forget() {}
+
   virtual const SolverStatistics& solver_statistics() const = 0;
   /// How it works, line by line, for the log.
   virtual std::vector<std::string> description() const = 0;

@@ -13,6 +13,14 @@ namespace pliant {
 
 ExitCode run_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides, Console& console);
 
+/// Goes on from a checkpoint, or from the newest one in a directory; from the one before where that is damaged. What
+/// may be changed is how long the run is, its steps, solver and output; InputError else.
+ExitCode resume_command(MPI_Comm comm, const std::string& place, const std::vector<Override>& overrides,
+                        Console& console);
+
+/// What is in a checkpoint or a result, for people. Collective.
+std::string info_text(MPI_Comm comm, const std::string& file);
+
 /// Reads, meshes and partitions; reports, solves nothing.
 ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides,
                        Console& console);

@@ -231,6 +231,12 @@ struct OutputConfig {
   std::vector<std::string> fields;
 };
 
+/// When checkpoints are written beside those of interrupted and failed runs.
+struct CheckpointConfig {
+  std::optional<int> every;       ///< steps
+  std::optional<double> minutes;  ///< of the clock
+};
+
 struct ProbeConfig {
   std::string name;
   std::array<double, 3> point{};  ///< reference position [m]
@@ -252,6 +258,7 @@ struct Config {
   TimeConfig time;
   SolverConfig solver;
   OutputConfig output;
+  std::optional<CheckpointConfig> checkpoint;
   std::vector<ProbeConfig> probes;
 };
 

@@ -103,6 +103,16 @@ Section<OutputConfig> output_keys() {
   }};
 }
 
+Section<CheckpointConfig> checkpoint_keys() {
+  return {{
+      field("every", &CheckpointConfig::every, integer(Range::from_to(1, 1e9)), "steps between checkpoints")
+          .otherwise_in_words("none"),
+      field("minutes", &CheckpointConfig::minutes, quantity("1", Range::above(0)),
+            "minutes of the clock between checkpoints")
+          .otherwise_in_words("none"),
+  }};
+}
+
 Section<ProbeConfig> probe_keys() {
   return {{
               field("name", &ProbeConfig::name, column_name(), "begins the names of the probe's columns in history.csv")
@@ -140,6 +150,9 @@ Section<Config> config_keys() {
       field("time", &Config::time, map_of(time_keys()), "how time advances").required(),
       field("solver", &Config::solver, map_of(solver_keys()), "how equations are solved"),
       field("output", &Config::output, map_of(output_keys()), "what is written"),
+      field("checkpoint", &Config::checkpoint, map_of(checkpoint_keys()),
+            "files from which `pliant resume` goes on; `{}`: at the end of the run alone; the last two are kept")
+          .otherwise_in_words("only where the run is interrupted or fails"),
       field("probes", &Config::probes, list_of(map_of(probe_keys()), 0), "points whose motion history.csv follows"),
   }};
 }
@@ -152,7 +165,7 @@ const Format<Config>& config_format() {
 }  // namespace
 
 bool is_planned(std::string_view word) {
-  static constexpr std::array words{"contact", "checkpoint", "obstacles", "friction_update"};
+  static constexpr std::array words{"contact", "obstacles", "friction_update"};
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 

@@ -96,7 +96,31 @@ void Ledger::book(const StepAttempt& attempt) {
   measure(attempt.view());
   time_ = attempt.time;
   check(VecCopy(attempt.q, q_.get()));
+  balance();
+}
 
+void Ledger::keep(Archive& archive, const StateView& newest) {
+  archive.numbers("works", works_);
+  archive.numbers("last_powers", last_powers_);
+  archive.number("powers_are_known", powers_are_known_);
+  archive.number("initial_kinetic", initial_.kinetic);
+  archive.number("initial_elastic", initial_.elastic);
+  archive.number("initial_load_potential", initial_.load_potential);
+  if (analysis_ != Analysis::dynamic) {
+    archive.vector("reaction", Entries::nodes, reaction_.get());
+    for (const Account account : {Account::stored, Account::load_potential, Account::load}) {
+      const auto k = static_cast<std::size_t>(account);
+      archive.vector("forces" + std::to_string(k), Entries::nodes, forces_[k].get());
+    }
+  }
+  if (!archive.restores()) return;
+  measure(newest);
+  time_ = newest.time;
+  check(VecCopy(newest.q, q_.get()));
+  balance();
+}
+
+void Ledger::balance() {
   Energies& e = energies_;
   e.dissipated_by.assign(works_.begin() + num_works, works_.end());
   e.dissipated = std::accumulate(e.dissipated_by.begin(), e.dissipated_by.end(), 0.0);

@@ -54,6 +54,9 @@ class Ledger {
   /// integrator has not integrated the works, they are trapezoidal, or by the midpoint rule.
   void book(const StepAttempt& attempt);
 
+  /// `newest`: the last completed step.
+  void keep(Archive& archive, const StateView& newest);
+
   const Energies& energies() const { return energies_; }
   /// Of each support of the model, at the end of the last stage; zero before the first step.
   const std::vector<Reaction>& reactions() const { return reactions_; }
@@ -73,6 +76,8 @@ class Ledger {
   Works works_along(Vec way) const;
   double work_of_supports(Vec way) const;
   void measure(const StateView& state);
+  /// What follows from the works and the energies of the state.
+  void balance();
 
   Model& model_;
   Analysis analysis_;

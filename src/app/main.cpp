@@ -84,6 +84,31 @@ ExitCode parse_and_run(int argc, const char* const* argv) {
     };
   });
 
+  CLI::App* resume = app.add_subcommand("resume", "go on from a checkpoint");
+  resume->add_option("CHECKPOINT", arguments.file, "the checkpoint, or a directory with checkpoints: its newest one")
+      ->required();
+  resume
+      ->add_option("--set", arguments.settings,
+                   "KEY.PATH=VALUE: replaces a value of the input, e.g. time.end; may be repeated")
+      ->allow_extra_args(false);
+  resume->add_option("--output", arguments.output, "directory for the results; default: that of the checkpoint");
+  resume->add_flag("--quiet", arguments.quiet, "print warnings and errors only");
+  resume->callback([&] {
+    command = [&] {
+      Console console(comm, verbosity());
+      result = resume_command(comm, arguments.file, arguments.overrides(), console);
+    };
+  });
+
+  CLI::App* info = app.add_subcommand("info", "say what is in a checkpoint or a result");
+  info->add_option("FILE", arguments.file, "checkpoint-*.h5 or result.h5")->required();
+  info->callback([&] {
+    command = [&] {
+      const std::string text = info_text(comm, arguments.file);
+      if (speaks) fmt::print("{}", text);
+    };
+  });
+
   CLI::App* check = app.add_subcommand("check", "read the input, mesh and partition it, and report; solves nothing");
   add_input(check);
   check->callback([&] {

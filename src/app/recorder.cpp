@@ -60,12 +60,15 @@ std::filesystem::path prepared_directory(MPI_Comm comm, const Config& config) {
 
 }  // namespace
 
-Recorder::Recorder(MPI_Comm comm, const Config& config, const Model& model, const Ledger& ledger)
+Recorder::Recorder(const Config& config, const Model& model, const Ledger& ledger,
+                   const std::optional<Recorded>& earlier)
     : model_(model),
       fields_(config.output.fields),
       static_time_(analysis_of(config) == Analysis::static_equilibrium ? std::optional(config.time.end) : std::nullopt),
-      result_(comm, prepared_directory(comm, config), config.title, output_mesh()),
-      history_(comm, std::filesystem::path(config.output.directory) / "history.csv", columns(config, ledger)),
+      result_(model.layout().comm, prepared_directory(model.layout().comm, config), config.title, output_mesh(),
+              earlier ? earlier->last_frame : -1),
+      history_(model.layout().comm, std::filesystem::path(config.output.directory) / "history.csv",
+               columns(config, ledger), earlier ? std::optional(static_cast<double>(earlier->last_row)) : std::nullopt),
       q_(make_vector(model.layout())),
       v_(make_vector(model.layout())) {}
 

@@ -12,16 +12,24 @@
 
 namespace pliant {
 
+/// What stays of the files of the run that is continued.
+struct Recorded {
+  std::int64_t last_row = 0;    ///< step of the last row of the history
+  std::int64_t last_frame = 0;  ///< step of the last frame of the result
+};
+
 class Recorder {
  public:
-  /// Makes the directory and starts all files; the history has columns for the ledger's mechanisms. Throws FileError on
-  /// every rank. Collective.
-  Recorder(MPI_Comm comm, const Config& config, const Model& model, const Ledger& ledger);
+  /// Makes the directory and starts all files, or continues those of an earlier run; the history has columns for the
+  /// ledger's mechanisms. Throws FileError on every rank. Collective.
+  Recorder(const Config& config, const Model& model, const Ledger& ledger, const std::optional<Recorded>& earlier);
 
   /// Adds a row to the history. Collective.
   void record(const StepRecord& record, const Ledger& ledger);
   /// Adds a frame to the result. Collective.
   void write_frame(const StepRecord& record);
+  /// Returns when the history has reached the disk; frames have. Collective.
+  void sync() { history_.sync(); }
 
   double seconds() const { return seconds_; }
 

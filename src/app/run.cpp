@@ -1,5 +1,6 @@
 #include "app/run.hpp"
 
+#include "app/checkpoints.hpp"
 #include "app/model.hpp"
 #include "app/recorder.hpp"
 #include "app/signals.hpp"
@@ -11,6 +12,7 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -32,18 +34,20 @@ std::string three_digits(double t) {
 /// Frames are due at multiples of the output interval, at the first step at or after them.
 class FrameSchedule {
  public:
-  explicit FrameSchedule(std::optional<double> interval) : interval_(interval) {}
+  /// From a time at which no frame is due any more.
+  FrameSchedule(std::optional<double> interval, double start) : interval_(interval), last_(reached(start)) {}
   bool due(double time) {
     if (!interval_) return true;
-    const auto reached = static_cast<long long>(std::floor(time / *interval_ * (1.0 + 1e-12) + 1e-9));
-    if (reached <= last_) return false;
-    last_ = reached;
-    return true;
+    const long long now = reached(time);
+    return std::exchange(last_, std::max(last_, now)) < now;
   }
 
  private:
+  long long reached(double time) const {
+    return interval_ ? static_cast<long long>(std::floor(time / *interval_ * (1.0 + 1e-12) + 1e-9)) : 0;
+  }
   std::optional<double> interval_;
-  long long last_ = 0;
+  long long last_;
 };
 
 /// The steps that needed most.
@@ -55,30 +59,37 @@ struct WorstStep {
 
 class Run {
  public:
-  Run(MPI_Comm comm, const Config& config, Console& console)
-      : comm_(comm), config_(config), console_(console), model_(comm, config) {
+  /// From the start, or from a checkpoint that is whole.
+  Run(MPI_Comm comm, const Config& config, Console& console, const ResumePoint* from)
+      : comm_(comm), config_(config), console_(console), model_(comm, config), checkpoints_(config, model_) {
     introduce();
     simulation_.emplace(config, model_);
     for (const auto& line : simulation_->description()) console.print(line);
-    recorder_.emplace(comm, config, model_, simulation_->ledger());
+    std::optional<Recorded> earlier;
+    if (from != nullptr) {
+      checkpoints_.restore(from->file, from->info, [&](Archive& archive) { keep(archive); });
+      earlier = {record().step, last_frame_};
+      if (has_petsc_integrator()) console.print("note: PETSc's integrators start anew where they resume");
+    }
+    recorder_.emplace(config, model_, simulation_->ledger(), earlier);
+    if (!earlier) {
+      checkpoints_.remove_all();
+      recorder_->record(record(), simulation_->ledger());
+      recorder_->write_frame(record());
+    }
     setup_seconds_ = seconds_since(start_);
   }
 
   ExitCode operator()() {
     const InterruptGuard interrupt;
     // Every step is a frame unless an interval is given.
-    FrameSchedule schedule(config_.output.every);
-    recorder_->record(record(), simulation_->ledger());
-    recorder_->write_frame(record());
+    FrameSchedule schedule(config_.output.every, record().time);
     const auto start = Clock::now();
     while (!simulation_->finished()) {
-      if (interrupt.interrupted(comm_)) {
-        if (!last_frame_written_) recorder_->write_frame(record());
-        summarise();
-        console_.warn(fmt::format("interrupted after step {} at t = {:.6g} s; what was computed is in {}",
-                                  record().step, record().time, config_.output.directory));
-        return ExitCode::interrupted;
-      }
+      const Request request =
+          interrupt.request(comm_, checkpoints_.is_due_by_clock() ? Request::checkpoint : Request::none);
+      if (request != Request::none) write_checkpoint();
+      if (request == Request::stop) return interrupted();
       const StepOutcome outcome = simulation_->advance();
       if (outcome.kind == StepOutcome::Kind::failed) give_up(outcome.reason);
       if (outcome.kind == StepOutcome::Kind::unsolved) console_.warn(outcome.reason);
@@ -88,7 +99,11 @@ class Run {
         worst_ = {record().step, record().time, record().newton_iterations};
       }
       last_frame_written_ = schedule.due(record().time) || simulation_->finished();
-      if (last_frame_written_) recorder_->write_frame(record());
+      if (last_frame_written_) {
+        recorder_->write_frame(record());
+        last_frame_ = record().step;
+      }
+      if (checkpoints_.is_due(record().step)) write_checkpoint();
       const std::string line = progress_line(seconds_since(start));
       if (console_.is_terminal()) {
         console_.progress(line);
@@ -96,6 +111,7 @@ class Run {
         console_.print(line);
       }
     }
+    if (config_.checkpoint) write_checkpoint();
     summarise();
     return ExitCode::done;
   }
@@ -114,15 +130,52 @@ class Run {
     for (const auto& notice : model_.notices()) console_.print("note: " + notice);
   }
 
+  bool has_petsc_integrator() const {
+    return analysis_of(config_) == Analysis::dynamic && integrator_of(config_) == nullptr;
+  }
+
+  void keep(Archive& archive) {
+    simulation_->keep(archive);
+    const Archive::Section section(archive, "run");
+    archive.number("last_frame", last_frame_);
+    archive.number("worst_step", worst_.step);
+    archive.number("worst_time", worst_.time);
+    archive.number("worst_newton_iterations", worst_.newton_iterations);
+    archive.number("largest_energy", largest_energy_);
+  }
+
+  void write_checkpoint() {
+    recorder_->sync();
+    checkpoints_.write(record().step, record().time, [&](Archive& archive) { keep(archive); });
+    // What goes on here and what resumes there are the same run.
+    simulation_->forget();
+  }
+
+  std::string how_to_resume() const { return fmt::format("pliant resume {}", config_.output.directory); }
+
+  ExitCode interrupted() {
+    if (!last_frame_written_) recorder_->write_frame(record());
+    summarise();
+    console_.warn(fmt::format("interrupted after step {} at {} = {:.6g}{}; what was computed is in {}; to go on: {}",
+                              record().step, variable(), record().time, is_static() ? "" : " s",
+                              config_.output.directory, how_to_resume()));
+    return ExitCode::interrupted;
+  }
+
   [[noreturn]] void give_up(const std::string& reason) {
     if (!last_frame_written_) recorder_->write_frame(record());
+    write_checkpoint();
     summarise();
     throw SolveError(fmt::format(
         "the solve failed at {0} = {1:.6g}: {2}. The last good state ({0} = {1:.6g}) is in {3}. What may help: {4}, a "
         "finer or better mesh where it deforms most, weaker loads; `-- -snes_monitor` shows Newton's method at work",
         variable(), record().time, reason, config_.output.directory,
-        is_static() ? "more load_steps" : "a smaller time.step"));
+        is_static()
+            ? "more load_steps"
+            : fmt::format("a smaller time.step (`{} --set time.step=...` goes on from there)", how_to_resume())));
   }
+
+  double output_seconds() const { return recorder_->seconds() + checkpoints_.seconds(); }
 
   std::string progress_line(double elapsed) {
     const Energies& e = simulation_->ledger().energies();
@@ -140,12 +193,12 @@ class Run {
     const StepStatistics& steps = simulation_->steps();
     const double total = seconds_since(start_);
     const double known =
-        setup_seconds_ + s.assembly_seconds + s.factorization_seconds + s.solve_seconds + recorder_->seconds();
+        setup_seconds_ + s.assembly_seconds + s.factorization_seconds + s.solve_seconds + output_seconds();
     console_.print(fmt::format(
         "time: {} s = set-up {} (mesh {}) + assembly {} + factorization {} + solve {} + output {} + rest {}",
         three_digits(total), three_digits(setup_seconds_), three_digits(model_.mesh_seconds()),
         three_digits(s.assembly_seconds), three_digits(s.factorization_seconds), three_digits(s.solve_seconds),
-        three_digits(recorder_->seconds()), three_digits(std::max(0.0, total - known))));
+        three_digits(output_seconds()), three_digits(std::max(0.0, total - known))));
     console_.print(fmt::format("steps: {} from {:.3g} to {:.3g}{}; {} repeated after a failed solve, {} for accuracy",
                                steps.accepted, steps.shortest, steps.longest, is_static() ? "" : " s", steps.failed,
                                steps.inaccurate));
@@ -178,10 +231,12 @@ class Run {
   const Config& config_;
   Console& console_;
   Model model_;
+  Checkpoints checkpoints_;
   std::optional<Simulation> simulation_;
   std::optional<Recorder> recorder_;
   double setup_seconds_ = 0.0;
   bool last_frame_written_ = true;
+  std::int64_t last_frame_ = 0;  // step of the last one that was due
   double largest_energy_ = 0.0;  // so far [J]
   WorstStep worst_;
 };
@@ -189,7 +244,11 @@ class Run {
 }  // namespace
 
 ExitCode run_with_output(MPI_Comm comm, const Config& config, Console& console) {
-  return Run(comm, config, console)();
+  return Run(comm, config, console, nullptr)();
+}
+
+ExitCode resume_with_output(MPI_Comm comm, const Config& config, Console& console, const ResumePoint& from) {
+  return Run(comm, config, console, &from)();
 }
 
 }  // namespace pliant

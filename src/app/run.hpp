@@ -4,11 +4,23 @@
 #include "app/config.hpp"
 #include "app/console.hpp"
 #include "base/error.hpp"
+#include "io/checkpoint_file.hpp"
+
+#include <filesystem>
 
 namespace pliant {
 
 /// Runs what the input describes. Returns done or interrupted; throws InputError, FileError, or SolveError when the
 /// solve failed after every retry (the last good state is in the result then). Collective.
 ExitCode run_with_output(MPI_Comm comm, const Config& config, Console& console);
+
+/// A checkpoint that was found whole.
+struct ResumePoint {
+  std::filesystem::path file;
+  CheckpointInfo info;
+};
+
+/// The same from a checkpoint on: the results of the run in the output directory go on. Collective.
+ExitCode resume_with_output(MPI_Comm comm, const Config& config, Console& console, const ResumePoint& from);
 
 }  // namespace pliant

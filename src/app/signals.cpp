@@ -2,32 +2,42 @@
 
 #include "petsc/collective.hpp"
 
+#include <algorithm>
 #include <csignal>
 
 namespace pliant {
 namespace {
 
-volatile std::sig_atomic_t received = 0;  // a signal handler can reach nothing else
+// A signal handler can reach nothing else.
+volatile std::sig_atomic_t stop_received = 0, checkpoint_received = 0;
 
-void note(int) {
-  received = 1;
+void note(int number) {
+  if (number == SIGUSR1) {
+    checkpoint_received = 1;
+  } else {
+    stop_received = 1;
+  }
 }
 
 }  // namespace
 
 InterruptGuard::InterruptGuard() {
-  received = 0;
-  std::signal(SIGINT, note);
-  std::signal(SIGTERM, note);
+  stop_received = 0;
+  checkpoint_received = 0;
+  for (const int number : {SIGINT, SIGTERM, SIGUSR1}) std::signal(number, note);
 }
 
 InterruptGuard::~InterruptGuard() {
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
+  for (const int number : {SIGINT, SIGTERM, SIGUSR1}) std::signal(number, SIG_DFL);
 }
 
-bool InterruptGuard::interrupted(MPI_Comm comm) const {
-  return any(comm, received != 0);
+Request InterruptGuard::request(MPI_Comm comm, Request mine) const {
+  if (checkpoint_received != 0) {
+    checkpoint_received = 0;
+    mine = std::max(mine, Request::checkpoint);
+  }
+  if (stop_received != 0) mine = Request::stop;
+  return static_cast<Request>(static_cast<int>(maximum(comm, static_cast<int>(mine))));
 }
 
 }  // namespace pliant

@@ -5,7 +5,10 @@
 
 namespace pliant {
 
-/// While it lives, SIGINT and SIGTERM only leave a note, so that the run ends between two steps. One per process.
+/// What a run is to do between two steps; the later ones include the earlier ones.
+enum class Request { none, checkpoint, stop };
+
+/// While it lives, SIGINT, SIGTERM (stop) and SIGUSR1 (checkpoint) only leave a note. One per process.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -13,8 +16,8 @@ class InterruptGuard {
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 
-  /// Whether a signal has reached any rank. Collective.
-  bool interrupted(MPI_Comm comm) const;
+  /// What a signal to any rank asks for, or any rank itself with `mine`. Collective.
+  Request request(MPI_Comm comm, Request mine) const;
 };
 
 }  // namespace pliant

@@ -47,6 +47,42 @@ void Simulation::set_plan(const Config& config) {
   }
 }
 
+void Simulation::keep(Archive& archive) {
+  const auto part = [&](const char* name, const auto& keep_part) {
+    const Archive::Section section(archive, name);
+    keep_part();
+  };
+  part("advance", [&] { advance_->keep(archive); });
+  part("ledger", [&] { ledger_->keep(archive, advance_->state()); });
+  if (MixedEquation* mixed = model_.mixed_equation()) part("mixed", [&] { mixed->keep(archive); });
+  part("control", [&] {
+    StepProgress progress = control_->progress();
+    double step = plan_.dt;
+    progress.keep(archive);
+    archive.number("step", step);
+    if (!archive.restores()) return;
+    if (step != plan_.dt) progress.limit = StepControl(plan_).progress().limit;
+    control_.emplace(plan_, under_plan(plan_, progress));
+  });
+  part("record", [&] {
+    archive.number("step", record_.step);
+    archive.number("time", record_.time);
+    archive.number("dt", record_.dt);
+    archive.number("newton_iterations", record_.newton_iterations);
+    archive.number("linear_iterations", record_.linear_iterations);
+  });
+  part("steps", [&] {
+    archive.number("accepted", steps_.accepted);
+    archive.number("failed", steps_.failed);
+    archive.number("inaccurate", steps_.inaccurate);
+    archive.number("shortest", steps_.shortest);
+    archive.number("longest", steps_.longest);
+  });
+  if (!archive.restores()) return;
+  check(VecCopy(advance_->state().q, q_.get()));
+  check(VecCopy(advance_->state().v, v_.get()));
+}
+
 StepOutcome Simulation::advance() {
   const Step step = control_->next();
   const StepAttempt attempt = advance_->attempt(step);

@@ -69,6 +69,12 @@ class Simulation {
   /// Of our own solver, or of PETSc's integrator as far as it tells.
   const SolverStatistics& solver_statistics() const { return advance_->solver_statistics(); }
   const StepStatistics& steps() const { return steps_; }
+  /// All that the following steps depend on. After restoring, a changed step and end of `config` are followed.
+  void keep(Archive& archive);
+  /// Forgets what only makes the following steps faster: they come out the same, to the last bit on the same ranks, as
+  /// after restoring what is kept now.
+  void forget() { advance_->forget(); }
+
   /// How equations are solved and time advances, line by line, for the log.
   std::vector<std::string> description() const { return advance_->description(); }
 

@@ -58,6 +58,19 @@ def finish(process, timeout):
     return subprocess.CompletedProcess(process.args, process.returncode, out, err)
 
 
+def ranks_of(mpirun):
+    """Process ids of the ranks that this mpirun started."""
+    found = []
+    for directory in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            parent = int((directory / "stat").read_text().rsplit(")", 1)[1].split()[1])
+            if parent == mpirun and (directory / "exe").resolve() == PROGRAM:
+                found.append(int(directory.name))
+        except (OSError, ValueError):
+            continue  # gone, or not ours
+    return found
+
+
 def read_history(directory):
     """Columns of history.csv by name."""
     with open(pathlib.Path(directory) / "history.csv", encoding="ascii", newline="") as file:

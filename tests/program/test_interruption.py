@@ -1,7 +1,6 @@
 #!/usr/bin/python3
 """A run that is interrupted ends in order: exit code 130, everything computed so far is on disk and can be read."""
 import os
-import pathlib
 import shutil
 import signal
 import time
@@ -9,22 +8,9 @@ import unittest
 
 import h5py
 
-from program import PROGRAM, ROOT, ProgramTest, finish, read_history, start
+from program import ROOT, ProgramTest, finish, ranks_of, read_history, start
 
 INPUT = ROOT / "input/beam_small.yaml"
-
-
-def ranks_of(mpirun):
-    """Process ids of the ranks that this mpirun started."""
-    found = []
-    for directory in pathlib.Path("/proc").glob("[0-9]*"):
-        try:
-            parent = int((directory / "stat").read_text().rsplit(")", 1)[1].split()[1])
-            if parent == mpirun and (directory / "exe").resolve() == PROGRAM:
-                found.append(int(directory.name))
-        except (OSError, ValueError):
-            continue  # gone, or not ours
-    return found
 
 
 class Interruption(ProgramTest):

@@ -1,0 +1,117 @@
+#include "app/checkpoints.hpp"
+#include "app/commands.hpp"
+#include "app/run.hpp"
+#include "io/result_info.hpp"
+#include "petsc/collective.hpp"
+#include "petsc/hdf5.hpp"
+#include "petsc/session.hpp"
+
+#include <algorithm>
+#include <array>
+#include <system_error>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What does not concern the state; a key with those below it.
+constexpr std::array changeable{"time.end", "time.step", "time.min_step", "solver", "output", "checkpoint", "title"};
+
+void check_changes(const std::vector<Override>& overrides) {
+  std::vector<Diagnostic> refused;
+  for (const auto& change : overrides) {
+    const bool may_change = std::ranges::any_of(
+        changeable, [&](const std::string& key) { return change.path == key || change.path.starts_with(key + "."); });
+    if (may_change) continue;
+    refused.push_back({{"--set " + change.path, 0, 0},
+                       fmt::format("this cannot change in a run that goes on; what can: {}; for all else start anew "
+                                   "with `pliant run`",
+                                   fmt::join(changeable, ", "))});
+  }
+  if (!refused.empty()) throw InputError(std::move(refused));
+}
+
+/// The checkpoint named, or those of the directory, and those from which to go on if they are damaged: newest first.
+std::vector<fs::path> candidates(const fs::path& place) {
+  std::error_code ignored;
+  if (fs::is_directory(place, ignored)) {
+    auto files = checkpoints_in(place);
+    if (files.empty()) throw FileError(fmt::format("there is no checkpoint in '{}'", place.string()));
+    return files;
+  }
+  if (!fs::exists(place, ignored)) throw FileError(fmt::format("there is no file '{}'", place.string()));
+  std::vector<fs::path> files{place};
+  const auto all = checkpoints_in(place.has_parent_path() ? place.parent_path() : ".");
+  const auto here = std::ranges::find(all, place.filename(), [](const fs::path& file) { return file.filename(); });
+  if (here != all.end()) files.insert(files.end(), here + 1, all.end());
+  return files;
+}
+
+/// The same on every rank. Collective.
+std::vector<fs::path> shared_candidates(MPI_Comm comm, const fs::path& place) {
+  std::string text;
+  on_root(comm, [&] {
+    for (const auto& file : candidates(place)) text += file.string() + '\0';
+  });
+  text = broadcast(comm, std::move(text));
+  std::vector<fs::path> files;
+  for (std::size_t at = 0; at < text.size(); at += files.back().string().size() + 1) files.emplace_back(&text[at]);
+  return files;
+}
+
+ResumePoint newest_whole(MPI_Comm comm, const fs::path& place, Console& console) {
+  const auto files = shared_candidates(comm, place);
+  for (std::size_t i = 0;; ++i) {
+    try {
+      return {files[i], read_checkpoint_info(comm, files[i])};
+    } catch (const FileError& error) {
+      if (i + 1 == files.size()) throw;
+      console.warn(fmt::format("{}; trying the one before, '{}'", error.what(), files[i + 1].string()));
+    }
+  }
+}
+
+}  // namespace
+
+ExitCode resume_command(MPI_Comm comm, const std::string& place, const std::vector<Override>& overrides,
+                        Console& console) {
+  check_changes(overrides);
+  const ResumePoint from = newest_whole(comm, place, console);
+  // Where the results lie, wherever the run was started.
+  const fs::path directory = from.file.has_parent_path() ? from.file.parent_path() : ".";
+  std::vector<Override> changes{{"output.directory", directory.string()}};
+  changes.insert(changes.end(), overrides.begin(), overrides.end());
+  const Config config = read_input(from.info.input, from.file.string(), changes);
+  if (from.info.petsc_options != petsc_options()) {
+    console.warn(
+        fmt::format("the run had the PETSc options '{}', now they are '{}'", from.info.petsc_options, petsc_options()));
+  }
+  console.print(fmt::format("resuming from {} after step {}", from.file.string(), from.info.step));
+  return resume_with_output(comm, config, console, from);
+}
+
+std::string info_text(MPI_Comm comm, const std::string& file) {
+  bool is_one = false;
+  on_root(comm, [&] {
+    std::error_code ignored;
+    if (!fs::is_regular_file(file, ignored)) throw FileError(fmt::format("there is no file '{}'", file));
+    is_one = is_checkpoint(file);
+  });
+  if (any(comm, is_one)) {
+    const CheckpointInfo info = read_checkpoint_info(comm, file);
+    return fmt::format(
+        "checkpoint{}, whole\nafter step {} at t = {:.6g}\nwritten on {} rank{} by\n{}PETSc options: {}\n"
+        "go on with: pliant resume {}\n\nThe input:\n{}",
+        info.title.empty() ? "" : fmt::format(" of '{}'", info.title), info.step, info.time, info.ranks,
+        info.ranks == 1 ? "" : "s", info.program, info.petsc_options.empty() ? "none" : info.petsc_options, file,
+        info.input);
+  }
+  std::string text;
+  on_root(comm, [&] { text = describe_result(file); });
+  return broadcast(comm, std::move(text));
+}
+
+}  // namespace pliant

@@ -1,0 +1,334 @@
+#!/usr/bin/python3
+"""A run that ends before its time, whatever ends it, goes on from its last checkpoint as if nothing had happened."""
+import os
+import random
+import re
+import shutil
+import signal
+import time
+
+import h5py
+import numpy as np
+
+import unittest
+from program import ProgramTest, finish, ranks_of, read_history, start, write_box
+
+METHODS = ("backward-euler", "bdf2", "bdf3", "dirk22", "dirk23", "dirk33", "implicit-midpoint", "symplectic-dirk22")
+ADAPTIVE = ("backward-euler", "bdf2", "bdf3", "dirk22", "dirk23", "dirk33")
+SAME_RANKS, OTHER_RANKS = 1e-10, 1e-7  # the second: what Newton's tolerance of 1e-10 leaves after many steps
+
+BODY = """
+title: going on
+mesh: {file: box.msh}
+bodies:
+  - density: 1000
+    elasticity: {model: neo-hookean, youngs_modulus: 50 kPa, poissons_ratio: 0.3}
+    viscosity:
+      - {model: prony, ratio: 0.5, relaxation_time: 50 ms}
+      - {model: maxwell, shear_modulus: 10 kPa, relaxation_time: 20 ms}
+constraints: [{surface: left, displacement: [0, 0, "0.02*sin(20*t)"]}]
+loads: [{gravity: [0, 0, -9.81]}]
+time: {method: bdf2, step: 5 ms, end: 0.1}
+solver: {newton: {relative: 1e-10}}
+output: {fields: [displacement]}
+checkpoint: {every: 4}
+probes: [{name: tip, point: [0.5, 0.1, 0.1]}]
+"""
+
+
+def checkpoints(directory):
+    return sorted(directory.glob("checkpoint-*.h5"))
+
+
+class RestartTest(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        write_box(self.directory / "box.msh", (5, 1, 1), (0.5, 0.1, 0.1))
+        self.input = self.write("input.yaml", BODY)
+
+    def out(self, name):
+        return self.directory / name
+
+    def resume(self, name, *arguments, ranks=1):
+        done = self.call("resume", name, "--quiet", *arguments, ranks=ranks)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return done
+
+    def text(self, name):
+        return (self.out(name) / "history.csv").read_text()
+
+    def started(self, arguments, ranks, rows):
+        """A run that has written so many rows."""
+        process = start(arguments, self.directory, ranks)
+        history = self.out("out") / "history.csv"
+        deadline = time.monotonic() + 60
+        while not history.exists() or history.read_text().count("\n") <= rows:
+            if process.poll() is not None:
+                break
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.002)
+        return process
+
+    def assert_frames_are_the_rows(self, name):
+        """A frame for each step, none twice, whole."""
+        steps = read_history(self.out(name))["step"]
+        np.testing.assert_array_equal(steps, np.arange(len(steps)))
+        with h5py.File(self.out(name) / "result.h5") as file:
+            frames = [frame.attrs["step"] for frame in file["frames"].values()]
+            for frame in file["frames"].values():
+                self.assertEqual(frame["displacement"].shape, file[frame.attrs["mesh"]]["coordinates"].shape)
+        listed = re.findall(r'Name="step (\d+)"', (self.out(name) / "result.xdmf").read_text())
+        self.assertEqual([int(step) for step in listed], frames)
+        self.assertEqual(frames, list(steps))
+
+
+class Continuation(RestartTest):
+    def test_every_method_goes_on_to_the_last_digit(self):
+        for method in METHODS:
+            with self.subTest(method):
+                self.check_steps(f"time.method={method}")
+        for method in ADAPTIVE:
+            with self.subTest(f"{method}, adaptive"):
+                self.check_steps(f"time.method={method}", "time.adaptive={relative: 1e-2, absolute: 1e-3}")
+
+    def test_what_else_has_a_state(self):
+        cases = {
+            "startup": ("time.method=bdf3", "time.startup=dirk33"),
+            "events": ("time.method=bdf3", "time.events=[0.021]", 'loads=[{gravity: [0, 0, "t < 0.021 ? 0 : -9.81"]}]'),
+            "quasistatic": ("time.method=quasistatic",),
+            "static": ("time.method=static", "time.load_steps=12", "time.end=0.1",
+                       'constraints=[{surface: left, displacement: [0, 0, 0]}]'),
+            "P2": ("element=P2", "time.end=0.06"),
+            "refined": ("mesh.refine=1", "time.end=0.06"),
+            "mixed": ("element=P2", "volumetric=mixed", "bodies[0].elasticity.poissons_ratio=0.5",
+                      "bodies[0].viscosity=[]", "time.end=0.04"),
+            "rigid": ('constraints=[{surface: left, displacement: [0, 0, 0]}, {surface: right, rigid: {}}]',),
+            "cavity": ('cavities=[{name: hole, where: "x > 0.09 && x < 0.11", gas: {pressure: 0}}]',),
+        }
+        cases.pop("cavity")  # the box has none
+        for name, settings in cases.items():
+            with self.subTest(name):
+                self.check_steps(*settings)
+
+    def check_steps(self, *settings):
+        """From the first of two checkpoints, on one rank to the last bit, on three to the accuracy of the solver."""
+        for name in ("whole", "one", "three"):
+            shutil.rmtree(self.out(name), ignore_errors=True)
+        whole = self.run_input(self.input, *settings, output="whole")
+        files = checkpoints(self.out("whole"))
+        self.assertEqual(len(files), 2)
+        for name in ("one", "three"):
+            shutil.copytree(self.out("whole"), self.out(name))
+            checkpoints(self.out(name))[-1].unlink()
+        self.resume("one")
+        self.assertEqual(self.text("one"), self.text("whole"))
+        self.assertEqual([f.name for f in checkpoints(self.out("one"))], [f.name for f in files])
+        self.resume("three", ranks=3)
+        self.assert_same_history(whole, read_history(self.out("three")), OTHER_RANKS)
+
+    def test_killed_again_and_again(self):
+        seed = random.randrange(2**32)
+        print("seed", seed)
+        chance = random.Random(seed)
+        for method in METHODS:
+            with self.subTest(method, seed=seed):
+                settings = [f"time.method={method}", "time.end=0.2"]
+                whole = self.run_input(self.input, *settings, output="whole")
+                shutil.rmtree(self.out("out"), ignore_errors=True)
+                arguments = ["run", self.input, "--quiet", "--output", "out"]
+                arguments += [a for setting in settings for a in ("--set", setting)]
+                for ranks in (1, 2, 3):
+                    rows = chance.randrange(5, 12)
+                    rows += len(self.text("out").splitlines()) if self.out("out").exists() else 0
+                    process = self.started(arguments, ranks, rows)
+                    time.sleep(chance.uniform(0.0, 0.03))
+                    for rank in ranks_of(process.pid):
+                        os.kill(rank, signal.SIGKILL)
+                    process.kill()
+                    finish(process, 30)
+                    arguments = ["resume", "out", "--quiet"]
+                self.resume("out")
+                self.assert_same_history(whole, read_history(self.out("out")), OTHER_RANKS)
+                self.assert_frames_are_the_rows("out")
+
+    def test_a_later_end_and_another_step(self):
+        whole = self.run_input(self.input, output="whole")
+        self.run_input(self.input, "time.end=0.05", output="part")
+        self.resume("part", "--set", "time.end=0.1")
+        self.assert_same_history(whole, read_history(self.out("part")), SAME_RANKS)
+        self.resume("part", "--set", "time.end=0.12", "--set", "time.step=2 ms")
+        history = read_history(self.out("part"))
+        self.assertEqual(history["time"][-1], 0.12)
+        np.testing.assert_allclose(history["dt"][-10:], 0.002)
+        self.assert_frames_are_the_rows("part")
+
+    def test_elsewhere(self):
+        """Results may go to another directory; the place from which the program is called does not matter."""
+        self.run_input(self.input, output="whole")
+        first = checkpoints(self.out("whole"))[0]
+        self.resume(first, "--output", "more")
+        whole, more = read_history(self.out("whole")), read_history(self.out("more"))
+        step = int(first.stem.rsplit("-", 1)[1])
+        self.assertEqual(self.text("more").splitlines()[1:], self.text("whole").splitlines()[step + 2:])
+        self.assertEqual(len(checkpoints(self.out("whole"))), 2)
+        self.assertEqual(more["step"][-1], whole["step"][-1])
+
+
+class Signals(RestartTest):
+    ENDLESS = ["--set", "time.end=100"]
+
+    def test_stopped(self):
+        for number in (signal.SIGINT, signal.SIGTERM):
+            with self.subTest(number.name):
+                shutil.rmtree(self.out("out"), ignore_errors=True)
+                process = self.started(["run", self.input, "--output", "out", *self.ENDLESS], 1, 6)
+                process.send_signal(number)
+                done = finish(process, 30)
+                self.assertEqual(done.returncode, 130, done.stderr)
+                step = int(read_history(self.out("out"))["step"][-1])
+                self.assertEqual(checkpoints(self.out("out"))[-1].name, f"checkpoint-{step:06}.h5")
+                command = re.search(r"to go on: pliant (resume .*)", done.stderr).group(1).split()
+                # The end as it would have been.
+                done = self.call(*command, "--quiet", "--set", f"time.end={0.005 * (step + 4)}")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertEqual(read_history(self.out("out"))["step"][-1], step + 4)
+                self.assert_frames_are_the_rows("out")
+
+    def test_the_frame_of_an_interruption_does_not_stay(self):
+        process = self.started(["run", self.input, "--output", "out", "--set", "output.every=1"], 1, 6)
+        process.send_signal(signal.SIGTERM)
+        self.assertEqual(finish(process, 30).returncode, 130)
+        with h5py.File(self.out("out") / "result.h5") as file:
+            self.assertEqual(len(file["frames"]), 2)
+        self.resume("out")
+        with h5py.File(self.out("out") / "result.h5") as file:
+            self.assertEqual([frame.attrs["time"] for frame in file["frames"].values()], [0, 0.1])
+
+    def test_asked_for_a_checkpoint(self):
+        process = self.started(["run", self.input, "--output", "out", "--set", "checkpoint.every=1000000", *self.ENDLESS], 1, 3)
+        self.assertEqual(checkpoints(self.out("out")), [])
+        process.send_signal(signal.SIGUSR1)
+        deadline = time.monotonic() + 30
+        while not checkpoints(self.out("out")):
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.01)
+        rows = len(self.text("out").splitlines())
+        while len(self.text("out").splitlines()) <= rows:  # it goes on
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(finish(process, 30).returncode, 130)
+
+    def test_by_the_clock(self):
+        self.run_input(self.input, "checkpoint={minutes: 1e-9}", "time.end=0.02")
+        names = [file.name for file in checkpoints(self.out("out"))]
+        self.assertEqual(names, ["checkpoint-000003.h5", "checkpoint-000004.h5"])
+
+    def test_a_failed_solve(self):
+        """The last good state is kept; what failed may be tried another way."""
+        broken = 'loads=[{gravity: [0, 0, "t < 0.0401 ? -9.81 : sqrt(0.0401 - t)"]}]'
+        done = self.call("run", self.input, "--quiet", "--output", "out", "--set", broken)
+        self.assertEqual(done.returncode, 3, done.stderr)
+        self.assertIn("pliant resume out", done.stderr)
+        last = read_history(self.out("out"))
+        self.resume("out", "--set", f"time.end={last['time'][-1]!r}")
+        self.assertEqual(read_history(self.out("out"))["step"][-1], last["step"][-1])
+
+
+class Damage(RestartTest):
+    def setUp(self):
+        super().setUp()
+        self.run_input(self.input, "time.end=0.04")
+        self.older, self.newer = checkpoints(self.out("out"))
+        self.whole = self.text("out")
+
+    def fails(self, code, *words, place="out"):
+        """On one rank and on two, with one message."""
+        for ranks in (1, 2):
+            done = self.call("resume", place, "--quiet", ranks=ranks)
+            self.assertEqual(done.returncode, code, done.stderr)
+            lines = [line for line in done.stderr.splitlines() if "heckpoint" in line or "mesh" in line]
+            self.assertEqual(len(lines), 1, done.stderr)
+            for word in words:
+                self.assertIn(word, lines[0])
+
+    def flip(self, file, place):
+        data = bytearray(file.read_bytes())
+        data[place] ^= 0x10
+        file.write_bytes(data)
+
+    def test_the_one_before_takes_over(self):
+        self.flip(self.newer, self.newer.stat().st_size // 2)
+        done = self.resume("out")
+        self.assertIn("checksum", done.stderr)
+        self.assertIn(self.older.name, done.stderr)
+        self.assertEqual(self.text("out"), self.whole)
+        self.call("info", self.newer)
+
+    def test_every_byte_counts(self):
+        self.older.unlink()
+        data = self.newer.read_bytes()
+        for place in (0, 20, 40, 60, 500, 512, 600, len(data) // 3, len(data) - 1):
+            with self.subTest(place):
+                self.newer.write_bytes(data)
+                self.flip(self.newer, place)
+                done = self.call("resume", "out", "--quiet")
+                self.assertEqual(done.returncode, 4, done.stderr)
+                self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+
+    def test_cut_short(self):
+        self.older.unlink()
+        data = self.newer.read_bytes()
+        for size in (0, 100, 512, len(data) // 2, len(data) - 1):
+            with self.subTest(size):
+                self.newer.write_bytes(data[:size])
+                self.assertEqual(self.call("resume", "out", "--quiet").returncode, 4)
+        self.fails(4, "damaged", str(len(data)))
+
+    def test_another_version(self):
+        self.older.unlink()
+        self.newer.write_bytes(self.newer.read_bytes().replace(b"version 1", b"version 2", 1))
+        self.fails(4, "another version")
+
+    def test_no_checkpoint(self):
+        self.fails(4, "no checkpoint of Pliant", place=self.write("checkpoint-text.h5", "hello"))
+        self.fails(4, "no checkpoint of Pliant", place=self.out("out") / "result.h5")
+        (self.directory / "empty").mkdir()
+        self.fails(4, "no checkpoint", place="empty")
+        done = self.call("resume", "nothing")
+        self.assertEqual((done.returncode, done.stderr), (4, "there is no file 'nothing'\n"))
+
+    def test_another_mesh(self):
+        write_box(self.directory / "box.msh", (5, 1, 1), (0.5, 0.1, 0.1000001))
+        self.fails(2, "box.msh", "put that one back")
+        (self.directory / "box.msh").unlink()
+        self.fails(2, "box.msh")
+
+    def test_changes_that_are_none(self):
+        done = self.call("resume", "out", "--set", "bodies[0].density=2", "--set", "element=P2")
+        self.assertEqual(done.returncode, 2)
+        self.assertEqual(done.stderr.count("cannot change in a run that goes on"), 2)
+        done = self.call("resume", "out", "--set", "time.end=1 m")
+        self.assertEqual(done.returncode, 2, done.stderr)
+
+    def test_info(self):
+        done = self.call("info", self.newer)
+        self.assertEqual(done.returncode, 0)
+        for word in ("going on", "after step 8 at t = 0.04", "youngs_modulus"):
+            self.assertIn(word, done.stdout)
+        done = self.call("info", self.out("out") / "result.h5")
+        self.assertIn("9 frames from t = 0 to 0.04", done.stdout)
+        self.assertEqual(self.call("info", self.input).returncode, 4)
+
+    def test_a_directory_that_cannot_be_written(self):
+        """A checkpoint that cannot be written ends the run, and leaves the one before as it was."""
+        data = self.newer.read_bytes()
+        (self.out("out") / "checkpoint-000012.h5.part").mkdir()  # where the next one would be written
+        done = self.call("resume", "out", "--quiet", "--set", "time.end=0.06")
+        self.assertEqual(done.returncode, 4, done.stderr)
+        self.assertIn("checkpoint-000012.h5.part", done.stderr)
+        self.assertEqual(checkpoints(self.out("out"))[-1].read_bytes(), data)
+
+
+if __name__ == "__main__":
+    unittest.main()
