@@ -103,7 +103,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{2, "bodies: [@{density: 1}]", "missing key 'elasticity' in bodies[0]"},
         Bad{6, "@contact: {law: penalty}", "'contact' is not supported by this version of Pliant"},
         Bad{6, "checkpoint: {every: @0}", "'every' must be a whole number from 1"},
-        Bad{6, "checkpoint: {minutes: @0}", "'minutes' must be a number above 0"},
+        Bad{6, "checkpoint: {minutes: @0}", "'minutes' must be > 0"},
         Bad{6, "checkpoint: {@hours: 1}", "unknown key 'hours' in checkpoint"}));
 
 INSTANTIATE_TEST_SUITE_P(

@@ -6,15 +6,15 @@ import re
 import shutil
 import signal
 import time
+import unittest
 
 import h5py
 import numpy as np
 
-import unittest
 from program import ProgramTest, finish, ranks_of, read_history, start, write_box
 
 METHODS = ("backward-euler", "bdf2", "bdf3", "dirk22", "dirk23", "dirk33", "implicit-midpoint", "symplectic-dirk22")
-ADAPTIVE = ("backward-euler", "bdf2", "bdf3", "dirk22", "dirk23", "dirk33")
+ADAPTIVE = ("bdf3", "dirk23", "dirk33")  # each estimates its error in another way
 SAME_RANKS, OTHER_RANKS = 1e-10, 1e-7  # the second: what Newton's tolerance of 1e-10 leaves after many steps
 
 BODY = """
@@ -83,8 +83,8 @@ class RestartTest(ProgramTest):
 
 
 class Continuation(RestartTest):
-    def test_every_method_goes_on_to_the_last_digit(self):
-        for method in METHODS:
+    def test_goes_on_to_the_last_digit(self):
+        for method in ("bdf3", "symplectic-dirk22"):
             with self.subTest(method):
                 self.check_steps(f"time.method={method}")
         for method in ADAPTIVE:
@@ -100,31 +100,34 @@ class Continuation(RestartTest):
                        'constraints=[{surface: left, displacement: [0, 0, 0]}]'),
             "P2": ("element=P2", "time.end=0.06"),
             "refined": ("mesh.refine=1", "time.end=0.06"),
-            "mixed": ("element=P2", "volumetric=mixed", "bodies[0].elasticity.poissons_ratio=0.5",
-                      "bodies[0].viscosity=[]", "time.end=0.04"),
-            "rigid": ('constraints=[{surface: left, displacement: [0, 0, 0]}, {surface: right, rigid: {}}]',),
-            "cavity": ('cavities=[{name: hole, where: "x > 0.09 && x < 0.11", gas: {pressure: 0}}]',),
+            "mixed": ("element=P2", "volumetric=mixed", "time.end=0.04",
+                      "bodies=[{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 50 kPa, poissons_ratio: 0.5}}]"),
+            "rigid": ('constraints=[{surface: left, displacement: [0, 0, 0]}, '
+                      '{surface: right, rigid: {translation: [free, 0, "0.02*sin(20*t)"]}}]',),
+            "PETSc": ("time.method={petsc: arkimex}", "bodies=[{density: 1000, elasticity: {model: linear, "
+                      "youngs_modulus: 50 kPa, poissons_ratio: 0.3}}]"),
         }
-        cases.pop("cavity")  # the box has none
         for name, settings in cases.items():
             with self.subTest(name):
-                self.check_steps(*settings)
+                self.check_steps(*settings, ranks=3)
 
-    def check_steps(self, *settings):
-        """From the first of two checkpoints, on one rank to the last bit, on three to the accuracy of the solver."""
-        for name in ("whole", "one", "three"):
+    def check_steps(self, *settings, ranks=None):
+        """From the first of two checkpoints, on one rank to the last bit, on others to the accuracy of the solver."""
+        for name in ("whole", "one", "several"):
             shutil.rmtree(self.out(name), ignore_errors=True)
         whole = self.run_input(self.input, *settings, output="whole")
         files = checkpoints(self.out("whole"))
         self.assertEqual(len(files), 2)
-        for name in ("one", "three"):
+        for name in ("one", "several"):
             shutil.copytree(self.out("whole"), self.out(name))
             checkpoints(self.out(name))[-1].unlink()
         self.resume("one")
         self.assertEqual(self.text("one"), self.text("whole"))
         self.assertEqual([f.name for f in checkpoints(self.out("one"))], [f.name for f in files])
-        self.resume("three", ranks=3)
-        self.assert_same_history(whole, read_history(self.out("three")), OTHER_RANKS)
+        if ranks is None:
+            return
+        self.resume("several", ranks=ranks)
+        self.assert_same_history(whole, read_history(self.out("several")), OTHER_RANKS)
 
     def test_killed_again_and_again(self):
         seed = random.randrange(2**32)
@@ -242,9 +245,9 @@ class Damage(RestartTest):
         self.older, self.newer = checkpoints(self.out("out"))
         self.whole = self.text("out")
 
-    def fails(self, code, *words, place="out"):
-        """On one rank and on two, with one message."""
-        for ranks in (1, 2):
+    def fails(self, code, *words, place="out", numbers_of_ranks=(1,)):
+        """With one message."""
+        for ranks in numbers_of_ranks:
             done = self.call("resume", place, "--quiet", ranks=ranks)
             self.assertEqual(done.returncode, code, done.stderr)
             lines = [line for line in done.stderr.splitlines() if "heckpoint" in line or "mesh" in line]
@@ -288,7 +291,7 @@ class Damage(RestartTest):
     def test_another_version(self):
         self.older.unlink()
         self.newer.write_bytes(self.newer.read_bytes().replace(b"version 1", b"version 2", 1))
-        self.fails(4, "another version")
+        self.fails(4, "another version", numbers_of_ranks=(1, 2))
 
     def test_no_checkpoint(self):
         self.fails(4, "no checkpoint of Pliant", place=self.write("checkpoint-text.h5", "hello"))
@@ -300,7 +303,7 @@ class Damage(RestartTest):
 
     def test_another_mesh(self):
         write_box(self.directory / "box.msh", (5, 1, 1), (0.5, 0.1, 0.1000001))
-        self.fails(2, "box.msh", "put that one back")
+        self.fails(2, "box.msh", "put that one back", numbers_of_ranks=(1, 2))
         (self.directory / "box.msh").unlink()
         self.fails(2, "box.msh")
 
