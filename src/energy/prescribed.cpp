@@ -59,7 +59,8 @@ std::vector<LinearConstraint> PrescribedDisplacement::constraints(const NodeLayo
   std::vector<LinearConstraint> result;
   for (const Entry& e : entries_) {
     const PetscInt entry = 3 * layout.first_global_node + e.dof;
-    if (wanted.contains(entry)) result.push_back({{{entry, 1.0}}, {{1.0, e.part, e.dof % 3, e.X}}, e.part});
+    if (wanted.contains(entry))
+      result.push_back({{{entry, 1.0}}, {{1.0, e.part, static_cast<int>(e.dof % 3), e.X}}, e.part});
   }
   return result;
 }
