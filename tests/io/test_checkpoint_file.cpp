@@ -78,10 +78,11 @@ class CheckpointFile : public ::testing::Test {
     thing.keep(writer);
     writer.write(file_, info);
   }
+  /// Collective: no rank reads while another one replaces them.
   std::string bytes() const {
     std::ostringstream text;
-    text << std::ifstream(file_, std::ios::binary).rdbuf();
-    return text.str();
+    on_root(comm, [&] { text << std::ifstream(file_, std::ios::binary).rdbuf(); });
+    return broadcast(comm, text.str());
   }
   void replace(const std::string& bytes) const {
     on_root(comm, [&] { std::ofstream(file_, std::ios::binary) << bytes; });
