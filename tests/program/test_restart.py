@@ -141,7 +141,7 @@ class Continuation(RestartTest):
                 arguments = ["run", self.input, "--quiet", "--output", "out"]
                 arguments += [a for setting in settings for a in ("--set", setting)]
                 for ranks in (1, 2, 3):
-                    rows = chance.randrange(5, 12)
+                    rows = chance.randrange(6, 12)  # the row of step 5: the checkpoint of step 4 is there
                     rows += len(self.text("out").splitlines()) if self.out("out").exists() else 0
                     process = self.started(arguments, ranks, rows)
                     time.sleep(chance.uniform(0.0, 0.03))
