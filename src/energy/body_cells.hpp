@@ -87,30 +87,6 @@ PLIANT_INLINE Tangent<Pack> pulled_back(const Tangent<Pack>& A, const Tensor3<Pa
   return C;
 }
 
-/// Block (a, b) += dN_a . C . dN_b.
-template <int N>
-PLIANT_INLINE void add_blocks(const Tangent<Pack>& C, const std::array<std::array<double, 3>, N>& dN,
-                              CellMatrix<N>& matrix) {
-  for (int b = 0; b < N; ++b) {
-    std::array<Pack, 27> column;  // C . dN_b at [3 (3 i + alpha) + k]
-    for (int p = 0; p < 9; ++p) {
-      for (int k = 0; k < 3; ++k) {
-        column[3 * p + k] =
-            C[9 * p + 3 * k] * dN[b][0] + C[9 * p + 3 * k + 1] * dN[b][1] + C[9 * p + 3 * k + 2] * dN[b][2];
-      }
-    }
-    for (int a = 0; a <= b; ++a) {
-      Tensor3<Pack>& block = matrix.blocks[CellMatrix<N>::index(a, b)];
-      for (int i = 0; i < 3; ++i) {
-        for (int k = 0; k < 3; ++k) {
-          block(i, k) +=
-              dN[a][0] * column[9 * i + k] + dN[a][1] * column[9 * i + 3 + k] + dN[a][2] * column[9 * i + 6 + k];
-        }
-      }
-    }
-  }
-}
-
 /// The cells of one body on this rank, ghosts included. What is integrated is given in two steps, so that what a batch
 /// needs is gathered once: `of_batch(CellBatch)` returns a function of a CellPoint.
 template <int Order>
@@ -177,16 +153,16 @@ class BodyCells {
   template <class TangentOf>
   void add_stiffness(TangentOf tangent_of, const BlockWriter& K) const {
     CellMatrix<num_nodes> matrix;
+    std::vector<LinearMatrix> points;
     for_each_batch([&](const CellBatch<Order>& batch) __attribute__((always_inline)) {
       const auto tangent = tangent_of(batch);
-      matrix = {};
+      points.resize(static_cast<std::size_t>(batch.group.rule.size()));
       for (int k = 0; k < batch.group.rule.size(); ++k) {
         const CellPoint<Order> point{batch, k};
-        const Pack weight = point.weight();
-        Tangent<Pack> A = tangent(point);
-        for (Pack& entry : A) entry *= weight;
-        add_blocks<num_nodes>(pulled_back(A, point.inverse_jacobian()), point.shape_gradients(), matrix);
+        set_linear_matrix(tangent(point), point.inverse_jacobian(), point.weight(),
+                          points[static_cast<std::size_t>(k)]);
       }
+      set_cell_matrix<Order>(batch.group, points, matrix);
       scatter_add(batch.group, batch.number, num_owned_nodes_, matrix, K);
     });
   }

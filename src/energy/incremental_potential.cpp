@@ -131,11 +131,15 @@ void IncrementalPotential::hessian(Vec q, Mat K, Projection projection) {
   const auto at = evaluated_at(q);
   {
     BlockWriter writer(pattern_, K);
-    writer.zero();
-    for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k]->add_hessian(stage_of(k), at, writer, projection);
+    std::size_t first = 0;  // a term that K starts from
+    while (first < terms_.size() && !terms_[first]->set_hessian(stage_of(first), writer)) ++first;
+    if (first == terms_.size()) writer.zero();
+    for (std::size_t k = 0; k < terms_.size(); ++k) {
+      if (k != first) terms_[k]->add_hessian(stage_of(k), at, writer, projection);
+    }
+    writer.copy_diagonal(ArrayView(diagonal_.get()).span());
     writer.finish();
   }
-  check(MatGetDiagonal(K, diagonal_.get()));
   PetscReal total = 0.0;
   check(VecNorm(diagonal_.get(), NORM_1, &total));
   {

@@ -23,6 +23,11 @@ void Inertia::add_hessian(const LocalStage& stage, std::span<const double>, cons
   mass_.add_to(1.0 / (stage.dt * stage.dt), K);
 }
 
+bool Inertia::set_hessian(const LocalStage& stage, const BlockWriter& K) const {
+  mass_.assign_to(1.0 / (stage.dt * stage.dt), K);
+  return true;
+}
+
 Momenta Inertia::momenta(std::span<const double> X, std::span<const double> q, std::span<const double> v) const {
   std::vector<double> p(v.size(), 0.0);
   mass_.add_times(v, p);

@@ -27,6 +27,7 @@ class Inertia final : public EnergyTerm {
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override;
   void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                    Projection projection) const override;
+  bool set_hessian(const LocalStage& stage, const BlockWriter& K) const override;
 
   const MassMatrix& mass() const { return mass_; }
   /// 1/2 v . M v of the owned nodes [J].

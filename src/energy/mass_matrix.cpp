@@ -174,6 +174,21 @@ void MassMatrix::add_to(double factor, const BlockWriter& K) const {
   }
 }
 
+void MassMatrix::assign_to(double factor, const BlockWriter& K) const {
+  for (const Part* part : {&diagonal_, &off_diagonal_}) {
+    for (PetscInt a = 0; a < num_owned_nodes_; ++a) {
+      const PetscInt begin = part->rows->offsets[a], end = part->rows->offsets[a + 1];
+      if (begin == end) continue;
+      double* values = K.block(a, part == &diagonal_ ? begin : -1 - begin).values;
+      for (int i = 0; i < 3; ++i) {
+        for (PetscInt k = begin; k < end; ++k) {
+          for (int j = 0; j < 3; ++j) *values++ = i == j ? factor * part->masses[k] : 0.0;
+        }
+      }
+    }
+  }
+}
+
 double MassMatrix::product(std::span<const double> x, std::span<const double> y) const {
   std::vector<double> My(y.size(), 0.0);
   add_times(y, My);

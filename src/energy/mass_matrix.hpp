@@ -26,6 +26,8 @@ class MassMatrix {
   double product(std::span<const double> x, std::span<const double> y) const;
   /// K += factor M, rows of owned nodes.
   void add_to(double factor, const BlockWriter& K) const;
+  /// K = factor M, likewise, whatever K was.
+  void assign_to(double factor, const BlockWriter& K) const;
   /// This rank's share of the mass [kg].
   double total() const;
 

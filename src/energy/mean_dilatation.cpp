@@ -170,12 +170,13 @@ class MeanDilatationTerm final : public ElasticTerm {
     BatchState at;
     std::vector<DilatedStress<Pack>> stress;
     CellMatrix<num_nodes> matrix;
+    std::vector<LinearMatrix> points;
     Tangent<Pack> Ab;
     cells_.for_each_batch([&](const Batch& batch) {
       at.set(batch, batch.values(q));
       stress.clear();
       const Pack p = pressure(batch, at, stress);
-      matrix = {};
+      points.resize(at.size());
       Nodes g{}, h{};
       Pack k_theta = 0.0;
       for (std::size_t k = 0; k < at.size(); ++k) {
@@ -186,15 +187,16 @@ class MeanDilatationTerm final : public ElasticTerm {
         law_->tangent(index(batch, k), at.point(k).H, Ab);
         DilatedTangent<Pack> tangent(at.point(k), law_->P(index(batch, k), at.point(k).H), Ab, p);
         if (projection == Projection::positive_semidefinite) project(tangent);
-        for (Pack& entry : tangent.FF) entry = select(at.valid(), w * entry, Pack(nan));
-        add_blocks<num_nodes>(pulled_back(tangent.FF, X), dN, matrix);
+        for (Pack& entry : tangent.FF) entry = select(at.valid(), entry, Pack(nan));
+        set_linear_matrix(tangent.FF, X, w, points[k]);
         add_force(w * pulled_back(tangent.coupling, X), dN, h);
         add_force(at.mean(w * at.point(k).J) * pulled_back(at.point(k).G, X), dN, g);
         k_theta += w * tangent.thetatheta;
       }
+      set_cell_matrix<order>(batch.group, points, matrix);
       for (int b = 0; b < num_nodes; ++b) {
         for (int a = 0; a <= b; ++a) {
-          Tensor3<Pack>& block = matrix.blocks[CellMatrix<num_nodes>::index(a, b)];
+          Tensor3<Pack>& block = matrix.block(a, b);
           for (int i = 0; i < 3; ++i) {
             for (int j = 0; j < 3; ++j) {
               block(i, j) += h[a][i] * g[b][j] + g[a][i] * (h[b][j] + k_theta * g[b][j]);

@@ -93,6 +93,9 @@ class EnergyTerm {
   virtual void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                            Projection projection) const = 0;
 
+  /// K = d2Phi/dq2 on all of the pattern, if that costs no more than to clear K. False: K is as it was.
+  virtual bool set_hessian(const LocalStage& /*stage*/, const BlockWriter& /*K*/) const { return false; }
+
   /// Numbers of internal variables on this rank (those of ghost cells included, computed there too); symmetric tensors
   /// at points of cells.
   virtual std::size_t num_internal() const { return 0; }

@@ -18,8 +18,7 @@ VelocityProjection::VelocityProjection(const NodeLayout& layout, const BlockPatt
   }
   {
     BlockWriter writer(pattern, mass_.get());
-    writer.zero();
-    inertia.mass().add_to(1.0, writer);
+    inertia.mass().assign_to(1.0, writer);
     writer.finish();
   }
   check(KSPCreate(layout.comm, ksp_.out()));

@@ -25,6 +25,7 @@ BlockPattern::BlockPattern(const NodeLayout& layout) : num_owned_nodes_(layout.n
       std::sort(part->nodes.begin() + part->offsets.back(), part->nodes.end());
       part->offsets.push_back(static_cast<PetscInt>(part->nodes.size()));
     }
+    own_blocks_.push_back(block(n, n));
   }
   const std::size_t num_blocks = diagonal_.nodes.size() + off_diagonal_.nodes.size();
   const auto most = std::min<PetscInt>(PETSC_MAX_INT / 9, std::numeric_limits<std::int32_t>::max());
@@ -126,7 +127,8 @@ std::vector<Handle<Vec>> rigid_body_modes(const NodeLayout& layout, std::span<co
 }
 
 BlockWriter::BlockWriter(const BlockPattern& pattern, Mat matrix)
-    : matrix_(matrix),
+    : pattern_(pattern),
+      matrix_(matrix),
       diagonal_offsets_(pattern.diagonal().offsets.data()),
       off_diagonal_offsets_(pattern.off_diagonal().offsets.data()),
       diagonal_size_(9 * pattern.diagonal().nodes.size()),
@@ -153,6 +155,14 @@ void BlockWriter::finish() {
 void BlockWriter::zero() {
   std::fill_n(diagonal_, diagonal_size_, 0.0);
   std::fill_n(off_diagonal_, off_diagonal_size_, 0.0);
+}
+
+void BlockWriter::copy_diagonal(std::span<double> diagonal) const {
+  const auto own = pattern_.own_blocks();
+  for (std::size_t n = 0; n < own.size(); ++n) {
+    const auto [values, stride] = block(static_cast<PetscInt>(n), own[n]);
+    for (int i = 0; i < 3; ++i) diagonal[3 * n + i] = values[i * stride + i];
+  }
 }
 
 RowElimination::RowElimination(const NodeLayout& layout, const BlockPattern& pattern,

@@ -26,10 +26,13 @@ class BlockPattern {
   };
   const Rows& diagonal() const { return diagonal_; }
   const Rows& off_diagonal() const { return off_diagonal_; }
+  /// The block of each owned node with itself.
+  std::span<const PetscInt> own_blocks() const { return own_blocks_; }
 
  private:
   Rows diagonal_;
   Rows off_diagonal_;
+  std::vector<PetscInt> own_blocks_;
   PetscInt num_owned_nodes_;
 };
 
@@ -46,19 +49,33 @@ class BlockWriter {
     double* values;
     PetscInt stride;
   };
-  Block block(PetscInt node, std::int32_t number) const {
-    if (number >= 0) {
-      const PetscInt before = diagonal_offsets_[node];
-      return {diagonal_ + 9 * before + 3 * (number - before), 3 * (diagonal_offsets_[node + 1] - before)};
+  Block block(PetscInt node, std::int32_t number) const { return row(node).block(number); }
+
+  /// The blocks of one row, for loops over them.
+  struct Row {
+    // Where the rows' blocks start, if each block before took three entries.
+    double* diagonal;
+    double* off_diagonal;
+    PetscInt diagonal_stride, off_diagonal_stride;
+
+    Block block(std::int32_t number) const {
+      if (number >= 0) return {diagonal + 3 * std::ptrdiff_t{number}, diagonal_stride};
+      return {off_diagonal + 3 * (-1 - std::ptrdiff_t{number}), off_diagonal_stride};
     }
-    const PetscInt before = off_diagonal_offsets_[node], n = -1 - number;
-    return {off_diagonal_ + 9 * before + 3 * (n - before), 3 * (off_diagonal_offsets_[node + 1] - before)};
+  };
+  Row row(PetscInt node) const {
+    const PetscInt before = diagonal_offsets_[node], before_off = off_diagonal_offsets_[node];
+    return {diagonal_ + 6 * std::ptrdiff_t{before}, off_diagonal_ + 6 * std::ptrdiff_t{before_off},
+            3 * (diagonal_offsets_[node + 1] - before), 3 * (off_diagonal_offsets_[node + 1] - before_off)};
   }
   void zero();
+  /// The diagonal of the matrix, xyz per owned node.
+  void copy_diagonal(std::span<double> diagonal) const;
   /// Ends the access and declares the matrix changed and assembled. Collective.
   void finish();
 
  private:
+  const BlockPattern& pattern_;
   Mat matrix_, diagonal_matrix_ = nullptr, off_diagonal_matrix_ = nullptr;
   double* diagonal_ = nullptr;
   double* off_diagonal_ = nullptr;

@@ -75,7 +75,10 @@ CellGroup<Order> make_group(const NodeLayout& layout, const BlockPattern& patter
   group.body = body;
   group.shape = shape;
   group.rule = simplex_rule<3>(degree);
-  for (const auto& xi : group.rule.points) group.shape_gradients.push_back(Tet<Order>::gradients(xi));
+  for (const auto& xi : group.rule.points) {
+    group.shape_gradients.push_back(Tet<Order>::gradients(xi));
+    group.barycentric_gradients.push_back(Tet<Order>::barycentric_gradients(xi));
+  }
   group.geometry_points = shape == CellShape::affine ? 1 : group.rule.size();
   for (std::size_t first = 0; first < cells.size(); first += pack_size) {
     auto& batch = group.batches.emplace_back();

@@ -22,6 +22,7 @@ template <int Order>
 struct CellGroup {
   static constexpr int num_nodes = Tet<Order>::num_nodes;
   using ShapeGradients = std::array<std::array<double, 3>, num_nodes>;
+  using BarycentricGradients = std::array<std::array<double, 4>, num_nodes>;
 
   struct Batch {
     std::array<std::array<PetscInt, pack_size>, num_nodes> nodes;  ///< local nodes
@@ -32,7 +33,8 @@ struct CellGroup {
   int body = 0;
   CellShape shape = CellShape::affine;
   QuadratureRule<3> rule;
-  std::vector<ShapeGradients> shape_gradients;  ///< dN_a/dxi at the rule's points
+  std::vector<ShapeGradients> shape_gradients;              ///< dN_a/dxi at the rule's points
+  std::vector<BarycentricGradients> barycentric_gradients;  ///< dN_a/dl, likewise
   std::vector<Batch> batches;
   std::vector<PetscInt> cells;                           ///< local cells, pack_size per batch (padding: -1)
   int geometry_points = 1;                               ///< 1 (affine) or the rule's points

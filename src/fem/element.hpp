@@ -39,19 +39,32 @@ struct Simplex {
     return n;
   }
 
+  /// Whether N_a depends on the barycentric coordinate l_k.
+  static constexpr bool depends(int a, int k) {
+    return a < num_corners ? a == k : edge(a - num_corners)[0] == k || edge(a - num_corners)[1] == k;
+  }
+
+  /// dN_a/dl_k
+  static constexpr std::array<std::array<double, num_corners>, num_nodes> barycentric_gradients(const Point& xi) {
+    const auto l = barycentric(xi);
+    std::array<std::array<double, num_corners>, num_nodes> g{};
+    for (int a = 0; a < num_corners; ++a) g[a][a] = Order == 1 ? 1.0 : 4.0 * l[a] - 1.0;
+    if constexpr (Order == 2) {
+      for (int e = 0; e < num_edges; ++e) {
+        const auto [i, j] = edge(e);
+        g[num_corners + e][i] = 4.0 * l[j];
+        g[num_corners + e][j] = 4.0 * l[i];
+      }
+    }
+    return g;
+  }
+
   /// dN_a/dxi_k
   static constexpr std::array<std::array<double, Dim>, num_nodes> gradients(const Point& xi) {
-    const auto l = barycentric(xi);
+    const auto by_l = barycentric_gradients(xi);
     std::array<std::array<double, Dim>, num_nodes> g{};
-    for (int k = 0; k < Dim; ++k) {
-      const auto dl = [k](int a) { return a == 0 ? -1.0 : (a == k + 1 ? 1.0 : 0.0); };
-      for (int a = 0; a < num_corners; ++a) g[a][k] = Order == 1 ? dl(a) : (4.0 * l[a] - 1.0) * dl(a);
-      if constexpr (Order == 2) {
-        for (int e = 0; e < num_edges; ++e) {
-          const auto [i, j] = edge(e);
-          g[num_corners + e][k] = 4.0 * (dl(i) * l[j] + l[i] * dl(j));
-        }
-      }
+    for (int a = 0; a < num_nodes; ++a) {
+      for (int k = 0; k < Dim; ++k) g[a][k] = by_l[a][k + 1] - by_l[a][0];  // l_0 = 1 - xi_1 - ... - xi_Dim
     }
     return g;
   }

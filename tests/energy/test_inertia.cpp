@@ -124,6 +124,32 @@ TEST_P(Masses, HessianIsTheMassOverDt2) {
   }
 }
 
+// Adding to zero and setting what was something else come to the same, digit by digit.
+TEST_P(Masses, HessianCanBeSetWhateverTheMatrixWas) {
+  LocalStage at;
+  at.dt = 0.05;
+  const Handle<Mat> added = make_matrix(solid_.layout(), solid_.pattern()),
+                    set = make_matrix(solid_.layout(), solid_.pattern());
+  {
+    BlockWriter writer(solid_.pattern(), added.get());
+    inertia_->add_hessian(at, {}, writer, Projection::none);
+    writer.finish();
+  }
+  check(MatCopy(added.get(), set.get(), SAME_NONZERO_PATTERN));
+  check(MatShift(set.get(), 7.0));
+  {
+    BlockWriter writer(solid_.pattern(), set.get());
+    ASSERT_TRUE(inertia_->set_hessian(at, writer));
+    writer.finish();
+  }
+  PetscReal size = 0.0;
+  check(MatNorm(added.get(), NORM_FROBENIUS, &size));
+  EXPECT_GT(size, 0.0);
+  PetscBool is_equal = PETSC_FALSE;
+  check(MatEqual(added.get(), set.get(), &is_equal));
+  EXPECT_TRUE(is_equal);
+}
+
 // Where the body is after a stage of free flight, Phi is least: q = q0 + dt v0, lower by dt^2/2 |v0|_M^2 / dt^2.
 TEST_P(Masses, FreeFlightIsTheMinimum) {
   const double dt = 0.05;

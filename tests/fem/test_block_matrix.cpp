@@ -147,6 +147,16 @@ TEST_P(Matrices, ProductsSeeTheNewValuesAfterASecondWriting) {
   EXPECT_LE(error, 1e-14 * size);
 }
 
+TEST_P(Matrices, DiagonalIsThatOfTheMatrix) {
+  const auto K = written();
+  const Handle<Vec> expected = make_vector(layout_);
+  check(MatGetDiagonal(K.get(), expected.get()));
+  std::vector<double> diagonal(3 * static_cast<std::size_t>(layout_.num_owned_nodes), NAN);
+  BlockWriter(body_.pattern, K.get()).copy_diagonal(diagonal);
+  const ConstArrayView at(expected.get());
+  for (std::size_t i = 0; i < diagonal.size(); ++i) EXPECT_EQ(diagonal[i], at[static_cast<PetscInt>(i)]);
+}
+
 TEST_P(Matrices, EliminationIsPetscsAndSymmetric) {
   const auto K = written(), expected = inserted();
   const auto flags = some_prescribed();

@@ -66,6 +66,14 @@ TYPED_TEST(Elements, GradientsAreDifferencesOfValues) {
   }
 }
 
+// Nodes depend on the coordinates they say, and on no others.
+TYPED_TEST(Elements, DependOnOneOrTwoBarycentricCoordinates) {
+  const auto g = TypeParam::barycentric_gradients(somewhere<TypeParam>());
+  for (int a = 0; a < TypeParam::num_nodes; ++a) {
+    for (int k = 0; k < TypeParam::num_corners; ++k) EXPECT_EQ(TypeParam::depends(a, k), g[a][k] != 0.0) << a << k;
+  }
+}
+
 TYPED_TEST(Elements, InterpolatePolynomialsOfTheirDegree) {
   const auto polynomial = [](const auto& x) {
     double linear = 0.7, quadratic = 0.0;
