@@ -37,7 +37,7 @@ double step_to_inversion(const BodyCells<Order>& cells, std::span<const double> 
 template <int Order>
 Tensor3<Pack> centroid_gradient(const CellBatch<Order>& batch, const NodeValues<CellGroup<Order>::num_nodes>& u) {
   return displacement_gradient<Order>(u, Tet<Order>::gradients({0.25, 0.25, 0.25}),
-                                      batch.group.centroid_inverse_jacobian[batch.number]);
+                                      batch.group.inverse_jacobian_at_centroid(batch.number));
 }
 
 /// The state at the centroids of a batch.

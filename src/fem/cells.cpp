@@ -47,15 +47,17 @@ void fill_geometry(const NodeLayout& layout, CellGroup<Order>& group) {
   const auto num_batches = group.batches.size();
   group.inverse_jacobian.resize(num_batches * group.geometry_points);
   group.jacobian.resize(num_batches * group.geometry_points);
-  group.centroid_inverse_jacobian.resize(num_batches);
+  if (group.shape == CellShape::curved) group.centroid_inverse_jacobian.resize(num_batches);
   const auto centroid = Tet<Order>::gradients({0.25, 0.25, 0.25});
   for (std::size_t b = 0; b < num_batches; ++b) {
     const auto& batch = group.batches[b];
     for (int lane = 0; lane < pack_size; ++lane) {
       std::array<PetscInt, CellGroup<Order>::num_nodes> nodes;
       for (std::size_t a = 0; a < nodes.size(); ++a) nodes[a] = batch.nodes[a][lane];
-      const LaneGeometry middle = lane_geometry(layout, nodes, centroid);
-      for (int i = 0; i < 9; ++i) group.centroid_inverse_jacobian[b].a[i][lane] = middle.inverse.a[i];
+      if (group.shape == CellShape::curved) {
+        const LaneGeometry middle = lane_geometry(layout, nodes, centroid);
+        for (int i = 0; i < 9; ++i) group.centroid_inverse_jacobian[b].a[i][lane] = middle.inverse.a[i];
+      }
       for (int q = 0; q < group.geometry_points; ++q) {
         const auto dN = group.gradients(q);
         const LaneGeometry here = lane_geometry(layout, nodes, dN);
@@ -80,6 +82,10 @@ CellGroup<Order> make_group(const NodeLayout& layout, const BlockPattern& patter
     group.barycentric_gradients.push_back(Tet<Order>::barycentric_gradients(xi));
   }
   group.geometry_points = shape == CellShape::affine ? 1 : group.rule.size();
+  const std::size_t num_batches = (cells.size() + pack_size - 1) / pack_size;
+  group.batches.reserve(num_batches);
+  group.cells.reserve(num_batches * pack_size);
+  group.blocks.reserve(num_batches * n * n);
   for (std::size_t first = 0; first < cells.size(); first += pack_size) {
     auto& batch = group.batches.emplace_back();
     batch.num_lanes = static_cast<int>(std::min<std::size_t>(pack_size, cells.size() - first));

@@ -39,13 +39,17 @@ struct CellGroup {
   std::vector<PetscInt> cells;                           ///< local cells, pack_size per batch (padding: -1)
   int geometry_points = 1;                               ///< 1 (affine) or the rule's points
   std::vector<Tensor3<Pack>> inverse_jacobian;           ///< dxi/dX, [batch * geometry_points + point] [1/m]
-  std::vector<Tensor3<Pack>> centroid_inverse_jacobian;  ///< dxi/dX at the centroid, per batch [1/m]
+  std::vector<Tensor3<Pack>> centroid_inverse_jacobian;  ///< dxi/dX at the centroid of curved cells, per batch [1/m]
   std::vector<Pack> jacobian;                            ///< det dX/dxi, likewise [m^3]; 0 in padding lanes
   std::vector<std::array<std::int32_t, pack_size>>
       blocks;  ///< BlockPattern::block of nodes (a, b) at [(batch * n + a) * n + b]
 
   PLIANT_INLINE std::size_t geometry(std::size_t batch, int point) const {
     return batch * geometry_points + (geometry_points == 1 ? 0 : point);
+  }
+
+  PLIANT_INLINE const Tensor3<Pack>& inverse_jacobian_at_centroid(std::size_t batch) const {
+    return shape == CellShape::affine ? inverse_jacobian[geometry(batch, 0)] : centroid_inverse_jacobian[batch];
   }
 
   /// dN_a/dxi at a point; known to the compiler for linear elements.
