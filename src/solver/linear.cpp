@@ -232,7 +232,9 @@ void use_p_multigrid(PC pc, Mat K, const Coarsening& coarsening) {
 void update_coarse_level(PC pc, Mat K) {
   PetscBool is_multigrid = PETSC_FALSE;
   check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCMG, &is_multigrid));
-  if (!is_multigrid) return;
+  PetscInt num_levels = 0;
+  if (is_multigrid) check(PCMGGetLevels(pc, &num_levels));
+  if (num_levels != 2) return;
   Mat P = nullptr, linear = nullptr;
   KSP coarse = nullptr;
   check(PCMGGetInterpolation(pc, 1, &P));
