@@ -18,7 +18,9 @@ class ElasticTermOf final : public ElasticTerm {
       : law_(std::move(law)), shortening_(std::move(shortening)), cells_(groups, body, num_owned_nodes) {}
 
   std::string_view name() const override { return "elastic"; }
-  TermDeclaration declaration() const override { return {.depends_on_time = shortening_ != nullptr}; }
+  TermDeclaration declaration() const override {
+    return {.depends_on_time = shortening_ != nullptr, .turns = !law_->traits().constant_tangent};
+  }
 
   double value(const LocalStage& stage, std::span<const double> q) const override {
     const LawNow law = law_at(instant_of(stage));

@@ -189,6 +189,7 @@ std::optional<Coarsening> IncrementalPotential::make_coarsening() const {
 }
 
 std::unique_ptr<NodalRotations> IncrementalPotential::make_rotations() const {
+  if (std::ranges::any_of(terms_, [](const EnergyTerm* term) { return !term->declaration().turns; })) return nullptr;
   return std::make_unique<NodalRotations>(layout_, prescribed_);
 }
 

@@ -33,7 +33,7 @@ class StageEquation {
   /// A coarse space of the unknowns for multigrid; nullopt where there is none.
   virtual std::optional<Coarsening> make_coarsening() const { return std::nullopt; }
   /// Of the nodes whose displacements are unknowns, for preconditioners that turn with the body; nullptr where unknowns
-  /// are something else.
+  /// are something else, or stiffness stays (linear elasticity).
   virtual std::unique_ptr<NodalRotations> make_rotations() const { return nullptr; }
   /// The displacements of all nodes at the unknowns q, until the next call.
   virtual Vec displacements(Vec q) { return q; }

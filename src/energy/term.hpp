@@ -61,6 +61,7 @@ struct TermDeclaration {
   Symmetry symmetry = Symmetry::symmetric;
   Account account = Account::stored;
   bool depends_on_time = false;  ///< `energy_at` changes with time at a fixed configuration: `supply`
+  bool turns = true;             ///< its stiffness turns with the body, as far as it is that of the body
   bool dissipates = false;       ///< `dissipation` may be above 0; the ledger books it under the term's name
 };
 

@@ -82,6 +82,7 @@ initial: {displacement: ["0.01*x", 0, 0], velocity: [0, "-y", 3 km/h]}
 time: {method: bdf2, step: 10 ms, end: 2 s, startup: ramp, min_step: 1 us}
 solver: {linear: cholesky, newton: {relative: 1e-6, absolute: 1 mN, max_iterations: 20}}
 output: {directory: out/here, every: 20 ms, fields: [velocity, von_mises_stress]}
+checkpoint: {every: 100, minutes: 10}
 probes: [{name: tip, point: [1, 0.1, 100 mm]}, {name: "the root", point: [0, 0, 0]}]
 cavities:
   - {name: left, surface: inside, pressure: "2e3*t"}

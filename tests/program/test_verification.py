@@ -316,7 +316,8 @@ class Verification(ProgramTest):
         expected = np.array([ball.pressure(radius) for radius in h["inside_x"]])
         np.testing.assert_allclose(h["hollow_pressure"], expected, rtol=3e-4, atol=1e-3)
         self.about("balloon", "as given, `load_steps=8`", 12)
-        for n in (2, 4, 8):
+        for load in (0.25, 0.5, 1):  # steps between may be repeated in halves
+            n = int(np.flatnonzero(np.isclose(h["time"], load))[0])
             stretch = h["inside_x"][n] / 8e-3
             self.row(f"pressure at {stretch:.4f} times its inner radius", f"{expected[n]:.0f} Pa", h["hollow_pressure"][n], 3e-4)
         np.testing.assert_allclose(h["energy_balance_error"], 0, atol=1e-8 * h["elastic_energy"][-1])
