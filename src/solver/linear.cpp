@@ -21,7 +21,7 @@ constexpr PetscInt min_unknowns_of_pord = 100;
 /// again.
 constexpr PetscInt first_workspace = 40, last_workspace = 10240;
 /// Iterations that a set-up costs: of multigrid, or of a factorization that tells nothing of itself; of one that does,
-/// by the operations for each entry of its factor. Measured: 16 for 480 operations, 24 for 1100, 33 for 1040.
+/// by the operations for each entry of its factor. Measured on two beams: 16 for 480 operations, 24 for 1100.
 constexpr double cost_of_usual_set_up = 16.0, cost_of_small_factorization = 8.0, cost_per_operation = 0.017;
 /// Vectors that GMRES keeps before it starts anew. With a factor it needs a few; with multigrid some tens.
 constexpr PetscInt gmres_restart = 60;
