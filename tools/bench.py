@@ -2,6 +2,7 @@
 """Whole runs of a beam in Pliant and in dolfinx, side by side: seconds per step, ratios, memory. See tools/bench.sh."""
 import argparse
 import csv
+import math
 import os
 import platform
 import re
@@ -14,11 +15,12 @@ import tempfile
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 PLIANT = os.environ.get("PLIANT", os.path.join(ROOT, "build", "bin", "pliant"))
 PAGE = os.path.join(ROOT, "docs", "performance.md")
-BEGIN, END = "<!-- tools/bench.sh --write writes this table. -->", "<!-- Its end. -->"
+FIGURE = os.path.join(ROOT, "docs", "images", "performance.svg")
 DOLFINX = os.path.join(ROOT, "tests", "benchmarks", "dolfinx_beam.py")
 
 # Bricks of the beam, order of the element, steps.
-SIZES = {"S": ((30, 6, 6), 1, 10), "M": ((55, 11, 11), 1, 10), "L": ((85, 17, 17), 1, 10), "M2": ((55, 11, 11), 2, 3)}
+SIZES = {"S": ((30, 6, 6), 1, 10), "M": ((55, 11, 11), 1, 10), "L": ((85, 17, 17), 1, 10), "XL": ((160, 32, 32), 1, 3),
+         "M2": ((55, 11, 11), 2, 3)}
 # Young's modulus [Pa], Poisson's ratio, step [s], the relative tolerance that dolfinx still reaches, box [m] if another.
 VARIANTS = {
     "beam": (1e6, 0.4, 0.01, 1e-8, (1.0, 0.2, 0.2)),
@@ -26,8 +28,10 @@ VARIANTS = {
     "bulky": (1e6, 0.4, 0.01, 1e-8, (0.3, 0.3, 0.3)),
     "stiff and bulky": (1e9, 0.45, 0.025, 1e-4, (0.3, 0.3, 0.3)),
 }
-BULKY = {"S": (10, 10, 10), "M": (19, 19, 19), "L": (29, 29, 29), "M2": (19, 19, 19)}
+BULKY = {"S": (10, 10, 10), "M": (19, 19, 19), "L": (29, 29, 29), "XL": (55, 55, 55), "M2": (19, 19, 19)}
 PEERS = {"MUMPS": "mumps_chol", "GAMG": "gamg", "ICC": "icc"}
+# Sizes that a factorization in double precision does not fit.
+TOO_LARGE = {"MUMPS": {"XL"}}
 # Final positions of two programs that solve the same equations to these tolerances.
 AGREEMENT = {1e-8: 1e-6, 1e-5: 1e-3, 1e-4: 1e-2}
 
@@ -98,51 +102,80 @@ probes: [{{name: tip, point: [{problem['box'][0]}, 0, 0]}}]
     with open(os.path.join(out, "history.csv"), newline="", encoding="utf-8") as table:
         tip = float(list(csv.DictReader(table))[-1]["tip_z"])
     return {"step": (float(spent.group(1)) - float(spent.group(2))) / problem["steps"], "memory": memory, "tip": tip,
-            "newton": int(newton.group(1)) / int(newton.group(2))}
+            "newton": int(newton.group(1)) / int(newton.group(2)), "multigrid": "multigrid" in text}
 
 
 def compare(size, variant, ranks, options, directory):
-    """One row: programs take turns, so that a machine that warms up or slows down does so for all."""
+    """Medians of each program; they take turns, so that a machine that warms up or slows down does so for all."""
     problem = case(size, variant)
     runs = {"Pliant": lambda: of_pliant(problem, ranks, directory)}
     for name in options.peers:
-        runs[name] = lambda solver=PEERS[name]: of_dolfinx(problem, ranks, solver)
+        if size not in TOO_LARGE.get(name, ()):
+            runs[name] = lambda solver=PEERS[name]: of_dolfinx(problem, ranks, solver)
     results = {name: [] for name in runs}
     for _ in range(options.repeats):
         for name, start in runs.items():
             results[name].append(start())
-    median = {name: {key: statistics.median(r[key] for r in several) for key in several[0]}
-              for name, several in results.items()}
+    return {name: {key: statistics.median(r[key] for r in several) for key in several[0]}
+            for name, several in results.items()}
+
+
+def row(size, variant, ranks, options, median):
+    problem = case(size, variant)
     ours = median["Pliant"]
     cells = 6 * problem["n"][0] * problem["n"][1] * problem["n"][2]
-    row = [variant, size, f"{cells:,} P{problem['order']}", str(ranks), f"{ours['step']:.3g}"]
-    if not options.peers:
-        return [*row, f"{ours['newton']:.1f}", f"{ours['memory']:.0f}"]
-    best = min(options.peers, key=lambda name: median[name]["step"])
+    start = [variant, size, f"{cells:,} P{problem['order']}", str(ranks), f"{ours['step']:.3g}"]
+    peers = [name for name in options.peers if name in median]
+    if not peers:
+        return [*start, f"{ours['newton']:.1f}", f"{ours['memory']:.0f}"]
+    best = min(peers, key=lambda name: median[name]["step"])
     theirs = median[best]
     if abs(ours["tip"] - theirs["tip"]) > AGREEMENT[problem["tolerance"]] * abs(theirs["tip"]):
         raise Failure(f"{variant}, {size}: the tip of Pliant is at {ours['tip']}, that of dolfinx at {theirs['tip']}")
-    return [*row, *(f"{median[name]['step']:.3g}" for name in options.peers), f"**{ours['step'] / theirs['step']:.2f}**",
-            f"{ours['newton']:.1f}", f"{theirs['newton']:.1f}", f"{ours['memory']:.0f}", f"{theirs['memory']:.0f}"]
+    alike = median.get("GAMG" if ours["multigrid"] else "MUMPS")
+    return [*start, *(f"{median[name]['step']:.3g}" if name in median else "-" for name in options.peers),
+            f"**{ours['step'] / theirs['step']:.2f}**", f"{ours['newton']:.1f}", f"{theirs['newton']:.1f}",
+            f"{ours['memory']:.0f}", f"{theirs['memory']:.0f}", f"{alike['memory']:.0f}" if alike else "-"]
+
+
+def draw(measured, file):
+    """Seconds per step of the beam with linear elements against its tetrahedra."""
+    import matplotlib.pyplot as plt  # pylint: disable=import-outside-toplevel
+    from plot import COLOURS, STYLE  # pylint: disable=import-outside-toplevel
+    plt.rcParams.update(STYLE)
+    figure, axes = plt.subplots(figsize=(6.4, 4.2), layout="constrained")
+    programs = list(dict.fromkeys(name for median in measured.values() for name in median))
+    for colour, program in zip(COLOURS, programs):
+        for ranks, line in ((1, "o-"), (2, "s--")):
+            points = [(6 * math.prod(case(size, "beam")["n"]), median[program]["step"])
+                      for (variant, size, on), median in measured.items()
+                      if variant == "beam" and SIZES[size][1] == 1 and on == ranks and program in median]
+            if points:
+                name = program if program == "Pliant" else f"dolfinx, {program}"
+                axes.loglog(*zip(*sorted(points)), line, color=colour, label=f"{name}, {ranks} rank{'s' * (ranks > 1)}")
+    axes.set(xlabel="tetrahedra", ylabel="seconds per step", title="Beam, linear elements")
+    axes.legend()
+    figure.savefig(file)
 
 
 def heading(options):
     columns = ["variant", "size", "tetrahedra", "ranks", "Pliant [s]"]
     if options.peers:
         columns += [*(f"dolfinx, {name} [s]" for name in options.peers), "ratio to the best", "Newton", "of the best", "MB",
-                    "of the best"]
+                    "of the best", "of the same kind of solver"]
     else:
         columns += ["Newton", "MB"]
     return "| " + " | ".join(columns) + " |\n|" + "---|" * len(columns)
 
 
-def write(table):
-    with open(PAGE, encoding="utf-8") as file:
-        text = file.read()
-    before, rest = text.split(BEGIN)
-    after = rest.split(END)[1]
-    with open(PAGE, "w", encoding="utf-8") as file:
-        file.write(f"{before}{BEGIN}\n{table}\n{END}{after}")
+def write(page, program, table):
+    """Replaces the table that `program` has written to a page before."""
+    begin, end = f"<!-- {program} --write writes this table. -->", "<!-- Its end. -->"
+    with open(page, encoding="utf-8") as file:
+        before, rest = file.read().split(begin)
+    _, after = rest.split(end, 1)
+    with open(page, "w", encoding="utf-8") as file:
+        file.write(f"{before}{begin}\n{table}\n{end}{after}")
 
 
 def main():
@@ -155,7 +188,7 @@ def main():
     parser.add_argument("--peers", nargs="*", choices=PEERS, default=list(PEERS),
                         help="configurations of dolfinx; none: Pliant alone")
     parser.add_argument("--repeats", type=int, default=3)
-    parser.add_argument("--write", action="store_true", help="put the table into docs/performance.md")
+    parser.add_argument("--write", action="store_true", help="put table and figure into docs/performance.md")
     options = parser.parse_args()
     if options.peers and subprocess.call([sys.executable, "-c", "import dolfinx"], stderr=subprocess.DEVNULL) != 0:
         print("bench.sh: dolfinx is missing: install python3-dolfinx and python3-petsc4py-real, or measure Pliant alone "
@@ -163,18 +196,21 @@ def main():
         return 2
     lines = [f"{os.cpu_count()} cores, {platform.machine()}; medians of {options.repeats}", "", heading(options)]
     print("\n".join(lines), flush=True)
+    measured = {}
     try:
         with tempfile.TemporaryDirectory() as directory:
             for variant in options.variants:
                 for size in options.sizes:
                     for ranks in options.ranks:
-                        lines.append("| " + " | ".join(compare(size, variant, ranks, options, directory)) + " |")
+                        median = measured[variant, size, ranks] = compare(size, variant, ranks, options, directory)
+                        lines.append("| " + " | ".join(row(size, variant, ranks, options, median)) + " |")
                         print(lines[-1], flush=True)
     except (Failure, FileNotFoundError, subprocess.CalledProcessError) as error:
         print(f"bench.sh: {error}", file=sys.stderr)
         return 1
     if options.write:
-        write("\n".join(lines))
+        write(PAGE, "tools/bench.sh", "\n".join(lines))
+        draw(measured, FIGURE)
     return 0
 
 

@@ -17,7 +17,6 @@ import bench
 
 TOOLS = os.path.dirname(os.path.abspath(__file__))
 PAGE = os.path.join(bench.ROOT, "docs", "scaling.md")
-BEGIN, END = "<!-- tools/scaling.py --write writes this table. -->", "<!-- Its end. -->"
 STEPS = 2
 ENVIRONMENT = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1",
                "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_mpi_yield_when_idle": "1"}
@@ -86,13 +85,6 @@ def row(file, body, solver, ranks):
             f"{linear / newton:.1f}", f"{max(peaks):.0f}", f"{sum(peaks):.0f}"]
 
 
-def write(table):
-    with open(PAGE, encoding="utf-8") as file:
-        before, rest = file.read().split(BEGIN)
-    with open(PAGE, "w", encoding="utf-8") as file:
-        file.write(f"{before}{BEGIN}\n{table}\n{END}{rest.split(END)[1]}")
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--bodies", nargs="+", choices=BODIES, default=["M", "L", "cube"])
@@ -114,7 +106,7 @@ def main():
         print(f"scaling.py: {error}", file=sys.stderr)
         return 1
     if options.write:
-        write("\n".join(lines))
+        bench.write(PAGE, "tools/scaling.py", "\n".join(lines))
     return 0
 
 

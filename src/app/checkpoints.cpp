@@ -32,7 +32,7 @@ std::optional<std::int64_t> step_of(const fs::path& file) {
 }
 
 std::string fingerprint_of(const Model& model) {
-  return fmt::format("{:016x}", fingerprint(model.mesh(), model.layout()));
+  return fmt::format("{:016x}", fingerprint(model.layout()));
 }
 
 }  // namespace
@@ -54,12 +54,12 @@ const ArchiveOrders& Checkpoints::orders() {
   if (orders_) return *orders_;
   const MPI_Comm comm = model_.layout().comm;
   const MixedEquation* mixed = model_.mixed_equation();
-  const auto of_pressures = mixed != nullptr ? pressure_keys(model_.mesh(), model_.layout(), mixed->pressure_layout())
-                                             : std::vector<EntryKey>{};
-  orders_ = std::make_unique<ArchiveOrders>(ArchiveOrders{
-      {comm, node_keys(model_.mesh(), model_.layout())},
-      {comm, internal_keys(mesh_numbers(model_.mesh(), model_.layout()), model_.layout(), model_.potential().terms())},
-      {comm, of_pressures}});
+  const auto of_pressures =
+      mixed != nullptr ? pressure_keys(model_.layout(), mixed->pressure_layout()) : std::vector<EntryKey>{};
+  orders_ =
+      std::make_unique<ArchiveOrders>(ArchiveOrders{{comm, node_keys(model_.layout())},
+                                                    {comm, internal_keys(model_.layout(), model_.potential().terms())},
+                                                    {comm, of_pressures}});
   return *orders_;
 }
 

@@ -76,12 +76,12 @@ void report_communication(const NodeLayout& layout, Console& console) {
 void report_time_scales(const Model& model, const Config& config, Console& console) {
   const auto& [fastest, slowest] = model.wave_speeds();
   if (!(fastest > 0.0)) return;
-  const auto& b = model.mesh().report.bounds;
+  const auto& b = model.mesh_report().bounds;
   const double length = std::max({b[3] - b[0], b[4] - b[1], b[5] - b[2]});
   const double across = length / slowest;
   console.print("time scales");
   console.print(fmt::format("  pressure wave across the smallest edge  {:.3g} s (an explicit code's step)",
-                            model.mesh().report.min_edge / fastest));
+                            model.mesh_report().min_edge / fastest));
   console.print(fmt::format("  shear wave along the body               {:.3g} s", across));
   // Bending is slower than any wave; a twentieth of the shear transit resolves the lowest modes of compact bodies.
   console.print(
@@ -133,7 +133,7 @@ ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector
   const NodeLayout& layout = model.layout();
   console.print(fmt::format("{}: the input is well", file));
   console.print(fmt::format("mesh {}", config.mesh.file.value));
-  std::string text = describe(model.mesh().report);
+  std::string text = describe(model.mesh_report());
   if (!text.empty() && text.back() == '\n') text.pop_back();
   console.print(text);
 

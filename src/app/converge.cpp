@@ -77,8 +77,8 @@ Solution solve(const Config& config, Model& model) {
 }
 
 /// Edge of the regular tetrahedron whose volume is the mean of the cells'.
-double mesh_size(const Mesh& mesh) {
-  return std::cbrt(6.0 * std::sqrt(2.0) * mesh.report.volume / static_cast<double>(mesh.report.num_cells));
+double mesh_size(const MeshReport& mesh) {
+  return std::cbrt(6.0 * std::sqrt(2.0) * mesh.volume / static_cast<double>(mesh.num_cells));
 }
 
 double order_between(double coarse, double fine, double factor) {
@@ -127,7 +127,7 @@ class Study {
         Config finer = config;
         finer.time.step = std::ldexp(config.time.step, -level);
         finer.time.min_step = finer.time.step / 1024.0;
-        Row row = row_of(finer, level, finer.time.step, mesh_size(model.mesh()));
+        Row row = row_of(finer, level, finer.time.step, mesh_size(model.mesh_report()));
         compare(model, solve(finer, model), reference, row);
         add(std::move(row), 2.0);
       }
@@ -174,7 +174,7 @@ class Study {
           if (!solution.failure.empty()) row.failure = "the next level failed: " + solution.failure;
           add(std::move(row), 2.0);
         }
-        row = row_of(finer, level, finer.time.step, mesh_size(model.mesh()));
+        row = row_of(finer, level, finer.time.step, mesh_size(model.mesh_report()));
         row.newton_iterations = solution.newton_iterations;
         row.seconds = solution.seconds;
         row.failure = solution.failure;

@@ -34,18 +34,19 @@ Model::Model(MPI_Comm comm, const Config& config) {
   // The input's size is in metres, gmsh's in the unit of the geometry.
   auto size = config.mesh.size;
   if (size) *size /= config.mesh.scale;
-  {
+  const Mesh mesh = [&] {
     const Stopwatch watch(mesh_seconds_);
-    mesh_ =
-        read_mesh(comm, {config.mesh.file.value, config.mesh.file.where, size, config.mesh.scale, config.mesh.refine});
-  }
+    return read_mesh(comm,
+                     {config.mesh.file.value, config.mesh.file.where, size, config.mesh.scale, config.mesh.refine});
+  }();
+  mesh_report_ = mesh.report;
   const int order = static_cast<int>(config.element);
-  layout_ = make_layout(mesh_, order);
+  layout_ = make_layout(mesh, order);
   on_every_rank(comm, [&] { pattern_ = std::make_unique<BlockPattern>(layout_); });
-  if (order == 1 && mesh_.geometry_order == 2) {
+  if (order == 1 && mesh.geometry_order == 2) {
     notices_.push_back("the mesh has curved edges, which P1 elements straighten; `element: P2` keeps them");
   }
-  build_terms(config);
+  build_terms(config, mesh);
   prepare(config);
   if (analysis_of(config) == Analysis::static_equilibrium && has_viscosity(config)) {
     notices_.push_back("viscosity has no effect on a static equilibrium");
@@ -65,7 +66,7 @@ void Model::include_waves(const ElasticLawSpec& law, double density) {
 }
 
 template <int Order>
-void Model::build_cells(const Config& config) {
+void Model::build_cells(const Config& config, const Mesh& mesh) {
   std::vector<ElasticityRule> rules;
   std::vector<int> degrees;
   for (const auto& body : config.bodies) {
@@ -86,7 +87,7 @@ void Model::build_cells(const Config& config) {
     }
   });
   wave_speeds_ = {0.0, HUGE_VAL};
-  const CellData cell_data(mesh_, layout_);
+  const CellData cell_data(mesh, layout_);
   on_every_rank(layout_.comm, [&] {
     for (std::size_t b = 0; b < rules.size(); ++b) {
       const int body = static_cast<int>(b);
@@ -136,8 +137,8 @@ void Model::build_cells(const Config& config) {
   }
 }
 
-void Model::build_terms(const Config& config) {
-  Selections selections(mesh_, layout_);
+void Model::build_terms(const Config& config, const Mesh& mesh) {
+  Selections selections(mesh, layout_);
 
   std::vector<Selection> parts;
   for (const auto& body : config.bodies) {
@@ -152,9 +153,9 @@ void Model::build_terms(const Config& config) {
   for (const auto& notice : selections.unused_groups()) notices_.push_back(notice);
 
   if (layout_.order == 1) {
-    build_cells<1>(config);
+    build_cells<1>(config, mesh);
   } else {
-    build_cells<2>(config);
+    build_cells<2>(config, mesh);
   }
   loads_->complete(config, constraints_->prescribed());
 

@@ -1,4 +1,4 @@
-/// Everything the input describes, ready to be solved: mesh, unknowns, terms and their sum.
+/// Everything the input describes, ready to be solved: unknowns, terms and their sum.
 #pragma once
 
 #include "app/config.hpp"
@@ -32,8 +32,8 @@ struct WaveSpeeds {
   double slowest = 0.0;  ///< shear waves of the softest body [m/s]
 };
 
-/// Built in one go from the input; its members refer to each other, so it stays where it is. A static problem has no
-/// inertia.
+/// Built in one go from the input; its members refer to each other, so it stays where it is. The mesh itself goes once
+/// everything is found on it: it takes as much memory as all terms. A static problem has no inertia.
 class Model {
  public:
   /// Throws InputError with all mistakes that show only against the mesh. Collective.
@@ -41,7 +41,7 @@ class Model {
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 
-  const Mesh& mesh() const { return mesh_; }
+  const MeshReport& mesh_report() const { return mesh_report_; }
   const NodeLayout& layout() const { return layout_; }
   const BlockPattern& pattern() const { return *pattern_; }
   const std::vector<int>& body_of_cell() const { return body_of_cell_; }
@@ -74,14 +74,14 @@ class Model {
   void set_initial_state(const Config& config, Vec q, Vec v) const;
 
  private:
-  void build_terms(const Config& config);
+  void build_terms(const Config& config, const Mesh& mesh);
   /// Widens the range of wave speeds.
   void include_waves(const ElasticLawSpec& law, double density);
   template <int Order>
-  void build_cells(const Config& config);
+  void build_cells(const Config& config, const Mesh& mesh);
 
   double mesh_seconds_ = 0.0;
-  Mesh mesh_;
+  MeshReport mesh_report_;
   NodeLayout layout_;
   std::unique_ptr<BlockPattern> pattern_;
   std::vector<int> body_of_cell_;

@@ -15,7 +15,6 @@ namespace pliant {
 /// cells included: the number of the cell, then the term, what of it, and the point. Points are told by their
 /// barycentric coordinates to the vertices in the order of their numbers, for a rank may list a cell's vertices in any
 /// order. Not collective.
-std::vector<EntryKey> internal_keys(const MeshNumbers& numbers, const NodeLayout& layout,
-                                    std::span<const EnergyTerm* const> terms);
+std::vector<EntryKey> internal_keys(const NodeLayout& layout, std::span<const EnergyTerm* const> terms);
 
 }  // namespace pliant

@@ -254,6 +254,13 @@ NodeLayout make_layout(const Mesh& mesh, int order) {
     for (int a = 0; a < npc; ++a) layout.cell_nodes[i * npc + a] = layout.node_of_point[points_of_cells[c * npc + a]];
   }
   layout.cell_points = std::move(cell_points);
+  for (const PetscInt c : layout.cell_points) layout.cell_numbers.push_back(mesh.cell_numbers[c - cells.begin]);
+  const PointRange vertices = stratum(dm, 0);
+  layout.vertex_numbers.assign(static_cast<std::size_t>(layout.num_local_nodes), -1);
+  for (PetscInt v = vertices.begin; v < vertices.end; ++v) {
+    const PetscInt node = layout.node_of_point[v];
+    if (node >= 0) layout.vertex_numbers[node] = mesh.vertex_numbers[v - vertices.begin];
+  }
 
   // 5. Positions, and which cells are bent.
   layout.coordinates.resize(3 * static_cast<std::size_t>(layout.num_local_nodes));

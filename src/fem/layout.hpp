@@ -12,7 +12,8 @@
 
 namespace pliant {
 
-/// Flat arrays extracted once from the distributed mesh; no loop above this layer walks the DMPlex.
+/// Flat arrays extracted once from the distributed mesh; no loop above this layer walks the DMPlex, which is needed no
+/// more once nodes, facets and cells of the input's names are found.
 ///
 /// Nodes: every rank owns a contiguous block of global nodes. Local numbers 0 .. num_owned_nodes-1 are owned (reverse
 /// Cuthill-McKee order), the ghosts follow in ascending global number.
@@ -29,14 +30,16 @@ struct NodeLayout {
   PetscInt num_global_nodes = 0;
   std::vector<PetscInt> ghost_global_nodes;  ///< of local nodes num_owned_nodes ..., ascending
   std::vector<PetscInt> node_of_point;       ///< local node of a DMPlex point, -1 if none
+  std::vector<std::int64_t> vertex_numbers;  ///< of local nodes that are vertices, of the whole mesh; -1 of others
   std::vector<double> coordinates;           ///< xyz of local nodes in the reference configuration [m]
 
   PetscInt num_owned_cells = 0;
   PetscInt num_local_cells = 0;
   std::int64_t num_global_cells = 0;
-  std::vector<PetscInt> cell_nodes;   ///< local nodes, nodes_per_cell per cell, positively oriented
-  std::vector<PetscInt> cell_points;  ///< DMPlex point per cell
-  std::vector<char> cell_is_affine;   ///< 0: the cell's mid-edge nodes bend it
+  std::vector<PetscInt> cell_nodes;        ///< local nodes, nodes_per_cell per cell, positively oriented
+  std::vector<PetscInt> cell_points;       ///< DMPlex point per cell
+  std::vector<std::int64_t> cell_numbers;  ///< of the whole mesh, per cell
+  std::vector<char> cell_is_affine;        ///< 0: the cell's mid-edge nodes bend it
 
   PetscInt global_node(PetscInt local_node) const {
     return local_node < num_owned_nodes ? first_global_node + local_node

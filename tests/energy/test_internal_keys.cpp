@@ -28,7 +28,7 @@ struct RelaxingBody {
     const Handle<Vec> rest = potential.make_internal(), q = solid.vector(at_time(0.0));
     stage.point.z0 = rest.get();
     potential.internal_variables().end_stage(stage.point, q.get(), z.get());
-    keys = internal_keys(mesh_numbers(solid.mesh(), solid.layout()), solid.layout(), potential.terms());
+    keys = internal_keys(solid.layout(), potential.terms());
   }
   std::vector<double> values() const {
     const ConstArrayView view(z.get());
