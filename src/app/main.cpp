@@ -1,6 +1,7 @@
 // pliant: the program. Parses the command line, starts MPI and PETSc, turns failures into messages and exit codes.
 #include "app/commands.hpp"
 #include "app/converge.hpp"
+#include "app/sweep.hpp"
 #include "app/version.hpp"
 #include "base/text.hpp"
 #include "petsc/check.hpp"
@@ -28,6 +29,7 @@ struct Arguments {
   bool markdown = false;
   StudyOptions study;
   Conversion conversion;
+  SweepOptions sweep;
   std::string refine;
   bool accepts_any_order = false;
 
@@ -53,11 +55,17 @@ std::string explained(const CLI::ParseError& error, const CLI::App& app, int arg
   return fmt::format("there is no command '{}'{}", argv[1], did_you_mean(argv[1], names));
 }
 
+/// Did mpirun start it?
+bool is_part_of_a_job(const Environment& environment) {
+  return std::ranges::any_of(environment, [](const std::string& v) { return v.starts_with("OMPI_COMM_WORLD_SIZE="); });
+}
+
 /// Reads the command line. Returns the command to run, or an exit code after help, version or a mistake.
-ExitCode parse_and_run(int argc, const char* const* argv) {
+ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of_sweep) {
   const MPI_Comm comm = PETSC_COMM_WORLD;
   const bool speaks = rank(comm) == 0;
   Arguments arguments;
+  arguments.sweep = of_sweep;
   ExitCode result = ExitCode::done;
   CLI::App app("Finite-element dynamics of soft bodies. Run in parallel with mpirun -n N pliant run INPUT.yaml",
                "pliant");
@@ -149,6 +157,32 @@ ExitCode parse_and_run(int argc, const char* const* argv) {
     };
   });
 
+  CLI::App* sweep = app.add_subcommand("sweep", "run the input once for each of several values, side by side");
+  sweep->add_option("INPUT", arguments.file, "the input file (YAML)")->required();
+  sweep
+      ->add_option("--set", arguments.settings,
+                   "KEY.PATH=[VALUE, ...]: the values to try; several lists: every combination. KEY.PATH=VALUE: the "
+                   "same for all runs. May be repeated")
+      ->required()
+      ->allow_extra_args(false);
+  sweep->add_option("--output", arguments.output, "directory for the runs, sweep.csv and the plots");
+  sweep->add_option("--jobs", arguments.sweep.at_once, "runs at a time; default: as many as the processors allow")
+      ->check(CLI::Range(1, 1024))
+      ->type_name("N");
+  sweep->add_option("--ranks", arguments.sweep.ranks, "ranks of each run")
+      ->check(CLI::Range(1, 1024))
+      ->type_name("N")
+      ->capture_default_str();
+  sweep->callback([&] {
+    command = [&] {
+      if (is_part_of_a_job(arguments.sweep.environment)) {
+        throw InputError({"pliant sweep", 0, 0}, "start it without mpirun; --ranks 2 gives each run two ranks");
+      }
+      Console console(comm, Verbosity::normal);
+      result = sweep_command(arguments.file, arguments.overrides(), arguments.sweep, console);
+    };
+  });
+
   CLI::App* mesh = app.add_subcommand("mesh", "what can be done with a mesh alone")->require_subcommand(1);
   CLI::App* convert = mesh->add_subcommand(
       "convert", "write a mesh as HDF5: every rank of a run reads its part of it, which large meshes need");
@@ -217,9 +251,12 @@ int told(const std::exception& error, ExitCode code) {
 int main(int argc, char** argv) {
   char** const separator = std::find_if(argv, argv + argc, [](const char* a) { return std::string(a) == "--"; });
   const std::vector<std::string> petsc_options(std::min(separator + 1, argv + argc), argv + argc);
+  SweepOptions sweep;
+  sweep.petsc_options = petsc_options;
+  sweep.environment = current_environment();
   const Session session(argv[0], petsc_options);
   try {
-    return static_cast<int>(parse_and_run(static_cast<int>(separator - argv), argv));
+    return static_cast<int>(parse_and_run(static_cast<int>(separator - argv), argv, sweep));
   } catch (const InputError& error) {
     return told(error, ExitCode::input);
   } catch (const FileError& error) {

@@ -220,7 +220,7 @@ std::vector<Tick> multiples_of(const Span& span) {
   const double distance = power * (ratio < 1.5 ? 1.0 : ratio < 3.5 ? 2.0 : ratio < 7.5 ? 5.0 : 10.0);
   std::vector<Tick> ticks;
   for (double n = std::ceil(span.low / distance); n * distance <= span.high; ++n) {
-    ticks.push_back({n * distance, fmt::format("{:g}", n * distance)});
+    ticks.push_back({n * distance, fmt::format("{:g}", n * distance + 0.0)});
   }
   return ticks;
 }

@@ -1,0 +1,94 @@
+#!/usr/bin/python3
+"""A sweep runs every combination of the values, each as `pliant run` would, and puts together what came of them."""
+import csv
+import shutil
+import signal
+import time
+import unittest
+from xml.etree import ElementTree
+
+import numpy as np
+
+from program import ROOT, ProgramTest, finish, read_history, start
+
+INPUT = ROOT / "input/beam_small.yaml"
+
+
+class Sweep(ProgramTest):
+    def sweep(self, *settings, options=(), code=0):
+        shutil.rmtree(self.directory / "out", ignore_errors=True)
+        arguments = ["sweep", INPUT, "--output", "out", *options]
+        for setting in settings:
+            arguments += ["--set", setting]
+        done = self.call(*arguments)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done
+
+    def rows(self):
+        with open(self.directory / "out/sweep.csv", encoding="utf-8", newline="") as file:
+            return list(csv.DictReader(file))
+
+    def test_every_combination_is_run(self):
+        done = self.sweep("time.method=[bdf2, backward-euler]", "time.step=['10 ms', 20 ms]", "time.end=40 ms",
+                          "loads.0.gravity=[0, 0, -1]")
+        rows = self.rows()
+        self.assertEqual([(row["time.method"], row["time.step"]) for row in rows],
+                         [("bdf2", "10 ms"), ("bdf2", "20 ms"), ("backward-euler", "10 ms"), ("backward-euler", "20 ms")])
+        for row in rows:
+            self.assertEqual(row["exit_code"], "0")
+            self.assertRegex(done.stdout, rf"(?m)^{row['time.method']} +{row['time.step']} +done +{row['step']} ")
+            history = read_history(self.directory / "out" / row["directory"])
+            self.assertEqual(float(row["tip_z"]), history["tip_z"][-1])
+        alone = self.run_input(INPUT, "time.end=40 ms", "loads.0.gravity=[0, 0, -1]", "time.step=20 ms", "time.method=bdf2",
+                               output="alone")
+        self.assert_same_history(alone, read_history(self.directory / "out" / rows[1]["directory"]), 1e-12)
+        for name in ("tip_z", "kinetic_energy"):
+            text = "".join(ElementTree.parse(self.directory / f"out/{name}.svg").getroot().itertext())
+            self.assertIn("method=backward-euler,step=20 ms", text)
+        self.assertFalse((self.directory / "out/step.svg").exists())
+
+    def test_lists_of_lists_where_the_input_takes_a_list(self):
+        self.sweep("loads.0.gravity=[[0, 0, -1], [0, 0, -2]]", "time.end=20 ms", options=("--ranks", "2", "--jobs", "1"))
+        near, far = (float(row["tip_z"]) for row in self.rows())
+        self.assertLess(far, near)
+        self.assertAlmostEqual(far / near, 2.0, delta=0.01)
+        self.assertTrue(np.isfinite(far))
+
+    def test_mistakes_are_told_before_anything_runs(self):
+        for settings, expected in (
+            (["time.step=10 ms"], "nothing varies"),
+            (["time.stp=[1, 2]"], "did you mean 'step'"),
+            (["time.step=[5 ms, 5 kg]"], "is a mass"),
+            ([f"time.step={list(range(1, 40))}", f"time.end={list(range(1, 40))}"], "more than 1000 runs"),
+        ):
+            with self.subTest(settings[0]):
+                done = self.sweep(*settings, code=2)
+                self.assertIn(expected, done.stderr)
+                self.assertEqual(done.stderr.count("\n"), 1)
+                self.assertFalse((self.directory / "out").exists())
+        done = self.call("sweep", INPUT, "--set", "time.step=[1, 2]", ranks=2)
+        self.assertIn("without mpirun", done.stderr)
+
+    def test_a_run_that_fails_does_not_stop_the_others(self):
+        done = self.sweep("solver.newton.max_iterations=[1, 50]", "time.end=20 ms", "time.min_step=10 ms", code=3)
+        failed, fine = self.rows()
+        self.assertEqual((failed["exit_code"], fine["exit_code"]), ("3", "0"))
+        self.assertIn(f"{failed['directory']}.log", done.stderr)
+        self.assertIn("max_iterations", (self.directory / "out" / f"{failed['directory']}.log").read_text())
+
+    def test_interrupted(self):
+        process = start(["sweep", INPUT, "--output", "out", "--set", "time.step=[1 ms, 2 ms, 3 ms]", "--set", "time.end=1000",
+                         "--jobs", "1"], self.directory)
+        deadline = time.monotonic() + 60
+        while not list(self.directory.glob("out/01*/history.csv")):
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.05)
+        process.send_signal(signal.SIGTERM)
+        done = finish(process, 60)
+        self.assertEqual(done.returncode, 130, done.stderr)
+        self.assertEqual(done.stdout.count(": interrupted after"), 3)
+        self.assertEqual(len(list(self.directory.glob("out/*/result.xdmf"))), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
