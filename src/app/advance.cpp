@@ -56,6 +56,7 @@ class OwnSolver {
     return [solve, mixed = mixed_](const StagePoint& stage, Vec q) { return mixed->solve(stage, q, solve); };
   }
   void forget() { tied_ ? tied_->forget() : plain_->forget(); }
+  std::optional<FailedStage> examine() { return tied_ ? tied_->examine() : plain_->examine(); }
   const SolverStatistics& statistics() const { return tied_ ? tied_->statistics() : plain_->statistics(); }
   std::string description() const { return description_; }
 
@@ -90,6 +91,7 @@ class TimeAdvance final : public Advance {
     if (norm_) norm_->keep(archive);
   }
   void forget() override { own_.forget(); }
+  std::optional<FailedStage> examine() override { return own_.examine(); }
   const SolverStatistics& solver_statistics() const override { return own_.statistics(); }
   std::vector<std::string> description() const override { return {own_.description()}; }
 
@@ -177,6 +179,7 @@ class LoadAdvance final : public Advance {
     archive.vector("q", Entries::nodes, state_.get());
   }
   void forget() override { own_.forget(); }
+  std::optional<FailedStage> examine() override { return own_.examine(); }
   const SolverStatistics& solver_statistics() const override { return own_.statistics(); }
   std::vector<std::string> description() const override { return {own_.description()}; }
 

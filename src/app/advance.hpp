@@ -8,6 +8,7 @@
 #include "time/integrator.hpp"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,10 @@ class Advance {
   virtual void keep(Archive& archive) = 0;
   /// Forgets what only makes the following steps faster, so that they do not depend on it even in the last digits.
   virtual void forget() {}
+
+  /// What is known of the stage at which the last attempt failed; nothing of PETSc's integrators. Leaves the pressures
+  /// that are unknowns at that stage. Collective.
+  virtual std::optional<FailedStage> examine() { return std::nullopt; }
 
   virtual const SolverStatistics& solver_statistics() const = 0;
   /// How it works, line by line, for the log.

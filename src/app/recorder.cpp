@@ -60,20 +60,8 @@ std::filesystem::path prepared_directory(MPI_Comm comm, const Config& config) {
 
 }  // namespace
 
-Recorder::Recorder(const Config& config, const Model& model, const Ledger& ledger,
-                   const std::optional<Recorded>& earlier)
-    : model_(model),
-      fields_(config.output.fields),
-      static_time_(analysis_of(config) == Analysis::static_equilibrium ? std::optional(config.time.end) : std::nullopt),
-      result_(model.layout().comm, prepared_directory(model.layout().comm, config), config.title, output_mesh(),
-              earlier ? earlier->last_frame : -1),
-      history_(model.layout().comm, std::filesystem::path(config.output.directory) / "history.csv",
-               columns(config, ledger), earlier ? std::optional(static_cast<double>(earlier->last_row)) : std::nullopt),
-      q_(make_vector(model.layout())),
-      v_(make_vector(model.layout())) {}
-
-OutputMesh Recorder::output_mesh() const {
-  const NodeLayout& layout = model_.layout();
+OutputMesh output_mesh(const Model& model) {
+  const NodeLayout& layout = model.layout();
   OutputMesh mesh;
   mesh.nodes_per_cell = layout.nodes_per_cell;
   mesh.global_num_nodes = layout.num_global_nodes;
@@ -81,11 +69,23 @@ OutputMesh Recorder::output_mesh() const {
   mesh.coordinates.assign(layout.coordinates.begin(), layout.coordinates.begin() + 3 * layout.num_owned_nodes);
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
     for (const PetscInt n : layout.nodes_of_cell(c)) mesh.cells.push_back(layout.global_node(n));
-    mesh.bodies.push_back(model_.body_of_cell()[c]);
+    mesh.bodies.push_back(model.body_of_cell()[c]);
   }
-  mesh.body_names = model_.body_names();
+  mesh.body_names = model.body_names();
   return mesh;
 }
+
+Recorder::Recorder(const Config& config, const Model& model, const Ledger& ledger,
+                   const std::optional<Recorded>& earlier)
+    : model_(model),
+      fields_(config.output.fields),
+      static_time_(analysis_of(config) == Analysis::static_equilibrium ? std::optional(config.time.end) : std::nullopt),
+      result_(model.layout().comm, prepared_directory(model.layout().comm, config), config.title, output_mesh(model),
+              earlier ? earlier->last_frame : -1),
+      history_(model.layout().comm, std::filesystem::path(config.output.directory) / "history.csv",
+               columns(config, ledger), earlier ? std::optional(static_cast<double>(earlier->last_row)) : std::nullopt),
+      q_(make_vector(model.layout())),
+      v_(make_vector(model.layout())) {}
 
 std::vector<std::string> Recorder::columns(const Config& config, const Ledger& ledger) const {
   std::vector<std::string> names{"step",

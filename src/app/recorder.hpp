@@ -18,6 +18,9 @@ struct Recorded {
   std::int64_t last_frame = 0;  ///< step of the last frame of the result
 };
 
+/// The mesh of the model as results hold it.
+OutputMesh output_mesh(const Model& model);
+
 class Recorder {
  public:
   /// Makes the directory and starts all files, or continues those of an earlier run; the history has columns for the
@@ -34,7 +37,6 @@ class Recorder {
   double seconds() const { return seconds_; }
 
  private:
-  OutputMesh output_mesh() const;
   /// Gauge pressure [Pa] and volume [m^3] of each cavity.
   std::vector<double> cavity_states(const StepRecord& record);
   std::vector<std::string> columns(const Config& config, const Ledger& ledger) const;

@@ -2,6 +2,7 @@
 
 #include "app/checkpoints.hpp"
 #include "app/model.hpp"
+#include "app/post_mortem.hpp"
 #include "app/recorder.hpp"
 #include "app/signals.hpp"
 #include "app/simulation.hpp"
@@ -74,6 +75,7 @@ class Run {
     recorder_.emplace(config, model_, simulation_->ledger(), earlier);
     if (!earlier) {
       checkpoints_.remove_all();
+      remove_post_mortem(comm_, config_);
       recorder_->record(record(), simulation_->ledger());
       recorder_->write_frame(record());
     }
@@ -91,7 +93,7 @@ class Run {
       if (request != Request::none) write_checkpoint();
       if (request == Request::stop) return interrupted();
       const StepOutcome outcome = simulation_->advance();
-      if (outcome.kind == StepOutcome::Kind::failed) give_up(outcome.reason);
+      if (outcome.kind == StepOutcome::Kind::failed) give_up(outcome);
       if (outcome.kind == StepOutcome::Kind::unsolved) console_.warn(outcome.reason);
       if (outcome.kind != StepOutcome::Kind::accepted) continue;
       recorder_->record(record(), simulation_->ledger());
@@ -162,17 +164,25 @@ class Run {
     return ExitCode::interrupted;
   }
 
-  [[noreturn]] void give_up(const std::string& reason) {
+  /// The last thing that is done: it leaves the model in the state that could not be solved.
+  std::string post_mortem(const StepOutcome& outcome) {
+    try {
+      return write_post_mortem(config_, model_, record(), {outcome.reason, outcome.tried, simulation_->examine()});
+    } catch (const FileError& error) {
+      return error.what();
+    }
+  }
+
+  [[noreturn]] void give_up(const StepOutcome& outcome) {
     if (!last_frame_written_) recorder_->write_frame(record());
     write_checkpoint();
+    const std::string what_to_look_at = post_mortem(outcome);
     summarise();
     throw SolveError(fmt::format(
-        "the solve failed at {0} = {1:.6g}: {2}. The last good state ({0} = {1:.6g}) is in {3}. What may help: {4}, a "
-        "finer or better mesh where it deforms most, weaker loads; `-- -snes_monitor` shows Newton's method at work",
-        variable(), record().time, reason, config_.output.directory,
-        is_static()
-            ? "more load_steps"
-            : fmt::format("a smaller time.step (`{} --set time.step=...` goes on from there)", how_to_resume())));
+        "the solve failed at {0} = {1:.6g}: {2}. The last good state ({0} = {1:.6g}) is in {3}{4}. Post-mortem: {5}",
+        variable(), record().time, outcome.reason, config_.output.directory,
+        is_static() ? "" : fmt::format(" (`{} --set time.step=...` goes on from there)", how_to_resume()),
+        what_to_look_at));
   }
 
   double output_seconds() const { return recorder_->seconds() + checkpoints_.seconds(); }

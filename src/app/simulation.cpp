@@ -87,24 +87,24 @@ StepOutcome Simulation::advance() {
   const Step step = control_->next();
   const StepAttempt attempt = advance_->attempt(step);
   record_.a = nullptr;  // it was the advance's
-  if (attempt.report.outcome != StageOutcome::converged) return reject(attempt);
+  if (attempt.report.outcome != StageOutcome::converged) return reject(attempt, step);
   const double error = advance_->error(attempt);
   if (!control_->accepts(error)) {
     ++steps_.inaccurate;
     const RetryDecision decision = control_->reject_error(error);
-    return {outcome_of(decision, StepOutcome::Kind::inaccurate), decision.reason};
+    return {outcome_of(decision, StepOutcome::Kind::inaccurate), decision.reason, step};
   }
   accept(attempt, step);
   control_->accept(error);
   if (control_->at_event()) advance_->restart();
-  return {};
+  return {StepOutcome::Kind::accepted, {}, step};
 }
 
-StepOutcome Simulation::reject(const StepAttempt& attempt) {
+StepOutcome Simulation::reject(const StepAttempt& attempt, const Step& step) {
   ++steps_.failed;
-  if (attempt.report.outcome == StageOutcome::fatal) return {StepOutcome::Kind::failed, attempt.report.reason};
+  if (attempt.report.outcome == StageOutcome::fatal) return {StepOutcome::Kind::failed, attempt.report.reason, step};
   const RetryDecision decision = control_->reject(attempt.report.reason);
-  return {outcome_of(decision, StepOutcome::Kind::unsolved), decision.reason};
+  return {outcome_of(decision, StepOutcome::Kind::unsolved), decision.reason, step};
 }
 
 void Simulation::accept(const StepAttempt& attempt, const Step& step) {

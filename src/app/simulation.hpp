@@ -37,6 +37,7 @@ struct StepOutcome {
   };
   Kind kind = Kind::accepted;
   std::string reason;  ///< of a step that was not accepted, in plain words
+  Step tried;
 };
 
 /// What all the steps took.
@@ -75,12 +76,15 @@ class Simulation {
   /// after restoring what is kept now.
   void forget() { advance_->forget(); }
 
+  /// What is known of the last attempt's failure; the last thing to ask of a simulation, whose pressures it changes.
+  std::optional<FailedStage> examine() { return advance_->examine(); }
+
   /// How equations are solved and time advances, line by line, for the log.
   std::vector<std::string> description() const { return advance_->description(); }
 
  private:
   void set_plan(const Config& config);
-  StepOutcome reject(const StepAttempt& attempt);
+  StepOutcome reject(const StepAttempt& attempt, const Step& step);
   void accept(const StepAttempt& attempt, const Step& step);
 
   Analysis analysis_;

@@ -83,6 +83,11 @@ void MixedEquation::take_displacement(Vec x, Vec q) const {
   std::copy_n(from.span().begin(), num_q_, to.span().begin());
 }
 
+Vec MixedEquation::displacements(Vec x) {
+  take_displacement(x, q_.get());
+  return q_.get();
+}
+
 void MixedEquation::set(Vec x) {
   take_displacement(x, q_.get());
   {

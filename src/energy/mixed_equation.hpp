@@ -38,6 +38,7 @@ class MixedEquation final : public StageEquation {
   void begin_stage(const StagePoint& stage) override;
   double value(Vec x) override;
   void gradient(Vec x, Vec r) override;
+  Vec displacements(Vec x) override;
   Handle<Mat> make_hessian() const override;
   void hessian(Vec x, Mat A, Projection projection) override;
   std::size_t num_rank_one() const override { return potential_.num_rank_one(); }

@@ -35,7 +35,8 @@ class StageEquation {
   /// Of the nodes whose displacements are unknowns, for preconditioners that turn with the body; nullptr where unknowns
   /// are something else, or stiffness stays (linear elasticity).
   virtual std::unique_ptr<NodalRotations> make_rotations() const { return nullptr; }
-  /// The displacements of all nodes at the unknowns q, until the next call.
+  /// The displacements of all nodes at the unknowns q, until the next call. What belongs to them comes first among the
+  /// unknowns of each rank.
   virtual Vec displacements(Vec q) { return q; }
   /// K = dr/dq [N/m] without the parts of rank one, or an approximation; rows and columns of prescribed entries are
   /// zero but for the diagonal.

@@ -82,22 +82,21 @@ std::pair<std::int64_t, std::string> keep_listed(const std::filesystem::path& pa
 
 }  // namespace
 
-ResultWriter::ResultWriter(MPI_Comm comm, const std::filesystem::path& directory, std::string title,
-                           const OutputMesh& mesh)
-    : ResultWriter(comm, directory, std::move(title), mesh, /*last_step=*/-1) {}
+ResultWriter::ResultWriter(MPI_Comm comm, const ResultPlace& place, std::string title, const OutputMesh& mesh)
+    : ResultWriter(comm, place, std::move(title), mesh, /*last_step=*/-1) {}
 
-ResultWriter::ResultWriter(MPI_Comm comm, const std::filesystem::path& directory, std::string title,
-                           const OutputMesh& mesh, std::int64_t last_step)
+ResultWriter::ResultWriter(MPI_Comm comm, const ResultPlace& place, std::string title, const OutputMesh& mesh,
+                           std::int64_t last_step)
     : comm_(comm),
       title_(std::move(title)),
-      hdf5_file_(directory / "result.h5"),
-      xdmf_file_(directory / "result.xdmf"),
+      hdf5_file_(place.directory / (place.name + ".h5")),
+      xdmf_file_(place.directory / (place.name + ".xdmf")),
       nodes_per_cell_(mesh.nodes_per_cell),
       nodes_{mesh.first_node, std::ssize(mesh.coordinates) / 3, mesh.global_num_nodes},
       cells_(row_block(comm, std::ssize(mesh.bodies))) {
   assert(nodes_per_cell_ == 4 || nodes_per_cell_ == 10);
   on_root(comm_, [&] {
-    make_directory(directory);
+    make_directory(place.directory);
     grids_ = grids_up_to_step(text_of(xdmf_file_), last_step);
     if (grids_.empty()) {
       start_files();

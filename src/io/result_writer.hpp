@@ -27,6 +27,7 @@
 #include <filesystem>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <petscsys.h>
@@ -56,17 +57,26 @@ struct OutputField {
   std::span<const double> values;  ///< components by node or cell
 };
 
+/// Where a result lies: <directory>/<name>.h5 and <directory>/<name>.xdmf. A directory alone is a place too.
+struct ResultPlace {
+  ResultPlace(std::filesystem::path in, std::string called = "result")
+      : directory(std::move(in)), name(std::move(called)) {}
+
+  std::filesystem::path directory;
+  std::string name;
+};
+
 /// Writes result.h5 and result.xdmf. All members that write are collective; a failure throws FileError on every rank.
 class ResultWriter {
  public:
   /// Makes the directory if need be, replaces an earlier result, writes the mesh; result.xdmf lists no frame yet.
   /// Collective.
-  ResultWriter(MPI_Comm comm, const std::filesystem::path& directory, std::string title, const OutputMesh& mesh);
+  ResultWriter(MPI_Comm comm, const ResultPlace& place, std::string title, const OutputMesh& mesh);
 
   /// Continues the result of an earlier run, e.g. from a checkpoint: its frames up to step `last_step` stay, later ones
   /// go. The mesh is written anew, for the ranks may own other blocks of it now. Without an earlier result it starts
   /// one. Collective.
-  ResultWriter(MPI_Comm comm, const std::filesystem::path& directory, std::string title, const OutputMesh& mesh,
+  ResultWriter(MPI_Comm comm, const ResultPlace& place, std::string title, const OutputMesh& mesh,
                std::int64_t last_step);
 
   /// Adds a frame; when it returns, the frame is on the disk and listed. Collective.

@@ -15,6 +15,9 @@ class ConstrainedNewton {
   /// As NewtonSolver::solve. Collective.
   StageReport solve(const StagePoint& stage, Vec q);
 
+  /// As NewtonSolver::examine. Collective.
+  std::optional<FailedStage> examine() { return solver_.examine(); }
+
   /// As NewtonSolver::forget.
   void forget() { solver_.forget(); }
 

@@ -195,6 +195,7 @@ bool NewtonSolver::climb(Vec q) {
 
 void NewtonSolver::search_line(SNESLineSearch search) {
   Vec q = nullptr, r = nullptr, y = nullptr;
+  has_direction_ = true;
   check(SNESLineSearchGetVecs(search, &q, &r, &y, nullptr, nullptr));
   check(SNESLineSearchSetReason(search, SNES_LINESEARCH_SUCCEEDED));
   for (;;) {

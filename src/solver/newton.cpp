@@ -249,6 +249,7 @@ void NewtonSolver::solve_linear(Vec r, Vec y) {
 }
 
 SNESConvergedReason NewtonSolver::judge(PetscInt iteration, double residual) {
+  note_iteration(iteration, residual);
   if (!std::isfinite(residual)) return SNES_DIVERGED_FNORM_NAN;
   // A guess may squeeze the liquid in a cavity to a pressure far from that of the solution.
   if (rank_one_system_ && iteration > 0) scale_ = std::min(scale_, equation_.force_scale(solution_));
@@ -273,6 +274,10 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
   ++(path_ == Path::minimisation ? statistics_.minimisations : statistics_.residual_solves);
   merit_has_scale_ = false;
   at_rounding_floor_ = false;
+  has_direction_ = false;
+  iterations_.clear();
+  failed_at_ = {};
+  scale_ = 0.0;
   start_ = stage.q0;
   solution_ = q;
   choose_guess(stage, q);
@@ -280,6 +285,7 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
   if (!std::isfinite(phi_)) {
     report.outcome = StageOutcome::retry;
     report.reason = "the prescribed motion turns a tetrahedron inside out within one step";
+    note_failure(stage, q);
     return report;
   }
   scale_ = equation_.force_scale(q);
@@ -308,6 +314,7 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
   } else {
     report.outcome = StageOutcome::retry;
     report.reason = in_words(reason);
+    note_failure(stage, q);
   }
   return report;
 }

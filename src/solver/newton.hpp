@@ -4,6 +4,7 @@
 #include "energy/stage_equation.hpp"
 #include "petsc/callback.hpp"
 #include "petsc/handle.hpp"
+#include "solver/failed_stage.hpp"
 #include "solver/forcing.hpp"
 #include "solver/linear.hpp"
 #include "solver/merit.hpp"
@@ -13,7 +14,9 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 namespace pliant {
 
@@ -79,6 +82,10 @@ class NewtonSolver {
   /// Collective.
   StageReport solve(const StagePoint& stage, Vec q);
 
+  /// Looks closely at the last stage, if it could not be solved; before anything else is asked of the equation, whose
+  /// other state (pressures) it leaves at the stage's last iterate. Collective.
+  std::optional<FailedStage> examine();
+
   /// Forgets what earlier stages have taught: the next one is solved as a new solver would.
   void forget();
 
@@ -123,6 +130,8 @@ class NewtonSolver {
   /// Whether the solution of the last linear system, whose right-hand side was r, is no direction to go.
   bool linear_solver_broke_down(Vec r) const;
   SNESConvergedReason judge(PetscInt iteration, double residual);
+  void note_iteration(PetscInt iteration, double residual);
+  void note_failure(const StagePoint& stage, Vec q);
   double value(Vec q);
   /// What is to be lowered: the potential at q, or the merit of the residual there.
   double height(Vec q);
@@ -151,6 +160,10 @@ class NewtonSolver {
   bool is_regularized_ = false;
   bool took_full_step_ = false;
   bool at_rounding_floor_ = false;
+  bool has_direction_ = false;
+  std::vector<NewtonIteration> iterations_;
+  Handle<Vec> failed_at_;  // where the iteration ended, if the stage could not be solved
+  double failed_time_ = 0.0, failed_dt_ = 0.0;
   // Kept across stages.
   Forcing forcing_;
   bool adapts_tolerance_ = true;    // unless the user gives one

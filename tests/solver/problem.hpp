@@ -68,6 +68,7 @@ class Problem {
   const ElasticTerm& elastic() const { return *elastic_; }
   IncrementalPotential& potential() { return potential_; }
   const SolverStatistics& statistics() const { return solver_.statistics(); }
+  std::optional<FailedStage> examine() { return solver_.examine(); }
   PrescribedMotion motion() const { return prescribed_.motion(); }
   /// What integrators ask of it.
   System system() {

@@ -392,5 +392,21 @@ TEST_P(SmallResidual, WithoutASolutionItIsToBeRetried) {
   EXPECT_EQ(broadcast(comm, report.reason), report.reason);
 }
 
+TEST_F(Residual, AFailedStageTellsOfItsMerit) {
+  ProblemSpec spec = swirled(Swirl::Tangent::exact, LinearKind::cholesky);
+  spec.newton.max_iterations = 1;
+  Problem problem(comm, cube(2), spec);
+  const auto q = problem.solid().vector(testing::at_rest);
+  ASSERT_EQ(problem.solve_static(q).outcome, StageOutcome::retry);
+  const auto stage = problem.examine();
+  ASSERT_TRUE(stage);
+  EXPECT_EQ(stage->measure, FailedStage::Measure::merit);
+  EXPECT_FALSE(stage->slope);
+  ASSERT_EQ(stage->profile.size(), 21u);
+  for (const auto& sample : stage->profile) EXPECT_TRUE(std::isfinite(sample.change));
+  EXPECT_NE(stage->profile.front().change, 0.0);
+  EXPECT_EQ(stage->iterations.size(), 2u);
+}
+
 }  // namespace
 }  // namespace pliant
