@@ -90,7 +90,10 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
   std::vector<std::string> result;
   const auto* stage = failure.stage ? &*failure.stage : nullptr;
   const auto* iterations = stage != nullptr && !stage->iterations.empty() ? &stage->iterations : nullptr;
-  if (stage != nullptr && stage->force_scale == 0.0) {
+  if (stage != nullptr && stage->lacks_memory) {
+    result.emplace_back(
+        "more memory per rank (fewer ranks on a machine, more machines), solver.linear: amg, a coarser mesh");
+  } else if (stage != nullptr && stage->force_scale == 0.0) {
     result.emplace_back(
         "the prescribed motion alone turns tetrahedra inside out: shorter steps (time.min_step, load_steps), or a "
         "coarser mesh at the moving surface");

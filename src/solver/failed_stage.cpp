@@ -66,6 +66,7 @@ std::optional<FailedStage> NewtonSolver::examine() {
   stage.tolerance = target();
   stage.force_scale = scale_;
   stage.rounding_floor = equation_.rounding_floor(q);
+  stage.lacks_memory = lacks_memory_;
   stage.iterations = iterations_;
   stage.measure = path_ == Path::minimisation ? FailedStage::Measure::potential : FailedStage::Measure::merit;
   stage.displacement = copy_of(equation_.displacements(q));

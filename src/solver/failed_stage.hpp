@@ -24,6 +24,7 @@ struct FailedStage {
   double tolerance = 0.0;       ///< a residual that would have been small enough [N]
   double force_scale = 0.0;     ///< sum of the norms of the forces that balance; 0: the guess was beyond a barrier [N]
   double rounding_floor = 0.0;  ///< size of the rounding errors of the residual [N]
+  bool lacks_memory = false;    ///< the linear solver did
   std::vector<NewtonIteration> iterations;
 
   /// Along the last direction from where the iteration ended; no sample if there was none.

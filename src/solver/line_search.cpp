@@ -177,6 +177,7 @@ bool NewtonSolver::lower_residual(Vec y, SNESLineSearch search) {
 }
 
 bool NewtonSolver::climb(Vec q) {
+  if (lacks_memory_) return false;  // another matrix takes as much
   if (!factor_is_current_) {
     factorize(q);
     return true;

@@ -1,7 +1,6 @@
 #include "solver/linear.hpp"
 
 #include "petsc/callback.hpp"
-#include "solver/single_factorization.hpp"
 
 #include <algorithm>
 #include <dmumps_c.h>
@@ -51,6 +50,8 @@ bool factorizes_with_mumps(PC pc, Mat* factor) {
 }
 
 void use_algebraic_multigrid(PC pc) {
+  set_default_option("-mg_levels_ksp_type", "chebyshev");
+  set_default_option("-mg_levels_pc_type", "jacobi");
   check(PCSetType(pc, PCGAMG));
   check(PCGAMGSetReuseInterpolation(pc, PETSC_TRUE));
   PetscReal threshold = 0.01;
@@ -70,28 +71,30 @@ void control_mumps(PC pc, Mat K, PetscInt workspace) {
   check(MatMumpsSetIcntl(factor, 14, workspace));
 }
 
-/// Sets up a preconditioner of PETSc's; a factorization that runs out of workspace is repeated with more. False if
-/// there is none.
-bool set_up_with_workspace(PC pc, Mat K) {
+/// Sets up a preconditioner of PETSc's; a factorization that runs out of workspace is repeated with more.
+SetUp set_up_with_workspace(PC pc, Mat K) {
   check(PCSetOperators(pc, K, K));
-  bool is_sound = false, lacks_workspace = true;
-  for (PetscInt workspace = first_workspace; lacks_workspace && workspace <= last_workspace;) {
+  SetUp outcome = SetUp::singular;
+  bool may_help = true;
+  for (PetscInt workspace = first_workspace; may_help && workspace <= last_workspace;) {
     check(PCSetUp(pc));
     PCFailedReason failure = PC_NOERROR;
     check(PCGetFailedReason(pc, &failure));
-    is_sound = failure == PC_NOERROR;
-    if (is_sound) break;
+    if (failure == PC_NOERROR) return SetUp::sound;
     Mat factor = nullptr;
     PetscInt error = 0;
     if (factorizes_with_mumps(pc, &factor)) check(MatMumpsGetInfog(factor, 1, &error));
-    lacks_workspace = error == -8 || error == -9;
-    if (lacks_workspace) workspace *= 4;
+    may_help = lacks_workspace(static_cast<int>(error));
+    const bool lacks_memory =
+        failure == PC_FACTOR_OUTMEMORY || outcome_of_mumps(static_cast<int>(error)) == SetUp::out_of_memory;
+    outcome = lacks_memory ? SetUp::out_of_memory : SetUp::singular;
+    if (may_help) workspace *= 4;
     // PETSc 3.18 skips every factorization after one that failed, and says nothing; so the next one shall be the first.
     check(PCReset(pc));
     check(PCSetOperators(pc, K, K));
     control_mumps(pc, K, workspace);
   }
-  return is_sound;
+  return outcome;
 }
 
 void use_double_precision(PC pc, Symmetry symmetry) {
@@ -99,57 +102,90 @@ void use_double_precision(PC pc, Symmetry symmetry) {
   check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
 }
 
-/// A factorization in single precision as long as that does, then in double.
+/// A factorization in single precision as long as that does, then in double; multigrid where memory does not suffice.
 class Factorization {
  public:
   explicit Factorization(Symmetry symmetry) : symmetry_(symmetry), single_(std::in_place, symmetry) {}
 
   void set_up(Mat K) {
-    if (!single_) {
-      is_sound_ = set_up_with_workspace(double_.get(), K);
-      return;
-    }
-    is_sound_ = single_->factorize(K);
-    if (is_sound_ && single_->negative_pivots() == 0) return;
-    // Singular or indefinite, so far as single precision can tell. If K is definite in double precision, single
-    // precision does not do for this body: double takes over for good.
-    check(PCCreate(PetscObjectComm(reinterpret_cast<PetscObject>(K)), double_.out()));
-    use_double_precision(double_.get(), symmetry_);
-    check(PCSetOperators(double_.get(), K, K));
-    control_mumps(double_.get(), K, first_workspace);
-    const bool double_is_sound = set_up_with_workspace(double_.get(), K);
-    if (double_is_sound && (!is_sound_ || pliant::negative_pivots(double_.get()) == 0)) {
-      single_.reset();
-      is_sound_ = true;
-    } else {
-      double_ = {};
-    }
+    if (!multigrid_) factorize(K);
+    if (outcome_ == SetUp::out_of_memory) make_multigrid(K);
+    if (!multigrid_) return;
+    check(MatCopy(K, of_multigrid_.get(), SAME_NONZERO_PATTERN));
+    check(PCSetOperators(multigrid_.get(), of_multigrid_.get(), of_multigrid_.get()));
+    check(PCSetUp(multigrid_.get()));
+    outcome_ = SetUp::sound;
   }
-  void apply(Vec b, Vec x) { single_ ? single_->solve(b, x) : check(PCApply(double_.get(), b, x)); }
+  void apply(Vec b, Vec x) { single_ ? single_->solve(b, x) : check(PCApply(other().get(), b, x)); }
   std::optional<PetscInt> negative_pivots() const {
-    if (symmetry_ == Symmetry::unsymmetric) return std::nullopt;
+    if (symmetry_ == Symmetry::unsymmetric || multigrid_) return std::nullopt;
     return single_ ? single_->negative_pivots() : pliant::negative_pivots(double_.get());
   }
-  bool is_sound() const { return is_sound_; }
+  SetUp outcome() const { return outcome_; }
   double cost_of_set_up() const {
     if (!single_) return cost_of_usual_set_up;
     const auto size = single_->size();
     return cost_of_small_factorization + cost_per_operation * size.flops / std::max(size.entries, 1.0);
   }
   void view(PetscViewer viewer) const {
-    if (!single_) return check(PCView(double_.get(), viewer));
-    if (!is_sound_) return;
+    if (!single_) return check(PCView(other().get(), viewer));
+    if (outcome_ != SetUp::sound) return;
     const auto size = single_->size();
     check(PetscViewerASCIIPrintf(viewer, "    entries of the factors %.3g, operations %.3g, ordering (ICNTL(7)) %d\n",
                                  size.entries, size.flops, size.ordering));
   }
-  bool is_in_single_precision() const { return single_.has_value(); }
+  const char* name() const {
+    if (multigrid_) return "algebraic multigrid, as memory does not suffice for a factorization";
+    return single_ ? "MUMPS factorization in single precision" : "MUMPS factorization in double precision";
+  }
+  bool is_multigrid() const { return static_cast<bool>(multigrid_); }
 
  private:
+  const Handle<PC>& other() const { return multigrid_ ? multigrid_ : double_; }
+
+  void factorize(Mat K) {
+    if (!single_) {
+      outcome_ = set_up_with_workspace(double_.get(), K);
+      return;
+    }
+    outcome_ = single_->factorize(K);
+    const bool is_sound = outcome_ == SetUp::sound;
+    if (outcome_ == SetUp::out_of_memory || (is_sound && single_->negative_pivots() == 0)) return;
+    // Singular or indefinite, so far as single precision can tell. If K is definite in double precision, single
+    // precision does not do for this body: double takes over for good.
+    check(PCCreate(PetscObjectComm(reinterpret_cast<PetscObject>(K)), double_.out()));
+    use_double_precision(double_.get(), symmetry_);
+    check(PCSetOperators(double_.get(), K, K));
+    control_mumps(double_.get(), K, first_workspace);
+    const SetUp of_double = set_up_with_workspace(double_.get(), K);
+    if (of_double == SetUp::sound && (!is_sound || pliant::negative_pivots(double_.get()) == 0)) {
+      single_.reset();
+      outcome_ = SetUp::sound;
+    } else {
+      double_ = {};
+      if (!is_sound) outcome_ = of_double;
+    }
+  }
+
+  /// Of a copy of K: what is applied is that of the matrix of the last set-up, as of a factorization.
+  void make_multigrid(Mat K) {
+    single_.reset();
+    double_ = {};
+    check(MatDuplicate(K, MAT_COPY_VALUES, of_multigrid_.out()));
+    check(MatPropagateSymmetryOptions(K, of_multigrid_.get()));
+    MatNullSpace near = nullptr;
+    check(MatGetNearNullSpace(K, &near));
+    check(MatSetNearNullSpace(of_multigrid_.get(), near));
+    check(PCCreate(PetscObjectComm(reinterpret_cast<PetscObject>(K)), multigrid_.out()));
+    use_algebraic_multigrid(multigrid_.get());
+  }
+
   Symmetry symmetry_;
-  std::optional<SingleFactorization> single_;  // until double takes over
-  Handle<PC> double_;
-  bool is_sound_ = false;
+  // One of them.
+  std::optional<SingleFactorization> single_;
+  Handle<PC> double_, multigrid_;
+  Handle<Mat> of_multigrid_;
+  SetUp outcome_ = SetUp::singular;
 };
 
 /// nullptr if the preconditioner is another one.
@@ -167,8 +203,8 @@ PetscErrorCode set_up_callback(PC pc) {
     check(PCGetOperators(pc, nullptr, &K));
     Factorization* factorization = factorization_of(pc);
     factorization->set_up(K);
-    if (!factorization->is_in_single_precision()) check(PCShellSetName(pc, "MUMPS factorization in double precision"));
-    check(PCSetFailedReason(pc, factorization->is_sound() ? PC_NOERROR : PC_FACTOR_NUMERIC_ZEROPIVOT));
+    check(PCShellSetName(pc, factorization->name()));
+    check(PCSetFailedReason(pc, factorization->outcome() == SetUp::sound ? PC_NOERROR : PC_FACTOR_NUMERIC_ZEROPIVOT));
   });
 }
 
@@ -187,7 +223,7 @@ PetscErrorCode destroy_callback(PC pc) {
 void use_factorization(PC pc, Symmetry symmetry) {
   auto factorization = std::make_unique<Factorization>(symmetry);
   check(PCSetType(pc, PCSHELL));
-  check(PCShellSetName(pc, "MUMPS factorization in single precision"));
+  check(PCShellSetName(pc, factorization->name()));
   check(PCShellSetContext(pc, factorization.release()));
   check(PCShellSetSetUp(pc, set_up_callback));
   check(PCShellSetApply(pc, apply_callback));
@@ -287,8 +323,6 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
     use_p_multigrid(pc, K, *coarsening);
   } else {
     use_algebraic_multigrid(pc);
-    set_default_option("-mg_levels_ksp_type", "chebyshev");
-    set_default_option("-mg_levels_pc_type", "jacobi");
   }
   check(KSPSetFromOptions(ksp));
   PetscBool solves_directly = PETSC_FALSE;
@@ -297,19 +331,24 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
   control_mumps(pc, K, first_workspace);
 }
 
-bool set_up_preconditioner(PC pc, Mat K) {
+SetUp set_up_preconditioner(PC pc, Mat K) {
   check(PCSetReusePreconditioner(pc, PETSC_FALSE));
   check(PCSetOperators(pc, K, K));
   update_coarse_level(pc, K);
-  bool is_sound = false;
+  SetUp outcome = SetUp::sound;
   if (const Factorization* factorization = factorization_of(pc)) {
     check(PCSetUp(pc));
-    is_sound = factorization->is_sound();
+    outcome = factorization->outcome();
   } else {
-    is_sound = set_up_with_workspace(pc, K);
+    outcome = set_up_with_workspace(pc, K);
   }
   check(PCSetReusePreconditioner(pc, PETSC_TRUE));
-  return is_sound;
+  return outcome;
+}
+
+bool uses_multigrid_instead(PC pc) {
+  const Factorization* factorization = factorization_of(pc);
+  return factorization != nullptr && factorization->is_multigrid();
 }
 
 double cost_of_set_up(PC pc) {

@@ -3,6 +3,7 @@
 
 #include "energy/stage_equation.hpp"
 #include "petsc/handle.hpp"
+#include "solver/single_factorization.hpp"
 
 #include <optional>
 #include <string>
@@ -29,9 +30,13 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
                              const Coarsening* coarsening = nullptr);
 
 /// Sets up the preconditioner (factorizes) for the present K, and keeps it for all further solves; a factorization that
-/// runs out of workspace is repeated with more. False if there is none, as K is singular: solve nothing then.
+/// runs out of workspace is repeated with more. One that runs out of memory gives way to multigrid, for good, unless
+/// the user has asked for that factorization or K is indefinite. Unless the outcome is sound, solve nothing.
 /// Collective.
-bool set_up_preconditioner(PC pc, Mat K);
+SetUp set_up_preconditioner(PC pc, Mat K);
+
+/// Whether multigrid has taken the place of the factorization.
+bool uses_multigrid_instead(PC pc);
 
 /// What a set-up of the preconditioner costs, in iterations of the Krylov method with it: an estimate that depends on
 /// the matrix alone, not on the clock.

@@ -187,7 +187,10 @@ void NewtonSolver::regularize() {
 
 void NewtonSolver::factorize(Vec q) {
   const Stopwatch watch(statistics_.factorization_seconds);
-  factor_failed_ = !set_up_preconditioner(preconditioner_.get(), K_.get());
+  const SetUp outcome = set_up_preconditioner(preconditioner_.get(), K_.get());
+  factor_failed_ = outcome != SetUp::sound;
+  lacks_memory_ = outcome == SetUp::out_of_memory;
+  statistics_.uses_multigrid_instead = uses_multigrid_instead(preconditioner_.get());
   if (rank_one_system_ && !factor_failed_) factor_failed_ = !rank_one_system_->set_up();
   KSP ksp = nullptr;
   check(SNESGetKSP(snes_.get(), &ksp));
@@ -275,6 +278,7 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
   merit_has_scale_ = false;
   at_rounding_floor_ = false;
   has_direction_ = false;
+  lacks_memory_ = false;
   iterations_.clear();
   failed_at_ = {};
   scale_ = 0.0;
@@ -314,6 +318,11 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
   } else {
     report.outcome = StageOutcome::retry;
     report.reason = in_words(reason);
+    if (lacks_memory_) {
+      // A shorter step takes as much.
+      report.outcome = StageOutcome::fatal;
+      report.reason = "memory does not suffice for the factorization (MUMPS)";
+    }
     note_failure(stage, q);
   }
   return report;

@@ -34,13 +34,14 @@ struct SolverStatistics {
   long long residual_solves = 0;  ///< stages solved on the residual, because a term has no potential
   long long newton_iterations = 0;
   long long linear_iterations = 0;
-  long long factorizations = 0;   ///< or set-ups of another preconditioner
-  long long backtracks = 0;       ///< step lengths refused by the line search
-  long long capped_steps = 0;     ///< steps shortened because a tetrahedron would have inverted
-  long long projections = 0;      ///< Hessians made positive semidefinite cell by cell
-  long long regularizations = 0;  ///< projected Hessians that needed a shift of their diagonal too
-  long long rounding_stops = 0;   ///< stages whose residual ended at its rounding floor, above the tolerance
-  double assembly_seconds = 0.0;  ///< residuals, energies, Hessians
+  long long factorizations = 0;         ///< or set-ups of another preconditioner
+  long long backtracks = 0;             ///< step lengths refused by the line search
+  long long capped_steps = 0;           ///< steps shortened because a tetrahedron would have inverted
+  long long projections = 0;            ///< Hessians made positive semidefinite cell by cell
+  long long regularizations = 0;        ///< projected Hessians that needed a shift of their diagonal too
+  long long rounding_stops = 0;         ///< stages whose residual ended at its rounding floor, above the tolerance
+  bool uses_multigrid_instead = false;  ///< of the factorization, for which memory did not suffice
+  double assembly_seconds = 0.0;        ///< residuals, energies, Hessians
   double factorization_seconds = 0.0;
   double solve_seconds = 0.0;
 };
@@ -172,7 +173,8 @@ class NewtonSolver {
   double fresh_rate_ = 0.0;         // iterations per digit when the factor was that of its matrix
   double excess_iterations_ = 0.0;  // beyond those that fresh factors would have taken, since the last factorization
   bool factor_is_current_ = false;  // it is that of the present Hessian
-  bool factor_failed_ = false;      // there is none: the Hessian was singular
+  bool factor_failed_ = false;      // there is none: the Hessian was singular, or
+  bool lacks_memory_ = false;       // memory did not suffice
 };
 
 }  // namespace pliant

@@ -4,6 +4,7 @@
 #include "petsc/collective.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <smumps_c.h>
 #include <span>
@@ -28,6 +29,20 @@ int num_ranks(PetscObject object) {
 }
 
 }  // namespace
+
+bool lacks_workspace(int error) {
+  // Of the factors (-8, -9), of the solution (-11, -14), of messages (-17, -20).
+  constexpr std::array codes{-8, -9, -11, -14, -15, -17, -18, -20};
+  return std::ranges::find(codes, error) != codes.end();
+}
+
+SetUp outcome_of_mumps(int error) {
+  if (error >= 0) return SetUp::sound;
+  // The system has no more to give, to the analysis (-5, -7) or the factors (-13), or ICNTL(23) forbids it (-19).
+  constexpr std::array codes{-5, -7, -13, -19};
+  const bool lacks_memory = lacks_workspace(error) || std::ranges::find(codes, error) != codes.end();
+  return lacks_memory ? SetUp::out_of_memory : SetUp::singular;
+}
 
 struct SingleFactorization::Mumps {
   SMUMPS_STRUC_C id{};
@@ -137,17 +152,17 @@ void SingleFactorization::set_values(Mat K) {
   std::ranges::transform(exact, values_.begin(), [&](double x) { return static_cast<float>(x / scale_); });
 }
 
-bool SingleFactorization::factorize(Mat K) {
+SetUp SingleFactorization::factorize(Mat K) {
   const bool is_first = mumps_ == nullptr;
   if (is_first) analyse(K);
   set_values(K);
   if (is_first && mumps_->run(job_analyse) < 0) {
+    const SetUp outcome = outcome_of_mumps(mumps_->infog(1));
     mumps_.reset();
-    return false;
+    return outcome;
   }
   int error = mumps_->run(job_factorize);
-  const auto lacks_workspace = [&] { return error == -8 || error == -9; };
-  for (int workspace = first_workspace; lacks_workspace() && workspace <= last_workspace; workspace *= 4) {
+  for (int workspace = first_workspace; lacks_workspace(error) && workspace <= last_workspace; workspace *= 4) {
     mumps_->icntl(14) = workspace;
     error = mumps_->run(job_factorize);
   }
@@ -160,7 +175,7 @@ bool SingleFactorization::factorize(Mat K) {
     mumps_->id.isol_loc = solution_rows_.data();
     to_owners_ = {};
   }
-  return error >= 0;
+  return outcome_of_mumps(error);
 }
 
 void SingleFactorization::gather_solution(Vec x) {

@@ -10,6 +10,14 @@
 
 namespace pliant {
 
+/// How a factorization, or another preconditioner, has turned out.
+enum class SetUp { sound, singular, out_of_memory };
+
+/// What MUMPS's INFOG(1) means.
+SetUp outcome_of_mumps(int error);
+/// Whether more workspace (ICNTL(14)) may help.
+bool lacks_workspace(int error);
+
 /// K = L D L^T, or L U of an unsymmetric K, by MUMPS in single precision. It takes half the time and memory of double
 /// precision, to factorize as to solve, for one or two iterations more of the Krylov method around it; the accuracy of
 /// the solution is that method's. No pivoting in L D L^T: pivots of small size make it a poor preconditioner, no wrong
@@ -21,9 +29,9 @@ class SingleFactorization {
   SingleFactorization(SingleFactorization&&) noexcept;
   SingleFactorization& operator=(SingleFactorization&&) noexcept;
 
-  /// Factorizes K, an assembled matrix distributed by rows; what was there before is lost. False if there is no
-  /// factorization: K is singular to single precision.
-  bool factorize(Mat K);
+  /// Factorizes K, an assembled matrix distributed by rows; what was there before is lost. Repeated with
+  /// more workspace where that is too little. `singular`: to single precision.
+  SetUp factorize(Mat K);
   /// x = K^-1 b, approximately, after a successful `factorize`.
   void solve(Vec b, Vec x);
   /// What MUMPS tells of the last factorization.
