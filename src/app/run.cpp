@@ -12,7 +12,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -70,6 +72,7 @@ class Run {
     if (from != nullptr) {
       checkpoints_.restore(from->file, from->info, [&](Archive& archive) { keep(archive); });
       earlier = {record().step, last_frame_};
+      last_row_ = record().step;
       if (has_petsc_integrator()) console.print("note: PETSc's integrators start anew where they resume");
     }
     recorder_.emplace(config, model_, simulation_->ledger(), earlier);
@@ -83,6 +86,15 @@ class Run {
   }
 
   ExitCode operator()() {
+    try {
+      return go();
+    } catch (const FileError& error) {
+      throw FileError(fmt::format("{}. {}", error.what(), what_is_left()));
+    }
+  }
+
+ private:
+  ExitCode go() {
     const InterruptGuard interrupt;
     // Every step is a frame unless an interval is given.
     FrameSchedule schedule(config_.output.every, record().time);
@@ -97,6 +109,10 @@ class Run {
       if (outcome.kind == StepOutcome::Kind::unsolved) console_.warn(outcome.reason);
       if (outcome.kind != StepOutcome::Kind::accepted) continue;
       recorder_->record(record(), simulation_->ledger());
+      last_row_ = record().step;
+      if (multigrid_is_news()) {
+        console_.warn("the factorization ran out of memory; algebraic multigrid takes its place (solver.linear: amg)");
+      }
       if (record().newton_iterations > worst_.newton_iterations) {
         worst_ = {record().step, record().time, record().newton_iterations};
       }
@@ -118,7 +134,6 @@ class Run {
     return ExitCode::done;
   }
 
- private:
   const StepRecord& record() const { return simulation_->record(); }
   bool is_static() const { return analysis_of(config_) == Analysis::static_equilibrium; }
   const char* variable() const { return is_static() ? "load factor" : "t"; }
@@ -151,6 +166,28 @@ class Run {
     checkpoints_.write(record().step, record().time, [&](Archive& archive) { keep(archive); });
     // What goes on here and what resumes there are the same run.
     simulation_->forget();
+  }
+
+  /// After a file could not be written: what there is, and how to go on. Not collective: ranks say what they see.
+  std::string what_is_left() const {
+    std::error_code ignored;
+    if (!std::filesystem::exists(config_.output.directory, ignored)) {
+      return "The directory is gone, with all that was computed: start anew";
+    }
+    const auto files = checkpoints_in(config_.output.directory);
+    const std::string what_to_do =
+        files.empty()
+            ? "no checkpoint; once files can be written again, start anew (`checkpoint: {every: 100}` makes runs "
+              "that can go on)"
+            : fmt::format("{}; once files can be written again, go on: {}", files.front().filename().string(),
+                          how_to_resume());
+    return fmt::format("What is there is whole: rows up to step {}, frames up to step {}, {}", last_row_, last_frame_,
+                       what_to_do);
+  }
+
+  bool multigrid_is_news() {
+    const bool is_used = simulation_->solver_statistics().uses_multigrid_instead;
+    return is_used && !std::exchange(multigrid_was_told_, is_used);
   }
 
   std::string how_to_resume() const { return fmt::format("pliant resume {}", config_.output.directory); }
@@ -246,6 +283,8 @@ class Run {
   std::optional<Recorder> recorder_;
   double setup_seconds_ = 0.0;
   bool last_frame_written_ = true;
+  std::int64_t last_row_ = 0;  // step of the last row of the history
+  bool multigrid_was_told_ = false;
   std::int64_t last_frame_ = 0;  // step of the last one that was due
   double largest_energy_ = 0.0;  // so far [J]
   WorstStep worst_;

@@ -67,6 +67,24 @@ void File::write(std::string_view text) {
   }
 }
 
+void File::append_whole(std::string_view text) {
+  struct stat mine {
+  }, named{};
+  if (::fstat(descriptor_, &mine) != 0) fail(errno);
+  if (::stat(path_.c_str(), &named) != 0) fail(errno);
+  if (mine.st_dev != named.st_dev || mine.st_ino != named.st_ino) {
+    throw FileError("cannot write '" + path_.string() + "': another file has taken its place");
+  }
+  try {
+    write(text);
+  } catch (const FileError&) {
+    // The first failure is told.
+    const bool is_cut = ::ftruncate(descriptor_, mine.st_size) == 0;
+    if (is_cut) (void)::lseek(descriptor_, mine.st_size, SEEK_SET);
+    throw;
+  }
+}
+
 void File::write_at(std::int64_t offset, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::pwrite(descriptor_, bytes.data(), std::min(bytes.size(), largest_write), offset);

@@ -28,6 +28,10 @@ class File {
   /// Writes all of `text` at the current position.
   void write(std::string_view text);
 
+  /// Writes all of `text` at the end of a file that still has its name, or nothing: what a full disk has cut off goes
+  /// again.
+  void append_whole(std::string_view text);
+
   /// Writes all bytes at `offset` [bytes], however many there are.
   void write_at(std::int64_t offset, std::span<const std::byte> bytes);
 

@@ -61,7 +61,7 @@ void HistoryWriter::sync() {
 
 void HistoryWriter::append(std::span<const double> row) {
   assert(row.size() == num_columns_);
-  on_root(comm_, [&] { file_->write(csv_row(row) + "\n"); });
+  on_root(comm_, [&] { file_->append_whole(csv_row(row) + "\n"); });
 }
 
 std::string csv_row(std::span<const double> values) {

@@ -98,6 +98,8 @@ ResultWriter::ResultWriter(MPI_Comm comm, const ResultPlace& place, std::string 
   on_root(comm_, [&] {
     make_directory(place.directory);
     grids_ = grids_up_to_step(text_of(xdmf_file_), last_step);
+    std::error_code ignored;
+    if (!std::filesystem::exists(hdf5_file_, ignored)) grids_.clear();  // somebody has taken the frames away
     if (grids_.empty()) {
       start_files();
     } else {
