@@ -1,7 +1,8 @@
 #!/usr/bin/python3
-"""The number of ranks does not change what is computed."""
+"""The number of ranks does not change what is computed, and the same run gives the same numbers."""
 import unittest
 
+import h5py
 import numpy as np
 
 from program import ProgramTest, write_box
@@ -24,6 +25,17 @@ solver: {newton: {relative: 1e-12}}
 probes:
   - {name: tip, point: [1, 0.25, 0.2]}
   - {name: inside, point: [0.512, 0.113, 0.071]}
+"""
+
+SMALL = """
+mesh: {file: box.msh}
+bodies:
+  - density: 1000
+    elasticity: {model: neo-hookean, youngs_modulus: 50 kPa, poissons_ratio: 0.3}
+    viscosity: [{model: prony, ratio: 0.5, relaxation_time: 50 ms}]
+constraints: [{surface: left, displacement: [0, 0, "0.002*sin(20*t)"]}]
+loads: [{gravity: [0, 0, -9.81]}]
+time: {method: bdf2, step: 1 ms, end: 0.02}
 """
 
 
@@ -52,6 +64,44 @@ class Parallel(ProgramTest):
             with self.subTest(ranks=ranks):
                 parts = self.run_input(file, "mesh.file=bar.h5", ranks=ranks, output=f"parts_{ranks}")
                 self.assert_same_history(whole, parts, 1e-9)
+
+
+class Determinism(ProgramTest):
+    """The same ranks, the same bits; another number of them, the same to 1e-9."""
+
+    # On several ranks MUMPS adds up in the order in which messages arrive; multigrid does not.
+    CASES = {
+        "factorization": ("time.method=bdf2",),
+        "stages, adaptive": ("time.method=dirk23", "time.adaptive={relative: 1e-3, absolute: 1e-5}"),
+        "multigrid": ("solver.linear=amg",),
+        "cavity": ("constraints=[{surface: left, displacement: [0, free, free]}, {surface: right, displacement: [0, free, free]}, "
+                   "{surface: front, displacement: [free, 0, free]}, {surface: back, displacement: [free, 0, free]}, "
+                   "{surface: top, displacement: [free, free, '0.002*sin(20*t)']}]",
+                   "cavities=[{name: below, surface: bottom, volume: 1e-3, "
+                   "liquid: {bulk_modulus: 1e5, added_volume: '1e-5*sin(20*t)'}}]",),
+    }
+    EXACT = {(name, 1) for name in CASES} | {("multigrid", 2)}
+
+    def bits(self, output):
+        """All that a run has computed, as bytes."""
+        with h5py.File(self.directory / output / "result.h5") as file:
+            frames = [frame["displacement"][()].tobytes() for frame in file["frames"].values()]
+        return (self.directory / output / "history.csv").read_bytes(), frames
+
+    def test_the_same_again(self):
+        write_box(self.directory / "box.msh", (6, 2, 2), (0.3, 0.1, 0.1))
+        file = self.write("in.yaml", SMALL)
+        for name, settings in self.CASES.items():
+            settings = [*settings, "solver.newton.relative=1e-12"]
+            alone = self.run_input(file, *settings, output="alone")
+            for ranks in (1, 2):
+                with self.subTest(name, ranks=ranks):
+                    first = self.run_input(file, *settings, ranks=ranks, output="first")
+                    self.assert_same_history(alone, first, 1e-9)
+                    second = self.run_input(file, *settings, ranks=ranks, output="second")
+                    self.assert_same_history(first, second, 1e-9)
+                    if (name, ranks) in self.EXACT:
+                        self.assertEqual(self.bits("first"), self.bits("second"))
 
 
 if __name__ == "__main__":

@@ -1,5 +1,8 @@
 #!/usr/bin/python3
-"""A run that ends before its time, whatever ends it, goes on from its last checkpoint as if nothing had happened."""
+"""A run that ends before its time, whatever ends it, goes on from its last checkpoint as if nothing had happened.
+
+PLIANT_LONG_TESTS=1 kills each kind of run twenty times on each number of ranks: some minutes.
+"""
 import os
 import random
 import re
@@ -43,7 +46,10 @@ def checkpoints(directory):
 class RestartTest(ProgramTest):
     def setUp(self):
         super().setUp()
-        write_box(self.directory / "box.msh", (5, 1, 1), (0.5, 0.1, 0.1))
+        self.make_input()
+
+    def make_input(self):
+        write_box(self.directory / "box.msh", (3, 1, 1), (0.5, 0.1, 0.1))
         self.input = self.write("input.yaml", BODY)
 
     def out(self, name):
@@ -104,12 +110,20 @@ class Continuation(RestartTest):
                       "bodies=[{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 50 kPa, poissons_ratio: 0.5}}]"),
             "rigid": ('constraints=[{surface: left, displacement: [0, 0, 0]}, '
                       '{surface: right, rigid: {translation: [free, 0, "0.02*sin(20*t)"]}}]',),
+            "cavity": ("time.end=0.06", "constraints=[{surface: left, displacement: [0, free, free]}, {surface: right, displacement: [0, free, free]}, "
+                       "{surface: front, displacement: [free, 0, free]}, {surface: back, displacement: [free, 0, free]}, "
+                       "{surface: top, displacement: [free, free, '0.002*sin(20*t)']}]",
+                       "cavities=[{name: below, surface: bottom, volume: 1e-3, "
+                       "liquid: {bulk_modulus: 1e5, added_volume: '1e-5*sin(20*t)'}}]"),
+            "HDF5 mesh": ("mesh.file=box.h5", "time.end=0.06"),
             "PETSc": ("time.method={petsc: arkimex}", "bodies=[{density: 1000, elasticity: {model: linear, "
                       "youngs_modulus: 50 kPa, poissons_ratio: 0.3}}]"),
         }
-        for name, settings in cases.items():
+        done = self.call("mesh", "convert", "box.msh", "box.h5")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        for number, (name, settings) in enumerate(cases.items()):
             with self.subTest(name):
-                self.check_steps(*settings, ranks=3)
+                self.check_steps(*settings, ranks=2 + number % 2)
 
     def check_steps(self, *settings, ranks=None):
         """From the first of two checkpoints, on one rank to the last bit, on others to the accuracy of the solver."""
@@ -129,30 +143,65 @@ class Continuation(RestartTest):
         self.resume("several", ranks=ranks)
         self.assert_same_history(whole, read_history(self.out("several")), OTHER_RANKS)
 
+    def test_killed(self):
+        """Each method once, from one number of ranks to another."""
+        chance = self.chance()
+        for number, method in enumerate(METHODS):
+            with self.subTest(method):
+                ranks = (1 + number % 3, 1 + (number + 1) % 3)
+                self.check_kills([f"time.method={method}", "time.end=0.2"], ranks, 1, chance)
+
+    @unittest.skipUnless(os.environ.get("PLIANT_LONG_TESTS"), "PLIANT_LONG_TESTS is not set")
     def test_killed_again_and_again(self):
+        """Twenty times, on the same number of ranks or on each in turn, with fixed steps and with adaptive ones."""
+        chance = self.chance()
+        kinds = {method: [f"time.method={method}"] for method in METHODS}
+        kinds |= {f"{method}, adaptive": [f"time.method={method}", "time.adaptive={relative: 2e-4, absolute: 2e-5, max_step: 5 ms}"]
+                  for method in ADAPTIVE}
+        for name, settings in kinds.items():
+            for ranks in ((1,), (2,), (3,), (1, 2, 3)):
+                with self.subTest(name, ranks=ranks):
+                    self.check_kills([*settings, "time.end=1", "checkpoint.every=2"], ranks, 20, chance)
+
+    def chance(self):
         seed = random.randrange(2**32)
         print("seed", seed)
-        chance = random.Random(seed)
-        for method in METHODS:
-            with self.subTest(method, seed=seed):
-                settings = [f"time.method={method}", "time.end=0.2"]
-                whole = self.run_input(self.input, *settings, output="whole")
-                shutil.rmtree(self.out("out"), ignore_errors=True)
-                arguments = ["run", self.input, "--quiet", "--output", "out"]
-                arguments += [a for setting in settings for a in ("--set", setting)]
-                for ranks in (1, 2, 3):
-                    rows = chance.randrange(6, 12)  # the row of step 5: the checkpoint of step 4 is there
-                    rows += len(self.text("out").splitlines()) if self.out("out").exists() else 0
-                    process = self.started(arguments, ranks, rows)
-                    time.sleep(chance.uniform(0.0, 0.03))
-                    for rank in ranks_of(process.pid):
-                        os.kill(rank, signal.SIGKILL)
-                    process.kill()
-                    finish(process, 30)
-                    arguments = ["resume", "out", "--quiet"]
-                self.resume("out")
-                self.assert_same_history(whole, read_history(self.out("out")), OTHER_RANKS)
-                self.assert_frames_are_the_rows("out")
+        return random.Random(seed)
+
+    def check_kills(self, settings, ranks, num_kills, chance):
+        """A run that is killed at random moments, mostly once it has got on a little, and resumed on the ranks in turn."""
+        shutil.rmtree(self.out("out"), ignore_errors=True)
+        whole = self.run_input(self.input, *settings, ranks=ranks[0], output="whole")
+        arguments = ["run", self.input, "--quiet", "--output", "out"]
+        arguments += [a for setting in settings for a in ("--set", setting)]
+        for kill in range(num_kills):
+            process = start(arguments, self.directory, ranks[kill % len(ranks)])
+            if checkpoints(self.out("out")) and chance.random() < 0.2:
+                time.sleep(chance.uniform(0.0, 1.0))  # whatever it does: it may not even have started
+            else:
+                self.wait_for_a_checkpoint(process)
+                time.sleep(chance.uniform(0.0, 0.03))
+            self.kill(process)
+            arguments = ["resume", "out", "--quiet"]
+        self.assertLess(len(self.text("out").splitlines()), 1 + len(whole["step"]), "ended before it was killed")
+        self.resume("out", ranks=ranks[num_kills % len(ranks)])
+        tolerance = SAME_RANKS if len(ranks) == 1 else OTHER_RANKS
+        self.assert_same_history(whole, read_history(self.out("out")), tolerance)
+        self.assert_frames_are_the_rows("out")
+
+    def wait_for_a_checkpoint(self, process):
+        """Until there is one more, or the run is over."""
+        before = checkpoints(self.out("out"))[-1:]
+        deadline = time.monotonic() + 60
+        while checkpoints(self.out("out"))[-1:] == before and process.poll() is None:
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.002)
+
+    def kill(self, process):
+        for rank in ranks_of(process.pid):
+            os.kill(rank, signal.SIGKILL)
+        process.kill()
+        finish(process, 30)
 
     def test_a_later_end_and_another_step(self):
         whole = self.run_input(self.input, output="whole")
@@ -239,9 +288,23 @@ class Signals(RestartTest):
 
 
 class Damage(RestartTest):
+    @classmethod
+    def setUpClass(cls):
+        """One run, which each test damages a copy of."""
+        first = cls("test_info")
+        super(Damage, first).setUp()
+        cls.addClassCleanup(first.doCleanups)
+        first.run_input(first.input, "time.end=0.04")
+        cls.original = first.directory
+
+    def make_input(self):
+        if not hasattr(self, "original"):
+            super().make_input()
+
     def setUp(self):
         super().setUp()
-        self.run_input(self.input, "time.end=0.04")
+        shutil.copytree(self.original, self.directory, dirs_exist_ok=True)
+        self.input = self.directory / "input.yaml"
         self.older, self.newer = checkpoints(self.out("out"))
         self.whole = self.text("out")
 
@@ -302,7 +365,8 @@ class Damage(RestartTest):
         self.assertEqual((done.returncode, done.stderr), (4, "there is no file 'nothing'\n"))
 
     def test_another_mesh(self):
-        write_box(self.directory / "box.msh", (5, 1, 1), (0.5, 0.1, 0.1000001))
+        self.run_input(self.input, "time.end=0.04")  # its checkpoints know this directory's mesh
+        write_box(self.directory / "box.msh", (3, 1, 1), (0.5, 0.1, 0.1000001))
         self.fails(2, "box.msh", "put that one back", numbers_of_ranks=(1, 2))
         (self.directory / "box.msh").unlink()
         self.fails(2, "box.msh")
