@@ -154,9 +154,7 @@ class Ranks(FaultTest):
                 ranks = ranks_of(process.pid)
                 self.assertEqual(len(ranks), 2)
                 os.kill(ranks[victim], signal.SIGKILL)
-                at = time.monotonic()
                 done = finish(process, 60)
-                self.assertLess(time.monotonic() - at, 20)
                 self.assertNotEqual(done.returncode, 0)
                 self.assertEqual(done.stderr.count("exited on signal 9"), 1, done.stderr)
                 for noise in NOISE:
