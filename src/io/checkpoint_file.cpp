@@ -94,6 +94,11 @@ std::string read_text(hid_t file, const std::string& name) {
   const std::string doing = "read the text '" + name + "'";
   const Hdf5Handle made(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose, doing);
   const Hdf5Handle type(H5Dget_type(made.get()), H5Tclose, doing);
+  const Hdf5Handle space(H5Dget_space(made.get()), H5Sclose, doing);
+  if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0 ||
+      H5Sget_simple_extent_npoints(space.get()) != 1) {
+    throw FileError("cannot " + doing + ": it is not a text");
+  }
   std::string text(H5Tget_size(type.get()), '\0');
   check_hdf5(H5Dread(made.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()), doing);
   text.resize(std::min(text.size(), text.find('\0')));
@@ -217,8 +222,9 @@ void CheckpointReader::exchange(const std::string& path, Entries entries, Vec x)
     const std::string doing = fmt::format("read '{}' of '{}'", path, file_.string());
     const Hdf5Handle dataset(H5Dopen2(state_.get(), path.c_str(), H5P_DEFAULT), H5Dclose, doing);
     const auto sizes = sizes_of(dataset.get());
-    if (sizes.at(0) != static_cast<hsize_t>(order.num_global()) ||
-        (sizes.size() > 1 ? sizes[1] : 1) != static_cast<hsize_t>(components)) {
+    std::vector<hsize_t> wanted{static_cast<hsize_t>(order.num_global())};
+    if (sizes.size() > 1 || components > 1) wanted.push_back(static_cast<hsize_t>(components));
+    if (sizes != wanted) {
       throw FileError(fmt::format("cannot {}: it has not as many numbers as the mesh asks for", doing));
     }
     read_rows(dataset.get(), {order.first_row(), order.num_rows()}, H5T_NATIVE_DOUBLE, rows.data());
@@ -246,7 +252,7 @@ CheckpointInfo read_checkpoint_info(MPI_Comm comm, const std::filesystem::path& 
                                          version));
     }
     const std::string bytes = found.substr(start.size(), found.find('\n', start.size()) - start.size());
-    if (bytes != std::to_string(size)) {
+    if (bytes != std::to_string(size) || size < header_size) {
       throw unreadable(file, fmt::format("it is damaged: it has {} bytes and should have {}", size, bytes));
     }
   });

@@ -14,7 +14,8 @@ namespace {
 std::array<hsize_t, 2> size_of_dataset(hid_t group, const std::string& name) {
   const Hdf5Handle dataset(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, "read '" + name + "'");
   const auto sizes = sizes_of(dataset.get());
-  return {sizes.at(0), sizes.size() > 1 ? sizes[1] : 1};
+  if (sizes.empty()) throw FileError("cannot read '" + name + "': it is one number, not a table");
+  return {sizes[0], sizes.size() > 1 ? sizes[1] : 1};
 }
 
 std::string format_of(hid_t file) {

@@ -1,6 +1,7 @@
 #include "mesh/mesh_collector.hpp"
 
 #include "mesh/element_type.hpp"
+#include "mesh/source_checks.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -30,6 +31,7 @@ SerialGroup& MeshCollector::group(int dimension, int tag) {
 }
 
 void MeshCollector::name_group(int dimension, int tag, const std::string& name) {
+  require_plain_name(name);
   group(dimension, tag).group.name = name;
 }
 

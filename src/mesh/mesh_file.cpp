@@ -1,5 +1,6 @@
 #include "mesh/mesh_file.hpp"
 
+#include "base/text.hpp"
 #include "mesh/source_checks.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/hdf5.hpp"
@@ -10,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <numeric>
+#include <utility>
 
 namespace pliant {
 namespace {
@@ -46,12 +48,30 @@ class Table {
     }
   }
   hid_t get() const { return dataset_.get(); }
-  std::int64_t num_rows() const { return sizes_.empty() ? 0 : static_cast<std::int64_t>(sizes_[0]); }
+  std::int64_t num_rows() const {
+    return sizes_.empty() ? 0 : static_cast<std::int64_t>(std::min<hsize_t>(sizes_[0], INT64_MAX));
+  }
   int num_columns() const { return sizes_.size() == 2 ? static_cast<int>(std::min<hsize_t>(sizes_[1], 1000)) : 0; }
   void require_columns(int columns) const {
     if (num_columns() == columns && sizes_.size() == (columns == 0 ? 1 : 2)) return;
     throw MeshDefect(name_ + " must have " +
                      (columns == 0 ? "one dimension" : "rows of " + std::to_string(columns) + " numbers"));
+  }
+
+  /// Sizes that the file's bytes cannot hold, however well packed, would be asked of the memory.
+  void require_stored() const {
+    constexpr double best_packing = 1100;  // of zeros by deflate
+    const Hdf5Handle type(H5Dget_type(dataset_.get()), H5Tclose, "open " + name_);
+    double claimed = static_cast<double>(H5Tget_size(type.get()));
+    for (const hsize_t size : sizes_) claimed *= static_cast<double>(size);
+    hsize_t file_size = 0;
+    const Hdf5Handle file(H5Iget_file_id(dataset_.get()), H5Fclose, "open " + name_);
+    check_hdf5(H5Fget_filesize(file.get(), &file_size), "open " + name_);
+    const auto stored = static_cast<double>(H5Dget_storage_size(dataset_.get()));
+    if (claimed <= best_packing * stored && stored <= static_cast<double>(file_size)) return;
+    throw MeshDefect(name_ + " should have " + format_number(claimed) + " bytes, but the file holds " +
+                     format_number(std::min(stored, static_cast<double>(file_size))) +
+                     " of them: it is truncated or damaged" + cure);
   }
 
  private:
@@ -80,17 +100,21 @@ void require_format(hid_t file) {
 
 /// Unknowns and entries are counted in PETSc's integers; there are three unknowns per node.
 void require_countable(const Head& head) {
-  if (3 * head.num_nodes <= PETSC_MAX_INT && head.num_cells <= PETSC_MAX_INT / 4) return;
-  throw MeshDefect("it has " + std::to_string(head.num_cells) +
+  if (head.num_nodes <= PETSC_MAX_INT / 3 && head.num_cells <= PETSC_MAX_INT / 4) return;
+  throw MeshDefect("it has " + std::to_string(head.num_nodes) + " nodes and " + std::to_string(head.num_cells) +
                    " tetrahedra, more than 32-bit integers count: build Pliant with a PETSc of 64-bit indices");
 }
 
 PhysicalGroup read_group_name(const Table& table) {
   PhysicalGroup group;
-  group.dimension = static_cast<int>(integer_attribute(table.get(), "dimension"));
-  group.tag = static_cast<int>(integer_attribute(table.get(), "tag"));
+  const std::int64_t dimension = integer_attribute(table.get(), "dimension"),
+                     tag = integer_attribute(table.get(), "tag");
+  if (dimension < 0 || dimension > 3) throw MeshDefect("the dimension of a group must be 0, 1, 2 or 3");
+  if (!std::in_range<int>(tag)) throw MeshDefect("the tag of a group is too large");
+  group.dimension = static_cast<int>(dimension);
+  group.tag = static_cast<int>(tag);
   group.name = text_attribute(table.get(), "name");
-  if (group.dimension < 0 || group.dimension > 3) throw MeshDefect("the dimension of a group must be 0, 1, 2 or 3");
+  require_plain_name(group.name);
   return group;
 }
 
@@ -103,10 +127,13 @@ Head read_head(hid_t file) {
   head.num_nodes = nodes.num_rows();
   head.num_cells = cells.num_rows();
   require_countable(head);
+  nodes.require_stored();
+  cells.require_stored();
   for (std::size_t g = 0; exists(file, "groups") && exists(file, group_path(g)); ++g) {
     const Table members(file, group_path(g), H5T_INTEGER);
     head.groups.push_back(read_group_name(members));
     members.require_columns(head.groups.back().dimension == 3 ? 0 : 2);
+    members.require_stored();
     head.num_members.push_back(members.num_rows());
   }
   for (std::size_t d = 0; exists(file, "cell_data") && exists(file, data_path(d)); ++d) {
@@ -114,7 +141,9 @@ Head read_head(hid_t file) {
     if (data.num_columns() < 1 || data.num_columns() > 9 || data.num_rows() != head.num_cells) {
       throw MeshDefect(data_path(d) + " must have a row of 1 to 9 numbers for each cell");
     }
+    data.require_stored();
     head.cell_data.push_back({text_attribute(data.get(), "name"), data.num_columns(), {}});
+    require_plain_name(head.cell_data.back().name);
   }
   return head;
 }
@@ -155,7 +184,7 @@ void require_finite(std::span<const double> coordinates, std::int64_t first_node
     const double r2 = std::inner_product(&coordinates[3 * i], &coordinates[3 * i] + 3, &coordinates[3 * i], 0.0);
     if (std::isfinite(r2 * std::sqrt(r2))) continue;
     throw MeshDefect("the coordinates are not finite numbers (or beyond 1e100) in row " +
-                     std::to_string(first_node + static_cast<std::int64_t>(i)) + " of nodes");
+                     std::to_string(first_node + static_cast<std::int64_t>(i)) + " of nodes" + cure);
   }
 }
 

@@ -1,6 +1,7 @@
 #include "mesh/msh_cursor.hpp"
 
-#include "mesh/serial_mesh.hpp"
+#include "base/text.hpp"
+#include "mesh/source_checks.hpp"
 
 #include <charconv>
 #include <cstdlib>
@@ -12,13 +13,14 @@ bool is_space(char c) {
   return c == ' ' || c == '\n' || c == '\t' || c == '\r';
 }
 
+/// A word of the file in quotes, fit for a message.
 std::string shown(std::string_view word) {
   constexpr std::size_t longest = 30;
-  std::string text(word.substr(0, longest));
+  std::string text = excerpt(word, longest);
   for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 32 || static_cast<unsigned char>(c) > 126) c = '?';
+    if (static_cast<unsigned char>(c) > 126) c = '?';
   }
-  return "'" + text + (word.size() > longest ? "...'" : "'");
+  return "'" + text + "'";
 }
 
 }  // namespace
@@ -31,9 +33,17 @@ void MshCursor::fail(const std::string& message) const {
   throw MeshDefect("byte " + std::to_string(at_) + ": " + message);
 }
 
+void MshCursor::fail_at_end(const std::string& where) const {
+  fail("the file ends " + where + ": it is truncated; write or copy it again");
+}
+
+void MshCursor::fail_as_damaged(const std::string& why) const {
+  fail(why + ": the file is damaged; write or copy it again");
+}
+
 void MshCursor::reject_count(const char* what, const std::string& found) const {
   fail(std::string("the file says ") + what + " is " + found + ", but " + std::to_string(remaining()) +
-       " bytes follow: it is truncated or damaged");
+       " bytes follow: it is truncated or damaged; write or copy it again");
 }
 
 std::string_view MshCursor::word() {
@@ -49,6 +59,11 @@ std::string MshCursor::quoted(const char* what) {
       at_ < bytes_.size() && bytes_[at_] == '"' ? bytes_.find('"', at_ + 1) : std::string_view::npos;
   if (end == std::string_view::npos) fail(std::string(what) + " should stand here in double quotes");
   std::string text(bytes_.substr(at_ + 1, end - at_ - 1));
+  try {
+    require_plain_name(text);
+  } catch (const MeshDefect& defect) {
+    fail(defect.what());
+  }
   at_ = end + 1;
   return text;
 }
@@ -72,7 +87,7 @@ bool MshCursor::skip_past(std::string_view text) {
 std::int64_t MshCursor::integer(const char* what, std::int64_t lower, std::int64_t upper) {
   std::string_view text = word();
   const std::string_view whole = text;
-  if (text.empty()) fail(std::string("the file ends where ") + what + " should be: it is truncated");
+  if (text.empty()) fail_at_end(std::string("where ") + what + " should be");
   if (text.front() == '+') text.remove_prefix(1);
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -85,7 +100,7 @@ std::int64_t MshCursor::integer(const char* what, std::int64_t lower, std::int64
 double MshCursor::real(const char* what) {
   std::string_view text = word();
   const std::string_view whole = text;
-  if (text.empty()) fail(std::string("the file ends where ") + what + " should be: it is truncated");
+  if (text.empty()) fail_at_end(std::string("where ") + what + " should be");
   if (text.front() == '+') text.remove_prefix(1);
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

@@ -35,7 +35,7 @@ class MshCursor {
             integer(what, static_cast<std::int64_t>(std::is_unsigned_v<T> ? 0 : lowest<T>()), highest<T>()));
       }
     }
-    if (remaining() < sizeof(T)) fail(std::string("the file ends where ") + what + " should be: it is truncated");
+    if (remaining() < sizeof(T)) fail_at_end(std::string("where ") + what + " should be");
     std::array<char, sizeof(T)> raw{};
     std::memcpy(raw.data(), bytes_.data() + at_, sizeof(T));
     if (encoding_ == Encoding::binary_swapped) std::reverse(raw.begin(), raw.end());
@@ -63,6 +63,10 @@ class MshCursor {
 
   std::size_t remaining() const { return bytes_.size() - at_; }
   [[noreturn]] void fail(const std::string& message) const;
+  /// "the file ends <where>", and what to do about it.
+  [[noreturn]] void fail_at_end(const std::string& where) const;
+  /// "<why>: the file is damaged", and what to do about it.
+  [[noreturn]] void fail_as_damaged(const std::string& why) const;
 
  private:
   template <class T>

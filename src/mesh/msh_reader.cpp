@@ -1,10 +1,13 @@
 #include "mesh/msh_reader.hpp"
 
+#include "base/text.hpp"
 #include "mesh/element_type.hpp"
 #include "mesh/mesh_collector.hpp"
 #include "mesh/msh_cursor.hpp"
 
+#include <cstdlib>
 #include <fstream>
+#include <limits>
 #include <optional>
 #include <set>
 #include <tuple>
@@ -48,6 +51,7 @@ class MshFile {
   void read_entity(int dimension, bool is_partitioned);
   void read_element_2(int type, int tag, std::size_t num_tags);
   int element_type();
+  int physical_tag(const char* what);
   void add(int type, std::size_t tag, std::span<const int> physicals);
   MeshCollector& collector();
   void read_section(const std::string& name);
@@ -82,7 +86,7 @@ void MshFile::read_format() {
   if (is_binary == 1) {
     in_.use(Encoding::binary);
     const auto one = in_.number<std::int32_t>("the number 1, which tells the byte order,");
-    if (one != 1 && one != 0x01000000) in_.fail("the number that tells the byte order is wrong: the file is damaged");
+    if (one != 1 && one != 0x01000000) in_.fail_as_damaged("the number that tells the byte order is wrong");
     encoding_ = one == 1 ? Encoding::binary : Encoding::binary_swapped;
   }
 }
@@ -112,7 +116,7 @@ void MshFile::read_entity(int dimension, bool is_partitioned) {
   const auto num_physicals = in_.count<std::size_t>("the number of physical tags of an entity", bytes_of(1));
   auto& physicals = physicals_[{dimension, tag}];
   physicals.clear();
-  for (std::size_t i = 0; i < num_physicals; ++i) physicals.push_back(std::abs(in_.number<int>("a physical tag")));
+  for (std::size_t i = 0; i < num_physicals; ++i) physicals.push_back(physical_tag("a physical tag"));
   if (dimension == 0) return;
   const auto num_boundary = in_.count<std::size_t>("the number of boundary entities", bytes_of(1));
   for (std::size_t i = 0; i < num_boundary; ++i) (void)in_.number<int>("the tag of a boundary entity");
@@ -182,6 +186,13 @@ void MshFile::read_nodes_4() {
   collector_.emplace(std::move(tags), std::move(coordinates));
 }
 
+// Negative where the group has the element turned round.
+int MshFile::physical_tag(const char* what) {
+  const int tag = in_.number<int>(what);
+  if (tag == std::numeric_limits<int>::min()) in_.fail_as_damaged(std::string(what) + " is too large");
+  return std::abs(tag);
+}
+
 int MshFile::element_type() {
   const int type = in_.number<int>("the type of an element");
   if (type <= 0 || type >= static_cast<int>(element_types.size())) {
@@ -206,8 +217,8 @@ void MshFile::add(int type, std::size_t tag, std::span<const int> physicals) {
 void MshFile::read_element_2(int type, int tag, std::size_t num_tags) {
   int physical = 0;
   for (std::size_t t = 0; t < num_tags; ++t) {
-    const int value = in_.number<int>("a tag of an element");
-    if (t == 0) physical = std::abs(value);
+    const int value = physical_tag("a tag of an element");
+    if (t == 0) physical = value;
   }
   nodes_.resize(static_cast<std::size_t>(element_types[static_cast<std::size_t>(type)].num_nodes));
   for (auto& node : nodes_) node = in_.number<std::uint32_t>("a node of an element");
@@ -306,9 +317,10 @@ void MshFile::end_section(const std::string& name) {
   in_.use(Encoding::ascii);
   const std::string_view word = in_.word();
   if (word == "$End" + name) return;
-  if (word.empty()) in_.fail("the file ends inside of $" + name + ": it is truncated");
+  if (word.empty()) in_.fail_at_end("inside of $" + name);
   in_.fail("$End" + name +
-           " should be here: the number of entries at the head of the section is wrong, or the file is damaged");
+           " should be here: the number of entries at the head of the section is wrong, or the file is damaged; write "
+           "or copy it again");
 }
 
 void MshFile::read_section(const std::string& name) {
@@ -325,7 +337,7 @@ void MshFile::read_section(const std::string& name) {
   };
   const auto reader = readers.find(name);
   if (reader == readers.end() || reader->second == nullptr) {
-    if (!in_.skip_past("$End" + name)) in_.fail("the file ends inside of $" + name + ": it is truncated");
+    if (!in_.skip_past("$End" + name)) in_.fail_at_end("inside of $" + excerpt(name, 30));
     return;
   }
   if (!sections_.insert(name).second && name != "ElementData") in_.fail("there is a second $" + name + " section");
@@ -339,8 +351,10 @@ SerialMesh MshFile::read() {
   for (std::string_view word = in_.word(); !word.empty(); word = in_.word()) {
     const std::string name(word.substr(1));
     if (word.front() != '$' || (version_ == 0 && name != "MeshFormat" && name != "Comments")) {
-      in_.fail(version_ == 0 ? "the file does not begin with $MeshFormat: it is not a .msh file of version 2.2 or 4.1"
-                             : "a section ($Nodes, $Elements, ...) should begin here: the file is damaged");
+      in_.fail(
+          version_ == 0
+              ? "the file does not begin with $MeshFormat: it is not a .msh file of version 2.2 or 4.1"
+              : "a section ($Nodes, $Elements, ...) should begin here: the file is damaged; write or copy it again");
     }
     read_section(name);
   }

@@ -35,7 +35,8 @@ PetscInt NodeNumbering::operator()(std::size_t tag) const {
   if (tag < dense_.size() && dense_[tag] >= 0) return dense_[tag];
   const auto found = std::lower_bound(sparse_.begin(), sparse_.end(), std::pair<std::size_t, PetscInt>(tag, 0));
   if (found != sparse_.end() && found->first == tag) return found->second;
-  throw MeshDefect("an element refers to node " + std::to_string(tag) + ", which the file does not define");
+  throw MeshDefect("an element refers to node " + std::to_string(tag) +
+                   ", which the file does not define: write the mesh again with all its nodes");
 }
 
 }  // namespace pliant

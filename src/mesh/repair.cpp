@@ -51,7 +51,8 @@ void require_finite_nodes(const SerialMesh& mesh, Reasons& reasons) {
     if (!std::isfinite(r * std::sqrt(r))) bad.push_back(mesh.node_tags[i]);
   }
   if (!bad.empty())
-    reasons.push_back("the coordinates are not finite numbers (or beyond 1e100) at node " + first_few(bad));
+    reasons.push_back("the coordinates are not finite numbers (or beyond 1e100) at node " + first_few(bad) +
+                      "; mesh the geometry again, or correct the numbers in the file");
 }
 
 void turn_round(SerialMesh& mesh, std::size_t cell) {

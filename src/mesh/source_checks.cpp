@@ -1,5 +1,8 @@
 #include "mesh/source_checks.hpp"
 
+#include "base/text.hpp"
+
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -22,9 +25,15 @@ void require_readable(const std::string& file) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) throw MeshDefect("there is no such file");
   if (std::filesystem::is_directory(file, error)) throw MeshDefect("this is a directory, not a file");
+  if (!std::filesystem::is_regular_file(file, error)) throw MeshDefect("this is a pipe or a device, not a file");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw FileError("mesh file '" + file + "' cannot be opened: no permission to read it");
   if (stream.peek() == std::ifstream::traits_type::eof()) throw MeshDefect("it is empty");
+}
+
+void require_plain_name(const std::string& name) {
+  if (std::ranges::none_of(name, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; })) return;
+  throw MeshDefect("the name '" + excerpt(name) + "' has a line feed or another control character in it: rename it");
 }
 
 void require_sane(const MeshSource& source) {

@@ -4,6 +4,7 @@
 #include "petsc/check.hpp"
 #include "petsc/session.hpp"
 
+#include <algorithm>
 #include <exception>
 #include <numeric>
 #include <sstream>
@@ -21,11 +22,18 @@ struct Outcome {
 constexpr char field_end = '\x1f';
 constexpr char record_end = '\x1e';
 
+/// A text that names what stands in a user's file may hold anything.
+std::string without_separators(std::string text) {
+  std::ranges::replace_if(
+      text, [](char c) { return c == field_end || c == record_end || c == '\0'; }, ' ');
+  return text;
+}
+
 std::string packed(const InputError& error) {
   std::string text;
   for (const auto& d : error.diagnostics()) {
-    text += d.where.file + field_end + std::to_string(d.where.line) + field_end + std::to_string(d.where.column) +
-            field_end + d.message + record_end;
+    text += without_separators(d.where.file) + field_end + std::to_string(d.where.line) + field_end +
+            std::to_string(d.where.column) + field_end + without_separators(d.message) + record_end;
   }
   return text;
 }

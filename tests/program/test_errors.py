@@ -1,13 +1,13 @@
 #!/usr/bin/python3
 """A user's mistake ends the program, on any number of ranks alike, with one message that names the place and helps."""
-import concurrent.futures
 import os
 import re
 import unittest
 
 import h5py
 
-from program import ProgramTest, box, finish, start, write_box, write_mesh
+from mistakes import MistakesTest
+from program import box, finish, start, write_box, write_mesh
 
 LINES = {
     "mesh": "mesh: {file: cube.msh}",
@@ -60,14 +60,9 @@ BAD_LINES = {
 }
 # Mistakes that only the mesh tells, of which a rank has a part.
 BAD_AGAINST_THE_MESH = {
-    "no such mesh": ("mesh", "mesh: {file: @nowhere.msh}", "nowhere.msh"),
-    "a directory as mesh": ("mesh", "mesh: {file: @folder}", "folder"),
     "a mesh of unknown kind": ("mesh", "mesh: {file: @in.yaml}", "in.yaml"),
     "a mesh in parts that is none": ("mesh", "mesh: {file: @bad.h5}", "bad.h5.*no HDF5 file"),
     "a result as mesh": ("mesh", "mesh: {file: @other.h5}", "other.h5.*no mesh of Pliant"),
-    "empty mesh": ("mesh", "mesh: {file: @empty.msh}", "empty"),
-    "geometry with an error": ("mesh", "mesh: {file: @bad.geo}", "bad.geo"),
-    "flat geometry": ("mesh", "mesh: {file: @flat.geo}", "volume|tetrahedr|three-dimensional|solid"),
     "misspelt surface": ("constraints", "constraints: [{surface: @lefd, displacement: [0, 0, 0]}]", "did you mean 'left'"),
     "surface as volume": ("bodies", "bodies: [{volume: @left, " + LAW + "}]", "surface: left|surface"),
     "volume as surface": ("constraints", "constraints: [{surface: @body, displacement: [0, 0, 0]}]", "volume"),
@@ -98,33 +93,6 @@ READ_ALIKE = {1: 1, 2: 4}  # each rank has the whole text of the input and of th
 HELD_IN_PARTS = {1: 1, 2: 1, 4: 6}  # a rank has a part of the mesh, or reads or writes for all
 IN_TWO_VOLUMES = {"volumes that do not cover"}
 
-def with_elements(text, elements):
-    head = text[: text.index("$Elements")]
-    return head + "\n".join(["$Elements", str(len(elements)), *elements, "$EndElements", ""])
-
-
-def flattened(text):
-    head, rest = text.split("$Nodes\n")
-    nodes, tail = rest.split("$EndNodes")
-    count, *rows = nodes.strip().split("\n")
-    rows = [" ".join([*row.split()[:3], "0"]) for row in rows]
-    return head + "$Nodes\n" + "\n".join([count, *rows, ""]) + "$EndNodes" + tail
-
-
-# Name: changes of the good mesh file, words of the message (beside the place in the input).
-BAD_MESHES = {
-    "truncated": (lambda text: text[: text.index("$EndNodes") - 40], "bad.msh"),
-    "truncated elements": (lambda text: text[: text.index("$EndElements") - 40], "bad.msh"),
-    "not a number": (lambda text: text.replace("\n5 0.5 0.5 0.0\n", "\n5 nan 0.5 0.0\n"), "not finite .* node 5"),
-    "an element of unknown nodes": (lambda text: text.replace(" 27\n", " 99\n"), "99"),
-    "hexahedra": (lambda text: with_elements(text, ["1 5 2 7 7 1 2 5 4 10 11 14 13"]), "hexahedr"),
-    "no tetrahedra": (lambda text: with_elements(text, ["1 2 2 1 1 1 2 5", "2 2 2 1 1 1 5 4"]),
-                      "volume|tetrahedr|three-dimensional|solid"),
-    "another format": (lambda text: text.replace("2.2 0 8", "1.0 0 8"), "2.2"),
-    "not a mesh": (lambda text: "solid part\nendsolid part\n", "bad.msh"),
-    "no thickness": (flattened, "flat|volume|degenerate"),
-}
-
 # Name: arguments, words of the message.
 BAD_FILES_AND_OPTIONS = {  # told once ranks do different work
     "no such input": (["run", "nowhere.yaml"], "nowhere.yaml"),
@@ -154,12 +122,7 @@ BAD_COMMANDS = {
 }
 
 
-class Errors(ProgramTest):
-    def setUp(self):
-        super().setUp()
-        self.pool = concurrent.futures.ThreadPoolExecutor(4)  # most of a run under mpirun is waiting
-        self.addCleanup(self.pool.shutdown)
-
+class Errors(MistakesTest):
     def case(self, name):
         """A directory with the good input and meshes, and what users name by mistake."""
         directory = self.directory / re.sub(r"\W+", "_", name)
@@ -181,32 +144,6 @@ class Errors(ProgramTest):
         else:
             write_box(directory / "cube.msh", (2, 2, 2))
         return directory
-
-    def judge(self, directory, arguments, ranks, code, place, words):
-        done = finish(start(arguments, directory, ranks), 60)
-        told = done.stderr
-        # What mpirun itself says of a code that is not 0.
-        told = re.sub(r"-{20,}\n.*?-{20,}\n", "", told, flags=re.DOTALL)
-        shown = f"{' '.join(map(str, arguments))} on {ranks} ranks: code {done.returncode}\n{done.stdout}{done.stderr}"
-        self.assertEqual(done.returncode, code, shown)
-        self.assertRegex(told, words, shown)
-        if place is not None:
-            self.assertEqual(told.count(place), 1, f"{place} is not named once\n{shown}")
-        lines = [line for line in told.splitlines() if line]
-        self.assertEqual(len(lines), len(set(lines)), shown)
-        self.assertLessEqual(len(lines), 2, shown)
-        for noise in ("PETSC ERROR", "Traceback", "terminate called", "Segmentation", "PetscFailure", "MPI_ABORT"):
-            self.assertNotIn(noise, done.stdout + done.stderr, shown)
-
-    def judge_all(self, cases, every):
-        """Each case, several at a time. `every`: number of ranks -> each how many-th case runs on them."""
-        waiting = []
-        for number, (name, (directory, arguments, code, place, words)) in enumerate(cases.items()):
-            for ranks in (ranks for ranks, nth in every.items() if number % nth == 0):
-                waiting.append((name, ranks, self.pool.submit(self.judge, directory, arguments, ranks, code, place, words)))
-        for name, ranks, result in waiting:
-            with self.subTest(name, ranks=ranks):
-                result.result()
 
     def test_the_good_input_is_good(self):
         self.assertEqual(finish(start(["run", "in.yaml"], self.case("good")), 60).returncode, 0)
@@ -232,18 +169,6 @@ class Errors(ProgramTest):
 
     def test_mistakes_against_the_mesh(self):
         self.judge_all(self.cases_of(BAD_AGAINST_THE_MESH), HELD_IN_PARTS)
-
-    def test_bad_meshes(self):
-        cases = {}
-        for name, (change, words) in BAD_MESHES.items():
-            directory = self.case("mesh " + name)
-            good = (directory / "cube.msh").read_text()
-            bad = change(good)
-            self.assertNotEqual(bad, good, name)
-            (directory / "bad.msh").write_text(bad)
-            (directory / "in.yaml").write_text("\n".join((LINES | {"mesh": "mesh: {file: bad.msh}"}).values()) + "\n")
-            cases[name] = (directory, ["run", "in.yaml"], 2, None, words)
-        self.judge_all(cases, HELD_IN_PARTS)
 
     def test_bad_command_lines(self):
         for commands, every in ((BAD_COMMANDS, READ_ALIKE), (BAD_FILES_AND_OPTIONS, HELD_IN_PARTS)):

@@ -1,0 +1,120 @@
+#!/usr/bin/python3
+"""A mesh that is damaged or of another kind ends the program, on any number of ranks alike, with one message that names the file, what
+is wrong and what helps: a few of those that tests/mesh reads. One that is odd but whole is simulated."""
+import os
+import pathlib
+import re
+import sys
+import unittest
+
+from mistakes import MistakesTest
+from program import finish, start
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "mesh"))
+
+import bad_meshes  # noqa: E402
+from bricks import Brick, write_parts  # noqa: E402
+
+INPUT = """mesh: {file: @FILE}
+bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e6, poissons_ratio: 0.4}}]
+constraints: [{surface: left, displacement: [0, 0, 0]}]
+time: {step: 0.01, end: 0.01}
+output: {directory: out-FILE}
+"""
+EVERY_CASE = {1: 1, 2: 1}
+SAMPLE = 15  # each how many-th bad mesh the program is run on
+
+
+class BadMeshes(MistakesTest):
+    def case(self, file, words):
+        source = INPUT.replace("FILE", file)
+        at = source.index("@")
+        path = self.write(file + ".yaml", source.replace("@", ""))
+        return (self.directory, ["run", path.name], 2, f"{path.name}:1:{at + 1}:", rf"mesh file '{re.escape(file)}': .*(?:{words})")
+
+    def test_a_sample(self):
+        cases = bad_meshes.write_all(self.directory)
+        self.assertGreaterEqual(len(cases), 100)
+        self.judge_all({name: self.case(file, words) for name, file, words in cases[::SAMPLE]}, EVERY_CASE)
+
+    def test_what_is_no_file(self):
+        (self.directory / "folder.msh").mkdir()
+        os.mkfifo(self.directory / "pipe.msh")
+        os.symlink("self.msh", self.directory / "self.msh")
+        cases = {name: self.case(name, words) for name, words in
+                 {"folder.msh": "directory", "pipe.msh": "a pipe or a device", "self.msh": "no such file",
+                  "nowhere.h5": "no such file"}.items()}
+        self.judge_all(cases, EVERY_CASE)
+
+
+def twice(b):
+    """A second brick beside the first, joined to nothing."""
+    shift, last = len(b.tags), len(b.blocks) - 1
+    b.tags += [tag + shift for tag in b.tags]
+    b.points += [(x + 2.0, y, z) for x, y, z in b.points]
+    dimension, entity, kind, physical, cells = b.blocks[last]
+    b.blocks[last] = (dimension, entity, kind, physical, cells + [[n + shift for n in cell] for cell in cells])
+
+
+def huge_tags(b):
+    b.tags = [tag + 2_000_000_000 for tag in b.tags]
+    b.blocks = [(*block[:4], [[n + 2_000_000_000 for n in member] for member in block[4]]) for block in b.blocks]
+
+
+def turned_round(b):
+    cell = b.cells()[0]
+    cell[0], cell[1] = cell[1], cell[0]
+
+
+def ungrouped_cells(b):
+    dimension, entity, kind, _, cells = b.blocks.pop()
+    b.blocks += [(dimension, entity + 1, kind, 0, cells[:1]), (dimension, entity, kind, 7, cells[1:])]
+
+
+def group_of_nothing(b):
+    b.names += [(2, 17, "hole"), (3, 18, "void")]
+
+
+def orphans(b):
+    b.tags.append(28)
+    b.points.append((9.0, 9.0, 9.0))
+
+
+# Name: change of the brick, what the run says of it.
+ODD = {
+    "as it is": (lambda b: None, ""),
+    "two parts": (twice, "2 parts that are not connected"),
+    "huge tags": (huge_tags, ""),
+    "a cell turned round": (turned_round, "1 inverted tetrahedra were turned round: element 49"),
+    "a cell in no group": (ungrouped_cells, "1 tetrahedra are in no physical volume and were left out"),
+    "groups of nothing": (group_of_nothing, "'hole' has no elements"),
+    "a node of no cell": (orphans, "1 nodes that no tetrahedron uses were dropped: node 28"),
+}
+
+
+class OddMeshes(MistakesTest):
+    def simulate(self, file, ranks):
+        source = self.write(file + ".yaml", INPUT.replace("FILE", file).replace("@", "")).name
+        return self.pool.submit(finish, start(["run", source], self.directory, ranks), 60)
+
+    def test_are_simulated(self):
+        waiting = []
+        for name, (change, words) in ODD.items():
+            b = Brick()
+            change(b)
+            forms = {"2.2": b.msh2(), "2.2 in bytes": b.msh2(binary=True, order=">"), "4.1": b.msh4(), "4.1 in bytes": b.msh4(binary=True)}
+            form = list(forms)[len(waiting) % 4]
+            file = bad_meshes.as_file(f"{name} {form}") + ".msh"
+            (self.directory / file).write_bytes(forms[form])
+            waiting.append((f"{name} {form}", words, self.simulate(file, 1 + len(waiting) % 2)))
+        write_parts(self.directory / "good.h5")
+        waiting.append(("in parts", "", self.simulate("good.h5", 2)))
+        for name, words, result in waiting:
+            with self.subTest(name):
+                done = result.result()
+                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+                self.assertIn(words, done.stdout + done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
