@@ -67,7 +67,10 @@ std::vector<double> times_to_compare(const Config& config) {
 }  // namespace
 
 Constraints::Constraints(const Config& config, const NodeLayout& layout, Selections& selections) : layout_(layout) {
-  for (const auto& constraint : config.constraints) parts_.push_back(make_part(constraint, selections));
+  for (const auto& constraint : config.constraints) {
+    parts_.push_back(make_part(constraint, selections));
+    parts_.back().where = constraint.where;
+  }
   std::vector<PrescribedPart> prescriptions;
   for (const Part& part : parts_) {
     prescriptions.push_back({part.is_prescribed ? part.nodes : std::vector<PetscInt>(), part.displacement});
@@ -90,6 +93,20 @@ Constraints::Constraints(const Config& config, const NodeLayout& layout, Selecti
   const bool any_turns = std::ranges::any_of(parts_, [](const Part& part) { return part.turns.has_value(); });
   if (any_turns || !all_ties.empty()) eliminate_ties(config, std::move(all_ties), selections);
   add_supports(config);
+}
+
+void Constraints::require_finite(double time) const {
+  on_every_rank(layout_.comm, [&] {
+    for (const Part& part : parts_) {
+      for (const PetscInt node : part.nodes) {
+        for (int i = 0; i < 3; ++i) {
+          if (!part.displacement.gives(i)) continue;
+          if (std::isfinite(part.displacement(i, layout_.position(node), time))) continue;
+          throw InputError(part.where, fmt::format("the displacement is not finite at t = {:g}", time));
+        }
+      }
+    }
+  });
 }
 
 Constraints::Part Constraints::make_part(const ConstraintConfig& constraint, Selections& selections) {

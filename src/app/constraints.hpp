@@ -43,6 +43,9 @@ class Constraints {
   /// One flag per owned entry on which constraints do work.
   std::vector<char> held() const;
 
+  /// Throws InputError at a constraint whose displacement is not finite at the time [s]. Collective.
+  void require_finite(double time) const;
+
   /// Reactions of the supports from the gradient `r` of the potential at q. Collective.
   std::vector<Reaction> reactions(Vec r, Vec q) const;
 
@@ -54,6 +57,7 @@ class Constraints {
     bool is_prescribed = false;      // the components that `displacement` gives
     Vector3<double> direction{};     // of the force that holds its first component, if that has one of its own
     std::optional<FreeRotation> turns = std::nullopt;  // rigid, with a rotation that is not given
+    Location where = {};
   };
 
   Part make_part(const ConstraintConfig& constraint, Selections& selections);

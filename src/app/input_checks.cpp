@@ -114,9 +114,11 @@ void check_time(const TimeConfig& time, const InputNode& root, Problems& problem
   check_adaptive(time, *section, problems);
   if (time.method.value == static_method) return;
   if (given(*section, {"step"}) == nullptr && !time.adaptive) {
-    problems.add(section->where, "missing key 'step' in time");
+    problems.add({section->where, {"step", "adaptive"}}, section->where, "missing key 'step' in time");
   }
-  if (given(*section, {"end"}) == nullptr) problems.add(section->where, "missing key 'end' in time");
+  if (given(*section, {"end"}) == nullptr) {
+    problems.add({section->where, {"end"}}, section->where, "missing key 'end' in time");
+  }
   check_step(time, *section, problems);
   check_events(time, *section, problems);
 }
@@ -140,20 +142,24 @@ void check_bodies(const Config& config, const InputNode& root, Problems& problem
     }
     const auto& active = bodies[i].active;
     if (active && active->fibre.empty() && bodies[i].elasticity.directions.empty()) {
-      problems.add(active->where, "missing key 'fibre' in active: the elastic law has no fibres of its own");
+      problems.add({active->where, {"fibre"}}, active->where,
+                   "missing key 'fibre' in active: the elastic law has no fibres of its own");
     }
     if (given(entry(root, "bodies", i), {"density"}) != nullptr) continue;
     const std::string& method = config.time.method.value;
-    const std::string missing = "missing key 'density' in " + numbered("bodies", i);
+    const auto is_needed_by = [&](const std::string& what) {
+      problems.add({bodies[i].where, {"density"}}, bodies[i].where,
+                   "missing key 'density' in " + numbered("bodies", i) + ", which " + what + " needs");
+    };
     const auto pulls = [&](const LoadConfig& l) {
       return l.kind == LoadConfig::Kind::gravity && may_overlap(l.part, bodies[i].part);
     };
     if (!method.empty() && method != static_method && method != quasistatic_method) {
-      problems.add(bodies[i].where, missing + ", which dynamics needs");
+      is_needed_by("dynamics");
     } else if (std::any_of(config.loads.begin(), config.loads.end(), pulls)) {
-      problems.add(bodies[i].where, missing + ", which gravity needs");
+      is_needed_by("gravity");
     } else if (method == quasistatic_method && std::ranges::any_of(bodies[i].viscosity, damps_by_mass)) {
-      problems.add(bodies[i].where, missing + ", which mass-proportional damping needs");
+      is_needed_by("mass-proportional damping");
     }
   }
 }
@@ -168,7 +174,8 @@ void check_held(const Config& config, const InputNode& root, Problems& problems)
   const InputNode* constraints = given(root, {"constraints"});
   const Location& where = config.time.method.where;
   if (constraints == nullptr || constraints->children.empty()) {
-    problems.add(where, "a " + method + " analysis needs constraints; without them the bodies can move as a whole");
+    problems.add({root.where, {"constraints"}}, where,
+                 "a " + method + " analysis needs constraints; without them the bodies can move as a whole");
     return;
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {

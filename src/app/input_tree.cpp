@@ -120,20 +120,30 @@ std::string block_text(const InputNode& node, const std::string& indent) {
 
 }  // namespace
 
+bool Problems::is_misspelt(const Lack& lack) const {
+  return std::ranges::any_of(lack.keys, [&](const std::string& key) {
+    return misspelt_.count({to_string(lack.section), key}) > 0;
+  });
+}
+
 void Problems::throw_if_any() {
-  if (found_.empty()) return;
+  std::vector<Diagnostic> told;
+  for (const Problem& problem : found_) {
+    if (!is_misspelt(problem.lack)) told.push_back(problem.told);
+  }
+  if (told.empty()) return;
   const auto order = [](const Diagnostic& d) { return std::tie(d.where.line, d.where.column); };
   const auto same = [&](const Diagnostic& a, const Diagnostic& b) {
     return order(a) == order(b) && a.where.file == b.where.file && a.message == b.message;
   };
-  std::stable_sort(found_.begin(), found_.end(), [&](const auto& a, const auto& b) { return order(a) < order(b); });
-  found_.erase(std::unique(found_.begin(), found_.end(), same), found_.end());  // aliases repeat theirs
-  if (found_.size() > max_reported) {
-    const std::size_t more = found_.size() - max_reported;
-    found_.resize(max_reported);
-    add({found_.front().where.file, 0, 0}, "... and " + std::to_string(more) + " more mistakes");
+  std::stable_sort(told.begin(), told.end(), [&](const auto& a, const auto& b) { return order(a) < order(b); });
+  told.erase(std::unique(told.begin(), told.end(), same), told.end());  // aliases repeat theirs
+  if (told.size() > max_reported) {
+    const std::size_t more = told.size() - max_reported;
+    told.resize(max_reported);
+    told.push_back({{told.front().where.file, 0, 0}, "... and " + std::to_string(more) + " more mistakes"});
   }
-  throw InputError(found_);
+  throw InputError(std::move(told));
 }
 
 InputNode InputNode::scalar(std::string text) {

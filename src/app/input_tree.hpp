@@ -3,8 +3,10 @@
 
 #include "base/error.hpp"
 
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace pliant {
@@ -12,14 +14,32 @@ namespace pliant {
 /// Collects the mistakes of an input, so that all are reported at once.
 class Problems {
  public:
-  void add(Location where, std::string message) { found_.push_back({std::move(where), std::move(message)}); }
+  void add(Location where, std::string message) { found_.push_back({{std::move(where), std::move(message)}, {}}); }
+  /// A section lacks one of these keys.
+  struct Lack {
+    Location section;
+    std::vector<std::string> keys;
+  };
+  /// Tells of the lack, unless one of the keys is there but misspelt, which is told already.
+  void add(Lack lack, Location where, std::string message) {
+    found_.push_back({{std::move(where), std::move(message)}, std::move(lack)});
+  }
+  /// A key of the section was told to be a misspelling of `key`.
+  void note_misspelt(const Location& section, const std::string& key) { misspelt_.emplace(to_string(section), key); }
   bool empty() const { return found_.empty(); }
   std::size_t size() const { return found_.size(); }
-  /// Throws InputError with everything found, in the order of the file; returns if nothing was.
+  /// Throws InputError with everything to be told, in the order of the file; returns if there is nothing.
   void throw_if_any();
 
  private:
-  std::vector<Diagnostic> found_;
+  struct Problem {
+    Diagnostic told;
+    Lack lack;  // without keys: no lack
+  };
+  bool is_misspelt(const Lack& lack) const;
+
+  std::vector<Problem> found_;
+  std::set<std::pair<std::string, std::string>> misspelt_;  // where the section is, the key meant
 };
 
 /// A value of the input and, in a map, its key. Aliases are resolved (copied).

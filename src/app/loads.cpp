@@ -110,10 +110,9 @@ void Loads::add(std::unique_ptr<EnergyTerm> term, const Location& where) {
 
 void Loads::complete(const Config& config, const PrescribedDisplacement& prescribed) {
   for (auto& [term, where] : wetted_.make_terms(config, layout_, pattern_, prescribed)) add(std::move(term), where);
-  check_finite(analysis_of(config) == Analysis::static_equilibrium ? config.time.end : 0.0);
 }
 
-void Loads::check_finite(double time) const {
+void Loads::require_finite(double time) const {
   const std::vector<double> zero(3 * static_cast<std::size_t>(layout_.num_local_nodes), 0.0);
   LocalStage stage;
   stage.time = time;

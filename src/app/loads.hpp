@@ -30,16 +30,17 @@ class Loads {
   /// Mistakes are reported to `selections`; if there are any, the object is of no use. Collective.
   Loads(const Config& config, const LoadedBodies& bodies, Selections& selections);
 
-  /// Adds those that depend on what constraints hold. Throws InputError where a cavity is open, or a force not finite
-  /// at the start. Collective.
+  /// Adds those that depend on what constraints hold. Throws InputError where a cavity is open. Collective.
   void complete(const Config& config, const PrescribedDisplacement& prescribed);
+
+  /// Throws InputError at a load that is not finite at the time [s]. Collective.
+  void require_finite(double time) const;
 
   const std::vector<std::unique_ptr<EnergyTerm>>& terms() const { return terms_; }
   const std::vector<ModelCavity>& cavities() const { return wetted_.cavities(); }
 
  private:
   void add(std::unique_ptr<EnergyTerm> term, const Location& where);
-  void check_finite(double time) const;
 
   const NodeLayout& layout_;
   const BlockPattern& pattern_;

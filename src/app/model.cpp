@@ -158,6 +158,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
     build_cells<2>(config, mesh);
   }
   loads_->complete(config, constraints_->prescribed());
+  require_finite(analysis_of(config) == Analysis::static_equilibrium ? config.time.end : 0.0);
 
   std::vector<std::array<double, 3>> points;
   for (const auto& probe : config.probes) points.push_back(probe.point);
@@ -201,6 +202,23 @@ PrescribedMotion Model::motion() const {
                                    {layout_, *pattern_, *inertia_, constraints_->prescribed().flags(), *map}, layout_);
 }
 
+void Model::require_finite_initial(const Config& config, const char* what, Vec values) const {
+  on_every_rank(layout_.comm, [&] {
+    const ConstArrayView view(values);
+    const std::span<const double> numbers = view.span();
+    const auto found = std::ranges::find_if_not(numbers, [](double number) { return std::isfinite(number); });
+    if (found == numbers.end()) return;
+    const auto [x, y, z] = layout_.position(static_cast<PetscInt>((found - numbers.begin()) / 3));
+    throw InputError({config.file, 0, 0},
+                     fmt::format("the initial {} is not finite at ({:g}, {:g}, {:g})", what, x, y, z));
+  });
+}
+
+void Model::require_finite(double time) const {
+  loads_->require_finite(time);
+  constraints_->require_finite(time);
+}
+
 void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
   {
     const ArrayView displacement(q), velocity(v);
@@ -212,6 +230,8 @@ void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
       }
     }
   }
+  for (const auto& [what, vec] : {std::pair{"displacement", q}, {"velocity", v}})
+    require_finite_initial(config, what, vec);
   constraints_->motion().complete_step({0.0, config.time.step}, q, v);
   if (pressures_) require_undeformed(config, q);
   update_ghosts(q);

@@ -64,6 +64,9 @@ class Model {
   /// strain rates may depend on it. What `potential()` gave before is gone. Collective.
   void prepare(const Config& config);
 
+  /// Throws InputError at a load or a given displacement that is not finite at the time [s]. Collective.
+  void require_finite(double time) const;
+
   /// What terms know of a time of the run (of a static one: the load factor).
   Instant instant(double time) const { return static_time_ ? Instant{*static_time_, time} : Instant{time, 1.0}; }
 
@@ -75,6 +78,7 @@ class Model {
 
  private:
   void build_terms(const Config& config, const Mesh& mesh);
+  void require_finite_initial(const Config& config, const char* what, Vec values) const;
   /// Widens the range of wave speeds.
   void include_waves(const ElasticLawSpec& law, double density);
   template <int Order>

@@ -77,13 +77,14 @@ void check_group(const InputNode& node, const std::string& name, const KeyGroup&
     for (const std::string& key : group.keys) {
       if (is_given(node, key)) continue;
       const std::string why = anchor ? ", which '" + to_string(*anchor) + "' needs" : "";
-      problems.add(node.where, "missing key '" + key + "'" + in_section(name) + why);
+      problems.add({node.where, {key}}, node.where, "missing key '" + key + "'" + in_section(name) + why);
     }
   }
   if (group.need != KeyGroup::Need::exactly_one) return;
   if (given.empty()) {
     const std::string beside = anchor ? " beside '" + to_string(*anchor) + "'" : "";
-    problems.add(node.where, "one of " + joined(group.keys) + " is needed" + in_section(name) + beside);
+    problems.add({node.where, group.keys}, node.where,
+                 "one of " + joined(group.keys) + " is needed" + in_section(name) + beside);
   }
   if (given.size() > 1 && !count_as_one(given, group)) {
     problems.add(node.find(given[1])->key_where, "only one of " + joined(given) + " can be given" + in_section(name));
@@ -220,14 +221,16 @@ bool check_keys(const InputNode& node, const std::string& name, const KeyInfo& s
   for (const InputNode& child : node.children) {
     if (std::find(names.begin(), names.end(), child.key) == names.end()) {
       problems.add(child.key_where, unknown_key(child.key, name, section));
+      if (const auto meant = closest(child.key, names)) problems.note_misspelt(node.where, *meant);
     }
   }
   for (const KeyInfo& key : section.children) {
     if (key.need != KeyInfo::Need::required || is_given(node, key.key)) continue;
-    const InputNode* empty = node.find(key.key);
-    problems.add(empty != nullptr ? empty->key_where : node.where,
-                 empty != nullptr ? "key '" + key.key + "'" + in_section(name) + " has no value"
-                                  : "missing key '" + key.key + "'" + in_section(name));
+    if (const InputNode* empty = node.find(key.key)) {
+      problems.add(empty->key_where, "key '" + key.key + "'" + in_section(name) + " has no value");
+    } else {
+      problems.add({node.where, {key.key}}, node.where, "missing key '" + key.key + "'" + in_section(name));
+    }
   }
   for (const KeyGroup& group : section.groups) check_group(node, name, group, problems);
   check_strays(node, name, section, problems);

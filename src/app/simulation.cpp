@@ -1,5 +1,6 @@
 #include "app/simulation.hpp"
 
+#include "base/error.hpp"
 #include "petsc/check.hpp"
 
 #include <algorithm>
@@ -103,6 +104,11 @@ StepOutcome Simulation::advance() {
 StepOutcome Simulation::reject(const StepAttempt& attempt, const Step& step) {
   ++steps_.failed;
   if (attempt.report.outcome == StageOutcome::fatal) return {StepOutcome::Kind::failed, attempt.report.reason, step};
+  try {
+    if (analysis_ != Analysis::static_equilibrium) model_.require_finite(attempt.time);
+  } catch (const InputError& mistake) {
+    return {StepOutcome::Kind::failed, mistake.what(), step};  // a shorter step would not help
+  }
   const RetryDecision decision = control_->reject(attempt.report.reason);
   return {outcome_of(decision, StepOutcome::Kind::unsolved), decision.reason, step};
 }

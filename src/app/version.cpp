@@ -2,7 +2,9 @@
 
 #include "solver/linear.hpp"
 
+#include <algorithm>
 #include <sstream>
+#include <string>
 
 #include <fmt/format.h>
 #include <gmsh.h>
@@ -18,12 +20,12 @@ std::string version_text() {
   char petsc[256] = "";
   (void)PetscGetVersion(petsc, sizeof petsc);
   std::string first_line = petsc;
-  first_line = first_line.substr(0, first_line.find(','));
+  first_line.resize(std::min(first_line.size(), first_line.find(',')));
   char mpi[MPI_MAX_LIBRARY_VERSION_STRING] = "";
   int length = 0;
   (void)MPI_Get_library_version(mpi, &length);
   std::string mpi_line(mpi, static_cast<std::size_t>(length));
-  mpi_line = mpi_line.substr(0, mpi_line.find(','));
+  mpi_line.resize(std::min(mpi_line.size(), mpi_line.find(',')));
   unsigned major = 0, minor = 0, release = 0;
   (void)H5get_libversion(&major, &minor, &release);
   return fmt::format(

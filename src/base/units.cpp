@@ -145,6 +145,8 @@ double parse_quantity(const std::string& text, const std::string& unit) {
   if (!parts) throw UnitError(quoted + " is not a number, but " + wanted);
   if (parts->unit.empty()) return parts->number;
 
+  constexpr std::size_t longest_unit = 200;  // udunits follows brackets of any depth on the stack
+  if (parts->unit.size() > longest_unit) throw UnitError(quoted + " is no number with a unit, but " + wanted);
   const bool quotient = parts->unit.starts_with('/') || parts->unit.starts_with("1/");
   if (parts->unit.starts_with(',')) throw UnitError(quoted + " is not a number (a decimal point is written '.')");
   if (!quotient && !starts_unit(parts->unit)) {
@@ -154,7 +156,7 @@ double parse_quantity(const std::string& text, const std::string& unit) {
   if (!given) throw UnitError("'" + excerpt(parts->unit) + "' in " + quoted + " is not a known unit, but " + wanted);
   const Unit expected = parsed_unit(unit);
   if (!same_dimension(given.get(), expected.get())) {
-    throw UnitError(quoted + " is " + dimension_of(given.get(), parts->unit) + ", but " + wanted);
+    throw UnitError(quoted + " is " + dimension_of(given.get(), excerpt(parts->unit)) + ", but " + wanted);
   }
   const auto factor = conversion_factor(given.get(), expected.get());
   if (!factor) throw UnitError(quoted + " has a unit with an offset, but " + wanted);

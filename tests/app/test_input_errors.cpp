@@ -1,9 +1,6 @@
 // Every mistake is told once, at its place, in words that help.
-#include "app/input.hpp"
-#include "base/error.hpp"
+#include "app/bad_input.hpp"
 
-#include <algorithm>
-#include <array>
 #include <chrono>
 #include <random>
 #include <string>
@@ -14,77 +11,24 @@
 namespace pliant {
 namespace {
 
-constexpr std::array<const char*, 5> good_lines{
-    "mesh: {file: beam.msh}",
-    "bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e6, poissons_ratio: 0.4}}]",
-    "constraints: [{surface: clamp, displacement: [0, 0, 0]}]",
-    "loads: [{gravity: [0, 0, -9.81]}]",
-    "time: {step: 0.01, end: 1}",
-};
-
-std::vector<Diagnostic> mistakes(const std::string& text, const std::vector<Override>& overrides = {}) {
-  try {
-    read_input(text, "dir/a.yaml", overrides);
-    return {};
-  } catch (const InputError& error) {
-    return error.diagnostics();
-  }
-}
-
-std::string told(const std::vector<Diagnostic>& diagnostics) {
-  std::string text;
-  for (const auto& d : diagnostics) text += to_string(d.where) + ": " + d.message + '\n';
-  return text;
-}
-
-/// The good input with one line (from 1; one past the end: added) replaced.
-std::string with_line(std::size_t line, const std::string& replacement) {
-  std::string text;
-  for (std::size_t i = 1; i <= good_lines.size() + 1; ++i) {
-    if (i == line) {
-      text += replacement + '\n';
-    } else if (i <= good_lines.size()) {
-      text += std::string(good_lines[i - 1]) + '\n';
-    }
-  }
-  return text;
-}
+using testing::Bad;
+using testing::mistakes;
+using testing::told;
+using testing::with_line;
 
 TEST(InputErrors, TheGoodInputIsGood) {
   EXPECT_EQ(told(mistakes(with_line(6, "title: good"))), "");
 }
 
-struct Bad {
-  std::size_t line;         ///< of the good input that is replaced
-  const char* replacement;  ///< '@' marks where the message must point; none: at the whole file
-  const char* message;      ///< a part of it
-};
-
-void PrintTo(const Bad& bad, std::ostream* out) {
-  *out << bad.replacement;
-}
-
-class BadInput : public testing::TestWithParam<Bad> {};
+class BadInput : public ::testing::TestWithParam<Bad> {};
 
 TEST_P(BadInput, IsToldOnceAtItsPlace) {
-  const Bad& bad = GetParam();
-  std::string text = with_line(bad.line, bad.replacement);
-  Location expected{"dir/a.yaml", 0, 0};
-  if (const std::size_t marker = text.find('@'); marker != std::string::npos) {
-    const std::size_t line_start = text.rfind('\n', marker) + 1;
-    expected.line = static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(marker), '\n')) + 1;
-    expected.column = static_cast<int>(marker - line_start) + 1;
-    text.erase(marker, 1);
-  }
-  const auto found = mistakes(text);
-  ASSERT_EQ(found.size(), 1u) << told(found);
-  EXPECT_EQ(to_string(found[0].where), to_string(expected)) << told(found);
-  EXPECT_NE(found[0].message.find(bad.message), std::string::npos) << told(found);
+  testing::expect_told_once(GetParam());
 }
 
 INSTANTIATE_TEST_SUITE_P(
     Keys, BadInput,
-    testing::Values(
+    ::testing::Values(
         Bad{2,
             "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0, @youngs_modulos: "
             "2}}]",
@@ -108,7 +52,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(
     Values, BadInput,
-    testing::Values(
+    ::testing::Values(
         Bad{1, "mesh: @[beam.msh]", "'mesh' must be a map of keys, not a list"},
         Bad{1, "mesh: @beam.msh", "'mesh' must be a map of keys, not 'beam.msh'"},
         Bad{1, "mesh: {file: @[a, b]}", "'file' must be a text, not a list"},
@@ -224,7 +168,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(
     Formulas, BadInput,
-    testing::Values(
+    ::testing::Values(
         Bad{4, "loads: [{gravity: [0, 0, 9.81*@foo]}]", "'gravity[2]': 'foo' is not known"},
         Bad{4, "loads: [{gravity: [0, 0, \"2*@sine(t)\"]}]", "'sine' is not a function (did you mean 'sin'?)"},
         Bad{4, "loads: [{gravity: [0, 0, \"x @= 3\"]}]", "cannot assign"},
@@ -247,7 +191,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(
     Constraints, BadInput,
-    testing::Values(
+    ::testing::Values(
         Bad{3, "constraints: [@{surface: a}]",
             "one of displacement, symmetry, normal_displacement, displacement_along, periodic_with, rigid, equation is "
             "needed in constraints[0]"},
@@ -275,7 +219,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(
     Selections, BadInput,
-    testing::Values(
+    ::testing::Values(
         Bad{3, "constraints: [@{displacement: [0, 0, 0]}]",
             "one of surface, volume, curve, point, box, where is needed in constraints[0]"},
         Bad{3, "constraints: [{surface: a, @box: [[0, 0, 0], [1, 1, 1]], displacement: [0, 0, 0]}]",
@@ -330,7 +274,7 @@ void PrintTo(const BadViscosity& bad, std::ostream* out) {
   *out << bad.value;
 }
 
-class BadViscosityOfABody : public testing::TestWithParam<BadViscosity> {};
+class BadViscosityOfABody : public ::testing::TestWithParam<BadViscosity> {};
 
 TEST_P(BadViscosityOfABody, IsToldOnceAtItsPlace) {
   std::string line = viscous + std::string(GetParam().value) + "}]";
@@ -344,7 +288,7 @@ TEST_P(BadViscosityOfABody, IsToldOnceAtItsPlace) {
 
 INSTANTIATE_TEST_SUITE_P(
     Viscosity, BadViscosityOfABody,
-    testing::Values(
+    ::testing::Values(
         BadViscosity{"@1", "'viscosity' must be a map of keys, not '1'"},
         BadViscosity{"@{shear: 1}", "missing key 'model' in viscosity"},
         BadViscosity{"{model: @kelvin, shear: 1}",
@@ -381,7 +325,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(
     Methods, BadInput,
-    testing::Values(
+    ::testing::Values(
         Bad{5, "time: {step: 1, end: 1, method: @[bdf2]}", "'method' must be one of backward-euler, bdf2, bdf3,"},
         Bad{5, "time: {step: 1, end: 1, method: @\"petsc:alpha\"}", "(did you mean 'petsc:alpha2'?)"},
         Bad{5, "time: {step: 1, end: 1, method: {petsc: @rk}}",
@@ -404,7 +348,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(
     Contradictions, BadInput,
-    testing::Values(
+    ::testing::Values(
         Bad{5, "time: {step: @2, end: 1}", "the step of 2 s is longer than the simulation, which ends at 1 s"},
         Bad{5, "time: {step: @1e-12, end: 1}", "would need 1000000000000 steps"},
         Bad{5, "time: {step: 0.1, end: 1, min_step: @1}", "'min_step' is larger than the step of 0.1 s"},
@@ -440,17 +384,17 @@ INSTANTIATE_TEST_SUITE_P(
             "bodies[1] and bodies[0] fill the same volume"}));
 
 INSTANTIATE_TEST_SUITE_P(Yaml, BadInput,
-                         testing::Values(Bad{6, "title: a@: b", "not valid YAML: ':' is not expected here"},
-                                         Bad{6, "output:\n@\tdirectory: x", "tabs cannot indent YAML; use spaces"},
-                                         Bad{6, "title: @'never closed", "this quote is not closed"},
-                                         Bad{6, "title: @\"never closed \\\"", "this quote is not closed"},
-                                         Bad{6, "title: @%x", "a text cannot start with this character; quote it"},
-                                         Bad{6, "title: @*none", "an anchor ('&name') that is not defined"},
-                                         Bad{6, "title: &a [@*a]", "this alias stands inside what it refers to"},
-                                         Bad{6, "title: @]", "this bracket was never opened"},
-                                         Bad{6, "@---\ntitle: second", "the input ends before this line"},
-                                         Bad{6, "title: caf@\xE9", "this is not UTF-8 text"},
-                                         Bad{6, "title: a@\x01z", "the file holds a control character"}));
+                         ::testing::Values(Bad{6, "title: a@: b", "not valid YAML: ':' is not expected here"},
+                                           Bad{6, "output:\n@\tdirectory: x", "tabs cannot indent YAML; use spaces"},
+                                           Bad{6, "title: @'never closed", "this quote is not closed"},
+                                           Bad{6, "title: @\"never closed \\\"", "this quote is not closed"},
+                                           Bad{6, "title: @%x", "a text cannot start with this character; quote it"},
+                                           Bad{6, "title: @*none", "an anchor ('&name') that is not defined"},
+                                           Bad{6, "title: &a [@*a]", "this alias stands inside what it refers to"},
+                                           Bad{6, "title: @]", "this bracket was never opened"},
+                                           Bad{6, "@---\ntitle: second", "the input ends before this line"},
+                                           Bad{6, "title: caf@\xE9", "this is not UTF-8 text"},
+                                           Bad{6, "title: a@\x01z", "the file holds a control character"}));
 
 TEST(InputErrors, AllAreReportedAtOnceInTheOrderOfTheFile) {
   const auto found = mistakes(R"yaml(titel: x

@@ -71,6 +71,8 @@ BAD_AGAINST_THE_MESH = {
     "traction on nothing": ("loads", 'loads: [{where: @"x > 7", traction: [0, 0, 1]}]', "no facet"),
     "traction inside": ("loads", 'loads: [{where: @"abs(x - 0.5) < 1e-9", traction: [0, 0, 1]}]', "no facet"),
     "a load without end": ("loads", 'loads: [@{gravity: [0, 0, "1/t"]}]', "not finite at t = 0"),
+    "a displacement without end": ("constraints", 'constraints: [@{surface: left, displacement: [0, 0, "log(t)"]}]', "not finite at t = 0"),
+    "an initial velocity that is no number": ("output", 'initial: {velocity: ["sqrt(x - 0.5)", 0, 0]}', r"initial velocity is not finite at \("),
     "constraints at odds": ("constraints", "constraints: [{surface: left, displacement: [0, 0, 0]}, "
                             "{surface: right, displacement: [0.1, 0, 0]}, @{surface: top, displacement: [0, 0, 0]}]",
                             "'right' and .*'top'|'top' and .*'right'"),
@@ -205,6 +207,20 @@ class Errors(MistakesTest):
         self.assertEqual(done.returncode, 2)
         for place in ("in.yaml:5:14:", "in.yaml:5:31:", "in.yaml:6:1:"):
             self.assertEqual(done.stderr.count(place), 1, done.stderr)
+
+    def test_formulas_that_end_being_numbers(self):
+        """Such a run fails at once, at the formula; what was reached is kept."""
+        cases = {}
+        for name, (key, line) in {"load": ("loads", 'loads: [@{gravity: [0, 0, "sqrt(0.012 - t)"]}]'),
+                                  "pressure": ("loads", 'loads: [@{surface: top, pressure: "1/(t < 0.015)"}]'),
+                                  "displacement": ("constraints", 'constraints: [@{surface: left, displacement: [0, 0, "0*sqrt(0.012 - t)"]}]')}.items():
+            directory = self.case("late " + name)
+            text = "\n".join((LINES | {key: line}).values()) + "\n"
+            before = text[: text.index("@")]
+            (directory / "in.yaml").write_text(text.replace("@", ""))
+            place = f"in.yaml:{before.count(chr(10)) + 1}:{len(before) - before.rfind(chr(10))}:"
+            cases[name] = (directory, ["run", "in.yaml", "--quiet"], 3, place, "is not finite at t = 0.02")
+        self.judge_all(cases, {1: 1, 2: 1})
 
     def test_mistakes_against_the_mesh_at_once(self):
         directory = self.case("several groups")
