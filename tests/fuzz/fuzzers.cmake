@@ -1,0 +1,18 @@
+# libFuzzer's programs, one per reader (tools/fuzz.sh builds and runs them). Clang only.
+if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+  message(FATAL_ERROR "PLIANT_FUZZ needs clang 16 or later: -DCMAKE_CXX_COMPILER=clang++-16")
+endif()
+
+# pliant_fuzzer(<name> <function> <source> <library>...)
+function(pliant_fuzzer name function source)
+  add_executable(fuzz_${name} ${CMAKE_CURRENT_SOURCE_DIR}/fuzz/fuzzer.cpp ${CMAKE_CURRENT_SOURCE_DIR}/fuzz/${source})
+  target_compile_definitions(fuzz_${name} PRIVATE PLIANT_FUZZ_TARGET=${function})
+  target_include_directories(fuzz_${name} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
+  target_link_libraries(fuzz_${name} PRIVATE ${ARGN})
+  target_link_options(fuzz_${name} PRIVATE -fsanitize=fuzzer)
+endfunction()
+
+pliant_fuzzer(input read_as_input input.cpp pliant_app)
+pliant_fuzzer(msh read_as_msh meshes.cpp pliant_mesh)
+pliant_fuzzer(mesh_file read_as_mesh_file meshes.cpp pliant_mesh)
+pliant_fuzzer(checkpoint read_as_checkpoint checkpoint.cpp pliant_io)

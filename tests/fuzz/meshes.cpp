@@ -1,0 +1,29 @@
+#include "base/error.hpp"
+#include "fuzz/files.hpp"
+#include "fuzz/targets.hpp"
+#include "mesh/mesh.hpp"
+
+namespace pliant::fuzz {
+namespace {
+
+void read_as(std::string_view bytes, const char* extension) {
+  const BytesInFile file(bytes, extension);
+  MeshSource source;
+  source.file = file.path().string();
+  try {
+    (void)read_mesh(MPI_COMM_SELF, source);
+  } catch (const InputError&) {
+  }
+}
+
+}  // namespace
+
+void read_as_msh(std::string_view bytes) {
+  read_as(bytes, ".msh");
+}
+
+void read_as_mesh_file(std::string_view bytes) {
+  read_as(bytes, ".h5");
+}
+
+}  // namespace pliant::fuzz

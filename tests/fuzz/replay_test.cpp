@@ -1,0 +1,74 @@
+// The corpora of the fuzzers, as they are and damaged at random: a short look at what tools/fuzz.sh does for long.
+#include "fuzz/targets.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace pliant::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Contents by name: the seeds, and what fuzzing found.
+std::vector<std::pair<std::string, std::string>> corpus_of(const std::string& target) {
+  std::vector<std::pair<std::string, std::string>> result;
+  for (const auto& entry : fs::directory_iterator(fs::path(PLIANT_SOURCE_DIR) / "tests/fuzz/corpus" / target)) {
+    std::ifstream in(entry.path(), std::ios::binary);
+    result.emplace_back(entry.path().filename().string(), std::string(std::istreambuf_iterator<char>(in), {}));
+  }
+  std::ranges::sort(result);
+  return result;
+}
+
+/// A few bytes overwritten, left out or put elsewhere.
+std::string damaged(std::string bytes, std::mt19937& random) {
+  const auto place = [&] { return static_cast<std::size_t>(random() % (bytes.size() + 1)); };
+  for (unsigned i = 0; i < 1 + random() % 3; ++i) {
+    const std::size_t at = place(), length = std::min<std::size_t>(random() % 16, bytes.size() - at);
+    switch (random() % 5) {
+      case 0:
+        bytes.erase(at, length);
+        break;
+      case 1:
+        bytes.insert(at, bytes.substr(std::min(place(), bytes.size()), length));
+        break;
+      case 2:
+        std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), length, random() % 2 == 0 ? '\xFF' : '9');
+        break;
+      default:
+        if (at < bytes.size()) bytes[at] = static_cast<char>(random());
+    }
+  }
+  return bytes;
+}
+
+class Reader : public ::testing::TestWithParam<Target> {};
+
+TEST_P(Reader, TakesOrRefusesItsCorpus) {
+  const auto corpus = corpus_of(GetParam().name);
+  ASSERT_GE(corpus.size(), 3u);
+  for (const auto& [name, bytes] : corpus) EXPECT_NO_THROW(GetParam().run(bytes)) << name;
+}
+
+TEST_P(Reader, TakesOrRefusesWhatIsDamaged) {
+  const auto corpus = corpus_of(GetParam().name);
+  std::mt19937 random(1);
+  for (int round = 0; round < 400; ++round) {
+    const auto& [name, bytes] = corpus[random() % corpus.size()];
+    EXPECT_NO_THROW(GetParam().run(damaged(bytes, random))) << name << " in round " << round;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Reader,
+                         ::testing::Values(Target{"input", read_as_input}, Target{"msh", read_as_msh},
+                                           Target{"mesh_file", read_as_mesh_file},
+                                           Target{"checkpoint", read_as_checkpoint}),
+                         [](const auto& target) { return std::string(target.param.name); });
+
+}  // namespace
+}  // namespace pliant::fuzz

@@ -1,0 +1,124 @@
+#!/usr/bin/python3
+"""Writes the seeds of the fuzzers into tests/fuzz/corpus: small whole files of each kind, which fuzzing starts from.
+
+What fuzzing found lies beside them, named after what was wrong.
+"""
+import pathlib
+import sys
+
+import h5py
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "mesh"))
+
+from bricks import Brick, write_parts  # noqa: E402
+
+CORPUS = pathlib.Path(__file__).resolve().parent / "corpus"
+BODY = "elasticity: {model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.4}"
+INPUTS = {
+    "plain": f"""title: plain
+mesh: {{file: a.msh, scale: 0.001, refine: 1}}
+bodies: [{{density: 1 g/cm^3, {BODY}}}]
+constraints: [{{surface: left, displacement: [0, free, "0.1*sin(2*pi*t)"]}}]
+loads: [{{gravity: [0, 0, -9.81]}}, {{surface: top, traction: [0, 0, 1 kPa]}}, {{surface: 3, pressure: 2*t}}]
+time: {{method: bdf2, step: 5 ms, end: 1 s, startup: ramp, events: [0.1, 0.5 s]}}
+output: {{directory: out, every: 20 ms, fields: [displacement, velocity]}}
+probes: [{{name: tip, point: [1, 0, 1 mm]}}]
+checkpoint: {{every: 10}}
+""",
+    "rich": """mesh: {file: a.geo, size: 2 cm}
+element: P2
+mass: lumped
+bodies:
+  - volume: one
+    density: 1000
+    elasticity: &law {model: mooney-rivlin, c10: 1 kPa, c01: 1 kPa, bulk_modulus: 1 MPa}
+    viscosity: [{model: kelvin-voigt, shear: 20 Pa*s, bulk: 1}, {model: maxwell, shear_modulus: 1 kPa, relaxation_time: 1 ms}]
+  - volume: three
+    density: 900
+    elasticity: *law
+  - volume: two
+    density: 900
+    elasticity: {model: linear, youngs_modulus: {cell_data: stiffness}, poissons_ratio: 0.1*x}
+constraints:
+  - {box: [[0, 0, 0], [1, 1, 1]], symmetry: plane}
+  - {where: "x < 1e-9 && abs(y) > 1", normal_displacement: 0}
+  - {surface: a, rigid: {rotation: {axis: [0, 0, 1], angle: 90 degree}}}
+loads: [{surface: a, spring: 1, direction: normal}, {point: p, force: [0, 0, 1 N]}]
+cavities: [{name: c, surface: inside, gas: {}}]
+time: {end: 1, adaptive: {relative: 1e-4, absolute: 1 um}}
+solver: {linear: amg, newton: {relative: 1e-6}}
+""",
+    "static": f"""mesh: {{file: a.h5}}
+bodies: [{{{BODY}}}]
+constraints: [{{surface: left, displacement: [0, 0, 0]}}]
+time: {{method: static}}
+""",
+    "tableau": f"""mesh:
+  file: 'a.msh'
+bodies:
+- density: 1e3
+  {BODY}
+time: {{method: {{A: [[1/4, 0], [1/2, 1/4]], b: [1/2, 1/2], name: own}}, step: 0.01, end: 1}}
+""",
+}
+
+
+def small(brick):
+    """Eight corners and six cells of it."""
+    corners = [1, 2, 4, 5, 10, 11, 13, 14]
+    brick.points = [brick.points[n - 1] for n in corners]
+    brick.tags = list(corners)
+    brick.blocks = [(*block[:4], [m for m in block[4] if set(m) <= set(corners)]) for block in brick.blocks]
+    brick.blocks = [block for block in brick.blocks if block[4]]
+    return brick
+
+
+def element_data(brick):
+    rows = [f"{n + 1 + brick.num_elements() - len(brick.cells())} {n}.5" for n in range(len(brick.cells()))]
+    return "\n".join(["$ElementData", "1", '"stiffness"', "1", "0.0", "3", "0", "1", str(len(rows)), *rows, "$EndElementData", ""])
+
+
+def write_checkpoint(path):
+    with h5py.File(path, "w", userblock_size=512) as file:
+        texts = {"title": "a run", "mesh": "0123", "program": "pliant 0", "petsc_options": "-a"}
+        file.attrs.update({"step": 12, "time": 0.25, "ranks": 3, **{name: np.bytes_(text) for name, text in texts.items()}})
+        file["input"] = np.bytes_("mesh: {file: a.msh}\n")
+        state = file.create_group("state")
+        state.attrs.update({"number": [0.5], "numbers": [1.0, 2.0, 3.0]})
+        state["q"] = np.arange(12.0).reshape(4, 3)
+        state["p"] = np.arange(4.0)
+    with open(path, "r+b") as file:
+        file.write(b"pliant-checkpoint\nversion 1\n")
+
+
+def main():
+    for name in ("input", "msh", "mesh_file", "checkpoint"):
+        (CORPUS / name).mkdir(parents=True, exist_ok=True)
+    for name, text in INPUTS.items():
+        (CORPUS / "input" / f"{name}.yaml").write_text(text)
+    for name, content in {"text2": small(Brick()).msh2() + element_data(small(Brick())).encode(), "text4": small(Brick()).msh4(),
+                          "bytes2": small(Brick()).msh2(binary=True), "bytes4": small(Brick()).msh4(binary=True, order=">")}.items():
+        (CORPUS / "msh" / f"{name}.msh").write_bytes(content)
+    write_parts(CORPUS / "mesh_file" / "three_cells.h5")
+    write_parts(CORPUS / "mesh_file" / "data.h5", with_data)
+    write_parts(CORPUS / "mesh_file" / "packed.h5", packed)
+    write_checkpoint(CORPUS / "checkpoint" / "whole.h5")
+    whole = (CORPUS / "checkpoint" / "whole.h5").read_bytes()
+    (CORPUS / "checkpoint" / "header_alone.h5").write_bytes(b"pliant-checkpoint\nversion 1\nbytes 60\ncrc32 00000000\n".ljust(60, b"\0"))
+    (CORPUS / "checkpoint" / "cut.h5").write_bytes(whole[: len(whole) // 2])
+
+
+def with_data(file):
+    file["cell_data/0"] = np.ones((3, 1))
+    file["cell_data/0"].attrs["name"] = np.bytes_("stiffness")
+
+
+def packed(file):
+    nodes = file["nodes"][:]
+    del file["nodes"]
+    file.create_dataset("nodes", data=nodes, chunks=True, compression="gzip")
+
+
+if __name__ == "__main__":
+    main()

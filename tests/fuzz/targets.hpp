@@ -1,0 +1,25 @@
+/// What reads the files of users and of other programs, fed with any bytes. Each either takes them or throws the
+/// failure that tells the user; anything else (a crash, another exception, a broken promise) is a fault of ours.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace pliant::fuzz {
+
+struct Target {
+  const char* name;  ///< of the folder with its corpus, too
+  void (*run)(std::string_view bytes);
+};
+
+/// The input file; one that is taken is written as `run.yaml` and must read back as the same.
+void read_as_input(std::string_view bytes);
+/// A gmsh mesh with all that follows until it lies in PETSc.
+void read_as_msh(std::string_view bytes);
+/// A mesh in Pliant's own format.
+void read_as_mesh_file(std::string_view bytes);
+/// A checkpoint. Its checksum would stop every damage at the door, so it is made right before.
+void read_as_checkpoint(std::string_view bytes);
+
+}  // namespace pliant::fuzz

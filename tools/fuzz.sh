@@ -1,0 +1,47 @@
+#!/usr/bin/env bash
+# Builds the fuzzers of everything that reads files (docs/developer/hygiene.md) and runs each.
+#
+#   tools/fuzz.sh [SECONDS [NAME ...]]      default: 60 seconds each of input, msh, mesh_file, checkpoint
+#
+# Starts from tests/fuzz/corpus and what earlier runs kept in build-fuzz/corpus. A finding ends the fuzzer; it lies in
+# build-fuzz/findings and is shown again by: build-fuzz/bin/fuzz_NAME FILE
+set -euo pipefail
+# shellcheck source=tools/setup.sh
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+# shellcheck source=tools/environment.sh
+source "$root/tools/environment.sh"
+
+seconds=${1:-60}
+[[ $seconds =~ ^[0-9]+$ ]] || fail "usage: tools/fuzz.sh [SECONDS [NAME ...]]"
+names=("${@:2}")
+((${#names[@]} > 0)) || names=(input msh mesh_file checkpoint)
+fuzz=$root/build-fuzz
+
+command -v clang++-16 >/dev/null || fail "clang is needed: apt-get install clang-16 libclang-rt-16-dev"
+if [[ ! -e $fuzz/build.ninja ]]; then
+  (cd "$root" && cmake --preset fuzz >/dev/null)
+fi
+ninja -C "$fuzz" -j "$(build_jobs)" "${names[@]/#/fuzz_}"
+
+# Libraries keep what they allocated once until the process ends: leaks are the tests' business (tools/sanitize.sh).
+export ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1
+# A run alone needs no daemon of MPI's.
+export OMPI_MCA_ess_singleton_isolated=1 OMPI_MCA_pml=ob1 OMPI_MCA_btl=self HWLOC_COMPONENTS=-gl
+if symbolizer=$(command -v llvm-symbolizer-16); then
+  export ASAN_SYMBOLIZER_PATH=$symbolizer  # package llvm-16; without it findings have addresses for names
+fi
+mkdir -p "$fuzz/findings"
+status=0
+for name in "${names[@]}"; do
+  say "fuzzing $name for $seconds s"
+  mkdir -p "$fuzz/corpus/$name"
+  dictionary=()
+  if [[ -e $root/tests/fuzz/$name.dict ]]; then
+    dictionary=(-dict="$root/tests/fuzz/$name.dict")
+  fi
+  # A case takes milliseconds; one of 25 s is a hang, and one of 2 GB believed a number that it read.
+  "$fuzz/bin/fuzz_$name" "$fuzz/corpus/$name" "$root/tests/fuzz/corpus/$name" "${dictionary[@]}" -max_total_time="$seconds" \
+    -timeout=25 -rss_limit_mb=2048 -max_len=20000 -print_final_stats=1 -verbosity=0 -artifact_prefix="$fuzz/findings/$name-" ||
+    { say "fuzzing $name found something: $fuzz/findings"; status=1; }
+done
+exit "$status"

@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# Runs the tests of the layers under the address, undefined-behaviour and leak sanitizers, in a build folder of their own.
+#
+#   tools/sanitize.sh [LAYER ...]       default: all but app, e.g. tools/sanitize.sh mesh io
+#
+# Layers whose ranks do different work run on two ranks, too.
+set -euo pipefail
+# shellcheck source=tools/setup.sh
+source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+# shellcheck source=tools/environment.sh
+source "$root/tools/environment.sh"
+
+layers=("$@")
+((${#layers[@]} > 0)) || layers=(base petsc material mesh fem time energy solver io fuzz)
+sanitized=$root/build-asan
+if [[ ! -e $sanitized/build.ninja ]]; then
+  (cd "$root" && cmake --preset asan >/dev/null)
+fi
+ninja -C "$sanitized" -j "$(build_jobs)" "${layers[@]/#/test_}"
+
+# fork() of a process that holds this much address space is refused where memory may not be overcommitted, and gmsh runs
+# in a child: a smaller quarantine. Leaks of the libraries are named in the list, each with its reason.
+export ASAN_OPTIONS=detect_leaks=1:quarantine_size_mb=64 LSAN_OPTIONS=suppressions=$root/tests/sanitizers/leaks.txt:print_suppressions=0
+export UBSAN_OPTIONS=print_stacktrace=1 HWLOC_COMPONENTS=-gl
+status=0
+for layer in "${layers[@]}"; do
+  counts=(1)
+  case $layer in
+    petsc | mesh | fem | io) counts=(1 2) ;;
+  esac
+  for ranks in "${counts[@]}"; do
+    say "sanitizing $layer on $ranks"
+    on_ranks "$ranks" "$sanitized/bin/test_$layer" --gtest_brief=1 || { say "FAILED: $layer on $ranks"; status=1; }
+  done
+done
+exit "$status"
