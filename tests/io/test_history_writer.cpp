@@ -6,9 +6,11 @@
 #include "sample.hpp"
 
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <limits>
 #include <sstream>
+#include <sys/resource.h>
 
 #include <gtest/gtest.h>
 
@@ -73,6 +75,40 @@ TEST(HistoryWriter, FailureIsFileErrorOnEveryRank) {
       EXPECT_STREQ(e.what(), "cannot write '/dev/full': No space left on device");
     }
   }
+}
+
+TEST(HistoryWriter, AFileThatIsTakenAwayIsFileErrorOnEveryRank) {
+  const auto directory = empty_directory(comm, "history_taken");
+  const auto file = directory / "history.csv";
+  HistoryWriter history(comm, file, {"step"});
+  history.append(std::vector<double>{0});
+  on_root(comm, [&] { std::filesystem::rename(file, directory / "taken.csv"); });
+  EXPECT_THROW(history.append(std::vector<double>{1}), FileError);
+  on_root(comm, [&] { std::ofstream(file) << "of somebody else"; });
+  EXPECT_THROW(history.append(std::vector<double>{1}), FileError);
+  on_root(comm, [&] {
+    EXPECT_EQ(read_text(file), "of somebody else");
+    EXPECT_EQ(read_text(directory / "taken.csv"), "step\n0\n");
+  });
+}
+
+// A limit of the size of files stands for the end of the disk: the system writes what fits, then refuses.
+TEST(HistoryWriter, ARowThatDoesNotFitIsNotThereAtAll) {
+  const auto file = empty_directory(comm, "history_cut") / "history.csv";
+  HistoryWriter history(comm, file, {"step", "time"});
+  history.append(std::vector<double>{0, 0});
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  rlimit now = before;
+  now.rlim_cur = std::string("step,time\n0,0\n1,0").size();
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &now), 0);
+  EXPECT_THROW(history.append(std::vector<double>{1, 0.123456789}), FileError);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
+  std::signal(SIGXFSZ, handler);
+  on_root(comm, [&] { EXPECT_EQ(read_text(file), "step,time\n0,0\n"); });
+  history.append(std::vector<double>{1, 0.5});  // there is room again
+  on_root(comm, [&] { EXPECT_EQ(read_text(file), "step,time\n0,0\n1,0.5\n"); });
 }
 
 TEST(WriteTextAtomically, ReplacesAndLeavesNoPartBehind) {

@@ -158,8 +158,8 @@ class Continuation(RestartTest):
         kinds = {method: [f"time.method={method}"] for method in METHODS}
         kinds |= {f"{method}, adaptive": [f"time.method={method}", "time.adaptive={relative: 2e-4, absolute: 2e-5, max_step: 5 ms}"]
                   for method in ADAPTIVE}
-        for name, settings in kinds.items():
-            for ranks in ((1,), (2,), (3,), (1, 2, 3)):
+        for ranks in ((1, 2, 3), (1,), (2,), (3,)):
+            for name, settings in kinds.items():
                 with self.subTest(name, ranks=ranks):
                     self.check_kills([*settings, "time.end=1", "checkpoint.every=2"], ranks, 20, chance)
 
@@ -334,7 +334,7 @@ class Damage(RestartTest):
     def test_every_byte_counts(self):
         self.older.unlink()
         data = self.newer.read_bytes()
-        for place in (0, 20, 40, 60, 500, 512, 600, len(data) // 3, len(data) - 1):
+        for place in (0, 40, 500, 512, len(data) // 3, len(data) - 1):
             with self.subTest(place):
                 self.newer.write_bytes(data)
                 self.flip(self.newer, place)
@@ -345,7 +345,7 @@ class Damage(RestartTest):
     def test_cut_short(self):
         self.older.unlink()
         data = self.newer.read_bytes()
-        for size in (0, 100, 512, len(data) // 2, len(data) - 1):
+        for size in (0, 100, 512, len(data) - 1):
             with self.subTest(size):
                 self.newer.write_bytes(data[:size])
                 self.assertEqual(self.call("resume", "out", "--quiet").returncode, 4)
