@@ -91,15 +91,15 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
   const auto* stage = failure.stage ? &*failure.stage : nullptr;
   const auto* iterations = stage != nullptr && !stage->iterations.empty() ? &stage->iterations : nullptr;
   if (stage != nullptr && stage->lacks_memory) {
-    result.emplace_back(
-        "more memory per rank (fewer ranks on a machine, more machines), solver.linear: amg, a coarser mesh");
-  } else if (stage != nullptr && stage->force_scale == 0.0) {
-    result.emplace_back(
-        "the prescribed motion alone turns tetrahedra inside out: shorter steps (time.min_step, load_steps), or a "
-        "coarser mesh at the moving surface");
+    return {"more memory per rank (fewer ranks on a machine, more machines), solver.linear: amg, a coarser mesh"};
+  }
+  if (stage != nullptr && stage->force_scale == 0.0) {
+    result.push_back(fmt::format(
+        "the prescribed motion alone turns tetrahedra inside out: {}, or a coarser mesh at the moving surface",
+        report.shorter_steps));
   } else if (!report.worst_cells.empty() && !(report.worst_cells.front().volume_ratio > nearly_flat)) {
-    result.emplace_back(
-        "tetrahedra are nearly flat: a weaker or slower load there, a finer or better mesh, shorter steps");
+    result.push_back(fmt::format(
+        "tetrahedra are nearly flat: a weaker or slower load there, a finer or better mesh, {}", report.shorter_steps));
   }
   if (!report.worst_cells.empty() && report.worst_cells.front().reference_quality < poor_quality) {
     result.emplace_back("the worst tetrahedron was a bad one from the start: a better mesh there");
@@ -117,12 +117,14 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
     }
     const auto is_unstable = [](const NewtonIteration& it) { return it.hessian != NewtonIteration::Hessian::exact; };
     if (2 * std::ranges::count_if(*iterations, is_unstable) > num_iterations) {
-      result.emplace_back(
-          "the state is unstable (buckling, strong compression): shorter steps, or a method in time that follows the "
-          "motion instead of load steps");
+      result.push_back(
+          fmt::format("the state is unstable (buckling, strong compression): {}, or a method in time that follows the "
+                      "motion instead "
+                      "of load steps",
+                      report.shorter_steps));
     }
   }
-  if (result.empty()) result.emplace_back("shorter steps, weaker or slower loads, a finer or better mesh");
+  result.push_back(fmt::format("{}, weaker or slower loads, a finer or better mesh", report.shorter_steps));
   return result;
 }
 

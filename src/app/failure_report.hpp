@@ -50,6 +50,7 @@ struct FailureReport {
   std::int64_t last_step = 0;  ///< completed
   double last_time = 0.0;      ///< its end [s]; of a static problem the load factor
   int max_iterations = 0;
+  std::string shorter_steps;  ///< how the input asks for them
   std::vector<ReportedBody> bodies;
   std::vector<ReportedCell> worst_cells;  ///< the worst first; by their state where the iteration ended
   std::vector<ReportedNode> worst_nodes;  ///< likewise; none if the stage is not known
