@@ -24,9 +24,8 @@ fi
 ninja -C "$fuzz" -j "$(build_jobs)" "${names[@]/#/fuzz_}"
 
 # Libraries keep what they allocated once until the process ends: leaks are the tests' business (tools/sanitize.sh).
-export ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1
-# A run alone needs no daemon of MPI's.
-export OMPI_MCA_ess_singleton_isolated=1 OMPI_MCA_pml=ob1 OMPI_MCA_btl=self HWLOC_COMPONENTS=-gl
+export ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1:suppressions=$root/tests/sanitizers/libraries.txt UBSAN_OPTIONS=print_stacktrace=1
+export OMPI_MCA_pml=ob1 OMPI_MCA_btl=self HWLOC_COMPONENTS=-gl
 if symbolizer=$(command -v llvm-symbolizer-16); then
   export ASAN_SYMBOLIZER_PATH=$symbolizer  # package llvm-16; without it findings have addresses for names
 fi

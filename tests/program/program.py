@@ -29,8 +29,7 @@ ENVIRONMENT = {
     "OMPI_ALLOW_RUN_AS_ROOT": "1",
     "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
     "OMPI_MCA_mpi_yield_when_idle": "1",  # more ranks than cores: those who wait must not spin
-    # Half of the time that a short run takes: MPI's daemon for a run that needs none, its search for networks.
-    "OMPI_MCA_ess_singleton_isolated": "1",
+    # All ranks are here; a search for networks is much of the time that a short run takes.
     "OMPI_MCA_pml": "ob1",
     "OMPI_MCA_btl": "self,vader",
 }
