@@ -10,6 +10,7 @@ find_package(yaml-cpp REQUIRED)
 find_package(fmt REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
+find_path(BOOST_INCLUDE_DIR boost/geometry/index/rtree.hpp REQUIRED)  # headers only
 find_library(GMSH_LIBRARY gmsh REQUIRED)
 find_library(METIS_LIBRARY metis REQUIRED)
 # A PETSc of 64-bit indices stands on a MUMPS whose ordering has them too; the process can have one of the two only.

@@ -1,0 +1,128 @@
+#include "mesh/surface_file.hpp"
+
+#include "mesh/gmsh_session.hpp"
+#include "mesh/isolated.hpp"
+#include "mesh/source_checks.hpp"
+#include "petsc/check.hpp"
+#include "petsc/collective.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+#include <gmsh.h>
+
+namespace pliant {
+namespace {
+
+constexpr int triangle_type = 2, second_order_triangle_type = 9;  // gmsh's
+
+/// Corners of all triangles, three nodes each, as a mesh of nodes alone.
+SerialMesh corners_of(const std::string& file) {
+  return isolated([&] {
+    const GmshSession gmsh;
+    SerialMesh corners;
+    gmsh.run("make sense of it", [&] { gmsh::merge(file); });
+    gmsh.run("give its triangles", [&] {
+      std::vector<std::size_t> node_tags;
+      std::vector<double> coordinates, parameters;
+      gmsh::model::mesh::getNodes(node_tags, coordinates, parameters, -1, -1, false, false);
+      std::map<std::size_t, std::size_t> place;
+      for (std::size_t n = 0; n < node_tags.size(); ++n) place[node_tags[n]] = n;
+      for (const auto& [type, width] : {std::pair{triangle_type, 3}, {second_order_triangle_type, 6}}) {
+        std::vector<std::size_t> tags, nodes;
+        gmsh::model::mesh::getElementsByType(type, tags, nodes);
+        for (std::size_t e = 0; e < tags.size(); ++e) {
+          for (std::size_t a = 0; a < 3; ++a) {
+            const std::size_t n = place.at(nodes[e * static_cast<std::size_t>(width) + a]);
+            corners.coordinates.insert(corners.coordinates.end(), &coordinates[3 * n], &coordinates[3 * n] + 3);
+          }
+        }
+      }
+    });
+    return corners;
+  });
+}
+
+/// One node per place; triangles of no area are left out.
+SurfaceMesh joined(const std::vector<double>& corners, double scale) {
+  SurfaceMesh surface;
+  std::map<std::array<double, 3>, PetscInt> known;
+  for (std::size_t c = 0; c + 9 <= corners.size(); c += 9) {
+    std::array<PetscInt, 3> triangle{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      std::array<double, 3> x{};
+      for (std::size_t i = 0; i < 3; ++i) x[i] = scale * corners[c + 3 * a + i];
+      const auto [at, is_new] = known.insert({x, static_cast<PetscInt>(surface.nodes.size())});
+      if (is_new) surface.nodes.push_back(x);
+      triangle[a] = at->second;
+    }
+    if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0]) continue;
+    surface.triangles.push_back(triangle);
+  }
+  return surface;
+}
+
+double enclosed_volume(const SurfaceMesh& surface) {
+  double volume = 0.0;
+  for (const auto& [a, b, c] : surface.triangles) {
+    const auto &A = surface.nodes[a], &B = surface.nodes[b], &C = surface.nodes[c];
+    volume +=
+        (A[0] * (B[1] * C[2] - B[2] * C[1]) + A[1] * (B[2] * C[0] - B[0] * C[2]) + A[2] * (B[0] * C[1] - B[1] * C[0])) /
+        6.0;
+  }
+  return volume;
+}
+
+void require_closed(const SurfaceMesh& surface) {
+  if (surface.triangles.empty()) throw MeshDefect("there are no triangles in it: export the surface of a solid");
+  std::map<std::pair<PetscInt, PetscInt>, int> directed;
+  for (const auto& t : surface.triangles) {
+    for (std::size_t a = 0; a < 3; ++a) ++directed[{t[a], t[(a + 1) % 3]}];
+  }
+  std::size_t num_open = 0, num_wrong = 0;
+  for (const auto& [edge, number] : directed) {
+    const auto back = directed.find({edge.second, edge.first});
+    if (number > 1) {
+      ++num_wrong;
+    } else if (back == directed.end()) {
+      ++num_open;
+    }
+  }
+  if (num_wrong > 0) {
+    throw MeshDefect(
+        fmt::format("at {} edges triangles meet that look to opposite sides, or more than two of them: it "
+                    "is no surface of a solid",
+                    num_wrong));
+  }
+  if (num_open > 0) {
+    throw MeshDefect(fmt::format("the surface is not closed: {} edges belong to one triangle only", num_open));
+  }
+}
+
+}  // namespace
+
+SurfaceMesh read_surface(MPI_Comm comm, const MeshSource& source) {
+  SurfaceMesh surface;
+  on_root(comm, [&] {
+    telling_the_user(source, [&] {
+      require_readable(source.file);
+      surface = joined(corners_of(source.file).coordinates, source.scale);
+      require_closed(surface);
+      if (enclosed_volume(surface) < 0.0) {
+        for (auto& t : surface.triangles) std::swap(t[1], t[2]);
+      }
+    });
+  });
+  std::array<PetscInt, 2> sizes{static_cast<PetscInt>(surface.nodes.size()),
+                                static_cast<PetscInt>(surface.triangles.size())};
+  check_mpi(MPI_Bcast(sizes.data(), 2, MPIU_INT, 0, comm));
+  surface.nodes.resize(static_cast<std::size_t>(sizes[0]));
+  surface.triangles.resize(static_cast<std::size_t>(sizes[1]));
+  check_mpi(MPI_Bcast(surface.nodes.data(), static_cast<int>(3 * sizes[0]), MPI_DOUBLE, 0, comm));
+  check_mpi(MPI_Bcast(surface.triangles.data(), static_cast<int>(3 * sizes[1]), MPIU_INT, 0, comm));
+  return surface;
+}
+
+}  // namespace pliant

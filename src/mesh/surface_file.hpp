@@ -1,0 +1,22 @@
+/// Closed surfaces of triangles from files, as shapes of rigid things; nothing is meshed.
+#pragma once
+
+#include "mesh/mesh.hpp"
+
+#include <array>
+#include <vector>
+
+namespace pliant {
+
+/// Triangles whose corners go anticlockwise seen from outside; every edge belongs to two of them.
+struct SurfaceMesh {
+  std::vector<std::array<double, 3>> nodes;        ///< [m]
+  std::vector<std::array<PetscInt, 3>> triangles;  ///< numbers of nodes
+};
+
+/// Reads the triangles of `source.file` (.stl, or the triangles of a .msh) with gmsh on rank 0, for all; `size` and
+/// `refine` do not apply. Nodes at the same place are one. Triangles that look inwards as a whole are turned. Throws
+/// InputError at `source.where` if there are none or the surface is not closed. Collective.
+SurfaceMesh read_surface(MPI_Comm comm, const MeshSource& source);
+
+}  // namespace pliant
