@@ -101,6 +101,11 @@ std::unique_ptr<NodalRotations> ConstrainedEquation::make_rotations() const {
   return rotations;
 }
 
+bool ConstrainedEquation::refreeze(Vec y) {
+  map_.expand(y, q_.get());
+  return equation_.refreeze(q_.get());
+}
+
 Vec ConstrainedEquation::displacements(Vec y) {
   map_.expand(y, q_.get());
   return q_.get();

@@ -73,7 +73,7 @@ class ElasticTermOf final : public ElasticTerm {
     cells_.add_stiffness(tangent_of, K);
   }
 
-  double max_step(std::span<const double> q, std::span<const double> d) const override {
+  double max_step(const LocalStage& /*stage*/, std::span<const double> q, std::span<const double> d) const override {
     if (!law_->traits().is_barrier) return std::numeric_limits<double>::infinity();
     return step_to_inversion(cells_, q, d);
   }

@@ -25,7 +25,7 @@ IncrementalPotential::IncrementalPotential(const NodeLayout& layout, const Block
     if (terms_[k]->function_of_sum() != nullptr) functions_of_sum_.push_back(k);
   }
   sums_.resize(terms_.size());
-  for (Handle<Vec>* v : {&q_, &d_, &q0_, &v0_, &work_, &diagonal_}) *v = pliant::make_vector(layout);
+  for (Handle<Vec>* v : {&q_, &d_, &q0_, &v0_, &frozen_, &work_, &diagonal_}) *v = pliant::make_vector(layout);
 }
 
 std::span<const double> IncrementalPotential::local(Vec q, const Handle<Vec>& work) {
@@ -63,6 +63,12 @@ void IncrementalPotential::clear_prescribed(std::span<double> r) const {
 void IncrementalPotential::begin_stage(const StagePoint& stage) {
   stage_ = {stage.time, stage.dt, stage.load_factor, local(stage.q0, q0_), local(stage.v0, v0_), {}};
   z0_ = stage.z0;
+}
+
+bool IncrementalPotential::refreeze(Vec q) {
+  if (std::ranges::none_of(terms_, [](const EnergyTerm* term) { return term->declaration().refreezes; })) return false;
+  stage_.frozen = local(q, frozen_);
+  return true;
 }
 
 std::span<double> IncrementalPotential::slice(std::span<double> z, std::size_t k) const {
@@ -197,7 +203,7 @@ double IncrementalPotential::max_step(Vec q, Vec d) {
   const auto at = local(q, q_);
   const auto direction = local(d, d_);
   double mine = std::numeric_limits<double>::infinity();
-  for (const EnergyTerm* term : terms_) mine = std::min(mine, term->max_step(at, direction));
+  for (const EnergyTerm* term : terms_) mine = std::min(mine, term->max_step(stage_, at, direction));
   return minimum(layout_.comm, mine);
 }
 
@@ -226,27 +232,33 @@ Symmetry IncrementalPotential::symmetry() const {
 
 std::vector<TermPower> IncrementalPotential::powers(Vec q, Vec v, Vec r) {
   const auto at = evaluated_at(q);
-  std::vector<double> mine(3 * terms_.size(), 0.0);
+  constexpr std::size_t width = 6;  // exerted, dissipated, supplied, force
+  std::vector<double> mine(width * terms_.size(), 0.0);
   check(VecZeroEntries(r));
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     const GhostedView rows(work_.get());
     std::fill(rows.span().begin(), rows.span().end(), 0.0);
     terms_[k]->add_gradient(stage_of(k), at, rows.span());
-    mine[3 * k + 1] = terms_[k]->dissipation(stage_of(k), at);
-    mine[3 * k + 2] = terms_[k]->supply(stage_of(k), at);
+    double* const of_term = &mine[width * k];
+    of_term[1] = terms_[k]->dissipation(stage_of(k), at);
+    of_term[2] = terms_[k]->supply(stage_of(k), at);
     const ConstArrayView velocity(v);
     const ArrayView total(r);
     CompensatedSum<double> power;
+    std::array<CompensatedSum<double>, 3> force;
     for (PetscInt i = 0; i < 3 * layout_.num_owned_nodes; ++i) {
       power.add(-rows.span()[i] * velocity[i]);
+      force[static_cast<std::size_t>(i % 3)].add(-rows.span()[i]);
       total[i] += rows.span()[i];
     }
-    mine[3 * k] = power.total();
+    of_term[0] = power.total();
+    for (std::size_t i = 0; i < 3; ++i) of_term[3 + i] = force[i].total();
   }
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, mine.data(), static_cast<int>(mine.size()), MPI_DOUBLE, MPI_SUM, layout_.comm));
   std::vector<TermPower> result;
   for (std::size_t k = 0; k < terms_.size(); ++k) {
-    result.push_back({mine[3 * k], mine[3 * k + 1], mine[3 * k + 2]});
+    const double* const of_term = &mine[width * k];
+    result.push_back({of_term[0], of_term[1], of_term[2], {of_term[3], of_term[4], of_term[5]}});
   }
   return result;
 }

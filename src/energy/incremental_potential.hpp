@@ -6,6 +6,7 @@
 #include "fem/layout.hpp"
 #include "time/stage.hpp"
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -17,6 +18,7 @@ struct TermPower {
   double exerted = 0.0;     ///< by its forces, -dPhi_k/dq . v summed over all entries, prescribed ones included [W]
   double dissipated = 0.0;  ///< EnergyTerm::dissipation [W]
   double supplied = 0.0;    ///< EnergyTerm::supply [W]
+  std::array<double, 3> force{};  ///< sum of its forces -dPhi_k/dq over all nodes [N]
 };
 
 /// Phi(q) = sum of terms(q); docs: dynamics, "Mechanics". Works on vectors of make_vector(layout).
@@ -30,6 +32,7 @@ class IncrementalPotential final : public StageEquation {
 
   /// The stage that all following calls speak of.
   void begin_stage(const StagePoint& stage) override;
+  bool refreeze(Vec q) override;
 
   /// Phi(q) - Phi(q0) [J]; +inf where a barrier is crossed or a number is not finite.
   double value(Vec q) override;
@@ -95,7 +98,7 @@ class IncrementalPotential final : public StageEquation {
   std::vector<SumOverRanks> sums_;             // of each term, at the last q
   double sum_rounding_ = 0.0;                  // of the last parts of rank one [N]
   // Copies with ghosts of the vectors spoken of; memory taken once.
-  Handle<Vec> q_, d_, q0_, v0_, work_, diagonal_;
+  Handle<Vec> q_, d_, q0_, v0_, frozen_, work_, diagonal_;
 };
 
 }  // namespace pliant

@@ -208,7 +208,7 @@ class MeanDilatationTerm final : public ElasticTerm {
     });
   }
 
-  double max_step(std::span<const double> q, std::span<const double> d) const override {
+  double max_step(const LocalStage& /*stage*/, std::span<const double> q, std::span<const double> d) const override {
     return step_to_inversion(cells_, q, d);
   }
 

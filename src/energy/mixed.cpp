@@ -134,7 +134,7 @@ class MixedTermOf final : public MixedTerm {
     cells_.add_stiffness(tangent_of, K);
   }
 
-  double max_step(std::span<const double> q, std::span<const double> d) const override {
+  double max_step(const LocalStage& /*stage*/, std::span<const double> q, std::span<const double> d) const override {
     return step_to_inversion(cells_, q, d);
   }
 

@@ -143,6 +143,11 @@ void MixedEquation::begin_stage(const StagePoint& stage) {
   potential_.begin_stage(part);
 }
 
+bool MixedEquation::refreeze(Vec x) {
+  take_displacement(x, q_.get());
+  return potential_.refreeze(q_.get());
+}
+
 double MixedEquation::value(Vec x) {
   set(x);
   return potential_.value(q_.get());

@@ -24,6 +24,11 @@ class StageEquation {
   /// The stage that all following calls speak of.
   virtual void begin_stage(const StagePoint& stage) = 0;
 
+  /// Freezes the coefficients of terms that refreeze at q, as the following calls see them; false if there are none. A
+  /// stage is solved when its solution, and the q of the last call, are one. Until then, and after begin_stage, these
+  /// coefficients follow q, and there is no potential.
+  virtual bool refreeze(Vec /*q*/) { return false; }
+
   /// Phi(q) - Phi(q0) of the terms that are potentials [J]; +inf where a barrier is crossed or a number is not finite.
   virtual double value(Vec q) = 0;
   /// r(q) [N], zero on prescribed entries; the gradient of `value` if is_potential().

@@ -28,6 +28,9 @@ struct LocalStage {
   std::span<const double> v0;  ///< stage-start velocity [m/s]
   std::span<const double> z0;  ///< the term's own internal variables at the stage's start
   SumOverRanks sum = {};       ///< of a FunctionOfSum, at the q of the call
+  /// Displacement at which coefficients of terms that refreeze are frozen, at t_i; empty: they follow the q of the
+  /// call.
+  std::span<const double> frozen = {};
 };
 
 /// What of time an energy may depend on by itself.
@@ -58,6 +61,7 @@ enum class Symmetry { symmetric, unsymmetric, indefinite };
 struct TermDeclaration {
   bool is_potential = true;              ///< the gradient is that of `value`
   bool has_frozen_coefficients = false;  ///< coefficients are frozen at the stage's start (first order in time)
+  bool refreezes = false;                ///< coefficients are frozen at LocalStage::frozen: StageEquation::refreeze
   Symmetry symmetry = Symmetry::symmetric;
   Account account = Account::stored;
   bool depends_on_time = false;  ///< `energy_at` changes with time at a fixed configuration: `supply`
@@ -123,7 +127,8 @@ class EnergyTerm {
   virtual const FunctionOfSum* function_of_sum() const { return nullptr; }
 
   /// The largest alpha for which q + alpha d stays clear of the term's barrier; +inf if it has none.
-  virtual double max_step(std::span<const double> /*q*/, std::span<const double> /*d*/) const {
+  virtual double max_step(const LocalStage& /*stage*/, std::span<const double> /*q*/,
+                          std::span<const double> /*d*/) const {
     return std::numeric_limits<double>::infinity();
   }
 };

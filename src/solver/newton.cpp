@@ -15,6 +15,10 @@ namespace {
 /// projected Hessian is singular.
 constexpr double regularization = 1e-3;
 
+/// Solves of a stage with coefficients frozen anew, of which each shortens the error by about the coefficient of
+/// friction.
+constexpr int max_refreezes = 100;
+
 std::string in_words(SNESConvergedReason reason) {
   switch (reason) {
     case SNES_DIVERGED_FNORM_NAN:
@@ -51,6 +55,7 @@ NewtonSolver::NewtonSolver(StageEquation& equation, const NewtonOptions& options
       r_(equation.make_vector()),
       trial_(equation.make_vector()),
       correction_(equation.make_vector()),
+      last_(equation.make_vector()),
       merit_(equation.make_vector()) {
   SNES snes = nullptr;
   check(SNESCreate(equation.comm(), snes_.out()));
@@ -152,6 +157,19 @@ void NewtonSolver::choose_guess(const StagePoint& stage, Vec q) {
     phi_ = phi;
     check(VecCopy(trial_.get(), q));
   }
+  if (std::isfinite(phi_) || !last_is_known_) return;
+  // Both lie beyond a barrier, on whose right side the last solution was.
+  check(VecCopy(last_.get(), trial_.get()));
+  {
+    const ArrayView guess(trial_.get());
+    const ConstArrayView given(q);
+    const auto& prescribed = equation_.prescribed();
+    for (std::size_t i = 0; i < guess.span().size() && i < prescribed.size(); ++i) {
+      if (prescribed[i]) guess[static_cast<PetscInt>(i)] = given[static_cast<PetscInt>(i)];
+    }
+  }
+  phi_ = height(trial_.get());
+  check(VecCopy(trial_.get(), q));
 }
 
 void NewtonSolver::assemble(Vec q, Projection projection) {
@@ -258,7 +276,8 @@ SNESConvergedReason NewtonSolver::judge(PetscInt iteration, double residual) {
   if (rank_one_system_ && iteration > 0) scale_ = std::min(scale_, equation_.force_scale(solution_));
   if (iteration > 0) took_full_step_ ? forcing_.observe(residual) : forcing_.forget();
   if (residual <= target()) return SNES_CONVERGED_FNORM_RELATIVE;
-  if (at_rounding_floor_ || (iteration > 0 && residual <= floor_factor * equation_.rounding_floor(solution_))) {
+  if (at_rounding_floor_ ||
+      ((iteration > 0 || is_refrozen_) && residual <= floor_factor * equation_.rounding_floor(solution_))) {
     ++statistics_.rounding_stops;
     return SNES_CONVERGED_FNORM_ABS;
   }
@@ -268,6 +287,7 @@ SNESConvergedReason NewtonSolver::judge(PetscInt iteration, double residual) {
 void NewtonSolver::forget() {
   forcing_.forget();
   factor_is_wanted_ = true;
+  last_is_known_ = false;
 }
 
 StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
@@ -284,16 +304,43 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
   scale_ = 0.0;
   start_ = stage.q0;
   solution_ = q;
+  is_refrozen_ = false;
+  equation_.refreeze(q);
   choose_guess(stage, q);
-  StageReport report;
   if (!std::isfinite(phi_)) {
-    report.outcome = StageOutcome::retry;
-    report.reason = "the prescribed motion turns a tetrahedron inside out within one step";
     note_failure(stage, q);
-    return report;
+    return {StageOutcome::retry,
+            "the prescribed motion turns a tetrahedron inside out within one step, or an obstacle leaves the body no "
+            "place"};
   }
   scale_ = equation_.force_scale(q);
+  StageReport report = iterate(q);
+  // Coefficients are frozen anew at each solution until it stays one.
+  int last = 1;
+  for (int round = 0; report.outcome == StageOutcome::converged && last > 0 && equation_.refreeze(q); ++round) {
+    if (round == max_refreezes) {
+      report.outcome = StageOutcome::retry;
+      report.reason = fmt::format("frozen coefficients did not settle within {} solves", max_refreezes);
+      break;
+    }
+    if (path_ == Path::minimisation) phi_ = value(q);
+    at_rounding_floor_ = false;
+    is_refrozen_ = true;
+    const StageReport again = iterate(q);
+    last = again.newton_iterations;
+    report = {again.outcome, again.reason, report.newton_iterations + last,
+              report.linear_iterations + again.linear_iterations};
+  }
+  last_is_known_ = report.outcome == StageOutcome::converged;
+  if (last_is_known_) {
+    check(VecCopy(q, last_.get()));
+  } else {
+    note_failure(stage, q);
+  }
+  return report;
+}
 
+StageReport NewtonSolver::iterate(Vec q) {
   const double before = statistics_.factorization_seconds + statistics_.assembly_seconds + statistics_.solve_seconds;
   double total = 0.0;
   {
@@ -311,6 +358,7 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
   check(SNESGetLinearSolveIterations(snes_.get(), &linear));
   statistics_.newton_iterations += newton;
   statistics_.linear_iterations += linear;
+  StageReport report;
   report.newton_iterations = static_cast<int>(newton);
   report.linear_iterations = static_cast<int>(linear);
   if (reason > 0) {
@@ -323,7 +371,6 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
       report.outcome = StageOutcome::fatal;
       report.reason = "memory does not suffice for the factorization (MUMPS)";
     }
-    note_failure(stage, q);
   }
   return report;
 }

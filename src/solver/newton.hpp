@@ -104,6 +104,8 @@ class NewtonSolver {
   enum class Path { minimisation, residual };
 
   void choose_guess(const StagePoint& stage, Vec q);
+  /// Newton's iteration from q, with coefficients frozen as they are.
+  StageReport iterate(Vec q);
   void assemble(Vec q, Projection projection);
   void regularize();
   /// The present K, which is that of q.
@@ -140,7 +142,7 @@ class NewtonSolver {
   StageEquation& equation_;
   NewtonOptions options_;
   Handle<Mat> K_;
-  Handle<Vec> r_, trial_, correction_;
+  Handle<Vec> r_, trial_, correction_, last_;
   Merit merit_;
   std::vector<RankOne> rank_one_;  // parts of the Hessian beside K
   Handle<SNES> snes_;
@@ -165,8 +167,10 @@ class NewtonSolver {
   std::vector<NewtonIteration> iterations_;
   Handle<Vec> failed_at_;  // where the iteration ended, if the stage could not be solved
   double failed_time_ = 0.0, failed_dt_ = 0.0;
+  bool is_refrozen_ = false;  // the iteration starts at a solution for other frozen coefficients
   // Kept across stages.
   Forcing forcing_;
+  bool last_is_known_ = false;      // last_ is the solution of the stage before
   bool adapts_tolerance_ = true;    // unless the user gives one
   bool may_keep_factor_ = false;    // the linear solver iterates, so a preconditioner of an earlier Hessian will do
   bool factor_is_wanted_ = true;    // none yet, or the last one has aged

@@ -28,9 +28,8 @@ std::optional<std::string> why_not(const IncrementalPotential& potential) {
   bool has_inertia = false;
   for (const EnergyTerm* term : potential.terms()) {
     has_inertia = has_inertia || term->declaration().account == Account::kinetic;
-    if (term->declaration().has_frozen_coefficients) {
-      return fmt::format("the term `{}` freezes coefficients at the start of a stage, which PETSc does not have",
-                         term->name());
+    if (term->declaration().has_frozen_coefficients || term->declaration().refreezes) {
+      return fmt::format("the term `{}` freezes coefficients in every stage, which PETSc does not have", term->name());
     }
     if (term->function_of_sum() != nullptr) {
       return fmt::format("the term `{}` couples all unknowns of its surface, which PETSc's Newton would assemble",

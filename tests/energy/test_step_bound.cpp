@@ -87,7 +87,7 @@ TEST(StepBound, OfASingleTetrahedronIsExact) {
                                        return Point{0.2 * x[2], 0.0, -1.6 * x[2]};
                                      })
                                     .get());
-      const double bound = term->max_step(q, d);
+      const double bound = term->max_step({}, q, d);
       if (testing::is_barrier(law)) {
         EXPECT_NEAR(bound, 1.0 / 1.6, 1e-11);
       } else {
