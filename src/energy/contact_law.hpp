@@ -1,0 +1,131 @@
+/// What a surface feels at an obstacle, per reference area: pure functions of the distance and of the velocity.
+#pragma once
+
+#include "base/vector3.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace pliant {
+
+enum class NormalKind { penalty, barrier };
+
+/// Where the pressure and the normal are taken that a drag acts with.
+enum class FrictionUpdate {
+  frozen,   ///< at the stage's start: first order in time
+  iterated  ///< at the solution, by solving again until they stay the same: keeps the method's order
+};
+
+/// U(d), the pressure p = -U' and its slope U'' at a distance.
+struct NormalResponse {
+  double energy = 0.0;     ///< [J/m^2]; +inf where a barrier is crossed
+  double pressure = 0.0;   ///< [Pa]; NaN where a barrier is crossed
+  double stiffness = 0.0;  ///< [Pa/m]
+};
+
+/// The pressure as a function of the distance d. With y = (threshold - d) / width
+///
+///     penalty   p = k width r(y),   r = 0 (y < -1),  y (y > 1),  3/16 + y/2 + 3/8 y^2 - y^4/16 between,
+///
+/// a spring of stiffness k behind a gap, its kink rounded so that U has three continuous derivatives; and with
+/// s = (d - threshold) / width
+///
+///     barrier   U = -k width^2 (1 - s)^2 log s   (0 < s < 1),   0 (s >= 1),   +inf (s <= 0),
+///
+/// which has two (Li et al. 2020, Incremental Potential Contact, equation 6).
+struct NormalLaw {
+  NormalKind kind = NormalKind::penalty;
+  double stiffness = 0.0;  ///< k [Pa/m]
+  double width = 0.0;      ///< of the rounding to either side, or where a barrier begins [m]
+  double threshold = 0.0;  ///< where the spring, or the wall, stands [m]
+
+  /// The distance from which on nothing is felt [m].
+  double reach() const { return threshold + width; }
+
+  NormalResponse operator()(double d) const {
+    if (d >= reach()) return {};
+    return kind == NormalKind::penalty ? spring((threshold - d) / width) : wall((d - threshold) / width);
+  }
+
+ private:
+  NormalResponse spring(double y) const {
+    const double kw = stiffness * width;
+    if (y >= 1.0) return {kw * width * (0.1 + 0.5 * y * y), kw * y, stiffness};
+    const double y2 = y * y;
+    return {kw * width * (0.05 + y * (0.1875 + y * (0.25 + y * (0.125 - 0.0125 * y2)))),
+            kw * (0.1875 + y * (0.5 + y * (0.375 - 0.0625 * y2))), stiffness * (0.5 + y * (0.75 - 0.25 * y2))};
+  }
+
+  NormalResponse wall(double s) const {
+    constexpr double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+    if (s <= 0.0) return {inf, nan, nan};
+    const double kw = stiffness * width, rest = 1.0 - s, log_s = std::log1p(-rest);
+    return {-kw * width * rest * rest * log_s, kw * (rest * rest / s - 2.0 * rest * log_s),
+            stiffness * (rest * rest / (s * s) + 4.0 * rest / s - 2.0 * log_s)};
+  }
+};
+
+/// A potential of the velocity relative to the obstacle: R, dR/dv and d2R/dv2.
+struct DragResponse {
+  double potential = 0.0;     ///< R [W/m^2]
+  Vector3<double> slope{};    ///< minus the traction [Pa]
+  Tensor3<double> hessian{};  ///< >= 0 [Pa s/m]
+};
+
+/// Coulomb's friction and a viscous one, both in proportion to the pressure p: with v_t = v - (v.n) n, s = |v_t|
+///
+///     traction = -p (mu f(s / v_s) + eta s) v_t / s,   f(y) = (15 y - 10 y^3 + 3 y^5) / 8 (y < 1), else 1
+///
+/// f has two continuous derivatives and is odd, so that the traction is smooth where the velocity passes zero. Below
+/// v_s a contact creeps and counts as sticking.
+struct Friction {
+  double coefficient = 0.0;     ///< mu
+  double viscosity = 0.0;       ///< eta [s/m]
+  double stick_velocity = 0.0;  ///< v_s [m/s]
+
+  DragResponse operator()(double pressure, const Vector3<double>& n, const Vector3<double>& v) const {
+    const Vector3<double> slip = v - dot(v, n) * n;
+    const double square = dot(slip, slip), y2 = square / (stick_velocity * stick_velocity);
+    // R_f = mu v_s g(y), f / s = along, d(f / s)/ds / s = turning
+    double g = 0.0, along = 0.0, turning = 0.0;
+    if (y2 < 1.0) {
+      g = y2 * (0.9375 + y2 * (-0.3125 + 0.0625 * y2));
+      along = (1.875 + y2 * (-1.25 + 0.375 * y2)) / stick_velocity;
+      turning = (-2.5 + 1.5 * y2) / (stick_velocity * stick_velocity * stick_velocity);
+    } else {
+      const double s = std::sqrt(square);
+      g = s / stick_velocity - 0.3125;
+      along = 1.0 / s;
+      turning = -1.0 / (s * square);
+    }
+    const double factor = pressure * (coefficient * along + viscosity), bend = pressure * coefficient * turning;
+    return {pressure * (coefficient * stick_velocity * g + 0.5 * viscosity * square), factor * slip,
+            make_tensor([&](int i, int j) {
+              return factor * ((i == j ? 1.0 : 0.0) - n[i] * n[j]) + bend * slip[i] * slip[j];
+            })};
+  }
+};
+
+/// Hunt & Crossley's damping of the approach (1975, Coefficient of restitution interpreted as damping in
+/// vibroimpact): with c the rate of approach -v.n times the damping,
+///
+///     pressure = p g(c),   g = c (c > -1/2),   -1 - 1/(4 c) (c < -1/2)
+///
+/// so that the pressure in all, p (1 + g), never pulls.
+struct NormalDamping {
+  double damping = 0.0;  ///< [s/m]
+
+  DragResponse operator()(double pressure, const Vector3<double>& n, const Vector3<double>& v) const {
+    const double c = -damping * dot(v, n);
+    double integral = 0.5 * c * c, g = c, slope = 1.0;
+    if (c < -0.5) {
+      integral = -0.375 - c - 0.25 * std::log(-2.0 * c);
+      g = -1.0 - 0.25 / c;
+      slope = 0.25 / (c * c);
+    }
+    return {pressure / damping * integral, (-pressure * g) * n,
+            make_tensor([&](int i, int j) { return pressure * damping * slope * n[i] * n[j]; })};
+  }
+};
+
+}  // namespace pliant

@@ -1,0 +1,169 @@
+// Orders in time of a body that bounces and slides in soft contact with two obstacles, one of which moves: every method
+// without drags, with drags frozen at the stage's start, and with iterated ones.
+#include "dense_newton.hpp"
+#include "energy/contact.hpp"
+#include "energy/solid.hpp"
+#include "petsc/collective.hpp"
+#include "time/integrator.hpp"
+
+#include <cmath>
+#include <map>
+#include <optional>
+#include <ostream>
+
+#include <gtest/gtest.h>
+
+namespace pliant {
+namespace {
+
+using testing::BodySpec;
+using testing::Point;
+using testing::Scratch;
+using testing::Shape;
+using testing::Solid;
+
+enum class Drags { none, frozen, iterated };
+
+struct OrderCase {
+  int number;
+  Method method;
+  Drags drags;
+};
+
+std::string name_of(const OrderCase& c) {
+  constexpr std::array names{"Smooth", "Frozen", "Iterated"};
+  std::string name = names[static_cast<std::size_t>(c.drags)] + ("_" + std::string(c.method.name));
+  std::erase(name, '-');
+  return name;
+}
+
+std::ostream& operator<<(std::ostream& out, const OrderCase& c) {
+  return out << name_of(c);
+}
+
+std::vector<OrderCase> every_case() {
+  std::vector<OrderCase> cases;
+  for (const Method& method : methods()) {
+    for (const Drags drags : {Drags::none, Drags::frozen, Drags::iterated}) {
+      cases.push_back({static_cast<int>(cases.size()), method, drags});
+    }
+  }
+  return cases;
+}
+
+/// On one rank alone: a cube of 1 m, 5 Pa and 1 kg/m^3.
+struct Motion {
+  Motion(const std::string& file, Drags drags)
+      : solid(MPI_COMM_SELF, file, 1, 0),
+        elastic(solid.elastic(make_law("neo-hookean", 5.0, 0.3))),
+        inertia(solid.inertia(1.0, Mass::consistent)),
+        contacts(contacts_of(solid, drags)),
+        potential(solid.layout(), solid.pattern(), all_terms(), solid.nothing_prescribed()) {}
+
+  static std::vector<std::unique_ptr<EnergyTerm>> contacts_of(const Solid& solid, Drags drags) {
+    auto facets = surface_facets(solid.mesh(), solid.layout(), [](const Point&) { return true; });
+    const auto surface = std::make_shared<const ContactSurface>(solid.layout(), solid.pattern(), std::move(facets),
+                                                                NormalLaw{NormalKind::penalty, 20.0, 0.6, 0.0});
+    const RigidMotion still{{Expression(), Expression(), Expression()}, {0.0, 0.0, 1.0}, Expression(), {}};
+    const RigidMotion turning{
+        {Expression("0.2*sin(3*t)"), Expression(), Expression()}, {0.0, 1.0, 0.0}, Expression("0.8*t"), {}};
+    const std::array obstacles{
+        std::make_shared<const Obstacle>(make_distance(PlaneShape{{}, {0.0, 0.0, 1.0}}), still),
+        std::make_shared<const Obstacle>(make_distance(SphereShape{{-0.8, 0.5, 0.5}, 0.7}), turning)};
+    const auto update = drags == Drags::iterated ? FrictionUpdate::iterated : FrictionUpdate::frozen;
+    std::vector<std::unique_ptr<EnergyTerm>> terms;
+    for (const auto& obstacle : obstacles) {
+      terms.push_back(std::make_unique<Contact>(surface, obstacle));
+      if (drags == Drags::none) continue;
+      terms.push_back(make_friction(surface, obstacle, {0.8, 0.05, 3.0}, update));
+      terms.push_back(make_normal_damping(surface, obstacle, {0.2}, update));
+    }
+    return terms;
+  }
+
+  std::vector<const EnergyTerm*> all_terms() const {
+    std::vector<const EnergyTerm*> terms{elastic.get(), inertia.get()};
+    for (const auto& term : contacts) terms.push_back(term.get());
+    return terms;
+  }
+
+  /// (q, v) at the end of `num_steps` steps.
+  std::array<std::vector<double>, 2> end(const Method& method, int num_steps) {
+    const auto q = solid.vector([](const Point& x) { return Point{0.05 * x[0], -0.03 * x[1], 0.1 + 0.05 * x[0]}; });
+    const auto v = solid.vector([](const Point& x) {
+      return Point{0.3 - 0.5 * (x[2] - 0.5), 0.6 + 0.2 * x[0], -1.0 + 0.5 * (x[0] - 0.5)};
+    });
+    System system{testing::dense_newton(potential)};
+    system.guess = Guess::extrapolated;
+    Integrator integrator({method, Startup::dirk33}, system, {0.0, q.get(), v.get(), nullptr, {}});
+    for (int n = 1; n <= num_steps; ++n) {
+      const double time = end_time * n / num_steps;
+      const StepAttempt attempt = integrator.attempt({time, time - integrator.state().time});
+      EXPECT_EQ(attempt.report.outcome, StageOutcome::converged);
+      if (attempt.report.outcome != StageOutcome::converged) break;
+      integrator.accept(attempt);
+    }
+    return {testing::local_values(integrator.state().q.get()), testing::local_values(integrator.state().v.get())};
+  }
+
+  static constexpr double end_time = 0.5;
+  Solid solid;
+  std::unique_ptr<ElasticTerm> elastic;
+  std::unique_ptr<Inertia> inertia;
+  std::vector<std::unique_ptr<EnergyTerm>> contacts;
+  IncrementalPotential potential;
+};
+
+double difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double squares = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) squares += (a[i] - b[i]) * (a[i] - b[i]);
+  return std::sqrt(squares);
+}
+
+constexpr int num_fine = 128;
+
+class ContactOrders : public ::testing::TestWithParam<OrderCase> {
+ protected:
+  /// Without approximation: by dirk33 with iterated drags, and steps so short that its error does not count.
+  static const std::array<std::vector<double>, 2>& reference(const std::string& file, Drags drags) {
+    static std::map<bool, std::array<std::vector<double>, 2>> known;
+    auto& result = known[drags == Drags::none];
+    if (result[0].empty()) {
+      result = Motion(file, drags == Drags::none ? drags : Drags::iterated).end(*find_method("dirk33"), 4 * num_fine);
+    }
+    return result;
+  }
+
+  Scratch scratch_{MPI_COMM_SELF};
+};
+
+INSTANTIATE_TEST_SUITE_P(Registry, ContactOrders, ::testing::ValuesIn(every_case()),
+                         [](const auto& of) { return name_of(of.param); });
+
+TEST_P(ContactOrders, AreThoseOfTheTable) {
+  const OrderCase& c = GetParam();
+  if (c.number % num_ranks(MPI_COMM_WORLD) != rank(MPI_COMM_WORLD)) return;  // another rank's
+  const std::string file = scratch_.file("body.msh", [](const std::string& f) {
+    testing::write_body(f, {1, Shape::straight, 1});
+  });
+  Motion motion(file, c.drags);
+  // What freezing adds shows against iterated drags with the same steps, before it outgrows the method's own error.
+  const bool is_frozen = c.drags == Drags::frozen;
+  Motion iterated(file, Drags::iterated);
+  std::array<std::array<double, 2>, 2> errors;
+  for (const int level : {0, 1}) {
+    const int num_steps = level == 0 ? num_fine / 2 : num_fine;
+    const auto end = motion.end(c.method, num_steps);
+    const auto exact = is_frozen ? iterated.end(c.method, num_steps) : reference(file, c.drags);
+    for (const int part : {0, 1}) errors[level][part] = difference(end[part], exact[part]);
+  }
+  for (const int part : {0, 1}) {
+    const double order = std::log2(errors[0][part] / errors[1][part]);
+    EXPECT_NEAR(order, is_frozen ? 1.0 : c.method.order, 0.2)
+        << (part == 0 ? "q" : "v") << ": errors " << errors[0][part] << ", " << errors[1][part];
+    RecordProperty(part == 0 ? "order_q" : "order_v", std::to_string(order));
+  }
+}
+
+}  // namespace
+}  // namespace pliant
