@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/expression.hpp"
+#include "energy/contact_law.hpp"
 #include "energy/foundation.hpp"
 #include "material/viscosity.hpp"
 #include "material/volumetric.hpp"
@@ -182,6 +183,49 @@ struct CavityConfig {
   Location where;
 };
 
+/// x = center + translate + R (X - center)
+struct ObstacleMotionConfig {
+  VectorExpression translate;  ///< [m]; a function of t
+  struct Rotation {
+    std::array<double, 3> axis{};                 ///< of any length
+    Expression angle;                             ///< [rad]; a function of t
+    std::optional<std::array<double, 3>> center;  ///< [m]; empty: the obstacle's point
+  };
+  std::optional<Rotation> rotate;
+};
+
+struct ObstacleConfig {
+  enum class Shape { plane, sphere, cylinder, capsule, box, surface };
+  enum class Side { outside, inside };
+  std::string name;
+  Shape shape = Shape::plane;
+  std::array<double, 3> point{};   ///< of the plane, or the centre [m]
+  std::array<double, 3> normal{};  ///< plane; of any length
+  std::array<double, 3> axis{};    ///< cylinder, capsule; of any length
+  double radius = 0;               ///< sphere, cylinder, capsule [m]
+  std::optional<double> length;    ///< cylinder (empty: endless), capsule [m]
+  std::array<double, 3> size{};    ///< box [m]
+  Located<std::string> file;       ///< surface; resolved against the input file's directory
+  double scale = 1;                ///< surface
+  Side side = Side::outside;       ///< where the bodies are
+  double friction = 0;
+  double viscous_friction = 0;  ///< [s/m]
+  double normal_damping = 0;    ///< [s/m]
+  std::optional<ObstacleMotionConfig> motion;
+  Location where;
+};
+
+struct ContactConfig {
+  NormalKind law = NormalKind::penalty;
+  std::optional<double> stiffness;  ///< [Pa/m]; default: from material and mesh
+  std::optional<double> width;      ///< [m]; default: from the mesh
+  double threshold = 0;             ///< [m]
+  FrictionUpdate friction_update = FrictionUpdate::frozen;
+  double stick_velocity = 0;  ///< [m/s]
+  std::vector<ObstacleConfig> obstacles;
+  Location where;
+};
+
 struct InitialConfig {
   VectorExpression displacement;  ///< [m], function of x, y, z
   VectorExpression velocity;      ///< [m/s], function of x, y, z
@@ -254,6 +298,7 @@ struct Config {
   std::vector<ConstraintConfig> constraints;
   std::vector<LoadConfig> loads;
   std::vector<CavityConfig> cavities;
+  std::optional<ContactConfig> contact;
   InitialConfig initial;
   TimeConfig time;
   SolverConfig solver;

@@ -226,6 +226,49 @@ void check_names(const Config& config, const InputNode& root, Problems& problems
   check_unique(config.output.fields, places, "field", problems);
 }
 
+void check_contact(const Config& config, const InputNode& root, Problems& problems) {
+  const InputNode* contact = given(root, {"contact"});
+  if (!config.contact) {
+    const InputNode* fields = given(root, {"output", "fields"});
+    if (fields == nullptr || contact != nullptr) return;
+    for (const InputNode& field : fields->children) {
+      if (!field.text.starts_with("contact_")) continue;
+      problems.add(field.where, "the field '" + field.text + "' needs 'contact', which this input does not have");
+    }
+    return;
+  }
+  const InputNode* obstacles = given(*contact, {"obstacles"});
+  if (obstacles == nullptr || obstacles->kind != InputNode::Kind::list) return;
+  std::vector<std::string> names;
+  std::vector<Location> places;
+  for (std::size_t k = 0; k < config.contact->obstacles.size(); ++k) {
+    const ObstacleConfig& o = config.contact->obstacles[k];
+    const InputNode* name = given(obstacles->children[k], {"name"});
+    names.push_back(o.name);
+    places.push_back(name != nullptr ? name->where : o.where);
+    if (o.shape == ObstacleConfig::Shape::capsule && given(obstacles->children[k], {"length"}) == nullptr) {
+      problems.add(o.where, "missing key 'length' in " + numbered("obstacles", k) + ", which a capsule needs");
+    }
+    const auto has_name = [&](const ConstraintConfig& c) { return !o.name.empty() && c.part.name == o.name; };
+    if (std::ranges::any_of(config.constraints, has_name)) {
+      problems.add(places.back(), "the obstacle name '" + o.name +
+                                      "' is that of a constrained part, too, and history.csv has columns of both; "
+                                      "choose another one");
+    }
+  }
+  check_unique(names, places, "obstacle name", problems);
+
+  const InputNode* law = given(*contact, {"law"});
+  if (config.contact->law != NormalKind::barrier || law == nullptr || config.time.method.value.empty()) return;
+  const std::string& method = config.time.method.value;
+  if (method == static_method || method == quasistatic_method) return;
+  if (const Method* own = method_of(config.time); own != nullptr && own->stiffly_accurate) return;
+  problems.add(law->where,
+               "a barrier needs a method whose step ends with its last stage (stiffly accurate), or a body "
+               "might end beyond it; '" +
+                   method + "' does not: choose backward-euler, bdf2, bdf3, dirk22 or dirk33, or 'law: penalty'");
+}
+
 void check_tolerances(const Config& config, const InputNode& root, Problems& problems) {
   const InputNode* relative = given(root, {"solver", "newton", "relative"});
   if (relative == nullptr || parse_number(relative->text) != 0.0 || config.solver.newton.absolute > 0) return;
@@ -278,6 +321,12 @@ void complete(Config& config, const InputNode& root) {
   const fs::path input(config.file);
   const fs::path mesh(config.mesh.file.value);
   if (!mesh.empty() && mesh.is_relative()) config.mesh.file.value = (input.parent_path() / mesh).string();
+  if (config.contact) {
+    for (ObstacleConfig& o : config.contact->obstacles) {
+      const fs::path file(o.file.value);
+      if (!file.empty() && file.is_relative()) o.file.value = (input.parent_path() / file).string();
+    }
+  }
   if (config.output.directory.empty()) config.output.directory = (fs::path("out") / input.stem()).string();
   complete_time(config.time, root);
   place_whole_mesh_parts(config.bodies);
@@ -290,6 +339,7 @@ void check(const Config& config, const InputNode& root, Problems& problems) {
   check_volumetric(config, root, problems);
   check_held(config, root, problems);
   check_names(config, root, problems);
+  check_contact(config, root, problems);
   check_tolerances(config, root, problems);
   check_linear_solver(config, root, problems);
 }

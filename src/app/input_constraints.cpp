@@ -1,27 +1,11 @@
 #include "app/input_constraints.hpp"
 
-#include <algorithm>
-
 namespace pliant {
 namespace {
 
 using Kind = Selection::Kind;
 using Constraint = ConstraintConfig::Kind;
 using Rotation = RotationConfig::Kind;
-
-/// A direction, of any length but none.
-Format<std::array<double, 3>> direction_of_any_length() {
-  Format<std::array<double, 3>> format = array_of<3>(quantity("1"));
-  format.type = "direction [x, y, z], of any length";
-  format.read = [read = format.read](const InputNode& node, const std::string& name, Problems& problems,
-                                     std::array<double, 3>& into) {
-    if (!read(node, name, problems, into)) return false;
-    const bool is_zero = std::ranges::all_of(into, [](double x) { return x == 0.0; });
-    if (is_zero) problems.add(node.where, "'" + name + "' must have a length; [0, 0, 0] points nowhere");
-    return !is_zero;
-  };
-  return format;
-}
 
 Section<RotationConfig> axis_keys() {
   return {{

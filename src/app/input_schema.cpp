@@ -3,6 +3,7 @@
 #include "app/input_active.hpp"
 #include "app/input_cavities.hpp"
 #include "app/input_constraints.hpp"
+#include "app/input_contact.hpp"
 #include "app/input_elasticity.hpp"
 #include "app/input_laws.hpp"
 #include "app/input_loads.hpp"
@@ -146,6 +147,8 @@ Section<Config> config_keys() {
       field("loads", &Config::loads, list_of(map_of(load_keys()), 0), "forces, pressures, springs and dashpots"),
       field("cavities", &Config::cavities, list_of(map_of(cavity_keys()), 0),
             "hollows of the bodies that hold a gas or a liquid"),
+      field("contact", &Config::contact, map_of(contact_keys()), "obstacles, and what the bodies feel there")
+          .otherwise_in_words("none"),
       field("initial", &Config::initial, map_of(initial_keys()), "the state at time 0"),
       field("time", &Config::time, map_of(time_keys()), "how time advances").required(),
       field("solver", &Config::solver, map_of(solver_keys()), "how equations are solved"),
@@ -163,11 +166,6 @@ const Format<Config>& config_format() {
 }
 
 }  // namespace
-
-bool is_planned(std::string_view word) {
-  static constexpr std::array words{"contact", "obstacles", "friction_update"};
-  return std::find(words.begin(), words.end(), word) != words.end();
-}
 
 const std::vector<KeyInfo>& input_keys() {
   return config_format().children;

@@ -10,8 +10,9 @@
 namespace pliant {
 
 /// Fields that results may hold.
-inline constexpr std::array<std::string_view, 7> output_fields{
-    "displacement", "velocity", "acceleration", "cauchy_stress", "von_mises_stress", "volume_ratio", "energy_density"};
+inline constexpr std::array<std::string_view, 10> output_fields{
+    "displacement", "velocity",       "acceleration",     "cauchy_stress", "von_mises_stress",
+    "volume_ratio", "energy_density", "contact_pressure", "contact_gap",   "contact_slip"};
 
 /// The whole table; sections hold their keys as children.
 const std::vector<KeyInfo>& input_keys();

@@ -25,6 +25,14 @@ Ledger::Ledger(Model& model, Analysis analysis, const StateView& initial)
     mechanism_of_term_.push_back(static_cast<std::size_t>(known - mechanisms_.begin()));
     if (term->declaration().dissipates && known == mechanisms_.end()) mechanisms_.emplace_back(term->name());
   }
+  if (const Contacts* contacts = model.contacts()) contacts_.resize(contacts->groups().size());
+  for (const EnergyTerm* term : model.potential().terms()) {
+    auto& groups = contacts_of_term_.emplace_back();
+    for (std::size_t c = 0; c < contacts_.size(); ++c) {
+      const auto& members = model.contacts()->groups()[c].terms;
+      if (std::ranges::find(members, term) != members.end()) groups.push_back(c);
+    }
+  }
   works_ = last_powers_ = no_works();
   energies_.dissipated_by.resize(mechanisms_.size());
   for (Handle<Vec>* x : {&q_, &at_, &way_, &reaction_}) *x = make_vector(model.layout());
@@ -47,8 +55,15 @@ Ledger::Works Ledger::powers(const StagePoint& stage, Vec q, Vec v) {
   potential_of_stage.begin_stage(stage);
   const auto of_term = potential_of_stage.powers(q, v, reaction_.get());
   Works power = no_works();
+  for (ContactForce& contact : contacts_) contact.force = {};
   for (std::size_t k = 0; k < of_term.size(); ++k) {
-    const auto& [exerted, dissipated, supplied] = of_term[k];
+    const auto& [exerted, dissipated, supplied, force] = of_term[k];
+    for (const std::size_t c : contacts_of_term_[k]) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        contacts_[c].force[i] += force[i];
+        power[first_impulse() + 3 * c + i] += force[i];
+      }
+    }
     if (potential_of_stage.terms()[k]->declaration().dissipates) power[num_works + mechanism_of_term_[k]] += dissipated;
     switch (account_of(*potential_of_stage.terms()[k])) {
       case Account::kinetic:
@@ -122,7 +137,11 @@ void Ledger::keep(Archive& archive, const StateView& newest) {
 
 void Ledger::balance() {
   Energies& e = energies_;
-  e.dissipated_by.assign(works_.begin() + num_works, works_.end());
+  const auto mechanisms = std::span(works_).subspan(num_works, mechanisms_.size());
+  e.dissipated_by.assign(mechanisms.begin(), mechanisms.end());
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    for (std::size_t i = 0; i < 3; ++i) contacts_[c].impulse[i] = works_[first_impulse() + 3 * c + i];
+  }
   e.dissipated = std::accumulate(e.dissipated_by.begin(), e.dissipated_by.end(), 0.0);
   e.support_work = works_[supports];
   e.load_work = works_[loads] + works_[supports];
@@ -162,7 +181,7 @@ void Ledger::add_works_along_way(const StepAttempt& attempt) {
       0.5 * (model_.potential().supplied(start, end, q_.get()) + model_.potential().supplied(start, end, attempt.q));
   works_[stored] += supplied;
   works_[loads] += supplied;
-  for (std::size_t m = num_works; m < works_.size(); ++m) {
+  for (std::size_t m = num_works; m < first_impulse(); ++m) {
     const double dissipated = 0.5 * (attempt.time - time_) * (last_powers_[m] + power[m]);
     works_[stored] -= dissipated;
     works_[m] += dissipated;

@@ -36,6 +36,12 @@ struct Energies {
   Momenta momenta;
 };
 
+/// What a ContactGroup of the model's contacts does to the bodies.
+struct ContactForce {
+  std::array<double, 3> force{};    ///< at the end of the last stage [N]; zero before the first step
+  std::array<double, 3> impulse{};  ///< since the start, integrated as momentum is [N s]; none without inertia
+};
+
 /// Keeps the books from step to step. All methods are collective.
 class Ledger {
  public:
@@ -60,15 +66,18 @@ class Ledger {
   const Energies& energies() const { return energies_; }
   /// Of each support of the model, at the end of the last stage; zero before the first step.
   const std::vector<Reaction>& reactions() const { return reactions_; }
+  /// In the order of Contacts::groups.
+  const std::vector<ContactForce>& contacts() const { return contacts_; }
 
  private:
-  /// The works; what each mechanism dissipated follows them.
+  /// The works; what each mechanism dissipated follows them, then the impulse of each contact.
   enum Work : std::size_t { kinetic, stored, potential, loads, supports, num_works };
   using Works = std::vector<double>;
 
   /// The powers at the end of a stage; leaves its reactions in `reaction_`.
   Works powers(const StagePoint& stage, Vec q, Vec v);
-  Works no_works() const { return Works(num_works + mechanisms_.size(), 0.0); }
+  Works no_works() const { return Works(first_impulse() + 3 * contacts_.size(), 0.0); }
+  std::size_t first_impulse() const { return num_works + mechanisms_.size(); }
   Account account_of(const EnergyTerm& term) const;
   void add_works_in_time(const StepAttempt& attempt);
   void add_works_along_way(const StepAttempt& attempt);
@@ -91,6 +100,8 @@ class Ledger {
   double time_ = 0.0;       // of the last step, or its load factor
   std::vector<char> held_;  // owned entries on which constraints do work
   std::vector<Reaction> reactions_;
+  std::vector<ContactForce> contacts_;
+  std::vector<std::vector<std::size_t>> contacts_of_term_;
   Handle<Vec> q_;  // of the last step
   Handle<Vec> at_, way_, reaction_;
   std::array<Handle<Vec>, 4> forces_;  // without inertia: those of each account at the last step

@@ -87,6 +87,7 @@ void Model::build_cells(const Config& config, const Mesh& mesh) {
     }
   });
   wave_speeds_ = {0.0, HUGE_VAL};
+  shear_moduli_.assign(rules.size(), 0.0);
   const CellData cell_data(mesh, layout_);
   on_every_rank(layout_.comm, [&] {
     for (std::size_t b = 0; b < rules.size(); ++b) {
@@ -96,6 +97,7 @@ void Model::build_cells(const Config& config, const Mesh& mesh) {
         const ElasticLawSpec law = rules[b].law_at(cell, X);
         if (!is_mixed) require_compressible(law, config.bodies[b].elasticity.where);
         include_waves(law, densities_[b]);
+        shear_moduli_[b] = std::max(shear_moduli_[b], wave_moduli(law).smallest);
         return law;
       };
       const ActiveParts active = make_active_parts<Order>(config.bodies[b], {cell_data, layout_, groups, body});
@@ -130,6 +132,7 @@ void Model::build_cells(const Config& config, const Mesh& mesh) {
     }
   });
   wave_speeds_ = {maximum(layout_.comm, wave_speeds_.fastest), minimum(layout_.comm, wave_speeds_.slowest)};
+  for (double& modulus : shear_moduli_) modulus = maximum(layout_.comm, modulus);
   const bool has_mass = std::any_of(densities_.begin(), densities_.end(), [](double d) { return d > 0.0; });
   if (has_mass) {
     inertia_ = make_inertia<Order>(layout_, *pattern_, groups, densities_,
@@ -159,6 +162,12 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   }
   loads_->complete(config, constraints_->prescribed());
   require_finite(analysis_of(config) == Analysis::static_equilibrium ? config.time.end : 0.0);
+  if (config.contact) {
+    contacts_ =
+        std::make_unique<Contacts>(*config.contact, ContactBodies{mesh, layout_, *pattern_, body_of_cell_, body_names_,
+                                                                  shear_moduli_, constraints_->prescribed().flags()});
+    for (const auto& line : contacts_->description()) notices_.push_back(line);
+  }
 
   std::vector<std::array<double, 3>> points;
   for (const auto& probe : config.probes) points.push_back(probe.point);
@@ -185,6 +194,10 @@ void Model::prepare(const Config& config) {
   for (const auto& term : active_) terms.push_back(term.get());
   for (const auto& term : viscous_) terms.push_back(term.get());
   for (const auto& term : loads_->terms()) terms.push_back(term.get());
+  if (contacts_) {
+    contacts_->prepare(config);
+    for (const auto& term : contacts_->terms()) terms.push_back(term.get());
+  }
   if (analysis == Analysis::dynamic && inertia_) terms.push_back(inertia_.get());
   potential_ =
       std::make_unique<IncrementalPotential>(layout_, *pattern_, std::move(terms), constraints_->prescribed().flags());
@@ -243,6 +256,7 @@ void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
                      "the initial displacement, or a prescribed one at t = 0, turns tetrahedra inside out; start from "
                      "a smaller one");
   }
+  if (contacts_) contacts_->check_start(instant(0.0), at.span());
 }
 
 }  // namespace pliant

@@ -3,6 +3,7 @@
 
 #include "app/config.hpp"
 #include "app/constraints.hpp"
+#include "app/contacts.hpp"
 #include "app/loads.hpp"
 #include "energy/elastic.hpp"
 #include "energy/incremental_potential.hpp"
@@ -50,6 +51,7 @@ class Model {
   const Inertia* inertia() const { return inertia_.get(); }  ///< nullptr if no body has a density
   const Constraints& constraints() const { return *constraints_; }
   const std::vector<ModelCavity>& cavities() const { return loads_->cavities(); }
+  const Contacts* contacts() const { return contacts_.get(); }  ///< nullptr if the input has none
   IncrementalPotential& potential() { return *potential_; }
   /// Of the potential with pressures as unknowns of their own; nullptr if there are none.
   MixedEquation* mixed_equation() { return mixed_equation_.get(); }
@@ -91,12 +93,14 @@ class Model {
   std::vector<int> body_of_cell_;
   std::vector<std::string> body_names_;
   std::vector<double> densities_;
+  std::vector<double> shear_moduli_;  // of each body's stiffest part at rest [Pa]
   std::variant<CellGroups<1>, CellGroups<2>> cells_;
   std::vector<std::shared_ptr<const LawField>> laws_;  // elastic ones of each body
   std::vector<std::unique_ptr<ElasticTerm>> elastic_;
   std::vector<std::unique_ptr<EnergyTerm>> active_;
   std::vector<std::unique_ptr<EnergyTerm>> viscous_;
   std::unique_ptr<Loads> loads_;
+  std::unique_ptr<Contacts> contacts_;
   std::unique_ptr<Inertia> inertia_;
   std::unique_ptr<Constraints> constraints_;
   std::unique_ptr<IncrementalPotential> potential_;

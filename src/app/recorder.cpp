@@ -45,6 +45,21 @@ constexpr std::array<NodeField, 3> node_fields{{
     {"acceleration", "m/s^2", &StepRecord::a},
 }};
 
+/// A field per node, from what the node feels of obstacles.
+struct ContactField {
+  const char* name;
+  const char* unit;
+  int components;
+  void (*put)(const NodalContact&, double*);
+};
+
+constexpr std::array<ContactField, 3> contact_fields{{
+    {"contact_pressure", "Pa", 1, [](const NodalContact& c, double* out) { *out = c.pressure; }},
+    {"contact_gap", "m", 1, [](const NodalContact& c, double* out) { *out = c.gap; }},
+    {"contact_slip", "m/s", 3,
+     [](const NodalContact& c, double* out) { std::copy(c.slip.begin(), c.slip.end(), out); }},
+}};
+
 /// Starts the output directory; before the writers, so that they find it.
 std::filesystem::path prepared_directory(MPI_Comm comm, const Config& config) {
   const std::filesystem::path directory = config.output.directory;
@@ -79,6 +94,7 @@ Recorder::Recorder(const Config& config, const Model& model, const Ledger& ledge
                    const std::optional<Recorded>& earlier)
     : model_(model),
       fields_(config.output.fields),
+      time_scale_(config.time.step > 0.0 ? config.time.step : 1.0),
       static_time_(analysis_of(config) == Analysis::static_equilibrium ? std::optional(config.time.end) : std::nullopt),
       result_(model.layout().comm, prepared_directory(model.layout().comm, config), config.title, output_mesh(model),
               earlier ? earlier->last_frame : -1),
@@ -105,6 +121,14 @@ std::vector<std::string> Recorder::columns(const Config& config, const Ledger& l
                                  "Lx",
                                  "Ly",
                                  "Lz"};
+  const Contacts* contacts = model_.contacts();
+  const auto add_forces = [&](std::size_t begin, std::size_t end, const std::array<const char*, 3>& suffixes) {
+    for (std::size_t c = begin; c < end; ++c) {
+      for (const char* suffix : suffixes) names.push_back(contacts->groups()[c].name + suffix);
+    }
+  };
+  constexpr std::array force_suffixes{"_fx", "_fy", "_fz"};
+  if (contacts != nullptr) add_forces(0, contacts->num_obstacles(), force_suffixes);
   for (const auto& probe : config.probes) {
     for (const char* suffix : {"_x", "_y", "_z", "_vx", "_vy", "_vz"}) names.push_back(probe.name + suffix);
   }
@@ -122,6 +146,11 @@ std::vector<std::string> Recorder::columns(const Config& config, const Ledger& l
   }
   for (const auto& cavity : model_.cavities()) {
     for (const char* suffix : {"_pressure", "_volume"}) names.push_back(cavity.name + suffix);
+  }
+  if (contacts != nullptr) {
+    names.emplace_back("contact_energy");
+    add_forces(0, contacts->num_obstacles(), {"_jx", "_jy", "_jz"});
+    add_forces(contacts->num_obstacles(), contacts->groups().size(), force_suffixes);
   }
   return names;
 }
@@ -142,6 +171,9 @@ void Recorder::record(const StepRecord& record, const Ledger& ledger) {
                           e.balance_error};
   row.insert(row.end(), e.momenta.linear.begin(), e.momenta.linear.end());
   row.insert(row.end(), e.momenta.angular.begin(), e.momenta.angular.end());
+  const std::size_t num_obstacles = model_.contacts() != nullptr ? model_.contacts()->num_obstacles() : 0;
+  const std::span contacts(ledger.contacts());
+  for (const auto& [force, impulse] : contacts.first(num_obstacles)) row.insert(row.end(), force.begin(), force.end());
 
   if (!model_.probes().empty()) {
     check(VecCopy(record.q, q_.get()));
@@ -169,6 +201,15 @@ void Recorder::record(const StepRecord& record, const Ledger& ledger) {
     if (model_.constraints().supports()[s].rigid_part) row.insert(row.end(), torque.begin(), torque.end());
   }
   for (const double value : cavity_states(record)) row.push_back(value);
+  if (model_.contacts() != nullptr) {
+    row.push_back(contact_energy(record));
+    for (const auto& [force, impulse] : contacts.first(num_obstacles)) {
+      row.insert(row.end(), impulse.begin(), impulse.end());
+    }
+    for (const auto& [force, impulse] : contacts.subspan(num_obstacles)) {
+      row.insert(row.end(), force.begin(), force.end());
+    }
+  }
   history_.append(row);
 }
 
@@ -184,6 +225,25 @@ std::vector<double> Recorder::cavity_states(const StepRecord& record) {
     values.insert(values.end(), {cavity.term->pressure(swept, at), cavity.volume - swept});
   }
   return values;
+}
+
+double Recorder::contact_energy(const StepRecord& record) {
+  check(VecCopy(record.q, q_.get()));
+  update_ghosts(q_.get());
+  const ConstGhostedView u(q_.get());
+  return sum(model_.layout().comm, model_.contacts()->energy(model_.instant(record.time), u.span()));
+}
+
+void Recorder::add_contact_fields(const StepRecord& record, std::vector<std::vector<double>>& storage,
+                                  std::vector<OutputField>& fields) {
+  const ConstArrayView u(record.q), velocity(record.v);
+  const auto nodes = model_.contacts()->at_nodes(model_.instant(record.time), time_scale_, u.span(), velocity.span());
+  for (const ContactField& field : contact_fields) {
+    if (std::ranges::find(fields_, field.name) == fields_.end()) continue;
+    auto& values = storage.emplace_back(field.components * nodes.size(), 0.0);
+    for (std::size_t a = 0; a < nodes.size(); ++a) field.put(nodes[a], &values[field.components * a]);
+    fields.push_back({field.name, field.unit, FieldLocation::node, field.components, values});
+  }
 }
 
 void Recorder::write_frame(const StepRecord& record) {
@@ -205,6 +265,7 @@ void Recorder::write_frame(const StepRecord& record) {
     }
     fields.push_back({field.name, field.unit, FieldLocation::node, 3, values});
   }
+  if (model_.contacts() != nullptr) add_contact_fields(record, storage, fields);
   std::vector<std::pair<const StressField*, double*>> places;
   for (const auto& field : cell_fields) {
     if (!wanted(field.name)) continue;

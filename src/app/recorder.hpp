@@ -39,10 +39,14 @@ class Recorder {
  private:
   /// Gauge pressure [Pa] and volume [m^3] of each cavity.
   std::vector<double> cavity_states(const StepRecord& record);
+  double contact_energy(const StepRecord& record);
+  void add_contact_fields(const StepRecord& record, std::vector<std::vector<double>>& storage,
+                          std::vector<OutputField>& fields);
   std::vector<std::string> columns(const Config& config, const Ledger& ledger) const;
 
   const Model& model_;
   std::vector<std::string> fields_;
+  double time_scale_;                  // over which the velocities of obstacles are told [s]
   std::optional<double> static_time_;  // at which formulas are evaluated while the load factor grows [s]
   double seconds_ = 0.0;
   ResultWriter result_;

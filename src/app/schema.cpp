@@ -19,7 +19,6 @@ std::string in_section(const std::string& name) {
 }
 
 std::string unknown_key(const std::string& key, const std::string& section_name, const KeyInfo& section) {
-  if (is_planned(key)) return "'" + key + "' is not supported by this version of Pliant";
   const std::string message = "unknown key '" + excerpt(key) + "'" + in_section(section_name);
   const auto names = names_of(section.children);
   if (const std::size_t colon = key.find(':'); colon != std::string::npos) {

@@ -94,6 +94,8 @@ Format<std::string> choice(const std::vector<std::string>& names);
 Format<Expression> expression(const std::string& unit, Variables variables);
 /// As `expression`, or the word `free` for nothing.
 Format<std::optional<Expression>> expression_or_free(const std::string& unit, Variables variables);
+/// A direction, of any length but none.
+Format<std::array<double, 3>> direction_of_any_length();
 /// A part of the mesh, chosen in the way of the kind.
 Format<Selection> selection(Selection::Kind kind);
 
@@ -105,9 +107,6 @@ bool check_keys(const InputNode& node, const std::string& name, const KeyInfo& s
 
 /// JSON schema of a map with these keys.
 Json object_schema(const std::vector<KeyInfo>& keys, const std::vector<KeyGroup>& groups);
-
-/// Keys and values that Pliant's interface names but this version does not do yet; they get a message of their own.
-bool is_planned(std::string_view word);
 
 /// A choice of names that stand for values.
 template <class V>

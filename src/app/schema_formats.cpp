@@ -222,10 +222,6 @@ Format<std::string> choice(const std::vector<std::string>& names) {
       into = node.text;
       return true;
     }
-    if (is_planned(node.text)) {
-      problems.add(node.where, "'" + name + "': '" + node.text + "' is not supported by this version of Pliant");
-      return false;
-    }
     const std::string wanted = names.size() == 1 ? "'" + names.front() + "'" : "one of " + joined(names);
     problems.add(node.place(),
                  "'" + name + "' must be " + wanted + ", not " + description(node) + did_you_mean(node.text, names));
@@ -261,6 +257,19 @@ Format<std::optional<Expression>> expression_or_free(const std::string& unit, Va
   };
   format.write = [value](const std::optional<Expression>& e) {
     return e ? value.write(*e) : InputNode::scalar("free");
+  };
+  return format;
+}
+
+Format<std::array<double, 3>> direction_of_any_length() {
+  Format<std::array<double, 3>> format = array_of<3>(quantity("1"));
+  format.type = "direction [x, y, z], of any length";
+  format.read = [read = format.read](const InputNode& node, const std::string& name, Problems& problems,
+                                     std::array<double, 3>& into) {
+    if (!read(node, name, problems, into)) return false;
+    const bool is_zero = std::ranges::all_of(into, [](double x) { return x == 0.0; });
+    if (is_zero) problems.add(node.where, "'" + name + "' must have a length; [0, 0, 0] points nowhere");
+    return !is_zero;
   };
   return format;
 }

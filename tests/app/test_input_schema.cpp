@@ -135,6 +135,19 @@ const std::vector<std::string> good_lines{
     "point_spring: 2 N/m, point_dashpot: 1}]",
     "cavities: [{name: a, surface: b, gas: {}}, {name: c, where: x, liquid: {added_volume: t}}]",
     "cavities: [{name: a, surface: b, volume: 1, pressure: 2 kPa}]",
+    "contact: {law: barrier, stiffness: 1 MPa/m, width: 1 mm, threshold: 0, friction_update: iterated, stick_velocity: "
+    "1 "
+    "cm/s, obstacles: [{name: a, shape: plane, normal: [0, 0, 2], friction: 0.5, viscous_friction: 1, normal_damping: "
+    "0.1 "
+    "s/m}]}",
+    "contact: {obstacles: [{name: a, shape: sphere, radius: 1, side: inside, motion: {translate: [\"t\", 0, 0]}}, "
+    "{name: "
+    "b, shape: cylinder, axis: [1, 0, 0], radius: 1 mm, length: 1, motion: {rotate: {axis: [0, 0, 1], angle: t}}}, "
+    "{name: "
+    "c, shape: capsule, axis: [1, 0, 0], radius: 1, length: 2, point: [0, 1, 0]}, {name: d, shape: box, size: [1, 1, "
+    "1], "
+    "motion: {rotate: {axis: [0, 0, 1], angle: 30 degree, center: [0, 0, 0]}}}, {name: e, shape: surface, file: a.stl, "
+    "scale: 0.001}]}",
     "loads: [{force_density: [0, 0, 1 N/m^3]}, {curve: c, line_force: [0, t, 1]}, {point: p, force: [0, 1 N, 0]}, "
     "{surface: s, force: [1, 1, 1]}, {volume: v, force_density: [1, 0, 0]}]",
     "constraints: [{surface: a, symmetry: plane}, {where: x, normal_displacement: \"t\"}, {point: a, "
@@ -160,6 +173,15 @@ const std::vector<std::string> good_lines{
 
 const std::vector<std::string> bad_lines{
     "contact: 1",
+    "contact: {}",
+    "contact: {obstacles: []}",
+    "contact: {obstacles: [{shape: sphere, radius: 1}]}",
+    "contact: {obstacles: [{name: a, shape: sphere}]}",
+    "contact: {obstacles: [{name: a, shape: sphere, radius: 1, normal: [0, 0, 1]}]}",
+    "contact: {obstacles: [{name: a, shape: plane, normal: [0, 0, 1], radius: 1}]}",
+    "contact: {law: spring, obstacles: [{name: a, shape: sphere, radius: 1}]}",
+    "contact: {obstacles: [{name: a, shape: sphere, radius: 1, friction: -1}]}",
+    "contact: {obstacles: [{name: a, shape: sphere, radius: 1, motion: {rotate: {angle: 1}}}]}",
     "loads: [{gravity: [0, 0, 1], surface: a}]",
     "loads: [{gravity: [0, 0, 1], volume: a, where: x}]",
     "loads: [{traction: [0, 0, 1]}]",

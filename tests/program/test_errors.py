@@ -26,7 +26,7 @@ BAD_LINES = {
     "unknown key": ("bodies", "bodies: [{density: 1, elasticity: {model: linear, @youngs_modulos: 1, poissons_ratio: 0}}]",
                     "did you mean 'youngs_modulus'"),
     "unknown section": ("output", "@constrains: []", "did you mean 'constraints'"),
-    "a key of a later version": ("output", "@contact: {law: penalty}", "not supported by this version"),
+    "contact with nothing": ("output", "contact: @{law: penalty}", "missing key 'obstacles'"),
     "wrong unit": ("time", "time: {step: @5 mm, end: 1}", "5 mm"),
     "no such unit": ("time", "time: {step: @5 flops, end: 1}", "flops"),
     "not a number": ("bodies", "bodies: [{density: @heavy, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}}]",
@@ -66,6 +66,12 @@ BAD_AGAINST_THE_MESH = {
     "misspelt surface": ("constraints", "constraints: [{surface: @lefd, displacement: [0, 0, 0]}]", "did you mean 'left'"),
     "surface as volume": ("bodies", "bodies: [{volume: @left, " + LAW + "}]", "surface: left|surface"),
     "volume as surface": ("constraints", "constraints: [{surface: @body, displacement: [0, 0, 0]}]", "volume"),
+    "an open surface as obstacle": ("output", "contact: {obstacles: [{name: a, shape: surface, file: @open.stl}]}",
+                                    "not closed: 3 edges"),
+    "an obstacle from no file": ("output", "contact: {obstacles: [{name: a, shape: surface, file: @nowhere.stl}]}",
+                                 "nowhere.stl"),
+    "a body beyond a barrier": ("output", "contact: {law: barrier, obstacles: [@{name: a, shape: plane, "
+                                "normal: [0, 0, 1], point: [0, 0, 0.5]}]}", "reaches into the obstacle 'a'"),
     "box of nothing": ("constraints", "constraints: [{box: @[[2, 2, 2], [3, 3, 3]], displacement: [0, 0, 0]}]", "no node"),
     "condition on nothing": ("constraints", 'constraints: [{where: @"x > 7", displacement: [0, 0, 0]}]', "no node"),
     "traction on nothing": ("loads", 'loads: [{where: @"x > 7", traction: [0, 0, 1]}]', "no facet"),
@@ -124,6 +130,12 @@ BAD_COMMANDS = {
 }
 
 
+# Three faces of a tetrahedron.
+OPEN_STL = "solid a\n" + "".join(
+    f"facet normal 0 0 0\nouter loop\nvertex {a}\nvertex {b}\nvertex {c}\nendloop\nendfacet\n"
+    for a, b, c in (("0 0 0", "0 1 0", "1 0 0"), ("0 0 0", "1 0 0", "0 0 1"), ("0 0 0", "0 0 1", "0 1 0"))) + "endsolid a\n"
+
+
 class Errors(MistakesTest):
     def case(self, name):
         """A directory with the good input and meshes, and what users name by mistake."""
@@ -139,6 +151,7 @@ class Errors(MistakesTest):
         (directory / "binary.yaml").write_bytes(bytes(range(256)))
         (directory / "bad.geo").write_text("Point(1) = {0, 0, 0};\nLine(1) = {1, 2;\n")
         (directory / "flat.geo").write_text('SetFactory("OpenCASCADE");\nRectangle(1) = {0, 0, 0, 1, 1};\n')
+        (directory / "open.stl").write_text(OPEN_STL)
         if name in IN_TWO_VOLUMES:
             points, triangles, cells = box((2, 2, 2))
             above = (points[cells].mean(axis=1)[:, 2] > 0.5).astype(int)

@@ -1,0 +1,221 @@
+#include "app/contacts.hpp"
+
+#include "app/model.hpp"
+#include "fem/surface_distance.hpp"
+#include "petsc/collective.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// A spring of 10 Young's moduli per facet gives way by a tenth of what an element does, and is no stiffer than ten of
+/// them: nothing that a factorization or a Newton step would notice. E is 2 to 3 shear moduli.
+constexpr double shear_moduli_per_facet = 30.0;
+/// Of the size of a facet: what the rounding of the kink moves the body by.
+constexpr double width_per_facet = 1.0 / 50.0;
+
+Vector3<double> unit(const Vector3<double>& a) {
+  return (1.0 / std::sqrt(dot(a, a))) * a;
+}
+
+/// Collective.
+std::unique_ptr<SignedDistance> shape_of(MPI_Comm comm, const ObstacleConfig& o) {
+  switch (o.shape) {
+    case ObstacleConfig::Shape::plane:
+      return make_distance(PlaneShape{o.point, unit(o.normal)});
+    case ObstacleConfig::Shape::sphere:
+      return make_distance(SphereShape{o.point, o.radius});
+    case ObstacleConfig::Shape::cylinder:
+      return make_distance(
+          CylinderShape{o.point, unit(o.axis), o.radius, o.length.value_or(std::numeric_limits<double>::infinity())});
+    case ObstacleConfig::Shape::capsule:
+      return make_distance(CapsuleShape{o.point, unit(o.axis), o.radius, o.length.value_or(0.0)});
+    case ObstacleConfig::Shape::surface:
+      return make_distance(read_surface(comm, {o.file.value, o.file.where, {}, o.scale}));
+    case ObstacleConfig::Shape::box:
+      break;
+  }
+  return make_distance(BoxShape{o.point, o.size});
+}
+
+RigidMotion motion_of(const ObstacleConfig& o) {
+  RigidMotion motion;
+  motion.translation = {Expression(), Expression(), Expression()};
+  motion.axis = {0.0, 0.0, 1.0};
+  motion.centre = o.point;
+  if (!o.motion) return motion;
+  for (std::size_t i = 0; i < 3; ++i) motion.translation[i] = o.motion->translate[i];
+  if (const auto& rotate = o.motion->rotate) {
+    motion.axis = unit(rotate->axis);
+    motion.angle = rotate->angle;
+    motion.centre = rotate->center.value_or(o.point);
+  }
+  return motion;
+}
+
+/// The bodies of local facets, found by the corners of the cells.
+class BodyOfFacets {
+ public:
+  explicit BodyOfFacets(const ContactBodies& bodies) {
+    for (PetscInt c = 0; c < bodies.layout.num_local_cells; ++c) {
+      const auto nodes = bodies.layout.nodes_of_cell(c);
+      for (std::size_t left_out = 0; left_out < 4; ++left_out) {
+        Corners corners{};
+        for (std::size_t a = 0, i = 0; a < 4; ++a) {
+          if (a != left_out) corners[i++] = nodes[a];
+        }
+        std::ranges::sort(corners);
+        bodies_.insert({corners, bodies.body_of_cell[c]});
+      }
+    }
+  }
+  int operator()(std::span<const PetscInt> nodes) const {
+    Corners corners{nodes[0], nodes[1], nodes[2]};
+    std::ranges::sort(corners);
+    const auto found = bodies_.find(corners);
+    return found == bodies_.end() ? -1 : found->second;
+  }
+
+ private:
+  using Corners = std::array<PetscInt, 3>;
+  std::map<Corners, int> bodies_;
+};
+
+/// Area of the triangle of a facet's corners [m^2].
+double corner_area(const NodeLayout& layout, std::span<const PetscInt> nodes) {
+  const auto X = layout.position(nodes[0]);
+  const auto n = cross(layout.position(nodes[1]) - X, layout.position(nodes[2]) - X);
+  return 0.5 * std::sqrt(dot(n, n));
+}
+
+}  // namespace
+
+Contacts::Contacts(const ContactConfig& config, const ContactBodies& bodies)
+    : config_(config), layout_(bodies.layout), body_names_(bodies.names) {
+  for (const auto& o : config.obstacles) {
+    auto shape = shape_of(layout_.comm, o);
+    if (o.side == ObstacleConfig::Side::inside) shape = hollow(std::move(shape));
+    obstacles_.push_back(std::make_shared<const Obstacle>(std::move(shape), motion_of(o)));
+  }
+  add_surfaces(bodies);
+}
+
+void Contacts::add_surfaces(const ContactBodies& bodies) {
+  const auto everywhere = [](const std::array<double, 3>&) { return true; };
+  const FacetList all = surface_facets(bodies.mesh, layout_, everywhere);
+  const auto n = static_cast<std::size_t>(all.nodes_per_facet);
+  std::vector<FacetList> facets(body_names_.size());
+  for (FacetList& list : facets) list.nodes_per_facet = all.nodes_per_facet;
+  surface_of_node_.assign(static_cast<std::size_t>(layout_.num_owned_nodes), -1);
+  const BodyOfFacets body_of(bodies);
+  std::vector<double> area(body_names_.size(), 0.0), number(body_names_.size(), 0.0);
+  for (PetscInt f = 0; f < all.size(); ++f) {
+    const auto nodes = std::span(all.nodes).subspan(f * n, n);
+    const int body = body_of(nodes);
+    const auto is_held = [&](PetscInt a) {
+      return bodies.prescribed[3 * a] && bodies.prescribed[3 * a + 1] && bodies.prescribed[3 * a + 2];
+    };
+    if (body < 0 || std::ranges::all_of(nodes, is_held)) continue;
+    FacetList& list = facets[body];
+    list.nodes.insert(list.nodes.end(), nodes.begin(), nodes.end());
+    list.is_owned.push_back(all.is_owned[f]);
+    list.is_outer.push_back(all.is_outer[f]);
+    for (const PetscInt a : nodes) {
+      if (a < layout_.num_owned_nodes) surface_of_node_[a] = body;
+    }
+    if (!all.is_owned[f]) continue;
+    area[body] += corner_area(layout_, nodes);
+    number[body] += 1.0;
+  }
+  for (std::size_t b = 0; b < facets.size(); ++b) {
+    const double total = sum(layout_.comm, area[b]), count = sum(layout_.comm, number[b]);
+    const double size = count > 0.0 ? std::sqrt(2.0 * total / count) : 1.0;  // legs of a right triangle
+    const NormalLaw law{config_.law, config_.stiffness.value_or(shear_moduli_per_facet * bodies.shear_moduli[b] / size),
+                        config_.width.value_or(width_per_facet * size), config_.threshold};
+    surfaces_.push_back(std::make_shared<const ContactSurface>(layout_, bodies.pattern, std::move(facets[b]), law));
+    description_.push_back(
+        fmt::format("contact of '{}': {:.0f} facets of some {:.3g} m, stiffness {:.3g} Pa/m, width {:.3g} m",
+                    body_names_[b], count, size, law.stiffness, law.width));
+  }
+}
+
+void Contacts::prepare(const Config& config) {
+  terms_.clear();
+  pairs_.clear();
+  groups_.clear();
+  const bool has_velocity = analysis_of(config) != Analysis::static_equilibrium;
+  std::vector<ContactGroup> of_pairs;
+  for (std::size_t k = 0; k < obstacles_.size(); ++k) {
+    const ObstacleConfig& o = config_.obstacles[k];
+    ContactGroup of_obstacle{o.name, {}};
+    for (std::size_t b = 0; b < surfaces_.size(); ++b) {
+      ContactGroup of_pair{o.name + "_" + body_names_[b], {}};
+      const auto add = [&](std::unique_ptr<EnergyTerm> term) {
+        of_obstacle.terms.push_back(term.get());
+        of_pair.terms.push_back(term.get());
+        terms_.push_back(std::move(term));
+      };
+      auto contact = std::make_unique<Contact>(surfaces_[b], obstacles_[k]);
+      pairs_.push_back({k, b, contact.get()});
+      add(std::move(contact));
+      if (has_velocity && (o.friction > 0.0 || o.viscous_friction > 0.0)) {
+        add(make_friction(surfaces_[b], obstacles_[k], {o.friction, o.viscous_friction, config_.stick_velocity},
+                          config_.friction_update));
+      }
+      if (has_velocity && o.normal_damping > 0.0) {
+        add(make_normal_damping(surfaces_[b], obstacles_[k], {o.normal_damping}, config_.friction_update));
+      }
+      of_pairs.push_back(std::move(of_pair));
+    }
+    groups_.push_back(std::move(of_obstacle));
+  }
+  if (surfaces_.size() > 1) std::ranges::move(of_pairs, std::back_inserter(groups_));
+}
+
+void Contacts::check_start(const Instant& at, std::span<const double> q) const {
+  for (const auto& [obstacle, body, term] : pairs_) {
+    if (std::isfinite(sum(layout_.comm, term->energy_at(at, q, {})))) continue;
+    const ObstacleConfig& o = config_.obstacles[obstacle];
+    throw InputError(o.where, fmt::format("'{}' reaches into the obstacle '{}' at the start, which a barrier does not "
+                                          "allow; move one of them, or use 'law: penalty'",
+                                          body_names_[body], o.name));
+  }
+}
+
+double Contacts::energy(const Instant& at, std::span<const double> q) const {
+  double total = 0.0;
+  for (const auto& pair : pairs_) total += pair.term->energy_at(at, q, {});
+  return total;
+}
+
+std::vector<NodalContact> Contacts::at_nodes(const Instant& at, double dt, std::span<const double> q,
+                                             std::span<const double> v) const {
+  std::vector<NodalContact> result(static_cast<std::size_t>(layout_.num_owned_nodes));
+  for (NodalContact& node : result) node.gap = std::numeric_limits<double>::infinity();
+  const auto vector_at = [](std::span<const double> values, PetscInt a) {
+    return Vector3<double>{values[3 * a], values[3 * a + 1], values[3 * a + 2]};
+  };
+  for (const auto& obstacle : obstacles_) {
+    const ObstacleFrame frame = obstacle->at(at, dt);
+    for (PetscInt a = 0; a < layout_.num_owned_nodes; ++a) {
+      NodalContact& node = result[a];
+      const auto x = layout_.position(a) + vector_at(q, a);
+      const DistanceAt distance = frame.at(x);
+      node.gap = std::min(node.gap, distance.d - config_.threshold);
+      if (surface_of_node_[a] < 0) continue;
+      const double pressure = surfaces_[surface_of_node_[a]]->law()(distance.d).pressure;
+      if (pressure <= 0.0) continue;
+      node.pressure += pressure;
+      const auto relative = vector_at(v, a) - frame.velocity(x);
+      node.slip = relative - dot(relative, distance.n) * distance.n;
+    }
+  }
+  return result;
+}
+
+}  // namespace pliant

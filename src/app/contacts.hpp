@@ -1,0 +1,84 @@
+/// The obstacles of the input and the terms of their contact with the bodies.
+#pragma once
+
+#include "app/config.hpp"
+#include "energy/contact.hpp"
+#include "fem/layout.hpp"
+#include "mesh/mesh.hpp"
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+/// What touches obstacles; outlives the terms.
+struct ContactBodies {
+  const Mesh& mesh;
+  const NodeLayout& layout;
+  const BlockPattern& pattern;
+  const std::vector<int>& body_of_cell;     ///< per local cell
+  const std::vector<std::string>& names;    ///< of the bodies
+  const std::vector<double>& shear_moduli;  ///< per body, of its stiffest part at rest [Pa]
+  const std::vector<char>& prescribed;      ///< one flag per local entry
+};
+
+/// Terms whose forces history.csv sums: those of an obstacle, or of an obstacle on one body.
+struct ContactGroup {
+  std::string name;
+  std::vector<const EnergyTerm*> terms;
+};
+
+/// What a node feels.
+struct NodalContact {
+  double gap = 0.0;        ///< to the nearest obstacle's spring or wall [m]
+  double pressure = 0.0;   ///< [Pa]
+  Vector3<double> slip{};  ///< velocity along the obstacle that it touches, relative to it [m/s]
+};
+
+class Contacts {
+ public:
+  /// Facets of the bodies' surface take part unless all their entries are prescribed. Collective.
+  Contacts(const ContactConfig& config, const ContactBodies& bodies);
+
+  /// Makes the terms for the input's analysis: a static one knows no velocity, so no friction and no damping. What
+  /// terms() and groups() gave before is gone. Not collective.
+  void prepare(const Config& config);
+
+  std::span<const std::unique_ptr<EnergyTerm>> terms() const { return terms_; }
+  /// Of the obstacles, in the order of the input, then, if there are several bodies, of the pairs.
+  const std::vector<ContactGroup>& groups() const { return groups_; }
+  std::size_t num_obstacles() const { return obstacles_.size(); }
+
+  /// Throws InputError if a body lies beyond a barrier. Collective.
+  void check_start(const Instant& at, std::span<const double> q) const;
+  /// The energy of all contacts, of this rank's part [J].
+  double energy(const Instant& at, std::span<const double> q) const;
+  /// Of the owned nodes; nodes within the bodies have a gap and nothing else. `dt`: the time over which the velocities
+  /// of obstacles are told.
+  std::vector<NodalContact> at_nodes(const Instant& at, double dt, std::span<const double> q,
+                                     std::span<const double> v) const;
+  /// What was derived from material and mesh, in words.
+  const std::vector<std::string>& description() const { return description_; }
+
+ private:
+  struct Pair {
+    std::size_t obstacle, body;
+    const Contact* term;
+  };
+  void add_surfaces(const ContactBodies& bodies);
+
+  ContactConfig config_;
+  const NodeLayout& layout_;
+  std::vector<std::string> body_names_;
+  std::vector<std::shared_ptr<const Obstacle>> obstacles_;
+  std::vector<std::shared_ptr<const ContactSurface>> surfaces_;  // of the bodies
+  std::vector<int> surface_of_node_;                             // per owned node: its body, -1 if it is inside
+  std::vector<std::unique_ptr<EnergyTerm>> terms_;
+  std::vector<Pair> pairs_;
+  std::vector<ContactGroup> groups_;
+  std::vector<std::string> description_;
+};
+
+}  // namespace pliant

@@ -1,0 +1,140 @@
+#!/usr/bin/python3
+"""Bodies and obstacles: weight at rest, slopes, bounces, friction with moving things, barriers, ranks."""
+import unittest
+
+import numpy as np
+
+from program import ROOT, ProgramTest
+
+CUBE = ROOT / "meshes/unit_cube.msh"  # 1 m, its bottom at z = 0
+G = 9.81
+METHODS = ("backward-euler", "bdf2", "bdf3", "dirk22", "dirk23", "dirk33", "implicit-midpoint", "symplectic-dirk22")
+
+
+def cube(floor="", contact="", young="1e6", viscosity="", gravity=(0, 0, -G), above=0.0, velocity=(0, 0, 0), rest=""):
+    """A cube of 1000 kg above a floor at z = 0."""
+    return f"""
+mesh: {{file: {CUBE}}}
+bodies:
+  - {{density: 1000, elasticity: {{model: neo-hookean, youngs_modulus: {young}, poissons_ratio: 0.3}}{viscosity}}}
+loads: [{{gravity: ["{gravity[0]}", {gravity[1]!r}, {gravity[2]!r}]}}]
+initial: {{displacement: [0, 0, {above}], velocity: [{velocity[0]}, {velocity[1]}, {velocity[2]}]}}
+contact:
+  {contact}
+  obstacles:
+    - {{name: floor, shape: plane, normal: [0, 0, 1]{floor}}}
+solver: {{newton: {{relative: 1e-10}}}}
+{rest}
+"""
+
+
+DAMPED = ", viscosity: [{model: mass-proportional, decay_rate: 20}, {model: stiffness-proportional, time: 2 ms}]"
+
+
+class Contact(ProgramTest):
+    def run_cube(self, name, time, ranks=1, timeout=120, **options):
+        text = cube(**options) + f"time: {{{time}}}\noutput: {{every: 1}}\n"
+        return self.run_input(self.write(name + ".yaml", text), output=name, ranks=ranks, timeout=timeout)
+
+    def test_a_body_at_rest_weighs_what_it_weighs(self):
+        # Mass-proportional damping near the critical one of its sinking takes what moves it within the time.
+        for young, dt, end, rate in (("1e4", "25 ms", 7, 5), ("1e8", "25 ms", 4, 20), ("1e6", "5 ms", 3, 20), ("1e8", "1 ms", 2, 20)):
+            with self.subTest(young=young, dt=dt):
+                h = self.run_cube("rest" + young + dt[0], f"method: bdf2, step: {dt}, end: {end}", young=young,
+                                  viscosity=DAMPED.replace("20}", f"{rate}}}"), above=0.005)
+                self.assertAlmostEqual(h["floor_fz"][-1] / (1000 * G), 1, delta=1e-6)
+                self.assertLess(abs(h["floor_fx"][-1]), 1e-6 * 1000 * G)
+                self.assertEqual(len(h["step"]), round(end / (float(dt.split()[0]) / 1000)) + 1, "a step was cut")
+                self.assertLess(h["newton_iterations"].max(), 30)
+
+    def test_slope(self):
+        # The floor is level and the gravity leans, slowly, so that nothing swings; tan 26.565 degrees = 0.5.
+        def slide(degrees):
+            a = np.radians(degrees)
+            return a, self.run_cube(f"slope{degrees}", "method: backward-euler, step: 10 ms, end: 2.2",
+                                    floor=", friction: 0.5, normal_damping: 1 s/m", viscosity=DAMPED.replace("20}", "0.001}"),
+                                    gravity=(f"{G * np.sin(a)}*min(t, 1)", 0.0, -G * np.cos(a)),
+                                    above=0.005, young="1e7")
+
+        a, h = slide(26.4)
+        late = h["time"] > 1.8
+        self.assertLess(np.abs(h["px"][late] / 1000).max(), 1e-3, "sticking creeps below the stick velocity")
+        self.assertGreater(h["px"][late].min() / 1000, 0.5e-3, "... but near it: 99.3 % of what friction can hold")
+        a, h = slide(26.7)
+        late = h["time"] > 1.8
+        acceleration = np.polyfit(h["time"][late], h["px"][late] / 1000, 1)[0]
+        expected = G * (np.sin(a) - 0.5 * np.cos(a))
+        self.assertAlmostEqual(acceleration / expected, 1, delta=0.01)
+
+    def test_momentum_is_balanced_by_the_impulses_of_contact(self):
+        for method in METHODS:
+            for update in ("frozen", "iterated"):
+                with self.subTest(method=method, update=update):
+                    h = self.run_cube(f"bounce-{method}-{update}", f"method: {method}, step: 5 ms, end: 0.4",
+                                      contact=f"friction_update: {update}", floor=", friction: 0.3, normal_damping: 0.1 s/m",
+                                      above=0.05, velocity=(1, 0, -1))
+                    self.assertGreater(h["floor_jz"][-1], 1000)
+                    self.assertGreater(h["dissipated_friction"][-1], 0.1 * h["kinetic_energy"][0] / 10)
+                    scale = 1000 * G * 0.4
+                    for axis, weight in (("x", 0), ("y", 0), ("z", -1000 * G)):
+                        p = h["p" + axis]
+                        left = p - p[0] - weight * h["time"] - h["floor_j" + axis]
+                        self.assertLess(np.abs(left).max(), 1e-8 * scale)
+                    energy = h["kinetic_energy"] + h["elastic_energy"] + h["load_potential"]
+                    self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-7 * energy[0])
+
+    def test_bounces_gain_no_energy(self):
+        # Without friction; what a method loses is its own. (bdf3 is unstable for slow vibrations, and wants damping.)
+        for method in METHODS:
+            with self.subTest(method):
+                h = self.run_cube("bounces-" + method, f"method: {method}, step: 4 ms, end: 4", young="1e5", above=0.1,
+                                  viscosity=", viscosity: {model: stiffness-proportional, time: 2 ms}" if method == "bdf3" else "")
+                energy = h["kinetic_energy"] + h["elastic_energy"] + h["load_potential"]
+                scale = 1000 * G * 0.1
+                touches = np.diff((h["floor_fz"] > 0).astype(int)) > 0
+                self.assertGreaterEqual(touches.sum(), 2)
+                self.assertLess((energy - energy[0]).max(), 0.02 * scale)
+                if "symplectic" in method or "midpoint" in method:
+                    self.assertLess(np.abs(energy - energy[0]).max(), 0.05 * scale)
+
+    def test_a_belt_carries_the_body_along(self):
+        # The floor moves at 0.5 m/s: the body slides, mu g, until it moves with it; the ledger closes with the belt's work.
+        h = self.run_cube("belt", "method: bdf2, step: 5 ms, end: 0.8", contact="friction_update: iterated", young="1e7",
+                          viscosity=DAMPED.replace("20}", "0.001}"), floor=', friction: 0.3, motion: {translate: ["0.5*t", 0, 0]}')
+        v = h["px"] / 1000
+        sliding = (h["time"] > 0.05) & (h["time"] < 0.12)
+        self.assertAlmostEqual(np.polyfit(h["time"][sliding], v[sliding], 1)[0] / (0.3 * G), 1, delta=0.25)
+        self.assertAlmostEqual(v[-1], 0.5, delta=2e-3)
+        self.assertGreater(h["load_work"][-1], 100)
+        # Half of the belt's work slides away: 1/2 m v^2 moves the body, as much is friction's.
+        self.assertAlmostEqual(h["dissipated_friction"][-1] / 125, 1, delta=0.05)
+        self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-6 * h["load_work"][-1])
+
+    def test_nothing_passes_a_barrier(self):
+        for velocity, step in ((-10, "5 ms"), (-1, "10 ms")):
+            with self.subTest(velocity):
+                text = cube(contact="law: barrier", young="1e6", above=0.3, velocity=(0.5, 0, velocity)) + (
+                    f"time: {{method: bdf2, step: {step}, end: 0.3}}\n"
+                    f"output: {{every: {step}, fields: [displacement, contact_gap, contact_pressure]}}\n")
+                name = f"barrier{-velocity}"
+                h = self.run_input(self.write(name + ".yaml", text), output=name)
+                self.assertGreater(h["floor_jz"][-1], 1000)
+                import h5py
+                with h5py.File(self.directory / name / "result.h5") as file:
+                    gaps = []
+                    file.visititems(lambda path, item: gaps.append(np.min(item)) if path.endswith("contact_gap") else None)
+                self.assertGreater(len(gaps), 10)
+                self.assertGreater(min(gaps), 0)
+                self.assertLess(min(gaps), 0.02)
+
+    def test_ranks_agree(self):
+        runs = [self.run_cube(f"ranks{n}", "method: dirk22, step: 5 ms, end: 0.2", ranks=n, above=0.02, velocity=(0.5, 0, -0.5),
+                              contact="friction_update: iterated", floor=", friction: 0.3, normal_damping: 0.1 s/m")
+                for n in (1, 2, 3)]
+        for other in runs[1:]:
+            compared = {k: v for k, v in runs[0].items() if "iterations" not in k}
+            self.assert_same_history(compared, {k: other[k] for k in compared}, 1e-6)
+
+
+if __name__ == "__main__":
+    unittest.main()
