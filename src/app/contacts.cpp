@@ -58,10 +58,12 @@ RigidMotion motion_of(const ObstacleConfig& o) {
   return motion;
 }
 
-/// The bodies of local facets, found by the corners of the cells.
+/// The bodies of facets, found by the corners of the cells.
 class BodyOfFacets {
  public:
-  explicit BodyOfFacets(const ContactBodies& bodies) {
+  BodyOfFacets(const ContactBodies& bodies, const FacetList& facets) {
+    std::vector<char> is_on_facets(static_cast<std::size_t>(bodies.layout.num_local_nodes), 0);
+    for (const PetscInt node : facets.nodes) is_on_facets[node] = 1;
     for (PetscInt c = 0; c < bodies.layout.num_local_cells; ++c) {
       const auto nodes = bodies.layout.nodes_of_cell(c);
       for (std::size_t left_out = 0; left_out < 4; ++left_out) {
@@ -69,6 +71,7 @@ class BodyOfFacets {
         for (std::size_t a = 0, i = 0; a < 4; ++a) {
           if (a != left_out) corners[i++] = nodes[a];
         }
+        if (!std::ranges::all_of(corners, [&](PetscInt a) { return is_on_facets[a] != 0; })) continue;
         std::ranges::sort(corners);
         bodies_.insert({corners, bodies.body_of_cell[c]});
       }
@@ -112,7 +115,7 @@ void Contacts::add_surfaces(const ContactBodies& bodies) {
   std::vector<FacetList> facets(body_names_.size());
   for (FacetList& list : facets) list.nodes_per_facet = all.nodes_per_facet;
   surface_of_node_.assign(static_cast<std::size_t>(layout_.num_owned_nodes), -1);
-  const BodyOfFacets body_of(bodies);
+  const BodyOfFacets body_of(bodies, all);
   std::vector<double> area(body_names_.size(), 0.0), number(body_names_.size(), 0.0);
   for (PetscInt f = 0; f < all.size(); ++f) {
     const auto nodes = std::span(all.nodes).subspan(f * n, n);

@@ -1,5 +1,7 @@
 #include "energy/obstacle.hpp"
 
+#include <algorithm>
+
 namespace pliant {
 
 ObstacleFrame::ObstacleFrame(const SignedDistance& shape, const Vector3<double>& centre, const Placement& placement)
@@ -21,6 +23,11 @@ DistanceAt ObstacleFrame::at(const Vector3<double>& x) const {
 
 Obstacle::Obstacle(std::shared_ptr<const SignedDistance> shape, const RigidMotion& motion)
     : shape_(std::move(shape)), motion_(motion), translation_{motion.translation}, angle_{{motion.angle}} {}
+
+bool Obstacle::moves() const {
+  const auto is_zero = [](const std::optional<Expression>& component) { return !component || component->is_zero(); };
+  return !motion_.angle.is_zero() || !std::ranges::all_of(motion_.translation, is_zero);
+}
 
 ObstacleFrame Obstacle::at(const Instant& instant) const {
   return {*shape_, motion_.centre, motion_.at(instant.time, instant.load_factor)};

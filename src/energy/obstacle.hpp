@@ -42,7 +42,8 @@ class Obstacle {
   ObstacleFrame at(const Instant& instant) const;
   /// With velocities: one-sided differences over `time_scale` of the motion's formulas (GivenKinematics).
   ObstacleFrame at(const Instant& instant, double time_scale) const;
-  bool moves() const { return motion_.depends_on_time(); }
+  /// In time, or with the load factor.
+  bool moves() const;
   const SignedDistance& shape() const { return *shape_; }
 
  private:
