@@ -33,3 +33,21 @@ function(pliant_layer name)
     target_link_libraries(pliant_${name} INTERFACE pliant_options ${ARGN})
   endif()
 endfunction()
+
+# src/mesh/gmsh/*.cpp with libgmsh as a library that programs load when they first need it (mesh/gmsh/module.hpp).
+function(pliant_gmsh_module)
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/mesh/gmsh/*.cpp)
+  add_library(pliant_gmsh MODULE ${sources})
+  target_link_libraries(pliant_gmsh PRIVATE pliant_mesh ${GMSH_LIBRARY})
+  set_target_properties(pliant_gmsh PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/lib)
+  foreach(layer base petsc mesh)
+    set_target_properties(pliant_${layer} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    target_compile_options(pliant_${layer} PRIVATE -fno-semantic-interposition)
+  endforeach()
+endfunction()
+
+# pliant_finds_gmsh(<program>): the program finds that library, built or installed.
+function(pliant_finds_gmsh program)
+  add_dependencies(${program} pliant_gmsh)
+  set_target_properties(${program} PROPERTIES BUILD_RPATH ${CMAKE_BINARY_DIR}/lib INSTALL_RPATH "$ORIGIN/../lib/pliant")
+endfunction()

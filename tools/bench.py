@@ -54,7 +54,7 @@ def run(ranks, command):
     done = subprocess.run(full, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise Failure(f"{' '.join(command)}\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
-    return done.stdout, sum(float(m) for m in re.findall(r"^peak ([\d.]+) MB$", done.stdout, re.MULTILINE))
+    return done.stdout, sum(float(m) for m in re.findall(r"peak ([\d.]+) MB", done.stdout))
 
 
 def case(size, variant):

@@ -246,6 +246,12 @@ void Recorder::add_contact_fields(const StepRecord& record, std::vector<std::vec
   }
 }
 
+void Recorder::sync() {
+  const Stopwatch watch(seconds_);
+  history_.sync();
+  result_.sync();
+}
+
 void Recorder::write_frame(const StepRecord& record) {
   const Stopwatch watch(seconds_);
   const NodeLayout& layout = model_.layout();

@@ -31,8 +31,8 @@ class Recorder {
   void record(const StepRecord& record, const Ledger& ledger);
   /// Adds a frame to the result. Collective.
   void write_frame(const StepRecord& record);
-  /// Returns when the history has reached the disk; frames have. Collective.
-  void sync() { history_.sync(); }
+  /// Returns when history and frames have reached the disk. Collective.
+  void sync();
 
   double seconds() const { return seconds_; }
 

@@ -129,6 +129,7 @@ class Run {
         console_.print(line);
       }
     }
+    recorder_->sync();
     if (config_.checkpoint) write_checkpoint();
     summarise();
     return ExitCode::done;

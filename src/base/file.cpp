@@ -127,26 +127,27 @@ void File::close() {
   if (descriptor >= 0 && ::close(descriptor) != 0 && errno != EINTR) fail(errno);
 }
 
-void write_text_atomically(const std::filesystem::path& file, std::string_view text) {
+void write_text_atomically(const std::filesystem::path& file, std::string_view text, Durability durability) {
   std::filesystem::path part = file;
   part += ".part";
   try {
     File out(part, FileMode::create);
     out.write(text);
-    out.sync();
+    if (durability == Durability::power) out.sync();
     out.close();
   } catch (const FileError&) {
     std::error_code ignored;
     std::filesystem::remove(part, ignored);
     throw;
   }
-  replace_file(part, file);
+  replace_file(part, file, durability);
 }
 
-void replace_file(const std::filesystem::path& from, const std::filesystem::path& to) {
+void replace_file(const std::filesystem::path& from, const std::filesystem::path& to, Durability durability) {
   std::error_code error;
   std::filesystem::rename(from, to, error);
   if (error) throw failure(to, error.value());
+  if (durability == Durability::process) return;
   // The new name lies on the disk when the directory does. One that may not be read, or on something that knows no
   // sync, is no reason to stop.
   const std::filesystem::path directory = to.has_parent_path() ? to.parent_path() : ".";

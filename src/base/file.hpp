@@ -56,12 +56,18 @@ class File {
   int descriptor_ = -1;
 };
 
-/// Replaces `file` by `text` so that a reader, or a run killed at any moment, sees either the old text or the new one:
-/// written under the name `<file>.part`, brought to the disk, renamed.
-void write_text_atomically(const std::filesystem::path& file, std::string_view text);
+/// What is written survives: the end of this process at any moment; or a loss of power too, for which it is brought to
+/// the disk, and that takes milliseconds.
+enum class Durability { process, power };
 
-/// Gives a file that lies on the disk the name of another, which it replaces, and brings the change to the disk.
-void replace_file(const std::filesystem::path& from, const std::filesystem::path& to);
+/// Replaces `file` by `text` so that a reader, or a run killed at any moment, sees either the old text or the new one:
+/// written under the name `<file>.part`, renamed.
+void write_text_atomically(const std::filesystem::path& file, std::string_view text,
+                           Durability durability = Durability::power);
+
+/// Gives a file the name of another, which it replaces.
+void replace_file(const std::filesystem::path& from, const std::filesystem::path& to,
+                  Durability durability = Durability::power);
 
 /// Makes the directory and those above it; an existing one is fine.
 void make_directory(const std::filesystem::path& directory);

@@ -177,7 +177,7 @@ void CheckpointWriter::write(const std::filesystem::path& file, const Checkpoint
   }
   try {
     on_root(comm_, [&] { start_file(part, info); });
-    add_group(comm_, part, group);
+    add_group(comm_, part, group, Durability::power);
     std::int64_t size = 0;
     on_root(comm_, [&] { size = size_of(part); });
     check_mpi(MPI_Bcast(&size, 1, MPI_INT64_T, 0, comm_));

@@ -70,12 +70,13 @@ class UnpublishedGroup {
 
   const std::vector<std::int64_t>& offsets() const { return offsets_; }
 
-  void publish(const Group& plan) {
+  void publish(const Group& plan, Durability durability) {
     const std::string doing = "write '" + path_ + "'";
     const Hdf5Handle parent(H5Gopen2(file_.get(), plan.parent.c_str(), H5P_DEFAULT), H5Gclose, doing);
     check_hdf5(H5Olink(group_.get(), parent.get(), plan.name.c_str(), H5P_DEFAULT, H5P_DEFAULT), doing);
     group_.close(doing);
     file_.close(doing);
+    if (durability == Durability::process) return;
     File file(path_, FileMode::modify);
     file.sync();
     file.close();
@@ -110,7 +111,7 @@ RowBlock row_block(MPI_Comm comm, std::int64_t num_owned) {
   return rows;
 }
 
-void add_group(MPI_Comm comm, const std::filesystem::path& path, const Group& plan) {
+void add_group(MPI_Comm comm, const std::filesystem::path& path, const Group& plan, Durability durability) {
   on_every_rank(comm, [&] {
     for (const auto& dataset : plan.datasets) {
       if (std::ssize(dataset.owned) != dataset.rows.num_owned * bytes_per_row(dataset)) {
@@ -132,10 +133,10 @@ void add_group(MPI_Comm comm, const std::filesystem::path& path, const Group& pl
       const Dataset& dataset = plan.datasets[i];
       if (offsets[i] >= 0) file.write_at(offsets[i] + dataset.rows.first * bytes_per_row(dataset), dataset.owned);
     }
-    file.sync();
+    if (durability == Durability::power) file.sync();
     file.close();
   });
-  on_root(comm, [&] { group->publish(plan); });
+  on_root(comm, [&] { group->publish(plan, durability); });
 }
 
 }  // namespace pliant

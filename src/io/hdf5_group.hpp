@@ -1,6 +1,7 @@
 /// Groups of datasets in an HDF5 file that all ranks write to without HDF5's MPI-IO driver.
 #pragma once
 
+#include "base/file.hpp"
 #include "io/xdmf.hpp"
 
 #include <cstddef>
@@ -46,8 +47,8 @@ struct Group {
 };
 
 /// Adds a group with its datasets to the file. Only the metadata go through HDF5, on rank 0; every rank then writes its
-/// rows straight to their place in the file. The group is linked after its numbers are on the disk: it is there as a
-/// whole or not at all. Collective; a failure throws FileError on every rank.
-void add_group(MPI_Comm comm, const std::filesystem::path& path, const Group& plan);
+/// rows straight to their place in the file. The group is linked after its numbers are there: it is there as a whole or
+/// not at all. Collective; a failure throws FileError on every rank.
+void add_group(MPI_Comm comm, const std::filesystem::path& path, const Group& plan, Durability durability);
 
 }  // namespace pliant

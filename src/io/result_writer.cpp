@@ -20,6 +20,8 @@
 namespace pliant {
 namespace {
 
+constexpr std::chrono::seconds time_between_syncs{10};
+
 /// Makes the group of the frames such that adding a frame is one write of one block, which a kill cannot cut in two:
 /// its links lie in its header, with room for 2000 of them; later ones take two writes each. (An ordinary group spreads
 /// a new link over a B-tree, a heap and a symbol table, and is unreadable if the process dies between.)
@@ -131,7 +133,7 @@ void ResultWriter::write_mesh(const OutputMesh& mesh) const {
                     {"cells", int64, cells_, nodes_per_cell_, std::as_bytes(std::span(mesh.cells)), {}},
                     {"body", int32, cells_, 1, std::as_bytes(std::span(bodies)), {{"names", lines(mesh.body_names)}}},
                     {"rank", int32, cells_, 1, std::as_bytes(std::span(ranks)), {}}};
-  add_group(comm_, hdf5_file_, group);
+  add_group(comm_, hdf5_file_, group, Durability::process);
 }
 
 void ResultWriter::write_frame(double time, std::int64_t step, std::span<const OutputField> fields) {
@@ -150,12 +152,30 @@ void ResultWriter::write_frame(double time, std::int64_t step, std::span<const O
                               std::as_bytes(field.values),
                               {{"unit", field.unit}, {"location", location}}});
   }
-  add_group(comm_, hdf5_file_, group);
+  add_group(comm_, hdf5_file_, group, Durability::process);
+  int is_old = 0;
   on_root(comm_, [&] {
     const std::string grids = grids_ + grid_of_frame(time, step, "/frames/" + group.name, fields);
-    write_text_atomically(xdmf_file_, xdmf_document(title_, grids));
+    write_text_atomically(xdmf_file_, xdmf_document(title_, grids), Durability::process);
     grids_ = grids;
+    is_old = std::chrono::steady_clock::now() - synced_ > time_between_syncs ? 1 : 0;
   });
+  check_mpi(MPI_Bcast(&is_old, 1, MPI_INT, 0, comm_));
+  if (is_old != 0) sync();
+}
+
+void ResultWriter::sync() {
+  on_every_rank(comm_, [&] {
+    File file(hdf5_file_, FileMode::modify);
+    file.sync();
+    file.close();
+  });
+  on_root(comm_, [&] {
+    File file(xdmf_file_, FileMode::modify);
+    file.sync();
+    file.close();
+  });
+  synced_ = std::chrono::steady_clock::now();
 }
 
 XdmfArray ResultWriter::array(const std::string& place, XdmfArray::Number number, const RowBlock& rows,

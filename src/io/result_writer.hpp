@@ -22,6 +22,7 @@
 #include "io/hdf5_group.hpp"
 #include "io/xdmf.hpp"
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -79,8 +80,11 @@ class ResultWriter {
   ResultWriter(MPI_Comm comm, const ResultPlace& place, std::string title, const OutputMesh& mesh,
                std::int64_t last_step);
 
-  /// Adds a frame; when it returns, the frame is on the disk and listed. Collective.
+  /// Adds a frame; when it returns, the frame is in the file and listed: it survives the end of the program. Every ten
+  /// seconds frames are brought to the disk, too. Collective.
   void write_frame(double time, std::int64_t step, std::span<const OutputField> fields);
+  /// Returns when all frames have reached the disk. Collective.
+  void sync();
 
   const std::filesystem::path& xdmf_file() const { return xdmf_file_; }
 
@@ -102,6 +106,7 @@ class ResultWriter {
   std::int64_t next_frame_ = 0;
   std::string mesh_ = "mesh";  // the group of this run's mesh
   std::string grids_;          // rank 0: the XML of the frames so far
+  std::chrono::steady_clock::time_point synced_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace pliant

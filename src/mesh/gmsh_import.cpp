@@ -1,56 +1,32 @@
 #include "mesh/gmsh_import.hpp"
 
-#include "mesh/closed_surface.hpp"
-#include "mesh/gmsh_extract.hpp"
-#include "mesh/gmsh_session.hpp"
+#include "mesh/gmsh/module.hpp"
 #include "mesh/isolated.hpp"
 #include "mesh/msh_reader.hpp"
 #include "mesh/source_checks.hpp"
 
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <regex>
-
-#include <fmt/format.h>
-#include <gmsh.h>
 
 namespace pliant {
 namespace {
 
-enum class Kind { mesh, script, cad, surface };
+const std::map<std::string, Geometry> geometries{{".geo", Geometry::script},
+                                                 {".step", Geometry::cad},
+                                                 {".stp", Geometry::cad},
+                                                 {".brep", Geometry::cad},
+                                                 {".stl", Geometry::surface}};
 
 std::string extension_of(const std::string& file) {
   std::string extension = std::filesystem::path(file).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
   return extension;
-}
-
-Kind kind_of(const std::string& file) {
-  const std::string extension = extension_of(file);
-  if (extension == ".msh") return Kind::mesh;
-  if (extension == ".geo") return Kind::script;
-  if (extension == ".step" || extension == ".stp" || extension == ".brep") return Kind::cad;
-  if (extension == ".stl") return Kind::surface;
-  throw MeshDefect(
-      "its extension says nothing I can read: meshes are .msh or .h5; geometry is .geo, .step, .stp, .brep or .stl");
-}
-
-/// Makes `size` the target everywhere: nothing else may give a size, and nothing may prescribe a division.
-void impose_size(double size) {
-  const auto set = [](const char* option, double value) { gmsh::option::setNumber(option, value); };
-  set("Mesh.MeshSizeFactor", 1);
-  set("Mesh.MeshSizeFromPoints", 0);
-  set("Mesh.MeshSizeFromCurvature", 0);
-  set("Mesh.MeshSizeFromParametricPoints", 0);
-  set("Mesh.MeshSizeExtendFromBoundary", 0);
-  set("Mesh.MeshSizeMin", size);
-  set("Mesh.MeshSizeMax", size);
-  gmsh::model::mesh::removeConstraints();
 }
 
 /// A .brep file ends with the reference to its main shape. The CAD kernel does not notice that a file is cut short: it
@@ -66,107 +42,18 @@ void require_whole_brep(const std::string& file) {
     throw MeshDefect("it does not end like a .brep file: it is truncated or damaged");
 }
 
-/// A size in the wrong unit would fill the memory before gmsh gives up.
-void require_feasible(double size) {
-  constexpr double most_cells = 1e9;  // the index range, with edges counted
-  std::array<double, 6> b{};
-  gmsh::model::getBoundingBox(-1, -1, b[0], b[1], b[2], b[3], b[4], b[5]);
-  const double num_cells = 8.5 * ((b[3] - b[0]) / size) * ((b[4] - b[1]) / size) * ((b[5] - b[2]) / size);
-  if (!(num_cells > most_cells)) return;
-  throw MeshDefect(
-      fmt::format("elements of size {:g} would be about {:.1g} in its bounding box of {:g} x {:g} x {:g} (before "
-                  "`scale`): are the unit of the size and the scale right?",
-                  size, num_cells, b[3] - b[0], b[4] - b[1], b[5] - b[2]));
-}
-
-void generate(const std::optional<double>& size) {
-  if (size) {
-    require_feasible(*size);
-    impose_size(*size);
-  }
-  gmsh::model::mesh::generate(3);
-  std::string build;
-  gmsh::option::getString("General.BuildOptions", build);
-  gmsh::model::mesh::optimize(build.find("Netgen") != std::string::npos ? "Netgen" : "");
-}
-
-/// Solids that touch share their interface from now on, so that their meshes fit together.
-void join_solids() {
-  gmsh::vectorpair solids;
-  gmsh::model::getEntities(solids, 3);
-  if (solids.empty()) throw MeshDefect("there is no solid in it, only surfaces or curves: export the solid body");
-  if (solids.size() < 2) return;
-  gmsh::model::occ::removeAllDuplicates();
-  gmsh::model::occ::synchronize();
-}
-
-SerialMesh extracted(const GmshSession& gmsh) {
-  SerialMesh mesh;
-  gmsh.run("give its mesh", [&] { mesh = extract_mesh(); });
-  return mesh;
-}
-
-double mean_edge(const SerialMesh& mesh) {
-  double sum = 0.0;
-  for (std::size_t c = 0; c < mesh.num_cells(); ++c) {
-    for (const auto& [i, j] : local_edges) {
-      const double* x = mesh.node(mesh.cells[4 * c + static_cast<std::size_t>(i)]);
-      const double* y = mesh.node(mesh.cells[4 * c + static_cast<std::size_t>(j)]);
-      sum += std::hypot(x[0] - y[0], x[1] - y[1], x[2] - y[2]);
-    }
-  }
-  return sum / static_cast<double>(6 * mesh.num_cells());
-}
-
-/// Divisions of gmsh's built-in kernel (Transfinite, Layers) cannot be taken back through its interface, and small
-/// parts need small elements.
-void notice_other_size(SerialMesh& mesh, const std::optional<double>& size) {
-  const double mean = mean_edge(mesh);
-  if (!size || (mean < 1.5 * *size && mean > 0.6 * *size)) return;
-  mesh.notices.push_back(
-      fmt::format("the elements measure {:.2g} in the mean, not the size {:g} asked for: the shape needs it, or the "
-                  "file prescribes divisions (Transfinite, Layers)",
-                  mean, *size));
-}
-
-SerialMesh mesh_script(const GmshSession& gmsh, const MeshSource& source) {
-  gmsh.run("make sense of it", [&] { gmsh::open(source.file); });
-  gmsh.run("mesh it", [&] { generate(source.size); });
-  return extracted(gmsh);
-}
-
-SerialMesh mesh_cad(const GmshSession& gmsh, const MeshSource& source) {
-  gmsh::option::setString("Geometry.OCCTargetUnit", "M");
-  gmsh.run("make sense of it", [&] { gmsh::open(source.file); });
-  gmsh.run("join its solids", [] { join_solids(); });
-  gmsh.run("mesh it", [&] { generate(source.size); });
-  SerialMesh mesh = extracted(gmsh);
-  if (!source.size) mesh.notices.push_back("no size is given: gmsh chose it, about a tenth of the body's diagonal");
-  return mesh;
-}
-
-SerialMesh mesh_surface(const GmshSession& gmsh, const MeshSource& source) {
-  gmsh.run("make sense of it", [&] { gmsh::open(source.file); });
-  gmsh.run("make volumes of it", [&] { add_enclosed_volumes(source.size ? Triangles::remesh : Triangles::keep); });
-  gmsh.run("mesh the inside of the surface", [&] { generate(source.size); });
-  return extracted(gmsh);
-}
-
 }  // namespace
 
 SerialMesh import_mesh(const MeshSource& source) {
-  const Kind kind = kind_of(source.file);
+  const std::string extension = extension_of(source.file);
+  if (extension != ".msh" && !geometries.contains(extension)) {
+    throw MeshDefect(
+        "its extension says nothing I can read: meshes are .msh or .h5; geometry is .geo, .step, .stp, .brep or .stl");
+  }
   require_readable(source.file);
-  if (kind == Kind::mesh) return read_msh(source.file);
-  if (extension_of(source.file) == ".brep") require_whole_brep(source.file);
-  return isolated([&] {
-    const GmshSession gmsh;
-    SerialMesh mesh = kind == Kind::script ? mesh_script(gmsh, source)
-                      : kind == Kind::cad  ? mesh_cad(gmsh, source)
-                                           : mesh_surface(gmsh, source);
-    notice_other_size(mesh, source.size);
-    return mesh;
-  });
+  if (extension == ".msh") return read_msh(source.file);
+  if (extension == ".brep") require_whole_brep(source.file);
+  return isolated([&] { return gmsh_module().mesh_geometry(source, geometries.at(extension)); });
 }
 
 }  // namespace pliant

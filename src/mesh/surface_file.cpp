@@ -1,6 +1,6 @@
 #include "mesh/surface_file.hpp"
 
-#include "mesh/gmsh_session.hpp"
+#include "mesh/gmsh/module.hpp"
 #include "mesh/isolated.hpp"
 #include "mesh/source_checks.hpp"
 #include "petsc/check.hpp"
@@ -11,39 +11,9 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <gmsh.h>
 
 namespace pliant {
 namespace {
-
-constexpr int triangle_type = 2, second_order_triangle_type = 9;  // gmsh's
-
-/// Corners of all triangles, three nodes each, as a mesh of nodes alone.
-SerialMesh corners_of(const std::string& file) {
-  return isolated([&] {
-    const GmshSession gmsh;
-    SerialMesh corners;
-    gmsh.run("make sense of it", [&] { gmsh::merge(file); });
-    gmsh.run("give its triangles", [&] {
-      std::vector<std::size_t> node_tags;
-      std::vector<double> coordinates, parameters;
-      gmsh::model::mesh::getNodes(node_tags, coordinates, parameters, -1, -1, false, false);
-      std::map<std::size_t, std::size_t> place;
-      for (std::size_t n = 0; n < node_tags.size(); ++n) place[node_tags[n]] = n;
-      for (const auto& [type, width] : {std::pair{triangle_type, 3}, {second_order_triangle_type, 6}}) {
-        std::vector<std::size_t> tags, nodes;
-        gmsh::model::mesh::getElementsByType(type, tags, nodes);
-        for (std::size_t e = 0; e < tags.size(); ++e) {
-          for (std::size_t a = 0; a < 3; ++a) {
-            const std::size_t n = place.at(nodes[e * static_cast<std::size_t>(width) + a]);
-            corners.coordinates.insert(corners.coordinates.end(), &coordinates[3 * n], &coordinates[3 * n] + 3);
-          }
-        }
-      }
-    });
-    return corners;
-  });
-}
 
 /// One node per place; triangles of no area are left out.
 SurfaceMesh joined(const std::vector<double>& corners, double scale) {
@@ -108,7 +78,8 @@ SurfaceMesh read_surface(MPI_Comm comm, const MeshSource& source) {
   on_root(comm, [&] {
     telling_the_user(source, [&] {
       require_readable(source.file);
-      surface = joined(corners_of(source.file).coordinates, source.scale);
+      const SerialMesh corners = isolated([&] { return gmsh_module().triangle_corners(source.file); });
+      surface = joined(corners.coordinates, source.scale);
       require_closed(surface);
       if (enclosed_volume(surface) < 0.0) {
         for (auto& t : surface.triangles) std::swap(t[1], t[2]);

@@ -27,12 +27,6 @@ double dot(Vec a, Vec b) {
   return result;
 }
 
-double norm(Vec a) {
-  PetscReal result = 0.0;
-  check(VecNorm(a, NORM_2, &result));
-  return result;
-}
-
 }  // namespace
 
 bool NewtonSolver::linear_solver_broke_down(Vec r) const {

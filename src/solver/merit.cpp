@@ -23,6 +23,12 @@ double half_sum(Vec x, Vec scale, Term term) {
 
 }  // namespace
 
+double norm(Vec x) {
+  PetscReal result = 0.0;
+  check(VecNorm(x, NORM_2, &result));
+  return result;
+}
+
 Merit::Merit(Handle<Vec> unknowns) : scale_(std::move(unknowns)) {
   check(VecSet(scale_.get(), 1.0));
 }

@@ -276,12 +276,21 @@ SNESConvergedReason NewtonSolver::judge(PetscInt iteration, double residual) {
   if (rank_one_system_ && iteration > 0) scale_ = std::min(scale_, equation_.force_scale(solution_));
   if (iteration > 0) took_full_step_ ? forcing_.observe(residual) : forcing_.forget();
   if (residual <= target()) return SNES_CONVERGED_FNORM_RELATIVE;
-  if (at_rounding_floor_ ||
-      ((iteration > 0 || is_refrozen_) && residual <= floor_factor * equation_.rounding_floor(solution_))) {
+  if (iteration == 0) start_of_iteration_ = {residual, norm(solution_)};
+  if (at_rounding_floor_ || ((iteration > 0 || is_refrozen_) && is_rounding(residual))) {
     ++statistics_.rounding_stops;
     return SNES_CONVERGED_FNORM_ABS;
   }
   return SNES_CONVERGED_ITERATING;
+}
+
+bool NewtonSolver::is_rounding(double residual) {
+  const double floor = floor_factor * equation_.rounding_floor(solution_);
+  if (residual > floor) return false;
+  // A body that nothing holds drifts until its rounding errors are as large as its load. The floor goes with the size
+  // of the solution: at the start it must have been as high.
+  const auto& [first_residual, first_size] = start_of_iteration_;
+  return residual <= 0.1 * first_residual || first_residual * norm(solution_) <= floor * first_size;
 }
 
 void NewtonSolver::forget() {

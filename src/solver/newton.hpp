@@ -133,6 +133,8 @@ class NewtonSolver {
   /// Whether the solution of the last linear system, whose right-hand side was r, is no direction to go.
   bool linear_solver_broke_down(Vec r) const;
   SNESConvergedReason judge(PetscInt iteration, double residual);
+  /// Is the residual made of rounding errors alone? Collective.
+  bool is_rounding(double residual);
   void note_iteration(PetscInt iteration, double residual);
   void note_failure(const StagePoint& stage, Vec q);
   double value(Vec q);
@@ -163,6 +165,11 @@ class NewtonSolver {
   bool is_regularized_ = false;
   bool took_full_step_ = false;
   bool at_rounding_floor_ = false;
+  struct Start {
+    double residual = 0.0;
+    double size = 0.0;  // norm of q
+  };
+  Start start_of_iteration_;
   bool has_direction_ = false;
   std::vector<NewtonIteration> iterations_;
   Handle<Vec> failed_at_;  // where the iteration ended, if the stage could not be solved

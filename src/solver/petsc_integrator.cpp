@@ -1,6 +1,7 @@
 #include "solver/petsc_integrator.hpp"
 
 #include "petsc/array_view.hpp"
+#include "solver/merit.hpp"
 
 #include <cassert>
 #include <cmath>
@@ -20,12 +21,6 @@ constexpr double instant = 1e-14;
 /// Constant acceleration in the two half steps with which TSALPHA2 starts that it takes for an acceleration of 1. Until
 /// 3.22 its difference formula gave twice the acceleration, and radii below 1 were of first order.
 constexpr double start_acceleration = PETSC_VERSION_LT(3, 22, 0) ? 0.5 : 1.0;
-
-double norm(Vec x) {
-  PetscReal result = 0.0;
-  check(VecNorm(x, NORM_2, &result));
-  return result;
-}
 
 }  // namespace
 

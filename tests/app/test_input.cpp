@@ -78,6 +78,19 @@ loads:
   - {surface: tip, force: [0, "4*t", 0]}
   - {surface: tip, spring: 2 kPa/mm, dashpot: 5, direction: normal}
   - {point: 9, point_spring: 3 N/mm, point_dashpot: 2 N*s/m}
+contact:
+  law: penalty
+  stiffness: 2 MPa/mm
+  width: 0.1 mm
+  threshold: 1 um
+  friction_update: iterated
+  stick_velocity: 2 mm/s
+  obstacles:
+    - {name: floor, shape: plane, point: [0, 0, -1], normal: [0, 0, 2], friction: 50 %, normal_damping: 0.1 s/m}
+    - {name: rod, shape: cylinder, point: [0, 0, 1], axis: [0, 1, 0], radius: 20 mm, length: 2, motion: {translate: [0, 0, "0.1*t"], rotate: {axis: [0, 1, 0], angle: "2*pi*t", center: [0, 0, 1]}}}
+    - {name: ball, shape: sphere, point: [0, 0, 3], radius: 1 cm, side: inside, viscous_friction: 0.2 s/m}
+    - {name: crate, shape: box, point: [5, 0, 0], size: [1, 2, 3 cm]}
+    - {name: part, shape: surface, file: part.stl, scale: 1e-3}
 initial: {displacement: ["0.01*x", 0, 0], velocity: [0, "-y", 3 km/h]}
 time: {method: bdf2, step: 10 ms, end: 2 s, startup: ramp, min_step: 1 us}
 solver: {linear: cholesky, newton: {relative: 1e-6, absolute: 1 mN, max_iterations: 20}}

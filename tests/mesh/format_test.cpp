@@ -1,6 +1,6 @@
 // Every way into the program gives the same box: the four kinds of .msh, and geometry that gmsh meshes.
 #include "mesh/box_mesh.hpp"
-#include "mesh/gmsh_session.hpp"
+#include "mesh/gmsh/session.hpp"
 #include "mesh/mesh.hpp"
 #include "mesh/scratch.hpp"
 

@@ -1,4 +1,4 @@
-#include "mesh/gmsh_extract.hpp"
+#include "mesh/gmsh/extract.hpp"
 
 #include "mesh/element_type.hpp"
 #include "mesh/mesh_collector.hpp"

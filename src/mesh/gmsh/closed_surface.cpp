@@ -1,4 +1,4 @@
-#include "mesh/closed_surface.hpp"
+#include "mesh/gmsh/closed_surface.hpp"
 
 #include "mesh/disjoint_sets.hpp"
 #include "mesh/element_type.hpp"

@@ -1,0 +1,155 @@
+#include "mesh/gmsh/closed_surface.hpp"
+#include "mesh/gmsh/extract.hpp"
+#include "mesh/gmsh/module.hpp"
+#include "mesh/gmsh/session.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+#include <gmsh.h>
+
+namespace pliant {
+namespace {
+
+/// Makes `size` the target everywhere: nothing else may give a size, and nothing may prescribe a division.
+void impose_size(double size) {
+  const auto set = [](const char* option, double value) { gmsh::option::setNumber(option, value); };
+  set("Mesh.MeshSizeFactor", 1);
+  set("Mesh.MeshSizeFromPoints", 0);
+  set("Mesh.MeshSizeFromCurvature", 0);
+  set("Mesh.MeshSizeFromParametricPoints", 0);
+  set("Mesh.MeshSizeExtendFromBoundary", 0);
+  set("Mesh.MeshSizeMin", size);
+  set("Mesh.MeshSizeMax", size);
+  gmsh::model::mesh::removeConstraints();
+}
+
+/// A size in the wrong unit would fill the memory before gmsh gives up.
+void require_feasible(double size) {
+  constexpr double most_cells = 1e9;  // the index range, with edges counted
+  std::array<double, 6> b{};
+  gmsh::model::getBoundingBox(-1, -1, b[0], b[1], b[2], b[3], b[4], b[5]);
+  const double num_cells = 8.5 * ((b[3] - b[0]) / size) * ((b[4] - b[1]) / size) * ((b[5] - b[2]) / size);
+  if (!(num_cells > most_cells)) return;
+  throw MeshDefect(
+      fmt::format("elements of size {:g} would be about {:.1g} in its bounding box of {:g} x {:g} x {:g} (before "
+                  "`scale`): are the unit of the size and the scale right?",
+                  size, num_cells, b[3] - b[0], b[4] - b[1], b[5] - b[2]));
+}
+
+void generate(const std::optional<double>& size) {
+  if (size) {
+    require_feasible(*size);
+    impose_size(*size);
+  }
+  gmsh::model::mesh::generate(3);
+  std::string build;
+  gmsh::option::getString("General.BuildOptions", build);
+  gmsh::model::mesh::optimize(build.find("Netgen") != std::string::npos ? "Netgen" : "");
+}
+
+/// Solids that touch share their interface from now on, so that their meshes fit together.
+void join_solids() {
+  gmsh::vectorpair solids;
+  gmsh::model::getEntities(solids, 3);
+  if (solids.empty()) throw MeshDefect("there is no solid in it, only surfaces or curves: export the solid body");
+  if (solids.size() < 2) return;
+  gmsh::model::occ::removeAllDuplicates();
+  gmsh::model::occ::synchronize();
+}
+
+SerialMesh extracted(const GmshSession& gmsh) {
+  SerialMesh mesh;
+  gmsh.run("give its mesh", [&] { mesh = extract_mesh(); });
+  return mesh;
+}
+
+double mean_edge(const SerialMesh& mesh) {
+  double sum = 0.0;
+  for (std::size_t c = 0; c < mesh.num_cells(); ++c) {
+    for (const auto& [i, j] : local_edges) {
+      const double* x = mesh.node(mesh.cells[4 * c + static_cast<std::size_t>(i)]);
+      const double* y = mesh.node(mesh.cells[4 * c + static_cast<std::size_t>(j)]);
+      sum += std::hypot(x[0] - y[0], x[1] - y[1], x[2] - y[2]);
+    }
+  }
+  return sum / static_cast<double>(6 * mesh.num_cells());
+}
+
+/// Divisions of gmsh's built-in kernel (Transfinite, Layers) cannot be taken back through its interface, and small
+/// parts need small elements.
+void notice_other_size(SerialMesh& mesh, const std::optional<double>& size) {
+  const double mean = mean_edge(mesh);
+  if (!size || (mean < 1.5 * *size && mean > 0.6 * *size)) return;
+  mesh.notices.push_back(
+      fmt::format("the elements measure {:.2g} in the mean, not the size {:g} asked for: the shape needs it, or the "
+                  "file prescribes divisions (Transfinite, Layers)",
+                  mean, *size));
+}
+
+SerialMesh mesh_script(const GmshSession& gmsh, const MeshSource& source) {
+  gmsh.run("make sense of it", [&] { gmsh::open(source.file); });
+  gmsh.run("mesh it", [&] { generate(source.size); });
+  return extracted(gmsh);
+}
+
+SerialMesh mesh_cad(const GmshSession& gmsh, const MeshSource& source) {
+  gmsh::option::setString("Geometry.OCCTargetUnit", "M");
+  gmsh.run("make sense of it", [&] { gmsh::open(source.file); });
+  gmsh.run("join its solids", [] { join_solids(); });
+  gmsh.run("mesh it", [&] { generate(source.size); });
+  SerialMesh mesh = extracted(gmsh);
+  if (!source.size) mesh.notices.push_back("no size is given: gmsh chose it, about a tenth of the body's diagonal");
+  return mesh;
+}
+
+SerialMesh mesh_surface(const GmshSession& gmsh, const MeshSource& source) {
+  gmsh.run("make sense of it", [&] { gmsh::open(source.file); });
+  gmsh.run("make volumes of it", [&] { add_enclosed_volumes(source.size ? Triangles::remesh : Triangles::keep); });
+  gmsh.run("mesh the inside of the surface", [&] { generate(source.size); });
+  return extracted(gmsh);
+}
+
+SerialMesh mesh_geometry(const MeshSource& source, Geometry kind) {
+  const GmshSession gmsh;
+  SerialMesh mesh = kind == Geometry::script ? mesh_script(gmsh, source)
+                    : kind == Geometry::cad  ? mesh_cad(gmsh, source)
+                                             : mesh_surface(gmsh, source);
+  notice_other_size(mesh, source.size);
+  return mesh;
+}
+
+constexpr int triangle_type = 2, second_order_triangle_type = 9;  // gmsh's
+
+/// Corners of all triangles, three nodes each, as a mesh of nodes alone.
+SerialMesh triangle_corners(const std::string& file) {
+  const GmshSession gmsh;
+  SerialMesh corners;
+  gmsh.run("make sense of it", [&] { gmsh::merge(file); });
+  gmsh.run("give its triangles", [&] {
+    std::vector<std::size_t> node_tags;
+    std::vector<double> coordinates, parameters;
+    gmsh::model::mesh::getNodes(node_tags, coordinates, parameters, -1, -1, false, false);
+    std::map<std::size_t, std::size_t> place;
+    for (std::size_t n = 0; n < node_tags.size(); ++n) place[node_tags[n]] = n;
+    for (const auto& [type, width] : {std::pair{triangle_type, 3}, {second_order_triangle_type, 6}}) {
+      std::vector<std::size_t> tags, nodes;
+      gmsh::model::mesh::getElementsByType(type, tags, nodes);
+      for (std::size_t e = 0; e < tags.size(); ++e) {
+        for (std::size_t a = 0; a < 3; ++a) {
+          const std::size_t n = place.at(nodes[e * static_cast<std::size_t>(width) + a]);
+          corners.coordinates.insert(corners.coordinates.end(), &coordinates[3 * n], &coordinates[3 * n] + 3);
+        }
+      }
+    }
+  });
+  return corners;
+}
+
+}  // namespace
+}  // namespace pliant
+
+extern "C" const pliant::GmshModule pliant_gmsh{pliant::mesh_geometry, pliant::triangle_corners};
