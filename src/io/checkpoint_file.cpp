@@ -99,6 +99,7 @@ std::string read_text(hid_t file, const std::string& name) {
       H5Sget_simple_extent_npoints(space.get()) != 1) {
     throw FileError("cannot " + doing + ": it is not a text");
   }
+  require_stored(made.get(), doing);
   std::string text(H5Tget_size(type.get()), '\0');
   check_hdf5(H5Dread(made.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()), doing);
   text.resize(std::min(text.size(), text.find('\0')));

@@ -11,7 +11,7 @@ const GmshModule* load() {
   void* const module = library == nullptr ? nullptr : dlsym(library, "pliant_gmsh");
   if (module != nullptr) return static_cast<const GmshModule*>(module);
   throw MeshDefect(std::string("cannot load gmsh, which meshes geometry: ") + dlerror() +
-                  "; is Pliant installed completely?");
+                   "; is Pliant installed completely?");
 }
 
 }  // namespace

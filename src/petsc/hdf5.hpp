@@ -80,6 +80,10 @@ struct Hdf5Rows {
   std::int64_t count = 0;
 };
 
+/// Throws FileError "cannot <doing>: ..." if the file holds less than the dataset's sizes say: HDF5 1.10 reads on
+/// behind its end. One that was never written (it has its fill value) is no such.
+void require_stored(hid_t dataset, const std::string& doing);
+
 /// Whole rows into `values`, which has room for them. `type`: of the values in memory.
 void read_rows(hid_t dataset, const Hdf5Rows& rows, hid_t type, void* values);
 
