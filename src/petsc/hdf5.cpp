@@ -153,12 +153,13 @@ std::vector<hsize_t> sizes_of(hid_t dataset) {
 
 void require_stored(hid_t dataset, const std::string& doing) {
   const Hdf5Handle creation(H5Dget_create_plist(dataset), H5Pclose, doing);
-  if (H5Pget_layout(creation.get()) != H5D_CONTIGUOUS) return;
+  const H5D_layout_t layout = H5Pget_layout(creation.get());
+  if (layout != H5D_CONTIGUOUS && layout != H5D_COMPACT) return;
   const Hdf5Handle type(H5Dget_type(dataset), H5Tclose, doing), space(H5Dget_space(dataset), H5Sclose, doing);
   const double claimed =
       static_cast<double>(H5Tget_size(type.get())) * static_cast<double>(H5Sget_simple_extent_npoints(space.get()));
   const auto stored = static_cast<double>(H5Dget_storage_size(dataset));
-  if (stored > 0 && stored < claimed) throw FileError("cannot " + doing + ": the file holds a part of it only");
+  if (stored < claimed) throw FileError("cannot " + doing + ": the file holds a part of it only");
 }
 
 void read_rows(hid_t dataset, const Hdf5Rows& rows, hid_t type, void* values) {

@@ -81,7 +81,7 @@ struct Hdf5Rows {
 };
 
 /// Throws FileError "cannot <doing>: ..." if the file holds less than the dataset's sizes say: HDF5 1.10 reads on
-/// behind its end. One that was never written (it has its fill value) is no such.
+/// behind its end.
 void require_stored(hid_t dataset, const std::string& doing);
 
 /// Whole rows into `values`, which has room for them. `type`: of the values in memory.
