@@ -60,9 +60,15 @@ Config read_input_file(MPI_Comm comm, const std::string& file, const std::vector
 
 std::string dump(const Config& config) {
   Config portable = config;
-  std::error_code failure;
-  const fs::path mesh = fs::weakly_canonical(config.mesh.file.value, failure);
-  if (!failure) portable.mesh.file.value = fs::absolute(mesh).string();
+  const auto make_absolute = [](std::string& file) {
+    std::error_code failure;
+    const fs::path path = fs::weakly_canonical(file, failure);
+    if (!failure && !file.empty()) file = fs::absolute(path).string();
+  };
+  make_absolute(portable.mesh.file.value);
+  if (portable.contact) {
+    for (ObstacleConfig& obstacle : portable.contact->obstacles) make_absolute(obstacle.file.value);
+  }
   return to_yaml(write_config(portable));
 }
 

@@ -78,6 +78,16 @@ loads:
   - {surface: tip, force: [0, "4*t", 0]}
   - {surface: tip, spring: 2 kPa/mm, dashpot: 5, direction: normal}
   - {point: 9, point_spring: 3 N/mm, point_dashpot: 2 N*s/m}
+initial: {displacement: ["0.01*x", 0, 0], velocity: [0, "-y", 3 km/h]}
+time: {method: bdf2, step: 10 ms, end: 2 s, startup: ramp, min_step: 1 us}
+solver: {linear: cholesky, newton: {relative: 1e-6, absolute: 1 mN, max_iterations: 20}}
+output: {directory: out/here, every: 20 ms, fields: [velocity, von_mises_stress]}
+checkpoint: {every: 100, minutes: 10}
+probes: [{name: tip, point: [1, 0.1, 100 mm]}, {name: "the root", point: [0, 0, 0]}]
+cavities:
+  - {name: left, surface: inside, pressure: "2e3*t"}
+  - {name: middle, box: [[0, 0, 0], [1, 1, 1]], volume: 3 cm^3, gas: {pressure: 5 kPa, ambient: 1 bar, exponent: 1.4, amount: "1 + t"}}
+  - {name: right, where: "x > 1", liquid: {bulk_modulus: 2 GPa, pressure: 1 kPa, added_volume: "1e-6*t", flow: 2 cm^3/s}}
 contact:
   law: penalty
   stiffness: 2 MPa/mm
@@ -91,16 +101,6 @@ contact:
     - {name: ball, shape: sphere, point: [0, 0, 3], radius: 1 cm, side: inside, viscous_friction: 0.2 s/m}
     - {name: crate, shape: box, point: [5, 0, 0], size: [1, 2, 3 cm]}
     - {name: part, shape: surface, file: part.stl, scale: 1e-3}
-initial: {displacement: ["0.01*x", 0, 0], velocity: [0, "-y", 3 km/h]}
-time: {method: bdf2, step: 10 ms, end: 2 s, startup: ramp, min_step: 1 us}
-solver: {linear: cholesky, newton: {relative: 1e-6, absolute: 1 mN, max_iterations: 20}}
-output: {directory: out/here, every: 20 ms, fields: [velocity, von_mises_stress]}
-checkpoint: {every: 100, minutes: 10}
-probes: [{name: tip, point: [1, 0.1, 100 mm]}, {name: "the root", point: [0, 0, 0]}]
-cavities:
-  - {name: left, surface: inside, pressure: "2e3*t"}
-  - {name: middle, box: [[0, 0, 0], [1, 1, 1]], volume: 3 cm^3, gas: {pressure: 5 kPa, ambient: 1 bar, exponent: 1.4, amount: "1 + t"}}
-  - {name: right, where: "x > 1", liquid: {bulk_modulus: 2 GPa, pressure: 1 kPa, added_volume: "1e-6*t", flow: 2 cm^3/s}}
 )yaml";
 
 /// What stands for `time` in `everything` otherwise; together they give every key of the table.
