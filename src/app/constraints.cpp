@@ -42,14 +42,10 @@ Expression times(double factor, const Expression& e) {
   return Expression(factor * e(0.0, 0.0, 0.0, 0.0));
 }
 
-Vector3<double> unit(const Vector3<double>& a) {
-  return (1.0 / std::sqrt(dot(a, a))) * a;
-}
-
 /// The axis that the direction lies along; nothing if it lies along none.
 std::optional<int> axis_of(const Vector3<double>& direction) {
   for (int i = 0; i < 3; ++i) {
-    if (std::abs(direction[static_cast<std::size_t>(i)]) == std::sqrt(dot(direction, direction))) return i;
+    if (std::abs(direction[static_cast<std::size_t>(i)]) == norm(direction)) return i;
   }
   return std::nullopt;
 }

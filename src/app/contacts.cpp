@@ -19,10 +19,6 @@ constexpr double shear_moduli_per_facet = 30.0;
 /// Of the size of a facet: what the rounding of the kink moves the body by.
 constexpr double width_per_facet = 1.0 / 50.0;
 
-Vector3<double> unit(const Vector3<double>& a) {
-  return (1.0 / std::sqrt(dot(a, a))) * a;
-}
-
 /// Collective.
 std::unique_ptr<SignedDistance> shape_of(MPI_Comm comm, const ObstacleConfig& o) {
   switch (o.shape) {
@@ -92,8 +88,7 @@ class BodyOfFacets {
 /// Area of the triangle of a facet's corners [m^2].
 double corner_area(const NodeLayout& layout, std::span<const PetscInt> nodes) {
   const auto X = layout.position(nodes[0]);
-  const auto n = cross(layout.position(nodes[1]) - X, layout.position(nodes[2]) - X);
-  return 0.5 * std::sqrt(dot(n, n));
+  return 0.5 * norm(cross(layout.position(nodes[1]) - X, layout.position(nodes[2]) - X));
 }
 
 }  // namespace

@@ -129,8 +129,7 @@ class Run {
         console_.print(line);
       }
     }
-    recorder_->sync();
-    if (config_.checkpoint) write_checkpoint();
+    config_.checkpoint ? write_checkpoint() : recorder_->sync();
     summarise();
     return ExitCode::done;
   }

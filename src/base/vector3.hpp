@@ -4,6 +4,7 @@
 #include "base/tensor.hpp"
 
 #include <array>
+#include <cmath>
 
 namespace pliant {
 
@@ -35,6 +36,15 @@ PLIANT_INLINE constexpr T dot(const Vector3<T>& a, const Vector3<T>& b) {
 template <class T>
 PLIANT_INLINE constexpr Vector3<T> cross(const Vector3<T>& a, const Vector3<T>& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+inline double norm(const Vector3<double>& a) {
+  return std::sqrt(dot(a, a));
+}
+
+/// a / |a|
+inline Vector3<double> unit(const Vector3<double>& a) {
+  return (1.0 / norm(a)) * a;
 }
 
 /// A a, for a tensor of constants.

@@ -34,7 +34,7 @@ double distance_change(const ObstacleFrame& obstacle, const Vector3<double>& x, 
   const double difference = to.d - from.d;
   // Simpson's rule for int n . dx, unless what it leaves out shows.
   const double along = dot(from.n + 4.0 * obstacle.at(x + 0.5 * dx).n + to.n, dx) / 6.0;
-  const double size = std::sqrt(dot(x, x)) + std::sqrt(dot(end, end)) + std::abs(from.d) + std::abs(to.d);
+  const double size = norm(x) + norm(end) + std::abs(from.d) + std::abs(to.d);
   return std::abs(along - difference) <= rounding * size ? along : difference;
 }
 
@@ -136,7 +136,7 @@ double Contact::max_step(const LocalStage& stage, std::span<const double> q, std
   const ObstacleFrame frame = obstacle_->at(instant_of(stage));
   surface_->for_each_owned([&](const Point& point) {
     const Vector3<double> x = surface_->position(point, q), way = ContactSurface::interpolate(point, d);
-    const double length = std::sqrt(dot(way, way));
+    const double length = norm(way);
     const double start = frame.distance(x) - surface_->law().threshold;
     if (!(start < length) || length == 0.0) return;
     double alpha = 0.0, clear = start;

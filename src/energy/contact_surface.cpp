@@ -9,10 +9,6 @@
 namespace pliant {
 namespace {
 
-double norm(const Vector3<double>& a) {
-  return std::sqrt(dot(a, a));
-}
-
 /// Corners, middles of the edges and centre of the reference triangle, exact for the third degree.
 QuadratureRule<2> nodal_rule() {
   return {{{0.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}, {0.5, 0.0}, {0.5, 0.5}, {0.0, 0.5}, {1.0 / 3, 1.0 / 3}},

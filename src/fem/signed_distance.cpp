@@ -10,10 +10,6 @@ namespace {
 
 constexpr int num_segments = 48;  // of a circle in pictures
 
-double norm(const Vector3<double>& a) {
-  return std::sqrt(dot(a, a));
-}
-
 /// a (x) a
 Tensor3<double> square(const Vector3<double>& a) {
   return make_tensor([&](int i, int j) { return a[i] * a[j]; });
@@ -23,8 +19,7 @@ Tensor3<double> square(const Vector3<double>& a) {
 Vector3<double> across(const Vector3<double>& n) {
   Vector3<double> e{};
   e[std::ranges::min_element(n, {}, [](double x) { return std::abs(x); }) - n.begin()] = 1.0;
-  const Vector3<double> t = cross(n, e);
-  return (1.0 / norm(t)) * t;
+  return unit(cross(n, e));
 }
 
 /// A vector in parts: along a direction, and across it as length times direction.

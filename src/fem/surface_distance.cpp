@@ -16,10 +16,6 @@ using BoostPoint = bg::model::point<double, 3, bg::cs::cartesian>;
 using BoostBox = bg::model::box<BoostPoint>;
 using Leaf = std::pair<BoostBox, std::size_t>;  // of a triangle
 
-double norm(const Vector3<double>& a) {
-  return std::sqrt(dot(a, a));
-}
-
 /// Where on a triangle the nearest point lies.
 enum class Feature { face, edge, corner };
 

@@ -1,10 +1,8 @@
 // Orders in time of a body that bounces and slides in soft contact with two obstacles, one of which moves: every method
 // without drags, with drags frozen at the stage's start, and with iterated ones.
-#include "dense_newton.hpp"
 #include "energy/contact.hpp"
-#include "energy/solid.hpp"
+#include "energy/motion.hpp"
 #include "petsc/collective.hpp"
-#include "time/integrator.hpp"
 
 #include <cmath>
 #include <map>
@@ -93,17 +91,7 @@ struct Motion {
     const auto v = solid.vector([](const Point& x) {
       return Point{0.3 - 0.5 * (x[2] - 0.5), 0.6 + 0.2 * x[0], -1.0 + 0.5 * (x[0] - 0.5)};
     });
-    System system{testing::dense_newton(potential)};
-    system.guess = Guess::extrapolated;
-    Integrator integrator({method, Startup::dirk33}, system, {0.0, q.get(), v.get(), nullptr, {}});
-    for (int n = 1; n <= num_steps; ++n) {
-      const double time = end_time * n / num_steps;
-      const StepAttempt attempt = integrator.attempt({time, time - integrator.state().time});
-      EXPECT_EQ(attempt.report.outcome, StageOutcome::converged);
-      if (attempt.report.outcome != StageOutcome::converged) break;
-      integrator.accept(attempt);
-    }
-    return {testing::local_values(integrator.state().q.get()), testing::local_values(integrator.state().v.get())};
+    return testing::end_of_motion(potential, method, {0.0, q.get(), v.get(), nullptr, {}}, end_time, num_steps);
   }
 
   static constexpr double end_time = 0.5;
@@ -113,12 +101,6 @@ struct Motion {
   std::vector<std::unique_ptr<EnergyTerm>> contacts;
   IncrementalPotential potential;
 };
-
-double difference(const std::vector<double>& a, const std::vector<double>& b) {
-  double squares = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) squares += (a[i] - b[i]) * (a[i] - b[i]);
-  return std::sqrt(squares);
-}
 
 constexpr int num_fine = 128;
 
@@ -155,7 +137,7 @@ TEST_P(ContactOrders, AreThoseOfTheTable) {
     const int num_steps = level == 0 ? num_fine / 2 : num_fine;
     const auto end = motion.end(c.method, num_steps);
     const auto exact = is_frozen ? iterated.end(c.method, num_steps) : reference(file, c.drags);
-    for (const int part : {0, 1}) errors[level][part] = difference(end[part], exact[part]);
+    for (const int part : {0, 1}) errors[level][part] = testing::distance(end[part], exact[part]);
   }
   for (const int part : {0, 1}) {
     const double order = std::log2(errors[0][part] / errors[1][part]);

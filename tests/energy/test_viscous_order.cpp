@@ -1,9 +1,7 @@
 // Orders in time of a spinning, vibrating viscous body: every method with every law of viscosity in every form.
-#include "dense_newton.hpp"
-#include "energy/solid.hpp"
+#include "energy/motion.hpp"
 #include "material/viscosity_registry.hpp"
 #include "petsc/collective.hpp"
-#include "time/integrator.hpp"
 
 #include <cmath>
 #include <map>
@@ -121,21 +119,7 @@ struct Motion {
       return Point{spin[0] + 0.4 * x[0], spin[1] - 0.3 * x[1] * x[2], spin[2] + 0.5 * x[2]};
     });
     const Handle<Vec> z = potential.make_internal();
-    System system{testing::dense_newton(potential)};
-    system.guess = Guess::extrapolated;
-    if (z) {
-      system.internal = potential.internal_variables();
-      system.internal.complete_step(q.get(), z.get());
-    }
-    Integrator integrator({method, Startup::dirk33}, system, {0.0, q.get(), v.get(), z.get(), {}});
-    for (int n = 1; n <= num_steps; ++n) {
-      const double time = end_time * n / num_steps;
-      const StepAttempt attempt = integrator.attempt({time, time - integrator.state().time});
-      EXPECT_EQ(attempt.report.outcome, StageOutcome::converged);
-      if (attempt.report.outcome != StageOutcome::converged) break;
-      integrator.accept(attempt);
-    }
-    return {testing::local_values(integrator.state().q.get()), testing::local_values(integrator.state().v.get())};
+    return testing::end_of_motion(potential, method, {0.0, q.get(), v.get(), z.get(), {}}, end_time, num_steps);
   }
 
   static constexpr double end_time = 0.5;
@@ -145,12 +129,6 @@ struct Motion {
   std::vector<std::unique_ptr<EnergyTerm>> dampers;
   IncrementalPotential potential;
 };
-
-double difference(const std::vector<double>& a, const std::vector<double>& b) {
-  double squares = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) squares += (a[i] - b[i]) * (a[i] - b[i]);
-  return std::sqrt(squares);
-}
 
 constexpr int num_fine = 192;
 
@@ -186,7 +164,7 @@ TEST_P(ViscousOrders, AreThoseOfTheTable) {
   std::array<std::array<double, 2>, 2> errors;
   for (const int level : {0, 1}) {
     const auto end = motion.end(c.method, level == 0 ? num_fine / 2 : num_fine);
-    for (const int part : {0, 1}) errors[level][part] = difference(end[part], exact[part]);
+    for (const int part : {0, 1}) errors[level][part] = testing::distance(end[part], exact[part]);
   }
   for (const int part : {0, 1}) {
     const double order = std::log2(errors[0][part] / errors[1][part]);

@@ -11,10 +11,6 @@ namespace {
 
 using testing::ShapeCase;
 
-double norm(const Vector3<double>& a) {
-  return std::sqrt(dot(a, a));
-}
-
 Vector3<double> moved(Vector3<double> x, std::size_t i, double h) {
   x[i] += h;
   return x;
