@@ -35,6 +35,8 @@ except ImportError as missing:
     sys.exit(2)
 
 PLAIN_BODY = (0.62, 0.70, 0.79)
+OBSTACLE = (0.93, 0.91, 0.88)
+OBSTACLE_OVER_BODY = 0.5  # opacity of obstacles where they hide a body
 VIEW_ANGLE = 24.0  # [degrees], of the picture's height
 SUPERSAMPLING = 2  # drawn this much larger and scaled down: smooth edges on any graphics library
 VIEWS = {"iso": (0.62, -1.0, 0.48), "front": (0, -1, 0), "back": (0, 1, 0), "right": (1, 0, 0), "left": (-1, 0, 0),
@@ -141,7 +143,8 @@ class Scene:
         self._renderer.UseFXAAOn()
         self._points = vtkPoints()
         self._body = vtkPolyData()
-        self._add_body(surface)
+        self._add_surface(self._body, self._points, surface.triangles, PLAIN_BODY)
+        self._obstacles = None
         self._edges = None
         if options.mesh_edges:
             self._edges = vtkPolyData()
@@ -153,11 +156,11 @@ class Scene:
         self._window.SetSize(*self._size)
         self._window.AddRenderer(self._renderer)
 
-    def _add_body(self, surface):
-        self._body.SetPoints(self._points)
-        self._body.SetPolys(_cell_array(surface.triangles))
+    def _add_surface(self, data, points, triangles, colour):
+        data.SetPoints(points)
+        data.SetPolys(_cell_array(triangles))
         normals = vtkPolyDataNormals()
-        normals.SetInputData(self._body)
+        normals.SetInputData(data)
         normals.SetFeatureAngle(35)
         normals.ConsistencyOff()
         mapper = vtkPolyDataMapper()
@@ -165,12 +168,21 @@ class Scene:
         actor = vtkActor()
         actor.SetMapper(mapper)
         material = actor.GetProperty()
-        material.SetColor(*PLAIN_BODY)
+        material.SetColor(*colour)
         material.SetAmbient(0.42)
         material.SetDiffuse(0.66)
         material.SetSpecular(0.10)
         material.SetSpecularPower(25)
         self._renderer.AddActor(actor)
+        return actor
+
+    def add_obstacles(self, triangles):
+        """Obstacles, which `draw` places."""
+        self._obstacle_points = vtkPoints()
+        self._obstacle_data = vtkPolyData()
+        self._obstacles = self._add_surface(self._obstacle_data, self._obstacle_points, triangles, OBSTACLE)
+        self._obstacles.GetProperty().SetAmbient(0.62)
+        self._obstacles.GetProperty().SetDiffuse(0.38)
 
     def _add_lines(self, data, lines, colour, width, opacity):
         data.SetPoints(self._points if data.GetPoints() is None else data.GetPoints())
@@ -226,8 +238,11 @@ class Scene:
         view.SetPosition(*camera.position)
         view.SetViewUp(*camera.up)
 
-    def draw(self, positions, colours, by_face):
-        """`colours`: 8-bit RGB of each point (or triangle), or None for a plain body. Returns height x width x 3 pixels."""
+    def draw(self, positions, colours, by_face, obstacle_points):
+        """`colours`: 8-bit RGB of each point (or triangle), or None for a plain body. Returns height x width x 3 pixels.
+
+        Obstacles are half transparent where they hide a body.
+        """
         self._points.SetData(numpy_to_vtk(np.ascontiguousarray(positions), deep=True))
         self._points.Modified()
         if colours is not None:
@@ -236,6 +251,20 @@ class Scene:
         self._body.Modified()
         if self._edges is not None:
             self._edges.Modified()
+        if self._obstacles is None:
+            return self._pixels()
+        self._obstacle_points.SetData(numpy_to_vtk(np.ascontiguousarray(obstacle_points), deep=True))
+        self._obstacle_points.Modified()
+        self._obstacle_data.Modified()
+        whole = self._pixels()
+        self._obstacles.VisibilityOff()
+        bodies = self._pixels()
+        self._obstacles.VisibilityOn()
+        hidden = (bodies != BACKGROUND).any(axis=2, keepdims=True) & (bodies != whole).any(axis=2, keepdims=True)
+        mixed = OBSTACLE_OVER_BODY * whole + (1 - OBSTACLE_OVER_BODY) * bodies
+        return np.where(hidden, mixed, whole).round().astype(np.uint8)
+
+    def _pixels(self):
         self._renderer.ResetCameraClippingRange()
         self._window.Render()
         grab = vtkWindowToImageFilter()
@@ -245,7 +274,7 @@ class Scene:
         image = grab.GetOutput()
         width, height, _ = image.GetDimensions()
         pixels = vtk_to_numpy(image.GetPointData().GetScalars()).reshape(height, width, -1)[::-1]
-        return pixels[..., :3]
+        return pixels[..., :3].copy()
 
 
 def _cell_array(cells):
@@ -292,6 +321,16 @@ def _extreme(points):
     return points[np.unique((points @ directions.T).argmax(axis=0))]
 
 
+def _sheet(corners, points):
+    """The rectangle in the plane of a square's corners, with the same sides, that has the points over it, and a margin."""
+    along = [corners[1] - corners[0], corners[3] - corners[0]]
+    axes = np.array([side / np.linalg.norm(side) for side in along])
+    local = (points - corners[0]) @ axes.T
+    margin = 0.15 * np.ptp(points, axis=0).max()
+    low, high = local.min(axis=0) - margin, local.max(axis=0) + margin
+    return corners[0] + np.array([[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]]) @ axes
+
+
 # --------------------------------------------------------------------------------------------------------- the work
 
 
@@ -311,6 +350,8 @@ class Renderer:
         clouds = [self._positions(frame) for frame in self._sample()]
         if options.outline:
             clouds.append(self._reference(chosen[0]))
+        self._bodies = np.concatenate([_extreme(points) for points in clouds])
+        clouds += self._near_obstacles()
         self._camera = fitted_camera(options.view, clouds, self._page.scene_size)
 
     def _sample(self, at_most=60):
@@ -333,6 +374,34 @@ class Renderer:
             raise UserError(f"the displacement at t = {frame.time:g} s is not finite")
         return positions
 
+    def _obstacles(self, frame):
+        """None where displacements are not drawn as they are: then nothing touches."""
+        return self._result.obstacles(frame) if self._options.scale == 1 else None
+
+    def _near_obstacles(self):
+        """Points of obstacles that belong into the picture: those next to the bodies, and the sheets of planes."""
+        middle = (self._bodies.min(axis=0) + self._bodies.max(axis=0)) / 2
+        reach = 1.5 * np.linalg.norm(self._bodies - middle, axis=1).max()
+        found = []
+        for obstacles in map(self._obstacles, self._sample()):
+            if obstacles is None:
+                continue
+            points = obstacles.points_of_others()
+            near = points[np.linalg.norm(points - middle, axis=1) < reach]
+            found += [near] if len(near) > 0 else []
+            found += [_sheet(obstacles.points[corners], self._bodies) for corners in obstacles.planes()]
+        return found
+
+    def _obstacle_points(self, frame):
+        """Where the points of obstacles are drawn: planes as sheets along the bodies."""
+        obstacles = self._obstacles(frame)
+        if obstacles is None:
+            return None
+        points = obstacles.points.copy()
+        for corners in obstacles.planes():
+            points[corners] = _sheet(points[corners], self._bodies)
+        return points
+
     def _values(self, frame):
         return self._quantity.at_points(self._result, frame, self._surface(frame))
 
@@ -353,6 +422,9 @@ class Renderer:
         if frame.mesh not in self._scenes:
             surface = self._surface(frame)
             scene = Scene(surface, self._page.scene_size, self._options)
+            obstacles = self._obstacles(frame)
+            if obstacles is not None:
+                scene.add_obstacles(obstacles.triangles)
             if self._options.outline:
                 scene.add_outline(self._reference(frame), surface.triangles)
             scene.aim(self._camera)
@@ -365,7 +437,7 @@ class Renderer:
             colours, by_face = self._colours(self._values(frame)), bool(self._quantity.names)
             if by_face:
                 colours = colours[self._surface(frame).face_of_triangle]
-        pixels = self._scene(frame).draw(self._positions(frame), colours, by_face)
+        pixels = self._scene(frame).draw(self._positions(frame), colours, by_face, self._obstacle_points(frame))
         return self._page.compose(pixels, self._times[frame.name])
 
 
@@ -500,7 +572,7 @@ def parsed(arguments):
     parser.add_argument("--view", type=_view, default=VIEWS["iso"], metavar="X,Y,Z|NAME",
                         help=f"where the viewer stands, seen from the body: a direction or one of {', '.join(VIEWS)} (iso)")
     parser.add_argument("--size", type=_size, default=(1280, 800), metavar="WxH", help="in pixels (1280x800)")
-    parser.add_argument("--scale", type=_finite, default=1.0, help="displacements are multiplied by it (1)")
+    parser.add_argument("--scale", type=_finite, default=1.0, help="displacements are multiplied by it (1); obstacles are drawn at 1 only")
     parser.add_argument("--mesh-edges", action="store_true", help="draw the edges of the elements")
     parser.add_argument("--outline", action="store_true", help="draw the edges of the undeformed shape")
     parser.add_argument("--title", help="instead of the run's title")

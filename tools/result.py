@@ -35,6 +35,26 @@ class Mesh:
 
 
 @dataclasses.dataclass(frozen=True)
+class Obstacles:
+    """The surfaces of obstacles, and where they are in a frame."""
+
+    points: np.ndarray  # num_points x 3, current positions [m]
+    triangles: np.ndarray  # num_triangles x 3, counterclockwise seen from outside
+    obstacle: np.ndarray  # index of the obstacle of each triangle
+    names: list
+
+    def planes(self):
+        """The four points of each plane's square, in order around it: two triangles, where what is closed has more."""
+        found = [self.triangles[self.obstacle == k] for k in range(len(self.names))]
+        return [np.append(triangles[0], triangles[1, 2]) for triangles in found if len(triangles) == 2]
+
+    def points_of_others(self):
+        """Positions of what is no plane."""
+        count = np.bincount(self.obstacle, minlength=len(self.names))
+        return self.points[np.unique(self.triangles[count[self.obstacle] != 2])]
+
+
+@dataclasses.dataclass(frozen=True)
 class Field:
     """Values on nodes or cells."""
 
@@ -116,6 +136,16 @@ class Result:
             return Field(self._h5[frame.mesh][name][()].astype(float)[:, None], "", False)
         known = ", ".join(self.field_names(frame))
         raise UserError(f"the result has no field '{name}'; it has {known}")
+
+    def obstacles(self, frame):
+        """Where they are; None if the run had none."""
+        path = frame.mesh.replace("mesh", "obstacles")
+        if path not in self._h5:
+            return None
+        group = self._h5[path]
+        moved = f"frames/{frame.step:06}/points"
+        names = _text(group["obstacle"].attrs["names"]).split("\n")
+        return Obstacles(group[moved if moved in group else "points"][()], group["triangles"][()], group["obstacle"][()], names)
 
     def displacement(self, frame):
         """Zero where the result has none."""

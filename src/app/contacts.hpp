@@ -50,6 +50,7 @@ class Contacts {
   /// Of the obstacles, in the order of the input, then, if there are several bodies, of the pairs.
   const std::vector<ContactGroup>& groups() const { return groups_; }
   std::size_t num_obstacles() const { return obstacles_.size(); }
+  std::span<const std::shared_ptr<const Obstacle>> obstacles() const { return obstacles_; }
 
   /// Throws InputError if a body lies beyond a barrier. Collective.
   void check_start(const Instant& at, std::span<const double> q) const;

@@ -101,7 +101,12 @@ Recorder::Recorder(const Config& config, const Model& model, const Ledger& ledge
       history_(model.layout().comm, std::filesystem::path(config.output.directory) / "history.csv",
                columns(config, ledger), earlier ? std::optional(static_cast<double>(earlier->last_row)) : std::nullopt),
       q_(make_vector(model.layout())),
-      v_(make_vector(model.layout())) {}
+      v_(make_vector(model.layout())) {
+  if (model.contacts() == nullptr) return;
+  drawing_.emplace(*model.contacts(), model.layout());
+  obstacles_.emplace(model.layout().comm, result_, config.title, drawing_->surfaces(),
+                     earlier ? earlier->last_frame : -1);
+}
 
 std::vector<std::string> Recorder::columns(const Config& config, const Ledger& ledger) const {
   std::vector<std::string> names{"step",
@@ -250,6 +255,7 @@ void Recorder::sync() {
   const Stopwatch watch(seconds_);
   history_.sync();
   result_.sync();
+  if (obstacles_) obstacles_->sync();
 }
 
 void Recorder::write_frame(const StepRecord& record) {
@@ -289,6 +295,7 @@ void Recorder::write_frame(const StepRecord& record) {
       });
     }
   }
+  if (obstacles_) obstacles_->write_frame(record.time, record.step, drawing_->points(model_.instant(record.time)));
   result_.write_frame(record.time, record.step, fields);
 }
 

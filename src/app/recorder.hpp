@@ -1,6 +1,7 @@
 /// What a run leaves on disk: result.h5 and result.xdmf, history.csv, run.yaml.
 #pragma once
 
+#include "app/obstacle_drawing.hpp"
 #include "app/simulation.hpp"
 #include "io/history_writer.hpp"
 #include "io/result_writer.hpp"
@@ -50,6 +51,8 @@ class Recorder {
   std::optional<double> static_time_;  // at which formulas are evaluated while the load factor grows [s]
   double seconds_ = 0.0;
   ResultWriter result_;
+  std::optional<ObstacleDrawing> drawing_;  // of obstacles, if there are any
+  std::optional<ObstacleWriter> obstacles_;
   HistoryWriter history_;
   Handle<Vec> q_, v_;
 };

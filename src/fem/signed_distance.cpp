@@ -79,10 +79,10 @@ class PlaneDistance final : public SignedDistance {
   explicit PlaneDistance(const PlaneShape& shape) : shape_(shape) {}
   DistanceAt at(const Vector3<double>& x) const override { return {distance(x), shape_.normal, {}}; }
   double distance(const Vector3<double>& x) const override { return dot(shape_.normal, x - shape_.point); }
-  std::vector<TrianglePatch> drawing(double extent) const override {
+  std::vector<TrianglePatch> drawing(const Vector3<double>& middle, double extent) const override {
+    const Vector3<double> foot = middle - distance(middle) * shape_.normal;
     const Vector3<double> e = extent * across(shape_.normal), f = cross(shape_.normal, e);
-    const Vector3<double> a = shape_.point - e - f, b = shape_.point + e - f, c = shape_.point + e + f,
-                          d = shape_.point - e + f;
+    const Vector3<double> a = foot - e - f, b = foot + e - f, c = foot + e + f, d = foot - e + f;
     return {{a, b, c}, {a, c, d}};
   }
 
@@ -95,7 +95,7 @@ class SphereDistance final : public SignedDistance {
   explicit SphereDistance(const SphereShape& shape) : shape_(shape) {}
   DistanceAt at(const Vector3<double>& x) const override { return from_point(x - shape_.center, shape_.radius); }
   double distance(const Vector3<double>& x) const override { return norm(x - shape_.center) - shape_.radius; }
-  std::vector<TrianglePatch> drawing(double /*extent*/) const override {
+  std::vector<TrianglePatch> drawing(const Vector3<double>& /*middle*/, double /*extent*/) const override {
     std::vector<std::array<double, 2>> curve;
     add_arc(curve, 0.0, shape_.radius, -0.5 * std::numbers::pi, 0.0);
     add_arc(curve, 0.0, shape_.radius, 0.0, 0.5 * std::numbers::pi);
@@ -134,9 +134,12 @@ class CylinderDistance final : public SignedDistance {
     return std::min(u, w) > 0.0 ? std::hypot(u, w) : std::max(u, w);
   }
 
-  std::vector<TrianglePatch> drawing(double extent) const override {
-    const double half = std::min(0.5 * shape_.length, extent), R = shape_.radius;
-    if (half < 0.5 * shape_.length) return revolved(shape_.center, shape_.axis, {{-half, R}, {half, R}});
+  std::vector<TrianglePatch> drawing(const Vector3<double>& middle, double extent) const override {
+    const double half = 0.5 * shape_.length, R = shape_.radius;
+    if (std::isinf(half)) {
+      const double at = dot(middle - shape_.center, shape_.axis);
+      return revolved(shape_.center, shape_.axis, {{at - extent, R}, {at + extent, R}});
+    }
     return revolved(shape_.center, shape_.axis, {{-half, 0.0}, {-half, R}, {half, R}, {half, 0.0}});
   }
 
@@ -160,7 +163,7 @@ class CapsuleDistance final : public SignedDistance {
     return norm(x - nearest(dot(x - shape_.center, shape_.axis))) - shape_.radius;
   }
 
-  std::vector<TrianglePatch> drawing(double /*extent*/) const override {
+  std::vector<TrianglePatch> drawing(const Vector3<double>& /*middle*/, double /*extent*/) const override {
     std::vector<std::array<double, 2>> curve;
     const double half = 0.5 * shape_.length;
     add_arc(curve, -half, shape_.radius, -0.5 * std::numbers::pi, 0.0);
@@ -209,7 +212,7 @@ class BoxDistance final : public SignedDistance {
     return result;
   }
 
-  std::vector<TrianglePatch> drawing(double /*extent*/) const override {
+  std::vector<TrianglePatch> drawing(const Vector3<double>& /*middle*/, double /*extent*/) const override {
     const auto corner = [&](int bits) {
       Vector3<double> x = shape_.center;
       for (int i = 0; i < 3; ++i) x[i] += ((bits >> i & 1) != 0 ? 0.5 : -0.5) * shape_.size[i];
@@ -237,8 +240,8 @@ class Hollow final : public SignedDistance {
     return {-s.d, -1.0 * s.n, -1.0 * s.curvature};
   }
   double distance(const Vector3<double>& x) const override { return -solid_->distance(x); }
-  std::vector<TrianglePatch> drawing(double extent) const override {
-    auto result = solid_->drawing(extent);
+  std::vector<TrianglePatch> drawing(const Vector3<double>& middle, double extent) const override {
+    auto result = solid_->drawing(middle, extent);
     for (TrianglePatch& triangle : result) std::swap(triangle[1], triangle[2]);
     return result;
   }

@@ -28,8 +28,9 @@ class SignedDistance {
   virtual DistanceAt at(const Vector3<double>& x) const = 0;
   /// `at(x).d`, without the derivatives.
   virtual double distance(const Vector3<double>& x) const { return at(x).d; }
-  /// The surface for pictures; where it is unbounded, out to `extent` [m] from its middle.
-  virtual std::vector<TrianglePatch> drawing(double extent) const = 0;
+  /// The surface for pictures; where it is unbounded, the part next to `middle`, out to `extent` [m] from there. Two
+  /// triangles are the sheet of a plane; what is closed has more.
+  virtual std::vector<TrianglePatch> drawing(const Vector3<double>& middle, double extent) const = 0;
 };
 
 /// Half a space.

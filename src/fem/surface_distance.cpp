@@ -98,7 +98,7 @@ class SurfaceDistance final : public SignedDistance {
     return std::copysign(norm(way), dot(way, pseudonormal(triangle, nearest)));
   }
 
-  std::vector<TrianglePatch> drawing(double /*extent*/) const override {
+  std::vector<TrianglePatch> drawing(const Vector3<double>& /*middle*/, double /*extent*/) const override {
     std::vector<TrianglePatch> result;
     for (std::size_t t = 0; t < surface_.triangles.size(); ++t) result.push_back(patch(t));
     return result;

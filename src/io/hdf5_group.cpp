@@ -111,6 +111,18 @@ RowBlock row_block(MPI_Comm comm, std::int64_t num_owned) {
   return rows;
 }
 
+void make_frames_group(hid_t file, const std::string& path) {
+  constexpr unsigned expected_frames = 2000;  // more would not fit the 64 KiB of a header block
+  constexpr unsigned name_length = 6;
+  const std::string doing = "make the group '" + path + "'";
+  const Hdf5Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, doing);
+  check_hdf5(H5Pset_link_creation_order(creation.get(), H5P_CRT_ORDER_TRACKED), doing);
+  check_hdf5(H5Pset_link_phase_change(creation.get(), /*max_compact=*/65535, /*min_dense=*/0), doing);
+  check_hdf5(H5Pset_est_link_info(creation.get(), expected_frames, name_length), doing);
+  Hdf5Handle frames(H5Gcreate2(file, path.c_str(), H5P_DEFAULT, creation.get(), H5P_DEFAULT), H5Gclose, doing);
+  frames.close(doing);
+}
+
 void add_group(MPI_Comm comm, const std::filesystem::path& path, const Group& plan, Durability durability) {
   on_every_rank(comm, [&] {
     for (const auto& dataset : plan.datasets) {

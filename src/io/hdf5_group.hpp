@@ -46,6 +46,11 @@ struct Group {
   std::vector<Dataset> datasets;
 };
 
+/// Makes an empty group of frames such that adding one is one write of one block, which a kill cannot cut in two: its
+/// links lie in its header, with room for 2000 of them; later ones take two writes each. (An ordinary group spreads a
+/// new link over a B-tree, a heap and a symbol table, and is unreadable if the process dies between.) Not collective.
+void make_frames_group(hid_t file, const std::string& path);
+
 /// Adds a group with its datasets to the file. Only the metadata go through HDF5, on rank 0; every rank then writes its
 /// rows straight to their place in the file. The group is linked after its numbers are there: it is there as a whole or
 /// not at all. Collective; a failure throws FileError on every rank.

@@ -22,6 +22,16 @@ std::string format_of(hid_t file) {
   return H5Aexists(file, "format") > 0 ? text_attribute(file, "format") : std::string();
 }
 
+/// A line with the names, or nothing.
+std::string obstacles_of(hid_t file) {
+  if (H5Lexists(file, "obstacles", H5P_DEFAULT) <= 0) return {};
+  const std::string doing = "read 'obstacles/obstacle'";
+  const Hdf5Handle dataset(H5Dopen2(file, "obstacles/obstacle", H5P_DEFAULT), H5Dclose, doing);
+  std::string names = text_attribute(dataset.get(), "names");
+  for (std::size_t at; (at = names.find('\n')) != std::string::npos;) names.replace(at, 1, ", ");
+  return fmt::format("obstacles: {}\n", names);
+}
+
 double time_of(hid_t frames, const std::string& name) {
   const Hdf5Handle frame(H5Gopen2(frames, name.c_str(), H5P_DEFAULT), H5Gclose, "open the frame '" + name + "'");
   double time = 0.0;
@@ -56,6 +66,7 @@ std::string describe_result(const std::filesystem::path& path) {
   std::string text =
       fmt::format("result{}: {} nodes, {} tetrahedra\n", title.empty() ? "" : fmt::format(" of '{}'", title),
                   size_of_dataset(file.get(), "mesh/coordinates")[0], size_of_dataset(file.get(), "mesh/cells")[0]);
+  text += obstacles_of(file.get());
   if (names.empty()) return text + "no frames\n";
   text += fmt::format("{} frame{} from t = {:.6g} to {:.6g}\n", names.size(), names.size() == 1 ? "" : "s",
                       time_of(frames.get(), names.front()), time_of(frames.get(), names.back()));

@@ -9,8 +9,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <fstream>
-#include <sstream>
 #include <system_error>
 #include <tuple>
 #include <utility>
@@ -22,21 +20,6 @@ namespace {
 
 constexpr std::chrono::seconds time_between_syncs{10};
 
-/// Makes the group of the frames such that adding a frame is one write of one block, which a kill cannot cut in two:
-/// its links lie in its header, with room for 2000 of them; later ones take two writes each. (An ordinary group spreads
-/// a new link over a B-tree, a heap and a symbol table, and is unreadable if the process dies between.)
-void make_frames_group(hid_t file) {
-  constexpr unsigned expected_frames = 2000;  // more would not fit the 64 KiB of a header block
-  constexpr unsigned name_length = 6;
-  const std::string doing = "make the group '/frames'";
-  const Hdf5Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, doing);
-  check_hdf5(H5Pset_link_creation_order(creation.get(), H5P_CRT_ORDER_TRACKED), doing);
-  check_hdf5(H5Pset_link_phase_change(creation.get(), /*max_compact=*/65535, /*min_dense=*/0), doing);
-  check_hdf5(H5Pset_est_link_info(creation.get(), expected_frames, name_length), doing);
-  Hdf5Handle frames(H5Gcreate2(file, "frames", H5P_DEFAULT, creation.get(), H5P_DEFAULT), H5Gclose, doing);
-  frames.close(doing);
-}
-
 void make_empty_file(const std::filesystem::path& path, const std::string& title) {
   const QuietHdf5 quiet;
   const std::string doing = "write '" + path.string() + "'";
@@ -45,18 +28,12 @@ void make_empty_file(const std::filesystem::path& path, const std::string& title
   write_attribute(file.get(), "format", std::string("pliant-result"));
   write_attribute(file.get(), "version", std::int64_t{1});
   write_attribute(file.get(), "title", title);
-  make_frames_group(file.get());
+  make_frames_group(file.get(), "/frames");
   file.close(doing);
 }
 
 std::string lines(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, "\n"));
-}
-
-std::string text_of(const std::filesystem::path& path) {
-  std::ostringstream text;
-  text << std::ifstream(path).rdbuf();
-  return text.str();
 }
 
 /// Removes the frames that `grids` does not refer to. Returns the number of the next frame and a name for the next
@@ -99,7 +76,7 @@ ResultWriter::ResultWriter(MPI_Comm comm, const ResultPlace& place, std::string 
   assert(nodes_per_cell_ == 4 || nodes_per_cell_ == 10);
   on_root(comm_, [&] {
     make_directory(place.directory);
-    grids_ = grids_up_to_step(text_of(xdmf_file_), last_step);
+    grids_ = listed_frames(xdmf_file_, last_step);
     std::error_code ignored;
     if (!std::filesystem::exists(hdf5_file_, ignored)) grids_.clear();  // somebody has taken the frames away
     if (grids_.empty()) {
@@ -116,10 +93,11 @@ ResultWriter::ResultWriter(MPI_Comm comm, const ResultPlace& place, std::string 
 }
 
 void ResultWriter::start_files() const {
-  // The old list of frames goes first, so that it never describes the new file; removing the old numbers, rather than
+  // The old lists of frames go first, so that they never describe the new file; removing the old numbers, rather than
   // emptying them, leaves a reader that has them open undisturbed. A failure shows when the new files are made.
   std::error_code ignored;
   std::filesystem::remove(xdmf_file_, ignored);
+  std::filesystem::remove(obstacles_file(), ignored);
   std::filesystem::remove(hdf5_file_, ignored);
   make_empty_file(hdf5_file_, title_);
 }
@@ -181,6 +159,10 @@ void ResultWriter::sync() {
 XdmfArray ResultWriter::array(const std::string& place, XdmfArray::Number number, const RowBlock& rows,
                               int columns) const {
   return {hdf5_file_.filename().string() + ":" + place, number, rows.num_global, columns};
+}
+
+std::filesystem::path ResultWriter::obstacles_file() const {
+  return xdmf_file_.parent_path() / (xdmf_file_.stem().string() + "_obstacles.xdmf");
 }
 
 std::string ResultWriter::grid_of_frame(double time, std::int64_t step, const std::string& group,

@@ -7,6 +7,7 @@
 ///   /frames/000000/...      attributes time [s], step, mesh (its group: "/mesh"; "/mesh_1" after a restart); a dataset
 ///   per field, num_nodes or num_cells x components, attributes
 ///                           `unit` and `location` ("node" or "cell")
+///   /obstacles/...          see obstacle_writer.hpp
 ///
 /// Only the metadata go through HDF5, on rank 0; every rank then writes its rows straight to their place in the file.
 /// The result is an ordinary HDF5 file that does not depend on the rank count but for the order of nodes and cells. Why
@@ -87,6 +88,11 @@ class ResultWriter {
   void sync();
 
   const std::filesystem::path& xdmf_file() const { return xdmf_file_; }
+  const std::filesystem::path& hdf5_file() const { return hdf5_file_; }
+  /// Where an ObstacleWriter lists its frames: <directory>/<name>_obstacles.xdmf.
+  std::filesystem::path obstacles_file() const;
+  /// The group of this run's mesh: "mesh", "mesh_1" after a restart.
+  const std::string& mesh_group() const { return mesh_; }
 
  private:
   RowBlock rows_of(FieldLocation location) const { return location == FieldLocation::node ? nodes_ : cells_; }

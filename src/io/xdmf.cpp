@@ -1,6 +1,8 @@
 #include "io/xdmf.hpp"
 
 #include <cstdlib>
+#include <fstream>
+#include <sstream>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -29,6 +31,17 @@ std::string_view attribute_type(int columns) {
       return "Tensor";
     default:
       return "Matrix";
+  }
+}
+
+std::string_view topology_type(int nodes_per_cell) {
+  switch (nodes_per_cell) {
+    case 3:
+      return "Triangle";
+    case 4:
+      return "Tetrahedron";
+    default:
+      return "Tetrahedron_10";
   }
 }
 
@@ -90,8 +103,8 @@ std::string to_xml(const XdmfGrid& grid) {
           {}
         </Geometry>
 )",
-      xml_escaped(grid.name), grid.time, grid.step, grid.cells.columns == 4 ? "Tetrahedron" : "Tetrahedron_10",
-      grid.cells.rows, to_xml(grid.cells), to_xml(grid.coordinates));
+      xml_escaped(grid.name), grid.time, grid.step, topology_type(grid.cells.columns), grid.cells.rows,
+      to_xml(grid.cells), to_xml(grid.coordinates));
   for (const auto& field : grid.fields) text += to_xml(field);
   return text + "      </Grid>\n";
 }
@@ -122,6 +135,12 @@ std::string grids_up_to_step(const std::string& document, std::int64_t last_step
     at = document.find(begin, past);
   }
   return kept;
+}
+
+std::string listed_frames(const std::filesystem::path& file, std::int64_t last_step) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return grids_up_to_step(text.str(), last_step);
 }
 
 }  // namespace pliant

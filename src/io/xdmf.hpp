@@ -1,7 +1,8 @@
-/// The text of an XDMF 3 file: which arrays of result.h5 make up the grid of each frame. Pure text, no files.
+/// The text of an XDMF 3 file: which arrays of result.h5 make up the grid of each frame.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,7 @@ struct XdmfGrid {
   std::string name;
   double time = 0;  ///< [s]
   std::int64_t step = 0;
-  XdmfArray cells;        ///< 4 columns: linear tetrahedra; 10: quadratic ones
+  XdmfArray cells;        ///< 3 columns: triangles; 4: linear tetrahedra; 10: quadratic ones
   XdmfArray coordinates;  ///< 3 columns
   std::vector<XdmfField> fields;
 };
@@ -44,5 +45,7 @@ std::string xdmf_document(const std::string& title, const std::string& grids);
 
 /// The <Grid> elements in a text made by xdmf_document, up to the frame of step `last_step`.
 std::string grids_up_to_step(const std::string& document, std::int64_t last_step);
+/// Those of a file; none if it cannot be read.
+std::string listed_frames(const std::filesystem::path& file, std::int64_t last_step);
 
 }  // namespace pliant

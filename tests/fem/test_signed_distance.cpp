@@ -76,7 +76,7 @@ TEST_P(Distances, ChangesNoFasterThanThePointMoves) {
 
 // Corners of the triangles lie on the surface itself, their middles within it.
 TEST_P(Distances, SurfaceIsDrawnWhereTheDistanceIsZeroAndLooksOut) {
-  const auto surface = shape_->drawing(3.0);
+  const auto surface = shape_->drawing({0.5, -2.0, 1.0}, 3.0);
   ASSERT_GE(surface.size(), 2U);
   for (const auto& [a, b, c] : surface) {
     const auto middle = (1.0 / 3) * (a + b + c), normal = cross(b - a, c - a);
@@ -85,6 +85,21 @@ TEST_P(Distances, SurfaceIsDrawnWhereTheDistanceIsZeroAndLooksOut) {
       EXPECT_GT(dot(normal, shape_->at(middle).n), 0.0);
     }
   }
+}
+
+TEST(Distance, WhatIsUnboundedIsDrawnNextToAPoint) {
+  const Vector3<double> middle{10.0, 20.0, 30.0};
+  const auto farthest = [&](const SignedDistance& shape) {
+    double result = 0.0;
+    for (const auto& triangle : shape.drawing(middle, 2.0)) {
+      for (const auto& corner : triangle) result = std::max(result, norm(corner - middle));
+    }
+    return result;
+  };
+  EXPECT_NEAR(farthest(*make_distance(PlaneShape{{1.0, 2.0, 0.0}, {0.0, 0.0, 1.0}})), std::hypot(30.0, 2.0, 2.0),
+              1e-12);
+  EXPECT_NEAR(farthest(*make_distance(CylinderShape{{10.0, 1.0, 30.0}, {0.0, 1.0, 0.0}, 0.5})), std::hypot(2.0, 0.5),
+              1e-12);
 }
 
 TEST(Distance, IsThatOfClosedForms) {

@@ -31,7 +31,7 @@ std::string stl(const Triangles& triangles) {
 }
 
 Triangles box(const Vector3<double>& center, const Vector3<double>& size) {
-  return make_distance(BoxShape{center, size})->drawing(0.0);
+  return make_distance(BoxShape{center, size})->drawing({}, 0.0);
 }
 
 SurfaceMesh read(const Triangles& triangles, double scale = 1.0) {

@@ -1,10 +1,12 @@
 #!/usr/bin/python3
 """Bodies and obstacles: weight at rest, slopes, bounces, friction with moving things, barriers, ranks."""
 import unittest
+import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 
 from program import ROOT, ProgramTest
+from result import Result
 
 CUBE = ROOT / "meshes/unit_cube.msh"  # 1 m, its bottom at z = 0
 G = 9.81
@@ -126,6 +128,31 @@ class Contact(ProgramTest):
                 self.assertGreater(len(gaps), 10)
                 self.assertGreater(min(gaps), 0)
                 self.assertLess(min(gaps), 0.02)
+
+    def test_obstacles_are_in_the_result_where_they_are(self):
+        ball = ', motion: {translate: ["0.5*t", 0, 0]}}\n    - {name: ball, shape: sphere, point: [0, 0, 3], radius: 0.5, ' \
+               'motion: {translate: [0, 0, "-t"], rotate: {axis: [1, 0, 0], angle: "t"}}'
+        text = cube(floor=ball, above=0.1) + ("time: {method: bdf2, step: 20 ms, end: 0.08}\n"
+                                              "output: {every: 0.04}\ncheckpoint: {every: 2}\n")
+        self.run_input(self.write("moving.yaml", text), output="moving", ranks=2)
+        at_step_2, _ = sorted((self.directory / "moving").glob("checkpoint-*.h5"))
+        done = self.call("resume", at_step_2, "--quiet", "--set", "time.end=0.12")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        grids = ElementTree.parse(self.directory / "moving" / "result_obstacles.xdmf").findall("Domain/Grid/Grid")
+        self.assertEqual([float(grid.find("Time").get("Value")) for grid in grids], [0, 0.04, 0.08, 0.12])
+        result = Result(str(self.directory / "moving"))
+        first = result.obstacles(result.frames[0])
+        self.assertEqual(first.names, ["floor", "ball"])
+        self.assertEqual([frame.step for frame in result.frames], [0, 2, 4, 6])
+        for frame in result.frames:
+            obstacles = result.obstacles(frame)
+            sheet = obstacles.points[obstacles.planes()[0]]
+            np.testing.assert_allclose(sheet.mean(axis=0), [0.5 + 0.5 * frame.time, 0.5, 0], atol=1e-12)
+            self.assertGreater(np.ptp(sheet, axis=0)[:2].min(), 2)
+            on_ball = obstacles.points_of_others() - [0, 0, 3 - frame.time]
+            np.testing.assert_allclose(np.linalg.norm(on_ball, axis=1), 0.5, atol=1e-12)
+            south = first.points_of_others()[:, 2].argmin()
+            np.testing.assert_allclose(on_ball[south], [0, 0.5 * np.sin(frame.time), -0.5 * np.cos(frame.time)], atol=1e-12)
 
     def test_hertz(self):
         # The ball is no half-space: held at its equator it is 0.36 a/R stiffer in delta (Tatara 1991), 1.2 % in the force.

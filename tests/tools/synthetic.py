@@ -72,6 +72,21 @@ def write_result(directory, num_frames=6, order=2, cubes=(10, 2, 2), title="cant
                 frame[name].attrs.update({"unit": unit, "location": location})
 
 
+def add_obstacles(directory):
+    """A floor below the bar's lowest point, and a pyramid that rises before it (y < 0), as wide as half the bar."""
+    pyramid = np.array([[0, -0.5, -1.2], [0.5, -0.5, -1.2], [0.25, -0.3, -1.2], [0.25, -0.4, -0.8]])
+    with h5py.File(os.path.join(directory, "result.h5"), "r+") as h5:
+        group = h5.create_group("obstacles")
+        floor = np.array([[-1, -1, -0.6], [1, -1, -0.6], [1, 1, -0.6], [-1, 1, -0.6]])
+        group["points"] = np.vstack([floor, pyramid])
+        group["triangles"] = np.array([[0, 1, 2], [0, 2, 3], [4, 6, 5], [4, 5, 7], [5, 6, 7], [6, 4, 7]])
+        group["obstacle"] = np.array([0, 0, 1, 1, 1, 1], dtype="i4")
+        group["obstacle"].attrs["names"] = "floor\npyramid"
+        for frame in h5["frames"].values():
+            lifted = pyramid + [0, 0, frame.attrs["time"]]
+            group[f"frames/{frame.attrs['step']:06}/points"] = np.vstack([floor, lifted])
+
+
 def write_history(directory, num_steps=200):
     t = np.linspace(0, 1, num_steps + 1)
     phase = 2 * np.pi * t

@@ -74,6 +74,26 @@ class Pictures(WithResult):
                 self.draw("--field", field, "--mesh-edges", "--outline", "--frame", 1, "-o", file, *SMALL)
                 self.assertGreater(len(self.body_pixels(Image.open(file))), 1000)
 
+    def test_obstacles_are_drawn_and_hide_bodies_by_half_only(self):
+        def pixels(frame, *arguments):
+            file = self.draw("--view=front", "--field=none", "--frame", frame, *arguments, *SMALL)
+            return np.asarray(Image.open(file).convert("RGB")).astype(int)
+
+        def share_of_blue(image):  # the body is bluish, obstacles are reddish, the background is neither
+            image = image[30:]
+            return np.mean(image[..., 2] > image[..., 0] + 15), np.mean(image[..., 0] > image[..., 2] + 5)
+
+        bare = share_of_blue(pixels(0))
+        synthetic.add_obstacles(self.directory)
+        self.assertEqual(share_of_blue(pixels(0, "--scale", 1.001)), bare)
+        above = pixels(0)  # the pyramid stands below the floor
+        body, obstacle = share_of_blue(above)
+        self.assertGreater(obstacle, 0.01)
+        self.assertGreater(body, 0.01)
+        before = pixels(2)  # ... and now before the bar
+        colours, counts = np.unique(before[30:].reshape(-1, 3) // 4, axis=0, return_counts=True)
+        self.assertGreater(len(colours[counts > 20]), 3, "background, body, obstacle, and the mean of the two")
+
     def test_views_differ(self):
         pictures = []
         for view in ("iso", "front", "top", "-1,0.5,0.3"):

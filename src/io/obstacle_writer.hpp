@@ -1,0 +1,58 @@
+/// The surfaces of obstacles beside the time series of the bodies, for ParaView and other tools: in result.h5 (the
+/// numbers) and result_obstacles.xdmf (what they mean).
+///
+/// result.h5
+///   /obstacles/points          num_points x 3, where they are drawn [m]
+///   /obstacles/triangles       num_triangles x 3, point numbers, anticlockwise seen from outside
+///   /obstacles/obstacle        num_triangles; attribute `names`: the names, one per line
+///   /obstacles/frames/000040/points  where they are at step 40; not there while all rest where they are drawn
+/// After a restart the group is called /obstacles_1, as the mesh is called /mesh_1.
+#pragma once
+
+#include "io/result_writer.hpp"
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <petscsys.h>
+
+namespace pliant {
+
+/// Triangles of all obstacles, the same on every rank.
+struct OutputObstacles {
+  std::vector<std::string> names;
+  std::vector<double> points;           ///< xyz by point [m]
+  std::vector<std::int64_t> triangles;  ///< three point numbers each, anticlockwise seen from outside
+  std::vector<std::int32_t> obstacles;  ///< index into names of each triangle
+};
+
+/// Adds obstacles to a result. All members that write are collective; a failure throws FileError on every rank.
+class ObstacleWriter {
+ public:
+  /// Continues the list of frames of an earlier run up to `last_step`; -1: there is none. `bodies`, which owns the
+  /// files, outlives the object. Collective.
+  ObstacleWriter(MPI_Comm comm, const ResultWriter& bodies, std::string title, const OutputObstacles& obstacles,
+                 std::int64_t last_step);
+
+  /// Adds a frame; `points`: where the points are now, on rank 0 at least, or empty everywhere if they rest where they
+  /// are drawn. Before the frame of the bodies, so that each of these has its obstacles. Collective.
+  void write_frame(double time, std::int64_t step, std::span<const double> points);
+  /// Returns when the list of frames has reached the disk; the numbers do so with ResultWriter::sync. Collective.
+  void sync() const;
+
+ private:
+  /// Rank 0 writes everything.
+  RowBlock rows(std::int64_t num_global) const;
+  XdmfArray array(const std::string& place, XdmfArray::Number number, std::int64_t num_rows, int columns) const;
+
+  MPI_Comm comm_;
+  const ResultWriter& bodies_;
+  std::string title_;
+  std::int64_t num_points_, num_triangles_;
+  std::string group_;  // "/obstacles"
+  std::string grids_;  // rank 0: the XML of the frames so far
+};
+
+}  // namespace pliant
