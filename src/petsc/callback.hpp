@@ -4,6 +4,7 @@
 #include "petsc/check.hpp"
 
 #include <exception>
+#include <utility>
 
 namespace pliant {
 
