@@ -1,6 +1,7 @@
 // pliant: the program. Parses the command line, starts MPI and PETSc, turns failures into messages and exit codes.
 #include "app/commands.hpp"
 #include "app/converge.hpp"
+#include "app/report.hpp"
 #include "app/sweep.hpp"
 #include "app/version.hpp"
 #include "base/text.hpp"
@@ -30,6 +31,7 @@ struct Arguments {
   StudyOptions study;
   Conversion conversion;
   SweepOptions sweep;
+  ReportOptions report;
   std::string refine;
   bool accepts_any_order = false;
 
@@ -114,6 +116,23 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
     command = [&] {
       const std::string text = info_text(comm, arguments.file);
       if (speaks) fmt::print("{}", text);
+    };
+  });
+
+  CLI::App* report = app.add_subcommand("report", "make a page of HTML that plays a result and plots its history");
+  report->add_option("RESULT", arguments.report.place, "directory of a result, its result.h5 or result.xdmf")
+      ->required();
+  report->add_option("--output", arguments.report.output, "the file; default: report.html beside the result");
+  report
+      ->add_option("--size", arguments.report.megabytes,
+                   "megabytes that the frames may take; where they would take more, some are left out")
+      ->check(CLI::PositiveNumber)
+      ->type_name("MB")
+      ->capture_default_str();
+  report->callback([&] {
+    command = [&] {
+      Console console(comm, Verbosity::normal);
+      report_command(comm, arguments.report, console);
     };
   });
 

@@ -6,6 +6,7 @@
 #include "app/recorder.hpp"
 #include "app/signals.hpp"
 #include "app/simulation.hpp"
+#include "app/summary.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"
 
@@ -53,18 +54,12 @@ class FrameSchedule {
   long long last_;
 };
 
-/// The steps that needed most.
-struct WorstStep {
-  std::int64_t step = 0;
-  double time = 0.0;
-  int newton_iterations = -1;
-};
-
 class Run {
  public:
   /// From the start, or from a checkpoint that is whole.
   Run(MPI_Comm comm, const Config& config, Console& console, const ResumePoint* from)
       : comm_(comm), config_(config), console_(console), model_(comm, config), checkpoints_(config, model_) {
+    on_root(comm_, [&] { remove_summary(config.output.directory); });
     introduce();
     simulation_.emplace(config, model_);
     for (const auto& line : simulation_->description()) console.print(line);
@@ -130,7 +125,7 @@ class Run {
       }
     }
     config_.checkpoint ? write_checkpoint() : recorder_->sync();
-    summarise();
+    summarise("done", "");
     return ExitCode::done;
   }
 
@@ -194,7 +189,7 @@ class Run {
 
   ExitCode interrupted() {
     if (!last_frame_written_) recorder_->write_frame(record());
-    summarise();
+    summarise("interrupted", "");
     console_.warn(fmt::format("interrupted after step {} at {} = {:.6g}{}; what was computed is in {}; to go on: {}",
                               record().step, variable(), record().time, is_static() ? "" : " s",
                               config_.output.directory, how_to_resume()));
@@ -214,7 +209,7 @@ class Run {
     if (!last_frame_written_) recorder_->write_frame(record());
     write_checkpoint();
     const std::string what_to_look_at = post_mortem(outcome);
-    summarise();
+    summarise("failed", outcome.reason);
     throw SolveError(fmt::format(
         "the solve failed at {0} = {1:.6g}: {2}. The last good state ({0} = {1:.6g}) is in {3}{4}. Post-mortem: {5}",
         variable(), record().time, outcome.reason, config_.output.directory,
@@ -235,17 +230,24 @@ class Run {
                        elapsed * (1.0 - done) / std::max(done, 1e-12));
   }
 
-  void summarise() {
+  void save(const Summary& summary) {
+    try {
+      on_root(comm_, [&] { write_summary(config_.output.directory, summary); });
+    } catch (const FileError& error) {
+      console_.warn(error.what());  // the run itself is safe
+    }
+  }
+
+  void summarise(const char* outcome, const std::string& message) {
     const SolverStatistics& s = simulation_->solver_statistics();
     const StepStatistics& steps = simulation_->steps();
-    const double total = seconds_since(start_);
-    const double known =
-        setup_seconds_ + s.assembly_seconds + s.factorization_seconds + s.solve_seconds + output_seconds();
+    const RunSeconds t{seconds_since(start_),   setup_seconds_,  model_.mesh_seconds(), s.assembly_seconds,
+                       s.factorization_seconds, s.solve_seconds, output_seconds()};
+    save({outcome, message, num_ranks(comm_), t, steps, s, worst_});
     console_.print(fmt::format(
         "time: {} s = set-up {} (mesh {}) + assembly {} + factorization {} + solve {} + output {} + rest {}",
-        three_digits(total), three_digits(setup_seconds_), three_digits(model_.mesh_seconds()),
-        three_digits(s.assembly_seconds), three_digits(s.factorization_seconds), three_digits(s.solve_seconds),
-        three_digits(output_seconds()), three_digits(std::max(0.0, total - known))));
+        three_digits(t.total), three_digits(t.set_up), three_digits(t.mesh), three_digits(t.assembly),
+        three_digits(t.factorization), three_digits(t.solve), three_digits(t.output), three_digits(t.rest())));
     console_.print(fmt::format("steps: {} from {:.3g} to {:.3g}{}; {} repeated after a failed solve, {} for accuracy",
                                steps.accepted, steps.shortest, steps.longest, is_static() ? "" : " s", steps.failed,
                                steps.inaccurate));

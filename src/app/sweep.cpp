@@ -3,6 +3,7 @@
 #include "app/input.hpp"
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "io/history_reader.hpp"
 #include "io/history_writer.hpp"
 #include "io/svg_plot.hpp"
 
@@ -12,7 +13,6 @@
 #include <fstream>
 #include <limits>
 #include <set>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -54,35 +54,6 @@ struct Case {
   std::vector<std::string> values;  ///< of the swept keys
   fs::path directory;
 };
-
-struct History {
-  std::vector<std::string> names;
-  std::vector<std::vector<double>> columns;
-
-  const std::vector<double>* find(std::string_view name) const {
-    const auto found = std::ranges::find(names, name);
-    return found == names.end() ? nullptr : &columns[static_cast<std::size_t>(found - names.begin())];
-  }
-};
-
-/// Of a run that ended early, or did not begin, what there is.
-History read_history(const fs::path& file) {
-  History history;
-  std::ifstream stream(file);
-  std::string line, cell;
-  if (!std::getline(stream, line)) return history;
-  for (std::istringstream cells(line); std::getline(cells, cell, ',');) history.names.push_back(cell);
-  history.columns.resize(history.names.size());
-  while (std::getline(stream, line)) {
-    std::vector<double> row;
-    for (std::istringstream cells(line); std::getline(cells, cell, ',');) {
-      row.push_back(parse_number(cell).value_or(std::numeric_limits<double>::quiet_NaN()));
-    }
-    if (row.size() != history.names.size()) break;  // killed while it wrote
-    for (std::size_t i = 0; i < row.size(); ++i) history.columns[i].push_back(row[i]);
-  }
-  return history;
-}
 
 /// A name that every file system takes.
 std::string file_name(std::string text) {
@@ -274,7 +245,7 @@ class Sweep {
   /// Names of columns in the order in which histories bring them.
   std::vector<std::string> columns() const {
     std::vector<std::string> names;
-    for (const History& history : histories_) {
+    for (const HistoryTable& history : histories_) {
       for (const std::string& name : history.names) {
         if (std::ranges::find(names, name) == names.end()) names.push_back(name);
       }
@@ -347,7 +318,7 @@ class Sweep {
   fs::path directory_;
   std::vector<Case> cases_;
   std::vector<Ended> ended_;
-  std::vector<History> histories_;
+  std::vector<HistoryTable> histories_;
 };
 
 }  // namespace

@@ -1,0 +1,165 @@
+#include "app/report.hpp"
+
+#include "app/report_page.hpp"
+#include "app/summary.hpp"
+#include "app/version.hpp"
+#include "base/error.hpp"
+#include "base/file.hpp"
+#include "io/history_reader.hpp"
+#include "io/packed_result.hpp"
+#include "petsc/collective.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t most_rows = 4000;  // of the history; a plot has not so many columns of pixels
+
+/// Empty where there is none.
+std::string text_of(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+/// The page under construction: large data stand in elements of their own, named by their number.
+class Page {
+ public:
+  int block(const std::string& text) {
+    blocks_ += fmt::format("<script type=\"text/plain\" id=\"block-{}\">{}</script>\n", count_, text);
+    return count_++;
+  }
+
+  std::string filled(std::string_view page, const Json& report) const {
+    constexpr std::string_view place = "<!-- the report -->";
+    // No "<" in the text of a script: "</script" would end it.
+    std::string text;
+    for (const char c : report.dump(-1, ' ', false, Json::error_handler_t::replace)) {
+      text += c == '<' ? std::string("\\u003c") : std::string(1, c);
+    }
+    std::string result(page);
+    const auto at = result.find(place);
+    if (at == std::string::npos) throw FileError("the viewer of this program is damaged: it has no place for a report");
+    return result.replace(
+        at, place.size(),
+        fmt::format("<script type=\"application/json\" id=\"report\">{}</script>\n{}", text, blocks_));
+  }
+
+ private:
+  std::string blocks_;
+  int count_ = 0;
+};
+
+Json json_of(const Quantisation& scale) {
+  return {scale.low, scale.high, scale.levels};
+}
+
+Json json_of(const PackedMesh& mesh, Page& page) {
+  Json json{{"vertices", mesh.num_vertices},
+            {"triangles", mesh.num_triangles},
+            {"perFacet", mesh.triangles_per_facet},
+            {"index", page.block(mesh.triangles)},
+            {"bodies", page.block(mesh.bodies)}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    json["positions"].push_back(page.block(mesh.positions[i]));
+    json["scales"].push_back(json_of(mesh.scales[i]));
+  }
+  return json;
+}
+
+Json json_of(const PackedField& field, Page& page) {
+  Json json{{"name", field.name}, {"unit", field.unit}};
+  for (const auto& scale : field.scales) json["scales"].push_back(json_of(scale));
+  for (const auto& of_mesh : field.values) {
+    Json blocks = Json::array();
+    for (const auto& text : of_mesh) blocks.push_back(page.block(text));
+    json["values"].push_back(blocks);
+  }
+  return json;
+}
+
+Json json_of(const PackedResult& result, Page& page) {
+  Json json{{"bodies", result.body_names},
+            {"nodes", result.num_nodes},
+            {"cells", result.num_cells},
+            {"order", result.nodes_per_cell == 10 ? 2 : 1},
+            {"framesInResult", result.num_frames}};
+  json["meshes"] = json["frames"] = json["fields"] = Json::array();
+  for (const auto& mesh : result.meshes) json["meshes"].push_back(json_of(mesh, page));
+  for (const auto& f : result.frames) {
+    json["frames"].push_back({{"time", f.time}, {"step", f.step}, {"mesh", f.mesh}, {"shift", f.shift}});
+  }
+  for (const auto& field : result.fields) json["fields"].push_back(json_of(field, page));
+  return json;
+}
+
+/// Every so many rows, and the last; of the iterations the largest of the rows that each stands for.
+Json json_of(const HistoryTable& history, Page& page) {
+  const std::size_t rows = history.num_rows(), every = std::max<std::size_t>(1, (rows + most_rows - 1) / most_rows);
+  Json json{{"columns", history.names}, {"every", every}, {"steps", rows == 0 ? 0 : rows - 1}};
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i + 1 < rows; i += every) kept.push_back(i);
+  if (rows > 0) kept.push_back(rows - 1);
+  std::vector<double> values;
+  for (std::size_t c = 0; c < history.names.size(); ++c) {
+    const bool counts = history.names[c].ends_with("_iterations");
+    for (std::size_t k = 0; k < kept.size(); ++k) {
+      const auto last = history.columns[c].begin() + static_cast<std::ptrdiff_t>(kept[k]);
+      const auto first = k > 0 ? history.columns[c].begin() + static_cast<std::ptrdiff_t>(kept[k - 1]) + 1 : last;
+      values.push_back(counts ? *std::max_element(first, last + 1) : *last);
+    }
+  }
+  json["rows"] = kept.size();
+  json["values"] = page.block(packed_text(std::as_bytes(std::span(values))));
+  return json;
+}
+
+std::string page_of(const fs::path& file, const ReportOptions& options) {
+  const std::string_view viewer = report_page();
+  if (viewer.empty()) {
+    throw FileError(
+        "this program was built without the viewer of reports; where the command 'npm' is found, cmake builds it "
+        "(option PLIANT_REPORT)");
+  }
+  const fs::path directory = file.parent_path();
+  const ResultReader result(file);
+  Page page;
+  Json report{{"format", 1}, {"title", result.title()}, {"directory", fs::absolute(file).parent_path().string()}};
+  report["written"] = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
+  report["program"] = version_text();
+  report["result"] = json_of(pack_result(result, static_cast<std::size_t>(options.megabytes * 1e6)), page);
+  report["history"] = json_of(read_history(directory / "history.csv"), page);
+  report["input"] = text_of(directory / "run.yaml");
+  report["summary"] = summary_json(directory);
+  return page.filled(viewer, report);
+}
+
+}  // namespace
+
+void report_command(MPI_Comm comm, const ReportOptions& options, Console& console) {
+  std::string line;
+  on_root(comm, [&] {
+    const fs::path file = result_file(options.place);
+    const fs::path output = options.output.empty() ? file.parent_path() / "report.html" : fs::path(options.output);
+    const std::string page = page_of(file, options);
+    write_text_atomically(output, page);
+    line = fmt::format("{}: {:.1f} MB; open it in a browser", output.string(), static_cast<double>(page.size()) * 1e-6);
+  });
+  console.print(line);
+}
+
+}  // namespace pliant

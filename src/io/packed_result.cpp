@@ -1,0 +1,288 @@
+#include "io/packed_result.hpp"
+
+#include "base/error.hpp"
+#include "io/body_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+namespace pliant {
+namespace {
+
+constexpr std::size_t most_frames = 240;
+constexpr int levels_of_displacement = 65535, levels_of_fields = 4095;
+
+/// A field of the page, made of one of the result.
+struct Channel {
+  std::string name;
+  ResultField source;
+  int components;  // 1 or 3
+  void (*reduce)(const double* value, double* reduced);
+};
+
+/// sqrt(3/2 s:s), s the deviator; stress: xx yy zz xy yz xz
+void von_mises(const double* s, double* reduced) {
+  const double normal = (s[0] - s[1]) * (s[0] - s[1]) + (s[1] - s[2]) * (s[1] - s[2]) + (s[2] - s[0]) * (s[2] - s[0]);
+  *reduced = std::sqrt(0.5 * normal + 3.0 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
+}
+
+void mean(const double* s, double* reduced) {
+  *reduced = (s[0] + s[1] + s[2]) / 3.0;
+}
+
+void same_vector(const double* value, double* reduced) {
+  std::copy_n(value, 3, reduced);
+}
+
+void same_number(const double* value, double* reduced) {
+  *reduced = *value;
+}
+
+std::vector<Channel> channels_of(const std::vector<ResultField>& fields) {
+  std::vector<Channel> channels;
+  const auto has = [&](const char* name) {
+    return std::ranges::find(fields, name, &ResultField::name) != fields.end();
+  };
+  for (const auto& field : fields) {
+    if (field.components == 1) channels.push_back({field.name, field, 1, same_number});
+    if (field.components == 3) channels.push_back({field.name, field, 3, same_vector});
+    if (field.name != "cauchy_stress" || field.components != 6) continue;
+    if (!has("von_mises_stress")) channels.push_back({"von_mises_stress", field, 1, von_mises});
+    channels.push_back({"mean_stress", field, 1, mean});
+  }
+  const auto is_displacement = [](const Channel& c) { return c.name == "displacement" && c.components == 3; };
+  std::ranges::stable_partition(channels, is_displacement);
+  return channels;
+}
+
+/// Indices 0 .. count - 1, at most `most` of them, evenly, with both ends.
+std::vector<std::size_t> thinned(std::size_t count, std::size_t most) {
+  std::vector<std::size_t> kept;
+  most = std::max<std::size_t>(most, 2);
+  if (count <= most) most = count;
+  for (std::size_t i = 0; i < most; ++i) kept.push_back(most == 1 ? 0 : i * (count - 1) / (most - 1));
+  return kept;
+}
+
+struct Scene {
+  std::string group;
+  BodySurface surface;
+  PackedMesh packed;
+};
+
+/// A frame as read: of each channel the values at the vertices, by component.
+struct Values {
+  PackedFrame frame;
+  std::vector<std::vector<std::vector<float>>> of_channels;
+};
+
+class Packer {
+ public:
+  Packer(const ResultReader& result, std::size_t most_bytes) : result_(result), most_bytes_(most_bytes) {
+    if (result.frames().empty()) throw FileError("the result holds no frame yet");
+    channels_ = channels_of(result.fields(result.frames().back()));
+    packed_.num_frames = result.frames().size();
+    read(thinned(result.frames().size(), frames_that_fit()));
+  }
+
+  PackedResult operator()() {
+    std::size_t count = frames_.size();
+    for (;;) {
+      encode(thinned(frames_.size(), count));
+      if (packed_.size() <= most_bytes_ || count <= 2) return std::move(packed_);
+      const double share = static_cast<double>(most_bytes_) / static_cast<double>(packed_.size());
+      count = std::min(count - 1, static_cast<std::size_t>(0.97 * share * static_cast<double>(count)));
+    }
+  }
+
+ private:
+  std::size_t num_components() const {
+    std::size_t n = 0;
+    for (const auto& channel : channels_) n += static_cast<std::size_t>(channel.components);
+    return n;
+  }
+
+  /// A value was never seen to take less than a fifth of a byte; more frames than would fit then need not be read.
+  std::size_t frames_that_fit() {
+    const Scene& scene = scenes_[scene_of(result_.frames().back().mesh)];
+    const std::size_t values = std::max<std::size_t>(scene.surface.num_vertices() * num_components(), 1);
+    return std::min(most_frames, std::max<std::size_t>(5 * most_bytes_ / values, 2));
+  }
+
+  std::size_t scene_of(const std::string& group) {
+    const auto known = std::ranges::find(scenes_, group, &Scene::group);
+    if (known != scenes_.end()) return static_cast<std::size_t>(known - scenes_.begin());
+    const OutputMesh mesh = result_.mesh(group);
+    Scene scene{group, surface_of_bodies(mesh), {}};
+    pack(mesh, scene);
+    packed_.body_names = mesh.body_names;
+    packed_.num_nodes = mesh.coordinates.size() / 3;
+    packed_.num_cells = mesh.bodies.size();
+    packed_.nodes_per_cell = mesh.nodes_per_cell;
+    scenes_.push_back(std::move(scene));
+    return scenes_.size() - 1;
+  }
+
+  static void pack(const OutputMesh& mesh, Scene& scene) {
+    const BodySurface& surface = scene.surface;
+    PackedMesh& packed = scene.packed;
+    packed.num_vertices = surface.num_vertices();
+    packed.num_triangles = surface.triangles.size() / 3;
+    packed.triangles_per_facet = surface.triangles_per_facet;
+    std::vector<std::int32_t> steps = surface.triangles;
+    for (std::size_t i = steps.size(); i-- > 1;) steps[i] -= steps[i - 1];
+    packed.triangles = packed_text(std::as_bytes(std::span(steps)));
+    packed.bodies = packed_text(std::as_bytes(std::span(surface.bodies)));
+    for (std::size_t i = 0; i < 3; ++i) {
+      std::vector<float> x;
+      for (const auto node : surface.nodes) {
+        x.push_back(static_cast<float>(mesh.coordinates[3 * static_cast<std::size_t>(node) + i]));
+      }
+      Quantisation& scale =
+          packed.scales[i] = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+      widen(scale, x);
+      PackedRows rows(x.size());
+      rows.append(quantised(scale, x));
+      packed.positions[i] = rows.text();
+    }
+  }
+
+  static void widen(Quantisation& scale, const std::vector<float>& values) {
+    for (const double value : values) {
+      if (!std::isfinite(value)) continue;
+      scale.low = std::min(scale.low, value);
+      scale.high = std::max(scale.high, value);
+    }
+  }
+
+  static std::vector<std::uint16_t> quantised(const Quantisation& scale, const std::vector<float>& values) {
+    std::vector<std::uint16_t> q;
+    q.reserve(values.size());
+    for (const double value : values) q.push_back(scale(value));
+    return q;
+  }
+
+  void read(const std::vector<std::size_t>& chosen) {
+    for (const std::size_t i : chosen) {
+      const ResultFrame& frame = result_.frames()[i];
+      if (auto values = read(frame)) frames_.push_back(std::move(*values));
+    }
+    if (frames_.empty()) throw FileError("the result holds no frame with a finite displacement");
+  }
+
+  /// Nothing if the displacement is not finite.
+  std::optional<Values> read(const ResultFrame& frame) {
+    Values values;
+    values.frame = {frame.time, frame.step, scene_of(frame.mesh), {}};
+    const BodySurface& surface = scenes_[values.frame.mesh].surface;
+    const auto fields = result_.fields(frame);
+    for (const auto& channel : channels_) {
+      const auto found = std::ranges::find(fields, channel.source.name, &ResultField::name);
+      auto& components = values.of_channels.emplace_back();
+      components.resize(static_cast<std::size_t>(channel.components));
+      if (found == fields.end() || found->components != channel.source.components) {
+        for (auto& one : components) one.assign(surface.num_vertices(), std::numeric_limits<float>::quiet_NaN());
+        continue;
+      }
+      read(frame, channel, surface, components);
+      if (channel.name == "displacement" && !take_shift(components, values.frame.shift)) return std::nullopt;
+    }
+    return values;
+  }
+
+  void read(const ResultFrame& frame, const Channel& channel, const BodySurface& surface,
+            std::vector<std::vector<float>>& components) const {
+    const auto source = result_.values(frame, channel.source);
+    const auto width = static_cast<std::size_t>(channel.source.components);
+    const std::size_t rows = source.size() / width, reduced_width = components.size();
+    std::vector<double> reduced(rows * reduced_width);
+    for (std::size_t i = 0; i < rows; ++i) channel.reduce(&source[width * i], &reduced[reduced_width * i]);
+    const auto at = at_vertices(surface, reduced, channel.source.location, channel.components);
+    for (std::size_t c = 0; c < reduced_width; ++c) {
+      for (std::size_t v = 0; v < surface.num_vertices(); ++v) {
+        components[c].push_back(static_cast<float>(at[reduced_width * v + c]));
+      }
+    }
+  }
+
+  /// Takes the mean out, so that far flights leave the digits to the deformation. False if it is not finite.
+  static bool take_shift(std::vector<std::vector<float>>& components, std::array<double, 3>& shift) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      double sum = 0.0;
+      for (const float u : components[i]) sum += u;
+      if (!std::isfinite(sum)) return false;
+      shift[i] = components[i].empty() ? 0.0 : sum / static_cast<double>(components[i].size());
+      for (float& u : components[i]) u = static_cast<float>(u - shift[i]);
+    }
+    return true;
+  }
+
+  std::vector<Quantisation> scales_of(std::size_t channel) const {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    const int levels = channels_[channel].name == "displacement" ? levels_of_displacement : levels_of_fields;
+    std::vector<Quantisation> scales(static_cast<std::size_t>(channels_[channel].components),
+                                     {infinity, -infinity, levels});
+    for (const auto& frame : frames_) {
+      for (std::size_t c = 0; c < scales.size(); ++c) widen(scales[c], frame.of_channels[channel][c]);
+    }
+    for (auto& scale : scales) {
+      if (!(scale.low <= scale.high)) scale.low = scale.high = 0.0;
+    }
+    return scales;
+  }
+
+  void encode(const std::vector<std::size_t>& kept) {
+    packed_.meshes.clear();
+    packed_.frames.clear();
+    packed_.fields.clear();
+    for (const auto& scene : scenes_) packed_.meshes.push_back(scene.packed);
+    for (const std::size_t i : kept) packed_.frames.push_back(frames_[i].frame);
+    for (std::size_t k = 0; k < channels_.size(); ++k) {
+      PackedField field{channels_[k].name, channels_[k].source.unit, scales_of(k), {}};
+      for (std::size_t m = 0; m < scenes_.size(); ++m) {
+        auto& texts = field.values.emplace_back();
+        for (std::size_t c = 0; c < field.scales.size(); ++c) {
+          PackedRows rows(scenes_[m].surface.num_vertices());
+          for (const std::size_t i : kept) {
+            if (frames_[i].frame.mesh != m) continue;
+            rows.append(quantised(field.scales[c], frames_[i].of_channels[k][c]));
+          }
+          texts.push_back(rows.text());
+        }
+      }
+      packed_.fields.push_back(std::move(field));
+    }
+  }
+
+  const ResultReader& result_;
+  std::size_t most_bytes_;
+  std::vector<Channel> channels_;
+  std::vector<Scene> scenes_;
+  std::vector<Values> frames_;
+  PackedResult packed_;
+};
+
+}  // namespace
+
+std::size_t PackedResult::size() const {
+  std::size_t bytes = 0;
+  for (const auto& mesh : meshes) {
+    bytes += mesh.triangles.size() + mesh.bodies.size();
+    for (const auto& x : mesh.positions) bytes += x.size();
+  }
+  for (const auto& field : fields) {
+    for (const auto& of_mesh : field.values) {
+      for (const auto& text : of_mesh) bytes += text.size();
+    }
+  }
+  return bytes;
+}
+
+PackedResult pack_result(const ResultReader& result, std::size_t most_bytes) {
+  return Packer(result, most_bytes)();
+}
+
+}  // namespace pliant

@@ -1,0 +1,57 @@
+/// A result made small enough for a page: the surfaces of its bodies, some of its frames, quantised values.
+#pragma once
+
+#include "io/packed.hpp"
+#include "io/result_reader.hpp"
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+/// A surface (io/body_surface.hpp); texts are those of packed_text and PackedRows.
+struct PackedMesh {
+  std::size_t num_vertices = 0;
+  std::size_t num_triangles = 0;
+  int triangles_per_facet = 1;
+  std::string triangles;                 ///< one row: differences of consecutive vertex numbers as int32
+  std::string bodies;                    ///< of each vertex, int32
+  std::array<std::string, 3> positions;  ///< reference positions, one row each
+  std::array<Quantisation, 3> scales;    ///< of the positions [m]
+};
+
+struct PackedFrame {
+  double time = 0.0;  ///< [s]; of a static problem the load factor
+  std::int64_t step = 0;
+  std::size_t mesh = 0;
+  std::array<double, 3> shift{};  ///< mean displacement, which the packed displacement is relative to [m]
+};
+
+/// Values at vertices; a row per frame.
+struct PackedField {
+  std::string name;
+  std::string unit;
+  std::vector<Quantisation> scales;              ///< of each component
+  std::vector<std::vector<std::string>> values;  ///< by mesh and component
+};
+
+struct PackedResult {
+  std::vector<std::string> body_names;
+  std::size_t num_nodes = 0, num_cells = 0;  ///< of the last mesh
+  int nodes_per_cell = 4;
+  std::size_t num_frames = 0;  ///< of the result, before it was thinned
+  std::vector<PackedMesh> meshes;
+  std::vector<PackedFrame> frames;
+  std::vector<PackedField> fields;  ///< the displacement, if there is one, first
+
+  std::size_t size() const;  ///< of all texts [bytes]
+};
+
+/// Leaves out frames, evenly, until the texts have at most `most_bytes`, but keeps the first and the last. Tensors are
+/// reduced to their invariants (von Mises, mean); frames whose displacement is not finite are left out. FileError if
+/// there is no frame.
+PackedResult pack_result(const ResultReader& result, std::size_t most_bytes);
+
+}  // namespace pliant

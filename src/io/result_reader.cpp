@@ -1,0 +1,132 @@
+#include "io/result_reader.hpp"
+
+#include "base/error.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <sstream>
+#include <system_error>
+#include <thread>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+Hdf5Handle open_group(hid_t parent, const std::string& name) {
+  return {H5Gopen2(parent, name.c_str(), H5P_DEFAULT), H5Gclose, "open '" + name + "'"};
+}
+
+Hdf5Handle open_dataset(hid_t parent, const std::string& name) {
+  return {H5Dopen2(parent, name.c_str(), H5P_DEFAULT), H5Dclose, "read '" + name + "'"};
+}
+
+/// Rows and columns.
+std::array<std::int64_t, 2> shape_of(hid_t dataset, const std::string& name) {
+  const auto sizes = sizes_of(dataset);
+  if (sizes.empty() || sizes.size() > 2) throw FileError("cannot read '" + name + "': it is no table");
+  return {static_cast<std::int64_t>(sizes[0]), sizes.size() > 1 ? static_cast<std::int64_t>(sizes[1]) : 1};
+}
+
+/// A whole table. `columns`: as many as it must have, 0 for any.
+template <class T>
+std::vector<T> table(hid_t parent, const std::string& name, hid_t type, std::int64_t columns = 0) {
+  const Hdf5Handle dataset = open_dataset(parent, name);
+  const auto shape = shape_of(dataset.get(), name);
+  if (columns != 0 && shape[1] != columns) {
+    throw FileError(fmt::format("cannot read '{}': it has {} columns, not {}", name, shape[1], columns));
+  }
+  require_stored(dataset.get(), "read '" + name + "'");
+  std::vector<T> values(static_cast<std::size_t>(shape[0] * shape[1]));
+  read_rows(dataset.get(), {0, shape[0]}, type, values.data());
+  return values;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+/// A run that is just adding a frame may be met between two of its writes; a moment later all is well.
+Hdf5Handle open_patiently(const std::filesystem::path& file) {
+  constexpr int attempts = 5;
+  for (int i = 1;; ++i) {
+    try {
+      return open_hdf5(file, Hdf5Mode::read);
+    } catch (const FileError&) {
+      if (i == attempts) throw;
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+  }
+}
+
+ResultFrame frame_of(hid_t frames, const std::string& name) {
+  const Hdf5Handle group = open_group(frames, name);
+  ResultFrame frame{name, 0.0, integer_attribute(group.get(), "step"), text_attribute(group.get(), "mesh")};
+  read_attribute(group.get(), "time", std::span(&frame.time, 1));
+  return frame;
+}
+
+}  // namespace
+
+std::filesystem::path result_file(const std::filesystem::path& place) {
+  std::error_code ignored;
+  std::filesystem::path file = place;
+  if (std::filesystem::is_directory(place, ignored)) file /= "result.h5";
+  if (file.extension() == ".xdmf") file.replace_extension(".h5");
+  if (!std::filesystem::is_regular_file(file, ignored)) {
+    throw FileError(fmt::format("there is no result: '{}' does not exist", file.string()));
+  }
+  return file;
+}
+
+ResultReader::ResultReader(std::filesystem::path file) : path_(std::move(file)), file_(open_patiently(path_)) {
+  if (H5Aexists(file_.get(), "format") <= 0 || text_attribute(file_.get(), "format") != "pliant-result") {
+    throw FileError("'" + path_.string() + "' is no result of Pliant");
+  }
+  title_ = text_attribute(file_.get(), "title");
+  const Hdf5Handle frames = open_group(file_.get(), "frames");
+  for (const auto& name : names_in(frames.get())) frames_.push_back(frame_of(frames.get(), name));
+}
+
+OutputMesh ResultReader::mesh(const std::string& group) const {
+  const Hdf5Handle mesh = open_group(file_.get(), group);
+  OutputMesh result;
+  result.coordinates = table<double>(mesh.get(), "coordinates", H5T_NATIVE_DOUBLE, 3);
+  result.global_num_nodes = std::ssize(result.coordinates) / 3;
+  result.nodes_per_cell = static_cast<int>(shape_of(open_dataset(mesh.get(), "cells").get(), "cells")[1]);
+  result.cells = table<std::int64_t>(mesh.get(), "cells", H5T_NATIVE_INT64);
+  result.bodies = table<int>(mesh.get(), "body", H5T_NATIVE_INT, 1);
+  result.body_names = lines_of(text_attribute(open_dataset(mesh.get(), "body").get(), "names"));
+  const auto is_known = [&](std::int64_t node) { return node >= 0 && node < result.global_num_nodes; };
+  const auto has_name = [&](int body) { return body >= 0 && body < std::ssize(result.body_names); };
+  const bool fits = (result.nodes_per_cell == 4 || result.nodes_per_cell == 10) &&
+                    result.cells.size() == result.bodies.size() * static_cast<std::size_t>(result.nodes_per_cell);
+  if (!fits || !std::ranges::all_of(result.cells, is_known) || !std::ranges::all_of(result.bodies, has_name)) {
+    throw FileError(fmt::format("the mesh '{}' of '{}' is damaged", group, path_.string()));
+  }
+  return result;
+}
+
+std::vector<ResultField> ResultReader::fields(const ResultFrame& frame) const {
+  const Hdf5Handle group = open_group(file_.get(), "/frames/" + frame.name);
+  std::vector<ResultField> fields;
+  for (const auto& name : names_in(group.get())) {
+    const Hdf5Handle dataset = open_dataset(group.get(), name);
+    const bool is_of_cells = text_attribute(dataset.get(), "location") == "cell";
+    fields.push_back({name, text_attribute(dataset.get(), "unit"),
+                      is_of_cells ? FieldLocation::cell : FieldLocation::node,
+                      static_cast<int>(shape_of(dataset.get(), name)[1])});
+  }
+  return fields;
+}
+
+std::vector<double> ResultReader::values(const ResultFrame& frame, const ResultField& field) const {
+  const Hdf5Handle group = open_group(file_.get(), "/frames/" + frame.name);
+  return table<double>(group.get(), field.name, H5T_NATIVE_DOUBLE, field.components);
+}
+
+}  // namespace pliant

@@ -1,0 +1,56 @@
+/// The time series of a run (io/result_writer.hpp) read back, also while the run goes on. Nothing here is collective.
+#pragma once
+
+#include "io/result_writer.hpp"
+#include "petsc/hdf5.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+/// One instant of the time series.
+struct ResultFrame {
+  std::string name;   ///< "000012"
+  double time = 0.0;  ///< [s]; of a static problem the load factor
+  std::int64_t step = 0;
+  std::string mesh;  ///< group of its mesh: "/mesh"
+};
+
+/// What a field is; its values are read by ResultReader::values.
+struct ResultField {
+  std::string name;
+  std::string unit;  ///< empty if it has none
+  FieldLocation location = FieldLocation::node;
+  int components = 1;
+};
+
+/// Where the numbers of a result lie: `place` is their directory, its result.h5 or its result.xdmf. FileError where
+/// there are none.
+std::filesystem::path result_file(const std::filesystem::path& place);
+
+/// An open result. FileError wherever the file is not what ResultWriter writes.
+class ResultReader {
+ public:
+  explicit ResultReader(std::filesystem::path file);
+
+  const std::string& title() const { return title_; }
+  /// As many as were complete when the file was opened.
+  const std::vector<ResultFrame>& frames() const { return frames_; }
+  /// All of a mesh, as if of one rank. `group`: ResultFrame::mesh.
+  OutputMesh mesh(const std::string& group) const;
+  std::vector<ResultField> fields(const ResultFrame& frame) const;
+  /// Components by node or cell.
+  std::vector<double> values(const ResultFrame& frame, const ResultField& field) const;
+
+ private:
+  QuietHdf5 quiet_;
+  std::filesystem::path path_;
+  Hdf5Handle file_;
+  std::string title_;
+  std::vector<ResultFrame> frames_;
+};
+
+}  // namespace pliant

@@ -1,0 +1,62 @@
+// `pliant report`: puts the page together.
+import { report, readHistory } from "./data.js";
+import { Bodies } from "./bodies.js";
+import { Obstacles } from "./obstacles.js";
+import { Panel } from "./panel.js";
+import { Player } from "./player.js";
+import { Plots } from "./plots.js";
+import { View, VIEWS } from "./scene.js";
+import { showFacts, showRun, showTexts } from "./texts.js";
+import "./style.css";  // after that of the plots, which it changes
+
+const place = (id) => document.getElementById(id);
+
+/// The axes of space, seen as the bodies are.
+function drawTriad(camera) {
+  const colours = ["#d1504a", "#3f9c6b", "#4a80c9"];
+  const m = camera.matrixWorldInverse.elements;
+  const axes = [0, 1, 2].map((k) => ({ k, x: 26 * m[4 * k], y: -26 * m[4 * k + 1], depth: m[4 * k + 2] }));
+  axes.sort((a, b) => a.depth - b.depth);
+  place("triad").innerHTML = axes.map(({ k, x, y }) =>
+    `<line x2="${x.toFixed(1)}" y2="${y.toFixed(1)}" stroke="${colours[k]}"/>` +
+    `<text x="${(1.33 * x).toFixed(1)}" y="${(1.33 * y).toFixed(1)}" fill="${colours[k]}">${"xyz"[k]}</text>`).join("");
+}
+
+async function start() {
+  const history = await readHistory();
+  showFacts(report, history);
+  showRun(place("run"), report);
+  showTexts(place("texts"), report);
+  const bodies = await Bodies.load();
+  const player = new Player(bodies.frames);
+  const isStatic = /^analysis: static/m.test(report.input) || /^time:\n(?: .*\n)*?  analysis: static/m.test(report.input);
+  const plots = new Plots(place("plots"), history, { timeLabel: isStatic ? "load" : "time [s]", seek: (time) => player.seek(time) });
+  player.listen((time) => plots.mark(time));
+  let view;
+  try {
+    view = new View(place("view"), bodies, await Obstacles.load(bodies));
+  } catch (error) {
+    // Without WebGL there are still the plots.
+    place("trouble").hidden = false;
+    place("trouble").textContent = `This browser draws no 3D here: ${error.message}`;
+    document.documentElement.dataset.ready = "without 3D";
+    return;
+  }
+  view.look = drawTriad;
+  const panel = new Panel(place("panel"), view, bodies, place("legend"));
+  const preferred = bodies.fields.findIndex((f) => f.name === "von_mises_stress");
+  panel.colour.value = String(preferred >= 0 ? preferred : bodies.fields.length ? 0 : "none");
+  await panel.paint();
+  player.listen((time) => view.set({ time }));
+  view.aim(VIEWS.iso);
+  player.seek(player.end);
+  // For those who drive the page from outside.
+  window.pliant = { player, view, panel, bodies, history };
+  requestAnimationFrame(() => requestAnimationFrame(() => (document.documentElement.dataset.ready = "yes")));
+}
+
+start().catch((error) => {
+  place("trouble").hidden = false;
+  place("trouble").textContent = `This page cannot be shown: ${error.message}`;
+  throw error;
+});

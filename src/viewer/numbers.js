@@ -1,0 +1,51 @@
+// Numbers and units as people read them.
+
+const PREFIXES = [["n", 1e-9], ["µ", 1e-6], ["m", 1e-3], ["", 1], ["k", 1e3], ["M", 1e6], ["G", 1e9]];
+const PREFIXED = new Set(["m", "Pa", "m/s", "N", "J", "W", "m/s^2", "J/m^3", "s", "N m", "N s"]);
+
+/// The factor and the unit that give handy numbers: 2.3e5 Pa as 230 kPa.
+export function handyUnit(unit, largest) {
+  if (!PREFIXED.has(unit) || !(largest > 0)) return [1, unit];
+  let [prefix, factor] = PREFIXES.find(([, f]) => largest < 1000 * f) ?? PREFIXES.at(-1);
+  if ((unit.startsWith("m") || unit === "s") && factor > 1) [prefix, factor] = ["", 1];
+  return [factor, prefix + unit];
+}
+
+export const typeset = (unit) =>
+  unit.replace(/\^(-?\d+)/g, (_, n) => [...n].map((c) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[c] ?? "⁻").join("")).replaceAll("*", "·");
+
+/// About `count` round numbers from low to high.
+export function ticks(low, high, count = 5) {
+  const rough = (high - low) / count, power = 10 ** Math.floor(Math.log10(rough));
+  const near = [1, 2, 2.5, 5, 10].reduce((a, b) => (Math.abs(b - rough / power) < Math.abs(a - rough / power) ? b : a));
+  const step = near * power, values = [];
+  for (let i = Math.ceil(low / step - 1e-9); i <= high / step + 1e-9; ++i) values.push(i * step);
+  return values;
+}
+
+const minus = (text) => text.replaceAll("-", "\u2212");
+
+/// With so many significant digits, no zeros at the end.
+export function short(value, digits = 4) {
+  if (!Number.isFinite(value)) return "–";
+  if (value === 0) return "0";
+  const size = Math.abs(value);
+  if (size >= 1e-3 && size < 1e5) return minus(String(Number(value.toPrecision(digits))));
+  return minus(value.toExponential(digits - 1).replace(/\.?0+e/, "e").replace("e+", "e"));
+}
+
+export const grouped = (n) => n.toLocaleString("en").replaceAll(",", "\u2009");
+
+/// A time with as many decimals as tell the frames apart.
+export function timeText(times) {
+  const last = Math.max(...times.map(Math.abs)), [factor, unit] = handyUnit("s", last);
+  const gap = times.length > 1 ? (last / factor) / (times.length - 1) : 1;
+  const decimals = Math.min(6, Math.max(0, Math.ceil(-Math.log10(gap || 1) + 0.3)));
+  return (t) => [(t / factor).toFixed(decimals), unit];
+}
+
+/// von_mises_stress as "von Mises stress"
+export function spelt(name) {
+  const text = name.replaceAll("_", " ").replace(/\bvon mises\b/, "von Mises");
+  return text[0].toUpperCase() + text.slice(1);
+}

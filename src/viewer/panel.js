@@ -1,0 +1,132 @@
+// The choices beside the drawing: colours, scale of the displacement, what is shown.
+import { gradient, nameColour } from "./colours.js";
+import { handyUnit, short, spelt, ticks, typeset } from "./numbers.js";
+import { VIEWS } from "./scene.js";
+
+function element(tag, properties = {}, ...children) {
+  const made = Object.assign(document.createElement(tag), properties);
+  made.append(...children);
+  return made;
+}
+
+/// The colour bar, or the bodies' names.
+export function showLegend(place, { label, unit, low, high, kind }) {
+  place.replaceChildren();
+  if (!kind) return;
+  const [factor, handy] = handyUnit(unit, Math.max(Math.abs(low), Math.abs(high)));
+  const bar = element("div", { className: "bar" });
+  bar.style.background = gradient(kind);
+  const marks = element("div", { className: "marks" });
+  for (const value of ticks(low / factor, high / factor)) {
+    const share = (value * factor - low) / (high - low);
+    const mark = element("span", { textContent: short(Math.abs(value) < 1e-12 * Math.abs(high / factor) ? 0 : value) });
+    mark.style.bottom = `${100 * share}%`;
+    marks.append(mark);
+  }
+  place.append(element("div", { className: "label" }, element("b", { textContent: label }), element("span", { textContent: handy ? ` ${typeset(handy)}` : "" })),
+               element("div", { className: "scale" }, bar, marks));
+}
+
+export class Panel {
+  constructor(place, view, bodies, legend) {
+    Object.assign(this, { view, bodies, legend, ranges: new Map() });
+    this.colour = element("select", { id: "colour" });
+    this.colour.append(new Option("plain", "none"));
+    if (bodies.names.length > 1) this.colour.append(new Option("Body", "bodies"));
+    bodies.fields.forEach((field, i) => this.colour.append(new Option(spelt(field.name), i)));
+    this.component = element("select", { id: "component" });
+    [["magnitude", -1], ["x", 0], ["y", 1], ["z", 2]].forEach(([name, value]) => this.component.append(new Option(name, value)));
+    this.low = element("input", { type: "number", step: "any", title: "lowest value of the colours" });
+    this.high = element("input", { type: "number", step: "any", title: "highest value of the colours" });
+    this.scale = element("input", { type: "number", step: "any", value: 1, id: "scale" });
+    place.append(
+      element("h2", { textContent: "Colour" }), element("div", { className: "row" }, this.colour),
+      (this.componentRow = element("div", { className: "row" }, this.component)),
+      (this.rangeRow = element("div", { className: "row range" }, this.low, element("span", { textContent: "to" }), this.high,
+        element("button", { textContent: "auto", title: "the range over all frames", onclick: () => this.paint() }))),
+      element("h2", { textContent: "Shape" }));
+    if (bodies.moves) {
+      place.append(element("label", { className: "row" }, element("span", { textContent: "Displacements ×" }), this.scale));
+    }
+    place.append(this.check("Edges of elements", "edges"), this.check("Outline at the start", "outline"));
+    if (this.flies()) place.append(this.check("Follow the bodies", "follow", () => view.aim(this.direction())));
+    if (view.obstacles) place.append(this.check("Obstacles", "obstacles", null, true));
+    if (bodies.names.length > 1) place.append(element("h2", { textContent: "Bodies" }), this.bodyChoices());
+    place.append(element("h2", { textContent: "View" }), element("div", { className: "row views" },
+      ...Object.entries(VIEWS).map(([name, direction]) => element("button", {
+        textContent: name, title: name === "iso" ? "from the front, above" : `along ${name}`, onclick: () => view.aim(direction) })),
+      element("button", { textContent: "PNG", title: "save the picture", onclick: () => this.save() })));
+    this.colour.onchange = this.component.onchange = () => this.paint();
+    this.low.onchange = this.high.onchange = () => this.setRange(Number(this.low.value), Number(this.high.value));
+    this.scale.onchange = () => Number.isFinite(this.scale.valueAsNumber) && view.set({ scale: this.scale.valueAsNumber });
+  }
+
+  direction() {
+    return this.view.camera.position.clone().sub(this.view.controls.target).toArray();
+  }
+
+  flies() {
+    const { frames } = this.bodies, first = frames[0].shift;
+    return this.bodies.moves && frames.some((f) => Math.hypot(...f.shift.map((s, k) => s - first[k])) > 0.75 * this.view.bodySize);
+  }
+
+  check(text, option, then, on = false) {
+    const box = element("input", { type: "checkbox", checked: on, id: `show-${option}` });
+    box.onchange = () => {
+      this.view.set({ [option]: box.checked });
+      then?.();
+    };
+    return element("label", { className: "row check" }, box, element("span", { textContent: text }));
+  }
+
+  bodyChoices() {
+    const visible = this.bodies.names.map(() => true), list = element("div", { className: "bodies" });
+    this.bodies.names.forEach((name, i) => {
+      const box = element("input", { type: "checkbox", checked: true });
+      box.onchange = () => {
+        visible[i] = box.checked;
+        this.view.showBodies(visible);
+      };
+      const chip = element("i");
+      chip.style.background = nameColour(i);
+      list.append(element("label", { className: "row check" }, box, chip, element("span", { textContent: name })));
+    });
+    return list;
+  }
+
+  /// Colours by what is chosen.
+  async paint() {
+    const chosen = this.colour.value, byField = chosen !== "none" && chosen !== "bodies";
+    this.rangeRow.hidden = !byField;
+    this.componentRow.hidden = !byField || this.bodies.fields[chosen].scales.length === 1;
+    if (!byField) {
+      this.view.set({ field: -1 });
+      this.view.paint(chosen);
+      showLegend(this.legend, {});
+      return;
+    }
+    const field = Number(chosen), component = this.componentRow.hidden ? 0 : Number(this.component.value);
+    await this.bodies.need(field);
+    const key = `${field} ${component}`;
+    if (!this.ranges.has(key)) this.ranges.set(key, this.bodies.range(field, component));
+    const { low, high, kind } = this.ranges.get(key);
+    this.now = { field, component, kind };
+    this.setRange(low, high);
+  }
+
+  setRange(low, high) {
+    if (!(high > low)) return this.paint();
+    const { field, component, kind } = this.now, { name, unit, scales } = this.bodies.fields[field];
+    this.low.value = Number(low.toPrecision(3));
+    this.high.value = Number(high.toPrecision(3));
+    this.view.set({ field, component, low, high });
+    this.view.paint(kind);
+    const part = scales.length === 1 || component < 0 ? "" : ` ${"xyz"[component]}`;
+    showLegend(this.legend, { label: spelt(name) + part, unit, low, high, kind });
+  }
+
+  save() {
+    const link = element("a", { download: "pliant.png", href: this.view.canvas.toDataURL("image/png") });
+    link.click();
+  }
+}

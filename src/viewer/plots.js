@@ -1,0 +1,142 @@
+// The history as plots that follow the player: a click on one sets its time.
+import uPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
+import { handyUnit, short, spelt, typeset } from "./numbers.js";
+
+const COLOURS = ["#4a80c9", "#d9693f", "#43a874", "#9670c6", "#c79a2b", "#4aa5b5", "#bd5a86", "#7d8693"];
+const ENERGIES = ["kinetic_energy", "elastic_energy", "load_potential", "dissipated_energy", "numerical_dissipation", "load_work"];
+
+const styleOf = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+const span = (values) => {
+  let low = Infinity, high = -Infinity;
+  for (const x of values) if (Number.isFinite(x)) (low = Math.min(low, x)), (high = Math.max(high, x));
+  return high >= low ? [low, high] : [0, 0];
+};
+const largest = (values) => Math.max(...span(values).map(Math.abs));
+const extent = (values) => { const [low, high] = span(values); return high - low; };
+/// Those of the lines that vary by more than rounding, beside the others.
+function varying(lines) {
+  const most = Math.max(0, ...lines.map(([, values]) => Math.max(extent(values), 1e-6 * largest(values))));
+  return lines.filter(([, values]) => extent(values) > 1e-6 * most);
+}
+
+/// Names of which the history has all three columns, e.g. `tip` for tip_x, tip_y, tip_z.
+function triples(history, suffixes) {
+  return [...history.keys()].filter((name) => name.endsWith(suffixes[0])).map((name) => name.slice(0, -suffixes[0].length))
+    .filter((stem) => stem && suffixes.every((s) => history.has(stem + s)));
+}
+
+/// What is to be plotted: title, unit, lines of name and values.
+function* plotsOf(history) {
+  const energies = ENERGIES.filter((n) => history.has(n) && largest(history.get(n)) > 0);
+  if (energies.length) {
+    yield { title: "Energies", unit: "J", lines: energies.map((n) => [spelt(n).replace(/ energy$/, ""), history.get(n)]) };
+    const turnover = Math.max(...energies.map((n) => extent(history.get(n))));
+    const error = history.get("energy_balance_error");
+    if (error && turnover > 0) {
+      yield { title: "Energy balance", unit: "", note: "error / largest energy change",
+              lines: [["error", error.map((e) => e / turnover)]], colour: 1 };
+    }
+  }
+  for (const probe of triples(history, ["_x", "_y", "_z", "_vx"])) {
+    const lines = varying([..."xyz"].map((k, i) => [k, history.get(`${probe}_${k}`).map((x, _, all) => x - all[0]), i]));
+    if (lines.length) yield { title: `Probe ${probe}`, note: "moved from the start", unit: "m", lines };
+  }
+  for (const [suffixes, what, unit] of [[["_fx", "_fy", "_fz"], "Force at", "N"], [["_tx", "_ty", "_tz"], "Torque at", "N m"]]) {
+    for (const name of triples(history, suffixes)) {
+      const lines = varying(suffixes.map((s, i) => ["xyz"[i], history.get(name + s), i]));
+      if (lines.length) yield { title: `${what} ${name}`, unit, lines };
+    }
+  }
+  for (const name of [...history.keys()].filter((n) => n.endsWith("_pressure") && history.has(n.replace(/_pressure$/, "_volume")))) {
+    const cavity = name.replace(/_pressure$/, "");
+    yield { title: `Pressure in ${cavity}`, unit: "Pa", lines: [["gauge pressure", history.get(name)]] };
+    yield { title: `Volume of ${cavity}`, unit: "m^3", lines: [["volume", history.get(`${cavity}_volume`)]], colour: 2 };
+  }
+  const linear = history.has("px") ? varying([..."xyz"].map((k, i) => [k, history.get(`p${k}`), i])) : [];
+  if (linear.length) yield { title: "Momentum", unit: "N s", lines: linear };
+  const newton = history.get("newton_iterations");
+  if (newton?.length > 1) yield { title: "Newton iterations", note: "per step", unit: "", lines: [["iterations", newton]], steps: true, zero: true };
+  const dt = history.get("dt");
+  if (dt?.length > 2) yield { title: "Time step", unit: "s", lines: [["dt", dt]], steps: true, zero: true, colour: 2 };
+}
+
+/// `seek(time)` is called when a plot is clicked.
+export class Plots {
+  constructor(place, history, { timeLabel, seek }) {
+    this.place = place;
+    this.made = [];
+    const time = history.get("time");
+    if (!time?.length) return;
+    this.sync = uPlot.sync("history");
+    for (const plot of [...plotsOf(history)].slice(0, 40)) this.add(plot, time, timeLabel, seek);
+    new ResizeObserver(() => this.resize()).observe(place);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.made.forEach(({ chart }) => chart.redraw(false, true)));
+  }
+
+  add(plot, time, timeLabel, seek) {
+    const card = document.createElement("figure");
+    // In steps the first row is the initial state, which took none.
+    const from = plot.steps ? 1 : 0;
+    const values = plot.lines.map(([, v]) => v.subarray ? v.subarray(from) : v.slice(from));
+    const [factor, unit] = handyUnit(plot.unit, Math.max(...values.map(largest)));
+    const caption = document.createElement("figcaption");
+    const label = [plot.note, unit && `[${typeset(unit)}]`].filter(Boolean).join(" ");
+    caption.innerHTML = "<b></b> <span></span>";
+    caption.children[0].textContent = plot.title;
+    caption.children[1].textContent = label;
+    const box = document.createElement("div");
+    card.append(caption, box);
+    this.place.append(card);
+    const axis = (more) => ({
+      stroke: () => styleOf("--faint"), grid: { stroke: () => styleOf("--rule"), width: 1 }, ticks: { show: false },
+      font: "11px " + styleOf("--font"), ...more,
+    });
+    const show = (u, v) => (v == null ? "" : short(v));
+    const strokes = [null, ...plot.lines.map(([, , colour], i) => COLOURS[(colour ?? plot.colour ?? i) % COLOURS.length])];
+    const chart = new uPlot({
+      width: this.width(), height: 210, padding: [8, 8, 0, 0],
+      cursor: { sync: { key: "history", setSeries: false }, points: { size: 6 }, drag: { x: true, y: false } },
+      legend: { live: true, markers: { fill: (u, i) => strokes[i] } },
+      scales: { x: { time: false }, y: plot.zero ? { range: (u, low, high) => [0, (high || 1) * 1.15] } : {} },
+      axes: [axis({ size: 30, values: (u, v) => v.map((x) => short(x)) }),
+             axis({ size: 58, values: (u, v) => v.map((x) => short(x)) })],
+      series: [{ label: timeLabel, value: show },
+               ...plot.lines.map(([name], i) => ({
+                 label: name, value: show, stroke: strokes[i + 1], width: 1.7, points: { show: false },
+                 ...(plot.steps && { paths: uPlot.paths.stepped({ align: -1 }) }),
+               }))],
+      hooks: { ready: [(u) => this.watch(u, seek)] },
+    }, [time.subarray(from), ...values.map((v) => Array.from(v, (x) => (Number.isFinite(x) ? x / factor : null)))], box);
+    const marker = document.createElement("div");
+    marker.className = "now";
+    chart.over.append(marker);
+    this.made.push({ chart, marker });
+  }
+
+  /// A click without a drag sets the time; a drag zooms, a double click takes it back.
+  watch(chart, seek) {
+    let down = 0;
+    chart.over.addEventListener("mousedown", (event) => (down = event.clientX));
+    chart.over.addEventListener("mouseup", (event) => {
+      if (Math.abs(event.clientX - down) < 3) seek(chart.posToVal(event.clientX - chart.over.getBoundingClientRect().left, "x"));
+    });
+  }
+
+  width() {
+    const style = getComputedStyle(this.place), columns = style.gridTemplateColumns.split(" ").length;
+    const gap = parseFloat(style.columnGap) || 0;
+    return Math.max(220, Math.floor((this.place.clientWidth - gap * (columns - 1)) / columns) - 26);
+  }
+
+  resize() {
+    const width = this.width();
+    for (const { chart } of this.made) if (chart.width !== width) chart.setSize({ width, height: 210 });
+    if (this.time !== undefined) this.mark(this.time);
+  }
+
+  mark(time) {
+    this.time = time;
+    for (const { chart, marker } of this.made) marker.style.transform = `translateX(${chart.valToPos(time, "x")}px)`;
+  }
+}

@@ -1,0 +1,79 @@
+// The words of the page: what ran, how it ended, what it took, its input.
+import { grouped, short } from "./numbers.js";
+
+const place = (id) => document.getElementById(id);
+
+function element(tag, properties = {}, ...children) {
+  const made = Object.assign(document.createElement(tag), properties);
+  made.append(...children);
+  return made;
+}
+
+/// Value of a key of run.yaml, whose lines are plain.
+const given = (input, key) => input.match(new RegExp(`^ *${key}: *"?([^"\\n{]+)"?$`, "m"))?.[1];
+
+export function showFacts(report, history) {
+  const { title, result, summary, input } = report;
+  place("title").textContent = document.title = title || "Untitled run";
+  const outcome = summary?.outcome ?? "unfinished";
+  const badge = place("outcome");
+  badge.textContent = { done: "done", interrupted: "interrupted", failed: "failed", unfinished: "no end yet" }[outcome] ?? outcome;
+  badge.dataset.outcome = outcome;
+  badge.title = outcome === "unfinished" ? "the run goes on, or was killed" : summary.message || "";
+  const frames = result.frames.length < result.framesInResult
+    ? `${grouped(result.frames.length)} of ${grouped(result.framesInResult)} frames` : `${grouped(result.frames.length)} frames`;
+  const facts = [`${grouped(result.cells)} tetrahedra (P${result.order})`, `${grouped(result.nodes)} nodes`];
+  const method = given(input, "method");
+  if (method) facts.push(method);
+  const steps = report.history.steps;
+  if (steps > 0) facts.push(`${grouped(steps)} steps`);
+  const times = history.get("time");
+  if (times?.length > 1) facts.push(`to t = ${short(times.at(-1))} s`);
+  if (summary?.ranks > 1) facts.push(`${summary.ranks} ranks`);
+  place("facts").textContent = [...facts, frames].join("  ·  ");
+  place("made").textContent = `Made with ${report.program.split("\n")[0]} on ${report.written} from ${report.directory}`;
+}
+
+const PARTS = [["set_up", "set-up"], ["assembly", "assembly"], ["factorization", "factorization"], ["solve", "solve"], ["output", "output"], ["rest", "rest"]];
+
+function timings(seconds) {
+  const bar = element("div", { className: "stack" }), list = element("ul", { className: "key" });
+  PARTS.forEach(([key, name], i) => {
+    const part = element("i", { title: `${name} ${short(seconds[key], 3)} s` });
+    part.style.flexGrow = seconds[key] / seconds.total;
+    part.style.background = `var(--part-${i})`;
+    bar.append(part);
+    const chip = element("i");
+    chip.style.background = `var(--part-${i})`;
+    list.append(element("li", {}, chip, element("span", { textContent: name }), element("b", { textContent: `${short(seconds[key], 3)} s` })));
+  });
+  return element("article", {}, element("h2", { textContent: "Where the time went" }),
+    element("p", { className: "big", textContent: `${short(seconds.total, 3)} s` }), bar, list);
+}
+
+function table(title, rows) {
+  const made = element("table");
+  for (const [name, value] of rows) made.append(element("tr", {}, element("th", { textContent: name }), element("td", { textContent: value })));
+  return element("article", {}, element("h2", { textContent: title }), made);
+}
+
+export function showRun(to, { summary }) {
+  if (!summary) return;
+  const { seconds, steps, solver, worst_step: worst, message } = summary;
+  if (message) to.append(element("article", { className: "wide" }, element("h2", { textContent: "Why it ended" }), element("p", { textContent: message })));
+  to.append(timings(seconds));
+  to.append(table("Steps", [
+    ["accepted", grouped(steps.accepted)], ["shortest", `${short(steps.shortest)} s`], ["longest", `${short(steps.longest)} s`],
+    ["repeated after a failed solve", grouped(steps.failed)], ["repeated for accuracy", grouped(steps.inaccurate)],
+    ...(worst ? [["hardest", `step ${grouped(worst.step)}, ${worst.newton_iterations} iterations`]] : [])]));
+  to.append(table("Newton", [
+    ["iterations", grouped(solver.newton_iterations)], ["stages", grouped(solver.stages)], ["factorizations", grouped(solver.factorizations)],
+    ["linear iterations", grouped(solver.linear_iterations)], ["step lengths refused", grouped(solver.backtracks)],
+    ["Hessians projected", grouped(solver.projections)]]));
+}
+
+export function showTexts(to, { input, program }) {
+  const fold = (title, text) => element("details", {}, element("summary", { textContent: title }), element("pre", { textContent: text }));
+  if (input) to.append(fold("The input as understood (run.yaml)", input));
+  to.append(fold("Versions", program));
+}

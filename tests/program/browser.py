@@ -1,0 +1,126 @@
+"""A page in headless Chromium, driven through the pipe of its DevTools protocol: no port, no further library."""
+import base64
+import io
+import json
+import os
+import select
+import shutil
+import subprocess
+import tempfile
+import time
+
+import numpy as np
+from PIL import Image
+
+CHROMIUM = shutil.which("chromium")
+
+
+class Browser:
+    """Opens one page; to be used with `with`. Collects in `errors` whatever the page complains of."""
+
+    def __init__(self, size=(1280, 900)):
+        self.errors = []
+        self._last = 0
+        self._answers = {}
+        self._buffer = b""
+        self._profile = tempfile.mkdtemp(prefix="pliant-browser-")
+        read_commands, self._commands = os.pipe()
+        self._events, write_events = os.pipe()
+        # Chromium reads commands from descriptor 3 and writes to 4. Pictures are drawn without a graphics card.
+        arguments = [CHROMIUM, "--headless=new", "--no-sandbox", "--remote-debugging-pipe", "--disable-dev-shm-usage",
+                     "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars",
+                     "--disable-extensions", "--no-first-run", "--disable-background-networking", "--disable-component-update",
+                     f"--window-size={size[0]},{size[1]}", f"--user-data-dir={self._profile}", "about:blank"]
+        self._process = subprocess.Popen(
+            ["/bin/bash", "-c", f'exec "$@" 3<&{read_commands} 4>&{write_events}', "bash", *arguments],
+            pass_fds=(read_commands, write_events), stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        os.close(read_commands)
+        os.close(write_events)
+        self._session = None
+        pages = self.call("Target.getTargets")["targetInfos"]
+        page = next(target for target in pages if target["type"] == "page")
+        self._session = self.call("Target.attachToTarget", targetId=page["targetId"], flatten=True)["sessionId"]
+        for domain in ("Page", "Runtime", "Log"):
+            self.call(f"{domain}.enable")
+        self.resize(*size)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        for descriptor in (self._commands, self._events):
+            os.close(descriptor)
+        self._process.terminate()
+        self._process.wait(timeout=20)
+        shutil.rmtree(self._profile, ignore_errors=True)
+
+    def call(self, method, timeout=60, **parameters):
+        """The answer of the browser to a command."""
+        self._last += 1
+        message = {"id": self._last, "method": method, "params": parameters}
+        if self._session:
+            message["sessionId"] = self._session
+        os.write(self._commands, json.dumps(message).encode() + b"\0")
+        end = time.monotonic() + timeout
+        while self._last not in self._answers:
+            self._receive(end, method)
+        answer = self._answers.pop(self._last)
+        if "error" in answer:
+            raise AssertionError(f"{method}: {answer['error']}")
+        return answer["result"]
+
+    def _receive(self, end, method):
+        ready, _, _ = select.select([self._events], [], [], max(0.0, end - time.monotonic()))
+        read = os.read(self._events, 1 << 20) if ready else b""
+        if not read:
+            raise AssertionError(f"{method}: the browser does not answer; it complained of {self.errors}")
+        *messages, self._buffer = (self._buffer + read).split(b"\0")
+        for message in map(json.loads, messages):
+            if "id" in message:
+                self._answers[message["id"]] = message
+            elif message["method"] == "Runtime.exceptionThrown":
+                details = message["params"]["exceptionDetails"]
+                self.errors.append(details.get("exception", {}).get("description", details["text"]))
+            elif message["method"] == "Runtime.consoleAPICalled" and message["params"]["type"] in ("error", "assert"):
+                self.errors.append(str([a.get("value", a.get("description")) for a in message["params"]["args"]]))
+            elif message["method"] == "Log.entryAdded" and message["params"]["entry"]["level"] == "error":
+                self.errors.append(message["params"]["entry"]["text"])
+
+    def resize(self, width, height):
+        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
+
+    def prefer(self, scheme):
+        """`light` or `dark`."""
+        self.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+
+    def open(self, file):
+        self.call("Page.navigate", url=f"file://{os.path.abspath(file)}")
+
+    def evaluate(self, expression):
+        """The value of a JavaScript expression; of a promise, what it promised."""
+        answer = self.call("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True)
+        if "exceptionDetails" in answer:
+            raise AssertionError(f"{expression}: {answer['exceptionDetails']}")
+        return answer["result"].get("value")
+
+    def wait(self, expression, timeout=40):
+        """Until it is true."""
+        end = time.monotonic() + timeout
+        while not self.evaluate(expression):
+            if time.monotonic() > end:
+                raise AssertionError(f"never true: {expression}; the page complained of {self.errors}")
+            time.sleep(0.05)
+
+    def picture(self, selector=None, file=None):
+        """Pixels of an element, or of the window: height x width x 3."""
+        more = {}
+        if selector:
+            x, y, width, height = self.evaluate(
+                f"(({{x, y, width, height}}) => [x + scrollX, y + scrollY, width, height])(document.querySelector({json.dumps(selector)})"
+                ".getBoundingClientRect())")
+            more = {"clip": {"x": x, "y": y, "width": width, "height": height, "scale": 1}, "captureBeyondViewport": True}
+        png = base64.b64decode(self.call("Page.captureScreenshot", format="png", **more)["data"])
+        if file:
+            with open(file, "wb") as output:
+                output.write(png)
+        return np.asarray(Image.open(io.BytesIO(png)).convert("RGB")).astype(int)
