@@ -55,6 +55,7 @@ if ((status != 0)); then
   exit "$status"
 fi
 directory=$(output_directory "$@")
+"$build/bin/pliant" report "$directory" </dev/null || true  # without npm there are pictures all the same
 say "drawing $directory"
 file=$("$python" "$root/tools/render.py" "$directory" </dev/null | tail -n 1)
 echo "picture: $file"

@@ -81,6 +81,18 @@ Json json_of(const PackedMesh& mesh, Page& page) {
   return json;
 }
 
+Json json_of(const PackedObstacles& obstacles, Page& page) {
+  if (obstacles.num_points == 0) return nullptr;
+  Json json{{"names", obstacles.names}, {"vertices", obstacles.num_points}, {"index", page.block(obstacles.triangles)}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    json["positions"].push_back(page.block(obstacles.positions[i]));
+    json["scales"].push_back(json_of(obstacles.position_scales[i]));
+    json["moves"].push_back(page.block(obstacles.moves[i]));
+    json["moveScales"].push_back(json_of(obstacles.move_scales[i]));
+  }
+  return json;
+}
+
 Json json_of(const PackedField& field, Page& page) {
   Json json{{"name", field.name}, {"unit", field.unit}};
   for (const auto& scale : field.scales) json["scales"].push_back(json_of(scale));
@@ -98,8 +110,9 @@ Json json_of(const PackedResult& result, Page& page) {
             {"cells", result.num_cells},
             {"order", result.nodes_per_cell == 10 ? 2 : 1},
             {"framesInResult", result.num_frames}};
-  json["meshes"] = json["frames"] = json["fields"] = Json::array();
+  json["meshes"] = json["obstacles"] = json["frames"] = json["fields"] = Json::array();
   for (const auto& mesh : result.meshes) json["meshes"].push_back(json_of(mesh, page));
+  for (const auto& obstacles : result.obstacles) json["obstacles"].push_back(json_of(obstacles, page));
   for (const auto& f : result.frames) {
     json["frames"].push_back({{"time", f.time}, {"step", f.step}, {"mesh", f.mesh}, {"shift", f.shift}});
   }

@@ -7,13 +7,15 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
+#include <tuple>
 #include <utility>
 
 namespace pliant {
 namespace {
 
 constexpr std::size_t most_frames = 240;
-constexpr int levels_of_displacement = 65535, levels_of_fields = 4095;
+constexpr int levels_of_positions = 65535, levels_of_fields = 4095;
 
 /// A field of the page, made of one of the result.
 struct Channel {
@@ -71,12 +73,56 @@ struct Scene {
   std::string group;
   BodySurface surface;
   PackedMesh packed;
+  PackedObstacles obstacles;
+  std::vector<double> obstacle_points;
 };
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+void widen(Quantisation& scale, std::span<const float> values) {
+  for (const double value : values) {
+    if (!std::isfinite(value)) continue;
+    scale.low = std::min(scale.low, value);
+    scale.high = std::max(scale.high, value);
+  }
+}
+
+std::vector<std::uint16_t> quantised(const Quantisation& scale, std::span<const float> values) {
+  std::vector<std::uint16_t> q;
+  q.reserve(values.size());
+  for (const double value : values) q.push_back(scale(value));
+  return q;
+}
+
+/// Rows of equally many values with the scale that just holds them.
+std::pair<std::string, Quantisation> packed_rows(const std::vector<std::vector<float>>& rows, int levels) {
+  Quantisation scale{infinity, -infinity, levels};
+  for (const auto& row : rows) widen(scale, row);
+  if (!(scale.low <= scale.high)) scale.low = scale.high = 0.0;
+  PackedRows packed(rows.empty() ? 0 : rows.front().size());
+  for (const auto& row : rows) packed.append(quantised(scale, row));
+  return {packed.text(), scale};
+}
+
+/// Numbers `component`, `component` + 3, ... of points.
+std::vector<float> component_of(std::span<const double> points, std::size_t component) {
+  std::vector<float> x;
+  for (std::size_t i = component; i < points.size(); i += 3) x.push_back(static_cast<float>(points[i]));
+  return x;
+}
+
+template <class Vertex>
+std::string packed_triangles(std::span<const Vertex> triangles) {
+  std::vector<std::int32_t> steps(triangles.begin(), triangles.end());
+  for (std::size_t i = steps.size(); i-- > 1;) steps[i] -= steps[i - 1];
+  return packed_text(std::as_bytes(std::span(steps)));
+}
 
 /// A frame as read: of each channel the values at the vertices, by component.
 struct Values {
   PackedFrame frame;
   std::vector<std::vector<std::vector<float>>> of_channels;
+  std::vector<double> moves;  // of the points of obstacles
 };
 
 class Packer {
@@ -116,8 +162,9 @@ class Packer {
     const auto known = std::ranges::find(scenes_, group, &Scene::group);
     if (known != scenes_.end()) return static_cast<std::size_t>(known - scenes_.begin());
     const OutputMesh mesh = result_.mesh(group);
-    Scene scene{group, surface_of_bodies(mesh), {}};
+    Scene scene{group, surface_of_bodies(mesh), {}, {}, {}};
     pack(mesh, scene);
+    if (const auto obstacles = result_.obstacles(group)) pack(*obstacles, scene);
     packed_.body_names = mesh.body_names;
     packed_.num_nodes = mesh.coordinates.size() / 3;
     packed_.num_cells = mesh.bodies.size();
@@ -132,37 +179,28 @@ class Packer {
     packed.num_vertices = surface.num_vertices();
     packed.num_triangles = surface.triangles.size() / 3;
     packed.triangles_per_facet = surface.triangles_per_facet;
-    std::vector<std::int32_t> steps = surface.triangles;
-    for (std::size_t i = steps.size(); i-- > 1;) steps[i] -= steps[i - 1];
-    packed.triangles = packed_text(std::as_bytes(std::span(steps)));
+    packed.triangles = packed_triangles<std::int32_t>(surface.triangles);
     packed.bodies = packed_text(std::as_bytes(std::span(surface.bodies)));
+    std::vector<double> points;
+    for (const auto node : surface.nodes) {
+      const auto x = mesh.coordinates.begin() + 3 * node;
+      points.insert(points.end(), x, x + 3);
+    }
     for (std::size_t i = 0; i < 3; ++i) {
-      std::vector<float> x;
-      for (const auto node : surface.nodes) {
-        x.push_back(static_cast<float>(mesh.coordinates[3 * static_cast<std::size_t>(node) + i]));
-      }
-      Quantisation& scale =
-          packed.scales[i] = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-      widen(scale, x);
-      PackedRows rows(x.size());
-      rows.append(quantised(scale, x));
-      packed.positions[i] = rows.text();
+      std::tie(packed.positions[i], packed.scales[i]) = packed_rows({component_of(points, i)}, levels_of_positions);
     }
   }
 
-  static void widen(Quantisation& scale, const std::vector<float>& values) {
-    for (const double value : values) {
-      if (!std::isfinite(value)) continue;
-      scale.low = std::min(scale.low, value);
-      scale.high = std::max(scale.high, value);
+  static void pack(const OutputObstacles& obstacles, Scene& scene) {
+    PackedObstacles& packed = scene.obstacles;
+    packed.names = obstacles.names;
+    packed.num_points = obstacles.points.size() / 3;
+    packed.triangles = packed_triangles<std::int64_t>(obstacles.triangles);
+    for (std::size_t i = 0; i < 3; ++i) {
+      std::tie(packed.positions[i], packed.position_scales[i]) =
+          packed_rows({component_of(obstacles.points, i)}, levels_of_positions);
     }
-  }
-
-  static std::vector<std::uint16_t> quantised(const Quantisation& scale, const std::vector<float>& values) {
-    std::vector<std::uint16_t> q;
-    q.reserve(values.size());
-    for (const double value : values) q.push_back(scale(value));
-    return q;
+    scene.obstacle_points = obstacles.points;
   }
 
   void read(const std::vector<std::size_t>& chosen) {
@@ -190,6 +228,11 @@ class Packer {
       read(frame, channel, surface, components);
       if (channel.name == "displacement" && !take_shift(components, values.frame.shift)) return std::nullopt;
     }
+    const auto& at_rest = scenes_[values.frame.mesh].obstacle_points;
+    if (!at_rest.empty()) values.moves = result_.obstacle_points(frame);
+    if (values.moves.size() != at_rest.size())
+      throw FileError("the obstacles of frame '" + frame.name + "' are damaged");
+    for (std::size_t i = 0; i < at_rest.size(); ++i) values.moves[i] -= at_rest[i];
     return values;
   }
 
@@ -221,8 +264,7 @@ class Packer {
   }
 
   std::vector<Quantisation> scales_of(std::size_t channel) const {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    const int levels = channels_[channel].name == "displacement" ? levels_of_displacement : levels_of_fields;
+    const int levels = channels_[channel].name == "displacement" ? levels_of_positions : levels_of_fields;
     std::vector<Quantisation> scales(static_cast<std::size_t>(channels_[channel].components),
                                      {infinity, -infinity, levels});
     for (const auto& frame : frames_) {
@@ -234,11 +276,28 @@ class Packer {
     return scales;
   }
 
+  PackedObstacles moving_obstacles(std::size_t mesh, const std::vector<std::size_t>& kept) const {
+    PackedObstacles packed = scenes_[mesh].obstacles;
+    if (packed.num_points == 0) return packed;
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::vector<std::vector<float>> rows;
+      for (const std::size_t i : kept) {
+        if (frames_[i].frame.mesh == mesh) rows.push_back(component_of(frames_[i].moves, k));
+      }
+      std::tie(packed.moves[k], packed.move_scales[k]) = packed_rows(rows, levels_of_positions);
+    }
+    return packed;
+  }
+
   void encode(const std::vector<std::size_t>& kept) {
     packed_.meshes.clear();
     packed_.frames.clear();
     packed_.fields.clear();
-    for (const auto& scene : scenes_) packed_.meshes.push_back(scene.packed);
+    packed_.obstacles.clear();
+    for (std::size_t m = 0; m < scenes_.size(); ++m) {
+      packed_.meshes.push_back(scenes_[m].packed);
+      packed_.obstacles.push_back(moving_obstacles(m, kept));
+    }
     for (const std::size_t i : kept) packed_.frames.push_back(frames_[i].frame);
     for (std::size_t k = 0; k < channels_.size(); ++k) {
       PackedField field{channels_[k].name, channels_[k].source.unit, scales_of(k), {}};
@@ -272,6 +331,10 @@ std::size_t PackedResult::size() const {
   for (const auto& mesh : meshes) {
     bytes += mesh.triangles.size() + mesh.bodies.size();
     for (const auto& x : mesh.positions) bytes += x.size();
+  }
+  for (const auto& one : obstacles) {
+    bytes += one.triangles.size();
+    for (std::size_t i = 0; i < 3; ++i) bytes += one.positions[i].size() + one.moves[i].size();
   }
   for (const auto& field : fields) {
     for (const auto& of_mesh : field.values) {

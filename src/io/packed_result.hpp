@@ -37,12 +37,23 @@ struct PackedField {
   std::vector<std::vector<std::string>> values;  ///< by mesh and component
 };
 
+/// Obstacles beside a mesh, if there are any: where they are drawn, and how far from there they are in each of its
+/// frames.
+struct PackedObstacles {
+  std::vector<std::string> names;
+  std::size_t num_points = 0;
+  std::string triangles;  ///< as those of PackedMesh
+  std::array<std::string, 3> positions, moves;
+  std::array<Quantisation, 3> position_scales, move_scales;  ///< [m]
+};
+
 struct PackedResult {
   std::vector<std::string> body_names;
   std::size_t num_nodes = 0, num_cells = 0;  ///< of the last mesh
   int nodes_per_cell = 4;
   std::size_t num_frames = 0;  ///< of the result, before it was thinned
   std::vector<PackedMesh> meshes;
+  std::vector<PackedObstacles> obstacles;  ///< beside each mesh
   std::vector<PackedFrame> frames;
   std::vector<PackedField> fields;  ///< the displacement, if there is one, first
 

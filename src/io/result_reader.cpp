@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <sstream>
+#include <string_view>
 #include <system_error>
 #include <thread>
 
@@ -63,6 +64,16 @@ Hdf5Handle open_patiently(const std::filesystem::path& file) {
   }
 }
 
+bool has_link(hid_t parent, const std::string& name) {
+  return H5Lexists(parent, name.c_str(), H5P_DEFAULT) > 0;
+}
+
+/// "/obstacles", "/obstacles_1" beside "/mesh", "/mesh_1".
+std::string obstacles_beside(const std::string& mesh) {
+  constexpr std::string_view stem = "/mesh";
+  return mesh.starts_with(stem) ? "/obstacles" + mesh.substr(stem.size()) : "/obstacles";
+}
+
 ResultFrame frame_of(hid_t frames, const std::string& name) {
   const Hdf5Handle group = open_group(frames, name);
   ResultFrame frame{name, 0.0, integer_attribute(group.get(), "step"), text_attribute(group.get(), "mesh")};
@@ -109,6 +120,28 @@ OutputMesh ResultReader::mesh(const std::string& group) const {
     throw FileError(fmt::format("the mesh '{}' of '{}' is damaged", group, path_.string()));
   }
   return result;
+}
+
+std::optional<OutputObstacles> ResultReader::obstacles(const std::string& group) const {
+  const std::string place = obstacles_beside(group);
+  if (!has_link(file_.get(), place)) return std::nullopt;
+  const Hdf5Handle obstacles = open_group(file_.get(), place);
+  OutputObstacles result;
+  result.points = table<double>(obstacles.get(), "points", H5T_NATIVE_DOUBLE, 3);
+  result.triangles = table<std::int64_t>(obstacles.get(), "triangles", H5T_NATIVE_INT64, 3);
+  result.obstacles = table<std::int32_t>(obstacles.get(), "obstacle", H5T_NATIVE_INT32, 1);
+  result.names = lines_of(text_attribute(open_dataset(obstacles.get(), "obstacle").get(), "names"));
+  const auto is_known = [&](std::int64_t p) { return p >= 0 && p < std::ssize(result.points) / 3; };
+  if (!std::ranges::all_of(result.triangles, is_known)) {
+    throw FileError(fmt::format("the obstacles '{}' of '{}' are damaged", place, path_.string()));
+  }
+  return result;
+}
+
+std::vector<double> ResultReader::obstacle_points(const ResultFrame& frame) const {
+  const std::string place = obstacles_beside(frame.mesh), moved = fmt::format("{}/frames/{:06}", place, frame.step);
+  const bool moves = has_link(file_.get(), place + "/frames") && has_link(file_.get(), moved);
+  return table<double>(file_.get(), (moves ? moved : place) + "/points", H5T_NATIVE_DOUBLE, 3);
 }
 
 std::vector<ResultField> ResultReader::fields(const ResultFrame& frame) const {

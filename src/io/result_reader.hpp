@@ -1,11 +1,13 @@
 /// The time series of a run (io/result_writer.hpp) read back, also while the run goes on. Nothing here is collective.
 #pragma once
 
+#include "io/obstacle_writer.hpp"
 #include "io/result_writer.hpp"
 #include "petsc/hdf5.hpp"
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +43,10 @@ class ResultReader {
   const std::vector<ResultFrame>& frames() const { return frames_; }
   /// All of a mesh, as if of one rank. `group`: ResultFrame::mesh.
   OutputMesh mesh(const std::string& group) const;
+  /// Beside a mesh: where they are drawn; nothing if the run had none. `group`: ResultFrame::mesh.
+  std::optional<OutputObstacles> obstacles(const std::string& group) const;
+  /// Where the points of the obstacles are; where they are drawn, if they rest.
+  std::vector<double> obstacle_points(const ResultFrame& frame) const;
   std::vector<ResultField> fields(const ResultFrame& frame) const;
   /// Components by node or cell.
   std::vector<double> values(const ResultFrame& frame, const ResultField& field) const;

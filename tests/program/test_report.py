@@ -1,0 +1,163 @@
+#!/usr/bin/python3
+"""`pliant report`: what the page carries is what the result holds, and a browser shows and plays it."""
+import json
+import pathlib
+import re
+import shutil
+import tempfile
+import unittest
+
+import h5py
+import numpy as np
+
+from browser import CHROMIUM, Browser
+from program import ProgramTest, read_history, write_box
+from report_file import ReportFile
+
+INPUT = """
+title: "a bar </script> & <b>more</b>"
+mesh: {file: bar.msh}
+bodies:
+  - {volume: body, density: 1200 kg/m^3, elasticity: {model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.4}}
+constraints: [{surface: left, displacement: [0, 0, 0]}]
+loads: [{gravity: [0, 0, -9.81]}]
+contact:
+  obstacles:
+    - {name: ball, shape: sphere, point: [0.9, 0.1, -0.25], radius: 0.1, motion: {translate: [0, 0, "-0.2*t"]}}
+time: {method: bdf2, step: 10 ms, end: 0.1}
+output: {fields: [displacement, velocity, cauchy_stress]}
+probes: [{name: tip, point: [1, 0.1, 0.1]}]
+"""
+
+
+class Report(ProgramTest):
+    finished = None  # a directory with its result
+
+    def setUp(self):
+        super().setUp()
+        self.out = self.directory / "out"
+        if Report.finished is None:  # one run for all tests
+            write_box(self.directory / "bar.msh", (8, 2, 2), (1, 0.2, 0.2), order=2)
+            self.run_input(self.write("bar.yaml", INPUT), "element=P2")
+            Report.finished = pathlib.Path(tempfile.mkdtemp(prefix="pliant-report-"))
+            self.addClassCleanup(shutil.rmtree, Report.finished)
+            shutil.copytree(self.out, Report.finished, dirs_exist_ok=True)
+        else:
+            shutil.copytree(Report.finished, self.out)
+
+    def report(self, *more):
+        done = self.call("report", self.out, *more)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return ReportFile(more[1] if more else self.out / "report.html")
+
+    def test_numbers_of_the_result(self):
+        report = self.report()
+        self.assertIn("open it in a browser", self.call("report", self.out / "result.xdmf").stdout)
+        self.assertEqual(report.json["title"], 'a bar </script> & <b>more</b>')
+        self.assertEqual(report.json["input"], (self.out / "run.yaml").read_text())
+        self.assertEqual(report.json["summary"], json.loads((self.out / "summary.json").read_text()))
+        self.assertEqual(report.json["summary"]["outcome"], "done")
+        self.assertEqual(report.json["summary"]["steps"]["accepted"], 10)
+        with h5py.File(self.out / "result.h5") as h5:
+            nodes, frames = h5["mesh/coordinates"][()], list(h5["frames"].values())
+            x = report.positions(0)
+            self.assertEqual(report.result["meshes"][0]["perFacet"], 4)
+            self.assertEqual(report.triangles(0).shape, (4 * 2 * (4 * 8 * 2 + 2 * 2 * 2), 3))
+            # Each vertex lies at a node, to a half of the step of quantisation.
+            distances = np.abs(x[:, None, :] - nodes[None]).max(axis=2)
+            node = distances.argmin(axis=1)
+            self.assertLess(distances.min(axis=1).max(), 0.51 / 65535)
+            self.assertEqual(len(np.unique(node)), len(np.unique(nodes[report_surface(nodes)], axis=0)))
+            shift = np.array([frame["shift"] for frame in report.result["frames"]])
+            u = report.field("displacement") + shift[:, None, :]
+            v = report.field("velocity")
+            for k, frame in enumerate(frames):
+                self.assertEqual(report.result["frames"][k]["time"], frame.attrs["time"])
+                given = frame["displacement"][()]
+                self.assertLess(np.abs(u[k] - given[node]).max(), 0.51 / 65535 * np.ptp(u[..., 2]) + 1e-7)
+                self.assertLess(np.abs(v[k] - frame["velocity"][()][node]).max(), 0.51 / 4095 * np.ptp(v[..., 2]) + 1e-6)
+            names = [field["name"] for field in report.result["fields"]]
+            self.assertEqual(names, ["displacement", "von_mises_stress", "mean_stress", "velocity"])
+            # The ball goes down 0.2 m/s.
+            ball = report.result["obstacles"][0]
+            self.assertEqual(ball["names"], ["ball"])
+            moves = [report.rows(block, ball["vertices"], scale) for block, scale in zip(ball["moves"], ball["moveScales"])]
+            times = np.array([frame["time"] for frame in report.result["frames"]])
+            np.testing.assert_allclose(moves[2], np.repeat(-0.2 * times[:, None], ball["vertices"], axis=1), atol=1e-6)
+        history = read_history(self.out)
+        for name, values in report.history().items():
+            np.testing.assert_array_equal(values, history[name])
+
+    def test_run_that_goes_on(self):
+        (self.out / "summary.json").unlink()
+        with open(self.out / "history.csv", "a", encoding="ascii") as history:
+            history.write("11,0.11,0.0")  # a row that is just being written
+        report = self.report()
+        self.assertIsNone(report.json["summary"])
+        self.assertEqual(report.json["history"]["rows"], 11)
+
+    def test_mistakes(self):
+        done = self.call("report", self.directory / "missing")
+        self.assertEqual(done.returncode, 4)
+        self.assertRegex(done.stderr, r"^there is no result: '.*' does not exist\n$")
+        done = self.call("report", self.write("bar.h5", "no HDF5"))
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (4, 1), done.stderr)
+        done = self.call("report", self.out, "--output", self.directory / "no" / "report.html")
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (4, 1), done.stderr)
+        self.assertEqual(self.call("report", self.out, "--size", "0").returncode, 2)
+
+    @unittest.skipUnless(CHROMIUM, "needs the package chromium")
+    def test_in_a_browser(self):
+        self.report("--output", self.directory / "moved.html")
+        shutil.rmtree(self.out)  # the page stands alone
+        with Browser((1200, 900)) as browser:
+            self.assertNotIn("src=", re.sub("<script.*?</script>", "", (self.directory / "moved.html").read_text(), flags=re.S))
+            browser.open(self.directory / "moved.html")
+            browser.wait("document.documentElement?.dataset.ready === 'yes'")
+            self.assertEqual(browser.evaluate("document.querySelector('h1').textContent"), "a bar </script> & <b>more</b>")
+            # At the end of the run the bar is coloured by its stress.
+            end = browser.picture("#view")
+            self.assertGreater(len(np.unique(end.reshape(-1, 3) // 16, axis=0)), 40)
+            saturated = np.ptp(end, axis=2) > 60
+            self.assertGreater(saturated.mean(), 0.03)
+            self.assertEqual(browser.evaluate("document.querySelectorAll('#plots canvas').length"),
+                             browser.evaluate("document.querySelectorAll('#plots figure').length"))
+            self.assertGreater(browser.evaluate("document.querySelectorAll('#plots figure').length"), 5)
+            # Playing starts over, and the bar sinks.
+            browser.evaluate("document.querySelector('#play').click()")
+            browser.wait("pliant.player.time > 0.03 && pliant.player.time < 0.099")
+            browser.evaluate("document.querySelector('#play').click()")
+            time = browser.evaluate("pliant.player.time")
+            self.assertFalse(browser.evaluate("pliant.player.playing"))
+            browser.evaluate("new Promise(done => setTimeout(done, 100))")
+            self.assertEqual(browser.evaluate("pliant.player.time"), time)
+            self.assertGreater(np.abs(browser.picture("#view") - end).max(), 60)
+            # Between two frames a node is on the straight line between them, displacements magnified.
+            middle = browser.evaluate("""(() => {
+                const { view, bodies } = pliant, x = new Float32Array(3 * bodies.surfaces[0].size), at = (t) => {
+                    bodies.positions(bodies.at(t), 2, [0, 0, 0], x);
+                    return [...x]; };
+                const [a, b, c] = [at(0.05), at(0.055), at(0.06)];
+                return Math.max(...b.map((p, i) => Math.abs(p - (a[i] + c[i]) / 2)));
+            })()""")
+            self.assertLess(middle, 1e-6)
+            # Another field, the scrubber, a narrow window in the dark.
+            browser.evaluate("document.querySelector('#colour').value = 0; document.querySelector('#colour').onchange()")
+            browser.evaluate("(() => { const s = document.querySelector('#scrub'); s.value = 0.1; s.oninput(); })()")
+            self.assertIn("Displacement", browser.evaluate("document.querySelector('#legend').textContent"))
+            browser.prefer("dark")
+            browser.resize(420, 900)
+            browser.wait("document.querySelector('#view').clientWidth < 420")
+            browser.wait("document.documentElement.scrollWidth <= 420")
+            self.assertLess(np.median(browser.picture()), 80)
+            self.assertEqual(browser.errors, [])
+
+
+def report_surface(nodes):
+    """Which nodes of the bar lie on its surface."""
+    low, high = nodes.min(axis=0), nodes.max(axis=0)
+    return (np.minimum(np.abs(nodes - low), np.abs(nodes - high)) < 1e-9).any(axis=1)
+
+
+if __name__ == "__main__":
+    unittest.main()
