@@ -1,7 +1,6 @@
 #!/usr/bin/python3
 """Draws the history of a run: energies and their balance, probes, forces, and what each step cost."""
 import argparse
-import csv
 import os
 import sys
 
@@ -9,6 +8,7 @@ try:
     import matplotlib
     import matplotlib.pyplot as plt
     import numpy as np
+    from package import History, PliantError, Result
 except ImportError as missing:
     print(f"plot.py: {missing}; run it with /usr/bin/python3, and with the packages of tools/setup.sh", file=sys.stderr)
     sys.exit(2)
@@ -24,29 +24,6 @@ STYLE = {
     "axes.formatter.limits": (-3, 4), "axes.formatter.use_mathtext": True,
 }
 ENERGIES = ("kinetic_energy", "elastic_energy", "load_potential", "dissipated_energy", "load_work")
-
-
-class UserError(Exception):
-    """A mistake of the user; its text is the one line to print."""
-
-
-def read_history(path):
-    """Columns by name, as arrays."""
-    file = os.path.join(path, "history.csv") if os.path.isdir(path) else path
-    if not os.path.isfile(file):
-        raise UserError(f"there is no history: {file} does not exist")
-    with open(file, newline="", encoding="utf-8") as text:
-        rows = list(csv.reader(text))
-    # The last row may be in the middle of being written.
-    names = rows[0] if rows else []
-    complete = [row for row in rows[1:] if len(row) == len(names)]
-    if "time" not in names or not complete:
-        raise UserError(f"{file} is no history of a run, or holds no step yet")
-    try:
-        table = np.array(complete, dtype=float)
-    except ValueError as error:
-        raise UserError(f"{file}: {error}") from error
-    return os.path.dirname(os.path.abspath(file)), {name: table[:, i] for i, name in enumerate(names)}
 
 
 def changes(values):
@@ -167,10 +144,8 @@ def draw(history, title):
 def title_of(directory):
     """The run's title, if its result is there and readable."""
     try:
-        from result import Result
-
         return Result(directory).title
-    except Exception:  # a plot without a title is better than none
+    except (PliantError, OSError, KeyError):  # a plot without a title is better than none
         return os.path.basename(directory)
 
 
@@ -191,11 +166,12 @@ def main():
     options = parser.parse_args()
     plt.switch_backend("Agg")
     try:
-        directory, history = read_history(options.result)
+        history = History(options.result)
+        directory = os.path.dirname(os.path.abspath(history.file))
         file = options.output or os.path.join(directory, "history.png")
         with plt.rc_context(STYLE):
             draw(history, title_of(directory)).savefig(file, dpi=150)
-    except UserError as error:
+    except PliantError as error:
         return _complain(error)
     except OSError as error:
         return _complain(f"{error.filename}: {error.strerror}")

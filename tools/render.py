@@ -29,7 +29,7 @@ try:
     )
     import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  the implementation behind vtkRenderWindow
     from page import BACKGROUND, Colours, NamedColours, Page, times_as_text
-    from result import Result, Surface, UserError
+    from package import PliantError as UserError, Result, Surface
 except ImportError as missing:
     print(f"render.py: {missing}; run it with /usr/bin/python3, and with the packages of tools/setup.sh", file=sys.stderr)
     sys.exit(2)
@@ -94,9 +94,9 @@ class Quantity:
     unit: str
     names: list  # of a quantity that counts bodies or ranks; else empty
 
-    def at_points(self, result, frame, surface):
+    def at_points(self, frame, surface):
         """Values at the points of the surface; of counted things, at its faces."""
-        field = result.field(frame, self.field)
+        field = frame.field(self.field)
         if self.names:
             return field.values[surface.cell_of_face, 0]
         values = surface.of_nodes(field.values) if field.on_nodes else surface.of_cells(field.values)
@@ -106,17 +106,17 @@ class Quantity:
 def quantity_of(result, name):
     """`displacement`, `displacement_z`, `cauchy_stress_xx`, ... as a Quantity."""
     frame = result.frames[0]
-    known = result.field_names(frame)
+    known = frame.field_names
     base, _, suffix = name.rpartition("_")
     if name not in known and base in known:
-        field = result.field(frame, base)
+        field = frame.field(base)
         components = COMPONENTS.get(field.values.shape[1], [])
         if suffix not in components:
             raise UserError(f"the field '{base}' has no component '{suffix}'; it has {', '.join(components) or 'only one'}")
         return Quantity(base, components.index(suffix), f"{_words(base)} {suffix}", field.unit, [])
-    field = result.field(frame, name)
+    field = frame.field(name)
     if name == "body":
-        return Quantity(name, 0, "body", "", result.mesh(frame).body_names)
+        return Quantity(name, 0, "body", "", frame.mesh.body_names)
     if name == "rank":
         return Quantity(name, 0, "rank", "", [str(i) for i in range(int(field.values.max()) + 1)])
     components = field.values.shape[1]
@@ -360,15 +360,15 @@ class Renderer:
         return [self._frames[i] for i in picked]
 
     def _surface(self, frame):
-        if frame.mesh not in self._surfaces:
-            self._surfaces[frame.mesh] = Surface(self._result.mesh(frame))
-        return self._surfaces[frame.mesh]
+        if frame.mesh_group not in self._surfaces:
+            self._surfaces[frame.mesh_group] = Surface(frame.mesh)
+        return self._surfaces[frame.mesh_group]
 
     def _reference(self, frame):
-        return self._surface(frame).of_nodes(self._result.mesh(frame).coordinates)
+        return self._surface(frame).of_nodes(frame.mesh.coordinates)
 
     def _positions(self, frame):
-        displacement = self._surface(frame).of_nodes(self._result.displacement(frame))
+        displacement = self._surface(frame).of_nodes(frame.displacement())
         positions = self._reference(frame) + self._options.scale * displacement
         if not np.isfinite(positions).all():
             raise UserError(f"the displacement at t = {frame.time:g} s is not finite")
@@ -376,7 +376,7 @@ class Renderer:
 
     def _obstacles(self, frame):
         """None where displacements are not drawn as they are: then nothing touches."""
-        return self._result.obstacles(frame) if self._options.scale == 1 else None
+        return frame.obstacles if self._options.scale == 1 else None
 
     def _near_obstacles(self):
         """Points of obstacles that belong into the picture: those next to the bodies, and the sheets of planes."""
@@ -403,7 +403,7 @@ class Renderer:
         return points
 
     def _values(self, frame):
-        return self._quantity.at_points(self._result, frame, self._surface(frame))
+        return self._quantity.at_points(frame, self._surface(frame))
 
     def _colour_scale(self):
         if self._quantity is None:
@@ -419,7 +419,7 @@ class Renderer:
         return Colours(0.0 if 0 <= low < 0.5 * high else low, high)
 
     def _scene(self, frame):
-        if frame.mesh not in self._scenes:
+        if frame.mesh_group not in self._scenes:
             surface = self._surface(frame)
             scene = Scene(surface, self._page.scene_size, self._options)
             obstacles = self._obstacles(frame)
@@ -428,8 +428,8 @@ class Renderer:
             if self._options.outline:
                 scene.add_outline(self._reference(frame), surface.triangles)
             scene.aim(self._camera)
-            self._scenes[frame.mesh] = scene
-        return self._scenes[frame.mesh]
+            self._scenes[frame.mesh_group] = scene
+        return self._scenes[frame.mesh_group]
 
     def picture(self, frame):
         colours, by_face = None, False
@@ -481,7 +481,7 @@ def chosen_frames(result, options):
 def run(options):
     result = Result(options.result)
     if options.field is None:
-        options.field = "displacement" if "displacement" in result.field_names(result.frames[0]) else "none"
+        options.field = "displacement" if "displacement" in result[0].field_names else "none"
     frames = chosen_frames(result, options)
     renderer = Renderer(result, frames, options)
     start_screen()

@@ -13,7 +13,7 @@ except ImportError as missing:
           file=sys.stderr)
     sys.exit(2)
 
-from plot import COLOURS, STYLE, UserError
+from plot import COLOURS, STYLE, PliantError
 
 MARKERS = "osD^v<>PX*"
 WORK = {"newton_iterations": "Newton iterations", "seconds": "wall time [s]"}
@@ -24,7 +24,7 @@ def read_study(path):
     """The rows of each method, in the order of the table."""
     file = os.path.join(path, "convergence.csv") if os.path.isdir(path) else path
     if not os.path.isfile(file):
-        raise UserError(f"there is no study: {file} does not exist")
+        raise PliantError(f"there is no study: {file} does not exist")
     with open(file, newline="", encoding="utf-8") as text:
         rows = list(csv.DictReader(text))
     methods = {}
@@ -33,9 +33,9 @@ def read_study(path):
             numbers = {name: float(row[name]) for name in (*WORK, *ERRORS)}
             methods.setdefault(row["method"], []).append(numbers)
     except (KeyError, TypeError, ValueError) as error:
-        raise UserError(f"{file} is no study of `pliant converge`: {error}") from error
+        raise PliantError(f"{file} is no study of `pliant converge`: {error}") from error
     if not methods:
-        raise UserError(f"{file} holds no level yet")
+        raise PliantError(f"{file} holds no level yet")
     return os.path.dirname(os.path.abspath(file)), methods
 
 
@@ -80,7 +80,7 @@ def main():
         file = options.output or os.path.join(directory, "work_precision.png")
         with plt.rc_context({**STYLE, "axes.formatter.limits": matplotlib.rcParams["axes.formatter.limits"]}):
             draw(methods, options.title, list(WORK) if options.work == "both" else [options.work]).savefig(file, dpi=110)
-    except UserError as error:
+    except PliantError as error:
         return _complain(error)
     except OSError as error:
         return _complain(f"{error.filename}: {error.strerror}")

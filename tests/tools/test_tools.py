@@ -17,7 +17,8 @@ sys.path[:0] = [HERE, TOOLS]
 sys.dont_write_bytecode = True
 
 import synthetic  # noqa: E402
-from result import Result, Surface, von_mises  # noqa: E402
+from package import Result, Surface  # noqa: E402
+from pliant import von_mises  # noqa: E402
 
 SMALL = ["--size", "320x240"]
 
@@ -143,8 +144,8 @@ class SurfaceOfBlock(WithResult):
             directory = self.path(f"order{order}")
             synthetic.write_result(directory, num_frames=1, order=order)
             result = Result(directory)
-            surface = Surface(result.mesh(result.frames[0]))
-            x = surface.of_nodes(result.mesh(result.frames[0]).coordinates)
+            surface = Surface(result[0].mesh)
+            x = surface.of_nodes(result[0].mesh.coordinates)
             a, b, c = (x[surface.triangles[:, i]] for i in range(3))
             area = np.cross(b - a, c - a) / 2
             length, width, height = synthetic.LENGTH, synthetic.WIDTH, synthetic.HEIGHT
@@ -158,7 +159,7 @@ class SurfaceOfBlock(WithResult):
     def test_quadratic_fields_are_shown_exactly(self):
         synthetic.write_result(self.directory, num_frames=1, order=2)
         result = Result(self.directory)
-        mesh = result.mesh(result.frames[0])
+        mesh = result[0].mesh
         surface = Surface(mesh, divisions=3)
         quadratic = lambda x: (x[:, :1] ** 2 - x[:, 1:2] * x[:, 2:])  # noqa: E731
         points = surface.of_nodes(mesh.coordinates)

@@ -1,0 +1,17 @@
+"""Pliant from Python: runs simulations, and reads what they leave on disk into numpy.
+
+    import pliant
+    run = pliant.run("input/beam_small.yaml", {"time.end": "50 ms"}, output="out/beam")
+    print(run.history["kinetic_energy"][-1], run.result[-1].displacement().max())
+
+All numbers are in SI units.
+"""
+from .checkpoint import Checkpoint
+from .error import PliantError
+from .history import History
+from .result import Field, Frame, Mesh, Obstacles, Result, von_mises
+from .runs import Run, resume, run
+from .surface import Surface
+
+__all__ = ["Checkpoint", "Field", "Frame", "History", "Mesh", "Obstacles", "PliantError", "Result", "Run", "Surface", "resume", "run",
+           "von_mises"]

@@ -1,0 +1,28 @@
+"""HDF5 files that a run may just be writing to."""
+import os
+import time
+from typing import Any
+
+import h5py
+
+from .error import PliantError
+
+
+def opened(file: str) -> h5py.File:
+    """Opens a file for reading, without locks. A run that is just adding to it may be met between two of its writes; a
+    moment later all is well."""
+    if not os.path.isfile(file):
+        raise PliantError(f"{file} does not exist")
+    reason = ""
+    for attempt in range(5):
+        try:
+            return h5py.File(file, "r")
+        except OSError as error:
+            reason = str(error)
+            time.sleep(0.2 * attempt)
+    raise PliantError(f"{file} cannot be read: {reason}")
+
+
+def text(value: Any) -> str:
+    """A text attribute."""
+    return value.decode() if isinstance(value, bytes) else str(value)

@@ -1,0 +1,53 @@
+"""history.csv: a row per completed step."""
+import csv
+import os
+from collections.abc import Iterator, Mapping
+from typing import Union
+
+import numpy as np
+
+from .error import PliantError
+
+
+class History(Mapping[str, np.ndarray]):
+    """Columns by name, float64 arrays of one value per step; row 0 is the initial state.
+
+    `docs/output.md` says what the columns are. Of a run that goes on: the complete rows that there are.
+    """
+
+    def __init__(self, path: Union[str, "os.PathLike[str]"]) -> None:
+        """`path`: the output directory of a run, or its history.csv."""
+        file = os.fspath(path)
+        file = os.path.join(file, "history.csv") if os.path.isdir(file) else file
+        if not os.path.isfile(file):
+            raise PliantError(f"there is no history: {file} does not exist")
+        with open(file, newline="", encoding="utf-8") as lines:
+            rows = list(csv.reader(line for line in lines if line.endswith("\n")))
+        names = rows[0] if rows else []
+        complete = [row for row in rows[1:] if len(row) == len(names)]
+        if "time" not in names or not complete:
+            raise PliantError(f"{file} is no history of a run, or holds no step yet")
+        try:
+            table = np.array(complete, dtype=float)
+        except ValueError as error:
+            raise PliantError(f"{file}: {error}") from error
+        self.file = file
+        self._columns = {name: table[:, i] for i, name in enumerate(names)}
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        return self._columns[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        return len(self._columns)
+
+    @property
+    def time(self) -> np.ndarray:
+        """[s]; of a static run the load factor."""
+        return self["time"]
+
+    def vector(self, name: str) -> np.ndarray:
+        """Steps x 3: the columns <name>x, y, z, e.g. `tip_` for the position of the probe tip, `clamp_f` for a reaction."""
+        return np.stack([self[name + axis] for axis in "xyz"], axis=1)

@@ -1,0 +1,219 @@
+"""result.h5: the mesh and the fields of a run over time, read when they are asked for."""
+import dataclasses
+import os
+from collections.abc import Sequence
+from typing import Any, Optional, Union, overload
+
+import numpy as np
+
+from .error import PliantError
+from .files import opened, text
+
+
+@dataclasses.dataclass(frozen=True)
+class Mesh:
+    """Tetrahedra in VTK's order of nodes."""
+
+    coordinates: np.ndarray  #: num_nodes x 3, reference positions [m]
+    cells: np.ndarray  #: num_cells x 4, or 10: then the middles of the edges 01 12 02 03 13 23 come last
+    body: np.ndarray  #: index of the body of each cell
+    body_names: "list[str]"
+
+
+@dataclasses.dataclass(frozen=True)
+class Obstacles:
+    """The surfaces of obstacles, and where they are in a frame."""
+
+    points: np.ndarray  #: num_points x 3, current positions [m]
+    triangles: np.ndarray  #: num_triangles x 3, counterclockwise seen from outside
+    obstacle: np.ndarray  #: index of the obstacle of each triangle
+    names: "list[str]"
+
+    def planes(self) -> "list[np.ndarray]":
+        """The four points of each plane's square, in order around it: two triangles, where what is closed has more."""
+        found = [self.triangles[self.obstacle == k] for k in range(len(self.names))]
+        return [np.append(triangles[0], triangles[1, 2]) for triangles in found if len(triangles) == 2]
+
+    def points_of_others(self) -> np.ndarray:
+        """Positions of what is no plane."""
+        count = np.bincount(self.obstacle, minlength=len(self.names))
+        return self.points[np.unique(self.triangles[count[self.obstacle] != 2])]
+
+
+@dataclasses.dataclass(frozen=True)
+class Field:
+    """Values on nodes or cells."""
+
+    values: np.ndarray  #: rows x components; symmetric tensors have xx yy zz xy yz xz
+    unit: str
+    on_nodes: bool
+
+
+def von_mises(stress: np.ndarray) -> np.ndarray:
+    """sqrt(3/2 s:s), s the deviator, of symmetric tensors, rows x 6 (xx yy zz xy yz xz)."""
+    xx, yy, zz, xy, yz, xz = stress.T
+    normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+    return np.sqrt(normal / 2 + 3 * (xy**2 + yz**2 + xz**2))
+
+
+class Frame:
+    """One instant of the time series; its numbers are read when they are asked for."""
+
+    def __init__(self, result: "Result", name: str) -> None:
+        group = result.h5["frames"][name]
+        self.result = result
+        self.name = name  #: its group in result.h5: "000012"
+        self.time = float(group.attrs["time"])  #: [s]; of a static run the load factor
+        self.step = int(group.attrs["step"])
+        self.mesh_group = text(group.attrs.get("mesh", "/mesh"))
+
+    def __repr__(self) -> str:
+        return f"Frame(time={self.time:g}, step={self.step})"
+
+    @property
+    def mesh(self) -> Mesh:
+        return self.result.mesh(self.mesh_group)
+
+    @property
+    def field_names(self) -> "list[str]":
+        """Names that `field` knows, those in the file first."""
+        names = sorted(self.result.h5["frames"][self.name])
+        if "cauchy_stress" in names and "von_mises_stress" not in names:
+            names.append("von_mises_stress")
+        return [*names, "body", "rank"]
+
+    def field(self, name: str) -> Field:
+        """Values with their unit; `von_mises_stress` also where only `cauchy_stress` was written."""
+        group = self.result.h5["frames"][self.name]
+        if name in group:
+            dataset = group[name]
+            on_nodes = text(dataset.attrs.get("location", "node")) == "node"
+            values = dataset[()]
+            return Field(values.reshape(len(values), -1), text(dataset.attrs.get("unit", "")), on_nodes)
+        if name == "von_mises_stress" and "cauchy_stress" in group:
+            stress = self.field("cauchy_stress")
+            return Field(von_mises(stress.values)[:, None], stress.unit, stress.on_nodes)
+        if name in ("body", "rank"):
+            return Field(self.result.h5[self.mesh_group][name][()].astype(float)[:, None], "", False)
+        raise PliantError(f"the result has no field '{name}'; it has {', '.join(self.field_names)}")
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """Values alone: rows x components, of fields with one component as many as rows."""
+        values = self.field(name).values
+        return values[:, 0] if values.shape[1] == 1 else values
+
+    def displacement(self) -> np.ndarray:
+        """num_nodes x 3 [m]; zero where the result has none."""
+        if "displacement" in self.result.h5["frames"][self.name]:
+            return self.field("displacement").values
+        return np.zeros_like(self.mesh.coordinates)
+
+    def positions(self) -> np.ndarray:
+        """Current positions, num_nodes x 3 [m]."""
+        return self.mesh.coordinates + self.displacement()
+
+    @property
+    def obstacles(self) -> Optional[Obstacles]:
+        """Where they are; None if the run had none."""
+        path = self.mesh_group.replace("mesh", "obstacles")
+        if path not in self.result.h5:
+            return None
+        group = self.result.h5[path]
+        moved = f"frames/{self.step:06}/points"
+        names = text(group["obstacle"].attrs["names"]).split("\n")
+        return Obstacles(group[moved if moved in group else "points"][()], group["triangles"][()], group["obstacle"][()], names)
+
+    def to_meshio(self) -> Any:
+        """A meshio.Mesh in the current shape with all fields; `.write("frame.vtu")` writes any format that meshio knows."""
+        import meshio  # a package of its own: python3-meshio
+
+        mesh = self.mesh
+        of_nodes, of_cells = {}, {}
+        for name in self.field_names:
+            field = self.field(name)
+            values = field.values[:, 0] if field.values.shape[1] == 1 else field.values
+            if field.on_nodes:
+                of_nodes[name] = values
+            else:
+                of_cells[name] = [values]
+        kind = "tetra" if mesh.cells.shape[1] == 4 else "tetra10"
+        return meshio.Mesh(self.positions(), [(kind, mesh.cells)], point_data=of_nodes, cell_data=of_cells)
+
+
+class Result(Sequence[Frame]):
+    """A run's frames, in order of time: `result[-1]["displacement"]`, `for frame in result: ...`, `len(result)`.
+
+    Opened while the run goes on, it has the frames that were complete then; `refresh()` looks for more.
+    """
+
+    def __init__(self, path: Union[str, "os.PathLike[str]"]) -> None:
+        """`path`: the output directory of a run, its result.h5 or its result.xdmf."""
+        self.file = self._find(os.fspath(path))
+        self.directory = os.path.dirname(os.path.abspath(self.file))
+        self._meshes: "dict[str, Mesh]" = {}
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Opens the file anew, with the frames that were added meanwhile."""
+        self.close()
+        self.h5 = opened(self.file)  #: the file itself, for what is not here
+        if "frames" not in self.h5 or "mesh" not in self.h5:
+            raise PliantError(f"{self.file} is not a result of Pliant")
+        self.title = text(self.h5.attrs.get("title", ""))
+        self.frames = [Frame(self, name) for name in sorted(self.h5["frames"])]
+        if not self.frames:
+            raise PliantError(f"{self.file} holds no frame yet")
+
+    @staticmethod
+    def _find(path: str) -> str:
+        if os.path.isdir(path):
+            path = os.path.join(path, "result.h5")
+        elif path.endswith(".xdmf"):
+            path = path[: -len(".xdmf")] + ".h5"
+        if not os.path.isfile(path):
+            raise PliantError(f"there is no result: {path} does not exist")
+        return path
+
+    def close(self) -> None:
+        if hasattr(self, "h5"):
+            self.h5.close()
+
+    def __enter__(self) -> "Result":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    @overload
+    def __getitem__(self, index: int) -> Frame: ...
+    @overload
+    def __getitem__(self, index: slice) -> "list[Frame]": ...
+    def __getitem__(self, index: Union[int, slice]) -> "Union[Frame, list[Frame]]":
+        return self.frames[index]
+
+    def __len__(self) -> int:
+        return len(self.frames)
+
+    @property
+    def times(self) -> np.ndarray:
+        """Of the frames [s]; of a static run load factors."""
+        return np.array([frame.time for frame in self.frames])
+
+    def at(self, time: float) -> Frame:
+        """The frame nearest to a time [s]."""
+        return self.frames[int(np.abs(self.times - time).argmin())]
+
+    def mesh(self, group: str = "/mesh") -> Mesh:
+        """Of all frames, unless the run was resumed: `Frame.mesh` is that of a frame."""
+        if group not in self._meshes:
+            given = self.h5[group]
+            names = text(given["body"].attrs.get("names", "")).split("\n")
+            self._meshes[group] = Mesh(given["coordinates"][()], given["cells"][()], given["body"][()], names)
+        return self._meshes[group]
+
+    def series(self, name: str, rows: Any = slice(None)) -> np.ndarray:
+        """A field over time: frames x rows x components; `rows` chooses nodes or cells, in the order of the file. Reads frame
+        by frame, and only those rows are kept."""
+        if len({frame.mesh_group for frame in self.frames}) > 1:
+            raise PliantError(f"{self.file}: the run was resumed, and nodes and cells have another order since; read the frames")
+        return np.stack([frame.field(name).values[rows] for frame in self.frames])

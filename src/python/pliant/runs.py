@@ -1,0 +1,130 @@
+"""Starts the program and waits for it."""
+import dataclasses
+import functools
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Mapping, Sequence
+from typing import Any, Optional, Union
+
+import yaml
+
+from .checkpoint import Checkpoint
+from .error import PliantError
+from .history import History
+from .result import Result
+
+Path = Union[str, "os.PathLike[str]"]
+
+
+@dataclasses.dataclass(frozen=True)
+class Run:
+    """A run that has ended well, and where it lies."""
+
+    directory: str
+    log: str  #: what the program printed
+
+    @functools.cached_property
+    def result(self) -> Result:
+        """The frames."""
+        return Result(self.directory)
+
+    @functools.cached_property
+    def history(self) -> History:
+        """A row per step."""
+        return History(self.directory)
+
+    @functools.cached_property
+    def summary(self) -> "dict[str, Any]":
+        """How it ended, where the time went, what the solver did (summary.json)."""
+        with open(os.path.join(self.directory, "summary.json"), encoding="utf-8") as file:
+            return json.load(file)
+
+    @property
+    def checkpoint(self) -> Checkpoint:
+        """The newest one."""
+        return Checkpoint(self.directory)
+
+
+def program() -> str:
+    """The pliant to start: that of the environment variable PLIANT, else that on PATH, else that beside this package, as built
+    or installed."""
+    named = os.environ.get("PLIANT")
+    if named:
+        return named
+    on_path = shutil.which("pliant")
+    if on_path:
+        return on_path
+    for folder in pathlib.Path(__file__).resolve().parents:
+        for place in ("bin/pliant", "build/bin/pliant"):
+            if os.access(folder / place, os.X_OK) and (folder / place).is_file():
+                return str(folder / place)
+    raise PliantError("the program pliant was not found; put it on PATH, or name it in the environment variable PLIANT")
+
+
+def run(source: "Union[Path, Mapping[str, Any]]", overrides: "Optional[Mapping[str, Any]]" = None, *, output: Optional[Path] = None,
+        ranks: int = 1, petsc_options: Sequence[str] = (), timeout: Optional[float] = None) -> Run:
+    """Runs a simulation to its end.
+
+    `source`: an input file, its text, or its content as a dictionary; files that a text or a dictionary names are relative to
+    the current directory. `overrides`: values by key, {"time.step": "5 ms", "loads.0.gravity": [0, 0, -1.6]}. `output`: the
+    directory of the results, instead of the input's. `timeout` [s].
+
+    PliantError with the program's message if it fails; subprocess.TimeoutExpired if it takes too long.
+    """
+    settings = _settings(overrides, output)
+    is_file = not isinstance(source, Mapping) and "\n" not in os.fspath(source)
+    if is_file:
+        return _finished(["run", os.fspath(source), *settings], ranks, petsc_options, timeout)
+    content = yaml.safe_dump(dict(source), sort_keys=False) if isinstance(source, Mapping) else os.fspath(source)
+    handle, name = tempfile.mkstemp(prefix=".pliant-", suffix=".yaml", dir=os.getcwd())
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(content)
+        if output is None and "directory" not in ((yaml.safe_load(content) or {}).get("output") or {}):
+            settings += ["--output", os.path.abspath("out")]
+        return _finished(["run", name, *settings], ranks, petsc_options, timeout)
+    finally:
+        os.unlink(name)
+
+
+def resume(checkpoint: Path, overrides: "Optional[Mapping[str, Any]]" = None, *, output: Optional[Path] = None, ranks: int = 1,
+           petsc_options: Sequence[str] = (), timeout: Optional[float] = None) -> Run:
+    """Goes on from a checkpoint, or from the newest one in a directory; otherwise as `run`."""
+    return _finished(["resume", os.fspath(checkpoint), *_settings(overrides, output)], ranks, petsc_options, timeout)
+
+
+def _settings(overrides: "Optional[Mapping[str, Any]]", output: Optional[Path]) -> "list[str]":
+    settings = []
+    for key, value in (overrides or {}).items():
+        settings += ["--set", f"{key}={_flow(value)}"]
+    if output is not None:
+        settings += ["--output", os.path.abspath(output)]
+    return settings
+
+
+def _flow(value: Any) -> str:
+    """YAML in one line."""
+    if isinstance(value, str):
+        return value
+    text = yaml.safe_dump(value, default_flow_style=True, width=1 << 30).strip()
+    return text[: -len("\n...")] if text.endswith("\n...") else text
+
+
+def _finished(arguments: "list[str]", ranks: int, petsc_options: Sequence[str], timeout: Optional[float]) -> Run:
+    command = [program(), *arguments]
+    if petsc_options:
+        command += ["--", *petsc_options]
+    if ranks > 1:
+        command = ["mpirun", "-n", str(ranks), *command]
+    environment = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **os.environ}
+    done = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL, env=environment, timeout=timeout, check=False)
+    if done.returncode != 0:
+        raise PliantError(done.stderr.strip() or f"pliant ended with {done.returncode}", done.returncode)
+    # The last line that it prints of the results names them: "results: DIRECTORY/result.xdmf, DIRECTORY/history.csv".
+    line = next(line for line in reversed(done.stdout.splitlines()) if line.startswith("results: "))
+    directory = line[len("results: "):].split("/result.xdmf,")[0]
+    return Run(os.path.abspath(directory), done.stdout)

@@ -1,0 +1,93 @@
+"""The outer surface of a mesh, fine enough to show the curved faces of quadratic elements."""
+from typing import Optional
+
+import numpy as np
+
+from .result import Mesh
+
+# The faces of a tetrahedron, seen from outside counterclockwise: corners, then the nodes on the sides 01, 12, 20.
+_FACES = np.array([[0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [2, 0, 3, 6, 7, 9], [0, 2, 1, 6, 5, 4]])
+
+
+class Surface:
+    """The outer faces of a mesh, each divided into `divisions`^2 triangles, with points shared between neighbours.
+
+    Everything is topology: `positions`, `of_nodes` and `of_cells` turn nodal and cell values into values at the points, for any
+    frame.
+    """
+
+    def __init__(self, mesh: Mesh, divisions: Optional[int] = None) -> None:
+        rng = np.random.default_rng(0)
+        # Sums of random 64-bit numbers name sets of nodes: equal sets have equal sums, others practically never.
+        self._label = rng.integers(1, 2**63, size=len(mesh.coordinates), dtype=np.uint64)
+        self._mesh = mesh
+        quadratic = mesh.cells.shape[1] == 10
+        faces, self.cell_of_face = self._outer_faces(mesh.cells)
+        if divisions is None:
+            divisions = 1 if not quadratic else 4 if len(faces) < 40_000 else 2
+        self._n = divisions
+        self._divide(faces if quadratic else faces[:, :3])
+
+    def _outer_faces(self, cells: np.ndarray) -> "tuple[np.ndarray, np.ndarray]":
+        corners = cells[:, _FACES[:, :3]].reshape(-1, 3)
+        names = self._label[corners].sum(axis=1, dtype=np.uint64)
+        _, first, count = np.unique(names, return_index=True, return_counts=True)
+        outer = np.sort(first[count == 1])
+        cell, face = np.divmod(outer, 4)
+        width = 6 if cells.shape[1] == 10 else 3
+        return cells[cell[:, None], _FACES[face][:, :width]], cell
+
+    def _divide(self, faces: np.ndarray) -> None:
+        n = self._n
+        lattice = np.array([(n - i - j, i, j) for j in range(n + 1) for i in range(n + 1 - j)])
+        at = {tuple(b): k for k, b in enumerate(lattice)}
+        triangles = []
+        for j in range(n):
+            for i in range(n - j):
+                a, b, c = (n - i - j, i, j), (n - i - j - 1, i + 1, j), (n - i - j - 1, i, j + 1)
+                triangles.append([at[a], at[b], at[c]])
+                if i + j < n - 1:
+                    triangles.append([at[b], at[(n - i - j - 2, i + 1, j + 1)], at[c]])
+        # A point is named by its corner nodes, each as often as its share in n: the same from each face it lies on.
+        names = (self._label[faces[:, None, :3]] * lattice[None].astype(np.uint64)).sum(axis=2, dtype=np.uint64)
+        _, first, point = np.unique(names.ravel(), return_index=True, return_inverse=True)
+        point = point.reshape(names.shape)
+        face, position = np.divmod(first, len(lattice))
+        self._nodes = faces[face]
+        self._weights = _shape_functions(lattice / n, faces.shape[1])[position]
+        self.triangles = point[:, triangles].reshape(-1, 3)
+        self.face_of_triangle = np.repeat(np.arange(len(faces)), len(triangles))
+        sides = [[at[(n - k, k, 0)] for k in range(n + 1)], [at[(0, n - k, k)] for k in range(n + 1)],
+                 [at[(k, 0, n - k)] for k in range(n + 1)]]
+        lines = point[:, sides].reshape(-1, n + 1)
+        ends = np.sort(lines[:, [0, -1]], axis=1)
+        _, first = np.unique(ends, axis=0, return_index=True)
+        self.element_edges = lines[first]
+
+    def of_nodes(self, values: np.ndarray) -> np.ndarray:
+        """Nodal values (rows x components) at the points."""
+        return np.einsum("pk,pkc->pc", self._weights, values[self._nodes])
+
+    def of_cells(self, values: np.ndarray) -> np.ndarray:
+        """Cell values at the points: first averaged to the nodes, weighted by volume."""
+        corners = self._mesh.cells[:, :4]
+        a, b, c, d = (self._mesh.coordinates[corners[:, i]] for i in range(4))
+        volume = np.abs(np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a))
+        num_nodes = len(self._mesh.coordinates)
+        nodes = self._mesh.cells.ravel()
+        weight = np.repeat(volume, self._mesh.cells.shape[1])
+        total = np.bincount(nodes, weight, num_nodes)
+        total[total == 0] = 1
+        at_nodes = np.stack(
+            [np.bincount(nodes, weight * np.repeat(column, self._mesh.cells.shape[1]), num_nodes) / total
+             for column in values.T], axis=1)
+        return self.of_nodes(at_nodes)
+
+
+def _shape_functions(barycentric: np.ndarray, num_nodes: int) -> np.ndarray:
+    """Values of the linear or quadratic triangle's shape functions: points x num_nodes."""
+    if num_nodes == 3:
+        return barycentric
+    corner = barycentric * (2 * barycentric - 1)
+    a, b, c = barycentric.T
+    return np.column_stack([corner, 4 * a * b, 4 * b * c, 4 * c * a])
