@@ -17,7 +17,7 @@ run_packages=(
   python3 python3-numpy python3-vtk9 python3-matplotlib python3-h5py python3-yaml python3-pil ffmpeg xvfb
 )
 test_packages=(
-  libgtest-dev libbenchmark-dev python3-jsonschema clang-format-14 clang-tidy-16 chromium
+  libgtest-dev libbenchmark-dev python3-jsonschema clang-format-14 clang-tidy-16 chromium python3-meshio
 )
 # The page of `pliant report` is put together by npm. Where there is one already it may come with a nodejs that is not
 # Debian's, beside which Debian's npm cannot be installed.

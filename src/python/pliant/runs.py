@@ -119,7 +119,7 @@ def _finished(arguments: "list[str]", ranks: int, petsc_options: Sequence[str], 
     if petsc_options:
         command += ["--", *petsc_options]
     if ranks > 1:
-        command = ["mpirun", "-n", str(ranks), *command]
+        command = ["mpirun", "--quiet", "--bind-to", "none", "--oversubscribe", "-n", str(ranks), *command]
     environment = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **os.environ}
     done = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL, env=environment, timeout=timeout, check=False)
     if done.returncode != 0:

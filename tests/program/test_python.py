@@ -1,0 +1,133 @@
+#!/usr/bin/python3
+"""The Python package: what it reads is what the program wrote, and what the page docs/python.md shows works."""
+import contextlib
+import io
+import os
+import re
+import sys
+import unittest
+
+import h5py
+import numpy as np
+import yaml
+
+from program import ENVIRONMENT, PROGRAM, ROOT, ProgramTest, read_history, write_box
+
+sys.path.insert(0, str(ROOT / "src/python"))
+os.environ.update(ENVIRONMENT, PLIANT=str(PROGRAM))
+
+import pliant  # noqa: E402
+
+INPUT = """
+mesh: {file: bar.msh}
+bodies:
+  - {volume: body, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.4}}
+constraints: [{surface: left, displacement: [0, 0, 0]}]
+loads: [{gravity: [0, 0, -9.81]}]
+time: {method: bdf2, step: 10 ms, end: 30 ms}
+output: {fields: [displacement, cauchy_stress]}
+checkpoint: {every: 2}
+probes: [{name: tip, point: [1, 0.1, 0.1]}]
+"""
+
+
+class Package(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        write_box(self.directory / "bar.msh", (4, 1, 1), (1, 0.2, 0.2))
+        self.enterContext(contextlib.chdir(self.directory))
+
+    def test_what_a_run_wrote(self):
+        run = pliant.run(INPUT, {"time.end": 0.04, "loads.0.gravity": [0, 0, -5.0]})
+        self.assertEqual(run.directory, str(self.directory / "out"))
+        self.assertEqual(sorted(os.listdir(self.directory)), ["bar.msh", "out"])
+        given = yaml.safe_load((self.directory / "out/run.yaml").read_text())
+        self.assertEqual((given["time"]["end"], given["loads"][0]["gravity"]), (0.04, [0, 0, -5]))
+        self.assertEqual(run.summary["outcome"], "done")
+        written = read_history("out")
+        self.assertEqual(list(run.history), list(written))
+        for name in written:
+            np.testing.assert_array_equal(run.history[name], written[name])
+        result = run.result
+        np.testing.assert_allclose(result.times, run.history.time)
+        self.assertEqual([frame.step for frame in result], [0, 1, 2, 3, 4])
+        self.assertEqual((result.at(0.021).step, result[1:3][1].step), (2, 2))
+        last, mesh = result[-1], result.mesh()
+        with h5py.File("out/result.h5") as h5:
+            for name in ("displacement", "cauchy_stress"):
+                np.testing.assert_array_equal(last[name], h5["frames/000004"][name][()])
+        self.assertEqual((last.field("displacement").unit, last.field("cauchy_stress").on_nodes), ("m", False))
+        self.assertEqual(last["von_mises_stress"].shape, (len(mesh.cells),))
+        # The probe is a node.
+        tip = np.flatnonzero(np.abs(mesh.coordinates - [1, 0.2, 0.2]).max(axis=1) < 1e-9)
+        self.assertEqual(result.series("displacement", tip).shape, (5, 1, 3))
+        self.assertEqual(run.history.vector("tip_").shape, (5, 3))
+        self.assertIsNone(last.obstacles)
+        with self.assertRaisesRegex(pliant.PliantError, "no field 'speed'; it has cauchy_stress, displacement, von_mises"):
+            last.field("speed")
+        # Frames that are added meanwhile.
+        more = pliant.resume("out", {"time.end": 0.05})
+        self.assertEqual(len(result), 5)
+        result.refresh()
+        self.assertEqual(len(result), 6)
+        self.assertEqual(more.history.time[-1], 0.05)
+        with self.assertRaisesRegex(pliant.PliantError, "was resumed"):
+            result.series("displacement")
+        with more.checkpoint as checkpoint:
+            self.assertEqual((checkpoint.step, checkpoint.time, checkpoint.ranks), (5, 0.05, 1))
+            self.assertEqual(yaml.safe_load(checkpoint.input)["time"]["end"], 0.05)
+            q = checkpoint.state["advance.history.0.q"]
+            u = result[-1].displacement()
+            # Another order of nodes, the same nodes.
+            np.testing.assert_array_equal(q[np.lexsort(q.T)], u[np.lexsort(u.T)])
+
+    def test_mistakes(self):
+        with self.assertRaises(pliant.PliantError) as caught:
+            pliant.run(yaml.safe_load(INPUT), {"time.step": "10 m"}, output="out")
+        self.assertEqual(caught.exception.code, 2)
+        self.assertIn("time.step", str(caught.exception))
+        with self.assertRaises(pliant.PliantError) as caught:
+            pliant.run("missing.yaml", ranks=2)
+        self.assertEqual(caught.exception.code, 2)
+        for reader in (pliant.Result, pliant.History):
+            with self.assertRaisesRegex(pliant.PliantError, "does not exist"):
+                reader("missing")
+        with self.assertRaisesRegex(pliant.PliantError, "there is no checkpoint"):
+            pliant.Checkpoint(".")
+        self.write("text.h5", "no HDF5")
+        with self.assertRaisesRegex(pliant.PliantError, "cannot be read"):
+            pliant.Result("text.h5")
+
+    def test_frames_for_meshio(self):
+        try:
+            import meshio
+        except ImportError:
+            self.skipTest("needs the package python3-meshio")
+        last = pliant.run(INPUT, {"element": "P2"}).result[-1]
+        last.to_meshio().write("last.vtu")
+        read = meshio.read("last.vtu")
+        np.testing.assert_array_equal(read.points, last.positions())
+        np.testing.assert_array_equal(read.cells_dict["tetra10"], last.mesh.cells)
+        np.testing.assert_array_equal(read.point_data["displacement"], last["displacement"])
+        np.testing.assert_array_equal(read.cell_data["von_mises_stress"][0], last["von_mises_stress"])
+
+    def test_page(self):
+        """The blocks of the page one after another, as a reader types them; their beam with a coarser mesh."""
+        for name in ("input", "meshes"):
+            (self.directory / name).mkdir()
+        text = (ROOT / "input/beam_small.yaml").read_text()
+        self.write("input/beam_small.yaml", text.replace("volume: beam", "volume: body").replace("surface: clamp", "surface: left"))
+        write_box("meshes/beam_small.msh", (4, 1, 1), (1, 0.2, 0.2))
+        pliant.run("input/beam_small.yaml", output="out/beam")
+        blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs/python.md").read_text(), re.S)
+        self.assertGreater(len(blocks), 4)
+        printed = io.StringIO()
+        names = {}
+        with contextlib.redirect_stdout(printed):
+            for block in blocks:
+                exec(compile(block, "docs/python.md", "exec"), names)
+        self.assertGreater(len(printed.getvalue().splitlines()), 8)
+
+
+if __name__ == "__main__":
+    unittest.main()
