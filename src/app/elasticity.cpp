@@ -1,6 +1,6 @@
 #include "app/elasticity.hpp"
 
-#include "material/registry.hpp"
+#include "material/loading.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -135,7 +135,7 @@ std::string describe(const ElasticLawSpec& law) {
 
 WaveModuli wave_moduli(const ElasticLawSpec& law) {
   if (const auto rest = law.at_rest()) return {rest->lambda + 2.0 * rest->mu, rest->mu};
-  const Tangent<double> A = std::visit([](const auto& l) { return tangent(l, Tensor3<double>{}); }, instantiate(law));
+  const Tangent<double> A = tangent_at_rest(law);
   // Plane waves along the axes: the moduli of stretch and of shear there.
   WaveModuli moduli{0.0, std::numeric_limits<double>::infinity()};
   for (std::size_t p = 0; p < 9; ++p) {

@@ -1,11 +1,11 @@
 // pliant: the program. Parses the command line, starts MPI and PETSc, turns failures into messages and exit codes.
 #include "app/commands.hpp"
 #include "app/converge.hpp"
+#include "app/exit_status.hpp"
 #include "app/report.hpp"
 #include "app/sweep.hpp"
 #include "app/version.hpp"
 #include "base/text.hpp"
-#include "petsc/check.hpp"
 #include "petsc/session.hpp"
 
 #include <algorithm>
@@ -16,6 +16,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace {
 
@@ -57,6 +58,11 @@ std::string explained(const CLI::ParseError& error, const CLI::App& app, int arg
   return fmt::format("there is no command '{}'{}", argv[1], did_you_mean(argv[1], names));
 }
 
+/// What stands below the options in the help of a command.
+std::string examples(const std::vector<std::string>& lines) {
+  return fmt::format("Examples:\n  {}", fmt::join(lines, "\n  "));
+}
+
 /// Did mpirun start it?
 bool is_part_of_a_job(const Environment& environment) {
   return std::ranges::any_of(environment, [](const std::string& v) { return v.starts_with("OMPI_COMM_WORLD_SIZE="); });
@@ -84,6 +90,9 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
   const auto verbosity = [&] { return arguments.quiet ? Verbosity::quiet : Verbosity::normal; };
 
   CLI::App* run = app.add_subcommand("run", "run a simulation");
+  run->footer(
+      examples({"pliant run beam.yaml", "mpirun -n 4 pliant run beam.yaml --output out/fine --set mesh.refine=1",
+                "pliant run beam.yaml --set time.step=\"5 ms\" -- -log_view"}));
   add_input(run);
   run->add_option("--output", arguments.output, "directory for the results");
   run->add_flag("--quiet", arguments.quiet, "print warnings and errors only");
@@ -95,6 +104,8 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
   });
 
   CLI::App* resume = app.add_subcommand("resume", "go on from a checkpoint");
+  resume->footer(examples(
+      {"pliant resume out/beam", "mpirun -n 2 pliant resume out/beam/checkpoint-000100.h5 --set time.end=\"4 s\""}));
   resume->add_option("CHECKPOINT", arguments.file, "the checkpoint, or a directory with checkpoints: its newest one")
       ->required();
   resume
@@ -111,6 +122,7 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
   });
 
   CLI::App* info = app.add_subcommand("info", "say what is in a checkpoint or a result");
+  info->footer(examples({"pliant info out/beam/result.h5"}));
   info->add_option("FILE", arguments.file, "checkpoint-*.h5 or result.h5")->required();
   info->callback([&] {
     command = [&] {
@@ -120,6 +132,7 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
   });
 
   CLI::App* report = app.add_subcommand("report", "make a page of HTML that plays a result and plots its history");
+  report->footer(examples({"pliant report out/beam", "pliant report out/beam --output beam.html --size 10"}));
   report->add_option("RESULT", arguments.report.place, "directory of a result, its result.h5 or result.xdmf")
       ->required();
   report->add_option("--output", arguments.report.output, "the file; default: report.html beside the result");
@@ -137,6 +150,7 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
   });
 
   CLI::App* check = app.add_subcommand("check", "read the input, mesh and partition it, and report; solves nothing");
+  check->footer(examples({"pliant check beam.yaml", "mpirun -n 8 pliant check beam.yaml --set element=P2"}));
   add_input(check);
   check->callback([&] {
     command = [&] {
@@ -146,6 +160,8 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
   });
 
   CLI::App* converge = app.add_subcommand("converge", "convergence study: finer and finer steps, meshes or tolerances");
+  converge->footer(examples({"pliant converge beam.yaml --in time --levels 4 --methods bdf2,dirk33",
+                             "pliant converge beam.yaml --in space --levels 3 --no-check"}));
   add_input(converge);
   converge->add_option("--output", arguments.output, "directory for convergence.csv and the plots");
   converge
@@ -177,6 +193,9 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
   });
 
   CLI::App* sweep = app.add_subcommand("sweep", "run the input once for each of several values, side by side");
+  sweep->footer(
+      examples({"pliant sweep beam.yaml --set \"time.step=[10 ms, 5 ms]\"",
+                "pliant sweep beam.yaml --set \"element=[P1, P2]\" --set \"time.method=[bdf2, dirk22]\" --jobs 2"}));
   sweep->add_option("INPUT", arguments.file, "the input file (YAML)")->required();
   sweep
       ->add_option("--set", arguments.settings,
@@ -203,8 +222,10 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
   });
 
   CLI::App* mesh = app.add_subcommand("mesh", "what can be done with a mesh alone")->require_subcommand(1);
+  mesh->footer(examples({"pliant mesh convert part.step part.h5 --size \"2 mm\" --scale 0.001"}));
   CLI::App* convert = mesh->add_subcommand(
       "convert", "write a mesh as HDF5: every rank of a run reads its part of it, which large meshes need");
+  convert->footer(examples({"pliant mesh convert part.step part.h5 --size \"2 mm\" --scale 0.001"}));
   convert->add_option("MESH", arguments.conversion.from, "what mesh.file of an input may name (.msh, .geo, .step, ...)")
       ->required();
   convert->add_option("OUTPUT", arguments.conversion.to, "the file to write, NAME.h5")->required();
@@ -227,11 +248,14 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
     });
     return sub;
   };
-  add_text("methods", "list the time integration methods", methods_text);
+  add_text("methods", "list the time integration methods", methods_text)->footer(examples({"pliant methods"}));
   CLI::App* materials = add_text("materials", "list the material laws, or plot one",
                                  [&] { return arguments.markdown ? material_reference() : materials_text(); });
   materials->add_flag("--markdown", arguments.markdown, "print the reference of the laws in Markdown instead");
+  materials->footer(examples({"pliant materials", "pliant materials plot yeoh --set c10=0.2MPa"}));
   CLI::App* plot = materials->add_subcommand("plot", "draw stress over stretch of an elastic law");
+  plot->footer(examples({"pliant materials plot yeoh",
+                         "pliant materials plot ogden --set mu1=0.3MPa --stretch 0.5 3 --output ogden.svg"}));
   plot->add_option("LAW", arguments.file, "name of the law")->required();
   plot->add_option("--set", arguments.settings,
                    "KEY=VALUE: a parameter of the law; the others are typical ones; may be repeated")
@@ -243,9 +267,10 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
       plot_material_command(comm, arguments.file, arguments.settings, arguments.stretches, arguments.output);
     };
   });
-  add_text("schema", "print the JSON schema of the input", [&] {
-    return arguments.markdown ? input_reference() : json_schema();
-  })->add_flag("--markdown", arguments.markdown, "print the reference of the input in Markdown instead");
+  CLI::App* schema = add_text("schema", "print the JSON schema of the input",
+                              [&] { return arguments.markdown ? input_reference() : json_schema(); });
+  schema->add_flag("--markdown", arguments.markdown, "print the reference of the input in Markdown instead");
+  schema->footer(examples({"pliant schema > input.schema.json", "pliant schema --markdown > input.md"}));
 
   try {
     app.parse(argc, argv);
@@ -260,11 +285,6 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
   return result;
 }
 
-int told(const std::exception& error, ExitCode code) {
-  if (rank(PETSC_COMM_WORLD) == 0) fmt::print(stderr, "{}\n", error.what());
-  return static_cast<int>(code);
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -274,19 +294,5 @@ int main(int argc, char** argv) {
   sweep.petsc_options = petsc_options;
   sweep.environment = current_environment();
   const Session session(argv[0], petsc_options);
-  try {
-    return static_cast<int>(parse_and_run(static_cast<int>(separator - argv), argv, sweep));
-  } catch (const InputError& error) {
-    return told(error, ExitCode::input);
-  } catch (const FileError& error) {
-    return told(error, ExitCode::file);
-  } catch (const SolveError& error) {
-    return told(error, ExitCode::solve);
-  } catch (const std::exception& error) {
-    // Not agreed between ranks: the others may be waiting for this one.
-    fmt::print(stderr, "pliant failed on rank {}: {}\n", rank(PETSC_COMM_WORLD), error.what());
-    std::fflush(stderr);
-    MPI_Abort(PETSC_COMM_WORLD, static_cast<int>(ExitCode::solve));
-    return static_cast<int>(ExitCode::solve);
-  }
+  return exit_status([&] { return parse_and_run(static_cast<int>(separator - argv), argv, sweep); });
 }

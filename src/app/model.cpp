@@ -30,7 +30,7 @@ const Method* integrator_of(const Config& config) {
   return method_of(config.time);
 }
 
-Model::Model(MPI_Comm comm, const Config& config) {
+Model::Model(MPI_Comm comm, const Config& config, const TermFactory& additional) {
   // The input's size is in metres, gmsh's in the unit of the geometry.
   auto size = config.mesh.size;
   if (size) *size /= config.mesh.scale;
@@ -47,6 +47,7 @@ Model::Model(MPI_Comm comm, const Config& config) {
     notices_.push_back("the mesh has curved edges, which P1 elements straighten; `element: P2` keeps them");
   }
   build_terms(config, mesh);
+  if (additional) additional_ = additional(*this);
   prepare(config);
   if (analysis_of(config) == Analysis::static_equilibrium && has_viscosity(config)) {
     notices_.push_back("viscosity has no effect on a static equilibrium");
@@ -198,6 +199,7 @@ void Model::prepare(const Config& config) {
     contacts_->prepare(config);
     for (const auto& term : contacts_->terms()) terms.push_back(term.get());
   }
+  for (const auto& term : additional_) terms.push_back(term.get());
   if (analysis == Analysis::dynamic && inertia_) terms.push_back(inertia_.get());
   potential_ =
       std::make_unique<IncrementalPotential>(layout_, *pattern_, std::move(terms), constraints_->prescribed().flags());

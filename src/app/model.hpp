@@ -12,6 +12,7 @@
 #include "fem/probe.hpp"
 #include "mesh/mesh.hpp"
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <variant>
@@ -33,18 +34,26 @@ struct WaveSpeeds {
   double slowest = 0.0;  ///< shear waves of the softest body [m/s]
 };
 
+class Model;
+
+/// What a program adds to the terms of an input (docs/developer/extending.md). Called once, when all else of the model
+/// is there but the sum of the terms; the model outlives the terms. Collective.
+using TermFactory = std::function<std::vector<std::unique_ptr<EnergyTerm>>(const Model&)>;
+
 /// Built in one go from the input; its members refer to each other, so it stays where it is. The mesh itself goes once
 /// everything is found on it: it takes as much memory as all terms. A static problem has no inertia.
 class Model {
  public:
   /// Throws InputError with all mistakes that show only against the mesh. Collective.
-  Model(MPI_Comm comm, const Config& config);
+  Model(MPI_Comm comm, const Config& config, const TermFactory& additional = {});
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 
   const MeshReport& mesh_report() const { return mesh_report_; }
   const NodeLayout& layout() const { return layout_; }
   const BlockPattern& pattern() const { return *pattern_; }
+  /// The packed cells of P1 or P2 elements, by body.
+  const std::variant<CellGroups<1>, CellGroups<2>>& cells() const { return cells_; }
   const std::vector<int>& body_of_cell() const { return body_of_cell_; }
   const std::vector<std::string>& body_names() const { return body_names_; }
   const std::vector<std::unique_ptr<ElasticTerm>>& elastic() const { return elastic_; }
@@ -101,6 +110,7 @@ class Model {
   std::vector<std::unique_ptr<EnergyTerm>> viscous_;
   std::unique_ptr<Loads> loads_;
   std::unique_ptr<Contacts> contacts_;
+  std::vector<std::unique_ptr<EnergyTerm>> additional_;
   std::unique_ptr<Inertia> inertia_;
   std::unique_ptr<Constraints> constraints_;
   std::unique_ptr<IncrementalPotential> potential_;

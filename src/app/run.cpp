@@ -1,7 +1,6 @@
 #include "app/run.hpp"
 
 #include "app/checkpoints.hpp"
-#include "app/model.hpp"
 #include "app/post_mortem.hpp"
 #include "app/recorder.hpp"
 #include "app/signals.hpp"
@@ -57,8 +56,12 @@ class FrameSchedule {
 class Run {
  public:
   /// From the start, or from a checkpoint that is whole.
-  Run(MPI_Comm comm, const Config& config, Console& console, const ResumePoint* from)
-      : comm_(comm), config_(config), console_(console), model_(comm, config), checkpoints_(config, model_) {
+  Run(MPI_Comm comm, const Config& config, Console& console, const TermFactory& additional, const ResumePoint* from)
+      : comm_(comm),
+        config_(config),
+        console_(console),
+        model_(comm, config, additional),
+        checkpoints_(config, model_) {
     on_root(comm_, [&] { remove_summary(config.output.directory); });
     introduce();
     simulation_.emplace(config, model_);
@@ -294,12 +297,13 @@ class Run {
 
 }  // namespace
 
-ExitCode run_with_output(MPI_Comm comm, const Config& config, Console& console) {
-  return Run(comm, config, console, nullptr)();
+ExitCode run_with_output(MPI_Comm comm, const Config& config, Console& console, const TermFactory& additional) {
+  return Run(comm, config, console, additional, nullptr)();
 }
 
-ExitCode resume_with_output(MPI_Comm comm, const Config& config, Console& console, const ResumePoint& from) {
-  return Run(comm, config, console, &from)();
+ExitCode resume_with_output(MPI_Comm comm, const Config& config, Console& console, const ResumePoint& from,
+                            const TermFactory& additional) {
+  return Run(comm, config, console, additional, &from)();
 }
 
 }  // namespace pliant

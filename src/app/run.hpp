@@ -3,6 +3,7 @@
 
 #include "app/config.hpp"
 #include "app/console.hpp"
+#include "app/model.hpp"
 #include "base/error.hpp"
 #include "io/checkpoint_file.hpp"
 
@@ -11,8 +12,9 @@
 namespace pliant {
 
 /// Runs what the input describes. Returns done or interrupted; throws InputError, FileError, or SolveError when the
-/// solve failed after every retry (the last good state is in the result then). Collective.
-ExitCode run_with_output(MPI_Comm comm, const Config& config, Console& console);
+/// solve failed after every retry (the last good state is in the result then). `additional` terms are added to those of
+/// the input. Collective.
+ExitCode run_with_output(MPI_Comm comm, const Config& config, Console& console, const TermFactory& additional = {});
 
 /// A checkpoint that was found whole.
 struct ResumePoint {
@@ -21,6 +23,7 @@ struct ResumePoint {
 };
 
 /// The same from a checkpoint on: the results of the run in the output directory go on. Collective.
-ExitCode resume_with_output(MPI_Comm comm, const Config& config, Console& console, const ResumePoint& from);
+ExitCode resume_with_output(MPI_Comm comm, const Config& config, Console& console, const ResumePoint& from,
+                            const TermFactory& additional = {});
 
 }  // namespace pliant

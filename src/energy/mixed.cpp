@@ -2,8 +2,8 @@
 
 #include "energy/elastic_cells.hpp"
 #include "material/kinematics.hpp"
+#include "material/loading.hpp"
 #include "material/projection.hpp"
-#include "material/registry.hpp"
 #include "petsc/ghosted.hpp"
 
 #include <vector>
@@ -35,7 +35,7 @@ struct VolumeState {
 
 /// The largest of the planes along the axes, of a body at rest [Pa].
 double stiffness_against_shear(const ElasticLawSpec& law) {
-  const Tangent<double> A = std::visit([](const auto& l) { return tangent(l, Tensor3<double>{}); }, instantiate(law));
+  const Tangent<double> A = tangent_at_rest(law);
   double largest = 0.0;
   for (std::size_t p = 0; p < 9; ++p) {
     if (p % 4 != 0) largest = std::max(largest, A[9 * p + p]);

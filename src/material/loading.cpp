@@ -1,8 +1,9 @@
 #include "material/loading.hpp"
 
-#include "material/registry.hpp"
+#include "material/law_field.hpp"
 
 #include <cmath>
+#include <memory>
 #include <vector>
 
 namespace pliant {
@@ -24,16 +25,27 @@ void prescribe(Tensor3<double>& H, Loading loading, double amount) {
   if (loading == Loading::equibiaxial) H(1, 1) = amount - 1.0;
 }
 
+struct Response {
+  Tensor3<double> P;  ///< [Pa]
+  Tangent<double> A;  ///< dP/dH [Pa]
+};
+
+/// Of a uniform body; all lanes of the packs are alike.
+Response response(const LawField& law, const Tensor3<double>& H) {
+  const auto pack = make_tensor([&](int i, int j) -> Pack { return H(i, j); });
+  const Tensor3<Pack> P = law.P(0, pack);
+  Tangent<Pack> A;
+  law.tangent(0, pack, A);
+  Response at{make_tensor([&](int i, int j) -> double { return P(i, j)[0]; }), {}};
+  for (std::size_t n = 0; n < A.size(); ++n) at.A[n] = A[n][0];
+  return at;
+}
+
 /// Solves P_kk = 0 for the free H_kk; false if it does not converge.
-bool release(const ElasticLawVariant& law, const std::vector<int>& free, Tensor3<double>& H) {
+bool release(const LawField& law, const std::vector<int>& free, Tensor3<double>& H) {
   constexpr int most_iterations = 30;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    const auto [P, A] = std::visit(
-        [&](const auto& l) {
-          const auto at = l.linearize(H);
-          return std::pair{at.P, at.tangent()};
-        },
-        law);
+    const auto [P, A] = response(law, H);
     double residual = 0.0, size = 0.0;
     for (const int k : free) residual = std::max(residual, std::abs(P(k, k)));
     for (const double p : P.a) size = std::max(size, std::abs(p));
@@ -60,16 +72,20 @@ bool release(const ElasticLawVariant& law, const std::vector<int>& free, Tensor3
 }  // namespace
 
 std::optional<LoadedState> loaded(const ElasticLawSpec& spec, Loading loading, double amount) {
-  const ElasticLawVariant law = instantiate(spec);
+  const std::unique_ptr<LawField> law = make_law_field(spec);
   const auto free = free_entries(loading);
   constexpr double largest_step = 0.05;
   const int steps = static_cast<int>(std::ceil(std::abs(amount - 1.0) / largest_step));
   Tensor3<double> H{};
   for (int n = 1; n <= steps; ++n) {
     prescribe(H, loading, 1.0 + (amount - 1.0) * n / steps);
-    if (!release(law, free, H)) return std::nullopt;
+    if (!release(*law, free, H)) return std::nullopt;
   }
-  return LoadedState{H, std::visit([&](const auto& l) { return l.P(H); }, law)};
+  return LoadedState{H, response(*law, H).P};
+}
+
+Tangent<double> tangent_at_rest(const ElasticLawSpec& law) {
+  return response(*make_law_field(law), {}).A;
 }
 
 double nominal_stress(const LoadedState& state, Loading loading) {

@@ -3,6 +3,7 @@
 
 #include "base/tensor.hpp"
 #include "material/elastic_law.hpp"
+#include "material/law.hpp"
 
 #include <array>
 #include <optional>
@@ -32,6 +33,9 @@ struct LoadedState {
 /// The state of a piece that is brought from rest to `amount`: the stretch, or 1 + the amount of shear. The free
 /// stretches are found by Newton's method along the way. Nothing if the law does not reach so far.
 std::optional<LoadedState> loaded(const ElasticLawSpec& law, Loading loading, double amount);
+
+/// dP/dH at rest [Pa].
+Tangent<double> tangent_at_rest(const ElasticLawSpec& law);
 
 /// The component of P that the loading is about [Pa].
 double nominal_stress(const LoadedState& state, Loading loading);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -92,7 +93,7 @@ constexpr std::array holzapfel_ogden{
     exponent("b_fs", "stiffening against that shear", 1.1),
     bulk_modulus_at_rest};
 
-constexpr std::array<LawInfo, ElasticLaws::size> laws{{
+constexpr std::array<LawInfo, ElasticLaws::size> own_laws{{
     {Linear<double>::name, "psi = mu eps:eps + lambda/2 (tr eps)^2, eps = (H + H^T)/2, H = grad u", lame_parameters,
      "Hooke's law; Holzapfel, Nonlinear Solid Mechanics (2000)",
      "small strains and small rotations; a rotation of more than a few degrees raises false stresses"},
@@ -156,52 +157,49 @@ constexpr std::array<LawInfo, ElasticLaws::size> laws{{
      fibre_and_sheet},
 }};
 
-template <class Visit>
-auto for_law(std::size_t row, const Visit& visit) {
-  return [&]<std::size_t... i>(std::index_sequence<i...>) {
-    using Result = decltype(visit(std::type_identity<std::variant_alternative_t<0, ElasticLawVariant>>{}));
-    std::optional<Result> result;
-    const bool found =
-        ((i == row &&
-          (result.emplace(visit(std::type_identity<std::variant_alternative_t<i, ElasticLawVariant>>{})), true)) ||
-         ...);
-    static_cast<void>(found);
-    return std::move(*result);
-  }
-  (std::make_index_sequence<ElasticLaws::size>{});
+/// Those that come with Pliant, then those that a program has added.
+std::vector<LawInfo>& rows() {
+  static std::vector<LawInfo> all(own_laws.begin(), own_laws.end());
+  return all;
 }
 
 std::size_t row_of(std::string_view name, const Location& where) {
-  const auto found = std::ranges::find(laws, name, &LawInfo::name);
-  if (found == laws.end()) {
-    throw InputError(where, fmt::format("unknown model '{}'; the models are {}", name, names_of(laws)));
+  const auto found = std::ranges::find(rows(), name, &LawInfo::name);
+  if (found == rows().end()) {
+    throw InputError(where, fmt::format("unknown model '{}'; the models are {}", name, names_of(rows())));
   }
-  return static_cast<std::size_t>(found - laws.begin());
+  return static_cast<std::size_t>(found - rows().begin());
 }
 
 }  // namespace
 
 std::span<const LawInfo> elastic_laws() {
-  return laws;
+  return rows();
+}
+
+void add_row(const LawInfo& info) {
+  rows().push_back(info);
 }
 
 LawTraits ElasticLawSpec::traits() const {
-  return for_law(row, []<class L>(std::type_identity<L>) { return traits_of<L>(); });
+  return kind_of(row).traits;
 }
 
 ElasticLawVariant instantiate(const ElasticLawSpec& spec) {
-  return for_law(spec.row, [&]<class L>(std::type_identity<L>) -> ElasticLawVariant {
-    return L::of({spec.parameters, spec.volumetric, spec.directions});
-  });
+  std::optional<ElasticLawVariant> law;
+  const auto consider = [&]<std::size_t row>(std::integral_constant<std::size_t, row>) {
+    using L = std::variant_alternative_t<row, ElasticLawVariant>;
+    if (row == spec.row) law = L::of({spec.parameters, spec.volumetric, spec.directions});
+  };
+  [&]<std::size_t... row>(std::index_sequence<row...>) {
+    (consider(std::integral_constant<std::size_t, row>{}), ...);
+  }
+  (std::make_index_sequence<ElasticLaws::size>{});
+  return law.value();
 }
 
 std::optional<Lame> ElasticLawSpec::at_rest() const {
-  return std::visit(
-      []<class L>(const L& law) -> std::optional<Lame> {
-        if constexpr (IsotropicLaw<L>) return law.at_rest();
-        return std::nullopt;
-      },
-      instantiate(*this));
+  return kind_of(row).at_rest(*this);
 }
 
 ElasticLawSpec make_law(std::string_view name, const GivenConstants& constants, const Location& where) {
@@ -221,7 +219,7 @@ ElasticLawSpec make_law(std::string_view name, const GivenConstants& constants, 
 
 ElasticLawSpec make_law(std::string_view name, double youngs_modulus, double poissons_ratio, const Location& where) {
   GivenConstants constants{{"youngs_modulus", youngs_modulus}, {"poissons_ratio", poissons_ratio}};
-  for (const auto& p : laws[row_of(name, where)].parameters) {
+  for (const auto& p : rows()[row_of(name, where)].parameters) {
     if (std::ranges::find(elastic_constants(), p.name, &ParameterInfo::name) == elastic_constants().end()) {
       constants[std::string(p.name)] = p.typical;
     }
@@ -231,7 +229,7 @@ ElasticLawSpec make_law(std::string_view name, double youngs_modulus, double poi
 
 ElasticLawSpec typical_law(std::size_t row) {
   ElasticLawSpec spec{row, {}};
-  for (const auto& p : laws[row].parameters) spec.parameters.push_back(p.typical);
+  for (const auto& p : rows()[row].parameters) spec.parameters.push_back(p.typical);
   return spec;
 }
 

@@ -1,5 +1,6 @@
-/// Every elastic law a user can name. A new law is a header, a place in ElasticLaws and a row in registry.cpp; the
-/// tests, the input file, the plots and `pliant materials` read the list from here.
+/// The elastic laws that come with Pliant. A new one is a header, a place in ElasticLaws and a row in registry.cpp; the
+/// tests, the input file, the plots and `pliant materials` read the list from here. Another program adds laws of its
+/// own with add_elastic_law (material/law_kind.hpp).
 #pragma once
 
 #include "material/arruda_boyce.hpp"
@@ -9,6 +10,7 @@
 #include "material/guccione.hpp"
 #include "material/holzapfel_gasser_ogden.hpp"
 #include "material/holzapfel_ogden.hpp"
+#include "material/law_kind.hpp"
 #include "material/linear.hpp"
 #include "material/mooney_rivlin.hpp"
 #include "material/neo_hookean.hpp"
@@ -35,17 +37,10 @@ using ElasticLaws =
             ArrudaBoyce, Ogden, StableNeoHookean, FixedCorotated, Arap, Guccione, HolzapfelGasserOgden, HolzapfelOgden>;
 using ElasticLawVariant = ElasticLaws::Variant<double>;
 
-template <class L>
-inline constexpr bool has_volumetric_form = requires(const L& law) {
-  law.volumetric;
-};
-
-template <ElasticLaw L>
-constexpr LawTraits traits_of() {
-  return {L::is_barrier, L::constant_tangent, L::num_directions, L::energy_degree, has_volumetric_form<L>};
-}
-
-/// The law itself.
+/// The law itself, one of ElasticLaws.
 ElasticLawVariant instantiate(const ElasticLawSpec& spec);
+
+/// Adds a row to elastic_laws(): add_elastic_law's part of what is not made from a type.
+void add_row(const LawInfo& info);
 
 }  // namespace pliant

@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <stdexcept>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -33,6 +34,11 @@ TEST(Registry, HasOneCompleteRowPerLawInOrder) {
       EXPECT_EQ(complaint(parameter, parameter.typical), std::nullopt) << row.name << " " << parameter.name;
     }
   }
+}
+
+TEST(Registry, ALawIsAddedOnce) {
+  EXPECT_THROW(add_elastic_law(elastic_laws().front(), law_kind<Yeoh>()), std::invalid_argument);
+  EXPECT_EQ(elastic_laws().size(), std::variant_size_v<ElasticLawVariant>);
 }
 
 TEST(Registry, TellsEveryMistakeAtItsPlace) {

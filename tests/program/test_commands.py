@@ -101,6 +101,26 @@ class Commands(ProgramTest):
         for option in ("--output", "--set", "--quiet"):
             self.assertIn(option, self.text("run", "--help"))
 
+    def test_help_has_examples(self):
+        def commands(*above):
+            head, _, rest = self.text(*above, "--help").partition("\nSubcommands:\n")
+            if above:
+                yield above, head + rest
+            for name in re.findall(r"^  ([a-z]\w*) ", rest.partition("\n\n")[0], re.MULTILINE):
+                yield from commands(*above, name)
+
+        helps = {name: text.partition("\nExamples:\n") for name, text in commands()}
+        self.assertIn(("mesh", "convert"), helps)
+        for name, (_, _, examples) in helps.items():
+            with self.subTest(" ".join(name)):
+                self.assertTrue(examples.strip())
+                for line in examples.strip().splitlines():
+                    self.assertRegex(line, rf"^ *(mpirun -n \d+ )?pliant {' '.join(name)}\b")
+                    words = line.split(" -- ")[0].split("pliant ", 1)[1].split()
+                    called = max((n for n in helps if tuple(words[:len(n)]) == n), key=len)
+                    self.assertLessEqual(set(re.findall(r" (--[a-z]+)", line.split(" -- ")[0])),
+                                         set(re.findall(r"--[a-z]+", helps[called][0])))
+
     def test_output_can_be_cut_off(self):
         # As in `pliant materials | head -1`.
         done = subprocess.run(f"'{PROGRAM}' materials | head -1", shell=True, capture_output=True,
