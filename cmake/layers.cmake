@@ -2,9 +2,11 @@
 add_library(pliant_options INTERFACE)
 target_compile_features(pliant_options INTERFACE cxx_std_20)
 # The three warnings left out have false positives in the C++20 strings of g++ 12 and in fmt 9.
-target_compile_options(pliant_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Werror
-                       -Wno-psabi -Wno-restrict -Wno-maybe-uninitialized -Wno-stringop-overflow -fno-math-errno)
+target_compile_options(pliant_options INTERFACE
+                       "$<BUILD_INTERFACE:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wnon-virtual-dtor;-Werror>" -Wno-psabi
+                       "$<BUILD_INTERFACE:-Wno-restrict;-Wno-maybe-uninitialized;-Wno-stringop-overflow>" -fno-math-errno)
 if(PLIANT_NATIVE)
+  # The size of a pack is part of every interface: programs on the installed libraries take the same instruction set.
   target_compile_options(pliant_options INTERFACE -march=native)
 endif()
 if(PLIANT_SANITIZE)
@@ -19,7 +21,8 @@ if(PLIANT_FUZZ)
   target_compile_options(pliant_options INTERFACE -fsanitize=fuzzer-no-link -Wno-error -w)
 endif()
 target_compile_definitions(pliant_options INTERFACE OMPI_SKIP_MPICXX)
-target_include_directories(pliant_options INTERFACE ${CMAKE_SOURCE_DIR}/src)
+target_include_directories(pliant_options INTERFACE $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/src>
+                                                    $<INSTALL_INTERFACE:include/pliant>)
 
 # pliant_layer(<name> <dependency>...): src/<name>/*.cpp as the library pliant_<name>; a layer without sources is headers only.
 function(pliant_layer name)
@@ -44,10 +47,13 @@ function(pliant_gmsh_module)
     set_target_properties(pliant_${layer} PROPERTIES POSITION_INDEPENDENT_CODE ON)
     target_compile_options(pliant_${layer} PRIVATE -fno-semantic-interposition)
   endforeach()
+  # Programs on the installed libraries find it as pliant itself does.
+  target_link_options(pliant_mesh INTERFACE $<INSTALL_INTERFACE:-Wl,-rpath,$<INSTALL_PREFIX>/lib/pliant>)
 endfunction()
 
 # pliant_finds_gmsh(<program>): the program finds that library, built or installed.
 function(pliant_finds_gmsh program)
   add_dependencies(${program} pliant_gmsh)
-  set_target_properties(${program} PROPERTIES BUILD_RPATH ${CMAKE_BINARY_DIR}/lib INSTALL_RPATH "$ORIGIN/../lib/pliant")
+  set_target_properties(${program} PROPERTIES BUILD_RPATH ${CMAKE_BINARY_DIR}/lib INSTALL_RPATH "$ORIGIN/../lib/pliant"
+                        INSTALL_RPATH_USE_LINK_PATH ON)
 endfunction()

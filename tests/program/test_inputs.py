@@ -7,6 +7,7 @@ from program import ROOT, ProgramTest
 # File in input/ -> what makes it small.
 SMALL = {
     "beam_small.yaml": ["time.end=0.03"],
+    "bracket.yaml": ["mesh.size=0.006", "element=P1", "time.load_steps=2"],
     "cantilever.yaml": ["mesh.size=0.2", "time.end=0.05"],
     "dropped_club.yaml": ["mesh.size=0.02", "time.end=0.25"],
     "four_clubs.yaml": ["mesh.size=0.02", "time.end=0.02"],

@@ -1,0 +1,34 @@
+# What `cmake --install` puts where: the program with its data, and the libraries for other programs, which find them with
+# find_package(pliant) (docs/developer/extending.md).
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+set(PLIANT_LAYERS base petsc material mesh fem time energy solver io app)
+set(pliant_cmake ${CMAKE_INSTALL_LIBDIR}/cmake/pliant)
+set(pliant_share ${CMAKE_INSTALL_DATADIR}/pliant)
+
+# The program. lib/pliant is where its run path leads, whatever the system calls its folder of libraries.
+install(TARGETS pliant_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
+install(TARGETS pliant_gmsh LIBRARY DESTINATION lib/pliant COMPONENT program)
+install(DIRECTORY input meshes docs DESTINATION ${pliant_share} COMPONENT program
+        PATTERN "conf.py" EXCLUDE PATTERN "Doxyfile" EXCLUDE PATTERN "headers.sed" EXCLUDE PATTERN "__pycache__" EXCLUDE)
+install(FILES README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program RENAME copyright)  # Debian's name for it
+
+# The libraries: one target per layer, pliant::base to pliant::app, and pliant::pliant for all of them.
+add_library(pliant_pliant INTERFACE)
+target_link_libraries(pliant_pliant INTERFACE pliant_app)
+foreach(layer options ${PLIANT_LAYERS} pliant)
+  set_target_properties(pliant_${layer} PROPERTIES EXPORT_NAME ${layer})
+  install(TARGETS pliant_${layer} EXPORT pliant-targets
+          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development)
+endforeach()
+install(DIRECTORY src/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/pliant COMPONENT development
+        FILES_MATCHING PATTERN "*.hpp" PATTERN "viewer" EXCLUDE PATTERN "python" EXCLUDE)
+install(EXPORT pliant-targets NAMESPACE pliant:: DESTINATION ${pliant_cmake} COMPONENT development)
+
+configure_package_config_file(cmake/pliant-config.cmake.in ${CMAKE_BINARY_DIR}/pliant-config.cmake
+                              INSTALL_DESTINATION ${pliant_cmake})
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/pliant-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_BINARY_DIR}/pliant-config.cmake ${CMAKE_BINARY_DIR}/pliant-config-version.cmake
+              ${CMAKE_SOURCE_DIR}/cmake/packages.cmake DESTINATION ${pliant_cmake} COMPONENT development)

@@ -1,0 +1,102 @@
+"""What `cmake --install` and `cpack` make of the build: complete, wherever it is moved, and enough to build on."""
+import math
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests/program"))
+
+from program import ENVIRONMENT, read_history  # noqa: E402
+
+BUILD = pathlib.Path(os.environ.get("PLIANT_BUILD", ROOT / "build"))
+EXAMPLE = ROOT / "docs/examples/extending"
+
+
+def run(*command, cwd=None):
+    done = subprocess.run([str(c) for c in command], cwd=cwd, env=ENVIRONMENT, stdin=subprocess.DEVNULL, text=True,
+                          capture_output=True, check=False, timeout=300)
+    if done.returncode != 0:
+        raise AssertionError(f"{' '.join(map(str, command))} returned {done.returncode}\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
+class Package(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.directory = pathlib.Path(tempfile.mkdtemp(prefix="pliant-package-"))
+        cls.addClassCleanup(shutil.rmtree, cls.directory)
+        run("cmake", "--install", BUILD, "--prefix", cls.directory / "first", "--strip")
+        cls.prefix = cls.directory / "moved"
+        os.rename(cls.directory / "first", cls.prefix)
+
+    def test_the_installed_program_finds_its_parts(self):
+        text = run(self.prefix / "bin/pliant", "check", self.prefix / "share/pliant/input/cantilever.yaml")
+        self.assertIn("the input is well", text)  # gmsh's module has meshed the geometry
+
+    def test_another_program_adds_a_law_and_a_term(self):
+        build = self.directory / "example"
+        run("cmake", "-S", EXAMPLE, "-B", build, f"-DCMAKE_PREFIX_PATH={self.prefix}", "-DCMAKE_BUILD_TYPE=Release",
+            "-DCMAKE_CXX_FLAGS=-Wall -Wextra -Werror")
+        run("cmake", "--build", build)
+        of_ranks = []
+        for ranks in (1, 2):
+            directory = self.directory / f"trapped{ranks}"
+            directory.mkdir()
+            run("mpirun", "--oversubscribe", "--bind-to", "none", "-n", ranks, build / "trapped", EXAMPLE / "trapped.yaml",
+                cwd=directory)
+            of_ranks.append(read_history(directory / "out/trapped"))
+        history = of_ranks[0]
+        # The implicit midpoint rule turns an oscillator of frequency w by 2 atan(w dt/2) a step, exactly; the centre of
+        # mass is one, whatever the cube does around it.
+        mass, amplitude, w, dt = 1000.0, 1.5, 3.0, 0.01
+        angles = 2 * math.atan(w * dt / 2) * history["step"]
+        for step, angle in enumerate(angles):
+            self.assertAlmostEqual(history["px"][step], mass * amplitude * w * math.sin(angle), delta=1e-4)
+        # The trap squeezes the cube: the law is at work.
+        self.assertGreater(history["elastic_energy"].max(), 1e-3)
+        self.assertLess(abs(history["energy_balance_error"]).max(), 1e-6)
+        for name in ("px", "elastic_energy", "load_potential"):
+            scale = abs(history[name]).max()
+            self.assertLess(abs(of_ranks[1][name] - history[name]).max(), 1e-8 * scale, name)
+
+    def test_debian_packages(self):
+        run("cpack", "--config", BUILD / "CPackConfig.cmake", "-B", self.directory / "packages",
+            "-D", "CPACK_DEBIAN_COMPRESSION_TYPE=gzip")
+        files = sorted((self.directory / "packages").glob("*.deb"))
+        version = re.search(r"project\(pliant VERSION (\S+)", (ROOT / "CMakeLists.txt").read_text()).group(1)
+        self.assertEqual([f.name.split("_")[:2] for f in files], [["libpliant-dev", version], ["pliant", version]])
+        of_libraries, of_program = files
+
+        def fields(file):
+            text = run("dpkg-deb", "-I", file)
+            depends = re.search(r"^ Depends: (.*)$", text, re.M).group(1)
+            return {re.match(r"\S+", d.strip()).group() for d in depends.split(",")}
+
+        def content(file):
+            return {line.split()[5][1:] for line in run("dpkg-deb", "-c", file).splitlines()}
+
+        needed = fields(of_program)
+        for start in ("libpetsc-real3", "libgmsh4", "libopenmpi3", "libhdf5-openmpi", "libyaml-cpp", "libfmt", "libmuparser",
+                      "libudunits2", "libmetis", "libc6", "libstdc++6", "openmpi-bin"):
+            self.assertTrue(any(name.startswith(start) for name in needed), f"{start} is not among {needed}")
+        self.assertLessEqual({"/usr/bin/pliant", "/usr/lib/pliant/libpliant_gmsh.so", "/usr/share/pliant/input/gripper_finger.yaml",
+                              "/usr/share/pliant/meshes/gripper_finger.geo", "/usr/share/pliant/docs/index.md",
+                              "/usr/share/doc/pliant/copyright"}, content(of_program))
+
+        # What a program needs to be built on the libraries is there where this machine's list has it.
+        wanted = run(ROOT / "tools/setup.sh", "list", "run").split()
+        needed = fields(of_libraries) - {"pliant"}
+        self.assertLessEqual(needed, set(wanted))
+        headers = {f"/usr/include/pliant/{f.relative_to(ROOT / 'src')}" for f in (ROOT / "src").rglob("*.hpp")
+                   if "viewer" not in f.parts}
+        self.assertLessEqual(headers, content(of_libraries))
+
+
+if __name__ == "__main__":
+    unittest.main()
