@@ -12,6 +12,12 @@ install(TARGETS pliant_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPO
 install(TARGETS pliant_gmsh LIBRARY DESTINATION lib/pliant COMPONENT program)
 install(DIRECTORY input meshes docs DESTINATION ${pliant_share} COMPONENT program
         PATTERN "conf.py" EXCLUDE PATTERN "Doxyfile" EXCLUDE PATTERN "headers.sed" EXCLUDE PATTERN "__pycache__" EXCLUDE)
+# The Python package, where Debian's interpreter looks if the prefix is /usr, and the tools that stand on it.
+install(DIRECTORY src/python/pliant DESTINATION lib/python3/dist-packages COMPONENT program
+        FILES_MATCHING PATTERN "*.py" PATTERN "py.typed" PATTERN "__pycache__" EXCLUDE)
+install(PROGRAMS tools/render.py tools/plot.py tools/work_precision.py tools/beam_mesh.py DESTINATION ${pliant_share}/tools
+        COMPONENT program)
+install(FILES tools/package.py tools/page.py DESTINATION ${pliant_share}/tools COMPONENT program)
 install(FILES README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program RENAME copyright)  # Debian's name for it
 

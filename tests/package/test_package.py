@@ -39,6 +39,11 @@ class Package(unittest.TestCase):
         text = run(self.prefix / "bin/pliant", "check", self.prefix / "share/pliant/input/cantilever.yaml")
         self.assertIn("the input is well", text)  # gmsh's module has meshed the geometry
 
+    def test_the_python_package_is_where_python_finds_it(self):
+        packages = self.prefix / "lib/python3/dist-packages"
+        text = run("/usr/bin/python3", "-c", f"import sys; sys.path.insert(0, {str(packages)!r}); import pliant; print(pliant.__file__)")
+        self.assertTrue(text.startswith(str(packages)), text)
+
     def test_another_program_adds_a_law_and_a_term(self):
         build = self.directory / "example"
         run("cmake", "-S", EXAMPLE, "-B", build, f"-DCMAKE_PREFIX_PATH={self.prefix}", "-DCMAKE_BUILD_TYPE=Release",
@@ -87,6 +92,7 @@ class Package(unittest.TestCase):
             self.assertTrue(any(name.startswith(start) for name in needed), f"{start} is not among {needed}")
         self.assertLessEqual({"/usr/bin/pliant", "/usr/lib/pliant/libpliant_gmsh.so", "/usr/share/pliant/input/gripper_finger.yaml",
                               "/usr/share/pliant/meshes/gripper_finger.geo", "/usr/share/pliant/docs/index.md",
+                              "/usr/lib/python3/dist-packages/pliant/__init__.py", "/usr/share/pliant/tools/render.py",
                               "/usr/share/doc/pliant/copyright"}, content(of_program))
 
         # What a program needs to be built on the libraries is there where this machine's list has it.
