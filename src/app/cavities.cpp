@@ -17,14 +17,8 @@ namespace {
 /// Parts of the simulated time at which rims are looked at.
 constexpr std::array<double, 3> looks{0.0, 0.37, 1.0};
 
-FacetList outer_facets(const Selection& part, const Location& where, Selections& selections, MPI_Comm comm) {
-  FacetList facets = selections.facets(part);
-  if (any(comm, std::ranges::find(facets.is_outer, 0) != facets.is_outer.end())) {
-    selections.report(where, fmt::format("{} lies inside the mesh, where a pressure has no side to push on; "
-                                         "name a part of the outer surface",
-                                         describe(part)));
-  }
-  return facets;
+FacetList walls_of(const Selection& part, const Location& where, Selections& selections) {
+  return selections.outer_facets(part, where, "where a pressure has no side to push on");
 }
 
 PrescribedSamples samples_of(const Config& config, const NodeLayout& layout, const PrescribedDisplacement& prescribed) {
@@ -81,13 +75,13 @@ double volume_of(const CavityConfig& cavity, const NodeLayout& layout, const Fac
 
 }  // namespace
 
-WettedParts::WettedParts(const Config& config, Selections& selections, MPI_Comm comm) {
+WettedParts::WettedParts(const Config& config, Selections& selections) {
   for (const LoadConfig& load : config.loads) {
     if (load.kind != LoadConfig::Kind::pressure) continue;
-    of_pressures_.push_back(outer_facets(load.part, load.where, selections, comm));
+    of_pressures_.push_back(walls_of(load.part, load.where, selections));
   }
   for (const CavityConfig& cavity : config.cavities) {
-    of_cavities_.push_back(outer_facets(cavity.part, cavity.where, selections, comm));
+    of_cavities_.push_back(walls_of(cavity.part, cavity.where, selections));
   }
 }
 

@@ -24,7 +24,7 @@ struct ModelCavity {
 class WettedParts {
  public:
   /// Mistakes are reported to `selections`. Collective.
-  WettedParts(const Config& config, Selections& selections, MPI_Comm comm);
+  WettedParts(const Config& config, Selections& selections);
 
   /// The terms of the pressures among the loads, then those of the cavities, with the places that name them in the
   /// input. Throws InputError where a cavity is open. Collective.

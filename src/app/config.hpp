@@ -216,6 +216,7 @@ struct ObstacleConfig {
 };
 
 struct ContactConfig {
+  Selection part;  ///< facets that take part: surface, box, where, or all of the surface
   NormalKind law = NormalKind::penalty;
   std::optional<double> stiffness;  ///< [Pa/m]; default: from material and mesh
   std::optional<double> width;      ///< [m]; default: from the mesh

@@ -104,8 +104,7 @@ Contacts::Contacts(const ContactConfig& config, const ContactBodies& bodies)
 }
 
 void Contacts::add_surfaces(const ContactBodies& bodies) {
-  const auto everywhere = [](const std::array<double, 3>&) { return true; };
-  const FacetList all = surface_facets(bodies.mesh, layout_, everywhere);
+  const FacetList& all = bodies.facets;
   const auto n = static_cast<std::size_t>(all.nodes_per_facet);
   std::vector<FacetList> facets(body_names_.size());
   for (FacetList& list : facets) list.nodes_per_facet = all.nodes_per_facet;
@@ -136,6 +135,7 @@ void Contacts::add_surfaces(const ContactBodies& bodies) {
     const NormalLaw law{config_.law, config_.stiffness.value_or(shear_moduli_per_facet * bodies.shear_moduli[b] / size),
                         config_.width.value_or(width_per_facet * size), config_.threshold};
     surfaces_.push_back(std::make_shared<const ContactSurface>(layout_, bodies.pattern, std::move(facets[b]), law));
+    if (count == 0.0) continue;
     description_.push_back(
         fmt::format("contact of '{}': {:.0f} facets of some {:.3g} m, stiffness {:.3g} Pa/m, width {:.3g} m",
                     body_names_[b], count, size, law.stiffness, law.width));

@@ -4,7 +4,6 @@
 #include "app/config.hpp"
 #include "energy/contact.hpp"
 #include "fem/layout.hpp"
-#include "mesh/mesh.hpp"
 
 #include <memory>
 #include <span>
@@ -15,7 +14,7 @@ namespace pliant {
 
 /// What touches obstacles; outlives the terms.
 struct ContactBodies {
-  const Mesh& mesh;
+  const FacetList& facets;  ///< of the surface, that may touch
   const NodeLayout& layout;
   const BlockPattern& pattern;
   const std::vector<int>& body_of_cell;     ///< per local cell
@@ -39,7 +38,7 @@ struct NodalContact {
 
 class Contacts {
  public:
-  /// Facets of the bodies' surface take part unless all their entries are prescribed. Collective.
+  /// The facets take part unless all their entries are prescribed. Collective.
   Contacts(const ContactConfig& config, const ContactBodies& bodies);
 
   /// Makes the terms for the input's analysis: a static one knows no velocity, so no friction and no damping. What

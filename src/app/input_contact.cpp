@@ -107,6 +107,10 @@ Section<ContactConfig> contact_keys() {
                 choice_of<NormalKind>({{"penalty", NormalKind::penalty}, {"barrier", NormalKind::barrier}}),
                 "pressure as a function of distance: a spring behind a smoothed gap, or a barrier that nothing passes")
               .otherwise("penalty"),
+          selector<C>("surface", Selection::Kind::surface, "the part of the bodies' surface that may touch obstacles")
+              .otherwise_in_words("all of it"),
+          selector<C>("box", Selection::Kind::box, "the same: boundary facets inside this box"),
+          selector<C>("where", Selection::Kind::where, "the same: boundary facets that fulfil this"),
           field("stiffness", &C::stiffness, quantity("Pa/m", Range::above(0)),
                 "pressure per depth of penetration, per reference area; of a barrier its scale")
               .otherwise_in_words("30 shear moduli per size of a facet, body by body"),
@@ -128,7 +132,7 @@ Section<ContactConfig> contact_keys() {
                 "rigid things that the bodies run into")
               .required(),
       },
-      {},
+      {{{"surface", "box", "where"}, KeyGroup::Need::at_most_one}},
       &C::where};
 }
 

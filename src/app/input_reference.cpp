@@ -115,6 +115,8 @@ std::string sentence(const KeyGroup& group) {
   switch (group.need) {
     case KeyGroup::Need::exactly_one:
       return beside + "exactly one of " + keys + "." + exceptions(group);
+    case KeyGroup::Need::at_most_one:
+      return beside + "at most one of " + keys + ".";
     case KeyGroup::Need::all:
       return beside + keys + ".";
     case KeyGroup::Need::any:

@@ -92,7 +92,7 @@ bool has_dashpots(const Config& config) {
 }
 
 Loads::Loads(const Config& config, const LoadedBodies& bodies, Selections& selections)
-    : layout_(bodies.layout), pattern_(bodies.pattern), wetted_(config, selections, bodies.layout.comm) {
+    : layout_(bodies.layout), pattern_(bodies.pattern), wetted_(config, selections) {
   using Kind = LoadConfig::Kind;
   for (const LoadConfig& load : config.loads) {
     if (load.kind == Kind::pressure) continue;

@@ -55,6 +55,13 @@ Model::Model(MPI_Comm comm, const Config& config, const TermFactory& additional)
   if (analysis_of(config) == Analysis::static_equilibrium && has_dashpots(config)) {
     notices_.push_back("dashpots have no effect on a static equilibrium");
   }
+  const Method* method = method_of(config.time);
+  const auto rings = [](const BodyConfig& body) { return body.viscosity.empty(); };
+  if (method != nullptr && method->stability == Stability::not_a_stable && std::ranges::any_of(config.bodies, rings)) {
+    notices_.push_back(fmt::format(
+        "{} is not A-stable: vibrations that nothing damps grow; give the bodies a viscosity, or take another method",
+        method->name.empty() ? "the method" : method->name));
+  }
 }
 
 void Model::include_waves(const ElasticLawSpec& law, double density) {
@@ -153,6 +160,10 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   body_of_cell_ = selections.cells(parts);
 
   loads_ = std::make_unique<Loads>(config, LoadedBodies{layout_, *pattern_, body_of_cell_, densities_}, selections);
+  FacetList touching;
+  if (config.contact) {
+    touching = selections.outer_facets(config.contact->part, config.contact->where, "where nothing can be touched");
+  }
   constraints_ = std::make_unique<Constraints>(config, layout_, selections);
   for (const auto& notice : selections.unused_groups()) notices_.push_back(notice);
 
@@ -164,9 +175,9 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   loads_->complete(config, constraints_->prescribed());
   require_finite(analysis_of(config) == Analysis::static_equilibrium ? config.time.end : 0.0);
   if (config.contact) {
-    contacts_ =
-        std::make_unique<Contacts>(*config.contact, ContactBodies{mesh, layout_, *pattern_, body_of_cell_, body_names_,
-                                                                  shear_moduli_, constraints_->prescribed().flags()});
+    contacts_ = std::make_unique<Contacts>(
+        *config.contact, ContactBodies{touching, layout_, *pattern_, body_of_cell_, body_names_, shear_moduli_,
+                                       constraints_->prescribed().flags()});
     for (const auto& line : contacts_->description()) notices_.push_back(line);
   }
 

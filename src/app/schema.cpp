@@ -79,8 +79,8 @@ void check_group(const InputNode& node, const std::string& name, const KeyGroup&
       problems.add({node.where, {key}}, node.where, "missing key '" + key + "'" + in_section(name) + why);
     }
   }
-  if (group.need != KeyGroup::Need::exactly_one) return;
-  if (given.empty()) {
+  if (group.need != KeyGroup::Need::exactly_one && group.need != KeyGroup::Need::at_most_one) return;
+  if (given.empty() && group.need == KeyGroup::Need::exactly_one) {
     const std::string beside = anchor ? " beside '" + to_string(*anchor) + "'" : "";
     problems.add({node.where, group.keys}, node.where,
                  "one of " + joined(group.keys) + " is needed" + in_section(name) + beside);
@@ -152,6 +152,13 @@ Json with_group(const KeyGroup& group) {
     }
     for (const auto& set : group.together) options.push_back({{"anyOf", required_keys(set)}});
     return {{"oneOf", options}};
+  }
+  if (group.need == KeyGroup::Need::at_most_one) {
+    Json pairs = Json::array();
+    for (std::size_t i = 0; i < group.keys.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) pairs.push_back({{"required", {group.keys[j], group.keys[i]}}});
+    }
+    return {{"not", {{"anyOf", pairs}}}};
   }
   return {{"required", group.keys}};
 }

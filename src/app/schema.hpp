@@ -29,9 +29,9 @@ struct Anchor {
 /// "key" or "key: value".
 std::string to_string(const Anchor& anchor);
 
-/// Keys of one section of which one, all or any are to be given.
+/// Keys of one section of which one, at most one, all or any are to be given.
 struct KeyGroup {
-  enum class Need { exactly_one, all, any };
+  enum class Need { exactly_one, at_most_one, all, any };
   std::vector<std::string> keys;
   Need need = Need::exactly_one;
   std::vector<Anchor> beside = {};  ///< if given, the keys belong to these and stand only beside one of them

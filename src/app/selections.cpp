@@ -113,6 +113,8 @@ FacetList Selections::facets(const Selection& part) {
     const PhysicalGroup* g = group(part);
     if (g == nullptr) return result;
     result = facets_of_group(mesh_, layout_, *g);
+  } else if (part.kind == Selection::Kind::everything) {
+    result = surface_facets(mesh_, layout_, [](const auto&) { return true; });
   } else {
     result = surface_facets(mesh_, layout_, region(part));
   }
@@ -120,6 +122,14 @@ FacetList Selections::facets(const Selection& part) {
     report(part.where,
            fmt::format("{} holds no facet of the mesh's surface; `pliant check` shows the mesh's extent and groups",
                        describe(part)));
+  }
+  return result;
+}
+
+FacetList Selections::outer_facets(const Selection& part, const Location& where, const std::string& reason) {
+  FacetList result = facets(part);
+  if (any(layout_.comm, std::ranges::find(result.is_outer, 0) != result.is_outer.end())) {
+    report(where, fmt::format("{} lies inside the mesh, {}; name a part of the outer surface", describe(part), reason));
   }
   return result;
 }

@@ -16,8 +16,10 @@ class Selections {
 
   /// Owned nodes. Collective.
   std::vector<PetscInt> nodes(const Selection& part);
-  /// Facets: of a surface group, or of the body's surface inside a box or region. Collective.
+  /// Facets: of a surface group, or of the body's surface as a whole or inside a box or region. Collective.
   FacetList facets(const Selection& part);
+  /// The same of the mesh's surface only: what lies inside is a mistake at `where`, and `reason` tells why. Collective.
+  FacetList outer_facets(const Selection& part, const Location& where, const std::string& reason);
   /// Edges of a curve. Collective.
   EdgeList edges(const Selection& part);
   /// Per local cell the index of the part that holds it. Every cell must be in exactly one. Collective.

@@ -89,6 +89,7 @@ cavities:
   - {name: middle, box: [[0, 0, 0], [1, 1, 1]], volume: 3 cm^3, gas: {pressure: 5 kPa, ambient: 1 bar, exponent: 1.4, amount: "1 + t"}}
   - {name: right, where: "x > 1", liquid: {bulk_modulus: 2 GPa, pressure: 1 kPa, added_volume: "1e-6*t", flow: 2 cm^3/s}}
 contact:
+  surface: sole
   law: penalty
   stiffness: 2 MPa/mm
   width: 0.1 mm
@@ -311,6 +312,10 @@ TEST(Dump, SpellsOutEveryKeyOfTheTable) {
   collect_paths(input_keys(), "", expected);
   Problems none;
   collect_paths(parse_yaml(dump(read(everything)), "dump", none), "", written);
+  for (const std::string part : {"box: [[0, 0, 0], [1, 1, 1]]", "where: \"z < 0.1\""}) {
+    const std::string contact = "{" + part + ", obstacles: [{name: ball, shape: sphere, radius: 1}]}";
+    collect_paths(parse_yaml(dump(read(smallest, {{"contact", contact}})), "dump", none), "", written);
+  }
   for (const std::string& time : other_times) {
     collect_paths(parse_yaml(dump(read(everything, {{"time", time}})), "dump", none), "", written);
   }

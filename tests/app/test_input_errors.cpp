@@ -46,6 +46,8 @@ INSTANTIATE_TEST_SUITE_P(
             "linear needs two of youngs_modulus, poissons_ratio"},
         Bad{2, "bodies: [@{density: 1}]", "missing key 'elasticity' in bodies[0]"},
         Bad{6, "contact: @{law: penalty}", "missing key 'obstacles' in contact"},
+        Bad{6, "contact: {surface: a, @where: \"x > 0\", obstacles: [{name: a, shape: sphere, radius: 1}]}",
+            "only one of surface, where can be given in contact"},
         Bad{6, "contact: {obstacles: [@{name: a, shape: plane}]}", "missing key 'normal'"},
         Bad{6, "contact: {obstacles: [@{name: a, shape: sphere}]}", "missing key 'radius'"},
         Bad{6, "contact: {obstacles: [@{name: a, shape: surface}]}", "missing key 'file'"},

@@ -12,7 +12,7 @@ from check_xdmf import array_of
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "tools"))
 sys.dont_write_bytecode = True
-from result import Result  # noqa: E402
+from package import Result  # noqa: E402
 
 
 def main():
@@ -24,7 +24,7 @@ def main():
         height = i if motion == "moves" else 0  # a tenth of the step, which is 10 i
         assert frame.step == 10 * i and float(grid.find("Time").get("Value")) == frame.time
         assert grid.find("Topology").get("TopologyType") == "Triangle"
-        obstacles = result.obstacles(frame)
+        obstacles = frame.obstacles
         for ours, item in ((obstacles.triangles, "Topology/DataItem"), (obstacles.points, "Geometry/DataItem"),
                            (obstacles.obstacle, "Attribute/DataItem")):
             assert np.array_equal(ours, array_of(grid.find(item), directory)), item

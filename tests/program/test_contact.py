@@ -5,8 +5,8 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 
-from program import ROOT, ProgramTest
-from result import Result
+from program import ROOT, ProgramTest  # finds the tools, too
+from package import Result
 
 CUBE = ROOT / "meshes/unit_cube.msh"  # 1 m, its bottom at z = 0
 G = 9.81
@@ -129,6 +129,21 @@ class Contact(ProgramTest):
                 self.assertGreater(min(gaps), 0)
                 self.assertLess(min(gaps), 0.02)
 
+    def test_a_part_of_the_surface_alone_touches(self):
+        def fall(name, chosen, ranks=1):
+            return self.run_cube("part-" + name, "method: backward-euler, step: 10 ms, end: 0.1", above=0.005, contact=chosen,
+                                 ranks=ranks)
+
+        top = fall("top", 'where: "z > 0.9"', ranks=3)
+        self.assertEqual(np.abs(top["floor_fz"]).max(), 0)
+        np.testing.assert_allclose(top["pz"], -1000 * G * top["time"], rtol=1e-9)
+        side, *others = (fall(f"side{k}", chosen)["floor_jz"][-1] for k, chosen in enumerate(
+            ("surface: clamp", "box: [[-1, -1, -1], [1e-9, 2, 2]]", 'where: "x < 1e-9"')))
+        self.assertGreater(side, 1)
+        for other in others:
+            self.assertAlmostEqual(other / side, 1, delta=1e-12)
+        self.assertGreater(fall("all", "")["floor_jz"][-1], 1.2 * side)
+
     def test_obstacles_are_in_the_result_where_they_are(self):
         ball = ', motion: {translate: ["0.5*t", 0, 0]}}\n    - {name: ball, shape: sphere, point: [0, 0, 3], radius: 0.5, ' \
                'motion: {translate: [0, 0, "-t"], rotate: {axis: [1, 0, 0], angle: "t"}}'
@@ -141,11 +156,11 @@ class Contact(ProgramTest):
         grids = ElementTree.parse(self.directory / "moving" / "result_obstacles.xdmf").findall("Domain/Grid/Grid")
         self.assertEqual([float(grid.find("Time").get("Value")) for grid in grids], [0, 0.04, 0.08, 0.12])
         result = Result(str(self.directory / "moving"))
-        first = result.obstacles(result.frames[0])
+        first = result.frames[0].obstacles
         self.assertEqual(first.names, ["floor", "ball"])
         self.assertEqual([frame.step for frame in result.frames], [0, 2, 4, 6])
         for frame in result.frames:
-            obstacles = result.obstacles(frame)
+            obstacles = frame.obstacles
             sheet = obstacles.points[obstacles.planes()[0]]
             np.testing.assert_allclose(sheet.mean(axis=0), [0.5 + 0.5 * frame.time, 0.5, 0], atol=1e-12)
             self.assertGreater(np.ptp(sheet, axis=0)[:2].min(), 2)

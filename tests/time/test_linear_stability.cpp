@@ -64,6 +64,27 @@ TEST(Stability, DampingAtInfinityIsTheLimit) {
   }
 }
 
+// What docs/methods.md says of undamped modes, lambda = i omega, and of damping in proportion to stiffness,
+// lambda = -omega^2 tau/2 + i omega sqrt(1 - (omega tau/2)^2).
+TEST(Stability, ThirdOrderBackwardDifferentiationMakesUndampedModesGrow) {
+  const Method& bdf3 = *find_method("bdf3");
+  EXPECT_NEAR(largest_modulus(bdf3, {0.0, 1.14}), 1.0456, 1e-4);
+  EXPECT_NEAR((largest_modulus(bdf3, {0.0, 0.05}) - 1.0) / std::pow(0.05, 4), 0.25, 1e-3);
+  const auto largest_growth = [&](double damping_time, double from, double to) {  // in steps
+    double largest = 0.0;
+    for (int k = 0; k <= 1000; ++k) {
+      const double y = from + (to - from) * k / 1000, ratio = 0.5 * y * damping_time;
+      largest = std::max(largest, largest_modulus(bdf3, y * Complex(-ratio, std::sqrt(1.0 - ratio * ratio))));
+    }
+    return largest;
+  };
+  EXPECT_NEAR(largest_growth(0.0, 0.1, 3.0), 1.0456, 1e-4) << "the most at any step";
+  EXPECT_GT(largest_growth(0.0, 1.92, 1.93), 1.0);
+  EXPECT_LT(largest_growth(0.0, 1.94, 100.0), 1.0);
+  EXPECT_GT(largest_growth(0.141, 0.1, 3.0), 1.0);
+  EXPECT_LT(largest_growth(0.143, 0.1, 3.0), 1.0);
+}
+
 TEST(Stability, RootCondition) {
   const auto stable = [](std::vector<double> alpha) { return is_zero_stable({"", std::move(alpha), 1.0, {}, {}, ""}); };
   EXPECT_TRUE(stable({1}));
