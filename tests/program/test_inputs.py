@@ -11,6 +11,7 @@ SMALL = {
     "cantilever.yaml": ["mesh.size=0.2", "time.end=0.05"],
     "dropped_club.yaml": ["mesh.size=0.02", "time.end=0.25"],
     "four_clubs.yaml": ["mesh.size=0.02", "time.end=0.02"],
+    "gripper.yaml": ["mesh.size=50 mm", "time.step=20 ms"],
     "gripper_finger.yaml": ["time.end=0.02"],
     "muscle.yaml": ["mesh.size=0.2", "time.end=0.1"],
     "pneumatic_actuator.yaml": ["time.end=0.02", "time.events=[]"],
@@ -39,6 +40,19 @@ class Inputs(ProgramTest):
             SEEN[name] = test
             return test
         return mark
+
+    @looked_at("gripper.yaml")
+    def test_the_gripper_carries_a_weight(self):
+        # Coarser in space and time than the input: what the fingers carry is the grip, and friction is part of it.
+        held = self.run_small("gripper.yaml")
+        self.assertEqual(len(held["step"]), 51, "a step was cut")
+        still, lifting = held["time"] < 0.05, (held["time"] > 0.7) & (held["time"] < 0.9)
+        self.assertEqual(np.abs(held["rod_fz"][still]).max(), 0)
+        weight = -held["rod_fz"][lifting]  # that of a cylinder that the fingers would carry
+        self.assertGreater(weight.min(), 0.5)
+        self.assertLess(np.abs(held["rod_fx"][lifting]).max(), 0.05 * weight.max(), "both fingers push alike")
+        self.assertGreater(held["dissipated_friction"][-1], 1e-4)
+        self.assertLess(np.abs(held["energy_balance_error"]).max(), 1e-6 * held["elastic_energy"].max())
 
     @looked_at("thrown_box.yaml")
     def test_the_box_turns_over_and_keeps_its_momentum_and_energy(self):
