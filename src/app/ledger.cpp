@@ -55,6 +55,7 @@ Ledger::Works Ledger::powers(const StagePoint& stage, Vec q, Vec v) {
   potential_of_stage.begin_stage(stage);
   const auto of_term = potential_of_stage.powers(q, v, reaction_.get());
   Works power = no_works();
+  supply_without_energy_ = 0.0;
   for (ContactForce& contact : contacts_) contact.force = {};
   for (std::size_t k = 0; k < of_term.size(); ++k) {
     const auto& [exerted, dissipated, supplied, force] = of_term[k];
@@ -65,6 +66,7 @@ Ledger::Works Ledger::powers(const StagePoint& stage, Vec q, Vec v) {
       }
     }
     if (potential_of_stage.terms()[k]->declaration().dissipates) power[num_works + mechanism_of_term_[k]] += dissipated;
+    if (!potential_of_stage.terms()[k]->declaration().depends_on_time) supply_without_energy_ += supplied;
     switch (account_of(*potential_of_stage.terms()[k])) {
       case Account::kinetic:
         power[kinetic] -= exerted;
@@ -168,21 +170,23 @@ void Ledger::add_works_in_time(const StepAttempt& attempt) {
   powers_are_known_ = true;
 }
 
-// Forces at both ends of the step, along the way between them.
+// Forces at both ends of the step, along the way between them; powers that are none of these by the trapezoidal rule.
 void Ledger::add_works_along_way(const StepAttempt& attempt) {
   check(VecWAXPY(way_.get(), -1.0, q_.get(), attempt.q));
   const Works before = works_along(way_.get());
-  const Works power = powers(attempt.last_stage, attempt.last_q, attempt.v);
+  Works power = powers(attempt.last_stage, attempt.last_q, attempt.v);
+  power[loads] = supply_without_energy_;  // the others' is the change of their energies, below
   keep_forces(attempt.last_stage, attempt.last_q);
   const Works after = works_along(way_.get());
   for (std::size_t w = 0; w < num_works; ++w) works_[w] += 0.5 * (before[w] + after[w]);
   const Instant start = model_.instant(time_), end = model_.instant(attempt.time);
   const double supplied =
       0.5 * (model_.potential().supplied(start, end, q_.get()) + model_.potential().supplied(start, end, attempt.q));
-  works_[stored] += supplied;
-  works_[loads] += supplied;
+  const auto integral = [&](std::size_t w) { return 0.5 * (attempt.time - time_) * (last_powers_[w] + power[w]); };
+  works_[stored] += supplied + integral(loads);
+  works_[loads] += supplied + integral(loads);
   for (std::size_t m = num_works; m < first_impulse(); ++m) {
-    const double dissipated = 0.5 * (attempt.time - time_) * (last_powers_[m] + power[m]);
+    const double dissipated = integral(m);
     works_[stored] -= dissipated;
     works_[m] += dissipated;
   }

@@ -102,7 +102,8 @@ class Ledger {
   std::vector<Reaction> reactions_;
   std::vector<ContactForce> contacts_;
   std::vector<std::vector<std::size_t>> contacts_of_term_;
-  Handle<Vec> q_;  // of the last step
+  Handle<Vec> q_;                       // of the last step
+  double supply_without_energy_ = 0.0;  // by terms that have none, at the last `powers` [W]: friction of what moves
   Handle<Vec> at_, way_, reaction_;
   std::array<Handle<Vec>, 4> forces_;  // without inertia: those of each account at the last step
 };

@@ -112,6 +112,24 @@ class Contact(ProgramTest):
         self.assertAlmostEqual(h["dissipated_friction"][-1] / 125, 1, delta=0.1)  # but for the rocking
         self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-6 * h["load_work"][-1])
 
+    def test_friction_of_what_moves_does_work_without_inertia(self):
+        # The cube is pressed on the floor, which starts to slide slowly: its work is stored, then slides away.
+        text = cube(gravity=(0, 0, 0), young="1e6", contact="stick_velocity: 1 cm/s",
+                    floor=', friction: 0.3, motion: {translate: ["0.125*t^2", 0, 0]}') + (
+            'constraints: [{where: "z > 0.99", displacement: [0, 0, "-0.05*min(t, 0.2)/0.2"]}]\n'
+            "time: {method: quasistatic, step: 10 ms, end: 1}\noutput: {every: 1}\n")
+        h = self.run_input(self.write("press.yaml", text), output="press")
+        normal, moved = h["floor_fz"][-1], 0.125
+        self.assertAlmostEqual(h["floor_fx"][-1] / normal, 0.3, delta=0.003)
+        power = h["floor_fx"] * 0.25 * h["time"]
+        by_hand = np.sum(0.5 * (power[1:] + power[:-1]) * np.diff(h["time"]))
+        of_floor = h["load_work"] - h["support_work"]
+        self.assertGreater(by_hand, 0.3 * normal * moved * 0.5)
+        self.assertAlmostEqual(of_floor[-1] / by_hand, 1, delta=0.01)
+        # What the rule for the works leaves; the press itself leaves as much.
+        late = h["time"] > 0.25
+        self.assertLess(np.ptp(h["numerical_dissipation"][late]), 0.02 * by_hand)
+
     def test_nothing_passes_a_barrier(self):
         for velocity, step in ((-10, "5 ms"), (-1, "10 ms")):
             with self.subTest(velocity):
