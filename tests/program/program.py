@@ -32,6 +32,8 @@ ENVIRONMENT = {
     # All ranks are here; a search for networks is much of the time that a short run takes.
     "OMPI_MCA_pml": "ob1",
     "OMPI_MCA_btl": "self,vader",
+    # When a rank ends with an error, mpirun waits so long for the others, which have ended too.
+    "OMPI_MCA_odls_base_sigkill_timeout": "0",
 }
 ENVIRONMENT.pop("DISPLAY", None)  # MPI asks an X server for its graphics cards, and fails with it
 

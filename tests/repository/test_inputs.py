@@ -1,12 +1,9 @@
-"""The inputs that come with Pliant fit the schema that the program prints, and editors find it."""
+"""The schema of the documents is the program's, and editors find it by the inputs."""
 import json
 import os
 import pathlib
 import subprocess
 import unittest
-
-import jsonschema
-import yaml
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCHEMA = ROOT / "docs/input.schema.json"
@@ -39,14 +36,6 @@ class Inputs(unittest.TestCase):
                         yield from without_text(f"{name}.{key}", part)
 
         self.assertEqual(list(without_text("", json.loads(self.schema))), [])
-
-    def test_inputs_fit_the_schema(self):
-        schema = json.loads(self.schema)
-        files = sorted((ROOT / "input").rglob("*.yaml"))
-        self.assertTrue(files)
-        for file in files:
-            with self.subTest(file.name):
-                jsonschema.validate(yaml.safe_load(file.read_text(encoding="utf-8")), schema)
 
 
 if __name__ == "__main__":
