@@ -1,7 +1,9 @@
 #include "base/error.hpp"
 #include "fuzz/files.hpp"
 #include "fuzz/targets.hpp"
+#include "mesh/gmsh/module.hpp"
 #include "mesh/mesh.hpp"
+#include "mesh/surface_file.hpp"
 
 namespace pliant::fuzz {
 namespace {
@@ -20,6 +22,17 @@ void read_as(std::string_view bytes, const char* extension) {
 
 void read_as_msh(std::string_view bytes) {
   read_as(bytes, ".msh");
+}
+
+void read_as_surface(std::string_view bytes) {
+  gmsh_module();  // loaded once, not by each child
+  const BytesInFile file(bytes, ".stl");
+  MeshSource source;
+  source.file = file.path().string();
+  try {
+    (void)read_surface(MPI_COMM_SELF, source);
+  } catch (const InputError&) {
+  }
 }
 
 void read_as_mesh_file(std::string_view bytes) {

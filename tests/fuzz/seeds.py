@@ -92,8 +92,33 @@ def write_checkpoint(path):
         file.write(b"pliant-checkpoint\nversion 1\n")
 
 
+TRIANGLES = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))  # of a tetrahedron
+CORNERS = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
+
+
+def write_surfaces(folder):
+    facets = "".join("facet normal 0 0 0\nouter loop\n" + "".join("vertex {} {} {}\n".format(*CORNERS[c]) for c in triangle) +
+                     "endloop\nendfacet\n" for triangle in TRIANGLES)
+    (folder / "text.stl").write_text(f"solid a\n{facets}endsolid a\n")
+    (folder / "open.stl").write_text(f"solid a\n{facets[: len(facets) // 2]}endsolid a\n")
+    corners = [np.array([[0, 0, 0], *(CORNERS[c] for c in triangle)], "<f4").tobytes() + b"\0\0" for triangle in TRIANGLES]
+    (folder / "bytes.stl").write_bytes(b"bytes".ljust(80) + len(TRIANGLES).to_bytes(4, "little") + b"".join(corners))
+
+
+def write_result(path):
+    with h5py.File(path, "w", libver=("earliest", "v110")) as file:
+        file.attrs.update({"format": np.bytes_("pliant-result"), "version": 1, "title": np.bytes_("a run")})
+        file["mesh/coordinates"] = np.array(CORNERS, float)
+        file["mesh/cells"] = np.arange(4).reshape(1, 4)
+        for step in range(2):
+            frame = file.create_group(f"frames/{step:06}")
+            frame.attrs.update({"time": 0.5 * step, "step": step, "mesh": np.bytes_("/mesh")})
+            frame["u"] = np.ones((4, 3))
+            frame["u"].attrs.update({"unit": np.bytes_("m"), "location": np.bytes_("node")})
+
+
 def main():
-    for name in ("input", "msh", "mesh_file", "checkpoint"):
+    for name in ("input", "msh", "mesh_file", "surface", "result", "checkpoint"):
         (CORPUS / name).mkdir(parents=True, exist_ok=True)
     for name, text in INPUTS.items():
         (CORPUS / "input" / f"{name}.yaml").write_text(text)
@@ -103,6 +128,11 @@ def main():
     write_parts(CORPUS / "mesh_file" / "three_cells.h5")
     write_parts(CORPUS / "mesh_file" / "data.h5", with_data)
     write_parts(CORPUS / "mesh_file" / "packed.h5", packed)
+    write_surfaces(CORPUS / "surface")
+    write_result(CORPUS / "result" / "two_frames.h5")
+    whole = (CORPUS / "result" / "two_frames.h5").read_bytes()
+    (CORPUS / "result" / "cut.h5").write_bytes(whole[: len(whole) // 2])
+    (CORPUS / "result" / "text.h5").write_bytes(b"pliant-result")
     write_checkpoint(CORPUS / "checkpoint" / "whole.h5")
     whole = (CORPUS / "checkpoint" / "whole.h5").read_bytes()
     (CORPUS / "checkpoint" / "header_alone.h5").write_bytes(b"pliant-checkpoint\nversion 1\nbytes 60\ncrc32 00000000\n".ljust(60, b"\0"))

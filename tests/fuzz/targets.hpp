@@ -11,6 +11,7 @@ namespace pliant::fuzz {
 struct Target {
   const char* name;  ///< of the folder with its corpus, too
   void (*run)(std::string_view bytes);
+  int rounds = 400;  ///< of random damage in the ordinary tests
 };
 
 /// The input file; one that is taken is written as `run.yaml` and must read back as the same.
@@ -19,6 +20,10 @@ void read_as_input(std::string_view bytes);
 void read_as_msh(std::string_view bytes);
 /// A mesh in Pliant's own format.
 void read_as_mesh_file(std::string_view bytes);
+/// A surface of triangles (.stl), which gmsh reads in a process of its own: what comes back from there.
+void read_as_surface(std::string_view bytes);
+/// The frames of a run: told of, and taken up by a run that goes on.
+void read_as_result(std::string_view bytes);
 /// A checkpoint. Its checksum would stop every damage at the door, so it is made right before.
 void read_as_checkpoint(std::string_view bytes);
 
