@@ -7,6 +7,7 @@
 #include "petsc/collective.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -14,6 +15,18 @@
 
 namespace pliant {
 namespace {
+
+/// Numbers that a volume can be computed of; a comparison with what is no number would put nodes in no order, too.
+void require_finite(const std::vector<double>& corners, double scale) {
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const double x = scale * corners[i];
+    if (std::isfinite(x * x * x)) continue;
+    throw MeshDefect(
+        fmt::format("a corner of triangle {} is not finite, or too far away: write it again, or choose "
+                    "another 'scale'",
+                    i / 9 + 1));
+  }
+}
 
 /// One node per place; triangles of no area are left out.
 SurfaceMesh joined(const std::vector<double>& corners, double scale) {
@@ -34,6 +47,7 @@ SurfaceMesh joined(const std::vector<double>& corners, double scale) {
   return surface;
 }
 
+/// Positive if the triangles look outwards.
 double enclosed_volume(const SurfaceMesh& surface) {
   double volume = 0.0;
   for (const auto& [a, b, c] : surface.triangles) {
@@ -71,6 +85,22 @@ void require_closed(const SurfaceMesh& surface) {
   }
 }
 
+/// Turns the triangles outwards.
+void orient(SurfaceMesh& surface) {
+  constexpr double rounding = 1e-12;
+  double largest = 0.0;
+  const auto& origin = surface.nodes[surface.triangles[0][0]];
+  for (const auto& t : surface.triangles) {
+    for (std::size_t i = 0; i < 3; ++i) largest = std::max(largest, std::abs(surface.nodes[t[0]][i] - origin[i]));
+  }
+  const double volume = enclosed_volume(surface);
+  if (!(std::abs(volume) > rounding * largest * largest * largest)) {
+    throw MeshDefect("its surface is flat and encloses no volume: export the surface of a solid");
+  }
+  if (volume > 0.0) return;
+  for (auto& t : surface.triangles) std::swap(t[1], t[2]);
+}
+
 }  // namespace
 
 SurfaceMesh read_surface(MPI_Comm comm, const MeshSource& source) {
@@ -79,11 +109,10 @@ SurfaceMesh read_surface(MPI_Comm comm, const MeshSource& source) {
     telling_the_user(source, [&] {
       require_readable(source.file);
       const SerialMesh corners = isolated([&] { return gmsh_module().triangle_corners(source.file); });
+      require_finite(corners.coordinates, source.scale);
       surface = joined(corners.coordinates, source.scale);
       require_closed(surface);
-      if (enclosed_volume(surface) < 0.0) {
-        for (auto& t : surface.triangles) std::swap(t[1], t[2]);
-      }
+      orient(surface);
     });
   });
   std::array<PetscInt, 2> sizes{static_cast<PetscInt>(surface.nodes.size()),

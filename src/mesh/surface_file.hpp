@@ -16,7 +16,8 @@ struct SurfaceMesh {
 
 /// Reads the triangles of `source.file` (.stl, or the triangles of a .msh) with gmsh on rank 0, for all; `size` and
 /// `refine` do not apply. Nodes at the same place are one. Triangles that look inwards as a whole are turned. Throws
-/// InputError at `source.where` if there are none or the surface is not closed. Collective.
+/// InputError at `source.where` if there are none, or the surface is not closed, is flat, or has a corner that is not
+/// finite. Collective.
 SurfaceMesh read_surface(MPI_Comm comm, const MeshSource& source);
 
 }  // namespace pliant

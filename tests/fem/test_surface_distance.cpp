@@ -121,10 +121,15 @@ std::string mistake(const Triangles& triangles) {
   return "";
 }
 
-TEST(SurfaceDistance, IsRefusedWhereASurfaceIsOpenOrNone) {
+TEST(SurfaceDistance, IsRefusedWhereItEnclosesNothing) {
   Triangles open = box({}, {1.0, 1.0, 1.0});
   open.pop_back();
   EXPECT_NE(mistake(open).find("not closed: 3 edges"), std::string::npos) << mistake(open);
+  Triangles flat;  // a tetrahedron with its four corners in a plane
+  const std::array<Vector3<double>, 4> square{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}};
+  for (const auto& [a, b, c] : std::vector<std::array<std::size_t, 3>>{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}})
+    flat.push_back({square[a], square[b], square[c]});
+  EXPECT_NE(mistake(flat).find("encloses no volume"), std::string::npos) << mistake(flat);
   EXPECT_EQ(mistake(open).find("in.yaml:3:4"), 0U);
   Triangles turned = box({}, {1.0, 1.0, 1.0});
   std::swap(turned[4][0], turned[4][1]);
