@@ -1,12 +1,14 @@
 """What the tests of mistakes share: many runs at a time, each of which must end with one message and the right exit code."""
 import concurrent.futures
+import os
 import re
 
 from program import ProgramTest, finish, start
 
 FROM_MPIRUN = re.compile(r"-{20,}\n.*?-{20,}\n", re.DOTALL)  # what it says of a code that is not 0
 NOISE = ("PETSC ERROR", "Traceback", "terminate called", "Segmentation", "PetscFailure", "MPI_ABORT", "HDF5-DIAG", "pliant failed",
-         "gmsh died")
+         "gmsh died", "HDF5:")
+LONG = bool(os.environ.get("PLIANT_LONG_TESTS"))  # every case, not samples of them
 
 
 class MistakesTest(ProgramTest):
@@ -31,10 +33,10 @@ class MistakesTest(ProgramTest):
             self.assertNotIn(noise, done.stdout + done.stderr, shown)
 
     def judge_all(self, cases, every):
-        """Each case, several at a time. `every`: number of ranks -> each how many-th case runs on them."""
+        """Each case, several at a time. `every`: number of ranks -> each how many-th case runs on them; with PLIANT_LONG_TESTS each."""
         waiting = []
         for number, (name, (directory, arguments, code, place, words)) in enumerate(cases.items()):
-            for ranks in (ranks for ranks, nth in every.items() if number % nth == 0):
+            for ranks in (ranks for ranks, nth in every.items() if LONG or number % nth == 0):
                 waiting.append((name, ranks, self.pool.submit(self.judge, directory, arguments, ranks, code, place, words)))
         for name, ranks, result in waiting:
             with self.subTest(name, ranks=ranks):

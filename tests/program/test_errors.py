@@ -72,6 +72,9 @@ BAD_AGAINST_THE_MESH = {
                             "no facet"),
     "an open surface as obstacle": ("output", "contact: {obstacles: [{name: a, shape: surface, file: @open.stl}]}",
                                     "not closed: 3 edges"),
+    "an obstacle with a corner that is no number": ("output", "contact: {obstacles: [{name: a, shape: surface, "
+                                                    "file: @endless.msh}]}", r"triangle \d+ is not finite"),
+    "a flat obstacle": ("output", "contact: {obstacles: [{name: a, shape: surface, file: @flat.stl}]}", "flat and encloses no volume"),
     "an obstacle from no file": ("output", "contact: {obstacles: [{name: a, shape: surface, file: @nowhere.stl}]}",
                                  "nowhere.stl"),
     "a body beyond a barrier": ("output", "contact: {law: barrier, obstacles: [@{name: a, shape: plane, "
@@ -134,10 +137,17 @@ BAD_COMMANDS = {
 }
 
 
-# Three faces of a tetrahedron.
-OPEN_STL = "solid a\n" + "".join(
-    f"facet normal 0 0 0\nouter loop\nvertex {a}\nvertex {b}\nvertex {c}\nendloop\nendfacet\n"
-    for a, b, c in (("0 0 0", "0 1 0", "1 0 0"), ("0 0 0", "1 0 0", "0 0 1"), ("0 0 0", "0 0 1", "0 1 0"))) + "endsolid a\n"
+def stl(*corners):
+    """The faces of a tetrahedron."""
+    faces = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
+    return "solid a\n" + "".join("facet normal 0 0 0\nouter loop\n" + "".join(f"vertex {corners[c]}\n" for c in face) +
+                                 "endloop\nendfacet\n" for face in faces) + "endsolid a\n"
+
+
+BAD_STL = {
+    "open": stl("0 0 0", "1 0 0", "0 1 0", "0 0 1").rsplit("facet normal", 1)[0] + "endsolid a\n",
+    "flat": stl("0 0 0", "1 0 0", "0 1 0", "1 1 0"),
+}
 
 
 class Errors(MistakesTest):
@@ -155,13 +165,15 @@ class Errors(MistakesTest):
         (directory / "binary.yaml").write_bytes(bytes(range(256)))
         (directory / "bad.geo").write_text("Point(1) = {0, 0, 0};\nLine(1) = {1, 2;\n")
         (directory / "flat.geo").write_text('SetFactory("OpenCASCADE");\nRectangle(1) = {0, 0, 0, 1, 1};\n')
-        (directory / "open.stl").write_text(OPEN_STL)
+        for kind, text in BAD_STL.items():
+            (directory / f"{kind}.stl").write_text(text)
         if name in IN_TWO_VOLUMES:
             points, triangles, cells = box((2, 2, 2))
             above = (points[cells].mean(axis=1)[:, 2] > 0.5).astype(int)
             write_mesh(directory / "cube.msh", points, triangles, cells, (["lower", "upper"], above))
         else:
             write_box(directory / "cube.msh", (2, 2, 2))
+        (directory / "endless.msh").write_text((directory / "cube.msh").read_text().replace(" 1.0 1.0 1.0\n", " 1.0 1.0 nan\n"))
         return directory
 
     def test_the_good_input_is_good(self):

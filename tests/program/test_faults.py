@@ -144,6 +144,36 @@ class Files(FaultTest):
                 self.assertEqual(read_history(self.out)["step"][-1], last + 3)
 
 
+    def test_read_only_from_now_on(self):
+        """A mount over the directory that may not be written to: what is opened from then on."""
+        for ranks in (1, 2):
+            with self.subTest(ranks=ranks):
+                view = self.directory / f"view-{ranks}"
+                view.mkdir()
+                shutil.rmtree(self.out, ignore_errors=True)
+                process = self.going(ranks, 12)
+                mounted = subprocess.run(["mount", "--bind", self.out, view], check=False, capture_output=True)
+                if mounted.returncode != 0:
+                    process.kill()
+                    finish(process, 60)
+                    self.skipTest("directories cannot be mounted here")
+                self.addCleanup(subprocess.run, ["umount", view], check=True)
+                # Read-only where nobody writes, then put over the directory: done at once.
+                subprocess.run(["mount", "-o", "remount,bind,ro", view], check=True)
+                subprocess.run(["mount", "--bind", view, self.out], check=True)
+                self.addCleanup(subprocess.run, ["umount", "--quiet", self.out], check=False)
+                message = self.told(finish(process, 60), 4)
+                self.assertIn(str(self.out), message)
+                self.assertIn("Read-only file system", message)
+                subprocess.run(["umount", self.out], check=True)
+                last = int(self.assert_whole()["step"][-1])
+                self.assertIn(f"rows up to step {last}", message)
+                command = re.search(r"pliant (resume \S+)", message).group(1).split()
+                done = self.call(*command, "--quiet", "--set", f"time.end={0.005 * (last + 3)}", ranks=ranks)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertEqual(self.assert_whole()["step"][-1], last + 3)
+
+
 class Ranks(FaultTest):
     def test_a_killed_rank(self):
         """mpirun says so, once, and all ends at once."""
