@@ -57,7 +57,8 @@ export class Panel {
         textContent: name, title: name === "iso" ? "from the front, above" : `along ${name}`, onclick: () => view.aim(direction) })),
       element("button", { textContent: "PNG", title: "save the picture", onclick: () => this.save() })));
     this.colour.onchange = this.component.onchange = () => this.paint();
-    this.low.onchange = this.high.onchange = () => this.setRange(Number(this.low.value), Number(this.high.value));
+    this.low.onchange = this.high.onchange = () =>
+      this.setRange(Number(this.low.value) * this.factor, Number(this.high.value) * this.factor);
     this.scale.onchange = () => Number.isFinite(this.scale.valueAsNumber) && view.set({ scale: this.scale.valueAsNumber });
   }
 
@@ -117,8 +118,9 @@ export class Panel {
   setRange(low, high) {
     if (!(high > low)) return this.paint();
     const { field, component, kind } = this.now, { name, unit, scales } = this.bodies.fields[field];
-    this.low.value = Number(low.toPrecision(3));
-    this.high.value = Number(high.toPrecision(3));
+    [this.factor] = handyUnit(unit, Math.max(Math.abs(low), Math.abs(high)));  // as the colour bar has it
+    this.low.value = Number((low / this.factor).toPrecision(3));
+    this.high.value = Number((high / this.factor).toPrecision(3));
     this.view.set({ field, component, low, high });
     this.view.paint(kind);
     const part = scales.length === 1 || component < 0 ? "" : ` ${"xyz"[component]}`;

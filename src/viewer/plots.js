@@ -20,6 +20,17 @@ function varying(lines) {
   return lines.filter(([, values]) => extent(values) > 1e-6 * most);
 }
 
+/// Where in ascending numbers.
+function nearest(values, x) {
+  let low = 0, high = values.length - 1;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (values[middle] <= x) low = middle;
+    else high = middle;
+  }
+  return x - values[low] < values[high] - x ? low : high;
+}
+
 /// Names of which the history has all three columns, e.g. `tip` for tip_x, tip_y, tip_z.
 function triples(history, suffixes) {
   return [...history.keys()].filter((name) => name.endsWith(suffixes[0])).map((name) => name.slice(0, -suffixes[0].length))
@@ -135,8 +146,12 @@ export class Plots {
     if (this.time !== undefined) this.mark(this.time);
   }
 
+  /// A line at that time, and its values below, unless the pointer asks for others.
   mark(time) {
     this.time = time;
-    for (const { chart, marker } of this.made) marker.style.transform = `translateX(${chart.valToPos(time, "x")}px)`;
+    for (const { chart, marker } of this.made) {
+      marker.style.transform = `translateX(${chart.valToPos(time, "x")}px)`;
+      if (!(chart.cursor.left >= 0)) chart.setLegend({ idx: nearest(chart.data[0], time) });
+    }
   }
 }

@@ -86,6 +86,7 @@ export class View {
     this.controls.enableDamping = true;
     this.controls.dampingFactor = 0.12;
     this.controls.addEventListener("change", () => this.touch());
+    this.controls.addEventListener("start", () => (this.aimed = null));  // from now on the viewer's own view
     this.light();
     this.materials = {
       body: new MeshStandardMaterial({ roughness: 0.78, metalness: 0, side: DoubleSide, polygonOffset: true,
@@ -136,6 +137,7 @@ export class View {
       high[i % 3] = Math.max(high[i % 3], x[i]);
     }
     this.bodySize = Math.hypot(...low.map((l, k) => high[k] - l)) || 1;
+    this.sceneSize = this.bodySize;
     return low.map((l, k) => (l + high[k]) / 2 || 0);
   }
 
@@ -176,6 +178,7 @@ export class View {
   /// Looks from a direction so that all is just seen. A point is seen from distance d over the shift s if
   /// |p - s| <= slope (d - depth); both bounds together give the least d.
   aim(direction) {
+    this.aimed = direction;
     const points = this.cloud(), back = new Vector3(...direction).normalize();
     this.camera.up.set(0, 0, 1);
     if (Math.abs(back.z) > 0.99) back.set(0, -0.012, Math.sign(back.z)).normalize();
@@ -191,6 +194,7 @@ export class View {
       }
       return { shift: (plus - minus) / 2, distance: (plus + minus) / (2 * slopes[k]) };
     });
+    this.sceneSize = Math.max(this.bodySize, ...points.map((p) => p.distanceTo(points[0])));
     const depths = points.map((p) => p.dot(back));
     const deepest = Math.max(...depths), middle = (deepest + Math.min(...depths)) / 2;
     const distance = Math.max(bounds[0].distance, bounds[1].distance, deepest + 0.1 * this.bodySize);
@@ -220,6 +224,7 @@ export class View {
     this.camera.aspect = width / height;
     this.camera.setViewOffset(width, height, (this.legendShare() * width) / 2, 0, width, height);
     this.camera.updateProjectionMatrix();
+    if (this.aimed) this.aim(this.aimed);
     this.touch();
   }
 
@@ -255,7 +260,7 @@ export class View {
     }
     if (this.obstacles) {
       this.obstacles.group.visible = options.obstacles;
-      this.obstacles.place(at, origin);
+      this.obstacles.place(at, origin, this.sceneSize);
     }
     this.colour(at, attributes.uv);
   }
