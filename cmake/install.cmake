@@ -19,6 +19,9 @@ install(PROGRAMS tools/render.py tools/plot.py tools/work_precision.py tools/bea
         COMPONENT program)
 install(FILES tools/package.py tools/page.py DESTINATION ${pliant_share}/tools COMPONENT program)
 install(FILES README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
+install(FILES src/shell/pliant.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program
+        RENAME pliant)
+install(FILES src/shell/pliant.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program RENAME copyright)  # Debian's name for it
 
 # The libraries: one target per layer, pliant::base to pliant::app, and pliant::pliant for all of them.

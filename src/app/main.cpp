@@ -1,4 +1,5 @@
 // pliant: the program. Parses the command line, starts MPI and PETSc, turns failures into messages and exit codes.
+#include "app/command_help.hpp"
 #include "app/commands.hpp"
 #include "app/converge.hpp"
 #include "app/exit_status.hpp"
@@ -271,6 +272,13 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
                               [&] { return arguments.markdown ? input_reference() : json_schema(); });
   schema->add_flag("--markdown", arguments.markdown, "print the reference of the input in Markdown instead");
   schema->footer(examples({"pliant schema > input.schema.json", "pliant schema --markdown > input.md"}));
+
+  add_text("completion", "print a script that lets bash complete commands, options and files", [&] {
+    return bash_completion(app);
+  })->footer(examples({"source <(pliant completion)"}));
+  add_text("man", "print the page for man", [&] {
+    return man_page(app, version_text());
+  })->footer(examples({"pliant man | man -l -"}));
 
   try {
     app.parse(argc, argv);

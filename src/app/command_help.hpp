@@ -1,0 +1,18 @@
+/// What the command line says of itself, for shells and for man.
+#pragma once
+
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace pliant {
+
+/// A script for bash that completes commands, options, choices and files.
+std::string bash_completion(const CLI::App& program);
+
+/// The page for man, in roff. `versions`: those of the program and its libraries; the first line counts.
+std::string man_page(const CLI::App& program, const std::string& versions);
+
+}  // namespace pliant

@@ -1,0 +1,64 @@
+# Completion of pliant for bash, as `pliant completion` prints it.
+_pliant() {
+  local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD - 1]} path='' options words files i
+  for ((i = 1; i < COMP_CWORD; ++i)); do
+    [[ ${COMP_WORDS[i]} != -- ]] || return  # PETSc's options
+    case "$path ${COMP_WORDS[i]}" in
+      ' run') path='run' ;;
+      ' resume') path='resume' ;;
+      ' info') path='info' ;;
+      ' report') path='report' ;;
+      ' check') path='check' ;;
+      ' converge') path='converge' ;;
+      ' sweep') path='sweep' ;;
+      ' mesh') path='mesh' ;;
+      'mesh convert') path='mesh convert' ;;
+      ' methods') path='methods' ;;
+      ' materials') path='materials' ;;
+      'materials plot') path='materials plot' ;;
+      ' schema') path='schema' ;;
+      ' completion') path='completion' ;;
+      ' man') path='man' ;;
+    esac
+  done
+  case $path in
+    '') options='-h --help --version' words='run resume info report check converge sweep mesh methods materials schema completion man' files='' ;;
+    'run') options='-h --help --set --output --quiet' words='' files='*.@(yaml|yml)' ;;
+    'resume') options='-h --help --set --output --quiet' words='' files='*.h5' ;;
+    'info') options='-h --help' words='' files='*.h5' ;;
+    'report') options='-h --help --output --size' words='' files='*.@(h5|xdmf)' ;;
+    'check') options='-h --help --set' words='' files='*.@(yaml|yml)' ;;
+    'converge') options='-h --help --set --output --in --levels --methods --no-check' words='' files='*.@(yaml|yml)' ;;
+    'sweep') options='-h --help --set --output --jobs --ranks' words='' files='*.@(yaml|yml)' ;;
+    'mesh') options='-h --help' words='convert' files='' ;;
+    'mesh convert') options='-h --help --size --scale' words='' files='*' ;;
+    'methods') options='-h --help' words='' files='' ;;
+    'materials') options='-h --help --markdown' words='plot' files='' ;;
+    'materials plot') options='-h --help --set --stretch --output' words='' files='*' ;;
+    'schema') options='-h --help --markdown' words='' files='' ;;
+    'completion') options='-h --help' words='' files='' ;;
+    'man') options='-h --help' words='' files='' ;;
+  esac
+  # What follows an option that takes a value is that.
+  case $previous in
+    --set | --output | --size | --in | --levels | --methods | --jobs | --ranks | --scale | --stretch) options='' words='' files='' ;;
+  esac
+  case "$path $previous" in
+    'run --output') files='*' ;;
+    'resume --output') files='*' ;;
+    'report --output') files='*' ;;
+    'converge --output') files='*' ;;
+    'converge --in') words='time space tolerance' ;;
+    'sweep --output') files='*' ;;
+    'materials plot --output') files='*' ;;
+  esac
+  if [[ $current == -* ]]; then
+    mapfile -t COMPREPLY < <(compgen -W "$options" -- "$current")
+  elif [[ $words ]]; then
+    mapfile -t COMPREPLY < <(compgen -W "$words" -- "$current")
+  elif [[ $files ]]; then
+    mapfile -t COMPREPLY < <({ shopt -s extglob; compgen -f -X "!$files" -- "$current"; compgen -d -- "$current"; } | sort -u)
+    compopt -o filenames 2>/dev/null
+  fi
+}
+complete -F _pliant pliant
