@@ -28,6 +28,13 @@ class Documents(unittest.TestCase):
         listed = {file for _, file in links(index)} | {index, ROOT / "README.md"}
         self.assertEqual([str(page.relative_to(ROOT)) for page in pages() if page not in listed], [])
 
+    def test_messages_are_those_of_the_sources(self):
+        # As they stand there: literals that follow one another are one.
+        sources = "".join(re.sub(r'"\s*\n\s*"', "", file.read_text(encoding="utf-8")) for file in (ROOT / "src").rglob("*.?pp"))
+        words = re.findall(r"^\| `([^`]*)` \|", (ROOT / "docs/messages.md").read_text(encoding="utf-8"), re.MULTILINE)
+        self.assertGreater(len(words), 30)
+        self.assertEqual([w for w in words if w.lower() not in sources.lower()], [])
+
 
 if __name__ == "__main__":
     unittest.main()
