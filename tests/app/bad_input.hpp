@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <ctime>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -21,6 +22,11 @@ inline constexpr std::array<const char*, 5> good_lines{
     "loads: [{gravity: [0, 0, -9.81]}]",
     "time: {step: 0.01, end: 1}",
 };
+
+/// Of this process [s]: what else the machine does is not in it.
+inline double processor_time() {
+  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
 
 inline std::vector<Diagnostic> mistakes(const std::string& text, const std::vector<Override>& overrides = {}) {
   try {

@@ -1,7 +1,6 @@
 // Every mistake is told once, at its place, in words that help.
 #include "app/bad_input.hpp"
 
-#include <chrono>
 #include <random>
 #include <string>
 #include <vector>
@@ -559,9 +558,9 @@ TEST(InputErrors, HostileTextIsRefusedQuickly) {
                                                      4),
                                          times(5 << 20, "x")};
   for (const std::string& text : hostile) {
-    const auto start = std::chrono::steady_clock::now();
+    const double start = processor_time();
     const auto found = mistakes(text);
-    const auto seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double seconds = processor_time() - start;
     EXPECT_FALSE(found.empty()) << text.substr(0, 20);
     EXPECT_LE(found.size(), 60u) << text.substr(0, 20);
     EXPECT_LT(seconds, 10) << text.substr(0, 20);

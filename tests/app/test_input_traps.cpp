@@ -1,7 +1,6 @@
 // What YAML, numbers, units and formulas do that their writer did not mean, or that a hostile writer means.
 #include "app/bad_input.hpp"
 
-#include <chrono>
 #include <string>
 #include <vector>
 
@@ -167,10 +166,9 @@ std::string times(int n, const std::string& text) {
 
 /// The value is refused, or taken, at once; no message repeats it at length.
 void expect_judged_quickly(const std::string& line) {
-  const auto start = std::chrono::steady_clock::now();
+  const double start = processor_time();
   const auto found = mistakes(with_line(4, line));
-  const auto seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  EXPECT_LT(seconds, 10) << line.substr(0, 60);
+  EXPECT_LT(processor_time() - start, 10) << line.substr(0, 60);
   EXPECT_LE(found.size(), 1u) << told(found).substr(0, 2000);
   for (const auto& d : found) EXPECT_LT(d.message.size(), 400u) << d.message;
 }
@@ -200,10 +198,10 @@ TEST(InputTraps, LongAndDeepUnitsEnd) {
 TEST(InputTraps, ManyMisspeltKeysEnd) {
   std::string bodies = "bodies:\n";
   for (int i = 0; i < 4000; ++i) bodies += "  - {volume: v" + std::to_string(i) + ", densty: 1, elastisity: {}}\n";
-  const auto start = std::chrono::steady_clock::now();
+  const double start = processor_time();
   const auto found = mistakes(with_line(2, bodies));
   EXPECT_EQ(found.size(), 51u);
-  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 10);
+  EXPECT_LT(processor_time() - start, 10);
 }
 
 TEST(InputTraps, BytesThatAreNoTextAreRefusedAtTheirPlace) {
