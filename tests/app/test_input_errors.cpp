@@ -12,6 +12,7 @@ namespace {
 
 using testing::Bad;
 using testing::mistakes;
+using testing::processor_time;
 using testing::told;
 using testing::with_line;
 
