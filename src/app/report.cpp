@@ -145,8 +145,8 @@ std::string page_of(const fs::path& file, const ReportOptions& options) {
   const std::string_view viewer = report_page();
   if (viewer.empty()) {
     throw FileError(
-        "this program was built without the viewer of reports; where the command 'npm' is found, cmake builds it "
-        "(option PLIANT_REPORT)");
+        "this program was built without the viewer of reports: 'npm' was not there, or did not reach its registry, or "
+        "PLIANT_REPORT was off. Where it does, touch src/viewer/package.json and build again");
   }
   const fs::path directory = file.parent_path();
   const ResultReader result(file);
