@@ -56,8 +56,9 @@ def start_screen():
             return
         raise UserError("pictures need a screen or a virtual one: install the package 'xvfb'")
     read, write = os.pipe()
+    display = f":{1000 + os.getpid()}"  # servers that look for a free number take each other's
     server = subprocess.Popen(
-        [program, "-displayfd", str(write), "-screen", "0", "640x480x24", "-nolisten", "tcp", "+extension", "GLX"],
+        [program, display, "-displayfd", str(write), "-screen", "0", "640x480x24", "-nolisten", "tcp", "+extension", "GLX"],
         pass_fds=[write], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         start_new_session=True, preexec_fn=_die_with_parent)
     os.close(write)

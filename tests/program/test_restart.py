@@ -247,14 +247,15 @@ class Signals(RestartTest):
                 self.assert_frames_are_the_rows("out")
 
     def test_the_frame_of_an_interruption_does_not_stay(self):
-        process = self.started(["run", self.input, "--output", "out", "--set", "output.every=1"], 1, 6)
+        process = self.started(["run", self.input, "--output", "out", "--set", "output.every=1000", *self.ENDLESS], 1, 6)
         process.send_signal(signal.SIGTERM)
         self.assertEqual(finish(process, 30).returncode, 130)
         with h5py.File(self.out("out") / "result.h5") as file:
             self.assertEqual(len(file["frames"]), 2)
-        self.resume("out")
+        end = read_history(self.out("out"))["time"][-1] + 0.02
+        self.resume("out", "--set", f"time.end={end}")
         with h5py.File(self.out("out") / "result.h5") as file:
-            self.assertEqual([frame.attrs["time"] for frame in file["frames"].values()], [0, 0.1])
+            self.assertEqual([frame.attrs["time"] for frame in file["frames"].values()], [0, end])
 
     def test_asked_for_a_checkpoint(self):
         process = self.started(["run", self.input, "--output", "out", "--set", "checkpoint.every=1000000", *self.ENDLESS], 1, 3)
