@@ -32,9 +32,9 @@ ENVIRONMENT = {
     # All ranks are here; a search for networks is much of the time that a short run takes.
     "OMPI_MCA_pml": "ob1",
     "OMPI_MCA_btl": "self,vader",
-    # When a rank ends with an error, mpirun waits so long for the others, which have ended too.
-    "OMPI_MCA_odls_base_sigkill_timeout": "0",
 }
+# When a rank ends with an error, mpirun waits so long for the others, which have ended too; after a signal they need it.
+UNSIGNALLED = {"OMPI_MCA_odls_base_sigkill_timeout": "0"}
 ENVIRONMENT.pop("DISPLAY", None)  # MPI asks an X server for its graphics cards, and fails with it
 
 TRIANGLE, TETRAHEDRON, TRIANGLE_6, TETRAHEDRON_10 = 2, 4, 9, 11  # gmsh's element types
@@ -46,10 +46,10 @@ def command(arguments, ranks=1):
     return call if ranks == 1 else ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(ranks), *call]
 
 
-def start(arguments, directory, ranks=1):
+def start(arguments, directory, ranks=1, environment=None):
     """The program, going; in a process group of its own."""
-    return subprocess.Popen(command(arguments, ranks), cwd=directory, env=ENVIRONMENT, text=True, stdin=subprocess.DEVNULL,
-                            stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
+    return subprocess.Popen(command(arguments, ranks), cwd=directory, env=ENVIRONMENT | (environment or {}), text=True,
+                            stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True)
 
 
 def finish(process, timeout):
@@ -97,7 +97,7 @@ class ProgramTest(unittest.TestCase):
         return path
 
     def call(self, *arguments, ranks=1, timeout=120):
-        return finish(start(arguments, self.directory, ranks), timeout)
+        return finish(start(arguments, self.directory, ranks, UNSIGNALLED), timeout)
 
     def run_input(self, file, *settings, ranks=1, output="out", options=(), timeout=120):
         """Runs an input that must succeed; returns its history. `settings`: KEY.PATH=VALUE."""
