@@ -273,6 +273,7 @@ struct SolverConfig {
 struct OutputConfig {
   std::string directory;        ///< resolved against the working directory; default out/<input's stem>
   std::optional<double> every;  ///< [s]; default: the step
+  Location every_where;         ///< of `every` in the input, where it is given
   std::vector<std::string> fields;
 };
 

@@ -328,6 +328,7 @@ void complete(Config& config, const InputNode& root) {
     }
   }
   if (config.output.directory.empty()) config.output.directory = (fs::path("out") / input.stem()).string();
+  if (const InputNode* every = given(root, {"output", "every"})) config.output.every_where = every->where;
   complete_time(config.time, root);
   place_whole_mesh_parts(config.bodies);
   place_whole_mesh_parts(config.loads);

@@ -1,6 +1,7 @@
 #include "app/model.hpp"
 
 #include "app/active.hpp"
+#include "app/advice.hpp"
 #include "app/elasticity.hpp"
 #include "app/input_schema.hpp"
 #include "app/selections.hpp"
@@ -166,6 +167,9 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   }
   constraints_ = std::make_unique<Constraints>(config, layout_, selections);
   for (const auto& notice : selections.unused_groups()) notices_.push_back(notice);
+  doubts_ = doubts_about(config);
+  for (auto& doubt : doubts_about_loads(config, layout_, selections, constraints_->prescribed()))
+    doubts_.push_back(std::move(doubt));
 
   if (layout_.order == 1) {
     build_cells<1>(config, mesh);

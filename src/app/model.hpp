@@ -70,6 +70,8 @@ class Model {
   double mesh_seconds() const { return mesh_seconds_; }
   /// What the user should know, in plain words.
   const std::vector<std::string>& notices() const { return notices_; }
+  /// What the user may not have meant, likewise.
+  const std::vector<std::string>& doubts() const { return doubts_; }
 
   /// Sets up the terms and their sum for the method of `config`, which else is the one of the constructor: the form of
   /// strain rates may depend on it. What `potential()` gave before is gone. Collective.
@@ -121,6 +123,7 @@ class Model {
   std::optional<double> static_time_;  // at which a static problem takes its loads
   WaveSpeeds wave_speeds_;
   std::vector<std::string> notices_;
+  std::vector<std::string> doubts_;
 };
 
 }  // namespace pliant

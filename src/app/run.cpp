@@ -143,6 +143,7 @@ class Run {
                                3 * layout.num_global_nodes, num_ranks(comm_), num_ranks(comm_) == 1 ? "" : "s"));
     for (const auto& notice : model_.mesh_report().notices) console_.print("note: " + notice);
     for (const auto& notice : model_.notices()) console_.print("note: " + notice);
+    for (const auto& doubt : model_.doubts()) console_.warn(doubt);
   }
 
   bool has_petsc_integrator() const {
