@@ -106,6 +106,18 @@ BAD_AGAINST_THE_MESH = {
 # Number of ranks -> each how many-th case runs on them.
 READ_ALIKE = {1: 1, 2: 4}  # each rank has the whole text of the input and of the command line
 HELD_IN_PARTS = {1: 1, 2: 1, 4: 6}  # a rank has a part of the mesh, or reads or writes for all
+# What can be meant, but seldom is: the run says so and goes on. As above.
+DOUBTFUL = {
+    "a load on what is held": ("loads", "loads: [@{surface: left, traction: [0, 0, 1]}]", "the load moves nothing"),
+    "a load on what moves as given": ("loads", 'loads: [@{where: "x < 1e-9 && z < 0.6", pressure: 1}]', "the load moves nothing"),
+    "frames between steps": ("output", "output: {directory: out, every: @1 ms}", "every 0.001 s, but a step takes 0.01 s"),
+}
+NOT_DOUBTFUL = {
+    "a load on what is held in part": ("loads", "loads: [{surface: top, traction: [0, 0, 1]}, {gravity: [0, 0, -9.81]}]"),
+    "a load across what is held": ("constraints", "constraints: [{surface: left, displacement: [0, 0, free]}]\n"
+                                   "probes: [{name: a, point: [0, 0, 0]}]"),
+    "frames at steps": ("output", "output: {directory: out, every: 10 ms}"),
+}
 IN_TWO_VOLUMES = {"volumes that do not cover"}
 
 # Name: arguments, words of the message.
@@ -194,6 +206,16 @@ class Errors(MistakesTest):
             (directory / "in.yaml").write_text(text.replace("@", ""))
             cases[name] = (directory, ["run", "in.yaml"], 2, place, words)
         return cases
+
+    def test_what_is_doubtful(self):
+        """One warning, with its place, and the run goes on."""
+        cases = {name: (directory, [*arguments, "--quiet"], 0, place, "^warning: .*" + words)
+                 for name, (directory, arguments, _, place, words) in self.cases_of(DOUBTFUL).items()}
+        self.judge_all(cases, {1: 1, 2: 2})
+        meant = {name: (*row, "^$") for name, row in NOT_DOUBTFUL.items()}
+        cases = {name: (directory, [*arguments, "--quiet"], 0, None, words)
+                 for name, (directory, arguments, _, _, words) in self.cases_of(meant).items()}
+        self.judge_all(cases, {1: 1})
 
     def test_mistakes_in_the_input(self):
         self.judge_all(self.cases_of(BAD_LINES), READ_ALIKE)
