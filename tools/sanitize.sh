@@ -20,8 +20,10 @@ ninja -C "$sanitized" -j "$(build_jobs)" "${layers[@]/#/test_}"
 
 # fork() of a process that holds this much address space is refused where memory may not be overcommitted, and gmsh runs
 # in a child: a smaller quarantine. Leaks of the libraries are named in the list, each with its reason.
-export ASAN_OPTIONS=detect_leaks=1:quarantine_size_mb=64 LSAN_OPTIONS=suppressions=$root/tests/sanitizers/leaks.txt:print_suppressions=0
+# Whole stacks of what was allocated: libraries without frame pointers have no name else.
+export ASAN_OPTIONS=detect_leaks=1:quarantine_size_mb=64:fast_unwind_on_malloc=0 LSAN_OPTIONS=suppressions=$root/tests/sanitizers/leaks.txt:print_suppressions=0
 export UBSAN_OPTIONS=print_stacktrace=1 HWLOC_COMPONENTS=-gl
+export LD_LIBRARY_PATH=$sanitized/lib  # dlopen() of the sanitizer's does not look where the program says
 status=0
 for layer in "${layers[@]}"; do
   counts=(1)

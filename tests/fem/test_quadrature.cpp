@@ -67,7 +67,7 @@ TEST(NamedRules, HaveTheirPoints) {
   EXPECT_EQ(simplex_rule<3>(2).size(), 4);
   EXPECT_EQ(simplex_rule<3>(5).size(), 14);
   EXPECT_EQ(simplex_rule<2>(2).size(), 3);
-  const auto& x = simplex_rule<3>(2).points[1];
+  const auto x = simplex_rule<3>(2).points[1];
   EXPECT_NEAR(*std::max_element(x.begin(), x.end()), 0.58541020, 5e-9);
   EXPECT_NEAR(*std::min_element(x.begin(), x.end()), 0.13819660, 5e-9);
 }
