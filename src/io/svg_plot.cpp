@@ -40,11 +40,14 @@ struct Span {
     high = std::max(high, value);
   }
   double length() const { return high - low; }
-  /// With room around what is to be seen, and on a logarithmic axis at least a factor of 4 in all, so that it has
-  /// ticks.
+  double magnitude() const { return std::max(std::abs(low), std::abs(high)); }
+  /// With room around what is to be seen, and long enough for ticks: on a logarithmic axis at least a factor of 4 in
+  /// all; on a linear one values that labels of nine digits do not tell apart make a flat line.
   Span padded(Scale scale) const {
     if (low > high) return {-1.0, 0.0};
-    const double least = scale == Scale::logarithmic ? 0.6 : low == high ? 1.0 : 0.0;
+    constexpr double zero = 1e-300;  // so that its parts are no denormal numbers
+    const bool is_flat = length() <= std::max(1e-7 * magnitude(), zero);
+    const double least = scale == Scale::logarithmic ? 0.6 : !is_flat ? 0.0 : magnitude() <= zero ? 1.0 : magnitude();
     const double room = std::max(0.06 * length(), 0.5 * (least - length()));
     return {low - room, high + room};
   }
@@ -218,9 +221,10 @@ std::vector<Tick> multiples_of(const Span& span) {
   const double power = std::pow(10.0, std::floor(std::log10(span.length() / 6.0)));
   const double ratio = span.length() / 6.0 / power;
   const double distance = power * (ratio < 1.5 ? 1.0 : ratio < 3.5 ? 2.0 : ratio < 7.5 ? 5.0 : 10.0);
+  const int digits = std::max(6, 1 + static_cast<int>(std::ceil(std::log10(span.magnitude() / distance))));
   std::vector<Tick> ticks;
   for (double n = std::ceil(span.low / distance); n * distance <= span.high; ++n) {
-    ticks.push_back({n * distance, fmt::format("{:g}", n * distance + 0.0)});
+    ticks.push_back({n * distance, fmt::format("{:.{}g}", n * distance + 0.0, digits)});
   }
   return ticks;
 }

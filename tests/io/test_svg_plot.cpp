@@ -10,6 +10,8 @@
 #include <iterator>
 #include <limits>
 #include <regex>
+#include <set>
+#include <utility>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -162,6 +164,29 @@ INSTANTIATE_TEST_SUITE_P(
                     AxisRange{0.00125, 0.02, {"2·10⁻³", "5·10⁻³", "10⁻²", "2·10⁻²"}},
                     AxisRange{1e-12, 1e3, {"10⁻¹²", "10⁻¹⁰", "10⁻⁸", "10⁻⁶", "10⁻⁴", "10⁻²", "10⁰", "10²"}},
                     AxisRange{0.99, 1.01, {"10⁰"}}));
+
+/// A column of a history may be constant but for rounding; its ticks must be few, end, and be told apart.
+class SvgFlatLine : public ::testing::TestWithParam<std::pair<double, double>> {};
+
+TEST_P(SvgFlatLine, HasAFewTicksWithLabelsOfTheirOwn) {
+  const auto [low, high] = GetParam();
+  Plot plot{"total_energy", "time [s]", "total_energy", {{"run", {0.0, 1.0, 2.0}, {low, high, low}}}, {}};
+  plot.scale = Scale::linear;
+  std::set<std::string> labels;
+  const auto ticks = all_matches(svg(plot), R"re(class="tick end">([^<]*)<)re");
+  for (const auto& tick : ticks) labels.insert(tick[1]);
+  EXPECT_GE(ticks.size(), 2U);
+  EXPECT_LE(ticks.size(), 12U);
+  EXPECT_EQ(labels.size(), ticks.size());
+}
+
+INSTANTIATE_TEST_SUITE_P(Values, SvgFlatLine,
+                         ::testing::Values(std::pair(0.0, 0.0), std::pair(3.5, 3.5), std::pair(-1e20, -1e20),
+                                           std::pair(1e-5, std::nextafter(1e-5, 1.0)),
+                                           std::pair(-7e3, std::nextafter(-7e3, 0.0)),
+                                           std::pair(std::nextafter(0.0, -1.0), std::nextafter(0.0, 1.0)),
+                                           std::pair(2.0, 2.0 + 1e-9), std::pair(2.0, 2.0 + 1e-6),
+                                           std::pair(0.0, 1e-300), std::pair(-1e300, 1e300)));
 
 TEST(SvgPlot, LeavesOutWhatHasNoLogarithm) {
   const std::string picture =
