@@ -129,6 +129,7 @@ class PetscAdvance final : public Advance {
   void restart() override { integrator_->restart(); }
   StateView state() const override { return integrator_->state().view(); }
   void keep(Archive& archive) override { integrator_->keep(archive); }
+  void forget() override { integrator_->forget(); }
   const SolverStatistics& solver_statistics() const override { return integrator_->statistics(); }
   std::vector<std::string> description() const override {
     return {fmt::format("solver: PETSc's integrator {}, with its own Newton's method", name_)};

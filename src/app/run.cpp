@@ -71,7 +71,6 @@ class Run {
       checkpoints_.restore(from->file, from->info, [&](Archive& archive) { keep(archive); });
       earlier = {record().step, last_frame_};
       last_row_ = record().step;
-      if (has_petsc_integrator()) console.print("note: PETSc's integrators start anew where they resume");
     }
     recorder_.emplace(config, model_, simulation_->ledger(), earlier);
     if (!earlier) {
@@ -144,10 +143,6 @@ class Run {
     for (const auto& notice : model_.mesh_report().notices) console_.print("note: " + notice);
     for (const auto& notice : model_.notices()) console_.print("note: " + notice);
     for (const auto& doubt : model_.doubts()) console_.warn(doubt);
-  }
-
-  bool has_petsc_integrator() const {
-    return analysis_of(config_) == Analysis::dynamic && integrator_of(config_) == nullptr;
   }
 
   void keep(Archive& archive) {

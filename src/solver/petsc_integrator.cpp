@@ -16,18 +16,20 @@ constexpr int max_halvings = 20;
 /// The residual's rounding floor is an estimate: below `floor_factor` times it nothing is to be gained; where the
 /// residual no longer falls, it is accepted up to 100 times as much.
 constexpr double floor_factor = 4.0;
-/// Length of a stage of whose Hessian nothing but M / dt^2 is left in double precision [s].
-constexpr double instant = 1e-14;
-/// Constant acceleration in the two half steps with which TSALPHA2 starts that it takes for an acceleration of 1. Until
-/// 3.22 its difference formula gave twice the acceleration, and radii below 1 were of first order.
-constexpr double start_acceleration = PETSC_VERSION_LT(3, 22, 0) ? 0.5 : 1.0;
 
 }  // namespace
 
 PetscIntegrator::PetscIntegrator(const PetscIntegratorOptions& options, StageEquation& equation,
                                  PrescribedMotion motion, const StateView& initial)
-    : options_(options), equation_(equation), motion_(std::move(motion)), accepted_(initial), end_(initial) {
-  for (Handle<Vec>* x : {&q0_, &v0_, &q_, &r_, &q_part_, &v_part_, &rate_, &a_, &start_v_}) *x = equation.make_vector();
+    : options_(options),
+      equation_(equation),
+      motion_(std::move(motion)),
+      accepted_(initial),
+      end_(initial),
+      middle_(initial) {
+  for (Handle<Vec>* x : {&q0_, &v0_, &q_, &r_, &q_part_, &v_part_, &rate_, &a_, &start_v_, &acceleration_, &end_a_}) {
+    *x = equation.make_vector();
+  }
   check(TSCreate(equation.comm(), ts_.out()));
   configure_time_stepping();
   configure_newton();
@@ -38,6 +40,7 @@ void PetscIntegrator::configure_time_stepping() {
   check(TSSetType(ts, options_.method.type.data()));
   check(TSSetApplicationContext(ts, this));
   check(TSSetPreStage(ts, stage_callback));
+  check(TSSetPostStage(ts, solved_callback));
   if (is_second_order()) {
     K_ = equation_.make_hessian();
     y_ = equation_.make_vector();
@@ -91,6 +94,11 @@ void PetscIntegrator::configure_newton() {
   check(TSSetMaxTime(ts, PETSC_MAX_REAL));
   check(TSSetMaxSteps(ts, PETSC_MAX_INT - 1));
   if (options_.method.kind == PetscMethod::Kind::arkimex) check(TSARKIMEXSetFullyImplicit(ts, PETSC_TRUE));
+  if (is_bdf()) {
+    PetscInt order = 0;
+    check(TSBDFGetOrder(ts, &order));
+    points_ = BdfPoints(static_cast<int>(order));
+  }
 }
 
 double PetscIntegrator::time_step() const {
@@ -113,7 +121,7 @@ PetscErrorCode PetscIntegrator::stage_callback(TS ts, PetscReal time) {
 PetscErrorCode PetscIntegrator::second_order_residual(TS, PetscReal t, Vec q, Vec v, Vec a, Vec F, void* self) {
   auto* integrator = static_cast<PetscIntegrator*>(self);
   return integrator->guard_.run([&] {
-    if (integrator->is_finding_start()) {
+    if (integrator->is_handing_over()) {
       check(VecZeroEntries(F));
       return;
     }
@@ -136,7 +144,9 @@ PetscErrorCode PetscIntegrator::second_order_jacobian(TS, PetscReal t, Vec q, Ve
 
 PetscErrorCode PetscIntegrator::first_order_residual(TS, PetscReal t, Vec y, Vec y_dot, Vec F, void* self) {
   auto* integrator = static_cast<PetscIntegrator*>(self);
-  return integrator->guard_.run([&] { integrator->evaluate_first_order(t, y, y_dot, F); });
+  return integrator->guard_.run([&] {
+    integrator->is_handing_over() ? check(VecZeroEntries(F)) : integrator->evaluate_first_order(t, y, y_dot, F);
+  });
 }
 
 PetscErrorCode PetscIntegrator::first_order_jacobian(TS, PetscReal t, Vec y, Vec y_dot, PetscReal shift, Mat, Mat,
@@ -205,45 +215,14 @@ void PetscIntegrator::evaluate_first_order(double time, Vec y, Vec y_dot, Vec F)
   join(rate_.get(), r_.get(), F);
 }
 
-void PetscIntegrator::find_start() {
-  check(VecZeroEntries(a_.get()));
-  begin_stage(accepted_.time, time_step(), accepted_.q.get(), accepted_.v.get(), a_.get());
-  evaluate_forces();
-  find_acceleration();
-  check(VecCopy(accepted_.v.get(), start_v_.get()));
-}
-
-void PetscIntegrator::find_acceleration() {
-  if (!mass_) {
-    mass_ = equation_.make_hessian();
-    const Handle<Vec> zero = equation_.make_vector();
-    equation_.begin_stage({.time = stage_.time, .dt = instant, .q0 = zero.get(), .v0 = zero.get()});
-    equation_.hessian(zero.get(), mass_.get(), Projection::none);
-    check(MatScale(mass_.get(), instant * instant));
-    check(KSPCreate(equation_.comm(), mass_solver_.out()));
-    KSP ksp = mass_solver_.get();
-    check(KSPSetOptionsPrefix(ksp, "mass_"));
-    check(KSPSetOperators(ksp, mass_.get(), mass_.get()));
-    check(KSPSetType(ksp, KSPCG));
-    PC pc = nullptr;
-    check(KSPGetPC(ksp, &pc));
-    check(PCSetType(pc, PCJACOBI));
-    check(KSPSetTolerances(ksp, 1e-13, 0.0, PETSC_DEFAULT, 1000));
-    check(KSPSetFromOptions(ksp));
-  }
-  check(VecScale(r_.get(), -1.0));
-  check(KSPSolve(mass_solver_.get(), r_.get(), a_.get()));
-}
-
 void PetscIntegrator::complete_guess(SNES snes, Vec x) {
   is_solving_ = true;
   is_stuck_ = false;
-  const double dt = time_step();
-  if (is_finding_start()) {
-    check(VecAXPBYPCZ(x, dt, 0.5 * start_acceleration * dt * dt, 1.0, start_v_.get(), a_.get()));
-    check(VecAXPY(start_v_.get(), start_acceleration * dt, a_.get()));
+  if (is_handing_over()) {
+    hand_over(x);
     return;
   }
+  const double dt = time_step();
   ++statistics_.stages;
   if (is_second_order()) {
     // The unknown is q at the end of the step.
@@ -300,7 +279,7 @@ void PetscIntegrator::search_line(SNESLineSearch search) {
 
 SNESConvergedReason PetscIntegrator::judge(PetscInt iteration, double f) {
   if (!std::isfinite(f)) return SNES_DIVERGED_FNORM_NAN;
-  if (is_finding_start()) return SNES_CONVERGED_FNORM_ABS;
+  if (is_handing_over()) return SNES_CONVERGED_FNORM_ABS;
   if (is_stuck_) return SNES_DIVERGED_LINE_SEARCH;
   // Only the forces count: the row q' = v is exact.
   if (iteration == 0) scale_ = equation_.force_scale(q_.get());
@@ -337,15 +316,16 @@ void PetscIntegrator::roll_back() {
 StepAttempt PetscIntegrator::attempt(const Step& step) & {
   TS ts = ts_.get();
   if (is_tried_) roll_back();
+  if (starts_) {
+    check(TSRestartStep(ts));
+    hand_over_points();
+  }
   set_solution(accepted_.q.get(), accepted_.v.get());
   check(TSSetStepNumber(ts, num_accepted_));
   check(TSSetTime(ts, accepted_.time));
   check(TSSetTimeStep(ts, step.dt));
   num_stages_ = 0;
-  if (starts_) {
-    check(TSRestartStep(ts));
-    if (is_second_order()) find_start();
-  }
+  if (starts_ && is_second_order()) find_start();
   PetscInt newton_before = 0, linear_before = 0;
   check(TSGetSNESIterations(ts, &newton_before));
   check(TSGetKSPIterations(ts, &linear_before));
@@ -361,6 +341,7 @@ StepAttempt PetscIntegrator::attempt(const Step& step) & {
   if (is_second_order()) {
     check(VecCopy(y_.get(), end_.q.get()));
     check(VecCopy(y_dot_.get(), end_.v.get()));
+    record_acceleration(step.dt);
   } else {
     split(y_.get(), end_.q.get(), end_.v.get());
   }
@@ -404,24 +385,22 @@ StageReport PetscIntegrator::report_of(PetscInt newton_before, PetscInt linear_b
 
 void PetscIntegrator::accept([[maybe_unused]] const StepAttempt& attempt) {
   assert(is_tried_ && attempt.report.outcome == StageOutcome::converged && attempt.time == end_.time);
+  if (is_bdf() && points_.empty()) {
+    points_.push(middle_.view());
+    points_.push(accepted_.view());
+  }
   accepted_.assign(end_.view());
+  if (is_bdf()) points_.push(accepted_.view());
+  if (is_second_order()) {
+    std::swap(acceleration_, end_a_);
+    is_acceleration_recorded_ = true;
+  }
   set_solution(accepted_.q.get(), accepted_.v.get());
   check(TSSetTime(ts_.get(), accepted_.time));
   ++num_accepted_;
   is_tried_ = false;
   starts_ = false;
   check(TSMonitor(ts_.get(), num_accepted_, accepted_.time, y_.get()));
-}
-
-void PetscIntegrator::keep(Archive& archive) {
-  accepted_.keep(archive);
-  archive.number("num_accepted", num_accepted_);
-  if (archive.restores()) starts_ = true;
-}
-
-void PetscIntegrator::restart() {
-  if (is_tried_) roll_back();
-  starts_ = true;
 }
 
 }  // namespace pliant

@@ -4,6 +4,7 @@
 #include "energy/stage_equation.hpp"
 #include "petsc/callback.hpp"
 #include "petsc/handle.hpp"
+#include "solver/bdf_points.hpp"
 #include "solver/linear.hpp"
 #include "solver/newton.hpp"
 #include "solver/petsc_method.hpp"
@@ -50,7 +51,10 @@ class PetscIntegrator {
   void accept(const StepAttempt& attempt);
   /// Forgets all but the newest state: TS starts anew from it, after an event at which accelerations jump.
   void restart();
-  /// The newest state; what TS remembers of earlier ones is its own: after restoring, it starts anew. Collective.
+  /// What TS remembers of earlier states is given to it anew before the next step, as it is after restoring: the two go
+  /// on alike to the last bit.
+  void forget();
+  /// The newest state, and of earlier ones what TS remembers. Collective.
   void keep(Archive& archive);
 
   /// The newest accepted state.
@@ -61,6 +65,7 @@ class PetscIntegrator {
 
  private:
   static PetscErrorCode stage_callback(TS ts, PetscReal time);
+  static PetscErrorCode solved_callback(TS ts, PetscReal time, PetscInt, Vec* y);
   static PetscErrorCode second_order_residual(TS, PetscReal t, Vec q, Vec v, Vec a, Vec F, void* self);
   static PetscErrorCode second_order_jacobian(TS, PetscReal t, Vec q, Vec v, Vec a, PetscReal shift_v,
                                               PetscReal shift_a, Mat J, Mat P, void* self);
@@ -72,6 +77,7 @@ class PetscIntegrator {
   static PetscErrorCode convergence_callback(SNES, PetscInt it, PetscReal, PetscReal, PetscReal f,
                                              SNESConvergedReason* reason, void* self);
 
+  bool is_bdf() const { return options_.method.kind == PetscMethod::Kind::bdf; }
   bool is_second_order() const { return options_.method.kind == PetscMethod::Kind::alpha2; }
   void configure_time_stepping();
   void configure_newton();
@@ -83,14 +89,22 @@ class PetscIntegrator {
   /// a_ = what M a = -forces gives, for methods that begin with the slope of the state they start from.
   void find_acceleration();
   /// TSALPHA2 finds its first acceleration from two half steps of backward Euler. It is handed two steps of constant
-  /// acceleration instead, from which it finds the one that balances the forces.
+  /// acceleration instead, from which it finds the one it had, or that balances the forces if it had none.
   void find_start();
   bool is_finding_start() const { return is_second_order() && starts_ && num_stages_ <= 2; }
+  /// Lets TSBDF take the steps between its points again, with their ends for solutions.
+  void hand_over_points();
+  /// TS is told what it would solve for: all residuals are zero.
+  bool is_handing_over() const { return handed_ != 0 || is_finding_start(); }
   void complete_guess(SNES snes, Vec x);
+  /// x = what TS is to find.
+  void hand_over(Vec x);
   void search_line(SNESLineSearch search);
   SNESConvergedReason judge(PetscInt iteration, double norm);
   void roll_back();
   void set_solution(Vec q, Vec v);
+  /// end_a_ at the end of a step of TSALPHA2.
+  void record_acceleration(double dt);
   StageReport report_of(PetscInt newton_before, PetscInt linear_before);
 
   PetscIntegratorOptions options_;
@@ -106,9 +120,16 @@ class PetscIntegrator {
   State accepted_;
   State end_;  // of the attempt
   PetscInt num_accepted_ = 0;
-  bool starts_ = true;           // the next step has no past
+  bool starts_ = true;           // TS has no past in the next step, or is given it
   bool is_tried_ = false;        // TS has moved on from the accepted state
   bool is_rolled_back_ = false;  // TS knows that it starts from there again
+
+  // What TS remembers of earlier steps.
+  BdfPoints points_{0};               // those of TSBDF
+  State middle_;                      // of its first step
+  std::size_t handed_ = 0;            // the point that is being given to it; or 0
+  Handle<Vec> acceleration_, end_a_;  // TSALPHA2's own, of the accepted state and at the attempt's end [m/s^2]
+  bool is_acceleration_recorded_ = false;
 
   // The stage at hand.
   double stage_time_ = 0.0;  // as TS announces it [s]

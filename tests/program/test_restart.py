@@ -116,9 +116,10 @@ class Continuation(RestartTest):
                        "cavities=[{name: below, surface: bottom, volume: 1e-3, "
                        "liquid: {bulk_modulus: 1e5, added_volume: '1e-5*sin(20*t)'}}]"),
             "HDF5 mesh": ("mesh.file=box.h5", "time.end=0.06"),
-            "PETSc": ("time.method={petsc: arkimex}", "bodies=[{density: 1000, elasticity: {model: linear, "
-                      "youngs_modulus: 50 kPa, poissons_ratio: 0.3}}]"),
         }
+        elastic = "bodies=[{density: 1000, elasticity: {model: linear, youngs_modulus: 50 kPa, poissons_ratio: 0.3}}]"
+        cases |= {f"PETSc's {name}": (f"time.method={{petsc: {name}}}", "time.end=0.06", elastic)
+                  for name in ("alpha2", "bdf", "arkimex")}
         done = self.call("mesh", "convert", "box.msh", "box.h5")
         self.assertEqual(done.returncode, 0, done.stderr)
         for number, (name, settings) in enumerate(cases.items()):

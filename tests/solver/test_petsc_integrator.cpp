@@ -1,9 +1,12 @@
 // PETSc's integrators against our own and against what theory says of them.
+#include "petsc/memory_archive.hpp"
 #include "solver/petsc_integrator.hpp"
 #include "solver/problem.hpp"
 #include "time/integrator.hpp"
 
 #include <functional>
+
+#include <fmt/format.h>
 
 namespace pliant {
 namespace {
@@ -64,6 +67,13 @@ class Drag final : public EnergyTerm {
   PetscInt size_;
   std::vector<std::int32_t> blocks_;
 };
+
+/// Bit by bit.
+bool equal(Vec a, Vec b) {
+  PetscBool result = PETSC_FALSE;
+  check(VecEqual(a, b, &result));
+  return result;
+}
 
 class PetscIntegration : public ::testing::Test {
  protected:
@@ -128,6 +138,35 @@ class PetscIntegration : public ::testing::Test {
     ASSERT_EQ(attempt.report.outcome, StageOutcome::converged) << attempt.report.reason;
     integrator.accept(attempt);
   }
+  /// Steps of two lengths, so that every past state counts.
+  static void step_by_number(PetscIntegrator& integrator, int n) {
+    const double dt = n % 3 == 2 ? 0.008 : 0.01;
+    step(integrator, {integrator.state().time + dt, dt});
+  }
+  /// What goes on from what was kept goes on as what it was kept of, bit by bit, and both as if nothing had been.
+  void expect_continuation(const PetscMethod& method, int num_before) {
+    const auto first = petsc(method), second = petsc(method), undisturbed = petsc(method);
+    for (int n = 0; n < num_before; ++n) {
+      step_by_number(*first, n);
+      step_by_number(*undisturbed, n);
+    }
+    testing::MemoryArchive archive;
+    first->keep(archive);
+    first->forget();
+    archive.turn_round();
+    second->keep(archive);
+    for (int n = num_before; n < num_before + 4; ++n) {
+      SCOPED_TRACE(fmt::format("{}, step {} after {}", method.name, n, num_before));
+      // An attempt that comes to nothing takes none of the memory away.
+      if (n == num_before) second->attempt({60.0, 60.0 - second->state().time});
+      for (PetscIntegrator* integrator : {first.get(), second.get(), undisturbed.get()}) step_by_number(*integrator, n);
+      EXPECT_TRUE(equal(first->state().q.get(), second->state().q.get()));
+      EXPECT_TRUE(equal(first->state().v.get(), second->state().v.get()));
+      // To the tolerance of Newton's method.
+      const Vec v = undisturbed->state().v.get();
+      EXPECT_LE(distance(first->state().v.get(), v), 1e-9 * testing::norm(v));
+    }
+  }
   template <class AnyIntegrator>
   static State run(AnyIntegrator& integrator, int num_steps, double end) {
     const double dt = end / num_steps;
@@ -141,13 +180,6 @@ class PetscIntegration : public ::testing::Test {
   MPI_Comm on_ = comm;
   std::unique_ptr<Problem> problem_;
 };
-
-/// Bit by bit.
-bool equal(Vec a, Vec b) {
-  PetscBool result = PETSC_FALSE;
-  check(VecEqual(a, b, &result));
-  return result;
-}
 
 /// Sets an option of PETSc for a scope.
 class Option {
@@ -226,6 +258,11 @@ TEST_P(EveryPetscMethod, AnAttemptThatIsNotAcceptedLeavesNoTrace) {
     EXPECT_TRUE(equal(troubled->state().q.get(), straight->state().q.get())) << "step " << n;
     EXPECT_TRUE(equal(troubled->state().v.get(), straight->state().v.get())) << "step " << n;
   }
+}
+
+TEST_P(EveryPetscMethod, GoesOnFromWhatWasKept) {
+  work_alone();
+  for (const int num_before : {0, 1, 2, 6}) expect_continuation(GetParam(), num_before);
 }
 
 // The end of the block that is pushed through belongs to some of the ranks only.
@@ -337,6 +374,17 @@ TEST_F(PetscIntegration, OptionsReachTheMethod) {
   EXPECT_GT(distance(coarse.q.get(), midpoint.q.get()), 1e-6);
   const double ratio = distance(coarse.q.get(), reference().q.get()) / distance(fine.q.get(), reference().q.get());
   EXPECT_NEAR(std::log2(ratio), 2.0, 0.1);
+}
+
+// A past of other lengths, and accelerations that do not balance the forces.
+TEST_F(PetscIntegration, OtherOrdersAndRadiiGoOnFromWhatWasKept) {
+  work_alone();
+  for (const char* order : {"1", "3", "6"}) {
+    const Option option("-ts_bdf_order", order);
+    for (const int num_before : {1, 3, 9}) expect_continuation(method_of(PetscMethod::Kind::bdf), num_before);
+  }
+  const Option radius("-ts_alpha_radius", "0.5");
+  expect_continuation(method_of(PetscMethod::Kind::alpha2), 3);
 }
 
 TEST_F(PetscIntegration, AnOptionThatNamesAnotherMethodIsRefused) {
