@@ -72,7 +72,13 @@ class Run {
       earlier = {record().step, last_frame_};
       last_row_ = record().step;
     }
-    recorder_.emplace(config, model_, simulation_->ledger(), earlier);
+    try {
+      recorder_.emplace(config, model_, simulation_->ledger(), earlier);
+    } catch (const FileError& error) {
+      if (!earlier) throw;
+      throw FileError(fmt::format("{}. To leave what is there and go on elsewhere: pliant resume {} --output DIR",
+                                  error.what(), from->file.string()));
+    }
     if (!earlier) {
       checkpoints_.remove_all();
       remove_post_mortem(comm_, config_);

@@ -103,16 +103,21 @@ void orient(SurfaceMesh& surface) {
 
 }  // namespace
 
+SurfaceMesh closed_surface(const std::vector<double>& corners, double scale) {
+  require_finite(corners, scale);
+  SurfaceMesh surface = joined(corners, scale);
+  require_closed(surface);
+  orient(surface);
+  return surface;
+}
+
 SurfaceMesh read_surface(MPI_Comm comm, const MeshSource& source) {
   SurfaceMesh surface;
   on_root(comm, [&] {
     telling_the_user(source, [&] {
       require_readable(source.file);
       const SerialMesh corners = isolated([&] { return gmsh_module().triangle_corners(source.file); });
-      require_finite(corners.coordinates, source.scale);
-      surface = joined(corners.coordinates, source.scale);
-      require_closed(surface);
-      orient(surface);
+      surface = closed_surface(corners.coordinates, source.scale);
     });
   });
   std::array<PetscInt, 2> sizes{static_cast<PetscInt>(surface.nodes.size()),

@@ -14,10 +14,13 @@ struct SurfaceMesh {
   std::vector<std::array<PetscInt, 3>> triangles;  ///< numbers of nodes
 };
 
+/// The surface of triangles that are given by their corners, nine numbers each [1/scale m]. Nodes at the same place are
+/// one. Triangles that look inwards as a whole are turned. Throws MeshDefect if there are none, or the surface is not
+/// closed, is flat, or has a corner that is not finite. Not collective.
+SurfaceMesh closed_surface(const std::vector<double>& corners, double scale);
+
 /// Reads the triangles of `source.file` (.stl, or the triangles of a .msh) with gmsh on rank 0, for all; `size` and
-/// `refine` do not apply. Nodes at the same place are one. Triangles that look inwards as a whole are turned. Throws
-/// InputError at `source.where` if there are none, or the surface is not closed, is flat, or has a corner that is not
-/// finite. Collective.
+/// `refine` do not apply. Throws InputError at `source.where` where closed_surface throws. Collective.
 SurfaceMesh read_surface(MPI_Comm comm, const MeshSource& source);
 
 }  // namespace pliant

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <dlfcn.h>
 
+#include <hdf5.h>
 #include <petscviewer.h>
 
 namespace pliant {
@@ -14,6 +15,13 @@ namespace {
 PetscErrorCode pass_on(MPI_Comm, int, const char*, const char*, PetscErrorCode code, PetscErrorType, const char*,
                        void*) {
   return code;
+}
+
+/// HDF5 would close itself in MPI_Finalize, if MPI was there when HDF5 started, or else at exit. It crashes there over
+/// damaged files that it could not close before. What we open we close.
+void keep_hdf5_from_closing_itself() {
+  (void)H5dont_atexit();
+  (void)H5open();
 }
 
 /// One BLAS thread per rank, unless the user asks for more: ranks are the parallelism, and OpenBLAS would start a
@@ -35,6 +43,7 @@ Session::Session(const std::string& program, const std::vector<std::string>& pet
   pointers.push_back(nullptr);
   int argc = static_cast<int>(texts.size());
   char** argv = pointers.data();
+  keep_hdf5_from_closing_itself();
   // PETSc keeps argv until PetscFinalize only for PetscGetArgs, which nobody here calls.
   check(PetscInitialize(&argc, &argv, nullptr, nullptr));
   use_one_blas_thread();

@@ -18,6 +18,7 @@ from program import ProgramTest, finish, ranks_of, read_history, start, write_bo
 
 METHODS = ("backward-euler", "bdf2", "bdf3", "dirk22", "dirk23", "dirk33", "implicit-midpoint", "symplectic-dirk22")
 ADAPTIVE = ("bdf3", "dirk23", "dirk33")  # each estimates its error in another way
+PATIENCE = 900  # seconds: some runs that are killed again and again take two thousand steps, with a checkpoint every other
 SAME_RANKS, OTHER_RANKS = 1e-10, 1e-7  # the second: what Newton's tolerance of 1e-10 leaves after many steps
 
 BODY = """
@@ -55,8 +56,8 @@ class RestartTest(ProgramTest):
     def out(self, name):
         return self.directory / name
 
-    def resume(self, name, *arguments, ranks=1):
-        done = self.call("resume", name, "--quiet", *arguments, ranks=ranks)
+    def resume(self, name, *arguments, ranks=1, timeout=120):
+        done = self.call("resume", name, "--quiet", *arguments, ranks=ranks, timeout=timeout)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return done
 
@@ -172,7 +173,7 @@ class Continuation(RestartTest):
     def check_kills(self, settings, ranks, num_kills, chance):
         """A run that is killed at random moments, mostly once it has got on a little, and resumed on the ranks in turn."""
         shutil.rmtree(self.out("out"), ignore_errors=True)
-        whole = self.run_input(self.input, *settings, ranks=ranks[0], output="whole")
+        whole = self.run_input(self.input, *settings, ranks=ranks[0], output="whole", timeout=PATIENCE)
         arguments = ["run", self.input, "--quiet", "--output", "out"]
         arguments += [a for setting in settings for a in ("--set", setting)]
         for kill in range(num_kills):
@@ -185,7 +186,7 @@ class Continuation(RestartTest):
             self.kill(process)
             arguments = ["resume", "out", "--quiet"]
         self.assertLess(len(self.text("out").splitlines()), 1 + len(whole["step"]), "ended before it was killed")
-        self.resume("out", ranks=ranks[num_kills % len(ranks)])
+        self.resume("out", ranks=ranks[num_kills % len(ranks)], timeout=PATIENCE)
         tolerance = SAME_RANKS if len(ranks) == 1 else OTHER_RANKS
         self.assert_same_history(whole, read_history(self.out("out")), tolerance)
         self.assert_frames_are_the_rows("out")
@@ -388,6 +389,23 @@ class Damage(RestartTest):
         done = self.call("info", self.out("out") / "result.h5")
         self.assertIn("9 frames from t = 0 to 0.04", done.stdout)
         self.assertEqual(self.call("info", self.input).returncode, 4)
+
+    def test_results_that_are_damaged(self):
+        """HDF5 cannot close a file that says of itself that it was written by another driver."""
+        result = self.out("out") / "result.h5"
+        data = bytearray(result.read_bytes())
+        data[48:56] = (11).to_bytes(8, "little")  # where the address of the driver's information stands, which none of ours has
+        result.write_bytes(data)
+        for ranks in (1, 2):
+            done = self.call("resume", self.older, "--quiet", ranks=ranks)
+            self.assertEqual(done.returncode, 4, done.stderr)
+            told = [line for line in done.stderr.splitlines() if "result.h5" in line]
+            self.assertEqual(len(told), 1, done.stderr)
+            self.assertNotIn("HDF5", done.stderr)
+            self.assertNotIn("signal", done.stderr)
+        command = re.search(r"pliant (resume .*) DIR", told[0]).group(1).split()
+        self.resume(*command[1:], "elsewhere")
+        self.assertEqual(self.text("elsewhere").splitlines()[-1], self.whole.splitlines()[-1])
 
     def test_a_directory_that_cannot_be_written(self):
         """A checkpoint that cannot be written ends the run, and leaves the one before as it was."""
