@@ -75,7 +75,8 @@ INSTANTIATE_TEST_SUITE_P(All, Reader,
                          ::testing::Values(Target{"input", read_as_input}, Target{"msh", read_as_msh},
                                            Target{"mesh_file", read_as_mesh_file},
                                            Target{"surface", read_as_surface, /*rounds=*/10},
-                                           Target{"result", read_as_result}, Target{"checkpoint", read_as_checkpoint}),
+                                           Target{"triangles", read_as_triangles}, Target{"result", read_as_result},
+                                           Target{"checkpoint", read_as_checkpoint}),
                          [](const auto& target) { return std::string(target.param.name); });
 
 }  // namespace

@@ -101,8 +101,20 @@ def write_surfaces(folder):
                      "endloop\nendfacet\n" for triangle in TRIANGLES)
     (folder / "text.stl").write_text(f"solid a\n{facets}endsolid a\n")
     (folder / "open.stl").write_text(f"solid a\n{facets[: len(facets) // 2]}endsolid a\n")
-    corners = [np.array([[0, 0, 0], *(CORNERS[c] for c in triangle)], "<f4").tobytes() + b"\0\0" for triangle in TRIANGLES]
-    (folder / "bytes.stl").write_bytes(b"bytes".ljust(80) + len(TRIANGLES).to_bytes(4, "little") + b"".join(corners))
+    (folder / "bytes.stl").write_bytes(binary_stl(TRIANGLES, CORNERS))
+
+
+def write_triangles(folder):
+    (folder / "tetrahedron.stl").write_bytes(binary_stl(TRIANGLES, CORNERS))
+    (folder / "inwards.stl").write_bytes(binary_stl([t[::-1] for t in TRIANGLES], CORNERS))
+    # One of them has no area: its corners lie on an edge.
+    (folder / "without_area.stl").write_bytes(binary_stl([*TRIANGLES[:3], (2, 4, 3), (2, 0, 4), (4, 0, 3)], [*CORNERS, (0, 0, 0.5)]))
+    (folder / "open.stl").write_bytes(binary_stl(TRIANGLES[:3], CORNERS))
+
+
+def binary_stl(triangles, corners):
+    facets = [np.array([[0, 0, 0], *(corners[c] for c in triangle)], "<f4").tobytes() + b"\0\0" for triangle in triangles]
+    return b"bytes".ljust(80) + len(facets).to_bytes(4, "little") + b"".join(facets)
 
 
 def write_result(path):
@@ -118,7 +130,7 @@ def write_result(path):
 
 
 def main():
-    for name in ("input", "msh", "mesh_file", "surface", "result", "checkpoint"):
+    for name in ("input", "msh", "mesh_file", "surface", "triangles", "result", "checkpoint"):
         (CORPUS / name).mkdir(parents=True, exist_ok=True)
     for name, text in INPUTS.items():
         (CORPUS / "input" / f"{name}.yaml").write_text(text)
@@ -129,6 +141,7 @@ def main():
     write_parts(CORPUS / "mesh_file" / "data.h5", with_data)
     write_parts(CORPUS / "mesh_file" / "packed.h5", packed)
     write_surfaces(CORPUS / "surface")
+    write_triangles(CORPUS / "triangles")
     write_result(CORPUS / "result" / "two_frames.h5")
     whole = (CORPUS / "result" / "two_frames.h5").read_bytes()
     (CORPUS / "result" / "cut.h5").write_bytes(whole[: len(whole) // 2])

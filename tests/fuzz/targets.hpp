@@ -22,6 +22,8 @@ void read_as_msh(std::string_view bytes);
 void read_as_mesh_file(std::string_view bytes);
 /// A surface of triangles (.stl), which gmsh reads in a process of its own: what comes back from there.
 void read_as_surface(std::string_view bytes);
+/// The corners that come back, as a binary STL file has them: the surface and its distance, without gmsh.
+void read_as_triangles(std::string_view bytes);
 /// The frames of a run: told of, and taken up by a run that goes on.
 void read_as_result(std::string_view bytes);
 /// A checkpoint. Its checksum would stop every damage at the door, so it is made right before.
