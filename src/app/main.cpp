@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -241,7 +242,7 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
 
   const auto add_text = [&](const char* name, const char* what, std::function<std::string()> text) {
     CLI::App* sub = app.add_subcommand(name, what);
-    sub->callback([&command, sub, speaks, text] {
+    sub->callback([&command, sub, speaks, text = std::move(text)] {
       if (!sub->get_subcommands().empty()) return;  // theirs ran already
       command = [speaks, text] {
         if (speaks) fmt::print("{}", text());
@@ -301,6 +302,9 @@ int main(int argc, char** argv) {
   SweepOptions sweep;
   sweep.petsc_options = petsc_options;
   sweep.environment = current_environment();
-  const Session session(argv[0], petsc_options);
-  return exit_status([&] { return parse_and_run(static_cast<int>(separator - argv), argv, sweep); });
+  std::optional<Session> session;  // until the exit status is told
+  return exit_status([&] {
+    session.emplace(argv[0], petsc_options);
+    return parse_and_run(static_cast<int>(separator - argv), argv, sweep);
+  });
 }

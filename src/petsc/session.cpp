@@ -1,5 +1,6 @@
 #include "petsc/session.hpp"
 
+#include "base/error.hpp"
 #include "petsc/check.hpp"
 
 #include <cstdlib>
@@ -44,11 +45,15 @@ Session::Session(const std::string& program, const std::vector<std::string>& pet
   int argc = static_cast<int>(texts.size());
   char** argv = pointers.data();
   keep_hdf5_from_closing_itself();
-  // PETSc keeps argv until PetscFinalize only for PetscGetArgs, which nobody here calls.
-  check(PetscInitialize(&argc, &argv, nullptr, nullptr));
+  check(PetscPushErrorHandler(pass_on, nullptr));  // first, or PETSc tells by itself of an option that it refuses
+  try {
+    // PETSc keeps argv until PetscFinalize only for PetscGetArgs, which nobody here calls.
+    check(PetscInitialize(&argc, &argv, nullptr, nullptr));
+  } catch (const PetscFailure& failure) {
+    throw InputError({"PETSc options", 0, 0}, failure.what());
+  }
   use_one_blas_thread();
   check(PetscPopSignalHandler());
-  check(PetscPushErrorHandler(pass_on, nullptr));
   check(PetscOptionsSetValue(nullptr, "-options_left", "0"));
 }
 
@@ -72,7 +77,7 @@ int num_ranks(MPI_Comm comm) {
 std::string petsc_options() {
   char* text = nullptr;
   check(PetscOptionsGetAll(nullptr, &text));
-  const std::string result = text;
+  std::string result = text;
   check(PetscFree(text));
   return result;
 }

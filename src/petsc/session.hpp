@@ -13,7 +13,7 @@ namespace pliant {
 class Session {
  public:
   /// `petsc_options`: arguments in PETSc's syntax, e.g. {"-snes_monitor"}; the environment variable PETSC_OPTIONS
-  /// counts too.
+  /// counts too. Throws InputError of options that cannot be taken, before other ranks know of it.
   Session(const std::string& program, const std::vector<std::string>& petsc_options);
   ~Session();
   Session(const Session&) = delete;

@@ -126,6 +126,7 @@ BAD_FILES_AND_OPTIONS = {  # told once ranks do different work
     "a directory as input": (["run", "folder"], "directory"),
     "an empty input": (["run", "empty.yaml"], "empty"),
     "binary input": (["run", "binary.yaml"], "binary.yaml"),
+    "PETSc options in no file": (["methods", "--", "-options_file", "nowhere.txt"], "PETSc options: .*nowhere.txt"),
     "PETSc options that do not fit": (["run", "in.yaml", "--", "-pc_type", "nonsense"], "PETSc options: .*nonsense"),
     "a mesh to convert that is missing": (["mesh", "convert", "nowhere.msh", "a.h5"], "nowhere.msh.*no such file"),
     "a mesh to convert into another format": (["mesh", "convert", "cube.msh", "cube.vtk"], "must be named .h5"),
