@@ -49,9 +49,7 @@ class OwnSolver {
 
   StageSolve stage_solve() {
     if (tied_) return [solver = tied_.get()](const StagePoint& stage, Vec q) { return solver->solve(stage, q); };
-    const StageSolve solve = [solver = plain_.get()](const StagePoint& stage, Vec x) {
-      return solver->solve(stage, x);
-    };
+    StageSolve solve = [solver = plain_.get()](const StagePoint& stage, Vec x) { return solver->solve(stage, x); };
     if (mixed_ == nullptr) return solve;
     return [solve, mixed = mixed_](const StagePoint& stage, Vec q) { return mixed->solve(stage, q, solve); };
   }

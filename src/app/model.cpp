@@ -103,7 +103,7 @@ void Model::build_cells(const Config& config, const Mesh& mesh) {
       const int body = static_cast<int>(b);
       rules[b].bind(cell_data);
       const auto law_at = [&](PetscInt cell, const std::array<double, 3>& X) {
-        const ElasticLawSpec law = rules[b].law_at(cell, X);
+        ElasticLawSpec law = rules[b].law_at(cell, X);
         if (!is_mixed) require_compressible(law, config.bodies[b].elasticity.where);
         include_waves(law, densities_[b]);
         shear_moduli_[b] = std::max(shear_moduli_[b], wave_moduli(law).smallest);

@@ -62,7 +62,7 @@ constexpr std::array<ContactField, 3> contact_fields{{
 
 /// Starts the output directory; before the writers, so that they find it.
 std::filesystem::path prepared_directory(MPI_Comm comm, const Config& config) {
-  const std::filesystem::path directory = config.output.directory;
+  std::filesystem::path directory = config.output.directory;
   on_root(comm, [&] {
     make_directory(directory);
     write_text_atomically(directory / "run.yaml",

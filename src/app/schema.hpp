@@ -39,7 +39,7 @@ struct KeyGroup {
 };
 
 /// A key as users see it.
-struct KeyInfo {
+struct KeyInfo {  // NOLINT(bugprone-exception-escape): the library's moves throw nothing
   enum class Need { optional, required };
   std::string key;
   std::string type;  ///< in words

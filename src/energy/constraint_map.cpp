@@ -207,7 +207,7 @@ void ConstraintMap::put_slaves(Vec x, Offset offset) const {
 
 PrescribedMotion ConstraintMap::motion(PrescribedMotion before) const {
   PrescribedMotion motion;
-  motion.start_stage = [this, start = before.start_stage](const StagePoint& stage, Vec q) {
+  motion.start_stage = [this, start = std::move(before.start_stage)](const StagePoint& stage, Vec q) {
     start(stage, q);
     // What came before the step may lie behind a kink.
     const double passed = stage.time - stage.step_start, dt = stage.dt;
@@ -217,7 +217,7 @@ PrescribedMotion ConstraintMap::motion(PrescribedMotion before) const {
     put_slaves(stage.v0, [&](std::size_t s) { return g[s].v - dt * g[s].a; });
     for (const RigidPatch& patch : patches_) patch.start_stage(stage);
   };
-  motion.complete_step = [this, complete = before.complete_step](const Step& step, Vec q, Vec v) {
+  motion.complete_step = [this, complete = std::move(before.complete_step)](const Step& step, Vec q, Vec v) {
     complete(step, q, v);
     const auto g = offsets(step.time, step.dt, 1.0);
     put_slaves(q, [&](std::size_t s) { return g[s].u; });

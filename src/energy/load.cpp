@@ -41,9 +41,10 @@ class Sampler {
   using Element = Simplex<Dim, Order>;
 
  public:
-  Sampler(const NodeLayout& layout, Variation variation) : layout_(layout) {
-    // Exact for a uniform load on straight items; the mapping of curved ones and a load in space add to the degree.
-    rule_ = simplex_rule<Dim>(Order + Dim * (Order - 1) + (variation == Variation::in_space ? 4 : 0));
+  /// Exact for a uniform load on straight items; the mapping of curved ones and a load in space add to the degree.
+  Sampler(const NodeLayout& layout, Variation variation)
+      : layout_(layout),
+        rule_(simplex_rule<Dim>(Order + Dim * (Order - 1) + (variation == Variation::in_space ? 4 : 0))) {
     samples_.nodes_per_item = Element::num_nodes;
     samples_.points_per_item = rule_.size();
     for (const auto& xi : rule_.points) {

@@ -118,7 +118,7 @@ StageReport MixedEquation::solve(const StagePoint& stage, Vec q, const StageSolv
   StagePoint whole = stage;
   whole.q0 = x0.get();
   whole.v0 = v0.get();
-  const StageReport report = solve(whole, x.get());
+  StageReport report = solve(whole, x.get());
   if (report.outcome == StageOutcome::converged) {
     set(x.get());
     take_displacement(x.get(), q);

@@ -48,7 +48,7 @@ class ViscousTerm final : public EnergyTerm {
 
   std::string_view name() const override { return dashpot_.name; }
   TermDeclaration declaration() const override {
-    return {.is_potential = reference != Reference::rate, .dissipates = true};
+    return {.is_potential = (reference != Reference::rate), .dissipates = true};
   }
 
   /// 1/2 D:C:D - 1/2 D0:C:D0 = (D - D0):C:(D + D0)/2 with D0 = D at q0.
@@ -178,25 +178,28 @@ class ViscousTerm final : public EnergyTerm {
   BodyCells<Order> cells_;
 };
 
+template <Reference reference>
+constexpr std::integral_constant<Reference, reference> constant{};
+
 }  // namespace
 
 template <int Order>
 std::unique_ptr<EnergyTerm> make_viscous_term(const ViscosityVariant& law, const LawField& elastic,
                                               const CellGroups<Order>& groups, int body, PetscInt num_owned_nodes) {
   BodyCells<Order> cells(groups, body, num_owned_nodes);
-  const auto make = [&]<Reference reference>(Dashpot dashpot) -> std::unique_ptr<EnergyTerm> {
-    return std::make_unique<ViscousTerm<Order, reference>>(std::move(dashpot), std::move(cells));
+  const auto make = [&](auto reference, Dashpot dashpot) -> std::unique_ptr<EnergyTerm> {
+    return std::make_unique<ViscousTerm<Order, decltype(reference)::value>>(std::move(dashpot), std::move(cells));
   };
   const auto make_alone = [&](Dashpot dashpot, StrainRate rate) {
     switch (rate) {
       case StrainRate::secant:
-        return make.template operator()<Reference::start>(std::move(dashpot));
+        return make(constant<Reference::start>, std::move(dashpot));
       case StrainRate::reconstructed:
-        return make.template operator()<Reference::internal>(std::move(dashpot));
+        return make(constant<Reference::internal>, std::move(dashpot));
       case StrainRate::exact:
         break;
     }
-    return make.template operator()<Reference::rate>(std::move(dashpot));
+    return make(constant<Reference::rate>, std::move(dashpot));
   };
   const auto uniform = [](double shear, double bulk) { return std::vector{IsotropicTensor<Pack>{shear, bulk}}; };
   const auto proportional = [&](double shear, double bulk) {
@@ -209,8 +212,8 @@ std::unique_ptr<EnergyTerm> make_viscous_term(const ViscosityVariant& law, const
   };
   if (const auto* m = std::get_if<Maxwell>(&law)) {
     const double tau = m->relaxation_time, shear = tau * m->shear_modulus, bulk = tau * m->bulk_modulus;
-    return make.template operator()<Reference::internal>(
-        {m->name, m->moduli == Moduli::relative ? proportional(shear, bulk) : uniform(shear, bulk), tau});
+    return make(constant<Reference::internal>,
+                {m->name, m->moduli == Moduli::relative ? proportional(shear, bulk) : uniform(shear, bulk), tau});
   }
   if (const auto* s = std::get_if<StiffnessProportional>(&law)) {
     return make_alone({s->name, proportional(s->time, s->time), 0.0}, s->rate);

@@ -68,8 +68,9 @@ std::vector<TrianglePatch> revolved(const Vector3<double>& center, const Vector3
 
 /// Points of a half circle around the axis.
 void add_arc(std::vector<std::array<double, 2>>& curve, double middle, double radius, double from, double to) {
-  for (int s = 0; s <= num_segments / 4; ++s) {
-    const double angle = from + (to - from) * s / (num_segments / 4);
+  constexpr int in_quarter = num_segments / 4;
+  for (int s = 0; s <= in_quarter; ++s) {
+    const double angle = from + (to - from) * s / in_quarter;
     curve.push_back({middle + radius * std::sin(angle), radius * std::cos(angle)});
   }
 }

@@ -185,17 +185,23 @@ LawTraits ElasticLawSpec::traits() const {
   return kind_of(row).traits;
 }
 
-ElasticLawVariant instantiate(const ElasticLawSpec& spec) {
+namespace {
+
+template <std::size_t... row>
+ElasticLawVariant instantiate_one_of(std::index_sequence<row...>, const ElasticLawSpec& spec) {
   std::optional<ElasticLawVariant> law;
-  const auto consider = [&]<std::size_t row>(std::integral_constant<std::size_t, row>) {
-    using L = std::variant_alternative_t<row, ElasticLawVariant>;
-    if (row == spec.row) law = L::of({spec.parameters, spec.volumetric, spec.directions});
+  const auto consider = [&](auto candidate) {
+    using L = std::variant_alternative_t<candidate, ElasticLawVariant>;
+    if (candidate == spec.row) law = L::of({spec.parameters, spec.volumetric, spec.directions});
   };
-  [&]<std::size_t... row>(std::index_sequence<row...>) {
-    (consider(std::integral_constant<std::size_t, row>{}), ...);
-  }
-  (std::make_index_sequence<ElasticLaws::size>{});
+  (consider(std::integral_constant<std::size_t, row>{}), ...);
   return law.value();
+}
+
+}  // namespace
+
+ElasticLawVariant instantiate(const ElasticLawSpec& spec) {
+  return instantiate_one_of(std::make_index_sequence<ElasticLaws::size>{}, spec);
 }
 
 std::optional<Lame> ElasticLawSpec::at_rest() const {

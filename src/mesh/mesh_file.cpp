@@ -163,7 +163,7 @@ auto reading(const std::string& file, Work work) {
 Head judged_head(const std::string& file, int num_ranks) {
   require_readable(file);
   if (H5Fis_hdf5(file.c_str()) <= 0) throw MeshDefect("it is no HDF5 file, or damaged at its beginning");
-  const Head head = reading(file, read_head);
+  Head head = reading(file, read_head);
   require_enough_cells(head.num_cells, num_ranks);
   return head;
 }

@@ -133,7 +133,7 @@ std::string text_attribute(hid_t object, const std::string& name) {
   if (H5Tis_variable_str(type.get()) > 0) {
     char* text = nullptr;
     check_hdf5(H5Aread(attribute.get(), type.get(), &text), doing);
-    const std::string value = text != nullptr ? text : "";
+    std::string value = text != nullptr ? text : "";
     (void)H5free_memory(text);
     return value;
   }

@@ -8,7 +8,7 @@ ConstrainedNewton::ConstrainedNewton(StageEquation& equation, ConstraintMap& map
 
 StageReport ConstrainedNewton::solve(const StagePoint& stage, Vec q) {
   const StagePoint reduced = equation_.reduce(stage, q, y_.get());
-  const StageReport report = solver_.solve(reduced, y_.get());
+  StageReport report = solver_.solve(reduced, y_.get());
   map_.expand(y_.get(), q);
   return report;
 }

@@ -96,7 +96,7 @@ class BadExpression : public testing::TestWithParam<Bad> {};
 TEST_P(BadExpression, IsRefusedWithItsPosition) {
   const auto& [text, position, message] = GetParam();
   try {
-    Expression{std::string(text)};
+    const Expression refused{std::string(text)};
     FAIL() << text;
   } catch (const ExpressionError& error) {
     EXPECT_NE(std::string(error.what()).find(message), std::string::npos) << text << ": " << error.what();

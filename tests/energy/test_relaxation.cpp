@@ -28,7 +28,7 @@ struct Path {
 };
 
 /// With rates by differences; any velocity would do.
-Path along(std::function<Field(double)> u) {
+Path along(const std::function<Field(double)>& u) {
   return {u, [u](double t) {
             return [ahead = u(t + 1e-4), behind = u(t - 1e-4)](const Point& X) {
               const Point a = ahead(X), b = behind(X);
@@ -171,7 +171,7 @@ TEST_P(GivenMotion, NoRateOfLossIsNegative) {
 // Stretched by a third at time 0 and held: the stress of a branch is g S_e exp(-t/tau), whatever the law and the
 // strain.
 TEST_P(GivenMotion, AHeldStrainRelaxesExponentially) {
-  const Field stretched = [](const Point& X) { return Point{0.33 * X[0], -0.1 * X[1] + 0.2 * X[0], 0.05 * X[2]}; };
+  Field stretched = [](const Point& X) { return Point{0.33 * X[0], -0.1 * X[1] + 0.2 * X[0], 0.05 * X[2]}; };
   const Path held{[=](double) { return stretched; }, [](double) { return testing::at_rest; }};
   std::vector<Mechanism> branches{{"maxwell", [](const Solid& s) { return s.viscous(Maxwell{300.0, 500.0, tau}); }}};
   for (const char* law : {"saint-venant-kirchhoff", "neo-hookean"}) {

@@ -122,7 +122,7 @@ void write_sample_frame(ResultWriter& writer, const OutputMesh& mesh, double t, 
 }
 
 std::filesystem::path empty_directory(MPI_Comm comm, const std::string& name) {
-  const std::filesystem::path directory =
+  std::filesystem::path directory =
       std::filesystem::path(PLIANT_BINARY_DIR) / "tests" / "io" / fmt::format("{}_np{}", name, num_ranks(comm));
   on_root(comm, [&] {
     std::filesystem::remove_all(directory);

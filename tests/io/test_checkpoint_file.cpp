@@ -131,7 +131,8 @@ TEST_F(CheckpointFile, IsTheSameOnAnyNumberOfRanks) {
     std::vector<double> values(3 * num_nodes);
     check_hdf5(H5Dread(q.get(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "read q");
     for (std::size_t i = 0; i < values.size(); ++i) {
-      EXPECT_EQ(values[i], static_cast<double>(i / 3) + 0.1 * static_cast<double>(i % 3));
+      const std::size_t node = i / 3;
+      EXPECT_EQ(values[i], static_cast<double>(node) + 0.1 * static_cast<double>(i % 3));
     }
   });
 }

@@ -69,7 +69,7 @@ TEST(HistoryWriter, FailureIsFileErrorOnEveryRank) {
   EXPECT_THROW(HistoryWriter(comm, directory / "missing" / "history.csv", {"step"}), FileError);
   if (std::filesystem::exists("/dev/full")) {
     try {
-      HistoryWriter(comm, "/dev/full", {"step"});
+      const HistoryWriter refused(comm, "/dev/full", {"step"});
       FAIL() << "no exception";
     } catch (const FileError& e) {
       EXPECT_STREQ(e.what(), "cannot write '/dev/full': No space left on device");

@@ -27,7 +27,7 @@ constexpr double volume_of_sample = 1.5, area_of_sample = 2.0 * (1.5 + 1.5 + 1.0
 
 /// Writes frames at 0, 0.1, ... s, steps 0, 10, ...; the file. Collective.
 std::filesystem::path sample_result(const std::string& name, int nodes_per_cell, int num_frames) {
-  const auto directory = empty_directory(comm, name);
+  auto directory = empty_directory(comm, name);
   const OutputMesh mesh = sample_mesh(comm, nodes_per_cell);
   ResultWriter writer(comm, directory, "sample", mesh);
   for (int i = 0; i < num_frames; ++i) write_sample_frame(writer, mesh, 0.1 * i, 10 * i);

@@ -201,7 +201,7 @@ auto overwritten(const char* dataset, std::vector<T> values) {
 }
 
 /// The dataset made anew with these sizes, without numbers: it takes no space.
-std::function<void(const std::string&)> resized(const char* dataset, hid_t type, std::vector<hsize_t> sizes) {
+std::function<void(const std::string&)> resized(const char* dataset, hid_t type, const std::vector<hsize_t>& sizes) {
   return inside([=](hid_t file) {
     check_hdf5(H5Ldelete(file, dataset, H5P_DEFAULT), "delete");
     const Hdf5Handle space(H5Screate_simple(static_cast<int>(sizes.size()), sizes.data(), nullptr), H5Sclose, "make");

@@ -103,7 +103,8 @@ int true_order(const test::OwnMethod& own) {
 /// A quarter of long steps, then short ones of half the length: (n/4) 2 h + (3n/4) h = end.
 double halved(int step, int num_steps) {
   const double h = end_time / (1.25 * num_steps);
-  return step <= num_steps / 4 ? 2 * h * step : h * (step + num_steps / 4);
+  const int num_long = num_steps / 4;
+  return step <= num_long ? 2 * h * step : h * (step + num_long);
 }
 
 Errors errors_of(const IntegratorOptions& options, const test::Times& times, int num_steps) {

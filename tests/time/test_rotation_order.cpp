@@ -32,7 +32,7 @@ class WithoutDerivative final : public ConfigurationSpace {
 
 /// I (v - v0)/dt = I v x v and v = velocity(xi, (xi - xi0)/dt) of one body per rank, by iteration: each gains a factor
 /// of about dt, so that 30 reach rounding.
-StageSolve picard(std::shared_ptr<const ConfigurationSpace> space) {
+StageSolve picard(const std::shared_ptr<const ConfigurationSpace>& space) {
   const auto work = std::make_shared<std::array<Handle<Vec>, 2>>();
   *work = {test::zeros(3), test::zeros(3)};
   return [space, work](const StagePoint& stage, Vec q) {

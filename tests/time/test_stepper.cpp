@@ -73,7 +73,7 @@ TEST_P(MethodSteps, EndsWhereTheLastStageIsTold) {
   System system = test::system_of(ode);
   std::vector<double> told, weights;
   system.solve = [&, solve = system.solve](const StagePoint& stage, Vec q) {
-    const StageReport report = solve(stage, q);
+    StageReport report = solve(stage, q);
     weights.push_back(stage.end_weight);
     told = test::values_of(q);
     for (std::size_t k = 0; k < told.size(); ++k) {
