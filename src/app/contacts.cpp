@@ -132,6 +132,7 @@ void Contacts::add_surfaces(const ContactBodies& bodies) {
   for (std::size_t b = 0; b < facets.size(); ++b) {
     const double total = sum(layout_.comm, area[b]), count = sum(layout_.comm, number[b]);
     const double size = count > 0.0 ? std::sqrt(2.0 * total / count) : 1.0;  // legs of a right triangle
+    facet_sizes_.push_back(size);
     const NormalLaw law{config_.law, config_.stiffness.value_or(shear_moduli_per_facet * bodies.shear_moduli[b] / size),
                         config_.width.value_or(width_per_facet * size), config_.threshold};
     surfaces_.push_back(std::make_shared<const ContactSurface>(layout_, bodies.pattern, std::move(facets[b]), law));
@@ -183,6 +184,34 @@ void Contacts::check_start(const Instant& at, std::span<const double> q) const {
                                           "allow; move one of them, or use 'law: penalty'",
                                           body_names_[body], o.name));
   }
+}
+
+std::vector<std::string> Contacts::doubts_about_start(const Instant& at, const VectorExpression& displacement) const {
+  std::vector<std::string> doubts;
+  if (config_.law == NormalKind::barrier) return doubts;  // check_start throws
+  for (std::size_t k = 0; k < obstacles_.size(); ++k) {
+    const ObstacleConfig& o = config_.obstacles[k];
+    const ObstacleFrame frame = obstacles_[k]->at(at);
+    std::vector<double> depth(body_names_.size(), 0.0);
+    for (PetscInt a = 0; a < layout_.num_owned_nodes; ++a) {
+      const int body = surface_of_node_[a];
+      if (body < 0) continue;
+      const Vector3<double> X = layout_.position(a);
+      Vector3<double> x = X;
+      for (std::size_t i = 0; i < 3; ++i) x[i] += displacement[i](X[0], X[1], X[2], 0.0);
+      depth[body] = std::max(depth[body], config_.threshold - frame.distance(x));
+    }
+    for (std::size_t b = 0; b < body_names_.size(); ++b) {
+      const double deepest = maximum(layout_.comm, depth[b]);
+      if (deepest <= facet_sizes_[b]) continue;
+      doubts.push_back(fmt::format(
+          "{}: '{}' starts {:.3g} m deep in the obstacle '{}' and will be thrown out; move one of them{}",
+          to_string(o.where), body_names_[b], deepest, o.name,
+          o.shape == ObstacleConfig::Shape::plane ? ", or turn 'normal' round: it points to where the bodies are"
+                                                  : ""));
+    }
+  }
+  return doubts;
 }
 
 double Contacts::energy(const Instant& at, std::span<const double> q) const {

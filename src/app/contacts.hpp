@@ -53,6 +53,9 @@ class Contacts {
 
   /// Throws InputError if a body lies beyond a barrier. Collective.
   void check_start(const Instant& at, std::span<const double> q) const;
+  /// Warnings, each with its place: bodies that start deeper in an obstacle of a penalty than their facets are wide.
+  /// Collective.
+  std::vector<std::string> doubts_about_start(const Instant& at, const VectorExpression& displacement) const;
   /// The energy of all contacts, of this rank's part [J].
   double energy(const Instant& at, std::span<const double> q) const;
   /// Of the owned nodes; nodes within the bodies have a gap and nothing else. `dt`: the time over which the velocities
@@ -75,6 +78,7 @@ class Contacts {
   std::vector<std::shared_ptr<const Obstacle>> obstacles_;
   std::vector<std::shared_ptr<const ContactSurface>> surfaces_;  // of the bodies
   std::vector<int> surface_of_node_;                             // per owned node: its body, -1 if it is inside
+  std::vector<double> facet_sizes_;                              // per body [m]
   std::vector<std::unique_ptr<EnergyTerm>> terms_;
   std::vector<Pair> pairs_;
   std::vector<ContactGroup> groups_;

@@ -50,6 +50,10 @@ Model::Model(MPI_Comm comm, const Config& config, const TermFactory& additional)
   build_terms(config, mesh);
   if (additional) additional_ = additional(*this);
   prepare(config);
+  if (contacts_) {
+    for (auto& doubt : contacts_->doubts_about_start(instant(0.0), config.initial.displacement))
+      doubts_.push_back(std::move(doubt));
+  }
   if (analysis_of(config) == Analysis::static_equilibrium && has_viscosity(config)) {
     notices_.push_back("viscosity has no effect on a static equilibrium");
   }

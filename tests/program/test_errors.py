@@ -111,11 +111,14 @@ DOUBTFUL = {
     "a load on what is held": ("loads", "loads: [@{surface: left, traction: [0, 0, 1]}]", "the load moves nothing"),
     "a load on what moves as given": ("loads", 'loads: [@{where: "x < 1e-9 && z < 0.6", pressure: 1}]', "the load moves nothing"),
     "frames between steps": ("output", "output: {directory: out, every: @1 ms}", "every 0.001 s, but a step takes 0.01 s"),
+    "a floor that points away": ("output", "contact: {stiffness: 1, obstacles: [@{name: floor, shape: plane, point: [0, 0, -0.1], normal: [0, 0, -1]}]}",
+                                 "starts 1.1 m deep in the obstacle 'floor'.* turn 'normal' round"),
 }
 NOT_DOUBTFUL = {
     "a load on what is held in part": ("loads", "loads: [{surface: top, traction: [0, 0, 1]}, {gravity: [0, 0, -9.81]}]"),
     "a load across what is held": ("constraints", "constraints: [{surface: left, displacement: [0, 0, free]}]\n"
                                    "probes: [{name: a, point: [0, 0, 0]}]"),
+    "a floor that is touched": ("output", "contact: {stiffness: 1, obstacles: [{name: floor, shape: plane, point: [0, 0, 0.01], normal: [0, 0, 1]}]}"),
     "frames at steps": ("output", "output: {directory: out, every: 10 ms}"),
 }
 IN_TWO_VOLUMES = {"volumes that do not cover"}
