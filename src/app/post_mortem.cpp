@@ -185,6 +185,7 @@ std::string write_post_mortem(const Config& config, const Model& model, const St
     write_frame(writer, picture, failure.tried.time, last_good.step + 1);
     report.worst_nodes = worst_nodes(model, picture);
   }
+  writer.sync();
   report.title = config.title;
   report.file = config.file;
   report.last_step = last_good.step;

@@ -54,6 +54,23 @@ std::int64_t make_dataset(hid_t group, const Dataset& dataset) {
   return static_cast<std::int64_t>(offset);
 }
 
+/// Where HDF5 ends a file, which may be longer [bytes].
+std::int64_t end_of_content(const std::filesystem::path& path) {
+  const std::string doing = "read '" + path.string() + "'";
+  const Hdf5Handle file = open_hdf5(path, Hdf5Mode::read);
+  haddr_t end = 0;
+  check_hdf5(H5Fget_eoa(file.get(), &end), doing);
+  return static_cast<std::int64_t>(end);
+}
+
+/// More than the group takes in the file [bytes].
+std::int64_t space_of(const Group& plan) {
+  constexpr std::int64_t metadata = 64 * 1024;  // several times of what a group of a few datasets takes
+  std::int64_t space = metadata;
+  for (const auto& dataset : plan.datasets) space += metadata / 8 + dataset.rows.num_global * bytes_per_row(dataset);
+  return space;
+}
+
 /// A group under construction, on rank 0: everything in it is in the file, but no path leads to it before `publish`.
 /// Dropped unpublished, it leaves no trace.
 class UnpublishedGroup {
@@ -76,9 +93,12 @@ class UnpublishedGroup {
     check_hdf5(H5Olink(group_.get(), parent.get(), plan.name.c_str(), H5P_DEFAULT, H5P_DEFAULT), doing);
     group_.close(doing);
     file_.close(doing);
-    if (durability == Durability::process) return;
+    // A reader asks for the size of the file, then reads where HDF5 ends it; if that is beyond the size because a group
+    // came in between, it gives up, and ParaView with it. A hole ahead, of no blocks on the disk, has room for the
+    // next.
     File file(path_, FileMode::modify);
-    file.sync();
+    if (durability == Durability::process) file.resize(file.size() + space_of(plan));
+    if (durability == Durability::power) file.sync();
     file.close();
   }
 
@@ -86,11 +106,9 @@ class UnpublishedGroup {
   /// HDF5 does not survive a full disk (it crashes when the process ends): take the space before it starts. What is too
   /// much it cuts off when it closes the file.
   void reserve_space(const Group& plan) const {
-    constexpr std::int64_t metadata = 64 * 1024;  // [bytes], several times of what a group of a few datasets takes
-    std::int64_t needed = metadata;
-    for (const auto& dataset : plan.datasets) needed += metadata / 8 + dataset.rows.num_global * bytes_per_row(dataset);
     File file(path_, FileMode::modify);
-    file.reserve(needed);
+    file.resize(end_of_content(path_));
+    file.reserve(space_of(plan));
     file.close();
   }
 
@@ -149,6 +167,13 @@ void add_group(MPI_Comm comm, const std::filesystem::path& path, const Group& pl
     file.close();
   });
   on_root(comm, [&] { group->publish(plan, durability); });
+}
+
+void cut_to_content(const std::filesystem::path& path) {
+  const QuietHdf5 quiet;
+  File file(path, FileMode::modify);
+  file.resize(end_of_content(path));
+  file.close();
 }
 
 }  // namespace pliant

@@ -53,7 +53,12 @@ void make_frames_group(hid_t file, const std::string& path);
 
 /// Adds a group with its datasets to the file. Only the metadata go through HDF5, on rank 0; every rank then writes its
 /// rows straight to their place in the file. The group is linked after its numbers are there: it is there as a whole or
-/// not at all. Collective; a failure throws FileError on every rank.
+/// not at all. With Durability::process, for files that are read while they grow, the file then ends with a hole for
+/// the next group, so that readers who know an older size can read what is added. Collective; a failure throws
+/// FileError on every rank.
 void add_group(MPI_Comm comm, const std::filesystem::path& path, const Group& plan, Durability durability);
+
+/// Takes the hole away that add_group leaves. Not collective.
+void cut_to_content(const std::filesystem::path& path);
 
 }  // namespace pliant

@@ -139,10 +139,15 @@ void ResultWriter::write_frame(double time, std::int64_t step, std::span<const O
     is_old = std::chrono::steady_clock::now() - synced_ > time_between_syncs ? 1 : 0;
   });
   check_mpi(MPI_Bcast(&is_old, 1, MPI_INT, 0, comm_));
-  if (is_old != 0) sync();
+  if (is_old != 0) bring_to_disk();
 }
 
 void ResultWriter::sync() {
+  on_root(comm_, [&] { cut_to_content(hdf5_file_); });
+  bring_to_disk();
+}
+
+void ResultWriter::bring_to_disk() {
   on_every_rank(comm_, [&] {
     File file(hdf5_file_, FileMode::modify);
     file.sync();

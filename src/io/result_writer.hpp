@@ -84,7 +84,7 @@ class ResultWriter {
   /// Adds a frame; when it returns, the frame is in the file and listed: it survives the end of the program. Every ten
   /// seconds frames are brought to the disk, too. Collective.
   void write_frame(double time, std::int64_t step, std::span<const OutputField> fields);
-  /// Returns when all frames have reached the disk. Collective.
+  /// Returns when all frames have reached the disk, and the file ends with them. Collective.
   void sync();
 
   const std::filesystem::path& xdmf_file() const { return xdmf_file_; }
@@ -95,6 +95,7 @@ class ResultWriter {
   const std::string& mesh_group() const { return mesh_; }
 
  private:
+  void bring_to_disk();
   RowBlock rows_of(FieldLocation location) const { return location == FieldLocation::node ? nodes_ : cells_; }
   XdmfArray array(const std::string& place, XdmfArray::Number number, const RowBlock& rows, int columns) const;
   void start_files() const;

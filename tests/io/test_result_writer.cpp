@@ -251,6 +251,32 @@ TEST(ResultWriter, ReaderHoldingTheFileOpenDoesNotDisturb) {
   });
 }
 
+// HDF5 opens no file whose size it was told before the file grew.
+TEST(ResultWriter, ReaderOfAnOlderSizeCanReadTheNextFrame) {
+  const auto directory = empty_directory(comm, "older_size");
+  const OutputMesh mesh = sample_mesh(comm, 10);
+  ResultWriter writer(comm, directory, "block", mesh);
+  const auto end_of_content = [&] {
+    const Hdf5Handle file = open_hdf5(directory / "result.h5", Hdf5Mode::read);
+    haddr_t end = 0;
+    check_hdf5(H5Fget_eoa(file.get(), &end), "read");
+    return end;
+  };
+  for (int i = 0; i < 5; ++i) {
+    const auto older_size = std::filesystem::file_size(directory / "result.h5");
+    MPI_Barrier(comm);
+    const auto older_end = end_of_content();
+    MPI_Barrier(comm);
+    write_sample_frame(writer, mesh, 0.1 * i, i);
+    EXPECT_GT(end_of_content(), older_end);
+    EXPECT_LE(end_of_content(), older_size);
+    MPI_Barrier(comm);
+  }
+  writer.sync();
+  EXPECT_EQ(std::filesystem::file_size(directory / "result.h5"), end_of_content());
+  on_root(comm, [&] { EXPECT_EQ(check_xdmf(directory, 10, 5), 0); });
+}
+
 // One rank only: a child of this process writes frames until it is killed, at moments spread over a frame.
 TEST(ResultWriter, KilledAtAnyMomentLeavesEveryListedFrameReadable) {
   if (num_ranks(comm) > 1) GTEST_SKIP() << "a forked child cannot use MPI over several ranks";
