@@ -53,7 +53,7 @@ SerialMesh import_mesh(const MeshSource& source) {
   require_readable(source.file);
   if (extension == ".msh") return read_msh(source.file);
   if (extension == ".brep") require_whole_brep(source.file);
-  return isolated([&] { return gmsh_module().mesh_geometry(source, geometries.at(extension)); });
+  return isolated(Suspect::gmsh, [&] { return gmsh_module().mesh_geometry(source, geometries.at(extension)); });
 }
 
 }  // namespace pliant

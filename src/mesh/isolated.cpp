@@ -57,7 +57,7 @@ class Unpacker {
 
  private:
   void take(void* to, std::size_t size) {
-    if (size > bytes_.size()) throw std::runtime_error("the answer of the meshing process is incomplete");
+    if (size > bytes_.size()) throw std::runtime_error("the answer of the other process is incomplete");
     if (size == 0) return;  // memcpy takes no null pointers
     std::memcpy(to, bytes_.data(), size);
     bytes_.remove_prefix(size);
@@ -159,12 +159,16 @@ std::string read_all(int file) {
   _exit(0);
 }
 
-[[noreturn]] void reject_dead_child(int status) {
+[[noreturn]] void reject_dead_child(Suspect suspect, int status) {
+  const std::string how =
+      WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "exit code " + std::to_string(WEXITSTATUS(status));
+  if (suspect == Suspect::hdf5) {
+    throw MeshDefect("HDF5 died while reading it (" + how +
+                     "): the file is damaged; write it again with `pliant mesh convert`");
+  }
   if (WIFEXITED(status) && WEXITSTATUS(status) == left_by_exit) {
     throw MeshDefect("the file ended gmsh before there was a mesh: remove its Exit or Abort command");
   }
-  const std::string how =
-      WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "exit code " + std::to_string(WEXITSTATUS(status));
   throw MeshDefect(
       "gmsh died while working on it (" + how +
       "): the file is damaged, or the mesh too large for the memory; see what the gmsh program says to it");
@@ -172,13 +176,13 @@ std::string read_all(int file) {
 
 }  // namespace
 
-SerialMesh isolated(const std::function<SerialMesh()>& work) {
+SerialMesh isolated(Suspect suspect, const std::function<SerialMesh()>& work) {
   std::array<int, 2> channel{};
   if (pipe(channel.data()) != 0)
-    throw std::system_error(errno, std::generic_category(), "cannot start the meshing process");
+    throw std::system_error(errno, std::generic_category(), "cannot start another process");
   std::fflush(nullptr);  // or the child would write the same text again
   const pid_t child = fork();
-  if (child < 0) throw std::system_error(errno, std::generic_category(), "cannot start the meshing process");
+  if (child < 0) throw std::system_error(errno, std::generic_category(), "cannot start another process");
   if (child == 0) {
     close(channel[0]);
     be_the_child(channel[1], work);
@@ -189,7 +193,7 @@ SerialMesh isolated(const std::function<SerialMesh()>& work) {
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || answer.empty()) reject_dead_child(status);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || answer.empty()) reject_dead_child(suspect, status);
   Unpacker in(answer);
   switch (in.get<Outcome>()) {
     case Outcome::mesh:

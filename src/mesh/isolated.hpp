@@ -7,10 +7,13 @@
 
 namespace pliant {
 
+/// The library that may not survive the work.
+enum class Suspect { gmsh, hdf5 };
+
 /// Runs `work` in a child process of this rank and gives its result. gmsh and its CAD kernel crash on some damaged
-/// geometry, and a script's `Exit` ends the process: here that is a MeshDefect, and all memory they held is returned.
-/// The child has no standard output and must not use MPI. Throws the MeshDefect of `work`; a MeshDefect if the child
-/// dies; std::runtime_error for any other failure. Not collective.
-SerialMesh isolated(const std::function<SerialMesh()>& work);
+/// geometry, and a script's `Exit` ends the process, HDF5 crashes over some damaged files: here that is a MeshDefect,
+/// and all memory they held is returned. The child has no standard output and must not use MPI. Throws the MeshDefect
+/// of `work`; a MeshDefect if the child dies; std::runtime_error for any other failure. Not collective.
+SerialMesh isolated(Suspect suspect, const std::function<SerialMesh()>& work);
 
 }  // namespace pliant

@@ -116,7 +116,7 @@ SurfaceMesh read_surface(MPI_Comm comm, const MeshSource& source) {
   on_root(comm, [&] {
     telling_the_user(source, [&] {
       require_readable(source.file);
-      const SerialMesh corners = isolated([&] { return gmsh_module().triangle_corners(source.file); });
+      const SerialMesh corners = isolated(Suspect::gmsh, [&] { return gmsh_module().triangle_corners(source.file); });
       surface = closed_surface(corners.coordinates, source.scale);
     });
   });

@@ -73,7 +73,7 @@ TEST_P(Reader, TakesOrRefusesWhatIsDamaged) {
 
 INSTANTIATE_TEST_SUITE_P(All, Reader,
                          ::testing::Values(Target{"input", read_as_input}, Target{"msh", read_as_msh},
-                                           Target{"mesh_file", read_as_mesh_file},
+                                           Target{"mesh_file", read_as_mesh_file, /*rounds=*/40},
                                            Target{"surface", read_as_surface, /*rounds=*/10},
                                            Target{"triangles", read_as_triangles}, Target{"result", read_as_result},
                                            Target{"checkpoint", read_as_checkpoint}),

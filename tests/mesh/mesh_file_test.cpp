@@ -1,12 +1,14 @@
 // Pliant's own format: what comes back is what went in, on any number of ranks; what is wrong with a file is told once.
 // (distribution_test.cpp holds the distributed mesh to the same as one from a .msh file.)
 #include "mesh/box_mesh.hpp"
+#include "mesh/isolated.hpp"
 #include "mesh/mesh.hpp"
 #include "mesh/plex_points.hpp"
 #include "mesh/scratch.hpp"
 #include "petsc/hdf5.hpp"
 
 #include <algorithm>
+#include <csignal>
 
 #include <gtest/gtest.h>
 
@@ -271,6 +273,21 @@ std::vector<Damage> damages() {
        }),
        "it is not a whole number"},
   };
+}
+
+// Whether it dies over a file depends on what is in memory that it has not set: tests/fuzz/corpus has one.
+TEST(MeshFile, WhereHdf5DiesTheFileIsToBlame) {
+  const auto die = [] {
+    (void)std::raise(SIGSEGV);
+    return SerialMesh{};
+  };
+  try {
+    (void)isolated(Suspect::hdf5, die);
+    FAIL() << "no defect";
+  } catch (const MeshDefect& defect) {
+    EXPECT_EQ(defect.reasons(), std::vector<std::string>{"HDF5 died while reading it (Segmentation fault): the file is "
+                                                         "damaged; write it again with `pliant mesh convert`"});
+  }
 }
 
 class DamagedMeshFile : public ::testing::TestWithParam<Damage> {};
