@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """What the machine does to a run: full disks, vanished files, killed ranks, little memory. One message, nothing lost, no hang."""
 import os
+import random
 import re
 import shutil
 import signal
@@ -194,6 +195,39 @@ class Ranks(FaultTest):
                 done = self.call("resume", self.out, "--quiet", "--set", f"time.end={0.005 * (last + 3)}", ranks=2)
                 self.assertEqual(done.returncode, 0, done.stderr)
                 self.assertEqual(read_history(self.out)["step"][-1], last + 3)
+
+    @unittest.skipUnless(os.environ.get("PLIANT_LONG_TESTS"), "PLIANT_LONG_TESTS is not set")
+    def test_killed_at_any_moment(self):
+        """Twenty times on two ranks and on three: all ends at once, what is listed can be read, and the run goes on."""
+        seed = random.randrange(2**32)
+        print("seed", seed)
+        chance = random.Random(seed)
+        longest = 0.0
+        for number in range(40):
+            num_ranks = 2 + number % 2
+            with self.subTest(number, ranks=num_ranks):
+                shutil.rmtree(self.out, ignore_errors=True)
+                # Most of the time goes into files: it is there that a kill may do harm.
+                process = self.going(num_ranks, chance.randrange(8, 20), "--set", "checkpoint.every=1")
+                ranks = ranks_of(process.pid)
+                self.assertEqual(len(ranks), num_ranks)
+                time.sleep(chance.uniform(0.0, 0.2))
+                os.kill(chance.choice(ranks), signal.SIGKILL)
+                killed = time.monotonic()
+                done = finish(process, 60)
+                longest = max(longest, time.monotonic() - killed)
+                self.assertNotEqual(done.returncode, 0)
+                self.assertEqual(done.stderr.count("exited on signal 9"), 1, done.stderr)
+                for noise in NOISE:
+                    self.assertNotIn(noise, done.stdout + done.stderr)
+                self.assertEqual(ranks_of(process.pid), [])
+                self.assert_whole()
+                last = int(self.checkpoints()[-1].stem.rsplit("-", 1)[1])
+                done = self.call("resume", self.out, "--quiet", "--set", f"time.end={0.005 * (last + 3)}", ranks=num_ranks)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertEqual(self.assert_whole()["step"][-1], last + 3)
+        print(f"ended within {longest:.1f} s")
+        self.assertLess(longest, 10.0)
 
 
 class Memory(FaultTest):
