@@ -30,7 +30,7 @@ class BadMeshes(MistakesTest):
         source = INPUT.replace("FILE", file)
         at = source.index("@")
         path = self.write(file + ".yaml", source.replace("@", ""))
-        return (self.directory, ["run", path.name], 2, f"{path.name}:1:{at + 1}:", rf"mesh file '{re.escape(file)}': .*(?:{words})")
+        return (self.directory, ["run", path.name], 2, f"{path.name}:1:{at + 1}:", rf"mesh file '{re.escape(file)}': (?s:.*)(?:{words})")
 
     def test_a_sample(self):
         cases = bad_meshes.write_all(self.directory)
