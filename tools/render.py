@@ -8,6 +8,7 @@ import atexit
 import ctypes
 import dataclasses
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -558,6 +559,17 @@ def _complain(message):
     return 2
 
 
+def _with_negative_values(arguments):
+    """`--view -1,0,0` as `--view=-1,0,0`: argparse takes what begins with a minus sign for another option."""
+    joined = []
+    for word in arguments:
+        if joined and joined[-1] in ("--view", "--range") and re.match(r"-[\d.]", word):
+            joined[-1] += "=" + word
+        else:
+            joined.append(word)
+    return joined
+
+
 def parsed(arguments):
     parser = Parser(prog="render.py", description=__doc__.split("\n")[0])
     parser.add_argument("result", help="the output directory of a run, its result.xdmf or its result.h5")
@@ -577,7 +589,7 @@ def parsed(arguments):
     parser.add_argument("--mesh-edges", action="store_true", help="draw the edges of the elements")
     parser.add_argument("--outline", action="store_true", help="draw the edges of the undeformed shape")
     parser.add_argument("--title", help="instead of the run's title")
-    return parser.parse_args(arguments)
+    return parser.parse_args(_with_negative_values(arguments))
 
 
 def main():

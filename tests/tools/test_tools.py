@@ -98,7 +98,7 @@ class Pictures(WithResult):
     def test_views_differ(self):
         pictures = []
         for view in ("iso", "front", "top", "-1,0.5,0.3"):
-            self.draw(f"--view={view}", "--frame", 1, "-o", self.path("view.png"), *SMALL)
+            self.draw("--view", view, "--frame", 1, "-o", self.path("view.png"), *SMALL)
             pictures.append(np.asarray(Image.open(self.path("view.png"))).tobytes())
         self.assertEqual(len(set(pictures)), 4)
 
