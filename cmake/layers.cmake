@@ -15,6 +15,8 @@ if(PLIANT_SANITIZE)
   target_compile_options(pliant_options INTERFACE -fsanitize=${PLIANT_SANITIZE} -fno-omit-frame-pointer
                          -fno-sanitize=null,alignment,object-size,vptr -fno-sanitize-recover=undefined -Wno-uninitialized)
   target_link_options(pliant_options INTERFACE -fsanitize=${PLIANT_SANITIZE})
+  # An index beyond a vector's size that is within its capacity is no wrong address.
+  target_compile_definitions(pliant_options INTERFACE _GLIBCXX_ASSERTIONS)
 endif()
 if(PLIANT_FUZZ)
   # Every edge is counted; clang knows other warnings than g++, which is the compiler that warns.
@@ -23,6 +25,20 @@ endif()
 target_compile_definitions(pliant_options INTERFACE OMPI_SKIP_MPICXX)
 target_include_directories(pliant_options INTERFACE $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/src>
                                                     $<INSTALL_INTERFACE:include/pliant>)
+
+# pliant_kernels(<target>...): what instantiates the laws. Under the sanitizers g++ would watch the place of every temporary
+# pack and check every step of a pointer, and compile such a file five times as long; indices of arrays are checked still.
+# As options of the sources they come after those that they take back.
+function(pliant_kernels)
+  if(PLIANT_SANITIZE AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    foreach(target ${ARGN})
+      get_target_property(sources ${target} SOURCES)
+      set_source_files_properties(
+        ${sources} PROPERTIES COMPILE_OPTIONS "--param=asan-stack=0;-fno-sanitize-address-use-after-scope;\
+-fno-sanitize=pointer-overflow,shift;-U_GLIBCXX_ASSERTIONS")
+    endforeach()
+  endif()
+endfunction()
 
 # pliant_layer(<name> <dependency>...): src/<name>/*.cpp as the library pliant_<name>; a layer without sources is headers only.
 function(pliant_layer name)

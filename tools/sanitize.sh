@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Runs the tests of the layers under the address, undefined-behaviour and leak sanitizers, in a build folder of their own.
+# Runs the tests of the layers, and some of the program, under the address, undefined-behaviour and leak sanitizers, in a
+# build folder of their own.
 #
-#   tools/sanitize.sh [LAYER ...]       default: all but app, e.g. tools/sanitize.sh mesh io
+#   tools/sanitize.sh [LAYER | program ...]       default: all, e.g. tools/sanitize.sh mesh io
 #
 # Layers whose ranks do different work run on two ranks, too.
 set -euo pipefail
@@ -11,21 +12,32 @@ source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 source "$root/tools/environment.sh"
 
 layers=("$@")
-((${#layers[@]} > 0)) || layers=(base petsc material mesh fem time energy solver io fuzz)
+((${#layers[@]} > 0)) || layers=(base petsc material mesh fem time energy solver io app fuzz program)
+# One of each kind: steps, contact, cavities, going on, mistakes.
+program_tests=(test_loads.Loads.test_dashpots_brake_a_body test_contact.Contact.test_{slope,ranks_agree}
+  test_cavities.Cavities.test_{gas_swings_with_the_tube_and_keeps_its_law,liquid_flows_in}
+  test_restart.Continuation.test_{elsewhere,a_later_end_and_another_step} test_errors.Errors.test_bad_command_lines)
 sanitized=$root/build-asan
 if [[ ! -e $sanitized/build.ninja ]]; then
   (cd "$root" && cmake --preset asan >/dev/null)
 fi
-ninja -C "$sanitized" -j "$(build_jobs)" "${layers[@]/#/test_}"
+targets=("${layers[@]/#/test_}")
+ninja -C "$sanitized" -j "$(build_jobs)" "${targets[@]/test_program/pliant_program}"
 
 # fork() of a process that holds this much address space is refused where memory may not be overcommitted, and gmsh runs
 # in a child: a smaller quarantine. Leaks of the libraries are named in the list, each with its reason.
-# Whole stacks of what was allocated: libraries without frame pointers have no name else.
-export ASAN_OPTIONS=detect_leaks=1:quarantine_size_mb=64:fast_unwind_on_malloc=0 LSAN_OPTIONS=suppressions=$root/tests/sanitizers/leaks.txt:print_suppressions=0
+export ASAN_OPTIONS=detect_leaks=1:quarantine_size_mb=64
+export LSAN_OPTIONS=suppressions=$root/tests/sanitizers/leaks.txt:print_suppressions=0
 export UBSAN_OPTIONS=print_stacktrace=1 HWLOC_COMPONENTS=-gl
 export LD_LIBRARY_PATH=$sanitized/lib  # dlopen() of the sanitizer's does not look where the program says
 status=0
 for layer in "${layers[@]}"; do
+  if [[ $layer == program ]]; then
+    say "sanitizing the program"
+    (cd "$root/tests/program" && PLIANT=$sanitized/bin/pliant "$python" -B -m unittest -q "${program_tests[@]}") ||
+      { say "FAILED: the program"; status=1; }
+    continue
+  fi
   counts=(1)
   case $layer in
     petsc | mesh | fem | io) counts=(1 2) ;;
