@@ -84,9 +84,10 @@ TEST(StepControl, GivesUpBelowTheSmallestStepAndSaysWhy) {
       "step of 0.25 s from t = 0 s failed: inverted element; half of it is below the smallest step allowed, 0.25 s");
 }
 
-// Whatever fails: every nominal time is hit to the last bit, no step is longer than nominal or more than twice the last
-// accepted one, and none is a sliver.
+// Whatever fails: every nominal time is hit, up to how the compiler rounds a product and a sum (with FMA once), no step
+// is longer than nominal or more than twice the last accepted one, and none is a sliver.
 TEST(StepControl, KeepsItsPromisesUnderRandomFailures) {
+  constexpr double rounding = 1e-14;  // three ulp of the end
   std::mt19937 random(7);
   for (double probability : {0.05, 0.3, 0.45}) {
     const StepPlan plan{0.5, 0.1, 20.53, 1e-12};
@@ -101,7 +102,7 @@ TEST(StepControl, KeepsItsPromisesUnderRandomFailures) {
       EXPECT_LE(step.dt, plan.dt * (1 + 1e-6));
       EXPECT_LE(step.dt, 2 * last * (1 + 1e-6));
       const double target = n == control.num_nominal() ? plan.end : plan.origin + static_cast<double>(n) * plan.dt;
-      EXPECT_LE(step.time, target) << "a nominal time was passed";
+      EXPECT_LE(step.time, target + rounding) << "a nominal time was passed";
       shortest = std::min(shortest, step.dt);
       if (fails(random)) {
         asked = std::min(asked, step.dt / 2);
@@ -110,7 +111,7 @@ TEST(StepControl, KeepsItsPromisesUnderRandomFailures) {
         control.accept();
         time = step.time;
         last = step.dt;
-        if (time == target) ++n;
+        if (time >= target - rounding) ++n;
       }
     }
     EXPECT_EQ(time, plan.end);
