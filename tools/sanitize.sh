@@ -40,7 +40,7 @@ for layer in "${layers[@]}"; do
   fi
   counts=(1)
   case $layer in
-    petsc | mesh | fem | io) counts=(1 2) ;;
+    petsc | mesh | fem | energy | io) counts=(1 2) ;;
   esac
   for ranks in "${counts[@]}"; do
     say "sanitizing $layer on $ranks"
