@@ -25,6 +25,7 @@ target_link_libraries(pliant_input PUBLIC pliant_time yaml-cpp nlohmann_json::nl
 pliant_fuzzer(input read_as_input input.cpp pliant_input)
 pliant_fuzzer(msh read_as_msh meshes.cpp pliant_mesh)
 pliant_fuzzer(mesh_file read_as_mesh_file meshes.cpp pliant_mesh)
+target_sources(fuzz_mesh_file PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/fuzz/in_place/isolated.cpp)  # instead of the library's
 pliant_fuzzer(checkpoint read_as_checkpoint checkpoint.cpp pliant_io)
 pliant_fuzzer(surface read_as_surface meshes.cpp pliant_mesh)
 pliant_finds_gmsh(fuzz_surface)

@@ -275,7 +275,7 @@ std::vector<Damage> damages() {
   };
 }
 
-// Whether it dies over a file depends on what is in memory that it has not set: tests/fuzz/corpus has one.
+// Over which files it dies depends on what is in memory that it has not set; fuzzing found some.
 TEST(MeshFile, WhereHdf5DiesTheFileIsToBlame) {
   const auto die = [] {
     (void)std::raise(SIGSEGV);
