@@ -38,7 +38,7 @@ using Laws = testing::Types<SaintVenantKirchhoff<double>, NeoHookean<double>>;
 TYPED_TEST_SUITE(Projection, Laws);
 
 TYPED_TEST(Projection, MakesTheIndefiniteSemidefinite) {
-  const Tangent<double> A = tangent(law_of<TypeParam>(E, 0.3), compressed);
+  const Tangent<double> A = stiffness_tensor(law_of<TypeParam>(E, 0.3), compressed);
   ASSERT_LT(least_quotient(A), -1e-3 * E);
   Tangent<double> projected = A;
   project_to_positive_semidefinite(projected);
@@ -61,14 +61,14 @@ TYPED_TEST(Projection, MakesTheIndefiniteSemidefinite) {
 
 TYPED_TEST(Projection, LeavesTheDefiniteAlone) {
   const Matrix stretched{{0.2, 0, 0, 0, 0.2, 0, 0, 0, 0.2}};
-  const Tangent<double> A = tangent(law_of<TypeParam>(E, 0.3), stretched);
+  const Tangent<double> A = stiffness_tensor(law_of<TypeParam>(E, 0.3), stretched);
   Tangent<double> projected = A;
   project_to_positive_semidefinite(projected);
   EXPECT_EQ(projected, A);
 }
 
 TYPED_TEST(Projection, ClampsAtTheFloor) {
-  Tangent<double> A = tangent(law_of<TypeParam>(E, 0.3), compressed);
+  Tangent<double> A = stiffness_tensor(law_of<TypeParam>(E, 0.3), compressed);
   const double floor = 0.1 * E;
   project_to_positive_semidefinite(A, floor);
   EXPECT_GE(least_quotient(A), floor * (1 - 1e-12));
@@ -105,7 +105,7 @@ TEST(ProjectionOfStresses, KeepsTensionAndDropsCompressionLaneByLane) {
 
 TEST(ProjectionOfInvertedCells, LeavesTheUndefinedAlone) {
   const Matrix inverted{{-2.5, 0, 0, 0, 0, 0, 0, 0, 0}};
-  Tangent<double> A = tangent(law_of<NeoHookean<double>>(E, 0.3), inverted);
+  Tangent<double> A = stiffness_tensor(law_of<NeoHookean<double>>(E, 0.3), inverted);
   project_to_positive_semidefinite(A);
   EXPECT_TRUE(std::isnan(A[0]));
 }
