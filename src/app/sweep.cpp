@@ -278,7 +278,8 @@ class Sweep {
       Plot plot;
       plot.title = name;
       plot.x_label = "time [s]";
-      plot.y_label = name;
+      const auto unit = unit_of_column(name);
+      plot.y_label = unit.empty() ? name : fmt::format("{} [{}]", name, unit);
       plot.scale = Scale::linear;
       bool varies = false;
       for (std::size_t i = 0; i < cases_.size(); ++i) {

@@ -72,7 +72,8 @@ std::int64_t space_of(const Group& plan) {
 }
 
 /// A group under construction, on rank 0: everything in it is in the file, but no path leads to it before `publish`.
-/// Dropped unpublished, it leaves no trace.
+/// Dropped unpublished, it leaves no trace. Its header says from the start that one link leads to it: a program that is
+/// killed while HDF5 writes that link, then the number of links, or the other way round, leaves them in agreement.
 class UnpublishedGroup {
  public:
   UnpublishedGroup(const std::filesystem::path& path, const Group& plan) : path_(path.string()) {
@@ -82,8 +83,14 @@ class UnpublishedGroup {
     group_ = Hdf5Handle(H5Gcreate_anon(file_.get(), H5P_DEFAULT, H5P_DEFAULT), H5Gclose, doing);
     plan.write_attributes(group_.get());
     for (const auto& dataset : plan.datasets) offsets_.push_back(make_dataset(group_.get(), dataset));
+    check_hdf5(H5Oincr_refcount(group_.get()), doing);
     check_hdf5(H5Fflush(file_.get(), H5F_SCOPE_LOCAL), doing);
   }
+  ~UnpublishedGroup() {
+    if (group_.get() >= 0) H5Odecr_refcount(group_.get());
+  }
+  UnpublishedGroup(const UnpublishedGroup&) = delete;
+  UnpublishedGroup& operator=(const UnpublishedGroup&) = delete;
 
   const std::vector<std::int64_t>& offsets() const { return offsets_; }
 
@@ -91,6 +98,7 @@ class UnpublishedGroup {
     const std::string doing = "write '" + path_ + "'";
     const Hdf5Handle parent(H5Gopen2(file_.get(), plan.parent.c_str(), H5P_DEFAULT), H5Gclose, doing);
     check_hdf5(H5Olink(group_.get(), parent.get(), plan.name.c_str(), H5P_DEFAULT, H5P_DEFAULT), doing);
+    check_hdf5(H5Odecr_refcount(group_.get()), doing);
     group_.close(doing);
     file_.close(doing);
     // A reader asks for the size of the file, then reads where HDF5 ends it; if that is beyond the size because a group

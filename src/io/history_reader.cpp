@@ -3,6 +3,7 @@
 #include "base/text.hpp"
 
 #include <algorithm>
+#include <fnmatch.h>
 #include <fstream>
 #include <limits>
 #include <utility>
@@ -28,7 +29,32 @@ std::vector<std::string> cells_of(std::string_view line) {
   return cells;
 }
 
+/// A unit and the columns that have it, as patterns of fnmatch.
+struct UnitOfColumns {
+  const char* unit;
+  std::vector<const char*> columns;
+};
+
 }  // namespace
+
+std::string_view unit_of_column(const std::string& name) {
+  static const std::vector<UnitOfColumns> all{
+      {"s", {"time", "dt"}},
+      {"J", {"*_energy", "*_work", "dissipated_*", "numerical_dissipation", "load_potential", "energy_balance_error"}},
+      {"N s", {"p[xyz]", "*_j[xyz]"}},
+      {"N m s", {"L[xyz]"}},
+      {"N", {"*_f[xyz]"}},
+      {"N m", {"*_t[xyz]"}},
+      {"m", {"*_[xyz]"}},
+      {"m/s", {"*_v[xyz]"}},
+      {"Pa", {"*_pressure"}},
+      {"m^3", {"*_volume"}},
+  };
+  const auto fits = [&](const char* pattern) { return fnmatch(pattern, name.c_str(), 0) == 0; };
+  const auto found =
+      std::ranges::find_if(all, [&](const UnitOfColumns& of) { return std::ranges::any_of(of.columns, fits); });
+  return found == all.end() ? "" : found->unit;
+}
 
 const std::vector<double>* HistoryTable::find(std::string_view name) const {
   const auto found = std::ranges::find(names, name);

@@ -189,5 +189,25 @@ TEST(HistoryReader, ReadsCompleteRows) {
   check_mpi(MPI_Barrier(comm));
 }
 
+TEST(HistoryTable, UnitsOfItsColumns) {
+  for (const auto& [name, unit] : std::vector<std::pair<std::string, std::string>>{{"step", ""},
+                                                                                   {"newton_iterations", ""},
+                                                                                   {"time", "s"},
+                                                                                   {"elastic_energy", "J"},
+                                                                                   {"support_work", "J"},
+                                                                                   {"dissipated_contact", "J"},
+                                                                                   {"px", "N s"},
+                                                                                   {"Lz", "N m s"},
+                                                                                   {"tip_x", "m"},
+                                                                                   {"tip_vz", "m/s"},
+                                                                                   {"floor_ball_fy", "N"},
+                                                                                   {"floor_jx", "N s"},
+                                                                                   {"hub_tz", "N m"},
+                                                                                   {"chamber_pressure", "Pa"},
+                                                                                   {"chamber_volume", "m^3"}}) {
+    EXPECT_EQ(unit_of_column(name), unit) << name;
+  }
+}
+
 }  // namespace
 }  // namespace pliant
