@@ -20,8 +20,8 @@ struct HistoryTable {
 /// Of a run that goes on, ended early, or did not begin: the complete rows that there are. Not collective.
 HistoryTable read_history(const std::filesystem::path& file);
 
-/// "J" of elastic_energy, "N" of top_fx: by the names that docs/output.md tells; empty for numbers of things and what is
-/// not known.
+/// "J" of elastic_energy, "N" of top_fx: by the names that docs/output.md tells; empty for numbers of things and what
+/// is not known.
 std::string_view unit_of_column(const std::string& name);
 
 }  // namespace pliant
