@@ -26,6 +26,12 @@ def run(*command, cwd=None):
     return done.stdout
 
 
+def imported_modules():
+    """What `import pliant` needs beside Python itself, from the imports that stand at the left margin."""
+    texts = "\n".join(f.read_text() for f in (ROOT / "src/python/pliant").glob("*.py"))
+    return set(re.findall(r"^(?:import|from) ([a-z]\w*)", texts, re.M)) - sys.stdlib_module_names
+
+
 class Package(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -88,7 +94,8 @@ class Package(unittest.TestCase):
 
         needed = fields(of_program)
         for start in ("libpetsc-real3", "libgmsh4", "libopenmpi3", "libhdf5-openmpi", "libyaml-cpp", "libfmt", "libmuparser",
-                      "libudunits2", "libmetis", "libc6", "libstdc++6", "openmpi-bin"):
+                      "libudunits2", "libmetis", "libc6", "libstdc++6", "openmpi-bin",
+                      *(f"python3-{module}" for module in imported_modules())):
             self.assertTrue(any(name.startswith(start) for name in needed), f"{start} is not among {needed}")
         self.assertLessEqual({"/usr/bin/pliant", "/usr/lib/pliant/libpliant_gmsh.so", "/usr/share/pliant/input/gripper_finger.yaml",
                               "/usr/share/pliant/meshes/gripper_finger.geo", "/usr/share/pliant/docs/index.md",
