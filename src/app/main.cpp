@@ -140,7 +140,7 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
   report->add_option("--output", arguments.report.output, "the file; default: report.html beside the result");
   report
       ->add_option("--size", arguments.report.megabytes,
-                   "megabytes that the frames may take; where they would take more, some are left out")
+                   "megabytes that the page may take; where it would take more, frames are left out")
       ->check(CLI::PositiveNumber)
       ->type_name("MB")
       ->capture_default_str();

@@ -141,7 +141,8 @@ Json json_of(const HistoryTable& history, Page& page) {
   return json;
 }
 
-std::string page_of(const fs::path& file, const ReportOptions& options) {
+/// What to tell of it.
+std::string write_page(const fs::path& file, const ReportOptions& options) {
   const std::string_view viewer = report_page();
   if (viewer.empty()) {
     throw FileError(
@@ -149,29 +150,31 @@ std::string page_of(const fs::path& file, const ReportOptions& options) {
         "PLIANT_REPORT was off. Where it does, touch src/viewer/package.json and build again");
   }
   const fs::path directory = file.parent_path();
+  const fs::path output = options.output.empty() ? directory / "report.html" : fs::path(options.output);
   const ResultReader result(file);
   Page page;
   Json report{{"format", 1}, {"title", result.title()}, {"directory", fs::absolute(file).parent_path().string()}};
   report["written"] = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
   report["program"] = version_text();
-  report["result"] = json_of(pack_result(result, static_cast<std::size_t>(options.megabytes * 1e6)), page);
   report["history"] = json_of(read_history(directory / "history.csv"), page);
   report["input"] = text_of(directory / "run.yaml");
   report["summary"] = summary_json(directory);
-  return page.filled(viewer, report);
+  const double left = options.megabytes * 1e6 - static_cast<double>(page.filled(viewer, report).size());
+  const PackedResult packed = pack_result(result, static_cast<std::size_t>(std::max(left, 0.0)));
+  report["result"] = json_of(packed, page);
+  std::string text = page.filled(viewer, report);
+  write_text_atomically(output, text);
+  const double size = static_cast<double>(text.size()) * 1e-6;
+  return fmt::format("{}: {:.1f} MB, {} of {} frames{}; open it in a browser", output.string(), size,
+                     packed.frames.size(), packed.num_frames,
+                     size > options.megabytes ? " (so much is needed for what is beside the frames)" : "");
 }
 
 }  // namespace
 
 void report_command(MPI_Comm comm, const ReportOptions& options, Console& console) {
   std::string line;
-  on_root(comm, [&] {
-    const fs::path file = result_file(options.place);
-    const fs::path output = options.output.empty() ? file.parent_path() / "report.html" : fs::path(options.output);
-    const std::string page = page_of(file, options);
-    write_text_atomically(output, page);
-    line = fmt::format("{}: {:.1f} MB; open it in a browser", output.string(), static_cast<double>(page.size()) * 1e-6);
-  });
+  on_root(comm, [&] { line = write_page(result_file(options.place), options); });
   console.print(line);
 }
 

@@ -11,7 +11,7 @@ namespace pliant {
 struct ReportOptions {
   std::string place;        ///< the directory of a result, its result.h5 or result.xdmf
   std::string output;       ///< the file to write; empty: report.html in the directory of the result
-  double megabytes = 10.0;  ///< that the frames may take; there are fewer of them where they would take more
+  double megabytes = 10.0;  ///< that the page may take; there are fewer frames where it would take more
 };
 
 /// Writes the page, from what there is of a run that may still go on. FileError on every rank if there is no result, or

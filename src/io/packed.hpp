@@ -1,4 +1,5 @@
-/// Numbers made small, for pages that carry their data: quantised, predicted from their neighbours, deflated, as text.
+/// Numbers made small, for pages that carry their data: quantised, predicted in time and from their neighbours,
+/// deflated, as text.
 #pragma once
 
 #include <cstddef>
@@ -22,19 +23,33 @@ struct Quantisation {
   std::uint16_t operator()(double value) const;
 };
 
-/// Rows of equally many whole numbers, e.g. a value at all vertices, a row per frame. What is kept of number v of row f
-/// is its difference r from q(f-1, v) + q(f, v-1) - q(f-1, v-1) (Lorenzo's predictor; numbers outside are 0; modulo
-/// 2^16), as 2 r or -2 r - 1, whichever is not negative: all lower bytes, then all upper ones.
+/// Of each vertex of triangles those before it in number to which a side leads that goes up in number; where there is
+/// none, the vertex before it (vertex 0 has none).
+struct EarlierNeighbours {
+  explicit EarlierNeighbours(std::size_t num_vertices = 0, std::span<const std::int32_t> triangles = {});
+
+  std::vector<std::size_t> first;  ///< those of vertex v: `vertices` from first[v] to first[v + 1]
+  std::vector<std::int32_t> vertices;
+};
+
+/// Rows of a whole number q at each vertex, a row per frame. In time q(f, v) is predicted by p = q(f-1, v), or, from
+/// the third row on, by p = 2 q(f-1, v) - q(f-2, v): the order of prediction is 1 or 2, whichever leaves less; rows
+/// before the first are 0. In space q - p is predicted by its mean m over the earlier neighbours, rounded to the
+/// nearest (up where two are). What is kept is r = q - p - m modulo 2^16, as 2 r or -2 r - 1, whichever is not
+/// negative: a byte for the order, then all lower bytes, then all upper ones.
 class PackedRows {
  public:
-  explicit PackedRows(std::size_t row_size) : before_(row_size, 0) {}
-  /// Appends a row; it has the size of all rows.
-  void append(std::span<const std::uint16_t> row);
+  /// The neighbours live longer than this.
+  explicit PackedRows(const EarlierNeighbours& neighbours) : neighbours_(neighbours) {}
+  /// Appends a row; it has a number for each vertex.
+  void append(std::vector<std::uint16_t> row);
   std::string text() const;
 
  private:
-  std::vector<std::uint16_t> before_;
-  std::vector<std::byte> low_, high_;
+  std::vector<std::uint16_t> coded(int order) const;
+
+  const EarlierNeighbours& neighbours_;
+  std::vector<std::vector<std::uint16_t>> rows_;
 };
 
 }  // namespace pliant

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <span>
@@ -15,7 +16,11 @@ namespace pliant {
 namespace {
 
 constexpr std::size_t most_frames = 240;
-constexpr int levels_of_positions = 65535, levels_of_fields = 4095;
+constexpr int most_levels = 65535;  // of reference positions and of what moves as one
+constexpr double levels_of_displacement = 16383.0, levels_of_fields = 1023.0, least_levels = 255.0;
+constexpr double unseen = 1e-3;  // share of the values at either end of a field that the page leaves out of its colours
+// What a page writes around a text, and of a frame [bytes]; no less than it is.
+constexpr std::size_t around_text = 150, size_of_frame = 200;
 
 /// A field of the page, made of one of the result.
 struct Channel {
@@ -72,8 +77,10 @@ std::vector<std::size_t> thinned(std::size_t count, std::size_t most) {
 struct Scene {
   std::string group;
   BodySurface surface;
+  EarlierNeighbours neighbours;
   PackedMesh packed;
   PackedObstacles obstacles;
+  EarlierNeighbours obstacle_neighbours;
   std::vector<double> obstacle_points;
 };
 
@@ -94,12 +101,13 @@ std::vector<std::uint16_t> quantised(const Quantisation& scale, std::span<const 
   return q;
 }
 
-/// Rows of equally many values with the scale that just holds them.
-std::pair<std::string, Quantisation> packed_rows(const std::vector<std::vector<float>>& rows, int levels) {
-  Quantisation scale{infinity, -infinity, levels};
+/// Rows of a value at each vertex with the scale that just holds them.
+std::pair<std::string, Quantisation> packed_rows(const std::vector<std::vector<float>>& rows,
+                                                 const EarlierNeighbours& neighbours) {
+  Quantisation scale{infinity, -infinity, most_levels};
   for (const auto& row : rows) widen(scale, row);
   if (!(scale.low <= scale.high)) scale.low = scale.high = 0.0;
-  PackedRows packed(rows.empty() ? 0 : rows.front().size());
+  PackedRows packed(neighbours);
   for (const auto& row : rows) packed.append(quantised(scale, row));
   return {packed.text(), scale};
 }
@@ -111,8 +119,7 @@ std::vector<float> component_of(std::span<const double> points, std::size_t comp
   return x;
 }
 
-template <class Vertex>
-std::string packed_triangles(std::span<const Vertex> triangles) {
+std::string packed_triangles(std::span<const std::int32_t> triangles) {
   std::vector<std::int32_t> steps(triangles.begin(), triangles.end());
   for (std::size_t i = steps.size(); i-- > 1;) steps[i] -= steps[i - 1];
   return packed_text(std::as_bytes(std::span(steps)));
@@ -151,7 +158,7 @@ class Packer {
     return n;
   }
 
-  /// A value was never seen to take less than a fifth of a byte; more frames than would fit then need not be read.
+  /// Values were never seen to take less than a fifth of a byte each; more frames than would fit then need not be read.
   std::size_t frames_that_fit() {
     const Scene& scene = scenes_[scene_of(result_.frames().back().mesh)];
     const std::size_t values = std::max<std::size_t>(scene.surface.num_vertices() * num_components(), 1);
@@ -162,7 +169,10 @@ class Packer {
     const auto known = std::ranges::find(scenes_, group, &Scene::group);
     if (known != scenes_.end()) return static_cast<std::size_t>(known - scenes_.begin());
     const OutputMesh mesh = result_.mesh(group);
-    Scene scene{group, surface_of_bodies(mesh), {}, {}, {}};
+    Scene scene;
+    scene.group = group;
+    scene.surface = surface_of_bodies(mesh);
+    scene.neighbours = EarlierNeighbours(scene.surface.num_vertices(), scene.surface.triangles);
     pack(mesh, scene);
     if (const auto obstacles = result_.obstacles(group)) pack(*obstacles, scene);
     packed_.body_names = mesh.body_names;
@@ -179,7 +189,7 @@ class Packer {
     packed.num_vertices = surface.num_vertices();
     packed.num_triangles = surface.triangles.size() / 3;
     packed.triangles_per_facet = surface.triangles_per_facet;
-    packed.triangles = packed_triangles<std::int32_t>(surface.triangles);
+    packed.triangles = packed_triangles(surface.triangles);
     packed.bodies = packed_text(std::as_bytes(std::span(surface.bodies)));
     std::vector<double> points;
     for (const auto node : surface.nodes) {
@@ -187,7 +197,7 @@ class Packer {
       points.insert(points.end(), x, x + 3);
     }
     for (std::size_t i = 0; i < 3; ++i) {
-      std::tie(packed.positions[i], packed.scales[i]) = packed_rows({component_of(points, i)}, levels_of_positions);
+      std::tie(packed.positions[i], packed.scales[i]) = packed_rows({component_of(points, i)}, scene.neighbours);
     }
   }
 
@@ -195,10 +205,12 @@ class Packer {
     PackedObstacles& packed = scene.obstacles;
     packed.names = obstacles.names;
     packed.num_points = obstacles.points.size() / 3;
-    packed.triangles = packed_triangles<std::int64_t>(obstacles.triangles);
+    const std::vector<std::int32_t> triangles(obstacles.triangles.begin(), obstacles.triangles.end());
+    packed.triangles = packed_triangles(triangles);
+    scene.obstacle_neighbours = EarlierNeighbours(packed.num_points, triangles);
     for (std::size_t i = 0; i < 3; ++i) {
       std::tie(packed.positions[i], packed.position_scales[i]) =
-          packed_rows({component_of(obstacles.points, i)}, levels_of_positions);
+          packed_rows({component_of(obstacles.points, i)}, scene.obstacle_neighbours);
     }
     scene.obstacle_points = obstacles.points;
   }
@@ -263,15 +275,38 @@ class Packer {
     return true;
   }
 
-  std::vector<Quantisation> scales_of(std::size_t channel) const {
-    const int levels = channels_[channel].name == "displacement" ? levels_of_positions : levels_of_fields;
-    std::vector<Quantisation> scales(static_cast<std::size_t>(channels_[channel].components),
-                                     {infinity, -infinity, levels});
+  /// Low and high of a component in all frames, but for the share `cut` of the values at either end.
+  std::pair<double, double> range_of(std::size_t channel, std::size_t component, double cut) const {
+    std::vector<float> values;
     for (const auto& frame : frames_) {
-      for (std::size_t c = 0; c < scales.size(); ++c) widen(scales[c], frame.of_channels[channel][c]);
+      std::ranges::copy_if(frame.of_channels[channel][component], std::back_inserter(values),
+                           [](float value) { return std::isfinite(value); });
     }
-    for (auto& scale : scales) {
-      if (!(scale.low <= scale.high)) scale.low = scale.high = 0.0;
+    if (values.empty()) return {0.0, 0.0};
+    const auto low = static_cast<std::ptrdiff_t>(cut * static_cast<double>(values.size()));
+    std::ranges::nth_element(values, values.begin() + low);
+    const double lowest = values[static_cast<std::size_t>(low)];
+    std::ranges::nth_element(values, values.end() - 1 - low);
+    return {lowest, *(values.end() - 1 - low)};
+  }
+
+  /// Components of a vector have the same step, for they are drawn on the same scale, but where that would leave one of
+  /// them hardly any levels to be coloured by. Levels are enough for what is coloured, whatever the peaks.
+  std::vector<Quantisation> scales_of(std::size_t channel) const {
+    const bool is_displacement = channels_[channel].name == "displacement";
+    const auto size = static_cast<std::size_t>(channels_[channel].components);
+    std::vector<double> widths;
+    for (std::size_t c = 0; c < size; ++c) {
+      const auto [low, high] = range_of(channel, c, is_displacement ? 0.0 : unseen);
+      widths.push_back(high - low);
+    }
+    const double step =
+        *std::ranges::max_element(widths) / (is_displacement ? levels_of_displacement : levels_of_fields);
+    std::vector<Quantisation> scales;
+    for (std::size_t c = 0; c < size; ++c) {
+      const auto [low, high] = range_of(channel, c, 0.0);
+      const double levels = std::ceil((high - low) / std::min(step, widths[c] / least_levels));
+      scales.push_back({low, high, levels < most_levels ? std::max(static_cast<int>(levels), 1) : most_levels});
     }
     return scales;
   }
@@ -284,7 +319,7 @@ class Packer {
       for (const std::size_t i : kept) {
         if (frames_[i].frame.mesh == mesh) rows.push_back(component_of(frames_[i].moves, k));
       }
-      std::tie(packed.moves[k], packed.move_scales[k]) = packed_rows(rows, levels_of_positions);
+      std::tie(packed.moves[k], packed.move_scales[k]) = packed_rows(rows, scenes_[mesh].obstacle_neighbours);
     }
     return packed;
   }
@@ -304,7 +339,7 @@ class Packer {
       for (std::size_t m = 0; m < scenes_.size(); ++m) {
         auto& texts = field.values.emplace_back();
         for (std::size_t c = 0; c < field.scales.size(); ++c) {
-          PackedRows rows(scenes_[m].surface.num_vertices());
+          PackedRows rows(scenes_[m].neighbours);
           for (const std::size_t i : kept) {
             if (frames_[i].frame.mesh != m) continue;
             rows.append(quantised(field.scales[c], frames_[i].of_channels[k][c]));
@@ -327,19 +362,21 @@ class Packer {
 }  // namespace
 
 std::size_t PackedResult::size() const {
-  std::size_t bytes = 0;
+  std::size_t bytes = frames.size() * size_of_frame;
+  const auto add = [&](const std::string& text) { bytes += text.size() + around_text; };
+  std::ranges::for_each(body_names, add);
   for (const auto& mesh : meshes) {
-    bytes += mesh.triangles.size() + mesh.bodies.size();
-    for (const auto& x : mesh.positions) bytes += x.size();
+    add(mesh.triangles);
+    add(mesh.bodies);
+    std::ranges::for_each(mesh.positions, add);
   }
   for (const auto& one : obstacles) {
-    bytes += one.triangles.size();
-    for (std::size_t i = 0; i < 3; ++i) bytes += one.positions[i].size() + one.moves[i].size();
+    add(one.triangles);
+    std::ranges::for_each(one.positions, add);
+    std::ranges::for_each(one.moves, add);
   }
   for (const auto& field : fields) {
-    for (const auto& of_mesh : field.values) {
-      for (const auto& text : of_mesh) bytes += text.size();
-    }
+    for (const auto& of_mesh : field.values) std::ranges::for_each(of_mesh, add);
   }
   return bytes;
 }

@@ -57,10 +57,10 @@ struct PackedResult {
   std::vector<PackedFrame> frames;
   std::vector<PackedField> fields;  ///< the displacement, if there is one, first
 
-  std::size_t size() const;  ///< of all texts [bytes]
+  std::size_t size() const;  ///< what it takes in a page, or a little more [bytes]
 };
 
-/// Leaves out frames, evenly, until the texts have at most `most_bytes`, but keeps the first and the last. Tensors are
+/// Leaves out frames, evenly, until size() is at most `most_bytes`, but keeps the first and the last. Tensors are
 /// reduced to their invariants (von Mises, mean); frames whose displacement is not finite are left out. FileError if
 /// there is no frame.
 PackedResult pack_result(const ResultReader& result, std::size_t most_bytes);

@@ -1,5 +1,5 @@
 // The surfaces of the bodies at any time, between frames too.
-import { report, accumulated, int32, rows } from "./data.js";
+import { report, accumulated, int32, rows, EarlierNeighbours } from "./data.js";
 
 const AXES = [0, 1, 2];
 
@@ -13,8 +13,9 @@ class Surface {
     surface.index = await accumulated(mesh.index);
     surface.bodies = await int32(mesh.bodies);
     surface.perFacet = mesh.perFacet;
+    surface.neighbours = new EarlierNeighbours(surface.index, mesh.vertices);
     surface.rest = new Float32Array(3 * mesh.vertices);
-    for (const i of AXES) (await rows(mesh.positions[i], mesh.vertices, mesh.scales[i])).addTo(surface.rest, i, 3, 0, 1);
+    for (const i of AXES) (await rows(mesh.positions[i], surface.neighbours, mesh.scales[i])).addTo(surface.rest, i, 3, 0, 1);
     return surface;
   }
 
@@ -73,7 +74,7 @@ export class Bodies {
     if (this.values.has(field)) return;
     const { scales, values } = this.fields[field];
     this.values.set(field, await Promise.all(values.map((blocks, m) =>
-      Promise.all(blocks.map((block, c) => rows(block, this.surfaces[m].size, scales[c]))))));
+      Promise.all(blocks.map((block, c) => rows(block, this.surfaces[m].neighbours, scales[c]))))));
   }
 
   /// What there is at a time: the surface, and rows with weights that give its values.

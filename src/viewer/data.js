@@ -20,21 +20,45 @@ export async function accumulated(block) {
   return values;
 }
 
-/// Rows of `size` whole numbers from what Lorenzo's predictor left of them.
-async function unpackedRows(block, size) {
-  const bytes = new Uint8Array(await bytesOf(block));
-  const count = bytes.length / 2;
-  const values = new Uint16Array(count);
-  for (let start = 0; start < count; start += size) {
-    let left = 0, leftBefore = 0;
+/// Of each vertex those before it in number to which a side of a triangle leads; where there is none, the one before it.
+export class EarlierNeighbours {
+  constructor(index, size) {
+    this.size = size;
+    this.first = new Uint32Array(size + 1);
+    const visit = (side) => {
+      for (let corner = 0; corner < index.length; ++corner) {
+        const from = index[corner], to = index[corner % 3 === 2 ? corner - 2 : corner + 1];
+        if (from < to) side(from, to);
+      }
+    };
+    visit((from, to) => ++this.first[to + 1]);
     for (let v = 0; v < size; ++v) {
-      const i = start + v;
-      const coded = bytes[i] | (bytes[count + i] << 8);
-      const r = coded & 1 ? -(coded + 1) / 2 : coded / 2;
-      const before = start > 0 ? values[i - size] : 0;
-      values[i] = before + left - leftBefore + r;  // modulo 2^16
-      left = values[i];
-      leftBefore = before;
+      if (v > 0 && this.first[v + 1] === 0) this.first[v + 1] = 1;
+      this.first[v + 1] += this.first[v];
+    }
+    this.vertices = new Uint32Array(this.first[size]);
+    for (let v = 1; v < size; ++v) this.vertices[this.first[v]] = v - 1;
+    const end = this.first.slice(0, size);
+    visit((from, to) => (this.vertices[end[to]++] = from));
+  }
+}
+
+/// Rows of whole numbers from what their predictions left of them.
+async function unpackedRows(block, { size, first, vertices }) {
+  const bytes = new Uint8Array(await bytesOf(block));
+  const order = bytes[0], count = (bytes.length - 1) / 2;
+  const values = new Uint16Array(count), change = new Int32Array(size);
+  for (let start = 0; start < count; start += size) {
+    for (let v = 0, i = start; v < size; ++v, ++i) {
+      let predicted = start > 0 ? values[i - size] : 0;
+      if (order === 2 && start > size) predicted += values[i - size] - values[i - 2 * size];
+      const begin = first[v], end = first[v + 1], n = end - begin;
+      let sum = 0;
+      for (let k = begin; k < end; ++k) sum += change[vertices[k]];
+      const mean = n > 0 ? Math.floor((2 * sum + n) / (2 * n)) : 0;
+      const coded = bytes[1 + i] | (bytes[1 + count + i] << 8);
+      values[i] = predicted + mean + (coded & 1 ? -(coded + 1) / 2 : coded / 2);  // modulo 2^16
+      change[v] = values[i] - predicted;
     }
   }
   return values;
@@ -57,7 +81,7 @@ class Rows {
   }
 }
 
-export const rows = async (block, size, scale) => new Rows(await unpackedRows(block, size), size, scale);
+export const rows = async (block, neighbours, scale) => new Rows(await unpackedRows(block, neighbours), neighbours.size, scale);
 
 /// The history: column names to arrays.
 export async function readHistory() {

@@ -1,6 +1,6 @@
 // Rigid obstacles of contact, where the result has them.
 import { BufferAttribute, BufferGeometry, CanvasTexture, DoubleSide, Group, Mesh, MeshStandardMaterial } from "three";
-import { report, accumulated, rows } from "./data.js";
+import { report, accumulated, rows, EarlierNeighbours } from "./data.js";
 
 const AXES = [0, 1, 2];
 const REACH = 1.6;  // of a plane that is drawn, in sizes of the scene
@@ -36,14 +36,15 @@ function pieces(index, size) {
 class Part {
   static async load(given, materials) {
     const part = new Part();
-    part.moves = await Promise.all(given.moves.map((block, k) => rows(block, given.vertices, given.moveScales[k])));
+    const index = await accumulated(given.index), neighbours = new EarlierNeighbours(index, given.vertices);
+    part.moves = await Promise.all(given.moves.map((block, k) => rows(block, neighbours, given.moveScales[k])));
     part.rest = new Float32Array(3 * given.vertices);
-    for (const k of AXES) (await rows(given.positions[k], given.vertices, given.scales[k])).addTo(part.rest, k, 3, 0, 1);
+    for (const k of AXES) (await rows(given.positions[k], neighbours, given.scales[k])).addTo(part.rest, k, 3, 0, 1);
     part.position = new BufferAttribute(new Float32Array(3 * given.vertices), 3);
     part.group = new Group();
     part.planes = [];
     const closed = [];
-    for (const piece of pieces(await accumulated(given.index), given.vertices)) {
+    for (const piece of pieces(index, given.vertices)) {
       // Two triangles are a plane, cut out around the bodies; what is closed has more.
       if (piece.length !== 6) closed.push(...piece);
       else part.planes.push({ piece, mesh: part.add(piece, materials.plane, new BufferAttribute(new Float32Array(2 * given.vertices), 2)) });

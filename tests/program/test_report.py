@@ -74,19 +74,31 @@ class Report(ProgramTest):
             for k, frame in enumerate(frames):
                 self.assertEqual(report.result["frames"][k]["time"], frame.attrs["time"])
                 given = frame["displacement"][()]
-                self.assertLess(np.abs(u[k] - given[node]).max(), 0.51 / 65535 * np.ptp(u[..., 2]) + 1e-7)
-                self.assertLess(np.abs(v[k] - frame["velocity"][()][node]).max(), 0.51 / 4095 * np.ptp(v[..., 2]) + 1e-6)
+                self.assertLess(np.abs(u[k] - given[node]).max(), 0.51 / 16383 * np.ptp(u[..., 2]) + 1e-7)
+                self.assertLess(np.abs(v[k] - frame["velocity"][()][node]).max(), 0.51 / 1023 * np.ptp(v[..., 2]) + 1e-6)
             names = [field["name"] for field in report.result["fields"]]
             self.assertEqual(names, ["displacement", "von_mises_stress", "mean_stress", "velocity"])
             # The ball goes down 0.2 m/s.
             ball = report.result["obstacles"][0]
             self.assertEqual(ball["names"], ["ball"])
-            moves = [report.rows(block, ball["vertices"], scale) for block, scale in zip(ball["moves"], ball["moveScales"])]
+            moves = [report.rows(block, report.index_of(ball), ball["vertices"], scale) for block, scale in zip(ball["moves"], ball["moveScales"])]
             times = np.array([frame["time"] for frame in report.result["frames"]])
             np.testing.assert_allclose(moves[2], np.repeat(-0.2 * times[:, None], ball["vertices"], axis=1), atol=1e-6)
         history = read_history(self.out)
         for name, values in report.history().items():
             np.testing.assert_array_equal(values, history[name])
+
+    def test_size(self):
+        whole = self.report()
+        bytes_of_frames = sum(len(text) for text in whole.blocks_of_fields())
+        size = (len(whole.text.encode()) - bytes_of_frames // 2) * 1e-6
+        done = self.call("report", self.out, "--size", size)
+        report = ReportFile(self.out / "report.html")
+        self.assertLess(len(report.text.encode()), size * 1e6)
+        frames = len(report.result["frames"])
+        self.assertTrue(3 <= frames <= 7, frames)  # of 11, for half of what they take, less what is reserved for their names
+        self.assertIn(f"{frames} of 11 frames; open", done.stdout)
+        self.assertIn("2 of 11 frames (so much is needed", self.call("report", self.out, "--size", 0.1).stdout)
 
     def test_run_that_goes_on(self):
         (self.out / "summary.json").unlink()
@@ -108,7 +120,7 @@ class Report(ProgramTest):
 
     @unittest.skipUnless(CHROMIUM, "needs the package chromium")
     def test_in_a_browser(self):
-        self.report("--output", self.directory / "moved.html")
+        report = self.report("--output", self.directory / "moved.html")
         shutil.rmtree(self.out)  # the page stands alone
         with Browser((1200, 900)) as browser:
             self.assertNotIn("src=", re.sub("<script.*?</script>", "", (self.directory / "moved.html").read_text(), flags=re.S))
@@ -141,6 +153,17 @@ class Report(ProgramTest):
                 return Math.max(...b.map((p, i) => Math.abs(p - (a[i] + c[i]) / 2)));
             })()""")
             self.assertLess(middle, 1e-6)
+            # The page unpacks what Python does.
+            unpacked = browser.evaluate("""(async () => {
+                const { bodies, player } = pliant, x = new Float32Array(3 * bodies.surfaces[0].size), v = new Float32Array(x.length / 3);
+                bodies.positions(bodies.at(player.end), 1, [0, 0, 0], x);
+                await bodies.need(3);
+                bodies.scalars(bodies.at(player.end), 3, 2, v);
+                return [[...x], [...v]];
+            })()""")
+            x = report.positions(0) + report.field("displacement")[-1] + report.result["frames"][-1]["shift"]
+            np.testing.assert_allclose(np.reshape(unpacked[0], (-1, 3)), x, atol=1e-6)
+            np.testing.assert_allclose(unpacked[1], report.field("velocity")[-1, :, 2], atol=1e-6)
             # Another field, the scrubber, a narrow window in the dark.
             browser.evaluate("document.querySelector('#colour').value = 0; document.querySelector('#colour').onchange()")
             browser.evaluate("(() => { const s = document.querySelector('#scrub'); s.value = 0.1; s.oninput(); })()")
