@@ -18,7 +18,7 @@ ExitCode run_command(MPI_Comm comm, const std::string& file, const std::vector<O
 ExitCode resume_command(MPI_Comm comm, const std::string& place, const std::vector<Override>& overrides,
                         Console& console);
 
-/// What is in a checkpoint or a result, for people. Collective.
+/// What is in a checkpoint, in a result or in the result of a directory, for people. Collective.
 std::string info_text(MPI_Comm comm, const std::string& file);
 
 /// Reads, meshes and partitions; reports, solves nothing.

@@ -4,6 +4,8 @@
 #include "app/input_schema.hpp"
 #include "petsc/collective.hpp"
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -20,6 +22,17 @@ std::string file_text(const std::string& file) {
   std::error_code ignored;
   if (fs::is_directory(file, ignored)) {
     throw InputError({file, 0, 0}, "this is a directory; name the input file in it");
+  }
+  constexpr std::array meshes{".msh", ".geo", ".step", ".stp", ".brep", ".stl"};
+  const std::string extension = fs::path(file).extension().string();
+  if (std::ranges::find(meshes, extension) != meshes.end()) {
+    throw InputError({file, 0, 0},
+                     "this is a mesh or a geometry; an input is a text in YAML, which names it: 'mesh: {file: " +
+                         fs::path(file).filename().string() + "}'");
+  }
+  if (extension == ".h5") {
+    throw InputError({file, 0, 0},
+                     "this is no input, which is a text in YAML; from a checkpoint goes on: pliant resume");
   }
   std::ifstream stream(file, std::ios::binary);
   if (!stream) {

@@ -11,9 +11,11 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -52,12 +54,32 @@ struct Arguments {
   }
 };
 
-/// CLI11 says "a subcommand is required" where the command is misspelt.
+/// What CLI11 says, and what most likely was meant.
 std::string explained(const CLI::ParseError& error, const CLI::App& app, int argc, const char* const* argv) {
-  if (argc < 2 || argv[1][0] == '-' || !app.get_subcommands().empty()) return error.what();
-  std::vector<std::string> names;
-  for (const CLI::App* sub : app.get_subcommands({})) names.push_back(sub->get_name());
-  return fmt::format("there is no command '{}'{}", argv[1], did_you_mean(argv[1], names));
+  std::string command = "pliant";
+  const CLI::App* at = &app;
+  for (; !at->get_subcommands().empty(); at = at->get_subcommands().front()) {
+    command += " " + at->get_subcommands().front()->get_name();
+  }
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  std::string text = error.what();
+  if (at == &app && !words.empty() && !words[0].starts_with('-')) {
+    std::vector<std::string> names;
+    for (const CLI::App* sub : app.get_subcommands({})) names.push_back(sub->get_name());
+    std::error_code ignored;
+    const bool is_file = std::filesystem::exists(words[0], ignored);
+    text = fmt::format("there is no command '{}'{}", words[0],
+                       is_file ? "; to run an input: pliant run " + words[0] : did_you_mean(words[0], names));
+  }
+  const auto is_setting = [](const std::string& word) {
+    return !word.starts_with('-') && word.find('=') != std::string::npos;
+  };
+  const auto setting = std::ranges::find_if(words, is_setting);
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError) && setting != words.end() &&
+      at->get_option_no_throw("--set") != nullptr) {
+    text += fmt::format("; values of the input are set by --set {}", *setting);
+  }
+  return fmt::format("{}: {}; see {} --help", command, text, command);
 }
 
 /// What stands below the options in the help of a command.
@@ -79,7 +101,9 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
   ExitCode result = ExitCode::done;
   CLI::App app("Finite-element dynamics of soft bodies. Run in parallel with mpirun -n N pliant run INPUT.yaml",
                "pliant");
-  app.footer("What stands after -- goes to PETSc, e.g. pliant run beam.yaml -- -snes_monitor -log_view");
+  app.footer(
+      "pliant COMMAND --help shows a command's options and examples.\nWhat stands after -- goes to PETSc, e.g. pliant "
+      "run beam.yaml -- -snes_monitor -log_view");
   app.set_version_flag("--version", version_text);
   app.require_subcommand(1);
   std::function<void()> command;
@@ -124,8 +148,8 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
   });
 
   CLI::App* info = app.add_subcommand("info", "say what is in a checkpoint or a result");
-  info->footer(examples({"pliant info out/beam/result.h5"}));
-  info->add_option("FILE", arguments.file, "checkpoint-*.h5 or result.h5")->required();
+  info->footer(examples({"pliant info out/beam", "pliant info out/beam/checkpoint-000100.h5"}));
+  info->add_option("FILE", arguments.file, "checkpoint-*.h5, result.h5 or the directory of a result")->required();
   info->callback([&] {
     command = [&] {
       const std::string text = info_text(comm, arguments.file);
@@ -287,7 +311,8 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
     if (speaks) app.exit(help);
     return ExitCode::done;
   } catch (const CLI::ParseError& error) {
-    if (speaks) fmt::print(stderr, "pliant: {}; see pliant --help\n", explained(error, app, argc, argv));
+    if (speaks && argc == 1) fmt::print("{}\n", app.help());
+    if (speaks) fmt::print(stderr, "{}\n", explained(error, app, argc, argv));
     return ExitCode::input;
   }
   command();

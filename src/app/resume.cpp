@@ -2,6 +2,7 @@
 #include "app/commands.hpp"
 #include "app/run.hpp"
 #include "io/result_info.hpp"
+#include "io/result_reader.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/hdf5.hpp"
 #include "petsc/session.hpp"
@@ -39,7 +40,11 @@ std::vector<fs::path> candidates(const fs::path& place) {
   std::error_code ignored;
   if (fs::is_directory(place, ignored)) {
     auto files = checkpoints_in(place);
-    if (files.empty()) throw FileError(fmt::format("there is no checkpoint in '{}'", place.string()));
+    if (files.empty()) {
+      throw FileError(fmt::format(
+          "there is no checkpoint in '{}'; a run writes them where its input says so: 'checkpoint: {{every: 100}}'",
+          place.string()));
+    }
     return files;
   }
   if (!fs::exists(place, ignored)) throw FileError(fmt::format("there is no file '{}'", place.string()));
@@ -97,6 +102,7 @@ std::string info_text(MPI_Comm comm, const std::string& file) {
   bool is_one = false;
   on_root(comm, [&] {
     std::error_code ignored;
+    if (fs::is_directory(file, ignored)) return;
     if (!fs::is_regular_file(file, ignored)) throw FileError(fmt::format("there is no file '{}'", file));
     is_one = is_checkpoint(file);
   });
@@ -110,7 +116,7 @@ std::string info_text(MPI_Comm comm, const std::string& file) {
         info.input);
   }
   std::string text;
-  on_root(comm, [&] { text = describe_result(file); });
+  on_root(comm, [&] { text = describe_result(result_file(file)); });
   return broadcast(comm, std::move(text));
 }
 

@@ -219,7 +219,7 @@ bool check_keys(const InputNode& node, const std::string& name, const KeyInfo& s
     } else if (name.empty()) {
       problems.add(node.where, "the input must be a map of keys such as 'mesh:' and 'time:', not " + description(node));
     } else {
-      refuse(node, name, "a map of keys", problems);
+      refuse(node, name, "a map of keys such as '" + section.children.front().key + ":'", problems);
     }
     return false;
   }

@@ -2,7 +2,9 @@
 
 #include "base/text.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -115,6 +117,16 @@ bool starts_unit(const std::string& text) {
   return std::isalpha(first) != 0 || first >= 0x80 || first == '%';
 }
 
+/// " (did you mean 'MPa'?)" for "Mpa", else empty: units are told apart by their capitals.
+std::string otherwise_capitalised(const std::string& text) {
+  constexpr std::array units{"Pa", "kPa", "MPa", "GPa", "N",  "kN",   "mm",    "cm",
+                             "um", "ms",  "us",  "kg",  "Hz", "Pa*s", "kg/m^3"};
+  const auto same = [](unsigned char a, unsigned char b) { return std::tolower(a) == std::tolower(b); };
+  const auto* const meant =
+      std::ranges::find_if(units, [&](std::string_view unit) { return std::ranges::equal(unit, text, same); });
+  return meant == units.end() ? "" : " (did you mean '" + std::string(*meant) + "'?)";
+}
+
 /// "a length", or the unit itself where there is no word for it.
 std::string dimension_of(const ut_unit* unit, const std::string& text) {
   for (const auto& d : dimensions) {
@@ -153,7 +165,10 @@ double parse_quantity(const std::string& text, const std::string& unit) {
     throw UnitError(quoted + " is neither a number nor a number with a unit, but " + wanted);
   }
   const Unit given = parsed_unit(parts->unit.starts_with('/') ? "1" + parts->unit : parts->unit);
-  if (!given) throw UnitError("'" + excerpt(parts->unit) + "' in " + quoted + " is not a known unit, but " + wanted);
+  if (!given) {
+    throw UnitError("'" + excerpt(parts->unit) + "' in " + quoted + " is not a known unit" +
+                    otherwise_capitalised(parts->unit) + ", but " + wanted);
+  }
   const Unit expected = parsed_unit(unit);
   if (!same_dimension(given.get(), expected.get())) {
     throw UnitError(quoted + " is " + dimension_of(given.get(), excerpt(parts->unit)) + ", but " + wanted);

@@ -73,8 +73,8 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     Values, BadInput,
     ::testing::Values(
-        Bad{1, "mesh: @[beam.msh]", "'mesh' must be a map of keys, not a list"},
-        Bad{1, "mesh: @beam.msh", "'mesh' must be a map of keys, not 'beam.msh'"},
+        Bad{1, "mesh: @[beam.msh]", "'mesh' must be a map of keys such as 'file:', not a list"},
+        Bad{1, "mesh: @beam.msh", "'mesh' must be a map of keys such as 'file:', not 'beam.msh'"},
         Bad{1, "mesh: {file: @[a, b]}", "'file' must be a text, not a list"},
         Bad{1, "mesh: {file: beam.msh, refine: @7}", "'refine' must be a whole number from 0 to 6, not '7'"},
         Bad{1, "mesh: {file: beam.msh, refine: @1.5}", "'refine' must be a whole number"},
@@ -137,7 +137,8 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{5, "time: {step: 0.01, end: 1, events: @0.5}", "'events' must be a list"},
         Bad{5, "time: {step: 0.01, end: 1, events: [0.5, @-1]}", "'events[1]' must be > 0 [s], not '-1'"},
         Bad{5, "time: {step: 0.01, end: 1, events: [0.5, @1 m]}", "'1 m' is a length, but a time [s] is expected"},
-        Bad{5, "time: {step: 0.01, end: 1, adaptive: @true}", "'adaptive' must be a map of keys, not 'true'"},
+        Bad{5, "time: {step: 0.01, end: 1, adaptive: @true}",
+            "'adaptive' must be a map of keys such as 'relative:', not 'true'"},
         Bad{5, "time: {step: 0.01, end: 1, adaptive: {relative: @0}}", "'relative' must be > 0, not '0'"},
         Bad{5, "time: {step: 0.01, end: 1, adaptive: {absolute: @1 s}}", "'1 s' is a time, but a length [m] is"},
         Bad{5, "time: {step: 0.01, end: 1, adaptive: {absolute_velocity: 1, @min_stp: 1}}", "unknown key 'min_stp'"},
@@ -309,7 +310,7 @@ TEST_P(BadViscosityOfABody, IsToldOnceAtItsPlace) {
 INSTANTIATE_TEST_SUITE_P(
     Viscosity, BadViscosityOfABody,
     ::testing::Values(
-        BadViscosity{"@1", "'viscosity' must be a map of keys, not '1'"},
+        BadViscosity{"@1", "'viscosity' must be a map of keys such as 'model:', not '1'"},
         BadViscosity{"@{shear: 1}", "missing key 'model' in viscosity"},
         BadViscosity{"{model: @kelvin, shear: 1}",
                      "'model' must be one of kelvin-voigt, maxwell, prony, stiffness-proportional, mass-proportional, "
