@@ -1,6 +1,7 @@
 // GoogleTest under MPI: every rank runs every test; rank 0 prints, other ranks print only their failures.
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"
+#include "places.hpp"
 
 #include <gtest/gtest.h>
 
@@ -16,6 +17,17 @@ class FailuresOnly : public testing::EmptyTestEventListener {
 };
 
 }  // namespace
+
+namespace pliant {
+
+std::filesystem::path source_root() {
+  return PLIANT_SOURCE_DIR;
+}
+std::filesystem::path build_root() {
+  return PLIANT_BINARY_DIR;
+}
+
+}  // namespace pliant
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);

@@ -6,7 +6,7 @@
 #include "energy/contact_law.hpp"
 #include "energy/foundation.hpp"
 #include "material/viscosity.hpp"
-#include "material/volumetric.hpp"
+#include "material/volumetric_form.hpp"
 #include "time/method.hpp"
 
 #include <array>

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <system_error>
 
 namespace pliant {
@@ -86,7 +87,7 @@ std::string dump(const Config& config) {
 }
 
 std::string json_schema() {
-  return input_schema().dump(2) + '\n';
+  return input_schema()->dump(2) + '\n';
 }
 
 }  // namespace pliant

@@ -23,7 +23,7 @@ template <class V>
 Format<ValueOrCellData<V>> or_cell_data(const Format<V>& plain) {
   const Format<CellDataName> named = cell_data_format();
   Format<ValueOrCellData<V>> format{
-      plain.type + ", or `{cell_data: name}`", {{"anyOf", {plain.schema, named.schema}}}, {}, {}};
+      plain.type + ", or `{cell_data: name}`", either_schema(plain.schema, named.schema), {}, {}};
   format.read = [plain, named](const InputNode& node, const std::string& name, Problems& problems,
                                ValueOrCellData<V>& into) {
     if (node.kind != InputNode::Kind::map) return plain.read(node, name, problems, into.value);

@@ -23,7 +23,7 @@ Format<RotationConfig> rotation() {
   const auto by_name = choice({"free", "fixed"});
   const auto by_keys = map_of(axis_keys());
   Format<RotationConfig> format{by_name.type + ", or with the keys below",
-                                {{"anyOf", Json::array({by_name.schema, by_keys.schema})}},
+                                either_schema(by_name.schema, by_keys.schema),
                                 {},
                                 {},
                                 by_keys.children,

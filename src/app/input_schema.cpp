@@ -11,6 +11,7 @@
 #include "material/elastic_law.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 namespace pliant {
 namespace {
@@ -181,10 +182,10 @@ InputNode write_config(const Config& config) {
   return config_format().write(config);
 }
 
-Json input_schema() {
-  Json schema{{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "Input of Pliant"}};
-  schema.update(config_format().schema);
-  return schema;
+JsonSchema input_schema() {
+  nlohmann::ordered_json schema{{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "Input of Pliant"}};
+  schema.update(*config_format().schema);
+  return std::make_shared<nlohmann::ordered_json>(std::move(schema));
 }
 
 }  // namespace pliant

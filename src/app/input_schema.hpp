@@ -24,6 +24,6 @@ Config read_config(const InputNode& root, Problems& problems);
 InputNode write_config(const Config& config);
 
 /// JSON schema of the whole input.
-Json input_schema();
+JsonSchema input_schema();
 
 }  // namespace pliant

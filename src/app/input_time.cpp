@@ -75,7 +75,7 @@ Format<MethodChoice> method_choice() {
   const auto by_name = choice(time_methods());
   const auto by_keys = map_of(method_keys());
   Format<MethodChoice> format{by_name.type + ", or with the keys below",
-                              {{"anyOf", Json::array({by_name.schema, by_keys.schema})}},
+                              either_schema(by_name.schema, by_keys.schema),
                               {},
                               {},
                               by_keys.children,

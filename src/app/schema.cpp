@@ -3,10 +3,13 @@
 #include "base/text.hpp"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 namespace pliant {
 namespace {
+
+using Json = nlohmann::ordered_json;
 
 std::vector<std::string> names_of(const std::vector<KeyInfo>& keys) {
   std::vector<std::string> names;
@@ -203,6 +206,10 @@ Json default_value(const InputNode& node) {
 
 }  // namespace
 
+bool KeyInfo::has_type(const char* json_type) const {
+  return schema != nullptr && schema->contains("type") && schema->at("type") == json_type;
+}
+
 std::string to_string(const Anchor& anchor) {
   return anchor.value.empty() ? anchor.key : anchor.key + ": " + anchor.value;
 }
@@ -243,11 +250,21 @@ bool check_keys(const InputNode& node, const std::string& name, const KeyInfo& s
   return true;
 }
 
-Json object_schema(const std::vector<KeyInfo>& keys, const std::vector<KeyGroup>& groups) {
+JsonSchema list_schema(const JsonSchema& entry, std::size_t fewest, std::optional<std::size_t> most) {
+  Json schema{{"type", "array"}, {"items", *entry}, {"minItems", fewest}};
+  if (most) schema["maxItems"] = *most;
+  return std::make_shared<Json>(std::move(schema));
+}
+
+JsonSchema either_schema(const JsonSchema& one, const JsonSchema& other) {
+  return std::make_shared<Json>(Json{{"anyOf", Json::array({*one, *other})}});
+}
+
+JsonSchema object_schema(const std::vector<KeyInfo>& keys, const std::vector<KeyGroup>& groups) {
   Json properties = Json::object();
   Json required = Json::array();
   for (const KeyInfo& key : keys) {
-    Json value = key.schema;
+    Json value = *key.schema;
     value["description"] = key.description;
     if (!key.fallback.empty()) {
       Problems none;
@@ -259,7 +276,7 @@ Json object_schema(const std::vector<KeyInfo>& keys, const std::vector<KeyGroup>
   Json schema{{"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
   if (!required.empty()) schema["required"] = required;
   for (const KeyGroup& group : groups) add_conditions(group, schema);
-  return schema;
+  return std::make_shared<Json>(std::move(schema));
 }
 
 }  // namespace pliant

@@ -10,7 +10,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -18,7 +18,8 @@
 
 namespace pliant {
 
-using Json = nlohmann::ordered_json;
+/// JSON schema of a value. Shared and never changed; opaque here, since the library of JSON takes long to compile.
+using JsonSchema = std::shared_ptr<const nlohmann::ordered_json>;
 
 /// A key, or the value of a choice, to which other keys of the section belong.
 struct Anchor {
@@ -39,7 +40,7 @@ struct KeyGroup {
 };
 
 /// A key as users see it.
-struct KeyInfo {  // NOLINT(bugprone-exception-escape): the library's moves throw nothing
+struct KeyInfo {
   enum class Need { optional, required };
   std::string key;
   std::string type;  ///< in words
@@ -47,12 +48,12 @@ struct KeyInfo {  // NOLINT(bugprone-exception-escape): the library's moves thro
   Need need = Need::optional;
   std::string fallback = {};           ///< the default as a user would type it; empty: none
   std::string fallback_words = {};     ///< a default that depends on other keys, in words
-  Json schema = {};                    ///< of the value
+  JsonSchema schema = {};              ///< of the value
   std::vector<KeyInfo> children = {};  ///< the keys of a section or of the entries of a list of sections
   std::vector<KeyGroup> groups = {};   ///< of the children
 
   /// Is the value of this JSON type?
-  bool has_type(const char* json_type) const { return schema.contains("type") && schema["type"] == json_type; }
+  bool has_type(const char* json_type) const;
 };
 
 /// How a value of type V is typed. `read` stores what it can use and returns whether it did; it adds what is wrong to
@@ -60,7 +61,7 @@ struct KeyInfo {  // NOLINT(bugprone-exception-escape): the library's moves thro
 template <class V>
 struct Format {
   std::string type;
-  Json schema;
+  JsonSchema schema;
   std::function<bool(const InputNode&, const std::string& name, Problems&, V&)> read;
   std::function<InputNode(const V&)> write;
   std::vector<KeyInfo> children = {};
@@ -105,8 +106,12 @@ bool refuse(const InputNode& node, const std::string& name, const std::string& w
 /// Reports what is wrong with the set of keys of a map. Returns whether it is a map at all.
 bool check_keys(const InputNode& node, const std::string& name, const KeyInfo& section, Problems& problems);
 
+/// JSON schema of a list; `most`: none.
+JsonSchema list_schema(const JsonSchema& entry, std::size_t fewest, std::optional<std::size_t> most = {});
+/// JSON schema of what may be typed in two ways.
+JsonSchema either_schema(const JsonSchema& one, const JsonSchema& other);
 /// JSON schema of a map with these keys.
-Json object_schema(const std::vector<KeyInfo>& keys, const std::vector<KeyGroup>& groups);
+JsonSchema object_schema(const std::vector<KeyInfo>& keys, const std::vector<KeyGroup>& groups);
 
 /// A choice of names that stand for values.
 template <class V>
@@ -136,8 +141,7 @@ Format<V> choice_of(const std::vector<std::pair<std::string, V>>& values) {
 template <std::size_t N, class V>
 Format<std::array<V, N>> array_of(const Format<V>& component) {
   const std::string type = "list of " + std::to_string(N) + ", each " + component.type;
-  Format<std::array<V, N>> format{
-      type, {{"type", "array"}, {"items", component.schema}, {"minItems", N}, {"maxItems", N}}, {}, {}};
+  Format<std::array<V, N>> format{type, list_schema(component.schema, N, N), {}, {}};
   format.read = [component](const InputNode& node, const std::string& name, Problems& problems,
                             std::array<V, N>& into) {
     const std::string wanted = "a list of " + std::to_string(N) + " values";
@@ -164,12 +168,8 @@ Format<std::array<V, N>> array_of(const Format<V>& component) {
 /// A list of at least `fewest` entries.
 template <class V>
 Format<std::vector<V>> list_of(const Format<V>& entry, std::size_t fewest) {
-  Format<std::vector<V>> format{"list, each " + entry.type,
-                                {{"type", "array"}, {"items", entry.schema}, {"minItems", fewest}},
-                                {},
-                                {},
-                                entry.children,
-                                entry.groups};
+  Format<std::vector<V>> format{
+      "list, each " + entry.type, list_schema(entry.schema, fewest), {}, {}, entry.children, entry.groups};
   format.read = [entry, fewest](const InputNode& node, const std::string& name, Problems& problems,
                                 std::vector<V>& into) {
     if (node.kind != InputNode::Kind::list) {
@@ -197,7 +197,7 @@ Format<std::vector<V>> one_or_list_of(const Format<V>& entry) {
   const auto several = list_of(entry, 1);
   Format<std::vector<V>> format = several;
   format.type = entry.type + ", or a list of such";
-  format.schema = {{"anyOf", Json::array({entry.schema, several.schema})}};
+  format.schema = either_schema(entry.schema, several.schema);
   format.read = [entry, several](const InputNode& node, const std::string& name, Problems& problems,
                                  std::vector<V>& into) {
     if (node.kind == InputNode::Kind::list) return several.read(node, name, problems, into);

@@ -4,9 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 namespace pliant {
 namespace {
+
+using Json = nlohmann::ordered_json;
+
+JsonSchema shared(Json schema) {
+  return std::make_shared<Json>(std::move(schema));
+}
 
 bool contains(const Range& range, double value) {
   const bool is_above = range.ends == Range::Ends::included ? value >= range.low : value > range.low;
@@ -135,7 +142,7 @@ Format<Selection> region_selection() {
 
 Format<Selection> named_selection() {
   const auto group = text();
-  Format<Selection> format{"name or tag of a physical group", {{"type", {"string", "integer"}}}, {}, {}};
+  Format<Selection> format{"name or tag of a physical group", shared({{"type", {"string", "integer"}}}), {}, {}};
   format.read = [group](const InputNode& node, const std::string& name, Problems& problems, Selection& into) {
     if (!group.read(node, name, problems, into.name)) return false;
     return !into.name.empty() || refuse(node, name, "the name or tag of a physical group", problems);
@@ -149,7 +156,7 @@ Format<Selection> named_selection() {
 Format<double> quantity(const std::string& unit, const Range& range) {
   const std::string limits = in_words(range);
   Json schema{{"anyOf", Json::array({with_limits({{"type", "number"}}, range), {{"type", "string"}}})}};
-  Format<double> format{noun(unit) + (limits.empty() ? "" : ", " + limits), schema, {}, {}};
+  Format<double> format{noun(unit) + (limits.empty() ? "" : ", " + limits), shared(std::move(schema)), {}, {}};
   format.read = [unit, range, limits](const InputNode& node, const std::string& name, Problems& problems,
                                       double& into) {
     if (!read_quantity(node, name, unit, problems, into)) return false;
@@ -160,7 +167,7 @@ Format<double> quantity(const std::string& unit, const Range& range) {
 }
 
 Format<double> coefficient() {
-  Format<double> format{"number or formula of numbers", {{"type", {"number", "string"}}}, {}, {}};
+  Format<double> format{"number or formula of numbers", shared({{"type", {"number", "string"}}}), {}, {}};
   format.read = [type = format.type](const InputNode& node, const std::string& name, Problems& problems, double& into) {
     Expression value;
     if (!read_expression(node, name, "1", problems, value)) return false;
@@ -174,7 +181,7 @@ Format<double> coefficient() {
 
 Format<int> integer(const Range& range) {
   const std::string type = "whole number " + in_words(range);
-  Format<int> format{type, with_limits({{"type", "integer"}}, range), {}, {}};
+  Format<int> format{type, shared(with_limits({{"type", "integer"}}, range)), {}, {}};
   format.read = [type, range](const InputNode& node, const std::string& name, Problems& problems, int& into) {
     constexpr double largest = std::numeric_limits<int>::max();
     const auto number = node.kind == InputNode::Kind::scalar ? parse_number(node.text) : std::nullopt;
@@ -189,7 +196,7 @@ Format<int> integer(const Range& range) {
 }
 
 Format<std::string> text() {
-  Format<std::string> format{"text", {{"type", {"string", "number"}}}, {}, {}};
+  Format<std::string> format{"text", shared({{"type", {"string", "number"}}}), {}, {}};
   format.read = [](const InputNode& node, const std::string& name, Problems& problems, std::string& into) {
     if (node.kind != InputNode::Kind::scalar) return refuse(node, name, "a text", problems);
     into = node.text;
@@ -216,7 +223,7 @@ Format<std::string> column_name() {
 }
 
 Format<std::string> choice(const std::vector<std::string>& names) {
-  Format<std::string> format{"one of " + joined(names), {{"enum", names}}, {}, {}};
+  Format<std::string> format{"one of " + joined(names), shared({{"enum", names}}), {}, {}};
   format.read = [names](const InputNode& node, const std::string& name, Problems& problems, std::string& into) {
     if (std::find(names.begin(), names.end(), node.text) != names.end() && node.kind == InputNode::Kind::scalar) {
       into = node.text;
@@ -235,7 +242,8 @@ Format<Expression> expression(const std::string& unit, Variables variables) {
   const std::string arguments = variables == Variables::space  ? "x, y, z"
                                 : variables == Variables::time ? "t"
                                                                : "x, y, z, t";
-  Format<Expression> format{noun(unit) + " or formula of " + arguments, {{"type", {"number", "string"}}}, {}, {}};
+  Format<Expression> format{
+      noun(unit) + " or formula of " + arguments, shared({{"type", {"number", "string"}}}), {}, {}};
   format.read = [unit, variables](const InputNode& node, const std::string& name, Problems& problems,
                                   Expression& into) {
     return read_expression(node, name, unit, problems, into) && check_variables(into, variables, node, name, problems);

@@ -5,15 +5,13 @@
 /// the tests.
 #pragma once
 
+#include "base/inline.hpp"
+
 #include <array>
 #include <cmath>
 #include <concepts>
 
 #include <experimental/simd>
-
-/// For the leaves of the kernels: a call there costs more than the work, and a Pack passed through memory twice as
-/// much.
-#define PLIANT_INLINE [[gnu::always_inline]] inline
 
 namespace pliant {
 

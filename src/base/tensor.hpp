@@ -1,7 +1,7 @@
 /// Second-order tensors in three dimensions, of any scalar type that adds and multiplies (double, Pack, ...).
 #pragma once
 
-#include "base/simd.hpp"
+#include "base/inline.hpp"
 
 #include <array>
 #include <type_traits>

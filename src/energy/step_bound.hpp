@@ -1,6 +1,7 @@
 /// How far a displacement may go before a tetrahedron is turned inside out.
 #pragma once
 
+#include "base/simd.hpp"
 #include "base/tensor.hpp"
 
 namespace pliant {

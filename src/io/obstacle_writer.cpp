@@ -12,17 +12,18 @@
 namespace pliant {
 namespace {
 
-/// "obstacles", "obstacles_1" beside "mesh", "mesh_1".
-std::string group_beside(const std::string& mesh_group) {
-  return "obstacles" + mesh_group.substr(std::string_view("mesh").size());
-}
-
 template <class T>
 std::span<const std::byte> on_rank_0(MPI_Comm comm, std::span<const T> values) {
   return std::as_bytes(rank(comm) == 0 ? values : values.first(0));
 }
 
 }  // namespace
+
+std::string obstacles_beside(std::string_view mesh_group) {
+  constexpr std::string_view stem = "mesh";
+  const std::size_t at = mesh_group.find(stem);
+  return "obstacles" + std::string(at < mesh_group.size() ? mesh_group.substr(at + stem.size()) : "");
+}
 
 ObstacleWriter::ObstacleWriter(MPI_Comm comm, const ResultWriter& bodies, std::string title,
                                const OutputObstacles& obstacles, std::int64_t last_step)
@@ -31,9 +32,9 @@ ObstacleWriter::ObstacleWriter(MPI_Comm comm, const ResultWriter& bodies, std::s
       title_(std::move(title)),
       num_points_(std::ssize(obstacles.points) / 3),
       num_triangles_(std::ssize(obstacles.obstacles)),
-      group_("/" + group_beside(bodies.mesh_group())) {
+      group_("/" + obstacles_beside(bodies.mesh_group())) {
   using enum XdmfArray::Number;
-  Group group{"/", group_beside(bodies.mesh_group()), [](hid_t) {}, {}};
+  Group group{"/", obstacles_beside(bodies.mesh_group()), [](hid_t) {}, {}};
   group.datasets = {
       {"points", float64, rows(num_points_), 3, on_rank_0(comm_, std::span(obstacles.points)), {{"unit", "m"}}},
       {"triangles", int64, rows(num_triangles_), 3, on_rank_0(comm_, std::span(obstacles.triangles)), {}},

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <petscsys.h>
@@ -27,6 +28,9 @@ struct OutputObstacles {
   std::vector<std::int64_t> triangles;  ///< three point numbers each, anticlockwise seen from outside
   std::vector<std::int32_t> obstacles;  ///< index into names of each triangle
 };
+
+/// "obstacles", "obstacles_1" beside "mesh" or "/mesh", "mesh_1".
+std::string obstacles_beside(std::string_view mesh_group);
 
 /// Adds obstacles to a result. All members that write are collective; a failure throws FileError on every rank.
 class ObstacleWriter {

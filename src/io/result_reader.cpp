@@ -68,12 +68,6 @@ bool has_link(hid_t parent, const std::string& name) {
   return H5Lexists(parent, name.c_str(), H5P_DEFAULT) > 0;
 }
 
-/// "/obstacles", "/obstacles_1" beside "/mesh", "/mesh_1".
-std::string obstacles_beside(const std::string& mesh) {
-  constexpr std::string_view stem = "/mesh";
-  return mesh.starts_with(stem) ? "/obstacles" + mesh.substr(stem.size()) : "/obstacles";
-}
-
 ResultFrame frame_of(hid_t frames, const std::string& name) {
   const Hdf5Handle group = open_group(frames, name);
   ResultFrame frame{name, 0.0, integer_attribute(group.get(), "step"), text_attribute(group.get(), "mesh")};

@@ -3,7 +3,7 @@
 
 #include "material/lame.hpp"
 #include "material/law_info.hpp"
-#include "material/volumetric.hpp"
+#include "material/volumetric_form.hpp"
 
 #include <array>
 #include <map>

@@ -11,14 +11,11 @@
 #pragma once
 
 #include "base/simd.hpp"
+#include "material/volumetric_form.hpp"
 
-#include <array>
 #include <cmath>
-#include <string_view>
 
 namespace pliant {
-
-enum class VolumetricForm { log, quadratic, mixed };
 
 /// g(j) with U = g^2 / 2 and the sign of j, and its derivatives: what a pressure of its own multiplies.
 template <class T>
@@ -48,9 +45,6 @@ PLIANT_INLINE VolumeMeasure<T> volume_measure(VolumetricForm form, const T& j) {
   const T fall = select(small, series, closed) / (2.0 * (r * r));  // r'/r
   return {j * r, slope, slope * (1.0 / (2.0 + j) - 1.0 / J - fall)};
 }
-
-/// As users type them, in the order of VolumetricForm.
-inline constexpr std::array<std::string_view, 3> volumetric_form_names{"log", "quadratic", "mixed"};
 
 template <class S>
 struct Volumetric {

@@ -5,6 +5,7 @@
 #include "material/elastic_law.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"
+#include "places.hpp"
 
 #include <filesystem>
 #include <fstream>
@@ -579,7 +580,7 @@ TEST(InputFile, ThatCannotBeReadIsTheUsersMistakeOnEveryRank) {
 }
 
 TEST(InputFile, ShippedInputsAreGood) {
-  const fs::path inputs = fs::path(PLIANT_SOURCE_DIR) / "input";
+  const fs::path inputs = source_root() / "input";
   ASSERT_TRUE(fs::exists(inputs));
   for (const auto& entry : fs::recursive_directory_iterator(inputs)) {
     if (entry.path().extension() != ".yaml") continue;

@@ -3,11 +3,13 @@
 #include "app/input.hpp"
 #include "app/input_schema.hpp"
 #include "petsc/session.hpp"
+#include "places.hpp"
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <ostream>
 #include <string>
 #include <unistd.h>
@@ -66,7 +68,7 @@ TEST_P(EveryKey, StandsInTheReference) {
 
 TEST_P(EveryKey, StandsInTheJsonSchema) {
   const auto& [path, key, parents] = GetParam();
-  Json node = Json::parse(json_schema());
+  auto node = nlohmann::ordered_json::parse(json_schema());
   for (const auto& parent : parents) {
     node = node.at("properties").at(parent);
     if (node.contains("anyOf")) node = node.at("anyOf").back();  // names first, keys after them; one, then a list
@@ -84,14 +86,14 @@ INSTANTIATE_TEST_SUITE_P(Table, EveryKey, testing::ValuesIn(all_keys()), [](cons
 });
 
 TEST(InputReference, IsUpToDate) {
-  std::ifstream stream(std::string(PLIANT_SOURCE_DIR) + "/docs/input.md");
+  std::ifstream stream(source_root() / "docs/input.md");
   const std::string written{std::istreambuf_iterator<char>(stream), {}};
   EXPECT_TRUE(written == input_reference())
       << "docs/input.md is stale; write it anew: build/bin/pliant schema --markdown > docs/input.md";
 }
 
 TEST(MaterialReference, IsUpToDate) {
-  std::ifstream stream(std::string(PLIANT_SOURCE_DIR) + "/docs/laws.md");
+  std::ifstream stream(source_root() / "docs/laws.md");
   const std::string written{std::istreambuf_iterator<char>(stream), {}};
   EXPECT_TRUE(written == material_reference())
       << "docs/laws.md is stale; write it anew: build/bin/pliant materials --markdown > docs/laws.md, and the "

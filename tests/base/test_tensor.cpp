@@ -1,3 +1,4 @@
+#include "base/simd.hpp"
 #include "base/tensor.hpp"
 
 #include <random>

@@ -1,5 +1,6 @@
 // The corpora of the fuzzers, as they are and damaged at random: a short look at what tools/fuzz.sh does for long.
 #include "fuzz/targets.hpp"
+#include "places.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -18,7 +19,7 @@ namespace fs = std::filesystem;
 /// Contents by name: the seeds, and what fuzzing found.
 std::vector<std::pair<std::string, std::string>> corpus_of(const std::string& target) {
   std::vector<std::pair<std::string, std::string>> result;
-  for (const auto& entry : fs::directory_iterator(fs::path(PLIANT_SOURCE_DIR) / "tests/fuzz/corpus" / target)) {
+  for (const auto& entry : fs::directory_iterator(source_root() / "tests/fuzz/corpus" / target)) {
     std::ifstream in(entry.path(), std::ios::binary);
     result.emplace_back(entry.path().filename().string(), std::string(std::istreambuf_iterator<char>(in), {}));
   }

@@ -2,6 +2,7 @@
 
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"
+#include "places.hpp"
 
 #include <algorithm>
 #include <array>
@@ -122,8 +123,7 @@ void write_sample_frame(ResultWriter& writer, const OutputMesh& mesh, double t, 
 }
 
 std::filesystem::path empty_directory(MPI_Comm comm, const std::string& name) {
-  std::filesystem::path directory =
-      std::filesystem::path(PLIANT_BINARY_DIR) / "tests" / "io" / fmt::format("{}_np{}", name, num_ranks(comm));
+  std::filesystem::path directory = build_root() / "tests" / "io" / fmt::format("{}_np{}", name, num_ranks(comm));
   on_root(comm, [&] {
     std::filesystem::remove_all(directory);
     std::filesystem::create_directories(directory);

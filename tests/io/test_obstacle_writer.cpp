@@ -3,6 +3,7 @@
 #include "petsc/collective.hpp"
 #include "petsc/hdf5.hpp"
 #include "petsc/session.hpp"
+#include "places.hpp"
 #include "sample.hpp"
 
 #include <cstdlib>
@@ -33,7 +34,7 @@ std::vector<double> moved(const OutputObstacles& obstacles, std::int64_t step) {
 /// 0 if the result has frames of the obstacles at the steps 0, 10, ..., moved as described.
 int check_obstacles(const std::filesystem::path& directory, int num_frames, const char* motion) {
   const std::string command = fmt::format("/usr/bin/python3 '{}/tests/io/check_obstacles.py' '{}' {} {}",
-                                          PLIANT_SOURCE_DIR, directory.string(), num_frames, motion);
+                                          source_root().string(), directory.string(), num_frames, motion);
   return std::system(command.c_str());
 }
 

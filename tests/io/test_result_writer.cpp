@@ -3,6 +3,7 @@
 #include "petsc/collective.hpp"
 #include "petsc/hdf5.hpp"
 #include "petsc/session.hpp"
+#include "places.hpp"
 #include "sample.hpp"
 
 #include <csignal>
@@ -61,8 +62,9 @@ std::vector<std::string> places_in(const std::string& xdmf) {
 
 /// 0 if tests/io/check_xdmf.py finds the result to be what sample.hpp describes. On rank 0.
 int check_xdmf(const std::filesystem::path& directory, int nodes_per_cell, int num_frames) {
-  const std::string command = fmt::format("/usr/bin/python3 '{}/tests/io/check_xdmf.py' '{}' {} {}", PLIANT_SOURCE_DIR,
-                                          (directory / "result.xdmf").string(), nodes_per_cell, num_frames);
+  const std::string command =
+      fmt::format("/usr/bin/python3 '{}/tests/io/check_xdmf.py' '{}' {} {}", source_root().string(),
+                  (directory / "result.xdmf").string(), nodes_per_cell, num_frames);
   return std::system(command.c_str());
 }
 

@@ -1,6 +1,7 @@
 // Bad meshes by the dozen (bad_meshes.py): each is one mistake of the user's, told alike on every rank.
 #include "mesh/mesh.hpp"
 #include "mesh/scratch.hpp"
+#include "places.hpp"
 
 #include <cstdlib>
 #include <regex>
@@ -31,7 +32,8 @@ TEST(BadMeshFiles, AreRefusedOnEveryRankWithOneReason) {
   const testing::Scratch scratch(comm);
   const std::string directory = scratch.path("");
   on_root(comm, [&] {
-    const std::string writer = "/usr/bin/python3 -B " PLIANT_SOURCE_DIR "/tests/mesh/bad_meshes.py " + directory;
+    const std::string writer =
+        "/usr/bin/python3 -B " + (source_root() / "tests/mesh/bad_meshes.py").string() + " " + directory;
     ASSERT_EQ(std::system(writer.c_str()), 0);
   });
   std::ifstream cases(directory + "cases.txt");
