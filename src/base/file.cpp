@@ -95,15 +95,15 @@ void File::write_at(std::int64_t offset, std::span<const std::byte> bytes) {
   }
 }
 
-void File::reserve(std::int64_t num_bytes) {
-  const std::int64_t end = size();
+void File::reserve(std::int64_t offset, std::int64_t num_bytes) {
+  const std::int64_t old_size = size();
   int error = 0;
   do {
-    error = ::posix_fallocate(descriptor_, end, num_bytes);
+    error = ::posix_fallocate(descriptor_, offset, num_bytes);
   } while (error == EINTR);
   // A file system that cannot reserve is no reason to stop: the writes themselves are checked.
   if (error == 0 || error == EOPNOTSUPP || error == EINVAL) return;
-  resize(end);
+  resize(old_size);
   fail(error);
 }
 

@@ -35,9 +35,9 @@ class File {
   /// Writes all bytes at `offset` [bytes], however many there are.
   void write_at(std::int64_t offset, std::span<const std::byte> bytes);
 
-  /// Makes sure that `num_bytes` beyond the present end can be written: takes them from the disk now, or fails with the
-  /// file unchanged.
-  void reserve(std::int64_t num_bytes);
+  /// Makes sure that `num_bytes` from `offset` on can be written: takes them from the disk now, or fails with the file
+  /// as long as before. It gets no shorter.
+  void reserve(std::int64_t offset, std::int64_t num_bytes);
 
   /// Cuts the file (or extends it with zeros) to `num_bytes`.
   void resize(std::int64_t num_bytes);

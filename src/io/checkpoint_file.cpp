@@ -109,7 +109,7 @@ std::string read_text(hid_t file, const std::string& name) {
 void start_file(const std::filesystem::path& path, const CheckpointInfo& info) {
   const QuietHdf5 quiet;
   const std::string doing = "write '" + path.string() + "'";
-  File(path, FileMode::create).reserve(256 * 1024 + std::ssize(info.input));  // HDF5 does not survive a full disk
+  File(path, FileMode::create).reserve(0, 256 * 1024 + std::ssize(info.input));  // HDF5 does not survive a full disk
   Hdf5Handle file = open_hdf5(path, Hdf5Mode::create, header_size);
   write_attribute(file.get(), "format", std::string(magic));
   write_attribute(file.get(), "version", std::int64_t{version});

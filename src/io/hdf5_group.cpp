@@ -7,6 +7,7 @@
 #include "petsc/hdf5.hpp"
 #include "petsc/session.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <stdexcept>
 
@@ -76,7 +77,8 @@ std::int64_t space_of(const Group& plan) {
 /// killed while HDF5 writes that link, then the number of links, or the other way round, leaves them in agreement.
 class UnpublishedGroup {
  public:
-  UnpublishedGroup(const std::filesystem::path& path, const Group& plan) : path_(path.string()) {
+  UnpublishedGroup(const std::filesystem::path& path, const Group& plan, Durability durability)
+      : path_(path.string()), durability_(durability) {
     reserve_space(plan);
     file_ = open_hdf5(path_, Hdf5Mode::modify);
     const std::string doing = "write '" + path_ + "'";
@@ -85,6 +87,7 @@ class UnpublishedGroup {
     for (const auto& dataset : plan.datasets) offsets_.push_back(make_dataset(group_.get(), dataset));
     check_hdf5(H5Oincr_refcount(group_.get()), doing);
     check_hdf5(H5Fflush(file_.get(), H5F_SCOPE_LOCAL), doing);
+    leave_hole(plan);  // HDF5 has just cut off what was too much
   }
   ~UnpublishedGroup() {
     if (group_.get() >= 0) H5Odecr_refcount(group_.get());
@@ -94,34 +97,42 @@ class UnpublishedGroup {
 
   const std::vector<std::int64_t>& offsets() const { return offsets_; }
 
-  void publish(const Group& plan, Durability durability) {
+  void publish(const Group& plan) {
     const std::string doing = "write '" + path_ + "'";
     const Hdf5Handle parent(H5Gopen2(file_.get(), plan.parent.c_str(), H5P_DEFAULT), H5Gclose, doing);
     check_hdf5(H5Olink(group_.get(), parent.get(), plan.name.c_str(), H5P_DEFAULT, H5P_DEFAULT), doing);
     check_hdf5(H5Odecr_refcount(group_.get()), doing);
     group_.close(doing);
     file_.close(doing);
-    // A reader asks for the size of the file, then reads where HDF5 ends it; if that is beyond the size because a group
-    // came in between, it gives up, and ParaView with it. A hole ahead, of no blocks on the disk, has room for the
-    // next.
+    leave_hole(plan);
+    if (durability_ == Durability::process) return;
     File file(path_, FileMode::modify);
-    if (durability == Durability::process) file.resize(file.size() + space_of(plan));
-    if (durability == Durability::power) file.sync();
+    file.sync();
     file.close();
   }
 
  private:
   /// HDF5 does not survive a full disk (it crashes when the process ends): take the space before it starts. What is too
-  /// much it cuts off when it closes the file.
+  /// much it cuts off when it closes the file. The hole that the last group left is not taken away for that: a reader
+  /// that asks for the size just then could not read this group.
   void reserve_space(const Group& plan) const {
     File file(path_, FileMode::modify);
-    file.resize(end_of_content(path_));
-    file.reserve(space_of(plan));
+    file.reserve(end_of_content(path_), space_of(plan));
+    file.close();
+  }
+
+  /// A reader asks for the size of the file, then reads where HDF5 ends it; if that is beyond the size because a group
+  /// came in between, it gives up, and ParaView with it. A hole ahead, of no blocks on the disk, has room for the next.
+  void leave_hole(const Group& plan) const {
+    if (durability_ != Durability::process) return;
+    File file(path_, FileMode::modify);
+    file.resize(std::max(file.size(), end_of_content(path_) + space_of(plan)));
     file.close();
   }
 
   QuietHdf5 quiet_;
   std::string path_;
+  Durability durability_;
   Hdf5Handle file_;
   Hdf5Handle group_;
   std::vector<std::int64_t> offsets_;
@@ -161,7 +172,7 @@ void add_group(MPI_Comm comm, const std::filesystem::path& path, const Group& pl
   std::optional<UnpublishedGroup> group;  // on rank 0
   std::vector<std::int64_t> offsets(plan.datasets.size(), -1);
   on_root(comm, [&] {
-    group.emplace(path, plan);
+    group.emplace(path, plan, durability);
     offsets = group->offsets();
   });
   check_mpi(MPI_Bcast(offsets.data(), static_cast<int>(offsets.size()), MPI_INT64_T, 0, comm));
@@ -174,7 +185,7 @@ void add_group(MPI_Comm comm, const std::filesystem::path& path, const Group& pl
     if (durability == Durability::power) file.sync();
     file.close();
   });
-  on_root(comm, [&] { group->publish(plan, durability); });
+  on_root(comm, [&] { group->publish(plan); });
 }
 
 void cut_to_content(const std::filesystem::path& path) {

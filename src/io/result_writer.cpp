@@ -23,13 +23,19 @@ constexpr std::chrono::seconds time_between_syncs{10};
 void make_empty_file(const std::filesystem::path& path, const std::string& title) {
   const QuietHdf5 quiet;
   const std::string doing = "write '" + path.string() + "'";
-  File(path, FileMode::create).reserve(256 * 1024);
-  Hdf5Handle file = open_hdf5(path, Hdf5Mode::create);
+  // A reader that waits for the file finds a whole one.
+  std::filesystem::path part = path;
+  part += ".part";
+  File(part, FileMode::create).reserve(0, 256 * 1024);
+  Hdf5Handle file = open_hdf5(part, Hdf5Mode::create);
   write_attribute(file.get(), "format", std::string("pliant-result"));
   write_attribute(file.get(), "version", std::int64_t{1});
   write_attribute(file.get(), "title", title);
   make_frames_group(file.get(), "/frames");
   file.close(doing);
+  std::error_code error;
+  std::filesystem::rename(part, path, error);
+  if (error) throw FileError("cannot " + doing + ": " + error.message());
 }
 
 std::string lines(const std::vector<std::string>& names) {

@@ -130,7 +130,9 @@ TEST(File, WritesAnywhereAndReserves) {
     const std::vector<double> values{1, 2, 3};
     file.write_at(8, std::as_bytes(std::span(values)));
     EXPECT_EQ(file.size(), 32);
-    file.reserve(100);
+    file.reserve(32, 100);
+    EXPECT_EQ(file.size(), 132);
+    file.reserve(0, 100);
     EXPECT_EQ(file.size(), 132);
     file.resize(16);
     EXPECT_EQ(std::filesystem::file_size(path), 16u);

@@ -1,6 +1,7 @@
 """HDF5 files that a run may just be writing to."""
 import os
 import time
+from collections.abc import Callable
 from typing import Any
 
 import h5py
@@ -8,16 +9,21 @@ import h5py
 from .error import PliantError
 
 
-def opened(file: str) -> h5py.File:
-    """Opens a file for reading, without locks. A run that is just adding to it may be met between two of its writes; a
-    moment later all is well."""
+def opened(file: str, check: "Callable[[h5py.File], Any]" = lambda _: None) -> h5py.File:
+    """Opens a file for reading, without locks, and reads what `check` does. A run that is just adding to it may be met between two
+    of its writes; a moment later all is well."""
     if not os.path.isfile(file):
         raise PliantError(f"{file} does not exist")
     reason = ""
     for attempt in range(5):
+        h5 = None
         try:
-            return h5py.File(file, "r")
-        except OSError as error:
+            h5 = h5py.File(file, "r")
+            check(h5)
+            return h5
+        except (OSError, KeyError, RuntimeError) as error:
+            if h5 is not None:
+                h5.close()
             reason = str(error)
             time.sleep(0.2 * attempt)
     raise PliantError(f"{file} cannot be read: {reason}")

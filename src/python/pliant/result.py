@@ -4,6 +4,7 @@ import os
 from collections.abc import Sequence
 from typing import Any, Optional, Union, overload
 
+import h5py
 import numpy as np
 
 from .error import PliantError
@@ -140,6 +141,13 @@ class Frame:
         return meshio.Mesh(self.positions(), [(kind, mesh.cells)], point_data=of_nodes, cell_data=of_cells)
 
 
+def _newest_frame(h5: h5py.File) -> None:
+    """A frame may come between the file's header and the list of frames, which then names more than can be read."""
+    if "frames" in h5:
+        for name in sorted(h5["frames"])[-1:]:
+            _ = h5["frames"][name].attrs["time"]
+
+
 class Result(Sequence[Frame]):
     """A run's frames, in order of time: `result[-1]["displacement"]`, `for frame in result: ...`, `len(result)`.
 
@@ -156,7 +164,7 @@ class Result(Sequence[Frame]):
     def refresh(self) -> None:
         """Opens the file anew, with the frames that were added meanwhile."""
         self.close()
-        self.h5 = opened(self.file)  #: the file itself, for what is not here
+        self.h5 = opened(self.file, _newest_frame)  #: the file itself, for what is not here
         if "frames" not in self.h5 or "mesh" not in self.h5:
             raise PliantError(f"{self.file} is not a result of Pliant")
         self.title = text(self.h5.attrs.get("title", ""))
