@@ -11,7 +11,7 @@ set(pliant_share ${CMAKE_INSTALL_DATADIR}/pliant)
 install(TARGETS pliant_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 install(TARGETS pliant_gmsh LIBRARY DESTINATION lib/pliant COMPONENT program)
 install(DIRECTORY input meshes docs DESTINATION ${pliant_share} COMPONENT program
-        PATTERN "conf.py" EXCLUDE PATTERN "Doxyfile" EXCLUDE PATTERN "headers.sed" EXCLUDE PATTERN "__pycache__" EXCLUDE)
+        PATTERN "conf.py" EXCLUDE PATTERN "site.css" EXCLUDE PATTERN "Doxyfile" EXCLUDE PATTERN "headers.sed" EXCLUDE PATTERN "__pycache__" EXCLUDE)
 # The Python package, where Debian's interpreter looks if the prefix is /usr, and the tools that stand on it.
 install(DIRECTORY src/python/pliant DESTINATION lib/python3/dist-packages COMPONENT program
         FILES_MATCHING PATTERN "*.py" PATTERN "py.typed" PATTERN "__pycache__" EXCLUDE)
