@@ -1,6 +1,5 @@
 #!/usr/bin/python3
 """Draws the history of a run: energies and their balance, probes, forces, and what each step cost."""
-import argparse
 import os
 import sys
 
@@ -12,6 +11,8 @@ try:
 except ImportError as missing:
     print(f"plot.py: {missing}; run it with /usr/bin/python3, and with the packages of tools/setup.sh", file=sys.stderr)
     sys.exit(2)
+
+from command_line import Parser, exit_code
 
 COLOURS = ["#3b6fb6", "#d1603d", "#3f9c6b", "#8a63b8", "#c79a2b", "#4aa5b5", "#b5507c", "#6d7580"]
 STYLE = {
@@ -149,38 +150,22 @@ def title_of(directory):
         return os.path.basename(directory)
 
 
-class Parser(argparse.ArgumentParser):
-    def error(self, message):
-        sys.exit(_complain(message))
-
-
-def _complain(message):
-    print(f"plot.py: {message}", file=sys.stderr)
-    return 2
-
-
 def main():
     parser = Parser(prog="plot.py", description=__doc__)
     parser.add_argument("result", help="the output directory of a run, or its history.csv")
     parser.add_argument("-o", "--output", help="file to write (.png, .pdf, .svg); default: history.png in the output directory")
     options = parser.parse_args()
     plt.switch_backend("Agg")
-    try:
+
+    def work():
         history = History(options.result)
         directory = os.path.dirname(os.path.abspath(history.file))
         file = options.output or os.path.join(directory, "history.png")
         with plt.rc_context(STYLE):
             draw(history, title_of(directory)).savefig(file, dpi=150)
-    except PliantError as error:
-        return _complain(error)
-    except OSError as error:
-        return _complain(f"{error.filename}: {error.strerror}")
-    except ValueError as error:
-        if "is not supported" in str(error):
-            return _complain(f"{options.output}: plots are written as .png, .pdf or .svg")
-        raise
-    print(file)
-    return 0
+        print(file)
+
+    return exit_code(parser.prog, work, PliantError, options.output, ".png, .pdf or .svg")
 
 
 if __name__ == "__main__":

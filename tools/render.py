@@ -35,6 +35,8 @@ except ImportError as missing:
     print(f"render.py: {missing}; run it with /usr/bin/python3, and with the packages of tools/setup.sh", file=sys.stderr)
     sys.exit(2)
 
+from command_line import Parser, exit_code
+
 PLAIN_BODY = (0.62, 0.70, 0.79)
 OBSTACLE = (0.93, 0.91, 0.88)
 OBSTACLE_OVER_BODY = 0.5  # opacity of obstacles where they hide a body
@@ -549,16 +551,6 @@ _view.__name__, _size.__name__, _frame.__name__ = "view", "WIDTHxHEIGHT", "frame
 _range.__name__, _positive.__name__, _finite.__name__ = "LOW,HIGH", "positive", "number"
 
 
-class Parser(argparse.ArgumentParser):
-    def error(self, message):
-        sys.exit(_complain(message))
-
-
-def _complain(message):
-    print(f"render.py: {message}", file=sys.stderr)
-    return 2
-
-
 def _with_negative_values(arguments):
     """`--view -1,0,0` as `--view=-1,0,0`: argparse takes what begins with a minus sign for another option."""
     joined = []
@@ -594,17 +586,7 @@ def parsed(arguments):
 
 def main():
     options = parsed(sys.argv[1:])
-    try:
-        run(options)
-    except UserError as error:
-        return _complain(error)
-    except OSError as error:
-        return _complain(f"{error.filename}: {error.strerror}" if error.filename else error)
-    except ValueError as error:
-        if "unknown file extension" in str(error):
-            return _complain(f"{options.output}: pictures are written as .png, .jpg, ...")
-        raise
-    return 0
+    return exit_code("render.py", lambda: run(options), UserError, options.output, ".png, .jpg, ...")
 
 
 if __name__ == "__main__":

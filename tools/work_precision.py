@@ -1,6 +1,5 @@
 #!/usr/bin/python3
 """Draws what a study of `pliant converge` found: the error of each method over its Newton iterations and over wall time."""
-import argparse
 import csv
 import os
 import sys
@@ -13,6 +12,7 @@ except ImportError as missing:
           file=sys.stderr)
     sys.exit(2)
 
+from command_line import Parser, exit_code
 from plot import COLOURS, STYLE, PliantError
 
 MARKERS = "osD^v<>PX*"
@@ -57,16 +57,6 @@ def draw(methods, title, works):
     return figure
 
 
-class Parser(argparse.ArgumentParser):
-    def error(self, message):
-        sys.exit(_complain(message))
-
-
-def _complain(message):
-    print(f"work_precision.py: {message}", file=sys.stderr)
-    return 2
-
-
 def main():
     parser = Parser(prog="work_precision.py", description=__doc__)
     parser.add_argument("study", help="the output directory of `pliant converge`, or its convergence.csv")
@@ -75,21 +65,15 @@ def main():
     parser.add_argument("--work", choices=[*WORK, "both"], default="both", help="what counts as work")
     options = parser.parse_args()
     plt.switch_backend("Agg")
-    try:
+
+    def work():
         directory, methods = read_study(options.study)
         file = options.output or os.path.join(directory, "work_precision.png")
         with plt.rc_context({**STYLE, "axes.formatter.limits": matplotlib.rcParams["axes.formatter.limits"]}):
             draw(methods, options.title, list(WORK) if options.work == "both" else [options.work]).savefig(file, dpi=110)
-    except PliantError as error:
-        return _complain(error)
-    except OSError as error:
-        return _complain(f"{error.filename}: {error.strerror}")
-    except ValueError as error:
-        if "is not supported" in str(error):
-            return _complain(f"{options.output}: pictures are written as .png, .pdf or .svg")
-        raise
-    print(file)
-    return 0
+        print(file)
+
+    return exit_code(parser.prog, work, PliantError, options.output, ".png, .pdf or .svg")
 
 
 if __name__ == "__main__":

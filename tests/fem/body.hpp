@@ -87,6 +87,15 @@ struct Body {
   BlockPattern pattern;
 };
 
+/// Tests on bodies of several kinds.
+class OnBodies : public ::testing::TestWithParam<BodySpec> {
+ protected:
+  Scratch scratch_{MPI_COMM_WORLD};
+  std::string file_ = scratch_.file("body.msh", [](const std::string& f) { write_body(f, GetParam()); });
+  Body body_{MPI_COMM_WORLD, file_, GetParam().order};
+  const NodeLayout& layout_ = body_.layout;
+};
+
 /// Values that depend on the place and the seed alone, so that they are the same on every number of ranks; rough from
 /// node to node, in (-1, 1).
 inline double rough(const Point& x, int component, int seed) {

@@ -19,7 +19,7 @@ double entry(const Point& M, const Point& X, int i, const Point& Y, int j) {
   return testing::rough(M, 0, 1) + testing::rough(X, i, 2) * testing::rough(Y, j, 2);
 }
 
-class Matrices : public ::testing::TestWithParam<BodySpec> {
+class Matrices : public testing::OnBodies {
  protected:
   Point middle(PetscInt cell) const {
     Point m{};
@@ -98,11 +98,6 @@ class Matrices : public ::testing::TestWithParam<BodySpec> {
     }
     return flags;
   }
-
-  Scratch scratch_{comm};
-  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam()); });
-  Body body_{comm, file_, GetParam().order};
-  const NodeLayout& layout_ = body_.layout;
 };
 
 INSTANTIATE_TEST_SUITE_P(Bodies, Matrices,

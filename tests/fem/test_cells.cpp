@@ -20,7 +20,7 @@ CellGroups<Order> groups_of(const Body& body, int degree) {
                                  std::vector<int>(static_cast<std::size_t>(body.layout.num_local_cells), 0), {degree});
 }
 
-class Cells : public ::testing::TestWithParam<BodySpec> {
+class Cells : public testing::OnBodies {
  protected:
   /// Calls the template argument's body with the order as a constant.
   template <class Run>
@@ -31,11 +31,6 @@ class Cells : public ::testing::TestWithParam<BodySpec> {
       run(std::integral_constant<int, 2>{});
     }
   }
-
-  Scratch scratch_{comm};
-  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam()); });
-  Body body_{comm, file_, GetParam().order};
-  const NodeLayout& layout_ = body_.layout;
 };
 
 INSTANTIATE_TEST_SUITE_P(Bodies, Cells,

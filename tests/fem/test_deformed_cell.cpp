@@ -14,7 +14,7 @@ using testing::Shape;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
-class DeformedCells : public ::testing::TestWithParam<BodySpec> {
+class DeformedCells : public testing::OnBodies {
  protected:
   std::vector<double> field(const std::function<Point(const Point&)>& at) const {
     std::vector<double> u;
@@ -23,11 +23,6 @@ class DeformedCells : public ::testing::TestWithParam<BodySpec> {
     }
     return u;
   }
-
-  Scratch scratch_{comm};
-  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam()); });
-  Body body_{comm, file_, GetParam().order};
-  const NodeLayout& layout_ = body_.layout;
 };
 
 INSTANTIATE_TEST_SUITE_P(Bodies, DeformedCells,

@@ -22,12 +22,8 @@ using testing::Shape;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
-class Layouts : public ::testing::TestWithParam<BodySpec> {
+class Layouts : public testing::OnBodies {
  protected:
-  Scratch scratch_{comm};
-  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam()); });
-  Body body_{comm, file_, GetParam().order};
-  const NodeLayout& layout_ = body_.layout;
 };
 
 // n = 1: six cells on up to three ranks, so that a rank may own next to nothing.

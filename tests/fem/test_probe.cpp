@@ -12,7 +12,7 @@ using testing::Shape;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
-class Probes : public ::testing::TestWithParam<BodySpec> {
+class Probes : public testing::OnBodies {
  protected:
   /// What the probe reads from a field, on every rank; also that one rank holds it.
   Point read(const ProbeLocation& probe, const std::vector<double>& local) const {
@@ -34,11 +34,6 @@ class Probes : public ::testing::TestWithParam<BodySpec> {
     const double c = GetParam().order == 2 && GetParam().shape != Shape::curved ? 1.0 : 0.0;
     return {x[0] - 2.0 * x[1] + c * x[0] * x[2], 3.0 * x[2] + c * x[1] * x[1], 1.0 + x[0] + x[1] + x[2]};
   }
-
-  Scratch scratch_{comm};
-  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam()); });
-  Body body_{comm, file_, GetParam().order};
-  const NodeLayout& layout_ = body_.layout;
 };
 
 INSTANTIATE_TEST_SUITE_P(Bodies, Probes,

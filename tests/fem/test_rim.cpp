@@ -14,7 +14,7 @@ using testing::Shape;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
-class Rims : public ::testing::TestWithParam<BodySpec> {
+class Rims : public testing::OnBodies {
  protected:
   static bool is_on(const Point& x, int axis, double value) { return std::abs(x[axis] - value) < 1e-9; }
 
@@ -50,11 +50,6 @@ class Rims : public ::testing::TestWithParam<BodySpec> {
   }
   static double at_rest(const Point&, int) { return 0.0; }
   static bool on_rollers(const Point& x, int i) { return is_on(x, i, 0.0); }
-
-  Scratch scratch_{comm};
-  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam()); });
-  Body body_{comm, file_, GetParam().order};
-  const NodeLayout& layout_ = body_.layout;
 };
 
 INSTANTIATE_TEST_SUITE_P(Bodies, Rims,

@@ -70,7 +70,7 @@ std::pair<double, Point> flux_of(const NodeLayout& layout, std::span<const Petsc
   return {flux, total};
 }
 
-class Selections : public ::testing::TestWithParam<BodySpec> {
+class Selections : public testing::OnBodies {
  protected:
   std::span<const PetscInt> nodes_of(const FacetList& facets, PetscInt f) const {
     return std::span(facets.nodes).subspan(f * facets.nodes_per_facet, facets.nodes_per_facet);
@@ -111,11 +111,6 @@ class Selections : public ::testing::TestWithParam<BodySpec> {
       EXPECT_EQ(here[key], expected[key]);
     }
   }
-
-  Scratch scratch_{comm};
-  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam()); });
-  Body body_{comm, file_, GetParam().order};
-  const NodeLayout& layout_ = body_.layout;
 };
 
 // n = 7 on three ranks: a facet whose nodes all belong to other ranks than its own.
