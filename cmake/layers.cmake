@@ -18,6 +18,10 @@ if(PLIANT_SANITIZE)
   # An index beyond a vector's size that is within its capacity is no wrong address.
   target_compile_definitions(pliant_options INTERFACE _GLIBCXX_ASSERTIONS)
 endif()
+if(PLIANT_COVERAGE)
+  target_compile_options(pliant_options INTERFACE --coverage -Wno-uninitialized)  # as above
+  target_link_options(pliant_options INTERFACE --coverage)
+endif()
 if(PLIANT_FUZZ)
   # Every edge is counted; clang knows other warnings than g++, which is the compiler that warns.
   target_compile_options(pliant_options INTERFACE -fsanitize=fuzzer-no-link -Wno-error -w)
