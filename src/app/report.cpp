@@ -16,6 +16,7 @@
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 
 #include <fmt/chrono.h>
@@ -151,16 +152,18 @@ std::string write_page(const fs::path& file, const ReportOptions& options) {
   }
   const fs::path directory = file.parent_path();
   const fs::path output = options.output.empty() ? directory / "report.html" : fs::path(options.output);
-  const ResultReader result(file);
+  std::optional<ResultReader> result;
+  naming(file, [&] { result.emplace(file); });
   Page page;
-  Json report{{"format", 1}, {"title", result.title()}, {"directory", fs::absolute(file).parent_path().string()}};
+  Json report{{"format", 1}, {"title", result->title()}, {"directory", fs::absolute(file).parent_path().string()}};
   report["written"] = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
   report["program"] = version_text();
   report["history"] = json_of(read_history(directory / "history.csv"), page);
   report["input"] = text_of(directory / "run.yaml");
   report["summary"] = summary_json(directory);
   const double left = options.megabytes * 1e6 - static_cast<double>(page.filled(viewer, report).size());
-  const PackedResult packed = pack_result(result, static_cast<std::size_t>(std::max(left, 0.0)));
+  PackedResult packed;
+  naming(file, [&] { packed = pack_result(*result, static_cast<std::size_t>(std::max(left, 0.0))); });
   report["result"] = json_of(packed, page);
   std::string text = page.filled(viewer, report);
   write_text_atomically(output, text);

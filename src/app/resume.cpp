@@ -116,7 +116,10 @@ std::string info_text(MPI_Comm comm, const std::string& file) {
         info.input);
   }
   std::string text;
-  on_root(comm, [&] { text = describe_result(result_file(file)); });
+  on_root(comm, [&] {
+    const fs::path result = result_file(file);
+    naming(result, [&] { text = describe_result(result); });
+  });
   return broadcast(comm, std::move(text));
 }
 

@@ -76,6 +76,7 @@ std::vector<std::size_t> thinned(std::size_t count, std::size_t most) {
 
 struct Scene {
   std::string group;
+  std::size_t num_nodes = 0, num_cells = 0;
   BodySurface surface;
   EarlierNeighbours neighbours;
   PackedMesh packed;
@@ -171,13 +172,13 @@ class Packer {
     const OutputMesh mesh = result_.mesh(group);
     Scene scene;
     scene.group = group;
+    scene.num_nodes = packed_.num_nodes = mesh.coordinates.size() / 3;
+    scene.num_cells = packed_.num_cells = mesh.bodies.size();
     scene.surface = surface_of_bodies(mesh);
     scene.neighbours = EarlierNeighbours(scene.surface.num_vertices(), scene.surface.triangles);
     pack(mesh, scene);
     if (const auto obstacles = result_.obstacles(group)) pack(*obstacles, scene);
     packed_.body_names = mesh.body_names;
-    packed_.num_nodes = mesh.coordinates.size() / 3;
-    packed_.num_cells = mesh.bodies.size();
     packed_.nodes_per_cell = mesh.nodes_per_cell;
     scenes_.push_back(std::move(scene));
     return scenes_.size() - 1;
@@ -227,20 +228,20 @@ class Packer {
   std::optional<Values> read(const ResultFrame& frame) {
     Values values;
     values.frame = {frame.time, frame.step, scene_of(frame.mesh), {}};
-    const BodySurface& surface = scenes_[values.frame.mesh].surface;
+    const Scene& scene = scenes_[values.frame.mesh];
     const auto fields = result_.fields(frame);
     for (const auto& channel : channels_) {
       const auto found = std::ranges::find(fields, channel.source.name, &ResultField::name);
       auto& components = values.of_channels.emplace_back();
       components.resize(static_cast<std::size_t>(channel.components));
       if (found == fields.end() || found->components != channel.source.components) {
-        for (auto& one : components) one.assign(surface.num_vertices(), std::numeric_limits<float>::quiet_NaN());
+        for (auto& one : components) one.assign(scene.surface.num_vertices(), std::numeric_limits<float>::quiet_NaN());
         continue;
       }
-      read(frame, channel, surface, components);
+      read(frame, channel, scene, components);
       if (channel.name == "displacement" && !take_shift(components, values.frame.shift)) return std::nullopt;
     }
-    const auto& at_rest = scenes_[values.frame.mesh].obstacle_points;
+    const auto& at_rest = scene.obstacle_points;
     if (!at_rest.empty()) values.moves = result_.obstacle_points(frame);
     if (values.moves.size() != at_rest.size())
       throw FileError("the obstacles of frame '" + frame.name + "' are damaged");
@@ -248,11 +249,16 @@ class Packer {
     return values;
   }
 
-  void read(const ResultFrame& frame, const Channel& channel, const BodySurface& surface,
+  void read(const ResultFrame& frame, const Channel& channel, const Scene& scene,
             std::vector<std::vector<float>>& components) const {
+    const BodySurface& surface = scene.surface;
     const auto source = result_.values(frame, channel.source);
     const auto width = static_cast<std::size_t>(channel.source.components);
-    const std::size_t rows = source.size() / width, reduced_width = components.size();
+    const std::size_t rows = channel.source.location == FieldLocation::cell ? scene.num_cells : scene.num_nodes;
+    if (source.size() != rows * width) {
+      throw FileError("the field '" + channel.source.name + "' of frame '" + frame.name + "' is damaged");
+    }
+    const std::size_t reduced_width = components.size();
     std::vector<double> reduced(rows * reduced_width);
     for (std::size_t i = 0; i < rows; ++i) channel.reduce(&source[width * i], &reduced[reduced_width * i]);
     const auto at = at_vertices(surface, reduced, channel.source.location, channel.components);

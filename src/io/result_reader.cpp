@@ -88,6 +88,16 @@ std::filesystem::path result_file(const std::filesystem::path& place) {
   return file;
 }
 
+void naming(const std::filesystem::path& file, const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const FileError& error) {
+    const std::string reason = error.what();
+    if (reason.find(file.string()) != std::string::npos) throw;
+    throw FileError("'" + file.string() + "': " + reason);
+  }
+}
+
 ResultReader::ResultReader(std::filesystem::path file) : path_(std::move(file)), file_(open_patiently(path_)) {
   if (H5Aexists(file_.get(), "format") <= 0 || text_attribute(file_.get(), "format") != "pliant-result") {
     throw FileError("'" + path_.string() + "' is no result of Pliant");

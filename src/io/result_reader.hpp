@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,6 +33,9 @@ struct ResultField {
 /// Where the numbers of a result lie: `place` is their directory, its result.h5 or its result.xdmf. FileError where
 /// there are none.
 std::filesystem::path result_file(const std::filesystem::path& place);
+
+/// Runs `work`, which reads this file; a FileError that does not name the file is thrown anew with its name before it.
+void naming(const std::filesystem::path& file, const std::function<void()>& work);
 
 /// An open result. FileError wherever the file is not what ResultWriter writes.
 class ResultReader {

@@ -30,6 +30,41 @@ probes: [{name: tip, point: [1, 0.1, 0.1]}]
 """
 
 
+
+
+def replaced(path, values):
+    """Other numbers in the place of a dataset, with its attributes."""
+    def change(file):
+        attributes = dict(file[path].attrs)
+        del file[path]
+        file[path] = values
+        file[path].attrs.update(attributes)
+    return change
+
+
+def without_displacement(file):
+    for frame in file["frames"].values():
+        frame["displacement"][...] = np.nan
+
+
+# Name: what is done to the file, what `report` says of it, what `info` says (none: it does not look so far).
+DAMAGE = {
+    "no mesh": (lambda file: file.__delitem__("mesh"), "cannot open '/mesh'", "cannot read 'mesh/c"),
+    "no frames": (lambda file: [file["frames"].__delitem__(name) for name in list(file["frames"])], "holds no frame yet", None),
+    "no numbers": (without_displacement, "no frame with a finite displacement", None),
+    "another format": (lambda file: file.attrs.__setitem__("format", np.bytes_("mine")), "is no result of Pliant", "neither a checkpoint nor a result"),
+    "a format of numbers": (lambda file: file.attrs.__setitem__("format", 7), "'format': it is not a text", "'format': it is not a text"),
+    "two times": (lambda file: file["frames/000010"].attrs.__setitem__("time", [1.0, 2.0]), "'time': it has another size", "'time': it has another size"),
+    "one number": (replaced("mesh/coordinates", 3.0), "'coordinates': it is no table", "it is one number, not a table"),
+    "two coordinates": (replaced("mesh/coordinates", np.zeros((9, 2))), "it has 2 columns, not 3", None),
+    "unknown nodes": (replaced("mesh/cells", np.full((192, 10), 1 << 40)), "the mesh '/mesh' .*is damaged", None),
+    "few values": (replaced("frames/000003/displacement", np.zeros((5, 3))), "'displacement' of frame '000003' is damaged", None),
+    "few values of cells": (replaced("frames/000010/cauchy_stress", np.zeros((5, 6))), "'cauchy_stress' of frame '000010' is damaged", None),
+    "unknown corners": (replaced("obstacles/triangles", np.full((4, 3), 1 << 40)), "the obstacles .*are damaged", None),
+    "few corners": (replaced("obstacles/frames/000003/points", np.zeros((5, 3))), "obstacles of frame '000003' are damaged", None),
+}
+
+
 class Report(ProgramTest):
     finished = None  # a directory with its result
 
@@ -117,6 +152,22 @@ class Report(ProgramTest):
         done = self.call("report", self.out, "--output", self.directory / "no" / "report.html")
         self.assertEqual((done.returncode, done.stderr.count("\n")), (4, 1), done.stderr)
         self.assertEqual(self.call("report", self.out, "--size", "0").returncode, 2)
+
+    def test_results_that_are_damaged(self):
+        """One message, with the name of the file."""
+        whole = (self.out / "result.h5").read_bytes()
+        for name, (change, told, told_by_info) in DAMAGE.items():
+            (self.out / "result.h5").write_bytes(whole)
+            with h5py.File(self.out / "result.h5", "r+") as file:
+                change(file)
+            for command, words in (("report", told), ("info", told_by_info)):
+                if words is None:
+                    continue
+                with self.subTest(name, command=command):
+                    done = self.call(command, self.out)
+                    self.assertEqual(done.returncode, 4, done.stderr)
+                    self.assertRegex(done.stderr, words)
+                    self.assertEqual((done.stderr.count("\n"), done.stderr.count("result.h5")), (1, 1), done.stderr)
 
     @unittest.skipUnless(CHROMIUM, "needs the package chromium")
     def test_in_a_browser(self):
