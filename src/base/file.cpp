@@ -160,9 +160,6 @@ void replace_file(const std::filesystem::path& from, const std::filesystem::path
 void make_directory(const std::filesystem::path& directory) {
   std::error_code error;
   std::filesystem::create_directories(directory, error);
-  if (!error && !std::filesystem::is_directory(directory, error) && !error) {
-    error = std::make_error_code(std::errc::not_a_directory);
-  }
   if (error) throw FileError("cannot make the directory '" + directory.string() + "': " + error.message());
 }
 

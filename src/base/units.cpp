@@ -1,5 +1,6 @@
 #include "base/units.hpp"
 
+#include "base/error.hpp"
 #include "base/text.hpp"
 
 #include <algorithm>
@@ -57,8 +58,7 @@ System loaded_system() {
   ut_set_error_message_handler(ut_ignore);  // udunits writes to stderr otherwise
   System system(ut_read_xml(nullptr));
   if (!system)
-    throw std::runtime_error(
-        "the database of units cannot be read; install udunits2's data (Debian: libudunits2-data)");
+    throw FileError("the database of units cannot be read; install udunits2's data (Debian: libudunits2-data)");
   return system;
 }
 

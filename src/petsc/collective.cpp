@@ -12,7 +12,7 @@
 namespace pliant {
 namespace {
 
-enum class Failure : int { none, input, file, solve, other };
+enum class Failure : int { none, input, file, other };
 
 struct Outcome {
   Failure failure = Failure::none;
@@ -65,8 +65,6 @@ Outcome outcome_of(const std::function<void()>& work) {
     return {Failure::input, packed(e)};
   } catch (const FileError& e) {
     return {Failure::file, e.what()};
-  } catch (const SolveError& e) {
-    return {Failure::solve, e.what()};
   } catch (const std::exception& e) {
     return {Failure::other, e.what()};
   }
@@ -91,8 +89,6 @@ void throw_everywhere(MPI_Comm comm, Outcome outcome, int from) {
       throw InputError(unpacked(text));
     case Failure::file:
       throw FileError(text);
-    case Failure::solve:
-      throw SolveError(text);
     default:
       throw PetscFailure(PETSC_ERR_LIB, text);
   }

@@ -11,7 +11,7 @@
 namespace pliant {
 
 /// Runs `work` on rank 0 only. If it throws there, every rank throws an exception of the same type (InputError with its
-/// diagnostics, FileError, SolveError; anything else as PetscFailure) with the same text. Collective.
+/// diagnostics, FileError; anything else as PetscFailure) with the same text. Collective.
 void on_root(MPI_Comm comm, const std::function<void()>& work);
 
 /// Runs `work` on every rank. If it throws on any rank, every rank throws the failure of the lowest such rank; `work`

@@ -76,6 +76,20 @@ def second_order_beside_first(b):
     b.blocks.append((3, 9, TETRAHEDRON_10, 7, [list(range(1, 11))]))
 
 
+def two_quadratic_cells():
+    """They share a facet, but not the nodes in the middle of its edges."""
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1.0]])
+    points, cells = list(corners), []
+    for number, cell in enumerate(((0, 1, 2, 3), (1, 2, 3, 4))):
+        first = len(points)
+        points += [corners[[cell[a], cell[b]]].mean(axis=0) + 0.01 * number for a, b in ((0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1))]
+        cells.append([*cell, *range(first, first + 6)])
+    nodes = "".join(f"{n + 1} {x:.17g} {y:.17g} {z:.17g}\n" for n, (x, y, z) in enumerate(points))
+    elements = "".join(f"{c + 1} {TETRAHEDRON_10} 2 1 1 {' '.join(str(n + 1) for n in cell)}\n" for c, cell in enumerate(cells))
+    return (f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{len(points)}\n{nodes}$EndNodes\n"
+            f"$Elements\n{len(cells)}\n{elements}$EndElements\n").encode()
+
+
 def wrong_number(key, wrong):
     """The first number after `key` in the text of version 2.2 or 4.1."""
     return lambda source: re.sub(b"(" + key + rb"\n)\S+", lambda m: m[1] + wrong, source, count=1)
@@ -155,6 +169,8 @@ BAD = {
     "a type of element there is none": ("a.msh", numbers_at(b"$Elements\n96\n", 0, b"\xff" * 4)(Brick().msh2(binary=True)), "type -1"),
     "blocks against their sum": ("a.msh", re.sub(rb"3 7 0 27", b"3 7 0 26", Brick().msh4()), "line [0-9]+: "),
     "an entity of four dimensions": ("a.msh", re.sub(rb"3 7 0 27", b"4 7 0 27", Brick().msh4()), "dimension of an entity must be"),
+    "blocks of elements against their sum": ("a.msh", re.sub(rb"(\$Elements\n7) 96", rb"\1 97", Brick().msh4()), "hold 96 elements, the section says 97"),
+    "a block of more elements than there are": ("a.msh", wrong_number(rb"\$Elements", b"41")(Brick().msh2(binary=True)), "do not add up"),
     "cells on a surface": ("a.msh", Brick().msh4().replace(b"3 7 4 48", b"2 7 4 48"), "in an entity of dimension 2"),
     "sections in disorder": ("a.msh", text()[: text().index(b"$Nodes")] + text()[text().index(b"$Elements") :] +
                              text()[text().index(b"$Nodes") : text().index(b"$Elements")], "elements come before the nodes"),
@@ -168,6 +184,7 @@ BAD = {
     "prisms": ("a.msh", other_cells(PRISM, 6), "6-node prism; in gmsh"),
     "cubic tetrahedra": ("a.msh", other_cells(TETRAHEDRON_20, 20), "order 1 or 2"),
     "orders one and two": ("a.msh", text(second_order_beside_first), "mixes first- and second-order .*mesh all volumes"),
+    "cells that meet at other middle nodes": ("a.msh", two_quadratic_cells(), "disagree with a neighbour on the middle node.*element 2; mesh all"),
     "a surface alone": ("a.msh", text(only_triangles), "no tetrahedra in it, only 48 of type 3-node triangle.*a Volume"),
     "a mesh in two dimensions": ("a.msh", text(flat), "no tetrahedra in it.*a Volume"),
     "nodes alone": ("a.msh", text(lambda b: b.blocks.clear()), "no tetrahedra in it, only nodes.*a Volume"),
@@ -185,6 +202,9 @@ BAD = {
     "geometry of nothing": ("a.geo", b"", "empty"),
     "geometry of a remark": ("a.geo", b"// later\n", "no tetrahedra.*a Volume"),
     "geometry that leaves": ("a.geo", b"Exit;\n", "remove its Exit"),
+    "geometry that kills gmsh": ("a.geo", b'SystemCall "kill -9 $PPID";\n', r"gmsh died while working on it \(Killed\)"),
+    "geometry of elements of order six": ("a.geo", b"SetFactory(\"OpenCASCADE\");\nBox(1) = {0, 0, 0, 1, 1, 1};\nMesh.MeshSizeMin = 1;\nMesh.ElementOrder = 6;\n",
+                                     "set Mesh.ElementOrder to 1 or 2|order 1 or 2"),
     "geometry that includes what is missing": ("a.geo", b'Include "missing.geo";\n', "gmsh could not"),
     "geometry of bytes": ("a.geo", bytes(range(1, 256)) * 4, "gmsh could not"),
     "a drawing that is none": ("a.step", b"just text\n", "gmsh could not|no solid"),

@@ -1,13 +1,15 @@
 #!/usr/bin/python3
 """A user's mistake ends the program, on any number of ranks alike, with one message that names the place and helps."""
+import itertools
 import os
 import re
 import unittest
 
 import h5py
+import numpy as np
 
 from mistakes import MistakesTest
-from program import box, finish, start, write_box, write_mesh
+from program import UNSIGNALLED, box, finish, start, write_box, write_mesh
 
 LINES = {
     "mesh": "mesh: {file: cube.msh}",
@@ -75,11 +77,15 @@ BAD_AGAINST_THE_MESH = {
     "an obstacle with a corner that is no number": ("output", "contact: {obstacles: [{name: a, shape: surface, "
                                                     "file: @endless.msh}]}", r"triangle \d+ is not finite"),
     "a flat obstacle": ("output", "contact: {obstacles: [{name: a, shape: surface, file: @flat.stl}]}", "flat and encloses no volume"),
+    "an obstacle whose sides look different ways": ("output", "contact: {obstacles: [{name: a, shape: surface, file: @turned.stl}]}",
+                                                    "at 3 edges triangles meet that look to opposite sides"),
     "an obstacle from no file": ("output", "contact: {obstacles: [{name: a, shape: surface, file: @nowhere.stl}]}",
                                  "nowhere.stl"),
     "a body beyond a barrier": ("output", "contact: {law: barrier, obstacles: [@{name: a, shape: plane, "
                                 "normal: [0, 0, 1], point: [0, 0, 0.5]}]}", "reaches into the obstacle 'a'"),
     "box of nothing": ("constraints", "constraints: [{box: @[[2, 2, 2], [3, 3, 3]], displacement: [0, 0, 0]}]", "no node"),
+    "symmetry inside": ("constraints", "constraints: [{surface: @top, symmetry: plane}]", "lies inside the mesh, where a normal has no outside"),
+    "pressure inside": ("loads", "loads: [@{surface: top, pressure: 1}]", "lies inside the mesh, .*name a part of the outer surface"),
     "condition on nothing": ("constraints", 'constraints: [{where: @"x > 7", displacement: [0, 0, 0]}]', "no node"),
     "traction on nothing": ("loads", 'loads: [{where: @"x > 7", traction: [0, 0, 1]}]', "no facet"),
     "traction inside": ("loads", 'loads: [{where: @"abs(x - 0.5) < 1e-9", traction: [0, 0, 1]}]', "no facet"),
@@ -122,6 +128,7 @@ NOT_DOUBTFUL = {
     "frames at steps": ("output", "output: {directory: out, every: 10 ms}"),
 }
 IN_TWO_VOLUMES = {"volumes that do not cover"}
+TOP_HALFWAY_UP = {"symmetry inside", "pressure inside"}
 
 # Name: arguments, words of the message.
 BAD_FILES_AND_OPTIONS = {  # told once ranks do different work
@@ -167,6 +174,7 @@ def stl(*corners):
 BAD_STL = {
     "open": stl("0 0 0", "1 0 0", "0 1 0", "0 0 1").rsplit("facet normal", 1)[0] + "endsolid a\n",
     "flat": stl("0 0 0", "1 0 0", "0 1 0", "1 1 0"),
+    "turned": stl("0 0 0", "1 0 0", "0 1 0", "0 0 1").replace("vertex 0 1 0\nvertex 1 0 0\n", "vertex 1 0 0\nvertex 0 1 0\n", 1),
 }
 
 
@@ -191,6 +199,11 @@ class Errors(MistakesTest):
             points, triangles, cells = box((2, 2, 2))
             above = (points[cells].mean(axis=1)[:, 2] > 0.5).astype(int)
             write_mesh(directory / "cube.msh", points, triangles, cells, (["lower", "upper"], above))
+        elif name in TOP_HALFWAY_UP:
+            points, triangles, cells = box((2, 2, 2))
+            faces = np.unique(np.sort(cells[:, list(itertools.combinations(range(4), 3))].reshape(-1, 3), axis=1), axis=0)
+            triangles[-1] = faces[(points[faces][:, :, 2] == 0.5).all(axis=1)]
+            write_mesh(directory / "cube.msh", points, triangles, cells)
         else:
             write_box(directory / "cube.msh", (2, 2, 2))
         (directory / "endless.msh").write_text((directory / "cube.msh").read_text().replace(" 1.0 1.0 1.0\n", " 1.0 1.0 nan\n"))
@@ -245,6 +258,9 @@ class Errors(MistakesTest):
             directory = self.case("output " + file)
             (directory / "out" / file / "taken").mkdir(parents=True)
             cases["a directory in the place of " + file] = (directory, ["run", "in.yaml"], 4, None, file)
+        directory = self.case("output summary.json")
+        (directory / "out/summary.json/taken").mkdir(parents=True)  # the run itself is safe
+        cases["a directory in the place of summary.json"] = (directory, ["run", "in.yaml", "--quiet"], 0, None, "^warning: .*summary.json")
         cases["no folder for a mesh"] = (self.case("no folder"), ["mesh", "convert", "cube.msh", "no/cube.h5"], 4, None, "no/cube.h5")
         if os.geteuid() != 0:  # nothing is read-only to root
             directory = self.case("output read-only")
@@ -257,6 +273,13 @@ class Errors(MistakesTest):
             cases["a file system without files"] = (self.case("output proc"), ["run", "in.yaml", "--output", "/proc/pliant"], 4,
                                                     None, "/proc/pliant")
         self.judge_all(cases, HELD_IN_PARTS)
+
+    def test_units_without_their_database(self):
+        nowhere = UNSIGNALLED | {"UDUNITS2_XML_PATH": "/nowhere"}
+        done = finish(start(["run", "in.yaml", "--set", "time.step=5 ms"], self.case("units"), 2, nowhere), 60)
+        self.assertEqual(done.returncode, 4, done.stderr)
+        self.assertEqual(done.stderr.count("install udunits2's data"), 1, done.stderr)
+        self.assertNotIn("failed on rank", done.stderr)
 
     def test_all_mistakes_at_once(self):
         directory = self.case("several")

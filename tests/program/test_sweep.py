@@ -66,6 +66,9 @@ class Sweep(ProgramTest):
                 self.assertIn(expected, done.stderr)
                 self.assertEqual(done.stderr.count("\n"), 1)
                 self.assertFalse((self.directory / "out").exists())
+        done = self.call("sweep", self.directory, "--set", "time.step=[1, 2]")
+        self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
+        self.assertIn("give the path of an input file", done.stderr)
         done = self.call("sweep", INPUT, "--set", "time.step=[1, 2]", ranks=2)
         self.assertIn("without mpirun", done.stderr)
 
