@@ -51,7 +51,9 @@ std::optional<std::string> why_not_adaptive(const TimeConfig& time) {
 /// Is the end there, and was it understood?
 bool end_is_known(const TimeConfig& time, const InputNode& section) {
   const InputNode* end = given(section, {"end"});
-  return end != nullptr && (time.end > 0 || parse_number(end->text) == 0.0);
+  if (end == nullptr || time.end > 0) return end != nullptr;
+  const std::string number = end->text.substr(0, end->text.find(' '));  // a unit may follow
+  return parse_number(number) == 0.0;
 }
 
 void check_step(const TimeConfig& time, const InputNode& section, Problems& problems) {
@@ -79,7 +81,13 @@ void check_adaptive(const TimeConfig& time, const InputNode& section, Problems& 
   if (const auto reason = why_not_adaptive(time)) {
     problems.add(adaptive.where, "steps cannot adapt: " + *reason + "; choose another method or remove 'adaptive'");
   }
-  if (time.step <= 0) return;
+  if (time.step <= 0) {
+    if (!why_not_adaptive(time) && given(section, {"step"}) == nullptr && end_is_known(time, section)) {
+      problems.add(given(section, {"end"})->where,
+                   "'end' must be > 0 [s] where steps adapt, or there is no first step");
+    }
+    return;
+  }
   const InputNode* min_step = given(section, {"adaptive", "min_step"});
   const InputNode* max_step = given(section, {"adaptive", "max_step"});
   if (min_step != nullptr && max_step != nullptr && adaptive.min_step > adaptive.max_step) {

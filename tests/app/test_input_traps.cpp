@@ -99,6 +99,8 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{5, "time: {step: @nan, end: 1}", "'nan'"}, Bad{5, "time: {step: @inf, end: 1}", "'inf'"},
         Bad{5, "time: {step: 0.01, end: @1e400}", "'1e400'"},
         Bad{5, "time: {step: @0.01, end: -0}", "longer than the simulation"},
+        Bad{5, "time: {step: @0.01, end: 0 s}", "longer than the simulation"},
+        Bad{5, "time: {method: bdf2, adaptive: {}, end: @0 ms}", "'end' must be > 0 [s] where steps adapt"},
         Bad{5, "time: {step: 0.01, end: @1e308 year}", "1e308"}, Bad{5, "time: {step: @yes, end: 1}", "'yes'"},
         Bad{5, "time: {step: @true, end: 1}", "'true'"}, Bad{5, "time: {step: @2001-01-01, end: 1}", "2001-01-01"},
         Bad{5, "time: {step: @12:30:45, end: 1}", "12:30:45"}, Bad{5, "time: {step: @1 000, end: 10000}", "1 000"},
