@@ -23,6 +23,6 @@ def exit_code(program, work, mistakes, output, kinds):
         return complain(program, f"{error.filename}: {error.strerror}" if error.filename else error)
     except ValueError as error:
         if "is not supported" in str(error) or "unknown file extension" in str(error):
-            return complain(program, f"{output}: written are {kinds}")
+            return complain(program, f"{output}: the name must end in one of {kinds}")
         raise
     return 0

@@ -44,6 +44,6 @@ gcovr --root "$root" --filter "$root/src/" --object-directory "$covered" --exclu
 gcovr --root "$root" --add-tracefile "$lines" --html-details "$covered/coverage/index.html" --txt "$covered/coverage/summary.txt"
 for layer in "$root"/src/*/; do
   printf '%-10s' "$(basename "$layer")"
-  gcovr --root "$root" --filter "$layer" --add-tracefile "$lines" --print-summary --output /dev/null | grep '^lines'
+  gcovr --root "$root" --filter "$layer" --add-tracefile "$lines" --print-summary --output "$covered/coverage/layer.txt" | grep '^lines'
 done
 say "in $covered/coverage: index.html, summary.txt"

@@ -586,7 +586,7 @@ def parsed(arguments):
 
 def main():
     options = parsed(sys.argv[1:])
-    return exit_code("render.py", lambda: run(options), UserError, options.output, ".png, .jpg, ...")
+    return exit_code("render.py", lambda: run(options), UserError, options.output, ".png, .jpg, .tif")
 
 
 if __name__ == "__main__":

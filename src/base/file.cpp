@@ -33,6 +33,12 @@ FileError failure(const std::filesystem::path& path, int error) {
   return FileError("cannot write '" + path.string() + "': " + std::generic_category().message(error));
 }
 
+/// A device or a pipe, such as /dev/null: it is written to, never replaced.
+bool is_special(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_other(path, ignored);
+}
+
 }  // namespace
 
 File::File(std::filesystem::path path, FileMode mode) : path_(std::move(path)) {
@@ -128,6 +134,11 @@ void File::close() {
 }
 
 void write_text_atomically(const std::filesystem::path& file, std::string_view text, Durability durability) {
+  if (is_special(file)) {
+    File out(file, FileMode::create);
+    out.write(text);
+    return out.close();
+  }
   std::filesystem::path part = file;
   part += ".part";
   try {
@@ -144,6 +155,7 @@ void write_text_atomically(const std::filesystem::path& file, std::string_view t
 }
 
 void replace_file(const std::filesystem::path& from, const std::filesystem::path& to, Durability durability) {
+  if (is_special(to)) throw FileError("cannot write '" + to.string() + "': it is there and is no regular file");
   std::error_code error;
   std::filesystem::rename(from, to, error);
   if (error) throw failure(to, error.value());

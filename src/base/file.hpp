@@ -61,11 +61,11 @@ class File {
 enum class Durability { process, power };
 
 /// Replaces `file` by `text` so that a reader, or a run killed at any moment, sees either the old text or the new one:
-/// written under the name `<file>.part`, renamed.
+/// written under the name `<file>.part`, renamed. A device or a pipe is written to as it is.
 void write_text_atomically(const std::filesystem::path& file, std::string_view text,
                            Durability durability = Durability::power);
 
-/// Gives a file the name of another, which it replaces.
+/// Gives a file the name of another, which it replaces. FileError if that is a device or a pipe.
 void replace_file(const std::filesystem::path& from, const std::filesystem::path& to,
                   Durability durability = Durability::power);
 

@@ -33,9 +33,7 @@ void make_empty_file(const std::filesystem::path& path, const std::string& title
   write_attribute(file.get(), "title", title);
   make_frames_group(file.get(), "/frames");
   file.close(doing);
-  std::error_code error;
-  std::filesystem::rename(part, path, error);
-  if (error) throw FileError("cannot " + doing + ": " + error.message());
+  replace_file(part, path, Durability::process);
 }
 
 std::string lines(const std::vector<std::string>& names) {

@@ -131,7 +131,7 @@ void write_mesh_file(const std::string& file, SerialMesh& mesh) {
     Hdf5Handle out = open_hdf5(part, Hdf5Mode::create);
     write_numbers(out.get(), mesh);
     out.close("write '" + file + "'");
-    std::filesystem::rename(part, file);
+    replace_file(part, file, Durability::process);
   } catch (const std::exception& e) {
     std::error_code ignored;
     std::filesystem::remove(part, ignored);

@@ -1,9 +1,11 @@
 #!/usr/bin/python3
 """`pliant report`: what the page carries is what the result holds, and a browser shows and plays it."""
 import json
+import os
 import pathlib
 import re
 import shutil
+import subprocess
 import tempfile
 import unittest
 
@@ -28,8 +30,6 @@ time: {method: bdf2, step: 10 ms, end: 0.1}
 output: {fields: [displacement, velocity, cauchy_stress]}
 probes: [{name: tip, point: [1, 0.1, 0.1]}]
 """
-
-
 
 
 def replaced(path, values):
@@ -134,6 +134,21 @@ class Report(ProgramTest):
         self.assertTrue(3 <= frames <= 7, frames)  # of 11, for half of what they take, less what is reserved for their names
         self.assertIn(f"{frames} of 11 frames; open", done.stdout)
         self.assertIn("2 of 11 frames (so much is needed", self.call("report", self.out, "--size", 0.1).stdout)
+
+    def test_pipes_are_written_to(self):  # and not replaced, as root could /dev/null
+        pipe = self.directory / "pipe"
+        os.mkfifo(pipe)
+        with subprocess.Popen(["cp", "--copy-contents", pipe, self.directory / "page"]) as reader:
+            done = self.call("report", self.out, "--output", pipe)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            reader.wait(timeout=60)
+        self.assertTrue(pipe.is_fifo())
+        self.assertIn("</html>", (self.directory / "page").read_text(encoding="utf-8"))
+        pipe = pipe.rename(self.directory / "mesh.h5")
+        write_box(self.directory / "bar.msh", (1, 1, 1))
+        done = self.call("mesh", "convert", self.directory / "bar.msh", pipe)
+        self.assertRegex(done.stderr, "it is there and is no regular file")
+        self.assertTrue(pipe.is_fifo())
 
     def test_run_that_goes_on(self):
         (self.out / "summary.json").unlink()
