@@ -33,12 +33,13 @@ fi
 mkdir -p "$fuzz/findings/of_hdf5"
 status=0
 
-# Puts the files of a name aside over which HDF5 crashes before it comes back to Pliant.
+# Puts the files of a name aside over which HDF5 crashes before it comes back to Pliant, or takes gigabytes: those are to
+# be tried with the program.
 set_hdf5s_own_aside() {
   local file
-  for file in "$fuzz/findings/$1"-crash-*; do
+  for file in "$fuzz/findings/$1"-{crash,oom}-*; do
     [[ -e $file ]] || continue
-    if { "$fuzz/bin/fuzz_$1" "$file" 2>&1 || true; } | grep -m 1 -o 'in pliant::\|libhdf5' | grep -q libhdf5; then
+    if [[ $file == *-oom-* ]] || { "$fuzz/bin/fuzz_$1" "$file" 2>&1 || true; } | grep -m 1 -o 'in pliant::\|libhdf5' | grep -q libhdf5; then
       mv "$file" "$fuzz/findings/of_hdf5"
     fi
   done
@@ -60,7 +61,9 @@ for name in "${names[@]}"; do
   "$fuzz/bin/fuzz_$name" "$fuzz/corpus/$name" "$root/tests/fuzz/corpus/$name" "${dictionary[@]}" "${processes[@]}" -max_total_time="$seconds" \
     -timeout=25 -rss_limit_mb=2048 -malloc_limit_mb=1000000 -max_len=20000 -print_final_stats=1 -verbosity=0 -artifact_prefix="$fuzz/findings/$name-" ||
     status=1
-  set_hdf5s_own_aside "$name"
+  if ((${#processes[@]} > 0)); then
+    set_hdf5s_own_aside "$name"
+  fi
   if compgen -G "$fuzz/findings/$name-*" >/dev/null; then
     say "fuzzing $name found something: $fuzz/findings"
     status=1
