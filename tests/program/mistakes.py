@@ -33,11 +33,14 @@ class MistakesTest(ProgramTest):
             self.assertNotIn(noise, done.stdout + done.stderr, shown)
 
     def judge_all(self, cases, every):
-        """Each case, several at a time. `every`: number of ranks -> each how many-th case runs on them; with PLIANT_LONG_TESTS each."""
-        waiting = []
-        for number, (name, (directory, arguments, code, place, words)) in enumerate(cases.items()):
+        """Each case, several at a time. `every`: number of ranks -> each how many-th case runs on them; with PLIANT_LONG_TESTS each.
+        The runs of one case are one after another: they share its directory."""
+        def judge_one(number, case):
             for ranks in (ranks for ranks, nth in every.items() if LONG or number % nth == 0):
-                waiting.append((name, ranks, self.pool.submit(self.judge, directory, arguments, ranks, code, place, words)))
-        for name, ranks, result in waiting:
-            with self.subTest(name, ranks=ranks):
+                directory, arguments, code, place, words = case
+                self.judge(directory, arguments, ranks, code, place, words)
+
+        waiting = [(name, self.pool.submit(judge_one, number, case)) for number, (name, case) in enumerate(cases.items())]
+        for name, result in waiting:
+            with self.subTest(name):
                 result.result()
