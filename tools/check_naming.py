@@ -23,15 +23,21 @@ CLANG_TIDY = "clang-tidy-16"  # the first that knows std::source_location
 QUIET = re.compile(r"^(\d+ warnings?( and \d+ errors?)? generated\.|Error while processing .*|)$")
 
 
+def sources_of(file):
+    """A file, or those that it includes if CMake wrote it to compile several at once."""
+    if file.parent.name != "Unity":
+        return [file]
+    return [pathlib.Path(name) for name in re.findall(r'^#include "(.*)"', file.read_text(), flags=re.MULTILINE)]
+
+
 def commands(build):
     """Source file -> its compile options (without compiler, output and input), an option with a separate value as one entry."""
     found = {}
     for entry in json.loads((build / "compile_commands.json").read_text()):
         words = shlex.split(entry["command"])
-        file = pathlib.Path(entry["file"])
-        if ROOT in file.parents:
-            options = iter(word for word in words[1 : words.index("-o")] if word != "-c")
-            found[file] = [(word, next(options)) if word == "-isystem" else (word,) for word in options]
+        options = iter(word for word in words[words[0].endswith("ccache") + 1 : words.index("-o")] if word != "-c")
+        options = [(word, next(options)) if word == "-isystem" else (word,) for word in options]
+        found |= {file: options for file in sources_of(pathlib.Path(entry["file"])) if ROOT in file.parents}
     return found
 
 
@@ -47,7 +53,8 @@ def tidy(file, options, checks):
 
 def with_named_namespace(text, name):
     """A source whose unnamed namespace has a name, seen from outside of it only if something stands there."""
-    use = "" if text.endswith("}  // namespace\n}  // namespace pliant\n") else f"namespace {name} {{}} using namespace {name}; "
+    ends = re.search(r"^}  // namespace\n}  // namespace pliant\S*\n\Z", text, flags=re.MULTILINE)
+    use = "" if ends else f"namespace {name} {{}} using namespace {name}; "
     return re.sub(r"^namespace \{$", f"{use}namespace {name} {{", text, flags=re.MULTILINE)
 
 
@@ -62,10 +69,8 @@ def unit_of(files, folder):
         copies[file].parent.mkdir(parents=True, exist_ok=True)
         copies[file].write_text(with_named_namespace(text, f"unit_{number}"))
     unit = folder / "unit.cpp"
-    # The namespace of the tests' helpers must not hide GoogleTest's from those who do not include them. Headers come
-    # first: what a source defines cannot spoil them.
-    unit.write_text("namespace testing {}\nnamespace pliant::testing { using namespace ::testing; }\n" +
-                    "".join(f'#include "{file}"\n' for file in [*sorted(headers), *copies.values()]))
+    # Headers come first: what a source defines cannot spoil them.
+    unit.write_text("".join(f'#include "{file}"\n' for file in [*sorted(headers), *copies.values()]))
     return unit, copies
 
 

@@ -19,7 +19,7 @@
 namespace pliant {
 namespace {
 
-using Kind = ConstraintConfig::Kind;
+using ConstraintKind = ConstraintConfig::Kind;
 
 /// An equation couples all its entries with one another in the Hessian.
 constexpr std::size_t most_entries_of_equation = 1000;
@@ -33,8 +33,8 @@ std::string support_name(const ConstraintConfig& constraint, std::size_t index) 
 /// In a message.
 std::string title(const Config& config, std::size_t index) {
   const ConstraintConfig& constraint = config.constraints[index];
-  return constraint.kind == Kind::equation ? fmt::format("the equation constraints[{}]", index)
-                                           : describe(constraint.part);
+  return constraint.kind == ConstraintKind::equation ? fmt::format("the equation constraints[{}]", index)
+                                                     : describe(constraint.part);
 }
 
 Expression times(double factor, const Expression& e) {
@@ -107,22 +107,22 @@ void Constraints::require_finite(double time) const {
 
 Constraints::Part Constraints::make_part(const ConstraintConfig& constraint, Selections& selections) {
   switch (constraint.kind) {
-    case Kind::displacement:
+    case ConstraintKind::displacement:
       return {selections.nodes(constraint.part), {constraint.displacement}, true};
-    case Kind::symmetry:
-    case Kind::normal:
+    case ConstraintKind::symmetry:
+    case ConstraintKind::normal:
       return plane(constraint, selections);
-    case Kind::along: {
+    case ConstraintKind::along: {
       const Vector3<double> direction = unit(constraint.direction);
       Part part{selections.nodes(constraint.part), {}, false, direction};
       part.displacement.components[0] = constraint.value;
       return part;
     }
-    case Kind::periodic:
+    case ConstraintKind::periodic:
       return {selections.nodes(constraint.part), {constraint.difference}};
-    case Kind::rigid:
+    case ConstraintKind::rigid:
       return rigid(constraint, selections);
-    case Kind::equation: {
+    case ConstraintKind::equation: {
       Part part;
       part.displacement.components[0] = constraint.value;
       const EquationTermConfig& first = constraint.equation.front();
@@ -162,7 +162,7 @@ Constraints::Part Constraints::plane(const ConstraintConfig& constraint, Selecti
                                                          describe(constraint.part)));
     return part;
   }
-  const Expression value = constraint.kind == Kind::normal ? constraint.value : Expression();
+  const Expression value = constraint.kind == ConstraintKind::normal ? constraint.value : Expression();
   if (const auto axis = axis_of(*normal)) {
     const auto i = static_cast<std::size_t>(*axis);
     part.displacement.components[i] = times((*normal)[i] < 0.0 ? -1.0 : 1.0, value);
@@ -219,12 +219,12 @@ std::vector<LinearConstraint> Constraints::ties(const Config& config, Selections
     const ConstraintConfig& constraint = config.constraints[c];
     const Part& part = parts_[c];
     if (part.turns) continue;
-    if (constraint.kind == Kind::rigid) {
+    if (constraint.kind == ConstraintKind::rigid) {
       add(translated_together(layout_, part.nodes, part.displacement, c));
-    } else if (constraint.kind == Kind::periodic) {
+    } else if (constraint.kind == ConstraintKind::periodic) {
       auto more = periodic_ties(constraint, c, selections);
       if (is_first) add(std::move(more));
-    } else if (constraint.kind == Kind::equation) {
+    } else if (constraint.kind == ConstraintKind::equation) {
       auto more = equation_ties(constraint, c, selections);
       if (is_first) add(std::move(more));
     } else if (!part.is_prescribed) {

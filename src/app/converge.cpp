@@ -4,6 +4,7 @@
 #include "app/sample.hpp"
 #include "app/simulation.hpp"
 #include "base/file.hpp"
+#include "base/limits.hpp"
 #include "io/history_writer.hpp"
 #include "io/svg_plot.hpp"
 #include "petsc/collective.hpp"
@@ -12,7 +13,6 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
-#include <limits>
 #include <memory>
 
 #include <fmt/format.h>
@@ -20,7 +20,6 @@
 namespace pliant {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double newton_tolerance = 1e-11;  // lest what Newton's method leaves is taken for an error in time
 constexpr double tolerance_factor = 3.0;    // an adaptive run that misses its tolerance by more has failed
 

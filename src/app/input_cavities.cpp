@@ -3,7 +3,7 @@
 namespace pliant {
 namespace {
 
-using Kind = Selection::Kind;
+using SelectionKind = Selection::Kind;
 
 Section<GasConfig> gas_keys() {
   return {{
@@ -42,9 +42,9 @@ Section<CavityConfig> cavity_keys() {
   return {
       {
           field("name", &C::name, column_name(), "begins the names of the cavity's columns in history.csv").required(),
-          selector<C>("surface", Kind::surface, "the walls of the cavity, a part of the outer surface"),
-          selector<C>("box", Kind::box, "the same: boundary facets inside this box"),
-          selector<C>("where", Kind::where, "the same: boundary facets that fulfil this"),
+          selector<C>("surface", SelectionKind::surface, "the walls of the cavity, a part of the outer surface"),
+          selector<C>("box", SelectionKind::box, "the same: boundary facets inside this box"),
+          selector<C>("where", SelectionKind::where, "the same: boundary facets that fulfil this"),
           field("pressure", &C::pressure, expression("Pa", Variables::time), "a given pressure"),
           field("gas", &C::gas, map_of(gas_keys()), "a gas; `{}` takes the defaults"),
           field("liquid", &C::liquid, map_of(liquid_keys()), "a liquid; `{}` takes the defaults"),

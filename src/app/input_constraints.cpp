@@ -3,7 +3,7 @@
 namespace pliant {
 namespace {
 
-using Kind = Selection::Kind;
+using SelectionKind = Selection::Kind;
 using Constraint = ConstraintConfig::Kind;
 using Rotation = RotationConfig::Kind;
 
@@ -63,12 +63,12 @@ Section<RigidConfig> rigid_keys() {
 Section<EquationTermConfig> term_keys() {
   using Term = EquationTermConfig;
   return {{
-              selector<Term>("surface", Kind::surface, "nodes of this surface"),
-              selector<Term>("volume", Kind::volume, "nodes of this volume"),
-              selector<Term>("curve", Kind::curve, "nodes of this curve"),
-              selector<Term>("point", Kind::point, "nodes of this point group"),
-              selector<Term>("box", Kind::box, "nodes inside this box"),
-              selector<Term>("where", Kind::where, "nodes whose reference position fulfils this"),
+              selector<Term>("surface", SelectionKind::surface, "nodes of this surface"),
+              selector<Term>("volume", SelectionKind::volume, "nodes of this volume"),
+              selector<Term>("curve", SelectionKind::curve, "nodes of this curve"),
+              selector<Term>("point", SelectionKind::point, "nodes of this point group"),
+              selector<Term>("box", SelectionKind::box, "nodes inside this box"),
+              selector<Term>("where", SelectionKind::where, "nodes whose reference position fulfils this"),
               field("component", &Term::component, choice_of<int>({{"x", 0}, {"y", 1}, {"z", 2}}),
                     "component of the displacement; of several nodes their mean")
                   .required(),
@@ -117,12 +117,12 @@ Section<ConstraintConfig> constraint_keys() {
   const auto place_and_time = Variables::space_and_time;
   return {
       {
-          selector<C>("surface", Kind::surface, "nodes of this surface"),
-          selector<C>("volume", Kind::volume, "nodes of this volume"),
-          selector<C>("curve", Kind::curve, "nodes of this curve"),
-          selector<C>("point", Kind::point, "nodes of this point group"),
-          selector<C>("box", Kind::box, "nodes inside this box"),
-          selector<C>("where", Kind::where, "nodes whose reference position fulfils this"),
+          selector<C>("surface", SelectionKind::surface, "nodes of this surface"),
+          selector<C>("volume", SelectionKind::volume, "nodes of this volume"),
+          selector<C>("curve", SelectionKind::curve, "nodes of this curve"),
+          selector<C>("point", SelectionKind::point, "nodes of this point group"),
+          selector<C>("box", SelectionKind::box, "nodes inside this box"),
+          selector<C>("where", SelectionKind::where, "nodes whose reference position fulfils this"),
           saying(Constraint::displacement,
                  field("displacement", &C::displacement, array_of<3>(expression_or_free("m", place_and_time)),
                        "prescribed displacement; a component `free` is left alone")),
@@ -135,7 +135,7 @@ Section<ConstraintConfig> constraint_keys() {
           beside(Constraint::along, field("direction", &C::direction, direction_of_any_length(),
                                           "with displacement_along: the direction")),
           saying(Constraint::periodic,
-                 field("periodic_with", &C::partner, selection(Kind::surface),
+                 field("periodic_with", &C::partner, selection(SelectionKind::surface),
                        "the surface repeats this one: nodes that a translation carries onto each other move alike, but "
                        "for `difference`")),
           beside(Constraint::periodic,

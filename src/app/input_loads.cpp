@@ -3,7 +3,7 @@
 namespace pliant {
 namespace {
 
-using Kind = Selection::Kind;
+using SelectionKind = Selection::Kind;
 
 /// The value of a load, which decides the load's kind.
 Field<LoadConfig> load(LoadConfig::Kind kind, Field<LoadConfig> result) {
@@ -27,7 +27,7 @@ Section<LoadConfig> load_keys() {
           load(L::Kind::gravity, field("gravity", &L::value, vector("m/s^2"), "acceleration of gravity, acts on mass")),
           load(L::Kind::force_density,
                field("force_density", &L::value, vector("N/m^3"), "force per reference volume")),
-          selector<L>("volume", Kind::volume, "with gravity and force_density: the volume it acts on")
+          selector<L>("volume", SelectionKind::volume, "with gravity and force_density: the volume it acts on")
               .otherwise_in_words("the whole mesh"),
           load(L::Kind::traction,
                field("traction", &L::value, vector("Pa"), "force per reference area, fixed in direction (dead)")),
@@ -62,12 +62,13 @@ Section<LoadConfig> load_keys() {
                   "stiffness of springs between a point group and the ground, in all directions; shared by its nodes")),
           load(L::Kind::point_foundation,
                field("point_dashpot", &L::dashpot, coefficient_of("N*s/m"), "the same of dashpots")),
-          selector<L>("surface", Kind::surface,
+          selector<L>("surface", SelectionKind::surface,
                       "with traction, pressure, force, spring and dashpot: the surface it acts on"),
-          selector<L>("box", Kind::box, "the same: boundary facets inside this box"),
-          selector<L>("where", Kind::where, "the same: boundary facets that fulfil this"),
-          selector<L>("curve", Kind::curve, "with line_force and force: the curve it acts on"),
-          selector<L>("point", Kind::point, "with force, point_spring and point_dashpot: the point group it acts on"),
+          selector<L>("box", SelectionKind::box, "the same: boundary facets inside this box"),
+          selector<L>("where", SelectionKind::where, "the same: boundary facets that fulfil this"),
+          selector<L>("curve", SelectionKind::curve, "with line_force and force: the curve it acts on"),
+          selector<L>("point", SelectionKind::point,
+                      "with force, point_spring and point_dashpot: the point group it acts on"),
       },
       {{{"gravity", "traction", "pressure", "force_density", "line_force", "force", "spring", "dashpot", "point_spring",
          "point_dashpot"},

@@ -7,7 +7,7 @@
 namespace pliant {
 namespace {
 
-constexpr const char* introduction = R"md(# The input file
+constexpr const char* input_introduction = R"md(# The input file
 
 <!-- Written by `pliant schema --markdown` from the table in src/app/input_schema.cpp; change it there. -->
 
@@ -143,7 +143,7 @@ void write_sections(const std::string& path, const std::vector<KeyInfo>& keys, s
 }  // namespace
 
 std::string input_reference() {
-  std::string out = introduction;
+  std::string out = input_introduction;
   out += "\n## Top level\n" + table("", input_keys());
   write_sections("", input_keys(), out);
   return out;

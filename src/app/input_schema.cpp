@@ -16,7 +16,7 @@
 namespace pliant {
 namespace {
 
-using Kind = Selection::Kind;
+using SelectionKind = Selection::Kind;
 
 template <std::size_t N>
 std::vector<std::string> strings(const std::array<std::string_view, N>& names) {
@@ -43,7 +43,7 @@ Section<MeshConfig> mesh_keys() {
 
 Section<BodyConfig> body_keys() {
   return {{
-              selector<BodyConfig>("volume", Kind::volume, "the volume that the body fills")
+              selector<BodyConfig>("volume", SelectionKind::volume, "the volume that the body fills")
                   .otherwise_in_words("the whole mesh"),
               field("density", &BodyConfig::density, quantity("kg/m^3", Range::above(0)), "mass per reference volume")
                   .otherwise_in_words("none; needed for dynamics and for gravity"),

@@ -87,17 +87,6 @@ bool is_leaf(const InputNode& node) {
   return node.kind == InputNode::Kind::null || node.kind == InputNode::Kind::scalar || node.children.empty();
 }
 
-/// On one line.
-std::string flow_text(const InputNode& node) {
-  if (node.kind != InputNode::Kind::list && node.kind != InputNode::Kind::map) return scalar_text(node);
-  const bool is_map = node.kind == InputNode::Kind::map;
-  std::string text;
-  for (const InputNode& child : node.children) {
-    text += (text.empty() ? "" : ", ") + (is_map ? child.key + ": " : "") + flow_text(child);
-  }
-  return is_map ? '{' + text + '}' : '[' + text + ']';
-}
-
 bool has_map(const InputNode& node) {
   return node.kind == InputNode::Kind::map || std::any_of(node.children.begin(), node.children.end(), has_map);
 }
@@ -215,6 +204,16 @@ void apply(const Override& change, InputNode& root, Problems& problems) {
   value.key = node->key;
   relocate(value, where);
   *node = std::move(value);
+}
+
+std::string flow_text(const InputNode& node) {
+  if (node.kind != InputNode::Kind::list && node.kind != InputNode::Kind::map) return scalar_text(node);
+  const bool is_map = node.kind == InputNode::Kind::map;
+  std::string text;
+  for (const InputNode& child : node.children) {
+    text += (text.empty() ? "" : ", ") + (is_map ? child.key + ": " : "") + flow_text(child);
+  }
+  return is_map ? '{' + text + '}' : '[' + text + ']';
 }
 
 std::string to_yaml(const InputNode& root) {

@@ -85,5 +85,7 @@ void apply(const Override& change, InputNode& root, Problems& problems);
 
 /// The tree as YAML text that parse_yaml reads back.
 std::string to_yaml(const InputNode& root);
+/// The same in one line: `5 ms`, `[0, 0, 1]`.
+std::string flow_text(const InputNode& node);
 
 }  // namespace pliant

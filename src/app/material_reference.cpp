@@ -10,7 +10,7 @@
 namespace pliant {
 namespace {
 
-constexpr const char* introduction = R"md(# The laws
+constexpr const char* laws_introduction = R"md(# The laws
 
 <!-- Written by `pliant materials --markdown` from the registries of laws in src/material; change it there. -->
 
@@ -48,7 +48,7 @@ std::string heading(const LawInfo& law) {
 }  // namespace
 
 std::string material_reference() {
-  std::string text = introduction;
+  std::string text = laws_introduction;
   text +=
       "\n## Elastic laws\n\nWhere a law has two of these constants, any other two may be given; instead of a "
       "`bulk_modulus` alone a `poissons_ratio`.\n\n";

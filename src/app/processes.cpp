@@ -19,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 
 volatile std::sig_atomic_t received = 0;
 
-void note(int number) {
+void note_signal(int number) {
   received = number;
 }
 
@@ -28,7 +28,7 @@ class SignalNotes {
  public:
   SignalNotes() {
     received = 0;
-    for (std::size_t i = 0; i < numbers.size(); ++i) before_[i] = std::signal(numbers[i], note);
+    for (std::size_t i = 0; i < numbers.size(); ++i) before_[i] = std::signal(numbers[i], note_signal);
   }
   ~SignalNotes() {
     for (std::size_t i = 0; i < numbers.size(); ++i) std::signal(numbers[i], before_[i]);

@@ -32,14 +32,14 @@ std::string in_words(const Range& range) {
   return "";
 }
 
-Json number(double value) {
+Json json_number(double value) {
   return std::trunc(value) == value ? Json(static_cast<long>(value)) : Json(value);
 }
 
 Json with_limits(Json schema, const Range& range) {
   const bool low_included = range.ends == Range::Ends::included, high_included = range.ends != Range::Ends::excluded;
-  if (std::isfinite(range.low)) schema[low_included ? "minimum" : "exclusiveMinimum"] = number(range.low);
-  if (std::isfinite(range.high)) schema[high_included ? "maximum" : "exclusiveMaximum"] = number(range.high);
+  if (std::isfinite(range.low)) schema[low_included ? "minimum" : "exclusiveMinimum"] = json_number(range.low);
+  if (std::isfinite(range.high)) schema[high_included ? "maximum" : "exclusiveMaximum"] = json_number(range.high);
   return schema;
 }
 

@@ -11,7 +11,7 @@ namespace {
 // A signal handler can reach nothing else.
 volatile std::sig_atomic_t stop_received = 0, checkpoint_received = 0;
 
-void note(int number) {
+void note_request(int number) {
   if (number == SIGUSR1) {
     checkpoint_received = 1;
   } else {
@@ -24,7 +24,7 @@ void note(int number) {
 InterruptGuard::InterruptGuard() {
   stop_received = 0;
   checkpoint_received = 0;
-  for (const int number : {SIGINT, SIGTERM, SIGUSR1}) std::signal(number, note);
+  for (const int number : {SIGINT, SIGTERM, SIGUSR1}) std::signal(number, note_request);
 }
 
 InterruptGuard::~InterruptGuard() {

@@ -26,18 +26,6 @@ constexpr std::size_t most_runs = 1000;
 /// Columns of a history that tell of the computation, not of the body.
 constexpr std::array<std::string_view, 5> bookkeeping{"step", "time", "dt", "newton_iterations", "linear_iterations"};
 
-/// The value as YAML in one line: `5 ms`, `[0, 0, 1]`.
-std::string flow_text(const InputNode& value) {
-  std::vector<std::string> items;
-  for (const auto& item : value.children) items.push_back((item.key.empty() ? "" : item.key + ": ") + flow_text(item));
-  if (value.kind == InputNode::Kind::list) return fmt::format("[{}]", fmt::join(items, ", "));
-  if (value.kind == InputNode::Kind::map) return fmt::format("{{{}}}", fmt::join(items, ", "));
-  if (value.style != InputNode::Style::quoted) return value.text;
-  std::string text = "'";
-  for (const char c : value.text) text += c == '\'' ? "''" : std::string(1, c);
-  return text + "'";
-}
-
 /// For people and names of files.
 std::string plain_text(const InputNode& value) {
   return value.kind == InputNode::Kind::scalar ? value.text : flow_text(value);

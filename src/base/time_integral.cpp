@@ -7,7 +7,7 @@
 namespace pliant {
 namespace {
 
-constexpr double tolerance = 1e-13;
+constexpr double quadrature_tolerance = 1e-13;
 /// Halvings within a panel: a jump is found to 1e-12 of it.
 constexpr int most_halvings = 40;
 /// Panels whose sums are kept; longer runs have longer panels.
@@ -28,7 +28,7 @@ double integral(const Expression& f, const Stretch& whole, double scale, int hal
   scale = std::max({scale, std::abs(left.at_middle), std::abs(right.at_middle)});
   const double sum = left.simpson() + right.simpson(), error = (sum - whole.simpson()) / 15.0;
   // An error that is not a number cannot become small.
-  if (halvings == 0 || !(std::abs(error) > tolerance * scale * (whole.to - whole.from))) return sum + error;
+  if (halvings == 0 || !(std::abs(error) > quadrature_tolerance * scale * (whole.to - whole.from))) return sum + error;
   return integral(f, left, scale, halvings - 1) + integral(f, right, scale, halvings - 1);
 }
 

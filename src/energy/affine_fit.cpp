@@ -2,18 +2,13 @@
 
 #include "material/spectral.hpp"
 #include "petsc/array_view.hpp"
-#include "petsc/check.hpp"
+#include "petsc/collective.hpp"
 
 namespace pliant {
 namespace {
 
 /// Nodes nearer to a plane than this part of their size lie in it.
 constexpr double flatness = 1e-6;
-
-template <std::size_t n>
-void sum_over_ranks(MPI_Comm comm, std::array<double, n>& values) {
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(n), MPI_DOUBLE, MPI_SUM, comm));
-}
 
 Vector3<double> column(const Tensor3<double>& A, int k) {
   return {A(0, k), A(1, k), A(2, k)};
@@ -29,14 +24,14 @@ AffineFit::AffineFit(const NodeLayout& layout, std::span<const PetscInt> nodes, 
     first[0] += 1.0;
     for (std::size_t i = 0; i < 3; ++i) first[1 + i] += arm[i];
   }
-  sum_over_ranks(layout.comm, first);
+  sum_in_place(layout.comm, first);
   number_ = first[0];
   mean_arm_ = (1.0 / number_) * Vector3<double>{first[1], first[2], first[3]};
   for (const PetscInt a : nodes) {
     const auto r = layout.position(a) - centre - mean_arm_;
     second_moment_ = second_moment_ + outer(r, r);
   }
-  sum_over_ranks(layout.comm, second_moment_.a);
+  sum_in_place(layout.comm, second_moment_.a);
   const auto eigen = eigen_decomposition(second_moment_);
   for (int k = 0; k < 3; ++k) {
     const auto n = column(eigen.vectors, k);
@@ -71,7 +66,7 @@ AffineMotion AffineFit::operator()(const NodeLayout& layout, std::span<const Pet
       }
     }
   }
-  sum_over_ranks(layout.comm, sums);
+  sum_in_place(layout.comm, sums);
   const auto moment = make_tensor([&](int i, int k) { return sums[static_cast<std::size_t>(3 + 3 * i + k)]; });
   AffineMotion motion;
   if (has_axis_) {

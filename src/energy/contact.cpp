@@ -8,7 +8,7 @@
 namespace pliant {
 namespace {
 
-using Point = ContactSurface::Point;
+using ContactPoint = ContactSurface::Point;
 using Facets = ContactSurface::Facets;
 
 /// Of the distance that a point has: so near a step may lead.
@@ -16,7 +16,7 @@ constexpr double least_part = 0.1;
 constexpr int max_advances = 100;
 
 /// How far a point goes from one displacement to another, to the digits of the difference.
-Vector3<double> way_of(const Point& point, std::span<const double> from, std::span<const double> to) {
+Vector3<double> way_of(const ContactPoint& point, std::span<const double> from, std::span<const double> to) {
   Vector3<double> dx{};
   for (std::size_t a = 0; a < point.nodes.size(); ++a) {
     const PetscInt n = 3 * point.nodes[a];
@@ -68,7 +68,7 @@ double energy_change(const NormalLaw& law, double d, double delta) {
 double Contact::energy_at(const Instant& at, std::span<const double> q, std::span<const double> /*z*/) const {
   CompensatedSum<double> total;
   const ObstacleFrame frame = obstacle_->at(at);
-  surface_->for_each_near(frame, {q}, Facets::owned, [&](const Point& point) {
+  surface_->for_each_near(frame, {q}, Facets::owned, [&](const ContactPoint& point) {
     total.add(point.area * surface_->law()(frame.distance(surface_->position(point, q))).energy);
   });
   return total.total();
@@ -78,7 +78,7 @@ double Contact::value(const LocalStage& stage, std::span<const double> q) const 
   CompensatedSum<double> total;
   const ObstacleFrame frame = obstacle_->at(instant_of(stage));
   const NormalLaw& law = surface_->law();
-  surface_->for_each_near(frame, {q, stage.q0}, Facets::owned, [&](const Point& point) {
+  surface_->for_each_near(frame, {q, stage.q0}, Facets::owned, [&](const ContactPoint& point) {
     const Vector3<double> start = surface_->position(point, stage.q0);
     const double d0 = frame.distance(start);
     double change = 0.0;
@@ -95,7 +95,7 @@ double Contact::value(const LocalStage& stage, std::span<const double> q) const 
 
 void Contact::add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const {
   const ObstacleFrame frame = obstacle_->at(instant_of(stage));
-  surface_->for_each_near(frame, {q}, Facets::with_owned_nodes, [&](const Point& point) {
+  surface_->for_each_near(frame, {q}, Facets::with_owned_nodes, [&](const ContactPoint& point) {
     const DistanceAt at = frame.at(surface_->position(point, q));
     if (at.d >= surface_->law().reach()) return;
     ContactSurface::add_force(point, (-point.area * surface_->law()(at.d).pressure) * at.n, r);
@@ -105,7 +105,7 @@ void Contact::add_gradient(const LocalStage& stage, std::span<const double> q, s
 void Contact::add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                           Projection projection) const {
   const ObstacleFrame frame = obstacle_->at(instant_of(stage));
-  surface_->for_each_near(frame, {q}, Facets::with_owned_nodes, [&](const Point& point) {
+  surface_->for_each_near(frame, {q}, Facets::with_owned_nodes, [&](const ContactPoint& point) {
     const DistanceAt at = frame.at(surface_->position(point, q));
     if (at.d >= surface_->law().reach()) return;
     const NormalResponse response = surface_->law()(at.d);
@@ -122,7 +122,7 @@ double Contact::supply(const LocalStage& stage, std::span<const double> q) const
   if (!obstacle_->moves()) return 0.0;
   CompensatedSum<double> total;
   const ObstacleFrame frame = obstacle_->at(instant_of(stage), stage.dt);
-  surface_->for_each_near(frame, {q}, Facets::owned, [&](const Point& point) {
+  surface_->for_each_near(frame, {q}, Facets::owned, [&](const ContactPoint& point) {
     const Vector3<double> x = surface_->position(point, q);
     const DistanceAt at = frame.at(x);
     total.add(point.area * surface_->law()(at.d).pressure * dot(at.n, frame.velocity(x)));
@@ -134,7 +134,7 @@ double Contact::max_step(const LocalStage& stage, std::span<const double> q, std
   double bound = std::numeric_limits<double>::infinity();
   if (surface_->law().kind != NormalKind::barrier) return bound;
   const ObstacleFrame frame = obstacle_->at(instant_of(stage));
-  surface_->for_each_owned([&](const Point& point) {
+  surface_->for_each_owned([&](const ContactPoint& point) {
     const Vector3<double> x = surface_->position(point, q), way = ContactSurface::interpolate(point, d);
     const double length = norm(way);
     const double start = frame.distance(x) - surface_->law().threshold;
@@ -211,7 +211,7 @@ class ContactDrag final : public EnergyTerm {
  private:
   /// A point with what is frozen there.
   struct Touch {
-    const Point& point;
+    const ContactPoint& point;
     double pressure;
     Vector3<double> n, obstacle_velocity;
   };
@@ -224,7 +224,7 @@ class ContactDrag final : public EnergyTerm {
     const ObstacleFrame now = obstacle_->at(instant_of(stage), stage.dt);
     const ObstacleFrame frozen =
         at_start ? obstacle_->at(Instant{stage.time - stage.dt, stage.load_factor}) : obstacle_->at(instant_of(stage));
-    surface_->for_each_near(frozen, {at}, which, [&](const Point& point) {
+    surface_->for_each_near(frozen, {at}, which, [&](const ContactPoint& point) {
       const Vector3<double> x = surface_->position(point, at);
       const DistanceAt distance = frozen.at(x);
       const double pressure = surface_->law()(distance.d).pressure;

@@ -1,10 +1,10 @@
 /// What a surface feels at an obstacle, per reference area: pure functions of the distance and of the velocity.
 #pragma once
 
+#include "base/limits.hpp"
 #include "base/vector3.hpp"
 
 #include <cmath>
-#include <limits>
 
 namespace pliant {
 
@@ -18,7 +18,7 @@ enum class FrictionUpdate {
 
 /// U(d), the pressure p = -U' and its slope U'' at a distance.
 struct NormalResponse {
-  double energy = 0.0;     ///< [J/m^2]; +inf where a barrier is crossed
+  double energy = 0.0;     ///< [J/m^2]; +infinity where a barrier is crossed
   double pressure = 0.0;   ///< [Pa]; NaN where a barrier is crossed
   double stiffness = 0.0;  ///< [Pa/m]
 };
@@ -30,7 +30,7 @@ struct NormalResponse {
 /// a spring of stiffness k behind a gap, its kink rounded so that U has three continuous derivatives; and with
 /// s = (d - threshold) / width
 ///
-///     barrier   U = -k width^2 (1 - s)^2 log s   (0 < s < 1),   0 (s >= 1),   +inf (s <= 0),
+///     barrier   U = -k width^2 (1 - s)^2 log s   (0 < s < 1),   0 (s >= 1),   +infinity (s <= 0),
 ///
 /// which has two (Li et al. 2020, Incremental Potential Contact, equation 6).
 struct NormalLaw {
@@ -57,8 +57,7 @@ struct NormalLaw {
   }
 
   NormalResponse wall(double s) const {
-    constexpr double inf = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
-    if (s <= 0.0) return {inf, nan, nan};
+    if (s <= 0.0) return {infinity, nan, nan};
     const double kw = stiffness * width, rest = 1.0 - s, log_s = std::log1p(-rest);
     return {-kw * width * rest * rest * log_s, kw * (rest * rest / s - 2.0 * rest * log_s),
             stiffness * (rest * rest / (s * s) + 4.0 * rest / s - 2.0 * log_s)};

@@ -6,15 +6,16 @@ namespace pliant {
 namespace {
 
 // Weights of f(t - k h), k = 0..6, for f'(t) h (sixth order) and f''(t) h^2 (fifth order): Fornberg 1988, table 3.
-constexpr std::array<double, 7> first{49.0 / 20, -6.0, 15.0 / 2, -20.0 / 3, 15.0 / 4, -6.0 / 5, 1.0 / 6};
-constexpr std::array<double, 7> second{203.0 / 45, -87.0 / 5, 117.0 / 4, -254.0 / 9, 33.0 / 2, -27.0 / 5, 137.0 / 180};
+constexpr std::array<double, 7> first_weights{49.0 / 20, -6.0, 15.0 / 2, -20.0 / 3, 15.0 / 4, -6.0 / 5, 1.0 / 6};
+constexpr std::array<double, 7> second_weights{203.0 / 45, -87.0 / 5, 117.0 / 4,  -254.0 / 9,
+                                               33.0 / 2,   -27.0 / 5, 137.0 / 180};
 
 /// From the values at t - k h.
 Kinematics differentiated(const std::array<double, 7>& f, double h) {
   Kinematics result{f[0], 0.0, 0.0};
   for (std::size_t k = 0; k < f.size(); ++k) {
-    result.v += first[k] * f[k] / h;
-    result.a += second[k] * f[k] / (h * h);
+    result.v += first_weights[k] * f[k] / h;
+    result.a += second_weights[k] * f[k] / (h * h);
   }
   return result;
 }

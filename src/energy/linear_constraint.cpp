@@ -12,7 +12,7 @@ namespace pliant {
 namespace {
 
 /// Coefficients that cancel to less than this part of what they were made of are rounding.
-constexpr double rounding = 1e-12;
+constexpr double cancellation = 1e-12;
 /// Of the sizes of what is compared: given displacements that differ by less agree.
 constexpr double agreement = 1e-9;
 /// A coefficient nearly as large as the largest may be the pivot if it stands before it.
@@ -44,8 +44,8 @@ struct Row {
     }
   }
   void drop_rounding() {
-    std::erase_if(entries, [](const auto& e) { return std::abs(e.second.first) <= rounding * e.second.second; });
-    std::erase_if(given, [](const GivenTerm& g) { return std::abs(g.weight) <= rounding; });
+    std::erase_if(entries, [](const auto& e) { return std::abs(e.second.first) <= cancellation * e.second.second; });
+    std::erase_if(given, [](const GivenTerm& g) { return std::abs(g.weight) <= cancellation; });
   }
 };
 

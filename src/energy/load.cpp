@@ -12,21 +12,21 @@
 namespace pliant {
 namespace {
 
-using Point = std::array<double, 3>;
+using Place = std::array<double, 3>;
 
-double norm(const Point& x) {
+double norm(const Place& x) {
   return std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
 }
 
-Point cross(const Point& a, const Point& b) {
+Place cross(const Place& a, const Place& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
 /// Volume, area or length per reference measure, from the columns dX/dxi_k.
 template <std::size_t Dim>
-double measure(const std::array<Point, Dim>& columns) {
+double measure(const std::array<Place, Dim>& columns) {
   if constexpr (Dim == 3) {
-    const Point n = cross(columns[0], columns[1]);
+    const Place n = cross(columns[0], columns[1]);
     return n[0] * columns[2][0] + n[1] * columns[2][1] + n[2] * columns[2][2];
   } else if constexpr (Dim == 2) {
     return norm(cross(columns[0], columns[1]));
@@ -57,10 +57,10 @@ class Sampler {
     samples_.nodes.insert(samples_.nodes.end(), nodes.begin(), nodes.end());
     for (int q = 0; q < rule_.size(); ++q) {
       const auto dN = Element::gradients(rule_.points[q]);
-      Point x{};
-      std::array<Point, Dim> columns{};
+      Place x{};
+      std::array<Place, Dim> columns{};
       for (int a = 0; a < Element::num_nodes; ++a) {
-        const Point X = layout_.position(nodes[a]);
+        const Place X = layout_.position(nodes[a]);
         for (int i = 0; i < 3; ++i) {
           x[i] += samples_.shapes[q][a] * X[i];
           for (int k = 0; k < Dim; ++k) columns[k][i] += X[i] * dN[a][k];
@@ -90,11 +90,11 @@ LoadSamples cell_samples_of(const NodeLayout& layout, const std::vector<double>&
 
 /// The position derivatives dX/dxi_k of a cell.
 template <int Order>
-std::array<Point, 3> mapping_columns(const NodeLayout& layout, std::span<const PetscInt> nodes, const Point& xi) {
+std::array<Place, 3> mapping_columns(const NodeLayout& layout, std::span<const PetscInt> nodes, const Place& xi) {
   const auto dN = Tet<Order>::gradients(xi);
-  std::array<Point, 3> columns{};
+  std::array<Place, 3> columns{};
   for (std::size_t a = 0; a < dN.size(); ++a) {
-    const Point X = layout.position(nodes[a]);
+    const Place X = layout.position(nodes[a]);
     for (int i = 0; i < 3; ++i) {
       for (int k = 0; k < 3; ++k) columns[k][i] += X[i] * dN[a][k];
     }

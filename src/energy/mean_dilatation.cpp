@@ -1,5 +1,6 @@
 #include "energy/mean_dilatation.hpp"
 
+#include "base/limits.hpp"
 #include "energy/elastic_cells.hpp"
 #include "material/dilatation.hpp"
 #include "material/projection.hpp"
@@ -15,9 +16,6 @@ using Batch = CellBatch<order>;
 using Point = CellPoint<order>;
 using Nodes = NodeValues<num_nodes>;
 using Mask = Pack::mask_type;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// det(F + dF) - det F, to the digits of the change.
 Pack change_of_det(const Tensor3<Pack>& F, const Tensor3<Pack>& dF) {

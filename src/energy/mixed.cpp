@@ -1,5 +1,6 @@
 #include "energy/mixed.hpp"
 
+#include "base/limits.hpp"
 #include "energy/elastic_cells.hpp"
 #include "material/kinematics.hpp"
 #include "material/loading.hpp"
@@ -11,13 +12,9 @@
 namespace pliant {
 namespace {
 
-constexpr int num_nodes = CellGroup<2>::num_nodes;
 using Batch = CellBatch<2>;
 using Point = CellPoint<2>;
 using Lanes = PressureCoupling::Lanes;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// What the volume does at a point: j = J - 1 (0 where J <= 0), and g of it.
 struct VolumeState {
@@ -182,7 +179,7 @@ class MixedTermOf final : public MixedTerm {
   void couple(std::span<const double> q, const std::function<void(const PressureCoupling&)>& visit) const override {
     for_each_batch([&](const Batch& batch, std::size_t number) {
       const auto u = batch.values(q);
-      std::array<std::array<Pack, 4>, 3 * num_nodes> B{};
+      std::array<std::array<Pack, 4>, 3 * CellGroup<2>::num_nodes> B{};
       std::array<std::array<Pack, 4>, 4> C{};
       for (int k = 0; k < batch.group.rule.size(); ++k) {
         const Point point{batch, k};
@@ -194,7 +191,7 @@ class MixedTermOf final : public MixedTerm {
         const Pack slope = select(volume.valid, volume.measure.slope, Pack(nan));
         const Tensor3<Pack> S =
             Pack(weight * slope) * pulled_back(cofactor(add_to_diagonal(H, 1.0)), point.inverse_jacobian());
-        for (int a = 0; a < num_nodes; ++a) {
+        for (int a = 0; a < CellGroup<2>::num_nodes; ++a) {
           for (int i = 0; i < 3; ++i) {
             const Pack s = S(i, 0) * dN[a][0] + S(i, 1) * dN[a][1] + S(i, 2) * dN[a][2];
             for (int b = 0; b < 4; ++b) B[3 * a + i][b] += N[b] * s;

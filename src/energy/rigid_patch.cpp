@@ -12,14 +12,9 @@ namespace pliant {
 namespace {
 
 /// Nodes nearer to one line than this part of their size do not turn about it.
-constexpr double flatness = 1e-6;
+constexpr double collinearity = 1e-6;
 /// Of the size: displacements that are rigid but for this are left as they are, lest their digits are lost.
 constexpr double rounding = 1e-13;
-
-template <std::size_t n>
-void sum_over_ranks(MPI_Comm comm, std::array<double, n>& values) {
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(n), MPI_DOUBLE, MPI_SUM, comm));
-}
 
 /// A^-1 b of a regular tensor: A^-1 = cof(A)^T / det A.
 Vector3<double> solved(const Tensor3<double>& A, const Vector3<double>& b) {
@@ -46,11 +41,11 @@ std::optional<std::string> why_not_rigid(const NodeLayout& layout, std::span<con
   if (size == 0.0) return "has a single node, which has no rotation";
   const Tensor3<double> inertia = add_to_diagonal(-1.0 * moment, size);  // of nodes of mass 1
   if (rotation == FreeRotation::about_axis) {
-    if (dot(motion.axis, matvec(inertia, motion.axis)) > flatness * flatness * size) return std::nullopt;
+    if (dot(motion.axis, matvec(inertia, motion.axis)) > collinearity * collinearity * size) return std::nullopt;
     return "lies on one line along the axis, about which it does not turn";
   }
   // Of points on a line one moment of inertia vanishes, and the others are `size` each.
-  if (det(inertia) > flatness * flatness * size * size * size) return std::nullopt;
+  if (det(inertia) > collinearity * collinearity * size * size * size) return std::nullopt;
   return "lies on one line, about which it does not turn";
 }
 
@@ -58,7 +53,7 @@ bool centre_is_off_plane(const NodeLayout& layout, std::span<const PetscInt> nod
   const AffineFit fit(layout, nodes, motion.centre);
   const auto& r = fit.mean_arm();
   const Vector3<double> off = r - matvec(fit.in_plane(), r);
-  return dot(off, off) > flatness * flatness * trace(fit.second_moment());
+  return dot(off, off) > collinearity * collinearity * trace(fit.second_moment());
 }
 
 RigidPatch::RigidPatch(const NodeLayout& layout, std::vector<PetscInt> nodes, const RigidMotion& motion,
@@ -209,7 +204,7 @@ std::array<Vector3<double>, 2> RigidPatch::nearest_velocities(const Placement& p
       }
     }
   }
-  sum_over_ranks(layout_->comm, sums);
+  sum_in_place(layout_->comm, sums);
   const double n = sums[0];
   const Vector3<double> r = (1.0 / n) * Vector3<double>{sums[1], sums[2], sums[3]};
   const Vector3<double> w = (1.0 / n) * Vector3<double>{sums[4], sums[5], sums[6]};

@@ -15,6 +15,9 @@
 
 namespace pliant {
 
+/// Of the step at which a tetrahedron becomes flat (StageEquation::max_step()): how far solvers go.
+inline constexpr double inversion_margin = 0.9;
+
 /// The equation of a stage. All methods are collective and give every rank the same answer, NaN and infinity included,
 /// so that no rank decides alone.
 class StageEquation {

@@ -179,7 +179,7 @@ class ViscousTerm final : public EnergyTerm {
 };
 
 template <Reference reference>
-constexpr std::integral_constant<Reference, reference> constant{};
+constexpr std::integral_constant<Reference, reference> from{};
 
 }  // namespace
 
@@ -193,13 +193,13 @@ std::unique_ptr<EnergyTerm> make_viscous_term(const ViscosityVariant& law, const
   const auto make_alone = [&](Dashpot dashpot, StrainRate rate) {
     switch (rate) {
       case StrainRate::secant:
-        return make(constant<Reference::start>, std::move(dashpot));
+        return make(from<Reference::start>, std::move(dashpot));
       case StrainRate::reconstructed:
-        return make(constant<Reference::internal>, std::move(dashpot));
+        return make(from<Reference::internal>, std::move(dashpot));
       case StrainRate::exact:
         break;
     }
-    return make(constant<Reference::rate>, std::move(dashpot));
+    return make(from<Reference::rate>, std::move(dashpot));
   };
   const auto uniform = [](double shear, double bulk) { return std::vector{IsotropicTensor<Pack>{shear, bulk}}; };
   const auto proportional = [&](double shear, double bulk) {
@@ -212,7 +212,7 @@ std::unique_ptr<EnergyTerm> make_viscous_term(const ViscosityVariant& law, const
   };
   if (const auto* m = std::get_if<Maxwell>(&law)) {
     const double tau = m->relaxation_time, shear = tau * m->shear_modulus, bulk = tau * m->bulk_modulus;
-    return make(constant<Reference::internal>,
+    return make(from<Reference::internal>,
                 {m->name, m->moduli == Moduli::relative ? proportional(shear, bulk) : uniform(shear, bulk), tau});
   }
   if (const auto* s = std::get_if<StiffnessProportional>(&law)) {

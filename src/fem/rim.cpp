@@ -15,7 +15,7 @@ namespace pliant {
 namespace {
 
 /// Places of one plane differ by less than this part of an edge's length.
-constexpr double flatness = 1e-9;
+constexpr double edge_flatness = 1e-9;
 
 std::span<const PetscInt> nodes_of(const NodeLayout& layout, const RimEdge& edge) {
   return std::span(edge.nodes).first(layout.order + 1);
@@ -26,7 +26,7 @@ std::array<bool, 3> flat_directions(const NodeLayout& layout, const RimEdge& edg
   const auto nodes = nodes_of(layout, edge);
   const auto X0 = layout.position(nodes[0]), X1 = layout.position(nodes[1]);
   const auto chord = Vector3<double>(X1) - X0;
-  const double tolerance = flatness * std::sqrt(dot(chord, chord));
+  const double tolerance = edge_flatness * std::sqrt(dot(chord, chord));
   std::array<bool, 3> is_flat{true, true, true};
   for (const PetscInt node : nodes) {
     const auto X = layout.position(node);

@@ -59,15 +59,15 @@ std::vector<Facet> outer_facets(const OutputMesh& mesh) {
 }
 
 /// Nodes of triangles, three each, and the body of each triangle.
-struct Triangles {
+struct SurfaceTriangles {
   std::vector<Node> nodes;
   std::vector<int> bodies;
   int per_facet = 1;
 };
 
-Triangles triangles_of(const OutputMesh& mesh, std::size_t most_divided) {
+SurfaceTriangles triangles_of(const OutputMesh& mesh, std::size_t most_divided) {
   const auto outer = outer_facets(mesh);
-  Triangles triangles;
+  SurfaceTriangles triangles;
   triangles.per_facet = mesh.nodes_per_cell == 10 && outer.size() <= most_divided ? 4 : 1;
   for (const Facet& facet : outer) {
     const std::int64_t* nodes = &mesh.cells[static_cast<std::size_t>(facet.place / 4 * mesh.nodes_per_cell)];
@@ -88,7 +88,7 @@ Vector3<double> position(const OutputMesh& mesh, Node node) {
 }
 
 /// Unit normals; zero of a triangle without an area.
-std::vector<Vector3<double>> normals_of(const OutputMesh& mesh, const Triangles& triangles) {
+std::vector<Vector3<double>> normals_of(const OutputMesh& mesh, const SurfaceTriangles& triangles) {
   std::vector<Vector3<double>> normals;
   for (std::size_t t = 0; t < triangles.bodies.size(); ++t) {
     const Node* n = &triangles.nodes[3 * t];
@@ -109,7 +109,7 @@ struct Side {
 };
 
 /// Corners of triangles that are one vertex: those joined across sides that are not sharp.
-DisjointSets joined_corners(const OutputMesh& mesh, const Triangles& triangles) {
+DisjointSets joined_corners(const OutputMesh& mesh, const SurfaceTriangles& triangles) {
   const auto normals = normals_of(mesh, triangles);
   std::vector<Side> sides;
   sides.reserve(triangles.nodes.size());
@@ -220,7 +220,7 @@ BodySurface surface_of_bodies(const OutputMesh& mesh, std::size_t most_divided) 
   if (mesh.global_num_nodes > std::numeric_limits<Node>::max()) {
     throw FileError("cannot draw the mesh: it has more than 2^31 nodes");
   }
-  const Triangles triangles = triangles_of(mesh, most_divided);
+  const SurfaceTriangles triangles = triangles_of(mesh, most_divided);
   DisjointSets sets = joined_corners(mesh, triangles);
   std::vector<std::size_t> roots;
   for (std::size_t corner = 0; corner < triangles.nodes.size(); ++corner) {

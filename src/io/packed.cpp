@@ -8,7 +8,6 @@
 #include <numeric>
 #include <stdexcept>
 #include <utility>
-#define ZLIB_CONST  // next_in points to const
 #include <zlib.h>
 
 namespace pliant {
@@ -38,7 +37,7 @@ std::string packed_text(std::span<const std::byte> bytes) {
     throw std::runtime_error("zlib cannot deflate");
   }
   std::vector<unsigned char> deflated(deflateBound(&stream, bytes.size()));
-  stream.next_in = reinterpret_cast<const Bytef*>(bytes.data());
+  stream.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(bytes.data()));  // zlib only reads it
   stream.avail_in = static_cast<uInt>(bytes.size());
   stream.next_out = deflated.data();
   stream.avail_out = static_cast<uInt>(deflated.size());

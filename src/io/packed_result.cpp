@@ -1,6 +1,7 @@
 #include "io/packed_result.hpp"
 
 #include "base/error.hpp"
+#include "base/limits.hpp"
 #include "io/body_surface.hpp"
 
 #include <algorithm>
@@ -84,8 +85,6 @@ struct Scene {
   EarlierNeighbours obstacle_neighbours;
   std::vector<double> obstacle_points;
 };
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 void widen(Quantisation& scale, std::span<const float> values) {
   for (const double value : values) {

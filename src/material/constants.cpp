@@ -1,17 +1,15 @@
 #include "material/constants.hpp"
 
+#include "base/limits.hpp"
 #include "base/text.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
 namespace pliant {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 enum Constant { youngs, poissons, shear, bulk, lame_first };
 

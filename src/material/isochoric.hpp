@@ -12,11 +12,10 @@
 /// Mechanics (Wiley, 2000), section 6.4; the forms without cancellation follow from it.
 #pragma once
 
+#include "base/limits.hpp"
 #include "base/vector_math.hpp"
 #include "material/kinematics.hpp"
 #include "material/law.hpp"
-
-#include <limits>
 
 namespace pliant {
 
@@ -100,7 +99,7 @@ struct IsochoricLaw {
     const auto valid = change > -1.0;
     const Distortion<T> at(H, change, valid);
     const T value = law().W(at.i1, at.i2) + law().volumetric.energy(at.j);
-    return select(valid, value, T(std::numeric_limits<double>::infinity()));
+    return select(valid, value, T(infinity));
   }
 
   template <class T>
@@ -116,8 +115,7 @@ struct IsochoricLaw {
     const auto pressure = law().volumetric.stress(at.j);
     const DistortionDerivatives<T> w = law().derivatives(at.i1, at.i2);
     const Tensor3<T> F = add_to_diagonal(H, 1.0);
-    const T nan = std::numeric_limits<double>::quiet_NaN();
-    const Tensor3<T> G = select(valid, T(1.0 / (1.0 + at.j)), nan) * cofactor(F);
+    const Tensor3<T> G = select(valid, T(1.0 / (1.0 + at.j)), T(nan)) * cofactor(F);
     const Tensor3<T> D1 = (2.0 * at.a) * at.D;
     Tensor3<T> D2{}, M = (2.0 * w.w1) * D1;
     if constexpr (Law::depends_on_i2) {

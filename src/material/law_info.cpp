@@ -1,14 +1,14 @@
 #include "material/law_info.hpp"
 
+#include "base/limits.hpp"
+
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 
 namespace pliant {
 
 std::string admissible(const ParameterInfo& p) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   const bool has_lower = p.lower > -infinity, has_upper = p.upper < infinity;
   if (has_lower && has_upper) return fmt::format("between {} and {}", p.lower, p.upper);
   if (has_lower) return fmt::format("{} {}", p.lower_bound == LowerBound::included ? ">=" : ">", p.lower);
@@ -20,7 +20,7 @@ std::optional<std::string> complaint(const ParameterInfo& parameter, double valu
   const bool is_above = may_be_lower ? value >= parameter.lower : value > parameter.lower;
   const bool may_be_upper = parameter.upper_bound == UpperBound::included;
   if (is_above && (value < parameter.upper || (may_be_upper && value == parameter.upper))) return std::nullopt;
-  const std::string range = parameter.upper < std::numeric_limits<double>::infinity()
+  const std::string range = parameter.upper < infinity
                                 ? fmt::format("between {} and {}, {} excluded", parameter.lower, parameter.upper,
                                               may_be_upper   ? "the former"
                                               : may_be_lower ? "the latter"

@@ -1,9 +1,9 @@
 #include "material/registry.hpp"
 
+#include "base/limits.hpp"
 #include "material/constants.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -11,8 +11,6 @@
 
 namespace pliant {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 constexpr ParameterInfo shear_modulus{
     "shear_modulus",      "Pa", 0.0, infinity, "stiffness against change of shape at small strain",

@@ -1,12 +1,11 @@
 #include "material/viscosity_registry.hpp"
 
+#include "base/limits.hpp"
+
 #include <array>
-#include <limits>
 
 namespace pliant {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 constexpr std::array kelvin_voigt{
     ParameterInfo{"shear", "Pa*s", 0.0, infinity, "viscosity against change of shape", LowerBound::included},

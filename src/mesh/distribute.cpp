@@ -4,6 +4,7 @@
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/global_order.hpp"
+#include "petsc/plex.hpp"
 #include "petsc/session.hpp"
 
 #include <algorithm>
@@ -17,17 +18,6 @@ namespace pliant {
 namespace {
 
 constexpr PetscInt num_corners = 4;
-
-struct Stratum {
-  PetscInt begin = 0;
-  PetscInt end = 0;
-};
-
-Stratum stratum(DM dm, int dimension) {
-  Stratum s;
-  check(DMPlexGetDepthStratum(dm, dimension, &s.begin, &s.end));
-  return s;
-}
 
 /// The DMPlex of the cells as the ranks hold them, and the numbers in the file of its local vertices, ascending.
 struct Plex {
@@ -170,7 +160,7 @@ std::array<std::pair<PetscInt, PetscInt>, 6> mid_nodes_of(DM dm, const SerialMes
   std::array<std::pair<PetscInt, PetscInt>, 6> found{};
   std::size_t num_found = 0;
   const PetscInt vertices_begin = stratum(dm, 0).begin;
-  const Stratum edges = stratum(dm, 1);
+  const PointRange edges = stratum(dm, 1);
   PetscInt count = 0;
   PetscInt* closure = nullptr;
   check(DMPlexGetTransitiveClosure(dm, static_cast<PetscInt>(cell), PETSC_TRUE, &count, &closure));
@@ -281,7 +271,7 @@ PointField refined_cell_numbers(MPI_Comm comm, DM coarse, DM fine, const PointFi
 /// numbers of the ends.
 PointField refined_vertex_numbers(MPI_Comm comm, DM coarse, DM fine, const PointField& numbers) {
   const std::vector<double> of_vertex = values_by_point(coarse, numbers);
-  const Stratum vertices = stratum(coarse, 0), edges = stratum(coarse, 1), fine_vertices = stratum(fine, 0);
+  const PointRange vertices = stratum(coarse, 0), edges = stratum(coarse, 1), fine_vertices = stratum(fine, 0);
   // The same transformation as that of DMRefine, which alone knows where a point has gone.
   Handle<DMPlexTransform> transform;
   check(DMPlexTransformCreate(comm, transform.out()));
@@ -388,7 +378,7 @@ void keep_own_dimension(DM dm, const std::vector<PhysicalGroup>& groups) {
     const PetscInt* p = nullptr;
     check(ISGetLocalSize(marked.get(), &count));
     check(ISGetIndices(marked.get(), &p));
-    const Stratum own = stratum(dm, group.dimension);
+    const PointRange own = stratum(dm, group.dimension);
     std::vector<PetscInt> kept;
     std::copy_if(p, p + count, std::back_inserter(kept), [&](PetscInt q) { return q >= own.begin && q < own.end; });
     check(ISRestoreIndices(marked.get(), &p));

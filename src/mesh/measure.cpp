@@ -3,6 +3,7 @@
 #include "mesh/tetrahedron.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
+#include "petsc/plex.hpp"
 #include "petsc/session.hpp"
 
 #include <limits>
@@ -14,17 +15,6 @@ namespace {
 
 using tetrahedron::Corners;
 using tetrahedron::Point;
-
-struct Stratum {
-  PetscInt begin = 0;
-  PetscInt end = 0;
-};
-
-Stratum stratum(DM dm, int dimension) {
-  Stratum s;
-  check(DMPlexGetDepthStratum(dm, dimension, &s.begin, &s.end));
-  return s;
-}
 
 /// True for the points that this rank owns.
 std::vector<bool> owned_points(DM dm) {
@@ -69,7 +59,7 @@ class Geometry {
     return v;
   }
   DM dm_;
-  Stratum vertices_;
+  PointRange vertices_;
   ConstArrayView coordinates_;
   PetscSection section_ = nullptr;
 };
@@ -90,7 +80,7 @@ double measure_of(const std::vector<Point>& x) {
   }
 }
 
-long long num_owned(const std::vector<bool>& owned, Stratum s) {
+long long num_owned(const std::vector<bool>& owned, PointRange s) {
   long long n = 0;
   for (PetscInt p = s.begin; p < s.end; ++p) n += owned[static_cast<std::size_t>(p)] ? 1 : 0;
   return n;
@@ -103,7 +93,7 @@ long long sum_of(MPI_Comm comm, long long x) {
 void measure_cells(MPI_Comm comm, DM dm, const std::vector<bool>& owned, MeshReport& report) {
   constexpr double large = std::numeric_limits<double>::max();
   const Geometry geometry(dm);
-  const Stratum cells = stratum(dm, 3);
+  const PointRange cells = stratum(dm, 3);
   std::array<long long, 10> histogram{};
   double min_quality = 1.0, min_edge2 = large, max_edge2 = 0.0, volume = 0.0;
   std::array<double, 3> lower{large, large, large}, upper{-large, -large, -large};

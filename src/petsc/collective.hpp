@@ -27,6 +27,8 @@ double maximum(MPI_Comm comm, double x);
 double minimum(MPI_Comm comm, double x);
 PetscInt64 sum(MPI_Comm comm, PetscInt64 x);
 bool any(MPI_Comm comm, bool x);
+/// Sums of each number. Collective.
+void sum_in_place(MPI_Comm comm, std::span<double> values);
 
 /// The ranks' lists one after another, on every rank. Collective.
 std::vector<double> gathered(MPI_Comm comm, std::span<const double> mine);

@@ -10,7 +10,6 @@ namespace {
 
 constexpr double armijo = 1e-4;
 constexpr double wolfe = 0.9;
-constexpr double inversion_margin = 0.9;  // of the step at which a tetrahedron becomes flat
 constexpr int max_backtracks = 40;
 /// Of a residual: a direction that does not help within 1e-6 of its length is not that of an approximation of K.
 constexpr int max_residual_backtracks = 20;
@@ -20,12 +19,6 @@ constexpr double required_part = 0.1;
 
 /// Of the residual of a linear system that conjugate gradients may leave where they meet negative curvature.
 constexpr double truncated_part = 0.1;
-
-double dot(Vec a, Vec b) {
-  PetscScalar result = 0.0;
-  check(VecDot(a, b, &result));
-  return result;
-}
 
 }  // namespace
 

@@ -15,10 +15,6 @@ namespace {
 /// Beyond this many unknowns the fill of a factorization costs more time and memory (about 1.6 GB here) than the
 /// iterations of CG + GAMG; measured up to 84,000, where it was still ahead.
 constexpr PetscInt max_unknowns_of_factorization = 150000;
-constexpr PetscInt min_unknowns_of_pord = 100;
-/// Workspace of MUMPS beyond its estimate, in per cent: where pivoting needs more, it is multiplied by four and tried
-/// again.
-constexpr PetscInt first_workspace = 40, last_workspace = 10240;
 /// Iterations that a set-up costs: of multigrid, or of a factorization that tells nothing of itself; of one that does,
 /// by the operations for each entry of its factor. Measured on two beams: 16 for 480 operations, 24 for 1100.
 constexpr double cost_of_usual_set_up = 16.0, cost_of_small_factorization = 8.0, cost_per_operation = 0.017;

@@ -29,6 +29,12 @@ double norm(Vec x) {
   return result;
 }
 
+double dot(Vec a, Vec b) {
+  PetscScalar result = 0.0;
+  check(VecDot(a, b, &result));
+  return result;
+}
+
 Merit::Merit(Handle<Vec> unknowns) : scale_(std::move(unknowns)) {
   check(VecSet(scale_.get(), 1.0));
 }

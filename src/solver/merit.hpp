@@ -7,6 +7,8 @@ namespace pliant {
 
 /// Euclidean norm. Collective.
 double norm(Vec x);
+/// Collective.
+double dot(Vec a, Vec b);
 
 /// Two measures of a point's distance from r = 0, both energies [J] whatever the unknowns are (metres, radians); D is
 /// the absolute diagonal of a Hessian [N/m].

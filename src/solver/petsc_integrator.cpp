@@ -11,7 +11,6 @@
 namespace pliant {
 namespace {
 
-constexpr double inversion_margin = 0.9;  // of the step at which a tetrahedron becomes flat
 constexpr int max_halvings = 20;
 /// The residual's rounding floor is an estimate: below `floor_factor` times it nothing is to be gained; where the
 /// residual no longer falls, it is accepted up to 100 times as much.

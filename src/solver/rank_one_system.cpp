@@ -1,19 +1,11 @@
 #include "solver/rank_one_system.hpp"
 
+#include "solver/merit.hpp"
+
 #include <cmath>
 #include <limits>
 
 namespace pliant {
-namespace {
-
-double dot(Vec a, Vec b) {
-  PetscScalar result = 0.0;
-  check(VecDot(a, b, &result));
-  return result;
-}
-
-}  // namespace
-
 RankOneSystem::RankOneSystem(KSP ksp, Mat K, const std::vector<RankOne>& parts) : K_(K), parts_(parts) {
   PetscInt size = 0;
   check(MatGetLocalSize(K, &size, nullptr));

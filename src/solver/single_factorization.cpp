@@ -15,12 +15,8 @@ namespace pliant {
 namespace {
 
 constexpr int job_start = -1, job_end = -2, job_analyse = 1, job_factorize = 2, job_solve = 3;
-/// Per cent of workspace beyond MUMPS's estimate; where that is too little, four times as much, up to the last.
-constexpr int first_workspace = 40, last_workspace = 10240;
 constexpr int num_controls = 60;
-/// PORD, the default ordering, ends the process where all unknowns couple with all (a rigid body, a single cell).
 constexpr int approximate_minimum_degree = 0, pord = 4;
-constexpr PetscInt min_unknowns_of_pord = 100;
 
 int num_ranks(PetscObject object) {
   int size = 0;

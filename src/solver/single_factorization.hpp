@@ -13,6 +13,11 @@ namespace pliant {
 /// How a factorization, or another preconditioner, has turned out.
 enum class SetUp { sound, singular, out_of_memory };
 
+/// Workspace of MUMPS beyond its estimate [per cent]: where pivoting needs more, four times as much, up to the last.
+inline constexpr int first_workspace = 40, last_workspace = 10240;
+/// PORD, its default ordering, ends the process where all unknowns couple with all (a rigid body, a single cell).
+inline constexpr PetscInt min_unknowns_of_pord = 100;
+
 /// What MUMPS's INFOG(1) means.
 SetUp outcome_of_mumps(int error);
 /// Whether more workspace (ICNTL(14)) may help.

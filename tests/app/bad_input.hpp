@@ -13,7 +13,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant::testing {
+namespace pliant::test {
 
 inline constexpr std::array<const char*, 5> good_lines{
     "mesh: {file: beam.msh}",
@@ -82,4 +82,4 @@ inline void expect_told_once(const Bad& bad) {
   EXPECT_NE(found[0].message.find(bad.message), std::string::npos) << told(found);
 }
 
-}  // namespace pliant::testing
+}  // namespace pliant::test

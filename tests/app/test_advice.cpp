@@ -5,12 +5,12 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_advice {
 namespace {
 
 std::vector<std::string> doubts(const std::string& time, const std::string& more, const std::string& every = "") {
   return doubts_about(
-      read_input(testing::with_line(5, "time: {" + time + "}") + more, "dir/a.yaml",
+      read_input(test::with_line(5, "time: {" + time + "}") + more, "dir/a.yaml",
                  every.empty() ? std::vector<Override>{} : std::vector<Override>{{"output.every", every}}));
 }
 
@@ -32,4 +32,4 @@ TEST(Advice, NothingIsSaidOfWhatIsUsual) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_advice

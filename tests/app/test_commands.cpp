@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_commands {
 namespace {
 
 std::vector<std::string> lines_of(const std::string& text) {
@@ -63,4 +63,4 @@ TEST(MethodsText, FitsATerminal) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_commands

@@ -16,7 +16,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_input {
 namespace {
 
 namespace fs = std::filesystem;
@@ -589,4 +589,4 @@ TEST(InputFile, ShippedInputsAreGood) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_input

@@ -7,14 +7,14 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_input_errors {
 namespace {
 
-using testing::Bad;
-using testing::mistakes;
-using testing::processor_time;
-using testing::told;
-using testing::with_line;
+using test::Bad;
+using test::mistakes;
+using test::processor_time;
+using test::told;
+using test::with_line;
 
 TEST(InputErrors, TheGoodInputIsGood) {
   EXPECT_EQ(told(mistakes(with_line(6, "title: good"))), "");
@@ -23,7 +23,7 @@ TEST(InputErrors, TheGoodInputIsGood) {
 class BadInput : public ::testing::TestWithParam<Bad> {};
 
 TEST_P(BadInput, IsToldOnceAtItsPlace) {
-  testing::expect_told_once(GetParam());
+  test::expect_told_once(GetParam());
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -584,4 +584,4 @@ TEST(InputErrors, DamagedInputsNeverCrash) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_input_errors

@@ -17,7 +17,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_input_schema {
 namespace {
 
 struct TableKey {
@@ -279,4 +279,4 @@ TEST(JsonSchema, JudgesLikeTheReader) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_input_schema

@@ -6,19 +6,19 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_input_traps {
 namespace {
 
-using testing::Bad;
-using testing::mistakes;
-using testing::processor_time;
-using testing::told;
-using testing::with_line;
+using test::Bad;
+using test::mistakes;
+using test::processor_time;
+using test::told;
+using test::with_line;
 
 class Trap : public ::testing::TestWithParam<Bad> {};
 
 TEST_P(Trap, IsToldOnceAtItsPlace) {
-  testing::expect_told_once(GetParam());
+  test::expect_told_once(GetParam());
 }
 
 // A key that is needed and misspelt is one mistake, not two.
@@ -218,4 +218,4 @@ TEST(InputTraps, BytesThatAreNoTextAreRefusedAtTheirPlace) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_input_traps

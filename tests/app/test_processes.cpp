@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_processes {
 namespace {
 
 class Processes : public ::testing::Test {
@@ -25,7 +25,7 @@ class Processes : public ::testing::Test {
     return run_all(programs, {"PATH=/usr/bin:/bin", "COLOUR=green"}, at_once,
                    [this](std::size_t index, const Ended&) { order_.push_back(index); });
   }
-  testing::Scratch scratch_{MPI_COMM_SELF};
+  test::Scratch scratch_{MPI_COMM_SELF};
   int count_ = 0;
   std::vector<std::size_t> order_;
 };
@@ -73,4 +73,4 @@ TEST_F(Processes, AtLeastOneProcessorIsUsable) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_processes

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_expression {
 namespace {
 
 constexpr double x = 0.3, y = -1.2, z = 2.5, t = 0.7;
@@ -134,4 +134,4 @@ TEST(Expression, LongAndDeepFormulasDoNotCrash) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_expression

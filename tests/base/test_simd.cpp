@@ -1,3 +1,4 @@
+#include "base/limits.hpp"
 #include "base/simd.hpp"
 
 #include <algorithm>
@@ -5,10 +6,8 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_simd {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// |value - reference| in units of the last place of the reference.
 double ulps(double value, long double reference) {
@@ -105,4 +104,4 @@ TEST(Pack, SelectAndSum) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_simd

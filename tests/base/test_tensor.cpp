@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_tensor {
 namespace {
 
 Tensor3<double> random_tensor(unsigned seed) {
@@ -58,4 +58,4 @@ TEST(Tensor, WorksOnPacks) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_tensor

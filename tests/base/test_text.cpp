@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_text {
 namespace {
 
 TEST(EditDistance, CountsChangesOfOneLetter) {
@@ -77,4 +77,4 @@ TEST(Utf8, FindsTheFirstBadByte) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_text

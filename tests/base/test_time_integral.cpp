@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_time_integral {
 namespace {
 
 struct Case {
@@ -54,4 +54,4 @@ TEST(TimeIntegral, HasNoValueWhereTheRateHasNone) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_time_integral

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_units {
 namespace {
 
 struct Good {
@@ -92,4 +92,4 @@ TEST(Quantity, IsNamedWithItsUnit) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_units

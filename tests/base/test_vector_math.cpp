@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_vector_math {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -67,4 +67,4 @@ TEST(VectorMath, QuotientsOfExponentialsKeepTheirDigits) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_vector_math

@@ -114,7 +114,7 @@ class Body {
  public:
   Body(int bricks, const ElasticLawSpec& law) : law_(law) {
     const auto file = std::filesystem::temp_directory_path() / "pliant_benchmark.msh";
-    testing::write_box_msh(file.string(), {1.0, 1.0, 1.0}, {bricks, bricks, bricks});
+    test::write_box_msh(file.string(), {1.0, 1.0, 1.0}, {bricks, bricks, bricks});
     MeshSource source;
     source.file = file.string();
     mesh_ = read_mesh(MPI_COMM_WORLD, source);

@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-namespace pliant::testing {
+namespace pliant::test {
 
 /// With the whole matrix, on one rank; until the unknowns change by less than `tolerance` [m], or no longer by less.
 inline StageSolve dense_newton(IncrementalPotential& potential, double tolerance = 1e-14) {
@@ -37,4 +37,4 @@ inline StageSolve dense_newton(IncrementalPotential& potential, double tolerance
   };
 }
 
-}  // namespace pliant::testing
+}  // namespace pliant::test

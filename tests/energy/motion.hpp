@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant::testing {
+namespace pliant::test {
 
 /// (q, v) at `end_time`, after `num_steps` steps from `start`, by dense_newton; multistep methods start up by dirk33.
 inline std::array<std::vector<double>, 2> end_of_motion(IncrementalPotential& potential, const Method& method,
@@ -40,4 +40,4 @@ inline double distance(const std::vector<double>& a, const std::vector<double>& 
   return std::sqrt(squares);
 }
 
-}  // namespace pliant::testing
+}  // namespace pliant::test

@@ -2,7 +2,7 @@
 
 #include <eigen3/Eigen/Eigenvalues>
 
-namespace pliant::testing {
+namespace pliant::test {
 
 std::array<double, 2> extreme_eigenvalues(IncrementalPotential& potential, Vec q, Projection projection) {
   const Handle<Mat> K = potential.make_hessian();
@@ -16,4 +16,4 @@ std::array<double, 2> extreme_eigenvalues(IncrementalPotential& potential, Vec q
   return {solver.eigenvalues()(0), solver.eigenvalues()(n - 1)};
 }
 
-}  // namespace pliant::testing
+}  // namespace pliant::test

@@ -4,7 +4,7 @@
 #include "energy/solid.hpp"
 #include "material/states.hpp"
 
-namespace pliant::testing {
+namespace pliant::test {
 
 using testing_states::Quad;
 
@@ -63,4 +63,4 @@ std::array<double, 2> error_and_size(const Solid& solid, int degree, const std::
   return {std::sqrt(sum(solid.layout().comm, error)), std::sqrt(sum(solid.layout().comm, size))};
 }
 
-}  // namespace pliant::testing
+}  // namespace pliant::test

@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-namespace pliant::testing {
+namespace pliant::test {
 
 Solid::Solid(MPI_Comm comm, const std::string& file, int order, int degree) : body_(comm, file, order) {
   const std::vector<int> one_body(static_cast<std::size_t>(layout().num_local_cells), 0);
@@ -276,4 +276,4 @@ bool is_linear(const ElasticLawSpec& law) {
   return law.traits().constant_tangent;
 }
 
-}  // namespace pliant::testing
+}  // namespace pliant::test

@@ -25,7 +25,7 @@
 #include <variant>
 #include <vector>
 
-namespace pliant::testing {
+namespace pliant::test {
 
 using Field = std::function<Point(const Point&)>;
 
@@ -165,4 +165,4 @@ bool is_barrier(const ElasticLawSpec& law);
 /// A law that knows no rotation.
 bool is_linear(const ElasticLawSpec& law);
 
-}  // namespace pliant::testing
+}  // namespace pliant::test

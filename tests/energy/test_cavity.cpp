@@ -13,14 +13,17 @@ void PrintTo(const CavityContent& content, std::ostream* out) {
   *out << names[content.index()];
 }
 
+}  // namespace pliant
+
+namespace pliant::test_cavity {
 namespace {
 
-using testing::BodySpec;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
-using testing::TestStage;
+using test::BodySpec;
+using test::Point;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
+using test::TestStage;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -79,13 +82,13 @@ TEST(GasInACavity, KeepsPVToTheN) {
 class Cavities : public ::testing::TestWithParam<BodySpec> {
  protected:
   Scratch scratch_{comm};
-  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam()); });
+  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { test::write_body(f, GetParam()); });
   Solid solid_{comm, file_, GetParam().order, 2};
 };
 
 INSTANTIATE_TEST_SUITE_P(Bodies, Cavities,
                          ::testing::Values(BodySpec{1, Shape::jittered, 3}, BodySpec{2, Shape::curved, 2}),
-                         [](const auto& of) { return testing::name_of(of.param); });
+                         [](const auto& of) { return test::name_of(of.param); });
 
 // A body stretched by F takes (det F - 1) of its volume from its surroundings, of which there are 3 m^3.
 TEST_P(Cavities, ValueAndEnergyAreThoseOfTheWholeVolume) {
@@ -104,15 +107,15 @@ TEST_P(Cavities, ValueAndEnergyAreThoseOfTheWholeVolume) {
   potential.begin_stage(stage.point);
   const auto q = solid_.vector(stretched(1.3, 1.2));
   const double body = GetParam().volume(), before = (1.1 * 0.9 - 1.0) * body, after = (1.3 * 1.2 - 1.0) * body;
-  EXPECT_NEAR(sum(comm, term->swept(testing::local_values(q.get()))), after, 1e-12);
+  EXPECT_NEAR(sum(comm, term->swept(test::local_values(q.get()))), after, 1e-12);
   EXPECT_NEAR(potential.value(q.get()), gas.work(before, after - before, half), 1e-12);
   EXPECT_NEAR(potential.energies({}, q.get(), nullptr)[0], gas.work(0.0, after, {}), 1e-12);
   // The force along x on the motion x -> x, whose rate of volume is that of the body.
   const Handle<Vec> r = potential.make_vector();
   potential.gradient(q.get(), r.get());
   const auto along_x = solid_.vector([&](const Point& X) { return Point{1.3 * X[0] + 0.2 * X[1], 0.0, 0.0}; });
-  EXPECT_NEAR(testing::dot(r.get(), along_x.get()), gas.pressure(after, half) * (1.0 + after / body) * body, 1e-11);
+  EXPECT_NEAR(test::dot(r.get(), along_x.get()), gas.pressure(after, half) * (1.0 + after / body) * body, 1e-11);
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_cavity

@@ -5,15 +5,15 @@
 
 #include <cmath>
 
-namespace pliant {
+namespace pliant::test_constrained_equation {
 namespace {
 
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
-using testing::TestStage;
-using testing::TiedBody;
-using testing::TiedSpec;
+using test::Point;
+using test::Scratch;
+using test::Shape;
+using test::TestStage;
+using test::TiedBody;
+using test::TiedSpec;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -27,20 +27,20 @@ TiedSpec everything(int order) {
   spec.order = order;
   spec.law = make_law("neo-hookean", 1000.0, 0.3);
   spec.density = 3.0;
-  spec.constraints.push_back({testing::vector("0.01*t", "0", "0"), [](const Point& x) { return dot(x, x) < 1e-12; }});
-  spec.constraints.push_back(testing::slide(at(0, 0.0), {0.8, 0.6, 0.0}, "0.008*t"));
+  spec.constraints.push_back({test::vector("0.01*t", "0", "0"), [](const Point& x) { return dot(x, x) < 1e-12; }});
+  spec.constraints.push_back(test::slide(at(0, 0.0), {0.8, 0.6, 0.0}, "0.008*t"));
   spec.constraints.push_back(
-      testing::repeat(at(2, 0.0), at(2, 1.0), {{Expression(0.02), std::nullopt, Expression("0.01*t")}}));
+      test::repeat(at(2, 0.0), at(2, 1.0), {{Expression(0.02), std::nullopt, Expression("0.01*t")}}));
   RigidMotion turn{{std::nullopt, Expression("0.02*t"), std::nullopt}, {0.0, 1.0, 0.0}, Expression("0.3*t"), {}};
   turn.centre = {1.0, 0.5, 0.5};
   spec.constraints.push_back(
-      testing::grip([](const Point& x) { return x[0] > 1.0 - 1e-9 && x[2] > 0.2 && x[2] < 0.8; }, turn));
+      test::grip([](const Point& x) { return x[0] > 1.0 - 1e-9 && x[2] > 0.2 && x[2] < 0.8; }, turn));
   spec.constraints.push_back(
-      {testing::scalar("0.05*t"), nullptr, [](const NodeLayout& layout, std::size_t source) {
+      {test::scalar("0.05*t"), nullptr, [](const NodeLayout& layout, std::size_t source) {
          const auto is_inside = [](double x) { return x > 0.3 && x < 0.7; };
          const auto inner = [=](const Point& x) { return is_inside(x[0]) && is_inside(x[1]) && is_inside(x[2]); };
          const auto on_side = [=](const Point& x) { return is_inside(x[0]) && x[1] > 1.0 - 1e-9 && is_inside(x[2]); };
-         const std::array terms{testing::mean(layout, inner, 2, 2.0), testing::mean(layout, on_side, 0, -1.0)};
+         const std::array terms{test::mean(layout, inner, 2, 2.0), test::mean(layout, on_side, 0, -1.0)};
          const auto tie = equation(layout, terms, source);
          return rank(layout.comm) == 0 ? std::vector{tie} : std::vector<LinearConstraint>();
        }});
@@ -61,10 +61,10 @@ TiedSpec turning(int order) {
   spec.order = order;
   spec.law = make_law("neo-hookean", 1000.0, 0.3);
   spec.density = 3.0;
-  spec.constraints.push_back(testing::platen(at(0, 0.0), free_motion(), FreeRotation::about_all_axes));
+  spec.constraints.push_back(test::platen(at(0, 0.0), free_motion(), FreeRotation::about_all_axes));
   RigidMotion hinge = free_motion();
   hinge.translation = {std::nullopt, Expression("0.05*t"), std::nullopt};
-  spec.constraints.push_back(testing::platen(at(0, 1.0), hinge, FreeRotation::about_axis));
+  spec.constraints.push_back(test::platen(at(0, 1.0), hinge, FreeRotation::about_axis));
   spec.surroundings = Gas{3.0, 50.0, 400.0, 1.4, Expression(1.0)};
   return spec;
 }
@@ -95,20 +95,20 @@ class Constrained : public ::testing::TestWithParam<EquationCase> {
     const Vector3<double> theta = (body_.map().is_symmetric() ? 1.0 : 0.2) * Vector3<double>{0.0, 0.6, 0.8};
     const Point centre = free_motion().centre;
     const auto guess = body_.solid().vector([&](const Point& x) {
-      return 0.1 * testing::strained(x) + (turns ? turn(theta, x - centre) - (x - centre) : Point{});
+      return 0.1 * test::strained(x) + (turns ? turn(theta, x - centre) - (x - centre) : Point{});
     });
     equation_.begin_stage(equation_.reduce(stage_.point, guess.get(), y_.get()));
   }
 
-  double value(double alpha, Vec d) { return equation_.value(testing::moved(y_.get(), alpha, d).get()); }
+  double value(double alpha, Vec d) { return equation_.value(test::moved(y_.get(), alpha, d).get()); }
   Handle<Vec> gradient(double alpha, Vec d) {
     Handle<Vec> r = equation_.make_vector();
-    equation_.gradient(testing::moved(y_.get(), alpha, d).get(), r.get());
+    equation_.gradient(test::moved(y_.get(), alpha, d).get(), r.get());
     return r;
   }
   /// A direction in which only unknowns change.
   Handle<Vec> direction(int seed) const {
-    auto d = body_.solid().vector(testing::rough_field(0.02, seed));
+    auto d = body_.solid().vector(test::rough_field(0.02, seed));
     {
       const ArrayView entries(d.get());
       for (std::size_t i = 0; i < entries.span().size(); ++i) {
@@ -120,12 +120,12 @@ class Constrained : public ::testing::TestWithParam<EquationCase> {
 
   Scratch scratch_{comm};
   std::string file_ = scratch_.file("body.msh", [](const std::string& f) {
-    testing::write_body(f, {1, Shape::straight, GetParam().order == 1 ? 3 : 2});
+    test::write_body(f, {1, Shape::straight, GetParam().order == 1 ? 3 : 2});
   });
   TiedBody body_{comm, file_, GetParam().spec(GetParam().order)};
   ConstrainedEquation equation_{body_.potential(), body_.map()};
-  TestStage stage_{body_.solid(), 0.7, 0.05, testing::rough_field(0.01, 3), testing::rough_field(0.3, 4)};
-  Handle<Vec> y_ = body_.solid().vector(testing::at_rest);
+  TestStage stage_{body_.solid(), 0.7, 0.05, test::rough_field(0.01, 3), test::rough_field(0.3, 4)};
+  Handle<Vec> y_ = body_.solid().vector(test::at_rest);
 };
 
 INSTANTIATE_TEST_SUITE_P(Kinds, Constrained,
@@ -138,15 +138,15 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Constrained,
 TEST_P(Constrained, ConfigurationsFulfilAllConstraints) {
   if (!body_.map().is_linear()) return;
   // Entries of slaves have no meaning in y, those of prescribed ones are at their values.
-  const auto q = body_.solid().vector(testing::at_rest), v = body_.solid().vector(testing::at_rest);
+  const auto q = body_.solid().vector(test::at_rest), v = body_.solid().vector(test::at_rest);
   check(VecCopy(y_.get(), q.get()));
   body_.motion().complete_step({0.7, 0.05}, q.get(), v.get());
   EXPECT_LE(body_.violation(q.get(), 0.7), 1e-14);
   EXPECT_GT(body_.violation(y_.get(), 0.7), 1e-3);
-  const auto expanded = body_.solid().vector(testing::at_rest);
+  const auto expanded = body_.solid().vector(test::at_rest);
   body_.map().begin_stage(stage_.point, q.get());
   body_.map().expand(q.get(), expanded.get());
-  EXPECT_LE(testing::distance(q.get(), expanded.get()), 1e-14);
+  EXPECT_LE(test::distance(q.get(), expanded.get()), 1e-14);
 }
 
 // The stage's differences are exact where the constraints move.
@@ -155,16 +155,16 @@ TEST_P(Constrained, RatesOfAStageFulfilAllConstraints) {
   const double dt = 0.05, h = 1e-4;
   body_.motion().start_stage(stage_.point, y_.get());
   EXPECT_LE(body_.violation(y_.get(), 0.7), 1e-13);
-  const auto v = testing::moved(y_.get(), -1.0, stage_.q0.get());
+  const auto v = test::moved(y_.get(), -1.0, stage_.q0.get());
   check(VecScale(v.get(), 1.0 / dt));
   // Their constraints have the rates of what is given: q(0.7) + h v fulfils those at 0.7 + h, to h^2.
-  EXPECT_LE(body_.violation(testing::moved(y_.get(), h, v.get()).get(), 0.7 + h), 0.1 * h * h);
+  EXPECT_LE(body_.violation(test::moved(y_.get(), h, v.get()).get(), 0.7 + h), 0.1 * h * h);
   EXPECT_GT(body_.violation(y_.get(), 0.7 + h), 0.005 * h);
 }
 
 TEST_P(Constrained, TurningPartsAreRigid) {
   if (body_.map().is_linear() || !body_.map().is_symmetric()) return;
-  const auto q = body_.solid().vector(testing::at_rest);
+  const auto q = body_.solid().vector(test::at_rest);
   body_.map().expand(y_.get(), q.get());
   for (const std::size_t part : {0, 1}) {
     EXPECT_LE(body_.distortion(part, q.get()), 1e-14);
@@ -177,10 +177,10 @@ TEST_P(Constrained, TurningPartsAreRigid) {
     EXPECT_NEAR(theta[0], 0.0, 1e-13);
   }
   // What is rigid already is found again.
-  const auto again = body_.solid().vector(testing::at_rest), z = body_.solid().vector(testing::at_rest);
+  const auto again = body_.solid().vector(test::at_rest), z = body_.solid().vector(test::at_rest);
   body_.map().restrict(q.get(), z.get());
   body_.map().expand(z.get(), again.get());
-  EXPECT_LE(testing::distance(q.get(), again.get()), 1e-13);
+  EXPECT_LE(test::distance(q.get(), again.get()), 1e-13);
 }
 
 // The second derivative of F^T F = I with the rates of the stage, on the plane of the nodes; of the hinge across its
@@ -190,7 +190,7 @@ TEST_P(Constrained, TurningPartsAccelerateAsRigidOnes) {
   const double dt = 0.05;
   body_.motion().start_stage(stage_.point, y_.get());
   equation_.begin_stage(equation_.reduce(stage_.point, y_.get(), y_.get()));
-  const auto q = body_.solid().vector(testing::at_rest);
+  const auto q = body_.solid().vector(test::at_rest);
   body_.map().expand(y_.get(), q.get());
   const auto centre = free_motion().centre;
   for (const int part : {0, 1}) {
@@ -217,18 +217,18 @@ TEST_P(Constrained, TurningPartsAccelerateAsRigidOnes) {
 // At the end of a step positions and velocities are rigid, and those that were so stay as they are.
 TEST_P(Constrained, StepsEndRigid) {
   if (body_.map().is_linear()) return;
-  const auto q = body_.solid().vector([](const Point& x) { return 0.1 * testing::strained(x); });
-  const auto v = body_.solid().vector(testing::rough_field(0.3, 5));
+  const auto q = body_.solid().vector([](const Point& x) { return 0.1 * test::strained(x); });
+  const auto v = body_.solid().vector(test::rough_field(0.3, 5));
   body_.motion().complete_step({0.7, 0.05}, q.get(), v.get());
   for (const std::size_t part : {0, 1}) {
     EXPECT_LE(body_.distortion(part, q.get()), 1e-14);
     const double h = 1e-5;
-    EXPECT_LE(body_.distortion(part, testing::moved(q.get(), h, v.get()).get()), 2.0 * h * h);
+    EXPECT_LE(body_.distortion(part, test::moved(q.get(), h, v.get()).get()), 2.0 * h * h);
   }
-  const auto q2 = testing::moved(q.get(), 0.0, q.get()), v2 = testing::moved(v.get(), 0.0, v.get());
+  const auto q2 = test::moved(q.get(), 0.0, q.get()), v2 = test::moved(v.get(), 0.0, v.get());
   body_.motion().complete_step({0.7, 0.05}, q2.get(), v2.get());
-  EXPECT_EQ(testing::distance(q.get(), q2.get()), 0.0);
-  EXPECT_LE(testing::distance(v.get(), v2.get()), 1e-14);
+  EXPECT_EQ(test::distance(q.get(), q2.get()), 0.0);
+  EXPECT_LE(test::distance(v.get(), v2.get()), 1e-14);
 }
 
 // Differences of fourth order: their error is some 1e-12, their rounding some 1e-12, of the derivative.
@@ -237,19 +237,19 @@ constexpr double h = 1e-3;
 TEST_P(Constrained, GradientIsThatOfTheValue) {
   if (!equation_.is_potential()) return;
   const auto g = gradient(0.0, y_.get());
-  ASSERT_GT(testing::norm(g.get()), 1e-3);
+  ASSERT_GT(test::norm(g.get()), 1e-3);
   for (const int seed : {11, 12}) {
     const auto d = direction(seed);
     const double expected =
         (8.0 * (value(h, d.get()) - value(-h, d.get())) - (value(2.0 * h, d.get()) - value(-2.0 * h, d.get()))) /
         (12.0 * h);
-    EXPECT_NEAR(testing::dot(g.get(), d.get()), expected, 1e-9 * testing::norm(g.get()) * testing::norm(d.get()));
+    EXPECT_NEAR(test::dot(g.get(), d.get()), expected, 1e-9 * test::norm(g.get()) * test::norm(d.get()));
   }
 }
 
 TEST_P(Constrained, HessianIsThatOfTheGradient) {
   const Handle<Mat> K = equation_.make_hessian();
-  equation_.hessian(testing::moved(y_.get(), 0.3, y_.get()).get(), K.get(), Projection::none);  // the pattern is reused
+  equation_.hessian(test::moved(y_.get(), 0.3, y_.get()).get(), K.get(), Projection::none);  // the pattern is reused
   equation_.hessian(y_.get(), K.get(), Projection::none);
   std::vector<RankOne> parts(equation_.num_rank_one());
   ASSERT_EQ(parts.size(), equation_.is_potential() ? 1u : 0u);  // of the gas around the body
@@ -261,7 +261,7 @@ TEST_P(Constrained, HessianIsThatOfTheGradient) {
     const auto d = direction(seed);
     check(MatMult(K.get(), d.get(), Kd.get()));
     for (const RankOne& part : parts) {
-      check(VecAXPY(Kd.get(), part.c * testing::dot(part.g.get(), d.get()), part.g.get()));
+      check(VecAXPY(Kd.get(), part.c * test::dot(part.g.get(), d.get()), part.g.get()));
     }
     const auto ahead = gradient(h, d.get()), behind = gradient(-h, d.get());
     const auto far_ahead = gradient(2.0 * h, d.get()), far_behind = gradient(-2.0 * h, d.get());
@@ -270,23 +270,23 @@ TEST_P(Constrained, HessianIsThatOfTheGradient) {
     check(VecAXPY(difference.get(), -1.0, far_ahead.get()));
     check(VecAXPY(difference.get(), 1.0, far_behind.get()));
     check(VecScale(difference.get(), 1.0 / (12.0 * h)));
-    ASSERT_GT(testing::norm(Kd.get()), 1e-3);
-    EXPECT_LE(testing::distance(Kd.get(), difference.get()), 1e-8 * testing::norm(Kd.get()));
+    ASSERT_GT(test::norm(Kd.get()), 1e-3);
+    EXPECT_LE(test::distance(Kd.get(), difference.get()), 1e-8 * test::norm(Kd.get()));
   }
 }
 
 // Rows and columns of slaves hold the diagonal alone; what slaves have in y changes nothing.
 TEST_P(Constrained, SlavesAreOutOfTheEquation) {
-  const auto slaves = body_.solid().vector(testing::at_rest);
+  const auto slaves = body_.solid().vector(test::at_rest);
   {
     const ArrayView entries(slaves.get());
     for (std::size_t i = 0; i < entries.span().size(); ++i) {
       entries.span()[i] = body_.map().is_slave()[i] ? 1.0 : 0.0;
     }
   }
-  ASSERT_GT(testing::norm(slaves.get()), 5.0);
+  ASSERT_GT(test::norm(slaves.get()), 5.0);
   EXPECT_EQ(value(0.0, slaves.get()), value(1.0, slaves.get()));
-  EXPECT_EQ(testing::dot(gradient(0.0, slaves.get()).get(), slaves.get()), 0.0);
+  EXPECT_EQ(test::dot(gradient(0.0, slaves.get()).get(), slaves.get()), 0.0);
   const Handle<Mat> K = equation_.make_hessian();
   equation_.hessian(y_.get(), K.get(), Projection::none);
   const Handle<Vec> column = equation_.make_vector();
@@ -322,4 +322,4 @@ TEST_P(Constrained, NearNullSpaceHoldsWhatIsFree) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_constrained_equation

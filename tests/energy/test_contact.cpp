@@ -7,16 +7,16 @@
 #include <cmath>
 #include <ostream>
 
-namespace pliant {
+namespace pliant::test_contact {
 namespace {
 
-using testing::BodySpec;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
-using testing::ShapeCase;
-using testing::Solid;
-using testing::TestStage;
+using test::BodySpec;
+using test::Point;
+using test::Scratch;
+using test::Shape;
+using test::ShapeCase;
+using test::Solid;
+using test::TestStage;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 constexpr double time_of_stage = 0.7, dt = 0.05;
@@ -33,7 +33,7 @@ std::ostream& operator<<(std::ostream& out, const ContactCase& c) {
 
 std::vector<ContactCase> every_case() {
   std::vector<ContactCase> cases;
-  for (const auto& shape : testing::every_shape()) {
+  for (const auto& shape : test::every_shape()) {
     for (const BodySpec body : {BodySpec{1, Shape::jittered, 3}, BodySpec{2, Shape::curved, 2}}) {
       cases.push_back({shape, body});
     }
@@ -91,18 +91,18 @@ class Contacting : public ::testing::TestWithParam<ContactCase> {
   }
 
   Scratch scratch_{comm};
-  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam().body); });
+  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { test::write_body(f, GetParam().body); });
   Solid solid_{comm, file_, GetParam().body.order, 2};
   Terms terms_{solid_, GetParam().shape};
-  TestStage stage_{solid_, time_of_stage, dt, testing::rough_field(0.01, 3), testing::rough_field(0.3, 4)};
-  Handle<Vec> q_ = solid_.vector(testing::strained), frozen_ = solid_.vector([](const Point&x) {
-    const Point u = testing::strained(x), w = testing::rough_field(0.01, 6)(x);
+  TestStage stage_{solid_, time_of_stage, dt, test::rough_field(0.01, 3), test::rough_field(0.3, 4)};
+  Handle<Vec> q_ = solid_.vector(test::strained), frozen_ = solid_.vector([](const Point&x) {
+    const Point u = test::strained(x), w = test::rough_field(0.01, 6)(x);
     return Point{u[0] + w[0], u[1] + w[1], u[2] + w[2]};
   });
 };
 
 INSTANTIATE_TEST_SUITE_P(EveryShape, Contacting, ::testing::ValuesIn(every_case()),
-                         [](const auto& of) { return of.param.shape.name + testing::name_of(of.param.body); });
+                         [](const auto& of) { return of.param.shape.name + test::name_of(of.param.body); });
 
 // Central differences over 1e-5 of a direction of 0.05: rounding of 1e-10, and what points at a kink of a third
 // derivative add.
@@ -116,18 +116,17 @@ TEST_P(Contacting, DerivativesAreThoseOfTheValue) {
     const Handle<Mat> K = potential.make_hessian();
     potential.gradient(q_.get(), g.get());
     potential.hessian(q_.get(), K.get(), Projection::none);
-    ASSERT_GT(testing::norm(g.get()), 1e-3) << term->name();
+    ASSERT_GT(test::norm(g.get()), 1e-3) << term->name();
     for (const int seed : {11, 12, 13}) {
-      const auto d = solid_.vector(testing::rough_field(0.05, seed));
-      const auto forward = testing::moved(q_.get(), h, d.get()), backward = testing::moved(q_.get(), -h, d.get());
+      const auto d = solid_.vector(test::rough_field(0.05, seed));
+      const auto forward = test::moved(q_.get(), h, d.get()), backward = test::moved(q_.get(), -h, d.get());
       const double slope = (potential.value(forward.get()) - potential.value(backward.get())) / (2.0 * h);
-      EXPECT_NEAR(slope, testing::dot(g.get(), d.get()), 1e-7 * testing::norm(g.get()) * testing::norm(d.get()))
-          << term->name();
+      EXPECT_NEAR(slope, test::dot(g.get(), d.get()), 1e-7 * test::norm(g.get()) * test::norm(d.get())) << term->name();
       potential.gradient(forward.get(), ahead.get());
       potential.gradient(backward.get(), behind.get());
       check(VecAXPBY(ahead.get(), -0.5 / h, 0.5 / h, behind.get()));
       check(MatMult(K.get(), d.get(), Kd.get()));
-      EXPECT_LE(testing::distance(ahead.get(), Kd.get()), 1e-6 * testing::norm(Kd.get())) << term->name();
+      EXPECT_LE(test::distance(ahead.get(), Kd.get()), 1e-6 * test::norm(Kd.get())) << term->name();
     }
   }
 }
@@ -140,9 +139,9 @@ TEST_P(Contacting, ProjectedHessianIsSemidefinite) {
     potential.hessian(q_.get(), K.get(), Projection::positive_semidefinite);
     const Handle<Vec> Kd = potential.make_vector();
     for (int seed = 0; seed < 20; ++seed) {
-      const auto d = solid_.vector(testing::rough_field(1.0, 20 + seed));
+      const auto d = solid_.vector(test::rough_field(1.0, 20 + seed));
       check(MatMult(K.get(), d.get(), Kd.get()));
-      EXPECT_GE(testing::dot(Kd.get(), d.get()), -1e-12 * testing::norm(Kd.get()) * testing::norm(d.get()));
+      EXPECT_GE(test::dot(Kd.get(), d.get()), -1e-12 * test::norm(Kd.get()) * test::norm(d.get()));
     }
   }
 }
@@ -150,14 +149,14 @@ TEST_P(Contacting, ProjectedHessianIsSemidefinite) {
 // The force's power at the stage's velocity is what the obstacle brings in less what is lost and stored; the supply of
 // the contact alone is the change of its energy with time.
 TEST_P(Contacting, PowersAddUp) {
-  const auto v = testing::moved(q_.get(), -1.0, stage_.q0.get());
+  const auto v = test::moved(q_.get(), -1.0, stage_.q0.get());
   check(VecScale(v.get(), 1.0 / dt));
   const Handle<Vec> r = make_vector(solid_.layout()), total = make_vector(solid_.layout());
   for (const EnergyTerm* term : terms_.all()) {
     IncrementalPotential potential = alone(*term);
     begin(potential);
     const TermPower power = potential.powers(q_.get(), v.get(), r.get())[0];
-    const Point force = testing::resultant(solid_, r.get(), q_.get()).force;
+    const Point force = test::resultant(solid_, r.get(), q_.get()).force;
     const double size = std::sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2]);
     for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(power.force[i], -force[i], 1e-12 * size);
     if (term == terms_.contact.get()) {
@@ -174,8 +173,8 @@ TEST_P(Contacting, PowersAddUp) {
 TEST_P(Contacting, NothingDependsOnTheNumberOfRanks) {
   const Solid whole(MPI_COMM_SELF, file_, GetParam().body.order, 2);
   const Terms terms(whole, GetParam().shape);
-  const TestStage stage(whole, time_of_stage, dt, testing::rough_field(0.01, 3), testing::rough_field(0.3, 4));
-  const auto q = whole.vector(testing::strained);
+  const TestStage stage(whole, time_of_stage, dt, test::rough_field(0.01, 3), test::rough_field(0.3, 4));
+  const auto q = whole.vector(test::strained);
   for (std::size_t k = 0; k < terms.all().size(); ++k) {
     IncrementalPotential here = alone(*terms_.all()[k]),
                          there(whole.layout(), whole.pattern(), {terms.all()[k]}, whole.nothing_prescribed());
@@ -184,7 +183,7 @@ TEST_P(Contacting, NothingDependsOnTheNumberOfRanks) {
     const Handle<Vec> r = here.make_vector(), expected = there.make_vector();
     here.gradient(q_.get(), r.get());
     there.gradient(q.get(), expected.get());
-    EXPECT_NEAR(testing::norm(r.get()), testing::norm(expected.get()), 1e-12 * testing::norm(expected.get()));
+    EXPECT_NEAR(test::norm(r.get()), test::norm(expected.get()), 1e-12 * test::norm(expected.get()));
     const double value = there.value(q.get());
     EXPECT_NEAR(here.value(q_.get()), value, 1e-12 * std::abs(value));
     const Handle<Mat> K = here.make_hessian(), K_expected = there.make_hessian();
@@ -209,13 +208,13 @@ TEST_P(Contacting, BoundOfAStepKeepsPointsBeforeABarrier) {
   TestStage stage(solid_, time_of_stage, dt);
   stage.point.q0 = start.get();
   potential.begin_stage(stage.point);
-  EXPECT_EQ(potential.value(testing::moved(start.get(), 1.0, way.get()).get()), HUGE_VAL);
+  EXPECT_EQ(potential.value(test::moved(start.get(), 1.0, way.get()).get()), HUGE_VAL);
   const double bound = potential.max_step(start.get(), way.get());
   EXPECT_GT(bound, 0.2);
   for (const double part : {0.5, 0.9, 1.0}) {
-    EXPECT_TRUE(std::isfinite(potential.value(testing::moved(start.get(), part * bound, way.get()).get())));
+    EXPECT_TRUE(std::isfinite(potential.value(test::moved(start.get(), part * bound, way.get()).get())));
   }
-  EXPECT_EQ(potential.value(testing::moved(start.get(), 1.25 * bound, way.get()).get()), HUGE_VAL);
+  EXPECT_EQ(potential.value(test::moved(start.get(), 1.25 * bound, way.get()).get()), HUGE_VAL);
   check(VecScale(way.get(), -1.0));
   EXPECT_EQ(potential.max_step(start.get(), way.get()), HUGE_VAL);
 }
@@ -224,7 +223,7 @@ TEST_P(Contacting, BoundOfAStepKeepsPointsBeforeABarrier) {
 TEST(Contact, OfAFlatFaceIsASpringPerArea) {
   const Scratch scratch(comm);
   const auto file = scratch.file("body.msh", [](const std::string& f) {
-    testing::write_body(f, {1, Shape::jittered, 3});
+    test::write_body(f, {1, Shape::jittered, 3});
   });
   for (const int order : {1, 2}) {
     const Solid solid(comm, file, order, 2);
@@ -240,7 +239,7 @@ TEST(Contact, OfAFlatFaceIsASpringPerArea) {
     potential.begin_stage(stage.point);
     const Handle<Vec> r = potential.make_vector();
     potential.gradient(q.get(), r.get());
-    const Point force = testing::resultant(solid, r.get(), q.get()).force;
+    const Point force = test::resultant(solid, r.get(), q.get()).force;
     EXPECT_NEAR(-force[2], k * depth, 1e-12 * k);
     EXPECT_EQ(force[0], 0.0);
     // k width^2 (1/10 + y^2/2) with y = 3
@@ -249,4 +248,4 @@ TEST(Contact, OfAFlatFaceIsASpringPerArea) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_contact

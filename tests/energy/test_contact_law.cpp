@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_contact_law {
 namespace {
 
 constexpr double stiffness = 3.0e4, width = 0.02, threshold = 0.05;
@@ -153,4 +153,4 @@ TEST(NormalDamping, AddsToThePressureAsTheBodyApproachesAndNeverPulls) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_contact_law

@@ -11,14 +11,14 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_contact_order {
 namespace {
 
-using testing::BodySpec;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
+using test::BodySpec;
+using test::Point;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
 
 enum class Drags { none, frozen, iterated };
 
@@ -91,7 +91,7 @@ struct Motion {
     const auto v = solid.vector([](const Point& x) {
       return Point{0.3 - 0.5 * (x[2] - 0.5), 0.6 + 0.2 * x[0], -1.0 + 0.5 * (x[0] - 0.5)};
     });
-    return testing::end_of_motion(potential, method, {0.0, q.get(), v.get(), nullptr, {}}, end_time, num_steps);
+    return test::end_of_motion(potential, method, {0.0, q.get(), v.get(), nullptr, {}}, end_time, num_steps);
   }
 
   static constexpr double end_time = 0.5;
@@ -126,7 +126,7 @@ TEST_P(ContactOrders, AreThoseOfTheTable) {
   const OrderCase& c = GetParam();
   if (c.number % num_ranks(MPI_COMM_WORLD) != rank(MPI_COMM_WORLD)) return;  // another rank's
   const std::string file = scratch_.file("body.msh", [](const std::string& f) {
-    testing::write_body(f, {1, Shape::straight, 1});
+    test::write_body(f, {1, Shape::straight, 1});
   });
   Motion motion(file, c.drags);
   // What freezing adds shows against iterated drags with the same steps, before it outgrows the method's own error.
@@ -137,7 +137,7 @@ TEST_P(ContactOrders, AreThoseOfTheTable) {
     const int num_steps = level == 0 ? num_fine / 2 : num_fine;
     const auto end = motion.end(c.method, num_steps);
     const auto exact = is_frozen ? iterated.end(c.method, num_steps) : reference(file, c.drags);
-    for (const int part : {0, 1}) errors[level][part] = testing::distance(end[part], exact[part]);
+    for (const int part : {0, 1}) errors[level][part] = test::distance(end[part], exact[part]);
   }
   for (const int part : {0, 1}) {
     const double order = std::log2(errors[0][part] / errors[1][part]);
@@ -148,4 +148,4 @@ TEST_P(ContactOrders, AreThoseOfTheTable) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_contact_order

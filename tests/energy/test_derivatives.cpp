@@ -3,15 +3,15 @@
 
 #include <ostream>
 
-namespace pliant {
+namespace pliant::test_derivatives {
 namespace {
 
-using testing::BodySpec;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
-using testing::TestStage;
+using test::BodySpec;
+using test::Point;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
+using test::TestStage;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 constexpr double density = 3.0;
@@ -32,19 +32,19 @@ std::vector<TermCase> every_case() {
   std::vector<TermCase> cases;
   for (const BodySpec body :
        {BodySpec{1, Shape::jittered, 3}, BodySpec{2, Shape::jittered, 2}, BodySpec{2, Shape::curved, 2}}) {
-    for (const auto& law : testing::every_law()) {
-      for (const auto dilatation : testing::every_dilatation(law, body.order)) {
-        cases.push_back({testing::name_of(law) + testing::name_of(dilatation), body,
+    for (const auto& law : test::every_law()) {
+      for (const auto dilatation : test::every_dilatation(law, body.order)) {
+        cases.push_back({test::name_of(law) + test::name_of(dilatation), body,
                          elastic_quadrature_degree(law.traits(), body.order),
                          [=](const Solid& solid) { return solid.elastic(law, dilatation); }});
       }
     }
-    for (const auto& law : testing::every_law()) {
+    for (const auto& law : test::every_law()) {
       if (law.info().name != "neo-hookean" && law.info().name != "guccione") continue;
       for (const auto& [name, amount] : {std::pair{"Uniform", "0.1*sin(2*t)"}, {"Varied", "0.1*(1-x)+0.05*z*t"}}) {
         const Expression shortening(amount);
         cases.push_back(
-            {testing::name_of(law) + "Shortened" + name, body, elastic_quadrature_degree(law.traits(), body.order),
+            {test::name_of(law) + "Shortened" + name, body, elastic_quadrature_degree(law.traits(), body.order),
              [=](const Solid& solid) { return solid.shortened(law, shortening, FibreField::Kind::varying); }});
       }
     }
@@ -54,10 +54,10 @@ std::vector<TermCase> every_case() {
     cases.push_back({"activeStressVaried", body, 2 * (body.order - 1), [](const Solid& solid) {
                        return solid.active_stress(Expression("300*x-100*y*t"), FibreField::Kind::varying);
                      }});
-    for (const auto& law : testing::every_viscosity()) {
-      if (!testing::is_potential(law)) continue;
+    for (const auto& law : test::every_viscosity()) {
+      if (!test::is_potential(law)) continue;
       cases.push_back(
-          {testing::name_of(law), body, 2 * (body.order - 1), [=](const Solid& solid) { return solid.viscous(law); }});
+          {test::name_of(law), body, 2 * (body.order - 1), [=](const Solid& solid) { return solid.viscous(law); }});
     }
     for (const char* law : {"linear", "saint-venant-kirchhoff", "neo-hookean", "neo-hookean-isochoric"}) {
       std::string name = std::string("prony") + law;
@@ -93,7 +93,7 @@ std::vector<TermCase> every_case() {
                        }});
     }
     cases.push_back({"nodalFoundation", body, 1, [=](const Solid& s) {
-                       const auto nodes = nodes_of_group(s.mesh(), s.layout(), testing::group_named(s.mesh(), "edge"));
+                       const auto nodes = nodes_of_group(s.mesh(), s.layout(), test::group_named(s.mesh(), "edge"));
                        return std::make_unique<Foundation>(nodal_foundation(s.pattern(), nodes, 0.5),
                                                            FoundationStiffness{30.0, 2.0});
                      }});
@@ -113,37 +113,37 @@ std::vector<TermCase> every_case() {
 
 /// Where internal variables come from: strains like those of the stage, but not the same.
 Point internal_end(const Point& x) {
-  const Point u = testing::strained(x), w = testing::rough_field(0.01, 6)(x);
+  const Point u = test::strained(x), w = test::rough_field(0.01, 6)(x);
   return {0.6 * u[0] + w[0], 0.6 * u[1] + w[1], 0.6 * u[2] + w[2]};
 }
 
 class Terms : public ::testing::TestWithParam<TermCase> {
  protected:
   Terms() {
-    for (int i = 0; i < 3; ++i) directions_.push_back(solid_.vector(testing::rough_field(0.05, 11 + i)));
+    for (int i = 0; i < 3; ++i) directions_.push_back(solid_.vector(test::rough_field(0.05, 11 + i)));
     stage_.set_internal(solid_, potential_, internal_end);
     potential_.begin_stage(stage_.point);
   }
 
-  double value(double alpha, Vec d) { return potential_.value(testing::moved(q_.get(), alpha, d).get()); }
+  double value(double alpha, Vec d) { return potential_.value(test::moved(q_.get(), alpha, d).get()); }
   Handle<Vec> gradient(double alpha, Vec d) {
     Handle<Vec> r = potential_.make_vector();
-    potential_.gradient(testing::moved(q_.get(), alpha, d).get(), r.get());
+    potential_.gradient(test::moved(q_.get(), alpha, d).get(), r.get());
     return r;
   }
 
   Scratch scratch_{comm};
-  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam().body); });
+  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { test::write_body(f, GetParam().body); });
   Solid solid_{comm, file_, GetParam().body.order, GetParam().degree};
   std::unique_ptr<EnergyTerm> term_ = GetParam().make(solid_);
   IncrementalPotential potential_{solid_.layout(), solid_.pattern(), {term_.get()}, solid_.nothing_prescribed()};
-  TestStage stage_{solid_, 0.7, 0.05, testing::rough_field(0.01, 3), testing::rough_field(0.3, 4)};
-  Handle<Vec> q_ = solid_.vector(testing::strained);
+  TestStage stage_{solid_, 0.7, 0.05, test::rough_field(0.01, 3), test::rough_field(0.3, 4)};
+  Handle<Vec> q_ = solid_.vector(test::strained);
   std::vector<Handle<Vec>> directions_;
 };
 
 INSTANTIATE_TEST_SUITE_P(Registry, Terms, ::testing::ValuesIn(every_case()),
-                         [](const auto& of) { return of.param.name + testing::name_of(of.param.body); });
+                         [](const auto& of) { return of.param.name + test::name_of(of.param.body); });
 
 // Differences of fourth order: their error is some 1e-12, their rounding some 1e-12, of the derivative.
 constexpr double h = 1e-3;
@@ -151,14 +151,14 @@ constexpr double h = 1e-3;
 TEST_P(Terms, GradientIsThatOfTheValue) {
   if (!term_->declaration().is_potential) return;
   const auto g = gradient(0.0, directions_[0].get());
-  ASSERT_GT(testing::norm(g.get()), 1e-3);
+  ASSERT_GT(test::norm(g.get()), 1e-3);
   for (const auto& d : directions_) {
     const double expected =
         (8.0 * (value(h, d.get()) - value(-h, d.get())) - (value(2.0 * h, d.get()) - value(-2.0 * h, d.get()))) /
         (12.0 * h);
-    const double slope = testing::dot(g.get(), d.get());
-    EXPECT_GT(std::abs(slope), 1e-4 * testing::norm(g.get()) * testing::norm(d.get()));
-    EXPECT_NEAR(slope, expected, 1e-9 * testing::norm(g.get()) * testing::norm(d.get()));
+    const double slope = test::dot(g.get(), d.get());
+    EXPECT_GT(std::abs(slope), 1e-4 * test::norm(g.get()) * test::norm(d.get()));
+    EXPECT_NEAR(slope, expected, 1e-9 * test::norm(g.get()) * test::norm(d.get()));
   }
 }
 
@@ -171,7 +171,7 @@ TEST_P(Terms, HessianIsThatOfTheGradient) {
   const Handle<Vec> Kd = potential_.make_vector(), difference = potential_.make_vector();
   for (const auto& d : directions_) {
     check(MatMult(K.get(), d.get(), Kd.get()));
-    for (const auto& [c, g] : parts) check(VecAXPY(Kd.get(), c * testing::dot(g.get(), d.get()), g.get()));
+    for (const auto& [c, g] : parts) check(VecAXPY(Kd.get(), c * test::dot(g.get(), d.get()), g.get()));
     const auto ahead = gradient(h, d.get()), behind = gradient(-h, d.get());
     const auto far_ahead = gradient(2.0 * h, d.get()), far_behind = gradient(-2.0 * h, d.get());
     check(VecWAXPY(difference.get(), -1.0, behind.get(), ahead.get()));
@@ -180,11 +180,11 @@ TEST_P(Terms, HessianIsThatOfTheGradient) {
     check(VecAXPY(difference.get(), 1.0, far_behind.get()));
     check(VecScale(difference.get(), 1.0 / (12.0 * h)));
     if (GetParam().has_hessian) {
-      ASSERT_GT(testing::norm(Kd.get()), 1e-3);
-      EXPECT_LE(testing::distance(Kd.get(), difference.get()), 1e-8 * testing::norm(Kd.get()));
+      ASSERT_GT(test::norm(Kd.get()), 1e-3);
+      EXPECT_LE(test::distance(Kd.get(), difference.get()), 1e-8 * test::norm(Kd.get()));
     } else {
-      EXPECT_EQ(testing::norm(Kd.get()), 0.0);
-      EXPECT_EQ(testing::norm(difference.get()), 0.0);
+      EXPECT_EQ(test::norm(Kd.get()), 0.0);
+      EXPECT_EQ(test::norm(difference.get()), 0.0);
     }
   }
 }
@@ -213,16 +213,16 @@ TEST_P(Terms, NothingDependsOnTheNumberOfRanks) {
   const Solid whole(MPI_COMM_SELF, file_, GetParam().body.order, GetParam().degree);
   const auto term = GetParam().make(whole);
   IncrementalPotential alone(whole.layout(), whole.pattern(), {term.get()}, whole.nothing_prescribed());
-  TestStage stage(whole, 0.7, 0.05, testing::rough_field(0.01, 3), testing::rough_field(0.3, 4));
+  TestStage stage(whole, 0.7, 0.05, test::rough_field(0.01, 3), test::rough_field(0.3, 4));
   stage.set_internal(whole, alone, internal_end);
   alone.begin_stage(stage.point);
-  const Handle<Vec> q = whole.vector(testing::strained), r = alone.make_vector();
+  const Handle<Vec> q = whole.vector(test::strained), r = alone.make_vector();
   alone.gradient(q.get(), r.get());
   const double expected = alone.value(q.get());
   EXPECT_NEAR(potential_.value(q_.get()), expected, 1e-12 * std::abs(expected));
   const auto g = gradient(0.0, directions_[0].get());
-  EXPECT_NEAR(testing::norm(g.get()), testing::norm(r.get()), 1e-12 * testing::norm(r.get()));
-  EXPECT_NEAR(potential_.force_scale(q_.get()), testing::norm(r.get()), 1e-12 * testing::norm(r.get()));
+  EXPECT_NEAR(test::norm(g.get()), test::norm(r.get()), 1e-12 * test::norm(r.get()));
+  EXPECT_NEAR(potential_.force_scale(q_.get()), test::norm(r.get()), 1e-12 * test::norm(r.get()));
   EXPECT_EQ(potential_.value(stage_.q0.get()), 0.0);
 }
 
@@ -238,7 +238,7 @@ TEST_P(Terms, PrescribedEntriesHaveNoGradientAndAnIdleRow) {
   held.gradient(q_.get(), r.get());
   held.gradient_with_reactions(q_.get(), reactions.get());
   const auto free = gradient(0.0, directions_[0].get());
-  EXPECT_EQ(testing::distance(reactions.get(), free.get()), 0.0);
+  EXPECT_EQ(test::distance(reactions.get(), free.get()), 0.0);
   const Handle<Mat> K = held.make_hessian();
   held.hessian(q_.get(), K.get(), Projection::none);
   check(MatMult(K.get(), directions_[0].get(), d.get()));
@@ -258,4 +258,4 @@ TEST_P(Terms, PrescribedEntriesHaveNoGradientAndAnIdleRow) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_derivatives

@@ -9,16 +9,16 @@
 
 #include <fmt/format.h>
 
-namespace pliant {
+namespace pliant::test_elastic {
 namespace {
 
-using testing::BodySpec;
-using testing::Dilatation;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
-using testing::TestStage;
+using test::BodySpec;
+using test::Dilatation;
+using test::Point;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
+using test::TestStage;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -29,7 +29,7 @@ struct ElasticCase {
 };
 
 std::string name_of(const ElasticCase& c) {
-  return testing::name_of(c.law) + testing::name_of(c.dilatation) + testing::name_of(c.body);
+  return test::name_of(c.law) + test::name_of(c.dilatation) + test::name_of(c.body);
 }
 
 std::ostream& operator<<(std::ostream& out, const ElasticCase& c) {
@@ -40,8 +40,8 @@ std::vector<ElasticCase> every_case() {
   std::vector<ElasticCase> cases;
   for (const BodySpec body :
        {BodySpec{1, Shape::jittered, 2}, BodySpec{2, Shape::jittered, 2}, BodySpec{2, Shape::curved, 2}}) {
-    for (const auto& law : testing::every_law(1e9, 0.3)) {
-      for (const auto dilatation : testing::every_dilatation(law, body.order)) cases.push_back({law, body, dilatation});
+    for (const auto& law : test::every_law(1e9, 0.3)) {
+      for (const auto dilatation : test::every_dilatation(law, body.order)) cases.push_back({law, body, dilatation});
     }
   }
   return cases;
@@ -49,7 +49,7 @@ std::vector<ElasticCase> every_case() {
 
 class Elastic : public ::testing::TestWithParam<ElasticCase> {
  protected:
-  bool is_barrier() const { return testing::is_barrier(GetParam().law) || GetParam().dilatation == Dilatation::mean; }
+  bool is_barrier() const { return test::is_barrier(GetParam().law) || GetParam().dilatation == Dilatation::mean; }
   int degree() const { return elastic_quadrature_degree(GetParam().law.traits(), GetParam().body.order); }
 
   Handle<Vec> gradient(const Handle<Vec>& q) {
@@ -59,7 +59,7 @@ class Elastic : public ::testing::TestWithParam<ElasticCase> {
   }
 
   Scratch scratch_{comm};
-  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam().body); });
+  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { test::write_body(f, GetParam().body); });
   Solid solid_{comm, file_, GetParam().body.order, degree()};
   std::unique_ptr<ElasticTerm> term_ = solid_.elastic(GetParam().law, GetParam().dilatation);
   IncrementalPotential potential_{solid_.layout(), solid_.pattern(), {term_.get()}, solid_.nothing_prescribed()};
@@ -85,13 +85,13 @@ TEST_P(Elastic, RigidMotionsCostNothing) {
   const double modulus = 1e9;
   const auto translated = solid_.vector([](const Point&) { return Point{100.0, -20.0, 7.0}; });
   EXPECT_EQ(potential_.value(translated.get()), 0.0);
-  EXPECT_EQ(testing::norm(gradient(translated).get()), 0.0);
+  EXPECT_EQ(test::norm(gradient(translated).get()), 0.0);
   const auto rotated = solid_.vector(rigidly_moved);
-  if (testing::is_linear(GetParam().law)) {
+  if (test::is_linear(GetParam().law)) {
     EXPECT_GT(potential_.value(rotated.get()), 0.1 * modulus);
     return;
   }
-  EXPECT_LE(testing::norm(gradient(rotated).get()), 1e-12 * modulus);
+  EXPECT_LE(test::norm(gradient(rotated).get()), 1e-12 * modulus);
   EXPECT_LE(std::abs(potential_.value(rotated.get())), 1e-24 * modulus);
 }
 
@@ -99,13 +99,13 @@ TEST_P(Elastic, RigidMotionsCostNothing) {
 TEST_P(Elastic, InternalForcesBalance) {
   const TestStage stage(solid_, 0.0, 1.0);
   potential_.begin_stage(stage.point);
-  const auto q = solid_.vector(testing::strained);
+  const auto q = solid_.vector(test::strained);
   const auto r = gradient(q);
-  const double size = testing::norm(r.get());
+  const double size = test::norm(r.get());
   ASSERT_GT(size, 1.0);
   // About the places at rest for the law that knows no others.
   const auto [force, moment] =
-      testing::resultant(solid_, r.get(), testing::is_linear(GetParam().law) ? stage.q0.get() : q.get());
+      test::resultant(solid_, r.get(), test::is_linear(GetParam().law) ? stage.q0.get() : q.get());
   for (int i = 0; i < 3; ++i) {
     EXPECT_NEAR(force[i], 0.0, 1e-13 * size);
     EXPECT_NEAR(moment[i], 0.0, 1e-13 * size);
@@ -116,7 +116,7 @@ TEST_P(Elastic, InternalForcesBalance) {
 TEST_P(Elastic, WorkAlongAPathIsTheEnergyAtItsEnd) {
   const TestStage stage(solid_, 0.0, 1.0);
   potential_.begin_stage(stage.point);
-  const auto q = solid_.vector(testing::strained), rest = solid_.vector(testing::at_rest);
+  const auto q = solid_.vector(test::strained), rest = solid_.vector(test::at_rest);
   // Gauss's rule of five points on each quarter of the path: the force along it is smooth.
   constexpr std::array<std::array<double, 2>, 3> half{
       {{0.0, 128.0 / 225.0}, {0.5384693101056831, 0.4786286704993665}, {0.9061798459386640, 0.2369268850561891}}};
@@ -125,12 +125,12 @@ TEST_P(Elastic, WorkAlongAPathIsTheEnergyAtItsEnd) {
     for (const auto& [x, w] : half) {
       for (const double side : {-1.0, 1.0}) {
         if (x == 0.0 && side > 0.0) continue;
-        const auto at = testing::moved(rest.get(), middle + 0.125 * side * x, q.get());
-        work += 0.125 * w * testing::dot(gradient(at).get(), q.get());
+        const auto at = test::moved(rest.get(), middle + 0.125 * side * x, q.get());
+        work += 0.125 * w * test::dot(gradient(at).get(), q.get());
       }
     }
   }
-  const double energy = sum(comm, term_->energy(testing::local_values(q.get()), {}));
+  const double energy = sum(comm, term_->energy(test::local_values(q.get()), {}));
   ASSERT_GT(energy, 1.0);
   EXPECT_NEAR(work, energy, 1e-8 * energy);
   EXPECT_NEAR(potential_.value(q.get()), energy, 1e-13 * energy);
@@ -139,17 +139,17 @@ TEST_P(Elastic, WorkAlongAPathIsTheEnergyAtItsEnd) {
 // A strained body that hardly moves: the change of its energy, 1e-10 of the energy and less, keeps its digits.
 // Simpson's rule over the path is exact here: its error is of fifth order in an increment of 1e-10.
 TEST_P(Elastic, SmallChangesSurviveBesideALargeEnergy) {
-  const TestStage stage(solid_, 0.0, 1.0, testing::strained);
+  const TestStage stage(solid_, 0.0, 1.0, test::strained);
   potential_.begin_stage(stage.point);
-  const double energy = sum(comm, term_->energy(testing::local_values(stage.q0.get()), {}));
+  const double energy = sum(comm, term_->energy(test::local_values(stage.q0.get()), {}));
   for (const double size : {1e-4, 1e-7, 1e-10}) {
-    const auto q = testing::moved(stage.q0.get(), size, solid_.vector(testing::rough_field(1.0, 8)).get());
+    const auto q = test::moved(stage.q0.get(), size, solid_.vector(test::rough_field(1.0, 8)).get());
     // As rounded: what the vectors hold.
-    const auto step = testing::moved(q.get(), -1.0, stage.q0.get());
-    const auto middle = testing::moved(stage.q0.get(), 0.5, step.get());
-    const double start = testing::dot(gradient(stage.q0).get(), step.get());
-    const double half = testing::dot(gradient(middle).get(), step.get());
-    const double end = testing::dot(gradient(q).get(), step.get());
+    const auto step = test::moved(q.get(), -1.0, stage.q0.get());
+    const auto middle = test::moved(stage.q0.get(), 0.5, step.get());
+    const double start = test::dot(gradient(stage.q0).get(), step.get());
+    const double half = test::dot(gradient(middle).get(), step.get());
+    const double end = test::dot(gradient(q).get(), step.get());
     const double expected = (start + 4.0 * half + end) / 6.0;
     ASSERT_LT(std::abs(expected), 1e3 * size * energy);
     ASSERT_GT(std::abs(expected), 1e-3 * size * energy);
@@ -160,18 +160,18 @@ TEST_P(Elastic, SmallChangesSurviveBesideALargeEnergy) {
 
 // Where the first-order part vanishes (at equilibrium) the change is of second order: d . K d / 2.
 TEST_P(Elastic, SecondOrderChangesSurviveBesideALargeEnergy) {
-  const TestStage stage(solid_, 0.0, 1.0, testing::strained);
+  const TestStage stage(solid_, 0.0, 1.0, test::strained);
   potential_.begin_stage(stage.point);
   const Handle<Mat> K = potential_.make_hessian();
   potential_.hessian(stage.q0.get(), K.get(), Projection::none);
   const double size = 1e-7;
-  const Handle<Vec> d = solid_.vector(testing::rough_field(size, 8)), Kd = potential_.make_vector();
-  const auto ahead = testing::moved(stage.q0.get(), 1.0, d.get());
-  const auto step = testing::moved(ahead.get(), -1.0, stage.q0.get());
-  const auto behind = testing::moved(stage.q0.get(), -1.0, step.get());
+  const Handle<Vec> d = solid_.vector(test::rough_field(size, 8)), Kd = potential_.make_vector();
+  const auto ahead = test::moved(stage.q0.get(), 1.0, d.get());
+  const auto step = test::moved(ahead.get(), -1.0, stage.q0.get());
+  const auto behind = test::moved(stage.q0.get(), -1.0, step.get());
   check(MatMult(K.get(), step.get(), Kd.get()));
-  const double expected = testing::dot(step.get(), Kd.get());
-  const double energy = sum(comm, term_->energy(testing::local_values(stage.q0.get()), {}));
+  const double expected = test::dot(step.get(), Kd.get());
+  const double energy = sum(comm, term_->energy(test::local_values(stage.q0.get()), {}));
   ASSERT_GT(std::abs(expected), 0.0);
   ASSERT_LT(std::abs(expected), 1e-8 * energy);
   // The first-order parts of both sides cancel: they are larger by 1e6 or so, and each is exact to 1e-15.
@@ -186,19 +186,19 @@ TEST_P(Elastic, ProjectedHessianIsPositiveSemidefiniteWhereTheHessianIsNot) {
   const TestStage stage(whole, 0.0, 1.0);
   alone.begin_stage(stage.point);
   const auto q = whole.vector([](const Point& x) {
-    return Point{-0.3 * x[0] + 0.01 * testing::rough(x, 0, 2), -0.35 * x[1], -0.3 * x[2]};
+    return Point{-0.3 * x[0] + 0.01 * test::rough(x, 0, 2), -0.35 * x[1], -0.3 * x[2]};
   });
-  const auto [lowest, highest] = testing::extreme_eigenvalues(alone, q.get(), Projection::none);
+  const auto [lowest, highest] = test::extreme_eigenvalues(alone, q.get(), Projection::none);
   const auto [projected, projected_highest] =
-      testing::extreme_eigenvalues(alone, q.get(), Projection::positive_semidefinite);
-  if (!testing::is_linear(GetParam().law)) {
+      test::extreme_eigenvalues(alone, q.get(), Projection::positive_semidefinite);
+  if (!test::is_linear(GetParam().law)) {
     EXPECT_LT(lowest, -1e-3 * highest);
   }
   EXPECT_GE(projected, -1e-13 * projected_highest);
   // Where the Hessian is definite, projection changes nothing.
   const auto stretched = whole.vector([](const Point& x) { return Point{0.1 * x[0], 0.1 * x[1], 0.1 * x[2]}; });
-  const auto exact = testing::extreme_eigenvalues(alone, stretched.get(), Projection::none);
-  const auto same = testing::extreme_eigenvalues(alone, stretched.get(), Projection::positive_semidefinite);
+  const auto exact = test::extreme_eigenvalues(alone, stretched.get(), Projection::none);
+  const auto same = test::extreme_eigenvalues(alone, stretched.get(), Projection::positive_semidefinite);
   EXPECT_NEAR(exact[1], same[1], 1e-12 * exact[1]);
 }
 
@@ -207,15 +207,15 @@ TEST_P(Elastic, ProjectedHessianIsPositiveSemidefiniteWhereTheHessianIsNot) {
 TEST_P(Elastic, ForcesOfStrainsOf1e8KeepTheirDigits) {
   if (GetParam().dilatation == Dilatation::mean) return;  // test_mean_dilatation
   const auto q = solid_.vector([](const Point& x) {
-    return Point{1e-8 * (x[0] * x[1] + 0.1 * testing::rough(x, 0, 1)), 1e-8 * (x[2] * x[2] - x[0]),
-                 1e-8 * (x[1] + 0.3 * x[2] + 0.1 * testing::rough(x, 2, 1))};
+    return Point{1e-8 * (x[0] * x[1] + 0.1 * test::rough(x, 0, 1)), 1e-8 * (x[2] * x[2] - x[0]),
+                 1e-8 * (x[1] + 0.3 * x[2] + 0.1 * test::rough(x, 2, 1))};
   });
   const TestStage stage(solid_, 0.0, 1.0);
-  const auto local = testing::local_values(q.get());
+  const auto local = test::local_values(q.get());
   const LocalStage at{0.0, 1.0, 1.0, {}, {}, {}};
   std::vector<double> r(local.size(), 0.0);
   term_->add_gradient(at, local, r);
-  const auto [error, size] = testing::error_and_size(solid_, degree(), r, {local}, [&](const testing::Gradients& H) {
+  const auto [error, size] = test::error_and_size(solid_, degree(), r, {local}, [&](const test::Gradients& H) {
     return testing_states::textbook_P(instantiate(GetParam().law), H[0]);
   });
   ASSERT_GT(size, 0.1);  // 1e9 Pa at strains of 1e-8
@@ -233,7 +233,7 @@ TEST_P(Elastic, StressesOfAUniformStrainAreTheLaws) {
     }
     return u;
   });
-  const auto local = testing::local_values(q.get());
+  const auto local = test::local_values(q.get());
   std::visit(
       [&](const auto& law) {
         const double psi = law.psi(H);
@@ -252,7 +252,7 @@ TEST_P(Elastic, StressesOfAUniformStrainAreTheLaws) {
           const double a = s.cauchy[0] - s.cauchy[1], b = s.cauchy[1] - s.cauchy[2], c = s.cauchy[2] - s.cauchy[0];
           const double d = s.cauchy[3] * s.cauchy[3] + s.cauchy[4] * s.cauchy[4] + s.cauchy[5] * s.cauchy[5];
           // The linear law's P F^T is not symmetric at finite strain.
-          if (!testing::is_linear(GetParam().law)) {
+          if (!test::is_linear(GetParam().law)) {
             EXPECT_NEAR(s.von_mises, std::sqrt(0.5 * (a * a + b * b + c * c) + 3.0 * d), 1e-12 * 1e9);
           }
         });
@@ -271,18 +271,18 @@ TEST_P(Elastic, AnInvertedCellIsInfinitelyFarForEveryRank) {
     return is_corner ? Point{2.0, 2.0, 2.0} : Point{0.0, 0.0, 0.0};
   });
   EXPECT_EQ(potential_.value(q.get()), HUGE_VAL);
-  EXPECT_TRUE(std::isnan(testing::norm(gradient(q).get())));
+  EXPECT_TRUE(std::isnan(test::norm(gradient(q).get())));
   // And from an inverted start nothing is finite either, so that no rank goes on.
   const TestStage bad(solid_, 0.0, 1.0, [](const Point& x) { return Point{-2.0 * x[0], 0.0, 0.0}; });
   potential_.begin_stage(bad.point);
-  EXPECT_EQ(potential_.value(solid_.vector(testing::at_rest).get()), HUGE_VAL);
+  EXPECT_EQ(potential_.value(solid_.vector(test::at_rest).get()), HUGE_VAL);
 }
 
 // The whole body is pressed flat along x at alpha = 1 / 1.25; its first cell to go is any.
 TEST_P(Elastic, StepBoundIsWhereTheBodyIsFlat) {
   const TestStage stage(solid_, 0.0, 1.0);
   potential_.begin_stage(stage.point);
-  const auto q = solid_.vector(testing::at_rest);
+  const auto q = solid_.vector(test::at_rest);
   const auto d = solid_.vector([](const Point& x) { return Point{-1.25 * x[0], 0.0, 0.0}; });
   const double bound = potential_.max_step(q.get(), d.get());
   if (!is_barrier()) {
@@ -290,8 +290,8 @@ TEST_P(Elastic, StepBoundIsWhereTheBodyIsFlat) {
     return;
   }
   EXPECT_NEAR(bound, 0.8, 1e-12);
-  EXPECT_EQ(potential_.max_step(q.get(), testing::moved(q.get(), 0.5, d.get()).get()), HUGE_VAL);
+  EXPECT_EQ(potential_.max_step(q.get(), test::moved(q.get(), 0.5, d.get()).get()), HUGE_VAL);
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_elastic

@@ -7,15 +7,15 @@
 
 #include <cmath>
 
-namespace pliant {
+namespace pliant::test_foundation {
 namespace {
 
-using testing::BodySpec;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
-using testing::TestStage;
+using test::BodySpec;
+using test::Point;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
+using test::TestStage;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 constexpr double spring = 30.0, dashpot = 2.0;
@@ -26,20 +26,20 @@ class Foundations : public ::testing::TestWithParam<BodySpec> {
     return {solid_.layout(), solid_.pattern(), {&term}, solid_.nothing_prescribed()};
   }
   std::unique_ptr<Foundation> on_a_curve() const {
-    const auto nodes = nodes_of_group(solid_.mesh(), solid_.layout(), testing::group_named(solid_.mesh(), "edge"));
+    const auto nodes = nodes_of_group(solid_.mesh(), solid_.layout(), test::group_named(solid_.mesh(), "edge"));
     const auto total = sum(comm, static_cast<PetscInt64>(nodes.size()));
     return std::make_unique<Foundation>(nodal_foundation(solid_.pattern(), nodes, 1.0 / static_cast<double>(total)),
                                         FoundationStiffness{spring, dashpot});
   }
 
   Scratch scratch_{comm};
-  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam()); });
+  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { test::write_body(f, GetParam()); });
   Solid solid_{comm, file_, GetParam().order, 2};
 };
 
 INSTANTIATE_TEST_SUITE_P(Bodies, Foundations,
                          ::testing::Values(BodySpec{1, Shape::jittered, 3}, BodySpec{2, Shape::jittered, 2}),
-                         [](const auto& of) { return testing::name_of(of.param); });
+                         [](const auto& of) { return test::name_of(of.param); });
 
 // A body moved by u in a stage of length dt; the loaded face has the area 1 m^2 and the normal e_x, the nodes of the
 // curve count 1 in all.
@@ -56,7 +56,7 @@ TEST_P(Foundations, PullBackAndTakeEnergy) {
     potential.begin_stage(stage.point);
     const Handle<Vec> r = potential.make_vector();
     potential.gradient(q.get(), r.get());
-    const Point force = testing::resultant(solid_, r.get(), q.get()).force;
+    const Point force = test::resultant(solid_, r.get(), q.get()).force;
     for (int i = 0; i < 3; ++i) {
       const double resisted = term == normal.get() && i > 0 ? 0.0 : u[i];
       EXPECT_NEAR(force[i], (spring + dashpot / dt) * resisted, 1e-12);
@@ -108,7 +108,7 @@ class FoundationOrders : public test::EveryMethod {
 
   /// Errors in q and v at the end.
   std::array<double, 2> errors(int num_steps) {
-    const auto start = testing::rough_field(0.1, 1), velocity = testing::rough_field(0.4, 2);
+    const auto start = test::rough_field(0.1, 1), velocity = test::rough_field(0.4, 2);
     System system{solve()};
     Integrator integrator({GetParam(), Startup::dirk33}, system,
                           {0.0, solid_.vector(start).get(), solid_.vector(velocity).get(), nullptr, {}});
@@ -132,13 +132,12 @@ class FoundationOrders : public test::EveryMethod {
       }
       return result;
     });
-    return {testing::distance(integrator.state().q.get(), u.get()),
-            testing::distance(integrator.state().v.get(), v.get())};
+    return {test::distance(integrator.state().q.get(), u.get()), test::distance(integrator.state().v.get(), v.get())};
   }
 
   Scratch scratch_{comm};
   std::string file_ = scratch_.file("body.msh", [](const std::string& f) {
-    testing::write_body(f, {1, Shape::jittered, 1});
+    test::write_body(f, {1, Shape::jittered, 1});
   });
   Solid solid_{comm, file_, 1, 2};
   std::unique_ptr<Inertia> inertia_ = solid_.inertia(density, Mass::lumped);
@@ -160,4 +159,4 @@ TEST_P(FoundationOrders, AreThoseOfTheMethods) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_foundation

@@ -5,15 +5,15 @@
 #include <algorithm>
 #include <ostream>
 
-namespace pliant {
+namespace pliant::test_inertia {
 namespace {
 
-using testing::BodySpec;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
-using testing::TestStage;
+using test::BodySpec;
+using test::Point;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
+using test::TestStage;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 constexpr double density = 1200.0;
@@ -21,7 +21,7 @@ constexpr double density = 1200.0;
 struct MassCase {
   BodySpec body;
   Mass mass;
-  std::string name() const { return testing::name_of(body) + (mass == Mass::lumped ? "Lumped" : "Consistent"); }
+  std::string name() const { return test::name_of(body) + (mass == Mass::lumped ? "Lumped" : "Consistent"); }
 };
 
 std::ostream& operator<<(std::ostream& out, const MassCase& c) {
@@ -31,7 +31,7 @@ std::ostream& operator<<(std::ostream& out, const MassCase& c) {
 class Masses : public ::testing::TestWithParam<MassCase> {
  protected:
   Scratch scratch_{comm};
-  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam().body); });
+  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { test::write_body(f, GetParam().body); });
   Solid solid_{comm, file_, GetParam().body.order, 2};
   std::unique_ptr<Inertia> inertia_ = solid_.inertia(density, GetParam().mass);
   double volume_ = GetParam().body.volume();
@@ -53,12 +53,12 @@ TEST_P(Masses, TotalIsDensityTimesVolume) {
 // v = a + B X: the elements hold it exactly; its kinetic energy on the unit cube in closed form.
 TEST_P(Masses, KineticEnergyAndMomentaOfAnAffineVelocity) {
   const auto velocity = [](const Point& x) { return Point{1.0 + 2.0 * x[1], -0.5, 3.0 * x[0]}; };
-  const auto v = testing::local_values(solid_.vector(velocity).get());
+  const auto v = test::local_values(solid_.vector(velocity).get());
   const std::vector<double> at_rest(v.size(), 0.0);
   const auto momenta = inertia_->momenta(solid_.layout().coordinates, at_rest, v);
   if (GetParam().body.shape == Shape::curved) {
     // Uniform motion is enough: p = m v, E = m v^2 / 2.
-    const auto w = testing::local_values(solid_.vector([](const Point&) { return Point{2.0, -1.0, 0.5}; }).get());
+    const auto w = test::local_values(solid_.vector([](const Point&) { return Point{2.0, -1.0, 0.5}; }).get());
     EXPECT_NEAR(sum(comm, inertia_->kinetic_energy(w)), 0.5 * 5.25 * density * volume_, 1e-11 * density);
     const auto p = inertia_->momenta(solid_.layout().coordinates, at_rest, w).linear;
     EXPECT_NEAR(sum(comm, p[0]), 2.0 * density * volume_, 1e-11 * density);
@@ -85,8 +85,8 @@ TEST_P(Masses, AreSymmetricAndPositive) {
     for (PetscInt i = 0; i < 3 * solid_.layout().num_owned_nodes; ++i) mine += x[i] * My[i];
     return sum(comm, mine);
   };
-  const auto x = testing::local_values(solid_.vector(testing::rough_field(1.0, 1)).get());
-  const auto y = testing::local_values(solid_.vector(testing::rough_field(1.0, 2)).get());
+  const auto x = test::local_values(solid_.vector(test::rough_field(1.0, 1)).get());
+  const auto y = test::local_values(solid_.vector(test::rough_field(1.0, 2)).get());
   const double size = std::sqrt(product(x, x) * product(y, y));
   EXPECT_GT(product(x, x), 0.0);
   EXPECT_GT(product(y, y), 0.0);
@@ -104,15 +104,15 @@ TEST_P(Masses, LumpedOnesArePositiveAtEveryNode) {
 // The Hessian is M / dt^2, the gradient at rest at the start is -M v0 / dt, the value that of the formula.
 TEST_P(Masses, HessianIsTheMassOverDt2) {
   const double dt = 0.05;
-  const TestStage stage(solid_, 0.0, dt, testing::rough_field(0.3, 3), testing::rough_field(1.0, 4));
+  const TestStage stage(solid_, 0.0, dt, test::rough_field(0.3, 3), test::rough_field(1.0, 4));
   IncrementalPotential potential(solid_.layout(), solid_.pattern(), {inertia_.get()}, solid_.nothing_prescribed());
   potential.begin_stage(stage.point);
   const Handle<Mat> K = potential.make_hessian();
-  const auto x = solid_.vector(testing::rough_field(1.0, 1));
+  const auto x = solid_.vector(test::rough_field(1.0, 1));
   const Handle<Vec> Kx = potential.make_vector(), r = potential.make_vector();
   potential.hessian(x.get(), K.get(), Projection::none);
   check(MatMult(K.get(), x.get(), Kx.get()));
-  const auto local = testing::local_values(x.get()), velocity = testing::local_values(stage.v0.get());
+  const auto local = test::local_values(x.get()), velocity = test::local_values(stage.v0.get());
   std::vector<double> Mx(local.size(), 0.0), Mv(local.size(), 0.0);
   inertia_->mass().add_times(local, Mx);
   inertia_->mass().add_times(velocity, Mv);
@@ -153,22 +153,20 @@ TEST_P(Masses, HessianCanBeSetWhateverTheMatrixWas) {
 // Where the body is after a stage of free flight, Phi is least: q = q0 + dt v0, lower by dt^2/2 |v0|_M^2 / dt^2.
 TEST_P(Masses, FreeFlightIsTheMinimum) {
   const double dt = 0.05;
-  const TestStage stage(solid_, 0.0, dt, testing::rough_field(0.3, 3), testing::rough_field(1.0, 4));
+  const TestStage stage(solid_, 0.0, dt, test::rough_field(0.3, 3), test::rough_field(1.0, 4));
   IncrementalPotential potential(solid_.layout(), solid_.pattern(), {inertia_.get()}, solid_.nothing_prescribed());
   potential.begin_stage(stage.point);
-  const auto q = testing::moved(stage.q0.get(), dt, stage.v0.get());
+  const auto q = test::moved(stage.q0.get(), dt, stage.v0.get());
   const Handle<Vec> r = potential.make_vector();
   potential.gradient(q.get(), r.get());
-  EXPECT_LE(testing::norm(r.get()), 1e-11 * density);
-  const double kinetic = sum(comm, inertia_->kinetic_energy(testing::local_values(stage.v0.get())));
+  EXPECT_LE(test::norm(r.get()), 1e-11 * density);
+  const double kinetic = sum(comm, inertia_->kinetic_energy(test::local_values(stage.v0.get())));
   EXPECT_NEAR(potential.value(q.get()), -kinetic, 1e-12 * kinetic);
 }
 
 TEST(NodalMasses, SumToTheMassOfTheirBodies) {
   const Scratch scratch(comm);
-  const auto file = scratch.file("body.msh", [](const std::string& f) {
-    testing::write_body(f, {2, Shape::curved, 2});
-  });
+  const auto file = scratch.file("body.msh", [](const std::string& f) { test::write_body(f, {2, Shape::curved, 2}); });
   const Solid solid(comm, file, 2, 2);
   const auto masses = nodal_masses<2>(solid.layout(), std::get<1>(solid.groups()), {density});
   double mine = 0.0;
@@ -178,8 +176,8 @@ TEST(NodalMasses, SumToTheMassOfTheirBodies) {
       EXPECT_EQ(masses[a], 0.0);
     }
   }
-  EXPECT_NEAR(sum(comm, mine), density * testing::bent_volume, 1e-12 * density);
+  EXPECT_NEAR(sum(comm, mine), density * test::bent_volume, 1e-12 * density);
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_inertia

@@ -4,15 +4,15 @@
 
 #include <map>
 
-namespace pliant {
+namespace pliant::test_internal_keys {
 namespace {
 
-using testing::at_time;
-using testing::BodySpec;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
-using testing::TestStage;
+using test::at_time;
+using test::BodySpec;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
+using test::TestStage;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -24,7 +24,7 @@ struct RelaxingBody {
         maxwell(solid.viscous(Maxwell{300.0, 500.0, 0.1})),
         potential(solid.layout(), solid.pattern(), {prony.get(), maxwell.get()}, solid.nothing_prescribed()),
         z(potential.make_internal()) {
-    TestStage stage(solid, 0.7, testing::viscous_dt, at_time(-0.1));
+    TestStage stage(solid, 0.7, test::viscous_dt, at_time(-0.1));
     const Handle<Vec> rest = potential.make_internal(), q = solid.vector(at_time(0.0));
     stage.point.z0 = rest.get();
     potential.internal_variables().end_stage(stage.point, q.get(), z.get());
@@ -79,7 +79,7 @@ TEST_P(InternalKeys, BringThemToTheirRowsAndBackGhostsIncluded) {
 INSTANTIATE_TEST_SUITE_P(Bodies, InternalKeys,
                          ::testing::Values(BodySpec{1, Shape::jittered, 2}, BodySpec{2, Shape::jittered, 2},
                                            BodySpec{2, Shape::curved, 2}),
-                         [](const auto& of) { return testing::name_of(of.param); });
+                         [](const auto& of) { return test::name_of(of.param); });
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_internal_keys

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_linear_constraint {
 namespace {
 
 const MPI_Comm comm = MPI_COMM_WORLD;
@@ -105,4 +105,4 @@ TEST(LinearConstraints, AreGatheredAsTheyAre) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_linear_constraint

@@ -2,15 +2,15 @@
 #include "energy/load.hpp"
 #include "energy/solid.hpp"
 
-namespace pliant {
+namespace pliant::test_load {
 namespace {
 
-using testing::BodySpec;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
-using testing::TestStage;
+using test::BodySpec;
+using test::Point;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
+using test::TestStage;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 constexpr double density = 1200.0;
@@ -36,7 +36,7 @@ class Loads : public ::testing::TestWithParam<BodySpec> {
   }
 
   Scratch scratch_{comm};
-  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam()); });
+  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { test::write_body(f, GetParam()); });
   Solid solid_{comm, file_, GetParam().order, 2};
   bool is_curved_ = GetParam().shape == Shape::curved;
 };
@@ -44,7 +44,7 @@ class Loads : public ::testing::TestWithParam<BodySpec> {
 INSTANTIATE_TEST_SUITE_P(Bodies, Loads,
                          ::testing::Values(BodySpec{1, Shape::jittered, 3}, BodySpec{2, Shape::jittered, 2},
                                            BodySpec{2, Shape::curved, 2}),
-                         [](const auto& of) { return testing::name_of(of.param); });
+                         [](const auto& of) { return test::name_of(of.param); });
 
 TEST_P(Loads, GravityIsTheWeight) {
   const auto load = solid_.gravity(density, {Expression(), Expression(), Expression(-9.81)});
@@ -95,9 +95,9 @@ TEST_P(Loads, LineForceIsItsDensityTimesTheLength) {
 TEST_P(Loads, ATotalForceIsShared) {
   const std::array<Expression, 3> value{Expression(2.0), Expression("1-t"), Expression(-9.0)};
   const NodeLayout& layout = solid_.layout();
-  const auto facets = facets_of_group(solid_.mesh(), layout, testing::group_named(solid_.mesh(), "tip"));
-  const auto edges = edges_of_group(solid_.mesh(), layout, testing::group_named(solid_.mesh(), "edge"));
-  const auto nodes = nodes_of_group(solid_.mesh(), layout, testing::group_named(solid_.mesh(), "clamp"));
+  const auto facets = facets_of_group(solid_.mesh(), layout, test::group_named(solid_.mesh(), "tip"));
+  const auto edges = edges_of_group(solid_.mesh(), layout, test::group_named(solid_.mesh(), "edge"));
+  const auto nodes = nodes_of_group(solid_.mesh(), layout, test::group_named(solid_.mesh(), "clamp"));
   for (const LoadSamples& samples : {shared(layout, facet_samples(layout, facets, Variation::uniform), facets.is_owned),
                                      shared(layout, edge_samples(layout, edges, Variation::uniform), edges.is_owned),
                                      shared(layout, node_samples(layout, nodes), std::vector<char>(nodes.size(), 1))}) {
@@ -138,4 +138,4 @@ TEST_P(Loads, PartsWithoutFactorCarryNothing) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_load

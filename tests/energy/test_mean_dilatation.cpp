@@ -4,16 +4,16 @@
 
 #include <ostream>
 
-namespace pliant {
+namespace pliant::test_mean_dilatation {
 namespace {
 
-using testing::BodySpec;
-using testing::Dilatation;
-using testing::Point;
-using testing::Quad;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
+using test::BodySpec;
+using test::Dilatation;
+using test::Point;
+using test::Quad;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -23,7 +23,7 @@ struct Case {
 };
 
 std::string name_of(const Case& c) {
-  return testing::name_of(c.law) + testing::name_of(c.body);
+  return test::name_of(c.law) + test::name_of(c.body);
 }
 std::ostream& operator<<(std::ostream& out, const Case& c) {
   return out << name_of(c);
@@ -32,8 +32,8 @@ std::ostream& operator<<(std::ostream& out, const Case& c) {
 std::vector<Case> every_case() {
   std::vector<Case> cases;
   for (const BodySpec body : {BodySpec{2, Shape::jittered, 2}, BodySpec{2, Shape::curved, 2}}) {
-    for (const auto& law : testing::every_law(1e9, 0.49)) {
-      if (!testing::is_linear(law)) cases.push_back({law, body});
+    for (const auto& law : test::every_law(1e9, 0.49)) {
+      if (!test::is_linear(law)) cases.push_back({law, body});
     }
   }
   return cases;
@@ -88,7 +88,7 @@ class MeanDilatation : public ::testing::TestWithParam<Case> {
   int degree() const { return elastic_quadrature_degree(GetParam().law.traits(), 2); }
 
   Scratch scratch_{comm};
-  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam().body); });
+  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { test::write_body(f, GetParam().body); });
   Solid solid_{comm, file_, 2, degree()};
   std::unique_ptr<ElasticTerm> term_ = solid_.elastic(GetParam().law, Dilatation::mean);
 };
@@ -97,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P(Registry, MeanDilatation, ::testing::ValuesIn(every_cas
                          [](const auto& of) { return name_of(of.param); });
 
 TEST_P(MeanDilatation, EnergyIsTheLawsAtTheMeanVolumeRatio) {
-  const auto u = testing::local_values(solid_.vector(testing::strained).get());
+  const auto u = test::local_values(solid_.vector(test::strained).get());
   Quad expected = 0;
   double pointwise_volume = 0.0;
   for (PetscInt c = 0; c < solid_.layout().num_owned_cells; ++c) {
@@ -115,10 +115,10 @@ TEST_P(MeanDilatation, EnergyIsTheLawsAtTheMeanVolumeRatio) {
 
 TEST_P(MeanDilatation, ForcesOfStrainsOf1e8KeepTheirDigits) {
   const auto q = solid_.vector([](const Point& x) {
-    return Point{1e-8 * (x[0] * x[1] + 0.1 * testing::rough(x, 0, 1)), 1e-8 * (x[2] * x[2] - x[0]),
-                 1e-8 * (x[1] + 0.3 * x[2] + 0.1 * testing::rough(x, 2, 1))};
+    return Point{1e-8 * (x[0] * x[1] + 0.1 * test::rough(x, 0, 1)), 1e-8 * (x[2] * x[2] - x[0]),
+                 1e-8 * (x[1] + 0.3 * x[2] + 0.1 * test::rough(x, 2, 1))};
   });
-  const auto u = testing::local_values(q.get());
+  const auto u = test::local_values(q.get());
   const LocalStage stage{0.0, 1.0, 1.0, {}, {}, {}};
   std::vector<double> r(u.size(), 0.0);
   term_->add_gradient(stage, u, r);
@@ -158,4 +158,4 @@ TEST_P(MeanDilatation, ForcesOfStrainsOf1e8KeepTheirDigits) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_mean_dilatation

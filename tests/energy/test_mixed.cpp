@@ -10,15 +10,15 @@
 #include <optional>
 #include <ostream>
 
-namespace pliant {
+namespace pliant::test_mixed {
 namespace {
 
-using testing::BodySpec;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
-using testing::TestStage;
+using test::BodySpec;
+using test::Point;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
+using test::TestStage;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -28,8 +28,8 @@ struct Case {
 };
 
 std::string name_of(const Case& c) {
-  return testing::name_of(c.law) + std::string(volumetric_form_names[static_cast<std::size_t>(c.law.volumetric)]) +
-         testing::name_of(c.body);
+  return test::name_of(c.law) + std::string(volumetric_form_names[static_cast<std::size_t>(c.law.volumetric)]) +
+         test::name_of(c.body);
 }
 std::ostream& operator<<(std::ostream& out, const Case& c) {
   return out << name_of(c);
@@ -38,7 +38,7 @@ std::ostream& operator<<(std::ostream& out, const Case& c) {
 std::vector<Case> every_case() {
   std::vector<Case> cases;
   for (const BodySpec body : {BodySpec{2, Shape::jittered, 2}, BodySpec{2, Shape::curved, 2}}) {
-    for (auto law : testing::every_law(1000.0, 0.45)) {
+    for (auto law : test::every_law(1000.0, 0.45)) {
       if (!split_volume(law)) continue;
       for (const auto form : {VolumetricForm::log, VolumetricForm::quadratic, VolumetricForm::mixed}) {
         law.volumetric = form;
@@ -59,7 +59,7 @@ class Mixed : public ::testing::TestWithParam<Case> {
     equation_.emplace(*potential_, solid_.layout(), solid_.pattern(), std::vector<const MixedTerm*>{term_.get()},
                       field_);
     whole_ = {stage_.point.time, stage_.point.dt};
-    x0_ = unknowns(testing::at_rest, 0.0);
+    x0_ = unknowns(test::at_rest, 0.0);
     v0_ = equation_->make_vector();
     whole_.q0 = x0_.get();
     whole_.v0 = v0_.get();
@@ -69,7 +69,7 @@ class Mixed : public ::testing::TestWithParam<Case> {
   int degree() const { return elastic_quadrature_degree(GetParam().law.traits(), 2); }
 
   /// Displacements by the field, pressures that differ from vertex to vertex.
-  Handle<Vec> unknowns(const testing::Field& displacement, double pressure) const {
+  Handle<Vec> unknowns(const test::Field& displacement, double pressure) const {
     Handle<Vec> x = equation_->make_vector();
     const auto q = solid_.vector(displacement);
     const ArrayView values(x.get());
@@ -78,7 +78,7 @@ class Mixed : public ::testing::TestWithParam<Case> {
     std::copy(from.span().begin(), from.span().end(), values.span().begin());
     for (PetscInt n = 0; n < solid_.layout().num_owned_nodes; ++n) {
       const PetscInt p = field_.layout().of_node[0][static_cast<std::size_t>(n)];
-      if (p >= 0) values[num_q + p] = pressure * (1.0 + testing::rough(solid_.layout().position(n), 0, 5));
+      if (p >= 0) values[num_q + p] = pressure * (1.0 + test::rough(solid_.layout().position(n), 0, 5));
     }
     return x;
   }
@@ -95,7 +95,7 @@ class Mixed : public ::testing::TestWithParam<Case> {
   }
 
   Scratch scratch_{comm};
-  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam().body); });
+  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { test::write_body(f, GetParam().body); });
   Solid solid_{comm, file_, 2, degree()};
   PressureField field_{
       make_pressure_layout(solid_.layout(),
@@ -118,12 +118,12 @@ INSTANTIATE_TEST_SUITE_P(Registry, Mixed, ::testing::ValuesIn(every_case()),
 constexpr double h = 1e-3;
 
 TEST_P(Mixed, MatrixIsTheDerivativeOfTheResidual) {
-  const auto x = unknowns(testing::strained, 0.05);
+  const auto x = unknowns(test::strained, 0.05);
   const Handle<Mat> A = equation_->make_hessian();
   equation_->hessian(x.get(), A.get(), Projection::none);
   const auto Ad = equation_->make_vector();
   for (int seed : {11, 12}) {
-    auto d = unknowns(testing::rough_field(0.05, seed), 0.03);
+    auto d = unknowns(test::rough_field(0.05, seed), 0.03);
     {
       const ArrayView direction(d.get());
       for (std::size_t i = 0; i < equation_->prescribed().size(); ++i) {
@@ -140,29 +140,29 @@ TEST_P(Mixed, MatrixIsTheDerivativeOfTheResidual) {
     check(VecAXPY(difference.get(), -1.0, far_ahead.get()));
     check(VecAXPY(difference.get(), 1.0, far_behind.get()));
     check(VecScale(difference.get(), 1.0 / (12.0 * h)));
-    ASSERT_GT(testing::norm(Ad.get()), 1e-2);
-    EXPECT_LE(testing::distance(Ad.get(), difference.get()), 1e-9 * testing::norm(Ad.get()));
+    ASSERT_GT(test::norm(Ad.get()), 1e-2);
+    EXPECT_LE(test::distance(Ad.get(), difference.get()), 1e-9 * test::norm(Ad.get()));
   }
   // Symmetry, as seen by two directions.
-  const auto d = unknowns(testing::rough_field(0.05, 13), 0.03), e = unknowns(testing::rough_field(0.05, 14), 0.02);
+  const auto d = unknowns(test::rough_field(0.05, 13), 0.03), e = unknowns(test::rough_field(0.05, 14), 0.02);
   const auto Ae = equation_->make_vector();
   check(MatMult(A.get(), d.get(), Ad.get()));
   check(MatMult(A.get(), e.get(), Ae.get()));
-  EXPECT_NEAR(testing::dot(e.get(), Ad.get()), testing::dot(d.get(), Ae.get()),
-              1e-13 * testing::norm(Ad.get()) * testing::norm(e.get()));
+  EXPECT_NEAR(test::dot(e.get(), Ad.get()), test::dot(d.get(), Ae.get()),
+              1e-13 * test::norm(Ad.get()) * test::norm(e.get()));
 }
 
 TEST_P(Mixed, DisplacementsFeelTheGradientOfTheEnergyAtGivenPressures) {
-  const auto x = unknowns(testing::strained, 0.05), d = unknowns(testing::rough_field(0.05, 11), 0.0);
+  const auto x = unknowns(test::strained, 0.05), d = unknowns(test::rough_field(0.05, 11), 0.0);
   const auto value = [&](double s) { return equation_->value(shifted(x.get(), s, d.get()).get()); };
   const double expected = (8.0 * (value(h) - value(-h)) - (value(2.0 * h) - value(-2.0 * h))) / (12.0 * h);
   equation_->value(x.get());  // sets the pressures
-  const auto q = solid_.vector(testing::strained), direction = solid_.vector(testing::rough_field(0.05, 11));
+  const auto q = solid_.vector(test::strained), direction = solid_.vector(test::rough_field(0.05, 11));
   const auto forces = potential_->make_vector();
   potential_->gradient_with_reactions(q.get(), forces.get());
-  const double slope = testing::dot(forces.get(), direction.get());
+  const double slope = test::dot(forces.get(), direction.get());
   ASSERT_GT(std::abs(slope), 1e-3);
-  EXPECT_NEAR(slope, expected, 1e-9 * testing::norm(forces.get()) * testing::norm(direction.get()));
+  EXPECT_NEAR(slope, expected, 1e-9 * test::norm(forces.get()) * test::norm(direction.get()));
 }
 
 // Where p = kappa g(J) at every point the mixed body is the law's own.
@@ -179,7 +179,7 @@ TEST_P(Mixed, UniformStrainsAreTheLaws) {
     }
     return u;
   });
-  const auto local = testing::local_values(q.get());
+  const auto local = test::local_values(q.get());
   const auto like = solid_.elastic(GetParam().law);
   const double energy = sum(comm, like->energy(local, {}));
   EXPECT_NEAR(sum(comm, term_->energy(local, {})), energy, 1e-12 * energy);
@@ -245,4 +245,4 @@ TEST(VolumeMeasure, IsTheRootOfTwiceTheEnergy) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_mixed

@@ -5,15 +5,15 @@
 
 #include <cmath>
 
-namespace pliant {
+namespace pliant::test_prescribed {
 namespace {
 
-using testing::BodySpec;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
-using testing::TestStage;
+using test::BodySpec;
+using test::Point;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
+using test::TestStage;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 constexpr Point origin{0.0, 0.0, 0.0};
@@ -110,7 +110,7 @@ class Prescribed : public ::testing::Test {
 
   Scratch scratch_{comm};
   std::string file_ = scratch_.file("body.msh", [](const std::string& f) {
-    testing::write_body(f, {1, Shape::straight, 3});
+    test::write_body(f, {1, Shape::straight, 3});
   });
   Solid solid_{comm, file_, 1, 1};
   Region left_ = [](const Point& x) { return x[0] < 1e-9; };
@@ -139,7 +139,7 @@ TEST_F(Prescribed, TheFirstPartCountsAndConflictsAreTold) {
   EXPECT_TRUE(any(comm, !some.empty()));
   for (const auto& pair : some) EXPECT_EQ(pair, std::pair(std::size_t{0}, std::size_t{1}));
 
-  const Handle<Vec> q = solid_.vector(testing::at_rest), v = solid_.vector(testing::at_rest);
+  const Handle<Vec> q = solid_.vector(test::at_rest), v = solid_.vector(test::at_rest);
   motion.motion().complete_step({1.0, 0.1}, q.get(), v.get());
   const ConstArrayView u(q.get());
   for (PetscInt a = 0; a < solid_.layout().num_owned_nodes; ++a) {
@@ -154,16 +154,16 @@ TEST_F(Prescribed, StageLocalDifferencesAreExact) {
   const double t = 0.6, dt = 0.1;
   const PrescribedDisplacement prescribed(
       solid_.layout(), {{nodes(left_), {Expression("(1+y)*(t^2+t)"), std::nullopt, std::nullopt}}}, dt);
-  TestStage stage(solid_, t, dt, testing::rough_field(1.0, 1), testing::rough_field(1.0, 2));
-  const auto q = solid_.vector(testing::rough_field(1.0, 3));
+  TestStage stage(solid_, t, dt, test::rough_field(1.0, 1), test::rough_field(1.0, 2));
+  const auto q = solid_.vector(test::rough_field(1.0, 3));
   prescribed.motion().start_stage(stage.point, q.get());
   const ConstArrayView at_end(q.get()), q0(stage.q0.get()), v0(stage.v0.get());
   for (PetscInt a = 0; a < solid_.layout().num_owned_nodes; ++a) {
     const Point x = solid_.layout().position(a);
     if (!left_(x)) {
-      EXPECT_NEAR(at_end[3 * a], testing::rough(x, 0, 3), 1e-13);
-      EXPECT_NEAR(q0[3 * a], testing::rough(x, 0, 1), 1e-13);
-      EXPECT_NEAR(v0[3 * a], testing::rough(x, 0, 2), 1e-13);
+      EXPECT_NEAR(at_end[3 * a], test::rough(x, 0, 3), 1e-13);
+      EXPECT_NEAR(q0[3 * a], test::rough(x, 0, 1), 1e-13);
+      EXPECT_NEAR(v0[3 * a], test::rough(x, 0, 2), 1e-13);
       continue;
     }
     const double v = (at_end[3 * a] - q0[3 * a]) / dt;
@@ -181,7 +181,7 @@ TEST_F(Prescribed, AStageInsideAStepDoesNotSeeTheStepBefore) {
   for (const double fraction : {0.25, 0.2928932188134524, 0.5, 1.0}) {
     TestStage stage(solid_, start + fraction * step, 0.8 * step);  // as the second stage of dirk23, longer than that
     stage.point.step_start = start;
-    const auto q = solid_.vector(testing::at_rest);
+    const auto q = solid_.vector(test::at_rest);
     prescribed.motion().start_stage(stage.point, q.get());
     const ConstArrayView q0(stage.q0.get()), v0(stage.v0.get());
     for (PetscInt a = 0; a < solid_.layout().num_owned_nodes; ++a) {
@@ -197,7 +197,7 @@ TEST_F(Prescribed, LoadFactorScalesTheMotion) {
                                           {{nodes(left_), {Expression("3*t"), std::nullopt, std::nullopt}}}, 0.1);
   TestStage stage(solid_, 2.0, 0.1);
   stage.point.load_factor = 0.25;
-  const auto q = solid_.vector(testing::at_rest);
+  const auto q = solid_.vector(test::at_rest);
   prescribed.motion().start_stage(stage.point, q.get());
   const ConstArrayView u(q.get());
   for (PetscInt a = 0; a < solid_.layout().num_owned_nodes; ++a) {
@@ -206,4 +206,4 @@ TEST_F(Prescribed, LoadFactorScalesTheMotion) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_prescribed

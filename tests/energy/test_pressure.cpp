@@ -4,16 +4,16 @@
 #include "fem/element.hpp"
 #include "fem/quadrature.hpp"
 
-namespace pliant {
+namespace pliant::test_pressure {
 namespace {
 
-using testing::BodySpec;
-using testing::Field;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
-using testing::TestStage;
+using test::BodySpec;
+using test::Field;
+using test::Point;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
+using test::TestStage;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -42,7 +42,7 @@ double volume(const NodeLayout& layout, std::span<const double> q) {
 class Pressure : public ::testing::TestWithParam<BodySpec> {
  protected:
   double volume_at(Vec q) const {
-    const auto u = testing::local_values(q);
+    const auto u = test::local_values(q);
     return GetParam().order == 1 ? volume<1>(solid_.layout(), u) : volume<2>(solid_.layout(), u);
   }
   std::unique_ptr<FollowerPressure> on_the_whole_surface(const Expression& p) const {
@@ -62,10 +62,10 @@ class Pressure : public ::testing::TestWithParam<BodySpec> {
     return r;
   }
   /// Power of the forces on a field of velocities.
-  double power(Vec f, const Field& velocity) const { return testing::dot(f, solid_.vector(velocity).get()); }
+  double power(Vec f, const Field& velocity) const { return test::dot(f, solid_.vector(velocity).get()); }
 
   Scratch scratch_{comm};
-  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, GetParam()); });
+  std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { test::write_body(f, GetParam()); });
   Solid solid_{comm, file_, GetParam().order, 2};
   bool is_curved_ = GetParam().shape == Shape::curved;
 };
@@ -73,7 +73,7 @@ class Pressure : public ::testing::TestWithParam<BodySpec> {
 INSTANTIATE_TEST_SUITE_P(Bodies, Pressure,
                          ::testing::Values(BodySpec{1, Shape::jittered, 3}, BodySpec{2, Shape::jittered, 2},
                                            BodySpec{2, Shape::curved, 2}),
-                         [](const auto& of) { return testing::name_of(of.param); });
+                         [](const auto& of) { return test::name_of(of.param); });
 
 // On a plane of area A with normal e_x, moved by x = F X: -p cof(F) e_x A, whatever the mesh.
 TEST_P(Pressure, OnAFlatPlateItIsPressureTimesAreaAlongTheNormal) {
@@ -103,7 +103,7 @@ TEST_P(Pressure, PressureInSpaceIsIntegrated) {
   if (is_curved_) return;
   const auto term = solid_.pressure(Expression("t*y*z^2"));
   const TestStage stage(solid_, 2.0, 0.1);
-  const auto f = forces(*term, stage, solid_.vector(testing::at_rest).get());
+  const auto f = forces(*term, stage, solid_.vector(test::at_rest).get());
   EXPECT_NEAR(power(f.get(), [](const Point&) { return Point{1.0, 0.0, 0.0}; }), -2.0 / 6.0, 1e-13);
   EXPECT_NEAR(power(f.get(), [](const Point& X) { return Point{X[2], 0.0, 0.0}; }), -2.0 / 8.0, 1e-13);
 }
@@ -113,9 +113,9 @@ TEST_P(Pressure, OnAClosedSurfaceItWorksOnTheVolumeAlone) {
   const double p = 7.0;
   const auto term = on_the_whole_surface(Expression(p));
   const TestStage stage(solid_, 0.0, 0.1);
-  const auto q = solid_.vector(testing::strained);
+  const auto q = solid_.vector(test::strained);
   const auto f = forces(*term, stage, q.get());
-  const double size = testing::norm(f.get());
+  const double size = test::norm(f.get());
   ASSERT_GT(size, 1.0);
   for (int i = 0; i < 3; ++i) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -125,7 +125,7 @@ TEST_P(Pressure, OnAClosedSurfaceItWorksOnTheVolumeAlone) {
       return e;
     };
     const auto rotation = [j, k](const Point& X) {
-      const Point u = testing::strained(X);
+      const Point u = test::strained(X);
       Point w{};
       w[j] = -(X[k] + u[k]);
       w[k] = X[j] + u[j];
@@ -134,13 +134,13 @@ TEST_P(Pressure, OnAClosedSurfaceItWorksOnTheVolumeAlone) {
     EXPECT_NEAR(power(f.get(), translation), 0.0, 1e-13 * size);
     EXPECT_NEAR(power(f.get(), rotation), 0.0, 1e-13 * size);
   }
-  const auto d = solid_.vector(testing::rough_field(0.05, 11));
-  const auto at = [&](double alpha) { return volume_at(testing::moved(q.get(), alpha, d.get()).get()); };
+  const auto d = solid_.vector(test::rough_field(0.05, 11));
+  const auto at = [&](double alpha) { return volume_at(test::moved(q.get(), alpha, d.get()).get()); };
   // V is a cubic in q: the difference of fourth order is exact, up to its rounding.
   constexpr double h = 0.5;
   const double dV = (8.0 * (at(h) - at(-h)) - (at(2.0 * h) - at(-2.0 * h))) / (12.0 * h);
   ASSERT_GT(std::abs(dV), 1e-5);
-  EXPECT_NEAR(testing::dot(f.get(), d.get()), -p * dV, 1e-12 * p);
+  EXPECT_NEAR(test::dot(f.get(), d.get()), -p * dV, 1e-12 * p);
 }
 
 // There p V is a potential, so K is symmetric, although its facets' parts are not.
@@ -150,14 +150,14 @@ TEST_P(Pressure, OnAClosedSurfaceItsTangentIsSymmetric) {
   const TestStage stage(solid_, 0.0, 0.1);
   of.begin_stage(stage.point);
   const Handle<Mat> K = of.make_hessian();
-  of.hessian(solid_.vector(testing::strained).get(), K.get(), Projection::none);
-  const auto a = solid_.vector(testing::rough_field(1.0, 1)), b = solid_.vector(testing::rough_field(1.0, 2));
+  of.hessian(solid_.vector(test::strained).get(), K.get(), Projection::none);
+  const auto a = solid_.vector(test::rough_field(1.0, 1)), b = solid_.vector(test::rough_field(1.0, 2));
   const Handle<Vec> Ka = of.make_vector(), Kb = of.make_vector();
   check(MatMult(K.get(), a.get(), Ka.get()));
   check(MatMult(K.get(), b.get(), Kb.get()));
-  ASSERT_GT(testing::norm(Ka.get()), 0.1);
-  EXPECT_NEAR(testing::dot(b.get(), Ka.get()), testing::dot(a.get(), Kb.get()),
-              1e-13 * testing::norm(Ka.get()) * testing::norm(b.get()));
+  ASSERT_GT(test::norm(Ka.get()), 0.1);
+  EXPECT_NEAR(test::dot(b.get(), Ka.get()), test::dot(a.get(), Kb.get()),
+              1e-13 * test::norm(Ka.get()) * test::norm(b.get()));
 }
 
 // Its potential is p times the volume that the surface has swept.
@@ -167,9 +167,9 @@ TEST_P(Pressure, OnAClosedSurfaceItHasAPotential) {
   EXPECT_EQ(term->declaration().symmetry, Symmetry::symmetric);
   EXPECT_EQ(term->declaration().account, Account::load_potential);
   auto of = equation(*term);
-  const TestStage stage(solid_, 0.0, 0.1, testing::rough_field(0.01, 3));
+  const TestStage stage(solid_, 0.0, 0.1, test::rough_field(0.01, 3));
   of.begin_stage(stage.point);
-  const auto q = solid_.vector(testing::strained);
+  const auto q = solid_.vector(test::strained);
   const double V = volume_at(q.get()), V0 = volume_at(stage.q0.get()), V_rest = GetParam().volume();
   EXPECT_NEAR(of.value(q.get()), 7.0 * (V - V0), 1e-13);
   EXPECT_NEAR(of.energies({}, q.get(), nullptr)[0], 7.0 * (V - V_rest), 1e-12);
@@ -183,7 +183,7 @@ TEST(PressureWithARim, HasAPotentialWhereTheRimStaysInItsPlane) {
   for (const int order : {1, 2}) {
     const Scratch scratch(comm);
     const auto file = scratch.file("body.msh", [&](const std::string& f) {
-      testing::write_body(f, {order, Shape::jittered, 3});
+      test::write_body(f, {order, Shape::jittered, 3});
     });
     const Solid solid(comm, file, order, 2);
     const auto facets =
@@ -192,14 +192,14 @@ TEST(PressureWithARim, HasAPotentialWhereTheRimStaysInItsPlane) {
     EXPECT_TRUE(term.declaration().is_potential);
     const auto excess_of_a_detour = [&](double out_of_plane) {
       const auto state = [&](int seed) {
-        return testing::local_values(solid
-                                         .vector([=](const Point& x) {
-                                           Point u = testing::rough_field(0.1, seed)(x);
-                                           const bool is_on_rim = std::min({x[1], x[2], 1.0 - x[1], 1.0 - x[2]}) < 1e-9;
-                                           if (is_on_rim) u[0] *= out_of_plane;
-                                           return u;
-                                         })
-                                         .get());
+        return test::local_values(solid
+                                      .vector([=](const Point& x) {
+                                        Point u = test::rough_field(0.1, seed)(x);
+                                        const bool is_on_rim = std::min({x[1], x[2], 1.0 - x[1], 1.0 - x[2]}) < 1e-9;
+                                        if (is_on_rim) u[0] *= out_of_plane;
+                                        return u;
+                                      })
+                                      .get());
       };
       const std::array q{state(1), state(2), state(3)};
       const auto work = [&](int from, int to) {
@@ -223,4 +223,4 @@ TEST_P(Pressure, DeclaresItselfALoadWithoutPotential) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_pressure

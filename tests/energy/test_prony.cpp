@@ -3,15 +3,15 @@
 #include "energy/reference.hpp"
 #include "energy/viscous_body.hpp"
 
-namespace pliant {
+namespace pliant::test_prony {
 namespace {
 
-using testing::at_time;
-using testing::BodySpec;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
-using testing::TestStage;
+using test::at_time;
+using test::BodySpec;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
+using test::TestStage;
 using testing_states::random_matrix;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
@@ -85,12 +85,12 @@ struct PronyBody {
     const Handle<Vec> q = solid.vector(at_time(0.0)), z = potential.make_internal();
     potential.internal_variables().end_stage(second.point, q.get(), z.get());
     potential.begin_stage(second.point);
-    const Handle<Vec> r = potential.make_vector(), v = testing::moved(q.get(), -1.0, second.q0.get());
+    const Handle<Vec> r = potential.make_vector(), v = test::moved(q.get(), -1.0, second.q0.get());
     check(VecScale(v.get(), 1.0 / h));
     const double change = potential.value(q.get());
     const TermPower power = potential.powers(q.get(), v.get(), r.get())[0];
     const double before = potential.energies({}, second.q0.get(), second.z0.get())[0];
-    return {testing::norm(r.get()), change, -power.exerted, power.dissipated,
+    return {test::norm(r.get()), change, -power.exerted, power.dissipated,
             (potential.energies({}, q.get(), z.get())[0] - before) / h};
   }
 
@@ -102,13 +102,13 @@ struct PronyBody {
 class PronySeries : public ::testing::Test {
  protected:
   Scratch scratch_{comm};
-  std::string file_ = scratch_.file("body.msh", [](const std::string& f) { testing::write_body(f, spec); });
+  std::string file_ = scratch_.file("body.msh", [](const std::string& f) { test::write_body(f, spec); });
 };
 
 // S_e is linear in E then, and A the stress of the strain that the dashpot has.
 TEST_F(PronySeries, OnSaintVenantKirchhoffIsMaxwell) {
   constexpr double g = 0.7, tau = 0.1;
-  const Lame c = lame(testing::prony_modulus, 0.3);
+  const Lame c = lame(test::prony_modulus, 0.3);
   PronyBody prony(comm, file_, [=](const Solid& s) { return s.prony({{g, tau}}, "saint-venant-kirchhoff"); });
   PronyBody maxwell(comm, file_, [=](const Solid& s) {
     return s.viscous(Maxwell{g * c.mu, g * bulk_modulus(c), tau});
@@ -145,4 +145,4 @@ TEST_F(PronySeries, NothingDependsOnTheNumberOfRanks) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_prony

@@ -7,16 +7,16 @@
 
 #include <algorithm>
 
-namespace pliant {
+namespace pliant::test_relaxation {
 namespace {
 
-using testing::BodySpec;
-using testing::Field;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
-using testing::TestStage;
+using test::BodySpec;
+using test::Field;
+using test::Point;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
+using test::TestStage;
 
 constexpr double tau = 0.1;
 const BodySpec small_body{1, Shape::straight, 1};
@@ -44,8 +44,8 @@ struct Mechanism {
 
 std::vector<Mechanism> every_mechanism() {
   std::vector<Mechanism> all;
-  for (const auto& law : testing::every_viscosity()) {
-    all.push_back({testing::name_of(law), [law](const Solid& solid) { return solid.viscous(law); }});
+  for (const auto& law : test::every_viscosity()) {
+    all.push_back({test::name_of(law), [law](const Solid& solid) { return solid.viscous(law); }});
   }
   all.push_back({"prony", [](const Solid& s) { return s.prony({{0.5, tau}, {1.5, 0.3}}, "neo-hookean"); }});
   all.push_back({"massproportional", [](const Solid& s) { return s.mass_damping(2.0, Mass::consistent); }});
@@ -107,7 +107,7 @@ Losses follow(const Solid& solid, IncrementalPotential& potential, const Method&
 class GivenMotion : public test::EveryMethod {
  protected:
   Scratch scratch_{MPI_COMM_SELF};
-  std::string file_ = scratch_.file("body.msh", [](const std::string& f) { testing::write_body(f, small_body); });
+  std::string file_ = scratch_.file("body.msh", [](const std::string& f) { test::write_body(f, small_body); });
   Solid solid_{MPI_COMM_SELF, file_, 1, 0};
 
   IncrementalPotential potential_of(const EnergyTerm& term) const {
@@ -139,7 +139,7 @@ TEST_P(GivenMotion, ARigidSpinDissipatesNothing) {
                                    omega[0] * x[1] - omega[1] * x[0]};
                     };
                   }};
-  const Path strained = along([](double t) { return testing::at_time(t); });
+  const Path strained = along([](double t) { return test::at_time(t); });
   for (const Mechanism& mechanism : every_mechanism()) {
     if (mechanism.name == "massproportional") continue;  // which damps it by purpose
     const auto term = mechanism.make(solid_);
@@ -157,7 +157,7 @@ TEST_P(GivenMotion, ARigidSpinDissipatesNothing) {
 
 TEST_P(GivenMotion, NoRateOfLossIsNegative) {
   for (const double speed : {1.0, 4.0}) {
-    const Path path = along([speed](double t) { return testing::at_time(speed * t); });
+    const Path path = along([speed](double t) { return test::at_time(speed * t); });
     for (const Mechanism& mechanism : every_mechanism()) {
       const auto term = mechanism.make(solid_);
       IncrementalPotential potential = potential_of(*term);
@@ -172,7 +172,7 @@ TEST_P(GivenMotion, NoRateOfLossIsNegative) {
 // strain.
 TEST_P(GivenMotion, AHeldStrainRelaxesExponentially) {
   Field stretched = [](const Point& X) { return Point{0.33 * X[0], -0.1 * X[1] + 0.2 * X[0], 0.05 * X[2]}; };
-  const Path held{[=](double) { return stretched; }, [](double) { return testing::at_rest; }};
+  const Path held{[=](double) { return stretched; }, [](double) { return test::at_rest; }};
   std::vector<Mechanism> branches{{"maxwell", [](const Solid& s) { return s.viscous(Maxwell{300.0, 500.0, tau}); }}};
   for (const char* law : {"saint-venant-kirchhoff", "neo-hookean"}) {
     branches.push_back({law, [law](const Solid& s) { return s.prony({{0.7, tau}}, law); }});
@@ -190,24 +190,24 @@ TEST_P(GivenMotion, AHeldStrainRelaxesExponentially) {
       return r;
     };
     const Handle<Vec> at_once = force(potential.make_internal().get());
-    const double size = testing::norm(at_once.get());
+    const double size = test::norm(at_once.get());
     if (branch.name != "maxwell") {
-      const auto elastic = solid_.elastic(make_law(branch.name, testing::prony_modulus, 0.3));
+      const auto elastic = solid_.elastic(make_law(branch.name, test::prony_modulus, 0.3));
       IncrementalPotential alone = potential_of(*elastic);
       const TestStage rest(solid_, 0.0, 1.0);
       alone.begin_stage(rest.point);
       const Handle<Vec> r = alone.make_vector();
       alone.gradient(solid_.vector(stretched).get(), r.get());
       check(VecScale(r.get(), 0.7));
-      EXPECT_LE(testing::distance(at_once.get(), r.get()), 1e-13 * size);
+      EXPECT_LE(test::distance(at_once.get(), r.get()), 1e-13 * size);
     }
     std::array<double, 2> errors{};
     for (const int level : {0, 1}) {
       const Losses losses = follow(solid_, potential, GetParam(), held, {tau, level == 0 ? 20.0 : 40.0});
       const Handle<Vec> left = force(losses.z.get());
-      const double part = testing::dot(left.get(), at_once.get()) / (size * size);
+      const double part = test::dot(left.get(), at_once.get()) / (size * size);
       check(VecAXPY(left.get(), -part, at_once.get()));
-      EXPECT_LE(testing::norm(left.get()), 1e-13 * size) << "another direction";
+      EXPECT_LE(test::norm(left.get()), 1e-13 * size) << "another direction";
       errors[level] = std::abs(part - std::exp(-1.0));
     }
     EXPECT_NEAR(std::log2(errors[0] / errors[1]), GetParam().order, 0.15) << branch.name;
@@ -282,8 +282,8 @@ TEST_P(GivenMotion, ALoadedBarCreepsAsItsFormulaSays) {
     for (const int level : {0, 1}) {
       const double start = load * c.strain(0.0);
       const auto q = solid_.vector([=](const Point& X) { return Point{start * X[0], 0.0, 0.0}; });
-      const auto v = solid_.vector(testing::at_rest);
-      System system{testing::dense_newton(potential, 1e-24)};
+      const auto v = solid_.vector(test::at_rest);
+      System system{test::dense_newton(potential, 1e-24)};
       const Handle<Vec> z = potential.make_internal();
       if (z) {
         system.internal = potential.internal_variables();
@@ -311,4 +311,4 @@ TEST_P(GivenMotion, ALoadedBarCreepsAsItsFormulaSays) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_relaxation

@@ -6,13 +6,13 @@
 
 #include <cmath>
 
-namespace pliant {
+namespace pliant::test_rigid_fit {
 namespace {
 
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
+using test::Point;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -22,7 +22,7 @@ class RigidFit : public ::testing::Test {
 
   Scratch scratch_{comm};
   std::string file_ = scratch_.file("body.msh", [](const std::string& f) {
-    testing::write_body(f, {1, Shape::jittered, 3});
+    test::write_body(f, {1, Shape::jittered, 3});
   });
   Solid solid_{comm, file_, 1, 1};
   Region side_ = [](const Point& x) { return x[0] > 1.0 - 1e-9; };
@@ -52,7 +52,7 @@ TEST_F(RigidFit, FindsRigidMotionsOfAnySize) {
 TEST_F(RigidFit, IsTheNearest) {
   const auto chosen = nodes(side_);
   const auto u = solid_.vector([](const Point& x) {
-    const Point w = testing::strained(x);
+    const Point w = test::strained(x);
     return w + turn(Vector3<double>{0.3, 0.9, -0.5}, x) - x;
   });
   const auto squares = [&](const Placement& at) {
@@ -128,4 +128,4 @@ TEST_F(RigidFit, TellsWhatCannotTurn) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_rigid_fit

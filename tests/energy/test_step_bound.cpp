@@ -2,13 +2,13 @@
 #include "energy/step_bound.hpp"
 #include "material/states.hpp"
 
-namespace pliant {
+namespace pliant::test_step_bound {
 namespace {
 
-using testing::Point;
-using testing::Scratch;
-using testing::Solid;
-using testing::TestStage;
+using test::Point;
+using test::Scratch;
+using test::Solid;
+using test::TestStage;
 using testing_states::Matrix;
 
 const Matrix unit = identity<double>();
@@ -77,18 +77,17 @@ TEST(StepBound, OfASingleTetrahedronIsExact) {
                    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 2 0 0\n3 0 1 0\n4 0.3 0.3 0.5\n"
                    "$EndNodes\n$Elements\n1\n1 4 2 0 1 1 2 3 4\n$EndElements\n");
   for (const int order : {1, 2}) {
-    for (const auto& law : testing::every_law()) {
+    for (const auto& law : test::every_law()) {
       const Solid solid(MPI_COMM_SELF, file, order, elastic_quadrature_degree(law.traits(), order));
       const auto term = solid.elastic(law);
-      const auto q = testing::local_values(solid.vector(testing::at_rest).get());
+      const auto q = test::local_values(solid.vector(test::at_rest).get());
       // Affine, so that P2's middles follow.
-      const auto d =
-          testing::local_values(solid.vector([](const Point& x) {
-                                       return Point{0.2 * x[2], 0.0, -1.6 * x[2]};
-                                     })
-                                    .get());
+      const auto d = test::local_values(solid.vector([](const Point& x) {
+                                               return Point{0.2 * x[2], 0.0, -1.6 * x[2]};
+                                             })
+                                            .get());
       const double bound = term->max_step({}, q, d);
-      if (testing::is_barrier(law)) {
+      if (test::is_barrier(law)) {
         EXPECT_NEAR(bound, 1.0 / 1.6, 1e-11);
       } else {
         EXPECT_EQ(bound, HUGE_VAL);
@@ -98,4 +97,4 @@ TEST(StepBound, OfASingleTetrahedronIsExact) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_step_bound

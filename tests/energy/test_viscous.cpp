@@ -2,27 +2,26 @@
 #include "energy/reference.hpp"
 #include "energy/viscous_body.hpp"
 
-namespace pliant {
+namespace pliant::test_viscous {
 namespace {
 
-using testing::at_time;
-using testing::BodySpec;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
-using testing::stage_before_zero;
-using testing::TestStage;
-using testing::ViscousBody;
+using test::at_time;
+using test::BodySpec;
+using test::Point;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
+using test::stage_before_zero;
+using test::TestStage;
+using test::ViscousBody;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
-constexpr double dt = testing::viscous_dt;
+constexpr double dt = test::viscous_dt;
 
-class Viscous : public testing::EveryViscosity {};
+class Viscous : public test::EveryViscosity {};
 
-INSTANTIATE_TEST_SUITE_P(Registry, Viscous, ::testing::ValuesIn(testing::every_viscous_case()), [](const auto& of) {
-  return testing::name_of(of.param.law) + testing::name_of(of.param.body);
-});
+INSTANTIATE_TEST_SUITE_P(Registry, Viscous, ::testing::ValuesIn(test::every_viscous_case()),
+                         [](const auto& of) { return test::name_of(of.param.law) + test::name_of(of.param.body); });
 
 TEST_P(Viscous, DeclaresWhatItIs) {
   EXPECT_EQ(body_.term->declaration().is_potential, !is_exact_);
@@ -36,7 +35,7 @@ TEST_P(Viscous, StayingWhereItHasBeenForEverCostsNothing) {
   const TestStage stage = body_.stage_from(at_time(0.0));
   body_.potential.begin_stage(stage.point);
   const auto moved = solid_.vector(at_time(0.01));
-  EXPECT_LE(testing::norm(body_.gradient(stage.q0).get()), 1e-13 * testing::norm(body_.gradient(moved).get()));
+  EXPECT_LE(test::norm(body_.gradient(stage.q0).get()), 1e-13 * test::norm(body_.gradient(moved).get()));
   EXPECT_LE(body_.dissipation(stage, stage.q0), 1e-26 * body_.dissipation(stage, moved));
 }
 
@@ -45,9 +44,9 @@ TEST_P(Viscous, InternalForcesBalance) {
   body_.potential.begin_stage(stage.point);
   const auto q = solid_.vector(at_time(0.0));
   const auto r = body_.gradient(q);
-  const double size = testing::norm(r.get());
+  const double size = test::norm(r.get());
   ASSERT_GT(size, 1.0);
-  const auto [force, moment] = testing::resultant(solid_, r.get(), q.get());
+  const auto [force, moment] = test::resultant(solid_, r.get(), q.get());
   for (int i = 0; i < 3; ++i) {
     EXPECT_NEAR(force[i], 0.0, 1e-13 * size);
     EXPECT_NEAR(moment[i], 0.0, 1e-13 * size);
@@ -56,9 +55,9 @@ TEST_P(Viscous, InternalForcesBalance) {
 
 /// Where the motion was a time dt ago if it only turned, as a straight line or on the circle, and is now at time 0.
 enum class Path { straight, circle };
-testing::Field turned_back(Path path, double length) {
+test::Field turned_back(Path path, double length) {
   return [=](const Point& X) {
-    const Point omega{3.0, -2.0, 5.0}, u = testing::moving(X, 0.0);
+    const Point omega{3.0, -2.0, 5.0}, u = test::moving(X, 0.0);
     const auto Q = testing_states::rotation(-omega[0] * length, -omega[1] * length, -omega[2] * length);
     const Point x{X[0] + u[0], X[1] + u[1], X[2] + u[2]};
     Point y{};
@@ -77,7 +76,7 @@ TEST_P(Viscous, RotationsCostNothing) {
   const TestStage stage = body_.stage_from(turned_back(is_exact_ ? Path::straight : Path::circle, dt));
   body_.potential.begin_stage(stage.point);
   const auto q = solid_.vector(at_time(0.0)), strained = solid_.vector(at_time(0.01));
-  EXPECT_LE(testing::norm(body_.gradient(q).get()), 1e-13 * testing::norm(body_.gradient(strained).get()));
+  EXPECT_LE(test::norm(body_.gradient(q).get()), 1e-13 * test::norm(body_.gradient(strained).get()));
   EXPECT_LE(body_.dissipation(stage, q), 1e-26 * body_.dissipation(stage, strained));
 }
 
@@ -87,7 +86,7 @@ TEST_P(Viscous, RotationsOnTheOtherPathCostTheFirstOrder) {
   const auto force = [&](double h) {
     const TestStage stage = body_.stage_from(turned_back(is_exact_ ? Path::circle : Path::straight, h), h);
     body_.potential.begin_stage(stage.point);
-    return testing::norm(body_.gradient(solid_.vector(at_time(0.0))).get());
+    return test::norm(body_.gradient(solid_.vector(at_time(0.0))).get());
   };
   const double order = body_.maxwell != nullptr ? 2.0 : 1.0;  // the spring yields while the dashpot is fast
   EXPECT_NEAR(std::log2(force(1e-3) / force(5e-4)), order, 0.01);
@@ -126,7 +125,7 @@ TEST_P(Viscous, StressOfABranchRelaxes) {
   for (int n = 1; n <= 40; ++n) {
     const double dissipation = body_.dissipation(stage, stage.q0);
     body_.potential.begin_stage(stage.point);
-    const double next = testing::norm(body_.gradient(stage.q0).get());
+    const double next = test::norm(body_.gradient(stage.q0).get());
     if (n > 1) {
       EXPECT_NEAR(next / force, 1.0 / (1.0 + h / tau), 1e-12);
     }
@@ -160,15 +159,15 @@ TEST_P(Viscous, ABranchIsASpringInFastMotion) {
   alone.begin_stage(rest.point);
   const Handle<Vec> expected = alone.make_vector();
   alone.gradient(q.get(), expected.get());
-  const double size = testing::norm(expected.get()), tau = law.relaxation_time;
-  EXPECT_LE(testing::distance(force(1e-14 * tau).get(), expected.get()), 1e-12 * size);
-  EXPECT_LE(testing::norm(force(1e12 * tau).get()), 2e-12 * size);
+  const double size = test::norm(expected.get()), tau = law.relaxation_time;
+  EXPECT_LE(test::distance(force(1e-14 * tau).get(), expected.get()), 1e-12 * size);
+  EXPECT_LE(test::norm(force(1e12 * tau).get()), 2e-12 * size);
 }
 
 // dr/dq by differences, times d.
 Handle<Vec> jacobian_times(ViscousBody& body, const Handle<Vec>& q, const Handle<Vec>& d) {
   constexpr double h = 1e-3;  // r is a cubic: the fourth-order difference leaves rounding alone
-  const auto at = [&](double s) { return body.gradient(testing::moved(q.get(), s * h, d.get())); };
+  const auto at = [&](double s) { return body.gradient(test::moved(q.get(), s * h, d.get())); };
   const auto ahead = at(1.0), behind = at(-1.0), far_ahead = at(2.0), far_behind = at(-2.0);
   Handle<Vec> result = body.potential.make_vector();
   check(VecAXPY(result.get(), 8.0 / (12.0 * h), ahead.get()));
@@ -181,7 +180,7 @@ Handle<Vec> jacobian_times(ViscousBody& body, const Handle<Vec>& q, const Handle
 // Where there is no potential, the Hessian is the Jacobian at the stage's start, and further on all but its skew part.
 TEST_P(Viscous, TheHessianIsTheSymmetricPartOfTheJacobian) {
   const auto end = solid_.vector(at_time(0.0));
-  const auto d = solid_.vector(testing::rough_field(0.05, 11));
+  const auto d = solid_.vector(test::rough_field(0.05, 11));
   const Handle<Mat> K = body_.potential.make_hessian();
   const Handle<Vec> Kd = body_.potential.make_vector();
   std::array<double, 2> skew{}, symmetric{};
@@ -192,13 +191,13 @@ TEST_P(Viscous, TheHessianIsTheSymmetricPartOfTheJacobian) {
       body_.potential.hessian(q->get(), K.get(), Projection::none);
       check(MatMult(K.get(), d.get(), Kd.get()));
       const auto Jd = jacobian_times(body_, *q, d);
-      const double size = testing::norm(Jd.get()), error = testing::distance(Kd.get(), Jd.get());
+      const double size = test::norm(Jd.get()), error = test::distance(Kd.get(), Jd.get());
       ASSERT_GT(size, 1.0);
       if (q == &stage.q0 || !is_exact_) {
         EXPECT_LE(error, 1e-9 * size);
       } else {
         skew[level] = error / size;
-        symmetric[level] = std::abs(testing::dot(d.get(), Kd.get()) - testing::dot(d.get(), Jd.get())) / size;
+        symmetric[level] = std::abs(test::dot(d.get(), Kd.get()) - test::dot(d.get(), Jd.get())) / size;
       }
     }
   }
@@ -210,20 +209,20 @@ TEST_P(Viscous, TheHessianIsTheSymmetricPartOfTheJacobian) {
 // A body that is quickly compressed would rather turn.
 TEST_P(Viscous, ProjectedHessianIsPositiveSemidefiniteWhereTheHessianIsNot) {
   ViscousBody whole(MPI_COMM_SELF, file_, GetParam());
-  const TestStage stage = whole.stage_from(testing::at_rest);
+  const TestStage stage = whole.stage_from(test::at_rest);
   whole.potential.begin_stage(stage.point);
   const auto q = whole.solid.vector([](const Point& x) {
-    return Point{-0.3 * x[0] + 0.01 * testing::rough(x, 0, 2), -0.35 * x[1], -0.3 * x[2]};
+    return Point{-0.3 * x[0] + 0.01 * test::rough(x, 0, 2), -0.35 * x[1], -0.3 * x[2]};
   });
-  const auto [lowest, highest] = testing::extreme_eigenvalues(whole.potential, q.get(), Projection::none);
+  const auto [lowest, highest] = test::extreme_eigenvalues(whole.potential, q.get(), Projection::none);
   const auto [projected, projected_highest] =
-      testing::extreme_eigenvalues(whole.potential, q.get(), Projection::positive_semidefinite);
+      test::extreme_eigenvalues(whole.potential, q.get(), Projection::positive_semidefinite);
   EXPECT_LT(lowest, -1e-3 * highest);
   EXPECT_GE(projected, -1e-13 * projected_highest);
   // Where the stress is tension, projection changes nothing.
   const auto stretched = whole.solid.vector([](const Point& x) { return Point{0.1 * x[0], 0.1 * x[1], 0.1 * x[2]}; });
-  const auto exact = testing::extreme_eigenvalues(whole.potential, stretched.get(), Projection::none);
-  const auto same = testing::extreme_eigenvalues(whole.potential, stretched.get(), Projection::positive_semidefinite);
+  const auto exact = test::extreme_eigenvalues(whole.potential, stretched.get(), Projection::none);
+  const auto same = test::extreme_eigenvalues(whole.potential, stretched.get(), Projection::positive_semidefinite);
   EXPECT_NEAR(exact[1], same[1], 1e-12 * exact[1]);
 }
 
@@ -235,7 +234,7 @@ TEST_P(Viscous, NothingDependsOnTheNumberOfRanks) {
     const auto q = body.solid.vector(at_time(0.0));
     const Handle<Vec> z = body.end_stage(stage, q);
     body.potential.begin_stage(stage.point);
-    return std::array{testing::norm(body.gradient(q).get()), body.potential.value(q.get()), body.dissipation(stage, q),
+    return std::array{test::norm(body.gradient(q).get()), body.potential.value(q.get()), body.dissipation(stage, q),
                       body.energy(q, z)};
   };
   const auto mine = results(body_), expected = results(whole);
@@ -248,7 +247,7 @@ TEST_P(Viscous, NothingDependsOnTheNumberOfRanks) {
 TEST_P(Viscous, CompletedStepsHoldTheStrainsOfTheirConfiguration) {
   Handle<Vec> z = body_.potential.make_internal();
   EXPECT_EQ(static_cast<bool>(z), body_.term->num_internal() > 0);
-  const bool holds_strain = testing::rate_of(GetParam().law) == StrainRate::reconstructed;
+  const bool holds_strain = test::rate_of(GetParam().law) == StrainRate::reconstructed;
   EXPECT_EQ(static_cast<bool>(z), holds_strain || body_.maxwell != nullptr);
   if (!z) return;
   const auto q = solid_.vector(at_time(0.0));
@@ -257,54 +256,54 @@ TEST_P(Viscous, CompletedStepsHoldTheStrainsOfTheirConfiguration) {
   const Handle<Vec> expected =
       holds_strain ? body_.stage_from(at_time(0.0)).z0.share() : body_.potential.make_internal();
   if (!holds_strain) check(VecSet(expected.get(), 0.25));
-  EXPECT_LE(testing::distance(z.get(), expected.get()), 1e-15 * testing::norm(expected.get()));
+  EXPECT_LE(test::distance(z.get(), expected.get()), 1e-15 * test::norm(expected.get()));
 }
 
 TEST(RelativeModuli, ArePartsOfTheElasticOnes) {
   const Scratch scratch(MPI_COMM_WORLD);
   const BodySpec spec{2, Shape::jittered, 2};
-  const std::string file = scratch.file("body.msh", [&](const std::string& f) { testing::write_body(f, spec); });
+  const std::string file = scratch.file("body.msh", [&](const std::string& f) { test::write_body(f, spec); });
   const auto forces = [&](const ViscosityVariant& law) {
     ViscousBody body(comm, file, {law, spec});
     const TestStage stage = stage_before_zero(body, dt);
     body.potential.begin_stage(stage.point);
     return body.gradient(body.solid.vector(at_time(0.0)));
   };
-  const auto& [shear, bulk] = testing::stiffness_at_rest;
+  const auto& [shear, bulk] = test::stiffness_at_rest;
   const auto expected = forces(KelvinVoigt{0.02 * shear, 0.02 * bulk, StrainRate::exact});
   const auto proportional = forces(StiffnessProportional{0.02, StrainRate::exact});
-  EXPECT_LE(testing::distance(proportional.get(), expected.get()), 1e-14 * testing::norm(expected.get()));
+  EXPECT_LE(test::distance(proportional.get(), expected.get()), 1e-14 * test::norm(expected.get()));
   const auto branch = forces(Maxwell{0.3 * shear, 0.2 * bulk, 0.1});
   const auto part = forces(Maxwell{0.3, 0.2, 0.1, Moduli::relative});
-  EXPECT_LE(testing::distance(part.get(), branch.get()), 1e-14 * testing::norm(branch.get()));
+  EXPECT_LE(test::distance(part.get(), branch.get()), 1e-14 * test::norm(branch.get()));
 }
 
 // Of the body's mass as a whole: the elements hold an affine velocity exactly.
 TEST(MassProportionalDamping, TakesItsPartOfTheMomentum) {
   const Scratch scratch(MPI_COMM_WORLD);
   const BodySpec spec{2, Shape::jittered, 2};
-  const std::string file = scratch.file("body.msh", [&](const std::string& f) { testing::write_body(f, spec); });
+  const std::string file = scratch.file("body.msh", [&](const std::string& f) { test::write_body(f, spec); });
   const Solid solid(comm, file, 2, 2);
   constexpr double alpha = 0.7, density = 3.0;
   for (const Mass mass : {Mass::consistent, Mass::lumped}) {
     const auto term = solid.mass_damping(alpha * density, mass);
     const auto inertia = solid.inertia(density, mass);
     const auto v = solid.vector([](const Point& x) { return Point{1.0 + x[1], -2.0 * x[2], 0.5}; });
-    TestStage stage(solid, 0.0, dt, testing::rough_field(0.1, 1));
-    const auto q = testing::moved(stage.q0.get(), dt, v.get());
+    TestStage stage(solid, 0.0, dt, test::rough_field(0.1, 1));
+    const auto q = test::moved(stage.q0.get(), dt, v.get());
     IncrementalPotential potential(solid.layout(), solid.pattern(), {term.get()}, solid.nothing_prescribed());
     potential.begin_stage(stage.point);
     const Handle<Vec> r = potential.make_vector();
     potential.gradient(q.get(), r.get());
-    const auto [force, moment] = testing::resultant(solid, r.get(), stage.q0.get());
-    const Momenta m = inertia->momenta(solid.layout().coordinates, testing::local_values(stage.q0.get()),
-                                       testing::local_values(v.get()));
+    const auto [force, moment] = test::resultant(solid, r.get(), stage.q0.get());
+    const Momenta m =
+        inertia->momenta(solid.layout().coordinates, test::local_values(stage.q0.get()), test::local_values(v.get()));
     for (int i = 0; i < 3; ++i) {
       EXPECT_NEAR(force[i], alpha * sum(comm, m.linear[i]), 1e-12 * density);
       EXPECT_NEAR(moment[i], alpha * sum(comm, m.angular[i]), 1e-12 * density);
     }
     const auto power = potential.powers(q.get(), v.get(), r.get());
-    const double lost = 2.0 * alpha * sum(comm, inertia->kinetic_energy(testing::local_values(v.get())));
+    const double lost = 2.0 * alpha * sum(comm, inertia->kinetic_energy(test::local_values(v.get())));
     EXPECT_NEAR(power[0].dissipated, lost, 1e-12 * lost);
     EXPECT_NEAR(power[0].exerted, -lost, 1e-12 * lost);
     EXPECT_NEAR(potential.value(q.get()), 0.5 * dt * lost, 1e-12 * lost);
@@ -320,4 +319,4 @@ TEST(StrainRateFor, KeepsTheOrderOfEveryMethodWithAPotentialWhereThereIsOne) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_viscous

@@ -9,14 +9,14 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_viscous_order {
 namespace {
 
-using testing::BodySpec;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
+using test::BodySpec;
+using test::Point;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
 
 /// Mechanisms that act side by side.
 struct Damping {
@@ -34,7 +34,7 @@ struct OrderCase {
 };
 
 std::string name_of(const OrderCase& c) {
-  std::string name = testing::name_of(c.body) + c.damping.name + "_" + c.method.name;
+  std::string name = test::name_of(c.body) + c.damping.name + "_" + c.method.name;
   std::erase(name, '-');
   return name;
 }
@@ -49,7 +49,7 @@ const Maxwell branch{3.0, 2.0, 0.1};
 
 Damping kelvin_voigt(StrainRate rate) {
   const KelvinVoigt law{shear, bulk, rate};
-  return {testing::name_of(law), {law}};
+  return {test::name_of(law), {law}};
 }
 
 Damping maxwell() {
@@ -83,7 +83,7 @@ std::vector<OrderCase> every_case() {
 }
 
 double expected_order(const OrderCase& c) {
-  const auto rate = c.damping.laws.empty() ? std::nullopt : testing::rate_of(c.damping.laws[0]);
+  const auto rate = c.damping.laws.empty() ? std::nullopt : test::rate_of(c.damping.laws[0]);
   if (!rate || rate == StrainRate::exact) return c.method.order;
   return rate == StrainRate::secant ? 1 : c.method.reconstructed_rate_order;
 }
@@ -119,7 +119,7 @@ struct Motion {
       return Point{spin[0] + 0.4 * x[0], spin[1] - 0.3 * x[1] * x[2], spin[2] + 0.5 * x[2]};
     });
     const Handle<Vec> z = potential.make_internal();
-    return testing::end_of_motion(potential, method, {0.0, q.get(), v.get(), z.get(), {}}, end_time, num_steps);
+    return test::end_of_motion(potential, method, {0.0, q.get(), v.get(), z.get(), {}}, end_time, num_steps);
   }
 
   static constexpr double end_time = 0.5;
@@ -141,10 +141,10 @@ class ViscousOrders : public ::testing::TestWithParam<OrderCase> {
     Damping damping = c.damping;
     if (damping.laws.size() > 1) {
       damping = every_mechanism(StrainRate::exact);
-    } else if (!damping.laws.empty() && testing::rate_of(damping.laws[0])) {
+    } else if (!damping.laws.empty() && test::rate_of(damping.laws[0])) {
       damping = kelvin_voigt(StrainRate::exact);
     }
-    auto& result = known[testing::name_of(c.body) + damping.name];
+    auto& result = known[test::name_of(c.body) + damping.name];
     if (result[0].empty()) result = Motion(file, c.body, damping).end(*find_method("dirk33"), 4 * num_fine);
     return result;
   }
@@ -158,13 +158,13 @@ INSTANTIATE_TEST_SUITE_P(Registry, ViscousOrders, ::testing::ValuesIn(every_case
 TEST_P(ViscousOrders, AreThoseOfTheTable) {
   const OrderCase& c = GetParam();
   if (c.number % num_ranks(MPI_COMM_WORLD) != rank(MPI_COMM_WORLD)) return;  // another rank's
-  const std::string file = scratch_.file("body.msh", [&](const std::string& f) { testing::write_body(f, c.body); });
+  const std::string file = scratch_.file("body.msh", [&](const std::string& f) { test::write_body(f, c.body); });
   const auto& exact = reference(file, c);
   Motion motion(file, c.body, c.damping);
   std::array<std::array<double, 2>, 2> errors;
   for (const int level : {0, 1}) {
     const auto end = motion.end(c.method, level == 0 ? num_fine / 2 : num_fine);
-    for (const int part : {0, 1}) errors[level][part] = testing::distance(end[part], exact[part]);
+    for (const int part : {0, 1}) errors[level][part] = test::distance(end[part], exact[part]);
   }
   for (const int part : {0, 1}) {
     const double order = std::log2(errors[0][part] / errors[1][part]);
@@ -175,4 +175,4 @@ TEST_P(ViscousOrders, AreThoseOfTheTable) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_viscous_order

@@ -18,7 +18,7 @@
 #include <set>
 #include <vector>
 
-namespace pliant::testing {
+namespace pliant::test {
 
 /// One constraint: prescribed components of `given` at the nodes of the region, or ties that refer to it.
 struct TestConstraint {
@@ -208,4 +208,4 @@ inline TestConstraint platen(const Region& region, const RigidMotion& motion, Fr
   return result;
 }
 
-}  // namespace pliant::testing
+}  // namespace pliant::test

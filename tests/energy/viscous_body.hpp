@@ -7,7 +7,7 @@
 
 #include <ostream>
 
-namespace pliant::testing {
+namespace pliant::test {
 
 inline constexpr double viscous_dt = 0.05;  ///< length of the stages [s]
 
@@ -123,4 +123,4 @@ inline TestStage stage_before_zero(ViscousBody& body, double h) {
   return stage;
 }
 
-}  // namespace pliant::testing
+}  // namespace pliant::test

@@ -15,7 +15,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant::testing {
+namespace pliant::test {
 
 using Point = std::array<double, 3>;
 
@@ -110,4 +110,4 @@ inline const PhysicalGroup& group_named(const Mesh& mesh, const std::string& nam
   throw std::runtime_error("no group " + name);
 }
 
-}  // namespace pliant::testing
+}  // namespace pliant::test

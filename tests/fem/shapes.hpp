@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace pliant::testing {
+namespace pliant::test {
 
 /// Below the unit cube, whose bottom is partly within.
 struct ShapeCase {
@@ -57,4 +57,4 @@ inline std::vector<ShapeCase> every_shape() {
   return cases;
 }
 
-}  // namespace pliant::testing
+}  // namespace pliant::test

@@ -3,23 +3,23 @@
 #include "petsc/array_view.hpp"
 #include "petsc/ghosted.hpp"
 
-namespace pliant {
+namespace pliant::test_block_matrix {
 namespace {
 
-using testing::Body;
-using testing::BodySpec;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
+using test::Body;
+using test::BodySpec;
+using test::Point;
+using test::Scratch;
+using test::Shape;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
 /// The (i, j) entry of the block of nodes at X and Y of a cell around M; symmetric under (X, i) <-> (Y, j).
 double entry(const Point& M, const Point& X, int i, const Point& Y, int j) {
-  return testing::rough(M, 0, 1) + testing::rough(X, i, 2) * testing::rough(Y, j, 2);
+  return test::rough(M, 0, 1) + test::rough(X, i, 2) * test::rough(Y, j, 2);
 }
 
-class Matrices : public testing::OnBodies {
+class Matrices : public test::OnBodies {
  protected:
   Point middle(PetscInt cell) const {
     Point m{};
@@ -94,7 +94,7 @@ class Matrices : public testing::OnBodies {
   std::vector<char> some_prescribed() const {
     std::vector<char> flags;
     for (PetscInt a = 0; a < layout_.num_local_nodes; ++a) {
-      for (int i = 0; i < 3; ++i) flags.push_back(testing::rough(layout_.position(a), i, 5) > 0.5);
+      for (int i = 0; i < 3; ++i) flags.push_back(test::rough(layout_.position(a), i, 5) > 0.5);
     }
     return flags;
   }
@@ -103,7 +103,7 @@ class Matrices : public testing::OnBodies {
 INSTANTIATE_TEST_SUITE_P(Bodies, Matrices,
                          ::testing::Values(BodySpec{1, Shape::jittered, 1}, BodySpec{1, Shape::jittered, 3},
                                            BodySpec{2, Shape::jittered, 2}),
-                         [](const auto& of) { return testing::name_of(of.param); });
+                         [](const auto& of) { return test::name_of(of.param); });
 
 TEST_P(Matrices, WrittenBlocksAreWherePetscPutsThem) {
   const auto K = written(), expected = inserted();
@@ -121,7 +121,7 @@ TEST_P(Matrices, ProductsSeeTheNewValuesAfterASecondWriting) {
   {
     const ArrayView at(x.get());
     for (PetscInt i = 0; i < 3 * layout_.num_owned_nodes; ++i) {
-      at[i] = testing::rough(layout_.position(i / 3), static_cast<int>(i % 3), 7);
+      at[i] = test::rough(layout_.position(i / 3), static_cast<int>(i % 3), 7);
     }
   }
   check(MatMult(K.get(), x.get(), y.get()));
@@ -220,4 +220,4 @@ TEST_P(Matrices, NoModeIsLeftOfAFullyPrescribedBody) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_block_matrix

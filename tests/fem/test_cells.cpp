@@ -3,14 +3,14 @@
 #include "fem/body.hpp"
 #include "fem/cells.hpp"
 
-namespace pliant {
+namespace pliant::test_cells {
 namespace {
 
-using testing::Body;
-using testing::BodySpec;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
+using test::Body;
+using test::BodySpec;
+using test::Point;
+using test::Scratch;
+using test::Shape;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -20,7 +20,7 @@ CellGroups<Order> groups_of(const Body& body, int degree) {
                                  std::vector<int>(static_cast<std::size_t>(body.layout.num_local_cells), 0), {degree});
 }
 
-class Cells : public testing::OnBodies {
+class Cells : public test::OnBodies {
  protected:
   /// Calls the template argument's body with the order as a constant.
   template <class Run>
@@ -36,7 +36,7 @@ class Cells : public testing::OnBodies {
 INSTANTIATE_TEST_SUITE_P(Bodies, Cells,
                          ::testing::Values(BodySpec{1, Shape::straight, 1}, BodySpec{1, Shape::jittered, 3},
                                            BodySpec{2, Shape::jittered, 2}, BodySpec{2, Shape::curved, 2}),
-                         [](const auto& of) { return testing::name_of(of.param); });
+                         [](const auto& of) { return test::name_of(of.param); });
 
 // The determinant of a quadratic map is a cubic: a rule of degree 3 or more is exact.
 TEST_P(Cells, OwnedMeasuresSumToTheVolume) {
@@ -174,9 +174,7 @@ TEST_P(Cells, BodiesAreKeptApart) {
 
 TEST(FoldedCells, AreRefusedByName) {
   const Scratch scratch(comm);
-  const auto file = scratch.file("body.msh", [&](const std::string& f) {
-    testing::write_body(f, {2, Shape::curved, 1});
-  });
+  const auto file = scratch.file("body.msh", [&](const std::string& f) { test::write_body(f, {2, Shape::curved, 1}); });
   Body body(MPI_COMM_SELF, file, 2);
   // Fold the first cell: the middle of its first edge far beyond the opposite corner.
   const auto nodes = body.layout.nodes_of_cell(0);
@@ -190,4 +188,4 @@ TEST(FoldedCells, AreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_cells

@@ -4,12 +4,12 @@
 #include "fem/coarsening.hpp"
 #include "petsc/array_view.hpp"
 
-namespace pliant {
+namespace pliant::test_coarsening {
 namespace {
 
-using testing::Body;
-using testing::Scratch;
-using testing::Shape;
+using test::Body;
+using test::Scratch;
+using test::Shape;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -18,7 +18,7 @@ class Coarsenings : public ::testing::Test {
   Coarsenings()
       : file_(scratch_.file("body.msh",
                             [](const std::string& f) {
-                              testing::write_body(f, {2, Shape::jittered, 3});
+                              test::write_body(f, {2, Shape::jittered, 3});
                             })),
         body_(comm, file_, 2) {}
 
@@ -103,4 +103,4 @@ TEST_F(Coarsenings, PrescribedEntriesAreOutOfReach) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_coarsening

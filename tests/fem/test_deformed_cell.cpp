@@ -3,18 +3,18 @@
 
 #include <cmath>
 
-namespace pliant {
+namespace pliant::test_deformed_cell {
 namespace {
 
-using testing::Body;
-using testing::BodySpec;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
+using test::Body;
+using test::BodySpec;
+using test::Point;
+using test::Scratch;
+using test::Shape;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
-class DeformedCells : public testing::OnBodies {
+class DeformedCells : public test::OnBodies {
  protected:
   std::vector<double> field(const std::function<Point(const Point&)>& at) const {
     std::vector<double> u;
@@ -28,7 +28,7 @@ class DeformedCells : public testing::OnBodies {
 INSTANTIATE_TEST_SUITE_P(Bodies, DeformedCells,
                          ::testing::Values(BodySpec{1, Shape::jittered, 3}, BodySpec{2, Shape::jittered, 2},
                                            BodySpec{2, Shape::curved, 2}),
-                         [](const auto& of) { return testing::name_of(of.param); });
+                         [](const auto& of) { return test::name_of(of.param); });
 
 TEST_P(DeformedCells, OfAnAffineMotionHaveItsVolumeRatio) {
   // F = [1.1 0.2 0; 0 0.8 0; 0.3 0 s], det F = 0.88 s
@@ -63,7 +63,7 @@ TEST_P(DeformedCells, AtRestAreWhatTheyWere) {
 class StraightQuadraticCells : public DeformedCells {};
 
 INSTANTIATE_TEST_SUITE_P(Bodies, StraightQuadraticCells, ::testing::Values(BodySpec{2, Shape::jittered, 2}),
-                         [](const auto& of) { return testing::name_of(of.param); });
+                         [](const auto& of) { return test::name_of(of.param); });
 
 TEST_P(StraightQuadraticCells, AreFoundWhereAMotionFoldsACornerOnly) {
   // u = -k X^2 / 2 in the direction of X: J = 1 - k X, below zero beyond X = 1/k, which lies inside the body.
@@ -77,4 +77,4 @@ TEST_P(StraightQuadraticCells, AreFoundWhereAMotionFoldsACornerOnly) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_deformed_cell

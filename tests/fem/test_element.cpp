@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_element {
 namespace {
 
 template <class Element>
@@ -92,4 +92,4 @@ TYPED_TEST(Elements, InterpolatePolynomialsOfTheirDegree) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_element

@@ -9,10 +9,10 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_entry_keys {
 namespace {
 
-using testing::Point;
+using test::Point;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -29,12 +29,12 @@ class EntryKeys : public ::testing::TestWithParam<Case> {
     source.refine = GetParam().refine;
     return read_mesh(of, source);
   }
-  testing::Scratch scratch_{comm};
+  test::Scratch scratch_{comm};
   std::string file_ = scratch_.file("box.msh", [](const std::string& file) {
-    testing::BoxOptions options;
+    test::BoxOptions options;
     options.order = GetParam().geometry_order;
-    options.map = options.order == 2 ? testing::bent : testing::jittered;
-    testing::write_box_msh(file, {1.0, 1.0, 1.0}, {3, 2, 2}, options);
+    options.map = options.order == 2 ? test::bent : test::jittered;
+    test::write_box_msh(file, {1.0, 1.0, 1.0}, {3, 2, 2}, options);
   });
 };
 
@@ -106,4 +106,4 @@ INSTANTIATE_TEST_SUITE_P(Meshes, EntryKeys,
                          });
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_entry_keys

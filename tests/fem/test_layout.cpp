@@ -9,20 +9,20 @@
 #include <numeric>
 #include <set>
 
-namespace pliant {
+namespace pliant::test_layout {
 namespace {
 
-using testing::Body;
-using testing::BodySpec;
-using testing::Key;
-using testing::key_of;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
+using test::Body;
+using test::BodySpec;
+using test::Key;
+using test::key_of;
+using test::Point;
+using test::Scratch;
+using test::Shape;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
-class Layouts : public testing::OnBodies {
+class Layouts : public test::OnBodies {
  protected:
 };
 
@@ -31,7 +31,7 @@ INSTANTIATE_TEST_SUITE_P(Bodies, Layouts,
                          ::testing::Values(BodySpec{1, Shape::straight, 1}, BodySpec{2, Shape::straight, 1},
                                            BodySpec{1, Shape::jittered, 4}, BodySpec{2, Shape::jittered, 3},
                                            BodySpec{1, Shape::curved, 2}, BodySpec{2, Shape::curved, 3}),
-                         [](const auto& of) { return testing::name_of(of.param); });
+                         [](const auto& of) { return test::name_of(of.param); });
 
 TEST_P(Layouts, CountsAreThoseOfTheBox) {
   const auto [order, shape, n] = GetParam();
@@ -83,7 +83,7 @@ TEST_P(Layouts, NodesNumberTheirPointsOnce) {
   EXPECT_TRUE(std::all_of(uses.begin(), uses.end(), [](int u) { return u == 1; }));
   std::vector<Key> owned;
   for (PetscInt a = 0; a < layout_.num_owned_nodes; ++a) owned.push_back(key_of(layout_.position(a)));
-  const auto owners = testing::counted_everywhere(comm, owned);
+  const auto owners = test::counted_everywhere(comm, owned);
   EXPECT_EQ(static_cast<PetscInt>(owners.size()), layout_.num_global_nodes);
   for (const auto& [place, count] : owners) EXPECT_EQ(count, 1);
 }
@@ -136,13 +136,13 @@ TEST_P(Layouts, CellsArePositivelyOrientedWithMiddlesOnTheirEdges) {
         const auto unbent = [](const Point& x) {
           Point u = x;
           for (int i = 0; i < 60; ++i) {
-            const Point at = testing::bent(u);
+            const Point at = test::bent(u);
             for (int k = 0; k < 3; ++k) u[k] += x[k] - at[k];
           }
           return u;
         };
         const Point p = unbent(a), q = unbent(b);
-        expected = testing::bent({0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1]), 0.5 * (p[2] + q[2])});
+        expected = test::bent({0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1]), 0.5 * (p[2] + q[2])});
       }
       for (int k = 0; k < 3; ++k) {
         EXPECT_NEAR(m[k], expected[k], 1e-12);
@@ -168,4 +168,4 @@ TEST_P(Layouts, NeighboursAreCloseInNumber) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_layout

@@ -4,13 +4,13 @@
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 
-namespace pliant {
+namespace pliant::test_nodal_rotations {
 namespace {
 
-using testing::Body;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
+using test::Body;
+using test::Point;
+using test::Scratch;
+using test::Shape;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -32,7 +32,7 @@ class Rotations : public ::testing::TestWithParam<int> {
   Rotations()
       : file_(scratch_.file("body.msh",
                             [](const std::string& f) {
-                              testing::write_body(f, {1, Shape::jittered, 3});
+                              test::write_body(f, {1, Shape::jittered, 3});
                             })),
         body_(comm, file_, GetParam()),
         nothing_(3 * static_cast<std::size_t>(layout().num_local_nodes), 0) {}
@@ -132,4 +132,4 @@ TEST_P(Rotations, TurnVectorsThereAndBackButNotSupports) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_nodal_rotations

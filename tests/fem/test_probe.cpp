@@ -1,18 +1,18 @@
 #include "fem/body.hpp"
 #include "fem/probe.hpp"
 
-namespace pliant {
+namespace pliant::test_probe {
 namespace {
 
-using testing::Body;
-using testing::BodySpec;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
+using test::Body;
+using test::BodySpec;
+using test::Point;
+using test::Scratch;
+using test::Shape;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
-class Probes : public testing::OnBodies {
+class Probes : public test::OnBodies {
  protected:
   /// What the probe reads from a field, on every rank; also that one rank holds it.
   Point read(const ProbeLocation& probe, const std::vector<double>& local) const {
@@ -39,12 +39,12 @@ class Probes : public testing::OnBodies {
 INSTANTIATE_TEST_SUITE_P(Bodies, Probes,
                          ::testing::Values(BodySpec{1, Shape::jittered, 3}, BodySpec{2, Shape::jittered, 2},
                                            BodySpec{2, Shape::curved, 2}),
-                         [](const auto& of) { return testing::name_of(of.param); });
+                         [](const auto& of) { return test::name_of(of.param); });
 
 TEST_P(Probes, InsideReadTheField) {
   const auto u = field();
   for (const Point& xi : {Point{0.31, 0.47, 0.83}, {0.05, 0.02, 0.9}, {0.5, 0.5, 0.5}, {0.999, 0.7, 0.001}}) {
-    const Point x = GetParam().shape == Shape::curved ? testing::bent(xi) : xi;
+    const Point x = GetParam().shape == Shape::curved ? test::bent(xi) : xi;
     const auto probe = locate(layout_, x);
     EXPECT_EQ(probe.distance, 0.0);
     double total = 0.0;
@@ -59,7 +59,7 @@ TEST_P(Probes, OnTheSurfaceAndAtCornersAreInside) {
   const auto u = field();
   for (const Point& xi :
        {Point{0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}, {1.0, 0.0, 0.0}, {0.0, 0.37, 0.61}, {1.0, 0.37, 0.0}}) {
-    const Point x = GetParam().shape == Shape::curved ? testing::bent(xi) : xi;
+    const Point x = GetParam().shape == Shape::curved ? test::bent(xi) : xi;
     const auto probe = locate(layout_, x);
     EXPECT_EQ(probe.distance, 0.0);
     const Point expected = field_at(x), value = read(probe, u);
@@ -95,4 +95,4 @@ TEST_P(Probes, OutsideTakeTheNearestNodeAndSayHowFar) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_probe

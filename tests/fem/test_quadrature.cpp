@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_quadrature {
 namespace {
 
 double power(double x, int n) {
@@ -73,4 +73,4 @@ TEST(NamedRules, HaveTheirPoints) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_quadrature

@@ -3,18 +3,18 @@
 #include "fem/rim.hpp"
 #include "petsc/collective.hpp"
 
-namespace pliant {
+namespace pliant::test_rim {
 namespace {
 
-using testing::Body;
-using testing::BodySpec;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
+using test::Body;
+using test::BodySpec;
+using test::Point;
+using test::Scratch;
+using test::Shape;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
-class Rims : public testing::OnBodies {
+class Rims : public test::OnBodies {
  protected:
   static bool is_on(const Point& x, int axis, double value) { return std::abs(x[axis] - value) < 1e-9; }
 
@@ -55,7 +55,7 @@ class Rims : public testing::OnBodies {
 INSTANTIATE_TEST_SUITE_P(Bodies, Rims,
                          ::testing::Values(BodySpec{1, Shape::straight, 1}, BodySpec{1, Shape::jittered, 5},
                                            BodySpec{2, Shape::jittered, 3}),
-                         [](const auto& of) { return testing::name_of(of.param); });
+                         [](const auto& of) { return test::name_of(of.param); });
 
 TEST_P(Rims, AClosedSurfaceHasNone) {
   const auto facets = surface_facets(body_.mesh, layout_, [](const Point&) { return true; });
@@ -131,4 +131,4 @@ TEST_P(Rims, AHeldLoopIsClosedByALid) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_rim

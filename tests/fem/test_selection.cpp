@@ -6,18 +6,18 @@
 
 #include <map>
 
-namespace pliant {
+namespace pliant::test_selection {
 namespace {
 
-using testing::Body;
-using testing::BodySpec;
-using testing::BoxOptions;
-using testing::Key;
-using testing::key_of;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
-using testing::write_box_msh;
+using test::Body;
+using test::BodySpec;
+using test::BoxOptions;
+using test::Key;
+using test::key_of;
+using test::Point;
+using test::Scratch;
+using test::Shape;
+using test::write_box_msh;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -70,7 +70,7 @@ std::pair<double, Point> flux_of(const NodeLayout& layout, std::span<const Petsc
   return {flux, total};
 }
 
-class Selections : public testing::OnBodies {
+class Selections : public test::OnBodies {
  protected:
   std::span<const PetscInt> nodes_of(const FacetList& facets, PetscInt f) const {
     return std::span(facets.nodes).subspan(f * facets.nodes_per_facet, facets.nodes_per_facet);
@@ -118,11 +118,11 @@ INSTANTIATE_TEST_SUITE_P(Bodies, Selections,
                          ::testing::Values(BodySpec{1, Shape::straight, 1}, BodySpec{1, Shape::straight, 7},
                                            BodySpec{2, Shape::straight, 1}, BodySpec{1, Shape::jittered, 4},
                                            BodySpec{2, Shape::jittered, 3}, BodySpec{2, Shape::curved, 2}),
-                         [](const auto& of) { return testing::name_of(of.param); });
+                         [](const auto& of) { return test::name_of(of.param); });
 
 TEST_P(Selections, NodesOfASurfaceGroupAreThoseOnIt) {
   const int along = GetParam().order * GetParam().n + 1;
-  const auto clamp = nodes_of_group(body_.mesh, layout_, testing::group_named(body_.mesh, "clamp"));
+  const auto clamp = nodes_of_group(body_.mesh, layout_, test::group_named(body_.mesh, "clamp"));
   EXPECT_EQ(sum(comm, static_cast<PetscInt64>(clamp.size())), along * along);
   EXPECT_TRUE(std::is_sorted(clamp.begin(), clamp.end()));
   for (const PetscInt n : clamp) {
@@ -131,7 +131,7 @@ TEST_P(Selections, NodesOfASurfaceGroupAreThoseOnIt) {
       EXPECT_EQ(layout_.position(n)[0], 0.0);
     }
   }
-  const auto all = nodes_of_group(body_.mesh, layout_, testing::group_named(body_.mesh, "body"));
+  const auto all = nodes_of_group(body_.mesh, layout_, test::group_named(body_.mesh, "body"));
   EXPECT_EQ(static_cast<PetscInt>(all.size()), layout_.num_owned_nodes);
 }
 
@@ -146,14 +146,14 @@ TEST_P(Selections, NodesInARegion) {
 }
 
 TEST_P(Selections, FacetsOfAGroupHaveItsArea) {
-  const auto facets = facets_of_group(body_.mesh, layout_, testing::group_named(body_.mesh, "tip"));
+  const auto facets = facets_of_group(body_.mesh, layout_, test::group_named(body_.mesh, "tip"));
   EXPECT_EQ(facets.is_owned.size(), static_cast<std::size_t>(facets.size()));
   const int n = GetParam().n;
-  const auto places = testing::counted_everywhere(comm, owned_places(facets));
+  const auto places = test::counted_everywhere(comm, owned_places(facets));
   EXPECT_EQ(static_cast<int>(places.size()), 2 * n * n);
   for (const auto& [place, count] : places) EXPECT_EQ(count, 1);
   const Body whole(MPI_COMM_SELF, file_, GetParam().order);
-  const auto all = facets_of_group(whole.mesh, whole.layout, testing::group_named(whole.mesh, "tip"));
+  const auto all = facets_of_group(whole.mesh, whole.layout, test::group_named(whole.mesh, "tip"));
   double expected = 0.0;
   for (PetscInt f = 0; f < all.size(); ++f) {
     const auto nodes = std::span(all.nodes).subspan(f * all.nodes_per_facet, all.nodes_per_facet);
@@ -167,7 +167,7 @@ TEST_P(Selections, FacetsOfAGroupHaveItsArea) {
 }
 
 TEST_P(Selections, EdgesOfACurveAreFoundOnceAndCompleteAtTheirNodes) {
-  const auto edges = edges_of_group(body_.mesh, layout_, testing::group_named(body_.mesh, "edge"));
+  const auto edges = edges_of_group(body_.mesh, layout_, test::group_named(body_.mesh, "edge"));
   const int per_edge = edges.nodes_per_edge;
   ASSERT_EQ(per_edge, GetParam().order + 1);
   ASSERT_EQ(edges.is_owned.size(), static_cast<std::size_t>(edges.size()));
@@ -180,9 +180,9 @@ TEST_P(Selections, EdgesOfACurveAreFoundOnceAndCompleteAtTheirNodes) {
   }
   EXPECT_EQ(sum(comm, owned), GetParam().n);
   const Body whole(MPI_COMM_SELF, file_, GetParam().order);
-  const auto all = edges_of_group(whole.mesh, whole.layout, testing::group_named(whole.mesh, "edge"));
+  const auto all = edges_of_group(whole.mesh, whole.layout, test::group_named(whole.mesh, "edge"));
   expect_complete(edges.nodes, whole.layout, all.nodes);
-  const auto corner = nodes_of_group(body_.mesh, layout_, testing::group_named(body_.mesh, "corner"));
+  const auto corner = nodes_of_group(body_.mesh, layout_, test::group_named(body_.mesh, "corner"));
   EXPECT_EQ(sum(comm, static_cast<PetscInt64>(corner.size())), 1);
 }
 
@@ -190,7 +190,7 @@ TEST_P(Selections, TheWholeSurfaceIsFoundOnce) {
   const auto everywhere = [](const Point&) { return true; };
   const auto facets = surface_facets(body_.mesh, layout_, everywhere);
   const int n = GetParam().n;
-  const auto places = testing::counted_everywhere(comm, owned_places(facets));
+  const auto places = test::counted_everywhere(comm, owned_places(facets));
   EXPECT_EQ(static_cast<int>(places.size()), 12 * n * n);
   for (const auto& [place, count] : places) EXPECT_EQ(count, 1);
   if (GetParam().shape != Shape::curved) {
@@ -237,7 +237,7 @@ TEST(InnerFacets, AreNotOuter) {
   const Body body(comm, file, 1);
   PetscInt64 num_inner = 0, num_outer = 0;
   for (const auto* name : {"cut", "tip"}) {
-    const auto facets = facets_of_group(body.mesh, body.layout, testing::group_named(body.mesh, name));
+    const auto facets = facets_of_group(body.mesh, body.layout, test::group_named(body.mesh, name));
     ASSERT_EQ(facets.is_outer.size(), facets.is_owned.size());
     for (PetscInt f = 0; f < facets.size(); ++f) {
       if (facets.is_owned[f]) ++(facets.is_outer[f] ? num_outer : num_inner);
@@ -260,7 +260,7 @@ TEST_P(Selections, MidEdgeNodesFollowTheirEdges) {
 }
 
 TEST_P(Selections, CellsKnowTheirVolume) {
-  const PhysicalGroup body = testing::group_named(body_.mesh, "body");
+  const PhysicalGroup body = test::group_named(body_.mesh, "body");
   const auto once = volume_of_cells(body_.mesh, layout_, {body});
   EXPECT_EQ(once, std::vector<int>(static_cast<std::size_t>(layout_.num_local_cells), 0));
   const auto twice = volume_of_cells(body_.mesh, layout_, {body, body});
@@ -270,4 +270,4 @@ TEST_P(Selections, CellsKnowTheirVolume) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_selection

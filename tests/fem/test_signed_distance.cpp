@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_signed_distance {
 namespace {
 
-using testing::ShapeCase;
+using test::ShapeCase;
 
 Vector3<double> moved(Vector3<double> x, std::size_t i, double h) {
   x[i] += h;
@@ -30,7 +30,7 @@ class Distances : public ::testing::TestWithParam<ShapeCase> {
   std::unique_ptr<SignedDistance> shape_ = GetParam().make();
 };
 
-INSTANTIATE_TEST_SUITE_P(EveryShape, Distances, ::testing::ValuesIn(testing::every_shape()),
+INSTANTIATE_TEST_SUITE_P(EveryShape, Distances, ::testing::ValuesIn(test::every_shape()),
                          [](const auto& of) { return of.param.name; });
 
 // Central differences over 1e-6: errors of 1e-12, rounding of 1e-10.
@@ -117,4 +117,4 @@ TEST(Distance, IsThatOfClosedForms) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_signed_distance

@@ -10,10 +10,10 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_surface_distance {
 namespace {
 
-using testing::Scratch;
+using test::Scratch;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 using Triangles = std::vector<TrianglePatch>;
@@ -137,4 +137,4 @@ TEST(SurfaceDistance, IsRefusedWhereItEnclosesNothing) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_surface_distance

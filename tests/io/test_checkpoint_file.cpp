@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_checkpoint_file {
 namespace {
 
 namespace fs = std::filesystem;
@@ -176,4 +176,4 @@ TEST_F(CheckpointFile, AFailureLeavesTheFileThereWas) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_checkpoint_file

@@ -14,7 +14,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_history_writer {
 namespace {
 
 const MPI_Comm comm = MPI_COMM_WORLD;
@@ -141,4 +141,4 @@ TEST(File, WritesAnywhereAndReserves) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_history_writer

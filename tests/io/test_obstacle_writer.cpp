@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_obstacle_writer {
 namespace {
 
 const MPI_Comm comm = MPI_COMM_WORLD;
@@ -93,4 +93,4 @@ TEST(ObstacleWriter, ListOfAnEarlierRunGoesWithItsNumbers) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_obstacle_writer

@@ -19,7 +19,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_report_data {
 namespace {
 
 const MPI_Comm comm = MPI_COMM_WORLD;
@@ -210,4 +210,4 @@ TEST(HistoryTable, UnitsOfItsColumns) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_report_data

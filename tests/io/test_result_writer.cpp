@@ -23,7 +23,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_result_writer {
 namespace {
 
 const MPI_Comm comm = MPI_COMM_WORLD;
@@ -339,4 +339,4 @@ TEST(ResultWriter, KilledAtAnyMomentCanGoOnWithEveryListedFrame) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_result_writer

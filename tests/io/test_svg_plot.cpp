@@ -1,5 +1,6 @@
 // The picture is well-formed, shows what it was given at the right places, and says it in words.
 #include "base/error.hpp"
+#include "base/limits.hpp"
 #include "io/svg_plot.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"
@@ -8,7 +9,6 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
-#include <limits>
 #include <regex>
 #include <set>
 #include <utility>
@@ -16,12 +16,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_svg_plot {
 namespace {
 
 const MPI_Comm comm = MPI_COMM_WORLD;
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 /// Errors c h^p at h = 0.02, 0.01, ...
 PlotSeries power_law(const std::string& name, double c, double p, int num_points = 5) {
   PlotSeries series{name, {}, {}};
@@ -238,4 +236,4 @@ TEST(SvgPlot, IsWrittenInOneGo) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_svg_plot

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_closed_forms {
 namespace {
 
 using namespace testing_states;
@@ -351,4 +351,4 @@ TEST(ClosedForm, AsRigidAsPossibleKeepsItsSides) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_closed_forms

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_fibres {
 namespace {
 
 using namespace testing_states;
@@ -102,4 +102,4 @@ TYPED_TEST(ExponentialLaw, EndsQuietlyBeyondItsExponents) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_fibres

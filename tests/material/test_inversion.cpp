@@ -1,4 +1,5 @@
 // What the laws do in flat and inverted bodies, and at a limit of stretch.
+#include "base/limits.hpp"
 #include "material/energy_change.hpp"
 #include "material/registry.hpp"
 #include "states.hpp"
@@ -8,12 +9,10 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_inversion {
 namespace {
 
 using namespace testing_states;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// A typical state in all lanes but the last, which has `bad`.
 Tensor3<Pack> with_bad_lane(const Matrix& good, const Matrix& bad) {
@@ -173,4 +172,4 @@ TEST(StretchLimit, ChangesOfEnergyNearIt) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_inversion

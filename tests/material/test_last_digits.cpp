@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_last_digits {
 namespace {
 
 using namespace testing_states;
@@ -108,4 +108,4 @@ TEST(NeoHookeanBarrier, EnergyGrowsWithoutBoundTowardsInversion) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_last_digits

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_laws {
 namespace {
 
 using namespace testing_states;
@@ -197,4 +197,4 @@ TYPED_TEST(EveryLaw, FieldTakesItsParametersFromThePoint) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_laws

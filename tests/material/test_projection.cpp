@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_projection {
 namespace {
 
 using namespace testing_states;
@@ -111,4 +111,4 @@ TEST(ProjectionOfInvertedCells, LeavesTheUndefinedAlone) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_projection

@@ -1,3 +1,4 @@
+#include "base/limits.hpp"
 #include "material/lame.hpp"
 #include "material/registry.hpp"
 
@@ -10,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_registry {
 namespace {
 
 TEST(Registry, HasOneCompleteRowPerLawInOrder) {
@@ -42,7 +43,6 @@ TEST(Registry, ALawIsAddedOnce) {
 }
 
 TEST(Registry, TellsEveryMistakeAtItsPlace) {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
   try {
     make_law("neo-hooke", 1.0, 0.3, {"a.yaml", 3, 5});
     FAIL() << "no exception";
@@ -129,4 +129,4 @@ TEST(Lame, ConvertsThereAndBack) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_registry

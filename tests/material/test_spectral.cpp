@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_spectral {
 namespace {
 
 using namespace testing_states;
@@ -103,4 +103,4 @@ TEST(PrincipalStretches, KeepTheDigitsOfSmallStrains) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_spectral

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_viscosity {
 namespace {
 
 using namespace testing_states;
@@ -67,4 +67,4 @@ TEST(IsotropicTensor, IsTwiceShearOnTheDeviatorAndBulkOnTheTrace) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_viscosity

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace pliant::testing {
+namespace pliant::test {
 
 /// Lower parts of the box that may be groups too: the curve "edge" (tag 5) along the x axis and the point "corner" (tag
 /// 6) at its end.
@@ -121,4 +121,4 @@ inline void write_box_msh(const std::string& file, std::array<double, 3> size, s
   if (!out.flush()) throw std::runtime_error("cannot write " + file);
 }
 
-}  // namespace pliant::testing
+}  // namespace pliant::test

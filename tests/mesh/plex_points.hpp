@@ -11,7 +11,7 @@
 
 #include <petscdmplex.h>
 
-namespace pliant::testing {
+namespace pliant::test {
 
 /// Points of one rank with their dimension, owner and middle.
 class PlexPoints {
@@ -99,4 +99,4 @@ inline std::map<Key, int> counted_everywhere(MPI_Comm comm, const std::vector<Ke
   return result;
 }
 
-}  // namespace pliant::testing
+}  // namespace pliant::test

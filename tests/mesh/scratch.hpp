@@ -10,7 +10,7 @@
 #include <string>
 #include <unistd.h>
 
-namespace pliant::testing {
+namespace pliant::test {
 
 /// A directory that lives as long as this object. Collective at both ends.
 class Scratch {
@@ -46,4 +46,4 @@ class Scratch {
   std::string directory_;
 };
 
-}  // namespace pliant::testing
+}  // namespace pliant::test

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-namespace pliant::testing {
+namespace pliant::test {
 
 /// Stores first; after `turn_round` it restores, and complains of what was not stored.
 class MemoryArchive final : public Archive {
@@ -38,4 +38,4 @@ class MemoryArchive final : public Archive {
   std::map<std::string, std::vector<double>> stored_;
 };
 
-}  // namespace pliant::testing
+}  // namespace pliant::test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_collective {
 namespace {
 
 const MPI_Comm comm = MPI_COMM_WORLD;
@@ -73,4 +73,4 @@ TEST(Handle, ShareKeepsTheObjectAlive) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_collective

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_global_order {
 namespace {
 
 const MPI_Comm comm = MPI_COMM_WORLD;
@@ -62,4 +62,4 @@ TEST(GlobalOrder, RanksMayHaveNothing) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_global_order

@@ -10,7 +10,7 @@
 #include <map>
 #include <optional>
 
-namespace pliant::testing {
+namespace pliant::test {
 
 /// Displacements of the nodes in a region.
 struct Support {
@@ -173,4 +173,4 @@ inline Field by_place(const Solid& whole, Vec q) {
   return [values](const Point& x) { return values.at(key_of(x)); };
 }
 
-}  // namespace pliant::testing
+}  // namespace pliant::test

@@ -10,7 +10,7 @@
 #include <functional>
 #include <limits>
 
-namespace pliant::testing {
+namespace pliant::test {
 
 /// r(x) and K(x) (row major) of n unknowns, without a potential.
 struct SmallFunction {
@@ -113,4 +113,4 @@ class Recorder final : public StageEquation {
   std::vector<double> residuals_;
 };
 
-}  // namespace pliant::testing
+}  // namespace pliant::test

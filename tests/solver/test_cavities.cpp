@@ -5,15 +5,15 @@
 
 #include <cmath>
 
-namespace pliant {
+namespace pliant::test_cavities {
 namespace {
 
-using testing::Point;
-using testing::Problem;
-using testing::ProblemSpec;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
+using test::Point;
+using test::Problem;
+using test::ProblemSpec;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -22,8 +22,8 @@ struct Trajectory {
   std::vector<double> q, v;
 };
 
-Trajectory advance(Problem& problem, const Method& method, const testing::Field& velocity, const Step& grid) {
-  const auto q = problem.solid().vector(testing::at_rest), v = problem.solid().vector(velocity);
+Trajectory advance(Problem& problem, const Method& method, const test::Field& velocity, const Step& grid) {
+  const auto q = problem.solid().vector(test::at_rest), v = problem.solid().vector(velocity);
   System system = problem.system();
   system.guess = Guess::extrapolated;
   Integrator integrator({method, Startup::dirk33}, system, {0.0, q.get(), v.get(), nullptr, {}});
@@ -35,7 +35,7 @@ Trajectory advance(Problem& problem, const Method& method, const testing::Field&
     if (attempt.report.outcome != StageOutcome::converged) break;
     integrator.accept(attempt);
   }
-  return {testing::local_values(integrator.state().q.get()), testing::local_values(integrator.state().v.get())};
+  return {test::local_values(integrator.state().q.get()), test::local_values(integrator.state().v.get())};
 }
 
 // A block of 1 m as a piston in a square tube, as good as rigid, runs into gas and is thrown back:
@@ -49,7 +49,7 @@ TEST(GasSpring, ThrowsAPistonBack) {
   spec.density = mass;
   spec.supports = {{[](const Point&) { return true; }, {std::nullopt, Expression(0.0), Expression(0.0)}}};
   spec.loads = [&](const Solid& solid) {
-    auto facets = surface_facets(solid.mesh(), solid.layout(), testing::face(0, 1.0));
+    auto facets = surface_facets(solid.mesh(), solid.layout(), test::face(0, 1.0));
     std::vector<std::unique_ptr<EnergyTerm>> terms;
     terms.push_back(
         std::make_unique<Cavity>(WettedSurface(solid.layout(), solid.pattern(), std::move(facets), 0), gas));
@@ -57,7 +57,7 @@ TEST(GasSpring, ThrowsAPistonBack) {
   };
   const Scratch scratch(comm);
   const auto file = scratch.file("body.msh", [](const std::string& f) {
-    testing::write_body(f, {1, Shape::straight, 2});
+    test::write_body(f, {1, Shape::straight, 2});
   });
   Problem problem(comm, file, spec);
   const Trajectory block = advance(problem, *find_method("dirk33"),
@@ -113,7 +113,7 @@ TEST_P(CavityOrders, AreThoseOfTheMethod) {
   };
   const Scratch scratch(MPI_COMM_SELF);
   const auto file = scratch.file("body.msh", [](const std::string& f) {
-    testing::write_body(f, {1, Shape::straight, 1});
+    test::write_body(f, {1, Shape::straight, 1});
   });
   Problem problem(MPI_COMM_SELF, file, spec);
   const auto end_after = [&](const Method& m, int num_steps) {
@@ -138,4 +138,4 @@ TEST_P(CavityOrders, AreThoseOfTheMethod) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_cavities

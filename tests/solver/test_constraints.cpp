@@ -11,17 +11,17 @@
 
 #include <fmt/format.h>
 
-namespace pliant {
+namespace pliant::test_constraints {
 namespace {
 
-using testing::face;
-using testing::Field;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
-using testing::TiedBody;
-using testing::TiedSpec;
+using test::face;
+using test::Field;
+using test::Point;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
+using test::TiedBody;
+using test::TiedSpec;
 using testing_states::Quad;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
@@ -34,9 +34,9 @@ struct TiedProblem {
 
   /// The equilibrium at t = 1 from rest, in `steps` equal parts.
   Handle<Vec> equilibrium(int steps = 1) {
-    Handle<Vec> q = body.solid().vector(testing::at_rest);
+    Handle<Vec> q = body.solid().vector(test::at_rest);
     for (int s = 1; s <= steps; ++s) {
-      const auto q0 = testing::moved(q.get(), 0.0, q.get()), v0 = body.solid().vector(testing::at_rest);
+      const auto q0 = test::moved(q.get(), 0.0, q.get()), v0 = body.solid().vector(test::at_rest);
       const StagePoint stage{1.0, 1.0, q0.get(), v0.get(), static_cast<double>(s) / steps};
       body.motion().start_stage(stage, q.get());
       const StageReport report = solver.solve(stage, q.get());
@@ -55,9 +55,9 @@ class Tied : public ::testing::Test {
   /// A cube; `map` moves its nodes.
   std::string cube(int n, const std::function<Point(Point)>& map = nullptr) const {
     return scratch_.file("cube.msh", [&](const std::string& f) {
-      testing::BoxOptions options;
+      test::BoxOptions options;
       options.map = map;
-      testing::write_box_msh(f, {1.0, 1.0, 1.0}, {n, n, n}, options);
+      test::write_box_msh(f, {1.0, 1.0, 1.0}, {n, n, n}, options);
     });
   }
 
@@ -82,10 +82,10 @@ TEST_F(Tied, ObliquePlanesAreTurnedOnes) {
   TiedSpec spec;
   spec.order = 2;
   spec.law = make_law("neo-hookean", modulus, 0.3);
-  testing::TestConstraint lid{testing::vector("0.2*t*y", "0.05*t", "-0.15*t"), face(2, 1.0)};
+  test::TestConstraint lid{test::vector("0.2*t*y", "0.05*t", "-0.15*t"), face(2, 1.0)};
   spec.constraints = {lid};
   for (int axis = 0; axis < 3; ++axis) {
-    testing::TestConstraint plane{{}, [=](const Point& x) { return face(axis, 0.0)(x) && !face(2, 1.0)(x); }};
+    test::TestConstraint plane{{}, [=](const Point& x) { return face(axis, 0.0)(x) && !face(2, 1.0)(x); }};
     plane.given.components[static_cast<std::size_t>(axis)] = Expression(0.0);
     spec.constraints.push_back(plane);
   }
@@ -101,12 +101,12 @@ TEST_F(Tied, ObliquePlanesAreTurnedOnes) {
     lid_formula[i] = fmt::format("({})*t*{}+({})*t", a, y, b);
   }
   TiedSpec oblique = spec;
-  oblique.constraints = {{testing::vector(lid_formula[0], lid_formula[1], lid_formula[2]), turned(face(2, 1.0))}};
+  oblique.constraints = {{test::vector(lid_formula[0], lid_formula[1], lid_formula[2]), turned(face(2, 1.0))}};
   for (int axis = 0; axis < 3; ++axis) {
     Point normal{};
     normal[static_cast<std::size_t>(axis)] = -1.0;
     const Region plane = [=](const Point& x) { return face(axis, 0.0)(x) && !face(2, 1.0)(x); };
-    oblique.constraints.push_back(testing::slide(turned(plane), turned(normal), "0"));
+    oblique.constraints.push_back(test::slide(turned(plane), turned(normal), "0"));
   }
   TiedProblem other(comm, cube(2, [](Point x) { return turned(x); }), oblique);
   const auto w = other.equilibrium();
@@ -116,8 +116,8 @@ TEST_F(Tied, ObliquePlanesAreTurnedOnes) {
 
   // Node by node, each problem whole on every rank.
   TiedProblem alone(MPI_COMM_SELF, cube(2), spec);
-  const Field expected = testing::by_place(alone.body.solid(), alone.equilibrium().get());
-  const double worst = testing::deviation(other.body.solid(), w.get(), [&](const Point& x) {
+  const Field expected = test::by_place(alone.body.solid(), alone.equilibrium().get());
+  const double worst = test::deviation(other.body.solid(), w.get(), [&](const Point& x) {
     Point X = turned_back(x);
     for (double& X_i : X) X_i = std::round(4.0 * X_i) / 4.0;  // nodes of P2 are there
     return turned(expected(X));
@@ -134,7 +134,7 @@ double stress(const ElasticLawSpec& law, double l, double m, int component) {
 // A cell whose faces repeat one another, stretched along x, free to contract: the homogeneous state of every law, whose
 // force per area is the multiplier of the given difference. Edges and corners are reached in several ways.
 TEST_F(Tied, PeriodicCellHasTheHomogeneousState) {
-  for (const auto& law : testing::every_law(modulus, 0.3)) {
+  for (const auto& law : test::every_law(modulus, 0.3)) {
     if (law.traits().num_directions == 2) continue;  // its sides differ
     double low = 0.5, high = 1.5;                    // the lateral stress grows with m
     for (int i = 0; i < 60; ++i) {
@@ -144,15 +144,14 @@ TEST_F(Tied, PeriodicCellHasTheHomogeneousState) {
     const double m = 0.5 * (low + high);
     TiedSpec spec;
     spec.law = law;
-    spec.constraints = {
-        {testing::vector("0", "0", "0"), [](const Point& x) { return dot(x, x) < 1e-12; }},
-        testing::repeat(face(0, 0.0), face(0, 1.0), testing::vector("0.2*t", "0", "0")),
-        testing::repeat(face(1, 0.0), face(1, 1.0), {{Expression(0.0), std::nullopt, Expression(0.0)}}),
-        testing::repeat(face(2, 0.0), face(2, 1.0), {{Expression(0.0), Expression(0.0), std::nullopt}})};
+    spec.constraints = {{test::vector("0", "0", "0"), [](const Point& x) { return dot(x, x) < 1e-12; }},
+                        test::repeat(face(0, 0.0), face(0, 1.0), test::vector("0.2*t", "0", "0")),
+                        test::repeat(face(1, 0.0), face(1, 1.0), {{Expression(0.0), std::nullopt, Expression(0.0)}}),
+                        test::repeat(face(2, 0.0), face(2, 1.0), {{Expression(0.0), Expression(0.0), std::nullopt}})};
     TiedProblem problem(comm, cube(3), spec);
     const auto q = problem.equilibrium();
     const Field exact = [=](const Point& x) { return Point{0.2 * x[0], (m - 1.0) * x[1], (m - 1.0) * x[2]}; };
-    EXPECT_LE(testing::deviation(problem.body.solid(), q.get(), exact), 1e-11) << testing::name_of(law);
+    EXPECT_LE(test::deviation(problem.body.solid(), q.get(), exact), 1e-11) << test::name_of(law);
     const Handle<Vec> r = problem.body.potential().make_vector();
     problem.body.potential().gradient_with_reactions(q.get(), r.get());
     const auto multipliers = problem.body.map().multipliers(r.get());
@@ -170,7 +169,7 @@ TiedSpec gripped(const RigidMotion& motion) {
   TiedSpec spec;
   spec.order = 2;
   spec.law = make_law("neo-hookean", modulus, 0.25);
-  spec.constraints = {{testing::vector("0", "0", "0"), face(0, 0.0)}, testing::grip(face(0, 4.0), motion)};
+  spec.constraints = {{test::vector("0", "0", "0"), face(0, 0.0)}, test::grip(face(0, 4.0), motion)};
   return spec;
 }
 
@@ -178,9 +177,9 @@ class Twist : public Tied {
  protected:
   static constexpr double length = 4.0;
   std::string bar_ = scratch_.file("bar.msh", [](const std::string& f) {
-    testing::BoxOptions options;
+    test::BoxOptions options;
     options.origin = {0.0, -0.5, -0.5};
-    testing::write_box_msh(f, {length, 1.0, 1.0}, {6, 3, 3}, options);
+    test::write_box_msh(f, {length, 1.0, 1.0}, {6, 3, 3}, options);
   });
   /// Turned about its axis, free along it.
   static RigidMotion turning(double angle) {
@@ -188,7 +187,7 @@ class Twist : public Tied {
   }
   struct State {
     double energy;
-    testing::Resultant grip;  // about the origin, which lies on the axis
+    test::Resultant grip;  // about the origin, which lies on the axis
     double lengthening;
   };
   State state(double angle, int steps) {
@@ -208,7 +207,7 @@ class Twist : public Tied {
         }
       }
     }
-    return {problem.body.strain_energy(q.get()), testing::resultant(problem.body.solid(), r.get(), q.get()),
+    return {problem.body.strain_energy(q.get()), test::resultant(problem.body.solid(), r.get(), q.get()),
             maximum(comm, u)};
   }
 };
@@ -242,9 +241,9 @@ TEST_F(Twist, MultigridAndRanksGiveTheSame) {
   motion.translation = {std::nullopt, std::nullopt, Expression(0.3)};
   TiedProblem alone(MPI_COMM_SELF, bar_, gripped(motion)), several(comm, bar_, gripped(motion)),
       multigrid(comm, bar_, gripped(motion), LinearKind::amg);
-  const Field expected = testing::by_place(alone.body.solid(), alone.equilibrium(2).get());
-  EXPECT_LE(testing::deviation(several.body.solid(), several.equilibrium(2).get(), expected), 1e-9);
-  EXPECT_LE(testing::deviation(multigrid.body.solid(), multigrid.equilibrium(2).get(), expected), 1e-9);
+  const Field expected = test::by_place(alone.body.solid(), alone.equilibrium(2).get());
+  EXPECT_LE(test::deviation(several.body.solid(), several.equilibrium(2).get(), expected), 1e-9);
+  EXPECT_LE(test::deviation(multigrid.body.solid(), multigrid.equilibrium(2).get(), expected), 1e-9);
   // A bar with a grip that is free along two axes; multigrid solves what a clamped one takes a dozen iterations for.
   const auto& statistics = multigrid.solver.statistics();
   EXPECT_LE(statistics.linear_iterations, 40 * statistics.newton_iterations);
@@ -256,11 +255,11 @@ TEST_F(Twist, TurningPlatenIsAGripWithoutTorque) {
   RigidMotion moved{{Expression(-0.1), Expression(0.6), Expression(0.2)}, {0.0, 0.6, -0.8}, {}, {length, 0.2, 0.1}};
   for (const auto rotation : {FreeRotation::about_all_axes, FreeRotation::about_axis}) {
     TiedSpec spec = gripped(moved);
-    spec.constraints[1] = testing::platen(face(0, length), moved, rotation);
+    spec.constraints[1] = test::platen(face(0, length), moved, rotation);
     TiedProblem free(comm, bar_, spec), multigrid(comm, bar_, spec, LinearKind::amg);
     const auto q = free.equilibrium(2);
     EXPECT_LE(free.body.distortion(0, q.get()), 1e-13);
-    EXPECT_LE(testing::distance(multigrid.equilibrium(2).get(), q.get()), 1e-8);
+    EXPECT_LE(test::distance(multigrid.equilibrium(2).get(), q.get()), 1e-8);
     const Placement at = free.body.placement(0, q.get());
     for (std::size_t i = 0; i < 3; ++i) {
       EXPECT_NEAR(at.translation[i], (*moved.translation[i])(0.0, 0.0, 0.0, 0.0), 1e-13);
@@ -276,7 +275,7 @@ TEST_F(Twist, TurningPlatenIsAGripWithoutTorque) {
     given.angle = Expression(angle);
     TiedProblem grip(comm, bar_, gripped(given));
     const auto u = grip.equilibrium(2);
-    EXPECT_LE(testing::distance(u.get(), q.get()), 1e-8);
+    EXPECT_LE(test::distance(u.get(), q.get()), 1e-8);
 
     // The torque about the centre, and the reaction's part in it that is free, vanish.
     const Handle<Vec> r = free.body.potential().make_vector();
@@ -288,7 +287,7 @@ TEST_F(Twist, TurningPlatenIsAGripWithoutTorque) {
         for (int i = 0; i < 3; ++i) reaction[3 * a + i] = 0.0;
       }
     }
-    const auto grips = testing::resultant(free.body.solid(), r.get(), q.get());
+    const auto grips = test::resultant(free.body.solid(), r.get(), q.get());
     const Vector3<double> torque = grips.moment - cross(moved.centre + at.translation, grips.force);
     const double size = std::sqrt(dot(grips.force, grips.force));
     EXPECT_GT(size, 1e-3 * modulus);
@@ -307,12 +306,12 @@ TiedSpec flying(FreeRotation rotation) {
   spec.law = make_law("neo-hookean", 20.0, 0.3);
   spec.density = 1.0;
   spec.rigidity = Rigidity::of_accelerations;
-  spec.constraints = {testing::platen(face(0, 0.0), {}, rotation), testing::platen(face(0, 1.0), {}, rotation)};
+  spec.constraints = {test::platen(face(0, 0.0), {}, rotation), test::platen(face(0, 1.0), {}, rotation)};
   return spec;
 }
 
 Momenta momenta(const Inertia& inertia, const NodeLayout& layout, Vec q, Vec v) {
-  Momenta total = inertia.momenta(layout.coordinates, testing::local_values(q), testing::local_values(v));
+  Momenta total = inertia.momenta(layout.coordinates, test::local_values(q), test::local_values(v));
   for (auto* of : {&total.linear, &total.angular}) {
     for (double& component : *of) component = sum(layout.comm, component);
   }
@@ -323,7 +322,7 @@ Momenta momenta(const Inertia& inertia, const NodeLayout& layout, Vec q, Vec v) 
 TEST_F(Tied, FlyingBodyWithRigidSidesKeepsItsMomenta) {
   TiedProblem problem(comm, cube(2), flying(FreeRotation::about_all_axes));
   const Inertia& inertia = problem.body.inertia();
-  auto q = problem.body.solid().vector(testing::at_rest);
+  auto q = problem.body.solid().vector(test::at_rest);
   auto v = problem.body.solid().vector([](const Point& x) {
     return Point{0.3, 0.0, -0.2} + cross(Point{0.8, -0.5, 1.5}, x) + 0.2 * Point{x[0] * x[1], x[2] * x[2], x[1]};
   });
@@ -355,7 +354,7 @@ struct OrderCase {
   int number;
   Method method;
   std::string name;
-  std::vector<testing::TestConstraint> constraints;
+  std::vector<test::TestConstraint> constraints;
 };
 
 std::ostream& operator<<(std::ostream& out, const OrderCase& c) {
@@ -370,14 +369,14 @@ std::vector<OrderCase> every_order_case() {
   const RigidMotion led{{Expression("0.1*sin(3*t)"), std::nullopt, Expression(0.0)}, {}, {}, {0.0, 0.4, 0.6}};
   const RigidMotion hinged{
       {Expression("0.1*t^2"), std::nullopt, Expression(0.0)}, {0.6, 0.0, 0.8}, {}, {-0.1, 0.5, 0.5}};
-  const std::vector<std::pair<std::string, std::vector<testing::TestConstraint>>> kinds{
-      {"Grip", {testing::grip(face(0, 0.0), turning)}},
+  const std::vector<std::pair<std::string, std::vector<test::TestConstraint>>> kinds{
+      {"Grip", {test::grip(face(0, 0.0), turning)}},
       {"Ties",
-       {testing::slide(face(0, 0.0), {0.8, 0.6, 0.0}, "0.1*sin(2*t)*(1+y)"),
-        testing::repeat(face(2, 0.0), face(2, 1.0), {{Expression("0.05*t^2"), std::nullopt, Expression(0.0)}})}},
-      {"Turning", {testing::platen(face(0, 0.0), led, FreeRotation::about_all_axes)}},
-      {"Flying", {testing::platen(face(0, 0.0), {}, FreeRotation::about_all_axes)}},
-      {"Hinged", {testing::platen(face(0, 0.0), hinged, FreeRotation::about_axis)}}};
+       {test::slide(face(0, 0.0), {0.8, 0.6, 0.0}, "0.1*sin(2*t)*(1+y)"),
+        test::repeat(face(2, 0.0), face(2, 1.0), {{Expression("0.05*t^2"), std::nullopt, Expression(0.0)}})}},
+      {"Turning", {test::platen(face(0, 0.0), led, FreeRotation::about_all_axes)}},
+      {"Flying", {test::platen(face(0, 0.0), {}, FreeRotation::about_all_axes)}},
+      {"Hinged", {test::platen(face(0, 0.0), hinged, FreeRotation::about_axis)}}};
   std::vector<OrderCase> cases;
   for (const auto& [name, constraints] : kinds) {
     for (const Method& method : methods()) {
@@ -394,7 +393,7 @@ class TiedOrders : public ::testing::TestWithParam<OrderCase> {
 
   /// (q, v) at the end of `num_steps` steps, on one rank alone.
   static std::array<Handle<Vec>, 2> end(TiedProblem& problem, const Method& method, int num_steps) {
-    auto q = problem.body.solid().vector(testing::at_rest);
+    auto q = problem.body.solid().vector(test::at_rest);
     auto v = problem.body.solid().vector([](const Point& x) {
       return Point{0.2 * x[1], -0.1 * x[0], 0.3 * x[0] * x[1]};
     });
@@ -439,7 +438,7 @@ TEST_P(TiedOrders, AreThoseOfTheMethod) {
   if (c.number % num_ranks(comm) != rank(comm)) return;  // another rank's
   const Scratch scratch(MPI_COMM_SELF);
   const auto file = scratch.file("body.msh", [](const std::string& f) {
-    testing::write_body(f, {1, Shape::straight, 1});
+    test::write_body(f, {1, Shape::straight, 1});
   });
   TiedSpec spec;
   spec.law = make_law("neo-hookean", 5.0, 0.3);  // it vibrates at some rad/s
@@ -450,12 +449,12 @@ TEST_P(TiedOrders, AreThoseOfTheMethod) {
   const auto& exact = reference(problem, c.name);
   const auto coarse = end(problem, c.method, num_fine / 2), fine = end(problem, c.method, num_fine);
   for (const std::size_t part : {0, 1}) {
-    const double error = testing::distance(coarse[part].get(), exact[part].get());
-    const double finer = testing::distance(fine[part].get(), exact[part].get());
+    const double error = test::distance(coarse[part].get(), exact[part].get());
+    const double finer = test::distance(fine[part].get(), exact[part].get());
     EXPECT_NEAR(std::log2(error / finer), c.method.order, 0.15)
         << (part == 0 ? "q" : "v") << ": errors " << error << ", " << finer;
   }
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_constraints

@@ -10,14 +10,14 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_contact_stage {
 namespace {
 
-using testing::Point;
-using testing::Problem;
-using testing::ProblemSpec;
-using testing::Scratch;
-using testing::Solid;
+using test::Point;
+using test::Problem;
+using test::ProblemSpec;
+using test::Scratch;
+using test::Solid;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 constexpr double density = 1000.0, dt = 5e-3;
@@ -51,12 +51,12 @@ class ContactStage : public ::testing::Test {
     problem.potential().begin_stage(stage);
     const Handle<Vec> r = problem.potential().make_vector();
     problem.potential().gradient(q, r.get());
-    return testing::norm(r.get());
+    return test::norm(r.get());
   }
 
   Scratch scratch_{comm};
   std::string file_ = scratch_.file("body.msh", [](const std::string& f) {
-    testing::write_body(f, {1, testing::Shape::jittered, 2});
+    test::write_body(f, {1, test::Shape::jittered, 2});
   });
 };
 
@@ -68,7 +68,7 @@ TEST_F(ContactStage, IteratedCoefficientsAreThoseOfTheSolution) {
     const Solid& solid = problem.solid();
     const auto q0 = solid.vector([](const Point& x) { return Point{0.0, 0.0, -0.001 * (1.0 + x[0])}; });
     const auto v0 = solid.vector([](const Point&) { return Point{0.1, 0.3, -0.5}; });
-    const auto q = solid.vector(testing::at_rest);
+    const auto q = solid.vector(test::at_rest);
     const StageReport report = problem.solve(0.1, dt, q0, v0, q);
     ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
     const StagePoint stage{0.1, dt, q0.get(), v0.get(), 1.0};
@@ -76,8 +76,8 @@ TEST_F(ContactStage, IteratedCoefficientsAreThoseOfTheSolution) {
     solutions.push_back(q.share());
   }
   // Frozen coefficients are others, those of the stage's start.
-  const double difference = testing::distance(solutions[0].get(), solutions[1].get());
-  EXPECT_GT(difference, 1e-3 * testing::norm(solutions[1].get()));
+  const double difference = test::distance(solutions[0].get(), solutions[1].get());
+  EXPECT_GT(difference, 1e-3 * test::norm(solutions[1].get()));
 }
 
 // Thrown at 10 m/s from 2 cm: within one step inertia alone would carry the body through.
@@ -88,7 +88,7 @@ TEST_F(ContactStage, NoNodePassesABarrier) {
   auto v = solid.vector([](const Point&) { return Point{0.0, 0.0, -10.0}; });
   double lowest = 1.0;
   for (int step = 1; step <= 10; ++step) {
-    const auto q0 = testing::moved(q.get(), 0.0, q.get());
+    const auto q0 = test::moved(q.get(), 0.0, q.get());
     const StageReport report = problem.solve(step * dt, dt, q0, v, q);
     ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
     check(VecWAXPY(v.get(), -1.0, q0.get(), q.get()));
@@ -110,7 +110,7 @@ TEST_F(ContactStage, AStartBeyondABarrierIsLeftFromTheLastSolution) {
   const Solid& solid = problem.solid();
   const auto above = solid.vector([](const Point&) { return Point{0.0, 0.0, 0.003}; });
   const auto below = solid.vector([](const Point&) { return Point{0.0, 0.0, -0.002}; });
-  const auto still = solid.vector(testing::at_rest), q = solid.vector(testing::at_rest);
+  const auto still = solid.vector(test::at_rest), q = solid.vector(test::at_rest);
   EXPECT_EQ(problem.solve(0.0, dt, below, still, q).outcome, StageOutcome::retry);
   ASSERT_EQ(problem.solve(0.0, dt, above, still, q).outcome, StageOutcome::converged);
   const StageReport report = problem.solve(dt, dt, below, still, q);
@@ -119,4 +119,4 @@ TEST_F(ContactStage, AStartBeyondABarrierIsLeftFromTheLastSolution) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_contact_stage

@@ -4,17 +4,17 @@
 
 #include <ostream>
 
-namespace pliant {
+namespace pliant::test_equilibrium {
 namespace {
 
-using testing::BodySpec;
-using testing::Field;
-using testing::Point;
-using testing::Problem;
-using testing::ProblemSpec;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
+using test::BodySpec;
+using test::Field;
+using test::Point;
+using test::Problem;
+using test::ProblemSpec;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
 using testing_states::Quad;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
@@ -25,13 +25,13 @@ struct LawCase {
 };
 
 std::ostream& operator<<(std::ostream& out, const LawCase& c) {
-  return out << testing::name_of(c.law) << "P" << c.order;
+  return out << test::name_of(c.law) << "P" << c.order;
 }
 
 std::vector<LawCase> every_case() {
   std::vector<LawCase> cases;
   for (const int order : {1, 2}) {
-    for (const auto& law : testing::every_law(1e6, 0.3)) cases.push_back({law, order});
+    for (const auto& law : test::every_law(1e6, 0.3)) cases.push_back({law, order});
   }
   return cases;
 }
@@ -47,45 +47,45 @@ class EveryLaw : public ::testing::TestWithParam<LawCase> {
   }
   Scratch scratch_{comm};
   std::string file_ = scratch_.file("body.msh", [&](const std::string& f) {
-    testing::write_body(f, {1, Shape::jittered, 5 - 2 * GetParam().order});
+    test::write_body(f, {1, Shape::jittered, 5 - 2 * GetParam().order});
   });
 };
 
 INSTANTIATE_TEST_SUITE_P(Registry, EveryLaw, ::testing::ValuesIn(every_case()), [](const auto& of) {
-  return testing::name_of(of.param.law) + "P" + std::to_string(of.param.order);
+  return test::name_of(of.param.law) + "P" + std::to_string(of.param.order);
 });
 
 // Patch test: affine displacements of the surface make the inside affine, on any mesh.
 TEST_P(EveryLaw, AffineSurfaceMakesAnAffineInside) {
   ProblemSpec of = spec();
   of.supports = {
-      {testing::on_the_surface,
+      {test::on_the_surface,
        {Expression("0.05*x-0.03*y+0.02*z"), Expression("0.04*x+0.03*z"), Expression("-0.02*y-0.06*z+0.01")}}};
   Problem problem(comm, file_, of);
-  const auto q = problem.solid().vector(testing::at_rest);
+  const auto q = problem.solid().vector(test::at_rest);
   const auto report = problem.solve_static(q);
   ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
   const Field exact = [](const Point& x) {
     return Point{0.05 * x[0] - 0.03 * x[1] + 0.02 * x[2], 0.04 * x[0] + 0.03 * x[2], -0.02 * x[1] - 0.06 * x[2] + 0.01};
   };
-  EXPECT_GT(testing::deviation(problem.solid(), problem.solid().vector(testing::at_rest).get(), exact), 0.05);
-  EXPECT_LE(testing::deviation(problem.solid(), q.get(), exact), 1e-11);
+  EXPECT_GT(test::deviation(problem.solid(), problem.solid().vector(test::at_rest).get(), exact), 0.05);
+  EXPECT_LE(test::deviation(problem.solid(), q.get(), exact), 1e-11);
 }
 
 TEST_P(EveryLaw, RigidlyMovedSurfaceLeavesNoStress) {
-  if (testing::is_linear(GetParam().law)) return;  // it takes a rotation for a strain
+  if (test::is_linear(GetParam().law)) return;  // it takes a rotation for a strain
   ProblemSpec of = spec();
   // 0.1 rad about the z axis, and a translation.
   const std::string c = "0.99500416527802577", s = "0.09983341664682815";
-  of.supports = {{testing::on_the_surface,
+  of.supports = {{test::on_the_surface,
                   {Expression(c + "*x-" + s + "*y-x+0.05"), Expression(s + "*x+" + c + "*y-y"), Expression("0.03")}}};
   Problem problem(comm, file_, of);
-  const auto q = problem.solid().vector(testing::at_rest);
+  const auto q = problem.solid().vector(test::at_rest);
   const auto report = problem.solve_static(q);
   ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
   const double modulus = 1e6;
   EXPECT_LE(problem.strain_energy(q.get()), 1e-18 * modulus);
-  EXPECT_LE(testing::norm(problem.reactions(q.get()).get()), 1e-10 * modulus);
+  EXPECT_LE(test::norm(problem.reactions(q.get()).get()), 1e-10 * modulus);
 }
 
 /// P of the stretches (l, m, m), by the textbook.
@@ -109,18 +109,18 @@ TEST_P(EveryLaw, UniaxialTensionIsTheLaws) {
       ASSERT_GT(std::abs(m - 1.0), 0.01);
     }
     ProblemSpec of = spec();
-    of.supports = testing::rollers();
+    of.supports = test::rollers();
     of.loads = [T](const Solid& solid) {
       std::vector<std::unique_ptr<EnergyTerm>> loads;
       loads.push_back(solid.traction({Expression(T), Expression(), Expression()}));
       return loads;
     };
     Problem problem(comm, file_, of);
-    const auto q = problem.solid().vector(testing::at_rest);
+    const auto q = problem.solid().vector(test::at_rest);
     const auto report = problem.solve_static(q);
     ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
     const Field exact = [=](const Point& x) { return Point{(l - 1.0) * x[0], (m - 1.0) * x[1], (m - 1.0) * x[2]}; };
-    EXPECT_LE(testing::deviation(problem.solid(), q.get(), exact), 1e-11);
+    EXPECT_LE(test::deviation(problem.solid(), q.get(), exact), 1e-11);
     // The supports at x = 0 carry the pull.
     const auto r = problem.reactions(q.get());
     const ConstArrayView reaction(r.get());
@@ -139,14 +139,14 @@ TEST_P(EveryLaw, NewtonConvergesQuadratically) {
   for (const int i : {0, 1}) {
     ProblemSpec of = spec();
     of.newton.relative = i == 0 ? 1e-4 : 1e-12;
-    of.supports = {{testing::face(0, 0.0), testing::fixed()}};
+    of.supports = {{test::face(0, 0.0), test::fixed()}};
     of.loads = [](const Solid& solid) {
       std::vector<std::unique_ptr<EnergyTerm>> loads;
       loads.push_back(solid.traction({Expression(1e5), Expression(), Expression(-3e4)}));
       return loads;
     };
     Problem problem(comm, file_, of);
-    const auto q = problem.solid().vector(testing::at_rest);
+    const auto q = problem.solid().vector(test::at_rest);
     const auto report = problem.solve_static(q);
     ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
     iterations[i] = report.newton_iterations;
@@ -162,7 +162,7 @@ TEST_P(EveryLaw, NewtonConvergesQuadratically) {
 
 TEST_P(EveryLaw, SolutionIsTheSameOnAnyNumberOfRanks) {
   ProblemSpec of = spec();
-  of.supports = {{testing::face(0, 0.0), testing::fixed()}};
+  of.supports = {{test::face(0, 0.0), test::fixed()}};
   of.loads = [](const Solid& solid) {
     std::vector<std::unique_ptr<EnergyTerm>> loads;
     loads.push_back(solid.traction({Expression(1e5), Expression(), Expression("-3e4*y")}));
@@ -170,12 +170,12 @@ TEST_P(EveryLaw, SolutionIsTheSameOnAnyNumberOfRanks) {
     return loads;
   };
   Problem problem(comm, file_, of), alone(MPI_COMM_SELF, file_, of);
-  const auto q = problem.solid().vector(testing::at_rest), p = alone.solid().vector(testing::at_rest);
+  const auto q = problem.solid().vector(test::at_rest), p = alone.solid().vector(test::at_rest);
   ASSERT_EQ(problem.solve_static(q).outcome, StageOutcome::converged);
   ASSERT_EQ(alone.solve_static(p).outcome, StageOutcome::converged);
-  const Field expected = testing::by_place(alone.solid(), p.get());
-  EXPECT_GT(testing::deviation(problem.solid(), problem.solid().vector(testing::at_rest).get(), expected), 0.01);
-  EXPECT_LE(testing::deviation(problem.solid(), q.get(), expected), 1e-9);
+  const Field expected = test::by_place(alone.solid(), p.get());
+  EXPECT_GT(test::deviation(problem.solid(), problem.solid().vector(test::at_rest).get(), expected), 0.01);
+  EXPECT_LE(test::deviation(problem.solid(), q.get(), expected), 1e-9);
 }
 
 /// A unit cube clamped at x = 0 under a dead traction on x = 1 that bends it by more than its length.
@@ -203,29 +203,29 @@ TEST_P(BentCube, HasTheReferenceEnergy) {
   const Scratch scratch(comm);
   const int cubes = n;
   const auto file = scratch.file("cube.msh", [&](const std::string& f) {
-    testing::write_body(f, {2, Shape::straight, cubes});
+    test::write_body(f, {2, Shape::straight, cubes});
   });
   ProblemSpec spec;
   spec.order = 2;
   spec.law = make_law("neo-hookean", 2.8, 0.4);
   spec.newton.relative = 1e-11;
   spec.degree = degree;
-  spec.supports = {{testing::face(0, 0.0), testing::fixed()}};
+  spec.supports = {{test::face(0, 0.0), test::fixed()}};
   spec.loads = [](const Solid& solid) {
     std::vector<std::unique_ptr<EnergyTerm>> loads;
     loads.push_back(solid.traction({Expression(), Expression(), Expression(-0.5)}));
     return loads;
   };
   Problem problem(comm, file, spec);
-  const auto q = problem.solid().vector(testing::at_rest);
+  const auto q = problem.solid().vector(test::at_rest);
   const auto report = problem.solve_static(q, 4);
   ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
   EXPECT_NEAR(problem.strain_energy(q.get()), energy, tolerance * energy);
   if (n != 2 || degree != 2) return;
-  const auto corner = testing::key_of({1.0, 1.0, 1.0});
+  const auto corner = test::key_of({1.0, 1.0, 1.0});
   const ConstArrayView u(q.get());
   for (PetscInt a = 0; a < problem.solid().layout().num_owned_nodes; ++a) {
-    if (testing::key_of(problem.solid().layout().position(a)) != corner) continue;
+    if (test::key_of(problem.solid().layout().position(a)) != corner) continue;
     EXPECT_NEAR(u[3 * a], 0.09436176, 1e-8);
     EXPECT_NEAR(u[3 * a + 1], -0.04945564, 1e-8);
     EXPECT_NEAR(u[3 * a + 2], -1.14346301, 1e-8);
@@ -233,4 +233,4 @@ TEST_P(BentCube, HasTheReferenceEnergy) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_equilibrium

@@ -5,14 +5,14 @@
 
 #include <cmath>
 
-namespace pliant {
+namespace pliant::test_failed_stage {
 namespace {
 
-using testing::Problem;
-using testing::ProblemSpec;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
+using test::Problem;
+using test::ProblemSpec;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -22,7 +22,7 @@ class FailedStages : public ::testing::Test {
   ProblemSpec pulled(double traction, int max_iterations) const {
     ProblemSpec spec;
     spec.law = make_law("neo-hookean", 1e6, 0.3);
-    spec.supports = {{testing::face(0, 0.0), testing::fixed()}};
+    spec.supports = {{test::face(0, 0.0), test::fixed()}};
     spec.loads = [=](const Solid& solid) {
       std::vector<std::unique_ptr<EnergyTerm>> loads;
       loads.push_back(solid.traction({Expression(traction), Expression(0.3 * traction), Expression()}));
@@ -39,21 +39,21 @@ class FailedStages : public ::testing::Test {
 
   Scratch scratch_{comm};
   std::string mesh_ = scratch_.file("cube.msh", [](const std::string& f) {
-    testing::write_body(f, {1, Shape::straight, 2});
+    test::write_body(f, {1, Shape::straight, 2});
   });
 };
 
 TEST_F(FailedStages, AreNoneWhereAllIsWell) {
   Problem problem(comm, mesh_, pulled(3e5, 50));
   EXPECT_FALSE(problem.examine());
-  const auto q = problem.solid().vector(testing::at_rest);
+  const auto q = problem.solid().vector(test::at_rest);
   ASSERT_EQ(problem.solve_static(q).outcome, StageOutcome::converged);
   EXPECT_FALSE(problem.examine());
 }
 
 TEST_F(FailedStages, TellTheIterationsAndTheLine) {
   Problem problem(comm, mesh_, pulled(3e5, 2));
-  const auto q = problem.solid().vector(testing::at_rest);
+  const auto q = problem.solid().vector(test::at_rest);
   const auto report = problem.solve_static(q);
   ASSERT_EQ(report.outcome, StageOutcome::retry);
   const auto stage = problem.examine();
@@ -98,9 +98,9 @@ TEST_F(FailedStages, TellTheIterationsAndTheLine) {
 
 TEST_F(FailedStages, BeyondABarrierHaveNoIterations) {
   ProblemSpec spec = pulled(1e3, 50);
-  spec.supports.push_back({testing::face(0, 1.0), {Expression(-1.2), std::nullopt, std::nullopt}});
+  spec.supports.push_back({test::face(0, 1.0), {Expression(-1.2), std::nullopt, std::nullopt}});
   Problem problem(comm, mesh_, spec);
-  const auto q = problem.solid().vector(testing::at_rest);
+  const auto q = problem.solid().vector(test::at_rest);
   ASSERT_EQ(problem.solve_static(q).outcome, StageOutcome::retry);
   const auto stage = problem.examine();
   ASSERT_TRUE(stage);
@@ -110,7 +110,7 @@ TEST_F(FailedStages, BeyondABarrierHaveNoIterations) {
   EXPECT_EQ(norm(stage->direction.get()), 0.0);
   EXPECT_TRUE(std::isnan(norm(stage->residual.get())));
   const NodeLayout& layout = problem.solid().layout();
-  const auto u = testing::local_values(stage->displacement.get());
+  const auto u = test::local_values(stage->displacement.get());
   double least = 1.0;
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
     least = std::min(least, deformed_cell(layout, c, u).volume_ratio);
@@ -118,9 +118,9 @@ TEST_F(FailedStages, BeyondABarrierHaveNoIterations) {
   EXPECT_NEAR(minimum(comm, least), 1.0 - 1.2 / 0.5, 1e-9);  // the layer next to the face, half of the cube
 
   // The next stage is another one.
-  ASSERT_EQ(problem.solve_static(problem.solid().vector(testing::at_rest)).outcome, StageOutcome::retry);
+  ASSERT_EQ(problem.solve_static(problem.solid().vector(test::at_rest)).outcome, StageOutcome::retry);
   EXPECT_TRUE(problem.examine());
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_failed_stage

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_forcing {
 namespace {
 
 /// Newton's method where the linear model leaves the k-th part of the residual out, and the linear solver what it was
@@ -55,4 +55,4 @@ TEST(Forcing, FollowsAHarderStageAndForgets) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_forcing

@@ -7,14 +7,14 @@
 
 #include <fmt/format.h>
 
-namespace pliant {
+namespace pliant::test_incompressible {
 namespace {
 
-using testing::Dilatation;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
+using test::Dilatation;
+using test::Point;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -43,7 +43,7 @@ class Problem {
   const PressureLayout& pressures() const { return field_->layout(); }
 
   /// From the guess q.
-  StageReport solve(const std::vector<testing::Support>& supports, const EnergyTerm& load, Vec q) {
+  StageReport solve(const std::vector<test::Support>& supports, const EnergyTerm& load, Vec q) {
     std::vector<PrescribedPart> parts;
     for (const auto& support : supports) {
       parts.push_back({nodes_in_region(solid_.layout(), support.region), support.displacement});
@@ -58,7 +58,7 @@ class Problem {
       equation = &*mixed_equation_;
     }
     solver_.emplace(*equation, NewtonOptions{1e-10, 0.0, 50}, LinearKind::cholesky);
-    const auto q0 = solid_.vector(testing::at_rest), v0 = solid_.vector(testing::at_rest);
+    const auto q0 = solid_.vector(test::at_rest), v0 = solid_.vector(test::at_rest);
     check(VecCopy(q, q0.get()));
     const StagePoint stage{1.0, 1.0, q0.get(), v0.get()};
     prescribed.motion().start_stage(stage, q);
@@ -118,7 +118,7 @@ class Exact {
 
 /// Loads of the exact solution: -Div P in the body, by differences of fourth order, and P N on the face x = 1.
 template <int Order>
-testing::NodalForces exact_load(const Solid& solid, const Exact& exact) {
+test::NodalForces exact_load(const Solid& solid, const Exact& exact) {
   const NodeLayout& layout = solid.layout();
   std::vector<double> f(3 * static_cast<std::size_t>(layout.num_local_nodes), 0.0);
   const auto rule = simplex_rule<3>(5);
@@ -195,18 +195,18 @@ template <int Order>
 Errors errors(const ElasticLawSpec& law, Treatment treatment, int n) {
   const Scratch scratch(comm);
   const auto file = scratch.file("cube.msh", [&](const std::string& f) {
-    testing::write_body(f, {1, Shape::straight, n});
+    test::write_body(f, {1, Shape::straight, n});
   });
   Problem problem(file, Order, law, treatment);
   const Exact exact(law);
   // The edges of the loaded face are held by its neighbours.
-  const auto held = [](const Point& x) { return testing::on_the_surface({std::min(x[0], 0.5), x[1], x[2]}); };
-  const std::vector<testing::Support> supports{{held, {exact.formulas()[0], exact.formulas()[1], exact.formulas()[2]}}};
+  const auto held = [](const Point& x) { return test::on_the_surface({std::min(x[0], 0.5), x[1], x[2]}); };
+  const std::vector<test::Support> supports{{held, {exact.formulas()[0], exact.formulas()[1], exact.formulas()[2]}}};
   const auto load = exact_load<Order>(problem.solid(), exact);
   const auto q = problem.solid().vector([&](const Point& X) { return exact.displacement(X); });
   const auto report = problem.solve(supports, load, q.get());
   EXPECT_EQ(report.outcome, StageOutcome::converged) << report.reason;
-  const auto u = testing::local_values(q.get());
+  const auto u = test::local_values(q.get());
   const NodeLayout& layout = problem.solid().layout();
   const auto rule = simplex_rule<3>(6);
   double square = 0.0, pressure = 0.0;
@@ -281,4 +281,4 @@ TEST(Incompressible, OrderOfAnIncompressibleBody) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_incompressible

@@ -6,11 +6,11 @@
 
 #include <string_view>
 
-namespace pliant {
+namespace pliant::test_linear {
 namespace {
 
-using testing::Scratch;
-using testing::Solid;
+using test::Scratch;
+using test::Solid;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -43,7 +43,7 @@ class Cube {
       : solid_(comm,
                scratch_.file("cube.msh",
                              [](const std::string& f) {
-                               testing::write_body(f, {1, testing::Shape::straight, 8});
+                               test::write_body(f, {1, test::Shape::straight, 8});
                              }),
                1, 2),
         elastic_(solid_.elastic(make_law("linear", 1e6, 0.3))),
@@ -58,7 +58,7 @@ class Cube {
   Handle<Vec> vector() const { return potential_.make_vector(); }
   /// K x for a rough field x.
   Handle<Vec> right_hand_side() const {
-    const auto x = solid_.vector(testing::rough_field(1.0, 1));
+    const auto x = solid_.vector(test::rough_field(1.0, 1));
     Handle<Vec> b = vector();
     check(MatMult(K(), x.get(), b.get()));
     return b;
@@ -66,7 +66,7 @@ class Cube {
   double residual(Vec x, Vec b) const {
     const Handle<Vec> Kx = vector();
     check(MatMult(K(), x, Kx.get()));
-    return testing::distance(Kx.get(), b) / testing::norm(b);
+    return test::distance(Kx.get(), b) / test::norm(b);
   }
 
  private:
@@ -75,7 +75,7 @@ class Cube {
   std::unique_ptr<ElasticTerm> elastic_;
   std::unique_ptr<Inertia> inertia_;
   IncrementalPotential potential_;
-  testing::TestStage stage_;
+  test::TestStage stage_;
   Handle<Mat> K_;
 };
 
@@ -191,7 +191,7 @@ TEST(LinearSolver, SinglePrecisionIsAGoodPreconditioner) {
         EXPECT_EQ(factorization.negative_pivots(), 0);
         check(VecZeroEntries(b.get()));
         factorization.solve(b.get(), x.get());
-        EXPECT_EQ(testing::norm(x.get()), 0.0);
+        EXPECT_EQ(test::norm(x.get()), 0.0);
       }
       const auto ksp = solver_of(cube, symmetry);
       ASSERT_TRUE(set_up(ksp.get(), cube.K()));
@@ -255,7 +255,7 @@ TEST(LinearSolver, PMultigridTakesAsManyIterationsOnFinerMeshes) {
   std::vector<PetscInt> iterations;
   for (const int n : {4, 8}) {
     const auto file = scratch.file("cube.msh", [&](const std::string& f) {
-      testing::write_body(f, {1, testing::Shape::straight, n});
+      test::write_body(f, {1, test::Shape::straight, n});
     });
     const Solid solid(comm, file, 2, 2);
     const auto elastic = solid.elastic(make_law("neo-hookean", 1e6, 0.3));
@@ -264,7 +264,7 @@ TEST(LinearSolver, PMultigridTakesAsManyIterationsOnFinerMeshes) {
       if (solid.layout().position(a)[0] < 1e-9) std::fill_n(clamped.begin() + 3 * a, 3, 1);
     }
     IncrementalPotential potential(solid.layout(), solid.pattern(), {elastic.get()}, clamped);
-    const testing::TestStage stage(solid, 0.0, 1.0);
+    const test::TestStage stage(solid, 0.0, 1.0);
     potential.begin_stage(stage.point);
     const Handle<Mat> K = potential.make_hessian();
     potential.hessian(stage.q0.get(), K.get(), Projection::none);
@@ -279,10 +279,10 @@ TEST(LinearSolver, PMultigridTakesAsManyIterationsOnFinerMeshes) {
       ASSERT_TRUE(set_up(ksp.get(), K.get()));
       check(KSPSetTolerances(ksp.get(), 1e-8, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
       const Handle<Vec> b = potential.make_vector(), x = potential.make_vector(), Kx = potential.make_vector();
-      check(MatMult(K.get(), solid.vector(testing::rough_field(1.0, 1)).get(), b.get()));
+      check(MatMult(K.get(), solid.vector(test::rough_field(1.0, 1)).get(), b.get()));
       check(KSPSolve(ksp.get(), b.get(), x.get()));
       check(MatMult(K.get(), x.get(), Kx.get()));
-      EXPECT_LE(testing::distance(Kx.get(), b.get()), 2e-8 * testing::norm(b.get()));
+      EXPECT_LE(test::distance(Kx.get(), b.get()), 2e-8 * test::norm(b.get()));
       iterations.push_back(0);
       check(KSPGetIterationNumber(ksp.get(), &iterations.back()));
     }
@@ -293,4 +293,4 @@ TEST(LinearSolver, PMultigridTakesAsManyIterationsOnFinerMeshes) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_linear

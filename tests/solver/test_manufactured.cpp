@@ -2,15 +2,15 @@
 #include "material/states.hpp"
 #include "solver/problem.hpp"
 
-namespace pliant {
+namespace pliant::test_manufactured {
 namespace {
 
-using testing::Point;
-using testing::Problem;
-using testing::ProblemSpec;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
+using test::Point;
+using test::Problem;
+using test::ProblemSpec;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 using Real = long double;
@@ -115,13 +115,13 @@ void for_each_point(const NodeLayout& layout, PetscInt num_cells, Visit visit) {
 template <int Order>
 double error_on(const Scratch& scratch, int n) {
   const auto file = scratch.file("cube" + std::to_string(n) + ".msh", [&](const std::string& f) {
-    testing::write_body(f, {1, Shape::straight, n});
+    test::write_body(f, {1, Shape::straight, n});
   });
   ProblemSpec spec;
   spec.order = Order;
   spec.law = spec_of_law;
   spec.newton.relative = 1e-10;
-  spec.supports = {{testing::on_the_surface,
+  spec.supports = {{test::on_the_surface,
                     {Expression("(x*y+x^2+y^3+6*z)/80"), Expression("(z*x-z^3+x*y^2+3*x^4)/80"),
                      Expression("(x*y*z+z^2*y^2-2*x)/80")}}};
   spec.loads = [](const Solid& solid) {
@@ -135,14 +135,14 @@ double error_on(const Scratch& scratch, int n) {
                             }
                           });
     std::vector<std::unique_ptr<EnergyTerm>> loads;
-    loads.push_back(std::make_unique<testing::NodalForces>(layout, std::move(f)));
+    loads.push_back(std::make_unique<test::NodalForces>(layout, std::move(f)));
     return loads;
   };
   Problem problem(comm, file, spec);
-  const auto q = problem.solid().vector(testing::at_rest);
+  const auto q = problem.solid().vector(test::at_rest);
   const auto report = problem.solve_static(q);
   EXPECT_EQ(report.outcome, StageOutcome::converged) << report.reason;
-  const auto u = testing::local_values(q.get());
+  const auto u = test::local_values(q.get());
   double square = 0.0;
   const NodeLayout& layout = problem.solid().layout();
   for_each_point<Order>(layout, layout.num_owned_cells, [&](auto nodes, const Point& X, const auto& N, double weight) {
@@ -178,4 +178,4 @@ TEST(ManufacturedSolution, QuadraticElementsAreOfThirdOrder) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_manufactured

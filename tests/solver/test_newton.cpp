@@ -1,38 +1,37 @@
 // The solver in trouble, and where it stops.
+#include "base/limits.hpp"
 #include "solver/newton.hpp"
 #include "solver/problem.hpp"
 
 #include <limits>
 
-namespace pliant {
+namespace pliant::test_newton {
 namespace {
 
-using testing::Field;
-using testing::Point;
-using testing::Problem;
-using testing::ProblemSpec;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
+using test::Field;
+using test::Point;
+using test::Problem;
+using test::ProblemSpec;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 class Newton : public ::testing::Test {
  protected:
   std::string mesh(int n, Shape shape = Shape::straight) const {
     return scratch_.file("cube" + std::to_string(n) + ".msh", [&](const std::string& f) {
-      testing::write_body(f, {1, shape, n});
+      test::write_body(f, {1, shape, n});
     });
   }
   /// Clamped at x = 0.
   static ProblemSpec clamped(const ElasticLawSpec& law) {
     ProblemSpec spec;
     spec.law = law;
-    spec.supports = {{testing::face(0, 0.0), testing::fixed()}};
+    spec.supports = {{test::face(0, 0.0), test::fixed()}};
     return spec;
   }
-  static testing::TermsOf traction(double x, double y, double z) {
+  static test::TermsOf traction(double x, double y, double z) {
     return [=](const Solid& solid) {
       std::vector<std::unique_ptr<EnergyTerm>> loads;
       loads.push_back(solid.traction({Expression(x), Expression(y), Expression(z)}));
@@ -40,7 +39,7 @@ class Newton : public ::testing::Test {
     };
   }
   template <class Term, class... Arguments>
-  static testing::TermsOf with_term(Arguments... arguments) {
+  static test::TermsOf with_term(Arguments... arguments) {
     return [=](const Solid& solid) {
       std::vector<std::unique_ptr<EnergyTerm>> terms;
       terms.push_back(std::make_unique<Term>(solid, arguments...));
@@ -70,9 +69,9 @@ TEST_F(Newton, AStiffBodyTakesFewIterations) {
     };
     Problem problem(comm, mesh(8), spec);
     const double dt = 0.025;
-    auto q = problem.solid().vector(testing::at_rest), v = problem.solid().vector(testing::at_rest);
+    auto q = problem.solid().vector(test::at_rest), v = problem.solid().vector(test::at_rest);
     for (int step = 1; step <= 3; ++step) {
-      const auto q0 = testing::moved(q.get(), 0.0, q.get()), v0 = testing::moved(v.get(), 0.0, v.get());
+      const auto q0 = test::moved(q.get(), 0.0, q.get()), v0 = test::moved(v.get(), 0.0, v.get());
       const auto report = problem.solve(step * dt, dt, q0, v0, q);
       ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
       EXPECT_LE(report.newton_iterations, 4);
@@ -81,7 +80,7 @@ TEST_F(Newton, AStiffBodyTakesFewIterations) {
     }
     EXPECT_EQ(problem.statistics().backtracks, 0);
     EXPECT_EQ(problem.statistics().rounding_stops, 0);
-    EXPECT_GT(testing::norm(q.get()), 1e-6);
+    EXPECT_GT(test::norm(q.get()), 1e-6);
   }
 }
 
@@ -94,14 +93,14 @@ TEST_F(Newton, ACompressedStartConvergesOnProjectedHessians) {
       spec.linear = kind;
       Problem problem(comm, mesh(3), spec);
       const auto start = problem.solid().vector([](const Point& x) {
-        return Point{-0.4 * x[0], -0.3 * x[0] * (x[1] - 0.5) + 0.03 * x[0] * testing::rough(x, 1, 1),
+        return Point{-0.4 * x[0], -0.3 * x[0] * (x[1] - 0.5) + 0.03 * x[0] * test::rough(x, 1, 1),
                      -0.3 * x[0] * (x[2] - 0.5)};
       });
-      const auto v0 = problem.solid().vector(testing::at_rest), q = problem.solid().vector(testing::at_rest);
+      const auto v0 = problem.solid().vector(test::at_rest), q = problem.solid().vector(test::at_rest);
       const auto report = problem.solve(1.0, 1.0, start, v0, q);
       ASSERT_EQ(report.outcome, StageOutcome::converged) << name << ": " << report.reason;
       EXPECT_GT(problem.statistics().projections, 0) << name;
-      EXPECT_LE(testing::deviation(problem.solid(), q.get(), testing::at_rest), 1e-8) << name;
+      EXPECT_LE(test::deviation(problem.solid(), q.get(), test::at_rest), 1e-8) << name;
       expect_same_everywhere(report);
     }
   }
@@ -112,14 +111,14 @@ TEST_F(Newton, StepsThatWouldInvertAreCapped) {
   ProblemSpec spec = clamped(make_law("neo-hookean", 1e5, 0.3));
   spec.loads = traction(-4e5, 0.0, 0.0);
   Problem problem(comm, mesh(3), spec);
-  const auto q = problem.solid().vector(testing::at_rest);
+  const auto q = problem.solid().vector(test::at_rest);
   const auto report = problem.solve_static(q);
   ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
   EXPECT_GT(problem.statistics().capped_steps, 0);
   EXPECT_TRUE(std::isfinite(problem.strain_energy(q.get())));
-  EXPECT_LT(testing::norm(problem.reactions(q.get()).get()), 1e7);
+  EXPECT_LT(test::norm(problem.reactions(q.get()).get()), 1e7);
   double lowest = infinity;
-  problem.elastic().stresses({}, testing::local_values(q.get()),
+  problem.elastic().stresses({}, test::local_values(q.get()),
                              [&](PetscInt, const CellStress& s) { lowest = std::min(lowest, s.volume_ratio); });
   lowest = minimum(comm, lowest);
   EXPECT_GT(lowest, 0.0);
@@ -166,7 +165,7 @@ TEST_F(Newton, InfinityAndNanMakeItBacktrack) {
       return terms;
     };
     Problem problem(comm, mesh(3), spec);
-    const auto q = problem.solid().vector(testing::at_rest);
+    const auto q = problem.solid().vector(test::at_rest);
     const auto report = problem.solve_static(q);
     ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
     EXPECT_GT(problem.statistics().backtracks, 0);
@@ -186,14 +185,14 @@ TEST_F(Newton, InfinityAndNanMakeItBacktrack) {
 // worse.
 TEST_F(Newton, APrescribedMotionThatFlattensTheBodyIsToBeRetried) {
   ProblemSpec spec = clamped(make_law("neo-hookean", 1e6, 0.3));
-  spec.supports.push_back({testing::face(0, 1.0), {Expression("t < 2 ? -1.2 : -0.05"), std::nullopt, std::nullopt}});
+  spec.supports.push_back({test::face(0, 1.0), {Expression("t < 2 ? -1.2 : -0.05"), std::nullopt, std::nullopt}});
   Problem problem(comm, mesh(3), spec);
-  const auto v0 = problem.solid().vector(testing::at_rest), q = problem.solid().vector(testing::at_rest);
-  const auto flat = problem.solve(1.0, 1.0, problem.solid().vector(testing::at_rest), v0, q);
+  const auto v0 = problem.solid().vector(test::at_rest), q = problem.solid().vector(test::at_rest);
+  const auto flat = problem.solve(1.0, 1.0, problem.solid().vector(test::at_rest), v0, q);
   EXPECT_EQ(flat.outcome, StageOutcome::retry);
   EXPECT_FALSE(flat.reason.empty());
   expect_same_everywhere(flat);
-  const auto sound = problem.solve(9.0, 1.0, problem.solid().vector(testing::at_rest), v0, q);
+  const auto sound = problem.solve(9.0, 1.0, problem.solid().vector(test::at_rest), v0, q);
   EXPECT_EQ(sound.outcome, StageOutcome::converged) << sound.reason;
   expect_same_everywhere(sound);
 }
@@ -207,7 +206,7 @@ TEST_F(Newton, AFloatingBodyUnderLoadIsToBeRetried) {
     spec.linear = kind;
     spec.newton.max_iterations = 10;
     Problem problem(comm, mesh(2), spec);
-    const auto q = problem.solid().vector(testing::at_rest);
+    const auto q = problem.solid().vector(test::at_rest);
     const auto report = problem.solve_static(q);
     EXPECT_EQ(report.outcome, StageOutcome::retry);
     expect_same_everywhere(report);
@@ -219,7 +218,7 @@ TEST_F(Newton, OutOfIterationsIsToBeRetried) {
   spec.loads = traction(3e5, 0.0, 0.0);
   spec.newton.max_iterations = 1;
   Problem problem(comm, mesh(2), spec);
-  const auto q = problem.solid().vector(testing::at_rest);
+  const auto q = problem.solid().vector(test::at_rest);
   const auto report = problem.solve_static(q);
   EXPECT_EQ(report.outcome, StageOutcome::retry);
   EXPECT_EQ(report.newton_iterations, 1);
@@ -254,10 +253,10 @@ TEST_F(Newton, ALineSearchWithoutDescentIsToBeRetried) {
     return terms;
   };
   Problem problem(comm, mesh(2), spec);
-  const auto v0 = problem.solid().vector(testing::at_rest), q = problem.solid().vector(testing::at_rest);
-  const auto sound = problem.solve(1.0, 1.0, problem.solid().vector(testing::at_rest), v0, q);
+  const auto v0 = problem.solid().vector(test::at_rest), q = problem.solid().vector(test::at_rest);
+  const auto sound = problem.solve(1.0, 1.0, problem.solid().vector(test::at_rest), v0, q);
   ASSERT_EQ(sound.outcome, StageOutcome::converged) << sound.reason;
-  const auto q0 = testing::moved(q.get(), 0.0, q.get());
+  const auto q0 = test::moved(q.get(), 0.0, q.get());
   const auto report = problem.solve(2.0, 1.0, q0, v0, q);
   EXPECT_EQ(report.outcome, StageOutcome::retry) << report.reason;
   expect_same_everywhere(report);
@@ -277,11 +276,11 @@ TEST_F(Newton, CholeskyAndMultigridAgree) {
       spec.linear = i == 0 ? LinearKind::cholesky : multigrid;
       spec.loads = traction(1e5, 2e4, -5e4);
       problems[i] = std::make_unique<Problem>(comm, file, spec);
-      q[i] = problems[i]->solid().vector(testing::at_rest);
+      q[i] = problems[i]->solid().vector(test::at_rest);
       const auto report = problems[i]->solve_static(q[i]);
       ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
     }
-    EXPECT_LE(testing::distance(q[0].get(), q[1].get()), 1e-7 * testing::norm(q[0].get()));
+    EXPECT_LE(test::distance(q[0].get(), q[1].get()), 1e-7 * test::norm(q[0].get()));
   }
 }
 
@@ -294,14 +293,14 @@ TEST_F(Newton, StopsAtTheRoundingFloor) {
       spec.newton.relative = 0.0;
       spec.loads = traction(1e7, 0.0, 2e6);
       Problem problem(comm, mesh(3), spec);
-      const auto q = problem.solid().vector(testing::at_rest);
+      const auto q = problem.solid().vector(test::at_rest);
       const auto report = problem.solve_static(q);
       ASSERT_EQ(report.outcome, StageOutcome::converged) << name << order << ": " << report.reason;
       EXPECT_EQ(problem.statistics().rounding_stops, 1);
       EXPECT_LE(report.newton_iterations, 8);
       const Handle<Vec> r = problem.potential().make_vector();
       problem.potential().gradient(q.get(), r.get());
-      EXPECT_LE(testing::norm(r.get()), 1e-12 * problem.potential().force_scale(q.get()));
+      EXPECT_LE(test::norm(r.get()), 1e-12 * problem.potential().force_scale(q.get()));
     }
   }
 }
@@ -315,18 +314,18 @@ TEST_F(Newton, SmallLoadIncrementsOnAPrestressedBodyConverge) {
       spec.newton.relative = 1e-12;
       spec.loads = traction(2e5, 0.0, 3e4);
       Problem problem(comm, mesh(3), spec);
-      const auto v0 = problem.solid().vector(testing::at_rest), q = problem.solid().vector(testing::at_rest);
+      const auto v0 = problem.solid().vector(test::at_rest), q = problem.solid().vector(test::at_rest);
       ASSERT_EQ(problem.solve_static(q).outcome, StageOutcome::converged);
-      const auto q0 = testing::moved(q.get(), 0.0, q.get());
+      const auto q0 = test::moved(q.get(), 0.0, q.get());
       const auto before = problem.statistics();
       const auto report = problem.solve(2.0, 1.0, q0, v0, q, 1.0 + growth);
       ASSERT_EQ(report.outcome, StageOutcome::converged) << name << " " << growth << ": " << report.reason;
       EXPECT_LE(report.newton_iterations, 4) << growth;
       EXPECT_EQ(problem.statistics().backtracks - before.backtracks, 0) << name << " " << growth;
       EXPECT_EQ(problem.statistics().projections - before.projections, 0) << name << " " << growth;
-      const double moved = testing::distance(q.get(), q0.get());
-      EXPECT_GT(moved, 0.1 * growth * testing::norm(q0.get()));
-      EXPECT_LT(moved, 10.0 * growth * testing::norm(q0.get()));
+      const double moved = test::distance(q.get(), q0.get());
+      EXPECT_GT(moved, 0.1 * growth * test::norm(q0.get()));
+      EXPECT_LT(moved, 10.0 * growth * test::norm(q0.get()));
     }
   }
 }
@@ -337,16 +336,16 @@ TEST_F(Newton, ShortStepsOfAPrestressedBodyConverge) {
   spec.newton.relative = 1e-12;
   spec.loads = traction(2e5, 0.0, 3e4);
   Problem still(comm, mesh(3), spec);
-  const auto q0 = still.solid().vector(testing::at_rest);
+  const auto q0 = still.solid().vector(test::at_rest);
   ASSERT_EQ(still.solve_static(q0).outcome, StageOutcome::converged);
   spec.density = 1000.0;
   spec.newton.relative = 1e-8;
   Problem moving(comm, mesh(3), spec);
-  const auto q = moving.solid().vector(testing::at_rest);
+  const auto q = moving.solid().vector(test::at_rest);
   for (const double dt : {1e-2, 1e-4, 1e-6}) {
     for (const double speed : {0.0, 1e-6, 1.0}) {
       const auto v0 = moving.solid().vector([=](const Point& x) { return Point{0.0, speed * x[0], 0.0}; });
-      const auto start = testing::moved(q0.get(), 0.0, q0.get());
+      const auto start = test::moved(q0.get(), 0.0, q0.get());
       const auto report = moving.solve(1.0, dt, start, v0, q, 1.0);
       ASSERT_EQ(report.outcome, StageOutcome::converged) << dt << " " << speed << ": " << report.reason;
       EXPECT_LE(report.newton_iterations, 4) << dt << " " << speed;
@@ -358,11 +357,11 @@ TEST_F(Newton, ShortStepsOfAPrestressedBodyConverge) {
 // Nothing to do: no forces at all, or the solution already there.
 TEST_F(Newton, ABodyAtRestTakesNoIteration) {
   Problem problem(comm, mesh(2), clamped(make_law("neo-hookean", 1e6, 0.3)));
-  const auto q = problem.solid().vector(testing::at_rest);
+  const auto q = problem.solid().vector(test::at_rest);
   const auto report = problem.solve_static(q);
   EXPECT_EQ(report.outcome, StageOutcome::converged);
   EXPECT_EQ(report.newton_iterations, 0);
-  EXPECT_EQ(testing::norm(q.get()), 0.0);
+  EXPECT_EQ(test::norm(q.get()), 0.0);
 }
 
 // Free fall: the guess q0 + dt v0 - dt^2 g is not far, and the body is not strained by it.
@@ -378,13 +377,13 @@ TEST_F(Newton, FreeFallIsExact) {
   Problem problem(comm, mesh(2), spec);
   const auto q0 = problem.solid().vector([](const Point&) { return Point{0.0, 0.0, 100.0}; });
   const auto v0 = problem.solid().vector([](const Point&) { return Point{3.0, 0.0, -20.0}; });
-  const auto q = problem.solid().vector(testing::at_rest);
+  const auto q = problem.solid().vector(test::at_rest);
   const double dt = 0.1;
   const auto report = problem.solve(dt, dt, q0, v0, q);
   ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
   EXPECT_LE(report.newton_iterations, 2);
   const Field exact = [=](const Point&) { return Point{3.0 * dt, 0.0, 100.0 - 20.0 * dt - 9.81 * dt * dt}; };
-  EXPECT_LE(testing::deviation(problem.solid(), q.get(), exact), 1e-9);
+  EXPECT_LE(test::deviation(problem.solid(), q.get(), exact), 1e-9);
 }
 
 // A tumbling body strains little, and its stiffness turns with it: so does the factorization.
@@ -398,7 +397,7 @@ TEST_F(Newton, AKeptFactorizationTurnsWithTheBody) {
     Problem problem(comm, mesh(3), spec);
     // About the z axis through the middle, by 0.2 rad each step.
     const double dt = 0.01, spin = 20.0;
-    const auto q = problem.solid().vector(testing::at_rest), q0 = problem.solid().vector(testing::at_rest);
+    const auto q = problem.solid().vector(test::at_rest), q0 = problem.solid().vector(test::at_rest);
     const auto v = problem.solid().vector([&](const Point& X) -> Point {
       return {-spin * (X[1] - 0.5), spin * (X[0] - 0.5), 0.0};
     });
@@ -416,4 +415,4 @@ TEST_F(Newton, AKeptFactorizationTurnsWithTheBody) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_newton

@@ -8,16 +8,16 @@
 
 #include <fmt/format.h>
 
-namespace pliant {
+namespace pliant::test_petsc_integrator {
 namespace {
 
-using testing::distance;
-using testing::Point;
-using testing::Problem;
-using testing::ProblemSpec;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
+using test::distance;
+using test::Point;
+using test::Problem;
+using test::ProblemSpec;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -93,7 +93,7 @@ class PetscIntegration : public ::testing::Test {
     spec.law = make_law("neo-hookean", 3e3, 0.3);
     spec.density = 1000.0;
     spec.supports = {
-        {testing::face(0, 0.0), {Expression("t > 5 ? 1.5 : 0.1*(1-cos(12*t))"), std::nullopt, Expression(0.0)}}};
+        {test::face(0, 0.0), {Expression("t > 5 ? 1.5 : 0.1*(1-cos(12*t))"), std::nullopt, Expression(0.0)}}};
     spec.loads = [](const Solid& solid) {
       std::vector<std::unique_ptr<EnergyTerm>> terms;
       terms.push_back(solid.gravity(1000.0, {Expression(), Expression("-3*sin(5*t)"), Expression(-2.0)}));
@@ -105,10 +105,10 @@ class PetscIntegration : public ::testing::Test {
     return spec;
   }
   std::string mesh() const {
-    return scratch_.file("cube.msh", [](const std::string& f) { testing::write_body(f, {1, Shape::straight, 2}); });
+    return scratch_.file("cube.msh", [](const std::string& f) { test::write_body(f, {1, Shape::straight, 2}); });
   }
   State initial() {
-    const auto q = problem().solid().vector(testing::at_rest);
+    const auto q = problem().solid().vector(test::at_rest);
     const auto v = problem().solid().vector([](const Point& x) { return Point{0.0, 0.4 * x[0], -0.3 * x[0] * x[1]}; });
     return State(StateView{0.0, q.get(), v.get()});
   }
@@ -150,7 +150,7 @@ class PetscIntegration : public ::testing::Test {
       step_by_number(*first, n);
       step_by_number(*undisturbed, n);
     }
-    testing::MemoryArchive archive;
+    test::MemoryArchive archive;
     first->keep(archive);
     first->forget();
     archive.turn_round();
@@ -164,7 +164,7 @@ class PetscIntegration : public ::testing::Test {
       EXPECT_TRUE(equal(first->state().v.get(), second->state().v.get()));
       // To the tolerance of Newton's method.
       const Vec v = undisturbed->state().v.get();
-      EXPECT_LE(distance(first->state().v.get(), v), 1e-9 * testing::norm(v));
+      EXPECT_LE(distance(first->state().v.get(), v), 1e-9 * test::norm(v));
     }
   }
   template <class AnyIntegrator>
@@ -222,8 +222,8 @@ TEST_P(EveryPetscMethod, HasItsOrderInPositionAndVelocity) {
   EXPECT_NEAR(std::log2(coarse.q / fine.q), GetParam().order, 0.1);
   EXPECT_NEAR(std::log2(coarse.v / fine.v), GetParam().order, 0.1);
   // ... and the motion is not small.
-  EXPECT_GT(testing::norm(reference().v.get()), 1.0);
-  EXPECT_LT(fine.v, 0.05 * testing::norm(reference().v.get()));
+  EXPECT_GT(test::norm(reference().v.get()), 1.0);
+  EXPECT_LT(fine.v, 0.05 * test::norm(reference().v.get()));
 }
 
 TEST_P(EveryPetscMethod, DoesNotDependOnTheNumberOfRanks) {
@@ -234,9 +234,9 @@ TEST_P(EveryPetscMethod, DoesNotDependOnTheNumberOfRanks) {
   const auto alone = petsc(GetParam());
   for (int n = 1; n <= 3; ++n) step(*alone, {n * 0.01, 0.01});
   // The tolerance of Newton's method.
-  const double size = testing::norm(alone->state().v.get());
-  EXPECT_LE(testing::deviation(together->solid(), shared->state().v.get(),
-                               testing::by_place(problem().solid(), alone->state().v.get())),
+  const double size = test::norm(alone->state().v.get());
+  EXPECT_LE(test::deviation(together->solid(), shared->state().v.get(),
+                            test::by_place(problem().solid(), alone->state().v.get())),
             1e-9 * size);
 }
 
@@ -331,10 +331,10 @@ TEST_F(PetscIntegration, Alpha2IsTheImplicitMidpointRule) {
 
     ASSERT_EQ(b.report.outcome, StageOutcome::converged) << b.report.reason;
     // The tolerance of the two Newton methods, 1e-11 of the forces.
-    EXPECT_LE(distance(a.q, b.q), 1e-10 * testing::norm(b.q));
-    EXPECT_LE(distance(a.v, b.v), 1e-10 * testing::norm(b.v));
-    EXPECT_LE(distance(a.last_q, b.last_q), 1e-10 * testing::norm(b.q));
-    EXPECT_LE(distance(a.last_a, b.last_a), 1e-9 * testing::norm(b.last_a));
+    EXPECT_LE(distance(a.q, b.q), 1e-10 * test::norm(b.q));
+    EXPECT_LE(distance(a.v, b.v), 1e-10 * test::norm(b.v));
+    EXPECT_LE(distance(a.last_q, b.last_q), 1e-10 * test::norm(b.q));
+    EXPECT_LE(distance(a.last_a, b.last_a), 1e-9 * test::norm(b.last_a));
     EXPECT_NEAR(a.last_stage.time, b.last_stage.time, 1e-14);
     theirs->accept(a);
     ours->accept(b);
@@ -351,17 +351,17 @@ TEST_F(PetscIntegration, BdfIsOursOnceItHasAPast) {
   const State newer(integrator->state().view());
   step(*integrator, {3 * dt, dt});
   const auto extrapolated = [](const Handle<Vec>& a, const Handle<Vec>& b) {
-    auto base = testing::moved(a.get(), 0.0, a.get());
+    auto base = test::moved(a.get(), 0.0, a.get());
     check(VecAXPBY(base.get(), -1.0 / 3.0, 4.0 / 3.0, b.get()));
     return base;
   };
   const auto q0 = extrapolated(newer.q, old.q), v0 = extrapolated(newer.v, old.v);
-  const auto q = testing::moved(newer.q.get(), 0.0, newer.q.get());
+  const auto q = test::moved(newer.q.get(), 0.0, newer.q.get());
   const StagePoint stage{.time = 3 * dt, .dt = 2 * dt / 3, .q0 = q0.get(), .v0 = v0.get(), .step_start = 2 * dt};
   problem().motion().start_stage(stage, q.get());
   const StageReport report = problem().system().solve(stage, q.get());
   ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
-  EXPECT_LE(distance(q.get(), integrator->state().q.get()), 1e-10 * testing::norm(q.get()));
+  EXPECT_LE(distance(q.get(), integrator->state().q.get()), 1e-10 * test::norm(q.get()));
 }
 
 // With damping at high frequencies it is another method, of the same order.
@@ -446,4 +446,4 @@ TEST_F(PetscIntegration, WhatItCannotSolveIsToldWithAReason) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_petsc_integrator

@@ -3,24 +3,24 @@
 #include "solver/problem.hpp"
 #include "solver/rank_one_system.hpp"
 
-namespace pliant {
+namespace pliant::test_rank_one_system {
 namespace {
 
-using testing::BodySpec;
-using testing::Point;
-using testing::Problem;
-using testing::ProblemSpec;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
-using testing::TestStage;
+using test::BodySpec;
+using test::Point;
+using test::Problem;
+using test::ProblemSpec;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
+using test::TestStage;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
 TEST(RankOneSystems, AreSolvedAsFastAsTheSparsePartAlone) {
   const Scratch scratch(comm);
   const auto file = scratch.file("body.msh", [](const std::string& f) {
-    testing::write_body(f, {1, Shape::jittered, 4});
+    test::write_body(f, {1, Shape::jittered, 4});
   });
   const Solid solid(comm, file, 1, 1);
   const auto elastic = solid.elastic(make_law("neo-hookean", 1e6, 0.3));
@@ -31,7 +31,7 @@ TEST(RankOneSystems, AreSolvedAsFastAsTheSparsePartAlone) {
   potential.begin_stage(stage.point);
   const Handle<Mat> K = potential.make_hessian();
   potential.hessian(stage.q0.get(), K.get(), Projection::none);
-  const auto b = solid.vector(testing::rough_field(1.0, 1));
+  const auto b = solid.vector(test::rough_field(1.0, 1));
   const Handle<Vec> x = potential.make_vector(), Ax = potential.make_vector();
   for (const auto kind : {LinearKind::cholesky, LinearKind::amg}) {
     for (const auto symmetry : {Symmetry::symmetric, Symmetry::unsymmetric}) {
@@ -39,9 +39,9 @@ TEST(RankOneSystems, AreSolvedAsFastAsTheSparsePartAlone) {
       for (const double c : {0.0, 1e3, 1e9}) {
         std::vector<RankOne> parts;
         for (int k = 0; k < 3; ++k) {
-          parts.push_back({c * (k + 1), solid.vector(testing::rough_field(1.0, 5 + k))});
+          parts.push_back({c * (k + 1), solid.vector(test::rough_field(1.0, 5 + k))});
         }
-        parts[2].g = testing::moved(parts[0].g.get(), 0.1, parts[1].g.get());  // hardly independent
+        parts[2].g = test::moved(parts[0].g.get(), 0.1, parts[1].g.get());  // hardly independent
         Handle<KSP> ksp;
         check(KSPCreate(comm, ksp.out()));
         configure_linear_solver(ksp.get(), K.get(), kind, symmetry);
@@ -55,11 +55,11 @@ TEST(RankOneSystems, AreSolvedAsFastAsTheSparsePartAlone) {
         check(KSPGetIterationNumber(ksp.get(), &iterations));
         check(MatMult(system.matrix(), x.get(), Ax.get()));
         // Backward error: an iteration that measures P r sees little of r along g, where P is small.
-        double size = testing::norm(b.get());
+        double size = test::norm(b.get());
         for (const auto& [factor, g] : parts) {
-          size += factor * std::pow(testing::norm(g.get()), 2) * testing::norm(x.get());
+          size += factor * std::pow(test::norm(g.get()), 2) * test::norm(x.get());
         }
-        EXPECT_LE(testing::distance(Ax.get(), b.get()), 1e-9 * size) << "c = " << c;
+        EXPECT_LE(test::distance(Ax.get(), b.get()), 1e-9 * size) << "c = " << c;
         if (c == 0.0) alone = iterations;
         EXPECT_LE(iterations, alone + 6) << "c = " << c;  // at most two more for each part
       }
@@ -101,12 +101,12 @@ ProblemSpec in_a_fluid(const CavityContent& content) {
   ProblemSpec spec;
   spec.order = 2;
   spec.law = make_law("neo-hookean", 1e6, 0.3);
-  spec.supports = testing::rollers();
+  spec.supports = test::rollers();
   spec.newton.relative = 1e-11;
   spec.loads = [content](const Solid& solid) {
     FacetList walls;
     for (int axis = 0; axis < 3; ++axis) {
-      const auto face = surface_facets(solid.mesh(), solid.layout(), testing::face(axis, 1.0));
+      const auto face = surface_facets(solid.mesh(), solid.layout(), test::face(axis, 1.0));
       walls.nodes_per_facet = face.nodes_per_facet;
       walls.nodes.insert(walls.nodes.end(), face.nodes.begin(), face.nodes.end());
       walls.is_owned.insert(walls.is_owned.end(), face.is_owned.begin(), face.is_owned.end());
@@ -142,20 +142,20 @@ TEST_P(CubesInFluids, FindTheirSizeInAFewIterations) {
   const CavityContent& content = contents[static_cast<std::size_t>(GetParam())];
   const Scratch scratch(comm);
   const auto file = scratch.file("body.msh", [](const std::string& f) {
-    testing::write_body(f, {1, Shape::jittered, 2});
+    test::write_body(f, {1, Shape::jittered, 2});
   });
   Problem problem(comm, file, in_a_fluid(content));
   EXPECT_TRUE(problem.potential().is_potential());
   EXPECT_EQ(problem.potential().symmetry(), Symmetry::symmetric);
-  const auto q = problem.solid().vector(testing::at_rest);
+  const auto q = problem.solid().vector(test::at_rest);
   const auto report = problem.solve_static(q);
   ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
   const double l = side_of_cube(content);
   EXPECT_GT(std::abs(l - 1.0), 0.01);
-  EXPECT_LE(testing::deviation(problem.solid(), q.get(),
-                               [l](const Point& X) {
-                                 return Point{(l - 1.0) * X[0], (l - 1.0) * X[1], (l - 1.0) * X[2]};
-                               }),
+  EXPECT_LE(test::deviation(problem.solid(), q.get(),
+                            [l](const Point& X) {
+                              return Point{(l - 1.0) * X[0], (l - 1.0) * X[1], (l - 1.0) * X[2]};
+                            }),
             1e-9);
   // Newton's method in full: quadratic, and with one or two iterations of the linear solver each.
   EXPECT_LE(report.newton_iterations, 8);
@@ -165,4 +165,4 @@ TEST_P(CubesInFluids, FindTheirSizeInAFewIterations) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_rank_one_system

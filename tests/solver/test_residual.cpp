@@ -2,18 +2,18 @@
 #include "solver/problem.hpp"
 #include "solver/small_equation.hpp"
 
-namespace pliant {
+namespace pliant::test_residual {
 namespace {
 
-using testing::Field;
-using testing::Point;
-using testing::Problem;
-using testing::ProblemSpec;
-using testing::Recorder;
-using testing::Scratch;
-using testing::SmallEquation;
-using testing::SmallFunction;
-using testing::Solid;
+using test::Field;
+using test::Point;
+using test::Problem;
+using test::ProblemSpec;
+using test::Recorder;
+using test::Scratch;
+using test::SmallEquation;
+using test::SmallFunction;
+using test::Solid;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -60,7 +60,7 @@ class Residual : public ::testing::Test {
   static ProblemSpec swirled(Swirl::Tangent tangent, LinearKind linear) {
     ProblemSpec spec;
     spec.law = make_law("neo-hookean", 1e6, 0.3);
-    spec.supports = {{testing::face(0, 0.0), testing::fixed()}};
+    spec.supports = {{test::face(0, 0.0), test::fixed()}};
     spec.newton.relative = 1e-11;
     spec.linear = linear;
     spec.loads = [=](const Solid& solid) {
@@ -76,11 +76,11 @@ class Residual : public ::testing::Test {
     ProblemSpec spec;
     spec.order = order;
     spec.law = make_law("saint-venant-kirchhoff", 1e6, 0.0);
-    spec.supports = {{testing::face(0, 0.0), testing::fixed()}};
+    spec.supports = {{test::face(0, 0.0), test::fixed()}};
     spec.newton.relative = 1e-11;
     spec.loads = [=](const Solid& solid) {
       std::vector<std::unique_ptr<EnergyTerm>> terms;
-      auto facets = surface_facets(solid.mesh(), solid.layout(), testing::face(2, 0.0));
+      auto facets = surface_facets(solid.mesh(), solid.layout(), test::face(2, 0.0));
       terms.push_back(std::make_unique<FollowerPressure>(solid.layout(), solid.pattern(), std::move(facets),
                                                          Expression(pressure), Rim::free));
       return terms;
@@ -88,13 +88,11 @@ class Residual : public ::testing::Test {
     return spec;
   }
   std::string cube(int n) const {
-    return scratch_.file("cube.msh", [&](const std::string& f) {
-      testing::write_body(f, {1, testing::Shape::jittered, n});
-    });
+    return scratch_.file("cube.msh", [&](const std::string& f) { test::write_body(f, {1, test::Shape::jittered, n}); });
   }
   std::string strip_mesh(int n) const {
     return scratch_.file("strip.msh", [&](const std::string& f) {
-      testing::write_box_msh(f, {10.0, 1.0, 0.5}, {n, 1, 1});
+      test::write_box_msh(f, {10.0, 1.0, 0.5}, {n, 1, 1});
     });
   }
   static void expect_same_everywhere(const StageReport& report) {
@@ -105,7 +103,7 @@ class Residual : public ::testing::Test {
   static double relative_residual(Problem& problem, Vec q) {
     const Handle<Vec> r = problem.potential().make_vector();
     problem.potential().gradient(q, r.get());
-    return testing::norm(r.get()) / problem.potential().force_scale(q);
+    return test::norm(r.get()) / problem.potential().force_scale(q);
   }
 
   /// Where the solver stops at the latest: four times the rounding errors of the forces, over the same sum.
@@ -155,7 +153,7 @@ TEST(BeamReference, SmallLoadsBendItAsTheLinearBeam) {
 TEST_F(Residual, AFollowerLoadedStripIsTheBeam) {
   const double pressure = 20.0;
   Problem problem(comm, strip_mesh(10), strip(2, pressure));
-  const auto q = problem.solid().vector(testing::at_rest);
+  const auto q = problem.solid().vector(test::at_rest);
   const auto report = problem.solve_static(q);
   ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
   expect_same_everywhere(report);
@@ -189,15 +187,15 @@ TEST_F(Residual, NewtonIsQuadratic) {
   options.relative = 1e-11;
   NewtonSolver solver(recorder, options, LinearKind::cholesky);
   check(PetscOptionsClearValue(nullptr, "-ksp_rtol"));
-  const auto q0 = problem.solid().vector(testing::at_rest), v0 = problem.solid().vector(testing::at_rest);
-  const auto q = problem.solid().vector(testing::at_rest);
+  const auto q0 = problem.solid().vector(test::at_rest), v0 = problem.solid().vector(test::at_rest);
+  const auto q = problem.solid().vector(test::at_rest);
   const auto report = solver.solve({1.0, 1.0, q0.get(), v0.get()}, q.get());
   ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
   // r_{k+1} <= C r_k^2, with the C of the last step but one for the last; in units of the first residual.
   auto r = recorder.residuals();
   const Handle<Vec> last = problem.potential().make_vector();
   problem.potential().gradient(q.get(), last.get());
-  r.push_back(testing::norm(last.get()));
+  r.push_back(test::norm(last.get()));
   ASSERT_GE(r.size(), 4u);
   const double before = r[r.size() - 3] / r[0], at = r[r.size() - 2] / r[0], after = r.back() / r[0];
   EXPECT_LE(at, 1e-3);
@@ -209,17 +207,16 @@ TEST_F(Residual, ACirculatoryLoadIsTheSameOnAnyNumberOfRanks) {
   for (const auto kind : {LinearKind::cholesky, LinearKind::amg}) {
     const auto spec = swirled(Swirl::Tangent::exact, kind);
     Problem problem(comm, file, spec), alone(MPI_COMM_SELF, file, spec);
-    const auto q = problem.solid().vector(testing::at_rest), expected = alone.solid().vector(testing::at_rest);
+    const auto q = problem.solid().vector(test::at_rest), expected = alone.solid().vector(test::at_rest);
     const auto report = problem.solve_static(q);
     ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
     ASSERT_EQ(alone.solve_static(expected).outcome, StageOutcome::converged);
     expect_same_everywhere(report);
     EXPECT_LE(report.newton_iterations, 8);
     EXPECT_LE(relative_residual(problem, q.get()), 1e-10);
-    const double size = testing::norm(q.get());
+    const double size = test::norm(q.get());
     ASSERT_GT(size, 0.1);
-    EXPECT_LE(testing::deviation(problem.solid(), q.get(), testing::by_place(alone.solid(), expected.get())),
-              1e-8 * size);
+    EXPECT_LE(test::deviation(problem.solid(), q.get(), test::by_place(alone.solid(), expected.get())), 1e-8 * size);
     // It is the swirl that moves the body out of the plane of the traction.
     const ConstArrayView u(q.get());
     double sideways = 0.0;
@@ -234,12 +231,12 @@ TEST_F(Residual, AnApproximateTangentConvergesLinearly) {
   const auto file = cube(3);
   Problem exact(comm, file, swirled(Swirl::Tangent::exact, LinearKind::cholesky));
   Problem approximate(comm, file, swirled(Swirl::Tangent::none, LinearKind::cholesky));
-  const auto q = exact.solid().vector(testing::at_rest), p = exact.solid().vector(testing::at_rest);
+  const auto q = exact.solid().vector(test::at_rest), p = exact.solid().vector(test::at_rest);
   const auto quick = exact.solve_static(q), slow = approximate.solve_static(p);
   ASSERT_EQ(quick.outcome, StageOutcome::converged) << quick.reason;
   ASSERT_EQ(slow.outcome, StageOutcome::converged) << slow.reason;
   EXPECT_GT(slow.newton_iterations, quick.newton_iterations + 2);
-  EXPECT_LE(testing::distance(q.get(), p.get()), 1e-8 * testing::norm(q.get()));
+  EXPECT_LE(test::distance(q.get(), p.get()), 1e-8 * test::norm(q.get()));
   expect_same_everywhere(slow);
 }
 
@@ -251,8 +248,8 @@ TEST_F(Residual, TheResidualFallsAtEveryStep) {
     Recorder recorder(problem.potential());
     NewtonOptions options;
     NewtonSolver solver(recorder, options, LinearKind::cholesky);
-    const auto q0 = problem.solid().vector(testing::at_rest), v0 = problem.solid().vector(testing::at_rest);
-    const auto q = problem.solid().vector(testing::at_rest);
+    const auto q0 = problem.solid().vector(test::at_rest), v0 = problem.solid().vector(test::at_rest);
+    const auto q = problem.solid().vector(test::at_rest);
     ASSERT_EQ(solver.solve({1.0, 1.0, q0.get(), v0.get()}, q.get()).outcome, StageOutcome::converged);
     const auto& r = recorder.residuals();
     ASSERT_GE(r.size(), 3u);
@@ -264,20 +261,20 @@ TEST_F(Residual, TheResidualFallsAtEveryStep) {
 TEST_F(Residual, StepsThatWouldInvertAreCapped) {
   ProblemSpec spec;
   spec.law = make_law("neo-hookean", 1e5, 0.3);
-  spec.supports = {{testing::face(0, 0.0), testing::fixed()}};
+  spec.supports = {{test::face(0, 0.0), test::fixed()}};
   spec.loads = [](const Solid& solid) {
     std::vector<std::unique_ptr<EnergyTerm>> terms;
     terms.push_back(solid.pressure(Expression(1e5)));
     return terms;
   };
   Problem problem(comm, cube(3), spec);
-  const auto q = problem.solid().vector(testing::at_rest);
+  const auto q = problem.solid().vector(test::at_rest);
   const auto report = problem.solve_static(q);
   EXPECT_GT(problem.statistics().capped_steps, 0);
   expect_same_everywhere(report);
   ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
   double lowest = 1.0;
-  problem.elastic().stresses({}, testing::local_values(q.get()),
+  problem.elastic().stresses({}, test::local_values(q.get()),
                              [&](PetscInt, const CellStress& s) { lowest = std::min(lowest, s.volume_ratio); });
   lowest = minimum(comm, lowest);
   EXPECT_GT(lowest, 0.0);
@@ -296,7 +293,7 @@ TEST_F(Residual, TheLogSaysWhichPathAndWhy) {
   const auto plain = describe(conservative.potential(), LinearKind::cholesky);
   EXPECT_NE(plain.find("incremental potential"), std::string::npos) << plain;
   EXPECT_NE(plain.find("LDL^T"), std::string::npos) << plain;
-  ASSERT_EQ(conservative.solve_static(conservative.solid().vector(testing::at_rest)).outcome, StageOutcome::converged);
+  ASSERT_EQ(conservative.solve_static(conservative.solid().vector(test::at_rest)).outcome, StageOutcome::converged);
   EXPECT_EQ(conservative.statistics().minimisations, 1);
   EXPECT_EQ(conservative.statistics().residual_solves, 0);
 }
@@ -364,7 +361,7 @@ TEST_P(SmallResidual, StepsThatOvershootAreShortened) {
   Handle<Vec> q;
   const auto report = solve(function, 3.0, q);
   ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
-  EXPECT_LE(testing::norm(q.get()), 1e-9);
+  EXPECT_LE(test::norm(q.get()), 1e-9);
 }
 
 // A matrix that is singular at the start, and a later one that is not: the solver gets over it.
@@ -396,7 +393,7 @@ TEST_F(Residual, AFailedStageTellsOfItsMerit) {
   ProblemSpec spec = swirled(Swirl::Tangent::exact, LinearKind::cholesky);
   spec.newton.max_iterations = 1;
   Problem problem(comm, cube(2), spec);
-  const auto q = problem.solid().vector(testing::at_rest);
+  const auto q = problem.solid().vector(test::at_rest);
   ASSERT_EQ(problem.solve_static(q).outcome, StageOutcome::retry);
   const auto stage = problem.examine();
   ASSERT_TRUE(stage);
@@ -409,4 +406,4 @@ TEST_F(Residual, AFailedStageTellsOfItsMerit) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_residual

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-namespace pliant {
+namespace pliant::test_rigid_body {
 namespace {
 
 using test::diagonal;
@@ -392,4 +392,4 @@ TEST(HeavySymmetricTop, BoundsItsInvariantsOverManySteps) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_rigid_body

@@ -7,14 +7,14 @@
 #include <algorithm>
 #include <ostream>
 
-namespace pliant {
+namespace pliant::test_viscous {
 namespace {
 
-using testing::BodySpec;
-using testing::Point;
-using testing::Scratch;
-using testing::Shape;
-using testing::Solid;
+using test::BodySpec;
+using test::Point;
+using test::Scratch;
+using test::Shape;
+using test::Solid;
 
 struct StepCase {
   ViscosityVariant law;
@@ -22,7 +22,7 @@ struct StepCase {
 };
 
 std::ostream& operator<<(std::ostream& out, const StepCase& c) {
-  return out << testing::name_of(c.law) << " " << c.method;
+  return out << test::name_of(c.law) << " " << c.method;
 }
 
 std::vector<StepCase> every_case() {
@@ -71,7 +71,7 @@ End after_steps(MPI_Comm comm, const std::string& file, const StepCase& c) {
     end.worst_iterations = std::max(end.worst_iterations, attempt.report.newton_iterations);
     integrator.accept(attempt);
   }
-  end.kinetic_energy = sum(comm, inertia->kinetic_energy(testing::local_values(integrator.state().v.get())));
+  end.kinetic_energy = sum(comm, inertia->kinetic_energy(test::local_values(integrator.state().v.get())));
   PetscReal largest = 0.0;
   check(VecNorm(integrator.state().q.get(), NORM_INFINITY, &largest));
   end.largest_displacement = largest;
@@ -82,12 +82,12 @@ class ViscousSteps : public ::testing::TestWithParam<StepCase> {
  protected:
   Scratch scratch_{MPI_COMM_WORLD};
   std::string file_ = scratch_.file("body.msh", [](const std::string& f) {
-    testing::write_body(f, BodySpec{1, Shape::jittered, 2});
+    test::write_body(f, BodySpec{1, Shape::jittered, 2});
   });
 };
 
 INSTANTIATE_TEST_SUITE_P(Registry, ViscousSteps, ::testing::ValuesIn(every_case()),
-                         [](const auto& of) { return testing::name_of(of.param.law) + "_" + of.param.method; });
+                         [](const auto& of) { return test::name_of(of.param.law) + "_" + of.param.method; });
 
 TEST_P(ViscousSteps, ConvergeInFewIterationsAndDoNotDependOnTheNumberOfRanks) {
   const End end = after_steps(MPI_COMM_WORLD, file_, GetParam());
@@ -97,10 +97,10 @@ TEST_P(ViscousSteps, ConvergeInFewIterationsAndDoNotDependOnTheNumberOfRanks) {
   EXPECT_NEAR(end.kinetic_energy, alone.kinetic_energy, 1e-8 * alone.kinetic_energy);
   EXPECT_NEAR(end.largest_displacement, alone.largest_displacement, 1e-8 * alone.largest_displacement);
   // Quadratic convergence with a potential; the exact rate's symmetric matrix gains some two digits per iteration.
-  const int per_stage = testing::is_potential(GetParam().law) ? 5 : 9;
+  const int per_stage = test::is_potential(GetParam().law) ? 5 : 9;
   EXPECT_LE(end.worst_iterations, per_stage * find_method(GetParam().method)->num_stages);
   RecordProperty("newton_iterations_of_the_worst_step", end.worst_iterations);
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_viscous

@@ -1,4 +1,3 @@
-// In a file of its own, lest the compiler see through the pair and take it for a mismatch.
 #include "time/count_allocations.hpp"
 
 #include <cstdlib>

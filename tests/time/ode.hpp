@@ -164,7 +164,7 @@ inline History history_of(const Ode& ode, const std::vector<double>& earlier = {
 }
 
 /// Largest difference over all ranks.
-inline double distance(const std::vector<double>& a, const std::vector<double>& b) {
+inline double largest_distance(const std::vector<double>& a, const std::vector<double>& b) {
   double largest = 0.0;
   for (std::size_t k = 0; k < a.size(); ++k) largest = std::max(largest, std::abs(a[k] - b[k]));
   return maximum(MPI_COMM_WORLD, largest);

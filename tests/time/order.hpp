@@ -52,7 +52,7 @@ class Errors {
  public:
   void look(const std::string& part, const std::vector<double>& computed, const std::vector<double>& exact) {
     double& largest = parts_[part];
-    largest = std::max(largest, distance(computed, exact));
+    largest = std::max(largest, largest_distance(computed, exact));
   }
   void look(const Ode& ode, const State& state) {
     const Values exact = reference(ode, state.time);

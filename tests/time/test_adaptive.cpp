@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_adaptive {
 namespace {
 
 using test::Ode;
@@ -105,4 +105,4 @@ TEST_P(AdaptiveMotion, HasAnErrorNearTheTolerance) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_adaptive

@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_error_estimate {
 namespace {
 
 using test::Ode;
@@ -274,4 +274,4 @@ TEST(ErrorNorm, OfNothingIsNothing) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_error_estimate

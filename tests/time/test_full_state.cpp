@@ -13,7 +13,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_full_state {
 namespace {
 
 using test::end_time;
@@ -206,4 +206,4 @@ TEST_P(FullStates, MethodsKeepTheirOrderInCoordinatesOfASpaceWithChangingSteps) 
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_full_state

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_integrator {
 namespace {
 
 using test::end_time;
@@ -169,4 +169,4 @@ TEST(OwnMethods, TakeTheirOwnStepsOnceEnoughAreEqual) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_integrator

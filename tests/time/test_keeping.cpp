@@ -7,11 +7,11 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_keeping {
 namespace {
 
+using test::MemoryArchive;
 using test::pendulum;
-using testing::MemoryArchive;
 
 using Numbers = std::vector<std::vector<double>>;
 
@@ -166,4 +166,4 @@ TEST(KeepingSteps, AnotherStepHasItsOwnGrid) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_keeping

@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-namespace pliant {
+namespace pliant::test_lie_group {
 namespace {
 
 using test::largest_difference;
@@ -236,4 +236,4 @@ TYPED_TEST(LieGroups, SpacesWorkBodyByBody) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_lie_group

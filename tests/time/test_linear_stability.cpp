@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace pliant {
+namespace pliant::test_linear_stability {
 namespace {
 
 using test::all_methods;
@@ -100,4 +100,4 @@ TEST(Stability, RootCondition) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_linear_stability

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_memory {
 namespace {
 
 class MemoryOfSteps : public test::EveryMethod {};
@@ -60,4 +60,4 @@ TEST_P(MemoryOfSteps, IsTakenOnceAndForAll) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_memory

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_method {
 namespace {
 
 struct Expected {
@@ -227,4 +227,4 @@ TEST(Bdf, StatesAcrossTooSharpAGrowthAreNotUsed) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_method

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_order {
 namespace {
 
 using test::end_time;
@@ -173,4 +173,4 @@ TEST(ImplicitMidpoint, KeepsTheEnergyOfALinearMotion) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_order

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace pliant {
+namespace pliant::test_order_conditions {
 namespace {
 
 using test::all_methods;
@@ -120,4 +120,4 @@ TEST(Embedded, FreedomIsSpentOnFastModes) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_order_conditions

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <memory>
 
-namespace pliant {
+namespace pliant::test_rotation_order {
 namespace {
 
 using test::Turning;
@@ -107,4 +107,4 @@ TEST_P(OrdersOnSO3, WithoutTheDerivativeOfTheExponentialOrientationsAreOfSecondO
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_rotation_order

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_step_control {
 namespace {
 
 std::vector<Step> all_steps(StepControl control) {
@@ -438,4 +438,4 @@ TEST(AdaptiveSteps, ContinueFromTheirProgress) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_step_control

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_stepper {
 namespace {
 
 using test::Ode;
@@ -204,7 +204,7 @@ TEST_P(MethodSteps, StartsTheSolverWhereTheGuessSays) {
     EXPECT_GE(attempt.report.newton_iterations, num_stages);
     ends[static_cast<std::size_t>(guess)] = test::values_of(attempt.q);
   }
-  EXPECT_LT(test::distance(ends[0], ends[1]), 1e-14);
+  EXPECT_LT(test::largest_distance(ends[0], ends[1]), 1e-14);
 }
 
 // On a motion whose velocity is a parabola of time the prediction from three states is exact.
@@ -307,7 +307,7 @@ TEST_P(MethodSteps, FailedAttemptsLeaveNoTrace) {
   EXPECT_EQ(test::values_of(history.newest().v.get()), failing.v);
   EXPECT_EQ(history.newest().time, 3.0);
   // and close to where a run without failures ends, so that the comparison is of motions and not of rubbish
-  EXPECT_LT(test::distance(run_with_failures(GetParam(), {}).q, failing.q), 0.3);
+  EXPECT_LT(test::largest_distance(run_with_failures(GetParam(), {}).q, failing.q), 0.3);
 }
 
 TEST_P(MethodSteps, HistoryIsUntouchedUntilAcceptance) {
@@ -365,4 +365,4 @@ TEST(Stepper, RampsUpThroughTheLowerFormulas) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_stepper

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <hdf5.h>
 
-namespace pliant::fuzz {
+namespace pliant::fuzz::test_replay {
 namespace {
 
 namespace fs = std::filesystem;
@@ -81,4 +81,4 @@ INSTANTIATE_TEST_SUITE_P(All, Reader,
                          [](const auto& target) { return std::string(target.param.name); });
 
 }  // namespace
-}  // namespace pliant::fuzz
+}  // namespace pliant::fuzz::test_replay

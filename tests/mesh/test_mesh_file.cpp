@@ -1,5 +1,6 @@
 // Pliant's own format: what comes back is what went in, on any number of ranks; what is wrong with a file is told once.
-// (distribution_test.cpp holds the distributed mesh to the same as one from a .msh file.)
+// (test_distribution.cpp holds the distributed mesh to the same as one from a .msh file.)
+#include "base/limits.hpp"
 #include "mesh/box_mesh.hpp"
 #include "mesh/isolated.hpp"
 #include "mesh/mesh.hpp"
@@ -12,14 +13,14 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_mesh_file {
 namespace {
 
-using testing::BoxOptions;
-using testing::Outline;
-using testing::PlexPoints;
-using testing::Scratch;
-using testing::write_box_msh;
+using test::BoxOptions;
+using test::Outline;
+using test::PlexPoints;
+using test::Scratch;
+using test::write_box_msh;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -221,7 +222,6 @@ void cut(const std::string& file, std::uintmax_t bytes) {
 }
 
 std::vector<Damage> damages() {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
   using Whole = std::int64_t;
   return {
       {"Empty", [](const std::string& f) { cut(f, 0); }, "it is empty"},
@@ -307,4 +307,4 @@ INSTANTIATE_TEST_SUITE_P(All, DamagedMeshFile, ::testing::ValuesIn(damages()),
                          [](const auto& damage) { return std::string(damage.param.name); });
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_mesh_file

@@ -7,12 +7,12 @@
 #include <gmsh.h>
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_format {
 namespace {
 
-using testing::BoxOptions;
-using testing::Scratch;
-using testing::write_box_msh;
+using test::BoxOptions;
+using test::Scratch;
+using test::write_box_msh;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -439,4 +439,4 @@ TEST(Stl, ShellsInsideAreCavitiesAndOthersAreBodies) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_format

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_bad_file {
 namespace {
 
 const MPI_Comm comm = MPI_COMM_WORLD;
@@ -29,7 +29,7 @@ std::string complaint_about(const std::string& file) {
 }
 
 TEST(BadMeshFiles, AreRefusedOnEveryRankWithOneReason) {
-  const testing::Scratch scratch(comm);
+  const test::Scratch scratch(comm);
   const std::string directory = scratch.path("");
   on_root(comm, [&] {
     const std::string writer =
@@ -49,4 +49,4 @@ TEST(BadMeshFiles, AreRefusedOnEveryRankWithOneReason) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_bad_file

@@ -11,15 +11,15 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_distribution {
 namespace {
 
-using testing::BoxOptions;
-using testing::Key;
-using testing::key_of;
-using testing::PlexPoints;
-using testing::Scratch;
-using testing::write_box_msh;
+using test::BoxOptions;
+using test::Key;
+using test::key_of;
+using test::PlexPoints;
+using test::Scratch;
+using test::write_box_msh;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -116,8 +116,8 @@ TEST_P(DistributedBox, EveryOwnedPointHasAllItsCellsAndOneOwner) {
     for (PetscInt p = points.begin(dimension); p < points.end(dimension); ++p) {
       if (points.is_owned(p)) owned.push_back(key_of(points.middle(p)));
     }
-    const auto cells_around = testing::counted_everywhere(comm, incidences);
-    const auto owners = testing::counted_everywhere(comm, owned);
+    const auto cells_around = test::counted_everywhere(comm, incidences);
+    const auto owners = test::counted_everywhere(comm, owned);
     EXPECT_EQ(cells_around.size(), owners.size());
     for (const auto& [key, count] : owners) EXPECT_EQ(count, 1);
     for (PetscInt p = points.begin(dimension); p < points.end(dimension); ++p) {
@@ -357,4 +357,4 @@ TEST(CurvedBox, StraightSecondOrderMeshesAreFirstOrderGeometry) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_distribution

@@ -6,12 +6,12 @@
 
 #include <gtest/gtest.h>
 
-namespace pliant {
+namespace pliant::test_defect {
 namespace {
 
-using testing::BoxOptions;
-using testing::Scratch;
-using testing::write_box_msh;
+using test::BoxOptions;
+using test::Scratch;
+using test::write_box_msh;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 
@@ -252,4 +252,4 @@ TEST(MeshSourceErrors, FilesCutAnywhereAreRefused) {
 }
 
 }  // namespace
-}  // namespace pliant
+}  // namespace pliant::test_defect

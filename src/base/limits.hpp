@@ -1,0 +1,11 @@
+/// Numbers that are beyond all others, and none.
+#pragma once
+
+#include <limits>
+
+namespace pliant {
+
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
+inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace pliant
