@@ -2,6 +2,7 @@
 /// collective.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -71,5 +72,19 @@ void replace_file(const std::filesystem::path& from, const std::filesystem::path
 
 /// Makes the directory and those above it; an existing one is fine.
 void make_directory(const std::filesystem::path& directory);
+
+/// While it lives, no other process has the same on that directory, as far as its file system tells processes of one
+/// another. It ends with the process, however that ends.
+class DirectoryLock {
+ public:
+  /// Waits this long for another one to end, then throws FileError. Nothing is locked where locks are not known.
+  DirectoryLock(const std::filesystem::path& directory, std::chrono::milliseconds patience);
+  DirectoryLock(DirectoryLock&& other) noexcept;
+  DirectoryLock& operator=(DirectoryLock&&) = delete;
+  ~DirectoryLock();
+
+ private:
+  int descriptor_ = -1;
+};
 
 }  // namespace pliant

@@ -1,7 +1,7 @@
 #include "io/result_info.hpp"
 
 #include "base/error.hpp"
-#include "petsc/hdf5.hpp"
+#include "io/result_reader.hpp"
 
 #include <array>
 
@@ -16,10 +16,6 @@ std::array<hsize_t, 2> size_of_dataset(hid_t group, const std::string& name) {
   const auto sizes = sizes_of(dataset.get());
   if (sizes.empty()) throw FileError("cannot read '" + name + "': it is one number, not a table");
   return {sizes[0], sizes.size() > 1 ? sizes[1] : 1};
-}
-
-std::string format_of(hid_t file) {
-  return H5Aexists(file, "format") > 0 ? text_attribute(file, "format") : std::string();
 }
 
 /// A line with the names, or nothing.
@@ -57,9 +53,7 @@ std::string fields_of(hid_t frames, const std::string& name) {
 std::string describe_result(const std::filesystem::path& path) {
   const QuietHdf5 quiet;
   const Hdf5Handle file = open_hdf5(path, Hdf5Mode::read);
-  if (format_of(file.get()) != "pliant-result") {
-    throw FileError("'" + path.string() + "' is neither a checkpoint nor a result of Pliant");
-  }
+  require_result(file.get(), path, "neither a checkpoint nor a result of Pliant");
   const std::string title = text_attribute(file.get(), "title");
   const Hdf5Handle frames(H5Gopen2(file.get(), "frames", H5P_DEFAULT), H5Gclose, "read '" + path.string() + "'");
   const auto names = names_in(frames.get());

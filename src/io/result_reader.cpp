@@ -98,10 +98,21 @@ void naming(const std::filesystem::path& file, const std::function<void()>& work
   }
 }
 
-ResultReader::ResultReader(std::filesystem::path file) : path_(std::move(file)), file_(open_patiently(path_)) {
-  if (H5Aexists(file_.get(), "format") <= 0 || text_attribute(file_.get(), "format") != "pliant-result") {
-    throw FileError("'" + path_.string() + "' is no result of Pliant");
+void require_result(hid_t file, const std::filesystem::path& path, std::string_view otherwise) {
+  if (H5Aexists(file, "format") <= 0 || text_attribute(file, "format") != "pliant-result") {
+    throw FileError(fmt::format("'{}' is {}", path.string(), otherwise));
   }
+  const std::int64_t version = integer_attribute(file, "version");
+  if (version != result_version) {
+    throw FileError(
+        fmt::format("'{}' has version {} of the format, and this program reads version {}; read it with the "
+                    "Pliant that wrote it",
+                    path.string(), version, result_version));
+  }
+}
+
+ResultReader::ResultReader(std::filesystem::path file) : path_(std::move(file)), file_(open_patiently(path_)) {
+  require_result(file_.get(), path_, "no result of Pliant");
   title_ = text_attribute(file_.get(), "title");
   const Hdf5Handle frames = open_group(file_.get(), "frames");
   for (const auto& name : names_in(frames.get())) frames_.push_back(frame_of(frames.get(), name));

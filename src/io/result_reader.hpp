@@ -10,6 +10,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace pliant {
@@ -36,6 +37,9 @@ std::filesystem::path result_file(const std::filesystem::path& place);
 
 /// Runs `work`, which reads this file; a FileError that does not name the file is thrown anew with its name before it.
 void naming(const std::filesystem::path& file, const std::function<void()>& work);
+
+/// FileError "'path' is <otherwise>" if the open file is no result, and another one if it is of another version.
+void require_result(hid_t file, const std::filesystem::path& path, std::string_view otherwise);
 
 /// An open result. FileError wherever the file is not what ResultWriter writes.
 class ResultReader {

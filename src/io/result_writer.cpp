@@ -29,7 +29,7 @@ void make_empty_file(const std::filesystem::path& path, const std::string& title
   File(part, FileMode::create).reserve(0, 256 * 1024);
   Hdf5Handle file = open_hdf5(part, Hdf5Mode::create);
   write_attribute(file.get(), "format", std::string("pliant-result"));
-  write_attribute(file.get(), "version", std::int64_t{1});
+  write_attribute(file.get(), "version", result_version);
   write_attribute(file.get(), "title", title);
   make_frames_group(file.get(), "/frames");
   file.close(doing);

@@ -1,6 +1,6 @@
 /// The time series of a run for ParaView and other tools: result.h5 (the numbers) and result.xdmf (what they mean).
 ///
-/// result.h5    attributes: format "pliant-result", version 1, title
+/// result.h5    attributes: format "pliant-result", version, title
 ///   /mesh/coordinates       num_nodes x 3, reference positions X [m]
 ///   /mesh/cells             num_cells x 4 or 10, node numbers in VTK's order
 ///   /mesh/body, /mesh/rank  num_cells; attribute `names` of body: the names, one per line
@@ -35,6 +35,9 @@
 #include <petscsys.h>
 
 namespace pliant {
+
+/// Of the format of result.h5.
+inline constexpr std::int64_t result_version = 1;
 
 /// The rank's part of a tetrahedral mesh. Ranks own contiguous blocks of nodes and of cells, in the order of ranks.
 struct OutputMesh {

@@ -1,6 +1,9 @@
 #!/usr/bin/python3
 """What a run writes: the history, the frames of the result, the input as understood, and what it says meanwhile."""
+import fcntl
+import os
 import re
+import time
 import unittest
 import xml.etree.ElementTree
 
@@ -8,7 +11,7 @@ import h5py
 import numpy as np
 import yaml
 
-from program import ROOT, ProgramTest, read_history, write_box
+from program import ROOT, ProgramTest, finish, read_history, start, write_box
 
 INPUT = """
 title: bar
@@ -38,6 +41,21 @@ class Outputs(ProgramTest):
         write_box(self.directory / "bar.msh", (8, 2, 2), (1, 0.2, 0.2))
         self.input = self.write("bar.yaml", INPUT)
         self.out = self.directory / "out"
+
+    def test_one_run_per_directory(self):
+        """A directory in which a run goes on is refused; one whose run is just ending is waited for."""
+        self.out.mkdir()
+        other = os.open(self.out, os.O_RDONLY)
+        fcntl.flock(other, fcntl.LOCK_EX)
+        for ranks in (1, 2):
+            done = finish(start(["run", "bar.yaml", "--output", "out"], self.directory, ranks), 60)
+            self.assertEqual(done.returncode, 4, done.stderr)
+            self.assertEqual(done.stderr.count("another run is writing into 'out'"), 1, done.stderr)
+            self.assertEqual(os.listdir(self.out), [])
+        waiting = start(["run", "bar.yaml", "--output", "out", "--quiet"], self.directory, 1)
+        time.sleep(0.5)
+        os.close(other)
+        self.assertEqual(finish(waiting, 60).returncode, 0)
 
     def test_history(self):
         history = self.run_input(self.input)

@@ -86,6 +86,10 @@ class Package(ProgramTest):
             pliant.run(yaml.safe_load(INPUT), {"time.step": "10 m"}, output="out")
         self.assertEqual(caught.exception.code, 2)
         self.assertIn("time.step", str(caught.exception))
+        with self.assertRaisesRegex(pliant.PliantError, "^input:1:1: missing key 'mesh'"):
+            pliant.run({"time": {"step": 0.1, "end": 1}})
+        with self.assertRaisesRegex(pliant.PliantError, "ranks=0"):
+            pliant.run(yaml.safe_load(INPUT), ranks=0)
         with self.assertRaises(pliant.PliantError) as caught:
             pliant.run("missing.yaml", ranks=2)
         self.assertEqual(caught.exception.code, 2)
@@ -95,7 +99,7 @@ class Package(ProgramTest):
         with self.assertRaisesRegex(pliant.PliantError, "there is no checkpoint"):
             pliant.Checkpoint(".")
         self.write("text.h5", "no HDF5")
-        with self.assertRaisesRegex(pliant.PliantError, "cannot be read"):
+        with self.assertRaisesRegex(pliant.PliantError, "is no HDF5 file"):
             pliant.Result("text.h5")
 
     def test_frames_for_meshio(self):

@@ -53,6 +53,7 @@ DAMAGE = {
     "no frames": (lambda file: [file["frames"].__delitem__(name) for name in list(file["frames"])], "holds no frame yet", None),
     "no numbers": (without_displacement, "no frame with a finite displacement", None),
     "another format": (lambda file: file.attrs.__setitem__("format", np.bytes_("mine")), "is no result of Pliant", "neither a checkpoint nor a result"),
+    "of another version": (lambda file: file.attrs.__setitem__("version", 2), *2 * ["has version 2 of the format, and this program reads version 1"]),
     "a format of numbers": (lambda file: file.attrs.__setitem__("format", 7), "'format': it is not a text", "'format': it is not a text"),
     "two times": (lambda file: file["frames/000010"].attrs.__setitem__("time", [1.0, 2.0]), "'time': it has another size", "'time': it has another size"),
     "one number": (replaced("mesh/coordinates", 3.0), "'coordinates': it is no table", "it is one number, not a table"),

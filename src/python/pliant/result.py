@@ -141,6 +141,9 @@ class Frame:
         return meshio.Mesh(self.positions(), [(kind, mesh.cells)], point_data=of_nodes, cell_data=of_cells)
 
 
+VERSION = 1  # of the format of result.h5
+
+
 def _newest_frame(h5: h5py.File) -> None:
     """A frame may come between the file's header and the list of frames, which then names more than can be read."""
     if "frames" in h5:
@@ -165,8 +168,12 @@ class Result(Sequence[Frame]):
         """Opens the file anew, with the frames that were added meanwhile."""
         self.close()
         self.h5 = opened(self.file, _newest_frame)  #: the file itself, for what is not here
-        if "frames" not in self.h5 or "mesh" not in self.h5:
-            raise PliantError(f"{self.file} is not a result of Pliant")
+        if text(self.h5.attrs.get("format", "")) != "pliant-result":
+            raise PliantError(f"{self.file} is no result of Pliant")
+        version = self.h5.attrs["version"]
+        if version != VERSION:
+            raise PliantError(f"{self.file} has version {version} of the format, and this module reads version {VERSION}; "
+                              "read it with the Pliant that wrote it")
         self.title = text(self.h5.attrs.get("title", ""))
         self.frames = [Frame(self, name) for name in sorted(self.h5["frames"])]
         if not self.frames:

@@ -25,7 +25,7 @@ class Run:
     """A run that has ended well, and where it lies."""
 
     directory: str
-    log: str  #: what the program printed
+    log: str = dataclasses.field(repr=False)  #: what the program printed
 
     @functools.cached_property
     def result(self) -> Result:
@@ -87,6 +87,8 @@ def run(source: "Union[Path, Mapping[str, Any]]", overrides: "Optional[Mapping[s
         if output is None and "directory" not in ((yaml.safe_load(content) or {}).get("output") or {}):
             settings += ["--output", os.path.abspath("out")]
         return _finished(["run", name, *settings], ranks, petsc_options, timeout)
+    except PliantError as error:
+        raise PliantError(str(error).replace(name, "input"), error.code) from None
     finally:
         os.unlink(name)
 
@@ -115,6 +117,8 @@ def _flow(value: Any) -> str:
 
 
 def _finished(arguments: "list[str]", ranks: int, petsc_options: Sequence[str], timeout: Optional[float]) -> Run:
+    if ranks < 1:
+        raise PliantError(f"ranks={ranks}: at least one is needed")
     command = [program(), *arguments]
     if petsc_options:
         command += ["--", *petsc_options]
