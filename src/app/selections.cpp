@@ -139,7 +139,10 @@ EdgeList Selections::edges(const Selection& part) {
   if (g == nullptr) return {};
   EdgeList result = edges_of_group(mesh_, layout_, *g);
   if (sum(layout_.comm, static_cast<PetscInt64>(result.size())) == 0) {
-    report(part.where, fmt::format("{} holds no edge of the mesh", describe(part)));
+    report(part.where,
+           fmt::format("{} holds no edge of a tetrahedron; it must bound a volume or be embedded in one (in "
+                       "gmsh: Curve {{1}} In Volume {{1}})",
+                       describe(part)));
   }
   return result;
 }
@@ -178,7 +181,19 @@ std::vector<int> Selections::cells(const std::vector<Selection>& parts) {
                        missing.empty() ? "them, or give a single body without `volume`" : "volume " + joined(missing)));
   }
   if (several > 0) {
-    report(parts.front().where, fmt::format("{} tetrahedra belong to several bodies; the volumes overlap", several));
+    std::vector<std::string> sharing;
+    Location where;
+    for (std::size_t v = 0; v < groups.size(); ++v) {
+      const auto of = volume_of_cells(mesh_, layout_, {groups[v]});
+      bool shares = false;
+      for (PetscInt c = 0; c < layout_.num_owned_cells; ++c) shares = shares || (result[c] == -2 && of[c] == 0);
+      if (!any(layout_.comm, shares)) continue;
+      sharing.push_back("'" + title(groups[v]) + "'");
+      where = parts[v].where;
+    }
+    report(where, fmt::format("{} tetrahedra are in several volumes of bodies ({}), but a tetrahedron belongs to one "
+                              "body; make physical volumes that share nothing",
+                              several, joined(sharing)));
   }
   return result;
 }

@@ -63,6 +63,7 @@ class MshFile {
   std::set<std::string> sections_;  // read so far
   std::vector<std::tuple<int, int, std::string>> names_;
   std::map<std::pair<int, int>, std::vector<int>> physicals_;  // version 4: of each entity
+  std::set<int> partitions_;                                   // that have volumes
   std::optional<MeshCollector> collector_;
   std::vector<std::size_t> nodes_;                                    // of the element at hand
   std::vector<std::pair<CellField, std::vector<std::size_t>>> data_;  // with the elements' tags
@@ -109,7 +110,10 @@ void MshFile::read_entity(int dimension, bool is_partitioned) {
     (void)in_.number<int>("the dimension of a parent entity");
     (void)in_.number<int>("the tag of a parent entity");
     const auto num_partitions = in_.count<std::size_t>("the number of partitions", bytes_of(1));
-    for (std::size_t i = 0; i < num_partitions; ++i) (void)in_.number<int>("a partition");
+    for (std::size_t i = 0; i < num_partitions; ++i) {
+      const int partition = in_.number<int>("a partition");
+      if (dimension == 3) partitions_.insert(partition);
+    }
   }
   const int num_bounds = dimension == 0 ? 3 : 6;
   for (int i = 0; i < num_bounds; ++i) (void)in_.number<double>("a bound of an entity");
@@ -131,13 +135,19 @@ void MshFile::read_entities() {
 }
 
 void MshFile::read_partitioned_entities() {
-  (void)in_.number<std::size_t>("the number of partitions");
+  const auto num_partitions = in_.number<std::size_t>("the number of partitions");
   const auto num_ghosts = in_.count<std::size_t>("the number of ghost entities", bytes_of(2));
   for (std::size_t i = 0; i < 2 * num_ghosts; ++i) (void)in_.number<int>("a ghost entity");
   std::array<std::size_t, 4> counts{};
   for (auto& count : counts) count = in_.count<std::size_t>("the number of entities", bytes_of(5));
   for (int dimension = 0; dimension < 4; ++dimension) {
     for (std::size_t i = 0; i < counts[static_cast<std::size_t>(dimension)]; ++i) read_entity(dimension, true);
+  }
+  if (!partitions_.empty() && partitions_.size() < num_partitions) {
+    in_.fail(
+        fmt::format("the file holds {} of a mesh's {} partitions; write the whole mesh into one file, in gmsh "
+                    "without -part_split (Mesh.PartitionSplitMeshFiles = 0)",
+                    partitions_.size(), num_partitions));
   }
 }
 

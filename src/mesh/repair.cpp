@@ -104,8 +104,10 @@ void require_distinct_cells(const SerialMesh& mesh, Reasons& reasons) {
     if (keys[i].nodes == keys[i - 1].nodes) repeated.push_back(mesh.cell_tags[keys[i].cell]);
   }
   if (!repeated.empty()) {
-    reasons.push_back("tetrahedra given twice (the same four nodes as another): element " + first_few(repeated) +
-                      "; delete one of each, e.g. with Mesh.SaveAll = 0 each volume in one physical group only");
+    reasons.push_back(
+        "tetrahedra given twice (the same four nodes as another): element " + first_few(repeated) +
+        "; delete one of each. Version 2.2 has a volume of two physical groups twice: put it into one, or "
+        "write version 4.1 (Mesh.MshFileVersion = 4.1)");
   }
 }
 

@@ -15,7 +15,7 @@ import sys
 import h5py
 import numpy as np
 
-from bricks import Brick, write_parts
+from bricks import TETRAHEDRON, Brick, write_parts
 
 TRIANGLE_6, TETRAHEDRON_10, HEXAHEDRON, PRISM, PYRAMID, TETRAHEDRON_20 = 9, 11, 5, 6, 7, 29  # gmsh's element types
 CURE = r"write or copy it again|write it again"
@@ -90,6 +90,13 @@ def two_quadratic_cells():
             f"$Elements\n{len(cells)}\n{elements}$EndElements\n").encode()
 
 
+def partitioned(held, num_partitions):
+    """Version 4.1 as gmsh writes it into a file for each partition, which names only the volumes that it holds."""
+    volumes = "".join(f"{100 + p} 3 7 1 {p} 0 0 0 1 1 1 1 7 0\n" for p in held)
+    section = f"$PartitionedEntities\n{num_partitions}\n0\n0 0 0 {len(held)}\n{volumes}$EndPartitionedEntities\n".encode()
+    return replaced(b"$Nodes", section + b"$Nodes", Brick().msh4())
+
+
 def wrong_number(key, wrong):
     """The first number after `key` in the text of version 2.2 or 4.1."""
     return lambda source: re.sub(b"(" + key + rb"\n)\S+", lambda m: m[1] + wrong, source, count=1)
@@ -145,6 +152,11 @@ BAD = {
     "nodes at one place": ("a.msh", text(lambda b: (b.tags.append(28), b.points.append(b.points[13]), reuse(14, 28)(b))),
                            "coincide with another node: .*Join them in gmsh"),
     "a cell twice": ("a.msh", text(lambda b: b.cells().append(list(b.cells()[0]))), "given twice .*delete one"),
+    "a volume of two groups in 2.2": ("a.msh", text(lambda b: b.blocks.append((3, 8, TETRAHEDRON, 8, b.cells()[:5]))),
+                                      "given twice .*version 4.1"),
+    "one partition of two": ("a.msh", partitioned({1}, 2), r"line [0-9]+: the file holds 1 of a mesh's 2 partitions; write the whole"),
+    "partitions in disorder": ("a.msh", replaced(b"$PartitionedEntities\n2", b"$PartitionedEntities\n@LINE two", partitioned({1, 2}, 2)),
+                               "the number of partitions should be here, not 'two'"),
     "three cells at a facet": ("a.msh", text(lambda b: (b.tags.append(28), b.points.append((0.1, 0.2, 0.15)),
                                                         b.cells().append(b.cells()[0][:3] + [28]))), "facet"),
     "a node twice": ("a.msh", text(lambda b: b.tags.__setitem__(5, 5)), "node 5 is defined twice: give"),

@@ -64,13 +64,12 @@ class Brick:
                 return struct.pack(order + kinds, *values)
             return (" ".join(repr(v) if k == "d" else str(v) for k, v in zip(kinds, values)) + "\n").encode()
 
-        num_surfaces = len(self.blocks) - 1
-        entities = words("4Q" if binary else "QQQQ", 0, 0, num_surfaces, 1)
+        entities = words("QQQQ", *(sum(block[0] == dimension for block in self.blocks) for dimension in range(4)))
         for dimension, entity, _, physical, _ in self.blocks:
             physicals = [physical] if physical else []
             values = [entity, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, len(physicals), *physicals, 0]
             entities += words("idddddd" + "Q" + "i" * len(physicals) + "Q", *values)
-            assert dimension >= 2
+            assert dimension >= 1
         nodes = words("QQQQ", 1, len(self.tags), min(self.tags), max(self.tags)) + words("iiiQ", 3, 7, 0, len(self.tags))
         nodes += b"".join(words("Q", tag) for tag in self.tags) + b"".join(words("ddd", *x) for x in self.points)
         elements, number = words("QQQQ", len(self.blocks), self.num_elements(), 1, self.num_elements()), 0

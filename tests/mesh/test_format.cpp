@@ -89,6 +89,31 @@ INSTANTIATE_TEST_SUITE_P(All, MshFormats,
                                            MshKind{4.1, 1, 1}, MshKind{2.2, 0, 2}, MshKind{2.2, 1, 2},
                                            MshKind{4.1, 0, 2}, MshKind{4.1, 1, 2}));
 
+TEST(MshFormat, PartitionsAreReadAsOneAndNoneIsTakenForTheWhole) {
+  const Scratch scratch(comm);
+  const std::string whole = scratch.file("parts.msh", [&](const std::string& f) {
+    write_box_msh(f, {2, 1, 1}, {3, 2, 2});
+    const GmshSession gmsh;
+    gmsh.run("partition", [&] {
+      gmsh::open(f);
+      gmsh::model::mesh::partition(3);
+      gmsh::option::setNumber("Mesh.MshFileVersion", 4.1);
+      gmsh::write(f);
+      gmsh::option::setNumber("Mesh.PartitionSplitMeshFiles", 1);
+      gmsh::write(f);
+    });
+  });
+  const Mesh mesh = read(whole);
+  EXPECT_EQ(mesh.report.num_cells, 72);
+  EXPECT_EQ(group(mesh, "clamp").count, 8);
+  try {
+    (void)read(scratch.path("parts_2.msh"));
+    FAIL() << "a third of a body is no body";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("holds 1 of a mesh's 3 partitions"), std::string::npos) << error.what();
+  }
+}
+
 TEST_P(MshFormats, DataOfElementsReadTheSame) {
   const auto [version, is_binary, order] = GetParam();
   const Scratch scratch(comm);

@@ -37,7 +37,7 @@ ENVIRONMENT = {
 UNSIGNALLED = {"OMPI_MCA_odls_base_sigkill_timeout": "0"}
 ENVIRONMENT.pop("DISPLAY", None)  # MPI asks an X server for its graphics cards, and fails with it
 
-TRIANGLE, TETRAHEDRON, TRIANGLE_6, TETRAHEDRON_10 = 2, 4, 9, 11  # gmsh's element types
+LINE, TRIANGLE, TETRAHEDRON, TRIANGLE_6, TETRAHEDRON_10 = 1, 2, 4, 9, 11  # gmsh's element types
 SIDES = ("left", "right", "front", "back", "bottom", "top")  # surfaces of a box: x, y, z, each at its low and high end
 
 

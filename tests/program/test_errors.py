@@ -2,14 +2,20 @@
 """A user's mistake ends the program, on any number of ranks alike, with one message that names the place and helps."""
 import itertools
 import os
+import pathlib
 import re
+import sys
 import unittest
 
 import h5py
 import numpy as np
 
 from mistakes import MistakesTest
-from program import UNSIGNALLED, box, finish, start, write_box, write_mesh
+from program import LINE, UNSIGNALLED, box, finish, start, write_box, write_mesh
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "mesh"))
+
+from bricks import Brick  # noqa: E402
 
 LINES = {
     "mesh": "mesh: {file: cube.msh}",
@@ -98,6 +104,9 @@ BAD_AGAINST_THE_MESH = {
     "a static body that nothing holds": ("constraints", "constraints: []", "constraint"),
     "unknown field": ("output", "output: {fields: [displacement, @stress]}", "stress"),
     "volumes that do not cover": ("bodies", "bodies: [{volume: @lower, " + LAW + "}]", "upper"),
+    "volumes that share tetrahedra": ("bodies", "bodies: [{volume: body, " + LAW + "}, {volume: @whole, " + LAW + "}]",
+                                      "48 tetrahedra are in several volumes .*'body', 'whole'"),
+    "a curve off the edges": ("loads", "loads: [{curve: @wire, line_force: [0, 0, 1]}]", "'wire' holds no edge of a tetrahedron"),
     "one volume twice": ("bodies", "bodies: [{volume: body, " + LAW + "}, {volume: @body, " + LAW + "}]", "same volume"),
     "pressures of bodies that start deformed": ("constraints", 'constraints: [@{surface: left, displacement: ["0.1 + t", 0, 0]}]\n'
                                                 "element: P2\nvolumetric: mixed", "prescribed at t = 0"),
@@ -128,6 +137,7 @@ NOT_DOUBTFUL = {
     "frames at steps": ("output", "output: {directory: out, every: 10 ms}"),
 }
 IN_TWO_VOLUMES = {"volumes that do not cover"}
+OF_OTHER_GROUPS = {"volumes that share tetrahedra", "a curve off the edges"}
 TOP_HALFWAY_UP = {"symmetry inside", "pressure inside"}
 
 # Name: arguments, words of the message.
@@ -204,6 +214,11 @@ class Errors(MistakesTest):
             faces = np.unique(np.sort(cells[:, list(itertools.combinations(range(4), 3))].reshape(-1, 3), axis=1), axis=0)
             triangles[-1] = faces[(points[faces][:, :, 2] == 0.5).all(axis=1)]
             write_mesh(directory / "cube.msh", points, triangles, cells)
+        elif name in OF_OTHER_GROUPS:
+            brick = Brick()
+            brick.names += [(3, 8, "whole"), (1, 9, "wire")]
+            brick.blocks.insert(0, (1, 9, LINE, 9, [[1, 27]]))  # a diagonal of the cube
+            (directory / "cube.msh").write_bytes(brick.msh4().replace(b" 1 7 0\n", b" 2 7 8 0\n"))
         else:
             write_box(directory / "cube.msh", (2, 2, 2))
         (directory / "endless.msh").write_text((directory / "cube.msh").read_text().replace(" 1.0 1.0 1.0\n", " 1.0 1.0 nan\n"))
