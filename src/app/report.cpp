@@ -177,7 +177,10 @@ std::string write_page(const fs::path& file, const ReportOptions& options) {
 
 void report_command(MPI_Comm comm, const ReportOptions& options, Console& console) {
   std::string line;
-  on_root(comm, [&] { line = write_page(result_file(options.place), options); });
+  on_root(comm, [&] {
+    const std::filesystem::path file = result_file(options.place);
+    line = hdf5_in_child(file, [&] { return write_page(file, options); });
+  });
   console.print(line);
 }
 

@@ -48,9 +48,7 @@ std::string fields_of(hid_t frames, const std::string& name) {
   return text;
 }
 
-}  // namespace
-
-std::string describe_result(const std::filesystem::path& path) {
+std::string description_of(const std::filesystem::path& path) {
   const QuietHdf5 quiet;
   const Hdf5Handle file = open_hdf5(path, Hdf5Mode::read);
   require_result(file.get(), path, "neither a checkpoint nor a result of Pliant");
@@ -65,6 +63,12 @@ std::string describe_result(const std::filesystem::path& path) {
   text += fmt::format("{} frame{} from t = {:.6g} to {:.6g}\n", names.size(), names.size() == 1 ? "" : "s",
                       time_of(frames.get(), names.front()), time_of(frames.get(), names.back()));
   return text + fields_of(frames.get(), names.back());
+}
+
+}  // namespace
+
+std::string describe_result(const std::filesystem::path& path) {
+  return hdf5_in_child(path, [&] { return description_of(path); });
 }
 
 }  // namespace pliant

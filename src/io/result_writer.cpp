@@ -9,8 +9,8 @@
 
 #include <algorithm>
 #include <cassert>
+#include <sstream>
 #include <system_error>
-#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -40,9 +40,9 @@ std::string lines(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, "\n"));
 }
 
-/// Removes the frames that `grids` does not refer to. Returns the number of the next frame and a name for the next
-/// mesh.
-std::pair<std::int64_t, std::string> keep_listed(const std::filesystem::path& path, const std::string& grids) {
+/// Removes the frames that `grids` does not refer to. Returns a name for the next mesh and the number of the next
+/// frame, with a space between them.
+std::string keep_listed(const std::filesystem::path& path, const std::string& grids) {
   const QuietHdf5 quiet;
   const std::string doing = "continue '" + path.string() + "'";
   Hdf5Handle file = open_hdf5(path, Hdf5Mode::modify);
@@ -60,7 +60,7 @@ std::pair<std::int64_t, std::string> keep_listed(const std::filesystem::path& pa
   for (int i = 1; std::find(taken.begin(), taken.end(), mesh) != taken.end(); ++i) mesh = fmt::format("mesh_{}", i);
   frames.close(doing);
   file.close(doing);
-  return {next, mesh};
+  return fmt::format("{} {}", mesh, next);
 }
 
 }  // namespace
@@ -87,7 +87,8 @@ ResultWriter::ResultWriter(MPI_Comm comm, const ResultPlace& place, std::string 
       start_files();
     } else {
       write_text_atomically(xdmf_file_, xdmf_document(title_, grids_));
-      std::tie(next_frame_, mesh_) = keep_listed(hdf5_file_, grids_);
+      std::istringstream(hdf5_in_child(hdf5_file_, [&] { return keep_listed(hdf5_file_, grids_); })) >> mesh_ >>
+          next_frame_;
     }
   });
   mesh_ = broadcast(comm_, mesh_);

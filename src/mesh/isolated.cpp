@@ -1,23 +1,16 @@
 #include "mesh/isolated.hpp"
 
-#include <cerrno>
-#include <csignal>
-#include <cstdio>
-#include <cstdlib>
+#include "base/child_process.hpp"
+
 #include <cstring>
-#include <fcntl.h>
+#include <stdexcept>
 #include <string_view>
-#include <sys/prctl.h>
-#include <sys/wait.h>
-#include <system_error>
-#include <unistd.h>
+#include <type_traits>
 
 namespace pliant {
 namespace {
 
 enum class Outcome : char { mesh = 'M', defect = 'D', failure = 'F' };
-
-constexpr int left_by_exit = 77;
 
 /// Values of plain types and their vectors, one behind the other.
 class Packer {
@@ -128,73 +121,23 @@ Packer outcome_of(const std::function<SerialMesh()>& work) {
   return out;
 }
 
-void write_all(int file, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = write(file, bytes.data(), bytes.size());
-    if (written < 0 && errno != EINTR) return;  // the reader sees an incomplete answer
-    if (written > 0) bytes.remove_prefix(static_cast<std::size_t>(written));
-  }
-}
-
-std::string read_all(int file) {
-  std::string bytes;
-  std::vector<char> buffer(1 << 20);
-  for (;;) {
-    const ssize_t size = read(file, buffer.data(), buffer.size());
-    if (size < 0 && errno == EINTR) continue;
-    if (size <= 0) return bytes;
-    bytes.append(buffer.data(), static_cast<std::size_t>(size));
-  }
-}
-
-[[noreturn]] void be_the_child(int answer, const std::function<SerialMesh()>& work) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // never outlives the simulation
-  for (const int signal : {SIGINT, SIGTERM, SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL}) std::signal(signal, SIG_DFL);
-  // Runs before the handlers of MPI and others, which must not act twice.
-  std::atexit([] { _exit(left_by_exit); });
-  const int nowhere = open("/dev/null", O_WRONLY);
-  dup2(nowhere, STDOUT_FILENO);
-  dup2(nowhere, STDERR_FILENO);
-  write_all(answer, outcome_of(work).bytes());
-  _exit(0);
-}
-
-[[noreturn]] void reject_dead_child(Suspect suspect, int status) {
-  const std::string how =
-      WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "exit code " + std::to_string(WEXITSTATUS(status));
+[[noreturn]] void reject_dead_child(Suspect suspect, const ChildEnd& end) {
   if (suspect == Suspect::hdf5) {
-    throw MeshDefect("HDF5 died while reading it (" + how +
+    throw MeshDefect("HDF5 died while reading it (" + end.how +
                      "): the file is damaged; write it again with `pliant mesh convert`");
   }
-  if (WIFEXITED(status) && WEXITSTATUS(status) == left_by_exit) {
-    throw MeshDefect("the file ended gmsh before there was a mesh: remove its Exit or Abort command");
-  }
+  if (end.exited) throw MeshDefect("the file ended gmsh before there was a mesh: remove its Exit or Abort command");
   throw MeshDefect(
-      "gmsh died while working on it (" + how +
+      "gmsh died while working on it (" + end.how +
       "): the file is damaged, or the mesh too large for the memory; see what the gmsh program says to it");
 }
 
 }  // namespace
 
 SerialMesh isolated(Suspect suspect, const std::function<SerialMesh()>& work) {
-  std::array<int, 2> channel{};
-  if (pipe(channel.data()) != 0)
-    throw std::system_error(errno, std::generic_category(), "cannot start another process");
-  std::fflush(nullptr);  // or the child would write the same text again
-  const pid_t child = fork();
-  if (child < 0) throw std::system_error(errno, std::generic_category(), "cannot start another process");
-  if (child == 0) {
-    close(channel[0]);
-    be_the_child(channel[1], work);
-  }
-  close(channel[1]);
-  const std::string answer = read_all(channel[0]);
-  close(channel[0]);
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || answer.empty()) reject_dead_child(suspect, status);
-  Unpacker in(answer);
+  const ChildEnd end = in_child([&] { return outcome_of(work).bytes(); });
+  if (!end.answer || end.answer->empty()) reject_dead_child(suspect, end);
+  Unpacker in(*end.answer);
   switch (in.get<Outcome>()) {
     case Outcome::mesh:
       return unpack_mesh(in);

@@ -1,4 +1,4 @@
-/// Work that may crash or exit, done where it hurts nobody.
+/// Meshes from libraries that may crash or exit.
 #pragma once
 
 #include "mesh/serial_mesh.hpp"
@@ -12,7 +12,7 @@ enum class Suspect { gmsh, hdf5 };
 
 /// Runs `work` in a child process of this rank and gives its result. gmsh and its CAD kernel crash on some damaged
 /// geometry, and a script's `Exit` ends the process, HDF5 crashes over some damaged files: here that is a MeshDefect,
-/// and all memory they held is returned. The child has no standard output and must not use MPI. Throws the MeshDefect
+/// and all memory they held is returned. `work` is as in_child() needs it, but may throw. Throws the MeshDefect
 /// of `work`; a MeshDefect if the child dies; std::runtime_error for any other failure. Not collective.
 SerialMesh isolated(Suspect suspect, const std::function<SerialMesh()>& work);
 

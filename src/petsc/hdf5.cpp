@@ -1,5 +1,6 @@
 #include "petsc/hdf5.hpp"
 
+#include "base/child_process.hpp"
 #include "base/error.hpp"
 
 #include <algorithm>
@@ -84,6 +85,31 @@ Hdf5Handle open_hdf5(const std::filesystem::path& file, Hdf5Mode mode, std::int6
   const Hdf5Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose, doing);
   check_hdf5(H5Pset_userblock(creation.get(), static_cast<hsize_t>(user_block)), doing);
   return {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.get(), access.get()), H5Fclose, doing};
+}
+
+std::string hdf5_in_child(const std::filesystem::path& file, const std::function<std::string()>& work) {
+  enum Outcome : char { done = 'D', refused = 'R', failed = 'F' };
+  const ChildEnd end = in_child([&]() -> std::string {
+    try {
+      return char{done} + work();
+    } catch (const FileError& e) {
+      return char{refused} + std::string(e.what());
+    } catch (const std::exception& e) {
+      return char{failed} + std::string(e.what());
+    }
+  });
+  if (!end.answer || end.answer->empty()) {
+    throw FileError("'" + file.string() + "' is damaged: HDF5 died over it (" + end.how + ")");
+  }
+  std::string text = end.answer->substr(1);
+  switch (end.answer->front()) {
+    case done:
+      return text;
+    case refused:
+      throw FileError(text);
+    default:
+      throw std::runtime_error(text);
+  }
 }
 
 std::vector<std::string> names_in(hid_t group) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -55,6 +56,11 @@ enum class Hdf5Mode { read, modify, create };
 /// Opens a file on the calling rank alone. `user_block`: bytes before HDF5's own that a file to be created leaves to
 /// others, 0 or a power of two from 512 on.
 Hdf5Handle open_hdf5(const std::filesystem::path& file, Hdf5Mode mode, std::int64_t user_block = 0);
+
+/// Runs `work` over that file in a child process (base/child_process.hpp), for HDF5 crashes over some damaged files,
+/// and gives its text. Throws the FileError of `work`; a FileError if the child dies; std::runtime_error for other
+/// failures.
+std::string hdf5_in_child(const std::filesystem::path& file, const std::function<std::string()>& work);
 
 /// Names of what is linked into a group, in alphabetical order.
 std::vector<std::string> names_in(hid_t group);

@@ -1,0 +1,79 @@
+#include "base/child_process.hpp"
+
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fcntl.h>
+#include <string_view>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <system_error>
+#include <unistd.h>
+#include <vector>
+
+namespace pliant {
+namespace {
+
+constexpr int left_by_exit = 77;
+
+void write_all(int file, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = write(file, bytes.data(), bytes.size());
+    if (written < 0 && errno != EINTR) return;  // the reader sees an incomplete answer
+    if (written > 0) bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+std::string read_all(int file) {
+  std::string bytes;
+  std::vector<char> buffer(1 << 20);
+  for (;;) {
+    const ssize_t size = read(file, buffer.data(), buffer.size());
+    if (size < 0 && errno == EINTR) continue;
+    if (size <= 0) return bytes;
+    bytes.append(buffer.data(), static_cast<std::size_t>(size));
+  }
+}
+
+[[noreturn]] void be_the_child(int answer, const std::function<std::string()>& work) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  for (const int signal : {SIGINT, SIGTERM, SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL}) std::signal(signal, SIG_DFL);
+  // Runs before the handlers of MPI and others, which must not act twice.
+  std::atexit([] { _exit(left_by_exit); });
+  const int nowhere = open("/dev/null", O_WRONLY);
+  dup2(nowhere, STDOUT_FILENO);
+  dup2(nowhere, STDERR_FILENO);
+  write_all(answer, work());
+  _exit(0);
+}
+
+}  // namespace
+
+ChildEnd in_child(const std::function<std::string()>& work) {
+  std::array<int, 2> channel{};
+  if (pipe(channel.data()) != 0) {
+    throw std::system_error(errno, std::generic_category(), "cannot start another process");
+  }
+  std::fflush(nullptr);  // or the child would write the same text again
+  const pid_t child = fork();
+  if (child < 0) throw std::system_error(errno, std::generic_category(), "cannot start another process");
+  if (child == 0) {
+    close(channel[0]);
+    be_the_child(channel[1], work);
+  }
+  close(channel[1]);
+  std::string answer = read_all(channel[0]);
+  close(channel[0]);
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (WIFSIGNALED(status)) return {std::nullopt, false, strsignal(WTERMSIG(status))};
+  const int code = WEXITSTATUS(status);
+  if (code != 0) return {std::nullopt, code == left_by_exit, "exit code " + std::to_string(code)};
+  return {std::move(answer), false, {}};
+}
+
+}  // namespace pliant
