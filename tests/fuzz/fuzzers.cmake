@@ -25,9 +25,11 @@ target_link_libraries(pliant_input PUBLIC pliant_time yaml-cpp nlohmann_json::nl
 pliant_fuzzer(input read_as_input input.cpp pliant_input)
 pliant_fuzzer(msh read_as_msh meshes.cpp pliant_mesh)
 pliant_fuzzer(mesh_file read_as_mesh_file meshes.cpp pliant_mesh)
-target_sources(fuzz_mesh_file PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/fuzz/in_place/isolated.cpp)  # instead of the library's
 pliant_fuzzer(checkpoint read_as_checkpoint checkpoint.cpp pliant_io)
 pliant_fuzzer(surface read_as_surface meshes.cpp pliant_mesh)
 pliant_finds_gmsh(fuzz_surface)
 pliant_fuzzer(triangles read_as_triangles triangles.cpp pliant_fem)
 pliant_fuzzer(result read_as_result results.cpp pliant_io)
+foreach(name mesh_file result)
+  target_sources(fuzz_${name} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/fuzz/in_place/child_process.cpp)  # instead of the library's
+endforeach()
