@@ -2,6 +2,7 @@
 import concurrent.futures
 import os
 import re
+import time
 
 from program import ProgramTest, finish, start
 
@@ -34,13 +35,22 @@ class MistakesTest(ProgramTest):
 
     def judge_all(self, cases, every):
         """Each case, several at a time. `every`: number of ranks -> each how many-th case runs on them; with PLIANT_LONG_TESTS each.
-        The runs of one case are one after another: they share its directory."""
-        def judge_one(number, case):
+        The runs of one case are one after another: they share its directory. Those that took longest are
+        printed if LONG."""
+        took = {ranks: [] for ranks in every}
+
+        def judge_one(number, name, case):
             for ranks in (ranks for ranks, nth in every.items() if LONG or number % nth == 0):
                 directory, arguments, code, place, words = case
+                begin = time.perf_counter()
                 self.judge(directory, arguments, ranks, code, place, words)
+                took[ranks].append((time.perf_counter() - begin, name))
 
-        waiting = [(name, self.pool.submit(judge_one, number, case)) for number, (name, case) in enumerate(cases.items())]
+        waiting = [(name, self.pool.submit(judge_one, number, name, case)) for number, (name, case) in enumerate(cases.items())]
         for name, result in waiting:
             with self.subTest(name):
                 result.result()
+        for ranks, times in took.items():
+            if LONG and times:
+                slowest = ", ".join(f"{name} {seconds:.1f} s" for seconds, name in sorted(times, reverse=True)[:3])
+                print(f"{self.id()}: {len(times)} mistakes on {ranks}, the slowest: {slowest}")
