@@ -67,6 +67,10 @@ struct Defect {
   std::string complaint;  // a part of it
 };
 
+std::ostream& operator<<(std::ostream& out, const Defect& defect) {  // not its bytes, of which some have no value
+  return out << defect.name;
+}
+
 std::vector<Defect> defects() {
   const Pieces cube;
   const std::string text = cube.text();

@@ -127,11 +127,11 @@ class PetscIntegration : public ::testing::Test {
   }
   /// The motion at `end` by our own method of third order, on each rank alone; found once.
   const State& reference() {
-    static std::optional<State> found;
     if (on_ == comm) work_alone();
-    if (!found) found = run(*own("dirk33"), 240, end);
-    return *found;
+    if (!known) known = run(*own("dirk33"), 240, end);
+    return *known;
   }
+  static void TearDownTestSuite() { known.reset(); }  // as long as PETSc is there
   template <class AnyIntegrator>
   static void step(AnyIntegrator& integrator, const Step& to) {
     const StepAttempt attempt = integrator.attempt(to);
@@ -176,6 +176,7 @@ class PetscIntegration : public ::testing::Test {
 
   static constexpr double end = 0.25;  // [s]
 
+  static inline std::optional<State> known;
   Scratch scratch_{comm};
   MPI_Comm on_ = comm;
   std::unique_ptr<Problem> problem_;
