@@ -39,7 +39,8 @@ for layer in "${layers[@]}"; do
     export PLIANT=$sanitized/bin/pliant
     # Where PETSc refuses an option of the user's, it loses what it held; the process ends then.
     (cd "$root/tests/program" && "$python" -B -m unittest -q "${program_tests[@]}" &&
-      ASAN_OPTIONS=${ASAN_OPTIONS/detect_leaks=1/detect_leaks=0} "$python" -B -m unittest -q test_errors.Errors.test_bad_command_lines) ||
+      ASAN_OPTIONS=${ASAN_OPTIONS/detect_leaks=1/detect_leaks=0} "$python" -B -m unittest -q \
+        test_errors.Errors.test_bad_command_lines) ||
       { say "FAILED: the program"; status=1; }
     continue
   fi

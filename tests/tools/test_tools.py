@@ -132,7 +132,7 @@ class Pictures(WithResult):
         self.fails("picture.xyz", self.directory, "-o", self.path("picture.xyz"))
         with h5py.File(self.path("other.h5"), "w"):
             pass
-        self.fails("is not a result", self.path("other.h5"))
+        self.fails("is no result", self.path("other.h5"))
         with open(self.path("text.h5"), "w", encoding="utf-8") as text:
             text.write("no HDF5")
         self.fails("cannot be read", self.path("text.h5"))
