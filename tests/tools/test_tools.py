@@ -135,7 +135,7 @@ class Pictures(WithResult):
         self.fails("is no result", self.path("other.h5"))
         with open(self.path("text.h5"), "w", encoding="utf-8") as text:
             text.write("no HDF5")
-        self.fails("cannot be read", self.path("text.h5"))
+        self.fails("is no HDF5 file", self.path("text.h5"))
 
 
 class SurfaceOfBlock(WithResult):
