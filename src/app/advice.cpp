@@ -6,6 +6,7 @@
 #include "petsc/collective.hpp"
 
 #include <algorithm>
+#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -21,17 +22,25 @@ bool is_local(const LoadConfig& load) {
 }  // namespace
 
 std::vector<std::string> doubts_about(const Config& config) {
+  std::vector<std::string> doubts;
   const TimeConfig& time = config.time;
   const OutputConfig& output = config.output;
   constexpr double rounding = 1e-9;
-  if (time.method.value == static_method || time.adaptive || !output.every ||
-      time.step <= *output.every * (1.0 + rounding)) {
-    return {};
+  if (time.method.value != static_method && !time.adaptive && output.every &&
+      time.step > *output.every * (1.0 + rounding)) {
+    doubts.push_back(
+        fmt::format("{}: frames are asked for every {} s, but a step takes {} s, and there is one frame per step; "
+                    "choose a shorter 'time.step', or leave 'every' out",
+                    to_string(output.every_where), format_number(*output.every), format_number(time.step)));
   }
-  return {
-      fmt::format("{}: frames are asked for every {} s, but a step takes {} s, and there is one frame per step; "
-                  "choose a shorter 'time.step', or leave 'every' out",
-                  to_string(output.every_where), format_number(*output.every), format_number(time.step))};
+  const std::string extension = std::filesystem::path(config.mesh.file.value).extension().string();
+  if (config.mesh.scale == 0.001 && (extension == ".step" || extension == ".stp")) {
+    doubts.push_back(
+        to_string(config.mesh.file.where) +
+        ": a STEP file says its unit and is read in metres; with 'scale: 0.001' the part is a thousandth of what it "
+        "was drawn: leave 'scale' out");
+  }
+  return doubts;
 }
 
 std::vector<std::string> doubts_about_loads(const Config& config, const NodeLayout& layout, Selections& selections,

@@ -23,6 +23,17 @@ TEST(Advice, StepsShouldNotBeLongerThanTheTimeBetweenFrames) {
   EXPECT_EQ(doubts("step: 0.01, end: 1", "", "0.004").size(), 1u);
 }
 
+TEST(Advice, StepFilesNeedNoScale) {
+  const auto told = [](const std::string& mesh) {
+    return doubts_about(read_input(test::with_line(1, "mesh: {" + mesh + "}"), "a.yaml", {}));
+  };
+  ASSERT_EQ(told("file: a.step, scale: 0.001").size(), 1u);
+  EXPECT_EQ(told("file: a.step, scale: 0.001")[0].find("a.yaml:1:14: a STEP file"), 0u);
+  EXPECT_EQ(told("file: a.step"), std::vector<std::string>{});
+  EXPECT_EQ(told("file: a.step, scale: 2"), std::vector<std::string>{});
+  EXPECT_EQ(told("file: a.geo, scale: 0.001"), std::vector<std::string>{});
+}
+
 TEST(Advice, NothingIsSaidOfWhatIsUsual) {
   EXPECT_EQ(doubts("step: 0.01, end: 1", ""), std::vector<std::string>{});
   EXPECT_EQ(doubts("step: 0.01, end: 1", "output: {every: 0.01}"), std::vector<std::string>{});
