@@ -24,7 +24,7 @@ std::string complaint(const std::function<std::string()>& work) {
 
 TEST(Hdf5InChild, GivesWhatTheWorkGives) {
   EXPECT_EQ(complaint([] { return std::string(); }), "none: ");
-  const std::string large(3 << 20, 'x');  // more than a pipe holds
+  std::string large(3 << 20, 'x');  // more than a pipe holds
   EXPECT_EQ(complaint([&] { return large; }), "none: " + large);
 }
 
