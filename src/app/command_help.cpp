@@ -210,7 +210,7 @@ std::string man_page(const CLI::App& program, const std::string& versions) {
        {2, "the input or the command line is wrong"},
        {3, "the solve failed after every retry; the last good state is on disk"},
        {4, "a file could not be read or written"},
-       {130, "interrupted; a checkpoint is on disk if the input asks for them"}}};
+       {130, "interrupted; a run has written a checkpoint"}}};
   text += ".SH EXIT STATUS\n";
   for (const auto& [code, meaning] : codes) text += fmt::format(".TP\n.B {}\n{}\n", code, roff(meaning));
   return text + ".SH SEE ALSO\n.BR mpirun (1)\n";

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -322,6 +323,7 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a failed write, which is told, not a sudden end
   char** const separator = std::find_if(argv, argv + argc, [](const char* a) { return std::string(a) == "--"; });
   const std::vector<std::string> petsc_options(std::min(separator + 1, argv + argc), argv + argc);
   SweepOptions sweep;

@@ -1,7 +1,8 @@
 #include "app/processes.hpp"
 
+#include "app/signals.hpp"
+
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <csignal>
 #include <fcntl.h>
@@ -22,24 +23,6 @@ volatile std::sig_atomic_t received = 0;
 void note_signal(int number) {
   received = number;
 }
-
-/// While it lives, SIGINT and SIGTERM only leave a note.
-class SignalNotes {
- public:
-  SignalNotes() {
-    received = 0;
-    for (std::size_t i = 0; i < numbers.size(); ++i) before_[i] = std::signal(numbers[i], note_signal);
-  }
-  ~SignalNotes() {
-    for (std::size_t i = 0; i < numbers.size(); ++i) std::signal(numbers[i], before_[i]);
-  }
-  SignalNotes(const SignalNotes&) = delete;
-  SignalNotes& operator=(const SignalNotes&) = delete;
-
- private:
-  static constexpr std::array<int, 2> numbers{SIGINT, SIGTERM};
-  std::array<void (*)(int), 2> before_{};
-};
 
 std::vector<char*> pointers(const std::vector<std::string>& texts) {
   std::vector<char*> result;
@@ -77,7 +60,10 @@ Environment current_environment() {
 
 std::vector<Ended> run_all(const std::vector<Program>& programs, const Environment& environment, int at_once,
                            const std::function<void(std::size_t, const Ended&)>& on_end) {
-  const SignalNotes notes;
+  received = 0;
+  SignalHandlers handlers;
+  for (const int number : stop_signals) handlers.set(number, note_signal);
+  handlers.set(SIGPIPE, SIG_IGN);  // the runs go on without a reader
   std::vector<Ended> ended(programs.size());
   std::map<pid_t, Running> running;
   int handed_on = 0;

@@ -23,7 +23,7 @@ struct SweepOptions {
 /// own in `output.directory`, named after its values. Prints a table, and writes sweep.csv (one row for each run: its
 /// values, how it ended, the last row of its history) and, for every column of the history that varies, a plot of all
 /// runs over time. Values that the input refuses throw InputError before anything runs. Returns done; the exit code of
-/// the first run that failed; interrupted after SIGINT and SIGTERM, which the runs get too. One process only.
+/// the first run that failed; interrupted after `stop_signals`, which the runs get too. One process only.
 ExitCode sweep_command(const std::string& file, const std::vector<Override>& changes, const SweepOptions& options,
                        Console& console);
 

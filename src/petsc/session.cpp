@@ -37,7 +37,8 @@ void use_one_blas_thread() {
 }  // namespace
 
 Session::Session(const std::string& program, const std::vector<std::string>& petsc_options) {
-  std::vector<std::string> texts{program};
+  // PETSc's handlers would end a process that nohup started at SIGHUP.
+  std::vector<std::string> texts{program, "-no_signal_handler"};
   texts.insert(texts.end(), petsc_options.begin(), petsc_options.end());
   std::vector<char*> pointers;
   for (auto& text : texts) pointers.push_back(text.data());
@@ -53,7 +54,6 @@ Session::Session(const std::string& program, const std::vector<std::string>& pet
     throw InputError({"PETSc options", 0, 0}, failure.what());
   }
   use_one_blas_thread();
-  check(PetscPopSignalHandler());
   check(PetscOptionsSetValue(nullptr, "-options_left", "0"));
 }
 

@@ -3,6 +3,7 @@
 import os
 import random
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -144,6 +145,14 @@ class Files(FaultTest):
                 self.assertEqual(done.returncode, 0, done.stderr)
                 self.assertEqual(read_history(self.out)["step"][-1], last + 3)
 
+    def test_a_limit_of_the_size_of_files(self):
+        """`ulimit -f`, from one moment to the next."""
+        process = self.going(1, 12)
+        size = (self.out / "result.h5").stat().st_size
+        resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (size, size))
+        message = self.told(finish(process, 60), 4)
+        self.assertIn("File too large", message)
+        self.assertIn(f"rows up to step {self.assert_whole()['step'][-1]:.0f}", message)
 
     def test_read_only_from_now_on(self):
         """A mount over the directory that may not be written to: what is opened from then on."""

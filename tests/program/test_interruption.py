@@ -35,7 +35,8 @@ class Interruption(ProgramTest):
         return history
 
     def test_signals(self):
-        for number in (signal.SIGINT, signal.SIGTERM):
+        self.addCleanup(signal.signal, signal.SIGHUP, signal.signal(signal.SIGHUP, signal.SIG_DFL))  # nohup before the tests
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGXCPU, signal.SIGUSR2):
             with self.subTest(number.name):
                 process = self.going(1)
                 process.send_signal(number)
@@ -43,6 +44,34 @@ class Interruption(ProgramTest):
                 self.assertEqual(done.returncode, 130, done.stderr)
                 history = self.assert_files_are_whole()
                 self.assertIn(f"interrupted after step {history['step'][-1]:.0f}", done.stderr)
+
+    def test_nohup(self):
+        self.addCleanup(signal.signal, signal.SIGHUP, signal.signal(signal.SIGHUP, signal.SIG_IGN))
+        process = self.going(1)
+        process.send_signal(signal.SIGHUP)
+        rows = self.num_rows()
+        while self.num_rows() < rows + 3:
+            self.assertIsNone(process.poll(), "ended by SIGHUP")
+            time.sleep(0.02)
+        process.send_signal(signal.SIGTERM)
+        done = finish(process, 30)
+        self.assertEqual(done.returncode, 130, done.stderr)
+
+    def test_who_reads_along_ends_first(self):
+        """As `tee` does at Ctrl-C."""
+        process = self.going(1)
+        process.stdout.close()
+        process.stdout = None
+        rows = self.num_rows()
+        while self.num_rows() < rows + 3:
+            self.assertIsNone(process.poll(), "ended by SIGPIPE")
+            time.sleep(0.02)
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(finish(process, 30).returncode, 130)
+        self.assert_files_are_whole()
+
+    def num_rows(self):
+        return (self.directory / "out/history.csv").read_text().count("\n")
 
     def test_a_signal_to_one_rank_stops_all(self):
         process = self.going(2)
@@ -55,13 +84,13 @@ class Interruption(ProgramTest):
         self.assert_files_are_whole()
 
     def test_signals_to_mpirun(self):
-        # mpirun passes the signal on, waits for a while, and has an exit code of its own.
-        for number in (signal.SIGINT, signal.SIGTERM):
+        # mpirun passes the signal on, waits for a while unless it is SIGUSR2, and has an exit code of its own.
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGUSR2):
             with self.subTest(number.name):
                 process = self.going(2)
                 process.send_signal(number)
                 done = finish(process, 30)
-                self.assertNotEqual(done.returncode, 0)
+                self.assertIn(done.returncode, (130,) if number == signal.SIGUSR2 else (1, 130))
                 self.assertEqual(done.stderr.count("interrupted after step"), 1, done.stderr)
                 self.assert_files_are_whole()
 

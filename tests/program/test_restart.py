@@ -116,6 +116,8 @@ class Continuation(RestartTest):
                        "{surface: top, displacement: [free, free, '0.002*sin(20*t)']}]",
                        "cavities=[{name: below, surface: bottom, volume: 1e-3, "
                        "liquid: {bulk_modulus: 1e5, added_volume: '1e-5*sin(20*t)'}}]"),
+            "contact": ("contact={obstacles: [{name: floor, friction: 0.4, shape: plane, point: [0, 0, -2 mm], normal: [0, 0, 1]}]}",
+                        "constraints=[]", "initial={velocity: [1, 0, -0.5]}", "time.end=0.06"),
             "HDF5 mesh": ("mesh.file=box.h5", "time.end=0.06"),
         }
         elastic = "bodies=[{density: 1000, elasticity: {model: linear, youngs_modulus: 50 kPa, poissons_ratio: 0.3}}]"
