@@ -34,6 +34,7 @@ struct Arguments {
   std::array<double, 2> stretches{0.6, 2.0};
   bool quiet = false;
   bool markdown = false;
+  bool continues = false;
   StudyOptions study;
   Conversion conversion;
   SweepOptions sweep;
@@ -119,14 +120,17 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
   CLI::App* run = app.add_subcommand("run", "run a simulation");
   run->footer(
       examples({"pliant run beam.yaml", "mpirun -n 4 pliant run beam.yaml --output out/fine --set mesh.refine=1",
-                "pliant run beam.yaml --set time.step=\"5 ms\" -- -log_view"}));
+                "pliant run beam.yaml --set time.step=\"5 ms\" -- -log_view", "pliant run beam.yaml --continue"}));
   add_input(run);
   run->add_option("--output", arguments.output, "directory for the results");
+  run->add_flag("--continue", arguments.continues,
+                "go on with the run that is there, from its newest checkpoint; begin it if there is none");
   run->add_flag("--quiet", arguments.quiet, "print warnings and errors only");
   run->callback([&] {
     command = [&] {
       Console console(comm, verbosity());
-      result = run_command(comm, arguments.file, arguments.overrides(), console);
+      const auto command_of = arguments.continues ? continue_command : run_command;
+      result = command_of(comm, arguments.file, arguments.overrides(), console);
     };
   });
 
@@ -231,6 +235,8 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
       ->required()
       ->allow_extra_args(false);
   sweep->add_option("--output", arguments.output, "directory for the runs, sweep.csv and the plots");
+  sweep->add_flag("--continue", arguments.sweep.continues,
+                  "leave runs that are done, go on with those that were begun");
   sweep->add_option("--jobs", arguments.sweep.at_once, "runs at a time; default: as many as the processors allow")
       ->check(CLI::Range(1, 1024))
       ->type_name("N");

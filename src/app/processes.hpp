@@ -17,7 +17,7 @@ Environment current_environment();
 
 struct Program {
   std::vector<std::string> arguments;  ///< the first one: the program, as a path or to be searched for in PATH
-  std::filesystem::path log;           ///< gets what it prints
+  std::filesystem::path log;           ///< what it prints is added to it
 };
 
 /// How a program ended.

@@ -2,6 +2,7 @@
 
 #include "app/input.hpp"
 #include "app/version.hpp"
+#include "base/file.hpp"
 #include "base/stopwatch.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -61,15 +61,10 @@ constexpr std::array<ContactField, 3> contact_fields{{
      [](const NodalContact& c, double* out) { std::copy(c.slip.begin(), c.slip.end(), out); }},
 }};
 
-/// A run that was just killed may take a moment to end.
-constexpr std::chrono::seconds patience{5};
-
 /// Starts the output directory; before the writers, so that they find it.
-std::filesystem::path prepared_directory(MPI_Comm comm, const Config& config, std::optional<DirectoryLock>& lock) {
+std::filesystem::path prepared_directory(MPI_Comm comm, const Config& config) {
   std::filesystem::path directory = config.output.directory;
   on_root(comm, [&] {
-    make_directory(directory);
-    lock.emplace(directory, patience);
     write_text_atomically(directory / "run.yaml",
                           fmt::format("# The input as understood: defaults and units resolved; can be run again.\n"
                                       "# ranks: {}; PETSc options: {}\n{}{}",
@@ -101,8 +96,8 @@ Recorder::Recorder(const Config& config, const Model& model, const Ledger& ledge
       fields_(config.output.fields),
       time_scale_(config.time.step > 0.0 ? config.time.step : 1.0),
       static_time_(analysis_of(config) == Analysis::static_equilibrium ? std::optional(config.time.end) : std::nullopt),
-      result_(model.layout().comm, prepared_directory(model.layout().comm, config, lock_), config.title,
-              output_mesh(model), earlier ? earlier->last_frame : -1),
+      result_(model.layout().comm, prepared_directory(model.layout().comm, config), config.title, output_mesh(model),
+              earlier ? earlier->last_frame : -1),
       history_(model.layout().comm, std::filesystem::path(config.output.directory) / "history.csv",
                columns(config, ledger), earlier ? std::optional(static_cast<double>(earlier->last_row)) : std::nullopt),
       q_(make_vector(model.layout())),

@@ -3,7 +3,6 @@
 
 #include "app/obstacle_drawing.hpp"
 #include "app/simulation.hpp"
-#include "base/file.hpp"
 #include "io/history_writer.hpp"
 #include "io/result_writer.hpp"
 
@@ -51,7 +50,6 @@ class Recorder {
   double time_scale_;                  // over which the velocities of obstacles are told [s]
   std::optional<double> static_time_;  // at which formulas are evaluated while the load factor grows [s]
   double seconds_ = 0.0;
-  std::optional<DirectoryLock> lock_;  // rank 0's, on the directory
   ResultWriter result_;
   std::optional<ObstacleDrawing> drawing_;  // of obstacles, if there are any
   std::optional<ObstacleWriter> obstacles_;

@@ -1,6 +1,8 @@
 #include "app/checkpoints.hpp"
 #include "app/commands.hpp"
 #include "app/run.hpp"
+#include "app/summary.hpp"
+#include "base/text.hpp"
 #include "io/result_info.hpp"
 #include "io/result_reader.hpp"
 #include "petsc/collective.hpp"
@@ -9,6 +11,8 @@
 
 #include <algorithm>
 #include <array>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -33,6 +37,29 @@ void check_changes(const std::vector<Override>& overrides) {
                                    fmt::join(changeable, ", "))});
   }
   if (!refused.empty()) throw InputError(std::move(refused));
+}
+
+/// The earlier configuration with what may change as it is now.
+Config changed(Config earlier, const Config& now) {
+  earlier.title = now.title;
+  earlier.time.end = now.time.end;
+  earlier.time.step = now.time.step;
+  earlier.time.min_step = now.time.min_step;
+  earlier.solver = now.solver;
+  earlier.output = now.output;
+  earlier.checkpoint = now.checkpoint;
+  return earlier;
+}
+
+/// The line in which the texts differ first, for people.
+std::string first_difference(const std::string& then, const std::string& now) {
+  const auto at = static_cast<std::size_t>(std::ranges::mismatch(then, now).in1 - then.begin());
+  const auto before = at == 0 ? std::string::npos : then.rfind('\n', at - 1);
+  const auto start = before == std::string::npos ? 0 : before + 1;
+  const auto line = [&](const std::string& text) {
+    return std::string(trimmed(text.substr(start, text.find('\n', at) - start)));
+  };
+  return fmt::format("'{}' then, '{}' now", line(then), line(now));
 }
 
 /// The checkpoint named, or those of the directory, and those from which to go on if they are damaged: newest first.
@@ -79,7 +106,51 @@ ResumePoint newest_whole(MPI_Comm comm, const fs::path& place, Console& console)
   }
 }
 
+void warn_of_other_options(const ResumePoint& from, Console& console) {
+  if (from.info.petsc_options == petsc_options()) return;
+  console.warn(
+      fmt::format("the run had the PETSc options '{}', now they are '{}'", from.info.petsc_options, petsc_options()));
+}
+
+ExitCode go_on(MPI_Comm comm, const Config& config, Console& console, const ResumePoint& from) {
+  warn_of_other_options(from, console);
+  console.print(fmt::format("resuming from {} after step {}", from.file.string(), from.info.step));
+  return resume_with_output(comm, config, console, from);
+}
+
 }  // namespace
+
+ExitCode continue_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides,
+                          Console& console) {
+  const Config config = read_input_file(comm, file, overrides);
+  const fs::path directory = config.output.directory, input = directory / "run.yaml";
+  bool has_checkpoints = false, has_input = false, is_done = false;
+  on_root(comm, [&] {
+    std::error_code ignored;
+    has_checkpoints = !checkpoints_in(directory).empty();
+    has_input = fs::exists(input, ignored);
+    is_done = summary_json(directory)["outcome"] == "done";
+  });
+  std::optional<ResumePoint> from;
+  if (any(comm, has_checkpoints)) from = newest_whole(comm, directory, console);
+  if (!from && !any(comm, has_input)) return run_with_output(comm, config, console);
+
+  Config earlier =
+      from ? read_input(from->info.input, from->file.string(), {}) : read_input_file(comm, input.string(), {});
+  earlier.output.directory = config.output.directory;  // seen from here
+  const std::string now = dump(config), then = dump(changed(earlier, config));
+  if (then != now) {
+    throw InputError({file, 0, 0},
+                     fmt::format("'{0}' holds a run of another input: {1}. To go on with that one: pliant resume {0}; "
+                                 "to replace it leave --continue out; to keep both: --output DIR",
+                                 directory.string(), first_difference(then, now)));
+  }
+  if (any(comm, is_done) && dump(earlier) == now) {
+    console.print(fmt::format("done already\nresults: {0}/result.xdmf, {0}/history.csv", directory.string()));
+    return ExitCode::done;
+  }
+  return from ? go_on(comm, config, console, *from) : run_with_output(comm, config, console);
+}
 
 ExitCode resume_command(MPI_Comm comm, const std::string& place, const std::vector<Override>& overrides,
                         Console& console) {
@@ -90,12 +161,7 @@ ExitCode resume_command(MPI_Comm comm, const std::string& place, const std::vect
   std::vector<Override> changes{{"output.directory", directory.string()}};
   changes.insert(changes.end(), overrides.begin(), overrides.end());
   const Config config = read_input(from.info.input, from.file.string(), changes);
-  if (from.info.petsc_options != petsc_options()) {
-    console.warn(
-        fmt::format("the run had the PETSc options '{}', now they are '{}'", from.info.petsc_options, petsc_options()));
-  }
-  console.print(fmt::format("resuming from {} after step {}", from.file.string(), from.info.step));
-  return resume_with_output(comm, config, console, from);
+  return go_on(comm, config, console, from);
 }
 
 std::string info_text(MPI_Comm comm, const std::string& file) {

@@ -6,6 +6,7 @@
 #include "app/signals.hpp"
 #include "app/simulation.hpp"
 #include "app/summary.hpp"
+#include "base/file.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"
 
@@ -21,6 +22,9 @@
 
 namespace pliant {
 namespace {
+
+/// A run that was just killed may take a moment to end.
+constexpr std::chrono::seconds patience{5};
 
 using Clock = std::chrono::steady_clock;
 
@@ -62,7 +66,11 @@ class Run {
         console_(console),
         model_(comm, config, additional),
         checkpoints_(config, model_) {
-    on_root(comm_, [&] { remove_summary(config.output.directory); });
+    on_root(comm_, [&] {
+      make_directory(config.output.directory);
+      lock_.emplace(config.output.directory, patience);
+      remove_summary(config.output.directory);
+    });
     introduce();
     simulation_.emplace(config, model_);
     for (const auto& line : simulation_->description()) console.print(line);
@@ -285,6 +293,7 @@ class Run {
   const Config& config_;
   Console& console_;
   Model model_;
+  std::optional<DirectoryLock> lock_;  // rank 0's, on the output directory
   Checkpoints checkpoints_;
   std::optional<Simulation> simulation_;
   std::optional<Recorder> recorder_;

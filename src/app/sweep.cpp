@@ -186,6 +186,7 @@ class Sweep {
                                         std::string("--output"), one.directory.string()}) {
       program.arguments.push_back(argument);
     }
+    if (options_.continues) program.arguments.emplace_back("--continue");
     for (const Override& change : one.changes) {
       program.arguments.insert(program.arguments.end(), {"--set", change.path + "=" + change.value});
     }
@@ -194,6 +195,8 @@ class Sweep {
       for (const std::string& option : options_.petsc_options) program.arguments.push_back(option);
     }
     program.log = one.directory.string() + ".log";
+    std::error_code ignored;
+    if (!options_.continues) fs::remove(program.log, ignored);
     return program;
   }
 

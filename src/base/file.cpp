@@ -191,8 +191,6 @@ DirectoryLock::DirectoryLock(const std::filesystem::path& directory, std::chrono
   }
 }
 
-DirectoryLock::DirectoryLock(DirectoryLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
-
 DirectoryLock::~DirectoryLock() {
   if (descriptor_ >= 0) ::close(descriptor_);
 }

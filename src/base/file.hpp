@@ -79,8 +79,8 @@ class DirectoryLock {
  public:
   /// Waits this long for another one to end, then throws FileError. Nothing is locked where locks are not known.
   DirectoryLock(const std::filesystem::path& directory, std::chrono::milliseconds patience);
-  DirectoryLock(DirectoryLock&& other) noexcept;
-  DirectoryLock& operator=(DirectoryLock&&) = delete;
+  DirectoryLock(const DirectoryLock&) = delete;
+  DirectoryLock& operator=(const DirectoryLock&) = delete;
   ~DirectoryLock();
 
  private:

@@ -23,13 +23,13 @@ _pliant() {
   done
   case $path in
     '') options='-h --help --version' words='run resume info report check converge sweep mesh methods materials schema completion man' files='' ;;
-    'run') options='-h --help --set --output --quiet' words='' files='*.@(yaml|yml)' ;;
+    'run') options='-h --help --set --output --continue --quiet' words='' files='*.@(yaml|yml)' ;;
     'resume') options='-h --help --set --output --quiet' words='' files='*.h5' ;;
     'info') options='-h --help' words='' files='*.h5' ;;
     'report') options='-h --help --output --size' words='' files='*.@(h5|xdmf)' ;;
     'check') options='-h --help --set' words='' files='*.@(yaml|yml)' ;;
     'converge') options='-h --help --set --output --in --levels --methods --no-check' words='' files='*.@(yaml|yml)' ;;
-    'sweep') options='-h --help --set --output --jobs --ranks' words='' files='*.@(yaml|yml)' ;;
+    'sweep') options='-h --help --set --output --continue --jobs --ranks' words='' files='*.@(yaml|yml)' ;;
     'mesh') options='-h --help' words='convert' files='' ;;
     'mesh convert') options='-h --help --size --scale' words='' files='*' ;;
     'methods') options='-h --help' words='' files='' ;;

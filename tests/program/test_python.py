@@ -50,6 +50,9 @@ class Package(ProgramTest):
             np.testing.assert_array_equal(run.history[name], written[name])
         result = run.result
         np.testing.assert_allclose(result.times, run.history.time)
+        again = pliant.run(INPUT, {"time.end": 0.04, "loads.0.gravity": [0, 0, -5.0]}, go_on=True)
+        self.assertEqual((again.directory, again.summary), (run.directory, run.summary))
+        self.assertIn("done already", again.log)
         self.assertEqual([frame.step for frame in result], [0, 1, 2, 3, 4])
         self.assertEqual((result.at(0.021).step, result[1:3][1].step), (2, 2))
         last, mesh = result[-1], result.mesh()

@@ -230,6 +230,41 @@ class Continuation(RestartTest):
         self.assertEqual(more["step"][-1], whole["step"][-1])
 
 
+    def test_the_same_command_again(self):
+        """`run --continue` begins a run, goes on with it, or leaves it, whichever is to be done."""
+        def again(*settings, ranks=1, code=0):
+            settings = [a for setting in settings for a in ("--set", setting)]
+            done = self.call("run", self.input, "--continue", "--output", "out", *settings, ranks=ranks)
+            self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+            return done.stdout + done.stderr
+
+        whole = self.run_input(self.input, output="whole")
+        self.assertNotIn("resuming", again())
+        self.assertEqual(self.text("out"), self.text("whole"))
+        made = (self.out("out") / "result.h5").stat().st_mtime_ns
+        self.assertIn("done already\nresults: out/", again())
+        self.assertEqual((self.out("out") / "result.h5").stat().st_mtime_ns, made)
+
+        (self.out("out") / "summary.json").unlink()  # as if it had been killed before the last checkpoint
+        checkpoints(self.out("out"))[-1].unlink()
+        self.assertIn("resuming from out/checkpoint-000016.h5", again())
+        self.assertEqual(self.text("out"), self.text("whole"))
+        again("time.end=0.12", "time.step=4 ms", ranks=2)
+        history = read_history(self.out("out"))
+        self.assertEqual(history["time"][-1], 0.12)
+        self.assertEqual(list(history["tip_z"][:len(whole["step"])]), list(whole["tip_z"]))
+
+        for settings in (("time.method=bdf3",), ("bodies.0.density=1001", "time.end=1")):
+            said = again(*settings, ranks=2, code=2)
+            self.assertIn("'out' holds a run of another input: '", said)
+        self.assertIn("'- density: 1000' then, '- density: 1001' now", said)
+        for file in checkpoints(self.out("out")):
+            file.unlink()
+        self.assertIn("another input", again("time.method=bdf3", code=2))
+        self.assertNotIn("resuming", again())  # a shorter run, and nothing to go on from
+        self.assertEqual(self.text("out"), self.text("whole"))
+
+
 class Signals(RestartTest):
     ENDLESS = ["--set", "time.end=100"]
 

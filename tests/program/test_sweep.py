@@ -92,6 +92,22 @@ class Sweep(ProgramTest):
         self.assertEqual(done.stdout.count(": interrupted after"), 3)
         self.assertEqual(len(list(self.directory.glob("out/*/result.xdmf"))), 1)
 
+    def test_what_is_done_is_left_and_what_was_begun_goes_on(self):
+        settings = ("time.step=[10 ms, 20 ms]", "time.end=40 ms", "checkpoint.every=2")
+        self.sweep(*settings)
+        rows = self.rows()
+        done, begun = (self.directory / "out" / row["directory"] for row in rows)
+        made = (done / "result.h5").stat().st_mtime_ns
+        (begun / "summary.json").unlink()
+        arguments = [a for setting in settings for a in ("--set", setting)]
+        again = self.call("sweep", INPUT, "--output", "out", "--continue", *arguments)
+        self.assertEqual(again.returncode, 0, again.stdout + again.stderr)
+        self.assertEqual((done / "result.h5").stat().st_mtime_ns, made)
+        self.assertIn("done already", done.with_name(done.name + ".log").read_text())
+        self.assertIn("resuming from", begun.with_name(begun.name + ".log").read_text())
+        for row, before in zip(self.rows(), rows):
+            self.assertEqual(row | {"seconds": 0}, before | {"seconds": 0})
+
 
 if __name__ == "__main__":
     unittest.main()

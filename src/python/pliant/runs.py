@@ -66,16 +66,17 @@ def program() -> str:
 
 
 def run(source: "Union[Path, Mapping[str, Any]]", overrides: "Optional[Mapping[str, Any]]" = None, *, output: Optional[Path] = None,
-        ranks: int = 1, petsc_options: Sequence[str] = (), timeout: Optional[float] = None) -> Run:
+        ranks: int = 1, go_on: bool = False, petsc_options: Sequence[str] = (), timeout: Optional[float] = None) -> Run:
     """Runs a simulation to its end.
 
     `source`: an input file, its text, or its content as a dictionary; files that a text or a dictionary names are relative to
     the current directory. `overrides`: values by key, {"time.step": "5 ms", "loads.0.gravity": [0, 0, -1.6]}. `output`: the
-    directory of the results, instead of the input's. `timeout` [s].
+    directory of the results, instead of the input's. `go_on`: a run of this input that is there goes on from its newest
+    checkpoint, or stays as it is if it is done. `timeout` [s].
 
     PliantError with the program's message if it fails; subprocess.TimeoutExpired if it takes too long.
     """
-    settings = _settings(overrides, output)
+    settings = _settings(overrides, output) + ["--continue"] * go_on
     is_file = not isinstance(source, Mapping) and "\n" not in os.fspath(source)
     if is_file:
         return _finished(["run", os.fspath(source), *settings], ranks, petsc_options, timeout)
