@@ -91,8 +91,16 @@ class Package(ProgramTest):
         self.assertIn("time.step", str(caught.exception))
         with self.assertRaisesRegex(pliant.PliantError, "^input:1:1: missing key 'mesh'"):
             pliant.run({"time": {"step": 0.1, "end": 1}})
-        with self.assertRaisesRegex(pliant.PliantError, "ranks=0"):
-            pliant.run(yaml.safe_load(INPUT), ranks=0)
+        for ranks in (0, 2.0, "2"):
+            with self.assertRaisesRegex(pliant.PliantError, f"ranks={ranks!r}"):
+                pliant.run(yaml.safe_load(INPUT), ranks=ranks)
+        with self.assertRaisesRegex(pliant.PliantError, "a function; a formula is a text"):
+            pliant.run(INPUT, {"loads.0.gravity": [0, 0, lambda t: t]})
+        for source, overrides, words in ((None, {}, "not None"), (INPUT, ["time.step=1"], "a dictionary is expected")):
+            with self.assertRaisesRegex(pliant.PliantError, words):
+                pliant.run(source, overrides)
+        with self.assertRaisesRegex(pliant.PliantError, "output: the name is empty"):
+            pliant.run(INPUT, output="")
         with self.assertRaises(pliant.PliantError) as caught:
             pliant.run("missing.yaml", ranks=2)
         self.assertEqual(caught.exception.code, 2)

@@ -1,5 +1,6 @@
 """history.csv: a row per completed step."""
 import csv
+import difflib
 import os
 from collections.abc import Iterator, Mapping
 from typing import Union
@@ -35,7 +36,10 @@ class History(Mapping[str, np.ndarray]):
         self._columns = {name: table[:, i] for i, name in enumerate(names)}
 
     def __getitem__(self, name: str) -> np.ndarray:
-        return self._columns[name]
+        if name in self._columns:
+            return self._columns[name]
+        near = difflib.get_close_matches(str(name), self._columns, 3) or list(self._columns)
+        raise KeyError(f"no column {name!r} in {self.file}; there are {', '.join(near)}")
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._columns)

@@ -216,6 +216,8 @@ class Result(Sequence[Frame]):
 
     def at(self, time: float) -> Frame:
         """The frame nearest to a time [s]."""
+        if np.isnan(time):
+            raise PliantError("no frame is at the time nan")
         return self.frames[int(np.abs(self.times - time).argmin())]
 
     def mesh(self, group: str = "/mesh") -> Mesh:

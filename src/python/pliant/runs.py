@@ -10,6 +10,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from typing import Any, Optional, Union
 
+import numpy as np
 import yaml
 
 from .checkpoint import Checkpoint
@@ -65,6 +66,29 @@ def program() -> str:
     raise PliantError("the program pliant was not found; put it on PATH, or name it in the environment variable PLIANT")
 
 
+class _Dumper(yaml.SafeDumper):
+    """YAML of what Python's users put into dictionaries."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
+
+    def represent_undefined(self, data: Any) -> Any:
+        if isinstance(data, np.generic):
+            return self.represent_data(data.item())
+        if isinstance(data, np.ndarray):
+            return self.represent_data(data.tolist())
+        if isinstance(data, Mapping):
+            return self.represent_dict(dict(data))
+        if isinstance(data, os.PathLike):
+            return self.represent_str(os.fspath(data))
+        hint = "; a formula is a text, such as 'sin(t)'" if callable(data) else ""
+        raise PliantError(f"an input cannot hold {data!r}, a {type(data).__name__}{hint}")
+
+
+_Dumper.add_multi_representer(object, _Dumper.represent_undefined)
+_Dumper.add_representer(set, _Dumper.represent_undefined)
+
+
 def run(source: "Union[Path, Mapping[str, Any]]", overrides: "Optional[Mapping[str, Any]]" = None, *, output: Optional[Path] = None,
         ranks: int = 1, go_on: bool = False, petsc_options: Sequence[str] = (), timeout: Optional[float] = None) -> Run:
     """Runs a simulation to its end.
@@ -77,10 +101,12 @@ def run(source: "Union[Path, Mapping[str, Any]]", overrides: "Optional[Mapping[s
     PliantError with the program's message if it fails; subprocess.TimeoutExpired if it takes too long.
     """
     settings = _settings(overrides, output) + ["--continue"] * go_on
+    if not isinstance(source, (Mapping, str, os.PathLike)):
+        raise PliantError(f"an input is a file, its text, or a dictionary, not {source!r}")
     is_file = not isinstance(source, Mapping) and "\n" not in os.fspath(source)
     if is_file:
         return _finished(["run", os.fspath(source), *settings], ranks, petsc_options, timeout)
-    content = yaml.safe_dump(dict(source), sort_keys=False) if isinstance(source, Mapping) else os.fspath(source)
+    content = yaml.dump(source, Dumper=_Dumper, sort_keys=False) if isinstance(source, Mapping) else os.fspath(source)
     handle, name = tempfile.mkstemp(prefix=".pliant-", suffix=".yaml", dir=os.getcwd())
     try:
         with os.fdopen(handle, "w", encoding="utf-8") as file:
@@ -101,6 +127,10 @@ def resume(checkpoint: Path, overrides: "Optional[Mapping[str, Any]]" = None, *,
 
 
 def _settings(overrides: "Optional[Mapping[str, Any]]", output: Optional[Path]) -> "list[str]":
+    if overrides is not None and not isinstance(overrides, Mapping):
+        raise PliantError(f"overrides: a dictionary is expected, such as {{'time.step': '5 ms'}}, not {overrides!r}")
+    if output is not None and not os.fspath(output):
+        raise PliantError("output: the name is empty")
     settings = []
     for key, value in (overrides or {}).items():
         settings += ["--set", f"{key}={_flow(value)}"]
@@ -113,13 +143,13 @@ def _flow(value: Any) -> str:
     """YAML in one line."""
     if isinstance(value, str):
         return value
-    text = yaml.safe_dump(value, default_flow_style=True, width=1 << 30).strip()
+    text = yaml.dump(value, Dumper=_Dumper, default_flow_style=True, width=1 << 30).strip()
     return text[: -len("\n...")] if text.endswith("\n...") else text
 
 
 def _finished(arguments: "list[str]", ranks: int, petsc_options: Sequence[str], timeout: Optional[float]) -> Run:
-    if ranks < 1:
-        raise PliantError(f"ranks={ranks}: at least one is needed")
+    if not isinstance(ranks, (int, np.integer)) or ranks < 1:
+        raise PliantError(f"ranks={ranks!r}: a whole number from 1 is needed")
     command = [program(), *arguments]
     if petsc_options:
         command += ["--", *petsc_options]
