@@ -72,8 +72,7 @@ class TreeBuilder : public YAML::EventHandler {
 
   void OnDocumentStart(const YAML::Mark& mark) override {
     if (++documents_ > 1) {
-      throw InputError(
-          at(mark), "the input ends before this line; is the line indented as its neighbours (one document per file)?");
+      throw InputError(at(mark), std::string(several_documents));
     }
   }
   void OnDocumentEnd() override {}

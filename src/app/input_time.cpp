@@ -128,7 +128,7 @@ Field<TimeConfig> method_field() {
 
 Section<AdaptiveConfig> adaptive_keys() {
   return {{
-              field("relative", &AdaptiveConfig::relative, quantity("1", Range::above(0)),
+              field("relative", &AdaptiveConfig::relative, quantity("1", Range{0, 1, Range::Ends::high_included}),
                     "error of the whole run that is allowed, as a part of displacement and velocity")
                   .otherwise("1e-4"),
               field("absolute", &AdaptiveConfig::absolute, quantity("m", Range::above(0)),

@@ -171,7 +171,7 @@ std::string description(const InputNode& node) {
     case InputNode::Kind::null:
       return "empty";
     case InputNode::Kind::list:
-      return "a list";
+      return node.children.empty() ? "an empty list" : "a list";
     case InputNode::Kind::map:
       return "a map of keys";
     default:
@@ -179,15 +179,35 @@ std::string description(const InputNode& node) {
   }
 }
 
+InputNode value_of(const Override& change) {
+  const Location where{"--set " + change.path + "=" + change.value, 0, 0};
+  Problems problems;
+  try {
+    InputNode value = parse_yaml(change.value, where.file, problems);
+    problems.throw_if_any();
+    return value;
+  } catch (const InputError& error) {
+    std::vector<Diagnostic> told = error.diagnostics();
+    const bool goes_on = change.value.starts_with('[') || change.value.starts_with('{');
+    for (Diagnostic& d : told) {
+      d.where = where;
+      if (goes_on && d.message == several_documents) d.message = "something stands behind the closing bracket";
+    }
+    throw InputError(std::move(told));
+  }
+}
+
 void apply(const Override& change, InputNode& root, Problems& problems) {
   const Location where{"--set " + change.path + "=" + change.value, 0, 0};
   InputNode value;
   try {
-    Problems of_value;
-    value = parse_yaml(change.value, where.file, of_value);
-    of_value.throw_if_any();
+    value = value_of(change);
   } catch (const InputError& error) {
     for (const Diagnostic& d : error.diagnostics()) problems.add(where, d.message);
+    return;
+  }
+  if (change.path.find('[') != std::string::npos) {
+    problems.add(where, "entries of lists are numbers behind dots, such as bodies.0.density");
     return;
   }
   InputNode* node = &root;

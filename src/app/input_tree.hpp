@@ -68,6 +68,10 @@ struct InputNode {
 /// "a list", "a map of keys", "empty" or "'the text'", for messages.
 std::string description(const InputNode& node);
 
+/// What parse_yaml says of text behind the first document.
+constexpr std::string_view several_documents =
+    "the input ends before this line; is the line indented as its neighbours (one document per file)?";
+
 /// Reads YAML text (UTF-8). Beyond what yaml-cpp refuses, it refuses: keys given twice, several documents, quotes that
 /// are not closed, anything that is not text, and more depth or values than an input can need (alias bombs). Mistakes
 /// that leave a tree to go on with are added to `problems`; others throw InputError.
@@ -78,6 +82,9 @@ struct Override {
   std::string path;
   std::string value;
 };
+
+/// The value alone. Throws InputError, whose place is the option as it was typed.
+InputNode value_of(const Override& change);
 
 /// Sets the value (YAML text) at the path, making sections that are missing. Locations of what it sets: "--set
 /// PATH=VALUE".

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <csignal>
 #include <filesystem>
 #include <functional>
@@ -49,7 +50,7 @@ struct Arguments {
       if (equals == std::string::npos || equals == 0) {
         throw InputError({"--set " + setting, 0, 0}, "expected KEY.PATH=VALUE, e.g. --set time.step=\"5 ms\"");
       }
-      result.push_back({setting.substr(0, equals), setting.substr(equals + 1)});
+      result.push_back({std::string(trimmed(setting.substr(0, equals))), setting.substr(equals + 1)});
     }
     if (!output.empty()) result.push_back({"output.directory", output});
     return result;
@@ -89,6 +90,20 @@ std::string examples(const std::vector<std::string>& lines) {
   return fmt::format("Examples:\n  {}", fmt::join(lines, "\n  "));
 }
 
+/// PETSc passes over words that belong to no option.
+void require_options(const std::vector<std::string>& petsc_options) {
+  const auto is_option = [](const std::string& word) {
+    return word.size() > 1 && word[0] == '-' &&
+           (std::isalpha(static_cast<unsigned char>(word[1])) != 0 || word[1] == '-');
+  };
+  for (std::size_t i = 0; i < petsc_options.size(); ++i) {
+    if (is_option(petsc_options[i]) || (i > 0 && is_option(petsc_options[i - 1]))) continue;
+    throw InputError(
+        {"PETSc options", 0, 0},
+        fmt::format("'{}' belongs to no option; they begin with '-', and have one value at most", petsc_options[i]));
+  }
+}
+
 /// Did mpirun start it?
 bool is_part_of_a_job(const Environment& environment) {
   return std::ranges::any_of(environment, [](const std::string& v) { return v.starts_with("OMPI_COMM_WORLD_SIZE="); });
@@ -98,6 +113,7 @@ bool is_part_of_a_job(const Environment& environment) {
 ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of_sweep) {
   const MPI_Comm comm = PETSC_COMM_WORLD;
   const bool speaks = rank(comm) == 0;
+  require_options(of_sweep.petsc_options);
   Arguments arguments;
   arguments.sweep = of_sweep;
   ExitCode result = ExitCode::done;
@@ -115,6 +131,11 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
     sub->add_option("--set", arguments.settings, "KEY.PATH=VALUE: replaces a value of the input; may be repeated")
         ->allow_extra_args(false);
   };
+  const auto add_output = [&](CLI::App* sub, const std::string& what) {
+    sub->add_option("--output", arguments.output, what)->check([](const std::string& name) {
+      return std::string(name.empty() ? "the name is empty" : "");
+    });
+  };
   const auto verbosity = [&] { return arguments.quiet ? Verbosity::quiet : Verbosity::normal; };
 
   CLI::App* run = app.add_subcommand("run", "run a simulation");
@@ -122,7 +143,7 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
       examples({"pliant run beam.yaml", "mpirun -n 4 pliant run beam.yaml --output out/fine --set mesh.refine=1",
                 "pliant run beam.yaml --set time.step=\"5 ms\" -- -log_view", "pliant run beam.yaml --continue"}));
   add_input(run);
-  run->add_option("--output", arguments.output, "directory for the results");
+  add_output(run, "directory for the results");
   run->add_flag("--continue", arguments.continues,
                 "go on with the run that is there, from its newest checkpoint; begin it if there is none");
   run->add_flag("--quiet", arguments.quiet, "print warnings and errors only");
@@ -143,7 +164,7 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
       ->add_option("--set", arguments.settings,
                    "KEY.PATH=VALUE: replaces a value of the input, e.g. time.end; may be repeated")
       ->allow_extra_args(false);
-  resume->add_option("--output", arguments.output, "directory for the results; default: that of the checkpoint");
+  add_output(resume, "directory for the results; default: that of the checkpoint");
   resume->add_flag("--quiet", arguments.quiet, "print warnings and errors only");
   resume->callback([&] {
     command = [&] {
@@ -194,7 +215,7 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
   converge->footer(examples({"pliant converge beam.yaml --in time --levels 4 --methods bdf2,dirk33",
                              "pliant converge beam.yaml --in space --levels 3 --no-check"}));
   add_input(converge);
-  converge->add_option("--output", arguments.output, "directory for convergence.csv and the plots");
+  add_output(converge, "directory for convergence.csv and the plots");
   converge
       ->add_option("--in", arguments.refine,
                    "what is refined: time (steps), space (the mesh, uniformly) or tolerance (of adaptive steps)")
@@ -234,7 +255,7 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
                    "same for all runs. May be repeated")
       ->required()
       ->allow_extra_args(false);
-  sweep->add_option("--output", arguments.output, "directory for the runs, sweep.csv and the plots");
+  add_output(sweep, "directory for the runs, sweep.csv and the plots");
   sweep->add_flag("--continue", arguments.sweep.continues,
                   "leave runs that are done, go on with those that were begun");
   sweep->add_option("--jobs", arguments.sweep.at_once, "runs at a time; default: as many as the processors allow")

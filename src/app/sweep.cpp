@@ -100,9 +100,7 @@ class Sweep {
   void sort(const std::vector<Override>& changes) {
     std::vector<std::pair<const Override*, InputNode>> lists;
     for (const Override& change : changes) {
-      Problems problems;
-      InputNode value = parse_yaml(change.value, "--set " + change.path, problems);
-      problems.throw_if_any();
+      InputNode value = value_of(change);
       if (value.kind == InputNode::Kind::list && !value.children.empty()) {
         lists.emplace_back(&change, std::move(value));
       } else {
@@ -115,6 +113,14 @@ class Sweep {
       } else {
         swept_.push_back({change->path, value.children});
       }
+    }
+    for (auto later = swept_.begin(); later != swept_.end(); ++later) {
+      const auto is_replaced = [&](const SweptKey& key) { return (key.path + '.').starts_with(later->path + '.'); };
+      const auto lost = std::find_if(swept_.begin(), later, is_replaced);
+      if (lost == later) continue;
+      throw InputError({"pliant sweep", 0, 0},
+                       fmt::format("the values of '{}' would replace those of '{}' before it; sweep one of them alone",
+                                   later->path, lost->path));
     }
     if (swept_.empty()) {
       throw InputError({"pliant sweep", 0, 0},

@@ -7,6 +7,7 @@
 #include <cctype>
 #include <cmath>
 #include <numbers>
+#include <regex>
 #include <vector>
 
 #include <muParser.h>
@@ -50,6 +51,11 @@ std::size_t start_of_name(const std::string& text, std::size_t position) {
   return position;
 }
 
+bool has_decimal_comma(const std::string& text) {
+  static const std::regex comma(R"(\d,\d)");
+  return text.find('(') == std::string::npos && std::regex_search(text, comma);
+}
+
 std::vector<std::string> known_names(const mu::Parser& parser) {
   std::vector<std::string> names(variable_names.begin(), variable_names.end());
   for (const auto& constant : parser.GetConst()) names.push_back(constant.first);
@@ -75,11 +81,13 @@ ExpressionError explained(const mu::ParserError& error, const mu::Parser& parser
       return because("operator '" + error.GetToken() + "' is not expected here" +
                      (text.find("**") != std::string::npos ? " (a power is written '^')" : ""));
     case mu::ecUNEXPECTED_EOF:
+    case mu::ecINTERNAL_ERROR:  // of "-"
       return because("the formula ends too early");
     case mu::ecUNEXPECTED_VAL:
     case mu::ecUNEXPECTED_VAR:
     case mu::ecUNEXPECTED_FUN:
-      return because("an operator is missing before '" + token + "'");
+      return because("an operator is missing before '" + token + "'" +
+                     (has_decimal_comma(text) ? " (a decimal point is written '.')" : ""));
     case mu::ecMISSING_PARENS:
       return because("a ')' is missing");
     case mu::ecUNEXPECTED_PARENS:
@@ -92,6 +100,11 @@ ExpressionError explained(const mu::ParserError& error, const mu::Parser& parser
       return because("function '" + error.GetToken() + "' needs more arguments");
     case mu::ecTOO_MANY_PARAMS:
       return because("function '" + error.GetToken() + "' has too many arguments");
+    case mu::ecUNEXPECTED_STR:
+    case mu::ecSTR_RESULT:
+    case mu::ecSTRING_EXPECTED:
+    case mu::ecVAL_EXPECTED:
+      return because("a formula holds no quotes");
     default:
       return because(error.GetMsg());
   }

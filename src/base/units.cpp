@@ -59,6 +59,8 @@ System loaded_system() {
   System system(ut_read_xml(nullptr));
   if (!system)
     throw FileError("the database of units cannot be read; install udunits2's data (Debian: libudunits2-data)");
+  const Unit degree(ut_parse(system.get(), "degree", UT_ASCII));
+  (void)ut_map_name_to_unit("deg", UT_ASCII, degree.get());  // which everybody writes, and udunits does not know
   return system;
 }
 

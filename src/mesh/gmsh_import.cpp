@@ -48,7 +48,8 @@ SerialMesh import_mesh(const MeshSource& source) {
   const std::string extension = extension_of(source.file);
   if (extension != ".msh" && !geometries.contains(extension)) {
     throw MeshDefect(
-        "its extension says nothing I can read: meshes are .msh or .h5; geometry is .geo, .step, .stp, .brep or .stl");
+        "its extension says nothing I can read: meshes are .msh or .h5; geometry is .geo, .step, .stp, .brep or .stl; "
+        "gmsh and meshio convert many others to .msh");
   }
   require_readable(source.file);
   if (extension == ".msh") return read_msh(source.file);

@@ -38,7 +38,7 @@ void use_one_blas_thread() {
 
 Session::Session(const std::string& program, const std::vector<std::string>& petsc_options) {
   // PETSc's handlers would end a process that nohup started at SIGHUP.
-  std::vector<std::string> texts{program, "-no_signal_handler"};
+  std::vector<std::string> texts{program, "-no_signal_handler", "1"};
   texts.insert(texts.end(), petsc_options.begin(), petsc_options.end());
   std::vector<char*> pointers;
   for (auto& text : texts) pointers.push_back(text.data());

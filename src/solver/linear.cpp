@@ -21,11 +21,13 @@ constexpr double cost_of_usual_set_up = 16.0, cost_of_small_factorization = 8.0,
 /// Vectors that GMRES keeps before it starts anew. With a factor it needs a few; with multigrid some tens.
 constexpr PetscInt gmres_restart = 60;
 
-/// An option the user has not given.
+/// An option the user has not given. Looking for it makes it count as used, whether or not there is a solve.
 void set_default_option(const char* name, const char* value) {
   PetscBool given = PETSC_FALSE;
   check(PetscOptionsHasName(nullptr, nullptr, name, &given));
-  if (!given) check(PetscOptionsSetValue(nullptr, name, value));
+  if (given) return;
+  check(PetscOptionsSetValue(nullptr, name, value));
+  check(PetscOptionsHasName(nullptr, nullptr, name, &given));
 }
 
 /// Whether the preconditioner is a factorization of that type (PCCHOLESKY or PCLU) by MUMPS.

@@ -116,7 +116,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Bad{"2 x", 2, "operator is missing before 'x'"}, Bad{"x 2", 2, "operator is missing before '2'"},
                     Bad{"x sin(t)", 2, "operator is missing before 'sin'"}, Bad{"x +", 3, "ends too early"},
                     Bad{"sin(1,2)", 7, "too many arguments"}, Bad{"atan2(1)", 7, "needs more arguments"},
-                    Bad{"x;y", 1, "not known"}, Bad{"#", 0, "not known"}, Bad{"\"a\"", 3, ""},
+                    Bad{"x;y", 1, "not known"}, Bad{"#", 0, "not known"}, Bad{"\"a\"", 3, "no quotes"},
+                    Bad{"-", 1, "ends too early"}, Bad{"1,5 kPa", 4, "a decimal point is written '.'"},
                     Bad{"system(1)", 0, "'system' is not a function"}, Bad{"1e999", 0, "not known"}));
 
 TEST(Expression, LongAndDeepFormulasDoNotCrash) {

@@ -1,5 +1,6 @@
 #include "base/units.hpp"
 
+#include <numbers>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -32,7 +33,7 @@ INSTANTIATE_TEST_SUITE_P(Units, GoodQuantity,
                                          Good{"3 min", "s", 180}, Good{"5 \u00b5m", "m", 5e-6}, Good{"5 um", "m", 5e-6},
                                          Good{"4 1/s", "1/s", 4}, Good{"4 /s", "1/s", 4}, Good{"50 Hz", "1/s", 50},
                                          Good{"7", "Pa", 7}, Good{"-1.5e3", "m", -1500}, Good{"0.3", "1", 0.3},
-                                         Good{"2 rad", "1", 2}));
+                                         Good{"2 rad", "1", 2}, Good{"180 deg", "rad", std::numbers::pi}));
 
 struct Bad {
   const char* text;

@@ -81,13 +81,13 @@ double mean_edge(const SerialMesh& mesh) {
 
 /// Divisions of gmsh's built-in kernel (Transfinite, Layers) cannot be taken back through its interface, and small
 /// parts need small elements.
-void notice_other_size(SerialMesh& mesh, const std::optional<double>& size) {
+void notice_other_size(SerialMesh& mesh, const MeshSource& source) {
   const double mean = mean_edge(mesh);
-  if (!size || (mean < 1.5 * *size && mean > 0.6 * *size)) return;
+  if (!source.size || (mean < 1.5 * *source.size && mean > 0.6 * *source.size)) return;
   mesh.notices.push_back(
-      fmt::format("the elements measure {:.2g} in the mean, not the size {:g} asked for: the shape needs it, or the "
+      fmt::format("the elements measure {:.2g} m in the mean, not the {:g} m asked for: the shape needs it, or the "
                   "file prescribes divisions (Transfinite, Layers)",
-                  mean, *size));
+                  source.scale * mean, source.scale * *source.size));
 }
 
 SerialMesh mesh_script(const GmshSession& gmsh, const MeshSource& source) {
@@ -118,7 +118,7 @@ SerialMesh mesh_geometry(const MeshSource& source, Geometry kind) {
   SerialMesh mesh = kind == Geometry::script ? mesh_script(gmsh, source)
                     : kind == Geometry::cad  ? mesh_cad(gmsh, source)
                                              : mesh_surface(gmsh, source);
-  notice_other_size(mesh, source.size);
+  notice_other_size(mesh, source);
   return mesh;
 }
 
