@@ -1,12 +1,17 @@
 #include "app/advice.hpp"
 
+#include "app/elasticity.hpp"
 #include "app/input_schema.hpp"
+#include "app/loads.hpp"
+#include "app/viscosity.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -17,6 +22,150 @@ namespace {
 bool is_local(const LoadConfig& load) {
   using Kind = LoadConfig::Kind;
   return load.kind != Kind::gravity && load.kind != Kind::force_density;
+}
+
+using Formulas = std::vector<const Expression*>;
+
+void collect(const Expression& formula, Formulas& into) {
+  into.push_back(&formula);
+}
+template <class T>
+void collect(const std::optional<T>& value, Formulas& into) {
+  if (value) collect(*value, into);
+}
+template <class T, std::size_t N>
+void collect(const std::array<T, N>& values, Formulas& into) {
+  for (const T& value : values) collect(value, into);
+}
+
+/// All that acts on the bodies or moves them after the start.
+Formulas driving_formulas(const Config& config) {
+  Formulas all;
+  for (const BodyConfig& body : config.bodies) {
+    if (!body.active) continue;
+    collect(body.active->stress, all);
+    collect(body.active->shortening, all);
+  }
+  for (const ConstraintConfig& c : config.constraints) {
+    collect(c.displacement, all);
+    collect(c.value, all);
+    collect(c.difference, all);
+    collect(c.rigid.translation, all);
+    collect(c.rigid.rotation.angle, all);
+  }
+  for (const LoadConfig& load : config.loads) {
+    collect(load.value, all);
+    collect(load.pressure, all);
+  }
+  for (const CavityConfig& cavity : config.cavities) {
+    collect(cavity.pressure, all);
+    if (cavity.gas) collect(cavity.gas->amount, all);
+    if (!cavity.liquid) continue;
+    collect(cavity.liquid->added_volume, all);
+    collect(cavity.liquid->flow, all);
+  }
+  if (!config.contact) return all;
+  for (const ObstacleConfig& o : config.contact->obstacles) {
+    if (!o.motion) continue;
+    collect(o.motion->translate, all);
+    if (o.motion->rotate) collect(o.motion->rotate->angle, all);
+  }
+  return all;
+}
+
+bool is_zero(const VectorExpression& vector) {
+  return std::ranges::all_of(vector, [](const Expression& component) { return component.is_zero(); });
+}
+
+bool nothing_moves(const Config& config) {
+  return config.cavities.empty() && !config.contact && is_zero(config.initial.displacement) &&
+         is_zero(config.initial.velocity) && std::ranges::all_of(driving_formulas(config), &Expression::is_zero);
+}
+
+void doubt_time(const Config& config, std::vector<std::string>& doubts) {
+  const auto& method = config.time.method;
+  const auto changes = [](const Expression* formula) { return formula->depends_on_time(); };
+  if (method.value != static_method && config.time.load_steps > 1) {
+    doubts.push_back(
+        fmt::format("{}: 'load_steps' is for 'method: static'; with '{}' loads grow as their formulas of "
+                    "t say, and not by it",
+                    to_string(method.where), method.value));
+  }
+  if (method.value == static_method && config.time.end == 0.0 &&
+      std::ranges::any_of(driving_formulas(config), changes)) {
+    doubts.push_back(to_string(method.where) +
+                     ": a static analysis takes formulas at 'end', which is 0: those of t are taken at t = 0; give "
+                     "'end', or let 'method: quasistatic' follow them");
+  }
+}
+
+/// No material is slower or faster: its numbers are in other units than SI.
+constexpr double slowest_shear_wave = 0.05;  // [m/s]; of the softest gels
+constexpr double fastest_shear_wave = 1e4;   // [m/s]; of diamond 12000, of steel 3200
+constexpr double longest_body = 50.0;        // [m]
+constexpr double locking_ratio = 0.49;       // Poisson's, of linear elements
+
+void doubt_body(const Config& config, const BodyConfig& body, std::vector<std::string>& doubts) {
+  const ElasticityRule rule(body.elasticity);
+  if (!rule.is_uniform()) return;
+  const auto rest = rule.law_at(0, {}).at_rest();
+  if (!rest) return;
+  const auto add = [&](const std::string& text) { doubts.push_back(to_string(body.elasticity.where) + ": " + text); };
+  const double speed = std::sqrt(rest->mu / body.density.value_or(rest->mu));
+  // What is mainly viscous may have next to no stiffness.
+  const bool is_slow = speed < slowest_shear_wave && body.viscosity.empty();
+  if (body.density && (is_slow || speed > fastest_shear_wave)) {
+    add(
+        fmt::format("with this density shear waves run at {:.2g} m/s (silicone: 10, steel: 3000); are 'density' and "
+                    "the moduli in SI? A number without a unit is in kg/m^3 and Pa",
+                    speed));
+  }
+  const double poissons_ratio = std::isfinite(rest->lambda) ? 0.5 * rest->lambda / (rest->lambda + rest->mu) : 0.5;
+  const auto is_ratio = [](const GivenConstant& c) { return c.key == "poissons_ratio"; };
+  if (poissons_ratio < 0.0 && std::ranges::none_of(body.elasticity.constants, is_ratio)) {
+    add(
+        fmt::format("Poisson's ratio follows as {:.3g}: the body would grow thicker where it is pulled; is the bulk "
+                    "modulus meant to be so small beside the shear modulus?",
+                    poissons_ratio));
+  }
+  if (poissons_ratio >= locking_ratio && config.element == ElementOrder::p1) {
+    add(
+        fmt::format("Poisson's ratio is {:.4g}, and linear elements are far too stiff where it is near 1/2; take "
+                    "'element: P2' with 'volumetric: mean-dilatation'",
+                    poissons_ratio));
+  }
+}
+
+/// Degrees typed as radians: whole numbers of several turns.
+void doubt_angles(const Config& config, std::vector<std::string>& doubts) {
+  const auto look = [&](const Expression& angle, const Location& where) {
+    const double value = angle(0.0, 0.0, 0.0, 0.0);
+    if (angle.depends_on_time() || std::abs(value) < 10.0 || value != std::round(value)) return;
+    doubts.push_back(fmt::format("{}: an angle of {:g} rad is {:.3g} turns; degrees are written '{:g} deg'",
+                                 to_string(where), value, value / (2.0 * std::numbers::pi), value));
+  };
+  for (const ConstraintConfig& c : config.constraints) {
+    if (c.rigid.rotation.angle) look(*c.rigid.rotation.angle, c.rigid.rotation.where);
+  }
+  if (!config.contact) return;
+  for (const ObstacleConfig& o : config.contact->obstacles) {
+    if (o.motion && o.motion->rotate) look(o.motion->rotate->angle, o.where);
+  }
+}
+
+/// Gravity typed in mm/s^2.
+void doubt_gravity(const Config& config, std::vector<std::string>& doubts) {
+  for (const LoadConfig& load : config.loads) {
+    if (load.kind != LoadConfig::Kind::gravity) continue;
+    std::array<double, 3> g{};
+    for (std::size_t i = 0; i < 3; ++i) g[i] = load.value[i](0.0, 0.0, 0.0, 0.0);
+    const double size = std::hypot(g[0], g[1], g[2]);
+    if (std::abs(size - 9810.0) > 20.0) continue;
+    doubts.push_back(
+        fmt::format("{}: gravity is {:g} m/s^2, a thousand times the Earth's; with its unit it is '{:g} "
+                    "mm/s^2'",
+                    to_string(load.where), size, size));
+  }
 }
 
 }  // namespace
@@ -40,7 +189,46 @@ std::vector<std::string> doubts_about(const Config& config) {
         ": a STEP file says its unit and is read in metres; with 'scale: 0.001' the part is a thousandth of what it "
         "was drawn: leave 'scale' out");
   }
+  doubt_time(config, doubts);
+  for (const BodyConfig& body : config.bodies) doubt_body(config, body, doubts);
+  doubt_angles(config, doubts);
+  doubt_gravity(config, doubts);
+  if (nothing_moves(config)) {
+    doubts.push_back(config.file +
+                     ": nothing moves the bodies: no load, no prescribed motion, no initial velocity; the result is 0");
+  }
   return doubts;
+}
+
+std::vector<std::string> without_effect(const Config& config) {
+  const std::string& method = config.time.method.value;
+  std::vector<std::string> what;
+  const auto tell_if = [&](bool is_there, const char* of_what) {
+    if (is_there)
+      what.push_back(fmt::format("{} no effect on {} equilibri{}", of_what,
+                                 method == static_method ? "a static" : "quasi-static",
+                                 method == static_method ? "um" : "a"));
+  };
+  const bool has_velocity = !is_zero(config.initial.velocity);
+  if (method == quasistatic_method) tell_if(has_velocity, "the initial velocity has");
+  if (method != static_method) return what;
+  const auto resists = [](const ObstacleConfig& o) {
+    return o.friction > 0.0 || o.viscous_friction > 0.0 || o.normal_damping > 0.0;
+  };
+  tell_if(has_viscosity(config), "viscosity has");
+  tell_if(has_dashpots(config), "dashpots have");
+  tell_if(config.contact && std::ranges::any_of(config.contact->obstacles, resists),
+          "friction and damping of contact have");
+  tell_if(has_velocity || !is_zero(config.initial.displacement), "the initial state has");
+  return what;
+}
+
+std::vector<std::string> doubts_about_mesh(const Config& config, const MeshReport& mesh) {
+  const auto& b = mesh.bounds;
+  const double length = std::max({b[3] - b[0], b[4] - b[1], b[5] - b[2]});
+  if (length < longest_body) return {};
+  return {fmt::format("{}: the mesh is {:.3g} m long; 'scale: 0.001' makes metres of a geometry in millimetres",
+                      to_string(config.mesh.file.where), length)};
 }
 
 std::vector<std::string> doubts_about_loads(const Config& config, const NodeLayout& layout, Selections& selections,
@@ -59,6 +247,32 @@ std::vector<std::string> doubts_about_loads(const Config& config, const NodeLayo
         fmt::format("{}: the load moves nothing, for constraints give the displacement of all that it acts "
                     "on; it changes reactions alone",
                     to_string(load.where)));
+  }
+  return doubts;
+}
+
+std::vector<std::string> doubts_about_start(const Config& config, const NodeLayout& layout, Selections& selections) {
+  std::vector<std::string> doubts;
+  for (const ConstraintConfig& c : config.constraints) {
+    if (c.kind != ConstraintConfig::Kind::displacement) continue;
+    double jump = 0.0, size = 0.0;
+    for (const PetscInt node : selections.nodes(c.part)) {
+      const auto X = layout.position(node);
+      for (std::size_t i = 0; i < 3; ++i) {
+        if (!c.displacement[i]) continue;
+        const double from = config.initial.displacement[i](X[0], X[1], X[2], 0.0);
+        const double to = (*c.displacement[i])(X[0], X[1], X[2], 0.0);
+        jump = std::max(jump, std::abs(to - from));
+        size = std::max({size, std::abs(X[i]), std::abs(from)});
+      }
+    }
+    constexpr double rounding = 1e-9;
+    jump = maximum(layout.comm, jump);
+    if (jump <= rounding * maximum(layout.comm, size)) continue;
+    doubts.push_back(
+        fmt::format("{}: at t = 0 this displaces nodes by {:.3g} m from where the initial displacement has "
+                    "them, at once; let it grow with t, or give 'initial' to suit",
+                    to_string(c.where), jump));
   }
   return doubts;
 }

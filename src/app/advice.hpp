@@ -4,6 +4,7 @@
 #include "app/config.hpp"
 #include "app/selections.hpp"
 #include "energy/prescribed.hpp"
+#include "mesh/report.hpp"
 
 #include <string>
 #include <vector>
@@ -13,8 +14,17 @@ namespace pliant {
 /// What the input alone tells, each with its place, in plain words.
 std::vector<std::string> doubts_about(const Config& config);
 
+/// What the input gives and its kind of analysis does not use, in plain words.
+std::vector<std::string> without_effect(const Config& config);
+
+/// A mesh in other units than metres.
+std::vector<std::string> doubts_about_mesh(const Config& config, const MeshReport& mesh);
+
+/// Constraints that a motion does not start from. Collective over the ranks of `layout`, as the next.
+std::vector<std::string> doubts_about_start(const Config& config, const NodeLayout& layout, Selections& selections);
+
 /// Loads on parts of which every node is given its displacement: they move nothing. `selections` must be without
-/// mistakes. Collective over the ranks of `layout`.
+/// mistakes.
 std::vector<std::string> doubts_about_loads(const Config& config, const NodeLayout& layout, Selections& selections,
                                             const PrescribedDisplacement& prescribed);
 

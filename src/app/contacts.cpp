@@ -1,6 +1,7 @@
 #include "app/contacts.hpp"
 
 #include "app/model.hpp"
+#include "fem/probe.hpp"
 #include "fem/surface_distance.hpp"
 #include "petsc/collective.hpp"
 
@@ -186,12 +187,33 @@ void Contacts::check_start(const Instant& at, std::span<const double> q) const {
   }
 }
 
+bool Contacts::is_within_bodies(const ObstacleConfig& o, const ObstacleFrame& frame,
+                                const VectorExpression& displacement) const {
+  using Shape = ObstacleConfig::Shape;
+  if (o.shape == Shape::plane || o.shape == Shape::surface || o.side == ObstacleConfig::Side::inside) return false;
+  const Vector3<double> x = frame.place(o.point);
+  Vector3<double> X = x;  // where the point of a body came from, if bodies only moved as a whole
+  for (std::size_t i = 0; i < 3; ++i) X[i] -= displacement[i](x[0], x[1], x[2], 0.0);
+  return locate(layout_, X).distance == 0.0;
+}
+
 std::vector<std::string> Contacts::doubts_about_start(const Instant& at, const VectorExpression& displacement) const {
   std::vector<std::string> doubts;
-  if (config_.law == NormalKind::barrier) return doubts;  // check_start throws
+  if (description_.empty()) {
+    doubts.push_back(to_string(config_.where) +
+                     ": nothing can touch the obstacles: constraints give every displacement of the surface that may");
+  }
   for (std::size_t k = 0; k < obstacles_.size(); ++k) {
     const ObstacleConfig& o = config_.obstacles[k];
     const ObstacleFrame frame = obstacles_[k]->at(at);
+    if (is_within_bodies(o, frame, displacement)) {
+      doubts.push_back(
+          fmt::format("{}: the obstacle '{}' starts inside a body, which feels it only where its surface "
+                      "meets it; move one of them",
+                      to_string(o.where), o.name));
+      continue;
+    }
+    if (config_.law == NormalKind::barrier) continue;  // check_start throws
     std::vector<double> depth(body_names_.size(), 0.0);
     for (PetscInt a = 0; a < layout_.num_owned_nodes; ++a) {
       const int body = surface_of_node_[a];

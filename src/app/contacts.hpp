@@ -53,8 +53,8 @@ class Contacts {
 
   /// Throws InputError if a body lies beyond a barrier. Collective.
   void check_start(const Instant& at, std::span<const double> q) const;
-  /// Warnings, each with its place: bodies that start deeper in an obstacle of a penalty than their facets are wide.
-  /// Collective.
+  /// Warnings, each with its place: nothing that may touch; obstacles within a body; bodies that start deeper in an
+  /// obstacle of a penalty than their facets are wide. Collective.
   std::vector<std::string> doubts_about_start(const Instant& at, const VectorExpression& displacement) const;
   /// The energy of all contacts, of this rank's part [J].
   double energy(const Instant& at, std::span<const double> q) const;
@@ -71,6 +71,9 @@ class Contacts {
     const Contact* term;
   };
   void add_surfaces(const ContactBodies& bodies);
+  /// Is its middle in the material at the start? Collective.
+  bool is_within_bodies(const ObstacleConfig& o, const ObstacleFrame& frame,
+                        const VectorExpression& displacement) const;
 
   ContactConfig config_;
   const NodeLayout& layout_;

@@ -351,7 +351,9 @@ class Study {
       const auto last = std::find_if(rows_.rbegin(), rows_.rend(), [&](const Row& r) { return r.method == method; });
       const int expected = expected_order(config);
       const double lowest = is_static() ? last->order_q : std::min(last->order_q, last->order_v);
-      if (!last->failure.empty()) {
+      if (last->failure.empty() && std::isnan(lowest)) {
+        shortfalls.push_back(fmt::format("{}: there is no order, for the errors are 0: does anything move?", method));
+      } else if (!last->failure.empty()) {
         shortfalls.push_back(fmt::format("{}: the finest level was not solved", method));
       } else if (!(lowest >= expected - order_shortfall) && options_.refine != Refine::tolerance) {
         shortfalls.push_back(fmt::format("{}: order {:.2f} is observed, {} expected", method, lowest, expected));

@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -54,12 +55,7 @@ Model::Model(MPI_Comm comm, const Config& config, const TermFactory& additional)
     for (auto& doubt : contacts_->doubts_about_start(instant(0.0), config.initial.displacement))
       doubts_.push_back(std::move(doubt));
   }
-  if (analysis_of(config) == Analysis::static_equilibrium && has_viscosity(config)) {
-    notices_.push_back("viscosity has no effect on a static equilibrium");
-  }
-  if (analysis_of(config) == Analysis::static_equilibrium && has_dashpots(config)) {
-    notices_.push_back("dashpots have no effect on a static equilibrium");
-  }
+  std::ranges::move(without_effect(config), std::back_inserter(notices_));
   const Method* method = method_of(config.time);
   const auto rings = [](const BodyConfig& body) { return body.viscosity.empty(); };
   if (method != nullptr && method->stability == Stability::not_a_stable && std::ranges::any_of(config.bodies, rings)) {
@@ -171,14 +167,18 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   }
   constraints_ = std::make_unique<Constraints>(config, layout_, selections);
   for (const auto& notice : selections.unused_groups()) notices_.push_back(notice);
-  doubts_ = doubts_about(config);
-  for (auto& doubt : doubts_about_loads(config, layout_, selections, constraints_->prescribed()))
-    doubts_.push_back(std::move(doubt));
-
   if (layout_.order == 1) {
     build_cells<1>(config, mesh);
   } else {
     build_cells<2>(config, mesh);
+  }
+  const auto doubt = [&](std::vector<std::string> doubts) { std::ranges::move(doubts, std::back_inserter(doubts_)); };
+  doubt(doubts_about(config));
+  doubt(doubts_about_mesh(config, mesh_report_));
+  doubt(doubts_about_loads(config, layout_, selections, constraints_->prescribed()));
+  const bool may_start_deformed = config.volumetric != VolumetricTreatment::mixed;  // which is refused later
+  if (may_start_deformed && analysis_of(config) == Analysis::dynamic) {
+    doubt(doubts_about_start(config, layout_, selections));
   }
   loads_->complete(config, constraints_->prescribed());
   require_finite(analysis_of(config) == Analysis::static_equilibrium ? config.time.end : 0.0);

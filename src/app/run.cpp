@@ -79,6 +79,12 @@ class Run {
       checkpoints_.restore(from->file, from->info, [&](Archive& archive) { keep(archive); });
       earlier = {record().step, last_frame_};
       last_row_ = record().step;
+      if (simulation_->finished()) {
+        console_.warn(
+            fmt::format("nothing is left to do: the checkpoint is at {} = {:.6g}{}; --set time.end=... beyond "
+                        "that makes the run longer",
+                        variable(), record().time, is_static() ? "" : " s"));
+      }
     }
     try {
       recorder_.emplace(config, model_, simulation_->ledger(), earlier);
@@ -282,6 +288,12 @@ class Run {
                     "by the method {:.6g}; balance {:+.3g}",
                     e.kinetic, e.elastic, e.load_potential, e.load_work - e.support_work, e.support_work, e.dissipated,
                     e.numerical_dissipation, e.balance_error));
+    if (2 * s.unbalanced_stops > s.stages) {
+      console_.warn(
+          fmt::format("{}: 'solver.newton.absolute' of {:g} N ended {} of {} solves while more than a tenth of the "
+                      "forces was unbalanced: this is no solution; give a smaller one, or none",
+                      config_.file, config_.solver.newton.absolute, s.unbalanced_stops, s.stages));
+    }
     console_.print(fmt::format("results: {0}/result.xdmf, {0}/history.csv", config_.output.directory));
     for (const auto& option : unused_petsc_options()) {
       console_.warn(fmt::format("PETSc option {} was not used by any object; is it misspelt?", option));

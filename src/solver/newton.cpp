@@ -275,7 +275,10 @@ SNESConvergedReason NewtonSolver::judge(PetscInt iteration, double residual) {
   // A guess may squeeze the liquid in a cavity to a pressure far from that of the solution.
   if (rank_one_system_ && iteration > 0) scale_ = std::min(scale_, equation_.force_scale(solution_));
   if (iteration > 0) took_full_step_ ? forcing_.observe(residual) : forcing_.forget();
-  if (residual <= target()) return SNES_CONVERGED_FNORM_RELATIVE;
+  if (residual <= target()) {
+    if (residual > unbalanced_part * scale_) ++statistics_.unbalanced_stops;
+    return SNES_CONVERGED_FNORM_RELATIVE;
+  }
   if (iteration == 0) start_of_iteration_ = {residual, norm(solution_)};
   if (at_rounding_floor_ || ((iteration > 0 || is_refrozen_) && is_rounding(residual))) {
     ++statistics_.rounding_stops;

@@ -27,6 +27,9 @@ struct NewtonOptions {
   int max_iterations = 50;
 };
 
+/// Part of the forces at work; a solve that leaves more of them has hardly begun.
+constexpr double unbalanced_part = 0.1;
+
 /// What the solver has done since it was made.
 struct SolverStatistics {
   long long stages = 0;
@@ -40,6 +43,7 @@ struct SolverStatistics {
   long long projections = 0;            ///< Hessians made positive semidefinite cell by cell
   long long regularizations = 0;        ///< projected Hessians that needed a shift of their diagonal too
   long long rounding_stops = 0;         ///< stages whose residual ended at its rounding floor, above the tolerance
+  long long unbalanced_stops = 0;       ///< stages that `absolute` ended while a tenth of the forces was unbalanced
   bool uses_multigrid_instead = false;  ///< of the factorization, for which memory did not suffice
   double assembly_seconds = 0.0;        ///< residuals, energies, Hessians
   double factorization_seconds = 0.0;

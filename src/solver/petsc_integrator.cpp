@@ -285,6 +285,7 @@ SNESConvergedReason PetscIntegrator::judge(PetscInt iteration, double f) {
   const bool falls = iteration == 0 || residual_ < 0.5 * last_residual_;
   last_residual_ = residual_;
   if (residual_ <= std::max(options_.newton.relative * scale_, options_.newton.absolute)) {
+    if (residual_ > unbalanced_part * scale_) ++statistics_.unbalanced_stops;
     return SNES_CONVERGED_FNORM_RELATIVE;
   }
   const double floor = floor_factor * equation_.rounding_floor(q_.get());

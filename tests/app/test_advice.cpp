@@ -34,12 +34,92 @@ TEST(Advice, StepFilesNeedNoScale) {
   EXPECT_EQ(told("file: a.geo, scale: 0.001"), std::vector<std::string>{});
 }
 
+/// What is told of the good input with one line replaced.
+std::vector<std::string> told_of(std::size_t line, const std::string& replacement) {
+  return doubts_about(read_input(test::with_line(line, replacement), "a.yaml", {}));
+}
+
+struct Doubtful {
+  std::size_t line;
+  const char* replacement;
+  const char* message;
+};
+void PrintTo(const Doubtful& d, std::ostream* out) {
+  *out << d.replacement;
+}
+
+class Doubt : public ::testing::TestWithParam<Doubtful> {};
+
+TEST_P(Doubt, IsToldOnceWithItsPlace) {
+  const auto& [line, replacement, message] = GetParam();
+  const auto told = told_of(line, replacement);
+  ASSERT_EQ(told.size(), 1u) << testing::PrintToString(told);
+  EXPECT_EQ(told[0].find("a.yaml:"), 0u) << told[0];
+  EXPECT_NE(told[0].find(message), std::string::npos) << told[0];
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Inputs, Doubt,
+    ::testing::Values(
+        Doubtful{2, "bodies: [{density: 1e-9, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0.4}}]",
+                 "with this density shear waves run at 1.9e+04 m/s"},
+        Doubtful{2, "bodies: [{density: 1000, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0.4}}]",
+                 "shear waves run at 0.019 m/s"},
+        Doubtful{2,
+                 "bodies: [{density: 1000, elasticity: {model: linear, youngs_modulus: 1 MPa, shear_modulus: 1 MPa}}]",
+                 "Poisson's ratio follows as -0.5"},
+        Doubtful{
+            2,
+            "bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e6, poissons_ratio: 0.4999}}]",
+            "Poisson's ratio is 0.4999, and linear elements"},
+        Doubtful{4, "loads: []", "nothing moves the bodies"},
+        Doubtful{4, "loads: [{gravity: [0, 0, 0]}]", "nothing moves the bodies"},
+        Doubtful{4, "loads: [{gravity: [0, 0, -9806.65]}]", "with its unit it is '9806.65 mm/s^2'"},
+        Doubtful{5, "time: {method: bdf2, step: 0.01, end: 1, load_steps: 10}", "'load_steps' is for 'method: static'"},
+        Doubtful{6,
+                 "contact: {obstacles: [{name: a, shape: plane, normal: [0, 0, 1], motion: {rotate: {axis: [0, 0, 1], "
+                 "angle: 90}}}]}",
+                 "degrees are written '90 deg'"}));
+
+TEST(Advice, StaticFormulasOfTimeNeedATime) {
+  const std::string ramp =
+      "constraints: [{surface: a, displacement: [0, 0, 0]}, {surface: b, displacement: [0, 0, t]}]\n";
+  const auto told = [&](const std::string& end) {
+    return doubts_about(read_input(test::with_line(3, ramp), "a.yaml", {{"time", "{method: static" + end + "}"}}));
+  };
+  ASSERT_EQ(told("").size(), 1u);
+  EXPECT_NE(told("")[0].find("those of t are taken at t = 0"), std::string::npos) << told("")[0];
+  EXPECT_EQ(told(", end: 2"), std::vector<std::string>{});
+}
+
+TEST(Advice, WhatAnAnalysisDoesNotUseIsTold) {
+  const auto idle = [](const std::string& method) {
+    return without_effect(read_input(
+        test::with_line(
+            6,
+            "initial: {velocity: [0, 0, 1]}\ncontact: {obstacles: [{name: a, shape: plane, normal: [0, 0, 1], "
+            "friction: 0.5}]}"),
+        "a.yaml", {{"time.method", method}}));
+  };
+  EXPECT_EQ(idle("static"),
+            (std::vector<std::string>{"friction and damping of contact have no effect on a static equilibrium",
+                                      "the initial state has no effect on a static equilibrium"}));
+  EXPECT_EQ(idle("quasistatic"),
+            std::vector<std::string>{"the initial velocity has no effect on quasi-static equilibria"});
+  EXPECT_EQ(idle("bdf2"), std::vector<std::string>{});
+}
+
 TEST(Advice, NothingIsSaidOfWhatIsUsual) {
   EXPECT_EQ(doubts("step: 0.01, end: 1", ""), std::vector<std::string>{});
   EXPECT_EQ(doubts("step: 0.01, end: 1", "output: {every: 0.01}"), std::vector<std::string>{});
   EXPECT_EQ(doubts("step: 0.3, end: 1", "output: {every: 100 ms, directory: b}", "0.3"), std::vector<std::string>{});
   EXPECT_EQ(doubts("adaptive: {}, step: 0.01, end: 1", "output: {every: 1 ms}"), std::vector<std::string>{});
   EXPECT_EQ(doubts("method: static", "output: {every: 1 ms}"), std::vector<std::string>{});
+  EXPECT_EQ(told_of(2, "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: -0.3}}]"),
+            std::vector<std::string>{});
+  EXPECT_EQ(told_of(4, "initial: {velocity: [0, 0, 1]}"), std::vector<std::string>{});
+  EXPECT_EQ(told_of(3, "constraints: [{surface: a, rigid: {rotation: {axis: [0, 0, 1], angle: 720 deg}}}]"),
+            std::vector<std::string>{});
 }
 
 }  // namespace

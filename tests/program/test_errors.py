@@ -128,12 +128,23 @@ DOUBTFUL = {
     "frames between steps": ("output", "output: {directory: out, every: @1 ms}", "every 0.001 s, but a step takes 0.01 s"),
     "a floor that points away": ("output", "contact: {stiffness: 1, obstacles: [@{name: floor, shape: plane, point: [0, 0, -0.1], normal: [0, 0, -1]}]}",
                                  "starts 1.1 m deep in the obstacle 'floor'.* turn 'normal' round"),
+    "an obstacle inside the body": ("output", "contact: {obstacles: [@{name: ball, shape: sphere, point: [0.5, 0.5, 0.5], radius: 0.1}]}",
+                                    "'ball' starts inside a body"),
+    "contact of what is held": ("output", "contact: @{surface: left, obstacles: [{name: floor, shape: plane, normal: [0, 0, 1]}]}",
+                                "nothing can touch the obstacles"),
+    "motion that starts with a jump": ("constraints", "constraints: [{surface: left, displacement: [0, 0, 0]}, "
+                                       "@{where: \"x > 0.9\", displacement: [\"0.1*cos(t)\", 0, 0]}]", "displaces nodes by 0.1 m"),
+    "a mesh in millimetres": ("mesh", "mesh: {file: @cube.msh, scale: 100}", "the mesh is 100 m long.*'scale: 0.001'"),
+    "Newton's method that does nothing": ("output", "solver: {newton: {absolute: 1 MN}}", "ended 2 of 2 solves.* this is no solution"),
 }
 NOT_DOUBTFUL = {
     "a load on what is held in part": ("loads", "loads: [{surface: top, traction: [0, 0, 1]}, {gravity: [0, 0, -9.81]}]"),
     "a load across what is held": ("constraints", "constraints: [{surface: left, displacement: [0, 0, free]}]\n"
                                    "probes: [{name: a, point: [0, 0, 0]}]"),
     "a floor that is touched": ("output", "contact: {stiffness: 1, obstacles: [{name: floor, shape: plane, point: [0, 0, 0.01], normal: [0, 0, 1]}]}"),
+    "a ball beside the body": ("output", "contact: {stiffness: 1, obstacles: [{name: a, shape: sphere, point: [0.5, 0.5, -0.2], radius: 0.1}]}"),
+    "motion from where the body is": ("constraints", "constraints: [{surface: left, displacement: [0, \"0.1*sin(t)\", 0]}]"),
+    "a tolerance in newtons": ("output", "solver: {newton: {absolute: 1 nN}}"),
     "frames at steps": ("output", "output: {directory: out, every: 10 ms}"),
 }
 IN_TWO_VOLUMES = {"volumes that do not cover"}
@@ -149,6 +160,8 @@ BAD_FILES_AND_OPTIONS = {  # told once ranks do different work
     "a mesh as input": (["run", "cube.msh"], r"which names it: 'mesh: \{file: cube.msh\}'"),
     "HDF5 as input": (["run", "bad.h5"], "pliant resume"),
     "PETSc options in no file": (["methods", "--", "-options_file", "nowhere.txt"], "PETSc options: .*nowhere.txt"),
+    "PETSc options without a dash": (["run", "in.yaml", "--", "ksp_type", "cg"], "'ksp_type' belongs to no option"),
+    "PETSc options of two values": (["run", "in.yaml", "--", "-ksp_type", "cg", "cr"], "'cr' belongs to no option"),
     "PETSc options that do not fit": (["run", "in.yaml", "--", "-pc_type", "nonsense"], "PETSc options: .*nonsense"),
     "a mesh to convert that is missing": (["mesh", "convert", "nowhere.msh", "a.h5"], "nowhere.msh.*no such file"),
     "a mesh to convert into another format": (["mesh", "convert", "cube.msh", "cube.vtk"], "must be named .h5"),
@@ -170,6 +183,9 @@ BAD_COMMANDS = {
     "set without value": (["run", "in.yaml", "--set", "time.step"], "KEY.PATH=VALUE"),
     "set an unknown key": (["run", "in.yaml", "--set", "time.stop=1"], "did you mean 'step'|stop"),
     "set a bad value": (["run", "in.yaml", "--set", "time.step=1 kg"], "1 kg"),
+    "set an entry in brackets": (["run", "in.yaml", "--set", "bodies[0].density=1"], "numbers behind dots, such as bodies.0.density"),
+    "set something behind a list": (["run", "in.yaml", "--set", "output.fields=[velocity] m"], "behind the closing bracket"),
+    "output into nothing": (["run", "in.yaml", "--output", ""], "--output: the name is empty"),
     "set beyond the list": (["run", "in.yaml", "--set", "bodies.3.density=1"], "bodies"),
 }
 
