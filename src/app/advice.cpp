@@ -77,11 +77,6 @@ bool is_zero(const VectorExpression& vector) {
   return std::ranges::all_of(vector, [](const Expression& component) { return component.is_zero(); });
 }
 
-bool nothing_moves(const Config& config) {
-  return config.cavities.empty() && !config.contact && is_zero(config.initial.displacement) &&
-         is_zero(config.initial.velocity) && std::ranges::all_of(driving_formulas(config), &Expression::is_zero);
-}
-
 void doubt_time(const Config& config, std::vector<std::string>& doubts) {
   const auto& method = config.time.method;
   const auto changes = [](const Expression* formula) { return formula->depends_on_time(); };
@@ -193,11 +188,12 @@ std::vector<std::string> doubts_about(const Config& config) {
   for (const BodyConfig& body : config.bodies) doubt_body(config, body, doubts);
   doubt_angles(config, doubts);
   doubt_gravity(config, doubts);
-  if (nothing_moves(config)) {
-    doubts.push_back(config.file +
-                     ": nothing moves the bodies: no load, no prescribed motion, no initial velocity; the result is 0");
-  }
   return doubts;
+}
+
+bool nothing_moves(const Config& config) {
+  return config.cavities.empty() && !config.contact && is_zero(config.initial.displacement) &&
+         is_zero(config.initial.velocity) && std::ranges::all_of(driving_formulas(config), &Expression::is_zero);
 }
 
 std::vector<std::string> without_effect(const Config& config) {

@@ -14,6 +14,9 @@ namespace pliant {
 /// What the input alone tells, each with its place, in plain words.
 std::vector<std::string> doubts_about(const Config& config);
 
+/// Does the input alone leave the bodies at rest? Terms that others add may move them.
+bool nothing_moves(const Config& config);
+
 /// What the input gives and its kind of analysis does not use, in plain words.
 std::vector<std::string> without_effect(const Config& config);
 

@@ -49,7 +49,13 @@ Model::Model(MPI_Comm comm, const Config& config, const TermFactory& additional)
     notices_.push_back("the mesh has curved edges, which P1 elements straighten; `element: P2` keeps them");
   }
   build_terms(config, mesh);
-  if (additional) additional_ = additional(*this);
+  if (additional) {
+    additional_ = additional(*this);
+  } else if (nothing_moves(config)) {
+    doubts_.push_back(
+        config.file +
+        ": nothing moves the bodies: no load, no prescribed motion, no initial velocity; the result is 0");
+  }
   prepare(config);
   if (contacts_) {
     for (auto& doubt : contacts_->doubts_about_start(instant(0.0), config.initial.displacement))

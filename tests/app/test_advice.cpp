@@ -72,14 +72,23 @@ INSTANTIATE_TEST_SUITE_P(
             2,
             "bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e6, poissons_ratio: 0.4999}}]",
             "Poisson's ratio is 0.4999, and linear elements"},
-        Doubtful{4, "loads: []", "nothing moves the bodies"},
-        Doubtful{4, "loads: [{gravity: [0, 0, 0]}]", "nothing moves the bodies"},
         Doubtful{4, "loads: [{gravity: [0, 0, -9806.65]}]", "with its unit it is '9806.65 mm/s^2'"},
         Doubtful{5, "time: {method: bdf2, step: 0.01, end: 1, load_steps: 10}", "'load_steps' is for 'method: static'"},
         Doubtful{6,
                  "contact: {obstacles: [{name: a, shape: plane, normal: [0, 0, 1], motion: {rotate: {axis: [0, 0, 1], "
                  "angle: 90}}}]}",
                  "degrees are written '90 deg'"}));
+
+TEST(Advice, BodiesMayBeAtRest) {
+  const auto rests = [](const std::string& loads) {
+    return nothing_moves(read_input(test::with_line(4, loads), "a.yaml", {}));
+  };
+  EXPECT_TRUE(rests("loads: []"));
+  EXPECT_TRUE(rests("loads: [{gravity: [0, 0, 0]}, {surface: a, spring: 1 kPa/m}]"));
+  EXPECT_FALSE(rests("loads: [{surface: a, pressure: t}]"));
+  EXPECT_FALSE(rests("initial: {velocity: [0, 0, 1]}"));
+  EXPECT_FALSE(rests("cavities: [{name: a, surface: b, gas: {}}]"));
+}
 
 TEST(Advice, StaticFormulasOfTimeNeedATime) {
   const std::string ramp =

@@ -132,6 +132,7 @@ DOUBTFUL = {
                                     "'ball' starts inside a body"),
     "contact of what is held": ("output", "contact: @{surface: left, obstacles: [{name: floor, shape: plane, normal: [0, 0, 1]}]}",
                                 "nothing can touch the obstacles"),
+    "bodies at rest": ("loads", "loads: []", "nothing moves the bodies"),
     "motion that starts with a jump": ("constraints", "constraints: [{surface: left, displacement: [0, 0, 0]}, "
                                        "@{where: \"x > 0.9\", displacement: [\"0.1*cos(t)\", 0, 0]}]", "displaces nodes by 0.1 m"),
     "a mesh in millimetres": ("mesh", "mesh: {file: @cube.msh, scale: 100}", "the mesh is 100 m long.*'scale: 0.001'"),
