@@ -42,6 +42,17 @@ void require_whole_brep(const std::string& file) {
     throw MeshDefect("it does not end like a .brep file: it is truncated or damaged");
 }
 
+/// Of several commands in a last line without a line break gmsh reads the first alone, and says nothing.
+void require_whole_script(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string line;
+  while (std::getline(stream, line)) {
+    if (!stream.eof() || std::count(line.begin(), line.end(), ';') < 2) continue;  // at the end: without a line break
+    throw MeshDefect(
+        "its last line does not end, and of the commands in it gmsh reads the first alone; end it with a line break");
+  }
+}
+
 }  // namespace
 
 SerialMesh import_mesh(const MeshSource& source) {
@@ -54,6 +65,7 @@ SerialMesh import_mesh(const MeshSource& source) {
   require_readable(source.file);
   if (extension == ".msh") return read_msh(source.file);
   if (extension == ".brep") require_whole_brep(source.file);
+  if (extension == ".geo") require_whole_script(source.file);
   return isolated(Suspect::gmsh, [&] { return gmsh_module().mesh_geometry(source, geometries.at(extension)); });
 }
 

@@ -146,6 +146,8 @@ std::vector<Defect> defects() {
       {"GeoWithoutVolume", "a.geo",
        "SetFactory(\"OpenCASCADE\");\nRectangle(1) = {0, 0, 0, 1, 1};\nPhysical Surface(1) = {1};\n", "no tetrahedra"},
       {"GeoEmpty", "a.geo", "// nothing yet\n", "no tetrahedra"},
+      {"GeoWithoutLastLineBreak", "a.geo", box_geo + "Physical Volume(1) = {1}; Physical Surface(2) = {1};",
+       "end it with a line break"},
       {"GeoThatExits", "a.geo", box_geo + "Exit;\n", "Exit"},
       {"GeoHexahedra", "a.geo",
        box_geo + "Transfinite Curve{:} = 3; Transfinite Surface{:}; Recombine Surface{:}; Transfinite Volume{1};\n",

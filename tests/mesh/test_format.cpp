@@ -345,7 +345,7 @@ class GeoSizes : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(GeoSizes, AnExplicitSizeWinsOverTheFile) {
   const Scratch scratch(comm);
-  const std::string file = scratch.text("sized.geo", GetParam());
+  const std::string file = scratch.text("sized.geo", std::string(GetParam()) + "\n");
   for (const double size : {0.4, 0.2, 0.1}) {
     const Mesh mesh = read(file, size);
     EXPECT_NEAR(mesh.report.volume, 1.0, 1e-12);
@@ -380,7 +380,7 @@ TEST(Geo, SecondOrderCurvesOfASphere) {
   const Mesh mesh = read(scratch.text("ball.geo",
                                       "SetFactory(\"OpenCASCADE\"); Sphere(1) = {0, 0, 0, 1};\n"
                                       "Physical Surface(\"skin\") = Surface{:}; Physical Volume(\"ball\") = {1};\n"
-                                      "Mesh.ElementOrder = 2; Mesh.HighOrderOptimize = 2;"),
+                                      "Mesh.ElementOrder = 2; Mesh.HighOrderOptimize = 2;\n"),
                          0.4);
   EXPECT_EQ(mesh.geometry_order, 2);
   double farthest = 0.0;

@@ -27,6 +27,18 @@ void impose_size(double size) {
   gmsh::model::mesh::removeConstraints();
 }
 
+/// What a script has meshed by itself would stay as it is. What is there as a mesh alone is kept.
+void forget_mesh() {
+  gmsh::vectorpair entities;
+  gmsh::model::getEntities(entities);
+  const auto is_discrete = [](const auto& entity) {
+    std::string type;
+    gmsh::model::getType(entity.first, entity.second, type);
+    return type.starts_with("Discrete");
+  };
+  if (std::ranges::none_of(entities, is_discrete)) gmsh::model::mesh::clear();
+}
+
 /// A size in the wrong unit would fill the memory before gmsh gives up.
 void require_feasible(double size) {
   constexpr double most_cells = 1e9;  // the index range, with edges counted
@@ -92,6 +104,7 @@ void notice_other_size(SerialMesh& mesh, const MeshSource& source) {
 
 SerialMesh mesh_script(const GmshSession& gmsh, const MeshSource& source) {
   gmsh.run("make sense of it", [&] { gmsh::open(source.file); });
+  if (source.size) gmsh.run("mesh it anew", forget_mesh);
   gmsh.run("mesh it", [&] { generate(source.size); });
   return extracted(gmsh);
 }
