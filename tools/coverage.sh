@@ -43,6 +43,7 @@ gcovr --root "$root" --filter "$root/src/" --object-directory "$covered" --exclu
   --json "$lines" "$covered"
 gcovr --root "$root" --add-tracefile "$lines" --html-details "$covered/coverage/index.html" --txt "$covered/coverage/summary.txt"
 for layer in "$root"/src/*/; do
+  compgen -G "$layer*.cpp" >/dev/null || continue
   printf '%-10s' "$(basename "$layer")"
   gcovr --root "$root" --filter "$layer" --add-tracefile "$lines" --print-summary --output "$covered/coverage/layer.txt" | grep '^lines'
 done

@@ -54,10 +54,11 @@ Session::Session(const std::string& program, const std::vector<std::string>& pet
     throw InputError({"PETSc options", 0, 0}, failure.what());
   }
   use_one_blas_thread();
-  check(PetscOptionsSetValue(nullptr, "-options_left", "0"));
+  check(PetscOptionsClearValue(nullptr, "-no_signal_handler"));  // petsc_options() has the user's
 }
 
 Session::~Session() {
+  (void)PetscOptionsSetValue(nullptr, "-options_left", "0");
   (void)PetscPopErrorHandler();
   (void)PetscFinalize();
 }

@@ -193,8 +193,10 @@ class Outputs(ProgramTest):
         self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "", ""))
 
     def test_petsc_options(self):
-        done = self.call("run", self.input, "--", "-snes_monitor")
-        self.assertIn("SNES Function norm", done.stdout)
+        done = self.call("run", self.input, "--", "-snes_monitor", "-snes_view")
+        for words in ("SNES Function norm", "an earlier factorization, turned with the nodes", "MUMPS factorization in single precision",
+                      "entries of the factors"):
+            self.assertIn(words, done.stdout)
         self.assertEqual(done.stderr, "")
         direct = self.run_input(self.input, "solver.newton.relative=1e-11", output="direct")
         iterated = self.run_input(self.input, "solver.newton.relative=1e-11", output="iterated",

@@ -222,7 +222,8 @@ class Continuation(RestartTest):
         """Results may go to another directory; the place from which the program is called does not matter."""
         self.run_input(self.input, output="whole")
         first = checkpoints(self.out("whole"))[0]
-        self.resume(first, "--output", "more")
+        done = self.resume(first, "--output", "more", "--", "-ksp_max_it", "5000")
+        self.assertIn("the run had the PETSc options '', now they are '", done.stderr)
         whole, more = read_history(self.out("whole")), read_history(self.out("more"))
         step = int(first.stem.rsplit("-", 1)[1])
         self.assertEqual(self.text("more").splitlines()[1:], self.text("whole").splitlines()[step + 2:])
