@@ -199,11 +199,10 @@ bool nothing_moves(const Config& config) {
 std::vector<std::string> without_effect(const Config& config) {
   const std::string& method = config.time.method.value;
   std::vector<std::string> what;
+  const char* nothing =
+      method == static_method ? "no effect on a static equilibrium" : "no effect on quasi-static equilibria";
   const auto tell_if = [&](bool is_there, const char* of_what) {
-    if (is_there)
-      what.push_back(fmt::format("{} no effect on {} equilibri{}", of_what,
-                                 method == static_method ? "a static" : "quasi-static",
-                                 method == static_method ? "um" : "a"));
+    if (is_there) what.push_back(fmt::format("{} {}", of_what, nothing));
   };
   const bool has_velocity = !is_zero(config.initial.velocity);
   if (method == quasistatic_method) tell_if(has_velocity, "the initial velocity has");
