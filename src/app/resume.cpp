@@ -13,6 +13,8 @@
 #include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <ranges>
+#include <string_view>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -22,32 +24,38 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What does not concern the state; a key with those below it.
-constexpr std::array changeable{"time.end", "time.step", "time.min_step", "solver", "output", "checkpoint", "title"};
+/// What does not concern the state: a key, with those below it, and how to take its value over.
+struct Changeable {
+  std::string_view key;
+  void (*take)(Config& to, const Config& from);
+};
+
+constexpr std::array<Changeable, 7> changeable{
+    {{"time.end", [](Config& to, const Config& from) { to.time.end = from.time.end; }},
+     {"time.step", [](Config& to, const Config& from) { to.time.step = from.time.step; }},
+     {"time.min_step", [](Config& to, const Config& from) { to.time.min_step = from.time.min_step; }},
+     {"solver", [](Config& to, const Config& from) { to.solver = from.solver; }},
+     {"output", [](Config& to, const Config& from) { to.output = from.output; }},
+     {"checkpoint", [](Config& to, const Config& from) { to.checkpoint = from.checkpoint; }},
+     {"title", [](Config& to, const Config& from) { to.title = from.title; }}}};
 
 void check_changes(const std::vector<Override>& overrides) {
   std::vector<Diagnostic> refused;
   for (const auto& change : overrides) {
     const bool may_change = std::ranges::any_of(
-        changeable, [&](const std::string& key) { return change.path == key || change.path.starts_with(key + "."); });
+        changeable, [&](const Changeable& one) { return (change.path + '.').starts_with(std::string(one.key) + '.'); });
     if (may_change) continue;
     refused.push_back({{"--set " + change.path, 0, 0},
                        fmt::format("this cannot change in a run that goes on; what can: {}; for all else start anew "
                                    "with `pliant run`",
-                                   fmt::join(changeable, ", "))});
+                                   fmt::join(changeable | std::views::transform(&Changeable::key), ", "))});
   }
   if (!refused.empty()) throw InputError(std::move(refused));
 }
 
 /// The earlier configuration with what may change as it is now.
 Config changed(Config earlier, const Config& now) {
-  earlier.title = now.title;
-  earlier.time.end = now.time.end;
-  earlier.time.step = now.time.step;
-  earlier.time.min_step = now.time.min_step;
-  earlier.solver = now.solver;
-  earlier.output = now.output;
-  earlier.checkpoint = now.checkpoint;
+  for (const Changeable& one : changeable) one.take(earlier, now);
   return earlier;
 }
 
