@@ -81,6 +81,7 @@ class TreeBuilder : public YAML::EventHandler {
   }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                 const std::string& value) override {
+    refuse_own(tag, mark);
     InputNode scalar = node(InputNode::Kind::scalar, mark);
     scalar.text = value;
     if (tag == "!") scalar.style = InputNode::Style::quoted;
@@ -99,12 +100,14 @@ class TreeBuilder : public YAML::EventHandler {
     copy.key.clear();
     finish(std::move(copy), 0);
   }
-  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+  void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                        YAML::EmitterStyle::value) override {
+    refuse_own(tag, mark);
     start(InputNode::Kind::list, mark, anchor);
   }
-  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t anchor,
+  void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                   YAML::EmitterStyle::value) override {
+    refuse_own(tag, mark);
     start(InputNode::Kind::map, mark, anchor);
   }
   void OnSequenceEnd() override { close(); }
@@ -124,6 +127,13 @@ class TreeBuilder : public YAML::EventHandler {
   };
 
   Location at(const YAML::Mark& mark) const { return {file_, mark.line + 1, mark.column + 1}; }
+
+  /// Tags of programs, such as '!include': what they mean there does not happen here. YAML's own, '!!str', are passed
+  /// over.
+  void refuse_own(const std::string& tag, const YAML::Mark& mark) const {
+    if (tag.size() > 1 && tag.front() == '!')
+      throw InputError(at(mark), "inputs have no tags such as '" + excerpt(tag) + "': leave it out");
+  }
 
   void count(const YAML::Mark& mark, std::size_t more) {
     num_nodes_ += more;

@@ -144,8 +144,9 @@ Format<Selection> named_selection() {
   const auto group = text();
   Format<Selection> format{"name or tag of a physical group", shared({{"type", {"string", "integer"}}}), {}, {}};
   format.read = [group](const InputNode& node, const std::string& name, Problems& problems, Selection& into) {
-    if (!group.read(node, name, problems, into.name)) return false;
-    return !into.name.empty() || refuse(node, name, "the name or tag of a physical group", problems);
+    const bool empty = node.kind == InputNode::Kind::scalar && node.text.empty();
+    if (empty) return refuse(node, name, "the name or tag of a physical group", problems);
+    return group.read(node, name, problems, into.name);
   };
   format.write = [group](const Selection& s) { return group.write(s.name); };
   return format;
@@ -196,9 +197,9 @@ Format<int> integer(const Range& range) {
 }
 
 Format<std::string> text() {
-  Format<std::string> format{"text", shared({{"type", {"string", "number"}}}), {}, {}};
+  Format<std::string> format{"text", shared({{"type", {"string", "number"}}, {"minLength", 1}}), {}, {}};
   format.read = [](const InputNode& node, const std::string& name, Problems& problems, std::string& into) {
-    if (node.kind != InputNode::Kind::scalar) return refuse(node, name, "a text", problems);
+    if (node.kind != InputNode::Kind::scalar || node.text.empty()) return refuse(node, name, "a text", problems);
     into = node.text;
     return true;
   };
@@ -216,7 +217,7 @@ Format<std::string> column_name() {
   format.read = [read = format.read, type = format.type](const InputNode& node, const std::string& name,
                                                          Problems& problems, std::string& into) {
     if (!read(node, name, problems, into)) return false;
-    const bool good = !into.empty() && trimmed(into) == into && into.find_first_of(",;\"'\t\r\n") == std::string::npos;
+    const bool good = trimmed(into) == into && into.find_first_of(",;\"'\t\r\n") == std::string::npos;
     return good || refuse(node, name, "a " + type, problems);
   };
   return format;

@@ -86,6 +86,11 @@ INSTANTIATE_TEST_SUITE_P(
                       Bad{5, "time: {step: 0.01, end: 1, @~: 1}", "a key must be a word, not empty"},
                       Bad{5, "time: {step: 0.01 end@: 1}", "YAML"},
                       Bad{5, "time: &t {step: 0.01, end: @*t}", "this alias stands inside what it refers to"},
+                      Bad{1, "mesh: {file: @\"\"}", "'file' must be a text, not ''"},
+                      Bad{1, "mesh: {file: @!!str}", "'file' must be a text, not ''"},
+                      Bad{5, "time: @!include time.yaml", "inputs have no tags such as '!include'"},
+                      Bad{5, "time: @!Time {step: 0.01, end: 1}", "inputs have no tags such as '!Time'"},
+                      Bad{6, "probes: @!a []", "inputs have no tags such as '!a'"},
                       Bad{6, "title: |\n  a\n  b\nelement: @*q", "anchor"},
                       Bad{6, "title: @`x`", "cannot start with this character"},
                       Bad{6, "title: a@\x7F", "control character"}));
