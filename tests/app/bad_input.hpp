@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <ctime>
+#include <fstream>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -66,6 +68,17 @@ inline void PrintTo(const Bad& bad, std::ostream* out) {
   *out << bad.replacement;
 }
 
+/// With the environment's PLIANT_KEEP_MISTAKES=FOLDER: the input, and beside it what must be told of it at which place,
+/// for the program to be run with (tests/program/test_errors.py).
+inline void keep_if_wanted(const std::string& text, const Location& where, const char* message) {
+  const char* folder = std::getenv("PLIANT_KEEP_MISTAKES");
+  if (folder == nullptr) return;
+  static int count = 0;
+  const std::string name = std::to_string(++count) + ".yaml";
+  std::ofstream(folder + ("/" + name)) << text;
+  std::ofstream(folder + ("/" + name + ".told")) << to_string({name, where.line, where.column}) << '\n' << message;
+}
+
 /// The mistake is told once, at its place.
 inline void expect_told_once(const Bad& bad) {
   std::string text = with_line(bad.line, bad.replacement);
@@ -76,6 +89,7 @@ inline void expect_told_once(const Bad& bad) {
     expected.column = static_cast<int>(marker - line_start) + 1;
     text.erase(marker, 1);
   }
+  keep_if_wanted(text, expected, bad.message);
   const auto found = mistakes(text);
   ASSERT_EQ(found.size(), 1u) << told(found);
   EXPECT_EQ(to_string(found[0].where), to_string(expected)) << told(found);

@@ -4,14 +4,15 @@ import itertools
 import os
 import pathlib
 import re
+import subprocess
 import sys
 import unittest
 
 import h5py
 import numpy as np
 
-from mistakes import MistakesTest
-from program import LINE, UNSIGNALLED, box, finish, start, write_box, write_mesh
+from mistakes import LONG, MistakesTest
+from program import ENVIRONMENT, LINE, PROGRAM, UNSIGNALLED, box, finish, start, write_box, write_mesh
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "mesh"))
 
@@ -275,6 +276,19 @@ class Errors(MistakesTest):
 
     def test_mistakes_in_the_input(self):
         self.judge_all(self.cases_of(BAD_LINES), READ_ALIKE)
+
+    @unittest.skipUnless(LONG, "runs the program six hundred times")
+    def test_mistakes_that_are_tried_in_process(self):
+        kept = self.directory / "kept"
+        kept.mkdir()
+        subprocess.run([PROGRAM.with_name("test_app"), "--gtest_filter=*IsToldOnceAtItsPlace*"], check=True, stdout=subprocess.DEVNULL,
+                       env=ENVIRONMENT | {"PLIANT_KEEP_MISTAKES": str(kept)})
+        cases = {}
+        for told in kept.glob("*.told"):
+            place, message = told.read_text().split("\n", 1)
+            cases[f"{told.stem}: {message}"] = (kept, ["run", told.stem], 2, place, re.escape(message))
+        self.assertGreater(len(cases), 200)
+        self.judge_all(cases, {1: 1, 2: 1})
 
     def test_mistakes_against_the_mesh(self):
         self.judge_all(self.cases_of(BAD_AGAINST_THE_MESH), HELD_IN_PARTS)
