@@ -33,13 +33,13 @@ fi
 mkdir -p "$fuzz/findings/of_hdf5"
 status=0
 
-# Puts the files of a name aside over which HDF5 crashes before it comes back to Pliant, or takes gigabytes: those are to
-# be tried with the program.
+# Puts the files of a name aside over which HDF5 itself crashes or takes gigabytes: those are to be tried with the program.
 set_hdf5s_own_aside() {
-  local file
+  local file innermost
   for file in "$fuzz/findings/$1"-{crash,oom}-*; do
     [[ -e $file ]] || continue
-    if [[ $file == *-oom-* ]] || { "$fuzz/bin/fuzz_$1" "$file" 2>&1 || true; } | grep -m 1 -o 'in pliant::\|libhdf5' | grep -q libhdf5; then
+    innermost=$({ "$fuzz/bin/fuzz_$1" -malloc_limit_mb=200 "$file" 2>&1 || true; } | grep -m 1 -o "$root/src/\|libhdf5" || true)
+    if [[ $innermost == libhdf5 || -z $innermost && $file == *-oom-* ]]; then  # the latter: what others had left in that process
       mv "$file" "$fuzz/findings/of_hdf5"
     fi
   done

@@ -100,7 +100,9 @@ std::string read_text(hid_t file, const std::string& name) {
     throw FileError("cannot " + doing + ": it is not a text");
   }
   require_stored(made.get(), doing);
-  std::string text(H5Tget_size(type.get()), '\0');
+  const std::size_t size = H5Tget_size(type.get());
+  require_room(made.get(), static_cast<double>(size), doing);  // in pieces it may be shorter than it says
+  std::string text(size, '\0');
   check_hdf5(H5Dread(made.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()), doing);
   text.resize(std::min(text.size(), text.find('\0')));
   return text;

@@ -178,6 +178,13 @@ std::vector<hsize_t> sizes_of(hid_t dataset) {
   return sizes;
 }
 
+void require_room(hid_t dataset, double bytes, const std::string& doing) {
+  const Hdf5Handle file(H5Iget_file_id(dataset), H5Fclose, doing);
+  hsize_t size = 0;
+  check_hdf5(H5Fget_filesize(file.get(), &size), doing);
+  if (static_cast<double>(size) < bytes) throw FileError("cannot " + doing + ": the file is shorter");
+}
+
 void require_stored(hid_t dataset, const std::string& doing) {
   const Hdf5Handle creation(H5Dget_create_plist(dataset), H5Pclose, doing);
   const H5D_layout_t layout = H5Pget_layout(creation.get());
@@ -187,6 +194,7 @@ void require_stored(hid_t dataset, const std::string& doing) {
       static_cast<double>(H5Tget_size(type.get())) * static_cast<double>(H5Sget_simple_extent_npoints(space.get()));
   const auto stored = static_cast<double>(H5Dget_storage_size(dataset));
   if (stored < claimed) throw FileError("cannot " + doing + ": the file holds a part of it only");
+  require_room(dataset, claimed, doing);
 }
 
 void read_rows(hid_t dataset, const Hdf5Rows& rows, hid_t type, void* values) {

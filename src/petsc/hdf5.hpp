@@ -86,6 +86,9 @@ struct Hdf5Rows {
   std::int64_t count = 0;
 };
 
+/// Throws FileError "cannot <doing>: ..." if the dataset's file is shorter than so many bytes.
+void require_room(hid_t dataset, double bytes, const std::string& doing);
+
 /// Throws FileError "cannot <doing>: ..." if the file holds less than the dataset's sizes say: HDF5 1.10 reads on
 /// behind its end.
 void require_stored(hid_t dataset, const std::string& doing);

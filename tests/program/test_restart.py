@@ -165,7 +165,7 @@ class Continuation(RestartTest):
         for ranks in ((1, 2, 3), (1,), (2,), (3,)):
             for name, settings in kinds.items():
                 with self.subTest(name, ranks=ranks):
-                    self.check_kills([*settings, "time.end=1", "checkpoint.every=2"], ranks, 20, chance)
+                    self.check_kills([*settings, "time.end=2", "checkpoint.every=2"], ranks, 20, chance)
 
     def chance(self):
         seed = random.randrange(2**32)
