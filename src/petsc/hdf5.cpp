@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
 namespace pliant {
@@ -13,6 +14,15 @@ namespace {
 herr_t keep_first(unsigned level, const H5E_error2_t* error, void* text) {
   if (level == 0 && error->desc != nullptr) *static_cast<std::string*>(text) = error->desc;
   return 0;
+}
+
+// HDF5's file drivers wrap the system's words into the time (with a line break), the file's name and numbers.
+std::string in_short(const std::string& description) {
+  constexpr std::string_view before = "error message = '";
+  const std::size_t found = description.find(before);
+  if (found == std::string::npos) return description;
+  const std::size_t begin = found + before.size();
+  return description.substr(begin, description.find("',", begin) - begin);
 }
 
 void write_scalar(hid_t object, const std::string& name, hid_t type, const void* value) {
@@ -43,7 +53,7 @@ void check_hdf5(std::int64_t code, const std::string& doing) {
   if (code >= 0) return;
   std::string reason;
   (void)H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_first, &reason);
-  throw FileError("cannot " + doing + (reason.empty() ? "" : ": " + reason));
+  throw FileError("cannot " + doing + (reason.empty() ? "" : ": " + in_short(reason)));
 }
 
 Hdf5Handle::Hdf5Handle(hid_t id, Closer closer, const std::string& doing) : id_(id), closer_(closer) {

@@ -3,6 +3,8 @@
 #include "petsc/hdf5.hpp"
 
 #include <array>
+#include <functional>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -33,6 +35,23 @@ TEST(Hdf5, WhatWasNeverStoredIsNotRead) {
       H5Dcreate2(file.get(), "empty", H5T_NATIVE_DOUBLE, space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose,
       "make a dataset");
   EXPECT_THROW(require_stored(dataset.get(), "read"), FileError);
+}
+
+std::string told_by(const std::function<void()>& act) {
+  try {
+    const QuietHdf5 quiet;
+    act();
+  } catch (const FileError& e) {
+    return e.what();
+  }
+  return "nothing";
+}
+
+TEST(Hdf5, TellsTheSystemsWordsInOneLine) {
+  EXPECT_EQ(told_by([] { open_hdf5("no/such/folder/file.h5", Hdf5Mode::create); }),
+            "cannot create 'no/such/folder/file.h5': No such file or directory");
+  EXPECT_EQ(told_by([] { open_hdf5("/dev/full", Hdf5Mode::create, /*user_block=*/512).close("write the file"); }),
+            "cannot create '/dev/full': No space left on device");
 }
 
 }  // namespace
