@@ -7,6 +7,7 @@
 #include <fstream>
 #include <iterator>
 #include <random>
+#include <sys/resource.h>
 
 #include <gtest/gtest.h>
 #include <hdf5.h>
@@ -54,12 +55,22 @@ std::ptrdiff_t num_open_in_hdf5() {
   return H5Fget_obj_count(static_cast<hid_t>(H5F_OBJ_ALL), H5F_OBJ_ALL);
 }
 
+/// What this process has held at most [MB].
+long peak_memory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss / 1024;
+}
+
 class Reader : public ::testing::TestWithParam<Target> {};
 
 TEST_P(Reader, TakesOrRefusesItsCorpus) {
   const auto corpus = corpus_of(GetParam().name);
   ASSERT_GE(corpus.size(), 3u);
-  for (const auto& [name, bytes] : corpus) EXPECT_NO_THROW(GetParam().run(bytes)) << name;
+  for (const auto& [name, bytes] : corpus) {
+    EXPECT_NO_THROW(GetParam().run(bytes)) << name;
+    ASSERT_LT(peak_memory(), 1000) << name << " was believed about how much it holds";
+  }
 }
 
 TEST_P(Reader, TakesOrRefusesWhatIsDamaged) {
