@@ -33,6 +33,20 @@ void write_scalar(hid_t object, const std::string& name, hid_t type, const void*
   check_hdf5(H5Awrite(attribute.get(), type, value), doing);
 }
 
+/// A piece of it, unpacked, must have room for its part of each row.
+void require_pieces_in_rows(hid_t dataset, hid_t creation, hid_t type, const std::string& doing) {
+  const std::vector<hsize_t> sizes = sizes_of(dataset);
+  std::vector<hsize_t> piece(sizes.size());
+  check_hdf5(H5Pget_chunk(creation, static_cast<int>(piece.size()), piece.data()), doing);
+  for (std::size_t i = 1; i < sizes.size(); ++i) {
+    if (piece[i] > sizes[i]) throw FileError("cannot " + doing + ": it lies in pieces that are wider than its rows");
+  }
+  const H5T_class_t kind = H5Tget_class(type);
+  if ((kind == H5T_INTEGER || kind == H5T_FLOAT) && H5Tget_size(type) > 8) {
+    throw FileError("cannot " + doing + ": its numbers have more than 8 bytes");
+  }
+}
+
 herr_t append_name(hid_t, const char* name, const H5L_info_t*, void* names) {
   static_cast<std::vector<std::string>*>(names)->emplace_back(name);
   return 0;
@@ -198,8 +212,9 @@ void require_room(hid_t dataset, double bytes, const std::string& doing) {
 void require_stored(hid_t dataset, const std::string& doing) {
   const Hdf5Handle creation(H5Dget_create_plist(dataset), H5Pclose, doing);
   const H5D_layout_t layout = H5Pget_layout(creation.get());
-  if (layout != H5D_CONTIGUOUS && layout != H5D_COMPACT) return;
   const Hdf5Handle type(H5Dget_type(dataset), H5Tclose, doing), space(H5Dget_space(dataset), H5Sclose, doing);
+  if (layout == H5D_CHUNKED) require_pieces_in_rows(dataset, creation.get(), type.get(), doing);
+  if (layout != H5D_CONTIGUOUS && layout != H5D_COMPACT) return;
   const double claimed =
       static_cast<double>(H5Tget_size(type.get())) * static_cast<double>(H5Sget_simple_extent_npoints(space.get()));
   const auto stored = static_cast<double>(H5Dget_storage_size(dataset));

@@ -47,6 +47,29 @@ std::string told_by(const std::function<void()>& act) {
   return "nothing";
 }
 
+// Two rows of three numbers, packed.
+Hdf5Handle in_pieces(hid_t file, const char* name, hsize_t width, hid_t type) {
+  const std::array<hsize_t, 2> sizes{2, 3}, most{2, H5S_UNLIMITED}, piece{2, width};
+  const Hdf5Handle space(H5Screate_simple(2, sizes.data(), most.data()), H5Sclose, "make a space");
+  const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "choose pieces");
+  check_hdf5(H5Pset_chunk(creation.get(), 2, piece.data()), "choose pieces");
+  check_hdf5(H5Pset_deflate(creation.get(), 4), "choose pieces");
+  return {H5Dcreate2(file, name, type, space.get(), H5P_DEFAULT, creation.get(), H5P_DEFAULT), H5Dclose,
+          "make a dataset"};
+}
+
+TEST(Hdf5, PiecesAreNotLargerThanWhatTheyArePiecesOf) {
+  const Hdf5Handle file = file_in_memory();
+  const auto told = [&](const char* name, hsize_t width, hid_t type) {
+    const Hdf5Handle dataset = in_pieces(file.get(), name, width, type);
+    return told_by([&] { require_stored(dataset.get(), "read"); });
+  };
+  EXPECT_EQ(told("narrow", 1, H5T_NATIVE_DOUBLE), "nothing");
+  EXPECT_EQ(told("whole rows", 3, H5T_NATIVE_DOUBLE), "nothing");
+  EXPECT_EQ(told("wide", 4, H5T_NATIVE_DOUBLE), "cannot read: it lies in pieces that are wider than its rows");
+  EXPECT_EQ(told("long", 3, H5T_NATIVE_LDOUBLE), "cannot read: its numbers have more than 8 bytes");
+}
+
 TEST(Hdf5, TellsTheSystemsWordsInOneLine) {
   EXPECT_EQ(told_by([] { open_hdf5("no/such/folder/file.h5", Hdf5Mode::create); }),
             "cannot create 'no/such/folder/file.h5': No such file or directory");
