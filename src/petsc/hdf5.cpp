@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <string_view>
 #include <utility>
 
@@ -34,16 +35,24 @@ void write_scalar(hid_t object, const std::string& name, hid_t type, const void*
 }
 
 /// A piece of it, unpacked, must have room for its part of each row.
-void require_pieces_in_rows(hid_t dataset, hid_t creation, hid_t type, const std::string& doing) {
+void require_pieces_in_rows(hid_t dataset, hid_t creation, const std::string& doing) {
   const std::vector<hsize_t> sizes = sizes_of(dataset);
   std::vector<hsize_t> piece(sizes.size());
   check_hdf5(H5Pget_chunk(creation, static_cast<int>(piece.size()), piece.data()), doing);
   for (std::size_t i = 1; i < sizes.size(); ++i) {
     if (piece[i] > sizes[i]) throw FileError("cannot " + doing + ": it lies in pieces that are wider than its rows");
   }
+}
+
+/// A file can say that the bits of a number lie outside of it, where HDF5 1.10 then looks for them.
+void require_usual_numbers(hid_t type, const std::string& doing) {
+  const auto is = [type](hid_t usual) { return H5Tequal(type, usual) > 0; };
+  const std::size_t size = H5Tget_size(type);
   const H5T_class_t kind = H5Tget_class(type);
-  if ((kind == H5T_INTEGER || kind == H5T_FLOAT) && H5Tget_size(type) > 8) {
-    throw FileError("cannot " + doing + ": its numbers have more than 8 bytes");
+  const bool usual_integer = std::has_single_bit(size) && size <= 8 && H5Tget_precision(type) == 8 * size;
+  const bool usual_float = is(H5T_IEEE_F64LE) || is(H5T_IEEE_F32LE) || is(H5T_IEEE_F64BE) || is(H5T_IEEE_F32BE);
+  if ((kind == H5T_INTEGER && !usual_integer) || (kind == H5T_FLOAT && !usual_float)) {
+    throw FileError("cannot " + doing + ": its numbers are neither whole ones nor those of IEEE 754, of 1 to 8 bytes");
   }
 }
 
@@ -168,6 +177,7 @@ std::int64_t integer_attribute(hid_t object, const std::string& name) {
   if (H5Tget_class(type.get()) != H5T_INTEGER || H5Sget_simple_extent_npoints(space.get()) != 1) {
     throw FileError("cannot " + doing + ": it is not a whole number");
   }
+  require_usual_numbers(type.get(), doing);
   std::int64_t value = 0;
   check_hdf5(H5Aread(attribute.get(), H5T_NATIVE_INT64, &value), doing);
   return value;
@@ -213,7 +223,8 @@ void require_stored(hid_t dataset, const std::string& doing) {
   const Hdf5Handle creation(H5Dget_create_plist(dataset), H5Pclose, doing);
   const H5D_layout_t layout = H5Pget_layout(creation.get());
   const Hdf5Handle type(H5Dget_type(dataset), H5Tclose, doing), space(H5Dget_space(dataset), H5Sclose, doing);
-  if (layout == H5D_CHUNKED) require_pieces_in_rows(dataset, creation.get(), type.get(), doing);
+  require_usual_numbers(type.get(), doing);
+  if (layout == H5D_CHUNKED) require_pieces_in_rows(dataset, creation.get(), doing);
   if (layout != H5D_CONTIGUOUS && layout != H5D_COMPACT) return;
   const double claimed =
       static_cast<double>(H5Tget_size(type.get())) * static_cast<double>(H5Sget_simple_extent_npoints(space.get()));

@@ -89,8 +89,8 @@ struct Hdf5Rows {
 /// Throws FileError "cannot <doing>: ..." if the dataset's file is shorter than so many bytes.
 void require_room(hid_t dataset, double bytes, const std::string& doing);
 
-/// Throws FileError "cannot <doing>: ..." if the file holds less than the dataset's sizes say, or in pieces that hold
-/// less than theirs: HDF5 1.10 reads on behind their ends.
+/// Throws FileError "cannot <doing>: ..." if the file holds less than the dataset's sizes say, in pieces that hold less
+/// than theirs, or numbers that reach over their ends: HDF5 1.10 reads on there.
 void require_stored(hid_t dataset, const std::string& doing);
 
 /// Whole rows into `values`, which has room for them. `type`: of the values in memory.

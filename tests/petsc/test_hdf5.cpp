@@ -5,6 +5,8 @@
 #include <array>
 #include <functional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -67,7 +69,22 @@ TEST(Hdf5, PiecesAreNotLargerThanWhatTheyArePiecesOf) {
   EXPECT_EQ(told("narrow", 1, H5T_NATIVE_DOUBLE), "nothing");
   EXPECT_EQ(told("whole rows", 3, H5T_NATIVE_DOUBLE), "nothing");
   EXPECT_EQ(told("wide", 4, H5T_NATIVE_DOUBLE), "cannot read: it lies in pieces that are wider than its rows");
-  EXPECT_EQ(told("long", 3, H5T_NATIVE_LDOUBLE), "cannot read: its numbers have more than 8 bytes");
+}
+
+TEST(Hdf5, NumbersLieWithinTheirBytes) {
+  const Hdf5Handle file = file_in_memory();
+  const Hdf5Handle biased(H5Tcopy(H5T_IEEE_F64LE), H5Tclose, "copy"), shifted(H5Tcopy(H5T_STD_I32LE), H5Tclose, "copy");
+  check_hdf5(H5Tset_ebias(biased.get(), 7), "change");
+  check_hdf5(H5Tset_precision(shifted.get(), 31), "change");
+  const std::vector<std::pair<hid_t, bool>> types{
+      {H5T_IEEE_F32BE, true},   {H5T_NATIVE_DOUBLE, true},   {H5T_STD_U16BE, true}, {H5T_STD_I8LE, true},
+      {H5T_NATIVE_INT64, true}, {H5T_NATIVE_LDOUBLE, false}, {biased.get(), false}, {shifted.get(), false}};
+  for (std::size_t i = 0; i < types.size(); ++i) {
+    const auto [type, usual] = types[i];
+    const Hdf5Handle dataset = in_pieces(file.get(), std::to_string(i).c_str(), 3, type);
+    const std::string told = told_by([&] { require_stored(dataset.get(), "read"); });
+    EXPECT_EQ(told == "nothing", usual) << i << ": " << told;
+  }
 }
 
 TEST(Hdf5, TellsTheSystemsWordsInOneLine) {
