@@ -156,12 +156,19 @@ class LoadAdvance final : public Advance {
 
   StepAttempt attempt(const Step& step) override {
     check(VecCopy(state_.get(), q_.get()));
-    check(VecCopy(state_.get(), start_.get()));
-    check(VecSet(start_velocity_.get(), 0.0));
     StepAttempt result;
     result.time = step.time;
-    result.last_stage = {time_, 1.0, start_.get(), start_velocity_.get(), step.time, time_ - 1.0};
+    result.last_stage = {.time = time_,
+                         .dt = 1.0,
+                         .q0 = start_.get(),
+                         .v0 = start_velocity_.get(),
+                         .load_factor = step.time,
+                         .step_start = time_ - 1.0,
+                         .accepted = state_.get()};
     motion_.start_stage(result.last_stage, q_.get());
+    // Nothing moves: what is given as a function of time has no rate.
+    check(VecCopy(state_.get(), start_.get()));
+    check(VecSet(start_velocity_.get(), 0.0));
     result.report = solve_(result.last_stage, q_.get());
     result.q = result.last_q = q_.get();
     result.v = result.last_a = zero_.get();

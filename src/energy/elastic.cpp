@@ -25,7 +25,7 @@ class ElasticTermOf final : public ElasticTerm {
   double value(const LocalStage& stage, std::span<const double> q) const override {
     const LawNow law = law_at(instant_of(stage));
     return cells_.integrate([&](const Batch& batch) {
-      return [&law, u0 = batch.values(stage.q0), du = batch.change(q, stage.q0)](const Point& point) {
+      return [&law, u0 = batch.values(stage.reference()), du = batch.change(q, stage.reference())](const Point& point) {
         return law->psi_change(point.index(), point.gradient(u0), point.gradient(du));
       };
     });

@@ -25,7 +25,8 @@ IncrementalPotential::IncrementalPotential(const NodeLayout& layout, const Block
     if (terms_[k]->function_of_sum() != nullptr) functions_of_sum_.push_back(k);
   }
   sums_.resize(terms_.size());
-  for (Handle<Vec>* v : {&q_, &d_, &q0_, &v0_, &frozen_, &work_, &diagonal_}) *v = pliant::make_vector(layout);
+  for (Handle<Vec>* v : {&q_, &d_, &q0_, &v0_, &accepted_, &frozen_, &work_, &diagonal_})
+    *v = pliant::make_vector(layout);
 }
 
 std::span<const double> IncrementalPotential::local(Vec q, const Handle<Vec>& work) {
@@ -61,7 +62,13 @@ void IncrementalPotential::clear_prescribed(std::span<double> r) const {
 }
 
 void IncrementalPotential::begin_stage(const StagePoint& stage) {
-  stage_ = {stage.time, stage.dt, stage.load_factor, local(stage.q0, q0_), local(stage.v0, v0_), {}};
+  stage_ = {.time = stage.time,
+            .dt = stage.dt,
+            .load_factor = stage.load_factor,
+            .q0 = local(stage.q0, q0_),
+            .v0 = local(stage.v0, v0_),
+            .step_start = stage.step_start};
+  if (stage.accepted != nullptr) stage_.accepted = local(stage.accepted, accepted_);
   z0_ = stage.z0;
 }
 

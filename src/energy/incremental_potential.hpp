@@ -34,7 +34,7 @@ class IncrementalPotential final : public StageEquation {
   void begin_stage(const StagePoint& stage) override;
   bool refreeze(Vec q) override;
 
-  /// Phi(q) - Phi(q0) [J]; +inf where a barrier is crossed or a number is not finite.
+  /// Phi(q) [J] but for a constant of the stage; +inf where a barrier is crossed or a number is not finite.
   double value(Vec q) override;
   /// r = dPhi/dq [N], zero on prescribed entries.
   void gradient(Vec q, Vec r) override;
@@ -98,7 +98,7 @@ class IncrementalPotential final : public StageEquation {
   std::vector<SumOverRanks> sums_;             // of each term, at the last q
   double sum_rounding_ = 0.0;                  // of the last parts of rank one [N]
   // Copies with ghosts of the vectors spoken of; memory taken once.
-  Handle<Vec> q_, d_, q0_, v0_, frozen_, work_, diagonal_;
+  Handle<Vec> q_, d_, q0_, v0_, accepted_, frozen_, work_, diagonal_;
 };
 
 }  // namespace pliant

@@ -109,8 +109,8 @@ class MeanDilatationTerm final : public ElasticTerm {
     std::vector<Tensor3<Pack>> dF;
     std::vector<Pack> dJ;
     return sum_over_cells([&](const Batch& batch) {
-      start.set(batch, batch.values(stage.q0));
-      const Nodes du = batch.change(q, stage.q0);
+      start.set(batch, batch.values(stage.reference()));
+      const Nodes du = batch.change(q, stage.reference());
       dF.clear();
       dJ.clear();
       Mask valid = start.valid();

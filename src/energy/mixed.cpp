@@ -66,7 +66,7 @@ class MixedTermOf final : public MixedTerm {
   double value(const LocalStage& stage, std::span<const double> q) const override {
     const ConstGhostedView p(pressures_.values());
     return integrate([&](const Batch& batch, std::size_t number) {
-      return [this, u0 = batch.values(stage.q0), du = batch.change(q, stage.q0),
+      return [this, u0 = batch.values(stage.reference()), du = batch.change(q, stage.reference()),
               p = gather_pressures(p.span(), number)](const Point& point) {
         const Tensor3<Pack> H0 = point.gradient(u0), dH = point.gradient(du);
         const VolumeState before(form_, H0), after(form_, H0 + dH);

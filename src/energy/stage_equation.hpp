@@ -32,7 +32,7 @@ class StageEquation {
   /// coefficients follow q, and there is no potential.
   virtual bool refreeze(Vec /*q*/) { return false; }
 
-  /// Phi(q) - Phi(q0) of the terms that are potentials [J]; +inf where a barrier is crossed or a number is not finite.
+  /// Phi(q) of the terms that are potentials [J], but for a constant of the stage; +inf where a barrier is crossed or a number is not finite.
   virtual double value(Vec q) = 0;
   /// r(q) [N], zero on prescribed entries; the gradient of `value` if is_potential().
   virtual void gradient(Vec q, Vec r) = 0;

@@ -21,16 +21,23 @@ struct SumOverRanks {
 
 /// A stage as the terms see it: StagePoint with the arrays of this rank, owned nodes first, then ghosts, xyz per node.
 struct LocalStage {
-  double time = 0.0;           ///< t_i [s]
-  double dt = 0.0;             ///< dt_i [s]
-  double load_factor = 1.0;    ///< multiplies loads
-  std::span<const double> q0;  ///< stage-start displacement [m]
-  std::span<const double> v0;  ///< stage-start velocity [m/s]
-  std::span<const double> z0;  ///< the term's own internal variables at the stage's start
-  SumOverRanks sum = {};       ///< of a FunctionOfSum, at the q of the call
+  double time = 0.0;                ///< t_i [s]
+  double dt = 0.0;                  ///< dt_i [s]
+  double load_factor = 1.0;         ///< multiplies loads
+  std::span<const double> q0 = {};  ///< stage-start displacement [m]
+  std::span<const double> v0 = {};  ///< stage-start velocity [m/s]
+  std::span<const double> z0 = {};  ///< the term's own internal variables at the stage's start
+  SumOverRanks sum = {};            ///< of a FunctionOfSum, at the q of the call
   /// Displacement at which coefficients of terms that refreeze are frozen, at t_i; empty: they follow the q of the
   /// call.
   std::span<const double> frozen = {};
+  /// Displacement from which the step starts, at `step_start` [m]; empty where there is none (StagePoint::accepted).
+  std::span<const double> accepted = {};
+  double step_start = 0.0;  ///< t_n [s]
+
+  /// The displacement from which `EnergyTerm::value` counts: near q, and never beyond a barrier, as q0 may be where a
+  /// method extrapolates it.
+  std::span<const double> reference() const { return accepted.empty() ? q0 : accepted; }
 };
 
 /// What of time an energy may depend on by itself.
@@ -87,8 +94,9 @@ class EnergyTerm {
   virtual std::string_view name() const = 0;
   virtual TermDeclaration declaration() const = 0;
 
-  /// Phi(q) - Phi(q0) of this rank's part [J]: a difference, summed cell by cell with compensation, so that small
-  /// changes survive beside large totals. +inf where a barrier is crossed.
+  /// Phi(q) of this rank's part [J] but for a constant of the stage: a difference from a state near q
+  /// (LocalStage::reference() or q0), summed cell by cell with compensation, so that small changes survive beside large
+  /// totals. +inf where a barrier is crossed.
   virtual double value(const LocalStage& stage, std::span<const double> q) const = 0;
 
   /// r += dPhi/dq [N]. NaN where a barrier is crossed.

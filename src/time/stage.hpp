@@ -28,6 +28,7 @@ struct StagePoint {
   double end_weight = 0.0;
   Vec end_rest = nullptr;  ///< nullptr: zero, as for stiffly accurate methods
   Vec centre = nullptr;    ///< q_n, around which coordinates are taken; nullptr on a vector space
+  Vec accepted = nullptr;  ///< q_n on a vector space: the configuration from which the step starts [m]
 };
 
 enum class StageOutcome { converged, retry, fatal };

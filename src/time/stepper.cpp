@@ -47,7 +47,7 @@ StepAttempt Stepper::attempt(const History& history, const Step& step) & {
     stage.time = step.time - weight.beta * (1.0 - method_.c[i]) * step.dt;  // exactly the end of the step for c_i = 1
     stage.dt = weight.beta * method_.A[i][i] * step.dt;
     stage.step_start = history.newest().time;
-    if (system_.space) stage.centre = history.newest().q.get();
+    (system_.space ? stage.centre : stage.accepted) = history.newest().q.get();
     start_stage(i, history, stage);
     const StageReport report = system_.solve(stage, q_.stage());
     attempt.report.newton_iterations += report.newton_iterations;
