@@ -55,6 +55,9 @@ class OwnSolver {
   }
   void forget() { tied_ ? tied_->forget() : plain_->forget(); }
   std::optional<FailedStage> examine() { return tied_ ? tied_->examine() : plain_->examine(); }
+  void watch(std::function<void(const StageProgress&)> watcher) {
+    tied_ ? tied_->watch(std::move(watcher)) : plain_->watch(std::move(watcher));
+  }
   const SolverStatistics& statistics() const { return tied_ ? tied_->statistics() : plain_->statistics(); }
   std::string description() const { return description_; }
 
@@ -90,6 +93,7 @@ class TimeAdvance final : public Advance {
   }
   void forget() override { own_.forget(); }
   std::optional<FailedStage> examine() override { return own_.examine(); }
+  void watch(std::function<void(const StageProgress&)> watcher) override { own_.watch(std::move(watcher)); }
   const SolverStatistics& solver_statistics() const override { return own_.statistics(); }
   std::vector<std::string> description() const override { return {own_.description()}; }
 
@@ -150,12 +154,13 @@ class LoadAdvance final : public Advance {
  public:
   LoadAdvance(const Config& config, Model& model, Vec q)
       : own_(config, model), solve_(own_.stage_solve()), motion_(model.constraints().motion()), time_(config.time.end) {
-    for (Handle<Vec>* v : {&state_, &q_, &start_, &zero_, &start_velocity_}) *v = make_vector(model.layout());
+    for (Handle<Vec>* v : {&state_, &earlier_, &q_, &start_, &zero_, &start_velocity_})
+      *v = make_vector(model.layout());
     check(VecCopy(q, state_.get()));
   }
 
   StepAttempt attempt(const Step& step) override {
-    check(VecCopy(state_.get(), q_.get()));
+    extrapolate(step.time);
     StepAttempt result;
     result.time = step.time;
     result.last_stage = {.time = time_,
@@ -176,26 +181,40 @@ class LoadAdvance final : public Advance {
   }
 
   void accept(const StepAttempt& attempt) override {
+    check(VecCopy(state_.get(), earlier_.get()));
+    earlier_factor_ = std::exchange(load_factor_, attempt.time);
     check(VecCopy(attempt.q, state_.get()));
-    load_factor_ = attempt.time;
   }
   StateView state() const override { return {load_factor_, state_.get(), zero_.get()}; }
   void keep(Archive& archive) override {
     archive.number("load_factor", load_factor_);
     archive.vector("q", Entries::nodes, state_.get());
+    archive.number("earlier_load_factor", earlier_factor_);
+    archive.vector("earlier_q", Entries::nodes, earlier_.get());
   }
   void forget() override { own_.forget(); }
   std::optional<FailedStage> examine() override { return own_.examine(); }
+  void watch(std::function<void(const StageProgress&)> watcher) override { own_.watch(std::move(watcher)); }
   const SolverStatistics& solver_statistics() const override { return own_.statistics(); }
   std::vector<std::string> description() const override { return {own_.description()}; }
 
  private:
+  /// The guess: on the line through the last two states.
+  void extrapolate(double load_factor) {
+    constexpr double longest = 2.0;  // of the step before
+    check(VecCopy(state_.get(), q_.get()));
+    const double before = load_factor_ - earlier_factor_;
+    if (before <= 0.0) return;
+    const double part = std::min((load_factor - load_factor_) / before, longest);
+    check(VecAXPBYPCZ(q_.get(), part, -part, 1.0, state_.get(), earlier_.get()));
+  }
+
   OwnSolver own_;
   StageSolve solve_;
   PrescribedMotion motion_;
   double time_;
-  double load_factor_ = 0.0;
-  Handle<Vec> state_, q_, start_, zero_, start_velocity_;
+  double load_factor_ = 0.0, earlier_factor_ = 0.0;
+  Handle<Vec> state_, earlier_, q_, start_, zero_, start_velocity_;
 };
 
 /// Pressures and tied displacements have no common solver yet.

@@ -7,6 +7,7 @@
 #include "solver/newton.hpp"
 #include "time/integrator.hpp"
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,6 +38,9 @@ class Advance {
   /// What is known of the stage at which the last attempt failed; nothing of PETSc's integrators. Leaves the pressures
   /// that are unknowns at that stage. Collective.
   virtual std::optional<FailedStage> examine() { return std::nullopt; }
+
+  /// Calls `watcher` at each iteration of Newton's method; PETSc's integrators do not.
+  virtual void watch(std::function<void(const StageProgress&)> /*watcher*/) {}
 
   virtual const SolverStatistics& solver_statistics() const = 0;
   /// How it works, line by line, for the log.

@@ -25,6 +25,10 @@ namespace {
 
 /// A run that was just killed may take a moment to end.
 constexpr std::chrono::seconds patience{5};
+/// Part of the forces left by a solve that ended at rounding, beyond which results may show it.
+constexpr double doubtful_rounding = 1e-6;
+/// Of a stage that takes longer than this many seconds the user hears.
+constexpr double long_stage = 30.0;
 
 using Clock = std::chrono::steady_clock;
 
@@ -73,6 +77,7 @@ class Run {
     });
     introduce();
     simulation_.emplace(config, model_);
+    simulation_->watch([this](const StageProgress& stage) { tell_of_long_stage(stage); });
     for (const auto& line : simulation_->description()) console.print(line);
     std::optional<Recorded> earlier;
     if (from != nullptr) {
@@ -288,15 +293,44 @@ class Run {
                     "by the method {:.6g}; balance {:+.3g}",
                     e.kinetic, e.elastic, e.load_potential, e.load_work - e.support_work, e.support_work, e.dissipated,
                     e.numerical_dissipation, e.balance_error));
+    warn_of_solutions(s);
+    console_.print(fmt::format("results: {0}/result.xdmf, {0}/history.csv", config_.output.directory));
+    for (const auto& option : unused_petsc_options()) {
+      console_.warn(fmt::format("PETSc option {} was not used by any object; is it misspelt?", option));
+    }
+  }
+
+  /// Once a stage has taken long, and each time it has taken twice as long.
+  void tell_of_long_stage(const StageProgress& stage) {
+    if (stage.iteration == 0 && stage.seconds < long_stage) told_at_ = 0.0;
+    if (stage.seconds < std::max(long_stage, 2.0 * told_at_)) return;
+    told_at_ = stage.seconds;
+    console_.print(
+        fmt::format("note: the step after {} = {:.6g}{} takes long: {:.0f} s so far, {} iterations of "
+                    "Newton's method, residual {:.1e} N of {:.1e} N wanted, {} linear iterations for the "
+                    "last",
+                    variable(), record().time, is_static() ? "" : " s", stage.seconds, stage.iteration, stage.residual,
+                    stage.target, stage.linear_iterations));
+  }
+
+  void warn_of_solutions(const SolverStatistics& s) {
     if (2 * s.unbalanced_stops > s.stages) {
       console_.warn(
           fmt::format("{}: 'solver.newton.absolute' of {:g} N ended {} of {} solves while more than a tenth of the "
                       "forces was unbalanced: this is no solution; give a smaller one, or none",
                       config_.file, config_.solver.newton.absolute, s.unbalanced_stops, s.stages));
     }
-    console_.print(fmt::format("results: {0}/result.xdmf, {0}/history.csv", config_.output.directory));
-    for (const auto& option : unused_petsc_options()) {
-      console_.warn(fmt::format("PETSc option {} was not used by any object; is it misspelt?", option));
+    if (s.worst_rounding > doubtful_rounding) {
+      console_.warn(fmt::format(
+          "{} of {} solves ended where double precision ends, one of them with {:.1e} of the forces unbalanced: the "
+          "body is too stiff for what moves it to be seen more exactly",
+          s.rounding_stops, s.stages, s.worst_rounding));
+    }
+    if (s.unstable_stages > 0) {
+      console_.warn(fmt::format(
+          "{} of {} solves found an equilibrium that is not stable: at the least disturbance the body buckles or snaps "
+          "from there; a dynamic analysis (`time: {{method: bdf2, ...}}`) shows where to",
+          s.unstable_stages, s.stages));
     }
   }
 
@@ -316,6 +350,7 @@ class Run {
   std::int64_t last_frame_ = 0;  // step of the last one that was due
   double largest_energy_ = 0.0;  // so far [J]
   WorstStep worst_;
+  double told_at_ = 0.0;  // seconds that the stage had taken when the user last heard of it
 };
 
 }  // namespace

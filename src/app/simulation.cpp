@@ -86,8 +86,14 @@ void Simulation::keep(Archive& archive) {
 
 StepOutcome Simulation::advance() {
   const Step step = control_->next();
-  const StepAttempt attempt = advance_->attempt(step);
+  StepAttempt attempt = advance_->attempt(step);
   record_.a = nullptr;  // it was the advance's
+  if (attempt.report.outcome == StageOutcome::converged && ends_inside_out(attempt)) {
+    attempt.report.outcome = StageOutcome::retry;
+    attempt.report.reason =
+        "a tetrahedron is inside out at the end of the step, although at none of its stages: the method takes the end "
+        "from all of them";
+  }
   if (attempt.report.outcome != StageOutcome::converged) return reject(attempt, step);
   const double error = advance_->error(attempt);
   if (!control_->accepts(error)) {
@@ -99,6 +105,12 @@ StepOutcome Simulation::advance() {
   control_->accept(error);
   if (control_->at_event()) advance_->restart();
   return {StepOutcome::Kind::accepted, {}, step};
+}
+
+bool Simulation::ends_inside_out(const StepAttempt& attempt) {
+  if (attempt.q == attempt.last_q) return false;  // the line search has seen to it
+  const auto energies = model_.potential().energies(model_.instant(attempt.time), attempt.q, attempt.z);
+  return !std::ranges::all_of(energies, [](double energy) { return std::isfinite(energy); });
 }
 
 StepOutcome Simulation::reject(const StepAttempt& attempt, const Step& step) {

@@ -76,6 +76,9 @@ class Simulation {
   /// after restoring what is kept now.
   void forget() { advance_->forget(); }
 
+  /// Advance::watch.
+  void watch(std::function<void(const StageProgress&)> watcher) { advance_->watch(std::move(watcher)); }
+
   /// What is known of the last attempt's failure; the last thing to ask of a simulation, whose pressures it changes.
   std::optional<FailedStage> examine() { return advance_->examine(); }
 
@@ -84,6 +87,8 @@ class Simulation {
 
  private:
   void set_plan(const Config& config);
+  /// Whether the state at the end of the step, where no stage is, is one that no body can have.
+  bool ends_inside_out(const StepAttempt& attempt);
   StepOutcome reject(const StepAttempt& attempt, const Step& step);
   void accept(const StepAttempt& attempt, const Step& step);
 

@@ -49,7 +49,9 @@ void write_summary(const std::filesystem::path& directory, const Summary& summar
                     {"capped_steps", s.capped_steps},
                     {"projections", s.projections},
                     {"regularizations", s.regularizations},
-                    {"rounding_stops", s.rounding_stops}};
+                    {"rounding_stops", s.rounding_stops},
+                    {"worst_rounding", s.worst_rounding},
+                    {"unstable_stages", s.unstable_stages}};
   if (summary.worst.newton_iterations >= 0) {
     json["worst_step"] = {{"step", summary.worst.step},
                           {"time", summary.worst.time},

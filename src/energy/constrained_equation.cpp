@@ -15,7 +15,8 @@ ConstrainedEquation::ConstrainedEquation(StageEquation& equation, ConstraintMap&
       full_gradient_(equation.make_vector()),
       diagonal_(equation.make_vector()),
       y0_(equation.make_vector()),
-      w0_(equation.make_vector()) {
+      w0_(equation.make_vector()),
+      accepted_(equation.make_vector()) {
   if (!map.is_symmetric()) {
     check(MatMatMult(full_.get(), map.jacobian(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, product_.out()));
   }
@@ -36,6 +37,10 @@ StagePoint ConstrainedEquation::reduce(const StagePoint& stage, Vec q, Vec y) {
   StagePoint reduced = stage;
   reduced.q0 = y0_.get();
   reduced.v0 = w0_.get();
+  if (stage.accepted != nullptr) {
+    map_.restrict(stage.accepted, accepted_.get());
+    reduced.accepted = accepted_.get();
+  }
   return reduced;
 }
 
@@ -169,6 +174,18 @@ double ConstrainedEquation::max_step(Vec y, Vec d) {
   map_.linearize(y);
   check(MatMult(map_.jacobian(), d, d_.get()));
   return equation_.max_step(q_.get(), d_.get());
+}
+
+void ConstrainedEquation::extrapolate_from(Vec y) {
+  if (y != nullptr) map_.expand(y, q_.get());
+  equation_.extrapolate_from(y != nullptr ? q_.get() : nullptr);
+}
+
+double ConstrainedEquation::max_way(Vec y, Vec d) {
+  map_.expand(y, q_.get());
+  map_.linearize(y);
+  check(MatMult(map_.jacobian(), d, d_.get()));
+  return equation_.max_way(q_.get(), d_.get());
 }
 
 double ConstrainedEquation::force_scale(Vec y) {

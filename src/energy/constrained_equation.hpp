@@ -34,7 +34,12 @@ class ConstrainedEquation final : public StageEquation {
   std::size_t num_rank_one() const override { return equation_.num_rank_one(); }
   void rank_one_parts(Vec y, std::vector<RankOne>& parts) override;
   double max_step(Vec y, Vec d) override;
+  double max_way(Vec y, Vec d) override;
+  void extrapolate_from(Vec y) override;
+  bool is_static() const override { return equation_.is_static(); }
+  void lead(double part) override { map_.lead(part); }
   double force_scale(Vec y) override;
+  double inertia_scale() override { return equation_.inertia_scale(); }
   double rounding_floor(Vec y) const override;
   std::vector<std::string> non_potentials() const override;
   Symmetry symmetry() const override;
@@ -54,7 +59,7 @@ class ConstrainedEquation final : public StageEquation {
   Handle<Mat> full_;              // Hessian in q
   Handle<Mat> product_;           // K J, where W is not J
   StagePoint stage_;              // of configurations
-  Handle<Vec> q_, d_, full_gradient_, diagonal_, y0_, w0_;
+  Handle<Vec> q_, d_, full_gradient_, diagonal_, y0_, w0_, accepted_;
 };
 
 }  // namespace pliant

@@ -33,7 +33,7 @@ ConstraintMap::ConstraintMap(const NodeLayout& layout, std::span<const Slave> sl
   C_ = make_matrix(rows);
   J_ = patches_.empty() ? C_.share() : make_jacobian(std::move(rows));
   W_ = J_.share();
-  offset_ = make_vector(layout);
+  for (Handle<Vec>* g : {&offset_, &start_offset_, &end_offset_}) *g = make_vector(layout);
   work_ = make_vector(layout);
 }
 
@@ -87,14 +87,26 @@ void ConstraintMap::set_rigidity(Rigidity rigidity) {
 
 void ConstraintMap::begin_stage(const StagePoint& stage, Vec q) {
   for (RigidPatch& patch : patches_) patch.begin_stage(stage, q);
-  const ArrayView offset(offset_.get());
-  for (const auto& slave : slaves_) {
-    double u = 0.0;
-    for (const GivenTerm& g : slave.given) {
-      u += g.weight * given_[g.source](g.component, g.X, stage.time, stage.load_factor);
+  if (stage.accepted != nullptr) check(MatMult(C_.get(), stage.accepted, work_.get()));
+  {
+    const ConstArrayView accepted(stage.accepted != nullptr ? stage.accepted : q), followed(work_.get());
+    const ArrayView start(start_offset_.get()), end(end_offset_.get());
+    for (const auto& slave : slaves_) {
+      double u = 0.0;
+      for (const GivenTerm& g : slave.given) {
+        u += g.weight * given_[g.source](g.component, g.X, stage.time, stage.load_factor);
+      }
+      end[slave.local_entry] = u;
+      start[slave.local_entry] =
+          stage.accepted != nullptr ? accepted[slave.local_entry] - followed[slave.local_entry] : u;
     }
-    offset[slave.local_entry] = u;
   }
+  lead(1.0);
+}
+
+void ConstraintMap::lead(double part) {
+  check(VecCopy(end_offset_.get(), offset_.get()));
+  if (part != 1.0) check(VecAXPBY(offset_.get(), 1.0 - part, part, start_offset_.get()));
 }
 
 void ConstraintMap::expand(Vec y, Vec q) const {

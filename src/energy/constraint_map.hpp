@@ -28,6 +28,9 @@ class ConstraintMap {
   void set_rigidity(Rigidity rigidity);
   /// The stage that all following calls speak of; q: a guess of its end.
   void begin_stage(const StagePoint& stage, Vec q);
+  /// Brings g to a part of its way from the accepted state (0) to the end of the stage (1), where begin_stage leaves
+  /// it.
+  void lead(double part);
   /// q = T(y).
   void expand(Vec y, Vec q) const;
   /// Brings `jacobian` and `test_matrix` to y.
@@ -89,8 +92,9 @@ class ConstraintMap {
   std::vector<OwnedSlave> slaves_;
   std::vector<RigidPatch> patches_;
   std::vector<char> is_slave_, is_tied_;
-  Handle<Mat> C_, J_, W_;      // the same if T is linear
-  Handle<Vec> offset_, work_;  // g at the stage's time
+  Handle<Mat> C_, J_, W_;                           // the same if T is linear
+  Handle<Vec> offset_, start_offset_, end_offset_;  // g: where it is led, at the accepted state, at the stage's time
+  Handle<Vec> work_;
 };
 
 }  // namespace pliant

@@ -22,7 +22,9 @@ class Contact final : public EnergyTerm {
 
   std::string_view name() const override { return "contact"; }
   TermDeclaration declaration() const override {
-    return {.account = Account::stored, .depends_on_time = obstacle_->moves()};
+    return {.account = Account::stored,
+            .depends_on_time = obstacle_->moves(),
+            .is_wall = surface_->law().kind == NormalKind::barrier};
   }
   double value(const LocalStage& stage, std::span<const double> q) const override;
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override;

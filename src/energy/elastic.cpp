@@ -62,10 +62,18 @@ class ElasticTermOf final : public ElasticTerm {
   void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                    Projection projection) const override {
     const LawNow law = law_at(instant_of(stage));
+    // Of linear elasticity stresses are what they are extrapolated to.
+    const bool extrapolates = !stage.previous.empty() && !law_->traits().constant_tangent;
     const auto tangent_of = [&](const Batch& batch) {
-      return [&law, projection, u = batch.values(q)](const Point& point) {
+      const auto u = batch.values(q), du = extrapolates ? batch.change(q, stage.previous) : u;
+      return [&law, projection, extrapolates, u, du](const Point& point) {
         Tangent<Pack> A;
-        law->tangent(point.index(), point.gradient(u), A);
+        const Tensor3<Pack> H = point.gradient(u);
+        law->tangent(point.index(), H, A);
+        if (extrapolates) {
+          const auto S = [&](const Tensor3<Pack>& at) { return second_stress(at, law->P(point.index(), at)); };
+          add_geometric_stiffness(extrapolation_error(S, H, point.gradient(du)), A);
+        }
         if (projection == Projection::positive_semidefinite) project_to_positive_semidefinite(A);
         return A;
       };

@@ -2,6 +2,8 @@
 
 #include "base/compensated_sum.hpp"
 #include "energy/function_of_sum.hpp"
+#include "energy/rigid_fit.hpp"
+#include "fem/connected_bodies.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/ghosted.hpp"
@@ -25,7 +27,10 @@ IncrementalPotential::IncrementalPotential(const NodeLayout& layout, const Block
     if (terms_[k]->function_of_sum() != nullptr) functions_of_sum_.push_back(k);
   }
   sums_.resize(terms_.size());
-  for (Handle<Vec>* v : {&q_, &d_, &q0_, &v0_, &accepted_, &frozen_, &work_, &diagonal_})
+  free_bodies_ = connected_bodies(layout, [&](PetscInt node) {
+    return prescribed_[3 * node] || prescribed_[3 * node + 1] || prescribed_[3 * node + 2];
+  });
+  for (Handle<Vec>* v : {&q_, &d_, &q0_, &v0_, &accepted_, &previous_, &frozen_, &work_, &diagonal_})
     *v = pliant::make_vector(layout);
 }
 
@@ -123,21 +128,39 @@ void IncrementalPotential::gradient(Vec q, Vec r) {
   clear_prescribed(rows.span());
 }
 
+double IncrementalPotential::force_of(std::size_t k, std::span<const double> q) {
+  {
+    const GhostedView rows(work_.get());
+    std::fill(rows.span().begin(), rows.span().end(), 0.0);
+    terms_[k]->add_gradient(stage_of(k), q, rows.span());
+  }
+  PetscReal norm = 0.0;
+  check(VecNorm(work_.get(), NORM_2, &norm));
+  return norm;
+}
+
 double IncrementalPotential::force_scale(Vec q) {
   const auto at = evaluated_at(q);
   double scale = 0.0;
+  for (std::size_t k = 0; k < terms_.size(); ++k) scale += force_of(k, at);
+  return scale;
+}
+
+double IncrementalPotential::inertia_scale() {
+  double scale = 0.0;
   for (std::size_t k = 0; k < terms_.size(); ++k) {
-    {
-      const GhostedView rows(work_.get());
-      std::fill(rows.span().begin(), rows.span().end(), 0.0);
-      terms_[k]->add_gradient(stage_of(k), at, rows.span());
-      clear_prescribed(rows.span());
-    }
-    PetscReal norm = 0.0;
-    check(VecNorm(work_.get(), NORM_2, &norm));
-    scale += norm;
+    if (terms_[k]->declaration().account == Account::kinetic) scale += force_of(k, stage_.q0);
   }
   return scale;
+}
+
+void IncrementalPotential::extrapolate_from(Vec q) {
+  stage_.previous = q != nullptr ? local(q, previous_) : std::span<const double>{};
+}
+
+bool IncrementalPotential::is_static() const {
+  return std::ranges::none_of(terms_,
+                              [](const EnergyTerm* term) { return term->declaration().account == Account::kinetic; });
 }
 
 void IncrementalPotential::hessian(Vec q, Mat K, Projection projection) {
@@ -212,6 +235,37 @@ double IncrementalPotential::max_step(Vec q, Vec d) {
   double mine = std::numeric_limits<double>::infinity();
   for (const EnergyTerm* term : terms_) mine = std::min(mine, term->max_step(stage_, at, direction));
   return minimum(layout_.comm, mine);
+}
+
+double IncrementalPotential::max_way(Vec q, Vec d) {
+  double mine = std::numeric_limits<double>::infinity();
+  if (std::ranges::none_of(terms_, [](const EnergyTerm* term) { return term->declaration().is_wall; })) return mine;
+  const auto at = local(q, q_);
+  const auto direction = local(d, d_);
+  for (const EnergyTerm* term : terms_) {
+    if (term->declaration().is_wall) mine = std::min(mine, term->max_step(stage_, at, direction));
+  }
+  return minimum(layout_.comm, mine);
+}
+
+bool IncrementalPotential::move_rigidly(Vec q) {
+  if (free_bodies_.empty() || stage_.accepted.empty()) return false;
+  // Where inertia alone would lead.
+  check(VecWAXPY(work_.get(), stage_.dt, v0_.get(), q0_.get()));
+  check(VecCopy(accepted_.get(), q));
+  for (const auto& nodes : free_bodies_) {
+    const Placement from = nearest_placement(layout_, nodes, {}, accepted_.get());
+    const Placement to = nearest_placement(layout_, nodes, {}, work_.get());
+    const ArrayView u(q);
+    for (const PetscInt a : nodes) {
+      const Vector3<double> X = layout_.position(a);
+      const Vector3<double> now = {X[0] + u[3 * a], X[1] + u[3 * a + 1], X[2] + u[3 * a + 2]};
+      // x = x_to(x_from^-1(now)): small differences survive, as both rotations are nearly one.
+      const Vector3<double> moved = moved_from(from, to, now);
+      for (std::size_t i = 0; i < 3; ++i) u[3 * a + static_cast<PetscInt>(i)] += moved[i];
+    }
+  }
+  return true;
 }
 
 double IncrementalPotential::rounding_floor(Vec q) const {

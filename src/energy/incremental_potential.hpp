@@ -54,12 +54,18 @@ class IncrementalPotential final : public StageEquation {
   std::unique_ptr<NodalRotations> make_rotations() const override;
   /// K = d2Phi/dq2 [N/m]; rows and columns of prescribed entries are zero but for the diagonal.
   void hessian(Vec q, Mat K, Projection projection) override;
+  void extrapolate_from(Vec q) override;
+  bool is_static() const override;
   std::size_t num_rank_one() const override { return functions_of_sum_.size(); }
   void rank_one_parts(Vec q, std::vector<RankOne>& parts) override;
+  bool move_rigidly(Vec q) override;
   /// The largest alpha for which q + alpha d stays clear of all barriers.
   double max_step(Vec q, Vec d) override;
-  /// Sum over the terms of the norms of their gradients on free entries [N]: the size of the forces that must balance.
+  double max_way(Vec q, Vec d) override;
+  /// Sum over the terms of the norms of their gradients [N]: the size of the forces that must balance. Prescribed
+  /// entries count, as what holds them balances too: of a body under uniform stress there are no other forces.
   double force_scale(Vec q) override;
+  double inertia_scale() override;
   /// Size of the rounding errors in the gradient at q [N]: |eps K_ii u_i|, with the diagonal of the last Hessian, and
   /// eps c |g| sum |g_i u_i| of the last parts of rank one.
   double rounding_floor(Vec q) const override;
@@ -85,6 +91,8 @@ class IncrementalPotential final : public StageEquation {
   const LocalStage& stage_of(std::size_t k);
   std::span<double> slice(std::span<double> z, std::size_t k) const;
   void clear_prescribed(std::span<double> r) const;
+  /// Norm of the term's forces at q, whose ghosts are up to date.
+  double force_of(std::size_t k, std::span<const double> q);
 
   const NodeLayout& layout_;
   const BlockPattern& pattern_;
@@ -98,7 +106,8 @@ class IncrementalPotential final : public StageEquation {
   std::vector<SumOverRanks> sums_;             // of each term, at the last q
   double sum_rounding_ = 0.0;                  // of the last parts of rank one [N]
   // Copies with ghosts of the vectors spoken of; memory taken once.
-  Handle<Vec> q_, d_, q0_, v0_, accepted_, frozen_, work_, diagonal_;
+  std::vector<std::vector<PetscInt>> free_bodies_;  // owned nodes of each body that nothing holds
+  Handle<Vec> q_, d_, q0_, v0_, accepted_, previous_, frozen_, work_, diagonal_;
 };
 
 }  // namespace pliant

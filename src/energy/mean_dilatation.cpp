@@ -163,7 +163,7 @@ class MeanDilatationTerm final : public ElasticTerm {
     });
   }
 
-  void add_hessian(const LocalStage&, std::span<const double> q, const BlockWriter& K,
+  void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                    Projection projection) const override {
     BatchState at;
     std::vector<DilatedStress<Pack>> stress;
@@ -173,7 +173,8 @@ class MeanDilatationTerm final : public ElasticTerm {
     cells_.for_each_batch([&](const Batch& batch) {
       at.set(batch, batch.values(q));
       stress.clear();
-      const Pack p = pressure(batch, at, stress);
+      Pack p = pressure(batch, at, stress);
+      if (!stage.previous.empty()) p += pressure_error(batch, q, stage.previous, p);
       points.resize(at.size());
       Nodes g{}, h{};
       Pack k_theta = 0.0;
@@ -240,6 +241,27 @@ class MeanDilatationTerm final : public ElasticTerm {
       integral += at.weight(k) * stress.back().pressure;
     }
     return at.mean(integral);
+  }
+
+  /// What is missing from the pressure at q to the one extrapolated from `previous` (extrapolation_error).
+  Pack pressure_error(const Batch& batch, std::span<const double> q, std::span<const double> previous,
+                      const Pack& p) const {
+    constexpr double part = 1e-3;
+    BatchState at;
+    std::vector<DilatedStress<Pack>> stress;
+    const Nodes u = batch.values(previous), du = batch.change(q, previous);
+    const auto at_part = [&](double way) {
+      Nodes there = u;
+      for (std::size_t a = 0; a < there.size(); ++a) {
+        for (int i = 0; i < 3; ++i) there[a][i] += way * du[a][i];
+      }
+      at.set(batch, there);
+      stress.clear();
+      return select(at.valid(), pressure(batch, at, stress), Pack(nan));
+    };
+    const Pack extrapolated = at_part(0.0) + (0.5 / part) * (at_part(part) - at_part(-part));
+    const Pack error = extrapolated - p;
+    return select(std::experimental::isfinite(error), error, Pack(0.0));
   }
 
   /// Compensated sum over the owned cells of `energy_of(batch)`; +inf if one is not a number.

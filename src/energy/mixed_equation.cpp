@@ -41,7 +41,7 @@ MixedEquation::MixedEquation(IncrementalPotential& potential, const NodeLayout& 
       prescribed_(potential.prescribed().begin(), potential.prescribed().begin() + num_q_),
       K_(potential.make_hessian()) {
   prescribed_.resize(static_cast<std::size_t>(num_q_ + num_p_), 0);
-  for (Handle<Vec>* v : {&q_, &r_, &d_, &q0_, &v0_}) *v = pliant::make_vector(layout);
+  for (Handle<Vec>* v : {&q_, &r_, &d_, &q0_, &v0_, &accepted_}) *v = pliant::make_vector(layout);
   for (Handle<Vec>* v : {&work_, &last_pressures_}) *v = pliant::make_vector(pressures.layout(), layout.comm);
 
   for (std::size_t k = 0; k < potential.num_rank_one(); ++k) rank_one_.push_back({0.0, potential.make_vector()});
@@ -107,10 +107,11 @@ void MixedEquation::join(Vec q, Vec x) const {
 
 StageReport MixedEquation::solve(const StagePoint& stage, Vec q, const StageSolve& solve) {
   check(VecCopy(pressures_.values(), last_pressures_.get()));
-  const Handle<Vec> x = make_vector(), x0 = make_vector(), v0 = make_vector();
+  const Handle<Vec> x = make_vector(), x0 = make_vector(), v0 = make_vector(), accepted = make_vector();
   join(q, x.get());
   join(stage.q0, x0.get());
   join(stage.v0, v0.get());
+  if (stage.accepted != nullptr) join(stage.accepted, accepted.get());
   {
     const ArrayView rate(v0.get());
     std::fill(rate.span().begin() + num_q_, rate.span().end(), 0.0);
@@ -118,6 +119,7 @@ StageReport MixedEquation::solve(const StagePoint& stage, Vec q, const StageSolv
   StagePoint whole = stage;
   whole.q0 = x0.get();
   whole.v0 = v0.get();
+  if (stage.accepted != nullptr) whole.accepted = accepted.get();
   StageReport report = solve(whole, x.get());
   if (report.outcome == StageOutcome::converged) {
     set(x.get());
@@ -140,6 +142,10 @@ void MixedEquation::begin_stage(const StagePoint& stage) {
   StagePoint part = stage;
   part.q0 = q0_.get();
   part.v0 = v0_.get();
+  if (stage.accepted != nullptr) {
+    take_displacement(stage.accepted, accepted_.get());
+    part.accepted = accepted_.get();
+  }
   potential_.begin_stage(part);
 }
 
@@ -263,6 +269,18 @@ double MixedEquation::max_step(Vec x, Vec d) {
   take_displacement(x, q_.get());
   take_displacement(d, d_.get());
   return potential_.max_step(q_.get(), d_.get());
+}
+
+double MixedEquation::max_way(Vec x, Vec d) {
+  take_displacement(x, q_.get());
+  take_displacement(d, d_.get());
+  return potential_.max_way(q_.get(), d_.get());
+}
+
+bool MixedEquation::move_rigidly(Vec x) {
+  if (!potential_.move_rigidly(q_.get())) return false;
+  join(q_.get(), x);
+  return true;
 }
 
 double MixedEquation::force_scale(Vec x) {

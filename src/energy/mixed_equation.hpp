@@ -44,8 +44,12 @@ class MixedEquation final : public StageEquation {
   void hessian(Vec x, Mat A, Projection projection) override;
   std::size_t num_rank_one() const override { return potential_.num_rank_one(); }
   void rank_one_parts(Vec x, std::vector<RankOne>& parts) override;
+  bool is_static() const override { return potential_.is_static(); }
+  bool move_rigidly(Vec x) override;
   double max_step(Vec x, Vec d) override;
+  double max_way(Vec x, Vec d) override;
   double force_scale(Vec x) override;
+  double inertia_scale() override { return potential_.inertia_scale(); }
   double rounding_floor(Vec x) const override;
   void size_of_diagonal(Mat A, Vec D) const override;
   std::vector<std::string> non_potentials() const override;
@@ -81,7 +85,7 @@ class MixedEquation final : public StageEquation {
   std::vector<double> pressure_diagonal_;  // s^2 int N dX / mu of owned pressures: their size in the matrix
   Handle<Mat> K_;
   std::vector<RankOne> rank_one_;  // of the potential
-  Handle<Vec> q_, r_, d_, q0_, v0_, work_, last_pressures_;
+  Handle<Vec> q_, r_, d_, q0_, v0_, accepted_, work_, last_pressures_;
   std::vector<double> values_;  // of the matrix's entries, in the order of its coordinates
 };
 

@@ -125,7 +125,8 @@ class PronyTerm final : public EnergyTerm {
 
   double value(const LocalStage& stage, std::span<const double> q) const override {
     return cells_.integrate([&](const Batch& batch) {
-      return [this, &stage, u0 = batch.values(stage.reference()), du = batch.change(q, stage.reference())](const Point& point) {
+      return [this, &stage, u0 = batch.values(stage.reference()),
+              du = batch.change(q, stage.reference())](const Point& point) {
         const Tensor3<Pack> H0 = point.gradient(u0), dH = point.gradient(du);
         const Tensor3<Pack> dE = is_small_strain(*elastic_) ? small_strain(dH) : green_lagrange_change(H0, dH);
         return weight(stage.dt) * elastic_->psi_change(point.index(), H0, dH) - dot(forgotten(stage, point), dE);

@@ -85,6 +85,13 @@ Placement placed(const Moments& m, const Quaternion& rotation) {
 
 }  // namespace
 
+// x_to = t_to + Q (x - t_from) with Q = R_to R_from^-1
+Vector3<double> moved_from(const Placement& from, const Placement& to, const Vector3<double>& x) {
+  const Quaternion& q = from.rotation;
+  const Placement turn{to.translation - from.translation, product(to.rotation, {q[0], -q[1], -q[2], -q[3]})};
+  return turn.displacement(x - from.translation);
+}
+
 Quaternion rotation_nearest_to(const Tensor3<double>& A) {
   const double x = A(2, 1) - A(1, 2), y = A(0, 2) - A(2, 0), z = A(1, 0) - A(0, 1);
   const double xy = A(1, 0) + A(0, 1), yz = A(2, 1) + A(1, 2), zx = A(0, 2) + A(2, 0);

@@ -18,6 +18,10 @@ Placement nearest_placement(const NodeLayout& layout, std::span<const PetscInt> 
 Placement nearest_placement_about(const Vector3<double>& axis, const NodeLayout& layout,
                                   std::span<const PetscInt> nodes, const Vector3<double>& centre, Vec u);
 
+/// How far the rigid motion from one placement to another, both about the same centre at the origin, moves the point
+/// that is now at `x`.
+Vector3<double> moved_from(const Placement& from, const Placement& to, const Vector3<double>& x);
+
 /// The rotation R that makes tr(R^T A) largest.
 Quaternion rotation_nearest_to(const Tensor3<double>& A);
 /// The same among the rotations about an axis of unit length.

@@ -8,6 +8,7 @@
 #include "petsc/handle.hpp"
 #include "time/stage.hpp"
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -32,7 +33,15 @@ class StageEquation {
   /// coefficients follow q, and there is no potential.
   virtual bool refreeze(Vec /*q*/) { return false; }
 
-  /// Phi(q) of the terms that are potentials [J], but for a constant of the stage; +inf where a barrier is crossed or a number is not finite.
+  /// Brings what the stage gives, besides prescribed entries of q, to a part of its way from the accepted state (0) to
+  /// the end of the stage (1), where it stands after begin_stage.
+  virtual void lead(double /*part*/) {}
+  /// q = the accepted state, each body that nothing holds moved rigidly to where its inertia leads it; false where
+  /// there is no such body, and q is as it was.
+  virtual bool move_rigidly(Vec /*q*/) { return false; }
+
+  /// Phi(q) of the terms that are potentials [J], but for a constant of the stage; +inf where a barrier is crossed or a
+  /// number is not finite.
   virtual double value(Vec q) = 0;
   /// r(q) [N], zero on prescribed entries; the gradient of `value` if is_potential().
   virtual void gradient(Vec q, Vec r) = 0;
@@ -46,6 +55,9 @@ class StageEquation {
   /// The displacements of all nodes at the unknowns q, until the next call. What belongs to them comes first among the
   /// unknowns of each rank.
   virtual Vec displacements(Vec q) { return q; }
+  /// The unknowns from which the present ones were reached along a straight line; nullptr: they were not. Hessians may
+  /// take stresses as that line extrapolates them, which makes Newton's method converge as if they were unknowns too.
+  virtual void extrapolate_from(Vec /*q*/) {}
   /// K = dr/dq [N/m] without the parts of rank one, or an approximation; rows and columns of prescribed entries are
   /// zero but for the diagonal.
   virtual void hessian(Vec q, Mat K, Projection projection) = 0;
@@ -55,8 +67,13 @@ class StageEquation {
   virtual void rank_one_parts(Vec /*q*/, std::vector<RankOne>& /*parts*/) {}
   /// The largest alpha for which q + alpha d stays clear of all barriers.
   virtual double max_step(Vec q, Vec d) = 0;
-  /// Sum over the terms of the norms of their forces on free entries [N]: the size of the forces that must balance.
+  /// The same of those barriers that must not be jumped over (TermDeclaration::is_wall).
+  virtual double max_way(Vec /*q*/, Vec /*d*/) { return std::numeric_limits<double>::infinity(); }
+  /// Sum over the terms of the norms of their forces, those on prescribed entries included [N]: the size of the forces
+  /// that must balance.
   virtual double force_scale(Vec q) = 0;
+  /// Norm of the forces that would stop the bodies within the stage, M v0 / dt; 0 without inertia [N].
+  virtual double inertia_scale() { return 0.0; }
   /// Size of the rounding errors in r at q [N].
   virtual double rounding_floor(Vec q) const = 0;
 
@@ -65,6 +82,8 @@ class StageEquation {
   /// Of K at a stable solution.
   virtual PetscInt num_negative_pivots() const { return 0; }
 
+  /// Whether a stage asks for an equilibrium, which need not be stable: there is no inertia.
+  virtual bool is_static() const { return false; }
   /// Names of the terms that are no potentials, each once; empty if r is the gradient of `value`.
   virtual std::vector<std::string> non_potentials() const = 0;
   bool is_potential() const { return non_potentials().empty(); }

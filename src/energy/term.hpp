@@ -31,6 +31,8 @@ struct LocalStage {
   /// Displacement at which coefficients of terms that refreeze are frozen, at t_i; empty: they follow the q of the
   /// call.
   std::span<const double> frozen = {};
+  /// Displacement from which that of the call was reached (StageEquation::extrapolate_from); empty: from none.
+  std::span<const double> previous = {};
   /// Displacement from which the step starts, at `step_start` [m]; empty where there is none (StagePoint::accepted).
   std::span<const double> accepted = {};
   double step_start = 0.0;  ///< t_n [s]
@@ -73,6 +75,7 @@ struct TermDeclaration {
   Account account = Account::stored;
   bool depends_on_time = false;  ///< `energy_at` changes with time at a fixed configuration: `supply`
   bool turns = true;             ///< its stiffness turns with the body, as far as it is that of the body
+  bool is_wall = false;          ///< its barrier separates states: nothing may jump over it
   bool dissipates = false;       ///< `dissipation` may be above 0; the ledger books it under the term's name
 };
 

@@ -21,6 +21,9 @@ class ConstrainedNewton {
   /// As NewtonSolver::forget.
   void forget() { solver_.forget(); }
 
+  /// As NewtonSolver::watch.
+  void watch(std::function<void(const StageProgress&)> watcher) { solver_.watch(std::move(watcher)); }
+
   const StageEquation& equation() const { return equation_; }
   const SolverStatistics& statistics() const { return solver_.statistics(); }
 

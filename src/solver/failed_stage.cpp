@@ -49,6 +49,9 @@ void NewtonSolver::note_iteration(PetscInt iteration, double residual) {
     if (is_regularized_) now.hessian = NewtonIteration::Hessian::shifted;
   }
   iterations_.push_back(now);
+  if (!watcher_) return;
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start_of_stage_;
+  watcher_({seconds.count(), static_cast<int>(iteration), residual, target(), now.linear_iterations});
 }
 
 void NewtonSolver::note_failure(const StagePoint& stage, Vec q) {

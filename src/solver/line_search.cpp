@@ -17,8 +17,15 @@ constexpr int max_residual_backtracks = 20;
 /// 0.9.
 constexpr double required_part = 0.1;
 
+/// What the last rung of the ladder adds to the diagonal, as a part of its mean: enough for a definite matrix where the
+/// projected Hessian is singular.
+constexpr double regularization = 1e-3;
+
 /// Of the residual of a linear system that conjugate gradients may leave where they meet negative curvature.
 constexpr double truncated_part = 0.1;
+
+/// Iterations of the Krylov method that a factorization of the very matrix leaves at most, if it is sound.
+constexpr PetscInt max_fresh_iterations = 40;
 
 }  // namespace
 
@@ -71,6 +78,14 @@ bool NewtonSolver::stops_at_rounding(SNESLineSearch search, double residual, dou
   return at_rounding_floor_;
 }
 
+void NewtonSolver::go_to(Vec trial, Vec q) {
+  if (is_static_) {
+    check(VecCopy(q, before_.get()));
+    equation_.extrapolate_from(before_.get());
+  }
+  check(VecCopy(trial, q));
+}
+
 bool NewtonSolver::lower_potential(Vec y, double slope, SNESLineSearch search) {
   Vec q = nullptr, r = nullptr, trial = nullptr;
   check(SNESLineSearchGetVecs(search, &q, &r, nullptr, &trial, nullptr));
@@ -96,7 +111,7 @@ bool NewtonSolver::lower_potential(Vec y, double slope, SNESLineSearch search) {
       accepted = std::isfinite(after) && (decreases || after < residual || wolfe_holds);
       if (accepted) {
         phi_ = phi;
-        check(VecCopy(trial, q));
+        go_to(trial, q);
         check(SNESLineSearchSetLambda(search, alpha));
         took_full_step_ = alpha == 1.0;
         check(SNESLineSearchSetNorms(search, norm(q), after, alpha * step));
@@ -143,15 +158,16 @@ bool NewtonSolver::lower_residual(Vec y, SNESLineSearch search) {
     check(SNESComputeFunction(snes_.get(), trial, trial_.get()));
     const double after = norm(trial_.get());
     const bool falls = merit_.of_residual(trial_.get()) <= std::pow(1.0 - required_part * length, 2) * merit;
-    accepted = falls || after <= floor_factor * force_rounding;
-    if (!accepted && std::isfinite(after)) {
+    const bool is_finite = std::isfinite(after) && (!follows_ || std::isfinite(value(trial)));
+    accepted = is_finite && (falls || after <= floor_factor * force_rounding);
+    if (!accepted && is_finite) {
       accepted = shortens_correction(trial_.get(), y, alpha);
     } else {
       alpha *= 0.5;
     }
     if (accepted) {
       check(VecCopy(trial_.get(), r));
-      check(VecCopy(trial, q));
+      go_to(trial, q);
       check(SNESLineSearchSetLambda(search, length));
       took_full_step_ = length == 1.0;
       check(SNESLineSearchSetNorms(search, norm(q), after, length * step));
@@ -163,16 +179,23 @@ bool NewtonSolver::lower_residual(Vec y, SNESLineSearch search) {
   return accepted || stops_at_rounding(search, residual, force_rounding);
 }
 
+bool NewtonSolver::factor_is_poor() const {
+  PetscInt iterations = 0;
+  check(KSPGetIterationNumber(linear_solver(), &iterations));
+  return factor_is_current_ && iterations > max_fresh_iterations;
+}
+
 bool NewtonSolver::climb(Vec q) {
   if (lacks_memory_) return false;  // another matrix takes as much
   if (!factor_is_current_) {
-    factorize(q);
+    factorize_definite(q);
     return true;
   }
+  if (follows_) return false;
   if (projection_ == Projection::none) {
     assemble(q, Projection::positive_semidefinite);
   } else if (!is_regularized_) {
-    regularize();
+    shift(regularization * mean_diagonal());
   } else {
     return false;
   }
@@ -187,6 +210,10 @@ void NewtonSolver::search_line(SNESLineSearch search) {
   check(SNESLineSearchGetVecs(search, &q, &r, &y, nullptr, nullptr));
   check(SNESLineSearchSetReason(search, SNES_LINESEARCH_SUCCEEDED));
   for (;;) {
+    while (factor_is_poor() && refine_factorization(preconditioner_.get())) {
+      if (!factorize_definite(q)) break;
+      solve_linear(r, y);
+    }
     double slope = 0.0;
     if (descends(r, y, slope)) {
       if (path_ == Path::minimisation ? lower_potential(y, slope, search) : lower_residual(y, search)) return;

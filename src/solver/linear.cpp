@@ -57,20 +57,19 @@ void use_algebraic_multigrid(PC pc) {
 }
 
 /// `workspace`: per cent beyond MUMPS's estimate.
-void control_mumps(PC pc, Mat K, PetscInt workspace) {
+void control_mumps(PC pc, Mat K, PetscInt workspace, int ordering = pord) {
   Mat factor = nullptr;
   if (!factorizes_with_mumps(pc, &factor)) return;
-  // Ordering: PORD, as Debian's MUMPS has neither METIS nor SCOTCH. It ends the process where all unknowns couple with
-  // all (a rigid body, a single cell): AMD there.
+  // PORD ends the process where all unknowns couple with all (a rigid body, a single cell).
   PetscInt num_unknowns = 0;
   check(MatGetSize(K, &num_unknowns, nullptr));
-  check(MatMumpsSetIcntl(factor, 7, num_unknowns < min_unknowns_of_pord ? 0 : 4));
+  check(MatMumpsSetIcntl(factor, 7, num_unknowns < min_unknowns_of_pord ? approximate_minimum_degree : ordering));
   check(MatMumpsSetIcntl(factor, 13, 1));  // no ScaLAPACK at the root: its pivots would be missing from the inertia
   check(MatMumpsSetIcntl(factor, 14, workspace));
 }
 
 /// Sets up a preconditioner of PETSc's; a factorization that runs out of workspace is repeated with more.
-SetUp set_up_with_workspace(PC pc, Mat K) {
+SetUp set_up_with_workspace(PC pc, Mat K, int ordering = pord) {
   check(PCSetOperators(pc, K, K));
   SetUp outcome = SetUp::singular;
   bool may_help = true;
@@ -90,7 +89,7 @@ SetUp set_up_with_workspace(PC pc, Mat K) {
     // PETSc 3.18 skips every factorization after one that failed, and says nothing; so the next one shall be the first.
     check(PCReset(pc));
     check(PCSetOperators(pc, K, K));
-    control_mumps(pc, K, workspace);
+    control_mumps(pc, K, workspace, ordering);
   }
   return outcome;
 }
@@ -138,12 +137,24 @@ class Factorization {
   }
   bool is_multigrid() const { return static_cast<bool>(multigrid_); }
 
+  bool refine() {
+    if (multigrid_ || ordering_ != pord) return false;
+    if (single_) {
+      single_.reset();
+    } else {
+      ordering_ = approximate_minimum_fill;
+    }
+    double_ = {};
+    return true;
+  }
+
  private:
   const Handle<PC>& other() const { return multigrid_ ? multigrid_ : double_; }
 
   void factorize(Mat K) {
     if (!single_) {
-      outcome_ = set_up_with_workspace(double_.get(), K);
+      if (!double_) make_double(K);
+      outcome_ = set_up_with_workspace(double_.get(), K, ordering_);
       return;
     }
     outcome_ = single_->factorize(K);
@@ -151,10 +162,7 @@ class Factorization {
     if (outcome_ == SetUp::out_of_memory || (is_sound && single_->negative_pivots() == 0)) return;
     // Singular or indefinite, so far as single precision can tell. If K is definite in double precision, single
     // precision does not do for this body: double takes over for good.
-    check(PCCreate(PetscObjectComm(reinterpret_cast<PetscObject>(K)), double_.out()));
-    use_double_precision(double_.get(), symmetry_);
-    check(PCSetOperators(double_.get(), K, K));
-    control_mumps(double_.get(), K, first_workspace);
+    make_double(K);
     const SetUp of_double = set_up_with_workspace(double_.get(), K);
     if (of_double == SetUp::sound && (!is_sound || pliant::negative_pivots(double_.get()) == 0)) {
       single_.reset();
@@ -163,6 +171,13 @@ class Factorization {
       double_ = {};
       if (!is_sound) outcome_ = of_double;
     }
+  }
+
+  void make_double(Mat K) {
+    check(PCCreate(PetscObjectComm(reinterpret_cast<PetscObject>(K)), double_.out()));
+    use_double_precision(double_.get(), symmetry_);
+    check(PCSetOperators(double_.get(), K, K));
+    control_mumps(double_.get(), K, first_workspace, ordering_);
   }
 
   /// Of a copy of K: what is applied is that of the matrix of the last set-up, as of a factorization.
@@ -184,6 +199,7 @@ class Factorization {
   Handle<PC> double_, multigrid_;
   Handle<Mat> of_multigrid_;
   SetUp outcome_ = SetUp::singular;
+  int ordering_ = pord;
 };
 
 /// nullptr if the preconditioner is another one.
@@ -297,21 +313,29 @@ std::string describe(LinearKind kind, Symmetry symmetry) {
                      symmetry == Symmetry::indefinite ? "double" : "single");
 }
 
+void set_krylov_method(KSP ksp, Symmetry symmetry) {
+  if (symmetry == Symmetry::symmetric) {
+    check(KSPSetType(ksp, KSPCG));
+    check(KSPSetPCSide(ksp, PC_LEFT));
+  } else {
+    PC pc = nullptr;
+    PetscBool is_ours = PETSC_FALSE;
+    check(KSPGetPC(ksp, &pc));
+    check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCSHELL, &is_ours));
+    // Flexible where a solve in single precision is linear to its rounding errors only. On the right, so that the
+    // residual is that of the system.
+    check(KSPSetType(ksp, is_ours ? KSPFGMRES : KSPGMRES));
+    check(KSPSetPCSide(ksp, PC_RIGHT));
+    check(KSPGMRESSetRestart(ksp, gmres_restart));
+  }
+  check(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
+}
+
 void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry, const Coarsening* coarsening) {
   PC pc = nullptr;
   check(KSPGetPC(ksp, &pc));
   check(KSPSetOperators(ksp, K, K));
   const bool may_be_single = kind == LinearKind::cholesky && symmetry != Symmetry::indefinite;
-  if (symmetry == Symmetry::symmetric) {
-    check(KSPSetType(ksp, KSPCG));
-  } else {
-    // Flexible where a solve in single precision is linear to its rounding errors only. On the right, so that the
-    // residual is that of the system.
-    check(KSPSetType(ksp, may_be_single ? KSPFGMRES : KSPGMRES));
-    check(KSPSetPCSide(ksp, PC_RIGHT));
-    check(KSPGMRESSetRestart(ksp, gmres_restart));
-  }
-  check(KSPSetNormType(ksp, KSP_NORM_UNPRECONDITIONED));
   check(KSPSetTolerances(ksp, 1e-5, PETSC_DEFAULT, PETSC_DEFAULT, 500));
   if (may_be_single) {
     use_factorization(pc, symmetry);
@@ -322,6 +346,7 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
   } else {
     use_algebraic_multigrid(pc);
   }
+  set_krylov_method(ksp, symmetry);
   check(KSPSetFromOptions(ksp));
   PetscBool solves_directly = PETSC_FALSE;
   check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ksp), KSPPREONLY, &solves_directly));
@@ -342,6 +367,13 @@ SetUp set_up_preconditioner(PC pc, Mat K) {
   }
   check(PCSetReusePreconditioner(pc, PETSC_TRUE));
   return outcome;
+}
+
+bool refine_factorization(PC pc) {
+  Factorization* factorization = factorization_of(pc);
+  if (factorization == nullptr || !factorization->refine()) return false;
+  check(PCReset(pc));  // PETSc sets up nothing for a matrix that it knows
+  return true;
 }
 
 bool uses_multigrid_instead(PC pc) {

@@ -29,11 +29,19 @@ std::string describe(LinearKind kind, Symmetry symmetry = Symmetry::symmetric);
 void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
                              const Coarsening* coarsening = nullptr);
 
+/// Makes the Krylov method one for matrices of that kind: conjugate gradients or GMRES, with the preconditioner as it
+/// is. Collective.
+void set_krylov_method(KSP ksp, Symmetry symmetry);
+
 /// Sets up the preconditioner (factorizes) for the present K, and keeps it for all further solves; a factorization that
 /// runs out of workspace is repeated with more. One that runs out of memory gives way to multigrid, for good, unless
 /// the user has asked for that factorization or K is indefinite. Unless the outcome is sound, solve nothing.
 /// Collective.
 SetUp set_up_preconditioner(PC pc, Mat K);
+
+/// Makes the next set-ups more exact, for good: in double precision, then with another ordering. False if the
+/// preconditioner is no factorization of ours, or there is nothing better. Collective.
+bool refine_factorization(PC pc);
 
 /// Whether multigrid has taken the place of the factorization.
 bool uses_multigrid_instead(PC pc);

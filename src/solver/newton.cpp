@@ -5,15 +5,25 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
 namespace pliant {
 namespace {
 
-/// What the last rung of the ladder adds to the diagonal, as a part of its mean: enough for a definite matrix where the
-/// projected Hessian is singular.
-constexpr double regularization = 1e-3;
+/// What is added to the diagonal of an indefinite Hessian, as a part of its mean: the least, the most, and how many
+/// times more each time until it is definite (as in Waechter & Biegler 2006, "On the implementation of an
+/// interior-point filter line-search algorithm", 3.1).
+constexpr double least_shift = 1e-6, largest_shift = 0.1, shift_growth = 8.0;
+/// How many times as many iterations as others a body may take that snaps to a minimum far away.
+constexpr int times_to_snap = 6;
+/// Before that, this many shorter steps are tried, which may find an equilibrium nearby.
+constexpr int unsolved_before_snap = 2;
+/// Iterations on the way to an equilibrium nearby: Newton's method squares the error.
+constexpr int max_followed = 8;
+/// A residual that is said to be rounding is looked at twice if it is more than this part of the forces.
+constexpr double doubtful_rounding = 1e-6;
 
 /// Solves of a stage with coefficients frozen anew, of which each shortens the error by about the coefficient of
 /// friction.
@@ -56,6 +66,9 @@ NewtonSolver::NewtonSolver(StageEquation& equation, const NewtonOptions& options
       trial_(equation.make_vector()),
       correction_(equation.make_vector()),
       last_(equation.make_vector()),
+      guess_(equation.make_vector()),
+      last_trial_(equation.make_vector()),
+      before_(equation.make_vector()),
       merit_(equation.make_vector()) {
   SNES snes = nullptr;
   check(SNESCreate(equation.comm(), snes_.out()));
@@ -93,6 +106,9 @@ NewtonSolver::NewtonSolver(StageEquation& equation, const NewtonOptions& options
   PetscBool solves_directly = PETSC_FALSE;
   check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ksp), KSPPREONLY, &solves_directly));
   may_keep_factor_ = !solves_directly;
+  PetscBool is_cg = PETSC_FALSE;
+  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ksp), KSPCG, &is_cg));
+  may_choose_krylov_ = is_cg == PETSC_TRUE && equation.symmetry() == Symmetry::symmetric;
   PetscBool turns = PETSC_TRUE;
   check(PetscOptionsGetBool(nullptr, nullptr, "-newton_turn_factor", &turns, nullptr));
   // Multigrid smooths with the present K, which has turned already.
@@ -139,39 +155,6 @@ double NewtonSolver::height(Vec q) {
   return merit_.of_residual(r_.get());
 }
 
-void NewtonSolver::choose_guess(const StagePoint& stage, Vec q) {
-  // Prescribed entries of q stand at their values; the others may go where inertia alone would lead.
-  phi_ = height(q);
-  check(VecCopy(q, trial_.get()));
-  {
-    const ArrayView guess(trial_.get());
-    const ConstArrayView q0(stage.q0), v0(stage.v0);
-    const auto& prescribed = equation_.prescribed();
-    for (std::size_t i = 0; i < q0.span().size(); ++i) {
-      const auto k = static_cast<PetscInt>(i);
-      if (!prescribed[i]) guess[k] = q0[k] + stage.dt * v0[k];
-    }
-  }
-  const double phi = height(trial_.get());
-  if (phi < phi_) {
-    phi_ = phi;
-    check(VecCopy(trial_.get(), q));
-  }
-  if (std::isfinite(phi_) || !last_is_known_) return;
-  // Both lie beyond a barrier, on whose right side the last solution was.
-  check(VecCopy(last_.get(), trial_.get()));
-  {
-    const ArrayView guess(trial_.get());
-    const ConstArrayView given(q);
-    const auto& prescribed = equation_.prescribed();
-    for (std::size_t i = 0; i < guess.span().size() && i < prescribed.size(); ++i) {
-      if (prescribed[i]) guess[static_cast<PetscInt>(i)] = given[static_cast<PetscInt>(i)];
-    }
-  }
-  phi_ = height(trial_.get());
-  check(VecCopy(trial_.get(), q));
-}
-
 void NewtonSolver::assemble(Vec q, Projection projection) {
   {
     const Stopwatch watch(statistics_.assembly_seconds);
@@ -184,23 +167,72 @@ void NewtonSolver::assemble(Vec q, Projection projection) {
   is_regularized_ = false;
 }
 
-void NewtonSolver::regularize() {
+double NewtonSolver::mean_diagonal() {
   check(MatGetDiagonal(K_.get(), trial_.get()));
   PetscReal total = 0.0;
   check(VecNorm(trial_.get(), NORM_1, &total));
-  const double shift = regularization * total / equation_.num_unknowns();
+  return total / equation_.num_unknowns();
+}
+
+void NewtonSolver::shift(double by) {
   if (equation_.symmetry() == Symmetry::indefinite) {
+    check(MatGetDiagonal(K_.get(), trial_.get()));
     {
       const ArrayView diagonal(trial_.get());
-      for (double& d : diagonal.span()) d = d > 0.0 ? shift : -shift;  // away from zero on either side
+      for (double& d : diagonal.span()) d = d > 0.0 ? by : -by;  // away from zero on either side
     }
     check(MatDiagonalSet(K_.get(), trial_.get(), ADD_VALUES));
   } else {
-    check(MatShift(K_.get(), shift));
+    check(MatShift(K_.get(), by));
   }
   factor_is_current_ = false;
   is_regularized_ = true;
   ++statistics_.regularizations;
+}
+
+bool NewtonSolver::has_right_inertia() const {
+  return !factor_failed_ &&
+         negative_eigenvalues().value_or(equation_.num_negative_pivots()) == equation_.num_negative_pivots();
+}
+
+KSP NewtonSolver::linear_solver() const {
+  KSP ksp = nullptr;
+  check(SNESGetKSP(snes_.get(), &ksp));
+  return ksp;
+}
+
+void NewtonSolver::choose_krylov_method() {
+  if (!may_choose_krylov_) return;
+  set_krylov_method(linear_solver(), has_right_inertia() ? Symmetry::symmetric : Symmetry::indefinite);
+}
+
+bool NewtonSolver::factorize_definite(Vec q) {
+  factorize(q);
+  if (factor_failed_) return false;
+  if (follows_) {
+    choose_krylov_method();
+    factor_is_wanted_ = !has_right_inertia();  // GMRES gains little from one of another matrix
+    return true;
+  }
+  if (has_right_inertia()) return true;
+  // A small shift of the diagonal keeps what is stiff, and leaves Newton's direction long where K is soft or unstable.
+  const double mean = mean_diagonal();
+  double total = 0.0;
+  for (double part = std::max(least_shift, last_shift_ / 3.0); part <= largest_shift; part *= shift_growth) {
+    shift(part * mean - total);
+    total = part * mean;
+    factorize(q);
+    if (lacks_memory_) return false;
+    if (!has_right_inertia()) continue;
+    last_shift_ = part;
+    factor_is_wanted_ = true;  // the next Hessian may be definite again: look
+    return true;
+  }
+  last_shift_ = 0.0;
+  assemble(q, Projection::positive_semidefinite);
+  factorize(q);
+  factor_is_wanted_ = true;
+  return !factor_failed_;
 }
 
 void NewtonSolver::factorize(Vec q) {
@@ -247,16 +279,10 @@ void NewtonSolver::linearize(Vec q) {
     if (rotations_) rotations_->follow(equation_.displacements(q));
     return;
   }
-  factorize(q);
-  if (factor_failed_) {
-    while (factor_failed_ && climb(q)) {
-    }
-    if (factor_failed_) check(SNESSetJacobianDomainError(snes_.get()));
-  } else if (negative_eigenvalues().value_or(equation_.num_negative_pivots()) != equation_.num_negative_pivots()) {
-    assemble(q, Projection::positive_semidefinite);
-    factorize(q);
-    factor_is_wanted_ = true;  // the next Hessian may be definite again: look
+  factorize_definite(q);
+  while (factor_failed_ && climb(q)) {
   }
+  if (factor_failed_) check(SNESSetJacobianDomainError(snes_.get()));
 }
 
 void NewtonSolver::solve_linear(Vec r, Vec y) {
@@ -272,9 +298,11 @@ void NewtonSolver::solve_linear(Vec r, Vec y) {
 SNESConvergedReason NewtonSolver::judge(PetscInt iteration, double residual) {
   note_iteration(iteration, residual);
   if (!std::isfinite(residual)) return SNES_DIVERGED_FNORM_NAN;
-  // A guess may squeeze the liquid in a cavity to a pressure far from that of the solution.
-  if (rank_one_system_ && iteration > 0) scale_ = std::min(scale_, equation_.force_scale(solution_));
   if (iteration > 0) took_full_step_ ? forcing_.observe(residual) : forcing_.forget();
+  // A guess may be stretched, or near a wall: its forces say little of those that balance at the solution.
+  if (iteration > 0 && residual <= target()) {
+    scale_ = std::min(scale_, std::max(equation_.force_scale(solution_), least_scale_));
+  }
   if (residual <= target()) {
     if (residual > unbalanced_part * scale_) ++statistics_.unbalanced_stops;
     return SNES_CONVERGED_FNORM_RELATIVE;
@@ -282,21 +310,29 @@ SNESConvergedReason NewtonSolver::judge(PetscInt iteration, double residual) {
   if (iteration == 0) start_of_iteration_ = {residual, norm(solution_)};
   if (at_rounding_floor_ || ((iteration > 0 || is_refrozen_) && is_rounding(residual))) {
     ++statistics_.rounding_stops;
+    const double size = std::max(equation_.force_scale(solution_), equation_.inertia_scale());
+    if (size > 0.0) statistics_.worst_rounding = std::max(statistics_.worst_rounding, residual / size);
     return SNES_CONVERGED_FNORM_ABS;
   }
   return SNES_CONVERGED_ITERATING;
 }
 
 bool NewtonSolver::is_rounding(double residual) {
-  const double floor = floor_factor * equation_.rounding_floor(solution_);
+  double floor = floor_factor * equation_.rounding_floor(solution_);
   if (residual > floor) return false;
-  // A body that nothing holds drifts until its rounding errors are as large as its load. The floor goes with the size
-  // of the solution: at the start it must have been as high.
-  const auto& [first_residual, first_size] = start_of_iteration_;
-  return residual <= 0.1 * first_residual || first_residual * norm(solution_) <= floor * first_size;
+  if (residual > doubtful_rounding * scale_) {
+    // The last Hessian may be one near a wall that is far by now.
+    assemble(solution_, Projection::none);
+    floor = floor_factor * equation_.rounding_floor(solution_);
+    if (residual > floor) return false;
+  }
+  return start_of_iteration_.allows_rounding(residual, floor, norm(solution_));
 }
 
 void NewtonSolver::forget() {
+  prefers_following_ = false;
+  num_unsolved_ = 0;
+  last_shift_ = 0.0;
   forcing_.forget();
   factor_is_wanted_ = true;
   last_is_known_ = false;
@@ -304,6 +340,7 @@ void NewtonSolver::forget() {
 
 StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
   ++statistics_.stages;
+  start_of_stage_ = std::chrono::steady_clock::now();
   equation_.begin_stage(stage);
   path_ = equation_.is_potential() ? Path::minimisation : Path::residual;
   ++(path_ == Path::minimisation ? statistics_.minimisations : statistics_.residual_solves);
@@ -317,16 +354,24 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
   start_ = stage.q0;
   solution_ = q;
   is_refrozen_ = false;
+  // Without inertia there may be no minimum nearby, and still an equilibrium.
+  is_static_ = equation_.is_static();
+  const bool may_follow = is_static_ && equation_.symmetry() != Symmetry::unsymmetric;
+  follows_ = may_follow && prefers_following_;
   equation_.refreeze(q);
-  choose_guess(stage, q);
-  if (!std::isfinite(phi_)) {
+  const Path usual = path_;
+  if (follows_) path_ = Path::residual;
+  const auto no_guess = choose_guess(stage, q);
+  path_ = usual;
+  if (no_guess) {
     note_failure(stage, q);
-    return {StageOutcome::retry,
-            "the prescribed motion turns a tetrahedron inside out within one step, or an obstacle leaves the body no "
-            "place"};
+    return {StageOutcome::retry, *no_guess};
   }
   scale_ = equation_.force_scale(q);
-  StageReport report = iterate(q);
+  least_scale_ = 0.0;
+  if (is_static_) least_scale_ = stage.accepted != nullptr ? equation_.force_scale(stage.accepted) : scale_;
+  if (!std::isfinite(least_scale_)) least_scale_ = 0.0;
+  StageReport report = may_follow ? seek_equilibrium(q) : iterate(q);
   // Coefficients are frozen anew at each solution until it stays one.
   int last = 1;
   for (int round = 0; report.outcome == StageOutcome::converged && last > 0 && equation_.refreeze(q); ++round) {
@@ -343,12 +388,63 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
     report = {again.outcome, again.reason, report.newton_iterations + last,
               report.linear_iterations + again.linear_iterations};
   }
-  last_is_known_ = report.outcome == StageOutcome::converged;
-  if (last_is_known_) {
+  if (report.outcome == StageOutcome::converged) {
+    last_is_known_ = true;
     check(VecCopy(q, last_.get()));
   } else {
     note_failure(stage, q);
   }
+  return report;
+}
+
+StageReport NewtonSolver::seek_equilibrium(Vec q) {
+  const Handle<Vec> best = equation_.make_vector(), lowest = equation_.make_vector();
+  check(VecCopy(q, best.get()));
+  check(VecCopy(q, lowest.get()));
+  const Path usual = path_;
+  StageReport report;
+  int newton = 0, linear = 0;
+  // Whether nothing more needs to be tried.
+  const auto attempt = [&](bool follows, Vec guess, int max_iterations) {
+    if (max_iterations <= 0) return false;
+    check(VecCopy(guess, q));
+    equation_.extrapolate_from(nullptr);
+    follows_ = follows;
+    if (follows) path_ = Path::residual;
+    if (path_ == Path::minimisation) phi_ = value(q);
+    factor_is_wanted_ = factor_is_wanted_ || newton > 0;
+    merit_has_scale_ = at_rounding_floor_ = false;
+    scale_ = std::max(equation_.force_scale(q), least_scale_);
+    check(SNESSetTolerances(snes_.get(), PETSC_DEFAULT, PETSC_DEFAULT, 0.0, max_iterations, PETSC_MAX_INT));
+    report = iterate(q);
+    newton += report.newton_iterations;
+    linear += report.linear_iterations;
+    if (report.outcome == StageOutcome::converged) {
+      prefers_following_ = follows && !has_right_inertia();
+      if (prefers_following_) ++statistics_.unstable_stages;
+    }
+    path_ = usual;
+    follows_ = false;
+    if (may_choose_krylov_) set_krylov_method(linear_solver(), Symmetry::symmetric);
+    return report.outcome != StageOutcome::retry;
+  };
+  const auto few = [&] { return std::min(max_followed, options_.max_iterations - newton); };
+  const auto minimise = [&] {
+    const bool arrives = attempt(false, best.get(), few());
+    check(VecCopy(q, lowest.get()));
+    return arrives;
+  };
+  const auto follow = [&] {
+    return attempt(true, best.get(), few()) || (has_second_guess_ && attempt(true, guess_.get(), few()));
+  };
+  const bool arrives = prefers_following_ ? follow() || minimise() : minimise() || follow();
+  if (!arrives) {
+    const int times = num_unsolved_ >= unsolved_before_snap ? times_to_snap : 1;
+    attempt(false, lowest.get(), times * options_.max_iterations - newton);
+  }
+  num_unsolved_ = report.outcome == StageOutcome::converged ? 0 : num_unsolved_ + 1;
+  report.newton_iterations = newton;
+  report.linear_iterations = linear;
   return report;
 }
 

@@ -6,6 +6,7 @@
 #include "petsc/handle.hpp"
 #include "solver/failed_stage.hpp"
 #include "solver/forcing.hpp"
+#include "solver/iteration_start.hpp"
 #include "solver/linear.hpp"
 #include "solver/merit.hpp"
 #include "solver/rank_one_system.hpp"
@@ -13,9 +14,12 @@
 #include "time/stage.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace pliant {
@@ -43,11 +47,21 @@ struct SolverStatistics {
   long long projections = 0;            ///< Hessians made positive semidefinite cell by cell
   long long regularizations = 0;        ///< projected Hessians that needed a shift of their diagonal too
   long long rounding_stops = 0;         ///< stages whose residual ended at its rounding floor, above the tolerance
+  long long unstable_stages = 0;        ///< equilibria at which the Hessian has negative eigenvalues
+  double worst_rounding = 0.0;          ///< the largest residual that they left, over the forces or M v / dt
   long long unbalanced_stops = 0;       ///< stages that `absolute` ended while a tenth of the forces was unbalanced
   bool uses_multigrid_instead = false;  ///< of the factorization, for which memory did not suffice
   double assembly_seconds = 0.0;        ///< residuals, energies, Hessians
   double factorization_seconds = 0.0;
   double solve_seconds = 0.0;
+};
+
+/// A stage on its way.
+struct StageProgress {
+  double seconds = 0.0;  ///< since its start
+  int iteration = 0;     ///< of Newton's method
+  double residual = 0.0, target = 0.0;
+  int linear_iterations = 0;  ///< of the last linear system
 };
 
 /// How the solver solves an equation and why, in words for the log.
@@ -94,6 +108,9 @@ class NewtonSolver {
   /// Forgets what earlier stages have taught: the next one is solved as a new solver would.
   void forget();
 
+  /// Calls `watcher` at each iteration of Newton's method. Collective.
+  void watch(std::function<void(const StageProgress&)> watcher) { watcher_ = std::move(watcher); }
+
   const SolverStatistics& statistics() const { return statistics_; }
 
  private:
@@ -107,19 +124,44 @@ class NewtonSolver {
   static constexpr double floor_factor = 4.0;
   enum class Path { minimisation, residual };
 
-  void choose_guess(const StagePoint& stage, Vec q);
+  /// Leaves q at the best of the guesses that there are, and phi_ at its height; a reason if there is none.
+  std::optional<std::string> choose_guess(const StagePoint& stage, Vec q);
+  /// Makes the candidate the guess if it is better.
+  void consider(Vec candidate, Vec q);
+  /// q = `candidate`, or where a wall stands on the way there from the accepted state: short of it.
+  void stop_short_of_walls(Vec accepted, Vec candidate);
+  /// Leads what is prescribed from the accepted state to where it stands in q, and the body with it: by the tangent, on
+  /// as many straight ways as it takes. False if it cannot be led there; q is then where it ended.
+  bool carry(Vec accepted, Vec q);
+  /// Without inertia: in turn, until one arrives, a few iterations of Newton's method to a minimum nearby; a few to any
+  /// equilibrium nearby, on the residual and whatever the signs of the Hessian's eigenvalues; and, where steps cut
+  /// short do not help, many to a minimum far away, to which the body snaps. The first two in the order that led to the
+  /// equilibrium before.
+  StageReport seek_equilibrium(Vec q);
   /// Newton's iteration from q, with coefficients frozen as they are.
   StageReport iterate(Vec q);
   void assemble(Vec q, Projection projection);
-  void regularize();
+  /// Mean of the absolute diagonal of K.
+  double mean_diagonal();
+  /// Adds to the diagonal of K.
+  void shift(double by);
   /// The present K, which is that of q.
   void factorize(Vec q);
+  /// The same; where K is indefinite it is shifted, or projected, until it is not. False if the factorization fails.
+  bool factorize_definite(Vec q);
+  KSP linear_solver() const;
+  /// Conjugate gradients for a definite Hessian, GMRES for another.
+  void choose_krylov_method();
+  /// Whether the factorization counts as many negative eigenvalues as a stable state has.
+  bool has_right_inertia() const;
   /// Of the Hessian with its parts of rank one, as the factorization of the present K tells.
   std::optional<PetscInt> negative_eigenvalues() const;
   void linearize(Vec q);
   double target() const { return std::max(options_.relative * scale_, options_.absolute); }
   /// SNES's line search: along the direction y (q goes to q - y), from one rung of the ladder to the next.
   void search_line(SNESLineSearch search);
+  /// q = trial, at the end of a straight line.
+  void go_to(Vec trial, Vec q);
   /// Goes along -y as far as it helps; false if no step length does. `slope`: of Phi along -y.
   bool lower_potential(Vec y, double slope, SNESLineSearch search);
   bool lower_residual(Vec y, SNESLineSearch search);
@@ -130,6 +172,8 @@ class NewtonSolver {
   double first_length(Vec q, Vec d);
   /// Whether the residual is so near its rounding errors that no more can be expected: the search then ends well.
   bool stops_at_rounding(SNESLineSearch search, double residual, double force_rounding);
+  /// Whether the linear system just solved took more iterations than a sound factorization of its matrix leaves.
+  bool factor_is_poor() const;
   /// Makes the linear system safer by one rung; false if there is none left.
   bool climb(Vec q);
   bool descends(Vec r, Vec y, double& slope);
@@ -148,7 +192,7 @@ class NewtonSolver {
   StageEquation& equation_;
   NewtonOptions options_;
   Handle<Mat> K_;
-  Handle<Vec> r_, trial_, correction_, last_;
+  Handle<Vec> r_, trial_, correction_, last_, guess_, last_trial_, before_;
   Merit merit_;
   std::vector<RankOne> rank_one_;  // parts of the Hessian beside K
   Handle<SNES> snes_;
@@ -158,22 +202,24 @@ class NewtonSolver {
   std::unique_ptr<TurnedPreconditioner> turned_;
   CallbackGuard guard_;
   SolverStatistics statistics_;
+  std::function<void(const StageProgress&)> watcher_;
+  std::chrono::steady_clock::time_point start_of_stage_;
   // Of the stage being solved.
   Path path_ = Path::minimisation;
   bool merit_has_scale_ = false;
   Vec start_ = nullptr;
   Vec solution_ = nullptr;
   double scale_ = 0.0;
-  double phi_ = 0.0;  // value at the current iterate
+  double least_scale_ = 0.0;  // without inertia, that of the accepted state: at the next one there may be no forces
+  double phi_ = 0.0;          // value at the current iterate
   Projection projection_ = Projection::none;
   bool is_regularized_ = false;
+  bool has_second_guess_ = false;  // guess_ is one
+  bool is_static_ = false;
+  bool follows_ = false;  // any equilibrium will do: see `seek_equilibrium`
   bool took_full_step_ = false;
   bool at_rounding_floor_ = false;
-  struct Start {
-    double residual = 0.0;
-    double size = 0.0;  // norm of q
-  };
-  Start start_of_iteration_;
+  IterationStart start_of_iteration_;
   bool has_direction_ = false;
   std::vector<NewtonIteration> iterations_;
   Handle<Vec> failed_at_;  // where the iteration ended, if the stage could not be solved
@@ -183,8 +229,12 @@ class NewtonSolver {
   Forcing forcing_;
   bool last_is_known_ = false;      // last_ is the solution of the stage before
   bool adapts_tolerance_ = true;    // unless the user gives one
+  bool may_choose_krylov_ = false;  // the linear solver is conjugate gradients, and the user did not ask for it
   bool may_keep_factor_ = false;    // the linear solver iterates, so a preconditioner of an earlier Hessian will do
   bool factor_is_wanted_ = true;    // none yet, or the last one has aged
+  int num_unsolved_ = 0;            // stages in a row for which no equilibrium was found
+  bool prefers_following_ = false;  // the equilibrium before was one without a minimum
+  double last_shift_ = 0.0;         ///< of an indefinite Hessian, as a part of its mean diagonal
   double fresh_rate_ = 0.0;         // iterations per digit when the factor was that of its matrix
   double excess_iterations_ = 0.0;  // beyond those that fresh factors would have taken, since the last factorization
   bool factor_is_current_ = false;  // it is that of the present Hessian

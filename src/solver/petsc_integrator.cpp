@@ -282,14 +282,18 @@ SNESConvergedReason PetscIntegrator::judge(PetscInt iteration, double f) {
   if (is_stuck_) return SNES_DIVERGED_LINE_SEARCH;
   // Only the forces count: the row q' = v is exact.
   if (iteration == 0) scale_ = equation_.force_scale(q_.get());
+  if (iteration == 0) start_of_iteration_ = {residual_, norm(q_.get())};
   const bool falls = iteration == 0 || residual_ < 0.5 * last_residual_;
   last_residual_ = residual_;
-  if (residual_ <= std::max(options_.newton.relative * scale_, options_.newton.absolute)) {
+  const auto target = [&] { return std::max(options_.newton.relative * scale_, options_.newton.absolute); };
+  if (iteration > 0 && residual_ <= target()) scale_ = std::min(scale_, equation_.force_scale(q_.get()));
+  if (residual_ <= target()) {
     if (residual_ > unbalanced_part * scale_) ++statistics_.unbalanced_stops;
     return SNES_CONVERGED_FNORM_RELATIVE;
   }
   const double floor = floor_factor * equation_.rounding_floor(q_.get());
-  if (iteration > 0 && residual_ <= (falls ? floor : 100.0 * floor)) {
+  if (iteration > 0 && residual_ <= (falls ? floor : 100.0 * floor) &&
+      start_of_iteration_.allows_rounding(residual_, floor, norm(q_.get()))) {
     ++statistics_.rounding_stops;
     return SNES_CONVERGED_FNORM_ABS;
   }

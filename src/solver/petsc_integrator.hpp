@@ -138,6 +138,7 @@ class PetscIntegrator {
   StagePoint stage_;
   Handle<Vec> q0_, v0_, q_, r_;
   Handle<Vec> q_part_, v_part_, rate_, a_, start_v_;
+  IterationStart start_of_iteration_;
   double residual_ = 0.0, last_residual_ = 0.0, scale_ = 0.0;  // [N]
   bool is_stuck_ = false;
 

@@ -16,7 +16,6 @@ namespace {
 
 constexpr int job_start = -1, job_end = -2, job_analyse = 1, job_factorize = 2, job_solve = 3;
 constexpr int num_controls = 60;
-constexpr int approximate_minimum_degree = 0, pord = 4;
 
 int num_ranks(PetscObject object) {
   int size = 0;

@@ -15,6 +15,8 @@ enum class SetUp { sound, singular, out_of_memory };
 
 /// Workspace of MUMPS beyond its estimate [per cent]: where pivoting needs more, four times as much, up to the last.
 inline constexpr int first_workspace = 40, last_workspace = 10240;
+/// Orderings (ICNTL(7)) that Debian's MUMPS has; METIS and SCOTCH are not among them.
+inline constexpr int approximate_minimum_degree = 0, approximate_minimum_fill = 2, pord = 4;
 /// PORD, its default ordering, ends the process where all unknowns couple with all (a rigid body, a single cell).
 inline constexpr PetscInt min_unknowns_of_pord = 100;
 

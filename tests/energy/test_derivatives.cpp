@@ -189,6 +189,27 @@ TEST_P(Terms, HessianIsThatOfTheGradient) {
   }
 }
 
+// With stresses extrapolated from a state nearby: off by the square of the way from there, and by nothing else.
+TEST_P(Terms, ExtrapolatedHessianMeetsTheExactOne) {
+  const Handle<Mat> exact = potential_.make_hessian(), K = potential_.make_hessian();
+  potential_.hessian(q_.get(), exact.get(), Projection::none);
+  PetscReal size = 0.0;
+  check(MatNorm(exact.get(), NORM_FROBENIUS, &size));
+  const auto error = [&](double way) {
+    const auto previous = test::moved(q_.get(), -way, directions_[0].get());
+    potential_.extrapolate_from(previous.get());
+    potential_.hessian(q_.get(), K.get(), Projection::none);
+    potential_.extrapolate_from(nullptr);
+    check(MatAXPY(K.get(), -1.0, exact.get(), SAME_NONZERO_PATTERN));
+    PetscReal norm = 0.0;
+    check(MatNorm(K.get(), NORM_FROBENIUS, &norm));
+    return norm;
+  };
+  const double far = error(0.1), near = error(0.05);
+  EXPECT_LE(far, 0.1 * size);
+  if (far > 1e-10 * size) EXPECT_NEAR(std::log2(far / near), 2.0, 0.4);
+}
+
 TEST_P(Terms, HessianIsAsSymmetricAsDeclared) {
   const Handle<Mat> K = potential_.make_hessian();
   potential_.hessian(q_.get(), K.get(), Projection::none);
@@ -222,6 +243,7 @@ TEST_P(Terms, NothingDependsOnTheNumberOfRanks) {
   EXPECT_NEAR(potential_.value(q_.get()), expected, 1e-12 * std::abs(expected));
   const auto g = gradient(0.0, directions_[0].get());
   EXPECT_NEAR(test::norm(g.get()), test::norm(r.get()), 1e-12 * test::norm(r.get()));
+  alone.gradient_with_reactions(q.get(), r.get());
   EXPECT_NEAR(potential_.force_scale(q_.get()), test::norm(r.get()), 1e-12 * test::norm(r.get()));
   EXPECT_EQ(potential_.value(stage_.q0.get()), 0.0);
 }

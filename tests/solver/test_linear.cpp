@@ -164,6 +164,31 @@ TEST(LinearSolver, MultigridTakesOverWhereMemoryDoesNotSuffice) {
   }
 }
 
+// Step by step: in double precision, with another ordering; then there is nothing better.
+TEST(LinearSolver, APoorFactorizationGivesWayToABetterOne) {
+  const Cube cube(1e6);
+  for (const auto symmetry : {Symmetry::symmetric, Symmetry::unsymmetric}) {
+    const auto ksp = solver_of(cube, symmetry);
+    PC pc = preconditioner_of(ksp.get());
+    ASSERT_TRUE(set_up(ksp.get(), cube.K()));
+    EXPECT_TRUE(is_in_single_precision(ksp.get()));
+    const auto b = cube.right_hand_side(), x = cube.vector();
+    for (int refinement = 0; refinement < 2; ++refinement) {
+      ASSERT_TRUE(refine_factorization(pc));
+      ASSERT_TRUE(set_up(ksp.get(), cube.K()));
+      EXPECT_FALSE(is_in_single_precision(ksp.get()));
+      check(KSPSetTolerances(ksp.get(), 1e-12, 0.0, PETSC_DEFAULT, PETSC_DEFAULT));
+      check(KSPSolve(ksp.get(), b.get(), x.get()));
+      PetscInt iterations = 0;
+      check(KSPGetIterationNumber(ksp.get(), &iterations));
+      EXPECT_LE(iterations, 1);
+      EXPECT_LE(cube.residual(x.get(), b.get()), 1e-12);
+    }
+    EXPECT_FALSE(refine_factorization(pc));
+    EXPECT_TRUE(set_up(ksp.get(), cube.K()));
+  }
+}
+
 // Who asks for a factorization of PETSc's is told that there is none, and not that the matrix is singular.
 TEST(LinearSolver, AFactorizationOfTheUsersThatLacksMemorySaysSo) {
   const Option limit("-mat_mumps_icntl_23", "1");

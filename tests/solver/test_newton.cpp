@@ -246,6 +246,7 @@ class Liar final : public EnergyTerm {
 // Also after a stage whose last step was tiny: SNES must not take that for the failed stage's convergence.
 TEST_F(Newton, ALineSearchWithoutDescentIsToBeRetried) {
   ProblemSpec spec = clamped(make_law("neo-hookean", 1e6, 0.3));
+  spec.density = 1000.0;
   spec.newton.relative = 1e-12;
   spec.loads = [](const Solid& solid) {
     auto terms = with_term<Liar>()(solid);

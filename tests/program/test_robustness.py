@@ -1,0 +1,126 @@
+#!/usr/bin/python3
+"""Results that hold at the default tolerance, and runs that arrive wherever there is a solution."""
+import json
+import unittest
+
+import numpy as np
+
+from program import ROOT, ProgramTest, write_box
+
+CUBE = f"mesh: {{file: {ROOT}/meshes/unit_cube.msh, scale: 0.1, refine: 1}}\n"
+METHODS = ("backward-euler", "bdf2", "bdf3", "dirk22", "dirk33", "implicit-midpoint", "dirk23", "symplectic-dirk22")
+STIFFLY_ACCURATE = ("backward-euler", "bdf2", "bdf3", "dirk22", "dirk33")
+
+
+def body(modulus, ratio=0.3, model="neo-hookean"):
+    return f"bodies: [{{density: 1000, elasticity: {{model: {model}, youngs_modulus: {modulus}, poissons_ratio: {ratio}}}}}]\n"
+
+
+class Robustness(ProgramTest):
+    def run_text(self, text, *settings, **more):
+        return self.run_input(self.write("case.yaml", text), *settings, **more)
+
+    def summary(self, output="out"):
+        return json.loads((self.directory / output / "summary.json").read_text())
+
+    def assert_no_step_failed(self):
+        self.assertEqual(self.summary()["steps"]["failed"], 0)
+
+
+class Tolerance(Robustness):
+    """Convergence is judged by the forces that balance, not by those of a guess."""
+
+    def test_barrier_does_not_set_the_scale(self):
+        text = CUBE + body("1e6") + """initial: {displacement: [0, 0, 0.05], velocity: [0, 0, -1]}
+contact: {law: barrier, obstacles: [{name: o, shape: plane, normal: [0, 0, 1]}]}
+time: {method: bdf2, step: 5 ms, end: 80 ms}
+"""
+        for method in STIFFLY_ACCURATE:
+            with self.subTest(method):
+                h = self.run_text(text, f"time.method={method}")
+                np.testing.assert_allclose(h["o_jz"][-1], h["pz"][-1] - h["pz"][0], rtol=1e-6)
+                self.assertLess(self.summary()["solver"]["worst_rounding"], 1e-6)
+
+    def test_stiff_block_spins_rigidly(self):
+        """Without a failed step, with what the tolerance leaves far below the motion."""
+        text = CUBE + body("1e11", 0.49) + """initial: {velocity: ["-6.3*(y - 0.05)", "6.3*(x - 0.05)", 0]}
+time: {step: 25 ms, end: 0.25}
+probes: [{name: p, point: [0.1, 0.1, 0.1]}]
+"""
+        for method in STIFFLY_ACCURATE:
+            with self.subTest(method):
+                h = self.run_text(text, f"time.method={method}")
+                self.assert_no_step_failed()
+                exact = self.run_text(text, f"time.method={method}", "solver.newton.relative=1e-13")
+                for column in ("p_x", "p_y", "p_z"):
+                    self.assertLess(np.abs(h[column] - exact[column]).max(), 1e-5)
+                # No two corners of a stiff body come closer: it has turned, and nothing else.
+                self.assertLess(np.abs(h["Lz"] - exact["Lz"]).max(), 1e-4 * np.abs(exact["Lz"]).max())
+                self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-4 * h["kinetic_energy"][0])
+
+    def test_default_tolerance_is_good_to_four_digits(self):
+        """Of what moves, against solves to the last digit."""
+        write_box(self.directory / "bar.msh", (6, 2, 2), (1, 0.2, 0.2))
+        clamped = "mesh: {file: bar.msh}\nconstraints: [{surface: left, displacement: [0, 0, 0]}]\n"
+        probe = "probes: [{name: p, point: [1, 0.2, 0.2]}]\n"
+        cases = {
+            "swinging beam": clamped + body("1e6") + "loads: [{gravity: [0, 0, -9.81]}]\n",
+            "stiff beam": clamped + body("1e9") + "loads: [{gravity: [0, 0, -9.81]}]\n",
+            "tumbling block": "mesh: {file: bar.msh}\n" + body("1e7") + 'initial: {velocity: ["z", "3*z", "-3*y"]}\n',
+            "follower pressure": clamped + body("1e6") + "loads: [{surface: top, pressure: 100}]\n",
+        }
+        for name, text in cases.items():
+            for method in ("backward-euler", "bdf2", "dirk33"):
+                with self.subTest(name, method=method):
+                    text_of_method = text + probe + f"time: {{method: {method}, step: 10 ms, end: 100 ms}}\n"
+                    h = self.run_text(text_of_method)
+                    exact = self.run_text(text_of_method, "solver.newton.relative=1e-13")
+                    way = max(np.abs(exact[f"p_{x}"] - exact[f"p_{x}"][0]).max() for x in "xyz")
+                    for x in "xyz":
+                        self.assertLess(np.abs(h[f"p_{x}"] - exact[f"p_{x}"]).max(), 1e-4 * way)
+
+
+class Arrival(Robustness):
+    def test_static_analysis_under_a_formula_of_time(self):
+        for constraint in ('{where: "x > 0.999", displacement: ["1.5*t", 0, 0]}',
+                           '{where: "x > 0.999", normal_displacement: "1.5*t"}',
+                           '{where: "x > 0.999", displacement_along: "1.5*t", direction: [2, 1, 0]}',
+                           '{where: "x > 0.999", rigid: {translation: ["1.5*t", 0, 0], rotation: fixed}}'):
+            with self.subTest(constraint):
+                self.run_text(f"mesh: {{file: {ROOT}/meshes/unit_cube.msh, refine: 1}}\n" + body("1e5") + f"""constraints:
+  - {{where: "x < 1e-6", displacement: [0, 0, 0]}}
+  - {constraint}
+time: {{method: static, end: 1, load_steps: 10}}
+""")
+                self.assert_no_step_failed()
+
+    def test_stage_that_starts_inside_out(self):
+        """A method may extrapolate the start of a stage to where the energy is infinite."""
+        text = CUBE + body("1e4") + """initial: {displacement: [0, 0, 1e-3], velocity: [0, 0, -10]}
+contact: {obstacles: [{name: o, shape: plane, normal: [0, 0, 1]}]}
+time: {step: 2 ms, end: 16 ms}
+"""
+        for method in ("bdf2", "dirk22", "dirk33"):
+            with self.subTest(method):
+                self.run_text(text, f"time.method={method}")
+                self.assert_no_step_failed()
+
+    def test_end_of_a_step_is_never_inside_out(self):
+        """Of methods whose steps end at none of their stages."""
+        text = CUBE + body("1e3", 0.45) + """initial: {velocity: ["-50*(y - 0.05)", "50*(x - 0.05)", 0]}
+time: {step: 25 ms, end: 0.1}
+"""
+        for method in sorted(set(METHODS) - set(STIFFLY_ACCURATE)):
+            with self.subTest(method):
+                case = self.write("case.yaml", text)
+                done = self.call("run", case, "--output", "out", "--set", f"time.method={method}")
+                self.assertIn(done.returncode, (0, 3), done.stderr)
+                history = (self.directory / "out/history.csv").read_text()
+                self.assertNotIn("inf", history.splitlines()[-1])
+                self.assertNotIn("nan", history.splitlines()[-1])
+                self.assertGreater(self.summary()["steps"]["failed"], 0)
+                self.assertIn("inside out at the end of the step", done.stdout + done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
