@@ -110,6 +110,7 @@ void convert_mesh_command(MPI_Comm comm, const Conversion& conversion, Console& 
     MeshSource source;
     source.file = conversion.from;
     source.scale = conversion.scale;
+    source.commands = conversion.allows_commands ? Commands::allowed : Commands::refused;
     try {
       // The size is in metres, gmsh's in the unit of the geometry.
       if (!conversion.size.empty()) source.size = parse_quantity(conversion.size, "m") / conversion.scale;

@@ -35,6 +35,7 @@ struct Conversion {
   std::string from, to;
   std::string size;    ///< target element size with a unit, for geometry; may be empty
   double scale = 1.0;  ///< coordinates are multiplied by it
+  bool allows_commands = false;
 };
 
 /// Writes a mesh, or what gmsh makes of a geometry, in the format that every rank reads its part of.

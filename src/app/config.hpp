@@ -46,6 +46,8 @@ struct MeshConfig {
   std::optional<double> size;  ///< [m]
   double scale = 1.0;
   int refine = 0;
+  bool allow_commands = false;
+  double time_limit = 3600.0;  ///< [s]
 };
 
 /// A constant of a law, in SI: a number, a function of x, y, z, or data of the mesh file.

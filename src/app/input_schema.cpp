@@ -38,6 +38,14 @@ Section<MeshConfig> mesh_keys() {
       field("refine", &MeshConfig::refine, integer(Range::from_to(0, 6)),
             "uniform refinements; each cuts a tetrahedron into 8")
           .otherwise("0"),
+      field(
+          "allow_commands", &MeshConfig::allow_commands, truth(),
+          "whether a .geo script, and those it loads, may run programs and write files (`SystemCall`, `Save`, `Printf "
+          "... >`, ...): only for files you trust")
+          .otherwise("false"),
+      field("time_limit", &MeshConfig::time_limit, quantity("s", Range::from_to(0.001, 1e6)),
+            "how long gmsh may take to mesh a geometry")
+          .otherwise("3600"),
   }};
 }
 

@@ -285,6 +285,8 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
   convert->add_option("OUTPUT", arguments.conversion.to, "the file to write, NAME.h5")->required();
   convert->add_option("--size", arguments.conversion.size, "target element size of geometry, e.g. \"2 mm\"");
   convert->add_option("--scale", arguments.conversion.scale, "coordinates are multiplied by it")->capture_default_str();
+  convert->add_flag("--allow-commands", arguments.conversion.allows_commands,
+                    "let a .geo script run programs and write files: only for files you trust");
   convert->callback([&] {
     command = [&] {
       Console console(comm, Verbosity::normal);

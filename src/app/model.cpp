@@ -39,7 +39,8 @@ Model::Model(MPI_Comm comm, const Config& config, const TermFactory& additional)
   const Mesh mesh = [&] {
     const Stopwatch watch(mesh_seconds_);
     return read_mesh(comm,
-                     {config.mesh.file.value, config.mesh.file.where, size, config.mesh.scale, config.mesh.refine});
+                     {config.mesh.file.value, config.mesh.file.where, size, config.mesh.scale, config.mesh.refine,
+                      config.mesh.allow_commands ? Commands::allowed : Commands::refused, config.mesh.time_limit});
   }();
   mesh_report_ = mesh.report;
   const int order = static_cast<int>(config.element);

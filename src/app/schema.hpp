@@ -88,6 +88,8 @@ Format<double> quantity(const std::string& unit, const Range& range = {});
 Format<double> coefficient();
 Format<int> integer(const Range& range);
 Format<std::string> text();
+/// true or false
+Format<bool> truth();
 /// A text that can stand in the header of a CSV column.
 Format<std::string> column_name();
 Format<std::string> choice(const std::vector<std::string>& names);

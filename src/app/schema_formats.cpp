@@ -196,6 +196,19 @@ Format<int> integer(const Range& range) {
   return format;
 }
 
+Format<bool> truth() {
+  Format<bool> format{"`true` or `false`", shared({{"enum", {true, false, "true", "false"}}}), {}, {}};
+  format.read = [](const InputNode& node, const std::string& name, Problems& problems, bool& into) {
+    if (node.kind != InputNode::Kind::scalar || (node.text != "true" && node.text != "false")) {
+      return refuse(node, name, "true or false", problems);
+    }
+    into = node.text == "true";
+    return true;
+  };
+  format.write = [](bool value) { return InputNode::scalar(value ? "true" : "false"); };
+  return format;
+}
+
 Format<std::string> text() {
   Format<std::string> format{"text", shared({{"type", {"string", "number"}}, {"minLength", 1}}), {}, {}};
   format.read = [](const InputNode& node, const std::string& name, Problems& problems, std::string& into) {

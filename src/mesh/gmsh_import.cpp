@@ -3,6 +3,7 @@
 #include "mesh/gmsh/module.hpp"
 #include "mesh/isolated.hpp"
 #include "mesh/msh_reader.hpp"
+#include "mesh/script_commands.hpp"
 #include "mesh/source_checks.hpp"
 
 #include <algorithm>
@@ -66,7 +67,9 @@ SerialMesh import_mesh(const MeshSource& source) {
   if (extension == ".msh") return read_msh(source.file);
   if (extension == ".brep") require_whole_brep(source.file);
   if (extension == ".geo") require_whole_script(source.file);
-  return isolated(Suspect::gmsh, [&] { return gmsh_module().mesh_geometry(source, geometries.at(extension)); });
+  if (source.commands == Commands::refused) require_no_commands(source.file);
+  return isolated(gmsh_isolation(source),
+                  [&] { return gmsh_module().mesh_geometry(source, geometries.at(extension)); });
 }
 
 }  // namespace pliant

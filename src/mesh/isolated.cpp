@@ -1,11 +1,12 @@
 #include "mesh/isolated.hpp"
 
-#include "base/child_process.hpp"
-
+#include <chrono>
 #include <cstring>
 #include <stdexcept>
 #include <string_view>
 #include <type_traits>
+
+#include <fmt/format.h>
 
 namespace pliant {
 namespace {
@@ -121,8 +122,14 @@ Packer outcome_of(const std::function<SerialMesh()>& work) {
   return out;
 }
 
-[[noreturn]] void reject_dead_child(Suspect suspect, const ChildEnd& end) {
-  if (suspect == Suspect::hdf5) {
+[[noreturn]] void reject_dead_child(const Isolation& isolation, const ChildEnd& end) {
+  if (end.is_too_late) {
+    throw MeshDefect(
+        fmt::format("gmsh has not finished after {:g} s: a script may have a loop without end; if it needs "
+                    "longer, set 'mesh.time_limit', or mesh it with gmsh and take its .msh file",
+                    std::chrono::duration<double>(*isolation.limits.time).count()));
+  }
+  if (isolation.suspect == Suspect::hdf5) {
     throw MeshDefect("HDF5 died while reading it (" + end.how +
                      "): the file is damaged; write it again with `pliant mesh convert`");
   }
@@ -134,9 +141,15 @@ Packer outcome_of(const std::function<SerialMesh()>& work) {
 
 }  // namespace
 
-SerialMesh isolated(Suspect suspect, const std::function<SerialMesh()>& work) {
-  const ChildEnd end = in_child([&] { return outcome_of(work).bytes(); });
-  if (!end.answer || end.answer->empty()) reject_dead_child(suspect, end);
+Isolation gmsh_isolation(const MeshSource& source) {
+  const auto rights = source.commands == Commands::refused ? ChildRights::reading : ChildRights::all;
+  const std::chrono::duration<double> time(source.time_limit);
+  return {Suspect::gmsh, {rights, std::chrono::ceil<std::chrono::milliseconds>(time)}};
+}
+
+SerialMesh isolated(const Isolation& isolation, const std::function<SerialMesh()>& work) {
+  const ChildEnd end = in_child([&] { return outcome_of(work).bytes(); }, isolation.limits);
+  if (!end.answer || end.answer->empty()) reject_dead_child(isolation, end);
   Unpacker in(*end.answer);
   switch (in.get<Outcome>()) {
     case Outcome::mesh:

@@ -29,6 +29,9 @@ struct CellField {
   std::vector<double> values;  ///< `components` per cell; NaN where the file has none
 };
 
+/// Whether files of geometry may run programs and write files, as gmsh's language lets them.
+enum class Commands { refused, allowed };
+
 /// Where a mesh comes from.
 struct MeshSource {
   std::string file;            ///< .geo .step .stp .brep .stl are meshed by gmsh, .msh and .h5 are read as they are
@@ -36,6 +39,8 @@ struct MeshSource {
   std::optional<double> size;  ///< target element size in the unit of the file, for files that gmsh meshes
   double scale = 1.0;          ///< coordinates are multiplied by it
   int refine = 0;              ///< uniform refinements after distribution (each cuts a tetrahedron into 8)
+  Commands commands = Commands::refused;
+  double time_limit = 3600.0;  ///< for gmsh [s]
 };
 
 /// The distributed mesh. Tetrahedra only. The vertices x0 .. x3 that the transitive closure of a cell lists have

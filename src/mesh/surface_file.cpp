@@ -2,6 +2,7 @@
 
 #include "mesh/gmsh/module.hpp"
 #include "mesh/isolated.hpp"
+#include "mesh/script_commands.hpp"
 #include "mesh/source_checks.hpp"
 #include "petsc/check.hpp"
 #include "petsc/collective.hpp"
@@ -116,7 +117,9 @@ SurfaceMesh read_surface(MPI_Comm comm, const MeshSource& source) {
   on_root(comm, [&] {
     telling_the_user(source, [&] {
       require_readable(source.file);
-      const SerialMesh corners = isolated(Suspect::gmsh, [&] { return gmsh_module().triangle_corners(source.file); });
+      require_no_commands(source.file);
+      const SerialMesh corners =
+          isolated(gmsh_isolation(source), [&] { return gmsh_module().triangle_corners(source.file); });
       surface = closed_surface(corners.coordinates, source.scale);
     });
   });

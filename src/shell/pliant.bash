@@ -31,7 +31,7 @@ _pliant() {
     'converge') options='-h --help --set --output --in --levels --methods --no-check' words='' files='*.@(yaml|yml)' ;;
     'sweep') options='-h --help --set --output --continue --jobs --ranks' words='' files='*.@(yaml|yml)' ;;
     'mesh') options='-h --help' words='convert' files='' ;;
-    'mesh convert') options='-h --help --size --scale' words='' files='*' ;;
+    'mesh convert') options='-h --help --size --scale --allow-commands' words='' files='*' ;;
     'methods') options='-h --help' words='' files='' ;;
     'materials') options='-h --help --markdown' words='plot' files='' ;;
     'materials plot') options='-h --help --set --stretch --output' words='' files='*' ;;

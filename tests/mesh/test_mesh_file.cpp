@@ -282,7 +282,7 @@ TEST(MeshFile, WhereHdf5DiesTheFileIsToBlame) {
     return SerialMesh{};
   };
   try {
-    (void)isolated(Suspect::hdf5, die);
+    (void)isolated({Suspect::hdf5}, die);
     FAIL() << "no defect";
   } catch (const MeshDefect& defect) {
     EXPECT_EQ(defect.reasons(), std::vector<std::string>{"HDF5 died while reading it (Segmentation fault): the file is "

@@ -173,6 +173,7 @@ BAD_FILES_AND_OPTIONS = {  # told once ranks do different work
     "a mesh to convert that is missing": (["mesh", "convert", "nowhere.msh", "a.h5"], "nowhere.msh.*no such file"),
     "a mesh to convert into another format": (["mesh", "convert", "cube.msh", "cube.vtk"], "must be named .h5"),
     "a mesh that is converted already": (["mesh", "convert", "bad.h5", "a.h5"], "own format already"),
+    "a script to convert that runs a program": (["mesh", "convert", "commands.geo", "a.h5"], "'SystemCall' runs.*--allow-commands"),
     "a size that is no length": (["mesh", "convert", "bad.geo", "a.h5", "--size", "2 kg"], "--size 2 kg"),
     "a scale that turns inside out": (["mesh", "convert", "cube.msh", "a.h5", "--scale", "-1"], "scale must be a positive"),
     "check of a bad input": (["check", "in.yaml", "--set", "mesh.file=nowhere.msh"], "nowhere.msh"),
@@ -225,6 +226,7 @@ class Errors(MistakesTest):
             other.attrs["format"] = "pliant-result"
         (directory / "binary.yaml").write_bytes(bytes(range(256)))
         (directory / "bad.geo").write_text("Point(1) = {0, 0, 0};\nLine(1) = {1, 2;\n")
+        (directory / "commands.geo").write_text("x = 1;\nSystemCall \"touch made\";\n")
         (directory / "flat.geo").write_text('SetFactory("OpenCASCADE");\nRectangle(1) = {0, 0, 0, 1, 1};\n')
         for kind, text in BAD_STL.items():
             (directory / f"{kind}.stl").write_text(text)

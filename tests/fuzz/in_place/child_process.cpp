@@ -4,8 +4,8 @@
 
 namespace pliant {
 
-ChildEnd in_child(const std::function<std::string()>& work) {
-  return {work(), false, {}};
+ChildEnd in_child(const std::function<std::string()>& work, const ChildLimits&) {
+  return {work(), false, false, {}};
 }
 
 }  // namespace pliant
