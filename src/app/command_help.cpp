@@ -204,12 +204,13 @@ std::string man_page(const CLI::App& program, const std::string& versions) {
     const std::string footer = command.app->get_footer();
     if (!footer.empty() && footer != program.get_footer()) text += ".PP\n.nf\n" + roff(footer) + "\n.fi\n";
   }
-  constexpr std::array<std::pair<int, std::string_view>, 6> codes{
+  constexpr std::array<std::pair<int, std::string_view>, 7> codes{
       {{0, "done"},
        {1, "a convergence study or a sweep did not pass"},
        {2, "the input or the command line is wrong"},
        {3, "the solve failed after every retry; the last good state is on disk"},
        {4, "a file could not be read or written"},
+       {70, "an unexpected failure, such as too little memory, or a bug in Pliant"},
        {130, "interrupted; a run has written a checkpoint"}}};
   text += ".SH EXIT STATUS\n";
   for (const auto& [code, meaning] : codes) text += fmt::format(".TP\n.B {}\n{}\n", code, roff(meaning));

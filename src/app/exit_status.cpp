@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <exception>
+#include <new>
 
 #include <fmt/format.h>
 
@@ -28,10 +29,15 @@ int exit_status(const std::function<ExitCode()>& program) {
     return told(error, ExitCode::solve);
   } catch (const std::exception& error) {
     // Not agreed between ranks: the others may be waiting for this one.
-    fmt::print(stderr, "pliant failed on rank {}: {}\n", rank(PETSC_COMM_WORLD), error.what());
+    const bool lacks_memory = dynamic_cast<const std::bad_alloc*>(&error) != nullptr;
+    fmt::print(stderr, "pliant failed on rank {}: {}\n", rank(PETSC_COMM_WORLD),
+               lacks_memory
+                   ? "the memory of this machine does not suffice; take more machines, fewer ranks on each, or a "
+                     "coarser mesh"
+                   : error.what());
     std::fflush(stderr);
-    MPI_Abort(PETSC_COMM_WORLD, static_cast<int>(ExitCode::solve));
-    return static_cast<int>(ExitCode::solve);
+    MPI_Abort(PETSC_COMM_WORLD, static_cast<int>(ExitCode::unexpected));
+    return static_cast<int>(ExitCode::unexpected);
   }
 }
 

@@ -300,7 +300,7 @@ class Sweep {
       if (ended_[i].code == 0) continue;
       if (in_words(ended_[i]) == "interrupted") return ExitCode::interrupted;
       if (code != ExitCode::done) continue;
-      const std::array known{ExitCode::input, ExitCode::solve, ExitCode::file};
+      const std::array known{ExitCode::input, ExitCode::solve, ExitCode::file, ExitCode::unexpected};
       const auto same = std::ranges::find(known, static_cast<ExitCode>(ended_[i].code));
       code = same == known.end() ? ExitCode::solve : *same;
       console_.warn(fmt::format("run {} failed; what it said is in {}", i + 1, cases_[i].directory.string() + ".log"));

@@ -9,7 +9,16 @@
 namespace pliant {
 
 /// What the program returns to the shell; the same from every rank.
-enum class ExitCode : int { done = 0, study_failed = 1, input = 2, solve = 3, file = 4, interrupted = 130 };
+/// `unexpected` is for what nobody foresaw, out of memory included (EX_SOFTWARE of sysexits.h).
+enum class ExitCode : int {
+  done = 0,
+  study_failed = 1,
+  input = 2,
+  solve = 3,
+  file = 4,
+  unexpected = 70,
+  interrupted = 130
+};
 
 /// A place in a file the user wrote. Lines and columns count from 1; 0 means "not known".
 struct Location {

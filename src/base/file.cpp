@@ -23,6 +23,8 @@ int flags_of(FileMode mode) {
   switch (mode) {
     case FileMode::create:
       return O_WRONLY | O_CREAT | O_TRUNC;
+    case FileMode::anew:
+      return O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW;
     case FileMode::modify:
       return O_WRONLY;
     case FileMode::append:
@@ -44,6 +46,10 @@ bool is_special(const std::filesystem::path& path) {
 }  // namespace
 
 File::File(std::filesystem::path path, FileMode mode) : path_(std::move(path)) {
+  // In a directory that others can write to, somebody could put a link or a file of their own where ours will be. A
+  // link is removed and not what it leads to; where others' files cannot be removed, this is a failure and not theirs
+  // to read.
+  if (mode == FileMode::anew) (void)::unlink(path_.c_str());
   do {
     descriptor_ = ::open(path_.c_str(), flags_of(mode) | O_CLOEXEC, 0666);
   } while (descriptor_ < 0 && errno == EINTR);
@@ -144,7 +150,7 @@ void write_text_atomically(const std::filesystem::path& file, std::string_view t
   std::filesystem::path part = file;
   part += ".part";
   try {
-    File out(part, FileMode::create);
+    File out(part, FileMode::anew);
     out.write(text);
     if (durability == Durability::power) out.sync();
     out.close();

@@ -11,9 +11,10 @@
 
 namespace pliant {
 
-/// create: empties an existing file. modify: the file must exist. append: writes go to the end, the file is made if
+/// create: empties an existing file. anew: makes a file and follows no link; what has its name, which can only be what
+/// an earlier run left, is removed. modify: the file must exist. append: writes go to the end, the file is made if
 /// missing.
-enum class FileMode { create, modify, append };
+enum class FileMode { create, anew, modify, append };
 
 /// An open file; closed at the end of the scope. `close()` closes earlier and tells failures, which some file systems
 /// report only then.

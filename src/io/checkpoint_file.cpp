@@ -111,7 +111,7 @@ std::string read_text(hid_t file, const std::string& name) {
 void start_file(const std::filesystem::path& path, const CheckpointInfo& info) {
   const QuietHdf5 quiet;
   const std::string doing = "write '" + path.string() + "'";
-  File(path, FileMode::create).reserve(0, 256 * 1024 + std::ssize(info.input));  // HDF5 does not survive a full disk
+  File(path, FileMode::anew).reserve(0, 256 * 1024 + std::ssize(info.input));  // HDF5 does not survive a full disk
   Hdf5Handle file = open_hdf5(path, Hdf5Mode::create, header_size);
   write_attribute(file.get(), "format", std::string(magic));
   write_attribute(file.get(), "version", std::int64_t{version});
@@ -269,7 +269,7 @@ CheckpointInfo read_checkpoint_info(MPI_Comm comm, const std::filesystem::path& 
     const QuietHdf5 quiet;
     const Hdf5Handle opened = open_hdf5(file, Hdf5Mode::read);
     info.step = integer_attribute(opened.get(), "step");
-    read_attribute(opened.get(), "time", std::span(&info.time, 1));
+    info.time = finite_attribute(opened.get(), "time");
     info.ranks = integer_attribute(opened.get(), "ranks");
     for (const auto& [name, text] : {std::pair{"title", &info.title},
                                      {"mesh", &info.mesh},

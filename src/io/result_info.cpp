@@ -30,9 +30,7 @@ std::string obstacles_of(hid_t file) {
 
 double time_of(hid_t frames, const std::string& name) {
   const Hdf5Handle frame(H5Gopen2(frames, name.c_str(), H5P_DEFAULT), H5Gclose, "open the frame '" + name + "'");
-  double time = 0.0;
-  read_attribute(frame.get(), "time", std::span(&time, 1));
-  return time;
+  return finite_attribute(frame.get(), "time");
 }
 
 std::string fields_of(hid_t frames, const std::string& name) {

@@ -70,9 +70,8 @@ bool has_link(hid_t parent, const std::string& name) {
 
 ResultFrame frame_of(hid_t frames, const std::string& name) {
   const Hdf5Handle group = open_group(frames, name);
-  ResultFrame frame{name, 0.0, integer_attribute(group.get(), "step"), text_attribute(group.get(), "mesh")};
-  read_attribute(group.get(), "time", std::span(&frame.time, 1));
-  return frame;
+  return {name, finite_attribute(group.get(), "time"), integer_attribute(group.get(), "step"),
+          text_attribute(group.get(), "mesh")};
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ void make_empty_file(const std::filesystem::path& path, const std::string& title
   // A reader that waits for the file finds a whole one.
   std::filesystem::path part = path;
   part += ".part";
-  File(part, FileMode::create).reserve(0, 256 * 1024);
+  File(part, FileMode::anew).reserve(0, 256 * 1024);
   Hdf5Handle file = open_hdf5(part, Hdf5Mode::create);
   write_attribute(file.get(), "format", std::string("pliant-result"));
   write_attribute(file.get(), "version", result_version);

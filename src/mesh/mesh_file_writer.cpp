@@ -127,7 +127,7 @@ void write_mesh_file(const std::string& file, SerialMesh& mesh) {
   const std::string part = file + ".part";
   const QuietHdf5 quiet;
   try {
-    File(part, FileMode::create).reserve(0, largest_size(mesh));
+    File(part, FileMode::anew).reserve(0, largest_size(mesh));
     Hdf5Handle out = open_hdf5(part, Hdf5Mode::create);
     write_numbers(out.get(), mesh);
     out.close("write '" + file + "'");

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <string_view>
 #include <utility>
 
@@ -269,11 +270,22 @@ void write_attribute(hid_t object, const std::string& name, std::span<const doub
 void read_attribute(hid_t object, const std::string& name, std::span<double> values) {
   const std::string doing = "read the attribute '" + name + "'";
   const Hdf5Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), H5Aclose, doing);
+  const Hdf5Handle type(H5Aget_type(attribute.get()), H5Tclose, doing);
   const Hdf5Handle space(H5Aget_space(attribute.get()), H5Sclose, doing);
+  const H5T_class_t kind = H5Tget_class(type.get());
+  if (kind != H5T_FLOAT && kind != H5T_INTEGER) throw FileError("cannot " + doing + ": it is not a number");
+  require_usual_numbers(type.get(), doing);
   if (H5Sget_simple_extent_npoints(space.get()) != static_cast<hssize_t>(values.size())) {
     throw FileError("cannot " + doing + ": it has another size");
   }
   check_hdf5(H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, values.data()), doing);
+}
+
+double finite_attribute(hid_t object, const std::string& name) {
+  double value = 0.0;
+  read_attribute(object, name, std::span(&value, 1));
+  if (!std::isfinite(value)) throw FileError("cannot read the attribute '" + name + "': it is not a finite number");
+  return value;
 }
 
 }  // namespace pliant

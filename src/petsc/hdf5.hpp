@@ -72,6 +72,8 @@ void write_attribute(hid_t object, const std::string& name, const std::string& v
 void write_attribute(hid_t object, const std::string& name, std::span<const double> values);
 /// An attribute of as many numbers as there are places.
 void read_attribute(hid_t object, const std::string& name, std::span<double> values);
+/// An attribute of one number. Throws FileError if it is none or not finite.
+double finite_attribute(hid_t object, const std::string& name);
 
 /// Throw FileError if there is no such attribute, or it is no whole number or no text.
 std::int64_t integer_attribute(hid_t object, const std::string& name);

@@ -162,7 +162,7 @@ SetUp SingleFactorization::factorize(Mat K) {
     error = mumps_->run(job_factorize);
   }
   if (num_ranks(reinterpret_cast<PetscObject>(K)) > 1) {
-    const int size = error == 0 ? mumps_->id.info[22] : 0;
+    const int size = error >= 0 ? mumps_->id.info[22] : 0;  // above 0 it is a warning, and there are factors
     solution_.resize(static_cast<std::size_t>(size));
     solution_rows_.resize(solution_.size());
     mumps_->id.lsol_loc = size;

@@ -3,7 +3,9 @@
 #include "petsc/hdf5.hpp"
 
 #include <array>
+#include <cmath>
 #include <functional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -84,6 +86,48 @@ TEST(Hdf5, NumbersLieWithinTheirBytes) {
     const Hdf5Handle dataset = in_pieces(file.get(), std::to_string(i).c_str(), 3, type);
     const std::string told = told_by([&] { require_stored(dataset.get(), "read"); });
     EXPECT_EQ(told == "nothing", usual) << i << ": " << told;
+  }
+}
+
+void make_attribute(hid_t object, const char* name, hid_t type, const void* value) {
+  const Hdf5Handle space(H5Screate(H5S_SCALAR), H5Sclose, "make a space");
+  const Hdf5Handle attribute(H5Acreate2(object, name, type, space.get(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose, "make");
+  check_hdf5(H5Awrite(attribute.get(), type, value), "write");
+}
+
+TEST(Hdf5, AttributesAreUsualNumbers) {
+  const Hdf5Handle file = file_in_memory();
+  const Hdf5Handle biased(H5Tcopy(H5T_IEEE_F64LE), H5Tclose, "copy"), shifted(H5Tcopy(H5T_STD_I64LE), H5Tclose, "copy"),
+      text(H5Tcopy(H5T_C_S1), H5Tclose, "copy");
+  check_hdf5(H5Tset_ebias(biased.get(), 7), "change");
+  check_hdf5(H5Tset_precision(shifted.get(), 31), "change");
+  check_hdf5(H5Tset_size(text.get(), sizeof(double)), "change");
+  const std::array<std::pair<hid_t, bool>, 6> types{{{H5T_NATIVE_DOUBLE, true},
+                                                     {H5T_IEEE_F64BE, true},
+                                                     {H5T_NATIVE_INT64, true},
+                                                     {biased.get(), false},
+                                                     {shifted.get(), false},
+                                                     {text.get(), false}}};
+  const double zero = 0.0;
+  for (std::size_t i = 0; i < types.size(); ++i) {
+    const auto [type, usual] = types[i];
+    const std::string name = std::to_string(i);
+    make_attribute(file.get(), name.c_str(), type, &zero);
+    double value = 1.0;
+    const std::string told = told_by([&] { read_attribute(file.get(), name, std::span(&value, 1)); });
+    EXPECT_EQ(told == "nothing", usual) << i << ": " << told;
+    EXPECT_EQ(value, usual ? 0.0 : 1.0);
+  }
+}
+
+TEST(Hdf5, FiniteAttributesAreFinite) {
+  const Hdf5Handle file = file_in_memory();
+  for (const double value : {0.25, -1e300, HUGE_VAL, -HUGE_VAL, std::nan("")}) {
+    const std::string name = "a" + std::to_string(value);
+    write_attribute(file.get(), name, value);
+    const std::string told = told_by([&] { EXPECT_EQ(finite_attribute(file.get(), name), value); });
+    EXPECT_EQ(told == "nothing", std::isfinite(value)) << told;
+    EXPECT_NE(told.find("is not a finite number") != std::string::npos, std::isfinite(value)) << told;
   }
 }
 

@@ -4,6 +4,7 @@ import itertools
 import os
 import pathlib
 import re
+import resource
 import subprocess
 import sys
 import unittest
@@ -331,6 +332,15 @@ class Errors(MistakesTest):
         self.assertEqual(done.returncode, 4, done.stderr)
         self.assertEqual(done.stderr.count("install udunits2's data"), 1, done.stderr)
         self.assertNotIn("failed on rank", done.stderr)
+
+    @unittest.skipIf("ASAN_OPTIONS" in os.environ, "AddressSanitizer takes addresses without end")
+    def test_too_little_memory(self):
+        """What nobody could foresee has a code of its own: it is neither the solver's nor a file's."""
+        limit = 800 * 2**20
+        done = subprocess.run([PROGRAM, "run", "in.yaml", "--set", "mesh.refine=6"], cwd=self.case("memory"), env=ENVIRONMENT, text=True,
+                              capture_output=True, timeout=60, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)))
+        self.assertEqual(done.returncode, 70, done.stderr)
+        self.assertIn("pliant failed on rank 0", done.stderr)
 
     def test_all_mistakes_at_once(self):
         directory = self.case("several")

@@ -5,7 +5,7 @@ class PliantError(Exception):
     """A file that is not what it should be, or a run that failed; the text says which and why.
 
     `code` is the exit code of the program: 2 the input is wrong, 3 the solve failed, 4 a file could not be read or written,
-    130 interrupted; None where no program ran.
+    70 an unexpected failure, 130 interrupted; None where no program ran.
     """
 
     def __init__(self, message: str, code: "int | None" = None) -> None:
