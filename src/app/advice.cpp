@@ -96,6 +96,8 @@ void doubt_time(const Config& config, std::vector<std::string>& doubts) {
 
 /// No material is slower or faster: its numbers are in other units than SI.
 constexpr double slowest_shear_wave = 0.05;  // [m/s]; of the softest gels
+constexpr double softest_gel = 0.5;          // shear modulus [Pa]
+constexpr double no_stiffness = 1e-4;        // shear modulus of what is meant to be viscous alone [Pa]
 constexpr double fastest_shear_wave = 1e4;   // [m/s]; of diamond 12000, of steel 3200
 constexpr double longest_body = 50.0;        // [m]
 constexpr double locking_ratio = 0.49;       // Poisson's, of linear elements
@@ -107,8 +109,15 @@ void doubt_body(const Config& config, const BodyConfig& body, std::vector<std::s
   if (!rest) return;
   const auto add = [&](const std::string& text) { doubts.push_back(to_string(body.elasticity.where) + ": " + text); };
   const double speed = std::sqrt(rest->mu / body.density.value_or(rest->mu));
-  // What is mainly viscous may have next to no stiffness.
-  const bool is_slow = speed < slowest_shear_wave && body.viscosity.empty();
+  // What is viscous alone has next to no stiffness, which nobody types by forgetting a unit.
+  const bool may_be_soft = !body.viscosity.empty() && rest->mu < no_stiffness;
+  if (!body.density && rest->mu < softest_gel && !may_be_soft) {
+    add(
+        fmt::format("the shear modulus at rest is {:.2g} Pa, less than any gel has (silicone: 1e5 Pa, brain: 1e3 Pa); "
+                    "a number without a unit is in Pa: is MPa or kPa meant?",
+                    rest->mu));
+  }
+  const bool is_slow = speed < slowest_shear_wave && !may_be_soft;
   if (body.density && (is_slow || speed > fastest_shear_wave)) {
     add(
         fmt::format("with this density shear waves run at {:.2g} m/s (silicone: 10, steel: 3000); are 'density' and "
@@ -194,6 +203,17 @@ std::vector<std::string> doubts_about(const Config& config) {
 bool nothing_moves(const Config& config) {
   return config.cavities.empty() && !config.contact && is_zero(config.initial.displacement) &&
          is_zero(config.initial.velocity) && std::ranges::all_of(driving_formulas(config), &Expression::is_zero);
+}
+
+bool may_fall(const Config& config) {
+  using Kind = LoadConfig::Kind;
+  const auto holds = [](const LoadConfig& load) {
+    return load.kind == Kind::foundation || load.kind == Kind::point_foundation;
+  };
+  // Pressure acts on closed surfaces as a rule, and pushes a body nowhere.
+  const auto pushes = [](const LoadConfig& load) { return load.kind != Kind::pressure && !is_zero(load.value); };
+  return !config.contact && is_zero(config.initial.velocity) && std::ranges::none_of(config.loads, holds) &&
+         std::ranges::any_of(config.loads, pushes);
 }
 
 std::vector<std::string> without_effect(const Config& config) {

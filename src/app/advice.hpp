@@ -17,6 +17,9 @@ std::vector<std::string> doubts_about(const Config& config);
 /// Does the input alone leave the bodies at rest? Terms that others add may move them.
 bool nothing_moves(const Config& config);
 
+/// Do loads push the bodies that no constraint holds, and nothing else stops them, nor are they thrown?
+bool may_fall(const Config& config);
+
 /// What the input gives and its kind of analysis does not use, in plain words.
 std::vector<std::string> without_effect(const Config& config);
 

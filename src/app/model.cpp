@@ -62,6 +62,7 @@ Model::Model(MPI_Comm comm, const Config& config, const TermFactory& additional)
     for (auto& doubt : contacts_->doubts_about_start(instant(0.0), config.initial.displacement))
       doubts_.push_back(std::move(doubt));
   }
+  doubt_overlap(config);
   std::ranges::move(without_effect(config), std::back_inserter(notices_));
   const Method* method = method_of(config.time);
   const auto rings = [](const BodyConfig& body) { return body.viscosity.empty(); };
@@ -196,9 +197,12 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
     for (const auto& line : contacts_->description()) notices_.push_back(line);
   }
 
+  find_components(config, selections);
+
   std::vector<std::array<double, 3>> points;
   for (const auto& probe : config.probes) points.push_back(probe.point);
   probes_ = locate(layout_, points);
+  require_near(config.probes);
   for (std::size_t p = 0; p < probes_.size(); ++p) {
     const double far = probes_[p].distance;
     if (far > 0.0) {
@@ -207,6 +211,77 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
                       config.probes[p].name, far));
     }
   }
+}
+
+/// A probe beside the body by rounding, or by the facets of a round surface, is as good as on it; one further away is
+/// given in another unit, or for another body.
+void Model::require_near(const std::vector<ProbeConfig>& probes) const {
+  constexpr double near = 0.05;  // of the mesh's diagonal
+  const auto& b = mesh_report_.bounds;
+  const double diagonal = std::hypot(b[3] - b[0], b[4] - b[1], b[5] - b[2]);
+  std::vector<Diagnostic> mistakes;
+  for (std::size_t p = 0; p < probes_.size(); ++p) {
+    if (!(probes_[p].distance > near * diagonal)) continue;  // to a node
+    const NearestOfMesh nearest = nearest_of_mesh(layout_, probes[p].point);
+    if (!(nearest.distance > near * diagonal)) continue;
+    const auto& [x, y, z] = nearest.point;
+    mistakes.push_back(
+        {probes[p].where,
+         fmt::format("probe '{}' lies outside the mesh, {:.3g} m from its nearest point ({:.4g}, {:.4g}, "
+                     "{:.4g}); positions are in metres, after 'mesh.scale', of the undeformed body",
+                     probes[p].name, nearest.distance, x, y, z)});
+  }
+  if (!mistakes.empty()) throw InputError(mistakes);
+}
+
+void Model::find_components(const Config& config, Selections& selections) {
+  components_ = connected_components(layout_);
+  std::vector<char> is_held(static_cast<std::size_t>(components_.count), 0);
+  std::vector<std::vector<PetscInt>> links;
+  const auto hold = [&](const std::vector<PetscInt>& nodes) {
+    for (const PetscInt n : nodes) is_held[static_cast<std::size_t>(components_.of_node[n])] = 1;
+  };
+  for (const ConstraintConfig& c : config.constraints) {
+    using Kind = ConstraintConfig::Kind;
+    std::vector<PetscInt> nodes;
+    const auto add = [&](const Selection& part) {
+      for (const PetscInt n : selections.nodes(part)) nodes.push_back(n);
+    };
+    if (c.kind != Kind::equation) add(c.part);
+    if (c.kind == Kind::periodic) add(c.partner);
+    for (const EquationTermConfig& term : c.equation) add(term.part);
+    hold(nodes);
+    if (c.kind == Kind::equation || c.kind == Kind::periodic || c.kind == Kind::rigid)
+      links.push_back(std::move(nodes));
+  }
+  if (analysis_of(config) == Analysis::dynamic && may_fall(config)) {
+    int num_free = 0;
+    for (const char held : is_held) num_free += any(layout_.comm, held != 0) ? 0 : 1;
+    if (num_free > 0) {
+      notices_.push_back(fmt::format(
+          "nothing holds {}: the loads move {} away; constraints, springs or contact hold a body",
+          components_.count == 1 ? "the body" : fmt::format("{} of the mesh's {} parts", num_free, components_.count),
+          num_free == 1 ? "it" : "them"));
+    }
+  }
+  for (const auto& nodes : links) join(components_, layout_, nodes);
+}
+
+void Model::doubt_overlap(const Config& config) {
+  std::vector<double> u(3 * static_cast<std::size_t>(layout_.num_local_nodes));
+  for (PetscInt n = 0; n < layout_.num_local_nodes; ++n) {
+    const auto [x, y, z] = layout_.position(n);
+    for (std::size_t i = 0; i < 3; ++i) u[3 * n + i] = config.initial.displacement[i](x, y, z, 0.0);
+  }
+  const auto overlap = deepest_overlap(layout_, components_, u);
+  overlaps_at_start_ = overlap.has_value();
+  if (!overlap) return;
+  const auto& [x, y, z] = overlap->at;
+  doubts_.push_back(
+      fmt::format("{}: parts of the mesh that share no node overlap at the start, {:.3g} m deep at ({:.4g}, {:.4g}, "
+                  "{:.4g}): they do not feel one another, since contact acts between bodies and obstacles only; move "
+                  "one of them, or join them in gmsh (BooleanFragments)",
+                  to_string(config.mesh.file.where), overlap->depth, x, y, z));
 }
 
 void Model::prepare(const Config& config) {

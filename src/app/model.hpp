@@ -9,6 +9,7 @@
 #include "energy/incremental_potential.hpp"
 #include "energy/inertia.hpp"
 #include "energy/mixed_equation.hpp"
+#include "fem/components.hpp"
 #include "fem/probe.hpp"
 #include "mesh/mesh.hpp"
 
@@ -70,6 +71,9 @@ class Model {
   double mesh_seconds() const { return mesh_seconds_; }
   /// What the user should know, in plain words.
   const std::vector<std::string>& notices() const { return notices_; }
+  /// Parts of the mesh that neither nodes nor constraints join.
+  const Components& components() const { return components_; }
+  bool overlaps_at_start() const { return overlaps_at_start_; }
   /// What the user may not have meant, likewise.
   const std::vector<std::string>& doubts() const { return doubts_; }
 
@@ -91,6 +95,10 @@ class Model {
 
  private:
   void build_terms(const Config& config, const Mesh& mesh);
+  void require_near(const std::vector<ProbeConfig>& probes) const;
+  /// Parts of the mesh that neither nodes nor constraints join.
+  void find_components(const Config& config, Selections& selections);
+  void doubt_overlap(const Config& config);
   void require_finite_initial(const Config& config, const char* what, Vec values) const;
   /// Widens the range of wave speeds.
   void include_waves(const ElasticLawSpec& law, double density);
@@ -120,6 +128,8 @@ class Model {
   std::vector<const MixedTerm*> mixed_;
   std::unique_ptr<MixedEquation> mixed_equation_;
   std::vector<ProbeLocation> probes_;
+  Components components_;
+  bool overlaps_at_start_ = false;
   std::optional<double> static_time_;  // at which a static problem takes its loads
   WaveSpeeds wave_speeds_;
   std::vector<std::string> notices_;

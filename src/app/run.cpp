@@ -1,6 +1,7 @@
 #include "app/run.hpp"
 
 #include "app/checkpoints.hpp"
+#include "app/motion_watch.hpp"
 #include "app/post_mortem.hpp"
 #include "app/recorder.hpp"
 #include "app/signals.hpp"
@@ -69,6 +70,7 @@ class Run {
         config_(config),
         console_(console),
         model_(comm, config, additional),
+        watch_(config, model_),
         checkpoints_(config, model_) {
     on_root(comm_, [&] {
       make_directory(config.output.directory);
@@ -142,6 +144,7 @@ class Run {
       if (last_frame_written_) {
         recorder_->write_frame(record());
         last_frame_ = record().step;
+        for (const auto& news : watch_.look(record())) console_.warn(news);
       }
       if (checkpoints_.is_due(record().step)) write_checkpoint();
       const std::string line = progress_line(seconds_since(start));
@@ -152,6 +155,7 @@ class Run {
       }
     }
     config_.checkpoint ? write_checkpoint() : recorder_->sync();
+    for (const auto& words : watch_.last_words()) console_.warn(words);
     summarise("done", "");
     return ExitCode::done;
   }
@@ -339,6 +343,7 @@ class Run {
   const Config& config_;
   Console& console_;
   Model model_;
+  MotionWatch watch_;
   std::optional<DirectoryLock> lock_;  // rank 0's, on the output directory
   Checkpoints checkpoints_;
   std::optional<Simulation> simulation_;

@@ -2,6 +2,7 @@
 
 #include "base/tensor.hpp"
 #include "fem/element.hpp"
+#include "fem/nearest_point.hpp"
 #include "petsc/session.hpp"
 
 #include <algorithm>
@@ -195,6 +196,28 @@ std::vector<ProbeLocation> locate(const NodeLayout& layout, std::span<const std:
     locations[p].distance = nearest[p].distance;
   }
   return locations;
+}
+
+NearestOfMesh nearest_of_mesh(const NodeLayout& layout, const std::array<double, 3>& X) {
+  NearestOfMesh best{{}, std::numeric_limits<double>::infinity()};
+  for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+    const auto nodes = layout.nodes_of_cell(c);
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Nearest nearest = nearest_point({layout.position(nodes[(i + 1) % 4]), layout.position(nodes[(i + 2) % 4]),
+                                             layout.position(nodes[(i + 3) % 4])},
+                                            X);
+      const double d = distance(X, nearest.point);
+      if (d < best.distance) best = {nearest.point, d};
+    }
+  }
+  struct {
+    double distance;
+    int rank;
+  } mine{best.distance, rank(layout.comm)}, all{};
+  check_mpi(MPI_Allreduce(&mine, &all, 1, MPI_DOUBLE_INT, MPI_MINLOC, layout.comm));
+  best.distance = all.distance;
+  check_mpi(MPI_Bcast(best.point.data(), 3, MPI_DOUBLE, all.rank, layout.comm));
+  return best;
 }
 
 }  // namespace pliant

@@ -23,6 +23,15 @@ struct ProbeLocation {
 /// The places of the points (the same on every rank) in the mesh; for a point outside, the nearest node. Collective.
 std::vector<ProbeLocation> locate(const NodeLayout& layout, std::span<const std::array<double, 3>> points);
 
+/// The point of the mesh, its cells' sides counted as flat, that is nearest to a point outside of it.
+struct NearestOfMesh {
+  std::array<double, 3> point{};
+  double distance = 0.0;  ///< [m]
+};
+
+/// For points that lie outside. Collective.
+NearestOfMesh nearest_of_mesh(const NodeLayout& layout, const std::array<double, 3>& X);
+
 inline ProbeLocation locate(const NodeLayout& layout, const std::array<double, 3>& X) {
   return locate(layout, std::span(&X, 1)).front();
 }

@@ -65,6 +65,11 @@ INSTANTIATE_TEST_SUITE_P(
                  "with this density shear waves run at 1.9e+04 m/s"},
         Doubtful{2, "bodies: [{density: 1000, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0.4}}]",
                  "shear waves run at 0.019 m/s"},
+        // A megapascal was meant, whatever else the body has.
+        Doubtful{2,
+                 "bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 0.3, poissons_ratio: 0.4}, "
+                 "viscosity: {model: kelvin-voigt, shear: 100 Pa*s}}]",
+                 "shear waves run at 0.01 m/s"},
         Doubtful{2,
                  "bodies: [{density: 1000, elasticity: {model: linear, youngs_modulus: 1 MPa, shear_modulus: 1 MPa}}]",
                  "Poisson's ratio follows as -0.5"},
@@ -116,6 +121,33 @@ TEST(Advice, WhatAnAnalysisDoesNotUseIsTold) {
   EXPECT_EQ(idle("quasistatic"),
             std::vector<std::string>{"the initial velocity has no effect on quasi-static equilibria"});
   EXPECT_EQ(idle("bdf2"), std::vector<std::string>{});
+}
+
+TEST(Advice, AModulusBelowThatOfAnyGelIsDoubtedWithoutADensityToo) {
+  const auto told = [](const std::string& more) {
+    return doubts_about(read_input(test::with_line(2,
+                                                   "bodies: [{elasticity: {model: neo-hookean, poissons_ratio: 0.4, "
+                                                   "youngs_modulus: " +
+                                                       more + "}]"),
+                                   "a.yaml", {{"time", "{method: static}"}, {"loads", "[]"}}));
+  };
+  ASSERT_EQ(told("0.3}").size(), 1u);
+  EXPECT_NE(told("0.3}")[0].find("the shear modulus at rest is 0.11 Pa, less than any gel"), std::string::npos);
+  EXPECT_EQ(told("0.3 MPa}"), std::vector<std::string>{});
+  EXPECT_EQ(told("3}"), std::vector<std::string>{});
+  // Next to nothing is meant.
+  EXPECT_EQ(told("1e-9}, viscosity: {model: kelvin-voigt, shear: 100 Pa*s}"), std::vector<std::string>{});
+}
+
+TEST(Advice, WhatLoadsPushAndNothingHoldsMayFall) {
+  const auto falls = [](std::size_t line, const std::string& replacement) {
+    return may_fall(read_input(test::with_line(line, replacement), "a.yaml", {}));
+  };
+  EXPECT_TRUE(falls(6, ""));
+  EXPECT_FALSE(falls(4, "loads: [{surface: a, pressure: 1 kPa}]"));
+  EXPECT_FALSE(falls(4, "loads: [{gravity: [0, 0, -9.81]}, {surface: a, spring: 1 kPa/m}]"));
+  EXPECT_FALSE(falls(6, "initial: {velocity: [0, 0, 1]}"));
+  EXPECT_FALSE(falls(6, "contact: {obstacles: [{name: a, shape: plane, normal: [0, 0, 1]}]}"));
 }
 
 TEST(Advice, NothingIsSaidOfWhatIsUsual) {

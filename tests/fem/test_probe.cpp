@@ -94,5 +94,21 @@ TEST_P(Probes, OutsideTakeTheNearestNodeAndSayHowFar) {
   EXPECT_NEAR(std::hypot(x[0] - X[0], x[1] - X[1], x[2] - X[2]), nearest, 1e-14);
 }
 
+TEST_P(Probes, OutsideHaveANearestPointOfTheMesh) {
+  if (GetParam().shape == Shape::curved) GTEST_SKIP() << "sides count as flat";
+  // Beside a corner, an edge and a face of the unit cube.
+  for (const auto& [X, expected] : {std::pair{Point{1.3, 1.2, 1.1}, Point{1.0, 1.0, 1.0}},
+                                    {Point{0.3, -2.0, 1.5}, Point{0.3, 0.0, 1.0}},
+                                    {Point{0.3, 0.6, 1.5}, Point{0.3, 0.6, 1.0}}}) {
+    const NearestOfMesh nearest = nearest_of_mesh(layout_, X);
+    double square = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_NEAR(nearest.point[i], expected[i], 1e-12);
+      square += std::pow(X[i] - expected[i], 2);
+    }
+    EXPECT_NEAR(nearest.distance, std::sqrt(square), 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace pliant::test_probe

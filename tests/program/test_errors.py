@@ -91,6 +91,10 @@ BAD_AGAINST_THE_MESH = {
                                  "nowhere.stl"),
     "a body beyond a barrier": ("output", "contact: {law: barrier, obstacles: [@{name: a, shape: plane, "
                                 "normal: [0, 0, 1], point: [0, 0, 0.5]}]}", "reaches into the obstacle 'a'"),
+    "a probe far from the body": ("output", "probes: [@{name: tip, point: [0, 0.5, 100]}]",
+                                  r"'tip' lies outside the mesh, 99 m from its nearest point \(0, 0.5, 1\)"),
+    "a script that runs a program": ("mesh", "mesh: {file: @commands.geo}",
+                                     "line 2, column 1: 'SystemCall' runs a program.*allow_commands: true"),
     "box of nothing": ("constraints", "constraints: [{box: @[[2, 2, 2], [3, 3, 3]], displacement: [0, 0, 0]}]", "no node"),
     "symmetry inside": ("constraints", "constraints: [{surface: @top, symmetry: plane}]", "lies inside the mesh, where a normal has no outside"),
     "pressure inside": ("loads", "loads: [@{surface: top, pressure: 1}]", "lies inside the mesh, .*name a part of the outer surface"),
@@ -143,6 +147,10 @@ DOUBTFUL = {
     "motion that starts with a jump": ("constraints", "constraints: [{surface: left, displacement: [0, 0, 0]}, "
                                        "@{where: \"x > 0.9\", displacement: [\"0.1*cos(t)\", 0, 0]}]", "displaces nodes by 0.1 m"),
     "a mesh in millimetres": ("mesh", "mesh: {file: @cube.msh, scale: 100}", "the mesh is 100 m long.*'scale: 0.001'"),
+    "rubber that is stretched too far": ("time", "time: {step: 1 us, end: 3 us}\ninitial: {displacement: [\"4.5*x\", 0, 0]}",
+                                         "'body' is stretched to 5.5 of its length near X = .*'neo-hookean' is no law for that"),
+    "parts that overlap": ("mesh", "mesh: {file: @cube.msh}", "overlap at the start, 0.[12][0-9]* m deep"),
+    "parts that pass through one another": ("output", 'initial: {velocity: ["-30*(x > 1.4)", 0, 0]}', "at t = 0.02 s parts of the mesh .*pass through"),
     "Newton's method that does nothing": ("output", "solver: {newton: {absolute: 1 MN}}", "ended 2 of 2 solves.* this is no solution"),
 }
 NOT_DOUBTFUL = {
@@ -153,10 +161,13 @@ NOT_DOUBTFUL = {
     "a ball beside the body": ("output", "contact: {stiffness: 1, obstacles: [{name: a, shape: sphere, point: [0.5, 0.5, -0.2], radius: 0.1}]}"),
     "motion from where the body is": ("constraints", "constraints: [{surface: left, displacement: [0, \"0.1*sin(t)\", 0]}]"),
     "a tolerance in newtons": ("output", "solver: {newton: {absolute: 1 nN}}"),
+    "parts that stay apart": ("loads", "loads: [{surface: top, traction: [0, 0, 1]}]"),
     "frames at steps": ("output", "output: {directory: out, every: 10 ms}"),
 }
 IN_TWO_VOLUMES = {"volumes that do not cover"}
 OF_OTHER_GROUPS = {"volumes that share tetrahedra", "a curve off the edges"}
+WITH_A_SECOND_CUBE = {"parts that overlap": (0.8, 0.8, 0.8), "parts that pass through one another": (1.5, 0.1, 0.1),
+                      "parts that stay apart": (1.0, 0.1, 0.1)}
 TOP_HALFWAY_UP = {"symmetry inside", "pressure inside"}
 
 # Name: arguments, words of the message.
@@ -235,6 +246,10 @@ class Errors(MistakesTest):
             points, triangles, cells = box((2, 2, 2))
             above = (points[cells].mean(axis=1)[:, 2] > 0.5).astype(int)
             write_mesh(directory / "cube.msh", points, triangles, cells, (["lower", "upper"], above))
+        elif name in WITH_A_SECOND_CUBE:
+            points, triangles, cells = box((2, 2, 2))
+            cells = np.vstack([cells, cells + len(points)])
+            write_mesh(directory / "cube.msh", np.vstack([points, points + WITH_A_SECOND_CUBE[name]]), triangles, cells)
         elif name in TOP_HALFWAY_UP:
             points, triangles, cells = box((2, 2, 2))
             faces = np.unique(np.sort(cells[:, list(itertools.combinations(range(4), 3))].reshape(-1, 3), axis=1), axis=0)

@@ -1,0 +1,273 @@
+#include "fem/components.hpp"
+
+#include "base/vector3.hpp"
+#include "mesh/disjoint_sets.hpp"
+#include "petsc/array_view.hpp"
+#include "petsc/collective.hpp"
+#include "petsc/ghosted.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+#include <utility>
+
+namespace pliant {
+namespace {
+
+using Position = Vector3<double>;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Labels of nodes: the lowest global number that this rank owns in what its own cells connect. Numbers are exact in
+/// doubles.
+std::vector<double> labels_here(const NodeLayout& layout, DisjointSets& sets) {
+  const auto num_local = static_cast<std::size_t>(layout.num_local_nodes);
+  std::vector<double> lowest(num_local, infinity);
+  for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
+    double& label = lowest[sets.root(static_cast<std::size_t>(n))];
+    label = std::min(label, static_cast<double>(layout.global_node(n)));
+  }
+  std::vector<double> labels(num_local);
+  for (std::size_t n = 0; n < num_local; ++n) labels[n] = lowest[sets.root(n)];
+  return labels;
+}
+
+/// The owners' labels of all local nodes. Collective.
+std::vector<double> owners_labels(const NodeLayout& layout, const std::vector<double>& here) {
+  const Handle<Vec> x = make_vector(layout);
+  {
+    const ArrayView values(x.get());
+    for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) values[3 * n] = here[static_cast<std::size_t>(n)];
+  }
+  update_ghosts(x.get());
+  const ConstGhostedView values(x.get());
+  std::vector<double> labels(static_cast<std::size_t>(layout.num_local_nodes));
+  for (std::size_t n = 0; n < labels.size(); ++n) labels[n] = values.span()[3 * n];
+  return labels;
+}
+
+/// Labels by which all ranks together know that they are of one component, as pairs.
+std::vector<double> connections_here(const NodeLayout& layout, const std::vector<double>& owners, DisjointSets& sets) {
+  std::map<std::size_t, double> first;
+  std::set<std::pair<double, double>> pairs;
+  for (std::size_t n = 0; n < static_cast<std::size_t>(layout.num_local_nodes); ++n) {
+    const double known = first.try_emplace(sets.root(n), owners[n]).first->second;
+    pairs.insert({known, owners[n]});
+  }
+  std::vector<double> result;
+  for (const auto& [a, b] : pairs) result.insert(result.end(), {a, b});
+  return result;
+}
+
+/// Numbers of the labels in ascending order of the lowest label of each component.
+std::map<double, int> numbers_of(const std::vector<double>& pairs, int& count) {
+  std::map<double, std::size_t> place;
+  for (const double label : pairs) place.try_emplace(label, place.size());
+  DisjointSets sets(place.size());
+  for (std::size_t i = 0; i + 1 < pairs.size(); i += 2) sets.join(place.at(pairs[i]), place.at(pairs[i + 1]));
+  std::map<std::size_t, int> number_of_root;
+  std::map<double, int> numbers;
+  for (const auto& [label, p] : place) {
+    numbers[label] = number_of_root.try_emplace(sets.root(p), static_cast<int>(number_of_root.size())).first->second;
+  }
+  count = static_cast<int>(number_of_root.size());
+  return numbers;
+}
+
+Position current(const NodeLayout& layout, std::span<const double> u, PetscInt n) {
+  return {layout.coordinates[3 * n] + u[3 * n], layout.coordinates[3 * n + 1] + u[3 * n + 1],
+          layout.coordinates[3 * n + 2] + u[3 * n + 2]};
+}
+
+struct Box {
+  Position low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
+
+  void include(const Position& x) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      low[i] = std::min(low[i], x[i]);
+      high[i] = std::max(high[i], x[i]);
+    }
+  }
+  bool holds(const Position& x) const {
+    return x[0] >= low[0] && x[1] >= low[1] && x[2] >= low[2] && x[0] <= high[0] && x[1] <= high[1] && x[2] <= high[2];
+  }
+  bool meets(const Box& other) const {
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (!(low[i] < other.high[i] && other.low[i] < high[i])) return false;
+    }
+    return true;
+  }
+};
+
+/// Of all ranks' nodes of each component. Collective.
+std::vector<Box> boxes_of(const NodeLayout& layout, const Components& components, std::span<const double> u) {
+  const auto count = static_cast<std::size_t>(components.count);
+  std::vector<Box> boxes(count);
+  for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
+    boxes[static_cast<std::size_t>(components.of_node[n])].include(current(layout, u, n));
+  }
+  std::vector<double> least;  // of low and of -high
+  for (const Box& box : boxes) {
+    least.insert(least.end(), box.low.begin(), box.low.end());
+    for (const double x : box.high) least.push_back(-x);
+  }
+  check_mpi(
+      MPI_Allreduce(MPI_IN_PLACE, least.data(), static_cast<int>(least.size()), MPI_DOUBLE, MPI_MIN, layout.comm));
+  for (std::size_t b = 0; b < count; ++b) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      boxes[b].low[i] = least[6 * b + i];
+      boxes[b].high[i] = -least[6 * b + 3 + i];
+    }
+  }
+  return boxes;
+}
+
+struct Candidate {
+  Position x;
+  int component;
+};
+
+/// Nodes in the box of another component, of all ranks, in ascending order of x. Collective.
+std::vector<Candidate> candidates(const NodeLayout& layout, const Components& components, std::span<const double> u,
+                                  const std::vector<Box>& boxes) {
+  const int count = components.count;
+  std::vector<std::vector<int>> met(static_cast<std::size_t>(count));
+  for (int a = 0; a < count; ++a) {
+    for (int b = 0; b < count; ++b) {
+      if (a != b && boxes[a].meets(boxes[b])) met[a].push_back(b);
+    }
+  }
+  std::vector<double> mine;
+  for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
+    const int a = components.of_node[n];
+    if (met[a].empty()) continue;
+    const Position x = current(layout, u, n);
+    if (std::ranges::none_of(met[a], [&](int b) { return boxes[b].holds(x); })) continue;
+    mine.insert(mine.end(), {x[0], x[1], x[2], static_cast<double>(a)});
+  }
+  constexpr std::size_t most = 20000;  // of a rank
+  const std::size_t stride = 1 + mine.size() / 4 / most;
+  std::vector<double> chosen;
+  for (std::size_t i = 0; i < mine.size(); i += 4 * stride) {
+    chosen.insert(chosen.end(), mine.begin() + static_cast<std::ptrdiff_t>(i),
+                  mine.begin() + static_cast<std::ptrdiff_t>(i + 4));
+  }
+  const std::vector<double> all = gathered(layout.comm, chosen);
+  std::vector<Candidate> result;
+  for (std::size_t i = 0; i + 3 < all.size(); i += 4) {
+    result.push_back({{all[i], all[i + 1], all[i + 2]}, static_cast<int>(all[i + 3])});
+  }
+  std::ranges::stable_sort(result, {}, [](const Candidate& c) { return c.x[0]; });
+  return result;
+}
+
+std::array<PetscInt, 3> side_of(std::span<const PetscInt> nodes, std::size_t opposite) {
+  std::array<PetscInt, 3> side{nodes[(opposite + 1) % 4], nodes[(opposite + 2) % 4], nodes[(opposite + 3) % 4]};
+  std::ranges::sort(side);
+  return side;
+}
+
+/// Sides that no other cell here has. Where ranks meet, a side of nodes that all belong to others may count as outer.
+std::vector<unsigned char> outer_sides(const NodeLayout& layout) {
+  std::map<std::array<PetscInt, 3>, int> cells_at;
+  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
+    for (std::size_t i = 0; i < 4; ++i) ++cells_at[side_of(layout.nodes_of_cell(c), i)];
+  }
+  std::vector<unsigned char> result(static_cast<std::size_t>(layout.num_owned_cells), 0);
+  for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+    for (std::size_t i = 0; i < 4; ++i) {
+      const bool is_outer = cells_at.at(side_of(layout.nodes_of_cell(c), i)) == 1;
+      if (is_outer) result[static_cast<std::size_t>(c)] |= static_cast<unsigned char>(1U << i);
+    }
+  }
+  return result;
+}
+
+/// How far x is below the outer sides of the tetrahedron that it is in [m], at most `most`; nothing if it is not in it.
+std::optional<double> depth_in(const std::array<Position, 4>& corners, unsigned char outer, const Position& x,
+                               double most) {
+  constexpr double rounding = 1e-9;  // of the height
+  double depth = most;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Position &a = corners[(i + 1) % 4], &b = corners[(i + 2) % 4], &c = corners[(i + 3) % 4];
+    const Position n = cross(b - a, c - a);
+    const double height = dot(n, corners[i] - a);
+    if (height == 0.0) return std::nullopt;
+    const double part = dot(n, x - a) / height;
+    if (part < -rounding) return std::nullopt;
+    if ((outer >> i & 1U) != 0) depth = std::min(depth, part * std::abs(height) / norm(n));
+  }
+  return depth;
+}
+
+}  // namespace
+
+Components connected_components(const NodeLayout& layout) {
+  DisjointSets sets(static_cast<std::size_t>(layout.num_local_nodes));
+  for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+    const auto nodes = layout.nodes_of_cell(c);
+    for (const PetscInt n : nodes) sets.join(static_cast<std::size_t>(nodes[0]), static_cast<std::size_t>(n));
+  }
+  const std::vector<double> owners = owners_labels(layout, labels_here(layout, sets));
+  Components result;
+  const auto numbers = numbers_of(gathered(layout.comm, connections_here(layout, owners, sets)), result.count);
+  for (const double label : owners) result.of_node.push_back(numbers.at(label));
+  if (result.count > 1) result.outer_sides = outer_sides(layout);
+  return result;
+}
+
+void join(Components& components, const NodeLayout& layout, std::span<const PetscInt> nodes) {
+  std::vector<double> found(static_cast<std::size_t>(components.count), 0.0);
+  for (const PetscInt n : nodes) found[static_cast<std::size_t>(components.of_node[n])] = 1.0;
+  sum_in_place(layout.comm, found);
+  std::vector<int> number(found.size());
+  int first = -1, next = 0;
+  for (std::size_t c = 0; c < found.size(); ++c) {
+    const bool is_joined = found[c] > 0.0;
+    if (is_joined && first < 0) first = next;
+    const bool is_new = !is_joined || first == next;
+    number[c] = is_new ? next : first;
+    if (is_new) ++next;
+  }
+  components.count = next;
+  for (int& c : components.of_node) c = number[static_cast<std::size_t>(c)];
+}
+
+std::optional<Overlap> deepest_overlap(const NodeLayout& layout, const Components& components,
+                                       std::span<const double> u) {
+  if (components.count < 2) return std::nullopt;
+  const std::vector<Candidate> points = candidates(layout, components, u, boxes_of(layout, components, u));
+  if (points.empty()) return std::nullopt;
+  constexpr double least_part = 0.05;  // of the cell: two meshes of one curved surface differ by less
+  // A node on a side, edge or corner is in several cells, on several ranks: the least of their depths counts.
+  std::vector<double> depths(points.size(), infinity);
+  for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+    const auto nodes = layout.nodes_of_cell(c);
+    std::array<Position, 4> corners{};
+    Box box;
+    for (std::size_t a = 0; a < 4; ++a) {
+      corners[a] = current(layout, u, nodes[a]);
+      box.include(corners[a]);
+    }
+    const double size = norm(box.high - box.low);
+    auto point = std::ranges::lower_bound(points, box.low[0], {}, [](const Candidate& p) { return p.x[0]; });
+    for (; point != points.end() && point->x[0] <= box.high[0]; ++point) {
+      if (point->component == components.of_node[nodes[0]] || !box.holds(point->x)) continue;
+      const auto depth = depth_in(corners, components.outer_sides[static_cast<std::size_t>(c)], point->x, size);
+      if (!depth) continue;
+      double& known = depths[static_cast<std::size_t>(point - points.begin())];
+      known = std::min(known, *depth > least_part * size ? *depth : 0.0);
+    }
+  }
+  check_mpi(
+      MPI_Allreduce(MPI_IN_PLACE, depths.data(), static_cast<int>(depths.size()), MPI_DOUBLE, MPI_MIN, layout.comm));
+  Overlap deepest;
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    if (std::isfinite(depths[p]) && depths[p] > deepest.depth) deepest = {depths[p], points[p].x};
+  }
+  return deepest.depth > 0.0 ? std::optional(deepest) : std::nullopt;
+}
+
+}  // namespace pliant
