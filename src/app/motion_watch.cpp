@@ -108,8 +108,12 @@ MotionWatch::MotionWatch(const Config& config, const Model& model)
   for (std::size_t b = 0; b < config.bodies.size(); ++b) {
     const ElasticityRule rule(config.bodies[b].elasticity);
     const std::string law(rule.kind().info().name);
-    bodies_.push_back(
-        {config.bodies[b].elasticity.where, model.body_names()[b], law, trusted_stretches(law).value(), {}, {}});
+    bodies_.push_back({config.bodies[b].elasticity.where,
+                       model.body_names()[b],
+                       law,
+                       trusted_stretches(law).value_or(TrustedStretches{no_bound, 10.0, "nothing is known of it"}),
+                       {},
+                       {}});
   }
 }
 
