@@ -3,7 +3,7 @@
 #include "base/compensated_sum.hpp"
 #include "energy/function_of_sum.hpp"
 #include "energy/rigid_fit.hpp"
-#include "fem/connected_bodies.hpp"
+#include "fem/components.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/ghosted.hpp"
@@ -27,7 +27,7 @@ IncrementalPotential::IncrementalPotential(const NodeLayout& layout, const Block
     if (terms_[k]->function_of_sum() != nullptr) functions_of_sum_.push_back(k);
   }
   sums_.resize(terms_.size());
-  free_bodies_ = connected_bodies(layout, [&](PetscInt node) {
+  free_bodies_ = free_components(layout, [&](PetscInt node) {
     return prescribed_[3 * node] || prescribed_[3 * node + 1] || prescribed_[3 * node + 2];
   });
   for (Handle<Vec>* v : {&q_, &d_, &q0_, &v0_, &accepted_, &previous_, &frozen_, &work_, &diagonal_})

@@ -218,6 +218,24 @@ Components connected_components(const NodeLayout& layout) {
   return result;
 }
 
+std::vector<std::vector<PetscInt>> free_components(const NodeLayout& layout,
+                                                   const std::function<bool(PetscInt node)>& is_held) {
+  const Components components = connected_components(layout);
+  std::vector<double> held(static_cast<std::size_t>(components.count), 0.0);
+  std::vector<std::vector<PetscInt>> nodes(held.size());
+  for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
+    const auto component = static_cast<std::size_t>(components.of_node[n]);
+    nodes[component].push_back(n);
+    if (is_held(n)) held[component] = 1.0;
+  }
+  sum_in_place(layout.comm, held);
+  std::vector<std::vector<PetscInt>> free;
+  for (std::size_t c = 0; c < nodes.size(); ++c) {
+    if (held[c] == 0.0) free.push_back(std::move(nodes[c]));
+  }
+  return free;
+}
+
 void join(Components& components, const NodeLayout& layout, std::span<const PetscInt> nodes) {
   std::vector<double> found(static_cast<std::size_t>(components.count), 0.0);
   for (const PetscInt n : nodes) found[static_cast<std::size_t>(components.of_node[n])] = 1.0;

@@ -4,6 +4,7 @@
 #include "fem/layout.hpp"
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -19,6 +20,11 @@ struct Components {
 
 /// The numbers ascend with the lowest global node. Collective.
 Components connected_components(const NodeLayout& layout);
+
+/// The owned nodes of each component of which no owned node `is_held` on any rank; of those of other ranks none, so that
+/// a list may be empty. Collective.
+std::vector<std::vector<PetscInt>> free_components(const NodeLayout& layout,
+                                                   const std::function<bool(PetscInt node)>& is_held);
 
 /// Makes one of all components that have one of these nodes, which are each rank's own. Collective.
 void join(Components& components, const NodeLayout& layout, std::span<const PetscInt> nodes);

@@ -89,9 +89,8 @@ std::optional<std::string> NewtonSolver::choose_guess(const StagePoint& stage, V
   equation_.extrapolate_from(nullptr);
   if (std::isfinite(phi_)) return std::nullopt;
   if (!has_direction_) return "an obstacle has moved onto the body within one step";
-  return "what is prescribed cannot move as far within one step: a tetrahedron turns inside out, or an obstacle stands "
-         "in "
-         "its way";
+  return "what is prescribed cannot move as far within one step: a tetrahedron turns inside out, or an obstacle "
+         "stands in its way";
 }
 
 bool NewtonSolver::carry(Vec accepted, Vec q) {

@@ -1,6 +1,6 @@
 // Pieces of a mesh that hang together and that nothing holds.
 #include "fem/body.hpp"
-#include "fem/connected_bodies.hpp"
+#include "fem/components.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include <sstream>
 #include <tuple>
 
-namespace pliant::test_connected_bodies {
+namespace pliant::test_free_components {
 namespace {
 
 using test::Body;
@@ -64,7 +64,7 @@ void write_boxes(const std::string& file, const std::vector<double>& lengths) {
       << elements.str() << "$EndElements\n";
 }
 
-class ConnectedBodies : public ::testing::TestWithParam<int> {
+class FreeComponents : public ::testing::TestWithParam<int> {
  protected:
   Scratch scratch_{comm};
   std::string file_ = scratch_.file("boxes.msh", [](const std::string& f) { write_boxes(f, {1.0, 2.0, 0.7}); });
@@ -88,10 +88,10 @@ class ConnectedBodies : public ::testing::TestWithParam<int> {
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Orders, ConnectedBodies, ::testing::Values(1, 2));
+INSTANTIATE_TEST_SUITE_P(Orders, FreeComponents, ::testing::Values(1, 2));
 
-TEST_P(ConnectedBodies, AreFoundWhereverTheirCellsAre) {
-  const auto found = extents(connected_bodies(layout_, [](PetscInt) { return false; }));
+TEST_P(FreeComponents, AreFoundWhereverTheirCellsAre) {
+  const auto found = extents(free_components(layout_, [](PetscInt) { return false; }));
   ASSERT_EQ(found.size(), 3);
   const double per_body = GetParam() == 1 ? 5 * 3 * 3 : 9 * 5 * 5;
   const std::vector<std::tuple<double, double, double>> expected{
@@ -103,8 +103,8 @@ TEST_P(ConnectedBodies, AreFoundWhereverTheirCellsAre) {
   }
 }
 
-TEST_P(ConnectedBodies, OfWhichOneNodeIsHeldAreLeftOut) {
-  const auto found = extents(connected_bodies(layout_, [&](PetscInt a) {
+TEST_P(FreeComponents, OfWhichOneNodeIsHeldAreLeftOut) {
+  const auto found = extents(free_components(layout_, [&](PetscInt a) {
     const Point x = layout_.position(a);
     return std::abs(x[0] - 3.5) + x[1] + x[2] < 1e-9;  // a corner of the second
   }));
@@ -114,4 +114,4 @@ TEST_P(ConnectedBodies, OfWhichOneNodeIsHeldAreLeftOut) {
 }
 
 }  // namespace
-}  // namespace pliant::test_connected_bodies
+}  // namespace pliant::test_free_components
