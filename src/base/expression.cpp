@@ -1,12 +1,15 @@
 #include "base/expression.hpp"
 
+#include "base/formula_tree.hpp"
 #include "base/text.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <optional>
 #include <regex>
 #include <vector>
 
@@ -110,6 +113,79 @@ ExpressionError explained(const mu::ParserError& error, const mu::Parser& parser
   }
 }
 
+/// Times at which a formula takes other branches, and is not as smooth as it must be.
+class KinkSearch {
+ public:
+  KinkSearch(const FormulaTree& formula, bool uses_space, double end, double interval)
+      : formula_(formula), uses_space_(uses_space), end_(end), interval_(interval) {
+    constexpr double most_samples = 1e6;
+    const auto num_samples = static_cast<int>(std::clamp(std::ceil(end / interval), 1.0, most_samples));
+    std::vector<double> before, after;
+    formula_.branches(0.0, before);
+    for (int k = 1; k <= num_samples; ++k) {
+      const double from = end * (k - 1) / num_samples, to = end * k / num_samples;
+      formula_.branches(to, after);
+      look(from, before, to, after);
+      std::swap(before, after);
+    }
+  }
+  const std::vector<double>& found() const { return found_; }
+
+ private:
+  void look(double from, const std::vector<double>& before, double to, const std::vector<double>& after) {
+    if (before == after || num_changes_ >= most_changes) return;
+    const double middle = 0.5 * (from + to);
+    if (middle <= from || middle >= to) {
+      ++num_changes_;
+      add(rounded(to));
+      return;
+    }
+    std::vector<double> between;
+    formula_.branches(middle, between);
+    look(from, before, middle, between);
+    look(middle, between, to, after);
+  }
+
+  /// To a number of few digits, if it is the same but for the rounding of the formula: 0.1, not 0.1 + 1e-17.
+  static double rounded(double t) {
+    char digits[32];
+    std::snprintf(digits, sizeof digits, "%.13g", t);
+    const double round = std::strtod(digits, nullptr);
+    return std::abs(round - t) <= same * t ? round : t;
+  }
+
+  void add(double t) {
+    if (t <= nearness * end_ || t >= end_ * (1.0 - nearness)) return;
+    if (!found_.empty() && t <= found_.back() * (1.0 + 2.0 * same)) return;
+    if (is_kink(t)) found_.push_back(t);
+  }
+
+  // As measured over the whole time: what is so small that nothing moves by it is rounding.
+  bool is_kink(double t) const {
+    const double aside = std::max(nearness * interval_, 8.0 * same * t);
+    const auto differ = [&](double x, double y, double z) {
+      const TimeJet l = formula_.at(x, y, z, t, t - aside), r = formula_.at(x, y, z, t, t + aside);
+      const auto size = [&](double value, double rate, double acceleration) {
+        return std::abs(value) + end_ * std::abs(rate) + end_ * end_ * std::abs(acceleration);
+      };
+      const double jump = size(l.value - r.value, l.rate - r.rate, l.acceleration - r.acceleration);
+      constexpr double rounding = 1e-10;
+      return !(jump <= rounding * (size(l.value, l.rate, l.acceleration) + size(r.value, r.rate, r.acceleration)));
+    };
+    // Places at which no round formula vanishes.
+    return differ(0.0, 0.0, 0.0) || (uses_space_ && (differ(0.317, -0.539, 0.771) || differ(-13.7, 7.91, 23.3)));
+  }
+
+  static constexpr double same = 1e-14, nearness = 1e-7;
+  static constexpr int most_changes = 20000;  // more are noise
+
+  const FormulaTree& formula_;
+  bool uses_space_;
+  double end_, interval_;
+  int num_changes_ = 0;
+  std::vector<double> found_;
+};
+
 }  // namespace
 
 /// A parsed formula. Variables are bound by address, so a formula stays where it was made.
@@ -130,6 +206,7 @@ struct Expression::Formula {
       throw ExpressionError("a formula has one value, not several separated by ',' (a decimal point is written '.')",
                             static_cast<int>(std::min(text.find(','), text.size())));
     }
+    if (uses_time) tree.emplace(text);
   }
   Formula(const Formula&) = delete;
   Formula& operator=(const Formula&) = delete;
@@ -140,6 +217,7 @@ struct Expression::Formula {
   mu::Parser parser;
   bool uses_space = false;
   bool uses_time = false;
+  std::optional<FormulaTree> tree;  // if it uses time
 };
 
 Expression::Expression() = default;
@@ -177,6 +255,19 @@ double Expression::operator()(double x, double y, double z, double t) const {
   if (!formula_) return constant_;
   formula_->variables = {x, y, z, t};
   return formula_->factor * formula_->parser.Eval();
+}
+
+TimeJet Expression::derivatives(double x, double y, double z, double t, double side) const {
+  if (!depends_on_time()) return {(*this)(x, y, z, t), 0.0, 0.0};
+  const TimeJet jet = formula_->tree->at(x, y, z, t, side);
+  const double factor = formula_->factor;
+  return {factor * jet.value, factor * jet.rate, factor * jet.acceleration};
+}
+
+std::vector<double> Expression::kinks(double end, double interval) const {
+  if (!depends_on_time() || !formula_->tree->has_branches()) return {};
+  const KinkSearch search(*formula_->tree, formula_->uses_space, end, interval);
+  return search.found();
 }
 
 bool Expression::depends_on_space() const {

@@ -4,8 +4,11 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace pliant {
+
+struct TimeJet;
 
 /// What is wrong with a formula's text; `what()` says it in plain words, `position()` counts characters from 0.
 class ExpressionError : public std::runtime_error {
@@ -33,6 +36,13 @@ class Expression {
 
   /// May return inf or NaN where the formula does.
   double operator()(double x, double y, double z, double t) const;
+  /// The value, and its derivatives in time, which are exact but for rounding. Where the formula has a kink or a jump,
+  /// they are those of the side on which the time `side`, near t, lies.
+  TimeJet derivatives(double x, double y, double z, double t, double side) const;
+  /// Times in (0, end) at which the formula, its rate or its acceleration jumps (by `min`, `max`, `abs`, `sign`,
+  /// `rint`, comparisons, `? :`), ascending; not those that depend on the place. Found where the formula takes other
+  /// branches at one of the times k * interval than at the next, so what lasts for less may be missed.
+  std::vector<double> kinks(double end, double interval) const;
   bool depends_on_space() const;
   bool depends_on_time() const;
   bool is_zero() const;  ///< the constant 0

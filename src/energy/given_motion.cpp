@@ -1,23 +1,34 @@
 #include "energy/given_motion.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pliant {
 namespace {
 
+constexpr int num_times = 7;
 // Weights of f(t - k h), k = 0..6, for f'(t) h (sixth order) and f''(t) h^2 (fifth order): Fornberg 1988, table 3.
-constexpr std::array<double, 7> first_weights{49.0 / 20, -6.0, 15.0 / 2, -20.0 / 3, 15.0 / 4, -6.0 / 5, 1.0 / 6};
-constexpr std::array<double, 7> second_weights{203.0 / 45, -87.0 / 5, 117.0 / 4,  -254.0 / 9,
-                                               33.0 / 2,   -27.0 / 5, 137.0 / 180};
+constexpr std::array<double, num_times> first_weights{49.0 / 20, -6.0,     15.0 / 2, -20.0 / 3,
+                                                      15.0 / 4,  -6.0 / 5, 1.0 / 6};
+constexpr std::array<double, num_times> second_weights{203.0 / 45, -87.0 / 5, 117.0 / 4,  -254.0 / 9,
+                                                       33.0 / 2,   -27.0 / 5, 137.0 / 180};
 
-/// From the values at t - k h.
-Kinematics differentiated(const std::array<double, 7>& f, double h) {
-  Kinematics result{f[0], 0.0, 0.0};
-  for (std::size_t k = 0; k < f.size(); ++k) {
-    result.v += first_weights[k] * f[k] / h;
-    result.a += second_weights[k] * f[k] / (h * h);
+/// One-sided differences from `time` to `end`.
+template <class F>
+Kinematics differentiated(F f, double time, double end) {
+  const double h = (time - end) / (num_times - 1);
+  Kinematics result{f(time), 0.0, 0.0};
+  for (std::size_t k = 0; k < num_times; ++k) {
+    // The last point is the end itself: rounding must not carry it across.
+    const double value = k == 0 ? result.u : f(k + 1 == num_times ? end : time - static_cast<double>(k) * h);
+    result.v += first_weights[k] * value / h;
+    result.a += second_weights[k] * value / (h * h);
   }
   return result;
+}
+
+bool is_finite(const TimeJet& jet) {
+  return std::isfinite(jet.rate) && std::isfinite(jet.acceleration);
 }
 
 }  // namespace
@@ -49,17 +60,25 @@ double GivenDisplacement::operator()(int component, const Vector3<double>& X, do
   return factor * (*components[i])(X[0], X[1], X[2], time);
 }
 
-GivenKinematics::GivenKinematics(const GivenDisplacement& given, double time, double time_scale, double factor)
-    : given_(given), factor_(factor) {
-  // Backward from t, not beyond the start of the run; at the start itself forward, which is a negative h. The last
-  // point is the end of the range itself: rounding must not carry it across.
-  const double end = time > 0.0 ? std::max(0.0, time - time_scale) : time_scale;
-  h_ = (time - end) / (num_times - 1);
-  for (int k = 1; k < num_times - 1; ++k) times_[k] = time - k * h_;
-  times_.front() = time;
-  times_.back() = end;
+GivenKinematics::GivenKinematics(const GivenDisplacement& given, double time, double time_scale, double factor,
+                                 Side side)
+    : given_(given), time_(time), factor_(factor) {
+  // Beyond the rounding of times, and far less than a step.
+  constexpr double aside = 1e-6;
+  const bool is_before = time > 0.0 && side == Side::before;
+  end_ = is_before ? std::max(0.0, time - time_scale) : time + time_scale;
+  side_ = time + aside * (end_ - time);
+  const auto jet = [&](const Expression& formula) {
+    TimeJet result = formula.derivatives(0.0, 0.0, 0.0, time_, side_);
+    for (double* x : {&result.value, &result.rate, &result.acceleration}) *x *= factor_;
+    return result;
+  };
   if (given.rigid) {
-    std::ranges::transform(times_, placements_.begin(), [&](double t) { return given.rigid->at(t, factor); });
+    placement_ = given.rigid->at(time, factor);
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (given.rigid->translation[i]) centre_[i] = jet(*given.rigid->translation[i]);
+    }
+    angle_ = jet(given.rigid->angle);
     return;
   }
   for (std::size_t i = 0; i < 3; ++i) {
@@ -70,20 +89,31 @@ GivenKinematics::GivenKinematics(const GivenDisplacement& given, double time, do
 
 Kinematics GivenKinematics::of_formula(const Expression& formula, const Vector3<double>& X) const {
   const auto& [x, y, z] = X;
-  if (!formula.depends_on_time()) return {factor_ * formula(x, y, z, times_[0]), 0.0, 0.0};
-  std::array<double, num_times> f{};
-  std::ranges::transform(times_, f.begin(), [&](double t) { return factor_ * formula(x, y, z, t); });
-  return differentiated(f, h_);
+  const double u = factor_ * formula(x, y, z, time_);
+  if (!formula.depends_on_time()) return {u, 0.0, 0.0};
+  const TimeJet jet = formula.derivatives(x, y, z, time_, side_);
+  if (is_finite(jet)) return {u, factor_ * jet.rate, factor_ * jet.acceleration};
+  return differentiated([&, at_x = x, at_y = y, at_z = z](double t) { return factor_ * formula(at_x, at_y, at_z, t); },
+                        time_, end_);
+}
+
+// u = d + (R - I) r, u' = d' + theta' n x R r, u'' = d'' + theta'' n x R r + theta'^2 n x (n x R r)
+Kinematics GivenKinematics::of_rigid_body(std::size_t component, const Vector3<double>& arm) const {
+  const RigidMotion& motion = *given_.rigid;
+  const TimeJet& d = centre_[component];
+  if (!is_finite(d) || !is_finite(angle_)) {
+    return differentiated([&](double t) { return motion.at(t, factor_).displacement(arm)[component]; }, time_, end_);
+  }
+  const Vector3<double> r = turn(placement_.rotation, arm);
+  const Vector3<double> across = cross(motion.axis, r), inward = cross(motion.axis, across);
+  return {placement_.displacement(arm)[component], d.rate + angle_.rate * across[component],
+          d.acceleration + angle_.acceleration * across[component] + angle_.rate * angle_.rate * inward[component]};
 }
 
 Kinematics GivenKinematics::operator()(int component, const Vector3<double>& X) const {
   const auto i = static_cast<std::size_t>(component);
-  if (!given_.rigid) return anywhere_[i] ? *anywhere_[i] : of_formula(*given_.components[i], X);
-  const Vector3<double> arm = X - given_.rigid->centre;
-  if (!given_.rigid->depends_on_time()) return {placements_[0].displacement(arm)[i], 0.0, 0.0};
-  std::array<double, num_times> f{};
-  std::ranges::transform(placements_, f.begin(), [&](const Placement& p) { return p.displacement(arm)[i]; });
-  return differentiated(f, h_);
+  if (given_.rigid) return of_rigid_body(i, X - given_.rigid->centre);
+  return anywhere_[i] ? *anywhere_[i] : of_formula(*given_.components[i], X);
 }
 
 }  // namespace pliant

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "base/expression.hpp"
+#include "base/formula_tree.hpp"
 #include "base/vector3.hpp"
 #include "time/rotation.hpp"
 
@@ -10,6 +11,9 @@
 #include <optional>
 
 namespace pliant {
+
+/// From which side of a time rates are taken.
+enum class Side { before, after };
 
 /// Displacement, velocity and acceleration at a time.
 struct Kinematics {
@@ -52,25 +56,27 @@ struct GivenDisplacement {
 /// A given displacement around one time, for many places and components: what does not depend on the place is found
 /// once.
 ///
-/// Velocities and accelerations are one-sided differences of sixth and fifth order over `time_scale`, before t (at
-/// t = 0: after it; never before the start of the run), so that a formula with kinks at step boundaries is not
-/// differentiated across one.
+/// Velocities and accelerations are the derivatives of the formulas, exact but for rounding, as they are before t or
+/// after it (at t = 0 always: nothing is before the run). Where these are not finite, as those of sqrt(t) at 0, they
+/// are differences over `time_scale`.
 class GivenKinematics {
  public:
-  /// `given` outlives the object.
-  GivenKinematics(const GivenDisplacement& given, double time, double time_scale, double factor = 1.0);
+  /// `given` outlives the object. `time_scale`: the motion is smooth for so long on that side.
+  GivenKinematics(const GivenDisplacement& given, double time, double time_scale, double factor = 1.0,
+                  Side side = Side::before);
 
   Kinematics operator()(int component, const Vector3<double>& X) const;
 
  private:
-  static constexpr int num_times = 7;
   Kinematics of_formula(const Expression& formula, const Vector3<double>& X) const;
+  Kinematics of_rigid_body(std::size_t component, const Vector3<double>& arm) const;
 
   const GivenDisplacement& given_;
+  double time_, side_, end_;  // rates hold at `side_`, next to `time_`; the motion is smooth up to `end_`
   double factor_;
-  std::array<double, num_times> times_{};  // t - k h
-  double h_ = 0.0;
-  std::array<Placement, num_times> placements_;        // of a rigid body
+  Placement placement_;            // of a rigid body
+  std::array<TimeJet, 3> centre_;  // ... the motion of its centre
+  TimeJet angle_;
   std::array<std::optional<Kinematics>, 3> anywhere_;  // of components that do not depend on the place
 };
 

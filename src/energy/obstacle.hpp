@@ -40,7 +40,7 @@ class Obstacle {
 
   /// Without velocities.
   ObstacleFrame at(const Instant& instant) const;
-  /// With velocities: one-sided differences over `time_scale` of the motion's formulas (GivenKinematics).
+  /// With velocities, those before the instant; `time_scale`: the motion is smooth for so long (GivenKinematics).
   ObstacleFrame at(const Instant& instant, double time_scale) const;
   /// In time, or with the load factor.
   bool moves() const;

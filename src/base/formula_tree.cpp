@@ -1,0 +1,388 @@
+#include "base/formula_tree.hpp"
+
+#include "base/expression.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <string_view>
+
+namespace pliant {
+
+/// Recursive descent, by muParser's precedence: ?: || && comparisons + - * / signs ^, the last from the right.
+class FormulaTree::Reader {
+ public:
+  Reader(const std::string& text, std::vector<Node>& nodes) : text_(text), nodes_(nodes) {}
+
+  void read() {
+    choice();
+    skip_blanks();
+    if (at_ != text_.size()) fail();
+  }
+
+ private:
+  struct Operator {
+    std::string_view symbol;
+    Op op;
+  };
+
+  [[noreturn]] void fail() const {
+    throw ExpressionError("the formula cannot be differentiated in time from here on", static_cast<int>(at_));
+  }
+  void skip_blanks() {
+    while (at_ < text_.size() && std::isspace(static_cast<unsigned char>(text_[at_])) != 0) ++at_;
+  }
+  bool accept(std::string_view symbol) {
+    skip_blanks();
+    if (text_.compare(at_, symbol.size(), symbol) != 0) return false;
+    at_ += symbol.size();
+    return true;
+  }
+  void expect(std::string_view symbol) {
+    if (!accept(symbol)) fail();
+  }
+  template <std::size_t N>
+  std::optional<Op> accept_one(const std::array<Operator, N>& operators) {
+    for (const auto& [symbol, op] : operators) {
+      if (accept(symbol)) return op;
+    }
+    return std::nullopt;
+  }
+
+  int add(Op op, std::vector<int> arguments, double constant = 0.0) {
+    Node node{op, constant, std::move(arguments)};
+    node.depends_on_space = op == Op::x || op == Op::y || op == Op::z ||
+                            std::ranges::any_of(node.arguments, [&](int a) { return nodes_[a].depends_on_space; });
+    nodes_.push_back(std::move(node));
+    return static_cast<int>(nodes_.size()) - 1;
+  }
+  template <std::size_t N, class Operand>
+  int from_the_left(const std::array<Operator, N>& operators, Operand operand) {
+    int left = operand();
+    while (const auto op = accept_one(operators)) left = add(*op, {left, operand()});
+    return left;
+  }
+
+  int choice() {
+    const int condition = disjunction();
+    if (!accept("?")) return condition;
+    const int yes = choice();
+    expect(":");
+    return add(Op::choose, {condition, yes, choice()});
+  }
+  int disjunction() {
+    return from_the_left(std::array{Operator{"||", Op::either}}, [this] { return conjunction(); });
+  }
+  int conjunction() {
+    return from_the_left(std::array{Operator{"&&", Op::both}}, [this] { return comparison(); });
+  }
+  int comparison() {
+    // The longer symbols first.
+    static constexpr std::array operators{Operator{"<=", Op::less_equal}, Operator{">=", Op::greater_equal},
+                                          Operator{"==", Op::equal},      Operator{"!=", Op::unequal},
+                                          Operator{"<", Op::less},        Operator{">", Op::greater}};
+    return from_the_left(operators, [this] { return sum(); });
+  }
+  int sum() {
+    static constexpr std::array operators{Operator{"+", Op::add}, Operator{"-", Op::subtract}};
+    return from_the_left(operators, [this] { return product(); });
+  }
+  int product() {
+    static constexpr std::array operators{Operator{"*", Op::multiply}, Operator{"/", Op::divide}};
+    return from_the_left(operators, [this] { return with_sign(); });
+  }
+  int with_sign() {
+    if (accept("-")) return add(Op::negate, {with_sign()});
+    if (accept("+")) return with_sign();
+    const int base = operand();
+    return accept("^") ? add(Op::power, {base, with_sign()}) : base;
+  }
+
+  int operand() {
+    skip_blanks();
+    if (at_ == text_.size()) fail();
+    if (accept("(")) {
+      const int inner = choice();
+      expect(")");
+      return inner;
+    }
+    double number = 0.0;
+    const auto [end, error] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), number);
+    if (error == std::errc()) {
+      at_ = static_cast<std::size_t>(end - text_.data());
+      return add(Op::constant, {}, number);
+    }
+    return named();
+  }
+  int named() {
+    const std::size_t start = at_;
+    while (at_ < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[at_])) != 0 || text_[at_] == '_'))
+      ++at_;
+    const std::string name = text_.substr(start, at_ - start);
+    static const std::map<std::string, double, std::less<>> constants{
+        {"pi", std::numbers::pi}, {"_pi", std::numbers::pi}, {"_e", std::numbers::e}};
+    static const std::map<std::string, Op, std::less<>> variables{
+        {"x", Op::x}, {"y", Op::y}, {"z", Op::z}, {"t", Op::t}};
+    static const std::map<std::string, Op, std::less<>> functions{
+        {"sin", Op::sin},     {"cos", Op::cos},     {"tan", Op::tan},     {"asin", Op::asin}, {"acos", Op::acos},
+        {"atan", Op::atan},   {"atan2", Op::atan2}, {"sinh", Op::sinh},   {"cosh", Op::cosh}, {"tanh", Op::tanh},
+        {"asinh", Op::asinh}, {"acosh", Op::acosh}, {"atanh", Op::atanh}, {"log2", Op::log2}, {"log10", Op::log10},
+        {"log", Op::ln},      {"ln", Op::ln},       {"exp", Op::exp},     {"sqrt", Op::sqrt}, {"sign", Op::sign},
+        {"rint", Op::rint},   {"abs", Op::abs},     {"sum", Op::sum},     {"avg", Op::avg},   {"min", Op::min},
+        {"max", Op::max}};
+    if (const auto constant = constants.find(name); constant != constants.end()) {
+      return add(Op::constant, {}, constant->second);
+    }
+    if (const auto variable = variables.find(name); variable != variables.end()) return add(variable->second, {});
+    const auto function = functions.find(name);
+    if (function == functions.end()) {
+      at_ = start;
+      fail();
+    }
+    expect("(");
+    std::vector<int> arguments;
+    do arguments.push_back(choice());
+    while (accept(","));
+    expect(")");
+    return add(function->second, std::move(arguments));
+  }
+
+  const std::string& text_;
+  std::vector<Node>& nodes_;
+  std::size_t at_ = 0;
+};
+
+FormulaTree::FormulaTree(const std::string& text) {
+  Reader(text, nodes_).read();
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    const Node& node = nodes_[n];
+    if (can_branch(node.op) &&
+        std::ranges::none_of(node.arguments, [&](int a) { return nodes_[a].depends_on_space; })) {
+      timed_.push_back(static_cast<int>(n));
+    }
+  }
+}
+
+bool FormulaTree::can_branch(Op op) {
+  switch (op) {
+    case Op::less:
+    case Op::less_equal:
+    case Op::greater:
+    case Op::greater_equal:
+    case Op::equal:
+    case Op::unequal:
+    case Op::both:
+    case Op::either:
+    case Op::sign:
+    case Op::rint:
+    case Op::abs:
+    case Op::min:
+    case Op::max:
+      return true;
+    default:
+      return false;
+  }
+}
+
+TimeJet FormulaTree::at(double x, double y, double z, double t, double side) const {
+  const Number number = evaluate(static_cast<int>(nodes_.size()) - 1, {{x, y, z, t}, side});
+  return {number.value, number.rate, number.acceleration};
+}
+
+void FormulaTree::branches(double t, std::vector<double>& into) const {
+  into.clear();
+  const Place place{{0.0, 0.0, 0.0, t}, t};
+  for (const int n : timed_) into.push_back(branch(nodes_[n], place));
+}
+
+// What tells one branch from another.
+double FormulaTree::branch(const Node& node, const Place& place) const {
+  if (node.op == Op::abs) return std::signbit(evaluate(node.arguments[0], place).side) ? -1.0 : 1.0;
+  if (node.op != Op::min && node.op != Op::max) return function(node, place).side;
+  std::size_t taken = 0;
+  double extreme = 0.0;
+  for (std::size_t a = 0; a < node.arguments.size(); ++a) {
+    const double value = evaluate(node.arguments[a], place).side;
+    if (a > 0 && !(node.op == Op::min ? value < extreme : value > extreme)) continue;
+    extreme = value;
+    taken = a;
+  }
+  return static_cast<double>(taken);
+}
+
+FormulaTree::Number FormulaTree::evaluate(int n, const Place& place) const {
+  const Node& node = nodes_[n];
+  switch (node.op) {
+    case Op::constant:
+      return {node.constant, 0.0, 0.0, node.constant};
+    case Op::x:
+    case Op::y:
+    case Op::z: {
+      const double value = place.at[static_cast<std::size_t>(node.op) - static_cast<std::size_t>(Op::x)];
+      return {value, 0.0, 0.0, value};
+    }
+    case Op::t:
+      return {place.at[3], 1.0, 0.0, place.side};
+    case Op::choose:
+      return evaluate(node.arguments[evaluate(node.arguments[0], place).side != 0.0 ? 1 : 2], place);
+    case Op::sum:
+    case Op::avg:
+    case Op::min:
+    case Op::max:
+      return of_many(node, place);
+    default:
+      return function(node, place);
+  }
+}
+
+FormulaTree::Number FormulaTree::of_many(const Node& node, const Place& place) const {
+  Number result = evaluate(node.arguments[0], place);
+  for (std::size_t a = 1; a < node.arguments.size(); ++a) {
+    const Number next = evaluate(node.arguments[a], place);
+    if (node.op == Op::min || node.op == Op::max) {
+      if (node.op == Op::min ? next.side < result.side : next.side > result.side) result = next;
+      continue;
+    }
+    result.value += next.value;
+    result.rate += next.rate;
+    result.acceleration += next.acceleration;
+    result.side += next.side;
+  }
+  if (node.op != Op::avg) return result;
+  const double share = 1.0 / static_cast<double>(node.arguments.size());
+  return {share * result.value, share * result.rate, share * result.acceleration, share * result.side};
+}
+
+FormulaTree::Number FormulaTree::function(const Node& node, const Place& place) const {
+  const Number a = evaluate(node.arguments[0], place);
+  const Number b = node.arguments.size() > 1 ? evaluate(node.arguments[1], place) : Number{};
+  // g(a) by its value, derivatives, and value at the side; what is constant is so even where g has no slope.
+  const auto of_a = [&](double value, double first, double second, double side) {
+    if (a.rate == 0.0 && a.acceleration == 0.0) return Number{value, 0.0, 0.0, side};
+    return Number{value, first * a.rate, second * a.rate * a.rate + first * a.acceleration, side};
+  };
+  // Of the same value on either side of t.
+  const auto step = [](double value) { return Number{value, 0.0, 0.0, value}; };
+  const auto truth = [&](bool value) { return step(value ? 1.0 : 0.0); };
+  const double f = a.value;
+  switch (node.op) {
+    case Op::negate:
+      return {-f, -a.rate, -a.acceleration, -a.side};
+    case Op::add:
+      return {f + b.value, a.rate + b.rate, a.acceleration + b.acceleration, a.side + b.side};
+    case Op::subtract:
+      return {f - b.value, a.rate - b.rate, a.acceleration - b.acceleration, a.side - b.side};
+    case Op::multiply:
+      return {f * b.value, a.rate * b.value + f * b.rate,
+              a.acceleration * b.value + 2.0 * a.rate * b.rate + f * b.acceleration, a.side * b.side};
+    case Op::divide: {
+      const double q = f / b.value, rate = (a.rate - q * b.rate) / b.value;
+      return {q, rate, (a.acceleration - 2.0 * rate * b.rate - q * b.acceleration) / b.value, a.side / b.side};
+    }
+    case Op::power: {
+      const double p = b.value, value = std::pow(f, p), side = std::pow(a.side, b.side);
+      if (b.rate == 0.0 && b.acceleration == 0.0) {
+        const double first = p == 0.0 ? 0.0 : p * std::pow(f, p - 1.0);
+        const double second = p == 0.0 || p == 1.0 ? 0.0 : p * (p - 1.0) * std::pow(f, p - 2.0);
+        return of_a(value, first, second, side);
+      }
+      // exp(l), l = b ln(a)
+      const double log = std::log(f), relative = a.rate / f;
+      const double rate = b.rate * log + p * relative;
+      const double acceleration =
+          b.acceleration * log + 2.0 * b.rate * relative + p * (a.acceleration / f - relative * relative);
+      return {value, value * rate, value * (rate * rate + acceleration), side};
+    }
+    case Op::less:
+      return truth(a.side < b.side);
+    case Op::less_equal:
+      return truth(a.side <= b.side);
+    case Op::greater:
+      return truth(a.side > b.side);
+    case Op::greater_equal:
+      return truth(a.side >= b.side);
+    case Op::equal:
+      return truth(a.side == b.side);
+    case Op::unequal:
+      return truth(a.side != b.side);
+    case Op::both:
+      return truth(a.side != 0.0 && b.side != 0.0);
+    case Op::either:
+      return truth(a.side != 0.0 || b.side != 0.0);
+    case Op::sign:
+      return step(a.side < 0.0 ? -1.0 : (a.side > 0.0 ? 1.0 : 0.0));
+    case Op::rint:
+      return step(std::floor(a.side + 0.5));
+    case Op::abs:
+      return std::signbit(a.side) ? Number{-f, -a.rate, -a.acceleration, -a.side} : a;
+    case Op::sin:
+      return of_a(std::sin(f), std::cos(f), -std::sin(f), std::sin(a.side));
+    case Op::cos:
+      return of_a(std::cos(f), -std::sin(f), -std::cos(f), std::cos(a.side));
+    case Op::tan: {
+      const double g = std::tan(f), slope = 1.0 + g * g;
+      return of_a(g, slope, 2.0 * g * slope, std::tan(a.side));
+    }
+    case Op::asin: {
+      const double c = 1.0 / std::sqrt(1.0 - f * f);
+      return of_a(std::asin(f), c, f * c * c * c, std::asin(a.side));
+    }
+    case Op::acos: {
+      const double c = 1.0 / std::sqrt(1.0 - f * f);
+      return of_a(std::acos(f), -c, -f * c * c * c, std::acos(a.side));
+    }
+    case Op::atan: {
+      const double c = 1.0 / (1.0 + f * f);
+      return of_a(std::atan(f), c, -2.0 * f * c * c, std::atan(a.side));
+    }
+    case Op::atan2: {
+      const double square = f * f + b.value * b.value;
+      const double turned = b.value * a.rate - f * b.rate;
+      const double along = b.value * b.rate + f * a.rate;
+      return {std::atan2(f, b.value), turned / square,
+              (b.value * a.acceleration - f * b.acceleration) / square - 2.0 * turned * along / (square * square),
+              std::atan2(a.side, b.side)};
+    }
+    case Op::sinh:
+      return of_a(std::sinh(f), std::cosh(f), std::sinh(f), std::sinh(a.side));
+    case Op::cosh:
+      return of_a(std::cosh(f), std::sinh(f), std::cosh(f), std::cosh(a.side));
+    case Op::tanh: {
+      const double g = std::tanh(f), slope = 1.0 - g * g;
+      return of_a(g, slope, -2.0 * g * slope, std::tanh(a.side));
+    }
+    case Op::asinh: {
+      const double c = 1.0 / std::sqrt(1.0 + f * f);
+      return of_a(std::asinh(f), c, -f * c * c * c, std::asinh(a.side));
+    }
+    case Op::acosh: {
+      const double c = 1.0 / std::sqrt(f * f - 1.0);
+      return of_a(std::acosh(f), c, -f * c * c * c, std::acosh(a.side));
+    }
+    case Op::atanh: {
+      const double c = 1.0 / (1.0 - f * f);
+      return of_a(std::atanh(f), c, 2.0 * f * c * c, std::atanh(a.side));
+    }
+    case Op::log2:
+      return of_a(std::log2(f), 1.0 / (f * std::numbers::ln2), -1.0 / (f * f * std::numbers::ln2), std::log2(a.side));
+    case Op::log10:
+      return of_a(std::log10(f), 1.0 / (f * std::numbers::ln10), -1.0 / (f * f * std::numbers::ln10),
+                  std::log10(a.side));
+    case Op::ln:
+      return of_a(std::log(f), 1.0 / f, -1.0 / (f * f), std::log(a.side));
+    case Op::exp:
+      return of_a(std::exp(f), std::exp(f), std::exp(f), std::exp(a.side));
+    case Op::sqrt: {
+      const double g = std::sqrt(f);
+      return of_a(g, 0.5 / g, -0.25 / (g * f), std::sqrt(a.side));
+    }
+    default:
+      return {};
+  }
+}
+
+}  // namespace pliant
