@@ -73,7 +73,7 @@ class OwnSolver {
 class TimeAdvance final : public Advance {
  public:
   TimeAdvance(const Config& config, Model& model, Ledger& ledger, const StateView& initial)
-      : own_(config, model), integrator_(options_of(config), system_of(model, ledger, own_), initial) {
+      : own_(config, model), ledger_(ledger), integrator_(options_of(config), system_of(model, ledger, own_), initial) {
     if (const auto& adaptive = config.time.adaptive) {
       norm_.emplace(Tolerances{adaptive->relative, adaptive->absolute, adaptive->absolute_velocity}, initial);
     }
@@ -84,7 +84,11 @@ class TimeAdvance final : public Advance {
     if (norm_) norm_->accept(attempt);
     integrator_.accept(attempt);
   }
-  void restart() override { integrator_.restart(); }
+  void restart() override {
+    integrator_.restart();
+    ledger_.book_jump(state());
+    if (!state().w.empty()) integrator_.set_quadratures(ledger_.works());
+  }
   double error(const StepAttempt& attempt) const override { return norm_ ? (*norm_)(attempt) : 0.0; }
   StateView state() const override { return integrator_.state().view(); }
   void keep(Archive& archive) override {
@@ -113,6 +117,7 @@ class TimeAdvance final : public Advance {
   }
 
   OwnSolver own_;
+  Ledger& ledger_;
   Integrator integrator_;
   std::optional<ErrorNorm> norm_;
 };
@@ -120,15 +125,18 @@ class TimeAdvance final : public Advance {
 /// In time, by an integrator of PETSc.
 class PetscAdvance final : public Advance {
  public:
-  PetscAdvance(const Config& config, Model& model, const PetscMethod& method, const StateView& initial)
-      : name_(method.name), integrator_(with_user_options([&] {
+  PetscAdvance(const Config& config, Model& model, Ledger& ledger, const PetscMethod& method, const StateView& initial)
+      : name_(method.name), ledger_(ledger), integrator_(with_user_options([&] {
           const PetscIntegratorOptions options{method, newton_options(config), linear_kind(config, model.layout())};
-          return std::make_unique<PetscIntegrator>(options, model.potential(), model.constraints().motion(), initial);
+          return std::make_unique<PetscIntegrator>(options, model.potential(), model.motion(), initial);
         })) {}
 
   StepAttempt attempt(const Step& step) override { return integrator_->attempt(step); }
   void accept(const StepAttempt& attempt) override { integrator_->accept(attempt); }
-  void restart() override { integrator_->restart(); }
+  void restart() override {
+    integrator_->restart();
+    ledger_.book_jump(state());
+  }
   StateView state() const override { return integrator_->state().view(); }
   void keep(Archive& archive) override { integrator_->keep(archive); }
   void forget() override { integrator_->forget(); }
@@ -139,6 +147,7 @@ class PetscAdvance final : public Advance {
 
  private:
   std::string name_;
+  Ledger& ledger_;
   std::unique_ptr<PetscIntegrator> integrator_;
 };
 
@@ -254,7 +263,7 @@ std::unique_ptr<Advance> make_advance(const Config& config, Model& model, Ledger
       throw InputError(config.time.method.where,
                        fmt::format("'{}' cannot be used here: {}", config.time.method.value, *reason));
     }
-    return std::make_unique<PetscAdvance>(config, model, *method, initial);
+    return std::make_unique<PetscAdvance>(config, model, ledger, *method, initial);
   }
   return std::make_unique<TimeAdvance>(config, model, ledger, initial);
 }

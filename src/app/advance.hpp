@@ -23,7 +23,8 @@ class Advance {
   /// Tries a step from the last accepted state. What the attempt points to is valid until the next one.
   virtual StepAttempt attempt(const Step& step) = 0;
   virtual void accept(const StepAttempt& attempt) = 0;
-  /// Loads may have jumped: what was before the last accepted state is of no use to the next step.
+  /// Loads or given velocities may have jumped: what was before the last accepted state is of no use to the next step,
+  /// and the velocity becomes that after the jump.
   virtual void restart() {}
   /// Estimated error of a converged attempt in units of the tolerances; 0 if errors are not estimated.
   virtual double error(const StepAttempt& /*attempt*/) const { return 0.0; }

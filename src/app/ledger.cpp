@@ -116,6 +116,16 @@ void Ledger::book(const StepAttempt& attempt) {
   balance();
 }
 
+void Ledger::book_jump(const StateView& after) {
+  if (analysis_ != Analysis::dynamic) return;
+  const double before = energies_.kinetic;
+  measure(after);
+  const double gained = energies_.kinetic - before;
+  works_[kinetic] += gained;
+  works_[supports] += gained;
+  balance();
+}
+
 void Ledger::keep(Archive& archive, const StateView& newest) {
   archive.numbers("works", works_);
   archive.numbers("last_powers", last_powers_);

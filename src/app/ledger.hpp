@@ -53,12 +53,15 @@ class Ledger {
 
   /// The works, for the integrator; they refer to this object.
   Quadratures quadratures();
-  /// Their values at the start.
-  std::span<const double> initial_works() const { return works_; }
+  /// Their values so far.
+  std::span<const double> works() const { return works_; }
 
   /// Books a completed step; call before it is accepted into the history, while `attempt` is valid. Where the
   /// integrator has not integrated the works, they are trapezoidal, or by the midpoint rule.
   void book(const StepAttempt& attempt);
+  /// Books that the velocity of the last state booked has jumped to that of `after`: impulses of the constraints have
+  /// done work.
+  void book_jump(const StateView& after);
 
   /// `newest`: the last completed step.
   void keep(Archive& archive, const StateView& newest);

@@ -286,6 +286,7 @@ void Model::doubt_overlap(const Config& config) {
 
 void Model::prepare(const Config& config) {
   const Analysis analysis = analysis_of(config);
+  is_dynamic_ = analysis == Analysis::dynamic;
   static_time_ = analysis == Analysis::static_equilibrium ? std::optional(config.time.end) : std::nullopt;
   if (ConstraintMap* map = constraints_->map()) {
     map->set_rigidity(analysis == Analysis::dynamic ? Rigidity::of_accelerations : Rigidity::of_configurations);
@@ -312,10 +313,9 @@ void Model::prepare(const Config& config) {
 
 PrescribedMotion Model::motion() const {
   PrescribedMotion motion = constraints_->motion();
-  ConstraintMap* map = constraints_->map();
-  if (map == nullptr || map->is_symmetric() || !inertia_) return motion;
-  return with_projected_velocities(std::move(motion),
-                                   {layout_, *pattern_, *inertia_, constraints_->prescribed().flags(), *map}, layout_);
+  if (!inertia_ || !is_dynamic_) return motion;
+  return with_projected_velocities(
+      std::move(motion), {layout_, *pattern_, *inertia_, constraints_->prescribed().flags(), constraints_->map()});
 }
 
 void Model::require_finite_initial(const Config& config, const char* what, Vec values) const {
@@ -348,7 +348,13 @@ void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
   }
   for (const auto& [what, vec] : {std::pair{"displacement", q}, {"velocity", v}})
     require_finite_initial(config, what, vec);
-  constraints_->motion().complete_step({0.0, config.time.step}, q, v);
+  const Step before_start{0.0, config.time.step};
+  Handle<Vec> wanted;
+  check(VecDuplicate(v, wanted.out()));
+  check(VecCopy(v, wanted.get()));
+  constraints_->motion().complete_step(before_start, q, v);
+  check(VecCopy(wanted.get(), v));
+  motion().restart(before_start, q, v);
   if (pressures_) require_undeformed(config, q);
   update_ghosts(q);
   const ConstGhostedView at(q);

@@ -90,7 +90,8 @@ class Model {
   /// The hooks of the time layer; they refer to this object. Collective.
   PrescribedMotion motion() const;
 
-  /// Initial displacement and velocity, prescribed entries at their values at t = 0. Collective.
+  /// Initial displacement and velocity: those that constraints allow at t = 0 and that are nearest to the ones of the
+  /// input, displacements by their squares, velocities in dynamics by kinetic energy. Collective.
   void set_initial_state(const Config& config, Vec q, Vec v) const;
 
  private:
@@ -130,6 +131,7 @@ class Model {
   std::vector<ProbeLocation> probes_;
   Components components_;
   bool overlaps_at_start_ = false;
+  bool is_dynamic_ = false;
   std::optional<double> static_time_;  // at which a static problem takes its loads
   WaveSpeeds wave_speeds_;
   std::vector<std::string> notices_;

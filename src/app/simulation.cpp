@@ -25,7 +25,7 @@ Simulation::Simulation(const Config& config, Model& model) : analysis_(analysis_
   if (z.get() != nullptr) model.potential().internal_variables().complete_step(q_.get(), z.get());
   StateView initial{0.0, q_.get(), v_.get(), z.get()};
   ledger_.emplace(model, analysis_, initial);
-  if (analysis_ == Analysis::dynamic) initial.w = ledger_->initial_works();
+  if (analysis_ == Analysis::dynamic) initial.w = ledger_->works();
   advance_ = make_advance(config, model, *ledger_, initial);
   set_plan(config);
   control_.emplace(plan_);

@@ -4,6 +4,7 @@
 #include "petsc/collective.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pliant {
 
@@ -19,6 +20,7 @@ ConstraintMap::ConstraintMap(const NodeLayout& layout, std::span<const Slave> sl
   is_tied_ = is_slave_;
   Rows rows(static_cast<std::size_t>(num_owned));
   for (PetscInt i = 0; i < num_owned; ++i) rows[i][first_entry_ + i] = 1.0;
+  std::vector<double> squares;  // of the coefficients of each owned slave's constraint
   for (const Slave& slave : slaves) {
     for (const auto& master : slave.masters) {
       if (is_owned(master.entry)) is_tied_[master.entry - first_entry_] = 1;
@@ -27,14 +29,23 @@ ConstraintMap::ConstraintMap(const NodeLayout& layout, std::span<const Slave> sl
     const PetscInt i = slave.entry - first_entry_;
     is_slave_[i] = is_tied_[i] = 1;
     rows[i][slave.entry] = 0.0;
-    for (const auto& [entry, coefficient] : slave.masters) rows[i][entry] = coefficient;
+    double sum = 1.0;
+    for (const auto& [entry, coefficient] : slave.masters) {
+      rows[i][entry] = coefficient;
+      sum += coefficient * coefficient;
+    }
+    squares.push_back(sum);
     slaves_.push_back({i, slave.given});
   }
   C_ = make_matrix(rows);
   J_ = patches_.empty() ? C_.share() : make_jacobian(std::move(rows));
   W_ = J_.share();
-  for (Handle<Vec>* g : {&offset_, &start_offset_, &end_offset_}) *g = make_vector(layout);
-  work_ = make_vector(layout);
+  for (Handle<Vec>* x : {&offset_, &start_offset_, &end_offset_, &work_, &missing_, &forces_, &direction_, &image_,
+                         &inverse_diagonal_}) {
+    *x = make_vector(layout);
+  }
+  const ArrayView inverse(inverse_diagonal_.get());
+  for (std::size_t s = 0; s < slaves_.size(); ++s) inverse[slaves_[s].local_entry] = 1.0 / squares[s];
 }
 
 Handle<Mat> ConstraintMap::make_matrix(const Rows& rows) const {
@@ -191,9 +202,9 @@ void ConstraintMap::restrict_rates(Vec v, Vec w) const {
   for (const RigidPatch& patch : patches_) patch.put_unknowns(patch.nearest_rates(v), w);
 }
 
-std::vector<Kinematics> ConstraintMap::offsets(double time, double time_scale, double factor) const {
+std::vector<Kinematics> ConstraintMap::offsets(double time, double time_scale, double factor, Side side) const {
   std::vector<GivenKinematics> given;
-  for (const GivenDisplacement& g : given_) given.emplace_back(g, time, time_scale, factor);
+  for (const GivenDisplacement& g : given_) given.emplace_back(g, time, time_scale, factor, side);
   std::vector<Kinematics> result;
   for (const auto& slave : slaves_) {
     Kinematics& sum = result.emplace_back();
@@ -207,8 +218,64 @@ std::vector<Kinematics> ConstraintMap::offsets(double time, double time_scale, d
   return result;
 }
 
+void ConstraintMap::constrain(Vec x, Vec y) const {
+  check(MatMult(C_.get(), x, work_.get()));
+  check(VecZeroEntries(y));
+  const ConstArrayView entries(x), followed(work_.get());
+  const ArrayView result(y);
+  for (const auto& slave : slaves_) {
+    result[slave.local_entry] = entries[slave.local_entry] - followed[slave.local_entry];
+  }
+}
+
+void ConstraintMap::add_constraint_forces(Vec m, Vec x) const {
+  check(MatMultTranspose(C_.get(), m, work_.get()));
+  check(VecAXPY(x, -1.0, work_.get()));
+  check(VecAXPY(x, 1.0, m));
+}
+
+// x += G^T m, G G^T m = offset - G x, by conjugate gradients with the diagonal for a preconditioner: constraints share
+// few entries, so that a handful of iterations do.
 template <class Offset>
-void ConstraintMap::put_slaves(Vec x, Offset offset) const {
+void ConstraintMap::put_nearest(Vec x, Offset offset) const {
+  constexpr double rounding = 1e-14;
+  constexpr int most_iterations = 200;
+  const Vec r = missing_.get(), z = forces_.get(), d = direction_.get(), image = image_.get();
+  PetscReal largest = 0.0, wrong = 0.0, size = 0.0;
+  const auto preconditioned_size = [&] {
+    check(VecPointwiseMult(z, inverse_diagonal_.get(), r));
+    PetscScalar product = 0.0;
+    check(VecDot(r, z, &product));
+    return product;
+  };
+  constrain(x, r);
+  check(VecScale(r, -1.0));
+  {
+    const ArrayView missing(r);
+    for (std::size_t s = 0; s < slaves_.size(); ++s) missing[slaves_[s].local_entry] += offset(s);
+  }
+  check(VecNorm(r, NORM_INFINITY, &wrong));
+  check(VecNorm(x, NORM_INFINITY, &largest));
+  // What is not a number stays one, and is found elsewhere.
+  if (wrong > rounding * largest && std::isfinite(wrong)) {
+    double rho = preconditioned_size();
+    const double first = rho;
+    check(VecCopy(z, d));
+    for (int i = 0; i < most_iterations && rho > rounding * rounding * first; ++i) {
+      // G^T d goes into the entries, G G^T d out of what is missing.
+      check(VecZeroEntries(image));
+      add_constraint_forces(d, image);
+      check(VecNorm(image, NORM_2, &size));
+      const double alpha = rho / (size * size);
+      check(VecAXPY(x, alpha, image));
+      constrain(image, z);
+      check(VecAXPY(r, -alpha, z));
+      const double before = rho;
+      rho = preconditioned_size();
+      check(VecAYPX(d, rho / before, z));
+    }
+  }
+  // To the last digit.
   check(MatMult(C_.get(), x, work_.get()));
   const ConstArrayView followed(work_.get());
   const ArrayView entries(x);
@@ -223,18 +290,25 @@ PrescribedMotion ConstraintMap::motion(PrescribedMotion before) const {
     start(stage, q);
     // What came before the step may lie behind a kink.
     const double passed = stage.time - stage.step_start, dt = stage.dt;
-    const auto g = offsets(stage.time, passed > 0.0 ? passed : dt, stage.load_factor);
-    put_slaves(q, [&](std::size_t s) { return g[s].u; });
-    put_slaves(stage.q0, [&](std::size_t s) { return g[s].u - dt * g[s].v; });
-    put_slaves(stage.v0, [&](std::size_t s) { return g[s].v - dt * g[s].a; });
+    const auto g =
+        offsets(stage.time, passed > 0.0 ? passed : dt, stage.load_factor, passed > 0.0 ? Side::before : Side::after);
+    put_nearest(q, [&](std::size_t s) { return g[s].u; });
+    put_nearest(stage.q0, [&](std::size_t s) { return g[s].u - dt * g[s].v; });
+    put_nearest(stage.v0, [&](std::size_t s) { return g[s].v - dt * g[s].a; });
     for (const RigidPatch& patch : patches_) patch.start_stage(stage);
   };
   motion.complete_step = [this, complete = std::move(before.complete_step)](const Step& step, Vec q, Vec v) {
     complete(step, q, v);
     const auto g = offsets(step.time, step.dt, 1.0);
-    put_slaves(q, [&](std::size_t s) { return g[s].u; });
-    put_slaves(v, [&](std::size_t s) { return g[s].v; });
+    put_nearest(q, [&](std::size_t s) { return g[s].u; });
+    put_nearest(v, [&](std::size_t s) { return g[s].v; });
     for (const RigidPatch& patch : patches_) patch.make_rigid(step.time, step.dt, q, v);
+  };
+  motion.restart = [this, restart = std::move(before.restart)](const Step& step, Vec q, Vec v) {
+    restart(step, q, v);
+    const auto g = offsets(step.time, step.dt, 1.0, Side::after);
+    put_nearest(v, [&](std::size_t s) { return g[s].v; });
+    for (const RigidPatch& patch : patches_) patch.make_velocities_rigid(step.time, step.dt, q, v);
   };
   return motion;
 }

@@ -61,9 +61,11 @@ class ConstraintMap {
   /// One flag per owned entry: a slave or a master, where constraints do work. Not collective.
   const std::vector<char>& is_tied() const { return is_tied_; }
 
-  /// `before`, then the motion of the slaves: where g depends on time, its own velocity and acceleration are theirs, as
-  /// for prescribed displacements (energy/prescribed.hpp). At the end of a step patches are rigid again, and so are
-  /// their velocities. Refers to this object. Not collective.
+  /// `before`, then the motion that the constraints give: where g depends on time, its own velocity and acceleration
+  /// hold exactly, as for prescribed displacements (energy/prescribed.hpp). What a method's formulas leave of them is
+  /// put right by the least change of all entries: the formulas then act on the coordinates along the constraints,
+  /// which keeps their order, and the choice of slaves makes no difference. At the end of a step patches are rigid
+  /// again, and so are their velocities. Refers to this object. Not collective.
   PrescribedMotion motion(PrescribedMotion before) const;
 
   /// What holds the given displacements, per source and component: the work of the constraints per given displacement
@@ -81,10 +83,15 @@ class ConstraintMap {
   Handle<Mat> make_matrix(const Rows& rows) const;
   Handle<Mat> make_jacobian(Rows rows);
   /// g of each slave.
-  std::vector<Kinematics> offsets(double time, double time_scale, double factor) const;
-  /// x = C x + offset(slave) in the entries of slaves.
+  std::vector<Kinematics> offsets(double time, double time_scale, double factor, Side side = Side::before) const;
+  /// x = C x + offset(slave) in the entries of slaves, by the least change of all entries: it does not depend on which
+  /// entries are slaves.
   template <class Offset>
-  void put_slaves(Vec x, Offset offset) const;
+  void put_nearest(Vec x, Offset offset) const;
+  /// y = G x for the constraints G x = 0, that is x_s - (C x)_s, in the entries of slaves; else 0.
+  void constrain(Vec x, Vec y) const;
+  /// x += G^T m, m in the entries of slaves, and zero elsewhere.
+  void add_constraint_forces(Vec m, Vec x) const;
 
   MPI_Comm comm_;
   PetscInt first_entry_;
@@ -95,6 +102,9 @@ class ConstraintMap {
   Handle<Mat> C_, J_, W_;                           // the same if T is linear
   Handle<Vec> offset_, start_offset_, end_offset_;  // g: where it is led, at the accepted state, at the stage's time
   Handle<Vec> work_;
+  // Of put_nearest: what is missing, the forces that supply it, the direction of search and its image.
+  Handle<Vec> missing_, forces_, direction_, image_;
+  Handle<Vec> inverse_diagonal_;  // of G G^T; 0 but for slaves
 };
 
 }  // namespace pliant

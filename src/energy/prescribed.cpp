@@ -66,9 +66,9 @@ std::vector<LinearConstraint> PrescribedDisplacement::constraints(const NodeLayo
 }
 
 template <class Set>
-void PrescribedDisplacement::for_each(double time, double time_scale, double factor, Set set) const {
+void PrescribedDisplacement::for_each(double time, double time_scale, double factor, Side side, Set set) const {
   std::vector<GivenKinematics> given;
-  for (const PrescribedPart& part : parts_) given.emplace_back(part.displacement, time, time_scale, factor);
+  for (const PrescribedPart& part : parts_) given.emplace_back(part.displacement, time, time_scale, factor, side);
   for (const Entry& e : entries_) set(e.dof, given[e.part](e.dof % 3, e.X));
 }
 
@@ -79,7 +79,7 @@ PrescribedMotion PrescribedDisplacement::motion() const {
     // What came before the step may lie behind a kink.
     const double smooth = stage.time - stage.step_start;
     for_each(stage.time, std::min(time_scale_, smooth > 0.0 ? smooth : stage.dt), stage.load_factor,
-             [&](PetscInt dof, const Kinematics& k) {
+             smooth > 0.0 ? Side::before : Side::after, [&](PetscInt dof, const Kinematics& k) {
                guess[dof] = k.u;
                q0[dof] = k.u - stage.dt * k.v;
                v0[dof] = k.v - stage.dt * k.a;
@@ -87,10 +87,15 @@ PrescribedMotion PrescribedDisplacement::motion() const {
   };
   motion.complete_step = [this](const Step& step, Vec q, Vec v) {
     const ArrayView position(q), velocity(v);
-    for_each(step.time, std::min(time_scale_, step.dt), 1.0, [&](PetscInt dof, const Kinematics& k) {
+    for_each(step.time, std::min(time_scale_, step.dt), 1.0, Side::before, [&](PetscInt dof, const Kinematics& k) {
       position[dof] = k.u;
       velocity[dof] = k.v;
     });
+  };
+  motion.restart = [this](const Step& step, Vec /*q*/, Vec v) {
+    const ArrayView velocity(v);
+    for_each(step.time, std::min(time_scale_, step.dt), 1.0, Side::after,
+             [&](PetscInt dof, const Kinematics& k) { velocity[dof] = k.v; });
   };
   return motion;
 }

@@ -35,9 +35,8 @@ class PrescribedDisplacement {
   /// source of the same number. Not collective.
   std::vector<LinearConstraint> constraints(const NodeLayout& layout, const std::set<PetscInt>& wanted) const;
 
-  /// The hooks of the time layer; they refer to this object. Rates are differences (GivenKinematics) over at most
-  /// `time_scale`, in a stage at most the part of the step that has passed, so that a kink at the step's start is not
-  /// seen.
+  /// The hooks of the time layer; they refer to this object. Rates are those of the side of t on which the stage or the
+  /// step lies, so that a kink at the step's start is not seen.
   PrescribedMotion motion() const;
 
  private:
@@ -46,10 +45,10 @@ class PrescribedDisplacement {
     std::size_t part;
     std::array<double, 3> X;
   };
-  /// Calls `set(dof, kinematics)` for each prescribed entry, with rates from differences over `time_scale`; `factor`:
-  /// the part of the motion that a load step has reached.
+  /// Calls `set(dof, kinematics)` for each prescribed entry, with rates on one side, from differences over
+  /// `time_scale`; `factor`: the part of the motion that a load step has reached.
   template <class Set>
-  void for_each(double time, double time_scale, double factor, Set set) const;
+  void for_each(double time, double time_scale, double factor, Side side, Set set) const;
 
   std::vector<PrescribedPart> parts_;
   std::vector<Entry> entries_;

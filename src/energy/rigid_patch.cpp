@@ -95,7 +95,8 @@ Placement RigidPatch::nearest(Vec q) const {
 void RigidPatch::start_stage(const StagePoint& stage) const {
   if (rigidity_ != Rigidity::of_accelerations || free_components_.size() == 3) return;
   const double passed = stage.time - stage.step_start, dt = stage.dt;
-  const GivenKinematics given(motion_, stage.time, passed > 0.0 ? passed : dt, stage.load_factor);
+  const GivenKinematics given(motion_, stage.time, passed > 0.0 ? passed : dt, stage.load_factor,
+                              passed > 0.0 ? Side::before : Side::after);
   const Vector3<double> q0 = (*fit_)(*layout_, nodes_, stage.q0).translation;
   const Vector3<double> v0 = (*fit_)(*layout_, nodes_, stage.v0).translation;
   const ArrayView q(stage.q0), v(stage.v0);
@@ -328,27 +329,43 @@ void RigidPatch::subtract_given(Vec v) const {
   }
 }
 
-void RigidPatch::make_rigid(double time, double time_scale, Vec q, Vec v) const {
-  Placement at = nearest(q);
-  auto [velocity, omega] = nearest_velocities(at, v);
-  const GivenKinematics given(motion_, time, time_scale);
+RigidPatch::RigidState RigidPatch::nearest_state(const GivenKinematics& given, Vec q, Vec v) const {
+  RigidState state{nearest(q)};
+  const auto velocities = nearest_velocities(state.at, v);
+  state.velocity = velocities[0];
+  state.omega = velocities[1];
   for (std::size_t i = 0; i < 3; ++i) {
     if (!motion_.gives(static_cast<int>(i))) continue;
     const Kinematics centre = given(static_cast<int>(i), motion_.rigid->centre);
-    at.translation[i] = centre.u;
-    velocity[i] = centre.v;
+    state.at.translation[i] = centre.u;
+    state.velocity[i] = centre.v;
   }
+  return state;
+}
+
+void RigidPatch::make_velocities_rigid(double time, double time_scale, Vec q, Vec v) const {
+  const RigidState state = nearest_state({motion_, time, time_scale, 1.0, Side::after}, q, v);
+  const ArrayView velocities(v);
+  for (const PetscInt a : nodes_) {
+    const auto w = state.velocity + cross(state.omega, turn(state.at.rotation, arm(a)));
+    for (std::size_t i = 0; i < 3; ++i) velocities[3 * a + static_cast<PetscInt>(i)] = w[i];
+  }
+}
+
+void RigidPatch::make_rigid(double time, double time_scale, Vec q, Vec v) const {
+  const RigidState state = nearest_state({motion_, time, time_scale}, q, v);
   const ArrayView displacements(q), velocities(v);
   double deviation = 0.0;
   for (const PetscInt a : nodes_) {
-    const auto u = at.displacement(arm(a));
+    const auto u = state.at.displacement(arm(a));
     for (std::size_t i = 0; i < 3; ++i) {
       deviation = std::max(deviation, std::abs(u[i] - displacements[3 * a + static_cast<PetscInt>(i)]));
     }
   }
   const bool is_rigid = maximum(layout_->comm, deviation) <= rounding * size_;
   for (const PetscInt a : nodes_) {
-    const auto u = at.displacement(arm(a)), w = velocity + cross(omega, turn(at.rotation, arm(a)));
+    const auto u = state.at.displacement(arm(a)),
+               w = state.velocity + cross(state.omega, turn(state.at.rotation, arm(a)));
     for (std::size_t i = 0; i < 3; ++i) {
       if (!is_rigid) displacements[3 * a + static_cast<PetscInt>(i)] = u[i];
       velocities[3 * a + static_cast<PetscInt>(i)] = w[i];

@@ -103,6 +103,8 @@ class RigidPatch {
   void subtract_given(Vec v) const;
   /// Makes q and v those of a rigid motion, with the given components of the translation at the time: the nearest ones.
   void make_rigid(double time, double time_scale, Vec q, Vec v) const;
+  /// Makes v that of a rigid motion from q on, with the given components as they are after the time.
+  void make_velocities_rigid(double time, double time_scale, Vec q, Vec v) const;
 
  private:
   /// D and S.
@@ -116,6 +118,11 @@ class RigidPatch {
   Vector3<double> rotation_vector(std::span<const double> unknowns) const;
   Vector3<double> arm(PetscInt node) const { return layout_->position(node) - motion_.rigid->centre; }
   Placement nearest(Vec q) const;
+  struct RigidState {
+    Placement at;
+    Vector3<double> velocity{}, omega{};  // of the centre, and the angular one
+  };
+  RigidState nearest_state(const GivenKinematics& given, Vec q, Vec v) const;
   /// Of the centre, and the angular one, that are nearest to the nodes' velocities at a placement.
   std::array<Vector3<double>, 2> nearest_velocities(const Placement& placement, Vec v) const;
 

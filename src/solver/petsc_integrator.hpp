@@ -49,7 +49,8 @@ class PetscIntegrator {
 
   /// Makes the last attempt, which converged, the newest state. Collective.
   void accept(const StepAttempt& attempt);
-  /// Forgets all but the newest state: TS starts anew from it, after an event at which accelerations jump.
+  /// Forgets all but the newest state: TS starts anew from it, after an event at which velocities that are given or
+  /// accelerations jump. The velocity becomes that after the event. Collective.
   void restart();
   /// What TS remembers of earlier states is given to it anew before the next step, as it is after restoring: the two go
   /// on alike to the last bit.

@@ -113,6 +113,8 @@ void PetscIntegrator::restart() {
   forget();
   points_.forget();
   is_acceleration_recorded_ = false;
+  motion_.restart({accepted_.time, time_step()}, accepted_.q.get(), accepted_.v.get());
+  set_solution(accepted_.q.get(), accepted_.v.get());
 }
 
 }  // namespace pliant

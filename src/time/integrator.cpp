@@ -24,7 +24,8 @@ int history_depth(const IntegratorOptions& options, Guess guess, const std::opti
 }  // namespace
 
 Integrator::Integrator(const IntegratorOptions& options, System system, const StateView& initial)
-    : stepper_(options.method, system, initial),
+    : motion_(system.motion),
+      stepper_(options.method, system, initial),
       error_(options.estimate == ErrorEstimate::local
                  ? std::optional<LocalError>(std::in_place, options.method, system.space, initial)
                  : std::nullopt),
@@ -41,6 +42,7 @@ StepAttempt Integrator::attempt(const Step& step) & {
 }
 
 void Integrator::accept(const StepAttempt& attempt) {
+  last_dt_ = attempt.time - history_.newest().time;
   pliant::accept(attempt, history_);
   if (error_) error_->accept(attempt);
 }
@@ -56,7 +58,8 @@ void Integrator::keep(Archive& archive) {
 }
 
 void Integrator::restart() {
-  history_.forget();
+  const State& newest = history_.restart();
+  motion_.restart({newest.time, last_dt_}, newest.q.get(), newest.v.get());
   if (error_) error_->restart();
 }
 

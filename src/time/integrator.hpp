@@ -36,9 +36,12 @@ class Integrator {
   StepAttempt attempt(const Step& step) &;
   /// Makes the last attempt, which converged, the newest state. Collective.
   void accept(const StepAttempt& attempt);
-  /// Forgets all but the newest state, and the start-up runs anew: after an event at which accelerations jump, past
-  /// states say nothing about what follows.
+  /// Forgets all but the newest state, and the start-up runs anew: after an event at which velocities that are given or
+  /// accelerations jump, past states say nothing about what follows. The newest velocity becomes that after the event.
+  /// Collective.
   void restart();
+  /// Sets the quadratures of the newest state: what happened at a restart is no part of a step.
+  void set_quadratures(std::span<const double> w) { history_.set_quadratures(w); }
   /// Collective.
   void keep(Archive& archive);
 
@@ -47,6 +50,8 @@ class Integrator {
   const Method& method() const { return stepper_.method(); }
 
  private:
+  PrescribedMotion motion_;
+  double last_dt_ = 0.0;  // of the last step accepted
   Stepper stepper_;
   std::optional<Stepper> starter_;
   std::optional<LocalError> error_;

@@ -51,6 +51,9 @@ struct PrescribedMotion {
   std::function<void(const StagePoint& stage, Vec q)> start_stage = [](const StagePoint&, Vec) {};
   /// Sets the prescribed entries of a completed step to q_D(t), v_D(t), t = step.time. Collective.
   std::function<void(const Step& step, Vec q, Vec v)> complete_step = [](const Step&, Vec, Vec) {};
+  /// Where given velocities may jump, at the start of the run and at events: makes v the velocity after step.time that
+  /// the motion given from there on allows. `step.dt` is how far the motion is smooth. Collective.
+  std::function<void(const Step& step, Vec q, Vec v)> restart = [](const Step&, Vec, Vec) {};
 };
 
 /// Variables of the material beside q and v, one more part of y: each obeys an ordinary differential equation of its

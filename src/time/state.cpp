@@ -42,6 +42,16 @@ void History::push(const StateView& state) {
   size_ = std::min(size_ + 1, depth());
 }
 
+State& History::restart() {
+  size_ = 1;
+  return states_.front();
+}
+
+void History::set_quadratures(std::span<const double> w) {
+  assert(w.size() == states_.front().w.size());
+  std::ranges::copy(w, states_.front().w.begin());
+}
+
 void History::keep(Archive& archive) {
   archive.number("size", size_);
   for (int age = 0; age < size_; ++age) {

@@ -44,8 +44,11 @@ class History {
 
   /// Makes a copy the newest state and forgets the oldest if all places are taken. Collective.
   void push(const StateView& state);
-  /// Forgets all states but the newest, after which the motion is no continuation of what went before.
-  void forget() { size_ = 1; }
+  /// Forgets all states but the newest, after which the motion is no continuation of what went before: its velocity, of
+  /// the state returned, may be changed.
+  State& restart();
+  /// Of the newest state.
+  void set_quadratures(std::span<const double> w);
 
   /// Collective.
   void keep(Archive& archive);

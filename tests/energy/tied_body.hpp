@@ -88,9 +88,9 @@ class TiedBody {
   const Inertia& inertia() const { return *inertia_; }
   PrescribedMotion motion() const {
     PrescribedMotion motion = map_->motion(prescribed_.motion());
-    if (map_->is_symmetric() || !inertia_) return motion;
+    if (!inertia_) return motion;
     return with_projected_velocities(std::move(motion),
-                                     {layout(), solid_.pattern(), *inertia_, prescribed_.flags(), *map_}, layout());
+                                     {layout(), solid_.pattern(), *inertia_, prescribed_.flags(), map_.get()});
   }
   double strain_energy(Vec q) const { return sum(layout().comm, elastic_->energy(local_values(q), {})); }
 
