@@ -1,6 +1,7 @@
 #include "app/advice.hpp"
 
 #include "app/elasticity.hpp"
+#include "app/events.hpp"
 #include "app/input_schema.hpp"
 #include "app/loads.hpp"
 #include "app/viscosity.hpp"
@@ -22,55 +23,6 @@ namespace {
 bool is_local(const LoadConfig& load) {
   using Kind = LoadConfig::Kind;
   return load.kind != Kind::gravity && load.kind != Kind::force_density;
-}
-
-using Formulas = std::vector<const Expression*>;
-
-void collect(const Expression& formula, Formulas& into) {
-  into.push_back(&formula);
-}
-template <class T>
-void collect(const std::optional<T>& value, Formulas& into) {
-  if (value) collect(*value, into);
-}
-template <class T, std::size_t N>
-void collect(const std::array<T, N>& values, Formulas& into) {
-  for (const T& value : values) collect(value, into);
-}
-
-/// All that acts on the bodies or moves them after the start.
-Formulas driving_formulas(const Config& config) {
-  Formulas all;
-  for (const BodyConfig& body : config.bodies) {
-    if (!body.active) continue;
-    collect(body.active->stress, all);
-    collect(body.active->shortening, all);
-  }
-  for (const ConstraintConfig& c : config.constraints) {
-    collect(c.displacement, all);
-    collect(c.value, all);
-    collect(c.difference, all);
-    collect(c.rigid.translation, all);
-    collect(c.rigid.rotation.angle, all);
-  }
-  for (const LoadConfig& load : config.loads) {
-    collect(load.value, all);
-    collect(load.pressure, all);
-  }
-  for (const CavityConfig& cavity : config.cavities) {
-    collect(cavity.pressure, all);
-    if (cavity.gas) collect(cavity.gas->amount, all);
-    if (!cavity.liquid) continue;
-    collect(cavity.liquid->added_volume, all);
-    collect(cavity.liquid->flow, all);
-  }
-  if (!config.contact) return all;
-  for (const ObstacleConfig& o : config.contact->obstacles) {
-    if (!o.motion) continue;
-    collect(o.motion->translate, all);
-    if (o.motion->rotate) collect(o.motion->rotate->angle, all);
-  }
-  return all;
 }
 
 bool is_zero(const VectorExpression& vector) {

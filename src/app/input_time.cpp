@@ -178,9 +178,11 @@ Section<TimeConfig> time_keys() {
       field("adaptive", &TimeConfig::adaptive, map_of(adaptive_keys()),
             "steps follow from the error they make; `{}` takes the defaults")
           .otherwise_in_words("none: all steps are equal"),
-      field("events", &TimeConfig::events, list_of(quantity("s", Range::above(0)), 0),
-            "times in ascending order at which loads or constraints change abruptly: steps end exactly there, and "
-            "methods with past states start anew; not used by `static`"),
+      field(
+          "events", &TimeConfig::events, list_of(quantity("s", Range::above(0)), 0),
+          "times in ascending order at which loads or constraints change abruptly, besides the kinks and jumps of "
+          "formulas of t, which are found: steps end exactly there, and methods with past states start anew; not used "
+          "by `static`"),
       field("min_step", &TimeConfig::min_step, quantity("s", Range::above(0)),
             "smallest step that is tried when a solve fails; with `adaptive` it goes there")
           .otherwise_in_words("step / 1024")

@@ -3,6 +3,7 @@
 #include "app/active.hpp"
 #include "app/advice.hpp"
 #include "app/elasticity.hpp"
+#include "app/events.hpp"
 #include "app/input_schema.hpp"
 #include "app/selections.hpp"
 #include "app/viscosity.hpp"
@@ -64,6 +65,9 @@ Model::Model(MPI_Comm comm, const Config& config, const TermFactory& additional)
   }
   doubt_overlap(config);
   std::ranges::move(without_effect(config), std::back_inserter(notices_));
+  Events events = events_of(config);
+  std::ranges::move(events.notices, std::back_inserter(notices_));
+  std::ranges::move(events.warnings, std::back_inserter(doubts_));
   const Method* method = method_of(config.time);
   const auto rings = [](const BodyConfig& body) { return body.viscosity.empty(); };
   if (method != nullptr && method->stability == Stability::not_a_stable && std::ranges::any_of(config.bodies, rings)) {

@@ -1,5 +1,6 @@
 #include "app/simulation.hpp"
 
+#include "app/events.hpp"
 #include "base/error.hpp"
 #include "petsc/check.hpp"
 
@@ -40,7 +41,7 @@ void Simulation::set_plan(const Config& config) {
     plan_.variable = {"load factor", ""};
     return;
   }
-  plan_ = {0.0, config.time.step, config.time.end, config.time.min_step, config.time.events};
+  plan_ = {0.0, config.time.step, config.time.end, config.time.min_step, events_of(config).times};
   if (const auto& adaptive = config.time.adaptive) {
     const Method& method = *integrator_of(config);
     plan_.adaptive =

@@ -193,6 +193,9 @@ struct Expression::Formula {
   Formula(std::string formula_text, double formula_factor) : text(std::move(formula_text)), factor(formula_factor) {
     for (std::size_t i = 0; i < variable_names.size(); ++i) parser.DefineVar(variable_names[i], &variables[i]);
     parser.DefineConst("pi", std::numbers::pi);
+    // muParser's own have 13 digits.
+    parser.DefineConst("_pi", std::numbers::pi);
+    parser.DefineConst("_e", std::numbers::e);
     try {
       parser.SetExpr(text);
       for (const auto& used : parser.GetUsedVar()) {

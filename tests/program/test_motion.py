@@ -1,0 +1,104 @@
+#!/usr/bin/python3
+"""Motion that is given in advance, as users type it: starts, kinks and jumps of it, on any number of ranks."""
+import unittest
+
+import numpy as np
+
+from program import ProgramTest, write_box
+
+METHODS = ["backward-euler", "bdf2", "bdf3", "dirk22", "dirk23", "dirk33", "implicit-midpoint", "symplectic-dirk22"]
+ADAPTIVE = [m for m in METHODS if m not in ("implicit-midpoint", "symplectic-dirk22")]
+
+
+class Motion(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        write_box(self.directory / "cube.msh", (2, 2, 2))
+
+    def input(self, constraints, time, more=""):
+        lines = "".join(f"  - {c}\n" for c in constraints)
+        self.write("in.yaml", "mesh: {file: cube.msh}\n"
+                   "bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e5, poissons_ratio: 0.3}}]\n"
+                   f"constraints:\n{lines}time: {{{time}}}\n"
+                   "probes: [{name: lid, point: [0.5, 0.5, 1]}, {name: side, point: [1, 0.5, 0.5]}]\n" + more)
+
+    def solve(self, constraints, time, ranks=1, more=""):
+        self.input(constraints, time, more)
+        return self.run_input("in.yaml", ranks=ranks)
+
+    def test_a_start_is_the_same_on_any_ranks(self):
+        held = "{surface: left, displacement: [0, 0, 0]}"
+        cases = {
+            "equation": [held, '{equation: [{surface: right, component: z}], value: "0.05*t"}'],
+            "curved equation": [held, '{equation: [{surface: right, component: z}], value: "0.002*sin(40*t)"}'],
+            "oblique": ['{surface: right, displacement_along: "0.1*t", direction: [1, 1, 0]}'],
+            "periodic": ['{surface: right, periodic_with: left, difference: ["0.2*t", 0, free]}'],
+            "rigid": [held, '{surface: right, rigid: {translation: ["0.1*t", free, 0], rotation: free}}'],
+            "displaced": [held, '{equation: [{surface: right, component: x}], value: "0.05 + t"}'],
+        }
+        for name, constraints in cases.items():
+            with self.subTest(name):
+                one, *others = [self.solve(constraints, "method: bdf2, step: 5 ms, end: 20 ms", ranks,
+                                           "initial: {velocity: [0.01, 0.02, 0.03]}\n") for ranks in (1, 2, 3)]
+                self.assertGreater(one["kinetic_energy"][0], 0.1)
+                for other in others:
+                    self.assert_same_history(other, one, 1e-7)
+                scale = one["kinetic_energy"].max() + one["elastic_energy"].max()
+                self.assertLess(np.abs(one["energy_balance_error"]).max(), 1e-6 * scale)
+
+    def test_an_oblique_start_is_straight(self):
+        history = self.solve(['{surface: right, displacement_along: "0.1*t", direction: [1, 1, 0]}'],
+                             "method: bdf2, step: 1 ms, end: 5 ms")
+        velocity = [history[f"side_v{i}"][0] for i in "xyz"]
+        np.testing.assert_allclose(velocity, [0.1 / np.sqrt(2), 0.1 / np.sqrt(2), 0], atol=1e-12)
+
+    def test_velocities_after_a_kink(self):
+        # The lid rises at 1 m/s until 0.0105 s, and rests from then on; the time is between two nominal ones.
+        lid = '{surface: top, displacement: [0, 0, "0.0105*min(t/0.0105, 1)"]}'
+        for method in METHODS:
+            with self.subTest(method):
+                h = self.solve(["{surface: bottom, displacement: [0, 0, 0]}", lid], f"method: {method}, step: 2 ms, end: 20 ms")
+                self.assertEqual(np.count_nonzero(np.abs(h["time"] - 0.0105) < 1e-12), 1)
+                rises = h["time"] < 0.0106
+                np.testing.assert_allclose(h["lid_vz"][rises], 1, rtol=1e-13)
+                np.testing.assert_array_equal(h["lid_vz"][~rises], 0)
+                np.testing.assert_allclose(h["lid_z"][~rises] - 1, 0.0105, rtol=1e-12)
+                # The impulse at the kink is booked as work of the support.
+                scale = h["kinetic_energy"].max() + h["elastic_energy"].max()
+                self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-6 * scale)
+
+    def test_kinks_are_events(self):
+        self.input(['{surface: bottom, displacement: [0, 0, "0.001*max(0, sin(500*t))"]}'],
+                   "method: bdf2, step: 1 ms, end: 20 ms",
+                   'loads: [{surface: top, traction: [0, 0, "t < 0.0033 ? 100 : 0"]}]\n')
+        done = self.call("run", "in.yaml", "--output", "out")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stdout + done.stderr, r"note: .*steps end there, as at 'time.events': t = 0.0033, 0.00628319, ")
+        self.input(['{surface: bottom, displacement: [0, 0, "0.001*abs(sin(1e5*t))"]}'], "method: bdf2, step: 1 ms, end: 20 ms")
+        done = self.call("check", "in.yaml")
+        self.assertRegex(done.stdout + done.stderr, "too many for steps to end at all of them")
+
+    def test_adaptive_steps_go_on_where_a_velocity_jumps(self):
+        constraints = ["{surface: left, displacement: [0, 0, 0]}",
+                       '{surface: right, displacement: ["0.01*min(t/0.1, 1)", 0, 0]}']
+        for method in ADAPTIVE:
+            for events in ("", ", events: [0.1]"):
+                with self.subTest(method=method, events=events):
+                    h = self.solve(constraints, f"method: {method}, end: 0.13{events}, adaptive: {{relative: 0.01}}")
+                    self.assertIn(0.1, h["time"])
+                    self.assertEqual(h["side_vx"][-1], 0)
+                    self.assertAlmostEqual(h["side_x"][-1], 1.01, delta=1e-14)
+                    scale = h["kinetic_energy"].max() + h["elastic_energy"].max()
+                    self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-6 * scale)
+
+    def test_an_impulse_is_that_of_free_bodies(self):
+        # From rest: v = z, the nearest to 0 with z = 1 on the side, and T = z M z / 2. Stopped in flight: v = 1 - z. As
+        # M z is nothing but impulses on the side, 1 M z = z M z, and the two energies sum up to that of the flight.
+        time = "method: implicit-midpoint, step: 1 ms, end: 2 ms"
+        start = self.solve(['{surface: left, displacement: ["t", free, free]}'], time)["kinetic_energy"][0]
+        flying = self.solve(['{surface: left, displacement: [0, free, free]}'], time, more="initial: {velocity: [1, 0, 0]}\n")
+        self.assertAlmostEqual(flying["kinetic_energy"][0], 500 - start, delta=1e-9 * 500)
+
+
+if __name__ == "__main__":
+    unittest.main()
