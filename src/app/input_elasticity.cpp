@@ -18,12 +18,34 @@ bool is_constant(const Expression& e) {
   return !e.depends_on_space() && !e.depends_on_time();
 }
 
+/// What the elastic constants are called in the literature.
+std::vector<std::string> other_names(std::string_view constant) {
+  if (constant == "youngs_modulus") return {"E", "Young", "young", "Youngs_modulus", "elastic_modulus"};
+  if (constant == "poissons_ratio") return {"nu", "Poisson", "poisson"};
+  if (constant == "shear_modulus") return {"mu", "G", "shear", "lame_mu"};
+  if (constant == "bulk_modulus") return {"K", "kappa", "bulk"};
+  if (constant == "lame_lambda") return {"lambda", "lame", "lmbda"};
+  return {};
+}
+
+/// The laws that can be given a key.
+template <class Takes>
+std::vector<Anchor> laws_that(Takes takes_key) {
+  std::vector<Anchor> laws;
+  for (std::size_t row = 0; row < elastic_laws().size(); ++row) {
+    if (takes_key(row)) laws.push_back({"model", std::string(elastic_laws()[row].name)});
+  }
+  return laws;
+}
+
 /// A constant that any law may have: its bounds are checked where it is one number.
 Field<ElasticityConfig> constant_field(const ParameterInfo& p, const std::string& description) {
   using E = ElasticityConfig;
   const auto format = or_cell_data(expression(std::string(p.unit), Variables::space));
   Field<E> result{{std::string(p.name), format.type, description}};
   result.info.schema = format.schema;
+  result.info.also = other_names(p.name);
+  result.info.only_with = laws_that([&](std::size_t row) { return takes(row, p.name); });
   result.read = [p, read = format.read, bounded = format_of(p).read](const InputNode& node, Problems& problems,
                                                                      E& into) {
     ValueOrCellData<Expression> given;
@@ -83,6 +105,12 @@ Section<ElasticityConfig> elasticity_keys() {
                                            "holzapfel-ogden: direction of the sheets, made to lie across the fibres"));
   section.fields.push_back(
       direction_field("fibre2", &E::directions, "holzapfel-gasser-ogden: direction of the second family of fibres"));
+  for (auto& f : section.fields) {
+    const auto has_direction = [&](std::size_t row) {
+      return std::ranges::find(elastic_laws()[row].directions, f.info.key) != elastic_laws()[row].directions.end();
+    };
+    if (auto laws = laws_that(has_direction); !laws.empty()) f.info.only_with = std::move(laws);
+  }
   std::vector<std::pair<std::string, VolumetricForm>> forms;
   std::vector<Anchor> laws_with_form;
   for (std::size_t n = 0; n < volumetric_form_names.size(); ++n) {
@@ -100,6 +128,7 @@ Section<ElasticityConfig> elasticity_keys() {
                                  "energy U of a change of volume: (ln J)^2/2, (J - 1)^2/2 or (J^2 - 1 - 2 ln J)/4")
                                .otherwise("mixed")
                                .left_out_if(has_no_form));
+  section.fields.back().info.only_with = laws_with_form;
   section.groups.push_back({{"volumetric_energy"}, KeyGroup::Need::any, laws_with_form});
   return section;
 }

@@ -3,6 +3,7 @@
 #include "base/text.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -21,26 +22,69 @@ std::string in_section(const std::string& name) {
   return name.empty() ? "" : " in " + name;
 }
 
-std::string unknown_key(const std::string& key, const std::string& section_name, const KeyInfo& section) {
-  const std::string message = "unknown key '" + excerpt(key) + "'" + in_section(section_name);
-  const auto names = names_of(section.children);
-  if (const std::size_t colon = key.find(':'); colon != std::string::npos) {
-    return message + " (a blank must follow the ':' after a key)";
-  }
-  const std::string guess = did_you_mean(key, names);
-  if (!guess.empty()) return message + guess;
-  for (const KeyInfo& child : section.children) {
-    const auto inner = names_of(child.children);
-    if (std::find(inner.begin(), inner.end(), key) != inner.end()) {
-      return message + " (it belongs in " + child.key + ")";
-    }
-  }
-  return message + "; the keys are " + joined(names);
-}
-
 bool is_given(const InputNode& node, const std::string& key) {
   const InputNode* value = node.find(key);
   return value != nullptr && value->kind != InputNode::Kind::null;
+}
+
+bool is_given(const InputNode& node, const Anchor& anchor) {
+  return is_given(node, anchor.key) && (anchor.value.empty() || node.find(anchor.key)->text == anchor.value);
+}
+
+/// Digits, as the end of a number behind a decimal comma.
+bool starts_with_digit(std::string_view text) {
+  return !text.empty() && std::isdigit(static_cast<unsigned char>(text.front())) != 0;
+}
+
+/// The keys that are of use beside what is chosen.
+std::vector<KeyInfo> usable(const InputNode& node, const KeyInfo& section) {
+  const auto is_chosen = [&](const Anchor& anchor) { return is_given(node, anchor); };
+  const auto is_open = [&](const Anchor& anchor) {
+    return std::none_of(section.children.begin(), section.children.end(), [&](const KeyInfo& other) {
+      return std::any_of(other.only_with.begin(), other.only_with.end(),
+                         [&](const Anchor& a) { return a.key == anchor.key && is_given(node, a); });
+    });
+  };
+  std::vector<KeyInfo> keys;
+  std::copy_if(section.children.begin(), section.children.end(), std::back_inserter(keys), [&](const KeyInfo& key) {
+    return key.only_with.empty() || is_open(key.only_with.front()) ||
+           std::any_of(key.only_with.begin(), key.only_with.end(), is_chosen);
+  });
+  return keys;
+}
+
+/// What a key that does not exist is meant to be.
+std::optional<std::string> meant_by(const std::string& key, const std::vector<KeyInfo>& keys) {
+  for (const KeyInfo& known : keys) {
+    if (std::find(known.also.begin(), known.also.end(), key) != known.also.end()) return known.key;
+  }
+  return closest(key, names_of(keys));
+}
+
+std::string unknown_key(const InputNode& child, const std::string& section_name, const InputNode& node,
+                        const KeyInfo& section) {
+  const std::string& key = child.key;
+  if (child.kind == InputNode::Kind::null && starts_with_digit(key) && !is_part_of_formula(key)) {
+    return "'" + excerpt(key) + "' stands alone behind a ','; a decimal point is written '.'";
+  }
+  if (child.kind == InputNode::Kind::null && is_part_of_formula(key)) {
+    return "'" + excerpt(key) + "' is a part of a formula that a ',' has split; in { } put it into quotes, such as " +
+           "\"min(t, 1)\"";
+  }
+  const std::string message = "unknown key '" + excerpt(key) + "'" + in_section(section_name);
+  const auto keys = usable(node, section);
+  const auto names = names_of(keys);
+  if (const std::size_t colon = key.find(':'); colon != std::string::npos) {
+    return message + " (a blank must follow the ':' after a key)";
+  }
+  if (const auto meant = meant_by(key, keys)) return message + " (did you mean '" + *meant + "'?)";
+  for (const KeyInfo& other : section.children) {
+    const auto inner = names_of(other.children);
+    if (std::find(inner.begin(), inner.end(), key) != inner.end()) {
+      return message + " (it belongs in " + other.key + ")";
+    }
+  }
+  return message + "; the keys are " + joined(names);
 }
 
 std::vector<std::string> given_keys(const InputNode& node, const KeyGroup& group) {
@@ -48,10 +92,6 @@ std::vector<std::string> given_keys(const InputNode& node, const KeyGroup& group
   std::copy_if(group.keys.begin(), group.keys.end(), std::back_inserter(given),
                [&](const std::string& key) { return is_given(node, key); });
   return given;
-}
-
-bool is_given(const InputNode& node, const Anchor& anchor) {
-  return is_given(node, anchor.key) && (anchor.value.empty() || node.find(anchor.key)->text == anchor.value);
 }
 
 /// What is there of that which the group's keys stand beside.
@@ -214,6 +254,29 @@ std::string to_string(const Anchor& anchor) {
   return anchor.value.empty() ? anchor.key : anchor.key + ": " + anchor.value;
 }
 
+bool is_part_of_formula(std::string_view text) {
+  return std::count(text.begin(), text.end(), '(') != std::count(text.begin(), text.end(), ')');
+}
+
+std::string why_split(const InputNode& list) {
+  for (std::size_t i = 0; i < list.children.size(); ++i) {
+    const InputNode& entry = list.children[i];
+    if (entry.kind != InputNode::Kind::scalar || entry.style != InputNode::Style::plain) continue;
+    if (is_part_of_formula(entry.text)) {
+      return " (a ',' splits '" + excerpt(entry.text) + "'; in [ ] put a formula into quotes, such as \"min(t, 1)\")";
+    }
+    if (i == 0 || !starts_with_digit(entry.text)) continue;
+    const InputNode& before = list.children[i - 1];
+    const bool is_next = before.kind == InputNode::Kind::scalar && before.style == InputNode::Style::plain &&
+                         before.where.line == entry.where.line &&
+                         before.where.column + static_cast<int>(before.text.size()) + 1 == entry.where.column;
+    if (is_next && !before.text.empty() && starts_with_digit(before.text.substr(before.text.size() - 1))) {
+      return " (a decimal point is written '.': " + excerpt(before.text) + "." + excerpt(entry.text) + ")";
+    }
+  }
+  return "";
+}
+
 bool refuse(const InputNode& node, const std::string& name, const std::string& wanted, Problems& problems) {
   problems.add(node.place(), "'" + name + "' must be " + wanted + ", not " + description(node));
   return false;
@@ -233,8 +296,8 @@ bool check_keys(const InputNode& node, const std::string& name, const KeyInfo& s
   const auto names = names_of(section.children);
   for (const InputNode& child : node.children) {
     if (std::find(names.begin(), names.end(), child.key) == names.end()) {
-      problems.add(child.key_where, unknown_key(child.key, name, section));
-      if (const auto meant = closest(child.key, names)) problems.note_misspelt(node.where, *meant);
+      problems.add(child.key_where, unknown_key(child, name, node, section));
+      if (const auto meant = meant_by(child.key, usable(node, section))) problems.note_misspelt(node.where, *meant);
     }
   }
   for (const KeyInfo& key : section.children) {

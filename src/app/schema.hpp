@@ -51,6 +51,8 @@ struct KeyInfo {
   JsonSchema schema = {};              ///< of the value
   std::vector<KeyInfo> children = {};  ///< the keys of a section or of the entries of a list of sections
   std::vector<KeyGroup> groups = {};   ///< of the children
+  std::vector<std::string> also = {};  ///< what others call it: where that is typed, this key is suggested
+  std::vector<Anchor> only_with = {};  ///< choices with one of which it is of use, and suggested; none: all
 
   /// Is the value of this JSON type?
   bool has_type(const char* json_type) const;
@@ -67,6 +69,12 @@ struct Format {
   std::vector<KeyInfo> children = {};
   std::vector<KeyGroup> groups = {};
 };
+
+/// " (a decimal point is written '.')" or a word on quotes where a ',' within a number or a formula has split an entry
+/// of the list; else empty.
+std::string why_split(const InputNode& list);
+/// Whether the text is the beginning or end of a formula, which a ',' has split.
+bool is_part_of_formula(std::string_view text);
 
 /// Admissible values of a number.
 struct Range {
@@ -149,7 +157,8 @@ Format<std::array<V, N>> array_of(const Format<V>& component) {
     const std::string wanted = "a list of " + std::to_string(N) + " values";
     if (node.kind != InputNode::Kind::list) return refuse(node, name, wanted, problems);
     if (node.children.size() != N) {
-      problems.add(node.where, "'" + name + "' must be " + wanted + ", not of " + std::to_string(node.children.size()));
+      problems.add(node.where, "'" + name + "' must be " + wanted + ", not of " + std::to_string(node.children.size()) +
+                                   why_split(node));
       return false;
     }
     bool good = true;

@@ -82,7 +82,10 @@ bool read_expression(const InputNode& node, const std::string& name, const std::
                  "'" + name + "': " + error.what() + " (formulas are in SI without units; products need '*')");
     return false;
   } catch (const ExpressionError& error) {
-    problems.add(place_in(node, error.position()), "'" + name + "': " + error.what());
+    const bool is_split = node.style == InputNode::Style::plain && is_part_of_formula(node.text);
+    problems.add(place_in(node, error.position()),
+                 "'" + name + "': " + error.what() +
+                     (is_split ? " (in [ ] and { } put a formula with a ',' into quotes, such as \"min(t, 1)\")" : ""));
     return false;
   }
   const bool is_constant = !into.depends_on_space() && !into.depends_on_time();

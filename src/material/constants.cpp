@@ -69,6 +69,14 @@ std::span<const ParameterInfo> elastic_constants() {
   return constants;
 }
 
+bool takes(std::size_t row, std::string_view key) {
+  const LawInfo& law = elastic_laws()[row];
+  const int constant = place_in(constants, key);
+  if (constant >= 0 && takes_two_constants(law)) return true;
+  if (constant == poissons && takes_bulk_modulus(law)) return true;
+  return place_in(law.parameters, key) >= 0;
+}
+
 Lame lame_of(int first, double a, int second, double b) {
   switch (10 * first + second) {
     case 10 * youngs + poissons:

@@ -18,6 +18,9 @@ namespace pliant {
 /// Constants of the isotropic solid, any two of which determine it. Their rows have the bounds of each.
 std::span<const ParameterInfo> elastic_constants();
 
+/// Whether a law (by its row) can be given this key: one of its parameters, or a constant that stands for them.
+bool takes(std::size_t row, std::string_view key);
+
 /// The rule that makes the parameters of a law of certain keys: checked once, applied at as many points as there are.
 class ConstantsRule {
  public:

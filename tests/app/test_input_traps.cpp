@@ -53,6 +53,60 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{6, "probes: [{name: a, @piont: [0, 0, 0]}]", "did you mean 'point'?"},
         Bad{6, "cavities: [{@nam: a, surface: b, gas: {}}]", "did you mean 'name'?"}));
 
+INSTANTIATE_TEST_SUITE_P(
+    DecimalCommas, Trap,
+    ::testing::Values(
+        Bad{2, "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0,@45}}]",
+            "'45' stands alone behind a ','; a decimal point is written '.'"},
+        Bad{2, "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1,@5 MPa, poissons_ratio: 0}}]",
+            "'5 MPa' stands alone behind a ','; a decimal point is written '.'"},
+        Bad{3, "constraints: [{surface: clamp, displacement: @[0, 0, 0,45]}]",
+            "a list of 3 values, not of 4 (a decimal point is written '.': 0.45)"},
+        Bad{5, "time: {step: @\"0,01\", end: 1}", "a decimal point is written '.'"},
+        Bad{5, "time:\n  end: 1\n  step: @0,01", "a decimal point is written '.'"},
+        Bad{4, "loads:\n  - gravity: [0, 0, '-9@,81']", "a decimal point is written '.'"},
+        Bad{6, "probes: [{name: a, point: @[0,5, 0,5, 0]}]", "(a decimal point is written '.': 0.5)"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    FormulasThatAListSplits, Trap,
+    ::testing::Values(Bad{3, "constraints: [{surface: clamp, displacement: @[0, min(t, 1), 0]}]",
+                          "not of 4 (a ',' splits 'min(t'; in [ ] put a formula into quotes, such as \"min(t, 1)\")"},
+                      Bad{4, "loads: [{surface: a, traction: @[0, 0, max(0, min(t, 1))]}]", "a ',' splits 'max(0'"}));
+
+TEST(InputTraps, AFormulaThatAMapSplitsIsToldToNeedQuotes) {
+  const auto text = told(mistakes(with_line(4, "loads: [{surface: a, pressure: min(t, 1)}]")));
+  EXPECT_NE(text.find("a ')' is missing (in [ ] and { } put a formula with a ',' into quotes"), std::string::npos)
+      << text;
+  EXPECT_NE(text.find("'1)' is a part of a formula that a ',' has split; in { } put it into quotes"), std::string::npos)
+      << text;
+}
+
+// As everybody calls them.
+INSTANTIATE_TEST_SUITE_P(
+    LettersOfElasticConstants, Trap,
+    ::testing::Values(
+        Bad{2, "bodies: [{density: 1, elasticity: {model: linear, @E: 1, poissons_ratio: 0}}]", "'youngs_modulus'?"},
+        Bad{2, "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, @nu: 0}}]", "'poissons_ratio'?"},
+        Bad{2, "bodies: [{density: 1, elasticity: {model: neo-hookean, @mu: 1, bulk_modulus: 1}}]", "'shear_modulus'?"},
+        Bad{2, "bodies: [{density: 1, elasticity: {model: neo-hookean, @G: 1, bulk_modulus: 1}}]", "'shear_modulus'?"},
+        Bad{2, "bodies: [{density: 1, elasticity: {model: neo-hookean, shear_modulus: 1, @K: 1}}]", "'bulk_modulus'?"},
+        Bad{2, "bodies: [{density: 1, elasticity: {model: neo-hookean, shear_modulus: 1, @lambda: 1}}]",
+            "'lame_lambda'?"}));
+
+TEST(InputTraps, OfTheKeysOfElasticityThoseOfTheLawAreListed) {
+  const auto keys_of = [](const std::string& law) {
+    const std::string text =
+        told(mistakes(with_line(2, "bodies: [{density: 1, elasticity: {model: " + law + ", colour: 1}}]")));
+    const std::size_t start = text.find("the keys are ");
+    return text.substr(start, text.find('\n', start) - start);
+  };
+  EXPECT_EQ(keys_of("linear"),
+            "the keys are model, youngs_modulus, poissons_ratio, shear_modulus, bulk_modulus, lame_lambda");
+  EXPECT_NE(keys_of("holzapfel-ogden").find("sheet"), std::string::npos);
+  EXPECT_EQ(keys_of("holzapfel-ogden").find("youngs_modulus"), std::string::npos);
+  EXPECT_NE(keys_of("no-such-law").find("youngs_modulus"), std::string::npos);
+}
+
 TEST(InputTraps, MisspeltConstraintsOfAStaticBodyAreOneMistake) {
   const auto found =
       mistakes(with_line(3, "constrains: [{surface: a, displacement: [0, 0, 0]}]"), {{"time.method", "static"}});
