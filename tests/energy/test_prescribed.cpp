@@ -1,4 +1,5 @@
 // Prescribed displacements: how exact their rates are, who wins where parts overlap, what the time layer is told.
+#include "energy/obstacle.hpp"
 #include "energy/prescribed.hpp"
 #include "energy/solid.hpp"
 #include "fem/selection.hpp"
@@ -100,6 +101,23 @@ TEST(Kinematics, OfARigidBodyAreThoseOfItsMotion) {
     EXPECT_NEAR(given(i, X, t), k.u, 1e-15);
     EXPECT_NEAR(k.v, v[i], 1e-14);
     EXPECT_NEAR(k.a, a[i], 1e-13);
+  }
+}
+
+// Friction and damping see the obstacle's velocity: exact, and behind a kink that of what follows.
+TEST(Kinematics, OfAnObstacleAreExact) {
+  const RigidMotion motion{{Expression("0.2*sin(40*t)"), Expression(0.0), Expression("0.3*min(t, 0.5)")},
+                           {0.0, 0.0, 1.0},
+                           Expression("3*t^2"),
+                           {0.0, 0.0, 0.0}};
+  const Obstacle obstacle(make_distance(SphereShape{{0.0, 0.0, 0.0}, 1.0}), motion);
+  for (const double t : {0.25, 0.5, 0.75}) {
+    const ObstacleFrame frame = obstacle.at({t, 1.0}, 0.1);
+    const Point centre{0.2 * std::sin(40.0 * t), 0.0, 0.3 * std::min(t, 0.5)}, arm{0.3, -0.4, 0.1};
+    const Point velocity = frame.velocity(centre + arm);
+    EXPECT_NEAR(velocity[0], 8.0 * std::cos(40.0 * t) + 6.0 * t * 0.4, 1e-13);
+    EXPECT_NEAR(velocity[1], 6.0 * t * 0.3, 1e-13);
+    EXPECT_EQ(velocity[2], t <= 0.5 ? 0.3 : 0.0);
   }
 }
 
