@@ -67,7 +67,25 @@ class FormulaTree::Reader {
     return left;
   }
 
+  /// While it lives, the formula is one level deeper.
+  class Level {
+   public:
+    explicit Level(Reader& reader) : reader_(reader) {
+      constexpr int most = 1000;
+      if (++reader_.depth_ <= most) return;
+      --reader_.depth_;
+      throw ExpressionError("the formula is nested too deeply", static_cast<int>(reader_.at_));
+    }
+    ~Level() { --reader_.depth_; }
+    Level(const Level&) = delete;
+    Level& operator=(const Level&) = delete;
+
+   private:
+    Reader& reader_;
+  };
+
   int choice() {
+    const Level level(*this);
     const int condition = disjunction();
     if (!accept("?")) return condition;
     const int yes = choice();
@@ -96,6 +114,7 @@ class FormulaTree::Reader {
     return from_the_left(operators, [this] { return with_sign(); });
   }
   int with_sign() {
+    const Level level(*this);
     if (accept("-")) return add(Op::negate, {with_sign()});
     if (accept("+")) return with_sign();
     const int base = operand();
@@ -154,6 +173,7 @@ class FormulaTree::Reader {
   const std::string& text_;
   std::vector<Node>& nodes_;
   std::size_t at_ = 0;
+  int depth_ = 0;
 };
 
 FormulaTree::FormulaTree(const std::string& text) {
@@ -189,24 +209,24 @@ bool FormulaTree::can_branch(Op op) {
 }
 
 TimeJet FormulaTree::at(double x, double y, double z, double t, double side) const {
-  const Number number = evaluate(static_cast<int>(nodes_.size()) - 1, {{x, y, z, t}, side});
+  const Number number = evaluate({{x, y, z, t}, side}).back();
   return {number.value, number.rate, number.acceleration};
 }
 
 void FormulaTree::branches(double t, std::vector<double>& into) const {
   into.clear();
-  const Place place{{0.0, 0.0, 0.0, t}, t};
-  for (const int n : timed_) into.push_back(branch(nodes_[n], place));
+  const std::vector<Number> numbers = evaluate({{0.0, 0.0, 0.0, t}, t});
+  for (const int n : timed_) into.push_back(branch(nodes_[n], numbers));
 }
 
 // What tells one branch from another.
-double FormulaTree::branch(const Node& node, const Place& place) const {
-  if (node.op == Op::abs) return std::signbit(evaluate(node.arguments[0], place).side) ? -1.0 : 1.0;
-  if (node.op != Op::min && node.op != Op::max) return function(node, place).side;
+double FormulaTree::branch(const Node& node, const std::vector<Number>& known) {
+  if (node.op == Op::abs) return std::signbit(known[node.arguments[0]].side) ? -1.0 : 1.0;
+  if (node.op != Op::min && node.op != Op::max) return function(node, known).side;
   std::size_t taken = 0;
   double extreme = 0.0;
   for (std::size_t a = 0; a < node.arguments.size(); ++a) {
-    const double value = evaluate(node.arguments[a], place).side;
+    const double value = known[node.arguments[a]].side;
     if (a > 0 && !(node.op == Op::min ? value < extreme : value > extreme)) continue;
     extreme = value;
     taken = a;
@@ -214,8 +234,14 @@ double FormulaTree::branch(const Node& node, const Place& place) const {
   return static_cast<double>(taken);
 }
 
-FormulaTree::Number FormulaTree::evaluate(int n, const Place& place) const {
-  const Node& node = nodes_[n];
+std::vector<FormulaTree::Number> FormulaTree::evaluate(const Place& place) const {
+  std::vector<Number> numbers;
+  numbers.reserve(nodes_.size());
+  for (const Node& node : nodes_) numbers.push_back(evaluate(node, place, numbers));
+  return numbers;
+}
+
+FormulaTree::Number FormulaTree::evaluate(const Node& node, const Place& place, const std::vector<Number>& known) {
   switch (node.op) {
     case Op::constant:
       return {node.constant, 0.0, 0.0, node.constant};
@@ -228,21 +254,21 @@ FormulaTree::Number FormulaTree::evaluate(int n, const Place& place) const {
     case Op::t:
       return {place.at[3], 1.0, 0.0, place.side};
     case Op::choose:
-      return evaluate(node.arguments[evaluate(node.arguments[0], place).side != 0.0 ? 1 : 2], place);
+      return known[node.arguments[known[node.arguments[0]].side != 0.0 ? 1 : 2]];
     case Op::sum:
     case Op::avg:
     case Op::min:
     case Op::max:
-      return of_many(node, place);
+      return of_many(node, known);
     default:
-      return function(node, place);
+      return function(node, known);
   }
 }
 
-FormulaTree::Number FormulaTree::of_many(const Node& node, const Place& place) const {
-  Number result = evaluate(node.arguments[0], place);
+FormulaTree::Number FormulaTree::of_many(const Node& node, const std::vector<Number>& known) {
+  Number result = known[node.arguments[0]];
   for (std::size_t a = 1; a < node.arguments.size(); ++a) {
-    const Number next = evaluate(node.arguments[a], place);
+    const Number& next = known[node.arguments[a]];
     if (node.op == Op::min || node.op == Op::max) {
       if (node.op == Op::min ? next.side < result.side : next.side > result.side) result = next;
       continue;
@@ -257,9 +283,9 @@ FormulaTree::Number FormulaTree::of_many(const Node& node, const Place& place) c
   return {share * result.value, share * result.rate, share * result.acceleration, share * result.side};
 }
 
-FormulaTree::Number FormulaTree::function(const Node& node, const Place& place) const {
-  const Number a = evaluate(node.arguments[0], place);
-  const Number b = node.arguments.size() > 1 ? evaluate(node.arguments[1], place) : Number{};
+FormulaTree::Number FormulaTree::function(const Node& node, const std::vector<Number>& known) {
+  const Number a = known[node.arguments[0]];
+  const Number b = node.arguments.size() > 1 ? known[node.arguments[1]] : Number{};
   // g(a) by its value, derivatives, and value at the side; what is constant is so even where g has no slope.
   const auto of_a = [&](double value, double first, double second, double side) {
     if (a.rate == 0.0 && a.acceleration == 0.0) return Number{value, 0.0, 0.0, side};

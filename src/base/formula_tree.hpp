@@ -94,10 +94,12 @@ class FormulaTree {
   class Reader;
 
   static bool can_branch(Op op);
-  Number evaluate(int node, const Place& place) const;
-  Number function(const Node& node, const Place& place) const;
-  Number of_many(const Node& node, const Place& place) const;
-  double branch(const Node& node, const Place& place) const;
+  /// Of all nodes, one after another: formulas are long, and the stack is not.
+  std::vector<Number> evaluate(const Place& place) const;
+  static Number evaluate(const Node& node, const Place& place, const std::vector<Number>& known);
+  static Number function(const Node& node, const std::vector<Number>& known);
+  static Number of_many(const Node& node, const std::vector<Number>& known);
+  static double branch(const Node& node, const std::vector<Number>& known);
 
   std::vector<Node> nodes_;  // arguments before what they are arguments of
   std::vector<int> timed_;   // nodes that branch in time alone

@@ -144,6 +144,19 @@ TEST(Kinks, AreFoundToTheLastDigit) {
   }
 }
 
+// Neither long formulas nor deep ones reach the end of the stack.
+TEST(FormulaTree, TakesLongFormulasAndRefusesDeepOnes) {
+  std::string sum = "t";
+  for (int k = 0; k < 9000; ++k) sum += "+t";
+  EXPECT_EQ(Expression(sum).derivatives(0, 0, 0, 0.5, 0.4).rate, 9001.0);
+  for (const char* open : {"(", "-(", "t^(", "t?1:("}) {
+    const std::size_t depth = 15000 / std::string(open).size() / 2;
+    std::string deep;
+    for (std::size_t k = 0; k < depth; ++k) deep += open;
+    EXPECT_THROW(Expression(deep + "t" + std::string(depth, ')')), ExpressionError) << open;
+  }
+}
+
 // What flickers costs no more than it must.
 TEST(Kinks, OfNoiseComeToAnEnd) {
   EXPECT_GT(Expression("rint(1e8*t)").kinks(1.0, 1e-3).size(), 1000u);
