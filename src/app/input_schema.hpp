@@ -10,9 +10,21 @@
 namespace pliant {
 
 /// Fields that results may hold.
-inline constexpr std::array<std::string_view, 10> output_fields{
-    "displacement", "velocity",       "acceleration",     "cauchy_stress", "von_mises_stress",
-    "volume_ratio", "energy_density", "contact_pressure", "contact_gap",   "contact_slip"};
+inline constexpr std::array<std::string_view, 15> output_fields{"displacement",
+                                                                "velocity",
+                                                                "acceleration",
+                                                                "cauchy_stress",
+                                                                "elastic_cauchy_stress",
+                                                                "viscous_cauchy_stress",
+                                                                "active_cauchy_stress",
+                                                                "von_mises_stress",
+                                                                "volume_ratio",
+                                                                "energy_density",
+                                                                "elastic_energy_density",
+                                                                "viscous_energy_density",
+                                                                "contact_pressure",
+                                                                "contact_gap",
+                                                                "contact_slip"};
 
 /// The whole table; sections hold their keys as children.
 const std::vector<KeyInfo>& input_keys();

@@ -12,26 +12,58 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <numeric>
 
 #include <fmt/format.h>
 
 namespace pliant {
 namespace {
 
-/// A field per cell: its components come from the stress of the cell.
-struct StressField {
+/// The parts of the stress of a cell, and what goes with them.
+struct CellState {
+  std::array<std::array<double, 6>, num_stress_parts> cauchy{};
+  std::array<double, num_stress_parts> energy_density{};
+  double volume_ratio = 1.0;
+
+  std::array<double, 6> total_cauchy() const {
+    std::array<double, 6> total{};
+    for (const auto& part : cauchy) {
+      for (std::size_t k = 0; k < total.size(); ++k) total[k] += part[k];
+    }
+    return total;
+  }
+};
+
+/// A field per cell.
+struct CellResult {
   const char* name;
   const char* unit;
   int components;
-  void (*put)(const CellStress&, double*);
+  void (*put)(const CellState&, double*);
 };
 
-constexpr std::array<StressField, 4> cell_fields{{
-    {"cauchy_stress", "Pa", 6,
-     [](const CellStress& s, double* out) { std::copy(s.cauchy.begin(), s.cauchy.end(), out); }},
-    {"von_mises_stress", "Pa", 1, [](const CellStress& s, double* out) { *out = s.von_mises; }},
-    {"volume_ratio", "", 1, [](const CellStress& s, double* out) { *out = s.volume_ratio; }},
-    {"energy_density", "J/m^3", 1, [](const CellStress& s, double* out) { *out = s.energy_density; }},
+template <StressPart part>
+void put_cauchy(const CellState& cell, double* out) {
+  std::ranges::copy(cell.cauchy[static_cast<std::size_t>(part)], out);
+}
+template <StressPart part>
+void put_energy(const CellState& cell, double* out) {
+  *out = cell.energy_density[static_cast<std::size_t>(part)];
+}
+
+constexpr std::array<CellResult, 9> cell_fields{{
+    {"cauchy_stress", "Pa", 6, [](const CellState& cell, double* out) { std::ranges::copy(cell.total_cauchy(), out); }},
+    {"elastic_cauchy_stress", "Pa", 6, put_cauchy<StressPart::elastic>},
+    {"viscous_cauchy_stress", "Pa", 6, put_cauchy<StressPart::viscous>},
+    {"active_cauchy_stress", "Pa", 6, put_cauchy<StressPart::active>},
+    {"von_mises_stress", "Pa", 1, [](const CellState& cell, double* out) { *out = von_mises(cell.total_cauchy()); }},
+    {"volume_ratio", "", 1, [](const CellState& cell, double* out) { *out = cell.volume_ratio; }},
+    {"energy_density", "J/m^3", 1,
+     [](const CellState& cell, double* out) {
+       *out = std::accumulate(cell.energy_density.begin(), cell.energy_density.end(), 0.0);
+     }},
+    {"elastic_energy_density", "J/m^3", 1, put_energy<StressPart::elastic>},
+    {"viscous_energy_density", "J/m^3", 1, put_energy<StressPart::viscous>},
 }};
 
 struct NodeField {
@@ -60,6 +92,22 @@ constexpr std::array<ContactField, 3> contact_fields{{
     {"contact_slip", "m/s", 3,
      [](const NodalContact& c, double* out) { std::copy(c.slip.begin(), c.slip.end(), out); }},
 }};
+
+/// The owned cells of a step.
+std::vector<CellState> cell_states(Model& model, const StepRecord& record) {
+  std::vector<CellState> cells(static_cast<std::size_t>(model.layout().num_owned_cells));
+  model.potential().visit_stresses(model.instant(record.time), record.q, record.v, record.z,
+                                   [&](StressPart part, PetscInt cell, const CellStress& stress) {
+                                     CellState& state = cells[static_cast<std::size_t>(cell)];
+                                     const auto p = static_cast<std::size_t>(part);
+                                     for (std::size_t k = 0; k < stress.cauchy.size(); ++k) {
+                                       state.cauchy[p][k] += stress.cauchy[k];
+                                     }
+                                     state.energy_density[p] += stress.energy_density;
+                                     if (part == StressPart::elastic) state.volume_ratio = stress.volume_ratio;
+                                   });
+  return cells;
+}
 
 /// Starts the output directory; before the writers, so that they find it.
 std::filesystem::path prepared_directory(MPI_Comm comm, const Config& config) {
@@ -90,8 +138,7 @@ OutputMesh output_mesh(const Model& model) {
   return mesh;
 }
 
-Recorder::Recorder(const Config& config, const Model& model, const Ledger& ledger,
-                   const std::optional<Recorded>& earlier)
+Recorder::Recorder(const Config& config, Model& model, const Ledger& ledger, const std::optional<Recorded>& earlier)
     : model_(model),
       fields_(config.output.fields),
       time_scale_(config.time.step > 0.0 ? config.time.step : 1.0),
@@ -278,21 +325,13 @@ void Recorder::write_frame(const StepRecord& record) {
     fields.push_back({field.name, field.unit, FieldLocation::node, 3, values});
   }
   if (model_.contacts() != nullptr) add_contact_fields(record, storage, fields);
-  std::vector<std::pair<const StressField*, double*>> places;
-  for (const auto& field : cell_fields) {
-    if (!wanted(field.name)) continue;
-    auto& values = storage.emplace_back(field.components * static_cast<std::size_t>(layout.num_owned_cells), 0.0);
-    places.emplace_back(&field, values.data());
-    fields.push_back({field.name, field.unit, FieldLocation::cell, field.components, values});
-  }
-  if (!places.empty()) {
-    check(VecCopy(record.q, q_.get()));
-    update_ghosts(q_.get());
-    const ConstGhostedView u(q_.get());
-    for (const auto& term : model_.elastic()) {
-      term->stresses(model_.instant(record.time), u.span(), [&](PetscInt cell, const CellStress& stress) {
-        for (const auto& [field, values] : places) field->put(stress, values + cell * field->components);
-      });
+  if (std::ranges::any_of(cell_fields, [&](const CellResult& field) { return wanted(field.name); })) {
+    const std::vector<CellState> cells = cell_states(model_, record);
+    for (const auto& field : cell_fields) {
+      if (!wanted(field.name)) continue;
+      auto& values = storage.emplace_back(field.components * cells.size(), 0.0);
+      for (std::size_t c = 0; c < cells.size(); ++c) field.put(cells[c], &values[field.components * c]);
+      fields.push_back({field.name, field.unit, FieldLocation::cell, field.components, values});
     }
   }
   if (obstacles_) obstacles_->write_frame(record.time, record.step, drawing_->points(model_.instant(record.time)));

@@ -26,7 +26,7 @@ class Recorder {
  public:
   /// Makes the directory and starts all files, or continues those of an earlier run; the history has columns for the
   /// ledger's mechanisms. Throws FileError on every rank. Collective.
-  Recorder(const Config& config, const Model& model, const Ledger& ledger, const std::optional<Recorded>& earlier);
+  Recorder(const Config& config, Model& model, const Ledger& ledger, const std::optional<Recorded>& earlier);
 
   /// Adds a row to the history. Collective.
   void record(const StepRecord& record, const Ledger& ledger);
@@ -45,7 +45,7 @@ class Recorder {
                           std::vector<OutputField>& fields);
   std::vector<std::string> columns(const Config& config, const Ledger& ledger) const;
 
-  const Model& model_;
+  Model& model_;
   std::vector<std::string> fields_;
   double time_scale_;                  // over which the velocities of obstacles are told [s]
   std::optional<double> static_time_;  // at which formulas are evaluated while the load factor grows [s]

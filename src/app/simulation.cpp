@@ -32,6 +32,7 @@ Simulation::Simulation(const Config& config, Model& model) : analysis_(analysis_
   control_.emplace(plan_);
   record_.q = q_.get();
   record_.v = v_.get();
+  record_.z = advance_->state().z;
 }
 
 void Simulation::set_plan(const Config& config) {
@@ -83,6 +84,7 @@ void Simulation::keep(Archive& archive) {
   if (!archive.restores()) return;
   check(VecCopy(advance_->state().q, q_.get()));
   check(VecCopy(advance_->state().v, v_.get()));
+  record_.z = advance_->state().z;
 }
 
 StepOutcome Simulation::advance() {
@@ -104,7 +106,10 @@ StepOutcome Simulation::advance() {
   }
   accept(attempt, step);
   control_->accept(error);
-  if (control_->at_event()) advance_->restart();
+  if (control_->at_event()) {
+    advance_->restart();
+    record_.z = advance_->state().z;
+  }
   return {StepOutcome::Kind::accepted, {}, step};
 }
 
@@ -137,8 +142,10 @@ void Simulation::accept(const StepAttempt& attempt, const Step& step) {
              attempt.report.linear_iterations,
              q_.get(),
              v_.get(),
-             analysis_ == Analysis::dynamic ? attempt.last_a : nullptr};
+             analysis_ == Analysis::dynamic ? attempt.last_a : nullptr,
+             nullptr};
   advance_->accept(attempt);
+  record_.z = advance_->state().z;
   steps_.shortest = steps_.accepted == 0 ? step.dt : std::min(steps_.shortest, step.dt);
   steps_.longest = std::max(steps_.longest, step.dt);
   ++steps_.accepted;

@@ -25,6 +25,7 @@ struct StepRecord {
   Vec q = nullptr;
   Vec v = nullptr;
   Vec a = nullptr;  ///< nullptr: zero
+  Vec z = nullptr;  ///< internal variables; nullptr if there are none
 };
 
 /// What came of trying a step.

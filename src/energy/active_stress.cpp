@@ -1,6 +1,6 @@
 #include "energy/active_stress.hpp"
 
-#include "energy/body_cells.hpp"
+#include "energy/cell_stresses.hpp"
 #include "material/fibre.hpp"
 
 #include <utility>
@@ -9,7 +9,7 @@ namespace pliant {
 namespace {
 
 template <int Order>
-class ActiveStress final : public EnergyTerm {
+class ActiveStress final : public StressTerm {
   using Batch = CellBatch<Order>;
   using Point = CellPoint<Order>;
 
@@ -65,6 +65,20 @@ class ActiveStress final : public EnergyTerm {
       };
     };
     cells_.add_stiffness(tangent_of, K);
+  }
+
+  StressPart part() const override { return StressPart::active; }
+
+  /// Nothing is stored: the work comes from outside of mechanics.
+  void stresses(const BodyState& state, const StressVisitor& visit) const override {
+    const PerPoint<Pack> T = tension_->amounts(state.at);
+    const auto at_points = [&](const Batch&) {
+      return [&](const Point& point) {
+        const auto& f = tension_->fibre(point.index());
+        return PointStress{T[point.index()] * outer(f, f), 0.0};
+      };
+    };
+    visit_mean_stresses(cells_, state.q, StressMeasure::second_piola_kirchhoff, at_points, visit);
   }
 
  private:

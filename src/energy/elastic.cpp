@@ -86,11 +86,10 @@ class ElasticTermOf final : public ElasticTerm {
     return step_to_inversion(cells_, q, d);
   }
 
-  void stresses(const Instant& at, std::span<const double> q,
-                const std::function<void(PetscInt, const CellStress&)>& visit) const override {
-    const LawNow law = law_at(at);
+  void stresses(const BodyState& state, const StressVisitor& visit) const override {
+    const LawNow law = law_at(state.at);
     cells_.for_each_batch([&](const Batch& batch) {
-      const Tensor3<Pack> H = centroid_gradient(batch, batch.values(q));
+      const Tensor3<Pack> H = centroid_gradient(batch, batch.values(state.q));
       const std::size_t n = Point{batch, 0}.index();
       visit_stresses(batch, {H, law->P(n, H), det(add_to_diagonal(H, 1.0)), law->psi(n, H)}, visit);
     });

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "energy/activation.hpp"
+#include "energy/stress.hpp"
 #include "fem/cells.hpp"
 #include "material/law_field.hpp"
 
@@ -11,20 +12,10 @@
 
 namespace pliant {
 
-/// Stress and related quantities at the centroid of a cell.
-struct CellStress {
-  std::array<double, 6> cauchy;  ///< xx yy zz xy yz xz [Pa]
-  double von_mises;              ///< [Pa]
-  double volume_ratio;           ///< J
-  double energy_density;         ///< per reference volume [J/m^3]
-};
-
-/// The elastic term of one body.
-class ElasticTerm : public EnergyTerm {
+/// The elastic term of one body; its stresses are those at the centroids.
+class ElasticTerm : public StressTerm {
  public:
-  /// Calls `visit(local cell, stress)` for each owned cell.
-  virtual void stresses(const Instant& at, std::span<const double> q,
-                        const std::function<void(PetscInt, const CellStress&)>& visit) const = 0;
+  StressPart part() const final { return StressPart::elastic; }
 };
 
 /// `groups` holds all bodies' cells and outlives the term; those of `body` are the term's. The packs of `law` are the

@@ -346,6 +346,22 @@ std::vector<double> IncrementalPotential::energies(const Instant& instant, Vec q
   return result;
 }
 
+void IncrementalPotential::visit_stresses(const Instant& at, Vec q, Vec v, Vec z,
+                                          const std::function<void(StressPart, PetscInt, const CellStress&)>& visit) {
+  BodyState state{.at = at, .q = local(q, q_)};
+  if (v != nullptr) state.v = local(v, d_);
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    const auto* term = dynamic_cast<const StressTerm*>(terms_[k]);
+    if (term == nullptr) continue;
+    state.z = {};
+    if (z != nullptr) {
+      const ConstArrayView values(z);
+      state.z = values.span().subspan(first_internal_[k], first_internal_[k + 1] - first_internal_[k]);
+    }
+    term->stresses(state, [&](PetscInt cell, const CellStress& stress) { visit(term->part(), cell, stress); });
+  }
+}
+
 double IncrementalPotential::supplied(const Instant& from, const Instant& to, Vec q) {
   const auto is_concerned = [](const EnergyTerm* term) { return term->declaration().depends_on_time; };
   if (std::ranges::none_of(terms_, is_concerned)) return 0.0;

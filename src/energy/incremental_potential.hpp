@@ -2,6 +2,7 @@
 #pragma once
 
 #include "energy/stage_equation.hpp"
+#include "energy/stress.hpp"
 #include "fem/block_matrix.hpp"
 #include "fem/layout.hpp"
 #include "time/stage.hpp"
@@ -46,6 +47,9 @@ class IncrementalPotential final : public StageEquation {
   std::vector<TermPower> powers(Vec q, Vec v, Vec r);
   /// EnergyTerm::energy_at of each term; z may be nullptr if there are no internal variables [J].
   std::vector<double> energies(const Instant& at, Vec q, Vec z);
+  /// Calls `visit` for the stress that each term has in each of its owned cells; z as above, v likewise at rest.
+  void visit_stresses(const Instant& at, Vec q, Vec v, Vec z,
+                      const std::function<void(StressPart, PetscInt, const CellStress&)>& visit);
   /// Change of the energies at fixed q from one instant to another, which time alone makes [J].
   double supplied(const Instant& from, const Instant& to, Vec q);
   /// A zero matrix for the Hessian, with the rigid-body modes as its near-null space.

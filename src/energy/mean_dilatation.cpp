@@ -211,12 +211,11 @@ class MeanDilatationTerm final : public ElasticTerm {
     return step_to_inversion(cells_, q, d);
   }
 
-  void stresses(const Instant&, std::span<const double> q,
-                const std::function<void(PetscInt, const CellStress&)>& visit) const override {
+  void stresses(const BodyState& state, const StressVisitor& visit) const override {
     BatchState at;
     std::vector<DilatedStress<Pack>> stress;
     cells_.for_each_batch([&](const Batch& batch) {
-      const Nodes u = batch.values(q);
+      const Nodes u = batch.values(state.q);
       at.set(batch, u);
       stress.clear();
       const Pack p = pressure(batch, at, stress);

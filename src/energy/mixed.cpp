@@ -135,11 +135,10 @@ class MixedTermOf final : public MixedTerm {
     return step_to_inversion(cells_, q, d);
   }
 
-  void stresses(const Instant&, std::span<const double> q,
-                const std::function<void(PetscInt, const CellStress&)>& visit) const override {
+  void stresses(const BodyState& state, const StressVisitor& visit) const override {
     const ConstGhostedView values(pressures_.values());
     for_each_batch([&](const Batch& batch, std::size_t number) {
-      const Tensor3<Pack> H = centroid_gradient(batch, batch.values(q));
+      const Tensor3<Pack> H = centroid_gradient(batch, batch.values(state.q));
       const std::size_t n = Point{batch, 0}.index();
       const auto p = gather_pressures(values.span(), number);
       const Pack mean = 0.25 * ((p[0] + p[1]) + (p[2] + p[3]));

@@ -1,6 +1,6 @@
 #include "energy/prony.hpp"
 
-#include "energy/body_cells.hpp"
+#include "energy/cell_stresses.hpp"
 #include "energy/point_tensor.hpp"
 #include "material/kinematics.hpp"
 #include "material/projection.hpp"
@@ -109,7 +109,7 @@ BranchState branch_state(const LawField& elastic, std::size_t n, const Tensor3<P
 namespace {
 
 template <int Order>
-class PronyTerm final : public EnergyTerm {
+class PronyTerm final : public StressTerm {
   using Batch = CellBatch<Order>;
   using Point = CellPoint<Order>;
 
@@ -193,6 +193,27 @@ class PronyTerm final : public EnergyTerm {
         return total;
       };
     });
+  }
+
+  StressPart part() const override { return StressPart::viscous; }
+
+  /// sum_i H_i, and what the branches store.
+  void stresses(const BodyState& state, const StressVisitor& visit) const override {
+    const auto at_points = [&](const Batch& batch) {
+      return [&, u = batch.values(state.q)](const Point& point) {
+        const Tensor3<Pack> H = point.gradient(u), S = stress_of(*elastic_, point.index(), H);
+        PointStress total;
+        for (std::size_t i = 0; i < branches_.size(); ++i) {
+          const Tensor3<Pack> A = load_symmetric(point, branch(i, state.z));
+          total.S = total.S + branches_[i].ratio * (S - A);
+          total.energy += branches_[i].ratio * branch_state(*elastic_, point.index(), H, A).energy;
+        }
+        return total;
+      };
+    };
+    const bool is_small = is_small_strain(*elastic_);
+    visit_mean_stresses(cells_, state.q, is_small ? StressMeasure::small_strain : StressMeasure::second_piola_kirchhoff,
+                        at_points, visit);
   }
 
   double dissipation(const LocalStage& stage, std::span<const double> q) const override {

@@ -1,6 +1,6 @@
 #include "energy/viscous.hpp"
 
-#include "energy/body_cells.hpp"
+#include "energy/cell_stresses.hpp"
 #include "energy/point_tensor.hpp"
 #include "material/kinematics.hpp"
 #include "material/projection.hpp"
@@ -39,7 +39,7 @@ enum class Reference {
 };
 
 template <int Order, Reference reference>
-class ViscousTerm final : public EnergyTerm {
+class ViscousTerm final : public StressTerm {
   using Batch = CellBatch<Order>;
   using Point = CellPoint<Order>;
 
@@ -125,6 +125,28 @@ class ViscousTerm final : public EnergyTerm {
         return 0.5 * dot(D, dashpot_.stiffness(point.index(), 0.0)(D));
       };
     });
+  }
+
+  StressPart part() const override { return StressPart::viscous; }
+
+  /// S = eta Edot of a dashpot alone, whatever form its rate has within stages, eta/tau (E - G) behind a spring.
+  void stresses(const BodyState& state, const StressVisitor& visit) const override {
+    const bool has_spring = dashpot_.relaxation_time > 0.0;
+    const bool is_at_rest = has_spring ? state.z.empty() : state.v.empty();
+    const auto at_points = [&](const Batch& batch) {
+      return [&, u = batch.values(state.q), v = batch.values(has_spring ? state.q : state.v)](const Point& point) {
+        const Tensor3<Pack> H = point.gradient(u);
+        if (!has_spring) {
+          const Tensor3<Pack> F = add_to_diagonal(H, 1.0);
+          return PointStress{dashpot_.viscosity(point.index())(small_strain(matmul(transpose(F), point.gradient(v)))),
+                             0.0};
+        }
+        const Tensor3<Pack> D = green_lagrange(H) - load_symmetric(point, state.z);
+        const Tensor3<Pack> S = dashpot_.stiffness(point.index(), 0.0)(D);
+        return PointStress{S, 0.5 * dot(D, S)};
+      };
+    };
+    if (!is_at_rest) visit_mean_stresses(cells_, state.q, StressMeasure::second_piola_kirchhoff, at_points, visit);
   }
 
   double dissipation(const LocalStage& stage, std::span<const double> q) const override {

@@ -191,9 +191,9 @@ TEST_P(Mixed, UniformStrainsAreTheLaws) {
   term_->add_pressure_gradient(local, volume);
   for (PetscInt i = 0; i < field_.layout().num_owned; ++i) EXPECT_NEAR(volume[i], 0.0, 1e-15);
   std::vector<CellStress> stresses;
-  like->stresses({}, local, [&](PetscInt, const CellStress& s) { stresses.push_back(s); });
+  like->stresses({.q = local}, [&](PetscInt, const CellStress& s) { stresses.push_back(s); });
   std::size_t n = 0;
-  term_->stresses({}, local, [&](PetscInt, const CellStress& s) {
+  term_->stresses({.q = local}, [&](PetscInt, const CellStress& s) {
     const CellStress& of_law = stresses[n++];
     for (int i = 0; i < 6; ++i) EXPECT_NEAR(s.cauchy[i], of_law.cauchy[i], 1e-10);
     EXPECT_NEAR(s.energy_density, of_law.energy_density, 1e-12 * of_law.energy_density);

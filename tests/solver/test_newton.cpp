@@ -118,7 +118,7 @@ TEST_F(Newton, StepsThatWouldInvertAreCapped) {
   EXPECT_TRUE(std::isfinite(problem.strain_energy(q.get())));
   EXPECT_LT(test::norm(problem.reactions(q.get()).get()), 1e7);
   double lowest = infinity;
-  problem.elastic().stresses({}, test::local_values(q.get()),
+  problem.elastic().stresses({.q = test::local_values(q.get())},
                              [&](PetscInt, const CellStress& s) { lowest = std::min(lowest, s.volume_ratio); });
   lowest = minimum(comm, lowest);
   EXPECT_GT(lowest, 0.0);

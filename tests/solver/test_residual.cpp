@@ -274,7 +274,7 @@ TEST_F(Residual, StepsThatWouldInvertAreCapped) {
   expect_same_everywhere(report);
   ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
   double lowest = 1.0;
-  problem.elastic().stresses({}, test::local_values(q.get()),
+  problem.elastic().stresses({.q = test::local_values(q.get())},
                              [&](PetscInt, const CellStress& s) { lowest = std::min(lowest, s.volume_ratio); });
   lowest = minimum(comm, lowest);
   EXPECT_GT(lowest, 0.0);

@@ -1,0 +1,46 @@
+/// Stresses that terms exert inside of bodies, cell by cell, for output.
+#pragma once
+
+#include "energy/term.hpp"
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <span>
+
+namespace pliant {
+
+/// Which share of a cell's stress a term tells.
+enum class StressPart { elastic, viscous, active };
+inline constexpr std::size_t num_stress_parts = 3;
+
+/// A state of the body, in the local arrays of a LocalStage.
+struct BodyState {
+  Instant at = {};
+  std::span<const double> q = {};  ///< displacement [m]
+  std::span<const double> v = {};  ///< velocity [m/s]; empty: at rest
+  std::span<const double> z = {};  ///< the term's own internal variables
+};
+
+/// One part of the stress of a cell.
+struct CellStress {
+  std::array<double, 6> cauchy{};  ///< xx yy zz xy yz xz [Pa]
+  double volume_ratio = 1.0;       ///< J
+  double energy_density = 0.0;     ///< stored per reference volume [J/m^3]
+};
+
+/// Equivalent stress of a Cauchy stress: xx yy zz xy yz xz [Pa].
+double von_mises(const std::array<double, 6>& cauchy);
+
+/// Called with a local cell and what a term has there.
+using StressVisitor = std::function<void(PetscInt, const CellStress&)>;
+
+/// A term with a stress.
+class StressTerm : public EnergyTerm {
+ public:
+  virtual StressPart part() const = 0;
+  /// Calls `visit` for each owned cell of the term.
+  virtual void stresses(const BodyState& state, const StressVisitor& visit) const = 0;
+};
+
+}  // namespace pliant
