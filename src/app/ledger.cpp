@@ -135,6 +135,7 @@ void Ledger::keep(Archive& archive, const StateView& newest) {
   archive.number("initial_load_potential", initial_.load_potential);
   if (analysis_ != Analysis::dynamic) {
     archive.vector("reaction", Entries::nodes, reaction_.get());
+    archive.number("released", released_);
     for (const Account account : {Account::stored, Account::load_potential, Account::load}) {
       const auto k = static_cast<std::size_t>(account);
       archive.vector("forces" + std::to_string(k), Entries::nodes, forces_[k].get());
@@ -159,7 +160,7 @@ void Ledger::balance() {
   e.load_work = works_[loads] + works_[supports];
   e.numerical_dissipation = (works_[kinetic] - (e.kinetic - initial_.kinetic)) +
                             (works_[stored] - (e.elastic - initial_.elastic)) +
-                            (works_[potential] - (e.load_potential - initial_.load_potential));
+                            (works_[potential] - (e.load_potential - initial_.load_potential)) + released_;
   e.balance_error = (e.kinetic - initial_.kinetic) + (e.elastic - initial_.elastic) +
                     (e.load_potential - initial_.load_potential) + e.dissipated + e.numerical_dissipation - e.load_work;
 }
@@ -181,9 +182,14 @@ void Ledger::add_works_in_time(const StepAttempt& attempt) {
 }
 
 // Forces at both ends of the step, along the way between them; powers that are none of these by the trapezoidal rule.
+// The first state need not be in equilibrium: loads may act at once. Without inertia no kinetic energy takes what the
+// unbalanced forces do on the way to the first equilibrium; it is lost.
 void Ledger::add_works_along_way(const StepAttempt& attempt) {
   check(VecWAXPY(way_.get(), -1.0, q_.get(), attempt.q));
   const Works before = works_along(way_.get());
+  if (!powers_are_known_) {
+    released_ = -0.5 * (before[stored] + before[potential] - before[loads] - before[supports]);
+  }
   Works power = powers(attempt.last_stage, attempt.last_q, attempt.v);
   power[loads] = supply_without_energy_;  // the others' is the change of their energies, below
   keep_forces(attempt.last_stage, attempt.last_q);
@@ -201,6 +207,7 @@ void Ledger::add_works_along_way(const StepAttempt& attempt) {
     works_[m] += dissipated;
   }
   last_powers_ = power;
+  powers_are_known_ = true;
 }
 
 void Ledger::keep_forces(const StagePoint& stage, Vec q) {

@@ -7,6 +7,9 @@
 ///
 /// whatever the method and the step, because the forces balance in every stage. The energies of the state itself differ
 /// from the works that should have changed them: that difference is what the method dissipated (or made).
+///
+/// Without inertia the works are trapezoids between equilibria. The first state need not be one: what its unbalanced
+/// forces do on the way to the first equilibrium would be kinetic energy, and is lost with what the method dissipates.
 #pragma once
 
 #include "app/model.hpp"
@@ -100,6 +103,7 @@ class Ledger {
   Works works_;        // since the start
   Works last_powers_;  // at the last step, for trapezoids
   bool powers_are_known_ = false;
+  double released_ = 0.0;   // without inertia: by what was not in equilibrium at the start [J]
   double time_ = 0.0;       // of the last step, or its load factor
   std::vector<char> held_;  // owned entries on which constraints do work
   std::vector<Reaction> reactions_;
