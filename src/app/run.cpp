@@ -1,6 +1,7 @@
 #include "app/run.hpp"
 
 #include "app/checkpoints.hpp"
+#include "app/energy_watch.hpp"
 #include "app/motion_watch.hpp"
 #include "app/post_mortem.hpp"
 #include "app/recorder.hpp"
@@ -80,6 +81,7 @@ class Run {
     introduce();
     simulation_.emplace(config, model_);
     simulation_->watch([this](const StageProgress& stage) { tell_of_long_stage(stage); });
+    watch_.emplace(simulation_->ledger().energies());
     for (const auto& line : simulation_->description()) console.print(line);
     std::optional<Recorded> earlier;
     if (from != nullptr) {
@@ -134,6 +136,7 @@ class Run {
       if (outcome.kind != StepOutcome::Kind::accepted) continue;
       recorder_->record(record(), simulation_->ledger());
       last_row_ = record().step;
+      if (simulation_->analysis() == Analysis::dynamic) watch_->look(simulation_->ledger().energies(), record().time);
       if (multigrid_is_news()) {
         console_.warn("the factorization ran out of memory; algebraic multigrid takes its place (solver.linear: amg)");
       }
@@ -182,6 +185,7 @@ class Run {
     archive.number("worst_time", worst_.time);
     archive.number("worst_newton_iterations", worst_.newton_iterations);
     archive.number("largest_energy", largest_energy_);
+    watch_->keep(archive);
   }
 
   void write_checkpoint() {
@@ -258,6 +262,18 @@ class Run {
                        elapsed * (1.0 - done) / std::max(done, 1e-12));
   }
 
+  /// Without inertia there is no kinetic energy, and the steps of the load or of time are no method that damps.
+  std::string energy_line() const {
+    const Energies& e = simulation_->ledger().energies();
+    const bool moves = simulation_->analysis() == Analysis::dynamic;
+    return fmt::format(
+        "energy [J]: {}elastic {:.6g}, load potential {:.6g}; since the start: work of loads {:.6g}, of prescribed "
+        "motion {:.6g}, dissipated by the material {:.6g}, {} {:.6g}; balance {:+.3g}",
+        moves ? fmt::format("kinetic {:.6g}, ", e.kinetic) : "", e.elastic, e.load_potential,
+        e.load_work - e.support_work, e.support_work, e.dissipated, moves ? "by the method" : "lost between equilibria",
+        e.numerical_dissipation, e.balance_error);
+  }
+
   void save(const Summary& summary) {
     try {
       on_root(comm_, [&] { write_summary(config_.output.directory, summary); });
@@ -271,7 +287,7 @@ class Run {
     const StepStatistics& steps = simulation_->steps();
     const RunSeconds t{seconds_since(start_),   setup_seconds_,  model_.mesh_seconds(), s.assembly_seconds,
                        s.factorization_seconds, s.solve_seconds, output_seconds()};
-    save({outcome, message, num_ranks(comm_), t, steps, s, worst_});
+    save({outcome, message, num_ranks(comm_), t, steps, s, worst_, watch_->growth()});
     console_.print(fmt::format(
         "time: {} s = set-up {} (mesh {}) + assembly {} + factorization {} + solve {} + output {} + rest {}",
         three_digits(t.total), three_digits(t.set_up), three_digits(t.mesh), three_digits(t.assembly),
@@ -290,13 +306,15 @@ class Run {
       console_.print(fmt::format("worst step: {} at {} = {:.6g} with {} Newton iterations", worst_.step, variable(),
                                  worst_.time, worst_.newton_iterations));
     }
-    const Energies& e = simulation_->ledger().energies();
-    console_.print(
-        fmt::format("energy [J]: kinetic {:.6g}, elastic {:.6g}, load potential {:.6g}; since the start: "
-                    "work of loads {:.6g}, of prescribed motion {:.6g}, dissipated by the material {:.6g}, "
-                    "by the method {:.6g}; balance {:+.3g}",
-                    e.kinetic, e.elastic, e.load_potential, e.load_work - e.support_work, e.support_work, e.dissipated,
-                    e.numerical_dissipation, e.balance_error));
+    console_.print(energy_line());
+    if (const auto growth = watch_->growth()) {
+      console_.warn(
+          fmt::format("{}: the energy grew without work: at t = {:.6g} s there was {:.3g} times what came in; '{}' "
+                      "cannot take steps of {:g} s here; shorten them, give the bodies a viscosity, or take an "
+                      "L-stable method or bdf2",
+                      to_string(config_.time.method.where), growth->time, growth->factor, config_.time.method.value,
+                      steps.longest));
+    }
     warn_of_solutions(s);
     console_.print(fmt::format("results: {0}/result.xdmf, {0}/history.csv", config_.output.directory));
     for (const auto& option : unused_petsc_options()) {
@@ -354,6 +372,7 @@ class Run {
   bool multigrid_was_told_ = false;
   std::int64_t last_frame_ = 0;  // step of the last one that was due
   double largest_energy_ = 0.0;  // so far [J]
+  std::optional<EnergyWatch> watch_;
   WorstStep worst_;
   double told_at_ = 0.0;  // seconds that the stage had taken when the user last heard of it
 };

@@ -57,6 +57,9 @@ void write_summary(const std::filesystem::path& directory, const Summary& summar
                           {"time", summary.worst.time},
                           {"newton_iterations", summary.worst.newton_iterations}};
   }
+  if (const auto& growth = summary.energy_growth) {
+    json["energy_growth"] = {{"factor", growth->factor}, {"time", growth->time}};
+  }
   write_text_atomically(file_in(directory), json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 

@@ -1,6 +1,7 @@
 /// summary.json: how a run ended, what it took, what its solver did; for reports and scripts.
 #pragma once
 
+#include "app/energy_watch.hpp"
 #include "app/simulation.hpp"
 
 #include <cstdint>
@@ -33,6 +34,7 @@ struct Summary {
   StepStatistics steps;
   SolverStatistics solver;
   WorstStep worst;
+  std::optional<EnergyWatch::Growth> energy_growth;
 };
 
 /// Replaces summary.json. Of a resumed run it tells of the part since then. Not collective.

@@ -1,0 +1,28 @@
+#include "app/energy_watch.hpp"
+
+#include <algorithm>
+
+namespace pliant {
+
+void EnergyWatch::look(const Energies& energies, double time) {
+  came_in_ = std::max(came_in_, start_ + energies.load_work - energies.load_potential);
+  const double made = -energies.numerical_dissipation;
+  if (!(made > made_)) return;
+  made_ = made;
+  made_at_ = time;
+}
+
+std::optional<EnergyWatch::Growth> EnergyWatch::growth() const {
+  if (!(came_in_ > 0.0) || made_ <= tolerance * came_in_) return std::nullopt;
+  return Growth{1.0 + made_ / came_in_, made_at_};
+}
+
+void EnergyWatch::keep(Archive& archive) {
+  const Archive::Section section(archive, "energy_watch");
+  archive.number("start", start_);
+  archive.number("came_in", came_in_);
+  archive.number("made", made_);
+  archive.number("made_at", made_at_);
+}
+
+}  // namespace pliant
