@@ -230,7 +230,7 @@ std::string materials_text() {
   list("ELASTICITY (bodies[].elasticity)", elastic_laws());
   text +=
       "Where a law has two of these constants, any other two may be given; instead of a bulk_modulus alone a "
-      "poissons_ratio:\n";
+      "poissons_ratio, unless the law has fibres:\n";
   for (const auto& p : elastic_constants()) {
     text += fmt::format("  {:<16} [{}] {}: {}\n", p.name, p.unit, admissible(p), p.meaning);
   }

@@ -51,7 +51,8 @@ std::string material_reference() {
   std::string text = laws_introduction;
   text +=
       "\n## Elastic laws\n\nWhere a law has two of these constants, any other two may be given; instead of a "
-      "`bulk_modulus` alone a `poissons_ratio`.\n\n";
+      "`bulk_modulus` alone a `poissons_ratio`, unless the law has fibres: stiffness that differs between directions "
+      "has no one such ratio.\n\n";
   text += parameter_table(elastic_constants(), false);
   for (const auto& law : elastic_laws()) {
     text += heading(law) + parameter_table(law.parameters, true);
