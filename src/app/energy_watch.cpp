@@ -5,8 +5,9 @@
 namespace pliant {
 
 void EnergyWatch::look(const Energies& energies, double time) {
-  came_in_ = std::max(came_in_, start_ + energies.load_work - energies.load_potential);
-  const double made = -energies.numerical_dissipation;
+  const double came_in = start_ + energies.load_work - energies.load_potential;
+  const double made = energies.kinetic + energies.elastic - came_in;
+  came_in_ = std::max(came_in_, came_in);
   if (!(made > made_)) return;
   made_ = made;
   made_at_ = time;

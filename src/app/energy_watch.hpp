@@ -9,11 +9,11 @@ namespace pliant {
 
 /// Follows the ledger of a motion from the start.
 ///
-///     there = T + U + dissipated,   came in = T(0) + U(0) + load work - (V - V(0)),   made = there - came in
+///     came in = T(0) + U(0) + load work - (V - V(0)),   made = T + U - came in
 ///
-/// where V is the potential of constant loads; `made` is what the ledger calls numerical dissipation, with the other
-/// sign. The most that was made is compared with the most that came in: while loads grow from zero, errors of
-/// truncation may for a moment be as large as what came in by then.
+/// where V is the potential of constant loads. What was dissipated is not counted as there: `made` is at most what the
+/// ledger calls numerical dissipation, with the other sign. The most that was made is compared with the most that came
+/// in: while loads grow from zero, errors of truncation may for a moment be as large as what came in by then.
 class EnergyWatch {
  public:
   /// A larger part than this of what came in is not an error of truncation [1].

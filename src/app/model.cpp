@@ -5,6 +5,7 @@
 #include "app/elasticity.hpp"
 #include "app/events.hpp"
 #include "app/input_schema.hpp"
+#include "app/method_advice.hpp"
 #include "app/selections.hpp"
 #include "app/viscosity.hpp"
 #include "app/volumetric.hpp"
@@ -68,9 +69,17 @@ Model::Model(MPI_Comm comm, const Config& config, const TermFactory& additional)
   Events events = events_of(config);
   std::ranges::move(events.notices, std::back_inserter(notices_));
   std::ranges::move(events.warnings, std::back_inserter(doubts_));
+  std::vector<double> shear_waves;
+  for (std::size_t b = 0; b < densities_.size(); ++b) {
+    shear_waves.push_back(densities_[b] > 0.0 ? std::sqrt(shear_moduli_[b] / densities_[b]) : 0.0);
+  }
+  const auto doubts =
+      doubts_about_method(config, {layout_, body_of_cell_, shear_waves, wave_speeds_.slowest, mesh_report_});
+  std::ranges::copy(doubts, std::back_inserter(doubts_));
   const Method* method = method_of(config.time);
   const auto rings = [](const BodyConfig& body) { return body.viscosity.empty(); };
-  if (method != nullptr && method->stability == Stability::not_a_stable && std::ranges::any_of(config.bodies, rings)) {
+  if (doubts.empty() && method != nullptr && method->stability == Stability::not_a_stable &&
+      std::ranges::any_of(config.bodies, rings)) {
     notices_.push_back(fmt::format(
         "{} is not A-stable: vibrations that nothing damps grow; give the bodies a viscosity, or take another method",
         method->name.empty() ? "the method" : method->name));
