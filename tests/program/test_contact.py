@@ -86,7 +86,10 @@ class Contact(ProgramTest):
                     self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-7 * energy[0])
 
     def test_bounces_gain_no_energy(self):
-        # Without friction; what a method loses is its own. (bdf3 is unstable for slow vibrations, and wants damping.)
+        # Without friction; what a method loses is its own. Where the last stage ends the step nothing is gained but what
+        # Newton's method leaves; the others have an error of the second or third order, of either sign. (bdf3 is unstable
+        # for slow vibrations: here it is damped, test_energy_growth.py has it as it is.)
+        gains = {"dirk23": 2e-4, "implicit-midpoint": 0.02, "symplectic-dirk22": 0.006}
         for method in METHODS:
             with self.subTest(method):
                 h = self.run_cube("bounces-" + method, f"method: {method}, step: 4 ms, end: 4", young="1e5", above=0.1,
@@ -95,19 +98,25 @@ class Contact(ProgramTest):
                 scale = 1000 * G * 0.1
                 touches = np.diff((h["floor_fz"] > 0).astype(int)) > 0
                 self.assertGreaterEqual(touches.sum(), 2)
-                self.assertLess((energy - energy[0]).max(), 0.02 * scale)
+                self.assertLess((energy - energy[0]).max(), gains.get(method, 1e-6) * scale)
                 if "symplectic" in method or "midpoint" in method:
-                    self.assertLess(np.abs(energy - energy[0]).max(), 0.05 * scale)
+                    self.assertGreater((energy - energy[0]).min(), -gains[method] * scale)
 
     def test_a_belt_carries_the_body_along(self):
         # The floor moves at 0.5 m/s: the body slides, mu g, until it moves with it; the ledger closes with the belt's work.
         h = self.run_cube("belt", "method: bdf2, step: 5 ms, end: 0.8", contact="friction_update: iterated", young="1e7",
                           above=0.0075, viscosity=DAMPED.replace("20}", "0.001}"), floor=', friction: 0.3, motion: {translate: ["0.5*t", 0, 0]}')
         v = h["px"] / 1000
-        sliding = (h["time"] > 0.05) & (h["time"] < 0.12)
-        self.assertAlmostEqual(np.polyfit(h["time"][sliding], v[sliding], 1)[0] / (0.3 * G), 1, delta=0.25)
+        # While all of it slides, the impulse along the belt is the coefficient's part of that across, however it rocks.
+        start, end = (np.argmin(np.abs(h["time"] - t)) for t in (0.05, 0.12))
+        across = h["floor_jz"][end] - h["floor_jz"][start]
+        self.assertAlmostEqual(across / (1000 * G * 0.07), 1, delta=0.3)
+        for along in ("floor_jx", "px"):
+            self.assertAlmostEqual((h[along][end] - h[along][start]) / (0.3 * across), 1, delta=1e-3)
         self.assertAlmostEqual(v[h["time"] > 0.6].mean(), 0.5, delta=0.01)  # it rocks
+        # The belt's work is its force times its velocity.
         self.assertGreater(h["load_work"][-1], 100)
+        self.assertAlmostEqual(h["load_work"][-1] / (0.5 * h["floor_jx"][-1]), 1, delta=1e-8)
         # Half of the belt's work slides away: 1/2 m v^2 moves the body, as much is friction's.
         self.assertAlmostEqual(h["dissipated_friction"][-1] / 125, 1, delta=0.1)  # but for the rocking
         self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-6 * h["load_work"][-1])
