@@ -120,18 +120,21 @@ class ProgramTest(unittest.TestCase):
 
 def kinds(history):
     """Columns grouped by what they measure; components that are zero but for rounding are measured by their neighbours."""
-    books = ("load_potential", "load_work", "energy_balance_error")
+    books = ("load_potential", "load_work", "support_work", "numerical_dissipation", "energy_balance_error")
     energies = [n for n in history if n.endswith("_energy") or n.startswith("dissipated_") or n in books]
     groups = [energies, ["px", "py", "pz"], ["Lx", "Ly", "Lz"]]
     plain = ["step", "time", "dt"]
     groups += [[name] for name in plain]
     counted = {"newton_iterations", "linear_iterations"}  # may differ where rounding decides
     rest = [n for n in history if n not in counted and not any(n in g for g in groups)]
-    for suffixes in (("_x", "_y", "_z"), ("_vx", "_vy", "_vz"), ("_fx", "_fy", "_fz")):
-        for first in (n for n in rest if n.endswith(suffixes[0])):
+    # Place, velocity, force with torque (bodies are about a metre large), impulse.
+    for letters in (("",), ("v",), ("f", "t"), ("j",)):
+        suffixes = [f"_{letter}{axis}" for letter in letters for axis in "xyz"]
+        for first in [n for n in rest if n.endswith(suffixes[0])]:
             stem = first[: -len(suffixes[0])]
-            groups.append([stem + suffix for suffix in suffixes])
-    return groups
+            groups.append([stem + suffix for suffix in suffixes if stem + suffix in history])
+            rest = [n for n in rest if n not in groups[-1]]
+    return groups + [[name] for name in rest]
 
 
 def box(n, size=(1.0, 1.0, 1.0), origin=(0.0, 0.0, 0.0), order=1, shape=None):
