@@ -134,6 +134,21 @@ time: {{method: static}}
         self.assertTrue((table["error_displacement"][1::2] < table["error_displacement"][::2] / 3).all())
         self.check_pictures("convergence.svg", "work.svg")
 
+    def test_four_decades_of_tolerance(self):
+        # From 1e-2 to 1e-5: ten times tighter, about ten times better; the error stays a like part of what was allowed, and
+        # the steps of a third-order method shrink by 10^(1/3) in the end.
+        _, table, done = self.study("kicked_beam", "tolerance", 4, "--methods", "dirk33", "--set", "time.end=40 ms")
+        np.testing.assert_allclose(table["size"], [1e-2, 1e-3, 1e-4, 1e-5], rtol=1e-12)
+        told = [float(line.split()[-1]) for line in done.stdout.splitlines() if line.startswith("dirk33")]
+        self.assertEqual(len(told), 4)
+        self.assertLessEqual(max(told), 1)
+        self.assertLess(max(told) / min(told), 4)
+        for error in ("error_displacement", "error_velocity"):
+            fell = table[error][:-1] / table[error][1:]
+            self.assertGreater(fell.min(), 5, error)
+            self.assertLess(fell.max(), 15, error)
+        self.assertAlmostEqual(table["step"][2] / table["step"][3] / 10**(1 / 3), 1, delta=0.15)
+
     def test_mistakes(self):
         cases = {
             "static in time": ("stretched_cube", "time", 3, "no convergence in time"),
