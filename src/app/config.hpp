@@ -223,7 +223,7 @@ struct ContactConfig {
   std::optional<double> stiffness;  ///< [Pa/m]; default: from material and mesh
   std::optional<double> width;      ///< [m]; default: from the mesh
   double threshold = 0;             ///< [m]
-  FrictionUpdate friction_update = FrictionUpdate::frozen;
+  FrictionUpdate friction_update = FrictionUpdate::iterated;
   double stick_velocity = 0;  ///< [m/s]
   std::vector<ObstacleConfig> obstacles;
   Location where;

@@ -19,6 +19,10 @@ namespace {
 constexpr double shear_moduli_per_facet = 30.0;
 /// Of the size of a facet: what the rounding of the kink moves the body by.
 constexpr double width_per_facet = 1.0 / 50.0;
+/// How far contact points are apart, of the size of a facet.
+constexpr double spacing_per_facet = 0.5;
+/// Less deep than this part of the width a surface touches and is not pushed.
+constexpr double least_push = 1e-6;
 
 /// Collective.
 std::unique_ptr<SignedDistance> shape_of(MPI_Comm comm, const ObstacleConfig& o) {
@@ -101,6 +105,7 @@ Contacts::Contacts(const ContactConfig& config, const ContactBodies& bodies)
     if (o.side == ObstacleConfig::Side::inside) shape = hollow(std::move(shape));
     obstacles_.push_back(std::make_shared<const Obstacle>(std::move(shape), motion_of(o)));
   }
+  for (std::size_t k = 0; k < obstacles_.size(); ++k) widths_.push_back(width_of(k));
   add_surfaces(bodies);
 }
 
@@ -149,6 +154,7 @@ void Contacts::prepare(const Config& config) {
   pairs_.clear();
   groups_.clear();
   const bool has_velocity = analysis_of(config) != Analysis::static_equilibrium;
+  has_inertia_ = analysis_of(config) == Analysis::dynamic;
   std::vector<ContactGroup> of_pairs;
   for (std::size_t k = 0; k < obstacles_.size(); ++k) {
     const ObstacleConfig& o = config_.obstacles[k];
@@ -197,12 +203,74 @@ bool Contacts::is_within_bodies(const ObstacleConfig& o, const ObstacleFrame& fr
   return locate(layout_, X).distance == 0.0;
 }
 
+double Contacts::width_of(std::size_t obstacle) const {
+  using Shape = ObstacleConfig::Shape;
+  const ObstacleConfig& o = config_.obstacles[obstacle];
+  constexpr double endless = std::numeric_limits<double>::infinity();
+  if (o.side == ObstacleConfig::Side::inside) return endless;
+  Vector3<double> extent{endless, endless, endless};
+  if (o.shape == Shape::box) extent = o.size;
+  if (o.shape == Shape::sphere || o.shape == Shape::capsule || o.shape == Shape::cylinder) return 2.0 * o.radius;
+  if (o.shape == Shape::surface) {
+    Vector3<double> low = extent, high = -1.0 * extent;
+    for (const TrianglePatch& triangle : obstacles_[obstacle]->shape().drawing({}, 0.0)) {
+      for (const auto& corner : triangle) {
+        for (std::size_t i = 0; i < 3; ++i) {
+          low[i] = std::min(low[i], corner[i]);
+          high[i] = std::max(high[i], corner[i]);
+        }
+      }
+    }
+    extent = high - low;
+  }
+  std::ranges::sort(extent);
+  return extent[1];  // of a sheet the breadth: points find its face
+}
+
+std::optional<std::string> Contacts::doubt_about_push(std::size_t obstacle, std::size_t body, const Instant& at,
+                                                      std::span<const double> q) const {
+  const ObstacleConfig& o = config_.obstacles[obstacle];
+  const ContactSurface& surface = *surfaces_[body];
+  const ObstacleFrame frame = obstacles_[obstacle]->at(at);
+  double energy = 0.0;
+  surface.for_each_near(frame, {q}, ContactSurface::Facets::owned, [&](const ContactSurface::Point& point) {
+    energy += point.area * surface.law()(frame.distance(surface.position(point, q))).energy;
+  });
+  energy = sum(layout_.comm, energy);
+  const Closeness mine = pliant::closeness(surface, frame, q);
+  const double gap = minimum(layout_.comm, mine.gap), num_points = sum(layout_.comm, mine.num_points);
+  // Beyond a barrier check_start throws. A surface that just touches is so but for its rounding. Without inertia a push
+  // is a load like others.
+  if (!std::isfinite(energy) || gap > surface.law().reach() - config_.threshold - least_push * surface.law().width ||
+      (!has_inertia_ && -gap <= facet_sizes_[body])) {
+    return std::nullopt;
+  }
+  const double distance = gap + config_.threshold;
+  const std::string place = distance < 0.0
+                                ? fmt::format("{:.3g} m deep in the obstacle '{}'", -distance, o.name)
+                                : fmt::format("{:.3g} m from the obstacle '{}', where contact acts", distance, o.name);
+  return fmt::format(
+      "{}: '{}' starts {}, which pushes it at {:.0f} of its contact points and would throw it out with "
+      "{:.3g} J that nothing brought in; move one of them{}",
+      to_string(o.where), body_names_[body], place, num_points, energy,
+      o.shape == ObstacleConfig::Shape::plane && -gap > facet_sizes_[body]
+          ? ", or turn 'normal' round: it points to where the bodies are"
+          : "");
+}
+
 std::vector<std::string> Contacts::doubts_about_start(const Instant& at, const VectorExpression& displacement) const {
   std::vector<std::string> doubts;
   if (description_.empty()) {
     doubts.push_back(to_string(config_.where) +
                      ": nothing can touch the obstacles: constraints give every displacement of the surface that may");
   }
+  std::vector<double> q(layout_.coordinates.size());
+  for (PetscInt a = 0; a < layout_.num_local_nodes; ++a) {
+    const Vector3<double> X = layout_.position(a);
+    for (std::size_t i = 0; i < 3; ++i) q[3 * a + i] = displacement[i](X[0], X[1], X[2], 0.0);
+  }
+  std::vector<char> has_facets;
+  for (const auto& surface : surfaces_) has_facets.push_back(any(layout_.comm, surface->facets().size() > 0));
   for (std::size_t k = 0; k < obstacles_.size(); ++k) {
     const ObstacleConfig& o = config_.obstacles[k];
     const ObstacleFrame frame = obstacles_[k]->at(at);
@@ -213,27 +281,63 @@ std::vector<std::string> Contacts::doubts_about_start(const Instant& at, const V
                       to_string(o.where), o.name));
       continue;
     }
-    if (config_.law == NormalKind::barrier) continue;  // check_start throws
-    std::vector<double> depth(body_names_.size(), 0.0);
-    for (PetscInt a = 0; a < layout_.num_owned_nodes; ++a) {
-      const int body = surface_of_node_[a];
-      if (body < 0) continue;
-      const Vector3<double> X = layout_.position(a);
-      Vector3<double> x = X;
-      for (std::size_t i = 0; i < 3; ++i) x[i] += displacement[i](X[0], X[1], X[2], 0.0);
-      depth[body] = std::max(depth[body], config_.threshold - frame.distance(x));
-    }
     for (std::size_t b = 0; b < body_names_.size(); ++b) {
-      const double deepest = maximum(layout_.comm, depth[b]);
-      if (deepest <= facet_sizes_[b]) continue;
-      doubts.push_back(fmt::format(
-          "{}: '{}' starts {:.3g} m deep in the obstacle '{}' and will be thrown out; move one of them{}",
-          to_string(o.where), body_names_[b], deepest, o.name,
-          o.shape == ObstacleConfig::Shape::plane ? ", or turn 'normal' round: it points to where the bodies are"
-                                                  : ""));
+      const double width = widths_[k], spacing = spacing_per_facet * facet_sizes_[b];
+      if (has_facets[b] && width < spacing) {
+        doubts.push_back(fmt::format(
+            "{}: the obstacle '{}' is {:.3g} m wide, but '{}' feels it at points that are up to {:.3g} m apart (facets "
+            "of some {:.3g} m): it can poke in between them; refine the mesh where they touch",
+            to_string(o.where), o.name, width, body_names_[b], spacing, facet_sizes_[b]));
+      }
+      if (auto doubt = doubt_about_push(k, b, at, q)) doubts.push_back(std::move(*doubt));
     }
   }
   return doubts;
+}
+
+Closeness Contacts::closeness(const Instant& at, std::span<const double> q) const {
+  Closeness result;
+  for (const auto& obstacle : obstacles_) {
+    const ObstacleFrame frame = obstacle->at(at);
+    for (const auto& surface : surfaces_) {
+      const Closeness one = pliant::closeness(*surface, frame, q);
+      result.gap = std::min(result.gap, one.gap);
+      result.num_points += one.num_points;
+    }
+  }
+  return {minimum(layout_.comm, result.gap), sum(layout_.comm, result.num_points)};
+}
+
+std::optional<std::string> Contacts::passage(const Instant& from, std::span<const double> q_from, const Instant& to,
+                                             std::span<const double> q_to) const {
+  Passage deepest;
+  std::size_t which = 0;
+  for (std::size_t k = 0; k < obstacles_.size() * surfaces_.size(); ++k) {
+    const std::size_t o = k / surfaces_.size();
+    const Obstacle& obstacle = *obstacles_[o];
+    const ObstacleStep step{obstacle.shape(), obstacle.at(from), obstacle.at(to), widths_[o]};
+    const auto found = pliant::passage(*surfaces_[k % surfaces_.size()], step, q_from, q_to);
+    if (!found || found->depth <= deepest.depth) continue;
+    deepest = *found;
+    which = k;
+  }
+  if (!any(layout_.comm, deepest.depth > 0.0)) return std::nullopt;
+  const auto& [x, y, z] = deepest.place;
+  const auto all = gathered(layout_.comm, std::array{deepest.depth, static_cast<double>(which), x, y, z});
+  std::size_t first = 0;
+  for (std::size_t i = 5; i < all.size(); i += 5) {
+    if (all[i] > all[first]) first = i;
+  }
+  which = static_cast<std::size_t>(all[first + 1]);
+  return fmt::format(
+      "'{}' passes the obstacle '{}': near ({:.4g}, {:.4g}, {:.4g}) its surface gets {:.3g} m deep, too deep to be "
+      "pushed "
+      "back; {} or a shorter 'time.step' keeps it out",
+      body_names_[which % surfaces_.size()], config_.obstacles[which / surfaces_.size()].name, all[first + 2],
+      all[first + 3], all[first + 4], all[first],
+      config_.law == NormalKind::barrier
+          ? "a finer mesh"
+          : "a finer mesh, a larger 'contact.stiffness' (the log says what it is), 'law: barrier'");
 }
 
 double Contacts::energy(const Instant& at, std::span<const double> q) const {

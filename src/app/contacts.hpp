@@ -3,9 +3,11 @@
 
 #include "app/config.hpp"
 #include "energy/contact.hpp"
+#include "energy/passage.hpp"
 #include "fem/layout.hpp"
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -51,10 +53,16 @@ class Contacts {
   std::size_t num_obstacles() const { return obstacles_.size(); }
   std::span<const std::shared_ptr<const Obstacle>> obstacles() const { return obstacles_; }
 
+  /// How near the bodies are to the obstacles. Collective.
+  Closeness closeness(const Instant& at, std::span<const double> q) const;
+  /// What to say if a body passes an obstacle on the way from one state to another. Collective.
+  std::optional<std::string> passage(const Instant& from, std::span<const double> q_from, const Instant& to,
+                                     std::span<const double> q_to) const;
+
   /// Throws InputError if a body lies beyond a barrier. Collective.
   void check_start(const Instant& at, std::span<const double> q) const;
-  /// Warnings, each with its place: nothing that may touch; obstacles within a body; bodies that start deeper in an
-  /// obstacle of a penalty than their facets are wide. Collective.
+  /// Warnings, each with its place: nothing that may touch; obstacles within a body, or narrower than its contact
+  /// points are apart; bodies on which contact acts at the start. Collective.
   std::vector<std::string> doubts_about_start(const Instant& at, const VectorExpression& displacement) const;
   /// The energy of all contacts, of this rank's part [J].
   double energy(const Instant& at, std::span<const double> q) const;
@@ -71,6 +79,11 @@ class Contacts {
     const Contact* term;
   };
   void add_surfaces(const ContactBodies& bodies);
+  /// The width of an obstacle that may poke in between contact points [m].
+  double width_of(std::size_t obstacle) const;
+  /// What to say of a body that an obstacle pushes at the start, if it does. Collective.
+  std::optional<std::string> doubt_about_push(std::size_t obstacle, std::size_t body, const Instant& at,
+                                              std::span<const double> q) const;
   /// Is its middle in the material at the start? Collective.
   bool is_within_bodies(const ObstacleConfig& o, const ObstacleFrame& frame,
                         const VectorExpression& displacement) const;
@@ -79,6 +92,7 @@ class Contacts {
   const NodeLayout& layout_;
   std::vector<std::string> body_names_;
   std::vector<std::shared_ptr<const Obstacle>> obstacles_;
+  std::vector<double> widths_;                                   // of the obstacles: width_of
   std::vector<std::shared_ptr<const ContactSurface>> surfaces_;  // of the bodies
   std::vector<int> surface_of_node_;                             // per owned node: its body, -1 if it is inside
   std::vector<double> facet_sizes_;                              // per body [m]
@@ -86,6 +100,7 @@ class Contacts {
   std::vector<Pair> pairs_;
   std::vector<ContactGroup> groups_;
   std::vector<std::string> description_;
+  bool has_inertia_ = false;
 };
 
 }  // namespace pliant

@@ -115,16 +115,18 @@ Section<ContactConfig> contact_keys() {
                 "pressure per depth of penetration, per reference area; of a barrier its scale")
               .otherwise_in_words("30 shear moduli per size of a facet, body by body"),
           field("width", &C::width, quantity("m", Range::above(0)),
-                "distance over which the penalty's kink is rounded to either side, or at which the barrier begins")
+                "half the distance over which the penalty's kink is rounded, or that at which the barrier begins")
               .otherwise_in_words("1/50 of the size of a facet, body by body"),
           field("threshold", &C::threshold, quantity("m", Range::at_least(0)),
-                "distance at which the spring, or the wall, stands before the obstacle")
+                "distance from the obstacle at which the spring begins, or the wall stands")
               .otherwise("0"),
-          field("friction_update", &C::friction_update,
-                choice_of<FrictionUpdate>({{"frozen", FrictionUpdate::frozen}, {"iterated", FrictionUpdate::iterated}}),
-                "where friction and damping take pressure and normal: at the start of a stage, which is of first order "
-                "in time, or at its solution, found by solving again until they stay the same")
-              .otherwise("frozen"),
+          field(
+              "friction_update", &C::friction_update,
+              choice_of<FrictionUpdate>({{"frozen", FrictionUpdate::frozen}, {"iterated", FrictionUpdate::iterated}}),
+              "where friction and damping take pressure and normal: at the solution of a stage, found by solving again "
+              "until they stay the same, or at the start of the step, which is of first order in time and misses "
+              "impacts of a few steps")
+              .otherwise("iterated"),
           field("stick_velocity", &C::stick_velocity, quantity("m/s", Range::above(0)),
                 "below this velocity a contact counts as sticking: friction grows smoothly up to it")
               .otherwise("1 mm/s"),

@@ -203,6 +203,7 @@ std::vector<std::string> Recorder::columns(const Config& config, const Ledger& l
     names.emplace_back("contact_energy");
     add_forces(0, contacts->num_obstacles(), {"_jx", "_jy", "_jz"});
     add_forces(contacts->num_obstacles(), contacts->groups().size(), force_suffixes);
+    for (const char* name : {"contact_gap_min", "contact_points"}) names.emplace_back(name);
   }
   return names;
 }
@@ -261,6 +262,7 @@ void Recorder::record(const StepRecord& record, const Ledger& ledger) {
     for (const auto& [force, impulse] : contacts.subspan(num_obstacles)) {
       row.insert(row.end(), force.begin(), force.end());
     }
+    row.insert(row.end(), {record.contact.gap, record.contact.num_points});
   }
   history_.append(row);
 }

@@ -9,6 +9,7 @@
 #include "time/step_control.hpp"
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,8 +25,9 @@ struct StepRecord {
   int linear_iterations = 0;
   Vec q = nullptr;
   Vec v = nullptr;
-  Vec a = nullptr;  ///< nullptr: zero
-  Vec z = nullptr;  ///< internal variables; nullptr if there are none
+  Vec a = nullptr;    ///< nullptr: zero
+  Vec z = nullptr;    ///< internal variables; nullptr if there are none
+  Closeness contact;  ///< at its end, if there are obstacles
 };
 
 /// What came of trying a step.
@@ -48,6 +50,8 @@ struct StepStatistics {
   std::int64_t inaccurate = 0;  ///< solved, but above the tolerance, tried again shorter
   double shortest = 0.0;        ///< [s]
   double longest = 0.0;         ///< [s]
+  /// To obstacles at the end of any step of this process, Closeness::gap [m].
+  double least_gap = std::numeric_limits<double>::infinity();
 };
 
 /// All methods are collective.
@@ -88,20 +92,32 @@ class Simulation {
 
  private:
   void set_plan(const Config& config);
-  /// Whether the state at the end of the step, where no stage is, is one that no body can have.
+  /// What to say of a converged attempt whose end no body can have reached.
+  std::optional<std::string> impossibility(const StepAttempt& attempt);
+  /// Whether a tetrahedron is inside out at the end of the step, where no stage is.
   bool ends_inside_out(const StepAttempt& attempt);
   StepOutcome reject(const StepAttempt& attempt, const Step& step);
   void accept(const StepAttempt& attempt, const Step& step);
+  /// Measures `contact` of the state in `q_`, and keeps that with its ghosts.
+  void measure_contact();
+  /// Whether the next step would make more of an impact in this one, which was accepted, than there was.
+  bool extrapolates_impact(const Step& step, bool touches);
+  /// What to say of a body that a converged attempt takes through an obstacle.
+  std::optional<std::string> passage(const StepAttempt& attempt);
 
   Analysis analysis_;
+  int num_past_ = 1;  // states that the method takes; of PETSc's, which may be a multistep method, 2
   Model& model_;
   Handle<Vec> q_, v_;
+  Handle<Vec> next_q_;  // of an attempt, with its ghosts
   StepPlan plan_;
   std::optional<Ledger> ledger_;
   std::unique_ptr<Advance> advance_;
   std::optional<StepControl> control_;
   StepRecord record_;
   StepStatistics steps_;
+  double contact_start_ = 0.0;  // end of the last step without contact [s]
+  std::int64_t steps_since_restart_ = 0;
 };
 
 }  // namespace pliant

@@ -3,6 +3,7 @@
 #include "base/file.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -52,6 +53,7 @@ void write_summary(const std::filesystem::path& directory, const Summary& summar
                     {"rounding_stops", s.rounding_stops},
                     {"worst_rounding", s.worst_rounding},
                     {"unstable_stages", s.unstable_stages}};
+  if (std::isfinite(summary.steps.least_gap)) json["contact_gap_min"] = summary.steps.least_gap;
   if (summary.worst.newton_iterations >= 0) {
     json["worst_step"] = {{"step", summary.worst.step},
                           {"time", summary.worst.time},

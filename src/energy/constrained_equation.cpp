@@ -106,6 +106,11 @@ std::unique_ptr<NodalRotations> ConstrainedEquation::make_rotations() const {
   return rotations;
 }
 
+void ConstrainedEquation::freeze(Vec y) {
+  map_.expand(y, q_.get());
+  equation_.freeze(q_.get());
+}
+
 bool ConstrainedEquation::refreeze(Vec y) {
   map_.expand(y, q_.get());
   return equation_.refreeze(q_.get());

@@ -23,6 +23,7 @@ class ConstrainedEquation final : public StageEquation {
 
   /// `stage`: what `reduce` has returned.
   void begin_stage(const StagePoint& stage) override;
+  void freeze(Vec y) override;
   bool refreeze(Vec y) override;
   double value(Vec y) override;
   void gradient(Vec y, Vec r) override;

@@ -49,7 +49,7 @@ double energy_change(const NormalLaw& law, double d, double delta) {
   }
   // Parts of the way at which the law changes.
   const auto part = [&](double joint) { return std::clamp((joint - d) / delta, 0.0, 1.0); };
-  std::array<double, 4> ends{0.0, part(reach), part(law.threshold - law.width), 1.0};
+  std::array<double, 4> ends{0.0, part(reach), part(law.linear_from()), 1.0};
   if (ends[1] > ends[2]) std::swap(ends[1], ends[2]);
   const double node = std::sqrt(0.6);
   double sum = 0.0;
@@ -195,6 +195,26 @@ class ContactDrag final : public EnergyTerm {
     });
   }
 
+  /// Of a frozen drag: what it exerts, and what the pressure at q allows.
+  DragBound bound(const LocalStage& stage, std::span<const double> q) const override {
+    if (update_ == FrictionUpdate::iterated) return {};
+    CompensatedSum<double> exerted, allowed;
+    const ObstacleFrame now = obstacle_->at(instant_of(stage), stage.dt);
+    const NormalLaw& law = surface_->law();
+    for_each_touch(stage, q, Facets::owned, [&](const Touch& touch, const Vector3<double>& v) {
+      exerted.add(touch.point.area * drag_.size(touch.pressure, touch.n, v));
+    });
+    surface_->for_each_near(now, {q}, Facets::owned, [&](const ContactPoint& point) {
+      const Vector3<double> x = surface_->position(point, q);
+      const DistanceAt at = now.at(x);
+      const double pressure = law(at.d).pressure;
+      if (!(pressure > 0.0)) return;
+      const Vector3<double> v = (1.0 / stage.dt) * way_of(point, stage.q0, q) - now.velocity(x);
+      allowed.add(point.area * drag_.largest(pressure, at.n, v));
+    });
+    return {exerted.total(), allowed.total()};
+  }
+
   double dissipation(const LocalStage& stage, std::span<const double> q) const override {
     return integrate(stage, q, [&](const Touch& touch, const Vector3<double>& v) {
       return dot(drag_(touch.pressure, touch.n, v).slope, v);
@@ -219,16 +239,18 @@ class ContactDrag final : public EnergyTerm {
   /// visit(touch, velocity relative to the obstacle) where the frozen pressure is above zero.
   template <class Visit>
   void for_each_touch(const LocalStage& stage, std::span<const double> q, Facets which, const Visit& visit) const {
-    const bool at_start = update_ == FrictionUpdate::frozen;
-    const std::span<const double> at = at_start ? stage.q0 : stage.frozen.empty() ? q : stage.frozen;
+    // The start of a stage may be an extrapolation, deep in the obstacle: the last accepted state is not.
+    const bool at_start = update_ == FrictionUpdate::frozen && !stage.exceeds_bound;
+    const std::span<const double> at = at_start ? stage.reference() : stage.frozen.empty() ? q : stage.frozen;
+    const double start = stage.accepted.empty() ? stage.time - stage.dt : stage.step_start;
     const ObstacleFrame now = obstacle_->at(instant_of(stage), stage.dt);
     const ObstacleFrame frozen =
-        at_start ? obstacle_->at(Instant{stage.time - stage.dt, stage.load_factor}) : obstacle_->at(instant_of(stage));
+        at_start ? obstacle_->at(Instant{start, stage.load_factor}) : obstacle_->at(instant_of(stage));
     surface_->for_each_near(frozen, {at}, which, [&](const ContactPoint& point) {
       const Vector3<double> x = surface_->position(point, at);
       const DistanceAt distance = frozen.at(x);
       const double pressure = surface_->law()(distance.d).pressure;
-      // Beyond a barrier, where an extrapolated start may lie, there is no pressure to speak of.
+      // Beyond a barrier there is no pressure to speak of.
       if (!(pressure > 0.0)) return;
       const Vector3<double> moved = way_of(point, stage.q0, q);
       const Touch touch{point, pressure, distance.n, now.velocity(x)};

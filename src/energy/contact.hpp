@@ -48,7 +48,8 @@ class Contact final : public EnergyTerm {
 ///
 ///     Phi = dt int R(p, n; v - v_o) dA,   v = (q - q0)/dt,   v_o at the end of the stage
 ///
-/// p and n are frozen (FrictionUpdate), and so is the place at which v_o is taken.
+/// p and n are frozen (FrictionUpdate), and so is the place at which v_o is taken. What is frozen at the last accepted
+/// state would go on acting on a surface that has left: StageEquation::refreeze then freezes it anew, at the solution.
 std::unique_ptr<EnergyTerm> make_friction(std::shared_ptr<const ContactSurface> surface,
                                           std::shared_ptr<const Obstacle> obstacle, const Friction& friction,
                                           FrictionUpdate update);

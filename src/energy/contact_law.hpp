@@ -4,6 +4,7 @@
 #include "base/limits.hpp"
 #include "base/vector3.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pliant {
@@ -12,7 +13,8 @@ enum class NormalKind { penalty, barrier };
 
 /// Where the pressure and the normal are taken that a drag acts with.
 enum class FrictionUpdate {
-  frozen,   ///< at the stage's start: first order in time
+  frozen,  ///< at the last accepted state, unless the drag then exceeds what the pressure at the solution allows: first
+           ///< order in time
   iterated  ///< at the solution, by solving again until they stay the same: keeps the method's order
 };
 
@@ -23,11 +25,12 @@ struct NormalResponse {
   double stiffness = 0.0;  ///< [Pa/m]
 };
 
-/// The pressure as a function of the distance d. With y = (threshold - d) / width
+/// The pressure as a function of the distance d. With y = (threshold - d) / width - 1
 ///
 ///     penalty   p = k width r(y),   r = 0 (y < -1),  y (y > 1),  3/16 + y/2 + 3/8 y^2 - y^4/16 between,
 ///
-/// a spring of stiffness k behind a gap, its kink rounded so that U has three continuous derivatives; and with
+/// a spring of stiffness k that begins at the threshold, its kink rounded over 2 widths so that U has three continuous
+/// derivatives: a surface at the threshold feels nothing. With
 /// s = (d - threshold) / width
 ///
 ///     barrier   U = -k width^2 (1 - s)^2 log s   (0 < s < 1),   0 (s >= 1),   +infinity (s <= 0),
@@ -36,15 +39,17 @@ struct NormalResponse {
 struct NormalLaw {
   NormalKind kind = NormalKind::penalty;
   double stiffness = 0.0;  ///< k [Pa/m]
-  double width = 0.0;      ///< of the rounding to either side, or where a barrier begins [m]
-  double threshold = 0.0;  ///< where the spring, or the wall, stands [m]
+  double width = 0.0;      ///< half of the rounding, or where a barrier begins [m]
+  double threshold = 0.0;  ///< where the spring begins, or the wall stands [m]
 
   /// The distance from which on nothing is felt [m].
-  double reach() const { return threshold + width; }
+  double reach() const { return kind == NormalKind::penalty ? threshold : threshold + width; }
+  /// The distance below which a penalty is linear [m].
+  double linear_from() const { return threshold - 2.0 * width; }
 
   NormalResponse operator()(double d) const {
     if (d >= reach()) return {};
-    return kind == NormalKind::penalty ? spring((threshold - d) / width) : wall((d - threshold) / width);
+    return kind == NormalKind::penalty ? spring((threshold - d) / width - 1.0) : wall((d - threshold) / width);
   }
 
  private:
@@ -103,6 +108,15 @@ struct Friction {
               return factor * ((i == j ? 1.0 : 0.0) - n[i] * n[j]) + bend * slip[i] * slip[j];
             })};
   }
+
+  /// The size of the traction [Pa].
+  double size(double pressure, const Vector3<double>& n, const Vector3<double>& v) const {
+    return norm((*this)(pressure, n, v).slope);
+  }
+  /// The largest that it may have, Coulomb's mu p and the viscous part [Pa].
+  double largest(double pressure, const Vector3<double>& n, const Vector3<double>& v) const {
+    return pressure * (coefficient + viscosity * norm(v - dot(v, n) * n));
+  }
 };
 
 /// Hunt & Crossley's damping of the approach (1975, Coefficient of restitution interpreted as damping in
@@ -125,6 +139,13 @@ struct NormalDamping {
     return {pressure / damping * integral, (-pressure * g) * n,
             make_tensor([&](int i, int j) { return pressure * damping * slope * n[i] * n[j]; })};
   }
+
+  /// How much it pulls [Pa].
+  double size(double pressure, const Vector3<double>& n, const Vector3<double>& v) const {
+    return std::max(0.0, dot((*this)(pressure, n, v).slope, n));
+  }
+  /// The most that leaves a pressure [Pa].
+  double largest(double pressure, const Vector3<double>& /*n*/, const Vector3<double>& /*v*/) const { return pressure; }
 };
 
 }  // namespace pliant

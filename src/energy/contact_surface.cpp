@@ -74,18 +74,20 @@ void ContactSurface::set_points(std::span<const std::array<double, 2>> points, s
   }
 }
 
-bool ContactSurface::is_near(PetscInt facet, const ObstacleFrame& obstacle, std::span<const double> q) const {
+ContactSurface::Ball ContactSurface::ball(PetscInt facet, std::span<const double> q) const {
   const auto nodes = nodes_of(facet);
-  const auto at = [&](PetscInt node) {
-    return layout_.position(node) + Vector3<double>{q[3 * node], q[3 * node + 1], q[3 * node + 2]};
-  };
-  Vector3<double> centre{};
-  for (const PetscInt node : nodes) centre = centre + at(node);
-  centre = (1.0 / static_cast<double>(nodes.size())) * centre;
-  double radius = 0.0;
-  for (const PetscInt node : nodes) radius = std::max(radius, norm(at(node) - centre));
+  Ball result;
+  for (const PetscInt node : nodes) result.centre = result.centre + position(node, q);
+  result.centre = (1.0 / static_cast<double>(nodes.size())) * result.centre;
+  for (const PetscInt node : nodes) result.radius = std::max(result.radius, norm(position(node, q) - result.centre));
+  result.radius *= overshoot_;
+  return result;
+}
+
+bool ContactSurface::is_near(PetscInt facet, const ObstacleFrame& obstacle, std::span<const double> q) const {
+  const Ball around = ball(facet, q);
   // What is no number is to be noticed where forces are summed.
-  return !(obstacle.distance(centre) > law_.reach() + overshoot_ * radius);
+  return !(obstacle.distance(around.centre) > law_.reach() + around.radius);
 }
 
 void ContactSurface::add_stiffness(const Point& point, const Tensor3<double>& D, const BlockWriter& K) const {

@@ -51,6 +51,30 @@ class ContactSurface {
   void for_each_owned(const Visit& visit) const {
     for_each_point(Facets::owned, visit, [](PetscInt) { return true; });
   }
+  /// visit(point) for the points of a facet.
+  template <class Visit>
+  void for_each_of(PetscInt facet, const Visit& visit) const {
+    const auto n = static_cast<std::size_t>(facets_.nodes_per_facet);
+    for (std::size_t k = 0; k < num_points_; ++k) {
+      visit(Point{nodes_of(facet), std::span(shape_functions_).subspan(k * n, n),
+                  std::span(blocks_).subspan(facet * n * n, n * n), areas_[facet * num_points_ + k]});
+    }
+  }
+
+  /// A ball in which the points of a facet are.
+  struct Ball {
+    Vector3<double> centre{};
+    double radius = 0.0;  ///< [m]
+  };
+  Ball ball(PetscInt facet, std::span<const double> q) const;
+  /// The largest sum of |N_a| of a point: how much further it goes than its nodes.
+  double overshoot() const { return overshoot_; }
+  std::span<const PetscInt> nodes_of(PetscInt facet) const {
+    return std::span(facets_.nodes).subspan(facet * facets_.nodes_per_facet, facets_.nodes_per_facet);
+  }
+  Vector3<double> position(PetscInt node, std::span<const double> q) const {
+    return layout_.position(node) + Vector3<double>{q[3 * node], q[3 * node + 1], q[3 * node + 2]};
+  }
 
   /// Where a point is at the displacement q.
   Vector3<double> position(const Point& point, std::span<const double> q) const {
@@ -87,9 +111,6 @@ class ContactSurface {
   void set_points(std::span<const std::array<double, 2>> points, std::span<const double> weights);
   template <class Visit, class Wanted>
   void for_each_point(Facets which, const Visit& visit, const Wanted& wanted) const;
-  std::span<const PetscInt> nodes_of(PetscInt facet) const {
-    return std::span(facets_.nodes).subspan(facet * facets_.nodes_per_facet, facets_.nodes_per_facet);
-  }
   bool is_near(PetscInt facet, const ObstacleFrame& obstacle, std::span<const double> q) const;
 
   const NodeLayout& layout_;
@@ -105,14 +126,8 @@ class ContactSurface {
 
 template <class Visit, class Wanted>
 void ContactSurface::for_each_point(Facets which, const Visit& visit, const Wanted& wanted) const {
-  const auto n = static_cast<std::size_t>(facets_.nodes_per_facet);
   for (PetscInt f = 0; f < facets_.size(); ++f) {
-    if ((which == Facets::owned ? facets_.is_owned[f] : has_owned_node_[f]) == 0 || !wanted(f)) continue;
-    for (std::size_t k = 0; k < num_points_; ++k) {
-      const std::size_t index = f * num_points_ + k;
-      visit(Point{nodes_of(f), std::span(shape_functions_).subspan(k * n, n),
-                  std::span(blocks_).subspan(f * n * n, n * n), areas_[index]});
-    }
+    if ((which == Facets::owned ? facets_.is_owned[f] : has_owned_node_[f]) != 0 && wanted(f)) for_each_of(f, visit);
   }
 }
 

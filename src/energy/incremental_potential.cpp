@@ -13,6 +13,12 @@
 #include <limits>
 
 namespace pliant {
+namespace {
+
+/// How much more than they may do frozen coefficients are let do: what changes from step to step in steady sliding.
+constexpr double drag_excess = 1e-3;
+
+}  // namespace
 
 IncrementalPotential::IncrementalPotential(const NodeLayout& layout, const BlockPattern& pattern,
                                            std::vector<const EnergyTerm*> terms, const std::vector<char>& prescribed)
@@ -72,15 +78,40 @@ void IncrementalPotential::begin_stage(const StagePoint& stage) {
             .load_factor = stage.load_factor,
             .q0 = local(stage.q0, q0_),
             .v0 = local(stage.v0, v0_),
+            .exceeds_bound = exceeds_bound_,
             .step_start = stage.step_start};
   if (stage.accepted != nullptr) stage_.accepted = local(stage.accepted, accepted_);
   z0_ = stage.z0;
 }
 
+void IncrementalPotential::freeze(Vec q) {
+  exceeds_bound_ = stage_.exceeds_bound = false;
+  stage_.frozen = local(q, frozen_);
+}
+
 bool IncrementalPotential::refreeze(Vec q) {
-  if (std::ranges::none_of(terms_, [](const EnergyTerm* term) { return term->declaration().refreezes; })) return false;
+  exceeds_bound_ = stage_.exceeds_bound = exceeds_bound_ || exceeds_a_bound(q);
+  const auto refreezes = [](const EnergyTerm* term) { return term->declaration().refreezes; };
+  if (!exceeds_bound_ && std::ranges::none_of(terms_, refreezes)) return false;
   stage_.frozen = local(q, frozen_);
   return true;
+}
+
+bool IncrementalPotential::exceeds_a_bound(Vec q) {
+  const auto has_bound = [](const EnergyTerm* term) { return term->declaration().has_frozen_coefficients; };
+  if (std::ranges::none_of(terms_, has_bound)) return false;
+  const auto at = local(q, q_);
+  std::vector<double> sums;
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    if (!has_bound(terms_[k])) continue;
+    const DragBound bound = terms_[k]->bound(stage_of(k), at);
+    sums.insert(sums.end(), {bound.exerted, bound.allowed});
+  }
+  sum_in_place(layout_.comm, sums);
+  for (std::size_t i = 0; i < sums.size(); i += 2) {
+    if (sums[i] > (1.0 + drag_excess) * sums[i + 1]) return true;
+  }
+  return false;
 }
 
 std::span<double> IncrementalPotential::slice(std::span<double> z, std::size_t k) const {

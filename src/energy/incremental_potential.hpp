@@ -33,6 +33,7 @@ class IncrementalPotential final : public StageEquation {
 
   /// The stage that all following calls speak of.
   void begin_stage(const StagePoint& stage) override;
+  void freeze(Vec q) override;
   bool refreeze(Vec q) override;
 
   /// Phi(q) [J] but for a constant of the stage; +inf where a barrier is crossed or a number is not finite.
@@ -91,6 +92,8 @@ class IncrementalPotential final : public StageEquation {
   /// `local`, with the sums over all ranks of the terms that are functions of one.
   std::span<const double> evaluated_at(Vec q);
   void add_up(const LocalStage& stage, std::span<const double> q);
+  /// Whether coefficients frozen at the step's start do more than those of q allow (EnergyTerm::bound).
+  bool exceeds_a_bound(Vec q);
   /// The stage as the k-th term sees it.
   const LocalStage& stage_of(std::size_t k);
   std::span<double> slice(std::span<double> z, std::size_t k) const;
@@ -104,6 +107,7 @@ class IncrementalPotential final : public StageEquation {
   std::vector<char> prescribed_;
   RowElimination elimination_;
   LocalStage stage_;
+  bool exceeds_bound_ = false;                 // of the stage that was last solved
   std::vector<std::size_t> first_internal_;    // of each term, and their total
   Vec z0_ = nullptr;                           // of the stage, borrowed
   std::vector<std::size_t> functions_of_sum_;  // among the terms

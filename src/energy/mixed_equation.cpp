@@ -149,6 +149,11 @@ void MixedEquation::begin_stage(const StagePoint& stage) {
   potential_.begin_stage(part);
 }
 
+void MixedEquation::freeze(Vec x) {
+  take_displacement(x, q_.get());
+  potential_.freeze(q_.get());
+}
+
 bool MixedEquation::refreeze(Vec x) {
   take_displacement(x, q_.get());
   return potential_.refreeze(q_.get());

@@ -36,6 +36,7 @@ class MixedEquation final : public StageEquation {
 
   /// In x.
   void begin_stage(const StagePoint& stage) override;
+  void freeze(Vec x) override;
   bool refreeze(Vec x) override;
   double value(Vec x) override;
   void gradient(Vec x, Vec r) override;

@@ -20,12 +20,12 @@ class ObstacleFrame {
   double distance(const Vector3<double>& x) const { return shape_.distance(in_shape(x)); }
   /// Of the obstacle's material point at x [m/s].
   Vector3<double> velocity(const Vector3<double>& x) const { return velocity_ + cross(spin_, x - centre_); }
+  /// Which point of the shape is at x.
+  Vector3<double> in_shape(const Vector3<double>& x) const { return shape_centre_ + matvec(back_, x - centre_); }
   /// Where a point of the shape is.
   Vector3<double> place(const Vector3<double>& X) const { return centre_ + matvec(rotation_, X - shape_centre_); }
 
  private:
-  Vector3<double> in_shape(const Vector3<double>& x) const { return shape_centre_ + matvec(back_, x - centre_); }
-
   const SignedDistance& shape_;
   Vector3<double> shape_centre_, centre_;  // of the motion: where the shape is given, and now
   Tensor3<double> rotation_, back_;        // R, R^T

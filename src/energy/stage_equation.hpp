@@ -28,9 +28,13 @@ class StageEquation {
   /// The stage that all following calls speak of.
   virtual void begin_stage(const StagePoint& stage) = 0;
 
-  /// Freezes the coefficients of terms that refreeze at q, as the following calls see them; false if there are none. A
-  /// stage is solved when its solution, and the q of the last call, are one. Until then, and after begin_stage, these
-  /// coefficients follow q, and there is no potential.
+  /// Before a stage is solved: freezes the coefficients of terms that refreeze at q, as the following calls see them.
+  /// After begin_stage, until then, these coefficients follow q, and there is no potential.
+  virtual void freeze(Vec /*q*/) {}
+  /// The same when there is a solution; false, and nothing is done, if coefficients may stay as they are: there are
+  /// none that refreeze, and those frozen at the step's start do not exceed what they may do at q (EnergyTerm::bound).
+  /// Once they do they refreeze, too, until the next call of `freeze`. A stage is solved when its solution, and the q
+  /// of the last call, are one.
   virtual bool refreeze(Vec /*q*/) { return false; }
 
   /// Brings what the stage gives, besides prescribed entries of q, to a part of its way from the accepted state (0) to

@@ -33,6 +33,9 @@ struct LocalStage {
   std::span<const double> frozen = {};
   /// Displacement from which that of the call was reached (StageEquation::extrapolate_from); empty: from none.
   std::span<const double> previous = {};
+  /// Those that are else frozen at the step's start are as those of terms that refreeze, because they exceed their
+  /// bound (StageEquation::refreeze).
+  bool exceeds_bound = false;
   /// Displacement from which the step starts, at `step_start` [m]; empty where there is none (StagePoint::accepted).
   std::span<const double> accepted = {};
   double step_start = 0.0;  ///< t_n [s]
@@ -69,7 +72,7 @@ enum class Symmetry { symmetric, unsymmetric, indefinite };
 /// What a term says of itself; the solver picks line search and linear solver from what all terms say.
 struct TermDeclaration {
   bool is_potential = true;              ///< the gradient is that of `value`
-  bool has_frozen_coefficients = false;  ///< coefficients are frozen at the stage's start (first order in time)
+  bool has_frozen_coefficients = false;  ///< coefficients are frozen at the step's start (first order in time)
   bool refreezes = false;                ///< coefficients are frozen at LocalStage::frozen: StageEquation::refreeze
   Symmetry symmetry = Symmetry::symmetric;
   Account account = Account::stored;
@@ -84,6 +87,11 @@ struct InternalPlace {
   PetscInt cell = 0;              ///< local
   std::array<double, 3> point{};  ///< on the reference cell
   int number = 0;                 ///< of those that the term has there
+};
+
+/// What forces with frozen coefficients do, and the most that they may do, summed over points [N].
+struct DragBound {
+  double exerted = 0.0, allowed = 0.0;
 };
 
 /// One contribution to the incremental potential of a stage (docs: dynamics, Phi_i). The arrays span all local nodes; a
@@ -133,6 +141,10 @@ class EnergyTerm {
   virtual double supply(const LocalStage& /*stage*/, std::span<const double> /*q*/) const { return 0.0; }
   /// Power that the owned cells dissipate by physical mechanisms at the end of the stage [W], >= 0.
   virtual double dissipation(const LocalStage& /*stage*/, std::span<const double> /*q*/) const { return 0.0; }
+
+  /// Of a term with coefficients frozen at the step's start (`has_frozen_coefficients`): what they make of its forces
+  /// at q, on this rank.
+  virtual DragBound bound(const LocalStage& /*stage*/, std::span<const double> /*q*/) const { return {}; }
 
   /// The term as a function of one number of all ranks, if it is one.
   virtual const FunctionOfSum* function_of_sum() const { return nullptr; }

@@ -2,6 +2,7 @@
 
 #include "base/stopwatch.hpp"
 #include "petsc/array_view.hpp"
+#include "solver/fixed_point.hpp"
 
 #include <cmath>
 #include <limits>
@@ -25,9 +26,10 @@ constexpr int max_followed = 8;
 /// A residual that is said to be rounding is looked at twice if it is more than this part of the forces.
 constexpr double doubtful_rounding = 1e-6;
 
-/// Solves of a stage with coefficients frozen anew, of which each shortens the error by about the coefficient of
-/// friction.
-constexpr int max_refreezes = 100;
+/// Solves of a stage with coefficients frozen anew.
+constexpr int max_refreezes = 60;
+/// Part of the way to a wall up to which coefficients are extrapolated, whose pressure goes to infinity there.
+constexpr double part_to_wall = 0.5;
 
 std::string in_words(SNESConvergedReason reason) {
   switch (reason) {
@@ -299,10 +301,7 @@ SNESConvergedReason NewtonSolver::judge(PetscInt iteration, double residual) {
   note_iteration(iteration, residual);
   if (!std::isfinite(residual)) return SNES_DIVERGED_FNORM_NAN;
   if (iteration > 0) took_full_step_ ? forcing_.observe(residual) : forcing_.forget();
-  // A guess may be stretched, or near a wall: its forces say little of those that balance at the solution.
-  if (iteration > 0 && residual <= target()) {
-    scale_ = std::min(scale_, std::max(equation_.force_scale(solution_), least_scale_));
-  }
+  if (iteration > 0 && residual <= target()) lower_scale(solution_);
   if (residual <= target()) {
     if (residual > unbalanced_part * scale_) ++statistics_.unbalanced_stops;
     return SNES_CONVERGED_FNORM_RELATIVE;
@@ -315,6 +314,10 @@ SNESConvergedReason NewtonSolver::judge(PetscInt iteration, double residual) {
     return SNES_CONVERGED_FNORM_ABS;
   }
   return SNES_CONVERGED_ITERATING;
+}
+
+void NewtonSolver::lower_scale(Vec q) {
+  scale_ = std::min(scale_, std::max(equation_.force_scale(q), least_scale_));
 }
 
 bool NewtonSolver::is_rounding(double residual) {
@@ -358,7 +361,7 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
   is_static_ = equation_.is_static();
   const bool may_follow = is_static_ && equation_.symmetry() != Symmetry::unsymmetric;
   follows_ = may_follow && prefers_following_;
-  equation_.refreeze(q);
+  equation_.freeze(q);
   const Path usual = path_;
   if (follows_) path_ = Path::residual;
   const auto no_guess = choose_guess(stage, q);
@@ -372,22 +375,7 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
   if (is_static_) least_scale_ = stage.accepted != nullptr ? equation_.force_scale(stage.accepted) : scale_;
   if (!std::isfinite(least_scale_)) least_scale_ = 0.0;
   StageReport report = may_follow ? seek_equilibrium(q) : iterate(q);
-  // Coefficients are frozen anew at each solution until it stays one.
-  int last = 1;
-  for (int round = 0; report.outcome == StageOutcome::converged && last > 0 && equation_.refreeze(q); ++round) {
-    if (round == max_refreezes) {
-      report.outcome = StageOutcome::retry;
-      report.reason = fmt::format("frozen coefficients did not settle within {} solves", max_refreezes);
-      break;
-    }
-    if (path_ == Path::minimisation) phi_ = value(q);
-    at_rounding_floor_ = false;
-    is_refrozen_ = true;
-    const StageReport again = iterate(q);
-    last = again.newton_iterations;
-    report = {again.outcome, again.reason, report.newton_iterations + last,
-              report.linear_iterations + again.linear_iterations};
-  }
+  settle_coefficients(q, report);
   if (report.outcome == StageOutcome::converged) {
     last_is_known_ = true;
     check(VecCopy(q, last_.get()));
@@ -442,10 +430,46 @@ StageReport NewtonSolver::seek_equilibrium(Vec q) {
     const int times = num_unsolved_ >= unsolved_before_snap ? times_to_snap : 1;
     attempt(false, lowest.get(), times * options_.max_iterations - newton);
   }
+  check(SNESSetTolerances(snes_.get(), PETSC_DEFAULT, PETSC_DEFAULT, 0.0, options_.max_iterations, PETSC_MAX_INT));
   num_unsolved_ = report.outcome == StageOutcome::converged ? 0 : num_unsolved_ + 1;
   report.newton_iterations = newton;
   report.linear_iterations = linear;
   return report;
+}
+
+void NewtonSolver::settle_coefficients(Vec q, StageReport& report) {
+  std::optional<FixedPoint> rounds;
+  for (int round = 0; report.outcome == StageOutcome::converged && equation_.refreeze(q); ++round) {
+    if (round == max_refreezes) {
+      report.outcome = StageOutcome::retry;
+      report.reason =
+          fmt::format("friction did not settle within {} solves with the pressure of the one before", max_refreezes);
+      return;
+    }
+    if (is_settled(q)) return;
+    if (!rounds) {
+      rounds.emplace(q);
+    } else {
+      Vec step = rounds->step(q);
+      check(VecCopy(q, trial_.get()));
+      check(VecAXPY(trial_.get(), std::min(1.0, part_to_wall * equation_.max_step(q, step)), step));
+      equation_.refreeze(trial_.get());
+      rounds->take(trial_.get());
+    }
+    if (path_ == Path::minimisation) phi_ = value(q);
+    at_rounding_floor_ = false;
+    is_refrozen_ = true;
+    const StageReport again = iterate(q);
+    report = {again.outcome, again.reason, report.newton_iterations + again.newton_iterations,
+              report.linear_iterations + again.linear_iterations};
+  }
+}
+
+bool NewtonSolver::is_settled(Vec q) {
+  equation_.gradient(q, r_.get());
+  const double residual = norm(r_.get());
+  lower_scale(q);
+  return residual <= target() || is_rounding(residual);
 }
 
 StageReport NewtonSolver::iterate(Vec q) {

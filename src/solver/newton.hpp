@@ -138,6 +138,10 @@ class NewtonSolver {
   /// short do not help, many to a minimum far away, to which the body snaps. The first two in the order that led to the
   /// equilibrium before.
   StageReport seek_equilibrium(Vec q);
+  /// Solves again, with coefficients frozen at the solution, until it stays one.
+  void settle_coefficients(Vec q, StageReport& report);
+  /// Whether q solves the stage with the coefficients as they are. Leaves the residual in `r_`.
+  bool is_settled(Vec q);
   /// Newton's iteration from q, with coefficients frozen as they are.
   StageReport iterate(Vec q);
   void assemble(Vec q, Projection projection);
@@ -183,6 +187,8 @@ class NewtonSolver {
   SNESConvergedReason judge(PetscInt iteration, double residual);
   /// Is the residual made of rounding errors alone? Collective.
   bool is_rounding(double residual);
+  /// A guess may be stretched, or near a wall: its forces say little of those that balance at the solution q.
+  void lower_scale(Vec q);
   void note_iteration(PetscInt iteration, double residual);
   void note_failure(const StagePoint& stage, Vec q);
   double value(Vec q);

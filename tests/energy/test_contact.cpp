@@ -20,7 +20,7 @@ using test::TestStage;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
 constexpr double time_of_stage = 0.7, dt = 0.05;
-const NormalLaw soft{NormalKind::penalty, 400.0, 0.15, 0.05};
+const NormalLaw soft{NormalKind::penalty, 400.0, 0.15, 0.2};
 
 struct ContactCase {
   ShapeCase shape;
@@ -84,7 +84,7 @@ class Contacting : public ::testing::TestWithParam<ContactCase> {
   /// At the stage, with what refreezes frozen near its solution.
   void begin(IncrementalPotential& potential) {
     potential.begin_stage(stage_.point);
-    potential.refreeze(frozen_.get());
+    potential.freeze(frozen_.get());
   }
   IncrementalPotential alone(const EnergyTerm& term) const {
     return {solid_.layout(), solid_.pattern(), {&term}, solid_.nothing_prescribed()};
@@ -219,7 +219,7 @@ TEST_P(Contacting, BoundOfAStepKeepsPointsBeforeABarrier) {
   EXPECT_EQ(potential.max_step(start.get(), way.get()), HUGE_VAL);
 }
 
-// The bottom of a unit cube, pressed into a plane beyond the rounding: a spring per area.
+// The bottom of a unit cube, pressed into a plane beyond the rounding: a spring per area, whose middle is at the plane.
 TEST(Contact, OfAFlatFaceIsASpringPerArea) {
   const Scratch scratch(comm);
   const auto file = scratch.file("body.msh", [](const std::string& f) {
@@ -230,7 +230,7 @@ TEST(Contact, OfAFlatFaceIsASpringPerArea) {
     const double depth = 0.03, k = 500.0;
     auto bottom = surface_facets(solid.mesh(), solid.layout(), [](const Point& x) { return x[2] < 1e-9; });
     const auto surface = std::make_shared<const ContactSurface>(solid.layout(), solid.pattern(), std::move(bottom),
-                                                                NormalLaw{NormalKind::penalty, k, 0.01, 0.0});
+                                                                NormalLaw{NormalKind::penalty, k, 0.01, 0.01});
     const Contact contact(surface,
                           std::make_shared<const Obstacle>(make_distance(PlaneShape{{}, {0.0, 0.0, 1.0}}), still()));
     IncrementalPotential potential(solid.layout(), solid.pattern(), {&contact}, solid.nothing_prescribed());

@@ -1,5 +1,5 @@
 // Orders in time of a body that bounces and slides in soft contact with two obstacles, one of which moves: every method
-// without drags, with drags frozen at the stage's start, and with iterated ones.
+// without drags, with drags frozen at the step's start, and with iterated ones.
 #include "energy/contact.hpp"
 #include "energy/motion.hpp"
 #include "petsc/collective.hpp"
@@ -61,7 +61,7 @@ struct Motion {
   static std::vector<std::unique_ptr<EnergyTerm>> contacts_of(const Solid& solid, Drags drags) {
     auto facets = surface_facets(solid.mesh(), solid.layout(), [](const Point&) { return true; });
     const auto surface = std::make_shared<const ContactSurface>(solid.layout(), solid.pattern(), std::move(facets),
-                                                                NormalLaw{NormalKind::penalty, 20.0, 0.6, 0.0});
+                                                                NormalLaw{NormalKind::penalty, 20.0, 0.6, 0.6});
     const RigidMotion still{{Expression(), Expression(), Expression()}, {0.0, 0.0, 1.0}, Expression(), {}};
     const RigidMotion turning{
         {Expression("0.2*sin(3*t)"), Expression(), Expression()}, {0.0, 1.0, 0.0}, Expression("0.8*t"), {}};

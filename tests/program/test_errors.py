@@ -139,6 +139,8 @@ DOUBTFUL = {
     "frames between steps": ("output", "output: {directory: out, every: @1 ms}", "every 0.001 s, but a step takes 0.01 s"),
     "a floor that points away": ("output", "contact: {stiffness: 1, obstacles: [@{name: floor, shape: plane, point: [0, 0, -0.1], normal: [0, 0, -1]}]}",
                                  "starts 1.1 m deep in the obstacle 'floor'.* turn 'normal' round"),
+    "an obstacle between contact points": ("output", "contact: {obstacles: [@{name: needle, shape: capsule, axis: [1, 0, 0], point: [0, 0, -1], "
+                                           "radius: 0.01, length: 1}]}", "'needle' is 0.02 m wide, but .* it can poke in between them"),
     "an obstacle inside the body": ("output", "contact: {obstacles: [@{name: ball, shape: sphere, point: [0.5, 0.5, 0.5], radius: 0.1}]}",
                                     "'ball' starts inside a body"),
     "contact of what is held": ("output", "contact: @{surface: left, obstacles: [{name: floor, shape: plane, normal: [0, 0, 1]}]}",
@@ -157,8 +159,8 @@ NOT_DOUBTFUL = {
     "a load on what is held in part": ("loads", "loads: [{surface: top, traction: [0, 0, 1]}, {gravity: [0, 0, -9.81]}]"),
     "a load across what is held": ("constraints", "constraints: [{surface: left, displacement: [0, 0, free]}]\n"
                                    "probes: [{name: a, point: [0, 0, 0]}]"),
-    "a floor that is touched": ("output", "contact: {stiffness: 1, obstacles: [{name: floor, shape: plane, point: [0, 0, 0.01], normal: [0, 0, 1]}]}"),
-    "a ball beside the body": ("output", "contact: {stiffness: 1, obstacles: [{name: a, shape: sphere, point: [0.5, 0.5, -0.2], radius: 0.1}]}"),
+    "a floor that is touched": ("output", "contact: {stiffness: 1, obstacles: [{name: floor, shape: plane, normal: [0, 0, 1]}]}"),
+    "a ball beside the body": ("output", "contact: {stiffness: 1, obstacles: [{name: a, shape: sphere, point: [0.5, 0.5, -0.3], radius: 0.2}]}"),
     "motion from where the body is": ("constraints", "constraints: [{surface: left, displacement: [0, \"0.1*sin(t)\", 0]}]"),
     "a tolerance in newtons": ("output", "solver: {newton: {absolute: 1 nN}}"),
     "parts that stay apart": ("loads", "loads: [{surface: top, traction: [0, 0, 1]}]"),
