@@ -81,7 +81,7 @@ class Run {
     introduce();
     simulation_.emplace(config, model_);
     simulation_->watch([this](const StageProgress& stage) { tell_of_long_stage(stage); });
-    watch_.emplace(simulation_->ledger().energies());
+    energy_watch_.emplace(simulation_->ledger().energies());
     for (const auto& line : simulation_->description()) console.print(line);
     std::optional<Recorded> earlier;
     if (from != nullptr) {
@@ -136,7 +136,8 @@ class Run {
       if (outcome.kind != StepOutcome::Kind::accepted) continue;
       recorder_->record(record(), simulation_->ledger());
       last_row_ = record().step;
-      if (simulation_->analysis() == Analysis::dynamic) watch_->look(simulation_->ledger().energies(), record().time);
+      if (simulation_->analysis() == Analysis::dynamic)
+        energy_watch_->look(simulation_->ledger().energies(), record().time);
       if (multigrid_is_news()) {
         console_.warn("the factorization ran out of memory; algebraic multigrid takes its place (solver.linear: amg)");
       }
@@ -185,7 +186,7 @@ class Run {
     archive.number("worst_time", worst_.time);
     archive.number("worst_newton_iterations", worst_.newton_iterations);
     archive.number("largest_energy", largest_energy_);
-    watch_->keep(archive);
+    energy_watch_->keep(archive);
   }
 
   void write_checkpoint() {
@@ -287,7 +288,7 @@ class Run {
     const StepStatistics& steps = simulation_->steps();
     const RunSeconds t{seconds_since(start_),   setup_seconds_,  model_.mesh_seconds(), s.assembly_seconds,
                        s.factorization_seconds, s.solve_seconds, output_seconds()};
-    save({outcome, message, num_ranks(comm_), t, steps, s, worst_, watch_->growth()});
+    save({outcome, message, num_ranks(comm_), t, steps, s, worst_, energy_watch_->growth()});
     console_.print(fmt::format(
         "time: {} s = set-up {} (mesh {}) + assembly {} + factorization {} + solve {} + output {} + rest {}",
         three_digits(t.total), three_digits(t.set_up), three_digits(t.mesh), three_digits(t.assembly),
@@ -307,7 +308,7 @@ class Run {
                                  worst_.time, worst_.newton_iterations));
     }
     console_.print(energy_line());
-    if (const auto growth = watch_->growth()) {
+    if (const auto growth = energy_watch_->growth()) {
       console_.warn(
           fmt::format("{}: the energy grew without work: at t = {:.6g} s there was {:.3g} times what came in, in steps "
                       "of {:g} s by '{}'; shorten the steps, take bdf2, dirk22 or dirk33, or damp the vibrations by a "
@@ -372,7 +373,7 @@ class Run {
   bool multigrid_was_told_ = false;
   std::int64_t last_frame_ = 0;  // step of the last one that was due
   double largest_energy_ = 0.0;  // so far [J]
-  std::optional<EnergyWatch> watch_;
+  std::optional<EnergyWatch> energy_watch_;
   WorstStep worst_;
   double told_at_ = 0.0;  // seconds that the stage had taken when the user last heard of it
 };

@@ -207,7 +207,9 @@ TEST_P(Terms, ExtrapolatedHessianMeetsTheExactOne) {
   };
   const double far = error(0.1), near = error(0.05);
   EXPECT_LE(far, 0.1 * size);
-  if (far > 1e-10 * size) EXPECT_NEAR(std::log2(far / near), 2.0, 0.4);
+  if (far > 1e-10 * size) {
+    EXPECT_NEAR(std::log2(far / near), 2.0, 0.4);
+  }
 }
 
 TEST_P(Terms, HessianIsAsSymmetricAsDeclared) {
