@@ -21,8 +21,8 @@ struct Components {
 /// The numbers ascend with the lowest global node. Collective.
 Components connected_components(const NodeLayout& layout);
 
-/// The owned nodes of each component of which no owned node `is_held` on any rank; of those of other ranks none, so that
-/// a list may be empty. Collective.
+/// The owned nodes of each component of which no owned node `is_held` on any rank; of those of other ranks none, so
+/// that a list may be empty. Collective.
 std::vector<std::vector<PetscInt>> free_components(const NodeLayout& layout,
                                                    const std::function<bool(PetscInt node)>& is_held);
 

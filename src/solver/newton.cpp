@@ -23,6 +23,9 @@ constexpr int times_to_snap = 6;
 constexpr int unsolved_before_snap = 2;
 /// Iterations on the way to an equilibrium nearby: Newton's method squares the error.
 constexpr int max_followed = 8;
+/// How often the forces of a guess give way to those at the iterate that met the tolerance for them. At a solution
+/// without stress there are none, and it is enough to have met it for the remains of remains.
+constexpr int max_lowered = 3;
 /// A residual that is said to be rounding is looked at twice if it is more than this part of the forces.
 constexpr double doubtful_rounding = 1e-6;
 
@@ -301,7 +304,11 @@ SNESConvergedReason NewtonSolver::judge(PetscInt iteration, double residual) {
   note_iteration(iteration, residual);
   if (!std::isfinite(residual)) return SNES_DIVERGED_FNORM_NAN;
   if (iteration > 0) took_full_step_ ? forcing_.observe(residual) : forcing_.forget();
-  if (iteration > 0 && residual <= target()) lower_scale(solution_);
+  if (iteration == 0) num_lowered_ = 0;
+  if (iteration > 0 && residual <= target() && num_lowered_ < max_lowered) {
+    ++num_lowered_;
+    lower_scale(solution_);
+  }
   if (residual <= target()) {
     if (residual > unbalanced_part * scale_) ++statistics_.unbalanced_stops;
     return SNES_CONVERGED_FNORM_RELATIVE;
@@ -317,7 +324,7 @@ SNESConvergedReason NewtonSolver::judge(PetscInt iteration, double residual) {
 }
 
 void NewtonSolver::lower_scale(Vec q) {
-  scale_ = std::min(scale_, std::max(equation_.force_scale(q), least_scale_));
+  scale_ = std::min(scale_, equation_.force_scale(q));
 }
 
 bool NewtonSolver::is_rounding(double residual) {
@@ -371,9 +378,6 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
     return {StageOutcome::retry, *no_guess};
   }
   scale_ = equation_.force_scale(q);
-  least_scale_ = 0.0;
-  if (is_static_) least_scale_ = stage.accepted != nullptr ? equation_.force_scale(stage.accepted) : scale_;
-  if (!std::isfinite(least_scale_)) least_scale_ = 0.0;
   StageReport report = may_follow ? seek_equilibrium(q) : iterate(q);
   settle_coefficients(q, report);
   if (report.outcome == StageOutcome::converged) {
@@ -402,7 +406,7 @@ StageReport NewtonSolver::seek_equilibrium(Vec q) {
     if (path_ == Path::minimisation) phi_ = value(q);
     factor_is_wanted_ = factor_is_wanted_ || newton > 0;
     merit_has_scale_ = at_rounding_floor_ = false;
-    scale_ = std::max(equation_.force_scale(q), least_scale_);
+    scale_ = equation_.force_scale(q);
     check(SNESSetTolerances(snes_.get(), PETSC_DEFAULT, PETSC_DEFAULT, 0.0, max_iterations, PETSC_MAX_INT));
     report = iterate(q);
     newton += report.newton_iterations;

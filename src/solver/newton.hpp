@@ -216,8 +216,8 @@ class NewtonSolver {
   Vec start_ = nullptr;
   Vec solution_ = nullptr;
   double scale_ = 0.0;
-  double least_scale_ = 0.0;  // without inertia, that of the accepted state: at the next one there may be no forces
-  double phi_ = 0.0;          // value at the current iterate
+  int num_lowered_ = 0;  // times in this iteration that the scale became that of the iterate
+  double phi_ = 0.0;     // value at the current iterate
   Projection projection_ = Projection::none;
   bool is_regularized_ = false;
   bool has_second_guess_ = false;  // guess_ is one
