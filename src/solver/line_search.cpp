@@ -188,7 +188,8 @@ bool NewtonSolver::factor_is_poor() const {
 bool NewtonSolver::climb(Vec q) {
   if (lacks_memory_) return false;  // another matrix takes as much
   if (!factor_is_current_) {
-    factorize_definite(q);
+    // On the residual Newton's own direction is the best, whatever the signs of the eigenvalues.
+    path_ == Path::residual && !is_static_ ? factorize(q) : static_cast<void>(factorize_definite(q));
     return true;
   }
   if (follows_) return false;

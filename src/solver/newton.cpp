@@ -221,9 +221,12 @@ bool NewtonSolver::factorize_definite(Vec q) {
   }
   if (has_right_inertia()) return true;
   // A small shift of the diagonal keeps what is stiff, and leaves Newton's direction long where K is soft or unstable.
-  const double mean = mean_diagonal();
+  // A merit of the residual knows no downhill: a direction that is long along an unstable mode gains nothing there.
+  const bool may_shift = path_ == Path::minimisation || is_static_;
+  const double mean = may_shift ? mean_diagonal() : 0.0;
   double total = 0.0;
-  for (double part = std::max(least_shift, last_shift_ / 3.0); part <= largest_shift; part *= shift_growth) {
+  for (double part = std::max(least_shift, last_shift_ / 3.0); may_shift && part <= largest_shift;
+       part *= shift_growth) {
     shift(part * mean - total);
     total = part * mean;
     factorize(q);
@@ -431,7 +434,8 @@ StageReport NewtonSolver::seek_equilibrium(Vec q) {
   };
   const bool arrives = prefers_following_ ? follow() || minimise() : minimise() || follow();
   if (!arrives) {
-    const int times = num_unsolved_ >= unsolved_before_snap ? times_to_snap : 1;
+    const bool may_snap = num_unsolved_ >= unsolved_before_snap && options_.max_iterations > 3 * max_followed;
+    const int times = may_snap ? times_to_snap : 1;
     attempt(false, lowest.get(), times * options_.max_iterations - newton);
   }
   check(SNESSetTolerances(snes_.get(), PETSC_DEFAULT, PETSC_DEFAULT, 0.0, options_.max_iterations, PETSC_MAX_INT));

@@ -130,9 +130,12 @@ class NewtonSolver {
   void consider(Vec candidate, Vec q);
   /// q = `candidate`, or where a wall stands on the way there from the accepted state: short of it.
   void stop_short_of_walls(Vec accepted, Vec candidate);
+  /// How far what is prescribed was led: not at all, as the accepted state lies beyond a barrier now, a part of its
+  /// way, or all of it.
+  enum class Carried { not_at_all, partly, all_the_way };
   /// Leads what is prescribed from the accepted state to where it stands in q, and the body with it: by the tangent, on
-  /// as many straight ways as it takes. False if it cannot be led there; q is then where it ended.
-  bool carry(Vec accepted, Vec q);
+  /// as many straight ways as it takes; q is then where it ended.
+  Carried carry(Vec accepted, Vec q);
   /// Without inertia: in turn, until one arrives, a few iterations of Newton's method to a minimum nearby; a few to any
   /// equilibrium nearby, on the residual and whatever the signs of the Hessian's eigenvalues; and, where steps cut
   /// short do not help, many to a minimum far away, to which the body snaps. The first two in the order that led to the

@@ -79,7 +79,8 @@ std::optional<std::string> NewtonSolver::choose_guess(const StagePoint& stage, V
   if (std::isfinite(phi_) && !is_static_) return std::nullopt;
   const double best = phi_;
   check(VecCopy(q, guess_.get()));
-  has_second_guess_ = carry(accepted, q);
+  const Carried carried = carry(accepted, q);
+  has_second_guess_ = carried == Carried::all_the_way;
   if (has_second_guess_) phi_ = height(q);
   if (!(phi_ < best)) {
     check(VecSwap(q, guess_.get()));
@@ -88,12 +89,12 @@ std::optional<std::string> NewtonSolver::choose_guess(const StagePoint& stage, V
   has_second_guess_ = has_second_guess_ && std::isfinite(best);
   equation_.extrapolate_from(nullptr);
   if (std::isfinite(phi_)) return std::nullopt;
-  if (!has_direction_) return "an obstacle has moved onto the body within one step";
+  if (carried == Carried::not_at_all) return "an obstacle has moved onto the body within one step";
   return "what is prescribed cannot move as far within one step: a tetrahedron turns inside out, or an obstacle "
          "stands in its way";
 }
 
-bool NewtonSolver::carry(Vec accepted, Vec q) {
+NewtonSolver::Carried NewtonSolver::carry(Vec accepted, Vec q) {
   const auto& prescribed = equation_.prescribed();
   const Handle<Vec> given = equation_.make_vector(), forces = equation_.make_vector();
   check(VecWAXPY(given.get(), -1.0, accepted, q));
@@ -113,11 +114,10 @@ bool NewtonSolver::carry(Vec accepted, Vec q) {
   };
   check(VecCopy(accepted, q));
   lead(q, 0.0);
-  has_direction_ = false;
-  bool arrives = false;
-  for (int k = 0; k < max_ways && !arrives; ++k) {
+  Carried carried = Carried::not_at_all;
+  for (int k = 0; k < max_ways && carried != Carried::all_the_way; ++k) {
     if (!std::isfinite(height(q))) break;
-    has_direction_ = true;
+    carried = Carried::partly;
     // d/d part of the residual, by a central difference.
     const double h = difference_part * std::max(1.0 - part, shortest_way);
     check(VecCopy(q, last_trial_.get()));
@@ -129,7 +129,7 @@ bool NewtonSolver::carry(Vec accepted, Vec q) {
     lead(q, part);
     if (norm(forces.get()) == 0.0) {  // nothing that is prescribed moves, or nothing feels it
       lead(q, 1.0);
-      arrives = true;
+      carried = Carried::all_the_way;
       break;
     }
     equation_.gradient(q, r_.get());
@@ -154,10 +154,10 @@ bool NewtonSolver::carry(Vec accepted, Vec q) {
     }
     if (!is_finite) break;
     go_to(last_trial_.get(), q);
-    arrives = part == 1.0;
+    if (part == 1.0) carried = Carried::all_the_way;
   }
   equation_.lead(1.0);
-  return arrives;
+  return carried;
 }
 
 }  // namespace pliant

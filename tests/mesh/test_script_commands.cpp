@@ -119,6 +119,7 @@ TEST(ScriptCommands, AreFoundInFilesThatAreLoaded) {
     EXPECT_NE(said.find("in 'inner.geo', which it loads, line 2, column 3: 'SystemCall'"), std::string::npos) << said;
   }
   EXPECT_NO_THROW(require_no_commands(scratch.text("cad.geo", "Merge \"part.step\";\nMerge \"cad.geo\";\n")));
+  check_mpi(MPI_Barrier(comm));  // all have looked
   // gmsh loads the options that lie beside a file, whatever its format.
   scratch.text("part.step.opt", "SystemCall \"touch made\";\n");
   EXPECT_THROW(require_no_commands(scratch.path("part.step")), MeshDefect);

@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import yaml
 
-from program import ProgramTest, box, write_mesh
+from program import ProgramTest, box, read_history, write_mesh
 
 SIZE, PARTS = (0.6, 0.2, 0.2), (6, 2, 2)
 FIELDS = {"displacement", "residual", "newton_step", "volume_ratio", "quality"}
@@ -26,21 +26,21 @@ time: {method: bdf2, step: 10 ms, end: 0.1, min_step: 10 ms}
 solver: {newton: {max_iterations: 3}}
 """
 
-# name: settings, the last good step, words of the advice, whether Newton's method got as far as a direction
+# name: settings, words of the advice, whether Newton's method got as far as a direction
 CASES = {
-    "out of iterations": ((), 1, "max_iterations", True),
+    "out of iterations": ((), "max_iterations", True),
     "pushed inside out": (("constraints=[{surface: left, displacement: [0, 0, 0]}, "
-                           "{surface: right, displacement: ['t < 0.015 ? 0 : -0.15', 0, 0]}]",
-                           "solver.newton.max_iterations=50", "loads=[]"), 1, "inside out", False),
-    "static": (("time={method: static, load_steps: 1, end: 0.1}", "solver.newton.max_iterations=1"), 0, "", True),
-    "quadratic": (("element=P2",), 1, "", True),
-    "with pressures": (("element=P2", "volumetric=mixed", "solver.newton.max_iterations=1"), 0, "", True),
-    "with a rigid part": (("constraints=[{surface: left, displacement: [0, 0, 0]}, {surface: right, rigid: {}}]",), 1, "",
+                           "{surface: right, displacement: ['t < 0.015 ? 0 : -0.75', 0, 0]}]",
+                           "solver.newton.max_iterations=50", "loads=[]"), "inside out", False),
+    "static": (("time={method: static, load_steps: 1, end: 0.1}", "solver.newton.max_iterations=1"), "", True),
+    "quadratic": (("element=P2",), "", True),
+    "with pressures": (("element=P2", "volumetric=mixed", "solver.newton.max_iterations=1"), "", True),
+    "with a rigid part": (("constraints=[{surface: left, displacement: [0, 0, 0]}, {surface: right, rigid: {}}]",), "",
                           True),
     "of PETSc": (("time={method: {petsc: bdf}, step: 10 ms, end: 0.1, min_step: 10 ms}", "solver.newton.max_iterations=2",
                   "bodies=[{volume: held, density: 1000, elasticity: {model: linear, youngs_modulus: 100 kPa, "
                   "poissons_ratio: 0.3}}, {volume: free, density: 1000, elasticity: {model: neo-hookean, "
-                  "youngs_modulus: 50 kPa, poissons_ratio: 0.3}}]"), None, "", None),
+                  "youngs_modulus: 50 kPa, poissons_ratio: 0.3}}]"), "", None),
 }
 
 
@@ -70,11 +70,10 @@ class PostMortem(ProgramTest):
                     self.judge(case, self.failed(case[0], ranks))
 
     def judge(self, case, report):
-        _, last_step, words, has_direction = case
+        _, words, has_direction = case
         self.assertTrue(any(words in line for line in report["advice"]), report["advice"])
         self.assertEqual(report["title"], "a body that 'fails'")
-        if last_step is not None:
-            self.assertEqual(report["last_good"]["step"], last_step)
+        self.assertEqual(report["last_good"]["step"], read_history(self.directory / "out")["step"][-1])
         self.assertAlmostEqual(report["tried"]["time"] - report["last_good"]["time"], report["tried"]["length"], delta=1e-9)
         self.assertEqual([body["name"] for body in report["bodies"]], ["held", "free"])
         for frame in xml.etree.ElementTree.parse(self.bundle / "state.xdmf").findall(".//Grid[@GridType='Uniform']"):
