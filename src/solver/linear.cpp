@@ -21,6 +21,10 @@ constexpr double cost_of_usual_set_up = 16.0, cost_of_small_factorization = 8.0,
 /// Vectors that GMRES keeps before it starts anew. With a factor it needs a few; with multigrid some tens.
 constexpr PetscInt gmres_restart = 60;
 
+/// Iterations of the Krylov method after which a direction is taken as it is. With a factor that needs so many another
+/// one is due.
+constexpr PetscInt max_iterations_with_factor = 100, max_iterations_of_multigrid = 500;
+
 /// An option the user has not given. Looking for it makes it count as used, whether or not there is a solve.
 void set_default_option(const char* name, const char* value) {
   PetscBool given = PETSC_FALSE;
@@ -336,7 +340,8 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
   check(KSPGetPC(ksp, &pc));
   check(KSPSetOperators(ksp, K, K));
   const bool may_be_single = kind == LinearKind::cholesky && symmetry != Symmetry::indefinite;
-  check(KSPSetTolerances(ksp, 1e-5, PETSC_DEFAULT, PETSC_DEFAULT, 500));
+  check(KSPSetTolerances(ksp, 1e-5, PETSC_DEFAULT, PETSC_DEFAULT,
+                         kind == LinearKind::cholesky ? max_iterations_with_factor : max_iterations_of_multigrid));
   if (may_be_single) {
     use_factorization(pc, symmetry);
   } else if (kind == LinearKind::cholesky) {

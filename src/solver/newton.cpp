@@ -26,6 +26,12 @@ constexpr int max_followed = 8;
 /// How often the forces of a guess give way to those at the iterate that met the tolerance for them. At a solution
 /// without stress there are none, and it is enough to have met it for the remains of remains.
 constexpr int max_lowered = 3;
+/// The forces of a guess are too large a measure if those at the iterate are less than this part of them.
+constexpr double much_less = 0.1;
+/// Forces that are less than this part of those of the guess have vanished.
+constexpr double tiny_part = 1e-6;
+/// Iterations that have brought the residual below this part of the first one are on their way.
+constexpr double nearly_there = 1e-3;
 /// A residual that is said to be rounding is looked at twice if it is more than this part of the forces.
 constexpr double doubtful_rounding = 1e-6;
 
@@ -309,8 +315,8 @@ SNESConvergedReason NewtonSolver::judge(PetscInt iteration, double residual) {
   if (iteration > 0) took_full_step_ ? forcing_.observe(residual) : forcing_.forget();
   if (iteration == 0) num_lowered_ = 0;
   if (iteration > 0 && residual <= target() && num_lowered_ < max_lowered) {
-    ++num_lowered_;
     lower_scale(solution_);
+    if (residual > target()) ++num_lowered_;
   }
   if (residual <= target()) {
     if (residual > unbalanced_part * scale_) ++statistics_.unbalanced_stops;
@@ -318,16 +324,21 @@ SNESConvergedReason NewtonSolver::judge(PetscInt iteration, double residual) {
   }
   if (iteration == 0) start_of_iteration_ = {residual, norm(solution_)};
   if (at_rounding_floor_ || ((iteration > 0 || is_refrozen_) && is_rounding(residual))) {
-    ++statistics_.rounding_stops;
-    const double size = std::max(equation_.force_scale(solution_), equation_.inertia_scale());
-    if (size > 0.0) statistics_.worst_rounding = std::max(statistics_.worst_rounding, residual / size);
+    count_rounding(residual);
     return SNES_CONVERGED_FNORM_ABS;
   }
   return SNES_CONVERGED_ITERATING;
 }
 
+void NewtonSolver::count_rounding(double residual) {
+  ++statistics_.rounding_stops;
+  const double size = std::max({equation_.force_scale(solution_), equation_.inertia_scale(), first_scale_ * tiny_part});
+  if (size > 0.0) statistics_.worst_rounding = std::max(statistics_.worst_rounding, residual / size);
+}
+
 void NewtonSolver::lower_scale(Vec q) {
-  scale_ = std::min(scale_, equation_.force_scale(q));
+  const double now = equation_.force_scale(q);
+  if (now < much_less * scale_) scale_ = now;
 }
 
 bool NewtonSolver::is_rounding(double residual) {
@@ -380,7 +391,7 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
     note_failure(stage, q);
     return {StageOutcome::retry, *no_guess};
   }
-  scale_ = equation_.force_scale(q);
+  scale_ = first_scale_ = equation_.force_scale(q);
   StageReport report = may_follow ? seek_equilibrium(q) : iterate(q);
   settle_coefficients(q, report);
   if (report.outcome == StageOutcome::converged) {
@@ -411,9 +422,11 @@ StageReport NewtonSolver::seek_equilibrium(Vec q) {
     merit_has_scale_ = at_rounding_floor_ = false;
     scale_ = equation_.force_scale(q);
     check(SNESSetTolerances(snes_.get(), PETSC_DEFAULT, PETSC_DEFAULT, 0.0, max_iterations, PETSC_MAX_INT));
-    report = iterate(q);
-    newton += report.newton_iterations;
-    linear += report.linear_iterations;
+    do {
+      report = iterate(q);
+      newton += report.newton_iterations;
+      linear += report.linear_iterations;
+    } while (report.outcome == StageOutcome::retry && newton < options_.max_iterations && is_converging());
     if (report.outcome == StageOutcome::converged) {
       prefers_following_ = follows && !has_right_inertia();
       if (prefers_following_) ++statistics_.unstable_stages;
@@ -480,6 +493,12 @@ bool NewtonSolver::is_settled(Vec q) {
   return residual <= target() || is_rounding(residual);
 }
 
+bool NewtonSolver::is_converging() const {
+  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+  check(SNESGetConvergedReason(snes_.get(), &reason));
+  return reason == SNES_DIVERGED_MAX_IT && iterations_.back().residual < nearly_there * iterations_.front().residual;
+}
+
 StageReport NewtonSolver::iterate(Vec q) {
   const double before = statistics_.factorization_seconds + statistics_.assembly_seconds + statistics_.solve_seconds;
   double total = 0.0;
@@ -496,6 +515,11 @@ StageReport NewtonSolver::iterate(Vec q) {
   check(SNESGetConvergedReason(snes_.get(), &reason));
   check(SNESGetIterationNumber(snes_.get(), &newton));
   check(SNESGetLinearSolveIterations(snes_.get(), &linear));
+  if (reason == SNES_DIVERGED_LINE_SEARCH && num_lowered_ > 0) {
+    // It has met the tolerance for the forces of the guess, and is as near to forces that vanish as it can be.
+    reason = SNES_CONVERGED_FNORM_ABS;
+    count_rounding(iterations_.back().residual);
+  }
   statistics_.newton_iterations += newton;
   statistics_.linear_iterations += linear;
   StageReport report;

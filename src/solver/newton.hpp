@@ -145,6 +145,8 @@ class NewtonSolver {
   void settle_coefficients(Vec q, StageReport& report);
   /// Whether q solves the stage with the coefficients as they are. Leaves the residual in `r_`.
   bool is_settled(Vec q);
+  /// Whether the last iteration ran out of iterations near its end.
+  bool is_converging() const;
   /// Newton's iteration from q, with coefficients frozen as they are.
   StageReport iterate(Vec q);
   void assemble(Vec q, Projection projection);
@@ -190,6 +192,7 @@ class NewtonSolver {
   SNESConvergedReason judge(PetscInt iteration, double residual);
   /// Is the residual made of rounding errors alone? Collective.
   bool is_rounding(double residual);
+  void count_rounding(double residual);
   /// A guess may be stretched, or near a wall: its forces say little of those that balance at the solution q.
   void lower_scale(Vec q);
   void note_iteration(PetscInt iteration, double residual);
@@ -219,8 +222,9 @@ class NewtonSolver {
   Vec start_ = nullptr;
   Vec solution_ = nullptr;
   double scale_ = 0.0;
-  int num_lowered_ = 0;  // times in this iteration that the scale became that of the iterate
-  double phi_ = 0.0;     // value at the current iterate
+  double first_scale_ = 0.0;  // of the guess
+  int num_lowered_ = 0;       // times in this iteration that the scale became that of the iterate
+  double phi_ = 0.0;          // value at the current iterate
   Projection projection_ = Projection::none;
   bool is_regularized_ = false;
   bool has_second_guess_ = false;  // guess_ is one
