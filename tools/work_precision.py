@@ -24,7 +24,7 @@ def read_study(path):
     """The rows of each method, in the order of the table."""
     file = os.path.join(path, "convergence.csv") if os.path.isdir(path) else path
     if not os.path.isfile(file):
-        raise PliantError(f"there is no study: {file} does not exist")
+        raise PliantError(f"there is not a study: {file} does not exist")
     with open(file, newline="", encoding="utf-8") as text:
         rows = list(csv.DictReader(text))
     methods = {}
@@ -33,7 +33,7 @@ def read_study(path):
             numbers = {name: float(row[name]) for name in (*WORK, *ERRORS)}
             methods.setdefault(row["method"], []).append(numbers)
     except (KeyError, TypeError, ValueError) as error:
-        raise PliantError(f"{file} is no study of `pliant converge`: {error}") from error
+        raise PliantError(f"{file} is not a study of `pliant converge`: {error}") from error
     if not methods:
         raise PliantError(f"{file} holds no level yet")
     return os.path.dirname(os.path.abspath(file)), methods

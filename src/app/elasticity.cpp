@@ -42,7 +42,7 @@ ElasticityRule::ElasticityRule(const ElasticityConfig& config)
     if (std::ranges::find(wanted, d.key) != wanted.end()) continue;
     std::string names;
     for (const auto& key : wanted) names += (names.empty() ? "'" : ", '") + std::string(key) + "'";
-    mistakes.push_back({d.where, fmt::format("'{}' is no direction of {}, which has {}", d.key, config.model,
+    mistakes.push_back({d.where, fmt::format("'{}' is not a direction of {}, which has {}", d.key, config.model,
                                              names.empty() ? "none" : names)});
   }
   if (!mistakes.empty()) throw InputError(std::move(mistakes));

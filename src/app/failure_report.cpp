@@ -129,7 +129,7 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
 }
 
 std::string to_yaml(const FailureReport& report, const Failure& failure) {
-  std::string text = "# Why a run of Pliant could not go on. SI units. Rows are those of state.h5, from 0.\n";
+  std::string text = "# Why a run of Pliant could not continue. SI units. Rows are those of state.h5, from 0.\n";
   auto out = std::back_inserter(text);
   fmt::format_to(out, "title: {}\ninput: {}\nreason: {}\nadvice:\n", quoted(report.title), quoted(report.file),
                  quoted(failure.reason));
@@ -156,7 +156,7 @@ std::string to_yaml(const FailureReport& report, const Failure& failure) {
                    name_of_body(cell.body), numbers(cell.X), cell.row, whole_numbers(cell.vertices));
   }
   if (!failure.stage) {
-    text += "\n# The solver tells no more.\n";
+    text += "\n# The solver reports no more.\n";
     return text;
   }
   fmt::format_to(out, "\nworst_nodes:  # vertex: number in the mesh, -1 in the middle of an edge\n");

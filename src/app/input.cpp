@@ -33,7 +33,7 @@ std::string file_text(const std::string& file) {
   }
   if (extension == ".h5") {
     throw InputError({file, 0, 0},
-                     "this is no input, which is a text in YAML; from a checkpoint goes on: pliant resume");
+                     "not an input file (YAML expected); to continue from a checkpoint: pliant resume FILE");
   }
   std::ifstream stream(file, std::ios::binary);
   if (!stream) {

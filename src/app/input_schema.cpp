@@ -163,7 +163,7 @@ Section<Config> config_keys() {
       field("solver", &Config::solver, map_of(solver_keys()), "how equations are solved"),
       field("output", &Config::output, map_of(output_keys()), "what is written"),
       field("checkpoint", &Config::checkpoint, map_of(checkpoint_keys()),
-            "files from which `pliant resume` goes on; `{}`: at the end of the run alone; the last two are kept")
+            "files from which `pliant resume` continues; `{}`: at the end of the run alone; the last two are kept")
           .otherwise_in_words("only where the run is interrupted or fails"),
       field("probes", &Config::probes, list_of(map_of(probe_keys()), 0), "points whose motion history.csv follows"),
   }};

@@ -145,7 +145,7 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
   add_input(run);
   add_output(run, "directory for the results");
   run->add_flag("--continue", arguments.continues,
-                "go on with the run that is there, from its newest checkpoint; begin it if there is none");
+                "continue the run that is there from its newest checkpoint; begin it if there is none");
   run->add_flag("--quiet", arguments.quiet, "print warnings and errors only");
   run->callback([&] {
     command = [&] {
@@ -155,7 +155,7 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
     };
   });
 
-  CLI::App* resume = app.add_subcommand("resume", "go on from a checkpoint");
+  CLI::App* resume = app.add_subcommand("resume", "continue from a checkpoint");
   resume->footer(examples(
       {"pliant resume out/beam", "mpirun -n 2 pliant resume out/beam/checkpoint-000100.h5 --set time.end=\"4 s\""}));
   resume->add_option("CHECKPOINT", arguments.file, "the checkpoint, or a directory with checkpoints: its newest one")
@@ -256,8 +256,7 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
       ->required()
       ->allow_extra_args(false);
   add_output(sweep, "directory for the runs, sweep.csv and the plots");
-  sweep->add_flag("--continue", arguments.sweep.continues,
-                  "leave runs that are done, go on with those that were begun");
+  sweep->add_flag("--continue", arguments.sweep.continues, "leave runs that are done, continue those that were begun");
   sweep->add_option("--jobs", arguments.sweep.at_once, "runs at a time; default: as many as the processors allow")
       ->check(CLI::Range(1, 1024))
       ->type_name("N");

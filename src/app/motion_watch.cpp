@@ -25,7 +25,7 @@ constexpr std::string_view of_graphics = "it is made for the looks of moderate d
 /// a membrane that is blown up become small as well as large, so that most laws have no lower bound to speak of.
 constexpr double no_bound = 0.02;
 constexpr std::array<std::pair<std::string_view, TrustedStretches>, 16> trusted{{
-    {"linear", {0.8, 1.2, "it is for strains of some per cent, and takes turning for strain"}},
+    {"linear", {0.8, 1.2, "it is for strains of a few per cent, and takes rotation for strain"}},
     {"saint-venant-kirchhoff", {0.6, 2.0, "it is for small strain, and collapses under compression below 0.577"}},
     {"neo-hookean", {no_bound, 4.0, rubber_tears}},
     {"stable-neo-hookean", {no_bound, 4.0, rubber_tears}},
@@ -108,12 +108,13 @@ MotionWatch::MotionWatch(const Config& config, const Model& model)
   for (std::size_t b = 0; b < config.bodies.size(); ++b) {
     const ElasticityRule rule(config.bodies[b].elasticity);
     const std::string law(rule.kind().info().name);
-    bodies_.push_back({config.bodies[b].elasticity.where,
-                       model.body_names()[b],
-                       law,
-                       trusted_stretches(law).value_or(TrustedStretches{no_bound, 10.0, "nothing is known of it"}),
-                       {},
-                       {}});
+    bodies_.push_back(
+        {config.bodies[b].elasticity.where,
+         model.body_names()[b],
+         law,
+         trusted_stretches(law).value_or(TrustedStretches{no_bound, 10.0, "the range of this law is not known"}),
+         {},
+         {}});
   }
 }
 
@@ -124,9 +125,10 @@ std::string MotionWatch::instant(double time) const {
 std::string MotionWatch::in_words(const Body& body, const Extreme& extreme) const {
   const auto& [x, y, z] = extreme.X;
   return fmt::format(
-      "{}: at {} '{}' is {} to {:.3g} of its length near X = ({:.4g}, {:.4g}, {:.4g}), and '{}' is no law for that: "
+      "{}: at {} '{}' is {} to {:.3g} of its length near X = ({:.4g}, {:.4g}, {:.4g}), and '{}' does not describe "
+      "that: "
       "{}; "
-      "are loads and moduli right? A number without a unit is in SI",
+      "check loads and moduli: a number without a unit is in SI",
       to_string(body.where), instant(extreme.time), body.name, extreme.stretch > 1.0 ? "stretched" : "squeezed",
       extreme.stretch, x, y, z, body.law, body.trusted.why);
 }

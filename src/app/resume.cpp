@@ -46,7 +46,7 @@ void check_changes(const std::vector<Override>& overrides) {
         changeable, [&](const Changeable& one) { return (change.path + '.').starts_with(std::string(one.key) + '.'); });
     if (may_change) continue;
     refused.push_back({{"--set " + change.path, 0, 0},
-                       fmt::format("this cannot change in a run that goes on; what can: {}; for all else start anew "
+                       fmt::format("this cannot change in a run that continues; what can: {}; for all else start anew "
                                    "with `pliant run`",
                                    fmt::join(changeable | std::views::transform(&Changeable::key), ", "))});
   }
@@ -149,7 +149,7 @@ ExitCode continue_command(MPI_Comm comm, const std::string& file, const std::vec
   const std::string now = dump(config), then = dump(changed(earlier, config));
   if (then != now) {
     throw InputError({file, 0, 0},
-                     fmt::format("'{0}' holds a run of another input: {1}. To go on with that one: pliant resume {0}; "
+                     fmt::format("'{0}' holds a run of another input: {1}. To continue that one: pliant resume {0}; "
                                  "to replace it leave --continue out; to keep both: --output DIR",
                                  directory.string(), first_difference(then, now)));
   }
@@ -184,7 +184,7 @@ std::string info_text(MPI_Comm comm, const std::string& file) {
     const CheckpointInfo info = read_checkpoint_info(comm, file);
     return fmt::format(
         "checkpoint{}, whole\nafter step {} at t = {:.6g}\nwritten on {} rank{} by\n{}PETSc options: {}\n"
-        "go on with: pliant resume {}\n\nThe input:\n{}",
+        "continue with: pliant resume {}\n\nThe input:\n{}",
         info.title.empty() ? "" : fmt::format(" of '{}'", info.title), info.step, info.time, info.ranks,
         info.ranks == 1 ? "" : "s", info.program, info.petsc_options.empty() ? "none" : info.petsc_options, file,
         info.input);

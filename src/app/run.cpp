@@ -99,7 +99,7 @@ class Run {
       recorder_.emplace(config, model_, simulation_->ledger(), earlier);
     } catch (const FileError& error) {
       if (!earlier) throw;
-      throw FileError(fmt::format("{}. To leave what is there and go on elsewhere: pliant resume {} --output DIR",
+      throw FileError(fmt::format("{}. To leave what is there and continue elsewhere: pliant resume {} --output DIR",
                                   error.what(), from->file.string()));
     }
     if (!earlier) {
@@ -207,7 +207,7 @@ class Run {
         files.empty()
             ? "no checkpoint; once files can be written again, start anew (`checkpoint: {every: 100}` makes runs "
               "that can go on)"
-            : fmt::format("{}; once files can be written again, go on: {}", files.front().filename().string(),
+            : fmt::format("{}; once files can be written again, continue with: {}", files.front().filename().string(),
                           how_to_resume());
     return fmt::format("What is there is whole: rows up to step {}, frames up to step {}, {}", last_row_, last_frame_,
                        what_to_do);
@@ -223,7 +223,7 @@ class Run {
   ExitCode interrupted() {
     if (!last_frame_written_) recorder_->write_frame(record());
     summarise("interrupted", "");
-    console_.warn(fmt::format("interrupted after step {} at {} = {:.6g}{}; what was computed is in {}; to go on: {}",
+    console_.warn(fmt::format("interrupted after step {} at {} = {:.6g}{}; what was computed is in {}; to continue: {}",
                               record().step, variable(), record().time, is_static() ? "" : " s",
                               config_.output.directory, how_to_resume()));
     return ExitCode::interrupted;
@@ -246,7 +246,7 @@ class Run {
     throw SolveError(fmt::format(
         "the solve failed at {0} = {1:.6g}: {2}. The last good state ({0} = {1:.6g}) is in {3}{4}. Post-mortem: {5}",
         variable(), record().time, outcome.reason, config_.output.directory,
-        is_static() ? "" : fmt::format(" (`{} --set time.step=...` goes on from there)", how_to_resume()),
+        is_static() ? "" : fmt::format(" (`{} --set time.step=...` continues from there)", how_to_resume()),
         what_to_look_at));
   }
 
@@ -340,7 +340,7 @@ class Run {
     if (2 * s.unbalanced_stops > s.stages) {
       console_.warn(
           fmt::format("{}: 'solver.newton.absolute' of {:g} N ended {} of {} solves while more than a tenth of the "
-                      "forces was unbalanced: this is no solution; give a smaller one, or none",
+                      "forces was unbalanced: this is not a solution; give a smaller one, or none",
                       config_.file, config_.solver.newton.absolute, s.unbalanced_stops, s.stages));
     }
     if (s.worst_rounding > doubtful_rounding) {

@@ -163,7 +163,7 @@ void write_text_atomically(const std::filesystem::path& file, std::string_view t
 }
 
 void replace_file(const std::filesystem::path& from, const std::filesystem::path& to, Durability durability) {
-  if (is_special(to)) throw FileError("cannot write '" + to.string() + "': it is there and is no regular file");
+  if (is_special(to)) throw FileError("cannot write '" + to.string() + "': it is there and is not a regular file");
   std::error_code error;
   std::filesystem::rename(from, to, error);
   if (error) throw failure(to, error.value());

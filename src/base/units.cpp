@@ -160,7 +160,7 @@ double parse_quantity(const std::string& text, const std::string& unit) {
   if (parts->unit.empty()) return parts->number;
 
   constexpr std::size_t longest_unit = 200;  // udunits follows brackets of any depth on the stack
-  if (parts->unit.size() > longest_unit) throw UnitError(quoted + " is no number with a unit, but " + wanted);
+  if (parts->unit.size() > longest_unit) throw UnitError(quoted + " is not a number with a unit, but " + wanted);
   const bool quotient = parts->unit.starts_with('/') || parts->unit.starts_with("1/");
   if (parts->unit.starts_with(',')) throw UnitError(quoted + " is not a number (a decimal point is written '.')");
   if (!quotient && !starts_unit(parts->unit)) {

@@ -247,7 +247,7 @@ CheckpointInfo read_checkpoint_info(MPI_Comm comm, const std::filesystem::path& 
   on_root(comm, [&] {
     size = size_of(file);
     found = start_of(file);
-    if (!found.starts_with(magic)) throw unreadable(file, "it is no checkpoint of Pliant");
+    if (!found.starts_with(magic)) throw unreadable(file, "it is not a checkpoint of Pliant");
     const std::string start = fmt::format("{}\nversion {}\nbytes ", magic, version);
     if (!found.starts_with(start)) {
       throw unreadable(file, fmt::format("it was written by another version of Pliant, or its beginning is damaged; "

@@ -26,7 +26,7 @@ Hdf5Handle open_dataset(hid_t parent, const std::string& name) {
 /// Rows and columns.
 std::array<std::int64_t, 2> shape_of(hid_t dataset, const std::string& name) {
   const auto sizes = sizes_of(dataset);
-  if (sizes.empty() || sizes.size() > 2) throw FileError("cannot read '" + name + "': it is no table");
+  if (sizes.empty() || sizes.size() > 2) throw FileError("cannot read '" + name + "': it is not a table");
   return {static_cast<std::int64_t>(sizes[0]), sizes.size() > 1 ? static_cast<std::int64_t>(sizes[1]) : 1};
 }
 

@@ -123,7 +123,7 @@ ConstantsRule::ConstantsRule(std::size_t row, std::vector<std::string> keys, con
     } else if (own >= 0) {
       key_of_parameter_[own] = static_cast<int>(k);
     } else {
-      mistakes.push_back({where, fmt::format("'{}' is no parameter of {}, which has {}{}", keys_[k], law.name,
+      mistakes.push_back({where, fmt::format("'{}' is not a parameter of {}, which has {}{}", keys_[k], law.name,
                                              names_of_parameters(law.parameters),
                                              two ? " (or other two of the elastic constants)" : "")});
     }

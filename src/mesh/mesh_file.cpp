@@ -166,7 +166,7 @@ auto reading(const std::string& file, Work work) {
 void judge(const std::string& file, int num_ranks) {
   require_readable(file);
   (void)isolated({Suspect::hdf5}, [&] {
-    if (H5Fis_hdf5(file.c_str()) <= 0) throw MeshDefect("it is no HDF5 file, or damaged at its beginning");
+    if (H5Fis_hdf5(file.c_str()) <= 0) throw MeshDefect("it is not an HDF5 file, or damaged at its beginning");
     require_enough_cells(reading(file, read_head).num_cells, num_ranks);
     return SerialMesh{};
   });

@@ -78,7 +78,7 @@ void require_closed(const SurfaceMesh& surface) {
   if (num_wrong > 0) {
     throw MeshDefect(
         fmt::format("at {} edges triangles meet that look to opposite sides, or more than two of them: it "
-                    "is no surface of a solid",
+                    "is not the surface of a solid",
                     num_wrong));
   }
   if (num_open > 0) {

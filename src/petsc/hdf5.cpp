@@ -109,7 +109,7 @@ Hdf5Handle open_hdf5(const std::filesystem::path& file, Hdf5Mode mode, std::int6
   const std::string path = file.string();
   switch (mode) {
     case Hdf5Mode::read:
-      if (H5Fis_hdf5(path.c_str()) == 0) throw FileError("'" + path + "' is no HDF5 file");
+      if (H5Fis_hdf5(path.c_str()) == 0) throw FileError("'" + path + "' is not an HDF5 file");
       return {H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose, doing};
     case Hdf5Mode::modify:
       return {H5Fopen(path.c_str(), H5F_ACC_RDWR, access.get()), H5Fclose, doing};

@@ -97,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{2,
             "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0, fibre: @[1, 0, "
             "0]}}]",
-            "'fibre' is no direction of linear, which has none"},
+            "'fibre' is not a direction of linear, which has none"},
         Bad{2,
             "bodies: [{density: 1, elasticity: {model: guccione, C: 1, bf: 1, bt: 1, bfs: 1, bulk_modulus: 1, fibre: "
             "@[0, 0, 0]}}]",
@@ -112,7 +112,7 @@ INSTANTIATE_TEST_SUITE_P(
             "poissons_ratio: 0.3, "
             "fibre: "
             "[1, 0, 0]}}]",
-            "'poissons_ratio' is no parameter of guccione"},
+            "'poissons_ratio' is not a parameter of guccione"},
         Bad{2,
             "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: {cell_data: a, @cell: a}, "
             "poissons_ratio: 0}}]",

@@ -110,7 +110,7 @@ TEST(Constants, MistakesAreTold) {
       message("linear", {{"youngs_modulus", 1.0}, {"poissons_ratio", 0.3}, {"shear_modulus", 1.0}}).find("3 given"),
       std::string::npos);
   EXPECT_NE(message("linear", {{"youngs_modulus", 1.0}, {"poissons_ratio", 0.3}, {"c10", 1.0}})
-                .find("'c10' is no parameter of linear"),
+                .find("'c10' is not a parameter of linear"),
             std::string::npos);
   EXPECT_NE(message("mooney-rivlin", {{"c10", 1.0}, {"bulk_modulus", 1.0}}).find("missing key 'c01'"),
             std::string::npos);

@@ -110,7 +110,7 @@ class Package(ProgramTest):
         with self.assertRaisesRegex(pliant.PliantError, "there is no checkpoint"):
             pliant.Checkpoint(".")
         self.write("text.h5", "no HDF5")
-        with self.assertRaisesRegex(pliant.PliantError, "is no HDF5 file"):
+        with self.assertRaisesRegex(pliant.PliantError, "is not an HDF5 file"):
             pliant.Result("text.h5")
 
     def test_frames_for_meshio(self):

@@ -52,11 +52,11 @@ DAMAGE = {
     "no mesh": (lambda file: file.__delitem__("mesh"), "cannot open '/mesh'", "cannot read 'mesh/c"),
     "no frames": (lambda file: [file["frames"].__delitem__(name) for name in list(file["frames"])], "holds no frame yet", None),
     "no numbers": (without_displacement, "no frame with a finite displacement", None),
-    "another format": (lambda file: file.attrs.__setitem__("format", np.bytes_("mine")), "is no result of Pliant", "neither a checkpoint nor a result"),
+    "another format": (lambda file: file.attrs.__setitem__("format", np.bytes_("mine")), "is not a result of Pliant", "neither a checkpoint nor a result"),
     "of another version": (lambda file: file.attrs.__setitem__("version", 2), *2 * ["has version 2 of the format, and this program reads version 1"]),
     "a format of numbers": (lambda file: file.attrs.__setitem__("format", 7), "'format': it is not a text", "'format': it is not a text"),
     "two times": (lambda file: file["frames/000010"].attrs.__setitem__("time", [1.0, 2.0]), "'time': it has another size", "'time': it has another size"),
-    "one number": (replaced("mesh/coordinates", 3.0), "'coordinates': it is no table", "it is one number, not a table"),
+    "one number": (replaced("mesh/coordinates", 3.0), "'coordinates': it is not a table", "it is one number, not a table"),
     "two coordinates": (replaced("mesh/coordinates", np.zeros((9, 2))), "it has 2 columns, not 3", None),
     "unknown nodes": (replaced("mesh/cells", np.full((192, 10), 1 << 40)), "the mesh '/mesh' .*is damaged", None),
     "few values": (replaced("frames/000003/displacement", np.zeros((5, 3))), "'displacement' of frame '000003' is damaged", None),
@@ -149,7 +149,7 @@ class Report(ProgramTest):
         pipe = pipe.rename(self.directory / "mesh.h5")
         write_box(self.directory / "bar.msh", (1, 1, 1))
         done = self.call("mesh", "convert", self.directory / "bar.msh", pipe)
-        self.assertRegex(done.stderr, "it is there and is no regular file")
+        self.assertRegex(done.stderr, "it is there and is not a regular file")
         self.assertTrue(pipe.is_fifo())
 
     def test_run_that_goes_on(self):

@@ -279,7 +279,7 @@ class Signals(RestartTest):
                 self.assertEqual(done.returncode, 130, done.stderr)
                 step = int(read_history(self.out("out"))["step"][-1])
                 self.assertEqual(checkpoints(self.out("out"))[-1].name, f"checkpoint-{step:06}.h5")
-                command = re.search(r"to go on: pliant (resume .*)", done.stderr).group(1).split()
+                command = re.search(r"to continue: pliant (resume .*)", done.stderr).group(1).split()
                 # The end as it would have been.
                 done = self.call(*command, "--quiet", "--set", f"time.end={0.005 * (step + 4)}")
                 self.assertEqual(done.returncode, 0, done.stderr)
@@ -415,7 +415,7 @@ class Damage(RestartTest):
     def test_changes_that_are_none(self):
         done = self.call("resume", "out", "--set", "bodies[0].density=2", "--set", "element=P2")
         self.assertEqual(done.returncode, 2)
-        self.assertEqual(done.stderr.count("cannot change in a run that goes on"), 2)
+        self.assertEqual(done.stderr.count("cannot change in a run that continues"), 2)
         done = self.call("resume", "out", "--set", "time.end=1 m")
         self.assertEqual(done.returncode, 2, done.stderr)
 

@@ -132,10 +132,10 @@ class Pictures(WithResult):
         self.fails("picture.xyz", self.directory, "-o", self.path("picture.xyz"))
         with h5py.File(self.path("other.h5"), "w"):
             pass
-        self.fails("is no result", self.path("other.h5"))
+        self.fails("is not a result", self.path("other.h5"))
         with open(self.path("text.h5"), "w", encoding="utf-8") as text:
             text.write("no HDF5")
-        self.fails("is no HDF5 file", self.path("text.h5"))
+        self.fails("is not an HDF5 file", self.path("text.h5"))
 
 
 class SurfaceOfBlock(WithResult):
@@ -194,7 +194,7 @@ class Plots(WithResult):
         self.fails("does not exist", self.directory, tool="plot.py")
         with open(self.path("history.csv"), "w", encoding="utf-8") as history:
             history.write("a,b\n1,2\n")
-        self.fails("is no history", self.directory, tool="plot.py")
+        self.fails("is not a history", self.directory, tool="plot.py")
         synthetic.write_history(self.directory)
         self.fails("plot.xyz", self.directory, "-o", self.path("plot.xyz"), tool="plot.py")
 
@@ -226,7 +226,7 @@ class WorkPrecision(unittest.TestCase):
             self.assertLess(picture.size[1], both[1])
 
     def test_mistakes_are_told_in_one_line(self):
-        for text, message in ((None, "does not exist"), (self.HEAD, "holds no level"), ("a,b\n1,2\n", "is no study")):
+        for text, message in ((None, "does not exist"), (self.HEAD, "holds no level"), ("a,b\n1,2\n", "is not a study")):
             if text is not None:
                 self.write(text)
             done = run("work_precision.py", self.directory)

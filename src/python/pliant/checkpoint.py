@@ -18,7 +18,7 @@ class Checkpoint:
         self._h5 = opened(self.file)
         attributes = self._h5.attrs
         if text(attributes.get("format", "")) != "pliant-checkpoint":
-            raise PliantError(f"{self.file} is no checkpoint of Pliant")
+            raise PliantError(f"{self.file} is not a checkpoint of Pliant")
         self.step = int(attributes["step"])
         self.time = float(attributes["time"])  #: [s]; of a static run the load factor
         self.title = text(attributes["title"])

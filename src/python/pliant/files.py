@@ -15,7 +15,7 @@ def opened(file: str, check: "Callable[[h5py.File], Any]" = lambda _: None) -> h
     if not os.path.isfile(file):
         raise PliantError(f"{file} does not exist")
     if not h5py.is_hdf5(file):
-        raise PliantError(f"{file} is no HDF5 file")
+        raise PliantError(f"{file} is not an HDF5 file")
     reason = ""
     for attempt in range(5):
         h5 = None

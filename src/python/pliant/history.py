@@ -27,7 +27,7 @@ class History(Mapping[str, np.ndarray]):
         names = rows[0] if rows else []
         complete = [row for row in rows[1:] if len(row) == len(names)]
         if "time" not in names or not complete:
-            raise PliantError(f"{file} is no history of a run, or holds no step yet")
+            raise PliantError(f"{file} is not a history of a run, or holds no step yet")
         try:
             table = np.array(complete, dtype=float)
         except ValueError as error:

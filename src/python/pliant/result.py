@@ -169,7 +169,7 @@ class Result(Sequence[Frame]):
         self.close()
         self.h5 = opened(self.file, _newest_frame)  #: the file itself, for what is not here
         if text(self.h5.attrs.get("format", "")) != "pliant-result":
-            raise PliantError(f"{self.file} is no result of Pliant")
+            raise PliantError(f"{self.file} is not a result of Pliant")
         version = self.h5.attrs["version"]
         if version != VERSION:
             raise PliantError(f"{self.file} has version {version} of the format, and this module reads version {VERSION}; "
