@@ -111,7 +111,7 @@ void require_result(hid_t file, const std::filesystem::path& path, std::string_v
 }
 
 ResultReader::ResultReader(std::filesystem::path file) : path_(std::move(file)), file_(open_patiently(path_)) {
-  require_result(file_.get(), path_, "no result of Pliant");
+  require_result(file_.get(), path_, "not a result of Pliant");
   title_ = text_attribute(file_.get(), "title");
   const Hdf5Handle frames = open_group(file_.get(), "frames");
   for (const auto& name : names_in(frames.get())) frames_.push_back(frame_of(frames.get(), name));

@@ -1,5 +1,8 @@
+#include "base/vector3.hpp"
 #include "fem/body.hpp"
 #include "fem/probe.hpp"
+
+#include <algorithm>
 
 namespace pliant::test_probe {
 namespace {
@@ -40,6 +43,26 @@ INSTANTIATE_TEST_SUITE_P(Bodies, Probes,
                          ::testing::Values(BodySpec{1, Shape::jittered, 3}, BodySpec{2, Shape::jittered, 2},
                                            BodySpec{2, Shape::curved, 2}),
                          [](const auto& of) { return test::name_of(of.param); });
+
+/// Of edges of 0.5 and 0.7 m, where `bent` has second derivatives of 0.4 at most [m].
+constexpr double sagitta = 0.4 * 0.5 / 8.0;
+
+/// By looking at points 2 cm apart.
+Point nearest_of_bent_surface(const Point& X) {
+  constexpr int n = 50;
+  Point nearest{HUGE_VAL, 0.0, 0.0};
+  for (int side = 0; side < 6; ++side) {
+    for (int i = 0; i <= n; ++i) {
+      for (int j = 0; j <= n; ++j) {
+        Point xi{static_cast<double>(side % 2), static_cast<double>(i) / n, static_cast<double>(j) / n};
+        std::ranges::rotate(xi, xi.begin() + side / 2);
+        const Point x = test::bent(xi);
+        if (norm(X - x) < norm(X - nearest)) nearest = x;
+      }
+    }
+  }
+  return nearest;
+}
 
 TEST_P(Probes, InsideReadTheField) {
   const auto u = field();
@@ -94,19 +117,19 @@ TEST_P(Probes, OutsideTakeTheNearestNodeAndSayHowFar) {
   EXPECT_NEAR(std::hypot(x[0] - X[0], x[1] - X[1], x[2] - X[2]), nearest, 1e-14);
 }
 
+// Curved sides count as flat between their corners, which puts the nearest point off by less than their sagitta.
 TEST_P(Probes, OutsideHaveANearestPointOfTheMesh) {
-  if (GetParam().shape == Shape::curved) GTEST_SKIP() << "sides count as flat";
-  // Beside a corner, an edge and a face of the unit cube.
-  for (const auto& [X, expected] : {std::pair{Point{1.3, 1.2, 1.1}, Point{1.0, 1.0, 1.0}},
-                                    {Point{0.3, -2.0, 1.5}, Point{0.3, 0.0, 1.0}},
-                                    {Point{0.3, 0.6, 1.5}, Point{0.3, 0.6, 1.0}}}) {
+  const bool is_curved = GetParam().shape == Shape::curved;
+  // Next to a corner, an edge and a face of the unit cube.
+  for (const auto& [X, of_cube] : {std::pair{Point{1.3, 1.2, 1.1}, Point{1.0, 1.0, 1.0}},
+                                   {Point{0.3, -2.0, 1.5}, Point{0.3, 0.0, 1.0}},
+                                   {Point{0.3, 0.6, 1.5}, Point{0.3, 0.6, 1.0}}}) {
+    const Point expected = is_curved ? nearest_of_bent_surface(X) : of_cube;
+    const double tolerance = is_curved ? sagitta : 1e-12;
     const NearestOfMesh nearest = nearest_of_mesh(layout_, X);
-    double square = 0.0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      EXPECT_NEAR(nearest.point[i], expected[i], 1e-12);
-      square += std::pow(X[i] - expected[i], 2);
-    }
-    EXPECT_NEAR(nearest.distance, std::sqrt(square), 1e-12);
+    EXPECT_NEAR(nearest.distance, norm(X - nearest.point), 1e-12);
+    EXPECT_NEAR(nearest.distance, norm(X - expected), tolerance);
+    for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(nearest.point[i], expected[i], is_curved ? 0.1 : 1e-12);
   }
 }
 

@@ -226,7 +226,7 @@ BAD = {
     "a scan that is none": ("a.stl", b"just text\n", "no triangles|gmsh could not"),
     "a scan with a hole": ("a.stl", b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
                            b"endsolid a\n", "not closed"),
-    "parts of bytes": ("a.h5", bytes(range(256)) * 8, "no HDF5 file"),
+    "parts of bytes": ("a.h5", bytes(range(256)) * 8, "not an HDF5 file"),
     "parts of nothing": ("a.h5", b"", "empty"),
 }
 for form, whole in {"2.2": Brick().msh2(), "2.2 in bytes": Brick().msh2(binary=True), "4.1": Brick().msh4(),

@@ -227,7 +227,7 @@ std::vector<Damage> damages() {
       {"Empty", [](const std::string& f) { cut(f, 0); }, "it is empty"},
       {"OnlyTheSignature", [](const std::string& f) { cut(f, 40); }, "damaged"},
       {"Truncated", [](const std::string& f) { cut(f, std::filesystem::file_size(f) / 2); }, "truncated"},
-      {"NotHdf5", [](const std::string& f) { std::ofstream(f) << "solid cube\n"; }, "no HDF5 file"},
+      {"NotHdf5", [](const std::string& f) { std::ofstream(f) << "solid cube\n"; }, "not an HDF5 file"},
       {"NotAMesh", inside([](hid_t f) { check_hdf5(H5Adelete(f, "format"), "delete"); }), "no mesh of Pliant"},
       {"OtherFormat", inside([](hid_t f) {
          check_hdf5(H5Adelete(f, "format"), "delete");

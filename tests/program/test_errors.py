@@ -71,7 +71,7 @@ BAD_LINES = {
 # Mistakes that only the mesh tells, of which a rank has a part.
 BAD_AGAINST_THE_MESH = {
     "a mesh of unknown kind": ("mesh", "mesh: {file: @in.yaml}", "in.yaml"),
-    "a mesh in parts that is none": ("mesh", "mesh: {file: @bad.h5}", "bad.h5.*no HDF5 file"),
+    "a mesh in parts that is none": ("mesh", "mesh: {file: @bad.h5}", "bad.h5.*not an HDF5 file"),
     "a result as mesh": ("mesh", "mesh: {file: @other.h5}", "other.h5.*no mesh of Pliant"),
     "misspelt surface": ("constraints", "constraints: [{surface: @lefd, displacement: [0, 0, 0]}]", "did you mean 'left'"),
     "surface as volume": ("bodies", "bodies: [{volume: @left, " + LAW + "}]", "surface: left|surface"),

@@ -398,8 +398,8 @@ class Damage(RestartTest):
         self.fails(4, "another version", numbers_of_ranks=(1, 2))
 
     def test_no_checkpoint(self):
-        self.fails(4, "no checkpoint of Pliant", place=self.write("checkpoint-text.h5", "hello"))
-        self.fails(4, "no checkpoint of Pliant", place=self.out("out") / "result.h5")
+        self.fails(4, "not a checkpoint of Pliant", place=self.write("checkpoint-text.h5", "hello"))
+        self.fails(4, "not a checkpoint of Pliant", place=self.out("out") / "result.h5")
         (self.directory / "empty").mkdir()
         self.fails(4, "no checkpoint", place="empty")
         done = self.call("resume", "nothing")
