@@ -158,18 +158,17 @@ class Study {
   void in_space() {
     for (const Config& config : configs_) {
       std::optional<Sample> sample;
-      std::optional<SampledState> coarser;
+      SampledState coarser;  // at the points of the sample
       Row row;
       for (int level = 0; level <= options_.levels; ++level) {
         Config finer = config;
         finer.mesh.refine += level;
         Model model(comm_, finer);
-        if (!sample) sample.emplace(model.layout());
         const Solution solution = solve(finer, model);
-        SampledState state = sample->read(model.layout(), solution.q.get(), solution.v.get());
-        if (coarser) {
-          row.error_q = sample->distance(coarser->u, state.u);
-          row.error_v = sample->distance(coarser->v, state.v);
+        if (sample) {
+          const SampledState state = sample->read(model.layout(), solution.q.get(), solution.v.get());
+          row.error_q = sample->distance(coarser.u, state.u);
+          row.error_v = sample->distance(coarser.v, state.v);
           if (!solution.failure.empty()) row.failure = "the next level failed: " + solution.failure;
           add(std::move(row), 2.0);
         }
@@ -177,7 +176,9 @@ class Study {
         row.newton_iterations = solution.newton_iterations;
         row.seconds = solution.seconds;
         row.failure = solution.failure;
-        coarser = std::move(state);
+        if (level == options_.levels) break;
+        sample.emplace(model.layout());
+        coarser = sample->read(model.layout(), solution.q.get(), solution.v.get());
       }
     }
   }

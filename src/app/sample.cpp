@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <span>
+#include <utility>
 
 namespace pliant {
 namespace {
@@ -90,8 +92,17 @@ Sample::Sample(const NodeLayout& layout) {
 }
 
 SampledState Sample::read(const NodeLayout& layout, Vec q, Vec v) const {
-  const auto places = locate(layout, points_);
-  return {read_field(layout, places, q), read_field(layout, places, v)};
+  constexpr std::size_t most_at_once = 1 << 18;  // places take ten times the memory of what is read there
+  SampledState state;
+  for (std::size_t first = 0; first < points_.size(); first += most_at_once) {
+    const auto places =
+        locate(layout, std::span(points_).subspan(first, std::min(most_at_once, points_.size() - first)));
+    for (const auto& [values, x] : {std::pair{&state.u, q}, {&state.v, v}}) {
+      const auto read = read_field(layout, places, x);
+      values->insert(values->end(), read.begin(), read.end());
+    }
+  }
+  return state;
 }
 
 double Sample::distance(const std::vector<double>& a, const std::vector<double>& b) const {

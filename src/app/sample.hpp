@@ -19,7 +19,9 @@ struct SampledState {
   std::vector<double> u, v;  ///< xyz per point
 };
 
-/// Quadrature points of a mesh, at which finer meshes can be read too.
+/// Quadrature points of a mesh, at which the mesh itself and finer ones are read. A mesh that is refined once more
+/// shows to each cell's points what the one before showed to those of its own: the means of two such samples compare.
+/// Points of a mesh coarser than both would not do: they lie at few places of the finer cells, which are special.
 class Sample {
  public:
   /// The points of a rule of degree 5 in every cell. Collective.

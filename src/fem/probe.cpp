@@ -138,10 +138,13 @@ class CellGrid {
   std::vector<std::vector<PetscInt>> bins_;
 };
 
+constexpr double not_here = std::numeric_limits<double>::infinity();
+
+/// In the owned cell that holds X; without nodes if none does.
 template <int Order>
-ProbeLocation locate_local(const NodeLayout& layout, const CellGrid& grid, const Point& X) {
+ProbeLocation locate_in_cell(const NodeLayout& layout, const CellGrid& grid, const Point& X) {
   ProbeLocation best;
-  best.distance = std::numeric_limits<double>::infinity();
+  best.distance = not_here;
   double best_depth = -1e-9;
   for (const PetscInt c : grid.near(X)) {
     const auto nodes = layout.nodes_of_cell(c);
@@ -154,16 +157,38 @@ ProbeLocation locate_local(const NodeLayout& layout, const CellGrid& grid, const
     best.weights.assign(N.begin(), N.end());
     best.distance = 0.0;
   }
-  if (best.nodes.empty()) {
-    for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
-      const double d = distance(X, layout.position(n));
-      if (d >= best.distance) continue;
-      best.nodes = {n};
-      best.weights = {1.0};
-      best.distance = d;
-    }
+  return best;
+}
+
+/// At the owned node that is nearest to X.
+ProbeLocation locate_at_node(const NodeLayout& layout, const Point& X) {
+  ProbeLocation best;
+  best.distance = not_here;
+  for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
+    const double d = distance(X, layout.position(n));
+    if (d >= best.distance) continue;
+    best.nodes = {n};
+    best.weights = {1.0};
+    best.distance = d;
   }
   return best;
+}
+
+/// Leaves each location to the rank where it is nearest. Collective.
+void keep_nearest(MPI_Comm comm, std::span<ProbeLocation* const> locations) {
+  struct Candidate {
+    double distance;
+    int rank;
+  };
+  std::vector<Candidate> mine;
+  for (const ProbeLocation* location : locations) mine.push_back({location->distance, rank(comm)});
+  std::vector<Candidate> nearest(mine.size());
+  check_mpi(
+      MPI_Allreduce(mine.data(), nearest.data(), static_cast<int>(mine.size()), MPI_DOUBLE_INT, MPI_MINLOC, comm));
+  for (std::size_t p = 0; p < locations.size(); ++p) {
+    if (nearest[p].rank != mine[p].rank) *locations[p] = {};
+    locations[p]->distance = nearest[p].distance;
+  }
 }
 
 }  // namespace
@@ -178,23 +203,19 @@ std::array<double, 3> ProbeLocation::interpolate(std::span<const double> local) 
 
 std::vector<ProbeLocation> locate(const NodeLayout& layout, std::span<const std::array<double, 3>> points) {
   const CellGrid grid(layout);
-  struct Candidate {
-    double distance;
-    int rank;
-  };
   std::vector<ProbeLocation> locations;
-  std::vector<Candidate> mine;
   for (const auto& X : points) {
-    locations.push_back(layout.order == 1 ? locate_local<1>(layout, grid, X) : locate_local<2>(layout, grid, X));
-    mine.push_back({locations.back().distance, rank(layout.comm)});
+    locations.push_back(layout.order == 1 ? locate_in_cell<1>(layout, grid, X) : locate_in_cell<2>(layout, grid, X));
   }
-  std::vector<Candidate> nearest(mine.size());
-  check_mpi(MPI_Allreduce(mine.data(), nearest.data(), static_cast<int>(mine.size()), MPI_DOUBLE_INT, MPI_MINLOC,
-                          layout.comm));
-  for (std::size_t p = 0; p < locations.size(); ++p) {
-    if (nearest[p].rank != mine[p].rank) locations[p] = {};
-    locations[p].distance = nearest[p].distance;
+  std::vector<ProbeLocation*> all, outside;
+  for (ProbeLocation& location : locations) all.push_back(&location);
+  keep_nearest(layout.comm, all);
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    if (locations[p].distance != not_here) continue;
+    locations[p] = locate_at_node(layout, points[p]);
+    outside.push_back(&locations[p]);
   }
+  keep_nearest(layout.comm, outside);
   return locations;
 }
 
