@@ -31,7 +31,7 @@ bool is_zero(const VectorExpression& vector) {
 
 void doubt_time(const Config& config, std::vector<std::string>& doubts) {
   const auto& method = config.time.method;
-  const auto changes = [](const Expression* formula) { return formula->depends_on_time(); };
+  const auto changes = [](const DrivingFormula& of) { return of.formula->depends_on_time(); };
   if (method.value != static_method && config.time.load_steps > 1) {
     doubts.push_back(
         fmt::format("{}: 'load_steps' is for 'method: static'; with '{}' loads grow as their formulas of "
@@ -154,7 +154,8 @@ std::vector<std::string> doubts_about(const Config& config) {
 
 bool nothing_moves(const Config& config) {
   return config.cavities.empty() && !config.contact && is_zero(config.initial.displacement) &&
-         is_zero(config.initial.velocity) && std::ranges::all_of(driving_formulas(config), &Expression::is_zero);
+         is_zero(config.initial.velocity) &&
+         std::ranges::all_of(driving_formulas(config), [](const DrivingFormula& of) { return of.formula->is_zero(); });
 }
 
 bool may_fall(const Config& config) {

@@ -69,6 +69,7 @@ Model::Model(MPI_Comm comm, const Config& config, const TermFactory& additional)
   Events events = events_of(config);
   std::ranges::move(events.notices, std::back_inserter(notices_));
   std::ranges::move(events.warnings, std::back_inserter(doubts_));
+  std::ranges::move(doubts_about_moving_kinks(config, mesh_report_.bounds), std::back_inserter(doubts_));
   std::vector<double> shear_waves;
   for (std::size_t b = 0; b < densities_.size(); ++b) {
     shear_waves.push_back(densities_[b] > 0.0 ? std::sqrt(shear_moduli_[b] / densities_[b]) : 0.0);

@@ -116,22 +116,45 @@ ExpressionError explained(const mu::ParserError& error, const mu::Parser& parser
 /// Times at which a formula takes other branches, and is not as smooth as it must be.
 class KinkSearch {
  public:
+  /// Of all places.
   KinkSearch(const FormulaTree& formula, bool uses_space, double end, double interval)
-      : formula_(formula), uses_space_(uses_space), end_(end), interval_(interval) {
-    constexpr double most_samples = 1e6;
-    const auto num_samples = static_cast<int>(std::clamp(std::ceil(end / interval), 1.0, most_samples));
-    std::vector<double> before, after;
-    formula_.branches(0.0, before);
-    for (int k = 1; k <= num_samples; ++k) {
-      const double from = end * (k - 1) / num_samples, to = end * k / num_samples;
-      formula_.branches(to, after);
-      look(from, before, to, after);
-      std::swap(before, after);
-    }
+      : formula_(formula), end_(end), interval_(interval), checked_{{0.0, 0.0, 0.0}} {
+    // Places at which no round formula vanishes.
+    if (uses_space) checked_.insert(checked_.end(), {{0.317, -0.539, 0.771}, {-13.7, 7.91, 23.3}});
+    look_at(formula.linear_crossings(end));
+  }
+  /// Of one place.
+  KinkSearch(const FormulaTree& formula, const std::array<double, 3>& X, double end, double interval)
+      : formula_(formula),
+        which_(FormulaTree::Branches::in_place_and_time),
+        X_(X),
+        end_(end),
+        interval_(interval),
+        checked_{X} {
+    look_at({});
   }
   const std::vector<double>& found() const { return found_; }
 
  private:
+  /// At times an interval apart, and at these.
+  void look_at(std::vector<double> times) {
+    constexpr double most_samples = 1e6;
+    const auto num_samples = static_cast<int>(std::clamp(std::ceil(end_ / interval_), 1.0, most_samples));
+    for (int k = 1; k <= num_samples; ++k) times.push_back(end_ * k / num_samples);
+    std::ranges::sort(times);
+    std::vector<double> before, after;
+    take_branches(0.0, before);
+    double from = 0.0;
+    for (const double to : times) {
+      take_branches(to, after);
+      look(from, before, to, after);
+      std::swap(before, after);
+      from = to;
+    }
+  }
+
+  void take_branches(double t, std::vector<double>& into) const { formula_.branches(which_, X_, t, into); }
+
   void look(double from, const std::vector<double>& before, double to, const std::vector<double>& after) {
     if (before == after || num_changes_ >= most_changes) return;
     const double middle = 0.5 * (from + to);
@@ -141,7 +164,7 @@ class KinkSearch {
       return;
     }
     std::vector<double> between;
-    formula_.branches(middle, between);
+    take_branches(middle, between);
     look(from, before, middle, between);
     look(middle, between, to, after);
   }
@@ -163,7 +186,8 @@ class KinkSearch {
   // As measured over the whole time: what is so small that nothing moves by it is rounding.
   bool is_kink(double t) const {
     const double aside = std::max(nearness * interval_, 8.0 * same * t);
-    const auto differ = [&](double x, double y, double z) {
+    return std::ranges::any_of(checked_, [&](const std::array<double, 3>& X) {
+      const auto& [x, y, z] = X;
       const TimeJet l = formula_.at(x, y, z, t, t - aside), r = formula_.at(x, y, z, t, t + aside);
       const auto size = [&](double value, double rate, double acceleration) {
         return std::abs(value) + end_ * std::abs(rate) + end_ * end_ * std::abs(acceleration);
@@ -171,17 +195,17 @@ class KinkSearch {
       const double jump = size(l.value - r.value, l.rate - r.rate, l.acceleration - r.acceleration);
       constexpr double rounding = 1e-10;
       return !(jump <= rounding * (size(l.value, l.rate, l.acceleration) + size(r.value, r.rate, r.acceleration)));
-    };
-    // Places at which no round formula vanishes.
-    return differ(0.0, 0.0, 0.0) || (uses_space_ && (differ(0.317, -0.539, 0.771) || differ(-13.7, 7.91, 23.3)));
+    });
   }
 
   static constexpr double same = 1e-14, nearness = 1e-7;
   static constexpr int most_changes = 20000;  // more are noise
 
   const FormulaTree& formula_;
-  bool uses_space_;
+  FormulaTree::Branches which_ = FormulaTree::Branches::in_time;
+  std::array<double, 3> X_{};
   double end_, interval_;
+  std::vector<std::array<double, 3>> checked_;  // places, at one of which a kink must show
   int num_changes_ = 0;
   std::vector<double> found_;
 };
@@ -268,8 +292,14 @@ TimeJet Expression::derivatives(double x, double y, double z, double t, double s
 }
 
 std::vector<double> Expression::kinks(double end, double interval) const {
-  if (!depends_on_time() || !formula_->tree->has_branches()) return {};
+  if (!depends_on_time() || !formula_->tree->has(FormulaTree::Branches::in_time)) return {};
   const KinkSearch search(*formula_->tree, formula_->uses_space, end, interval);
+  return search.found();
+}
+
+std::vector<double> Expression::kinks_at(const std::array<double, 3>& X, double end, double interval) const {
+  if (!depends_on_time() || !formula_->tree->has(FormulaTree::Branches::in_place_and_time)) return {};
+  const KinkSearch search(*formula_->tree, X, end, interval);
   return search.found();
 }
 

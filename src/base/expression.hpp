@@ -41,8 +41,11 @@ class Expression {
   TimeJet derivatives(double x, double y, double z, double t, double side) const;
   /// Times in (0, end) at which the formula, its rate or its acceleration jumps (by `min`, `max`, `abs`, `sign`,
   /// `rint`, comparisons, `? :`), ascending; not those that depend on the place. Found where the formula takes other
-  /// branches at one of the times k * interval than at the next, so what lasts for less may be missed.
+  /// branches at one of the times k * interval than at the next, and where something linear in t takes another: what
+  /// lasts for less than the interval may be missed if it is not.
   std::vector<double> kinks(double end, double interval) const;
+  /// Those at X that depend on the place.
+  std::vector<double> kinks_at(const std::array<double, 3>& X, double end, double interval) const;
   bool depends_on_space() const;
   bool depends_on_time() const;
   bool is_zero() const;  ///< the constant 0

@@ -57,6 +57,8 @@ class FormulaTree::Reader {
     Node node{op, constant, std::move(arguments)};
     node.depends_on_space = op == Op::x || op == Op::y || op == Op::z ||
                             std::ranges::any_of(node.arguments, [&](int a) { return nodes_[a].depends_on_space; });
+    node.depends_on_time =
+        op == Op::t || std::ranges::any_of(node.arguments, [&](int a) { return nodes_[a].depends_on_time; });
     nodes_.push_back(std::move(node));
     return static_cast<int>(nodes_.size()) - 1;
   }
@@ -180,9 +182,11 @@ FormulaTree::FormulaTree(const std::string& text) {
   Reader(text, nodes_).read();
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
     const Node& node = nodes_[n];
-    if (can_branch(node.op) &&
-        std::ranges::none_of(node.arguments, [&](int a) { return nodes_[a].depends_on_space; })) {
+    if (!can_branch(node.op)) continue;
+    if (!node.depends_on_space) {
       timed_.push_back(static_cast<int>(n));
+    } else if (node.depends_on_time) {
+      moving_.push_back(static_cast<int>(n));
     }
   }
 }
@@ -213,10 +217,29 @@ TimeJet FormulaTree::at(double x, double y, double z, double t, double side) con
   return {number.value, number.rate, number.acceleration};
 }
 
-void FormulaTree::branches(double t, std::vector<double>& into) const {
+void FormulaTree::branches(Branches which, const std::array<double, 3>& X, double t, std::vector<double>& into) const {
   into.clear();
-  const std::vector<Number> numbers = evaluate({{0.0, 0.0, 0.0, t}, t});
-  for (const int n : timed_) into.push_back(branch(nodes_[n], numbers));
+  const std::vector<Number> numbers = evaluate({{X[0], X[1], X[2], t}, t});
+  for (const int n : nodes_of(which)) into.push_back(branch(nodes_[n], numbers));
+}
+
+std::vector<double> FormulaTree::linear_crossings(double end) const {
+  const auto at = [&](double t) { return evaluate({{0.0, 0.0, 0.0, t}, t}); };
+  const std::vector<Number> first = at(0.0), middle = at(0.4 * end), last = at(end);
+  std::vector<double> times;
+  for (const int n : timed_) {
+    const auto& arguments = nodes_[n].arguments;
+    if (arguments.size() > 2) continue;
+    // What changes its sign: the argument of abs and sign, the difference of those of a comparison.
+    const auto height = [&](const std::vector<Number>& numbers, double Number::*part) {
+      return numbers[arguments[0]].*part - (arguments.size() == 2 ? numbers[arguments[1]].*part : 0.0);
+    };
+    const double rate = height(first, &Number::rate);
+    if (rate == 0.0 || height(middle, &Number::rate) != rate || height(last, &Number::rate) != rate) continue;
+    const double t = -height(first, &Number::value) / rate;
+    if (t > 0.0 && t < end) times.push_back(t);
+  }
+  return times;
 }
 
 // What tells one branch from another.

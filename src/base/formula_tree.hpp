@@ -24,10 +24,15 @@ class FormulaTree {
   /// At (x, y, z, t). What branches, branches as it does at the time `side`, which lies near t on the side that is
   /// wanted.
   TimeJet at(double x, double y, double z, double t, double side) const;
-  /// Which branches the formula takes at a time, as far as they do not depend on the place: one number each.
-  void branches(double t, std::vector<double>& into) const;
+  /// Of what branches: what depends on t alone, or on the place as well.
+  enum class Branches { in_time, in_place_and_time };
+  /// Which branches the formula takes there: one number each.
+  void branches(Branches which, const std::array<double, 3>& X, double t, std::vector<double>& into) const;
   /// Whether there are any.
-  bool has_branches() const { return !timed_.empty(); }
+  bool has(Branches which) const { return !nodes_of(which).empty(); }
+  /// Times in (0, end) at which what is linear in t takes another branch, as at `t < 0.1` or `min(t/0.1, 1)`; in no
+  /// order. Not where it depends on the place.
+  std::vector<double> linear_crossings(double end) const;
 
  private:
   enum class Op {
@@ -81,7 +86,7 @@ class FormulaTree {
     Op op = Op::constant;
     double constant = 0.0;
     std::vector<int> arguments = {};
-    bool depends_on_space = false;
+    bool depends_on_space = false, depends_on_time = false;
   };
   /// Value and derivatives at t, and the value at the side.
   struct Number {
@@ -94,6 +99,7 @@ class FormulaTree {
   class Reader;
 
   static bool can_branch(Op op);
+  const std::vector<int>& nodes_of(Branches which) const { return which == Branches::in_time ? timed_ : moving_; }
   /// Of all nodes, one after another: formulas are long, and the stack is not.
   std::vector<Number> evaluate(const Place& place) const;
   static Number evaluate(const Node& node, const Place& place, const std::vector<Number>& known);
@@ -103,6 +109,7 @@ class FormulaTree {
 
   std::vector<Node> nodes_;  // arguments before what they are arguments of
   std::vector<int> timed_;   // nodes that branch in time alone
+  std::vector<int> moving_;  // nodes that branch in time, at each place in its own way
 };
 
 }  // namespace pliant

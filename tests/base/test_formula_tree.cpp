@@ -2,8 +2,12 @@
 #include "base/expression.hpp"
 #include "base/formula_tree.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -136,11 +140,32 @@ TEST(Kinks, AreFoundToTheLastDigit) {
       {"sin(20*t)", {}},
       {"x > 0.5", {}},
       {"t == 0.25", {}},
+      {"(t >= 0.2)*(t < 0.20001)*50", {0.2, 0.20001}},  // shorter than the interval, but linear in t
+      {"t > 0.2 && t < 0.20001 ? 1 : 0", {0.2, 0.20001}},
+      {"max(0, 1 - abs((t - 0.5)/1e-5))", {0.49999, 0.5, 0.50001}},
   };
   for (const auto& [text, expected] : cases) {
     const auto found = Expression(text, 1000.0).kinks(1.0, 1.0 / 300);
     ASSERT_EQ(found.size(), expected.size()) << text;
     for (std::size_t k = 0; k < found.size(); ++k) EXPECT_NEAR(found[k], expected[k], 4e-16) << text;
+  }
+}
+
+TEST(FormulaTree, FindsKinksThatDependOnThePlace) {
+  const std::array<double, 3> X{0.25, -0.5, 2.0};
+  for (const auto& [text, expected] :
+       std::vector<std::pair<const char*, std::vector<double>>>{{"min(t, x)", {0.25}},
+                                                                {"t < x/2 ? 0 : 1", {0.125}},
+                                                                {"abs(t + y) + max(0, t - 2*x)", {0.5, 0.5}},
+                                                                {"max(0, t - x)^5", {}},
+                                                                {"min(t, 0.3)*x", {}},  // at the same time everywhere
+                                                                {"x > 0.2 ? t : 2*t", {}},  // at no time
+                                                                {"min(t, z)", {}},          // not before the end
+                                                                {"x*t*sin(y)", {}}}) {
+    const auto found = Expression(text).kinks_at(X, 1.0, 1e-3);
+    const std::set<double> times(expected.begin(), expected.end());
+    ASSERT_EQ(found.size(), times.size()) << text;
+    EXPECT_TRUE(std::ranges::equal(found, times, [](double a, double b) { return std::abs(a - b) <= 4e-16; })) << text;
   }
 }
 

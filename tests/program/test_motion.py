@@ -78,6 +78,29 @@ class Motion(ProgramTest):
         done = self.call("check", "in.yaml")
         self.assertRegex(done.stdout + done.stderr, "too many for steps to end at all of them")
 
+    def test_kinks_that_move_are_warned_of(self):
+        lid = '{surface: top, displacement: [0, 0, "%s"]}'
+        time = "method: bdf2, step: 1 ms, end: 20 ms"
+        for formula, words in (("0.1*min(t, 0.01*(1 + x))", r"in.yaml:5:5: the motion prescribed by '0.1\*min\(t, 0.01\*\(1 \+ x\)\)' has kinks .*as at "
+                                r"t = 0.01 s at \(0, 0, 0\) and t = 0.015 s at \(0.5, 1, 1\): .*time.events"),
+                               ("0.1*max(0, t - 0.01*x)^5", None), ("0.1*x*min(t, 0.01)", None), ("x > 0.5 ? t : 0", None)):
+            with self.subTest(formula):
+                texts = set()
+                for ranks in (1, 2):
+                    self.input(["{surface: bottom, displacement: [0, 0, 0]}", lid % formula], time)
+                    done = self.call("check", "in.yaml", ranks=ranks)
+                    self.assertEqual(done.returncode, 0, done.stderr)
+                    texts.add("".join(line for line in done.stderr.splitlines() if "kinks or jumps whose" in line))
+                self.assertEqual(len(texts), 1)
+                self.assertRegex(texts.pop(), words or "^$")
+
+    def test_a_short_pulse_is_an_event(self):
+        # Of two thousandths of a step, and yet all of its impulse is there.
+        self.input(["{surface: bottom, displacement: [free, free, 0]}"], "method: backward-euler, step: 1 ms, end: 20 ms",
+                   'loads: [{surface: top, traction: ["1e6*max(0, 1 - abs((t - 0.0052)/1e-6))", 0, 0]}]\n')
+        h = self.run_input("in.yaml")
+        self.assertAlmostEqual(h["px"][-1], 1, delta=1e-6)
+
     def test_adaptive_steps_go_on_where_a_velocity_jumps(self):
         constraints = ["{surface: left, displacement: [0, 0, 0]}",
                        '{surface: right, displacement: ["0.01*min(t/0.1, 1)", 0, 0]}']
