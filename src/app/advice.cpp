@@ -127,7 +127,7 @@ void doubt_gravity(const Config& config, std::vector<std::string>& doubts) {
 }  // namespace
 
 std::vector<std::string> doubts_about(const Config& config) {
-  std::vector<std::string> doubts;
+  std::vector<std::string> doubts = config.doubts;
   const TimeConfig& time = config.time;
   const OutputConfig& output = config.output;
   constexpr double rounding = 1e-9;

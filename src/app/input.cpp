@@ -2,6 +2,7 @@
 
 #include "app/input_checks.hpp"
 #include "app/input_schema.hpp"
+#include "app/schema.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
@@ -60,6 +61,7 @@ Config read_input(const std::string& text, const std::string& file, const std::v
   for (const Override& change : overrides) apply(change, root, problems);
   Config config = read_config(root, problems);
   config.file = file;
+  doubt_decimal_commas(root, config.doubts);
   complete(config, root);
   check(config, root, problems);
   problems.throw_if_any();

@@ -258,6 +258,51 @@ bool is_part_of_formula(std::string_view text) {
   return std::count(text.begin(), text.end(), '(') != std::count(text.begin(), text.end(), ')');
 }
 
+namespace {
+
+bool is_plain(const InputNode& node) {
+  return node.kind == InputNode::Kind::scalar && node.style == InputNode::Style::plain;
+}
+
+/// Blanks between the ',' behind an entry of a list in [ ] and the next; none if they are on several lines or quoted.
+std::optional<int> blanks_between(const InputNode& before, const InputNode& entry) {
+  if (!is_plain(before) || !is_plain(entry) || before.where.line != entry.where.line) return std::nullopt;
+  return entry.where.column - before.where.column - static_cast<int>(before.text.size()) - 1;
+}
+
+/// Whether the two read as one number with a decimal comma: digits, ',' and digits without a blank.
+bool has_decimal_comma(const InputNode& before, const InputNode& entry) {
+  return blanks_between(before, entry) == 0 && !before.text.empty() && starts_with_digit(entry.text) &&
+         starts_with_digit(before.text.substr(before.text.size() - 1));
+}
+
+bool is_whole_number(std::string_view text) {
+  if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+}  // namespace
+
+void doubt_decimal_commas(const InputNode& node, std::vector<std::string>& doubts) {
+  for (const InputNode& child : node.children) doubt_decimal_commas(child, doubts);
+  if (node.kind != InputNode::Kind::list) return;
+  const InputNode* number = nullptr;  // whose decimals are the next entry
+  bool has_blank = false;
+  for (std::size_t i = 1; i < node.children.size(); ++i) {
+    const InputNode &before = node.children[i - 1], &entry = node.children[i];
+    has_blank = has_blank || blanks_between(before, entry).value_or(0) > 0;
+    // A decimal part of zeros alone would change nothing.
+    const bool is_number = has_decimal_comma(before, entry) && is_whole_number(before.text) &&
+                           entry.text.find_first_not_of('0') != std::string::npos;
+    if (is_number && number == nullptr) number = &before;
+  }
+  if (number == nullptr || !has_blank) return;
+  const InputNode& decimals = *(number + 1);
+  doubts.push_back(to_string(number->where) + ": '" + excerpt(number->text) + "," + excerpt(decimals.text) +
+                   "' are two entries of the list; a decimal point is written '.': " + excerpt(number->text) + "." +
+                   excerpt(decimals.text) + "; if two are meant, write a blank behind the ','");
+}
+
 std::string why_split(const InputNode& list) {
   for (std::size_t i = 0; i < list.children.size(); ++i) {
     const InputNode& entry = list.children[i];
@@ -265,12 +310,9 @@ std::string why_split(const InputNode& list) {
     if (is_part_of_formula(entry.text)) {
       return " (a ',' splits '" + excerpt(entry.text) + "'; in [ ] put a formula into quotes, such as \"min(t, 1)\")";
     }
-    if (i == 0 || !starts_with_digit(entry.text)) continue;
+    if (i == 0) continue;
     const InputNode& before = list.children[i - 1];
-    const bool is_next = before.kind == InputNode::Kind::scalar && before.style == InputNode::Style::plain &&
-                         before.where.line == entry.where.line &&
-                         before.where.column + static_cast<int>(before.text.size()) + 1 == entry.where.column;
-    if (is_next && !before.text.empty() && starts_with_digit(before.text.substr(before.text.size() - 1))) {
+    if (has_decimal_comma(before, entry)) {
       return " (a decimal point is written '.': " + excerpt(before.text) + "." + excerpt(entry.text) + ")";
     }
   }

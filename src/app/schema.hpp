@@ -73,6 +73,9 @@ struct Format {
 /// " (a decimal point is written '.')" or a word on quotes where a ',' within a number or a formula has split an entry
 /// of the list; else empty.
 std::string why_split(const InputNode& list);
+/// Warnings of lists in [ ] that may have a decimal comma: digits follow one ',' without a blank, but not another, as
+/// in [0,45, 0].
+void doubt_decimal_commas(const InputNode& node, std::vector<std::string>& doubts);
 /// Whether the text is the beginning or end of a formula, which a ',' has split.
 bool is_part_of_formula(std::string_view text);
 

@@ -23,6 +23,13 @@ TEST(Advice, StepsShouldNotBeLongerThanTheTimeBetweenFrames) {
   EXPECT_EQ(doubts("step: 0.01, end: 1", "", "0.004").size(), 1u);
 }
 
+TEST(Advice, ListsWithoutBlanksAreTaken) {
+  for (const char* list : {"[0,45,0]", "[0, 45, 0]", "[0,0, 1]", "[\"0\",45, 0]", "[0.5,45, 0]", "[0,\n  45, 0]"}) {
+    const std::string line = "constraints: [{surface: clamp, displacement: " + std::string(list) + "}]";
+    EXPECT_EQ(doubts_about(read_input(test::with_line(3, line), "a.yaml", {})), std::vector<std::string>{}) << list;
+  }
+}
+
 TEST(Advice, StepFilesNeedNoScale) {
   const auto told = [](const std::string& mesh) {
     return doubts_about(read_input(test::with_line(1, "mesh: {" + mesh + "}"), "a.yaml", {}));
@@ -78,6 +85,10 @@ INSTANTIATE_TEST_SUITE_P(
             "bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e6, poissons_ratio: 0.4999}}]",
             "Poisson's ratio is 0.4999, and linear elements"},
         Doubtful{4, "loads: [{gravity: [0, 0, -9806.65]}]", "with its unit it is '9806.65 mm/s^2'"},
+        Doubtful{3, "constraints: [{surface: clamp, displacement: [0,45, 0]}]",
+                 "a.yaml:3:47: '0,45' are two entries of the list; a decimal point is written '.': 0.45;"},
+        Doubtful{3, "constraints: [{surface: clamp, displacement: [0, 0,45]}]", "'0,45' are two entries"},
+        Doubtful{4, "loads: [{gravity: [0, -9,81 m/s^2]}]", "a decimal point is written '.': -9.81 m/s^2"},
         Doubtful{5, "time: {method: bdf2, step: 0.01, end: 1, load_steps: 10}", "'load_steps' is for 'method: static'"},
         Doubtful{6,
                  "contact: {obstacles: [{name: a, shape: plane, normal: [0, 0, 1], motion: {rotate: {axis: [0, 0, 1], "
