@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -42,6 +43,18 @@ constexpr std::array<std::pair<std::string_view, TrustedStretches>, 16> trusted{
     {"holzapfel-gasser-ogden", {no_bound, 2.5, tissue_tears}},
     {"holzapfel-ogden", {no_bound, 2.5, tissue_tears}},
 }};
+
+/// The lowest body of each component. Collective.
+std::vector<int> bodies_of_components(const Model& model) {
+  const NodeLayout& layout = model.layout();
+  std::vector<int> lowest(static_cast<std::size_t>(model.components().count), std::numeric_limits<int>::max());
+  for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+    int& body = lowest[static_cast<std::size_t>(model.components().of_node[layout.nodes_of_cell(c)[0]])];
+    body = std::min(body, model.body_of_cell()[c]);
+  }
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, lowest.data(), static_cast<int>(lowest.size()), MPI_INT, MPI_MIN, layout.comm));
+  return lowest;
+}
 
 /// F - I at the middle of a cell: the gradient of u in the reference cell, times the inverse of that of X.
 template <int Order>
@@ -103,7 +116,8 @@ MotionWatch::MotionWatch(const Config& config, const Model& model)
     : model_(model),
       mesh_(config.mesh.file.where),
       is_static_(analysis_of(config) == Analysis::static_equilibrium),
-      overlap_is_told_(model.overlaps_at_start()),
+      overlap_is_known_(model.overlaps_at_start()),
+      bodies_of_components_(bodies_of_components(model)),
       q_(make_vector(model.layout())) {
   for (std::size_t b = 0; b < config.bodies.size(); ++b) {
     const ElasticityRule rule(config.bodies[b].elasticity);
@@ -166,16 +180,28 @@ std::vector<std::string> MotionWatch::look(const StepRecord& record) {
   update_ghosts(q_.get());
   const ConstGhostedView u(q_.get());
   look_at_stretches(record.time, u.span(), news);
-  if (overlap_is_told_) return news;
-  if (const auto overlap = deepest_overlap(model_.layout(), model_.components(), u.span())) {
-    overlap_is_told_ = true;
-    const auto& [x, y, z] = overlap->at;
-    news.push_back(fmt::format(
-        "{}: at {} parts of the mesh that share no node pass through one another, {:.3g} m deep at ({:.4g}, "
-        "{:.4g}, {:.4g}): they do not feel one another, since contact acts between bodies and obstacles only",
-        to_string(mesh_), instant(record.time), overlap->depth, x, y, z));
-  }
   return news;
+}
+
+std::optional<std::string> MotionWatch::look_for_passage(const StepRecord& record) {
+  if (overlap_is_known_ || model_.components().count < 2) return std::nullopt;
+  check(VecCopy(record.q, q_.get()));
+  update_ghosts(q_.get());
+  const ConstGhostedView u(q_.get());
+  const auto overlap = deepest_overlap(model_.layout(), model_.components(), u.span());
+  if (!overlap) return std::nullopt;
+  overlap_is_known_ = true;
+  const auto& [x, y, z] = overlap->at;
+  return fmt::format(
+      "{}: at {} {} pass through one another, {:.3g} m deep at ({:.4g}, {:.4g}, {:.4g}): contact between bodies is not "
+      "modelled, only contact with obstacles; make one of them an obstacle, or keep them apart",
+      to_string(mesh_), instant(record.time), names_of(overlap->of, overlap->in), overlap->depth, x, y, z);
+}
+
+std::string MotionWatch::names_of(int component, int other) const {
+  const auto name = [&](int c) { return bodies_[bodies_of_components_[static_cast<std::size_t>(c)]].name; };
+  if (name(component) == name(other)) return fmt::format("two parts of '{}', which share no node,", name(component));
+  return fmt::format("'{}' and '{}'", std::min(name(component), name(other)), std::max(name(component), name(other)));
 }
 
 std::vector<std::string> MotionWatch::last_words() const {

@@ -27,8 +27,12 @@ class MotionWatch {
   /// Both outlive the watch.
   MotionWatch(const Config& config, const Model& model);
 
-  /// Looks at the state, and tells what is wrong with it and was not told before.
+  /// Warnings about the stretches of the state that were not given before; for every frame.
   std::vector<std::string> look(const StepRecord& record);
+
+  /// A warning, once a run, if parts of the mesh that share no node have come to pass through one another. For every
+  /// accepted step: as long as no boxes of parts meet it costs next to nothing.
+  std::optional<std::string> look_for_passage(const StepRecord& record);
 
   /// What has become worse since it was told, at the end of the run.
   std::vector<std::string> last_words() const;
@@ -50,11 +54,14 @@ class MotionWatch {
   std::string instant(double time) const;
   std::string in_words(const Body& body, const Extreme& extreme) const;
   void look_at_stretches(double time, std::span<const double> u, std::vector<std::string>& news);
+  /// "'a' and 'b'", or "two parts of 'a'".
+  std::string names_of(int component, int other) const;
 
   const Model& model_;
   Location mesh_;  // in the input
   bool is_static_;
-  bool overlap_is_told_;
+  bool overlap_is_known_;                  ///< and the user has been warned
+  std::vector<int> bodies_of_components_;  ///< one of those that each component has
   std::vector<Body> bodies_;
   Handle<Vec> q_;
 };

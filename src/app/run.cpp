@@ -144,6 +144,7 @@ class Run {
       if (record().newton_iterations > worst_.newton_iterations) {
         worst_ = {record().step, record().time, record().newton_iterations};
       }
+      if (const auto news = watch_.look_for_passage(record())) console_.warn(*news);
       last_frame_written_ = schedule.due(record().time) || simulation_->finished();
       if (last_frame_written_) {
         recorder_->write_frame(record());

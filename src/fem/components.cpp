@@ -261,6 +261,7 @@ std::optional<Overlap> deepest_overlap(const NodeLayout& layout, const Component
   constexpr double least_part = 0.05;  // of the cell: two meshes of one curved surface differ by less
   // A node on a side, edge or corner is in several cells, on several ranks: the least of their depths counts.
   std::vector<double> depths(points.size(), infinity);
+  std::vector<int> holders(points.size(), -1);
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
     const auto nodes = layout.nodes_of_cell(c);
     std::array<Position, 4> corners{};
@@ -275,15 +276,25 @@ std::optional<Overlap> deepest_overlap(const NodeLayout& layout, const Component
       if (point->component == components.of_node[nodes[0]] || !box.holds(point->x)) continue;
       const auto depth = depth_in(corners, components.outer_sides[static_cast<std::size_t>(c)], point->x, size);
       if (!depth) continue;
-      double& known = depths[static_cast<std::size_t>(point - points.begin())];
-      known = std::min(known, *depth > least_part * size ? *depth : 0.0);
+      const auto p = static_cast<std::size_t>(point - points.begin());
+      depths[p] = std::min(depths[p], *depth > least_part * size ? *depth : 0.0);
+      holders[p] = std::max(holders[p], components.of_node[nodes[0]]);
     }
   }
   check_mpi(
       MPI_Allreduce(MPI_IN_PLACE, depths.data(), static_cast<int>(depths.size()), MPI_DOUBLE, MPI_MIN, layout.comm));
+  check_mpi(
+      MPI_Allreduce(MPI_IN_PLACE, holders.data(), static_cast<int>(holders.size()), MPI_INT, MPI_MAX, layout.comm));
   Overlap deepest;
+  double lowest = infinity;
   for (std::size_t p = 0; p < points.size(); ++p) {
-    if (std::isfinite(depths[p]) && depths[p] > deepest.depth) deepest = {depths[p], points[p].x};
+    if (!std::isfinite(depths[p]) || depths[p] <= 0.0) continue;
+    // Of places equally deep the same on any ranks, whatever their order here: the lowest along an odd direction.
+    const double level = dot(Position{1.0, 0.6180339887, 0.3819660113}, points[p].x);
+    const double same = 1e-9 * deepest.depth;
+    if (depths[p] < deepest.depth - same || (depths[p] <= deepest.depth + same && level >= lowest)) continue;
+    lowest = level;
+    deepest = {depths[p], points[p].x, points[p].component, holders[p]};
   }
   return deepest.depth > 0.0 ? std::optional(deepest) : std::nullopt;
 }

@@ -33,6 +33,7 @@ void join(Components& components, const NodeLayout& layout, std::span<const Pets
 struct Overlap {
   double depth = 0.0;          ///< below the surface [m], or less
   std::array<double, 3> at{};  ///< the node's current position [m]
+  int of = 0, in = 0;          ///< the node's component, and the one that it is in
 };
 
 /// The deepest, with the displacement u of local nodes; nothing if no component reaches into another by more than a

@@ -103,6 +103,8 @@ TEST_P(ComponentsOfCubes, OverlapAsDeepAsTheyDo) {
   ASSERT_TRUE(overlap.has_value());
   EXPECT_GT(overlap->depth, 0.01);
   EXPECT_LT(overlap->depth, 0.1001);
+  EXPECT_EQ(std::min(overlap->of, overlap->in), 0);
+  EXPECT_EQ(std::max(overlap->of, overlap->in), 1);
 }
 
 TEST_P(ComponentsOfCubes, ThatTouchDoNotOverlap) {

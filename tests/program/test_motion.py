@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from program import ProgramTest, write_box
+from program import ProgramTest, box, write_box, write_mesh
 
 METHODS = ["backward-euler", "bdf2", "bdf3", "dirk22", "dirk23", "dirk33", "implicit-midpoint", "symplectic-dirk22"]
 ADAPTIVE = [m for m in METHODS if m not in ("implicit-midpoint", "symplectic-dirk22")]
@@ -121,6 +121,42 @@ class Motion(ProgramTest):
         start = self.solve(['{surface: left, displacement: ["t", free, free]}'], time)["kinetic_energy"][0]
         flying = self.solve(['{surface: left, displacement: [0, free, free]}'], time, more="initial: {velocity: [1, 0, 0]}\n")
         self.assertAlmostEqual(flying["kinetic_energy"][0], 500 - start, delta=1e-9 * 500)
+
+
+class Passage(ProgramTest):
+    """Bodies that come to pass through one another, between which there is no contact."""
+
+    PASSING = """mesh: {file: two.msh}
+bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e5, poissons_ratio: 0.3}}]
+initial: {velocity: ["%s*(x > 1.3)", 0, 0]}
+time: {method: bdf2, step: 10 ms, end: 0.2}
+output: {every: 0.2}
+"""
+
+    def warnings(self, velocity, ranks):
+        points, triangles, cells = box((2, 2, 2))
+        volumes = (["post", "ball"], np.repeat([0, 1], len(cells)))
+        write_mesh(self.directory / "two.msh", np.vstack([points, points + (1.4, 0.1, 0.1)]), triangles,
+                   np.vstack([cells, cells + len(points)]), volumes)
+        law = "density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e5, poissons_ratio: 0.3}"
+        text = (self.PASSING % velocity).replace(f"[{{{law}}}]", f"[{{volume: ball, {law}}}, {{volume: post, {law}}}]")
+        done = self.call("run", self.write("two.yaml", text), "--output", "out", ranks=ranks)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return [line for line in done.stderr.splitlines() if "pass through" in line]
+
+    def test_is_warned_of_once_with_names_and_the_time(self):
+        # 0.4 m apart at 15 m/s: they meet after 27 ms and are apart again after 0.16 s, long before the frame at 0.2 s.
+        texts = set()
+        for ranks in (1, 2, 3):
+            with self.subTest(ranks=ranks):
+                said = self.warnings("-15", ranks)
+                self.assertEqual(len(said), 1, said)
+                self.assertRegex(said[0], r"two.yaml:1:14: at t = 0.03 s 'ball' and 'post' pass through one another, 0.05 m deep")
+                texts.add(said[0])
+        self.assertEqual(len(texts), 1, texts)
+
+    def test_that_does_not_come_to_be_is_not_warned_of(self):
+        self.assertEqual(self.warnings("-1.9", 1), [])
 
 
 if __name__ == "__main__":
