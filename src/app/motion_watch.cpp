@@ -188,7 +188,8 @@ std::optional<std::string> MotionWatch::look_for_passage(const StepRecord& recor
   check(VecCopy(record.q, q_.get()));
   update_ghosts(q_.get());
   const ConstGhostedView u(q_.get());
-  const auto overlap = deepest_overlap(model_.layout(), model_.components(), u.span());
+  constexpr std::size_t most_nodes = 1000;  // costs far less than a step
+  const auto overlap = deepest_overlap(model_.layout(), model_.components(), u.span(), most_nodes);
   if (!overlap) return std::nullopt;
   overlap_is_known_ = true;
   const auto& [x, y, z] = overlap->at;

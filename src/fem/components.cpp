@@ -131,7 +131,7 @@ struct Candidate {
 
 /// Nodes in the box of another component, of all ranks, in ascending order of x. Collective.
 std::vector<Candidate> candidates(const NodeLayout& layout, const Components& components, std::span<const double> u,
-                                  const std::vector<Box>& boxes) {
+                                  const std::vector<Box>& boxes, std::size_t most) {
   const int count = components.count;
   std::vector<std::vector<int>> met(static_cast<std::size_t>(count));
   for (int a = 0; a < count; ++a) {
@@ -147,7 +147,6 @@ std::vector<Candidate> candidates(const NodeLayout& layout, const Components& co
     if (std::ranges::none_of(met[a], [&](int b) { return boxes[b].holds(x); })) continue;
     mine.insert(mine.end(), {x[0], x[1], x[2], static_cast<double>(a)});
   }
-  constexpr std::size_t most = 20000;  // of a rank
   const std::size_t stride = 1 + mine.size() / 4 / most;
   std::vector<double> chosen;
   for (std::size_t i = 0; i < mine.size(); i += 4 * stride) {
@@ -254,9 +253,9 @@ void join(Components& components, const NodeLayout& layout, std::span<const Pets
 }
 
 std::optional<Overlap> deepest_overlap(const NodeLayout& layout, const Components& components,
-                                       std::span<const double> u) {
+                                       std::span<const double> u, std::size_t most_nodes) {
   if (components.count < 2) return std::nullopt;
-  const std::vector<Candidate> points = candidates(layout, components, u, boxes_of(layout, components, u));
+  const std::vector<Candidate> points = candidates(layout, components, u, boxes_of(layout, components, u), most_nodes);
   if (points.empty()) return std::nullopt;
   constexpr double least_part = 0.05;  // of the cell: two meshes of one curved surface differ by less
   // A node on a side, edge or corner is in several cells, on several ranks: the least of their depths counts.

@@ -37,9 +37,9 @@ struct Overlap {
 };
 
 /// The deepest, with the displacement u of local nodes; nothing if no component reaches into another by more than a
-/// twentieth of a cell. Of very many nodes where the components' boxes meet it looks at a part. Edges count as
-/// straight. Collective.
+/// twentieth of a cell. Of the nodes where the components' boxes meet it looks at `most_nodes` of each rank at most,
+/// evenly chosen. Edges count as straight. Collective.
 std::optional<Overlap> deepest_overlap(const NodeLayout& layout, const Components& components,
-                                       std::span<const double> u);
+                                       std::span<const double> u, std::size_t most_nodes = 20000);
 
 }  // namespace pliant
