@@ -159,7 +159,7 @@ bool NewtonSolver::lower_residual(Vec y, SNESLineSearch search) {
     const double after = norm(trial_.get());
     const bool falls = merit_.of_residual(trial_.get()) <= std::pow(1.0 - required_part * length, 2) * merit;
     const bool is_finite = std::isfinite(after) && (!follows_ || std::isfinite(value(trial)));
-    accepted = is_finite && (falls || after <= floor_factor * force_rounding);
+    accepted = is_finite && (takes_whole_steps_ || falls || after <= floor_factor * force_rounding);
     if (!accepted && is_finite) {
       accepted = shortens_correction(trial_.get(), y, alpha);
     } else {

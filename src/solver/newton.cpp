@@ -23,6 +23,11 @@ constexpr int times_to_snap = 6;
 constexpr int unsolved_before_snap = 2;
 /// Iterations on the way to an equilibrium nearby: Newton's method squares the error.
 constexpr int max_followed = 8;
+/// Whole steps from a guess: they arrive within a few, or not at all.
+constexpr int max_strides = 12;
+/// Of linear systems whose solutions are steps to be taken whole: what they leave in stiff directions, a step in soft
+/// ones turns into forces.
+constexpr double tolerance_of_whole_steps = 1e-8;
 /// How often the forces of a guess give way to those at the iterate that met the tolerance for them. At a solution
 /// without stress there are none, and it is enough to have met it for the remains of remains.
 constexpr int max_lowered = 3;
@@ -88,9 +93,7 @@ NewtonSolver::NewtonSolver(StageEquation& equation, const NewtonOptions& options
   check(SNESSetFunction(snes, r_.get(), residual_callback, this));
   check(SNESSetJacobian(snes, K_.get(), K_.get(), hessian_callback, this));
   check(SNESSetConvergenceTest(snes, convergence_callback, this, nullptr));
-  // No tolerance on the step: SNES would compare it after a failed line search too, with the lengths of an earlier
-  // step.
-  check(SNESSetTolerances(snes, PETSC_DEFAULT, PETSC_DEFAULT, 0.0, options.max_iterations, PETSC_MAX_INT));
+  limit_iterations(options.max_iterations);
   // Preconditioners are set up in `factorize`, nowhere else.
   check(SNESSetLagPreconditioner(snes, -1));
   check(SNESSetCheckJacobianDomainError(snes, PETSC_TRUE));
@@ -281,8 +284,10 @@ void NewtonSolver::linearize(Vec q) {
     PetscReal residual = 0.0;
     check(SNESGetIterationNumber(snes_.get(), &iteration));
     check(VecNorm(r_.get(), NORM_2, &residual));
-    check(KSPSetTolerances(ksp, forcing_.tolerance(static_cast<int>(iteration), residual, target()), PETSC_DEFAULT,
-                           PETSC_DEFAULT, PETSC_DEFAULT));
+    const double tolerance = takes_whole_steps_
+                                 ? tolerance_of_whole_steps
+                                 : forcing_.tolerance(static_cast<int>(iteration), residual, target());
+    check(KSPSetTolerances(ksp, tolerance, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
   }
   if (path_ == Path::residual && !merit_has_scale_) {
     equation_.size_of_diagonal(K_.get(), trial_.get());
@@ -312,7 +317,7 @@ void NewtonSolver::solve_linear(Vec r, Vec y) {
 SNESConvergedReason NewtonSolver::judge(PetscInt iteration, double residual) {
   note_iteration(iteration, residual);
   if (!std::isfinite(residual)) return SNES_DIVERGED_FNORM_NAN;
-  if (iteration > 0) took_full_step_ ? forcing_.observe(residual) : forcing_.forget();
+  if (iteration > 0 && !takes_whole_steps_) took_full_step_ ? forcing_.observe(residual) : forcing_.forget();
   if (iteration == 0) num_lowered_ = 0;
   if (iteration > 0 && residual <= target() && num_lowered_ < max_lowered) {
     lower_scale(solution_);
@@ -392,7 +397,7 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
     return {StageOutcome::retry, *no_guess};
   }
   scale_ = first_scale_ = equation_.force_scale(q);
-  StageReport report = may_follow ? seek_equilibrium(q) : iterate(q);
+  StageReport report = may_follow ? seek_equilibrium(q) : is_static_ ? stride(q) : iterate(q);
   settle_coefficients(q, report);
   if (report.outcome == StageOutcome::converged) {
     last_is_known_ = true;
@@ -400,6 +405,32 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
   } else {
     note_failure(stage, q);
   }
+  return report;
+}
+
+void NewtonSolver::limit_iterations(int number) {
+  // No tolerance on the step: SNES would compare it after a failed line search too, with the lengths of an earlier
+  // step.
+  check(SNESSetTolerances(snes_.get(), PETSC_DEFAULT, PETSC_DEFAULT, 0.0, number, PETSC_MAX_INT));
+}
+
+StageReport NewtonSolver::stride(Vec q) {
+  const Handle<Vec> guess = equation_.make_vector();
+  check(VecCopy(q, guess.get()));
+  takes_whole_steps_ = true;
+  limit_iterations(std::min(max_strides, options_.max_iterations));
+  const StageReport whole = iterate(q);
+  takes_whole_steps_ = false;
+  limit_iterations(options_.max_iterations);
+  if (whole.outcome != StageOutcome::retry) return whole;
+  check(VecCopy(guess.get(), q));
+  equation_.extrapolate_from(nullptr);
+  at_rounding_floor_ = false;
+  factor_is_wanted_ = true;
+  scale_ = first_scale_;
+  StageReport report = iterate(q);
+  report.newton_iterations += whole.newton_iterations;
+  report.linear_iterations += whole.linear_iterations;
   return report;
 }
 
@@ -421,7 +452,7 @@ StageReport NewtonSolver::seek_equilibrium(Vec q) {
     factor_is_wanted_ = factor_is_wanted_ || newton > 0;
     merit_has_scale_ = at_rounding_floor_ = false;
     scale_ = equation_.force_scale(q);
-    check(SNESSetTolerances(snes_.get(), PETSC_DEFAULT, PETSC_DEFAULT, 0.0, max_iterations, PETSC_MAX_INT));
+    limit_iterations(max_iterations);
     do {
       report = iterate(q);
       newton += report.newton_iterations;
@@ -451,7 +482,7 @@ StageReport NewtonSolver::seek_equilibrium(Vec q) {
     const int times = may_snap ? times_to_snap : 1;
     attempt(false, lowest.get(), times * options_.max_iterations - newton);
   }
-  check(SNESSetTolerances(snes_.get(), PETSC_DEFAULT, PETSC_DEFAULT, 0.0, options_.max_iterations, PETSC_MAX_INT));
+  limit_iterations(options_.max_iterations);
   num_unsolved_ = report.outcome == StageOutcome::converged ? 0 : num_unsolved_ + 1;
   report.newton_iterations = newton;
   report.linear_iterations = linear;
