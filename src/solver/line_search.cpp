@@ -42,7 +42,9 @@ bool NewtonSolver::linear_solver_broke_down(Vec r) const {
     check(KSPGetResidualNorm(ksp, &left));
     return left > truncated_part * norm(r);
   }
-  return reason < 0 && reason != KSP_DIVERGED_ITS;  // out of iterations is a poor direction, not a wrong one
+  if (reason == KSP_DIVERGED_ITS)
+    return takes_whole_steps_ && !factor_is_current_;  // a poor direction, not a wrong one
+  return reason < 0;
 }
 
 bool NewtonSolver::descends(Vec r, Vec y, double& slope) {

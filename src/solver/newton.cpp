@@ -284,9 +284,8 @@ void NewtonSolver::linearize(Vec q) {
     PetscReal residual = 0.0;
     check(SNESGetIterationNumber(snes_.get(), &iteration));
     check(VecNorm(r_.get(), NORM_2, &residual));
-    const double tolerance = takes_whole_steps_
-                                 ? tolerance_of_whole_steps
-                                 : forcing_.tolerance(static_cast<int>(iteration), residual, target());
+    const double tolerance = takes_whole_steps_ ? tolerance_of_whole_steps
+                                                : forcing_.tolerance(static_cast<int>(iteration), residual, target());
     check(KSPSetTolerances(ksp, tolerance, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
   }
   if (path_ == Path::residual && !merit_has_scale_) {

@@ -142,8 +142,8 @@ class NewtonSolver {
   /// equilibrium before.
   StageReport seek_equilibrium(Vec q);
   /// Without inertia, and for a residual without potential: whole Newton steps from the guess, and where they do not
-  /// arrive, damped ones. The stresses extrapolated along a step are near those of equilibrium even where it stretches a
-  /// thin body to forces many times those at work, so that the next step takes them back; a line search that measures
+  /// arrive, damped ones. The stresses extrapolated along a step are near those of equilibrium even where it stretches
+  /// a thin body to forces many times those at work, so that the next step takes them back; a line search that measures
   /// residuals would refuse both.
   StageReport stride(Vec q);
   void limit_iterations(int number);
@@ -235,7 +235,7 @@ class NewtonSolver {
   bool is_regularized_ = false;
   bool has_second_guess_ = false;  // guess_ is one
   bool is_static_ = false;
-  bool follows_ = false;  // any equilibrium will do: see `seek_equilibrium`
+  bool follows_ = false;            // any equilibrium will do: see `seek_equilibrium`
   bool takes_whole_steps_ = false;  // whatever they do to the residual: see `stride`
   bool took_full_step_ = false;
   bool at_rounding_floor_ = false;
