@@ -171,7 +171,7 @@ void Contacts::prepare(const Config& config) {
       add(std::move(contact));
       if (has_velocity && (o.friction > 0.0 || o.viscous_friction > 0.0)) {
         add(make_friction(surfaces_[b], obstacles_[k], {o.friction, o.viscous_friction, config_.stick_velocity},
-                          config_.friction_update));
+                          {o.normal_damping}, config_.friction_update));
       }
       if (has_velocity && o.normal_damping > 0.0) {
         add(make_normal_damping(surfaces_[b], obstacles_[k], {o.normal_damping}, config_.friction_update));

@@ -93,11 +93,16 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
   if (stage != nullptr && stage->lacks_memory) {
     return {"more memory per rank (fewer ranks on a machine, more machines), solver.linear: amg, a coarser mesh"};
   }
-  if (stage != nullptr && stage->force_scale == 0.0) {
+  const bool is_whole = !report.worst_cells.empty() && report.worst_cells.front().volume_ratio > nearly_flat;
+  if (stage != nullptr && stage->force_scale == 0.0 && is_whole) {
+    result.push_back(
+        fmt::format("no state was found that is clear of all barriers: {}, slower obstacles, or contact.law: penalty",
+                    report.shorter_steps));
+  } else if (stage != nullptr && stage->force_scale == 0.0) {
     result.push_back(fmt::format(
         "the prescribed motion alone turns tetrahedra inside out: {}, or a coarser mesh at the moving surface",
         report.shorter_steps));
-  } else if (!report.worst_cells.empty() && !(report.worst_cells.front().volume_ratio > nearly_flat)) {
+  } else if (!report.worst_cells.empty() && !is_whole) {
     result.push_back(fmt::format(
         "tetrahedra are nearly flat: a weaker or slower load there, a finer or better mesh, {}", report.shorter_steps));
   }

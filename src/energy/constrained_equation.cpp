@@ -116,6 +116,12 @@ bool ConstrainedEquation::refreeze(Vec y) {
   return equation_.refreeze(q_.get());
 }
 
+bool ConstrainedEquation::carry_along(Carried which, Vec y) {
+  if (!equation_.carry_along(which, q_.get())) return false;
+  map_.restrict(q_.get(), y);
+  return true;
+}
+
 Vec ConstrainedEquation::displacements(Vec y) {
   map_.expand(y, q_.get());
   return q_.get();

@@ -38,6 +38,7 @@ class ConstrainedEquation final : public StageEquation {
   double max_way(Vec y, Vec d) override;
   void extrapolate_from(Vec y) override;
   bool is_static() const override { return equation_.is_static(); }
+  bool carry_along(Carried which, Vec y) override;
   void lead(double part) override { map_.lead(part); }
   double force_scale(Vec y) override;
   double inertia_scale() override { return equation_.inertia_scale(); }

@@ -150,6 +150,24 @@ double Contact::max_step(const LocalStage& stage, std::span<const double> q, std
   return bound;
 }
 
+void Contact::carry_along(const LocalStage& stage, std::span<Vector3<double>> ways, std::span<double> nearness) const {
+  if (surface_->law().kind != NormalKind::barrier || !obstacle_->moves() || stage.accepted.empty()) return;
+  constexpr double near_ways = 2.0, far_ways = 5.0;
+  const ObstacleFrame start = obstacle_->at(Instant{stage.step_start, stage.load_factor});
+  const ObstacleFrame end = obstacle_->at(instant_of(stage));
+  for (std::size_t a = 0; a < ways.size(); ++a) {
+    const Vector3<double> x = surface_->position(static_cast<PetscInt>(a), stage.accepted);
+    const Vector3<double> way = end.place(start.in_shape(x)) - x;
+    const double length = norm(way);
+    if (length == 0.0) continue;
+    const double gap = std::max(0.0, start.distance(x) - surface_->law().threshold);
+    const double near = std::clamp((far_ways - gap / length) / (far_ways - near_ways), 0.0, 1.0);
+    if (near <= nearness[a]) continue;
+    ways[a] = way;
+    nearness[a] = near;
+  }
+}
+
 namespace {
 
 std::string_view name_of(const Friction&) {
@@ -162,9 +180,10 @@ std::string_view name_of(const NormalDamping&) {
 template <class Drag>
 class ContactDrag final : public EnergyTerm {
  public:
+  /// `damping`: what is damped beside, on whose pressure the drag rests too.
   ContactDrag(std::shared_ptr<const ContactSurface> surface, std::shared_ptr<const Obstacle> obstacle, const Drag& drag,
-              FrictionUpdate update)
-      : surface_(std::move(surface)), obstacle_(std::move(obstacle)), drag_(drag), update_(update) {}
+              const NormalDamping& damping, FrictionUpdate update)
+      : surface_(std::move(surface)), obstacle_(std::move(obstacle)), drag_(drag), damping_(damping), update_(update) {}
 
   std::string_view name() const override { return name_of(drag_); }
   TermDeclaration declaration() const override {
@@ -195,7 +214,7 @@ class ContactDrag final : public EnergyTerm {
     });
   }
 
-  /// Of a frozen drag: what it exerts, and what the pressure at q allows.
+  /// Of a frozen drag: what it exerts, and what the pressure at q allows, that of the frozen damping included.
   DragBound bound(const LocalStage& stage, std::span<const double> q) const override {
     if (update_ == FrictionUpdate::iterated) return {};
     CompensatedSum<double> exerted, allowed;
@@ -212,7 +231,13 @@ class ContactDrag final : public EnergyTerm {
       const Vector3<double> v = (1.0 / stage.dt) * way_of(point, stage.q0, q) - now.velocity(x);
       allowed.add(point.area * drag_.largest(pressure, at.n, v));
     });
-    return {exerted.total(), allowed.total()};
+    if (damping_.damping > 0.0) {
+      for_each_touch(stage, q, Facets::owned, [&](const Touch& touch, const Vector3<double>& v) {
+        const double added = touch.undamped * damping_.added_part(touch.n, v);
+        allowed.add(touch.point.area * drag_.largest(added, touch.n, v));
+      });
+    }
+    return {exerted.total(), std::max(0.0, allowed.total())};
   }
 
   double dissipation(const LocalStage& stage, std::span<const double> q) const override {
@@ -232,7 +257,8 @@ class ContactDrag final : public EnergyTerm {
   /// A point with what is frozen there.
   struct Touch {
     const ContactPoint& point;
-    double pressure;
+    double undamped;  // without that of the damping beside
+    double pressure;  // in all
     Vector3<double> n, obstacle_velocity;
   };
 
@@ -253,7 +279,12 @@ class ContactDrag final : public EnergyTerm {
       // Beyond a barrier there is no pressure to speak of.
       if (!(pressure > 0.0)) return;
       const Vector3<double> moved = way_of(point, stage.q0, q);
-      const Touch touch{point, pressure, distance.n, now.velocity(x)};
+      Touch touch{point, pressure, pressure, distance.n, now.velocity(x)};
+      if (damping_.damping > 0.0) {
+        const Vector3<double> v =
+            at_start ? ContactSurface::interpolate(point, stage.v0) : (1.0 / stage.dt) * way_of(point, stage.q0, at);
+        touch.pressure *= 1.0 + damping_.added_part(touch.n, v - touch.obstacle_velocity);
+      }
       visit(touch, (1.0 / stage.dt) * moved - touch.obstacle_velocity);
     });
   }
@@ -270,6 +301,7 @@ class ContactDrag final : public EnergyTerm {
   std::shared_ptr<const ContactSurface> surface_;
   std::shared_ptr<const Obstacle> obstacle_;
   Drag drag_;
+  NormalDamping damping_;
   FrictionUpdate update_;
 };
 
@@ -277,14 +309,15 @@ class ContactDrag final : public EnergyTerm {
 
 std::unique_ptr<EnergyTerm> make_friction(std::shared_ptr<const ContactSurface> surface,
                                           std::shared_ptr<const Obstacle> obstacle, const Friction& friction,
-                                          FrictionUpdate update) {
-  return std::make_unique<ContactDrag<Friction>>(std::move(surface), std::move(obstacle), friction, update);
+                                          const NormalDamping& damping, FrictionUpdate update) {
+  return std::make_unique<ContactDrag<Friction>>(std::move(surface), std::move(obstacle), friction, damping, update);
 }
 
 std::unique_ptr<EnergyTerm> make_normal_damping(std::shared_ptr<const ContactSurface> surface,
                                                 std::shared_ptr<const Obstacle> obstacle, const NormalDamping& damping,
                                                 FrictionUpdate update) {
-  return std::make_unique<ContactDrag<NormalDamping>>(std::move(surface), std::move(obstacle), damping, update);
+  return std::make_unique<ContactDrag<NormalDamping>>(std::move(surface), std::move(obstacle), damping, NormalDamping{},
+                                                      update);
 }
 
 }  // namespace pliant

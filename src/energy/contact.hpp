@@ -36,6 +36,9 @@ class Contact final : public EnergyTerm {
   /// moves.
   double max_step(const LocalStage& stage, std::span<const double> q, std::span<const double> d) const override;
 
+  /// Nodes nearer than twice the way of the obstacle are as near as can be, from five times on there is no nearness.
+  void carry_along(const LocalStage& stage, std::span<Vector3<double>> ways, std::span<double> nearness) const override;
+
   const ContactSurface& surface() const { return *surface_; }
   const Obstacle& obstacle() const { return *obstacle_; }
 
@@ -48,11 +51,12 @@ class Contact final : public EnergyTerm {
 ///
 ///     Phi = dt int R(p, n; v - v_o) dA,   v = (q - q0)/dt,   v_o at the end of the stage
 ///
-/// p and n are frozen (FrictionUpdate), and so is the place at which v_o is taken. What is frozen at the last accepted
-/// state would go on acting on a surface that has left: StageEquation::refreeze then freezes it anew, at the solution.
+/// p is the pressure that is recorded: of friction that with the damping of the same obstacle. p and n are frozen
+/// (FrictionUpdate), and so is the place at which v_o is taken. What is frozen at the last accepted state would go on
+/// acting on a surface that has left: StageEquation::refreeze then freezes it anew, at the solution.
 std::unique_ptr<EnergyTerm> make_friction(std::shared_ptr<const ContactSurface> surface,
                                           std::shared_ptr<const Obstacle> obstacle, const Friction& friction,
-                                          FrictionUpdate update);
+                                          const NormalDamping& damping, FrictionUpdate update);
 std::unique_ptr<EnergyTerm> make_normal_damping(std::shared_ptr<const ContactSurface> surface,
                                                 std::shared_ptr<const Obstacle> obstacle, const NormalDamping& damping,
                                                 FrictionUpdate update);

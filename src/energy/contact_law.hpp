@@ -76,7 +76,8 @@ struct DragResponse {
   Tensor3<double> hessian{};  ///< >= 0 [Pa s/m]
 };
 
-/// Coulomb's friction and a viscous one, both in proportion to the pressure p: with v_t = v - (v.n) n, s = |v_t|
+/// Coulomb's friction and a viscous one, both in proportion to the normal pressure in all, p: with v_t = v - (v.n) n, s
+/// = |v_t|
 ///
 ///     traction = -p (mu f(s / v_s) + eta s) v_t / s,   f(y) = (15 y - 10 y^3 + 3 y^5) / 8 (y < 1), else 1
 ///
@@ -128,12 +129,17 @@ struct Friction {
 struct NormalDamping {
   double damping = 0.0;  ///< [s/m]
 
-  DragResponse operator()(double pressure, const Vector3<double>& n, const Vector3<double>& v) const {
+  /// g, the part of p that damping adds: more than -1.
+  double added_part(const Vector3<double>& n, const Vector3<double>& v) const {
     const double c = -damping * dot(v, n);
-    double integral = 0.5 * c * c, g = c, slope = 1.0;
+    return c < -0.5 ? -1.0 - 0.25 / c : c;
+  }
+
+  DragResponse operator()(double pressure, const Vector3<double>& n, const Vector3<double>& v) const {
+    const double c = -damping * dot(v, n), g = added_part(n, v);
+    double integral = 0.5 * c * c, slope = 1.0;
     if (c < -0.5) {
       integral = -0.375 - c - 0.25 * std::log(-2.0 * c);
-      g = -1.0 - 0.25 / c;
       slope = 0.25 / (c * c);
     }
     return {pressure / damping * integral, (-pressure * g) * n,

@@ -299,6 +299,34 @@ bool IncrementalPotential::move_rigidly(Vec q) {
   return true;
 }
 
+bool IncrementalPotential::carry_along(Carried which, Vec q) {
+  if (stage_.accepted.empty()) return false;
+  std::vector<Vector3<double>> ways(stage_.accepted.size() / 3);
+  std::vector<double> nearness(ways.size(), 0.0);
+  for (const EnergyTerm* term : terms_) term->carry_along(stage_, ways, nearness);
+  if (which == Carried::bodies) {
+    // The mean way of what is nearest, of all ranks.
+    std::vector<double> sums(4, 0.0);
+    for (PetscInt a = 0; a < layout_.num_owned_nodes; ++a) {
+      if (nearness[a] < 1.0) continue;
+      for (std::size_t i = 0; i < 3; ++i) sums[i] += ways[a][i];
+      sums[3] += 1.0;
+    }
+    sum_in_place(layout_.comm, sums);
+    if (sums[3] == 0.0) return false;
+    std::ranges::fill(ways, (1.0 / sums[3]) * Vector3<double>{sums[0], sums[1], sums[2]});
+    std::ranges::fill(nearness, 1.0);
+  } else if (!any(layout_.comm, std::ranges::any_of(nearness, [](double near) { return near > 0.0; }))) {
+    return false;
+  }
+  check(VecCopy(accepted_.get(), q));
+  const ArrayView u(q);
+  for (PetscInt a = 0; a < layout_.num_owned_nodes; ++a) {
+    for (PetscInt i = 0; i < 3; ++i) u[3 * a + i] += nearness[a] * ways[a][static_cast<std::size_t>(i)];
+  }
+  return true;
+}
+
 double IncrementalPotential::rounding_floor(Vec q) const {
   double squares = 0.0;
   const ConstArrayView u(q), k(diagonal_.get());

@@ -64,6 +64,7 @@ class IncrementalPotential final : public StageEquation {
   std::size_t num_rank_one() const override { return functions_of_sum_.size(); }
   void rank_one_parts(Vec q, std::vector<RankOne>& parts) override;
   bool move_rigidly(Vec q) override;
+  bool carry_along(Carried which, Vec q) override;
   /// The largest alpha for which q + alpha d stays clear of all barriers.
   double max_step(Vec q, Vec d) override;
   double max_way(Vec q, Vec d) override;

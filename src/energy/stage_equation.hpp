@@ -44,6 +44,15 @@ class StageEquation {
   /// there is no such body, and q is as it was.
   virtual bool move_rigidly(Vec /*q*/) { return false; }
 
+  /// Which nodes go with an obstacle that has moved.
+  enum class Carried {
+    near,   ///< those near it, the others the less the farther they are
+    bodies  ///< all nodes, by the mean way of those nearest
+  };
+  /// q = the accepted state, nodes moved as the obstacles have that would else have moved onto them; false where none
+  /// has moved near a node.
+  virtual bool carry_along(Carried /*which*/, Vec /*q*/) { return false; }
+
   /// Phi(q) of the terms that are potentials [J], but for a constant of the stage; +inf where a barrier is crossed or a
   /// number is not finite.
   virtual double value(Vec q) = 0;

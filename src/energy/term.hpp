@@ -1,6 +1,7 @@
 /// The contract of everything that contributes to a stage's equation.
 #pragma once
 
+#include "base/vector3.hpp"
 #include "fem/block_matrix.hpp"
 
 #include <array>
@@ -148,6 +149,11 @@ class EnergyTerm {
 
   /// The term as a function of one number of all ranks, if it is one.
   virtual const FunctionOfSum* function_of_sum() const { return nullptr; }
+
+  /// Of a barrier that moves: how far it takes the places of the local nodes at LocalStage::accepted with it since the
+  /// step's start, and for how near it each is, 1 where it would be met. Both are left where another is nearer.
+  virtual void carry_along(const LocalStage& /*stage*/, std::span<Vector3<double>> /*ways*/,
+                           std::span<double> /*nearness*/) const {}
 
   /// The largest alpha for which q + alpha d stays clear of the term's barrier; +inf if it has none.
   virtual double max_step(const LocalStage& /*stage*/, std::span<const double> /*q*/,

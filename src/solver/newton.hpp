@@ -130,6 +130,8 @@ class NewtonSolver {
   void consider(Vec candidate, Vec q);
   /// q = `candidate`, or where a wall stands on the way there from the accepted state: short of it.
   void stop_short_of_walls(Vec accepted, Vec candidate);
+  /// Considers guesses that obstacles which have moved onto the accepted state have taken along.
+  void go_with_obstacles(const StagePoint& stage, Vec q);
   /// How far what is prescribed was led: not at all, as the accepted state lies beyond a barrier now, a part of its
   /// way, or all of it.
   enum class Carried { not_at_all, partly, all_the_way };

@@ -42,6 +42,22 @@ void NewtonSolver::stop_short_of_walls(Vec accepted, Vec candidate) {
   copy_entries(r_.get(), candidate, equation_.prescribed(), false);
 }
 
+// In the frame of the obstacle the accepted state is where it was, and nothing has moved onto it.
+void NewtonSolver::go_with_obstacles(const StagePoint& stage, Vec q) {
+  const auto& prescribed = equation_.prescribed();
+  const Handle<Vec> carried = equation_.make_vector(), given = equation_.make_vector();
+  check(VecCopy(q, given.get()));
+  for (const auto which : {StageEquation::Carried::bodies, StageEquation::Carried::near}) {
+    if (!equation_.carry_along(which, carried.get())) continue;
+    copy_entries(given.get(), carried.get(), prescribed, true);
+    consider(carried.get(), q);
+    check(VecWAXPY(trial_.get(), stage.dt, stage.v0, stage.q0));
+    copy_entries(given.get(), trial_.get(), prescribed, true);
+    stop_short_of_walls(carried.get(), trial_.get());
+    consider(trial_.get(), q);
+  }
+}
+
 void NewtonSolver::consider(Vec candidate, Vec q) {
   const double phi = height(candidate);
   if (!(phi < phi_)) return;
@@ -66,6 +82,7 @@ std::optional<std::string> NewtonSolver::choose_guess(const StagePoint& stage, V
     stop_short_of_walls(accepted, trial_.get());
     consider(trial_.get(), q);
   }
+  if (!std::isfinite(phi_)) go_with_obstacles(stage, q);
   if (!std::isfinite(phi_) && last_is_known_) {
     // All lie beyond a barrier, on whose right side the last solution was.
     check(VecCopy(last_.get(), trial_.get()));

@@ -65,8 +65,8 @@ struct Terms {
     const auto obstacle = std::make_shared<const Obstacle>(shape.make(), tumbling());
     contact = std::make_unique<Contact>(surface, obstacle);
     for (const auto update : {FrictionUpdate::frozen, FrictionUpdate::iterated}) {
-      drags.push_back(make_friction(surface, obstacle, {0.6, 0.0, 20.0}, update));  // sticking
-      drags.push_back(make_friction(surface, obstacle, {0.6, 0.2, 0.2}, update));   // sliding
+      drags.push_back(make_friction(surface, obstacle, {0.6, 0.0, 20.0}, {}, update));    // sticking
+      drags.push_back(make_friction(surface, obstacle, {0.6, 0.2, 0.2}, {0.1}, update));  // sliding
       drags.push_back(make_normal_damping(surface, obstacle, {0.1}, update));
     }
   }

@@ -73,7 +73,7 @@ struct Motion {
     for (const auto& obstacle : obstacles) {
       terms.push_back(std::make_unique<Contact>(surface, obstacle));
       if (drags == Drags::none) continue;
-      terms.push_back(make_friction(surface, obstacle, {0.8, 0.05, 3.0}, update));
+      terms.push_back(make_friction(surface, obstacle, {0.8, 0.05, 3.0}, {0.2}, update));
       terms.push_back(make_normal_damping(surface, obstacle, {0.2}, update));
     }
     return terms;

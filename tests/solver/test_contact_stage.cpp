@@ -36,7 +36,7 @@ ProblemSpec over_a_belt(const NormalLaw& law, std::optional<FrictionUpdate> fric
     std::vector<std::unique_ptr<EnergyTerm>> terms;
     terms.push_back(std::make_unique<Contact>(surface, plane));
     if (friction) {
-      terms.push_back(make_friction(surface, plane, {0.7, 0.0, 0.05}, *friction));
+      terms.push_back(make_friction(surface, plane, {0.7, 0.0, 0.05}, {0.5}, *friction));
       terms.push_back(make_normal_damping(surface, plane, {0.5}, *friction));
     }
     return terms;
