@@ -59,6 +59,8 @@ class Contacts {
   std::optional<std::string> passage(const Instant& from, std::span<const double> q_from, const Instant& to,
                                      std::span<const double> q_to) const;
 
+  bool has_barrier() const { return config_.law == NormalKind::barrier; }
+
   /// Throws InputError if a body lies beyond a barrier. Collective.
   void check_start(const Instant& at, std::span<const double> q) const;
   /// Warnings, each with its place: nothing that may touch; obstacles within a body, or narrower than its contact

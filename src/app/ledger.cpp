@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace pliant {
 namespace {
@@ -114,6 +115,18 @@ void Ledger::book(const StepAttempt& attempt) {
   time_ = attempt.time;
   check(VecCopy(attempt.q, q_.get()));
   balance();
+}
+
+Ledger::Gain Ledger::gain(const StepAttempt& attempt) {
+  if (analysis_ != Analysis::dynamic || attempt.w.empty()) return {};
+  const Energies before = energies_;
+  measure(attempt.view());
+  const Energies after = std::exchange(energies_, before);
+  const auto done = [&](Work w) { return attempt.w[w] - works_[w]; };
+  const double fallen = before.load_potential - after.load_potential;
+  const double change = after.kinetic - before.kinetic + after.elastic - before.elastic;
+  return {change - fallen - done(kinetic) - done(stored) - done(potential),
+          before.kinetic + before.elastic + std::max(0.0, fallen) + std::max(0.0, done(loads) + done(supports))};
 }
 
 void Ledger::book_jump(const StateView& after) {

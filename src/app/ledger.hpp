@@ -62,6 +62,13 @@ class Ledger {
   /// Books a completed step; call before it is accepted into the history, while `attempt` is valid. Where the
   /// integrator has not integrated the works, they are trapezoidal, or by the midpoint rule.
   void book(const StepAttempt& attempt);
+  /// What a method has made in a step, of what there was.
+  struct Gain {
+    double made = 0.0;       ///< minus the numerical dissipation [J]
+    double available = 0.0;  ///< kinetic and elastic energy at the step's start, and what came in since [J]
+  };
+  /// Of a completed step that is not booked yet; nothing where the integrator has not integrated the works.
+  Gain gain(const StepAttempt& attempt);
   /// Books that the velocity of the last state booked has jumped to that of `after`: impulses of the constraints have
   /// done work.
   void book_jump(const StateView& after);

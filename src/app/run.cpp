@@ -310,12 +310,12 @@ class Run {
     }
     console_.print(energy_line());
     if (const auto growth = energy_watch_->growth()) {
-      console_.warn(
-          fmt::format("{}: the energy grew without work: at t = {:.6g} s there was {:.3g} times what came in, in steps "
-                      "of {:g} s by '{}'; shorten the steps, take bdf2, dirk22 or dirk33, or damp the vibrations by a "
-                      "viscosity",
-                      to_string(config_.time.method.where), growth->time, growth->factor, steps.longest,
-                      config_.time.method.value));
+      console_.warn(fmt::format(
+          "{}: the energy grew without work: at t = {:.6g} s there was {:.3g} times what came in{}, in steps "
+          "of {:g} s by '{}'; shorten the steps, take bdf2, dirk22 or dirk33, or damp the vibrations by a "
+          "viscosity",
+          to_string(config_.time.method.where), growth->time, growth->factor,
+          growth->is_in_all ? " (with what was dissipated)" : "", steps.longest, config_.time.method.value));
     }
     warn_of_solutions(s);
     console_.print(fmt::format("results: {0}/result.xdmf, {0}/history.csv", config_.output.directory));

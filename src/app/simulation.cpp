@@ -9,6 +9,8 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
 namespace pliant {
 namespace {
 
@@ -16,6 +18,9 @@ namespace {
 constexpr double longer = 1.0 + 1e-6;
 /// Nominal steps after which a contact is no impact any more.
 constexpr double steps_of_impact = 3.0;
+/// Of the energy there is: a step that makes more of it at a barrier is cut, but not below this part of the nominal
+/// one.
+constexpr double largest_gain = 0.02, least_part_of_impact = 1.0 / 200.0;
 
 StepOutcome::Kind outcome_of(const RetryDecision& decision, StepOutcome::Kind otherwise) {
   return decision.retry == Retry::give_up ? StepOutcome::Kind::failed : otherwise;
@@ -106,7 +111,7 @@ StepOutcome Simulation::advance() {
   StepAttempt attempt = advance_->attempt(step);
   record_.a = nullptr;  // it was the advance's
   if (attempt.report.outcome == StageOutcome::converged) {
-    if (auto reason = impossibility(attempt)) {
+    if (auto reason = impossibility(attempt, step)) {
       attempt.report.outcome = StageOutcome::retry;
       attempt.report.reason = std::move(*reason);
     }
@@ -163,12 +168,30 @@ bool Simulation::ends_inside_out(const StepAttempt& attempt) {
   return !std::ranges::all_of(energies, [](double energy) { return std::isfinite(energy); });
 }
 
-std::optional<std::string> Simulation::impossibility(const StepAttempt& attempt) {
+// A stage that starts where inertia leads, beyond a barrier, throws the body back as fast as it takes to come out
+// within the stage; and what damping takes there has the weight of the stage, not the time of the impact.
+std::optional<std::string> Simulation::gain_at_barrier(const StepAttempt& attempt, const Step& step) {
+  const Contacts* contacts = model_.contacts();
+  if (contacts == nullptr || !contacts->has_barrier() || step.dt < least_part_of_impact * plan_.dt) return std::nullopt;
+  const Ledger::Gain gain = ledger_->gain(attempt);
+  if (!(gain.made > largest_gain * gain.available)) return std::nullopt;
+  if (!(record_.contact.num_points > 0.0)) {
+    check(VecCopy(attempt.q, next_q_.get()));
+    update_ghosts(next_q_.get());
+    const ConstGhostedView to(next_q_.get());
+    if (!(contacts->closeness(model_.instant(attempt.time), to.span()).num_points > 0.0)) return std::nullopt;
+  }
+  return fmt::format("the step is too long for an impact on a barrier, at which it makes {:.3g} J beside {:.3g} J",
+                     gain.made, gain.available);
+}
+
+std::optional<std::string> Simulation::impossibility(const StepAttempt& attempt, const Step& step) {
   if (ends_inside_out(attempt)) {
     return "a tetrahedron is inside out at the end of the step, although at none of its stages: the method takes the "
            "end from all of them";
   }
-  return passage(attempt);
+  if (auto passes = passage(attempt)) return passes;
+  return gain_at_barrier(attempt, step);
 }
 
 StepOutcome Simulation::reject(const StepAttempt& attempt, const Step& step) {

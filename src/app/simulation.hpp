@@ -93,7 +93,9 @@ class Simulation {
  private:
   void set_plan(const Config& config);
   /// What to say of a converged attempt whose end no body can have reached.
-  std::optional<std::string> impossibility(const StepAttempt& attempt);
+  std::optional<std::string> impossibility(const StepAttempt& attempt, const Step& step);
+  /// What to say of an impact on a barrier that gains energy in a step which may still be cut.
+  std::optional<std::string> gain_at_barrier(const StepAttempt& attempt, const Step& step);
   /// Whether a tetrahedron is inside out at the end of the step, where no stage is.
   bool ends_inside_out(const StepAttempt& attempt);
   StepOutcome reject(const StepAttempt& attempt, const Step& step);

@@ -41,6 +41,20 @@ TEST(EnergyWatch, TellsHowMuchThereIsOfWhatCameIn) {
 }
 
 // A body that rests has no energy to compare with.
+TEST(EnergyWatch, TellsOfMoreDissipatedThanThereWas) {
+  EnergyWatch watch(at(4, 0, 0, 0));
+  Energies lost = at(1, 0, 0, 0);
+  lost.dissipated = 4.5;
+  watch.look(lost, 0.1);
+  EXPECT_FALSE(watch.growth());
+  lost.dissipated = 7;
+  watch.look(lost, 0.2);
+  ASSERT_TRUE(watch.growth());
+  EXPECT_TRUE(watch.growth()->is_in_all);
+  EXPECT_DOUBLE_EQ(watch.growth()->factor, 2.0);
+  EXPECT_DOUBLE_EQ(watch.growth()->time, 0.2);
+}
+
 TEST(EnergyWatch, RoundingOfNothingIsNothing) {
   EnergyWatch watch(at(0, 0, 0, 0));
   watch.look(at(1e-40, 0, 0, 0), 0.1);
