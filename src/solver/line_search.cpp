@@ -81,7 +81,7 @@ bool NewtonSolver::stops_at_rounding(SNESLineSearch search, double residual, dou
 }
 
 void NewtonSolver::go_to(Vec trial, Vec q) {
-  if (is_static_) {
+  if (is_static_ || takes_whole_steps_) {
     check(VecCopy(q, before_.get()));
     equation_.extrapolate_from(before_.get());
   }

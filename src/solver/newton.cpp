@@ -39,6 +39,8 @@ constexpr double tiny_part = 1e-6;
 constexpr double nearly_there = 1e-3;
 /// A residual that is said to be rounding is looked at twice if it is more than this part of the forces.
 constexpr double doubtful_rounding = 1e-6;
+/// Forces up to this multiple of the rounding floor are none.
+constexpr double no_forces = 10.0;
 
 /// Solves of a stage with coefficients frozen anew.
 constexpr int max_refreezes = 60;
@@ -337,7 +339,10 @@ SNESConvergedReason NewtonSolver::judge(PetscInt iteration, double residual) {
 void NewtonSolver::count_rounding(double residual) {
   ++statistics_.rounding_stops;
   const double size = std::max({equation_.force_scale(solution_), equation_.inertia_scale(), first_scale_ * tiny_part});
-  if (size > 0.0) statistics_.worst_rounding = std::max(statistics_.worst_rounding, residual / size);
+  // A body at rest without stress: its forces are rounding errors themselves.
+  const bool is_free_of_forces = is_static_ && size <= no_forces * floor_factor * equation_.rounding_floor(solution_);
+  if (size > 0.0 && !is_free_of_forces)
+    statistics_.worst_rounding = std::max(statistics_.worst_rounding, residual / size);
 }
 
 void NewtonSolver::lower_scale(Vec q) {
@@ -396,7 +401,7 @@ StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
     return {StageOutcome::retry, *no_guess};
   }
   scale_ = first_scale_ = equation_.force_scale(q);
-  StageReport report = may_follow ? seek_equilibrium(q) : is_static_ ? stride(q) : iterate(q);
+  StageReport report = may_follow ? seek_equilibrium(q) : path_ == Path::residual ? solve_residual(q) : iterate(q);
   settle_coefficients(q, report);
   if (report.outcome == StageOutcome::converged) {
     last_is_known_ = true;
@@ -413,23 +418,34 @@ void NewtonSolver::limit_iterations(int number) {
   check(SNESSetTolerances(snes_.get(), PETSC_DEFAULT, PETSC_DEFAULT, 0.0, number, PETSC_MAX_INT));
 }
 
-StageReport NewtonSolver::stride(Vec q) {
+StageReport NewtonSolver::solve_residual(Vec q) {
+  if (options_.max_iterations <= max_strides) return iterate(q);
   const Handle<Vec> guess = equation_.make_vector();
   check(VecCopy(q, guess.get()));
-  takes_whole_steps_ = true;
-  limit_iterations(std::min(max_strides, options_.max_iterations));
-  const StageReport whole = iterate(q);
-  takes_whole_steps_ = false;
+  StageReport report;
+  int newton = 0, linear = 0;
+  const auto attempt = [&](bool takes_whole_steps, int max_iterations) {
+    if (newton > 0 && !is_converging()) {
+      check(VecCopy(guess.get(), q));
+      equation_.extrapolate_from(nullptr);
+      at_rounding_floor_ = false;
+      factor_is_wanted_ = true;
+      scale_ = first_scale_;
+    }
+    takes_whole_steps_ = takes_whole_steps;
+    limit_iterations(max_iterations);
+    report = iterate(q);
+    newton += report.newton_iterations;
+    linear += report.linear_iterations;
+    takes_whole_steps_ = false;
+    return report.outcome != StageOutcome::retry;
+  };
+  const bool arrives = is_static_ ? attempt(true, max_strides)
+                                  : attempt(false, max_strides) || (!is_converging() && attempt(true, max_strides));
+  if (!arrives) attempt(false, options_.max_iterations);
   limit_iterations(options_.max_iterations);
-  if (whole.outcome != StageOutcome::retry) return whole;
-  check(VecCopy(guess.get(), q));
-  equation_.extrapolate_from(nullptr);
-  at_rounding_floor_ = false;
-  factor_is_wanted_ = true;
-  scale_ = first_scale_;
-  StageReport report = iterate(q);
-  report.newton_iterations += whole.newton_iterations;
-  report.linear_iterations += whole.linear_iterations;
+  report.newton_iterations = newton;
+  report.linear_iterations = linear;
   return report;
 }
 

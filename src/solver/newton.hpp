@@ -143,11 +143,11 @@ class NewtonSolver {
   /// short do not help, many to a minimum far away, to which the body snaps. The first two in the order that led to the
   /// equilibrium before.
   StageReport seek_equilibrium(Vec q);
-  /// Without inertia, and for a residual without potential: whole Newton steps from the guess, and where they do not
-  /// arrive, damped ones. The stresses extrapolated along a step are near those of equilibrium even where it stretches
-  /// a thin body to forces many times those at work, so that the next step takes them back; a line search that measures
-  /// residuals would refuse both.
-  StageReport stride(Vec q);
+  /// Of a residual without potential: a few whole Newton steps from the guess, and damped ones where they do not
+  /// arrive; with inertia, a few damped ones before. The stresses extrapolated along a step are near those of
+  /// equilibrium even where it stretches a thin body to forces many times those at work, so that the next step takes
+  /// them back; a line search that measures residuals would refuse both.
+  StageReport solve_residual(Vec q);
   void limit_iterations(int number);
   /// Solves again, with coefficients frozen at the solution, until it stays one.
   void settle_coefficients(Vec q, StageReport& report);
@@ -238,7 +238,7 @@ class NewtonSolver {
   bool has_second_guess_ = false;  // guess_ is one
   bool is_static_ = false;
   bool follows_ = false;            // any equilibrium will do: see `seek_equilibrium`
-  bool takes_whole_steps_ = false;  // whatever they do to the residual: see `stride`
+  bool takes_whole_steps_ = false;  // whatever they do to the residual: see `solve_residual`
   bool took_full_step_ = false;
   bool at_rounding_floor_ = false;
   IterationStart start_of_iteration_;

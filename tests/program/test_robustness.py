@@ -121,6 +121,47 @@ time: {step: 25 ms, end: 0.1}
                 self.assertGreater(self.summary()["steps"]["failed"], 0)
                 self.assertIn("inside out at the end of the step", done.stdout + done.stderr)
 
+    def test_thin_beam_under_follower_pressure(self):
+        """Clamped, 200 times as long as thick, rolled up by a pressure that stays normal to it: in a few iterations."""
+        length, width, thickness, modulus, pressure = 1.0, 0.05, 0.005, 1e6, 0.8
+        write_box(self.directory / "beam.msh", (40, 1, 1), (length, width, thickness))
+        text = "mesh: {file: beam.msh}\nelement: P2\n" + body(modulus, 0) + f"""constraints: [{{where: "x < 1e-9", displacement: [0, 0, 0]}}]
+loads: [{{where: "z < 1e-9", pressure: {pressure}}}]
+time: {{method: static, load_steps: 20}}
+probes: [{{name: tip, point: [{length}, {width / 2}, {thickness / 2}]}}]
+"""
+        h = self.run_text(text)
+        self.assert_no_step_failed()
+        self.assertLess(h["newton_iterations"][1:].max(), 12)
+        x, z = tip_of_elastica(length, pressure / (modulus * thickness**3 / 12))
+        np.testing.assert_allclose([h["tip_x"][-1], h["tip_z"][-1] - thickness / 2], [x, z], atol=0.01 * length)
+
+        text = text.replace("density: 1000", "density: 0.01").replace(f"pressure: {pressure}", f'pressure: "{pressure}*t"')
+        h = self.run_text(text.replace("static, load_steps: 20", "bdf2, step: 0.05, end: 1"))
+        self.assert_no_step_failed()
+        self.assertLess(h["newton_iterations"].sum(), 20 * 20)
+
+
+def tip_of_elastica(length, load, n=4000):
+    """Of an inextensible beam under a follower load per length, over its bending stiffness [1/m^3].
+
+    The axial force is -EI k^2 / 2 and k'' = load - k^3 / 2 for the curvature k, which vanishes with k' at the tip.
+    """
+    def rate(y):
+        return np.array([y[1], load - y[0]**3 / 2])
+
+    h = -length / n
+    y, k = np.zeros(2), [0.0]
+    for _ in range(n):
+        k1 = rate(y)
+        k2 = rate(y + h / 2 * k1)
+        k3 = rate(y + h / 2 * k2)
+        y = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + rate(y + h * k3))
+        k.append(y[0])
+    k = np.array(k[::-1])
+    angle = np.concatenate([[0.0], np.cumsum((k[1:] + k[:-1]) / 2)]) * length / n
+    return np.trapz(np.cos(angle), dx=length / n), np.trapz(np.sin(angle), dx=length / n)
+
 
 if __name__ == "__main__":
     unittest.main()
