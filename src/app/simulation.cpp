@@ -181,7 +181,7 @@ std::optional<std::string> Simulation::gain_at_barrier(const StepAttempt& attemp
     const ConstGhostedView to(next_q_.get());
     if (!(contacts->closeness(model_.instant(attempt.time), to.span()).num_points > 0.0)) return std::nullopt;
   }
-  return fmt::format("the step is too long for an impact on a barrier, at which it makes {:.3g} J beside {:.3g} J",
+  return fmt::format("the step is too long for an impact on a barrier: it gains {:.3g} J, of {:.3g} J available",
                      gain.made, gain.available);
 }
 
