@@ -87,6 +87,7 @@ void add_newton(const FailedStage& stage, std::string& text) {
 }  // namespace
 
 std::vector<std::string> advice(const FailureReport& report, const Failure& failure) {
+  if (failure.is_mistake) return {"another formula, or an earlier time.end"};
   std::vector<std::string> result;
   const auto* stage = failure.stage ? &*failure.stage : nullptr;
   const auto* iterations = stage != nullptr && !stage->iterations.empty() ? &stage->iterations : nullptr;

@@ -17,6 +17,7 @@ struct Failure {
   std::string reason;
   Step tried;
   std::optional<FailedStage> stage;  ///< nothing if the solver does not tell
+  bool is_mistake = false;           ///< a formula of the input is no number there
 };
 
 /// Numbers only, so that ranks can exchange them.

@@ -233,7 +233,8 @@ class Run {
   /// The last thing that is done: it leaves the model in the state that could not be solved.
   std::string post_mortem(const StepOutcome& outcome) {
     try {
-      return write_post_mortem(config_, model_, record(), {outcome.reason, outcome.tried, simulation_->examine()});
+      return write_post_mortem(config_, model_, record(),
+                               {outcome.reason, outcome.tried, simulation_->examine(), outcome.is_mistake});
     } catch (const FileError& error) {
       return error.what();
     }

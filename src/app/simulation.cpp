@@ -200,7 +200,7 @@ StepOutcome Simulation::reject(const StepAttempt& attempt, const Step& step) {
   try {
     if (analysis_ != Analysis::static_equilibrium) model_.require_finite(attempt.time);
   } catch (const InputError& mistake) {
-    return {StepOutcome::Kind::failed, mistake.what(), step};  // a shorter step would not help
+    return {StepOutcome::Kind::failed, mistake.what(), step, true};  // a shorter step would not help
   }
   const RetryDecision decision = control_->reject(attempt.report.reason);
   return {outcome_of(decision, StepOutcome::Kind::unsolved), decision.reason, step};

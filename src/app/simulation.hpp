@@ -41,6 +41,7 @@ struct StepOutcome {
   Kind kind = Kind::accepted;
   std::string reason;  ///< of a step that was not accepted, in plain words
   Step tried;
+  bool is_mistake = false;  ///< a formula of the input is no number there
 };
 
 /// What all the steps took.

@@ -16,11 +16,10 @@ namespace pliant {
 /// On a configuration space that is not a vector space the unknown `q` and its start `q0` are coordinates around
 /// `centre` (time/space.hpp); terms of nodal positions need not care.
 struct StagePoint {
-  double time =
-      0.0;  ///< t_i, at which loads and constraints are evaluated; just before the end of the step, not at it [s]
-  double dt = 0.0;   ///< dt_i = beta A_ii dt, length of the stage [s]
-  Vec q0 = nullptr;  ///< configuration at the stage's start [m]
-  Vec v0 = nullptr;  ///< velocity at the stage's start [m/s]
+  double time = 0.0;  ///< t_i, at which loads and constraints are evaluated; just before an event, not at it [s]
+  double dt = 0.0;    ///< dt_i = beta A_ii dt, length of the stage [s]
+  Vec q0 = nullptr;   ///< configuration at the stage's start [m]
+  Vec v0 = nullptr;   ///< velocity at the stage's start [m/s]
   double load_factor =
       1.0;  ///< multiplies loads and prescribed displacements (load stepping of static problems; else 1)
   double step_start = 0.0;  ///< t_n; what is given as a function of time is smooth from there on [s]

@@ -96,7 +96,8 @@ Step StepControl::next() const {
 Step StepControl::next_nominal(const Target& target) const {
   const double rest = target.time - progress_.time;
   if (rest <= progress_.limit * (1.0 + sliver)) {
-    return {target.time, std::abs(rest - plan_.dt) <= rounding_of(target.time, plan_.origin) ? plan_.dt : rest};
+    return {target.time, std::abs(rest - plan_.dt) <= rounding_of(target.time, plan_.origin) ? plan_.dt : rest,
+            target.is_event};
   }
   // A rest of less than two steps is shared evenly, lest the second be short.
   const double dt = rest < growth * progress_.limit ? 0.5 * rest : progress_.limit;
@@ -114,7 +115,8 @@ Step StepControl::next_adaptive(const Target& target) const {
       std::max({1.0, std::ceil(rest / progress_.limit - slack), std::ceil(rest / longest - sliver)});
   double dt = rest / num_steps;
   if (std::abs(dt - progress_.last_dt) <= rounding_of(target.time, plan_.origin)) dt = progress_.last_dt;
-  return {num_steps > 1.0 ? target.time - (num_steps - 1.0) * dt : target.time, dt};
+  if (num_steps > 1.0) return {target.time - (num_steps - 1.0) * dt, dt};
+  return {target.time, dt, target.is_event};
 }
 
 /// The error as a share of what the step may have: of the tolerance as much as of the run's duration, but a hundredth

@@ -46,8 +46,8 @@ StepAttempt Stepper::attempt(const History& history, const Step& step) & {
   for (std::size_t i = 0; i < method_.b.size(); ++i) {
     StagePoint stage;
     stage.time = step.time - weight.beta * (1.0 - method_.c[i]) * step.dt;  // exactly the end of the step for c_i = 1
-    // What is given as a function of time may jump there: a stage at the end sees it as it is before.
-    if (stage.time == step.time) stage.time = std::nextafter(step.time, step.time - step.dt);
+    // A stage at the end sees what jumps there as it is before.
+    if (step.ends_at_event && stage.time == step.time) stage.time = std::nextafter(step.time, step.time - step.dt);
     stage.dt = weight.beta * method_.A[i][i] * step.dt;
     stage.step_start = history.newest().time;
     (system_.space ? stage.centre : stage.accepted) = history.newest().q.get();

@@ -21,7 +21,7 @@ bodies:
   - {volume: held, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 100 kPa, poissons_ratio: 0.3}}
   - {volume: free, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 50 kPa, poissons_ratio: 0.3}}
 constraints: [{surface: left, displacement: [0, 0, 0]}]
-loads: [{surface: right, traction: [0, 0, "t < 0.015 ? -100 : -50000"]}]
+loads: [{surface: right, traction: [0, 0, "t < 0.02 ? -100 : -50000"]}]
 time: {method: bdf2, step: 10 ms, end: 0.1, min_step: 10 ms}
 solver: {newton: {max_iterations: 3}}
 """
@@ -152,7 +152,7 @@ class PostMortem(ProgramTest):
 
     def test_goes_on_from_there_and_a_new_run_forgets(self):
         self.failed((), 2)
-        done = self.call("resume", "out", "--quiet", "--set", "solver.newton.max_iterations=50", "--set", "time.end=0.03")
+        done = self.call("resume", "out", "--quiet", "--set", "solver.newton.max_iterations=50", "--set", "time.end=0.04")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertTrue(self.bundle.exists())
         done = self.call("run", self.input, "--quiet", "--output", "out", "--set", "time.end=0.01")
