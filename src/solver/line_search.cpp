@@ -10,6 +10,8 @@ namespace {
 
 constexpr double armijo = 1e-4;
 constexpr double wolfe = 0.9;
+/// Of the slope at the start of a line, with the sign turned: where the slope is larger, the step was too long.
+constexpr double overshoot = 0.1;
 constexpr int max_backtracks = 40;
 /// Of a residual: a direction that does not help within 1e-6 of its length is not that of an approximation of K.
 constexpr int max_residual_backtracks = 20;
@@ -96,7 +98,7 @@ bool NewtonSolver::lower_potential(Vec y, double slope, SNESLineSearch search) {
   const double way = norm(trial_.get()), step = norm(y);
   check(VecScale(y, -1.0));  // the direction d
   double alpha = first_length(q, y);
-  bool accepted = false;
+  bool accepted = false, is_beyond = false;
   for (int i = 0; i < max_backtracks; ++i) {
     check(VecWAXPY(trial, alpha, y, q));
     const double phi = value(trial);
@@ -110,12 +112,22 @@ bool NewtonSolver::lower_potential(Vec y, double slope, SNESLineSearch search) {
       check(SNESComputeFunction(snes_.get(), trial, r));
       const double after = norm(r), slope_after = dot(r, y);
       const bool wolfe_holds = slope_after >= wolfe * slope && slope_after <= (2 * armijo - 1) * slope;
+      const bool is_too_long = decreases && slope_after > -overshoot * slope;
+      is_beyond = is_beyond || is_too_long;
+      if (went_beyond_ && is_too_long) {
+        // Beyond the minimum along the line once more, as from one side of where friction changes its sign to the
+        // other: so it would go on. The minimum of a parabola through the two slopes lies between.
+        ++statistics_.backtracks;
+        alpha *= slope / (slope - slope_after);
+        continue;
+      }
       accepted = std::isfinite(after) && (decreases || after < residual || wolfe_holds);
       if (accepted) {
         phi_ = phi;
         go_to(trial, q);
         check(SNESLineSearchSetLambda(search, alpha));
         took_full_step_ = alpha == 1.0;
+        went_beyond_ = is_beyond;
         check(SNESLineSearchSetNorms(search, norm(q), after, alpha * step));
         break;
       }

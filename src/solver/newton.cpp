@@ -319,7 +319,10 @@ SNESConvergedReason NewtonSolver::judge(PetscInt iteration, double residual) {
   note_iteration(iteration, residual);
   if (!std::isfinite(residual)) return SNES_DIVERGED_FNORM_NAN;
   if (iteration > 0 && !takes_whole_steps_) took_full_step_ ? forcing_.observe(residual) : forcing_.forget();
-  if (iteration == 0) num_lowered_ = 0;
+  if (iteration == 0) {
+    num_lowered_ = 0;
+    went_beyond_ = false;
+  }
   if (iteration > 0 && residual <= target() && num_lowered_ < max_lowered) {
     lower_scale(solution_);
     if (residual > target()) ++num_lowered_;

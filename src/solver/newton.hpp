@@ -240,6 +240,7 @@ class NewtonSolver {
   bool follows_ = false;            // any equilibrium will do: see `seek_equilibrium`
   bool takes_whole_steps_ = false;  // whatever they do to the residual: see `solve_residual`
   bool took_full_step_ = false;
+  bool went_beyond_ = false;  // the last step, whole, led far beyond the minimum along its line
   bool at_rounding_floor_ = false;
   IterationStart start_of_iteration_;
   bool has_direction_ = false;

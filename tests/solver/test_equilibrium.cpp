@@ -208,7 +208,7 @@ TEST_P(BentCube, HasTheReferenceEnergy) {
   ProblemSpec spec;
   spec.order = 2;
   spec.law = make_law("neo-hookean", 2.8, 0.4);
-  spec.newton.relative = 1e-11;
+  spec.newton.relative = 1e-13;
   spec.degree = degree;
   spec.supports = {{test::face(0, 0.0), test::fixed()}};
   spec.loads = [](const Solid& solid) {

@@ -181,6 +181,53 @@ TEST_F(Newton, InfinityAndNanMakeItBacktrack) {
   }
 }
 
+/// force |u_x - rest| at every node, smooth within `width` of rest, as regularized friction is (Li et al. 2020,
+/// "Incremental potential contact", eq. 19): no second derivative tells from outside where the force changes its sign.
+class Drag final : public EnergyTerm {
+ public:
+  explicit Drag(const Solid& solid) : size_(solid.layout().num_owned_nodes) {
+    for (PetscInt a = 0; a < size_; ++a) blocks_.push_back(solid.pattern().block(a, a));
+  }
+  std::string_view name() const override { return "drag"; }
+  TermDeclaration declaration() const override { return {}; }
+  double value(const LocalStage&, std::span<const double> q) const override {
+    double total = 0.0;
+    for (PetscInt a = 0; a < size_; ++a) {
+      const double y = std::abs(q[3 * a] - rest);
+      total += force * (y < width ? y * y / width - y * y * y / (3 * width * width) + width / 3 : y);
+    }
+    return total;
+  }
+  void add_gradient(const LocalStage&, std::span<const double> q, std::span<double> r) const override {
+    for (PetscInt a = 0; a < size_; ++a) {
+      const double s = (q[3 * a] - rest) / width, inside = s * (2 - std::abs(s));
+      r[3 * a] += force * (std::abs(s) < 1 ? inside : std::copysign(1.0, s));
+    }
+  }
+  void add_hessian(const LocalStage&, std::span<const double> q, const BlockWriter& K, Projection) const override {
+    for (PetscInt a = 0; a < size_; ++a) {
+      const double s = std::abs(q[3 * a] - rest) / width;
+      if (s < 1) K.block(a, blocks_[a]).values[0] += force / width * (2 - 2 * s);
+    }
+  }
+  static constexpr double rest = 1e-3, width = 1e-5, force = 20.0;
+
+ private:
+  PetscInt size_;
+  std::vector<std::int32_t> blocks_;
+};
+
+TEST_F(Newton, WhereAForceChangesItsSignItDoesNotGoToAndFro) {
+  ProblemSpec spec = clamped(make_law("neo-hookean", 1e5, 0.3));
+  spec.loads = with_term<Drag>();
+  Problem problem(comm, mesh(3), spec);
+  const auto q = problem.solid().vector(test::at_rest);
+  const auto report = problem.solve_static(q);
+  ASSERT_EQ(report.outcome, StageOutcome::converged) << report.reason;
+  EXPECT_LE(report.newton_iterations, 35);  // else more than 50
+  expect_same_everywhere(report);
+}
+
 // A support that presses the body flat: no rank hangs, all ask for a smaller step, and the next stage is none the
 // worse.
 TEST_F(Newton, APrescribedMotionThatFlattensTheBodyIsToBeRetried) {
