@@ -158,19 +158,27 @@ bool NewtonSolver::shortens_correction(Vec r, Vec d, double& alpha) {
   return false;
 }
 
-bool NewtonSolver::lower_residual(Vec y, SNESLineSearch search) {
+bool NewtonSolver::lower_residual(Vec y, double slope, SNESLineSearch search) {
   Vec q = nullptr, r = nullptr, trial = nullptr;
   check(SNESLineSearchGetVecs(search, &q, &r, nullptr, &trial, nullptr));
   const double residual = norm(r), force_rounding = equation_.rounding_floor(q), step = norm(y);
   const double merit = merit_.of_residual(r);
   check(VecScale(y, -1.0));  // the direction d
   double alpha = first_length(q, y);
-  bool accepted = false;
+  bool accepted = false, is_beyond = false;
   for (int i = 0; i < max_residual_backtracks; ++i) {
     const double length = alpha;
     check(VecWAXPY(trial, length, y, q));
     check(SNESComputeFunction(snes_.get(), trial, trial_.get()));
-    const double after = norm(trial_.get());
+    const double after = norm(trial_.get()), slope_after = dot(trial_.get(), y);
+    // Forces of a potential or not, what is left of them along the direction shows where it was followed too far.
+    const bool is_too_long = slope < 0.0 && slope_after > -overshoot * slope;
+    is_beyond = is_beyond || is_too_long;
+    if (went_beyond_ && is_too_long) {
+      ++statistics_.backtracks;
+      alpha *= slope / (slope - slope_after);
+      continue;
+    }
     const bool falls = merit_.of_residual(trial_.get()) <= std::pow(1.0 - required_part * length, 2) * merit;
     const bool is_finite = std::isfinite(after) && (!follows_ || std::isfinite(value(trial)));
     accepted = is_finite && (takes_whole_steps_ || falls || after <= floor_factor * force_rounding);
@@ -184,6 +192,7 @@ bool NewtonSolver::lower_residual(Vec y, SNESLineSearch search) {
       go_to(trial, q);
       check(SNESLineSearchSetLambda(search, length));
       took_full_step_ = length == 1.0;
+      went_beyond_ = is_beyond;
       check(SNESLineSearchSetNorms(search, norm(q), after, length * step));
       break;
     }
@@ -231,7 +240,7 @@ void NewtonSolver::search_line(SNESLineSearch search) {
     }
     double slope = 0.0;
     if (descends(r, y, slope)) {
-      if (path_ == Path::minimisation ? lower_potential(y, slope, search) : lower_residual(y, search)) return;
+      if (path_ == Path::minimisation ? lower_potential(y, slope, search) : lower_residual(y, slope, search)) return;
     }
     bool has_factor = false;
     while (!has_factor && climb(q)) has_factor = !factor_failed_;

@@ -181,7 +181,7 @@ class NewtonSolver {
   void go_to(Vec trial, Vec q);
   /// Goes along -y as far as it helps; false if no step length does. `slope`: of Phi along -y.
   bool lower_potential(Vec y, double slope, SNESLineSearch search);
-  bool lower_residual(Vec y, SNESLineSearch search);
+  bool lower_residual(Vec y, double slope, SNESLineSearch search);
   /// Whether the correction at a trial step of length alpha along d, with the residual r, is shorter than d by the
   /// required part; else alpha becomes the next length to try.
   bool shortens_correction(Vec r, Vec d, double& alpha);

@@ -121,6 +121,20 @@ time: {step: 25 ms, end: 0.1}
                 self.assertGreater(self.summary()["steps"]["failed"], 0)
                 self.assertIn("inside out at the end of the step", done.stdout + done.stderr)
 
+    def test_sliding_under_follower_pressure(self):
+        """A block lands askew on a plane with friction, under a pressure that no potential has: Newton's method does not
+        go to and fro where friction changes its sign."""
+        text = CUBE + body("1e7", 0.45) + """loads: [{where: "z > 0.0999", pressure: "2e5*sin(300*t)"}]
+contact: {law: penalty, obstacles: [{name: o, shape: plane, normal: [0, 0, 1], friction: 1, normal_damping: 0.2}]}
+initial: {velocity: ["2 - 20*(y - 0.05)", "20*(x - 0.05)", -1]}
+time: {step: 3 ms, end: 30 ms}
+"""
+        for method in ("backward-euler", "bdf2", "dirk22", "dirk33", "implicit-midpoint"):
+            for update in ("frozen", "iterated"):
+                with self.subTest(method, update=update):
+                    self.run_text(text, f"time.method={method}", f"contact.friction_update={update}")
+                    self.assert_no_step_failed()
+
     def test_thin_beam_under_follower_pressure(self):
         """Clamped, 200 times as long as thick, rolled up by a pressure that stays normal to it: in a few iterations."""
         length, width, thickness, modulus, pressure = 1.0, 0.05, 0.005, 1e6, 0.8
