@@ -12,8 +12,9 @@
 namespace pliant {
 namespace {
 
-constexpr double min_step_divisor = 1024;    // ten halvings
-constexpr double first_step_divisor = 1000;  // parts of an adaptive run
+constexpr double min_step_divisor = 1024;              // ten halvings
+constexpr double min_adaptive_step_divisor = 1 << 20;  // what is fast at the start may last a millionth of the step
+constexpr double first_step_divisor = 1000;            // parts of an adaptive run
 constexpr double max_step_divisor = 10;
 constexpr double most_steps = 1e9;  // steps are counted in an int
 
@@ -300,7 +301,7 @@ void complete_adaptive(TimeConfig& time, const InputNode& section) {
     if (adaptive.max_step > 0) time.step = std::min(time.step, adaptive.max_step);
   }
   if (adaptive.max_step <= 0) adaptive.max_step = std::max(time.end / max_step_divisor, time.step);
-  if (adaptive.min_step <= 0) adaptive.min_step = time.step / min_step_divisor;
+  if (adaptive.min_step <= 0) adaptive.min_step = time.step / min_adaptive_step_divisor;
   if (adaptive.absolute_velocity <= 0 && time.step > 0) adaptive.absolute_velocity = adaptive.absolute / time.step;
   if (given(section, {"min_step"}) == nullptr) time.min_step = adaptive.min_step;
 }

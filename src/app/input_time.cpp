@@ -139,7 +139,7 @@ Section<AdaptiveConfig> adaptive_keys() {
                   .otherwise_in_words("absolute / step"),
               field("min_step", &AdaptiveConfig::min_step, quantity("s", Range::above(0)),
                     "smallest step that is tried, for accuracy or when a solve fails")
-                  .otherwise_in_words("step / 1024"),
+                  .otherwise_in_words("step / 2^20"),
               field("max_step", &AdaptiveConfig::max_step, quantity("s", Range::above(0)), "largest step")
                   .otherwise_in_words("end / 10, or step if that is larger"),
           },

@@ -134,6 +134,7 @@ class Run {
       if (outcome.kind == StepOutcome::Kind::failed) give_up(outcome);
       if (outcome.kind == StepOutcome::Kind::unsolved) console_.warn(outcome.reason);
       if (outcome.kind != StepOutcome::Kind::accepted) continue;
+      if (!outcome.reason.empty()) console_.warn(outcome.reason);
       recorder_->record(record(), simulation_->ledger());
       last_row_ = record().step;
       if (simulation_->analysis() == Analysis::dynamic)

@@ -118,7 +118,8 @@ StepOutcome Simulation::advance() {
   }
   if (attempt.report.outcome != StageOutcome::converged) return reject(attempt, step);
   const double error = advance_->error(attempt);
-  if (!control_->accepts(error)) {
+  std::string concession = control_->concession(error);
+  if (!control_->accepts(error) && concession.empty()) {
     ++steps_.inaccurate;
     const RetryDecision decision = control_->reject_error(error);
     return {outcome_of(decision, StepOutcome::Kind::inaccurate), decision.reason, step};
@@ -132,7 +133,7 @@ StepOutcome Simulation::advance() {
     steps_since_restart_ = 0;
     record_.z = advance_->state().z;
   }
-  return {StepOutcome::Kind::accepted, {}, step};
+  return {StepOutcome::Kind::accepted, std::move(concession), step};
 }
 
 // The formula of a multistep method extrapolates the velocity of past steps. It gives back what an impact has changed

@@ -39,7 +39,7 @@ struct StepOutcome {
     failed       ///< there is no way on
   };
   Kind kind = Kind::accepted;
-  std::string reason;  ///< of a step that was not accepted, in plain words
+  std::string reason;  ///< of a step that was not accepted, or only for want of a better one, in plain words
   Step tried;
   bool is_mistake = false;  ///< a formula of the input is no number there
 };

@@ -13,7 +13,11 @@ constexpr double growth = 2.0;
 constexpr int num_start_steps = 4;       // until estimates have their full order
 constexpr int many_rejections = 3;       // in a row
 constexpr double hard_step_part = 0.01;  // of the tolerance, for a step that is hard to estimate
-constexpr double sliver = 1e-6;  // of a step: a step is made longer by so much rather than followed by one so short
+constexpr double least_part = 1e-4;      // of the tolerance, for any step
+constexpr double reserve = 1.0;          // of the tolerance, for hard steps, beside what others leave of their shares
+constexpr double missing_order = 0.7;    // an error that falls by so many powers less than it should is hard
+constexpr double standstill = 0.5;  // the power of the step with which a jump's error, or the solver's, falls at most
+constexpr double sliver = 1e-6;     // of a step: a step is made longer by so much rather than followed by one so short
 
 // Of adaptive steps:
 constexpr double stretch = 0.1;  // a step may be so much longer than wanted if it spares a step
@@ -52,6 +56,10 @@ void StepProgress::keep(Archive& archive) {
   archive.number("last_dt", last_dt);
   archive.number("error", error);
   archive.number("rejections", rejections);
+  archive.number("rejected_dt", rejected_dt);
+  archive.number("rejected_error", rejected_error);
+  archive.number("wanted", wanted);
+  archive.number("spent", spent);
   archive.number("num_after_start", num_after_start);
 }
 
@@ -119,28 +127,70 @@ Step StepControl::next_adaptive(const Target& target) const {
   return {target.time, dt, target.is_event};
 }
 
-/// The error as a share of what the step may have: of the tolerance as much as of the run's duration, but a hundredth
-/// where steps are hard to estimate. After a start or event estimates are of low order and too large; at a kink that is
-/// no event, and where rounding and the solver's tolerance are all that is left, the error does not fall as it should.
+/// What a step may have: of the tolerance as much as of the run's duration, but not less than a small part of what is
+/// not spent, and a hundredth of it where steps are hard to estimate. After a start or event estimates are of low order
+/// and too large; at a kink that is no event, and where rounding and the solver's tolerance are all that is left, the
+/// error does not fall as it should. Without a least part what is fast and over soon would have to be followed by
+/// orders more closely than what is slow.
+double StepControl::allowance(const Step& step, bool is_hard) const {
+  const double duration = plan_.end - plan_.origin;
+  const double unspent = (progress_.time - plan_.origin) / duration + reserve - progress_.spent;
+  return std::max(step.dt / duration, (is_hard ? hard_step_part : least_part) * std::clamp(unspent, 0.0, 1.0));
+}
+
+/// The error as a share of what the step may have.
 double StepControl::share(const Step& step, double error) const {
-  const double part = step.dt / (plan_.end - plan_.origin);
-  const bool is_hard = progress_.num_after_start < num_start_steps || progress_.rejections >= many_rejections;
-  return error / (is_hard ? std::max(part, hard_step_part) : part);
+  const bool is_hard = progress_.num_after_start < num_start_steps || progress_.rejections >= many_rejections ||
+                       !falls_as_it_should(step, error);
+  return error / allowance(step, is_hard);
+}
+
+/// The power of the step with which the share falls: of the error, less one where what it may have falls too.
+double StepControl::order_of_share(const Step& step) const {
+  const bool is_least = allowance(step, false) > step.dt / (plan_.end - plan_.origin);
+  return plan_.adaptive->order + (is_least && progress_.num_after_start == num_start_steps ? 1 : 0);
+}
+
+/// True if no step just rejected tells.
+bool StepControl::falls_as_it_should(const Step& step, double error) const {
+  const double order = plan_.adaptive->order + 1 - missing_order;
+  return progress_.rejections == 0 || progress_.rejected_dt == 0.0 ||
+         error <= progress_.rejected_error * std::pow(step.dt / progress_.rejected_dt, order);
+}
+
+bool StepControl::stands_still(const Step& step, double error) const {
+  return progress_.rejected_dt > step.dt && std::isfinite(error) &&
+         error > progress_.rejected_error * std::pow(step.dt / progress_.rejected_dt, standstill);
 }
 
 bool StepControl::accepts(double error) const {
   return !plan_.adaptive || share(next(), error) <= 1.0;  // false for NaN
 }
 
+std::string StepControl::concession(double error) const {
+  if (!plan_.adaptive || accepts(error)) return {};
+  const Step step = next();
+  if (step.dt > plan_.min_dt * (1.0 + sliver) || !stands_still(step, error)) return {};
+  return error_of(step, error) +
+         " and is accepted all the same: the error does not fall with the step, as at a jump, or where it is the "
+         "solver's; jumps belong into time.events, and solver.newton.relative and absolute must be small enough";
+}
+
 void StepControl::accept(double error) {
   const Target reached = target();
   const Step step = next();
+  const bool jumps = !concession(error).empty();
   const bool is_reached = step.time == reached.time;
   progress_.at_event = is_reached && reached.is_event;
   progress_.at_interval = is_reached && reached.is_nominal;
   if (progress_.at_interval) ++progress_.nominal;
   progress_.time = step.time;
   if (plan_.adaptive) {
+    if (jumps) {
+      progress_.at_event = true;
+      progress_.limit = progress_.wanted;
+      progress_.rejections = 0;
+    }
     adapt(step, error);
   } else if (growth * step.dt >= progress_.limit * (1.0 - sliver)) {  // else an event cut it short
     progress_.limit = std::min(growth * step.dt, plan_.dt);
@@ -154,7 +204,10 @@ void StepControl::accept(double error) {
 // it tells nothing, and changes nothing.
 void StepControl::adapt(const Step& step, double error) {
   const AdaptivePlan& adaptive = *plan_.adaptive;
-  const double p = adaptive.order, wanted = progress_.limit;
+  const double p = order_of_share(step), wanted = progress_.limit;
+  // Past states tell nothing of what follows a kink.
+  const bool is_kink =
+      progress_.num_after_start == num_start_steps && progress_.rejections > 0 && error > allowance(step, false);
   if (step.dt >= 0.5 * wanted) {
     const double e = std::max(share(step, error) * std::pow(wanted / step.dt, p), 1e-10);  // e = 0 would be no number
     const double proposed = std::pow(aim / e, 1.0 / p);
@@ -170,7 +223,9 @@ void StepControl::adapt(const Step& step, double error) {
     progress_.rejections = 0;
   }
   progress_.last_dt = step.dt;
-  progress_.num_after_start = std::min(progress_.num_after_start + 1, num_start_steps);
+  progress_.num_after_start = is_kink ? 0 : std::min(progress_.num_after_start + 1, num_start_steps);
+  if (progress_.at_event || step.dt >= progress_.rejected_dt) progress_.rejected_dt = progress_.rejected_error = 0.0;
+  if (std::isfinite(error)) progress_.spent += error;
   if (progress_.at_event) {
     progress_.limit = std::max(after_event * progress_.limit, plan_.min_dt);
     progress_.last_dt = 0.0;
@@ -194,15 +249,25 @@ RetryDecision StepControl::reject_error(double error) {
   assert(plan_.adaptive);
   const Step step = next();
   const double e = share(step, error);
-  char times[32];
-  std::snprintf(times, sizeof times, "%.3g", e);
-  const std::string failure = "step of " + quantity(step.dt) + " from " + plan_.variable.name + " = " +
-                              quantity(progress_.time) + " has " + times + " times the error it may have";
+  const std::string failure = error_of(step, error);
   if (step.dt <= plan_.min_dt * (1.0 + sliver)) {
-    return {Retry::give_up, failure + ", and the smallest step allowed is " + quantity(plan_.min_dt)};
+    return {Retry::give_up, failure + ", and the smallest step allowed is " + quantity(plan_.min_dt) +
+                                (std::isfinite(e) ? "; the error falls with the step: allow a smaller "
+                                                    "time.adaptive.min_step, or a larger time.adaptive.relative"
+                                                  : "")};
   }
-  const double factor = std::isfinite(e) ? std::pow(aim / e, 1.0 / plan_.adaptive->order) : strongest_cut;
+  if (progress_.rejected_dt == 0.0) progress_.wanted = progress_.limit;
+  progress_.rejected_dt = step.dt;
+  progress_.rejected_error = error;
+  const double factor = std::isfinite(e) ? std::pow(aim / e, 1.0 / order_of_share(step)) : strongest_cut;
   return shorten(step, std::max(step.dt * std::clamp(factor, strongest_cut, largest_retry), plan_.min_dt), failure);
+}
+
+std::string StepControl::error_of(const Step& step, double error) const {
+  char times[32];
+  std::snprintf(times, sizeof times, "%.3g", share(step, error));
+  return "step of " + quantity(step.dt) + " from " + plan_.variable.name + " = " + quantity(progress_.time) + " has " +
+         times + " times the error it may have";
 }
 
 RetryDecision StepControl::shorten(const Step& step, double dt, const std::string& failure) {

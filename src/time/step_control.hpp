@@ -45,10 +45,15 @@ struct StepProgress {
   bool at_event = false;     ///< the last accepted step ended at an event
   bool at_interval = false;  ///< ... at the end of a nominal step or interval
   // Of adaptive steps only:
-  double last_dt = 0.0;     ///< length of the last accepted step; 0 at the start and after an event [s]
-  double error = 0.0;       ///< of the last step asked about its error, as a share of what it may have; 0: none
-  int rejections = 0;       ///< since the last accepted step
-  int num_after_start = 0;  ///< accepted steps since the start or the last event, counted as far as it matters
+  double last_dt = 0.0;  ///< length of the last accepted step; 0 at the start and after an event [s]
+  double error = 0.0;    ///< of the last step asked about its error, as a share of what it may have; 0: none
+  int rejections = 0;    ///< since the last accepted step
+  // Of the last step rejected for its error, until one as long is accepted; 0: none.
+  double rejected_dt = 0.0;     ///< [s]
+  double rejected_error = 0.0;  ///< in units of the tolerance
+  double wanted = 0.0;          ///< length wanted before the first of these rejections [s]
+  double spent = 0.0;           ///< the errors of the accepted steps added up, in units of the tolerance
+  int num_after_start = 0;      ///< accepted steps since the start or the last event, counted as far as it matters
 
   void keep(Archive& archive);
 };
@@ -74,7 +79,13 @@ StepProgress under_plan(const StepPlan& plan, StepProgress progress);
 /// way to the next time that must be hit is cut into equal steps, as many as the wanted length asks for: so no sliver
 /// arises, and a step that a target cut short does not shorten those after it. The length stays, to the last bit, as
 /// long as no considerable change is called for, because factorizations and weights hold for one length. After an event
-/// steps start small, as nothing is known of what follows. A value: copies are independent.
+/// steps start small, as nothing is known of what follows.
+///
+/// Where an error does not fall as the method's order promises when a step is cut, at a kink or a jump that is no
+/// event, or where the solver's tolerance is all that is left, its share of the run would ask for steps without end.
+/// Such a step may take a hundredth of what is unspent: of the tolerance once more, and of what earlier steps left of
+/// their shares. So the estimates add up to twice the tolerance at most. At the smallest step an error that hardly
+/// falls at all is a jump's, or the solver's: the run goes on, and says so. A value: copies are independent.
 class StepControl {
  public:
   /// Starts at the plan's origin.
@@ -88,6 +99,8 @@ class StepControl {
   /// Whether `next()` may be accepted with this error, in units of the tolerance for the whole run. Nominal steps
   /// always.
   bool accepts(double error) const;
+  /// Why `next()` is accepted although its error is too large, in plain words for a warning; empty if it is not.
+  std::string concession(double error) const;
   /// The step `next()` was accepted. Nominal steps have no use for the error.
   void accept(double error = 0.0);
   /// The step `next()` failed for the reason given: `next()` is shorter now, unless the decision is to give up.
@@ -95,7 +108,7 @@ class StepControl {
   /// The step `next()` is not accepted for its error. Adaptive steps only.
   RetryDecision reject_error(double error);
 
-  /// The last accepted step ended at an event: past states say nothing about what follows.
+  /// The last accepted step ended at an event, or met a jump: past states say nothing about what follows.
   bool at_event() const { return progress_.at_event; }
   /// The last accepted step ended at a nominal time or interval, or at the end.
   bool at_interval() const { return progress_.at_interval; }
@@ -114,7 +127,12 @@ class StepControl {
   double nominal_time(std::int64_t n) const;
   Step next_nominal(const Target& target) const;
   Step next_adaptive(const Target& target) const;
+  double allowance(const Step& step, bool is_hard) const;
   double share(const Step& step, double error) const;
+  double order_of_share(const Step& step) const;
+  bool falls_as_it_should(const Step& step, double error) const;
+  bool stands_still(const Step& step, double error) const;
+  std::string error_of(const Step& step, double error) const;
   void adapt(const Step& step, double error);
   RetryDecision shorten(const Step& step, double dt, const std::string& failure);
   std::string quantity(double value) const;

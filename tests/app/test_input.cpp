@@ -493,7 +493,7 @@ TEST(Input, AdaptiveStepsHaveDefaults) {
   EXPECT_EQ(plain.adaptive->relative, 1e-4);
   EXPECT_EQ(plain.adaptive->absolute, 1e-6);
   EXPECT_EQ(plain.adaptive->absolute_velocity, 1e-6 / 2e-3);
-  EXPECT_EQ(plain.adaptive->min_step, 2e-3 / 1024);
+  EXPECT_EQ(plain.adaptive->min_step, 2e-3 / (1 << 20));
   EXPECT_EQ(plain.adaptive->max_step, 0.2);
   EXPECT_EQ(plain.min_step, plain.adaptive->min_step);
   EXPECT_EQ(plain.startup, "ramp") << "one past state needs no other";

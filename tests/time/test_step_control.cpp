@@ -310,25 +310,85 @@ TEST(AdaptiveSteps, LeaveNoSliver) {
   }
 }
 
-// Where estimates are poor, or rounding is all that is left, a step may take a hundredth of the tolerance.
+// Where estimates are poor, or rounding is all that is left, a step may take a hundredth of what is unspent.
 TEST(AdaptiveSteps, MayTakeAHundredthOfTheToleranceWhereTheyAreHard) {
   StepControl control({0.0, 1e-3, 10.0, 1e-9, {}, adaptive(2, 1e-3)});
   const double ordinary = 1e-4;  // dt / T
+  double unspent = 1.0;
   for (int n = 0; n < 4; ++n) {
-    EXPECT_TRUE(control.accepts(0.0099));
-    EXPECT_FALSE(control.accepts(0.0101));
-    control.accept(0.8 * 0.01);
+    EXPECT_TRUE(control.accepts(0.0099 * unspent));
+    EXPECT_FALSE(control.accepts(0.0101 * unspent));
+    control.accept(0.8 * 0.01 * unspent);
+    unspent += ordinary - 0.8 * 0.01 * unspent;
   }
   EXPECT_FALSE(control.accepts(1.01 * ordinary));
   EXPECT_TRUE(control.accepts(0.99 * ordinary));
-  for (int n = 0; n < 3; ++n) {
-    EXPECT_FALSE(control.accepts(0.0099));
-    EXPECT_EQ(control.reject_error(0.0099).retry, Retry::again);
+  // What falls as it should with the step is the method's error, and is cut to its share.
+  EXPECT_EQ(control.reject_error(0.1).retry, Retry::again);
+  const double cut = control.next().dt / 1e-3;
+  EXPECT_FALSE(control.accepts(0.1 * std::pow(cut, 3)));
+  // What does not is taken, and so are the steps whose past is on the other side.
+  EXPECT_TRUE(control.accepts(0.0099 * unspent));
+  EXPECT_FALSE(control.accepts(0.0101 * unspent));
+  control.accept(0.009 * unspent);
+  EXPECT_TRUE(control.accepts(0.009 * unspent));
+}
+
+// The error of a solver that stops early: c dt, so that its share of the run stays the same however short steps are.
+TEST(AdaptiveSteps, GoOnWhereTheSolversToleranceIsAllThatIsLeft) {
+  for (double power : {-1.0, 0.0, 1.0}) {
+    StepControl control({0.0, 0.01, 1.0, 1e-8, {}, adaptive(2, 0.1)});
+    double spent = 0.0;
+    int num_steps = 0, num_tried = 0;
+    while (!control.finished()) {
+      ASSERT_LT(++num_tried, 2000) << power;
+      const Step step = control.next();
+      const double rest = (power > 0 ? 1.5 : 1e-4) * std::pow(step.dt / (power > 0 ? 1.0 : 0.01), power);
+      const double error = 2e3 * std::pow(step.dt, 3) + (step.time > 0.3 ? rest : 0.0);
+      if (!control.accepts(error)) {
+        ASSERT_EQ(control.reject_error(error).retry, Retry::again) << power;
+        continue;
+      }
+      EXPECT_EQ(control.concession(error), "");
+      spent += error;
+      ++num_steps;
+      control.accept(error);
+    }
+    EXPECT_LT(num_steps, 500) << power;
+    EXPECT_LT(spent, 2.0) << power;
+    EXPECT_NEAR(control.progress().spent, spent, 1e-12);
   }
-  EXPECT_TRUE(control.accepts(0.0099));
-  EXPECT_FALSE(control.accepts(0.0101));
-  control.accept(0.0099);
-  EXPECT_FALSE(control.accepts(0.0099));  // once
+}
+
+// Steps that cross 0.4 have an error that no length makes smaller.
+TEST(AdaptiveSteps, PassAJumpAtTheSmallestStepAndSaySo) {
+  StepControl control({0.0, 0.01, 1.0, 1e-8, {}, adaptive(2, 0.1)});
+  std::vector<std::string> concessions;
+  int num_tried = 0;
+  while (!control.finished()) {
+    ASSERT_LT(++num_tried, 1000);
+    const Step step = control.next();
+    const bool crosses = control.progress().time < 0.4 && step.time >= 0.4;
+    const double error = 2e3 * std::pow(step.dt, 3) + (crosses ? 3.0 : 0.0);
+    const std::string concession = control.concession(error);
+    if (!control.accepts(error) && concession.empty()) {
+      ASSERT_EQ(control.reject_error(error).retry, Retry::again);
+      continue;
+    }
+    if (!concession.empty()) concessions.push_back(concession);
+    control.accept(error);
+    EXPECT_EQ(control.at_event(), crosses) << "the past says nothing about what follows";
+  }
+  ASSERT_EQ(concessions.size(), 1);
+  EXPECT_NE(concessions[0].find("does not fall with the step"), std::string::npos) << concessions[0];
+}
+
+// What is fast, and over soon, need not be followed more closely than a ten-thousandth of the tolerance asks for.
+TEST(AdaptiveSteps, AreAllowedALeastPartOfTheTolerance) {
+  StepControl control({0.0, 1e-5, 10.0, 1e-9, {}, adaptive(2, 1e-5)});
+  for (int n = 0; n < 4; ++n) control.accept(0.0);
+  EXPECT_TRUE(control.accepts(0.99e-4));
+  EXPECT_FALSE(control.accepts(1.01e-4));
 }
 
 // One step ends 0.001 after a target: the next one is as long as wanted, though a fixed ratio may delay that.
@@ -403,7 +463,10 @@ TEST(AdaptiveSteps, GiveUpAtTheSmallestStepAndSayWhy) {
   StepControl close({0.0, 0.0105, 0.0105, 0.01, {}, adaptive(2, 1.0)});
   EXPECT_EQ(close.reject_error(1e3).retry, Retry::again);
   EXPECT_LT(close.next().dt, 0.0105);
-  EXPECT_EQ(close.reject_error(1e3).retry, Retry::give_up);
+  const RetryDecision last_decision = close.reject_error(1e2);
+  EXPECT_EQ(last_decision.retry, Retry::give_up);
+  EXPECT_NE(last_decision.reason.find("allow a smaller time.adaptive.min_step"), std::string::npos)
+      << last_decision.reason;
 }
 
 // Whatever happens, a run is repeated and continued to the last bit.
