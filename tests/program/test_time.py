@@ -128,6 +128,20 @@ class Time(ProgramTest):
         self.log(KICKED, ADAPTIVE, "time.step=50 ms", "time.adaptive.min_step=1e-6")
         self.assertEqual((self.directory / "out/history.csv").read_bytes(), text)
 
+    def test_adaptive_steps_outlast_a_loose_solver(self):
+        # What Newton's tolerance leaves of the velocity is proportional to the step, as is the error a step may have.
+        h = self.history("""
+mesh: {file: bar.msh}
+bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e5, poissons_ratio: 0.45},
+          viscosity: {model: maxwell, shear_modulus: 1e4, relaxation_time: 1e-4}}]
+loads: [{gravity: [0, 0, -9.81]}, {surface: top, pressure: "1724*sin(300*t)"}]
+initial: {velocity: [1, 0, 0]}
+time: {method: bdf2, step: 3 ms, end: 30 ms, adaptive: {relative: 1e-4}}
+solver: {newton: {relative: 1e-3}}
+""")
+        self.assertEqual(h["time"][-1], 0.03)
+        self.assertLess(len(h["time"]), 1000)
+
     # ---- ledger
 
     def test_the_books_close(self):
