@@ -13,9 +13,15 @@
 namespace pliant {
 namespace {
 
+/// Of adaptive.relative: what Newton's method leaves must not be taken for an error of the steps.
+constexpr double part_left_by_newton = 1e-4;
+
 NewtonOptions newton_options(const Config& config) {
   const auto& newton = config.solver.newton;
-  return {newton.relative, newton.absolute, newton.max_iterations};
+  const auto& adaptive = config.time.adaptive;
+  const double relative =
+      adaptive ? std::min(newton.relative, part_left_by_newton * adaptive->relative) : newton.relative;
+  return {relative, newton.absolute, newton.max_iterations};
 }
 
 /// PETSc reads its options here, the same on every rank, so that all fail together.

@@ -27,8 +27,6 @@ namespace {
 
 /// A run that was just killed may take a moment to end.
 constexpr std::chrono::seconds patience{5};
-/// Part of the forces left by a solve that ended at rounding, beyond which results may show it.
-constexpr double doubtful_rounding = 1e-6;
 /// Of a stage that takes longer than this many seconds the user hears.
 constexpr double long_stage = 30.0;
 

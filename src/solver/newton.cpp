@@ -37,8 +37,6 @@ constexpr double much_less = 0.1;
 constexpr double tiny_part = 1e-6;
 /// Iterations that have brought the residual below this part of the first one are on their way.
 constexpr double nearly_there = 1e-3;
-/// A residual that is said to be rounding is looked at twice if it is more than this part of the forces.
-constexpr double doubtful_rounding = 1e-6;
 /// Forces up to this multiple of the rounding floor are none.
 constexpr double no_forces = 10.0;
 

@@ -33,6 +33,8 @@ struct NewtonOptions {
 
 /// Part of the forces at work; a solve that leaves more of them has hardly begun.
 constexpr double unbalanced_part = 0.1;
+/// Part of the forces left where double precision is said to end, beyond which results may show it.
+constexpr double doubtful_rounding = 1e-6;
 
 /// What the solver has done since it was made.
 struct SolverStatistics {
