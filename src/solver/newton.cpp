@@ -17,12 +17,6 @@ namespace {
 /// times more each time until it is definite (as in Waechter & Biegler 2006, "On the implementation of an
 /// interior-point filter line-search algorithm", 3.1).
 constexpr double least_shift = 1e-6, largest_shift = 0.1, shift_growth = 8.0;
-/// How many times as many iterations as others a body may take that snaps to a minimum far away.
-constexpr int times_to_snap = 6;
-/// Before that, this many shorter steps are tried, which may find an equilibrium nearby.
-constexpr int unsolved_before_snap = 2;
-/// Iterations on the way to an equilibrium nearby: Newton's method squares the error.
-constexpr int max_followed = 8;
 /// Whole steps from a guess: they arrive within a few, or not at all.
 constexpr int max_strides = 12;
 /// Of linear systems whose solutions are steps to be taken whole: what they leave in stiff directions, a step in soft
@@ -138,6 +132,7 @@ PetscErrorCode NewtonSolver::residual_callback(SNES, Vec q, Vec r, void* self) {
   return solver->guard_.run([&] {
     const Stopwatch watch(solver->statistics_.assembly_seconds);
     solver->equation_.gradient(q, r);
+    solver->proximal_.add_gradient(q, r);
   });
 }
 
@@ -159,7 +154,7 @@ PetscErrorCode NewtonSolver::convergence_callback(SNES, PetscInt it, PetscReal, 
 
 double NewtonSolver::value(Vec q) {
   const Stopwatch watch(statistics_.assembly_seconds);
-  return equation_.value(q);
+  return equation_.value(q) + proximal_.value(q);
 }
 
 double NewtonSolver::height(Vec q) {
@@ -173,6 +168,7 @@ void NewtonSolver::assemble(Vec q, Projection projection) {
   {
     const Stopwatch watch(statistics_.assembly_seconds);
     equation_.hessian(q, K_.get(), projection);
+    proximal_.add_hessian(K_.get());
     if (rank_one_system_) equation_.rank_one_parts(q, rank_one_);
   }
   factor_is_current_ = false;
@@ -365,7 +361,7 @@ bool NewtonSolver::is_rounding(double residual) {
 
 void NewtonSolver::forget() {
   prefers_following_ = false;
-  num_unsolved_ = 0;
+  trouble_ = 0;
   last_shift_ = 0.0;
   forcing_.forget();
   factor_is_wanted_ = true;
@@ -445,61 +441,6 @@ StageReport NewtonSolver::solve_residual(Vec q) {
                                   : attempt(false, max_strides) || (!is_converging() && attempt(true, max_strides));
   if (!arrives) attempt(false, options_.max_iterations);
   limit_iterations(options_.max_iterations);
-  report.newton_iterations = newton;
-  report.linear_iterations = linear;
-  return report;
-}
-
-StageReport NewtonSolver::seek_equilibrium(Vec q) {
-  const Handle<Vec> best = equation_.make_vector(), lowest = equation_.make_vector();
-  check(VecCopy(q, best.get()));
-  check(VecCopy(q, lowest.get()));
-  const Path usual = path_;
-  StageReport report;
-  int newton = 0, linear = 0;
-  // Whether nothing more needs to be tried.
-  const auto attempt = [&](bool follows, Vec guess, int max_iterations) {
-    if (max_iterations <= 0) return false;
-    check(VecCopy(guess, q));
-    equation_.extrapolate_from(nullptr);
-    follows_ = follows;
-    if (follows) path_ = Path::residual;
-    if (path_ == Path::minimisation) phi_ = value(q);
-    factor_is_wanted_ = factor_is_wanted_ || newton > 0;
-    merit_has_scale_ = at_rounding_floor_ = false;
-    scale_ = equation_.force_scale(q);
-    limit_iterations(max_iterations);
-    do {
-      report = iterate(q);
-      newton += report.newton_iterations;
-      linear += report.linear_iterations;
-    } while (report.outcome == StageOutcome::retry && newton < options_.max_iterations && is_converging());
-    if (report.outcome == StageOutcome::converged) {
-      prefers_following_ = follows && !has_right_inertia();
-      if (prefers_following_) ++statistics_.unstable_stages;
-    }
-    path_ = usual;
-    follows_ = false;
-    if (may_choose_krylov_) set_krylov_method(linear_solver(), Symmetry::symmetric);
-    return report.outcome != StageOutcome::retry;
-  };
-  const auto few = [&] { return std::min(max_followed, options_.max_iterations - newton); };
-  const auto minimise = [&] {
-    const bool arrives = attempt(false, best.get(), few());
-    check(VecCopy(q, lowest.get()));
-    return arrives;
-  };
-  const auto follow = [&] {
-    return attempt(true, best.get(), few()) || (has_second_guess_ && attempt(true, guess_.get(), few()));
-  };
-  const bool arrives = prefers_following_ ? follow() || minimise() : minimise() || follow();
-  if (!arrives) {
-    const bool may_snap = num_unsolved_ >= unsolved_before_snap && options_.max_iterations > 3 * max_followed;
-    const int times = may_snap ? times_to_snap : 1;
-    attempt(false, lowest.get(), times * options_.max_iterations - newton);
-  }
-  limit_iterations(options_.max_iterations);
-  num_unsolved_ = report.outcome == StageOutcome::converged ? 0 : num_unsolved_ + 1;
   report.newton_iterations = newton;
   report.linear_iterations = linear;
   return report;

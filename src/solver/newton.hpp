@@ -9,6 +9,7 @@
 #include "solver/iteration_start.hpp"
 #include "solver/linear.hpp"
 #include "solver/merit.hpp"
+#include "solver/proximal.hpp"
 #include "solver/rank_one_system.hpp"
 #include "solver/turned_preconditioner.hpp"
 #include "time/stage.hpp"
@@ -142,9 +143,12 @@ class NewtonSolver {
   Carried carry(Vec accepted, Vec q);
   /// Without inertia: in turn, until one arrives, a few iterations of Newton's method to a minimum nearby; a few to any
   /// equilibrium nearby, on the residual and whatever the signs of the Hessian's eigenvalues; and, where steps cut
-  /// short do not help, many to a minimum far away, to which the body snaps. The first two in the order that led to the
-  /// equilibrium before.
+  /// short do not help, a descent to a minimum far away, to which the body snaps. The first two in the order that led
+  /// to the equilibrium before.
   StageReport seek_equilibrium(Vec q);
+  /// Goes down from q to where the potential is nearly least, by solutions that are held near the one before; to go on
+  /// from when iterations have run out. In the report only iterations count.
+  StageReport descend(Vec q, int max_iterations);
   /// Of a residual without potential: a few whole Newton steps from the guess, and damped ones where they do not
   /// arrive; with inertia, a few damped ones before. The stresses extrapolated along a step are near those of
   /// equilibrium even where it stretches a thin body to forces many times those at work, so that the next step takes
@@ -176,7 +180,7 @@ class NewtonSolver {
   /// Of the Hessian with its parts of rank one, as the factorization of the present K tells.
   std::optional<PetscInt> negative_eigenvalues() const;
   void linearize(Vec q);
-  double target() const { return std::max(options_.relative * scale_, options_.absolute); }
+  double target() const { return std::max({options_.relative * scale_, options_.absolute, descent_target_}); }
   /// SNES's line search: along the direction y (q goes to q - y), from one rung of the ladder to the next.
   void search_line(SNESLineSearch search);
   /// q = trial, at the end of a straight line.
@@ -216,6 +220,7 @@ class NewtonSolver {
   Handle<Mat> K_;
   Handle<Vec> r_, trial_, correction_, last_, guess_, last_trial_, before_;
   Merit merit_;
+  Proximal proximal_;
   std::vector<RankOne> rank_one_;  // parts of the Hessian beside K
   Handle<SNES> snes_;
   Handle<PC> preconditioner_;                       // of K
@@ -232,9 +237,10 @@ class NewtonSolver {
   Vec start_ = nullptr;
   Vec solution_ = nullptr;
   double scale_ = 0.0;
-  double first_scale_ = 0.0;  // of the guess
-  int num_lowered_ = 0;       // times in this iteration that the scale became that of the iterate
-  double phi_ = 0.0;          // value at the current iterate
+  double first_scale_ = 0.0;     // of the guess
+  double descent_target_ = 0.0;  // of a solution of `descend` [N]
+  int num_lowered_ = 0;          // times in this iteration that the scale became that of the iterate
+  double phi_ = 0.0;             // value at the current iterate
   Projection projection_ = Projection::none;
   bool is_regularized_ = false;
   bool has_second_guess_ = false;  // guess_ is one
@@ -257,7 +263,7 @@ class NewtonSolver {
   bool may_choose_krylov_ = false;  // the linear solver is conjugate gradients, and the user did not ask for it
   bool may_keep_factor_ = false;    // the linear solver iterates, so a preconditioner of an earlier Hessian will do
   bool factor_is_wanted_ = true;    // none yet, or the last one has aged
-  int num_unsolved_ = 0;            // stages in a row for which no equilibrium was found
+  int trouble_ = 0;                 // grows with each stage for which no equilibrium is found, falls with each other
   bool prefers_following_ = false;  // the equilibrium before was one without a minimum
   double last_shift_ = 0.0;         ///< of an indefinite Hessian, as a part of its mean diagonal
   double fresh_rate_ = 0.0;         // iterations per digit when the factor was that of its matrix

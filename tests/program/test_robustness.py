@@ -155,6 +155,32 @@ probes: [{{name: tip, point: [{length}, {width / 2}, {thickness / 2}]}}]
         self.assert_no_step_failed()
         self.assertLess(h["newton_iterations"].sum(), 20 * 20)
 
+    def test_block_that_snaps_arrives(self):
+        """Bonded ends of a nearly incompressible block are pulled apart or pressed together: there are bifurcations on
+        the way, and the equilibrium that is left ends in a fold. The body goes down to another, far away."""
+        laws = {"neo": "neo-hookean-isochoric, shear_modulus: 4e5", "mooney": "mooney-rivlin, c10: 1.5e5, c01: 0.5e5"}
+        for element, treatment, law, stretch, n in (("P1", "standard", "mooney", 7, 3), ("P2", "mixed", "neo", 0.4, 2),
+                                                    ("P2", "mean-dilatation", "neo", 0.3, 2)):
+            with self.subTest(treatment):
+                self.write("block.geo", f"""Point(1) = {{0, 0, 0}};
+line[] = Extrude {{0, 1, 0}} {{ Point{{1}}; Layers{{{n}}}; }};
+face[] = Extrude {{0, 0, 1}} {{ Curve{{line[1]}}; Layers{{{n}}}; }};
+block[] = Extrude {{2, 0, 0}} {{ Surface{{face[1]}}; Layers{{{2 * n}}}; }};
+Physical Volume("block") = {{block[1]}};
+""")
+                text = f"""mesh: {{file: block.geo}}
+element: {element}
+volumetric: {treatment}
+bodies: [{{density: 1000, elasticity: {{model: {laws[law]}, bulk_modulus: 2e9}}}}]
+constraints:
+  - {{where: "x < 1e-6", displacement: [0, 0, 0]}}
+  - {{where: "x > 1.999999", displacement: ["{2 * (stretch - 1)}*t", 0, 0]}}
+time: {{method: quasistatic, step: 0.05, end: 1}}
+"""
+                h = self.run_text(text)
+                self.assertEqual(h["time"][-1], 1.0)
+                self.assertLess(abs(h["energy_balance_error"][-1]), 1e-3 * h["elastic_energy"][-1])
+
 
 def tip_of_elastica(length, load, n=4000):
     """Of an inextensible beam under a follower load per length, over its bending stiffness [1/m^3].
