@@ -5,6 +5,7 @@
 
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -176,11 +177,18 @@ PetscErrorCode PetscIntegrator::convergence_callback(SNES, PetscInt it, PetscRea
   return integrator->guard_.run([&] { *reason = integrator->judge(it, f); });
 }
 
+double PetscIntegrator::within_step(double time) const {
+  constexpr double rounding = 4.0 * std::numeric_limits<double>::epsilon();  // of TS's sums of times
+  if (time == accepted_.time) return std::nextafter(time, std::numeric_limits<double>::infinity());
+  const bool is_end = std::abs(time - step_.time) <= rounding * std::abs(step_.time);
+  return step_.ends_at_event && is_end ? std::nextafter(step_.time, accepted_.time) : time;
+}
+
 void PetscIntegrator::begin_stage(double time, double dt, Vec q, Vec v, Vec a) {
   check(VecWAXPY(q0_.get(), -dt, v, q));
   check(VecWAXPY(v0_.get(), -dt, a, v));
   check(VecCopy(q, q_.get()));
-  stage_ = {.time = time, .dt = dt, .q0 = q0_.get(), .v0 = v0_.get(), .step_start = accepted_.time};
+  stage_ = {.time = within_step(time), .dt = dt, .q0 = q0_.get(), .v0 = v0_.get(), .step_start = accepted_.time};
   motion_.start_stage(stage_, q_.get());
   equation_.begin_stage(stage_);
 }
@@ -319,6 +327,7 @@ void PetscIntegrator::roll_back() {
 
 StepAttempt PetscIntegrator::attempt(const Step& step) & {
   TS ts = ts_.get();
+  step_ = step;
   if (is_tried_) roll_back();
   if (starts_) {
     check(TSRestartStep(ts));

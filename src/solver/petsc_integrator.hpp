@@ -83,6 +83,9 @@ class PetscIntegrator {
   void configure_time_stepping();
   void configure_newton();
   double time_step() const;
+  /// The time at which a stage takes what is given as a function of time: what jumps at the step's start as it is
+  /// after, and at its end as it is before.
+  double within_step(double time) const;
   /// The stage of length dt in which the rates at q are v and a.
   void begin_stage(double time, double dt, Vec q, Vec v, Vec a);
   void evaluate_forces();
@@ -118,6 +121,7 @@ class PetscIntegrator {
   CallbackGuard guard_;
   SolverStatistics statistics_;
 
+  Step step_;  // that is tried
   State accepted_;
   State end_;  // of the attempt
   PetscInt num_accepted_ = 0;

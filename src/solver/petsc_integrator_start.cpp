@@ -1,13 +1,14 @@
 // How TS starts: with no past, or with the one that it would have.
 #include "solver/petsc_integrator.hpp"
 
+#include <cmath>
 #include <utility>
 
 namespace pliant {
 namespace {
 
-/// Length of a stage of whose Hessian nothing but M / dt^2 is left in double precision [s].
-constexpr double instant = 1e-14;
+/// Length of a stage of whose Hessian nothing but M / dt^2 is left in double precision, in steps.
+constexpr double part_of_step = 1e-14;
 /// Constant acceleration in the two half steps with which TSALPHA2 starts that it takes for an acceleration of 1. Until
 /// 3.22 its difference formula gave twice the acceleration, and radii below 1 were of first order.
 constexpr double start_acceleration = PETSC_VERSION_LT(3, 22, 0) ? 0.5 : 1.0;
@@ -31,6 +32,8 @@ void PetscIntegrator::find_acceleration() {
   if (!mass_) {
     mass_ = equation_.make_hessian();
     const Handle<Vec> zero = equation_.make_vector();
+    // A power of two leaves M the same bits whatever the step.
+    const double instant = std::ldexp(1.0, std::ilogb(part_of_step * time_step()));
     equation_.begin_stage({.time = stage_.time, .dt = instant, .q0 = zero.get(), .v0 = zero.get()});
     equation_.hessian(zero.get(), mass_.get(), Projection::none);
     check(MatScale(mass_.get(), instant * instant));

@@ -45,6 +45,21 @@ class Methods(ProgramTest):
             text = done.stdout + done.stderr  # a note, or a warning where that is certain
             self.assertEqual("not A-stable" in text, told, settings)
 
+    def test_units_do_not_matter(self):
+        """A bar of nanometres and terapascals, whose steps are femtoseconds, moves as one of metres does."""
+        def motion(method, length, modulus):
+            write_box(self.directory / "bar.msh", (4, 1, 1), (length, 0.2 * length, 0.2 * length))
+            time = length * (1000 / modulus) ** 0.5  # a wave's through the bar
+            text = (INPUT.replace("1e6", repr(modulus)).replace("-4000*t", f"{-1e-3 * modulus / time}*t")
+                    .replace("[1, 0.1, 0.1]", f"[{length}, {0.1 * length}, {0.1 * length}]"))
+            h = self.run_input(self.write("units.yaml", text), f"time.method={method}", f"time.step={0.5 * time!r}",
+                               f"time.end={5 * time!r}")
+            return h["tip_z"] / length
+        for method in ("petsc:alpha2", "petsc:bdf", "petsc:arkimex", "dirk33"):
+            with self.subTest(method):
+                expected = motion(method, 1.0, 1e6)
+                np.testing.assert_allclose(motion(method, 1e-8, 1e12), expected, atol=1e-6 * np.abs(expected - 0.1).max())
+
     def test_load_steps_and_quasistatic_steps_agree(self):
         slow = self.run_input(self.input, "time.method=quasistatic", "solver.newton.relative=1e-10", output="slow")
         at_once = self.run_input(self.input, "time.method=static", "solver.newton.relative=1e-10", output="at once")
