@@ -3,7 +3,7 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-set(PLIANT_LAYERS base petsc material mesh fem time energy solver io app)
+set(PLIANT_LAYERS base petsc material mesh fem time energy solver io input model run study command)
 set(pliant_cmake ${CMAKE_INSTALL_LIBDIR}/cmake/pliant)
 set(pliant_share ${CMAKE_INSTALL_DATADIR}/pliant)
 
@@ -24,9 +24,9 @@ install(FILES src/shell/pliant.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-co
 install(FILES src/shell/pliant.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program RENAME copyright)  # Debian's name for it
 
-# The libraries: one target per layer, pliant::base to pliant::app, and pliant::pliant for all of them.
+# The libraries: one target per layer, pliant::base to pliant::command, and pliant::pliant for all of them.
 add_library(pliant_pliant INTERFACE)
-target_link_libraries(pliant_pliant INTERFACE pliant_app)
+target_link_libraries(pliant_pliant INTERFACE pliant_command)
 foreach(layer options ${PLIANT_LAYERS} pliant)
   set_target_properties(pliant_${layer} PROPERTIES EXPORT_NAME ${layer})
   install(TARGETS pliant_${layer} EXPORT pliant-targets

@@ -44,10 +44,11 @@ function(pliant_kernels)
   endif()
 endfunction()
 
-# pliant_layer(<name> <dependency>...): src/<name>/*.cpp as the library pliant_<name>; a layer without sources is headers only.
+# pliant_layer(<name> <dependency>...): src/<name>/ with its rooms as the library pliant_<name>; a layer without sources is
+# headers only.
 function(pliant_layer name)
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/${name}/*.cpp)
-  list(FILTER sources EXCLUDE REGEX "/main\\.cpp$")
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/${name}/*.cpp)
+  list(FILTER sources EXCLUDE REGEX "/(main\\.cpp|mesh/gmsh/.*)$")
   if(sources)
     add_library(pliant_${name} STATIC ${sources})
     target_link_libraries(pliant_${name} PUBLIC pliant_options ${ARGN})

@@ -43,7 +43,7 @@ if(CMAKE_SCRIPT_MODE_FILE)
   return()
 endif()
 
-# pliant_report_page(): app/report_page.cpp embeds the page.
+# pliant_report_page(): command/report_page.cpp embeds the page.
 function(pliant_report_page)
   find_program(NPM npm)
   option(PLIANT_REPORT "Build the page of `pliant report`; needs npm" ON)
@@ -64,6 +64,6 @@ function(pliant_report_page)
     COMMENT "Bundling the viewer of reports"
     VERBATIM)
   set_source_files_properties(
-    ${CMAKE_CURRENT_SOURCE_DIR}/app/report_page.cpp
+    ${CMAKE_CURRENT_SOURCE_DIR}/command/report_page.cpp
     PROPERTIES OBJECT_DEPENDS ${page} COMPILE_DEFINITIONS PLIANT_REPORT_PAGE="${page}")
 endfunction()

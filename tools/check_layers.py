@@ -18,7 +18,11 @@ LAYERS = {
     "energy": "fem material time petsc base",
     "solver": "energy time petsc base",
     "io": "fem mesh time petsc base",
-    "app": "io solver energy time fem mesh material petsc base",
+    "input": "material time petsc base",
+    "model": "input solver energy time fem mesh material petsc base",
+    "run": "model input io solver energy time fem mesh material petsc base",
+    "study": "run model input io solver energy time fem mesh material petsc base",
+    "command": "study run model input io solver energy time fem mesh material petsc base",
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]')
 

@@ -1,10 +1,10 @@
 /// The part of a body's surface that may touch obstacles, and its points near one.
 #pragma once
 
-#include "energy/contact_law.hpp"
 #include "energy/obstacle.hpp"
 #include "fem/layout.hpp"
 #include "fem/selection.hpp"
+#include "material/contact_law.hpp"
 
 #include <algorithm>
 #include <array>

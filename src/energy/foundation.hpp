@@ -5,14 +5,12 @@
 #include "energy/term.hpp"
 #include "fem/layout.hpp"
 #include "fem/selection.hpp"
+#include "material/foundation.hpp"
 
 #include <cstdint>
 #include <vector>
 
 namespace pliant {
-
-/// What a foundation resists: every displacement, or the part along the reference normal N.
-enum class FoundationDirection { all, normal };
 
 /// M of |u|_M^2 = int u . D u dA, D = I or N N^T (of a surface [m^2]), or sum u . u (of nodes [1]): blocks of owned
 /// rows.
@@ -31,12 +29,6 @@ FoundationMatrix surface_foundation(const NodeLayout& layout, const BlockPattern
 
 /// Of owned nodes, each with the same weight.
 FoundationMatrix nodal_foundation(const BlockPattern& pattern, const std::vector<PetscInt>& nodes, double weight);
-
-/// Per reference area of a surface, or of each node.
-struct FoundationStiffness {
-  double spring = 0.0;   ///< k [N/m^3, or N/m]
-  double dashpot = 0.0;  ///< c [N s/m^3, or N s/m]
-};
 
 /// U = k/2 |q|_M^2 and R = c/2 |v|_M^2 with the velocity v = (q - q0)/dt of the stage, so that
 ///

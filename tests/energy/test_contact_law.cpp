@@ -1,6 +1,6 @@
 // Laws of contact at a point: each force is the derivative of its potential, smooth where branches meet, and of the
 // right sign.
-#include "energy/contact_law.hpp"
+#include "material/contact_law.hpp"
 
 #include <cmath>
 #include <random>

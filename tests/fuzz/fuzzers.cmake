@@ -14,15 +14,15 @@ endfunction()
 
 # What reads inputs, and the laws whose moduli it checks, whose kernels would take a quarter of an hour to compile with
 # clang's sanitizers.
-file(GLOB input_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/app/input*.cpp ${CMAKE_SOURCE_DIR}/src/app/schema*.cpp)
-set(beside app/cell_data app/directions app/elasticity app/volumetric material/constants material/law_field
-           material/law_info material/loading material/registry material/viscosity_registry material/volume_split)
+file(GLOB input_sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/input/*.cpp ${CMAKE_SOURCE_DIR}/src/input/sections/*.cpp)
+set(beside material/constants material/law_field material/law_info material/loading material/registry
+           material/viscosity_registry material/volume_split)
 list(TRANSFORM beside REPLACE "(.+)" "${CMAKE_SOURCE_DIR}/src/\\1.cpp")
 set_source_files_properties(${CMAKE_SOURCE_DIR}/src/material/law_field.cpp PROPERTIES COMPILE_OPTIONS -fno-sanitize=all)
-add_library(pliant_input STATIC ${input_sources} ${beside})
-target_link_libraries(pliant_input PUBLIC pliant_time yaml-cpp nlohmann_json::nlohmann_json)
+add_library(pliant_fuzzed_input STATIC ${input_sources} ${beside})
+target_link_libraries(pliant_fuzzed_input PUBLIC pliant_time yaml-cpp nlohmann_json::nlohmann_json)
 
-pliant_fuzzer(input read_as_input input.cpp pliant_input)
+pliant_fuzzer(input read_as_input input.cpp pliant_fuzzed_input)
 pliant_fuzzer(msh read_as_msh meshes.cpp pliant_mesh)
 pliant_fuzzer(mesh_file read_as_mesh_file meshes.cpp pliant_mesh)
 pliant_fuzzer(checkpoint read_as_checkpoint checkpoint.cpp pliant_io)

@@ -1,4 +1,4 @@
-#include "app/input.hpp"
+#include "input/input.hpp"
 
 #include "base/error.hpp"
 #include "fuzz/targets.hpp"

@@ -301,7 +301,7 @@ class Errors(MistakesTest):
     def test_mistakes_that_are_tried_in_process(self):
         kept = self.directory / "kept"
         kept.mkdir()
-        subprocess.run([PROGRAM.with_name("test_app"), "--gtest_filter=*IsToldOnceAtItsPlace*"], check=True, stdout=subprocess.DEVNULL,
+        subprocess.run([PROGRAM.with_name("test_input"), "--gtest_filter=*IsToldOnceAtItsPlace*"], check=True, stdout=subprocess.DEVNULL,
                        env=ENVIRONMENT | {"PLIANT_KEEP_MISTAKES": str(kept)})
         cases = {}
         for told in kept.glob("*.told"):

@@ -1,10 +1,10 @@
 /// trapped INPUT.yaml: `pliant run` with one law and one term more. Runs under mpirun as pliant does.
-#include "app/exit_status.hpp"
-#include "app/input.hpp"
-#include "app/run.hpp"
+#include "command/exit_status.hpp"
 #include "demiray.hpp"
+#include "input/input.hpp"
 #include "material/law_kind.hpp"
 #include "petsc/session.hpp"
+#include "run/run.hpp"
 #include "trap.hpp"
 
 #include <cstdio>

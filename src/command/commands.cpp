@@ -1,0 +1,248 @@
+#include "command/commands.hpp"
+
+#include "base/text.hpp"
+#include "base/units.hpp"
+#include "command/material_plot.hpp"
+#include "energy/viscous.hpp"
+#include "input/elasticity.hpp"
+#include "input/keys.hpp"
+#include "material/elastic_law.hpp"
+#include "material/viscosity_registry.hpp"
+#include "model/model.hpp"
+#include "petsc/collective.hpp"
+#include "petsc/session.hpp"
+#include "run/advance.hpp"
+#include "run/run.hpp"
+#include "solver/linear.hpp"
+#include "solver/petsc_method.hpp"
+#include "time/method.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// Bytes that the run will need, over all ranks: what is known exactly (mesh, matrix) and what MUMPS's factor was
+/// measured to take.
+struct Memory {
+  double matrix = 0.0;
+  double factor = 0.0;
+};
+
+Memory predicted_memory(const Model& model, LinearKind kind) {
+  const auto& pattern = model.pattern();
+  const auto blocks = static_cast<double>(pattern.diagonal().nodes.size() + pattern.off_diagonal().nodes.size());
+  Memory memory;
+  memory.matrix = 9.0 * 12.0 * sum(model.layout().comm, blocks);  // value and column index
+  const double unknowns = 3.0 * model.layout().num_global_nodes;
+  // Nested dissection in three dimensions: the fill grows as n^(4/3) (George 1973). MUMPS with PORD was measured to
+  // take 200 bytes times that on a cube of 24,000 unknowns, two thirds of it on slender bodies of 24,000 to 84,000.
+  // GAMG's hierarchy takes about as much as the matrix.
+  memory.factor = kind == LinearKind::cholesky ? 200.0 * std::pow(unknowns, 4.0 / 3.0) : 1.5 * memory.matrix;
+  return memory;
+}
+
+std::string bytes(double n) {
+  return n < 1e9 ? fmt::format("{:.0f} MB", std::ceil(n / 1e6)) : fmt::format("{:.1f} GB", n / 1e9);
+}
+
+/// Ranks that this one gets ghosts from. Collective.
+int num_neighbours(const NodeLayout& layout) {
+  std::vector<PetscInt> first(static_cast<std::size_t>(num_ranks(layout.comm)));
+  check_mpi(MPI_Allgather(&layout.first_global_node, 1, MPIU_INT, first.data(), 1, MPIU_INT, layout.comm));
+  int count = 0;
+  auto owner = first.begin();
+  for (const PetscInt node : layout.ghost_global_nodes) {  // ascending
+    const auto next = std::upper_bound(owner, first.end(), node);
+    count += next != owner ? 1 : 0;
+    owner = next;
+  }
+  return count;
+}
+
+/// What an update of the ghosts costs: numbers and messages.
+void report_communication(const NodeLayout& layout, Console& console) {
+  const auto ghosts = static_cast<double>(layout.ghost_global_nodes.size()), neighbours = 1.0 * num_neighbours(layout);
+  if (num_ranks(layout.comm) == 1) return;
+  console.print(
+      fmt::format("  ghosts: {:.0f} to {:.0f} nodes per rank, {:.0f} in all; from {:.0f} to {:.0f} other ranks",
+                  minimum(layout.comm, ghosts), maximum(layout.comm, ghosts), sum(layout.comm, ghosts),
+                  minimum(layout.comm, neighbours), maximum(layout.comm, neighbours)));
+}
+
+void report_time_scales(const Model& model, const Config& config, Console& console) {
+  const auto& [fastest, slowest] = model.wave_speeds();
+  if (!(fastest > 0.0)) return;
+  const auto& b = model.mesh_report().bounds;
+  const double length = std::max({b[3] - b[0], b[4] - b[1], b[5] - b[2]});
+  const double across = length / slowest;
+  console.print("time scales");
+  console.print(fmt::format("  pressure wave across the smallest edge  {:.3g} s (an explicit code's step)",
+                            model.mesh_report().min_edge / fastest));
+  console.print(fmt::format("  shear wave along the body               {:.3g} s", across));
+  // Bending is slower than any wave; a twentieth of the shear transit resolves the lowest modes of compact bodies.
+  console.print(
+      fmt::format("  suggested step                          {:.2g} s (a tenth of that); the input's step is {:.3g} s",
+                  across / 10.0, config.time.step));
+}
+
+}  // namespace
+
+void plot_material_command(MPI_Comm comm, const std::string& law, const std::vector<std::string>& settings,
+                           const std::array<double, 2>& stretches, const std::string& file) {
+  const auto [lowest, highest] = stretches;
+  if (!(lowest > 0.0 && lowest <= 1.0 && highest > 1.0)) {
+    throw InputError({}, fmt::format("--stretch {:g} {:g}: the first must be above 0 and at most 1, the second above 1",
+                                     lowest, highest));
+  }
+  const ElasticLawSpec spec = law_for_plot(law, settings);
+  const std::string target = file.empty() ? law + ".svg" : file;
+  write_svg(comm, target, stress_stretch_plot(spec, lowest, highest));
+  if (rank(comm) == 0) fmt::print("{}: {}\n", target, describe(spec));
+}
+
+void convert_mesh_command(MPI_Comm comm, const Conversion& conversion, Console& console) {
+  MeshReport report;
+  on_root(comm, [&] {
+    MeshSource source;
+    source.file = conversion.from;
+    source.scale = conversion.scale;
+    source.commands = conversion.allows_commands ? Commands::allowed : Commands::refused;
+    try {
+      // The size is in metres, gmsh's in the unit of the geometry.
+      if (!conversion.size.empty()) source.size = parse_quantity(conversion.size, "m") / conversion.scale;
+    } catch (const UnitError& e) {
+      throw InputError({}, "--size " + conversion.size + ": " + e.what());
+    }
+    report = convert_mesh(source, conversion.to);
+  });
+  console.print(fmt::format("{}: {} tetrahedra, {} vertices", conversion.to, report.num_cells, report.num_vertices));
+  for (const auto& notice : report.notices) console.print("note: " + notice);
+}
+
+ExitCode run_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides, Console& console) {
+  return run_with_output(comm, read_input_file(comm, file, overrides), console);
+}
+
+ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides,
+                       Console& console) {
+  const Config config = read_input_file(comm, file, overrides);
+  const Model model(comm, config);
+  const NodeLayout& layout = model.layout();
+  console.print(fmt::format("{}: the input is well", file));
+  console.print(fmt::format("mesh {}", config.mesh.file.value));
+  std::string text = describe(model.mesh_report());
+  if (!text.empty() && text.back() == '\n') text.pop_back();
+  console.print(text);
+
+  console.print("bodies");
+  std::vector<double> cells(model.body_names().size(), 0.0);
+  for (PetscInt c = 0; c < layout.num_owned_cells; ++c) ++cells[model.body_of_cell()[c]];
+  for (std::size_t b = 0; b < cells.size(); ++b) {
+    console.print(fmt::format(
+        "  {}: {} tetrahedra, {}{}", model.body_names()[b], static_cast<long long>(sum(layout.comm, cells[b])),
+        describe(config.bodies[b].elasticity),
+        config.bodies[b].density ? fmt::format(", density {:.4g} kg/m^3", *config.bodies[b].density) : std::string()));
+  }
+  if (model.inertia() != nullptr) {
+    console.print(fmt::format("  mass {:.6g} kg", sum(layout.comm, model.inertia()->mass().total())));
+  }
+  if (!model.cavities().empty()) console.print("cavities");
+  for (const auto& cavity : model.cavities()) {
+    console.print(fmt::format("  {}: volume {:.6g} m^3", cavity.name, cavity.volume));
+  }
+
+  const LinearKind kind = linear_kind(config, layout);
+  const Memory memory = predicted_memory(model, kind);
+  const auto prescribed = std::count(model.constraints().prescribed().flags().begin(),
+                                     model.constraints().prescribed().flags().begin() + 3 * layout.num_owned_nodes, 1);
+  const double mine = 3.0 * layout.num_owned_nodes;
+  console.print("unknowns");
+  console.print(fmt::format("  {} ({} prescribed), P{} elements; {:.0f} to {:.0f} per rank",
+                            3 * layout.num_global_nodes, sum(layout.comm, static_cast<PetscInt64>(prescribed)),
+                            layout.order, minimum(layout.comm, mine), maximum(layout.comm, mine)));
+  report_communication(layout, console);
+  console.print(fmt::format("  linear solver: {}", describe(kind)));
+  console.print(fmt::format("  predicted memory: matrix {}, {} about {}", bytes(memory.matrix),
+                            kind == LinearKind::cholesky ? "factor" : "multigrid", bytes(memory.factor)));
+  report_time_scales(model, config, console);
+  for (const auto& notice : model.notices()) console.print("note: " + notice);
+  for (const auto& doubt : model.doubts()) console.warn(doubt);
+  return ExitCode::done;
+}
+
+std::string methods_text() {
+  constexpr std::size_t width = 100, indent = 4;
+  constexpr const char* row = "{:<18}  {:<7} {:>6}  {:<12} {:>6}  {:<8} {:>8}  {}\n";
+  std::string text =
+      fmt::format(row, "method", "order", "solves", "stability", "R(inf)", "adaptive", "embedded", "viscous rate");
+  for (const auto& m : methods()) {
+    const bool loses_by_ramp = m.num_steps > 1 && m.order > 2;
+    text += '\n' + fmt::format(row, m.name, loses_by_ramp ? fmt::format("{} (2)", m.order) : fmt::format("{}", m.order),
+                               m.num_stages, to_string(m.stability), fmt::format("{:.3f}", m.R_infinity),
+                               why_not_adaptive(m) ? "no" : "yes",
+                               m.bt_embedded.empty() ? "-" : fmt::format("{}", m.embedded_order),
+                               strain_rates()[static_cast<std::size_t>(strain_rate_for(m))].name);
+    text += wrapped(m.summary, width, indent);
+  }
+  const auto legend = [&](const char* word, const char* meaning) {
+    const std::string lines = wrapped(meaning, width, 14);
+    text += fmt::format("{:<14}", word) + lines.substr(14);
+  };
+  text += '\n';
+  legend("order",
+         "of the error in displacement and velocity; in brackets after startup: ramp, without it after "
+         "startup: dirk33");
+  legend("solves", "nonlinear solves in a step");
+  legend("R(inf)",
+         "what a step multiplies an infinitely fast decaying mode by: 0 removes it, -1 and 1 keep it ringing");
+  legend("adaptive",
+         "whether the step can follow the error (time.adaptive); symplectic methods run at a constant step");
+  legend("embedded",
+         "order of the formula of the same stages that tells the error, until (stiffly accurate methods) "
+         "enough steps are known to estimate it better");
+  legend("viscous rate",
+         "the form of the strain rate that rate: auto takes: one with a potential to minimise, secant or "
+         "reconstructed, where that keeps the order");
+  text += "\nYour own coefficients: time: {method: {alpha: [...], beta: ..., A: [[...]], b: [...]}}.\n";
+  text += "Integrators of PETSc, a second opinion: time: {method: {petsc: NAME}}, NAME one of\n";
+  for (const auto& m : petsc_methods()) {
+    text += wrapped(fmt::format("{} (order {}): {}", m.name, m.order, m.description), width, indent);
+  }
+  return text;
+}
+
+std::string materials_text() {
+  std::string text;
+  const auto list = [&](const char* title, std::span<const LawInfo> laws) {
+    text += fmt::format("{}\n\n", title);
+    for (const auto& law : laws) {
+      text += fmt::format("{}\n  {}\n", law.name, law.formula);
+      for (const auto& p : law.parameters) {
+        text += fmt::format("  {:<16} [{}] {}: {}\n", p.name, p.unit, admissible(p), p.meaning);
+      }
+      text += fmt::format("  use: {}\n  source: {}\n\n", law.when_to_use, law.source);
+    }
+  };
+  list("ELASTICITY (bodies[].elasticity)", elastic_laws());
+  text +=
+      "Where a law has two of these constants, any other two may be given; instead of a bulk_modulus alone a "
+      "poissons_ratio, unless the law has fibres:\n";
+  for (const auto& p : elastic_constants()) {
+    text += fmt::format("  {:<16} [{}] {}: {}\n", p.name, p.unit, admissible(p), p.meaning);
+  }
+  text +=
+      "U(J) by volumetric_energy: log (ln J)^2/2, quadratic (J - 1)^2/2, mixed (J^2 - 1 - 2 ln J)/4, the default.\n"
+      "Stress over stretch as a picture: pliant materials plot LAW\n\n";
+  list("VISCOSITY (bodies[].viscosity)", viscosity_laws());
+  text += "rate: the form of the strain rate of kelvin-voigt; auto takes what suits the method\n";
+  for (const auto& rate : strain_rates()) {
+    text += fmt::format("  {:<14} {}; {}\n", rate.name, rate.formula, rate.when_to_use);
+  }
+  return text;
+}
+
+}  // namespace pliant

@@ -1,0 +1,365 @@
+// pliant: the program. Parses the command line, starts MPI and PETSc, turns failures into messages and exit codes.
+#include "base/text.hpp"
+#include "command/command_help.hpp"
+#include "command/commands.hpp"
+#include "command/exit_status.hpp"
+#include "command/report.hpp"
+#include "petsc/session.hpp"
+#include "run/version.hpp"
+#include "study/converge.hpp"
+#include "study/sweep.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <csignal>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace {
+
+using namespace pliant;
+
+struct Arguments {
+  std::string file;
+  std::vector<std::string> settings;
+  std::string output;
+  std::array<double, 2> stretches{0.6, 2.0};
+  bool quiet = false;
+  bool markdown = false;
+  bool continues = false;
+  StudyOptions study;
+  Conversion conversion;
+  SweepOptions sweep;
+  ReportOptions report;
+  std::string refine;
+  bool accepts_any_order = false;
+
+  std::vector<Override> overrides() const {
+    std::vector<Override> result;
+    for (const auto& setting : settings) {
+      const auto equals = setting.find('=');
+      if (equals == std::string::npos || equals == 0) {
+        throw InputError({"--set " + setting, 0, 0}, "expected KEY.PATH=VALUE, e.g. --set time.step=\"5 ms\"");
+      }
+      result.push_back({std::string(trimmed(setting.substr(0, equals))), setting.substr(equals + 1)});
+    }
+    if (!output.empty()) result.push_back({"output.directory", output});
+    return result;
+  }
+};
+
+/// What CLI11 says, and what most likely was meant.
+std::string explained(const CLI::ParseError& error, const CLI::App& app, int argc, const char* const* argv) {
+  std::string command = "pliant";
+  const CLI::App* at = &app;
+  for (; !at->get_subcommands().empty(); at = at->get_subcommands().front()) {
+    command += " " + at->get_subcommands().front()->get_name();
+  }
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  std::string text = error.what();
+  if (at == &app && !words.empty() && !words[0].starts_with('-')) {
+    std::vector<std::string> names;
+    for (const CLI::App* sub : app.get_subcommands({})) names.push_back(sub->get_name());
+    std::error_code ignored;
+    const bool is_file = std::filesystem::exists(words[0], ignored);
+    text = fmt::format("there is no command '{}'{}", words[0],
+                       is_file ? "; to run an input: pliant run " + words[0] : did_you_mean(words[0], names));
+  }
+  const auto is_setting = [](const std::string& word) {
+    return !word.starts_with('-') && word.find('=') != std::string::npos;
+  };
+  const auto setting = std::ranges::find_if(words, is_setting);
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError) && setting != words.end() &&
+      at->get_option_no_throw("--set") != nullptr) {
+    text += fmt::format("; values of the input are set by --set {}", *setting);
+  }
+  return fmt::format("{}: {}; see {} --help", command, text, command);
+}
+
+/// What stands below the options in the help of a command.
+std::string examples(const std::vector<std::string>& lines) {
+  return fmt::format("Examples:\n  {}", fmt::join(lines, "\n  "));
+}
+
+/// PETSc passes over words that belong to no option.
+void require_options(const std::vector<std::string>& petsc_options) {
+  const auto is_option = [](const std::string& word) {
+    return word.size() > 1 && word[0] == '-' &&
+           (std::isalpha(static_cast<unsigned char>(word[1])) != 0 || word[1] == '-');
+  };
+  for (std::size_t i = 0; i < petsc_options.size(); ++i) {
+    if (is_option(petsc_options[i]) || (i > 0 && is_option(petsc_options[i - 1]))) continue;
+    throw InputError(
+        {"PETSc options", 0, 0},
+        fmt::format("'{}' belongs to no option; they begin with '-', and have one value at most", petsc_options[i]));
+  }
+}
+
+/// Did mpirun start it?
+bool is_part_of_a_job(const Environment& environment) {
+  return std::ranges::any_of(environment, [](const std::string& v) { return v.starts_with("OMPI_COMM_WORLD_SIZE="); });
+}
+
+/// Reads the command line. Returns the command to run, or an exit code after help, version or a mistake.
+ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of_sweep) {
+  const MPI_Comm comm = PETSC_COMM_WORLD;
+  const bool speaks = rank(comm) == 0;
+  require_options(of_sweep.petsc_options);
+  Arguments arguments;
+  arguments.sweep = of_sweep;
+  ExitCode result = ExitCode::done;
+  CLI::App app("Finite-element dynamics of soft bodies. Run in parallel with mpirun -n N pliant run INPUT.yaml",
+               "pliant");
+  app.footer(
+      "pliant COMMAND --help shows a command's options and examples.\nWhat stands after -- goes to PETSc, e.g. pliant "
+      "run beam.yaml -- -snes_monitor -log_view");
+  app.set_version_flag("--version", version_text);
+  app.require_subcommand(1);
+  std::function<void()> command;
+
+  const auto add_input = [&](CLI::App* sub) {
+    sub->add_option("INPUT", arguments.file, "the input file (YAML)")->required();
+    sub->add_option("--set", arguments.settings, "KEY.PATH=VALUE: replaces a value of the input; may be repeated")
+        ->allow_extra_args(false);
+  };
+  const auto add_output = [&](CLI::App* sub, const std::string& what) {
+    sub->add_option("--output", arguments.output, what)->check([](const std::string& name) {
+      return std::string(name.empty() ? "the name is empty" : "");
+    });
+  };
+  const auto verbosity = [&] { return arguments.quiet ? Verbosity::quiet : Verbosity::normal; };
+
+  CLI::App* run = app.add_subcommand("run", "run a simulation");
+  run->footer(
+      examples({"pliant run beam.yaml", "mpirun -n 4 pliant run beam.yaml --output out/fine --set mesh.refine=1",
+                "pliant run beam.yaml --set time.step=\"5 ms\" -- -log_view", "pliant run beam.yaml --continue"}));
+  add_input(run);
+  add_output(run, "directory for the results");
+  run->add_flag("--continue", arguments.continues,
+                "continue the run that is there from its newest checkpoint; begin it if there is none");
+  run->add_flag("--quiet", arguments.quiet, "print warnings and errors only");
+  run->callback([&] {
+    command = [&] {
+      Console console(comm, verbosity());
+      const auto command_of = arguments.continues ? continue_command : run_command;
+      result = command_of(comm, arguments.file, arguments.overrides(), console);
+    };
+  });
+
+  CLI::App* resume = app.add_subcommand("resume", "continue from a checkpoint");
+  resume->footer(examples(
+      {"pliant resume out/beam", "mpirun -n 2 pliant resume out/beam/checkpoint-000100.h5 --set time.end=\"4 s\""}));
+  resume->add_option("CHECKPOINT", arguments.file, "the checkpoint, or a directory with checkpoints: its newest one")
+      ->required();
+  resume
+      ->add_option("--set", arguments.settings,
+                   "KEY.PATH=VALUE: replaces a value of the input, e.g. time.end; may be repeated")
+      ->allow_extra_args(false);
+  add_output(resume, "directory for the results; default: that of the checkpoint");
+  resume->add_flag("--quiet", arguments.quiet, "print warnings and errors only");
+  resume->callback([&] {
+    command = [&] {
+      Console console(comm, verbosity());
+      result = resume_command(comm, arguments.file, arguments.overrides(), console);
+    };
+  });
+
+  CLI::App* info = app.add_subcommand("info", "say what is in a checkpoint or a result");
+  info->footer(examples({"pliant info out/beam", "pliant info out/beam/checkpoint-000100.h5"}));
+  info->add_option("FILE", arguments.file, "checkpoint-*.h5, result.h5 or the directory of a result")->required();
+  info->callback([&] {
+    command = [&] {
+      const std::string text = info_text(comm, arguments.file);
+      if (speaks) fmt::print("{}", text);
+    };
+  });
+
+  CLI::App* report = app.add_subcommand("report", "make a page of HTML that plays a result and plots its history");
+  report->footer(examples({"pliant report out/beam", "pliant report out/beam --output beam.html --size 10"}));
+  report->add_option("RESULT", arguments.report.place, "directory of a result, its result.h5 or result.xdmf")
+      ->required();
+  report->add_option("--output", arguments.report.output, "the file; default: report.html beside the result");
+  report
+      ->add_option("--size", arguments.report.megabytes,
+                   "megabytes that the page may take; where it would take more, frames are left out")
+      ->check(CLI::PositiveNumber)
+      ->type_name("MB")
+      ->capture_default_str();
+  report->callback([&] {
+    command = [&] {
+      Console console(comm, Verbosity::normal);
+      report_command(comm, arguments.report, console);
+    };
+  });
+
+  CLI::App* check = app.add_subcommand("check", "read the input, mesh and partition it, and report; solves nothing");
+  check->footer(examples({"pliant check beam.yaml", "mpirun -n 8 pliant check beam.yaml --set element=P2"}));
+  add_input(check);
+  check->callback([&] {
+    command = [&] {
+      Console console(comm, Verbosity::normal);
+      result = check_command(comm, arguments.file, arguments.overrides(), console);
+    };
+  });
+
+  CLI::App* converge = app.add_subcommand("converge", "convergence study: finer and finer steps, meshes or tolerances");
+  converge->footer(examples({"pliant converge beam.yaml --in time --levels 4 --methods bdf2,dirk33",
+                             "pliant converge beam.yaml --in space --levels 3 --no-check"}));
+  add_input(converge);
+  add_output(converge, "directory for convergence.csv and the plots");
+  converge
+      ->add_option("--in", arguments.refine,
+                   "what is refined: time (steps), space (the mesh, uniformly) or tolerance (of adaptive steps)")
+      ->required()
+      ->check(CLI::IsMember({"time", "space", "tolerance"}))
+      ->type_name("time|space|tolerance");
+  converge->add_option("--levels", arguments.study.levels, "how many; each halves steps or mesh size")
+      ->check(CLI::Range(2, 12))
+      ->type_name("N")
+      ->capture_default_str();
+  converge
+      ->add_option("--methods", arguments.study.methods,
+                   "methods to compare, e.g. bdf2,dirk22; all; default: the input's")
+      ->delimiter(',')
+      ->type_name("NAME,...");
+  converge->add_flag("--no-check", arguments.accepts_any_order,
+                     "do not fail where an observed order falls short of the theoretical one by more than 0.3");
+  converge->callback([&] {
+    command = [&] {
+      Console console(comm, Verbosity::normal);
+      arguments.study.refine = arguments.refine == "space"       ? Refine::space
+                               : arguments.refine == "tolerance" ? Refine::tolerance
+                                                                 : Refine::time;
+      arguments.study.checks_orders = !arguments.accepts_any_order;
+      result = converge_command(comm, arguments.file, arguments.overrides(), arguments.study, console);
+    };
+  });
+
+  CLI::App* sweep = app.add_subcommand("sweep", "run the input once for each of several values, side by side");
+  sweep->footer(
+      examples({"pliant sweep beam.yaml --set \"time.step=[10 ms, 5 ms]\"",
+                "pliant sweep beam.yaml --set \"element=[P1, P2]\" --set \"time.method=[bdf2, dirk22]\" --jobs 2"}));
+  sweep->add_option("INPUT", arguments.file, "the input file (YAML)")->required();
+  sweep
+      ->add_option("--set", arguments.settings,
+                   "KEY.PATH=[VALUE, ...]: the values to try; several lists: every combination. KEY.PATH=VALUE: the "
+                   "same for all runs. May be repeated")
+      ->required()
+      ->allow_extra_args(false);
+  add_output(sweep, "directory for the runs, sweep.csv and the plots");
+  sweep->add_flag("--continue", arguments.sweep.continues, "leave runs that are done, continue those that were begun");
+  sweep->add_option("--jobs", arguments.sweep.at_once, "runs at a time; default: as many as the processors allow")
+      ->check(CLI::Range(1, 1024))
+      ->type_name("N");
+  sweep->add_option("--ranks", arguments.sweep.ranks, "ranks of each run")
+      ->check(CLI::Range(1, 1024))
+      ->type_name("N")
+      ->capture_default_str();
+  sweep->callback([&] {
+    command = [&] {
+      if (is_part_of_a_job(arguments.sweep.environment)) {
+        throw InputError({"pliant sweep", 0, 0}, "start it without mpirun; --ranks 2 gives each run two ranks");
+      }
+      Console console(comm, Verbosity::normal);
+      result = sweep_command(arguments.file, arguments.overrides(), arguments.sweep, console);
+    };
+  });
+
+  CLI::App* mesh = app.add_subcommand("mesh", "what can be done with a mesh alone")->require_subcommand(1);
+  mesh->footer(examples({"pliant mesh convert part.step part.h5 --size \"2 mm\" --scale 0.001"}));
+  CLI::App* convert = mesh->add_subcommand(
+      "convert", "write a mesh as HDF5: every rank of a run reads its part of it, which large meshes need");
+  convert->footer(examples({"pliant mesh convert part.step part.h5 --size \"2 mm\" --scale 0.001"}));
+  convert->add_option("MESH", arguments.conversion.from, "what mesh.file of an input may name (.msh, .geo, .step, ...)")
+      ->required();
+  convert->add_option("OUTPUT", arguments.conversion.to, "the file to write, NAME.h5")->required();
+  convert->add_option("--size", arguments.conversion.size, "target element size of geometry, e.g. \"2 mm\"");
+  convert->add_option("--scale", arguments.conversion.scale, "coordinates are multiplied by it")->capture_default_str();
+  convert->add_flag("--allow-commands", arguments.conversion.allows_commands,
+                    "let a .geo script run programs and write files: only for files you trust");
+  convert->callback([&] {
+    command = [&] {
+      Console console(comm, Verbosity::normal);
+      convert_mesh_command(comm, arguments.conversion, console);
+    };
+  });
+
+  const auto add_text = [&](const char* name, const char* what, std::function<std::string()> text) {
+    CLI::App* sub = app.add_subcommand(name, what);
+    sub->callback([&command, sub, speaks, text = std::move(text)] {
+      if (!sub->get_subcommands().empty()) return;  // theirs ran already
+      command = [speaks, text] {
+        if (speaks) fmt::print("{}", text());
+      };
+    });
+    return sub;
+  };
+  add_text("methods", "list the time integration methods", methods_text)->footer(examples({"pliant methods"}));
+  CLI::App* materials = add_text("materials", "list the material laws, or plot one",
+                                 [&] { return arguments.markdown ? material_reference() : materials_text(); });
+  materials->add_flag("--markdown", arguments.markdown, "print the reference of the laws in Markdown instead");
+  materials->footer(examples({"pliant materials", "pliant materials plot yeoh --set c10=0.2MPa"}));
+  CLI::App* plot = materials->add_subcommand("plot", "draw stress over stretch of an elastic law");
+  plot->footer(examples({"pliant materials plot yeoh",
+                         "pliant materials plot ogden --set mu1=0.3MPa --stretch 0.5 3 --output ogden.svg"}));
+  plot->add_option("LAW", arguments.file, "name of the law")->required();
+  plot->add_option("--set", arguments.settings,
+                   "KEY=VALUE: a parameter of the law; the others are typical ones; may be repeated")
+      ->allow_extra_args(false);
+  plot->add_option("--stretch", arguments.stretches, "the lowest and the highest stretch")->capture_default_str();
+  plot->add_option("--output", arguments.output, "the SVG file; default: LAW.svg");
+  plot->callback([&] {
+    command = [&] {
+      plot_material_command(comm, arguments.file, arguments.settings, arguments.stretches, arguments.output);
+    };
+  });
+  CLI::App* schema = add_text("schema", "print the JSON schema of the input",
+                              [&] { return arguments.markdown ? input_reference() : json_schema(); });
+  schema->add_flag("--markdown", arguments.markdown, "print the reference of the input in Markdown instead");
+  schema->footer(examples({"pliant schema > input.schema.json", "pliant schema --markdown > input.md"}));
+
+  add_text("completion", "print a script that lets bash complete commands, options and files", [&] {
+    return bash_completion(app);
+  })->footer(examples({"source <(pliant completion)"}));
+  add_text("man", "print the page for man", [&] {
+    return man_page(app, version_text());
+  })->footer(examples({"pliant man | man -l -"}));
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& help) {
+    if (speaks) app.exit(help);
+    return ExitCode::done;
+  } catch (const CLI::ParseError& error) {
+    if (speaks && argc == 1) fmt::print("{}\n", app.help());
+    if (speaks) fmt::print(stderr, "{}\n", explained(error, app, argc, argv));
+    return ExitCode::input;
+  }
+  command();
+  return result;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a failed write, which is told, not a sudden end
+  char** const separator = std::find_if(argv, argv + argc, [](const char* a) { return std::string(a) == "--"; });
+  const std::vector<std::string> petsc_options(std::min(separator + 1, argv + argc), argv + argc);
+  SweepOptions sweep;
+  sweep.petsc_options = petsc_options;
+  sweep.environment = current_environment();
+  std::optional<Session> session;  // until the exit status is told
+  return exit_status([&] {
+    session.emplace(argv[0], petsc_options);
+    return parse_and_run(static_cast<int>(separator - argv), argv, sweep);
+  });
+}

@@ -1,0 +1,315 @@
+/// The input file as typed values in SI units; every default stands in the key table (input/schema), none here.
+#pragma once
+
+#include "base/error.hpp"
+#include "base/expression.hpp"
+#include "material/contact_law.hpp"
+#include "material/foundation.hpp"
+#include "material/viscosity.hpp"
+#include "material/volumetric_form.hpp"
+#include "time/method.hpp"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+/// A value and the place in the file that gave it, so that later checks (e.g. against the mesh's groups) can point at
+/// it.
+template <class T>
+struct Located {
+  T value{};
+  Location where;
+};
+
+/// Which part of the mesh an entry speaks of. Exactly one way of selecting is given.
+struct Selection {
+  enum class Kind { everything, volume, surface, curve, point, box, where };
+  Kind kind = Kind::everything;
+  std::string name;                  ///< physical name, or the tag in decimal digits (volume, surface, curve, point)
+  std::array<double, 6> box{};       ///< xmin ymin zmin xmax ymax zmax [m] (box)
+  std::optional<Expression> region;  ///< nonzero inside (where); a function of x, y, z
+  Location where;
+};
+
+using VectorExpression = std::array<Expression, 3>;
+
+enum class ElementOrder { p1 = 1, p2 = 2 };
+/// How bodies resist a change of volume: at every point, the mean of each cell, or by a pressure of its own.
+enum class VolumetricTreatment { standard, mean_dilatation, mixed };
+enum class MassKind { consistent, lumped };
+
+struct MeshConfig {
+  Located<std::string> file;   ///< resolved against the input file's directory
+  std::optional<double> size;  ///< [m]
+  double scale = 1.0;
+  int refine = 0;
+  bool allow_commands = false;
+  double time_limit = 3600.0;  ///< [s]
+};
+
+/// A constant of a law, in SI: a number, a function of x, y, z, or data of the mesh file.
+struct GivenConstant {
+  std::string key;
+  Expression value;
+  std::string cell_data;  ///< name of the data; empty: `value` counts
+  Location where;
+};
+
+/// A preferred direction, of any length: a function of x, y, z, or data of the mesh file.
+struct GivenDirection {
+  std::string key;  ///< fibre, sheet, fibre2
+  VectorExpression value;
+  std::string cell_data;  ///< name of the data; empty: `value` counts
+  Location where;
+};
+
+struct ElasticityConfig {
+  std::string model;                     ///< registry name
+  std::vector<GivenConstant> constants;  ///< of the law (material/constants.hpp)
+  std::vector<GivenDirection> directions;
+  VolumetricForm volumetric_energy = VolumetricForm::mixed;
+  Location where;
+};
+
+/// A mechanism of damping: values of the model's parameters; those of other models stay 0.
+struct ViscosityConfig {
+  std::string model;                  ///< registry name: kelvin-voigt, maxwell, ...
+  double shear = 0;                   ///< kelvin-voigt [Pa s]
+  double bulk = 0;                    ///< kelvin-voigt [Pa s]
+  std::optional<StrainRate> rate;     ///< kelvin-voigt, stiffness-proportional; empty: as suits the method
+  double shear_modulus = 0;           ///< maxwell [Pa]
+  double bulk_modulus = 0;            ///< maxwell [Pa]
+  std::optional<double> shear_ratio;  ///< maxwell: moduli as parts of the elastic ones instead
+  double bulk_ratio = 0;              ///< maxwell
+  double ratio = 0;                   ///< prony
+  double relaxation_time = 0;         ///< maxwell, prony [s]
+  double time = 0;                    ///< stiffness-proportional [s]
+  double decay_rate = 0;              ///< mass-proportional [1/s]
+  Location where;
+};
+
+/// Contraction along fibres; functions of x, y, z, t.
+struct ActiveConfig {
+  std::vector<GivenDirection> fibre;     ///< empty: that of the elastic law
+  std::optional<Expression> stress;      ///< tension per reference area [Pa]
+  std::optional<Expression> shortening;  ///< of the fibres, per length
+  Location where;
+};
+
+struct BodyConfig {
+  Selection part;                 ///< volume, or everything
+  std::optional<double> density;  ///< [kg/m^3]; required for dynamics and gravity
+  ElasticityConfig elasticity;
+  std::vector<ViscosityConfig> viscosity;
+  std::optional<ActiveConfig> active;
+  Location where;
+};
+
+using OptionalVectorExpression = std::array<std::optional<Expression>, 3>;  ///< an empty component is free
+
+struct RotationConfig {
+  enum class Kind { free, fixed, about_axis };
+  Kind kind = Kind::free;
+  std::array<double, 3> axis{};     ///< about_axis; of any length
+  std::optional<Expression> angle;  ///< about_axis [rad]; empty: free
+  Location where;
+};
+
+struct RigidConfig {
+  OptionalVectorExpression translation;  ///< of the centre [m]
+  RotationConfig rotation;
+  std::optional<std::array<double, 3>> center;  ///< [m]; empty: the mean of the nodes
+};
+
+/// coefficient times a component of the mean displacement of some nodes
+struct EquationTermConfig {
+  Selection part;
+  int component = 0;
+  double coefficient = 1;
+  Location where;
+};
+
+struct ConstraintConfig {
+  enum class Kind { displacement, symmetry, normal, along, periodic, rigid, equation };
+  Kind kind = Kind::displacement;
+  Selection part;                         ///< not of an equation
+  OptionalVectorExpression displacement;  ///< displacement [m]
+  Expression value;                       ///< normal, along, equation [m]
+  std::array<double, 3> direction{};      ///< along; of any length
+  Selection partner;                      ///< periodic: the surface that `part` repeats
+  OptionalVectorExpression difference;    ///< periodic [m]
+  RigidConfig rigid;
+  std::vector<EquationTermConfig> equation;
+  Location where;
+};
+
+struct LoadConfig {
+  enum class Kind { gravity, traction, pressure, force_density, line_force, force, foundation, point_foundation };
+  Kind kind = Kind::gravity;
+  Selection part;          ///< gravity, force_density: everything (or a volume); line_force: curve; point_foundation:
+                           ///< point; force: surface, box, where, curve or point; the others: surface, box or where
+  VectorExpression value;  ///< gravity [m/s^2], traction [Pa] per reference area, force_density [N/m^3], line_force
+                           ///< [N/m], force [N] in all
+  Expression pressure;     ///< [Pa] per current area, pushes onto the surface
+  std::optional<double> spring;   ///< foundation [N/m^3] per reference area, point_foundation [N/m] in all
+  std::optional<double> dashpot;  ///< foundation [N s/m^3], point_foundation [N s/m]
+  FoundationDirection direction = FoundationDirection::all;  ///< foundation
+  Location where;
+};
+
+struct GasConfig {
+  double pressure = 0;  ///< at the start, above the ambient one [Pa]
+  double ambient = 0;   ///< absolute [Pa]
+  double exponent = 0;
+  Expression amount;  ///< in parts of that at the start; a function of t
+};
+
+struct LiquidConfig {
+  double bulk_modulus = 0;  ///< [Pa]
+  double pressure = 0;      ///< at the start [Pa]
+  Expression added_volume;  ///< [m^3]; a function of t
+  Expression flow;          ///< [m^3/s]; a function of t
+};
+
+/// Exactly one content is given.
+struct CavityConfig {
+  std::string name;
+  Selection part;                      ///< surface, box or where
+  std::optional<double> volume;        ///< of the reference configuration [m^3]; default: that behind the surface
+  std::optional<Expression> pressure;  ///< [Pa]; a function of t
+  std::optional<GasConfig> gas;
+  std::optional<LiquidConfig> liquid;
+  Location where;
+};
+
+/// x = center + translate + R (X - center)
+struct ObstacleMotionConfig {
+  VectorExpression translate;  ///< [m]; a function of t
+  struct Rotation {
+    std::array<double, 3> axis{};                 ///< of any length
+    Expression angle;                             ///< [rad]; a function of t
+    std::optional<std::array<double, 3>> center;  ///< [m]; empty: the obstacle's point
+  };
+  std::optional<Rotation> rotate;
+};
+
+struct ObstacleConfig {
+  enum class Shape { plane, sphere, cylinder, capsule, box, surface };
+  enum class Side { outside, inside };
+  std::string name;
+  Shape shape = Shape::plane;
+  std::array<double, 3> point{};   ///< of the plane, or the centre [m]
+  std::array<double, 3> normal{};  ///< plane; of any length
+  std::array<double, 3> axis{};    ///< cylinder, capsule; of any length
+  double radius = 0;               ///< sphere, cylinder, capsule [m]
+  std::optional<double> length;    ///< cylinder (empty: endless), capsule [m]
+  std::array<double, 3> size{};    ///< box [m]
+  Located<std::string> file;       ///< surface; resolved against the input file's directory
+  double scale = 1;                ///< surface
+  Side side = Side::outside;       ///< where the bodies are
+  double friction = 0;
+  double viscous_friction = 0;  ///< [s/m]
+  double normal_damping = 0;    ///< [s/m]
+  std::optional<ObstacleMotionConfig> motion;
+  Location where;
+};
+
+struct ContactConfig {
+  Selection part;  ///< facets that take part: surface, box, where, or all of the surface
+  NormalKind law = NormalKind::penalty;
+  std::optional<double> stiffness;  ///< [Pa/m]; default: from material and mesh
+  std::optional<double> width;      ///< [m]; default: from the mesh
+  double threshold = 0;             ///< [m]
+  FrictionUpdate friction_update = FrictionUpdate::iterated;
+  double stick_velocity = 0;  ///< [m/s]
+  std::vector<ObstacleConfig> obstacles;
+  Location where;
+};
+
+struct InitialConfig {
+  VectorExpression displacement;  ///< [m], function of x, y, z
+  VectorExpression velocity;      ///< [m/s], function of x, y, z
+};
+
+/// Steps chosen by the error they make. Tolerances are for the error of the whole run.
+struct AdaptiveConfig {
+  double relative = 0;           ///< of displacement and velocity
+  double absolute = 0;           ///< of displacement [m]
+  double absolute_velocity = 0;  ///< of velocity [m/s]; default absolute / the first step
+  double min_step = 0;           ///< [s]; also TimeConfig::min_step
+  double max_step = 0;           ///< [s]; default end / 10
+  Location where;
+};
+
+struct TimeConfig {
+  Located<std::string> method;       ///< a method's name (own_method's, too), petsc:<integrator>, quasistatic or static
+  std::optional<Method> own_method;  ///< of the user's coefficients
+  double step = 0;                   ///< [s]; adaptive: the first one tried, default end / 1000; static: unused
+  double end = 0;                    ///< [s]; static: the time at which expressions are evaluated (default 0)
+  int load_steps = 1;                ///< static: loads are applied in this many equal parts
+  std::string startup;               ///< ramp or dirk33
+  double min_step = 0;               ///< smallest step that may be tried [s]; default step / 1024
+  std::optional<AdaptiveConfig> adaptive;
+  std::vector<double> events;  ///< times at which loads change abruptly, ascending, in (0, end) [s]; static: unused
+};
+
+/// The method's table; nullptr for quasistatic, static and PETSc's integrators.
+inline const Method* method_of(const TimeConfig& time) {
+  return time.own_method ? &*time.own_method : find_method(time.method.value);
+}
+
+struct NewtonConfig {
+  double relative = 0;
+  double absolute = 0;  ///< [N]
+  int max_iterations = 0;
+};
+
+struct SolverConfig {
+  std::string linear;  ///< auto, cholesky, amg, p-multigrid
+  NewtonConfig newton;
+};
+
+struct OutputConfig {
+  std::string directory;        ///< resolved against the working directory; default out/<input's stem>
+  std::optional<double> every;  ///< [s]; default: the step
+  Location every_where;         ///< of `every` in the input, where it is given
+  std::vector<std::string> fields;
+};
+
+/// When checkpoints are written beside those of interrupted and failed runs.
+struct CheckpointConfig {
+  std::optional<int> every;       ///< steps
+  std::optional<double> minutes;  ///< of the clock
+};
+
+struct ProbeConfig {
+  std::string name;
+  std::array<double, 3> point{};  ///< reference position [m]
+  Location where;
+};
+
+struct Config {
+  std::string file;  ///< the input file as the user named it
+  std::string title;
+  MeshConfig mesh;
+  ElementOrder element = ElementOrder::p1;
+  VolumetricTreatment volumetric = VolumetricTreatment::standard;
+  MassKind mass = MassKind::consistent;
+  std::vector<BodyConfig> bodies;
+  std::vector<ConstraintConfig> constraints;
+  std::vector<LoadConfig> loads;
+  std::vector<CavityConfig> cavities;
+  std::optional<ContactConfig> contact;
+  InitialConfig initial;
+  TimeConfig time;
+  SolverConfig solver;
+  OutputConfig output;
+  std::optional<CheckpointConfig> checkpoint;
+  std::vector<ProbeConfig> probes;
+  std::vector<std::string> doubts;  ///< of the text, of which nothing is left to see here
+};
+
+}  // namespace pliant

@@ -1,0 +1,149 @@
+#include "input/elasticity.hpp"
+
+#include "material/loading.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+std::size_t row_of(std::string_view model) {
+  const auto laws = elastic_laws();
+  return static_cast<std::size_t>(std::ranges::find(laws, model, &LawInfo::name) - laws.begin());
+}
+
+std::vector<std::string> keys_of(const ElasticityConfig& config) {
+  std::vector<std::string> keys;
+  for (const auto& constant : config.constants) keys.push_back(constant.key);
+  return keys;
+}
+
+}  // namespace
+
+ElasticityRule::ElasticityRule(const ElasticityConfig& config)
+    : config_(config),
+      kind_{row_of(config.model), {}, config.volumetric_energy},
+      rule_(kind_.row, keys_of(config), config.where) {
+  std::vector<Diagnostic> mistakes;
+  const auto wanted = kind_.info().directions;
+  for (const auto& key : wanted) {
+    const auto found = std::ranges::find(config.directions, key, &GivenDirection::key);
+    if (found == config.directions.end()) {
+      mistakes.push_back({config.where, fmt::format("missing key '{}' of {}: a direction", key, config.model)});
+    } else {
+      directions_.emplace_back(*found);
+    }
+  }
+  for (const auto& d : config.directions) {
+    if (std::ranges::find(wanted, d.key) != wanted.end()) continue;
+    std::string names;
+    for (const auto& key : wanted) names += (names.empty() ? "'" : ", '") + std::string(key) + "'";
+    mistakes.push_back({d.where, fmt::format("'{}' is not a direction of {}, which has {}", d.key, config.model,
+                                             names.empty() ? "none" : names)});
+  }
+  if (!mistakes.empty()) throw InputError(std::move(mistakes));
+  is_uniform_ =
+      std::ranges::none_of(config.constants,
+                           [](const GivenConstant& c) { return c.value.depends_on_space() || !c.cell_data.empty(); }) &&
+      std::ranges::all_of(directions_, &DirectionRule::is_uniform);
+}
+
+void ElasticityRule::bind(const CellData& data) {
+  std::vector<Diagnostic> mistakes;
+  const auto noting = [&](const auto& find) {
+    try {
+      find();
+    } catch (const InputError& e) {
+      mistakes.insert(mistakes.end(), e.diagnostics().begin(), e.diagnostics().end());
+    }
+  };
+  data_ = &data;
+  data_of_constant_.assign(config_.constants.size(), 0);
+  for (std::size_t k = 0; k < config_.constants.size(); ++k) {
+    const GivenConstant& c = config_.constants[k];
+    if (!c.cell_data.empty()) noting([&] { data_of_constant_[k] = data.find(c.cell_data, 1, c.where); });
+  }
+  for (auto& direction : directions_) noting([&] { direction.bind(data); });
+  if (!mistakes.empty()) throw InputError(std::move(mistakes));
+}
+
+std::vector<double> ElasticityRule::constants_at(PetscInt cell, const std::array<double, 3>& X) const {
+  std::vector<double> values;
+  for (std::size_t k = 0; k < config_.constants.size(); ++k) {
+    const GivenConstant& c = config_.constants[k];
+    values.push_back(c.cell_data.empty() ? c.value(X[0], X[1], X[2], 0.0) : data_->at(data_of_constant_[k], cell)[0]);
+    if (!c.cell_data.empty() && std::isnan(values.back())) {
+      throw InputError(c.where, fmt::format("the cell data '{}' have no value{}", c.cell_data, at_place(X)));
+    }
+  }
+  return values;
+}
+
+void ElasticityRule::set_directions(PetscInt cell, const std::array<double, 3>& X, ElasticLawSpec& law) const {
+  for (std::size_t d = 0; d < directions_.size(); ++d) {
+    law.directions[d] = directions_[d].at(cell, X);
+    const GivenDirection& given = directions_[d].given();
+    if (given.key != "sheet") continue;
+    const auto side = across(law.directions[0], law.directions[d]);
+    if (!side) {
+      throw InputError(given.where,
+                       "'sheet' is parallel to 'fibre'" + (is_uniform_ ? "" : at_place(X)) + ": it must lie across");
+    }
+    law.directions[d] = *side;
+  }
+}
+
+ElasticLawSpec ElasticityRule::law_at(PetscInt cell, const std::array<double, 3>& X) const {
+  const std::vector<double> values = constants_at(cell, X);
+  std::vector<Diagnostic> mistakes;
+  for (const auto& text : rule_.complaints(values)) {
+    mistakes.push_back({config_.where, is_uniform_ ? text : text + "," + at_place(X)});
+  }
+  if (!mistakes.empty()) throw InputError(std::move(mistakes));
+  ElasticLawSpec law = kind_;
+  law.parameters = rule_(values);
+  set_directions(cell, X, law);
+  return law;
+}
+
+std::string describe(const ElasticityConfig& config) {
+  const ElasticityRule rule(config);
+  if (!rule.is_uniform()) {
+    std::string text = config.model;
+    for (const auto& c : config.constants)
+      text += fmt::format("{} {} = {}", c.key == config.constants.front().key ? " with" : ",", c.key,
+                          c.cell_data.empty() ? c.value.text() : "the mesh's " + c.cell_data);
+    return text;
+  }
+  return describe(rule.law_at(0, {}));
+}
+
+std::string describe(const ElasticLawSpec& law) {
+  std::string text(law.info().name);
+  for (std::size_t p = 0; p < law.parameters.size(); ++p) {
+    const ParameterInfo& info = law.info().parameters[p];
+    text += fmt::format("{} {} = {:.4g}{}", p == 0 ? " with" : ",", info.name, law.parameters[p],
+                        info.unit == "1" ? "" : " " + std::string(info.unit));
+  }
+  if (const auto rest = law.at_rest()) text += "; at small strain " + equivalents(*rest);
+  return text;
+}
+
+WaveModuli wave_moduli(const ElasticLawSpec& law) {
+  if (const auto rest = law.at_rest()) return {rest->lambda + 2.0 * rest->mu, rest->mu};
+  const Tangent<double> A = tangent_at_rest(law);
+  // Plane waves along the axes: the moduli of stretch and of shear there.
+  WaveModuli moduli{0.0, std::numeric_limits<double>::infinity()};
+  for (std::size_t p = 0; p < 9; ++p) {
+    const double modulus = A[9 * p + p];
+    if (p % 4 == 0) moduli.largest = std::max(moduli.largest, modulus);
+    if (p % 4 != 0) moduli.smallest = std::min(moduli.smallest, modulus);
+  }
+  return moduli;
+}
+
+}  // namespace pliant

@@ -1,0 +1,53 @@
+/// The elastic laws of the bodies, as the input describes them.
+#pragma once
+
+#include "input/config.hpp"
+#include "input/directions.hpp"
+#include "material/constants.hpp"
+
+#include <array>
+#include <string>
+
+namespace pliant {
+
+/// A body's law as a function of the place.
+class ElasticityRule {
+ public:
+  /// Throws InputError if the constants and directions do not determine the law.
+  explicit ElasticityRule(const ElasticityConfig& config);
+
+  /// Finds its data on the mesh, which outlive the object. Throws InputError with all mistakes.
+  void bind(const CellData& data);
+  bool is_uniform() const { return is_uniform_; }
+  /// At the reference position X in a local cell; a uniform law is the same everywhere. Throws InputError if the
+  /// constants or directions are not admissible there.
+  ElasticLawSpec law_at(PetscInt cell, const std::array<double, 3>& X) const;
+  /// Its kind, for what does not depend on the constants.
+  const ElasticLawSpec& kind() const { return kind_; }
+
+ private:
+  std::vector<double> constants_at(PetscInt cell, const std::array<double, 3>& X) const;
+  void set_directions(PetscInt cell, const std::array<double, 3>& X, ElasticLawSpec& law) const;
+
+  const ElasticityConfig& config_;
+  ElasticLawSpec kind_;
+  ConstantsRule rule_;
+  std::vector<DirectionRule> directions_;  // in the order of the law's
+  const CellData* data_ = nullptr;
+  std::vector<std::size_t> data_of_constant_;  // where the constant is data of the mesh
+  bool is_uniform_;
+};
+
+/// The law and its constants in words, with what is equivalent to them.
+std::string describe(const ElasticityConfig& config);
+
+std::string describe(const ElasticLawSpec& law);
+
+/// Stiffness against the fastest and the slowest wave in a body at rest, density times the squared speed [Pa].
+struct WaveModuli {
+  double largest;
+  double smallest;
+};
+WaveModuli wave_moduli(const ElasticLawSpec& law);
+
+}  // namespace pliant

@@ -1,0 +1,95 @@
+#include "input/input.hpp"
+
+#include "input/checks.hpp"
+#include "input/keys.hpp"
+#include "input/schema.hpp"
+#include "petsc/collective.hpp"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <system_error>
+
+namespace pliant {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The whole file, but never much more than an input can be (parse_yaml refuses the rest).
+std::string file_text(const std::string& file) {
+  constexpr std::streamsize most = 8 << 20;
+  std::error_code ignored;
+  if (fs::is_directory(file, ignored)) {
+    throw InputError({file, 0, 0}, "this is a directory; name the input file in it");
+  }
+  constexpr std::array meshes{".msh", ".geo", ".step", ".stp", ".brep", ".stl"};
+  const std::string extension = fs::path(file).extension().string();
+  if (std::ranges::find(meshes, extension) != meshes.end()) {
+    throw InputError({file, 0, 0},
+                     "this is a mesh or a geometry; an input is a text in YAML, which names it: 'mesh: {file: " +
+                         fs::path(file).filename().string() + "}'");
+  }
+  if (extension == ".h5") {
+    throw InputError({file, 0, 0},
+                     "not an input file (YAML expected); to continue from a checkpoint: pliant resume FILE");
+  }
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) {
+    const bool exists = fs::exists(file, ignored);
+    throw InputError({file, 0, 0}, exists ? "the input file cannot be read; check its permissions"
+                                          : "there is no such input file; check its name and the working directory");
+  }
+  std::string text(static_cast<std::size_t>(most), '\0');
+  stream.read(text.data(), most);
+  if (stream.bad()) throw InputError({file, 0, 0}, "reading the input file failed");
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  return text;
+}
+
+}  // namespace
+
+Config read_input(const std::string& text, const std::string& file, const std::vector<Override>& overrides) {
+  Problems problems;
+  InputNode root = parse_yaml(text, file, problems);
+  if (root.kind == InputNode::Kind::null) {
+    if (overrides.empty()) throw InputError({file, 0, 0}, "the input is empty");
+    root.where = {file, 1, 1};
+  }
+  for (const Override& change : overrides) apply(change, root, problems);
+  Config config = read_config(root, problems);
+  config.file = file;
+  doubt_decimal_commas(root, config.doubts);
+  complete(config, root);
+  check(config, root, problems);
+  problems.throw_if_any();
+  return config;
+}
+
+Config read_input_file(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides) {
+  std::string text;
+  on_root(comm, [&] { text = file_text(file); });
+  return read_input(broadcast(comm, std::move(text)), file, overrides);
+}
+
+std::string dump(const Config& config) {
+  Config portable = config;
+  const auto make_absolute = [](std::string& file) {
+    std::error_code failure;
+    const fs::path path = fs::weakly_canonical(file, failure);
+    if (!failure && !file.empty()) file = fs::absolute(path).string();
+  };
+  make_absolute(portable.mesh.file.value);
+  if (portable.contact) {
+    for (ObstacleConfig& obstacle : portable.contact->obstacles) make_absolute(obstacle.file.value);
+  }
+  return to_yaml(write_config(portable));
+}
+
+std::string json_schema() {
+  return input_schema()->dump(2) + '\n';
+}
+
+}  // namespace pliant

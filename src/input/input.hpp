@@ -1,0 +1,32 @@
+/// The input file: YAML to Config and back, its JSON schema and its reference.
+#pragma once
+
+#include "input/config.hpp"
+#include "input/tree.hpp"
+
+#include <string>
+#include <vector>
+
+#include <petscsys.h>
+
+namespace pliant {
+
+/// Reads an input from its text; `file` is its name as the user gave it: messages show it and the mesh's file is
+/// relative to its directory. Throws InputError with every mistake, each at its line and column. Not collective.
+Config read_input(const std::string& text, const std::string& file, const std::vector<Override>& overrides);
+
+/// As read_input, the text read by rank 0. A file that is missing, unreadable or a directory is an InputError too.
+/// Every rank returns the same or throws the same. Collective.
+Config read_input_file(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides);
+
+/// The configuration as YAML: every default spelled out, SI units, the mesh's file absolute. Reading it, from any
+/// directory, gives the same configuration.
+std::string dump(const Config& config);
+
+/// JSON Schema (draft 7) of the input, from which editors complete and check.
+std::string json_schema();
+
+/// The reference of the input in Markdown: docs/input.md.
+std::string input_reference();
+
+}  // namespace pliant

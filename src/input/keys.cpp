@@ -1,0 +1,199 @@
+#include "input/keys.hpp"
+
+#include "input/sections/active.hpp"
+#include "input/sections/cavities.hpp"
+#include "input/sections/constraints.hpp"
+#include "input/sections/contact.hpp"
+#include "input/sections/elasticity.hpp"
+#include "input/sections/laws.hpp"
+#include "input/sections/loads.hpp"
+#include "input/sections/viscosity.hpp"
+#include "material/elastic_law.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace pliant {
+namespace {
+
+using SelectionKind = Selection::Kind;
+
+template <std::size_t N>
+std::vector<std::string> strings(const std::array<std::string_view, N>& names) {
+  return {names.begin(), names.end()};
+}
+
+Section<MeshConfig> mesh_keys() {
+  return {{
+      field(
+          "file", &MeshConfig::file, text(),
+          "geometry or mesh, relative to the input file; .geo, .step, .brep and .stl are meshed by gmsh, .msh (2.2 or "
+          "4.1, text or binary) is read as it is; .h5, made by `pliant mesh convert`, is read in parts by every rank")
+          .required(),
+      field("size", &MeshConfig::size, quantity("m", Range::above(0)),
+            "target element size for files that gmsh meshes, in metres as simulated: after scaling")
+          .otherwise_in_words("the geometry's own"),
+      field("scale", &MeshConfig::scale, quantity("1", Range::above(0)), "coordinates are multiplied by it")
+          .otherwise("1"),
+      field("refine", &MeshConfig::refine, integer(Range::from_to(0, 6)),
+            "uniform refinements; each cuts a tetrahedron into 8")
+          .otherwise("0"),
+      field(
+          "allow_commands", &MeshConfig::allow_commands, truth(),
+          "whether a .geo script, and those it loads, may run programs and write files (`SystemCall`, `Save`, `Printf "
+          "... >`, ...): only for files you trust")
+          .otherwise("false"),
+      field("time_limit", &MeshConfig::time_limit, quantity("s", Range::from_to(0.001, 1e6)),
+            "how long gmsh may take to mesh a geometry")
+          .otherwise("3600"),
+  }};
+}
+
+Section<BodyConfig> body_keys() {
+  return {{
+              selector<BodyConfig>("volume", SelectionKind::volume, "the volume that the body fills")
+                  .otherwise_in_words("the whole mesh"),
+              field("density", &BodyConfig::density, quantity("kg/m^3", Range::above(0)), "mass per reference volume")
+                  .otherwise_in_words("none; needed for dynamics and for gravity"),
+              field("elasticity", &BodyConfig::elasticity, elasticity_format(), "elastic law").required(),
+              field("viscosity", &BodyConfig::viscosity, viscosity_format(),
+                    "law of viscosity beside the elastic one; several act side by side")
+                  .otherwise_in_words("none"),
+              field("active", &BodyConfig::active, map_of(active_keys()), "contraction along fibres, as of muscle")
+                  .otherwise_in_words("none"),
+          },
+          {},
+          &BodyConfig::where};
+}
+
+Section<InitialConfig> initial_keys() {
+  return {{
+      field("displacement", &InitialConfig::displacement, array_of<3>(expression("m", Variables::space)),
+            "displacement at time 0")
+          .otherwise("[0, 0, 0]"),
+      field("velocity", &InitialConfig::velocity, array_of<3>(expression("m/s", Variables::space)),
+            "velocity at time 0")
+          .otherwise("[0, 0, 0]"),
+  }};
+}
+
+Section<NewtonConfig> newton_keys() {
+  return {{
+      field("relative", &NewtonConfig::relative, quantity("1", Range::from_to(0, 0.1)),
+            "converged when the residual is this part of the forces at work")
+          .otherwise("1e-8"),
+      field("absolute", &NewtonConfig::absolute, quantity("N", Range::at_least(0)),
+            "converged when the residual is below this")
+          .otherwise("0"),
+      field("max_iterations", &NewtonConfig::max_iterations, integer(Range::from_to(1, 1e6)),
+            "iterations before a solve has failed")
+          .otherwise("50"),
+  }};
+}
+
+Section<SolverConfig> solver_keys() {
+  return {{
+      field(
+          "linear", &SolverConfig::linear, choice({"auto", "cholesky", "amg", "p-multigrid"}),
+          "linear solver: sparse Cholesky (MUMPS), conjugate gradients with algebraic multigrid, or with multigrid of "
+          "quadratic elements through linear ones; auto: by size")
+          .otherwise("auto"),
+      field("newton", &SolverConfig::newton, map_of(newton_keys()), "Newton's method"),
+  }};
+}
+
+Section<OutputConfig> output_keys() {
+  return {{
+      field("directory", &OutputConfig::directory, text(), "where results go, relative to the working directory")
+          .otherwise_in_words("out/<name of the input file>"),
+      field("every", &OutputConfig::every, quantity("s", Range::above(0)), "time between frames of the result")
+          .otherwise_in_words("every step"),
+      field("fields", &OutputConfig::fields, list_of(choice(strings(output_fields)), 1), "fields of the result")
+          .otherwise("[displacement, velocity, cauchy_stress]"),
+  }};
+}
+
+Section<CheckpointConfig> checkpoint_keys() {
+  return {{
+      field("every", &CheckpointConfig::every, integer(Range::from_to(1, 1e9)), "steps between checkpoints")
+          .otherwise_in_words("none"),
+      field("minutes", &CheckpointConfig::minutes, quantity("1", Range::above(0)),
+            "minutes of the clock between checkpoints")
+          .otherwise_in_words("none"),
+  }};
+}
+
+Section<ProbeConfig> probe_keys() {
+  return {{
+              field("name", &ProbeConfig::name, column_name(), "begins the names of the probe's columns in history.csv")
+                  .required(),
+              field("point", &ProbeConfig::point, array_of<3>(quantity("m")), "reference position").required(),
+          },
+          {},
+          &ProbeConfig::where};
+}
+
+Section<Config> config_keys() {
+  return {{
+      field("title", &Config::title, text(), "free text for the log and the results"),
+      field("mesh", &Config::mesh, map_of(mesh_keys()), "the mesh").required(),
+      field("element", &Config::element, choice_of<ElementOrder>({{"P1", ElementOrder::p1}, {"P2", ElementOrder::p2}}),
+            "linear or quadratic tetrahedra")
+          .otherwise("P1"),
+      field("volumetric", &Config::volumetric,
+            choice_of<VolumetricTreatment>({{"standard", VolumetricTreatment::standard},
+                                            {"mean-dilatation", VolumetricTreatment::mean_dilatation},
+                                            {"mixed", VolumetricTreatment::mixed}}),
+            "resistance to a change of volume: at every point; of each cell as a whole (P2), for nearly incompressible "
+            "bodies; by pressures that are unknowns of their own (P2), up to a Poisson's ratio of 1/2")
+          .otherwise("standard"),
+      field("mass", &Config::mass,
+            choice_of<MassKind>({{"consistent", MassKind::consistent}, {"lumped", MassKind::lumped}}), "mass matrix")
+          .otherwise("consistent"),
+      field("bodies", &Config::bodies, list_of(map_of(body_keys()), 1), "the bodies and their materials").required(),
+      field("constraints", &Config::constraints, list_of(map_of(constraint_keys()), 0),
+            "what holds the bodies and ties their parts to one another"),
+      field("loads", &Config::loads, list_of(map_of(load_keys()), 0), "forces, pressures, springs and dashpots"),
+      field("cavities", &Config::cavities, list_of(map_of(cavity_keys()), 0),
+            "hollows of the bodies that hold a gas or a liquid"),
+      field("contact", &Config::contact, map_of(contact_keys()), "obstacles, and what the bodies feel there")
+          .otherwise_in_words("none"),
+      field("initial", &Config::initial, map_of(initial_keys()), "the state at time 0"),
+      field("time", &Config::time, map_of(time_keys()), "how time advances").required(),
+      field("solver", &Config::solver, map_of(solver_keys()), "how equations are solved"),
+      field("output", &Config::output, map_of(output_keys()), "what is written"),
+      field("checkpoint", &Config::checkpoint, map_of(checkpoint_keys()),
+            "files from which `pliant resume` continues; `{}`: at the end of the run alone; the last two are kept")
+          .otherwise_in_words("only where the run is interrupted or fails"),
+      field("probes", &Config::probes, list_of(map_of(probe_keys()), 0), "points whose motion history.csv follows"),
+  }};
+}
+
+const Format<Config>& config_format() {
+  static const Format<Config> format = map_of(config_keys());
+  return format;
+}
+
+}  // namespace
+
+const std::vector<KeyInfo>& input_keys() {
+  return config_format().children;
+}
+
+Config read_config(const InputNode& root, Problems& problems) {
+  Config config;
+  config_format().read(root, "", problems, config);
+  return config;
+}
+
+InputNode write_config(const Config& config) {
+  return config_format().write(config);
+}
+
+JsonSchema input_schema() {
+  nlohmann::ordered_json schema{{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "Input of Pliant"}};
+  schema.update(*config_format().schema);
+  return std::make_shared<nlohmann::ordered_json>(std::move(schema));
+}
+
+}  // namespace pliant

@@ -1,0 +1,387 @@
+#include "input/schema.hpp"
+
+#include "base/text.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace pliant {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::vector<std::string> names_of(const std::vector<KeyInfo>& keys) {
+  std::vector<std::string> names;
+  for (const KeyInfo& key : keys) names.push_back(key.key);
+  return names;
+}
+
+std::string in_section(const std::string& name) {
+  return name.empty() ? "" : " in " + name;
+}
+
+bool is_given(const InputNode& node, const std::string& key) {
+  const InputNode* value = node.find(key);
+  return value != nullptr && value->kind != InputNode::Kind::null;
+}
+
+bool is_given(const InputNode& node, const Anchor& anchor) {
+  return is_given(node, anchor.key) && (anchor.value.empty() || node.find(anchor.key)->text == anchor.value);
+}
+
+/// Digits, as the end of a number behind a decimal comma.
+bool starts_with_digit(std::string_view text) {
+  return !text.empty() && std::isdigit(static_cast<unsigned char>(text.front())) != 0;
+}
+
+/// The keys that are of use beside what is chosen.
+std::vector<KeyInfo> usable(const InputNode& node, const KeyInfo& section) {
+  const auto is_chosen = [&](const Anchor& anchor) { return is_given(node, anchor); };
+  const auto is_open = [&](const Anchor& anchor) {
+    return std::none_of(section.children.begin(), section.children.end(), [&](const KeyInfo& other) {
+      return std::any_of(other.only_with.begin(), other.only_with.end(),
+                         [&](const Anchor& a) { return a.key == anchor.key && is_given(node, a); });
+    });
+  };
+  std::vector<KeyInfo> keys;
+  std::copy_if(section.children.begin(), section.children.end(), std::back_inserter(keys), [&](const KeyInfo& key) {
+    return key.only_with.empty() || is_open(key.only_with.front()) ||
+           std::any_of(key.only_with.begin(), key.only_with.end(), is_chosen);
+  });
+  return keys;
+}
+
+/// What a key that does not exist is meant to be.
+std::optional<std::string> meant_by(const std::string& key, const std::vector<KeyInfo>& keys) {
+  for (const KeyInfo& known : keys) {
+    if (std::find(known.also.begin(), known.also.end(), key) != known.also.end()) return known.key;
+  }
+  return closest(key, names_of(keys));
+}
+
+std::string unknown_key(const InputNode& child, const std::string& section_name, const InputNode& node,
+                        const KeyInfo& section) {
+  const std::string& key = child.key;
+  if (child.kind == InputNode::Kind::null && starts_with_digit(key) && !is_part_of_formula(key)) {
+    return "'" + excerpt(key) + "' stands alone behind a ','; a decimal point is written '.'";
+  }
+  if (child.kind == InputNode::Kind::null && is_part_of_formula(key)) {
+    return "'" + excerpt(key) + "' is a part of a formula that a ',' has split; in { } put it into quotes, such as " +
+           "\"min(t, 1)\"";
+  }
+  const std::string message = "unknown key '" + excerpt(key) + "'" + in_section(section_name);
+  const auto keys = usable(node, section);
+  const auto names = names_of(keys);
+  if (const std::size_t colon = key.find(':'); colon != std::string::npos) {
+    return message + " (a blank must follow the ':' after a key)";
+  }
+  if (const auto meant = meant_by(key, keys)) return message + " (did you mean '" + *meant + "'?)";
+  for (const KeyInfo& other : section.children) {
+    const auto inner = names_of(other.children);
+    if (std::find(inner.begin(), inner.end(), key) != inner.end()) {
+      return message + " (it belongs in " + other.key + ")";
+    }
+  }
+  return message + "; the keys are " + joined(names);
+}
+
+std::vector<std::string> given_keys(const InputNode& node, const KeyGroup& group) {
+  std::vector<std::string> given;
+  std::copy_if(group.keys.begin(), group.keys.end(), std::back_inserter(given),
+               [&](const std::string& key) { return is_given(node, key); });
+  return given;
+}
+
+/// What is there of that which the group's keys stand beside.
+std::optional<Anchor> anchor_of(const InputNode& node, const KeyGroup& group) {
+  const auto found = std::find_if(group.beside.begin(), group.beside.end(),
+                                  [&](const Anchor& anchor) { return is_given(node, anchor); });
+  return found == group.beside.end() ? std::nullopt : std::optional(*found);
+}
+
+bool holds(const std::vector<std::string>& keys, const std::string& key) {
+  return std::find(keys.begin(), keys.end(), key) != keys.end();
+}
+
+bool count_as_one(const std::vector<std::string>& keys, const KeyGroup& group) {
+  return std::any_of(group.together.begin(), group.together.end(), [&](const auto& set) {
+    return std::all_of(keys.begin(), keys.end(), [&](const std::string& key) { return holds(set, key); });
+  });
+}
+
+void check_group(const InputNode& node, const std::string& name, const KeyGroup& group, Problems& problems) {
+  const auto given = given_keys(node, group);
+  const auto anchor = anchor_of(node, group);
+  if (!group.beside.empty() && !anchor) return;
+  if (group.need == KeyGroup::Need::all) {
+    for (const std::string& key : group.keys) {
+      if (is_given(node, key)) continue;
+      const std::string why = anchor ? ", which '" + to_string(*anchor) + "' needs" : "";
+      problems.add({node.where, {key}}, node.where, "missing key '" + key + "'" + in_section(name) + why);
+    }
+  }
+  if (group.need != KeyGroup::Need::exactly_one && group.need != KeyGroup::Need::at_most_one) return;
+  if (given.empty() && group.need == KeyGroup::Need::exactly_one) {
+    const std::string beside = anchor ? " beside '" + to_string(*anchor) + "'" : "";
+    problems.add({node.where, group.keys}, node.where,
+                 "one of " + joined(group.keys) + " is needed" + in_section(name) + beside);
+  }
+  if (given.size() > 1 && !count_as_one(given, group)) {
+    problems.add(node.find(given[1])->key_where, "only one of " + joined(given) + " can be given" + in_section(name));
+  }
+}
+
+/// "'a', 'b' or 'c'".
+std::string quoted(const std::vector<Anchor>& anchors) {
+  std::string text;
+  for (std::size_t i = 0; i < anchors.size(); ++i) {
+    text += i == 0 ? "" : i + 1 < anchors.size() ? ", " : " or ";
+    text += "'" + to_string(anchors[i]) + "'";
+  }
+  return text;
+}
+
+/// Was the choice not made, or badly, to which some keys of the section belong?
+bool is_open(const std::string& choice, const InputNode& node, const KeyInfo& section) {
+  return std::none_of(section.groups.begin(), section.groups.end(), [&](const KeyGroup& group) {
+    return std::any_of(group.beside.begin(), group.beside.end(),
+                       [&](const Anchor& anchor) { return anchor.key == choice && is_given(node, anchor); });
+  });
+}
+
+/// What a key stands beside in any of the groups.
+std::vector<Anchor> anchors_of(const std::string& key, const KeyInfo& section) {
+  std::vector<Anchor> anchors;
+  for (const KeyGroup& group : section.groups) {
+    if (holds(group.keys, key)) anchors.insert(anchors.end(), group.beside.begin(), group.beside.end());
+  }
+  return anchors;
+}
+
+/// Keys that stand only beside something which is not there. None where a choice is missing, which is told already.
+void check_strays(const InputNode& node, const std::string& name, const KeyInfo& section, Problems& problems) {
+  for (const KeyGroup& group : section.groups) {
+    if (group.beside.empty() && group.need == KeyGroup::Need::exactly_one && given_keys(node, group).empty()) return;
+  }
+  for (const KeyInfo& key : section.children) {
+    if (!is_given(node, key.key)) continue;
+    const auto anchors = anchors_of(key.key, section);
+    const auto is_there = [&](const Anchor& anchor) { return is_given(node, anchor); };
+    if (anchors.empty() || std::any_of(anchors.begin(), anchors.end(), is_there)) continue;
+    if (!anchors[0].value.empty() && is_open(anchors[0].key, node, section)) continue;
+    problems.add(node.find(key.key)->key_where,
+                 "'" + key.key + "' goes only beside " + quoted(anchors) + in_section(name));
+  }
+}
+
+Json required_key(const std::string& key) {
+  return {{"required", Json::array({key})}};
+}
+
+Json required_keys(const std::vector<std::string>& keys) {
+  Json options = Json::array();
+  for (const std::string& key : keys) options.push_back(required_key(key));
+  return options;
+}
+
+/// The schema of maps that have what the group needs.
+Json with_group(const KeyGroup& group) {
+  if (group.need == KeyGroup::Need::exactly_one) {
+    Json options = Json::array();
+    for (const std::string& key : group.keys) {
+      if (!count_as_one({key}, group)) options.push_back(required_key(key));
+    }
+    for (const auto& set : group.together) options.push_back({{"anyOf", required_keys(set)}});
+    return {{"oneOf", options}};
+  }
+  if (group.need == KeyGroup::Need::at_most_one) {
+    Json pairs = Json::array();
+    for (std::size_t i = 0; i < group.keys.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) pairs.push_back({{"required", {group.keys[j], group.keys[i]}}});
+    }
+    return {{"not", {{"anyOf", pairs}}}};
+  }
+  return {{"required", group.keys}};
+}
+
+/// The schema of maps in which the anchor is there.
+Json with_anchor(const Anchor& anchor) {
+  Json schema = required_key(anchor.key);
+  if (!anchor.value.empty()) schema["properties"] = {{anchor.key, {{"const", anchor.value}}}};
+  return schema;
+}
+
+/// What the group adds to the conditions and dependencies of its section's schema.
+void add_conditions(const KeyGroup& group, Json& schema) {
+  if (group.beside.empty()) {
+    schema["allOf"].push_back(with_group(group));
+    return;
+  }
+  Json anchors = Json::array();
+  for (const Anchor& anchor : group.beside) {
+    anchors.push_back(with_anchor(anchor));
+    if (group.need == KeyGroup::Need::any) continue;
+    schema["allOf"].push_back({{"if", with_anchor(anchor)}, {"then", with_group(group)}});
+  }
+  for (const std::string& key : group.keys) {
+    Json& beside = schema["dependencies"][key]["anyOf"];
+    for (const Json& anchor : anchors) beside.push_back(anchor);
+  }
+}
+
+Json default_value(const InputNode& node) {
+  if (node.kind == InputNode::Kind::list) {
+    Json items = Json::array();
+    for (const InputNode& child : node.children) items.push_back(default_value(child));
+    return items;
+  }
+  if (const auto number = parse_number(node.text)) {
+    const auto whole = static_cast<long>(*number);
+    return static_cast<double>(whole) == *number ? Json(whole) : Json(*number);
+  }
+  return node.text;
+}
+
+}  // namespace
+
+bool KeyInfo::has_type(const char* json_type) const {
+  return schema != nullptr && schema->contains("type") && schema->at("type") == json_type;
+}
+
+std::string to_string(const Anchor& anchor) {
+  return anchor.value.empty() ? anchor.key : anchor.key + ": " + anchor.value;
+}
+
+bool is_part_of_formula(std::string_view text) {
+  return std::count(text.begin(), text.end(), '(') != std::count(text.begin(), text.end(), ')');
+}
+
+namespace {
+
+bool is_plain(const InputNode& node) {
+  return node.kind == InputNode::Kind::scalar && node.style == InputNode::Style::plain;
+}
+
+/// Blanks between the ',' behind an entry of a list in [ ] and the next; none if they are on several lines or quoted.
+std::optional<int> blanks_between(const InputNode& before, const InputNode& entry) {
+  if (!is_plain(before) || !is_plain(entry) || before.where.line != entry.where.line) return std::nullopt;
+  return entry.where.column - before.where.column - static_cast<int>(before.text.size()) - 1;
+}
+
+/// Whether the two read as one number with a decimal comma: digits, ',' and digits without a blank.
+bool has_decimal_comma(const InputNode& before, const InputNode& entry) {
+  return blanks_between(before, entry) == 0 && !before.text.empty() && starts_with_digit(entry.text) &&
+         starts_with_digit(before.text.substr(before.text.size() - 1));
+}
+
+bool is_whole_number(std::string_view text) {
+  if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+}  // namespace
+
+void doubt_decimal_commas(const InputNode& node, std::vector<std::string>& doubts) {
+  for (const InputNode& child : node.children) doubt_decimal_commas(child, doubts);
+  if (node.kind != InputNode::Kind::list) return;
+  const InputNode* number = nullptr;  // whose decimals are the next entry
+  bool has_blank = false;
+  for (std::size_t i = 1; i < node.children.size(); ++i) {
+    const InputNode &before = node.children[i - 1], &entry = node.children[i];
+    has_blank = has_blank || blanks_between(before, entry).value_or(0) > 0;
+    // A decimal part of zeros alone would change nothing.
+    const bool is_number = has_decimal_comma(before, entry) && is_whole_number(before.text) &&
+                           entry.text.find_first_not_of('0') != std::string::npos;
+    if (is_number && number == nullptr) number = &before;
+  }
+  if (number == nullptr || !has_blank) return;
+  const InputNode& decimals = *(number + 1);
+  doubts.push_back(to_string(number->where) + ": '" + excerpt(number->text) + "," + excerpt(decimals.text) +
+                   "' are two entries of the list; a decimal point is written '.': " + excerpt(number->text) + "." +
+                   excerpt(decimals.text) + "; if two are meant, write a blank behind the ','");
+}
+
+std::string why_split(const InputNode& list) {
+  for (std::size_t i = 0; i < list.children.size(); ++i) {
+    const InputNode& entry = list.children[i];
+    if (entry.kind != InputNode::Kind::scalar || entry.style != InputNode::Style::plain) continue;
+    if (is_part_of_formula(entry.text)) {
+      return " (a ',' splits '" + excerpt(entry.text) + "'; in [ ] put a formula into quotes, such as \"min(t, 1)\")";
+    }
+    if (i == 0) continue;
+    const InputNode& before = list.children[i - 1];
+    if (has_decimal_comma(before, entry)) {
+      return " (a decimal point is written '.': " + excerpt(before.text) + "." + excerpt(entry.text) + ")";
+    }
+  }
+  return "";
+}
+
+bool refuse(const InputNode& node, const std::string& name, const std::string& wanted, Problems& problems) {
+  problems.add(node.place(), "'" + name + "' must be " + wanted + ", not " + description(node));
+  return false;
+}
+
+bool check_keys(const InputNode& node, const std::string& name, const KeyInfo& section, Problems& problems) {
+  if (node.kind != InputNode::Kind::map) {
+    if (node.kind == InputNode::Kind::scalar && node.text.find(':') != std::string::npos) {
+      problems.add(node.where, "keys and values are needed here; a blank must follow the ':' after a key");
+    } else if (name.empty()) {
+      problems.add(node.where, "the input must be a map of keys such as 'mesh:' and 'time:', not " + description(node));
+    } else {
+      refuse(node, name, "a map of keys such as '" + section.children.front().key + ":'", problems);
+    }
+    return false;
+  }
+  const auto names = names_of(section.children);
+  for (const InputNode& child : node.children) {
+    if (std::find(names.begin(), names.end(), child.key) == names.end()) {
+      problems.add(child.key_where, unknown_key(child, name, node, section));
+      if (const auto meant = meant_by(child.key, usable(node, section))) problems.note_misspelt(node.where, *meant);
+    }
+  }
+  for (const KeyInfo& key : section.children) {
+    if (key.need != KeyInfo::Need::required || is_given(node, key.key)) continue;
+    if (const InputNode* empty = node.find(key.key)) {
+      problems.add(empty->key_where, "key '" + key.key + "'" + in_section(name) + " has no value");
+    } else {
+      problems.add({node.where, {key.key}}, node.where, "missing key '" + key.key + "'" + in_section(name));
+    }
+  }
+  for (const KeyGroup& group : section.groups) check_group(node, name, group, problems);
+  check_strays(node, name, section, problems);
+  return true;
+}
+
+JsonSchema list_schema(const JsonSchema& entry, std::size_t fewest, std::optional<std::size_t> most) {
+  Json schema{{"type", "array"}, {"items", *entry}, {"minItems", fewest}};
+  if (most) schema["maxItems"] = *most;
+  return std::make_shared<Json>(std::move(schema));
+}
+
+JsonSchema either_schema(const JsonSchema& one, const JsonSchema& other) {
+  return std::make_shared<Json>(Json{{"anyOf", Json::array({*one, *other})}});
+}
+
+JsonSchema object_schema(const std::vector<KeyInfo>& keys, const std::vector<KeyGroup>& groups) {
+  Json properties = Json::object();
+  Json required = Json::array();
+  for (const KeyInfo& key : keys) {
+    Json value = *key.schema;
+    value["description"] = key.description;
+    if (!key.fallback.empty()) {
+      Problems none;
+      value["default"] = default_value(parse_yaml(key.fallback, "default", none));
+    }
+    properties[key.key] = value;
+    if (key.need == KeyInfo::Need::required) required.push_back(key.key);
+  }
+  Json schema{{"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
+  if (!required.empty()) schema["required"] = required;
+  for (const KeyGroup& group : groups) add_conditions(group, schema);
+  return std::make_shared<Json>(std::move(schema));
+}
+
+}  // namespace pliant

@@ -1,0 +1,364 @@
+/// The parts from which the table of the input's keys is made (the table itself: input/keys.cpp and input/sections). A
+/// Format says how one kind of value is typed; a Field ties a key and a format to a member; a Section is the keys of
+/// one map. Reading, defaults, writing, the JSON schema and the reference all follow from them.
+#pragma once
+
+#include "input/config.hpp"
+#include "input/tree.hpp"
+
+#include <array>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace pliant {
+
+/// JSON schema of a value. Shared and never changed; opaque here, since the library of JSON takes long to compile.
+using JsonSchema = std::shared_ptr<const nlohmann::ordered_json>;
+
+/// A key, or the value of a choice, to which other keys of the section belong.
+struct Anchor {
+  std::string key;
+  std::string value = {};  ///< empty: any
+};
+
+/// "key" or "key: value".
+std::string to_string(const Anchor& anchor);
+
+/// Keys of one section of which one, at most one, all or any are to be given.
+struct KeyGroup {
+  enum class Need { exactly_one, at_most_one, all, any };
+  std::vector<std::string> keys;
+  Need need = Need::exactly_one;
+  std::vector<Anchor> beside = {};  ///< if given, the keys belong to these and stand only beside one of them
+  std::vector<std::vector<std::string>> together = {};  ///< exactly_one: sets of keys that count as one
+};
+
+/// A key as users see it.
+struct KeyInfo {
+  enum class Need { optional, required };
+  std::string key;
+  std::string type;  ///< in words
+  std::string description;
+  Need need = Need::optional;
+  std::string fallback = {};           ///< the default as a user would type it; empty: none
+  std::string fallback_words = {};     ///< a default that depends on other keys, in words
+  JsonSchema schema = {};              ///< of the value
+  std::vector<KeyInfo> children = {};  ///< the keys of a section or of the entries of a list of sections
+  std::vector<KeyGroup> groups = {};   ///< of the children
+  std::vector<std::string> also = {};  ///< what others call it: where that is typed, this key is suggested
+  std::vector<Anchor> only_with = {};  ///< choices with one of which it is of use, and suggested; none: all
+
+  /// Is the value of this JSON type?
+  bool has_type(const char* json_type) const;
+};
+
+/// How a value of type V is typed. `read` stores what it can use and returns whether it did; it adds what is wrong to
+/// the problems, under the name given. `write` is its inverse; a null node means: leave the key out.
+template <class V>
+struct Format {
+  std::string type;
+  JsonSchema schema;
+  std::function<bool(const InputNode&, const std::string& name, Problems&, V&)> read;
+  std::function<InputNode(const V&)> write;
+  std::vector<KeyInfo> children = {};
+  std::vector<KeyGroup> groups = {};
+};
+
+/// " (a decimal point is written '.')" or a word on quotes where a ',' within a number or a formula has split an entry
+/// of the list; else empty.
+std::string why_split(const InputNode& list);
+/// Warnings of lists in [ ] that may have a decimal comma: digits follow one ',' without a blank, but not another, as
+/// in [0,45, 0].
+void doubt_decimal_commas(const InputNode& node, std::vector<std::string>& doubts);
+/// Whether the text is the beginning or end of a formula, which a ',' has split.
+bool is_part_of_formula(std::string_view text);
+
+/// Admissible values of a number.
+struct Range {
+  enum class Ends { included, excluded, high_included };
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  Ends ends = Ends::included;
+
+  static Range above(double low) { return {low, std::numeric_limits<double>::infinity(), Ends::excluded}; }
+  static Range at_least(double low) { return {low, std::numeric_limits<double>::infinity(), Ends::included}; }
+  static Range between(double low, double high) { return {low, high, Ends::excluded}; }
+  static Range from_to(double low, double high) { return {low, high, Ends::included}; }
+};
+
+enum class Variables { space, time, space_and_time };
+
+Format<double> quantity(const std::string& unit, const Range& range = {});
+/// A number as it stands in formulas of the literature, e.g. 1 - sqrt(2)/2.
+Format<double> coefficient();
+Format<int> integer(const Range& range);
+Format<std::string> text();
+/// true or false
+Format<bool> truth();
+/// A text that can stand in the header of a CSV column.
+Format<std::string> column_name();
+Format<std::string> choice(const std::vector<std::string>& names);
+/// A number, a number with a unit, or a formula in SI.
+Format<Expression> expression(const std::string& unit, Variables variables);
+/// As `expression`, or the word `free` for nothing.
+Format<std::optional<Expression>> expression_or_free(const std::string& unit, Variables variables);
+/// A direction, of any length but none.
+Format<std::array<double, 3>> direction_of_any_length();
+/// A part of the mesh, chosen in the way of the kind.
+Format<Selection> selection(Selection::Kind kind);
+
+/// Adds "'name' must be ..., not ..." at the node. Returns false, for a reader's convenience.
+bool refuse(const InputNode& node, const std::string& name, const std::string& wanted, Problems& problems);
+
+/// Reports what is wrong with the set of keys of a map. Returns whether it is a map at all.
+bool check_keys(const InputNode& node, const std::string& name, const KeyInfo& section, Problems& problems);
+
+/// JSON schema of a list; `most`: none.
+JsonSchema list_schema(const JsonSchema& entry, std::size_t fewest, std::optional<std::size_t> most = {});
+/// JSON schema of what may be typed in two ways.
+JsonSchema either_schema(const JsonSchema& one, const JsonSchema& other);
+/// JSON schema of a map with these keys.
+JsonSchema object_schema(const std::vector<KeyInfo>& keys, const std::vector<KeyGroup>& groups);
+
+/// A choice of names that stand for values.
+template <class V>
+Format<V> choice_of(const std::vector<std::pair<std::string, V>>& values) {
+  std::vector<std::string> names;
+  for (const auto& v : values) names.push_back(v.first);
+  const Format<std::string> by_name = choice(names);
+  Format<V> format{by_name.type, by_name.schema, {}, {}};
+  format.read = [values, by_name](const InputNode& node, const std::string& name, Problems& problems, V& into) {
+    std::string chosen;
+    if (!by_name.read(node, name, problems, chosen)) return false;
+    for (const auto& v : values) {
+      if (v.first == chosen) into = v.second;
+    }
+    return true;
+  };
+  format.write = [values](const V& value) {
+    for (const auto& v : values) {
+      if (v.second == value) return InputNode::scalar(v.first);
+    }
+    return InputNode{};
+  };
+  return format;
+}
+
+/// A list of exactly N values.
+template <std::size_t N, class V>
+Format<std::array<V, N>> array_of(const Format<V>& component) {
+  const std::string type = "list of " + std::to_string(N) + ", each " + component.type;
+  Format<std::array<V, N>> format{type, list_schema(component.schema, N, N), {}, {}};
+  format.read = [component](const InputNode& node, const std::string& name, Problems& problems,
+                            std::array<V, N>& into) {
+    const std::string wanted = "a list of " + std::to_string(N) + " values";
+    if (node.kind != InputNode::Kind::list) return refuse(node, name, wanted, problems);
+    if (node.children.size() != N) {
+      problems.add(node.where, "'" + name + "' must be " + wanted + ", not of " + std::to_string(node.children.size()) +
+                                   why_split(node));
+      return false;
+    }
+    bool good = true;
+    for (std::size_t i = 0; i < N; ++i) {
+      const std::string item_name = name + "[" + std::to_string(i) + "]";
+      good = component.read(node.children[i], item_name, problems, into[i]) && good;
+    }
+    return good;
+  };
+  format.write = [component](const std::array<V, N>& values) {
+    std::vector<InputNode> items;
+    for (const V& value : values) items.push_back(component.write(value));
+    return InputNode::list(std::move(items));
+  };
+  return format;
+}
+
+/// A list of at least `fewest` entries.
+template <class V>
+Format<std::vector<V>> list_of(const Format<V>& entry, std::size_t fewest) {
+  Format<std::vector<V>> format{
+      "list, each " + entry.type, list_schema(entry.schema, fewest), {}, {}, entry.children, entry.groups};
+  format.read = [entry, fewest](const InputNode& node, const std::string& name, Problems& problems,
+                                std::vector<V>& into) {
+    if (node.kind != InputNode::Kind::list) {
+      return refuse(node, name, "a list (each entry starts with '- ')", problems);
+    }
+    if (node.children.size() < fewest) return refuse(node, name, "a list with entries", problems);
+    for (std::size_t i = 0; i < node.children.size(); ++i) {
+      into.emplace_back();
+      entry.read(node.children[i], name + "[" + std::to_string(i) + "]", problems, into.back());
+    }
+    return true;
+  };
+  format.write = [entry](const std::vector<V>& values) {
+    if (values.empty()) return InputNode{};
+    std::vector<InputNode> items;
+    for (const V& value : values) items.push_back(entry.write(value));
+    return InputNode::list(std::move(items));
+  };
+  return format;
+}
+
+/// An entry, or a list of at least one.
+template <class V>
+Format<std::vector<V>> one_or_list_of(const Format<V>& entry) {
+  const auto several = list_of(entry, 1);
+  Format<std::vector<V>> format = several;
+  format.type = entry.type + ", or a list of such";
+  format.schema = either_schema(entry.schema, several.schema);
+  format.read = [entry, several](const InputNode& node, const std::string& name, Problems& problems,
+                                 std::vector<V>& into) {
+    if (node.kind == InputNode::Kind::list) return several.read(node, name, problems, into);
+    return entry.read(node, name, problems, into.emplace_back());
+  };
+  format.write = [entry, several](const std::vector<V>& values) {
+    return values.size() == 1 ? entry.write(values.front()) : several.write(values);
+  };
+  return format;
+}
+
+/// Where a field keeps its value: as it is, only if given, or with its place.
+template <class V>
+void store(V value, const Location&, V& member) {
+  member = std::move(value);
+}
+template <class V>
+void store(V value, const Location&, std::optional<V>& member) {
+  member = std::move(value);
+}
+template <class V>
+void store(V value, const Location& where, Located<V>& member) {
+  member = {std::move(value), where};
+}
+template <class M>
+constexpr bool is_optional = false;
+template <class V>
+constexpr bool is_optional<std::optional<V>> = true;
+
+/// The value kept, if there is one. V is given, since it may be optional itself.
+template <class V>
+const V* stored(const V& member) {
+  return &member;
+}
+template <class V>
+const V* stored(const std::optional<V>& member) {
+  return member ? &*member : nullptr;
+}
+template <class V>
+const V* stored(const Located<V>& member) {
+  return &member.value;
+}
+
+/// A key of the section that is read into T.
+template <class T>
+struct Field {
+  KeyInfo info;
+  std::optional<InputNode> fallback = {};  ///< read where the key is not given
+  std::function<void(const InputNode&, Problems&, T&)> read = {};
+  std::function<InputNode(const T&)> write = {};
+
+  Field required() && {
+    info.need = KeyInfo::Need::required;
+    fallback.reset();
+    return std::move(*this);
+  }
+  /// The default, as a user would type it.
+  Field otherwise(const std::string& yaml) && {
+    Problems none;
+    info.fallback = yaml;
+    fallback = parse_yaml(yaml, "default", none);
+    return std::move(*this);
+  }
+  /// A default that follows from other keys and is set after reading.
+  Field otherwise_in_words(std::string words) && {
+    info.fallback_words = std::move(words);
+    return std::move(*this);
+  }
+  /// The key is left out when writing where this holds.
+  Field left_out_if(std::function<bool(const T&)> condition) && {
+    write = [condition = std::move(condition), full = std::move(write)](const T& from) {
+      return condition(from) ? InputNode{} : full(from);
+    };
+    return std::move(*this);
+  }
+};
+
+template <class T, class M, class V>
+Field<T> field(const std::string& key, M T::*member, const Format<V>& format, const std::string& description) {
+  Field<T> result{{key, format.type, description}};
+  result.info.schema = format.schema;
+  result.info.children = format.children;
+  result.info.groups = format.groups;
+  if (result.info.has_type("object") && !is_optional<M>) result.fallback = InputNode::map({});  // its keys' defaults
+  result.read = [key, member, read = format.read](const InputNode& node, Problems& problems, T& into) {
+    V value{};
+    if (read(node, key, problems, value)) store(std::move(value), node.where, into.*member);
+  };
+  result.write = [member, write = format.write](const T& from) {
+    const V* value = stored<V>(from.*member);
+    return value == nullptr ? InputNode{} : write(*value);
+  };
+  return result;
+}
+
+/// A field of the part of the mesh that an entry speaks of; its key is the kind's name.
+template <class T>
+Field<T> selector(const std::string& key, Selection::Kind kind, const std::string& description) {
+  return field(key, &T::part, selection(kind), description);
+}
+
+/// The keys of a map that is read into T.
+template <class T>
+struct Section {
+  std::vector<Field<T>> fields;
+  std::vector<KeyGroup> groups = {};
+  Location T::*where = nullptr;  ///< where T keeps the map's place
+
+  void read(const InputNode& node, Problems& problems, T& into) const {
+    if (where != nullptr) into.*where = node.where;
+    for (const Field<T>& f : fields) {
+      const InputNode* given = node.find(f.info.key);
+      if (given != nullptr && given->kind != InputNode::Kind::null) {
+        f.read(*given, problems, into);
+      } else if (f.fallback) {
+        InputNode fallback = *f.fallback;
+        fallback.where = node.where;
+        f.read(fallback, problems, into);
+      }
+    }
+  }
+  InputNode write(const T& from) const {
+    std::vector<InputNode> entries;
+    for (const Field<T>& f : fields) {
+      InputNode value = f.write(from);
+      if (value.kind != InputNode::Kind::null) entries.push_back(std::move(value).under(f.info.key));
+    }
+    return InputNode::map(std::move(entries));
+  }
+};
+
+/// A map with the keys of the section; an empty name is the whole input.
+template <class T>
+Format<T> map_of(const Section<T>& section) {
+  Format<T> format{"with the keys below", {}, {}, {}};
+  for (const Field<T>& f : section.fields) format.children.push_back(f.info);
+  format.groups = section.groups;
+  format.schema = object_schema(format.children, format.groups);
+  KeyInfo info;
+  info.children = format.children;
+  info.groups = format.groups;
+  format.read = [section, info](const InputNode& node, const std::string& name, Problems& problems, T& into) {
+    if (check_keys(node, name, info, problems)) section.read(node, problems, into);
+    return true;  // what could be read serves the checks that follow
+  };
+  format.write = [section](const T& from) { return section.write(from); };
+  return format;
+}
+
+}  // namespace pliant

@@ -1,0 +1,160 @@
+#include "input/sections/elasticity.hpp"
+
+#include "base/units.hpp"
+#include "input/elasticity.hpp"
+#include "input/sections/cell_data.hpp"
+#include "input/sections/laws.hpp"
+#include "material/constants.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+bool is_constant(const Expression& e) {
+  return !e.depends_on_space() && !e.depends_on_time();
+}
+
+/// What the elastic constants are called in the literature.
+std::vector<std::string> other_names(std::string_view constant) {
+  if (constant == "youngs_modulus") return {"E", "Young", "young", "Youngs_modulus", "elastic_modulus"};
+  if (constant == "poissons_ratio") return {"nu", "Poisson", "poisson"};
+  if (constant == "shear_modulus") return {"mu", "G", "shear", "lame_mu"};
+  if (constant == "bulk_modulus") return {"K", "kappa", "bulk"};
+  if (constant == "lame_lambda") return {"lambda", "lame", "lmbda"};
+  return {};
+}
+
+/// The laws that can be given a key.
+template <class Takes>
+std::vector<Anchor> laws_that(Takes takes_key) {
+  std::vector<Anchor> laws;
+  for (std::size_t row = 0; row < elastic_laws().size(); ++row) {
+    if (takes_key(row)) laws.push_back({"model", std::string(elastic_laws()[row].name)});
+  }
+  return laws;
+}
+
+/// A constant that any law may have: its bounds are checked where it is one number.
+Field<ElasticityConfig> constant_field(const ParameterInfo& p, const std::string& description) {
+  using E = ElasticityConfig;
+  const auto format = or_cell_data(expression(std::string(p.unit), Variables::space));
+  Field<E> result{{std::string(p.name), format.type, description}};
+  result.info.schema = format.schema;
+  result.info.also = other_names(p.name);
+  result.info.only_with = laws_that([&](std::size_t row) { return takes(row, p.name); });
+  result.read = [p, read = format.read, bounded = format_of(p).read](const InputNode& node, Problems& problems,
+                                                                     E& into) {
+    ValueOrCellData<Expression> given;
+    if (!read(node, std::string(p.name), problems, given)) return;
+    GivenConstant constant{std::string(p.name), std::move(given.value), std::move(given.cell_data), node.where};
+    double number = 0.0;
+    const bool good = constant.cell_data.empty() && is_constant(constant.value) && looks_like_quantity(node.text)
+                          ? bounded(node, constant.key, problems, number)
+                          : true;
+    if (good) into.constants.push_back(std::move(constant));
+  };
+  result.write = [p, write = format.write](const E& from) {
+    const auto found = std::ranges::find(from.constants, p.name, &GivenConstant::key);
+    return found == from.constants.end() ? InputNode{} : write({found->value, found->cell_data});
+  };
+  return result;
+}
+
+std::string joined_names(const std::vector<std::string>& names) {
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+/// The elastic constants, then the parameters of the laws by name; a name that several laws have stands once.
+std::vector<Field<ElasticityConfig>> constant_fields() {
+  std::vector<Field<ElasticityConfig>> fields;
+  for (const auto& p : elastic_constants()) fields.push_back(constant_field(p, std::string(p.meaning)));
+  const auto is_known = [&](std::string_view name) {
+    return std::ranges::any_of(fields, [&](const auto& f) { return f.info.key == name; });
+  };
+  for (const auto& law : elastic_laws()) {
+    for (const auto& p : law.parameters) {
+      if (is_known(p.name)) continue;
+      std::vector<std::string> owners;
+      for (const auto& other : elastic_laws()) {
+        if (std::ranges::find(other.parameters, p.name, &ParameterInfo::name) != other.parameters.end()) {
+          owners.emplace_back(other.name);
+        }
+      }
+      const std::string fallback = p.fallback ? fmt::format("; {:g} if not given", *p.fallback) : "";
+      fields.push_back(constant_field(p, fmt::format("{}: {}{}", joined_names(owners), p.meaning, fallback)));
+    }
+  }
+  return fields;
+}
+
+Section<ElasticityConfig> elasticity_keys() {
+  using E = ElasticityConfig;
+  Section<E> section;
+  section.where = &E::where;
+  section.fields.push_back(
+      field("model", &E::model, choice(law_names(elastic_laws())), "elastic law (`pliant materials`)").required());
+  for (auto& f : constant_fields()) section.fields.push_back(std::move(f));
+  section.fields.push_back(direction_field("fibre", &E::directions, "of laws with fibres: their direction"));
+  section.fields.push_back(direction_field("sheet", &E::directions,
+                                           "holzapfel-ogden: direction of the sheets, made to lie across the fibres"));
+  section.fields.push_back(
+      direction_field("fibre2", &E::directions, "holzapfel-gasser-ogden: direction of the second family of fibres"));
+  for (auto& f : section.fields) {
+    const auto has_direction = [&](std::size_t row) {
+      return std::ranges::find(elastic_laws()[row].directions, f.info.key) != elastic_laws()[row].directions.end();
+    };
+    if (auto laws = laws_that(has_direction); !laws.empty()) f.info.only_with = std::move(laws);
+  }
+  std::vector<std::pair<std::string, VolumetricForm>> forms;
+  std::vector<Anchor> laws_with_form;
+  for (std::size_t n = 0; n < volumetric_form_names.size(); ++n) {
+    forms.emplace_back(volumetric_form_names[n], static_cast<VolumetricForm>(n));
+  }
+  for (std::size_t row = 0; row < elastic_laws().size(); ++row) {
+    if (typical_law(row).traits().takes_volumetric_form) {
+      laws_with_form.push_back({"model", std::string(elastic_laws()[row].name)});
+    }
+  }
+  const auto has_no_form = [laws_with_form](const E& e) {
+    return std::ranges::find(laws_with_form, e.model, &Anchor::value) == laws_with_form.end();
+  };
+  section.fields.push_back(field("volumetric_energy", &E::volumetric_energy, choice_of(forms),
+                                 "energy U of a change of volume: (ln J)^2/2, (J - 1)^2/2 or (J^2 - 1 - 2 ln J)/4")
+                               .otherwise("mixed")
+                               .left_out_if(has_no_form));
+  section.fields.back().info.only_with = laws_with_form;
+  section.groups.push_back({{"volumetric_energy"}, KeyGroup::Need::any, laws_with_form});
+  return section;
+}
+
+/// Whether the constants determine the law; where they are numbers, whether it is admissible.
+void check_law(const ElasticityConfig& e, Problems& problems) {
+  try {
+    const ElasticityRule rule(e);
+    if (rule.is_uniform()) static_cast<void>(rule.law_at(0, {}));
+  } catch (const InputError& error) {
+    for (const auto& d : error.diagnostics()) problems.add(d.where, d.message);
+  }
+}
+
+}  // namespace
+
+Format<ElasticityConfig> elasticity_format() {
+  Format<ElasticityConfig> format = map_of(elasticity_keys());
+  format.read = [read = format.read](const InputNode& node, const std::string& name, Problems& problems,
+                                     ElasticityConfig& into) {
+    const std::size_t before = problems.size();
+    const bool good = read(node, name, problems, into);
+    if (good && problems.size() == before) check_law(into, problems);
+    return good;
+  };
+  return format;
+}
+
+}  // namespace pliant

@@ -1,0 +1,243 @@
+#include "input/tree.hpp"
+
+#include "base/text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <sstream>
+#include <tuple>
+
+namespace pliant {
+namespace {
+
+constexpr std::size_t max_reported = 50;
+constexpr std::size_t max_path = 16;
+
+void relocate(InputNode& node, const Location& where) {
+  node.where = node.key_where = where;
+  for (InputNode& child : node.children) relocate(child, where);
+}
+
+/// The entry that one part of an override's path names; nullptr after adding a problem.
+InputNode* entry_of(InputNode& node, const std::string& part, const Location& where, Problems& problems) {
+  using Kind = InputNode::Kind;
+  if (node.kind == Kind::list) {
+    std::size_t index = 0;
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), index);
+    const std::size_t size = node.children.size();
+    if (error == std::errc{} && end == part.data() + part.size() && index < size) return &node.children[index];
+    problems.add(where,
+                 "'" + excerpt(part) + "' does not name an entry of this list" +
+                     (size == 0 ? ", which is empty" : "; they are numbered from 0 to " + std::to_string(size - 1)));
+    return nullptr;
+  }
+  if (node.kind == Kind::scalar) {
+    problems.add(where, "there is no key '" + excerpt(part) + "' in the value '" + excerpt(node.text) + "'");
+    return nullptr;
+  }
+  node.kind = Kind::map;
+  for (InputNode& child : node.children) {
+    if (child.key == part) return &child;
+  }
+  node.children.push_back({});
+  node.children.back().key = part;
+  relocate(node.children.back(), where);
+  return &node.children.back();
+}
+
+bool is_plain_word(const std::string& text) {
+  static constexpr std::array reserved{"null", "true", "false", "yes", "no", "on", "off"};
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  const auto is_word = [&](char c) { return is_letter(c) || (c >= '0' && c <= '9') || c == '_' || c == '-'; };
+  return !text.empty() && is_letter(text.front()) && std::all_of(text.begin(), text.end(), is_word) &&
+         std::none_of(reserved.begin(), reserved.end(),
+                      [&](const char* word) { return edit_distance(text, word) == 0; });
+}
+
+std::string scalar_text(const InputNode& node) {
+  if (node.kind == InputNode::Kind::null) return "null";
+  if (node.style == InputNode::Style::plain && (is_plain_word(node.text) || parse_number(node.text))) return node.text;
+  std::string quoted = "\"";
+  for (char c : node.text) {
+    switch (c) {
+      case '"':
+        quoted += "\\\"";
+        break;
+      case '\\':
+        quoted += "\\\\";
+        break;
+      case '\n':
+        quoted += "\\n";
+        break;
+      case '\r':
+        quoted += "\\r";
+        break;
+      case '\t':
+        quoted += "\\t";
+        break;
+      default:
+        quoted += c;
+    }
+  }
+  return quoted + '"';
+}
+
+bool is_leaf(const InputNode& node) {
+  return node.kind == InputNode::Kind::null || node.kind == InputNode::Kind::scalar || node.children.empty();
+}
+
+bool has_map(const InputNode& node) {
+  return node.kind == InputNode::Kind::map || std::any_of(node.children.begin(), node.children.end(), has_map);
+}
+
+std::string block_text(const InputNode& node, const std::string& indent) {
+  std::string out;
+  for (const InputNode& child : node.children) {
+    if (node.kind == InputNode::Kind::list) {
+      const bool is_block = child.kind == InputNode::Kind::map && !is_leaf(child);
+      std::string entry = is_block ? block_text(child, indent + "  ") : indent + "  " + flow_text(child) + '\n';
+      out += entry.replace(indent.size(), 2, "- ");
+    } else if (is_leaf(child) || !has_map(child)) {
+      out += indent + child.key + ": " + flow_text(child) + '\n';
+    } else {
+      out += indent + child.key + ":\n" + block_text(child, indent + "  ");
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+bool Problems::is_misspelt(const Lack& lack) const {
+  return std::ranges::any_of(lack.keys, [&](const std::string& key) {
+    return misspelt_.count({to_string(lack.section), key}) > 0;
+  });
+}
+
+void Problems::throw_if_any() {
+  std::vector<Diagnostic> told;
+  for (const Problem& problem : found_) {
+    if (!is_misspelt(problem.lack)) told.push_back(problem.told);
+  }
+  if (told.empty()) return;
+  const auto order = [](const Diagnostic& d) { return std::tie(d.where.line, d.where.column); };
+  const auto same = [&](const Diagnostic& a, const Diagnostic& b) {
+    return order(a) == order(b) && a.where.file == b.where.file && a.message == b.message;
+  };
+  std::stable_sort(told.begin(), told.end(), [&](const auto& a, const auto& b) { return order(a) < order(b); });
+  told.erase(std::unique(told.begin(), told.end(), same), told.end());  // aliases repeat theirs
+  if (told.size() > max_reported) {
+    const std::size_t more = told.size() - max_reported;
+    told.resize(max_reported);
+    told.push_back({{told.front().where.file, 0, 0}, "... and " + std::to_string(more) + " more mistakes"});
+  }
+  throw InputError(std::move(told));
+}
+
+InputNode InputNode::scalar(std::string text) {
+  InputNode node;
+  node.kind = Kind::scalar;
+  node.text = std::move(text);
+  return node;
+}
+
+InputNode InputNode::list(std::vector<InputNode> items) {
+  InputNode node;
+  node.kind = Kind::list;
+  node.children = std::move(items);
+  return node;
+}
+
+InputNode InputNode::map(std::vector<InputNode> entries) {
+  InputNode node = list(std::move(entries));
+  node.kind = Kind::map;
+  return node;
+}
+
+InputNode InputNode::under(std::string new_key) && {
+  key = std::move(new_key);
+  return std::move(*this);
+}
+
+const InputNode* InputNode::find(std::string_view name) const {
+  if (kind != Kind::map) return nullptr;
+  const auto found = std::find_if(children.begin(), children.end(), [&](const InputNode& c) { return c.key == name; });
+  return found == children.end() ? nullptr : &*found;
+}
+
+std::string description(const InputNode& node) {
+  switch (node.kind) {
+    case InputNode::Kind::null:
+      return "empty";
+    case InputNode::Kind::list:
+      return node.children.empty() ? "an empty list" : "a list";
+    case InputNode::Kind::map:
+      return "a map of keys";
+    default:
+      return "'" + excerpt(node.text) + "'";
+  }
+}
+
+InputNode value_of(const Override& change) {
+  const Location where{"--set " + change.path + "=" + change.value, 0, 0};
+  Problems problems;
+  try {
+    InputNode value = parse_yaml(change.value, where.file, problems);
+    problems.throw_if_any();
+    return value;
+  } catch (const InputError& error) {
+    std::vector<Diagnostic> told = error.diagnostics();
+    const bool goes_on = change.value.starts_with('[') || change.value.starts_with('{');
+    for (Diagnostic& d : told) {
+      d.where = where;
+      if (goes_on && d.message == several_documents) d.message = "something stands behind the closing bracket";
+    }
+    throw InputError(std::move(told));
+  }
+}
+
+void apply(const Override& change, InputNode& root, Problems& problems) {
+  const Location where{"--set " + change.path + "=" + change.value, 0, 0};
+  InputNode value;
+  try {
+    value = value_of(change);
+  } catch (const InputError& error) {
+    for (const Diagnostic& d : error.diagnostics()) problems.add(where, d.message);
+    return;
+  }
+  if (change.path.find('[') != std::string::npos) {
+    problems.add(where, "entries of lists are numbers behind dots, such as bodies.0.density");
+    return;
+  }
+  InputNode* node = &root;
+  std::istringstream path(change.path + '.');
+  std::size_t depth = 0;
+  for (std::string part; std::getline(path, part, '.');) {
+    if (part.empty() || ++depth > max_path) {
+      problems.add(where, "the path must be keys with dots between them, such as time.step or bodies.0.density");
+      return;
+    }
+    node = entry_of(*node, part, where, problems);
+    if (node == nullptr) return;
+  }
+  value.key = node->key;
+  relocate(value, where);
+  *node = std::move(value);
+}
+
+std::string flow_text(const InputNode& node) {
+  if (node.kind != InputNode::Kind::list && node.kind != InputNode::Kind::map) return scalar_text(node);
+  const bool is_map = node.kind == InputNode::Kind::map;
+  std::string text;
+  for (const InputNode& child : node.children) {
+    text += (text.empty() ? "" : ", ") + (is_map ? child.key + ": " : "") + flow_text(child);
+  }
+  return is_map ? '{' + text + '}' : '[' + text + ']';
+}
+
+std::string to_yaml(const InputNode& root) {
+  return block_text(root, "");
+}
+
+}  // namespace pliant

@@ -1,0 +1,248 @@
+#include "model/advice.hpp"
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "input/elasticity.hpp"
+#include "input/keys.hpp"
+#include "model/events.hpp"
+#include "model/loads.hpp"
+#include "model/viscosity.hpp"
+#include "petsc/collective.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// Acts at places of the body's surface, not in its volume.
+bool is_local(const LoadConfig& load) {
+  using Kind = LoadConfig::Kind;
+  return load.kind != Kind::gravity && load.kind != Kind::force_density;
+}
+
+bool is_zero(const VectorExpression& vector) {
+  return std::ranges::all_of(vector, [](const Expression& component) { return component.is_zero(); });
+}
+
+void doubt_time(const Config& config, std::vector<std::string>& doubts) {
+  const auto& method = config.time.method;
+  const auto changes = [](const DrivingFormula& of) { return of.formula->depends_on_time(); };
+  if (method.value != static_method && config.time.load_steps > 1) {
+    doubts.push_back(
+        fmt::format("{}: 'load_steps' is for 'method: static'; with '{}' loads grow as their formulas of "
+                    "t say, and not by it",
+                    to_string(method.where), method.value));
+  }
+  if (method.value == static_method && config.time.end == 0.0 &&
+      std::ranges::any_of(driving_formulas(config), changes)) {
+    doubts.push_back(to_string(method.where) +
+                     ": a static analysis takes formulas at 'end', which is 0: those of t are taken at t = 0; give "
+                     "'end', or let 'method: quasistatic' follow them");
+  }
+}
+
+/// No material is slower or faster: its numbers are in other units than SI.
+constexpr double slowest_shear_wave = 0.05;  // [m/s]; of the softest gels
+constexpr double softest_gel = 0.5;          // shear modulus [Pa]
+constexpr double no_stiffness = 1e-4;        // shear modulus of what is meant to be viscous alone [Pa]
+constexpr double fastest_shear_wave = 1e4;   // [m/s]; of diamond 12000, of steel 3200
+constexpr double longest_body = 50.0;        // [m]
+constexpr double locking_ratio = 0.49;       // Poisson's, of linear elements
+
+void doubt_body(const Config& config, const BodyConfig& body, std::vector<std::string>& doubts) {
+  const ElasticityRule rule(body.elasticity);
+  if (!rule.is_uniform()) return;
+  const auto rest = rule.law_at(0, {}).at_rest();
+  if (!rest) return;
+  const auto add = [&](const std::string& text) { doubts.push_back(to_string(body.elasticity.where) + ": " + text); };
+  const double speed = std::sqrt(rest->mu / body.density.value_or(rest->mu));
+  // What is viscous alone has next to no stiffness, which nobody types by forgetting a unit.
+  const bool may_be_soft = !body.viscosity.empty() && rest->mu < no_stiffness;
+  if (!body.density && rest->mu < softest_gel && !may_be_soft) {
+    add(
+        fmt::format("the shear modulus at rest is {:.2g} Pa, less than any gel has (silicone: 1e5 Pa, brain: 1e3 Pa); "
+                    "a number without a unit is in Pa: is MPa or kPa meant?",
+                    rest->mu));
+  }
+  const bool is_slow = speed < slowest_shear_wave && !may_be_soft;
+  if (body.density && (is_slow || speed > fastest_shear_wave)) {
+    add(
+        fmt::format("with this density shear waves run at {:.2g} m/s (silicone: 10, steel: 3000); are 'density' and "
+                    "the moduli in SI? A number without a unit is in kg/m^3 and Pa",
+                    speed));
+  }
+  const double poissons_ratio = std::isfinite(rest->lambda) ? 0.5 * rest->lambda / (rest->lambda + rest->mu) : 0.5;
+  const auto is_ratio = [](const GivenConstant& c) { return c.key == "poissons_ratio"; };
+  if (poissons_ratio < 0.0 && std::ranges::none_of(body.elasticity.constants, is_ratio)) {
+    add(
+        fmt::format("Poisson's ratio follows as {:.3g}: the body would grow thicker where it is pulled; is the bulk "
+                    "modulus meant to be so small beside the shear modulus?",
+                    poissons_ratio));
+  }
+  if (poissons_ratio >= locking_ratio && config.element == ElementOrder::p1) {
+    add(
+        fmt::format("Poisson's ratio is {:.4g}, and linear elements are far too stiff where it is near 1/2; take "
+                    "'element: P2' with 'volumetric: mean-dilatation'",
+                    poissons_ratio));
+  }
+}
+
+/// Degrees typed as radians: whole numbers of several turns.
+void doubt_angles(const Config& config, std::vector<std::string>& doubts) {
+  const auto look = [&](const Expression& angle, const Location& where) {
+    const double value = angle(0.0, 0.0, 0.0, 0.0);
+    if (angle.depends_on_time() || std::abs(value) < 10.0 || value != std::round(value)) return;
+    doubts.push_back(fmt::format("{}: an angle of {:g} rad is {:.3g} turns; degrees are written '{:g} deg'",
+                                 to_string(where), value, value / (2.0 * std::numbers::pi), value));
+  };
+  for (const ConstraintConfig& c : config.constraints) {
+    if (c.rigid.rotation.angle) look(*c.rigid.rotation.angle, c.rigid.rotation.where);
+  }
+  if (!config.contact) return;
+  for (const ObstacleConfig& o : config.contact->obstacles) {
+    if (o.motion && o.motion->rotate) look(o.motion->rotate->angle, o.where);
+  }
+}
+
+/// Gravity typed in mm/s^2.
+void doubt_gravity(const Config& config, std::vector<std::string>& doubts) {
+  for (const LoadConfig& load : config.loads) {
+    if (load.kind != LoadConfig::Kind::gravity) continue;
+    std::array<double, 3> g{};
+    for (std::size_t i = 0; i < 3; ++i) g[i] = load.value[i](0.0, 0.0, 0.0, 0.0);
+    const double size = std::hypot(g[0], g[1], g[2]);
+    if (std::abs(size - 9810.0) > 20.0) continue;
+    doubts.push_back(
+        fmt::format("{}: gravity is {:g} m/s^2, a thousand times the Earth's; with its unit it is '{:g} "
+                    "mm/s^2'",
+                    to_string(load.where), size, size));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> doubts_about(const Config& config) {
+  std::vector<std::string> doubts = config.doubts;
+  const TimeConfig& time = config.time;
+  const OutputConfig& output = config.output;
+  constexpr double rounding = 1e-9;
+  if (time.method.value != static_method && !time.adaptive && output.every &&
+      time.step > *output.every * (1.0 + rounding)) {
+    doubts.push_back(
+        fmt::format("{}: frames are asked for every {} s, but a step takes {} s, and there is one frame per step; "
+                    "choose a shorter 'time.step', or leave 'every' out",
+                    to_string(output.every_where), format_number(*output.every), format_number(time.step)));
+  }
+  const std::string extension = std::filesystem::path(config.mesh.file.value).extension().string();
+  if (config.mesh.scale == 0.001 && (extension == ".step" || extension == ".stp")) {
+    doubts.push_back(
+        to_string(config.mesh.file.where) +
+        ": a STEP file says its unit and is read in metres; with 'scale: 0.001' the part is a thousandth of what it "
+        "was drawn: leave 'scale' out");
+  }
+  doubt_time(config, doubts);
+  for (const BodyConfig& body : config.bodies) doubt_body(config, body, doubts);
+  doubt_angles(config, doubts);
+  doubt_gravity(config, doubts);
+  return doubts;
+}
+
+bool nothing_moves(const Config& config) {
+  return config.cavities.empty() && !config.contact && is_zero(config.initial.displacement) &&
+         is_zero(config.initial.velocity) &&
+         std::ranges::all_of(driving_formulas(config), [](const DrivingFormula& of) { return of.formula->is_zero(); });
+}
+
+bool may_fall(const Config& config) {
+  using Kind = LoadConfig::Kind;
+  const auto holds = [](const LoadConfig& load) {
+    return load.kind == Kind::foundation || load.kind == Kind::point_foundation;
+  };
+  // Pressure acts on closed surfaces as a rule, and pushes a body nowhere.
+  const auto pushes = [](const LoadConfig& load) { return load.kind != Kind::pressure && !is_zero(load.value); };
+  return !config.contact && is_zero(config.initial.velocity) && std::ranges::none_of(config.loads, holds) &&
+         std::ranges::any_of(config.loads, pushes);
+}
+
+std::vector<std::string> without_effect(const Config& config) {
+  const std::string& method = config.time.method.value;
+  std::vector<std::string> what;
+  const char* nothing =
+      method == static_method ? "no effect on a static equilibrium" : "no effect on quasi-static equilibria";
+  const auto tell_if = [&](bool is_there, const char* of_what) {
+    if (is_there) what.push_back(fmt::format("{} {}", of_what, nothing));
+  };
+  const bool has_velocity = !is_zero(config.initial.velocity);
+  if (method == quasistatic_method) tell_if(has_velocity, "the initial velocity has");
+  if (method != static_method) return what;
+  const auto resists = [](const ObstacleConfig& o) {
+    return o.friction > 0.0 || o.viscous_friction > 0.0 || o.normal_damping > 0.0;
+  };
+  tell_if(has_viscosity(config), "viscosity has");
+  tell_if(has_dashpots(config), "dashpots have");
+  tell_if(config.contact && std::ranges::any_of(config.contact->obstacles, resists),
+          "friction and damping of contact have");
+  tell_if(has_velocity || !is_zero(config.initial.displacement), "the initial state has");
+  return what;
+}
+
+std::vector<std::string> doubts_about_mesh(const Config& config, const MeshReport& mesh) {
+  const auto& b = mesh.bounds;
+  const double length = std::max({b[3] - b[0], b[4] - b[1], b[5] - b[2]});
+  if (length < longest_body) return {};
+  return {fmt::format("{}: the mesh is {:.3g} m long; 'scale: 0.001' makes metres of a geometry in millimetres",
+                      to_string(config.mesh.file.where), length)};
+}
+
+std::vector<std::string> doubts_about_loads(const Config& config, const NodeLayout& layout, Selections& selections,
+                                            const PrescribedDisplacement& prescribed) {
+  const std::vector<char>& is_given = prescribed.flags();
+  std::vector<std::string> doubts;
+  for (const LoadConfig& load : config.loads) {
+    if (!is_local(load)) continue;
+    const auto nodes = selections.nodes(load.part);
+    const bool moves_here = std::ranges::any_of(nodes, [&](PetscInt n) {
+      const auto* node = is_given.data() + 3 * n;
+      return std::any_of(node, node + 3, [](char given) { return given == 0; });
+    });
+    if (any(layout.comm, moves_here)) continue;
+    doubts.push_back(
+        fmt::format("{}: the load moves nothing, for constraints give the displacement of all that it acts "
+                    "on; it changes reactions alone",
+                    to_string(load.where)));
+  }
+  return doubts;
+}
+
+std::vector<std::string> doubts_about_start(const Config& config, const NodeLayout& layout, Selections& selections) {
+  std::vector<std::string> doubts;
+  for (const ConstraintConfig& c : config.constraints) {
+    if (c.kind != ConstraintConfig::Kind::displacement) continue;
+    double jump = 0.0, size = 0.0;
+    for (const PetscInt node : selections.nodes(c.part)) {
+      const auto X = layout.position(node);
+      for (std::size_t i = 0; i < 3; ++i) {
+        if (!c.displacement[i]) continue;
+        const double from = config.initial.displacement[i](X[0], X[1], X[2], 0.0);
+        const double to = (*c.displacement[i])(X[0], X[1], X[2], 0.0);
+        jump = std::max(jump, std::abs(to - from));
+        size = std::max({size, std::abs(X[i]), std::abs(from)});
+      }
+    }
+    constexpr double rounding = 1e-9;
+    jump = maximum(layout.comm, jump);
+    if (jump <= rounding * maximum(layout.comm, size)) continue;
+    doubts.push_back(
+        fmt::format("{}: at t = 0 this displaces nodes by {:.3g} m from where the initial displacement has "
+                    "them, at once; let it grow with t, or give 'initial' to suit",
+                    to_string(c.where), jump));
+  }
+  return doubts;
+}
+
+}  // namespace pliant

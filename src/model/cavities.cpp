@@ -1,0 +1,115 @@
+#include "model/cavities.hpp"
+
+#include "energy/pressure.hpp"
+#include "fem/rim.hpp"
+#include "input/analysis.hpp"
+#include "petsc/array_view.hpp"
+#include "petsc/collective.hpp"
+#include "petsc/ghosted.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// Parts of the simulated time at which rims are looked at.
+constexpr std::array<double, 3> looks{0.0, 0.37, 1.0};
+
+FacetList walls_of(const Selection& part, const Location& where, Selections& selections) {
+  return selections.outer_facets(part, where, "where a pressure has no side to push on");
+}
+
+PrescribedSamples samples_of(const Config& config, const NodeLayout& layout, const PrescribedDisplacement& prescribed) {
+  PrescribedSamples samples{prescribed.flags(), {}};
+  const Handle<Vec> q = make_vector(layout), v = make_vector(layout);
+  const PrescribedMotion motion = prescribed.motion();
+  for (const double part : looks) {
+    check(VecZeroEntries(q.get()));
+    const double time = analysis_of(config) == Analysis::static_equilibrium ? config.time.end : part * config.time.end;
+    motion.complete_step({time, 1.0}, q.get(), v.get());
+    update_ghosts(q.get());
+    const ConstGhostedView u(q.get());
+    samples.displacements.emplace_back(u.span().begin(), u.span().end());
+  }
+  return samples;
+}
+
+CavityContent content_of(const CavityConfig& cavity, double volume, const TimeConfig& time) {
+  if (cavity.pressure) return GivenPressure{*cavity.pressure};
+  if (const auto& gas = cavity.gas) return Gas{volume, gas->pressure, gas->ambient, gas->exponent, gas->amount};
+  const LiquidConfig& liquid = *cavity.liquid;
+  // A static equilibrium has no step.
+  const double panel = time.step > 0.0 ? time.step : time.end / 1000.0;
+  return Liquid{volume, liquid.pressure, liquid.bulk_modulus, liquid.added_volume,
+                TimeIntegral(liquid.flow, time.end, panel)};
+}
+
+/// The volume in the reference configuration; throws InputError where there is none.
+double volume_of(const CavityConfig& cavity, const NodeLayout& layout, const FacetList& walls,
+                 std::vector<RimEdge>& edges, const PrescribedSamples& samples) {
+  const Rim rim = classify(layout, edges, samples);
+  if (rim == Rim::free || rim == Rim::moving) {
+    throw InputError(cavity.where,
+                     fmt::format("the cavity '{}' is open: the edge of {} {}; close the surface, hold its edge at "
+                                 "displacement 0, or let it slide in planes of constant x, y or z",
+                                 cavity.name, describe(cavity.part), rim == Rim::free ? "can move" : "moves"));
+  }
+  const auto behind = volume_behind(layout, walls, edges);
+  if (cavity.volume) return *cavity.volume;
+  if (!behind) {
+    throw InputError(cavity.where,
+                     fmt::format("the cavity '{}' is open between two parallel planes, so that its volume "
+                                 "does not follow from its walls; give its `volume`",
+                                 cavity.name));
+  }
+  if (*behind <= 0.0) {
+    throw InputError(cavity.where,
+                     fmt::format("{} encloses no cavity: the volume that it faces is {:.3g} m^3; name the walls of a "
+                                 "hollow, or give its `volume`",
+                                 describe(cavity.part), *behind));
+  }
+  return *behind;
+}
+
+}  // namespace
+
+WettedParts::WettedParts(const Config& config, Selections& selections) {
+  for (const LoadConfig& load : config.loads) {
+    if (load.kind != LoadConfig::Kind::pressure) continue;
+    of_pressures_.push_back(walls_of(load.part, load.where, selections));
+  }
+  for (const CavityConfig& cavity : config.cavities) {
+    of_cavities_.push_back(walls_of(cavity.part, cavity.where, selections));
+  }
+}
+
+std::vector<WettedParts::Term> WettedParts::make_terms(const Config& config, const NodeLayout& layout,
+                                                       const BlockPattern& pattern,
+                                                       const PrescribedDisplacement& prescribed) {
+  std::vector<Term> terms;
+  if (of_pressures_.empty() && of_cavities_.empty()) return terms;
+  const PrescribedSamples samples = samples_of(config, layout, prescribed);
+  std::size_t k = 0;
+  for (const LoadConfig& load : config.loads) {
+    if (load.kind != LoadConfig::Kind::pressure) continue;
+    FacetList& facets = of_pressures_[k++];
+    auto edges = rim_edges(layout, facets);
+    const Rim rim = classify(layout, edges, samples);
+    terms.push_back(
+        {std::make_unique<FollowerPressure>(layout, pattern, std::move(facets), load.pressure, rim), load.where});
+  }
+  for (std::size_t c = 0; c < config.cavities.size(); ++c) {
+    const CavityConfig& cavity = config.cavities[c];
+    auto edges = rim_edges(layout, of_cavities_[c]);
+    const double volume = volume_of(cavity, layout, of_cavities_[c], edges, samples);
+    auto term = std::make_unique<Cavity>(WettedSurface(layout, pattern, std::move(of_cavities_[c]), 0),
+                                         content_of(cavity, volume, config.time));
+    cavities_.push_back({cavity.name, term.get(), volume});
+    terms.push_back({std::move(term), cavity.where});
+  }
+  return terms;
+}
+
+}  // namespace pliant

@@ -1,0 +1,32 @@
+#include "model/checks.hpp"
+
+#include "petsc/check.hpp"
+
+#include <algorithm>
+
+namespace pliant {
+
+void require_undeformed(const Config& config, Vec q) {
+  PetscReal size = 0.0;
+  check(VecNorm(q, NORM_INFINITY, &size));
+  if (size == 0.0) return;
+  const auto moves = [](const ConstraintConfig& constraint) {
+    return std::ranges::any_of(constraint.displacement, [](const auto& u) { return u && !u->is_zero(); });
+  };
+  const auto constraint = std::ranges::find_if(config.constraints, moves);
+  throw InputError(constraint != config.constraints.end() ? constraint->where : Location{config.file, 0, 0},
+                   "'volumetric: mixed' starts from the undeformed bodies, whose pressure is known, but a displacement "
+                   "is prescribed at t = 0; let it grow from 0, or use 'volumetric: mean-dilatation'");
+}
+
+void require_no_ties(const Config& config, const ConstraintMap* map) {
+  if (config.volumetric != VolumetricTreatment::mixed || map == nullptr) return;
+  const auto ties = std::ranges::find_if(config.constraints, [](const ConstraintConfig& constraint) {
+    return constraint.kind != ConstraintConfig::Kind::displacement;
+  });
+  throw InputError(ties->where,
+                   "constraints that tie displacements to one another do not go with 'volumetric: mixed'; use "
+                   "'volumetric: mean-dilatation', or a 'displacement' along the axes");
+}
+
+}  // namespace pliant

@@ -1,0 +1,18 @@
+/// What an input cannot combine, as far as it takes the mesh to tell (the rest: input/checks).
+#pragma once
+
+#include "energy/constraint_map.hpp"
+#include "input/config.hpp"
+
+#include <petscvec.h>
+
+namespace pliant {
+
+/// Throws InputError at a constraint if bodies with pressures do not start undeformed. Collective.
+void require_undeformed(const Config& config, Vec q);
+
+/// Throws InputError at a constraint that ties displacements to one another, of bodies with pressures. `map`: nullptr
+/// if none does.
+void require_no_ties(const Config& config, const ConstraintMap* map);
+
+}  // namespace pliant

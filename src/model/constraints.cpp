@@ -1,0 +1,432 @@
+#include "model/constraints.hpp"
+
+#include "energy/rigid_fit.hpp"
+#include "energy/surface_ties.hpp"
+#include "fem/plane.hpp"
+#include "input/analysis.hpp"
+#include "petsc/array_view.hpp"
+#include "petsc/collective.hpp"
+#include "petsc/session.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+using ConstraintKind = ConstraintConfig::Kind;
+
+/// An equation couples all its entries with one another in the Hessian.
+constexpr std::size_t most_entries_of_equation = 1000;
+
+/// The support's name in the history: the surface's, else by its place in the list of constraints.
+std::string support_name(const ConstraintConfig& constraint, std::size_t index) {
+  return constraint.part.kind == Selection::Kind::surface ? constraint.part.name
+                                                          : fmt::format("constraint{}", index + 1);
+}
+
+/// In a message.
+std::string title(const Config& config, std::size_t index) {
+  const ConstraintConfig& constraint = config.constraints[index];
+  return constraint.kind == ConstraintKind::equation ? fmt::format("the equation constraints[{}]", index)
+                                                     : describe(constraint.part);
+}
+
+Expression times(double factor, const Expression& e) {
+  if (e.depends_on_space() || e.depends_on_time()) return Expression(e.text(), factor);
+  return Expression(factor * e(0.0, 0.0, 0.0, 0.0));
+}
+
+/// The axis that the direction lies along; nothing if it lies along none.
+std::optional<int> axis_of(const Vector3<double>& direction) {
+  for (int i = 0; i < 3; ++i) {
+    if (std::abs(direction[static_cast<std::size_t>(i)]) == norm(direction)) return i;
+  }
+  return std::nullopt;
+}
+
+std::string counted_nodes(std::size_t number) {
+  return fmt::format("{} node{}", number, number == 1 ? "" : "s");
+}
+
+/// Times at which given displacements are compared: the start, the end, and two that no round period fits.
+std::vector<double> times_to_compare(const Config& config) {
+  const double end = config.time.end;
+  return {0.0, 0.3819660113 * end, 0.7320508076 * end, end};
+}
+
+}  // namespace
+
+Constraints::Constraints(const Config& config, const NodeLayout& layout, Selections& selections) : layout_(layout) {
+  for (const auto& constraint : config.constraints) {
+    parts_.push_back(make_part(constraint, selections));
+    parts_.back().where = constraint.where;
+  }
+  std::vector<PrescribedPart> prescriptions;
+  for (const Part& part : parts_) {
+    prescriptions.push_back({part.is_prescribed ? part.nodes : std::vector<PetscInt>(), part.displacement});
+  }
+  prescribed_ = std::make_unique<PrescribedDisplacement>(layout, std::move(prescriptions), HUGE_VAL);
+  on_every_rank(layout.comm, [&] {
+    for (const auto& [i, j] : prescribed_->conflicts(layout, times_to_compare(config))) {
+      selections.report(
+          config.constraints[j].where,
+          fmt::format("{} and {} share nodes but prescribe different displacements there; make one of them `free` or "
+                      "let them agree",
+                      title(config, i), title(config, j)));
+    }
+    selections.throw_mistakes();
+  });
+  auto all_ties = ties(config, selections);
+  selections.throw_mistakes();
+  all_ties = gathered(layout.comm, all_ties);
+  check_turning_parts(config, all_ties, selections);
+  const bool any_turns = std::ranges::any_of(parts_, [](const Part& part) { return part.turns.has_value(); });
+  if (any_turns || !all_ties.empty()) eliminate_ties(config, std::move(all_ties), selections);
+  add_supports(config);
+}
+
+void Constraints::require_finite(double time) const {
+  on_every_rank(layout_.comm, [&] {
+    for (const Part& part : parts_) {
+      for (const PetscInt node : part.nodes) {
+        for (int i = 0; i < 3; ++i) {
+          if (!part.displacement.gives(i)) continue;
+          if (std::isfinite(part.displacement(i, layout_.position(node), time))) continue;
+          throw InputError(part.where, fmt::format("the displacement is not finite at t = {:g}", time));
+        }
+      }
+    }
+  });
+}
+
+Constraints::Part Constraints::make_part(const ConstraintConfig& constraint, Selections& selections) {
+  switch (constraint.kind) {
+    case ConstraintKind::displacement:
+      return {selections.nodes(constraint.part), {constraint.displacement}, true};
+    case ConstraintKind::symmetry:
+    case ConstraintKind::normal:
+      return plane(constraint, selections);
+    case ConstraintKind::along: {
+      const Vector3<double> direction = unit(constraint.direction);
+      Part part{selections.nodes(constraint.part), {}, false, direction};
+      part.displacement.components[0] = constraint.value;
+      return part;
+    }
+    case ConstraintKind::periodic:
+      return {selections.nodes(constraint.part), {constraint.difference}};
+    case ConstraintKind::rigid:
+      return rigid(constraint, selections);
+    case ConstraintKind::equation: {
+      Part part;
+      part.displacement.components[0] = constraint.value;
+      const EquationTermConfig& first = constraint.equation.front();
+      part.direction[static_cast<std::size_t>(first.component)] = first.coefficient;
+      return part;
+    }
+  }
+  return {};
+}
+
+// Along an axis it is a prescribed component, at no cost.
+Constraints::Part Constraints::plane(const ConstraintConfig& constraint, Selections& selections) {
+  Part part;
+  part.nodes = selections.nodes(constraint.part);
+  if (sum(layout_.comm, static_cast<PetscInt64>(part.nodes.size())) == 0) return part;  // told already
+  const bool is_of_surface = constraint.part.kind == Selection::Kind::surface ||
+                             constraint.part.kind == Selection::Kind::box ||
+                             constraint.part.kind == Selection::Kind::where;
+  if (!is_of_surface) {
+    selections.report(constraint.part.where, fmt::format("{} has no normal; choose a plane surface by `surface`, "
+                                                         "`box` or `where`",
+                                                         describe(constraint.part)));
+    return part;
+  }
+  const FacetList facets = selections.facets(constraint.part);
+  if (sum(layout_.comm, static_cast<PetscInt64>(facets.size())) == 0) return part;  // told already
+  if (any(layout_.comm, std::ranges::find(facets.is_outer, 0) != facets.is_outer.end())) {
+    selections.report(constraint.part.where, fmt::format("{} lies inside the mesh, where a normal has no outside; name "
+                                                         "a part of the outer surface",
+                                                         describe(constraint.part)));
+    return part;
+  }
+  const auto normal = common_normal(layout_, facets);
+  if (!normal) {
+    selections.report(constraint.part.where, fmt::format("{} is not plane, so its nodes have no normal in common; give "
+                                                         "each plane part a constraint of its own",
+                                                         describe(constraint.part)));
+    return part;
+  }
+  const Expression value = constraint.kind == ConstraintKind::normal ? constraint.value : Expression();
+  if (const auto axis = axis_of(*normal)) {
+    const auto i = static_cast<std::size_t>(*axis);
+    part.displacement.components[i] = times((*normal)[i] < 0.0 ? -1.0 : 1.0, value);
+    part.is_prescribed = true;
+  } else {
+    part.displacement.components[0] = value;
+    part.direction = *normal;
+  }
+  return part;
+}
+
+Constraints::Part Constraints::rigid(const ConstraintConfig& constraint, Selections& selections) {
+  const RigidConfig& config = constraint.rigid;
+  Part part{selections.nodes(constraint.part), {}, true};
+  RigidMotion motion;
+  motion.translation = config.translation;
+  if (config.rotation.kind == RotationConfig::Kind::about_axis) {
+    motion.axis = unit(config.rotation.axis);
+    if (config.rotation.angle) {
+      motion.angle = *config.rotation.angle;
+    } else {
+      part.turns = FreeRotation::about_axis;
+    }
+  } else if (config.rotation.kind == RotationConfig::Kind::free) {
+    part.turns = FreeRotation::about_all_axes;
+  }
+  part.is_prescribed = !part.turns;
+  if (config.center) {
+    motion.centre = *config.center;
+  } else {
+    Vector3<double> total{};
+    for (const PetscInt n : part.nodes) total = total + layout_.position(n);
+    const auto number = sum(layout_.comm, static_cast<PetscInt64>(part.nodes.size()));
+    for (std::size_t i = 0; i < 3; ++i) {
+      motion.centre[i] = sum(layout_.comm, total[i]) / static_cast<double>(std::max<PetscInt64>(number, 1));
+    }
+  }
+  part.displacement.rigid = motion;
+  if (part.turns && sum(layout_.comm, static_cast<PetscInt64>(part.nodes.size())) > 0) {
+    if (const auto reason = why_not_rigid(layout_, part.nodes, motion, *part.turns)) {
+      selections.report(constraint.where,
+                        fmt::format("{} {}; give the rotation, or say `fixed`", describe(constraint.part), *reason));
+    }
+  }
+  return part;
+}
+
+// What all ranks know alike is counted once, on the first.
+std::vector<LinearConstraint> Constraints::ties(const Config& config, Selections& selections) const {
+  std::vector<LinearConstraint> result;
+  const auto add = [&](std::vector<LinearConstraint> more) { std::ranges::move(more, std::back_inserter(result)); };
+  const bool is_first = rank(layout_.comm) == 0;
+  for (std::size_t c = 0; c < parts_.size(); ++c) {
+    const ConstraintConfig& constraint = config.constraints[c];
+    const Part& part = parts_[c];
+    if (part.turns) continue;
+    if (constraint.kind == ConstraintKind::rigid) {
+      add(translated_together(layout_, part.nodes, part.displacement, c));
+    } else if (constraint.kind == ConstraintKind::periodic) {
+      auto more = periodic_ties(constraint, c, selections);
+      if (is_first) add(std::move(more));
+    } else if (constraint.kind == ConstraintKind::equation) {
+      auto more = equation_ties(constraint, c, selections);
+      if (is_first) add(std::move(more));
+    } else if (!part.is_prescribed) {
+      add(along(layout_, part.nodes, part.direction, c));
+    }
+  }
+  return result;
+}
+
+std::vector<LinearConstraint> Constraints::periodic_ties(const ConstraintConfig& constraint, std::size_t c,
+                                                         Selections& selections) const {
+  if (constraint.part.kind == constraint.partner.kind && constraint.part.name == constraint.partner.name) {
+    selections.report(constraint.partner.where,
+                      fmt::format("{} cannot repeat itself; name another surface", describe(constraint.partner)));
+    return {};
+  }
+  const auto partners = selections.nodes(constraint.partner);
+  const PeriodicPairs pairs = match(layout_, partners, parts_[c].nodes);
+  const std::size_t num_lonely = pairs.num_lonely_a + pairs.num_lonely_b;
+  if (num_lonely > 0) {
+    const auto& [x, y, z] = pairs.lonely;
+    const auto& [dx, dy, dz] = pairs.translation;
+    selections.report(
+        constraint.partner.where,
+        fmt::format("{} of {} and {} of {} have no partner when one is shifted by ({:g}, {:g}, {:g}) onto "
+                    "the other, the first at ({:g}, {:g}, {:g}); their meshes must be copies of each "
+                    "other (gmsh: `Periodic Surface`)",
+                    counted_nodes(pairs.num_lonely_b), describe(constraint.part), counted_nodes(pairs.num_lonely_a),
+                    describe(constraint.partner), dx, dy, dz, x, y, z));
+  }
+  return periodic(pairs, parts_[c].displacement, c);
+}
+
+std::vector<LinearConstraint> Constraints::equation_ties(const ConstraintConfig& constraint, std::size_t c,
+                                                         Selections& selections) const {
+  std::vector<MeanTerm> terms;
+  for (const EquationTermConfig& term : constraint.equation) {
+    terms.push_back({selections.nodes(term.part), term.component, term.coefficient});
+  }
+  LinearConstraint result = equation(layout_, terms, c);
+  if (result.entries.size() > most_entries_of_equation) {
+    selections.report(constraint.where, fmt::format("the equation has {} entries, which it couples all with one "
+                                                    "another; choose at most {} nodes",
+                                                    result.entries.size(), most_entries_of_equation));
+  }
+  return {std::move(result)};
+}
+
+void Constraints::eliminate_ties(const Config& config, std::vector<LinearConstraint> ties, Selections& selections) {
+  std::set<PetscInt> named;
+  for (const auto& tie : ties) {
+    for (const auto& e : tie.entries) named.insert(e.entry);
+  }
+  auto all = gathered(layout_.comm, prescribed_->constraints(layout_, named));
+  const std::size_t num_prescribed = all.size();
+  std::ranges::stable_sort(ties, {}, &LinearConstraint::source);
+  std::ranges::move(ties, std::back_inserter(all));
+  std::vector<GivenDisplacement> given;
+  for (const Part& part : parts_) given.push_back(part.displacement);
+  Elimination result = eliminate(all, given, times_to_compare(config));
+  for (const auto& [i, j] : result.conflicts) {
+    selections.report(config.constraints[j].where,
+                      fmt::format("{} and {} contradict each other where they meet; make a component `free`, or let "
+                                  "them agree at all times",
+                                  title(config, i), title(config, j)));
+  }
+  selections.throw_mistakes();
+  // The first are the prescribed entries themselves.
+  result.slaves.erase(result.slaves.begin(), result.slaves.begin() + static_cast<std::ptrdiff_t>(num_prescribed));
+  std::vector<RigidPatch> patches;
+  for (const Part& part : parts_) {
+    if (part.turns) patches.emplace_back(layout_, part.nodes, *part.displacement.rigid, *part.turns);
+  }
+  map_ = std::make_unique<ConstraintMap>(layout_, result.slaves, std::move(given), std::move(patches));
+}
+
+void Constraints::check_turning_parts(const Config& config, const std::vector<LinearConstraint>& ties,
+                                      Selections& selections) const {
+  std::map<PetscInt, std::size_t> turning;  // by the node's global number
+  std::set<std::pair<std::size_t, std::size_t>> quarrels;
+  for (std::size_t c = 0; c < parts_.size(); ++c) {
+    if (!parts_[c].turns) continue;
+    std::vector<double> mine;
+    for (const PetscInt n : parts_[c].nodes) mine.push_back(static_cast<double>(layout_.global_node(n)));
+    for (const double node : gathered(layout_.comm, mine)) {
+      const auto [first, is_new] = turning.try_emplace(static_cast<PetscInt>(node), c);
+      if (!is_new) quarrels.emplace(c, first->second);
+    }
+  }
+  const auto compare = [&](PetscInt node, std::size_t other) {
+    const auto found = turning.find(node);
+    if (found != turning.end()) quarrels.emplace(other, found->second);
+  };
+  for (const auto& tie : ties) {
+    for (const auto& e : tie.entries) compare(e.entry / 3, tie.source);
+  }
+  for (std::size_t c = 0; c < parts_.size(); ++c) {
+    if (!parts_[c].is_prescribed) continue;
+    for (const PetscInt n : parts_[c].nodes) compare(layout_.global_node(n), c);
+  }
+  // What this rank has found among its nodes, and the others among theirs.
+  std::vector<double> mine;
+  for (const auto& [other, part] : quarrels)
+    mine.insert(mine.end(), {static_cast<double>(other), static_cast<double>(part)});
+  const auto all = gathered(layout_.comm, mine);
+  for (std::size_t k = 0; k < all.size(); k += 2) {
+    quarrels.emplace(static_cast<std::size_t>(all[k]), static_cast<std::size_t>(all[k + 1]));
+  }
+  for (std::size_t c = 0; c < parts_.size() && analysis_of(config) == Analysis::dynamic; ++c) {
+    const auto& rigid = parts_[c].displacement.rigid;
+    const bool is_led = rigid && std::ranges::any_of(rigid->translation, [](const auto& u) { return u.has_value(); });
+    if (parts_[c].turns != FreeRotation::about_all_axes || !is_led) continue;
+    if (!centre_is_off_plane(layout_, parts_[c].nodes, *rigid)) continue;
+    selections.report(config.constraints[c].where,
+                      fmt::format("{} lies in a plane that does not hold its `center`, whose translation is given; in "
+                                  "dynamics put `center` into the plane, or choose nodes that span a volume",
+                                  title(config, c)));
+  }
+  for (const auto& [other, part] : quarrels) {
+    selections.report(config.constraints[part].where,
+                      fmt::format("{} turns freely, so nodes of it cannot obey {} too; give its rotation, or leave out "
+                                  "the nodes that both hold",
+                                  title(config, part), title(config, other)));
+  }
+  selections.throw_mistakes();
+}
+
+// Entries go under the name of the first constraint that claims them; those of a rigid part all.
+void Constraints::add_supports(const Config& config) {
+  std::vector<char> claimed(prescribed_->flags().size(), 0);
+  for (std::size_t c = 0; c < parts_.size(); ++c) {
+    const Part& part = parts_[c];
+    const bool is_rigid = part.displacement.rigid.has_value();
+    const std::string name = support_name(config.constraints[c], c);
+    auto support = std::ranges::find(supports_, name, &Support::name);
+    if (support == supports_.end()) support = supports_.insert(supports_.end(), {name, {}, {}});
+    support_of_part_.push_back(static_cast<std::size_t>(support - supports_.begin()));
+    if (is_rigid && !support->rigid_part) support->rigid_part = c;
+    for (int i = 0; i < 3; ++i) {
+      if (!is_rigid && !(part.is_prescribed && part.displacement.gives(i))) continue;
+      for (const PetscInt node : part.nodes) {
+        if (std::exchange(claimed[3 * node + i], 1)) continue;
+        support->dofs.push_back(3 * node + i);
+      }
+    }
+  }
+}
+
+PrescribedMotion Constraints::motion() const {
+  return map_ ? map_->motion(prescribed_->motion()) : prescribed_->motion();
+}
+
+std::vector<char> Constraints::held() const {
+  std::vector<char> result(prescribed_->flags().begin(), prescribed_->flags().begin() + 3 * layout_.num_owned_nodes);
+  for (std::size_t i = 0; map_ && i < result.size(); ++i) result[i] = result[i] != 0 || map_->is_tied()[i] != 0;
+  return result;
+}
+
+std::vector<Reaction> Constraints::reactions(Vec r, Vec q) const {
+  std::vector<Vector3<double>> centres(supports_.size());
+  for (std::size_t s = 0; s < supports_.size(); ++s) {
+    if (!supports_[s].rigid_part) continue;
+    const Part& part = parts_[*supports_[s].rigid_part];
+    const Vector3<double>& centre = part.displacement.rigid->centre;
+    centres[s] = centre + nearest_placement(layout_, part.nodes, centre, q).translation;
+  }
+  std::vector<double> sums(6 * supports_.size(), 0.0);
+  {
+    const ConstArrayView reaction(r), u(q);
+    for (std::size_t s = 0; s < supports_.size(); ++s) {
+      for (const PetscInt dof : supports_[s].dofs) {
+        const int i = dof % 3, j = (i + 1) % 3, k = (i + 2) % 3;
+        const PetscInt node = dof / 3;
+        const auto X = layout_.position(node);
+        const auto arm = [&](int m) { return X[m] + u[3 * node + m] - centres[s][m]; };
+        sums[6 * s + i] += reaction[dof];
+        sums[6 * s + 3 + j] += arm(k) * reaction[dof];
+        sums[6 * s + 3 + k] -= arm(j) * reaction[dof];
+      }
+    }
+  }
+  if (map_) add_multipliers(r, sums);
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, sums.data(), static_cast<int>(sums.size()), MPI_DOUBLE, MPI_SUM, layout_.comm));
+  std::vector<Reaction> result(supports_.size());
+  for (std::size_t s = 0; s < supports_.size(); ++s) {
+    std::copy_n(sums.begin() + 6 * static_cast<std::ptrdiff_t>(s), 3, result[s].force.begin());
+    std::copy_n(sums.begin() + 6 * static_cast<std::ptrdiff_t>(s) + 3, 3, result[s].torque.begin());
+  }
+  return result;
+}
+
+// The nodes of a rigid part are counted one by one.
+void Constraints::add_multipliers(Vec r, std::vector<double>& sums) const {
+  const auto multipliers = map_->multipliers(r);
+  for (std::size_t c = 0; c < parts_.size(); ++c) {
+    const Part& part = parts_[c];
+    if (part.displacement.rigid) continue;
+    const bool has_direction = dot(part.direction, part.direction) > 0.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      sums[6 * support_of_part_[c] + i] += has_direction ? multipliers[c][0] * part.direction[i] : multipliers[c][i];
+    }
+  }
+}
+
+}  // namespace pliant

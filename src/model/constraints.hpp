@@ -1,0 +1,87 @@
+/// The input's constraints on the mesh.
+#pragma once
+
+#include "energy/constraint_map.hpp"
+#include "energy/prescribed.hpp"
+#include "input/config.hpp"
+#include "model/selections.hpp"
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+/// What holds the body in one place, under one name.
+struct Support {
+  std::string name;
+  std::vector<PetscInt> dofs;             ///< owned entries whose reactions it is
+  std::optional<std::size_t> rigid_part;  ///< the constraint that makes them rigid: the torque is told, too
+};
+
+/// What holds each support, on the body, over all ranks.
+struct Reaction {
+  std::array<double, 3> force{};   ///< [N]
+  std::array<double, 3> torque{};  ///< of a rigid part, about its centre [N m]
+};
+
+class Constraints {
+ public:
+  /// Throws InputError with its mistakes and those that `selections` has found before. Collective.
+  Constraints(const Config& config, const NodeLayout& layout, Selections& selections);
+  Constraints(const Constraints&) = delete;  // hooks refer to the object
+  Constraints& operator=(const Constraints&) = delete;
+
+  const PrescribedDisplacement& prescribed() const { return *prescribed_; }
+  const std::vector<Support>& supports() const { return supports_; }
+  /// What ties displacements to one another; nullptr if nothing does.
+  ConstraintMap* map() const { return map_.get(); }
+  /// The hooks of the time layer; they refer to this object.
+  PrescribedMotion motion() const;
+  /// One flag per owned entry on which constraints do work.
+  std::vector<char> held() const;
+
+  /// Throws InputError at a constraint whose displacement is not finite at the time [s]. Collective.
+  void require_finite(double time) const;
+
+  /// Reactions of the supports from the gradient `r` of the potential at q. Collective.
+  std::vector<Reaction> reactions(Vec r, Vec q) const;
+
+ private:
+  /// An entry of the input on the mesh.
+  struct Part {
+    std::vector<PetscInt> nodes;     // owned
+    GivenDisplacement displacement;  // what its ties refer to, too
+    bool is_prescribed = false;      // the components that `displacement` gives
+    Vector3<double> direction{};     // of the force that holds its first component, if that has one of its own
+    std::optional<FreeRotation> turns = std::nullopt;  // rigid, with a rotation that is not given
+    Location where = {};
+  };
+
+  Part make_part(const ConstraintConfig& constraint, Selections& selections);
+  Part plane(const ConstraintConfig& constraint, Selections& selections);
+  Part rigid(const ConstraintConfig& constraint, Selections& selections);
+  /// This rank's part of all ties.
+  std::vector<LinearConstraint> ties(const Config& config, Selections& selections) const;
+  std::vector<LinearConstraint> periodic_ties(const ConstraintConfig& constraint, std::size_t c,
+                                              Selections& selections) const;
+  std::vector<LinearConstraint> equation_ties(const ConstraintConfig& constraint, std::size_t c,
+                                              Selections& selections) const;
+  void eliminate_ties(const Config& config, std::vector<LinearConstraint> ties, Selections& selections);
+  /// Parts that turn freely obey nothing else: a mistake for each that does.
+  void check_turning_parts(const Config& config, const std::vector<LinearConstraint>& ties,
+                           Selections& selections) const;
+  void add_supports(const Config& config);
+  void add_multipliers(Vec r, std::vector<double>& sums) const;
+
+  const NodeLayout& layout_;
+  std::vector<Part> parts_;  // per constraint of the input
+  std::unique_ptr<PrescribedDisplacement> prescribed_;
+  std::unique_ptr<ConstraintMap> map_;
+  std::vector<Support> supports_;
+  std::vector<std::size_t> support_of_part_;
+};
+
+}  // namespace pliant

@@ -1,0 +1,374 @@
+#include "model/contacts.hpp"
+
+#include "fem/probe.hpp"
+#include "fem/surface_distance.hpp"
+#include "input/analysis.hpp"
+#include "petsc/collective.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// A spring of 10 Young's moduli per facet gives way by a tenth of what an element does, and is no stiffer than ten of
+/// them: nothing that a factorization or a Newton step would notice. E is 2 to 3 shear moduli.
+constexpr double shear_moduli_per_facet = 30.0;
+/// Of the size of a facet: what the rounding of the kink moves the body by.
+constexpr double width_per_facet = 1.0 / 50.0;
+/// How far contact points are apart, of the size of a facet.
+constexpr double spacing_per_facet = 0.5;
+/// Less deep than this part of the width a surface touches and is not pushed.
+constexpr double least_push = 1e-6;
+
+/// Collective.
+std::unique_ptr<SignedDistance> shape_of(MPI_Comm comm, const ObstacleConfig& o) {
+  switch (o.shape) {
+    case ObstacleConfig::Shape::plane:
+      return make_distance(PlaneShape{o.point, unit(o.normal)});
+    case ObstacleConfig::Shape::sphere:
+      return make_distance(SphereShape{o.point, o.radius});
+    case ObstacleConfig::Shape::cylinder:
+      return make_distance(
+          CylinderShape{o.point, unit(o.axis), o.radius, o.length.value_or(std::numeric_limits<double>::infinity())});
+    case ObstacleConfig::Shape::capsule:
+      return make_distance(CapsuleShape{o.point, unit(o.axis), o.radius, o.length.value_or(0.0)});
+    case ObstacleConfig::Shape::surface:
+      return make_distance(read_surface(comm, {o.file.value, o.file.where, {}, o.scale}));
+    case ObstacleConfig::Shape::box:
+      break;
+  }
+  return make_distance(BoxShape{o.point, o.size});
+}
+
+RigidMotion motion_of(const ObstacleConfig& o) {
+  RigidMotion motion;
+  motion.translation = {Expression(), Expression(), Expression()};
+  motion.axis = {0.0, 0.0, 1.0};
+  motion.centre = o.point;
+  if (!o.motion) return motion;
+  for (std::size_t i = 0; i < 3; ++i) motion.translation[i] = o.motion->translate[i];
+  if (const auto& rotate = o.motion->rotate) {
+    motion.axis = unit(rotate->axis);
+    motion.angle = rotate->angle;
+    motion.centre = rotate->center.value_or(o.point);
+  }
+  return motion;
+}
+
+/// The bodies of facets, found by the corners of the cells.
+class BodyOfFacets {
+ public:
+  BodyOfFacets(const ContactBodies& bodies, const FacetList& facets) {
+    std::vector<char> is_on_facets(static_cast<std::size_t>(bodies.layout.num_local_nodes), 0);
+    for (const PetscInt node : facets.nodes) is_on_facets[node] = 1;
+    for (PetscInt c = 0; c < bodies.layout.num_local_cells; ++c) {
+      const auto nodes = bodies.layout.nodes_of_cell(c);
+      for (std::size_t left_out = 0; left_out < 4; ++left_out) {
+        Corners corners{};
+        for (std::size_t a = 0, i = 0; a < 4; ++a) {
+          if (a != left_out) corners[i++] = nodes[a];
+        }
+        if (!std::ranges::all_of(corners, [&](PetscInt a) { return is_on_facets[a] != 0; })) continue;
+        std::ranges::sort(corners);
+        bodies_.insert({corners, bodies.body_of_cell[c]});
+      }
+    }
+  }
+  int operator()(std::span<const PetscInt> nodes) const {
+    Corners corners{nodes[0], nodes[1], nodes[2]};
+    std::ranges::sort(corners);
+    const auto found = bodies_.find(corners);
+    return found == bodies_.end() ? -1 : found->second;
+  }
+
+ private:
+  using Corners = std::array<PetscInt, 3>;
+  std::map<Corners, int> bodies_;
+};
+
+/// Area of the triangle of a facet's corners [m^2].
+double corner_area(const NodeLayout& layout, std::span<const PetscInt> nodes) {
+  const auto X = layout.position(nodes[0]);
+  return 0.5 * norm(cross(layout.position(nodes[1]) - X, layout.position(nodes[2]) - X));
+}
+
+}  // namespace
+
+Contacts::Contacts(const ContactConfig& config, const ContactBodies& bodies)
+    : config_(config), layout_(bodies.layout), body_names_(bodies.names) {
+  for (const auto& o : config.obstacles) {
+    auto shape = shape_of(layout_.comm, o);
+    if (o.side == ObstacleConfig::Side::inside) shape = hollow(std::move(shape));
+    obstacles_.push_back(std::make_shared<const Obstacle>(std::move(shape), motion_of(o)));
+  }
+  for (std::size_t k = 0; k < obstacles_.size(); ++k) widths_.push_back(width_of(k));
+  add_surfaces(bodies);
+}
+
+void Contacts::add_surfaces(const ContactBodies& bodies) {
+  const FacetList& all = bodies.facets;
+  const auto n = static_cast<std::size_t>(all.nodes_per_facet);
+  std::vector<FacetList> facets(body_names_.size());
+  for (FacetList& list : facets) list.nodes_per_facet = all.nodes_per_facet;
+  surface_of_node_.assign(static_cast<std::size_t>(layout_.num_owned_nodes), -1);
+  const BodyOfFacets body_of(bodies, all);
+  std::vector<double> area(body_names_.size(), 0.0), number(body_names_.size(), 0.0);
+  for (PetscInt f = 0; f < all.size(); ++f) {
+    const auto nodes = std::span(all.nodes).subspan(f * n, n);
+    const int body = body_of(nodes);
+    const auto is_held = [&](PetscInt a) {
+      return bodies.prescribed[3 * a] && bodies.prescribed[3 * a + 1] && bodies.prescribed[3 * a + 2];
+    };
+    if (body < 0 || std::ranges::all_of(nodes, is_held)) continue;
+    FacetList& list = facets[body];
+    list.nodes.insert(list.nodes.end(), nodes.begin(), nodes.end());
+    list.is_owned.push_back(all.is_owned[f]);
+    list.is_outer.push_back(all.is_outer[f]);
+    for (const PetscInt a : nodes) {
+      if (a < layout_.num_owned_nodes) surface_of_node_[a] = body;
+    }
+    if (!all.is_owned[f]) continue;
+    area[body] += corner_area(layout_, nodes);
+    number[body] += 1.0;
+  }
+  for (std::size_t b = 0; b < facets.size(); ++b) {
+    const double total = sum(layout_.comm, area[b]), count = sum(layout_.comm, number[b]);
+    const double size = count > 0.0 ? std::sqrt(2.0 * total / count) : 1.0;  // legs of a right triangle
+    facet_sizes_.push_back(size);
+    const NormalLaw law{config_.law, config_.stiffness.value_or(shear_moduli_per_facet * bodies.shear_moduli[b] / size),
+                        config_.width.value_or(width_per_facet * size), config_.threshold};
+    surfaces_.push_back(std::make_shared<const ContactSurface>(layout_, bodies.pattern, std::move(facets[b]), law));
+    if (count == 0.0) continue;
+    description_.push_back(
+        fmt::format("contact of '{}': {:.0f} facets of some {:.3g} m, stiffness {:.3g} Pa/m, width {:.3g} m",
+                    body_names_[b], count, size, law.stiffness, law.width));
+  }
+}
+
+void Contacts::prepare(const Config& config) {
+  terms_.clear();
+  pairs_.clear();
+  groups_.clear();
+  const bool has_velocity = analysis_of(config) != Analysis::static_equilibrium;
+  has_inertia_ = analysis_of(config) == Analysis::dynamic;
+  std::vector<ContactGroup> of_pairs;
+  for (std::size_t k = 0; k < obstacles_.size(); ++k) {
+    const ObstacleConfig& o = config_.obstacles[k];
+    ContactGroup of_obstacle{o.name, {}};
+    for (std::size_t b = 0; b < surfaces_.size(); ++b) {
+      ContactGroup of_pair{o.name + "_" + body_names_[b], {}};
+      const auto add = [&](std::unique_ptr<EnergyTerm> term) {
+        of_obstacle.terms.push_back(term.get());
+        of_pair.terms.push_back(term.get());
+        terms_.push_back(std::move(term));
+      };
+      auto contact = std::make_unique<Contact>(surfaces_[b], obstacles_[k]);
+      pairs_.push_back({k, b, contact.get()});
+      add(std::move(contact));
+      if (has_velocity && (o.friction > 0.0 || o.viscous_friction > 0.0)) {
+        add(make_friction(surfaces_[b], obstacles_[k], {o.friction, o.viscous_friction, config_.stick_velocity},
+                          {o.normal_damping}, config_.friction_update));
+      }
+      if (has_velocity && o.normal_damping > 0.0) {
+        add(make_normal_damping(surfaces_[b], obstacles_[k], {o.normal_damping}, config_.friction_update));
+      }
+      of_pairs.push_back(std::move(of_pair));
+    }
+    groups_.push_back(std::move(of_obstacle));
+  }
+  if (surfaces_.size() > 1) std::ranges::move(of_pairs, std::back_inserter(groups_));
+}
+
+void Contacts::check_start(const Instant& at, std::span<const double> q) const {
+  for (const auto& [obstacle, body, term] : pairs_) {
+    if (std::isfinite(sum(layout_.comm, term->energy_at(at, q, {})))) continue;
+    const ObstacleConfig& o = config_.obstacles[obstacle];
+    throw InputError(o.where, fmt::format("'{}' reaches into the obstacle '{}' at the start, which a barrier does not "
+                                          "allow; move one of them, or use 'law: penalty'",
+                                          body_names_[body], o.name));
+  }
+}
+
+bool Contacts::is_within_bodies(const ObstacleConfig& o, const ObstacleFrame& frame,
+                                const VectorExpression& displacement) const {
+  using Shape = ObstacleConfig::Shape;
+  if (o.shape == Shape::plane || o.shape == Shape::surface || o.side == ObstacleConfig::Side::inside) return false;
+  const Vector3<double> x = frame.place(o.point);
+  Vector3<double> X = x;  // where the point of a body came from, if bodies only moved as a whole
+  for (std::size_t i = 0; i < 3; ++i) X[i] -= displacement[i](x[0], x[1], x[2], 0.0);
+  return locate(layout_, X).distance == 0.0;
+}
+
+double Contacts::width_of(std::size_t obstacle) const {
+  using Shape = ObstacleConfig::Shape;
+  const ObstacleConfig& o = config_.obstacles[obstacle];
+  constexpr double endless = std::numeric_limits<double>::infinity();
+  if (o.side == ObstacleConfig::Side::inside) return endless;
+  Vector3<double> extent{endless, endless, endless};
+  if (o.shape == Shape::box) extent = o.size;
+  if (o.shape == Shape::sphere || o.shape == Shape::capsule || o.shape == Shape::cylinder) return 2.0 * o.radius;
+  if (o.shape == Shape::surface) {
+    Vector3<double> low = extent, high = -1.0 * extent;
+    for (const TrianglePatch& triangle : obstacles_[obstacle]->shape().drawing({}, 0.0)) {
+      for (const auto& corner : triangle) {
+        for (std::size_t i = 0; i < 3; ++i) {
+          low[i] = std::min(low[i], corner[i]);
+          high[i] = std::max(high[i], corner[i]);
+        }
+      }
+    }
+    extent = high - low;
+  }
+  std::ranges::sort(extent);
+  return extent[1];  // of a sheet the breadth: points find its face
+}
+
+std::optional<std::string> Contacts::doubt_about_push(std::size_t obstacle, std::size_t body, const Instant& at,
+                                                      std::span<const double> q) const {
+  const ObstacleConfig& o = config_.obstacles[obstacle];
+  const ContactSurface& surface = *surfaces_[body];
+  const ObstacleFrame frame = obstacles_[obstacle]->at(at);
+  double energy = 0.0;
+  surface.for_each_near(frame, {q}, ContactSurface::Facets::owned, [&](const ContactSurface::Point& point) {
+    energy += point.area * surface.law()(frame.distance(surface.position(point, q))).energy;
+  });
+  energy = sum(layout_.comm, energy);
+  const Closeness mine = pliant::closeness(surface, frame, q);
+  const double gap = minimum(layout_.comm, mine.gap), num_points = sum(layout_.comm, mine.num_points);
+  // Beyond a barrier check_start throws. A surface that just touches is so but for its rounding. Without inertia a push
+  // is a load like others.
+  if (!std::isfinite(energy) || gap > surface.law().reach() - config_.threshold - least_push * surface.law().width ||
+      (!has_inertia_ && -gap <= facet_sizes_[body])) {
+    return std::nullopt;
+  }
+  const double distance = gap + config_.threshold;
+  const std::string place = distance < 0.0
+                                ? fmt::format("{:.3g} m deep in the obstacle '{}'", -distance, o.name)
+                                : fmt::format("{:.3g} m from the obstacle '{}', where contact acts", distance, o.name);
+  return fmt::format(
+      "{}: '{}' starts {}, which pushes it at {:.0f} of its contact points and would throw it out with "
+      "{:.3g} J that nothing brought in; move one of them{}",
+      to_string(o.where), body_names_[body], place, num_points, energy,
+      o.shape == ObstacleConfig::Shape::plane && -gap > facet_sizes_[body]
+          ? ", or turn 'normal' round: it points to where the bodies are"
+          : "");
+}
+
+std::vector<std::string> Contacts::doubts_about_start(const Instant& at, const VectorExpression& displacement) const {
+  std::vector<std::string> doubts;
+  if (description_.empty()) {
+    doubts.push_back(to_string(config_.where) +
+                     ": nothing can touch the obstacles: constraints give every displacement of the surface that may");
+  }
+  std::vector<double> q(layout_.coordinates.size());
+  for (PetscInt a = 0; a < layout_.num_local_nodes; ++a) {
+    const Vector3<double> X = layout_.position(a);
+    for (std::size_t i = 0; i < 3; ++i) q[3 * a + i] = displacement[i](X[0], X[1], X[2], 0.0);
+  }
+  std::vector<char> has_facets;
+  for (const auto& surface : surfaces_) has_facets.push_back(any(layout_.comm, surface->facets().size() > 0));
+  for (std::size_t k = 0; k < obstacles_.size(); ++k) {
+    const ObstacleConfig& o = config_.obstacles[k];
+    const ObstacleFrame frame = obstacles_[k]->at(at);
+    if (is_within_bodies(o, frame, displacement)) {
+      doubts.push_back(
+          fmt::format("{}: the obstacle '{}' starts inside a body, which feels it only where its surface "
+                      "meets it; move one of them",
+                      to_string(o.where), o.name));
+      continue;
+    }
+    for (std::size_t b = 0; b < body_names_.size(); ++b) {
+      const double width = widths_[k], spacing = spacing_per_facet * facet_sizes_[b];
+      if (has_facets[b] && width < spacing) {
+        doubts.push_back(fmt::format(
+            "{}: the obstacle '{}' is {:.3g} m wide, but '{}' feels it at points that are up to {:.3g} m apart (facets "
+            "of some {:.3g} m): it can poke in between them; refine the mesh where they touch",
+            to_string(o.where), o.name, width, body_names_[b], spacing, facet_sizes_[b]));
+      }
+      if (auto doubt = doubt_about_push(k, b, at, q)) doubts.push_back(std::move(*doubt));
+    }
+  }
+  return doubts;
+}
+
+Closeness Contacts::closeness(const Instant& at, std::span<const double> q) const {
+  Closeness result;
+  for (const auto& obstacle : obstacles_) {
+    const ObstacleFrame frame = obstacle->at(at);
+    for (const auto& surface : surfaces_) {
+      const Closeness one = pliant::closeness(*surface, frame, q);
+      result.gap = std::min(result.gap, one.gap);
+      result.num_points += one.num_points;
+    }
+  }
+  return {minimum(layout_.comm, result.gap), sum(layout_.comm, result.num_points)};
+}
+
+std::optional<std::string> Contacts::passage(const Instant& from, std::span<const double> q_from, const Instant& to,
+                                             std::span<const double> q_to) const {
+  Passage deepest;
+  std::size_t which = 0;
+  for (std::size_t k = 0; k < obstacles_.size() * surfaces_.size(); ++k) {
+    const std::size_t o = k / surfaces_.size();
+    const Obstacle& obstacle = *obstacles_[o];
+    const ObstacleStep step{obstacle.shape(), obstacle.at(from), obstacle.at(to), widths_[o]};
+    const auto found = pliant::passage(*surfaces_[k % surfaces_.size()], step, q_from, q_to);
+    if (!found || found->depth <= deepest.depth) continue;
+    deepest = *found;
+    which = k;
+  }
+  if (!any(layout_.comm, deepest.depth > 0.0)) return std::nullopt;
+  const auto& [x, y, z] = deepest.place;
+  const auto all = gathered(layout_.comm, std::array{deepest.depth, static_cast<double>(which), x, y, z});
+  std::size_t first = 0;
+  for (std::size_t i = 5; i < all.size(); i += 5) {
+    if (all[i] > all[first]) first = i;
+  }
+  which = static_cast<std::size_t>(all[first + 1]);
+  return fmt::format(
+      "'{}' passes the obstacle '{}': near ({:.4g}, {:.4g}, {:.4g}) its surface gets {:.3g} m deep, too deep to be "
+      "pushed "
+      "back; {} or a shorter 'time.step' keeps it out",
+      body_names_[which % surfaces_.size()], config_.obstacles[which / surfaces_.size()].name, all[first + 2],
+      all[first + 3], all[first + 4], all[first],
+      config_.law == NormalKind::barrier
+          ? "a finer mesh"
+          : "a finer mesh, a larger 'contact.stiffness' (the log says what it is), 'law: barrier'");
+}
+
+double Contacts::energy(const Instant& at, std::span<const double> q) const {
+  double total = 0.0;
+  for (const auto& pair : pairs_) total += pair.term->energy_at(at, q, {});
+  return total;
+}
+
+std::vector<NodalContact> Contacts::at_nodes(const Instant& at, double dt, std::span<const double> q,
+                                             std::span<const double> v) const {
+  std::vector<NodalContact> result(static_cast<std::size_t>(layout_.num_owned_nodes));
+  for (NodalContact& node : result) node.gap = std::numeric_limits<double>::infinity();
+  const auto vector_at = [](std::span<const double> values, PetscInt a) {
+    return Vector3<double>{values[3 * a], values[3 * a + 1], values[3 * a + 2]};
+  };
+  for (const auto& obstacle : obstacles_) {
+    const ObstacleFrame frame = obstacle->at(at, dt);
+    for (PetscInt a = 0; a < layout_.num_owned_nodes; ++a) {
+      NodalContact& node = result[a];
+      const auto x = layout_.position(a) + vector_at(q, a);
+      const DistanceAt distance = frame.at(x);
+      node.gap = std::min(node.gap, distance.d - config_.threshold);
+      if (surface_of_node_[a] < 0) continue;
+      const double pressure = surfaces_[surface_of_node_[a]]->law()(distance.d).pressure;
+      if (pressure <= 0.0) continue;
+      node.pressure += pressure;
+      const auto relative = vector_at(v, a) - frame.velocity(x);
+      node.slip = relative - dot(relative, distance.n) * distance.n;
+    }
+  }
+  return result;
+}
+
+}  // namespace pliant

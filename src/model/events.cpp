@@ -1,0 +1,182 @@
+#include "model/events.hpp"
+
+#include "base/text.hpp"
+#include "input/keys.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+class Formulas {
+ public:
+  explicit Formulas(DrivingFormula::Kind kind, const Location& where, std::vector<DrivingFormula>& into)
+      : kind_(kind), where_(where), into_(into) {}
+
+  void add(const Expression& formula) { into_.push_back({&formula, where_, kind_}); }
+  template <class T>
+  void add(const std::optional<T>& value) {
+    if (value) add(*value);
+  }
+  template <class T, std::size_t N>
+  void add(const std::array<T, N>& values) {
+    for (const T& value : values) add(value);
+  }
+
+ private:
+  DrivingFormula::Kind kind_;
+  const Location& where_;
+  std::vector<DrivingFormula>& into_;
+};
+
+/// Whether there are steps in time that could end at events.
+bool has_steps(const Config& config) {
+  return config.time.method.value != static_method && config.time.step > 0.0 && config.time.end > 0.0;
+}
+
+/// Events that are nearer than this part of a step are one, as for StepControl.
+constexpr double same = 1e-6;
+
+struct Kink {
+  double time = 0.0;
+  const Expression* formula = nullptr;
+};
+
+std::vector<Kink> kinks_of(const Config& config) {
+  constexpr double fewest_samples = 1e3, most_samples = 1e5;
+  const TimeConfig& time = config.time;
+  const double interval = std::clamp(0.25 * time.step, time.end / most_samples, time.end / fewest_samples);
+  std::vector<Kink> kinks;
+  for (const DrivingFormula& driving : driving_formulas(config)) {
+    for (const double t : driving.formula->kinks(time.end, interval)) kinks.push_back({t, driving.formula});
+  }
+  std::ranges::sort(kinks, {}, &Kink::time);
+  const auto repeated =
+      std::ranges::unique(kinks, [&](const Kink& a, const Kink& b) { return b.time - a.time <= same * time.step; });
+  kinks.erase(repeated.begin(), repeated.end());
+  const auto is_given = [&](const Kink& kink) {
+    return std::ranges::any_of(time.events,
+                               [&](double event) { return std::abs(event - kink.time) <= same * time.step; });
+  };
+  std::erase_if(kinks, is_given);
+  return kinks;
+}
+
+/// "t = 0.1, 0.2, 0.3 s and 5 more, the first of '...'".
+std::string in_words(const std::vector<Kink>& kinks) {
+  constexpr std::size_t most_shown = 5;
+  std::string text = "t = ";
+  for (std::size_t k = 0; k < std::min(kinks.size(), most_shown); ++k) {
+    text += fmt::format("{}{:.6g}", k == 0 ? "" : ", ", kinks[k].time);
+  }
+  text += " s";
+  if (kinks.size() > most_shown) text += fmt::format(" and {} more", kinks.size() - most_shown);
+  return text +
+         fmt::format("{} of '{}'", kinks.size() > 1 ? ", the first" : ",", excerpt(kinks.front().formula->text()));
+}
+
+}  // namespace
+
+std::vector<DrivingFormula> driving_formulas(const Config& config) {
+  using Kind = DrivingFormula::Kind;
+  std::vector<DrivingFormula> all;
+  for (const BodyConfig& body : config.bodies) {
+    if (!body.active) continue;
+    Formulas formulas(Kind::force, body.active->where, all);
+    formulas.add(body.active->stress);
+    formulas.add(body.active->shortening);
+  }
+  for (const ConstraintConfig& c : config.constraints) {
+    Formulas formulas(Kind::motion, c.where, all);
+    formulas.add(c.displacement);
+    formulas.add(c.value);
+    formulas.add(c.difference);
+    formulas.add(c.rigid.translation);
+    formulas.add(c.rigid.rotation.angle);
+  }
+  for (const LoadConfig& load : config.loads) {
+    Formulas formulas(Kind::force, load.where, all);
+    formulas.add(load.value);
+    formulas.add(load.pressure);
+  }
+  for (const CavityConfig& cavity : config.cavities) {
+    Formulas formulas(Kind::force, cavity.where, all);
+    formulas.add(cavity.pressure);
+    if (cavity.gas) formulas.add(cavity.gas->amount);
+    if (!cavity.liquid) continue;
+    formulas.add(cavity.liquid->added_volume);
+    formulas.add(cavity.liquid->flow);
+  }
+  if (!config.contact) return all;
+  for (const ObstacleConfig& o : config.contact->obstacles) {
+    if (!o.motion) continue;
+    Formulas formulas(Kind::motion, o.where, all);
+    formulas.add(o.motion->translate);
+    if (o.motion->rotate) formulas.add(o.motion->rotate->angle);
+  }
+  return all;
+}
+
+std::vector<std::string> doubts_about_moving_kinks(const Config& config, const std::array<double, 6>& bounds) {
+  struct Kink {
+    double time;
+    std::array<double, 3> X;
+  };
+  constexpr double samples = 1e3;
+  std::vector<std::string> doubts;
+  if (!has_steps(config)) return doubts;
+  for (const auto& [formula, where, kind] : driving_formulas(config)) {
+    if (kind != DrivingFormula::Kind::motion || !formula->depends_on_space()) continue;
+    std::vector<Kink> kinks;
+    for (int place = 0; place < 27; ++place) {
+      std::array<double, 3> X{};
+      for (std::size_t i = 0, rest = static_cast<std::size_t>(place); i < 3; ++i, rest /= 3) {
+        X[i] = bounds[i] + 0.5 * static_cast<double>(rest % 3) * (bounds[i + 3] - bounds[i]);
+      }
+      for (const double t : formula->kinks_at(X, config.time.end, config.time.end / samples)) kinks.push_back({t, X});
+    }
+    if (kinks.empty()) continue;
+    const auto at = [](const Kink& kink) {
+      return fmt::format("t = {:.4g} s at ({:.4g}, {:.4g}, {:.4g})", kink.time, kink.X[0], kink.X[1], kink.X[2]);
+    };
+    const auto [first, last] = std::ranges::minmax_element(kinks, {}, &Kink::time);
+    doubts.push_back(fmt::format(
+        "{}: the motion prescribed by '{}' has kinks or jumps whose times depend on the place, as at {}{}: steps do "
+        "not "
+        "end there, so that every method is of first order at best, and velocities may be wrong by what the kink "
+        "changes; name the times that matter in 'time.events', or write a formula without kinks, such as "
+        "0.5*(a + b - sqrt((a - b)^2 + c^2)) with a small c in place of min(a, b)",
+        to_string(where), excerpt(formula->text()), at(*first), last->time > first->time ? " and " + at(*last) : ""));
+  }
+  return doubts;
+}
+
+Events events_of(const Config& config) {
+  Events events;
+  if (!has_steps(config)) return events;
+  events.times = config.time.events;
+  const std::vector<Kink> kinks = kinks_of(config);
+  if (kinks.empty()) return events;
+  // Each costs a step, and past states; two steps between them are the least.
+  constexpr double always_taken = 50.0;
+  const double most = std::max(always_taken, 0.5 * config.time.end / config.time.step);
+  if (static_cast<double>(kinks.size()) > most) {
+    events.warnings.push_back(
+        fmt::format("{}: formulas of t have {} kinks or jumps, at {}: too many for steps to end at all of them; take "
+                    "shorter steps, "
+                    "or name those that matter in 'time.events'",
+                    config.file, kinks.size(), in_words(kinks)));
+    return events;
+  }
+  std::ranges::transform(kinks, std::back_inserter(events.times), &Kink::time);
+  std::ranges::sort(events.times);
+  events.notices.push_back(
+      fmt::format("formulas of t have kinks or jumps; steps end there, as at 'time.events': {}", in_words(kinks)));
+  return events;
+}
+
+}  // namespace pliant

@@ -1,0 +1,43 @@
+/// Methods in time that certainly cannot take the steps they are given.
+#pragma once
+
+#include "fem/layout.hpp"
+#include "input/config.hpp"
+#include "mesh/report.hpp"
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+/// What is known of the motion before it starts.
+struct MotionAtStart {
+  const NodeLayout& layout;
+  const std::vector<int>& body_of_cell;  ///< of each local cell
+  std::span<const double> shear_waves;   ///< speed in each body's stiffest part; 0 without mass [m/s]
+  double slowest_wave = 0.0;             ///< shear waves of the softest body [m/s]
+  const MeshReport& mesh;
+};
+
+/// How far a stiff body is stretched that a step turns by `angle` [rad], by the method alone: stages put it where it
+/// has its size, but it ends where they lead.
+///
+///     y_{n+1} - y* = sum_i bt_i (Y_i - y*),   |Y_i| = |y*|:   stretch = |1 + sum_i bt_i (exp(i c_i angle) - 1)| - 1
+///
+/// It is 0 where the last stage ends the step. Symplectic methods are steps of the midpoint rule one after another, and
+/// a stage starts where one ends: the largest counts, Y_i0 - y* = sum_j At_ij (Y_j - y*). Methods of one past state.
+double stretch_of_rotation(const Method& method, double angle);
+
+/// The factor by which a step multiplies the amplitude of the undamped vibrations that grow most, among those of
+/// lowest dt <= omega dt <= highest dt.
+struct FastestGrowth {
+  double factor = 1.0;
+  double phase = 0.0;  ///< omega dt
+};
+FastestGrowth fastest_growth(const Method& method, double lowest, double highest);
+
+/// Warnings. Steps must be equal. Collective.
+std::vector<std::string> doubts_about_method(const Config& config, const MotionAtStart& at);
+
+}  // namespace pliant

@@ -1,0 +1,378 @@
+#include "model/model.hpp"
+
+#include "base/stopwatch.hpp"
+#include "energy/mean_dilatation.hpp"
+#include "energy/velocity_projection.hpp"
+#include "input/elasticity.hpp"
+#include "input/keys.hpp"
+#include "input/volumetric.hpp"
+#include "model/active.hpp"
+#include "model/advice.hpp"
+#include "model/checks.hpp"
+#include "model/events.hpp"
+#include "model/mesh_cell_data.hpp"
+#include "model/method_advice.hpp"
+#include "model/selections.hpp"
+#include "model/viscosity.hpp"
+#include "petsc/array_view.hpp"
+#include "petsc/collective.hpp"
+#include "petsc/ghosted.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+
+namespace pliant {
+
+Model::Model(MPI_Comm comm, const Config& config, const TermFactory& additional) {
+  // The input's size is in metres, gmsh's in the unit of the geometry.
+  auto size = config.mesh.size;
+  if (size) *size /= config.mesh.scale;
+  const Mesh mesh = [&] {
+    const Stopwatch watch(mesh_seconds_);
+    return read_mesh(comm,
+                     {config.mesh.file.value, config.mesh.file.where, size, config.mesh.scale, config.mesh.refine,
+                      config.mesh.allow_commands ? Commands::allowed : Commands::refused, config.mesh.time_limit});
+  }();
+  mesh_report_ = mesh.report;
+  const int order = static_cast<int>(config.element);
+  layout_ = make_layout(mesh, order);
+  on_every_rank(comm, [&] { pattern_ = std::make_unique<BlockPattern>(layout_); });
+  if (order == 1 && mesh.geometry_order == 2) {
+    notices_.push_back("the mesh has curved edges, which P1 elements straighten; `element: P2` keeps them");
+  }
+  build_terms(config, mesh);
+  require_no_ties(config, constraints_->map());
+  if (additional) {
+    additional_ = additional(*this);
+  } else if (nothing_moves(config)) {
+    doubts_.push_back(
+        config.file +
+        ": nothing moves the bodies: no load, no prescribed motion, no initial velocity; the result is 0");
+  }
+  prepare(config);
+  if (contacts_) {
+    for (auto& doubt : contacts_->doubts_about_start(instant(0.0), config.initial.displacement))
+      doubts_.push_back(std::move(doubt));
+  }
+  doubt_overlap(config);
+  std::ranges::move(without_effect(config), std::back_inserter(notices_));
+  Events events = events_of(config);
+  std::ranges::move(events.notices, std::back_inserter(notices_));
+  std::ranges::move(events.warnings, std::back_inserter(doubts_));
+  std::ranges::move(doubts_about_moving_kinks(config, mesh_report_.bounds), std::back_inserter(doubts_));
+  std::vector<double> shear_waves;
+  for (std::size_t b = 0; b < densities_.size(); ++b) {
+    shear_waves.push_back(densities_[b] > 0.0 ? std::sqrt(shear_moduli_[b] / densities_[b]) : 0.0);
+  }
+  const auto doubts =
+      doubts_about_method(config, {layout_, body_of_cell_, shear_waves, wave_speeds_.slowest, mesh_report_});
+  std::ranges::copy(doubts, std::back_inserter(doubts_));
+  const Method* method = method_of(config.time);
+  const auto rings = [](const BodyConfig& body) { return body.viscosity.empty(); };
+  if (doubts.empty() && method != nullptr && method->stability == Stability::not_a_stable &&
+      std::ranges::any_of(config.bodies, rings)) {
+    notices_.push_back(fmt::format(
+        "{} is not A-stable: vibrations that nothing damps grow; give the bodies a viscosity, or take another method",
+        method->name.empty() ? "the method" : method->name));
+  }
+}
+
+void Model::include_waves(const ElasticLawSpec& law, double density) {
+  if (density <= 0.0) return;
+  const WaveModuli moduli = wave_moduli(law);
+  const double largest =
+      std::isfinite(moduli.largest) ? moduli.largest : moduli.smallest;  // incompressible: shear only
+  wave_speeds_.fastest = std::max(wave_speeds_.fastest, std::sqrt(largest / density));
+  wave_speeds_.slowest = std::min(wave_speeds_.slowest, std::sqrt(moduli.smallest / density));
+}
+
+template <int Order>
+void Model::build_cells(const Config& config, const Mesh& mesh) {
+  std::vector<ElasticityRule> rules;
+  std::vector<int> degrees;
+  for (const auto& body : config.bodies) {
+    rules.emplace_back(body.elasticity);
+    degrees.push_back(elastic_quadrature_degree(rules.back().kind().traits(), Order));
+  }
+  auto& groups = cells_.emplace<CellGroups<Order>>();
+  const bool is_mixed = config.volumetric == VolumetricTreatment::mixed;
+  if (is_mixed) {
+    pressures_ = std::make_unique<PressureField>(
+        make_pressure_layout(layout_, body_of_cell_, static_cast<int>(rules.size())), layout_.comm);
+  }
+  on_every_rank(layout_.comm, [&] {
+    try {
+      groups = make_cell_groups<Order>(layout_, *pattern_, body_of_cell_, degrees);
+    } catch (const InputError& e) {
+      throw InputError(config.mesh.file.where, e.diagnostics().front().message);
+    }
+  });
+  wave_speeds_ = {0.0, HUGE_VAL};
+  shear_moduli_.assign(rules.size(), 0.0);
+  const MeshCellData cell_data(mesh, layout_);
+  on_every_rank(layout_.comm, [&] {
+    for (std::size_t b = 0; b < rules.size(); ++b) {
+      const int body = static_cast<int>(b);
+      rules[b].bind(cell_data);
+      const auto law_at = [&](PetscInt cell, const std::array<double, 3>& X) {
+        ElasticLawSpec law = rules[b].law_at(cell, X);
+        if (!is_mixed) require_compressible(law, config.bodies[b].elasticity.where);
+        include_waves(law, densities_[b]);
+        shear_moduli_[b] = std::max(shear_moduli_[b], wave_moduli(law).smallest);
+        return law;
+      };
+      const ActiveParts active = make_active_parts<Order>(config.bodies[b], {cell_data, layout_, groups, body});
+      if (active.tension) {
+        active_.push_back(make_active_stress_term<Order>(active.tension, groups, body, layout_.num_owned_nodes));
+      }
+      if constexpr (Order == 2) {
+        if (is_mixed) {
+          const VolumeSplit split = *split_volume(law_at(0, {}));
+          laws_.push_back(make_law_field(split.rest));
+          auto term = make_mixed_term(split, groups, body, layout_.num_owned_nodes, *pressures_);
+          mixed_.push_back(term.get());
+          elastic_.push_back(std::move(term));
+          continue;
+        }
+      }
+      std::shared_ptr<const LawField> law;
+      if (rules[b].is_uniform()) {
+        law = make_law_field(law_at(0, {}));
+      } else {
+        law = make_varying_law<Order>(rules[b].kind(), layout_, groups, body, law_at);
+      }
+      laws_.push_back(law);
+      if constexpr (Order == 2) {
+        if (config.volumetric == VolumetricTreatment::mean_dilatation) {
+          elastic_.push_back(make_mean_dilatation_term(std::move(law), groups, body, layout_.num_owned_nodes));
+          continue;
+        }
+      }
+      elastic_.push_back(
+          make_elastic_term<Order>(std::move(law), groups, body, layout_.num_owned_nodes, active.shortening));
+    }
+  });
+  wave_speeds_ = {maximum(layout_.comm, wave_speeds_.fastest), minimum(layout_.comm, wave_speeds_.slowest)};
+  for (double& modulus : shear_moduli_) modulus = maximum(layout_.comm, modulus);
+  const bool has_mass = std::any_of(densities_.begin(), densities_.end(), [](double d) { return d > 0.0; });
+  if (has_mass) {
+    inertia_ = make_inertia<Order>(layout_, *pattern_, groups, densities_,
+                                   config.mass == MassKind::consistent ? Mass::consistent : Mass::lumped);
+  }
+}
+
+void Model::build_terms(const Config& config, const Mesh& mesh) {
+  Selections selections(mesh, layout_);
+
+  std::vector<Selection> parts;
+  for (const auto& body : config.bodies) {
+    parts.push_back(body.part);
+    body_names_.push_back(body.part.name.empty() ? "body" : body.part.name);
+    densities_.push_back(body.density.value_or(0.0));
+  }
+  body_of_cell_ = selections.cells(parts);
+
+  loads_ = std::make_unique<Loads>(config, LoadedBodies{layout_, *pattern_, body_of_cell_, densities_}, selections);
+  FacetList touching;
+  if (config.contact) {
+    touching = selections.outer_facets(config.contact->part, config.contact->where, "where nothing can be touched");
+  }
+  constraints_ = std::make_unique<Constraints>(config, layout_, selections);
+  for (const auto& notice : selections.unused_groups()) notices_.push_back(notice);
+  if (layout_.order == 1) {
+    build_cells<1>(config, mesh);
+  } else {
+    build_cells<2>(config, mesh);
+  }
+  const auto doubt = [&](std::vector<std::string> doubts) { std::ranges::move(doubts, std::back_inserter(doubts_)); };
+  doubt(doubts_about(config));
+  doubt(doubts_about_mesh(config, mesh_report_));
+  doubt(doubts_about_loads(config, layout_, selections, constraints_->prescribed()));
+  const bool may_start_deformed = config.volumetric != VolumetricTreatment::mixed;  // which is refused later
+  if (may_start_deformed && analysis_of(config) == Analysis::dynamic) {
+    doubt(doubts_about_start(config, layout_, selections));
+  }
+  loads_->complete(config, constraints_->prescribed());
+  require_finite(analysis_of(config) == Analysis::static_equilibrium ? config.time.end : 0.0);
+  if (config.contact) {
+    contacts_ = std::make_unique<Contacts>(
+        *config.contact, ContactBodies{touching, layout_, *pattern_, body_of_cell_, body_names_, shear_moduli_,
+                                       constraints_->prescribed().flags()});
+    for (const auto& line : contacts_->description()) notices_.push_back(line);
+  }
+
+  find_components(config, selections);
+
+  std::vector<std::array<double, 3>> points;
+  for (const auto& probe : config.probes) points.push_back(probe.point);
+  probes_ = locate(layout_, points);
+  require_near(config.probes);
+  for (std::size_t p = 0; p < probes_.size(); ++p) {
+    const double far = probes_[p].distance;
+    if (far > 0.0) {
+      notices_.push_back(
+          fmt::format("probe '{}' lies outside the mesh; the nearest node, {:.3g} m away, is recorded instead",
+                      config.probes[p].name, far));
+    }
+  }
+}
+
+/// A probe beside the body by rounding, or by the facets of a round surface, is as good as on it; one further away is
+/// given in another unit, or for another body.
+void Model::require_near(const std::vector<ProbeConfig>& probes) const {
+  constexpr double near = 0.05;  // of the mesh's diagonal
+  const auto& b = mesh_report_.bounds;
+  const double diagonal = std::hypot(b[3] - b[0], b[4] - b[1], b[5] - b[2]);
+  std::vector<Diagnostic> mistakes;
+  for (std::size_t p = 0; p < probes_.size(); ++p) {
+    if (!(probes_[p].distance > near * diagonal)) continue;  // to a node
+    const NearestOfMesh nearest = nearest_of_mesh(layout_, probes[p].point);
+    if (!(nearest.distance > near * diagonal)) continue;
+    const auto& [x, y, z] = nearest.point;
+    mistakes.push_back(
+        {probes[p].where,
+         fmt::format("probe '{}' lies outside the mesh, {:.3g} m from its nearest point ({:.4g}, {:.4g}, "
+                     "{:.4g}); positions are in metres, after 'mesh.scale', of the undeformed body",
+                     probes[p].name, nearest.distance, x, y, z)});
+  }
+  if (!mistakes.empty()) throw InputError(mistakes);
+}
+
+void Model::find_components(const Config& config, Selections& selections) {
+  components_ = connected_components(layout_);
+  std::vector<char> is_held(static_cast<std::size_t>(components_.count), 0);
+  std::vector<std::vector<PetscInt>> links;
+  const auto hold = [&](const std::vector<PetscInt>& nodes) {
+    for (const PetscInt n : nodes) is_held[static_cast<std::size_t>(components_.of_node[n])] = 1;
+  };
+  for (const ConstraintConfig& c : config.constraints) {
+    using Kind = ConstraintConfig::Kind;
+    std::vector<PetscInt> nodes;
+    const auto add = [&](const Selection& part) {
+      for (const PetscInt n : selections.nodes(part)) nodes.push_back(n);
+    };
+    if (c.kind != Kind::equation) add(c.part);
+    if (c.kind == Kind::periodic) add(c.partner);
+    for (const EquationTermConfig& term : c.equation) add(term.part);
+    hold(nodes);
+    if (c.kind == Kind::equation || c.kind == Kind::periodic || c.kind == Kind::rigid)
+      links.push_back(std::move(nodes));
+  }
+  if (analysis_of(config) == Analysis::dynamic && may_fall(config)) {
+    int num_free = 0;
+    for (const char held : is_held) num_free += any(layout_.comm, held != 0) ? 0 : 1;
+    if (num_free > 0) {
+      notices_.push_back(fmt::format(
+          "nothing holds {}: the loads move {} away; constraints, springs or contact hold a body",
+          components_.count == 1 ? "the body" : fmt::format("{} of the mesh's {} parts", num_free, components_.count),
+          num_free == 1 ? "it" : "them"));
+    }
+  }
+  for (const auto& nodes : links) join(components_, layout_, nodes);
+}
+
+void Model::doubt_overlap(const Config& config) {
+  std::vector<double> u(3 * static_cast<std::size_t>(layout_.num_local_nodes));
+  for (PetscInt n = 0; n < layout_.num_local_nodes; ++n) {
+    const auto [x, y, z] = layout_.position(n);
+    for (std::size_t i = 0; i < 3; ++i) u[3 * n + i] = config.initial.displacement[i](x, y, z, 0.0);
+  }
+  const auto overlap = deepest_overlap(layout_, components_, u);
+  overlaps_at_start_ = overlap.has_value();
+  if (!overlap) return;
+  const auto& [x, y, z] = overlap->at;
+  doubts_.push_back(
+      fmt::format("{}: parts of the mesh that share no node overlap at the start, {:.3g} m deep at ({:.4g}, {:.4g}, "
+                  "{:.4g}): they do not feel one another, since contact acts between bodies and obstacles only; move "
+                  "one of them, or join them in gmsh (BooleanFragments)",
+                  to_string(config.mesh.file.where), overlap->depth, x, y, z));
+}
+
+void Model::prepare(const Config& config) {
+  const Analysis analysis = analysis_of(config);
+  is_dynamic_ = analysis == Analysis::dynamic;
+  static_time_ = analysis == Analysis::static_equilibrium ? std::optional(config.time.end) : std::nullopt;
+  if (ConstraintMap* map = constraints_->map()) {
+    map->set_rigidity(analysis == Analysis::dynamic ? Rigidity::of_accelerations : Rigidity::of_configurations);
+  }
+  viscous_ = make_viscous_terms(config, {layout_, *pattern_, cells_, laws_});
+  std::vector<const EnergyTerm*> terms;
+  for (const auto& term : elastic_) terms.push_back(term.get());
+  for (const auto& term : active_) terms.push_back(term.get());
+  for (const auto& term : viscous_) terms.push_back(term.get());
+  for (const auto& term : loads_->terms()) terms.push_back(term.get());
+  if (contacts_) {
+    contacts_->prepare(config);
+    for (const auto& term : contacts_->terms()) terms.push_back(term.get());
+  }
+  for (const auto& term : additional_) terms.push_back(term.get());
+  if (analysis == Analysis::dynamic && inertia_) terms.push_back(inertia_.get());
+  potential_ =
+      std::make_unique<IncrementalPotential>(layout_, *pattern_, std::move(terms), constraints_->prescribed().flags());
+  if (!pressures_) return;
+  check(VecSet(pressures_->values(), 0.0));
+  update_ghosts(pressures_->values());
+  mixed_equation_ = std::make_unique<MixedEquation>(*potential_, layout_, *pattern_, mixed_, *pressures_);
+}
+
+PrescribedMotion Model::motion() const {
+  PrescribedMotion motion = constraints_->motion();
+  if (!inertia_ || !is_dynamic_) return motion;
+  return with_projected_velocities(
+      std::move(motion), {layout_, *pattern_, *inertia_, constraints_->prescribed().flags(), constraints_->map()});
+}
+
+void Model::require_finite_initial(const Config& config, const char* what, Vec values) const {
+  on_every_rank(layout_.comm, [&] {
+    const ConstArrayView view(values);
+    const std::span<const double> numbers = view.span();
+    const auto found = std::ranges::find_if_not(numbers, [](double number) { return std::isfinite(number); });
+    if (found == numbers.end()) return;
+    const auto [x, y, z] = layout_.position(static_cast<PetscInt>((found - numbers.begin()) / 3));
+    throw InputError({config.file, 0, 0},
+                     fmt::format("the initial {} is not finite at ({:g}, {:g}, {:g})", what, x, y, z));
+  });
+}
+
+void Model::require_finite(double time) const {
+  loads_->require_finite(time);
+  constraints_->require_finite(time);
+}
+
+void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
+  {
+    const ArrayView displacement(q), velocity(v);
+    for (PetscInt n = 0; n < layout_.num_owned_nodes; ++n) {
+      const auto [x, y, z] = layout_.position(n);
+      for (int i = 0; i < 3; ++i) {
+        displacement[3 * n + i] = config.initial.displacement[i](x, y, z, 0.0);
+        velocity[3 * n + i] = config.initial.velocity[i](x, y, z, 0.0);
+      }
+    }
+  }
+  for (const auto& [what, vec] : {std::pair{"displacement", q}, {"velocity", v}})
+    require_finite_initial(config, what, vec);
+  const Step before_start{0.0, config.time.step};
+  Handle<Vec> wanted;
+  check(VecDuplicate(v, wanted.out()));
+  check(VecCopy(v, wanted.get()));
+  constraints_->motion().complete_step(before_start, q, v);
+  check(VecCopy(wanted.get(), v));
+  motion().restart(before_start, q, v);
+  if (pressures_) require_undeformed(config, q);
+  update_ghosts(q);
+  const ConstGhostedView at(q);
+  double energy = 0.0;
+  for (const auto& term : elastic_) energy += term->energy_at(instant(0.0), at.span(), {});
+  if (!std::isfinite(sum(layout_.comm, energy))) {
+    throw InputError({config.file, 0, 0},
+                     "the initial displacement, or a prescribed one at t = 0, turns tetrahedra inside out; start from "
+                     "a smaller one");
+  }
+  if (contacts_) contacts_->check_start(instant(0.0), at.span());
+}
+
+}  // namespace pliant

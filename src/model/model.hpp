@@ -1,0 +1,133 @@
+/// Everything the input describes, ready to be solved: unknowns, terms and their sum.
+#pragma once
+
+#include "energy/elastic.hpp"
+#include "energy/incremental_potential.hpp"
+#include "energy/inertia.hpp"
+#include "energy/mixed_equation.hpp"
+#include "fem/components.hpp"
+#include "fem/probe.hpp"
+#include "input/analysis.hpp"
+#include "mesh/mesh.hpp"
+#include "model/constraints.hpp"
+#include "model/contacts.hpp"
+#include "model/loads.hpp"
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace pliant {
+
+/// Material time scales, for advice.
+struct WaveSpeeds {
+  double fastest = 0.0;  ///< pressure waves of the stiffest body [m/s]
+  double slowest = 0.0;  ///< shear waves of the softest body [m/s]
+};
+
+class Model;
+
+/// What a program adds to the terms of an input (docs/developer/extending.md). Called once, when all else of the model
+/// is there but the sum of the terms; the model outlives the terms. Collective.
+using TermFactory = std::function<std::vector<std::unique_ptr<EnergyTerm>>(const Model&)>;
+
+/// Built in one go from the input; its members refer to each other, so it stays where it is. The mesh itself goes once
+/// everything is found on it: it takes as much memory as all terms. A static problem has no inertia.
+class Model {
+ public:
+  /// Throws InputError with all mistakes that show only against the mesh. Collective.
+  Model(MPI_Comm comm, const Config& config, const TermFactory& additional = {});
+  Model(const Model&) = delete;
+  Model& operator=(const Model&) = delete;
+
+  const MeshReport& mesh_report() const { return mesh_report_; }
+  const NodeLayout& layout() const { return layout_; }
+  const BlockPattern& pattern() const { return *pattern_; }
+  /// The packed cells of P1 or P2 elements, by body.
+  const std::variant<CellGroups<1>, CellGroups<2>>& cells() const { return cells_; }
+  const std::vector<int>& body_of_cell() const { return body_of_cell_; }
+  const std::vector<std::string>& body_names() const { return body_names_; }
+  const std::vector<std::unique_ptr<ElasticTerm>>& elastic() const { return elastic_; }
+  const Inertia* inertia() const { return inertia_.get(); }  ///< nullptr if no body has a density
+  const Constraints& constraints() const { return *constraints_; }
+  const std::vector<ModelCavity>& cavities() const { return loads_->cavities(); }
+  const Contacts* contacts() const { return contacts_.get(); }  ///< nullptr if the input has none
+  IncrementalPotential& potential() { return *potential_; }
+  /// Of the potential with pressures as unknowns of their own; nullptr if there are none.
+  MixedEquation* mixed_equation() { return mixed_equation_.get(); }
+  const std::vector<ProbeLocation>& probes() const { return probes_; }
+  const WaveSpeeds& wave_speeds() const { return wave_speeds_; }
+  /// Wall-clock time that the mesh took: reading or meshing, checks, partition, distribution [s].
+  double mesh_seconds() const { return mesh_seconds_; }
+  /// What the user should know, in plain words.
+  const std::vector<std::string>& notices() const { return notices_; }
+  /// Parts of the mesh that neither nodes nor constraints join.
+  const Components& components() const { return components_; }
+  bool overlaps_at_start() const { return overlaps_at_start_; }
+  /// What the user may not have meant, likewise.
+  const std::vector<std::string>& doubts() const { return doubts_; }
+
+  /// Sets up the terms and their sum for the method of `config`, which else is the one of the constructor: the form of
+  /// strain rates may depend on it. What `potential()` gave before is gone. Collective.
+  void prepare(const Config& config);
+
+  /// Throws InputError at a load or a given displacement that is not finite at the time [s]. Collective.
+  void require_finite(double time) const;
+
+  /// What terms know of a time of the run (of a static one: the load factor).
+  Instant instant(double time) const { return static_time_ ? Instant{*static_time_, time} : Instant{time, 1.0}; }
+
+  /// The hooks of the time layer; they refer to this object. Collective.
+  PrescribedMotion motion() const;
+
+  /// Initial displacement and velocity: those that constraints allow at t = 0 and that are nearest to the ones of the
+  /// input, displacements by their squares, velocities in dynamics by kinetic energy. Collective.
+  void set_initial_state(const Config& config, Vec q, Vec v) const;
+
+ private:
+  void build_terms(const Config& config, const Mesh& mesh);
+  void require_near(const std::vector<ProbeConfig>& probes) const;
+  /// Parts of the mesh that neither nodes nor constraints join.
+  void find_components(const Config& config, Selections& selections);
+  void doubt_overlap(const Config& config);
+  void require_finite_initial(const Config& config, const char* what, Vec values) const;
+  /// Widens the range of wave speeds.
+  void include_waves(const ElasticLawSpec& law, double density);
+  template <int Order>
+  void build_cells(const Config& config, const Mesh& mesh);
+
+  double mesh_seconds_ = 0.0;
+  MeshReport mesh_report_;
+  NodeLayout layout_;
+  std::unique_ptr<BlockPattern> pattern_;
+  std::vector<int> body_of_cell_;
+  std::vector<std::string> body_names_;
+  std::vector<double> densities_;
+  std::vector<double> shear_moduli_;  // of each body's stiffest part at rest [Pa]
+  std::variant<CellGroups<1>, CellGroups<2>> cells_;
+  std::vector<std::shared_ptr<const LawField>> laws_;  // elastic ones of each body
+  std::vector<std::unique_ptr<ElasticTerm>> elastic_;
+  std::vector<std::unique_ptr<EnergyTerm>> active_;
+  std::vector<std::unique_ptr<EnergyTerm>> viscous_;
+  std::unique_ptr<Loads> loads_;
+  std::unique_ptr<Contacts> contacts_;
+  std::vector<std::unique_ptr<EnergyTerm>> additional_;
+  std::unique_ptr<Inertia> inertia_;
+  std::unique_ptr<Constraints> constraints_;
+  std::unique_ptr<IncrementalPotential> potential_;
+  std::unique_ptr<PressureField> pressures_;
+  std::vector<const MixedTerm*> mixed_;
+  std::unique_ptr<MixedEquation> mixed_equation_;
+  std::vector<ProbeLocation> probes_;
+  Components components_;
+  bool overlaps_at_start_ = false;
+  bool is_dynamic_ = false;
+  std::optional<double> static_time_;  // at which a static problem takes its loads
+  WaveSpeeds wave_speeds_;
+  std::vector<std::string> notices_;
+  std::vector<std::string> doubts_;
+};
+
+}  // namespace pliant

@@ -1,0 +1,225 @@
+#include "model/selections.hpp"
+
+#include "base/text.hpp"
+#include "petsc/collective.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+int dimension(Selection::Kind kind) {
+  switch (kind) {
+    case Selection::Kind::volume:
+      return 3;
+    case Selection::Kind::surface:
+      return 2;
+    case Selection::Kind::curve:
+      return 1;
+    default:
+      return 0;
+  }
+}
+
+const char* noun(int dimension) {
+  constexpr const char* nouns[] = {"point", "curve", "surface", "volume"};
+  return nouns[dimension];
+}
+
+bool is_group(Selection::Kind kind) {
+  using Kind = Selection::Kind;
+  return kind == Kind::volume || kind == Kind::surface || kind == Kind::curve || kind == Kind::point;
+}
+
+std::string title(const PhysicalGroup& group) {
+  return group.name.empty() ? std::to_string(group.tag) : group.name;
+}
+
+/// The condition of a box or a region.
+Region region(const Selection& part) {
+  if (part.kind == Selection::Kind::box) {
+    return [box = part.box](const std::array<double, 3>& x) {
+      for (int i = 0; i < 3; ++i) {
+        if (x[i] < box[i] || x[i] > box[i + 3]) return false;
+      }
+      return true;
+    };
+  }
+  return [&inside = *part.region](const std::array<double, 3>& x) { return inside(x[0], x[1], x[2], 0.0) != 0.0; };
+}
+
+}  // namespace
+
+std::string describe(const Selection& part) {
+  switch (part.kind) {
+    case Selection::Kind::everything:
+      return "the whole mesh";
+    case Selection::Kind::box:
+      return "the box";
+    case Selection::Kind::where:
+      return fmt::format("where \"{}\"", part.region->text());
+    default:
+      return fmt::format("{} '{}'", noun(dimension(part.kind)), part.name);
+  }
+}
+
+const PhysicalGroup* Selections::group(const Selection& part) {
+  const int d = dimension(part.kind);
+  std::vector<std::string> names;
+  for (const auto& g : mesh_.groups) {
+    if (g.dimension != d) continue;
+    if (g.name == part.name || std::to_string(g.tag) == part.name) {
+      used_.push_back(&g);
+      return &g;
+    }
+    names.push_back(title(g));
+  }
+  const std::string hint = did_you_mean(part.name, names);
+  std::string known = names.empty() ? fmt::format("the mesh has no physical {}s", noun(d))
+                                    : fmt::format("the mesh has: {}", joined(names));
+  for (const auto& g : mesh_.groups) {
+    if (g.dimension != d && title(g) == part.name) {
+      known = fmt::format("'{}' is a {} of the mesh; write `{}: {}`", part.name, noun(g.dimension), noun(g.dimension),
+                          part.name);
+    }
+  }
+  report(part.where, fmt::format("no {} '{}' in the mesh{}; {}", noun(d), part.name, hint, known));
+  return nullptr;
+}
+
+std::vector<PetscInt> Selections::nodes(const Selection& part) {
+  std::vector<PetscInt> result;
+  if (is_group(part.kind)) {
+    const PhysicalGroup* g = group(part);
+    if (g == nullptr) return result;
+    result = nodes_of_group(mesh_, layout_, *g);
+  } else if (part.kind == Selection::Kind::everything) {
+    result = nodes_in_region(layout_, [](const auto&) { return true; });
+  } else {
+    result = nodes_in_region(layout_, region(part));
+  }
+  if (sum(layout_.comm, static_cast<PetscInt64>(result.size())) == 0) {
+    report(part.where, fmt::format("{} holds no node of the mesh; `pliant check` shows the mesh's extent and groups",
+                                   describe(part)));
+  }
+  return result;
+}
+
+FacetList Selections::facets(const Selection& part) {
+  FacetList result;
+  if (part.kind == Selection::Kind::surface) {
+    const PhysicalGroup* g = group(part);
+    if (g == nullptr) return result;
+    result = facets_of_group(mesh_, layout_, *g);
+  } else if (part.kind == Selection::Kind::everything) {
+    result = surface_facets(mesh_, layout_, [](const auto&) { return true; });
+  } else {
+    result = surface_facets(mesh_, layout_, region(part));
+  }
+  if (sum(layout_.comm, static_cast<PetscInt64>(result.size())) == 0) {
+    report(part.where,
+           fmt::format("{} holds no facet of the mesh's surface; `pliant check` shows the mesh's extent and groups",
+                       describe(part)));
+  }
+  return result;
+}
+
+FacetList Selections::outer_facets(const Selection& part, const Location& where, const std::string& reason) {
+  FacetList result = facets(part);
+  if (any(layout_.comm, std::ranges::find(result.is_outer, 0) != result.is_outer.end())) {
+    report(where, fmt::format("{} lies inside the mesh, {}; name a part of the outer surface", describe(part), reason));
+  }
+  return result;
+}
+
+EdgeList Selections::edges(const Selection& part) {
+  const PhysicalGroup* g = group(part);
+  if (g == nullptr) return {};
+  EdgeList result = edges_of_group(mesh_, layout_, *g);
+  if (sum(layout_.comm, static_cast<PetscInt64>(result.size())) == 0) {
+    report(part.where,
+           fmt::format("{} holds no edge of a tetrahedron; it must bound a volume or be embedded in one (in "
+                       "gmsh: Curve {{1}} In Volume {{1}})",
+                       describe(part)));
+  }
+  return result;
+}
+
+std::vector<int> Selections::cells(const std::vector<Selection>& parts) {
+  std::vector<int> result(layout_.num_local_cells, parts.empty() ? -1 : 0);
+  const bool whole = parts.size() == 1 && parts[0].kind == Selection::Kind::everything;
+  if (whole) {
+    for (const auto& g : mesh_.groups) {
+      if (g.dimension == 3) used_.push_back(&g);
+    }
+    return result;
+  }
+  std::vector<PhysicalGroup> groups;
+  for (const auto& part : parts) {
+    const PhysicalGroup* g = group(part);
+    if (g != nullptr) groups.push_back(*g);
+  }
+  if (groups.size() != parts.size()) return result;
+  result = volume_of_cells(mesh_, layout_, groups);
+  PetscInt64 without = 0, several = 0;
+  for (PetscInt c = 0; c < layout_.num_owned_cells; ++c) {
+    without += result[c] == -1;
+    several += result[c] == -2;
+  }
+  without = sum(layout_.comm, without);
+  several = sum(layout_.comm, several);
+  if (without > 0) {
+    std::vector<std::string> missing;
+    for (const auto& g : mesh_.groups) {
+      const bool used = std::any_of(groups.begin(), groups.end(), [&](const auto& u) { return u.tag == g.tag; });
+      if (g.dimension == 3 && !used) missing.push_back(title(g));
+    }
+    report(parts.front().where,
+           fmt::format("{} tetrahedra belong to no body; add a body for {}", without,
+                       missing.empty() ? "them, or give a single body without `volume`" : "volume " + joined(missing)));
+  }
+  if (several > 0) {
+    std::vector<std::string> sharing;
+    Location where;
+    for (std::size_t v = 0; v < groups.size(); ++v) {
+      const auto of = volume_of_cells(mesh_, layout_, {groups[v]});
+      bool shares = false;
+      for (PetscInt c = 0; c < layout_.num_owned_cells; ++c) shares = shares || (result[c] == -2 && of[c] == 0);
+      if (!any(layout_.comm, shares)) continue;
+      sharing.push_back("'" + title(groups[v]) + "'");
+      where = parts[v].where;
+    }
+    report(where, fmt::format("{} tetrahedra are in several volumes of bodies ({}), but a tetrahedron belongs to one "
+                              "body; make physical volumes that share nothing",
+                              several, joined(sharing)));
+  }
+  return result;
+}
+
+std::vector<char> Selections::cells(const Selection& part) {
+  if (part.kind == Selection::Kind::everything) return std::vector<char>(layout_.num_local_cells, 1);
+  std::vector<char> result(layout_.num_local_cells, 0);
+  const PhysicalGroup* g = group(part);
+  if (g == nullptr) return result;
+  const auto of = volume_of_cells(mesh_, layout_, {*g});
+  std::transform(of.begin(), of.end(), result.begin(), [](int v) { return v == 0; });
+  return result;
+}
+
+void Selections::throw_mistakes() const {
+  if (!mistakes_.empty()) throw InputError(mistakes_);
+}
+
+std::vector<std::string> Selections::unused_groups() const {
+  std::vector<std::string> notices;
+  for (const auto& g : mesh_.groups) {
+    if (std::find(used_.begin(), used_.end(), &g) == used_.end()) {
+      notices.push_back(fmt::format("{} '{}' of the mesh is not used by the input", noun(g.dimension), title(g)));
+    }
+  }
+  return notices;
+}
+
+}  // namespace pliant

@@ -1,0 +1,49 @@
+/// From what the input names to nodes, facets and cells of the mesh.
+#pragma once
+
+#include "fem/selection.hpp"
+#include "input/config.hpp"
+
+#include <vector>
+
+namespace pliant {
+
+/// Resolves selections and keeps every mistake, so that all are told at once. Its answers and mistakes are the same on
+/// every rank, but for the lists of this rank's nodes and facets.
+class Selections {
+ public:
+  Selections(const Mesh& mesh, const NodeLayout& layout) : mesh_(mesh), layout_(layout) {}
+
+  /// Owned nodes. Collective.
+  std::vector<PetscInt> nodes(const Selection& part);
+  /// Facets: of a surface group, or of the body's surface as a whole or inside a box or region. Collective.
+  FacetList facets(const Selection& part);
+  /// The same of the mesh's surface only: what lies inside is a mistake at `where`, and `reason` tells why. Collective.
+  FacetList outer_facets(const Selection& part, const Location& where, const std::string& reason);
+  /// Edges of a curve. Collective.
+  EdgeList edges(const Selection& part);
+  /// Per local cell the index of the part that holds it. Every cell must be in exactly one. Collective.
+  std::vector<int> cells(const std::vector<Selection>& parts);
+  /// Per local cell: in the part or not. Collective.
+  std::vector<char> cells(const Selection& part);
+
+  void report(Location where, std::string message) { mistakes_.push_back({std::move(where), std::move(message)}); }
+  /// Throws InputError if there were mistakes. Not collective, but the same on every rank.
+  void throw_mistakes() const;
+
+  /// Groups that no selection has used so far, as notices.
+  std::vector<std::string> unused_groups() const;
+
+ private:
+  const PhysicalGroup* group(const Selection& part);
+
+  const Mesh& mesh_;
+  const NodeLayout& layout_;
+  std::vector<const PhysicalGroup*> used_;
+  std::vector<Diagnostic> mistakes_;
+};
+
+/// The part in words: "surface 'clamp'".
+std::string describe(const Selection& part);
+
+}  // namespace pliant

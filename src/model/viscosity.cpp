@@ -1,0 +1,87 @@
+#include "model/viscosity.hpp"
+
+#include "energy/mass_damping.hpp"
+#include "energy/prony.hpp"
+#include "energy/viscous.hpp"
+#include "input/analysis.hpp"
+
+#include <algorithm>
+#include <optional>
+
+namespace pliant {
+namespace {
+
+/// Without a method of ours the exact form, which needs no history.
+StrainRate automatic_rate(const Method* method) {
+  return method == nullptr ? StrainRate::exact : strain_rate_for(*method);
+}
+
+Maxwell branch_of(const ViscosityConfig& v) {
+  if (!v.shear_ratio) return {v.shear_modulus, v.bulk_modulus, v.relaxation_time};
+  return {*v.shear_ratio, v.bulk_ratio, v.relaxation_time, Moduli::relative};
+}
+
+/// Prony series and what acts on the body's velocity are no such laws.
+std::optional<ViscosityVariant> law_of(const ViscosityConfig& v, StrainRate automatic) {
+  const StrainRate rate = v.rate.value_or(automatic);
+  if (v.model == KelvinVoigt::name) return KelvinVoigt{v.shear, v.bulk, rate};
+  if (v.model == StiffnessProportional::name) return StiffnessProportional{v.time, rate};
+  if (v.model == Maxwell::name) return branch_of(v);
+  return std::nullopt;
+}
+
+/// alpha rho of each body [kg/(s m^3)].
+std::vector<double> damping_densities(const Config& config) {
+  std::vector<double> densities;
+  for (const auto& body : config.bodies) {
+    double& density = densities.emplace_back(0.0);
+    for (const auto& mechanism : body.viscosity) density += mechanism.decay_rate * body.density.value_or(0.0);
+  }
+  return densities;
+}
+
+template <int Order>
+std::vector<std::unique_ptr<EnergyTerm>> make_terms(const Config& config, const BodyParts& on,
+                                                    const CellGroups<Order>& groups) {
+  const StrainRate automatic = automatic_rate(integrator_of(config));
+  std::vector<std::unique_ptr<EnergyTerm>> terms;
+  for (std::size_t b = 0; b < config.bodies.size(); ++b) {
+    std::vector<Prony> branches;
+    for (const auto& mechanism : config.bodies[b].viscosity) {
+      if (mechanism.model == Prony::name) branches.push_back({mechanism.ratio, mechanism.relaxation_time});
+      const auto law = law_of(mechanism, automatic);
+      if (!law) continue;
+      if ((mechanism.shear_ratio || mechanism.model == StiffnessProportional::name) &&
+          on.elastic[b]->traits().num_directions > 0) {
+        throw InputError(mechanism.where,
+                         "moduli at rest of an elastic law with fibres are no two numbers; give the viscosity in "
+                         "numbers of its own");
+      }
+      terms.push_back(
+          make_viscous_term<Order>(*law, *on.elastic[b], groups, static_cast<int>(b), on.layout.num_owned_nodes));
+    }
+    if (branches.empty()) continue;
+    terms.push_back(make_prony_term<Order>(std::move(branches), on.elastic[b], groups, static_cast<int>(b),
+                                           on.layout.num_owned_nodes));
+  }
+  const auto damping = damping_densities(config);
+  if (std::ranges::any_of(damping, [](double density) { return density > 0.0; })) {
+    const Mass mass = config.mass == MassKind::lumped ? Mass::lumped : Mass::consistent;
+    terms.push_back(
+        std::make_unique<MassDamping>(make_mass_matrix<Order>(on.layout, on.pattern, groups, damping, mass)));
+  }
+  return terms;
+}
+
+}  // namespace
+
+bool has_viscosity(const Config& config) {
+  return std::ranges::any_of(config.bodies, [](const BodyConfig& body) { return !body.viscosity.empty(); });
+}
+
+std::vector<std::unique_ptr<EnergyTerm>> make_viscous_terms(const Config& config, const BodyParts& on) {
+  if (analysis_of(config) == Analysis::static_equilibrium) return {};
+  return std::visit([&](const auto& groups) { return make_terms(config, on, groups); }, on.cells);
+}
+
+}  // namespace pliant

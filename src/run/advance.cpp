@@ -1,0 +1,265 @@
+#include "run/advance.hpp"
+
+#include "input/keys.hpp"
+#include "petsc/check.hpp"
+#include "solver/constrained_newton.hpp"
+#include "solver/petsc_integrator.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// Of adaptive.relative: what Newton's method leaves must not be taken for an error of the steps.
+constexpr double part_left_by_newton = 1e-4;
+
+NewtonOptions newton_options(const Config& config) {
+  const auto& newton = config.solver.newton;
+  const auto& adaptive = config.time.adaptive;
+  const double relative =
+      adaptive ? std::min(newton.relative, part_left_by_newton * adaptive->relative) : newton.relative;
+  return {relative, newton.absolute, newton.max_iterations};
+}
+
+/// PETSc reads its options here, the same on every rank, so that all fail together.
+template <class Make>
+auto with_user_options(const Make& make) {
+  try {
+    return make();
+  } catch (const PetscFailure& failure) {
+    if (failure.code() == PETSC_ERR_MEM) throw;
+    throw InputError({"PETSc options", 0, 0}, failure.what());
+  }
+}
+
+/// With our own Newton's method.
+class OwnSolver {
+ public:
+  OwnSolver(const Config& config, Model& model) : mixed_(model.mixed_equation()) {
+    const LinearKind linear = linear_kind(config, model.layout());
+    StageEquation& equation = mixed_ != nullptr ? static_cast<StageEquation&>(*mixed_) : model.potential();
+    with_user_options([&] {
+      if (ConstraintMap* map = model.constraints().map()) {
+        tied_ = std::make_unique<ConstrainedNewton>(equation, *map, newton_options(config), linear);
+        description_ =
+            fmt::format("solver: {}, in the unknowns that the constraints leave", describe(tied_->equation(), linear));
+      } else {
+        plain_ = std::make_unique<NewtonSolver>(equation, newton_options(config), linear);
+        description_ = "solver: " + describe(equation, linear);
+      }
+    });
+  }
+
+  StageSolve stage_solve() {
+    if (tied_) return [solver = tied_.get()](const StagePoint& stage, Vec q) { return solver->solve(stage, q); };
+    StageSolve solve = [solver = plain_.get()](const StagePoint& stage, Vec x) { return solver->solve(stage, x); };
+    if (mixed_ == nullptr) return solve;
+    return [solve, mixed = mixed_](const StagePoint& stage, Vec q) { return mixed->solve(stage, q, solve); };
+  }
+  void forget() { tied_ ? tied_->forget() : plain_->forget(); }
+  std::optional<FailedStage> examine() { return tied_ ? tied_->examine() : plain_->examine(); }
+  void watch(std::function<void(const StageProgress&)> watcher) {
+    tied_ ? tied_->watch(std::move(watcher)) : plain_->watch(std::move(watcher));
+  }
+  const SolverStatistics& statistics() const { return tied_ ? tied_->statistics() : plain_->statistics(); }
+  std::string description() const { return description_; }
+
+ private:
+  MixedEquation* mixed_;  // or nullptr
+  // One of them.
+  std::unique_ptr<NewtonSolver> plain_;
+  std::unique_ptr<ConstrainedNewton> tied_;
+  std::string description_;
+};
+
+/// In time, by a method of the table or the user's own.
+class TimeAdvance final : public Advance {
+ public:
+  TimeAdvance(const Config& config, Model& model, Ledger& ledger, const StateView& initial)
+      : own_(config, model), ledger_(ledger), integrator_(options_of(config), system_of(model, ledger, own_), initial) {
+    if (const auto& adaptive = config.time.adaptive) {
+      norm_.emplace(Tolerances{adaptive->relative, adaptive->absolute, adaptive->absolute_velocity}, initial);
+    }
+  }
+
+  StepAttempt attempt(const Step& step) override { return integrator_.attempt(step); }
+  void accept(const StepAttempt& attempt) override {
+    if (norm_) norm_->accept(attempt);
+    integrator_.accept(attempt);
+  }
+  void restart() override {
+    integrator_.restart();
+    ledger_.book_jump(state());
+    if (!state().w.empty()) integrator_.set_quadratures(ledger_.works());
+  }
+  double error(const StepAttempt& attempt) const override { return norm_ ? (*norm_)(attempt) : 0.0; }
+  StateView state() const override { return integrator_.state().view(); }
+  void keep(Archive& archive) override {
+    integrator_.keep(archive);
+    if (norm_) norm_->keep(archive);
+  }
+  void forget() override { own_.forget(); }
+  std::optional<FailedStage> examine() override { return own_.examine(); }
+  void watch(std::function<void(const StageProgress&)> watcher) override { own_.watch(std::move(watcher)); }
+  const SolverStatistics& solver_statistics() const override { return own_.statistics(); }
+  std::vector<std::string> description() const override { return {own_.description()}; }
+
+ private:
+  static IntegratorOptions options_of(const Config& config) {
+    return {*integrator_of(config), config.time.startup == "dirk33" ? Startup::dirk33 : Startup::ramp,
+            config.time.adaptive ? ErrorEstimate::local : ErrorEstimate::none};
+  }
+  static System system_of(Model& model, Ledger& ledger, OwnSolver& own) {
+    System system;
+    system.solve = own.stage_solve();
+    system.motion = model.motion();
+    system.internal = model.potential().internal_variables();
+    system.quadratures = ledger.quadratures();
+    system.guess = Guess::predicted;
+    return system;
+  }
+
+  OwnSolver own_;
+  Ledger& ledger_;
+  Integrator integrator_;
+  std::optional<ErrorNorm> norm_;
+};
+
+/// In time, by an integrator of PETSc.
+class PetscAdvance final : public Advance {
+ public:
+  PetscAdvance(const Config& config, Model& model, Ledger& ledger, const PetscMethod& method, const StateView& initial)
+      : name_(method.name), ledger_(ledger), integrator_(with_user_options([&] {
+          const PetscIntegratorOptions options{method, newton_options(config), linear_kind(config, model.layout())};
+          return std::make_unique<PetscIntegrator>(options, model.potential(), model.motion(), initial);
+        })) {}
+
+  StepAttempt attempt(const Step& step) override { return integrator_->attempt(step); }
+  void accept(const StepAttempt& attempt) override { integrator_->accept(attempt); }
+  void restart() override {
+    integrator_->restart();
+    ledger_.book_jump(state());
+  }
+  StateView state() const override { return integrator_->state().view(); }
+  void keep(Archive& archive) override { integrator_->keep(archive); }
+  void forget() override { integrator_->forget(); }
+  const SolverStatistics& solver_statistics() const override { return integrator_->statistics(); }
+  std::vector<std::string> description() const override {
+    return {fmt::format("solver: PETSc's integrator {}, with its own Newton's method", name_)};
+  }
+
+ private:
+  std::string name_;
+  Ledger& ledger_;
+  std::unique_ptr<PetscIntegrator> integrator_;
+};
+
+const PetscMethod* petsc_method_of(const Config& config) {
+  const auto all = petsc_methods();
+  const auto found = std::ranges::find_if(
+      all, [&](const PetscMethod& m) { return config.time.method.value == fmt::format("petsc:{}", m.name); });
+  return found == all.end() ? nullptr : &*found;
+}
+
+/// Along the load factor from 0 to 1, at one time; "time" of a step is the load factor.
+class LoadAdvance final : public Advance {
+ public:
+  LoadAdvance(const Config& config, Model& model, Vec q)
+      : own_(config, model), solve_(own_.stage_solve()), motion_(model.constraints().motion()), time_(config.time.end) {
+    for (Handle<Vec>* v : {&state_, &earlier_, &q_, &start_, &zero_, &start_velocity_})
+      *v = make_vector(model.layout());
+    check(VecCopy(q, state_.get()));
+  }
+
+  StepAttempt attempt(const Step& step) override {
+    extrapolate(step.time);
+    StepAttempt result;
+    result.time = step.time;
+    result.last_stage = {.time = time_,
+                         .dt = 1.0,
+                         .q0 = start_.get(),
+                         .v0 = start_velocity_.get(),
+                         .load_factor = step.time,
+                         .step_start = time_ - 1.0,
+                         .accepted = state_.get()};
+    motion_.start_stage(result.last_stage, q_.get());
+    // Nothing moves: what is given as a function of time has no rate.
+    check(VecCopy(state_.get(), start_.get()));
+    check(VecSet(start_velocity_.get(), 0.0));
+    result.report = solve_(result.last_stage, q_.get());
+    result.q = result.last_q = q_.get();
+    result.v = result.last_a = zero_.get();
+    return result;
+  }
+
+  void accept(const StepAttempt& attempt) override {
+    check(VecCopy(state_.get(), earlier_.get()));
+    earlier_factor_ = std::exchange(load_factor_, attempt.time);
+    check(VecCopy(attempt.q, state_.get()));
+  }
+  StateView state() const override { return {load_factor_, state_.get(), zero_.get()}; }
+  void keep(Archive& archive) override {
+    archive.number("load_factor", load_factor_);
+    archive.vector("q", Entries::nodes, state_.get());
+    archive.number("earlier_load_factor", earlier_factor_);
+    archive.vector("earlier_q", Entries::nodes, earlier_.get());
+  }
+  void forget() override { own_.forget(); }
+  std::optional<FailedStage> examine() override { return own_.examine(); }
+  void watch(std::function<void(const StageProgress&)> watcher) override { own_.watch(std::move(watcher)); }
+  const SolverStatistics& solver_statistics() const override { return own_.statistics(); }
+  std::vector<std::string> description() const override { return {own_.description()}; }
+
+ private:
+  /// The guess: on the line through the last two states.
+  void extrapolate(double load_factor) {
+    constexpr double longest = 2.0;  // of the step before
+    check(VecCopy(state_.get(), q_.get()));
+    const double before = load_factor_ - earlier_factor_;
+    if (before <= 0.0) return;
+    const double part = std::min((load_factor - load_factor_) / before, longest);
+    check(VecAXPBYPCZ(q_.get(), part, -part, 1.0, state_.get(), earlier_.get()));
+  }
+
+  OwnSolver own_;
+  StageSolve solve_;
+  PrescribedMotion motion_;
+  double time_;
+  double load_factor_ = 0.0, earlier_factor_ = 0.0;
+  Handle<Vec> state_, earlier_, q_, start_, zero_, start_velocity_;
+};
+
+}  // namespace
+
+LinearKind linear_kind(const Config& config, const NodeLayout& layout) {
+  if (config.solver.linear == "cholesky") return LinearKind::cholesky;
+  if (config.solver.linear == "amg") return LinearKind::amg;
+  if (config.solver.linear == "p-multigrid") return LinearKind::p_multigrid;
+  if (config.volumetric == VolumetricTreatment::mixed) return LinearKind::cholesky;  // the matrix is indefinite
+  return automatic_linear_kind(3 * layout.num_global_nodes, layout.order);
+}
+
+std::unique_ptr<Advance> make_advance(const Config& config, Model& model, Ledger& ledger, const StateView& initial) {
+  if (analysis_of(config) == Analysis::static_equilibrium) {
+    return std::make_unique<LoadAdvance>(config, model, initial.q);
+  }
+  if (const PetscMethod* method = petsc_method_of(config)) {
+    if (model.constraints().map() != nullptr) {
+      throw InputError(config.time.method.where,
+                       fmt::format("'{}' cannot be used here: it knows no constraints that tie displacements to one "
+                                   "another; choose a method of Pliant",
+                                   config.time.method.value));
+    }
+    if (const auto reason = why_not(model.potential())) {
+      throw InputError(config.time.method.where,
+                       fmt::format("'{}' cannot be used here: {}", config.time.method.value, *reason));
+    }
+    return std::make_unique<PetscAdvance>(config, model, ledger, *method, initial);
+  }
+  return std::make_unique<TimeAdvance>(config, model, ledger, initial);
+}
+
+}  // namespace pliant

@@ -1,0 +1,62 @@
+#include "run/console.hpp"
+
+#include "petsc/session.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <system_error>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// Whether the user sees standard output on a terminal. Open MPI's mpirun gives every rank a pseudo-terminal of its
+/// own, so under it the question is where mpirun, the parent, writes to.
+bool output_is_terminal() {
+  if (isatty(STDOUT_FILENO) == 0) return false;
+  if (std::getenv("OMPI_COMM_WORLD_SIZE") == nullptr) return true;
+  std::error_code error;
+  const auto target = std::filesystem::read_symlink(fmt::format("/proc/{}/fd/1", getppid()), error);
+  return !error && target.string().starts_with("/dev/") && target != "/dev/null";
+}
+
+}  // namespace
+
+Console::Console(MPI_Comm comm, Verbosity verbosity)
+    : speaks_(rank(comm) == 0), quiet_(verbosity == Verbosity::quiet), is_terminal_(output_is_terminal()) {}
+
+Console::~Console() {
+  clear_progress();
+}
+
+void Console::clear_progress() {
+  if (!progress_shown_) return;
+  fmt::print("\r\033[K");
+  std::fflush(stdout);
+  progress_shown_ = false;
+}
+
+void Console::print(const std::string& line) {
+  if (!speaks_ || quiet_) return;
+  clear_progress();
+  fmt::print("{}\n", line);
+  std::fflush(stdout);
+}
+
+void Console::warn(const std::string& line) {
+  if (!speaks_) return;
+  clear_progress();
+  fmt::print(stderr, "warning: {}\n", line);
+}
+
+void Console::progress(const std::string& line) {
+  if (!speaks_ || quiet_ || !is_terminal_) return;
+  fmt::print("\r\033[K{}", line);
+  std::fflush(stdout);
+  progress_shown_ = true;
+}
+
+}  // namespace pliant

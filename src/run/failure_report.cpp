@@ -1,0 +1,177 @@
+#include "run/failure_report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+constexpr double nearly_flat = 0.1;    // J of a tetrahedron that has lost nine tenths of its volume
+constexpr double poor_quality = 0.1;   // mean ratio
+constexpr double nearly_there = 1e2;   // residual over tolerance
+constexpr double still_falling = 0.7;  // residual over the one before
+
+/// As YAML spells it.
+std::string number(double x) {
+  if (std::isnan(x)) return ".nan";
+  if (std::isinf(x)) return x > 0.0 ? ".inf" : "-.inf";
+  return fmt::format("{:.6g}", x);
+}
+
+std::string numbers(std::span<const double> values) {
+  std::string text;
+  for (const double x : values) text += (text.empty() ? "" : ", ") + number(x);
+  return "[" + text + "]";
+}
+
+std::string whole_numbers(std::span<const double> values) {
+  std::string text;
+  for (const double x : values) text += fmt::format("{}{:.0f}", text.empty() ? "" : ", ", x);
+  return "[" + text + "]";
+}
+
+/// A string of JSON is one of YAML.
+std::string quoted(const std::string& text) {
+  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+const char* name_of(NewtonIteration::Hessian hessian) {
+  switch (hessian) {
+    case NewtonIteration::Hessian::exact:
+      return "exact";
+    case NewtonIteration::Hessian::projected:
+      return "projected";
+    case NewtonIteration::Hessian::shifted:
+      break;
+  }
+  return "shifted";
+}
+
+void add_newton(const FailedStage& stage, std::string& text) {
+  const double scale = stage.force_scale;
+  const bool lowers_potential = stage.measure == FailedStage::Measure::potential;
+  auto out = std::back_inserter(text);
+  fmt::format_to(out, "\nstage: {{time: {}, length: {}}}  # of the method, within the step\n", number(stage.time),
+                 number(stage.dt));
+  fmt::format_to(out, "newton:\n  lowers: {}\n", lowers_potential ? "potential" : "merit of the residual");
+  fmt::format_to(out, "  tolerance: {}       # a residual that would have been small enough [N]\n",
+                 number(stage.tolerance));
+  fmt::format_to(out, "  force_scale: {}     # the forces that balance; 0: the first guess is beyond a barrier [N]\n",
+                 number(scale));
+  fmt::format_to(out, "  rounding_floor: {}  # no residual gets below it [N]\n", number(stage.rounding_floor));
+  fmt::format_to(out, "  iterations:  # the first is the guess; residual [N], and over force_scale{}\n",
+                 stage.iterations.empty() ? "; there was none" : "");
+  for (const auto& it : stage.iterations) {
+    fmt::format_to(out, "    - {{residual: {}, relative: {}, step_length: {}, linear_iterations: {}, hessian: {}}}\n",
+                   number(it.residual), number(it.residual / scale), number(it.step_length), it.linear_iterations,
+                   name_of(it.hessian));
+  }
+  if (stage.profile.empty()) return;
+  fmt::format_to(out, "\n# What is to be lowered, along Newton's last direction from where the iteration ended.\n");
+  fmt::format_to(out, "line:\n  inversion: {}  # length at which a tetrahedron is flat\n", number(stage.inversion));
+  if (stage.slope) {
+    fmt::format_to(out, "  slope: {}  # from the residual: what the profile does at 0, unless rounding hides it [J]\n",
+                   number(*stage.slope));
+  }
+  fmt::format_to(out, "  profile:  # length 1 is Newton's step; change [J]\n");
+  for (const auto& [length, change] : stage.profile) {
+    fmt::format_to(out, "    - {{length: {}, change: {}}}\n", number(length), number(change));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> advice(const FailureReport& report, const Failure& failure) {
+  if (failure.is_mistake) return {"another formula, or an earlier time.end"};
+  std::vector<std::string> result;
+  const auto* stage = failure.stage ? &*failure.stage : nullptr;
+  const auto* iterations = stage != nullptr && !stage->iterations.empty() ? &stage->iterations : nullptr;
+  if (stage != nullptr && stage->lacks_memory) {
+    return {"more memory per rank (fewer ranks on a machine, more machines), solver.linear: amg, a coarser mesh"};
+  }
+  const bool is_whole = !report.worst_cells.empty() && report.worst_cells.front().volume_ratio > nearly_flat;
+  if (stage != nullptr && stage->force_scale == 0.0 && is_whole) {
+    result.push_back(
+        fmt::format("no state was found that is clear of all barriers: {}, slower obstacles, or contact.law: penalty",
+                    report.shorter_steps));
+  } else if (stage != nullptr && stage->force_scale == 0.0) {
+    result.push_back(fmt::format(
+        "the prescribed motion alone turns tetrahedra inside out: {}, or a coarser mesh at the moving surface",
+        report.shorter_steps));
+  } else if (!report.worst_cells.empty() && !is_whole) {
+    result.push_back(fmt::format(
+        "tetrahedra are nearly flat: a weaker or slower load there, a finer or better mesh, {}", report.shorter_steps));
+  }
+  if (!report.worst_cells.empty() && report.worst_cells.front().reference_quality < poor_quality) {
+    result.emplace_back("the worst tetrahedron was a bad one from the start: a better mesh there");
+  }
+  if (iterations != nullptr) {
+    const double last = iterations->back().residual;
+    const auto num_iterations = static_cast<int>(iterations->size()) - 1;
+    const double before = num_iterations > 0 ? (*iterations)[iterations->size() - 2].residual : last;
+    if (num_iterations >= report.max_iterations && last < still_falling * before) {
+      result.emplace_back("the residual was still falling: more solver.newton.max_iterations");
+    }
+    if (last < nearly_there * stage->tolerance) {
+      result.push_back(fmt::format("the residual was nearly small enough: solver.newton.relative above {:.1g}",
+                                   last / stage->force_scale));
+    }
+    const auto is_unstable = [](const NewtonIteration& it) { return it.hessian != NewtonIteration::Hessian::exact; };
+    if (2 * std::ranges::count_if(*iterations, is_unstable) > num_iterations) {
+      result.push_back(
+          fmt::format("the state is unstable (buckling, strong compression): {}, or a method in time that follows the "
+                      "motion instead "
+                      "of load steps",
+                      report.shorter_steps));
+    }
+  }
+  result.push_back(fmt::format("{}, weaker or slower loads, a finer or better mesh", report.shorter_steps));
+  return result;
+}
+
+std::string to_yaml(const FailureReport& report, const Failure& failure) {
+  std::string text = "# Why a run of Pliant could not continue. SI units. Rows are those of state.h5, from 0.\n";
+  auto out = std::back_inserter(text);
+  fmt::format_to(out, "title: {}\ninput: {}\nreason: {}\nadvice:\n", quoted(report.title), quoted(report.file),
+                 quoted(failure.reason));
+  for (const auto& line : advice(report, failure)) fmt::format_to(out, "  - {}\n", quoted(line));
+  fmt::format_to(out, "last_good: {{step: {}, time: {}}}  # of a static problem the load factor is the time\n",
+                 report.last_step, number(report.last_time));
+  fmt::format_to(out, "tried: {{time: {}, length: {}}}     # the shortest step\n", number(failure.tried.time),
+                 number(failure.tried.dt));
+  const double scale = failure.stage ? failure.stage->force_scale : 0.0;
+  fmt::format_to(out, "\nbodies:  # residual of their nodes [N], and over the forces that balance\n");
+  for (const auto& body : report.bodies) {
+    fmt::format_to(out, "  - {{name: {}, residual: {}, relative: {}, volume_ratio: {}}}\n", quoted(body.name),
+                   number(body.residual), number(body.residual / scale), number(body.volume_ratio));
+  }
+  const auto name_of_body = [&](double body) { return quoted(report.bodies[static_cast<std::size_t>(body)].name); };
+  fmt::format_to(out,
+                 "\n# Least det F, shape (1 regular, 0 flat) now and in the mesh, middle in the mesh [m], vertices by "
+                 "their numbers in the mesh.\nworst_cells:\n");
+  for (const auto& cell : report.worst_cells) {
+    fmt::format_to(out,
+                   "  - {{volume_ratio: {}, quality: {}, reference_quality: {}, body: {}, position: {}, row: {:.0f}, "
+                   "vertices: {}}}\n",
+                   number(cell.volume_ratio), number(cell.quality), number(cell.reference_quality),
+                   name_of_body(cell.body), numbers(cell.X), cell.row, whole_numbers(cell.vertices));
+  }
+  if (!failure.stage) {
+    text += "\n# The solver reports no more.\n";
+    return text;
+  }
+  fmt::format_to(out, "\nworst_nodes:  # vertex: number in the mesh, -1 in the middle of an edge\n");
+  for (const auto& node : report.worst_nodes) {
+    fmt::format_to(out, "  - {{residual: {}, body: {}, position: {}, row: {:.0f}, vertex: {:.0f}}}\n",
+                   number(node.residual), name_of_body(node.body), numbers(node.X), node.row, node.number);
+  }
+  add_newton(*failure.stage, text);
+  return text;
+}
+
+}  // namespace pliant

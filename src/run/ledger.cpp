@@ -1,0 +1,287 @@
+#include "run/ledger.hpp"
+
+#include "petsc/array_view.hpp"
+#include "petsc/ghosted.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+namespace pliant {
+namespace {
+
+void sum_over_ranks(MPI_Comm comm, double* values, int count) {
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_DOUBLE, MPI_SUM, comm));
+}
+
+}  // namespace
+
+Ledger::Ledger(Model& model, Analysis analysis, const StateView& initial)
+    : model_(model),
+      analysis_(analysis),
+      held_(model.constraints().held()),
+      reactions_(model.constraints().supports().size()) {
+  for (const EnergyTerm* term : model.potential().terms()) {
+    const auto known = std::ranges::find(mechanisms_, term->name());
+    mechanism_of_term_.push_back(static_cast<std::size_t>(known - mechanisms_.begin()));
+    if (term->declaration().dissipates && known == mechanisms_.end()) mechanisms_.emplace_back(term->name());
+  }
+  if (const Contacts* contacts = model.contacts()) contacts_.resize(contacts->groups().size());
+  for (const EnergyTerm* term : model.potential().terms()) {
+    auto& groups = contacts_of_term_.emplace_back();
+    for (std::size_t c = 0; c < contacts_.size(); ++c) {
+      const auto& members = model.contacts()->groups()[c].terms;
+      if (std::ranges::find(members, term) != members.end()) groups.push_back(c);
+    }
+  }
+  works_ = last_powers_ = no_works();
+  energies_.dissipated_by.resize(mechanisms_.size());
+  for (Handle<Vec>* x : {&q_, &at_, &way_, &reaction_}) *x = make_vector(model.layout());
+  measure(initial);
+  initial_ = energies_;
+  time_ = initial.time;
+  check(VecCopy(initial.q, q_.get()));
+  if (analysis == Analysis::dynamic) return;
+  for (auto& f : forces_) f = make_vector(model.layout());
+  // Static: nothing acts yet. Quasistatic: the first state is at rest.
+  const Handle<Vec> at_rest = make_vector(model.layout());
+  StagePoint start{initial.time, 1e-12, initial.q, at_rest.get()};  // in which nothing relaxes
+  start.load_factor = analysis == Analysis::static_equilibrium ? 0.0 : 1.0;
+  start.z0 = initial.z;
+  keep_forces(start, initial.q);
+}
+
+Ledger::Works Ledger::powers(const StagePoint& stage, Vec q, Vec v) {
+  IncrementalPotential& potential_of_stage = model_.potential();
+  potential_of_stage.begin_stage(stage);
+  const auto of_term = potential_of_stage.powers(q, v, reaction_.get());
+  Works power = no_works();
+  supply_without_energy_ = 0.0;
+  for (ContactForce& contact : contacts_) contact.force = {};
+  for (std::size_t k = 0; k < of_term.size(); ++k) {
+    const auto& [exerted, dissipated, supplied, force] = of_term[k];
+    for (const std::size_t c : contacts_of_term_[k]) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        contacts_[c].force[i] += force[i];
+        power[first_impulse() + 3 * c + i] += force[i];
+      }
+    }
+    if (potential_of_stage.terms()[k]->declaration().dissipates) power[num_works + mechanism_of_term_[k]] += dissipated;
+    if (!potential_of_stage.terms()[k]->declaration().depends_on_time) supply_without_energy_ += supplied;
+    switch (account_of(*potential_of_stage.terms()[k])) {
+      case Account::kinetic:
+        power[kinetic] -= exerted;
+        break;
+      case Account::stored:
+        power[stored] += supplied - exerted - dissipated;
+        power[loads] += supplied;
+        break;
+      case Account::load_potential:
+        power[potential] -= exerted;
+        break;
+      case Account::load:
+        power[loads] += exerted;
+        break;
+    }
+  }
+  power[supports] = work_of_supports(v);
+  return power;
+}
+
+Account Ledger::account_of(const EnergyTerm& term) const {
+  const Account account = term.declaration().account;
+  // Load steps change even those loads that do not depend on time.
+  const bool grows = analysis_ == Analysis::static_equilibrium && account == Account::load_potential;
+  return grows ? Account::load : account;
+}
+
+Quadratures Ledger::quadratures() {
+  return {[this](const StagePoint& stage, Vec q, Vec v, Vec /*a*/, std::span<double> rates) {
+    const Works power = powers(stage, q, v);
+    std::copy(power.begin(), power.end(), rates.begin());
+  }};
+}
+
+void Ledger::book(const StepAttempt& attempt) {
+  if (analysis_ != Analysis::dynamic) {
+    add_works_along_way(attempt);
+  } else if (attempt.w.empty()) {
+    add_works_in_time(attempt);
+  } else {
+    std::copy(attempt.w.begin(), attempt.w.end(), works_.begin());
+  }
+  if (!reactions_.empty()) reactions_ = model_.constraints().reactions(reaction_.get(), attempt.last_q);
+  measure(attempt.view());
+  time_ = attempt.time;
+  check(VecCopy(attempt.q, q_.get()));
+  balance();
+}
+
+Ledger::Gain Ledger::gain(const StepAttempt& attempt) {
+  if (analysis_ != Analysis::dynamic || attempt.w.empty()) return {};
+  const Energies before = energies_;
+  measure(attempt.view());
+  const Energies after = std::exchange(energies_, before);
+  const auto done = [&](Work w) { return attempt.w[w] - works_[w]; };
+  const double fallen = before.load_potential - after.load_potential;
+  const double change = after.kinetic - before.kinetic + after.elastic - before.elastic;
+  return {change - fallen - done(kinetic) - done(stored) - done(potential),
+          before.kinetic + before.elastic + std::max(0.0, fallen) + std::max(0.0, done(loads) + done(supports))};
+}
+
+void Ledger::book_jump(const StateView& after) {
+  if (analysis_ != Analysis::dynamic) return;
+  const double before = energies_.kinetic;
+  measure(after);
+  const double gained = energies_.kinetic - before;
+  works_[kinetic] += gained;
+  works_[supports] += gained;
+  balance();
+}
+
+void Ledger::keep(Archive& archive, const StateView& newest) {
+  archive.numbers("works", works_);
+  archive.numbers("last_powers", last_powers_);
+  archive.number("powers_are_known", powers_are_known_);
+  archive.number("initial_kinetic", initial_.kinetic);
+  archive.number("initial_elastic", initial_.elastic);
+  archive.number("initial_load_potential", initial_.load_potential);
+  if (analysis_ != Analysis::dynamic) {
+    archive.vector("reaction", Entries::nodes, reaction_.get());
+    archive.number("released", released_);
+    for (const Account account : {Account::stored, Account::load_potential, Account::load}) {
+      const auto k = static_cast<std::size_t>(account);
+      archive.vector("forces" + std::to_string(k), Entries::nodes, forces_[k].get());
+    }
+  }
+  if (!archive.restores()) return;
+  measure(newest);
+  time_ = newest.time;
+  check(VecCopy(newest.q, q_.get()));
+  balance();
+}
+
+void Ledger::balance() {
+  Energies& e = energies_;
+  const auto mechanisms = std::span(works_).subspan(num_works, mechanisms_.size());
+  e.dissipated_by.assign(mechanisms.begin(), mechanisms.end());
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    for (std::size_t i = 0; i < 3; ++i) contacts_[c].impulse[i] = works_[first_impulse() + 3 * c + i];
+  }
+  e.dissipated = std::accumulate(e.dissipated_by.begin(), e.dissipated_by.end(), 0.0);
+  e.support_work = works_[supports];
+  e.load_work = works_[loads] + works_[supports];
+  e.numerical_dissipation = (works_[kinetic] - (e.kinetic - initial_.kinetic)) +
+                            (works_[stored] - (e.elastic - initial_.elastic)) +
+                            (works_[potential] - (e.load_potential - initial_.load_potential)) + released_;
+  e.balance_error = (e.kinetic - initial_.kinetic) + (e.elastic - initial_.elastic) +
+                    (e.load_potential - initial_.load_potential) + e.dissipated + e.numerical_dissipation - e.load_work;
+}
+
+// Where the last equation solved lies within the step, the midpoint rule; else the trapezoidal one. The powers at the
+// start of the first step are not known: they depend on the accelerations there.
+void Ledger::add_works_in_time(const StepAttempt& attempt) {
+  const double dt = attempt.time - time_;
+  check(VecWAXPY(way_.get(), -1.0, q_.get(), attempt.q));
+  check(VecScale(way_.get(), 1.0 / dt));
+  const bool is_within = attempt.last_stage.time < attempt.time - 1e-6 * dt;
+  const Works power = powers(attempt.last_stage, attempt.last_q, is_within ? way_.get() : attempt.v);
+  const bool takes_mean = !is_within && powers_are_known_;
+  for (std::size_t w = 0; w < works_.size(); ++w) {
+    works_[w] += dt * (takes_mean ? 0.5 * (last_powers_[w] + power[w]) : power[w]);
+  }
+  last_powers_ = power;
+  powers_are_known_ = true;
+}
+
+// Forces at both ends of the step, along the way between them; powers that are none of these by the trapezoidal rule.
+// The first state need not be in equilibrium: loads may act at once. Without inertia no kinetic energy takes what the
+// unbalanced forces do on the way to the first equilibrium; it is lost.
+void Ledger::add_works_along_way(const StepAttempt& attempt) {
+  check(VecWAXPY(way_.get(), -1.0, q_.get(), attempt.q));
+  const Works before = works_along(way_.get());
+  if (!powers_are_known_) {
+    released_ = -0.5 * (before[stored] + before[potential] - before[loads] - before[supports]);
+  }
+  Works power = powers(attempt.last_stage, attempt.last_q, attempt.v);
+  power[loads] = supply_without_energy_;  // the others' is the change of their energies, below
+  keep_forces(attempt.last_stage, attempt.last_q);
+  const Works after = works_along(way_.get());
+  for (std::size_t w = 0; w < num_works; ++w) works_[w] += 0.5 * (before[w] + after[w]);
+  const Instant start = model_.instant(time_), end = model_.instant(attempt.time);
+  const double supplied =
+      0.5 * (model_.potential().supplied(start, end, q_.get()) + model_.potential().supplied(start, end, attempt.q));
+  const auto integral = [&](std::size_t w) { return 0.5 * (attempt.time - time_) * (last_powers_[w] + power[w]); };
+  works_[stored] += supplied + integral(loads);
+  works_[loads] += supplied + integral(loads);
+  for (std::size_t m = num_works; m < first_impulse(); ++m) {
+    const double dissipated = integral(m);
+    works_[stored] -= dissipated;
+    works_[m] += dissipated;
+  }
+  last_powers_ = power;
+  powers_are_known_ = true;
+}
+
+void Ledger::keep_forces(const StagePoint& stage, Vec q) {
+  IncrementalPotential& potential_of_stage = model_.potential();
+  potential_of_stage.begin_stage(stage);
+  for (const Account account : {Account::stored, Account::load_potential, Account::load}) {
+    const auto is_booked_here = [&](const EnergyTerm& term) { return account_of(term) == account; };
+    potential_of_stage.gradient_of(is_booked_here, q, forces_[static_cast<std::size_t>(account)].get());
+  }
+  potential_of_stage.gradient_with_reactions(q, reaction_.get());
+}
+
+Ledger::Works Ledger::works_along(Vec way) const {
+  const auto along = [&](Account account) {
+    PetscScalar work = 0.0;
+    check(VecDot(forces_[static_cast<std::size_t>(account)].get(), way, &work));
+    return work;
+  };
+  Works works = no_works();
+  works[stored] = along(Account::stored);
+  works[potential] = along(Account::load_potential);
+  works[loads] = -along(Account::load);
+  works[supports] = work_of_supports(way);
+  return works;
+}
+
+double Ledger::work_of_supports(Vec way) const {
+  double work = 0.0;
+  {
+    const ConstArrayView reaction(reaction_.get()), moved(way);
+    for (std::size_t i = 0; i < held_.size(); ++i) {
+      if (held_[i]) work += reaction.span()[i] * moved.span()[i];
+    }
+  }
+  sum_over_ranks(model_.layout().comm, &work, 1);
+  return work;
+}
+
+void Ledger::measure(const StateView& state) {
+  const IncrementalPotential& sum = model_.potential();
+  energies_.elastic = energies_.load_potential = 0.0;
+  const auto energies = model_.potential().energies(model_.instant(state.time), state.q, state.z);
+  for (std::size_t k = 0; k < energies.size(); ++k) {
+    const Account account = account_of(*sum.terms()[k]);
+    if (account == Account::stored) energies_.elastic += energies[k];
+    if (account == Account::load_potential) energies_.load_potential += energies[k];
+  }
+  if (analysis_ != Analysis::dynamic || model_.inertia() == nullptr) return;
+  check(VecCopy(state.q, at_.get()));
+  check(VecCopy(state.v, way_.get()));
+  update_ghosts(at_.get());
+  update_ghosts(way_.get());
+  const ConstGhostedView u(at_.get()), velocity(way_.get());
+  const Momenta m = model_.inertia()->momenta(model_.layout().coordinates, u.span(), velocity.span());
+  std::array<double, 7> local{model_.inertia()->kinetic_energy(velocity.span())};
+  std::copy(m.linear.begin(), m.linear.end(), local.begin() + 1);
+  std::copy(m.angular.begin(), m.angular.end(), local.begin() + 4);
+  sum_over_ranks(model_.layout().comm, local.data(), static_cast<int>(local.size()));
+  energies_.kinetic = local[0];
+  std::copy_n(local.begin() + 1, 3, energies_.momenta.linear.begin());
+  std::copy_n(local.begin() + 4, 3, energies_.momenta.angular.begin());
+}
+
+}  // namespace pliant

@@ -1,0 +1,125 @@
+/// The energy ledger: where the energy of the bodies is, what came in, and what was lost, to what.
+///
+/// Every term's forces do work along the motion, and so do the supports. The works are quadratures of the method
+/// itself: dw/dt = f . v, integrated with the weights that integrate q and v. Then, to the accuracy of Newton's method,
+///
+///     w_kinetic + w_stored + w_potential + dissipated - load_work = 0
+///
+/// whatever the method and the step, because the forces balance in every stage. The energies of the state itself differ
+/// from the works that should have changed them: that difference is what the method dissipated (or made).
+///
+/// Without inertia the works are trapezoids between equilibria. The first state need not be one: what its unbalanced
+/// forces do on the way to the first equilibrium would be kinetic energy, and is lost with what the method dissipates.
+#pragma once
+
+#include "model/model.hpp"
+#include "time/stepper.hpp"
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+/// Totals over all ranks. Loads that do not depend on time count with their potential, the others with the work they
+/// did; so do all loads of a static analysis, which grow from step to step, and the shortening of active fibres.
+/// Kinetic energy and momenta are those of inertia: without it (static, quasistatic) they are zero.
+struct Energies {
+  double kinetic = 0.0;                ///< [J]
+  double elastic = 0.0;                ///< stored in the material, branches of viscous bodies included [J]
+  double load_potential = 0.0;         ///< -int f . u of the constant dead loads [J]
+  double dissipated = 0.0;             ///< by physical mechanisms, since the start [J]
+  std::vector<double> dissipated_by;   ///< the parts of it of Ledger::mechanisms() [J]
+  double load_work = 0.0;              ///< of the other loads and of prescribed motion, since the start [J]
+  double support_work = 0.0;           ///< the part of it that prescribed motion did [J]
+  double numerical_dissipation = 0.0;  ///< by the method, since the start; negative where it made energy [J]
+  /// kinetic + elastic + load_potential + dissipated + numerical_dissipation - load_work - initial [J]: what Newton's
+  /// tolerance leaves.
+  double balance_error = 0.0;
+  Momenta momenta;
+};
+
+/// What a ContactGroup of the model's contacts does to the bodies.
+struct ContactForce {
+  std::array<double, 3> force{};    ///< at the end of the last stage [N]; zero before the first step
+  std::array<double, 3> impulse{};  ///< since the start, integrated as momentum is [N s]; none without inertia
+};
+
+/// Keeps the books from step to step. All methods are collective.
+class Ledger {
+ public:
+  /// Opens with the initial state. `model` outlives the ledger.
+  Ledger(Model& model, Analysis analysis, const StateView& initial);
+
+  /// Names of the terms that dissipate, each once.
+  const std::vector<std::string>& mechanisms() const { return mechanisms_; }
+
+  /// The works, for the integrator; they refer to this object.
+  Quadratures quadratures();
+  /// Their values so far.
+  std::span<const double> works() const { return works_; }
+
+  /// Books a completed step; call before it is accepted into the history, while `attempt` is valid. Where the
+  /// integrator has not integrated the works, they are trapezoidal, or by the midpoint rule.
+  void book(const StepAttempt& attempt);
+  /// What a method has made in a step, of what there was.
+  struct Gain {
+    double made = 0.0;       ///< minus the numerical dissipation [J]
+    double available = 0.0;  ///< kinetic and elastic energy at the step's start, and what came in since [J]
+  };
+  /// Of a completed step that is not booked yet; nothing where the integrator has not integrated the works.
+  Gain gain(const StepAttempt& attempt);
+  /// Books that the velocity of the last state booked has jumped to that of `after`: impulses of the constraints have
+  /// done work.
+  void book_jump(const StateView& after);
+
+  /// `newest`: the last completed step.
+  void keep(Archive& archive, const StateView& newest);
+
+  const Energies& energies() const { return energies_; }
+  /// Of each support of the model, at the end of the last stage; zero before the first step.
+  const std::vector<Reaction>& reactions() const { return reactions_; }
+  /// In the order of Contacts::groups.
+  const std::vector<ContactForce>& contacts() const { return contacts_; }
+
+ private:
+  /// The works; what each mechanism dissipated follows them, then the impulse of each contact.
+  enum Work : std::size_t { kinetic, stored, potential, loads, supports, num_works };
+  using Works = std::vector<double>;
+
+  /// The powers at the end of a stage; leaves its reactions in `reaction_`.
+  Works powers(const StagePoint& stage, Vec q, Vec v);
+  Works no_works() const { return Works(first_impulse() + 3 * contacts_.size(), 0.0); }
+  std::size_t first_impulse() const { return num_works + mechanisms_.size(); }
+  Account account_of(const EnergyTerm& term) const;
+  void add_works_in_time(const StepAttempt& attempt);
+  void add_works_along_way(const StepAttempt& attempt);
+  void keep_forces(const StagePoint& stage, Vec q);
+  Works works_along(Vec way) const;
+  double work_of_supports(Vec way) const;
+  void measure(const StateView& state);
+  /// What follows from the works and the energies of the state.
+  void balance();
+
+  Model& model_;
+  Analysis analysis_;
+  std::vector<std::string> mechanisms_;
+  std::vector<std::size_t> mechanism_of_term_;  // of terms that dissipate
+  Energies energies_;
+  Energies initial_;
+  Works works_;        // since the start
+  Works last_powers_;  // at the last step, for trapezoids
+  bool powers_are_known_ = false;
+  double released_ = 0.0;   // without inertia: by what was not in equilibrium at the start [J]
+  double time_ = 0.0;       // of the last step, or its load factor
+  std::vector<char> held_;  // owned entries on which constraints do work
+  std::vector<Reaction> reactions_;
+  std::vector<ContactForce> contacts_;
+  std::vector<std::vector<std::size_t>> contacts_of_term_;
+  Handle<Vec> q_;                       // of the last step
+  double supply_without_energy_ = 0.0;  // by terms that have none, at the last `powers` [W]: friction of what moves
+  Handle<Vec> at_, way_, reaction_;
+  std::array<Handle<Vec>, 4> forces_;  // without inertia: those of each account at the last step
+};
+
+}  // namespace pliant

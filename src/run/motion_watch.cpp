@@ -1,0 +1,222 @@
+#include "run/motion_watch.hpp"
+
+#include "base/tensor.hpp"
+#include "fem/element.hpp"
+#include "input/elasticity.hpp"
+#include "material/spectral.hpp"
+#include "petsc/collective.hpp"
+#include "petsc/ghosted.hpp"
+#include "petsc/session.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+constexpr std::string_view rubber_tears = "it is fitted to rubber at a stretch below 2, and rubber tears at 5 to 8";
+constexpr std::string_view tissue_tears = "it is fitted to tissue at a stretch below 1.3, and tissue tears at 1.5 to 2";
+constexpr std::string_view of_graphics = "it is made for the looks of moderate deformation";
+
+/// Generous: whoever is beyond has mistyped a number, or asks the law for what it does not know. Principal stretches of
+/// a membrane that is blown up become small as well as large, so that most laws have no lower bound to speak of.
+constexpr double no_bound = 0.02;
+constexpr std::array<std::pair<std::string_view, TrustedStretches>, 16> trusted{{
+    {"linear", {0.8, 1.2, "it is for strains of a few per cent, and takes rotation for strain"}},
+    {"saint-venant-kirchhoff", {0.6, 2.0, "it is for small strain, and collapses under compression below 0.577"}},
+    {"neo-hookean", {no_bound, 4.0, rubber_tears}},
+    {"stable-neo-hookean", {no_bound, 4.0, rubber_tears}},
+    {"neo-hookean-isochoric", {no_bound, 4.0, rubber_tears}},
+    {"fixed-corotated", {no_bound, 4.0, of_graphics}},
+    {"arap", {no_bound, 4.0, of_graphics}},
+    {"mooney-rivlin", {no_bound, 5.0, "it is fitted to rubber at a stretch below 3, and rubber tears at 5 to 8"}},
+    {"mooney-rivlin-5", {no_bound, 7.0, "it is fitted to rubber, which tears at 5 to 8"}},
+    {"yeoh", {no_bound, 7.0, "it is fitted to rubber, which tears at 5 to 8"}},
+    {"ogden", {no_bound, 8.0, "it is fitted to rubber, which tears at 5 to 8"}},
+    {"gent", {no_bound, 10.0, "it is fitted to rubber, which tears at 5 to 8"}},
+    {"arruda-boyce", {no_bound, 10.0, "it is fitted to rubber, which tears at 5 to 8"}},
+    {"guccione", {no_bound, 2.5, tissue_tears}},
+    {"holzapfel-gasser-ogden", {no_bound, 2.5, tissue_tears}},
+    {"holzapfel-ogden", {no_bound, 2.5, tissue_tears}},
+}};
+
+/// The lowest body of each component. Collective.
+std::vector<int> bodies_of_components(const Model& model) {
+  const NodeLayout& layout = model.layout();
+  std::vector<int> lowest(static_cast<std::size_t>(model.components().count), std::numeric_limits<int>::max());
+  for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+    int& body = lowest[static_cast<std::size_t>(model.components().of_node[layout.nodes_of_cell(c)[0]])];
+    body = std::min(body, model.body_of_cell()[c]);
+  }
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, lowest.data(), static_cast<int>(lowest.size()), MPI_INT, MPI_MIN, layout.comm));
+  return lowest;
+}
+
+/// F - I at the middle of a cell: the gradient of u in the reference cell, times the inverse of that of X.
+template <int Order>
+Tensor3<double> displacement_gradient(const NodeLayout& layout, PetscInt cell, std::span<const double> u) {
+  const auto dN = Tet<Order>::gradients({0.25, 0.25, 0.25});
+  const auto nodes = layout.nodes_of_cell(cell);
+  Tensor3<double> of_X{}, of_u{};
+  for (std::size_t a = 0; a < dN.size(); ++a) {
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k) {
+        of_X(i, k) += layout.coordinates[3 * nodes[a] + i] * dN[a][k];
+        of_u(i, k) += u[3 * nodes[a] + i] * dN[a][k];
+      }
+    }
+  }
+  return matmul(of_u, transpose((1.0 / det(of_X)) * cofactor(of_X)));
+}
+
+std::array<double, 3> middle(const NodeLayout& layout, PetscInt cell) {
+  std::array<double, 3> X{};
+  for (std::size_t a = 0; a < 4; ++a) {
+    for (std::size_t i = 0; i < 3; ++i) X[i] += 0.25 * layout.coordinates[3 * layout.nodes_of_cell(cell)[a] + i];
+  }
+  return X;
+}
+
+/// A stretch and where it is; `excess` is what makes it the one to tell.
+struct Found {
+  double excess = 0.0;
+  double stretch = 1.0;
+  std::array<double, 3> X{};
+
+  void take(double value, double size, PetscInt cell, const NodeLayout& layout) {
+    if (!(size > excess)) return;
+    *this = {size, value, middle(layout, cell)};
+  }
+};
+
+/// That of the rank with the greatest excess, on every rank. Collective.
+Found of_all_ranks(MPI_Comm comm, Found found) {
+  struct {
+    double excess;
+    int rank;
+  } mine{found.excess, rank(comm)}, best{};
+  check_mpi(MPI_Allreduce(&mine, &best, 1, MPI_DOUBLE_INT, MPI_MAXLOC, comm));
+  std::array<double, 4> values{found.stretch, found.X[0], found.X[1], found.X[2]};
+  check_mpi(MPI_Bcast(values.data(), 4, MPI_DOUBLE, best.rank, comm));
+  return {best.excess, values[0], {values[1], values[2], values[3]}};
+}
+
+}  // namespace
+
+std::optional<TrustedStretches> trusted_stretches(std::string_view law) {
+  const auto row = std::ranges::find(trusted, law, &std::pair<std::string_view, TrustedStretches>::first);
+  return row == trusted.end() ? std::nullopt : std::optional(row->second);
+}
+
+MotionWatch::MotionWatch(const Config& config, const Model& model)
+    : model_(model),
+      mesh_(config.mesh.file.where),
+      is_static_(analysis_of(config) == Analysis::static_equilibrium),
+      overlap_is_known_(model.overlaps_at_start()),
+      bodies_of_components_(bodies_of_components(model)),
+      q_(make_vector(model.layout())) {
+  for (std::size_t b = 0; b < config.bodies.size(); ++b) {
+    const ElasticityRule rule(config.bodies[b].elasticity);
+    const std::string law(rule.kind().info().name);
+    bodies_.push_back(
+        {config.bodies[b].elasticity.where,
+         model.body_names()[b],
+         law,
+         trusted_stretches(law).value_or(TrustedStretches{no_bound, 10.0, "the range of this law is not known"}),
+         {},
+         {}});
+  }
+}
+
+std::string MotionWatch::instant(double time) const {
+  return is_static_ ? fmt::format("load factor {:.4g}", time) : fmt::format("t = {:.4g} s", time);
+}
+
+std::string MotionWatch::in_words(const Body& body, const Extreme& extreme) const {
+  const auto& [x, y, z] = extreme.X;
+  return fmt::format(
+      "{}: at {} '{}' is {} to {:.3g} of its length near X = ({:.4g}, {:.4g}, {:.4g}), and '{}' does not describe "
+      "that: "
+      "{}; "
+      "check loads and moduli: a number without a unit is in SI",
+      to_string(body.where), instant(extreme.time), body.name, extreme.stretch > 1.0 ? "stretched" : "squeezed",
+      extreme.stretch, x, y, z, body.law, body.trusted.why);
+}
+
+void MotionWatch::look_at_stretches(double time, std::span<const double> u, std::vector<std::string>& news) {
+  const NodeLayout& layout = model_.layout();
+  std::vector<Found> least(bodies_.size()), most(bodies_.size());
+  for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+    const auto body = static_cast<std::size_t>(model_.body_of_cell()[c]);
+    const auto H = layout.order == 1 ? displacement_gradient<1>(layout, c, u) : displacement_gradient<2>(layout, c, u);
+    const auto l = principal_stretches(H).l;  // in descending order
+    most[body].take(l[0], l[0], c, layout);
+    least[body].take(l[2], 1.0 / std::max(l[2], 1e-9), c, layout);
+  }
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    Body& body = bodies_[b];
+    for (const auto& [found, extreme] : {std::pair{of_all_ranks(layout.comm, most[b]), &body.largest},
+                                         {of_all_ranks(layout.comm, least[b]), &body.smallest}}) {
+      const bool is_large = extreme == &body.largest;
+      if (is_large ? found.stretch <= extreme->stretch : found.stretch >= extreme->stretch) continue;
+      extreme->stretch = found.stretch;
+      extreme->X = found.X;
+      extreme->time = time;
+      const bool is_beyond = is_large ? found.stretch > body.trusted.high : found.stretch < body.trusted.low;
+      if (!is_beyond || extreme->told != 1.0) continue;
+      extreme->told = found.stretch;
+      news.push_back(in_words(body, *extreme));
+    }
+  }
+}
+
+std::vector<std::string> MotionWatch::look(const StepRecord& record) {
+  std::vector<std::string> news;
+  check(VecCopy(record.q, q_.get()));
+  update_ghosts(q_.get());
+  const ConstGhostedView u(q_.get());
+  look_at_stretches(record.time, u.span(), news);
+  return news;
+}
+
+std::optional<std::string> MotionWatch::look_for_passage(const StepRecord& record) {
+  if (overlap_is_known_ || model_.components().count < 2) return std::nullopt;
+  check(VecCopy(record.q, q_.get()));
+  update_ghosts(q_.get());
+  const ConstGhostedView u(q_.get());
+  constexpr std::size_t most_nodes = 1000;  // costs far less than a step
+  const auto overlap = deepest_overlap(model_.layout(), model_.components(), u.span(), most_nodes);
+  if (!overlap) return std::nullopt;
+  overlap_is_known_ = true;
+  const auto& [x, y, z] = overlap->at;
+  return fmt::format(
+      "{}: at {} {} pass through one another, {:.3g} m deep at ({:.4g}, {:.4g}, {:.4g}): contact between bodies is not "
+      "modelled, only contact with obstacles; make one of them an obstacle, or keep them apart",
+      to_string(mesh_), instant(record.time), names_of(overlap->of, overlap->in), overlap->depth, x, y, z);
+}
+
+std::string MotionWatch::names_of(int component, int other) const {
+  const auto name = [&](int c) { return bodies_[bodies_of_components_[static_cast<std::size_t>(c)]].name; };
+  if (name(component) == name(other)) return fmt::format("two parts of '{}', which share no node,", name(component));
+  return fmt::format("'{}' and '{}'", std::min(name(component), name(other)), std::max(name(component), name(other)));
+}
+
+std::vector<std::string> MotionWatch::last_words() const {
+  constexpr double worth_telling = 1.05;
+  std::vector<std::string> words;
+  for (const Body& body : bodies_) {
+    for (const Extreme* extreme : {&body.largest, &body.smallest}) {
+      if (extreme->told == 1.0) continue;
+      const double worse = extreme->stretch / extreme->told;
+      if (worse < worth_telling && worse > 1.0 / worth_telling) continue;
+      words.push_back(in_words(body, *extreme));
+    }
+  }
+  return words;
+}
+
+}  // namespace pliant

@@ -1,0 +1,60 @@
+/// What a run leaves on disk: result.h5 and result.xdmf, history.csv, run.yaml.
+#pragma once
+
+#include "io/history_writer.hpp"
+#include "io/result_writer.hpp"
+#include "run/obstacle_drawing.hpp"
+#include "run/simulation.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+/// What stays of the files of the run that is continued.
+struct Recorded {
+  std::int64_t last_row = 0;    ///< step of the last row of the history
+  std::int64_t last_frame = 0;  ///< step of the last frame of the result
+};
+
+/// The mesh of the model as results hold it.
+OutputMesh output_mesh(const Model& model);
+
+class Recorder {
+ public:
+  /// Makes the directory and starts all files, or continues those of an earlier run; the history has columns for the
+  /// ledger's mechanisms. Throws FileError on every rank. Collective.
+  Recorder(const Config& config, Model& model, const Ledger& ledger, const std::optional<Recorded>& earlier);
+
+  /// Adds a row to the history. Collective.
+  void record(const StepRecord& record, const Ledger& ledger);
+  /// Adds a frame to the result. Collective.
+  void write_frame(const StepRecord& record);
+  /// Returns when history and frames have reached the disk. Collective.
+  void sync();
+
+  double seconds() const { return seconds_; }
+
+ private:
+  /// Gauge pressure [Pa] and volume [m^3] of each cavity.
+  std::vector<double> cavity_states(const StepRecord& record);
+  double contact_energy(const StepRecord& record);
+  void add_contact_fields(const StepRecord& record, std::vector<std::vector<double>>& storage,
+                          std::vector<OutputField>& fields);
+  std::vector<std::string> columns(const Config& config, const Ledger& ledger) const;
+
+  Model& model_;
+  std::vector<std::string> fields_;
+  double time_scale_;                  // over which the velocities of obstacles are told [s]
+  std::optional<double> static_time_;  // at which formulas are evaluated while the load factor grows [s]
+  double seconds_ = 0.0;
+  ResultWriter result_;
+  std::optional<ObstacleDrawing> drawing_;  // of obstacles, if there are any
+  std::optional<ObstacleWriter> obstacles_;
+  HistoryWriter history_;
+  Handle<Vec> q_, v_;
+};
+
+}  // namespace pliant

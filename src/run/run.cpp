@@ -1,0 +1,393 @@
+#include "run/run.hpp"
+
+#include "base/file.hpp"
+#include "petsc/collective.hpp"
+#include "petsc/session.hpp"
+#include "run/checkpoints.hpp"
+#include "run/energy_watch.hpp"
+#include "run/motion_watch.hpp"
+#include "run/post_mortem.hpp"
+#include "run/recorder.hpp"
+#include "run/signals.hpp"
+#include "run/simulation.hpp"
+#include "run/summary.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// A run that was just killed may take a moment to end.
+constexpr std::chrono::seconds patience{5};
+/// Of a stage that takes longer than this many seconds the user hears.
+constexpr double long_stage = 30.0;
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// Seconds with three significant digits, never as a power of ten.
+std::string three_digits(double t) {
+  const int before_point = t > 0.0 ? static_cast<int>(std::floor(std::log10(t))) + 1 : 0;
+  return fmt::format("{:.{}f}", t, std::clamp(3 - before_point, 0, 4));
+}
+
+/// Frames are due at multiples of the output interval, at the first step at or after them.
+class FrameSchedule {
+ public:
+  /// From a time at which no frame is due any more.
+  FrameSchedule(std::optional<double> interval, double start) : interval_(interval), last_(reached(start)) {}
+  bool due(double time) {
+    if (!interval_) return true;
+    const long long now = reached(time);
+    return std::exchange(last_, std::max(last_, now)) < now;
+  }
+
+ private:
+  long long reached(double time) const {
+    return interval_ ? static_cast<long long>(std::floor(time / *interval_ * (1.0 + 1e-12) + 1e-9)) : 0;
+  }
+  std::optional<double> interval_;
+  long long last_;
+};
+
+class Run {
+ public:
+  /// From the start, or from a checkpoint that is whole.
+  Run(MPI_Comm comm, const Config& config, Console& console, const TermFactory& additional, const ResumePoint* from)
+      : comm_(comm),
+        config_(config),
+        console_(console),
+        model_(comm, config, additional),
+        watch_(config, model_),
+        checkpoints_(config, model_) {
+    on_root(comm_, [&] {
+      make_directory(config.output.directory);
+      lock_.emplace(config.output.directory, patience);
+      remove_summary(config.output.directory);
+    });
+    introduce();
+    simulation_.emplace(config, model_);
+    simulation_->watch([this](const StageProgress& stage) { tell_of_long_stage(stage); });
+    energy_watch_.emplace(simulation_->ledger().energies());
+    for (const auto& line : simulation_->description()) console.print(line);
+    std::optional<Recorded> earlier;
+    if (from != nullptr) {
+      checkpoints_.restore(from->file, from->info, [&](Archive& archive) { keep(archive); });
+      earlier = {record().step, last_frame_};
+      last_row_ = record().step;
+      if (simulation_->finished()) {
+        console_.warn(
+            fmt::format("nothing is left to do: the checkpoint is at {} = {:.6g}{}; --set time.end=... beyond "
+                        "that makes the run longer",
+                        variable(), record().time, is_static() ? "" : " s"));
+      }
+    }
+    try {
+      recorder_.emplace(config, model_, simulation_->ledger(), earlier);
+    } catch (const FileError& error) {
+      if (!earlier) throw;
+      throw FileError(fmt::format("{}. To leave what is there and continue elsewhere: pliant resume {} --output DIR",
+                                  error.what(), from->file.string()));
+    }
+    if (!earlier) {
+      checkpoints_.remove_all();
+      remove_post_mortem(comm_, config_);
+      recorder_->record(record(), simulation_->ledger());
+      recorder_->write_frame(record());
+    }
+    setup_seconds_ = seconds_since(start_);
+  }
+
+  ExitCode operator()() {
+    try {
+      return go();
+    } catch (const FileError& error) {
+      throw FileError(fmt::format("{}. {}", error.what(), what_is_left()));
+    }
+  }
+
+ private:
+  ExitCode go() {
+    const InterruptGuard interrupt;
+    // Every step is a frame unless an interval is given.
+    FrameSchedule schedule(config_.output.every, record().time);
+    const auto start = Clock::now();
+    while (!simulation_->finished()) {
+      const Request request =
+          interrupt.request(comm_, checkpoints_.is_due_by_clock() ? Request::checkpoint : Request::none);
+      if (request != Request::none) write_checkpoint();
+      if (request == Request::stop) return interrupted();
+      const StepOutcome outcome = simulation_->advance();
+      if (outcome.kind == StepOutcome::Kind::failed) give_up(outcome);
+      if (outcome.kind == StepOutcome::Kind::unsolved) console_.warn(outcome.reason);
+      if (outcome.kind != StepOutcome::Kind::accepted) continue;
+      if (!outcome.reason.empty()) console_.warn(outcome.reason);
+      recorder_->record(record(), simulation_->ledger());
+      last_row_ = record().step;
+      if (simulation_->analysis() == Analysis::dynamic)
+        energy_watch_->look(simulation_->ledger().energies(), record().time);
+      if (multigrid_is_news()) {
+        console_.warn("the factorization ran out of memory; algebraic multigrid takes its place (solver.linear: amg)");
+      }
+      if (record().newton_iterations > worst_.newton_iterations) {
+        worst_ = {record().step, record().time, record().newton_iterations};
+      }
+      if (const auto news = watch_.look_for_passage(record())) console_.warn(*news);
+      last_frame_written_ = schedule.due(record().time) || simulation_->finished();
+      if (last_frame_written_) {
+        recorder_->write_frame(record());
+        last_frame_ = record().step;
+        for (const auto& news : watch_.look(record())) console_.warn(news);
+      }
+      if (checkpoints_.is_due(record().step)) write_checkpoint();
+      const std::string line = progress_line(seconds_since(start));
+      if (console_.is_terminal()) {
+        console_.progress(line);
+      } else if (last_frame_written_) {
+        console_.print(line);
+      }
+    }
+    config_.checkpoint ? write_checkpoint() : recorder_->sync();
+    for (const auto& words : watch_.last_words()) console_.warn(words);
+    summarise("done", "");
+    return ExitCode::done;
+  }
+
+  const StepRecord& record() const { return simulation_->record(); }
+  bool is_static() const { return analysis_of(config_) == Analysis::static_equilibrium; }
+  const char* variable() const { return is_static() ? "load factor" : "t"; }
+
+  void introduce() {
+    const NodeLayout& layout = model_.layout();
+    console_.print(fmt::format("{}: {} tetrahedra, {} unknowns, {} rank{}",
+                               config_.title.empty() ? config_.file : config_.title, layout.num_global_cells,
+                               3 * layout.num_global_nodes, num_ranks(comm_), num_ranks(comm_) == 1 ? "" : "s"));
+    for (const auto& notice : model_.mesh_report().notices) console_.print("note: " + notice);
+    for (const auto& notice : model_.notices()) console_.print("note: " + notice);
+    for (const auto& doubt : model_.doubts()) console_.warn(doubt);
+  }
+
+  void keep(Archive& archive) {
+    simulation_->keep(archive);
+    const Archive::Section section(archive, "run");
+    archive.number("last_frame", last_frame_);
+    archive.number("worst_step", worst_.step);
+    archive.number("worst_time", worst_.time);
+    archive.number("worst_newton_iterations", worst_.newton_iterations);
+    archive.number("largest_energy", largest_energy_);
+    energy_watch_->keep(archive);
+  }
+
+  void write_checkpoint() {
+    recorder_->sync();
+    checkpoints_.write(record().step, record().time, [&](Archive& archive) { keep(archive); });
+    // What goes on here and what resumes there are the same run.
+    simulation_->forget();
+  }
+
+  /// After a file could not be written: what there is, and how to go on. Not collective: ranks say what they see.
+  std::string what_is_left() const {
+    std::error_code ignored;
+    if (!std::filesystem::exists(config_.output.directory, ignored)) {
+      return "The directory is gone, with all that was computed: start anew";
+    }
+    const auto files = checkpoints_in(config_.output.directory);
+    const std::string what_to_do =
+        files.empty()
+            ? "no checkpoint; once files can be written again, start anew (`checkpoint: {every: 100}` makes runs "
+              "that can go on)"
+            : fmt::format("{}; once files can be written again, continue with: {}", files.front().filename().string(),
+                          how_to_resume());
+    return fmt::format("What is there is whole: rows up to step {}, frames up to step {}, {}", last_row_, last_frame_,
+                       what_to_do);
+  }
+
+  bool multigrid_is_news() {
+    const bool is_used = simulation_->solver_statistics().uses_multigrid_instead;
+    return is_used && !std::exchange(multigrid_was_told_, is_used);
+  }
+
+  std::string how_to_resume() const { return fmt::format("pliant resume {}", config_.output.directory); }
+
+  ExitCode interrupted() {
+    if (!last_frame_written_) recorder_->write_frame(record());
+    summarise("interrupted", "");
+    console_.warn(fmt::format("interrupted after step {} at {} = {:.6g}{}; what was computed is in {}; to continue: {}",
+                              record().step, variable(), record().time, is_static() ? "" : " s",
+                              config_.output.directory, how_to_resume()));
+    return ExitCode::interrupted;
+  }
+
+  /// The last thing that is done: it leaves the model in the state that could not be solved.
+  std::string post_mortem(const StepOutcome& outcome) {
+    try {
+      return write_post_mortem(config_, model_, record(),
+                               {outcome.reason, outcome.tried, simulation_->examine(), outcome.is_mistake});
+    } catch (const FileError& error) {
+      return error.what();
+    }
+  }
+
+  [[noreturn]] void give_up(const StepOutcome& outcome) {
+    if (!last_frame_written_) recorder_->write_frame(record());
+    write_checkpoint();
+    const std::string what_to_look_at = post_mortem(outcome);
+    summarise("failed", outcome.reason);
+    throw SolveError(fmt::format(
+        "the solve failed at {0} = {1:.6g}: {2}. The last good state ({0} = {1:.6g}) is in {3}{4}. Post-mortem: {5}",
+        variable(), record().time, outcome.reason, config_.output.directory,
+        is_static() ? "" : fmt::format(" (`{} --set time.step=...` continues from there)", how_to_resume()),
+        what_to_look_at));
+  }
+
+  double output_seconds() const { return recorder_->seconds() + checkpoints_.seconds(); }
+
+  std::string progress_line(double elapsed) {
+    const Energies& e = simulation_->ledger().energies();
+    const double done = record().time / simulation_->plan().end;
+    largest_energy_ =
+        std::max({largest_energy_, e.kinetic, e.elastic, std::abs(e.load_potential), std::abs(e.load_work)});
+    return fmt::format("{} {:.6g}{}  step {}  dt {:.3g}  newton {}  energy balance {:+.1e}  {:.0f} s left", variable(),
+                       record().time, is_static() ? "" : " s", record().step, record().dt, record().newton_iterations,
+                       e.balance_error / std::max(largest_energy_, 1e-300),
+                       elapsed * (1.0 - done) / std::max(done, 1e-12));
+  }
+
+  /// Without inertia there is no kinetic energy, and the steps of the load or of time are no method that damps.
+  std::string energy_line() const {
+    const Energies& e = simulation_->ledger().energies();
+    const bool moves = simulation_->analysis() == Analysis::dynamic;
+    return fmt::format(
+        "energy [J]: {}elastic {:.6g}, load potential {:.6g}; since the start: work of loads {:.6g}, of prescribed "
+        "motion {:.6g}, dissipated by the material {:.6g}, {} {:.6g}; balance {:+.3g}",
+        moves ? fmt::format("kinetic {:.6g}, ", e.kinetic) : "", e.elastic, e.load_potential,
+        e.load_work - e.support_work, e.support_work, e.dissipated, moves ? "by the method" : "lost between equilibria",
+        e.numerical_dissipation, e.balance_error);
+  }
+
+  void save(const Summary& summary) {
+    try {
+      on_root(comm_, [&] { write_summary(config_.output.directory, summary); });
+    } catch (const FileError& error) {
+      console_.warn(error.what());  // the run itself is safe
+    }
+  }
+
+  void summarise(const char* outcome, const std::string& message) {
+    const SolverStatistics& s = simulation_->solver_statistics();
+    const StepStatistics& steps = simulation_->steps();
+    const RunSeconds t{seconds_since(start_),   setup_seconds_,  model_.mesh_seconds(), s.assembly_seconds,
+                       s.factorization_seconds, s.solve_seconds, output_seconds()};
+    save({outcome, message, num_ranks(comm_), t, steps, s, worst_, energy_watch_->growth()});
+    console_.print(fmt::format(
+        "time: {} s = set-up {} (mesh {}) + assembly {} + factorization {} + solve {} + output {} + rest {}",
+        three_digits(t.total), three_digits(t.set_up), three_digits(t.mesh), three_digits(t.assembly),
+        three_digits(t.factorization), three_digits(t.solve), three_digits(t.output), three_digits(t.rest())));
+    console_.print(fmt::format("steps: {} from {:.3g} to {:.3g}{}; {} repeated after a failed solve, {} for accuracy",
+                               steps.accepted, steps.shortest, steps.longest, is_static() ? "" : " s", steps.failed,
+                               steps.inaccurate));
+    console_.print(fmt::format(
+        "newton: {} iterations in {} stages, {} of them minimised, {} solved on the residual; {} factorizations, {} "
+        "linear iterations, {} step lengths "
+        "refused, {} steps capped before inversion, {} Hessians projected, {} shifted, {} stages ended at "
+        "rounding",
+        s.newton_iterations, s.stages, s.minimisations, s.residual_solves, s.factorizations, s.linear_iterations,
+        s.backtracks, s.capped_steps, s.projections, s.regularizations, s.rounding_stops));
+    if (worst_.newton_iterations >= 0) {
+      console_.print(fmt::format("worst step: {} at {} = {:.6g} with {} Newton iterations", worst_.step, variable(),
+                                 worst_.time, worst_.newton_iterations));
+    }
+    console_.print(energy_line());
+    if (const auto growth = energy_watch_->growth()) {
+      console_.warn(fmt::format(
+          "{}: the energy grew without work: at t = {:.6g} s there was {:.3g} times what came in{}, in steps "
+          "of {:g} s by '{}'; shorten the steps, take bdf2, dirk22 or dirk33, or damp the vibrations by a "
+          "viscosity",
+          to_string(config_.time.method.where), growth->time, growth->factor,
+          growth->is_in_all ? " (with what was dissipated)" : "", steps.longest, config_.time.method.value));
+    }
+    warn_of_solutions(s);
+    console_.print(fmt::format("results: {0}/result.xdmf, {0}/history.csv", config_.output.directory));
+    for (const auto& option : unused_petsc_options()) {
+      console_.warn(fmt::format("PETSc option {} was not used by any object; is it misspelt?", option));
+    }
+  }
+
+  /// Once a stage has taken long, and each time it has taken twice as long.
+  void tell_of_long_stage(const StageProgress& stage) {
+    if (stage.iteration == 0 && stage.seconds < long_stage) told_at_ = 0.0;
+    if (stage.seconds < std::max(long_stage, 2.0 * told_at_)) return;
+    told_at_ = stage.seconds;
+    console_.print(
+        fmt::format("note: the step after {} = {:.6g}{} takes long: {:.0f} s so far, {} iterations of "
+                    "Newton's method, residual {:.1e} N of {:.1e} N wanted, {} linear iterations for the "
+                    "last",
+                    variable(), record().time, is_static() ? "" : " s", stage.seconds, stage.iteration, stage.residual,
+                    stage.target, stage.linear_iterations));
+  }
+
+  void warn_of_solutions(const SolverStatistics& s) {
+    if (2 * s.unbalanced_stops > s.stages) {
+      console_.warn(
+          fmt::format("{}: 'solver.newton.absolute' of {:g} N ended {} of {} solves while more than a tenth of the "
+                      "forces was unbalanced: this is not a solution; give a smaller one, or none",
+                      config_.file, config_.solver.newton.absolute, s.unbalanced_stops, s.stages));
+    }
+    if (s.worst_rounding > doubtful_rounding) {
+      console_.warn(fmt::format(
+          "{} of {} solves ended where double precision ends, one of them with {:.1e} of the forces unbalanced: the "
+          "body is too stiff for what moves it to be seen more exactly",
+          s.rounding_stops, s.stages, s.worst_rounding));
+    }
+    if (s.unstable_stages > 0) {
+      console_.warn(fmt::format(
+          "{} of {} solves found an equilibrium that is not stable: at the least disturbance the body buckles or snaps "
+          "from there; a dynamic analysis (`time: {{method: bdf2, ...}}`) shows where to",
+          s.unstable_stages, s.stages));
+    }
+  }
+
+  Clock::time_point start_ = Clock::now();
+  MPI_Comm comm_;
+  const Config& config_;
+  Console& console_;
+  Model model_;
+  MotionWatch watch_;
+  std::optional<DirectoryLock> lock_;  // rank 0's, on the output directory
+  Checkpoints checkpoints_;
+  std::optional<Simulation> simulation_;
+  std::optional<Recorder> recorder_;
+  double setup_seconds_ = 0.0;
+  bool last_frame_written_ = true;
+  std::int64_t last_row_ = 0;  // step of the last row of the history
+  bool multigrid_was_told_ = false;
+  std::int64_t last_frame_ = 0;  // step of the last one that was due
+  double largest_energy_ = 0.0;  // so far [J]
+  std::optional<EnergyWatch> energy_watch_;
+  WorstStep worst_;
+  double told_at_ = 0.0;  // seconds that the stage had taken when the user last heard of it
+};
+
+}  // namespace
+
+ExitCode run_with_output(MPI_Comm comm, const Config& config, Console& console, const TermFactory& additional) {
+  return Run(comm, config, console, additional, nullptr)();
+}
+
+ExitCode resume_with_output(MPI_Comm comm, const Config& config, Console& console, const ResumePoint& from,
+                            const TermFactory& additional) {
+  return Run(comm, config, console, additional, &from)();
+}
+
+}  // namespace pliant

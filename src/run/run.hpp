@@ -1,0 +1,29 @@
+/// A simulation with its output: files, log, interruption.
+#pragma once
+
+#include "base/error.hpp"
+#include "input/config.hpp"
+#include "io/checkpoint_file.hpp"
+#include "model/model.hpp"
+#include "run/console.hpp"
+
+#include <filesystem>
+
+namespace pliant {
+
+/// Runs what the input describes. Returns done or interrupted; throws InputError, FileError, or SolveError when the
+/// solve failed after every retry (the last good state is in the result then). `additional` terms are added to those of
+/// the input. Collective.
+ExitCode run_with_output(MPI_Comm comm, const Config& config, Console& console, const TermFactory& additional = {});
+
+/// A checkpoint that was found whole.
+struct ResumePoint {
+  std::filesystem::path file;
+  CheckpointInfo info;
+};
+
+/// The same from a checkpoint on: the results of the run in the output directory go on. Collective.
+ExitCode resume_with_output(MPI_Comm comm, const Config& config, Console& console, const ResumePoint& from,
+                            const TermFactory& additional = {});
+
+}  // namespace pliant

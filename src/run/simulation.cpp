@@ -1,0 +1,232 @@
+#include "run/simulation.hpp"
+
+#include "base/error.hpp"
+#include "model/events.hpp"
+#include "petsc/check.hpp"
+#include "petsc/ghosted.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// Steps of one length differ by rounding.
+constexpr double longer = 1.0 + 1e-6;
+/// Nominal steps after which a contact is no impact any more.
+constexpr double steps_of_impact = 3.0;
+/// Of the energy there is: a step that makes more of it at a barrier is cut, but not below this part of the nominal
+/// one.
+constexpr double largest_gain = 0.02, least_part_of_impact = 1.0 / 200.0;
+
+StepOutcome::Kind outcome_of(const RetryDecision& decision, StepOutcome::Kind otherwise) {
+  return decision.retry == Retry::give_up ? StepOutcome::Kind::failed : otherwise;
+}
+
+}  // namespace
+
+Simulation::Simulation(const Config& config, Model& model) : analysis_(analysis_of(config)), model_(model) {
+  model.prepare(config);
+  q_ = make_vector(model.layout());
+  v_ = make_vector(model.layout());
+  if (analysis_ != Analysis::static_equilibrium) model.set_initial_state(config, q_.get(), v_.get());
+  const Handle<Vec> z = model.potential().make_internal();
+  if (z.get() != nullptr) model.potential().internal_variables().complete_step(q_.get(), z.get());
+  StateView initial{0.0, q_.get(), v_.get(), z.get()};
+  ledger_.emplace(model, analysis_, initial);
+  if (analysis_ == Analysis::dynamic) initial.w = ledger_->works();
+  advance_ = make_advance(config, model, *ledger_, initial);
+  set_plan(config);
+  control_.emplace(plan_);
+  record_.q = q_.get();
+  record_.v = v_.get();
+  record_.z = advance_->state().z;
+  next_q_ = make_vector(model.layout());
+  const Method* method = integrator_of(config);
+  num_past_ = analysis_ != Analysis::dynamic ? 1 : method != nullptr ? method->num_steps : 2;
+  measure_contact();
+}
+
+void Simulation::set_plan(const Config& config) {
+  if (analysis_ == Analysis::static_equilibrium) {
+    const double step = 1.0 / config.time.load_steps;
+    plan_ = {0.0, step, 1.0, step / 1024.0};
+    plan_.variable = {"load factor", ""};
+    return;
+  }
+  plan_ = {0.0, config.time.step, config.time.end, config.time.min_step, events_of(config).times};
+  if (const auto& adaptive = config.time.adaptive) {
+    const Method& method = *integrator_of(config);
+    plan_.adaptive =
+        AdaptivePlan{adaptive->max_step, config.output.every.value_or(0.0), method.max_growth, estimate_order(method)};
+  }
+}
+
+void Simulation::keep(Archive& archive) {
+  const auto part = [&](const char* name, const auto& keep_part) {
+    const Archive::Section section(archive, name);
+    keep_part();
+  };
+  part("advance", [&] { advance_->keep(archive); });
+  part("ledger", [&] { ledger_->keep(archive, advance_->state()); });
+  if (MixedEquation* mixed = model_.mixed_equation()) part("mixed", [&] { mixed->keep(archive); });
+  part("control", [&] {
+    StepProgress progress = control_->progress();
+    double step = plan_.dt;
+    progress.keep(archive);
+    archive.number("step", step);
+    if (!archive.restores()) return;
+    if (step != plan_.dt) progress.limit = StepControl(plan_).progress().limit;
+    control_.emplace(plan_, under_plan(plan_, progress));
+  });
+  part("record", [&] {
+    archive.number("step", record_.step);
+    archive.number("time", record_.time);
+    archive.number("dt", record_.dt);
+    archive.number("newton_iterations", record_.newton_iterations);
+    archive.number("linear_iterations", record_.linear_iterations);
+    archive.number("contact_start", contact_start_);
+    archive.number("steps_since_restart", steps_since_restart_);
+  });
+  part("steps", [&] {
+    archive.number("accepted", steps_.accepted);
+    archive.number("failed", steps_.failed);
+    archive.number("inaccurate", steps_.inaccurate);
+    archive.number("shortest", steps_.shortest);
+    archive.number("longest", steps_.longest);
+  });
+  if (!archive.restores()) return;
+  check(VecCopy(advance_->state().q, q_.get()));
+  check(VecCopy(advance_->state().v, v_.get()));
+  record_.z = advance_->state().z;
+  steps_.least_gap = std::numeric_limits<double>::infinity();
+  measure_contact();
+}
+
+StepOutcome Simulation::advance() {
+  const Step step = control_->next();
+  StepAttempt attempt = advance_->attempt(step);
+  record_.a = nullptr;  // it was the advance's
+  if (attempt.report.outcome == StageOutcome::converged) {
+    if (auto reason = impossibility(attempt, step)) {
+      attempt.report.outcome = StageOutcome::retry;
+      attempt.report.reason = std::move(*reason);
+    }
+  }
+  if (attempt.report.outcome != StageOutcome::converged) return reject(attempt, step);
+  const double error = advance_->error(attempt);
+  std::string concession = control_->concession(error);
+  if (!control_->accepts(error) && concession.empty()) {
+    ++steps_.inaccurate;
+    const RetryDecision decision = control_->reject_error(error);
+    return {outcome_of(decision, StepOutcome::Kind::inaccurate), decision.reason, step};
+  }
+  const bool touched = record_.contact.num_points > 0.0;
+  accept(attempt, step);
+  control_->accept(error);
+  const bool touches = touched || record_.contact.num_points > 0.0;
+  if (control_->at_event() || extrapolates_impact(step, touches)) {
+    advance_->restart();
+    steps_since_restart_ = 0;
+    record_.z = advance_->state().z;
+  }
+  return {StepOutcome::Kind::accepted, std::move(concession), step};
+}
+
+// The formula of a multistep method extrapolates the velocity of past steps. It gives back what an impact has changed
+// in one step if all steps are of one length and one formula: 1 = 2/3 (1 + 1/3 + 1/9 ...) with bdf2. It gives back
+// more, up to five times as much, if steps become longer, and if an impact falls into a step of the start-up.
+bool Simulation::extrapolates_impact(const Step& step, bool touches) {
+  ++steps_since_restart_;
+  if (!touches) contact_start_ = step.time;
+  if (num_past_ == 1 || !touches || control_->finished()) return false;
+  const bool grows = control_->next().dt > longer * step.dt;
+  const bool is_impact = step.time - contact_start_ <= steps_of_impact * plan_.dt;
+  return grows || (is_impact && steps_since_restart_ < num_past_);
+}
+
+void Simulation::measure_contact() {
+  if (model_.contacts() == nullptr) return;
+  update_ghosts(q_.get());
+  record_.contact = model_.contacts()->closeness(model_.instant(record_.time), ConstGhostedView(q_.get()).span());
+  steps_.least_gap = std::min(steps_.least_gap, record_.contact.gap);
+}
+
+std::optional<std::string> Simulation::passage(const StepAttempt& attempt) {
+  if (model_.contacts() == nullptr) return std::nullopt;
+  check(VecCopy(attempt.q, next_q_.get()));
+  update_ghosts(next_q_.get());
+  const ConstGhostedView from(q_.get()), to(next_q_.get());
+  return model_.contacts()->passage(model_.instant(record_.time), from.span(), model_.instant(attempt.time), to.span());
+}
+
+bool Simulation::ends_inside_out(const StepAttempt& attempt) {
+  if (attempt.q == attempt.last_q) return false;  // the line search has seen to it
+  const auto energies = model_.potential().energies(model_.instant(attempt.time), attempt.q, attempt.z);
+  return !std::ranges::all_of(energies, [](double energy) { return std::isfinite(energy); });
+}
+
+// A stage that starts where inertia leads, beyond a barrier, throws the body back as fast as it takes to come out
+// within the stage; and what damping takes there has the weight of the stage, not the time of the impact.
+std::optional<std::string> Simulation::gain_at_barrier(const StepAttempt& attempt, const Step& step) {
+  const Contacts* contacts = model_.contacts();
+  if (contacts == nullptr || !contacts->has_barrier() || step.dt < least_part_of_impact * plan_.dt) return std::nullopt;
+  const Ledger::Gain gain = ledger_->gain(attempt);
+  if (!(gain.made > largest_gain * gain.available)) return std::nullopt;
+  if (!(record_.contact.num_points > 0.0)) {
+    check(VecCopy(attempt.q, next_q_.get()));
+    update_ghosts(next_q_.get());
+    const ConstGhostedView to(next_q_.get());
+    if (!(contacts->closeness(model_.instant(attempt.time), to.span()).num_points > 0.0)) return std::nullopt;
+  }
+  return fmt::format("the step is too long for an impact on a barrier: it gains {:.3g} J, of {:.3g} J available",
+                     gain.made, gain.available);
+}
+
+std::optional<std::string> Simulation::impossibility(const StepAttempt& attempt, const Step& step) {
+  if (ends_inside_out(attempt)) {
+    return "a tetrahedron is inside out at the end of the step, although at none of its stages: the method takes the "
+           "end from all of them";
+  }
+  if (auto passes = passage(attempt)) return passes;
+  return gain_at_barrier(attempt, step);
+}
+
+StepOutcome Simulation::reject(const StepAttempt& attempt, const Step& step) {
+  ++steps_.failed;
+  if (attempt.report.outcome == StageOutcome::fatal) return {StepOutcome::Kind::failed, attempt.report.reason, step};
+  try {
+    if (analysis_ != Analysis::static_equilibrium) model_.require_finite(attempt.time);
+  } catch (const InputError& mistake) {
+    return {StepOutcome::Kind::failed, mistake.what(), step, true};  // a shorter step would not help
+  }
+  const RetryDecision decision = control_->reject(attempt.report.reason);
+  return {outcome_of(decision, StepOutcome::Kind::unsolved), decision.reason, step};
+}
+
+void Simulation::accept(const StepAttempt& attempt, const Step& step) {
+  ledger_->book(attempt);
+  check(VecCopy(attempt.q, q_.get()));
+  check(VecCopy(attempt.v, v_.get()));
+  record_ = {record_.step + 1,
+             step.time,
+             step.dt,
+             attempt.report.newton_iterations,
+             attempt.report.linear_iterations,
+             q_.get(),
+             v_.get(),
+             analysis_ == Analysis::dynamic ? attempt.last_a : nullptr,
+             nullptr,
+             {}};
+  measure_contact();
+  advance_->accept(attempt);
+  record_.z = advance_->state().z;
+  steps_.shortest = steps_.accepted == 0 ? step.dt : std::min(steps_.shortest, step.dt);
+  steps_.longest = std::max(steps_.longest, step.dt);
+  ++steps_.accepted;
+}
+
+}  // namespace pliant

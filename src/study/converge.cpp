@@ -1,0 +1,424 @@
+#include "study/converge.hpp"
+
+#include "base/file.hpp"
+#include "base/limits.hpp"
+#include "io/history_writer.hpp"
+#include "io/svg_plot.hpp"
+#include "model/model.hpp"
+#include "petsc/collective.hpp"
+#include "run/simulation.hpp"
+#include "study/sample.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+constexpr double newton_tolerance = 1e-11;  // lest what Newton's method leaves is taken for an error in time
+constexpr double tolerance_factor = 3.0;    // an adaptive run that misses its tolerance by more has failed
+
+/// The end of a run.
+struct Solution {
+  std::string failure;  ///< empty if it was solved
+  Handle<Vec> q, v;
+  std::int64_t steps = 0;
+  long long newton_iterations = 0;
+  double seconds = 0.0;
+  double largest_q = 0.0;  ///< root mean square over time's maximum [m]
+  double largest_v = 0.0;  ///< likewise [m/s]
+};
+
+/// A line of the table.
+struct Row {
+  std::string method;
+  int level = 0;
+  double step = 0.0;  ///< [s]; by tolerance the mean one
+  double size = 0.0;  ///< of the mesh [m]; by tolerance the relative tolerance
+  double error_q = nan, error_v = nan;
+  double order_q = nan, order_v = nan;
+  long long newton_iterations = 0;
+  double seconds = 0.0;
+  double over_tolerance = nan;  ///< by tolerance: the error in units of it
+  std::string failure;
+};
+
+Handle<Vec> copy_of(Vec x) {
+  Handle<Vec> copy;
+  check(VecDuplicate(x, copy.out()));
+  check(VecCopy(x, copy.get()));
+  return copy;
+}
+
+Solution solve(const Config& config, Model& model) {
+  const auto start = std::chrono::steady_clock::now();
+  Simulation simulation(config, model);
+  Solution solution;
+  while (solution.failure.empty() && !simulation.finished()) {
+    const StepOutcome outcome = simulation.advance();
+    if (outcome.kind == StepOutcome::Kind::failed) solution.failure = outcome.reason;
+    if (config.time.adaptive && outcome.kind == StepOutcome::Kind::accepted) {
+      solution.largest_q = std::max(solution.largest_q, nodal_mean_square(simulation.record().q));
+      solution.largest_v = std::max(solution.largest_v, nodal_mean_square(simulation.record().v));
+    }
+  }
+  solution.q = copy_of(simulation.record().q);
+  solution.v = copy_of(simulation.record().v);
+  solution.steps = simulation.record().step;
+  solution.newton_iterations = simulation.solver_statistics().newton_iterations;
+  solution.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return solution;
+}
+
+/// Edge of the regular tetrahedron whose volume is the mean of the cells'.
+double mesh_size(const MeshReport& mesh) {
+  return std::cbrt(6.0 * std::sqrt(2.0) * mesh.volume / static_cast<double>(mesh.num_cells));
+}
+
+double order_between(double coarse, double fine, double factor) {
+  return std::log(coarse / fine) / std::log(factor);
+}
+
+int theoretical_order(const Config& config) {
+  if (const Method* method = integrator_of(config)) return method->order;
+  return config.time.method.value == "petsc:arkimex" ? 3 : 2;
+}
+
+class Study {
+ public:
+  Study(MPI_Comm comm, const StudyOptions& options, std::vector<Config> configs, Console& console)
+      : comm_(comm), options_(options), configs_(std::move(configs)), console_(console) {}
+
+  ExitCode operator()() {
+    print_header();
+    switch (options_.refine) {
+      case Refine::time:
+        in_time();
+        break;
+      case Refine::space:
+        in_space();
+        break;
+      case Refine::tolerance:
+        by_tolerance();
+        break;
+    }
+    write_files();
+    return verdict();
+  }
+
+ private:
+  const Config& first() const { return configs_.front(); }
+
+  // ---- studies
+
+  void in_time() {
+    Model model(comm_, first());
+    const Solution reference =
+        solve(reference_with(first(), std::ldexp(first().time.step, 1 - options_.levels) / 4.0), model);
+    require(reference);
+    for (const Config& config : configs_) {
+      for (int level = 0; level < options_.levels; ++level) {
+        Config finer = config;
+        finer.time.step = std::ldexp(config.time.step, -level);
+        finer.time.min_step = finer.time.step / 1024.0;
+        Row row = row_of(finer, level, finer.time.step, mesh_size(model.mesh_report()));
+        compare(model, solve(finer, model), reference, row);
+        add(std::move(row), 2.0);
+      }
+    }
+  }
+
+  void by_tolerance() {
+    Model model(comm_, first());
+    Config finest = reference_with(first(), first().time.step);
+    finest.time.adaptive = first().time.adaptive;
+    set_tolerance(finest, options_.levels + 1);
+    const Solution reference = solve(finest, model);
+    require(reference);
+    for (const Config& config : configs_) {
+      for (int level = 0; level < options_.levels; ++level) {
+        Config finer = config;
+        set_tolerance(finer, level);
+        const Solution solution = solve(finer, model);
+        const AdaptiveConfig& to = *finer.time.adaptive;
+        Row row = row_of(finer, level, finer.time.end / static_cast<double>(solution.steps), to.relative);
+        compare(model, solution, reference, row);
+        row.over_tolerance = std::max(row.error_q / (to.absolute + to.relative * reference.largest_q),
+                                      row.error_v / (to.absolute_velocity + to.relative * reference.largest_v));
+        add(std::move(row), 10.0);
+      }
+    }
+  }
+
+  void in_space() {
+    for (const Config& config : configs_) {
+      std::optional<Sample> sample;
+      SampledState coarser;  // at the points of the sample
+      Row row;
+      for (int level = 0; level <= options_.levels; ++level) {
+        Config finer = config;
+        finer.mesh.refine += level;
+        Model model(comm_, finer);
+        const Solution solution = solve(finer, model);
+        if (sample) {
+          const SampledState state = sample->read(model.layout(), solution.q.get(), solution.v.get());
+          row.error_q = sample->distance(coarser.u, state.u);
+          row.error_v = sample->distance(coarser.v, state.v);
+          if (!solution.failure.empty()) row.failure = "the next level failed: " + solution.failure;
+          add(std::move(row), 2.0);
+        }
+        row = row_of(finer, level, finer.time.step, mesh_size(model.mesh_report()));
+        row.newton_iterations = solution.newton_iterations;
+        row.seconds = solution.seconds;
+        row.failure = solution.failure;
+        if (level == options_.levels) break;
+        sample.emplace(model.layout());
+        coarser = sample->read(model.layout(), solution.q.get(), solution.v.get());
+      }
+    }
+  }
+
+  // ---- rows
+
+  static Config reference_with(const Config& config, double step) {
+    Config reference = config;
+    reference.time.method.value = "dirk33";
+    reference.time.own_method.reset();
+    reference.time.adaptive.reset();
+    reference.time.step = step;
+    reference.time.min_step = step / 1024.0;
+    for (auto& body : reference.bodies) {  // a rate that costs the compared methods their order would cost it its own
+      for (auto& mechanism : body.viscosity) mechanism.rate.reset();
+    }
+    return reference;
+  }
+
+  static void set_tolerance(Config& config, int level) {
+    AdaptiveConfig& to = *config.time.adaptive;
+    const double factor = std::pow(10.0, -level);
+    to.relative *= factor;
+    to.absolute *= factor;
+    to.absolute_velocity *= factor;
+  }
+
+  void require(const Solution& reference) const {
+    if (!reference.failure.empty()) throw SolveError("the reference solution failed: " + reference.failure);
+  }
+
+  Row row_of(const Config& config, int level, double step, double size) const {
+    Row row;
+    row.method = config.time.method.value;
+    row.level = level;
+    row.step = step;
+    row.size = size;
+    return row;
+  }
+
+  void compare(const Model& model, const Solution& solution, const Solution& reference, Row& row) const {
+    row.error_q = mean_square_distance(model, solution.q.get(), reference.q.get());
+    row.error_v = mean_square_distance(model, solution.v.get(), reference.v.get());
+    row.newton_iterations = solution.newton_iterations;
+    row.seconds = solution.seconds;
+    row.failure = solution.failure;
+  }
+
+  /// `factor`: of refinement between two levels.
+  void add(Row row, double factor) {
+    if (!row.failure.empty()) row.error_q = row.error_v = nan;
+    if (!rows_.empty() && rows_.back().method == row.method) {
+      row.order_q = order_between(rows_.back().error_q, row.error_q, factor);
+      row.order_v = order_between(rows_.back().error_v, row.error_v, factor);
+    }
+    print(row);
+    rows_.push_back(std::move(row));
+  }
+
+  // ---- what users see
+
+  bool is_static() const { return analysis_of(first()) == Analysis::static_equilibrium; }
+
+  int expected_order(const Config& config) const {
+    switch (options_.refine) {
+      case Refine::time:
+        return theoretical_order(config);
+      case Refine::space:
+        return static_cast<int>(config.element) + 1;
+      case Refine::tolerance:
+        return 1;
+    }
+    return 0;
+  }
+
+  void print_header() const {
+    console_.print(fmt::format("{:<18} {:>5} {:>10} {:>10} {:>12} {:>12} {:>7} {:>7} {:>8} {:>8}{}", "method", "level",
+                               is_static() ? "" : "step [s]",
+                               options_.refine == Refine::tolerance ? "relative" : "h [m]", "error u [m]", "v [m/s]",
+                               "order u", "v", "newton", "time [s]",
+                               options_.refine == Refine::tolerance ? "  error/tolerance" : ""));
+  }
+
+  void print(const Row& row) const {
+    const auto order = [](double p) { return std::isfinite(p) ? fmt::format("{:.2f}", p) : std::string("-"); };
+    console_.print(fmt::format("{:<18} {:>5} {:>10.4g} {:>10.4g} {:>12.4e} {:>12.4e} {:>7} {:>7} {:>8} {:>8.2f}{}{}",
+                               row.method, row.level, row.step, row.size, row.error_q, row.error_v, order(row.order_q),
+                               order(row.order_v), row.newton_iterations, row.seconds,
+                               std::isfinite(row.over_tolerance) ? fmt::format("  {:.2f}", row.over_tolerance) : "",
+                               row.failure.empty() ? "" : "  failed: " + row.failure));
+  }
+
+  void write_files() const {
+    const std::filesystem::path directory = first().output.directory;
+    on_root(comm_, [&] {
+      make_directory(directory);
+      write_text_atomically(directory / "convergence.csv", csv());
+    });
+    write_svg(comm_, directory / "convergence.svg", error_plot());
+    std::string files = fmt::format("results: {0}/convergence.csv, {0}/convergence.svg", directory.string());
+    if (options_.refine != Refine::space) {
+      write_svg(comm_, directory / "work.svg", work_plot());
+      files += fmt::format(", {}/work.svg", directory.string());
+    }
+    console_.print(files);
+  }
+
+  std::string csv() const {
+    std::string text = csv_header({"method", "level", "step", "size", "error_displacement", "error_velocity",
+                                   "order_displacement", "order_velocity", "newton_iterations", "seconds"}) +
+                       "\n";
+    for (const Row& row : rows_) {
+      const std::array<double, 9> numbers{static_cast<double>(row.level),
+                                          row.step,
+                                          row.size,
+                                          row.error_q,
+                                          row.error_v,
+                                          row.order_q,
+                                          row.order_v,
+                                          static_cast<double>(row.newton_iterations),
+                                          row.seconds};
+      text += csv_header({row.method}) + "," + csv_row(numbers) + "\n";
+    }
+    return text;
+  }
+
+  double abscissa(const Row& row) const { return options_.refine == Refine::time ? row.step : row.size; }
+
+  /// The error of each method over x(row).
+  template <class X>
+  std::vector<PlotSeries> series(const X& x) const {
+    std::vector<PlotSeries> all;
+    for (const Row& row : rows_) {
+      if (all.empty() || all.back().name != row.method) all.push_back({row.method, {}, {}});
+      all.back().x.push_back(x(row));
+      all.back().y.push_back(row.error_q);
+    }
+    return all;
+  }
+
+  Plot error_plot() const {
+    Plot plot;
+    plot.title = first().title.empty() ? "convergence" : first().title;
+    plot.x_label = options_.refine == Refine::time    ? "step [s]"
+                   : options_.refine == Refine::space ? "mesh size [m]"
+                                                      : "relative tolerance";
+    plot.y_label = "error of the displacement [m]";
+    plot.series = series([this](const Row& row) { return abscissa(row); });
+    for (const Config& config : configs_) {
+      const double order = expected_order(config);
+      if (std::ranges::find(plot.slopes, order) == plot.slopes.end()) plot.slopes.push_back(order);
+    }
+    return plot;
+  }
+
+  Plot work_plot() const {
+    Plot plot;
+    plot.title = first().title.empty() ? "work and precision" : first().title;
+    plot.x_label = "wall time [s]";
+    plot.y_label = "error of the displacement [m]";
+    plot.series = series([](const Row& row) { return row.seconds; });
+    return plot;
+  }
+
+  // ---- verdict
+
+  ExitCode verdict() const {
+    std::vector<std::string> shortfalls;
+    for (const Config& config : configs_) {
+      const std::string& method = config.time.method.value;
+      const auto last = std::find_if(rows_.rbegin(), rows_.rend(), [&](const Row& r) { return r.method == method; });
+      const int expected = expected_order(config);
+      const double lowest = is_static() ? last->order_q : std::min(last->order_q, last->order_v);
+      if (last->failure.empty() && std::isnan(lowest)) {
+        shortfalls.push_back(fmt::format("{}: there is no order, for the errors are 0: does anything move?", method));
+      } else if (!last->failure.empty()) {
+        shortfalls.push_back(fmt::format("{}: the finest level was not solved", method));
+      } else if (!(lowest >= expected - order_shortfall) && options_.refine != Refine::tolerance) {
+        shortfalls.push_back(fmt::format("{}: order {:.2f} is observed, {} expected", method, lowest, expected));
+      }
+      for (const Row& row : rows_) {
+        if (row.method != method || !(row.over_tolerance > tolerance_factor)) continue;
+        shortfalls.push_back(
+            fmt::format("{}: the error is {:.1f} times the tolerance of {:.3g}", method, row.over_tolerance, row.size));
+      }
+    }
+    if (shortfalls.empty()) return ExitCode::done;
+    for (const auto& text : shortfalls) console_.warn(text);
+    if (!options_.checks_orders) return ExitCode::done;
+    console_.warn(
+        "the study falls short of theory: coarse levels may not resolve the motion yet, loads or the start may "
+        "not be smooth, corners may keep the solution from being smooth (docs: convergence); --no-check "
+        "accepts any order");
+    return ExitCode::study_failed;
+  }
+
+  MPI_Comm comm_;
+  StudyOptions options_;
+  std::vector<Config> configs_;
+  Console& console_;
+  std::vector<Row> rows_;
+};
+
+/// The input once for each method.
+std::vector<Config> read_configs(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides,
+                                 const StudyOptions& options) {
+  std::vector<std::string> names;
+  for (const auto& name : options.methods) {
+    if (name != "all") names.push_back(name);
+    for (const auto& m : methods()) {
+      if (name == "all") names.push_back(m.name);
+    }
+  }
+  std::vector<Config> configs;
+  if (names.empty()) configs.push_back(read_input_file(comm, file, overrides));
+  for (const auto& name : names) {
+    auto with_method = overrides;
+    with_method.push_back({"time.method", name});
+    configs.push_back(read_input_file(comm, file, with_method));
+  }
+  for (Config& config : configs) {
+    const Analysis analysis = analysis_of(config);
+    if (options.refine != Refine::space && analysis == Analysis::static_equilibrium) {
+      throw InputError(config.time.method.where, "a static problem has no convergence in time; use --in space");
+    }
+    if (options.refine == Refine::tolerance && !config.time.adaptive) {
+      throw InputError(config.time.method.where, "a study by tolerance needs `adaptive` in time");
+    }
+    if (options.refine == Refine::time) config.time.adaptive.reset();
+    config.time.startup = "dirk33";
+    config.solver.newton.relative = std::min(config.solver.newton.relative, newton_tolerance);
+  }
+  return configs;
+}
+
+}  // namespace
+
+ExitCode converge_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides,
+                          const StudyOptions& options, Console& console) {
+  return Study(comm, options, read_configs(comm, file, overrides, options), console)();
+}
+
+}  // namespace pliant

@@ -1,0 +1,329 @@
+#include "study/sweep.hpp"
+
+#include "base/file.hpp"
+#include "base/text.hpp"
+#include "input/input.hpp"
+#include "io/history_reader.hpp"
+#include "io/history_writer.hpp"
+#include "io/svg_plot.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <fstream>
+#include <limits>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace pliant {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t most_runs = 1000;
+/// Columns of a history that tell of the computation, not of the body.
+constexpr std::array<std::string_view, 5> bookkeeping{"step", "time", "dt", "newton_iterations", "linear_iterations"};
+
+/// For people and names of files.
+std::string plain_text(const InputNode& value) {
+  return value.kind == InputNode::Kind::scalar ? value.text : flow_text(value);
+}
+
+/// A key with the values that it takes in turn.
+struct SweptKey {
+  std::string path;
+  std::vector<InputNode> values;
+};
+
+struct Case {
+  std::vector<Override> changes;    ///< all of them
+  std::vector<std::string> values;  ///< of the swept keys
+  fs::path directory;
+};
+
+/// A name that every file system takes.
+std::string file_name(std::string text) {
+  constexpr std::size_t longest = 100;
+  for (char& c : text) {
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && std::string_view("._=+-,").find(c) == std::string::npos) {
+      c = '_';
+    }
+  }
+  return text.substr(0, longest);
+}
+
+std::string in_words(const Ended& how) {
+  if (how.code == 0) return "done";
+  if (how.code == static_cast<int>(ExitCode::interrupted) || how.code > 128) return "interrupted";
+  return fmt::format("exit code {}", how.code);
+}
+
+class Sweep {
+ public:
+  Sweep(std::string file, const std::vector<Override>& changes, const SweepOptions& options, Console& console)
+      : file_(std::move(file)), options_(options), console_(console) {
+    std::ifstream stream(file_, std::ios::binary);
+    if (!stream || fs::is_directory(file_)) {
+      throw InputError({file_, 0, 0}, "cannot read it: give the path of an input file (YAML)");
+    }
+    text_.assign(std::istreambuf_iterator<char>(stream), {});
+    sort(changes);
+    make_cases();
+  }
+
+  ExitCode run() {
+    const int ranks = options_.ranks;
+    const int at_once = options_.at_once > 0 ? options_.at_once : std::max(1, usable_processors() / ranks);
+    console_.print(fmt::format("{} runs of {}, {} at a time, on {} rank{} each", cases_.size(), file_,
+                               std::min<std::size_t>(static_cast<std::size_t>(at_once), cases_.size()), ranks,
+                               ranks == 1 ? "" : "s"));
+    std::vector<Program> programs;
+    for (const Case& one : cases_) programs.push_back(program(one));
+    std::size_t done = 0;
+    ended_ = run_all(programs, options_.environment, at_once, [&](std::size_t index, const Ended& how) {
+      console_.print(fmt::format("[{}/{}] {}: {} after {:.3g} s", ++done, cases_.size(),
+                                 cases_[index].directory.filename().string(), in_words(how), how.seconds));
+    });
+    for (const Case& one : cases_) histories_.push_back(read_history(one.directory / "history.csv"));
+    print_table();
+    write_text_atomically(directory_ / "sweep.csv", csv());
+    const std::size_t plots = draw();
+    console_.print(fmt::format("results: {0}/sweep.csv, {1} plots {0}/*.svg; of each run: {0}/NN_.../",
+                               directory_.string(), plots));
+    return outcome();
+  }
+
+ private:
+  /// Which changes are swept: lists that the input refuses where they stand.
+  void sort(const std::vector<Override>& changes) {
+    std::vector<std::pair<const Override*, InputNode>> lists;
+    for (const Override& change : changes) {
+      InputNode value = value_of(change);
+      if (value.kind == InputNode::Kind::list && !value.children.empty()) {
+        lists.emplace_back(&change, std::move(value));
+      } else {
+        fixed_.push_back(change);
+      }
+    }
+    for (const auto& [change, value] : lists) {
+      if (accepts(*change)) {
+        fixed_.push_back(*change);
+      } else {
+        swept_.push_back({change->path, value.children});
+      }
+    }
+    for (auto later = swept_.begin(); later != swept_.end(); ++later) {
+      const auto is_replaced = [&](const SweptKey& key) { return (key.path + '.').starts_with(later->path + '.'); };
+      const auto lost = std::find_if(swept_.begin(), later, is_replaced);
+      if (lost == later) continue;
+      throw InputError({"pliant sweep", 0, 0},
+                       fmt::format("the values of '{}' would replace those of '{}' before it; sweep one of them alone",
+                                   later->path, lost->path));
+    }
+    if (swept_.empty()) {
+      throw InputError({"pliant sweep", 0, 0},
+                       "nothing varies: give a key a list of values, e.g. --set 'time.step=[10 ms, 5 ms, 2 ms]'");
+    }
+  }
+
+  bool accepts(const Override& change) const {
+    try {
+      (void)read_input(text_, file_, {change});
+      return true;
+    } catch (const InputError&) {
+      return false;
+    }
+  }
+
+  /// Every combination; the last key varies fastest.
+  void make_cases() {
+    std::size_t count = 1;
+    for (const auto& key : swept_) {
+      count *= key.values.size();
+      if (count > most_runs) {
+        throw InputError({"pliant sweep", 0, 0},
+                         fmt::format("these are more than {} runs: sweep fewer values", most_runs));
+      }
+    }
+    const std::size_t width = std::to_string(count).size();
+    for (std::size_t number = 0; number < count; ++number) {
+      Case one;
+      one.changes = fixed_;
+      std::size_t rest = number;
+      for (auto key = swept_.rbegin(); key != swept_.rend(); ++key) {
+        const InputNode& value = key->values[rest % key->values.size()];
+        rest /= key->values.size();
+        one.changes.push_back({key->path, flow_text(value)});
+        one.values.insert(one.values.begin(), plain_text(value));
+      }
+      const std::string name =
+          file_name(fmt::format("{:0{}}_{}", number + 1, std::max<std::size_t>(width, 2), label(one.values)));
+      const fs::path directory = read_input(text_, file_, one.changes).output.directory;
+      if (number == 0) directory_ = directory;
+      one.directory = directory_ / name;
+      cases_.push_back(std::move(one));
+    }
+    make_directory(directory_);
+  }
+
+  /// "step = 5 ms, method = bdf2": keys by their last part, as far as that tells them apart.
+  std::string label(const std::vector<std::string>& values) const {
+    std::vector<std::string> parts;
+    for (std::size_t k = 0; k < swept_.size(); ++k) parts.push_back(short_name(k) + "=" + values[k]);
+    return fmt::format("{}", fmt::join(parts, ","));
+  }
+
+  std::string short_name(std::size_t k) const {
+    const auto last = [](const std::string& path) { return path.substr(path.rfind('.') + 1); };
+    const std::string name = last(swept_[k].path);
+    const auto same = std::ranges::count_if(swept_, [&](const SweptKey& key) { return last(key.path) == name; });
+    return same == 1 ? name : swept_[k].path;
+  }
+
+  Program program(const Case& one) const {
+    Program program;
+    if (options_.ranks > 1) {
+      program.arguments = {
+          "mpirun", "--quiet", "--bind-to", "none", "--oversubscribe", "-n", std::to_string(options_.ranks)};
+    }
+    for (const std::string& argument : {fs::read_symlink("/proc/self/exe").string(), std::string("run"), file_,
+                                        std::string("--output"), one.directory.string()}) {
+      program.arguments.push_back(argument);
+    }
+    if (options_.continues) program.arguments.emplace_back("--continue");
+    for (const Override& change : one.changes) {
+      program.arguments.insert(program.arguments.end(), {"--set", change.path + "=" + change.value});
+    }
+    if (!options_.petsc_options.empty()) {
+      program.arguments.push_back("--");
+      for (const std::string& option : options_.petsc_options) program.arguments.push_back(option);
+    }
+    program.log = one.directory.string() + ".log";
+    std::error_code ignored;
+    if (!options_.continues) fs::remove(program.log, ignored);
+    return program;
+  }
+
+  /// The last value of a column, NaN if there is none.
+  double last(std::size_t run, std::string_view column) const {
+    const auto* values = histories_[run].find(column);
+    return values == nullptr || values->empty() ? std::numeric_limits<double>::quiet_NaN() : values->back();
+  }
+
+  void print_table() const {
+    std::vector<std::vector<std::string>> rows(1);
+    for (std::size_t k = 0; k < swept_.size(); ++k) rows[0].push_back(short_name(k));
+    for (const char* name : {"end", "steps", "time [s]", "newton", "seconds"}) rows[0].emplace_back(name);
+    for (std::size_t i = 0; i < cases_.size(); ++i) {
+      auto row = cases_[i].values;
+      row.push_back(in_words(ended_[i]));
+      double iterations = 0.0;
+      if (const auto* newton = histories_[i].find("newton_iterations")) {
+        for (const double n : *newton) iterations += n;
+      }
+      for (const double number : {last(i, "step"), last(i, "time"), iterations, ended_[i].seconds}) {
+        row.push_back(fmt::format("{:.4g}", number));
+      }
+      rows.push_back(std::move(row));
+    }
+    std::vector<std::size_t> widths(rows[0].size(), 0);
+    for (const auto& row : rows) {
+      for (std::size_t k = 0; k < row.size(); ++k) widths[k] = std::max(widths[k], row[k].size());
+    }
+    for (const auto& row : rows) {
+      std::string line;
+      for (std::size_t k = 0; k < row.size(); ++k) line += fmt::format("{:<{}}  ", row[k], widths[k]);
+      console_.print(std::string(line, 0, line.find_last_not_of(' ') + 1));
+    }
+  }
+
+  /// Names of columns in the order in which histories bring them.
+  std::vector<std::string> columns() const {
+    std::vector<std::string> names;
+    for (const HistoryTable& history : histories_) {
+      for (const std::string& name : history.names) {
+        if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+      }
+    }
+    return names;
+  }
+
+  std::string csv() const {
+    std::vector<std::string> header;
+    for (const auto& key : swept_) header.push_back(key.path);
+    for (const char* name : {"directory", "exit_code", "seconds"}) header.emplace_back(name);
+    const std::vector<std::string> names = columns();
+    header.insert(header.end(), names.begin(), names.end());
+    std::string text = csv_header(header) + "\n";
+    for (std::size_t i = 0; i < cases_.size(); ++i) {
+      auto row = cases_[i].values;
+      row.push_back(cases_[i].directory.filename().string());
+      std::vector<double> numbers{static_cast<double>(ended_[i].code), ended_[i].seconds};
+      for (const std::string& name : names) numbers.push_back(last(i, name));
+      text += csv_header(row) + "," + csv_row(numbers) + "\n";
+    }
+    return text;
+  }
+
+  /// One plot for each column that varies in some run. Returns how many.
+  std::size_t draw() const {
+    std::size_t count = 0;
+    for (const std::string& name : columns()) {
+      if (std::ranges::find(bookkeeping, name) != bookkeeping.end()) continue;
+      Plot plot;
+      plot.title = name;
+      plot.x_label = "time [s]";
+      const auto unit = unit_of_column(name);
+      plot.y_label = unit.empty() ? name : fmt::format("{} [{}]", name, unit);
+      plot.scale = Scale::linear;
+      bool varies = false;
+      for (std::size_t i = 0; i < cases_.size(); ++i) {
+        const auto* time = histories_[i].find("time");
+        const auto* values = histories_[i].find(name);
+        if (time == nullptr || values == nullptr || values->empty()) continue;
+        const auto [low, high] = std::ranges::minmax(*values);
+        varies = varies || high > low;
+        plot.series.push_back({label(cases_[i].values), *time, *values});
+      }
+      if (!varies) continue;
+      write_text_atomically(directory_ / (file_name(name) + ".svg"), svg(plot));
+      ++count;
+    }
+    return count;
+  }
+
+  ExitCode outcome() const {
+    ExitCode code = ExitCode::done;
+    for (std::size_t i = 0; i < ended_.size(); ++i) {
+      if (ended_[i].code == 0) continue;
+      if (in_words(ended_[i]) == "interrupted") return ExitCode::interrupted;
+      if (code != ExitCode::done) continue;
+      const std::array known{ExitCode::input, ExitCode::solve, ExitCode::file, ExitCode::unexpected};
+      const auto same = std::ranges::find(known, static_cast<ExitCode>(ended_[i].code));
+      code = same == known.end() ? ExitCode::solve : *same;
+      console_.warn(fmt::format("run {} failed; what it said is in {}", i + 1, cases_[i].directory.string() + ".log"));
+    }
+    return code;
+  }
+
+  std::string file_, text_;
+  const SweepOptions& options_;
+  Console& console_;
+  std::vector<Override> fixed_;
+  std::vector<SweptKey> swept_;
+  fs::path directory_;
+  std::vector<Case> cases_;
+  std::vector<Ended> ended_;
+  std::vector<HistoryTable> histories_;
+};
+
+}  // namespace
+
+ExitCode sweep_command(const std::string& file, const std::vector<Override>& changes, const SweepOptions& options,
+                       Console& console) {
+  return Sweep(file, changes, options, console).run();
+}
+
+}  // namespace pliant

@@ -1,0 +1,31 @@
+/// The same input with other values: a run for each, side by side, and what came of them together.
+#pragma once
+
+#include "base/error.hpp"
+#include "input/tree.hpp"
+#include "run/console.hpp"
+#include "study/processes.hpp"
+
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+struct SweepOptions {
+  int at_once = 0;                         ///< runs at a time; 0: as many as the processors allow
+  int ranks = 1;                           ///< of each run
+  bool continues = false;                  ///< leave what is done, go on with what was begun
+  std::vector<std::string> petsc_options;  ///< of each run
+  Environment environment;                 ///< of each run
+};
+
+/// Runs the input once for every combination of the swept values: a list in `changes`, where the input takes no list
+/// (or a list of such, where it takes one), is swept; the other changes hold for all. Each run has a directory of its
+/// own in `output.directory`, named after its values. Prints a table, and writes sweep.csv (one row for each run: its
+/// values, how it ended, the last row of its history) and, for every column of the history that varies, a plot of all
+/// runs over time. Values that the input refuses throw InputError before anything runs. Returns done; the exit code of
+/// the first run that failed; interrupted after `stop_signals`, which the runs get too. One process only.
+ExitCode sweep_command(const std::string& file, const std::vector<Override>& changes, const SweepOptions& options,
+                       Console& console);
+
+}  // namespace pliant

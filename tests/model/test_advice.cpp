@@ -1,0 +1,178 @@
+// What an input may mean, but seldom does, is told with its place; what is usual is not. What only a mesh tells:
+// tests/program/test_errors.py.
+#include "input/bad_input.hpp"
+#include "model/advice.hpp"
+
+#include <gtest/gtest.h>
+
+namespace pliant::test_advice {
+namespace {
+
+std::vector<std::string> doubts(const std::string& time, const std::string& more, const std::string& every = "") {
+  return doubts_about(
+      read_input(test::with_line(5, "time: {" + time + "}") + more, "dir/a.yaml",
+                 every.empty() ? std::vector<Override>{} : std::vector<Override>{{"output.every", every}}));
+}
+
+TEST(Advice, StepsShouldNotBeLongerThanTheTimeBetweenFrames) {
+  const auto told = doubts("step: 0.01, end: 1", "output: {every: 4 ms}");
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_EQ(told[0].find("dir/a.yaml:6:17: "), 0u) << told[0];
+  EXPECT_NE(told[0].find("every 0.004 s, but a step takes 0.01 s"), std::string::npos) << told[0];
+  EXPECT_EQ(doubts("method: quasistatic, step: 0.01, end: 1", "output: {every: 4 ms}").size(), 1u);
+  EXPECT_EQ(doubts("step: 0.01, end: 1", "", "0.004").size(), 1u);
+}
+
+TEST(Advice, ListsWithoutBlanksAreTaken) {
+  for (const char* list : {"[0,45,0]", "[0, 45, 0]", "[0,0, 1]", "[\"0\",45, 0]", "[0.5,45, 0]", "[0,\n  45, 0]"}) {
+    const std::string line = "constraints: [{surface: clamp, displacement: " + std::string(list) + "}]";
+    EXPECT_EQ(doubts_about(read_input(test::with_line(3, line), "a.yaml", {})), std::vector<std::string>{}) << list;
+  }
+}
+
+TEST(Advice, StepFilesNeedNoScale) {
+  const auto told = [](const std::string& mesh) {
+    return doubts_about(read_input(test::with_line(1, "mesh: {" + mesh + "}"), "a.yaml", {}));
+  };
+  ASSERT_EQ(told("file: a.step, scale: 0.001").size(), 1u);
+  EXPECT_EQ(told("file: a.step, scale: 0.001")[0].find("a.yaml:1:14: a STEP file"), 0u);
+  EXPECT_EQ(told("file: a.step"), std::vector<std::string>{});
+  EXPECT_EQ(told("file: a.step, scale: 2"), std::vector<std::string>{});
+  EXPECT_EQ(told("file: a.geo, scale: 0.001"), std::vector<std::string>{});
+}
+
+/// What is told of the good input with one line replaced.
+std::vector<std::string> told_of(std::size_t line, const std::string& replacement) {
+  return doubts_about(read_input(test::with_line(line, replacement), "a.yaml", {}));
+}
+
+struct Doubtful {
+  std::size_t line;
+  const char* replacement;
+  const char* message;
+};
+void PrintTo(const Doubtful& d, std::ostream* out) {
+  *out << d.replacement;
+}
+
+class Doubt : public ::testing::TestWithParam<Doubtful> {};
+
+TEST_P(Doubt, IsToldOnceWithItsPlace) {
+  const auto& [line, replacement, message] = GetParam();
+  const auto told = told_of(line, replacement);
+  ASSERT_EQ(told.size(), 1u) << testing::PrintToString(told);
+  EXPECT_EQ(told[0].find("a.yaml:"), 0u) << told[0];
+  EXPECT_NE(told[0].find(message), std::string::npos) << told[0];
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Inputs, Doubt,
+    ::testing::Values(
+        Doubtful{2, "bodies: [{density: 1e-9, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0.4}}]",
+                 "with this density shear waves run at 1.9e+04 m/s"},
+        Doubtful{2, "bodies: [{density: 1000, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0.4}}]",
+                 "shear waves run at 0.019 m/s"},
+        // A megapascal was meant, whatever else the body has.
+        Doubtful{2,
+                 "bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 0.3, poissons_ratio: 0.4}, "
+                 "viscosity: {model: kelvin-voigt, shear: 100 Pa*s}}]",
+                 "shear waves run at 0.01 m/s"},
+        Doubtful{2,
+                 "bodies: [{density: 1000, elasticity: {model: linear, youngs_modulus: 1 MPa, shear_modulus: 1 MPa}}]",
+                 "Poisson's ratio follows as -0.5"},
+        Doubtful{
+            2,
+            "bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e6, poissons_ratio: 0.4999}}]",
+            "Poisson's ratio is 0.4999, and linear elements"},
+        Doubtful{4, "loads: [{gravity: [0, 0, -9806.65]}]", "with its unit it is '9806.65 mm/s^2'"},
+        Doubtful{3, "constraints: [{surface: clamp, displacement: [0,45, 0]}]",
+                 "a.yaml:3:47: '0,45' are two entries of the list; a decimal point is written '.': 0.45;"},
+        Doubtful{3, "constraints: [{surface: clamp, displacement: [0, 0,45]}]", "'0,45' are two entries"},
+        Doubtful{4, "loads: [{gravity: [0, -9,81 m/s^2]}]", "a decimal point is written '.': -9.81 m/s^2"},
+        Doubtful{5, "time: {method: bdf2, step: 0.01, end: 1, load_steps: 10}", "'load_steps' is for 'method: static'"},
+        Doubtful{6,
+                 "contact: {obstacles: [{name: a, shape: plane, normal: [0, 0, 1], motion: {rotate: {axis: [0, 0, 1], "
+                 "angle: 90}}}]}",
+                 "degrees are written '90 deg'"}));
+
+TEST(Advice, BodiesMayBeAtRest) {
+  const auto rests = [](const std::string& loads) {
+    return nothing_moves(read_input(test::with_line(4, loads), "a.yaml", {}));
+  };
+  EXPECT_TRUE(rests("loads: []"));
+  EXPECT_TRUE(rests("loads: [{gravity: [0, 0, 0]}, {surface: a, spring: 1 kPa/m}]"));
+  EXPECT_FALSE(rests("loads: [{surface: a, pressure: t}]"));
+  EXPECT_FALSE(rests("initial: {velocity: [0, 0, 1]}"));
+  EXPECT_FALSE(rests("cavities: [{name: a, surface: b, gas: {}}]"));
+}
+
+TEST(Advice, StaticFormulasOfTimeNeedATime) {
+  const std::string ramp =
+      "constraints: [{surface: a, displacement: [0, 0, 0]}, {surface: b, displacement: [0, 0, t]}]\n";
+  const auto told = [&](const std::string& end) {
+    return doubts_about(read_input(test::with_line(3, ramp), "a.yaml", {{"time", "{method: static" + end + "}"}}));
+  };
+  ASSERT_EQ(told("").size(), 1u);
+  EXPECT_NE(told("")[0].find("those of t are taken at t = 0"), std::string::npos) << told("")[0];
+  EXPECT_EQ(told(", end: 2"), std::vector<std::string>{});
+}
+
+TEST(Advice, WhatAnAnalysisDoesNotUseIsTold) {
+  const auto idle = [](const std::string& method) {
+    return without_effect(read_input(
+        test::with_line(
+            6,
+            "initial: {velocity: [0, 0, 1]}\ncontact: {obstacles: [{name: a, shape: plane, normal: [0, 0, 1], "
+            "friction: 0.5}]}"),
+        "a.yaml", {{"time.method", method}}));
+  };
+  EXPECT_EQ(idle("static"),
+            (std::vector<std::string>{"friction and damping of contact have no effect on a static equilibrium",
+                                      "the initial state has no effect on a static equilibrium"}));
+  EXPECT_EQ(idle("quasistatic"),
+            std::vector<std::string>{"the initial velocity has no effect on quasi-static equilibria"});
+  EXPECT_EQ(idle("bdf2"), std::vector<std::string>{});
+}
+
+TEST(Advice, AModulusBelowThatOfAnyGelIsDoubtedWithoutADensityToo) {
+  const auto told = [](const std::string& more) {
+    return doubts_about(read_input(test::with_line(2,
+                                                   "bodies: [{elasticity: {model: neo-hookean, poissons_ratio: 0.4, "
+                                                   "youngs_modulus: " +
+                                                       more + "}]"),
+                                   "a.yaml", {{"time", "{method: static}"}, {"loads", "[]"}}));
+  };
+  ASSERT_EQ(told("0.3}").size(), 1u);
+  EXPECT_NE(told("0.3}")[0].find("the shear modulus at rest is 0.11 Pa, less than any gel"), std::string::npos);
+  EXPECT_EQ(told("0.3 MPa}"), std::vector<std::string>{});
+  EXPECT_EQ(told("3}"), std::vector<std::string>{});
+  // Next to nothing is meant.
+  EXPECT_EQ(told("1e-9}, viscosity: {model: kelvin-voigt, shear: 100 Pa*s}"), std::vector<std::string>{});
+}
+
+TEST(Advice, WhatLoadsPushAndNothingHoldsMayFall) {
+  const auto falls = [](std::size_t line, const std::string& replacement) {
+    return may_fall(read_input(test::with_line(line, replacement), "a.yaml", {}));
+  };
+  EXPECT_TRUE(falls(6, ""));
+  EXPECT_FALSE(falls(4, "loads: [{surface: a, pressure: 1 kPa}]"));
+  EXPECT_FALSE(falls(4, "loads: [{gravity: [0, 0, -9.81]}, {surface: a, spring: 1 kPa/m}]"));
+  EXPECT_FALSE(falls(6, "initial: {velocity: [0, 0, 1]}"));
+  EXPECT_FALSE(falls(6, "contact: {obstacles: [{name: a, shape: plane, normal: [0, 0, 1]}]}"));
+}
+
+TEST(Advice, NothingIsSaidOfWhatIsUsual) {
+  EXPECT_EQ(doubts("step: 0.01, end: 1", ""), std::vector<std::string>{});
+  EXPECT_EQ(doubts("step: 0.01, end: 1", "output: {every: 0.01}"), std::vector<std::string>{});
+  EXPECT_EQ(doubts("step: 0.3, end: 1", "output: {every: 100 ms, directory: b}", "0.3"), std::vector<std::string>{});
+  EXPECT_EQ(doubts("adaptive: {}, step: 0.01, end: 1", "output: {every: 1 ms}"), std::vector<std::string>{});
+  EXPECT_EQ(doubts("method: static", "output: {every: 1 ms}"), std::vector<std::string>{});
+  EXPECT_EQ(told_of(2, "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: -0.3}}]"),
+            std::vector<std::string>{});
+  EXPECT_EQ(told_of(4, "initial: {velocity: [0, 0, 1]}"), std::vector<std::string>{});
+  EXPECT_EQ(told_of(3, "constraints: [{surface: a, rigid: {rotation: {axis: [0, 0, 1], angle: 720 deg}}}]"),
+            std::vector<std::string>{});
+}
+
+}  // namespace
+}  // namespace pliant::test_advice
