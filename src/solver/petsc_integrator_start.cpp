@@ -7,8 +7,9 @@
 namespace pliant {
 namespace {
 
-/// Length of a stage of whose Hessian nothing but M / dt^2 is left in double precision, in steps.
-constexpr double part_of_step = 1e-14;
+/// Length of a stage, in steps, of whose Hessian nothing but M / dt^2 is left in double precision, however long those
+/// are.
+constexpr double part_of_step = 1e-30;
 /// Constant acceleration in the two half steps with which TSALPHA2 starts that it takes for an acceleration of 1. Until
 /// 3.22 its difference formula gave twice the acceleration, and radii below 1 were of first order.
 constexpr double start_acceleration = PETSC_VERSION_LT(3, 22, 0) ? 0.5 : 1.0;
