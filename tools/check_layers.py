@@ -24,6 +24,18 @@ LAYERS = {
     "study": "run model input io solver energy time fem mesh material petsc base",
     "command": "study run model input io solver energy time fem mesh material petsc base",
 }
+# The rooms of a layer, folders in it, and which others of them each may include. Files beside the rooms are their floor: all
+# may include them, and they none.
+ROOMS = {
+    "energy": {
+        "volume": "",
+        "load": "",
+        "contact": "",
+        "rigid": "",
+        "constraint": "rigid volume",
+        "equation": "constraint rigid volume",
+    },
+}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]')
 
 
@@ -33,6 +45,19 @@ def includes(file):
         match = INCLUDE.match(text)
         if match and (match[1] == '"' or match[2].split("/")[0] in LAYERS and "/" in match[2]):
             yield number, match[1], match[2]
+
+
+def folder_of(name):
+    return name.rsplit("/", 1)[0]
+
+
+def room_of(name):
+    """The folder of a file within its layer; "" beside the rooms."""
+    return folder_of(name).partition("/")[2]
+
+
+def may_enter(rooms, here, there):
+    return there in ("", here) or here != "" and there in rooms.get(here, "").split()
 
 
 def check(source):
@@ -57,6 +82,8 @@ def check(source):
             elif target_layer not in allowed:
                 may = LAYERS[layer] or "nothing"
                 mistakes.append(f"{place} layer '{layer}' may not include layer '{target_layer}' (it may include: {may})")
+            elif target_layer == layer and layer in ROOMS and not may_enter(ROOMS[layer], room_of(name), room_of(target)):
+                mistakes.append(f"{place} '{folder_of(name)}' may not include '{folder_of(target)}'")
             graph[name][target] = line
     return mistakes + cycles(source, graph)
 

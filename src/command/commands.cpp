@@ -3,7 +3,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "command/material_plot.hpp"
-#include "energy/viscous.hpp"
+#include "energy/volume/viscous.hpp"
 #include "input/elasticity.hpp"
 #include "input/keys.hpp"
 #include "material/elastic_law.hpp"

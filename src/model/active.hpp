@@ -1,7 +1,7 @@
 /// Bodies that contract, as the input describes them.
 #pragma once
 
-#include "energy/active_stress.hpp"
+#include "energy/volume/active_stress.hpp"
 #include "input/cell_data.hpp"
 #include "input/config.hpp"
 

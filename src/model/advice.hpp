@@ -1,7 +1,7 @@
 /// What an input may mean, but seldom does: nothing is wrong with it, and the user is warned.
 #pragma once
 
-#include "energy/prescribed.hpp"
+#include "energy/constraint/prescribed.hpp"
 #include "input/config.hpp"
 #include "mesh/report.hpp"
 #include "model/selections.hpp"

@@ -1,6 +1,6 @@
 #include "model/cavities.hpp"
 
-#include "energy/pressure.hpp"
+#include "energy/load/pressure.hpp"
 #include "fem/rim.hpp"
 #include "input/analysis.hpp"
 #include "petsc/array_view.hpp"

@@ -1,8 +1,8 @@
 /// Pressures on the walls of cavities and on other surfaces, as the input describes them.
 #pragma once
 
-#include "energy/cavity.hpp"
-#include "energy/prescribed.hpp"
+#include "energy/constraint/prescribed.hpp"
+#include "energy/load/cavity.hpp"
 #include "input/config.hpp"
 #include "model/selections.hpp"
 

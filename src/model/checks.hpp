@@ -1,7 +1,7 @@
 /// What an input cannot combine, as far as it takes the mesh to tell (the rest: input/checks).
 #pragma once
 
-#include "energy/constraint_map.hpp"
+#include "energy/constraint/constraint_map.hpp"
 #include "input/config.hpp"
 
 #include <petscvec.h>

@@ -1,7 +1,7 @@
 #include "model/constraints.hpp"
 
-#include "energy/rigid_fit.hpp"
-#include "energy/surface_ties.hpp"
+#include "energy/constraint/surface_ties.hpp"
+#include "energy/rigid/rigid_fit.hpp"
 #include "fem/plane.hpp"
 #include "input/analysis.hpp"
 #include "petsc/array_view.hpp"

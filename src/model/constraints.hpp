@@ -1,8 +1,8 @@
 /// The input's constraints on the mesh.
 #pragma once
 
-#include "energy/constraint_map.hpp"
-#include "energy/prescribed.hpp"
+#include "energy/constraint/constraint_map.hpp"
+#include "energy/constraint/prescribed.hpp"
 #include "input/config.hpp"
 #include "model/selections.hpp"
 

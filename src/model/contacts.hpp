@@ -1,8 +1,8 @@
 /// The obstacles of the input and the terms of their contact with the bodies.
 #pragma once
 
-#include "energy/contact.hpp"
-#include "energy/passage.hpp"
+#include "energy/contact/contact.hpp"
+#include "energy/contact/passage.hpp"
 #include "fem/layout.hpp"
 #include "input/config.hpp"
 

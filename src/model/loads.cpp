@@ -1,7 +1,7 @@
 #include "model/loads.hpp"
 
-#include "energy/foundation.hpp"
-#include "energy/load.hpp"
+#include "energy/load/foundation.hpp"
+#include "energy/load/load.hpp"
 #include "input/analysis.hpp"
 #include "petsc/collective.hpp"
 

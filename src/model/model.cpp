@@ -1,8 +1,8 @@
 #include "model/model.hpp"
 
 #include "base/stopwatch.hpp"
-#include "energy/mean_dilatation.hpp"
-#include "energy/velocity_projection.hpp"
+#include "energy/constraint/velocity_projection.hpp"
+#include "energy/volume/mean_dilatation.hpp"
 #include "input/elasticity.hpp"
 #include "input/keys.hpp"
 #include "input/volumetric.hpp"

@@ -1,10 +1,10 @@
 /// Everything the input describes, ready to be solved: unknowns, terms and their sum.
 #pragma once
 
-#include "energy/elastic.hpp"
-#include "energy/incremental_potential.hpp"
-#include "energy/inertia.hpp"
-#include "energy/mixed_equation.hpp"
+#include "energy/equation/incremental_potential.hpp"
+#include "energy/equation/mixed_equation.hpp"
+#include "energy/volume/elastic.hpp"
+#include "energy/volume/inertia.hpp"
 #include "fem/components.hpp"
 #include "fem/probe.hpp"
 #include "input/analysis.hpp"

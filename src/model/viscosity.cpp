@@ -1,8 +1,8 @@
 #include "model/viscosity.hpp"
 
-#include "energy/mass_damping.hpp"
-#include "energy/prony.hpp"
-#include "energy/viscous.hpp"
+#include "energy/volume/mass_damping.hpp"
+#include "energy/volume/prony.hpp"
+#include "energy/volume/viscous.hpp"
 #include "input/analysis.hpp"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "run/checkpoints.hpp"
 
-#include "energy/internal_keys.hpp"
+#include "energy/volume/internal_keys.hpp"
 #include "fem/entry_keys.hpp"
 #include "input/input.hpp"
 #include "petsc/collective.hpp"

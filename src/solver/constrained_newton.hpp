@@ -1,7 +1,7 @@
 /// Newton's method where constraints tie displacements to one another.
 #pragma once
 
-#include "energy/constrained_equation.hpp"
+#include "energy/equation/constrained_equation.hpp"
 #include "solver/newton.hpp"
 
 namespace pliant {

@@ -1,7 +1,7 @@
 /// The integrators of PETSc that users can name, and the equations for which they can.
 #pragma once
 
-#include "energy/incremental_potential.hpp"
+#include "energy/equation/incremental_potential.hpp"
 
 #include <optional>
 #include <span>

@@ -3,9 +3,9 @@
 //
 //   build/bin/benchmark_kernels [--benchmark_filter=...]
 #include "benchmarks/counted.hpp"
-#include "energy/elastic.hpp"
-#include "energy/incremental_potential.hpp"
-#include "energy/inertia.hpp"
+#include "energy/equation/incremental_potential.hpp"
+#include "energy/volume/elastic.hpp"
+#include "energy/volume/inertia.hpp"
 #include "material/energy_change.hpp"
 #include "material/registry.hpp"
 #include "mesh/box_mesh.hpp"

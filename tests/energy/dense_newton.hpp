@@ -1,7 +1,7 @@
 /// Newton's method for small bodies, to the last digits: orders in time are measured with it.
 #pragma once
 
-#include "energy/incremental_potential.hpp"
+#include "energy/equation/incremental_potential.hpp"
 #include "petsc/array_view.hpp"
 
 #include <cmath>

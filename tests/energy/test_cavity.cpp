@@ -1,5 +1,5 @@
 // Cavities: what they hold in closed form, and what the sums over ranks make of it.
-#include "energy/cavity.hpp"
+#include "energy/load/cavity.hpp"
 #include "energy/solid.hpp"
 #include "petsc/collective.hpp"
 

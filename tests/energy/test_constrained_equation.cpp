@@ -1,5 +1,5 @@
 // The equation in the unknowns that constraints leave: its derivatives, and that its configurations fulfil them.
-#include "energy/constrained_equation.hpp"
+#include "energy/equation/constrained_equation.hpp"
 #include "energy/tied_body.hpp"
 #include "petsc/session.hpp"
 

@@ -1,5 +1,5 @@
 // Contact of a body with every shape: derivatives, powers, the bound of a step, and the same numbers on any ranks.
-#include "energy/contact.hpp"
+#include "energy/contact/contact.hpp"
 #include "energy/solid.hpp"
 #include "fem/shapes.hpp"
 #include "petsc/collective.hpp"

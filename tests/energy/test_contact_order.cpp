@@ -1,6 +1,6 @@
 // Orders in time of a body that bounces and slides in soft contact with two obstacles, one of which moves: every method
 // without drags, with drags frozen at the step's start, and with iterated ones.
-#include "energy/contact.hpp"
+#include "energy/contact/contact.hpp"
 #include "energy/motion.hpp"
 #include "petsc/collective.hpp"
 

@@ -1,8 +1,8 @@
 // What strain energy must do beyond having the right derivatives.
-#include "energy/elastic.hpp"
 #include "energy/reference.hpp"
 #include "energy/solid.hpp"
-#include "energy/step_bound.hpp"
+#include "energy/volume/elastic.hpp"
+#include "energy/volume/step_bound.hpp"
 #include "material/states.hpp"
 
 #include <ostream>

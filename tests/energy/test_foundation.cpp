@@ -1,5 +1,5 @@
 // Springs and dashpots to the ground: resultants and energies in closed form, and the orders of all methods.
-#include "energy/foundation.hpp"
+#include "energy/load/foundation.hpp"
 #include "energy/solid.hpp"
 #include "petsc/collective.hpp"
 #include "time/every_method.hpp"

@@ -1,6 +1,6 @@
 // Mass: what it weighs, what it carries.
-#include "energy/inertia.hpp"
 #include "energy/solid.hpp"
+#include "energy/volume/inertia.hpp"
 
 #include <algorithm>
 #include <ostream>

@@ -1,5 +1,5 @@
 // Elimination of linear constraints: chains, what is implied, what contradicts, and how it is told.
-#include "energy/linear_constraint.hpp"
+#include "energy/constraint/linear_constraint.hpp"
 #include "petsc/session.hpp"
 
 #include <gtest/gtest.h>

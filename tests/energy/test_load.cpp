@@ -1,5 +1,5 @@
 // Dead loads: their resultants in closed form.
-#include "energy/load.hpp"
+#include "energy/load/load.hpp"
 #include "energy/solid.hpp"
 
 namespace pliant::test_load {

@@ -1,7 +1,7 @@
 // Displacements and pressures: the derivatives of their potential, and the equation of a stage made of them.
-#include "energy/mixed.hpp"
-#include "energy/mixed_equation.hpp"
+#include "energy/equation/mixed_equation.hpp"
 #include "energy/solid.hpp"
+#include "energy/volume/mixed.hpp"
 #include "material/kinematics.hpp"
 #include "material/volume_split.hpp"
 

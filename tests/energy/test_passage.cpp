@@ -1,5 +1,5 @@
 // Ways of points through solids: what enters on one side must not leave on the other.
-#include "energy/passage.hpp"
+#include "energy/contact/passage.hpp"
 
 #include <memory>
 

@@ -1,6 +1,6 @@
 // Prescribed displacements: how exact their rates are, who wins where parts overlap, what the time layer is told.
-#include "energy/obstacle.hpp"
-#include "energy/prescribed.hpp"
+#include "energy/constraint/prescribed.hpp"
+#include "energy/contact/obstacle.hpp"
 #include "energy/solid.hpp"
 #include "fem/selection.hpp"
 

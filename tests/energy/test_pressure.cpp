@@ -1,5 +1,5 @@
 // Follower pressure: resultants in closed form, and what closed surfaces must fulfil.
-#include "energy/pressure.hpp"
+#include "energy/load/pressure.hpp"
 #include "energy/solid.hpp"
 #include "fem/element.hpp"
 #include "fem/quadrature.hpp"

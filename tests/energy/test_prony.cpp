@@ -1,7 +1,7 @@
 // Finite linear viscoelasticity: what its branches store and lose, and where it is another law's.
-#include "energy/prony.hpp"
 #include "energy/reference.hpp"
 #include "energy/viscous_body.hpp"
+#include "energy/volume/prony.hpp"
 
 namespace pliant::test_prony {
 namespace {

@@ -1,6 +1,6 @@
 // The rigid motion that is nearest to that of some nodes.
-#include "energy/rigid_fit.hpp"
-#include "energy/rigid_patch.hpp"
+#include "energy/rigid/rigid_fit.hpp"
+#include "energy/rigid/rigid_patch.hpp"
 #include "energy/solid.hpp"
 #include "fem/selection.hpp"
 

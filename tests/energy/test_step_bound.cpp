@@ -1,5 +1,5 @@
 #include "energy/solid.hpp"
-#include "energy/step_bound.hpp"
+#include "energy/volume/step_bound.hpp"
 #include "material/states.hpp"
 
 namespace pliant::test_step_bound {

@@ -1,13 +1,13 @@
 /// A body with prescribed displacements and ties, for the tests of constraints.
 #pragma once
 
-#include "energy/constrained_equation.hpp"
-#include "energy/constraint_map.hpp"
-#include "energy/prescribed.hpp"
-#include "energy/rigid_fit.hpp"
+#include "energy/constraint/constraint_map.hpp"
+#include "energy/constraint/prescribed.hpp"
+#include "energy/constraint/surface_ties.hpp"
+#include "energy/constraint/velocity_projection.hpp"
+#include "energy/equation/constrained_equation.hpp"
+#include "energy/rigid/rigid_fit.hpp"
 #include "energy/solid.hpp"
-#include "energy/surface_ties.hpp"
-#include "energy/velocity_projection.hpp"
 #include "fem/selection.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"

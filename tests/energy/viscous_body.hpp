@@ -2,7 +2,7 @@
 #pragma once
 
 #include "energy/solid.hpp"
-#include "energy/viscous.hpp"
+#include "energy/volume/viscous.hpp"
 #include "material/states.hpp"
 
 #include <ostream>

@@ -12,7 +12,7 @@ class CheckLayers(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             for name, text in files.items():
                 file = pathlib.Path(folder) / name
-                file.parent.mkdir(exist_ok=True)
+                file.parent.mkdir(parents=True, exist_ok=True)
                 file.write_text(text)
             command = [ROOT / "tools/check_layers.py", folder]
             done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -32,6 +32,14 @@ class CheckLayers(unittest.TestCase):
     def test_the_table_is_not_transitive(self):
         files = {"solver/a.hpp": '#include "fem/b.hpp"\n', "fem/b.hpp": ""}
         self.assertEqual(len(self.complaints(files)), 1)
+
+    def test_rooms_of_a_layer_have_an_order(self):
+        fine = {"energy/term.hpp": "", "energy/volume/a.hpp": '#include "energy/term.hpp"\n',
+                "energy/equation/b.hpp": '#include "energy/volume/a.hpp"\n'}
+        self.assertEqual(self.complaints(fine), [])
+        for name, target in (("energy/volume/c.hpp", "energy/equation/b.hpp"), ("energy/c.hpp", "energy/volume/a.hpp")):
+            (line,) = self.complaints({**fine, name: f'#include "{target}"\n'})
+            self.assertEqual(line, f"{name}:1: '{name[:-6]}' may not include '{target[:-6]}'")
 
     def test_cycle_of_files_is_found(self):
         files = {"base/a.hpp": '#include "base/b.hpp"\n', "base/b.hpp": '\n#include "base/a.hpp"\n'}

@@ -1,7 +1,7 @@
 /// A body with supports and loads, and its solver: what the tests of the solver solve.
 #pragma once
 
-#include "energy/prescribed.hpp"
+#include "energy/constraint/prescribed.hpp"
 #include "energy/solid.hpp"
 #include "fem/selection.hpp"
 #include "solver/newton.hpp"

@@ -1,5 +1,5 @@
 // Stages with contact: coefficients refrozen until they stay, and barriers that neither guess nor step passes.
-#include "energy/contact.hpp"
+#include "energy/contact/contact.hpp"
 #include "fem/selection.hpp"
 #include "petsc/collective.hpp"
 #include "solver/problem.hpp"

@@ -1,5 +1,5 @@
 // Nearly and fully incompressible bodies: orders of convergence against a manufactured solution, and locking.
-#include "energy/mixed_equation.hpp"
+#include "energy/equation/mixed_equation.hpp"
 #include "material/kinematics.hpp"
 #include "material/registry.hpp"
 #include "material/volume_split.hpp"

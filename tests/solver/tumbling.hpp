@@ -1,7 +1,7 @@
 /// Rigid bodies in motion, and two solvers of their stages.
 #pragma once
 
-#include "energy/rigid_body.hpp"
+#include "energy/rigid/rigid_body.hpp"
 #include "solver/newton.hpp"
 #include "time/bodies.hpp"
 #include "time/integrator.hpp"

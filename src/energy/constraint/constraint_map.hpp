@@ -1,0 +1,110 @@
+/// The configuration as a function of the unknowns that constraints leave.
+#pragma once
+
+#include "energy/constraint/linear_constraint.hpp"
+#include "energy/rigid/rigid_patch.hpp"
+#include "fem/layout.hpp"
+#include "time/stage.hpp"
+
+#include <array>
+#include <map>
+#include <vector>
+
+namespace pliant {
+
+/// q = T(y) = C y + g(t), y with the layout of q: rows of slaves hold their masters' coefficients, all other rows are
+/// those of the identity; entries of slaves in y have no meaning. Masters may lie on other ranks. Nodes of rigid
+/// patches that turn freely stand where the patch's unknowns put them: there T is not linear, and its Jacobian J
+/// depends on y. Forces f on q balance if W^T f = 0; the columns of W are the virtual displacements that the
+/// constraints leave, those of J unless a patch is rigid in its accelerations. All methods but those that say otherwise
+/// are collective.
+class ConstraintMap {
+ public:
+  /// `slaves`: those of all ranks, none of a patch. `given`: what their given terms refer to.
+  ConstraintMap(const NodeLayout& layout, std::span<const Slave> slaves, std::vector<GivenDisplacement> given,
+                std::vector<RigidPatch> patches = {});
+
+  /// How patches are kept rigid: before the map is used.
+  void set_rigidity(Rigidity rigidity);
+  /// The stage that all following calls speak of; q: a guess of its end.
+  void begin_stage(const StagePoint& stage, Vec q);
+  /// Brings g to a part of its way from the accepted state (0) to the end of the stage (1), where begin_stage leaves
+  /// it.
+  void lead(double part);
+  /// q = T(y).
+  void expand(Vec y, Vec q) const;
+  /// Brings `jacobian` and `test_matrix` to y.
+  void linearize(Vec y);
+  /// Brings `jacobian` to the end of a step, whose configuration is q: its columns are the velocities that the
+  /// constraints leave. Until the next begin_stage.
+  void linearize_at(Vec q);
+  /// Leaves of v what patches are free to do: their nodes' entries without what is given of them.
+  void keep_free_patches(Vec v) const;
+  /// J, with places for the diagonal entries of slaves, which are zero.
+  Mat jacobian() const { return J_.get(); }
+  /// W, likewise.
+  Mat test_matrix() const { return W_.get(); }
+  /// K += sum_i f_i dW_i/dy; `f`: forces on q.
+  void add_curvature(Vec y, Vec f, Mat K) const;
+
+  /// Whether T is linear: y = q will do then. Not collective.
+  bool is_linear() const { return patches_.empty(); }
+  /// Whether W = J. Not collective.
+  bool is_symmetric() const { return W_.get() == J_.get(); }
+  /// y = the unknowns whose configuration is near q, the nearest one if patches are rigid there.
+  void restrict(Vec q, Vec y) const;
+  /// w = the rates of the unknowns at rest whose velocities are nearest to v.
+  void restrict_rates(Vec v, Vec w) const;
+
+  /// One flag per owned entry: a slave. Not collective.
+  const std::vector<char>& is_slave() const { return is_slave_; }
+  /// One flag per owned entry: a slave or a master, where constraints do work. Not collective.
+  const std::vector<char>& is_tied() const { return is_tied_; }
+
+  /// `before`, then the motion that the constraints give: where g depends on time, its own velocity and acceleration
+  /// hold exactly, as for prescribed displacements (energy/prescribed.hpp). What a method's formulas leave of them is
+  /// put right by the least change of all entries: the formulas then act on the coordinates along the constraints,
+  /// which keeps their order, and the choice of slaves makes no difference. At the end of a step patches are rigid
+  /// again, and so are their velocities. Refers to this object. Not collective.
+  PrescribedMotion motion(PrescribedMotion before) const;
+
+  /// What holds the given displacements, per source and component: the work of the constraints per given displacement
+  /// [N]. `reaction`: the gradient of the potential. This rank's part, without patches. Not collective.
+  std::vector<std::array<double, 3>> multipliers(Vec reaction) const;
+
+ private:
+  void put_columns(Mat matrix, const RigidPatch& patch, PetscInt node, const RigidPatch::Columns& columns) const;
+  struct OwnedSlave {
+    PetscInt local_entry;
+    std::vector<GivenTerm> given;
+  };
+  /// Coefficients by column, for each owned entry.
+  using Rows = std::vector<std::map<PetscInt, double>>;
+  Handle<Mat> make_matrix(const Rows& rows) const;
+  Handle<Mat> make_jacobian(Rows rows);
+  /// g of each slave.
+  std::vector<Kinematics> offsets(double time, double time_scale, double factor, Side side = Side::before) const;
+  /// x = C x + offset(slave) in the entries of slaves, by the least change of all entries: it does not depend on which
+  /// entries are slaves.
+  template <class Offset>
+  void put_nearest(Vec x, Offset offset) const;
+  /// y = G x for the constraints G x = 0, that is x_s - (C x)_s, in the entries of slaves; else 0.
+  void constrain(Vec x, Vec y) const;
+  /// x += G^T m, m in the entries of slaves, and zero elsewhere.
+  void add_constraint_forces(Vec m, Vec x) const;
+
+  MPI_Comm comm_;
+  PetscInt first_entry_;
+  std::vector<GivenDisplacement> given_;
+  std::vector<OwnedSlave> slaves_;
+  std::vector<RigidPatch> patches_;
+  std::vector<char> is_slave_, is_tied_;
+  Handle<Mat> C_, J_, W_;                           // the same if T is linear
+  Handle<Vec> offset_, start_offset_, end_offset_;  // g: where it is led, at the accepted state, at the stage's time
+  Handle<Vec> work_;
+  // Of put_nearest: what is missing, the forces that supply it, the direction of search and its image.
+  Handle<Vec> missing_, forces_, direction_, image_;
+  Handle<Vec> inverse_diagonal_;  // of G G^T; 0 but for slaves
+};
+
+}  // namespace pliant

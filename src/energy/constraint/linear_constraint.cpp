@@ -1,0 +1,203 @@
+#include "energy/constraint/linear_constraint.hpp"
+
+#include "petsc/collective.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <unordered_map>
+#include <unordered_set>
+
+namespace pliant {
+namespace {
+
+/// Coefficients that cancel to less than this part of what they were made of are rounding.
+constexpr double cancellation = 1e-12;
+/// Of the sizes of what is compared: given displacements that differ by less agree.
+constexpr double agreement = 1e-9;
+/// A coefficient nearly as large as the largest may be the pivot if it stands before it.
+constexpr double nearly = 0.999;
+
+/// sum of c_k q_k - given, while slaves are put in.
+struct Row {
+  std::map<PetscInt, std::pair<double, double>> entries;  // coefficient, and the size of what it was made of
+  std::vector<GivenTerm> given;
+
+  void add(double factor, std::span<const ConstraintEntry> more) {
+    for (const auto& [entry, coefficient] : more) {
+      auto& [value, size] = entries[entry];
+      value += factor * coefficient;
+      size += std::abs(factor * coefficient);
+    }
+  }
+  void add(double factor, std::span<const GivenTerm> more) {
+    for (GivenTerm term : more) {
+      term.weight *= factor;
+      const auto same = std::ranges::find_if(given, [&](const GivenTerm& g) {
+        return g.source == term.source && g.component == term.component && g.X == term.X;
+      });
+      if (same == given.end()) {
+        given.push_back(term);
+      } else {
+        same->weight += term.weight;
+      }
+    }
+  }
+  void drop_rounding() {
+    std::erase_if(entries, [](const auto& e) { return std::abs(e.second.first) <= cancellation * e.second.second; });
+    std::erase_if(given, [](const GivenTerm& g) { return std::abs(g.weight) <= cancellation; });
+  }
+};
+
+class Eliminator {
+ public:
+  Eliminator(std::span<const GivenDisplacement> given, std::span<const double> times) : given_(given), times_(times) {}
+
+  void add(const LinearConstraint& constraint) {
+    Row row;
+    row.add(-1.0, constraint.given);
+    std::size_t implied_by = constraint.source;
+    for (const ConstraintEntry& e : constraint.entries) {
+      const auto slave = slave_of_.find(e.entry);
+      if (slave == slave_of_.end()) {
+        row.add(1.0, std::span(&e, 1));
+      } else {
+        const Slave& known = result_.slaves[slave->second];
+        row.add(e.coefficient, known.masters);
+        row.add(e.coefficient, known.given);
+        implied_by = known.source;
+      }
+    }
+    row.drop_rounding();
+    if (row.entries.empty()) {
+      if (!vanishes(row.given)) result_.conflicts.emplace_back(implied_by, constraint.source);
+      return;
+    }
+    const PetscInt pivot = choose_pivot(row, constraint);
+    const double factor = -1.0 / row.entries.at(pivot).first;
+    Slave slave{pivot, {}, {}, constraint.source};
+    for (const auto& [entry, coefficient] : row.entries) {
+      if (entry != pivot) slave.masters.push_back({entry, factor * coefficient.first});
+    }
+    slave.given = std::move(row.given);
+    for (GivenTerm& term : slave.given) term.weight *= factor;
+    put_into_others(slave);
+    for (const auto& master : slave.masters) slaves_of_[master.entry].insert(result_.slaves.size());
+    slave_of_[pivot] = result_.slaves.size();
+    result_.slaves.push_back(std::move(slave));
+  }
+
+  Elimination take() { return std::move(result_); }
+
+ private:
+  bool vanishes(const std::vector<GivenTerm>& terms) const {
+    return std::ranges::all_of(times_, [&](double t) {
+      double sum = 0.0, size = 0.0;
+      for (const GivenTerm& term : terms) {
+        const double u = term.weight * given_[term.source](term.component, term.X, t);
+        sum += u;
+        size += std::abs(u);
+      }
+      return std::abs(sum) <= agreement * size;
+    });
+  }
+
+  /// In the order in which the constraint names its entries, then any.
+  static PetscInt choose_pivot(const Row& row, const LinearConstraint& constraint) {
+    double largest = 0.0;
+    for (const auto& e : row.entries) largest = std::max(largest, std::abs(e.second.first));
+    const auto is_large = [&](PetscInt entry) {
+      const auto found = row.entries.find(entry);
+      return found != row.entries.end() && std::abs(found->second.first) >= nearly * largest;
+    };
+    for (const auto& e : constraint.entries) {
+      if (is_large(e.entry)) return e.entry;
+    }
+    return std::ranges::find_if(row.entries, [&](const auto& e) { return is_large(e.first); })->first;
+  }
+
+  /// Slaves that had the new slave for a master have its masters instead.
+  void put_into_others(const Slave& slave) {
+    const auto followers = slaves_of_.find(slave.entry);
+    if (followers == slaves_of_.end()) return;
+    for (const std::size_t s : followers->second) {
+      Slave& other = result_.slaves[s];
+      Row row;
+      double coefficient = 0.0;
+      for (const ConstraintEntry& master : other.masters) {
+        if (master.entry == slave.entry) {
+          coefficient = master.coefficient;
+        } else {
+          row.add(1.0, std::span(&master, 1));
+        }
+      }
+      row.add(1.0, other.given);
+      row.add(coefficient, slave.masters);
+      row.add(coefficient, slave.given);
+      row.drop_rounding();
+      other.masters.clear();
+      for (const auto& [entry, c] : row.entries) {
+        other.masters.push_back({entry, c.first});
+        slaves_of_[entry].insert(s);
+      }
+      other.given = std::move(row.given);
+    }
+    slaves_of_.erase(slave.entry);
+  }
+
+  std::span<const GivenDisplacement> given_;
+  std::span<const double> times_;
+  Elimination result_;
+  std::unordered_map<PetscInt, std::size_t> slave_of_;                       // by entry
+  std::unordered_map<PetscInt, std::unordered_set<std::size_t>> slaves_of_;  // by master
+};
+
+}  // namespace
+
+Elimination eliminate(std::span<const LinearConstraint> constraints, std::span<const GivenDisplacement> given,
+                      std::span<const double> times) {
+  Eliminator eliminator(given, times);
+  for (const LinearConstraint& constraint : constraints) eliminator.add(constraint);
+  Elimination result = eliminator.take();
+  std::ranges::sort(result.conflicts);
+  const auto repeated = std::ranges::unique(result.conflicts);
+  result.conflicts.erase(repeated.begin(), repeated.end());
+  return result;
+}
+
+std::vector<LinearConstraint> gathered(MPI_Comm comm, std::span<const LinearConstraint> mine) {
+  std::vector<double> packed;
+  for (const LinearConstraint& c : mine) {
+    packed.insert(packed.end(), {static_cast<double>(c.source), static_cast<double>(c.entries.size()),
+                                 static_cast<double>(c.given.size())});
+    for (const auto& [entry, coefficient] : c.entries) {
+      packed.insert(packed.end(), {static_cast<double>(entry), coefficient});
+    }
+    for (const GivenTerm& g : c.given) {
+      packed.insert(packed.end(), {g.weight, static_cast<double>(g.source), static_cast<double>(g.component), g.X[0],
+                                   g.X[1], g.X[2]});
+    }
+  }
+  const std::vector<double> all = gathered(comm, packed);
+  std::vector<LinearConstraint> result;
+  for (auto at = all.begin(); at != all.end();) {
+    const auto next = [&] { return *at++; };
+    LinearConstraint& c = result.emplace_back();
+    c.source = static_cast<std::size_t>(next());
+    c.entries.resize(static_cast<std::size_t>(next()));
+    c.given.resize(static_cast<std::size_t>(next()));
+    for (auto& [entry, coefficient] : c.entries) {
+      entry = static_cast<PetscInt>(next());
+      coefficient = next();
+    }
+    for (GivenTerm& g : c.given) {
+      g.weight = next();
+      g.source = static_cast<std::size_t>(next());
+      g.component = static_cast<int>(next());
+      g.X = {next(), next(), next()};
+    }
+  }
+  return result;
+}
+
+}  // namespace pliant

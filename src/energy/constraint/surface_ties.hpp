@@ -1,0 +1,53 @@
+/// Kinds of linear constraints on selections of nodes.
+#pragma once
+
+#include "energy/constraint/linear_constraint.hpp"
+#include "fem/layout.hpp"
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+/// direction . u = the first component of the given displacement `source`, at each of the owned nodes. Not collective.
+std::vector<LinearConstraint> along(const NodeLayout& layout, std::span<const PetscInt> nodes,
+                                    const Vector3<double>& direction, std::size_t source);
+
+/// Pairs of nodes of two surfaces that a translation carries onto each other.
+struct PeriodicPairs {
+  struct Pair {
+    PetscInt a, b;  ///< global nodes, X_b = X_a + translation
+    Vector3<double> X_b;
+  };
+  std::vector<Pair> pairs;  ///< by the place of b in the list of all ranks' nodes; the same on every rank
+  Vector3<double> translation{};
+  /// Nodes of either surface that have no partner, and one of them.
+  std::size_t num_lonely_a = 0, num_lonely_b = 0;
+  Vector3<double> lonely{};
+};
+
+/// Matches the owned nodes of two surfaces, to 1e-6 of their extent; the translation carries the lower corner of the
+/// box around one to that around the other. Collective.
+PeriodicPairs match(const NodeLayout& layout, std::span<const PetscInt> nodes_a, std::span<const PetscInt> nodes_b);
+
+/// u_b - u_a = the components of the given displacement `source`, of all pairs; where it gives none, the difference is
+/// the same for all pairs but free. The same on every rank. Not collective.
+std::vector<LinearConstraint> periodic(const PeriodicPairs& pairs, const GivenDisplacement& given, std::size_t source);
+
+/// u_a - u_m = what the given rigid motion `source` says of the difference, for the components of its translation that
+/// are free; m is the first of all nodes. For those of the owned nodes. Collective.
+std::vector<LinearConstraint> translated_together(const NodeLayout& layout, std::span<const PetscInt> nodes,
+                                                  const GivenDisplacement& given, std::size_t source);
+
+/// A component of the mean displacement of some owned nodes, and its coefficient.
+struct MeanTerm {
+  std::vector<PetscInt> nodes;
+  int component = 0;
+  double coefficient = 1.0;
+};
+
+/// sum of the terms = the first component of the given displacement `source`. The same on every rank. Collective.
+LinearConstraint equation(const NodeLayout& layout, std::span<const MeanTerm> terms, std::size_t source);
+
+}  // namespace pliant

@@ -1,0 +1,64 @@
+/// Contact of bodies with an obstacle: a normal response with a potential, and drags that act in proportion to its
+/// pressure.
+#pragma once
+
+#include "energy/contact/contact_surface.hpp"
+#include "energy/term.hpp"
+
+#include <memory>
+
+namespace pliant {
+
+/// U = int U(d(x, t)) dA, with the distance d to the obstacle, its gradient n and curvature C = dn/dx:
+///
+///     r_a = -int N_a p n dA,    K_ab = int N_a N_b (U'' n n^T - p C) dA,    dU/dt at fixed q = int p n . v_o dA
+///
+/// v_o being the velocity of the obstacle. C is definite of one sign, so that -p C is left out where K is to be
+/// semidefinite and the obstacle convex.
+class Contact final : public EnergyTerm {
+ public:
+  Contact(std::shared_ptr<const ContactSurface> surface, std::shared_ptr<const Obstacle> obstacle)
+      : surface_(std::move(surface)), obstacle_(std::move(obstacle)) {}
+
+  std::string_view name() const override { return "contact"; }
+  TermDeclaration declaration() const override {
+    return {.account = Account::stored,
+            .depends_on_time = obstacle_->moves(),
+            .is_wall = surface_->law().kind == NormalKind::barrier};
+  }
+  double value(const LocalStage& stage, std::span<const double> q) const override;
+  void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override;
+  void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
+                   Projection projection) const override;
+  double energy_at(const Instant& at, std::span<const double> q, std::span<const double> z) const override;
+  double supply(const LocalStage& stage, std::span<const double> q) const override;
+  /// Of a barrier: short of where a point would meet the obstacle, whose distance changes no faster than the point
+  /// moves.
+  double max_step(const LocalStage& stage, std::span<const double> q, std::span<const double> d) const override;
+
+  /// Nodes nearer than twice the way of the obstacle are as near as can be, from five times on there is no nearness.
+  void carry_along(const LocalStage& stage, std::span<Vector3<double>> ways, std::span<double> nearness) const override;
+
+  const ContactSurface& surface() const { return *surface_; }
+  const Obstacle& obstacle() const { return *obstacle_; }
+
+ private:
+  std::shared_ptr<const ContactSurface> surface_;
+  std::shared_ptr<const Obstacle> obstacle_;
+};
+
+/// The term of a drag (Friction, NormalDamping) with the potential R of the velocity relative to the obstacle, v - v_o:
+///
+///     Phi = dt int R(p, n; v - v_o) dA,   v = (q - q0)/dt,   v_o at the end of the stage
+///
+/// p is the pressure that is recorded: of friction that with the damping of the same obstacle. p and n are frozen
+/// (FrictionUpdate), and so is the place at which v_o is taken. What is frozen at the last accepted state would go on
+/// acting on a surface that has left: StageEquation::refreeze then freezes it anew, at the solution.
+std::unique_ptr<EnergyTerm> make_friction(std::shared_ptr<const ContactSurface> surface,
+                                          std::shared_ptr<const Obstacle> obstacle, const Friction& friction,
+                                          const NormalDamping& damping, FrictionUpdate update);
+std::unique_ptr<EnergyTerm> make_normal_damping(std::shared_ptr<const ContactSurface> surface,
+                                                std::shared_ptr<const Obstacle> obstacle, const NormalDamping& damping,
+                                                FrictionUpdate update);
+
+}  // namespace pliant

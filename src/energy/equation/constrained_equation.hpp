@@ -1,0 +1,67 @@
+/// The equation of a stage in the unknowns that constraints leave.
+#pragma once
+
+#include "energy/constraint/constraint_map.hpp"
+#include "energy/stage_equation.hpp"
+
+namespace pliant {
+
+/// Phi(T(y)) and its derivatives, T the map of the constraints with the Jacobian J: J^T r and J^T K J + sum_i r_i
+/// d2T_i/dy2 (the second part not where the Hessian is to be positive semidefinite, as its first is then). What belongs
+/// to a potential stays one, and Newton's method on it converges quadratically. Where the map balances forces by other
+/// virtual displacements W than J (ConstraintMap::is_symmetric), these are W^T r and W^T K J + sum_i r_i dW_i/dy, of no
+/// potential. Entries of slaves are as prescribed ones: their rows of the gradient are zero, those of the Hessian hold
+/// the diagonal alone.
+class ConstrainedEquation final : public StageEquation {
+ public:
+  /// Both outlive the object; the map's rigidity is set. Collective.
+  ConstrainedEquation(StageEquation& equation, ConstraintMap& map);
+
+  /// The stage `stage` of configurations, from the guess q, in the unknowns: the guess y, and a start whose
+  /// extrapolation by dt v0 is that of the configurations. What is returned refers to this object. Collective.
+  StagePoint reduce(const StagePoint& stage, Vec q, Vec y);
+
+  /// `stage`: what `reduce` has returned.
+  void begin_stage(const StagePoint& stage) override;
+  void freeze(Vec y) override;
+  bool refreeze(Vec y) override;
+  double value(Vec y) override;
+  void gradient(Vec y, Vec r) override;
+  Handle<Mat> make_hessian() const override;
+  /// `K` comes from make_hessian.
+  void hessian(Vec y, Mat K, Projection projection) override;
+  std::unique_ptr<NodalRotations> make_rotations() const override;
+  Vec displacements(Vec y) override;
+  std::size_t num_rank_one() const override { return equation_.num_rank_one(); }
+  void rank_one_parts(Vec y, std::vector<RankOne>& parts) override;
+  double max_step(Vec y, Vec d) override;
+  double max_way(Vec y, Vec d) override;
+  void extrapolate_from(Vec y) override;
+  bool is_static() const override { return equation_.is_static(); }
+  bool carry_along(Carried which, Vec y) override;
+  void lead(double part) override { map_.lead(part); }
+  double force_scale(Vec y) override;
+  double inertia_scale() override { return equation_.inertia_scale(); }
+  double rounding_floor(Vec y) const override;
+  std::vector<std::string> non_potentials() const override;
+  Symmetry symmetry() const override;
+  const std::vector<char>& prescribed() const override { return prescribed_; }
+  PetscInt num_unknowns() const override { return equation_.num_unknowns(); }
+  MPI_Comm comm() const override { return equation_.comm(); }
+  Handle<Vec> make_vector() const override { return equation_.make_vector(); }
+
+ private:
+  void set_near_null_space(Mat K) const;
+  /// K = W^T (Hessian in q) J.
+  void project(Mat K);
+
+  StageEquation& equation_;
+  ConstraintMap& map_;
+  std::vector<char> prescribed_;  // those of the equation, and slaves
+  Handle<Mat> full_;              // Hessian in q
+  Handle<Mat> product_;           // K J, where W is not J
+  StagePoint stage_;              // of configurations
+  Handle<Vec> q_, d_, full_gradient_, diagonal_, y0_, w0_, accepted_;
+};
+
+}  // namespace pliant

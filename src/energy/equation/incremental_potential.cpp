@@ -1,0 +1,459 @@
+#include "energy/equation/incremental_potential.hpp"
+
+#include "base/compensated_sum.hpp"
+#include "energy/function_of_sum.hpp"
+#include "energy/rigid/rigid_fit.hpp"
+#include "fem/components.hpp"
+#include "petsc/array_view.hpp"
+#include "petsc/collective.hpp"
+#include "petsc/ghosted.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pliant {
+namespace {
+
+/// How much more than they may do frozen coefficients are let do: what changes from step to step in steady sliding.
+constexpr double drag_excess = 1e-3;
+
+}  // namespace
+
+IncrementalPotential::IncrementalPotential(const NodeLayout& layout, const BlockPattern& pattern,
+                                           std::vector<const EnergyTerm*> terms, const std::vector<char>& prescribed)
+    : layout_(layout),
+      pattern_(pattern),
+      terms_(std::move(terms)),
+      prescribed_(prescribed),
+      elimination_(layout, pattern, prescribed_) {
+  first_internal_.push_back(0);
+  for (const EnergyTerm* term : terms_) first_internal_.push_back(first_internal_.back() + term->num_internal());
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    if (terms_[k]->function_of_sum() != nullptr) functions_of_sum_.push_back(k);
+  }
+  sums_.resize(terms_.size());
+  free_bodies_ = free_components(layout, [&](PetscInt node) {
+    return prescribed_[3 * node] || prescribed_[3 * node + 1] || prescribed_[3 * node + 2];
+  });
+  for (Handle<Vec>* v : {&q_, &d_, &q0_, &v0_, &accepted_, &previous_, &frozen_, &work_, &diagonal_})
+    *v = pliant::make_vector(layout);
+}
+
+std::span<const double> IncrementalPotential::local(Vec q, const Handle<Vec>& work) {
+  check(VecCopy(q, work.get()));
+  update_ghosts(work.get());
+  return ConstGhostedView(work.get()).span();  // the memory stays where it is while `work` lives
+}
+
+std::span<const double> IncrementalPotential::evaluated_at(Vec q) {
+  const auto at = local(q, q_);
+  add_up(stage_, at);
+  return at;
+}
+
+void IncrementalPotential::add_up(const LocalStage& stage, std::span<const double> q) {
+  if (functions_of_sum_.empty()) return;
+  std::vector<double> parts;
+  for (const std::size_t k : functions_of_sum_) {
+    const SumOverRanks part = terms_[k]->function_of_sum()->part(stage, q);
+    parts.insert(parts.end(), {part.start, part.change});
+  }
+  check_mpi(
+      MPI_Allreduce(MPI_IN_PLACE, parts.data(), static_cast<int>(parts.size()), MPI_DOUBLE, MPI_SUM, layout_.comm));
+  for (std::size_t i = 0; i < functions_of_sum_.size(); ++i) {
+    sums_[functions_of_sum_[i]] = {parts[2 * i], parts[2 * i + 1]};
+  }
+}
+
+void IncrementalPotential::clear_prescribed(std::span<double> r) const {
+  for (PetscInt i = 0; i < 3 * layout_.num_owned_nodes; ++i) {
+    if (prescribed_[i]) r[i] = 0.0;
+  }
+}
+
+void IncrementalPotential::begin_stage(const StagePoint& stage) {
+  stage_ = {.time = stage.time,
+            .dt = stage.dt,
+            .load_factor = stage.load_factor,
+            .q0 = local(stage.q0, q0_),
+            .v0 = local(stage.v0, v0_),
+            .exceeds_bound = exceeds_bound_,
+            .step_start = stage.step_start};
+  if (stage.accepted != nullptr) stage_.accepted = local(stage.accepted, accepted_);
+  z0_ = stage.z0;
+}
+
+void IncrementalPotential::freeze(Vec q) {
+  exceeds_bound_ = stage_.exceeds_bound = false;
+  stage_.frozen = local(q, frozen_);
+}
+
+bool IncrementalPotential::refreeze(Vec q) {
+  exceeds_bound_ = stage_.exceeds_bound = exceeds_bound_ || exceeds_a_bound(q);
+  const auto refreezes = [](const EnergyTerm* term) { return term->declaration().refreezes; };
+  if (!exceeds_bound_ && std::ranges::none_of(terms_, refreezes)) return false;
+  stage_.frozen = local(q, frozen_);
+  return true;
+}
+
+bool IncrementalPotential::exceeds_a_bound(Vec q) {
+  const auto has_bound = [](const EnergyTerm* term) { return term->declaration().has_frozen_coefficients; };
+  if (std::ranges::none_of(terms_, has_bound)) return false;
+  const auto at = local(q, q_);
+  std::vector<double> sums;
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    if (!has_bound(terms_[k])) continue;
+    const DragBound bound = terms_[k]->bound(stage_of(k), at);
+    sums.insert(sums.end(), {bound.exerted, bound.allowed});
+  }
+  sum_in_place(layout_.comm, sums);
+  for (std::size_t i = 0; i < sums.size(); i += 2) {
+    if (sums[i] > (1.0 + drag_excess) * sums[i + 1]) return true;
+  }
+  return false;
+}
+
+std::span<double> IncrementalPotential::slice(std::span<double> z, std::size_t k) const {
+  return z.subspan(first_internal_[k], first_internal_[k + 1] - first_internal_[k]);
+}
+
+const LocalStage& IncrementalPotential::stage_of(std::size_t k) {
+  stage_.sum = sums_[k];
+  stage_.z0 = {};
+  if (z0_ != nullptr) {
+    const ConstArrayView z0(z0_);  // the memory stays where it is while the vector lives
+    stage_.z0 = z0.span().subspan(first_internal_[k], first_internal_[k + 1] - first_internal_[k]);
+  }
+  return stage_;
+}
+
+double IncrementalPotential::value(Vec q) {
+  const auto at = evaluated_at(q);
+  double mine = 0.0;
+  for (std::size_t k = 0; k < terms_.size(); ++k) mine += terms_[k]->value(stage_of(k), at);
+  double total = sum(layout_.comm, mine);
+  for (const std::size_t k : functions_of_sum_) total += terms_[k]->function_of_sum()->value_of_sum(stage_of(k));
+  return std::isfinite(total) ? total : std::numeric_limits<double>::infinity();
+}
+
+void IncrementalPotential::gradient_of(const std::function<bool(const EnergyTerm&)>& wanted, Vec q, Vec r) {
+  const auto at = evaluated_at(q);
+  {
+    const GhostedView rows(work_.get());
+    std::fill(rows.span().begin(), rows.span().end(), 0.0);
+    for (std::size_t k = 0; k < terms_.size(); ++k) {
+      if (wanted(*terms_[k])) terms_[k]->add_gradient(stage_of(k), at, rows.span());
+    }
+  }
+  check(VecCopy(work_.get(), r));
+}
+
+void IncrementalPotential::gradient_with_reactions(Vec q, Vec r) {
+  gradient_of([](const EnergyTerm&) { return true; }, q, r);
+}
+
+void IncrementalPotential::gradient(Vec q, Vec r) {
+  gradient_with_reactions(q, r);
+  const ArrayView rows(r);
+  clear_prescribed(rows.span());
+}
+
+double IncrementalPotential::force_of(std::size_t k, std::span<const double> q) {
+  {
+    const GhostedView rows(work_.get());
+    std::fill(rows.span().begin(), rows.span().end(), 0.0);
+    terms_[k]->add_gradient(stage_of(k), q, rows.span());
+  }
+  PetscReal norm = 0.0;
+  check(VecNorm(work_.get(), NORM_2, &norm));
+  return norm;
+}
+
+double IncrementalPotential::force_scale(Vec q) {
+  const auto at = evaluated_at(q);
+  double scale = 0.0;
+  for (std::size_t k = 0; k < terms_.size(); ++k) scale += force_of(k, at);
+  return scale;
+}
+
+double IncrementalPotential::inertia_scale() {
+  double scale = 0.0;
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    if (terms_[k]->declaration().account == Account::kinetic) scale += force_of(k, stage_.q0);
+  }
+  return scale;
+}
+
+void IncrementalPotential::extrapolate_from(Vec q) {
+  stage_.previous = q != nullptr ? local(q, previous_) : std::span<const double>{};
+}
+
+bool IncrementalPotential::is_static() const {
+  return std::ranges::none_of(terms_,
+                              [](const EnergyTerm* term) { return term->declaration().account == Account::kinetic; });
+}
+
+void IncrementalPotential::hessian(Vec q, Mat K, Projection projection) {
+  const auto at = evaluated_at(q);
+  {
+    BlockWriter writer(pattern_, K);
+    std::size_t first = 0;  // a term that K starts from
+    while (first < terms_.size() && !terms_[first]->set_hessian(stage_of(first), writer)) ++first;
+    if (first == terms_.size()) writer.zero();
+    for (std::size_t k = 0; k < terms_.size(); ++k) {
+      if (k != first) terms_[k]->add_hessian(stage_of(k), at, writer, projection);
+    }
+    writer.copy_diagonal(ArrayView(diagonal_.get()).span());
+    writer.finish();
+  }
+  PetscReal total = 0.0;
+  check(VecNorm(diagonal_.get(), NORM_1, &total));
+  {
+    BlockWriter writer(pattern_, K);
+    elimination_.apply(writer, total > 0.0 ? total / (3.0 * layout_.num_global_nodes) : 1.0);
+    writer.finish();
+  }
+}
+
+void IncrementalPotential::rank_one_parts(Vec q, std::vector<RankOne>& parts) {
+  const auto at = evaluated_at(q);
+  sum_rounding_ = 0.0;
+  for (std::size_t i = 0; i < functions_of_sum_.size(); ++i) {
+    const std::size_t k = functions_of_sum_[i];
+    const FunctionOfSum& function = *terms_[k]->function_of_sum();
+    auto& [c, g] = parts[i];
+    c = function.curvature(stage_of(k));
+    double size = 0.0;
+    {
+      const GhostedView rows(work_.get());
+      std::fill(rows.span().begin(), rows.span().end(), 0.0);
+      function.add_gradient_of_sum(at, rows.span());
+      clear_prescribed(rows.span());
+      for (PetscInt e = 0; e < 3 * layout_.num_owned_nodes; ++e) size += std::abs(rows.span()[e] * at[e]);
+    }
+    check(VecCopy(work_.get(), g.get()));
+    PetscReal norm = 0.0;
+    check(VecNorm(g.get(), NORM_2, &norm));
+    sum_rounding_ += std::numeric_limits<double>::epsilon() * c * norm * sum(layout_.comm, size);
+  }
+}
+
+Handle<Mat> IncrementalPotential::make_hessian() const {
+  Handle<Mat> K = make_matrix(layout_, pattern_);
+  if (symmetry() == Symmetry::unsymmetric) {
+    check(MatSetOption(K.get(), MAT_SYMMETRY_ETERNAL, PETSC_FALSE));
+    check(MatSetOption(K.get(), MAT_SYMMETRIC, PETSC_FALSE));
+    check(MatSetOption(K.get(), MAT_STRUCTURALLY_SYMMETRIC, PETSC_TRUE));
+  }
+  set_near_null_modes(K.get(), rigid_body_modes(layout_, prescribed_));
+  return K;
+}
+
+std::optional<Coarsening> IncrementalPotential::make_coarsening() const {
+  if (layout_.order == 1) return std::nullopt;
+  return pliant::make_coarsening(layout_, prescribed_);
+}
+
+std::unique_ptr<NodalRotations> IncrementalPotential::make_rotations() const {
+  if (std::ranges::any_of(terms_, [](const EnergyTerm* term) { return !term->declaration().turns; })) return nullptr;
+  return std::make_unique<NodalRotations>(layout_, prescribed_);
+}
+
+double IncrementalPotential::max_step(Vec q, Vec d) {
+  const auto at = local(q, q_);
+  const auto direction = local(d, d_);
+  double mine = std::numeric_limits<double>::infinity();
+  for (const EnergyTerm* term : terms_) mine = std::min(mine, term->max_step(stage_, at, direction));
+  return minimum(layout_.comm, mine);
+}
+
+double IncrementalPotential::max_way(Vec q, Vec d) {
+  double mine = std::numeric_limits<double>::infinity();
+  if (std::ranges::none_of(terms_, [](const EnergyTerm* term) { return term->declaration().is_wall; })) return mine;
+  const auto at = local(q, q_);
+  const auto direction = local(d, d_);
+  for (const EnergyTerm* term : terms_) {
+    if (term->declaration().is_wall) mine = std::min(mine, term->max_step(stage_, at, direction));
+  }
+  return minimum(layout_.comm, mine);
+}
+
+bool IncrementalPotential::move_rigidly(Vec q) {
+  if (free_bodies_.empty() || stage_.accepted.empty()) return false;
+  // Where inertia alone would lead.
+  check(VecWAXPY(work_.get(), stage_.dt, v0_.get(), q0_.get()));
+  check(VecCopy(accepted_.get(), q));
+  for (const auto& nodes : free_bodies_) {
+    const Placement from = nearest_placement(layout_, nodes, {}, accepted_.get());
+    const Placement to = nearest_placement(layout_, nodes, {}, work_.get());
+    const ArrayView u(q);
+    for (const PetscInt a : nodes) {
+      const Vector3<double> X = layout_.position(a);
+      const Vector3<double> now = {X[0] + u[3 * a], X[1] + u[3 * a + 1], X[2] + u[3 * a + 2]};
+      // x = x_to(x_from^-1(now)): small differences survive, as both rotations are nearly one.
+      const Vector3<double> moved = moved_from(from, to, now);
+      for (std::size_t i = 0; i < 3; ++i) u[3 * a + static_cast<PetscInt>(i)] += moved[i];
+    }
+  }
+  return true;
+}
+
+bool IncrementalPotential::carry_along(Carried which, Vec q) {
+  if (stage_.accepted.empty()) return false;
+  std::vector<Vector3<double>> ways(stage_.accepted.size() / 3);
+  std::vector<double> nearness(ways.size(), 0.0);
+  for (const EnergyTerm* term : terms_) term->carry_along(stage_, ways, nearness);
+  if (which == Carried::bodies) {
+    // The mean way of what is nearest, of all ranks.
+    std::vector<double> sums(4, 0.0);
+    for (PetscInt a = 0; a < layout_.num_owned_nodes; ++a) {
+      if (nearness[a] < 1.0) continue;
+      for (std::size_t i = 0; i < 3; ++i) sums[i] += ways[a][i];
+      sums[3] += 1.0;
+    }
+    sum_in_place(layout_.comm, sums);
+    if (sums[3] == 0.0) return false;
+    std::ranges::fill(ways, (1.0 / sums[3]) * Vector3<double>{sums[0], sums[1], sums[2]});
+    std::ranges::fill(nearness, 1.0);
+  } else if (!any(layout_.comm, std::ranges::any_of(nearness, [](double near) { return near > 0.0; }))) {
+    return false;
+  }
+  check(VecCopy(accepted_.get(), q));
+  const ArrayView u(q);
+  for (PetscInt a = 0; a < layout_.num_owned_nodes; ++a) {
+    for (PetscInt i = 0; i < 3; ++i) u[3 * a + i] += nearness[a] * ways[a][static_cast<std::size_t>(i)];
+  }
+  return true;
+}
+
+double IncrementalPotential::rounding_floor(Vec q) const {
+  double squares = 0.0;
+  const ConstArrayView u(q), k(diagonal_.get());
+  for (PetscInt i = 0; i < 3 * layout_.num_owned_nodes; ++i) {
+    if (!prescribed_[i]) squares += std::pow(k[i] * u[i], 2);
+  }
+  return std::numeric_limits<double>::epsilon() * std::sqrt(sum(layout_.comm, squares)) + sum_rounding_;
+}
+
+std::vector<std::string> IncrementalPotential::non_potentials() const {
+  std::vector<std::string> names;
+  for (const EnergyTerm* term : terms_) {
+    if (term->declaration().is_potential || std::ranges::find(names, term->name()) != names.end()) continue;
+    names.emplace_back(term->name());
+  }
+  return names;
+}
+
+Symmetry IncrementalPotential::symmetry() const {
+  const auto is_unsymmetric = [](const EnergyTerm* t) { return t->declaration().symmetry == Symmetry::unsymmetric; };
+  return std::ranges::any_of(terms_, is_unsymmetric) ? Symmetry::unsymmetric : Symmetry::symmetric;
+}
+
+std::vector<TermPower> IncrementalPotential::powers(Vec q, Vec v, Vec r) {
+  const auto at = evaluated_at(q);
+  constexpr std::size_t width = 6;  // exerted, dissipated, supplied, force
+  std::vector<double> mine(width * terms_.size(), 0.0);
+  check(VecZeroEntries(r));
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    const GhostedView rows(work_.get());
+    std::fill(rows.span().begin(), rows.span().end(), 0.0);
+    terms_[k]->add_gradient(stage_of(k), at, rows.span());
+    double* const of_term = &mine[width * k];
+    of_term[1] = terms_[k]->dissipation(stage_of(k), at);
+    of_term[2] = terms_[k]->supply(stage_of(k), at);
+    const ConstArrayView velocity(v);
+    const ArrayView total(r);
+    CompensatedSum<double> power;
+    std::array<CompensatedSum<double>, 3> force;
+    for (PetscInt i = 0; i < 3 * layout_.num_owned_nodes; ++i) {
+      power.add(-rows.span()[i] * velocity[i]);
+      force[static_cast<std::size_t>(i % 3)].add(-rows.span()[i]);
+      total[i] += rows.span()[i];
+    }
+    of_term[0] = power.total();
+    for (std::size_t i = 0; i < 3; ++i) of_term[3 + i] = force[i].total();
+  }
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, mine.data(), static_cast<int>(mine.size()), MPI_DOUBLE, MPI_SUM, layout_.comm));
+  std::vector<TermPower> result;
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    const double* const of_term = &mine[width * k];
+    result.push_back({of_term[0], of_term[1], of_term[2], {of_term[3], of_term[4], of_term[5]}});
+  }
+  return result;
+}
+
+std::vector<double> IncrementalPotential::energies(const Instant& instant, Vec q, Vec z) {
+  const auto at = local(q, q_);
+  std::vector<double> result;
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    std::span<const double> own;
+    if (z != nullptr) {
+      const ConstArrayView values(z);
+      own = values.span().subspan(first_internal_[k], first_internal_[k + 1] - first_internal_[k]);
+    }
+    result.push_back(terms_[k]->energy_at(instant, at, own));
+  }
+  check_mpi(
+      MPI_Allreduce(MPI_IN_PLACE, result.data(), static_cast<int>(result.size()), MPI_DOUBLE, MPI_SUM, layout_.comm));
+  LocalStage here;  // a stage that starts at q
+  here.q0 = at;
+  add_up(here, at);
+  for (const std::size_t k : functions_of_sum_) {
+    result[k] += terms_[k]->function_of_sum()->energy_of_sum(sums_[k].total());
+  }
+  return result;
+}
+
+void IncrementalPotential::visit_stresses(const Instant& at, Vec q, Vec v, Vec z,
+                                          const std::function<void(StressPart, PetscInt, const CellStress&)>& visit) {
+  BodyState state{.at = at, .q = local(q, q_)};
+  if (v != nullptr) state.v = local(v, d_);
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    const auto* term = dynamic_cast<const StressTerm*>(terms_[k]);
+    if (term == nullptr) continue;
+    state.z = {};
+    if (z != nullptr) {
+      const ConstArrayView values(z);
+      state.z = values.span().subspan(first_internal_[k], first_internal_[k + 1] - first_internal_[k]);
+    }
+    term->stresses(state, [&](PetscInt cell, const CellStress& stress) { visit(term->part(), cell, stress); });
+  }
+}
+
+double IncrementalPotential::supplied(const Instant& from, const Instant& to, Vec q) {
+  const auto is_concerned = [](const EnergyTerm* term) { return term->declaration().depends_on_time; };
+  if (std::ranges::none_of(terms_, is_concerned)) return 0.0;
+  const auto at = local(q, q_);
+  double mine = 0.0;
+  for (const EnergyTerm* term : terms_) {
+    if (is_concerned(term)) mine += term->energy_at(to, at, {}) - term->energy_at(from, at, {});
+  }
+  return sum(layout_.comm, mine);
+}
+
+Handle<Vec> IncrementalPotential::make_internal() const {
+  Handle<Vec> z;
+  const auto size = static_cast<PetscInt>(first_internal_.back());
+  if (sum(layout_.comm, static_cast<PetscInt64>(size)) == 0) return z;
+  check(VecCreateMPI(layout_.comm, size, PETSC_DECIDE, z.out()));
+  return z;
+}
+
+InternalVariables IncrementalPotential::internal_variables() {
+  InternalVariables internal;
+  internal.end_stage = [this](const StagePoint& stage, Vec q, Vec z) {
+    begin_stage(stage);
+    const auto at = local(q, q_);
+    const ArrayView values(z);
+    for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k]->end_stage(stage_of(k), at, slice(values.span(), k));
+  };
+  internal.complete_step = [this](Vec q, Vec z) {
+    const auto at = local(q, q_);
+    const ArrayView values(z);
+    for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k]->complete_step(at, slice(values.span(), k));
+  };
+  return internal;
+}
+
+}  // namespace pliant

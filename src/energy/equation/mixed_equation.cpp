@@ -1,0 +1,323 @@
+#include "energy/equation/mixed_equation.hpp"
+
+#include "petsc/array_view.hpp"
+#include "petsc/collective.hpp"
+#include "petsc/ghosted.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pliant {
+namespace {
+
+/// Where each rank's numbers start, and their total.
+std::vector<PetscInt> starts(MPI_Comm comm, PetscInt mine) {
+  int size = 1;
+  check_mpi(MPI_Comm_size(comm, &size));
+  std::vector<PetscInt> result(static_cast<std::size_t>(size) + 1, 0);
+  check_mpi(MPI_Allgather(&mine, 1, MPIU_INT, result.data() + 1, 1, MPIU_INT, comm));
+  for (std::size_t r = 1; r < result.size(); ++r) result[r] += result[r - 1];
+  return result;
+}
+
+std::size_t owner_of(const std::vector<PetscInt>& starts, PetscInt global) {
+  return static_cast<std::size_t>(std::upper_bound(starts.begin(), starts.end(), global) - starts.begin()) - 1;
+}
+
+}  // namespace
+
+MixedEquation::MixedEquation(IncrementalPotential& potential, const NodeLayout& layout, const BlockPattern& pattern,
+                             std::vector<const MixedTerm*> mixed, PressureField& pressures)
+    : potential_(potential),
+      layout_(layout),
+      pattern_(pattern),
+      mixed_(std::move(mixed)),
+      pressures_(pressures),
+      num_q_(3 * layout.num_owned_nodes),
+      num_p_(pressures.layout().num_owned),
+      first_node_(starts(layout.comm, layout.num_owned_nodes)),
+      first_pressure_(starts(layout.comm, num_p_)),
+      prescribed_(potential.prescribed().begin(), potential.prescribed().begin() + num_q_),
+      K_(potential.make_hessian()) {
+  prescribed_.resize(static_cast<std::size_t>(num_q_ + num_p_), 0);
+  for (Handle<Vec>* v : {&q_, &r_, &d_, &q0_, &v0_, &accepted_}) *v = pliant::make_vector(layout);
+  for (Handle<Vec>* v : {&work_, &last_pressures_}) *v = pliant::make_vector(pressures.layout(), layout.comm);
+
+  for (std::size_t k = 0; k < potential.num_rank_one(); ++k) rank_one_.push_back({0.0, potential.make_vector()});
+
+  double stiffness = 0.0;
+  for (const MixedTerm* term : mixed_) stiffness = std::max(stiffness, term->shear_modulus());
+  stiffness = maximum(layout.comm, stiffness);
+  const GhostedView volumes(work_.get());
+  for (const MixedTerm* term : mixed_) term->add_pressure_volumes(volumes.span());
+  double volume = 0.0;
+  for (PetscInt i = 0; i < num_p_; ++i) volume += volumes.span()[i];
+  volume = sum(layout.comm, volume);
+  scale_ = stiffness / std::cbrt(volume / static_cast<double>(layout.num_global_cells));
+  for (PetscInt i = 0; i < num_p_; ++i) {
+    pressure_diagonal_.push_back(scale_ * scale_ * volumes.span()[i] / stiffness);
+  }
+}
+
+PetscInt MixedEquation::global_displacement(PetscInt node, int component) const {
+  const PetscInt global = layout_.global_node(node);
+  return 3 * global + component + first_pressure_[owner_of(first_node_, global)];
+}
+
+PetscInt MixedEquation::global_pressure(PetscInt pressure) const {
+  const PressureLayout& p = pressures_.layout();
+  const PetscInt global = pressure < p.num_owned ? p.first_global + pressure : p.ghost_globals[pressure - p.num_owned];
+  return global + 3 * first_node_[owner_of(first_pressure_, global) + 1];
+}
+
+Handle<Vec> MixedEquation::make_vector() const {
+  Handle<Vec> x;
+  check(VecCreateMPI(layout_.comm, num_q_ + num_p_, PETSC_DECIDE, x.out()));
+  return x;
+}
+
+void MixedEquation::take_displacement(Vec x, Vec q) const {
+  const ConstArrayView from(x);
+  const ArrayView to(q);
+  std::copy_n(from.span().begin(), num_q_, to.span().begin());
+}
+
+Vec MixedEquation::displacements(Vec x) {
+  take_displacement(x, q_.get());
+  return q_.get();
+}
+
+void MixedEquation::set(Vec x) {
+  take_displacement(x, q_.get());
+  {
+    const ConstArrayView from(x);
+    const ArrayView p(pressures_.values());
+    for (PetscInt i = 0; i < num_p_; ++i) p[i] = scale_ * from[num_q_ + i];
+  }
+  update_ghosts(pressures_.values());
+}
+
+void MixedEquation::join(Vec q, Vec x) const {
+  const ConstArrayView from(q), p(pressures_.values());
+  const ArrayView to(x);
+  std::copy_n(from.span().begin(), num_q_, to.span().begin());
+  for (PetscInt i = 0; i < num_p_; ++i) to[num_q_ + i] = p[i] / scale_;
+}
+
+StageReport MixedEquation::solve(const StagePoint& stage, Vec q, const StageSolve& solve) {
+  check(VecCopy(pressures_.values(), last_pressures_.get()));
+  const Handle<Vec> x = make_vector(), x0 = make_vector(), v0 = make_vector(), accepted = make_vector();
+  join(q, x.get());
+  join(stage.q0, x0.get());
+  join(stage.v0, v0.get());
+  if (stage.accepted != nullptr) join(stage.accepted, accepted.get());
+  {
+    const ArrayView rate(v0.get());
+    std::fill(rate.span().begin() + num_q_, rate.span().end(), 0.0);
+  }
+  StagePoint whole = stage;
+  whole.q0 = x0.get();
+  whole.v0 = v0.get();
+  if (stage.accepted != nullptr) whole.accepted = accepted.get();
+  StageReport report = solve(whole, x.get());
+  if (report.outcome == StageOutcome::converged) {
+    set(x.get());
+    take_displacement(x.get(), q);
+  } else {
+    check(VecCopy(last_pressures_.get(), pressures_.values()));
+    update_ghosts(pressures_.values());
+  }
+  return report;
+}
+
+void MixedEquation::keep(Archive& archive) {
+  archive.vector("pressures", Entries::pressures, pressures_.values());
+  update_ghosts(pressures_.values());
+}
+
+void MixedEquation::begin_stage(const StagePoint& stage) {
+  take_displacement(stage.q0, q0_.get());
+  take_displacement(stage.v0, v0_.get());
+  StagePoint part = stage;
+  part.q0 = q0_.get();
+  part.v0 = v0_.get();
+  if (stage.accepted != nullptr) {
+    take_displacement(stage.accepted, accepted_.get());
+    part.accepted = accepted_.get();
+  }
+  potential_.begin_stage(part);
+}
+
+void MixedEquation::freeze(Vec x) {
+  take_displacement(x, q_.get());
+  potential_.freeze(q_.get());
+}
+
+bool MixedEquation::refreeze(Vec x) {
+  take_displacement(x, q_.get());
+  return potential_.refreeze(q_.get());
+}
+
+double MixedEquation::value(Vec x) {
+  set(x);
+  return potential_.value(q_.get());
+}
+
+void MixedEquation::gradient(Vec x, Vec r) {
+  set(x);
+  potential_.gradient(q_.get(), r_.get());
+  update_ghosts(q_.get());
+  const ConstGhostedView q(q_.get());
+  const GhostedView rows(work_.get());
+  std::fill(rows.span().begin(), rows.span().end(), 0.0);
+  for (const MixedTerm* term : mixed_) term->add_pressure_gradient(q.span(), rows.span());
+  const ConstArrayView from(r_.get());
+  const ArrayView to(r);
+  std::copy_n(from.span().begin(), num_q_, to.span().begin());
+  for (PetscInt i = 0; i < num_p_; ++i) to[num_q_ + i] = scale_ * rows.span()[i];
+}
+
+template <class Visit>
+void MixedEquation::for_each_coupling(std::span<const double> q, const Visit& visit) const {
+  for (const MixedTerm* term : mixed_) {
+    term->couple(q, [&](const PressureCoupling& cells) {
+      for (int lane = 0; lane < cells.num_lanes; ++lane) {
+        for (int b = 0; b < 4; ++b) {
+          const PetscInt p = cells.pressures[b][lane];
+          const PetscInt global_p = global_pressure(p);
+          for (int a = 0; a < 10; ++a) {
+            const PetscInt node = cells.nodes[a][lane];
+            for (int i = 0; i < 3; ++i) {
+              const PetscInt global_q = global_displacement(node, i);
+              const double entry = is_prescribed(node, i) ? 0.0 : scale_ * cells.B[3 * a + i][b][lane];
+              if (node < layout_.num_owned_nodes) visit(global_q, global_p, entry);
+              if (p < num_p_) visit(global_p, global_q, entry);
+            }
+          }
+          for (int c = 0; c < 4; ++c) {
+            if (p < num_p_) {
+              visit(global_p, global_pressure(cells.pressures[c][lane]), -scale_ * scale_ * cells.C[b][c][lane]);
+            }
+          }
+        }
+      }
+    });
+  }
+}
+
+Handle<Mat> MixedEquation::make_hessian() const {
+  // The rows of K as its two parts hold them, then what couples the pressures.
+  std::vector<PetscInt> rows, columns;
+  for (const auto* part : {&pattern_.diagonal(), &pattern_.off_diagonal()}) {
+    for (PetscInt n = 0; n < layout_.num_owned_nodes; ++n) {
+      for (int i = 0; i < 3; ++i) {
+        for (PetscInt k = part->offsets[n]; k < part->offsets[n + 1]; ++k) {
+          for (int j = 0; j < 3; ++j) {
+            rows.push_back(global_displacement(n, i));
+            columns.push_back(global_displacement(part->nodes[k], j));
+          }
+        }
+      }
+    }
+  }
+  const std::vector<double> rest(3 * static_cast<std::size_t>(layout_.num_local_nodes), 0.0);
+  for_each_coupling(rest, [&](PetscInt row, PetscInt column, double) {
+    rows.push_back(row);
+    columns.push_back(column);
+  });
+  const std::size_t num_entries = rows.size();
+  Handle<Mat> A;
+  check(MatCreate(layout_.comm, A.out()));
+  check(MatSetSizes(A.get(), num_q_ + num_p_, num_q_ + num_p_, PETSC_DETERMINE, PETSC_DETERMINE));
+  check(MatSetType(A.get(), MATMPIAIJ));
+  check(MatSetPreallocationCOO(A.get(), static_cast<PetscCount>(num_entries), rows.data(), columns.data()));
+  const std::vector<double> zeros(num_entries, 0.0);
+  check(MatSetValuesCOO(A.get(), zeros.data(), INSERT_VALUES));
+  const PetscBool is_symmetric = symmetry() == Symmetry::unsymmetric ? PETSC_FALSE : PETSC_TRUE;
+  check(MatSetOption(A.get(), MAT_SYMMETRIC, is_symmetric));
+  check(MatSetOption(A.get(), MAT_SYMMETRY_ETERNAL, is_symmetric));
+  return A;
+}
+
+void MixedEquation::hessian(Vec x, Mat A, Projection projection) {
+  set(x);
+  potential_.hessian(q_.get(), K_.get(), projection);
+  update_ghosts(q_.get());
+  values_.clear();
+  Mat diagonal = nullptr, off_diagonal = nullptr;
+  check(MatMPIAIJGetSeqAIJ(K_.get(), &diagonal, &off_diagonal, nullptr));
+  for (const auto& [part, blocks] :
+       {std::pair{diagonal, &pattern_.diagonal()}, {off_diagonal, &pattern_.off_diagonal()}}) {
+    const PetscScalar* entries = nullptr;
+    check(MatSeqAIJGetArrayRead(part, &entries));
+    values_.insert(values_.end(), entries, entries + 9 * blocks->nodes.size());
+    check(MatSeqAIJRestoreArrayRead(part, &entries));
+  }
+  const ConstGhostedView q(q_.get());
+  for_each_coupling(q.span(), [&](PetscInt, PetscInt, double value) { values_.push_back(value); });
+  check(MatSetValuesCOO(A, values_.data(), INSERT_VALUES));
+}
+
+void MixedEquation::rank_one_parts(Vec x, std::vector<RankOne>& parts) {
+  take_displacement(x, q_.get());
+  potential_.rank_one_parts(q_.get(), rank_one_);
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    parts[k].c = rank_one_[k].c;
+    const ConstArrayView from(rank_one_[k].g.get());
+    const ArrayView to(parts[k].g.get());
+    std::copy_n(from.span().begin(), num_q_, to.span().begin());
+  }
+}
+
+double MixedEquation::max_step(Vec x, Vec d) {
+  take_displacement(x, q_.get());
+  take_displacement(d, d_.get());
+  return potential_.max_step(q_.get(), d_.get());
+}
+
+double MixedEquation::max_way(Vec x, Vec d) {
+  take_displacement(x, q_.get());
+  take_displacement(d, d_.get());
+  return potential_.max_way(q_.get(), d_.get());
+}
+
+bool MixedEquation::move_rigidly(Vec x) {
+  if (!potential_.move_rigidly(q_.get())) return false;
+  join(q_.get(), x);
+  return true;
+}
+
+double MixedEquation::force_scale(Vec x) {
+  set(x);
+  return potential_.force_scale(q_.get());
+}
+
+double MixedEquation::rounding_floor(Vec x) const {
+  take_displacement(x, d_.get());
+  const double of_q = potential_.rounding_floor(d_.get());
+  const ConstArrayView values(x);
+  double squares = 0.0;
+  for (PetscInt i = 0; i < num_p_; ++i) {
+    squares += std::pow(pressure_diagonal_[static_cast<std::size_t>(i)] * values[num_q_ + i], 2);
+  }
+  return std::hypot(of_q, std::numeric_limits<double>::epsilon() * std::sqrt(sum(layout_.comm, squares)));
+}
+
+void MixedEquation::size_of_diagonal(Mat A, Vec D) const {
+  check(MatGetDiagonal(A, D));
+  const ArrayView diagonal(D);
+  for (PetscInt i = 0; i < num_p_; ++i) {
+    diagonal[num_q_ + i] = std::max(-diagonal[num_q_ + i], pressure_diagonal_[static_cast<std::size_t>(i)]);
+  }
+}
+
+std::vector<std::string> MixedEquation::non_potentials() const {
+  return potential_.non_potentials();
+}
+
+Symmetry MixedEquation::symmetry() const {
+  return potential_.symmetry() == Symmetry::unsymmetric ? Symmetry::unsymmetric : Symmetry::indefinite;
+}
+
+}  // namespace pliant

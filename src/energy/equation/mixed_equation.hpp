@@ -1,0 +1,93 @@
+/// The equation of a stage with pressures: displacements and pressures as unknowns of one saddle point.
+///
+/// Unknowns x = (q, y), per rank the owned displacements, then the owned pressures p = s y, where s [Pa/m] is the
+/// stiffness against shear over the size of a cell: y and its equations have then the units and the size of q and of
+/// its forces. With Pi the stage's potential (energy/mixed.hpp)
+///
+///     r = (dPi/dq, s dPi/dp),   matrix [K, s B; s B^T, -s^2 C],   K = d2Pi/dq2
+///
+/// The matrix of a stable state has one negative eigenvalue for each pressure, no more.
+#pragma once
+
+#include "energy/equation/incremental_potential.hpp"
+#include "energy/volume/mixed.hpp"
+#include "petsc/archive.hpp"
+
+#include <span>
+#include <vector>
+
+namespace pliant {
+
+class MixedEquation final : public StageEquation {
+ public:
+  /// `potential` is the sum of all terms, of which `mixed` are those with pressures, of `pressures`. The references
+  /// outlive the object. Collective.
+  MixedEquation(IncrementalPotential& potential, const NodeLayout& layout, const BlockPattern& pattern,
+                std::vector<const MixedTerm*> mixed, PressureField& pressures);
+
+  /// Solves the stage for q as a StageSolve does, with `solve` for stages in x; the guess of the pressures are those of
+  /// the last solution. Leaves the solution's pressures in the field, or where there is none, the last one's.
+  /// Collective.
+  StageReport solve(const StagePoint& stage, Vec q, const StageSolve& solve);
+
+  const PressureLayout& pressure_layout() const { return pressures_.layout(); }
+  /// The pressures, from which the next solve starts. Collective.
+  void keep(Archive& archive);
+
+  /// In x.
+  void begin_stage(const StagePoint& stage) override;
+  void freeze(Vec x) override;
+  bool refreeze(Vec x) override;
+  double value(Vec x) override;
+  void gradient(Vec x, Vec r) override;
+  Vec displacements(Vec x) override;
+  Handle<Mat> make_hessian() const override;
+  void hessian(Vec x, Mat A, Projection projection) override;
+  std::size_t num_rank_one() const override { return potential_.num_rank_one(); }
+  void rank_one_parts(Vec x, std::vector<RankOne>& parts) override;
+  bool is_static() const override { return potential_.is_static(); }
+  bool move_rigidly(Vec x) override;
+  double max_step(Vec x, Vec d) override;
+  double max_way(Vec x, Vec d) override;
+  double force_scale(Vec x) override;
+  double inertia_scale() override { return potential_.inertia_scale(); }
+  double rounding_floor(Vec x) const override;
+  void size_of_diagonal(Mat A, Vec D) const override;
+  std::vector<std::string> non_potentials() const override;
+  Symmetry symmetry() const override;
+  PetscInt num_negative_pivots() const override { return pressures_.layout().num_global; }
+  const std::vector<char>& prescribed() const override { return prescribed_; }
+  PetscInt num_unknowns() const override { return potential_.num_unknowns() + pressures_.layout().num_global; }
+  MPI_Comm comm() const override { return layout_.comm; }
+  Handle<Vec> make_vector() const override;
+
+ private:
+  /// Places in x, global, of a local displacement and of a local pressure.
+  PetscInt global_displacement(PetscInt node, int component) const;
+  PetscInt global_pressure(PetscInt pressure) const;
+  bool is_prescribed(PetscInt node, int component) const { return potential_.prescribed()[3 * node + component] != 0; }
+  /// Calls `visit(row, column, value)` for the entries that couple pressures, always in the same order.
+  template <class Visit>
+  void for_each_coupling(std::span<const double> q, const Visit& visit) const;
+  /// Copies x to q and to the field.
+  void set(Vec x);
+  void join(Vec q, Vec x) const;
+  void take_displacement(Vec x, Vec q) const;
+
+  IncrementalPotential& potential_;
+  const NodeLayout& layout_;
+  const BlockPattern& pattern_;
+  std::vector<const MixedTerm*> mixed_;
+  PressureField& pressures_;
+  PetscInt num_q_, num_p_;                             // owned
+  std::vector<PetscInt> first_node_, first_pressure_;  // of each rank, and their totals
+  double scale_ = 1.0;                                 // s [Pa/m]
+  std::vector<char> prescribed_;
+  std::vector<double> pressure_diagonal_;  // s^2 int N dX / mu of owned pressures: their size in the matrix
+  Handle<Mat> K_;
+  std::vector<RankOne> rank_one_;  // of the potential
+  Handle<Vec> q_, r_, d_, q0_, v0_, accepted_, work_, last_pressures_;
+  std::vector<double> values_;  // of the matrix's entries, in the order of its coordinates
+};
+
+}  // namespace pliant

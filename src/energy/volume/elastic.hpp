@@ -1,0 +1,46 @@
+/// Strain energy of a body: U = int psi(grad u) dX.
+#pragma once
+
+#include "energy/stress.hpp"
+#include "energy/volume/activation.hpp"
+#include "fem/cells.hpp"
+#include "material/law_field.hpp"
+
+#include <functional>
+#include <memory>
+#include <variant>
+
+namespace pliant {
+
+/// The elastic term of one body; its stresses are those at the centroids.
+class ElasticTerm : public StressTerm {
+ public:
+  StressPart part() const final { return StressPart::elastic; }
+};
+
+/// `groups` holds all bodies' cells and outlives the term; those of `body` are the term's. The packs of `law` are the
+/// body's quadrature points (CellPoint::index). `shortening`, if given, is the active strain of its fibres.
+template <int Order>
+std::unique_ptr<ElasticTerm> make_elastic_term(std::shared_ptr<const LawField> law, const CellGroups<Order>& groups,
+                                               int body, PetscInt num_owned_nodes,
+                                               std::shared_ptr<const Activation> shortening = nullptr);
+
+/// The same of a uniform body.
+template <int Order>
+std::unique_ptr<ElasticTerm> make_elastic_term(const ElasticLawSpec& law, const CellGroups<Order>& groups, int body,
+                                               PetscInt num_owned_nodes) {
+  return make_elastic_term<Order>(make_law_field(law), groups, body, num_owned_nodes);
+}
+
+/// The laws of a body whose parameters differ from place to place: `at(local cell, reference position)`, all of the
+/// kind of `common`.
+template <int Order>
+std::unique_ptr<LawField> make_varying_law(
+    const ElasticLawSpec& common, const NodeLayout& layout, const CellGroups<Order>& groups, int body,
+    const std::function<ElasticLawSpec(PetscInt, const std::array<double, 3>&)>& at);
+
+/// Degree of the quadrature rule for a law on elements of the order: exact on affine cells if psi is a polynomial of H,
+/// else one point per linear and four per quadratic tetrahedron.
+int elastic_quadrature_degree(const LawTraits& law, int order);
+
+}  // namespace pliant

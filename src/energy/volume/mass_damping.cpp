@@ -1,0 +1,32 @@
+#include "energy/volume/mass_damping.hpp"
+
+namespace pliant {
+namespace {
+
+std::vector<double> velocity(const LocalStage& stage, std::span<const double> q) {
+  std::vector<double> v(q.size());
+  for (std::size_t i = 0; i < v.size(); ++i) v[i] = (q[i] - stage.q0[i]) / stage.dt;
+  return v;
+}
+
+}  // namespace
+
+double MassDamping::value(const LocalStage& stage, std::span<const double> q) const {
+  return 0.5 * stage.dt * dissipation(stage, q);
+}
+
+void MassDamping::add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const {
+  matrix_.add_times(velocity(stage, q), r);
+}
+
+void MassDamping::add_hessian(const LocalStage& stage, std::span<const double>, const BlockWriter& K,
+                              Projection) const {
+  matrix_.add_to(1.0 / stage.dt, K);
+}
+
+double MassDamping::dissipation(const LocalStage& stage, std::span<const double> q) const {
+  const std::vector<double> v = velocity(stage, q);
+  return matrix_.product(v, v);
+}
+
+}  // namespace pliant

@@ -1,0 +1,288 @@
+#include "energy/volume/mean_dilatation.hpp"
+
+#include "base/limits.hpp"
+#include "energy/volume/elastic_cells.hpp"
+#include "material/dilatation.hpp"
+#include "material/projection.hpp"
+
+#include <vector>
+
+namespace pliant {
+namespace {
+
+constexpr int order = 2;
+constexpr int num_nodes = CellGroup<order>::num_nodes;
+using Batch = CellBatch<order>;
+using Point = CellPoint<order>;
+using Nodes = NodeValues<num_nodes>;
+using Mask = Pack::mask_type;
+
+/// det(F + dF) - det F, to the digits of the change.
+Pack change_of_det(const Tensor3<Pack>& F, const Tensor3<Pack>& dF) {
+  return dot(cofactor(F), dF) + (dot(F, cofactor(dF)) + det(dF));
+}
+
+/// The cells of a batch under a displacement: its points, and what they have in common.
+class BatchState {
+ public:
+  void set(const Batch& batch, const Nodes& u) {
+    const int n = batch.group.rule.size();
+    weights_.clear();
+    points_.clear();
+    volume_ = 0.0;
+    valid_ = Mask(true);
+    std::vector<Tensor3<Pack>>& H = gradients_;
+    H.clear();
+    Pack theta_change = 0.0;
+    for (int k = 0; k < n; ++k) {
+      const Point point{batch, k};
+      weights_.push_back(point.weight());
+      H.push_back(point.gradient(u));
+      const Pack j = volume_change(H.back());
+      valid_ = valid_ && j > -1.0;
+      volume_ += weights_.back();
+      theta_change += weights_.back() * j;
+    }
+    share_ = 1.0 / select(volume_ > 0.0, volume_, Pack(1.0));
+    // Cells turned inside out are taken to be at rest: their results are replaced.
+    theta_change_ = select(valid_, theta_change * share_, Pack(0.0));
+    for (const auto& at : H) points_.push_back(at_gradient(at));
+  }
+
+  /// A point of these cells, wherever it lies.
+  Dilated<Pack> at_gradient(Tensor3<Pack> H) const {
+    for (Pack& h : H.a) h = select(valid_, h, Pack(0.0));
+    return dilated(H, volume_change(H), theta_change_);
+  }
+
+  std::size_t size() const { return points_.size(); }
+  const Dilated<Pack>& point(std::size_t k) const { return points_[k]; }
+  const Tensor3<Pack>& gradient(std::size_t k) const { return gradients_[k]; }
+  const Pack& weight(std::size_t k) const { return weights_[k]; }
+  /// Lanes where J > 0 at all points.
+  const Mask& valid() const { return valid_; }
+  const Pack& theta_change() const { return theta_change_; }
+  Pack mean(const Pack& integral) const { return integral * share_; }
+
+ private:
+  std::vector<Dilated<Pack>> points_;
+  std::vector<Tensor3<Pack>> gradients_;
+  std::vector<Pack> weights_;
+  Pack volume_, share_, theta_change_;
+  Mask valid_;
+};
+
+/// f_a += S . dN_a, S as pulled back.
+void add_force(const Tensor3<Pack>& S, const CellGroup<order>::ShapeGradients& dN, Nodes& f) {
+  for (int a = 0; a < num_nodes; ++a) {
+    for (int i = 0; i < 3; ++i) f[a][i] += S(i, 0) * dN[a][0] + S(i, 1) * dN[a][1] + S(i, 2) * dN[a][2];
+  }
+}
+
+/// The quadratic form (dF, dtheta) of a point made positive semidefinite, both parts together.
+void project(DilatedTangent<Pack>& at) {
+  std::array<Pack, 100> M;
+  for (std::size_t p = 0; p < 9; ++p) {
+    for (std::size_t q = 0; q < 9; ++q) M[10 * p + q] = at.FF[9 * p + q];
+    M[10 * p + 9] = M[90 + p] = at.coupling.a[p];
+  }
+  M[99] = at.thetatheta;
+  project_to_positive_semidefinite(M);
+  for (std::size_t p = 0; p < 9; ++p) {
+    for (std::size_t q = 0; q < 9; ++q) at.FF[9 * p + q] = M[10 * p + q];
+    at.coupling.a[p] = M[10 * p + 9];
+  }
+  at.thetatheta = M[99];
+}
+
+class MeanDilatationTerm final : public ElasticTerm {
+ public:
+  MeanDilatationTerm(std::shared_ptr<const LawField> law, const CellGroups<order>& groups, int body,
+                     PetscInt num_owned_nodes)
+      : law_(std::move(law)), cells_(groups, body, num_owned_nodes), num_owned_nodes_(num_owned_nodes) {}
+
+  std::string_view name() const override { return "elastic"; }
+  TermDeclaration declaration() const override { return {}; }
+
+  double value(const LocalStage& stage, std::span<const double> q) const override {
+    BatchState start;
+    std::vector<Tensor3<Pack>> dF;
+    std::vector<Pack> dJ;
+    return sum_over_cells([&](const Batch& batch) {
+      start.set(batch, batch.values(stage.reference()));
+      const Nodes du = batch.change(q, stage.reference());
+      dF.clear();
+      dJ.clear();
+      Mask valid = start.valid();
+      Pack dtheta = 0.0;
+      for (std::size_t k = 0; k < start.size(); ++k) {
+        dF.push_back(Point{batch, static_cast<int>(k)}.gradient(du));
+        dJ.push_back(change_of_det(start.point(k).F, dF.back()));
+        valid = valid && start.point(k).J + dJ.back() > 0.0;
+        dtheta += start.weight(k) * dJ.back();
+      }
+      dtheta = start.mean(dtheta);
+      Pack energy = 0.0;
+      for (std::size_t k = 0; k < start.size(); ++k) {
+        for (Pack& h : dF[k].a) h = select(valid, h, Pack(0.0));
+        const Tensor3<Pack> change =
+            dilated_change(start.point(k), dF[k], select(valid, dJ[k], Pack(0.0)), select(valid, dtheta, Pack(0.0)));
+        energy += start.weight(k) * law_->psi_change(index(batch, k), start.point(k).H, change);
+      }
+      return select(valid, energy, Pack(infinity));
+    });
+  }
+
+  double energy(std::span<const double> q, std::span<const double> /*z*/) const override {
+    BatchState at;
+    return sum_over_cells([&](const Batch& batch) {
+      at.set(batch, batch.values(q));
+      Pack energy = 0.0;
+      for (std::size_t k = 0; k < at.size(); ++k) energy += at.weight(k) * law_->psi(index(batch, k), at.point(k).H);
+      return select(at.valid(), energy, Pack(infinity));
+    });
+  }
+
+  void add_gradient(const LocalStage&, std::span<const double> q, std::span<double> r) const override {
+    BatchState at;
+    std::vector<DilatedStress<Pack>> stress;
+    cells_.for_each_batch([&](const Batch& batch) {
+      at.set(batch, batch.values(q));
+      stress.clear();
+      const Pack p = pressure(batch, at, stress);
+      Nodes f{};
+      for (std::size_t k = 0; k < at.size(); ++k) {
+        const Point point{batch, static_cast<int>(k)};
+        const Tensor3<Pack> P = stress[k].distortion + Pack(p * at.point(k).J) * at.point(k).G;
+        add_force(at.weight(k) * pulled_back(P, point.inverse_jacobian()), point.shape_gradients(), f);
+      }
+      for (auto& node : f) {
+        for (Pack& component : node) component = select(at.valid(), component, Pack(nan));
+      }
+      scatter_add<order>(batch.batch(), f, r.data());
+    });
+  }
+
+  void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
+                   Projection projection) const override {
+    BatchState at;
+    std::vector<DilatedStress<Pack>> stress;
+    CellMatrix<num_nodes> matrix;
+    std::vector<LinearMatrix> points;
+    Tangent<Pack> Ab;
+    cells_.for_each_batch([&](const Batch& batch) {
+      at.set(batch, batch.values(q));
+      stress.clear();
+      Pack p = pressure(batch, at, stress);
+      if (!stage.previous.empty()) p += pressure_error(batch, q, stage.previous, p);
+      points.resize(at.size());
+      Nodes g{}, h{};
+      Pack k_theta = 0.0;
+      for (std::size_t k = 0; k < at.size(); ++k) {
+        const Point point{batch, static_cast<int>(k)};
+        const auto& X = point.inverse_jacobian();
+        const auto& dN = point.shape_gradients();
+        const Pack& w = at.weight(k);
+        law_->tangent(index(batch, k), at.point(k).H, Ab);
+        DilatedTangent<Pack> tangent(at.point(k), law_->P(index(batch, k), at.point(k).H), Ab, p);
+        if (projection == Projection::positive_semidefinite) project(tangent);
+        for (Pack& entry : tangent.FF) entry = select(at.valid(), entry, Pack(nan));
+        set_linear_matrix(tangent.FF, X, w, points[k]);
+        add_force(w * pulled_back(tangent.coupling, X), dN, h);
+        add_force(at.mean(w * at.point(k).J) * pulled_back(at.point(k).G, X), dN, g);
+        k_theta += w * tangent.thetatheta;
+      }
+      set_cell_matrix<order>(batch.group, points, matrix);
+      for (int b = 0; b < num_nodes; ++b) {
+        for (int a = 0; a <= b; ++a) {
+          Tensor3<Pack>& block = matrix.block(a, b);
+          for (int i = 0; i < 3; ++i) {
+            for (int j = 0; j < 3; ++j) {
+              block(i, j) += h[a][i] * g[b][j] + g[a][i] * (h[b][j] + k_theta * g[b][j]);
+            }
+          }
+        }
+      }
+      scatter_add(batch.group, batch.number, num_owned_nodes_, matrix, K);
+    });
+  }
+
+  double max_step(const LocalStage& /*stage*/, std::span<const double> q, std::span<const double> d) const override {
+    return step_to_inversion(cells_, q, d);
+  }
+
+  void stresses(const BodyState& state, const StressVisitor& visit) const override {
+    BatchState at;
+    std::vector<DilatedStress<Pack>> stress;
+    cells_.for_each_batch([&](const Batch& batch) {
+      const Nodes u = batch.values(state.q);
+      at.set(batch, u);
+      stress.clear();
+      const Pack p = pressure(batch, at, stress);
+      const Tensor3<Pack> H = centroid_gradient(batch, u);
+      const Dilated<Pack> centre = at.at_gradient(H);
+      const DilatedStress<Pack> there(centre, law_->P(index(batch, 0), centre.H));
+      visit_stresses(batch,
+                     {H, there.distortion + Pack(p * centre.J) * centre.G, 1.0 + at.theta_change(),
+                      law_->psi(index(batch, 0), centre.H)},
+                     visit);
+    });
+  }
+
+ private:
+  static std::size_t index(const Batch& batch, std::size_t k) { return Point{batch, static_cast<int>(k)}.index(); }
+
+  /// The pressure of the cells, and the stresses of their points on the way.
+  Pack pressure(const Batch& batch, const BatchState& at, std::vector<DilatedStress<Pack>>& stress) const {
+    Pack integral = 0.0;
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      stress.emplace_back(at.point(k), law_->P(index(batch, k), at.point(k).H));
+      integral += at.weight(k) * stress.back().pressure;
+    }
+    return at.mean(integral);
+  }
+
+  /// What is missing from the pressure at q to the one extrapolated from `previous` (extrapolation_error).
+  Pack pressure_error(const Batch& batch, std::span<const double> q, std::span<const double> previous,
+                      const Pack& p) const {
+    constexpr double part = 1e-3;
+    BatchState at;
+    std::vector<DilatedStress<Pack>> stress;
+    const Nodes u = batch.values(previous), du = batch.change(q, previous);
+    const auto at_part = [&](double way) {
+      Nodes there = u;
+      for (std::size_t a = 0; a < there.size(); ++a) {
+        for (int i = 0; i < 3; ++i) there[a][i] += way * du[a][i];
+      }
+      at.set(batch, there);
+      stress.clear();
+      return select(at.valid(), pressure(batch, at, stress), Pack(nan));
+    };
+    const Pack extrapolated = at_part(0.0) + (0.5 / part) * (at_part(part) - at_part(-part));
+    const Pack error = extrapolated - p;
+    return select(std::experimental::isfinite(error), error, Pack(0.0));
+  }
+
+  /// Compensated sum over the owned cells of `energy_of(batch)`; +inf if one is not a number.
+  template <class EnergyOf>
+  double sum_over_cells(const EnergyOf& energy_of) const {
+    CompensatedSum<Pack> total;
+    cells_.for_each_batch(
+        [&](const Batch& batch) { total.add(select(batch.batch().owned > 0.0, energy_of(batch), Pack(0.0))); });
+    const double result = sum(total.total());
+    return std::isnan(result) ? infinity : result;
+  }
+
+  std::shared_ptr<const LawField> law_;
+  BodyCells<order> cells_;
+  PetscInt num_owned_nodes_;
+};
+
+}  // namespace
+
+std::unique_ptr<ElasticTerm> make_mean_dilatation_term(std::shared_ptr<const LawField> law, const CellGroups<2>& groups,
+                                                       int body, PetscInt num_owned_nodes) {
+  return std::make_unique<MeanDilatationTerm>(std::move(law), groups, body, num_owned_nodes);
+}
+
+}  // namespace pliant

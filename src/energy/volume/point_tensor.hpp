@@ -1,0 +1,53 @@
+/// Symmetric tensors at the quadrature points of a body, among the internal variables of a term: xx yy zz xy yz xz,
+/// cell by cell in the order of the groups, ghost cells included.
+#pragma once
+
+#include "energy/term.hpp"
+#include "energy/volume/body_cells.hpp"
+
+namespace pliant {
+
+inline constexpr int num_symmetric = 6;
+inline constexpr std::array<int, num_symmetric> symmetric_rows{0, 1, 2, 0, 1, 0}, symmetric_columns{0, 1, 2, 1, 2, 2};
+
+template <int Order>
+std::size_t first_component(const CellPoint<Order>& point, int lane) {
+  return num_symmetric * (point.in.cell(lane) * point.in.group.rule.size() + point.number);
+}
+
+/// The places of the tensors of all points, the `number`-th that the term has there.
+template <int Order>
+void place_symmetric(const BodyCells<Order>& cells, int number, std::span<InternalPlace> places) {
+  cells.for_each_batch([&](const CellBatch<Order>& batch) {
+    for (int k = 0; k < batch.group.rule.size(); ++k) {
+      const CellPoint<Order> point{batch, k};
+      for (int lane = 0; lane < batch.batch().num_lanes; ++lane) {
+        places[first_component(point, lane) / num_symmetric] = {batch.local_cell(lane), batch.group.rule.points[k],
+                                                                number};
+      }
+    }
+  });
+}
+
+template <int Order>
+PLIANT_INLINE Tensor3<Pack> load_symmetric(const CellPoint<Order>& point, std::span<const double> z) {
+  Tensor3<Pack> G;
+  for (int lane = 0; lane < pack_size; ++lane) {
+    const double* p = z.data() + first_component(point, lane);
+    for (int k = 0; k < num_symmetric; ++k) {
+      G(symmetric_rows[k], symmetric_columns[k])[lane] = p[k];
+      G(symmetric_columns[k], symmetric_rows[k])[lane] = p[k];
+    }
+  }
+  return G;
+}
+
+template <int Order>
+PLIANT_INLINE void store_symmetric(const CellPoint<Order>& point, const Tensor3<Pack>& G, std::span<double> z) {
+  for (int lane = 0; lane < point.in.batch().num_lanes; ++lane) {
+    double* p = z.data() + first_component(point, lane);
+    for (int k = 0; k < num_symmetric; ++k) p[k] = G(symmetric_rows[k], symmetric_columns[k])[lane];
+  }
+}
+
+}  // namespace pliant

@@ -1,0 +1,259 @@
+#include "energy/volume/viscous.hpp"
+
+#include "energy/volume/cell_stresses.hpp"
+#include "energy/volume/point_tensor.hpp"
+#include "material/kinematics.hpp"
+#include "material/projection.hpp"
+#include "material/saint_venant_kirchhoff.hpp"
+
+#include <cassert>
+
+namespace pliant {
+namespace {
+
+struct Dashpot {
+  std::string_view name;                           ///< of the law
+  std::vector<IsotropicTensor<Pack>> viscosities;  ///< eta [Pa s] of each pack of points, or one of all
+  double relaxation_time;                          ///< tau [s]
+
+  const IsotropicTensor<Pack>& viscosity(std::size_t n) const { return viscosities[viscosities.size() > 1 ? n : 0]; }
+  /// eta / (tau + dt) [Pa].
+  PLIANT_INLINE IsotropicTensor<Pack> stiffness(std::size_t n, double dt) const {
+    return 1.0 / (relaxation_time + dt) * viscosity(n);
+  }
+};
+
+/// C0 of an isotropic elastic law at its n-th pack of points [Pa].
+IsotropicTensor<Pack> tangent_at_rest(const LawField& elastic, std::size_t n) {
+  Tangent<Pack> A;
+  elastic.tangent(n, Tensor3<Pack>{}, A);
+  const Pack mu = A[9 * 1 + 1], lambda = A[9 * 0 + 4];  // A_1212, A_1122
+  return {mu, lambda + 2.0 / 3.0 * mu};
+}
+
+/// What the strain E of the stage is compared with.
+enum class Reference {
+  start,     ///< E(q0)
+  internal,  ///< G0
+  rate       ///< none: sym(F^T (F - F0)) takes the place of the difference
+};
+
+template <int Order, Reference reference>
+class ViscousTerm final : public StressTerm {
+  using Batch = CellBatch<Order>;
+  using Point = CellPoint<Order>;
+
+ public:
+  ViscousTerm(Dashpot dashpot, BodyCells<Order> cells) : dashpot_(std::move(dashpot)), cells_(std::move(cells)) {}
+
+  std::string_view name() const override { return dashpot_.name; }
+  TermDeclaration declaration() const override {
+    return {.is_potential = (reference != Reference::rate), .dissipates = true};
+  }
+
+  /// 1/2 D:C:D - 1/2 D0:C:D0 = (D - D0):C:(D + D0)/2 with D0 = D at q0.
+  double value(const LocalStage& stage, std::span<const double> q) const override {
+    if constexpr (reference == Reference::rate) return 0.0;
+    return integrate(stage, q, [&](const Increment& d) {
+      return dot(d.D_change, dashpot_.stiffness(d.n, stage.dt)(d.D - 0.5 * d.D_change));
+    });
+  }
+
+  void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override {
+    const auto stress_of = [&](const Batch& batch) {
+      return [this, dt = stage.dt, increment = increments(stage, q, batch)](const Point& point) {
+        const Increment d = increment(point);
+        return matmul(d.F, dashpot_.stiffness(d.n, dt)(d.D));  // P = F S
+      };
+    };
+    cells_.add_forces(stress_of, r);
+  }
+
+  /// dP = dF S + F C:sym(F^T dF) is Saint Venant-Kirchhoff's. The rate's is dF S + F C:sym((F + dF0)^T dF), dF0 = F -
+  /// F0, without symmetry; with F + dF0/2 on both sides of C it is symmetric and differs in the first order of dF0 by a
+  /// skew part alone.
+  void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
+                   Projection projection) const override {
+    const auto tangent_of = [&](const Batch& batch) {
+      return [this, dt = stage.dt, projection, increment = increments(stage, q, batch)](const Point& point) {
+        const Increment d = increment(point);
+        const IsotropicTensor<Pack> C = dashpot_.stiffness(d.n, dt);
+        Tensor3<Pack> S = C(d.D), F = d.F;
+        if constexpr (reference == Reference::rate) F = F + 0.5 * d.F_change;
+        // The part F C F is semidefinite as it stands.
+        if (projection == Projection::positive_semidefinite) project_to_positive_semidefinite(S);
+        return SaintVenantKirchhoff<Pack>::Linearization<Pack>{C.shear, C.lambda(), F, S, {}}.tangent();
+      };
+    };
+    cells_.add_stiffness(tangent_of, K);
+  }
+
+  std::size_t num_internal() const override {
+    return reference == Reference::internal ? num_symmetric * cells_.num_points() : 0;
+  }
+
+  void place_internal(std::span<InternalPlace> places) const override {
+    if (reference == Reference::internal) place_symmetric(cells_, 0, places);
+  }
+
+  void end_stage(const LocalStage& stage, std::span<const double> q, std::span<double> z) const override {
+    if constexpr (reference == Reference::internal) {
+      const double share = stage.dt / (dashpot_.relaxation_time + stage.dt);
+      cells_.for_each_batch([&](const Batch& batch) {
+        const auto increment = increments(stage, q, batch);
+        for_each_point(batch, [&](const Point& point) {
+          store_symmetric(point, load_symmetric(point, stage.z0) + share * increment(point).D, z);
+        });
+      });
+    }
+  }
+
+  void complete_step(std::span<const double> q, std::span<double> z) const override {
+    if (reference != Reference::internal || dashpot_.relaxation_time > 0.0) return;
+    cells_.for_each_batch([&](const Batch& batch) {
+      const auto u = batch.values(q);
+      for_each_point(batch, [&](const Point& point) { store_symmetric(point, green_lagrange(point.gradient(u)), z); });
+    });
+  }
+
+  /// 1/2 (E - G):eta/tau:(E - G), in the spring.
+  double energy(std::span<const double> q, std::span<const double> z) const override {
+    if (reference != Reference::internal || dashpot_.relaxation_time == 0.0) return 0.0;
+    return cells_.integrate([&](const Batch& batch) {
+      return [this, z, u = batch.values(q)](const Point& point) {
+        const Tensor3<Pack> D = green_lagrange(point.gradient(u)) - load_symmetric(point, z);
+        return 0.5 * dot(D, dashpot_.stiffness(point.index(), 0.0)(D));
+      };
+    });
+  }
+
+  StressPart part() const override { return StressPart::viscous; }
+
+  /// S = eta Edot of a dashpot alone, whatever form its rate has within stages, eta/tau (E - G) behind a spring.
+  void stresses(const BodyState& state, const StressVisitor& visit) const override {
+    const bool has_spring = dashpot_.relaxation_time > 0.0;
+    const bool is_at_rest = has_spring ? state.z.empty() : state.v.empty();
+    const auto at_points = [&](const Batch& batch) {
+      return [&, u = batch.values(state.q), v = batch.values(has_spring ? state.q : state.v)](const Point& point) {
+        const Tensor3<Pack> H = point.gradient(u);
+        if (!has_spring) {
+          const Tensor3<Pack> F = add_to_diagonal(H, 1.0);
+          return PointStress{dashpot_.viscosity(point.index())(small_strain(matmul(transpose(F), point.gradient(v)))),
+                             0.0};
+        }
+        const Tensor3<Pack> D = green_lagrange(H) - load_symmetric(point, state.z);
+        const Tensor3<Pack> S = dashpot_.stiffness(point.index(), 0.0)(D);
+        return PointStress{S, 0.5 * dot(D, S)};
+      };
+    };
+    if (!is_at_rest) visit_mean_stresses(cells_, state.q, StressMeasure::second_piola_kirchhoff, at_points, visit);
+  }
+
+  double dissipation(const LocalStage& stage, std::span<const double> q) const override {
+    const double per_time = 1.0 / (dashpot_.relaxation_time + stage.dt);
+    return per_time *
+           integrate(stage, q, [&](const Increment& d) { return dot(d.D, dashpot_.stiffness(d.n, stage.dt)(d.D)); });
+  }
+
+ private:
+  /// The stage at a point. D = E - G0, or what stands for it; D_change = D - D at q0, summed from dH: no digits of a
+  /// stiff body's small strains cancel.
+  struct Increment {
+    std::size_t n;  // number of the pack
+    Tensor3<Pack> F, F_change, D, D_change;
+  };
+
+  /// Increments of a batch as a function of the point.
+  PLIANT_INLINE static auto increments(const LocalStage& stage, std::span<const double> q, const Batch& batch) {
+    assert(reference != Reference::internal || !stage.z0.empty());
+    return [z0 = stage.z0, u0 = batch.values(stage.q0), du = batch.change(q, stage.q0)](const Point& point) {
+      const Tensor3<Pack> H0 = point.gradient(u0), dH = point.gradient(du);
+      Increment d;
+      d.n = point.index();
+      d.F = add_to_diagonal(H0 + dH, 1.0);
+      d.F_change = dH;
+      if constexpr (reference == Reference::rate) {
+        d.D_change = small_strain(matmul(transpose(d.F), dH));
+      } else {
+        d.D_change = green_lagrange_change(H0, dH);
+      }
+      d.D = d.D_change;
+      if constexpr (reference == Reference::internal) d.D = d.D + (green_lagrange(H0) - load_symmetric(point, z0));
+      return d;
+    };
+  }
+
+  template <class Density>
+  double integrate(const LocalStage& stage, std::span<const double> q, Density density) const {
+    return cells_.integrate([&](const Batch& batch) {
+      return
+          [density, increment = increments(stage, q, batch)](const Point& point) { return density(increment(point)); };
+    });
+  }
+
+  template <class Visit>
+  static void for_each_point(const Batch& batch, Visit visit) {
+    for (int k = 0; k < batch.group.rule.size(); ++k) visit(Point{batch, k});
+  }
+
+  Dashpot dashpot_;
+  BodyCells<Order> cells_;
+};
+
+template <Reference reference>
+constexpr std::integral_constant<Reference, reference> from{};
+
+}  // namespace
+
+template <int Order>
+std::unique_ptr<EnergyTerm> make_viscous_term(const ViscosityVariant& law, const LawField& elastic,
+                                              const CellGroups<Order>& groups, int body, PetscInt num_owned_nodes) {
+  BodyCells<Order> cells(groups, body, num_owned_nodes);
+  const auto make = [&](auto reference, Dashpot dashpot) -> std::unique_ptr<EnergyTerm> {
+    return std::make_unique<ViscousTerm<Order, decltype(reference)::value>>(std::move(dashpot), std::move(cells));
+  };
+  const auto make_alone = [&](Dashpot dashpot, StrainRate rate) {
+    switch (rate) {
+      case StrainRate::secant:
+        return make(from<Reference::start>, std::move(dashpot));
+      case StrainRate::reconstructed:
+        return make(from<Reference::internal>, std::move(dashpot));
+      case StrainRate::exact:
+        break;
+    }
+    return make(from<Reference::rate>, std::move(dashpot));
+  };
+  const auto uniform = [](double shear, double bulk) { return std::vector{IsotropicTensor<Pack>{shear, bulk}}; };
+  const auto proportional = [&](double shear, double bulk) {
+    std::vector<IsotropicTensor<Pack>> viscosities(cells.num_packs());
+    for (std::size_t n = 0; n < viscosities.size(); ++n) {
+      const auto C0 = tangent_at_rest(elastic, n);
+      viscosities[n] = {shear * C0.shear, bulk * C0.bulk};
+    }
+    return viscosities;
+  };
+  if (const auto* m = std::get_if<Maxwell>(&law)) {
+    const double tau = m->relaxation_time, shear = tau * m->shear_modulus, bulk = tau * m->bulk_modulus;
+    return make(from<Reference::internal>,
+                {m->name, m->moduli == Moduli::relative ? proportional(shear, bulk) : uniform(shear, bulk), tau});
+  }
+  if (const auto* s = std::get_if<StiffnessProportional>(&law)) {
+    return make_alone({s->name, proportional(s->time, s->time), 0.0}, s->rate);
+  }
+  const auto& k = std::get<KelvinVoigt>(law);
+  return make_alone({k.name, uniform(k.shear, k.bulk), 0.0}, k.rate);
+}
+
+#define PLIANT_INSTANTIATE(Order)                                                                         \
+  template std::unique_ptr<EnergyTerm> make_viscous_term<Order>(const ViscosityVariant&, const LawField&, \
+                                                                const CellGroups<Order>&, int, PetscInt);
+PLIANT_INSTANTIATE(1)
+PLIANT_INSTANTIATE(2)
+#undef PLIANT_INSTANTIATE
+
+StrainRate strain_rate_for(const Method& method) {
+  if (method.order == 1) return StrainRate::secant;
+  return keeps_order_with_reconstructed_rates(method) ? StrainRate::reconstructed : StrainRate::exact;
+}
+
+}  // namespace pliant
