@@ -41,6 +41,7 @@ struct Arguments {
   SweepOptions sweep;
   ReportOptions report;
   std::string refine;
+  std::vector<std::string> words;
   bool accepts_any_order = false;
 
   std::vector<Override> overrides() const {
@@ -83,6 +84,26 @@ std::string explained(const CLI::ParseError& error, const CLI::App& app, int arg
     text += fmt::format("; values of the input are set by --set {}", *setting);
   }
   return fmt::format("{}: {}; see {} --help", command, text, command);
+}
+
+/// The help of the command that the words name, one within the other; of the program if there are none.
+std::string help_text(CLI::App& app, std::vector<std::string> words) {
+  app.clear();  // what was parsed, of which the help would be
+  const CLI::App* at = &app;
+  std::string above;
+  for (const std::string& word : words) {
+    const auto commands = at->get_subcommands({});
+    const auto found = std::ranges::find(commands, word, [](const CLI::App* sub) { return sub->get_name(); });
+    if (found == commands.end()) {
+      std::vector<std::string> names;
+      for (const CLI::App* sub : commands) names.push_back(sub->get_name());
+      throw InputError({"pliant help", 0, 0},
+                       fmt::format("there is no command '{}'{}", word, did_you_mean(word, names)));
+    }
+    above += (above.empty() ? "" : " ") + at->get_name();
+    at = *found;
+  }
+  return at->help(above);
 }
 
 /// What stands below the options in the help of a command.
@@ -327,6 +348,10 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
   schema->add_flag("--markdown", arguments.markdown, "print the reference of the input in Markdown instead");
   schema->footer(examples({"pliant schema > input.schema.json", "pliant schema --markdown > input.md"}));
 
+  CLI::App* help = add_text("help", "show the help of a command", [&] { return help_text(app, arguments.words); });
+  help->add_option("COMMAND", arguments.words, "the command; none: this program");
+  help->footer(examples({"pliant help run", "pliant help mesh convert"}));
+
   add_text("completion", "print a script that lets bash complete commands, options and files", [&] {
     return bash_completion(app);
   })->footer(examples({"source <(pliant completion)"}));
@@ -336,8 +361,8 @@ ExitCode parse_and_run(int argc, const char* const* argv, const SweepOptions& of
 
   try {
     app.parse(argc, argv);
-  } catch (const CLI::Success& help) {
-    if (speaks) app.exit(help);
+  } catch (const CLI::Success& asked) {
+    if (speaks) app.exit(asked);
     return ExitCode::done;
   } catch (const CLI::ParseError& error) {
     if (speaks && argc == 1) fmt::print("{}\n", app.help());

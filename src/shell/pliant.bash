@@ -17,12 +17,13 @@ _pliant() {
       ' materials') path='materials' ;;
       'materials plot') path='materials plot' ;;
       ' schema') path='schema' ;;
+      ' help') path='help' ;;
       ' completion') path='completion' ;;
       ' man') path='man' ;;
     esac
   done
   case $path in
-    '') options='-h --help --version' words='run resume info report check converge sweep mesh methods materials schema completion man' files='' ;;
+    '') options='-h --help --version' words='run resume info report check converge sweep mesh methods materials schema help completion man' files='' ;;
     'run') options='-h --help --set --output --continue --quiet' words='' files='*.@(yaml|yml)' ;;
     'resume') options='-h --help --set --output --quiet' words='' files='*.h5' ;;
     'info') options='-h --help' words='' files='*.h5' ;;
@@ -36,6 +37,7 @@ _pliant() {
     'materials') options='-h --help --markdown' words='plot' files='' ;;
     'materials plot') options='-h --help --set --stretch --output' words='' files='*' ;;
     'schema') options='-h --help --markdown' words='' files='' ;;
+    'help') options='-h --help' words='' files='*' ;;
     'completion') options='-h --help' words='' files='' ;;
     'man') options='-h --help' words='' files='' ;;
   esac

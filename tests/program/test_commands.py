@@ -98,6 +98,12 @@ class Commands(ProgramTest):
         for command in ("run", "check", "methods", "materials", "schema"):
             self.assertRegex(text, rf"(?m)^ +{command} +\w")
             self.assertIn("Usage", self.text(command, "--help"))
+            self.assertEqual(self.text("help", command), self.text(command, "--help"))
+        self.assertEqual(self.text("help"), text)
+        self.assertEqual(self.text("help", "mesh", "convert"), self.text("mesh", "convert", "--help"))
+        done = self.call("help", "rnu")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("there is no command 'rnu' (did you mean 'run'?)", done.stderr)
         for option in ("--output", "--set", "--quiet"):
             self.assertIn(option, self.text("run", "--help"))
 
