@@ -38,5 +38,5 @@ int main(int argc, char** argv) {
     listeners.Append(new FailuresOnly);
   }
   const bool failed = RUN_ALL_TESTS() != 0;
-  return pliant::any(MPI_COMM_WORLD, failed) ? 1 : 0;
+  return pliant::any_rank(MPI_COMM_WORLD, failed) ? 1 : 0;
 }

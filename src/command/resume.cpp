@@ -140,8 +140,8 @@ ExitCode continue_command(MPI_Comm comm, const std::string& file, const std::vec
     is_done = summary_json(directory)["outcome"] == "done";
   });
   std::optional<ResumePoint> from;
-  if (any(comm, has_checkpoints)) from = newest_whole(comm, directory, console);
-  if (!from && !any(comm, has_input)) return run_with_output(comm, config, console);
+  if (any_rank(comm, has_checkpoints)) from = newest_whole(comm, directory, console);
+  if (!from && !any_rank(comm, has_input)) return run_with_output(comm, config, console);
 
   Config earlier =
       from ? read_input(from->info.input, from->file.string(), {}) : read_input_file(comm, input.string(), {});
@@ -153,7 +153,7 @@ ExitCode continue_command(MPI_Comm comm, const std::string& file, const std::vec
                                  "to replace it leave --continue out; to keep both: --output DIR",
                                  directory.string(), first_difference(then, now)));
   }
-  if (any(comm, is_done) && dump(earlier) == now) {
+  if (any_rank(comm, is_done) && dump(earlier) == now) {
     console.print(fmt::format("done already\nresults: {0}/result.xdmf, {0}/history.csv", directory.string()));
     return ExitCode::done;
   }
@@ -180,7 +180,7 @@ std::string info_text(MPI_Comm comm, const std::string& file) {
     if (!fs::is_regular_file(file, ignored)) throw FileError(fmt::format("there is no file '{}'", file));
     is_one = is_checkpoint(file);
   });
-  if (any(comm, is_one)) {
+  if (any_rank(comm, is_one)) {
     const CheckpointInfo info = read_checkpoint_info(comm, file);
     return fmt::format(
         "checkpoint{}, whole\nafter step {} at t = {:.6g}\nwritten on {} rank{} by\n{}PETSc options: {}\n"

@@ -325,7 +325,7 @@ void place_whole_mesh_parts(Entries& entries) {
 
 }  // namespace
 
-void complete(Config& config, const InputNode& root) {
+void complete_defaults(Config& config, const InputNode& root) {
   namespace fs = std::filesystem;
   const fs::path input(config.file);
   const fs::path mesh(config.mesh.file.value);
@@ -343,7 +343,7 @@ void complete(Config& config, const InputNode& root) {
   place_whole_mesh_parts(config.loads);
 }
 
-void check(const Config& config, const InputNode& root, Problems& problems) {
+void check_combinations(const Config& config, const InputNode& root, Problems& problems) {
   check_time(config.time, root, problems);
   check_bodies(config, root, problems);
   check_volumetric(config, root, problems);

@@ -7,9 +7,9 @@
 namespace pliant {
 
 /// Puts the defaults that follow from other keys and resolves the mesh's file against the directory of `config.file`.
-void complete(Config& config, const InputNode& root);
+void complete_defaults(Config& config, const InputNode& root);
 
 /// Adds the contradictions in a configuration that was read from `root`; values that could not be read raise none.
-void check(const Config& config, const InputNode& root, Problems& problems);
+void check_combinations(const Config& config, const InputNode& root, Problems& problems);
 
 }  // namespace pliant

@@ -58,12 +58,12 @@ Config read_input(const std::string& text, const std::string& file, const std::v
     if (overrides.empty()) throw InputError({file, 0, 0}, "the input is empty");
     root.where = {file, 1, 1};
   }
-  for (const Override& change : overrides) apply(change, root, problems);
+  for (const Override& change : overrides) apply_override(change, root, problems);
   Config config = read_config(root, problems);
   config.file = file;
   doubt_decimal_commas(root, config.doubts);
-  complete(config, root);
-  check(config, root, problems);
+  complete_defaults(config, root);
+  check_combinations(config, root, problems);
   problems.throw_if_any();
   return config;
 }

@@ -197,7 +197,7 @@ InputNode value_of(const Override& change) {
   }
 }
 
-void apply(const Override& change, InputNode& root, Problems& problems) {
+void apply_override(const Override& change, InputNode& root, Problems& problems) {
   const Location where{"--set " + change.path + "=" + change.value, 0, 0};
   InputNode value;
   try {

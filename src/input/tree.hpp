@@ -88,7 +88,7 @@ InputNode value_of(const Override& change);
 
 /// Sets the value (YAML text) at the path, making sections that are missing. Locations of what it sets: "--set
 /// PATH=VALUE".
-void apply(const Override& change, InputNode& root, Problems& problems);
+void apply_override(const Override& change, InputNode& root, Problems& problems);
 
 /// The tree as YAML text that parse_yaml reads back.
 std::string to_yaml(const InputNode& root);

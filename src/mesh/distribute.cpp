@@ -394,7 +394,7 @@ void distribute(MPI_Comm comm, MeshParts&& parts, int refine, Mesh& result) {
   Plex plex = build_plex(comm, parts);
   label_groups(plex, parts, result.groups, result.report.notices);
   Handle<DM> dm = std::move(plex.dm);
-  result.geometry_order = any(comm, parts.mesh.geometry_order() == 2) ? 2 : 1;
+  result.geometry_order = any_rank(comm, parts.mesh.geometry_order() == 2) ? 2 : 1;
   PointField midpoints, data;
   if (result.geometry_order == 2) midpoints = edge_field(comm, dm.get(), parts.mesh);
   const bool has_data = !result.cell_data.empty();

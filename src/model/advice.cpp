@@ -210,7 +210,7 @@ std::vector<std::string> doubts_about_loads(const Config& config, const NodeLayo
       const auto* node = is_given.data() + 3 * n;
       return std::any_of(node, node + 3, [](char given) { return given == 0; });
     });
-    if (any(layout.comm, moves_here)) continue;
+    if (any_rank(layout.comm, moves_here)) continue;
     doubts.push_back(
         fmt::format("{}: the load moves nothing, for constraints give the displacement of all that it acts "
                     "on; it changes reactions alone",

@@ -149,7 +149,7 @@ Constraints::Part Constraints::plane(const ConstraintConfig& constraint, Selecti
   }
   const FacetList facets = selections.facets(constraint.part);
   if (sum(layout_.comm, static_cast<PetscInt64>(facets.size())) == 0) return part;  // told already
-  if (any(layout_.comm, std::ranges::find(facets.is_outer, 0) != facets.is_outer.end())) {
+  if (any_rank(layout_.comm, std::ranges::find(facets.is_outer, 0) != facets.is_outer.end())) {
     selections.report(constraint.part.where, fmt::format("{} lies inside the mesh, where a normal has no outside; name "
                                                          "a part of the outer surface",
                                                          describe(constraint.part)));
@@ -228,7 +228,7 @@ std::vector<LinearConstraint> Constraints::ties(const Config& config, Selections
       auto more = equation_ties(constraint, c, selections);
       if (is_first) add(std::move(more));
     } else if (!part.is_prescribed) {
-      add(along(layout_, part.nodes, part.direction, c));
+      add(ties_along(layout_, part.nodes, part.direction, c));
     }
   }
   return result;
@@ -242,7 +242,7 @@ std::vector<LinearConstraint> Constraints::periodic_ties(const ConstraintConfig&
     return {};
   }
   const auto partners = selections.nodes(constraint.partner);
-  const PeriodicPairs pairs = match(layout_, partners, parts_[c].nodes);
+  const PeriodicPairs pairs = match_periodic(layout_, partners, parts_[c].nodes);
   const std::size_t num_lonely = pairs.num_lonely_a + pairs.num_lonely_b;
   if (num_lonely > 0) {
     const auto& [x, y, z] = pairs.lonely;
@@ -264,7 +264,7 @@ std::vector<LinearConstraint> Constraints::equation_ties(const ConstraintConfig&
   for (const EquationTermConfig& term : constraint.equation) {
     terms.push_back({selections.nodes(term.part), term.component, term.coefficient});
   }
-  LinearConstraint result = equation(layout_, terms, c);
+  LinearConstraint result = tie_of_means(layout_, terms, c);
   if (result.entries.size() > most_entries_of_equation) {
     selections.report(constraint.where, fmt::format("the equation has {} entries, which it couples all with one "
                                                     "another; choose at most {} nodes",

@@ -270,7 +270,7 @@ std::vector<std::string> Contacts::doubts_about_start(const Instant& at, const V
     for (std::size_t i = 0; i < 3; ++i) q[3 * a + i] = displacement[i](X[0], X[1], X[2], 0.0);
   }
   std::vector<char> has_facets;
-  for (const auto& surface : surfaces_) has_facets.push_back(any(layout_.comm, surface->facets().size() > 0));
+  for (const auto& surface : surfaces_) has_facets.push_back(any_rank(layout_.comm, surface->facets().size() > 0));
   for (std::size_t k = 0; k < obstacles_.size(); ++k) {
     const ObstacleConfig& o = config_.obstacles[k];
     const ObstacleFrame frame = obstacles_[k]->at(at);
@@ -321,7 +321,7 @@ std::optional<std::string> Contacts::passage(const Instant& from, std::span<cons
     deepest = *found;
     which = k;
   }
-  if (!any(layout_.comm, deepest.depth > 0.0)) return std::nullopt;
+  if (!any_rank(layout_.comm, deepest.depth > 0.0)) return std::nullopt;
   const auto& [x, y, z] = deepest.place;
   const auto all = gathered(layout_.comm, std::array{deepest.depth, static_cast<double>(which), x, y, z});
   std::size_t first = 0;

@@ -51,14 +51,14 @@ LoadSamples shared_samples(const LoadConfig& load, const LoadedBodies& bodies, S
   const Variation variation = variation_of(load.value);
   if (load.part.kind == Selection::Kind::point) {
     const auto nodes = selections.nodes(load.part);
-    return shared(layout, node_samples(layout, nodes), std::vector<char>(nodes.size(), 1));
+    return with_total_weight_one(layout, node_samples(layout, nodes), std::vector<char>(nodes.size(), 1));
   }
   if (load.part.kind == Selection::Kind::curve) {
     const auto edges = selections.edges(load.part);
-    return shared(layout, edge_samples(layout, edges, variation), edges.is_owned);
+    return with_total_weight_one(layout, edge_samples(layout, edges, variation), edges.is_owned);
   }
   const auto facets = selections.facets(load.part);
-  return shared(layout, facet_samples(layout, facets, variation), facets.is_owned);
+  return with_total_weight_one(layout, facet_samples(layout, facets, variation), facets.is_owned);
 }
 
 std::unique_ptr<EnergyTerm> make_dead_load(const LoadConfig& load, MassKind mass, const LoadedBodies& bodies,

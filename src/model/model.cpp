@@ -263,7 +263,7 @@ void Model::find_components(const Config& config, Selections& selections) {
   }
   if (analysis_of(config) == Analysis::dynamic && may_fall(config)) {
     int num_free = 0;
-    for (const char held : is_held) num_free += any(layout_.comm, held != 0) ? 0 : 1;
+    for (const char held : is_held) num_free += any_rank(layout_.comm, held != 0) ? 0 : 1;
     if (num_free > 0) {
       notices_.push_back(fmt::format(
           "nothing holds {}: the loads move {} away; constraints, springs or contact hold a body",

@@ -128,7 +128,7 @@ FacetList Selections::facets(const Selection& part) {
 
 FacetList Selections::outer_facets(const Selection& part, const Location& where, const std::string& reason) {
   FacetList result = facets(part);
-  if (any(layout_.comm, std::ranges::find(result.is_outer, 0) != result.is_outer.end())) {
+  if (any_rank(layout_.comm, std::ranges::find(result.is_outer, 0) != result.is_outer.end())) {
     report(where, fmt::format("{} lies inside the mesh, {}; name a part of the outer surface", describe(part), reason));
   }
   return result;
@@ -187,7 +187,7 @@ std::vector<int> Selections::cells(const std::vector<Selection>& parts) {
       const auto of = volume_of_cells(mesh_, layout_, {groups[v]});
       bool shares = false;
       for (PetscInt c = 0; c < layout_.num_owned_cells; ++c) shares = shares || (result[c] == -2 && of[c] == 0);
-      if (!any(layout_.comm, shares)) continue;
+      if (!any_rank(layout_.comm, shares)) continue;
       sharing.push_back("'" + title(groups[v]) + "'");
       where = parts[v].where;
     }

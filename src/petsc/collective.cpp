@@ -135,7 +135,7 @@ PetscInt64 sum(MPI_Comm comm, PetscInt64 x) {
 void sum_in_place(MPI_Comm comm, std::span<double> values) {
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM, comm));
 }
-bool any(MPI_Comm comm, bool x) {
+bool any_rank(MPI_Comm comm, bool x) {
   return reduced(comm, static_cast<int>(x), MPI_INT, MPI_MAX) != 0;
 }
 

@@ -26,7 +26,8 @@ double sum(MPI_Comm comm, double x);
 double maximum(MPI_Comm comm, double x);
 double minimum(MPI_Comm comm, double x);
 PetscInt64 sum(MPI_Comm comm, PetscInt64 x);
-bool any(MPI_Comm comm, bool x);
+/// Whether it holds on any rank. Collective.
+bool any_rank(MPI_Comm comm, bool x);
 /// Sums of each number. Collective.
 void sum_in_place(MPI_Comm comm, std::span<double> values);
 

@@ -35,7 +35,7 @@ std::optional<std::string> why_not(const IncrementalPotential& potential) {
       return fmt::format("the term `{}` couples all unknowns of its surface, which PETSc's Newton would assemble",
                          term->name());
     }
-    if (any(potential.comm(), term->num_internal() > 0)) {
+    if (any_rank(potential.comm(), term->num_internal() > 0)) {
       return fmt::format("the term `{}` has internal variables, which PETSc would not carry along", term->name());
     }
   }

@@ -41,7 +41,7 @@ TiedSpec everything(int order) {
          const auto inner = [=](const Point& x) { return is_inside(x[0]) && is_inside(x[1]) && is_inside(x[2]); };
          const auto on_side = [=](const Point& x) { return is_inside(x[0]) && x[1] > 1.0 - 1e-9 && is_inside(x[2]); };
          const std::array terms{test::mean(layout, inner, 2, 2.0), test::mean(layout, on_side, 0, -1.0)};
-         const auto tie = equation(layout, terms, source);
+         const auto tie = tie_of_means(layout, terms, source);
          return rank(layout.comm) == 0 ? std::vector{tie} : std::vector<LinearConstraint>();
        }});
   spec.surroundings = Gas{3.0, 50.0, 400.0, 1.4, Expression(1.0)};

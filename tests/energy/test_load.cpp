@@ -98,9 +98,10 @@ TEST_P(Loads, ATotalForceIsShared) {
   const auto facets = facets_of_group(solid_.mesh(), layout, test::group_named(solid_.mesh(), "tip"));
   const auto edges = edges_of_group(solid_.mesh(), layout, test::group_named(solid_.mesh(), "edge"));
   const auto nodes = nodes_of_group(solid_.mesh(), layout, test::group_named(solid_.mesh(), "clamp"));
-  for (const LoadSamples& samples : {shared(layout, facet_samples(layout, facets, Variation::uniform), facets.is_owned),
-                                     shared(layout, edge_samples(layout, edges, Variation::uniform), edges.is_owned),
-                                     shared(layout, node_samples(layout, nodes), std::vector<char>(nodes.size(), 1))}) {
+  for (const LoadSamples& samples :
+       {with_total_weight_one(layout, facet_samples(layout, facets, Variation::uniform), facets.is_owned),
+        with_total_weight_one(layout, edge_samples(layout, edges, Variation::uniform), edges.is_owned),
+        with_total_weight_one(layout, node_samples(layout, nodes), std::vector<char>(nodes.size(), 1))}) {
     const Point f = resultant(DeadLoad(layout, samples, value), 3.0);
     EXPECT_NEAR(f[0], 2.0, 1e-13);
     EXPECT_NEAR(f[1], -2.0, 1e-13);

@@ -175,14 +175,14 @@ inline GivenDisplacement vector(const std::string& x, const std::string& y, cons
 /// direction . u = `formula` in the region.
 inline TestConstraint slide(const Region& region, const Point& direction, const std::string& formula) {
   return {scalar(formula), nullptr, [=](const NodeLayout& layout, std::size_t source) {
-            return along(layout, nodes_in_region(layout, region), direction, source);
+            return ties_along(layout, nodes_in_region(layout, region), direction, source);
           }};
 }
 
 /// The face b follows the face a.
 inline TestConstraint repeat(const Region& a, const Region& b, const GivenDisplacement& difference) {
   return {difference, nullptr, [=](const NodeLayout& layout, std::size_t source) {
-            const auto pairs = match(layout, nodes_in_region(layout, a), nodes_in_region(layout, b));
+            const auto pairs = match_periodic(layout, nodes_in_region(layout, a), nodes_in_region(layout, b));
             EXPECT_EQ(pairs.num_lonely_a + pairs.num_lonely_b, 0u);
             return rank(layout.comm) == 0 ? periodic(pairs, difference, source) : std::vector<LinearConstraint>();
           }};

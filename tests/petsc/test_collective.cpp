@@ -40,7 +40,7 @@ TEST(Collective, BroadcastAndReductions) {
   const int n = num_ranks(comm);
   EXPECT_DOUBLE_EQ(sum(comm, 1.0 + rank(comm)), n * (n + 1) / 2.0);
   EXPECT_DOUBLE_EQ(maximum(comm, rank(comm)), n - 1);
-  EXPECT_TRUE(any(comm, rank(comm) == n - 1));
+  EXPECT_TRUE(any_rank(comm, rank(comm) == n - 1));
 }
 
 TEST(Collective, ListsAreGatheredRankByRank) {

@@ -26,7 +26,7 @@ const MPI_Comm comm = MPI_COMM_WORLD;
 /// sum of coefficient times the mean of a component over a region = `formula`.
 test::TestConstraint balance(const Region& region, int component, const std::string& formula) {
   return {test::scalar(formula), nullptr, [=](const NodeLayout& layout, std::size_t source) {
-            auto constraint = equation(layout, std::vector{test::mean(layout, region, component, 1.0)}, source);
+            auto constraint = tie_of_means(layout, std::vector{test::mean(layout, region, component, 1.0)}, source);
             return rank(layout.comm) == 0 ? std::vector{std::move(constraint)} : std::vector<LinearConstraint>();
           }};
 }

@@ -82,8 +82,8 @@ class Finder {
 
 }  // namespace
 
-std::vector<LinearConstraint> along(const NodeLayout& layout, std::span<const PetscInt> nodes,
-                                    const Vector3<double>& direction, std::size_t source) {
+std::vector<LinearConstraint> ties_along(const NodeLayout& layout, std::span<const PetscInt> nodes,
+                                         const Vector3<double>& direction, std::size_t source) {
   std::vector<LinearConstraint> result;
   for (const PetscInt n : nodes) {
     LinearConstraint& c = result.emplace_back();
@@ -96,7 +96,8 @@ std::vector<LinearConstraint> along(const NodeLayout& layout, std::span<const Pe
   return result;
 }
 
-PeriodicPairs match(const NodeLayout& layout, std::span<const PetscInt> nodes_a, std::span<const PetscInt> nodes_b) {
+PeriodicPairs match_periodic(const NodeLayout& layout, std::span<const PetscInt> nodes_a,
+                             std::span<const PetscInt> nodes_b) {
   const auto a = placed(layout, nodes_a), b = placed(layout, nodes_b);
   PeriodicPairs result;
   if (a.empty() || b.empty()) return result;
@@ -159,7 +160,7 @@ std::vector<LinearConstraint> translated_together(const NodeLayout& layout, std:
   return result;
 }
 
-LinearConstraint equation(const NodeLayout& layout, std::span<const MeanTerm> terms, std::size_t source) {
+LinearConstraint tie_of_means(const NodeLayout& layout, std::span<const MeanTerm> terms, std::size_t source) {
   LinearConstraint result{{}, {{1.0, source, 0, {}}}, source};
   for (const MeanTerm& term : terms) {
     const auto all = placed(layout, term.nodes);

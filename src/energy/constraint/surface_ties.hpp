@@ -11,8 +11,8 @@
 namespace pliant {
 
 /// direction . u = the first component of the given displacement `source`, at each of the owned nodes. Not collective.
-std::vector<LinearConstraint> along(const NodeLayout& layout, std::span<const PetscInt> nodes,
-                                    const Vector3<double>& direction, std::size_t source);
+std::vector<LinearConstraint> ties_along(const NodeLayout& layout, std::span<const PetscInt> nodes,
+                                         const Vector3<double>& direction, std::size_t source);
 
 /// Pairs of nodes of two surfaces that a translation carries onto each other.
 struct PeriodicPairs {
@@ -29,7 +29,8 @@ struct PeriodicPairs {
 
 /// Matches the owned nodes of two surfaces, to 1e-6 of their extent; the translation carries the lower corner of the
 /// box around one to that around the other. Collective.
-PeriodicPairs match(const NodeLayout& layout, std::span<const PetscInt> nodes_a, std::span<const PetscInt> nodes_b);
+PeriodicPairs match_periodic(const NodeLayout& layout, std::span<const PetscInt> nodes_a,
+                             std::span<const PetscInt> nodes_b);
 
 /// u_b - u_a = the components of the given displacement `source`, of all pairs; where it gives none, the difference is
 /// the same for all pairs but free. The same on every rank. Not collective.
@@ -48,6 +49,6 @@ struct MeanTerm {
 };
 
 /// sum of the terms = the first component of the given displacement `source`. The same on every rank. Collective.
-LinearConstraint equation(const NodeLayout& layout, std::span<const MeanTerm> terms, std::size_t source);
+LinearConstraint tie_of_means(const NodeLayout& layout, std::span<const MeanTerm> terms, std::size_t source);
 
 }  // namespace pliant

@@ -316,7 +316,7 @@ bool IncrementalPotential::carry_along(Carried which, Vec q) {
     if (sums[3] == 0.0) return false;
     std::ranges::fill(ways, (1.0 / sums[3]) * Vector3<double>{sums[0], sums[1], sums[2]});
     std::ranges::fill(nearness, 1.0);
-  } else if (!any(layout_.comm, std::ranges::any_of(nearness, [](double near) { return near > 0.0; }))) {
+  } else if (!any_rank(layout_.comm, std::ranges::any_of(nearness, [](double near) { return near > 0.0; }))) {
     return false;
   }
   check(VecCopy(accepted_.get(), q));

@@ -173,7 +173,7 @@ LoadSamples node_samples(const NodeLayout& layout, const std::vector<PetscInt>& 
   return samples;
 }
 
-LoadSamples shared(const NodeLayout& layout, LoadSamples samples, const std::vector<char>& is_owned) {
+LoadSamples with_total_weight_one(const NodeLayout& layout, LoadSamples samples, const std::vector<char>& is_owned) {
   double mine = 0.0;
   for (std::size_t p = 0; p < samples.weights.size(); ++p) {
     if (is_owned[p / samples.points_per_item]) mine += samples.weights[p];

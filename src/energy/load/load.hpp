@@ -40,7 +40,7 @@ LoadSamples node_samples(const NodeLayout& layout, const std::vector<PetscInt>& 
 
 /// The samples with their weights divided by the total weight of the owned items of all ranks, so that a density
 /// becomes a total force. `is_owned`: one flag per item. Collective.
-LoadSamples shared(const NodeLayout& layout, LoadSamples samples, const std::vector<char>& is_owned);
+LoadSamples with_total_weight_one(const NodeLayout& layout, LoadSamples samples, const std::vector<char>& is_owned);
 
 /// Whether a load of these components varies in space.
 Variation variation_of(const std::array<Expression, 3>& value);

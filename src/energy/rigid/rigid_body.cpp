@@ -140,7 +140,7 @@ template <class Group>
 double RigidBodies<Group>::value(Vec q) {
   const ConstArrayView xi(q);
   const bool is_finite = std::ranges::all_of(xi.span(), [](double x) { return std::isfinite(x); });
-  return any(comm_, !is_finite) ? std::numeric_limits<double>::infinity() : 0.0;
+  return any_rank(comm_, !is_finite) ? std::numeric_limits<double>::infinity() : 0.0;
 }
 
 template <class Group>
