@@ -19,17 +19,24 @@ namespace pliant {
 /// Of the step at which a tetrahedron becomes flat (StageEquation::max_step()): how far solvers go.
 inline constexpr double inversion_margin = 0.9;
 
-/// The equation of a stage. All methods are collective and give every rank the same answer, NaN and infinity included,
-/// so that no rank decides alone.
+/// The equation of a stage in unknowns xi, of which the configuration is a function q(xi): displacements of nodes, or
+/// what constraints leave of them, and pressures beside them. Stages are posed and answered in configurations, `enter`
+/// and `leave` translate; all else is said in unknowns. Equations wrap one another, and nobody asks which. All methods
+/// are collective and give every rank the same answer, NaN and infinity included, so that no rank decides alone.
 class StageEquation {
  public:
   virtual ~StageEquation() = default;
 
-  /// The stage that all following calls speak of.
-  virtual void begin_stage(const StagePoint& stage) = 0;
+  /// Begins the stage `stage` of configurations, of which all following calls speak, and makes xi the unknowns of q, a
+  /// guess of its end. Returns the stage of the unknowns; what it refers to lives until the next call.
+  virtual StagePoint enter(const StagePoint& stage, Vec q, Vec xi) = 0;
+  /// q = the configuration at xi, which solves the stage. Unknowns that are no part of q are kept for the next guess.
+  virtual void leave(Vec xi, Vec q) { check(VecCopy(xi, q)); }
+  /// Of a stage that was not solved: unknowns that are no part of q are those of the last solution again.
+  virtual void give_up() {}
 
   /// Before a stage is solved: freezes the coefficients of terms that refreeze at q, as the following calls see them.
-  /// After begin_stage, until then, these coefficients follow q, and there is no potential.
+  /// After `enter`, until then, these coefficients follow q, and there is no potential.
   virtual void freeze(Vec /*q*/) {}
   /// The same when there is a solution; false, and nothing is done, if coefficients may stay as they are: there are
   /// none that refreeze, and those frozen at the step's start do not exceed what they may do at q (EnergyTerm::bound).
@@ -38,7 +45,7 @@ class StageEquation {
   virtual bool refreeze(Vec /*q*/) { return false; }
 
   /// Brings what the stage gives, besides prescribed entries of q, to a part of its way from the accepted state (0) to
-  /// the end of the stage (1), where it stands after begin_stage.
+  /// the end of the stage (1), where it stands after `enter`.
   virtual void lead(double /*part*/) {}
   /// q = the accepted state, each body that nothing holds moved rigidly to where its inertia leads it; false where
   /// there is no such body, and q is as it was.

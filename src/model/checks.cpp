@@ -19,14 +19,4 @@ void require_undeformed(const Config& config, Vec q) {
                    "is prescribed at t = 0; let it grow from 0, or use 'volumetric: mean-dilatation'");
 }
 
-void require_no_ties(const Config& config, const ConstraintMap* map) {
-  if (config.volumetric != VolumetricTreatment::mixed || map == nullptr) return;
-  const auto ties = std::ranges::find_if(config.constraints, [](const ConstraintConfig& constraint) {
-    return constraint.kind != ConstraintConfig::Kind::displacement;
-  });
-  throw InputError(ties->where,
-                   "constraints that tie displacements to one another do not go with 'volumetric: mixed'; use "
-                   "'volumetric: mean-dilatation', or a 'displacement' along the axes");
-}
-
 }  // namespace pliant

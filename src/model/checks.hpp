@@ -11,8 +11,4 @@ namespace pliant {
 /// Throws InputError at a constraint if bodies with pressures do not start undeformed. Collective.
 void require_undeformed(const Config& config, Vec q);
 
-/// Throws InputError at a constraint that ties displacements to one another, of bodies with pressures. `map`: nullptr
-/// if none does.
-void require_no_ties(const Config& config, const ConstraintMap* map);
-
 }  // namespace pliant

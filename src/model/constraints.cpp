@@ -373,8 +373,8 @@ void Constraints::add_supports(const Config& config) {
   }
 }
 
-PrescribedMotion Constraints::motion() const {
-  return map_ ? map_->motion(prescribed_->motion()) : prescribed_->motion();
+PrescribedMotion Constraints::motion(Mending mending) const {
+  return map_ ? map_->motion(prescribed_->motion(), mending) : prescribed_->motion();
 }
 
 std::vector<char> Constraints::held() const {

@@ -39,7 +39,7 @@ class Constraints {
   /// What ties displacements to one another; nullptr if nothing does.
   ConstraintMap* map() const { return map_.get(); }
   /// The hooks of the time layer; they refer to this object.
-  PrescribedMotion motion() const;
+  PrescribedMotion motion(Mending mending = Mending::nearest) const;
   /// One flag per owned entry on which constraints do work.
   std::vector<char> held() const;
 

@@ -44,7 +44,6 @@ Model::Model(MPI_Comm comm, const Config& config, const TermFactory& additional)
     notices_.push_back("the mesh has curved edges, which P1 elements straighten; `element: P2` keeps them");
   }
   build_terms(config, mesh);
-  require_no_ties(config, constraints_->map());
   if (additional) {
     additional_ = additional(*this);
   } else if (nothing_moves(config)) {
@@ -292,6 +291,7 @@ void Model::doubt_overlap(const Config& config) {
 }
 
 void Model::prepare(const Config& config) {
+  constrained_equation_.reset();
   const Analysis analysis = analysis_of(config);
   is_dynamic_ = analysis == Analysis::dynamic;
   static_time_ = analysis == Analysis::static_equilibrium ? std::optional(config.time.end) : std::nullopt;
@@ -318,8 +318,16 @@ void Model::prepare(const Config& config) {
   mixed_equation_ = std::make_unique<MixedEquation>(*potential_, layout_, *pattern_, mixed_, *pressures_);
 }
 
-PrescribedMotion Model::motion() const {
-  PrescribedMotion motion = constraints_->motion();
+StageEquation& Model::equation() {
+  StageEquation& of_nodes = mixed_equation_ ? static_cast<StageEquation&>(*mixed_equation_) : *potential_;
+  ConstraintMap* const map = constraints_->map();
+  if (map == nullptr) return of_nodes;
+  if (!constrained_equation_) constrained_equation_ = std::make_unique<ConstrainedEquation>(of_nodes, *map);
+  return *constrained_equation_;
+}
+
+PrescribedMotion Model::motion(Mending mending) const {
+  PrescribedMotion motion = constraints_->motion(mending);
   if (!inertia_ || !is_dynamic_) return motion;
   return with_projected_velocities(
       std::move(motion), {layout_, *pattern_, *inertia_, constraints_->prescribed().flags(), constraints_->map()});

@@ -1,6 +1,7 @@
 /// Everything the input describes, ready to be solved: unknowns, terms and their sum.
 #pragma once
 
+#include "energy/equation/constrained_equation.hpp"
 #include "energy/equation/incremental_potential.hpp"
 #include "energy/equation/mixed_equation.hpp"
 #include "energy/volume/elastic.hpp"
@@ -56,6 +57,9 @@ class Model {
   const Contacts* contacts() const { return contacts_.get(); }  ///< nullptr if the input has none
   IncrementalPotential& potential() { return *potential_; }
   /// Of the potential with pressures as unknowns of their own; nullptr if there are none.
+  /// What a solver solves: the potential's, in the unknowns that constraints leave, with pressures beside them. Until
+  /// the next `prepare`; the first call is collective.
+  StageEquation& equation();
   MixedEquation* mixed_equation() { return mixed_equation_.get(); }
   const std::vector<ProbeLocation>& probes() const { return probes_; }
   const WaveSpeeds& wave_speeds() const { return wave_speeds_; }
@@ -80,7 +84,7 @@ class Model {
   Instant instant(double time) const { return static_time_ ? Instant{*static_time_, time} : Instant{time, 1.0}; }
 
   /// The hooks of the time layer; they refer to this object. Collective.
-  PrescribedMotion motion() const;
+  PrescribedMotion motion(Mending mending = Mending::nearest) const;
 
   /// Initial displacement and velocity: those that constraints allow at t = 0 and that are nearest to the ones of the
   /// input, displacements by their squares, velocities in dynamics by kinetic energy. Collective.
@@ -120,6 +124,7 @@ class Model {
   std::unique_ptr<PressureField> pressures_;
   std::vector<const MixedTerm*> mixed_;
   std::unique_ptr<MixedEquation> mixed_equation_;
+  std::unique_ptr<ConstrainedEquation> constrained_equation_;
   std::vector<ProbeLocation> probes_;
   Components components_;
   bool overlaps_at_start_ = false;

@@ -2,7 +2,6 @@
 
 #include "input/keys.hpp"
 #include "petsc/check.hpp"
-#include "solver/constrained_newton.hpp"
 #include "solver/petsc_integrator.hpp"
 
 #include <algorithm>
@@ -35,51 +34,31 @@ auto with_user_options(const Make& make) {
   }
 }
 
-/// With our own Newton's method.
-class OwnSolver {
- public:
-  OwnSolver(const Config& config, Model& model) : mixed_(model.mixed_equation()) {
-    const LinearKind linear = linear_kind(config, model.layout());
-    StageEquation& equation = mixed_ != nullptr ? static_cast<StageEquation&>(*mixed_) : model.potential();
-    with_user_options([&] {
-      if (ConstraintMap* map = model.constraints().map()) {
-        tied_ = std::make_unique<ConstrainedNewton>(equation, *map, newton_options(config), linear);
-        description_ =
-            fmt::format("solver: {}, in the unknowns that the constraints leave", describe(tied_->equation(), linear));
-      } else {
-        plain_ = std::make_unique<NewtonSolver>(equation, newton_options(config), linear);
-        description_ = "solver: " + describe(equation, linear);
-      }
-    });
-  }
+/// Our own Newton's method.
+std::unique_ptr<NewtonSolver> make_newton(const Config& config, Model& model) {
+  return with_user_options([&] {
+    return std::make_unique<NewtonSolver>(model.equation(), newton_options(config),
+                                          linear_kind(config, model.layout()));
+  });
+}
 
-  StageSolve stage_solve() {
-    if (tied_) return [solver = tied_.get()](const StagePoint& stage, Vec q) { return solver->solve(stage, q); };
-    StageSolve solve = [solver = plain_.get()](const StagePoint& stage, Vec x) { return solver->solve(stage, x); };
-    if (mixed_ == nullptr) return solve;
-    return [solve, mixed = mixed_](const StagePoint& stage, Vec q) { return mixed->solve(stage, q, solve); };
-  }
-  void forget() { tied_ ? tied_->forget() : plain_->forget(); }
-  std::optional<FailedStage> examine() { return tied_ ? tied_->examine() : plain_->examine(); }
-  void watch(std::function<void(const StageProgress&)> watcher) {
-    tied_ ? tied_->watch(std::move(watcher)) : plain_->watch(std::move(watcher));
-  }
-  const SolverStatistics& statistics() const { return tied_ ? tied_->statistics() : plain_->statistics(); }
-  std::string description() const { return description_; }
+StageSolve stage_solve_of(NewtonSolver& newton) {
+  return [&newton](const StagePoint& stage, Vec q) { return newton.solve(stage, q); };
+}
 
- private:
-  MixedEquation* mixed_;  // or nullptr
-  // One of them.
-  std::unique_ptr<NewtonSolver> plain_;
-  std::unique_ptr<ConstrainedNewton> tied_;
-  std::string description_;
-};
+std::string description_of(const Config& config, Model& model) {
+  return fmt::format("solver: {}{}", describe(model.equation(), linear_kind(config, model.layout())),
+                     model.constraints().map() != nullptr ? ", in the unknowns that the constraints leave" : "");
+}
 
 /// In time, by a method of the table or the user's own.
 class TimeAdvance final : public Advance {
  public:
   TimeAdvance(const Config& config, Model& model, Ledger& ledger, const StateView& initial)
-      : own_(config, model), ledger_(ledger), integrator_(options_of(config), system_of(model, ledger, own_), initial) {
+      : newton_(make_newton(config, model)),
+        description_(description_of(config, model)),
+        ledger_(ledger),
+        integrator_(options_of(config), system_of(model, ledger, *newton_), initial) {
     if (const auto& adaptive = config.time.adaptive) {
       norm_.emplace(Tolerances{adaptive->relative, adaptive->absolute, adaptive->absolute_velocity}, initial);
     }
@@ -101,20 +80,20 @@ class TimeAdvance final : public Advance {
     integrator_.keep(archive);
     if (norm_) norm_->keep(archive);
   }
-  void forget() override { own_.forget(); }
-  std::optional<FailedStage> examine() override { return own_.examine(); }
-  void watch(std::function<void(const StageProgress&)> watcher) override { own_.watch(std::move(watcher)); }
-  const SolverStatistics& solver_statistics() const override { return own_.statistics(); }
-  std::vector<std::string> description() const override { return {own_.description()}; }
+  void forget() override { newton_->forget(); }
+  std::optional<FailedStage> examine() override { return newton_->examine(); }
+  void watch(std::function<void(const StageProgress&)> watcher) override { newton_->watch(std::move(watcher)); }
+  const SolverStatistics& solver_statistics() const override { return newton_->statistics(); }
+  std::vector<std::string> description() const override { return {description_}; }
 
  private:
   static IntegratorOptions options_of(const Config& config) {
     return {*integrator_of(config), config.time.startup == "dirk33" ? Startup::dirk33 : Startup::ramp,
             config.time.adaptive ? ErrorEstimate::local : ErrorEstimate::none};
   }
-  static System system_of(Model& model, Ledger& ledger, OwnSolver& own) {
+  static System system_of(Model& model, Ledger& ledger, NewtonSolver& newton) {
     System system;
-    system.solve = own.stage_solve();
+    system.solve = stage_solve_of(newton);
     system.motion = model.motion();
     system.internal = model.potential().internal_variables();
     system.quadratures = ledger.quadratures();
@@ -122,7 +101,8 @@ class TimeAdvance final : public Advance {
     return system;
   }
 
-  OwnSolver own_;
+  std::unique_ptr<NewtonSolver> newton_;
+  std::string description_;
   Ledger& ledger_;
   Integrator integrator_;
   std::optional<ErrorNorm> norm_;
@@ -134,7 +114,8 @@ class PetscAdvance final : public Advance {
   PetscAdvance(const Config& config, Model& model, Ledger& ledger, const PetscMethod& method, const StateView& initial)
       : name_(method.name), ledger_(ledger), integrator_(with_user_options([&] {
           const PetscIntegratorOptions options{method, newton_options(config), linear_kind(config, model.layout())};
-          return std::make_unique<PetscIntegrator>(options, model.potential(), model.motion(), initial);
+          return std::make_unique<PetscIntegrator>(options, model.equation(), model.motion(Mending::of_slaves),
+                                                   initial);
         })) {}
 
   StepAttempt attempt(const Step& step) override { return integrator_->attempt(step); }
@@ -168,7 +149,10 @@ const PetscMethod* petsc_method_of(const Config& config) {
 class LoadAdvance final : public Advance {
  public:
   LoadAdvance(const Config& config, Model& model, Vec q)
-      : own_(config, model), solve_(own_.stage_solve()), motion_(model.constraints().motion()), time_(config.time.end) {
+      : newton_(make_newton(config, model)),
+        description_(description_of(config, model)),
+        motion_(model.constraints().motion()),
+        time_(config.time.end) {
     for (Handle<Vec>* v : {&state_, &earlier_, &q_, &start_, &zero_, &start_velocity_})
       *v = make_vector(model.layout());
     check(VecCopy(q, state_.get()));
@@ -189,7 +173,7 @@ class LoadAdvance final : public Advance {
     // Nothing moves: what is given as a function of time has no rate.
     check(VecCopy(state_.get(), start_.get()));
     check(VecSet(start_velocity_.get(), 0.0));
-    result.report = solve_(result.last_stage, q_.get());
+    result.report = newton_->solve(result.last_stage, q_.get());
     result.q = result.last_q = q_.get();
     result.v = result.last_a = zero_.get();
     return result;
@@ -207,11 +191,11 @@ class LoadAdvance final : public Advance {
     archive.number("earlier_load_factor", earlier_factor_);
     archive.vector("earlier_q", Entries::nodes, earlier_.get());
   }
-  void forget() override { own_.forget(); }
-  std::optional<FailedStage> examine() override { return own_.examine(); }
-  void watch(std::function<void(const StageProgress&)> watcher) override { own_.watch(std::move(watcher)); }
-  const SolverStatistics& solver_statistics() const override { return own_.statistics(); }
-  std::vector<std::string> description() const override { return {own_.description()}; }
+  void forget() override { newton_->forget(); }
+  std::optional<FailedStage> examine() override { return newton_->examine(); }
+  void watch(std::function<void(const StageProgress&)> watcher) override { newton_->watch(std::move(watcher)); }
+  const SolverStatistics& solver_statistics() const override { return newton_->statistics(); }
+  std::vector<std::string> description() const override { return {description_}; }
 
  private:
   /// The guess: on the line through the last two states.
@@ -224,8 +208,8 @@ class LoadAdvance final : public Advance {
     check(VecAXPBYPCZ(q_.get(), part, -part, 1.0, state_.get(), earlier_.get()));
   }
 
-  OwnSolver own_;
-  StageSolve solve_;
+  std::unique_ptr<NewtonSolver> newton_;
+  std::string description_;
   PrescribedMotion motion_;
   double time_;
   double load_factor_ = 0.0, earlier_factor_ = 0.0;
@@ -247,11 +231,12 @@ std::unique_ptr<Advance> make_advance(const Config& config, Model& model, Ledger
     return std::make_unique<LoadAdvance>(config, model, initial.q);
   }
   if (const PetscMethod* method = petsc_method_of(config)) {
-    if (model.constraints().map() != nullptr) {
-      throw InputError(config.time.method.where,
-                       fmt::format("'{}' cannot be used here: it knows no constraints that tie displacements to one "
-                                   "another; choose a method of Pliant",
-                                   config.time.method.value));
+    if (const ConstraintMap* map = model.constraints().map(); map != nullptr && !map->is_linear()) {
+      throw InputError(
+          config.time.method.where,
+          fmt::format("'{}' cannot be used here: it knows no rigid parts that turn freely; choose a method "
+                      "of Pliant",
+                      config.time.method.value));
     }
     if (const auto reason = why_not(model.potential())) {
       throw InputError(config.time.method.where,

@@ -72,6 +72,7 @@ NewtonSolver::NewtonSolver(StageEquation& equation, const NewtonOptions& options
     : equation_(equation),
       options_(options),
       K_(equation.make_hessian()),
+      unknowns_(equation.make_vector()),
       r_(equation.make_vector()),
       trial_(equation.make_vector()),
       correction_(equation.make_vector()),
@@ -371,7 +372,12 @@ void NewtonSolver::forget() {
 StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
   ++statistics_.stages;
   start_of_stage_ = std::chrono::steady_clock::now();
-  equation_.begin_stage(stage);
+  const StageReport report = solve_for_unknowns(equation_.enter(stage, q, unknowns_.get()), unknowns_.get());
+  report.outcome == StageOutcome::converged ? equation_.leave(unknowns_.get(), q) : equation_.give_up();
+  return report;
+}
+
+StageReport NewtonSolver::solve_for_unknowns(const StagePoint& stage, Vec q) {
   path_ = equation_.is_potential() ? Path::minimisation : Path::residual;
   ++(path_ == Path::minimisation ? statistics_.minimisations : statistics_.residual_solves);
   merit_has_scale_ = false;

@@ -100,8 +100,8 @@ class NewtonSolver {
   /// `equation` outlives the solver. PETSc options -snes_..., -ksp_..., -pc_... override. Collective.
   NewtonSolver(StageEquation& equation, const NewtonOptions& options, LinearKind linear);
 
-  /// Solves the stage from the guess in q, or from q0 + dt v0 where that lowers the potential (or the merit) further.
-  /// Collective.
+  /// Solves the stage of configurations, as a StageSolve does: from the guess in q, or from q0 + dt v0 where that
+  /// lowers the potential (or the merit) further. Collective.
   StageReport solve(const StagePoint& stage, Vec q);
 
   /// Looks closely at the last stage, if it could not be solved; before anything else is asked of the equation, whose
@@ -127,6 +127,8 @@ class NewtonSolver {
   static constexpr double floor_factor = 4.0;
   enum class Path { minimisation, residual };
 
+  /// The same in the unknowns of the equation.
+  StageReport solve_for_unknowns(const StagePoint& stage, Vec q);
   /// Leaves q at the best of the guesses that there are, and phi_ at its height; a reason if there is none.
   std::optional<std::string> choose_guess(const StagePoint& stage, Vec q);
   /// Makes the candidate the guess if it is better.
@@ -218,7 +220,7 @@ class NewtonSolver {
   StageEquation& equation_;
   NewtonOptions options_;
   Handle<Mat> K_;
-  Handle<Vec> r_, trial_, correction_, last_, guess_, last_trial_, before_;
+  Handle<Vec> unknowns_, r_, trial_, correction_, last_, guess_, last_trial_, before_;
   Merit merit_;
   Proximal proximal_;
   std::vector<RankOne> rank_one_;  // parts of the Hessian beside K

@@ -27,7 +27,8 @@ PetscIntegrator::PetscIntegrator(const PetscIntegratorOptions& options, StageEqu
       accepted_(initial),
       end_(initial),
       middle_(initial) {
-  for (Handle<Vec>* x : {&q0_, &v0_, &q_, &r_, &q_part_, &v_part_, &rate_, &a_, &start_v_, &acceleration_, &end_a_}) {
+  for (Handle<Vec>* x :
+       {&q0_, &v0_, &q_, &unknowns_, &r_, &q_part_, &v_part_, &rate_, &a_, &start_v_, &acceleration_, &end_a_}) {
     *x = equation.make_vector();
   }
   check(TSCreate(equation.comm(), ts_.out()));
@@ -138,7 +139,7 @@ PetscErrorCode PetscIntegrator::second_order_jacobian(TS, PetscReal t, Vec q, Ve
     // Exact in mass and stiffness. Viscosity comes out with the factor 1/dt for shift_v: the two are equal at a radius
     // of 1 and differ by at most 6 % (radius 0), which costs an iteration at most.
     integrator->begin_stage(t, 1.0 / std::sqrt(shift_a), q, v, a);
-    integrator->equation_.hessian(integrator->q_.get(), J, Projection::none);
+    integrator->equation_.hessian(integrator->unknowns_.get(), J, Projection::none);
   });
 }
 
@@ -157,7 +158,7 @@ PetscErrorCode PetscIntegrator::first_order_jacobian(TS, PetscReal t, Vec y, Vec
     split(y, integrator->q_part_.get(), integrator->v_part_.get());
     integrator->begin_stage(t, 1.0 / shift, integrator->q_part_.get(), integrator->v_part_.get(), integrator->a_.get());
     integrator->system_->set_shift(shift);
-    integrator->equation_.hessian(integrator->q_.get(), integrator->system_->hessian(), Projection::none);
+    integrator->equation_.hessian(integrator->unknowns_.get(), integrator->system_->hessian(), Projection::none);
   });
 }
 
@@ -190,11 +191,11 @@ void PetscIntegrator::begin_stage(double time, double dt, Vec q, Vec v, Vec a) {
   check(VecCopy(q, q_.get()));
   stage_ = {.time = within_step(time), .dt = dt, .q0 = q0_.get(), .v0 = v0_.get(), .step_start = accepted_.time};
   motion_.start_stage(stage_, q_.get());
-  equation_.begin_stage(stage_);
+  (void)equation_.enter(stage_, q_.get(), unknowns_.get());
 }
 
 void PetscIntegrator::evaluate_forces() {
-  equation_.gradient(q_.get(), r_.get());
+  equation_.gradient(unknowns_.get(), r_.get());
   residual_ = norm(r_.get());
 }
 
@@ -264,7 +265,7 @@ void PetscIntegrator::search_line(SNESLineSearch search) {
     split(y, q_part_.get(), v_part_.get());
   }
   check(VecScale(q_part_.get(), -part));
-  const double bound = inversion_margin * equation_.max_step(q_.get(), q_part_.get());
+  const double bound = inversion_margin * equation_.max_step(unknowns_.get(), q_part_.get());
   if (bound < 1.0) ++statistics_.capped_steps;
   double lambda = std::min(1.0, bound);
   for (int i = 0; i < max_halvings; ++i, lambda *= 0.5) {
@@ -289,19 +290,19 @@ SNESConvergedReason PetscIntegrator::judge(PetscInt iteration, double f) {
   if (is_handing_over()) return SNES_CONVERGED_FNORM_ABS;
   if (is_stuck_) return SNES_DIVERGED_LINE_SEARCH;
   // Only the forces count: the row q' = v is exact.
-  if (iteration == 0) scale_ = equation_.force_scale(q_.get());
-  if (iteration == 0) start_of_iteration_ = {residual_, norm(q_.get())};
+  if (iteration == 0) scale_ = equation_.force_scale(unknowns_.get());
+  if (iteration == 0) start_of_iteration_ = {residual_, norm(unknowns_.get())};
   const bool falls = iteration == 0 || residual_ < 0.5 * last_residual_;
   last_residual_ = residual_;
   const auto target = [&] { return std::max(options_.newton.relative * scale_, options_.newton.absolute); };
-  if (iteration > 0 && residual_ <= target()) scale_ = std::min(scale_, equation_.force_scale(q_.get()));
+  if (iteration > 0 && residual_ <= target()) scale_ = std::min(scale_, equation_.force_scale(unknowns_.get()));
   if (residual_ <= target()) {
     if (residual_ > unbalanced_part * scale_) ++statistics_.unbalanced_stops;
     return SNES_CONVERGED_FNORM_RELATIVE;
   }
-  const double floor = floor_factor * equation_.rounding_floor(q_.get());
+  const double floor = floor_factor * equation_.rounding_floor(unknowns_.get());
   if (iteration > 0 && residual_ <= (falls ? floor : 100.0 * floor) &&
-      start_of_iteration_.allows_rounding(residual_, floor, norm(q_.get()))) {
+      start_of_iteration_.allows_rounding(residual_, floor, norm(unknowns_.get()))) {
     ++statistics_.rounding_stops;
     return SNES_CONVERGED_FNORM_ABS;
   }

@@ -26,6 +26,9 @@ struct PetscIntegratorOptions {
 /// stage that starts from q0 = q - dt v, v0 = v - dt a; the length dt of the stage is then of no account. `alpha2`
 /// solves the equation of second order as it is, the others that of first order in y = (q, v).
 ///
+/// Where constraints tie displacements to one another, TS acts on those that are left: entries of slaves in its vectors
+/// have no meaning, and follow their masters wherever a configuration is asked for.
+///
 /// The step is the one asked for: TS's own control of it is off. Nonlinear systems are solved by SNES with the exact
 /// Jacobian and whole Newton steps, shortened only where a tetrahedron would invert or a number is not finite; they
 /// converge as those of NewtonSolver do. Prescribed entries have their position, velocity and acceleration exactly, in
@@ -35,7 +38,9 @@ struct PetscIntegratorOptions {
 /// At a spectral radius of 1, its default, `alpha2` is the implicit midpoint rule.
 class PetscIntegrator {
  public:
-  /// Starts from a copy of `initial`. `equation` outlives the integrator, and why_not() has nothing against it. Throws
+  /// Starts from a copy of `initial`. `equation` outlives the integrator, its unknowns are displacements, those that
+  /// linear constraints leave, and why_not() has nothing against its terms. `motion` changes nothing but prescribed
+  /// entries and slaves. Throws
   /// PetscFailure where an option of PETSc names another integrator. Collective.
   PetscIntegrator(const PetscIntegratorOptions& options, StageEquation& equation, PrescribedMotion motion,
                   const StateView& initial);
@@ -141,7 +146,7 @@ class PetscIntegrator {
   int num_stages_ = 0;       // announced in this attempt
   bool is_solving_ = false;  // a nonlinear system, not a slope
   StagePoint stage_;
-  Handle<Vec> q0_, v0_, q_, r_;
+  Handle<Vec> q0_, v0_, q_, unknowns_, r_;
   Handle<Vec> q_part_, v_part_, rate_, a_, start_v_;
   IterationStart start_of_iteration_;
   double residual_ = 0.0, last_residual_ = 0.0, scale_ = 0.0;  // [N]

@@ -35,7 +35,8 @@ void PetscIntegrator::find_acceleration() {
     const Handle<Vec> zero = equation_.make_vector();
     // A power of two leaves M the same bits whatever the step.
     const double instant = std::ldexp(1.0, std::ilogb(part_of_step * time_step()));
-    equation_.begin_stage({.time = stage_.time, .dt = instant, .q0 = zero.get(), .v0 = zero.get()});
+    (void)equation_.enter({.time = stage_.time, .dt = instant, .q0 = zero.get(), .v0 = zero.get()}, zero.get(),
+                          unknowns_.get());
     equation_.hessian(zero.get(), mass_.get(), Projection::none);
     check(MatScale(mass_.get(), instant * instant));
     check(KSPCreate(equation_.comm(), mass_solver_.out()));

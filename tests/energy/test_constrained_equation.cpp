@@ -97,7 +97,7 @@ class Constrained : public ::testing::TestWithParam<EquationCase> {
     const auto guess = body_.solid().vector([&](const Point& x) {
       return 0.1 * test::strained(x) + (turns ? turn(theta, x - centre) - (x - centre) : Point{});
     });
-    equation_.begin_stage(equation_.reduce(stage_.point, guess.get(), y_.get()));
+    equation_.enter(stage_.point, guess.get(), y_.get());
   }
 
   double value(double alpha, Vec d) { return equation_.value(test::moved(y_.get(), alpha, d).get()); }
@@ -189,7 +189,8 @@ TEST_P(Constrained, TurningPartsAccelerateAsRigidOnes) {
   if (body_.map().is_symmetric()) return;
   const double dt = 0.05;
   body_.motion().start_stage(stage_.point, y_.get());
-  equation_.begin_stage(equation_.reduce(stage_.point, y_.get(), y_.get()));
+  const auto guess = test::moved(y_.get(), 0.0, y_.get());
+  equation_.enter(stage_.point, guess.get(), y_.get());
   const auto q = body_.solid().vector(test::at_rest);
   body_.map().expand(y_.get(), q.get());
   const auto centre = free_motion().centre;

@@ -58,12 +58,11 @@ class Mixed : public ::testing::TestWithParam<Case> {
     potential_.emplace(solid_.layout(), solid_.pattern(), std::vector<const EnergyTerm*>{term_.get()}, prescribed_);
     equation_.emplace(*potential_, solid_.layout(), solid_.pattern(), std::vector<const MixedTerm*>{term_.get()},
                       field_);
-    whole_ = {stage_.point.time, stage_.point.dt};
     x0_ = unknowns(test::at_rest, 0.0);
-    v0_ = equation_->make_vector();
-    whole_.q0 = x0_.get();
-    whole_.v0 = v0_.get();
-    equation_->begin_stage(whole_);
+    q0_ = solid_.vector(test::at_rest);
+    v0_ = solid_.vector(test::at_rest);
+    at_rest_ = {.time = stage_.point.time, .dt = stage_.point.dt, .q0 = q0_.get(), .v0 = v0_.get()};
+    equation_->enter(at_rest_, q0_.get(), x0_.get());
   }
 
   int degree() const { return elastic_quadrature_degree(GetParam().law.traits(), 2); }
@@ -107,8 +106,8 @@ class Mixed : public ::testing::TestWithParam<Case> {
   std::vector<char> prescribed_ = solid_.nothing_prescribed();
   std::optional<IncrementalPotential> potential_;
   std::optional<MixedEquation> equation_;
-  StagePoint whole_;
-  Handle<Vec> x0_, v0_;
+  StagePoint at_rest_;
+  Handle<Vec> x0_, q0_, v0_;
 };
 
 INSTANTIATE_TEST_SUITE_P(Registry, Mixed, ::testing::ValuesIn(every_case()),
@@ -212,7 +211,7 @@ TEST_P(Mixed, NegativeEigenvaluesAreThoseOfThePressures) {
   const auto term = make_mixed_term(law, std::get<1>(solid_.groups()), 0, solid_.layout().num_owned_nodes, field_);
   IncrementalPotential potential(solid_.layout(), solid_.pattern(), {term.get()}, prescribed_);
   MixedEquation equation(potential, solid_.layout(), solid_.pattern(), {term.get()}, field_);
-  equation.begin_stage(whole_);
+  equation.enter(at_rest_, q0_.get(), x0_.get());
   const Handle<Mat> A = equation.make_hessian();
   equation.hessian(x0_.get(), A.get(), Projection::none);
   const PetscInt size = equation.num_unknowns();

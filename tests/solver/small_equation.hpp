@@ -27,7 +27,10 @@ class SmallEquation final : public StageEquation {
         local_size_(rank(comm) == 0 ? function_.n : 0),
         prescribed_(static_cast<std::size_t>(local_size_), 0) {}
 
-  void begin_stage(const StagePoint&) override {}
+  StagePoint enter(const StagePoint& stage, Vec q, Vec xi) override {
+    check(VecCopy(q, xi));
+    return stage;
+  }
   double value(Vec) override { return 0.0; }
   void gradient(Vec q, Vec r) override {
     const ConstArrayView x(q);
@@ -86,7 +89,8 @@ class Recorder final : public StageEquation {
   explicit Recorder(StageEquation& of) : of_(of), r_(of.make_vector()) {}
   const std::vector<double>& residuals() const { return residuals_; }
 
-  void begin_stage(const StagePoint& stage) override { of_.begin_stage(stage); }
+  StagePoint enter(const StagePoint& stage, Vec q, Vec xi) override { return of_.enter(stage, q, xi); }
+  void leave(Vec xi, Vec q) override { of_.leave(xi, q); }
   double value(Vec q) override { return of_.value(q); }
   void gradient(Vec q, Vec r) override { of_.gradient(q, r); }
   Handle<Mat> make_hessian() const override { return of_.make_hessian(); }

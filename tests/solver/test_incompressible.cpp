@@ -62,8 +62,7 @@ class Problem {
     check(VecCopy(q, q0.get()));
     const StagePoint stage{1.0, 1.0, q0.get(), v0.get()};
     prescribed.motion().start_stage(stage, q);
-    const StageSolve solve = [this](const StagePoint& s, Vec x) { return solver_->solve(s, x); };
-    return mixed_ != nullptr ? mixed_equation_->solve(stage, q, solve) : solve(stage, q);
+    return solver_->solve(stage, q);
   }
 
  private:

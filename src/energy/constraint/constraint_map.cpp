@@ -175,17 +175,19 @@ void ConstraintMap::keep_free_patches(Vec v) const {
   for (const RigidPatch& patch : patches_) patch.subtract_given(v);
 }
 
-void ConstraintMap::add_curvature(Vec y, Vec f, Mat K) const {
+void ConstraintMap::add_curvature(Vec y, Vec f, Mat K, const std::function<PetscInt(PetscInt)>& place) const {
   if (is_linear()) return;
   PetscInt first = 0, last = 0;
   check(MatGetOwnershipRange(K, &first, &last));
   for (const RigidPatch& patch : patches_) {
     const auto values = patch.curvature(patch.unknowns(y), f);
-    const auto n = static_cast<PetscInt>(patch.hosts().size());
+    std::vector<PetscInt> places;
+    for (const PetscInt host : patch.hosts()) places.push_back(place(host));
+    const auto n = static_cast<PetscInt>(places.size());
     for (PetscInt k = 0; k < n; ++k) {
-      const PetscInt row = patch.hosts()[k];
+      const PetscInt row = places[static_cast<std::size_t>(k)];
       if (row < first || row >= last) continue;  // another rank's
-      check(MatSetValues(K, 1, &row, n, patch.hosts().data(), values.data() + n * k, ADD_VALUES));
+      check(MatSetValues(K, 1, &row, n, places.data(), values.data() + n * k, ADD_VALUES));
     }
   }
   check(MatAssemblyBegin(K, MAT_FINAL_ASSEMBLY));
@@ -234,6 +236,16 @@ void ConstraintMap::add_constraint_forces(Vec m, Vec x) const {
   check(VecAXPY(x, 1.0, m));
 }
 
+template <class Offset>
+void ConstraintMap::follow(Vec x, Offset offset) const {
+  check(MatMult(C_.get(), x, work_.get()));
+  const ConstArrayView followed(work_.get());
+  const ArrayView entries(x);
+  for (std::size_t s = 0; s < slaves_.size(); ++s) {
+    entries[slaves_[s].local_entry] = followed[slaves_[s].local_entry] + offset(s);
+  }
+}
+
 // x += G^T m, G G^T m = offset - G x, by conjugate gradients with the diagonal for a preconditioner: constraints share
 // few entries, so that a handful of iterations do.
 template <class Offset>
@@ -275,33 +287,30 @@ void ConstraintMap::put_nearest(Vec x, Offset offset) const {
       check(VecAYPX(d, rho / before, z));
     }
   }
-  // To the last digit.
-  check(MatMult(C_.get(), x, work_.get()));
-  const ConstArrayView followed(work_.get());
-  const ArrayView entries(x);
-  for (std::size_t s = 0; s < slaves_.size(); ++s) {
-    entries[slaves_[s].local_entry] = followed[slaves_[s].local_entry] + offset(s);
-  }
+  follow(x, offset);  // to the last digit
 }
 
-PrescribedMotion ConstraintMap::motion(PrescribedMotion before) const {
+PrescribedMotion ConstraintMap::motion(PrescribedMotion before, Mending mending) const {
+  const auto mend = [this, mending](Vec x, const auto& offset) {
+    mending == Mending::nearest ? put_nearest(x, offset) : follow(x, offset);
+  };
   PrescribedMotion motion;
-  motion.start_stage = [this, start = std::move(before.start_stage)](const StagePoint& stage, Vec q) {
+  motion.start_stage = [this, mend, start = std::move(before.start_stage)](const StagePoint& stage, Vec q) {
     start(stage, q);
     // What came before the step may lie behind a kink.
     const double passed = stage.time - stage.step_start, dt = stage.dt;
     const auto g =
         offsets(stage.time, passed > 0.0 ? passed : dt, stage.load_factor, passed > 0.0 ? Side::before : Side::after);
-    put_nearest(q, [&](std::size_t s) { return g[s].u; });
-    put_nearest(stage.q0, [&](std::size_t s) { return g[s].u - dt * g[s].v; });
-    put_nearest(stage.v0, [&](std::size_t s) { return g[s].v - dt * g[s].a; });
+    mend(q, [&](std::size_t s) { return g[s].u; });
+    mend(stage.q0, [&](std::size_t s) { return g[s].u - dt * g[s].v; });
+    mend(stage.v0, [&](std::size_t s) { return g[s].v - dt * g[s].a; });
     for (const RigidPatch& patch : patches_) patch.start_stage(stage);
   };
-  motion.complete_step = [this, complete = std::move(before.complete_step)](const Step& step, Vec q, Vec v) {
+  motion.complete_step = [this, mend, complete = std::move(before.complete_step)](const Step& step, Vec q, Vec v) {
     complete(step, q, v);
     const auto g = offsets(step.time, step.dt, 1.0);
-    put_nearest(q, [&](std::size_t s) { return g[s].u; });
-    put_nearest(v, [&](std::size_t s) { return g[s].v; });
+    mend(q, [&](std::size_t s) { return g[s].u; });
+    mend(v, [&](std::size_t s) { return g[s].v; });
     for (const RigidPatch& patch : patches_) patch.make_rigid(step.time, step.dt, q, v);
   };
   motion.restart = [this, restart = std::move(before.restart)](const Step& step, Vec q, Vec v) {

@@ -7,10 +7,17 @@
 #include "time/stage.hpp"
 
 #include <array>
+#include <functional>
 #include <map>
 #include <vector>
 
 namespace pliant {
+
+/// What of a vector is changed so that it fulfils the constraints.
+enum class Mending {
+  nearest,   ///< all entries, as little as can be: for methods that act on configurations
+  of_slaves  ///< slaves follow their masters: for methods that act on the unknowns alone
+};
 
 /// q = T(y) = C y + g(t), y with the layout of q: rows of slaves hold their masters' coefficients, all other rows are
 /// those of the identity; entries of slaves in y have no meaning. Masters may lie on other ranks. Nodes of rigid
@@ -44,8 +51,10 @@ class ConstraintMap {
   Mat jacobian() const { return J_.get(); }
   /// W, likewise.
   Mat test_matrix() const { return W_.get(); }
-  /// K += sum_i f_i dW_i/dy; `f`: forces on q.
-  void add_curvature(Vec y, Vec f, Mat K) const;
+  /// K += sum_i f_i dW_i/dy; `f`: forces on q. `place`: where an entry of y stands in K.
+  void add_curvature(Vec y, Vec f, Mat K, const std::function<PetscInt(PetscInt)>& place) const;
+  /// One with the layout of q and y. Not collective.
+  Vec vector() const { return offset_.get(); }
 
   /// Whether T is linear: y = q will do then. Not collective.
   bool is_linear() const { return patches_.empty(); }
@@ -65,8 +74,9 @@ class ConstraintMap {
   /// hold exactly, as for prescribed displacements (energy/prescribed.hpp). What a method's formulas leave of them is
   /// put right by the least change of all entries: the formulas then act on the coordinates along the constraints,
   /// which keeps their order, and the choice of slaves makes no difference. At the end of a step patches are rigid
-  /// again, and so are their velocities. Refers to this object. Not collective.
-  PrescribedMotion motion(PrescribedMotion before) const;
+  /// again, and so are their velocities. With Mending::of_slaves, where T is linear, nothing but slaves is changed.
+  /// Refers to this object. Not collective.
+  PrescribedMotion motion(PrescribedMotion before, Mending mending = Mending::nearest) const;
 
   /// What holds the given displacements, per source and component: the work of the constraints per given displacement
   /// [N]. `reaction`: the gradient of the potential. This rank's part, without patches. Not collective.
@@ -88,6 +98,9 @@ class ConstraintMap {
   /// entries are slaves.
   template <class Offset>
   void put_nearest(Vec x, Offset offset) const;
+  /// x = C x + offset(slave) in the entries of slaves, by these alone.
+  template <class Offset>
+  void follow(Vec x, Offset offset) const;
   /// y = G x for the constraints G x = 0, that is x_s - (C x)_s, in the entries of slaves; else 0.
   void constrain(Vec x, Vec y) const;
   /// x += G^T m, m in the entries of slaves, and zero elsewhere.

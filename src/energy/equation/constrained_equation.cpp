@@ -9,65 +9,94 @@ namespace pliant {
 ConstrainedEquation::ConstrainedEquation(StageEquation& equation, ConstraintMap& map)
     : equation_(equation),
       map_(map),
+      jacobian_(map.jacobian(), equation.make_vector().get()),
+      test_matrix_(map.test_matrix(), equation.make_vector().get()),
       full_(equation.make_hessian()),
-      q_(equation.make_vector()),
-      d_(equation.make_vector()),
-      full_gradient_(equation.make_vector()),
-      diagonal_(equation.make_vector()),
-      y0_(equation.make_vector()),
-      w0_(equation.make_vector()),
-      accepted_(equation.make_vector()) {
+      y_part_(map.vector()),
+      x_part_(map.vector()) {
+  for (Handle<Vec>* x : {&x_, &d_, &full_gradient_, &diagonal_, &y0_, &w0_, &accepted_}) *x = equation.make_vector();
   if (!map.is_symmetric()) {
-    check(MatMatMult(full_.get(), map.jacobian(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, product_.out()));
+    check(MatMatMult(full_.get(), jacobian_.matrix(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, product_.out()));
   }
+  PetscInt size = 0;
+  check(VecGetLocalSize(x_.get(), &size));
+  prescribed_.assign(equation.prescribed().begin(), equation.prescribed().begin() + size);
   for (std::size_t i = 0; i < map.is_slave().size(); ++i) {
-    prescribed_.push_back(equation.prescribed()[i] != 0 || map.is_slave()[i] != 0);
+    if (map.is_slave()[i]) prescribed_[i] = 1;
   }
 }
 
-StagePoint ConstrainedEquation::reduce(const StagePoint& stage, Vec q, Vec y) {
-  stage_ = stage;
+void ConstrainedEquation::expand(Vec y, Vec x) const {
+  check(VecCopy(y, x));
+  const LeadingPart::Of from(y_part_, y), to(x_part_, x);
+  map_.expand(from.get(), to.get());
+}
+
+void ConstrainedEquation::restrict(Vec x, Vec y) const {
+  check(VecCopy(x, y));
+  const LeadingPart::Of from(x_part_, x), to(y_part_, y);
+  map_.restrict(from.get(), to.get());
+}
+
+void ConstrainedEquation::restrict_rates(Vec x, Vec y) const {
+  check(VecCopy(x, y));
+  const LeadingPart::Of from(x_part_, x), to(y_part_, y);
+  map_.restrict_rates(from.get(), to.get());
+}
+
+void ConstrainedEquation::linearize(Vec y) {
+  if (map_.is_linear()) return;
+  {
+    const LeadingPart::Of part(y_part_, y);
+    map_.linearize(part.get());
+  }
+  jacobian_.update();
+  if (!map_.is_symmetric()) test_matrix_.update();
+}
+
+StagePoint ConstrainedEquation::enter(const StagePoint& stage, Vec q, Vec y) {
   map_.begin_stage(stage, q);
-  map_.restrict(q, y);
-  if (map_.is_linear()) return stage;
-  check(VecWAXPY(y0_.get(), stage.dt, stage.v0, stage.q0));
-  map_.restrict(y0_.get(), w0_.get());
-  check(VecCopy(w0_.get(), y0_.get()));
+  const StagePoint whole = equation_.enter(stage, q, x_.get());
+  restrict(x_.get(), y);
+  if (map_.is_linear()) return whole;
+  check(VecWAXPY(x_.get(), stage.dt, whole.v0, whole.q0));
+  restrict(x_.get(), y0_.get());
   check(VecZeroEntries(w0_.get()));
-  StagePoint reduced = stage;
+  StagePoint reduced = whole;
   reduced.q0 = y0_.get();
   reduced.v0 = w0_.get();
-  if (stage.accepted != nullptr) {
-    map_.restrict(stage.accepted, accepted_.get());
+  if (whole.accepted != nullptr) {
+    restrict(whole.accepted, accepted_.get());
     reduced.accepted = accepted_.get();
   }
   return reduced;
 }
 
-void ConstrainedEquation::begin_stage(const StagePoint& /*stage*/) {
-  equation_.begin_stage(stage_);
+void ConstrainedEquation::leave(Vec y, Vec q) {
+  expand(y, x_.get());
+  equation_.leave(x_.get(), q);
 }
 
 double ConstrainedEquation::value(Vec y) {
-  map_.expand(y, q_.get());
-  return equation_.value(q_.get());
+  expand(y, x_.get());
+  return equation_.value(x_.get());
 }
 
 void ConstrainedEquation::gradient(Vec y, Vec r) {
-  map_.expand(y, q_.get());
-  equation_.gradient(q_.get(), full_gradient_.get());
-  map_.linearize(y);
-  check(MatMultTranspose(map_.test_matrix(), full_gradient_.get(), r));
+  expand(y, x_.get());
+  equation_.gradient(x_.get(), full_gradient_.get());
+  linearize(y);
+  check(MatMultTranspose(test_matrix_.matrix(), full_gradient_.get(), r));
 }
 
 Handle<Mat> ConstrainedEquation::make_hessian() const {
   Handle<Mat> K;
   if (map_.is_symmetric()) {
-    check(MatPtAP(full_.get(), map_.jacobian(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, K.out()));
+    check(MatPtAP(full_.get(), jacobian_.matrix(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, K.out()));
   } else {
-    check(MatTransposeMatMult(map_.test_matrix(), product_.get(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, K.out()));
+    check(MatTransposeMatMult(test_matrix_.matrix(), product_.get(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, K.out()));
   }
-  const PetscBool is_symmetric = symmetry() == Symmetry::symmetric ? PETSC_TRUE : PETSC_FALSE;
+  const PetscBool is_symmetric = symmetry() != Symmetry::unsymmetric ? PETSC_TRUE : PETSC_FALSE;
   check(MatSetOption(K.get(), MAT_SYMMETRIC, is_symmetric));
   check(MatSetOption(K.get(), MAT_SYMMETRY_ETERNAL, is_symmetric));
   check(MatSetOption(K.get(), MAT_STRUCTURALLY_SYMMETRIC, PETSC_TRUE));
@@ -88,7 +117,7 @@ void ConstrainedEquation::set_near_null_space(Mat K) const {
   for (PetscInt m = 0; m < num_modes; ++m) {
     Handle<Vec> mode;
     check(VecDuplicate(modes[m], mode.out()));
-    map_.restrict_rates(modes[m], mode.get());
+    restrict_rates(modes[m], mode.get());
     {
       const ArrayView entries(mode.get());
       for (std::size_t i = 0; i < map_.is_slave().size(); ++i) {
@@ -107,40 +136,40 @@ std::unique_ptr<NodalRotations> ConstrainedEquation::make_rotations() const {
 }
 
 void ConstrainedEquation::freeze(Vec y) {
-  map_.expand(y, q_.get());
-  equation_.freeze(q_.get());
+  expand(y, x_.get());
+  equation_.freeze(x_.get());
 }
 
 bool ConstrainedEquation::refreeze(Vec y) {
-  map_.expand(y, q_.get());
-  return equation_.refreeze(q_.get());
+  expand(y, x_.get());
+  return equation_.refreeze(x_.get());
 }
 
 bool ConstrainedEquation::carry_along(Carried which, Vec y) {
-  if (!equation_.carry_along(which, q_.get())) return false;
-  map_.restrict(q_.get(), y);
+  if (!equation_.carry_along(which, x_.get())) return false;
+  restrict(x_.get(), y);
   return true;
 }
 
 Vec ConstrainedEquation::displacements(Vec y) {
-  map_.expand(y, q_.get());
-  return q_.get();
+  expand(y, x_.get());
+  return x_.get();
 }
 
 void ConstrainedEquation::project(Mat K) {
   if (map_.is_symmetric()) {
-    check(MatPtAP(full_.get(), map_.jacobian(), MAT_REUSE_MATRIX, PETSC_DEFAULT, &K));
+    check(MatPtAP(full_.get(), jacobian_.matrix(), MAT_REUSE_MATRIX, PETSC_DEFAULT, &K));
     return;
   }
   Mat KJ = product_.get();
-  check(MatMatMult(full_.get(), map_.jacobian(), MAT_REUSE_MATRIX, PETSC_DEFAULT, &KJ));
-  check(MatTransposeMatMult(map_.test_matrix(), KJ, MAT_REUSE_MATRIX, PETSC_DEFAULT, &K));
+  check(MatMatMult(full_.get(), jacobian_.matrix(), MAT_REUSE_MATRIX, PETSC_DEFAULT, &KJ));
+  check(MatTransposeMatMult(test_matrix_.matrix(), KJ, MAT_REUSE_MATRIX, PETSC_DEFAULT, &K));
 }
 
 void ConstrainedEquation::hessian(Vec y, Mat K, Projection projection) {
-  map_.expand(y, q_.get());
-  equation_.hessian(q_.get(), full_.get(), projection);
-  map_.linearize(y);
+  expand(y, x_.get());
+  equation_.hessian(x_.get(), full_.get(), projection);
+  linearize(y);
   project(K);
   check(MatGetDiagonal(K, diagonal_.get()));
   PetscReal total = 0.0;
@@ -155,8 +184,9 @@ void ConstrainedEquation::hessian(Vec y, Mat K, Projection projection) {
   check(MatAssemblyBegin(K, MAT_FINAL_ASSEMBLY));
   check(MatAssemblyEnd(K, MAT_FINAL_ASSEMBLY));
   if (map_.is_linear() || projection != Projection::none) return;
-  equation_.gradient(q_.get(), full_gradient_.get());
-  map_.add_curvature(y, full_gradient_.get(), K);
+  equation_.gradient(x_.get(), full_gradient_.get());
+  const LeadingPart::Of unknowns(y_part_, y), forces(x_part_, full_gradient_.get());
+  map_.add_curvature(unknowns.get(), forces.get(), K, [&](PetscInt entry) { return jacobian_.place(entry); });
 }
 
 std::vector<std::string> ConstrainedEquation::non_potentials() const {
@@ -170,43 +200,43 @@ Symmetry ConstrainedEquation::symmetry() const {
 }
 
 void ConstrainedEquation::rank_one_parts(Vec y, std::vector<RankOne>& parts) {
-  map_.expand(y, q_.get());
-  equation_.rank_one_parts(q_.get(), parts);
-  map_.linearize(y);
+  expand(y, x_.get());
+  equation_.rank_one_parts(x_.get(), parts);
+  linearize(y);
   // Of W^T g (J^T g)^T the symmetric neighbour: where W is not J, it is as near as the rotation in a stage is small.
   for (const RankOne& part : parts) {
     check(VecCopy(part.g.get(), full_gradient_.get()));
-    check(MatMultTranspose(map_.test_matrix(), full_gradient_.get(), part.g.get()));
+    check(MatMultTranspose(test_matrix_.matrix(), full_gradient_.get(), part.g.get()));
   }
 }
 
 double ConstrainedEquation::max_step(Vec y, Vec d) {
-  map_.expand(y, q_.get());
-  map_.linearize(y);
-  check(MatMult(map_.jacobian(), d, d_.get()));
-  return equation_.max_step(q_.get(), d_.get());
+  expand(y, x_.get());
+  linearize(y);
+  check(MatMult(jacobian_.matrix(), d, d_.get()));
+  return equation_.max_step(x_.get(), d_.get());
 }
 
 void ConstrainedEquation::extrapolate_from(Vec y) {
-  if (y != nullptr) map_.expand(y, q_.get());
-  equation_.extrapolate_from(y != nullptr ? q_.get() : nullptr);
+  if (y != nullptr) expand(y, x_.get());
+  equation_.extrapolate_from(y != nullptr ? x_.get() : nullptr);
 }
 
 double ConstrainedEquation::max_way(Vec y, Vec d) {
-  map_.expand(y, q_.get());
-  map_.linearize(y);
-  check(MatMult(map_.jacobian(), d, d_.get()));
-  return equation_.max_way(q_.get(), d_.get());
+  expand(y, x_.get());
+  linearize(y);
+  check(MatMult(jacobian_.matrix(), d, d_.get()));
+  return equation_.max_way(x_.get(), d_.get());
 }
 
 double ConstrainedEquation::force_scale(Vec y) {
-  map_.expand(y, q_.get());
-  return equation_.force_scale(q_.get());
+  expand(y, x_.get());
+  return equation_.force_scale(x_.get());
 }
 
 double ConstrainedEquation::rounding_floor(Vec y) const {
-  map_.expand(y, q_.get());
-  return equation_.rounding_floor(q_.get());
+  expand(y, x_.get());
+  return equation_.rounding_floor(x_.get());
 }
 
 }  // namespace pliant

@@ -1,8 +1,10 @@
 /// The equation of a stage in the unknowns that constraints leave.
 #pragma once
 
+#include "energy/constraint/beside_identity.hpp"
 #include "energy/constraint/constraint_map.hpp"
 #include "energy/stage_equation.hpp"
+#include "petsc/leading_part.hpp"
 
 namespace pliant {
 
@@ -11,18 +13,17 @@ namespace pliant {
 /// to a potential stays one, and Newton's method on it converges quadratically. Where the map balances forces by other
 /// virtual displacements W than J (ConstraintMap::is_symmetric), these are W^T r and W^T K J + sum_i r_i dW_i/dy, of no
 /// potential. Entries of slaves are as prescribed ones: their rows of the gradient are zero, those of the Hessian hold
-/// the diagonal alone.
+/// the diagonal alone. Unknowns of the equation beside displacements (pressures) are those of this one too: T, J and W
+/// leave them as they are.
 class ConstrainedEquation final : public StageEquation {
  public:
   /// Both outlive the object; the map's rigidity is set. Collective.
   ConstrainedEquation(StageEquation& equation, ConstraintMap& map);
 
-  /// The stage `stage` of configurations, from the guess q, in the unknowns: the guess y, and a start whose
-  /// extrapolation by dt v0 is that of the configurations. What is returned refers to this object. Collective.
-  StagePoint reduce(const StagePoint& stage, Vec q, Vec y);
-
-  /// `stage`: what `reduce` has returned.
-  void begin_stage(const StagePoint& stage) override;
+  /// The extrapolation by dt v0 from the start of the stage that is returned is that of the configurations.
+  StagePoint enter(const StagePoint& stage, Vec q, Vec y) override;
+  void leave(Vec y, Vec q) override;
+  void give_up() override { equation_.give_up(); }
   void freeze(Vec y) override;
   bool refreeze(Vec y) override;
   double value(Vec y) override;
@@ -43,6 +44,8 @@ class ConstrainedEquation final : public StageEquation {
   double force_scale(Vec y) override;
   double inertia_scale() override { return equation_.inertia_scale(); }
   double rounding_floor(Vec y) const override;
+  void size_of_diagonal(Mat K, Vec D) const override { equation_.size_of_diagonal(K, D); }
+  PetscInt num_negative_pivots() const override { return equation_.num_negative_pivots(); }
   std::vector<std::string> non_potentials() const override;
   Symmetry symmetry() const override;
   const std::vector<char>& prescribed() const override { return prescribed_; }
@@ -51,17 +54,26 @@ class ConstrainedEquation final : public StageEquation {
   Handle<Vec> make_vector() const override { return equation_.make_vector(); }
 
  private:
+  /// x = T(y), the unknowns of the equation that is constrained.
+  void expand(Vec y, Vec x) const;
+  /// y = the unknowns whose configuration is near that of x.
+  void restrict(Vec x, Vec y) const;
+  /// The same of rates at rest.
+  void restrict_rates(Vec x, Vec y) const;
+  /// Brings J and W to y.
+  void linearize(Vec y);
   void set_near_null_space(Mat K) const;
-  /// K = W^T (Hessian in q) J.
+  /// K = W^T (Hessian in x) J.
   void project(Mat K);
 
   StageEquation& equation_;
   ConstraintMap& map_;
   std::vector<char> prescribed_;  // those of the equation, and slaves
-  Handle<Mat> full_;              // Hessian in q
-  Handle<Mat> product_;           // K J, where W is not J
-  StagePoint stage_;              // of configurations
-  Handle<Vec> q_, d_, full_gradient_, diagonal_, y0_, w0_, accepted_;
+  BesideIdentity jacobian_, test_matrix_;
+  Handle<Mat> full_;     // Hessian in x
+  Handle<Mat> product_;  // K J, where W is not J
+  LeadingPart y_part_, x_part_;
+  Handle<Vec> x_, d_, full_gradient_, diagonal_, y0_, w0_, accepted_;
 };
 
 }  // namespace pliant

@@ -84,6 +84,12 @@ void IncrementalPotential::begin_stage(const StagePoint& stage) {
   z0_ = stage.z0;
 }
 
+StagePoint IncrementalPotential::enter(const StagePoint& stage, Vec q, Vec xi) {
+  begin_stage(stage);
+  check(VecCopy(q, xi));
+  return stage;
+}
+
 void IncrementalPotential::freeze(Vec q) {
   exceeds_bound_ = stage_.exceeds_bound = false;
   stage_.frozen = local(q, frozen_);

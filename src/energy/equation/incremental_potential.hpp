@@ -32,7 +32,8 @@ class IncrementalPotential final : public StageEquation {
   std::span<const EnergyTerm* const> terms() const { return terms_; }
 
   /// The stage that all following calls speak of.
-  void begin_stage(const StagePoint& stage) override;
+  void begin_stage(const StagePoint& stage);
+  StagePoint enter(const StagePoint& stage, Vec q, Vec xi) override;
   void freeze(Vec q) override;
   bool refreeze(Vec q) override;
 

@@ -41,7 +41,8 @@ MixedEquation::MixedEquation(IncrementalPotential& potential, const NodeLayout& 
       prescribed_(potential.prescribed().begin(), potential.prescribed().begin() + num_q_),
       K_(potential.make_hessian()) {
   prescribed_.resize(static_cast<std::size_t>(num_q_ + num_p_), 0);
-  for (Handle<Vec>* v : {&q_, &r_, &d_, &q0_, &v0_, &accepted_}) *v = pliant::make_vector(layout);
+  for (Handle<Vec>* v : {&q_, &r_, &d_}) *v = pliant::make_vector(layout);
+  for (Handle<Vec>* v : {&q0_, &v0_, &accepted_}) *v = make_vector();
   for (Handle<Vec>* v : {&work_, &last_pressures_}) *v = pliant::make_vector(pressures.layout(), layout.comm);
 
   for (std::size_t k = 0; k < potential.num_rank_one(); ++k) rank_one_.push_back({0.0, potential.make_vector()});
@@ -105,48 +106,39 @@ void MixedEquation::join(Vec q, Vec x) const {
   for (PetscInt i = 0; i < num_p_; ++i) to[num_q_ + i] = p[i] / scale_;
 }
 
-StageReport MixedEquation::solve(const StagePoint& stage, Vec q, const StageSolve& solve) {
+StagePoint MixedEquation::enter(const StagePoint& stage, Vec q, Vec x) {
+  potential_.begin_stage(stage);
   check(VecCopy(pressures_.values(), last_pressures_.get()));
-  const Handle<Vec> x = make_vector(), x0 = make_vector(), v0 = make_vector(), accepted = make_vector();
-  join(q, x.get());
-  join(stage.q0, x0.get());
-  join(stage.v0, v0.get());
-  if (stage.accepted != nullptr) join(stage.accepted, accepted.get());
+  join(q, x);
+  join(stage.q0, q0_.get());
+  join(stage.v0, v0_.get());
   {
-    const ArrayView rate(v0.get());
+    const ArrayView rate(v0_.get());
     std::fill(rate.span().begin() + num_q_, rate.span().end(), 0.0);
   }
   StagePoint whole = stage;
-  whole.q0 = x0.get();
-  whole.v0 = v0.get();
-  if (stage.accepted != nullptr) whole.accepted = accepted.get();
-  StageReport report = solve(whole, x.get());
-  if (report.outcome == StageOutcome::converged) {
-    set(x.get());
-    take_displacement(x.get(), q);
-  } else {
-    check(VecCopy(last_pressures_.get(), pressures_.values()));
-    update_ghosts(pressures_.values());
+  whole.q0 = q0_.get();
+  whole.v0 = v0_.get();
+  if (stage.accepted != nullptr) {
+    join(stage.accepted, accepted_.get());
+    whole.accepted = accepted_.get();
   }
-  return report;
+  return whole;
+}
+
+void MixedEquation::leave(Vec x, Vec q) {
+  set(x);
+  take_displacement(x, q);
+}
+
+void MixedEquation::give_up() {
+  check(VecCopy(last_pressures_.get(), pressures_.values()));
+  update_ghosts(pressures_.values());
 }
 
 void MixedEquation::keep(Archive& archive) {
   archive.vector("pressures", Entries::pressures, pressures_.values());
   update_ghosts(pressures_.values());
-}
-
-void MixedEquation::begin_stage(const StagePoint& stage) {
-  take_displacement(stage.q0, q0_.get());
-  take_displacement(stage.v0, v0_.get());
-  StagePoint part = stage;
-  part.q0 = q0_.get();
-  part.v0 = v0_.get();
-  if (stage.accepted != nullptr) {
-    take_displacement(stage.accepted, accepted_.get());
-    part.accepted = accepted_.get();
-  }
-  potential_.begin_stage(part);
 }
 
 void MixedEquation::freeze(Vec x) {

@@ -25,17 +25,14 @@ class MixedEquation final : public StageEquation {
   MixedEquation(IncrementalPotential& potential, const NodeLayout& layout, const BlockPattern& pattern,
                 std::vector<const MixedTerm*> mixed, PressureField& pressures);
 
-  /// Solves the stage for q as a StageSolve does, with `solve` for stages in x; the guess of the pressures are those of
-  /// the last solution. Leaves the solution's pressures in the field, or where there is none, the last one's.
-  /// Collective.
-  StageReport solve(const StagePoint& stage, Vec q, const StageSolve& solve);
-
   const PressureLayout& pressure_layout() const { return pressures_.layout(); }
   /// The pressures, from which the next solve starts. Collective.
   void keep(Archive& archive);
 
-  /// In x.
-  void begin_stage(const StagePoint& stage) override;
+  /// The guess of the pressures are those of the last solution.
+  StagePoint enter(const StagePoint& stage, Vec q, Vec x) override;
+  void leave(Vec x, Vec q) override;
+  void give_up() override;
   void freeze(Vec x) override;
   bool refreeze(Vec x) override;
   double value(Vec x) override;
@@ -86,8 +83,9 @@ class MixedEquation final : public StageEquation {
   std::vector<double> pressure_diagonal_;  // s^2 int N dX / mu of owned pressures: their size in the matrix
   Handle<Mat> K_;
   std::vector<RankOne> rank_one_;  // of the potential
-  Handle<Vec> q_, r_, d_, q0_, v0_, accepted_, work_, last_pressures_;
-  std::vector<double> values_;  // of the matrix's entries, in the order of its coordinates
+  Handle<Vec> q_, r_, d_, work_, last_pressures_;
+  Handle<Vec> q0_, v0_, accepted_;  // of the stage, in x
+  std::vector<double> values_;      // of the matrix's entries, in the order of its coordinates
 };
 
 }  // namespace pliant

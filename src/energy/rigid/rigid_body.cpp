@@ -106,6 +106,13 @@ Handle<Mat> RigidBodies<Group>::make_hessian() const {
 }
 
 template <class Group>
+StagePoint RigidBodies<Group>::enter(const StagePoint& stage, Vec q, Vec xi) {
+  begin_stage(stage);
+  check(VecCopy(q, xi));
+  return stage;
+}
+
+template <class Group>
 void RigidBodies<Group>::begin_stage(const StagePoint& stage) {
   assert(stage.centre != nullptr);
   const ConstArrayView q_0(stage.q0), v_0(stage.v0), centre(stage.centre);

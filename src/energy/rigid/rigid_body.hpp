@@ -35,7 +35,8 @@ class RigidBodies final : public StageEquation {
   /// This rank owns `owned`, which may be none. `gravity` is in space [m/s^2]. Collective.
   RigidBodies(MPI_Comm comm, std::vector<RigidBody> owned, const Vector3<double>& gravity);
 
-  void begin_stage(const StagePoint& stage) override;
+  void begin_stage(const StagePoint& stage);
+  StagePoint enter(const StagePoint& stage, Vec q, Vec xi) override;
   /// 0 (no term is a potential); +inf where a coordinate is not finite.
   double value(Vec q) override;
   void gradient(Vec q, Vec r) override;
