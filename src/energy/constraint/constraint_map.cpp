@@ -38,6 +38,11 @@ ConstraintMap::ConstraintMap(const NodeLayout& layout, std::span<const Slave> sl
     slaves_.push_back({i, slave.given});
   }
   C_ = make_matrix(rows);
+  Rows sizes = rows;
+  for (auto& row : sizes) {
+    for (auto& [entry, coefficient] : row) coefficient = std::abs(coefficient);
+  }
+  sizes_ = make_matrix(sizes);
   J_ = patches_.empty() ? C_.share() : make_jacobian(std::move(rows));
   W_ = J_.share();
   for (Handle<Vec>* x : {&offset_, &start_offset_, &end_offset_, &work_, &missing_, &forces_, &direction_, &image_,
@@ -227,6 +232,17 @@ void ConstraintMap::constrain(Vec x, Vec y) const {
   const ArrayView result(y);
   for (const auto& slave : slaves_) {
     result[slave.local_entry] = entries[slave.local_entry] - followed[slave.local_entry];
+  }
+}
+
+void ConstraintMap::weigh_slaves(Vec q, Vec x) const {
+  check(VecCopy(q, work_.get()));
+  check(VecAbs(work_.get()));
+  check(MatMult(sizes_.get(), work_.get(), x));
+  check(VecCopy(inverse_diagonal_.get(), work_.get()));  // 1 / (1 + sum C_sm^2)
+  const ArrayView to(x), inverse(work_.get());
+  for (PetscInt i = 0; i < static_cast<PetscInt>(to.span().size()); ++i) {
+    to[i] *= inverse[i] > 0.0 ? std::sqrt(1.0 / inverse[i] - 1.0) : 0.0;
   }
 }
 

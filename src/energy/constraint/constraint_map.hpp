@@ -53,6 +53,9 @@ class ConstraintMap {
   Mat test_matrix() const { return W_.get(); }
   /// K += sum_i f_i dW_i/dy; `f`: forces on q. `place`: where an entry of y stands in K.
   void add_curvature(Vec y, Vec f, Mat K, const std::function<PetscInt(PetscInt)>& place) const;
+  /// x = in the entry of each slave the sum of |C_sm q_m| over its masters, which its own may leave of by cancellation,
+  /// times what of an error of its force reaches them by C^T; else 0: where rounding errors of ties come from.
+  void weigh_slaves(Vec q, Vec x) const;
   /// One with the layout of q and y. Not collective.
   Vec vector() const { return offset_.get(); }
 
@@ -114,6 +117,7 @@ class ConstraintMap {
   std::vector<char> is_slave_, is_tied_;
   Handle<Mat> C_, J_, W_;                           // the same if T is linear
   Handle<Vec> offset_, start_offset_, end_offset_;  // g: where it is led, at the accepted state, at the stage's time
+  Handle<Mat> sizes_;                               // |C|
   Handle<Vec> work_;
   // Of put_nearest: what is missing, the forces that supply it, the direction of search and its image.
   Handle<Vec> missing_, forces_, direction_, image_;

@@ -236,7 +236,13 @@ double ConstrainedEquation::force_scale(Vec y) {
 
 double ConstrainedEquation::rounding_floor(Vec y) const {
   expand(y, x_.get());
-  return equation_.rounding_floor(x_.get());
+  const double of_entries = equation_.rounding_floor(x_.get());
+  check(VecZeroEntries(d_.get()));
+  {
+    const LeadingPart::Of q(x_part_, x_.get()), slaves(y_part_, d_.get());
+    map_.weigh_slaves(q.get(), slaves.get());
+  }
+  return std::hypot(of_entries, equation_.rounding_floor(d_.get()));
 }
 
 }  // namespace pliant
