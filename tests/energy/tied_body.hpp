@@ -6,6 +6,7 @@
 #include "energy/constraint/surface_ties.hpp"
 #include "energy/constraint/velocity_projection.hpp"
 #include "energy/equation/constrained_equation.hpp"
+#include "energy/equation/mixed_equation.hpp"
 #include "energy/rigid/rigid_fit.hpp"
 #include "energy/solid.hpp"
 #include "fem/selection.hpp"
@@ -38,17 +39,26 @@ struct TiedSpec {
   std::vector<TestConstraint> constraints;
   std::optional<CavityContent> surroundings = std::nullopt;
   Rigidity rigidity = Rigidity::of_configurations;
+  bool has_pressures = false;  ///< as unknowns; of order 2
 };
 
 class TiedBody {
  public:
   TiedBody(MPI_Comm comm, const std::string& file, const TiedSpec& spec)
       : solid_(comm, file, spec.order, elastic_quadrature_degree(spec.law.traits(), spec.order)),
-        elastic_(solid_.elastic(spec.law)),
+        elastic_(spec.has_pressures ? nullptr : solid_.elastic(spec.law)),
+        pressures_(spec.has_pressures ? std::make_unique<PressureField>(pressure_layout(), comm) : nullptr),
+        mixed_(spec.has_pressures ? make_mixed_term(*split_volume(spec.law), std::get<1>(solid_.groups()), 0,
+                                                    layout().num_owned_nodes, *pressures_)
+                                  : nullptr),
         inertia_(spec.density > 0.0 ? solid_.inertia(spec.density, Mass::consistent) : nullptr),
         surroundings_(spec.surroundings ? solid_.cavity_around(*spec.surroundings) : nullptr),
         prescribed_(layout(), parts(spec), HUGE_VAL),
         potential_(layout(), solid_.pattern(), terms(), prescribed_.flags()) {
+    if (mixed_) {
+      mixed_equation_.emplace(potential_, layout(), solid_.pattern(), std::vector<const MixedTerm*>{mixed_.get()},
+                              *pressures_);
+    }
     std::vector<LinearConstraint> ties;
     std::vector<GivenDisplacement> given;
     for (std::size_t c = 0; c < spec.constraints.size(); ++c) {
@@ -84,6 +94,8 @@ class TiedBody {
   const Solid& solid() const { return solid_; }
   const NodeLayout& layout() const { return solid_.layout(); }
   IncrementalPotential& potential() { return potential_; }
+  /// Of the body without its constraints.
+  StageEquation& equation() { return mixed_equation_ ? static_cast<StageEquation&>(*mixed_equation_) : potential_; }
   ConstraintMap& map() { return *map_; }
   const Inertia& inertia() const { return *inertia_; }
   PrescribedMotion motion() const {
@@ -92,7 +104,7 @@ class TiedBody {
     return with_projected_velocities(std::move(motion),
                                      {layout(), solid_.pattern(), *inertia_, prescribed_.flags(), map_.get()});
   }
-  double strain_energy(Vec q) const { return sum(layout().comm, elastic_->energy(local_values(q), {})); }
+  double strain_energy(Vec q) const { return sum(layout().comm, elastic().energy(local_values(q), {})); }
 
   /// The placement of the turning part of this number that is nearest to its nodes. Collective.
   Placement placement(std::size_t part, Vec q) const {
@@ -133,6 +145,10 @@ class TiedBody {
   }
 
  private:
+  const ElasticTerm& elastic() const { return mixed_ ? static_cast<const ElasticTerm&>(*mixed_) : *elastic_; }
+  PressureLayout pressure_layout() const {
+    return make_pressure_layout(layout(), std::vector<int>(static_cast<std::size_t>(layout().num_local_cells), 0), 1);
+  }
   std::vector<PrescribedPart> parts(const TiedSpec& spec) const {
     std::vector<PrescribedPart> result;
     for (const auto& c : spec.constraints) {
@@ -141,18 +157,22 @@ class TiedBody {
     return result;
   }
   std::vector<const EnergyTerm*> terms() const {
-    std::vector<const EnergyTerm*> result{elastic_.get()};
+    std::vector<const EnergyTerm*> result{&elastic()};
     if (inertia_) result.push_back(inertia_.get());
     if (surroundings_) result.push_back(surroundings_.get());
     return result;
   }
 
   Solid solid_;
+  // One of the two, the second with pressures.
   std::unique_ptr<ElasticTerm> elastic_;
+  std::unique_ptr<PressureField> pressures_;
+  std::unique_ptr<MixedTerm> mixed_;
   std::unique_ptr<Inertia> inertia_;
   std::unique_ptr<Cavity> surroundings_;
   PrescribedDisplacement prescribed_;
   IncrementalPotential potential_;
+  std::optional<MixedEquation> mixed_equation_;
   std::vector<LinearConstraint> ties_;
   std::vector<GivenDisplacement> given_;
   std::unique_ptr<ConstraintMap> map_;

@@ -15,7 +15,7 @@ namespace pliant::test {
 /// A tied body and its solver.
 struct TiedProblem {
   TiedProblem(MPI_Comm on, const std::string& file, const TiedSpec& spec, LinearKind linear = LinearKind::cholesky)
-      : body(on, file, spec), equation(body.potential(), body.map()), solver(equation, {.relative = 1e-12}, linear) {}
+      : body(on, file, spec), equation(body.equation(), body.map()), solver(equation, {.relative = 1e-12}, linear) {}
 
   /// The equilibrium at t = 1 from rest, in `steps` equal parts.
   Handle<Vec> equilibrium(int steps = 1) {

@@ -10,12 +10,12 @@ ConstrainedEquation::ConstrainedEquation(StageEquation& equation, ConstraintMap&
     : equation_(equation),
       map_(map),
       jacobian_(map.jacobian(), equation.make_vector().get()),
-      test_matrix_(map.test_matrix(), equation.make_vector().get()),
       full_(equation.make_hessian()),
       y_part_(map.vector()),
       x_part_(map.vector()) {
   for (Handle<Vec>* x : {&x_, &d_, &full_gradient_, &diagonal_, &y0_, &w0_, &accepted_}) *x = equation.make_vector();
   if (!map.is_symmetric()) {
+    own_test_matrix_.emplace(map.test_matrix(), x_.get());
     check(MatMatMult(full_.get(), jacobian_.matrix(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, product_.out()));
   }
   PetscInt size = 0;
@@ -51,7 +51,7 @@ void ConstrainedEquation::linearize(Vec y) {
     map_.linearize(part.get());
   }
   jacobian_.update();
-  if (!map_.is_symmetric()) test_matrix_.update();
+  if (own_test_matrix_) own_test_matrix_->update();
 }
 
 StagePoint ConstrainedEquation::enter(const StagePoint& stage, Vec q, Vec y) {
@@ -86,7 +86,7 @@ void ConstrainedEquation::gradient(Vec y, Vec r) {
   expand(y, x_.get());
   equation_.gradient(x_.get(), full_gradient_.get());
   linearize(y);
-  check(MatMultTranspose(test_matrix_.matrix(), full_gradient_.get(), r));
+  check(MatMultTranspose(test_matrix(), full_gradient_.get(), r));
 }
 
 Handle<Mat> ConstrainedEquation::make_hessian() const {
@@ -94,7 +94,7 @@ Handle<Mat> ConstrainedEquation::make_hessian() const {
   if (map_.is_symmetric()) {
     check(MatPtAP(full_.get(), jacobian_.matrix(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, K.out()));
   } else {
-    check(MatTransposeMatMult(test_matrix_.matrix(), product_.get(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, K.out()));
+    check(MatTransposeMatMult(test_matrix(), product_.get(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, K.out()));
   }
   const PetscBool is_symmetric = symmetry() != Symmetry::unsymmetric ? PETSC_TRUE : PETSC_FALSE;
   check(MatSetOption(K.get(), MAT_SYMMETRIC, is_symmetric));
@@ -163,7 +163,7 @@ void ConstrainedEquation::project(Mat K) {
   }
   Mat KJ = product_.get();
   check(MatMatMult(full_.get(), jacobian_.matrix(), MAT_REUSE_MATRIX, PETSC_DEFAULT, &KJ));
-  check(MatTransposeMatMult(test_matrix_.matrix(), KJ, MAT_REUSE_MATRIX, PETSC_DEFAULT, &K));
+  check(MatTransposeMatMult(test_matrix(), KJ, MAT_REUSE_MATRIX, PETSC_DEFAULT, &K));
 }
 
 void ConstrainedEquation::hessian(Vec y, Mat K, Projection projection) {
@@ -206,7 +206,7 @@ void ConstrainedEquation::rank_one_parts(Vec y, std::vector<RankOne>& parts) {
   // Of W^T g (J^T g)^T the symmetric neighbour: where W is not J, it is as near as the rotation in a stage is small.
   for (const RankOne& part : parts) {
     check(VecCopy(part.g.get(), full_gradient_.get()));
-    check(MatMultTranspose(test_matrix_.matrix(), full_gradient_.get(), part.g.get()));
+    check(MatMultTranspose(test_matrix(), full_gradient_.get(), part.g.get()));
   }
 }
 

@@ -6,6 +6,8 @@
 #include "energy/stage_equation.hpp"
 #include "petsc/leading_part.hpp"
 
+#include <optional>
+
 namespace pliant {
 
 /// Phi(T(y)) and its derivatives, T the map of the constraints with the Jacobian J: J^T r and J^T K J + sum_i r_i
@@ -62,6 +64,7 @@ class ConstrainedEquation final : public StageEquation {
   void restrict_rates(Vec x, Vec y) const;
   /// Brings J and W to y.
   void linearize(Vec y);
+  Mat test_matrix() const { return (own_test_matrix_ ? *own_test_matrix_ : jacobian_).matrix(); }
   void set_near_null_space(Mat K) const;
   /// K = W^T (Hessian in x) J.
   void project(Mat K);
@@ -69,9 +72,10 @@ class ConstrainedEquation final : public StageEquation {
   StageEquation& equation_;
   ConstraintMap& map_;
   std::vector<char> prescribed_;  // those of the equation, and slaves
-  BesideIdentity jacobian_, test_matrix_;
-  Handle<Mat> full_;     // Hessian in x
-  Handle<Mat> product_;  // K J, where W is not J
+  BesideIdentity jacobian_;
+  std::optional<BesideIdentity> own_test_matrix_;  // where W is not J
+  Handle<Mat> full_;                               // Hessian in x
+  Handle<Mat> product_;                            // K J, where W is not J
   LeadingPart y_part_, x_part_;
   Handle<Vec> x_, d_, full_gradient_, diagonal_, y0_, w0_, accepted_;
 };
