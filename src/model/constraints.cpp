@@ -6,6 +6,7 @@
 #include "input/analysis.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
+#include "petsc/ghosted.hpp"
 #include "petsc/session.hpp"
 
 #include <algorithm>
@@ -371,6 +372,22 @@ void Constraints::add_supports(const Config& config) {
       }
     }
   }
+}
+
+std::vector<int> Constraints::rigid_parts() const {
+  const Handle<Vec> numbers = make_vector(layout_);
+  {
+    const ArrayView of_entries(numbers.get());
+    for (std::size_t c = 0; c < parts_.size(); ++c) {
+      if (!parts_[c].displacement.rigid) continue;
+      for (const PetscInt node : parts_[c].nodes) of_entries[3 * node] = static_cast<double>(c + 1);
+    }
+  }
+  update_ghosts(numbers.get());
+  const ConstGhostedView view(numbers.get());
+  std::vector<int> result;
+  for (PetscInt n = 0; n < layout_.num_local_nodes; ++n) result.push_back(static_cast<int>(view.span()[3 * n]));
+  return result;
 }
 
 PrescribedMotion Constraints::motion(Mending mending) const {

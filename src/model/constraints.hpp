@@ -40,6 +40,8 @@ class Constraints {
   ConstraintMap* map() const { return map_.get(); }
   /// The hooks of the time layer; they refer to this object.
   PrescribedMotion motion(Mending mending = Mending::nearest) const;
+  /// For each local node the number of the rigid part that it belongs to, from 1; 0 if to none. Collective.
+  std::vector<int> rigid_parts() const;
   /// One flag per owned entry on which constraints do work.
   std::vector<char> held() const;
 

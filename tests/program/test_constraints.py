@@ -185,6 +185,57 @@ class Constraints(ProgramTest):
         self.assertIn(place, done.stderr)
         self.assertRegex(done.stderr, words)
 
+    def test_what_cannot_be_compressed(self):
+        # Every kind of constraint with pressures as unknowns and gas around the body, on any number of ranks.
+        write_box(self.directory / "cube.msh", (2, 2, 2))
+        kinds = {
+            "tied": ["{surface: left, displacement: [0, 0, 0]}",
+                     '{surface: right, displacement_along: "0.05*t^2", direction: [1, 1, 0]}'],
+            "periodic": ['{surface: back, periodic_with: front, difference: [0, "0.1*t^2", free]}'],
+            "turned": ['{surface: left, rigid: {rotation: {axis: [0, 0, 1], angle: "t^2"}, translation: [0, 0, 0]}}'],
+            "turning": ['{surface: left, rigid: {translation: ["0.1*t^2", 0, 0]}}'],
+            "equation": ["{surface: left, displacement: [0, 0, 0]}",
+                         '{equation: [{surface: right, component: z}], value: "0.05*t^2"}'],
+            "insert": ["{box: [[-1, -1, -1], [0.6, 2, 2]], rigid: {translation: [0, 0, 0]}}"],
+            "held inside": ["{box: [[-1, -1, -1], [0.6, 2, 2]], displacement: [0, 0, 0]}"]}
+        more = ('loads: [{force_density: [0, 0, "-2e4*t*x"]}]\nelement: P2\nvolumetric: mixed\n'
+                'cavities: [{name: gas, where: "x > -1", volume: 3, gas: {pressure: 1 kPa, ambient: 1 kPa}}]\n'
+                "time: {method: dirk22, step: 10 ms, end: 40 ms}\n")
+        for name, constraints in kinds.items():
+            for nu in ("0.49", "0.5"):
+                with self.subTest(name, nu=nu):
+                    material = f"bodies.0.elasticity.poissons_ratio={nu}"
+                    one = self.solve("cube.msh", constraints, material, more=more)
+                    self.assertGreater(one["kinetic_energy"][-1], 1e-3)
+                    self.assertLess(np.abs(one["energy_balance_error"]).max(), 1e-7 * one["kinetic_energy"].max())
+                    for ranks in (2, 3):
+                        self.assert_same_history(self.solve("cube.msh", constraints, material, more=more, ranks=ranks), one, 1e-7)
+
+    def test_integrators_of_petsc(self):
+        # The same motion as by a method of Pliant, and closer to it by the method's order as steps are halved.
+        write_box(self.directory / "cube.msh", (1, 1, 1))
+        kinds = {
+            "tied": ["{surface: left, displacement: [0, 0, 0]}",
+                     '{surface: right, displacement_along: "0.05*sin(20*t)^2", direction: [1, 1, 0]}'],
+            "periodic": ['{surface: back, periodic_with: front, difference: [0, "5*t^2", free]}'],
+            "turned": ['{surface: left, rigid: {rotation: {axis: [0, 0, 1], angle: "20*t^2"}, translation: [0, 0, 0]}}']}
+        probes = "probes: [{name: tip, point: [1, 1, 1]}]\n"
+        for name, constraints in kinds.items():
+            def end(method, step, ranks=1):
+                more = f'loads: [{{force_density: [0, 0, "-1e7*t^3"]}}]\ntime: {{method: {method}, step: {step}, end: 0.1}}\n'
+                history = self.solve("cube.msh", constraints, more=probes + more, ranks=ranks)
+                return np.array([history[f"tip_{i}"][-1] for i in "xyz"])
+
+            exact = end("dirk33", 0.1 / 800)
+            for method, order in (("alpha2", 2), ("bdf", 2), ("arkimex", 3)):
+                with self.subTest(name, method=method):
+                    errors = [np.linalg.norm(end(f"{{petsc: {method}}}", 0.1 / n) - exact) for n in (100, 200)]
+                    self.assertGreater(np.log2(errors[0] / errors[1]), order - 0.3, errors)
+                    self.assertLess(errors[1], 1e-3)
+                    two = end(f"{{petsc: {method}}}", 0.1 / 100, ranks=2)
+                    one = end(f"{{petsc: {method}}}", 0.1 / 100)
+                    np.testing.assert_allclose(two, one, rtol=1e-9)
+
     def test_mistakes_against_the_mesh(self):
         write_box(self.directory / "cube.msh", (2, 3, 2))
         bent = box((2, 3, 2))

@@ -28,7 +28,8 @@ std::size_t owner_of(const std::vector<PetscInt>& starts, PetscInt global) {
 }  // namespace
 
 MixedEquation::MixedEquation(IncrementalPotential& potential, const NodeLayout& layout, const BlockPattern& pattern,
-                             std::vector<const MixedTerm*> mixed, PressureField& pressures)
+                             std::vector<const MixedTerm*> mixed, PressureField& pressures,
+                             std::span<const int> rigid_parts)
     : potential_(potential),
       layout_(layout),
       pattern_(pattern),
@@ -50,15 +51,55 @@ MixedEquation::MixedEquation(IncrementalPotential& potential, const NodeLayout& 
   double stiffness = 0.0;
   for (const MixedTerm* term : mixed_) stiffness = std::max(stiffness, term->shear_modulus());
   stiffness = maximum(layout.comm, stiffness);
-  const GhostedView volumes(work_.get());
-  for (const MixedTerm* term : mixed_) term->add_pressure_volumes(volumes.span());
-  double volume = 0.0;
-  for (PetscInt i = 0; i < num_p_; ++i) volume += volumes.span()[i];
-  volume = sum(layout.comm, volume);
-  scale_ = stiffness / std::cbrt(volume / static_cast<double>(layout.num_global_cells));
-  for (PetscInt i = 0; i < num_p_; ++i) {
-    pressure_diagonal_.push_back(scale_ * scale_ * volumes.span()[i] / stiffness);
+  {
+    const GhostedView volumes(work_.get());
+    for (const MixedTerm* term : mixed_) term->add_pressure_volumes(volumes.span());
+    double volume = 0.0;
+    for (PetscInt i = 0; i < num_p_; ++i) volume += volumes.span()[i];
+    volume = sum(layout_.comm, volume);
+    scale_ = stiffness / std::cbrt(volume / static_cast<double>(layout_.num_global_cells));
+    for (PetscInt i = 0; i < num_p_; ++i) {
+      pressure_diagonal_.push_back(scale_ * scale_ * volumes.span()[i] / stiffness);
+    }
   }
+  find_idle_pressures(rigid_parts);
+}
+
+void MixedEquation::find_idle_pressures(std::span<const int> rigid_parts) {
+  const auto is_given = [&](PetscInt node) {
+    return is_prescribed(node, 0) && is_prescribed(node, 1) && is_prescribed(node, 2);
+  };
+  const auto moves_as_given = [&](const PressureCoupling& cells, int lane) {
+    const auto part_of = [&](PetscInt node) {
+      return rigid_parts.empty() ? 0 : rigid_parts[static_cast<std::size_t>(node)];
+    };
+    const int part = part_of(cells.nodes[0][lane]);
+    bool all_given = true, all_rigid = part != 0;
+    for (const auto& node : cells.nodes) {
+      all_given = all_given && is_given(node[lane]);
+      all_rigid = all_rigid && part_of(node[lane]) == part;
+    }
+    return all_given || all_rigid;
+  };
+  {
+    const GhostedView is_needed(work_.get());
+    std::fill(is_needed.span().begin(), is_needed.span().end(), 0.0);
+    const std::vector<double> rest(3 * static_cast<std::size_t>(layout_.num_local_nodes), 0.0);
+    for (const MixedTerm* term : mixed_) {
+      term->couple(rest, [&](const PressureCoupling& cells) {
+        for (int lane = 0; lane < cells.num_lanes; ++lane) {
+          const bool is_idle = moves_as_given(cells, lane);
+          for (int b = 0; b < 4; ++b) {
+            if (!is_idle || cells.C[b][b][lane] != 0.0) is_needed.span()[cells.pressures[b][lane]] = 1.0;
+          }
+        }
+      });
+    }
+  }
+  update_ghosts(work_.get());
+  const ConstGhostedView is_needed(work_.get());
+  for (const double needed : is_needed.span()) is_idle_.push_back(needed == 0.0 ? 1 : 0);
+  std::copy_n(is_idle_.begin(), num_p_, prescribed_.begin() + num_q_);
 }
 
 PetscInt MixedEquation::global_displacement(PetscInt node, int component) const {
@@ -167,7 +208,9 @@ void MixedEquation::gradient(Vec x, Vec r) {
   const ConstArrayView from(r_.get());
   const ArrayView to(r);
   std::copy_n(from.span().begin(), num_q_, to.span().begin());
-  for (PetscInt i = 0; i < num_p_; ++i) to[num_q_ + i] = scale_ * rows.span()[i];
+  for (PetscInt i = 0; i < num_p_; ++i) {
+    to[num_q_ + i] = is_idle_[static_cast<std::size_t>(i)] ? 0.0 : scale_ * rows.span()[i];
+  }
 }
 
 template <class Visit>
@@ -182,15 +225,16 @@ void MixedEquation::for_each_coupling(std::span<const double> q, const Visit& vi
             const PetscInt node = cells.nodes[a][lane];
             for (int i = 0; i < 3; ++i) {
               const PetscInt global_q = global_displacement(node, i);
-              const double entry = is_prescribed(node, i) ? 0.0 : scale_ * cells.B[3 * a + i][b][lane];
+              const bool is_fixed = is_idle_[static_cast<std::size_t>(p)] || is_prescribed(node, i);
+              const double entry = is_fixed ? 0.0 : scale_ * cells.B[3 * a + i][b][lane];
               if (node < layout_.num_owned_nodes) visit(global_q, global_p, entry);
               if (p < num_p_) visit(global_p, global_q, entry);
             }
           }
-          for (int c = 0; c < 4; ++c) {
-            if (p < num_p_) {
-              visit(global_p, global_pressure(cells.pressures[c][lane]), -scale_ * scale_ * cells.C[b][c][lane]);
-            }
+          for (int c = 0; c < 4 && p < num_p_; ++c) {
+            const bool is_idle = b == c && is_idle_[static_cast<std::size_t>(p)];
+            visit(global_p, global_pressure(cells.pressures[c][lane]),
+                  is_idle ? -pressure_diagonal_[static_cast<std::size_t>(p)] : -scale_ * scale_ * cells.C[b][c][lane]);
           }
         }
       }

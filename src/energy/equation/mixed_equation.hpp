@@ -21,9 +21,10 @@ namespace pliant {
 class MixedEquation final : public StageEquation {
  public:
   /// `potential` is the sum of all terms, of which `mixed` are those with pressures, of `pressures`. The references
-  /// outlive the object. Collective.
+  /// outlive the object. `rigid_parts`: for each local node the rigid part that it belongs to, 0 if none; or nothing.
+  /// Collective.
   MixedEquation(IncrementalPotential& potential, const NodeLayout& layout, const BlockPattern& pattern,
-                std::vector<const MixedTerm*> mixed, PressureField& pressures);
+                std::vector<const MixedTerm*> mixed, PressureField& pressures, std::span<const int> rigid_parts = {});
 
   const PressureLayout& pressure_layout() const { return pressures_.layout(); }
   /// The pressures, from which the next solve starts. Collective.
@@ -63,6 +64,9 @@ class MixedEquation final : public StageEquation {
   PetscInt global_displacement(PetscInt node, int component) const;
   PetscInt global_pressure(PetscInt pressure) const;
   bool is_prescribed(PetscInt node, int component) const { return potential_.prescribed()[3 * node + component] != 0; }
+  /// Finds the pressures that nothing depends on: of cells that cannot be compressed, and whose motion is given or
+  /// rigid. They are 0.
+  void find_idle_pressures(std::span<const int> rigid_parts);
   /// Calls `visit(row, column, value)` for the entries that couple pressures, always in the same order.
   template <class Visit>
   void for_each_coupling(std::span<const double> q, const Visit& visit) const;
@@ -80,6 +84,7 @@ class MixedEquation final : public StageEquation {
   std::vector<PetscInt> first_node_, first_pressure_;  // of each rank, and their totals
   double scale_ = 1.0;                                 // s [Pa/m]
   std::vector<char> prescribed_;
+  std::vector<char> is_idle_;              // per local pressure
   std::vector<double> pressure_diagonal_;  // s^2 int N dX / mu of owned pressures: their size in the matrix
   Handle<Mat> K_;
   std::vector<RankOne> rank_one_;  // of the potential
