@@ -95,9 +95,9 @@ struct DragBound {
   double exerted = 0.0, allowed = 0.0;
 };
 
-/// One contribution to the incremental potential of a stage (docs: dynamics, Phi_i). The arrays span all local nodes; a
-/// term adds to the rows of owned nodes completely (what it leaves in ghost rows is ignored), and counts energies of
-/// owned cells and nodes only, so that a sum over ranks is the total. No method is collective.
+/// One contribution to the incremental potential of a stage (docs/theory.md, "The incremental potential"). The arrays
+/// span all local nodes; a term adds to the rows of owned nodes completely (what it leaves in ghost rows is ignored),
+/// and counts energies of owned cells and nodes only, so that a sum over ranks is the total. No method is collective.
 class EnergyTerm {
  public:
   virtual ~EnergyTerm() = default;

@@ -138,13 +138,6 @@ class PetscAdvance final : public Advance {
   std::unique_ptr<PetscIntegrator> integrator_;
 };
 
-const PetscMethod* petsc_method_of(const Config& config) {
-  const auto all = petsc_methods();
-  const auto found = std::ranges::find_if(
-      all, [&](const PetscMethod& m) { return config.time.method.value == fmt::format("petsc:{}", m.name); });
-  return found == all.end() ? nullptr : &*found;
-}
-
 /// Along the load factor from 0 to 1, at one time; "time" of a step is the load factor.
 class LoadAdvance final : public Advance {
  public:
@@ -230,7 +223,7 @@ std::unique_ptr<Advance> make_advance(const Config& config, Model& model, Ledger
   if (analysis_of(config) == Analysis::static_equilibrium) {
     return std::make_unique<LoadAdvance>(config, model, initial.q);
   }
-  if (const PetscMethod* method = petsc_method_of(config)) {
+  if (const PetscMethod* method = find_petsc_method(config.time.method.value)) {
     if (const ConstraintMap* map = model.constraints().map(); map != nullptr && !map->is_linear()) {
       throw InputError(
           config.time.method.where,

@@ -2,6 +2,7 @@
 
 #include "petsc/collective.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
@@ -22,6 +23,13 @@ constexpr std::array<PetscMethod, 3> methods_of_petsc{{
 
 std::span<const PetscMethod> petsc_methods() {
   return methods_of_petsc;
+}
+
+const PetscMethod* find_petsc_method(std::string_view name) {
+  constexpr std::string_view prefix = "petsc:";
+  if (!name.starts_with(prefix)) return nullptr;
+  const auto found = std::ranges::find(methods_of_petsc, name.substr(prefix.size()), &PetscMethod::name);
+  return found == methods_of_petsc.end() ? nullptr : &*found;
 }
 
 std::optional<std::string> why_not(const IncrementalPotential& potential) {

@@ -23,6 +23,9 @@ struct PetscMethod {
 /// All of them.
 std::span<const PetscMethod> petsc_methods();
 
+/// That of `petsc:NAME`; nullptr if there is none.
+const PetscMethod* find_petsc_method(std::string_view name);
+
 /// Why TS cannot solve the equation of these terms, for the user; nothing if it can. Collective.
 std::optional<std::string> why_not(const IncrementalPotential& potential);
 

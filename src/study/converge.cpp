@@ -7,6 +7,7 @@
 #include "model/model.hpp"
 #include "petsc/collective.hpp"
 #include "run/simulation.hpp"
+#include "solver/petsc_method.hpp"
 #include "study/sample.hpp"
 
 #include <algorithm>
@@ -86,7 +87,8 @@ double order_between(double coarse, double fine, double factor) {
 
 int theoretical_order(const Config& config) {
   if (const Method* method = integrator_of(config)) return method->order;
-  return config.time.method.value == "petsc:arkimex" ? 3 : 2;
+  const PetscMethod* petsc = find_petsc_method(config.time.method.value);
+  return petsc != nullptr ? petsc->order : 0;
 }
 
 class Study {

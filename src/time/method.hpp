@@ -61,7 +61,7 @@ struct Method : MethodRow {
   double embedded_error = 0.0;  ///< c of that difference ~ c dt^(p^+1) y^(p^+1) on linear problems
 
   /// The order that is left when the rate of a function E(q) in a stage is (E(q_i) - E_i0) / dt_i, E_i0 reconstructed
-  /// as q_i0 is (docs: dynamics, "Rates inside a stage"); told up to 3.
+  /// as q_i0 is (docs/theory.md, "Strain rates and their orders"); told up to 3.
   int reconstructed_rate_order = 0;
 };
 

@@ -11,7 +11,7 @@
 namespace pliant {
 
 /// All that a term may know of time. The vectors are borrowed and hold the stage's start; rates inside a stage are
-/// v = (q - q0) / dt and a = (v - v0) / dt (docs: dynamics, "Mechanics: q alone is the unknown").
+/// v = (q - q0) / dt and a = (v - v0) / dt (docs/theory.md, "The incremental potential").
 ///
 /// On a configuration space that is not a vector space the unknown `q` and its start `q0` are coordinates around
 /// `centre` (time/space.hpp); terms of nodal positions need not care.

@@ -1,6 +1,5 @@
 #include "energy/equation/incremental_potential.hpp"
 
-#include "base/compensated_sum.hpp"
 #include "energy/function_of_sum.hpp"
 #include "energy/rigid/rigid_fit.hpp"
 #include "fem/components.hpp"
@@ -270,7 +269,9 @@ double IncrementalPotential::max_step(Vec q, Vec d) {
   const auto at = local(q, q_);
   const auto direction = local(d, d_);
   double mine = std::numeric_limits<double>::infinity();
-  for (const EnergyTerm* term : terms_) mine = std::min(mine, term->max_step(stage_, at, direction));
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    mine = std::min(mine, terms_[k]->max_step(stage_of(k), at, direction));
+  }
   return minimum(layout_.comm, mine);
 }
 
@@ -279,8 +280,9 @@ double IncrementalPotential::max_way(Vec q, Vec d) {
   if (std::ranges::none_of(terms_, [](const EnergyTerm* term) { return term->declaration().is_wall; })) return mine;
   const auto at = local(q, q_);
   const auto direction = local(d, d_);
-  for (const EnergyTerm* term : terms_) {
-    if (term->declaration().is_wall) mine = std::min(mine, term->max_step(stage_, at, direction));
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    if (!terms_[k]->declaration().is_wall) continue;
+    mine = std::min(mine, terms_[k]->max_step(stage_of(k), at, direction));
   }
   return minimum(layout_.comm, mine);
 }
@@ -309,7 +311,7 @@ bool IncrementalPotential::carry_along(Carried which, Vec q) {
   if (stage_.accepted.empty()) return false;
   std::vector<Vector3<double>> ways(stage_.accepted.size() / 3);
   std::vector<double> nearness(ways.size(), 0.0);
-  for (const EnergyTerm* term : terms_) term->carry_along(stage_, ways, nearness);
+  for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k]->carry_along(stage_of(k), ways, nearness);
   if (which == Carried::bodies) {
     // The mean way of what is nearest, of all ranks.
     std::vector<double> sums(4, 0.0);
@@ -354,88 +356,6 @@ std::vector<std::string> IncrementalPotential::non_potentials() const {
 Symmetry IncrementalPotential::symmetry() const {
   const auto is_unsymmetric = [](const EnergyTerm* t) { return t->declaration().symmetry == Symmetry::unsymmetric; };
   return std::ranges::any_of(terms_, is_unsymmetric) ? Symmetry::unsymmetric : Symmetry::symmetric;
-}
-
-std::vector<TermPower> IncrementalPotential::powers(Vec q, Vec v, Vec r) {
-  const auto at = evaluated_at(q);
-  constexpr std::size_t width = 6;  // exerted, dissipated, supplied, force
-  std::vector<double> mine(width * terms_.size(), 0.0);
-  check(VecZeroEntries(r));
-  for (std::size_t k = 0; k < terms_.size(); ++k) {
-    const GhostedView rows(work_.get());
-    std::fill(rows.span().begin(), rows.span().end(), 0.0);
-    terms_[k]->add_gradient(stage_of(k), at, rows.span());
-    double* const of_term = &mine[width * k];
-    of_term[1] = terms_[k]->dissipation(stage_of(k), at);
-    of_term[2] = terms_[k]->supply(stage_of(k), at);
-    const ConstArrayView velocity(v);
-    const ArrayView total(r);
-    CompensatedSum<double> power;
-    std::array<CompensatedSum<double>, 3> force;
-    for (PetscInt i = 0; i < 3 * layout_.num_owned_nodes; ++i) {
-      power.add(-rows.span()[i] * velocity[i]);
-      force[static_cast<std::size_t>(i % 3)].add(-rows.span()[i]);
-      total[i] += rows.span()[i];
-    }
-    of_term[0] = power.total();
-    for (std::size_t i = 0; i < 3; ++i) of_term[3 + i] = force[i].total();
-  }
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, mine.data(), static_cast<int>(mine.size()), MPI_DOUBLE, MPI_SUM, layout_.comm));
-  std::vector<TermPower> result;
-  for (std::size_t k = 0; k < terms_.size(); ++k) {
-    const double* const of_term = &mine[width * k];
-    result.push_back({of_term[0], of_term[1], of_term[2], {of_term[3], of_term[4], of_term[5]}});
-  }
-  return result;
-}
-
-std::vector<double> IncrementalPotential::energies(const Instant& instant, Vec q, Vec z) {
-  const auto at = local(q, q_);
-  std::vector<double> result;
-  for (std::size_t k = 0; k < terms_.size(); ++k) {
-    std::span<const double> own;
-    if (z != nullptr) {
-      const ConstArrayView values(z);
-      own = values.span().subspan(first_internal_[k], first_internal_[k + 1] - first_internal_[k]);
-    }
-    result.push_back(terms_[k]->energy_at(instant, at, own));
-  }
-  check_mpi(
-      MPI_Allreduce(MPI_IN_PLACE, result.data(), static_cast<int>(result.size()), MPI_DOUBLE, MPI_SUM, layout_.comm));
-  LocalStage here;  // a stage that starts at q
-  here.q0 = at;
-  add_up(here, at);
-  for (const std::size_t k : functions_of_sum_) {
-    result[k] += terms_[k]->function_of_sum()->energy_of_sum(sums_[k].total());
-  }
-  return result;
-}
-
-void IncrementalPotential::visit_stresses(const Instant& at, Vec q, Vec v, Vec z,
-                                          const std::function<void(StressPart, PetscInt, const CellStress&)>& visit) {
-  BodyState state{.at = at, .q = local(q, q_)};
-  if (v != nullptr) state.v = local(v, d_);
-  for (std::size_t k = 0; k < terms_.size(); ++k) {
-    const auto* term = dynamic_cast<const StressTerm*>(terms_[k]);
-    if (term == nullptr) continue;
-    state.z = {};
-    if (z != nullptr) {
-      const ConstArrayView values(z);
-      state.z = values.span().subspan(first_internal_[k], first_internal_[k + 1] - first_internal_[k]);
-    }
-    term->stresses(state, [&](PetscInt cell, const CellStress& stress) { visit(term->part(), cell, stress); });
-  }
-}
-
-double IncrementalPotential::supplied(const Instant& from, const Instant& to, Vec q) {
-  const auto is_concerned = [](const EnergyTerm* term) { return term->declaration().depends_on_time; };
-  if (std::ranges::none_of(terms_, is_concerned)) return 0.0;
-  const auto at = local(q, q_);
-  double mine = 0.0;
-  for (const EnergyTerm* term : terms_) {
-    if (is_concerned(term)) mine += term->energy_at(to, at, {}) - term->energy_at(from, at, {});
-  }
-  return sum(layout_.comm, mine);
 }
 
 Handle<Vec> IncrementalPotential::make_internal() const {

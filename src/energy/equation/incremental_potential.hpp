@@ -14,15 +14,16 @@
 
 namespace pliant {
 
-/// What the forces of a term do, over all ranks.
+/// What the forces of a term do, over all ranks: numbers of one kind that are summed as they lie.
 struct TermPower {
+  static constexpr std::size_t num_numbers = 6;
   double exerted = 0.0;     ///< by its forces, -dPhi_k/dq . v summed over all entries, prescribed ones included [W]
   double dissipated = 0.0;  ///< EnergyTerm::dissipation [W]
   double supplied = 0.0;    ///< EnergyTerm::supply [W]
   std::array<double, 3> force{};  ///< sum of its forces -dPhi_k/dq over all nodes [N]
 };
 
-/// Phi(q) = sum of terms(q); docs: dynamics, "Mechanics". Works on vectors of make_vector(layout).
+/// Phi(q) = sum of terms(q); docs/theory.md, "The incremental potential". Works on vectors of make_vector(layout).
 class IncrementalPotential final : public StageEquation {
  public:
   /// `prescribed`: one flag per local entry. The references and terms outlive the object.

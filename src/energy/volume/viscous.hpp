@@ -8,9 +8,9 @@
 ///     Phi(q) = int 1/2 (E - G0) : eta / (tau + dt) : (E - G0) dX
 ///     dissipation = int Gdot : eta : Gdot dX,   Gdot = (E - G0) / (tau + dt)
 ///
-/// (docs: dynamics, "Rates inside a stage"). The three forms of the rate of a dashpot alone differ in the reference
-/// strain G0: `secant` has E(q0), `reconstructed` takes G = E as one more variable of the method, `exact` puts sym(F^T
-/// (F - F0)) in the place of E - G0, and with it loses the potential.
+/// (docs/theory.md, "Strain rates and their orders"). The three forms of the rate of a dashpot alone differ in the
+/// reference strain G0: `secant` has E(q0), `reconstructed` takes G = E as one more variable of the method, `exact`
+/// puts sym(F^T (F - F0)) in the place of E - G0, and with it loses the potential.
 #pragma once
 
 #include "energy/term.hpp"
