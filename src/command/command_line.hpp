@@ -1,0 +1,77 @@
+/// The commands of the program and their options.
+#pragma once
+
+#include "command/commands.hpp"
+#include "command/report.hpp"
+#include "study/converge.hpp"
+#include "study/sweep.hpp"
+
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace pliant {
+
+/// Reads the command line and runs the command that it names. All methods are collective.
+class CommandLine {
+ public:
+  /// `of_sweep`: what a sweep hands on to its runs, the options of PETSc among it. Throws InputError for words among
+  /// them that belong to no option.
+  CommandLine(MPI_Comm comm, const SweepOptions& of_sweep);
+  CommandLine(const CommandLine&) = delete;  // callbacks refer to the object
+  CommandLine& operator=(const CommandLine&) = delete;
+
+  /// The exit code of the command, or that after help, version or a mistake.
+  ExitCode operator()(int argc, const char* const* argv);
+
+ private:
+  struct Arguments {
+    std::string file;
+    std::vector<std::string> settings;
+    std::string output;
+    std::array<double, 2> stretches{0.6, 2.0};
+    bool quiet = false;
+    bool markdown = false;
+    bool continues = false;
+    StudyOptions study;
+    Conversion conversion;
+    SweepOptions sweep;
+    ReportOptions report;
+    std::string refine;
+    std::vector<std::string> words;
+    bool accepts_any_order = false;
+
+    /// Throws InputError for what is no KEY.PATH=VALUE.
+    std::vector<Override> overrides() const;
+  };
+
+  void add_input(CLI::App& to);
+  void add_output(CLI::App& to, const std::string& what);
+  /// A command that prints a text.
+  CLI::App& add_text(const char* name, const char* what, std::function<std::string()> text);
+  void add_run();
+  void add_resume();
+  void add_info();
+  void add_report();
+  void add_check();
+  void add_converge();
+  void add_sweep();
+  void add_mesh();
+  void add_methods();
+  void add_materials();
+  void add_schema();
+  /// Help, completion and the page for man.
+  void add_help();
+
+  MPI_Comm comm_;
+  bool speaks_;
+  Arguments arguments_;
+  CLI::App app_;
+  std::function<void()> command_;  // that was named
+  ExitCode result_ = ExitCode::done;
+};
+
+}  // namespace pliant
