@@ -306,68 +306,17 @@ FormulaTree::Number FormulaTree::of_many(const Node& node, const std::vector<Num
   return {share * result.value, share * result.rate, share * result.acceleration, share * result.side};
 }
 
-FormulaTree::Number FormulaTree::function(const Node& node, const std::vector<Number>& known) {
-  const Number a = known[node.arguments[0]];
-  const Number b = node.arguments.size() > 1 ? known[node.arguments[1]] : Number{};
-  // g(a) by its value, derivatives, and value at the side; what is constant is so even where g has no slope.
-  const auto of_a = [&](double value, double first, double second, double side) {
-    if (a.rate == 0.0 && a.acceleration == 0.0) return Number{value, 0.0, 0.0, side};
-    return Number{value, first * a.rate, second * a.rate * a.rate + first * a.acceleration, side};
-  };
-  // Of the same value on either side of t.
-  const auto step = [](double value) { return Number{value, 0.0, 0.0, value}; };
-  const auto truth = [&](bool value) { return step(value ? 1.0 : 0.0); };
+FormulaTree::Number FormulaTree::chain(const Number& a, double value, double first, double second, double side) {
+  if (a.rate == 0.0 && a.acceleration == 0.0) return {value, 0.0, 0.0, side};
+  return {value, first * a.rate, second * a.rate * a.rate + first * a.acceleration, side};
+}
+
+FormulaTree::Number FormulaTree::elementary(Op op, const Number& a) {
   const double f = a.value;
-  switch (node.op) {
-    case Op::negate:
-      return {-f, -a.rate, -a.acceleration, -a.side};
-    case Op::add:
-      return {f + b.value, a.rate + b.rate, a.acceleration + b.acceleration, a.side + b.side};
-    case Op::subtract:
-      return {f - b.value, a.rate - b.rate, a.acceleration - b.acceleration, a.side - b.side};
-    case Op::multiply:
-      return {f * b.value, a.rate * b.value + f * b.rate,
-              a.acceleration * b.value + 2.0 * a.rate * b.rate + f * b.acceleration, a.side * b.side};
-    case Op::divide: {
-      const double q = f / b.value, rate = (a.rate - q * b.rate) / b.value;
-      return {q, rate, (a.acceleration - 2.0 * rate * b.rate - q * b.acceleration) / b.value, a.side / b.side};
-    }
-    case Op::power: {
-      const double p = b.value, value = std::pow(f, p), side = std::pow(a.side, b.side);
-      if (b.rate == 0.0 && b.acceleration == 0.0) {
-        const double first = p == 0.0 ? 0.0 : p * std::pow(f, p - 1.0);
-        const double second = p == 0.0 || p == 1.0 ? 0.0 : p * (p - 1.0) * std::pow(f, p - 2.0);
-        return of_a(value, first, second, side);
-      }
-      // exp(l), l = b ln(a)
-      const double log = std::log(f), relative = a.rate / f;
-      const double rate = b.rate * log + p * relative;
-      const double acceleration =
-          b.acceleration * log + 2.0 * b.rate * relative + p * (a.acceleration / f - relative * relative);
-      return {value, value * rate, value * (rate * rate + acceleration), side};
-    }
-    case Op::less:
-      return truth(a.side < b.side);
-    case Op::less_equal:
-      return truth(a.side <= b.side);
-    case Op::greater:
-      return truth(a.side > b.side);
-    case Op::greater_equal:
-      return truth(a.side >= b.side);
-    case Op::equal:
-      return truth(a.side == b.side);
-    case Op::unequal:
-      return truth(a.side != b.side);
-    case Op::both:
-      return truth(a.side != 0.0 && b.side != 0.0);
-    case Op::either:
-      return truth(a.side != 0.0 || b.side != 0.0);
-    case Op::sign:
-      return step(a.side < 0.0 ? -1.0 : (a.side > 0.0 ? 1.0 : 0.0));
-    case Op::rint:
-      return step(std::floor(a.side + 0.5));
-    case Op::abs:
-      return std::signbit(a.side) ? Number{-f, -a.rate, -a.acceleration, -a.side} : a;
+  const auto of_a = [&](double value, double first, double second, double side) {
+    return chain(a, value, first, second, side);
+  };
+  switch (op) {
     case Op::sin:
       return of_a(std::sin(f), std::cos(f), -std::sin(f), std::sin(a.side));
     case Op::cos:
@@ -387,14 +336,6 @@ FormulaTree::Number FormulaTree::function(const Node& node, const std::vector<Nu
     case Op::atan: {
       const double c = 1.0 / (1.0 + f * f);
       return of_a(std::atan(f), c, -2.0 * f * c * c, std::atan(a.side));
-    }
-    case Op::atan2: {
-      const double square = f * f + b.value * b.value;
-      const double turned = b.value * a.rate - f * b.rate;
-      const double along = b.value * b.rate + f * a.rate;
-      return {std::atan2(f, b.value), turned / square,
-              (b.value * a.acceleration - f * b.acceleration) / square - 2.0 * turned * along / (square * square),
-              std::atan2(a.side, b.side)};
     }
     case Op::sinh:
       return of_a(std::sinh(f), std::cosh(f), std::sinh(f), std::sinh(a.side));
@@ -431,6 +372,76 @@ FormulaTree::Number FormulaTree::function(const Node& node, const std::vector<Nu
     }
     default:
       return {};
+  }
+}
+
+FormulaTree::Number FormulaTree::function(const Node& node, const std::vector<Number>& known) {
+  const Number a = known[node.arguments[0]];
+  const Number b = node.arguments.size() > 1 ? known[node.arguments[1]] : Number{};
+  // Of the same value on either side of t.
+  const auto step = [](double value) { return Number{value, 0.0, 0.0, value}; };
+  const auto truth = [&](bool value) { return step(value ? 1.0 : 0.0); };
+  const double f = a.value;
+  switch (node.op) {
+    case Op::negate:
+      return {-f, -a.rate, -a.acceleration, -a.side};
+    case Op::add:
+      return {f + b.value, a.rate + b.rate, a.acceleration + b.acceleration, a.side + b.side};
+    case Op::subtract:
+      return {f - b.value, a.rate - b.rate, a.acceleration - b.acceleration, a.side - b.side};
+    case Op::multiply:
+      return {f * b.value, a.rate * b.value + f * b.rate,
+              a.acceleration * b.value + 2.0 * a.rate * b.rate + f * b.acceleration, a.side * b.side};
+    case Op::divide: {
+      const double q = f / b.value, rate = (a.rate - q * b.rate) / b.value;
+      return {q, rate, (a.acceleration - 2.0 * rate * b.rate - q * b.acceleration) / b.value, a.side / b.side};
+    }
+    case Op::power: {
+      const double p = b.value, value = std::pow(f, p), side = std::pow(a.side, b.side);
+      if (b.rate == 0.0 && b.acceleration == 0.0) {
+        const double first = p == 0.0 ? 0.0 : p * std::pow(f, p - 1.0);
+        const double second = p == 0.0 || p == 1.0 ? 0.0 : p * (p - 1.0) * std::pow(f, p - 2.0);
+        return chain(a, value, first, second, side);
+      }
+      // exp(l), l = b ln(a)
+      const double log = std::log(f), relative = a.rate / f;
+      const double rate = b.rate * log + p * relative;
+      const double acceleration =
+          b.acceleration * log + 2.0 * b.rate * relative + p * (a.acceleration / f - relative * relative);
+      return {value, value * rate, value * (rate * rate + acceleration), side};
+    }
+    case Op::less:
+      return truth(a.side < b.side);
+    case Op::less_equal:
+      return truth(a.side <= b.side);
+    case Op::greater:
+      return truth(a.side > b.side);
+    case Op::greater_equal:
+      return truth(a.side >= b.side);
+    case Op::equal:
+      return truth(a.side == b.side);
+    case Op::unequal:
+      return truth(a.side != b.side);
+    case Op::both:
+      return truth(a.side != 0.0 && b.side != 0.0);
+    case Op::either:
+      return truth(a.side != 0.0 || b.side != 0.0);
+    case Op::sign:
+      return step(a.side < 0.0 ? -1.0 : (a.side > 0.0 ? 1.0 : 0.0));
+    case Op::rint:
+      return step(std::floor(a.side + 0.5));
+    case Op::abs:
+      return std::signbit(a.side) ? Number{-f, -a.rate, -a.acceleration, -a.side} : a;
+    case Op::atan2: {
+      const double square = f * f + b.value * b.value;
+      const double turned = b.value * a.rate - f * b.rate;
+      const double along = b.value * b.rate + f * a.rate;
+      return {std::atan2(f, b.value), turned / square,
+              (b.value * a.acceleration - f * b.acceleration) / square - 2.0 * turned * along / (square * square),
+              std::atan2(a.side, b.side)};
+    }
+    default:
+      return elementary(node.op, a);
   }
 }
 

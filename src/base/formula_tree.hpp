@@ -104,6 +104,10 @@ class FormulaTree {
   std::vector<Number> evaluate(const Place& place) const;
   static Number evaluate(const Node& node, const Place& place, const std::vector<Number>& known);
   static Number function(const Node& node, const std::vector<Number>& known);
+  /// Of one argument, smooth but for single places.
+  static Number elementary(Op op, const Number& a);
+  /// g(a) by its value, derivatives, and value at the side; what is constant is so even where g has no slope.
+  static Number chain(const Number& a, double value, double first, double second, double side);
   static Number of_many(const Node& node, const std::vector<Number>& known);
   static double branch(const Node& node, const std::vector<Number>& known);
 

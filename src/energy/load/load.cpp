@@ -14,14 +14,6 @@ namespace {
 
 using Place = std::array<double, 3>;
 
-double norm(const Place& x) {
-  return std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
-}
-
-Place cross(const Place& a, const Place& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
 /// Volume, area or length per reference measure, from the columns dX/dxi_k.
 template <std::size_t Dim>
 double measure(const std::array<Place, Dim>& columns) {
