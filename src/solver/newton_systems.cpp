@@ -114,7 +114,7 @@ void NewtonSolver::factorize(Vec q) {
   check(KSPSetOperators(ksp, rank_one_system_ ? rank_one_system_->matrix() : K_.get(), K_.get()));
   if (rotations_) rotations_->start(equation_.displacements(q));
   ++statistics_.factorizations;
-  factor_is_wanted_ = !may_keep_factor_;
+  factor_is_wanted_ = factor_failed_ || !may_keep_factor_;
   factor_is_current_ = true;
   excess_iterations_ = 0.0;
 }

@@ -257,6 +257,22 @@ TEST_F(Residual, TheResidualFallsAtEveryStep) {
   }
 }
 
+// A matrix without an inverse is a stage without a solution, the second time too.
+TEST_F(Residual, SingularMatricesAreTold) {
+  SmallFunction function;
+  function.n = 2;
+  function.residual = [](std::span<const double>) { return std::vector{1.0, 2.0}; };
+  function.tangent = [](std::span<const double>) { return std::vector{0.0, 0.0, 0.0, 0.0}; };
+  SmallEquation equation(comm, function);
+  NewtonSolver solver(equation, {}, LinearKind::cholesky);
+  const auto q0 = equation.make_vector(), v0 = equation.make_vector(), q = equation.make_vector();
+  for (int time = 0; time < 3; ++time) {
+    const auto report = solver.solve({1.0, 1.0, q0.get(), v0.get()}, q.get());
+    EXPECT_EQ(report.outcome, StageOutcome::retry);
+    EXPECT_NE(report.reason.find("singular"), std::string::npos) << report.reason;
+  }
+}
+
 // A pressure on the tip that a full step answers by turning cells inside out.
 TEST_F(Residual, StepsThatWouldInvertAreCapped) {
   ProblemSpec spec;
