@@ -33,8 +33,9 @@ ROOMS = {
         "load": "",
         "contact": "",
         "rigid": "",
+        "pairs": "",
         "constraint": "rigid volume",
-        "equation": "constraint rigid volume",
+        "equation": "constraint pairs rigid volume",
     },
 }
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]')

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/vector3.hpp"
+#include "energy/coupling.hpp"
 #include "fem/block_matrix.hpp"
 
 #include <array>
@@ -10,8 +11,6 @@
 #include <string_view>
 
 namespace pliant {
-
-class FunctionOfSum;
 
 /// A number S summed over all ranks (energy/function_of_sum.hpp).
 struct SumOverRanks {
@@ -22,13 +21,14 @@ struct SumOverRanks {
 
 /// A stage as the terms see it: StagePoint with the arrays of this rank, owned nodes first, then ghosts, xyz per node.
 struct LocalStage {
-  double time = 0.0;                ///< t_i [s]
-  double dt = 0.0;                  ///< dt_i [s]
-  double load_factor = 1.0;         ///< multiplies loads
-  std::span<const double> q0 = {};  ///< stage-start displacement [m]
-  std::span<const double> v0 = {};  ///< stage-start velocity [m/s]
-  std::span<const double> z0 = {};  ///< the term's own internal variables at the stage's start
-  SumOverRanks sum = {};            ///< of a FunctionOfSum, at the q of the call
+  double time = 0.0;                  ///< t_i [s]
+  double dt = 0.0;                    ///< dt_i [s]
+  double load_factor = 1.0;           ///< multiplies loads
+  std::span<const double> q0 = {};    ///< stage-start displacement [m]
+  std::span<const double> v0 = {};    ///< stage-start velocity [m/s]
+  std::span<const double> z0 = {};    ///< the term's own internal variables at the stage's start
+  SumOverRanks sum = {};              ///< of a FunctionOfSum, at the q of the call
+  const NearPatches* near = nullptr;  ///< of a PairCoupling, at the q of the call (and along its direction)
   /// Displacement at which coefficients of terms that refreeze are frozen, at t_i; empty: they follow the q of the
   /// call.
   std::span<const double> frozen = {};
@@ -46,10 +46,11 @@ struct LocalStage {
   std::span<const double> reference() const { return accepted.empty() ? q0 : accepted; }
 };
 
-/// What of time an energy may depend on by itself.
+/// What an energy may depend on besides the configuration.
 struct Instant {
-  double time = 0.0;         ///< [s]
-  double load_factor = 1.0;  ///< LocalStage::load_factor
+  double time = 0.0;                  ///< [s]
+  double load_factor = 1.0;           ///< LocalStage::load_factor
+  const NearPatches* near = nullptr;  ///< LocalStage::near
 };
 inline Instant instant_of(const LocalStage& stage) {
   return {stage.time, stage.load_factor};
@@ -96,8 +97,9 @@ struct DragBound {
 };
 
 /// One contribution to the incremental potential of a stage (docs/theory.md, "The incremental potential"). The arrays
-/// span all local nodes; a term adds to the rows of owned nodes completely (what it leaves in ghost rows is ignored),
-/// and counts energies of owned cells and nodes only, so that a sum over ranks is the total. No method is collective.
+/// span all local nodes, and those of patches of other ranks if it couples pairs; a term adds to the rows of owned
+/// nodes completely (what it leaves in ghost rows is ignored), and counts energies of owned cells and nodes only, so
+/// that a sum over ranks is the total. No method is collective.
 class EnergyTerm {
  public:
   virtual ~EnergyTerm() = default;
@@ -147,8 +149,8 @@ class EnergyTerm {
   /// at q, on this rank.
   virtual DragBound bound(const LocalStage& /*stage*/, std::span<const double> /*q*/) const { return {}; }
 
-  /// The term as a function of one number of all ranks, if it is one.
-  virtual const FunctionOfSum* function_of_sum() const { return nullptr; }
+  /// What it couples. The same at all times.
+  virtual Coupling coupling() const { return CellCoupling{}; }
 
   /// Of a barrier that moves: how far it takes the places of the local nodes at LocalStage::accepted with it since the
   /// step's start, and for how near it each is, 1 where it would be met. Both are left where another is nearer.

@@ -10,19 +10,28 @@
 
 namespace pliant {
 
-BlockPattern::BlockPattern(const NodeLayout& layout) : num_owned_nodes_(layout.num_owned_nodes) {
+BlockPattern::BlockPattern(const NodeLayout& layout) : BlockPattern(layout, FarCouplings{}) {}
+
+BlockPattern::BlockPattern(const NodeLayout& layout, const FarCouplings& far)
+    : num_owned_nodes_(layout.num_owned_nodes),
+      first_global_node_(layout.first_global_node),
+      other_globals_(layout.ghost_global_nodes) {
+  other_globals_.insert(other_globals_.end(), far.globals.begin(), far.globals.end());
   const NodeGraph graph =
       node_graph(layout.cell_nodes, layout.nodes_per_cell, layout.num_local_nodes, layout.num_owned_nodes);
+  std::vector<std::pair<PetscInt, PetscInt>> more = far.pairs;
+  std::ranges::sort(more);
+  auto next = more.begin();
   diagonal_.offsets.assign(1, 0);
   off_diagonal_.offsets.assign(1, 0);
   for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
-    for (PetscInt k = graph.offsets[n]; k < graph.offsets[n + 1]; ++k) {
-      const PetscInt m = graph.neighbours[k];
-      (m < layout.num_owned_nodes ? diagonal_ : off_diagonal_).nodes.push_back(m);
-    }
-    // Within either part ascending local numbers are ascending global ones.
+    const auto add = [&](PetscInt m) { (m < num_owned_nodes_ ? diagonal_ : off_diagonal_).nodes.push_back(m); };
+    for (PetscInt k = graph.offsets[n]; k < graph.offsets[n + 1]; ++k) add(graph.neighbours[k]);
+    for (; next != more.end() && next->first == n; ++next) add(next->second);
     for (Rows* part : {&diagonal_, &off_diagonal_}) {
-      std::sort(part->nodes.begin() + part->offsets.back(), part->nodes.end());
+      const auto first = part->nodes.begin() + part->offsets.back();
+      std::sort(first, part->nodes.end(), [&](PetscInt a, PetscInt b) { return global_node(a) < global_node(b); });
+      part->nodes.erase(std::unique(first, part->nodes.end()), part->nodes.end());
       part->offsets.push_back(static_cast<PetscInt>(part->nodes.size()));
     }
     own_blocks_.push_back(block(n, n));
@@ -35,12 +44,24 @@ BlockPattern::BlockPattern(const NodeLayout& layout) : num_owned_nodes_(layout.n
   }
 }
 
+std::vector<PetscInt>::const_iterator BlockPattern::find(const Rows& part, PetscInt row_node,
+                                                         PetscInt column_node) const {
+  const auto begin = part.nodes.begin() + part.offsets[row_node], end = part.nodes.begin() + part.offsets[row_node + 1];
+  return std::lower_bound(begin, end, global_node(column_node),
+                          [&](PetscInt node, PetscInt global) { return global_node(node) < global; });
+}
+
 std::int32_t BlockPattern::block(PetscInt row_node, PetscInt column_node) const {
   const bool owned_column = column_node < num_owned_nodes_;
   const Rows& part = owned_column ? diagonal_ : off_diagonal_;
-  const auto begin = part.nodes.begin() + part.offsets[row_node], end = part.nodes.begin() + part.offsets[row_node + 1];
-  const auto number = static_cast<std::int32_t>(std::lower_bound(begin, end, column_node) - part.nodes.begin());
+  const auto number = static_cast<std::int32_t>(find(part, row_node, column_node) - part.nodes.begin());
   return owned_column ? number : -1 - number;
+}
+
+bool BlockPattern::contains(PetscInt row_node, PetscInt column_node) const {
+  const Rows& part = column_node < num_owned_nodes_ ? diagonal_ : off_diagonal_;
+  const auto place = find(part, row_node, column_node);
+  return place != part.nodes.begin() + part.offsets[row_node + 1] && *place == column_node;
 }
 
 Handle<Mat> make_matrix(const NodeLayout& layout, const BlockPattern& pattern) {
@@ -55,7 +76,7 @@ Handle<Mat> make_matrix(const NodeLayout& layout, const BlockPattern& pattern) {
     nodes.clear();
     for (const auto* part : {&diagonal, &off_diagonal}) {
       for (PetscInt k = part->offsets[n]; k < part->offsets[n + 1]; ++k) {
-        nodes.push_back(layout.global_node(part->nodes[k]));
+        nodes.push_back(pattern.global_node(part->nodes[k]));
       }
     }
     std::sort(nodes.begin(), nodes.end());
@@ -156,6 +177,33 @@ void BlockWriter::finish() {
 void BlockWriter::zero() {
   std::fill_n(diagonal_, diagonal_size_, 0.0);
   std::fill_n(off_diagonal_, off_diagonal_size_, 0.0);
+}
+
+void BlockWriter::add(PetscInt row_node, PetscInt column_node, std::span<const double, 9> block) const {
+  if (row_node >= pattern_.num_owned_nodes()) return;
+  const auto [values, stride] = this->block(row_node, pattern_.block(row_node, column_node));
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) values[i * stride + j] += block[3 * i + j];
+  }
+}
+
+void BlockWriter::add(const BlockPattern& pattern, Mat matrix) const {
+  const BlockWriter from(pattern, matrix);
+  const auto add_part = [&](const BlockPattern::Rows& blocks, const BlockPattern::Rows& among, bool is_diagonal) {
+    const auto numbered = [is_diagonal](PetscInt k) { return static_cast<std::int32_t>(is_diagonal ? k : -1 - k); };
+    for (PetscInt n = 0; n < pattern.num_owned_nodes(); ++n) {
+      PetscInt place = among.offsets[n];
+      for (PetscInt k = blocks.offsets[n]; k < blocks.offsets[n + 1]; ++k) {
+        while (among.nodes[place] != blocks.nodes[k]) ++place;  // both ascend
+        const Block source = from.block(n, numbered(k)), target = block(n, numbered(place));
+        for (int i = 0; i < 3; ++i) {
+          for (int j = 0; j < 3; ++j) target.values[i * target.stride + j] += source.values[i * source.stride + j];
+        }
+      }
+    }
+  };
+  add_part(pattern.diagonal(), pattern_.diagonal(), true);
+  add_part(pattern.off_diagonal(), pattern_.off_diagonal(), false);
 }
 
 void BlockWriter::copy_diagonal(std::span<double> diagonal) const {

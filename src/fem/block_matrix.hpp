@@ -6,19 +6,35 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace pliant {
 
-/// The pattern "nodes that share a cell" and, for a list of cells, where their blocks lie in it.
+/// Nodes of other ranks that no cell of this rank has, and which nodes couple beside those that share a cell.
+struct FarCouplings {
+  std::vector<PetscInt> globals;                     ///< global numbers of the far nodes, ascending
+  std::vector<std::pair<PetscInt, PetscInt>> pairs;  ///< owned node, local node; far nodes count after the layout's
+};
+
+/// The sparsity pattern "nodes that share a cell", with further couplings where there are any, and where the block of a
+/// pair of nodes lies in it.
 /// A rank holds the rows of its owned nodes, split as PETSc's MPIAIJ does: the block of owned columns, and the rest.
 class BlockPattern {
  public:
   explicit BlockPattern(const NodeLayout& layout);  ///< throws InputError for more blocks than integers count
+  BlockPattern(const NodeLayout& layout, const FarCouplings& far);
 
   /// Block number of (row node, column node): >= 0 counts blocks of the owned columns, < 0 means -1 - (number among
-  /// the others). The row must be owned.
+  /// the others). The row must be owned, and the pair in the pattern.
   std::int32_t block(PetscInt row_node, PetscInt column_node) const;
+  bool contains(PetscInt row_node, PetscInt column_node) const;
+  /// The global number of a local node; far nodes count after the ghosts of the layout.
+  PetscInt global_node(PetscInt local_node) const {
+    return local_node < num_owned_nodes_ ? first_global_node_ + local_node
+                                         : other_globals_[local_node - num_owned_nodes_];
+  }
+  PetscInt num_owned_nodes() const { return num_owned_nodes_; }
 
   struct Rows {
     std::vector<PetscInt> offsets;  ///< blocks before each owned node's row, num_owned_nodes + 1
@@ -30,10 +46,14 @@ class BlockPattern {
   std::span<const PetscInt> own_blocks() const { return own_blocks_; }
 
  private:
+  /// Where the column is, or would be, among the blocks of its part.
+  std::vector<PetscInt>::const_iterator find(const Rows& part, PetscInt row_node, PetscInt column_node) const;
+
   Rows diagonal_;
   Rows off_diagonal_;
   std::vector<PetscInt> own_blocks_;
-  PetscInt num_owned_nodes_;
+  PetscInt num_owned_nodes_, first_global_node_;
+  std::vector<PetscInt> other_globals_;  // of ghosts, then of far nodes
 };
 
 /// Write access to the values of a matrix made by `make_matrix`, until `finish` or the end of the scope.
@@ -69,6 +89,10 @@ class BlockWriter {
             3 * (diagonal_offsets_[node + 1] - before), 3 * (off_diagonal_offsets_[node + 1] - before_off)};
   }
   void zero();
+  /// Adds a block, by rows, where its place has not been found once and for all; nothing in rows of other ranks.
+  void add(PetscInt row_node, PetscInt column_node, std::span<const double, 9> block) const;
+  /// Adds the values of a matrix whose pattern is a part of this one.
+  void add(const BlockPattern& pattern, Mat matrix) const;
   /// The diagonal of the matrix, xyz per owned node.
   void copy_diagonal(std::span<double> diagonal) const;
   /// Ends the access and declares the matrix changed and assembled. Collective.
@@ -100,7 +124,7 @@ std::vector<Handle<Vec>> rigid_body_modes(const NodeLayout& layout, std::span<co
 /// given value.
 class RowElimination {
  public:
-  /// `is_prescribed`: one flag per local entry (3 per local node, ghosts included).
+  /// `is_prescribed`: one flag per local entry (3 per local node, ghosts and the pattern's far nodes included).
   RowElimination(const NodeLayout& layout, const BlockPattern& pattern, std::span<const char> is_prescribed);
   /// Not collective; `diagonal` should be of the size of the other diagonal entries.
   void apply(const BlockWriter& writer, double diagonal) const;

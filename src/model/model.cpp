@@ -315,8 +315,8 @@ void Model::prepare(const Config& config) {
   if (!pressures_) return;
   check(VecSet(pressures_->values(), 0.0));
   update_ghosts(pressures_->values());
-  mixed_equation_ = std::make_unique<MixedEquation>(*potential_, layout_, *pattern_, mixed_, *pressures_,
-                                                    constraints_->rigid_parts());
+  mixed_equation_ =
+      std::make_unique<MixedEquation>(*potential_, layout_, mixed_, *pressures_, constraints_->rigid_parts());
 }
 
 StageEquation& Model::equation() {

@@ -52,6 +52,9 @@ inline PetscErrorCode destroy(PetscSF* x) {
 inline PetscErrorCode destroy(DMPlexTransform* x) {
   return DMPlexTransformDestroy(x);
 }
+inline PetscErrorCode destroy(PetscLayout* x) {
+  return PetscLayoutDestroy(x);
+}
 inline PetscErrorCode destroy(MatNullSpace* x) {
   return MatNullSpaceDestroy(x);
 }
@@ -82,6 +85,9 @@ class Handle {
     if (object_ != nullptr) check(destroy(&object_));
     return &object_;
   }
+
+  /// Gives the object up to the caller.
+  T release() { return std::exchange(object_, nullptr); }
 
   /// A second owner of the same object.
   Handle share() const {

@@ -1,6 +1,7 @@
 #include "solver/linear.hpp"
 
 #include "petsc/callback.hpp"
+#include "petsc/matrix_pattern.hpp"
 
 #include <algorithm>
 #include <dmumps_c.h>
@@ -110,7 +111,7 @@ class Factorization {
 
   void set_up(Mat K) {
     if (!multigrid_) factorize(K);
-    if (outcome_ == SetUp::out_of_memory) make_multigrid(K);
+    if (outcome_ == SetUp::out_of_memory || (multigrid_ && pattern_of_multigrid_ != pattern_id(K))) make_multigrid(K);
     if (!multigrid_) return;
     check(MatCopy(K, of_multigrid_.get(), SAME_NONZERO_PATTERN));
     check(PCSetOperators(multigrid_.get(), of_multigrid_.get(), of_multigrid_.get()));
@@ -157,7 +158,7 @@ class Factorization {
 
   void factorize(Mat K) {
     if (!single_) {
-      if (!double_) make_double(K);
+      if (!double_ || pattern_of_double_ != pattern_id(K)) make_double(K);
       outcome_ = set_up_with_workspace(double_.get(), K, ordering_);
       return;
     }
@@ -178,6 +179,7 @@ class Factorization {
   }
 
   void make_double(Mat K) {
+    pattern_of_double_ = pattern_id(K);
     check(PCCreate(PetscObjectComm(reinterpret_cast<PetscObject>(K)), double_.out()));
     use_double_precision(double_.get(), symmetry_);
     check(PCSetOperators(double_.get(), K, K));
@@ -188,6 +190,7 @@ class Factorization {
   void make_multigrid(Mat K) {
     single_.reset();
     double_ = {};
+    pattern_of_multigrid_ = pattern_id(K);
     check(MatDuplicate(K, MAT_COPY_VALUES, of_multigrid_.out()));
     check(MatPropagateSymmetryOptions(K, of_multigrid_.get()));
     MatNullSpace near = nullptr;
@@ -201,7 +204,9 @@ class Factorization {
   // One of them.
   std::optional<SingleFactorization> single_;
   Handle<PC> double_, multigrid_;
+  PetscObjectId pattern_of_double_ = 0;
   Handle<Mat> of_multigrid_;
+  PetscObjectId pattern_of_multigrid_ = 0;
   SetUp outcome_ = SetUp::singular;
   int ordering_ = pord;
 };
@@ -249,6 +254,16 @@ void use_factorization(PC pc, Symmetry symmetry) {
   check(PCShellSetDestroy(pc, destroy_callback));
 }
 
+/// P^T K P, with the rigid-body modes as functions of the coarse space.
+Handle<Mat> coarse_operator(Mat K, Mat P, MatNullSpace near_null) {
+  Handle<Mat> linear;
+  check(MatPtAP(K, P, MAT_INITIAL_MATRIX, PETSC_DEFAULT, linear.out()));
+  check(MatSetOption(linear.get(), MAT_SYMMETRIC, PETSC_TRUE));
+  check(MatSetOption(linear.get(), MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
+  check(MatSetNearNullSpace(linear.get(), near_null));
+  return linear;
+}
+
 /// Two levels, quadratic and linear elements: Chebyshev smoothing on the first (Adams et al. 2003, "Parallel multigrid
 /// smoothing: polynomial versus Gauss-Seidel"), on the second a factorization, or algebraic multigrid where that is too
 /// large.
@@ -266,11 +281,7 @@ void use_p_multigrid(PC pc, Mat K, const Coarsening& coarsening) {
   check(PCSetType(of_smoother, PCJACOBI));
   check(PCMGGetCoarseSolve(pc, &coarse));
   check(KSPSetType(coarse, KSPPREONLY));
-  Handle<Mat> linear;
-  check(MatPtAP(K, P, MAT_INITIAL_MATRIX, PETSC_DEFAULT, linear.out()));
-  check(MatSetOption(linear.get(), MAT_SYMMETRIC, PETSC_TRUE));
-  check(MatSetOption(linear.get(), MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
-  check(MatSetNearNullSpace(linear.get(), coarsening.near_null.get()));
+  const Handle<Mat> linear = coarse_operator(K, P, coarsening.near_null.get());
   check(KSPSetOperators(coarse, linear.get(), linear.get()));
   check(KSPGetPC(coarse, &of_coarse));
   PetscInt num_unknowns = 0;
@@ -282,19 +293,31 @@ void use_p_multigrid(PC pc, Mat K, const Coarsening& coarsening) {
   }
 }
 
-/// The operator of the coarse level follows that of the fine one; PCs without levels of their own are left alone.
-void update_coarse_level(PC pc, Mat K) {
+bool is_p_multigrid(PC pc) {
   PetscBool is_multigrid = PETSC_FALSE;
   check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCMG, &is_multigrid));
   PetscInt num_levels = 0;
   if (is_multigrid) check(PCMGGetLevels(pc, &num_levels));
-  if (num_levels != 2) return;
+  return num_levels == 2;
+}
+
+/// The operator of the coarse level follows that of the fine one; PCs without levels of their own are left alone.
+void update_coarse_level(PC pc, Mat K, bool is_new_pattern) {
+  if (!is_p_multigrid(pc)) return;
   Mat P = nullptr, linear = nullptr;
   KSP coarse = nullptr;
   check(PCMGGetInterpolation(pc, 1, &P));
   check(PCMGGetCoarseSolve(pc, &coarse));
   check(KSPGetOperators(coarse, &linear, nullptr));
-  check(MatPtAP(K, P, MAT_REUSE_MATRIX, PETSC_DEFAULT, &linear));
+  Handle<Mat> renewed;
+  if (is_new_pattern) {
+    MatNullSpace near_null = nullptr;
+    check(MatGetNearNullSpace(linear, &near_null));
+    renewed = coarse_operator(K, P, near_null);
+    linear = renewed.get();
+  } else {
+    check(MatPtAP(K, P, MAT_REUSE_MATRIX, PETSC_DEFAULT, &linear));
+  }
   check(KSPSetOperators(coarse, linear, linear));
 }
 
@@ -361,8 +384,14 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
 
 SetUp set_up_preconditioner(PC pc, Mat K) {
   check(PCSetReusePreconditioner(pc, PETSC_FALSE));
+  const bool is_new_pattern = takes_new_pattern(reinterpret_cast<PetscObject>(pc), K);
+  // Its own multigrid keeps its levels; of PETSc's preconditioners nothing would fit the new pattern.
+  if (is_new_pattern && factorization_of(pc) == nullptr && !is_p_multigrid(pc)) {
+    check(PCReset(pc));
+    control_mumps(pc, K, first_workspace);
+  }
   check(PCSetOperators(pc, K, K));
-  update_coarse_level(pc, K);
+  update_coarse_level(pc, K, is_new_pattern);
   SetUp outcome = SetUp::sound;
   if (const Factorization* factorization = factorization_of(pc)) {
     check(PCSetUp(pc));

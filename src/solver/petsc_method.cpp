@@ -39,7 +39,7 @@ std::optional<std::string> why_not(const IncrementalPotential& potential) {
     if (term->declaration().has_frozen_coefficients || term->declaration().refreezes) {
       return fmt::format("the term `{}` freezes coefficients in every stage, which PETSc does not have", term->name());
     }
-    if (term->function_of_sum() != nullptr) {
+    if (std::holds_alternative<const FunctionOfSum*>(term->coupling())) {
       return fmt::format("the term `{}` couples all unknowns of its surface, which PETSc's Newton would assemble",
                          term->name());
     }

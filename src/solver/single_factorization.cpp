@@ -2,6 +2,7 @@
 
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
+#include "petsc/matrix_pattern.hpp"
 
 #include <algorithm>
 #include <array>
@@ -72,6 +73,11 @@ SingleFactorization::SingleFactorization(SingleFactorization&&) noexcept = defau
 SingleFactorization& SingleFactorization::operator=(SingleFactorization&&) noexcept = default;
 
 void SingleFactorization::analyse(Mat K) {
+  mumps_.reset();
+  analysed_ = pattern_id(K);
+  rows_.clear();
+  columns_.clear();
+  rhs_rows_.clear();
   const auto comm = PetscObjectComm(reinterpret_cast<PetscObject>(K));
   PetscInt n = 0, begin = 0, end = 0;
   check(MatGetSize(K, &n, nullptr));
@@ -148,7 +154,7 @@ void SingleFactorization::set_values(Mat K) {
 }
 
 SetUp SingleFactorization::factorize(Mat K) {
-  const bool is_first = mumps_ == nullptr;
+  const bool is_first = mumps_ == nullptr || pattern_id(K) != analysed_;
   if (is_first) analyse(K);
   set_values(K);
   if (is_first && mumps_->run(job_analyse) < 0) {

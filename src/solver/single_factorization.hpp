@@ -62,6 +62,7 @@ class SingleFactorization {
 
   Symmetry symmetry_;
   std::unique_ptr<Mumps> mumps_;
+  PetscObjectId analysed_ = 0;       // pattern_id of what was analysed
   std::vector<int> rows_, columns_;  // of the entries, from 1
   std::vector<float> values_;
   double scale_ = 1.0;

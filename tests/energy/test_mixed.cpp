@@ -56,8 +56,7 @@ class Mixed : public ::testing::TestWithParam<Case> {
       if (solid_.layout().global_node(n) == 0) prescribed_[3 * n] = 1;  // one entry, as all ranks see it
     }
     potential_.emplace(solid_.layout(), solid_.pattern(), std::vector<const EnergyTerm*>{term_.get()}, prescribed_);
-    equation_.emplace(*potential_, solid_.layout(), solid_.pattern(), std::vector<const MixedTerm*>{term_.get()},
-                      field_);
+    equation_.emplace(*potential_, solid_.layout(), std::vector<const MixedTerm*>{term_.get()}, field_);
     x0_ = unknowns(test::at_rest, 0.0);
     q0_ = solid_.vector(test::at_rest);
     v0_ = solid_.vector(test::at_rest);
@@ -210,7 +209,7 @@ TEST_P(Mixed, NegativeEigenvaluesAreThoseOfThePressures) {
   law.kappa = std::numeric_limits<double>::infinity();
   const auto term = make_mixed_term(law, std::get<1>(solid_.groups()), 0, solid_.layout().num_owned_nodes, field_);
   IncrementalPotential potential(solid_.layout(), solid_.pattern(), {term.get()}, prescribed_);
-  MixedEquation equation(potential, solid_.layout(), solid_.pattern(), {term.get()}, field_);
+  MixedEquation equation(potential, solid_.layout(), {term.get()}, field_);
   equation.enter(at_rest_, q0_.get(), x0_.get());
   const Handle<Mat> A = equation.make_hessian();
   equation.hessian(x0_.get(), A.get(), Projection::none);

@@ -56,8 +56,7 @@ class TiedBody {
         prescribed_(layout(), parts(spec), HUGE_VAL),
         potential_(layout(), solid_.pattern(), terms(), prescribed_.flags()) {
     if (mixed_) {
-      mixed_equation_.emplace(potential_, layout(), solid_.pattern(), std::vector<const MixedTerm*>{mixed_.get()},
-                              *pressures_);
+      mixed_equation_.emplace(potential_, layout(), std::vector<const MixedTerm*>{mixed_.get()}, *pressures_);
     }
     std::vector<LinearConstraint> ties;
     std::vector<GivenDisplacement> given;

@@ -25,6 +25,7 @@ struct BoxOptions {
       map;      ///< moves every node (mid-edge nodes too), e.g. to bend the box
   int cut = 0;  ///< > 0: also the group "cut" (tag 4), the facets inside the box at x = cut lx / n[0]
   Outline outline = Outline::none;
+  int missing = -1;  ///< >= 0: without the cubes that have this number along x, which leaves two bodies
 };
 
 /// Writes the box of `size` [m] with n[0] x n[1] x n[2] cubes as gmsh 2.2 ascii: (n0 + 1)(n1 + 1)(n2 + 1) vertices, 6
@@ -82,6 +83,7 @@ inline void write_box_msh(const std::string& file, std::array<double, 3> size, s
   constexpr std::array<std::array<std::size_t, 2>, 6> edges{{{0, 1}, {1, 2}, {2, 0}, {3, 0}, {3, 2}, {3, 1}}};
   constexpr std::array<std::array<int, 3>, 6> axes{{{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}}};
   for (int i = 0; i < n[0]; ++i) {
+    if (i == options.missing) continue;
     for (int j = 0; j < n[1]; ++j) {
       for (int k = 0; k < n[2]; ++k) {
         for (std::size_t p = 0; p < axes.size(); ++p) {

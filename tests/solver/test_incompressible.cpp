@@ -53,7 +53,7 @@ class Problem {
                        prescribed.flags());
     StageEquation* equation = &*potential_;
     if (mixed_ != nullptr) {
-      mixed_equation_.emplace(*potential_, solid_.layout(), solid_.pattern(), std::vector<const MixedTerm*>{mixed_},
+      mixed_equation_.emplace(*potential_, solid_.layout(), std::vector<const MixedTerm*>{mixed_},
                               *field_);
       equation = &*mixed_equation_;
     }

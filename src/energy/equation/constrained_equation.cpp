@@ -18,6 +18,7 @@ ConstrainedEquation::ConstrainedEquation(StageEquation& equation, ConstraintMap&
     own_test_matrix_.emplace(map.test_matrix(), x_.get());
     check(MatMatMult(full_.get(), jacobian_.matrix(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, product_.out()));
   }
+  pattern_of_full_ = pattern_id(full_.get());
   PetscInt size = 0;
   check(VecGetLocalSize(x_.get(), &size));
   prescribed_.assign(equation.prescribed().begin(), equation.prescribed().begin() + size);
@@ -157,6 +158,17 @@ Vec ConstrainedEquation::displacements(Vec y) {
 }
 
 void ConstrainedEquation::project(Mat K) {
+  if (pattern_id(full_.get()) != pattern_of_full_) {
+    pattern_of_full_ = pattern_id(full_.get());
+    present_pattern_.change();
+    if (!map_.is_symmetric()) {
+      check(MatMatMult(full_.get(), jacobian_.matrix(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, product_.out()));
+    }
+  }
+  if (!present_pattern_.is_that_of(K)) {
+    present_pattern_.give(K, make_hessian());
+    if (map_.is_symmetric()) return;  // with its values
+  }
   if (map_.is_symmetric()) {
     check(MatPtAP(full_.get(), jacobian_.matrix(), MAT_REUSE_MATRIX, PETSC_DEFAULT, &K));
     return;

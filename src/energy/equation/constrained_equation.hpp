@@ -5,6 +5,7 @@
 #include "energy/constraint/constraint_map.hpp"
 #include "energy/stage_equation.hpp"
 #include "petsc/leading_part.hpp"
+#include "petsc/matrix_pattern.hpp"
 
 #include <optional>
 
@@ -76,6 +77,8 @@ class ConstrainedEquation final : public StageEquation {
   std::optional<BesideIdentity> own_test_matrix_;  // where W is not J
   Handle<Mat> full_;                               // Hessian in x
   Handle<Mat> product_;                            // K J, where W is not J
+  PetscObjectId pattern_of_full_ = 0;              // pattern_id
+  PresentPattern present_pattern_;                 // of W^T K J
   LeadingPart y_part_, x_part_;
   Handle<Vec> x_, d_, full_gradient_, diagonal_, y0_, w0_, accepted_;
 };

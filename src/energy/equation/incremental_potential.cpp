@@ -5,7 +5,6 @@
 #include "fem/components.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
-#include "petsc/ghosted.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +16,15 @@ namespace {
 /// How much more than they may do frozen coefficients are let do: what changes from step to step in steady sliding.
 constexpr double drag_excess = 1e-3;
 
+std::vector<const PairCoupling*> pair_couplings(std::span<const EnergyTerm* const> terms) {
+  std::vector<const PairCoupling*> couplings;
+  for (const EnergyTerm* term : terms) {
+    const Coupling coupling = term->coupling();
+    if (const auto* pairs = std::get_if<const PairCoupling*>(&coupling)) couplings.push_back(*pairs);
+  }
+  return couplings;
+}
+
 }  // namespace
 
 IncrementalPotential::IncrementalPotential(const NodeLayout& layout, const BlockPattern& pattern,
@@ -25,37 +33,43 @@ IncrementalPotential::IncrementalPotential(const NodeLayout& layout, const Block
       pattern_(pattern),
       terms_(std::move(terms)),
       prescribed_(prescribed),
-      elimination_(layout, pattern, prescribed_) {
+      elimination_(layout, pattern, prescribed_),
+      arrays_(layout, pair_couplings(terms_), prescribed_) {
   first_internal_.push_back(0);
   for (const EnergyTerm* term : terms_) first_internal_.push_back(first_internal_.back() + term->num_internal());
   for (std::size_t k = 0; k < terms_.size(); ++k) {
-    if (terms_[k]->function_of_sum() != nullptr) functions_of_sum_.push_back(k);
+    const Coupling coupling = terms_[k]->coupling();
+    if (std::holds_alternative<const FunctionOfSum*>(coupling)) functions_of_sum_.push_back(k);
+    if (std::holds_alternative<const PairCoupling*>(coupling)) pair_terms_.push_back(k);
   }
   sums_.resize(terms_.size());
+  if (!pair_terms_.empty()) of_cells_ = make_matrix(layout, pattern);
   free_bodies_ = free_components(layout, [&](PetscInt node) {
     return prescribed_[3 * node] || prescribed_[3 * node + 1] || prescribed_[3 * node + 2];
   });
-  for (Handle<Vec>* v : {&q_, &d_, &q0_, &v0_, &accepted_, &previous_, &frozen_, &work_, &diagonal_})
-    *v = pliant::make_vector(layout);
-}
-
-std::span<const double> IncrementalPotential::local(Vec q, const Handle<Vec>& work) {
-  check(VecCopy(q, work.get()));
-  update_ghosts(work.get());
-  return ConstGhostedView(work.get()).span();  // the memory stays where it is while `work` lives
+  for (Handle<Vec>* v : {&work_, &diagonal_}) *v = pliant::make_vector(layout);
 }
 
 std::span<const double> IncrementalPotential::evaluated_at(Vec q) {
-  const auto at = local(q, q_);
-  add_up(stage_, at);
+  const auto at = arrays_.at(q);
+  add_up(arrays_.stage(), at);
   return at;
+}
+
+std::span<double> IncrementalPotential::empty_rows() {
+  rows_.assign(3 * arrays_.num_nodes(), 0.0);
+  return rows_;
+}
+
+const FunctionOfSum& IncrementalPotential::sum_function(std::size_t k) const {
+  return *std::get<const FunctionOfSum*>(terms_[k]->coupling());
 }
 
 void IncrementalPotential::add_up(const LocalStage& stage, std::span<const double> q) {
   if (functions_of_sum_.empty()) return;
   std::vector<double> parts;
   for (const std::size_t k : functions_of_sum_) {
-    const SumOverRanks part = terms_[k]->function_of_sum()->part(stage, q);
+    const SumOverRanks part = sum_function(k).part(stage, q);
     parts.insert(parts.end(), {part.start, part.change});
   }
   check_mpi(
@@ -72,14 +86,8 @@ void IncrementalPotential::clear_prescribed(std::span<double> r) const {
 }
 
 void IncrementalPotential::begin_stage(const StagePoint& stage) {
-  stage_ = {.time = stage.time,
-            .dt = stage.dt,
-            .load_factor = stage.load_factor,
-            .q0 = local(stage.q0, q0_),
-            .v0 = local(stage.v0, v0_),
-            .exceeds_bound = exceeds_bound_,
-            .step_start = stage.step_start};
-  if (stage.accepted != nullptr) stage_.accepted = local(stage.accepted, accepted_);
+  arrays_.begin(stage);
+  arrays_.stage().exceeds_bound = exceeds_bound_;
   z0_ = stage.z0;
 }
 
@@ -90,22 +98,22 @@ StagePoint IncrementalPotential::enter(const StagePoint& stage, Vec q, Vec xi) {
 }
 
 void IncrementalPotential::freeze(Vec q) {
-  exceeds_bound_ = stage_.exceeds_bound = false;
-  stage_.frozen = local(q, frozen_);
+  exceeds_bound_ = arrays_.stage().exceeds_bound = false;
+  arrays_.freeze(q);
 }
 
 bool IncrementalPotential::refreeze(Vec q) {
-  exceeds_bound_ = stage_.exceeds_bound = exceeds_bound_ || exceeds_a_bound(q);
+  exceeds_bound_ = arrays_.stage().exceeds_bound = exceeds_bound_ || exceeds_a_bound(q);
   const auto refreezes = [](const EnergyTerm* term) { return term->declaration().refreezes; };
   if (!exceeds_bound_ && std::ranges::none_of(terms_, refreezes)) return false;
-  stage_.frozen = local(q, frozen_);
+  arrays_.freeze(q);
   return true;
 }
 
 bool IncrementalPotential::exceeds_a_bound(Vec q) {
   const auto has_bound = [](const EnergyTerm* term) { return term->declaration().has_frozen_coefficients; };
   if (std::ranges::none_of(terms_, has_bound)) return false;
-  const auto at = local(q, q_);
+  const auto at = evaluated_at(q);
   std::vector<double> sums;
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     if (!has_bound(terms_[k])) continue;
@@ -123,14 +131,22 @@ std::span<double> IncrementalPotential::slice(std::span<double> z, std::size_t k
   return z.subspan(first_internal_[k], first_internal_[k + 1] - first_internal_[k]);
 }
 
+const NearPatches* IncrementalPotential::near(std::size_t k) const {
+  const auto place = std::ranges::find(pair_terms_, k);
+  if (place == pair_terms_.end()) return nullptr;
+  return &arrays_.pairs()->near(static_cast<std::size_t>(place - pair_terms_.begin()));
+}
+
 const LocalStage& IncrementalPotential::stage_of(std::size_t k) {
-  stage_.sum = sums_[k];
-  stage_.z0 = {};
+  LocalStage& stage = arrays_.stage();
+  stage.sum = sums_[k];
+  stage.near = near(k);
+  stage.z0 = {};
   if (z0_ != nullptr) {
     const ConstArrayView z0(z0_);  // the memory stays where it is while the vector lives
-    stage_.z0 = z0.span().subspan(first_internal_[k], first_internal_[k + 1] - first_internal_[k]);
+    stage.z0 = z0.span().subspan(first_internal_[k], first_internal_[k + 1] - first_internal_[k]);
   }
-  return stage_;
+  return stage;
 }
 
 double IncrementalPotential::value(Vec q) {
@@ -138,20 +154,22 @@ double IncrementalPotential::value(Vec q) {
   double mine = 0.0;
   for (std::size_t k = 0; k < terms_.size(); ++k) mine += terms_[k]->value(stage_of(k), at);
   double total = sum(layout_.comm, mine);
-  for (const std::size_t k : functions_of_sum_) total += terms_[k]->function_of_sum()->value_of_sum(stage_of(k));
+  for (const std::size_t k : functions_of_sum_) total += sum_function(k).value_of_sum(stage_of(k));
   return std::isfinite(total) ? total : std::numeric_limits<double>::infinity();
+}
+
+void IncrementalPotential::take_owned(std::span<const double> rows, Vec r) const {
+  const ArrayView owned(r);
+  std::copy_n(rows.begin(), 3 * layout_.num_owned_nodes, owned.span().begin());
 }
 
 void IncrementalPotential::gradient_of(const std::function<bool(const EnergyTerm&)>& wanted, Vec q, Vec r) {
   const auto at = evaluated_at(q);
-  {
-    const GhostedView rows(work_.get());
-    std::fill(rows.span().begin(), rows.span().end(), 0.0);
-    for (std::size_t k = 0; k < terms_.size(); ++k) {
-      if (wanted(*terms_[k])) terms_[k]->add_gradient(stage_of(k), at, rows.span());
-    }
+  const auto rows = empty_rows();
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    if (wanted(*terms_[k])) terms_[k]->add_gradient(stage_of(k), at, rows);
   }
-  check(VecCopy(work_.get(), r));
+  take_owned(rows, r);
 }
 
 void IncrementalPotential::gradient_with_reactions(Vec q, Vec r) {
@@ -165,11 +183,9 @@ void IncrementalPotential::gradient(Vec q, Vec r) {
 }
 
 double IncrementalPotential::force_of(std::size_t k, std::span<const double> q) {
-  {
-    const GhostedView rows(work_.get());
-    std::fill(rows.span().begin(), rows.span().end(), 0.0);
-    terms_[k]->add_gradient(stage_of(k), q, rows.span());
-  }
+  const auto rows = empty_rows();
+  terms_[k]->add_gradient(stage_of(k), q, rows);
+  take_owned(rows, work_.get());
   PetscReal norm = 0.0;
   check(VecNorm(work_.get(), NORM_2, &norm));
   return norm;
@@ -185,13 +201,9 @@ double IncrementalPotential::force_scale(Vec q) {
 double IncrementalPotential::inertia_scale() {
   double scale = 0.0;
   for (std::size_t k = 0; k < terms_.size(); ++k) {
-    if (terms_[k]->declaration().account == Account::kinetic) scale += force_of(k, stage_.q0);
+    if (terms_[k]->declaration().account == Account::kinetic) scale += force_of(k, arrays_.stage().q0);
   }
   return scale;
-}
-
-void IncrementalPotential::extrapolate_from(Vec q) {
-  stage_.previous = q != nullptr ? local(q, previous_) : std::span<const double>{};
 }
 
 bool IncrementalPotential::is_static() const {
@@ -201,24 +213,39 @@ bool IncrementalPotential::is_static() const {
 
 void IncrementalPotential::hessian(Vec q, Mat K, Projection projection) {
   const auto at = evaluated_at(q);
+  if (arrays_.pairs() != nullptr) fit(K);
+  const PairAssembly* pairs = arrays_.pairs();
+  Mat of_cells = pairs != nullptr ? of_cells_.get() : K;
   {
-    BlockWriter writer(pattern_, K);
-    std::size_t first = 0;  // a term that K starts from
+    BlockWriter writer(pattern_, of_cells);
+    std::size_t first = 0;  // a term that the matrix starts from
     while (first < terms_.size() && !terms_[first]->set_hessian(stage_of(first), writer)) ++first;
     if (first == terms_.size()) writer.zero();
     for (std::size_t k = 0; k < terms_.size(); ++k) {
-      if (k != first) terms_[k]->add_hessian(stage_of(k), at, writer, projection);
+      if (k != first && near(k) == nullptr) terms_[k]->add_hessian(stage_of(k), at, writer, projection);
     }
+    if (pairs == nullptr) writer.copy_diagonal(ArrayView(diagonal_.get()).span());
+    writer.finish();
+  }
+  if (pairs != nullptr) {
+    BlockWriter writer(pairs->pattern(), K);
+    writer.zero();
+    writer.add(pattern_, of_cells);
+    for (const std::size_t k : pair_terms_) terms_[k]->add_hessian(stage_of(k), at, writer, projection);
     writer.copy_diagonal(ArrayView(diagonal_.get()).span());
     writer.finish();
   }
   PetscReal total = 0.0;
   check(VecNorm(diagonal_.get(), NORM_1, &total));
-  {
-    BlockWriter writer(pattern_, K);
-    elimination_.apply(writer, total > 0.0 ? total / (3.0 * layout_.num_global_nodes) : 1.0);
-    writer.finish();
-  }
+  BlockWriter writer(pairs != nullptr ? pairs->pattern() : pattern_, K);
+  const RowElimination& elimination = pairs != nullptr ? pairs->elimination() : elimination_;
+  elimination.apply(writer, total > 0.0 ? total / (3.0 * layout_.num_global_nodes) : 1.0);
+  writer.finish();
+}
+
+void IncrementalPotential::fit(Mat K) {
+  if (arrays_.pairs()->fit()) present_pattern_.change();
+  if (!present_pattern_.is_that_of(K)) present_pattern_.give(K, make_hessian_of(arrays_.pairs()->pattern()));
 }
 
 void IncrementalPotential::rank_one_parts(Vec q, std::vector<RankOne>& parts) {
@@ -226,18 +253,15 @@ void IncrementalPotential::rank_one_parts(Vec q, std::vector<RankOne>& parts) {
   sum_rounding_ = 0.0;
   for (std::size_t i = 0; i < functions_of_sum_.size(); ++i) {
     const std::size_t k = functions_of_sum_[i];
-    const FunctionOfSum& function = *terms_[k]->function_of_sum();
+    const FunctionOfSum& function = sum_function(k);
     auto& [c, g] = parts[i];
     c = function.curvature(stage_of(k));
     double size = 0.0;
-    {
-      const GhostedView rows(work_.get());
-      std::fill(rows.span().begin(), rows.span().end(), 0.0);
-      function.add_gradient_of_sum(at, rows.span());
-      clear_prescribed(rows.span());
-      for (PetscInt e = 0; e < 3 * layout_.num_owned_nodes; ++e) size += std::abs(rows.span()[e] * at[e]);
-    }
-    check(VecCopy(work_.get(), g.get()));
+    const auto rows = empty_rows();
+    function.add_gradient_of_sum(at, rows);
+    clear_prescribed(rows);
+    for (PetscInt e = 0; e < 3 * layout_.num_owned_nodes; ++e) size += std::abs(rows[e] * at[e]);
+    take_owned(rows, g.get());
     PetscReal norm = 0.0;
     check(VecNorm(g.get(), NORM_2, &norm));
     sum_rounding_ += std::numeric_limits<double>::epsilon() * c * norm * sum(layout_.comm, size);
@@ -245,7 +269,11 @@ void IncrementalPotential::rank_one_parts(Vec q, std::vector<RankOne>& parts) {
 }
 
 Handle<Mat> IncrementalPotential::make_hessian() const {
-  Handle<Mat> K = make_matrix(layout_, pattern_);
+  return make_hessian_of(pattern_);
+}
+
+Handle<Mat> IncrementalPotential::make_hessian_of(const BlockPattern& pattern) const {
+  Handle<Mat> K = make_matrix(layout_, pattern);
   if (symmetry() == Symmetry::unsymmetric) {
     check(MatSetOption(K.get(), MAT_SYMMETRY_ETERNAL, PETSC_FALSE));
     check(MatSetOption(K.get(), MAT_SYMMETRIC, PETSC_FALSE));
@@ -266,8 +294,7 @@ std::unique_ptr<NodalRotations> IncrementalPotential::make_rotations() const {
 }
 
 double IncrementalPotential::max_step(Vec q, Vec d) {
-  const auto at = local(q, q_);
-  const auto direction = local(d, d_);
+  const auto [at, direction] = arrays_.along(q, d);
   double mine = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     mine = std::min(mine, terms_[k]->max_step(stage_of(k), at, direction));
@@ -278,8 +305,7 @@ double IncrementalPotential::max_step(Vec q, Vec d) {
 double IncrementalPotential::max_way(Vec q, Vec d) {
   double mine = std::numeric_limits<double>::infinity();
   if (std::ranges::none_of(terms_, [](const EnergyTerm* term) { return term->declaration().is_wall; })) return mine;
-  const auto at = local(q, q_);
-  const auto direction = local(d, d_);
+  const auto [at, direction] = arrays_.along(q, d);
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     if (!terms_[k]->declaration().is_wall) continue;
     mine = std::min(mine, terms_[k]->max_step(stage_of(k), at, direction));
@@ -288,12 +314,13 @@ double IncrementalPotential::max_way(Vec q, Vec d) {
 }
 
 bool IncrementalPotential::move_rigidly(Vec q) {
-  if (free_bodies_.empty() || stage_.accepted.empty()) return false;
+  const LocalStage& stage = arrays_.stage();
+  if (free_bodies_.empty() || stage.accepted.empty()) return false;
   // Where inertia alone would lead.
-  check(VecWAXPY(work_.get(), stage_.dt, v0_.get(), q0_.get()));
-  check(VecCopy(accepted_.get(), q));
+  check(VecWAXPY(work_.get(), stage.dt, arrays_.v0(), arrays_.q0()));
+  check(VecCopy(arrays_.accepted(), q));
   for (const auto& nodes : free_bodies_) {
-    const Placement from = nearest_placement(layout_, nodes, {}, accepted_.get());
+    const Placement from = nearest_placement(layout_, nodes, {}, arrays_.accepted());
     const Placement to = nearest_placement(layout_, nodes, {}, work_.get());
     const ArrayView u(q);
     for (const PetscInt a : nodes) {
@@ -308,8 +335,9 @@ bool IncrementalPotential::move_rigidly(Vec q) {
 }
 
 bool IncrementalPotential::carry_along(Carried which, Vec q) {
-  if (stage_.accepted.empty()) return false;
-  std::vector<Vector3<double>> ways(stage_.accepted.size() / 3);
+  if (arrays_.stage().accepted.empty()) return false;
+  arrays_.return_to_accepted();
+  std::vector<Vector3<double>> ways(static_cast<std::size_t>(layout_.num_local_nodes));
   std::vector<double> nearness(ways.size(), 0.0);
   for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k]->carry_along(stage_of(k), ways, nearness);
   if (which == Carried::bodies) {
@@ -327,7 +355,7 @@ bool IncrementalPotential::carry_along(Carried which, Vec q) {
   } else if (!any_rank(layout_.comm, std::ranges::any_of(nearness, [](double near) { return near > 0.0; }))) {
     return false;
   }
-  check(VecCopy(accepted_.get(), q));
+  check(VecCopy(arrays_.accepted(), q));
   const ArrayView u(q);
   for (PetscInt a = 0; a < layout_.num_owned_nodes; ++a) {
     for (PetscInt i = 0; i < 3; ++i) u[3 * a + i] += nearness[a] * ways[a][static_cast<std::size_t>(i)];
@@ -370,12 +398,12 @@ InternalVariables IncrementalPotential::internal_variables() {
   InternalVariables internal;
   internal.end_stage = [this](const StagePoint& stage, Vec q, Vec z) {
     begin_stage(stage);
-    const auto at = local(q, q_);
+    const auto at = arrays_.at(q);
     const ArrayView values(z);
     for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k]->end_stage(stage_of(k), at, slice(values.span(), k));
   };
   internal.complete_step = [this](Vec q, Vec z) {
-    const auto at = local(q, q_);
+    const auto at = arrays_.at(q);
     const ArrayView values(z);
     for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k]->complete_step(at, slice(values.span(), k));
   };

@@ -1,10 +1,12 @@
 /// The incremental potential of a stage: the sum of its terms over all ranks, with prescribed entries eliminated.
 #pragma once
 
+#include "energy/equation/stage_arrays.hpp"
 #include "energy/stage_equation.hpp"
 #include "energy/stress.hpp"
 #include "fem/block_matrix.hpp"
 #include "fem/layout.hpp"
+#include "petsc/matrix_pattern.hpp"
 #include "time/stage.hpp"
 
 #include <array>
@@ -61,7 +63,7 @@ class IncrementalPotential final : public StageEquation {
   std::unique_ptr<NodalRotations> make_rotations() const override;
   /// K = d2Phi/dq2 [N/m]; rows and columns of prescribed entries are zero but for the diagonal.
   void hessian(Vec q, Mat K, Projection projection) override;
-  void extrapolate_from(Vec q) override;
+  void extrapolate_from(Vec q) override { arrays_.extrapolate_from(q); }
   bool is_static() const override;
   std::size_t num_rank_one() const override { return functions_of_sum_.size(); }
   void rank_one_parts(Vec q, std::vector<RankOne>& parts) override;
@@ -91,9 +93,19 @@ class IncrementalPotential final : public StageEquation {
   InternalVariables internal_variables();
 
  private:
-  std::span<const double> local(Vec q, const Handle<Vec>& work);
-  /// `local`, with the sums over all ranks of the terms that are functions of one.
+  /// The entries of q as terms see them, with the sums over all ranks of the terms that are functions of one.
   std::span<const double> evaluated_at(Vec q);
+  /// Zeros for the rows of all nodes that terms see.
+  std::span<double> empty_rows();
+  /// A zero matrix of a pattern, with the properties of the Hessian.
+  Handle<Mat> make_hessian_of(const BlockPattern& pattern) const;
+  /// Gives K the pattern of cells and pairs, unless it has it. Collective.
+  void fit(Mat K);
+  const FunctionOfSum& sum_function(std::size_t k) const;
+  /// The patches near one another that the k-th term couples; nullptr if it is another kind of term.
+  const NearPatches* near(std::size_t k) const;
+  /// r = the rows of owned nodes.
+  void take_owned(std::span<const double> rows, Vec r) const;
   void add_up(const LocalStage& stage, std::span<const double> q);
   /// Whether coefficients frozen at the step's start do more than those of q allow (EnergyTerm::bound).
   bool exceeds_a_bound(Vec q);
@@ -109,16 +121,20 @@ class IncrementalPotential final : public StageEquation {
   std::vector<const EnergyTerm*> terms_;
   std::vector<char> prescribed_;
   RowElimination elimination_;
-  LocalStage stage_;
-  bool exceeds_bound_ = false;                 // of the stage that was last solved
-  std::vector<std::size_t> first_internal_;    // of each term, and their total
-  Vec z0_ = nullptr;                           // of the stage, borrowed
-  std::vector<std::size_t> functions_of_sum_;  // among the terms
-  std::vector<SumOverRanks> sums_;             // of each term, at the last q
-  double sum_rounding_ = 0.0;                  // of the last parts of rank one [N]
-  // Copies with ghosts of the vectors spoken of; memory taken once.
+  StageArrays arrays_;
+  bool exceeds_bound_ = false;                      // of the stage that was last solved
+  std::vector<std::size_t> first_internal_;         // of each term, and their total
+  Vec z0_ = nullptr;                                // of the stage, borrowed
+  std::vector<std::size_t> functions_of_sum_;       // among the terms
+  std::vector<SumOverRanks> sums_;                  // of each term, at the last q
+  double sum_rounding_ = 0.0;                       // of the last parts of rank one [N]
   std::vector<std::vector<PetscInt>> free_bodies_;  // owned nodes of each body that nothing holds
-  Handle<Vec> q_, d_, q0_, v0_, accepted_, previous_, frozen_, work_, diagonal_;
+  std::vector<double> rows_;
+  Handle<Vec> work_, diagonal_;
+  // Where terms couple pairs.
+  std::vector<std::size_t> pair_terms_;  // among the terms
+  Handle<Mat> of_cells_;                 // the part of the Hessian that has the pattern of the cells
+  PresentPattern present_pattern_;
 };
 
 }  // namespace pliant

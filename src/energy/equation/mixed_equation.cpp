@@ -27,12 +27,11 @@ std::size_t owner_of(const std::vector<PetscInt>& starts, PetscInt global) {
 
 }  // namespace
 
-MixedEquation::MixedEquation(IncrementalPotential& potential, const NodeLayout& layout, const BlockPattern& pattern,
+MixedEquation::MixedEquation(IncrementalPotential& potential, const NodeLayout& layout,
                              std::vector<const MixedTerm*> mixed, PressureField& pressures,
                              std::span<const int> rigid_parts)
     : potential_(potential),
       layout_(layout),
-      pattern_(pattern),
       mixed_(std::move(mixed)),
       pressures_(pressures),
       num_q_(3 * layout.num_owned_nodes),
@@ -41,6 +40,7 @@ MixedEquation::MixedEquation(IncrementalPotential& potential, const NodeLayout& 
       first_pressure_(starts(layout.comm, num_p_)),
       prescribed_(potential.prescribed().begin(), potential.prescribed().begin() + num_q_),
       K_(potential.make_hessian()) {
+  pattern_of_K_ = pattern_id(K_.get());
   prescribed_.resize(static_cast<std::size_t>(num_q_ + num_p_), 0);
   for (Handle<Vec>* v : {&q_, &r_, &d_}) *v = pliant::make_vector(layout);
   for (Handle<Vec>* v : {&q0_, &v0_, &accepted_}) *v = make_vector();
@@ -102,9 +102,8 @@ void MixedEquation::find_idle_pressures(std::span<const int> rigid_parts) {
   std::copy_n(is_idle_.begin(), num_p_, prescribed_.begin() + num_q_);
 }
 
-PetscInt MixedEquation::global_displacement(PetscInt node, int component) const {
-  const PetscInt global = layout_.global_node(node);
-  return 3 * global + component + first_pressure_[owner_of(first_node_, global)];
+PetscInt MixedEquation::global_displacement(PetscInt entry) const {
+  return entry + first_pressure_[owner_of(first_node_, entry / 3)];
 }
 
 PetscInt MixedEquation::global_pressure(PetscInt pressure) const {
@@ -224,7 +223,7 @@ void MixedEquation::for_each_coupling(std::span<const double> q, const Visit& vi
           for (int a = 0; a < 10; ++a) {
             const PetscInt node = cells.nodes[a][lane];
             for (int i = 0; i < 3; ++i) {
-              const PetscInt global_q = global_displacement(node, i);
+              const PetscInt global_q = global_displacement(3 * layout_.global_node(node) + i);
               const bool is_fixed = is_idle_[static_cast<std::size_t>(p)] || is_prescribed(node, i);
               const double entry = is_fixed ? 0.0 : scale_ * cells.B[3 * a + i][b][lane];
               if (node < layout_.num_owned_nodes) visit(global_q, global_p, entry);
@@ -243,19 +242,24 @@ void MixedEquation::for_each_coupling(std::span<const double> q, const Visit& vi
 }
 
 Handle<Mat> MixedEquation::make_hessian() const {
-  // The rows of K as its two parts hold them, then what couples the pressures.
+  // The entries of K as its two parts hold them, then what couples the pressures.
   std::vector<PetscInt> rows, columns;
-  for (const auto* part : {&pattern_.diagonal(), &pattern_.off_diagonal()}) {
-    for (PetscInt n = 0; n < layout_.num_owned_nodes; ++n) {
-      for (int i = 0; i < 3; ++i) {
-        for (PetscInt k = part->offsets[n]; k < part->offsets[n + 1]; ++k) {
-          for (int j = 0; j < 3; ++j) {
-            rows.push_back(global_displacement(n, i));
-            columns.push_back(global_displacement(part->nodes[k], j));
-          }
-        }
+  Mat parts[2] = {nullptr, nullptr};
+  const PetscInt* others = nullptr;  // columns of the second part, over all ranks
+  check(MatMPIAIJGetSeqAIJ(K_.get(), &parts[0], &parts[1], &others));
+  for (int part = 0; part < 2; ++part) {
+    PetscInt num_rows = 0;
+    const PetscInt *offsets = nullptr, *places = nullptr;
+    PetscBool is_done = PETSC_FALSE;
+    check(MatGetRowIJ(parts[part], 0, PETSC_FALSE, PETSC_FALSE, &num_rows, &offsets, &places, &is_done));
+    for (PetscInt row = 0; row < num_rows; ++row) {
+      for (PetscInt k = offsets[row]; k < offsets[row + 1]; ++k) {
+        const PetscInt column = part == 0 ? 3 * layout_.first_global_node + places[k] : others[places[k]];
+        rows.push_back(global_displacement(3 * layout_.first_global_node + row));
+        columns.push_back(global_displacement(column));
       }
     }
+    check(MatRestoreRowIJ(parts[part], 0, PETSC_FALSE, PETSC_FALSE, &num_rows, &offsets, &places, &is_done));
   }
   const std::vector<double> rest(3 * static_cast<std::size_t>(layout_.num_local_nodes), 0.0);
   for_each_coupling(rest, [&](PetscInt row, PetscInt column, double) {
@@ -281,13 +285,19 @@ void MixedEquation::hessian(Vec x, Mat A, Projection projection) {
   potential_.hessian(q_.get(), K_.get(), projection);
   update_ghosts(q_.get());
   values_.clear();
-  Mat diagonal = nullptr, off_diagonal = nullptr;
-  check(MatMPIAIJGetSeqAIJ(K_.get(), &diagonal, &off_diagonal, nullptr));
-  for (const auto& [part, blocks] :
-       {std::pair{diagonal, &pattern_.diagonal()}, {off_diagonal, &pattern_.off_diagonal()}}) {
+  if (pattern_id(K_.get()) != pattern_of_K_) {
+    pattern_of_K_ = pattern_id(K_.get());
+    present_pattern_.change();
+  }
+  if (!present_pattern_.is_that_of(A)) present_pattern_.give(A, make_hessian());
+  Mat parts[2] = {nullptr, nullptr};
+  check(MatMPIAIJGetSeqAIJ(K_.get(), &parts[0], &parts[1], nullptr));
+  for (Mat part : parts) {
+    MatInfo info{};
+    check(MatGetInfo(part, MAT_LOCAL, &info));
     const PetscScalar* entries = nullptr;
     check(MatSeqAIJGetArrayRead(part, &entries));
-    values_.insert(values_.end(), entries, entries + 9 * blocks->nodes.size());
+    values_.insert(values_.end(), entries, entries + static_cast<std::ptrdiff_t>(info.nz_used));
     check(MatSeqAIJRestoreArrayRead(part, &entries));
   }
   const ConstGhostedView q(q_.get());

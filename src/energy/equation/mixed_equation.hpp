@@ -23,8 +23,8 @@ class MixedEquation final : public StageEquation {
   /// `potential` is the sum of all terms, of which `mixed` are those with pressures, of `pressures`. The references
   /// outlive the object. `rigid_parts`: for each local node the rigid part that it belongs to, 0 if none; or nothing.
   /// Collective.
-  MixedEquation(IncrementalPotential& potential, const NodeLayout& layout, const BlockPattern& pattern,
-                std::vector<const MixedTerm*> mixed, PressureField& pressures, std::span<const int> rigid_parts = {});
+  MixedEquation(IncrementalPotential& potential, const NodeLayout& layout, std::vector<const MixedTerm*> mixed,
+                PressureField& pressures, std::span<const int> rigid_parts = {});
 
   const PressureLayout& pressure_layout() const { return pressures_.layout(); }
   /// The pressures, from which the next solve starts. Collective.
@@ -61,7 +61,7 @@ class MixedEquation final : public StageEquation {
 
  private:
   /// Places in x, global, of a local displacement and of a local pressure.
-  PetscInt global_displacement(PetscInt node, int component) const;
+  PetscInt global_displacement(PetscInt entry) const;
   PetscInt global_pressure(PetscInt pressure) const;
   bool is_prescribed(PetscInt node, int component) const { return potential_.prescribed()[3 * node + component] != 0; }
   /// Finds the pressures that nothing depends on: of cells that cannot be compressed, and whose motion is given or
@@ -77,7 +77,6 @@ class MixedEquation final : public StageEquation {
 
   IncrementalPotential& potential_;
   const NodeLayout& layout_;
-  const BlockPattern& pattern_;
   std::vector<const MixedTerm*> mixed_;
   PressureField& pressures_;
   PetscInt num_q_, num_p_;                             // owned
@@ -86,6 +85,8 @@ class MixedEquation final : public StageEquation {
   std::vector<char> prescribed_;
   std::vector<char> is_idle_;              // per local pressure
   std::vector<double> pressure_diagonal_;  // s^2 int N dX / mu of owned pressures: their size in the matrix
+  PresentPattern present_pattern_;
+  PetscObjectId pattern_of_K_ = 0;
   Handle<Mat> K_;
   std::vector<RankOne> rank_one_;  // of the potential
   Handle<Vec> q_, r_, d_, work_, last_pressures_;

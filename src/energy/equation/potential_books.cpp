@@ -4,7 +4,6 @@
 #include "energy/function_of_sum.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
-#include "petsc/ghosted.hpp"
 
 #include <algorithm>
 
@@ -15,17 +14,16 @@ std::vector<TermPower> IncrementalPotential::powers(Vec q, Vec v, Vec r) {
   std::vector<TermPower> result(terms_.size());
   check(VecZeroEntries(r));
   for (std::size_t k = 0; k < terms_.size(); ++k) {
-    const GhostedView rows(work_.get());
-    std::fill(rows.span().begin(), rows.span().end(), 0.0);
-    terms_[k]->add_gradient(stage_of(k), at, rows.span());
+    const auto rows = empty_rows();
+    terms_[k]->add_gradient(stage_of(k), at, rows);
     const ConstArrayView velocity(v);
     const ArrayView total(r);
     CompensatedSum<double> power;
     std::array<CompensatedSum<double>, 3> force;
     for (PetscInt i = 0; i < 3 * layout_.num_owned_nodes; ++i) {
-      power.add(-rows.span()[i] * velocity[i]);
-      force[static_cast<std::size_t>(i % 3)].add(-rows.span()[i]);
-      total[i] += rows.span()[i];
+      power.add(-rows[i] * velocity[i]);
+      force[static_cast<std::size_t>(i % 3)].add(-rows[i]);
+      total[i] += rows[i];
     }
     result[k] = {power.total(),
                  terms_[k]->dissipation(stage_of(k), at),
@@ -38,8 +36,9 @@ std::vector<TermPower> IncrementalPotential::powers(Vec q, Vec v, Vec r) {
   return result;
 }
 
-std::vector<double> IncrementalPotential::energies(const Instant& instant, Vec q, Vec z) {
-  const auto at = local(q, q_);
+std::vector<double> IncrementalPotential::energies(const Instant& when, Vec q, Vec z) {
+  const auto at = arrays_.at(q);
+  Instant instant = when;
   std::vector<double> result;
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     std::span<const double> own;
@@ -47,6 +46,7 @@ std::vector<double> IncrementalPotential::energies(const Instant& instant, Vec q
       const ConstArrayView values(z);
       own = values.span().subspan(first_internal_[k], first_internal_[k + 1] - first_internal_[k]);
     }
+    instant.near = near(k);
     result.push_back(terms_[k]->energy_at(instant, at, own));
   }
   check_mpi(
@@ -55,15 +55,15 @@ std::vector<double> IncrementalPotential::energies(const Instant& instant, Vec q
   here.q0 = at;
   add_up(here, at);
   for (const std::size_t k : functions_of_sum_) {
-    result[k] += terms_[k]->function_of_sum()->energy_of_sum(sums_[k].total());
+    result[k] += sum_function(k).energy_of_sum(sums_[k].total());
   }
   return result;
 }
 
 void IncrementalPotential::visit_stresses(const Instant& at, Vec q, Vec v, Vec z,
                                           const std::function<void(StressPart, PetscInt, const CellStress&)>& visit) {
-  BodyState state{.at = at, .q = local(q, q_)};
-  if (v != nullptr) state.v = local(v, d_);
+  BodyState state{.at = at, .q = arrays_.at(q)};
+  if (v != nullptr) state.v = arrays_.beside(v);
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     const auto* term = dynamic_cast<const StressTerm*>(terms_[k]);
     if (term == nullptr) continue;
@@ -79,10 +79,13 @@ void IncrementalPotential::visit_stresses(const Instant& at, Vec q, Vec v, Vec z
 double IncrementalPotential::supplied(const Instant& from, const Instant& to, Vec q) {
   const auto is_concerned = [](const EnergyTerm* term) { return term->declaration().depends_on_time; };
   if (std::ranges::none_of(terms_, is_concerned)) return 0.0;
-  const auto at = local(q, q_);
+  const auto at = arrays_.at(q);
   double mine = 0.0;
-  for (const EnergyTerm* term : terms_) {
-    if (is_concerned(term)) mine += term->energy_at(to, at, {}) - term->energy_at(from, at, {});
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    if (!is_concerned(terms_[k])) continue;
+    Instant before = from, after = to;
+    before.near = after.near = near(k);
+    mine += terms_[k]->energy_at(after, at, {}) - terms_[k]->energy_at(before, at, {});
   }
   return sum(layout_.comm, mine);
 }

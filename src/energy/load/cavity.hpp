@@ -19,7 +19,7 @@ class Cavity final : public EnergyTerm, public FunctionOfSum {
 
   std::string_view name() const override { return "cavity"; }
   TermDeclaration declaration() const override;
-  const FunctionOfSum* function_of_sum() const override { return this; }
+  Coupling coupling() const override { return static_cast<const FunctionOfSum*>(this); }
   /// All of it is in value_of_sum.
   double value(const LocalStage&, std::span<const double>) const override { return 0.0; }
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override;

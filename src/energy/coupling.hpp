@@ -1,0 +1,81 @@
+/// What a term couples: the nodes of each cell, what comes near to one another, or all nodes of a sum.
+#pragma once
+
+#include "base/vector3.hpp"
+#include "fem/block_matrix.hpp"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <variant>
+#include <vector>
+
+namespace pliant {
+
+class FunctionOfSum;
+class PairCoupling;
+
+/// The term couples nodes that share a cell (or a facet of one): the pattern that every Hessian has.
+struct CellCoupling {};
+
+/// What a term couples, and therefore what the sum of the terms (IncrementalPotential) does for it: nothing beyond the
+/// ghosts and the matrix pattern of the cells; sums over all ranks, and parts of rank one of the Hessian
+/// (energy/function_of_sum.hpp); or pairs, the nodes of other ranks that they need, and a pattern that follows them.
+using Coupling = std::variant<CellCoupling, const FunctionOfSum*, const PairCoupling*>;
+
+/// Sets of nodes that couple as a whole with what comes near them: nodes, edges or facets of surfaces. A rank lists
+/// those with at least one node of its own; the same patch may stand on several ranks.
+struct Patches {
+  int nodes_per_patch = 1;
+  std::vector<PetscInt> nodes;     ///< local, nodes_per_patch of each
+  std::vector<std::int64_t> keys;  ///< number of each patch, the same on all ranks, different for each
+  std::vector<int> tags;           ///< of each, whatever the term wants to know of it on other ranks: its body
+  std::vector<char> is_owned;      ///< of each: whether this rank counts it; exactly one rank does
+
+  std::size_t size() const { return keys.size(); }
+  std::span<const PetscInt> nodes_of(std::size_t patch) const {
+    const auto n = static_cast<std::size_t>(nodes_per_patch);
+    return std::span(nodes).subspan(patch * n, n);
+  }
+};
+
+/// Two patches that may be within reach of each other; numbers among NearPatches::patches. The first has the lower key.
+struct PatchPair {
+  std::size_t first = 0, second = 0;
+};
+
+/// What a rank sees of the patches: its own in the order of PairCoupling::patches, then those of other ranks that are
+/// near one of its own, by their keys. Their nodes are local ones, among which nodes of other ranks that no cell of
+/// this rank has come last; arrays of LocalStage and the q of a call span all of them.
+struct NearPatches {
+  Patches patches;
+  /// All pairs with a patch of this rank whose distance may be below the reach, ascending in their keys. Which others
+  /// are among them depends on what was evaluated before, so nothing may depend on it.
+  std::vector<PatchPair> pairs;
+  std::span<const double> coordinates;  ///< xyz of all local nodes in the reference configuration [m]
+  PetscInt num_owned_nodes = 0;
+
+  Vector3<double> position(PetscInt node, std::span<const double> q) const {
+    const auto i = 3 * static_cast<std::size_t>(node);
+    return {coordinates[i] + q[i], coordinates[i + 1] + q[i + 1], coordinates[i + 2] + q[i + 2]};
+  }
+  bool is_owned(PetscInt node) const { return node < num_owned_nodes; }
+};
+
+/// A term of pairs that change with the configuration: contact between bodies. Its forces vanish smoothly at the reach,
+/// so that it does not matter when a pair is found. Every rank evaluates all pairs that have a node of its own, so that
+/// nothing is sent back; energies of a pair are counted where its first patch is owned. The term adds blocks of the
+/// Hessian by `BlockWriter::add(row, column, block)`.
+class PairCoupling {
+ public:
+  virtual ~PairCoupling() = default;
+
+  /// Those of this rank.
+  virtual const Patches& patches() const = 0;
+  /// The distance from which patches do not feel each other [m], > 0; the same on every rank.
+  virtual double reach() const = 0;
+  /// Whether two patches with these tags may couple at all.
+  virtual bool may_couple(int tag, int other) const = 0;
+};
+
+}  // namespace pliant

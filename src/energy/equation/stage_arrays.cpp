@@ -1,0 +1,71 @@
+#include "energy/equation/stage_arrays.hpp"
+
+#include "petsc/ghosted.hpp"
+
+namespace pliant {
+
+StageArrays::StageArrays(const NodeLayout& layout, std::vector<const PairCoupling*> couplings,
+                         const std::vector<char>& prescribed)
+    : layout_(layout) {
+  for (Copy* copy : {&q_, &d_, &q0_, &v0_, &accepted_, &previous_, &frozen_}) copy->ghosted = make_vector(layout);
+  if (!couplings.empty()) pairs_ = std::make_unique<PairAssembly>(layout, std::move(couplings), prescribed);
+}
+
+std::size_t StageArrays::num_nodes() const {
+  return static_cast<std::size_t>(layout_.num_local_nodes) + (pairs_ ? pairs_->num_far_nodes() : 0);
+}
+
+std::span<const double> StageArrays::copied(Vec v, Copy& copy) {
+  check(VecCopy(v, copy.ghosted.get()));
+  update_ghosts(copy.ghosted.get());
+  const std::span<const double> entries = ConstGhostedView(copy.ghosted.get()).span();  // stays where it is
+  if (!pairs_) return entries;
+  pairs_->extend(entries, copy.extended);
+  return copy.extended;
+}
+
+void StageArrays::follow_pairs(std::span<const double>& q, Copy& of_q, std::span<const double>& d) {
+  if (!pairs_ || !pairs_->follow(q, d)) return;
+  const auto extend = [&](std::span<const double>& entries, Copy& copy) {
+    if (entries.empty()) return;
+    pairs_->extend(ConstGhostedView(copy.ghosted.get()).span(), copy.extended);
+    entries = copy.extended;
+  };
+  extend(q, of_q);
+  extend(d, d_);
+  extend(stage_.q0, q0_);
+  extend(stage_.v0, v0_);
+  extend(stage_.accepted, accepted_);
+  extend(stage_.previous, previous_);
+  extend(stage_.frozen, frozen_);
+}
+
+void StageArrays::begin(const StagePoint& stage) {
+  stage_ = {.time = stage.time,
+            .dt = stage.dt,
+            .load_factor = stage.load_factor,
+            .q0 = copied(stage.q0, q0_),
+            .v0 = copied(stage.v0, v0_),
+            .step_start = stage.step_start};
+  if (stage.accepted != nullptr) stage_.accepted = copied(stage.accepted, accepted_);
+}
+
+std::span<const double> StageArrays::at(Vec q) {
+  auto entries = copied(q, q_);
+  std::span<const double> nowhere;
+  follow_pairs(entries, q_, nowhere);
+  return entries;
+}
+
+std::pair<std::span<const double>, std::span<const double>> StageArrays::along(Vec q, Vec d) {
+  auto from = copied(q, q_), direction = copied(d, d_);
+  follow_pairs(from, q_, direction);
+  return {from, direction};
+}
+
+void StageArrays::return_to_accepted() {
+  std::span<const double> entries = stage_.accepted, nowhere;
+  follow_pairs(entries, accepted_, nowhere);
+}
+
+}  // namespace pliant

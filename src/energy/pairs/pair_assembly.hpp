@@ -1,0 +1,55 @@
+/// What the sum of the terms does for those of them that couple pairs (energy/coupling.hpp).
+#pragma once
+
+#include "energy/coupling.hpp"
+#include "energy/pairs/far_nodes.hpp"
+#include "energy/pairs/patch_search.hpp"
+#include "fem/block_matrix.hpp"
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace pliant {
+
+/// The pairs of some couplings, the far nodes that all of them need, and the pattern of a Hessian with both cells and
+/// pairs. A pattern is kept as long as it contains what is near, so that factorizations seldom need another analysis.
+class PairAssembly {
+ public:
+  /// `prescribed`: one flag per entry of the layout. The references outlive the object.
+  PairAssembly(const NodeLayout& layout, std::vector<const PairCoupling*> couplings,
+               const std::vector<char>& prescribed);
+
+  /// Brings the pairs to the straight way from q to q + d (which may be empty); the arrays span the layout's nodes at
+  /// least. True if they have changed, and with them the far nodes: arrays are to be extended anew. Collective.
+  bool follow(std::span<const double> q, std::span<const double> d);
+  /// Of the couplings, in their order, since the last call of `follow`.
+  const NearPatches& near(std::size_t coupling) const { return near_[coupling]; }
+  std::size_t num_far_nodes() const { return far_->globals().size(); }
+  /// FarNodes::extend. Collective.
+  void extend(std::span<const double> local, std::vector<double>& all) const { far_->extend(local, all); }
+
+  /// The pattern of cells and pairs, and the elimination of prescribed entries from it; renewed by `fit`.
+  const BlockPattern& pattern() const { return *pattern_; }
+  const RowElimination& elimination() const { return *elimination_; }
+  /// Sees to it that the pattern contains all pairs that are near; false if it did already. Collective.
+  bool fit();
+
+ private:
+  /// Pairs of nodes that couple, the first owned.
+  std::vector<std::pair<PetscInt, PetscInt>> coupled_nodes() const;
+
+  const NodeLayout& layout_;
+  std::vector<const PairCoupling*> couplings_;
+  std::vector<double> prescribed_;  // of entries, 0 or 1
+  std::vector<PatchSearch> searches_;
+  std::vector<NearPatches> near_;
+  std::optional<FarNodes> far_;
+  std::vector<double> coordinates_;  // of local and far nodes
+  std::optional<BlockPattern> pattern_;
+  std::optional<RowElimination> elimination_;
+  bool is_fitted_ = false;  // the pattern contains what is near
+};
+
+}  // namespace pliant
