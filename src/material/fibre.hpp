@@ -28,19 +28,6 @@ PLIANT_INLINE Vector3<T> direction_as(const std::array<S, 3>& d) {
   return {T(d[0]), T(d[1]), T(d[2])};
 }
 
-/// A a.
-template <class T>
-PLIANT_INLINE Vector3<T> product(const Tensor3<T>& A, const Vector3<T>& a) {
-  return {A(0, 0) * a[0] + A(0, 1) * a[1] + A(0, 2) * a[2], A(1, 0) * a[0] + A(1, 1) * a[1] + A(1, 2) * a[2],
-          A(2, 0) * a[0] + A(2, 1) * a[1] + A(2, 2) * a[2]};
-}
-
-/// a (x) b.
-template <class T>
-PLIANT_INLINE Tensor3<T> outer(const Vector3<T>& a, const Vector3<T>& b) {
-  return make_tensor([&](int i, int j) -> T { return a[i] * b[j]; });
-}
-
 /// What depends on F alone. Where J <= 0, G is NaN.
 template <class T>
 struct FibreState {
@@ -84,10 +71,10 @@ struct FibreInvariant {
   Tensor3<T> B;
 
   PLIANT_INLINE FibreInvariant(const FibreState<T>& s, const Vector3<T>& direction)
-      : f(direction), Ff(product(s.F, f)), value(2.0 * dot(f, product(s.at.E, f))), B(2.0 * outer(Ff, f)) {}
+      : f(direction), Ff(matvec(s.F, f)), value(2.0 * dot(f, matvec(s.at.E, f))), B(2.0 * outer(Ff, f)) {}
 
   PLIANT_INLINE Tensor3<T> change(const FibreState<T>&, const Tensor3<T>& dH) const {
-    return 2.0 * outer(product(dH, f), f);
+    return 2.0 * outer(matvec(dH, f), f);
   }
 };
 
@@ -120,11 +107,11 @@ struct ShearInvariant {
   PLIANT_INLINE ShearInvariant(const FibreState<T>& state, const Vector3<T>& first, const Vector3<T>& second)
       : f(first),
         s(second),
-        value(2.0 * dot(f, product(state.at.E, s))),
-        B(outer(product(state.F, s), f) + outer(product(state.F, f), s)) {}
+        value(2.0 * dot(f, matvec(state.at.E, s))),
+        B(outer(matvec(state.F, s), f) + outer(matvec(state.F, f), s)) {}
 
   PLIANT_INLINE Tensor3<T> change(const FibreState<T>&, const Tensor3<T>& dH) const {
-    return outer(product(dH, s), f) + outer(product(dH, f), s);
+    return outer(matvec(dH, s), f) + outer(matvec(dH, f), s);
   }
 };
 

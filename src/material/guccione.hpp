@@ -104,7 +104,7 @@ struct Guccione {
   /// A of E; Q = A : E.
   template <class T>
   PLIANT_INLINE static Tensor3<T> weighted(const Tensor3<T>& E, const Vector3<T>& f, const Exponents<T>& b) {
-    const Vector3<T> Ef = product(E, f);
+    const Vector3<T> Ef = matvec(E, f);
     const T Eff = dot(f, Ef);
     const Vector3<T> g{Ef[0] - Eff * f[0], Ef[1] - Eff * f[1], Ef[2] - Eff * f[2]};
     const Tensor3<T> between = outer(f, g) + outer(g, f), along = Eff * outer(f, f);

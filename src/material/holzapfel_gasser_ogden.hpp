@@ -60,7 +60,7 @@ struct HolzapfelGasserOgden {
     T value = 0.5 * mu * at.i1 + volumetric.energy(at.j);
     for (const auto& family : families) {
       const Vector3<T> f = direction_as<T>(family);
-      value += pull.energy(strain(at, T(at.a * (2.0 * dot(f, product(at.E, f)) - at.y))));
+      value += pull.energy(strain(at, T(at.a * (2.0 * dot(f, matvec(at.E, f)) - at.y))));
     }
     return select(valid, value, T(std::numeric_limits<double>::infinity()));
   }

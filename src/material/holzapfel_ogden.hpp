@@ -56,7 +56,7 @@ struct HolzapfelOgden {
     const auto valid = change > -1.0;
     const Distortion<T> at(H, change, valid);
     const Vector3<T> f = direction_as<T>(directions[0]), s = direction_as<T>(directions[1]);
-    const Vector3<T> Ef = product(at.E, f), Es = product(at.E, s);
+    const Vector3<T> Ef = matvec(at.E, f), Es = matvec(at.E, s);
     const T ground = (0.5 * a / b) * within_exponent(T(b * at.i1), std::numeric_limits<double>::infinity(),
                                                      [](const T& x) -> T { return expm1(x); });
     const T value = ground + along_f.energy(T(2.0 * dot(f, Ef))) + along_s.energy(T(2.0 * dot(s, Es))) +
