@@ -58,7 +58,7 @@ function(pliant_layer name)
   endif()
 endfunction()
 
-# src/mesh/gmsh/*.cpp with libgmsh as a library that programs load when they first need it (mesh/gmsh/module.hpp).
+# src/mesh/gmsh/*.cpp with libgmsh as a library that programs load when they first need it (mesh/gmsh_module.hpp).
 function(pliant_gmsh_module)
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/mesh/gmsh/*.cpp)
   add_library(pliant_gmsh MODULE ${sources})

@@ -26,7 +26,6 @@ LAYERS = {
 }
 # The rooms of a layer, folders in it, and which others of them each may include. Files beside the rooms are their floor: all
 # may include them, and they none.
-MOST_LINES = 450  # of a source
 ROOMS = {
     "energy": {
         "volume": "",
@@ -109,16 +108,10 @@ def cycles(source, graph):
     return mistakes
 
 
-def too_long(source):
-    """One line for every file that has grown beyond what one reads at a time."""
-    lengths = {file: len(file.read_text(encoding="utf-8").splitlines()) for file in sorted(source.rglob("*.?pp"))}
-    return [f"{file.relative_to(source)}: {n} lines, of {MOST_LINES} at most: part it" for file, n in lengths.items() if n > MOST_LINES]
-
-
 def main():
     root = pathlib.Path(__file__).resolve().parent.parent
     source = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else root / "src"
-    mistakes = check(source) + too_long(source)
+    mistakes = check(source)
     print("\n".join(mistakes) if mistakes else f"{source}: includes run downward only")
     sys.exit(1 if mistakes else 0)
 

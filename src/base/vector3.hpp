@@ -47,9 +47,15 @@ inline Vector3<double> unit(const Vector3<double>& a) {
   return (1.0 / norm(a)) * a;
 }
 
-/// A a, for a tensor of constants.
+/// a (x) b.
 template <class T>
-constexpr Vector3<T> matvec(const Tensor3<double>& A, const Vector3<T>& a) {
+PLIANT_INLINE constexpr Tensor3<T> outer(const Vector3<T>& a, const Vector3<T>& b) {
+  return make_tensor([&](int i, int j) -> T { return a[i] * b[j]; });
+}
+
+/// A a; A is of a's scalars or of constants.
+template <class S, class T>
+PLIANT_INLINE constexpr Vector3<T> matvec(const Tensor3<S>& A, const Vector3<T>& a) {
   return {A(0, 0) * a[0] + A(0, 1) * a[1] + A(0, 2) * a[2], A(1, 0) * a[0] + A(1, 1) * a[1] + A(1, 2) * a[2],
           A(2, 0) * a[0] + A(2, 1) * a[1] + A(2, 2) * a[2]};
 }

@@ -2,6 +2,8 @@
 
 #include "base/text.hpp"
 #include "command/command_help.hpp"
+#include "command/material_reference.hpp"
+#include "command/resume.hpp"
 #include "petsc/session.hpp"
 #include "run/version.hpp"
 

@@ -13,19 +13,6 @@ namespace pliant {
 
 ExitCode run_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides, Console& console);
 
-/// Goes on with the run of this input that was begun in its output directory, begins it where there is none, and leaves
-/// it where it is done. InputError where that run had another input, except for what may change (see resume_command).
-ExitCode continue_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides,
-                          Console& console);
-
-/// Goes on from a checkpoint, or from the newest one in a directory; from the one before where that is damaged. What
-/// may be changed is how long the run is, its steps, solver and output; InputError else.
-ExitCode resume_command(MPI_Comm comm, const std::string& place, const std::vector<Override>& overrides,
-                        Console& console);
-
-/// What is in a checkpoint, in a result or in the result of a directory, for people. Collective.
-std::string info_text(MPI_Comm comm, const std::string& file);
-
 /// Reads, meshes and partitions; reports, solves nothing.
 ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides,
                        Console& console);
@@ -46,9 +33,6 @@ std::string methods_text();
 
 /// The laws, for people.
 std::string materials_text();
-
-/// The same as a page of the documentation, docs/laws.md.
-std::string material_reference();
 
 /// Draws stress over stretch of an elastic law into an SVG file, by default <law>.svg, and says with which parameters.
 void plot_material_command(MPI_Comm comm, const std::string& law, const std::vector<std::string>& settings,

@@ -1,4 +1,5 @@
-#include "command/commands.hpp"
+#include "command/material_reference.hpp"
+
 #include "material/constants.hpp"
 #include "material/elastic_law.hpp"
 #include "material/viscosity_registry.hpp"

@@ -1,5 +1,6 @@
+#include "command/resume.hpp"
+
 #include "base/text.hpp"
-#include "command/commands.hpp"
 #include "io/result_info.hpp"
 #include "io/result_reader.hpp"
 #include "petsc/collective.hpp"

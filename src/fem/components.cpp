@@ -139,25 +139,18 @@ std::vector<Candidate> candidates(const NodeLayout& layout, const Components& co
       if (a != b && boxes[a].meets(boxes[b])) met[a].push_back(b);
     }
   }
-  std::vector<double> mine;
+  std::vector<Candidate> mine;
   for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
     const int a = components.of_node[n];
     if (met[a].empty()) continue;
     const Position x = current(layout, u, n);
     if (std::ranges::none_of(met[a], [&](int b) { return boxes[b].holds(x); })) continue;
-    mine.insert(mine.end(), {x[0], x[1], x[2], static_cast<double>(a)});
+    mine.push_back({x, a});
   }
-  const std::size_t stride = 1 + mine.size() / 4 / most;
-  std::vector<double> chosen;
-  for (std::size_t i = 0; i < mine.size(); i += 4 * stride) {
-    chosen.insert(chosen.end(), mine.begin() + static_cast<std::ptrdiff_t>(i),
-                  mine.begin() + static_cast<std::ptrdiff_t>(i + 4));
-  }
-  const std::vector<double> all = gathered(layout.comm, chosen);
-  std::vector<Candidate> result;
-  for (std::size_t i = 0; i + 3 < all.size(); i += 4) {
-    result.push_back({{all[i], all[i + 1], all[i + 2]}, static_cast<int>(all[i + 3])});
-  }
+  const std::size_t stride = 1 + mine.size() / most;
+  std::vector<Candidate> chosen;
+  for (std::size_t i = 0; i < mine.size(); i += stride) chosen.push_back(mine[i]);
+  std::vector<Candidate> result = gathered(layout.comm, chosen);
   std::ranges::stable_sort(result, {}, [](const Candidate& c) { return c.x[0]; });
   return result;
 }

@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "fem/element.hpp"
+#include "mesh/tetrahedron.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/plex.hpp"
@@ -31,18 +32,6 @@ std::vector<double> vertex_coordinates(DM dm, PointRange vertices) {
   return x;
 }
 
-double signed_volume(const double* a, const double* b, const double* c, const double* d) {
-  double e[3][3];
-  for (int k = 0; k < 3; ++k) {
-    e[0][k] = b[k] - a[k];
-    e[1][k] = c[k] - a[k];
-    e[2][k] = d[k] - a[k];
-  }
-  return (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) - e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
-          e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) /
-         6.0;
-}
-
 /// The DMPlex points that carry a cell's nodes: four vertices, positively oriented, and for order 2 its six edges.
 class CellClosure {
  public:
@@ -62,8 +51,9 @@ class CellClosure {
       if (vertices_.contains(p)) points[num_vertices++] = p;
       if (edges_.contains(p)) edge_points[num_edges++] = p;
     });
-    if (signed_volume(at(points[0]), at(points[1]), at(points[2]), at(points[3])) < 0.0)
-      std::swap(points[2], points[3]);
+    const tetrahedron::Corners corners{position(points[0]), position(points[1]), position(points[2]),
+                                       position(points[3])};
+    if (tetrahedron::volume(corners) < 0.0) std::swap(points[2], points[3]);
     if (order_ == 2) {
       for (int e = 0; e < 6; ++e) {
         points[4 + e] = joining_edge(dm_, edge_points, points[tet_edges[e][0]], points[tet_edges[e][1]]);
@@ -72,14 +62,14 @@ class CellClosure {
     return points;
   }
 
-  std::array<double, 3> midpoint(PetscInt edge) const {
+  Vector3<double> midpoint(PetscInt edge) const {
     const PetscInt* ends = ends_of_edge(dm_, edge);
-    std::array<double, 3> m;
-    for (int k = 0; k < 3; ++k) m[k] = 0.5 * (at(ends[0])[k] + at(ends[1])[k]);
-    return m;
+    return 0.5 * (position(ends[0]) + position(ends[1]));
   }
-
-  const double* at(PetscInt vertex) const { return x_.data() + 3 * (vertex - vertices_.begin); }
+  Vector3<double> position(PetscInt vertex) const {
+    const double* x = x_.data() + 3 * (vertex - vertices_.begin);
+    return {x[0], x[1], x[2]};
+  }
   bool is_vertex(PetscInt point) const { return vertices_.contains(point); }
   PetscInt edge_begin() const { return edges_.begin; }
 
@@ -136,7 +126,162 @@ bool is_straight(const std::array<double, 3>& a, const std::array<double, 3>& b,
   return bend <= 1e-24 * length;
 }
 
+/// The local cells of the layout, owned ones first: DMPlex points of their nodes, nodes_per_cell each.
+std::vector<PetscInt> choose_cells(DM dm, const CellClosure& closure, const std::vector<char>& is_ghost,
+                                   NodeLayout& layout) {
+  const PointRange cells = stratum(dm, 3);
+  const auto is_owned = [&](PetscInt p) { return is_ghost[p] == 0; };
+  std::vector<PetscInt> points_of_cells;
+  for (const bool ghosts : {false, true}) {
+    for (PetscInt c = cells.begin; c < cells.end; ++c) {
+      if ((is_ghost[c] != 0) != ghosts) continue;
+      const auto points = closure(c);
+      const auto end = points.begin() + layout.nodes_per_cell;
+      if (ghosts && std::none_of(points.begin(), end, is_owned)) continue;
+      layout.cell_points.push_back(c);
+      points_of_cells.insert(points_of_cells.end(), points.begin(), end);
+    }
+    if (!ghosts) layout.num_owned_cells = static_cast<PetscInt>(layout.cell_points.size());
+  }
+  layout.num_local_cells = static_cast<PetscInt>(layout.cell_points.size());
+  return points_of_cells;
+}
+
+/// DMPlex points of the local nodes: the owned ones in the order that keeps neighbours close, then the ghosts as they
+/// appear in the cells.
+std::vector<PetscInt> order_nodes(const std::vector<PetscInt>& points_of_cells, const std::vector<char>& is_ghost,
+                                  NodeLayout& layout) {
+  std::vector<PetscInt> provisional(is_ghost.size(), -1), points;
+  for (const bool ghosts : {false, true}) {
+    for (const PetscInt p : points_of_cells) {
+      if (provisional[p] >= 0 || (is_ghost[p] != 0) != ghosts) continue;
+      provisional[p] = static_cast<PetscInt>(points.size());
+      points.push_back(p);
+    }
+    if (!ghosts) layout.num_owned_nodes = static_cast<PetscInt>(points.size());
+  }
+  layout.num_local_nodes = static_cast<PetscInt>(points.size());
+  std::vector<PetscInt> cell_nodes(points_of_cells.size());
+  std::ranges::transform(points_of_cells, cell_nodes.begin(), [&](PetscInt p) { return provisional[p]; });
+  const NodeGraph graph = node_graph(cell_nodes, layout.nodes_per_cell, layout.num_local_nodes, layout.num_owned_nodes);
+  std::vector<PetscInt> ordered = points;
+  std::ranges::transform(reverse_cuthill_mckee(graph, layout.num_owned_nodes), ordered.begin(),
+                         [&](PetscInt n) { return points[n]; });
+  return ordered;
+}
+
+/// Sizes over all ranks. Throws InputError if there are more unknowns than integers count. Collective.
+void count_globally(NodeLayout& layout) {
+  check_mpi(MPI_Exscan(&layout.num_owned_nodes, &layout.first_global_node, 1, MPIU_INT, MPI_SUM, layout.comm));
+  const PetscInt64 num_nodes = sum(layout.comm, static_cast<PetscInt64>(layout.num_owned_nodes));
+  if (3 * num_nodes > static_cast<PetscInt64>(PETSC_MAX_INT)) {
+    throw InputError({}, "there are " + std::to_string(3 * num_nodes) +
+                             " unknowns, more than 32-bit integers count: build Pliant with a PETSc of 64-bit indices");
+  }
+  layout.num_global_nodes = static_cast<PetscInt>(num_nodes);
+  layout.num_global_cells = sum(layout.comm, static_cast<PetscInt64>(layout.num_owned_cells));
+}
+
+/// Global numbers, contiguous per rank, which ghosts learn from their owners; `points`: of order_nodes. Collective.
+void number_nodes(DM dm, std::size_t num_points, const std::vector<PetscInt>& points, NodeLayout& layout) {
+  std::vector<PetscInt> global_of_point(num_points, -1);
+  layout.node_of_point.assign(num_points, -1);
+  for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
+    layout.node_of_point[points[n]] = n;
+    global_of_point[points[n]] = layout.first_global_node + n;
+  }
+  fill_ghosts(dm, global_of_point);
+  std::vector<PetscInt> ghosts(points.begin() + layout.num_owned_nodes, points.end());
+  std::ranges::sort(ghosts, {}, [&](PetscInt p) { return global_of_point[p]; });
+  for (const PetscInt p : ghosts) {
+    layout.node_of_point[p] = layout.num_owned_nodes + static_cast<PetscInt>(layout.ghost_global_nodes.size());
+    layout.ghost_global_nodes.push_back(global_of_point[p]);
+  }
+}
+
+/// The cells in the order of their nodes, owned and ghost cells apart.
+void sort_cells(const std::vector<PetscInt>& points_of_cells, NodeLayout& layout) {
+  const int npc = layout.nodes_per_cell;
+  std::vector<PetscInt> cell_order(layout.num_local_cells), lowest(layout.num_local_cells);
+  std::iota(cell_order.begin(), cell_order.end(), 0);
+  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
+    PetscInt low = layout.num_local_nodes;
+    for (int a = 0; a < 4; ++a) low = std::min(low, layout.node_of_point[points_of_cells[c * npc + a]]);
+    lowest[c] = low;
+  }
+  const auto by_nodes = [&](PetscInt c, PetscInt d) { return lowest[c] < lowest[d]; };
+  std::stable_sort(cell_order.begin(), cell_order.begin() + layout.num_owned_cells, by_nodes);
+  std::stable_sort(cell_order.begin() + layout.num_owned_cells, cell_order.end(), by_nodes);
+  std::vector<PetscInt> cell_points;
+  for (const PetscInt c : cell_order) {
+    cell_points.push_back(layout.cell_points[c]);
+    for (int a = 0; a < npc; ++a) layout.cell_nodes.push_back(layout.node_of_point[points_of_cells[c * npc + a]]);
+  }
+  layout.cell_points = std::move(cell_points);
+}
+
+/// The numbers that the whole mesh gives to cells and vertices.
+void keep_numbers_of_mesh(const Mesh& mesh, NodeLayout& layout) {
+  const PointRange cells = stratum(mesh.dm.get(), 3), vertices = stratum(mesh.dm.get(), 0);
+  for (const PetscInt c : layout.cell_points) layout.cell_numbers.push_back(mesh.cell_numbers[c - cells.begin]);
+  layout.vertex_numbers.assign(static_cast<std::size_t>(layout.num_local_nodes), -1);
+  for (PetscInt v = vertices.begin; v < vertices.end; ++v) {
+    const PetscInt node = layout.node_of_point[v];
+    if (node >= 0) layout.vertex_numbers[node] = mesh.vertex_numbers[v - vertices.begin];
+  }
+}
+
+bool is_curved(const Mesh& mesh, const NodeLayout& layout) {
+  return layout.order == 2 && mesh.geometry_order == 2;
+}
+
+void place_nodes(const Mesh& mesh, const CellClosure& closure, const std::vector<PetscInt>& points,
+                 NodeLayout& layout) {
+  layout.coordinates.resize(3 * static_cast<std::size_t>(layout.num_local_nodes));
+  for (const PetscInt p : points) {
+    double* x = layout.coordinates.data() + 3 * layout.node_of_point[p];
+    if (!closure.is_vertex(p) && is_curved(mesh, layout)) {
+      std::copy_n(mesh.edge_midpoints.data() + 3 * (p - closure.edge_begin()), 3, x);
+    } else {
+      std::ranges::copy(closure.is_vertex(p) ? closure.position(p) : closure.midpoint(p), x);
+    }
+  }
+}
+
+void mark_bent_cells(const Mesh& mesh, NodeLayout& layout) {
+  layout.cell_is_affine.assign(layout.num_local_cells, 1);
+  if (!is_curved(mesh, layout)) return;
+  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
+    const auto nodes = layout.nodes_of_cell(c);
+    for (int e = 0; e < 6; ++e) {
+      if (!is_straight(layout.position(nodes[tet_edges[e][0]]), layout.position(nodes[tet_edges[e][1]]),
+                       layout.position(nodes[4 + e]))) {
+        layout.cell_is_affine[c] = 0;
+      }
+    }
+  }
+}
+
 }  // namespace
+
+NodeLayout make_layout(const Mesh& mesh, int order) {
+  DM dm = mesh.dm.get();
+  NodeLayout layout;
+  check(PetscObjectGetComm(reinterpret_cast<PetscObject>(dm), &layout.comm));
+  layout.order = order;
+  layout.nodes_per_cell = order == 1 ? 4 : 10;
+  const CellClosure closure(dm, order);
+  const std::vector<char> is_ghost = ghost_points(dm);
+  const std::vector<PetscInt> points_of_cells = choose_cells(dm, closure, is_ghost, layout);
+  const std::vector<PetscInt> points = order_nodes(points_of_cells, is_ghost, layout);
+  count_globally(layout);
+  number_nodes(dm, is_ghost.size(), points, layout);
+  sort_cells(points_of_cells, layout);
+  keep_numbers_of_mesh(mesh, layout);
+  place_nodes(mesh, closure, points, layout);
+  mark_bent_cells(mesh, layout);
+  return layout;
+}
 
 NodeGraph node_graph(std::span<const PetscInt> cell_nodes, int nodes_per_cell, PetscInt num_nodes, PetscInt num_rows) {
   const auto num_cells = static_cast<PetscInt>(cell_nodes.size() / nodes_per_cell);
@@ -163,131 +308,6 @@ NodeGraph node_graph(std::span<const PetscInt> cell_nodes, int nodes_per_cell, P
     graph.offsets.push_back(static_cast<PetscInt>(graph.neighbours.size()));
   }
   return graph;
-}
-
-NodeLayout make_layout(const Mesh& mesh, int order) {
-  DM dm = mesh.dm.get();
-  NodeLayout layout;
-  check(PetscObjectGetComm(reinterpret_cast<PetscObject>(dm), &layout.comm));
-  layout.order = order;
-  const int npc = layout.nodes_per_cell = order == 1 ? 4 : 10;
-  const CellClosure closure(dm, order);
-
-  const std::vector<char> is_ghost = ghost_points(dm);
-  const auto num_points = static_cast<PetscInt>(is_ghost.size());
-
-  // 1. The cells: owned ones, then ghost cells with an owned node.
-  const PointRange cells = stratum(dm, 3);
-  std::vector<PetscInt> points_of_cells;
-  for (const bool ghosts : {false, true}) {
-    for (PetscInt c = cells.begin; c < cells.end; ++c) {
-      if ((is_ghost[c] != 0) != ghosts) continue;
-      const auto points = closure(c);
-      const auto owned = [&](PetscInt p) { return is_ghost[p] == 0; };
-      if (ghosts && std::none_of(points.begin(), points.begin() + npc, owned)) continue;
-      layout.cell_points.push_back(c);
-      points_of_cells.insert(points_of_cells.end(), points.begin(), points.begin() + npc);
-    }
-    if (!ghosts) layout.num_owned_cells = static_cast<PetscInt>(layout.cell_points.size());
-  }
-  layout.num_local_cells = static_cast<PetscInt>(layout.cell_points.size());
-
-  // 2. Provisional numbers in order of appearance, owned before ghosts; then the order that keeps neighbours close.
-  std::vector<PetscInt> provisional(num_points, -1), points;
-  for (const bool ghosts : {false, true}) {
-    for (const PetscInt p : points_of_cells) {
-      if (provisional[p] >= 0 || (is_ghost[p] != 0) != ghosts) continue;
-      provisional[p] = static_cast<PetscInt>(points.size());
-      points.push_back(p);
-    }
-    if (!ghosts) layout.num_owned_nodes = static_cast<PetscInt>(points.size());
-  }
-  layout.num_local_nodes = static_cast<PetscInt>(points.size());
-  std::vector<PetscInt> cell_nodes(points_of_cells.size());
-  std::transform(points_of_cells.begin(), points_of_cells.end(), cell_nodes.begin(),
-                 [&](PetscInt p) { return provisional[p]; });
-  const auto rcm = reverse_cuthill_mckee(node_graph(cell_nodes, npc, layout.num_local_nodes, layout.num_owned_nodes),
-                                         layout.num_owned_nodes);
-
-  // 3. Global numbers: contiguous per rank; ghosts learn theirs from the owners.
-  check_mpi(MPI_Exscan(&layout.num_owned_nodes, &layout.first_global_node, 1, MPIU_INT, MPI_SUM, layout.comm));
-  const PetscInt64 num_nodes = sum(layout.comm, static_cast<PetscInt64>(layout.num_owned_nodes));
-  if (3 * num_nodes > static_cast<PetscInt64>(PETSC_MAX_INT)) {
-    throw InputError({}, "there are " + std::to_string(3 * num_nodes) +
-                             " unknowns, more than 32-bit integers count: build Pliant with a PETSc of 64-bit indices");
-  }
-  layout.num_global_nodes = static_cast<PetscInt>(num_nodes);
-  const std::int64_t owned_cells = layout.num_owned_cells;
-  check_mpi(MPI_Allreduce(&owned_cells, &layout.num_global_cells, 1, MPI_INT64_T, MPI_SUM, layout.comm));
-  std::vector<PetscInt> global_of_point(num_points, -1);
-  layout.node_of_point.assign(num_points, -1);
-  for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
-    const PetscInt p = points[rcm[n]];
-    layout.node_of_point[p] = n;
-    global_of_point[p] = layout.first_global_node + n;
-  }
-  fill_ghosts(dm, global_of_point);
-  std::vector<PetscInt> ghosts(points.begin() + layout.num_owned_nodes, points.end());
-  std::sort(ghosts.begin(), ghosts.end(),
-            [&](PetscInt p, PetscInt q) { return global_of_point[p] < global_of_point[q]; });
-  for (const PetscInt p : ghosts) {
-    layout.node_of_point[p] = layout.num_owned_nodes + static_cast<PetscInt>(layout.ghost_global_nodes.size());
-    layout.ghost_global_nodes.push_back(global_of_point[p]);
-  }
-
-  // 4. Cells sorted by their nodes, owned and ghost cells apart.
-  std::vector<PetscInt> cell_order(layout.num_local_cells), lowest(layout.num_local_cells);
-  std::iota(cell_order.begin(), cell_order.end(), 0);
-  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
-    PetscInt low = layout.num_local_nodes;
-    for (int a = 0; a < 4; ++a) low = std::min(low, layout.node_of_point[points_of_cells[c * npc + a]]);
-    lowest[c] = low;
-  }
-  const auto by_nodes = [&](PetscInt c, PetscInt d) { return lowest[c] < lowest[d]; };
-  std::stable_sort(cell_order.begin(), cell_order.begin() + layout.num_owned_cells, by_nodes);
-  std::stable_sort(cell_order.begin() + layout.num_owned_cells, cell_order.end(), by_nodes);
-  layout.cell_nodes.resize(points_of_cells.size());
-  std::vector<PetscInt> cell_points(layout.num_local_cells);
-  for (PetscInt i = 0; i < layout.num_local_cells; ++i) {
-    const PetscInt c = cell_order[i];
-    cell_points[i] = layout.cell_points[c];
-    for (int a = 0; a < npc; ++a) layout.cell_nodes[i * npc + a] = layout.node_of_point[points_of_cells[c * npc + a]];
-  }
-  layout.cell_points = std::move(cell_points);
-  for (const PetscInt c : layout.cell_points) layout.cell_numbers.push_back(mesh.cell_numbers[c - cells.begin]);
-  const PointRange vertices = stratum(dm, 0);
-  layout.vertex_numbers.assign(static_cast<std::size_t>(layout.num_local_nodes), -1);
-  for (PetscInt v = vertices.begin; v < vertices.end; ++v) {
-    const PetscInt node = layout.node_of_point[v];
-    if (node >= 0) layout.vertex_numbers[node] = mesh.vertex_numbers[v - vertices.begin];
-  }
-
-  // 5. Positions, and which cells are bent.
-  layout.coordinates.resize(3 * static_cast<std::size_t>(layout.num_local_nodes));
-  const bool curved = order == 2 && mesh.geometry_order == 2;
-  for (const PetscInt p : points) {
-    double* x = layout.coordinates.data() + 3 * layout.node_of_point[p];
-    if (closure.is_vertex(p)) {
-      std::copy_n(closure.at(p), 3, x);
-    } else if (curved) {
-      std::copy_n(mesh.edge_midpoints.data() + 3 * (p - closure.edge_begin()), 3, x);
-    } else {
-      std::copy_n(closure.midpoint(p).data(), 3, x);
-    }
-  }
-  layout.cell_is_affine.assign(layout.num_local_cells, 1);
-  if (curved) {
-    for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
-      const auto nodes = layout.nodes_of_cell(c);
-      for (int e = 0; e < 6; ++e) {
-        if (!is_straight(layout.position(nodes[tet_edges[e][0]]), layout.position(nodes[tet_edges[e][1]]),
-                         layout.position(nodes[4 + e]))) {
-          layout.cell_is_affine[c] = 0;
-        }
-      }
-    }
-  }
-  return layout;
 }
 
 Handle<Vec> make_vector(const NodeLayout& layout) {

@@ -14,10 +14,6 @@ namespace {
 constexpr int most_iterations = 8;
 constexpr double enough = 1e-3;
 
-Tensor3<double> outer(const Vector3<double>& a, const Vector3<double>& b) {
-  return make_tensor([&](int i, int k) { return a[static_cast<std::size_t>(i)] * b[static_cast<std::size_t>(k)]; });
-}
-
 /// The rotation by the vector w with tan(angle / 2) = |w| / 2 (Cayley), near exp(w).
 Tensor3<double> cayley(const Vector3<double>& w) {
   const double square = 0.25 * dot(w, w), scale = 1.0 / (1.0 + square);

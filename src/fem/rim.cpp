@@ -111,29 +111,18 @@ double third_of_flux(const NodeLayout& layout, const FacetList& facets) {
 
 /// What the ranks tell each other of an edge.
 struct EdgeRecord {
-  double start = 0.0, end = 0.0;  ///< global nodes
-  double plane = -1.0;            ///< RimEdge::plane, or -1
+  PetscInt start = 0, end = 0;    ///< global nodes
+  int plane = -1;                 ///< RimEdge::plane, or -1
   Vector3<double> X{}, moment{};  ///< of the start [m]; of the edge [m^2]
 };
-static_assert(sizeof(EdgeRecord) == 9 * sizeof(double));
 
-std::vector<EdgeRecord> gathered(const NodeLayout& layout, const std::vector<RimEdge>& edges) {
-  std::vector<EdgeRecord> mine;
+std::vector<EdgeRecord> records(const NodeLayout& layout, const std::vector<RimEdge>& edges) {
+  std::vector<EdgeRecord> result;
   for (const RimEdge& e : edges) {
-    mine.push_back({static_cast<double>(layout.global_node(e.nodes[0])),
-                    static_cast<double>(layout.global_node(e.nodes[1])), static_cast<double>(e.plane.value_or(-1)),
-                    layout.position(e.nodes[0]), layout.order == 1 ? moment<1>(layout, e) : moment<2>(layout, e)});
+    result.push_back({layout.global_node(e.nodes[0]), layout.global_node(e.nodes[1]), e.plane.value_or(-1),
+                      layout.position(e.nodes[0]), layout.order == 1 ? moment<1>(layout, e) : moment<2>(layout, e)});
   }
-  int num_ranks = 0;
-  check_mpi(MPI_Comm_size(layout.comm, &num_ranks));
-  const int count = static_cast<int>(9 * mine.size());
-  std::vector<int> counts(num_ranks), offsets(num_ranks, 0);
-  check_mpi(MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, layout.comm));
-  for (int r = 1; r < num_ranks; ++r) offsets[r] = offsets[r - 1] + counts[r - 1];
-  std::vector<EdgeRecord> all(static_cast<std::size_t>((offsets.back() + counts.back()) / 9));
-  check_mpi(MPI_Allgatherv(mine.data(), count, MPI_DOUBLE, all.data(), counts.data(), offsets.data(), MPI_DOUBLE,
-                           layout.comm));
-  return all;
+  return result;
 }
 
 /// A loop of the rim, summed up.
@@ -146,7 +135,7 @@ struct Loop {
     ++num_edges;
     sum_of_starts = sum_of_starts + e.X;
     moment = moment + e.moment;
-    if (e.plane < 0.0) return;
+    if (e.plane < 0) return;
     const auto k = static_cast<std::size_t>(e.plane);
     const double size = std::abs(e.X[k]) + std::sqrt(std::sqrt(dot(e.moment, e.moment)));
     if (plane[k] && std::abs(*plane[k] - e.X[k]) > 1e-9 * size) has_one_apex = false;
@@ -197,8 +186,8 @@ Rim classify(const NodeLayout& layout, std::vector<RimEdge>& edges, const Prescr
 
 std::optional<double> volume_behind(const NodeLayout& layout, const FacetList& facets,
                                     const std::vector<RimEdge>& edges) {
-  const auto all = gathered(layout, edges);
-  std::map<double, std::size_t> number;
+  const auto all = gathered(layout.comm, records(layout, edges));
+  std::map<PetscInt, std::size_t> number;
   for (const EdgeRecord& e : all) {
     number.try_emplace(e.start, number.size());
     number.try_emplace(e.end, number.size());

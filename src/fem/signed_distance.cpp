@@ -10,11 +10,6 @@ namespace {
 
 constexpr int num_segments = 48;  // of a circle in pictures
 
-/// a (x) a
-Tensor3<double> square(const Vector3<double>& a) {
-  return make_tensor([&](int i, int j) { return a[i] * a[j]; });
-}
-
 /// A direction across another one.
 Vector3<double> across(const Vector3<double>& n) {
   Vector3<double> e{};
@@ -36,7 +31,7 @@ struct Split {
 
 /// Of points of unit distance from an axis: what turns when one goes round it, (I - e e - a a) / radius.
 Tensor3<double> round_curvature(const Vector3<double>& direction, const Vector3<double>& axis, double radius) {
-  return (1.0 / radius) * (add_to_diagonal(-1.0 * square(direction), 1.0) - square(axis));
+  return (1.0 / radius) * (add_to_diagonal(-1.0 * outer(direction, direction), 1.0) - outer(axis, axis));
 }
 
 /// Distance to a point, less the radius.
@@ -44,7 +39,7 @@ DistanceAt from_point(const Vector3<double>& r, double radius) {
   const double length = norm(r);
   if (length == 0.0) return {-radius, {0.0, 0.0, 1.0}, {}};
   const Vector3<double> n = (1.0 / length) * r;
-  return {length - radius, n, (1.0 / length) * add_to_diagonal(-1.0 * square(n), 1.0)};
+  return {length - radius, n, (1.0 / length) * add_to_diagonal(-1.0 * outer(n, n), 1.0)};
 }
 
 /// The surface of revolution of a curve (height along the axis, radius), from end to end.
@@ -125,7 +120,7 @@ class CylinderDistance final : public SignedDistance {
     const double d = std::hypot(u, w);
     const Vector3<double> n = (1.0 / d) * (u * r.direction + w * end);
     return {d, n,
-            (1.0 / d) * (square(r.direction) + square(shape_.axis) - square(n)) +
+            (1.0 / d) * (outer(r.direction, r.direction) + outer(shape_.axis, shape_.axis) - outer(n, n)) +
                 (u / d) * round_curvature(r.direction, shape_.axis, r.across)};
   }
 
@@ -206,7 +201,7 @@ class BoxDistance final : public SignedDistance {
     }
     result.d = std::sqrt(square_length);
     for (std::size_t i = 0; i < 3; ++i) result.n[i] = std::copysign(out[i] / result.d, r[i]);
-    result.curvature = (-1.0 / result.d) * square(result.n);
+    result.curvature = (-1.0 / result.d) * outer(result.n, result.n);
     for (int i = 0; i < 3; ++i) {
       if (out[i] > 0.0) result.curvature(i, i) += 1.0 / result.d;
     }

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <sstream>
 #include <system_error>
 #include <utility>
 
@@ -40,27 +39,36 @@ std::string lines(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, "\n"));
 }
 
-/// Removes the frames that `grids` does not refer to. Returns a name for the next mesh and the number of the next
-/// frame, with a space between them.
-std::string keep_listed(const std::filesystem::path& path, const std::string& grids) {
+/// The group of the mesh of the first run, and of those that continued it.
+std::string name_of_mesh(std::int64_t number) {
+  return number == 0 ? "mesh" : fmt::format("mesh_{}", number);
+}
+
+/// What a run that continues a result calls what it adds.
+struct Continuation {
+  std::int64_t mesh_number;
+  std::int64_t next_frame;
+};
+
+/// Removes the frames that `grids` does not refer to.
+Continuation keep_listed(const std::filesystem::path& path, const std::string& grids) {
   const QuietHdf5 quiet;
   const std::string doing = "continue '" + path.string() + "'";
   Hdf5Handle file = open_hdf5(path, Hdf5Mode::modify);
   Hdf5Handle frames(H5Gopen2(file.get(), "frames", H5P_DEFAULT), H5Gclose, doing);
-  std::int64_t next = 0;
+  Continuation next{0, 0};
   for (const auto& name : names_in(frames.get())) {
     if (grids.find(":/frames/" + name + "/") != std::string::npos) {
-      next = std::stoll(name) + 1;
+      next.next_frame = std::stoll(name) + 1;
     } else {
       check_hdf5(H5Ldelete(frames.get(), name.c_str(), H5P_DEFAULT), doing);
     }
   }
-  std::string mesh = "mesh";
   const auto taken = names_in(file.get());
-  for (int i = 1; std::find(taken.begin(), taken.end(), mesh) != taken.end(); ++i) mesh = fmt::format("mesh_{}", i);
+  while (std::ranges::find(taken, name_of_mesh(next.mesh_number)) != taken.end()) ++next.mesh_number;
   frames.close(doing);
   file.close(doing);
-  return fmt::format("{} {}", mesh, next);
+  return next;
 }
 
 }  // namespace
@@ -87,8 +95,9 @@ ResultWriter::ResultWriter(MPI_Comm comm, const ResultPlace& place, std::string 
       start_files();
     } else {
       write_text_atomically(xdmf_file_, xdmf_document(title_, grids_));
-      std::istringstream(hdf5_in_child(hdf5_file_, [&] { return keep_listed(hdf5_file_, grids_); })) >> mesh_ >>
-          next_frame_;
+      const Continuation next = hdf5_in_child(hdf5_file_, [&] { return keep_listed(hdf5_file_, grids_); });
+      mesh_ = name_of_mesh(next.mesh_number);
+      next_frame_ = next.next_frame;
     }
   });
   mesh_ = broadcast(comm_, mesh_);

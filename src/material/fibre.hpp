@@ -28,19 +28,6 @@ PLIANT_INLINE Vector3<T> direction_as(const std::array<S, 3>& d) {
   return {T(d[0]), T(d[1]), T(d[2])};
 }
 
-/// A a.
-template <class T>
-PLIANT_INLINE Vector3<T> product(const Tensor3<T>& A, const Vector3<T>& a) {
-  return {A(0, 0) * a[0] + A(0, 1) * a[1] + A(0, 2) * a[2], A(1, 0) * a[0] + A(1, 1) * a[1] + A(1, 2) * a[2],
-          A(2, 0) * a[0] + A(2, 1) * a[1] + A(2, 2) * a[2]};
-}
-
-/// a (x) b.
-template <class T>
-PLIANT_INLINE Tensor3<T> outer(const Vector3<T>& a, const Vector3<T>& b) {
-  return make_tensor([&](int i, int j) -> T { return a[i] * b[j]; });
-}
-
 /// What depends on F alone. Where J <= 0, G is NaN.
 template <class T>
 struct FibreState {
@@ -50,7 +37,7 @@ struct FibreState {
   template <class Mask>
   PLIANT_INLINE FibreState(const Tensor3<T>& H, const T& volume_change, const Mask& valid)
       : at(H, volume_change, valid), F(add_to_diagonal(H, 1.0)) {
-    G = select(valid, T(1.0 / (1.0 + at.j)), T(std::numeric_limits<double>::quiet_NaN())) * cofactor(F);
+    G = select(valid, T(1.0 / (1.0 + at.j)), T(nan)) * cofactor(F);
   }
 
   /// dG = -G dH^T G.
@@ -84,10 +71,10 @@ struct FibreInvariant {
   Tensor3<T> B;
 
   PLIANT_INLINE FibreInvariant(const FibreState<T>& s, const Vector3<T>& direction)
-      : f(direction), Ff(product(s.F, f)), value(2.0 * dot(f, product(s.at.E, f))), B(2.0 * outer(Ff, f)) {}
+      : f(direction), Ff(matvec(s.F, f)), value(2.0 * dot(f, matvec(s.at.E, f))), B(2.0 * outer(Ff, f)) {}
 
   PLIANT_INLINE Tensor3<T> change(const FibreState<T>&, const Tensor3<T>& dH) const {
-    return 2.0 * outer(product(dH, f), f);
+    return 2.0 * outer(matvec(dH, f), f);
   }
 };
 
@@ -120,11 +107,11 @@ struct ShearInvariant {
   PLIANT_INLINE ShearInvariant(const FibreState<T>& state, const Vector3<T>& first, const Vector3<T>& second)
       : f(first),
         s(second),
-        value(2.0 * dot(f, product(state.at.E, s))),
-        B(outer(product(state.F, s), f) + outer(product(state.F, f), s)) {}
+        value(2.0 * dot(f, matvec(state.at.E, s))),
+        B(outer(matvec(state.F, s), f) + outer(matvec(state.F, f), s)) {}
 
   PLIANT_INLINE Tensor3<T> change(const FibreState<T>&, const Tensor3<T>& dH) const {
-    return outer(product(dH, s), f) + outer(product(dH, f), s);
+    return outer(matvec(dH, s), f) + outer(matvec(dH, f), s);
   }
 };
 
@@ -153,14 +140,12 @@ struct ExponentialFibre {
   template <class T>
   PLIANT_INLINE T energy(const T& i) const {
     const T m = pulled(i);
-    return (0.5 * a / b) * within_exponent(T(b * (m * m)), std::numeric_limits<double>::infinity(),
-                                           [](const T& x) -> T { return expm1(x); });
+    return (0.5 * a / b) * within_exponent(T(b * (m * m)), infinity, [](const T& x) -> T { return expm1(x); });
   }
   template <class T>
   PLIANT_INLINE Derivatives<T> derivatives(const T& i) const {
     const T m = pulled(i), x = b * (m * m);
-    const T scale =
-        a * within_exponent(x, std::numeric_limits<double>::quiet_NaN(), [](const T& y) -> T { return exp(y); });
+    const T scale = a * within_exponent(x, nan, [](const T& y) -> T { return exp(y); });
     const T second = scale * (1.0 + 2.0 * x);
     if constexpr (compression == Compression::stiff) return {scale * m, second};
     return {scale * m, select(i > 0.0, second, T(0.0 * scale))};
@@ -172,6 +157,49 @@ struct ExponentialFibre {
     if constexpr (compression == Compression::stiff) return i;
     return select(i <= 0.0, T(0.0), i);  // NaN stays
   }
+};
+
+/// What the linearizations of laws with fibres share; `Linearization` has dP as its operator().
+template <class Linearization, class T>
+struct FibreLinearization {
+  FibreState<T> s;
+  T pressure, slope;  ///< Kirchhoff, and J d/dJ of it [Pa]
+  Tensor3<T> P;       ///< [Pa]
+
+  PLIANT_INLINE Tangent<T> tangent() const { return tangent_by_columns<T>(static_cast<const Linearization&>(*this)); }
+};
+
+/// The part of a law with fibres that its energy does not decide; `Law` has `volumetric`, `energy(H, change, valid)`,
+/// psi where `valid` (J > 0; change = J - 1) and any number elsewhere, and `linearize_at(s, pressure)`, a
+/// FibreLinearization at a FibreState and the VolumetricStress there.
+template <class Law>
+struct FibreLaw {
+  static constexpr bool is_barrier = true;
+  static constexpr bool constant_tangent = false;
+  static constexpr int energy_degree = 2;
+  static constexpr bool has_stretch_limit = true;
+
+  template <class T>
+  PLIANT_INLINE T psi(const Tensor3<T>& H) const {
+    const T change = volume_change(H);
+    const auto valid = change > -1.0;
+    return select(valid, law().energy(H, change, valid), T(infinity));
+  }
+
+  template <class T>
+  PLIANT_INLINE Tensor3<T> P(const Tensor3<T>& H) const {
+    return linearize(H).P;
+  }
+
+  template <class T>
+  PLIANT_INLINE auto linearize(const Tensor3<T>& H) const {
+    const T change = volume_change(H);
+    const FibreState<T> s(H, change, change > -1.0);
+    return law().linearize_at(s, law().volumetric.stress(s.at.j));
+  }
+
+ private:
+  PLIANT_INLINE const Law& law() const { return static_cast<const Law&>(*this); }
 };
 
 }  // namespace pliant

@@ -14,13 +14,9 @@
 namespace pliant {
 
 template <class S>
-struct Guccione {
+struct Guccione : FibreLaw<Guccione<S>> {
   static constexpr std::string_view name = "guccione";
-  static constexpr bool is_barrier = true;
-  static constexpr bool constant_tangent = false;
   static constexpr int num_directions = 1;
-  static constexpr int energy_degree = 2;
-  static constexpr bool has_stretch_limit = true;
 
   S C;            ///< [Pa]
   S bf, bt, bfs;  ///< exponents along the fibres, across, of shear between both
@@ -29,66 +25,47 @@ struct Guccione {
 
   static Guccione of(const LawData<S>& d) {
     const auto& p = d.parameters;
-    return {p[0], p[1], p[2], p[3], {p[4], d.volumetric}, d.directions[0]};
+    return {{}, p[0], p[1], p[2], p[3], {p[4], d.volumetric}, d.directions[0]};
   }
 
   template <class T>
-  struct Linearization {
-    FibreState<T> s;
+  struct Linearization : FibreLinearization<Linearization<T>, T> {
+    using Base = FibreLinearization<Linearization, T>;
+    using Base::s, Base::pressure, Base::slope;
+
     Vector3<T> f;
     T scale;  ///< C exp Q [Pa]
     T bf, bt, bfs;
-    Tensor3<T> A, S2;   ///< S2: the second Piola-Kirchhoff stress without the volume's [Pa]
-    T pressure, slope;  ///< Kirchhoff, and J d/dJ of it [Pa]
-    Tensor3<T> P;       ///< [Pa]
+    Tensor3<T> A, S2;  ///< S2: the second Piola-Kirchhoff stress without the volume's [Pa]
 
     PLIANT_INLINE Tensor3<T> operator()(const Tensor3<T>& dH) const {
       const Tensor3<T> dE = small_strain(matmul(transpose(s.F), dH));
       const Tensor3<T> dS = scale * (weighted(dE, f, {bf, bt, bfs}) + (2.0 * dot(A, dE)) * A);
       return matmul(dH, S2) + matmul(s.F, dS) + (slope * dot(s.G, dH)) * s.G + pressure * s.change_of_G(dH);
     }
-
-    PLIANT_INLINE Tangent<T> tangent() const { return tangent_by_columns<T>(*this); }
   };
 
-  template <class T>
-  PLIANT_INLINE T psi(const Tensor3<T>& H) const {
-    const T change = volume_change(H);
-    const auto valid = change > -1.0;
+  template <class T, class Mask>
+  PLIANT_INLINE T energy(const Tensor3<T>& H, const T& change, const Mask& valid) const {
     const Tensor3<T> E = green_lagrange(H);
     const T j = select(valid, change, T(0.0)), Q = dot(weighted(E, direction_as<T>(fibre), exponents<T>()), E);
-    const T value = (0.5 * C) * within_exponent(Q, std::numeric_limits<double>::infinity(),
-                                                [](const T& x) -> T { return expm1(x); }) +
-                    volumetric.energy(j);
-    return select(valid, value, T(std::numeric_limits<double>::infinity()));
+    return (0.5 * C) * within_exponent(Q, infinity, [](const T& x) -> T { return expm1(x); }) + volumetric.energy(j);
   }
 
   template <class T>
-  PLIANT_INLINE Tensor3<T> P(const Tensor3<T>& H) const {
-    return linearize(H).P;
-  }
-
-  template <class T>
-  PLIANT_INLINE Linearization<T> linearize(const Tensor3<T>& H) const {
-    const T change = volume_change(H);
-    const FibreState<T> s(H, change, change > -1.0);
+  PLIANT_INLINE Linearization<T> linearize_at(const FibreState<T>& s, const VolumetricStress<T>& pressure) const {
     const Vector3<T> f = direction_as<T>(fibre);
     const Tensor3<T> A = weighted(s.at.E, f, exponents<T>());
-    const T scale = C * within_exponent(T(dot(A, s.at.E)), std::numeric_limits<double>::quiet_NaN(),
-                                        [](const T& x) -> T { return exp(x); });
-    const auto pressure = volumetric.stress(s.at.j);
+    const T scale = C * within_exponent(T(dot(A, s.at.E)), nan, [](const T& x) -> T { return exp(x); });
     const Tensor3<T> S2 = scale * A;
-    return {s,
+    return {{s, pressure.value, pressure.slope, matmul(s.F, S2) + pressure.value * s.G},
             f,
             scale,
             T(bf),
             T(bt),
             T(bfs),
             A,
-            S2,
-            pressure.value,
-            pressure.slope,
-            matmul(s.F, S2) + pressure.value * s.G};
+            S2};
   }
 
  private:
@@ -104,7 +81,7 @@ struct Guccione {
   /// A of E; Q = A : E.
   template <class T>
   PLIANT_INLINE static Tensor3<T> weighted(const Tensor3<T>& E, const Vector3<T>& f, const Exponents<T>& b) {
-    const Vector3<T> Ef = product(E, f);
+    const Vector3<T> Ef = matvec(E, f);
     const T Eff = dot(f, Ef);
     const Vector3<T> g{Ef[0] - Eff * f[0], Ef[1] - Eff * f[1], Ef[2] - Eff * f[2]};
     const Tensor3<T> between = outer(f, g) + outer(g, f), along = Eff * outer(f, f);

@@ -11,13 +11,9 @@
 namespace pliant {
 
 template <class S>
-struct HolzapfelGasserOgden {
+struct HolzapfelGasserOgden : FibreLaw<HolzapfelGasserOgden<S>> {
   static constexpr std::string_view name = "holzapfel-gasser-ogden";
-  static constexpr bool is_barrier = true;
-  static constexpr bool constant_tangent = false;
   static constexpr int num_directions = 2;
-  static constexpr int energy_degree = 2;
-  static constexpr bool has_stretch_limit = true;
 
   S mu;                      ///< shear modulus of the ground [Pa]
   ExponentialFibre<S> pull;  ///< k1 [Pa], k2
@@ -27,19 +23,19 @@ struct HolzapfelGasserOgden {
 
   static HolzapfelGasserOgden of(const LawData<S>& d) {
     const auto& p = d.parameters;
-    return {p[0], {p[2], p[3]}, p[4], {p[1], d.volumetric}, d.directions};
+    return {{}, p[0], {p[2], p[3]}, p[4], {p[1], d.volumetric}, d.directions};
   }
 
   template <class T>
-  struct Linearization {
-    FibreState<T> s;
+  struct Linearization : FibreLinearization<Linearization<T>, T> {
+    using Base = FibreLinearization<Linearization, T>;
+    using Base::s, Base::pressure, Base::slope;
+
     IsochoricInvariant<T> ground;
     std::array<IsochoricFibreInvariant<T>, 2> fibres;
     std::array<Derivatives<T>, 2> w;  ///< of Ei
     std::array<Tensor3<T>, 2> B;      ///< dEi/dF
     T c1, d4;                         ///< dpsi/dI1b [Pa], 1 - 3 d
-    T pressure, slope;                ///< Kirchhoff, and J d/dJ of it [Pa]
-    Tensor3<T> P;                     ///< [Pa]
 
     PLIANT_INLINE Tensor3<T> operator()(const Tensor3<T>& dH) const {
       Tensor3<T> dP = c1 * ground.change(s, dH) + (slope * dot(s.G, dH)) * s.G + pressure * s.change_of_G(dH);
@@ -48,36 +44,24 @@ struct HolzapfelGasserOgden {
       }
       return dP;
     }
-
-    PLIANT_INLINE Tangent<T> tangent() const { return tangent_by_columns<T>(*this); }
   };
 
-  template <class T>
-  PLIANT_INLINE T psi(const Tensor3<T>& H) const {
-    const T change = volume_change(H);
-    const auto valid = change > -1.0;
+  template <class T, class Mask>
+  PLIANT_INLINE T energy(const Tensor3<T>& H, const T& change, const Mask& valid) const {
     const Distortion<T> at(H, change, valid);
     T value = 0.5 * mu * at.i1 + volumetric.energy(at.j);
     for (const auto& family : families) {
       const Vector3<T> f = direction_as<T>(family);
-      value += pull.energy(strain(at, T(at.a * (2.0 * dot(f, product(at.E, f)) - at.y))));
+      value += pull.energy(strain(at, T(at.a * (2.0 * dot(f, matvec(at.E, f)) - at.y))));
     }
-    return select(valid, value, T(std::numeric_limits<double>::infinity()));
+    return value;
   }
 
   template <class T>
-  PLIANT_INLINE Tensor3<T> P(const Tensor3<T>& H) const {
-    return linearize(H).P;
-  }
-
-  template <class T>
-  PLIANT_INLINE Linearization<T> linearize(const Tensor3<T>& H) const {
-    const T change = volume_change(H);
-    const FibreState<T> s(H, change, change > -1.0);
+  PLIANT_INLINE Linearization<T> linearize_at(const FibreState<T>& s, const VolumetricStress<T>& pressure) const {
     const IsochoricInvariant<T> ground(s);
     const std::array fibres{IsochoricFibreInvariant<T>(s, direction_as<T>(families[0])),
                             IsochoricFibreInvariant<T>(s, direction_as<T>(families[1]))};
-    const auto pressure = volumetric.stress(s.at.j);
     const T d4 = 1.0 - 3.0 * dispersion;
     T c1 = 0.5 * mu;
     std::array<Derivatives<T>, 2> w;
@@ -89,7 +73,7 @@ struct HolzapfelGasserOgden {
       c1 += w[i].first * dispersion;
       P = P + (w[i].first * d4) * fibres[i].B;
     }
-    return {s, ground, fibres, w, B, c1, d4, pressure.value, pressure.slope, P + c1 * ground.B};
+    return {{s, pressure.value, pressure.slope, P + c1 * ground.B}, ground, fibres, w, B, c1, d4};
   }
 
  private:

@@ -1,6 +1,6 @@
 /// An elastic law of a body, evaluated on packs of its quadrature points. Its kind is known at run time only, and its
-/// parameters may differ from point to point. The call costs a few per cent of the cheapest law, and the loops over
-/// cells need not be compiled for each law.
+/// parameters may differ from point to point. A pack costs one virtual call, a few per cent of the cheapest law's
+/// time; in return the loops over cells are compiled once, and not for each law.
 #pragma once
 
 #include "material/elastic_law.hpp"

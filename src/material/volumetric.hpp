@@ -46,6 +46,12 @@ PLIANT_INLINE VolumeMeasure<T> volume_measure(VolumetricForm form, const T& j) {
   return {j * r, slope, slope * (1.0 / (2.0 + j) - 1.0 / J - fall)};
 }
 
+template <class T>
+struct VolumetricStress {
+  T value;  ///< kappa J U' [Pa]: the Kirchhoff pressure
+  T slope;  ///< J d/dJ of it [Pa]
+};
+
 template <class S>
 struct Volumetric {
   S kappa;  ///< bulk modulus [Pa]
@@ -61,12 +67,7 @@ struct Volumetric {
   }
 
   template <class T>
-  struct Stress {
-    T value;  ///< kappa J U' [Pa]: the Kirchhoff pressure
-    T slope;  ///< J d/dJ of it [Pa]
-  };
-  template <class T>
-  PLIANT_INLINE Stress<T> stress(const T& j) const {
+  PLIANT_INLINE VolumetricStress<T> stress(const T& j) const {
     const T J = 1.0 + j;
     if (form == VolumetricForm::quadratic) return {kappa * (j * J), kappa * (J * (J + j))};
     if (form == VolumetricForm::mixed) return {0.5 * kappa * (j * (2.0 + j)), kappa * (J * J)};

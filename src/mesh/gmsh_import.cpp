@@ -1,6 +1,6 @@
 #include "mesh/gmsh_import.hpp"
 
-#include "mesh/gmsh/module.hpp"
+#include "mesh/gmsh_module.hpp"
 #include "mesh/isolated.hpp"
 #include "mesh/msh_reader.hpp"
 #include "mesh/script_commands.hpp"

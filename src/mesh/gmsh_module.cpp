@@ -1,11 +1,11 @@
-#include "mesh/gmsh/module.hpp"
+#include "mesh/gmsh_module.hpp"
 
 #include <dlfcn.h>
 
 namespace pliant {
 namespace {
 
-/// `pliant_gmsh`, which the library defines (mesh/gmsh/meshing.cpp). It is found where the program's run path leads.
+/// `pliant_gmsh`, which the library defines (mesh/gmsh/meshing.hpp). It is found where the program's run path leads.
 const GmshModule* load() {
   void* const library = dlopen("libpliant_gmsh.so", RTLD_NOW | RTLD_LOCAL);
   void* const module = library == nullptr ? nullptr : dlsym(library, "pliant_gmsh");

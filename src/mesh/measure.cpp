@@ -65,16 +65,13 @@ class Geometry {
 };
 
 double measure_of(const std::vector<Point>& x) {
-  using namespace tetrahedron;
   switch (x.size()) {
     case 2:
-      return std::sqrt(dot(x[1] - x[0], x[1] - x[0]));
-    case 3: {
-      const Point n = cross(x[1] - x[0], x[2] - x[0]);
-      return 0.5 * std::sqrt(dot(n, n));
-    }
+      return norm(x[1] - x[0]);
+    case 3:
+      return 0.5 * norm(cross(x[1] - x[0], x[2] - x[0]));
     case 4:
-      return volume({x[0], x[1], x[2], x[3]});
+      return tetrahedron::volume({x[0], x[1], x[2], x[3]});
     default:
       return 0.0;
   }

@@ -5,6 +5,7 @@
 #include "mesh/gmsh_import.hpp"
 #include "mesh/measure.hpp"
 #include "mesh/mesh_file.hpp"
+#include "mesh/mesh_file_writer.hpp"
 #include "mesh/repair.hpp"
 #include "mesh/source_checks.hpp"
 #include "petsc/collective.hpp"

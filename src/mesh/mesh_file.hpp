@@ -39,8 +39,4 @@ bool is_mesh_file(const std::string& file);
 /// that are not finite, and cells or members of groups that cannot be; the same on every rank. Collective.
 MeshParts read_mesh_file(MPI_Comm comm, const MeshSource& source);
 
-/// Writes a mesh that was repaired and checked. Members of groups that no tetrahedron has are left out with a notice.
-/// Throws MeshDefect for second-order geometry, FileError. Not collective.
-void write_mesh_file(const std::string& file, SerialMesh& mesh);
-
 }  // namespace pliant

@@ -1,3 +1,5 @@
+#include "mesh/mesh_file_writer.hpp"
+
 #include "base/file.hpp"
 #include "mesh/mesh_file.hpp"
 #include "mesh/space_curve.hpp"

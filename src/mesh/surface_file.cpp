@@ -1,6 +1,6 @@
 #include "mesh/surface_file.hpp"
 
-#include "mesh/gmsh/module.hpp"
+#include "mesh/gmsh_module.hpp"
 #include "mesh/isolated.hpp"
 #include "mesh/script_commands.hpp"
 #include "mesh/source_checks.hpp"

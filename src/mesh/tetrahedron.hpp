@@ -1,24 +1,16 @@
 /// Measures of a straight tetrahedron.
 #pragma once
 
+#include "base/vector3.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 namespace pliant::tetrahedron {
 
-using Point = std::array<double, 3>;   ///< [m]
+using Point = Vector3<double>;         ///< [m]
 using Corners = std::array<Point, 4>;  ///< x0 .. x3 of a tetrahedron
-
-inline Point operator-(const Point& a, const Point& b) {
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-inline double dot(const Point& a, const Point& b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-inline Point cross(const Point& a, const Point& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 
 /// Signed volume det(x1 - x0, x2 - x0, x3 - x0) / 6 [m^3].
 inline double volume(const Corners& x) {

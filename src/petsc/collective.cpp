@@ -139,15 +139,23 @@ bool any_rank(MPI_Comm comm, bool x) {
   return reduced(comm, static_cast<int>(x), MPI_INT, MPI_MAX) != 0;
 }
 
-std::vector<double> gathered(MPI_Comm comm, std::span<const double> mine) {
-  const int count = static_cast<int>(mine.size());
-  std::vector<int> counts(static_cast<std::size_t>(num_ranks(comm))), offsets(counts.size(), 0);
+std::vector<int> counts_of_ranks(MPI_Comm comm, std::size_t mine) {
+  const int count = static_cast<int>(mine);
+  std::vector<int> counts(static_cast<std::size_t>(num_ranks(comm)));
   check_mpi(MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm));
+  return counts;
+}
+
+void gather_rows(MPI_Comm comm, std::size_t row, std::span<const std::byte> mine, std::span<const int> counts,
+                 std::span<std::byte> all) {
+  std::vector<int> offsets(counts.size(), 0);
   std::partial_sum(counts.begin(), counts.end() - 1, offsets.begin() + 1);
-  std::vector<double> all(static_cast<std::size_t>(offsets.back() + counts.back()));
-  check_mpi(
-      MPI_Allgatherv(mine.data(), count, MPI_DOUBLE, all.data(), counts.data(), offsets.data(), MPI_DOUBLE, comm));
-  return all;
+  MPI_Datatype type = MPI_DATATYPE_NULL;
+  check_mpi(MPI_Type_contiguous(static_cast<int>(row), MPI_BYTE, &type));
+  check_mpi(MPI_Type_commit(&type));
+  check_mpi(MPI_Allgatherv(mine.data(), static_cast<int>(mine.size() / row), type, all.data(), counts.data(),
+                           offsets.data(), type, comm));
+  check_mpi(MPI_Type_free(&type));
 }
 
 }  // namespace pliant

@@ -1,9 +1,13 @@
 /// Work that one rank does for all, with its failures told to all: no rank is left waiting.
 #pragma once
 
+#include <cstddef>
 #include <functional>
+#include <numeric>
+#include <ranges>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include <petscsys.h>
@@ -31,7 +35,22 @@ bool any_rank(MPI_Comm comm, bool x);
 /// Sums of each number. Collective.
 void sum_in_place(MPI_Comm comm, std::span<double> values);
 
-/// The ranks' lists one after another, on every rank. Collective.
-std::vector<double> gathered(MPI_Comm comm, std::span<const double> mine);
+/// How long the lists of all ranks are. Collective.
+std::vector<int> counts_of_ranks(MPI_Comm comm, std::size_t mine);
+/// The ranks' bytes one after another into `all`, on every rank, of rows of so many bytes: `counts` of them.
+/// Collective.
+void gather_rows(MPI_Comm comm, std::size_t row, std::span<const std::byte> mine, std::span<const int> counts,
+                 std::span<std::byte> all);
+
+/// The ranks' lists of numbers, or of structs of them, one after another, on every rank. Collective.
+template <std::ranges::contiguous_range List>
+requires std::is_trivially_copyable_v<std::ranges::range_value_t<List>>
+auto gathered(MPI_Comm comm, const List& mine) {
+  using Row = std::ranges::range_value_t<List>;
+  const std::vector<int> counts = counts_of_ranks(comm, std::ranges::size(mine));
+  std::vector<Row> all(std::accumulate(counts.begin(), counts.end(), std::size_t{0}));
+  gather_rows(comm, sizeof(Row), std::as_bytes(std::span(mine)), counts, std::as_writable_bytes(std::span(all)));
+  return all;
+}
 
 }  // namespace pliant

@@ -2,11 +2,16 @@
 /// without HDF5's file locks, so that a reader holding the file open cannot stop the run.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cassert>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include <hdf5.h>
@@ -61,6 +66,20 @@ Hdf5Handle open_hdf5(const std::filesystem::path& file, Hdf5Mode mode, std::int6
 /// and gives its text. Throws the FileError of `work`; a FileError if the child dies; std::runtime_error for other
 /// failures.
 std::string hdf5_in_child(const std::filesystem::path& file, const std::function<std::string()>& work);
+/// The same for numbers, and structs of them.
+template <class Work>
+requires std::is_trivially_copyable_v<std::invoke_result_t<Work>>
+auto hdf5_in_child(const std::filesystem::path& file, const Work& work) {
+  using Result = std::invoke_result_t<Work>;
+  std::array<char, sizeof(Result)> bytes{};
+  const std::string answer = hdf5_in_child(file, [&] {
+    const auto of_child = std::bit_cast<decltype(bytes)>(work());
+    return std::string(of_child.begin(), of_child.end());
+  });
+  assert(answer.size() == bytes.size());
+  std::ranges::copy(answer, bytes.begin());
+  return std::bit_cast<Result>(bytes);
+}
 
 /// Names of what is linked into a group, in alphabetical order.
 std::vector<std::string> names_in(hid_t group);

@@ -29,12 +29,6 @@ std::string numbers(std::span<const double> values) {
   return "[" + text + "]";
 }
 
-std::string whole_numbers(std::span<const double> values) {
-  std::string text;
-  for (const double x : values) text += fmt::format("{}{:.0f}", text.empty() ? "" : ", ", x);
-  return "[" + text + "]";
-}
-
 /// A string of JSON is one of YAML.
 std::string quoted(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
@@ -150,16 +144,16 @@ std::string to_yaml(const FailureReport& report, const Failure& failure) {
     fmt::format_to(out, "  - {{name: {}, residual: {}, relative: {}, volume_ratio: {}}}\n", quoted(body.name),
                    number(body.residual), number(body.residual / scale), number(body.volume_ratio));
   }
-  const auto name_of_body = [&](double body) { return quoted(report.bodies[static_cast<std::size_t>(body)].name); };
+  const auto name_of_body = [&](std::size_t body) { return quoted(report.bodies[body].name); };
   fmt::format_to(out,
                  "\n# Least det F, shape (1 regular, 0 flat) now and in the mesh, middle in the mesh [m], vertices by "
                  "their numbers in the mesh.\nworst_cells:\n");
   for (const auto& cell : report.worst_cells) {
     fmt::format_to(out,
-                   "  - {{volume_ratio: {}, quality: {}, reference_quality: {}, body: {}, position: {}, row: {:.0f}, "
-                   "vertices: {}}}\n",
+                   "  - {{volume_ratio: {}, quality: {}, reference_quality: {}, body: {}, position: {}, row: {}, "
+                   "vertices: [{}]}}\n",
                    number(cell.volume_ratio), number(cell.quality), number(cell.reference_quality),
-                   name_of_body(cell.body), numbers(cell.X), cell.row, whole_numbers(cell.vertices));
+                   name_of_body(cell.body), numbers(cell.X), cell.row, fmt::join(cell.vertices, ", "));
   }
   if (!failure.stage) {
     text += "\n# The solver reports no more.\n";
@@ -167,8 +161,8 @@ std::string to_yaml(const FailureReport& report, const Failure& failure) {
   }
   fmt::format_to(out, "\nworst_nodes:  # vertex: number in the mesh, -1 in the middle of an edge\n");
   for (const auto& node : report.worst_nodes) {
-    fmt::format_to(out, "  - {{residual: {}, body: {}, position: {}, row: {:.0f}, vertex: {:.0f}}}\n",
-                   number(node.residual), name_of_body(node.body), numbers(node.X), node.row, node.number);
+    fmt::format_to(out, "  - {{residual: {}, body: {}, position: {}, row: {}, vertex: {}}}\n", number(node.residual),
+                   name_of_body(node.body), numbers(node.X), node.row, node.number);
   }
   add_newton(*failure.stage, text);
   return text;

@@ -5,6 +5,7 @@
 #include "time/step.hpp"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -20,23 +21,23 @@ struct Failure {
   bool is_mistake = false;           ///< a formula of the input is no number there
 };
 
-/// Numbers only, so that ranks can exchange them.
+/// Trivially copyable, as ReportedNode is, so that ranks can exchange them.
 struct ReportedCell {
   double volume_ratio = 1.0;  ///< the least J in it; NaN counts as the worst
   double quality = 1.0;
   double reference_quality = 1.0;
-  double body = 0.0;
-  std::array<double, 3> X{};         ///< its middle in the reference configuration [m]
-  double row = 0.0;                  ///< of state.h5
-  std::array<double, 4> vertices{};  ///< their numbers in the mesh, from 0
+  std::size_t body = 0;                    ///< in FailureReport::bodies
+  std::array<double, 3> X{};               ///< its middle in the reference configuration [m]
+  std::int64_t row = 0;                    ///< of state.h5
+  std::array<std::int64_t, 4> vertices{};  ///< their numbers in the mesh, from 0
 };
 
 struct ReportedNode {
-  double residual = 0.0;  ///< [N]; NaN counts as the worst
-  double body = 0.0;
+  double residual = 0.0;      ///< [N]; NaN counts as the worst
+  std::size_t body = 0;       ///< in FailureReport::bodies
   std::array<double, 3> X{};  ///< [m]
-  double row = 0.0;           ///< of state.h5
-  double number = 0.0;        ///< of the vertex in the mesh, from 0; -1 in the middle of an edge
+  std::int64_t row = 0;       ///< of state.h5
+  std::int64_t number = 0;    ///< of the vertex in the mesh, from 0; -1 in the middle of an edge
 };
 
 struct ReportedBody {

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <system_error>
@@ -27,21 +26,16 @@ fs::path directory_of(const Config& config) {
   return fs::path(config.output.directory) / "post-mortem";
 }
 
-/// The ranks' rows of numbers one after another, the first by `is_worse`, the same on every rank.
+/// The ranks' rows, the first by `is_worse`, the same on every rank.
 template <class Row, class Worse>
 std::vector<Row> worst(MPI_Comm comm, std::vector<Row> mine, const Worse& is_worse) {
-  static_assert(std::is_trivially_copyable_v<Row> && sizeof(Row) % sizeof(double) == 0);
   const auto keep_worst = [&](std::vector<Row>& rows) {
     const auto middle = rows.begin() + static_cast<std::ptrdiff_t>(std::min(rows.size(), num_reported));
     std::partial_sort(rows.begin(), middle, rows.end(), is_worse);
     rows.erase(middle, rows.end());
   };
   keep_worst(mine);
-  std::vector<double> numbers(mine.size() * sizeof(Row) / sizeof(double));
-  if (!mine.empty()) std::memcpy(numbers.data(), mine.data(), mine.size() * sizeof(Row));
-  const std::vector<double> all = gathered(comm, numbers);
-  std::vector<Row> rows(all.size() * sizeof(double) / sizeof(Row));
-  if (!all.empty()) std::memcpy(static_cast<void*>(rows.data()), all.data(), all.size() * sizeof(double));
+  std::vector<Row> rows = gathered(comm, mine);
   keep_worst(rows);
   return rows;
 }
@@ -98,12 +92,13 @@ std::vector<ReportedCell> worst_cells(const Model& model, const Picture& picture
   std::vector<ReportedCell> cells;
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
     const DeformedCell& shape = picture.cells[static_cast<std::size_t>(c)];
-    ReportedCell cell{shape.volume_ratio, shape.quality, shape.reference_quality, 0.0, shape.X, 0.0, {}};
-    cell.body = model.body_of_cell()[c];
-    cell.row = static_cast<double>(rows.first + c);
-    for (std::size_t a = 0; a < 4; ++a) {
-      cell.vertices[a] = static_cast<double>(layout.vertex_numbers[layout.nodes_of_cell(c)[a]]);
-    }
+    ReportedCell cell{.volume_ratio = shape.volume_ratio,
+                      .quality = shape.quality,
+                      .reference_quality = shape.reference_quality,
+                      .body = static_cast<std::size_t>(model.body_of_cell()[c]),
+                      .X = shape.X,
+                      .row = rows.first + c};
+    for (std::size_t a = 0; a < 4; ++a) cell.vertices[a] = layout.vertex_numbers[layout.nodes_of_cell(c)[a]];
     cells.push_back(cell);
   }
   return worst(layout.comm, std::move(cells), [](const ReportedCell& a, const ReportedCell& b) {
@@ -136,8 +131,8 @@ std::vector<ReportedNode> worst_nodes(const Model& model, const Picture& picture
   std::vector<ReportedNode> nodes;
   for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
     const auto body = std::ranges::find_if(is_in, [&](const std::vector<char>& of) { return of[n] != 0; });
-    nodes.push_back({std::sqrt(square(picture, n)), static_cast<double>(body - is_in.begin()), layout.position(n),
-                     static_cast<double>(layout.global_node(n)), static_cast<double>(layout.vertex_numbers[n])});
+    nodes.push_back({std::sqrt(square(picture, n)), static_cast<std::size_t>(body - is_in.begin()), layout.position(n),
+                     layout.global_node(n), layout.vertex_numbers[n]});
   }
   return worst(layout.comm, std::move(nodes), [](const ReportedNode& a, const ReportedNode& b) {
     return rank_of_residual(a.residual) > rank_of_residual(b.residual);
@@ -166,8 +161,7 @@ std::string what_to_look_at(const fs::path& directory, const FailureReport& repo
   return fmt::format(
       "{0}/report.yaml says where and how (least det F: {1:.3g}, body '{2}' at [{3:.4g}, {4:.4g}, {5:.4g}] m), "
       "{0}/state.xdmf shows it in ParaView (colour by volume_ratio and residual)",
-      directory.string(), cell.volume_ratio, report.bodies[static_cast<std::size_t>(cell.body)].name, cell.X[0],
-      cell.X[1], cell.X[2]);
+      directory.string(), cell.volume_ratio, report.bodies[cell.body].name, cell.X[0], cell.X[1], cell.X[2]);
 }
 
 }  // namespace

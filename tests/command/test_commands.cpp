@@ -1,5 +1,6 @@
 // What `pliant methods` and `pliant materials` tell comes from their tables.
 #include "command/commands.hpp"
+#include "command/material_reference.hpp"
 #include "places.hpp"
 #include "time/method.hpp"
 

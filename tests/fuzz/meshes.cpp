@@ -1,7 +1,7 @@
 #include "base/error.hpp"
 #include "fuzz/files.hpp"
 #include "fuzz/targets.hpp"
-#include "mesh/gmsh/module.hpp"
+#include "mesh/gmsh_module.hpp"
 #include "mesh/mesh.hpp"
 #include "mesh/surface_file.hpp"
 

@@ -51,6 +51,19 @@ TEST(Collective, ListsAreGatheredRankByRank) {
   EXPECT_EQ(gathered(comm, mine), expected);
 }
 
+TEST(Collective, StructsAreGatheredRankByRank) {
+  struct Row {
+    std::int64_t large;
+    char small;
+    bool operator==(const Row&) const = default;
+  };
+  const auto row = [](int r) { return Row{(std::int64_t{1} << 60) + r, static_cast<char>('a' + r)}; };
+  const std::vector<Row> mine(static_cast<std::size_t>(rank(comm) + 1), row(rank(comm)));
+  std::vector<Row> expected;
+  for (int r = 0; r < num_ranks(comm); ++r) expected.insert(expected.end(), static_cast<std::size_t>(r + 1), row(r));
+  EXPECT_TRUE(gathered(comm, mine) == expected);
+}
+
 TEST(Check, NamesThePlaceAndThrows) {
   try {
     check(PETSC_ERR_ARG_SIZ);

@@ -4,6 +4,7 @@
 #include "petsc/hdf5.hpp"
 
 #include <csignal>
+#include <cstdint>
 #include <cstdlib>
 #include <stdexcept>
 
@@ -26,6 +27,17 @@ TEST(Hdf5InChild, GivesWhatTheWorkGives) {
   EXPECT_EQ(complaint([] { return std::string(); }), "none: ");
   std::string large(3 << 20, 'x');  // more than a pipe holds
   EXPECT_EQ(complaint([&] { return large; }), "none: " + large);
+}
+
+TEST(Hdf5InChild, GivesNumbersAsTheyAre) {
+  struct Numbers {
+    std::int64_t whole;
+    double real;
+  };
+  const auto numbers = hdf5_in_child("result.h5", [] { return Numbers{(std::int64_t{1} << 60) + 1, 0.1}; });
+  EXPECT_EQ(numbers.whole, (std::int64_t{1} << 60) + 1);
+  EXPECT_EQ(numbers.real, 0.1);
+  EXPECT_THROW(hdf5_in_child("result.h5", []() -> int { throw FileError("no such dataset"); }), FileError);
 }
 
 TEST(Hdf5InChild, ThrowsWhatTheWorkThrows) {

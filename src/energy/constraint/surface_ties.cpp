@@ -19,17 +19,9 @@ struct PlacedNode {
 
 /// The nodes of all ranks, rank by rank, on every rank. Collective.
 std::vector<PlacedNode> placed(const NodeLayout& layout, std::span<const PetscInt> nodes) {
-  std::vector<double> mine;
-  for (const PetscInt n : nodes) {
-    const auto X = layout.position(n);
-    mine.insert(mine.end(), {static_cast<double>(layout.global_node(n)), X[0], X[1], X[2]});
-  }
-  const auto all = gathered(layout.comm, mine);
-  std::vector<PlacedNode> result;
-  for (std::size_t k = 0; k < all.size(); k += 4) {
-    result.push_back({static_cast<PetscInt>(all[k]), {all[k + 1], all[k + 2], all[k + 3]}});
-  }
-  return result;
+  std::vector<PlacedNode> mine;
+  for (const PetscInt n : nodes) mine.push_back({layout.global_node(n), layout.position(n)});
+  return gathered(layout.comm, mine);
 }
 
 struct Box {

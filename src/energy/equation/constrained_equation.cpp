@@ -222,10 +222,14 @@ void ConstrainedEquation::rank_one_parts(Vec y, std::vector<RankOne>& parts) {
   }
 }
 
-double ConstrainedEquation::max_step(Vec y, Vec d) {
+void ConstrainedEquation::expand_direction(Vec y, Vec d) {
   expand(y, x_.get());
   linearize(y);
   check(MatMult(jacobian_.matrix(), d, d_.get()));
+}
+
+double ConstrainedEquation::max_step(Vec y, Vec d) {
+  expand_direction(y, d);
   return equation_.max_step(x_.get(), d_.get());
 }
 
@@ -235,9 +239,7 @@ void ConstrainedEquation::extrapolate_from(Vec y) {
 }
 
 double ConstrainedEquation::max_way(Vec y, Vec d) {
-  expand(y, x_.get());
-  linearize(y);
-  check(MatMult(jacobian_.matrix(), d, d_.get()));
+  expand_direction(y, d);
   return equation_.max_way(x_.get(), d_.get());
 }
 

@@ -65,6 +65,8 @@ class ConstrainedEquation final : public StageEquation {
   void restrict_rates(Vec x, Vec y) const;
   /// Brings J and W to y.
   void linearize(Vec y);
+  /// x_ = T(y) and d_ = J d, there.
+  void expand_direction(Vec y, Vec d);
   Mat test_matrix() const { return (own_test_matrix_ ? *own_test_matrix_ : jacobian_).matrix(); }
   void set_near_null_space(Mat K) const;
   /// K = W^T (Hessian in x) J.

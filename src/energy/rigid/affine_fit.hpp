@@ -48,10 +48,4 @@ class AffineFit {
   Tensor3<double> across_{}, turn_{};
 };
 
-/// a b^T.
-constexpr Tensor3<double> outer(const Vector3<double>& a, const Vector3<double>& b) {
-  return {{a[0] * b[0], a[0] * b[1], a[0] * b[2], a[1] * b[0], a[1] * b[1], a[1] * b[2], a[2] * b[0], a[2] * b[1],
-           a[2] * b[2]}};
-}
-
 }  // namespace pliant

@@ -76,14 +76,12 @@ RigidPatch::RigidPatch(const NodeLayout& layout, std::vector<PetscInt> nodes, co
   }
 
   // The first two nodes hold the unknowns.
-  std::vector<double> mine;
-  for (const PetscInt a : nodes_) mine.push_back(static_cast<double>(layout.global_node(a)));
+  std::vector<PetscInt> mine;
+  for (const PetscInt a : nodes_) mine.push_back(layout.global_node(a));
   const auto all = gathered(layout.comm, mine);
   size_ = std::sqrt(trace(fit_->second_moment()) / static_cast<double>(all.size()));
-  for (const std::size_t i : free_components_)
-    hosts_.push_back(3 * static_cast<PetscInt>(all[0]) + static_cast<PetscInt>(i));
-  for (std::size_t k = 0; k < axes_.size(); ++k)
-    hosts_.push_back(3 * static_cast<PetscInt>(all[1]) + static_cast<PetscInt>(k));
+  for (const std::size_t i : free_components_) hosts_.push_back(3 * all[0] + static_cast<PetscInt>(i));
+  for (std::size_t k = 0; k < axes_.size(); ++k) hosts_.push_back(3 * all[1] + static_cast<PetscInt>(k));
 }
 
 Placement RigidPatch::nearest(Vec q) const {

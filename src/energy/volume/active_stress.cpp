@@ -29,7 +29,7 @@ class ActiveStress final : public StressTerm {
         const auto& f = tension_->fibre(point.index());
         const Tensor3<Pack> dF = point.gradient(du);
         const Tensor3<Pack> middle = add_to_diagonal(point.gradient(u0) + 0.5 * dF, 1.0);
-        return T[point.index()] * dot(product(middle, f), product(dF, f));
+        return T[point.index()] * dot(matvec(middle, f), matvec(dF, f));
       };
     });
   }
@@ -39,7 +39,7 @@ class ActiveStress final : public StressTerm {
     const auto stress_of = [&](const Batch& batch) {
       return [this, &T, u = batch.values(q)](const Point& point) {
         const auto& f = tension_->fibre(point.index());
-        return T[point.index()] * outer(product(add_to_diagonal(point.gradient(u), 1.0), f), f);
+        return T[point.index()] * outer(matvec(add_to_diagonal(point.gradient(u), 1.0), f), f);
       };
     };
     cells_.add_forces(stress_of, r);

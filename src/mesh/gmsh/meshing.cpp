@@ -1,6 +1,7 @@
+#include "mesh/gmsh/meshing.hpp"
+
 #include "mesh/gmsh/closed_surface.hpp"
 #include "mesh/gmsh/extract.hpp"
-#include "mesh/gmsh/module.hpp"
 #include "mesh/gmsh/session.hpp"
 
 #include <algorithm>
@@ -165,4 +166,4 @@ SerialMesh triangle_corners(const std::string& file) {
 }  // namespace
 }  // namespace pliant
 
-extern "C" const pliant::GmshModule pliant_gmsh{pliant::mesh_geometry, pliant::triangle_corners};
+const pliant::GmshModule pliant_gmsh{pliant::mesh_geometry, pliant::triangle_corners};

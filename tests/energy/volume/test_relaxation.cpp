@@ -1,7 +1,7 @@
 // Relaxation, creep and rigid motion against closed forms, and losses along any motion: every mechanism of damping by
 // every method.
-#include "dense_newton.hpp"
-#include "energy/viscous_body.hpp"
+#include "energy/dense_newton.hpp"
+#include "energy/volume/viscous_body.hpp"
 #include "time/every_method.hpp"
 #include "time/integrator.hpp"
 

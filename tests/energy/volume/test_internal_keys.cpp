@@ -1,6 +1,6 @@
 // Internal variables are found again under their keys on any number of ranks.
-#include "energy/viscous_body.hpp"
 #include "energy/volume/internal_keys.hpp"
+#include "energy/volume/viscous_body.hpp"
 
 #include <map>
 

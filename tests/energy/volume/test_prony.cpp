@@ -1,7 +1,7 @@
 // Finite linear viscoelasticity: what its branches store and lose, and where it is another law's.
 #include "energy/reference.hpp"
-#include "energy/viscous_body.hpp"
 #include "energy/volume/prony.hpp"
+#include "energy/volume/viscous_body.hpp"
 
 namespace pliant::test_prony {
 namespace {

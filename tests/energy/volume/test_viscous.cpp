@@ -1,6 +1,6 @@
 // What viscosity must do beyond having the right derivatives; those of the form without a potential too.
 #include "energy/reference.hpp"
-#include "energy/viscous_body.hpp"
+#include "energy/volume/viscous_body.hpp"
 
 namespace pliant::test_viscous {
 namespace {

@@ -1,6 +1,6 @@
 // Viscous forces and potentials keep their digits where strains, or their changes, are small.
 #include "energy/reference.hpp"
-#include "energy/viscous_body.hpp"
+#include "energy/volume/viscous_body.hpp"
 
 #include <fmt/format.h>
 
