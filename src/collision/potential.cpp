@@ -149,10 +149,12 @@ Expansion<4> product(const Expansion<4>& m, const Expansion<4>& U) {
 template PotentialForm<2> exact_form(const Separation<2>&, double, double);
 template PotentialForm<3> exact_form(const Separation<3>&, double, double);
 template PotentialForm<4> exact_form(const Separation<4>&, double, double);
+template PotentialForm<5> exact_form(const Separation<5>&, double, double);
 template PotentialForm<6> exact_form(const Separation<6>&, double, double);
 template PotentialForm<2> semidefinite_form(const Separation<2>&, double, double);
 template PotentialForm<3> semidefinite_form(const Separation<3>&, double, double);
 template PotentialForm<4> semidefinite_form(const Separation<4>&, double, double);
+template PotentialForm<5> semidefinite_form(const Separation<5>&, double, double);
 template PotentialForm<6> semidefinite_form(const Separation<6>&, double, double);
 
 }  // namespace pliant
