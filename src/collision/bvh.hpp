@@ -37,7 +37,14 @@ class Bvh {
 
   /// f(number) of every box that overlaps this one, in no particular order.
   template <class F>
-  void for_each_overlap(const Box& box, const F& f) const;
+  void for_each_overlap(const Box& box, const F& f) const {
+    visit(box, 0, f);
+  }
+  /// The same of the boxes from the given place of the order on, and perhaps some before it.
+  template <class F>
+  void for_each_overlap_from(std::size_t place, const Box& box, const F& f) const {
+    visit(box, static_cast<std::int32_t>(place / width), f);
+  }
 
   /// Boxes in the order of the tree, neighbours next to each other.
   std::span<const std::int32_t> order() const { return order_; }
@@ -48,6 +55,9 @@ class Bvh {
     float low[3][width], high[3][width];
   };
 
+  /// Of the lowest nodes from `first` on.
+  template <class F>
+  void visit(const Box& box, std::int32_t first, const F& f) const;
   void set_leaves(std::span<const Box> boxes);
   void set_parents();
 
@@ -71,7 +81,7 @@ void sort_pairs(std::vector<BoxPair>& pairs, std::size_t num_first);
 // ---------------------------------------------------------------------------------------------------------------------
 
 template <class F>
-void Bvh::for_each_overlap(const Box& box, const F& f) const {
+void Bvh::visit(const Box& box, std::int32_t first, const F& f) const {
   if (nodes_.empty()) return;
   struct Visit {
     std::int32_t level, node;  // the node's number within its level
@@ -94,8 +104,9 @@ void Bvh::for_each_overlap(const Box& box, const F& f) const {
       }
     } else {
       for (int k = 0; k < width; ++k) {
-        stack[top] = {at.level - 1, width * at.node + k};
-        top += hits[k];
+        const std::int32_t child = width * at.node + k;
+        stack[top] = {at.level - 1, child};
+        top += hits[k] & (child >= first >> (3 * (at.level - 1)));  // width^(level - 1) lowest nodes each
       }
     }
   }
@@ -116,8 +127,20 @@ std::vector<BoxPair> overlapping_pairs(const Bvh& tree, std::span<const Box> box
 
 template <class Accept>
 std::vector<BoxPair> overlapping_pairs(const Bvh& tree, std::span<const Box> boxes, const Accept& accept) {
-  return overlapping_pairs(tree, boxes, tree.order(),
-                           [&](std::int32_t i, std::int32_t j) { return i < j && accept(i, j); });
+  // Each pair once, from the one that comes first in the order.
+  std::vector<std::int32_t> place(boxes.size());
+  for (std::size_t n = 0; n < boxes.size(); ++n) place[tree.order()[n]] = static_cast<std::int32_t>(n);
+  std::vector<BoxPair> pairs;
+  for (std::size_t n = 0; n < boxes.size(); ++n) {
+    const std::int32_t i = tree.order()[n];
+    tree.for_each_overlap_from(n, boxes[i], [&](std::int32_t j) {
+      if (place[j] <= static_cast<std::int32_t>(n)) return;
+      const BoxPair pair = i < j ? BoxPair{i, j} : BoxPair{j, i};
+      if (accept(pair.first, pair.second)) pairs.push_back(pair);
+    });
+  }
+  sort_pairs(pairs, boxes.size());
+  return pairs;
 }
 
 }  // namespace pliant
