@@ -12,6 +12,7 @@ LAYERS = {
     "base": "",
     "petsc": "base",
     "material": "base",
+    "collision": "base",
     "mesh": "petsc base",
     "fem": "mesh petsc base",
     "time": "petsc base",

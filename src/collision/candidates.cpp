@@ -1,0 +1,107 @@
+#include "collision/candidates.hpp"
+
+#include "collision/closest_points.hpp"
+#include "collision/intersection.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+
+void BroadPhase::set_boxes(const CollisionSurface& surface, std::span<const Vector3<double>> x,
+                           std::span<const Vector3<double>> y, double distance) {
+  // Half of the distance around either part.
+  const double margin = 0.5 * distance;
+  const auto vertices = surface.vertices();
+  vertex_boxes_.resize(vertices.size());
+  for (std::size_t n = 0; n < vertices.size(); ++n) vertex_boxes_[n] = box_of(margin, x[n], y[n]);
+  const auto united = [&](const auto& numbers) {
+    Box box;
+    for (const std::int32_t n : numbers) box.include(vertex_boxes_[n]);
+    return box;
+  };
+  const auto edges = surface.edges();
+  edge_boxes_.resize(edges.size());
+  for (std::size_t n = 0; n < edges.size(); ++n) edge_boxes_[n] = united(edges[n].vertices);
+  const auto triangles = surface.triangles();
+  triangle_boxes_.resize(triangles.size());
+  for (std::size_t n = 0; n < triangles.size(); ++n) triangle_boxes_[n] = united(triangles[n].vertices);
+}
+
+BroadPhase::BroadPhase(const CollisionSurface& surface, std::span<const Vector3<double>> x,
+                       std::span<const Vector3<double>> y, double distance) {
+  set_boxes(surface, x, y, distance);
+  edges_ = Bvh(edge_boxes_);
+  triangles_ = Bvh(triangle_boxes_);
+  // Vertices in the order in which the triangles of the tree come upon them.
+  std::vector<bool> has_come(vertex_boxes_.size(), false);
+  for (const std::int32_t triangle : triangles_.order()) {
+    for (const std::int32_t vertex : surface.triangles()[triangle].vertices) {
+      if (!has_come[vertex]) vertex_order_.push_back(vertex);
+      has_come[vertex] = true;
+    }
+  }
+}
+
+void BroadPhase::refit(const CollisionSurface& surface, std::span<const Vector3<double>> x,
+                       std::span<const Vector3<double>> y, double distance) {
+  set_boxes(surface, x, y, distance);
+  edges_.refit(edge_boxes_);
+  triangles_.refit(triangle_boxes_);
+}
+
+Candidates BroadPhase::candidates(const CollisionSurface& surface) const {
+  const auto edges = surface.edges();
+  const auto triangles = surface.triangles();
+  return {overlapping_pairs(triangles_, vertex_boxes_, vertex_order_,
+                            [&](std::int32_t vertex, std::int32_t triangle) {
+                              return !surface.is_incident(triangles[triangle], vertex);
+                            }),
+          overlapping_pairs(edges_, edge_boxes_, [&](std::int32_t edge, std::int32_t other) {
+            return !surface.is_incident(edges[edge], edges[other]);
+          })};
+}
+
+Candidates find_candidates(const CollisionSurface& surface, std::span<const Vector3<double>> x, double distance) {
+  return BroadPhase(surface, x, x, distance).candidates(surface);
+}
+
+double width_cap(const CollisionSurface& surface, double width) {
+  const auto X = surface.rest_positions();
+  const Candidates candidates = find_candidates(surface, X, 2.0 * width);
+  double least2 = 4.0 * width * width;
+  for (const BoxPair& pair : candidates.point_triangle) {
+    const auto& t = surface.triangles()[pair.second].vertices;
+    const std::array<Vector3<double>, 4> x{X[pair.first], X[t[0]], X[t[1]], X[t[2]]};
+    least2 = std::min(least2, closest_point_triangle(x).squared_distance);
+  }
+  for (const BoxPair& pair : candidates.edge_edge) {
+    const auto &a = surface.edges()[pair.first].vertices, &b = surface.edges()[pair.second].vertices;
+    const std::array<Vector3<double>, 4> x{X[a[0]], X[a[1]], X[b[0]], X[b[1]]};
+    least2 = std::min(least2, closest_edge_edge(x).squared_distance);
+  }
+  return 0.5 * std::sqrt(least2);
+}
+
+std::vector<BoxPair> find_intersections(const CollisionSurface& surface, std::span<const Vector3<double>> x) {
+  std::vector<Box> boxes(surface.triangles().size()), edge_boxes(surface.edges().size());
+  std::vector<std::int32_t> order(edge_boxes.size());
+  for (std::size_t n = 0; n < boxes.size(); ++n) {
+    const auto& t = surface.triangles()[n].vertices;
+    boxes[n] = box_of(0.0, x[t[0]], x[t[1]], x[t[2]]);
+  }
+  for (std::size_t n = 0; n < edge_boxes.size(); ++n) {
+    const auto& e = surface.edges()[n].vertices;
+    edge_boxes[n] = box_of(0.0, x[e[0]], x[e[1]]);
+    order[n] = static_cast<std::int32_t>(n);
+  }
+  return overlapping_pairs(Bvh(boxes), edge_boxes, order, [&](std::int32_t edge, std::int32_t triangle) {
+    const auto& e = surface.edges()[edge].vertices;
+    const auto& t = surface.triangles()[triangle].vertices;
+    const bool is_incident = surface.is_incident(surface.triangles()[triangle], e[0]) ||
+                             surface.is_incident(surface.triangles()[triangle], e[1]);
+    return !is_incident && segment_meets_triangle({x[e[0]], x[e[1]]}, {x[t[0]], x[t[1]], x[t[2]]});
+  });
+}
+
+}  // namespace pliant

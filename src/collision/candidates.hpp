@@ -1,0 +1,53 @@
+/// Broad phase of a surface: which vertices and triangles, and which edges, may be near one another.
+#pragma once
+
+#include "collision/bvh.hpp"
+#include "collision/surface.hpp"
+
+#include <span>
+#include <vector>
+
+namespace pliant {
+
+/// Pairs that share no vertex, sorted.
+struct Candidates {
+  std::vector<BoxPair> point_triangle;  ///< a vertex, a triangle
+  std::vector<BoxPair> edge_edge;       ///< two edges, the first of the lower number
+};
+
+/// The trees over the triangles and edges of a surface, as they were when built and last refitted.
+class BroadPhase {
+ public:
+  BroadPhase() = default;
+  /// `x`, `y`: positions of the vertices [m], at both ends of a linear motion; the same where nothing moves. Pairs that
+  /// come nearer than `distance` [m] on the way will be found.
+  BroadPhase(const CollisionSurface& surface, std::span<const Vector3<double>> x, std::span<const Vector3<double>> y,
+             double distance);
+  /// Other positions of the same surface, with the order of the trees.
+  void refit(const CollisionSurface& surface, std::span<const Vector3<double>> x, std::span<const Vector3<double>> y,
+             double distance);
+
+  /// All candidates, on a surface that is as it was.
+  Candidates candidates(const CollisionSurface& surface) const;
+
+ private:
+  void set_boxes(const CollisionSurface& surface, std::span<const Vector3<double>> x,
+                 std::span<const Vector3<double>> y, double distance);
+
+  std::vector<Box> vertex_boxes_, edge_boxes_, triangle_boxes_;
+  std::vector<std::int32_t> vertex_order_;  ///< along the curve
+  Bvh edges_, triangles_;
+};
+
+/// Of positions at one time.
+Candidates find_candidates(const CollisionSurface& surface, std::span<const Vector3<double>> x, double distance);
+
+/// Half the least distance at rest between parts that share no vertex, and at most `width` [m]: with this width nothing
+/// is felt at rest, near edges and in narrow gaps. Searches all pairs within 2 `width` of each other.
+double width_cap(const CollisionSurface& surface, double width);
+
+/// All edges (first) that meet a triangle (second) of which they are no neighbours, in exact arithmetic: empty if and
+/// only if nothing passes through anything.
+std::vector<BoxPair> find_intersections(const CollisionSurface& surface, std::span<const Vector3<double>> x);
+
+}  // namespace pliant

@@ -1,0 +1,169 @@
+#include "collision/contact_pairs.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace pliant {
+namespace {
+
+/// What is counted for a point: a feature, and how often.
+struct Count {
+  FeatureKind kind;
+  std::int32_t feature, number;
+};
+
+/// Adds up counts of one feature; leaves those that are not zero, sorted.
+void merge(std::vector<Count>& counts) {
+  const auto key = [](const Count& count) { return std::pair(count.feature, count.kind); };
+  std::ranges::sort(counts, {}, key);
+  std::size_t kept = 0;
+  for (std::size_t n = 0; n < counts.size();) {
+    Count sum = counts[n];
+    for (++n; n < counts.size() && key(counts[n]) == key(sum); ++n) sum.number += counts[n].number;
+    if (sum.number != 0) counts[kept++] = sum;
+  }
+  counts.resize(kept);
+}
+
+void remove_doubles(std::vector<std::int32_t>& numbers) {
+  std::ranges::sort(numbers);
+  numbers.erase(std::ranges::unique(numbers).begin(), numbers.end());
+}
+
+/// Counts for one point after another, in buffers that stay.
+class FeatureCounter {
+ public:
+  FeatureCounter(const CollisionSurface& surface, std::span<const Vector3<double>> x, double reach)
+      : surface_(surface), x_(x), reach2_(reach * reach) {}
+
+  std::span<const Count> count(const Vector3<double>& p, std::span<const BoxPair> candidates) {
+    counts_.clear();
+    edges_.clear();
+    vertices_.clear();
+    for (const BoxPair& pair : candidates) add_triangle(p, pair.second);
+    remove_doubles(edges_);
+    remove_doubles(vertices_);
+    for (const std::int32_t edge : edges_) subtract_edge(p, edge);
+    for (const std::int32_t vertex : vertices_) {
+      const Vector3<double> r = p - x_[vertex];
+      if (dot(r, r) < reach2_)
+        counts_.push_back({FeatureKind::vertex, vertex, surface_.vertices()[vertex].multiplicity});
+    }
+    merge(counts_);
+    return counts_;
+  }
+
+ private:
+  void add_triangle(const Vector3<double>& p, std::int32_t number) {
+    const auto& triangle = surface_.triangles()[number];
+    const auto& v = triangle.vertices;
+    const PointTriangle closest = closest_point_triangle(std::array{p, x_[v[0]], x_[v[1]], x_[v[2]]});
+    if (!(closest.squared_distance < reach2_)) return;
+    const int feature = static_cast<int>(closest.feature);
+    if (closest.feature == TriangleFeature::face) {
+      counts_.push_back({FeatureKind::face, number, 1});
+    } else if (closest.feature >= TriangleFeature::edge_01) {
+      counts_.push_back({FeatureKind::edge, triangle.edges[feature - static_cast<int>(TriangleFeature::edge_01)], 1});
+    } else {
+      counts_.push_back({FeatureKind::vertex, v[feature], 1});
+    }
+    edges_.insert(edges_.end(), triangle.edges.begin(), triangle.edges.end());
+    vertices_.insert(vertices_.end(), v.begin(), v.end());
+  }
+
+  void subtract_edge(const Vector3<double>& p, std::int32_t number) {
+    const auto& edge = surface_.edges()[number];
+    const PointEdge closest = closest_point_edge(std::array{p, x_[edge.vertices[0]], x_[edge.vertices[1]]});
+    if (!(closest.squared_distance < reach2_)) return;
+    if (closest.feature == EdgeFeature::inside) {
+      counts_.push_back({FeatureKind::edge, number, -edge.multiplicity});
+    } else {
+      const std::int32_t vertex = edge.vertices[static_cast<std::size_t>(closest.feature)];
+      counts_.push_back({FeatureKind::vertex, vertex, -edge.multiplicity});
+    }
+  }
+
+  const CollisionSurface& surface_;
+  std::span<const Vector3<double>> x_;
+  double reach2_;
+  std::vector<Count> counts_;
+  std::vector<std::int32_t> edges_, vertices_;
+};
+
+}  // namespace
+
+ContactRule quadratic_contact_rule() {
+  return {1.0 / 12.0, {{{1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0}, 0.75}}};
+}
+
+Vector3<double> SurfacePoint::position(std::span<const Vector3<double>> x) const {
+  if (num_nodes == 1) return x[nodes[0]];
+  return weights[0] * x[nodes[0]] + weights[1] * x[nodes[1]] + weights[2] * x[nodes[2]];
+}
+
+std::vector<SurfacePoint> surface_points(const CollisionSurface& surface, const ContactRule& rule) {
+  std::vector<SurfacePoint> points;
+  const auto vertices = surface.vertices();
+  for (std::size_t n = 0; n < vertices.size() && rule.corner_weight > 0.0; ++n) {
+    // Their areas are thirds.
+    points.push_back({{static_cast<std::int32_t>(n)}, {1.0}, 1, 3.0 * rule.corner_weight * vertices[n].area});
+  }
+  for (const auto& triangle : surface.triangles()) {
+    for (const RulePoint& inner : rule.inner_points) {
+      points.push_back({triangle.vertices, inner.barycentric, 3, inner.weight * triangle.area});
+    }
+  }
+  return points;
+}
+
+std::vector<BoxPair> point_candidates(const CollisionSurface& surface, std::span<const SurfacePoint> points,
+                                      std::span<const Vector3<double>> x, double distance) {
+  std::vector<Box> boxes(points.size()), triangle_boxes(surface.triangles().size());
+  for (std::size_t n = 0; n < points.size(); ++n) boxes[n] = box_of(distance, points[n].position(x));
+  for (std::size_t n = 0; n < triangle_boxes.size(); ++n) {
+    const auto& v = surface.triangles()[n].vertices;
+    triangle_boxes[n] = box_of(0.0, x[v[0]], x[v[1]], x[v[2]]);
+  }
+  std::vector<std::int32_t> order(points.size());
+  std::iota(order.begin(), order.end(), 0);
+  return overlapping_pairs(Bvh(triangle_boxes), boxes, order, [&](std::int32_t n, std::int32_t t) {
+    const SurfacePoint& point = points[n];
+    const auto& triangle = surface.triangles()[t];
+    for (int k = 0; k < point.num_nodes; ++k) {
+      if (surface.is_incident(triangle, point.nodes[k])) return false;
+    }
+    return true;
+  });
+}
+
+std::vector<PointPair> point_pairs(const CollisionSurface& surface, std::span<const SurfacePoint> points,
+                                   std::span<const BoxPair> candidates, std::span<const Vector3<double>> x,
+                                   double reach) {
+  std::vector<PointPair> pairs;
+  FeatureCounter counter(surface, x, reach);
+  for (std::size_t begin = 0, end = 0; begin < candidates.size(); begin = end) {
+    const std::int32_t point = candidates[begin].first;
+    while (end < candidates.size() && candidates[end].first == point) ++end;
+    for (const Count& count : counter.count(points[point].position(x), candidates.subspan(begin, end - begin))) {
+      pairs.push_back({point, count.feature, count.kind, count.number});
+    }
+  }
+  return pairs;
+}
+
+std::vector<EdgePair> edge_pairs(const CollisionSurface& surface, std::span<const BoxPair> candidates,
+                                 std::span<const Vector3<double>> x, double reach, double edge_share) {
+  std::vector<EdgePair> pairs;
+  const auto X = surface.rest_positions();
+  for (const BoxPair& pair : candidates) {
+    const auto &a = surface.edges()[pair.first], &b = surface.edges()[pair.second];
+    const auto [a0, a1] = a.vertices;
+    const auto [b0, b1] = b.vertices;
+    if (!(closest_edge_edge(std::array{x[a0], x[a1], x[b0], x[b1]}).squared_distance < reach * reach)) continue;
+    pairs.push_back({pair.first, pair.second, 0.25 * edge_share * (a.area + b.area),
+                     mollifier_threshold(std::array{X[a0], X[a1], X[b0], X[b1]})});
+  }
+  return pairs;
+}
+
+}  // namespace pliant

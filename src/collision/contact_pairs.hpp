@@ -1,0 +1,225 @@
+/// The potential of contact between surfaces, as pairs of what is near.
+///
+///     W = sum_p A_p / 2 [sum_T U(d(p, T)) - sum_e m_e U(d(p, e)) + sum_v m_v U(d(p, v))]
+///         + edge_share sum_(a,b) (A_a + A_b) / 4 m U(d(a, b))
+///
+/// over the points p of a rule on the surface with areas A_p, each of which sees the triangles near it, less their
+/// inner edges, plus their inner vertices (the multiplicities m_e, m_v of CollisionSurface): where the surface is flat
+/// this is U of the distance of its plane, whatever the triangulation (Li et al. 2023, Convergent Incremental Potential
+/// Contact, section 4). Each side contributes one half. Corners are points of the rule, and pairs of edges have a part
+/// of their own, faded out by m as they become parallel: with a barrier no vertex passes a triangle and no edge
+/// another. Only the first sum makes a uniform pressure, the second adds to it where edges cross: edge_share is to be
+/// small.
+///
+/// Features on which a triangle, its edges and vertices agree are counted first, as whole numbers, and kept where the
+/// count is not zero: over a flat surface one pair per point, so that nothing cancels in rounding.
+///
+/// Rank-local. Positions `x` [m] are of the vertices of the surface.
+#pragma once
+
+#include "collision/candidates.hpp"
+#include "collision/mollifier.hpp"
+#include "collision/potential.hpp"
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace pliant {
+
+/// A point of a triangle; with the area of its triangle times `weight`.
+struct RulePoint {
+  std::array<double, 3> barycentric{};
+  double weight = 0.0;
+};
+
+/// Weights of one triangle: 3 corner_weight + sum of those of the inner points = 1.
+struct ContactRule {
+  double corner_weight = 1.0 / 3.0;
+  std::vector<RulePoint> inner_points;
+};
+
+/// The corners and the centre, exact for quadratic functions: 1/12 each, and 3/4.
+ContactRule quadratic_contact_rule();
+
+/// A vertex (num_nodes 1) or a point inside a triangle (3).
+struct SurfacePoint {
+  std::array<std::int32_t, 3> nodes{};
+  std::array<double, 3> weights{};
+  int num_nodes = 0;
+  double area = 0.0;  ///< A_p [m^2]
+
+  Vector3<double> position(std::span<const Vector3<double>> x) const;
+};
+
+/// The vertices, in their order, then the inner points of the triangles in theirs. Those of zero weight are left out.
+std::vector<SurfacePoint> surface_points(const CollisionSurface& surface, const ContactRule& rule);
+
+/// Points (first) and triangles (second) within `distance` [m] whose nodes are not the same, sorted.
+std::vector<BoxPair> point_candidates(const CollisionSurface& surface, std::span<const SurfacePoint> points,
+                                      std::span<const Vector3<double>> x, double distance);
+
+enum class FeatureKind : std::uint8_t { vertex, edge, face };
+
+struct PointPair {
+  std::int32_t point = 0, feature = 0;  ///< of the points; of the vertices, edges or triangles
+  FeatureKind kind = FeatureKind::vertex;
+  std::int32_t multiplicity = 0;  ///< not 0
+  friend auto operator<=>(const PointPair&, const PointPair&) = default;
+};
+
+struct EdgePair {
+  std::int32_t a = 0, b = 0;  ///< of the edges
+  double weight = 0.0;        ///< [m^2]
+  double threshold = 0.0;     ///< of the mollifier [m^4]
+};
+
+struct ContactPairs {
+  std::vector<PointPair> points;  ///< sorted by point, feature
+  std::vector<EdgePair> edges;    ///< in the order of their candidates
+};
+
+/// What is nearer than `reach` [m], of candidates within at least that distance.
+std::vector<PointPair> point_pairs(const CollisionSurface& surface, std::span<const SurfacePoint> points,
+                                   std::span<const BoxPair> candidates, std::span<const Vector3<double>> x,
+                                   double reach);
+std::vector<EdgePair> edge_pairs(const CollisionSurface& surface, std::span<const BoxPair> candidates,
+                                 std::span<const Vector3<double>> x, double reach, double edge_share);
+
+/// How much of the potential's derivatives is wanted.
+enum class ContactOrder { gradient, hessian, semidefinite_hessian };
+
+// Evaluation. `law(d)` is a DistanceResponse. Returns W [J] and calls add_force(vertex, dW/dx) and
+// add_block(vertex, vertex, d2W/dx dx), the latter where the order has it, for all vertices of all pairs, in their
+// order.
+
+template <class Law, class AddForce, class AddBlock>
+double add_point_pairs(const CollisionSurface& surface, std::span<const SurfacePoint> points,
+                       std::span<const PointPair> pairs, std::span<const Vector3<double>> x, const Law& law,
+                       ContactOrder order, const AddForce& add_force, const AddBlock& add_block);
+template <class Law, class AddForce, class AddBlock>
+double add_edge_pairs(const CollisionSurface& surface, std::span<const EdgePair> pairs,
+                      std::span<const Vector3<double>> x, const Law& law, ContactOrder order, const AddForce& add_force,
+                      const AddBlock& add_block);
+
+// ---------------------------------------------------------------------------------------------------------------------
+
+/// One pair: `nodes` and where they are.
+template <int N>
+struct PairNodes {
+  std::array<std::int32_t, N> nodes;
+  std::array<Vector3<double>, N> x;
+};
+
+template <int N, class AddForce, class AddBlock>
+void scatter(const Expansion<N>& U, double weight, const std::array<std::int32_t, N>& nodes, ContactOrder order,
+             const AddForce& add_force, const AddBlock& add_block) {
+  for (int i = 0; i < N; ++i) {
+    add_force(nodes[i], weight * U.gradient[i]);
+    if (order == ContactOrder::gradient) continue;
+    for (int j = 0; j < N; ++j) add_block(nodes[i], nodes[j], weight * U.block(i, j));
+  }
+}
+
+/// To second order, or to first. Where the Hessian is to be semidefinite a pair that is subtracted contributes none: a
+/// bound from above.
+template <int N, class Response>
+Expansion<N> expand_to(ContactOrder order, const Separation<N>& at, const Response& response, bool is_subtracted) {
+  if (order == ContactOrder::gradient) return first_order(at, response);
+  if (order == ContactOrder::hessian) return expand(at, response, Definiteness::exact);
+  if (!is_subtracted) return expand(at, response, Definiteness::semidefinite);
+  return first_order(at, response);
+}
+
+/// The stencil of a point of A nodes and a feature of B, in A + B nodes.
+template <int A, int B>
+Stencil<A + B> point_feature_stencil(const std::array<double, 3>& weights, std::span<const Vector3<double>, 1 + B> x) {
+  Stencil<1 + B> simple;
+  if constexpr (B == 1) {
+    simple = point_point_stencil();
+  } else if constexpr (B == 2) {
+    simple = stencil_of(closest_point_edge(x));
+  } else {
+    simple = stencil_of(closest_point_triangle(x));
+  }
+  Stencil<A + B> stencil;
+  stencil.num_slopes = simple.num_slopes;
+  for (int a = 0; a < A; ++a) stencil.weights[a] = weights[a];
+  for (int b = 0; b < B; ++b) {
+    stencil.weights[A + b] = simple.weights[1 + b];
+    for (int k = 0; k < 2; ++k) stencil.slopes[k][A + b] = simple.slopes[k][1 + b];
+  }
+  return stencil;
+}
+
+template <class Law, class AddForce, class AddBlock>
+double add_point_pairs(const CollisionSurface& surface, std::span<const SurfacePoint> points,
+                       std::span<const PointPair> pairs, std::span<const Vector3<double>> x, const Law& law,
+                       ContactOrder order, const AddForce& add_force, const AddBlock& add_block) {
+  double total = 0.0;
+  const auto add = [&]<int A, int B>(const PointPair& pair, const std::array<std::int32_t, B>& feature) {
+    const SurfacePoint& point = points[pair.point];
+    PairNodes<A + B> at;
+    std::array<Vector3<double>, 1 + B> simple{point.position(x)};
+    for (int a = 0; a < A; ++a) at.nodes[a] = point.nodes[a];
+    for (int b = 0; b < B; ++b) {
+      at.nodes[A + b] = feature[b];
+      simple[1 + b] = x[feature[b]];
+    }
+    for (int n = 0; n < A + B; ++n) at.x[n] = x[at.nodes[n]];
+    const auto closest = separation<A + B>(point_feature_stencil<A, B>(point.weights, simple), at.x);
+    const auto U = expand_to(order, closest, law(closest.distance), pair.multiplicity < 0);
+    const double weight = 0.5 * point.area * pair.multiplicity;
+    total += weight * U.value;
+    scatter<A + B>(U, weight, at.nodes, order, add_force, add_block);
+  };
+  const auto add_of = [&]<int B>(const PointPair& pair, const std::array<std::int32_t, B>& feature) {
+    if (points[pair.point].num_nodes == 1) {
+      add.template operator()<1, B>(pair, feature);
+    } else {
+      add.template operator()<3, B>(pair, feature);
+    }
+  };
+  for (const PointPair& pair : pairs) {
+    switch (pair.kind) {
+      case FeatureKind::vertex:
+        add_of.template operator()<1>(pair, {pair.feature});
+        break;
+      case FeatureKind::edge:
+        add_of.template operator()<2>(pair, surface.edges()[pair.feature].vertices);
+        break;
+      case FeatureKind::face:
+        add_of.template operator()<3>(pair, surface.triangles()[pair.feature].vertices);
+        break;
+    }
+  }
+  return total;
+}
+
+template <class Law, class AddForce, class AddBlock>
+double add_edge_pairs(const CollisionSurface& surface, std::span<const EdgePair> pairs,
+                      std::span<const Vector3<double>> x, const Law& law, ContactOrder order, const AddForce& add_force,
+                      const AddBlock& add_block) {
+  double total = 0.0;
+  for (const EdgePair& pair : pairs) {
+    const auto &a = surface.edges()[pair.a].vertices, &b = surface.edges()[pair.b].vertices;
+    const PairNodes<4> at{{a[0], a[1], b[0], b[1]}, {x[a[0]], x[a[1]], x[b[0]], x[b[1]]}};
+    const double m = edge_edge_mollifier_value(at.x, pair.threshold);
+    if (m == 0.0) continue;
+    const auto closest = separation<4>(stencil_of(closest_edge_edge(at.x)), at.x);
+    // The projection of a product is that of the whole.
+    const bool is_mollified = m < 1.0;
+    const ContactOrder inner =
+        is_mollified && order == ContactOrder::semidefinite_hessian ? ContactOrder::hessian : order;
+    Expansion<4> U = expand_to(inner, closest, law(closest.distance), false);
+    if (is_mollified) {
+      U = product(edge_edge_mollifier(at.x, pair.threshold), U);
+      if (order == ContactOrder::semidefinite_hessian) project_to_positive_semidefinite(U);
+    }
+    total += pair.weight * U.value;
+    scatter<4>(U, pair.weight, at.nodes, order, add_force, add_block);
+  }
+  return total;
+}
+
+}  // namespace pliant

@@ -1,0 +1,99 @@
+#include "collision/surface.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace pliant {
+namespace {
+
+/// The numbers of the vertices that triangles name, sorted by key.
+std::vector<SurfaceVertex> used_vertices(std::span<const SurfaceVertex> vertices,
+                                         std::span<const SurfaceTriangle> triangles) {
+  std::vector<VertexKey> used;
+  used.reserve(3 * triangles.size());
+  for (const auto& triangle : triangles) used.insert(used.end(), triangle.vertices.begin(), triangle.vertices.end());
+  std::ranges::sort(used);
+  used.erase(std::ranges::unique(used).begin(), used.end());
+  std::vector<SurfaceVertex> sorted(vertices.begin(), vertices.end());
+  std::ranges::sort(sorted, {}, &SurfaceVertex::key);
+  if (std::ranges::adjacent_find(sorted, {}, &SurfaceVertex::key) != sorted.end()) {
+    throw std::invalid_argument("two vertices of a collision surface have one key");
+  }
+  std::erase_if(sorted, [&](const SurfaceVertex& vertex) { return !std::ranges::binary_search(used, vertex.key); });
+  if (sorted.size() != used.size())
+    throw std::invalid_argument("a collision triangle names a vertex that is not there");
+  return sorted;
+}
+
+/// The vertex of the least number first.
+void rotate_to_least(std::array<std::int32_t, 3>& vertices) {
+  std::ranges::rotate(vertices, std::ranges::min_element(vertices));
+}
+
+}  // namespace
+
+CollisionSurface::CollisionSurface(std::span<const SurfaceVertex> vertices,
+                                   std::span<const SurfaceTriangle> triangles) {
+  const auto sorted = used_vertices(vertices, triangles);
+  vertices_.resize(sorted.size());
+  for (std::size_t n = 0; n < sorted.size(); ++n) {
+    vertices_[n].key = sorted[n].key;
+    rest_positions_.push_back(sorted[n].X);
+  }
+  for (const auto& given : triangles) {
+    Triangle triangle{.body = given.body, .group = given.group};
+    for (int k = 0; k < 3; ++k) {
+      const auto place = std::ranges::lower_bound(sorted, given.vertices[k], {}, &SurfaceVertex::key);
+      triangle.vertices[k] = static_cast<std::int32_t>(place - sorted.begin());
+    }
+    rotate_to_least(triangle.vertices);
+    const auto [a, b, c] = triangle.vertices;
+    if (a == b || b == c || c == a) throw std::invalid_argument("a collision triangle has a vertex twice");
+    triangle.area = 0.5 * norm(cross(rest_positions_[b] - rest_positions_[a], rest_positions_[c] - rest_positions_[a]));
+    triangles_.push_back(triangle);
+  }
+  std::ranges::sort(triangles_, {}, &Triangle::vertices);
+  for (const Triangle& triangle : triangles_) {
+    for (int k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax(triangle.vertices[k], triangle.vertices[(k + 1) % 3]);
+      edges_.push_back({.vertices = {low, high}, .body = triangle.body});
+    }
+  }
+  std::ranges::sort(edges_, {}, &Edge::vertices);
+  edges_.erase(std::ranges::unique(edges_, {}, &Edge::vertices).begin(), edges_.end());
+  for (Edge& edge : edges_) edge.multiplicity = -1;
+  for (Vertex& vertex : vertices_) vertex.multiplicity = 1;
+  for (Triangle& triangle : triangles_) {
+    for (int k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax(triangle.vertices[k], triangle.vertices[(k + 1) % 3]);
+      const auto place = std::ranges::lower_bound(edges_, std::array{low, high}, {}, &Edge::vertices);
+      triangle.edges[k] = static_cast<std::int32_t>(place - edges_.begin());
+      place->area += triangle.area / 3.0;
+      ++place->multiplicity;
+      Vertex& vertex = vertices_[triangle.vertices[k]];
+      vertex.area += triangle.area / 3.0;
+      vertex.body = triangle.body;
+      --vertex.multiplicity;
+    }
+  }
+  for (const Edge& edge : edges_) {
+    for (const std::int32_t vertex : edge.vertices) vertices_[vertex].multiplicity += edge.multiplicity;
+    longest_edge_ =
+        std::max(longest_edge_, norm(rest_positions_[edge.vertices[1]] - rest_positions_[edge.vertices[0]]));
+  }
+}
+
+bool CollisionSurface::is_incident(const Triangle& triangle, std::int32_t vertex) const {
+  return std::ranges::find(triangle.vertices, vertex) != triangle.vertices.end();
+}
+
+bool CollisionSurface::is_incident(const Edge& edge, const Edge& other) const {
+  return edge.vertices[0] == other.vertices[0] || edge.vertices[0] == other.vertices[1] ||
+         edge.vertices[1] == other.vertices[0] || edge.vertices[1] == other.vertices[1];
+}
+
+bool CollisionSurface::is_incident(const Triangle& triangle, const Triangle& other) const {
+  return std::ranges::any_of(other.vertices, [&](std::int32_t vertex) { return is_incident(triangle, vertex); });
+}
+
+}  // namespace pliant

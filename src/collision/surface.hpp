@@ -1,0 +1,80 @@
+/// The surfaces of bodies that may touch: vertices, edges and triangles, how they hang together, and their sizes at
+/// rest.
+///
+/// Vertices and triangles come with keys that do not depend on the partition; everything here is sorted by them, so
+/// that the same surface has the same numbers, whatever the order in which it was given. Rank-local: what a rank sees.
+#pragma once
+
+#include "base/vector3.hpp"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace pliant {
+
+/// Of a vertex, over all ranks.
+using VertexKey = std::int64_t;
+
+struct SurfaceVertex {
+  VertexKey key = 0;
+  Vector3<double> X{};  ///< position at rest [m]
+};
+
+struct SurfaceTriangle {
+  std::array<VertexKey, 3> vertices{};  ///< keys, counterclockwise seen from outside
+  std::int32_t body = 0;                ///< which body it is of
+  std::int32_t group = 0;               ///< which named surface it is of
+};
+
+class CollisionSurface {
+ public:
+  struct Vertex {
+    VertexKey key = 0;
+    std::int32_t body = 0;
+    double area = 0.0;              ///< a third of its triangles' [m^2]
+    std::int32_t multiplicity = 0;  ///< see `Edge`
+  };
+  /// Of a point near a surface each triangle that contains the closest place speaks once. Counted with multiplicities,
+  /// sum over triangles - sum over edges + sum over vertices, each place speaks once in all (Li et al. 2023, Convergent
+  /// Incremental Potential Contact, section 4, for closed surfaces: there it is 1 inside and 0 on the boundary).
+  struct Edge {
+    std::array<std::int32_t, 2> vertices{};  ///< in the order of their keys
+    std::int32_t body = 0;
+    double area = 0.0;              ///< a third of its triangles' [m^2]
+    std::int32_t multiplicity = 0;  ///< its triangles, less one
+  };
+  struct Triangle {
+    std::array<std::int32_t, 3> vertices{};  ///< the one of the least key first, in the order given
+    std::array<std::int32_t, 3> edges{};     ///< edge k runs from vertex k to the next
+    std::int32_t body = 0, group = 0;
+    double area = 0.0;  ///< [m^2]
+  };
+
+  CollisionSurface() = default;
+  /// Throws std::invalid_argument where a triangle names a vertex that is not there, or one twice, or where a key
+  /// occurs twice. Vertices of no triangle are left out.
+  CollisionSurface(std::span<const SurfaceVertex> vertices, std::span<const SurfaceTriangle> triangles);
+
+  std::span<const Vertex> vertices() const { return vertices_; }  ///< sorted by keys
+  std::span<const Edge> edges() const { return edges_; }          ///< sorted by the keys of their vertices
+  std::span<const Triangle> triangles() const { return triangles_; }
+  std::span<const Vector3<double>> rest_positions() const { return rest_positions_; }  ///< of the vertices [m]
+
+  /// Whether they share a vertex: such never collide.
+  bool is_incident(const Triangle& triangle, std::int32_t vertex) const;
+  bool is_incident(const Edge& edge, const Edge& other) const;
+  bool is_incident(const Triangle& triangle, const Triangle& other) const;
+
+  double longest_edge() const { return longest_edge_; }  ///< at rest [m]
+
+ private:
+  std::vector<Vertex> vertices_;
+  std::vector<Edge> edges_;
+  std::vector<Triangle> triangles_;
+  std::vector<Vector3<double>> rest_positions_;
+  double longest_edge_ = 0.0;
+};
+
+}  // namespace pliant

@@ -1,0 +1,110 @@
+#include "collision/bvh.hpp"
+#include "derivatives.hpp"
+
+#include <gtest/gtest.h>
+
+namespace pliant::test_bvh {
+namespace {
+
+using testing_collision::RandomPoints;
+
+/// Boxes of several sizes; every fourth at one of a few places, so that codes are equal.
+std::vector<Box> random_boxes(std::size_t number, unsigned seed, double size) {
+  RandomPoints random(seed);
+  std::vector<Box> boxes(number);
+  for (std::size_t n = 0; n < number; ++n) {
+    Vector3<double> centre = random.point();
+    if (n % 4 == 0) centre = {std::round(centre[0]), std::round(centre[1]), std::round(centre[2])};
+    const auto extent = random.point(n % 50 == 0 ? 20.0 * size : size);
+    boxes[n] = box_of(0.0, centre - extent, centre + extent);
+  }
+  return boxes;
+}
+
+std::vector<BoxPair> brute_force(std::span<const Box> a, std::span<const Box> b) {
+  std::vector<BoxPair> pairs;
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(a.size()); ++i) {
+    for (std::int32_t j = 0; j < static_cast<std::int32_t>(b.size()); ++j) {
+      if (a[i].overlaps(b[j])) pairs.push_back({i, j});
+    }
+  }
+  return pairs;
+}
+std::vector<BoxPair> brute_force(std::span<const Box> boxes) {
+  std::vector<BoxPair> pairs = brute_force(boxes, boxes);
+  std::erase_if(pairs, [](const BoxPair& pair) { return pair.first >= pair.second; });
+  return pairs;
+}
+
+const auto all = [](std::int32_t, std::int32_t) { return true; };
+
+class BvhOfSize : public testing::TestWithParam<std::size_t> {};
+INSTANTIATE_TEST_SUITE_P(Sizes, BvhOfSize, testing::Values(0, 1, 2, 7, 8, 9, 63, 64, 65, 511, 512, 513, 2000));
+
+TEST_P(BvhOfSize, FindsThePairsOfBruteForce) {
+  const auto boxes = random_boxes(GetParam(), 1, 0.05);
+  const auto pairs = overlapping_pairs(Bvh(boxes), boxes, all);
+  EXPECT_EQ(pairs, brute_force(boxes));
+  if (GetParam() >= 64) {
+    EXPECT_GT(pairs.size(), GetParam() / 10);
+  }
+}
+
+TEST_P(BvhOfSize, FindsThePairsOfTwoSets) {
+  const auto boxes = random_boxes(GetParam(), 2, 0.05), others = random_boxes(500, 3, 0.05);
+  std::vector<std::int32_t> order(others.size());
+  for (std::size_t n = 0; n < order.size(); ++n) order[n] = static_cast<std::int32_t>(order.size() - 1 - n);
+  EXPECT_EQ(overlapping_pairs(Bvh(boxes), others, order, all), brute_force(others, boxes));
+}
+
+TEST_P(BvhOfSize, FindsThePairsAfterARefit) {
+  auto boxes = random_boxes(GetParam(), 4, 0.05);
+  Bvh tree(boxes);
+  boxes = random_boxes(GetParam(), 5, 0.05);  // all elsewhere
+  tree.refit(boxes);
+  EXPECT_EQ(overlapping_pairs(tree, boxes, all), brute_force(boxes));
+}
+
+TEST(Bvh, TakesOnlyPairsThatAreAccepted) {
+  const auto boxes = random_boxes(300, 6, 0.2);
+  const auto accept = [](std::int32_t i, std::int32_t j) { return (i + j) % 3 == 0; };
+  auto expected = brute_force(boxes);
+  const std::size_t before = expected.size();
+  std::erase_if(expected, [&](const BoxPair& pair) { return !accept(pair.first, pair.second); });
+  ASSERT_LT(expected.size(), before);
+  EXPECT_EQ(overlapping_pairs(Bvh(boxes), boxes, accept), expected);
+}
+
+TEST(Bvh, FindsAllBoxesAtOnePlace) {
+  const std::vector<Box> boxes(100, box_of(0.0, {1, 2, 3}));
+  EXPECT_EQ(overlapping_pairs(Bvh(boxes), boxes, all).size(), 4950U);
+}
+
+TEST(Box, IsRoundedOutwards) {
+  RandomPoints random(7);
+  for (int trial = 0; trial < 10000; ++trial) {
+    const double x = random.number(-1.0, 1.0) * std::pow(10.0, random.number(-45.0, 45.0));
+    const float low = rounded_down(x), high = rounded_up(x);
+    EXPECT_LE(static_cast<double>(low), x);
+    EXPECT_GE(static_cast<double>(high), x);
+    if (std::abs(x) > 1e-30 && std::abs(x) < 1e30) {
+      EXPECT_LT((double{high} - low) / std::abs(x), 6e-7);
+    }
+  }
+  EXPECT_LT(rounded_down(0.0), 0.0F);
+  EXPECT_GT(rounded_up(0.0), 0.0F);
+  EXPECT_LT(static_cast<double>(rounded_down(1e300)), 1e300);
+  EXPECT_TRUE(std::isinf(rounded_up(1e300)));
+}
+
+TEST(Box, OfPointsHoldsThemWithAMargin) {
+  const Box box = box_of(0.5, {0, 0, 0}, Vector3<double>{1, -1, 2});
+  EXPECT_NEAR(box.low[1], -1.5, 1e-6);
+  EXPECT_NEAR(box.high[2], 2.5, 1e-6);
+  EXPECT_TRUE(box.overlaps(box_of(0.0, {1.5, 0, 0})));
+  EXPECT_FALSE(box.overlaps(box_of(0.0, {1.51, 0, 0})));
+  EXPECT_FALSE(box.overlaps(Box{}));
+}
+
+}  // namespace
+}  // namespace pliant::test_bvh

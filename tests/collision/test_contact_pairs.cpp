@@ -1,0 +1,277 @@
+#include "base/limits.hpp"
+#include "collision/contact_pairs.hpp"
+#include "laws.hpp"
+#include "surfaces.hpp"
+
+#include <eigen3/Eigen/Dense>
+
+#include <gtest/gtest.h>
+
+namespace pliant::test_contact_pairs {
+namespace {
+
+using namespace testing_collision;
+
+constexpr double reach = 0.1;  // [m]
+
+/// The laws of laws.hpp with their distances in units of the reach.
+Response barrier_law(double d) {
+  const Response r = barrier(d / reach);
+  return {r.energy, r.pressure / reach, r.stiffness / (reach * reach)};
+}
+Response penalty_law(double d) {
+  const Response r = penalty(d / reach);
+  return {r.energy, r.pressure / reach, r.stiffness / (reach * reach)};
+}
+
+/// The whole way from positions to the potential.
+struct Contact {
+  CollisionSurface surface;
+  std::vector<SurfacePoint> points;
+  double edge_share = 0.0;
+  Response (*law)(double) = barrier_law;
+
+  Contact(const SurfaceInput& input, const ContactRule& rule, double share = 0.0)
+      : surface(input.surface()), points(surface_points(surface, rule)), edge_share(share) {}
+
+  std::vector<Vector3<double>> rest() const {
+    return {surface.rest_positions().begin(), surface.rest_positions().end()};
+  }
+  ContactPairs pairs(std::span<const Vector3<double>> x) const {
+    return {point_pairs(surface, points, point_candidates(surface, points, x, reach), x, reach),
+            edge_share > 0.0 ? edge_pairs(surface, find_candidates(surface, x, reach).edge_edge, x, reach, edge_share)
+                             : std::vector<EdgePair>{}};
+  }
+  template <class AddBlock>
+  double evaluate(std::span<const Vector3<double>> x, ContactOrder order, std::vector<Vector3<double>>& forces,
+                  const AddBlock& add_block) const {
+    forces.assign(x.size(), {});
+    const auto add = [&](std::int32_t v, const Vector3<double>& f) { forces[v] = forces[v] + f; };
+    const ContactPairs near = pairs(x);
+    return add_point_pairs(surface, points, near.points, x, law, order, add, add_block) +
+           add_edge_pairs(surface, near.edges, x, law, order, add, add_block);
+  }
+  double gradient(std::span<const Vector3<double>> x, std::vector<Vector3<double>>& forces) const {
+    return evaluate(x, ContactOrder::gradient, forces, [](auto...) {});
+  }
+};
+
+ContactRule corners() {
+  return {};
+}
+
+/// A patch and the corner of a tetrahedron above it, whose last four vertices move.
+Contact probe_over(const SurfaceInput& floor, double share = 0.0) {
+  SurfaceInput probe;
+  probe.vertices = {{5000, {0, 0, 0}}, {5001, {1, 0, 2}}, {5002, {0, 1, 2}}, {5003, {-1, -1, 2}}};
+  probe.triangles = {{{5000, 5001, 5002}, 1, 0}, {{5000, 5002, 5003}, 1, 0}, {{5000, 5003, 5001}, 1, 0}};
+  return {joined(floor, probe), corners(), share};
+}
+void place_probe(std::vector<Vector3<double>>& x, const Vector3<double>& tip) {
+  const std::size_t first = x.size() - 4;
+  const std::array<Vector3<double>, 4> shape{{{0, 0, 0}, {1, 0, 2}, {0, 1, 2}, {-1, -1, 2}}};
+  for (std::size_t n = 0; n < 4; ++n) x[first + n] = tip + shape[n];
+}
+
+TEST(ContactPairs, PointSlidesOverAFlatSurfaceAsOverAPlane) {
+  const Contact contact = probe_over(patch(6, 0.0, 0, 0, 1));
+  auto x = contact.rest();
+  const std::size_t tip = x.size() - 4;
+  const double height = 0.04, area = contact.points[tip].area;
+  const Response expected = contact.law(height);
+  RandomPoints random(2);
+  int seen = 0;
+  std::vector<Vector3<double>> forces;
+  for (int trial = 0; trial < 8000; ++trial) {
+    Vector3<double> place{random.number(0.15, 0.85), random.number(0.15, 0.85), height};
+    const auto& triangle = contact.surface.triangles()[trial % 72].vertices;
+    if (trial % 3 == 1) {  // over a vertex
+      place = x[triangle[0]];
+    } else if (trial % 3 == 2) {  // over an edge
+      const double s = random.number(0.0, 1.0);
+      place = (1 - s) * x[triangle[0]] + s * x[triangle[1]];
+    }
+    place[2] = height;
+    if (std::min({place[0], place[1], 1 - place[0], 1 - place[1]}) < 0.12) continue;
+    place_probe(x, place);
+    const double W = contact.gradient(x, forces);
+    const auto near = contact.pairs(x).points;
+    const auto is_of_tip = [&](const PointPair& pair) { return pair.point == static_cast<std::int32_t>(tip); };
+    if (trial % 3 == 0) {  // nothing is left of what cancels; on an edge rounding decides who has the place
+      EXPECT_EQ(std::ranges::count_if(near, is_of_tip), 1);
+    }
+    if (!std::ranges::all_of(near, is_of_tip)) continue;  // a vertex of the floor is near the tip, and pushes too
+    EXPECT_NEAR(forces[tip][2], -0.5 * area * expected.pressure, 1e-12 * area * expected.pressure);
+    EXPECT_NEAR(norm(forces[tip]), 0.5 * area * expected.pressure, 1e-12 * area * expected.pressure);
+    EXPECT_NEAR(W, 0.5 * area * expected.energy, 1e-13 * area * expected.energy);
+    ++seen;
+  }
+  EXPECT_GT(seen, 300);
+}
+
+/// Forces over a bumpy surface change no faster than the way: a tenth of the step, a tenth of the largest change.
+TEST(ContactPairs, PotentialIsContinuouslyDifferentiableAcrossEdges) {
+  SurfaceInput floor = patch(6, 0.0, 0, 0, 3);
+  RandomPoints random(4);
+  for (auto& vertex : floor.vertices) vertex.X[2] = random.number(-0.03, 0.03);
+  const Contact contact = probe_over(floor, 0.1);
+  auto x = contact.rest();
+  std::vector<Vector3<double>> forces, previous;
+  const auto largest_change = [&](int steps) {
+    double most = 0.0, W_before = 0.0, most_W = 0.0;
+    previous.clear();
+    for (int n = 0; n <= steps; ++n) {
+      const double s = static_cast<double>(n) / steps;
+      place_probe(x, {0.2 + 0.6 * s, 0.3 + 0.37 * s, 0.075});
+      const double W = contact.gradient(x, forces);
+      for (std::size_t v = 0; v < previous.size(); ++v) most = std::max(most, norm(forces[v] - previous[v]));
+      if (n > 0) most_W = std::max(most_W, std::abs(W - W_before));
+      previous = forces;
+      W_before = W;
+    }
+    EXPECT_GT(most_W, 0.0);
+    return std::array{most, most_W};
+  };
+  const auto coarse = largest_change(2000), fine = largest_change(20000);
+  EXPECT_LT(fine[0], 0.15 * coarse[0]);
+  EXPECT_LT(fine[1], 0.15 * coarse[1]);
+}
+
+/// Two squares of different triangulations at the distance h.
+Contact two_patches(int n, int m, double height, const ContactRule& rule, double share = 0.0) {
+  return {joined(patch(n, 0.0, 0, 0, 5), patch(m, height, 100000, 1, 6)), rule, share};
+}
+
+TEST(ContactPairs, EnergyBetweenFlatPatchesIsThatOfTheirGap) {
+  constexpr double height = 0.05;
+  for (const ContactRule& rule : {corners(), quadratic_contact_rule()}) {
+    const Contact contact = two_patches(5, 4, height, rule);
+    std::vector<Vector3<double>> forces;
+    EXPECT_NEAR(contact.gradient(contact.rest(), forces), contact.law(height).energy, 1e-13);
+    double up = 0.0;
+    for (std::size_t v = 0; v < forces.size(); ++v) up += contact.surface.vertices()[v].body == 1 ? forces[v][2] : 0.0;
+    EXPECT_NEAR(-up, contact.law(height).pressure, 1e-12);
+  }
+}
+
+/// The work of the forces along smooth displacements goes to that of a uniform pressure.
+TEST(ContactPairs, PressureBetweenFlatPatchesBecomesUniform) {
+  constexpr double height = 0.05;
+  const auto work_error = [&](int n, int m, const ContactRule& rule) {
+    const Contact contact = two_patches(n, m, height, rule);
+    std::vector<Vector3<double>> forces;
+    contact.gradient(contact.rest(), forces);
+    double work = 0.0;  // along u_z = sin(pi x) y, on one side; over the square 1/pi
+    for (std::size_t v = 0; v < forces.size(); ++v) {
+      const auto& X = contact.surface.rest_positions()[v];
+      if (contact.surface.vertices()[v].body == 1) work -= forces[v][2] * std::sin(3.14159265358979 * X[0]) * X[1];
+    }
+    return std::abs(work / contact.law(height).pressure * 3.14159265358979 - 1.0);
+  };
+  const double coarse = work_error(5, 4, corners()), fine = work_error(20, 16, corners());
+  const double coarse_quadratic = work_error(5, 4, quadratic_contact_rule());
+  const double fine_quadratic = work_error(20, 16, quadratic_contact_rule());
+  RecordProperty("coarse", std::to_string(coarse));
+  EXPECT_LT(fine, 0.15 * coarse);
+  EXPECT_LT(fine_quadratic, 0.15 * coarse_quadratic);
+  EXPECT_LT(fine, 5e-3);
+  EXPECT_LT(fine_quadratic, 5e-3);
+}
+
+/// Two bumpy patches, in general position.
+struct Bumpy {
+  Contact contact;
+  std::vector<Vector3<double>> x;
+
+  explicit Bumpy(const ContactRule& rule) : contact(two_patches(3, 4, 0.05, rule, 0.2)), x(contact.rest()) {
+    RandomPoints random(7);
+    for (auto& p : x) p = p + random.point(0.01);
+  }
+};
+
+TEST(ContactPairs, DerivativesMatchDifferences) {
+  for (const ContactRule& rule : {corners(), quadratic_contact_rule()}) {
+    const Bumpy bumpy(rule);
+    const Contact& contact = bumpy.contact;
+    auto x = bumpy.x;
+    const auto size = static_cast<Eigen::Index>(3 * x.size());
+    Eigen::MatrixXd K = Eigen::MatrixXd::Zero(size, size);
+    std::vector<Vector3<double>> forces, right, left;
+    contact.evaluate(x, ContactOrder::hessian, forces,
+                     [&](std::int32_t a, std::int32_t b, const Tensor3<double>& block) {
+                       for (int p = 0; p < 3; ++p) {
+                         for (int q = 0; q < 3; ++q) K(3 * a + p, 3 * b + q) += block(p, q);
+                       }
+                     });
+    EXPECT_LT((K - K.transpose()).norm(), 1e-12 * K.norm());
+    constexpr double step = 1e-7;
+    double largest_force = 0.0;
+    for (const auto& f : forces) largest_force = std::max(largest_force, norm(f));
+    ASSERT_GT(largest_force, 0.01);
+    int off = 0;
+    for (std::size_t v = 0; v < x.size(); ++v) {
+      for (int q = 0; q < 3; ++q) {
+        const double before = x[v][q];
+        x[v][q] = before + step;
+        const double W_right = contact.gradient(x, right);
+        x[v][q] = before - step;
+        const double W_left = contact.gradient(x, left);
+        x[v][q] = before;
+        EXPECT_NEAR((W_right - W_left) / (2 * step), forces[v][q], 1e-6 * largest_force);
+        for (std::size_t w = 0; w < x.size(); ++w) {
+          for (int p = 0; p < 3; ++p) {
+            const double second = (right[w][p] - left[w][p]) / (2 * step);
+            off += std::abs(second - K(3 * w + p, 3 * v + q)) > 1e-5 * K.cwiseAbs().maxCoeff() ? 1 : 0;
+          }
+        }
+      }
+    }
+    EXPECT_EQ(off, 0);
+  }
+}
+
+TEST(ContactPairs, ForcesAndMomentsBalance) {
+  const Bumpy bumpy(quadratic_contact_rule());
+  std::vector<Vector3<double>> forces;
+  bumpy.contact.gradient(bumpy.x, forces);
+  Vector3<double> force{}, moment{};
+  double size = 0.0;
+  for (std::size_t v = 0; v < forces.size(); ++v) {
+    force = force + forces[v];
+    moment = moment + cross(bumpy.x[v], forces[v]);
+    size += norm(forces[v]);
+  }
+  EXPECT_GT(size, 1.0);
+  EXPECT_LT(norm(force), 1e-13 * size);
+  EXPECT_LT(norm(moment), 1e-13 * size);
+}
+
+TEST(ContactPairs, SemidefiniteHessianIsOne) {
+  Bumpy bumpy(quadratic_contact_rule());
+  bumpy.contact.law = penalty_law;
+  const auto size = static_cast<Eigen::Index>(3 * bumpy.x.size());
+  const auto least_eigenvalue = [&](ContactOrder order) {
+    Eigen::MatrixXd K = Eigen::MatrixXd::Zero(size, size);
+    std::vector<Vector3<double>> forces;
+    bumpy.contact.evaluate(bumpy.x, order, forces, [&](std::int32_t a, std::int32_t b, const Tensor3<double>& block) {
+      for (int p = 0; p < 3; ++p) {
+        for (int q = 0; q < 3; ++q) K(3 * a + p, 3 * b + q) += block(p, q);
+      }
+    });
+    return K.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff() / K.norm();
+  };
+  EXPECT_LT(least_eigenvalue(ContactOrder::hessian), -1e-4);
+  EXPECT_GE(least_eigenvalue(ContactOrder::semidefinite_hessian), -1e-13);
+}
+
+TEST(ContactPairs, RulesHaveTheAreaOfTheSurface) {
+  for (const ContactRule& rule : {corners(), quadratic_contact_rule()}) {
+    const auto surface = cube().surface();
+    double area = 0.0;
+    for (const auto& point : surface_points(surface, rule)) area += point.area;
+    EXPECT_NEAR(area, 6.0, 1e-14);
+  }
+}
+
+}  // namespace
+}  // namespace pliant::test_contact_pairs
