@@ -114,7 +114,7 @@ NewtonSolver::NewtonSolver(StageEquation& equation, const NewtonOptions& options
   check(PetscOptionsGetBool(nullptr, nullptr, "-newton_turn_factor", &turns, nullptr));
   // Multigrid smooths with the present K, which has turned already.
   if (turns && may_keep_factor_ && is_factorization(pc)) rotations_ = equation.make_rotations();
-  if (rotations_) turned_ = std::make_unique<TurnedPreconditioner>(ksp, *rotations_);
+  if (rotations_) corotated_ = std::make_unique<CorotatedPreconditioner>(ksp, *rotations_);
   PetscBool tolerance_is_given = PETSC_FALSE;
   check(PetscOptionsHasName(nullptr, nullptr, "-ksp_rtol", &tolerance_is_given));
   adapts_tolerance_ = !tolerance_is_given;

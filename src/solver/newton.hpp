@@ -4,6 +4,7 @@
 #include "energy/stage_equation.hpp"
 #include "petsc/callback.hpp"
 #include "petsc/handle.hpp"
+#include "solver/corotated_preconditioner.hpp"
 #include "solver/failed_stage.hpp"
 #include "solver/forcing.hpp"
 #include "solver/iteration_start.hpp"
@@ -11,7 +12,6 @@
 #include "solver/merit.hpp"
 #include "solver/proximal.hpp"
 #include "solver/rank_one_system.hpp"
-#include "solver/turned_preconditioner.hpp"
 #include "time/stage.hpp"
 
 #include <algorithm>
@@ -228,7 +228,7 @@ class NewtonSolver {
   Handle<PC> preconditioner_;                       // of K
   std::unique_ptr<RankOneSystem> rank_one_system_;  // nullptr if there are no such parts
   std::unique_ptr<NodalRotations> rotations_;       // since the factorization; nullptr if it does not turn
-  std::unique_ptr<TurnedPreconditioner> turned_;
+  std::unique_ptr<CorotatedPreconditioner> corotated_;
   CallbackGuard guard_;
   SolverStatistics statistics_;
   std::function<void(const StageProgress&)> watcher_;

@@ -434,8 +434,8 @@ TEST_F(Newton, FreeFallIsExact) {
   EXPECT_LE(test::deviation(problem.solid(), q.get(), exact), 1e-9);
 }
 
-// A tumbling body strains little, and its stiffness turns with it: so does the factorization.
-TEST_F(Newton, AKeptFactorizationTurnsWithTheBody) {
+// A tumbling body strains little, and its stiffness rotates with it: so does the factorization.
+TEST_F(Newton, AKeptFactorizationRotatesWithTheBody) {
   std::map<bool, double> work;  // in linear iterations, of which a factorization of so few unknowns costs eight
   for (const bool turns : {true, false}) {
     check(PetscOptionsSetValue(nullptr, "-newton_turn_factor", turns ? "true" : "false"));
