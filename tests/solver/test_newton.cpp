@@ -84,7 +84,7 @@ TEST_F(Newton, AStiffBodyTakesFewIterations) {
   }
 }
 
-// A start pressed to half its size: Hessians there are indefinite; the ladder brings the body back to rest.
+// A start pressed to half its size: Hessians there are indefinite; the fallback sequence brings the body back to rest.
 TEST_F(Newton, ACompressedStartConvergesOnProjectedHessians) {
   for (const auto kind : {LinearKind::cholesky, LinearKind::amg}) {
     for (const auto* name : {"saint-venant-kirchhoff", "neo-hookean"}) {
