@@ -1,12 +1,11 @@
-// How NewtonSolver finds an equilibrium where there is no inertia.
-#include "solver/newton.hpp"
+#include "solver/equilibrium.hpp"
 
 #include <algorithm>
 
 namespace pliant {
 namespace {
 
-/// Iterations on the way to an equilibrium nearby: Newton's method squares the error.
+/// Iterations to an equilibrium nearby: Newton's method squares the error.
 constexpr int max_followed = 8;
 /// What a stage without an equilibrium adds to the trouble of which others take one away, and how much there is when a
 /// body is allowed to snap far away: shorter steps may find an equilibrium nearby.
@@ -20,106 +19,114 @@ constexpr double part_left = 0.1;
 /// and takes so many iterations at most; from half as many on, the weight stays.
 constexpr int iterations_of_descent = 8;
 
+/// How many unknowns of this rank belong to displacements; they come first.
+PetscInt num_local_displacements(StageEquation& equation, Vec q) {
+  PetscInt number = 0, of_displacements = 0;
+  check(VecGetLocalSize(q, &number));
+  check(VecGetLocalSize(equation.displacements(q), &of_displacements));
+  return std::min(number, of_displacements);
+}
+
 }  // namespace
 
-StageReport NewtonSolver::seek_equilibrium(Vec q) {
-  const Handle<Vec> best = equation_.make_vector(), lowest = equation_.make_vector();
+EquilibriumSearch::EquilibriumSearch(Objective& objective, Iteration& iteration, SolverStatistics& statistics,
+                                     double relative)
+    : objective_(objective), iteration_(iteration), statistics_(statistics), relative_(relative) {}
+
+void EquilibriumSearch::forget() {
+  prefers_following_ = false;
+  trouble_ = 0;
+}
+
+bool EquilibriumSearch::attempt(Vec q, Vec guess, Aim aim, int max_iterations, Work& work) {
+  if (max_iterations <= 0) return false;
+  const int before = work.report.newton_iterations;
+  int newton = before, linear = work.report.linear_iterations;
+  check(VecCopy(guess, q));
+  if (newton > 0) iteration_.renew_factor();
+  iteration_.begin(q, aim);
+  const int end = before + std::max(max_iterations, work.limit);
+  do {
+    work.report = iteration_.run(q, max_iterations);
+    newton += work.report.newton_iterations;
+    linear += work.report.linear_iterations;
+  } while (work.report.outcome == StageOutcome::retry && newton < end && iteration_.is_converging());
+  work.report.newton_iterations = newton;
+  work.report.linear_iterations = linear;
+  if (work.report.outcome == StageOutcome::converged) {
+    prefers_following_ = aim == Aim::any_equilibrium && !iteration_.is_stable();
+    if (prefers_following_) ++statistics_.unstable_stages;
+  }
+  objective_.set_aim(objective_.usual_aim());
+  return work.is_over();
+}
+
+StageReport EquilibriumSearch::seek(Vec q, Vec second_guess, int max_iterations) {
+  const Aim usual = objective_.usual_aim();
+  const Handle<Vec> best = objective_.equation().make_vector(), lowest = objective_.equation().make_vector();
   check(VecCopy(q, best.get()));
   check(VecCopy(q, lowest.get()));
-  const Path usual = path_;
-  StageReport report;
-  int newton = 0, linear = 0;
-  // Whether nothing more needs to be tried.
-  const auto attempt = [&](bool follows, Vec guess, int max_iterations) {
-    if (max_iterations <= 0) return false;
-    check(VecCopy(guess, q));
-    equation_.extrapolate_from(nullptr);
-    follows_ = follows;
-    if (follows) path_ = Path::residual;
-    if (path_ == Path::minimisation) phi_ = value(q);
-    factor_is_wanted_ = factor_is_wanted_ || newton > 0;
-    merit_has_scale_ = at_rounding_floor_ = false;
-    scale_ = equation_.force_scale(q);
-    limit_iterations(max_iterations);
-    const int end = newton + std::max(max_iterations, options_.max_iterations);
-    do {
-      report = iterate(q);
-      newton += report.newton_iterations;
-      linear += report.linear_iterations;
-    } while (report.outcome == StageOutcome::retry && newton < end && is_converging());
-    if (report.outcome == StageOutcome::converged) {
-      prefers_following_ = follows && !has_right_inertia();
-      if (prefers_following_) ++statistics_.unstable_stages;
-    }
-    path_ = usual;
-    follows_ = false;
-    if (may_choose_krylov_) set_krylov_method(linear_solver(), Symmetry::symmetric);
-    return report.outcome != StageOutcome::retry;
-  };
-  const auto few = [&] { return std::min(max_followed, options_.max_iterations - newton); };
+  Work work;
+  work.limit = max_iterations;
+  const auto few = [&] { return std::min(max_followed, work.left()); };
   const auto minimise = [&] {
-    const bool arrives = attempt(false, best.get(), few());
+    const bool arrives = attempt(q, best.get(), usual, few(), work);
     check(VecCopy(q, lowest.get()));
     return arrives;
   };
   const auto follow = [&] {
-    return attempt(true, best.get(), few()) || (has_second_guess_ && attempt(true, guess_.get(), few()));
+    return attempt(q, best.get(), Aim::any_equilibrium, few(), work) ||
+           (second_guess != nullptr && attempt(q, second_guess, Aim::any_equilibrium, few(), work));
   };
   const bool arrives = prefers_following_ ? follow() || minimise() : minimise() || follow();
-  if (!arrives && trouble_ >= trouble_before_snap && options_.max_iterations > 3 * max_followed) {
+  if (!arrives && trouble_ >= trouble_before_snap && max_iterations > 3 * max_followed) {
     trouble_ = 0;  // if this does not help, shorter steps may
     check(VecCopy(lowest.get(), q));
-    const StageReport way = descend(q, times_to_snap * options_.max_iterations);
-    newton += way.newton_iterations;
-    linear += way.linear_iterations;
+    const StageReport descent = descend(q, times_to_snap * max_iterations);
+    work.report.newton_iterations += descent.newton_iterations;
+    work.report.linear_iterations += descent.linear_iterations;
     check(VecCopy(q, lowest.get()));
-    attempt(false, lowest.get(), options_.max_iterations);
+    attempt(q, lowest.get(), usual, max_iterations, work);
   } else if (!arrives) {
-    attempt(false, lowest.get(), options_.max_iterations - newton);
+    attempt(q, lowest.get(), usual, work.left(), work);
   }
-  limit_iterations(options_.max_iterations);
-  trouble_ = report.outcome == StageOutcome::converged ? std::max(0, trouble_ - 1) : trouble_ + trouble_of_failure;
-  report.newton_iterations = newton;
-  report.linear_iterations = linear;
-  return report;
+  trouble_ = work.report.outcome == StageOutcome::converged ? std::max(0, trouble_ - 1) : trouble_ + trouble_of_failure;
+  return work.report;
 }
 
-StageReport NewtonSolver::descend(Vec q, int max_iterations) {
-  equation_.extrapolate_from(nullptr);
-  assemble(q, Projection::none);
-  const double mean = mean_diagonal();
-  PetscInt number = 0, of_displacements = 0;
-  check(VecGetLocalSize(q, &number));
-  check(VecGetLocalSize(equation_.displacements(q), &of_displacements));
-  limit_iterations(iterations_of_descent);
+StageReport EquilibriumSearch::descend(Vec q, int max_iterations) {
+  StageEquation& equation = objective_.equation();
+  Proximal& proximal = objective_.proximal();
+  const Handle<Vec> r = equation.make_vector();
+  equation.extrapolate_from(nullptr);
+  const double mean = iteration_.stiffness(q);
+  const PetscInt number = num_local_displacements(equation, q);
   StageReport total;
   double part = first_weight;
   while (total.newton_iterations < max_iterations && part > least_weight) {
-    equation_.gradient(q, r_.get());
-    scale_ = equation_.force_scale(q);
-    const double residual = norm(r_.get());
-    if (residual <= options_.relative * scale_) break;
-    descent_target_ = part_left * residual;
-    proximal_.hold(q, std::min(number, of_displacements), part * mean);
-    if (path_ == Path::minimisation) phi_ = value(q);
-    factor_is_wanted_ = true;
-    merit_has_scale_ = at_rounding_floor_ = false;
-    const StageReport report = iterate(q);
-    equation_.extrapolate_from(nullptr);
+    equation.gradient(q, r.get());
+    const double residual = norm(r.get());
+    if (residual <= relative_ * equation.force_scale(q)) break;
+    iteration_.accept(part_left * residual);
+    proximal.hold(q, number, part * mean);
+    iteration_.renew_factor();
+    iteration_.begin(q, objective_.usual_aim());
+    const StageReport report = iteration_.run(q, iterations_of_descent);
+    equation.extrapolate_from(nullptr);
     total.newton_iterations += report.newton_iterations;
     total.linear_iterations += report.linear_iterations;
     if (report.outcome != StageOutcome::converged) {
       // A potential has fallen nevertheless; a residual may lead anywhere.
-      if (path_ == Path::residual) check(VecCopy(proximal_.centre(), q));
+      if (!objective_.is_minimised()) check(VecCopy(proximal.centre(), q));
       part *= 4.0;
     } else if (2 * report.newton_iterations <= iterations_of_descent) {
       part *= 4 * report.newton_iterations <= iterations_of_descent ? 0.25 : 0.5;
     }
     if (report.outcome == StageOutcome::fatal) break;
   }
-  proximal_.release();
-  descent_target_ = 0.0;
-  factor_is_wanted_ = true;
+  proximal.release();
+  iteration_.accept(0.0);
+  iteration_.renew_factor();
   return total;
 }
 

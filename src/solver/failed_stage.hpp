@@ -1,4 +1,4 @@
-/// What a stage that Newton's method could not solve tells, for the post-mortem of a run.
+/// What is known of a stage that Newton's method could not solve, for the post-mortem of a run.
 #pragma once
 
 #include "petsc/handle.hpp"
@@ -7,6 +7,8 @@
 #include <vector>
 
 namespace pliant {
+
+class Objective;
 
 /// An iteration: where it led and what it took.
 struct NewtonIteration {
@@ -42,5 +44,9 @@ struct FailedStage {
   Handle<Vec> residual;      ///< there; zero on prescribed entries, NaN beyond a barrier [N]
   Handle<Vec> direction;     ///< Newton's step there; zero if there was none [m]
 };
+
+/// What the objective is at q, where the iteration ended, and along the last direction from there, d = -y; `y` is
+/// nullptr if there was none. Whoever ran the iteration adds its time, tolerances and iterations. Collective.
+FailedStage look_along_direction(Objective& objective, Vec q, Vec y);
 
 }  // namespace pliant

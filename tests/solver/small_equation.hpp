@@ -19,7 +19,7 @@ struct SmallFunction {
   std::function<std::vector<double>(std::span<const double>)> tangent;
 };
 
-class SmallEquation final : public StageEquation {
+class SmallEquation : public StageEquation {
  public:
   SmallEquation(MPI_Comm comm, SmallFunction function)
       : comm_(comm),

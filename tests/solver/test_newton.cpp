@@ -84,7 +84,7 @@ TEST_F(Newton, AStiffBodyTakesFewIterations) {
   }
 }
 
-// A start pressed to half its size: Hessians there are indefinite; the ladder brings the body back to rest.
+// A start pressed to half its size: Hessians there are indefinite; the fallback sequence brings the body back to rest.
 TEST_F(Newton, ACompressedStartConvergesOnProjectedHessians) {
   for (const auto kind : {LinearKind::cholesky, LinearKind::amg}) {
     for (const auto* name : {"saint-venant-kirchhoff", "neo-hookean"}) {
@@ -434,8 +434,8 @@ TEST_F(Newton, FreeFallIsExact) {
   EXPECT_LE(test::deviation(problem.solid(), q.get(), exact), 1e-9);
 }
 
-// A tumbling body strains little, and its stiffness turns with it: so does the factorization.
-TEST_F(Newton, AKeptFactorizationTurnsWithTheBody) {
+// A tumbling body strains little, and its stiffness rotates with it: so does the factorization.
+TEST_F(Newton, AKeptFactorizationRotatesWithTheBody) {
   std::map<bool, double> work;  // in linear iterations, of which a factorization of so few unknowns costs eight
   for (const bool turns : {true, false}) {
     check(PetscOptionsSetValue(nullptr, "-newton_turn_factor", turns ? "true" : "false"));

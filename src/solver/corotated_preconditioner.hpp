@@ -1,4 +1,4 @@
-/// A preconditioner that turns with the body.
+/// A preconditioner that rotates with the body.
 #pragma once
 
 #include "energy/stage_equation.hpp"
@@ -7,13 +7,13 @@
 namespace pliant {
 
 /// R P R^T, where P is a preconditioner made of an earlier matrix and R are the rotations of the nodes since
-/// (NodalRotations): near the present one's inverse where the body has mainly turned.
-class TurnedPreconditioner {
+/// (NodalRotations): close to the inverse of the present matrix where the body has mainly rotated.
+class CorotatedPreconditioner {
  public:
   /// Takes the place of the preconditioner of `ksp`, which becomes P. `rotations` outlive the object.
-  TurnedPreconditioner(KSP ksp, const NodalRotations& rotations);
-  TurnedPreconditioner(const TurnedPreconditioner&) = delete;  // PETSc's objects point to it
-  TurnedPreconditioner& operator=(const TurnedPreconditioner&) = delete;
+  CorotatedPreconditioner(KSP ksp, const NodalRotations& rotations);
+  CorotatedPreconditioner(const CorotatedPreconditioner&) = delete;  // PETSc's objects point to it
+  CorotatedPreconditioner& operator=(const CorotatedPreconditioner&) = delete;
 
  private:
   static PetscErrorCode apply_callback(PC pc, Vec x, Vec y);
@@ -22,7 +22,7 @@ class TurnedPreconditioner {
 
   const NodalRotations& rotations_;
   Handle<PC> inner_;
-  Handle<Vec> turned_back_;
+  Handle<Vec> rotated_back_;
 };
 
 }  // namespace pliant

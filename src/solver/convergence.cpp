@@ -1,0 +1,88 @@
+#include "solver/convergence.hpp"
+
+#include "solver/line_search.hpp"
+
+#include <cmath>
+#include <utility>
+
+namespace pliant {
+namespace {
+
+/// How often the forces of a guess give way to those at the iterate that met the tolerance for them. At a solution
+/// without stress there are none, and it is enough to have met it for the remains of remains.
+constexpr int max_lowered = 3;
+/// The forces of a guess are too large a measure if those at the iterate are less than this part of them.
+constexpr double much_less = 0.1;
+/// Forces that are less than this part of those of the guess have vanished.
+constexpr double tiny_part = 1e-6;
+/// Forces up to this multiple of the rounding floor are none.
+constexpr double no_forces = 10.0;
+
+}  // namespace
+
+Convergence::Convergence(Objective& objective, const NewtonOptions& options, SolverStatistics& statistics,
+                         std::function<void(Vec)> reassemble)
+    : objective_(objective), options_(options), statistics_(statistics), reassemble_(std::move(reassemble)) {}
+
+void Convergence::begin_stage() {
+  scale_ = 0.0;
+  starts_at_solution_ = false;
+}
+
+void Convergence::measure_guess(Vec q) {
+  measure(q);
+  first_scale_ = scale_;
+}
+
+Convergence::Verdict Convergence::judge(int iteration, double residual, Vec q, bool line_search_is_at_rounding) {
+  if (!std::isfinite(residual)) return Verdict::not_a_number;
+  if (iteration == 0) num_lowered_ = 0;
+  if (iteration > 0 && residual <= target() && num_lowered_ < max_lowered) {
+    lower_scale(q);
+    if (residual > target()) ++num_lowered_;
+  }
+  if (residual <= target()) {
+    if (residual > unbalanced_part * scale_) ++statistics_.unbalanced_stops;
+    return Verdict::converged;
+  }
+  if (iteration == 0) start_ = {residual, norm(q)};
+  const bool may_be_rounding = iteration > 0 || starts_at_solution_;
+  if (!line_search_is_at_rounding && !(may_be_rounding && is_rounding(residual, q))) return Verdict::iterating;
+  count_rounding(residual, q);
+  return Verdict::at_rounding;
+}
+
+bool Convergence::is_solution(double residual, Vec q) {
+  lower_scale(q);
+  return residual <= target() || is_rounding(residual, q);
+}
+
+void Convergence::count_rounding(double residual, Vec q) {
+  StageEquation& equation = objective_.equation();
+  ++statistics_.rounding_stops;
+  const double size = std::max({equation.force_scale(q), equation.inertia_scale(), first_scale_ * tiny_part});
+  // A body at rest without stress: its forces are rounding errors themselves.
+  const bool is_free_of_forces =
+      objective_.is_static() && size <= no_forces * rounding_safety * equation.rounding_floor(q);
+  if (size > 0.0 && !is_free_of_forces)
+    statistics_.worst_rounding = std::max(statistics_.worst_rounding, residual / size);
+}
+
+void Convergence::lower_scale(Vec q) {
+  const double now = objective_.equation().force_scale(q);
+  if (now < much_less * scale_) scale_ = now;
+}
+
+bool Convergence::is_rounding(double residual, Vec q) {
+  double floor = rounding_safety * objective_.equation().rounding_floor(q);
+  if (residual > floor) return false;
+  if (residual > doubtful_rounding * scale_) {
+    // The last Hessian may be one near a wall that is far by now.
+    reassemble_(q);
+    floor = rounding_safety * objective_.equation().rounding_floor(q);
+    if (residual > floor) return false;
+  }
+  return start_.allows_rounding(residual, floor, norm(q));
+}
+
+}  // namespace pliant

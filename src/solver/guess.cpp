@@ -1,0 +1,208 @@
+#include "solver/guess.hpp"
+
+#include "petsc/array_view.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pliant {
+namespace {
+
+/// Straight displacements in which a prescribed motion is applied.
+constexpr int max_displacements = 30;
+/// Of the difference by which the forces of a prescribed motion are found, in parts of the motion.
+constexpr double difference_part = 1e-3;
+/// Shorter displacements than this part lead nowhere.
+constexpr double shortest_displacement = 1e-3;
+
+/// to = from in the entries that are prescribed, or in the others.
+enum class Entries { prescribed, free };
+void copy_entries(Vec from, Vec to, const std::vector<char>& prescribed, Entries which) {
+  const ConstArrayView source(from);
+  const ArrayView target(to);
+  const std::size_t n = target.span().size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const bool is_prescribed = i < prescribed.size() && prescribed[i] != 0;
+    if (is_prescribed == (which == Entries::prescribed)) target[static_cast<PetscInt>(i)] = source.span()[i];
+  }
+}
+
+}  // namespace
+
+GuessSearch::GuessSearch(Objective& objective, LinearSystem& system, SolverStatistics& statistics)
+    : objective_(objective),
+      equation_(objective.equation()),
+      system_(system),
+      statistics_(statistics),
+      r_(equation_.make_vector()),
+      trial_(equation_.make_vector()),
+      correction_(equation_.make_vector()),
+      end_(equation_.make_vector()),
+      second_(equation_.make_vector()),
+      last_(equation_.make_vector()) {}
+
+void GuessSearch::remember(Vec solution) {
+  has_last_ = true;
+  check(VecCopy(solution, last_.get()));
+}
+
+void GuessSearch::stop_short_of_walls(Vec accepted, Vec candidate) {
+  if (accepted == nullptr) return;
+  Vec displacement = correction_.get();
+  check(VecWAXPY(displacement, -1.0, accepted, candidate));
+  const double bound = inversion_margin * equation_.max_way(accepted, displacement);
+  // Where a wall has moved onto the accepted state no displacement is possible, and the guess is as good as its value.
+  if (!(bound > 0.0 && bound < 1.0)) return;
+  ++statistics_.capped_steps;
+  check(VecWAXPY(r_.get(), bound, displacement, accepted));
+  copy_entries(r_.get(), candidate, equation_.prescribed(), Entries::free);
+}
+
+// In the frame of the obstacle the accepted state is where it was, and nothing has moved onto it.
+void GuessSearch::follow_obstacles(const StagePoint& stage, Vec q, double& measure) {
+  const auto& prescribed = equation_.prescribed();
+  const Handle<Vec> carried = equation_.make_vector(), given = equation_.make_vector();
+  check(VecCopy(q, given.get()));
+  for (const auto which : {StageEquation::Carried::bodies, StageEquation::Carried::near}) {
+    if (!equation_.carry_along(which, carried.get())) continue;
+    copy_entries(given.get(), carried.get(), prescribed, Entries::prescribed);
+    consider(carried.get(), q, measure);
+    check(VecWAXPY(trial_.get(), stage.dt, stage.v0, stage.q0));
+    copy_entries(given.get(), trial_.get(), prescribed, Entries::prescribed);
+    stop_short_of_walls(carried.get(), trial_.get());
+    consider(trial_.get(), q, measure);
+  }
+}
+
+void GuessSearch::consider(Vec candidate, Vec q, double& measure) {
+  const double now = objective_.measure(candidate);
+  if (!(now < measure)) return;
+  measure = now;
+  check(VecCopy(candidate, q));
+}
+
+StartingGuess GuessSearch::choose(const StagePoint& stage, Vec q) {
+  equation_.extrapolate_from(nullptr);
+  has_second_ = false;
+  const auto& prescribed = equation_.prescribed();
+  Vec accepted = stage.accepted;
+  stop_short_of_walls(accepted, q);
+  double measure = objective_.measure(q);
+  // Where inertia alone would lead.
+  check(VecWAXPY(trial_.get(), stage.dt, stage.v0, stage.q0));
+  copy_entries(q, trial_.get(), prescribed, Entries::prescribed);
+  stop_short_of_walls(accepted, trial_.get());
+  consider(trial_.get(), q, measure);
+  if (equation_.move_rigidly(trial_.get())) {
+    copy_entries(q, trial_.get(), prescribed, Entries::prescribed);
+    stop_short_of_walls(accepted, trial_.get());
+    consider(trial_.get(), q, measure);
+  }
+  if (!std::isfinite(measure)) follow_obstacles(stage, q, measure);
+  if (!std::isfinite(measure) && has_last_) {
+    // All lie beyond a barrier, on whose right side the last solution was.
+    check(VecCopy(last_.get(), trial_.get()));
+    copy_entries(q, trial_.get(), prescribed, Entries::prescribed);
+    consider(trial_.get(), q, measure);
+  }
+  if (accepted == nullptr) {
+    if (std::isfinite(measure)) return {measure, std::nullopt};
+    return {measure, "every guess lies beyond a barrier"};
+  }
+  if (std::isfinite(measure) && !objective_.is_static()) return {measure, std::nullopt};
+  auto failure = try_prescribed_motion(accepted, q, measure);
+  return {measure, std::move(failure)};
+}
+
+std::optional<std::string> GuessSearch::try_prescribed_motion(Vec accepted, Vec q, double& measure) {
+  const double best = measure;
+  check(VecCopy(q, second_.get()));
+  const Applied applied = apply_prescribed_motion(accepted, second_.get(), q);
+  has_second_ = applied == Applied::all;
+  if (has_second_) measure = objective_.measure(q);
+  if (!(measure < best)) {
+    check(VecSwap(q, second_.get()));
+    measure = best;
+  }
+  has_second_ = has_second_ && std::isfinite(best);
+  equation_.extrapolate_from(nullptr);
+  if (std::isfinite(measure)) return std::nullopt;
+  if (applied == Applied::nothing) return "an obstacle has moved onto the body within one step";
+  return "what is prescribed cannot move as far within one step: a tetrahedron turns inside out, or an obstacle "
+         "stands in its way";
+}
+
+void GuessSearch::prescribe(Vec x, Vec target, Vec motion, double part) {
+  check(VecWAXPY(trial_.get(), part - 1.0, motion, target));
+  copy_entries(trial_.get(), x, equation_.prescribed(), Entries::prescribed);
+  equation_.lead(part);
+}
+
+std::optional<bool> GuessSearch::find_displacement(Vec q, Vec target, Vec motion, double part) {
+  Vec forces = correction_.get(), other = end_.get();
+  // d/d part of the residual, by a central difference.
+  const double h = difference_part * std::max(1.0 - part, shortest_displacement);
+  check(VecCopy(q, other));
+  prescribe(other, target, motion, part + h);
+  objective_.gradient(other, forces);
+  prescribe(other, target, motion, part - h);
+  objective_.gradient(other, r_.get());
+  check(VecAXPBY(forces, -0.5 / h, 0.5 / h, r_.get()));
+  prescribe(q, target, motion, part);
+  if (norm(forces) == 0.0) return std::nullopt;
+  objective_.gradient(q, r_.get());
+  check(VecAXPY(r_.get(), 1.0 - part, forces));
+  system_.assemble(q);
+  if (!system_.factorize_definite(q)) return false;
+  system_.solve(r_.get(), correction_.get());
+  check(VecScale(correction_.get(), -1.0));
+  check(VecCopy(motion, other));
+  check(VecScale(other, 1.0 - part));
+  copy_entries(other, correction_.get(), equation_.prescribed(), Entries::prescribed);
+  return true;
+}
+
+GuessSearch::Applied GuessSearch::apply_prescribed_motion(Vec accepted, Vec target, Vec q) {
+  const auto& prescribed = equation_.prescribed();
+  const Handle<Vec> motion = equation_.make_vector();
+  check(VecWAXPY(motion.get(), -1.0, accepted, q));
+  {
+    const ArrayView entries(motion.get());
+    for (std::size_t i = 0; i < entries.span().size(); ++i) {
+      if (i >= prescribed.size() || !prescribed[i]) entries[static_cast<PetscInt>(i)] = 0.0;
+    }
+  }
+  double part = 0.0;
+  check(VecCopy(accepted, q));
+  prescribe(q, target, motion.get(), 0.0);
+  Applied applied = Applied::nothing;
+  for (int k = 0; k < max_displacements && applied != Applied::all; ++k) {
+    if (!std::isfinite(objective_.measure(q))) break;
+    applied = Applied::part;
+    const auto is_found = find_displacement(q, target, motion.get(), part);
+    if (!is_found) {
+      prescribe(q, target, motion.get(), 1.0);
+      applied = Applied::all;
+      break;
+    }
+    if (!*is_found) break;
+    double length = std::min(1.0, inversion_margin * equation_.max_step(q, correction_.get()));
+    const double from = part;
+    bool is_finite = false;
+    while (!is_finite && length > shortest_displacement) {
+      check(VecWAXPY(end_.get(), length, correction_.get(), q));
+      part = length == 1.0 ? 1.0 : from + length * (1.0 - from);
+      prescribe(end_.get(), target, motion.get(), part);
+      is_finite = std::isfinite(objective_.measure(end_.get()));
+      if (!is_finite) length *= 0.5;
+    }
+    if (!is_finite) break;
+    objective_.move(q, end_.get());
+    if (part == 1.0) applied = Applied::all;
+  }
+  equation_.lead(1.0);
+  return applied;
+}
+
+}  // namespace pliant

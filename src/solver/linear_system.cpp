@@ -1,0 +1,248 @@
+#include "solver/linear_system.hpp"
+
+#include "base/stopwatch.hpp"
+#include "petsc/array_view.hpp"
+#include "solver/linear.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+namespace {
+
+/// What is added to the diagonal of an indefinite Hessian, as a part of its mean: the least, the most, and how many
+/// times more each time until it is definite (as in Waechter & Biegler 2006, "On the implementation of an
+/// interior-point filter line-search algorithm", 3.1).
+constexpr double least_shift = 1e-6, largest_shift = 0.1, shift_growth = 8.0;
+
+/// What the end of the fallback sequence adds to the diagonal, as a part of its mean: enough for a definite matrix
+/// where the projected Hessian is singular.
+constexpr double regularization = 1e-3;
+
+/// Part of the residual of a linear system that conjugate gradients may leave where they meet negative curvature.
+constexpr double truncated_part = 0.1;
+
+bool is_of_type(KSP ksp, KSPType type) {
+  PetscBool is = PETSC_FALSE;
+  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(ksp), type, &is));
+  return is == PETSC_TRUE;
+}
+
+FactorPolicy::Solver solver_of(KSP ksp) {
+  return is_of_type(ksp, KSPPREONLY) ? FactorPolicy::Solver::direct : FactorPolicy::Solver::iterative;
+}
+
+Handle<PC> shared_preconditioner(KSP ksp) {
+  PC pc = nullptr;
+  check(KSPGetPC(ksp, &pc));
+  check(PetscObjectReference(reinterpret_cast<PetscObject>(pc)));
+  return Handle<PC>(pc);
+}
+
+}  // namespace
+
+LinearSystem::LinearSystem(Objective& objective, KSP ksp, Handle<Mat> K, SolverStatistics& statistics)
+    : objective_(objective),
+      equation_(objective.equation()),
+      statistics_(statistics),
+      ksp_(ksp),
+      K_(std::move(K)),
+      preconditioner_(shared_preconditioner(ksp)),
+      diagonal_(equation_.make_vector()),
+      factor_(solver_of(ksp)),
+      may_choose_krylov_(is_of_type(ksp, KSPCG) && equation_.symmetry() == Symmetry::symmetric) {
+  for (std::size_t k = 0; k < equation_.num_rank_one(); ++k) parts_.push_back({0.0, equation_.make_vector()});
+  if (!parts_.empty()) rank_one_ = std::make_unique<RankOneSystem>(ksp, K_.get(), parts_);
+  PetscBool rotates = PETSC_TRUE;
+  check(PetscOptionsGetBool(nullptr, nullptr, "-newton_turn_factor", &rotates, nullptr));
+  // Multigrid smooths with the present K, which has rotated already.
+  const bool may_keep = solver_of(ksp) == FactorPolicy::Solver::iterative;
+  if (rotates && may_keep && is_factorization(preconditioner_.get())) rotations_ = equation_.make_rotations();
+  if (rotations_) corotated_ = std::make_unique<CorotatedPreconditioner>(ksp, *rotations_);
+}
+
+void LinearSystem::assemble(Vec q, Projection projection) {
+  {
+    const Stopwatch watch(statistics_.assembly_seconds);
+    objective_.hessian(q, K_.get(), projection);
+    if (rank_one_) equation_.rank_one_parts(q, parts_);
+  }
+  if (projection == Projection::none) {
+    escalation_.begin();
+  } else {
+    escalation_.projected();
+    ++statistics_.projections;
+  }
+}
+
+double LinearSystem::mean_diagonal() {
+  check(MatGetDiagonal(K_.get(), diagonal_.get()));
+  PetscReal total = 0.0;
+  check(VecNorm(diagonal_.get(), NORM_1, &total));
+  return total / equation_.num_unknowns();
+}
+
+void LinearSystem::shift(double by) {
+  if (equation_.symmetry() == Symmetry::indefinite) {
+    check(MatGetDiagonal(K_.get(), diagonal_.get()));
+    {
+      const ArrayView diagonal(diagonal_.get());
+      for (double& d : diagonal.span()) d = d > 0.0 ? by : -by;  // away from zero on either side
+    }
+    check(MatDiagonalSet(K_.get(), diagonal_.get(), ADD_VALUES));
+  } else {
+    check(MatShift(K_.get(), by));
+  }
+  escalation_.shifted();
+  ++statistics_.regularizations;
+}
+
+std::optional<PetscInt> LinearSystem::negative_eigenvalues() const {
+  std::optional<PetscInt> number = negative_pivots(preconditioner_.get());
+  if (number && rank_one_) *number -= rank_one_->negative_eigenvalues();
+  return number;
+}
+
+bool LinearSystem::has_right_inertia() const {
+  return !factor_.has_failed() &&
+         negative_eigenvalues().value_or(equation_.num_negative_pivots()) == equation_.num_negative_pivots();
+}
+
+void LinearSystem::choose_krylov_method() {
+  if (!may_choose_krylov_) return;
+  set_krylov_method(ksp_, has_right_inertia() ? Symmetry::symmetric : Symmetry::indefinite);
+}
+
+void LinearSystem::use_usual_krylov_method() {
+  if (may_choose_krylov_) set_krylov_method(ksp_, Symmetry::symmetric);
+}
+
+void LinearSystem::forget() {
+  last_shift_ = 0.0;
+  factor_.renew();
+}
+
+void LinearSystem::factorize(Vec q) {
+  const Stopwatch watch(statistics_.factorization_seconds);
+  factor_.note_set_up(set_up_preconditioner(preconditioner_.get(), K_.get()));
+  statistics_.uses_multigrid_instead = uses_multigrid_instead(preconditioner_.get());
+  if (rank_one_ && !factor_.has_failed() && !rank_one_->set_up()) factor_.note_failure();
+  check(KSPSetOperators(ksp_, matrix(), K_.get()));
+  if (rotations_) rotations_->start(equation_.displacements(q));
+  ++statistics_.factorizations;
+  escalation_.factorized();
+}
+
+bool LinearSystem::factorize_definite(Vec q) {
+  factorize(q);
+  if (factor_.has_failed()) return false;
+  if (objective_.aim() == Aim::any_equilibrium) {
+    choose_krylov_method();
+    if (!has_right_inertia()) factor_.renew();  // GMRES gains little from the factor of another matrix
+    return true;
+  }
+  if (has_right_inertia()) return true;
+  // A small shift of the diagonal keeps what is stiff, and leaves Newton's direction long where K is soft or unstable.
+  // A merit of the residual knows no downhill: a direction that is long along an unstable mode gains nothing there.
+  const bool may_shift = objective_.is_minimised() || objective_.is_static();
+  const double mean = may_shift ? mean_diagonal() : 0.0;
+  double total = 0.0;
+  for (double part = std::max(least_shift, last_shift_ / 3.0); may_shift && part <= largest_shift;
+       part *= shift_growth) {
+    shift(part * mean - total);
+    total = part * mean;
+    factorize(q);
+    if (factor_.lacks_memory()) return false;
+    if (!has_right_inertia()) continue;
+    last_shift_ = part;
+    factor_.renew();  // the next Hessian may be definite again: look
+    return true;
+  }
+  last_shift_ = 0.0;
+  assemble(q, Projection::positive_semidefinite);
+  factorize(q);
+  factor_.renew();
+  return !factor_.has_failed();
+}
+
+bool LinearSystem::prepare(Vec q) {
+  if (!factor_.wants_factor()) {
+    if (rotations_) rotations_->follow(equation_.displacements(q));
+    return true;
+  }
+  factorize_definite(q);
+  return !factor_.has_failed() || escalate(q);
+}
+
+bool LinearSystem::escalate(Vec q) {
+  using enum Escalation::State;
+  do {
+    const auto permission = factor_.lacks_memory()                     ? Escalation::Permission::nothing
+                            : objective_.aim() == Aim::any_equilibrium ? Escalation::Permission::exact_hessian
+                                                                       : Escalation::Permission::anything;
+    switch (escalation_.escalate(permission)) {
+      case fresh_factor:
+        // On the residual Newton's own direction is the best, whatever the signs of the eigenvalues.
+        objective_.is_minimised() || objective_.is_static() ? static_cast<void>(factorize_definite(q)) : factorize(q);
+        break;
+      case projected:
+        assemble(q, Projection::positive_semidefinite);
+        factorize(q);
+        factor_.renew();  // the next Hessian may do without
+        break;
+      case projected_and_shifted:
+        shift(regularization * mean_diagonal());
+        factorize(q);
+        factor_.renew();
+        break;
+      default:
+        return false;
+    }
+  } while (factor_.has_failed());
+  return true;
+}
+
+void LinearSystem::improve_poor_factor(Vec q, Vec r, Vec y) {
+  while (FactorPolicy::is_poor(last_iterations(), whose_factor()) && refine_factorization(preconditioner_.get())) {
+    if (!factorize_definite(q)) return;
+    solve(r, y);
+  }
+}
+
+void LinearSystem::solve(Vec r, Vec y) {
+  const Stopwatch watch(statistics_.solve_seconds);
+  check(KSPSolve(ksp_, r, y));
+  statistics_.linear_iterations += last_iterations();
+}
+
+PetscInt LinearSystem::last_iterations() const {
+  PetscInt iterations = 0;
+  check(KSPGetIterationNumber(ksp_, &iterations));
+  return iterations;
+}
+
+void LinearSystem::note_solve() {
+  PetscReal tolerance = 0.0;
+  check(KSPGetTolerances(ksp_, &tolerance, nullptr, nullptr, nullptr));
+  factor_.note_solve(
+      {static_cast<int>(last_iterations()), -std::log10(tolerance), cost_of_set_up(preconditioner_.get())},
+      whose_factor());
+}
+
+bool LinearSystem::has_direction(Vec r) const {
+  KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
+  check(KSPGetConvergedReason(ksp_, &reason));
+  // Conjugate gradients that meet negative curvature leave what they had before it: a direction of descent, and a good
+  // one if the linear system is nearly solved (truncated Newton: Nash 1984, "Newton-type minimization via the Lanczos
+  // method").
+  if (reason == KSP_DIVERGED_INDEFINITE_MAT) {
+    PetscReal left = 0.0;
+    check(KSPGetResidualNorm(ksp_, &left));
+    return !(left > truncated_part * norm(r));
+  }
+  if (reason == KSP_DIVERGED_ITS)  // a poor direction, not a wrong one
+    return !(objective_.aim() == Aim::whole_steps && escalation_.has_kept_factor());
+  return reason >= 0;
+}
+
+}  // namespace pliant

@@ -1,0 +1,325 @@
+#include "solver/newton_loop.hpp"
+
+#include "base/stopwatch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// Iterations that have brought the residual below this part of the first one are converging.
+constexpr double nearly_there = 1e-3;
+/// Of linear systems whose solutions are steps to be taken whole: what they leave in stiff directions, a step in soft
+/// ones turns into forces.
+constexpr double tolerance_of_whole_steps = 1e-8;
+
+std::string in_words(SNESConvergedReason reason) {
+  switch (reason) {
+    case SNES_DIVERGED_FNORM_NAN:
+      return "the residual is not a number";
+    case SNES_DIVERGED_MAX_IT:
+      return "Newton's method ran out of iterations";
+    case SNES_DIVERGED_LINE_SEARCH:
+      return "no step length lowers the potential, or the residual where there is none";
+    case SNES_DIVERGED_JACOBIAN_DOMAIN:
+      return "the Hessian is singular, whatever is added to it";
+    case SNES_DIVERGED_LINEAR_SOLVE:
+      return "the linear solver failed";
+    default:
+      return fmt::format("Newton's method stopped ({})", SNESConvergedReasons[reason]);
+  }
+}
+
+void limit_iterations(SNES snes, int number) {
+  // No tolerance on the step: SNES would compare it after a failed line search too, with the lengths of an earlier
+  // step.
+  check(SNESSetTolerances(snes, PETSC_DEFAULT, PETSC_DEFAULT, 0.0, number, PETSC_MAX_INT));
+}
+
+KSP linear_solver_of(SNES snes) {
+  KSP ksp = nullptr;
+  check(SNESGetKSP(snes, &ksp));
+  return ksp;
+}
+
+}  // namespace
+
+// The loop.
+
+StageReport NewtonLoop::run(Vec q) {
+  const double before = statistics_.factorization_seconds + statistics_.assembly_seconds + statistics_.solve_seconds;
+  double total = 0.0;
+  is_at_rounding_ = false;
+  line_search_.begin();
+  {
+    const Stopwatch watch(total);
+    guard_.rethrow(SNESSolve(snes_.get(), nullptr, q));
+  }
+  const double accounted =
+      statistics_.factorization_seconds + statistics_.assembly_seconds + statistics_.solve_seconds - before;
+  statistics_.solve_seconds += std::max(0.0, total - accounted);  // the solves SNES does itself
+
+  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+  check(SNESGetConvergedReason(snes_.get(), &reason));
+  if (reason == SNES_DIVERGED_LINE_SEARCH && convergence_.has_met_first_target()) {
+    reason = SNES_CONVERGED_FNORM_ABS;
+    convergence_.count_rounding(log_.iterations().back().residual, q);
+  }
+  if (objective_.aim() == Aim::any_equilibrium) system_.use_usual_krylov_method();
+  return report_of(reason);
+}
+
+void NewtonLoop::linearize(Vec q) {
+  system_.assemble(q);
+  if (adapts_tolerance_) set_tolerance();
+  objective_.scale_merit(system_.sparse_matrix());
+  if (!system_.prepare(q)) check(SNESSetJacobianDomainError(snes_.get()));
+}
+
+void NewtonLoop::search(SNESLineSearch search) {
+  Vec q = nullptr, r = nullptr, y = nullptr;
+  check(SNESLineSearchGetVecs(search, &q, &r, &y, nullptr, nullptr));
+  check(SNESLineSearchSetReason(search, SNES_LINESEARCH_SUCCEEDED));
+  has_direction_ = true;
+  for (;;) {
+    system_.improve_poor_factor(q, r, y);
+    system_.note_solve();
+    if (system_.has_direction(r) && go_along(q, r, y, search)) return;
+    if (!system_.escalate(q)) break;
+    system_.solve(r, y);
+  }
+  check(SNESLineSearchSetReason(search, SNES_LINESEARCH_FAILED_REDUCT));
+}
+
+bool NewtonLoop::go_along(Vec q, Vec r, Vec y, SNESLineSearch search) {
+  const double slope = -dot(r, y);
+  // Whether a merit descends shows when it is tried.
+  if (!std::isfinite(slope) || (objective_.is_minimised() && slope >= 0.0)) return false;
+  Vec trial = nullptr;
+  check(SNESLineSearchGetVecs(search, nullptr, nullptr, nullptr, &trial, nullptr));
+  const LineStart start = line_.lay(q, r, y, trial, value_);
+  const auto demand = objective_.aim() == Aim::whole_steps ? LineSearch::Demand::none : LineSearch::Demand::decrease;
+  const LineOutcome outcome = objective_.is_minimised() ? line_search_.lower_potential(line_, start)
+                                                        : line_search_.lower_residual(line_, start, demand);
+  statistics_.backtracks += outcome.backtracks;
+  is_at_rounding_ = outcome.status == LineOutcome::Status::at_rounding;
+  switch (outcome.status) {
+    case LineOutcome::Status::accepted:
+      line_.take(q, r);
+      if (objective_.is_minimised()) value_ = outcome.potential;
+      last_length_ = outcome.length;
+      check(SNESLineSearchSetLambda(search, outcome.length));
+      check(SNESLineSearchSetNorms(search, norm(q), outcome.residual, outcome.length * start.step));
+      return true;
+    case LineOutcome::Status::at_rounding:
+      check(SNESLineSearchSetNorms(search, norm(q), start.residual, 0.0));
+      return true;
+    case LineOutcome::Status::stalled:
+      return false;
+  }
+  return false;
+}
+
+SNESConvergedReason NewtonLoop::judge(int iteration, double residual) {
+  note_iteration(iteration, residual);
+  if (std::isfinite(residual) && iteration > 0 && objective_.aim() != Aim::whole_steps) {
+    last_length_ == 1.0 ? forcing_.observe(residual) : forcing_.forget();
+  }
+  Vec q = nullptr;
+  check(SNESGetSolution(snes_.get(), &q));
+  switch (convergence_.judge(iteration, residual, q, is_at_rounding_)) {
+    case Convergence::Verdict::not_a_number:
+      return SNES_DIVERGED_FNORM_NAN;
+    case Convergence::Verdict::converged:
+      return SNES_CONVERGED_FNORM_RELATIVE;
+    case Convergence::Verdict::at_rounding:
+      return SNES_CONVERGED_FNORM_ABS;
+    case Convergence::Verdict::iterating:
+      break;
+  }
+  return SNES_CONVERGED_ITERATING;
+}
+
+// What begins and ends a run.
+
+void NewtonLoop::begin_stage() {
+  has_direction_ = false;
+  system_.factor().begin_stage();
+  convergence_.begin_stage();
+  log_.begin_stage();
+}
+
+void NewtonLoop::use_guess(Vec q, double measure) {
+  value_ = measure;
+  convergence_.measure_guess(q);
+}
+
+void NewtonLoop::resume(Vec q) {
+  if (objective_.is_minimised()) value_ = objective_.value(q);
+  convergence_.expect_solution();
+}
+
+void NewtonLoop::begin(Vec q, Aim aim) {
+  equation_.extrapolate_from(nullptr);
+  objective_.set_aim(aim);
+  objective_.forget_scale_of_merit();
+  if (objective_.is_minimised()) value_ = objective_.value(q);
+  convergence_.measure(q);
+}
+
+void NewtonLoop::begin_again(Vec q) {
+  equation_.extrapolate_from(nullptr);
+  if (objective_.is_minimised()) value_ = objective_.value(q);
+  convergence_.use_scale_of_guess();
+}
+
+StageReport NewtonLoop::run(Vec q, int max_iterations) {
+  limit_iterations(snes_.get(), max_iterations);
+  StageReport report = run(q);
+  limit_iterations(snes_.get(), options_.max_iterations);
+  return report;
+}
+
+bool NewtonLoop::is_converging() const {
+  SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+  check(SNESGetConvergedReason(snes_.get(), &reason));
+  const auto& iterations = log_.iterations();
+  return reason == SNES_DIVERGED_MAX_IT && iterations.back().residual < nearly_there * iterations.front().residual;
+}
+
+double NewtonLoop::stiffness(Vec q) {
+  system_.assemble(q);
+  return system_.mean_diagonal();
+}
+
+void NewtonLoop::forget() {
+  forcing_.forget();
+  system_.forget();
+}
+
+Vec NewtonLoop::last_direction() const {
+  if (!has_direction_) return nullptr;
+  Vec y = nullptr;
+  check(SNESGetSolutionUpdate(snes_.get(), &y));
+  return y;
+}
+
+StageReport NewtonLoop::report_of(SNESConvergedReason reason) const {
+  PetscInt newton = 0, linear = 0;
+  check(SNESGetIterationNumber(snes_.get(), &newton));
+  check(SNESGetLinearSolveIterations(snes_.get(), &linear));
+  statistics_.newton_iterations += newton;
+  statistics_.linear_iterations += linear;
+  StageReport report;
+  report.newton_iterations = static_cast<int>(newton);
+  report.linear_iterations = static_cast<int>(linear);
+  if (reason > 0) {
+    report.reason = reason == SNES_CONVERGED_FNORM_ABS ? "converged to the rounding of the forces" : "converged";
+    return report;
+  }
+  report.outcome = StageOutcome::retry;
+  report.reason = in_words(reason);
+  if (system_.factor().lacks_memory()) {
+    // A shorter step takes as much.
+    report.outcome = StageOutcome::fatal;
+    report.reason = "memory does not suffice for the factorization (MUMPS)";
+  }
+  return report;
+}
+
+void NewtonLoop::note_iteration(int iteration, double residual) {
+  NewtonIteration now;
+  now.residual = residual;
+  if (iteration > 0) {
+    SNESLineSearch search = nullptr;
+    PetscInt linear_iterations = 0;
+    check(SNESGetLineSearch(snes_.get(), &search));
+    check(SNESLineSearchGetLambda(search, &now.step_length));
+    check(KSPGetIterationNumber(linear_solver_of(snes_.get()), &linear_iterations));
+    now.linear_iterations = static_cast<int>(linear_iterations);
+    if (system_.escalation().is_projected()) now.hessian = NewtonIteration::Hessian::projected;
+    if (system_.escalation().is_shifted()) now.hessian = NewtonIteration::Hessian::shifted;
+  }
+  log_.note(now, convergence_.target(), iteration == 0);
+}
+
+void NewtonLoop::set_tolerance() {
+  PetscInt iteration = 0;
+  check(SNESGetIterationNumber(snes_.get(), &iteration));
+  const double tolerance = objective_.aim() == Aim::whole_steps
+                               ? tolerance_of_whole_steps
+                               : forcing_.tolerance(static_cast<int>(iteration), norm(r_.get()), convergence_.target());
+  check(KSPSetTolerances(linear_solver_of(snes_.get()), tolerance, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT));
+}
+
+// SNES.
+
+NewtonLoop::NewtonLoop(Objective& objective, const NewtonOptions& options, LinearKind linear,
+                       SolverStatistics& statistics)
+    : objective_(objective),
+      equation_(objective.equation()),
+      options_(options),
+      statistics_(statistics),
+      r_(equation_.make_vector()),
+      K_(equation_.make_hessian()),
+      snes_(make_snes(K_.get(), options, linear)),
+      system_(objective, linear_solver_of(snes_.get()), std::move(K_), statistics),
+      line_(objective, system_, snes_.get(), statistics),
+      convergence_(objective, options, statistics, [this](Vec q) { system_.assemble(q); }) {
+  if (system_.matrix() != system_.sparse_matrix()) {
+    check(SNESSetJacobian(snes_.get(), system_.matrix(), system_.sparse_matrix(), hessian_callback, this));
+  }
+  PetscBool tolerance_is_given = PETSC_FALSE;
+  check(PetscOptionsHasName(nullptr, nullptr, "-ksp_rtol", &tolerance_is_given));
+  adapts_tolerance_ = !tolerance_is_given;
+}
+
+Handle<SNES> NewtonLoop::make_snes(Mat K, const NewtonOptions& options, LinearKind linear) {
+  Handle<SNES> made;
+  check(SNESCreate(equation_.comm(), made.out()));
+  SNES snes = made.get();
+  check(SNESSetType(snes, SNESNEWTONLS));
+  check(SNESSetFunction(snes, r_.get(), residual_callback, this));
+  check(SNESSetJacobian(snes, K, K, hessian_callback, this));
+  check(SNESSetConvergenceTest(snes, convergence_callback, this, nullptr));
+  limit_iterations(snes, options.max_iterations);
+  // Preconditioners are set up by LinearSystem, nowhere else.
+  check(SNESSetLagPreconditioner(snes, -1));
+  check(SNESSetCheckJacobianDomainError(snes, PETSC_TRUE));
+  // A failed linear solve is the line search's business: it escalates.
+  check(SNESSetMaxLinearSolveFailures(snes, PETSC_MAX_INT));
+  SNESLineSearch search = nullptr;
+  check(SNESGetLineSearch(snes, &search));
+  check(SNESLineSearchSetType(search, SNESLINESEARCHSHELL));
+  check(SNESLineSearchShellSetUserFunc(search, line_search_callback, this));
+  const auto coarsening = linear == LinearKind::p_multigrid ? equation_.make_coarsening() : std::nullopt;
+  configure_linear_solver(linear_solver_of(snes), K, linear, equation_.symmetry(), coarsening ? &*coarsening : nullptr);
+  check(SNESSetFromOptions(snes));
+  return made;
+}
+
+PetscErrorCode NewtonLoop::residual_callback(SNES, Vec q, Vec r, void* self) {
+  auto* loop = static_cast<NewtonLoop*>(self);
+  return loop->guard_.run([&] { loop->objective_.gradient(q, r); });
+}
+
+PetscErrorCode NewtonLoop::hessian_callback(SNES, Vec q, Mat, Mat, void* self) {
+  auto* loop = static_cast<NewtonLoop*>(self);
+  return loop->guard_.run([&] { loop->linearize(q); });
+}
+
+PetscErrorCode NewtonLoop::line_search_callback(SNESLineSearch search, void* self) {
+  auto* loop = static_cast<NewtonLoop*>(self);
+  return loop->guard_.run([&] { loop->search(search); });
+}
+
+PetscErrorCode NewtonLoop::convergence_callback(SNES, PetscInt it, PetscReal, PetscReal, PetscReal f,
+                                                SNESConvergedReason* reason, void* self) {
+  auto* loop = static_cast<NewtonLoop*>(self);
+  return loop->guard_.run([&] { *reason = loop->judge(static_cast<int>(it), f); });
+}
+
+}  // namespace pliant

@@ -1,0 +1,104 @@
+/// Newton's iteration from a guess, through SNES.
+#pragma once
+
+#include "petsc/callback.hpp"
+#include "petsc/handle.hpp"
+#include "solver/convergence.hpp"
+#include "solver/forcing.hpp"
+#include "solver/iteration.hpp"
+#include "solver/iteration_log.hpp"
+#include "solver/line_search.hpp"
+#include "solver/linear.hpp"
+#include "solver/linear_system.hpp"
+#include "solver/newton_line.hpp"
+
+namespace pliant {
+
+/// The loop itself is SNES's, which users monitor and configure; its parts are ours, and their order is
+///
+///     r = gradient(q)
+///     while judge(q, r) is `iterating`:             Convergence
+///       K = Hessian(q), with a factor                linearize: LinearSystem, FactorPolicy
+///       d = -K^-1 r, by a Krylov method              SNES's KSP, as exactly as Forcing says
+///       until a length along d helps:                search: LineSearch along a NewtonLine
+///         K, d = the next in the fallback sequence   Escalation; at its end the run fails
+///       q, r = there
+///
+/// Invariants:
+/// - `value_` is the potential at the iterate wherever it is minimised: whoever starts a run sets it (`begin`, `resume`
+///   or `use_guess`), a step updates it.
+/// - Every decision rests on numbers that are the same on all ranks.
+/// - Nothing is thrown through PETSc: `guard_` carries what a callback threw to `run`.
+class NewtonLoop final : public Iteration {
+ public:
+  /// PETSc options -snes_..., -ksp_..., -pc_... override. The references outlive the object. Collective.
+  NewtonLoop(Objective& objective, const NewtonOptions& options, LinearKind linear, SolverStatistics& statistics);
+  NewtonLoop(const NewtonLoop&) = delete;  // PETSc's objects point to it
+  NewtonLoop& operator=(const NewtonLoop&) = delete;
+
+  LinearSystem& system() { return system_; }
+  Convergence& convergence() { return convergence_; }
+  IterationLog& log() { return log_; }
+
+  void begin_stage();
+  /// Takes the guess of the stage, with its measure, as the start of the next run. Collective.
+  void use_guess(Vec q, double measure);
+  /// Prepares a run from a solution for other coefficients of the equation. Collective.
+  void resume(Vec q);
+  /// Forgets what earlier stages have taught.
+  void forget();
+  /// The last direction of the stage, from which an iterate q goes to q - y; nullptr if there was none.
+  Vec last_direction() const;
+
+  void begin(Vec q, Aim aim) override;
+  void begin_again(Vec q) override;
+  StageReport run(Vec q) override;
+  StageReport run(Vec q, int max_iterations) override;
+  bool is_converging() const override;
+  bool is_stable() const override { return system_.has_right_inertia(); }
+  void renew_factor() override { system_.factor().renew(); }
+  double stiffness(Vec q) override;
+  void accept(double residual) override { convergence_.accept(residual); }
+
+ private:
+  static PetscErrorCode residual_callback(SNES, Vec q, Vec r, void* self);
+  static PetscErrorCode hessian_callback(SNES, Vec q, Mat K, Mat P, void* self);
+  static PetscErrorCode line_search_callback(SNESLineSearch search, void* self);
+  static PetscErrorCode convergence_callback(SNES, PetscInt it, PetscReal, PetscReal, PetscReal f,
+                                             SNESConvergedReason* reason, void* self);
+
+  /// A SNES with its KSP, configured for K and by options.
+  Handle<SNES> make_snes(Mat K, const NewtonOptions& options, LinearKind linear);
+
+  void linearize(Vec q);
+  /// How exactly the next linear system is solved.
+  void set_tolerance();
+  void search(SNESLineSearch search);
+  /// Goes along -y as far as it helps; false if no step length does.
+  bool go_along(Vec q, Vec r, Vec y, SNESLineSearch search);
+  SNESConvergedReason judge(int iteration, double residual);
+  void note_iteration(int iteration, double residual);
+  StageReport report_of(SNESConvergedReason reason) const;
+
+  Objective& objective_;
+  StageEquation& equation_;
+  NewtonOptions options_;
+  SolverStatistics& statistics_;
+  CallbackGuard guard_;
+  Handle<Vec> r_;
+  Handle<Mat> K_;  // until the linear system takes it over
+  Handle<SNES> snes_;
+  LinearSystem system_;
+  NewtonLine line_;
+  LineSearch line_search_;
+  Convergence convergence_;
+  Forcing forcing_;
+  IterationLog log_;
+  double value_ = 0.0;            // potential at the iterate, if it is minimised
+  double last_length_ = 0.0;      // of the last step that was accepted, in parts of Newton's
+  bool is_at_rounding_ = false;   // the last line search of this run ended there
+  bool has_direction_ = false;    // in this stage
+  bool adapts_tolerance_ = true;  // unless the user gives one
+};
+
+}  // namespace pliant

@@ -1,0 +1,77 @@
+/// What Newton's method solves at the moment: the equation of a stage, and what an iterate is measured by.
+#pragma once
+
+#include "energy/stage_equation.hpp"
+#include "petsc/handle.hpp"
+#include "solver/merit.hpp"
+#include "solver/proximal.hpp"
+#include "solver/statistics.hpp"
+
+namespace pliant {
+
+/// What a run of Newton's method looks for, and thereby what its line search lowers.
+enum class Aim {
+  minimum,         ///< of the potential
+  root,            ///< of the residual, by steps that lower a merit of it
+  whole_steps,     ///< the same by whole steps, whatever they do to the residual
+  any_equilibrium  ///< a root of the gradient of a potential, whatever the signs of the Hessian's eigenvalues
+};
+
+/// The equation of the stage, with a proximal term besides where a solution is to be held near a point, and the
+/// measure of an iterate: the potential where the aim is a minimum, else a merit of the residual. All methods are
+/// collective unless they only read.
+///
+/// Invariants:
+/// - The aim belongs to the stage's equation: `minimum` and `any_equilibrium` need a potential, or at least a
+///   symmetric Hessian.
+/// - The vector that the equation extrapolates stresses from lives here, so the equation may refer to it.
+class Objective {
+ public:
+  /// The references outlive the object.
+  Objective(StageEquation& equation, SolverStatistics& statistics);
+
+  StageEquation& equation() const { return equation_; }
+
+  /// A stage begins: it has the aim that suits the equation, and its merit no scale of its own yet.
+  void begin_stage(const StagePoint& stage);
+  /// Where the stage starts from.
+  Vec start() const { return start_; }
+  bool is_static() const { return is_static_; }
+
+  Aim aim() const { return aim_; }
+  void set_aim(Aim aim) { aim_ = aim; }
+  /// The aim that suits the equation where nothing special is tried: a minimum if there is a potential, else a root.
+  Aim usual_aim() const { return usual_aim_; }
+  bool is_minimised() const { return aim_ == Aim::minimum; }
+
+  /// The potential at q [J]; +inf beyond a barrier.
+  double value(Vec q);
+  void gradient(Vec q, Vec r);
+  void hessian(Vec q, Mat K, Projection projection);
+  /// What is to be lowered: the potential at q, or the merit of the residual there [J].
+  double measure(Vec q);
+
+  const Merit& merit() const { return merit_; }
+  /// The merit's scale is no longer that of the problem at hand: the next Hessian sets it.
+  void forget_scale_of_merit() { merit_has_scale_ = false; }
+  /// Takes the scale from K unless there is one, or no merit is needed.
+  void scale_merit(Mat K);
+
+  /// q = `to`, the end of a straight step from q.
+  void move(Vec q, Vec to);
+
+  Proximal& proximal() { return proximal_; }
+
+ private:
+  StageEquation& equation_;
+  SolverStatistics& statistics_;
+  Handle<Vec> r_, before_, diagonal_;
+  Merit merit_;
+  Proximal proximal_;
+  Vec start_ = nullptr;
+  Aim aim_ = Aim::minimum, usual_aim_ = Aim::minimum;
+  bool is_static_ = false;
+  bool merit_has_scale_ = false;
+};
+
+}  // namespace pliant
