@@ -309,7 +309,7 @@ struct Config {
   OutputConfig output;
   std::optional<CheckpointConfig> checkpoint;
   std::vector<ProbeConfig> probes;
-  std::vector<std::string> doubts;  ///< of the text, of which nothing is left to see here
+  std::vector<Diagnostic> warnings;  ///< about the text, of which nothing is left to see here
 };
 
 }  // namespace pliant

@@ -311,7 +311,7 @@ void collect_paths(const std::vector<KeyInfo>& keys, const std::string& path, st
 TEST(Dump, SpellsOutEveryKeyOfTheTable) {
   std::vector<std::string> expected, written;
   collect_paths(input_keys(), "", expected);
-  Problems none;
+  Diagnostics none;
   collect_paths(parse_yaml(dump(read(everything)), "dump", none), "", written);
   for (const std::string part : {"box: [[0, 0, 0], [1, 1, 1]]", "where: \"z < 0.1\""}) {
     const std::string contact = "{" + part + ", obstacles: [{name: ball, shape: sphere, radius: 1}]}";
