@@ -138,7 +138,7 @@ bool may_overlap(const Selection& a, const Selection& b) {
 }
 
 bool damps_by_mass(const ViscosityConfig& mechanism) {
-  return mechanism.model == MassProportional::name;
+  return std::holds_alternative<MassProportional>(mechanism.law);
 }
 
 void check_bodies(const Config& config, const InputNode& root, Diagnostics& diagnostics) {

@@ -70,14 +70,16 @@ void check_points(const BodyConfig& body, Diagnostics& diagnostics) {
                     "'shortening' goes with 'volumetric: standard' only; give the fibres a 'stress' instead");
   }
   for (const auto& mechanism : body.viscosity) {
-    const bool resists =
-        mechanism.model == Prony::name || mechanism.model == StiffnessProportional::name || mechanism.bulk_ratio > 0.0;
+    const auto* branch = std::get_if<MaxwellRatios>(&mechanism.law);
+    const bool resists = std::holds_alternative<Prony>(mechanism.law) ||
+                         std::holds_alternative<StiffnessProportional>(mechanism.law) ||
+                         (branch != nullptr && branch->bulk_ratio > 0.0);
     if (!resists) continue;
     diagnostics.add(
         mechanism.where,
         fmt::format("viscosity '{}' resists a change of volume at every point, which 'volumetric' is to avoid; "
                     "use kelvin-voigt, or maxwell with a 'shear_ratio' alone",
-                    mechanism.model));
+                    name_of(mechanism.law)));
   }
 }
 
