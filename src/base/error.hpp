@@ -30,18 +30,28 @@ struct Location {
 /// "file:line:column", with the unknown parts left out.
 std::string to_string(const Location& where);
 
-/// One mistake: where it is, what is wrong and what to do about it.
+/// An error keeps a run from starting. A warning is about what is legal and seldom meant; a note informs.
+enum class Severity { error, warning, note };
+
+/// What the user should know of the input: where it stands, what is wrong with it and what to do about it.
 struct Diagnostic {
-  Location where;
+  Severity severity = Severity::error;
+  Location where;  ///< without a file: no single place
   std::string message;
 };
 
-/// The user's input is wrong (exit code 2). Carries every mistake found, so that all are reported at once.
+/// About no single place of the input.
+Diagnostic note(std::string message);
+/// "file:line:column: message", without the severity.
+std::string to_string(const Diagnostic& diagnostic);
+
+/// The user's input is wrong (exit code 2). Carries every error found, so that all are reported at once.
 class InputError : public std::runtime_error {
  public:
   explicit InputError(std::vector<Diagnostic> diagnostics);
   InputError(Location where, std::string message)
-      : InputError(std::vector<Diagnostic>{{std::move(where), std::move(message)}}) {}
+      : InputError(std::vector<Diagnostic>{{Severity::error, std::move(where), std::move(message)}}) {}
+  /// All of severity error.
   const std::vector<Diagnostic>& diagnostics() const { return diagnostics_; }
 
  private:

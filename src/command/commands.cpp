@@ -169,8 +169,7 @@ ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector
   console.print(fmt::format("  predicted memory: matrix {}, {} about {}", bytes(memory.matrix),
                             kind == LinearKind::cholesky ? "factor" : "multigrid", bytes(memory.factor)));
   report_time_scales(model, config, console);
-  for (const auto& notice : model.notices()) console.print("note: " + notice);
-  for (const auto& doubt : model.doubts()) console.warn(doubt);
+  for (const auto& diagnostic : model.diagnostics()) console.report(diagnostic);
   return ExitCode::done;
 }
 

@@ -46,7 +46,8 @@ void check_changes(const std::vector<Override>& overrides) {
     const bool may_change = std::ranges::any_of(
         changeable, [&](const Changeable& one) { return (change.path + '.').starts_with(std::string(one.key) + '.'); });
     if (may_change) continue;
-    refused.push_back({{"--set " + change.path, 0, 0},
+    refused.push_back({Severity::error,
+                       {"--set " + change.path, 0, 0},
                        fmt::format("this cannot change in a run that continues; what can: {}; for all else start anew "
                                    "with `pliant run`",
                                    fmt::join(changeable | std::views::transform(&Changeable::key), ", "))});

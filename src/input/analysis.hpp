@@ -10,7 +10,7 @@ enum class Analysis { dynamic, quasistatic, static_equilibrium };
 /// What `time.method` asks for.
 Analysis analysis_of(const Config& config);
 
-/// The method that advances time; nullptr for static problems and PETSc's integrators.
+/// The method that advances time; nullptr for static diagnostics and PETSc's integrators.
 const Method* integrator_of(const Config& config);
 
 }  // namespace pliant

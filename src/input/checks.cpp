@@ -57,50 +57,50 @@ bool end_is_known(const TimeConfig& time, const InputNode& section) {
   return parse_number(number) == 0.0;
 }
 
-void check_step(const TimeConfig& time, const InputNode& section, Problems& problems) {
+void check_step(const TimeConfig& time, const InputNode& section, Diagnostics& diagnostics) {
   const InputNode* step = given(section, {"step"});
   if (time.step <= 0 || !end_is_known(time, section)) return;
   const Location& where = step != nullptr ? step->where : time.method.where;
   if (time.step > time.end) {
-    problems.add(where, "the step of " + seconds(time.step) + " is longer than the simulation, which ends at " +
-                            seconds(time.end));
+    diagnostics.add(where, "the step of " + seconds(time.step) + " is longer than the simulation, which ends at " +
+                               seconds(time.end));
   } else if (time.end / time.step > most_steps) {
-    problems.add(where, "the step of " + seconds(time.step) + " would need " + format_number(time.end / time.step) +
-                            " steps to the end; at most " + format_number(most_steps) + " are possible");
+    diagnostics.add(where, "the step of " + seconds(time.step) + " would need " + format_number(time.end / time.step) +
+                               " steps to the end; at most " + format_number(most_steps) + " are possible");
   }
   const InputNode* min_step = given(section, {"min_step"});
   if (min_step != nullptr && time.adaptive) {
-    problems.add(min_step->key_where, "'min_step' goes into 'adaptive' where steps adapt");
+    diagnostics.add(min_step->key_where, "'min_step' goes into 'adaptive' where steps adapt");
   } else if (min_step != nullptr && time.min_step > time.step) {
-    problems.add(min_step->where, "'min_step' is larger than the step of " + seconds(time.step));
+    diagnostics.add(min_step->where, "'min_step' is larger than the step of " + seconds(time.step));
   }
 }
 
-void check_adaptive(const TimeConfig& time, const InputNode& section, Problems& problems) {
+void check_adaptive(const TimeConfig& time, const InputNode& section, Diagnostics& diagnostics) {
   if (!time.adaptive) return;
   const AdaptiveConfig& adaptive = *time.adaptive;
   if (const auto reason = why_not_adaptive(time)) {
-    problems.add(adaptive.where, "steps cannot adapt: " + *reason + "; choose another method or remove 'adaptive'");
+    diagnostics.add(adaptive.where, "steps cannot adapt: " + *reason + "; choose another method or remove 'adaptive'");
   }
   if (time.step <= 0) {
     if (!why_not_adaptive(time) && given(section, {"step"}) == nullptr && end_is_known(time, section)) {
-      problems.add(given(section, {"end"})->where,
-                   "'end' must be > 0 [s] where steps adapt, or there is no first step");
+      diagnostics.add(given(section, {"end"})->where,
+                      "'end' must be > 0 [s] where steps adapt, or there is no first step");
     }
     return;
   }
   const InputNode* min_step = given(section, {"adaptive", "min_step"});
   const InputNode* max_step = given(section, {"adaptive", "max_step"});
   if (min_step != nullptr && max_step != nullptr && adaptive.min_step > adaptive.max_step) {
-    problems.add(min_step->where, "'min_step' is larger than 'max_step', " + seconds(adaptive.max_step));
+    diagnostics.add(min_step->where, "'min_step' is larger than 'max_step', " + seconds(adaptive.max_step));
   } else if (min_step != nullptr && adaptive.min_step > time.step) {
-    problems.add(min_step->where, "'min_step' is larger than the first step, " + seconds(time.step));
+    diagnostics.add(min_step->where, "'min_step' is larger than the first step, " + seconds(time.step));
   } else if (max_step != nullptr && adaptive.max_step < time.step) {
-    problems.add(max_step->where, "'max_step' is smaller than the first step, " + seconds(time.step));
+    diagnostics.add(max_step->where, "'max_step' is smaller than the first step, " + seconds(time.step));
   }
 }
 
-void check_events(const TimeConfig& time, const InputNode& section, Problems& problems) {
+void check_events(const TimeConfig& time, const InputNode& section, Diagnostics& diagnostics) {
   const InputNode* events = given(section, {"events"});
   if (events == nullptr) return;
   double last = 0.0;
@@ -109,27 +109,28 @@ void check_events(const TimeConfig& time, const InputNode& section, Problems& pr
     if (event <= 0.0) continue;  // could not be read
     const Location& where = events->children[i].where;
     if (end_is_known(time, section) && event >= time.end) {
-      problems.add(where, "the event at " + seconds(event) + " is not before the end, " + seconds(time.end));
+      diagnostics.add(where, "the event at " + seconds(event) + " is not before the end, " + seconds(time.end));
     } else if (event <= last) {
-      problems.add(where, "events are given in ascending order, but " + seconds(event) + " follows " + seconds(last));
+      diagnostics.add(where,
+                      "events are given in ascending order, but " + seconds(event) + " follows " + seconds(last));
     }
     last = event;
   }
 }
 
-void check_time(const TimeConfig& time, const InputNode& root, Problems& problems) {
+void check_time(const TimeConfig& time, const InputNode& root, Diagnostics& diagnostics) {
   const InputNode* section = given(root, {"time"});
   if (section == nullptr || section->kind != InputNode::Kind::map || time.method.value.empty()) return;
-  check_adaptive(time, *section, problems);
+  check_adaptive(time, *section, diagnostics);
   if (time.method.value == static_method) return;
   if (given(*section, {"step"}) == nullptr && !time.adaptive) {
-    problems.add({section->where, {"step", "adaptive"}}, section->where, "missing key 'step' in time");
+    diagnostics.add({section->where, {"step", "adaptive"}}, section->where, "missing key 'step' in time");
   }
   if (given(*section, {"end"}) == nullptr) {
-    problems.add({section->where, {"end"}}, section->where, "missing key 'end' in time");
+    diagnostics.add({section->where, {"end"}}, section->where, "missing key 'end' in time");
   }
-  check_step(time, *section, problems);
-  check_events(time, *section, problems);
+  check_step(time, *section, diagnostics);
+  check_events(time, *section, diagnostics);
 }
 
 bool may_overlap(const Selection& a, const Selection& b) {
@@ -137,28 +138,28 @@ bool may_overlap(const Selection& a, const Selection& b) {
 }
 
 bool damps_by_mass(const ViscosityConfig& mechanism) {
-  return mechanism.model == MassProportional::name;
+  return std::holds_alternative<MassProportional>(mechanism.law);
 }
 
-void check_bodies(const Config& config, const InputNode& root, Problems& problems) {
+void check_bodies(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   const auto& bodies = config.bodies;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (!may_overlap(bodies[i].part, bodies[j].part)) continue;
-      problems.add(bodies[i].part.where, numbered("bodies", i) + " and " + numbered("bodies", j) +
-                                             " fill the same volume; give each a 'volume' of its own");
+      diagnostics.add(bodies[i].part.where, numbered("bodies", i) + " and " + numbered("bodies", j) +
+                                                " fill the same volume; give each a 'volume' of its own");
       break;
     }
     const auto& active = bodies[i].active;
     if (active && active->fibre.empty() && bodies[i].elasticity.directions.empty()) {
-      problems.add({active->where, {"fibre"}}, active->where,
-                   "missing key 'fibre' in active: the elastic law has no fibres of its own");
+      diagnostics.add({active->where, {"fibre"}}, active->where,
+                      "missing key 'fibre' in active: the elastic law has no fibres of its own");
     }
     if (given(entry(root, "bodies", i), {"density"}) != nullptr) continue;
     const std::string& method = config.time.method.value;
     const auto is_needed_by = [&](const std::string& what) {
-      problems.add({bodies[i].where, {"density"}}, bodies[i].where,
-                   "missing key 'density' in " + numbered("bodies", i) + ", which " + what + " needs");
+      diagnostics.add({bodies[i].where, {"density"}}, bodies[i].where,
+                      "missing key 'density' in " + numbered("bodies", i) + ", which " + what + " needs");
     };
     const auto pulls = [&](const LoadConfig& l) {
       return l.kind == LoadConfig::Kind::gravity && may_overlap(l.part, bodies[i].part);
@@ -174,7 +175,7 @@ void check_bodies(const Config& config, const InputNode& root, Problems& problem
 }
 
 /// Without inertia, every direction needs a constraint against moving as a whole.
-void check_held(const Config& config, const InputNode& root, Problems& problems) {
+void check_held(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   const std::string& method = config.time.method.value;
   if (method != static_method && method != quasistatic_method) return;
   // Springs hold, too; in which directions they do shows only against the mesh.
@@ -183,8 +184,8 @@ void check_held(const Config& config, const InputNode& root, Problems& problems)
   const InputNode* constraints = given(root, {"constraints"});
   const Location& where = config.time.method.where;
   if (constraints == nullptr || constraints->children.empty()) {
-    problems.add({root.where, {"constraints"}}, where,
-                 "a " + method + " analysis needs constraints; without them the bodies can move as a whole");
+    diagnostics.add({root.where, {"constraints"}}, where,
+                    "a " + method + " analysis needs constraints; without them the bodies can move as a whole");
     return;
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -194,23 +195,23 @@ void check_held(const Config& config, const InputNode& root, Problems& problems)
              displacement->children[axis].text == "free";
     };
     if (std::all_of(constraints->children.begin(), constraints->children.end(), is_free)) {
-      problems.add(where, "a " + method + " analysis needs a constraint in every direction; none holds " +
-                              std::string(1, "xyz"[axis]));
+      diagnostics.add(where, "a " + method + " analysis needs a constraint in every direction; none holds " +
+                                 std::string(1, "xyz"[axis]));
     }
   }
 }
 
 /// Entries of a list that must differ.
 void check_unique(const std::vector<std::string>& values, const std::vector<Location>& places, const std::string& what,
-                  Problems& problems) {
+                  Diagnostics& diagnostics) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     const auto end = values.begin() + static_cast<std::ptrdiff_t>(i);
     if (values[i].empty() || std::find(values.begin(), end, values[i]) == end) continue;
-    problems.add(places[i], "the " + what + " '" + values[i] + "' is given twice");
+    diagnostics.add(places[i], "the " + what + " '" + values[i] + "' is given twice");
   }
 }
 
-void check_names(const Config& config, const InputNode& root, Problems& problems) {
+void check_names(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   std::vector<std::string> names;
   std::vector<Location> places;
   for (std::size_t i = 0; i < config.probes.size(); ++i) {
@@ -218,7 +219,7 @@ void check_names(const Config& config, const InputNode& root, Problems& problems
     names.push_back(config.probes[i].name);
     places.push_back(name != nullptr ? name->where : config.probes[i].where);
   }
-  check_unique(names, places, "probe name", problems);
+  check_unique(names, places, "probe name", diagnostics);
   names.clear();
   places.clear();
   for (std::size_t i = 0; i < config.cavities.size(); ++i) {
@@ -226,23 +227,23 @@ void check_names(const Config& config, const InputNode& root, Problems& problems
     names.push_back(config.cavities[i].name);
     places.push_back(name != nullptr ? name->where : config.cavities[i].where);
   }
-  check_unique(names, places, "cavity name", problems);
+  check_unique(names, places, "cavity name", diagnostics);
 
   const InputNode* fields = given(root, {"output", "fields"});
   if (fields == nullptr || fields->kind != InputNode::Kind::list) return;
   places.clear();
   for (const InputNode& f : fields->children) places.push_back(f.where);
-  check_unique(config.output.fields, places, "field", problems);
+  check_unique(config.output.fields, places, "field", diagnostics);
 }
 
-void check_contact(const Config& config, const InputNode& root, Problems& problems) {
+void check_contact(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   const InputNode* contact = given(root, {"contact"});
   if (!config.contact) {
     const InputNode* fields = given(root, {"output", "fields"});
     if (fields == nullptr || contact != nullptr) return;
     for (const InputNode& field : fields->children) {
       if (!field.text.starts_with("contact_")) continue;
-      problems.add(field.where, "the field '" + field.text + "' needs 'contact', which this input does not have");
+      diagnostics.add(field.where, "the field '" + field.text + "' needs 'contact', which this input does not have");
     }
     return;
   }
@@ -256,38 +257,38 @@ void check_contact(const Config& config, const InputNode& root, Problems& proble
     names.push_back(o.name);
     places.push_back(name != nullptr ? name->where : o.where);
     if (o.shape == ObstacleConfig::Shape::capsule && given(obstacles->children[k], {"length"}) == nullptr) {
-      problems.add(o.where, "missing key 'length' in " + numbered("obstacles", k) + ", which a capsule needs");
+      diagnostics.add(o.where, "missing key 'length' in " + numbered("obstacles", k) + ", which a capsule needs");
     }
     const auto has_name = [&](const ConstraintConfig& c) { return !o.name.empty() && c.part.name == o.name; };
     if (std::ranges::any_of(config.constraints, has_name)) {
-      problems.add(places.back(), "the obstacle name '" + o.name +
-                                      "' is that of a constrained part, too, and history.csv has columns of both; "
-                                      "choose another one");
+      diagnostics.add(places.back(), "the obstacle name '" + o.name +
+                                         "' is that of a constrained part, too, and history.csv has columns of both; "
+                                         "choose another one");
     }
   }
-  check_unique(names, places, "obstacle name", problems);
+  check_unique(names, places, "obstacle name", diagnostics);
 
   const InputNode* law = given(*contact, {"law"});
   if (config.contact->law != NormalKind::barrier || law == nullptr || config.time.method.value.empty()) return;
   const std::string& method = config.time.method.value;
   if (method == static_method || method == quasistatic_method) return;
   if (const Method* own = method_of(config.time); own != nullptr && own->stiffly_accurate) return;
-  problems.add(law->where,
-               "a barrier needs a method whose step ends with its last stage (stiffly accurate), or a body "
-               "might end beyond it; '" +
-                   method + "' does not: choose backward-euler, bdf2, bdf3, dirk22 or dirk33, or 'law: penalty'");
+  diagnostics.add(law->where,
+                  "a barrier needs a method whose step ends with its last stage (stiffly accurate), or a body "
+                  "might end beyond it; '" +
+                      method + "' does not: choose backward-euler, bdf2, bdf3, dirk22 or dirk33, or 'law: penalty'");
 }
 
-void check_tolerances(const Config& config, const InputNode& root, Problems& problems) {
+void check_tolerances(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   const InputNode* relative = given(root, {"solver", "newton", "relative"});
   if (relative == nullptr || parse_number(relative->text) != 0.0 || config.solver.newton.absolute > 0) return;
-  problems.add(relative->where, "one of 'relative' and 'absolute' in newton must be above 0");
+  diagnostics.add(relative->where, "one of 'relative' and 'absolute' in newton must be above 0");
 }
 
-void check_linear_solver(const Config& config, const InputNode& root, Problems& problems) {
+void check_linear_solver(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   const InputNode* linear = given(root, {"solver", "linear"});
   if (linear == nullptr || config.solver.linear != "p-multigrid" || config.element != ElementOrder::p1) return;
-  problems.add(
+  diagnostics.add(
       linear->where,
       "p-multigrid goes from quadratic elements to linear ones, and needs quadratic elements; add 'element: P2', "
       "or use 'amg'");
@@ -343,15 +344,15 @@ void complete_defaults(Config& config, const InputNode& root) {
   place_whole_mesh_parts(config.loads);
 }
 
-void check_combinations(const Config& config, const InputNode& root, Problems& problems) {
-  check_time(config.time, root, problems);
-  check_bodies(config, root, problems);
-  check_volumetric(config, root, problems);
-  check_held(config, root, problems);
-  check_names(config, root, problems);
-  check_contact(config, root, problems);
-  check_tolerances(config, root, problems);
-  check_linear_solver(config, root, problems);
+void check_combinations(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
+  check_time(config.time, root, diagnostics);
+  check_bodies(config, root, diagnostics);
+  check_volumetric(config, root, diagnostics);
+  check_held(config, root, diagnostics);
+  check_names(config, root, diagnostics);
+  check_contact(config, root, diagnostics);
+  check_tolerances(config, root, diagnostics);
+  check_linear_solver(config, root, diagnostics);
 }
 
 }  // namespace pliant

@@ -10,6 +10,6 @@ namespace pliant {
 void complete_defaults(Config& config, const InputNode& root);
 
 /// Adds the contradictions in a configuration that was read from `root`; values that could not be read raise none.
-void check_combinations(const Config& config, const InputNode& root, Problems& problems);
+void check_combinations(const Config& config, const InputNode& root, Diagnostics& diagnostics);
 
 }  // namespace pliant

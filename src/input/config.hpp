@@ -5,7 +5,7 @@
 #include "base/expression.hpp"
 #include "material/contact_law.hpp"
 #include "material/foundation.hpp"
-#include "material/viscosity.hpp"
+#include "material/viscosity_registry.hpp"
 #include "material/volumetric_form.hpp"
 #include "time/method.hpp"
 
@@ -74,20 +74,10 @@ struct ElasticityConfig {
   Location where;
 };
 
-/// A mechanism of damping: values of the model's parameters; those of other models stay 0.
+/// A mechanism of damping.
 struct ViscosityConfig {
-  std::string model;                  ///< registry name: kelvin-voigt, maxwell, ...
-  double shear = 0;                   ///< kelvin-voigt [Pa s]
-  double bulk = 0;                    ///< kelvin-voigt [Pa s]
-  std::optional<StrainRate> rate;     ///< kelvin-voigt, stiffness-proportional; empty: as suits the method
-  double shear_modulus = 0;           ///< maxwell [Pa]
-  double bulk_modulus = 0;            ///< maxwell [Pa]
-  std::optional<double> shear_ratio;  ///< maxwell: moduli as parts of the elastic ones instead
-  double bulk_ratio = 0;              ///< maxwell
-  double ratio = 0;                   ///< prony
-  double relaxation_time = 0;         ///< maxwell, prony [s]
-  double time = 0;                    ///< stiffness-proportional [s]
-  double decay_rate = 0;              ///< mass-proportional [1/s]
+  ViscosityLaw law;
+  std::optional<StrainRate> rate;  ///< of laws that have one, instead of that in `law`; empty: as suits the method
   Location where;
 };
 
@@ -309,7 +299,7 @@ struct Config {
   OutputConfig output;
   std::optional<CheckpointConfig> checkpoint;
   std::vector<ProbeConfig> probes;
-  std::vector<std::string> doubts;  ///< of the text, of which nothing is left to see here
+  std::vector<Diagnostic> warnings;  ///< about the text, of which nothing is left to see here
 };
 
 }  // namespace pliant

@@ -28,12 +28,13 @@ ElasticityRule::ElasticityRule(const ElasticityConfig& config)
     : config_(config),
       kind_{row_of(config.model), {}, config.volumetric_energy},
       rule_(kind_.row, keys_of(config), config.where) {
-  std::vector<Diagnostic> mistakes;
+  std::vector<Diagnostic> errors;
   const auto wanted = kind_.info().directions;
   for (const auto& key : wanted) {
     const auto found = std::ranges::find(config.directions, key, &GivenDirection::key);
     if (found == config.directions.end()) {
-      mistakes.push_back({config.where, fmt::format("missing key '{}' of {}: a direction", key, config.model)});
+      errors.push_back(
+          {Severity::error, config.where, fmt::format("missing key '{}' of {}: a direction", key, config.model)});
     } else {
       directions_.emplace_back(*found);
     }
@@ -42,10 +43,11 @@ ElasticityRule::ElasticityRule(const ElasticityConfig& config)
     if (std::ranges::find(wanted, d.key) != wanted.end()) continue;
     std::string names;
     for (const auto& key : wanted) names += (names.empty() ? "'" : ", '") + std::string(key) + "'";
-    mistakes.push_back({d.where, fmt::format("'{}' is not a direction of {}, which has {}", d.key, config.model,
-                                             names.empty() ? "none" : names)});
+    errors.push_back({Severity::error, d.where,
+                      fmt::format("'{}' is not a direction of {}, which has {}", d.key, config.model,
+                                  names.empty() ? "none" : names)});
   }
-  if (!mistakes.empty()) throw InputError(std::move(mistakes));
+  if (!errors.empty()) throw InputError(std::move(errors));
   is_uniform_ =
       std::ranges::none_of(config.constants,
                            [](const GivenConstant& c) { return c.value.depends_on_space() || !c.cell_data.empty(); }) &&
@@ -53,12 +55,12 @@ ElasticityRule::ElasticityRule(const ElasticityConfig& config)
 }
 
 void ElasticityRule::bind(const CellData& data) {
-  std::vector<Diagnostic> mistakes;
+  std::vector<Diagnostic> errors;
   const auto noting = [&](const auto& find) {
     try {
       find();
     } catch (const InputError& e) {
-      mistakes.insert(mistakes.end(), e.diagnostics().begin(), e.diagnostics().end());
+      errors.insert(errors.end(), e.diagnostics().begin(), e.diagnostics().end());
     }
   };
   data_ = &data;
@@ -68,7 +70,7 @@ void ElasticityRule::bind(const CellData& data) {
     if (!c.cell_data.empty()) noting([&] { data_of_constant_[k] = data.find(c.cell_data, 1, c.where); });
   }
   for (auto& direction : directions_) noting([&] { direction.bind(data); });
-  if (!mistakes.empty()) throw InputError(std::move(mistakes));
+  if (!errors.empty()) throw InputError(std::move(errors));
 }
 
 std::vector<double> ElasticityRule::constants_at(PetscInt cell, const std::array<double, 3>& X) const {
@@ -99,11 +101,11 @@ void ElasticityRule::set_directions(PetscInt cell, const std::array<double, 3>& 
 
 ElasticLawSpec ElasticityRule::law_at(PetscInt cell, const std::array<double, 3>& X) const {
   const std::vector<double> values = constants_at(cell, X);
-  std::vector<Diagnostic> mistakes;
+  std::vector<Diagnostic> errors;
   for (const auto& text : rule_.complaints(values)) {
-    mistakes.push_back({config_.where, is_uniform_ ? text : text + "," + at_place(X)});
+    errors.push_back({Severity::error, config_.where, is_uniform_ ? text : text + "," + at_place(X)});
   }
-  if (!mistakes.empty()) throw InputError(std::move(mistakes));
+  if (!errors.empty()) throw InputError(std::move(errors));
   ElasticLawSpec law = kind_;
   law.parameters = rule_(values);
   set_directions(cell, X, law);

@@ -16,7 +16,7 @@ class ElasticityRule {
   /// Throws InputError if the constants and directions do not determine the law.
   explicit ElasticityRule(const ElasticityConfig& config);
 
-  /// Finds its data on the mesh, which outlive the object. Throws InputError with all mistakes.
+  /// Finds its data on the mesh, which outlive the object. Throws InputError with all errors.
   void bind(const CellData& data);
   bool is_uniform() const { return is_uniform_; }
   /// At the reference position X in a local cell; a uniform law is the same everywhere. Throws InputError if the

@@ -52,19 +52,20 @@ std::string file_text(const std::string& file) {
 }  // namespace
 
 Config read_input(const std::string& text, const std::string& file, const std::vector<Override>& overrides) {
-  Problems problems;
-  InputNode root = parse_yaml(text, file, problems);
+  Diagnostics diagnostics;
+  InputNode root = parse_yaml(text, file, diagnostics);
   if (root.kind == InputNode::Kind::null) {
     if (overrides.empty()) throw InputError({file, 0, 0}, "the input is empty");
     root.where = {file, 1, 1};
   }
-  for (const Override& change : overrides) apply_override(change, root, problems);
-  Config config = read_config(root, problems);
+  for (const Override& change : overrides) apply_override(change, root, diagnostics);
+  Config config = read_config(root, diagnostics);
   config.file = file;
-  doubt_decimal_commas(root, config.doubts);
+  warn_of_decimal_commas(root, diagnostics);
   complete_defaults(config, root);
-  check_combinations(config, root, problems);
-  problems.throw_if_any();
+  check_combinations(config, root, diagnostics);
+  diagnostics.throw_if_errors();
+  config.warnings = diagnostics.warnings();
   return config;
 }
 

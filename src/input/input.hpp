@@ -12,7 +12,7 @@
 namespace pliant {
 
 /// Reads an input from its text; `file` is its name as the user gave it: messages show it and the mesh's file is
-/// relative to its directory. Throws InputError with every mistake, each at its line and column. Not collective.
+/// relative to its directory. Throws InputError with every error, each at its line and column. Not collective.
 Config read_input(const std::string& text, const std::string& file, const std::vector<Override>& overrides);
 
 /// As read_input, the text read by rank 0. A file that is missing, unreadable or a directory is an InputError too.

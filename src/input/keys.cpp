@@ -180,9 +180,9 @@ const std::vector<KeyInfo>& input_keys() {
   return config_format().children;
 }
 
-Config read_config(const InputNode& root, Problems& problems) {
+Config read_config(const InputNode& root, Diagnostics& diagnostics) {
   Config config;
-  config_format().read(root, "", problems, config);
+  config_format().read(root, "", diagnostics, config);
   return config;
 }
 

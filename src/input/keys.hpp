@@ -30,7 +30,7 @@ inline constexpr std::array<std::string_view, 15> output_fields{"displacement",
 const std::vector<KeyInfo>& input_keys();
 
 /// Reads every key that is there and puts the table's defaults for the others.
-Config read_config(const InputNode& root, Problems& problems);
+Config read_config(const InputNode& root, Diagnostics& diagnostics);
 
 /// The tree that read_config reads as this configuration.
 InputNode write_config(const Config& config);

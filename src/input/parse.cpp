@@ -65,8 +65,8 @@ bool quote_is_closed(const std::string& text, std::size_t at) {
 /// Builds the tree from yaml-cpp's events; throws InputError through the parser where going on makes no sense.
 class TreeBuilder : public YAML::EventHandler {
  public:
-  TreeBuilder(const std::string& text, const std::string& file, Problems& problems)
-      : text_(text), file_(file), problems_(problems) {}
+  TreeBuilder(const std::string& text, const std::string& file, Diagnostics& diagnostics)
+      : text_(text), file_(file), diagnostics_(diagnostics) {}
 
   InputNode root() && { return std::move(root_); }
 
@@ -172,7 +172,7 @@ class TreeBuilder : public YAML::EventHandler {
       return;
     }
     if (source.kind != InputNode::Kind::map) {
-      problems_.add(source.where, "'<<' needs a map of keys, not " + description(source));
+      diagnostics_.add(source.where, "'<<' needs a map of keys, not " + description(source));
       return;
     }
     for (InputNode& entry : source.children) {
@@ -202,7 +202,7 @@ class TreeBuilder : public YAML::EventHandler {
   void add_entry(Open& map, InputNode value) {
     const InputNode key = *std::exchange(map.key, std::nullopt);
     if (key.kind != InputNode::Kind::scalar) {
-      problems_.add(key.where, "a key must be a word, not " + description(key));
+      diagnostics_.add(key.where, "a key must be a word, not " + description(key));
       return;
     }
     if (key.text == "<<" && key.style == InputNode::Style::plain) {
@@ -210,8 +210,8 @@ class TreeBuilder : public YAML::EventHandler {
       return;
     }
     if (const InputNode* first = map.node.find(key.text)) {
-      problems_.add(key.where, "key '" + excerpt(key.text) + "' is given twice (first in line " +
-                                   std::to_string(first->key_where.line) + ")");
+      diagnostics_.add(key.where, "key '" + excerpt(key.text) + "' is given twice (first in line " +
+                                      std::to_string(first->key_where.line) + ")");
       return;
     }
     value.key = key.text;
@@ -221,7 +221,7 @@ class TreeBuilder : public YAML::EventHandler {
 
   const std::string& text_;
   const std::string& file_;
-  Problems& problems_;
+  Diagnostics& diagnostics_;
   int documents_ = 0;
   std::size_t num_nodes_ = 0;
   std::size_t last_size_ = 1;  // nodes in the value that was closed last
@@ -276,10 +276,10 @@ InputError syntax_error(const YAML::Exception& error, const std::string& text, c
 
 }  // namespace
 
-InputNode parse_yaml(const std::string& text, const std::string& file, Problems& problems) {
+InputNode parse_yaml(const std::string& text, const std::string& file, Diagnostics& diagnostics) {
   check_is_text(text, file);
   const std::string body = text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text;
-  TreeBuilder builder(body, file, problems);
+  TreeBuilder builder(body, file, diagnostics);
   std::istringstream stream(body);
   try {
     YAML::Parser parser(stream);

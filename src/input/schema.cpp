@@ -111,7 +111,7 @@ bool count_as_one(const std::vector<std::string>& keys, const KeyGroup& group) {
   });
 }
 
-void check_group(const InputNode& node, const std::string& name, const KeyGroup& group, Problems& problems) {
+void check_group(const InputNode& node, const std::string& name, const KeyGroup& group, Diagnostics& diagnostics) {
   const auto given = given_keys(node, group);
   const auto anchor = anchor_of(node, group);
   if (!group.beside.empty() && !anchor) return;
@@ -119,17 +119,18 @@ void check_group(const InputNode& node, const std::string& name, const KeyGroup&
     for (const std::string& key : group.keys) {
       if (is_given(node, key)) continue;
       const std::string why = anchor ? ", which '" + to_string(*anchor) + "' needs" : "";
-      problems.add({node.where, {key}}, node.where, "missing key '" + key + "'" + in_section(name) + why);
+      diagnostics.add({node.where, {key}}, node.where, "missing key '" + key + "'" + in_section(name) + why);
     }
   }
   if (group.need != KeyGroup::Need::exactly_one && group.need != KeyGroup::Need::at_most_one) return;
   if (given.empty() && group.need == KeyGroup::Need::exactly_one) {
     const std::string beside = anchor ? " beside '" + to_string(*anchor) + "'" : "";
-    problems.add({node.where, group.keys}, node.where,
-                 "one of " + joined(group.keys) + " is needed" + in_section(name) + beside);
+    diagnostics.add({node.where, group.keys}, node.where,
+                    "one of " + joined(group.keys) + " is needed" + in_section(name) + beside);
   }
   if (given.size() > 1 && !count_as_one(given, group)) {
-    problems.add(node.find(given[1])->key_where, "only one of " + joined(given) + " can be given" + in_section(name));
+    diagnostics.add(node.find(given[1])->key_where,
+                    "only one of " + joined(given) + " can be given" + in_section(name));
   }
 }
 
@@ -161,7 +162,7 @@ std::vector<Anchor> anchors_of(const std::string& key, const KeyInfo& section) {
 }
 
 /// Keys that stand only beside something which is not there. None where a choice is missing, which is told already.
-void check_strays(const InputNode& node, const std::string& name, const KeyInfo& section, Problems& problems) {
+void check_strays(const InputNode& node, const std::string& name, const KeyInfo& section, Diagnostics& diagnostics) {
   for (const KeyGroup& group : section.groups) {
     if (group.beside.empty() && group.need == KeyGroup::Need::exactly_one && given_keys(node, group).empty()) return;
   }
@@ -171,8 +172,8 @@ void check_strays(const InputNode& node, const std::string& name, const KeyInfo&
     const auto is_there = [&](const Anchor& anchor) { return is_given(node, anchor); };
     if (anchors.empty() || std::any_of(anchors.begin(), anchors.end(), is_there)) continue;
     if (!anchors[0].value.empty() && is_open(anchors[0].key, node, section)) continue;
-    problems.add(node.find(key.key)->key_where,
-                 "'" + key.key + "' goes only beside " + quoted(anchors) + in_section(name));
+    diagnostics.add(node.find(key.key)->key_where,
+                    "'" + key.key + "' goes only beside " + quoted(anchors) + in_section(name));
   }
 }
 
@@ -283,8 +284,8 @@ bool is_whole_number(std::string_view text) {
 
 }  // namespace
 
-void doubt_decimal_commas(const InputNode& node, std::vector<std::string>& doubts) {
-  for (const InputNode& child : node.children) doubt_decimal_commas(child, doubts);
+void warn_of_decimal_commas(const InputNode& node, Diagnostics& diagnostics) {
+  for (const InputNode& child : node.children) warn_of_decimal_commas(child, diagnostics);
   if (node.kind != InputNode::Kind::list) return;
   const InputNode* number = nullptr;  // whose decimals are the next entry
   bool has_blank = false;
@@ -298,9 +299,10 @@ void doubt_decimal_commas(const InputNode& node, std::vector<std::string>& doubt
   }
   if (number == nullptr || !has_blank) return;
   const InputNode& decimals = *(number + 1);
-  doubts.push_back(to_string(number->where) + ": '" + excerpt(number->text) + "," + excerpt(decimals.text) +
-                   "' are two entries of the list; a decimal point is written '.': " + excerpt(number->text) + "." +
-                   excerpt(decimals.text) + "; if two are meant, write a blank behind the ','");
+  diagnostics.warn(number->where,
+                   "'" + excerpt(number->text) + "," + excerpt(decimals.text) +
+                       "' are two entries of the list; a decimal point is written '.': " + excerpt(number->text) + "." +
+                       excerpt(decimals.text) + "; if two are meant, write a blank behind the ','");
 }
 
 std::string why_split(const InputNode& list) {
@@ -319,39 +321,40 @@ std::string why_split(const InputNode& list) {
   return "";
 }
 
-bool refuse(const InputNode& node, const std::string& name, const std::string& wanted, Problems& problems) {
-  problems.add(node.place(), "'" + name + "' must be " + wanted + ", not " + description(node));
+bool refuse(const InputNode& node, const std::string& name, const std::string& wanted, Diagnostics& diagnostics) {
+  diagnostics.add(node.place(), "'" + name + "' must be " + wanted + ", not " + description(node));
   return false;
 }
 
-bool check_keys(const InputNode& node, const std::string& name, const KeyInfo& section, Problems& problems) {
+bool check_keys(const InputNode& node, const std::string& name, const KeyInfo& section, Diagnostics& diagnostics) {
   if (node.kind != InputNode::Kind::map) {
     if (node.kind == InputNode::Kind::scalar && node.text.find(':') != std::string::npos) {
-      problems.add(node.where, "keys and values are needed here; a blank must follow the ':' after a key");
+      diagnostics.add(node.where, "keys and values are needed here; a blank must follow the ':' after a key");
     } else if (name.empty()) {
-      problems.add(node.where, "the input must be a map of keys such as 'mesh:' and 'time:', not " + description(node));
+      diagnostics.add(node.where,
+                      "the input must be a map of keys such as 'mesh:' and 'time:', not " + description(node));
     } else {
-      refuse(node, name, "a map of keys such as '" + section.children.front().key + ":'", problems);
+      refuse(node, name, "a map of keys such as '" + section.children.front().key + ":'", diagnostics);
     }
     return false;
   }
   const auto names = names_of(section.children);
   for (const InputNode& child : node.children) {
     if (std::find(names.begin(), names.end(), child.key) == names.end()) {
-      problems.add(child.key_where, unknown_key(child, name, node, section));
-      if (const auto meant = meant_by(child.key, usable(node, section))) problems.note_misspelt(node.where, *meant);
+      diagnostics.add(child.key_where, unknown_key(child, name, node, section));
+      if (const auto meant = meant_by(child.key, usable(node, section))) diagnostics.note_misspelt(node.where, *meant);
     }
   }
   for (const KeyInfo& key : section.children) {
     if (key.need != KeyInfo::Need::required || is_given(node, key.key)) continue;
     if (const InputNode* empty = node.find(key.key)) {
-      problems.add(empty->key_where, "key '" + key.key + "'" + in_section(name) + " has no value");
+      diagnostics.add(empty->key_where, "key '" + key.key + "'" + in_section(name) + " has no value");
     } else {
-      problems.add({node.where, {key.key}}, node.where, "missing key '" + key.key + "'" + in_section(name));
+      diagnostics.add({node.where, {key.key}}, node.where, "missing key '" + key.key + "'" + in_section(name));
     }
   }
-  for (const KeyGroup& group : section.groups) check_group(node, name, group, problems);
-  check_strays(node, name, section, problems);
+  for (const KeyGroup& group : section.groups) check_group(node, name, group, diagnostics);
+  check_strays(node, name, section, diagnostics);
   return true;
 }
 
@@ -372,7 +375,7 @@ JsonSchema object_schema(const std::vector<KeyInfo>& keys, const std::vector<Key
     Json value = *key.schema;
     value["description"] = key.description;
     if (!key.fallback.empty()) {
-      Problems none;
+      Diagnostics none;
       value["default"] = default_value(parse_yaml(key.fallback, "default", none));
     }
     properties[key.key] = value;

@@ -59,12 +59,12 @@ struct KeyInfo {
 };
 
 /// How a value of type V is typed. `read` stores what it can use and returns whether it did; it adds what is wrong to
-/// the problems, under the name given. `write` is its inverse; a null node means: leave the key out.
+/// the diagnostics, under the name given. `write` is its inverse; a null node means: leave the key out.
 template <class V>
 struct Format {
   std::string type;
   JsonSchema schema;
-  std::function<bool(const InputNode&, const std::string& name, Problems&, V&)> read;
+  std::function<bool(const InputNode&, const std::string& name, Diagnostics&, V&)> read;
   std::function<InputNode(const V&)> write;
   std::vector<KeyInfo> children = {};
   std::vector<KeyGroup> groups = {};
@@ -73,9 +73,9 @@ struct Format {
 /// " (a decimal point is written '.')" or a word on quotes where a ',' within a number or a formula has split an entry
 /// of the list; else empty.
 std::string why_split(const InputNode& list);
-/// Warnings of lists in [ ] that may have a decimal comma: digits follow one ',' without a blank, but not another, as
+/// Warns of lists in [ ] that may have a decimal comma: digits follow one ',' without a blank, but not another, as
 /// in [0,45, 0].
-void doubt_decimal_commas(const InputNode& node, std::vector<std::string>& doubts);
+void warn_of_decimal_commas(const InputNode& node, Diagnostics& diagnostics);
 /// Whether the text is the beginning or end of a formula, which a ',' has split.
 bool is_part_of_formula(std::string_view text);
 
@@ -114,10 +114,10 @@ Format<std::array<double, 3>> direction_of_any_length();
 Format<Selection> selection(Selection::Kind kind);
 
 /// Adds "'name' must be ..., not ..." at the node. Returns false, for a reader's convenience.
-bool refuse(const InputNode& node, const std::string& name, const std::string& wanted, Problems& problems);
+bool refuse(const InputNode& node, const std::string& name, const std::string& wanted, Diagnostics& diagnostics);
 
 /// Reports what is wrong with the set of keys of a map. Returns whether it is a map at all.
-bool check_keys(const InputNode& node, const std::string& name, const KeyInfo& section, Problems& problems);
+bool check_keys(const InputNode& node, const std::string& name, const KeyInfo& section, Diagnostics& diagnostics);
 
 /// JSON schema of a list; `most`: none.
 JsonSchema list_schema(const JsonSchema& entry, std::size_t fewest, std::optional<std::size_t> most = {});
@@ -133,9 +133,9 @@ Format<V> choice_of(const std::vector<std::pair<std::string, V>>& values) {
   for (const auto& v : values) names.push_back(v.first);
   const Format<std::string> by_name = choice(names);
   Format<V> format{by_name.type, by_name.schema, {}, {}};
-  format.read = [values, by_name](const InputNode& node, const std::string& name, Problems& problems, V& into) {
+  format.read = [values, by_name](const InputNode& node, const std::string& name, Diagnostics& diagnostics, V& into) {
     std::string chosen;
-    if (!by_name.read(node, name, problems, chosen)) return false;
+    if (!by_name.read(node, name, diagnostics, chosen)) return false;
     for (const auto& v : values) {
       if (v.first == chosen) into = v.second;
     }
@@ -155,19 +155,19 @@ template <std::size_t N, class V>
 Format<std::array<V, N>> array_of(const Format<V>& component) {
   const std::string type = "list of " + std::to_string(N) + ", each " + component.type;
   Format<std::array<V, N>> format{type, list_schema(component.schema, N, N), {}, {}};
-  format.read = [component](const InputNode& node, const std::string& name, Problems& problems,
+  format.read = [component](const InputNode& node, const std::string& name, Diagnostics& diagnostics,
                             std::array<V, N>& into) {
     const std::string wanted = "a list of " + std::to_string(N) + " values";
-    if (node.kind != InputNode::Kind::list) return refuse(node, name, wanted, problems);
+    if (node.kind != InputNode::Kind::list) return refuse(node, name, wanted, diagnostics);
     if (node.children.size() != N) {
-      problems.add(node.where, "'" + name + "' must be " + wanted + ", not of " + std::to_string(node.children.size()) +
-                                   why_split(node));
+      diagnostics.add(node.where, "'" + name + "' must be " + wanted + ", not of " +
+                                      std::to_string(node.children.size()) + why_split(node));
       return false;
     }
     bool good = true;
     for (std::size_t i = 0; i < N; ++i) {
       const std::string item_name = name + "[" + std::to_string(i) + "]";
-      good = component.read(node.children[i], item_name, problems, into[i]) && good;
+      good = component.read(node.children[i], item_name, diagnostics, into[i]) && good;
     }
     return good;
   };
@@ -184,15 +184,15 @@ template <class V>
 Format<std::vector<V>> list_of(const Format<V>& entry, std::size_t fewest) {
   Format<std::vector<V>> format{
       "list, each " + entry.type, list_schema(entry.schema, fewest), {}, {}, entry.children, entry.groups};
-  format.read = [entry, fewest](const InputNode& node, const std::string& name, Problems& problems,
+  format.read = [entry, fewest](const InputNode& node, const std::string& name, Diagnostics& diagnostics,
                                 std::vector<V>& into) {
     if (node.kind != InputNode::Kind::list) {
-      return refuse(node, name, "a list (each entry starts with '- ')", problems);
+      return refuse(node, name, "a list (each entry starts with '- ')", diagnostics);
     }
-    if (node.children.size() < fewest) return refuse(node, name, "a list with entries", problems);
+    if (node.children.size() < fewest) return refuse(node, name, "a list with entries", diagnostics);
     for (std::size_t i = 0; i < node.children.size(); ++i) {
       into.emplace_back();
-      entry.read(node.children[i], name + "[" + std::to_string(i) + "]", problems, into.back());
+      entry.read(node.children[i], name + "[" + std::to_string(i) + "]", diagnostics, into.back());
     }
     return true;
   };
@@ -212,10 +212,10 @@ Format<std::vector<V>> one_or_list_of(const Format<V>& entry) {
   Format<std::vector<V>> format = several;
   format.type = entry.type + ", or a list of such";
   format.schema = either_schema(entry.schema, several.schema);
-  format.read = [entry, several](const InputNode& node, const std::string& name, Problems& problems,
+  format.read = [entry, several](const InputNode& node, const std::string& name, Diagnostics& diagnostics,
                                  std::vector<V>& into) {
-    if (node.kind == InputNode::Kind::list) return several.read(node, name, problems, into);
-    return entry.read(node, name, problems, into.emplace_back());
+    if (node.kind == InputNode::Kind::list) return several.read(node, name, diagnostics, into);
+    return entry.read(node, name, diagnostics, into.emplace_back());
   };
   format.write = [entry, several](const std::vector<V>& values) {
     return values.size() == 1 ? entry.write(values.front()) : several.write(values);
@@ -260,7 +260,7 @@ template <class T>
 struct Field {
   KeyInfo info;
   std::optional<InputNode> fallback = {};  ///< read where the key is not given
-  std::function<void(const InputNode&, Problems&, T&)> read = {};
+  std::function<void(const InputNode&, Diagnostics&, T&)> read = {};
   std::function<InputNode(const T&)> write = {};
 
   Field required() && {
@@ -270,7 +270,7 @@ struct Field {
   }
   /// The default, as a user would type it.
   Field otherwise(const std::string& yaml) && {
-    Problems none;
+    Diagnostics none;
     info.fallback = yaml;
     fallback = parse_yaml(yaml, "default", none);
     return std::move(*this);
@@ -296,9 +296,9 @@ Field<T> field(const std::string& key, M T::*member, const Format<V>& format, co
   result.info.children = format.children;
   result.info.groups = format.groups;
   if (result.info.has_type("object") && !is_optional<M>) result.fallback = InputNode::map({});  // its keys' defaults
-  result.read = [key, member, read = format.read](const InputNode& node, Problems& problems, T& into) {
+  result.read = [key, member, read = format.read](const InputNode& node, Diagnostics& diagnostics, T& into) {
     V value{};
-    if (read(node, key, problems, value)) store(std::move(value), node.where, into.*member);
+    if (read(node, key, diagnostics, value)) store(std::move(value), node.where, into.*member);
   };
   result.write = [member, write = format.write](const T& from) {
     const V* value = stored<V>(from.*member);
@@ -320,16 +320,16 @@ struct Section {
   std::vector<KeyGroup> groups = {};
   Location T::*where = nullptr;  ///< where T keeps the map's place
 
-  void read(const InputNode& node, Problems& problems, T& into) const {
+  void read(const InputNode& node, Diagnostics& diagnostics, T& into) const {
     if (where != nullptr) into.*where = node.where;
     for (const Field<T>& f : fields) {
       const InputNode* given = node.find(f.info.key);
       if (given != nullptr && given->kind != InputNode::Kind::null) {
-        f.read(*given, problems, into);
+        f.read(*given, diagnostics, into);
       } else if (f.fallback) {
         InputNode fallback = *f.fallback;
         fallback.where = node.where;
-        f.read(fallback, problems, into);
+        f.read(fallback, diagnostics, into);
       }
     }
   }
@@ -353,8 +353,8 @@ Format<T> map_of(const Section<T>& section) {
   KeyInfo info;
   info.children = format.children;
   info.groups = format.groups;
-  format.read = [section, info](const InputNode& node, const std::string& name, Problems& problems, T& into) {
-    if (check_keys(node, name, info, problems)) section.read(node, problems, into);
+  format.read = [section, info](const InputNode& node, const std::string& name, Diagnostics& diagnostics, T& into) {
+    if (check_keys(node, name, info, diagnostics)) section.read(node, diagnostics, into);
     return true;  // what could be read serves the checks that follow
   };
   format.write = [section](const T& from) { return section.write(from); };

@@ -49,14 +49,14 @@ std::string noun(const std::string& unit) {
   return name.substr(name.find(' ') + 1);
 }
 
-bool read_quantity(const InputNode& node, const std::string& name, const std::string& unit, Problems& problems,
+bool read_quantity(const InputNode& node, const std::string& name, const std::string& unit, Diagnostics& diagnostics,
                    double& into) {
-  if (node.kind != InputNode::Kind::scalar) return refuse(node, name, quantity_name(unit), problems);
+  if (node.kind != InputNode::Kind::scalar) return refuse(node, name, quantity_name(unit), diagnostics);
   try {
     into = parse_quantity(node.text, unit);
     return true;
   } catch (const UnitError& error) {
-    problems.add(node.where, "'" + name + "': " + error.what());
+    diagnostics.add(node.where, "'" + name + "': " + error.what());
     return false;
   }
 }
@@ -70,39 +70,40 @@ Location place_in(const InputNode& node, int position) {
   return where;
 }
 
-bool read_expression(const InputNode& node, const std::string& name, const std::string& unit, Problems& problems,
+bool read_expression(const InputNode& node, const std::string& name, const std::string& unit, Diagnostics& diagnostics,
                      Expression& into) {
   if (node.kind != InputNode::Kind::scalar) {
-    return refuse(node, name, quantity_name(unit) + " or a formula", problems);
+    return refuse(node, name, quantity_name(unit) + " or a formula", diagnostics);
   }
   try {
     into = looks_like_quantity(node.text) ? Expression(parse_quantity(node.text, unit)) : Expression(node.text);
   } catch (const UnitError& error) {
-    problems.add(node.where,
-                 "'" + name + "': " + error.what() + " (formulas are in SI without units; products need '*')");
+    diagnostics.add(node.where,
+                    "'" + name + "': " + error.what() + " (formulas are in SI without units; products need '*')");
     return false;
   } catch (const ExpressionError& error) {
     const bool is_split = node.style == InputNode::Style::plain && is_part_of_formula(node.text);
-    problems.add(place_in(node, error.position()),
-                 "'" + name + "': " + error.what() +
-                     (is_split ? " (in [ ] and { } put a formula with a ',' into quotes, such as \"min(t, 1)\")" : ""));
+    diagnostics.add(
+        place_in(node, error.position()),
+        "'" + name + "': " + error.what() +
+            (is_split ? " (in [ ] and { } put a formula with a ',' into quotes, such as \"min(t, 1)\")" : ""));
     return false;
   }
   const bool is_constant = !into.depends_on_space() && !into.depends_on_time();
   if (is_constant && !std::isfinite(into(0, 0, 0, 0))) {
-    return refuse(node, name, "finite", problems);
+    return refuse(node, name, "finite", diagnostics);
   }
   return true;
 }
 
 bool check_variables(const Expression& e, Variables variables, const InputNode& node, const std::string& name,
-                     Problems& problems) {
+                     Diagnostics& diagnostics) {
   if (variables == Variables::space && e.depends_on_time()) {
-    problems.add(node.where, "'" + name + "' cannot depend on the time t; it is a function of x, y, z");
+    diagnostics.add(node.where, "'" + name + "' cannot depend on the time t; it is a function of x, y, z");
     return false;
   }
   if (variables == Variables::time && e.depends_on_space()) {
-    problems.add(node.where, "'" + name + "' cannot depend on the place x, y, z; it is a function of t");
+    diagnostics.add(node.where, "'" + name + "' cannot depend on the place x, y, z; it is a function of t");
     return false;
   }
   return true;
@@ -117,11 +118,11 @@ InputNode written(const Expression& e) {
 Format<Selection> box_selection() {
   const auto corners = array_of<2>(array_of<3>(quantity("m")));
   Format<Selection> format{"two opposite corners, [[x, y, z], [x, y, z]] [m]", corners.schema, {}, {}};
-  format.read = [corners](const InputNode& node, const std::string& name, Problems& problems, Selection& into) {
+  format.read = [corners](const InputNode& node, const std::string& name, Diagnostics& diagnostics, Selection& into) {
     std::array<std::array<double, 3>, 2> c{};
-    if (!corners.read(node, name, problems, c)) return false;
+    if (!corners.read(node, name, diagnostics, c)) return false;
     for (std::size_t i = 0; i < 3; ++i) {
-      if (c[0][i] > c[1][i]) return refuse(node, name, "the lower corner, then the upper corner", problems);
+      if (c[0][i] > c[1][i]) return refuse(node, name, "the lower corner, then the upper corner", diagnostics);
       into.box[i] = c[0][i];
       into.box[3 + i] = c[1][i];
     }
@@ -136,8 +137,8 @@ Format<Selection> box_selection() {
 Format<Selection> region_selection() {
   const auto region = expression("1", Variables::space);
   Format<Selection> format{"condition on x, y, z [m], such as \"x < 1e-9\"", region.schema, {}, {}};
-  format.read = [region](const InputNode& node, const std::string& name, Problems& problems, Selection& into) {
-    return region.read(node, name, problems, into.region.emplace());
+  format.read = [region](const InputNode& node, const std::string& name, Diagnostics& diagnostics, Selection& into) {
+    return region.read(node, name, diagnostics, into.region.emplace());
   };
   format.write = [region](const Selection& s) { return region.write(*s.region); };
   return format;
@@ -146,10 +147,10 @@ Format<Selection> region_selection() {
 Format<Selection> named_selection() {
   const auto group = text();
   Format<Selection> format{"name or tag of a physical group", shared({{"type", {"string", "integer"}}}), {}, {}};
-  format.read = [group](const InputNode& node, const std::string& name, Problems& problems, Selection& into) {
+  format.read = [group](const InputNode& node, const std::string& name, Diagnostics& diagnostics, Selection& into) {
     const bool empty = node.kind == InputNode::Kind::scalar && node.text.empty();
-    if (empty) return refuse(node, name, "the name or tag of a physical group", problems);
-    return group.read(node, name, problems, into.name);
+    if (empty) return refuse(node, name, "the name or tag of a physical group", diagnostics);
+    return group.read(node, name, diagnostics, into.name);
   };
   format.write = [group](const Selection& s) { return group.write(s.name); };
   return format;
@@ -161,10 +162,10 @@ Format<double> quantity(const std::string& unit, const Range& range) {
   const std::string limits = in_words(range);
   Json schema{{"anyOf", Json::array({with_limits({{"type", "number"}}, range), {{"type", "string"}}})}};
   Format<double> format{noun(unit) + (limits.empty() ? "" : ", " + limits), shared(std::move(schema)), {}, {}};
-  format.read = [unit, range, limits](const InputNode& node, const std::string& name, Problems& problems,
+  format.read = [unit, range, limits](const InputNode& node, const std::string& name, Diagnostics& diagnostics,
                                       double& into) {
-    if (!read_quantity(node, name, unit, problems, into)) return false;
-    return contains(range, into) || refuse(node, name, limits + (unit == "1" ? "" : " [" + unit + "]"), problems);
+    if (!read_quantity(node, name, unit, diagnostics, into)) return false;
+    return contains(range, into) || refuse(node, name, limits + (unit == "1" ? "" : " [" + unit + "]"), diagnostics);
   };
   format.write = [](double value) { return InputNode::scalar(format_number(value)); };
   return format;
@@ -172,10 +173,11 @@ Format<double> quantity(const std::string& unit, const Range& range) {
 
 Format<double> coefficient() {
   Format<double> format{"number or formula of numbers", shared({{"type", {"number", "string"}}}), {}, {}};
-  format.read = [type = format.type](const InputNode& node, const std::string& name, Problems& problems, double& into) {
+  format.read = [type = format.type](const InputNode& node, const std::string& name, Diagnostics& diagnostics,
+                                     double& into) {
     Expression value;
-    if (!read_expression(node, name, "1", problems, value)) return false;
-    if (value.depends_on_space() || value.depends_on_time()) return refuse(node, name, "a " + type, problems);
+    if (!read_expression(node, name, "1", diagnostics, value)) return false;
+    if (value.depends_on_space() || value.depends_on_time()) return refuse(node, name, "a " + type, diagnostics);
     into = value(0, 0, 0, 0);
     return true;
   };
@@ -186,11 +188,11 @@ Format<double> coefficient() {
 Format<int> integer(const Range& range) {
   const std::string type = "whole number " + in_words(range);
   Format<int> format{type, shared(with_limits({{"type", "integer"}}, range)), {}, {}};
-  format.read = [type, range](const InputNode& node, const std::string& name, Problems& problems, int& into) {
+  format.read = [type, range](const InputNode& node, const std::string& name, Diagnostics& diagnostics, int& into) {
     constexpr double largest = std::numeric_limits<int>::max();
     const auto number = node.kind == InputNode::Kind::scalar ? parse_number(node.text) : std::nullopt;
     if (!number || std::trunc(*number) != *number || !contains(range, *number) || std::abs(*number) > largest) {
-      return refuse(node, name, "a " + type, problems);
+      return refuse(node, name, "a " + type, diagnostics);
     }
     into = static_cast<int>(*number);
     return true;
@@ -201,9 +203,9 @@ Format<int> integer(const Range& range) {
 
 Format<bool> truth() {
   Format<bool> format{"`true` or `false`", shared({{"enum", {true, false, "true", "false"}}}), {}, {}};
-  format.read = [](const InputNode& node, const std::string& name, Problems& problems, bool& into) {
+  format.read = [](const InputNode& node, const std::string& name, Diagnostics& diagnostics, bool& into) {
     if (node.kind != InputNode::Kind::scalar || (node.text != "true" && node.text != "false")) {
-      return refuse(node, name, "true or false", problems);
+      return refuse(node, name, "true or false", diagnostics);
     }
     into = node.text == "true";
     return true;
@@ -214,8 +216,8 @@ Format<bool> truth() {
 
 Format<std::string> text() {
   Format<std::string> format{"text", shared({{"type", {"string", "number"}}, {"minLength", 1}}), {}, {}};
-  format.read = [](const InputNode& node, const std::string& name, Problems& problems, std::string& into) {
-    if (node.kind != InputNode::Kind::scalar || node.text.empty()) return refuse(node, name, "a text", problems);
+  format.read = [](const InputNode& node, const std::string& name, Diagnostics& diagnostics, std::string& into) {
+    if (node.kind != InputNode::Kind::scalar || node.text.empty()) return refuse(node, name, "a text", diagnostics);
     into = node.text;
     return true;
   };
@@ -231,24 +233,24 @@ Format<std::string> column_name() {
   Format<std::string> format = text();
   format.type = "name without commas, quotes and line breaks";
   format.read = [read = format.read, type = format.type](const InputNode& node, const std::string& name,
-                                                         Problems& problems, std::string& into) {
-    if (!read(node, name, problems, into)) return false;
+                                                         Diagnostics& diagnostics, std::string& into) {
+    if (!read(node, name, diagnostics, into)) return false;
     const bool good = trimmed(into) == into && into.find_first_of(",;\"'\t\r\n") == std::string::npos;
-    return good || refuse(node, name, "a " + type, problems);
+    return good || refuse(node, name, "a " + type, diagnostics);
   };
   return format;
 }
 
 Format<std::string> choice(const std::vector<std::string>& names) {
   Format<std::string> format{"one of " + joined(names), shared({{"enum", names}}), {}, {}};
-  format.read = [names](const InputNode& node, const std::string& name, Problems& problems, std::string& into) {
+  format.read = [names](const InputNode& node, const std::string& name, Diagnostics& diagnostics, std::string& into) {
     if (std::find(names.begin(), names.end(), node.text) != names.end() && node.kind == InputNode::Kind::scalar) {
       into = node.text;
       return true;
     }
     const std::string wanted = names.size() == 1 ? "'" + names.front() + "'" : "one of " + joined(names);
-    problems.add(node.place(),
-                 "'" + name + "' must be " + wanted + ", not " + description(node) + did_you_mean(node.text, names));
+    diagnostics.add(node.place(),
+                    "'" + name + "' must be " + wanted + ", not " + description(node) + did_you_mean(node.text, names));
     return false;
   };
   format.write = [](const std::string& value) { return value.empty() ? InputNode{} : InputNode::scalar(value); };
@@ -261,9 +263,10 @@ Format<Expression> expression(const std::string& unit, Variables variables) {
                                                                : "x, y, z, t";
   Format<Expression> format{
       noun(unit) + " or formula of " + arguments, shared({{"type", {"number", "string"}}}), {}, {}};
-  format.read = [unit, variables](const InputNode& node, const std::string& name, Problems& problems,
+  format.read = [unit, variables](const InputNode& node, const std::string& name, Diagnostics& diagnostics,
                                   Expression& into) {
-    return read_expression(node, name, unit, problems, into) && check_variables(into, variables, node, name, problems);
+    return read_expression(node, name, unit, diagnostics, into) &&
+           check_variables(into, variables, node, name, diagnostics);
   };
   format.write = written;
   return format;
@@ -272,13 +275,13 @@ Format<Expression> expression(const std::string& unit, Variables variables) {
 Format<std::optional<Expression>> expression_or_free(const std::string& unit, Variables variables) {
   const auto value = expression(unit, variables);
   Format<std::optional<Expression>> format{value.type + ", or `free`", value.schema, {}, {}};
-  format.read = [value](const InputNode& node, const std::string& name, Problems& problems,
+  format.read = [value](const InputNode& node, const std::string& name, Diagnostics& diagnostics,
                         std::optional<Expression>& into) {
     if (node.kind == InputNode::Kind::scalar && node.text == "free") {
       into.reset();
       return true;
     }
-    return value.read(node, name, problems, into.emplace());
+    return value.read(node, name, diagnostics, into.emplace());
   };
   format.write = [value](const std::optional<Expression>& e) {
     return e ? value.write(*e) : InputNode::scalar("free");
@@ -289,11 +292,11 @@ Format<std::optional<Expression>> expression_or_free(const std::string& unit, Va
 Format<std::array<double, 3>> direction_of_any_length() {
   Format<std::array<double, 3>> format = array_of<3>(quantity("1"));
   format.type = "direction [x, y, z], of any length";
-  format.read = [read = format.read](const InputNode& node, const std::string& name, Problems& problems,
+  format.read = [read = format.read](const InputNode& node, const std::string& name, Diagnostics& diagnostics,
                                      std::array<double, 3>& into) {
-    if (!read(node, name, problems, into)) return false;
+    if (!read(node, name, diagnostics, into)) return false;
     const bool is_zero = std::ranges::all_of(into, [](double x) { return x == 0.0; });
-    if (is_zero) problems.add(node.where, "'" + name + "' must have a length; [0, 0, 0] points nowhere");
+    if (is_zero) diagnostics.add(node.where, "'" + name + "' must have a length; [0, 0, 0] points nowhere");
     return !is_zero;
   };
   return format;
@@ -303,11 +306,11 @@ Format<Selection> selection(Selection::Kind kind) {
   Format<Selection> format = kind == Selection::Kind::box     ? box_selection()
                              : kind == Selection::Kind::where ? region_selection()
                                                               : named_selection();
-  format.read = [kind, read = format.read](const InputNode& node, const std::string& name, Problems& problems,
+  format.read = [kind, read = format.read](const InputNode& node, const std::string& name, Diagnostics& diagnostics,
                                            Selection& into) {
     into.kind = kind;
     into.where = node.where;
-    return read(node, name, problems, into);
+    return read(node, name, diagnostics, into);
   };
   format.write = [kind, write = format.write](const Selection& s) { return s.kind == kind ? write(s) : InputNode{}; };
   return format;

@@ -20,20 +20,20 @@ void relocate(InputNode& node, const Location& where) {
 }
 
 /// The entry that one part of an override's path names; nullptr after adding a problem.
-InputNode* entry_of(InputNode& node, const std::string& part, const Location& where, Problems& problems) {
+InputNode* entry_of(InputNode& node, const std::string& part, const Location& where, Diagnostics& diagnostics) {
   using Kind = InputNode::Kind;
   if (node.kind == Kind::list) {
     std::size_t index = 0;
     const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), index);
     const std::size_t size = node.children.size();
     if (error == std::errc{} && end == part.data() + part.size() && index < size) return &node.children[index];
-    problems.add(where,
-                 "'" + excerpt(part) + "' does not name an entry of this list" +
-                     (size == 0 ? ", which is empty" : "; they are numbered from 0 to " + std::to_string(size - 1)));
+    diagnostics.add(where,
+                    "'" + excerpt(part) + "' does not name an entry of this list" +
+                        (size == 0 ? ", which is empty" : "; they are numbered from 0 to " + std::to_string(size - 1)));
     return nullptr;
   }
   if (node.kind == Kind::scalar) {
-    problems.add(where, "there is no key '" + excerpt(part) + "' in the value '" + excerpt(node.text) + "'");
+    diagnostics.add(where, "there is no key '" + excerpt(part) + "' in the value '" + excerpt(node.text) + "'");
     return nullptr;
   }
   node.kind = Kind::map;
@@ -109,30 +109,31 @@ std::string block_text(const InputNode& node, const std::string& indent) {
 
 }  // namespace
 
-bool Problems::is_misspelt(const Lack& lack) const {
+bool Diagnostics::is_misspelt(const Lack& lack) const {
   return std::ranges::any_of(lack.keys, [&](const std::string& key) {
     return misspelt_.count({to_string(lack.section), key}) > 0;
   });
 }
 
-void Problems::throw_if_any() {
-  std::vector<Diagnostic> told;
-  for (const Problem& problem : found_) {
-    if (!is_misspelt(problem.lack)) told.push_back(problem.told);
+void Diagnostics::throw_if_errors() const {
+  std::vector<Diagnostic> errors;
+  for (const Error& error : found_) {
+    if (!is_misspelt(error.lack)) errors.push_back(error.diagnostic);
   }
-  if (told.empty()) return;
+  if (errors.empty()) return;
   const auto order = [](const Diagnostic& d) { return std::tie(d.where.line, d.where.column); };
   const auto same = [&](const Diagnostic& a, const Diagnostic& b) {
     return order(a) == order(b) && a.where.file == b.where.file && a.message == b.message;
   };
-  std::stable_sort(told.begin(), told.end(), [&](const auto& a, const auto& b) { return order(a) < order(b); });
-  told.erase(std::unique(told.begin(), told.end(), same), told.end());  // aliases repeat theirs
-  if (told.size() > max_reported) {
-    const std::size_t more = told.size() - max_reported;
-    told.resize(max_reported);
-    told.push_back({{told.front().where.file, 0, 0}, "... and " + std::to_string(more) + " more mistakes"});
+  std::stable_sort(errors.begin(), errors.end(), [&](const auto& a, const auto& b) { return order(a) < order(b); });
+  errors.erase(std::unique(errors.begin(), errors.end(), same), errors.end());  // aliases repeat theirs
+  if (errors.size() > max_reported) {
+    const std::size_t more = errors.size() - max_reported;
+    errors.resize(max_reported);
+    errors.push_back(
+        {Severity::error, {errors.front().where.file, 0, 0}, "... and " + std::to_string(more) + " more errors"});
   }
-  throw InputError(std::move(told));
+  throw InputError(std::move(errors));
 }
 
 InputNode InputNode::scalar(std::string text) {
@@ -181,33 +182,33 @@ std::string description(const InputNode& node) {
 
 InputNode value_of(const Override& change) {
   const Location where{"--set " + change.path + "=" + change.value, 0, 0};
-  Problems problems;
+  Diagnostics diagnostics;
   try {
-    InputNode value = parse_yaml(change.value, where.file, problems);
-    problems.throw_if_any();
+    InputNode value = parse_yaml(change.value, where.file, diagnostics);
+    diagnostics.throw_if_errors();
     return value;
   } catch (const InputError& error) {
-    std::vector<Diagnostic> told = error.diagnostics();
+    std::vector<Diagnostic> errors = error.diagnostics();
     const bool goes_on = change.value.starts_with('[') || change.value.starts_with('{');
-    for (Diagnostic& d : told) {
+    for (Diagnostic& d : errors) {
       d.where = where;
       if (goes_on && d.message == several_documents) d.message = "something stands behind the closing bracket";
     }
-    throw InputError(std::move(told));
+    throw InputError(std::move(errors));
   }
 }
 
-void apply_override(const Override& change, InputNode& root, Problems& problems) {
+void apply_override(const Override& change, InputNode& root, Diagnostics& diagnostics) {
   const Location where{"--set " + change.path + "=" + change.value, 0, 0};
   InputNode value;
   try {
     value = value_of(change);
   } catch (const InputError& error) {
-    for (const Diagnostic& d : error.diagnostics()) problems.add(where, d.message);
+    for (const Diagnostic& d : error.diagnostics()) diagnostics.add(where, d.message);
     return;
   }
   if (change.path.find('[') != std::string::npos) {
-    problems.add(where, "entries of lists are numbers behind dots, such as bodies.0.density");
+    diagnostics.add(where, "entries of lists are numbers behind dots, such as bodies.0.density");
     return;
   }
   InputNode* node = &root;
@@ -215,10 +216,10 @@ void apply_override(const Override& change, InputNode& root, Problems& problems)
   std::size_t depth = 0;
   for (std::string part; std::getline(path, part, '.');) {
     if (part.empty() || ++depth > max_path) {
-      problems.add(where, "the path must be keys with dots between them, such as time.step or bodies.0.density");
+      diagnostics.add(where, "the path must be keys with dots between them, such as time.step or bodies.0.density");
       return;
     }
-    node = entry_of(*node, part, where, problems);
+    node = entry_of(*node, part, where, diagnostics);
     if (node == nullptr) return;
   }
   value.key = node->key;

@@ -11,34 +11,41 @@
 
 namespace pliant {
 
-/// Collects the mistakes of an input, so that all are reported at once.
-class Problems {
+/// Collects what is wrong with an input, so that all of it is reported at once, and what may be.
+class Diagnostics {
  public:
-  void add(Location where, std::string message) { found_.push_back({{std::move(where), std::move(message)}, {}}); }
+  /// An error.
+  void add(Location where, std::string message) {
+    found_.push_back({{Severity::error, std::move(where), std::move(message)}, {}});
+  }
+  void warn(Location where, std::string message) {
+    warnings_.push_back({Severity::warning, std::move(where), std::move(message)});
+  }
   /// A section lacks one of these keys.
   struct Lack {
     Location section;
     std::vector<std::string> keys;
   };
-  /// Tells of the lack, unless one of the keys is there but misspelt, which is told already.
+  /// The error of a lack, unless one of the keys is there but misspelt, which is an error already.
   void add(Lack lack, Location where, std::string message) {
-    found_.push_back({{std::move(where), std::move(message)}, std::move(lack)});
+    found_.push_back({{Severity::error, std::move(where), std::move(message)}, std::move(lack)});
   }
-  /// A key of the section was told to be a misspelling of `key`.
+  /// An error says that a key of the section is a misspelling of `key`.
   void note_misspelt(const Location& section, const std::string& key) { misspelt_.emplace(to_string(section), key); }
-  bool empty() const { return found_.empty(); }
-  std::size_t size() const { return found_.size(); }
-  /// Throws InputError with everything to be told, in the order of the file; returns if there is nothing.
-  void throw_if_any();
+  std::size_t num_errors() const { return found_.size(); }
+  /// Throws InputError with every error, in the order of the file; returns if there is none.
+  void throw_if_errors() const;
+  const std::vector<Diagnostic>& warnings() const { return warnings_; }
 
  private:
-  struct Problem {
-    Diagnostic told;
+  struct Error {
+    Diagnostic diagnostic;
     Lack lack;  // without keys: no lack
   };
   bool is_misspelt(const Lack& lack) const;
 
-  std::vector<Problem> found_;
+  std::vector<Error> found_;
+  std::vector<Diagnostic> warnings_;
   std::set<std::pair<std::string, std::string>> misspelt_;  // where the section is, the key meant
 };
 
@@ -74,8 +81,8 @@ constexpr std::string_view several_documents =
 
 /// Reads YAML text (UTF-8). Beyond what yaml-cpp refuses, it refuses: keys given twice, several documents, quotes that
 /// are not closed, anything that is not text, and more depth or values than an input can need (alias bombs). Mistakes
-/// that leave a tree to go on with are added to `problems`; others throw InputError.
-InputNode parse_yaml(const std::string& text, const std::string& file, Problems& problems);
+/// that leave a tree to go on with are added to `diagnostics`; others throw InputError.
+InputNode parse_yaml(const std::string& text, const std::string& file, Diagnostics& diagnostics);
 
 /// A change of the input from the command line: --set KEY.PATH=VALUE. Numbers in the path count list entries from 0.
 struct Override {
@@ -88,7 +95,7 @@ InputNode value_of(const Override& change);
 
 /// Sets the value (YAML text) at the path, making sections that are missing. Locations of what it sets: "--set
 /// PATH=VALUE".
-void apply_override(const Override& change, InputNode& root, Problems& problems);
+void apply_override(const Override& change, InputNode& root, Diagnostics& diagnostics);
 
 /// The tree as YAML text that parse_yaml reads back.
 std::string to_yaml(const InputNode& root);

@@ -43,89 +43,92 @@ constexpr const char* incompressible =
     "the body is incompressible, for which displacements alone have no solution; add 'volumetric: mixed' or lower "
     "'poissons_ratio'";
 
-void check_mean_dilatation(const ElasticityConfig& e, const ElasticityRule& rule, Problems& problems) {
+void check_mean_dilatation(const ElasticityConfig& e, const ElasticityRule& rule, Diagnostics& diagnostics) {
   if (!rule.kind().traits().constant_tangent) return;
-  problems.add(e.where, fmt::format("model '{}' knows small strains only, 'volumetric: mean-dilatation' large ones; "
-                                    "use saint-venant-kirchhoff, which is the same at small strain",
-                                    e.model));
+  diagnostics.add(e.where, fmt::format("model '{}' knows small strains only, 'volumetric: mean-dilatation' large ones; "
+                                       "use saint-venant-kirchhoff, which is the same at small strain",
+                                       e.model));
 }
 
-void check_mixed(const ElasticityConfig& e, const ElasticityRule& rule, Problems& problems) {
+void check_mixed(const ElasticityConfig& e, const ElasticityRule& rule, Diagnostics& diagnostics) {
   if (!rule.is_uniform()) {
-    problems.add(e.where,
-                 "'volumetric: mixed' needs elastic constants that are the same everywhere; give each region a body of "
-                 "its own, or use 'volumetric: mean-dilatation'");
+    diagnostics.add(
+        e.where,
+        "'volumetric: mixed' needs elastic constants that are the same everywhere; give each region a body of "
+        "its own, or use 'volumetric: mean-dilatation'");
   } else if (!split_volume(rule.law_at(0, {}))) {
-    problems.add(e.where, fmt::format("the energy of model '{}' has no part of the volume alone, which 'volumetric: "
-                                      "mixed' needs; use one of {}, or 'volumetric: mean-dilatation'",
-                                      e.model, names_of_split_laws()));
+    diagnostics.add(e.where, fmt::format("the energy of model '{}' has no part of the volume alone, which 'volumetric: "
+                                         "mixed' needs; use one of {}, or 'volumetric: mean-dilatation'",
+                                         e.model, names_of_split_laws()));
   }
 }
 
 /// What acts on the displacement at every point beside the elastic law, and so does not go with either treatment.
-void check_points(const BodyConfig& body, Problems& problems) {
+void check_points(const BodyConfig& body, Diagnostics& diagnostics) {
   if (body.active && body.active->shortening) {
-    problems.add(body.active->where,
-                 "'shortening' goes with 'volumetric: standard' only; give the fibres a 'stress' instead");
+    diagnostics.add(body.active->where,
+                    "'shortening' goes with 'volumetric: standard' only; give the fibres a 'stress' instead");
   }
   for (const auto& mechanism : body.viscosity) {
-    const bool resists =
-        mechanism.model == Prony::name || mechanism.model == StiffnessProportional::name || mechanism.bulk_ratio > 0.0;
+    const auto* branch = std::get_if<MaxwellRatios>(&mechanism.law);
+    const bool resists = std::holds_alternative<Prony>(mechanism.law) ||
+                         std::holds_alternative<StiffnessProportional>(mechanism.law) ||
+                         (branch != nullptr && branch->bulk_ratio > 0.0);
     if (!resists) continue;
-    problems.add(
+    diagnostics.add(
         mechanism.where,
         fmt::format("viscosity '{}' resists a change of volume at every point, which 'volumetric' is to avoid; "
                     "use kelvin-voigt, or maxwell with a 'shear_ratio' alone",
-                    mechanism.model));
+                    name_of(mechanism.law)));
   }
 }
 
 /// What pressures, which have no history and no inertia, do not go with.
-void check_mixed(const Config& config, const InputNode& root, Problems& problems) {
+void check_mixed(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   const TimeConfig& time = config.time;
   const Method* method = method_of(time);
   if (time.method.value.starts_with(petsc_prefix)) {
-    problems.add(time.method.where,
-                 "'volumetric: mixed' needs one of Pliant's own methods; PETSc's do not know of pressures");
+    diagnostics.add(time.method.where,
+                    "'volumetric: mixed' needs one of Pliant's own methods; PETSc's do not know of pressures");
   } else if (method != nullptr && !method->stiffly_accurate) {
-    problems.add(time.method.where,
-                 fmt::format("'volumetric: mixed' needs a method whose last stage ends the step, as the pressure is "
-                             "found in stages; '{}' ends elsewhere: use bdf2, dirk22 or dirk33, or 'volumetric: "
-                             "mean-dilatation'",
-                             method->name));
+    diagnostics.add(time.method.where,
+                    fmt::format("'volumetric: mixed' needs a method whose last stage ends the step, as the pressure is "
+                                "found in stages; '{}' ends elsewhere: use bdf2, dirk22 or dirk33, or 'volumetric: "
+                                "mean-dilatation'",
+                                method->name));
   }
   if (config.solver.linear == "amg" || config.solver.linear == "p-multigrid") {
-    problems.add(where_is(root, {"solver", "linear"}),
-                 "'volumetric: mixed' makes an indefinite matrix, which multigrid does not solve; use 'cholesky'");
+    diagnostics.add(where_is(root, {"solver", "linear"}),
+                    "'volumetric: mixed' makes an indefinite matrix, which multigrid does not solve; use 'cholesky'");
   }
   const auto& start = config.initial.displacement;
   if (std::ranges::any_of(start, [](const Expression& e) { return !e.is_zero(); })) {
-    problems.add(where_is(root, {"initial", "displacement"}),
-                 "'volumetric: mixed' starts from the undeformed bodies, whose pressure is known; use 'volumetric: "
-                 "mean-dilatation'");
+    diagnostics.add(where_is(root, {"initial", "displacement"}),
+                    "'volumetric: mixed' starts from the undeformed bodies, whose pressure is known; use 'volumetric: "
+                    "mean-dilatation'");
   }
 }
 
 }  // namespace
 
-void check_volumetric(const Config& config, const InputNode& root, Problems& problems) {
+void check_volumetric(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   const VolumetricTreatment treatment = config.volumetric;
   for (const auto& body : config.bodies) {
-    if (treatment != VolumetricTreatment::standard) check_points(body, problems);
+    if (treatment != VolumetricTreatment::standard) check_points(body, diagnostics);
     const auto rule = rule_of(body.elasticity);
     if (!rule) continue;
     if (treatment == VolumetricTreatment::mixed) {
-      check_mixed(body.elasticity, *rule, problems);
+      check_mixed(body.elasticity, *rule, diagnostics);
     } else if (rule->is_uniform() && is_incompressible(rule->law_at(0, {}))) {
-      problems.add(body.elasticity.where, incompressible);
+      diagnostics.add(body.elasticity.where, incompressible);
     } else if (treatment == VolumetricTreatment::mean_dilatation) {
-      check_mean_dilatation(body.elasticity, *rule, problems);
+      check_mean_dilatation(body.elasticity, *rule, diagnostics);
     }
   }
-  if (treatment == VolumetricTreatment::mixed) check_mixed(config, root, problems);
+  if (treatment == VolumetricTreatment::mixed) check_mixed(config, root, diagnostics);
   if (treatment == VolumetricTreatment::standard || config.element == ElementOrder::p2) return;
   const InputNode* key = root.find("volumetric");
-  problems.add(key->where, fmt::format("'volumetric: {}' needs quadratic tetrahedra; add 'element: P2'", key->text));
+  diagnostics.add(key->where, fmt::format("'volumetric: {}' needs quadratic tetrahedra; add 'element: P2'", key->text));
 }
 
 void require_compressible(const ElasticLawSpec& law, const Location& where) {

@@ -8,7 +8,7 @@
 namespace pliant {
 
 /// Adds what the treatment of the volume cannot be combined with. `root`: of the input.
-void check_volumetric(const Config& config, const InputNode& root, Problems& problems);
+void check_volumetric(const Config& config, const InputNode& root, Diagnostics& diagnostics);
 
 /// Throws InputError at `where` if the law is incompressible, for bodies without pressures.
 void require_compressible(const ElasticLawSpec& law, const Location& where);

@@ -123,24 +123,27 @@ ConstantsRule::ConstantsRule(std::size_t row, std::vector<std::string> keys, con
     } else if (own >= 0) {
       key_of_parameter_[own] = static_cast<int>(k);
     } else {
-      mistakes.push_back({where, fmt::format("'{}' is not a parameter of {}, which has {}{}", keys_[k], law.name,
-                                             names_of_parameters(law.parameters),
-                                             two ? " (or other two of the elastic constants)" : "")});
+      mistakes.push_back(
+          {Severity::error, where,
+           fmt::format("'{}' is not a parameter of {}, which has {}{}", keys_[k], law.name,
+                       names_of_parameters(law.parameters), two ? " (or other two of the elastic constants)" : "")});
     }
   }
   std::ranges::sort(constants_);
   const std::size_t wanted = two ? 2 : one ? 1 : 0;
   if (constants_.size() != wanted) {
     const std::string given = constants_.empty() ? "none is given" : fmt::format("{} given", constants_.size());
-    mistakes.push_back({where, two ? fmt::format("{} needs two of {}; {}", law.name, names_of_parameters(constants),
-                                                 constants_.size() == 1 ? "one is given" : given)
-                                   : fmt::format("{} needs one of bulk_modulus, poissons_ratio; {}", law.name, given)});
+    mistakes.push_back({Severity::error, where,
+                        two ? fmt::format("{} needs two of {}; {}", law.name, names_of_parameters(constants),
+                                          constants_.size() == 1 ? "one is given" : given)
+                            : fmt::format("{} needs one of bulk_modulus, poissons_ratio; {}", law.name, given)});
   }
   for (std::size_t p = 0; p < law.parameters.size(); ++p) {
     const bool is_constant = (two || one) && place_in(constants, law.parameters[p].name) >= 0;
     if (is_constant || key_of_parameter_[p] >= 0 || law.parameters[p].fallback) continue;
-    mistakes.push_back({where, fmt::format("missing key '{}' of {}: {}", law.parameters[p].name, law.name,
-                                           law.parameters[p].meaning)});
+    mistakes.push_back(
+        {Severity::error, where,
+         fmt::format("missing key '{}' of {}: {}", law.parameters[p].name, law.name, law.parameters[p].meaning)});
   }
   if (!mistakes.empty()) throw InputError(std::move(mistakes));
 }

@@ -216,7 +216,7 @@ ElasticLawSpec make_law(std::string_view name, const GivenConstants& constants, 
   }
   const ConstantsRule rule(row, keys, where);
   std::vector<Diagnostic> mistakes;
-  for (const auto& text : rule.complaints(values)) mistakes.push_back({where, text});
+  for (const auto& text : rule.complaints(values)) mistakes.push_back({Severity::error, where, text});
   if (!mistakes.empty()) throw InputError(std::move(mistakes));
   return {row, rule(values)};
 }

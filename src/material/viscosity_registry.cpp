@@ -9,15 +9,23 @@ namespace {
 
 constexpr std::array kelvin_voigt{
     ParameterInfo{"shear", "Pa*s", 0.0, infinity, "viscosity against change of shape", LowerBound::included},
-    ParameterInfo{"bulk", "Pa*s", 0.0, infinity, "viscosity against change of volume", LowerBound::included},
+    ParameterInfo{"bulk", "Pa*s", 0.0, infinity, "viscosity against change of volume", LowerBound::included, 1.0, 0.0},
 };
 
 constexpr std::array maxwell{
     ParameterInfo{"shear_modulus", "Pa", 0.0, infinity, "stiffness of the branch's spring against fast change of shape",
                   LowerBound::included},
     ParameterInfo{"bulk_modulus", "Pa", 0.0, infinity, "stiffness of the branch's spring against fast change of volume",
-                  LowerBound::included},
+                  LowerBound::included, 1.0, 0.0},
     ParameterInfo{"relaxation_time", "s", 0.0, infinity, "time in which the branch's stress falls to 1/e"},
+};
+
+constexpr std::array maxwell_ratios{
+    ParameterInfo{"shear_ratio", "1", 0.0, infinity,
+                  "`shear_modulus` as a part of the elastic law's shear modulus at rest", LowerBound::included},
+    ParameterInfo{"bulk_ratio", "1", 0.0, infinity,
+                  "`bulk_modulus` as a part of the elastic law's bulk modulus at rest", LowerBound::included, 1.0, 0.0},
+    maxwell[2],
 };
 
 constexpr std::array prony{
@@ -62,6 +70,31 @@ constexpr std::array<LawInfo, 5> laws{{
      "drag of a surrounding medium, or a way to a state of rest; it damps low frequencies most, and rigid motion too"},
 }};
 
+template <class Law, double Law::*member>
+double& value(ViscosityLaw& law) {
+  return std::get<Law>(law).*member;
+}
+
+/// The values of these members, in their order.
+template <class Law, double Law::*... members>
+constexpr std::array<ViscosityMember, sizeof...(members)> values{value<Law, members>...};
+
+template <class Law, double Law::*... members>
+constexpr ViscosityForm form(const std::array<ParameterInfo, sizeof...(members)>& parameters) {
+  return {Law{}, parameters, values<Law, members...>};
+}
+
+constexpr std::array forms{
+    form<KelvinVoigt, &KelvinVoigt::shear, &KelvinVoigt::bulk>(kelvin_voigt),
+    form<StiffnessProportional, &StiffnessProportional::time>(stiffness_proportional),
+    form<MassProportional, &MassProportional::decay_rate>(mass_proportional),
+    form<Maxwell, &Maxwell::shear_modulus, &Maxwell::bulk_modulus, &Maxwell::relaxation_time>(maxwell),
+    form<MaxwellRatios, &MaxwellRatios::shear_ratio, &MaxwellRatios::bulk_ratio, &MaxwellRatios::relaxation_time>(
+        maxwell_ratios),
+    form<Prony, &Prony::ratio, &Prony::relaxation_time>(prony),
+};
+static_assert(forms.size() == std::variant_size_v<ViscosityLaw>);
+
 constexpr std::array<StrainRateInfo, 3> rates{{
     {StrainRate::secant, "secant", "(E(q) - E(q0))/dt", "comparison with other programs; first order in time only"},
     {StrainRate::reconstructed, "reconstructed", "(E(q) - E0)/dt, E0 from the strains of earlier stages",
@@ -70,6 +103,24 @@ constexpr std::array<StrainRateInfo, 3> rates{{
 }};
 
 }  // namespace
+
+std::string_view name_of(const ViscosityLaw& law) {
+  return std::visit([](const auto& one) { return one.name; }, law);
+}
+
+bool has_strain_rate(const ViscosityLaw& law) {
+  return std::visit(
+      [](const auto& one) {
+        return requires {
+          one.rate;
+        };
+      },
+      law);
+}
+
+std::span<const ViscosityForm> viscosity_forms() {
+  return forms;
+}
 
 std::span<const LawInfo> viscosity_laws() {
   return laws;

@@ -1,5 +1,7 @@
-/// Every law of viscosity a user can name. A new law is a struct in viscosity.hpp and a row in viscosity_registry.cpp;
-/// the tests, the input file and `pliant materials` read the list from here.
+/// Every law of viscosity a user can name. A new law is a struct in viscosity.hpp, an alternative of ViscosityLaw, and
+/// a row and a form in viscosity_registry.cpp: the input's keys with their checks and defaults, its schema, `pliant
+/// materials` and the tests follow from these. Of which term it is made, model/viscosity.cpp says, which does not
+/// compile until it does.
 #pragma once
 
 #include "material/law_info.hpp"
@@ -7,11 +9,44 @@
 
 #include <span>
 #include <string_view>
+#include <variant>
 
 namespace pliant {
 
+/// A Maxwell branch whose moduli are parts of the elastic law's at rest.
+struct MaxwellRatios {
+  static constexpr std::string_view name = Maxwell::name;
+
+  double shear_ratio;      ///< mu_b / mu
+  double bulk_ratio;       ///< kappa_b / K
+  double relaxation_time;  ///< tau [s]
+};
+
+/// A law with its parameters as users give them: an alternative for each set of parameters, in SI. The form of a strain
+/// rate is chosen beside it, since it may depend on the method in time.
+using ViscosityLaw = std::variant<KelvinVoigt, StiffnessProportional, MassProportional, Maxwell, MaxwellRatios, Prony>;
+
+std::string_view name_of(const ViscosityLaw& law);
+
+/// Has the law a strain rate whose form can be chosen?
+bool has_strain_rate(const ViscosityLaw& law);
+
 /// One row per law.
 std::span<const LawInfo> viscosity_laws();
+
+/// Gives access to a parameter of a law, which must be the alternative that has it.
+using ViscosityMember = double& (*)(ViscosityLaw&);
+
+/// A set of parameters from which a law is made. Forms of one law differ in their first parameter, by which users
+/// choose one.
+struct ViscosityForm {
+  ViscosityLaw blank;                         ///< the alternative, every parameter 0
+  std::span<const ParameterInfo> parameters;  ///< those without a fallback are needed
+  std::span<const ViscosityMember> members;   ///< of the parameters
+};
+
+/// One row per alternative of ViscosityLaw, in its order.
+std::span<const ViscosityForm> viscosity_forms();
 
 /// A form of the strain rate as users choose it.
 struct StrainRateInfo {

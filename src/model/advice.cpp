@@ -19,6 +19,19 @@
 namespace pliant {
 namespace {
 
+/// Warnings in the making.
+class Warnings {
+ public:
+  explicit Warnings(std::vector<Diagnostic> first = {}) : found_(std::move(first)) {}
+  void add(const Location& where, std::string message) {
+    found_.push_back({Severity::warning, where, std::move(message)});
+  }
+  std::vector<Diagnostic> found() && { return std::move(found_); }
+
+ private:
+  std::vector<Diagnostic> found_;
+};
+
 /// Acts at places of the body's surface, not in its volume.
 bool is_local(const LoadConfig& load) {
   using Kind = LoadConfig::Kind;
@@ -29,20 +42,20 @@ bool is_zero(const VectorExpression& vector) {
   return std::ranges::all_of(vector, [](const Expression& component) { return component.is_zero(); });
 }
 
-void doubt_time(const Config& config, std::vector<std::string>& doubts) {
+void check_time(const Config& config, Warnings& warnings) {
   const auto& method = config.time.method;
   const auto changes = [](const DrivingFormula& of) { return of.formula->depends_on_time(); };
   if (method.value != static_method && config.time.load_steps > 1) {
-    doubts.push_back(
-        fmt::format("{}: 'load_steps' is for 'method: static'; with '{}' loads grow as their formulas of "
-                    "t say, and not by it",
-                    to_string(method.where), method.value));
+    warnings.add(method.where,
+                 fmt::format("'load_steps' is for 'method: static'; with '{}' loads grow as their formulas of "
+                             "t say, and not by it",
+                             method.value));
   }
   if (method.value == static_method && config.time.end == 0.0 &&
       std::ranges::any_of(driving_formulas(config), changes)) {
-    doubts.push_back(to_string(method.where) +
-                     ": a static analysis takes formulas at 'end', which is 0: those of t are taken at t = 0; give "
-                     "'end', or let 'method: quasistatic' follow them");
+    warnings.add(method.where,
+                 "a static analysis takes formulas at 'end', which is 0: those of t are taken at t = 0; give "
+                 "'end', or let 'method: quasistatic' follow them");
   }
 }
 
@@ -54,12 +67,12 @@ constexpr double fastest_shear_wave = 1e4;   // [m/s]; of diamond 12000, of stee
 constexpr double longest_body = 50.0;        // [m]
 constexpr double locking_ratio = 0.49;       // Poisson's, of linear elements
 
-void doubt_body(const Config& config, const BodyConfig& body, std::vector<std::string>& doubts) {
+void check_body(const Config& config, const BodyConfig& body, Warnings& warnings) {
   const ElasticityRule rule(body.elasticity);
   if (!rule.is_uniform()) return;
   const auto rest = rule.law_at(0, {}).at_rest();
   if (!rest) return;
-  const auto add = [&](const std::string& text) { doubts.push_back(to_string(body.elasticity.where) + ": " + text); };
+  const auto add = [&](const std::string& text) { warnings.add(body.elasticity.where, text); };
   const double speed = std::sqrt(rest->mu / body.density.value_or(rest->mu));
   // What is viscous alone has next to no stiffness, which nobody types by forgetting a unit.
   const bool may_be_soft = !body.viscosity.empty() && rest->mu < no_stiffness;
@@ -93,12 +106,12 @@ void doubt_body(const Config& config, const BodyConfig& body, std::vector<std::s
 }
 
 /// Degrees typed as radians: whole numbers of several turns.
-void doubt_angles(const Config& config, std::vector<std::string>& doubts) {
+void check_angles(const Config& config, Warnings& warnings) {
   const auto look = [&](const Expression& angle, const Location& where) {
     const double value = angle(0.0, 0.0, 0.0, 0.0);
     if (angle.depends_on_time() || std::abs(value) < 10.0 || value != std::round(value)) return;
-    doubts.push_back(fmt::format("{}: an angle of {:g} rad is {:.3g} turns; degrees are written '{:g} deg'",
-                                 to_string(where), value, value / (2.0 * std::numbers::pi), value));
+    warnings.add(where, fmt::format("an angle of {:g} rad is {:.3g} turns; degrees are written '{:g} deg'", value,
+                                    value / (2.0 * std::numbers::pi), value));
   };
   for (const ConstraintConfig& c : config.constraints) {
     if (c.rigid.rotation.angle) look(*c.rigid.rotation.angle, c.rigid.rotation.where);
@@ -110,46 +123,46 @@ void doubt_angles(const Config& config, std::vector<std::string>& doubts) {
 }
 
 /// Gravity typed in mm/s^2.
-void doubt_gravity(const Config& config, std::vector<std::string>& doubts) {
+void check_gravity(const Config& config, Warnings& warnings) {
   for (const LoadConfig& load : config.loads) {
     if (load.kind != LoadConfig::Kind::gravity) continue;
     std::array<double, 3> g{};
     for (std::size_t i = 0; i < 3; ++i) g[i] = load.value[i](0.0, 0.0, 0.0, 0.0);
     const double size = std::hypot(g[0], g[1], g[2]);
     if (std::abs(size - 9810.0) > 20.0) continue;
-    doubts.push_back(
-        fmt::format("{}: gravity is {:g} m/s^2, a thousand times the Earth's; with its unit it is '{:g} "
-                    "mm/s^2'",
-                    to_string(load.where), size, size));
+    warnings.add(load.where,
+                 fmt::format("gravity is {:g} m/s^2, a thousand times the Earth's; with its unit it is '{:g} "
+                             "mm/s^2'",
+                             size, size));
   }
 }
 
 }  // namespace
 
-std::vector<std::string> doubts_about(const Config& config) {
-  std::vector<std::string> doubts = config.doubts;
+std::vector<Diagnostic> warnings_about(const Config& config) {
+  Warnings warnings(config.warnings);
   const TimeConfig& time = config.time;
   const OutputConfig& output = config.output;
   constexpr double rounding = 1e-9;
   if (time.method.value != static_method && !time.adaptive && output.every &&
       time.step > *output.every * (1.0 + rounding)) {
-    doubts.push_back(
-        fmt::format("{}: frames are asked for every {} s, but a step takes {} s, and there is one frame per step; "
-                    "choose a shorter 'time.step', or leave 'every' out",
-                    to_string(output.every_where), format_number(*output.every), format_number(time.step)));
+    warnings.add(output.every_where,
+                 fmt::format("frames are asked for every {} s, but a step takes {} s, and there is one frame per step; "
+                             "choose a shorter 'time.step', or leave 'every' out",
+                             format_number(*output.every), format_number(time.step)));
   }
   const std::string extension = std::filesystem::path(config.mesh.file.value).extension().string();
   if (config.mesh.scale == 0.001 && (extension == ".step" || extension == ".stp")) {
-    doubts.push_back(
-        to_string(config.mesh.file.where) +
-        ": a STEP file says its unit and is read in metres; with 'scale: 0.001' the part is a thousandth of what it "
+    warnings.add(
+        config.mesh.file.where,
+        "a STEP file says its unit and is read in metres; with 'scale: 0.001' the part is a thousandth of what it "
         "was drawn: leave 'scale' out");
   }
-  doubt_time(config, doubts);
-  for (const BodyConfig& body : config.bodies) doubt_body(config, body, doubts);
-  doubt_angles(config, doubts);
-  doubt_gravity(config, doubts);
-  return doubts;
+  check_time(config, warnings);
+  for (const BodyConfig& body : config.bodies) check_body(config, body, warnings);
+  check_angles(config, warnings);
+  check_gravity(config, warnings);
+  return std::move(warnings).found();
 }
 
 bool nothing_moves(const Config& config) {
@@ -169,40 +182,40 @@ bool may_fall(const Config& config) {
          std::ranges::any_of(config.loads, pushes);
 }
 
-std::vector<std::string> without_effect(const Config& config) {
+std::vector<Diagnostic> notes_of_idle_keys(const Config& config) {
   const std::string& method = config.time.method.value;
-  std::vector<std::string> what;
+  std::vector<Diagnostic> notes;
   const char* nothing =
       method == static_method ? "no effect on a static equilibrium" : "no effect on quasi-static equilibria";
-  const auto tell_if = [&](bool is_there, const char* of_what) {
-    if (is_there) what.push_back(fmt::format("{} {}", of_what, nothing));
+  const auto note_if = [&](bool is_there, const char* of_what) {
+    if (is_there) notes.push_back(note(fmt::format("{} {}", of_what, nothing)));
   };
   const bool has_velocity = !is_zero(config.initial.velocity);
-  if (method == quasistatic_method) tell_if(has_velocity, "the initial velocity has");
-  if (method != static_method) return what;
+  if (method == quasistatic_method) note_if(has_velocity, "the initial velocity has");
+  if (method != static_method) return notes;
   const auto resists = [](const ObstacleConfig& o) {
     return o.friction > 0.0 || o.viscous_friction > 0.0 || o.normal_damping > 0.0;
   };
-  tell_if(has_viscosity(config), "viscosity has");
-  tell_if(has_dashpots(config), "dashpots have");
-  tell_if(config.contact && std::ranges::any_of(config.contact->obstacles, resists),
+  note_if(has_viscosity(config), "viscosity has");
+  note_if(has_dashpots(config), "dashpots have");
+  note_if(config.contact && std::ranges::any_of(config.contact->obstacles, resists),
           "friction and damping of contact have");
-  tell_if(has_velocity || !is_zero(config.initial.displacement), "the initial state has");
-  return what;
+  note_if(has_velocity || !is_zero(config.initial.displacement), "the initial state has");
+  return notes;
 }
 
-std::vector<std::string> doubts_about_mesh(const Config& config, const MeshReport& mesh) {
+std::vector<Diagnostic> warnings_about_mesh(const Config& config, const MeshReport& mesh) {
   const auto& b = mesh.bounds;
   const double length = std::max({b[3] - b[0], b[4] - b[1], b[5] - b[2]});
   if (length < longest_body) return {};
-  return {fmt::format("{}: the mesh is {:.3g} m long; 'scale: 0.001' makes metres of a geometry in millimetres",
-                      to_string(config.mesh.file.where), length)};
+  return {{Severity::warning, config.mesh.file.where,
+           fmt::format("the mesh is {:.3g} m long; 'scale: 0.001' makes metres of a geometry in millimetres", length)}};
 }
 
-std::vector<std::string> doubts_about_loads(const Config& config, const NodeLayout& layout, Selections& selections,
-                                            const PrescribedDisplacement& prescribed) {
+std::vector<Diagnostic> warnings_about_loads(const Config& config, const NodeLayout& layout, Selections& selections,
+                                             const PrescribedDisplacement& prescribed) {
   const std::vector<char>& is_given = prescribed.flags();
-  std::vector<std::string> doubts;
+  Warnings warnings;
   for (const LoadConfig& load : config.loads) {
     if (!is_local(load)) continue;
     const auto nodes = selections.nodes(load.part);
@@ -211,16 +224,15 @@ std::vector<std::string> doubts_about_loads(const Config& config, const NodeLayo
       return std::any_of(node, node + 3, [](char given) { return given == 0; });
     });
     if (any_rank(layout.comm, moves_here)) continue;
-    doubts.push_back(
-        fmt::format("{}: the load moves nothing, for constraints give the displacement of all that it acts "
-                    "on; it changes reactions alone",
-                    to_string(load.where)));
+    warnings.add(load.where,
+                 "the load moves nothing, for constraints give the displacement of all that it acts "
+                 "on; it changes reactions alone");
   }
-  return doubts;
+  return std::move(warnings).found();
 }
 
-std::vector<std::string> doubts_about_start(const Config& config, const NodeLayout& layout, Selections& selections) {
-  std::vector<std::string> doubts;
+std::vector<Diagnostic> warnings_about_start(const Config& config, const NodeLayout& layout, Selections& selections) {
+  Warnings warnings;
   for (const ConstraintConfig& c : config.constraints) {
     if (c.kind != ConstraintConfig::Kind::displacement) continue;
     double jump = 0.0, size = 0.0;
@@ -237,12 +249,12 @@ std::vector<std::string> doubts_about_start(const Config& config, const NodeLayo
     constexpr double rounding = 1e-9;
     jump = maximum(layout.comm, jump);
     if (jump <= rounding * maximum(layout.comm, size)) continue;
-    doubts.push_back(
-        fmt::format("{}: at t = 0 this displaces nodes by {:.3g} m from where the initial displacement has "
-                    "them, at once; let it grow with t, or give 'initial' to suit",
-                    to_string(c.where), jump));
+    warnings.add(c.where,
+                 fmt::format("at t = 0 this displaces nodes by {:.3g} m from where the initial displacement has "
+                             "them, at once; let it grow with t, or give 'initial' to suit",
+                             jump));
   }
-  return doubts;
+  return std::move(warnings).found();
 }
 
 }  // namespace pliant

@@ -1,4 +1,4 @@
-/// What an input may mean, but seldom does: nothing is wrong with it, and the user is warned.
+/// What an input may mean, but seldom does: nothing is wrong with it, and the user is warned of it.
 #pragma once
 
 #include "energy/constraint/prescribed.hpp"
@@ -6,13 +6,12 @@
 #include "mesh/report.hpp"
 #include "model/selections.hpp"
 
-#include <string>
 #include <vector>
 
 namespace pliant {
 
-/// What the input alone tells, each with its place, in plain words.
-std::vector<std::string> doubts_about(const Config& config);
+/// What shows in the input alone; with the warnings about its text.
+std::vector<Diagnostic> warnings_about(const Config& config);
 
 /// Does the input alone leave the bodies at rest? Terms that others add may move them.
 bool nothing_moves(const Config& config);
@@ -20,18 +19,18 @@ bool nothing_moves(const Config& config);
 /// Do loads push the bodies that no constraint holds, and nothing else stops them, nor are they thrown?
 bool may_fall(const Config& config);
 
-/// What the input gives and its kind of analysis does not use, in plain words.
-std::vector<std::string> without_effect(const Config& config);
+/// Notes of what the input gives and its kind of analysis does not use.
+std::vector<Diagnostic> notes_of_idle_keys(const Config& config);
 
 /// A mesh in other units than metres.
-std::vector<std::string> doubts_about_mesh(const Config& config, const MeshReport& mesh);
+std::vector<Diagnostic> warnings_about_mesh(const Config& config, const MeshReport& mesh);
 
 /// Constraints that a motion does not start from. Collective over the ranks of `layout`, as the next.
-std::vector<std::string> doubts_about_start(const Config& config, const NodeLayout& layout, Selections& selections);
+std::vector<Diagnostic> warnings_about_start(const Config& config, const NodeLayout& layout, Selections& selections);
 
 /// Loads on parts of which every node is given its displacement: they move nothing. `selections` must be without
-/// mistakes.
-std::vector<std::string> doubts_about_loads(const Config& config, const NodeLayout& layout, Selections& selections,
-                                            const PrescribedDisplacement& prescribed);
+/// errors.
+std::vector<Diagnostic> warnings_about_loads(const Config& config, const NodeLayout& layout, Selections& selections,
+                                             const PrescribedDisplacement& prescribed);
 
 }  // namespace pliant

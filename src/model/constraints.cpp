@@ -81,10 +81,10 @@ Constraints::Constraints(const Config& config, const NodeLayout& layout, Selecti
                       "let them agree",
                       title(config, i), title(config, j)));
     }
-    selections.throw_mistakes();
+    selections.throw_if_errors();
   });
   auto all_ties = ties(config, selections);
-  selections.throw_mistakes();
+  selections.throw_if_errors();
   all_ties = gathered(layout.comm, all_ties);
   check_turning_parts(config, all_ties, selections);
   const bool any_turns = std::ranges::any_of(parts_, [](const Part& part) { return part.turns.has_value(); });
@@ -292,7 +292,7 @@ void Constraints::eliminate_ties(const Config& config, std::vector<LinearConstra
                                   "them agree at all times",
                                   title(config, i), title(config, j)));
   }
-  selections.throw_mistakes();
+  selections.throw_if_errors();
   // The first are the prescribed entries themselves.
   result.slaves.erase(result.slaves.begin(), result.slaves.begin() + static_cast<std::ptrdiff_t>(num_prescribed));
   std::vector<RigidPatch> patches;
@@ -350,7 +350,7 @@ void Constraints::check_turning_parts(const Config& config, const std::vector<Li
                                   "the nodes that both hold",
                                   title(config, part), title(config, other)));
   }
-  selections.throw_mistakes();
+  selections.throw_if_errors();
 }
 
 // Entries go under the name of the first constraint that claims them; those of a rigid part all.

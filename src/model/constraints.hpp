@@ -29,7 +29,7 @@ struct Reaction {
 
 class Constraints {
  public:
-  /// Throws InputError with its mistakes and those that `selections` has found before. Collective.
+  /// Throws InputError with its errors and those that `selections` has found before. Collective.
   Constraints(const Config& config, const NodeLayout& layout, Selections& selections);
   Constraints(const Constraints&) = delete;  // hooks refer to the object
   Constraints& operator=(const Constraints&) = delete;
@@ -72,7 +72,7 @@ class Constraints {
   std::vector<LinearConstraint> equation_ties(const ConstraintConfig& constraint, std::size_t c,
                                               Selections& selections) const;
   void eliminate_ties(const Config& config, std::vector<LinearConstraint> ties, Selections& selections);
-  /// Parts that turn freely obey nothing else: a mistake for each that does.
+  /// Parts that turn freely obey nothing else: an error for each that does.
   void check_turning_parts(const Config& config, const std::vector<LinearConstraint>& ties,
                            Selections& selections) const;
   void add_supports(const Config& config);

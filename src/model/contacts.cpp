@@ -144,8 +144,8 @@ void Contacts::add_surfaces(const ContactBodies& bodies) {
     surfaces_.push_back(std::make_shared<const ContactSurface>(layout_, bodies.pattern, std::move(facets[b]), law));
     if (count == 0.0) continue;
     description_.push_back(
-        fmt::format("contact of '{}': {:.0f} facets of some {:.3g} m, stiffness {:.3g} Pa/m, width {:.3g} m",
-                    body_names_[b], count, size, law.stiffness, law.width));
+        note(fmt::format("contact of '{}': {:.0f} facets of some {:.3g} m, stiffness {:.3g} Pa/m, width {:.3g} m",
+                         body_names_[b], count, size, law.stiffness, law.width)));
   }
 }
 
@@ -227,8 +227,8 @@ double Contacts::width_of(std::size_t obstacle) const {
   return extent[1];  // of a sheet the breadth: points find its face
 }
 
-std::optional<std::string> Contacts::doubt_about_push(std::size_t obstacle, std::size_t body, const Instant& at,
-                                                      std::span<const double> q) const {
+std::optional<Diagnostic> Contacts::warning_about_push(std::size_t obstacle, std::size_t body, const Instant& at,
+                                                       std::span<const double> q) const {
   const ObstacleConfig& o = config_.obstacles[obstacle];
   const ContactSurface& surface = *surfaces_[body];
   const ObstacleFrame frame = obstacles_[obstacle]->at(at);
@@ -249,20 +249,23 @@ std::optional<std::string> Contacts::doubt_about_push(std::size_t obstacle, std:
   const std::string place = distance < 0.0
                                 ? fmt::format("{:.3g} m deep in the obstacle '{}'", -distance, o.name)
                                 : fmt::format("{:.3g} m from the obstacle '{}', where contact acts", distance, o.name);
-  return fmt::format(
-      "{}: '{}' starts {}, which pushes it at {:.0f} of its contact points and would throw it out with "
-      "{:.3g} J that nothing brought in; move one of them{}",
-      to_string(o.where), body_names_[body], place, num_points, energy,
-      o.shape == ObstacleConfig::Shape::plane && -gap > facet_sizes_[body]
-          ? ", or turn 'normal' round: it points to where the bodies are"
-          : "");
+  return Diagnostic{
+      Severity::warning, o.where,
+      fmt::format("'{}' starts {}, which pushes it at {:.0f} of its contact points and would throw it out with "
+                  "{:.3g} J that nothing brought in; move one of them{}",
+                  body_names_[body], place, num_points, energy,
+                  o.shape == ObstacleConfig::Shape::plane && -gap > facet_sizes_[body]
+                      ? ", or turn 'normal' round: it points to where the bodies are"
+                      : "")};
 }
 
-std::vector<std::string> Contacts::doubts_about_start(const Instant& at, const VectorExpression& displacement) const {
-  std::vector<std::string> doubts;
+std::vector<Diagnostic> Contacts::warnings_about_start(const Instant& at, const VectorExpression& displacement) const {
+  std::vector<Diagnostic> warnings;
+  const auto warn = [&](const Location& where, std::string message) {
+    warnings.push_back({Severity::warning, where, std::move(message)});
+  };
   if (description_.empty()) {
-    doubts.push_back(to_string(config_.where) +
-                     ": nothing can touch the obstacles: constraints give every displacement of the surface that may");
+    warn(config_.where, "nothing can touch the obstacles: constraints give every displacement of the surface that may");
   }
   std::vector<double> q(layout_.coordinates.size());
   for (PetscInt a = 0; a < layout_.num_local_nodes; ++a) {
@@ -275,24 +278,25 @@ std::vector<std::string> Contacts::doubts_about_start(const Instant& at, const V
     const ObstacleConfig& o = config_.obstacles[k];
     const ObstacleFrame frame = obstacles_[k]->at(at);
     if (is_within_bodies(o, frame, displacement)) {
-      doubts.push_back(
-          fmt::format("{}: the obstacle '{}' starts inside a body, which feels it only where its surface "
-                      "meets it; move one of them",
-                      to_string(o.where), o.name));
+      warn(o.where, fmt::format("the obstacle '{}' starts inside a body, which feels it only where its surface "
+                                "meets it; move one of them",
+                                o.name));
       continue;
     }
     for (std::size_t b = 0; b < body_names_.size(); ++b) {
       const double width = widths_[k], spacing = spacing_per_facet * facet_sizes_[b];
       if (has_facets[b] && width < spacing) {
-        doubts.push_back(fmt::format(
-            "{}: the obstacle '{}' is {:.3g} m wide, but '{}' feels it at points that are up to {:.3g} m apart (facets "
-            "of some {:.3g} m): it can poke in between them; refine the mesh where they touch",
-            to_string(o.where), o.name, width, body_names_[b], spacing, facet_sizes_[b]));
+        warn(
+            o.where,
+            fmt::format(
+                "the obstacle '{}' is {:.3g} m wide, but '{}' feels it at points that are up to {:.3g} m apart (facets "
+                "of some {:.3g} m): it can poke in between them; refine the mesh where they touch",
+                o.name, width, body_names_[b], spacing, facet_sizes_[b]));
       }
-      if (auto doubt = doubt_about_push(k, b, at, q)) doubts.push_back(std::move(*doubt));
+      if (auto warning = warning_about_push(k, b, at, q)) warnings.push_back(std::move(*warning));
     }
   }
-  return doubts;
+  return warnings;
 }
 
 Closeness Contacts::closeness(const Instant& at, std::span<const double> q) const {

@@ -63,17 +63,17 @@ class Contacts {
 
   /// Throws InputError if a body lies beyond a barrier. Collective.
   void check_start(const Instant& at, std::span<const double> q) const;
-  /// Warnings, each with its place: nothing that may touch; obstacles within a body, or narrower than its contact
+  /// Warnings: nothing that may touch; obstacles within a body, or narrower than its contact
   /// points are apart; bodies on which contact acts at the start. Collective.
-  std::vector<std::string> doubts_about_start(const Instant& at, const VectorExpression& displacement) const;
+  std::vector<Diagnostic> warnings_about_start(const Instant& at, const VectorExpression& displacement) const;
   /// The energy of all contacts, of this rank's part [J].
   double energy(const Instant& at, std::span<const double> q) const;
   /// Of the owned nodes; nodes within the bodies have a gap and nothing else. `dt`: the time over which the velocities
   /// of obstacles are told.
   std::vector<NodalContact> at_nodes(const Instant& at, double dt, std::span<const double> q,
                                      std::span<const double> v) const;
-  /// What was derived from material and mesh, in words.
-  const std::vector<std::string>& description() const { return description_; }
+  /// Notes of what was derived from material and mesh.
+  const std::vector<Diagnostic>& description() const { return description_; }
 
  private:
   struct Pair {
@@ -83,9 +83,9 @@ class Contacts {
   void add_surfaces(const ContactBodies& bodies);
   /// The width of an obstacle that may poke in between contact points [m].
   double width_of(std::size_t obstacle) const;
-  /// What to say of a body that an obstacle pushes at the start, if it does. Collective.
-  std::optional<std::string> doubt_about_push(std::size_t obstacle, std::size_t body, const Instant& at,
-                                              std::span<const double> q) const;
+  /// A warning if an obstacle pushes a body at the start. Collective.
+  std::optional<Diagnostic> warning_about_push(std::size_t obstacle, std::size_t body, const Instant& at,
+                                               std::span<const double> q) const;
   /// Is its middle in the material at the start? Collective.
   bool is_within_bodies(const ObstacleConfig& o, const ObstacleFrame& frame,
                         const VectorExpression& displacement) const;
@@ -101,7 +101,7 @@ class Contacts {
   std::vector<std::unique_ptr<EnergyTerm>> terms_;
   std::vector<Pair> pairs_;
   std::vector<ContactGroup> groups_;
-  std::vector<std::string> description_;
+  std::vector<Diagnostic> description_;
   bool has_inertia_ = false;
 };
 

@@ -121,14 +121,14 @@ std::vector<DrivingFormula> driving_formulas(const Config& config) {
   return all;
 }
 
-std::vector<std::string> doubts_about_moving_kinks(const Config& config, const std::array<double, 6>& bounds) {
+std::vector<Diagnostic> warnings_about_moving_kinks(const Config& config, const std::array<double, 6>& bounds) {
   struct Kink {
     double time;
     std::array<double, 3> X;
   };
   constexpr double samples = 1e3;
-  std::vector<std::string> doubts;
-  if (!has_steps(config)) return doubts;
+  std::vector<Diagnostic> warnings;
+  if (!has_steps(config)) return warnings;
   for (const auto& [formula, where, kind] : driving_formulas(config)) {
     if (kind != DrivingFormula::Kind::motion || !formula->depends_on_space()) continue;
     std::vector<Kink> kinks;
@@ -144,15 +144,17 @@ std::vector<std::string> doubts_about_moving_kinks(const Config& config, const s
       return fmt::format("t = {:.4g} s at ({:.4g}, {:.4g}, {:.4g})", kink.time, kink.X[0], kink.X[1], kink.X[2]);
     };
     const auto [first, last] = std::ranges::minmax_element(kinks, {}, &Kink::time);
-    doubts.push_back(fmt::format(
-        "{}: the motion prescribed by '{}' has kinks or jumps whose times depend on the place, as at {}{}: steps do "
-        "not "
-        "end there, so that every method is of first order at best, and velocities may be wrong by what the kink "
-        "changes; name the times that matter in 'time.events', or write a formula without kinks, such as "
-        "0.5*(a + b - sqrt((a - b)^2 + c^2)) with a small c in place of min(a, b)",
-        to_string(where), excerpt(formula->text()), at(*first), last->time > first->time ? " and " + at(*last) : ""));
+    warnings.push_back(
+        {Severity::warning, where,
+         fmt::format(
+             "the motion prescribed by '{}' has kinks or jumps whose times depend on the place, as at {}{}: steps do "
+             "not "
+             "end there, so that every method is of first order at best, and velocities may be wrong by what the kink "
+             "changes; name the times that matter in 'time.events', or write a formula without kinks, such as "
+             "0.5*(a + b - sqrt((a - b)^2 + c^2)) with a small c in place of min(a, b)",
+             excerpt(formula->text()), at(*first), last->time > first->time ? " and " + at(*last) : "")});
   }
-  return doubts;
+  return warnings;
 }
 
 Events events_of(const Config& config) {
@@ -165,17 +167,19 @@ Events events_of(const Config& config) {
   constexpr double always_taken = 50.0;
   const double most = std::max(always_taken, 0.5 * config.time.end / config.time.step);
   if (static_cast<double>(kinks.size()) > most) {
-    events.warnings.push_back(
-        fmt::format("{}: formulas of t have {} kinks or jumps, at {}: too many for steps to end at all of them; take "
-                    "shorter steps, "
-                    "or name those that matter in 'time.events'",
-                    config.file, kinks.size(), in_words(kinks)));
+    events.diagnostics.push_back(
+        {Severity::warning,
+         {config.file, 0, 0},
+         fmt::format("formulas of t have {} kinks or jumps, at {}: too many for steps to end at all of them; take "
+                     "shorter steps, "
+                     "or name those that matter in 'time.events'",
+                     kinks.size(), in_words(kinks))});
     return events;
   }
   std::ranges::transform(kinks, std::back_inserter(events.times), &Kink::time);
   std::ranges::sort(events.times);
-  events.notices.push_back(
-      fmt::format("formulas of t have kinks or jumps; steps end there, as at 'time.events': {}", in_words(kinks)));
+  events.diagnostics.push_back(note(
+      fmt::format("formulas of t have kinks or jumps; steps end there, as at 'time.events': {}", in_words(kinks))));
   return events;
 }
 

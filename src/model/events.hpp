@@ -4,7 +4,6 @@
 #include "input/config.hpp"
 
 #include <array>
-#include <string>
 #include <vector>
 
 namespace pliant {
@@ -21,9 +20,8 @@ std::vector<DrivingFormula> driving_formulas(const Config& config);
 /// Where steps end, and methods with past states start anew: the input's `time.events`, and the times at which its
 /// formulas of t have kinks or jumps (Expression::kinks).
 struct Events {
-  std::vector<double> times;          ///< ascending, in (0, end) [s]
-  std::vector<std::string> notices;   ///< which of them were found
-  std::vector<std::string> warnings;  ///< kinks that are too many to be events
+  std::vector<double> times;            ///< ascending, in (0, end) [s]
+  std::vector<Diagnostic> diagnostics;  ///< which of them were found, or a warning that there are too many kinks
 };
 
 /// Kinks are looked for at quarters of a step, or at a thousandth of the run if that is less. Of a static problem there
@@ -32,6 +30,6 @@ Events events_of(const Config& config);
 
 /// Warnings of prescribed motion whose kinks are at another time at each place, which therefore are no events. Looked
 /// for at 27 places of a box: `bounds` are xmin ymin zmin xmax ymax zmax of the bodies [m].
-std::vector<std::string> doubts_about_moving_kinks(const Config& config, const std::array<double, 6>& bounds);
+std::vector<Diagnostic> warnings_about_moving_kinks(const Config& config, const std::array<double, 6>& bounds);
 
 }  // namespace pliant

@@ -93,7 +93,7 @@ Rotation initial_rotation(const Config& config, const MotionAtStart& at, int bod
 
 /// A free body that turns while none of its vibrations can follow the stretch that the steps leave. It stores at least
 /// 2 mu stretch^2 per volume: mu the shear modulus, the stretch that of the plane in which it turns.
-std::optional<std::string> doubt_rotation(const Config& config, const Method& method, const MotionAtStart& at) {
+std::optional<Diagnostic> rotation_warning(const Config& config, const Method& method, const MotionAtStart& at) {
   if (method.num_steps > 1 || method.stiffly_accurate || !config.constraints.empty()) return std::nullopt;
   const double dt = config.time.step;
   double worst = 0.0, angle = 0.0;
@@ -109,16 +109,18 @@ std::optional<std::string> doubt_rotation(const Config& config, const Method& me
   if (worst < certain_stretch) return std::nullopt;
   // The stretch is of second order in the step, its energy of fourth.
   const double sound = dt * std::pow(harmless_stretch / worst, 0.25);
-  return fmt::format(
-      "{}: '{}' cannot take steps of {} s here: the body turns by {:.2g} degrees in a step, which leaves it stretched "
-      "with {:.2g} times the energy of the rotation, out of nothing; take steps below {:.1g} s, or a method whose last "
-      "stage ends the step: bdf2, dirk22, dirk33",
-      to_string(config.time.method.where), config.time.method.value, format_number(dt),
-      angle * 180.0 / std::numbers::pi, worst, sound);
+  return Diagnostic{
+      Severity::warning, config.time.method.where,
+      fmt::format(
+          "'{}' cannot take steps of {} s here: the body turns by {:.2g} degrees in a step, which leaves it stretched "
+          "with {:.2g} times the energy of the rotation, out of nothing; take steps below {:.1g} s, or a method whose "
+          "last "
+          "stage ends the step: bdf2, dirk22, dirk33",
+          config.time.method.value, format_number(dt), angle * 180.0 / std::numbers::pi, worst, sound)};
 }
 
 /// Vibrations that the method makes grow, and the body has.
-std::optional<std::string> doubt_vibrations(const Config& config, const Method& method, const MotionAtStart& at) {
+std::optional<Diagnostic> vibration_warning(const Config& config, const Method& method, const MotionAtStart& at) {
   const auto rings = [](const BodyConfig& body) { return body.viscosity.empty(); };
   if (method.stability != Stability::not_a_stable || std::ranges::none_of(config.bodies, rings)) return std::nullopt;
   const double dt = config.time.step;
@@ -130,14 +132,15 @@ std::optional<std::string> doubt_vibrations(const Config& config, const Method& 
   const auto [factor, phase] = fastest_growth(method, lowest * dt, highest * dt);
   const double decades = 2.0 * std::log10(factor) * config.time.end / dt;
   if (decades < std::log10(certain_growth)) return std::nullopt;
-  return fmt::format(
-      "{}: '{}' is not A-stable: in steps of {} s vibrations near {:.2g} Hz, which the body has, grow by {:.2g} % or "
-      "more in a step, and their energy over the run by a factor of {} or more; give the bodies a viscosity "
-      "(stiffness-proportional, "
-      "time: {:.2g} s), or take another method",
-      to_string(config.time.method.where), config.time.method.value, format_number(dt),
-      phase / dt / (2.0 * std::numbers::pi), 100.0 * (factor - 1.0),
-      decades > 30.0 ? "1e+30" : fmt::format("{:.0e}", std::pow(10.0, decades)), 0.2 * dt);
+  return Diagnostic{
+      Severity::warning, config.time.method.where,
+      fmt::format(
+          "'{}' is not A-stable: in steps of {} s vibrations near {:.2g} Hz, which the body has, grow by {:.2g} % or "
+          "more in a step, and their energy over the run by a factor of {} or more; give the bodies a viscosity "
+          "(stiffness-proportional, "
+          "time: {:.2g} s), or take another method",
+          config.time.method.value, format_number(dt), phase / dt / (2.0 * std::numbers::pi), 100.0 * (factor - 1.0),
+          decades > 30.0 ? "1e+30" : fmt::format("{:.0e}", std::pow(10.0, decades)), 0.2 * dt)};
 }
 
 }  // namespace
@@ -165,14 +168,14 @@ FastestGrowth fastest_growth(const Method& method, double lowest, double highest
   return fastest;
 }
 
-std::vector<std::string> doubts_about_method(const Config& config, const MotionAtStart& at) {
+std::vector<Diagnostic> warnings_about_method(const Config& config, const MotionAtStart& at) {
   const Method* method = method_of(config.time);
   if (method == nullptr || config.time.adaptive) return {};
-  std::vector<std::string> doubts;
-  for (auto& doubt : {doubt_rotation(config, *method, at), doubt_vibrations(config, *method, at)}) {
-    if (doubt) doubts.push_back(*doubt);
+  std::vector<Diagnostic> warnings;
+  for (const auto& warning : {rotation_warning(config, *method, at), vibration_warning(config, *method, at)}) {
+    if (warning) warnings.push_back(*warning);
   }
-  return doubts;
+  return warnings;
 }
 
 }  // namespace pliant

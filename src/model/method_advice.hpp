@@ -6,7 +6,6 @@
 #include "mesh/report.hpp"
 
 #include <span>
-#include <string>
 #include <vector>
 
 namespace pliant {
@@ -37,7 +36,7 @@ struct FastestGrowth {
 };
 FastestGrowth fastest_growth(const Method& method, double lowest, double highest);
 
-/// Warnings. Steps must be equal. Collective.
-std::vector<std::string> doubts_about_method(const Config& config, const MotionAtStart& at);
+/// Steps must be equal. Collective.
+std::vector<Diagnostic> warnings_about_method(const Config& config, const MotionAtStart& at);
 
 }  // namespace pliant

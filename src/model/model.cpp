@@ -41,42 +41,50 @@ Model::Model(MPI_Comm comm, const Config& config, const TermFactory& additional)
   layout_ = make_layout(mesh, order);
   on_every_rank(comm, [&] { pattern_ = std::make_unique<BlockPattern>(layout_); });
   if (order == 1 && mesh.geometry_order == 2) {
-    notices_.push_back("the mesh has curved edges, which P1 elements straighten; `element: P2` keeps them");
+    diagnostics_.push_back(note("the mesh has curved edges, which P1 elements straighten; `element: P2` keeps them"));
   }
   build_terms(config, mesh);
   if (additional) {
     additional_ = additional(*this);
   } else if (nothing_moves(config)) {
-    doubts_.push_back(
-        config.file +
-        ": nothing moves the bodies: no load, no prescribed motion, no initial velocity; the result is 0");
+    warn({config.file, 0, 0},
+         "nothing moves the bodies: no load, no prescribed motion, no initial velocity; the result is 0");
   }
   prepare(config);
-  if (contacts_) {
-    for (auto& doubt : contacts_->doubts_about_start(instant(0.0), config.initial.displacement))
-      doubts_.push_back(std::move(doubt));
-  }
-  doubt_overlap(config);
-  std::ranges::move(without_effect(config), std::back_inserter(notices_));
-  Events events = events_of(config);
-  std::ranges::move(events.notices, std::back_inserter(notices_));
-  std::ranges::move(events.warnings, std::back_inserter(doubts_));
-  std::ranges::move(doubts_about_moving_kinks(config, mesh_report_.bounds), std::back_inserter(doubts_));
+  if (contacts_) include(contacts_->warnings_about_start(instant(0.0), config.initial.displacement));
+  check_overlap(config);
+  include(notes_of_idle_keys(config));
+  include(events_of(config).diagnostics);
+  include(warnings_about_moving_kinks(config, mesh_report_.bounds));
+  check_method(config);
+  // Warnings last, where the user sees them.
+  std::ranges::stable_sort(diagnostics_, std::ranges::greater{}, &Diagnostic::severity);
+}
+
+void Model::check_method(const Config& config) {
   std::vector<double> shear_waves;
   for (std::size_t b = 0; b < densities_.size(); ++b) {
     shear_waves.push_back(densities_[b] > 0.0 ? std::sqrt(shear_moduli_[b] / densities_[b]) : 0.0);
   }
-  const auto doubts =
-      doubts_about_method(config, {layout_, body_of_cell_, shear_waves, wave_speeds_.slowest, mesh_report_});
-  std::ranges::copy(doubts, std::back_inserter(doubts_));
+  auto warnings =
+      warnings_about_method(config, {layout_, body_of_cell_, shear_waves, wave_speeds_.slowest, mesh_report_});
   const Method* method = method_of(config.time);
   const auto rings = [](const BodyConfig& body) { return body.viscosity.empty(); };
-  if (doubts.empty() && method != nullptr && method->stability == Stability::not_a_stable &&
+  if (warnings.empty() && method != nullptr && method->stability == Stability::not_a_stable &&
       std::ranges::any_of(config.bodies, rings)) {
-    notices_.push_back(fmt::format(
+    diagnostics_.push_back(note(fmt::format(
         "{} is not A-stable: vibrations that nothing damps grow; give the bodies a viscosity, or take another method",
-        method->name.empty() ? "the method" : method->name));
+        method->name.empty() ? "the method" : method->name)));
   }
+  include(std::move(warnings));
+}
+
+void Model::warn(const Location& where, std::string message) {
+  diagnostics_.push_back({Severity::warning, where, std::move(message)});
+}
+
+void Model::include(std::vector<Diagnostic> found) {
+  std::ranges::move(found, std::back_inserter(diagnostics_));
 }
 
 void Model::include_waves(const ElasticLawSpec& law, double density) {
@@ -180,19 +188,18 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
     touching = selections.outer_facets(config.contact->part, config.contact->where, "where nothing can be touched");
   }
   constraints_ = std::make_unique<Constraints>(config, layout_, selections);
-  for (const auto& notice : selections.unused_groups()) notices_.push_back(notice);
+  include(selections.unused_groups());
   if (layout_.order == 1) {
     build_cells<1>(config, mesh);
   } else {
     build_cells<2>(config, mesh);
   }
-  const auto doubt = [&](std::vector<std::string> doubts) { std::ranges::move(doubts, std::back_inserter(doubts_)); };
-  doubt(doubts_about(config));
-  doubt(doubts_about_mesh(config, mesh_report_));
-  doubt(doubts_about_loads(config, layout_, selections, constraints_->prescribed()));
+  include(warnings_about(config));
+  include(warnings_about_mesh(config, mesh_report_));
+  include(warnings_about_loads(config, layout_, selections, constraints_->prescribed()));
   const bool may_start_deformed = config.volumetric != VolumetricTreatment::mixed;  // which is refused later
   if (may_start_deformed && analysis_of(config) == Analysis::dynamic) {
-    doubt(doubts_about_start(config, layout_, selections));
+    include(warnings_about_start(config, layout_, selections));
   }
   loads_->complete(config, constraints_->prescribed());
   require_finite(analysis_of(config) == Analysis::static_equilibrium ? config.time.end : 0.0);
@@ -200,7 +207,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
     contacts_ = std::make_unique<Contacts>(
         *config.contact, ContactBodies{touching, layout_, *pattern_, body_of_cell_, body_names_, shear_moduli_,
                                        constraints_->prescribed().flags()});
-    for (const auto& line : contacts_->description()) notices_.push_back(line);
+    include(contacts_->description());
   }
 
   find_components(config, selections);
@@ -212,9 +219,9 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   for (std::size_t p = 0; p < probes_.size(); ++p) {
     const double far = probes_[p].distance;
     if (far > 0.0) {
-      notices_.push_back(
-          fmt::format("probe '{}' lies outside the mesh; the nearest node, {:.3g} m away, is recorded instead",
-                      config.probes[p].name, far));
+      diagnostics_.push_back(
+          note(fmt::format("probe '{}' lies outside the mesh; the nearest node, {:.3g} m away, is recorded instead",
+                           config.probes[p].name, far)));
     }
   }
 }
@@ -225,19 +232,18 @@ void Model::require_near(const std::vector<ProbeConfig>& probes) const {
   constexpr double near = 0.05;  // of the mesh's diagonal
   const auto& b = mesh_report_.bounds;
   const double diagonal = std::hypot(b[3] - b[0], b[4] - b[1], b[5] - b[2]);
-  std::vector<Diagnostic> mistakes;
+  std::vector<Diagnostic> errors;
   for (std::size_t p = 0; p < probes_.size(); ++p) {
     if (!(probes_[p].distance > near * diagonal)) continue;  // to a node
     const NearestOfMesh nearest = nearest_of_mesh(layout_, probes[p].point);
     if (!(nearest.distance > near * diagonal)) continue;
     const auto& [x, y, z] = nearest.point;
-    mistakes.push_back(
-        {probes[p].where,
-         fmt::format("probe '{}' lies outside the mesh, {:.3g} m from its nearest point ({:.4g}, {:.4g}, "
-                     "{:.4g}); positions are in metres, after 'mesh.scale', of the undeformed body",
-                     probes[p].name, nearest.distance, x, y, z)});
+    errors.push_back({Severity::error, probes[p].where,
+                      fmt::format("probe '{}' lies outside the mesh, {:.3g} m from its nearest point ({:.4g}, {:.4g}, "
+                                  "{:.4g}); positions are in metres, after 'mesh.scale', of the undeformed body",
+                                  probes[p].name, nearest.distance, x, y, z)});
   }
-  if (!mistakes.empty()) throw InputError(mistakes);
+  if (!errors.empty()) throw InputError(std::move(errors));
 }
 
 void Model::find_components(const Config& config, Selections& selections) {
@@ -264,16 +270,16 @@ void Model::find_components(const Config& config, Selections& selections) {
     int num_free = 0;
     for (const char held : is_held) num_free += any_rank(layout_.comm, held != 0) ? 0 : 1;
     if (num_free > 0) {
-      notices_.push_back(fmt::format(
+      diagnostics_.push_back(note(fmt::format(
           "nothing holds {}: the loads move {} away; constraints, springs or contact hold a body",
           components_.count == 1 ? "the body" : fmt::format("{} of the mesh's {} parts", num_free, components_.count),
-          num_free == 1 ? "it" : "them"));
+          num_free == 1 ? "it" : "them")));
     }
   }
   for (const auto& nodes : links) join(components_, layout_, nodes);
 }
 
-void Model::doubt_overlap(const Config& config) {
+void Model::check_overlap(const Config& config) {
   std::vector<double> u(3 * static_cast<std::size_t>(layout_.num_local_nodes));
   for (PetscInt n = 0; n < layout_.num_local_nodes; ++n) {
     const auto [x, y, z] = layout_.position(n);
@@ -283,11 +289,11 @@ void Model::doubt_overlap(const Config& config) {
   overlaps_at_start_ = overlap.has_value();
   if (!overlap) return;
   const auto& [x, y, z] = overlap->at;
-  doubts_.push_back(
-      fmt::format("{}: parts of the mesh that share no node overlap at the start, {:.3g} m deep at ({:.4g}, {:.4g}, "
-                  "{:.4g}): they do not feel one another, since contact acts between bodies and obstacles only; move "
-                  "one of them, or join them in gmsh (BooleanFragments)",
-                  to_string(config.mesh.file.where), overlap->depth, x, y, z));
+  warn(config.mesh.file.where,
+       fmt::format("parts of the mesh that share no node overlap at the start, {:.3g} m deep at ({:.4g}, {:.4g}, "
+                   "{:.4g}): they do not feel one another, since contact acts between bodies and obstacles only; move "
+                   "one of them, or join them in gmsh (BooleanFragments)",
+                   overlap->depth, x, y, z));
 }
 
 void Model::prepare(const Config& config) {

@@ -22,7 +22,7 @@
 
 namespace pliant {
 
-/// Material time scales, for advice.
+/// Material time scales, for warnings.
 struct WaveSpeeds {
   double fastest = 0.0;  ///< pressure waves of the stiffest body [m/s]
   double slowest = 0.0;  ///< shear waves of the softest body [m/s]
@@ -38,7 +38,7 @@ using TermFactory = std::function<std::vector<std::unique_ptr<EnergyTerm>>(const
 /// everything is found on it: it takes as much memory as all terms. A static problem has no inertia.
 class Model {
  public:
-  /// Throws InputError with all mistakes that show only against the mesh. Collective.
+  /// Throws InputError with all errors that show only against the mesh. Collective.
   Model(MPI_Comm comm, const Config& config, const TermFactory& additional = {});
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
@@ -65,13 +65,11 @@ class Model {
   const WaveSpeeds& wave_speeds() const { return wave_speeds_; }
   /// Wall-clock time that the mesh took: reading or meshing, checks, partition, distribution [s].
   double mesh_seconds() const { return mesh_seconds_; }
-  /// What the user should know, in plain words.
-  const std::vector<std::string>& notices() const { return notices_; }
   /// Parts of the mesh that neither nodes nor constraints join.
   const Components& components() const { return components_; }
   bool overlaps_at_start() const { return overlaps_at_start_; }
-  /// What the user may not have meant, likewise.
-  const std::vector<std::string>& doubts() const { return doubts_; }
+  /// Notes, then warnings: what the user should know, and what may not be meant.
+  const std::vector<Diagnostic>& diagnostics() const { return diagnostics_; }
 
   /// Sets up the terms and their sum for the method of `config`, which else is the one of the constructor: the form of
   /// strain rates may depend on it. What `potential()` gave before is gone. Collective.
@@ -95,7 +93,10 @@ class Model {
   void require_near(const std::vector<ProbeConfig>& probes) const;
   /// Parts of the mesh that neither nodes nor constraints join.
   void find_components(const Config& config, Selections& selections);
-  void doubt_overlap(const Config& config);
+  void check_overlap(const Config& config);
+  void check_method(const Config& config);
+  void warn(const Location& where, std::string message);
+  void include(std::vector<Diagnostic> found);
   void require_finite_initial(const Config& config, const char* what, Vec values) const;
   /// Widens the range of wave speeds.
   void include_waves(const ElasticLawSpec& law, double density);
@@ -131,8 +132,7 @@ class Model {
   bool is_dynamic_ = false;
   std::optional<double> static_time_;  // at which a static problem takes its loads
   WaveSpeeds wave_speeds_;
-  std::vector<std::string> notices_;
-  std::vector<std::string> doubts_;
+  std::vector<Diagnostic> diagnostics_;
 };
 
 }  // namespace pliant

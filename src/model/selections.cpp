@@ -208,18 +208,18 @@ std::vector<char> Selections::cells(const Selection& part) {
   return result;
 }
 
-void Selections::throw_mistakes() const {
-  if (!mistakes_.empty()) throw InputError(mistakes_);
+void Selections::throw_if_errors() const {
+  if (!errors_.empty()) throw InputError(errors_);
 }
 
-std::vector<std::string> Selections::unused_groups() const {
-  std::vector<std::string> notices;
+std::vector<Diagnostic> Selections::unused_groups() const {
+  std::vector<Diagnostic> notes;
   for (const auto& g : mesh_.groups) {
     if (std::find(used_.begin(), used_.end(), &g) == used_.end()) {
-      notices.push_back(fmt::format("{} '{}' of the mesh is not used by the input", noun(g.dimension), title(g)));
+      notes.push_back(note(fmt::format("{} '{}' of the mesh is not used by the input", noun(g.dimension), title(g))));
     }
   }
-  return notices;
+  return notes;
 }
 
 }  // namespace pliant

@@ -8,7 +8,7 @@
 
 namespace pliant {
 
-/// Resolves selections and keeps every mistake, so that all are told at once. Its answers and mistakes are the same on
+/// Resolves selections and keeps every error, so that all are reported at once. Its answers and errors are the same on
 /// every rank, but for the lists of this rank's nodes and facets.
 class Selections {
  public:
@@ -18,7 +18,7 @@ class Selections {
   std::vector<PetscInt> nodes(const Selection& part);
   /// Facets: of a surface group, or of the body's surface as a whole or inside a box or region. Collective.
   FacetList facets(const Selection& part);
-  /// The same of the mesh's surface only: what lies inside is a mistake at `where`, and `reason` tells why. Collective.
+  /// The same of the mesh's surface only: what lies inside is an error at `where`, and `reason` says why. Collective.
   FacetList outer_facets(const Selection& part, const Location& where, const std::string& reason);
   /// Edges of a curve. Collective.
   EdgeList edges(const Selection& part);
@@ -27,12 +27,14 @@ class Selections {
   /// Per local cell: in the part or not. Collective.
   std::vector<char> cells(const Selection& part);
 
-  void report(Location where, std::string message) { mistakes_.push_back({std::move(where), std::move(message)}); }
-  /// Throws InputError if there were mistakes. Not collective, but the same on every rank.
-  void throw_mistakes() const;
+  void report(Location where, std::string message) {
+    errors_.push_back({Severity::error, std::move(where), std::move(message)});
+  }
+  /// Throws InputError if there were errors. Not collective, but the same on every rank.
+  void throw_if_errors() const;
 
-  /// Groups that no selection has used so far, as notices.
-  std::vector<std::string> unused_groups() const;
+  /// Notes of the groups that no selection has used so far.
+  std::vector<Diagnostic> unused_groups() const;
 
  private:
   const PhysicalGroup* group(const Selection& part);
@@ -40,7 +42,7 @@ class Selections {
   const Mesh& mesh_;
   const NodeLayout& layout_;
   std::vector<const PhysicalGroup*> used_;
-  std::vector<Diagnostic> mistakes_;
+  std::vector<Diagnostic> errors_;
 };
 
 /// The part in words: "surface 'clamp'".

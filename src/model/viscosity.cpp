@@ -16,26 +16,36 @@ StrainRate automatic_rate(const Method* method) {
   return method == nullptr ? StrainRate::exact : strain_rate_for(*method);
 }
 
-Maxwell branch_of(const ViscosityConfig& v) {
-  if (!v.shear_ratio) return {v.shear_modulus, v.bulk_modulus, v.relaxation_time};
-  return {*v.shear_ratio, v.bulk_ratio, v.relaxation_time, Moduli::relative};
-}
+/// The law of a term in the strain of each point. Prony series and what acts on the body's velocity are no such laws.
+struct LawInStrain {
+  using Result = std::optional<ViscosityVariant>;
+  StrainRate rate;
 
-/// Prony series and what acts on the body's velocity are no such laws.
-std::optional<ViscosityVariant> law_of(const ViscosityConfig& v, StrainRate automatic) {
-  const StrainRate rate = v.rate.value_or(automatic);
-  if (v.model == KelvinVoigt::name) return KelvinVoigt{v.shear, v.bulk, rate};
-  if (v.model == StiffnessProportional::name) return StiffnessProportional{v.time, rate};
-  if (v.model == Maxwell::name) return branch_of(v);
-  return std::nullopt;
-}
+  Result operator()(KelvinVoigt law) const {
+    law.rate = rate;
+    return law;
+  }
+  Result operator()(StiffnessProportional law) const {
+    law.rate = rate;
+    return law;
+  }
+  Result operator()(const Maxwell& law) const { return law; }
+  Result operator()(const MaxwellRatios& law) const {
+    return Maxwell{law.shear_ratio, law.bulk_ratio, law.relaxation_time, Moduli::relative};
+  }
+  Result operator()(const Prony&) const { return std::nullopt; }
+  Result operator()(const MassProportional&) const { return std::nullopt; }
+};
 
 /// alpha rho of each body [kg/(s m^3)].
 std::vector<double> damping_densities(const Config& config) {
   std::vector<double> densities;
   for (const auto& body : config.bodies) {
     double& density = densities.emplace_back(0.0);
-    for (const auto& mechanism : body.viscosity) density += mechanism.decay_rate * body.density.value_or(0.0);
+    for (const auto& mechanism : body.viscosity) {
+      const auto* law = std::get_if<MassProportional>(&mechanism.law);
+      if (law != nullptr) density += law->decay_rate * body.density.value_or(0.0);
+    }
   }
   return densities;
 }
@@ -48,11 +58,12 @@ std::vector<std::unique_ptr<EnergyTerm>> make_terms(const Config& config, const 
   for (std::size_t b = 0; b < config.bodies.size(); ++b) {
     std::vector<Prony> branches;
     for (const auto& mechanism : config.bodies[b].viscosity) {
-      if (mechanism.model == Prony::name) branches.push_back({mechanism.ratio, mechanism.relaxation_time});
-      const auto law = law_of(mechanism, automatic);
+      if (const auto* branch = std::get_if<Prony>(&mechanism.law)) branches.push_back(*branch);
+      const auto law = std::visit(LawInStrain{mechanism.rate.value_or(automatic)}, mechanism.law);
       if (!law) continue;
-      if ((mechanism.shear_ratio || mechanism.model == StiffnessProportional::name) &&
-          on.elastic[b]->traits().num_directions > 0) {
+      const bool needs_moduli = std::holds_alternative<MaxwellRatios>(mechanism.law) ||
+                                std::holds_alternative<StiffnessProportional>(mechanism.law);
+      if (needs_moduli && on.elastic[b]->traits().num_directions > 0) {
         throw InputError(mechanism.where,
                          "moduli at rest of an elastic law with fibres are no two numbers; give the viscosity in "
                          "numbers of its own");

@@ -52,6 +52,20 @@ void Console::warn(const std::string& line) {
   fmt::print(stderr, "warning: {}\n", line);
 }
 
+void Console::report(const Diagnostic& diagnostic) {
+  switch (diagnostic.severity) {
+    case Severity::note:
+      return print("note: " + to_string(diagnostic));
+    case Severity::warning:
+      return warn(to_string(diagnostic));
+    case Severity::error:
+      break;
+  }
+  if (!speaks_) return;
+  clear_progress();
+  fmt::print(stderr, "{}\n", to_string(diagnostic));
+}
+
 void Console::progress(const std::string& line) {
   if (!speaks_ || quiet_ || !is_terminal_) return;
   fmt::print("\r\033[K{}", line);

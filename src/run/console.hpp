@@ -1,6 +1,8 @@
 /// What the user reads while a run goes on: rank 0's terminal.
 #pragma once
 
+#include "base/error.hpp"
+
 #include <string>
 
 #include <mpi.h>
@@ -20,6 +22,8 @@ class Console {
 
   void print(const std::string& line);
   void warn(const std::string& line);
+  /// A note is printed, what is worse goes to the standard error.
+  void report(const Diagnostic& diagnostic);
   /// A line that the next one replaces; only on a terminal.
   void progress(const std::string& line);
   bool is_terminal() const { return is_terminal_; }

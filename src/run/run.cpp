@@ -174,8 +174,7 @@ class Run {
                                config_.title.empty() ? config_.file : config_.title, layout.num_global_cells,
                                3 * layout.num_global_nodes, num_ranks(comm_), num_ranks(comm_) == 1 ? "" : "s"));
     for (const auto& notice : model_.mesh_report().notices) console_.print("note: " + notice);
-    for (const auto& notice : model_.notices()) console_.print("note: " + notice);
-    for (const auto& doubt : model_.doubts()) console_.warn(doubt);
+    for (const auto& diagnostic : model_.diagnostics()) console_.report(diagnostic);
   }
 
   void keep(Archive& archive) {

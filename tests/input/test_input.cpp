@@ -183,26 +183,25 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_EQ(constant(c.bodies[1], "youngs_modulus"), 1e6) << "merged from the anchor";
   ASSERT_EQ(c.bodies[0].viscosity.size(), 1u);
   ASSERT_EQ(c.bodies[1].viscosity.size(), 4u);
-  const ViscosityConfig &kelvin_voigt = c.bodies[0].viscosity[0], &maxwell = c.bodies[1].viscosity[0],
-                        &share = c.bodies[1].viscosity[1], &stiffness = c.bodies[1].viscosity[2],
-                        &mass = c.bodies[1].viscosity[3];
-  EXPECT_EQ(kelvin_voigt.model, "kelvin-voigt");
+  const ViscosityConfig &damped = c.bodies[0].viscosity[0], &rayleigh = c.bodies[1].viscosity[2];
+  const auto& kelvin_voigt = std::get<KelvinVoigt>(damped.law);
+  const auto& maxwell = std::get<Maxwell>(c.bodies[1].viscosity[0].law);
+  const auto& share = std::get<MaxwellRatios>(c.bodies[1].viscosity[1].law);
   EXPECT_EQ(kelvin_voigt.shear, 20);
   EXPECT_EQ(kelvin_voigt.bulk, 1e-3);
-  EXPECT_EQ(kelvin_voigt.rate, StrainRate::exact);
-  EXPECT_EQ(kelvin_voigt.where.line, 13);
-  EXPECT_EQ(maxwell.model, "maxwell");
+  EXPECT_EQ(damped.rate, StrainRate::exact);
+  EXPECT_EQ(damped.where.line, 13);
   EXPECT_EQ(maxwell.shear_modulus, 1000);
   EXPECT_EQ(maxwell.bulk_modulus, 2000);
   EXPECT_EQ(maxwell.relaxation_time, 5e-3);
-  EXPECT_FALSE(maxwell.shear_ratio);
+  EXPECT_EQ(maxwell.moduli, Moduli::absolute);
   EXPECT_EQ(share.shear_ratio, 0.3);
   EXPECT_EQ(share.bulk_ratio, 0.1);
   EXPECT_EQ(share.relaxation_time, 60);
-  EXPECT_EQ(stiffness.time, 1e-6);
-  EXPECT_EQ(stiffness.rate, StrainRate::secant);
-  EXPECT_EQ(mass.decay_rate, 2);
-  EXPECT_EQ(mass.where.line, maxwell.where.line + 3);
+  EXPECT_EQ(std::get<StiffnessProportional>(rayleigh.law).time, 1e-6);
+  EXPECT_EQ(rayleigh.rate, StrainRate::secant);
+  EXPECT_EQ(std::get<MassProportional>(c.bodies[1].viscosity[3].law).decay_rate, 2);
+  EXPECT_EQ(c.bodies[1].viscosity[3].where.line, c.bodies[1].viscosity[0].where.line + 3);
   ASSERT_EQ(c.constraints.size(), 14u);
   EXPECT_FALSE(c.constraints[0].displacement[1]) << "free";
   EXPECT_EQ((*c.constraints[0].displacement[2])(0, 0, 0, 2), 0.2);
@@ -311,7 +310,7 @@ void collect_paths(const std::vector<KeyInfo>& keys, const std::string& path, st
 TEST(Dump, SpellsOutEveryKeyOfTheTable) {
   std::vector<std::string> expected, written;
   collect_paths(input_keys(), "", expected);
-  Problems none;
+  Diagnostics none;
   collect_paths(parse_yaml(dump(read(everything)), "dump", none), "", written);
   for (const std::string part : {"box: [[0, 0, 0], [1, 1, 1]]", "where: \"z < 0.1\""}) {
     const std::string contact = "{" + part + ", obstacles: [{name: ball, shape: sphere, radius: 1}]}";
@@ -447,11 +446,46 @@ TEST(Input, ViscosityHasDefaults) {
     return c.bodies[0].viscosity.at(0);
   };
   const ViscosityConfig kelvin_voigt = viscosity("{model: kelvin-voigt, shear: 1}");
-  EXPECT_EQ(kelvin_voigt.bulk, 0);
+  EXPECT_EQ(std::get<KelvinVoigt>(kelvin_voigt.law).bulk, 0);
   EXPECT_FALSE(kelvin_voigt.rate) << "auto";
-  EXPECT_EQ(viscosity("{model: maxwell, shear_modulus: 1, relaxation_time: 2}").bulk_modulus, 0);
-  EXPECT_EQ(viscosity("[{model: maxwell, shear_ratio: 1, relaxation_time: 2}]").bulk_ratio, 0);
+  EXPECT_EQ(std::get<Maxwell>(viscosity("{model: maxwell, shear_modulus: 1, relaxation_time: 2}").law).bulk_modulus, 0);
+  EXPECT_EQ(std::get<MaxwellRatios>(viscosity("[{model: maxwell, shear_ratio: 1, relaxation_time: 2}]").law).bulk_ratio,
+            0);
   EXPECT_FALSE(viscosity("{model: stiffness-proportional, time: 1}").rate) << "auto";
+}
+
+// A law that the registry has is read, written and refused without a line of its own in the input.
+TEST(Input, EveryFormOfViscosityIsTakenWithItsParametersAndRefusedWithoutThem) {
+  for (const ViscosityForm& form : viscosity_forms()) {
+    const std::string name(name_of(form.blank));
+    const auto text = [&](std::size_t left_out) {
+      std::string keys = "{model: " + name;
+      for (std::size_t k = 0; k < form.parameters.size(); ++k) {
+        if (k != left_out) keys += ", " + std::string(form.parameters[k].name) + ": " + std::to_string(k + 2);
+      }
+      return keys + "}";
+    };
+    const std::size_t none = form.parameters.size();
+    const Config c = read(smallest, {{"bodies.0.viscosity", text(none)}});
+    ViscosityLaw law = c.bodies[0].viscosity.at(0).law;
+    ASSERT_EQ(law.index(), form.blank.index()) << text(none);
+    for (std::size_t k = 0; k < form.parameters.size(); ++k) {
+      EXPECT_EQ(form.members[k](law), static_cast<double>(k + 2)) << form.parameters[k].name;
+      const std::vector<Override> without{{"bodies.0.viscosity", text(k)}};
+      if (form.parameters[k].fallback) {
+        EXPECT_NO_THROW(read(smallest, without)) << text(k);
+      } else {
+        EXPECT_THROW(read(smallest, without), InputError) << text(k);
+      }
+    }
+    EXPECT_EQ(dump(read_input(dump(c), "run.yaml", {})), dump(c));
+    const std::vector<Override> with_rate{{"bodies.0.viscosity", text(none)}, {"bodies.0.viscosity.rate", "secant"}};
+    if (has_strain_rate(form.blank)) {
+      EXPECT_EQ(read(smallest, with_rate).bodies[0].viscosity.at(0).rate, StrainRate::secant);
+    } else {
+      EXPECT_THROW(read(smallest, with_rate), InputError) << name;
+    }
+  }
 }
 
 TEST(Input, EveryMethodOfTheTableIsTaken) {

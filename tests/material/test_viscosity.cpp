@@ -29,6 +29,28 @@ TEST(ViscosityRegistry, HasOneCompleteRowPerLaw) {
   EXPECT_EQ(names, expected);
 }
 
+// What the input reads goes by these: each parameter into a member of its own, forms of a law told apart by their
+// first.
+TEST(ViscosityRegistry, HasAFormForEveryAlternative) {
+  std::set<std::string_view> named, firsts;
+  std::size_t index = 0;
+  for (const ViscosityForm& form : viscosity_forms()) {
+    EXPECT_EQ(form.blank.index(), index++);
+    named.insert(name_of(form.blank));
+    EXPECT_TRUE(firsts.insert(form.parameters.front().name).second) << form.parameters.front().name;
+    EXPECT_FALSE(form.parameters.front().fallback);
+    ASSERT_EQ(form.members.size(), form.parameters.size());
+    ViscosityLaw law = form.blank;
+    for (std::size_t k = 0; k < form.members.size(); ++k) {
+      EXPECT_EQ(form.members[k](law), 0.0) << form.parameters[k].name;
+      form.members[k](law) = static_cast<double>(k + 1);
+    }
+    for (std::size_t k = 0; k < form.members.size(); ++k) EXPECT_EQ(form.members[k](law), static_cast<double>(k + 1));
+  }
+  for (const LawInfo& row : viscosity_laws()) EXPECT_EQ(named.count(row.name), 1u) << row.name;
+  EXPECT_EQ(named.size(), viscosity_laws().size());
+}
+
 TEST(ViscosityRegistry, NamesEveryFormOfTheStrainRateInOrder) {
   const std::array forms{StrainRate::secant, StrainRate::reconstructed, StrainRate::exact};
   ASSERT_EQ(strain_rates().size(), forms.size());

@@ -8,32 +8,43 @@
 namespace pliant::test_advice {
 namespace {
 
-std::vector<std::string> doubts(const std::string& time, const std::string& more, const std::string& every = "") {
-  return doubts_about(
-      read_input(test::with_line(5, "time: {" + time + "}") + more, "dir/a.yaml",
-                 every.empty() ? std::vector<Override>{} : std::vector<Override>{{"output.every", every}}));
+/// As users read them; all are of the severity.
+std::vector<std::string> texts(Severity severity, const std::vector<Diagnostic>& diagnostics) {
+  std::vector<std::string> texts;
+  for (const Diagnostic& d : diagnostics) {
+    EXPECT_EQ(d.severity, severity) << d.message;
+    texts.push_back(to_string(d));
+  }
+  return texts;
+}
+
+std::vector<std::string> warnings_of(const std::string& text, const std::vector<Override>& overrides = {}) {
+  return texts(Severity::warning, warnings_about(read_input(text, "a.yaml", overrides)));
+}
+
+std::vector<std::string> warnings(const std::string& time, const std::string& more, const std::string& every = "") {
+  return warnings_of(test::with_line(5, "time: {" + time + "}") + more,
+                     every.empty() ? std::vector<Override>{} : std::vector<Override>{{"output.every", every}});
 }
 
 TEST(Advice, StepsShouldNotBeLongerThanTheTimeBetweenFrames) {
-  const auto told = doubts("step: 0.01, end: 1", "output: {every: 4 ms}");
+  const auto told = warnings("step: 0.01, end: 1", "output: {every: 4 ms}");
   ASSERT_EQ(told.size(), 1u);
-  EXPECT_EQ(told[0].find("dir/a.yaml:6:17: "), 0u) << told[0];
+  EXPECT_EQ(told[0].find("a.yaml:6:17: "), 0u) << told[0];
   EXPECT_NE(told[0].find("every 0.004 s, but a step takes 0.01 s"), std::string::npos) << told[0];
-  EXPECT_EQ(doubts("method: quasistatic, step: 0.01, end: 1", "output: {every: 4 ms}").size(), 1u);
-  EXPECT_EQ(doubts("step: 0.01, end: 1", "", "0.004").size(), 1u);
+  EXPECT_EQ(warnings("method: quasistatic, step: 0.01, end: 1", "output: {every: 4 ms}").size(), 1u);
+  EXPECT_EQ(warnings("step: 0.01, end: 1", "", "0.004").size(), 1u);
 }
 
 TEST(Advice, ListsWithoutBlanksAreTaken) {
   for (const char* list : {"[0,45,0]", "[0, 45, 0]", "[0,0, 1]", "[\"0\",45, 0]", "[0.5,45, 0]", "[0,\n  45, 0]"}) {
     const std::string line = "constraints: [{surface: clamp, displacement: " + std::string(list) + "}]";
-    EXPECT_EQ(doubts_about(read_input(test::with_line(3, line), "a.yaml", {})), std::vector<std::string>{}) << list;
+    EXPECT_EQ(warnings_of(test::with_line(3, line)), std::vector<std::string>{}) << list;
   }
 }
 
 TEST(Advice, StepFilesNeedNoScale) {
-  const auto told = [](const std::string& mesh) {
-    return doubts_about(read_input(test::with_line(1, "mesh: {" + mesh + "}"), "a.yaml", {}));
-  };
+  const auto told = [](const std::string& mesh) { return warnings_of(test::with_line(1, "mesh: {" + mesh + "}")); };
   ASSERT_EQ(told("file: a.step, scale: 0.001").size(), 1u);
   EXPECT_EQ(told("file: a.step, scale: 0.001")[0].find("a.yaml:1:14: a STEP file"), 0u);
   EXPECT_EQ(told("file: a.step"), std::vector<std::string>{});
@@ -43,7 +54,7 @@ TEST(Advice, StepFilesNeedNoScale) {
 
 /// What is told of the good input with one line replaced.
 std::vector<std::string> told_of(std::size_t line, const std::string& replacement) {
-  return doubts_about(read_input(test::with_line(line, replacement), "a.yaml", {}));
+  return warnings_of(test::with_line(line, replacement));
 }
 
 struct Doubtful {
@@ -55,9 +66,9 @@ void PrintTo(const Doubtful& d, std::ostream* out) {
   *out << d.replacement;
 }
 
-class Doubt : public ::testing::TestWithParam<Doubtful> {};
+class Warning : public ::testing::TestWithParam<Doubtful> {};
 
-TEST_P(Doubt, IsToldOnceWithItsPlace) {
+TEST_P(Warning, IsToldOnceWithItsPlace) {
   const auto& [line, replacement, message] = GetParam();
   const auto told = told_of(line, replacement);
   ASSERT_EQ(told.size(), 1u) << testing::PrintToString(told);
@@ -66,7 +77,7 @@ TEST_P(Doubt, IsToldOnceWithItsPlace) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    Inputs, Doubt,
+    Inputs, Warning,
     ::testing::Values(
         Doubtful{2, "bodies: [{density: 1e-9, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0.4}}]",
                  "with this density shear waves run at 1.9e+04 m/s"},
@@ -110,7 +121,7 @@ TEST(Advice, StaticFormulasOfTimeNeedATime) {
   const std::string ramp =
       "constraints: [{surface: a, displacement: [0, 0, 0]}, {surface: b, displacement: [0, 0, t]}]\n";
   const auto told = [&](const std::string& end) {
-    return doubts_about(read_input(test::with_line(3, ramp), "a.yaml", {{"time", "{method: static" + end + "}"}}));
+    return warnings_of(test::with_line(3, ramp), {{"time", "{method: static" + end + "}"}});
   };
   ASSERT_EQ(told("").size(), 1u);
   EXPECT_NE(told("")[0].find("those of t are taken at t = 0"), std::string::npos) << told("")[0];
@@ -119,12 +130,14 @@ TEST(Advice, StaticFormulasOfTimeNeedATime) {
 
 TEST(Advice, WhatAnAnalysisDoesNotUseIsTold) {
   const auto idle = [](const std::string& method) {
-    return without_effect(read_input(
-        test::with_line(
-            6,
-            "initial: {velocity: [0, 0, 1]}\ncontact: {obstacles: [{name: a, shape: plane, normal: [0, 0, 1], "
-            "friction: 0.5}]}"),
-        "a.yaml", {{"time.method", method}}));
+    return texts(
+        Severity::note,
+        notes_of_idle_keys(read_input(
+            test::with_line(
+                6,
+                "initial: {velocity: [0, 0, 1]}\ncontact: {obstacles: [{name: a, shape: plane, normal: [0, 0, 1], "
+                "friction: 0.5}]}"),
+            "a.yaml", {{"time.method", method}})));
   };
   EXPECT_EQ(idle("static"),
             (std::vector<std::string>{"friction and damping of contact have no effect on a static equilibrium",
@@ -134,13 +147,13 @@ TEST(Advice, WhatAnAnalysisDoesNotUseIsTold) {
   EXPECT_EQ(idle("bdf2"), std::vector<std::string>{});
 }
 
-TEST(Advice, AModulusBelowThatOfAnyGelIsDoubtedWithoutADensityToo) {
+TEST(Advice, AModulusBelowThatOfAnyGelIsWarnedOfWithoutADensityToo) {
   const auto told = [](const std::string& more) {
-    return doubts_about(read_input(test::with_line(2,
-                                                   "bodies: [{elasticity: {model: neo-hookean, poissons_ratio: 0.4, "
-                                                   "youngs_modulus: " +
-                                                       more + "}]"),
-                                   "a.yaml", {{"time", "{method: static}"}, {"loads", "[]"}}));
+    return warnings_of(test::with_line(2,
+                                       "bodies: [{elasticity: {model: neo-hookean, poissons_ratio: 0.4, "
+                                       "youngs_modulus: " +
+                                           more + "}]"),
+                       {{"time", "{method: static}"}, {"loads", "[]"}});
   };
   ASSERT_EQ(told("0.3}").size(), 1u);
   EXPECT_NE(told("0.3}")[0].find("the shear modulus at rest is 0.11 Pa, less than any gel"), std::string::npos);
@@ -162,11 +175,11 @@ TEST(Advice, WhatLoadsPushAndNothingHoldsMayFall) {
 }
 
 TEST(Advice, NothingIsSaidOfWhatIsUsual) {
-  EXPECT_EQ(doubts("step: 0.01, end: 1", ""), std::vector<std::string>{});
-  EXPECT_EQ(doubts("step: 0.01, end: 1", "output: {every: 0.01}"), std::vector<std::string>{});
-  EXPECT_EQ(doubts("step: 0.3, end: 1", "output: {every: 100 ms, directory: b}", "0.3"), std::vector<std::string>{});
-  EXPECT_EQ(doubts("adaptive: {}, step: 0.01, end: 1", "output: {every: 1 ms}"), std::vector<std::string>{});
-  EXPECT_EQ(doubts("method: static", "output: {every: 1 ms}"), std::vector<std::string>{});
+  EXPECT_EQ(warnings("step: 0.01, end: 1", ""), std::vector<std::string>{});
+  EXPECT_EQ(warnings("step: 0.01, end: 1", "output: {every: 0.01}"), std::vector<std::string>{});
+  EXPECT_EQ(warnings("step: 0.3, end: 1", "output: {every: 100 ms, directory: b}", "0.3"), std::vector<std::string>{});
+  EXPECT_EQ(warnings("adaptive: {}, step: 0.01, end: 1", "output: {every: 1 ms}"), std::vector<std::string>{});
+  EXPECT_EQ(warnings("method: static", "output: {every: 1 ms}"), std::vector<std::string>{});
   EXPECT_EQ(told_of(2, "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: -0.3}}]"),
             std::vector<std::string>{});
   EXPECT_EQ(told_of(4, "initial: {velocity: [0, 0, 1]}"), std::vector<std::string>{});

@@ -24,11 +24,11 @@ Format<ValueOrCellData<V>> or_cell_data(const Format<V>& plain) {
   const Format<CellDataName> named = cell_data_format();
   Format<ValueOrCellData<V>> format{
       plain.type + ", or `{cell_data: name}`", either_schema(plain.schema, named.schema), {}, {}};
-  format.read = [plain, named](const InputNode& node, const std::string& name, Problems& problems,
+  format.read = [plain, named](const InputNode& node, const std::string& name, Diagnostics& diagnostics,
                                ValueOrCellData<V>& into) {
-    if (node.kind != InputNode::Kind::map) return plain.read(node, name, problems, into.value);
+    if (node.kind != InputNode::Kind::map) return plain.read(node, name, diagnostics, into.value);
     CellDataName data;
-    named.read(node, name, problems, data);
+    named.read(node, name, diagnostics, data);
     into.cell_data = data.cell_data;
     return !data.cell_data.empty();
   };
@@ -45,9 +45,9 @@ Field<T> direction_field(const std::string& key, std::vector<GivenDirection> T::
   const auto format = or_cell_data(array_of<3>(expression("1", Variables::space)));
   Field<T> result{{key, format.type, description}};
   result.info.schema = format.schema;
-  result.read = [key, member, read = format.read](const InputNode& node, Problems& problems, T& into) {
+  result.read = [key, member, read = format.read](const InputNode& node, Diagnostics& diagnostics, T& into) {
     ValueOrCellData<VectorExpression> given;
-    if (!read(node, key, problems, given)) return;
+    if (!read(node, key, diagnostics, given)) return;
     (into.*member).push_back({key, std::move(given.value), std::move(given.cell_data), node.where});
   };
   result.write = [key, member, write = format.write](const T& from) {

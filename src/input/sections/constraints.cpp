@@ -28,15 +28,15 @@ Format<RotationConfig> rotation() {
                                 {},
                                 by_keys.children,
                                 by_keys.groups};
-  format.read = [by_name, by_keys](const InputNode& node, const std::string& name, Problems& problems,
+  format.read = [by_name, by_keys](const InputNode& node, const std::string& name, Diagnostics& diagnostics,
                                    RotationConfig& into) {
     into.where = node.where;
     if (node.kind == InputNode::Kind::map) {
       into.kind = Rotation::about_axis;
-      return by_keys.read(node, name, problems, into);
+      return by_keys.read(node, name, diagnostics, into);
     }
     std::string word;
-    if (!by_name.read(node, name, problems, word)) return false;
+    if (!by_name.read(node, name, diagnostics, word)) return false;
     into.kind = word == "fixed" ? Rotation::fixed : Rotation::free;
     return true;
   };
@@ -81,9 +81,9 @@ Section<EquationTermConfig> term_keys() {
 /// What a constraint says, which decides its kind.
 Field<ConstraintConfig> saying(Constraint kind, Field<ConstraintConfig> result) {
   result.fallback.reset();  // what is not given decides nothing
-  result.read = [kind, read = result.read](const InputNode& node, Problems& problems, ConstraintConfig& into) {
+  result.read = [kind, read = result.read](const InputNode& node, Diagnostics& diagnostics, ConstraintConfig& into) {
     into.kind = kind;
-    read(node, problems, into);
+    read(node, diagnostics, into);
   };
   return std::move(result).left_out_if([kind](const ConstraintConfig& c) { return c.kind != kind; });
 }
@@ -101,9 +101,9 @@ Field<ConstraintConfig> symmetry() {
   const auto typed =
       field("symmetry", &Holder::value, choice({"plane"}), "the surface is a plane of symmetry: its nodes stay in it");
   Field<ConstraintConfig> result{typed.info};
-  result.read = [read = typed.read](const InputNode& node, Problems& problems, ConstraintConfig&) {
+  result.read = [read = typed.read](const InputNode& node, Diagnostics& diagnostics, ConstraintConfig&) {
     Holder holder;
-    read(node, problems, holder);
+    read(node, diagnostics, holder);
   };
   result.write = [write = typed.write](const ConstraintConfig&) { return write(Holder{}); };
   return saying(Constraint::symmetry, std::move(result));

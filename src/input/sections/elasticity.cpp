@@ -46,14 +46,14 @@ Field<ElasticityConfig> constant_field(const ParameterInfo& p, const std::string
   result.info.schema = format.schema;
   result.info.also = other_names(p.name);
   result.info.only_with = laws_that([&](std::size_t row) { return takes(row, p.name); });
-  result.read = [p, read = format.read, bounded = format_of(p).read](const InputNode& node, Problems& problems,
+  result.read = [p, read = format.read, bounded = format_of(p).read](const InputNode& node, Diagnostics& diagnostics,
                                                                      E& into) {
     ValueOrCellData<Expression> given;
-    if (!read(node, std::string(p.name), problems, given)) return;
+    if (!read(node, std::string(p.name), diagnostics, given)) return;
     GivenConstant constant{std::string(p.name), std::move(given.value), std::move(given.cell_data), node.where};
     double number = 0.0;
     const bool good = constant.cell_data.empty() && is_constant(constant.value) && looks_like_quantity(node.text)
-                          ? bounded(node, constant.key, problems, number)
+                          ? bounded(node, constant.key, diagnostics, number)
                           : true;
     if (good) into.constants.push_back(std::move(constant));
   };
@@ -134,12 +134,12 @@ Section<ElasticityConfig> elasticity_keys() {
 }
 
 /// Whether the constants determine the law; where they are numbers, whether it is admissible.
-void check_law(const ElasticityConfig& e, Problems& problems) {
+void check_law(const ElasticityConfig& e, Diagnostics& diagnostics) {
   try {
     const ElasticityRule rule(e);
     if (rule.is_uniform()) static_cast<void>(rule.law_at(0, {}));
   } catch (const InputError& error) {
-    for (const auto& d : error.diagnostics()) problems.add(d.where, d.message);
+    for (const auto& d : error.diagnostics()) diagnostics.add(d.where, d.message);
   }
 }
 
@@ -147,11 +147,11 @@ void check_law(const ElasticityConfig& e, Problems& problems) {
 
 Format<ElasticityConfig> elasticity_format() {
   Format<ElasticityConfig> format = map_of(elasticity_keys());
-  format.read = [read = format.read](const InputNode& node, const std::string& name, Problems& problems,
+  format.read = [read = format.read](const InputNode& node, const std::string& name, Diagnostics& diagnostics,
                                      ElasticityConfig& into) {
-    const std::size_t before = problems.size();
-    const bool good = read(node, name, problems, into);
-    if (good && problems.size() == before) check_law(into, problems);
+    const std::size_t before = diagnostics.num_errors();
+    const bool good = read(node, name, diagnostics, into);
+    if (good && diagnostics.num_errors() == before) check_law(into, diagnostics);
     return good;
   };
   return format;

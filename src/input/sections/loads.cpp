@@ -7,9 +7,9 @@ using SelectionKind = Selection::Kind;
 
 /// The value of a load, which decides the load's kind.
 Field<LoadConfig> load(LoadConfig::Kind kind, Field<LoadConfig> result) {
-  result.read = [kind, read = result.read](const InputNode& node, Problems& problems, LoadConfig& into) {
+  result.read = [kind, read = result.read](const InputNode& node, Diagnostics& diagnostics, LoadConfig& into) {
     into.kind = kind;
-    read(node, problems, into);
+    read(node, diagnostics, into);
   };
   return std::move(result).left_out_if([kind](const LoadConfig& l) { return l.kind != kind; });
 }

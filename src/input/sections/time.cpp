@@ -54,16 +54,17 @@ Section<MethodKeys> method_keys() {
 }
 
 /// Derives the method that the keys describe; its name must not be one that means another.
-bool derive(MethodKeys keys, const InputNode& node, Problems& problems, MethodChoice& into) {
+bool derive(MethodKeys keys, const InputNode& node, Diagnostics& diagnostics, MethodChoice& into) {
   const auto taken = time_methods();
   if (std::find(taken.begin(), taken.end(), keys.name) != taken.end()) {
-    problems.add(node.find("name")->where, "'" + keys.name + "' is a method of Pliant; call your own by another name");
+    diagnostics.add(node.find("name")->where,
+                    "'" + keys.name + "' is a method of Pliant; call your own by another name");
     return false;
   }
   auto derived =
       derive_method({std::move(keys.name), std::move(keys.alpha), keys.beta, std::move(keys.A), std::move(keys.b), {}});
   if (const auto* refusal = std::get_if<MethodRefusal>(&derived)) {
-    problems.add(node.where, refusal->reason);
+    diagnostics.add(node.where, refusal->reason);
     return false;
   }
   into.own = std::get<Method>(std::move(derived));
@@ -80,14 +81,14 @@ Format<MethodChoice> method_choice() {
                               {},
                               by_keys.children,
                               by_keys.groups};
-  format.read = [by_name, by_keys](const InputNode& node, const std::string& name, Problems& problems,
+  format.read = [by_name, by_keys](const InputNode& node, const std::string& name, Diagnostics& diagnostics,
                                    MethodChoice& into) {
-    if (node.kind != InputNode::Kind::map) return by_name.read(node, name, problems, into.name);
-    const std::size_t before = problems.size();
+    if (node.kind != InputNode::Kind::map) return by_name.read(node, name, diagnostics, into.name);
+    const std::size_t before = diagnostics.num_errors();
     MethodKeys keys;
-    by_keys.read(node, name, problems, keys);
-    if (problems.size() != before) return false;
-    if (!is_petsc(keys)) return derive(std::move(keys), node, problems, into);
+    by_keys.read(node, name, diagnostics, keys);
+    if (diagnostics.num_errors() != before) return false;
+    if (!is_petsc(keys)) return derive(std::move(keys), node, diagnostics, into);
     into.name = petsc_prefix;
     into.name += keys.petsc;
     return true;
@@ -114,9 +115,9 @@ Field<TimeConfig> method_field() {
                            "time integrator (`pliant methods`); `quasistatic`: equilibria without inertia, step by "
                            "step; `static`: one equilibrium");
   Field<TimeConfig> result{typed.info};
-  result.read = [read = typed.read](const InputNode& node, Problems& problems, TimeConfig& into) {
+  result.read = [read = typed.read](const InputNode& node, Diagnostics& diagnostics, TimeConfig& into) {
     Holder holder;
-    read(node, problems, holder);
+    read(node, diagnostics, holder);
     into.method = {holder.method.value.name, holder.method.where};
     into.own_method = std::move(holder.method.value.own);
   };
