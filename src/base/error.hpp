@@ -1,4 +1,4 @@
-/// Failures as Pliant tells them: whose mistake it is decides the type, the type decides the exit code.
+/// Failures: the type says who has to act, and decides the exit code.
 #pragma once
 
 #include <stdexcept>
@@ -8,8 +8,8 @@
 
 namespace pliant {
 
-/// What the program returns to the shell; the same from every rank.
-/// `unexpected` is for what nobody foresaw, out of memory included (EX_SOFTWARE of sysexits.h).
+/// Exit code of the program; the same on every rank. `unexpected` is a failure that no other code covers, such as
+/// running out of memory (EX_SOFTWARE of sysexits.h).
 enum class ExitCode : int {
   done = 0,
   study_failed = 1,
@@ -30,13 +30,13 @@ struct Location {
 /// "file:line:column", with the unknown parts left out.
 std::string to_string(const Location& where);
 
-/// One mistake: where it is, what is wrong and what to do about it.
+/// A diagnostic: where the error is, what is wrong and how to correct it.
 struct Diagnostic {
   Location where;
   std::string message;
 };
 
-/// The user's input is wrong (exit code 2). Carries every mistake found, so that all are reported at once.
+/// The user's input is wrong (exit code 2). Carries every error found, so that all are reported at once.
 class InputError : public std::runtime_error {
  public:
   explicit InputError(std::vector<Diagnostic> diagnostics);
