@@ -48,8 +48,8 @@ struct GivenDisplacement {
   std::optional<RigidMotion> rigid = std::nullopt;
 
   bool gives(int component) const { return (rigid ? rigid->translation : components)[component].has_value(); }
-  /// Of a component that is given; of a rigid body also of one that is free, relative to its centre. `factor`: the part
-  /// of the motion that a load step has reached.
+  /// The motion of a prescribed component; for a rigid body also of a free one, relative to its centre. `factor`: the
+  /// part of the motion that a load step has reached.
   double operator()(int component, const Vector3<double>& X, double time, double factor = 1.0) const;
 };
 

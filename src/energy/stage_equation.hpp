@@ -16,13 +16,14 @@
 
 namespace pliant {
 
-/// Of the step at which a tetrahedron becomes flat (StageEquation::max_step()): how far solvers go.
+/// The fraction of the step at which a tetrahedron becomes flat (StageEquation::max_step()): how far solvers go.
 inline constexpr double inversion_margin = 0.9;
 
-/// The equation of a stage in unknowns xi, of which the configuration is a function q(xi): displacements of nodes, or
-/// what constraints leave of them, and pressures beside them. Stages are posed and answered in configurations, `enter`
-/// and `leave` translate; all else is said in unknowns. Equations wrap one another, and nobody asks which. All methods
-/// are collective and give every rank the same answer, NaN and infinity included, so that no rank decides alone.
+/// The equation of a stage in unknowns xi (degrees of freedom). The configuration is a function q(xi) of them:
+/// displacements of nodes, or those that constraints leave free, with pressures added to them. Stages are posed and
+/// answered in configurations, `enter` and `leave` convert; everything else is in unknowns. Equations wrap one another,
+/// and no caller needs to know which. All methods are collective and give every rank the same answer, NaN and infinity
+/// included, so that no rank decides alone.
 class StageEquation {
  public:
   virtual ~StageEquation() = default;
@@ -30,9 +31,9 @@ class StageEquation {
   /// Begins the stage `stage` of configurations, of which all following calls speak, and makes xi the unknowns of q, a
   /// guess of its end. Returns the stage of the unknowns; what it refers to lives until the next call.
   virtual StagePoint enter(const StagePoint& stage, Vec q, Vec xi) = 0;
-  /// q = the configuration at xi, which solves the stage. Unknowns that are no part of q are kept for the next guess.
+  /// q = the configuration at xi, which solves the stage. Unknowns that are not part of q are kept for the next guess.
   virtual void leave(Vec xi, Vec q) { check(VecCopy(xi, q)); }
-  /// Of a stage that was not solved: unknowns that are no part of q are those of the last solution again.
+  /// For a stage that was not solved: resets unknowns that are not part of q to those of the last solution.
   virtual void give_up() {}
 
   /// Before a stage is solved: freezes the coefficients of terms that refreeze at q, as the following calls see them.
@@ -69,8 +70,8 @@ class StageEquation {
   virtual Handle<Mat> make_hessian() const = 0;
   /// A coarse space of the unknowns for multigrid; nullopt where there is none.
   virtual std::optional<Coarsening> make_coarsening() const { return std::nullopt; }
-  /// Of the nodes whose displacements are unknowns, for preconditioners that turn with the body; nullptr where unknowns
-  /// are something else, or stiffness stays (linear elasticity).
+  /// Rotations of the nodes whose displacements are unknowns, for corotated preconditioners; nullptr if the unknowns
+  /// are of another kind, or the stiffness is constant (linear elasticity).
   virtual std::unique_ptr<NodalRotations> make_rotations() const { return nullptr; }
   /// The displacements of all nodes at the unknowns q, until the next call. What belongs to them comes first among the
   /// unknowns of each rank.
@@ -81,13 +82,13 @@ class StageEquation {
   /// K = dr/dq [N/m] without the parts of rank one, or an approximation; rows and columns of prescribed entries are
   /// zero but for the diagonal.
   virtual void hessian(Vec q, Mat K, Projection projection) = 0;
-  /// How many parts of rank one the Hessian has beside K.
+  /// The number of rank-one terms of the Hessian in addition to K.
   virtual std::size_t num_rank_one() const { return 0; }
-  /// Those parts at q; `parts` has num_rank_one() of them, with vectors of make_vector().
+  /// The rank-one terms at q; `parts` has num_rank_one() of them, with vectors of make_vector().
   virtual void rank_one_parts(Vec /*q*/, std::vector<RankOne>& /*parts*/) {}
   /// The largest alpha for which q + alpha d stays clear of all barriers.
   virtual double max_step(Vec q, Vec d) = 0;
-  /// The same of those barriers that must not be jumped over (TermDeclaration::is_wall).
+  /// Likewise for the barriers that must not be jumped over (TermDeclaration::is_wall).
   virtual double max_way(Vec /*q*/, Vec /*d*/) { return std::numeric_limits<double>::infinity(); }
   /// Sum over the terms of the norms of their forces, those on prescribed entries included [N]: the size of the forces
   /// that must balance.
@@ -99,12 +100,12 @@ class StageEquation {
 
   /// The size of the diagonal of K in D: what a unit of each unknown weighs.
   virtual void size_of_diagonal(Mat K, Vec D) const { check(MatGetDiagonal(K, D)); }
-  /// Of K at a stable solution.
+  /// Properties of K at a stable solution.
   virtual PetscInt num_negative_pivots() const { return 0; }
 
   /// Whether a stage asks for an equilibrium, which need not be stable: there is no inertia.
   virtual bool is_static() const { return false; }
-  /// Names of the terms that are no potentials, each once; empty if r is the gradient of `value`.
+  /// Names of the terms without a potential, each once; empty if r is the gradient of `value`.
   virtual std::vector<std::string> non_potentials() const = 0;
   bool is_potential() const { return non_potentials().empty(); }
   virtual Symmetry symmetry() const = 0;

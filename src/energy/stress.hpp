@@ -10,7 +10,7 @@
 
 namespace pliant {
 
-/// Which share of a cell's stress a term tells.
+/// Which share of a cell's stress a term gives.
 enum class StressPart { elastic, viscous, active };
 inline constexpr std::size_t num_stress_parts = 3;
 

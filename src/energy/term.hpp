@@ -106,9 +106,9 @@ class EnergyTerm {
   virtual std::string_view name() const = 0;
   virtual TermDeclaration declaration() const = 0;
 
-  /// Phi(q) of this rank's part [J] but for a constant of the stage: a difference from a state near q
-  /// (LocalStage::reference() or q0), summed cell by cell with compensation, so that small changes survive beside large
-  /// totals. +inf where a barrier is crossed.
+  /// Phi(q) of this rank's part [J] up to a constant of the stage: a difference from a state near q
+  /// (LocalStage::reference() or q0), summed cell by cell with compensation, so that small changes survive next to
+  /// large totals. +inf where a barrier is crossed.
   virtual double value(const LocalStage& stage, std::span<const double> q) const = 0;
 
   /// r += dPhi/dq [N]. NaN where a barrier is crossed.
@@ -143,15 +143,16 @@ class EnergyTerm {
   /// Power that the owned cells dissipate by physical mechanisms at the end of the stage [W], >= 0.
   virtual double dissipation(const LocalStage& /*stage*/, std::span<const double> /*q*/) const { return 0.0; }
 
-  /// Of a term with coefficients frozen at the step's start (`has_frozen_coefficients`): what they make of its forces
-  /// at q, on this rank.
+  /// For a term with coefficients frozen at the step's start (`has_frozen_coefficients`): its forces at q with those
+  /// coefficients, on this rank.
   virtual DragBound bound(const LocalStage& /*stage*/, std::span<const double> /*q*/) const { return {}; }
 
   /// The term as a function of one number of all ranks, if it is one.
   virtual const FunctionOfSum* function_of_sum() const { return nullptr; }
 
-  /// Of a barrier that moves: how far it takes the places of the local nodes at LocalStage::accepted with it since the
-  /// step's start, and for how near it each is, 1 where it would be met. Both are left where another is nearer.
+  /// For a moving barrier: the displacements by which it carries the local nodes at LocalStage::accepted since the
+  /// step's start, and for each how close it is, 1 where it would be touched. Both keep their values where another
+  /// barrier is closer.
   virtual void carry_along(const LocalStage& /*stage*/, std::span<Vector3<double>> /*ways*/,
                            std::span<double> /*nearness*/) const {}
 

@@ -101,7 +101,7 @@ struct Box {
   }
 };
 
-/// Of all ranks' nodes of each component. Collective.
+/// Sums over the nodes of each component on all ranks. Collective.
 std::vector<Box> boxes_of(const NodeLayout& layout, const Components& components, std::span<const double> u) {
   const auto count = static_cast<std::size_t>(components.count);
   std::vector<Box> boxes(count);
@@ -288,7 +288,8 @@ std::optional<Overlap> deepest_overlap(const NodeLayout& layout, const Component
   double lowest = infinity;
   for (std::size_t p = 0; p < points.size(); ++p) {
     if (!std::isfinite(depths[p]) || depths[p] <= 0.0) continue;
-    // Of places equally deep the same on any ranks, whatever their order here: the lowest along an odd direction.
+    // Ties between equally deep places are broken independently of the ranks: the lowest along a generic direction
+    // wins.
     const double level = dot(Position{1.0, 0.6180339887, 0.3819660113}, points[p].x);
     const double same = 1e-9 * deepest.depth;
     if (depths[p] < deepest.depth - same || (depths[p] <= deepest.depth + same && level >= lowest)) continue;

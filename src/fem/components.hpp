@@ -36,9 +36,9 @@ struct Overlap {
   int of = 0, in = 0;          ///< the node's component, and the one that it is in
 };
 
-/// The deepest, with the displacement u of local nodes; nothing if no component reaches into another by more than a
-/// twentieth of a cell. Of the nodes where the components' boxes meet it looks at `most_nodes` of each rank at most,
-/// evenly chosen. Edges count as straight. Collective.
+/// The deepest overlap at the displacement u of local nodes; nothing if no component penetrates another by more than a
+/// twentieth of a cell. Examines at most `most_nodes` of each rank's nodes where the components' boxes meet, evenly
+/// chosen. Edges count as straight. Collective.
 std::optional<Overlap> deepest_overlap(const NodeLayout& layout, const Components& components,
                                        std::span<const double> u, std::size_t most_nodes = 20000);
 

@@ -15,7 +15,7 @@ struct DeformedCell {
   std::array<double, 3> X{};       ///< mean of its corners in the reference configuration [m]
 };
 
-/// Of a local cell, with the displacements u of the local nodes [m]. Not collective.
+/// A local cell at the displacements u of the local nodes [m]. Not collective.
 DeformedCell deformed_cell(const NodeLayout& layout, PetscInt cell, std::span<const double> u);
 
 }  // namespace pliant

@@ -9,8 +9,8 @@
 namespace pliant {
 namespace {
 
-/// Of Newton's method for one rotation. It starts at that of the stage before and converges quadratically; an error of
-/// `enough` [rad] costs no iteration of the Krylov method.
+/// Newton's method for one rotation: it starts at the rotation of the previous stage and converges quadratically; an
+/// error of `enough` [rad] costs no iteration of the Krylov method.
 constexpr int most_iterations = 8;
 constexpr double enough = 1e-3;
 

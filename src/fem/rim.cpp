@@ -109,7 +109,7 @@ double third_of_flux(const NodeLayout& layout, const FacetList& facets) {
   return flux / 3.0;
 }
 
-/// What the ranks tell each other of an edge.
+/// The data of an edge that ranks exchange.
 struct EdgeRecord {
   double start = 0.0, end = 0.0;  ///< global nodes
   double plane = -1.0;            ///< RimEdge::plane, or -1

@@ -31,8 +31,8 @@ struct PrescribedSamples {
   std::vector<std::vector<double>> displacements;  ///< [m]; 0 in free entries
 };
 
-/// The edges that belong to one facet only, each on one rank of all. Facets that meet there with opposite directions
-/// count as going on. Not collective.
+/// The edges that belong to one facet only, each on one of the ranks. Facets that meet there with opposite directions
+/// count as continuous. Not collective.
 std::vector<RimEdge> rim_edges(const NodeLayout& layout, const FacetList& facets);
 
 /// The worst of the edges on all ranks; sets their `plane`. Collective.
@@ -40,7 +40,7 @@ std::vector<RimEdge> rim_edges(const NodeLayout& layout, const FacetList& facets
 /// The antisymmetric part of a uniform pressure's tangent is int N_a N_b x' . (da cross db) ds along the rim, for
 /// motions da and db of its nodes. It vanishes on an edge if for all free entries i of a node and j of a node, i != j,
 /// the edge does not extend in the third direction. Prescribed entries that move count as the j's do: the work of a
-/// pressure in a stage is told along a way on which they move, too.
+/// pressure in a stage is integrated along a path on which they move, too.
 Rim classify(const NodeLayout& layout, std::vector<RimEdge>& edges, const PrescribedSamples& prescribed);
 
 /// The volume behind the surface in the reference configuration [m^3], positive if the facets look into it: each loop

@@ -34,7 +34,7 @@ struct Split {
   Vector3<double> direction;
 };
 
-/// Of points of unit distance from an axis: what turns when one goes round it, (I - e e - a a) / radius.
+/// For points at unit distance from an axis: the rotating part, (I - e e - a a) / radius.
 Tensor3<double> round_curvature(const Vector3<double>& direction, const Vector3<double>& axis, double radius) {
   return (1.0 / radius) * (add_to_diagonal(-1.0 * square(direction), 1.0) - square(axis));
 }

@@ -48,7 +48,7 @@ unsigned long checksum_of(const std::filesystem::path& file, std::int64_t begin,
   return checksum;
 }
 
-/// Of all bytes behind the header; each rank reads its part. Collective.
+/// CRC-32 of all bytes behind the header; each rank reads its part. Collective.
 unsigned long checksum_of(MPI_Comm comm, const std::filesystem::path& file, std::int64_t size) {
   const std::int64_t ranks = num_ranks(comm), part = (size - header_size + ranks - 1) / ranks;
   const std::int64_t begin = std::min(header_size + rank(comm) * part, size), end = std::min(begin + part, size);

@@ -1,4 +1,4 @@
-/// The file from which a run goes on: an HDF5 file behind a header of its own.
+/// The file from which a run is resumed: an HDF5 file behind a header of its own.
 ///
 /// bytes 0 .. 511: text "pliant-checkpoint", the version of the format, the size of the file and the CRC-32 of all
 /// bytes behind the header, filled up with zeros (HDF5 calls this a user block and passes over it)
@@ -79,7 +79,7 @@ class CheckpointWriter final : public Archive {
 /// Gives objects back what they kept. FileError on every rank where that is not in the file.
 class CheckpointReader final : public Archive {
  public:
-  /// Of a file that read_checkpoint_info has found whole; `orders` outlive the object.
+  /// Reads a file that read_checkpoint_info has found intact; `orders` must outlive the object.
   CheckpointReader(MPI_Comm comm, std::filesystem::path file, const ArchiveOrders& orders);
 
   bool restores() const override { return true; }

@@ -1,5 +1,5 @@
-/// The surfaces of obstacles beside the time series of the bodies, for ParaView and other tools: in result.h5 (the
-/// numbers) and result_obstacles.xdmf (what they mean).
+/// The surfaces of obstacles in addition to the time series of the bodies, for ParaView and other tools: in result.h5
+/// (the numbers) and result_obstacles.xdmf (what they mean).
 ///
 /// result.h5
 ///   /obstacles/points          num_points x 3, where they are drawn [m]
@@ -29,7 +29,7 @@ struct OutputObstacles {
   std::vector<std::int32_t> obstacles;  ///< index into names of each triangle
 };
 
-/// "obstacles", "obstacles_1" beside "mesh" or "/mesh", "mesh_1".
+/// "obstacles", "obstacles_1" for "mesh" or "/mesh", "mesh_1".
 std::string obstacles_beside(std::string_view mesh_group);
 
 /// Adds obstacles to a result. All members that write are collective; a failure throws FileError on every rank.

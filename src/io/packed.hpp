@@ -19,11 +19,11 @@ struct Quantisation {
   double high = 0.0;
   int levels = 65535;
 
-  /// The nearest; what is no number counts as low.
+  /// Rounds to nearest; NaN becomes the lowest value.
   std::uint16_t operator()(double value) const;
 };
 
-/// Of each vertex of triangles those before it in number to which a side leads that goes up in number; where there is
+/// For each vertex of the triangles: the preceding vertices from which a side leads up in number to it; if there is
 /// none, the vertex before it (vertex 0 has none).
 struct EarlierNeighbours {
   explicit EarlierNeighbours(std::size_t num_vertices = 0, std::span<const std::int32_t> triangles = {});

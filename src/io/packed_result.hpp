@@ -37,8 +37,7 @@ struct PackedField {
   std::vector<std::vector<std::string>> values;  ///< by mesh and component
 };
 
-/// Obstacles beside a mesh, if there are any: where they are drawn, and how far from there they are in each of its
-/// frames.
+/// The obstacles of a mesh, if there are any: where they are drawn, and their displacement from there in each frame.
 struct PackedObstacles {
   std::vector<std::string> names;
   std::size_t num_points = 0;
@@ -53,7 +52,7 @@ struct PackedResult {
   int nodes_per_cell = 4;
   std::size_t num_frames = 0;  ///< of the result, before it was thinned
   std::vector<PackedMesh> meshes;
-  std::vector<PackedObstacles> obstacles;  ///< beside each mesh
+  std::vector<PackedObstacles> obstacles;  ///< for each mesh
   std::vector<PackedFrame> frames;
   std::vector<PackedField> fields;  ///< the displacement, if there is one, first
 

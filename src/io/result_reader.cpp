@@ -104,7 +104,7 @@ void require_result(hid_t file, const std::filesystem::path& path, std::string_v
   const std::int64_t version = integer_attribute(file, "version");
   if (version != result_version) {
     throw FileError(
-        fmt::format("'{}' has version {} of the format, and this program reads version {}; read it with the "
+        fmt::format("'{}' has version {} of the format, but this program reads version {}; read it with the "
                     "Pliant that wrote it",
                     path.string(), version, result_version));
   }

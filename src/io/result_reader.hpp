@@ -1,4 +1,4 @@
-/// The time series of a run (io/result_writer.hpp) read back, also while the run goes on. Nothing here is collective.
+/// Reads the time series of a run (io/result_writer.hpp), also while the run is active. Nothing here is collective.
 #pragma once
 
 #include "io/obstacle_writer.hpp"
@@ -38,7 +38,7 @@ std::filesystem::path result_file(const std::filesystem::path& place);
 /// Runs `work`, which reads this file; a FileError that does not name the file is thrown anew with its name before it.
 void naming(const std::filesystem::path& file, const std::function<void()>& work);
 
-/// FileError "'path' is <otherwise>" if the open file is no result, and another one if it is of another version.
+/// FileError "'path' is <otherwise>" if the open file is not a result, and another one if it is of another version.
 void require_result(hid_t file, const std::filesystem::path& path, std::string_view otherwise);
 
 /// An open result. FileError wherever the file is not what ResultWriter writes.
@@ -51,9 +51,9 @@ class ResultReader {
   const std::vector<ResultFrame>& frames() const { return frames_; }
   /// All of a mesh, as if of one rank. `group`: ResultFrame::mesh.
   OutputMesh mesh(const std::string& group) const;
-  /// Beside a mesh: where they are drawn; nothing if the run had none. `group`: ResultFrame::mesh.
+  /// Where the obstacles of a mesh are drawn; nothing if the run had none. `group`: ResultFrame::mesh.
   std::optional<OutputObstacles> obstacles(const std::string& group) const;
-  /// Where the points of the obstacles are; where they are drawn, if they rest.
+  /// Positions of the points of the obstacles; where they are drawn, if they are at rest.
   std::vector<double> obstacle_points(const ResultFrame& frame) const;
   std::vector<ResultField> fields(const ResultFrame& frame) const;
   /// Components by node or cell.

@@ -58,7 +58,7 @@ class LocalError {
   Handle<Vec> q_, v_;                       // the estimate
   std::vector<Handle<Vec>> accelerations_;  // of accepted states, newest first
   int num_accelerations_ = 0;
-  // Of methods that are not stiffly accurate: embedded differences of the attempt and of the last accepted step.
+  // Methods that are not stiffly accurate: embedded differences of the attempt and of the last accepted step.
   struct EmbeddedDifference {
     Handle<Vec> q, v;
     double dt = 0.0;  // of the step; 0: unknown
@@ -66,7 +66,7 @@ class LocalError {
   EmbeddedDifference tried_, accepted_;
   std::vector<double> nodes_, weights_;
   std::vector<Vec> rates_;
-  // Of a space only: coordinates, the change of their rate, and the rates.
+  // Only for problems with a space: coordinates, the change of their rate, and the rates.
   Handle<Vec> xi_, change_;
   std::vector<Handle<Vec>> charted_;
 };
@@ -86,7 +86,7 @@ class ErrorNorm {
  public:
   /// Collective.
   ErrorNorm(const Tolerances& tolerances, const StateView& initial);
-  /// Of an attempt with an estimate. Collective.
+  /// The error of an attempt with an estimate. Collective.
   double operator()(const StepAttempt& attempt) const;
   /// The attempt was accepted. Collective.
   void accept(const StepAttempt& attempt);

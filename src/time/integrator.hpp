@@ -40,7 +40,7 @@ class Integrator {
   /// accelerations jump, past states say nothing about what follows. The newest velocity becomes that after the event.
   /// Collective.
   void restart();
-  /// Sets the quadratures of the newest state: what happened at a restart is no part of a step.
+  /// Sets the quadratures of the newest state: changes at a restart are not part of a step.
   void set_quadratures(std::span<const double> w) { history_.set_quadratures(w); }
   /// Collective.
   void keep(Archive& archive);

@@ -198,7 +198,7 @@ std::optional<std::string> why_not_adaptive(const Method& method) {
     return "method '" + method.name + "' needs equal steps: its coefficients for changing ones are not known";
   }
   if (method.stiffly_accurate || !method.bt_embedded.empty()) return std::nullopt;
-  return "method '" + method.name + "' has too few stages for an embedded formula that would tell its error";
+  return "method '" + method.name + "' has too few stages for an embedded formula that estimates its error";
 }
 
 bool keeps_order_with_reconstructed_rates(const Method& method) {

@@ -43,10 +43,10 @@ struct Method : MethodRow {
   std::vector<double> c;                ///< row sums of A
   std::vector<std::vector<double>> At;  ///< At_i = A_{i,1:i-1} (A_{1:i-1,1:i-1})^-1; row i has i entries (i from 0)
   std::vector<double> bt;               ///< bt^T = b^T A^-1; exactly (0, ..., 0, 1) if stiffly accurate
-  int order = 0;                        ///< after an exact start; told up to 3
+  int order = 0;                        ///< after an exact start; determined up to 3
   Stability stability = Stability::not_a_stable;
-  double R_infinity = 0.0;  ///< what a step multiplies an infinitely fast decaying mode by; of several past states,
-                            ///< the largest modulus
+  double R_infinity = 0.0;        ///< factor of a step on an infinitely fast decaying mode; for several past states,
+                                  ///< the largest modulus
   bool stiffly_accurate = false;  ///< y_{n+1} = Y_s
   bool symplectic = false;
   double max_growth = 0.0;  ///< limit of the ratio of successive steps; the stepper takes a lower formula above it
@@ -55,13 +55,13 @@ struct Method : MethodRow {
   double error_constant = 0.0;  ///< C of the error y_{n+1} - y(t_{n+1}) ~ C dt^(p+1) y^(p+1) that one step adds on
                                 ///< linear problems; over a motion it acts as C / beta
   std::vector<double>
-      bt_embedded;              ///< weights of the stages that end the step by a formula of lower order, whose
-                                ///< difference tells the error: sum_i (bt - bt_embedded)_i (Y_i - y*); empty if none
-  int embedded_order = 0;       ///< p^, order of that formula; 0 if none
+      bt_embedded;         ///< weights of the stages that end the step by a formula of lower order, whose
+                           ///< difference estimates the error: sum_i (bt - bt_embedded)_i (Y_i - y*); empty if none
+  int embedded_order = 0;  ///< p^, order of that formula; 0 if none
   double embedded_error = 0.0;  ///< c of that difference ~ c dt^(p^+1) y^(p^+1) on linear problems
 
   /// The order that is left when the rate of a function E(q) in a stage is (E(q_i) - E_i0) / dt_i, E_i0 reconstructed
-  /// as q_i0 is (docs/theory.md, "Strain rates and their orders"); told up to 3.
+  /// as q_i0 is (docs/theory.md, "Strain rates and their orders"); determined up to 3.
   int reconstructed_rate_order = 0;
 };
 
@@ -84,7 +84,7 @@ std::optional<std::string> why_not_adaptive(const Method& method);
 /// Whether reconstructed rates cost the method none of its order.
 bool keeps_order_with_reconstructed_rates(const Method& method);
 
-/// Of methods whose steps can adapt: the estimated error of a step falls as dt^(this + 1) once enough steps are known
+/// For methods with adaptive steps: the estimated error of a step falls as dt^(this + 1) once enough steps are known
 /// (time/error_estimate.hpp). The method's order if its last stage ends the step, else one more than that of the
 /// embedded formula.
 int estimate_order(const Method& method);

@@ -1,5 +1,5 @@
-/// What the coefficients of a method say about its errors: orders, error constants, and an embedded formula that tells
-/// the error of a step.
+/// The errors of a method from its coefficients: orders, error constants, and an embedded formula that estimates the
+/// error of a step.
 #pragma once
 
 #include "time/method.hpp"
@@ -13,7 +13,7 @@ namespace pliant {
 /// Within which identities between coefficients hold: published tables are printed with ten digits or more.
 inline constexpr double coefficient_tolerance = 1e-9;
 
-/// Order p of the method, told up to 3. A consistent row.
+/// Order p of the method, determined up to 3. A consistent row.
 int convergence_order(const MethodRow& row);
 
 /// Method::reconstructed_rate_order, for rates that act linearly on the motion (viscosity).

@@ -56,7 +56,7 @@ struct PrescribedMotion {
   std::function<void(const Step& step, Vec q, Vec v)> restart = [](const Step&, Vec, Vec) {};
 };
 
-/// Variables of the material beside q and v, one more part of y: each obeys an ordinary differential equation of its
+/// Internal variables of the material, in y next to q and v: each obeys an ordinary differential equation of its
 /// own (or is a function of q whose rate is wanted), and is found once q is. The stage algebra is that of q and v.
 struct InternalVariables {
   /// z = the variables at the end of the converged stage (from stage.z0 and q). Collective.

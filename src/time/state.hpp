@@ -44,10 +44,10 @@ class History {
 
   /// Makes a copy the newest state and forgets the oldest if all places are taken. Collective.
   void push(const StateView& state);
-  /// Forgets all states but the newest, after which the motion is no continuation of what went before: its velocity, of
-  /// the state returned, may be changed.
+  /// Forgets all states but the newest. The motion after it does not continue the one before: the velocity of the state
+  /// returned may be changed.
   State& restart();
-  /// Of the newest state.
+  /// Quadratures of the newest state.
   void set_quadratures(std::span<const double> w);
 
   /// Collective.

@@ -66,13 +66,13 @@ struct RetryDecision {
 };
 
 /// The progress of a run under a plan with another step, end or interval: the nominal steps completed are those whose
-/// ends lie behind. Of an unchanged plan it is as it was.
+/// ends lie behind. An unchanged plan keeps its progress.
 StepProgress under_plan(const StepPlan& plan, StepProgress progress);
 
 /// Fixed nominal step with retry. A failed step is halved, and again; after a success the step at most doubles until it
 /// is back at the nominal one. Every time origin + n dt is hit, computed by multiplication so that it carries no
-/// accumulated rounding, and so is the end: the last step is shortened where the end is no multiple of the step, or
-/// longer by a millionth of it, lest a sliver remain. So are the events on the way; a nominal time within half a
+/// accumulated rounding, and so is the end: the last step is shortened where the end is not a multiple of the step, or
+/// longer by a millionth of it, so that no sliver remains. So are the events on the way; a nominal time within half a
 /// millionth of dt of an event is that event.
 ///
 /// Adaptive steps keep the error of the run near the tolerance by allowing each step its share dt / (end - origin). The
@@ -81,11 +81,11 @@ StepProgress under_plan(const StepPlan& plan, StepProgress progress);
 /// long as no considerable change is called for, because factorizations and weights hold for one length. After an event
 /// steps start small, as nothing is known of what follows.
 ///
-/// Where an error does not fall as the method's order promises when a step is cut, at a kink or a jump that is no
+/// Where an error does not fall as the method's order promises when a step is cut, at a kink or a jump that is not an
 /// event, or where the solver's tolerance is all that is left, its share of the run would ask for steps without end.
 /// Such a step may take a hundredth of what is unspent: of the tolerance once more, and of what earlier steps left of
 /// their shares. So the estimates add up to twice the tolerance at most. At the smallest step an error that hardly
-/// falls at all is a jump's, or the solver's: the run goes on, and says so. A value: copies are independent.
+/// falls at all is a jump's, or the solver's: the run continues, and says so. A value: copies are independent.
 class StepControl {
  public:
   /// Starts at the plan's origin.

@@ -144,7 +144,7 @@ void Stepper::start_stage(std::size_t i, const History& history, StagePoint& sta
 
 void Stepper::predict(const History& history, const StagePoint& stage, Vec q) const {
   int num_used = std::min(history.size(), num_states(Guess::predicted));
-  // Beyond the length of the steps that led here a polynomial says little.
+  // A polynomial says little beyond the length of the steps before it.
   while (num_used > 1 && stage.time - history[0].time >
                              max_extrapolation * (history[0].time - history[num_used - 1].time) / (num_used - 1))
     --num_used;

@@ -77,7 +77,7 @@ class ConstraintMap {
   /// hold exactly, as for prescribed displacements (energy/prescribed.hpp). What a method's formulas leave of them is
   /// put right by the least change of all entries: the formulas then act on the coordinates along the constraints,
   /// which keeps their order, and the choice of slaves makes no difference. At the end of a step patches are rigid
-  /// again, and so are their velocities. With Mending::of_slaves, where T is linear, nothing but slaves is changed.
+  /// again, and so are their velocities. With `Mending::of_slaves`, where T is linear, nothing but slaves is changed.
   /// Refers to this object. Not collective.
   PrescribedMotion motion(PrescribedMotion before, Mending mending = Mending::nearest) const;
 
@@ -116,12 +116,12 @@ class ConstraintMap {
   std::vector<RigidPatch> patches_;
   std::vector<char> is_slave_, is_tied_;
   Handle<Mat> C_, J_, W_;                           // the same if T is linear
-  Handle<Vec> offset_, start_offset_, end_offset_;  // g: where it is led, at the accepted state, at the stage's time
+  Handle<Vec> offset_, start_offset_, end_offset_;  // g: prescribed values; at the accepted state; at the stage's time
   Handle<Mat> sizes_;                               // |C|
   Handle<Vec> work_;
-  // Of put_nearest: what is missing, the forces that supply it, the direction of search and its image.
+  // put_nearest: the violation, the forces that correct it, the search direction and its image.
   Handle<Vec> missing_, forces_, direction_, image_;
-  Handle<Vec> inverse_diagonal_;  // of G G^T; 0 but for slaves
+  Handle<Vec> inverse_diagonal_;  // of G G^T; 0 except for slaves
 };
 
 }  // namespace pliant

@@ -13,7 +13,7 @@ namespace {
 
 /// Coefficients that cancel to less than this part of what they were made of are rounding.
 constexpr double cancellation = 1e-12;
-/// Of the sizes of what is compared: given displacements that differ by less agree.
+/// Relative tolerance: prescribed displacements that differ by less agree.
 constexpr double agreement = 1e-9;
 /// A coefficient nearly as large as the largest may be the pivot if it stands before it.
 constexpr double nearly = 0.999;

@@ -49,7 +49,7 @@ struct Elimination {
 
 /// Gauss's elimination: every constraint makes a slave of that entry which has the largest coefficient once the earlier
 /// constraints are put in (the first of several); a constraint that the earlier ones imply makes none, and one that
-/// they contradict at one of the `times` is told. Chains of any length are thereby resolved. Not collective.
+/// they contradict at one of the `times` is reported. Chains of any length are thereby resolved. Not collective.
 Elimination eliminate(std::span<const LinearConstraint> constraints, std::span<const GivenDisplacement> given,
                       std::span<const double> times);
 

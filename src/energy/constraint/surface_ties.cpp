@@ -9,7 +9,7 @@
 namespace pliant {
 namespace {
 
-/// Of the extent of surfaces: partners are so near.
+/// Largest distance of partners, relative to the extent of the surfaces.
 constexpr double matching = 1e-6;
 
 struct PlacedNode {

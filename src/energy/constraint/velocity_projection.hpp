@@ -45,7 +45,7 @@ class VelocityProjection {
   Mat reduced_mass();
 
   ConstraintMap* map_;
-  std::vector<PetscInt> excluded_;  // entries that are no unknowns
+  std::vector<PetscInt> excluded_;  // entries that are not unknowns
   Handle<Mat> mass_, reduced_;
   Handle<KSP> ksp_;
   Handle<Vec> difference_, force_, w_;

@@ -11,7 +11,7 @@ namespace {
 using ContactPoint = ContactSurface::Point;
 using Facets = ContactSurface::Facets;
 
-/// Of the distance that a point has: so near a step may lead.
+/// The fraction of a point's distance to the obstacle by which one step may approach it.
 constexpr double least_part = 0.1;
 constexpr int max_advances = 100;
 
@@ -180,7 +180,7 @@ std::string_view name_of(const NormalDamping&) {
 template <class Drag>
 class ContactDrag final : public EnergyTerm {
  public:
-  /// `damping`: what is damped beside, on whose pressure the drag rests too.
+  /// `damping`: the contact damping of the same obstacle, whose pressure adds to the friction.
   ContactDrag(std::shared_ptr<const ContactSurface> surface, std::shared_ptr<const Obstacle> obstacle, const Drag& drag,
               const NormalDamping& damping, FrictionUpdate update)
       : surface_(std::move(surface)), obstacle_(std::move(obstacle)), drag_(drag), damping_(damping), update_(update) {}
@@ -214,7 +214,7 @@ class ContactDrag final : public EnergyTerm {
     });
   }
 
-  /// Of a frozen drag: what it exerts, and what the pressure at q allows, that of the frozen damping included.
+  /// A frozen drag: the traction that it exerts, and the one that the pressure at q allows, frozen damping included.
   DragBound bound(const LocalStage& stage, std::span<const double> q) const override {
     if (update_ == FrictionUpdate::iterated) return {};
     CompensatedSum<double> exerted, allowed;
@@ -257,8 +257,8 @@ class ContactDrag final : public EnergyTerm {
   /// A point with what is frozen there.
   struct Touch {
     const ContactPoint& point;
-    double undamped;  // without that of the damping beside
-    double pressure;  // in all
+    double undamped;  // without the pressure of damping
+    double pressure;  // total
     Vector3<double> n, obstacle_velocity;
   };
 

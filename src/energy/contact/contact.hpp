@@ -32,7 +32,7 @@ class Contact final : public EnergyTerm {
                    Projection projection) const override;
   double energy_at(const Instant& at, std::span<const double> q, std::span<const double> z) const override;
   double supply(const LocalStage& stage, std::span<const double> q) const override;
-  /// Of a barrier: short of where a point would meet the obstacle, whose distance changes no faster than the point
+  /// For a barrier: short of where a point would meet the obstacle, whose distance changes no faster than the point
   /// moves.
   double max_step(const LocalStage& stage, std::span<const double> q, std::span<const double> d) const override;
 
@@ -51,9 +51,9 @@ class Contact final : public EnergyTerm {
 ///
 ///     Phi = dt int R(p, n; v - v_o) dA,   v = (q - q0)/dt,   v_o at the end of the stage
 ///
-/// p is the pressure that is recorded: of friction that with the damping of the same obstacle. p and n are frozen
-/// (FrictionUpdate), and so is the place at which v_o is taken. What is frozen at the last accepted state would go on
-/// acting on a surface that has left: StageEquation::refreeze then freezes it anew, at the solution.
+/// p is the recorded pressure; for friction it includes the damping of the same obstacle. p and n are frozen
+/// (FrictionUpdate), and so is the place at which v_o is taken. A traction frozen at the last accepted state would keep
+/// acting on a surface that has left: StageEquation::refreeze then freezes it again, at the solution.
 std::unique_ptr<EnergyTerm> make_friction(std::shared_ptr<const ContactSurface> surface,
                                           std::shared_ptr<const Obstacle> obstacle, const Friction& friction,
                                           const NormalDamping& damping, FrictionUpdate update);

@@ -86,7 +86,7 @@ ContactSurface::Ball ContactSurface::ball(PetscInt facet, std::span<const double
 
 bool ContactSurface::is_near(PetscInt facet, const ObstacleFrame& obstacle, std::span<const double> q) const {
   const Ball around = ball(facet, q);
-  // What is no number is to be noticed where forces are summed.
+  // NaN must be noticed where forces are summed.
   return !(obstacle.distance(around.centre) > law_.reach() + around.radius);
 }
 

@@ -37,7 +37,7 @@ class ContactSurface {
   };
 
   /// visit(point) for the points of facets that come, at one of the displacements, within reach of the obstacle. A
-  /// facet lies in a ball around the mean of its nodes; the distance of its centre tells whether the ball is out of
+  /// facet lies in a ball around the mean of its nodes; the distance of its centre decides whether the ball is out of
   /// reach.
   template <class Visit>
   void for_each_near(const ObstacleFrame& obstacle, std::initializer_list<std::span<const double>> displacements,

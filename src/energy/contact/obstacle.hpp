@@ -18,9 +18,9 @@ class ObstacleFrame {
 
   DistanceAt at(const Vector3<double>& x) const;
   double distance(const Vector3<double>& x) const { return shape_.distance(in_shape(x)); }
-  /// Of the obstacle's material point at x [m/s].
+  /// Velocity of the obstacle's material point at x [m/s].
   Vector3<double> velocity(const Vector3<double>& x) const { return velocity_ + cross(spin_, x - centre_); }
-  /// Which point of the shape is at x.
+  /// The point of the reference shape that is at x.
   Vector3<double> in_shape(const Vector3<double>& x) const { return shape_centre_ + matvec(back_, x - centre_); }
   /// Where a point of the shape is.
   Vector3<double> place(const Vector3<double>& X) const { return centre_ + matvec(rotation_, X - shape_centre_); }

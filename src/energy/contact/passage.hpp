@@ -8,9 +8,10 @@
 
 namespace pliant {
 
-/// Of the owned facets' points and nodes.
+/// A contact gap, over the points and nodes of the owned facets.
 struct Closeness {
-  double gap = std::numeric_limits<double>::infinity();  ///< the least distance to the threshold; below 0 within [m]
+  double gap = std::numeric_limits<double>::infinity();  ///< the least distance to the threshold [m]; negative if the
+                                                         ///< point is within it
   double num_points = 0.0;                               ///< contact points on which a pressure acts
 };
 Closeness closeness(const ContactSurface& surface, const ObstacleFrame& obstacle, std::span<const double> q);

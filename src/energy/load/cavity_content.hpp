@@ -38,7 +38,7 @@ struct Gas {
   double initial = 0.0;   ///< p_0, gauge [Pa]
   double ambient = 0.0;   ///< p_a, absolute [Pa]
   double exponent = 1.0;  ///< n: 1 isothermal, 1.4 adiabatic (air)
-  Expression amount;      ///< m(t), in parts of the gas at the start
+  Expression amount;      ///< m(t), relative to the gas at the start
 
   /// NaN where no volume is left.
   double absolute(double S, const LoadState& at) const {

@@ -23,11 +23,11 @@ struct FoundationMatrix {
   std::vector<Block> blocks;
 };
 
-/// Of a surface; either of its sides may be outside.
+/// A foundation (Robin boundary condition) on a surface; either of its sides may be outside.
 FoundationMatrix surface_foundation(const NodeLayout& layout, const BlockPattern& pattern, const FacetList& facets,
                                     FoundationDirection direction);
 
-/// Of owned nodes, each with the same weight.
+/// A foundation at owned nodes, each with the same weight.
 FoundationMatrix nodal_foundation(const BlockPattern& pattern, const std::vector<PetscInt>& nodes, double weight);
 
 /// U = k/2 |q|_M^2 and R = c/2 |v|_M^2 with the velocity v = (q - q0)/dt of the stage, so that

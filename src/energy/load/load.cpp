@@ -128,7 +128,7 @@ LoadSamples lumped_samples_of(const NodeLayout& layout, const std::vector<double
   return samples;
 }
 
-/// Of items given by their nodes.
+/// Items given by their nodes.
 template <int Dim, int Order>
 LoadSamples item_samples_of(const NodeLayout& layout, std::span<const PetscInt> nodes, Variation variation) {
   constexpr std::size_t n = Simplex<Dim, Order>::num_nodes;

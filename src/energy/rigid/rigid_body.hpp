@@ -75,7 +75,7 @@ class RigidBodies final : public StageEquation {
   Vector3<double> gravity_;
   std::vector<char> prescribed_;
   PetscInt num_unknowns_ = 0;
-  // Of the stage.
+  // State of the current stage.
   double dt_ = 0.0;
   std::vector<Coordinates<double>> xi_0_, v_0_;
   std::vector<Vector3<double>> body_gravity_;  // at the centre of the coordinates, seen from the bodies

@@ -13,7 +13,7 @@ namespace {
 
 /// Nodes nearer to one line than this part of their size do not turn about it.
 constexpr double collinearity = 1e-6;
-/// Of the size: displacements that are rigid but for this are left as they are, lest their digits are lost.
+/// Relative to the size: displacements that are rigid to this tolerance are left unchanged, which keeps their digits.
 constexpr double rounding = 1e-13;
 
 /// A^-1 b of a regular tensor: A^-1 = cof(A)^T / det A.
@@ -44,9 +44,9 @@ std::optional<std::string> why_not_rigid(const NodeLayout& layout, std::span<con
     if (dot(motion.axis, matvec(inertia, motion.axis)) > collinearity * collinearity * size) return std::nullopt;
     return "lies on one line along the axis, about which it does not turn";
   }
-  // Of points on a line one moment of inertia vanishes, and the others are `size` each.
+  // For points on a line one moment of inertia vanishes, and the others are `size` each.
   if (det(inertia) > collinearity * collinearity * size * size * size) return std::nullopt;
-  return "lies on one line, about which it does not turn";
+  return "lies on one line, about which its rotation is undefined";
 }
 
 bool centre_is_off_plane(const NodeLayout& layout, std::span<const PetscInt> nodes, const RigidMotion& motion) {

@@ -1,5 +1,5 @@
-/// Nodes that move as a rigid body whose rotation follows from the forces: the configuration is no linear function of
-/// the unknowns there.
+/// Rigid parts (RBE2): nodes that move as a rigid body whose rotation follows from the forces. There the configuration
+/// is a nonlinear function of the unknowns (degrees of freedom).
 #pragma once
 
 #include "energy/given_motion.hpp"
@@ -123,7 +123,7 @@ class RigidPatch {
     Vector3<double> velocity{}, omega{};  // of the centre, and the angular one
   };
   RigidState nearest_state(const GivenKinematics& given, Vec q, Vec v) const;
-  /// Of the centre, and the angular one, that are nearest to the nodes' velocities at a placement.
+  /// The velocity of the centre and the angular velocity closest to the nodes' velocities at a placement.
   std::array<Vector3<double>, 2> nearest_velocities(const Placement& placement, Vec v) const;
 
   const NodeLayout* layout_;
@@ -135,7 +135,7 @@ class RigidPatch {
   std::vector<PetscInt> hosts_;
   std::optional<AffineFit> fit_;
   Rigidity rigidity_ = Rigidity::of_configurations;
-  // Of the stage.
+  // State of the current stage.
   Vector3<double> given_translation_{};
   Shape shape_;
   Quaternion reference_{1.0, 0.0, 0.0, 0.0};

@@ -1,5 +1,5 @@
-/// Active stress of muscle: a tension T(x, t) per reference area along the fibres f, beside whatever the body resists
-/// with,
+/// Active stress of muscle: a tension T(x, t) per reference area along the fibres f, in addition to the body's own
+/// stress,
 ///     U = int T/2 (I4 - 1) dX,  I4 - 1 = 2 f.Ef,  S = T f (x) f
 /// Its work is done on the body, as by a load. Source: Ambrosi & Pezzuto, J. Elasticity 107 (2012) 199-212, section 2.
 #pragma once

@@ -25,7 +25,7 @@ std::unique_ptr<ElasticTerm> make_elastic_term(std::shared_ptr<const LawField> l
                                                int body, PetscInt num_owned_nodes,
                                                std::shared_ptr<const Activation> shortening = nullptr);
 
-/// The same of a uniform body.
+/// Likewise for a uniform body.
 template <int Order>
 std::unique_ptr<ElasticTerm> make_elastic_term(const ElasticLawSpec& law, const CellGroups<Order>& groups, int body,
                                                PetscInt num_owned_nodes) {

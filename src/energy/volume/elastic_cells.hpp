@@ -1,4 +1,4 @@
-/// What the elastic terms share beside their energies.
+/// What the elastic terms have in common, except for their energies.
 #pragma once
 
 #include "energy/volume/cell_stresses.hpp"

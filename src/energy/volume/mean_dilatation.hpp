@@ -18,8 +18,8 @@
 
 namespace pliant {
 
-/// As make_elastic_term, of quadratic cells. Of any law that is exact under rotation; its energy is a barrier in J at
-/// the quadrature points, whatever the law's is.
+/// As make_elastic_term, for quadratic cells and any law that is exact under rotation; its energy is a barrier in J at
+/// the quadrature points where the law's is.
 std::unique_ptr<ElasticTerm> make_mean_dilatation_term(std::shared_ptr<const LawField> law, const CellGroups<2>& groups,
                                                        int body, PetscInt num_owned_nodes);
 

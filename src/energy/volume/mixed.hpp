@@ -5,7 +5,7 @@
 ///
 /// psi is the law without its part of the volume kappa U(J), and U = g^2/2 (material/volumetric.hpp), so that p = kappa
 /// g(J), in tension positive, in the weak sense. In an incompressible body 1/kappa = 0, and p holds the volume. Pi has
-/// no minimum but a saddle point: it is no potential for a line search (energy/mixed_equation.hpp).
+/// a saddle point instead of a minimum, so that a line search cannot use it (energy/equation/mixed_equation.hpp).
 /// Source: Brink & Stein, Comput. Mech. 19 (1996) 105-119; Taylor & Hood, Comput. Fluids 1 (1973) 73-100.
 #pragma once
 
