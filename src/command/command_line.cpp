@@ -223,7 +223,7 @@ void CommandLine::add_report() {
   report->footer(examples({"pliant report out/beam", "pliant report out/beam --output beam.html --size 10"}));
   report->add_option("RESULT", arguments_.report.place, "directory of a result, its result.h5 or result.xdmf")
       ->required();
-  report->add_option("--output", arguments_.report.output, "the file; default: report.html beside the result");
+  report->add_option("--output", arguments_.report.output, "the file; default: report.html next to the result");
   report
       ->add_option("--size", arguments_.report.megabytes,
                    "megabytes that the page may take; where it would take more, frames are left out")

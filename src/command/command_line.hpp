@@ -44,7 +44,7 @@ class CommandLine {
     std::vector<std::string> words;
     bool accepts_any_order = false;
 
-    /// Throws InputError for what is no KEY.PATH=VALUE.
+    /// Throws InputError for a text that is not KEY.PATH=VALUE.
     std::vector<Override> overrides() const;
   };
 

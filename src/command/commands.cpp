@@ -202,7 +202,7 @@ std::string methods_text() {
   legend("adaptive",
          "whether the step can follow the error (time.adaptive); symplectic methods run at a constant step");
   legend("embedded",
-         "order of the formula of the same stages that tells the error, until (stiffly accurate methods) "
+         "order of the embedded formula that estimates the error, until (stiffly accurate methods) "
          "enough steps are known to estimate it better");
   legend("viscous rate",
          "the form of the strain rate that rate: auto takes: one with a potential to minimise, secant or "

@@ -142,7 +142,7 @@ Json json_of(const HistoryTable& history, Page& page) {
   return json;
 }
 
-/// What to tell of it.
+/// The summary for the terminal.
 std::string write_page(const fs::path& file, const ReportOptions& options) {
   const std::string_view viewer = report_page();
   if (viewer.empty()) {
@@ -170,7 +170,7 @@ std::string write_page(const fs::path& file, const ReportOptions& options) {
   const double size = static_cast<double>(text.size()) * 1e-6;
   return fmt::format("{}: {:.1f} MB, {} of {} frames{}; open it in a browser", output.string(), size,
                      packed.frames.size(), packed.num_frames,
-                     size > options.megabytes ? " (so much is needed for what is beside the frames)" : "");
+                     size > options.megabytes ? " (the data besides the frames need this much)" : "");
 }
 
 }  // namespace

@@ -14,8 +14,8 @@ struct ReportOptions {
   double megabytes = 10.0;  ///< that the page may take; there are fewer frames where it would take more
 };
 
-/// Writes the page, from what there is of a run that may still go on. FileError on every rank if there is no result, or
-/// the program was built without the viewer. Collective.
+/// Writes the page, from the results of a run that may still be active. FileError on every rank if there is no result,
+/// or the program was built without the viewer. Collective.
 void report_command(MPI_Comm comm, const ReportOptions& options, Console& console);
 
 }  // namespace pliant

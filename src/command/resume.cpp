@@ -70,7 +70,7 @@ std::string first_difference(const std::string& then, const std::string& now) {
   return fmt::format("'{}' then, '{}' now", line(then), line(now));
 }
 
-/// The checkpoint named, or those of the directory, and those from which to go on if they are damaged: newest first.
+/// The checkpoint named, or those of the directory, with the ones to fall back on if it is damaged: newest first.
 std::vector<fs::path> candidates(const fs::path& place) {
   std::error_code ignored;
   if (fs::is_directory(place, ignored)) {

@@ -63,7 +63,7 @@ std::vector<Ended> run_all(const std::vector<Program>& programs, const Environme
   received = 0;
   SignalHandlers handlers;
   for (const int number : stop_signals) handlers.set(number, note_signal);
-  handlers.set(SIGPIPE, SIG_IGN);  // the runs go on without a reader
+  handlers.set(SIGPIPE, SIG_IGN);  // the runs continue without a reader
   std::vector<Ended> ended(programs.size());
   std::map<pid_t, Running> running;
   int handed_on = 0;

@@ -26,9 +26,9 @@ struct Ended {
   double seconds = 0.0;  ///< wall-clock time
 };
 
-/// Runs all programs, at most `at_once` at a time, in their order; tells `on_end` (index, how) as they end. What
-/// asks to stop (`stop_signals`) is handed on to those that run, and no further one is started: those count as ended by
-/// the signal. Not collective.
+/// Runs all programs, at most `at_once` at a time, in their order; calls `on_end` (index, how) as they end. A signal
+/// that asks to stop (`stop_signals`) is handed on to those that run, and no further one is started: those count as
+/// ended by the signal. Not collective.
 std::vector<Ended> run_all(const std::vector<Program>& programs, const Environment& environment, int at_once,
                            const std::function<void(std::size_t, const Ended&)>& on_end);
 

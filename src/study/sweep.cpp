@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t most_runs = 1000;
-/// Columns of a history that tell of the computation, not of the body.
+/// Columns of a history that describe the computation, not the body.
 constexpr std::array<std::string_view, 5> bookkeeping{"step", "time", "dt", "newton_iterations", "linear_iterations"};
 
 /// For people and names of files.
@@ -168,7 +168,7 @@ class Sweep {
     make_directory(directory_);
   }
 
-  /// "step = 5 ms, method = bdf2": keys by their last part, as far as that tells them apart.
+  /// "step = 5 ms, method = bdf2": keys by their last component, if that distinguishes them.
   std::string label(const std::vector<std::string>& values) const {
     std::vector<std::string> parts;
     for (std::size_t k = 0; k < swept_.size(); ++k) parts.push_back(short_name(k) + "=" + values[k]);

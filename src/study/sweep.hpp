@@ -14,7 +14,7 @@ namespace pliant {
 struct SweepOptions {
   int at_once = 0;                         ///< runs at a time; 0: as many as the processors allow
   int ranks = 1;                           ///< of each run
-  bool continues = false;                  ///< leave what is done, go on with what was begun
+  bool continues = false;                  ///< skip finished runs, resume those that were begun
   std::vector<std::string> petsc_options;  ///< of each run
   Environment environment;                 ///< of each run
 };
