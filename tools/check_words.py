@@ -35,10 +35,8 @@ LAPSES = [
 ]
 # Not yet gone through: path prefixes, to be deleted as their files are.
 NOT_YET = [
-    "README.md", "docs/",
-    "src/command/", "src/energy/", "src/fem/", "src/input/", "src/io/", "src/material/", "src/model/",
-    "src/python/", "src/run/", "src/shell/", "src/solver/", "src/study/", "src/time/", "src/viewer/",
-    "tools/", "input/", "meshes/",
+    "README.md", "docs/", "src/energy/equation/", "src/input/", "src/io/result_writer", "src/material/", "src/model/",
+    "src/run/", "src/solver/",
 ]
 FILES = ["README.md", "CONTRIBUTING.md", "docs/**/*", "src/**/*", "tools/*", "input/**/*", "meshes/*"]
 EXCEPT = ["tools/check_words.py", "docs/input.schema.json", "src/viewer/package-lock.json"]
@@ -73,8 +71,8 @@ class Passage:
 
 
 def uncommented(comment):
-    """The words of a comment, without the marks of comments and of Doxygen."""
-    return re.sub(r"(?m)^[ \t]*(?://+<?|/\*+<?|\*+/|\*)|\*/$", "", comment)
+    """The words of a comment, without the marks of comments and of Doxygen, and without names in `code`."""
+    return re.sub(r"(?m)`[^`\n]*`|^[ \t]*(?://+<?|/\*+<?|\*+/|\*)|\*/$", "", comment)
 
 
 def passages_of_code(text):

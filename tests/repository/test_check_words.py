@@ -54,7 +54,7 @@ class CheckWords(unittest.TestCase):
         self.assertEqual(self.found("".join(f"/// {sample}\n\n" for sample in FINE)), [])
 
     def test_code_is_not_read(self):
-        self.assertEqual(self.found("int led = told(beside);\nauto n = 1'000'000; // fine\nchar c = '\\'';\nint lonely;\n"), [])
+        self.assertEqual(self.found("int led = told(beside);  // `Mending`\nauto n = 1'000'000; // fine\nchar c = '\\'';\nint lonely;\n"), [])
 
     def test_words_may_stand_on_two_lines(self):
         self.assertEqual(self.found("// a run goes\n// on\n\nint a;\n"), [1])
