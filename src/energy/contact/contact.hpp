@@ -1,5 +1,5 @@
-/// Contact of bodies with an obstacle: a normal response with a potential, and drags that act in proportion to its
-/// pressure.
+/// Contact of bodies with an obstacle: a normal response with a potential, and drags (friction, damping) proportional
+/// to its pressure.
 #pragma once
 
 #include "energy/contact/contact_surface.hpp"
@@ -13,8 +13,8 @@ namespace pliant {
 ///
 ///     r_a = -int N_a p n dA,    K_ab = int N_a N_b (U'' n n^T - p C) dA,    dU/dt at fixed q = int p n . v_o dA
 ///
-/// v_o being the velocity of the obstacle. C is definite of one sign, so that -p C is left out where K is to be
-/// semidefinite and the obstacle convex.
+/// where v_o is the velocity of the obstacle. The sign of C is definite, so -p C is left out where K must be
+/// semidefinite and the obstacle is convex.
 class Contact final : public EnergyTerm {
  public:
   Contact(std::shared_ptr<const ContactSurface> surface, std::shared_ptr<const Obstacle> obstacle)
@@ -36,7 +36,7 @@ class Contact final : public EnergyTerm {
   /// moves.
   double max_step(const LocalStage& stage, std::span<const double> q, std::span<const double> d) const override;
 
-  /// Nodes nearer than twice the way of the obstacle are as near as can be, from five times on there is no nearness.
+  /// Nodes nearer than twice the displacement count as touching; from five times on they count as far.
   void carry_along(const LocalStage& stage, std::span<Vector3<double>> ways, std::span<double> nearness) const override;
 
   const ContactSurface& surface() const { return *surface_; }
