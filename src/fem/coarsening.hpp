@@ -1,4 +1,4 @@
-/// The linear functions among the quadratic ones: the coarse space of p-multigrid.
+/// The linear functions within the quadratic ones: the coarse space of p-multigrid.
 #pragma once
 
 #include "fem/layout.hpp"

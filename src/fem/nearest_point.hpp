@@ -1,4 +1,4 @@
-/// The point of a triangle that is nearest to another.
+/// The point of a triangle nearest to a given point.
 #pragma once
 
 #include "base/vector3.hpp"

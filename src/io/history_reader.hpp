@@ -1,4 +1,4 @@
-/// history.csv (io/history_writer.hpp) read back.
+/// Reads history.csv (io/history_writer.hpp).
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@ struct HistoryTable {
   std::vector<std::vector<double>> columns;  ///< equally long; NaN where there is no number
 
   std::size_t num_rows() const { return columns.empty() ? 0 : columns.front().size(); }
-  /// nullptr where there is no such column.
+  /// nullptr if there is no such column.
   const std::vector<double>* find(std::string_view name) const;
 };
 

@@ -5,7 +5,7 @@
 ///   /obstacles/points          num_points x 3, where they are drawn [m]
 ///   /obstacles/triangles       num_triangles x 3, point numbers, anticlockwise seen from outside
 ///   /obstacles/obstacle        num_triangles; attribute `names`: the names, one per line
-///   /obstacles/frames/000040/points  where they are at step 40; not there while all rest where they are drawn
+///   /obstacles/frames/000040/points  positions at step 40; absent while none has moved
 /// After a restart the group is called /obstacles_1, as the mesh is called /mesh_1.
 #pragma once
 
@@ -36,14 +36,14 @@ std::string obstacles_beside(std::string_view mesh_group);
 class ObstacleWriter {
  public:
   /// Continues the list of frames of an earlier run up to `last_step`; -1: there is none. `bodies`, which owns the
-  /// files, outlives the object. Collective.
+  /// files, must outlive the object. Collective.
   ObstacleWriter(MPI_Comm comm, const ResultWriter& bodies, std::string title, const OutputObstacles& obstacles,
                  std::int64_t last_step);
 
-  /// Adds a frame; `points`: where the points are now, on rank 0 at least, or empty everywhere if they rest where they
-  /// are drawn. Before the frame of the bodies, so that each of these has its obstacles. Collective.
+  /// Adds a frame; `points`: the current positions, on rank 0 at least, or empty everywhere if no obstacle has moved.
+  /// To be called before the bodies' frame is added, so that each of these has its obstacles. Collective.
   void write_frame(double time, std::int64_t step, std::span<const double> points);
-  /// Returns when the list of frames has reached the disk; the numbers do so with ResultWriter::sync. Collective.
+  /// Returns when the list of frames is on disk; the numbers follow with ResultWriter::sync. Collective.
   void sync() const;
 
  private:

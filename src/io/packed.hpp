@@ -1,5 +1,5 @@
-/// Numbers made small, for pages that carry their data: quantised, predicted in time and from their neighbours,
-/// deflated, as text.
+/// Compression of numbers for pages that carry their data: quantised, predicted in time and from their neighbours,
+/// deflated, encoded as text.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ namespace pliant {
 /// The bytes as a zlib stream (RFC 1950) in base64 (RFC 4648).
 std::string packed_text(std::span<const std::byte> bytes);
 
-/// Whole numbers 0 .. `levels` stand for low .. high; evenly spaced.
+/// Integers 0 .. `levels` represent values from low to high, evenly spaced.
 struct Quantisation {
   double low = 0.0;
   double high = 0.0;
@@ -39,9 +39,9 @@ struct EarlierNeighbours {
 /// negative: a byte for the order, then all lower bytes, then all upper ones.
 class PackedRows {
  public:
-  /// The neighbours live longer than this.
+  /// The neighbours must outlive this object.
   explicit PackedRows(const EarlierNeighbours& neighbours) : neighbours_(neighbours) {}
-  /// Appends a row; it has a number for each vertex.
+  /// Appends a row with one number per vertex.
   void append(std::vector<std::uint16_t> row);
   std::string text() const;
 

@@ -1,4 +1,4 @@
-/// Other programs, several at once.
+/// Runs other programs, several at a time.
 #pragma once
 
 #include <filesystem>
@@ -11,13 +11,14 @@ namespace pliant {
 /// Variables as "NAME=value".
 using Environment = std::vector<std::string>;
 
-/// That of this process, now: MPI adds variables of its own when it starts, which make programs believe that they
+/// The environment of this process, to be taken before MPI starts: MPI adds variables that make programs believe that
+/// they belong to the same job.
 /// belong to the same job.
 Environment current_environment();
 
 struct Program {
   std::vector<std::string> arguments;  ///< the first one: the program, as a path or to be searched for in PATH
-  std::filesystem::path log;           ///< what it prints is added to it
+  std::filesystem::path log;           ///< its output is appended here
 };
 
 /// How a program ended.

@@ -1,4 +1,4 @@
-/// How large the error is that a step adds, and how that compares with what is tolerated.
+/// Estimates the error that a step adds, and compares it with the tolerance.
 ///
 /// A step of order p from y_n to y_{n+1} is compared with the Adams-Moulton formula through the p + 1 newest rates f,
 ///
@@ -30,20 +30,20 @@ namespace pliant {
 
 enum class ErrorEstimate { none, local };
 
-/// Estimates the errors of successive attempts. Remembers accelerations of accepted steps; nothing of an attempt stays
-/// unless it is accepted. Memory is taken once.
+/// Estimates the errors of successive attempts. Remembers accelerations of accepted steps; an attempt leaves no trace
+/// unless it is accepted. Memory is allocated once.
 class LocalError {
  public:
-  /// For steps of `method`, and of others that help it to start. Vectors are made like those of `like`. Collective.
+  /// For steps of `method`, and of the methods that start it. Vectors are made like `like`. Collective.
   LocalError(const Method& method, std::shared_ptr<const ConfigurationSpace> space, const StateView& like);
 
-  /// How many past states it wants to find in the history.
+  /// How many past states it needs in the history.
   int num_states() const { return num_rates_ - 1; }
   /// Adds the estimate to a converged attempt that `stepper` has just made. Collective.
   void estimate(const History& history, const Stepper& stepper, StepAttempt& attempt);
   /// The attempt was accepted. Collective.
   void accept(const StepAttempt& attempt);
-  /// What was known of the past says nothing about what follows.
+  /// Discards the past, which says nothing about what follows (at an event).
   void restart();
   /// Collective.
   void keep(Archive& archive);
@@ -72,7 +72,7 @@ class LocalError {
 };
 
 struct Tolerances {
-  double relative = 0.0;           ///< of the largest |q| and |v| so far
+  double relative = 0.0;           ///< relative to the largest |q| and |v| so far
   double absolute = 0.0;           ///< [m]
   double absolute_velocity = 0.0;  ///< [m/s]
 };

@@ -1,5 +1,5 @@
-/// The table of time integration methods: a row holds the coefficients (alpha, beta, A, b), everything else is derived,
-/// for the rows shown here and for those that users bring.
+/// The table of time integration methods: a row holds the coefficients (alpha, beta, A, b); everything else is derived,
+/// for the rows of this table and for those of users.
 ///
 ///     base      y* = sum_r alpha_r y_{n+1-r}                 (r = 1..l)
 ///     stage i   t_i = t_n + (1 - beta + beta c_i) dt,  dt_i = beta A_ii dt
@@ -19,7 +19,7 @@
 
 namespace pliant {
 
-/// What a row of the table says.
+/// A row of the table.
 struct MethodRow {
   std::string name;  ///< as users type it
   std::vector<double> alpha;
@@ -35,7 +35,7 @@ enum class Stability { not_a_stable, a_stable, l_stable };
 /// "A-stable", ...
 std::string to_string(Stability stability);
 
-/// A row with all that follows from it (time/order_conditions.hpp, time/linear_stability.hpp). Obtained from
+/// A row with all that is derived from it (time/order_conditions.hpp, time/linear_stability.hpp). Obtained from
 /// derive_method, find_method or methods.
 struct Method : MethodRow {
   int num_steps = 1;                    ///< l, the number of past states
@@ -65,7 +65,7 @@ struct Method : MethodRow {
   int reconstructed_rate_order = 0;
 };
 
-/// Why a row is not a method this layer can run, in plain words.
+/// Why a row is not a method that this layer can run, for messages.
 struct MethodRefusal {
   std::string reason;
 };
@@ -74,11 +74,11 @@ struct MethodRefusal {
 inline constexpr std::size_t max_past_states = 6;
 inline constexpr std::size_t max_stages = 10;
 
-/// Derives a method from its row: any number of past states and of stages, one implicit stage after another. Refuses
-/// coefficients that are inconsistent or not zero-stable, and stages that are explicit or fully coupled.
+/// Derives a method from its row: any number of past states and of stages, each stage implicit and solved in turn.
+/// Throws for coefficients that are inconsistent or not zero-stable, and for stages that are explicit or fully coupled.
 std::variant<Method, MethodRefusal> derive_method(MethodRow row);
 
-/// Why the length of the method's steps cannot follow its error, in plain words; nothing if it can.
+/// Why the length of the method's steps cannot follow its error, for messages; nothing if it can.
 std::optional<std::string> why_not_adaptive(const Method& method);
 
 /// Whether reconstructed rates cost the method none of its order.
@@ -92,7 +92,7 @@ int estimate_order(const Method& method);
 /// All methods, in the order in which they are to be shown.
 std::span<const Method> methods();
 
-/// The method users call `name`; nullptr if there is none.
+/// The method with this name; nullptr if there is none.
 const Method* find_method(std::string_view name);
 
 }  // namespace pliant

@@ -10,7 +10,7 @@
 
 namespace pliant {
 
-/// Within which identities between coefficients hold: published tables are printed with ten digits or more.
+/// Tolerance of identities between coefficients: published tables are printed with ten digits or more.
 inline constexpr double coefficient_tolerance = 1e-9;
 
 /// Order p of the method, determined up to 3. A consistent row.
@@ -22,7 +22,7 @@ int reconstructed_rate_order(const MethodRow& row);
 /// C of y_{n+1} - y(t_{n+1}) = C dt^(order+1) y^(order+1) + ... for y' = lambda y with exact past states.
 double error_constant(const MethodRow& row, int order);
 
-/// Other weights of the same stages, for one-step methods.
+/// Embedded weights for the same stages, for one-step methods.
 struct EmbeddedFormula {
   std::vector<double> bt;  ///< weights of the increments Y_i - y*
   int order = 0;           ///< p^ < p

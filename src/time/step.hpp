@@ -1,4 +1,4 @@
-/// A step in time as it is asked for.
+/// A requested step in time.
 #pragma once
 
 namespace pliant {
@@ -8,7 +8,7 @@ namespace pliant {
 struct Step {
   double time = 0.0;           ///< t_{n+1}, the end of the step [s]
   double dt = 0.0;             ///< t_{n+1} - t_n [s]
-  bool ends_at_event = false;  ///< what is given as a function of time may jump at the end
+  bool ends_at_event = false;  ///< functions of time may jump at the end
 };
 
 }  // namespace pliant
