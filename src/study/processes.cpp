@@ -31,7 +31,7 @@ std::vector<char*> pointers(const std::vector<std::string>& texts) {
   return result;
 }
 
-/// The number of the process, 0 if it could not be started.
+/// The process id, or 0 if it could not be started.
 pid_t start(const Program& program, const Environment& environment) {
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
@@ -88,7 +88,7 @@ std::vector<Ended> run_all(const std::vector<Program>& programs, const Environme
       }
       continue;
     }
-    // Asked again and again rather than waited for: a signal may come just before the wait.
+    // Polled instead of waited for: a signal may arrive just before the wait.
     int status = 0;
     const pid_t pid = waitpid(-1, &status, WNOHANG);
     const auto found = running.find(pid);

@@ -31,7 +31,7 @@ std::string plain_text(const InputNode& value) {
   return value.kind == InputNode::Kind::scalar ? value.text : flow_text(value);
 }
 
-/// A key with the values that it takes in turn.
+/// A key with the values that it is given one after another.
 struct SweptKey {
   std::string path;
   std::vector<InputNode> values;
@@ -96,7 +96,7 @@ class Sweep {
   }
 
  private:
-  /// Which changes are swept: lists that the input refuses where they stand.
+  /// Which changes are swept: those with a list where the input does not accept one.
   void sort(const std::vector<Override>& changes) {
     std::vector<std::pair<const Override*, InputNode>> lists;
     for (const Override& change : changes) {
@@ -144,7 +144,7 @@ class Sweep {
       count *= key.values.size();
       if (count > most_runs) {
         throw InputError({"pliant sweep", 0, 0},
-                         fmt::format("these are more than {} runs: sweep fewer values", most_runs));
+                         fmt::format("the sweep has more than {} runs: sweep fewer values", most_runs));
       }
     }
     const std::size_t width = std::to_string(count).size();
@@ -303,7 +303,7 @@ class Sweep {
       const std::array known{ExitCode::input, ExitCode::solve, ExitCode::file, ExitCode::unexpected};
       const auto same = std::ranges::find(known, static_cast<ExitCode>(ended_[i].code));
       code = same == known.end() ? ExitCode::solve : *same;
-      console_.warn(fmt::format("run {} failed; what it said is in {}", i + 1, cases_[i].directory.string() + ".log"));
+      console_.warn(fmt::format("run {} failed; its output is in {}", i + 1, cases_[i].directory.string() + ".log"));
     }
     return code;
   }

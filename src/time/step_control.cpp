@@ -108,12 +108,12 @@ Step StepControl::next_nominal(const Target& target) const {
     return {target.time, std::abs(rest - plan_.dt) <= rounding_of(target.time, plan_.origin) ? plan_.dt : rest,
             target.is_event};
   }
-  // A rest of less than two steps is shared evenly, lest the second be short.
+  // A remainder of less than two steps is divided equally, so that the second one is not short.
   const double dt = rest < growth * progress_.limit ? 0.5 * rest : progress_.limit;
   return {progress_.time + dt, dt};
 }
 
-// Times on the way are counted back from the target, so that equal steps stay equal to the last bit.
+// Intermediate times are counted back from the target, so that equal steps stay equal to the last bit.
 Step StepControl::next_adaptive(const Target& target) const {
   const AdaptivePlan& adaptive = *plan_.adaptive;
   const double rest = target.time - progress_.time;
@@ -128,25 +128,25 @@ Step StepControl::next_adaptive(const Target& target) const {
   return {target.time, dt, target.is_event};
 }
 
-/// What a step may have: of the tolerance as much as of the run's duration, but not less than a small part of what is
-/// not spent, and a hundredth of it where steps are hard to estimate. After a start or event estimates are of low order
-/// and too large; at a kink that is not an event, and where rounding and the solver's tolerance are all that is left,
-/// the error does not fall as it should. Without a least part what is fast and over soon would have to be followed by
-/// orders more closely than what is slow.
+/// The allowed error of a step: a share of the tolerance equal to its share of the run's duration, but at least a small
+/// fraction of the unspent tolerance, and a hundredth of that where steps are hard to estimate. After a start or event
+/// estimates are of low order and too large; at a kink that is not an event, and where only rounding and the solver's
+/// tolerance are left, the error does not fall as it should. Without this minimum, fast and brief motion would have to
+/// be resolved more closely than slow motion, by orders of magnitude.
 double StepControl::allowance(const Step& step, bool is_hard) const {
   const double duration = plan_.end - plan_.origin;
   const double unspent = (progress_.time - plan_.origin) / duration + reserve - progress_.spent;
   return std::max(step.dt / duration, (is_hard ? hard_step_part : least_part) * std::clamp(unspent, 0.0, 1.0));
 }
 
-/// The error as a share of what the step may have.
+/// The error relative to the step's allowed error.
 double StepControl::share(const Step& step, double error) const {
   const bool is_hard = progress_.num_after_start < num_start_steps || progress_.rejections >= many_rejections ||
                        !falls_as_it_should(step, error);
   return error / allowance(step, is_hard);
 }
 
-/// The power of the step with which the share falls: of the error, less one where what it may have falls too.
+/// The power of the step with which this ratio falls: that of the error, less one where the allowed error falls too.
 double StepControl::order_of_share(const Step& step) const {
   const bool is_least = allowance(step, false) > step.dt / (plan_.end - plan_.origin);
   return plan_.adaptive->order + (is_least && progress_.num_after_start == num_start_steps ? 1 : 0);
@@ -173,8 +173,8 @@ std::string StepControl::concession(double error) const {
   const Step step = next();
   if (step.dt > plan_.min_dt * (1.0 + sliver) || !stands_still(step, error)) return {};
   return error_of(step, error) +
-         " and is accepted all the same: the error does not fall with the step, as at a jump, or where it is the "
-         "solver's; jumps belong into time.events, and solver.newton.relative and absolute must be small enough";
+         " and is accepted nevertheless: the error does not fall with the step, as at a jump, or if it comes from the "
+         "solver; list jumps in time.events, and make solver.newton.relative and absolute small enough";
 }
 
 void StepControl::accept(double error) {
@@ -268,7 +268,7 @@ std::string StepControl::error_of(const Step& step, double error) const {
   char times[32];
   std::snprintf(times, sizeof times, "%.3g", share(step, error));
   return "step of " + quantity(step.dt) + " from " + plan_.variable.name + " = " + quantity(progress_.time) + " has " +
-         times + " times the error it may have";
+         times + " times the allowed error";
 }
 
 RetryDecision StepControl::shorten(const Step& step, double dt, const std::string& failure) {
