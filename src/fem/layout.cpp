@@ -92,7 +92,7 @@ class CellClosure {
 
 /// Reverse Cuthill-McKee order of the owned nodes: entry i is the old number of the node that becomes i.
 std::vector<PetscInt> reverse_cuthill_mckee(const NodeGraph& graph, PetscInt num_nodes) {
-  // MatGetOrdering wants a matrix; its rows must be sorted and lie within the owned block.
+  // MatGetOrdering needs a matrix; its rows must be sorted and lie within the owned block.
   std::vector<PetscInt> i(num_nodes + 1, 0), j;
   j.reserve(graph.neighbours.size());
   for (PetscInt n = 0; n < num_nodes; ++n) {
@@ -209,12 +209,13 @@ NodeLayout make_layout(const Mesh& mesh, int order) {
   const auto rcm = reverse_cuthill_mckee(node_graph(cell_nodes, npc, layout.num_local_nodes, layout.num_owned_nodes),
                                          layout.num_owned_nodes);
 
-  // 3. Global numbers: contiguous per rank; ghosts learn theirs from the owners.
+  // 3. Global numbers: contiguous per rank; ghosts receive theirs from the owners.
   check_mpi(MPI_Exscan(&layout.num_owned_nodes, &layout.first_global_node, 1, MPIU_INT, MPI_SUM, layout.comm));
   const PetscInt64 num_nodes = sum(layout.comm, static_cast<PetscInt64>(layout.num_owned_nodes));
   if (3 * num_nodes > static_cast<PetscInt64>(PETSC_MAX_INT)) {
-    throw InputError({}, "there are " + std::to_string(3 * num_nodes) +
-                             " unknowns, more than 32-bit integers count: build Pliant with a PETSc of 64-bit indices");
+    throw InputError(
+        {}, "there are " + std::to_string(3 * num_nodes) +
+                " unknowns, too many for 32-bit indices: build Pliant with a PETSc configured for 64-bit indices");
   }
   layout.num_global_nodes = static_cast<PetscInt>(num_nodes);
   const std::int64_t owned_cells = layout.num_owned_cells;
@@ -235,7 +236,7 @@ NodeLayout make_layout(const Mesh& mesh, int order) {
     layout.ghost_global_nodes.push_back(global_of_point[p]);
   }
 
-  // 4. Cells sorted by their nodes, owned and ghost cells apart.
+  // 4. Cells sorted by their nodes, owned and ghost cells separately.
   std::vector<PetscInt> cell_order(layout.num_local_cells), lowest(layout.num_local_cells);
   std::iota(cell_order.begin(), cell_order.end(), 0);
   for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
@@ -262,7 +263,7 @@ NodeLayout make_layout(const Mesh& mesh, int order) {
     if (node >= 0) layout.vertex_numbers[node] = mesh.vertex_numbers[v - vertices.begin];
   }
 
-  // 5. Positions, and which cells are bent.
+  // 5. Positions, and which cells are curved.
   layout.coordinates.resize(3 * static_cast<std::size_t>(layout.num_local_nodes));
   const bool curved = order == 2 && mesh.geometry_order == 2;
   for (const PetscInt p : points) {

@@ -9,9 +9,9 @@
 namespace pliant {
 namespace {
 
-/// The least advance along a way, as a part of it: thinner than that a solid is not seen.
+/// The least advance along a path, relative to its length: a thinner solid is not detected.
 constexpr double least_advance = 1e-3;
-/// How much less deep a point half as deep again must be.
+/// By how much a point half as deep again must be less deep.
 constexpr double clearly = 0.05;
 
 /// How close to each other, relative to the obstacle's width, facets are examined, and into how many parts edges are
