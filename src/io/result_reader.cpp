@@ -51,7 +51,7 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-/// A run that is just adding a frame may be met between two of its writes; a moment later all is well.
+/// A run that is adding a frame may be caught between two of its writes; retry a moment later.
 Hdf5Handle open_patiently(const std::filesystem::path& file) {
   constexpr int attempts = 5;
   for (int i = 1;; ++i) {

@@ -25,7 +25,7 @@ constexpr double height = frame_top + frame_height + 64;
 constexpr double legend_left = frame_left + frame_width + 24, legend_line = 22, letter_width = 6.8;
 constexpr double triangle_gap = 16;  // between a series and the triangle below it
 
-/// A point by its values on the axes: decimal logarithms where they are logarithmic.
+/// A point in axis coordinates: decimal logarithms on logarithmic axes.
 struct AxisPoint {
   double x, y;
 };
@@ -110,7 +110,7 @@ Axes axes_of(const std::vector<Curve>& curves, const std::vector<SlopeTriangle>&
   return {scale, axes.x.padded(scale), axes.y.padded(scale)};
 }
 
-/// Slope of the least-squares line; nothing for points above one another.
+/// Slope of the least-squares line; nothing if all points have the same x.
 std::optional<double> slope_of(const std::vector<AxisPoint>& points) {
   double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
   for (const AxisPoint& p : points) {
@@ -329,7 +329,7 @@ double width_of(const std::vector<Curve>& curves) {
   return std::ceil(legend_left + 38 + letter_width * static_cast<double>(longest) + 16);
 }
 
-/// In words, for those who do not see the picture.
+/// A description in words, for those who do not see the picture.
 std::string description(const Plot& plot, const std::vector<Curve>& curves) {
   const bool is_logarithmic = plot.scale == Scale::logarithmic;
   std::string out = plot.y_label + " over " + plot.x_label + (is_logarithmic ? ", both logarithmic." : ".");

@@ -10,8 +10,8 @@
 
 namespace pliant {
 
-/// The term of the cells of `body`; `groups` holds all bodies' cells and outlives it. The amounts of `tension` are T
-/// [Pa].
+/// The term of the cells of `body`; `groups` holds the cells of all bodies and must outlive it. The amounts of
+/// `tension` are T [Pa].
 template <int Order>
 std::unique_ptr<EnergyTerm> make_active_stress_term(std::shared_ptr<const Activation> tension,
                                                     const CellGroups<Order>& groups, int body,

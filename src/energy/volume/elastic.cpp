@@ -96,7 +96,7 @@ class ElasticTermOf final : public ElasticTerm {
   }
 
  private:
-  /// The law as it is at an instant: its own, or that of fibres that have shortened.
+  /// The law at an instant: the body's own, or that of shortened fibres.
   class LawNow {
    public:
     explicit LawNow(const LawField& law) : law_(&law) {}

@@ -40,7 +40,7 @@ class Inertia final : public EnergyTerm {
   MassMatrix mass_;
 };
 
-/// `densities`: per body [kg/m^3]. `pattern` outlives the term.
+/// `densities`: per body [kg/m^3]. `pattern` must outlive the term.
 template <int Order>
 std::unique_ptr<Inertia> make_inertia(const NodeLayout& layout, const BlockPattern& pattern,
                                       const CellGroups<Order>& groups, const std::vector<double>& densities, Mass mass);

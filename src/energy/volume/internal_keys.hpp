@@ -1,4 +1,4 @@
-/// What the internal variables of terms are called, whichever rank has them.
+/// Keys that identify the internal variables of terms, whichever rank holds them.
 #pragma once
 
 #include "energy/term.hpp"

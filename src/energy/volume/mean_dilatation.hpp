@@ -2,8 +2,8 @@
 ///
 ///     U = sum_e int_e psi(Fbar) dX,  Fbar = (theta/J)^(1/3) F,  theta = 1/V_e int_e J dX
 ///
-/// A cell then resists a change of its volume as a whole, and not at each of its points, which quadratic cells can
-/// bear: P2 for the displacement, P0 for the volume and the pressure. It stays an energy of the displacement alone.
+/// A cell then resists a change of its total volume instead of one at each of its points, which suits quadratic cells:
+/// P2 for the displacement, P0 for the volume and the pressure. It remains an energy of the displacement alone.
 /// With Psi(F, theta) = psi(Fbar) (material/dilatation.hpp), g = dtheta/dq and p = 1/V_e int_e Psi_theta dX
 ///
 ///     dU/dq    = int (Psi_F + p cof F) : dF
