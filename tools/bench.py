@@ -42,7 +42,7 @@ class Failure(Exception):
 
 
 def measure(arguments):
-    """Runs a program as a child and tells its peak memory: the role this script plays on each rank."""
+    """Runs a program as a child and reports its peak memory: the role this script plays on each rank."""
     code = subprocess.call(arguments)
     print(f"peak {resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024:.1f} MB", flush=True)
     return code
@@ -59,7 +59,7 @@ def run(ranks, command):
 
 
 def case(size, variant):
-    """Everything about a case that both programs are told."""
+    """The parameters of a case, for both programs."""
     n, order, steps = SIZES[size]
     youngs, poisson, dt, tolerance, box = VARIANTS[variant]
     return {"n": BULKY[size] if "bulky" in variant else n, "order": order, "steps": steps, "youngs": youngs,

@@ -25,7 +25,7 @@ LAYERS = {
     "study": "run model input io solver energy time fem mesh material petsc base",
     "command": "study run model input io solver energy time fem mesh material petsc base",
 }
-# The rooms of a layer, folders in it, and which others of them each may include. Files beside the rooms are their floor: all
+# The rooms of a layer, folders in it, and which others of them each may include. Files outside the rooms are common to them: all
 # may include them, and they none.
 ROOMS = {
     "energy": {
@@ -54,7 +54,7 @@ def folder_of(name):
 
 
 def room_of(name):
-    """The folder of a file within its layer; "" beside the rooms."""
+    """The folder of a file within its layer; "" outside the rooms."""
     return folder_of(name).partition("/")[2]
 
 
@@ -71,7 +71,7 @@ def check(source):
         layer = name.split("/")[0]
         graph[name] = {}
         if layer not in LAYERS or layer == name:
-            mistakes.append(f"{file}:1: '{layer}' is no layer; the layers are: {', '.join(LAYERS)}")
+            mistakes.append(f"{file}:1: '{layer}' is not a layer; the layers are: {', '.join(LAYERS)}")
             continue
         allowed = {layer, *LAYERS[layer].split()}
         for line, quote, target in includes(file):

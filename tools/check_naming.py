@@ -42,13 +42,13 @@ def commands(build):
 
 
 def tidy(file, options, checks):
-    """clang-tidy's complaints on a file, each with its notes; -w: warnings are the compiler's business."""
+    """clang-tidy's findings on a file, each with its notes; -w: warnings are the compiler's business."""
     command = [CLANG_TIDY, "--quiet", f"--config-file={ROOT / '.clang-tidy'}", *checks, str(file), "--", *options, "-w",
                "-ferror-limit=0"]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
-    complaints = re.split(r"^(?=/.*?:\d+:\d+: (?:error|warning): |error: )", done.stdout, flags=re.MULTILINE)
+    findings = re.split(r"^(?=/.*?:\d+:\d+: (?:error|warning): |error: )", done.stdout, flags=re.MULTILINE)
     noise = [line for line in done.stderr.splitlines() if not QUIET.match(line)]
-    return [text for text in complaints if text] + (noise if done.returncode and not done.stdout else [])
+    return [text for text in findings if text] + (noise if done.returncode and not done.stdout else [])
 
 
 def with_named_namespace(text, name):
@@ -75,22 +75,22 @@ def unit_of(files, folder):
 
 
 def tidy_together(files, options_of, checks):
-    """Complaints on all files."""
+    """Findings on all files."""
     options = [f"-iquote{folder}" for folder in dict.fromkeys(file.parent for file in files)]
     options += [word for option in dict.fromkeys(option for file in files for option in options_of[file]) for word in option]
     if len(files) == 1:
         return tidy(files[0], options, checks)
     with tempfile.TemporaryDirectory() as folder:
         unit, copies = unit_of(files, pathlib.Path(folder))
-        complaints = tidy(unit, options, checks)
-    errors = [text for text in complaints if "[clang-diagnostic-error" in text]
+        findings = tidy(unit, options, checks)
+    errors = [text for text in findings if "[clang-diagnostic-error" in text]
     places = [text.split(":", 1)[0] for text in errors]
     clashing = [file for file in files if str(copies[file]) in places]
     if len(clashing) == len(files) or not set(places) <= {str(copies[file]) for file in clashing}:
         half = len(files) // 2
         return tidy_together(files[:half], options_of, checks) + tidy_together(files[half:], options_of, checks)
     spoilt = (*(str(copies[file]) for file in clashing),)
-    kept = [text.replace(folder, str(ROOT)) for text in complaints if text not in errors and not text.startswith(spoilt)]
+    kept = [text.replace(folder, str(ROOT)) for text in findings if text not in errors and not text.startswith(spoilt)]
     return kept + (tidy_together(clashing, options_of, checks) if clashing else [])
 
 
@@ -113,9 +113,9 @@ def main():
     checks = [] if arguments.all_checks else ["--checks=-*,readability-identifier-naming"]
     with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
         results = pool.map(lambda files: tidy_together(files, options_of, checks), groups.values())
-        complaints = list(dict.fromkeys(text.rstrip("\n") for texts in results for text in texts))
-    print("\n".join(complaints) if complaints else f"{len(chosen)} sources follow .clang-tidy")
-    sys.exit(1 if complaints else 0)
+        findings = list(dict.fromkeys(text.rstrip("\n") for texts in results for text in texts))
+    print("\n".join(findings) if findings else f"{len(chosen)} sources follow .clang-tidy")
+    sys.exit(1 if findings else 0)
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 #
 #   tools/coverage.sh [LAYER | program ...]       default: all, e.g. tools/coverage.sh mesh program
 #
-# `program`: the tests of the program that are about mistakes, faults, going on and what is written.
+# `program`: the tests of the program that are about errors, faults, resuming and output.
 # Needs: apt-get install gcovr
 set -euo pipefail
 # shellcheck source=tools/setup.sh

@@ -5,7 +5,7 @@
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 # A rank that waits lets others run: on a busy machine that is several times faster, on an idle one it costs nothing.
 export OMPI_MCA_mpi_yield_when_idle="${OMPI_MCA_mpi_yield_when_idle:-1}"
-# Open MPI refuses to start as root unless told twice.
+# Open MPI does not start as root unless both variables are set.
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 
 # on_ranks N PROGRAM [ARGUMENT ...]: returns what the program returns.

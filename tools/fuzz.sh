@@ -27,7 +27,7 @@ ninja -C "$fuzz" -j "$(build_jobs)" "${names[@]/#/fuzz_}"
 # asks for what a file claims to hold before it looks whether so much is there, and lives with a no; `new` does not.
 export ASAN_OPTIONS=detect_leaks=0:allocator_may_return_null=1:max_allocation_size_mb=1000:suppressions=$root/tests/sanitizers/libraries.txt UBSAN_OPTIONS=print_stacktrace=1
 export OMPI_MCA_pml=ob1 OMPI_MCA_btl=self HWLOC_COMPONENTS=-gl
-export OMPI_MCA_opal_signal=''  # libFuzzer tells of signals, and keeps the file
+export OMPI_MCA_opal_signal=''  # libFuzzer reports signals, and keeps the file
 if symbolizer=$(command -v llvm-symbolizer-16); then
   export ASAN_SYMBOLIZER_PATH=$symbolizer  # package llvm-16; without it findings have addresses for names
 fi
@@ -66,7 +66,7 @@ for name in "${names[@]}"; do
     -timeout=25 -rss_limit_mb=2048 -malloc_limit_mb=1000000 -max_len=20000 -print_final_stats=1 -verbosity=0 -artifact_prefix="$fuzz/findings/$name-" ||
     code=$?
   if ((${#processes[@]} > 0)); then
-    [[ $code =~ ^(71|77)$ ]] && code=0  # its last process found something; whether that counts, the files that stay tell
+    [[ $code =~ ^(71|77)$ ]] && code=0  # its last process found something; the files that stay decide whether that counts
     set_hdf5s_own_aside "$name"
   fi
   ((code == 0)) || status=1

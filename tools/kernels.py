@@ -36,12 +36,12 @@ def main():
     parser.add_argument("--write", action="store_true", help="put the table into docs/performance.md")
     options = parser.parse_args()
     try:
-        told = subprocess.run([options.program, f"--benchmark_filter={options.filter}", "--benchmark_format=json"], check=True,
+        output = subprocess.run([options.program, f"--benchmark_filter={options.filter}", "--benchmark_format=json"], check=True,
                               capture_output=True, text=True).stdout
     except (FileNotFoundError, subprocess.CalledProcessError) as error:
         print(f"kernels.py: {error}", file=sys.stderr)
         return 1
-    results = json.loads(told)
+    results = json.loads(output)
     best = ", ".join(f"{name} {results['context'][name]}" for name in ("multiply-adds [GFlop/s]", "triad [GB/s]"))
     lines = [f"One core, at best: {best}", "", "| " + " | ".join(COLUMNS) + " |", "|" + "---|" * len(COLUMNS)]
     lines += ["| " + " | ".join(row(result)) + " |" for result in results["benchmarks"]]

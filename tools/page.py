@@ -153,7 +153,7 @@ def _typeset(unit):
 
 
 def times_as_text(frames):
-    """Times with as many decimals as tell neighbouring frames apart, in a handy unit."""
+    """Times with as many decimals as distinguish neighbouring frames, in a handy unit."""
     times = np.array([frame.time for frame in frames])
     last = abs(times).max()
     factor, unit = (1, "s") if last >= 0.1 or last == 0 else (1e3, "ms") if last >= 1e-4 else (1e6, "µs")

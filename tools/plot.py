@@ -39,7 +39,7 @@ def triples(history, suffixes):
 
 
 def show_legend(axes):
-    """Beside the curves, never over them."""
+    """Next to the curves, never over them."""
     if axes.lines:
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
 

@@ -416,7 +416,7 @@ class Renderer:
             return NamedColours(len(self._quantity.names))
         if self._options.range is not None:
             return Colours(*self._options.range)
-        # A magnitude starts at zero. Of cell stresses a sharp corner has far larger ones than the rest: the uppermost and
+        # A magnitude starts at zero. Cell stresses at a sharp corner are far larger than elsewhere: the uppermost and
         # lowermost thousandth get the colour of the ends.
         values = np.concatenate([np.quantile(self._values(frame), [0.001, 0.999]) for frame in self._sample()])
         low, high = values.min(), values.max()

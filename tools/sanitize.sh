@@ -13,7 +13,7 @@ source "$root/tools/environment.sh"
 
 layers=("$@")
 ((${#layers[@]} > 0)) || layers=(base petsc material mesh fem time energy solver io input model run study command fuzz program)
-# One of each kind: steps, contact, cavities, going on, meshes.
+# One of each kind: steps, contact, cavities, resuming, meshes.
 program_tests=(test_loads.Loads.test_dashpots_brake_a_body test_contact.Contact.test_{slope,ranks_agree}
   test_cavities.Cavities.test_{gas_swings_with_the_tube_and_keeps_its_law,liquid_flows_in}
   test_restart.Continuation.test_{elsewhere,a_later_end_and_another_step} test_meshes

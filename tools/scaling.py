@@ -2,7 +2,7 @@
 """What changes with the number of ranks and does not depend on the machine: iterations, load, communication, memory.
 
 Two steps of bodies under their weight, on more and more ranks, which may be more than the machine has cores: only counts
-are told, no times. `--write` puts the table into docs/scaling.md.
+are reported, no times. `--write` puts the table into docs/scaling.md.
 
   tools/scaling.py --bodies M --solvers amg --ranks 1 4
 """
@@ -79,8 +79,8 @@ def row(file, body, solver, ranks):
     n, _ = BODIES[body]
     chosen = ["--set", f"solver.linear={solver}"]
     checked, _ = run(ranks, ["check", file, *chosen])
-    told, peaks = run(ranks, ["run", file, *chosen])
-    newton, linear = numbers(r"^newton: (\d+) iterations .*, (\d+) linear iterations", told)
+    output, peaks = run(ranks, ["run", file, *chosen])
+    newton, linear = numbers(r"^newton: (\d+) iterations .*, (\d+) linear iterations", output)
     return [body, f"{6 * n[0] * n[1] * n[2]:,}", solver, str(ranks), *spread(checked, ranks), f"{newton / STEPS:.1f}",
             f"{linear / newton:.1f}", f"{max(peaks):.0f}", f"{sum(peaks):.0f}"]
 

@@ -21,7 +21,7 @@ test_packages=(
   dpkg-dev file groff-base doxygen python3-sphinx python3-myst-parser furo
 )
 # The page of `pliant report` is put together by npm. Where there is one already it may come with a nodejs that is not
-# Debian's, beside which Debian's npm cannot be installed.
+# Debian's, which excludes Debian's npm.
 if ! command -v npm >/dev/null; then
   run_packages+=(npm)
 fi
@@ -58,7 +58,7 @@ missing_packages() {
 
 install_packages() {
   if ! command -v dpkg-query >/dev/null; then
-    say "this is no Debian system; the following must be there already: $(packages_for "$1" | tr '\n' ' ')"
+    say "this is not a Debian system; the following must be installed already: $(packages_for "$1" | tr '\n' ' ')"
     return
   fi
   local missing as_root=()
@@ -80,7 +80,7 @@ install_packages() {
   if [[ -t 0 ]]; then
     quietly=/dev/tty  # sudo may ask for a password
   fi
-  "${apt[@]}" update <$quietly >/dev/null || say "the list of packages could not be renewed; going on with the old one"
+  "${apt[@]}" update <$quietly >/dev/null || say "the list of packages could not be updated; continuing with the old one"
   "${apt[@]}" install -y --no-install-recommends "${missing[@]}" <$quietly >/dev/null ||
     fail "the packages could not be installed; on Debian 12, as root: apt-get install --no-install-recommends ${missing[*]}"
 }

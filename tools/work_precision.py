@@ -60,7 +60,7 @@ def draw(methods, title, works):
 def main():
     parser = Parser(prog="work_precision.py", description=__doc__)
     parser.add_argument("study", help="the output directory of `pliant converge`, or its convergence.csv")
-    parser.add_argument("-o", "--output", help="file to write (.png, .pdf, .svg); default: work_precision.png beside the table")
+    parser.add_argument("-o", "--output", help="file to write (.png, .pdf, .svg); default: work_precision.png next to the table")
     parser.add_argument("--title", default="Work and precision")
     parser.add_argument("--work", choices=[*WORK, "both"], default="both", help="what counts as work")
     options = parser.parse_args()

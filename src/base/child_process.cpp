@@ -45,7 +45,7 @@ bool wait_for_bytes(int file, const std::optional<Clock::time_point>& deadline) 
   return true;
 }
 
-/// All bytes; nothing if the deadline comes before their end.
+/// Reads to the end of the file; returns nothing if the deadline comes first.
 std::optional<std::string> read_all(int file, const std::optional<Clock::time_point>& deadline) {
   std::string bytes;
   std::vector<char> buffer(1 << 20);
@@ -80,7 +80,7 @@ ChildEnd in_child(const std::function<std::string()>& work, const ChildLimits& l
   if (pipe(channel.data()) != 0) {
     throw std::system_error(errno, std::generic_category(), "cannot start another process");
   }
-  std::fflush(nullptr);  // or the child would write the same text again
+  std::fflush(nullptr);  // otherwise the child would write the buffered text a second time
   const pid_t child = fork();
   if (child < 0) throw std::system_error(errno, std::generic_category(), "cannot start another process");
   if (child == 0) {
@@ -94,7 +94,7 @@ ChildEnd in_child(const std::function<std::string()>& work, const ChildLimits& l
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
-  if (!answer) return {std::nullopt, false, true, "its time is over"};
+  if (!answer) return {std::nullopt, false, true, "it ran out of time"};
   if (WIFSIGNALED(status)) return {std::nullopt, false, false, strsignal(WTERMSIG(status))};
   const int code = WEXITSTATUS(status);
   if (code != 0) return {std::nullopt, code == left_by_exit, false, "exit code " + std::to_string(code)};

@@ -1,4 +1,4 @@
-/// Sums that keep the digits a long plain sum loses.
+/// Compensated summation: keeps the digits that a long plain sum loses.
 #pragma once
 
 namespace pliant {

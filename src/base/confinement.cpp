@@ -69,7 +69,7 @@ sock_filter load(std::size_t offset) {
   return BPF_STMT(BPF_LD | BPF_W | BPF_ABS, static_cast<unsigned>(offset));
 }
 
-/// Goes on behind the next `count` statements unless the loaded value is `value`.
+/// Skips the next `count` statements unless the loaded value is `value`.
 sock_filter unless_equal_skip(unsigned value, unsigned char count) {
   return BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, value, 0, count);
 }
@@ -78,7 +78,7 @@ sock_filter answer(unsigned value) {
   return BPF_STMT(BPF_RET | BPF_K, value);
 }
 
-/// Little-endian, as both machines are: the lower half of the argument.
+/// The lower half of the argument (both supported machines are little-endian).
 constexpr std::size_t argument(std::size_t i) {
   return offsetof(seccomp_data, args) + i * sizeof(__u64);
 }

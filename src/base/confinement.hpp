@@ -1,11 +1,11 @@
-/// A process that gives up what it does not need.
+/// Confines a process: it gives up the rights that it does not need.
 #pragma once
 
 namespace pliant {
 
-/// From now on this process, and those it starts, can run no programs, change no files and open no sockets: the system
-/// answers such calls with "permission denied". It cannot be taken back. Returns false, and changes nothing, where the
-/// system does not offer it. For a child process that works on a file nobody has vouched for (seccomp(2)).
+/// From now on this process and its children cannot run programs, change files or open sockets: the system answers such
+/// calls with "permission denied". This cannot be undone. Returns false, and changes nothing, where the system does not
+/// support it. Meant for a child process that reads an untrusted file (seccomp(2)).
 bool renounce_commands_and_files() noexcept;
 
 }  // namespace pliant

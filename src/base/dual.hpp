@@ -1,5 +1,6 @@
-/// Dual numbers a + b eps with eps^2 = 0. What a function makes of x + dx eps is f(x) + f'(x) dx eps: derivatives to
-/// rounding, without differences and without formulas of their own. They nest: Dual<Dual<double>> differentiates twice.
+/// Dual numbers a + b eps with eps^2 = 0 (forward-mode automatic differentiation). A function evaluated at x + dx eps
+/// gives f(x) + f'(x) dx eps: derivatives to rounding, without finite differences and without separate formulas. They
+/// nest: Dual<Dual<double>> differentiates twice.
 #pragma once
 
 #include <concepts>

@@ -1,4 +1,4 @@
-/// Failures as Pliant tells them: whose mistake it is decides the type, the type decides the exit code.
+/// Failures: the type says who has to act, and decides the exit code.
 #pragma once
 
 #include <stdexcept>
@@ -8,8 +8,8 @@
 
 namespace pliant {
 
-/// What the program returns to the shell; the same from every rank.
-/// `unexpected` is for what nobody foresaw, out of memory included (EX_SOFTWARE of sysexits.h).
+/// Exit code of the program; the same on every rank. `unexpected` is a failure that no other code covers, such as
+/// running out of memory (EX_SOFTWARE of sysexits.h).
 enum class ExitCode : int {
   done = 0,
   study_failed = 1,

@@ -113,17 +113,17 @@ ExpressionError explained(const mu::ParserError& error, const mu::Parser& parser
   }
 }
 
-/// Times at which a formula takes other branches, and is not as smooth as it must be.
+/// Finds the times at which a formula changes branch, where it is not as smooth as time integration needs.
 class KinkSearch {
  public:
-  /// Of all places.
+  /// Times that are the same at all places.
   KinkSearch(const FormulaTree& formula, bool uses_space, double end, double interval)
       : formula_(formula), end_(end), interval_(interval), checked_{{0.0, 0.0, 0.0}} {
-    // Places at which no round formula vanishes.
+    // Places chosen so that formulas with round numbers do not vanish there.
     if (uses_space) checked_.insert(checked_.end(), {{0.317, -0.539, 0.771}, {-13.7, 7.91, 23.3}});
     look_at(formula.linear_crossings(end));
   }
-  /// Of one place.
+  /// Times at one place.
   KinkSearch(const FormulaTree& formula, const std::array<double, 3>& X, double end, double interval)
       : formula_(formula),
         which_(FormulaTree::Branches::in_place_and_time),
@@ -136,7 +136,7 @@ class KinkSearch {
   const std::vector<double>& found() const { return found_; }
 
  private:
-  /// At times an interval apart, and at these.
+  /// At times one interval apart, and at the given ones.
   void look_at(std::vector<double> times) {
     constexpr double most_samples = 1e6;
     const auto num_samples = static_cast<int>(std::clamp(std::ceil(end_ / interval_), 1.0, most_samples));
@@ -169,7 +169,7 @@ class KinkSearch {
     look(middle, between, to, after);
   }
 
-  /// To a number of few digits, if it is the same but for the rounding of the formula: 0.1, not 0.1 + 1e-17.
+  /// Rounds to a number of few digits if it differs by no more than the formula's rounding: 0.1, not 0.1 + 1e-17.
   static double rounded(double t) {
     char digits[32];
     std::snprintf(digits, sizeof digits, "%.13g", t);
@@ -183,7 +183,7 @@ class KinkSearch {
     if (is_kink(t)) found_.push_back(t);
   }
 
-  // As measured over the whole time: what is so small that nothing moves by it is rounding.
+  // Relative to the values over the whole time: a smaller change is rounding.
   bool is_kink(double t) const {
     const double aside = std::max(nearness * interval_, 8.0 * same * t);
     return std::ranges::any_of(checked_, [&](const std::array<double, 3>& X) {
@@ -199,20 +199,20 @@ class KinkSearch {
   }
 
   static constexpr double same = 1e-14, nearness = 1e-7;
-  static constexpr int most_changes = 20000;  // more are noise
+  static constexpr int most_changes = 20000;  // a formula with more is noise
 
   const FormulaTree& formula_;
   FormulaTree::Branches which_ = FormulaTree::Branches::in_time;
   std::array<double, 3> X_{};
   double end_, interval_;
-  std::vector<std::array<double, 3>> checked_;  // places, at one of which a kink must show
+  std::vector<std::array<double, 3>> checked_;  // sample places; a kink counts if one of them shows it
   int num_changes_ = 0;
   std::vector<double> found_;
 };
 
 }  // namespace
 
-/// A parsed formula. Variables are bound by address, so a formula stays where it was made.
+/// A parsed formula. Variables are bound by address, so a formula must not move.
 struct Expression::Formula {
   Formula(std::string formula_text, double formula_factor) : text(std::move(formula_text)), factor(formula_factor) {
     for (std::size_t i = 0; i < variable_names.size(); ++i) parser.DefineVar(variable_names[i], &variables[i]);
@@ -244,7 +244,7 @@ struct Expression::Formula {
   mu::Parser parser;
   bool uses_space = false;
   bool uses_time = false;
-  std::optional<FormulaTree> tree;  // if it uses time
+  std::optional<FormulaTree> tree;  // only if it depends on time
 };
 
 Expression::Expression() = default;

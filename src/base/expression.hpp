@@ -1,4 +1,4 @@
-/// Formulas in x, y, z, t, as users write them.
+/// Formulas in x, y, z and t, as users write them.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,7 @@ namespace pliant {
 
 struct TimeJet;
 
-/// What is wrong with a formula's text; `what()` says it in plain words, `position()` counts characters from 0.
+/// An error in a formula's text; `what()` describes it, `position()` is its character, counted from 0.
 class ExpressionError : public std::runtime_error {
  public:
   ExpressionError(const std::string& message, int position) : std::runtime_error(message), position_(position) {}
@@ -36,26 +36,26 @@ class Expression {
 
   /// May return inf or NaN where the formula does.
   double operator()(double x, double y, double z, double t) const;
-  /// The value, and its derivatives in time, which are exact but for rounding. Where the formula has a kink or a jump,
-  /// they are those of the side on which the time `side`, near t, lies.
+  /// The value and its time derivatives, exact to rounding. At a kink or a jump they are one-sided: those of the side
+  /// on which the time `side`, near t, lies.
   TimeJet derivatives(double x, double y, double z, double t, double side) const;
   /// Times in (0, end) at which the formula, its rate or its acceleration jumps (by `min`, `max`, `abs`, `sign`,
-  /// `rint`, comparisons, `? :`), ascending; not those that depend on the place. Found where the formula takes other
-  /// branches at one of the times k * interval than at the next, and where something linear in t takes another: what
-  /// lasts for less than the interval may be missed if it is not.
+  /// `rint`, comparisons, `? :`), ascending, without those that depend on the place. Found where the formula takes
+  /// another branch at k * interval than at (k + 1) * interval, and where something linear in t changes branch. A
+  /// nonlinear feature that lasts for less than the interval may be missed.
   std::vector<double> kinks(double end, double interval) const;
-  /// Those at X that depend on the place.
+  /// The times at X, of those that depend on the place.
   std::vector<double> kinks_at(const std::array<double, 3>& X, double end, double interval) const;
   bool depends_on_space() const;
   bool depends_on_time() const;
   bool is_zero() const;  ///< the constant 0
-  /// As written, without the factor; a constant is printed in full precision.
+  /// The formula as written, without the factor; a constant is printed in full precision.
   std::string text() const;
 
  private:
   struct Formula;
   double constant_ = 0.0;
-  std::unique_ptr<Formula> formula_;  // none: constant
+  std::unique_ptr<Formula> formula_;  // null for a constant
 };
 
 }  // namespace pliant

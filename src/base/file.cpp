@@ -37,7 +37,7 @@ FileError failure(const std::filesystem::path& path, int error) {
   return FileError("cannot write '" + path.string() + "': " + std::generic_category().message(error));
 }
 
-/// A device or a pipe, such as /dev/null: it is written to, never replaced.
+/// A device or a pipe, such as /dev/null: written to, never replaced.
 bool is_special(const std::filesystem::path& path) {
   std::error_code ignored;
   return std::filesystem::is_other(path, ignored);
@@ -46,9 +46,9 @@ bool is_special(const std::filesystem::path& path) {
 }  // namespace
 
 File::File(std::filesystem::path path, FileMode mode) : path_(std::move(path)) {
-  // In a directory that others can write to, somebody could put a link or a file of their own where ours will be. A
-  // link is removed and not what it leads to; where others' files cannot be removed, this is a failure and not theirs
-  // to read.
+  // In a directory that others can write to, somebody could put a link or a file of their own under this name. A link
+  // is removed, not its target; a file of another user that cannot be removed is an error, so that they cannot read
+  // what we write.
   if (mode == FileMode::anew) (void)::unlink(path_.c_str());
   do {
     descriptor_ = ::open(path_.c_str(), flags_of(mode) | O_CLOEXEC, 0666);
@@ -92,7 +92,7 @@ void File::append_whole(std::string_view text) {
   try {
     write(text);
   } catch (const FileError&) {
-    // The first failure is told.
+    // Only the first failure is reported.
     const bool is_cut = ::ftruncate(descriptor_, mine.st_size) == 0;
     if (is_cut) (void)::lseek(descriptor_, mine.st_size, SEEK_SET);
     throw;
@@ -115,7 +115,7 @@ void File::reserve(std::int64_t offset, std::int64_t num_bytes) {
   do {
     error = ::posix_fallocate(descriptor_, offset, num_bytes);
   } while (error == EINTR);
-  // A file system that cannot reserve is no reason to stop: the writes themselves are checked.
+  // A file system that cannot reserve space does not stop the run: the writes themselves are checked.
   if (error == 0 || error == EOPNOTSUPP || error == EINVAL) return;
   resize(old_size);
   fail(error);
@@ -132,7 +132,7 @@ std::int64_t File::size() const {
 }
 
 void File::sync() {
-  // EINVAL: the file lies on something that knows no sync, such as a pipe.
+  // EINVAL: the file is on something that does not support sync, such as a pipe.
   if (::fdatasync(descriptor_) != 0 && errno != EINVAL) fail(errno);
 }
 
@@ -168,8 +168,7 @@ void replace_file(const std::filesystem::path& from, const std::filesystem::path
   std::filesystem::rename(from, to, error);
   if (error) throw failure(to, error.value());
   if (durability == Durability::process) return;
-  // The new name lies on the disk when the directory does. One that may not be read, or on something that knows no
-  // sync, is no reason to stop.
+  // The new name is on disk once its directory is. Continue if the directory cannot be read or does not support sync.
   const std::filesystem::path directory = to.has_parent_path() ? to.parent_path() : ".";
   const int descriptor = ::open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) return;

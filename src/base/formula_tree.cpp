@@ -13,7 +13,7 @@
 
 namespace pliant {
 
-/// Recursive descent, by muParser's precedence: ?: || && comparisons + - * / signs ^, the last from the right.
+/// Recursive descent with muParser's precedence: ?: || && comparisons + - * / signs ^, the last one right-associative.
 class FormulaTree::Reader {
  public:
   Reader(const std::string& text, std::vector<Node>& nodes) : text_(text), nodes_(nodes) {}
@@ -69,7 +69,7 @@ class FormulaTree::Reader {
     return left;
   }
 
-  /// While it lives, the formula is one level deeper.
+  /// While it lives, the parser is one level deeper.
   class Level {
    public:
     explicit Level(Reader& reader) : reader_(reader) {
@@ -101,7 +101,7 @@ class FormulaTree::Reader {
     return from_the_left(std::array{Operator{"&&", Op::both}}, [this] { return comparison(); });
   }
   int comparison() {
-    // The longer symbols first.
+    // Longer symbols first.
     static constexpr std::array operators{Operator{"<=", Op::less_equal}, Operator{">=", Op::greater_equal},
                                           Operator{"==", Op::equal},      Operator{"!=", Op::unequal},
                                           Operator{"<", Op::less},        Operator{">", Op::greater}};
@@ -230,7 +230,8 @@ std::vector<double> FormulaTree::linear_crossings(double end) const {
   for (const int n : timed_) {
     const auto& arguments = nodes_[n].arguments;
     if (arguments.size() > 2) continue;
-    // What changes its sign: the argument of abs and sign, the difference of those of a comparison.
+    // The expression whose sign decides the branch: the argument of abs and sign, the difference of the sides of a
+    // comparison.
     const auto height = [&](const std::vector<Number>& numbers, double Number::*part) {
       return numbers[arguments[0]].*part - (arguments.size() == 2 ? numbers[arguments[1]].*part : 0.0);
     };
@@ -242,7 +243,7 @@ std::vector<double> FormulaTree::linear_crossings(double end) const {
   return times;
 }
 
-// What tells one branch from another.
+// A number that identifies the branch.
 double FormulaTree::branch(const Node& node, const std::vector<Number>& known) {
   if (node.op == Op::abs) return std::signbit(known[node.arguments[0]].side) ? -1.0 : 1.0;
   if (node.op != Op::min && node.op != Op::max) return function(node, known).side;
@@ -378,7 +379,7 @@ FormulaTree::Number FormulaTree::elementary(Op op, const Number& a) {
 FormulaTree::Number FormulaTree::function(const Node& node, const std::vector<Number>& known) {
   const Number a = known[node.arguments[0]];
   const Number b = node.arguments.size() > 1 ? known[node.arguments[1]] : Number{};
-  // Of the same value on either side of t.
+  // A node with the same value on either side of t.
   const auto step = [](double value) { return Number{value, 0.0, 0.0, value}; };
   const auto truth = [&](bool value) { return step(value ? 1.0 : 0.0); };
   const double f = a.value;

@@ -1,4 +1,4 @@
-/// Formulas as trees: their derivatives with respect to t, and where they have kinks.
+/// Formulas as trees: their time derivatives, and where they have kinks.
 #pragma once
 
 #include <array>
@@ -14,24 +14,25 @@ struct TimeJet {
   double acceleration = 0.0;  ///< [1/s^2]
 };
 
-/// A formula in x, y, z, t in muParser's grammar. Derivatives are exact but for rounding: each operation carries them
-/// along. At a kink or a jump (of min, max, abs, sign, rint, comparisons, `? :`) they are those of one side.
+/// A formula in x, y, z, t in muParser's grammar. Derivatives are exact to rounding: each operation propagates them. At
+/// a kink or a jump (of min, max, abs, sign, rint, comparisons, `? :`) they are one-sided.
 class FormulaTree {
  public:
-  /// `text`: one that muParser accepts, with the constant `pi`. Throws ExpressionError at what is not understood.
+  /// `text`: a formula that muParser accepts, with the constant `pi`. Throws ExpressionError for anything that is not
+  /// understood.
   explicit FormulaTree(const std::string& text);
 
-  /// At (x, y, z, t). What branches, branches as it does at the time `side`, which lies near t on the side that is
-  /// wanted.
+  /// Value and derivatives at (x, y, z, t). Branches are taken as at the time `side`, which lies near t, on the side
+  /// that is wanted.
   TimeJet at(double x, double y, double z, double t, double side) const;
-  /// Of what branches: what depends on t alone, or on the place as well.
+  /// Which branch nodes: those that depend on t alone, or also on the place.
   enum class Branches { in_time, in_place_and_time };
-  /// Which branches the formula takes there: one number each.
+  /// The branch that each such node takes, as one number each.
   void branches(Branches which, const std::array<double, 3>& X, double t, std::vector<double>& into) const;
-  /// Whether there are any.
+  /// Whether the formula has such nodes.
   bool has(Branches which) const { return !nodes_of(which).empty(); }
-  /// Times in (0, end) at which what is linear in t takes another branch, as at `t < 0.1` or `min(t/0.1, 1)`; in no
-  /// order. Not where it depends on the place.
+  /// Times in (0, end) at which an expression linear in t changes branch, as at `t < 0.1` or `min(t/0.1, 1)`, unsorted.
+  /// Without those that depend on the place.
   std::vector<double> linear_crossings(double end) const;
 
  private:
@@ -88,7 +89,7 @@ class FormulaTree {
     std::vector<int> arguments = {};
     bool depends_on_space = false, depends_on_time = false;
   };
-  /// Value and derivatives at t, and the value at the side.
+  /// Value and derivatives at t, and the value at `side`.
   struct Number {
     double value = 0.0, rate = 0.0, acceleration = 0.0, side = 0.0;
   };
@@ -100,20 +101,21 @@ class FormulaTree {
 
   static bool can_branch(Op op);
   const std::vector<int>& nodes_of(Branches which) const { return which == Branches::in_time ? timed_ : moving_; }
-  /// Of all nodes, one after another: formulas are long, and the stack is not.
+  /// Evaluates all nodes in order, without recursion: a long formula would overflow the stack.
   std::vector<Number> evaluate(const Place& place) const;
   static Number evaluate(const Node& node, const Place& place, const std::vector<Number>& known);
   static Number function(const Node& node, const std::vector<Number>& known);
-  /// Of one argument, smooth but for single places.
+  /// A function of one argument, smooth except at single points.
   static Number elementary(Op op, const Number& a);
-  /// g(a) by its value, derivatives, and value at the side; what is constant is so even where g has no slope.
+  /// g(a) from its value, its derivatives and its value at `side`; a constant argument stays constant even where g has
+  /// no derivative.
   static Number chain(const Number& a, double value, double first, double second, double side);
   static Number of_many(const Node& node, const std::vector<Number>& known);
   static double branch(const Node& node, const std::vector<Number>& known);
 
-  std::vector<Node> nodes_;  // arguments before what they are arguments of
+  std::vector<Node> nodes_;  // arguments before the nodes that use them
   std::vector<int> timed_;   // nodes that branch in time alone
-  std::vector<int> moving_;  // nodes that branch in time, at each place in its own way
+  std::vector<int> moving_;  // nodes that branch in time and place
 };
 
 }  // namespace pliant

@@ -1,5 +1,5 @@
 #pragma once
 
-/// For the leaves of the kernels: a call there costs more than the work, and a Pack passed through memory twice as
-/// much.
+/// Forces inlining of the innermost kernel functions: there a call costs more than its work, and passing a Pack through
+/// memory twice as much.
 #define PLIANT_INLINE [[gnu::always_inline]] inline

@@ -1,4 +1,4 @@
-/// Numbers that are beyond all others, and none.
+/// Infinity and NaN under short names.
 #pragma once
 
 #include <limits>

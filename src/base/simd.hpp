@@ -1,8 +1,8 @@
-/// Packs of doubles for the hot loops, and what the kernels need of them that libc does not vectorise.
+/// Packs of doubles (SIMD) for the hot loops, and the vectorised functions that libc lacks.
 ///
 /// Everything here is a pure function of its arguments and works lane by lane; a kernel written for a scalar type T
-/// runs with T = double and T = Pack alike. Any other floating type is served too, slowly: it gives reference values to
-/// the tests.
+/// runs with T = double and T = Pack alike. Other floating types work too, slowly: they give the tests reference
+/// values.
 #pragma once
 
 #include "base/inline.hpp"
@@ -74,7 +74,7 @@ inline double log1p(double x) {
   return std::log1p(x);
 }
 
-// The lanes one by one, for a pack with a lane outside the series. Not inlined: rare, and it would burden the loops.
+// Lane by lane, for a pack with a lane outside the series. Not inlined: it is rare, and would burden the loops.
 [[gnu::noinline, gnu::cold]] inline Pack x_minus_log1p_by_lane(const Pack& x) {
   return Pack([&](auto i) { return x_minus_log1p(static_cast<double>(x[i])); });
 }
@@ -94,7 +94,7 @@ PLIANT_INLINE Pack log1p(const Pack& x) {
   return log1p_by_lane(x);
 }
 
-/// Any other floating type: the same series, summed until it stands still. Slow for x far from 0; x > -1.
+/// Any other floating type: the same series, summed until it no longer changes. Slow for x far from 0; x > -1.
 template <class T>
 requires(!std::same_as<T, double> && !std::same_as<T, Pack>) T x_minus_log1p(const T& x) {
   const T s = x / (2 + x);

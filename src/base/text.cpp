@@ -20,7 +20,7 @@ bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
 
-/// Length of the UTF-8 character at `at`, 0 if it is none (Unicode 15, table 3-7).
+/// Length of the UTF-8 character at `at`, or 0 if there is none (Unicode 15, table 3-7).
 std::size_t utf8_length(std::string_view text, std::size_t at) {
   const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
   const unsigned first = byte(at);
@@ -56,7 +56,7 @@ int edit_distance(std::string_view a, std::string_view b) {
 }
 
 std::optional<std::string> closest(std::string_view word, std::span<const std::string> candidates) {
-  constexpr std::size_t longest = 64;  // nobody misspells a longer word into one of ours
+  constexpr std::size_t longest = 64;  // longer words are not misspelt keys
   if (word.size() > longest) return {};
   std::optional<std::string> best;
   int best_distance = 0;
@@ -104,7 +104,7 @@ std::string_view trimmed(std::string_view text) {
 std::string excerpt(std::string_view text, std::size_t size) {
   std::size_t end = std::min(size, text.size());
   while (end < text.size() && end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80)
-    --end;  // whole characters
+    --end;  // never cut a character
   std::string result(text.substr(0, end));
   for (char& c : result) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';

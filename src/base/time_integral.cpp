@@ -8,12 +8,12 @@ namespace pliant {
 namespace {
 
 constexpr double quadrature_tolerance = 1e-13;
-/// Halvings within a panel: a jump is found to 1e-12 of it.
+/// Bisections within a panel: a jump is located to 1e-12 of the panel.
 constexpr int most_halvings = 40;
-/// Panels whose sums are kept; longer runs have longer panels.
+/// Most panels whose sums are kept; a longer run has longer panels.
 constexpr double most_panels = 1e5;
 
-/// f at both ends and in the middle of a stretch of time.
+/// f at both ends and in the middle of an interval.
 struct Stretch {
   double from, to, at_from, at_middle, at_to;
   double middle() const { return 0.5 * (from + to); }
@@ -27,7 +27,7 @@ double integral(const Expression& f, const Stretch& whole, double scale, int hal
   const Stretch right{whole.middle(), whole.to, whole.at_middle, at(0.5 * (whole.middle() + whole.to)), whole.at_to};
   scale = std::max({scale, std::abs(left.at_middle), std::abs(right.at_middle)});
   const double sum = left.simpson() + right.simpson(), error = (sum - whole.simpson()) / 15.0;
-  // An error that is not a number cannot become small.
+  // A NaN error never becomes small.
   if (halvings == 0 || !(std::abs(error) > quadrature_tolerance * scale * (whole.to - whole.from))) return sum + error;
   return integral(f, left, scale, halvings - 1) + integral(f, right, scale, halvings - 1);
 }

@@ -1,4 +1,4 @@
-/// Integrals over time of rates that are given as formulas.
+/// Time integrals of rates that are given as formulas.
 #pragma once
 
 #include "base/expression.hpp"
@@ -7,14 +7,14 @@
 
 namespace pliant {
 
-/// int_0^t f(0, 0, 0, s) ds by Simpson's rule, halved until its error is below 1e-13 of the panel's largest |f|. What
-/// was summed up over whole panels is kept.
+/// int_0^t f(0, 0, 0, s) ds by adaptive Simpson quadrature, bisected until its error is below 1e-13 of the panel's
+/// largest |f|. Sums over whole panels are cached.
 class TimeIntegral {
  public:
-  /// The integral of 0.
+  /// The integral of the zero function.
   TimeIntegral() = default;
-  /// `panel`: which the formula's features are not much shorter than, e.g. a time step [s]; sums are kept up to `end`
-  /// [s].
+  /// `panel`: an interval [s] not much longer than the formula's features, e.g. a time step. Sums are cached up to
+  /// `end` [s].
   TimeIntegral(Expression rate, double end, double panel);
 
   /// May be inf or NaN where the formula is.

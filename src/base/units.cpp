@@ -30,7 +30,7 @@ struct Dimension {
   const char* name;
 };
 
-/// Words for what users most often give; the first unit of a dimension that fits a quantity names it.
+/// Names of the most common dimensions; the first entry with the same dimension names a quantity.
 constexpr std::array dimensions{
     Dimension{"m", "a length"},
     Dimension{"s", "a time"},
@@ -60,7 +60,7 @@ System loaded_system() {
   if (!system)
     throw FileError("the database of units cannot be read; install udunits2's data (Debian: libudunits2-data)");
   const Unit degree(ut_parse(system.get(), "degree", UT_ASCII));
-  (void)ut_map_name_to_unit("deg", UT_ASCII, degree.get());  // which everybody writes, and udunits does not know
+  (void)ut_map_name_to_unit("deg", UT_ASCII, degree.get());  // commonly written, but unknown to udunits
   return system;
 }
 
@@ -73,21 +73,21 @@ Unit parsed_unit(const std::string& text) {
   return Unit(ut_parse(system_of_units(), text.c_str(), UT_UTF8));
 }
 
-/// Equal dimensions; unlike ut_are_convertible this tells s from Hz.
+/// Equal dimensions; unlike ut_are_convertible this distinguishes s from Hz.
 bool same_dimension(const ut_unit* a, const ut_unit* b) {
   const Unit quotient(ut_divide(a, b));
   return quotient && ut_is_dimensionless(quotient.get()) != 0 && ut_are_convertible(a, b) != 0;
 }
 
-/// What one `unit` is in `expected`; nothing if the relation is no plain factor.
+/// The factor from `unit` to `expected`; nothing if the conversion is not a plain factor.
 std::optional<double> conversion_factor(ut_unit* unit, ut_unit* expected) {
   const Converter converter(ut_get_converter(unit, expected));
   if (!converter || cv_convert_double(converter.get(), 0.0) != 0.0) return {};
   return cv_convert_double(converter.get(), 1.0);
 }
 
-/// value * factor, for factors that are meant as whole numbers or their reciprocals (1000, 1/1000) rounded only once,
-/// so that "0.7 mm" is 0.0007.
+/// value * factor, rounded only once for factors that are whole numbers or their reciprocals (1000, 1/1000), so that
+/// "0.7 mm" is 0.0007.
 double scaled(double value, double factor) {
   constexpr double tolerance = 1e-14;  // udunits' own rounding of g/cm^3 is 1e-16
   const double whole = std::round(factor);
@@ -99,10 +99,10 @@ double scaled(double value, double factor) {
 
 struct NumberAndUnit {
   double number;
-  std::string unit;  // empty: none
+  std::string unit;  // empty if the text has none
 };
 
-/// Longest leading number, and the rest without blanks.
+/// Splits a text into its longest leading number and the rest without blanks.
 std::optional<NumberAndUnit> split(std::string_view text) {
   text = trimmed(text);
   const std::size_t digits = text.find_first_not_of("+-.0123456789eE");
@@ -119,7 +119,7 @@ bool starts_unit(const std::string& text) {
   return std::isalpha(first) != 0 || first >= 0x80 || first == '%';
 }
 
-/// " (did you mean 'MPa'?)" for "Mpa", else empty: units are told apart by their capitals.
+/// " (did you mean 'MPa'?)" for "Mpa", else empty: units are case-sensitive.
 std::string otherwise_capitalised(const std::string& text) {
   constexpr std::array units{"Pa", "kPa", "MPa", "GPa", "N",  "kN",   "mm",    "cm",
                              "um", "ms",  "us",  "kg",  "Hz", "Pa*s", "kg/m^3"};
@@ -129,7 +129,7 @@ std::string otherwise_capitalised(const std::string& text) {
   return meant == units.end() ? "" : " (did you mean '" + std::string(*meant) + "'?)";
 }
 
-/// "a length", or the unit itself where there is no word for it.
+/// "a length", or the unit itself where the dimension has no name.
 std::string dimension_of(const ut_unit* unit, const std::string& text) {
   for (const auto& d : dimensions) {
     if (same_dimension(unit, parsed_unit(d.unit).get())) return d.name;

@@ -1,5 +1,6 @@
-/// exp, expm1 and sqrt of packs, and quotients of them that keep their digits near 0. exp and expm1 by glibc's vector
-/// mathematics library (libmvec), to some 2 ulp; lane by lane where it is absent. A scalar takes the C library's.
+/// exp, expm1 and sqrt of packs, and quotients of them that keep their digits near 0. exp and expm1 use glibc's vector
+/// mathematics library (libmvec), accurate to about 2 ulp, or the C library lane by lane where libmvec is absent.
+/// Scalars use the C library.
 #pragma once
 
 #include "base/simd.hpp"

@@ -1,4 +1,4 @@
-/// What the command line says of itself, for shells and for man.
+/// The command line's description of itself, for shells and for man.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace pliant {
 /// A script for bash that completes commands, options, choices and files.
 std::string bash_completion(const CLI::App& program);
 
-/// The page for man, in roff. `versions`: those of the program and its libraries; the first line counts.
+/// The manual page, in roff. `versions`: of the program and its libraries; the first line is used.
 std::string man_page(const CLI::App& program, const std::string& versions);
 
 }  // namespace pliant

@@ -177,7 +177,7 @@ void CommandLine::add_run() {
   add_input(*run);
   add_output(*run, "directory for the results");
   run->add_flag("--continue", arguments_.continues,
-                "continue the run that is there from its newest checkpoint; begin it if there is none");
+                "continue the run in the output directory from its newest checkpoint; start it if there is none");
   run->add_flag("--quiet", arguments_.quiet, "print warnings and errors only");
   run->callback([this] {
     command_ = [this] {
@@ -209,7 +209,7 @@ void CommandLine::add_resume() {
 }
 
 void CommandLine::add_info() {
-  CLI::App* info = app_.add_subcommand("info", "say what is in a checkpoint or a result");
+  CLI::App* info = app_.add_subcommand("info", "describe a checkpoint or a result");
   info->footer(examples({"pliant info out/beam", "pliant info out/beam/checkpoint-000100.h5"}));
   info->add_option("FILE", arguments_.file, "checkpoint-*.h5, result.h5 or the directory of a result")->required();
   info->callback([this] {
@@ -221,14 +221,14 @@ void CommandLine::add_info() {
 }
 
 void CommandLine::add_report() {
-  CLI::App* report = app_.add_subcommand("report", "make a page of HTML that plays a result and plots its history");
+  CLI::App* report = app_.add_subcommand("report", "write an HTML page that plays a result and plots its history");
   report->footer(examples({"pliant report out/beam", "pliant report out/beam --output beam.html --size 10"}));
   report->add_option("RESULT", arguments_.report.place, "directory of a result, its result.h5 or result.xdmf")
       ->required();
-  report->add_option("--output", arguments_.report.output, "the file; default: report.html beside the result");
+  report->add_option("--output", arguments_.report.output, "the file; default: report.html next to the result");
   report
       ->add_option("--size", arguments_.report.megabytes,
-                   "megabytes that the page may take; where it would take more, frames are left out")
+                   "largest size of the page in megabytes; frames are left out if it would be larger")
       ->check(CLI::PositiveNumber)
       ->type_name("MB")
       ->capture_default_str();
@@ -301,7 +301,7 @@ void CommandLine::add_sweep() {
       ->required()
       ->allow_extra_args(false);
   add_output(*sweep, "directory for the runs, sweep.csv and the plots");
-  sweep->add_flag("--continue", arguments_.sweep.continues, "leave runs that are done, continue those that were begun");
+  sweep->add_flag("--continue", arguments_.sweep.continues, "skip finished runs, continue those that were begun");
   sweep->add_option("--jobs", arguments_.sweep.at_once, "runs at a time; default: as many as the processors allow")
       ->check(CLI::Range(1, 1024))
       ->type_name("N");
@@ -321,10 +321,10 @@ void CommandLine::add_sweep() {
 }
 
 void CommandLine::add_mesh() {
-  CLI::App* mesh = app_.add_subcommand("mesh", "what can be done with a mesh alone")->require_subcommand(1);
+  CLI::App* mesh = app_.add_subcommand("mesh", "work on a mesh alone")->require_subcommand(1);
   mesh->footer(examples({"pliant mesh convert part.step part.h5 --size \"2 mm\" --scale 0.001"}));
-  CLI::App* convert = mesh->add_subcommand(
-      "convert", "write a mesh as HDF5: every rank of a run reads its part of it, which large meshes need");
+  CLI::App* convert =
+      mesh->add_subcommand("convert", "write a mesh as HDF5, which ranks read in parallel: needed for large meshes");
   convert->footer(examples({"pliant mesh convert part.step part.h5 --size \"2 mm\" --scale 0.001"}));
   convert
       ->add_option("MESH", arguments_.conversion.from, "what mesh.file of an input may name (.msh, .geo, .step, ...)")
@@ -377,13 +377,13 @@ void CommandLine::add_schema() {
 
 void CommandLine::add_help() {
   CLI::App& help = add_text("help", "show the help of a command", [this] { return help_text(app_, arguments_.words); });
-  help.add_option("COMMAND", arguments_.words, "the command; none: this program");
+  help.add_option("COMMAND", arguments_.words, "the command; default: this program");
   help.footer(examples({"pliant help run", "pliant help mesh convert"}));
 
   add_text("completion", "print a script that lets bash complete commands, options and files", [this] {
     return bash_completion(app_);
   }).footer(examples({"source <(pliant completion)"}));
-  add_text("man", "print the page for man", [this] {
+  add_text("man", "print the manual page", [this] {
     return man_page(app_, version_text());
   }).footer(examples({"pliant man | man -l -"}));
 }

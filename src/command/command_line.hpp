@@ -18,13 +18,13 @@ namespace pliant {
 /// Reads the command line and runs the command that it names. All methods are collective.
 class CommandLine {
  public:
-  /// `of_sweep`: what a sweep hands on to its runs, the options of PETSc among it. Throws InputError for words among
-  /// them that belong to no option.
+  /// `of_sweep`: the arguments that a sweep passes to its runs, options of PETSc included. Throws InputError for words
+  /// among them that belong to no option.
   CommandLine(MPI_Comm comm, const SweepOptions& of_sweep);
   CommandLine(const CommandLine&) = delete;  // callbacks refer to the object
   CommandLine& operator=(const CommandLine&) = delete;
 
-  /// The exit code of the command, or that after help, version or a mistake.
+  /// The exit code of the command, or that after help, version or an error in the command line.
   ExitCode operator()(int argc, const char* const* argv);
 
  private:
@@ -44,7 +44,7 @@ class CommandLine {
     std::vector<std::string> words;
     bool accepts_any_order = false;
 
-    /// Throws InputError for what is no KEY.PATH=VALUE.
+    /// Throws InputError for a text that is not KEY.PATH=VALUE.
     std::vector<Override> overrides() const;
   };
 
@@ -63,7 +63,7 @@ class CommandLine {
   void add_methods();
   void add_materials();
   void add_schema();
-  /// Help, completion and the page for man.
+  /// Help, shell completion and the manual page.
   void add_help();
 
   MPI_Comm comm_;

@@ -25,8 +25,7 @@
 namespace pliant {
 namespace {
 
-/// Bytes that the run will need, over all ranks: what is known exactly (mesh, matrix) and what MUMPS's factor was
-/// measured to take.
+/// Bytes that the run will need, over all ranks: exact for mesh and matrix, measured for the factors of MUMPS.
 struct Memory {
   double matrix = 0.0;
   double factor = 0.0;
@@ -49,7 +48,7 @@ std::string bytes(double n) {
   return n < 1e9 ? fmt::format("{:.0f} MB", std::ceil(n / 1e6)) : fmt::format("{:.1f} GB", n / 1e9);
 }
 
-/// Ranks that this one gets ghosts from. Collective.
+/// The ranks that own ghosts of this one. Collective.
 int num_neighbours(const NodeLayout& layout) {
   std::vector<PetscInt> first(static_cast<std::size_t>(num_ranks(layout.comm)));
   check_mpi(MPI_Allgather(&layout.first_global_node, 1, MPIU_INT, first.data(), 1, MPIU_INT, layout.comm));
@@ -63,7 +62,7 @@ int num_neighbours(const NodeLayout& layout) {
   return count;
 }
 
-/// What an update of the ghosts costs: numbers and messages.
+/// The cost of updating the ghosts: numbers and messages.
 void report_communication(const NodeLayout& layout, Console& console) {
   const auto ghosts = static_cast<double>(layout.ghost_global_nodes.size()), neighbours = 1.0 * num_neighbours(layout);
   if (num_ranks(layout.comm) == 1) return;
@@ -196,12 +195,11 @@ std::string methods_text() {
          "of the error in displacement and velocity; in brackets after startup: ramp, without it after "
          "startup: dirk33");
   legend("solves", "nonlinear solves in a step");
-  legend("R(inf)",
-         "what a step multiplies an infinitely fast decaying mode by: 0 removes it, -1 and 1 keep it ringing");
+  legend("R(inf)", "factor of a step on an infinitely fast decaying mode: 0 removes it, -1 and 1 keep it ringing");
   legend("adaptive",
          "whether the step can follow the error (time.adaptive); symplectic methods run at a constant step");
   legend("embedded",
-         "order of the formula of the same stages that tells the error, until (stiffly accurate methods) "
+         "order of the embedded formula that estimates the error, until (stiffly accurate methods) "
          "enough steps are known to estimate it better");
   legend("viscous rate",
          "the form of the strain rate that rate: auto takes: one with a potential to minimise, secant or "

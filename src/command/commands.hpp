@@ -13,11 +13,11 @@ namespace pliant {
 
 ExitCode run_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides, Console& console);
 
-/// Reads, meshes and partitions; reports, solves nothing.
+/// Reads or generates the mesh, partitions it and reports; solves nothing.
 ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides,
                        Console& console);
 
-/// How `pliant mesh convert` is called.
+/// The arguments of `pliant mesh convert`.
 struct Conversion {
   std::string from, to;
   std::string size;    ///< target element size with a unit, for geometry; may be empty
@@ -25,16 +25,16 @@ struct Conversion {
   bool allows_commands = false;
 };
 
-/// Writes a mesh, or what gmsh makes of a geometry, in the format that every rank reads its part of.
+/// Writes a mesh, or the mesh that gmsh makes from a geometry, in Pliant's own format, which ranks read in parallel.
 void convert_mesh_command(MPI_Comm comm, const Conversion& conversion, Console& console);
 
-/// The integrators, for people.
+/// Prints the time integration methods.
 std::string methods_text();
 
-/// The laws, for people.
+/// Prints the material laws.
 std::string materials_text();
 
-/// Draws stress over stretch of an elastic law into an SVG file, by default <law>.svg, and says with which parameters.
+/// Plots stress over stretch of an elastic law to an SVG file, by default <law>.svg, and prints the parameters used.
 void plot_material_command(MPI_Comm comm, const std::string& law, const std::vector<std::string>& settings,
                            const std::array<double, 2>& stretches, const std::string& file);
 

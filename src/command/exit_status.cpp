@@ -31,10 +31,9 @@ int exit_status(const std::function<ExitCode()>& program) {
     // Not agreed between ranks: the others may be waiting for this one.
     const bool lacks_memory = dynamic_cast<const std::bad_alloc*>(&error) != nullptr;
     fmt::print(stderr, "pliant failed on rank {}: {}\n", rank(PETSC_COMM_WORLD),
-               lacks_memory
-                   ? "the memory of this machine does not suffice; take more machines, fewer ranks on each, or a "
-                     "coarser mesh"
-                   : error.what());
+               lacks_memory ? "this machine has too little memory; use more machines, fewer ranks on each, or a "
+                              "coarser mesh"
+                            : error.what());
     std::fflush(stderr);
     MPI_Abort(PETSC_COMM_WORLD, static_cast<int>(ExitCode::unexpected));
     return static_cast<int>(ExitCode::unexpected);

@@ -12,13 +12,13 @@
 using namespace pliant;
 
 int main(int argc, char** argv) {
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a failed write, which is told, not a sudden end
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a failed write, which is reported, not a sudden end
   char** const separator = std::find_if(argv, argv + argc, [](const char* a) { return std::string(a) == "--"; });
   const std::vector<std::string> petsc_options(std::min(separator + 1, argv + argc), argv + argc);
   SweepOptions sweep;
   sweep.petsc_options = petsc_options;
   sweep.environment = current_environment();
-  std::optional<Session> session;  // until the exit status is told
+  std::optional<Session> session;  // lives until the exit status is reported
   return exit_status([&] {
     session.emplace(argv[0], petsc_options);
     return CommandLine(PETSC_COMM_WORLD, sweep)(static_cast<int>(separator - argv), argv);

@@ -56,7 +56,7 @@ ElasticLawSpec law_for_plot(const std::string& name, const std::vector<std::stri
   }
   GivenConstants constants;
   for (const auto& setting : settings) constants.insert(parsed(*row, setting));
-  // Elastic constants that the law does not have stand in the place of those that it has.
+  // Elastic constants that the law does not have replace those that it has.
   const bool replaces = std::ranges::any_of(constants, [&](const auto& given) {
     return std::ranges::find(row->parameters, given.first, &ParameterInfo::name) == row->parameters.end();
   });

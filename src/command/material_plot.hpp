@@ -1,4 +1,4 @@
-/// `pliant materials plot LAW`: what a law answers in the machines that test materials.
+/// `pliant materials plot LAW`: the response of a law in the standard material tests.
 #pragma once
 
 #include "io/svg_plot.hpp"
@@ -9,7 +9,8 @@
 
 namespace pliant {
 
-/// Nominal stress over stretch (over 1 + the amount of shear) from `lowest` to `highest`, as far as the law goes.
+/// Nominal stress over stretch (over 1 + the amount of shear) from `lowest` to `highest`, or up to the limit of the
+/// law.
 Plot stress_stretch_plot(const ElasticLawSpec& law, double lowest, double highest);
 
 /// The law as the command line describes it: typical parameters, some of them replaced by `settings`, each

@@ -28,16 +28,16 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t most_rows = 4000;  // of the history; a plot has not so many columns of pixels
+constexpr std::size_t most_rows = 4000;  // rows of the history; a plot has fewer columns of pixels
 
-/// Empty where there is none.
+/// The text of a file; empty if there is none.
 std::string text_of(const fs::path& file) {
   std::ostringstream text;
   text << std::ifstream(file).rdbuf();
   return text.str();
 }
 
-/// The page under construction: large data stand in elements of their own, named by their number.
+/// The page under construction: large data are in elements of their own, identified by number.
 class Page {
  public:
   int block(const std::string& text) {
@@ -121,7 +121,7 @@ Json json_of(const PackedResult& result, Page& page) {
   return json;
 }
 
-/// Every so many rows, and the last; of the iterations the largest of the rows that each stands for.
+/// Every n-th row, and the last one; for iterations the largest of the rows that each stands for.
 Json json_of(const HistoryTable& history, Page& page) {
   const std::size_t rows = history.num_rows(), every = std::max<std::size_t>(1, (rows + most_rows - 1) / most_rows);
   Json json{{"columns", history.names}, {"every", every}, {"steps", rows == 0 ? 0 : rows - 1}};
@@ -142,13 +142,13 @@ Json json_of(const HistoryTable& history, Page& page) {
   return json;
 }
 
-/// What to tell of it.
+/// The summary for the terminal.
 std::string write_page(const fs::path& file, const ReportOptions& options) {
   const std::string_view viewer = report_page();
   if (viewer.empty()) {
     throw FileError(
-        "this program was built without the viewer of reports: 'npm' was not there, or did not reach its registry, or "
-        "PLIANT_REPORT was off. Where it does, touch src/viewer/package.json and build again");
+        "this program was built without the viewer of reports: npm was missing or could not reach its registry, or "
+        "PLIANT_REPORT was off; correct that, touch src/viewer/package.json and build again");
   }
   const fs::path directory = file.parent_path();
   const fs::path output = options.output.empty() ? directory / "report.html" : fs::path(options.output);
@@ -170,7 +170,7 @@ std::string write_page(const fs::path& file, const ReportOptions& options) {
   const double size = static_cast<double>(text.size()) * 1e-6;
   return fmt::format("{}: {:.1f} MB, {} of {} frames{}; open it in a browser", output.string(), size,
                      packed.frames.size(), packed.num_frames,
-                     size > options.megabytes ? " (so much is needed for what is beside the frames)" : "");
+                     size > options.megabytes ? " (the data besides the frames need this much)" : "");
 }
 
 }  // namespace

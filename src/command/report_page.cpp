@@ -1,7 +1,7 @@
 #include "command/report_page.hpp"
 
 #ifdef PLIANT_REPORT_PAGE
-// The file as it is, among the constants of the program: a text so long is beyond what compilers take as a literal.
+// The file is embedded as it is: compilers do not take a string literal this long.
 asm(".pushsection .rodata\n"
     ".global pliant_report_page_begin\n"
     ".global pliant_report_page_end\n"

@@ -1,11 +1,11 @@
-/// The page that a report fills, built from src/viewer/ (cmake/viewer.cmake).
+/// The empty page of a report, built from src/viewer/ (cmake/viewer.cmake).
 #pragma once
 
 #include <string_view>
 
 namespace pliant {
 
-/// Empty in a program that was built without it.
+/// Empty if the program was built without the viewer.
 std::string_view report_page();
 
 }  // namespace pliant

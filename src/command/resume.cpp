@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What does not concern the state: a key, with those below it, and how to take its value over.
+/// Settings that do not concern the state: a key, with those below it, and how to take its value over.
 struct Changeable {
   std::string_view key;
   void (*take)(Config& to, const Config& from);
@@ -48,20 +48,20 @@ void check_changes(const std::vector<Override>& overrides) {
     if (may_change) continue;
     refused.push_back({Severity::error,
                        {"--set " + change.path, 0, 0},
-                       fmt::format("this cannot change in a run that continues; what can: {}; for all else start anew "
+                       fmt::format("this cannot change when a run is resumed; these can: {}; for anything else start a new run "
                                    "with `pliant run`",
                                    fmt::join(changeable | std::views::transform(&Changeable::key), ", "))});
   }
   if (!refused.empty()) throw InputError(std::move(refused));
 }
 
-/// The earlier configuration with what may change as it is now.
+/// The earlier configuration with the new values of the settings that may change.
 Config changed(Config earlier, const Config& now) {
   for (const Changeable& one : changeable) one.take(earlier, now);
   return earlier;
 }
 
-/// The line in which the texts differ first, for people.
+/// The first line in which the texts differ, for messages.
 std::string first_difference(const std::string& then, const std::string& now) {
   const auto at = static_cast<std::size_t>(std::ranges::mismatch(then, now).in1 - then.begin());
   const auto before = at == 0 ? std::string::npos : then.rfind('\n', at - 1);
@@ -72,7 +72,7 @@ std::string first_difference(const std::string& then, const std::string& now) {
   return fmt::format("'{}' then, '{}' now", line(then), line(now));
 }
 
-/// The checkpoint named, or those of the directory, and those from which to go on if they are damaged: newest first.
+/// The checkpoint named, or those of the directory, with the ones to fall back on if it is damaged: newest first.
 std::vector<fs::path> candidates(const fs::path& place) {
   std::error_code ignored;
   if (fs::is_directory(place, ignored)) {

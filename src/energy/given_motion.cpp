@@ -19,7 +19,7 @@ Kinematics differentiated(F f, double time, double end) {
   const double h = (time - end) / (num_times - 1);
   Kinematics result{f(time), 0.0, 0.0};
   for (std::size_t k = 0; k < num_times; ++k) {
-    // The last point is the end itself: rounding must not carry it across.
+    // The last point is the end itself: rounding must not move it beyond.
     const double value = k == 0 ? result.u : f(k + 1 == num_times ? end : time - static_cast<double>(k) * h);
     result.v += first_weights[k] * value / h;
     result.a += second_weights[k] * value / (h * h);
@@ -63,7 +63,7 @@ double GivenDisplacement::operator()(int component, const Vector3<double>& X, do
 GivenKinematics::GivenKinematics(const GivenDisplacement& given, double time, double time_scale, double factor,
                                  Side side)
     : given_(given), time_(time), factor_(factor) {
-  // Beyond the rounding of times, and far less than a step.
+  // Larger than the rounding of times, and far smaller than a step.
   constexpr double aside = 1e-6;
   const bool is_before = time > 0.0 && side == Side::before;
   end_ = is_before ? std::max(0.0, time - time_scale) : time + time_scale;

@@ -1,4 +1,4 @@
-/// Displacements given as functions of place and time, by formulas of their components or as those of a rigid body, and
+/// Prescribed displacements as functions of place and time, by formulas of their components or as rigid motions, and
 /// their rates.
 #pragma once
 
@@ -12,7 +12,7 @@
 
 namespace pliant {
 
-/// From which side of a time rates are taken.
+/// The side of a time from which rates are taken.
 enum class Side { before, after };
 
 /// Displacement, velocity and acceleration at a time.
@@ -22,46 +22,46 @@ struct Kinematics {
   double a = 0.0;  ///< [m/s^2]
 };
 
-/// Where a rigid body is: x = centre + translation + R (X - centre).
+/// The placement of a rigid body: x = centre + translation + R (X - centre).
 struct Placement {
   Vector3<double> translation{};  ///< of the centre [m]
   Quaternion rotation{1.0, 0.0, 0.0, 0.0};
 
-  /// x - X of a point at `arm` = X - centre; small displacements keep their digits.
+  /// x - X of a point at `arm` = X - centre; keeps the digits of small displacements.
   Vector3<double> displacement(const Vector3<double>& arm) const;
 };
 
-/// The motion of a rigid body as formulas of t, as far as it is given.
+/// The prescribed motion of a rigid body, as formulas of t.
 struct RigidMotion {
-  std::array<std::optional<Expression>, 3> translation;  ///< of the centre [m]; none: free
+  std::array<std::optional<Expression>, 3> translation;  ///< of the centre [m]; empty: free
   Vector3<double> axis{};                                ///< of the rotation, of unit length
   Expression angle;                                      ///< [rad]
   Vector3<double> centre{};                              ///< a material point [m]
 
-  /// At a time; free components of the translation as 0. `factor` multiplies translation and angle.
+  /// At a time; free components of the translation are 0. `factor` multiplies translation and angle.
   Placement at(double time, double factor) const;
   bool depends_on_time() const;
 };
 
 struct GivenDisplacement {
-  std::array<std::optional<Expression>, 3> components;  ///< [m]; none: free. Not used by a rigid body
+  std::array<std::optional<Expression>, 3> components;  ///< [m]; empty: free. Not used by a rigid body
   std::optional<RigidMotion> rigid = std::nullopt;
 
   bool gives(int component) const { return (rigid ? rigid->translation : components)[component].has_value(); }
-  /// Of a component that is given; of a rigid body also of one that is free, relative to its centre. `factor`: the part
-  /// of the motion that a load step has reached.
+  /// The motion of a prescribed component; for a rigid body also of a free one, relative to its centre. `factor`: the
+  /// part of the motion that a load step has reached.
   double operator()(int component, const Vector3<double>& X, double time, double factor = 1.0) const;
 };
 
-/// A given displacement around one time, for many places and components: what does not depend on the place is found
-/// once.
+/// A prescribed displacement at one time, for many places and components: evaluates once what does not depend on the
+/// place.
 ///
-/// Velocities and accelerations are the derivatives of the formulas, exact but for rounding, as they are before t or
-/// after it (at t = 0 always: nothing is before the run). Where these are not finite, as those of sqrt(t) at 0, they
-/// are differences over `time_scale`.
+/// Velocities and accelerations are the exact derivatives of the formulas, one-sided before t or after it (after it at
+/// t = 0, the start of the run). Where these are not finite, as those of sqrt(t) at 0, they are differences over
+/// `time_scale`.
 class GivenKinematics {
  public:
-  /// `given` outlives the object. `time_scale`: the motion is smooth for so long on that side.
+  /// `given` must outlive the object. `time_scale`: the motion is smooth over this time on that side.
   GivenKinematics(const GivenDisplacement& given, double time, double time_scale, double factor = 1.0,
                   Side side = Side::before);
 

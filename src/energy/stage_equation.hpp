@@ -1,4 +1,5 @@
-/// What Newton's method asks of a stage: r(q) = 0 and what helps to solve it.
+/// The equation of a stage as Newton's method sees it: the residual r(q) = 0 (out-of-balance force), its Hessian
+/// (tangent stiffness), and what helps to solve it.
 #pragma once
 
 #include "energy/rank_one.hpp"
@@ -16,100 +17,102 @@
 
 namespace pliant {
 
-/// Of the step at which a tetrahedron becomes flat (StageEquation::max_step()): how far solvers go.
+/// The fraction of the step at which a tetrahedron becomes flat (StageEquation::max_step()): how far solvers go.
 inline constexpr double inversion_margin = 0.9;
 
-/// The equation of a stage in unknowns xi, of which the configuration is a function q(xi): displacements of nodes, or
-/// what constraints leave of them, and pressures beside them. Stages are posed and answered in configurations, `enter`
-/// and `leave` translate; all else is said in unknowns. Equations wrap one another, and nobody asks which. All methods
-/// are collective and give every rank the same answer, NaN and infinity included, so that no rank decides alone.
+/// The equation of a stage in unknowns xi (degrees of freedom). The configuration is a function q(xi) of them:
+/// displacements of nodes, or those that constraints leave free, with pressures added to them. Stages are posed and
+/// answered in configurations, `enter` and `leave` convert; everything else is in unknowns. Equations wrap one another,
+/// and no caller needs to know which. All methods are collective and give every rank the same answer, NaN and infinity
+/// included, so that no rank decides alone.
 class StageEquation {
  public:
   virtual ~StageEquation() = default;
 
-  /// Begins the stage `stage` of configurations, of which all following calls speak, and makes xi the unknowns of q, a
-  /// guess of its end. Returns the stage of the unknowns; what it refers to lives until the next call.
+  /// Begins the stage `stage`, given in configurations, to which all following calls refer, and sets xi to the unknowns
+  /// of q, a guess of its end. Returns the stage in unknowns; what it refers to is valid until the next call.
   virtual StagePoint enter(const StagePoint& stage, Vec q, Vec xi) = 0;
-  /// q = the configuration at xi, which solves the stage. Unknowns that are no part of q are kept for the next guess.
+  /// q = the configuration at xi, which solves the stage. Unknowns that are not part of q are kept for the next guess.
   virtual void leave(Vec xi, Vec q) { check(VecCopy(xi, q)); }
-  /// Of a stage that was not solved: unknowns that are no part of q are those of the last solution again.
+  /// For a stage that was not solved: resets unknowns that are not part of q to those of the last solution.
   virtual void give_up() {}
 
-  /// Before a stage is solved: freezes the coefficients of terms that refreeze at q, as the following calls see them.
-  /// After `enter`, until then, these coefficients follow q, and there is no potential.
+  /// To be called before a stage is solved: freezes the coefficients of terms that refreeze at q, as the following
+  /// calls see them. Between `enter` and this call the coefficients follow q, and there is no potential.
   virtual void freeze(Vec /*q*/) {}
-  /// The same when there is a solution; false, and nothing is done, if coefficients may stay as they are: there are
-  /// none that refreeze, and those frozen at the step's start do not exceed what they may do at q (EnergyTerm::bound).
-  /// Once they do they refreeze, too, until the next call of `freeze`. A stage is solved when its solution, and the q
-  /// of the last call, are one.
+  /// Freezes them again at a solution. Returns false, and does nothing, if coefficients may stay as they are: no term
+  /// refreezes, and those frozen at the step's start stay within their bound at q (EnergyTerm::bound). Coefficients
+  /// that exceed it refreeze too, until the next call of `freeze`. A stage is solved when its solution equals the q of
+  /// the last call.
   virtual bool refreeze(Vec /*q*/) { return false; }
 
-  /// Brings what the stage gives, besides prescribed entries of q, to a part of its way from the accepted state (0) to
-  /// the end of the stage (1), where it stands after `enter`.
+  /// Sets the motion that the stage prescribes, except for prescribed entries of q, to a fraction of the way from the
+  /// accepted state (0) to the end of the stage (1), where it is after `enter`.
   virtual void lead(double /*part*/) {}
-  /// q = the accepted state, each body that nothing holds moved rigidly to where its inertia leads it; false where
-  /// there is no such body, and q is as it was.
+  /// q = the accepted state, with each free body moved rigidly as its inertia carries it; false, and q unchanged, if
+  /// there is no such body.
   virtual bool move_rigidly(Vec /*q*/) { return false; }
 
-  /// Which nodes go with an obstacle that has moved.
+  /// Which nodes move with an obstacle that has moved.
   enum class Carried {
-    near,   ///< those near it, the others the less the farther they are
-    bodies  ///< all nodes, by the mean way of those nearest
+    near,   ///< those close to it fully, the others the less the farther away they are
+    bodies  ///< all nodes, by the mean displacement of those nearest
   };
-  /// q = the accepted state, nodes moved as the obstacles have that would else have moved onto them; false where none
-  /// has moved near a node.
+  /// q = the accepted state, with nodes moved along with the obstacles that would otherwise have moved onto them; false
+  /// if none has moved close to a node.
   virtual bool carry_along(Carried /*which*/, Vec /*q*/) { return false; }
 
-  /// Phi(q) of the terms that are potentials [J], but for a constant of the stage; +inf where a barrier is crossed or a
+  /// Phi(q) of the terms that are potentials [J], up to a constant of the stage; +inf where a barrier is crossed or a
   /// number is not finite.
   virtual double value(Vec q) = 0;
   /// r(q) [N], zero on prescribed entries; the gradient of `value` if is_potential().
   virtual void gradient(Vec q, Vec r) = 0;
-  /// A zero matrix for the Hessian, with a near-null space where there is one.
+  /// A zero matrix for the Hessian, with its near-null space if there is one.
   virtual Handle<Mat> make_hessian() const = 0;
-  /// A coarse space of the unknowns for multigrid; nullopt where there is none.
+  /// A coarse space of the unknowns for multigrid; nullopt if there is none.
   virtual std::optional<Coarsening> make_coarsening() const { return std::nullopt; }
-  /// Of the nodes whose displacements are unknowns, for preconditioners that turn with the body; nullptr where unknowns
-  /// are something else, or stiffness stays (linear elasticity).
+  /// Rotations of the nodes whose displacements are unknowns, for corotated preconditioners; nullptr if the unknowns
+  /// are of another kind, or the stiffness is constant (linear elasticity).
   virtual std::unique_ptr<NodalRotations> make_rotations() const { return nullptr; }
-  /// The displacements of all nodes at the unknowns q, until the next call. What belongs to them comes first among the
-  /// unknowns of each rank.
+  /// The displacements of all nodes at the unknowns q, valid until the next call. Their unknowns come first on each
+  /// rank.
   virtual Vec displacements(Vec q) { return q; }
-  /// The unknowns from which the present ones were reached along a straight line; nullptr: they were not. Hessians may
-  /// take stresses as that line extrapolates them, which makes Newton's method converge as if they were unknowns too.
+  /// The unknowns from which the present ones were reached along a straight line; nullptr if there are none. Hessians
+  /// may use stresses extrapolated along that line, which makes Newton's method converge as if stresses were unknowns
+  /// too.
   virtual void extrapolate_from(Vec /*q*/) {}
-  /// K = dr/dq [N/m] without the parts of rank one, or an approximation; rows and columns of prescribed entries are
-  /// zero but for the diagonal.
+  /// K = dr/dq [N/m] without its rank-one terms, or an approximation; rows and columns of prescribed entries are zero
+  /// except for the diagonal.
   virtual void hessian(Vec q, Mat K, Projection projection) = 0;
-  /// How many parts of rank one the Hessian has beside K.
+  /// The number of rank-one terms of the Hessian in addition to K.
   virtual std::size_t num_rank_one() const { return 0; }
-  /// Those parts at q; `parts` has num_rank_one() of them, with vectors of make_vector().
+  /// The rank-one terms at q; `parts` has num_rank_one() of them, with vectors of make_vector().
   virtual void rank_one_parts(Vec /*q*/, std::vector<RankOne>& /*parts*/) {}
-  /// The largest alpha for which q + alpha d stays clear of all barriers.
+  /// The largest alpha for which q + alpha d crosses no barrier.
   virtual double max_step(Vec q, Vec d) = 0;
-  /// The same of those barriers that must not be jumped over (TermDeclaration::is_wall).
+  /// Likewise for the barriers that must not be jumped over (TermDeclaration::is_wall).
   virtual double max_way(Vec /*q*/, Vec /*d*/) { return std::numeric_limits<double>::infinity(); }
-  /// Sum over the terms of the norms of their forces, those on prescribed entries included [N]: the size of the forces
-  /// that must balance.
+  /// Sum over the terms of the norms of their forces, including those on prescribed entries [N]: the size of the forces
+  /// that must balance, to which residuals are compared.
   virtual double force_scale(Vec q) = 0;
   /// Norm of the forces that would stop the bodies within the stage, M v0 / dt; 0 without inertia [N].
   virtual double inertia_scale() { return 0.0; }
   /// Size of the rounding errors in r at q [N].
   virtual double rounding_floor(Vec q) const = 0;
 
-  /// The size of the diagonal of K in D: what a unit of each unknown weighs.
+  /// The magnitude of the diagonal of K, in D: the scale of each unknown.
   virtual void size_of_diagonal(Mat K, Vec D) const { check(MatGetDiagonal(K, D)); }
-  /// Of K at a stable solution.
+  /// Properties of K at a stable solution.
   virtual PetscInt num_negative_pivots() const { return 0; }
 
-  /// Whether a stage asks for an equilibrium, which need not be stable: there is no inertia.
+  /// Whether a stage has no inertia and asks for an equilibrium, which need not be stable.
   virtual bool is_static() const { return false; }
-  /// Names of the terms that are no potentials, each once; empty if r is the gradient of `value`.
+  /// Names of the terms without a potential, each once; empty if r is the gradient of `value`.
   virtual std::vector<std::string> non_potentials() const = 0;
   bool is_potential() const { return non_potentials().empty(); }
   virtual Symmetry symmetry() const = 0;
 
-  /// One flag per owned entry (at least).
+  /// One flag per owned entry (at least): whether it is prescribed.
   virtual const std::vector<char>& prescribed() const = 0;
   virtual PetscInt num_unknowns() const = 0;
   virtual MPI_Comm comm() const = 0;

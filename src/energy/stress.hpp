@@ -1,4 +1,4 @@
-/// Stresses that terms exert inside of bodies, cell by cell, for output.
+/// Stresses of terms inside the bodies, cell by cell, for output.
 #pragma once
 
 #include "energy/term.hpp"
@@ -10,7 +10,7 @@
 
 namespace pliant {
 
-/// Which share of a cell's stress a term tells.
+/// Which share of a cell's stress a term gives.
 enum class StressPart { elastic, viscous, active };
 inline constexpr std::size_t num_stress_parts = 3;
 
@@ -22,7 +22,7 @@ struct BodyState {
   std::span<const double> z = {};  ///< the term's own internal variables
 };
 
-/// One part of the stress of a cell.
+/// A term's contribution to the stress of a cell.
 struct CellStress {
   std::array<double, 6> cauchy{};  ///< xx yy zz xy yz xz [Pa]
   double volume_ratio = 1.0;       ///< J
@@ -32,7 +32,7 @@ struct CellStress {
 /// Equivalent stress of a Cauchy stress: xx yy zz xy yz xz [Pa].
 double von_mises(const std::array<double, 6>& cauchy);
 
-/// Called with a local cell and what a term has there.
+/// Called with a local cell and the term's contribution there.
 using StressVisitor = std::function<void(PetscInt, const CellStress&)>;
 
 /// A term with a stress.

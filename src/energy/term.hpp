@@ -1,4 +1,5 @@
-/// The contract of everything that contributes to a stage's equation.
+/// The contract of everything that contributes to a stage's equation, its residual r (out-of-balance force) and Hessian
+/// K (tangent stiffness).
 #pragma once
 
 #include "base/vector3.hpp"
@@ -32,17 +33,17 @@ struct LocalStage {
   /// Displacement at which coefficients of terms that refreeze are frozen, at t_i; empty: they follow the q of the
   /// call.
   std::span<const double> frozen = {};
-  /// Displacement from which that of the call was reached (StageEquation::extrapolate_from); empty: from none.
+  /// Displacement from which the q of the call was reached (StageEquation::extrapolate_from); empty if there is none.
   std::span<const double> previous = {};
-  /// Those that are else frozen at the step's start are as those of terms that refreeze, because they exceed their
-  /// bound (StageEquation::refreeze).
+  /// Whether coefficients that are otherwise frozen at the step's start refreeze too, because they exceed their bound
+  /// (StageEquation::refreeze).
   bool exceeds_bound = false;
-  /// Displacement from which the step starts, at `step_start` [m]; empty where there is none (StagePoint::accepted).
+  /// Displacement from which the step starts, at `step_start` [m]; empty if there is none (StagePoint::accepted).
   std::span<const double> accepted = {};
   double step_start = 0.0;  ///< t_n [s]
 
-  /// The displacement from which `EnergyTerm::value` counts: near q, and never beyond a barrier, as q0 may be where a
-  /// method extrapolates it.
+  /// The displacement relative to which `EnergyTerm::value` is computed: close to q, and never beyond a barrier, as q0
+  /// may be when a method extrapolates it.
   std::span<const double> reference() const { return accepted.empty() ? q0 : accepted; }
 };
 
@@ -56,22 +57,22 @@ inline Instant instant_of(const LocalStage& stage) {
   return {stage.time, stage.load_factor};
 }
 
-/// Whether the Hessian is taken as it is or made positive semidefinite cell by cell.
+/// Whether the Hessian is exact or projected (made positive semidefinite cell by cell).
 enum class Projection { none, positive_semidefinite };
 
-/// Where the power of a term's forces is booked.
+/// The account of the ledger to which the power of a term's forces belongs.
 enum class Account {
   kinetic,         ///< inertia: changes the kinetic energy
-  stored,          ///< elasticity: changes `EnergyTerm::energy`; what `dissipation` says is lost
+  stored,          ///< elasticity: changes `EnergyTerm::energy`; `dissipation` is lost
   load_potential,  ///< done by loads that have an energy of their own, `EnergyTerm::energy`
   load             ///< done by other loads
 };
 
-/// What kind of matrix a Hessian is. Those that `add_hessian` of a term adds are one of the first two; the matrix of a
-/// saddle point is symmetric with negative eigenvalues of its own.
+/// The kind of matrix a Hessian is. `add_hessian` of a term adds one of the first two; the matrix of a saddle point is
+/// symmetric with negative eigenvalues of its own.
 enum class Symmetry { symmetric, unsymmetric, indefinite };
 
-/// What a term says of itself; the solver picks line search and linear solver from what all terms say.
+/// Properties of a term; the solver chooses line search and linear solver from those of all terms.
 struct TermDeclaration {
   bool is_potential = true;              ///< the gradient is that of `value`
   bool has_frozen_coefficients = false;  ///< coefficients are frozen at the step's start (first order in time)
@@ -79,19 +80,19 @@ struct TermDeclaration {
   Symmetry symmetry = Symmetry::symmetric;
   Account account = Account::stored;
   bool depends_on_time = false;  ///< `energy_at` changes with time at a fixed configuration: `supply`
-  bool turns = true;             ///< its stiffness turns with the body, as far as it is that of the body
-  bool is_wall = false;          ///< its barrier separates states: nothing may jump over it
-  bool dissipates = false;       ///< `dissipation` may be above 0; the ledger books it under the term's name
+  bool turns = true;             ///< its stiffness rotates with the body, as elastic stiffness does
+  bool is_wall = false;          ///< its barrier separates states: no step may jump over it
+  bool dissipates = false;       ///< `dissipation` may be positive; the ledger lists it under the term's name
 };
 
-/// Where a symmetric tensor of six internal variables belongs.
+/// Where a symmetric tensor of six internal variables is evaluated.
 struct InternalPlace {
   PetscInt cell = 0;              ///< local
   std::array<double, 3> point{};  ///< on the reference cell
-  int number = 0;                 ///< of those that the term has there
+  int number = 0;                 ///< index among those of the term at this point
 };
 
-/// What forces with frozen coefficients do, and the most that they may do, summed over points [N].
+/// The forces of frozen coefficients, and their upper bound, summed over points [N].
 struct DragBound {
   double exerted = 0.0, allowed = 0.0;
 };
@@ -104,13 +105,13 @@ class EnergyTerm {
  public:
   virtual ~EnergyTerm() = default;
 
-  /// What kind of thing it is; several terms of a sum may have one name.
+  /// The kind of term; several terms of a sum may have the same name.
   virtual std::string_view name() const = 0;
   virtual TermDeclaration declaration() const = 0;
 
-  /// Phi(q) of this rank's part [J] but for a constant of the stage: a difference from a state near q
-  /// (LocalStage::reference() or q0), summed cell by cell with compensation, so that small changes survive beside large
-  /// totals. +inf where a barrier is crossed.
+  /// Phi(q) of this rank's part [J] up to a constant of the stage: a difference from a state near q
+  /// (LocalStage::reference() or q0), summed cell by cell with compensation, so that small changes survive next to
+  /// large totals. +inf where a barrier is crossed.
   virtual double value(const LocalStage& stage, std::span<const double> q) const = 0;
 
   /// r += dPhi/dq [N]. NaN where a barrier is crossed.
@@ -120,44 +121,45 @@ class EnergyTerm {
   virtual void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                            Projection projection) const = 0;
 
-  /// K = d2Phi/dq2 on all of the pattern, if that costs no more than to clear K. False: K is as it was.
+  /// K = d2Phi/dq2 on the whole pattern, if that costs no more than clearing K. False: K is unchanged.
   virtual bool set_hessian(const LocalStage& /*stage*/, const BlockWriter& /*K*/) const { return false; }
 
   /// Numbers of internal variables on this rank (those of ghost cells included, computed there too); symmetric tensors
   /// at points of cells.
   virtual std::size_t num_internal() const { return 0; }
-  /// Where each six of them belong.
+  /// The place of each six of them.
   virtual void place_internal(std::span<InternalPlace> /*places*/) const {}
   /// z = the internal variables at the end of the stage with the solution q.
   virtual void end_stage(const LocalStage& /*stage*/, std::span<const double> /*q*/, std::span<double> /*z*/) const {}
-  /// Sets those of z that are functions of q to their values at q; the others stand as the method left them.
+  /// Sets those of z that are functions of q to their values at q; leaves the others as the method set them.
   virtual void complete_step(std::span<const double> /*q*/, std::span<double> /*z*/) const {}
 
   /// Energy of the owned cells or nodes, if the account is `stored` or `load_potential` [J].
   virtual double energy(std::span<const double> /*q*/, std::span<const double> /*z*/) const { return 0.0; }
-  /// The same at an instant, of terms whose energy depends on time by itself [J].
+  /// Likewise at an instant, for terms whose energy depends explicitly on time [J].
   virtual double energy_at(const Instant& /*at*/, std::span<const double> q, std::span<const double> z) const {
     return energy(q, z);
   }
-  /// Power that the passing of time alone brings into the energy of the owned cells at the end of the stage, dU/dt at
-  /// fixed q [W]: work done from outside of mechanics.
+  /// Power that enters the energy of the owned cells by its explicit time dependence, dU/dt at fixed q at the end of
+  /// the stage [W]: work from outside of mechanics.
   virtual double supply(const LocalStage& /*stage*/, std::span<const double> /*q*/) const { return 0.0; }
   /// Power that the owned cells dissipate by physical mechanisms at the end of the stage [W], >= 0.
   virtual double dissipation(const LocalStage& /*stage*/, std::span<const double> /*q*/) const { return 0.0; }
 
-  /// Of a term with coefficients frozen at the step's start (`has_frozen_coefficients`): what they make of its forces
-  /// at q, on this rank.
+  /// For a term with coefficients frozen at the step's start (`has_frozen_coefficients`): its forces at q with those
+  /// coefficients, on this rank.
   virtual DragBound bound(const LocalStage& /*stage*/, std::span<const double> /*q*/) const { return {}; }
 
   /// What it couples. The same at all times.
   virtual Coupling coupling() const { return CellCoupling{}; }
 
-  /// Of a barrier that moves: how far it takes the places of the local nodes at LocalStage::accepted with it since the
-  /// step's start, and for how near it each is, 1 where it would be met. Both are left where another is nearer.
+  /// For a moving barrier: the displacements by which it carries the local nodes at LocalStage::accepted since the
+  /// step's start, and for each how close it is, 1 where it would be touched. Both keep their values where another
+  /// barrier is closer.
   virtual void carry_along(const LocalStage& /*stage*/, std::span<Vector3<double>> /*ways*/,
                            std::span<double> /*nearness*/) const {}
 
-  /// The largest alpha for which q + alpha d stays clear of the term's barrier; +inf if it has none.
+  /// The largest alpha for which q + alpha d does not cross the term's barrier; +inf if it has none.
   virtual double max_step(const LocalStage& /*stage*/, std::span<const double> /*q*/,
                           std::span<const double> /*d*/) const {
     return std::numeric_limits<double>::infinity();

@@ -1,4 +1,4 @@
-/// The cells of one body in SIMD packs: what the hot loops run over. Built once.
+/// The cells (elements) of one body in SIMD packs, over which the hot loops run. Built once.
 #pragma once
 
 #include "base/simd.hpp"
@@ -16,8 +16,8 @@ namespace pliant {
 
 enum class CellShape { affine, curved };
 
-/// `pack_size` cells at a time. Padding lanes repeat a real cell and have no measure.
-/// Affine cells hold their geometry once, curved ones at every point of the quadrature rule.
+/// `pack_size` cells at a time. Padding lanes repeat a real cell and have zero measure. Affine cells store their
+/// geometry once, curved ones at every point of the quadrature rule.
 template <int Order>
 struct CellGroup {
   static constexpr int num_nodes = Tet<Order>::num_nodes;
@@ -52,7 +52,7 @@ struct CellGroup {
     return shape == CellShape::affine ? inverse_jacobian[geometry(batch, 0)] : centroid_inverse_jacobian[batch];
   }
 
-  /// dN_a/dxi at a point; known to the compiler for linear elements.
+  /// dN_a/dxi at a point; a compile-time constant for linear elements.
   PLIANT_INLINE decltype(auto) gradients(int point) const {
     if constexpr (Order == 1) {
       return Tet<1>::gradients({});
@@ -62,12 +62,12 @@ struct CellGroup {
   }
 };
 
-/// All cells of the rank, by body and shape; a group may be empty on a rank.
+/// All cells of the rank, grouped by body and shape; a group may be empty on a rank.
 template <int Order>
 using CellGroups = std::vector<CellGroup<Order>>;
 
 /// `body_of_cell`: per local cell. `degree_of_body`: polynomial degree that the body's rule integrates exactly. Throws
-/// InputError naming a cell whose Jacobian determinant is not positive. Not collective.
+/// InputError that names a cell whose Jacobian determinant is not positive. Not collective.
 template <int Order>
 CellGroups<Order> make_cell_groups(const NodeLayout& layout, const BlockPattern& pattern,
                                    const std::vector<int>& body_of_cell, const std::vector<int>& degree_of_body);
@@ -104,8 +104,8 @@ PLIANT_INLINE void scatter_add(const typename CellGroup<Order>::Batch& batch,
   }
 }
 
-/// grad u = sum_a u_a (x) dN_a/dxi . dxi/dX, from differences to the first node: large common motions cancel before
-/// they are multiplied.
+/// grad u = sum_a u_a (x) dN_a/dxi . dxi/dX, from differences to the first node: large common displacements cancel
+/// before they are multiplied.
 template <int Order>
 PLIANT_INLINE Tensor3<Pack> displacement_gradient(const NodeValues<Tet<Order>::num_nodes>& u,
                                                   const std::array<std::array<double, 3>, Tet<Order>::num_nodes>& dN,

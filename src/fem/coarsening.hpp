@@ -1,4 +1,4 @@
-/// The linear functions among the quadratic ones: the coarse space of p-multigrid.
+/// The linear functions within the quadratic ones: the coarse space of p-multigrid.
 #pragma once
 
 #include "fem/layout.hpp"
@@ -14,9 +14,9 @@ struct Coarsening {
   Handle<MatNullSpace> near_null;  ///< rigid-body modes as P1 functions, zero on prescribed entries
 };
 
-/// Of quadratic elements: vertices keep their values, mid-edge nodes take the mean of two. Functions of the coarse
-/// space are zero on prescribed entries (flags as in RowElimination), but for those at vertices, which stand alone in
-/// both spaces. Collective.
+/// Restriction of quadratic elements: vertices keep their values, mid-edge nodes take the mean of two. Functions of the
+/// coarse space are zero on prescribed entries (flags as in RowElimination), except for those at vertices, which are
+/// decoupled in both spaces. Collective.
 Coarsening make_coarsening(const NodeLayout& layout, std::span<const char> is_prescribed);
 
 }  // namespace pliant

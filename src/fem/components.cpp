@@ -20,8 +20,8 @@ using Position = Vector3<double>;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Labels of nodes: the lowest global number that this rank owns in what its own cells connect. Numbers are exact in
-/// doubles.
+/// Labels of nodes: the lowest global number owned by this rank among the nodes that its own cells connect. Stored as
+/// doubles, which hold them exactly.
 std::vector<double> labels_here(const NodeLayout& layout, DisjointSets& sets) {
   const auto num_local = static_cast<std::size_t>(layout.num_local_nodes);
   std::vector<double> lowest(num_local, infinity);
@@ -48,7 +48,7 @@ std::vector<double> owners_labels(const NodeLayout& layout, const std::vector<do
   return labels;
 }
 
-/// Labels by which all ranks together know that they are of one component, as pairs.
+/// Pairs of labels that some rank knows to belong to one component.
 std::vector<double> connections_here(const NodeLayout& layout, const std::vector<double>& owners, DisjointSets& sets) {
   std::map<std::size_t, double> first;
   std::set<std::pair<double, double>> pairs;
@@ -61,7 +61,7 @@ std::vector<double> connections_here(const NodeLayout& layout, const std::vector
   return result;
 }
 
-/// Numbers of the labels in ascending order of the lowest label of each component.
+/// Numbers the labels in ascending order of the lowest label of each component.
 std::map<double, int> numbers_of(const std::vector<double>& pairs, int& count) {
   std::map<double, std::size_t> place;
   for (const double label : pairs) place.try_emplace(label, place.size());
@@ -101,14 +101,14 @@ struct Box {
   }
 };
 
-/// Of all ranks' nodes of each component. Collective.
+/// Sums over the nodes of each component on all ranks. Collective.
 std::vector<Box> boxes_of(const NodeLayout& layout, const Components& components, std::span<const double> u) {
   const auto count = static_cast<std::size_t>(components.count);
   std::vector<Box> boxes(count);
   for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
     boxes[static_cast<std::size_t>(components.of_node[n])].include(current(layout, u, n));
   }
-  std::vector<double> least;  // of low and of -high
+  std::vector<double> least;  // minima of low and of -high
   for (const Box& box : boxes) {
     least.insert(least.end(), box.low.begin(), box.low.end());
     for (const double x : box.high) least.push_back(-x);
@@ -129,7 +129,7 @@ struct Candidate {
   int component;
 };
 
-/// Nodes in the box of another component, of all ranks, in ascending order of x. Collective.
+/// Nodes of all ranks in the box of another component, in ascending order of x. Collective.
 std::vector<Candidate> candidates(const NodeLayout& layout, const Components& components, std::span<const double> u,
                                   const std::vector<Box>& boxes, std::size_t most) {
   const int count = components.count;
@@ -161,7 +161,8 @@ std::array<PetscInt, 3> side_of(std::span<const PetscInt> nodes, std::size_t opp
   return side;
 }
 
-/// Sides that no other cell here has. Where ranks meet, a side of nodes that all belong to others may count as outer.
+/// Sides of only one local cell. At the boundary of ranks, a side whose nodes all belong to other ranks may count as
+/// outer.
 std::vector<unsigned char> outer_sides(const NodeLayout& layout) {
   std::map<std::array<PetscInt, 3>, int> cells_at;
   for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
@@ -177,10 +178,11 @@ std::vector<unsigned char> outer_sides(const NodeLayout& layout) {
   return result;
 }
 
-/// How far x is below the outer sides of the tetrahedron that it is in [m], at most `most`; nothing if it is not in it.
+/// The depth of x below the outer sides of the tetrahedron that contains it [m], at most `most`; nothing if it is
+/// outside.
 std::optional<double> depth_in(const std::array<Position, 4>& corners, unsigned char outer, const Position& x,
                                double most) {
-  constexpr double rounding = 1e-9;  // of the height
+  constexpr double rounding = 1e-9;  // relative to the height
   double depth = most;
   for (std::size_t i = 0; i < 4; ++i) {
     const Position &a = corners[(i + 1) % 4], &b = corners[(i + 2) % 4], &c = corners[(i + 3) % 4];
@@ -250,8 +252,8 @@ std::optional<Overlap> deepest_overlap(const NodeLayout& layout, const Component
   if (components.count < 2) return std::nullopt;
   const std::vector<Candidate> points = candidates(layout, components, u, boxes_of(layout, components, u), most_nodes);
   if (points.empty()) return std::nullopt;
-  constexpr double least_part = 0.05;  // of the cell: two meshes of one curved surface differ by less
-  // A node on a side, edge or corner is in several cells, on several ranks: the least of their depths counts.
+  constexpr double least_part = 0.05;  // relative to the cell: two meshes of one curved surface differ by less
+  // A node on a side, edge or corner is in several cells, on several ranks: the smallest of their depths counts.
   std::vector<double> depths(points.size(), infinity);
   std::vector<int> holders(points.size(), -1);
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
@@ -281,7 +283,8 @@ std::optional<Overlap> deepest_overlap(const NodeLayout& layout, const Component
   double lowest = infinity;
   for (std::size_t p = 0; p < points.size(); ++p) {
     if (!std::isfinite(depths[p]) || depths[p] <= 0.0) continue;
-    // Of places equally deep the same on any ranks, whatever their order here: the lowest along an odd direction.
+    // Ties between equally deep places are broken independently of the ranks: the lowest along a generic direction
+    // wins.
     const double level = dot(Position{1.0, 0.6180339887, 0.3819660113}, points[p].x);
     const double same = 1e-9 * deepest.depth;
     if (depths[p] < deepest.depth - same || (depths[p] <= deepest.depth + same && level >= lowest)) continue;

@@ -15,8 +15,8 @@ namespace {
 using tetrahedron::Corners;
 using tetrahedron::Point;
 
-/// Where J is asked for: on a linear cell it is one number. On a quadratic one it is a cubic, which is least at the
-/// corners or inside more often than not; the inner points are those where laws are evaluated, or near.
+/// The points at which J is evaluated: on a linear cell it is constant. On a quadratic one it is a cubic, whose minimum
+/// is mostly at the corners or inside; the inner points are close to those where laws are evaluated.
 template <int Order>
 const std::vector<Point>& sample_points() {
   static const std::vector<Point> points = [] {

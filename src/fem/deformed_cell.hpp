@@ -1,4 +1,4 @@
-/// What a displacement makes of a cell.
+/// The volume change and quality of a deformed cell.
 #pragma once
 
 #include "fem/layout.hpp"
@@ -11,11 +11,11 @@ namespace pliant {
 struct DeformedCell {
   double volume_ratio = 1.0;       ///< the least J = det(dx/dxi) / det(dX/dxi) of corners and inner points
   double quality = 1.0;            ///< mean ratio of the deformed corners: 1 regular, 0 flat or inverted
-  double reference_quality = 1.0;  ///< the same before
+  double reference_quality = 1.0;  ///< mean ratio of the undeformed corners
   std::array<double, 3> X{};       ///< mean of its corners in the reference configuration [m]
 };
 
-/// Of a local cell, with the displacements u of the local nodes [m]. Not collective.
+/// A local cell at the displacements u of the local nodes [m]. Not collective.
 DeformedCell deformed_cell(const NodeLayout& layout, PetscInt cell, std::span<const double> u);
 
 }  // namespace pliant

@@ -8,7 +8,7 @@
 namespace pliant {
 namespace {
 
-/// One of 2^64 numbers, changed beyond recognition by any change of the argument. Source: Steele, Lea & Flood 2014,
+/// A 64-bit hash that any change of the argument changes completely. Source: Steele, Lea & Flood 2014,
 /// "Fast splittable pseudorandom number generators", the finalizer of SplitMix64.
 std::uint64_t mixed(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15ULL;

@@ -1,4 +1,4 @@
-/// What nodes and pressures are called, whichever rank has them; and what the mesh is.
+/// Keys that identify nodes and pressures whichever rank holds them, and a fingerprint of the mesh.
 #pragma once
 
 #include "fem/layout.hpp"
@@ -10,14 +10,14 @@
 
 namespace pliant {
 
-/// Of the owned nodes: the numbers of the two vertices between which they lie, twice that of the vertex on which they
-/// do. Not collective.
+/// Keys of the owned nodes: the numbers of the two vertices between which a node lies, or twice that of its vertex. Not
+/// collective.
 std::vector<EntryKey> node_keys(const NodeLayout& layout);
 
-/// Of the owned pressures: the number of the vertex, and the body. Not collective.
+/// Keys of the owned pressures: the number of the vertex, and the body. Not collective.
 std::vector<EntryKey> pressure_keys(const NodeLayout& layout, const PressureLayout& pressures);
 
-/// A number that another mesh, or the same one with a node elsewhere, does not have (but by a chance of 1 in 2^64); the
+/// A fingerprint: another mesh, or this one with a moved node, has another number (except with probability 2^-64); the
 /// same on any number of ranks. Collective.
 std::uint64_t fingerprint(const NodeLayout& layout);
 

@@ -82,7 +82,7 @@ class CellClosure {
 
 /// Reverse Cuthill-McKee order of the owned nodes: entry i is the old number of the node that becomes i.
 std::vector<PetscInt> reverse_cuthill_mckee(const NodeGraph& graph, PetscInt num_nodes) {
-  // MatGetOrdering wants a matrix; its rows must be sorted and lie within the owned block.
+  // MatGetOrdering needs a matrix; its rows must be sorted and lie within the owned block.
   std::vector<PetscInt> i(num_nodes + 1, 0), j;
   j.reserve(graph.neighbours.size());
   for (PetscInt n = 0; n < num_nodes; ++n) {
@@ -176,7 +176,7 @@ void count_globally(NodeLayout& layout) {
   const PetscInt64 num_nodes = sum(layout.comm, static_cast<PetscInt64>(layout.num_owned_nodes));
   if (3 * num_nodes > static_cast<PetscInt64>(PETSC_MAX_INT)) {
     throw InputError({}, "there are " + std::to_string(3 * num_nodes) +
-                             " unknowns, more than 32-bit integers count: build Pliant with a PETSc of 64-bit indices");
+                             " unknowns, too many for 32-bit indices: build Pliant with a PETSc configured for 64-bit indices");
   }
   layout.num_global_nodes = static_cast<PetscInt>(num_nodes);
   layout.num_global_cells = sum(layout.comm, static_cast<PetscInt64>(layout.num_owned_cells));

@@ -1,5 +1,5 @@
-/// Where the unknowns live: the nodes of P1 or P2 tetrahedra, numbered for speed, and the cells that this rank
-/// integrates.
+/// The numbering of unknowns (degrees of freedom): the nodes of P1 or P2 tetrahedra, numbered for speed, and the cells
+/// (elements) that this rank integrates.
 #pragma once
 
 #include "mesh/mesh.hpp"
@@ -12,8 +12,8 @@
 
 namespace pliant {
 
-/// Flat arrays extracted once from the distributed mesh; no loop above this layer walks the DMPlex, which is needed no
-/// more once nodes, facets and cells of the input's names are found.
+/// Flat arrays extracted once from the distributed mesh; no loop above this layer walks the DMPlex, which can be freed
+/// once the nodes, facets and cells of the input's names are found.
 ///
 /// Nodes: every rank owns a contiguous block of global nodes. Local numbers 0 .. num_owned_nodes-1 are owned (reverse
 /// Cuthill-McKee order), the ghosts follow in ascending global number.
@@ -30,16 +30,17 @@ struct NodeLayout {
   PetscInt num_global_nodes = 0;
   std::vector<PetscInt> ghost_global_nodes;  ///< of local nodes num_owned_nodes ..., ascending
   std::vector<PetscInt> node_of_point;       ///< local node of a DMPlex point, -1 if none
-  std::vector<std::int64_t> vertex_numbers;  ///< of local nodes that are vertices, of the whole mesh; -1 of others
-  std::vector<double> coordinates;           ///< xyz of local nodes in the reference configuration [m]
+  std::vector<std::int64_t>
+      vertex_numbers;               ///< number in the whole mesh of local nodes that are vertices; -1 for others
+  std::vector<double> coordinates;  ///< xyz of local nodes in the reference configuration [m]
 
   PetscInt num_owned_cells = 0;
   PetscInt num_local_cells = 0;
   std::int64_t num_global_cells = 0;
   std::vector<PetscInt> cell_nodes;        ///< local nodes, nodes_per_cell per cell, positively oriented
   std::vector<PetscInt> cell_points;       ///< DMPlex point per cell
-  std::vector<std::int64_t> cell_numbers;  ///< of the whole mesh, per cell
-  std::vector<char> cell_is_affine;        ///< 0: the cell's mid-edge nodes bend it
+  std::vector<std::int64_t> cell_numbers;  ///< number in the whole mesh, per cell
+  std::vector<char> cell_is_affine;        ///< 0: the cell is curved by its mid-edge nodes
 
   PetscInt global_node(PetscInt local_node) const {
     return local_node < num_owned_nodes ? first_global_node + local_node
@@ -53,14 +54,14 @@ struct NodeLayout {
   }
 };
 
-/// Numbers the nodes of the elements of the given order (1 or 2). Second-order geometry bends P2 elements only.
-/// Throws InputError if there are more unknowns than integers count. Collective.
+/// Numbers the nodes of the elements of the given order (1 or 2). Second-order geometry curves P2 elements only. Throws
+/// InputError if there are more unknowns than the integer type can count. Collective.
 NodeLayout make_layout(const Mesh& mesh, int order);
 
 /// A vector of three entries per node with ghosts (petsc/ghosted.hpp), zero. Collective.
 Handle<Vec> make_vector(const NodeLayout& layout);
 
-/// Nodes that share a cell, as compressed rows (each includes the node itself; unsorted).
+/// Nodes that share a cell, as compressed rows (each row contains the node itself; unsorted).
 struct NodeGraph {
   std::vector<PetscInt> offsets;     ///< num_rows + 1
   std::vector<PetscInt> neighbours;  ///< local nodes

@@ -1,4 +1,4 @@
-/// The point of a triangle that is nearest to another.
+/// The point of a triangle nearest to a given point.
 #pragma once
 
 #include "base/vector3.hpp"
@@ -17,7 +17,7 @@ struct Nearest {
   Vector3<double> point{};
 };
 
-/// Of a triangle to x: Ericson 2005, Real-Time Collision Detection, 5.1.5.
+/// The point of a triangle nearest to x: Ericson 2005, Real-Time Collision Detection, 5.1.5.
 inline Nearest nearest_point(const std::array<Vector3<double>, 3>& triangle, const Vector3<double>& x) {
   const auto& [a, b, c] = triangle;
   const Vector3<double> ab = b - a, ac = c - a, ax = x - a, bx = x - b, cx = x - c;

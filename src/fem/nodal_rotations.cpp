@@ -9,8 +9,8 @@
 namespace pliant {
 namespace {
 
-/// Of Newton's method for one rotation. It starts at that of the stage before and converges quadratically; an error of
-/// `enough` [rad] costs no iteration of the Krylov method.
+/// Newton's method for one rotation: it starts at the rotation of the previous stage and converges quadratically; an
+/// error of `enough` [rad] costs no iteration of the Krylov method.
 constexpr int most_iterations = 8;
 constexpr double enough = 1e-3;
 
@@ -21,8 +21,8 @@ Tensor3<double> cayley(const Vector3<double>& w) {
   return scale * add_to_diagonal(W + 0.5 * outer(w, w), 1.0 - square);
 }
 
-/// Moves R towards the rotation that makes tr(R^T A) largest, by Newton's method on R exp(w); where that is not on its
-/// way to a maximum, R stays.
+/// Moves R towards the rotation that maximises tr(R^T A), by Newton's method on R exp(w); R is unchanged if the
+/// iteration does not approach a maximum.
 void improve(Tensor3<double>& R, const Tensor3<double>& A) {
   for (int i = 0; i < most_iterations; ++i) {
     const auto S = matmul(transpose(R), A);

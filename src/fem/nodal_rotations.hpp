@@ -1,4 +1,4 @@
-/// How the neighbourhood of each node has turned.
+/// The local rotation of the body around each node.
 #pragma once
 
 #include "base/vector3.hpp"
@@ -9,27 +9,28 @@
 
 namespace pliant {
 
-/// The rotation R_a of the cells around each owned node a, from one configuration to another: that which fits the
-/// motion of their corners best (the polar factor of its moment matrix).
+/// The rotation R_a of the cells around each owned node a, from one configuration to another: the one that best fits
+/// the motion of their corners (the polar factor of its moment matrix).
 ///
-/// What stiffness a body has turns with it. With R the block diagonal matrix of the R_a, K(q) is near R K(q_start) R^T
-/// where strains change little, however far the body turns ("stiffness warping": Mueller et al. 2002, "Stable real-time
-/// deformations"), and the inverse of an old K becomes a preconditioner of the present one. R commutes with mass
-/// matrices up to the difference between neighbours' rotations.
+/// The stiffness of a body rotates with it. With R the block diagonal matrix of the R_a, K(q) is close to R K(q_start)
+/// R^T where strains change little, however far the body rotates ("stiffness warping": Mueller et al. 2002, "Stable
+/// real-time deformations"), and the inverse of an old K becomes a corotated preconditioner of the present one. R
+/// commutes with mass matrices up to the difference between neighbours' rotations.
 class NodalRotations {
  public:
   /// `is_held`: as in `hold`. `layout` outlives the object.
   NodalRotations(const NodeLayout& layout, std::span<const char> is_held);
-  /// One flag per owned entry (at least): nodes with such an entry do not turn.
+  /// One flag per owned entry (at least): nodes with such an entry do not rotate.
   void hold(std::span<const char> is_held);
 
-  /// Rotations are counted from the configuration of the displacement u [m]. Collective.
+  /// Sets the reference of the rotations to the configuration with the displacement u [m]. Collective.
   void start(Vec u);
-  /// To that of u, which has turned by a radian at most since the last call. Collective.
+  /// Updates the rotations to the configuration of u, which may have rotated by at most a radian since the last call.
+  /// Collective.
   void follow(Vec u);
   const Tensor3<double>& operator[](PetscInt owned_node) const { return rotations_[owned_node]; }
 
-  /// x becomes R x, and R^T x. Not collective.
+  /// x is replaced by R x, and by R^T x. Not collective.
   void turn(Vec x) const;
   void turn_back(Vec x) const;
 

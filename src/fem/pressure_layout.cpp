@@ -25,7 +25,7 @@ PressureLayout make_pressure_layout(const NodeLayout& layout, const std::vector<
   check_mpi(MPI_Exscan(&result.num_owned, &result.first_global, 1, MPIU_INT, MPI_SUM, layout.comm));
   check_mpi(MPI_Allreduce(&result.num_owned, &result.num_global, 1, MPIU_INT, MPI_SUM, layout.comm));
 
-  // Ghosts learn their global numbers from the owners, as numbers of a nodal vector.
+  // Ghosts receive their global numbers from the owners, as the numbers of a nodal vector.
   std::vector<std::pair<PetscInt, PetscInt*>> ghosts;
   const Handle<Vec> exchange = make_vector(layout);
   for (auto& numbers : of_node) {

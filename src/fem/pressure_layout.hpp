@@ -1,4 +1,4 @@
-/// Where the pressures of mixed elements live: at the vertices, once for each body that meets there.
+/// The numbering of the pressures of mixed elements: at the vertices, once for each body that meets there.
 #pragma once
 
 #include "fem/layout.hpp"

@@ -58,7 +58,7 @@ double distance(const Point& a, const Point& b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
 
-/// The smallest barycentric coordinate: how far inside the reference cell a point is; negative outside.
+/// The smallest barycentric coordinate, which measures how far inside the reference cell a point is; negative outside.
 double depth(const Point& xi) {
   return std::min({xi[0], xi[1], xi[2], 1.0 - xi[0] - xi[1] - xi[2]});
 }
@@ -67,7 +67,7 @@ struct Box {
   Point low, high;
 };
 
-/// Around the owned cell, with room for curved sides.
+/// A box around the owned cell, with a margin for curved sides.
 Box box_of(const NodeLayout& layout, PetscInt cell) {
   const auto nodes = layout.nodes_of_cell(cell);
   Box box{layout.position(nodes[0]), layout.position(nodes[0])};
@@ -86,7 +86,7 @@ Box box_of(const NodeLayout& layout, PetscInt cell) {
   return box;
 }
 
-/// The owned cells in a regular grid of about as many bins.
+/// The owned cells in a regular grid with about as many bins.
 class CellGrid {
  public:
   explicit CellGrid(const NodeLayout& layout) {
@@ -112,7 +112,7 @@ class CellGrid {
     }
   }
 
-  /// Cells whose box may hold X.
+  /// Cells whose box contains X.
   std::span<const PetscInt> near(const Point& X) const {
     for (int i = 0; i < 3; ++i) {
       if (!(X[i] >= bounds_.low[i] && X[i] <= bounds_.high[i])) return {};
@@ -140,7 +140,7 @@ class CellGrid {
 
 constexpr double not_here = std::numeric_limits<double>::infinity();
 
-/// In the owned cell that holds X; without nodes if none does.
+/// The location in the owned cell that contains X; without nodes if there is none.
 template <int Order>
 ProbeLocation locate_in_cell(const NodeLayout& layout, const CellGrid& grid, const Point& X) {
   ProbeLocation best;
@@ -160,7 +160,7 @@ ProbeLocation locate_in_cell(const NodeLayout& layout, const CellGrid& grid, con
   return best;
 }
 
-/// At the owned node that is nearest to X.
+/// The location at the owned node nearest to X.
 ProbeLocation locate_at_node(const NodeLayout& layout, const Point& X) {
   ProbeLocation best;
   best.distance = not_here;
@@ -174,7 +174,7 @@ ProbeLocation locate_at_node(const NodeLayout& layout, const Point& X) {
   return best;
 }
 
-/// Leaves each location to the rank where it is nearest. Collective.
+/// Keeps each location only on the rank where it is nearest. Collective.
 void keep_nearest(MPI_Comm comm, std::span<ProbeLocation* const> locations) {
   struct Candidate {
     double distance;

@@ -20,16 +20,16 @@ struct ProbeLocation {
   std::array<double, 3> interpolate(std::span<const double> local) const;
 };
 
-/// The places of the points (the same on every rank) in the mesh; for a point outside, the nearest node. Collective.
+/// Locates the points (the same on every rank) in the mesh; a point outside gets the nearest node. Collective.
 std::vector<ProbeLocation> locate(const NodeLayout& layout, std::span<const std::array<double, 3>> points);
 
-/// The point of the mesh, its cells' sides counted as flat, that is nearest to a point outside of it.
+/// The point of the mesh, with flat sides of cells, nearest to a point outside it.
 struct NearestOfMesh {
   std::array<double, 3> point{};
   double distance = 0.0;  ///< [m]
 };
 
-/// For points that lie outside. Collective.
+/// For points outside the mesh. Collective.
 NearestOfMesh nearest_of_mesh(const NodeLayout& layout, const std::array<double, 3>& X);
 
 inline ProbeLocation locate(const NodeLayout& layout, const std::array<double, 3>& X) {

@@ -14,14 +14,14 @@
 namespace pliant {
 namespace {
 
-/// Places of one plane differ by less than this part of an edge's length.
+/// Positions in one plane differ by less than this fraction of an edge's length.
 constexpr double edge_flatness = 1e-9;
 
 std::span<const PetscInt> nodes_of(const NodeLayout& layout, const RimEdge& edge) {
   return std::span(edge.nodes).first(layout.order + 1);
 }
 
-/// The directions in which the edge has no extent and its nodes are held, so that this stays so.
+/// The directions in which the edge has no extent and its nodes are prescribed, so that this remains so.
 std::array<bool, 3> flat_directions(const NodeLayout& layout, const RimEdge& edge, const PrescribedSamples& samples) {
   const auto nodes = nodes_of(layout, edge);
   const auto X0 = layout.position(nodes[0]), X1 = layout.position(nodes[1]);
@@ -51,7 +51,8 @@ Rim classify_edge(const NodeLayout& layout, RimEdge& edge, const PrescribedSampl
       return std::ranges::any_of(samples.displacements, [&](const auto& u) { return u[3 * node + i] != 0; });
     });
   };
-  // Whether motions in the direction i and in another do volume on each other through the edge's extent in the third.
+  // Whether motions in the direction i and in another one sweep a coupled volume through the edge's extent in the
+  // third.
   const auto couples_with = [&](int other, int third) { return (is_free(other) || moves(other)) && !is_flat[third]; };
   Rim rim = Rim::still;
   edge.plane.reset();
@@ -109,7 +110,7 @@ double third_of_flux(const NodeLayout& layout, const FacetList& facets) {
   return flux / 3.0;
 }
 
-/// What the ranks tell each other of an edge.
+/// The data of an edge that ranks exchange.
 struct EdgeRecord {
   PetscInt start = 0, end = 0;    ///< global nodes
   int plane = -1;                 ///< RimEdge::plane, or -1
@@ -125,7 +126,7 @@ std::vector<EdgeRecord> records(const NodeLayout& layout, const std::vector<RimE
   return result;
 }
 
-/// A loop of the rim, summed up.
+/// A loop of the rim, with its sums.
 struct Loop {
   int num_edges = 0;
   Vector3<double> sum_of_starts{}, moment{};
@@ -153,7 +154,7 @@ struct Loop {
 std::vector<RimEdge> rim_edges(const NodeLayout& layout, const FacetList& facets) {
   struct Met {
     RimEdge edge;
-    int balance = 0;  // facets on its left less those on its right, in the direction of ascending nodes
+    int balance = 0;  // facets on its left minus those on its right, in the direction of ascending nodes
   };
   std::map<std::pair<PetscInt, PetscInt>, Met> met;
   for (PetscInt f = 0; f < facets.size(); ++f) {

@@ -1,4 +1,4 @@
-/// Where a part of the surface ends, and whether it can sweep a volume there.
+/// The rim of a surface (its boundary edges), and whether the surface can sweep a volume there.
 #pragma once
 
 #include "fem/selection.hpp"
@@ -13,16 +13,16 @@ namespace pliant {
 /// An edge on which a surface ends, with the surface on its left seen from outside.
 struct RimEdge {
   std::array<PetscInt, 3> nodes{};  ///< local: ends, mid-edge node (order 2)
-  std::optional<int> plane;         ///< it stays within a plane of constant x, y or z, whatever the free entries do
+  std::optional<int> plane;         ///< if it stays within a plane of constant x, y or z, whatever the free entries do
 };
 
 /// What the free entries of the displacement can do to a rim.
 enum class Rim {
   none,    ///< the surface is closed
-  still,   ///< it rests, or slides within planes that rest
-  moving,  ///< it sweeps a volume, but one that prescribed entries alone decide, or that the parts of the rim do not
-           ///< do on each other
-  free     ///< what it sweeps depends on the way the solid goes
+  still,   ///< it is at rest, or slides within planes that are at rest
+  moving,  ///< it sweeps a volume, but one that only prescribed entries determine, or on which parts of the rim do not
+           ///< interact
+  free     ///< the volume that it sweeps depends on the path of the solid
 };
 
 /// Prescribed entries and their displacements at some times, per local entry, ghosts included.
@@ -31,8 +31,8 @@ struct PrescribedSamples {
   std::vector<std::vector<double>> displacements;  ///< [m]; 0 in free entries
 };
 
-/// The edges that belong to one facet only, each on one rank of all. Facets that meet there with opposite directions
-/// count as going on. Not collective.
+/// The edges that belong to one facet only, each on one of the ranks. Facets that meet there with opposite directions
+/// count as continuous. Not collective.
 std::vector<RimEdge> rim_edges(const NodeLayout& layout, const FacetList& facets);
 
 /// The worst of the edges on all ranks; sets their `plane`. Collective.
@@ -40,12 +40,12 @@ std::vector<RimEdge> rim_edges(const NodeLayout& layout, const FacetList& facets
 /// The antisymmetric part of a uniform pressure's tangent is int N_a N_b x' . (da cross db) ds along the rim, for
 /// motions da and db of its nodes. It vanishes on an edge if for all free entries i of a node and j of a node, i != j,
 /// the edge does not extend in the third direction. Prescribed entries that move count as the j's do: the work of a
-/// pressure in a stage is told along a way on which they move, too.
+/// pressure in a stage is integrated along a path on which they move, too.
 Rim classify(const NodeLayout& layout, std::vector<RimEdge>& edges, const PrescribedSamples& prescribed);
 
-/// The volume behind the surface in the reference configuration [m^3], positive if the facets look into it: each loop
-/// of the rim is closed by the cone to a point, that where its planes meet, else the middle of the loop. Nothing if a
-/// loop lies in two planes of the same direction, between which no such point is. Collective.
+/// The volume behind the surface in the reference configuration [m^3], positive if the facets face into it: each loop
+/// of the rim is closed by the cone to a point, the intersection of its planes, or else the centre of the loop. Nothing
+/// if a loop lies in two parallel planes, which have no such point. Collective.
 std::optional<double> volume_behind(const NodeLayout& layout, const FacetList& facets,
                                     const std::vector<RimEdge>& edges);
 

@@ -10,14 +10,14 @@ namespace {
 
 constexpr int num_segments = 48;  // of a circle in pictures
 
-/// A direction across another one.
+/// A unit vector orthogonal to another one.
 Vector3<double> across(const Vector3<double>& n) {
   Vector3<double> e{};
   e[std::ranges::min_element(n, {}, [](double x) { return std::abs(x); }) - n.begin()] = 1.0;
   return unit(cross(n, e));
 }
 
-/// A vector in parts: along a direction, and across it as length times direction.
+/// A vector split into its part along a direction and its part across, the latter as length times direction.
 struct Split {
   Split(const Vector3<double>& r, const Vector3<double>& axis) : along(dot(r, axis)) {
     const Vector3<double> rest = r - along * axis;
@@ -29,12 +29,12 @@ struct Split {
   Vector3<double> direction;
 };
 
-/// Of points of unit distance from an axis: what turns when one goes round it, (I - e e - a a) / radius.
+/// For points at unit distance from an axis: the rotating part, (I - e e - a a) / radius.
 Tensor3<double> round_curvature(const Vector3<double>& direction, const Vector3<double>& axis, double radius) {
   return (1.0 / radius) * (add_to_diagonal(-1.0 * outer(direction, direction), 1.0) - outer(axis, axis));
 }
 
-/// Distance to a point, less the radius.
+/// Distance to a point minus the radius.
 DistanceAt from_point(const Vector3<double>& r, double radius) {
   const double length = norm(r);
   if (length == 0.0) return {-radius, {0.0, 0.0, 1.0}, {}};
@@ -102,7 +102,7 @@ class SphereDistance final : public SignedDistance {
   SphereShape shape_;
 };
 
-/// With u the distance to the round side and w that to the flat ends: sqrt(u^2 + w^2) where both are positive, else the
+/// With u the distance to the round side and w that to the flat ends: sqrt(u^2 + w^2) if both are positive, else the
 /// larger one.
 class CylinderDistance final : public SignedDistance {
  public:

@@ -1,4 +1,4 @@
-/// Solids given by their signed distance: what bodies may run into.
+/// Solids given by their signed distance: the shapes of obstacles.
 #pragma once
 
 #include "base/vector3.hpp"
@@ -12,7 +12,7 @@ namespace pliant {
 
 /// The distance of a point to a surface and its derivatives in space.
 struct DistanceAt {
-  double d = 0.0;               ///< below 0 within the solid [m]
+  double d = 0.0;               ///< negative inside the solid [m]
   Vector3<double> n{};          ///< grad d, of unit length, away from the solid
   Tensor3<double> curvature{};  ///< grad n [1/m]; n is in its kernel, and it is semidefinite: >= 0 of convex solids, <=
                                 ///< 0 of hollows in them
@@ -21,19 +21,19 @@ struct DistanceAt {
 /// A triangle as three corners [m], anticlockwise seen from outside.
 using TrianglePatch = std::array<Vector3<double>, 3>;
 
-/// A solid that rests. The distance changes no faster than its point moves: |d(x) - d(y)| <= |x - y|.
+/// A solid at rest. Its distance is 1-Lipschitz: |d(x) - d(y)| <= |x - y|.
 class SignedDistance {
  public:
   virtual ~SignedDistance() = default;
   virtual DistanceAt at(const Vector3<double>& x) const = 0;
   /// `at(x).d`, without the derivatives.
   virtual double distance(const Vector3<double>& x) const { return at(x).d; }
-  /// The surface for pictures; where it is unbounded, the part next to `middle`, out to `extent` [m] from there. Two
-  /// triangles are the sheet of a plane; what is closed has more.
+  /// A triangulation for pictures; of an unbounded surface, the part around `middle` up to `extent` [m] from there. Two
+  /// triangles are the sheet of a plane; closed surfaces have more.
   virtual std::vector<TrianglePatch> drawing(const Vector3<double>& middle, double extent) const = 0;
 };
 
-/// Half a space.
+/// A half-space.
 struct PlaneShape {
   Vector3<double> point{};
   Vector3<double> normal{};  ///< of unit length, out of the solid

@@ -96,7 +96,7 @@ class SurfaceDistance final : public SignedDistance {
     return nearest.feature == Feature::edge ? edge_normals_.at(edge(t, nearest.number)) : normals_[t];
   }
 
-  /// Boxes come in the order of their distance: the search ends when the next one is farther than what was found.
+  /// Boxes come in ascending distance: the search ends when the next one is farther than the nearest triangle so far.
   std::pair<std::size_t, Nearest> find(const Vector3<double>& x) const {
     const BoostPoint point(x[0], x[1], x[2]);
     double least = std::numeric_limits<double>::infinity();

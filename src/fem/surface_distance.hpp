@@ -9,7 +9,7 @@
 namespace pliant {
 
 /// Exact; the nearest triangle is found in a tree of boxes. Where the nearest point lies on a corner or an edge the
-/// mean of the normals around it, weighted by their angles, tells the sides apart (Baerentzen & Aanaes 2005, Signed
+/// mean of the normals around it, weighted by their angles, distinguishes the sides (Baerentzen & Aanaes 2005, Signed
 /// distance computation using the angle weighted pseudonormal). Across a face the distance is flat; around edges and
 /// corners it is that of a cylinder or a sphere.
 std::unique_ptr<SignedDistance> make_distance(const SurfaceMesh& surface);

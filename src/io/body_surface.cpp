@@ -21,7 +21,7 @@ constexpr std::array<std::array<int, 6>, 4> facets{
     {{0, 1, 3, 4, 8, 7}, {1, 2, 3, 5, 9, 8}, {2, 0, 3, 6, 7, 9}, {0, 2, 1, 6, 5, 4}}};
 /// A facet with six nodes as four triangles; the first three have a corner of the facet first.
 constexpr std::array<std::array<int, 3>, 4> quarters{{{0, 3, 5}, {1, 4, 3}, {2, 5, 4}, {3, 4, 5}}};
-constexpr double sharp = 0.82;  // cosine of the angle between normals from which an edge is sharp, 35 degrees
+constexpr double sharp = 0.82;  // cosine of the smallest angle between normals at a sharp edge, 35 degrees
 
 using Node = std::int32_t;
 
@@ -87,7 +87,7 @@ Vector3<double> position(const OutputMesh& mesh, Node node) {
   return {x[0], x[1], x[2]};
 }
 
-/// Unit normals; zero of a triangle without an area.
+/// Unit normals; zero for a triangle without area.
 std::vector<Vector3<double>> normals_of(const OutputMesh& mesh, const SurfaceTriangles& triangles) {
   std::vector<Vector3<double>> normals;
   for (std::size_t t = 0; t < triangles.bodies.size(); ++t) {
@@ -108,7 +108,7 @@ struct Side {
   auto key() const { return std::tie(low, high, body); }
 };
 
-/// Corners of triangles that are one vertex: those joined across sides that are not sharp.
+/// Corners of triangles that form one vertex: those connected across sides that are not sharp.
 DisjointSets joined_corners(const OutputMesh& mesh, const SurfaceTriangles& triangles) {
   const auto normals = normals_of(mesh, triangles);
   std::vector<Side> sides;
@@ -139,7 +139,7 @@ DisjointSets joined_corners(const OutputMesh& mesh, const SurfaceTriangles& tria
   return sets;
 }
 
-/// The lowest 21 bits of `x` with two zeros after each.
+/// The lowest 21 bits of `x` with two zeros after each one.
 std::uint64_t spread(std::uint64_t x) {
   x &= 0x1fffff;
   x = (x | x << 32) & 0x1f00000000ffff;
@@ -149,7 +149,7 @@ std::uint64_t spread(std::uint64_t x) {
   return (x | x << 2) & 0x1249249249249249;
 }
 
-/// Places of nodes along Morton's curve, on which neighbours in space are near each other.
+/// Positions of nodes along Morton's curve: neighbours in space are close on it.
 class MortonCurve {
  public:
   explicit MortonCurve(const OutputMesh& mesh) : mesh_(mesh) {

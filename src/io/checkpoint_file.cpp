@@ -48,7 +48,7 @@ unsigned long checksum_of(const std::filesystem::path& file, std::int64_t begin,
   return checksum;
 }
 
-/// Of all bytes behind the header; each rank reads its part. Collective.
+/// CRC-32 of all bytes behind the header; each rank reads its part. Collective.
 unsigned long checksum_of(MPI_Comm comm, const std::filesystem::path& file, std::int64_t size) {
   const std::int64_t ranks = num_ranks(comm), part = (size - header_size + ranks - 1) / ranks;
   const std::int64_t begin = std::min(header_size + rank(comm) * part, size), end = std::min(begin + part, size);
@@ -101,7 +101,7 @@ std::string read_text(hid_t file, const std::string& name) {
   }
   require_stored(made.get(), doing);
   const std::size_t size = H5Tget_size(type.get());
-  require_room(made.get(), static_cast<double>(size), doing);  // in pieces it may be shorter than it says
+  require_room(made.get(), static_cast<double>(size), doing);  // a chunked dataset may be shorter than its size
   std::string text(size, '\0');
   check_hdf5(H5Dread(made.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()), doing);
   text.resize(std::min(text.size(), text.find('\0')));
@@ -228,7 +228,7 @@ void CheckpointReader::exchange(const std::string& path, Entries entries, Vec x)
     std::vector<hsize_t> wanted{static_cast<hsize_t>(order.num_global())};
     if (sizes.size() > 1 || components > 1) wanted.push_back(static_cast<hsize_t>(components));
     if (sizes != wanted) {
-      throw FileError(fmt::format("cannot {}: it has not as many numbers as the mesh asks for", doing));
+      throw FileError(fmt::format("cannot {}: its number of entries does not match the mesh", doing));
     }
     read_rows(dataset.get(), {order.first_row(), order.num_rows()}, H5T_NATIVE_DOUBLE, rows.data());
   });

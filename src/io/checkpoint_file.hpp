@@ -1,4 +1,4 @@
-/// The file from which a run goes on: an HDF5 file behind a header of its own.
+/// The file from which a run is resumed: an HDF5 file behind a header of its own.
 ///
 /// bytes 0 .. 511: text "pliant-checkpoint", the version of the format, the size of the file and the CRC-32 of all
 /// bytes behind the header, filled up with zeros (HDF5 calls this a user block and passes over it)
@@ -8,7 +8,7 @@
 ///   /state         what was kept (petsc/archive.hpp): numbers as attributes, vectors as datasets named by their paths,
 ///                  in an order that does not depend on the ranks (petsc/global_order.hpp)
 ///
-/// It is written under the name `<file>.part`, brought to the disk and renamed: there is a whole file or none.
+/// It is written as `<file>.part`, synced to disk and renamed: the file is complete or absent.
 #pragma once
 
 #include "io/hdf5_group.hpp"
@@ -23,10 +23,10 @@
 
 namespace pliant {
 
-/// What a checkpoint says of itself.
+/// The description in a checkpoint.
 struct CheckpointInfo {
   std::int64_t step = 0;      ///< completed steps
-  double time = 0.0;          ///< [s]; of a static problem the load factor
+  double time = 0.0;          ///< [s]; the load factor in a static problem
   std::string title;          ///< of the run
   std::string input;          ///< YAML
   std::string mesh;           ///< its fingerprint
@@ -35,7 +35,7 @@ struct CheckpointInfo {
   std::int64_t ranks = 1;     ///< likewise
 };
 
-/// Orders of all that vectors may belong to, and the numbers per entry.
+/// The orders of everything that vectors may belong to, and the numbers per entry.
 struct ArchiveOrders {
   GlobalOrder nodes;
   GlobalOrder internal;
@@ -45,14 +45,14 @@ struct ArchiveOrders {
   static int components_of(Entries entries);
 };
 
-/// Collects what objects keep, then writes it.
+/// Collects the state that objects keep, then writes it.
 class CheckpointWriter final : public Archive {
  public:
   /// `orders` outlive the object.
   CheckpointWriter(MPI_Comm comm, const ArchiveOrders& orders) : comm_(comm), orders_(orders) {}
 
   bool restores() const override { return false; }
-  /// Replaces the file; after a failure there is no trace of it, and FileError on every rank. Collective.
+  /// Replaces the file; after a failure it leaves no trace, and throws FileError on every rank. Collective.
   void write(const std::filesystem::path& file, const CheckpointInfo& info) const;
 
  private:
@@ -76,10 +76,10 @@ class CheckpointWriter final : public Archive {
   std::vector<Vector> vectors_;
 };
 
-/// Gives objects back what they kept. FileError on every rank where that is not in the file.
+/// Restores the state of objects. FileError on every rank where it is missing in the file.
 class CheckpointReader final : public Archive {
  public:
-  /// Of a file that read_checkpoint_info has found whole; `orders` outlive the object.
+  /// Reads a file that read_checkpoint_info has found intact; `orders` must outlive the object.
   CheckpointReader(MPI_Comm comm, std::filesystem::path file, const ArchiveOrders& orders);
 
   bool restores() const override { return true; }
@@ -94,11 +94,11 @@ class CheckpointReader final : public Archive {
   Hdf5Handle state_;
 };
 
-/// Whether the file begins as a checkpoint does, whole or not. Not collective.
+/// Whether the file begins like a checkpoint, intact or not. Not collective.
 bool is_checkpoint(const std::filesystem::path& file);
 
-/// Reads what a checkpoint says of itself, after all of it was found as it was written; else FileError on every rank,
-/// which says what is wrong. Collective.
+/// Reads the description in a checkpoint after verifying the whole file by its checksum; otherwise throws FileError on
+/// every rank, which says what is wrong. Collective.
 CheckpointInfo read_checkpoint_info(MPI_Comm comm, const std::filesystem::path& file);
 
 }  // namespace pliant

@@ -36,7 +36,8 @@ std::int64_t bytes_per_row(const Dataset& dataset) {
   return dataset.columns * size_of_number(dataset.number);
 }
 
-/// Makes a dataset with its space in the file, unwritten. Returns where its first row lies [bytes], -1 if it has none.
+/// Creates a dataset with its space in the file, unwritten. Returns the offset of its first row [bytes], -1 if it has
+/// none.
 std::int64_t make_dataset(hid_t group, const Dataset& dataset) {
   const std::string doing = "make the dataset '" + dataset.name + "'";
   const hsize_t sizes[2] = {static_cast<hsize_t>(dataset.rows.num_global), static_cast<hsize_t>(dataset.columns)};
@@ -51,11 +52,11 @@ std::int64_t make_dataset(hid_t group, const Dataset& dataset) {
   for (const auto& [name, value] : dataset.attributes) write_attribute(made.get(), name, value);
   if (dataset.rows.num_global == 0) return -1;
   const haddr_t offset = H5Dget_offset(made.get());
-  if (offset == HADDR_UNDEF) throw FileError("cannot " + doing + ": HDF5 gave it no place in the file");
+  if (offset == HADDR_UNDEF) throw FileError("cannot " + doing + ": HDF5 allocated no space for it in the file");
   return static_cast<std::int64_t>(offset);
 }
 
-/// Where HDF5 ends a file, which may be longer [bytes].
+/// The end of the file for HDF5, which may be beyond its size [bytes].
 std::int64_t end_of_content(const std::filesystem::path& path) {
   const std::string doing = "read '" + path.string() + "'";
   const Hdf5Handle file = open_hdf5(path, Hdf5Mode::read);
@@ -64,7 +65,7 @@ std::int64_t end_of_content(const std::filesystem::path& path) {
   return static_cast<std::int64_t>(end);
 }
 
-/// More than the group takes in the file [bytes].
+/// An upper bound of the group's size in the file [bytes].
 std::int64_t space_of(const Group& plan) {
   constexpr std::int64_t metadata = 64 * 1024;  // several times of what a group of a few datasets takes
   std::int64_t space = metadata;
@@ -87,7 +88,7 @@ class UnpublishedGroup {
     for (const auto& dataset : plan.datasets) offsets_.push_back(make_dataset(group_.get(), dataset));
     check_hdf5(H5Oincr_refcount(group_.get()), doing);
     check_hdf5(H5Fflush(file_.get(), H5F_SCOPE_LOCAL), doing);
-    leave_hole(plan);  // HDF5 has just cut off what was too much
+    leave_hole(plan);  // HDF5 has just cut off the excess
   }
   ~UnpublishedGroup() {
     if (group_.get() >= 0) H5Odecr_refcount(group_.get());
@@ -112,17 +113,18 @@ class UnpublishedGroup {
   }
 
  private:
-  /// HDF5 does not survive a full disk (it crashes when the process ends): take the space before it starts. What is too
-  /// much it cuts off when it closes the file. The hole that the last group left is not taken away for that: a reader
-  /// that asks for the size just then could not read this group.
+  /// HDF5 does not survive a full disk (it crashes when the process ends), so the space is reserved before it starts.
+  /// HDF5 cuts off the excess when it closes the file. The hole that the last group left is kept: a reader that queries
+  /// the size just then could not read this group.
   void reserve_space(const Group& plan) const {
     File file(path_, FileMode::modify);
     file.reserve(end_of_content(path_), space_of(plan));
     file.close();
   }
 
-  /// A reader asks for the size of the file, then reads where HDF5 ends it; if that is beyond the size because a group
-  /// came in between, it gives up, and ParaView with it. A hole ahead, of no blocks on the disk, has room for the next.
+  /// A reader queries the size of the file, then reads up to HDF5's end of it; if that is beyond the size because a
+  /// group was added in between, it gives up, and ParaView with it. A sparse hole, without blocks on disk, has room for
+  /// the next group.
   void leave_hole(const Group& plan) const {
     if (durability_ != Durability::process) return;
     File file(path_, FileMode::modify);

@@ -38,7 +38,7 @@ struct Dataset {
   std::vector<std::pair<std::string, std::string>> attributes;
 };
 
-/// A group to be added to the file with all that belongs to it.
+/// A group to be added to the file with all its datasets.
 struct Group {
   std::string parent;
   std::string name;
@@ -46,19 +46,20 @@ struct Group {
   std::vector<Dataset> datasets;
 };
 
-/// Makes an empty group of frames such that adding one is one write of one block, which a kill cannot cut in two: its
-/// links lie in its header, with room for 2000 of them; later ones take two writes each. (An ordinary group spreads a
-/// new link over a B-tree, a heap and a symbol table, and is unreadable if the process dies between.) Not collective.
+/// Creates an empty group of frames to which a frame is added by one write of one block, which a kill cannot cut in
+/// two: its links lie in its header, with room for 2000 of them; later ones take two writes each. (An ordinary group
+/// spreads a new link over a B-tree, a heap and a symbol table, and is unreadable if the process dies between.) Not
+/// collective.
 void make_frames_group(hid_t file, const std::string& path);
 
-/// Adds a group with its datasets to the file. Only the metadata go through HDF5, on rank 0; every rank then writes its
-/// rows straight to their place in the file. The group is linked after its numbers are there: it is there as a whole or
-/// not at all. With Durability::process, for files that are read while they grow, the file then ends with a hole for
-/// the next group, so that readers who know an older size can read what is added. Collective; a failure throws
-/// FileError on every rank.
+/// Adds a group with its datasets to the file. Only metadata go through HDF5, on rank 0; every rank then writes its
+/// rows directly to their place in the file. The group is linked after its numbers are written, so it is complete or
+/// absent. With Durability::process, for files that are read while they grow, the file then ends with a hole for the
+/// next group, so that readers that know an older size can read what is added. Collective; a failure throws FileError
+/// on every rank.
 void add_group(MPI_Comm comm, const std::filesystem::path& path, const Group& plan, Durability durability);
 
-/// Takes the hole away that add_group leaves. Not collective.
+/// Removes the hole that add_group leaves. Not collective.
 void cut_to_content(const std::filesystem::path& path);
 
 }  // namespace pliant

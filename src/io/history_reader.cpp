@@ -11,7 +11,7 @@
 namespace pliant {
 namespace {
 
-/// The cells of a line; quotes around a cell, and two for one inside, are taken off.
+/// The cells of a line; removes the quotes around a cell, and one of two inside.
 std::vector<std::string> cells_of(std::string_view line) {
   std::vector<std::string> cells(1);
   bool is_quoted = false;
@@ -68,7 +68,7 @@ HistoryTable read_history(const std::filesystem::path& file) {
   if (!std::getline(stream, line)) return history;
   history.names = cells_of(line);
   history.columns.resize(history.names.size());
-  // A line without its end is just being written.
+  // A line without its end is still being written.
   while (std::getline(stream, line) && !stream.eof()) {
     const auto cells = cells_of(line);
     if (cells.size() != history.names.size()) break;

@@ -1,4 +1,4 @@
-/// history.csv (io/history_writer.hpp) read back.
+/// Reads history.csv (io/history_writer.hpp).
 #pragma once
 
 #include <filesystem>
@@ -13,15 +13,15 @@ struct HistoryTable {
   std::vector<std::vector<double>> columns;  ///< equally long; NaN where there is no number
 
   std::size_t num_rows() const { return columns.empty() ? 0 : columns.front().size(); }
-  /// nullptr where there is no such column.
+  /// nullptr if there is no such column.
   const std::vector<double>* find(std::string_view name) const;
 };
 
-/// Of a run that goes on, ended early, or did not begin: the complete rows that there are. Not collective.
+/// For a run that is active, ended early, or did not begin: the complete rows so far. Not collective.
 HistoryTable read_history(const std::filesystem::path& file);
 
-/// "J" of elastic_energy, "N" of top_fx: by the names that docs/output.md tells; empty for numbers of things and what
-/// is not known.
+/// Units: "J" for elastic_energy, "N" for top_fx, by the column names of docs/output.md; empty for counts and unknown
+/// names.
 std::string_view unit_of_column(const std::string& name);
 
 }  // namespace pliant

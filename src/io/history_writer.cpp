@@ -12,7 +12,7 @@
 namespace pliant {
 namespace {
 
-/// The shortest digits would write a million as 1e+06; counts are to look like counts.
+/// The shortest digits would write a million as 1e+06; counts must look like counts.
 std::string shortest(double value) {
   constexpr double whole_below = 1e15;
   char digits[32];

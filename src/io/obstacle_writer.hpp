@@ -1,11 +1,11 @@
-/// The surfaces of obstacles beside the time series of the bodies, for ParaView and other tools: in result.h5 (the
-/// numbers) and result_obstacles.xdmf (what they mean).
+/// The surfaces of obstacles in addition to the time series of the bodies, for ParaView and other tools: in result.h5
+/// (the numbers) and result_obstacles.xdmf (what they mean).
 ///
 /// result.h5
 ///   /obstacles/points          num_points x 3, where they are drawn [m]
 ///   /obstacles/triangles       num_triangles x 3, point numbers, anticlockwise seen from outside
 ///   /obstacles/obstacle        num_triangles; attribute `names`: the names, one per line
-///   /obstacles/frames/000040/points  where they are at step 40; not there while all rest where they are drawn
+///   /obstacles/frames/000040/points  positions at step 40; absent while none has moved
 /// After a restart the group is called /obstacles_1, as the mesh is called /mesh_1.
 #pragma once
 
@@ -29,21 +29,21 @@ struct OutputObstacles {
   std::vector<std::int32_t> obstacles;  ///< index into names of each triangle
 };
 
-/// "obstacles", "obstacles_1" beside "mesh" or "/mesh", "mesh_1".
+/// "obstacles", "obstacles_1" for "mesh" or "/mesh", "mesh_1".
 std::string obstacles_beside(std::string_view mesh_group);
 
 /// Adds obstacles to a result. All members that write are collective; a failure throws FileError on every rank.
 class ObstacleWriter {
  public:
   /// Continues the list of frames of an earlier run up to `last_step`; -1: there is none. `bodies`, which owns the
-  /// files, outlives the object. Collective.
+  /// files, must outlive the object. Collective.
   ObstacleWriter(MPI_Comm comm, const ResultWriter& bodies, std::string title, const OutputObstacles& obstacles,
                  std::int64_t last_step);
 
-  /// Adds a frame; `points`: where the points are now, on rank 0 at least, or empty everywhere if they rest where they
-  /// are drawn. Before the frame of the bodies, so that each of these has its obstacles. Collective.
+  /// Adds a frame; `points`: the current positions, on rank 0 at least, or empty everywhere if no obstacle has moved.
+  /// To be called before the bodies' frame is added, so that each of these has its obstacles. Collective.
   void write_frame(double time, std::int64_t step, std::span<const double> points);
-  /// Returns when the list of frames has reached the disk; the numbers do so with ResultWriter::sync. Collective.
+  /// Returns when the list of frames is on disk; the numbers follow with ResultWriter::sync. Collective.
   void sync() const;
 
  private:

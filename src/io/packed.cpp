@@ -30,11 +30,11 @@ std::string base64(std::span<const unsigned char> bytes) {
 
 std::string packed_text(std::span<const std::byte> bytes) {
   z_stream stream{};
-  // Level 9 takes five times as long for 3 % less. In small numbers with much chance in them, as predictions leave
-  // them, zlib should look for longer repetitions only.
+  // Level 9 takes five times as long for 3 % less. For the small, nearly random numbers that predictions leave, zlib
+  // should look only for longer repetitions.
   constexpr int level = 7, largest_window = 15, most_memory = 9;
   if (deflateInit2(&stream, level, Z_DEFLATED, largest_window, most_memory, Z_FILTERED) != Z_OK) {
-    throw std::runtime_error("zlib cannot deflate");
+    throw std::runtime_error("zlib cannot compress the data");
   }
   std::vector<unsigned char> deflated(deflateBound(&stream, bytes.size()));
   stream.next_in = const_cast<Bytef*>(reinterpret_cast<const Bytef*>(bytes.data()));  // zlib only reads it
@@ -43,7 +43,7 @@ std::string packed_text(std::span<const std::byte> bytes) {
   stream.avail_out = static_cast<uInt>(deflated.size());
   const int result = deflate(&stream, Z_FINISH);
   deflateEnd(&stream);
-  if (result != Z_STREAM_END) throw std::runtime_error("zlib cannot deflate");
+  if (result != Z_STREAM_END) throw std::runtime_error("zlib cannot compress the data");
   return base64(std::span(deflated).first(stream.total_out));
 }
 

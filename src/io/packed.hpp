@@ -1,5 +1,5 @@
-/// Numbers made small, for pages that carry their data: quantised, predicted in time and from their neighbours,
-/// deflated, as text.
+/// Compression of numbers for pages that carry their data: quantised, predicted in time and from their neighbours,
+/// deflated, encoded as text.
 #pragma once
 
 #include <cstddef>
@@ -13,17 +13,17 @@ namespace pliant {
 /// The bytes as a zlib stream (RFC 1950) in base64 (RFC 4648).
 std::string packed_text(std::span<const std::byte> bytes);
 
-/// Whole numbers 0 .. `levels` stand for low .. high; evenly spaced.
+/// Integers 0 .. `levels` represent values from low to high, evenly spaced.
 struct Quantisation {
   double low = 0.0;
   double high = 0.0;
   int levels = 65535;
 
-  /// The nearest; what is no number counts as low.
+  /// Rounds to nearest; NaN becomes the lowest value.
   std::uint16_t operator()(double value) const;
 };
 
-/// Of each vertex of triangles those before it in number to which a side leads that goes up in number; where there is
+/// For each vertex of the triangles: the preceding vertices from which a side leads up in number to it; if there is
 /// none, the vertex before it (vertex 0 has none).
 struct EarlierNeighbours {
   explicit EarlierNeighbours(std::size_t num_vertices = 0, std::span<const std::int32_t> triangles = {});
@@ -39,9 +39,9 @@ struct EarlierNeighbours {
 /// negative: a byte for the order, then all lower bytes, then all upper ones.
 class PackedRows {
  public:
-  /// The neighbours live longer than this.
+  /// The neighbours must outlive this object.
   explicit PackedRows(const EarlierNeighbours& neighbours) : neighbours_(neighbours) {}
-  /// Appends a row; it has a number for each vertex.
+  /// Appends a row with one number per vertex.
   void append(std::vector<std::uint16_t> row);
   std::string text() const;
 

@@ -19,11 +19,11 @@ namespace {
 constexpr std::size_t most_frames = 240;
 constexpr int most_levels = 65535;  // of reference positions and of what moves as one
 constexpr double levels_of_displacement = 16383.0, levels_of_fields = 1023.0, least_levels = 255.0;
-constexpr double unseen = 1e-3;  // share of the values at either end of a field that the page leaves out of its colours
+constexpr double unseen = 1e-3;  // share of the values at either end of a field outside the range of colours
 // What a page writes around a text, and of a frame [bytes]; no less than it is.
 constexpr std::size_t around_text = 150, size_of_frame = 200;
 
-/// A field of the page, made of one of the result.
+/// A field of the page, derived from one of the result.
 struct Channel {
   std::string name;
   ResultField source;
@@ -101,7 +101,7 @@ std::vector<std::uint16_t> quantised(const Quantisation& scale, std::span<const 
   return q;
 }
 
-/// Rows of a value at each vertex with the scale that just holds them.
+/// Rows of a value at each vertex, with the smallest scale that holds them.
 std::pair<std::string, Quantisation> packed_rows(const std::vector<std::vector<float>>& rows,
                                                  const EarlierNeighbours& neighbours) {
   Quantisation scale{infinity, -infinity, most_levels};
@@ -158,7 +158,7 @@ class Packer {
     return n;
   }
 
-  /// Values were never seen to take less than a fifth of a byte each; more frames than would fit then need not be read.
+  /// No value was seen to take less than a fifth of a byte; frames that cannot fit then need not be read.
   std::size_t frames_that_fit() {
     const Scene& scene = scenes_[scene_of(result_.frames().back().mesh)];
     const std::size_t values = std::max<std::size_t>(scene.surface.num_vertices() * num_components(), 1);
@@ -223,7 +223,7 @@ class Packer {
     if (frames_.empty()) throw FileError("the result holds no frame with a finite displacement");
   }
 
-  /// Nothing if the displacement is not finite.
+  /// Reads a frame; nothing if the displacement is not finite.
   std::optional<Values> read(const ResultFrame& frame) {
     Values values;
     values.frame = {frame.time, frame.step, scene_of(frame.mesh), {}};
@@ -268,7 +268,7 @@ class Packer {
     }
   }
 
-  /// Takes the mean out, so that far flights leave the digits to the deformation. False if it is not finite.
+  /// Subtracts the mean, so that far flights leave the digits to the deformation. False if it is not finite.
   static bool take_shift(std::vector<std::vector<float>>& components, std::array<double, 3>& shift) {
     for (std::size_t i = 0; i < 3; ++i) {
       double sum = 0.0;
@@ -280,7 +280,7 @@ class Packer {
     return true;
   }
 
-  /// Low and high of a component in all frames, but for the share `cut` of the values at either end.
+  /// Low and high of a component over all frames, without the share `cut` of the values at either end.
   std::pair<double, double> range_of(std::size_t channel, std::size_t component, double cut) const {
     std::vector<float> values;
     for (const auto& frame : frames_) {
@@ -295,8 +295,8 @@ class Packer {
     return {lowest, *(values.end() - 1 - low)};
   }
 
-  /// Components of a vector have the same step, for they are drawn on the same scale, but where that would leave one of
-  /// them hardly any levels to be coloured by. Levels are enough for what is coloured, whatever the peaks.
+  /// Components of a vector have the same step, because they share a scale of colours, unless that would leave one of
+  /// them hardly any levels. There are enough levels for the coloured range, whatever the peaks.
   std::vector<Quantisation> scales_of(std::size_t channel) const {
     const bool is_displacement = channels_[channel].name == "displacement";
     const auto size = static_cast<std::size_t>(channels_[channel].components);

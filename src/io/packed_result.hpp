@@ -1,4 +1,4 @@
-/// A result made small enough for a page: the surfaces of its bodies, some of its frames, quantised values.
+/// A result compressed for a page: the surfaces of its bodies, some of its frames, quantised values.
 #pragma once
 
 #include "io/packed.hpp"
@@ -23,7 +23,7 @@ struct PackedMesh {
 };
 
 struct PackedFrame {
-  double time = 0.0;  ///< [s]; of a static problem the load factor
+  double time = 0.0;  ///< [s]; the load factor in a static problem
   std::int64_t step = 0;
   std::size_t mesh = 0;
   std::array<double, 3> shift{};  ///< mean displacement, which the packed displacement is relative to [m]
@@ -37,8 +37,7 @@ struct PackedField {
   std::vector<std::vector<std::string>> values;  ///< by mesh and component
 };
 
-/// Obstacles beside a mesh, if there are any: where they are drawn, and how far from there they are in each of its
-/// frames.
+/// The obstacles of a mesh, if there are any: where they are drawn, and their displacement from there in each frame.
 struct PackedObstacles {
   std::vector<std::string> names;
   std::size_t num_points = 0;
@@ -53,11 +52,11 @@ struct PackedResult {
   int nodes_per_cell = 4;
   std::size_t num_frames = 0;  ///< of the result, before it was thinned
   std::vector<PackedMesh> meshes;
-  std::vector<PackedObstacles> obstacles;  ///< beside each mesh
+  std::vector<PackedObstacles> obstacles;  ///< for each mesh
   std::vector<PackedFrame> frames;
   std::vector<PackedField> fields;  ///< the displacement, if there is one, first
 
-  std::size_t size() const;  ///< what it takes in a page, or a little more [bytes]
+  std::size_t size() const;  ///< an upper bound of its size in a page, and close to it [bytes]
 };
 
 /// Leaves out frames, evenly, until size() is at most `most_bytes`, but keeps the first and the last. Tensors are

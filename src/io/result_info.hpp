@@ -1,4 +1,4 @@
-/// What a result file (io/result_writer.hpp) says of itself.
+/// The description of a result file (io/result_writer.hpp).
 #pragma once
 
 #include <filesystem>
@@ -6,7 +6,7 @@
 
 namespace pliant {
 
-/// Mesh, frames and fields of a result, for people; FileError where the file is none. Not collective.
+/// Mesh, frames and fields of a result as text; FileError if the file is not a result. Not collective.
 std::string describe_result(const std::filesystem::path& file);
 
 }  // namespace pliant

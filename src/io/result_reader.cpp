@@ -51,7 +51,7 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-/// A run that is just adding a frame may be met between two of its writes; a moment later all is well.
+/// A run that is adding a frame may be caught between two of its writes; retry a moment later.
 Hdf5Handle open_patiently(const std::filesystem::path& file) {
   constexpr int attempts = 5;
   for (int i = 1;; ++i) {
@@ -104,7 +104,7 @@ void require_result(hid_t file, const std::filesystem::path& path, std::string_v
   const std::int64_t version = integer_attribute(file, "version");
   if (version != result_version) {
     throw FileError(
-        fmt::format("'{}' has version {} of the format, and this program reads version {}; read it with the "
+        fmt::format("'{}' has version {} of the format, but this program reads version {}; read it with the "
                     "Pliant that wrote it",
                     path.string(), version, result_version));
   }

@@ -1,4 +1,4 @@
-/// The time series of a run (io/result_writer.hpp) read back, also while the run goes on. Nothing here is collective.
+/// Reads the time series of a run (io/result_writer.hpp), also while the run is active. Nothing here is collective.
 #pragma once
 
 #include "io/obstacle_writer.hpp"
@@ -18,12 +18,12 @@ namespace pliant {
 /// One instant of the time series.
 struct ResultFrame {
   std::string name;   ///< "000012"
-  double time = 0.0;  ///< [s]; of a static problem the load factor
+  double time = 0.0;  ///< [s]; the load factor in a static problem
   std::int64_t step = 0;
   std::string mesh;  ///< group of its mesh: "/mesh"
 };
 
-/// What a field is; its values are read by ResultReader::values.
+/// A field's description; its values are read by ResultReader::values.
 struct ResultField {
   std::string name;
   std::string unit;  ///< empty if it has none
@@ -31,29 +31,29 @@ struct ResultField {
   int components = 1;
 };
 
-/// Where the numbers of a result lie: `place` is their directory, its result.h5 or its result.xdmf. FileError where
-/// there are none.
+/// Finds the numbers of a result: `place` is its directory, its result.h5 or its result.xdmf. FileError if there are
+/// none.
 std::filesystem::path result_file(const std::filesystem::path& place);
 
-/// Runs `work`, which reads this file; a FileError that does not name the file is thrown anew with its name before it.
+/// Runs `work`, which reads this file; a FileError that does not name the file is rethrown with its name in front.
 void naming(const std::filesystem::path& file, const std::function<void()>& work);
 
-/// FileError "'path' is <otherwise>" if the open file is no result, and another one if it is of another version.
+/// FileError "'path' is <otherwise>" if the open file is not a result, and another one if it is of another version.
 void require_result(hid_t file, const std::filesystem::path& path, std::string_view otherwise);
 
-/// An open result. FileError wherever the file is not what ResultWriter writes.
+/// An open result. FileError wherever the file differs from what ResultWriter writes.
 class ResultReader {
  public:
   explicit ResultReader(std::filesystem::path file);
 
   const std::string& title() const { return title_; }
-  /// As many as were complete when the file was opened.
+  /// The frames that were complete when the file was opened.
   const std::vector<ResultFrame>& frames() const { return frames_; }
-  /// All of a mesh, as if of one rank. `group`: ResultFrame::mesh.
+  /// A whole mesh, as on one rank. `group`: ResultFrame::mesh.
   OutputMesh mesh(const std::string& group) const;
-  /// Beside a mesh: where they are drawn; nothing if the run had none. `group`: ResultFrame::mesh.
+  /// Where the obstacles of a mesh are drawn; nothing if the run had none. `group`: ResultFrame::mesh.
   std::optional<OutputObstacles> obstacles(const std::string& group) const;
-  /// Where the points of the obstacles are; where they are drawn, if they rest.
+  /// Positions of the points of the obstacles; where they are drawn, if they are at rest.
   std::vector<double> obstacle_points(const ResultFrame& frame) const;
   std::vector<ResultField> fields(const ResultFrame& frame) const;
   /// Components by node or cell.

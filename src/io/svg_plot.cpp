@@ -19,13 +19,13 @@ namespace {
 /// Those of tools/plot.py.
 constexpr std::array colours{"#3b6fb6", "#d1603d", "#3f9c6b", "#8a63b8", "#c79a2b", "#4aa5b5", "#b5507c", "#6d7580"};
 
-/// Of the document [px].
+/// Size of the document [px].
 constexpr double frame_left = 84, frame_top = 52, frame_width = 560, frame_height = 400;
 constexpr double height = frame_top + frame_height + 64;
 constexpr double legend_left = frame_left + frame_width + 24, legend_line = 22, letter_width = 6.8;
 constexpr double triangle_gap = 16;  // between a series and the triangle below it
 
-/// A point by its values on the axes: decimal logarithms where they are logarithmic.
+/// A point in axis coordinates: decimal logarithms on logarithmic axes.
 struct AxisPoint {
   double x, y;
 };
@@ -41,11 +41,11 @@ struct Span {
   }
   double length() const { return high - low; }
   double magnitude() const { return std::max(std::abs(low), std::abs(high)); }
-  /// With room around what is to be seen, and long enough for ticks: on a logarithmic axis at least a factor of 4 in
-  /// all; on a linear one values that labels of nine digits do not tell apart make a flat line.
+  /// Adds a margin around the data, and makes the axis long enough for ticks: on a logarithmic axis at least a factor
+  /// of 4; on a linear one values that labels of nine digits cannot distinguish make a flat line.
   Span padded(Scale scale) const {
     if (low > high) return {-1.0, 0.0};
-    constexpr double zero = 1e-300;  // so that its parts are no denormal numbers
+    constexpr double zero = 1e-300;  // so that fractions of it are not denormal numbers
     const bool is_flat = length() <= std::max(1e-7 * magnitude(), zero);
     const double least = scale == Scale::logarithmic ? 0.6 : !is_flat ? 0.0 : magnitude() <= zero ? 1.0 : magnitude();
     const double room = std::max(0.06 * length(), 0.5 * (least - length()));
@@ -110,7 +110,7 @@ Axes axes_of(const std::vector<Curve>& curves, const std::vector<SlopeTriangle>&
   return {scale, axes.x.padded(scale), axes.y.padded(scale)};
 }
 
-/// Slope of the least-squares line; nothing for points above one another.
+/// Slope of the least-squares line; nothing if all points have the same x.
 std::optional<double> slope_of(const std::vector<AxisPoint>& points) {
   double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
   for (const AxisPoint& p : points) {
@@ -310,7 +310,7 @@ std::string draw_triangle(const SlopeTriangle& triangle, const Axes& axes) {
                      x2, y2);
 }
 
-/// Beside the upright side.
+/// The labels of the vertical axis.
 std::string draw_order(const SlopeTriangle& triangle, const Axes& axes) {
   const double middle = 0.5 * (triangle.left.y + triangle.right.y);
   return text(axes.column(triangle.right.x) + 6, axes.row(middle) + 4, "order",
@@ -329,7 +329,7 @@ double width_of(const std::vector<Curve>& curves) {
   return std::ceil(legend_left + 38 + letter_width * static_cast<double>(longest) + 16);
 }
 
-/// In words, for those who do not see the picture.
+/// A description in words, for those who do not see the picture.
 std::string description(const Plot& plot, const std::vector<Curve>& curves) {
   const bool is_logarithmic = plot.scale == Scale::logarithmic;
   std::string out = plot.y_label + " over " + plot.x_label + (is_logarithmic ? ", both logarithmic." : ".");

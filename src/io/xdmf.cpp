@@ -84,7 +84,7 @@ std::string xml_escaped(const std::string& text) {
         escaped += "&apos;";
         break;
       default:
-        // XML 1.0 admits no other control character, not even escaped.
+        // XML 1.0 does not allow other control characters, not even escaped.
         escaped += static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\n' ? ' ' : c;
     }
   }

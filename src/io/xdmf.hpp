@@ -19,7 +19,7 @@ struct XdmfArray {
 /// A field on the nodes or cells of a grid.
 struct XdmfField {
   std::string name;
-  std::string unit;  ///< empty: none
+  std::string unit;  ///< empty if there is none
   enum class Center { node, cell } center = Center::node;
   XdmfArray values;
 };
@@ -34,7 +34,7 @@ struct XdmfGrid {
   std::vector<XdmfField> fields;
 };
 
-/// `text` with XML's own characters replaced, fit for an attribute value or an element's content.
+/// `text` with XML's special characters escaped, for an attribute value or an element's content.
 std::string xml_escaped(const std::string& text);
 
 /// The <Grid> element of one frame.
@@ -45,7 +45,7 @@ std::string xdmf_document(const std::string& title, const std::string& grids);
 
 /// The <Grid> elements in a text made by xdmf_document, up to the frame of step `last_step`.
 std::string grids_up_to_step(const std::string& document, std::int64_t last_step);
-/// Those of a file; none if it cannot be read.
+/// The elements of a file; none if it cannot be read.
 std::string listed_frames(const std::filesystem::path& file, std::int64_t last_step);
 
 }  // namespace pliant

@@ -9,8 +9,8 @@
 namespace pliant::tetrahedron {
 
 /// Smallest determinant of the Jacobian of the map x(xi) = sum_i N_i(xi) x_i, relative to 6 V of the straight
-/// tetrahedron, sampled at the corners, the edges' middles and the centre. Not positive: the element is folded. `x`:
-/// corners, then the mid-edge nodes of `local_edges`.
+/// tetrahedron, sampled at the corners, the edges' midpoints and the centre. If it is not positive, the element is
+/// folded. `x`: corners, then the mid-edge nodes of `local_edges`.
 inline double relative_jacobian(const std::array<Point, 10>& x) {
   using Barycentric = std::array<double, 4>;
   // N_i = l_i (2 l_i - 1) and N_ij = 4 l_i l_j in barycentric coordinates l, grad l_0 = -(1, 1, 1), grad l_k = e_k.

@@ -1,4 +1,4 @@
-/// Which things hang together.
+/// Union-find: which items are connected.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace pliant {
 
-/// Disjoint sets of 0 .. n - 1, by path halving.
+/// Disjoint sets of 0 .. n - 1, with path halving.
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }

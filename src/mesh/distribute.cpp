@@ -19,12 +19,12 @@ namespace {
 
 constexpr PetscInt num_corners = 4;
 
-/// The DMPlex of the cells as the ranks hold them, and the numbers in the file of its local vertices, ascending.
+/// The DMPlex of the cells as the ranks hold them, and the file's numbers of its local vertices, ascending.
 struct Plex {
   Handle<DM> dm;
   std::vector<PetscInt> vertices;
 
-  /// The point of a vertex of the file.
+  /// The DMPlex point of a vertex of the file.
   PetscInt vertex_point(PetscInt node) const {
     const auto found = std::lower_bound(vertices.begin(), vertices.end(), node);
     return stratum(dm.get(), 0).begin + static_cast<PetscInt>(found - vertices.begin());
@@ -37,7 +37,7 @@ Handle<DM> plex_of_blocks(MPI_Comm comm, const MeshParts& parts, std::vector<Pet
   check(DMPlexCreateFromCellListParallelPetsc(comm, 3, static_cast<PetscInt>(mesh.num_cells()), parts.num_vertices,
                                               PETSC_DECIDE, num_corners, PETSC_TRUE, mesh.cells.data(), 3,
                                               mesh.coordinates.data(), nullptr, nullptr, dm.out()));
-  // The vertices of the rank's cells, in ascending order, as the call makes them.
+  // The vertices of the rank's cells in ascending order, as the call below creates them.
   vertices = mesh.cells;
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
@@ -54,9 +54,9 @@ Plex build_plex(MPI_Comm comm, const MeshParts& parts) {
   Plex plex;
   const bool one_has_all = parts.held == MeshParts::Held::on_root || num_ranks(comm) == 1;
   plex.dm = one_has_all ? plex_of_one(comm, parts, plex.vertices) : plex_of_blocks(comm, parts, plex.vertices);
-  // Cells that share a vertex are neighbours: what the assembly of a vertex's rows needs.
+  // Cells that share a vertex are neighbours: assembling the rows of a vertex needs all of them.
   check(DMSetBasicAdjacency(plex.dm.get(), PETSC_FALSE, PETSC_TRUE));
-  // Shared points are spread over their ranks instead of going all to the highest one.
+  // Shared points are distributed over their ranks instead of all going to the highest one.
   check(DMPlexSetPartitionBalance(plex.dm.get(), PETSC_TRUE));
   return plex;
 }
@@ -89,7 +89,7 @@ std::vector<PetscInt> points_of(const Plex& plex, const SerialGroup& group, std:
   return points;
 }
 
-/// Makes the stratum of the label hold these points and no others. Not collective.
+/// Sets the stratum of the label to exactly these points. Not collective.
 void set_members(DM dm, const PhysicalGroup& group, std::vector<PetscInt> points) {
   std::sort(points.begin(), points.end());
   points.erase(std::unique(points.begin(), points.end()), points.end());
@@ -101,7 +101,7 @@ void set_members(DM dm, const PhysicalGroup& group, std::vector<PetscInt> points
   check(DMLabelSetStratumIS(label, 1, is.get()));
 }
 
-/// The points that any rank has listed, of those that it shares with others too. Collective.
+/// The points that any rank has listed, on every rank that has them. Collective.
 std::vector<PetscInt> shared_members(DM dm, const std::vector<PetscInt>& points) {
   PetscInt num_points = 0;
   check(DMPlexGetChart(dm, nullptr, &num_points));
@@ -122,7 +122,7 @@ std::vector<PetscInt> shared_members(DM dm, const std::vector<PetscInt>& points)
   return result;
 }
 
-/// One label per group; every rank has all of them, and fills them as far as it holds the groups. Collective.
+/// One label per group; every rank has all labels, filled with the members that it holds. Collective.
 void label_groups(const Plex& plex, const MeshParts& parts, const std::vector<PhysicalGroup>& groups,
                   std::vector<std::string>& notices) {
   DM dm = plex.dm.get();
@@ -134,7 +134,7 @@ void label_groups(const Plex& plex, const MeshParts& parts, const std::vector<Ph
   }
 }
 
-/// Numbers of points of one dimension on their way through the distribution.
+/// Numbers attached to the points of one dimension during the distribution.
 struct PointField {
   int dimension = 0;
   PetscInt components = 0;
@@ -155,7 +155,7 @@ PointField make_field(MPI_Comm comm, DM dm, int dimension, PetscInt components) 
   return field;
 }
 
-/// Edge points of a cell, with their mid-edge nodes.
+/// Edge points of a cell in the order of their mid-edge nodes.
 std::array<std::pair<PetscInt, PetscInt>, 6> mid_nodes_of(DM dm, const SerialMesh& mesh, std::size_t cell) {
   std::array<std::pair<PetscInt, PetscInt>, 6> found{};
   std::size_t num_found = 0;
@@ -179,7 +179,7 @@ std::array<std::pair<PetscInt, PetscInt>, 6> mid_nodes_of(DM dm, const SerialMes
   return found;
 }
 
-/// Mid-edge nodes.
+/// The positions of the mid-edge nodes.
 PointField edge_field(MPI_Comm comm, DM dm, const SerialMesh& mesh) {
   PointField field = make_field(comm, dm, 1, 3);
   const PetscInt first = stratum(dm, 1).begin;
@@ -192,7 +192,7 @@ PointField edge_field(MPI_Comm comm, DM dm, const SerialMesh& mesh) {
   return field;
 }
 
-/// All data of a cell one after another, where the cells are.
+/// All data of the cells, cell by cell, as they are distributed before the migration.
 PointField cell_field(MPI_Comm comm, DM dm, const SerialMesh& mesh, const std::vector<CellField>& names) {
   PetscInt components = 0;
   for (const auto& data : names) components += data.components;
@@ -207,7 +207,7 @@ PointField cell_field(MPI_Comm comm, DM dm, const SerialMesh& mesh, const std::v
   return field;
 }
 
-/// The field on the mesh that `migration` led to.
+/// The field on the mesh after the migration.
 void migrate(MPI_Comm comm, DM dm, PetscSF migration, PointField& field) {
   PointField moved{field.dimension, field.components, {}, {}};
   check(PetscSectionCreate(comm, moved.section.out()));
@@ -230,7 +230,7 @@ std::vector<double> values_by_point(DM dm, const PointField& field) {
   return result;
 }
 
-/// The field of cells on their children: regular refinement numbers the eight of a cell one after another.
+/// The field on the children of its cells: regular refinement numbers the eight of a cell consecutively.
 PointField refined(MPI_Comm comm, DM coarse, DM fine, const PointField& field) {
   PointField result = make_field(comm, fine, 3, field.components);
   const std::vector<double> parents = values_by_point(coarse, field);
@@ -242,7 +242,7 @@ PointField refined(MPI_Comm comm, DM coarse, DM fine, const PointField& field) {
   return result;
 }
 
-/// Numbers from 0 as the file has them, of vertices or cells.
+/// Numbers of vertices or cells from 0, in the order of the file.
 PointField number_field(MPI_Comm comm, DM dm, int dimension, const std::vector<PetscInt>& numbers) {
   PointField field = make_field(comm, dm, dimension, 1);
   const ArrayView values(field.values.get());
@@ -256,7 +256,7 @@ std::vector<PetscInt> numbers_of_cells(const MeshParts& parts) {
   return numbers;
 }
 
-/// The numbers of cells on their children.
+/// The numbers of the cells' children.
 PointField refined_cell_numbers(MPI_Comm comm, DM coarse, DM fine, const PointField& numbers) {
   PointField result = refined(comm, coarse, fine, numbers);
   const ArrayView values(result.values.get());
@@ -267,12 +267,12 @@ PointField refined_cell_numbers(MPI_Comm comm, DM coarse, DM fine, const PointFi
   return result;
 }
 
-/// Vertices of the refined mesh lie on vertices and edges of the coarse one; they are numbered in the order of the
-/// numbers of the ends.
+/// Vertices of the refined mesh lie on vertices and edges of the coarse one; they are numbered in ascending order of
+/// the numbers of the edge's ends.
 PointField refined_vertex_numbers(MPI_Comm comm, DM coarse, DM fine, const PointField& numbers) {
   const std::vector<double> of_vertex = values_by_point(coarse, numbers);
   const PointRange vertices = stratum(coarse, 0), edges = stratum(coarse, 1), fine_vertices = stratum(fine, 0);
-  // The same transformation as that of DMRefine, which alone knows where a point has gone.
+  // The transformation must be that of DMRefine: only it knows the images of points.
   Handle<DMPlexTransform> transform;
   check(DMPlexTransformCreate(comm, transform.out()));
   check(DMPlexTransformSetDM(transform.get(), coarse));
@@ -307,7 +307,7 @@ std::vector<std::int64_t> numbers_by_point(DM dm, const PointField& field) {
   return {values.begin(), values.end()};
 }
 
-/// Each of the data by itself.
+/// Splits the packed data into its fields.
 void take_apart(const std::vector<double>& all, std::vector<CellField>& fields) {
   for (std::size_t at = 0; at < all.size();) {
     for (auto& data : fields) {
@@ -316,16 +316,16 @@ void take_apart(const std::vector<double>& all, std::vector<CellField>& fields) 
   }
 }
 
-/// Hands the cells to ranks by PTScotch or ParMETIS, whichever PETSc has. PTScotch does not cut a mesh the same way
-/// again: the order in which its messages arrive decides. Debian's counts with 32 bits even where PETSc does with 64,
-/// and PETSc passes its numbers on without a look.
+/// Assigns the cells to ranks by PTScotch or ParMETIS, whichever PETSc has. PTScotch is not reproducible: its partition
+/// depends on the order in which messages arrive. Debian's build counts with 32 bits even where PETSc uses 64, and
+/// PETSc passes its numbers on unchecked.
 void partition_in_parallel(DM dm) {
 #if defined(PETSC_HAVE_PTSCOTCH) && !defined(PETSC_USE_64BIT_INDICES)
   constexpr const char* kind = PETSCPARTITIONERPTSCOTCH;
 #elif defined(PETSC_HAVE_PARMETIS)
   constexpr const char* kind = PETSCPARTITIONERPARMETIS;
 #else
-  // The file's order along a space-filling curve makes compact parts too.
+  // The file's order along a space-filling curve gives compact parts too.
   constexpr const char* kind = PETSCPARTITIONERSIMPLE;
 #endif
   PetscPartitioner partitioner = nullptr;
@@ -349,7 +349,7 @@ long long num_cut_facets(MPI_Comm comm, DM dm) {
   return sum(comm, count);
 }
 
-/// Hands the cells to the ranks that METIS chose. No other rank holds cells yet.
+/// Sends the cells to the ranks that METIS chose. No other rank holds cells yet.
 void prescribe_partition(DM dm, const std::vector<PetscInt>& part, int size) {
   std::vector<PetscInt> sizes(static_cast<std::size_t>(size), 0);
   for (const PetscInt p : part) ++sizes[static_cast<std::size_t>(p)];
@@ -365,7 +365,7 @@ void prescribe_partition(DM dm, const std::vector<PetscInt>& part, int size) {
   check(PetscPartitionerShellSetPartition(partitioner, size, sizes.data(), cells.data()));
 }
 
-/// Refined facets also mark their inner edges, and so on: a label keeps the points of its group's own dimension.
+/// Refinement also marks the interior edges of facets, etc.; a label keeps only points of its group's own dimension.
 /// (DMLabelFilter of PETSc 3.18 would be the call, but it leaves garbage in the stratum.)
 void keep_own_dimension(DM dm, const std::vector<PhysicalGroup>& groups) {
   for (const auto& group : groups) {

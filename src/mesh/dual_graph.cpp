@@ -23,12 +23,12 @@ std::span<const PetscInt> corners_of(const SerialMesh& mesh, std::size_t cell) {
   return {&mesh.cells[4 * cell], 4};
 }
 
-/// Position in `cell` of the one corner that `other` does not have.
+/// Local index of the one corner of `cell` that `other` does not have.
 int lone_corner(std::span<const PetscInt> cell, std::span<const PetscInt> other) {
   for (std::size_t i = 0; i < 4; ++i) {
     if (std::find(other.begin(), other.end(), cell[i]) == other.end()) return static_cast<int>(i);
   }
-  return 0;  // cannot be: cells are distinct
+  return 0;  // unreachable: cells are distinct
 }
 
 tetrahedron::Point place(const SerialMesh& mesh, PetscInt node) {
@@ -36,7 +36,7 @@ tetrahedron::Point place(const SerialMesh& mesh, PetscInt node) {
   return {x[0], x[1], x[2]};
 }
 
-/// Do both cells lie on the same side of their common facet, which is opposite to corner i of `cell`?
+/// Whether both cells lie on the same side of their common facet, which is opposite to corner i of `cell`.
 bool same_side(const SerialMesh& mesh, std::span<const PetscInt> cell, int i, PetscInt opposite) {
   tetrahedron::Corners x;
   for (std::size_t k = 0; k < 4; ++k) x[k] = place(mesh, static_cast<int>(k) == i ? opposite : cell[k]);
@@ -51,11 +51,11 @@ void notice_parts(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_v
     }
   }
   const std::size_t parts = vertices.count();
-  if (parts > 1) report.notices.push_back("the mesh has " + std::to_string(parts) + " parts that are not connected");
+  if (parts > 1) report.notices.push_back("the mesh has " + std::to_string(parts) + " disconnected parts");
   const std::size_t by_facets = graph.num_components();
   if (by_facets > parts) {
     report.notices.push_back(std::to_string(by_facets - parts + 1) +
-                             " parts hang together by an edge or a node only: they hinge freely there");
+                             " parts are connected only by an edge or a node: they hinge freely there");
   }
 }
 
@@ -64,7 +64,7 @@ void notice_parts(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_v
 DualGraph::DualGraph(const SerialMesh& mesh) : num_cells_(mesh.num_cells()) {
   if (4 * mesh.num_cells() > static_cast<std::size_t>(std::numeric_limits<idx_t>::max())) {
     throw MeshDefect("it has " + std::to_string(mesh.num_cells()) +
-                     " tetrahedra, more than METIS counts: take a coarser one and `refine`");
+                     " tetrahedra, more than METIS can partition: use a coarser mesh and `refine`");
   }
   auto num_elements = static_cast<idx_t>(mesh.num_cells());
   auto num_nodes = static_cast<idx_t>(mesh.num_nodes());
@@ -104,7 +104,7 @@ std::vector<PetscInt> DualGraph::partition(int num_parts, long long& edge_cut) c
   require_success(METIS_PartGraphKway(&num_vertices, &num_constraints, offsets_.get(), adjacency_.get(), nullptr,
                                       nullptr, nullptr, &parts, nullptr, nullptr, options.data(), &cut, part.data()),
                   "METIS_PartGraphKway");
-  // On a handful of cells METIS may leave a part empty: it gets a cell of the largest one.
+  // With few cells METIS may leave a part empty: it gets a cell of the largest part.
   std::vector<std::size_t> sizes(static_cast<std::size_t>(num_parts), 0);
   for (const idx_t p : part) ++sizes[static_cast<std::size_t>(p)];
   for (auto empty = std::find(sizes.begin(), sizes.end(), 0u); empty != sizes.end();

@@ -1,4 +1,4 @@
-/// Which tetrahedra share facets: connectivity, and the partition over ranks.
+/// The dual graph of a mesh (tetrahedra that share facets): connectivity, and the partition over ranks.
 #pragma once
 
 #include "mesh/report.hpp"
@@ -22,11 +22,11 @@ class DualGraph {
     return {adjacency_.get() + offsets_.get()[cell], adjacency_.get() + offsets_.get()[cell + 1]};
   }
 
-  /// Part of each cell: `num_parts` balanced parts, none empty, contiguous if the mesh is; the same on every call.
-  /// Counts the facets cut in `edge_cut`. Needs num_cells >= num_parts.
+  /// The part of each cell: `num_parts` balanced parts, none empty, contiguous if the mesh is; deterministic. Counts
+  /// the cut facets in `edge_cut`. Needs num_cells >= num_parts.
   std::vector<PetscInt> partition(int num_parts, long long& edge_cut) const;
 
-  /// Number of parts that no facet connects.
+  /// Number of components that no shared facet connects.
   std::size_t num_components() const;
 
  private:
@@ -38,8 +38,8 @@ class DualGraph {
   std::unique_ptr<idx_t, Free> adjacency_;
 };
 
-/// Rejects tetrahedra that overlap at a common facet (on the same side of it, or three at one); notices disconnected
-/// parts, and parts that hang together by an edge or a node only. Throws MeshDefect. Not collective.
+/// Rejects tetrahedra that overlap at a common facet (both on the same side of it, or three sharing one). Adds notices
+/// of disconnected parts, and of parts that only an edge or a node connects. Throws MeshDefect. Not collective.
 void check_connections(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_vertices, MeshReport& report);
 
 }  // namespace pliant

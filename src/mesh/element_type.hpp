@@ -7,7 +7,7 @@
 namespace pliant {
 
 struct ElementType {
-  const char* name = nullptr;  ///< null: no such type
+  const char* name = nullptr;  ///< null: unknown type
   int dimension = 0;
   int num_nodes = 0;
 };
@@ -52,7 +52,7 @@ inline constexpr int triangle_3 = 2;
 inline constexpr int tetrahedron_4 = 4;
 inline constexpr int tetrahedron_10 = 11;
 
-/// Simplices of order 1 and 2, which are all that Pliant uses.
+/// Simplices of order 1 and 2, the only ones that Pliant uses.
 constexpr bool is_usable(int type) {
   return type == 15 || type == 1 || type == 8 || type == 2 || type == 9 || type == tetrahedron_4 ||
          type == tetrahedron_10;

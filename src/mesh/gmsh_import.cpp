@@ -30,8 +30,8 @@ std::string extension_of(const std::string& file) {
   return extension;
 }
 
-/// A .brep file ends with the reference to its main shape. The CAD kernel does not notice that a file is cut short: it
-/// reads on for ever.
+/// Rejects a truncated .brep file, which ends with the reference to its main shape. The CAD kernel does not notice that
+/// the end is missing and reads on forever.
 void require_whole_brep(const std::string& file) {
   constexpr std::streamoff longest_end = 64;
   std::ifstream stream(file, std::ios::binary | std::ios::ate);
@@ -43,14 +43,14 @@ void require_whole_brep(const std::string& file) {
     throw MeshDefect("it does not end like a .brep file: it is truncated or damaged");
 }
 
-/// Of several commands in a last line without a line break gmsh reads the first alone, and says nothing.
+/// In a last line without a line break, gmsh reads only the first of several commands, silently.
 void require_whole_script(const std::string& file) {
   std::ifstream stream(file, std::ios::binary);
   std::string line;
   while (std::getline(stream, line)) {
-    if (!stream.eof() || std::count(line.begin(), line.end(), ';') < 2) continue;  // at the end: without a line break
+    if (!stream.eof() || std::count(line.begin(), line.end(), ';') < 2) continue;  // eof: the line has no line break
     throw MeshDefect(
-        "its last line does not end, and of the commands in it gmsh reads the first alone; end it with a line break");
+        "its last line has no line break, and gmsh reads only the first of the commands in it: add a line break");
   }
 }
 
@@ -60,7 +60,7 @@ SerialMesh import_mesh(const MeshSource& source) {
   const std::string extension = extension_of(source.file);
   if (extension != ".msh" && !geometries.contains(extension)) {
     throw MeshDefect(
-        "its extension says nothing I can read: meshes are .msh or .h5; geometry is .geo, .step, .stp, .brep or .stl; "
+        "its extension is unknown: meshes are .msh or .h5; geometry is .geo, .step, .stp, .brep or .stl; "
         "gmsh and meshio convert many others to .msh");
   }
   require_readable(source.file);

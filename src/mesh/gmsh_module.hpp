@@ -1,6 +1,5 @@
-/// What Pliant does with libgmsh, as a library of its own that is loaded when it is first needed. libgmsh and the CAD
-/// kernel behind it take more memory and time to load than everything else together, and a run that reads a mesh needs
-/// neither.
+/// What Pliant does with libgmsh: a library of its own, loaded when it is first needed. libgmsh and its CAD kernel take
+/// more memory and time to load than everything else together, and a run that reads a mesh needs neither.
 #pragma once
 
 #include "mesh/serial_mesh.hpp"
@@ -13,11 +12,11 @@ enum class Geometry { script, cad, surface };
 struct GmshModule {
   /// Throws MeshDefect. To be called in an `isolated` process.
   SerialMesh (*mesh_geometry)(const MeshSource& source, Geometry kind);
-  /// Corners of all triangles of a .stl or .msh, three nodes each, as a mesh of nodes alone. Likewise.
+  /// Corners of all triangles of a .stl or .msh, three nodes each, as a mesh without cells. Likewise.
   SerialMesh (*triangle_corners)(const std::string& file);
 };
 
-/// Loads the library beside the program, once. Throws MeshDefect if it is not there.
+/// Loads the library installed with the program, once. Throws MeshDefect if it is missing.
 const GmshModule& gmsh_module();
 
 }  // namespace pliant

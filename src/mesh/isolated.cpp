@@ -13,7 +13,7 @@ namespace {
 
 enum class Outcome : char { mesh = 'M', defect = 'D', failure = 'F' };
 
-/// Values of plain types and their vectors, one behind the other.
+/// Serializes values of plain types and vectors of them, one after another.
 class Packer {
  public:
   template <class T>
@@ -125,18 +125,18 @@ Packer outcome_of(const std::function<SerialMesh()>& work) {
 [[noreturn]] void reject_dead_child(const Isolation& isolation, const ChildEnd& end) {
   if (end.is_too_late) {
     throw MeshDefect(
-        fmt::format("gmsh has not finished after {:g} s: a script may have a loop without end; if it needs "
+        fmt::format("gmsh has not finished after {:g} s: a script may have an endless loop; if it needs "
                     "longer, set 'mesh.time_limit', or mesh it with gmsh and take its .msh file",
                     std::chrono::duration<double>(*isolation.limits.time).count()));
   }
   if (isolation.suspect == Suspect::hdf5) {
-    throw MeshDefect("HDF5 died while reading it (" + end.how +
+    throw MeshDefect("the HDF5 library crashed while reading it (" + end.how +
                      "): the file is damaged; write it again with `pliant mesh convert`");
   }
-  if (end.exited) throw MeshDefect("the file ended gmsh before there was a mesh: remove its Exit or Abort command");
+  if (end.exited) throw MeshDefect("the file made gmsh exit before it had a mesh: remove its Exit or Abort command");
   throw MeshDefect(
-      "gmsh died while working on it (" + end.how +
-      "): the file is damaged, or the mesh too large for the memory; see what the gmsh program says to it");
+      "gmsh crashed while working on it (" + end.how +
+      "): the file is damaged, or the mesh does not fit into memory; open it in the gmsh program to see why");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// Meshes from libraries that may crash or exit.
+/// Calls libraries that may crash or exit.
 #pragma once
 
 #include "base/child_process.hpp"
@@ -8,22 +8,22 @@
 
 namespace pliant {
 
-/// The library that may not survive the work.
+/// The library that may crash.
 enum class Suspect { gmsh, hdf5 };
 
-/// What the child process may do, and for how long.
+/// The rights of the child process, and its time limit.
 struct Isolation {
   Suspect suspect = Suspect::gmsh;
   ChildLimits limits = {};
 };
 
-/// What gmsh may do with the file.
+/// The rights and the time limit of gmsh when it reads the file.
 Isolation gmsh_isolation(const MeshSource& source);
 
-/// Runs `work` in a child process of this rank and gives its result. gmsh and its CAD kernel crash on some damaged
-/// geometry, and a script's `Exit` ends the process, HDF5 crashes over some damaged files: here that is a MeshDefect,
-/// and all memory they held is returned. `work` is as in_child() needs it, but may throw. Throws the MeshDefect
-/// of `work`; a MeshDefect if the child dies; std::runtime_error for any other failure. Not collective.
+/// Runs `work` in a child process of this rank and returns its result. gmsh and its CAD kernel crash on some damaged
+/// geometry, a script's `Exit` ends the process, and HDF5 crashes on some damaged files: here that is a MeshDefect, and
+/// all their memory is returned. `work` must meet the conditions of in_child(), but may throw. Throws the MeshDefect of
+/// `work`; a MeshDefect if the child dies; std::runtime_error for any other failure. Not collective.
 SerialMesh isolated(const Isolation& isolation, const std::function<SerialMesh()>& work);
 
 }  // namespace pliant

@@ -30,7 +30,7 @@ std::vector<bool> owned_points(DM dm) {
   return owned;
 }
 
-/// Corners of any local point: vertices of its closure and where they are.
+/// Corners of any local point: the vertices of its closure and their positions.
 class Geometry {
  public:
   explicit Geometry(DM dm) : dm_(dm), vertices_(stratum(dm, 0)), coordinates_(local_coordinates(dm)) {
@@ -151,7 +151,7 @@ void measure_groups(MPI_Comm comm, const Mesh& mesh, const std::vector<bool>& ow
   }
 }
 
-/// What only rank 0 knows so far.
+/// Broadcasts what only rank 0 knows.
 void share_file_facts(MPI_Comm comm, MeshReport& report) {
   std::array<long long, 3> counts{report.num_orphan_nodes, report.num_inverted_cells, report.edge_cut};
   check_mpi(MPI_Bcast(counts.data(), static_cast<int>(counts.size()), MPI_LONG_LONG, 0, comm));

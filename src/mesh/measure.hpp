@@ -1,12 +1,12 @@
-/// Size and health of the distributed mesh.
+/// Size and quality of the distributed mesh.
 #pragma once
 
 #include "mesh/mesh.hpp"
 
 namespace pliant {
 
-/// Fills the counts, bounds, volume and quality of `mesh.report` from the distributed cells, and makes what rank 0
-/// knows about the file known to every rank. Collective.
+/// Fills the counts, bounds, volume and quality of `mesh.report` from the distributed cells, and broadcasts what rank 0
+/// knows about the file. Collective.
 void measure(MPI_Comm comm, Mesh& mesh);
 
 }  // namespace pliant

@@ -27,7 +27,7 @@ MeshParts prepare(const MeshSource& source, int num_parts, MeshReport& report) {
   parts.num_vertices = repair(parts.mesh, report);
   if (source.refine > 0 && parts.mesh.geometry_order() == 2) {
     throw MeshDefect(
-        "refine cannot be used with curved second-order elements: mesh it finer in gmsh, or use first-order elements");
+        "refine does not support curved second-order elements: mesh it finer in gmsh, or use first-order elements");
   }
   require_enough_cells(static_cast<std::int64_t>(parts.mesh.num_cells()), num_parts);
   const DualGraph graph(parts.mesh);
@@ -38,7 +38,7 @@ MeshParts prepare(const MeshSource& source, int num_parts, MeshReport& report) {
 
 constexpr char field_end = '\x1f';
 
-/// The groups of rank 0 on every rank.
+/// Broadcasts the groups of rank 0.
 std::vector<PhysicalGroup> shared_groups(MPI_Comm comm, const SerialMesh& mesh) {
   std::string text;
   for (const auto& [group, members] : mesh.groups) {
@@ -64,7 +64,7 @@ std::vector<PhysicalGroup> shared_groups(MPI_Comm comm, const SerialMesh& mesh) 
   return groups;
 }
 
-/// Names and numbers of components of rank 0's data on every rank.
+/// Broadcasts the names and numbers of components of rank 0's data.
 std::vector<CellField> shared_cell_data(MPI_Comm comm, const SerialMesh& mesh) {
   std::string text;
   for (const auto& data : mesh.cell_data) text += std::to_string(data.components) + data.name + field_end;
@@ -99,11 +99,10 @@ Mesh read_mesh(MPI_Comm comm, const MeshSource& source) {
   mesh.cell_data = shared_cell_data(comm, parts.mesh);
   distribute(comm, std::move(parts), source.refine, mesh);
   measure(comm, mesh);
-  // The whole mesh was checked before; of another's parts only their sum is known.
+  // A serial mesh was checked as a whole; a mesh read in blocks reports only this sum over the ranks.
   telling_the_user(source, [&] {
     if (is_whole || mesh.report.min_quality > 0.0) return;
-    throw MeshDefect(
-        "it has inverted or flat tetrahedra, which `pliant mesh convert` would not have written: write it again");
+    throw MeshDefect("it has inverted or flat tetrahedra, which `pliant mesh convert` never writes: write it again");
   });
   return mesh;
 }
@@ -111,7 +110,7 @@ Mesh read_mesh(MPI_Comm comm, const MeshSource& source) {
 MeshReport convert_mesh(const MeshSource& source, const std::string& file) {
   MeshReport report;
   telling_the_user(source, [&] {
-    if (!is_mesh_file(file)) throw MeshDefect("the mesh that is made of it must be named .h5, not '" + file + "'");
+    if (!is_mesh_file(file)) throw MeshDefect("the converted mesh must be named .h5, not '" + file + "'");
     if (is_mesh_file(source.file)) throw MeshDefect("it is in Pliant's own format already");
     MeshParts parts = prepare(source, 1, report);
     report.num_cells = static_cast<long long>(parts.mesh.num_cells());

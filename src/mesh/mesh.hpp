@@ -12,7 +12,8 @@
 
 namespace pliant {
 
-/// A physical group of gmsh. Groups without a name have only their tag.
+/// A physical group of gmsh (a named set of points, curves, surfaces or volumes). Groups without a name have only a
+/// tag.
 struct PhysicalGroup {
   int dimension = 3;  ///< 0 points, 1 curves, 2 surfaces, 3 volumes
   int tag = 0;        ///< gmsh's physical tag, unique per dimension
@@ -22,52 +23,51 @@ struct PhysicalGroup {
 /// Name of the DMLabel that marks the points of a group (value 1 on points of the group's own dimension).
 std::string label_name(const PhysicalGroup& group);
 
-/// Numbers that the file gives for its cells ($ElementData).
+/// Numbers that the file gives for its cells (elements; gmsh's $ElementData).
 struct CellField {
   std::string name;
   int components = 1;
   std::vector<double> values;  ///< `components` per cell; NaN where the file has none
 };
 
-/// Whether files of geometry may run programs and write files, as gmsh's language lets them.
+/// Whether geometry files may run programs and write files, as gmsh's language allows.
 enum class Commands { refused, allowed };
 
 /// Where a mesh comes from.
 struct MeshSource {
-  std::string file;            ///< .geo .step .stp .brep .stl are meshed by gmsh, .msh and .h5 are read as they are
+  std::string file;            ///< .geo .step .stp .brep .stl are meshed by gmsh; .msh and .h5 are read as they are
   Location where;              ///< the place in the user's input that names the file, for messages
-  std::optional<double> size;  ///< target element size in the unit of the file, for files that gmsh meshes
+  std::optional<double> size;  ///< target element size in the unit of the file, where gmsh meshes it
   double scale = 1.0;          ///< coordinates are multiplied by it
   int refine = 0;              ///< uniform refinements after distribution (each cuts a tetrahedron into 8)
   Commands commands = Commands::refused;
   double time_limit = 3600.0;  ///< for gmsh [s]
 };
 
-/// The distributed mesh. Tetrahedra only. The vertices x0 .. x3 that the transitive closure of a cell lists have
-/// det(x1 - x0, x2 - x0, x3 - x0) > 0, on owned and ghost cells, refined or not. Every owned point has all its cells on
-/// its rank.
+/// The distributed mesh of tetrahedra. The vertices x0 .. x3 in the transitive closure of a cell have det(x1 - x0, x2 -
+/// x0, x3 - x0) > 0, on owned and ghost cells, refined or not. All cells of an owned point are on its rank.
 struct Mesh {
   Handle<DM> dm;  ///< interpolated DMPlex with one layer of overlap cells (all cells that share a vertex with an owned
-                  ///< cell); coordinates: three per vertex [m]; point SF tells who owns what
+                  ///< cell); coordinates: three per vertex [m]; the point SF gives the owner of each point
   int geometry_order = 1;  ///< 2: edges are curved, see edge_midpoints
   std::vector<double>
       edge_midpoints;  ///< geometry_order 2: xyz of the mid-edge node of local edge point p at 3 * (p - edge_start) [m]
   std::vector<PhysicalGroup> groups;  ///< the same on every rank
   std::vector<CellField> cell_data;   ///< the same names on every rank; values by cell point, ghosts included
-  /// Numbers from 0 of the local vertex and cell points (number - start of their stratum), ghosts included: which one
-  /// it is of the whole mesh, however that is spread over the ranks. Children of a refined cell c have 8 c .. 8 c + 7.
+  /// Numbers of the local vertex and cell points (indexed by point - start of the stratum), ghosts included: the number
+  /// in the whole mesh, from 0, however it is distributed. Children of a refined cell c have 8 c .. 8 c + 7.
   std::vector<std::int64_t> vertex_numbers, cell_numbers;
   MeshReport report;  ///< the same on every rank
 };
 
 /// Reads or generates the mesh on rank 0, repairs and checks it, partitions it with METIS, distributes and refines it.
-/// Of a mesh in Pliant's own format (.h5, see mesh_file.hpp) every rank reads a part, PTScotch partitions it on all
-/// ranks, and no rank ever holds the whole.
-/// Throws InputError (named file, what is wrong, what to do) or FileError on every rank alike. Collective.
+/// Pliant's own format (.h5, see mesh_file.hpp) is read in parallel and partitioned on all ranks by PTScotch; no rank
+/// ever holds the whole mesh. Throws InputError (file, what is wrong, what to do) or FileError, the same on every rank.
+/// Collective.
 Mesh read_mesh(MPI_Comm comm, const MeshSource& source);
 
-/// Writes what read_mesh would read (`refine` does not count) to `file` in Pliant's own format. Returns what it found:
-/// numbers of cells, vertices and repairs, and notices. Throws as read_mesh does. Not collective.
+/// Writes the mesh that read_mesh would read (without `refine`) to `file` in Pliant's own format. Returns what it
+/// found: numbers of cells, vertices and repairs, and notices. Throws as read_mesh does. Not collective.
 MeshReport convert_mesh(const MeshSource& source, const std::string& file);
 
 }  // namespace pliant

@@ -61,7 +61,7 @@ void MeshCollector::add_cell(int type, std::size_t tag, std::span<const std::siz
 
 void MeshCollector::add_data(CellField data, std::vector<std::size_t> element_tags) {
   if (std::ranges::find(mesh_.cell_data, data.name, &CellField::name) != mesh_.cell_data.end()) {
-    mesh_.notices.push_back("there are several $ElementData '" + data.name + "'; the first counts");
+    mesh_.notices.push_back("there are several $ElementData '" + data.name + "'; the first one is used");
     return;
   }
   mesh_.cell_data.push_back(std::move(data));
@@ -104,7 +104,7 @@ void MeshCollector::reject_other_elements(bool groups_only) const {
     text += (text.empty() ? "" : ", ") + std::to_string(used) + " of type " + name_of(type);
   }
   if (text.empty()) return;
-  throw MeshDefect("only tetrahedra of order 1 or 2 can be used, but there are also other elements: " + text + "; " +
+  throw MeshDefect("only tetrahedra of order 1 or 2 are supported, but there are also other elements: " + text + "; " +
                    cure_for_elements);
 }
 
@@ -113,7 +113,7 @@ void MeshCollector::reject_without_tetrahedra() const {
   for (const auto& [type, count] : found_) {
     text += (text.empty() ? "" : ", ") + std::to_string(count.grouped + count.ungrouped) + " of type " + name_of(type);
   }
-  throw MeshDefect("there are no tetrahedra in it, only " + (text.empty() ? "nodes" : text) +
+  throw MeshDefect("it contains no tetrahedra, only " + (text.empty() ? "nodes" : text) +
                    ": the geometry needs a Volume, meshed in three dimensions (gmsh -3)");
 }
 

@@ -1,4 +1,4 @@
-/// A serial mesh from elements as they come.
+/// Builds a serial mesh from elements one by one.
 #pragma once
 
 #include "mesh/node_numbering.hpp"
@@ -10,22 +10,22 @@
 
 namespace pliant {
 
-/// Takes the nodes at once and the elements one by one; `finish` decides what is used: the tetrahedra of the physical
+/// Takes all nodes at once and the elements one by one; `finish` decides which are used: the tetrahedra of the physical
 /// volumes if there are any, else all.
 class MeshCollector {
  public:
-  /// `coordinates`: xyz per tag. Throws MeshDefect if a tag comes twice.
+  /// `coordinates`: xyz per tag. Throws MeshDefect if a tag is given twice.
   MeshCollector(std::vector<std::size_t> node_tags, std::vector<double> coordinates);
 
-  /// Gives a physical group its name; the group exists from now on, with or without elements.
+  /// Names a physical group, which exists from now on, with or without elements.
   void name_group(int dimension, int tag, const std::string& name);
 
-  /// `type` is gmsh's, of which `nodes` are the node tags; `physicals` are the tags of the groups of the element's
-  /// dimension that it is in. Throws MeshDefect if a node does not exist.
+  /// `type`: gmsh's element type; `nodes`: the tags of its nodes; `physicals`: the tags of the groups that contain it,
+  /// of the element's own dimension. Throws MeshDefect if a node does not exist.
   void add(int type, std::size_t tag, std::span<const std::size_t> nodes, std::span<const int> physicals);
 
-  /// Data of elements, `components` numbers each; those of no tetrahedron are left out by `finish`. The first of a name
-  /// counts.
+  /// Data of elements, `components` numbers each; `finish` drops the values of other elements than tetrahedra. If a
+  /// name is given twice, the first data count.
   void add_data(CellField data, std::vector<std::size_t> element_tags);
 
   /// Throws MeshDefect if there are no tetrahedra, other volume elements, or a mixture of orders.

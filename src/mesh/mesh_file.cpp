@@ -19,13 +19,13 @@ namespace {
 
 constexpr const char* cure = "; write it again with `pliant mesh convert`";
 
-/// What is in the file, without its numbers.
+/// The contents of the file, without its numbers.
 struct Head {
   std::int64_t num_nodes = 0;
   std::int64_t num_cells = 0;
   std::vector<PhysicalGroup> groups;
-  std::vector<std::int64_t> num_members;  // of each group
-  std::vector<CellField> cell_data;       // without values
+  std::vector<std::int64_t> num_members;  // per group
+  std::vector<CellField> cell_data;       // names and components only
 };
 
 hid_t integer_type() {
@@ -36,16 +36,16 @@ bool exists(hid_t parent, const std::string& name) {
   return H5Lexists(parent, name.c_str(), H5P_DEFAULT) > 0;
 }
 
-/// A dataset of numbers of the given kind (H5T_INTEGER, H5T_FLOAT); its rows. `columns` is 0 for a plain list.
+/// A dataset of the given kind (H5T_INTEGER, H5T_FLOAT), read by rows. `columns` is 0 for a plain list.
 class Table {
  public:
   Table(hid_t file, const std::string& name, H5T_class_t kind) : name_(name) {
-    if (!exists(file, name)) throw MeshDefect("there is no " + name + " in it");
+    if (!exists(file, name)) throw MeshDefect("it contains no " + name);
     dataset_ = Hdf5Handle(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose, "open " + name);
     const Hdf5Handle type(H5Dget_type(dataset_.get()), H5Tclose, "open " + name);
     sizes_ = sizes_of(dataset_.get());
     if (H5Tget_class(type.get()) != kind) {
-      throw MeshDefect(name + " must hold " + (kind == H5T_FLOAT ? "real" : "whole") + " numbers");
+      throw MeshDefect(name + " must hold " + (kind == H5T_FLOAT ? "floating-point numbers" : "integers"));
     }
   }
   hid_t get() const { return dataset_.get(); }
@@ -59,9 +59,9 @@ class Table {
                      (columns == 0 ? "one dimension" : "rows of " + std::to_string(columns) + " numbers"));
   }
 
-  /// Sizes that the file's bytes cannot hold, however well packed, would be asked of the memory.
+  /// Rejects sizes that the file's bytes cannot hold, however well compressed, before memory is requested for them.
   void require_stored() const {
-    constexpr double best_packing = 1100;  // of zeros by deflate
+    constexpr double best_packing = 1100;  // of zeros, with deflate
     const Hdf5Handle type(H5Dget_type(dataset_.get()), H5Tclose, "open " + name_);
     double claimed = static_cast<double>(H5Tget_size(type.get()));
     for (const hsize_t size : sizes_) claimed *= static_cast<double>(size);
@@ -72,7 +72,7 @@ class Table {
     if (claimed <= best_packing * stored && stored <= static_cast<double>(file_size)) return;
     throw MeshDefect(name_ + " should have " + format_number(claimed) + " bytes, but the file holds " +
                      format_number(std::min(stored, static_cast<double>(file_size))) +
-                     " of them: it is truncated or damaged" + cure);
+                     " of them: the file is truncated or damaged" + cure);
   }
 
  private:
@@ -91,19 +91,19 @@ std::string data_path(std::size_t number) {
 
 void require_format(hid_t file) {
   const bool is_mesh = H5Aexists(file, "format") > 0 && text_attribute(file, "format") == mesh_file_format;
-  if (!is_mesh) throw MeshDefect("it is an HDF5 file, but no mesh of Pliant: make one with `pliant mesh convert`");
+  if (!is_mesh) throw MeshDefect("it is an HDF5 file, but not a mesh of Pliant: make one with `pliant mesh convert`");
   const std::int64_t version = integer_attribute(file, "version");
   if (version != mesh_file_version) {
-    throw MeshDefect("it has version " + std::to_string(version) + " of the format, and this program reads version " +
+    throw MeshDefect("it has version " + std::to_string(version) + " of the format, but this program reads version " +
                      std::to_string(mesh_file_version) + cure);
   }
 }
 
-/// Unknowns and entries are counted in PETSc's integers; there are three unknowns per node.
+/// Unknowns (degrees of freedom) and matrix entries are counted in PETSc's integers; a node has three unknowns.
 void require_countable(const Head& head) {
   if (head.num_nodes <= PETSC_MAX_INT / 3 && head.num_cells <= PETSC_MAX_INT / 4) return;
   throw MeshDefect("it has " + std::to_string(head.num_nodes) + " nodes and " + std::to_string(head.num_cells) +
-                   " tetrahedra, more than 32-bit integers count: build Pliant with a PETSc of 64-bit indices");
+                   " tetrahedra, too many for 32-bit indices: build Pliant with a PETSc configured for 64-bit indices");
 }
 
 PhysicalGroup read_group_name(const Table& table) {
@@ -149,7 +149,7 @@ Head read_head(hid_t file) {
   return head;
 }
 
-/// A file that HDF5 cannot read is told as a defect of the mesh.
+/// Reports a file that HDF5 cannot read as a defect of the mesh.
 template <class Work>
 auto reading(const std::string& file, Work work) {
   const QuietHdf5 quiet;
@@ -161,12 +161,12 @@ auto reading(const std::string& file, Work work) {
   }
 }
 
-/// In a process of its own, for HDF5 crashes over some damaged files. What describes the numbers is most of what it
-/// believes.
+/// Checks the header in a child process, because HDF5 crashes on some damaged files, mostly over the descriptions of
+/// datasets.
 void judge(const std::string& file, int num_ranks) {
   require_readable(file);
   (void)isolated({Suspect::hdf5}, [&] {
-    if (H5Fis_hdf5(file.c_str()) <= 0) throw MeshDefect("it is not an HDF5 file, or damaged at its beginning");
+    if (H5Fis_hdf5(file.c_str()) <= 0) throw MeshDefect("it is not an HDF5 file, or its beginning is damaged");
     require_enough_cells(reading(file, read_head).num_cells, num_ranks);
     return SerialMesh{};
   });
@@ -204,7 +204,7 @@ void require_cells(std::span<const PetscInt> cells, std::int64_t first_cell, std
   }
 }
 
-/// Members of a group: of volumes a cell each, else a cell and the number of a part of it.
+/// Members of a group: one cell each for volumes, else a cell and the number of its facet, edge or corner.
 using Members = std::vector<std::int64_t>;
 
 Members read_members(hid_t file, std::size_t number, const Head& head, const Hdf5Rows& rows) {
@@ -218,13 +218,13 @@ Members read_members(hid_t file, std::size_t number, const Head& head, const Hdf
     const bool has_part = dimension == 3 || (members[i + 1] >= 0 &&
                                              members[i + 1] < static_cast<std::int64_t>(num_local_parts(dimension)));
     if (has_cell && has_part) continue;
-    throw MeshDefect(describe(head.groups[number]) + " has a member that no cell has, in row " +
+    throw MeshDefect(describe(head.groups[number]) + " has a member that is not part of any cell, in row " +
                      std::to_string(rows.first + static_cast<std::int64_t>(i / columns)) + cure);
   }
   return members;
 }
 
-/// To each rank the members of its cells. Collective.
+/// Sends the members of groups to the ranks that have their cells. Collective.
 Members sent_to_cells(MPI_Comm comm, const Members& members, std::size_t columns, std::int64_t num_cells) {
   const int size = num_ranks(comm);
   const auto to = [&](std::size_t i) { return static_cast<std::size_t>(rank_of_row(members[i], num_cells, size)); };
@@ -244,7 +244,7 @@ Members sent_to_cells(MPI_Comm comm, const Members& members, std::size_t columns
   return received;
 }
 
-/// Cells by their place in this rank's block; of other dimensions the nodes.
+/// Volumes list cells by their index in this rank's block, groups of other dimensions their nodes.
 std::vector<PetscInt> in_block(const Members& members, int dimension, const MeshParts& parts, std::int64_t first_cell) {
   std::vector<PetscInt> result;
   if (dimension == 3) {
@@ -294,8 +294,8 @@ bool is_mesh_file(const std::string& file) {
   return extension == ".h5" || extension == ".hdf5";
 }
 
-// Every rank opens the file by itself and reads contiguous rows: there is nothing that a collective read could put
-// together, and a failure of one rank leaves no other waiting.
+// Every rank opens the file itself and reads contiguous rows: a collective read would gain nothing, and here the
+// failure of one rank leaves no other waiting.
 MeshParts read_mesh_file(MPI_Comm comm, const MeshSource& source) {
   const int r = rank(comm), size = num_ranks(comm);
   on_root(comm, [&] { telling_the_user(source, [&] { judge(source.file, size); }); });

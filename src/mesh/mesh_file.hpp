@@ -1,16 +1,16 @@
-/// Pliant's own mesh format: an HDF5 file of which every rank reads its part, so that no rank ever holds the whole
+/// Pliant's own mesh format: an HDF5 file from which every rank reads its part, so that no rank ever holds the whole
 /// mesh.
 ///
 ///   /                 attributes: format "pliant-mesh", version 1
 ///   /nodes            (nodes, 3): positions; every node is a corner of a tetrahedron
 ///   /cells            (cells, 4): nodes from 0, positively oriented
-///   /groups/0 ...     a dataset per physical group, attributes: dimension, tag, name. Of a volume (members): cells
-///   from
-///                     0. Else (members, 2): a cell, and which of its facets (i is opposite to corner i), edges (as in
-///                     `local_edges`) or corners. Each member once, by ascending cells.
+///   /groups/0 ...     a dataset per physical group, attributes: dimension, tag, name. Volumes: (members), cells from
+/// 0.
+///                     Others: (members, 2), a cell and the index of its facet (i is opposite to corner i), edge (as in
+///                     `local_edges`) or corner. Each member once, by ascending cells.
 ///   /cell_data/0 ...  a dataset per field of numbers of cells, (cells, components); attribute: name
 ///
-/// Such a file is made of a mesh that was repaired and checked as a whole (repair.hpp, dual_graph.hpp), which no rank
+/// Such a file is made from a mesh that was repaired and checked as a whole (repair.hpp, dual_graph.hpp), which no rank
 /// could do with its part. First-order geometry only.
 #pragma once
 
@@ -26,17 +26,18 @@ namespace pliant {
 inline constexpr const char* mesh_file_format = "pliant-mesh";
 inline constexpr std::int64_t mesh_file_version = 1;
 
-/// Corners of the facets, edges and corners of a tetrahedron by dimension, as the members of groups count them.
+/// Local corners of the facets, edges and corners of a tetrahedron, by dimension, in the order in which group members
+/// are numbered.
 inline constexpr std::array<std::array<int, 3>, 4> local_facets{{{1, 2, 3}, {0, 2, 3}, {0, 1, 3}, {0, 1, 2}}};
 std::span<const int> local_part(int dimension, std::size_t number);
 std::size_t num_local_parts(int dimension);
 
-/// Is it such a file, by its name (.h5, .hdf5)?
+/// Whether the name is that of such a file (.h5, .hdf5).
 bool is_mesh_file(const std::string& file);
 
-/// This rank's block of the cells, with its part of the groups and data, and its block of the nodes. Checks what it
-/// reads: throws InputError at `source.where` for what is no such file, of another version or incomplete, for nodes
-/// that are not finite, and cells or members of groups that cannot be; the same on every rank. Collective.
+/// Reads this rank's block of the cells, with its part of the groups and data, and its block of the nodes. Throws
+/// InputError at `source.where` for a file that is not of this format, of another version or incomplete, for nodes that
+/// are not finite, and for impossible cells or members of groups; the same on every rank. Collective.
 MeshParts read_mesh_file(MPI_Comm comm, const MeshSource& source);
 
 }  // namespace pliant

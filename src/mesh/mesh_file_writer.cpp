@@ -12,7 +12,7 @@
 namespace pliant {
 namespace {
 
-/// Which cells have a node.
+/// The cells of each node.
 class CellsAtNode {
  public:
   explicit CellsAtNode(const SerialMesh& mesh) : offsets_(mesh.num_nodes() + 1, 0), cells_(mesh.cells.size()) {
@@ -32,9 +32,9 @@ class CellsAtNode {
   std::vector<std::size_t> cells_;
 };
 
-using Member = std::array<std::int64_t, 2>;  // a cell, and which of its facets, edges or corners
+using Member = std::array<std::int64_t, 2>;  // a cell, and the index of its facet, edge or corner
 
-/// The first cell that has the facet, edge or corner of these nodes; no cell: false.
+/// Finds the first cell that has the facet, edge or corner of these nodes; false if there is none.
 bool find_member(const SerialMesh& mesh, const CellsAtNode& cells_at, std::span<const PetscInt> nodes, Member& found) {
   if (std::ranges::any_of(nodes, [](PetscInt node) { return node < 0; })) return false;
   const int dimension = static_cast<int>(nodes.size()) - 1;
@@ -108,7 +108,7 @@ void write_numbers(hid_t file, SerialMesh& mesh) {
   }
 }
 
-/// More than the file will take: HDF5 does not survive a full disk.
+/// An upper bound of the file's size: HDF5 does not survive a full disk.
 std::int64_t largest_size(const SerialMesh& mesh) {
   std::size_t numbers = mesh.coordinates.size() + mesh.cells.size() + 64 * 1024;
   for (const auto& group : mesh.groups) numbers += 2 * group.members.size();
@@ -121,11 +121,11 @@ std::int64_t largest_size(const SerialMesh& mesh) {
 void write_mesh_file(const std::string& file, SerialMesh& mesh) {
   if (mesh.geometry_order() != 1) {
     throw MeshDefect(
-        "its second-order tetrahedra are curved, and the HDF5 format keeps straight ones only: mesh it with "
+        "its second-order tetrahedra are curved, but the HDF5 format supports only straight ones: mesh it with "
         "first-order elements (Mesh.ElementOrder = 1), or use the .msh file itself");
   }
   sort_along_curve(mesh);
-  // A file of this name is a whole one.
+  // The file gets this name only when it is complete.
   const std::string part = file + ".part";
   const QuietHdf5 quiet;
   try {

@@ -13,7 +13,7 @@ bool is_space(char c) {
   return c == ' ' || c == '\n' || c == '\t' || c == '\r';
 }
 
-/// A word of the file in quotes, fit for a message.
+/// A word of the file in quotes, shortened for a message.
 std::string shown(std::string_view word) {
   constexpr std::size_t longest = 30;
   std::string text = excerpt(word, longest);
@@ -57,7 +57,7 @@ std::string MshCursor::quoted(const char* what) {
   while (at_ < bytes_.size() && is_space(bytes_[at_])) ++at_;
   const std::size_t end =
       at_ < bytes_.size() && bytes_[at_] == '"' ? bytes_.find('"', at_ + 1) : std::string_view::npos;
-  if (end == std::string_view::npos) fail(std::string(what) + " should stand here in double quotes");
+  if (end == std::string_view::npos) fail(std::string(what) + " is expected here in double quotes");
   std::string text(bytes_.substr(at_ + 1, end - at_ - 1));
   try {
     require_plain_name(text);
@@ -87,12 +87,12 @@ bool MshCursor::skip_past(std::string_view text) {
 std::int64_t MshCursor::integer(const char* what, std::int64_t lower, std::int64_t upper) {
   std::string_view text = word();
   const std::string_view whole = text;
-  if (text.empty()) fail_at_end(std::string("where ") + what + " should be");
+  if (text.empty()) fail_at_end(std::string("where ") + what + " is expected");
   if (text.front() == '+') text.remove_prefix(1);
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || value < lower || value > upper) {
-    fail(std::string(what) + " should be here, not " + shown(whole));
+    fail(std::string(what) + " is expected here, not " + shown(whole));
   }
   return value;
 }
@@ -100,14 +100,14 @@ std::int64_t MshCursor::integer(const char* what, std::int64_t lower, std::int64
 double MshCursor::real(const char* what) {
   std::string_view text = word();
   const std::string_view whole = text;
-  if (text.empty()) fail_at_end(std::string("where ") + what + " should be");
+  if (text.empty()) fail_at_end(std::string("where ") + what + " is expected");
   if (text.front() == '+') text.remove_prefix(1);
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (end != text.data() + text.size() || error == std::errc::invalid_argument) {
-    fail(std::string(what) + " should be here, not " + shown(whole));
+    fail(std::string(what) + " is expected here, not " + shown(whole));
   }
-  // Out of range: strtod gives 0 or infinity, as the case may be.
+  // Out of range: strtod returns 0 or infinity.
   if (error == std::errc::result_out_of_range) value = std::strtod(std::string(text).c_str(), nullptr);
   return value;
 }

@@ -1,4 +1,4 @@
-/// A place in the bytes of a .msh file: words and binary numbers, with a message that points when they are not there.
+/// A position in the bytes of a .msh file: reads words and binary numbers, and reports where they are missing.
 #pragma once
 
 #include <algorithm>
@@ -23,8 +23,8 @@ class MshCursor {
   void use(Encoding encoding) { encoding_ = encoding; }
   Encoding encoding() const { return encoding_; }
 
-  /// The next number of type T (a signed or unsigned integer, or double), in the current encoding; `what` for the
-  /// message.
+  /// The next number of type T (a signed or unsigned integer, or double), in the current encoding; `what` names it in
+  /// messages.
   template <class T>
   T number(const char* what) {
     if (encoding_ == Encoding::ascii) {
@@ -35,7 +35,7 @@ class MshCursor {
             integer(what, static_cast<std::int64_t>(std::is_unsigned_v<T> ? 0 : lowest<T>()), highest<T>()));
       }
     }
-    if (remaining() < sizeof(T)) fail_at_end(std::string("where ") + what + " should be");
+    if (remaining() < sizeof(T)) fail_at_end(std::string("where ") + what + " is expected");
     std::array<char, sizeof(T)> raw{};
     std::memcpy(raw.data(), bytes_.data() + at_, sizeof(T));
     if (encoding_ == Encoding::binary_swapped) std::reverse(raw.begin(), raw.end());
@@ -43,7 +43,7 @@ class MshCursor {
     return std::bit_cast<T>(raw);
   }
 
-  /// A count of things of which each takes at least `bytes_each`: one that the rest of the file cannot hold is rejected
+  /// A count of items that take at least `bytes_each` each: a count that the rest of the file cannot hold is rejected
   /// here.
   template <class T>
   std::size_t count(const char* what, std::size_t bytes_each) {
@@ -52,20 +52,20 @@ class MshCursor {
     return static_cast<std::size_t>(n);
   }
 
-  /// Whitespace-separated word; empty at the end of the file.
+  /// The next word; empty at the end of the file.
   std::string_view word();
   /// Text between double quotes.
   std::string quoted(const char* what);
-  /// The rest of the line, without its end.
+  /// The rest of the line, without its line break.
   std::string_view line();
-  /// Moves behind the next occurrence of `text`; false, and no move, if there is none.
+  /// Moves behind the next occurrence of `text`; returns false, and does not move, if there is none.
   bool skip_past(std::string_view text);
 
   std::size_t remaining() const { return bytes_.size() - at_; }
   [[noreturn]] void fail(const std::string& message) const;
-  /// "the file ends <where>", and what to do about it.
+  /// Fails with "the file ends <where>", and what to do about it.
   [[noreturn]] void fail_at_end(const std::string& where) const;
-  /// "<why>: the file is damaged", and what to do about it.
+  /// Fails with "<why>: the file is damaged", and what to do about it.
   [[noreturn]] void fail_as_damaged(const std::string& why) const;
 
  private:

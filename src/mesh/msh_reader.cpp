@@ -27,12 +27,12 @@ std::string contents(const std::string& file) {
   return bytes;
 }
 
-// The fewest bytes one item takes in ascii (a digit and a blank) times the numbers it has; binary items take more.
+// The fewest bytes of an item: in ascii a digit and a blank times its numbers; binary items take more.
 constexpr std::size_t bytes_of(std::size_t num_numbers) {
   return 2 * num_numbers;
 }
 
-/// One pass through the sections of a file.
+/// Reads the sections of a file in one pass.
 class MshFile {
  public:
   explicit MshFile(std::string_view bytes) : in_(bytes) {}
@@ -62,11 +62,11 @@ class MshFile {
   Encoding encoding_ = Encoding::ascii;
   std::set<std::string> sections_;  // read so far
   std::vector<std::tuple<int, int, std::string>> names_;
-  std::map<std::pair<int, int>, std::vector<int>> physicals_;  // version 4: of each entity
-  std::set<int> partitions_;                                   // that have volumes
+  std::map<std::pair<int, int>, std::vector<int>> physicals_;  // version 4: groups of each entity
+  std::set<int> partitions_;                                   // partitions that contain volumes
   std::optional<MeshCollector> collector_;
-  std::vector<std::size_t> nodes_;                                    // of the element at hand
-  std::vector<std::pair<CellField, std::vector<std::size_t>>> data_;  // with the elements' tags
+  std::vector<std::size_t> nodes_;                                    // of the current element
+  std::vector<std::pair<CellField, std::vector<std::size_t>>> data_;  // with the tags of their elements
 };
 
 void MshFile::read_format() {
@@ -78,16 +78,17 @@ void MshFile::read_format() {
   } else if (version >= 2.0 && version < 3.0) {
     version_ = 2;
   } else {
-    in_.fail(fmt::format("version {:g}", version) +
-             " of the format is not read, only 2.2 and 4.1; convert it: gmsh old.msh -save -format msh41 -o new.msh");
+    in_.fail(
+        fmt::format("version {:g}", version) +
+        " of the format is not supported, only 2.2 and 4.1; convert it: gmsh old.msh -save -format msh41 -o new.msh");
   }
   if (is_binary != 0 && is_binary != 1) in_.fail("the file type must be 0 (ascii) or 1 (binary)");
   if (data_size != 8) in_.fail("the data size must be 8 bytes");
   (void)in_.line();
   if (is_binary == 1) {
     in_.use(Encoding::binary);
-    const auto one = in_.number<std::int32_t>("the number 1, which tells the byte order,");
-    if (one != 1 && one != 0x01000000) in_.fail_as_damaged("the number that tells the byte order is wrong");
+    const auto one = in_.number<std::int32_t>("the number 1 that marks the byte order");
+    if (one != 1 && one != 0x01000000) in_.fail_as_damaged("the number that marks the byte order is wrong");
     encoding_ = one == 1 ? Encoding::binary : Encoding::binary_swapped;
   }
 }
@@ -145,7 +146,7 @@ void MshFile::read_partitioned_entities() {
   }
   if (!partitions_.empty() && partitions_.size() < num_partitions) {
     in_.fail(
-        fmt::format("the file holds {} of a mesh's {} partitions; write the whole mesh into one file, in gmsh "
+        fmt::format("the file holds {} of a mesh's {} partitions; write the whole mesh to one file, in gmsh "
                     "without -part_split (Mesh.PartitionSplitMeshFiles = 0)",
                     partitions_.size(), num_partitions));
   }
@@ -190,13 +191,13 @@ void MshFile::read_nodes_4() {
     }
   }
   if (tags.size() != num_nodes) {
-    in_.fail("the blocks of nodes hold " + std::to_string(tags.size()) + " nodes, the section says " +
+    in_.fail("the blocks of nodes hold " + std::to_string(tags.size()) + " nodes, but the section says " +
              std::to_string(num_nodes));
   }
   collector_.emplace(std::move(tags), std::move(coordinates));
 }
 
-// Negative where the group has the element turned round.
+// Negative where the group has the element with opposite orientation.
 int MshFile::physical_tag(const char* what) {
   const int tag = in_.number<int>(what);
   if (tag == std::numeric_limits<int>::min()) in_.fail_as_damaged(std::string(what) + " is too large");
@@ -206,7 +207,7 @@ int MshFile::physical_tag(const char* what) {
 int MshFile::element_type() {
   const int type = in_.number<int>("the type of an element");
   if (type <= 0 || type >= static_cast<int>(element_types.size())) {
-    in_.fail("elements of gmsh's type " + std::to_string(type) + " cannot be used: only tetrahedra of order 1 or 2");
+    in_.fail("elements of gmsh type " + std::to_string(type) + " are not supported: only tetrahedra of order 1 or 2");
   }
   return type;
 }
@@ -236,7 +237,7 @@ void MshFile::read_element_2(int type, int tag, std::size_t num_tags) {
 }
 
 // Ascii: "number type num_tags tags nodes" per element; binary: "type num_elements num_tags" per block, then the rest
-// of each.
+// of each element.
 void MshFile::read_elements_2() {
   in_.use(Encoding::ascii);
   const auto num_elements = in_.count<std::int64_t>("the number of elements", bytes_of(3));
@@ -250,7 +251,7 @@ void MshFile::read_elements_2() {
     const std::size_t block = is_ascii ? 1 : in_.count<int>("the number of elements in a block", sizeof(int));
     const auto num_tags = in_.count<int>("the number of tags of an element", bytes_of(1));
     if (block == 0 || block > num_elements - done)
-      in_.fail("the blocks of elements do not add up to the section's number");
+      in_.fail("the blocks of elements do not add up to the number that the section gives");
     for (std::size_t i = 0; i < block; ++i) {
       const int tag = is_ascii ? first_tag : in_.number<int>("the number of an element");
       read_element_2(type, tag, num_tags);
@@ -286,12 +287,12 @@ void MshFile::read_elements_4() {
     done += count;
   }
   if (done != num_elements) {
-    in_.fail("the blocks of elements hold " + std::to_string(done) + " elements, the section says " +
+    in_.fail("the blocks of elements hold " + std::to_string(done) + " elements, but the section says " +
              std::to_string(num_elements));
   }
 }
 
-// The head is ascii in binary files too: names, real numbers (the time), integers (step, components, entries, ...).
+// The header is ascii in binary files too: names, real numbers (the time), integers (step, components, entries, ...).
 void MshFile::read_element_data() {
   in_.use(Encoding::ascii);
   CellField data;
@@ -327,9 +328,9 @@ void MshFile::end_section(const std::string& name) {
   in_.use(Encoding::ascii);
   const std::string_view word = in_.word();
   if (word == "$End" + name) return;
-  if (word.empty()) in_.fail_at_end("inside of $" + name);
+  if (word.empty()) in_.fail_at_end("inside $" + name);
   in_.fail("$End" + name +
-           " should be here: the number of entries at the head of the section is wrong, or the file is damaged; write "
+           " is expected here: the number of entries in the section's header is wrong, or the file is damaged; write "
            "or copy it again");
 }
 
@@ -347,7 +348,7 @@ void MshFile::read_section(const std::string& name) {
   };
   const auto reader = readers.find(name);
   if (reader == readers.end() || reader->second == nullptr) {
-    if (!in_.skip_past("$End" + name)) in_.fail_at_end("inside of $" + excerpt(name, 30));
+    if (!in_.skip_past("$End" + name)) in_.fail_at_end("inside $" + excerpt(name, 30));
     return;
   }
   if (!sections_.insert(name).second && name != "ElementData") in_.fail("there is a second $" + name + " section");
@@ -364,7 +365,7 @@ SerialMesh MshFile::read() {
       in_.fail(
           version_ == 0
               ? "the file does not begin with $MeshFormat: it is not a .msh file of version 2.2 or 4.1"
-              : "a section ($Nodes, $Elements, ...) should begin here: the file is damaged; write or copy it again");
+              : "a section ($Nodes, $Elements, ...) is expected here: the file is damaged; write or copy it again");
     }
     read_section(name);
   }

@@ -1,4 +1,4 @@
-/// From node tags, which may have gaps, to 0, 1, 2, ...
+/// Maps node tags, which may have gaps, to 0, 1, 2, ...
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace pliant {
 
-/// A dense table, or a sorted one where the tags are sparse. Throws MeshDefect for a tag given twice or asked for
-/// without being there.
+/// A dense table, or a sorted one where the tags are sparse. Throws MeshDefect for a tag that is given twice or looked
+/// up but missing.
 class NodeNumbering {
  public:
   explicit NodeNumbering(const std::vector<std::size_t>& tags);

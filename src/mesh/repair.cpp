@@ -14,12 +14,12 @@ namespace {
 using tetrahedron::Corners;
 using tetrahedron::Point;
 
-// A tetrahedron counts as flat if its volume is below this part of its longest edge cubed: 1e4 times the rounding error
-// of the volume for coordinates as large as the edge, far below any sliver a mesher leaves (1e-4).
+// A tetrahedron is flat if its volume is below this fraction of its longest edge cubed: 1e4 times the rounding error of
+// the volume for coordinates as large as the edge, far below any sliver that a mesher leaves (1e-4).
 constexpr double flat_volume = 1e-11;
-// Nodes this close, relative to the extent of the mesh, are the same place.
+// Nodes closer than this, relative to the extent of the mesh, coincide.
 constexpr double coincidence = 1e-10;
-// A mid-edge node this close to the middle, relative to the edge's length, is on a straight edge.
+// A mid-edge node closer to the midpoint than this, relative to the edge's length, lies on a straight edge.
 constexpr double straightness = 1e-9;
 
 using Reasons = std::vector<std::string>;
@@ -46,7 +46,7 @@ void require_finite_nodes(const SerialMesh& mesh, Reasons& reasons) {
   std::vector<std::size_t> bad;
   for (std::size_t i = 0; i < mesh.num_nodes(); ++i) {
     const double* x = mesh.node(static_cast<PetscInt>(i));
-    // the square of a length must be a number too
+    // The square of a length must be finite too.
     const double r = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
     if (!std::isfinite(r * std::sqrt(r))) bad.push_back(mesh.node_tags[i]);
   }
@@ -81,7 +81,7 @@ void turn_inverted_round(SerialMesh& mesh, MeshReport& report, Reasons& reasons)
   }
   report.num_inverted_cells = static_cast<long long>(inverted.size());
   if (!inverted.empty()) {
-    report.notices.push_back(std::to_string(inverted.size()) + " inverted tetrahedra were turned round: element " +
+    report.notices.push_back(std::to_string(inverted.size()) + " inverted tetrahedra were reoriented: element " +
                              first_few(inverted));
   }
 }
@@ -105,16 +105,15 @@ void require_distinct_cells(const SerialMesh& mesh, Reasons& reasons) {
   }
   if (!repeated.empty()) {
     reasons.push_back(
-        "tetrahedra given twice (the same four nodes as another): element " + first_few(repeated) +
-        "; delete one of each. Version 2.2 has a volume of two physical groups twice: put it into one, or "
+        "duplicate tetrahedra (the same four nodes as another): element " + first_few(repeated) +
+        "; delete one of each. Version 2.2 lists a volume of two physical groups twice: put it into one, or "
         "write version 4.1 (Mesh.MshFileVersion = 4.1)");
   }
 }
 
-/// Nodes that lie on top of each other: sorted along a direction in which lattice nodes do not tie, near neighbours are
-/// compared.
+/// Finds nodes that coincide: sorts along a direction in which lattice nodes do not tie, and compares near neighbours.
 void require_distinct_places(const SerialMesh& mesh, PetscInt num_vertices, Reasons& reasons) {
-  constexpr Point direction{0.6213412, 0.5177432, 0.5881174};  // of length 1 to 6 digits, generic
+  constexpr Point direction{0.6213412, 0.5177432, 0.5881174};  // generic; a unit vector to 6 digits
   double extent = 0.0;
   for (int k = 0; k < 3; ++k) {
     double lower = mesh.coordinates[static_cast<std::size_t>(k)], upper = lower;
@@ -150,7 +149,7 @@ void require_distinct_places(const SerialMesh& mesh, PetscInt num_vertices, Reas
       "geometry, Coherence Mesh on a mesh), or leave a gap between them");
 }
 
-/// Numbers the corners first, then the mid-edge nodes, each in the file's order; drops the rest.
+/// Numbers the corners first, then the mid-edge nodes, each in the file's order; drops all other nodes.
 PetscInt drop_orphans(SerialMesh& mesh, MeshReport& report) {
   std::vector<PetscInt> number(mesh.num_nodes(), -1);
   for (const PetscInt node : mesh.cells) number[static_cast<std::size_t>(node)] = 0;
@@ -190,7 +189,7 @@ PetscInt drop_orphans(SerialMesh& mesh, MeshReport& report) {
   return num_vertices;
 }
 
-/// Neighbours must agree on the node in the middle of their common edge, and that node must not be a corner.
+/// Neighbours must agree on the mid-edge node of their common edge, and that node must not be a corner.
 void require_one_mid_node_per_edge(const SerialMesh& mesh, PetscInt num_vertices, Reasons& reasons) {
   struct Edge {
     PetscInt first, second, mid, cell;
@@ -216,7 +215,7 @@ void require_one_mid_node_per_edge(const SerialMesh& mesh, PetscInt num_vertices
   std::sort(bad.begin(), bad.end());
   bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
   reasons.push_back(
-      "second-order tetrahedra that disagree with a neighbour on the middle node of an edge, or use a corner for it: "
+      "second-order tetrahedra that disagree with a neighbour on the mid-edge node of an edge, or use a corner for it: "
       "element " +
       first_few(bad) + "; mesh all volumes together with Mesh.ElementOrder = 2");
 }
@@ -232,7 +231,7 @@ void require_unfolded_curves(const SerialMesh& mesh, Reasons& reasons) {
     if (!(tetrahedron::relative_jacobian(x) > 0.0)) folded.push_back(mesh.cell_tags[c]);
   }
   if (folded.empty()) return;
-  reasons.push_back("curved tetrahedra that fold over themselves: element " + first_few(folded) +
+  reasons.push_back("folded curved tetrahedra: element " + first_few(folded) +
                     "; mesh it finer there, set Mesh.HighOrderOptimize = 2 in gmsh, or use first-order elements");
 }
 
@@ -254,7 +253,7 @@ void forget_straight_mid_nodes(SerialMesh& mesh, PetscInt num_vertices, MeshRepo
   mesh.mid_nodes.clear();
   mesh.coordinates.resize(3 * static_cast<std::size_t>(num_vertices));
   mesh.node_tags.resize(static_cast<std::size_t>(num_vertices));
-  report.notices.push_back("all edges of the second-order mesh are straight: treated as a first-order geometry");
+  report.notices.push_back("all edges of the second-order mesh are straight: it is used as a first-order mesh");
 }
 
 void throw_if_any(const Reasons& reasons) {

@@ -1,4 +1,4 @@
-/// What is wrong with a serial mesh, and what can be put right.
+/// Finds the defects of a serial mesh, and repairs what can be repaired.
 #pragma once
 
 #include "mesh/report.hpp"
@@ -6,10 +6,10 @@
 
 namespace pliant {
 
-/// Drops orphan nodes, turns inverted tetrahedra round, sees straight second-order meshes as first-order ones, and
-/// rejects what cannot be put right: nodes that are not finite or coincide, flat tetrahedra, tetrahedra given twice,
-/// group names given twice. Afterwards nodes are numbered with the corners first; `num_vertices` of them. Repairs are
-/// counted and noticed in `report`. Throws MeshDefect with every reason found. Not collective.
+/// Drops orphan nodes, reorients inverted tetrahedra, converts straight second-order meshes to first order, and rejects
+/// what cannot be repaired: nodes that are not finite or coincide, flat tetrahedra, duplicate tetrahedra, duplicate
+/// group names. Afterwards the `num_vertices` corner nodes are numbered first. Repairs are counted and described in
+/// `report`. Throws MeshDefect with every reason found. Not collective.
 PetscInt repair(SerialMesh& mesh, MeshReport& report);
 
 }  // namespace pliant

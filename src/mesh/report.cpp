@@ -32,7 +32,7 @@ void describe_quality(std::string& text, const MeshReport& report) {
   const long long most = std::max(1LL, *std::max_element(counts.begin(), counts.end()));
   text += fmt::format("  quality    worst {:.3g} (mean ratio: 1 regular, 0 flat)\n", report.min_quality);
   for (std::size_t i = 0; i < counts.size(); ++i) {
-    // any tetrahedron at all shows as one mark
+    // Even a single tetrahedron shows as one mark.
     const long long length = (bar_length * counts[i] + most - 1) / most;
     text += fmt::format("    {:.1f}-{:.1f} {:>9}  {}\n", 0.1 * static_cast<double>(i), 0.1 * static_cast<double>(i + 1),
                         counts[i], std::string(static_cast<std::size_t>(length), '#'));

@@ -1,4 +1,4 @@
-/// What the preflight check of a mesh found.
+/// The results of a mesh's preflight check.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 
 namespace pliant {
 
-/// Size of a physical group on the distributed, refined mesh.
+/// Size of a physical group in the distributed, refined mesh.
 struct GroupReport {
   int dimension = 3;
   int tag = 0;
@@ -16,13 +16,13 @@ struct GroupReport {
   double measure = 0.0;  ///< length [m], area [m^2] or volume [m^3]; 0 for points
 };
 
-/// Size and health of the tetrahedra of the whole mesh.
+/// Size and quality of the tetrahedra of the whole mesh.
 struct MeshReport {
   long long num_cells = 0;
-  long long num_vertices = 0;  ///< used by tetrahedra, after refinement
+  long long num_vertices = 0;  ///< corners of tetrahedra, after refinement
   long long num_edges = 0;
   long long num_orphan_nodes = 0;    ///< nodes of the file that no tetrahedron uses; dropped
-  long long num_inverted_cells = 0;  ///< negatively oriented in the file; turned round
+  long long num_inverted_cells = 0;  ///< negatively oriented in the file; reoriented
   std::array<long long, 10>
       quality_histogram{};  ///< count per tenth of the mean-ratio quality 12 (3V)^(2/3) / sum of squared edges, 0..1
   double min_quality = 0.0;
@@ -34,7 +34,7 @@ struct MeshReport {
   long long edge_cut = 0;                 ///< facets shared by cells of two ranks, on the unrefined mesh
   int geometry_order = 1;                 ///< 2: curved edges
   std::vector<GroupReport> groups;        ///< in the order of Mesh::groups
-  std::vector<std::string> notices;       ///< in plain words, e.g. "12 inverted tetrahedra were turned round"
+  std::vector<std::string> notices;       ///< in plain words, e.g. "12 inverted tetrahedra were reoriented"
 };
 
 /// The report as aligned text of several lines, with a histogram of the quality; ends with a line break.

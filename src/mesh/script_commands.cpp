@@ -33,15 +33,15 @@ constexpr std::array<Command, 12> commands{{{"SystemCall", "runs a program"},
                                             {"Print", "writes a file"},
                                             {"CreateDir", "writes a file"},
                                             {"Plugin", "can write files"},
-                                            {"StringToName", "can make a command of a text"},
-                                            {"S2N", "can make a command of a text"}}};
+                                            {"StringToName", "can turn a text into a command"},
+                                            {"S2N", "can turn a text into a command"}}};
 
 const Words loading{"Include", "Merge", "MergeWithBoundingBox"};
 const Words printing{"Printf", "Warning", "Error"};
 const Words skipping{"If", "ElseIf", "Else", "For", "Macro", "Function"};
 const Words ending{"EndIf", "ElseIf", "Else", "EndFor", "Return"};
 
-// Extensions by which gmsh knows a format that is not a script, in the letters it knows them by.
+// Extensions by which gmsh recognises formats that are not scripts, with the capitals that it recognises.
 const Words other_formats{".stl", ".STL",  ".step", ".STEP", ".stp", ".STP", ".brep",
                           ".brp", ".BREP", ".iges", ".IGES", ".igs", ".IGS"};
 
@@ -54,7 +54,7 @@ enum class TokenKind { word, text, symbol };
 struct Token {
   TokenKind kind = TokenKind::symbol;
   std::string_view text;
-  std::size_t at = 0;  ///< byte in the file
+  std::size_t at = 0;  ///< byte offset in the file
 };
 
 bool begins_word(char c) {
@@ -64,11 +64,11 @@ bool is_of_word(char c) {
   return begins_word(c) || (c >= '0' && c <= '9');
 }
 
-/// A script as gmsh's scanner divides it (Parser/Gmsh.l): comments of both kinds, texts in quotes of both kinds without
-/// escapes, words.
+/// A script divided as gmsh's scanner does (Parser/Gmsh.l): comments of both kinds, texts in quotes of both kinds
+/// without escapes, words.
 struct Script {
   std::vector<Token> tokens;
-  std::vector<std::string_view> asides;  ///< what stands in comments and in texts
+  std::vector<std::string_view> asides;  ///< contents of comments and texts
   std::size_t longest_text = 0;
 };
 
@@ -113,7 +113,7 @@ Script divided(std::string_view script) {
   return result;
 }
 
-/// Every word, those in comments and texts too.
+/// All words, including those in comments and texts.
 std::vector<Token> all_words(std::string_view script) {
   std::vector<Token> words;
   for (std::size_t at = 0; at < script.size();) {
@@ -124,8 +124,8 @@ std::vector<Token> all_words(std::string_view script) {
   return words;
 }
 
-/// gmsh skips what is not to be run (If, Macro, For) by another scanner, which loses its way over marks of comments and
-/// quotes: it can be led to find its end, and go on, within a comment or a text.
+/// gmsh skips inactive code (If, Macro, For) with a second scanner that misreads the marks of comments and quotes: it
+/// can be made to find the end of the skipped code, and to continue, within a comment or a text.
 bool may_run_asides(const Script& script) {
   const auto skips = [](const Token& t) { return t.kind == TokenKind::word && is_one_of(skipping, t.text); };
   const auto has_end = [](std::string_view aside) {
@@ -136,12 +136,12 @@ bool may_run_asides(const Script& script) {
 
 class Examination {
  public:
-  /// `place`: empty for the file that the input names, whose name the message has anyway.
+  /// `place`: empty for the file that the input names, which the message names anyway.
   void examine(const std::filesystem::path& file, const std::string& place) {
     std::error_code error;
     const auto canonical = std::filesystem::weakly_canonical(file, error);
     if (!seen_.insert(canonical.string()).second) return;
-    if (!std::filesystem::is_regular_file(file, error)) return;  // gmsh says what it cannot load
+    if (!std::filesystem::is_regular_file(file, error)) return;  // gmsh reports what it cannot load
     if (!is_one_of(other_formats, file.extension().string())) examine_script(file, place);
     const std::string options = file.string() + ".opt";
     examine(options, place.empty() ? "in '" + options + "', which gmsh loads too, " : place);
@@ -152,14 +152,15 @@ class Examination {
  private:
   void examine_script(const std::filesystem::path& file, const std::string& place) {
     std::ifstream stream(file, std::ios::binary);
-    if (stream.peek() == '$') return;  // a mesh or its data: gmsh goes by the first line
+    if (stream.peek() == '$') return;  // a mesh or its data: gmsh decides by the first line
     const std::string script{std::istreambuf_iterator<char>(stream), {}};
     if (script.find('\0') != std::string::npos || script.starts_with("\x1f\x8b")) {
-      reasons_.push_back(place + "it is not a text: it is compressed, or damaged");
+      reasons_.push_back(place + "it is not a text file: it is compressed, or damaged");
       return;
     }
     const Script parts = divided(script);
-    constexpr std::size_t longest_text = 1000;  // gmsh takes what is beyond its 1023 bytes of a text as statements
+    constexpr std::size_t longest_text =
+        1000;  // gmsh reads what is beyond the first 1023 bytes of a text as statements
     if (parts.longest_text > longest_text) {
       reasons_.push_back(place + "it has a text in quotes of more than 1000 bytes, which gmsh cannot read");
     }
@@ -199,7 +200,7 @@ class Examination {
     }
   }
 
-  /// Does a `>` follow outside of the parentheses, before the statement ends?
+  /// Whether a `>` follows outside the parentheses, before the statement ends.
   static bool is_redirected(const std::vector<Token>& tokens, std::size_t i) {
     int depth = 0;
     for (++i; i < tokens.size(); ++i) {
@@ -219,8 +220,8 @@ class Examination {
       if (tokens[i].kind != TokenKind::word || !is_one_of(loading, tokens[i].text)) continue;
       const bool is_plain = i + 2 < tokens.size() && tokens[i + 1].kind == TokenKind::text && tokens[i + 2].text == ";";
       if (!is_plain) {
-        tell(tokens[i], fmt::format("'{}' loads a file that it does not name by a plain text in quotes, so nobody can "
-                                    "look for commands in it",
+        tell(tokens[i], fmt::format("'{}' loads a file whose name is not a plain text in quotes, so it cannot be "
+                                    "searched for commands",
                                     tokens[i].text));
         continue;
       }

@@ -1,4 +1,4 @@
-/// The whole mesh on one rank, between the reader and the distribution.
+/// The whole mesh on one rank, between reading and distribution.
 #pragma once
 
 #include "mesh/mesh.hpp"
@@ -10,14 +10,14 @@
 
 namespace pliant {
 
-/// A physical group with its members. Volumes list cells; lower dimensions list the corner nodes of their facets,
-/// dimension + 1 numbers each.
+/// A physical group with its members. Volumes list cells; groups of lower dimension list the corner nodes of their
+/// members, dimension + 1 numbers each.
 struct SerialGroup {
   PhysicalGroup group;
   std::vector<PetscInt> members;
 };
 
-/// Nodes, tetrahedra and groups as the file has them, numbered from 0. Lengths are the file's, times MeshSource::scale.
+/// Nodes, tetrahedra and groups as in the file, numbered from 0. Lengths are the file's, times MeshSource::scale.
 struct SerialMesh {
   std::vector<double> coordinates;     ///< xyz per node [m]
   std::vector<std::size_t> node_tags;  ///< the file's number of each node, for messages
@@ -26,7 +26,7 @@ struct SerialMesh {
   std::vector<std::size_t> cell_tags;  ///< the file's number of each element, for messages
   std::vector<SerialGroup> groups;
   std::vector<CellField> cell_data;
-  std::vector<std::string> notices;  ///< what the reader has to tell the user
+  std::vector<std::string> notices;  ///< the reader's notes to the user
 
   std::size_t num_nodes() const { return coordinates.size() / 3; }
   std::size_t num_cells() const { return cells.size() / 4; }
@@ -35,11 +35,11 @@ struct SerialMesh {
 };
 
 /// Corners of the six edges of a tetrahedron, in the order of gmsh's second-order nodes 4..9 (the last two are swapped
-/// against VTK).
+/// relative to VTK).
 inline constexpr std::array<std::array<int, 2>, 6> local_edges{{{0, 1}, {1, 2}, {2, 0}, {3, 0}, {3, 2}, {3, 1}}};
 
-/// A mesh that cannot be used: every reason found, told by read_mesh as the user's mistake at the place that names the
-/// file.
+/// A mesh that cannot be used. Holds every reason found; read_mesh reports them as errors of the input at the place
+/// that names the file.
 class MeshDefect : public std::runtime_error {
  public:
   explicit MeshDefect(std::vector<std::string> reasons);
@@ -50,14 +50,14 @@ class MeshDefect : public std::runtime_error {
   std::vector<std::string> reasons_;
 };
 
-/// "physical surface 'clamp'", or with the tag if it has no name.
+/// "physical surface 'clamp'", or the tag if it has no name.
 std::string describe(const PhysicalGroup& group);
 
-/// Adds "physical surface 'clamp': 2 of its 8 elements are not part of a tetrahedron and were left out" if not all of
-/// them were found. For groups of points, curves and surfaces.
+/// For groups of points, curves and surfaces: adds "physical surface 'clamp': 2 of its 8 elements are not part of a
+/// tetrahedron and were left out" unless all members were found.
 void notice_left_out(const SerialGroup& group, std::size_t num_found, std::vector<std::string>& notices);
 
-/// "3, 17, 20, ... (1204 in all)": the first few of many numbers, in the order given.
+/// "3, 17, 20, ... (1204 in all)": the first of many numbers, in the given order.
 std::string first_few(const std::vector<std::size_t>& numbers);
 
 }  // namespace pliant

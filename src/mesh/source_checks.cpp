@@ -23,9 +23,9 @@ void telling_the_user(const MeshSource& source, const std::function<void()>& wor
 
 void require_readable(const std::string& file) {
   std::error_code error;
-  if (!std::filesystem::exists(file, error)) throw MeshDefect("there is no such file");
-  if (std::filesystem::is_directory(file, error)) throw MeshDefect("this is a directory, not a file");
-  if (!std::filesystem::is_regular_file(file, error)) throw MeshDefect("this is a pipe or a device, not a file");
+  if (!std::filesystem::exists(file, error)) throw MeshDefect("the file does not exist");
+  if (std::filesystem::is_directory(file, error)) throw MeshDefect("it is a directory, not a file");
+  if (!std::filesystem::is_regular_file(file, error)) throw MeshDefect("it is a pipe or a device, not a file");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw FileError("mesh file '" + file + "' cannot be opened: no permission to read it");
   if (stream.peek() == std::ifstream::traits_type::eof()) throw MeshDefect("it is empty");
@@ -33,7 +33,7 @@ void require_readable(const std::string& file) {
 
 void require_plain_name(const std::string& name) {
   if (std::ranges::none_of(name, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; })) return;
-  throw MeshDefect("the name '" + excerpt(name) + "' has a line feed or another control character in it: rename it");
+  throw MeshDefect("the name '" + excerpt(name) + "' contains a line feed or another control character: rename it");
 }
 
 void require_sane(const MeshSource& source) {
@@ -48,7 +48,7 @@ void require_sane(const MeshSource& source) {
 void require_enough_cells(std::int64_t num_cells, int num_ranks) {
   if (num_cells >= num_ranks) return;
   throw MeshDefect("it has " + std::to_string(num_cells) + " tetrahedra for " + std::to_string(num_ranks) +
-                   " ranks, and every rank needs one: run on fewer ranks or mesh it finer");
+                   " ranks, but every rank needs at least one: use fewer ranks or a finer mesh");
 }
 
 }  // namespace pliant

@@ -1,4 +1,4 @@
-/// What is asked of every mesh file, and how its defects are told.
+/// Checks that apply to every mesh file, and the report of its defects.
 #pragma once
 
 #include "mesh/serial_mesh.hpp"
@@ -8,21 +8,20 @@
 
 namespace pliant {
 
-/// Runs `work`; a MeshDefect becomes the InputError that tells each of its reasons at the place that names the file.
+/// Runs `work`; converts a MeshDefect to an InputError with each of its reasons at the place that names the file.
 void telling_the_user(const MeshSource& source, const std::function<void()>& work);
 
-/// Throws MeshDefect if there is no such file, nothing in it, or no end to it (a pipe, a device); FileError if it may
-/// not be read.
+/// Throws MeshDefect if the file does not exist, is empty, or is a pipe or a device; FileError if it may not be read.
 void require_readable(const std::string& file);
 
-/// Throws MeshDefect if the name of a group or of data has control characters: names are printed, and messages between
-/// ranks end at them.
+/// Throws MeshDefect if the name of a group or of data has control characters: names are printed, and separate fields
+/// in messages between ranks.
 void require_plain_name(const std::string& name);
 
-/// Throws MeshDefect if a size, scale or number of refinements makes no sense.
+/// Throws MeshDefect if a size, scale or number of refinements is not valid.
 void require_sane(const MeshSource& source);
 
-/// Throws MeshDefect if ranks would stay without a cell.
+/// Throws MeshDefect if ranks would have no cell.
 void require_enough_cells(std::int64_t num_cells, int num_ranks);
 
 }  // namespace pliant

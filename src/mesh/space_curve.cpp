@@ -10,14 +10,14 @@ namespace {
 
 constexpr int bits_per_axis = 21;
 
-/// The bits of x with two zeros between each and the next.
+/// Inserts two zeros between the bits of x.
 std::uint64_t spread(std::uint64_t x) {
   std::uint64_t result = 0;
   for (int i = 0; i < bits_per_axis; ++i) result |= (x >> i & 1u) << (3 * i);
   return result;
 }
 
-/// Position along the curve of each cell's centroid (Morton 1966): the bits of the coordinates in turns.
+/// Position of each cell's centroid along the curve (Morton 1966): interleaves the bits of the coordinates.
 std::vector<std::uint64_t> positions(const SerialMesh& mesh) {
   std::array<double, 3> lower{HUGE_VAL, HUGE_VAL, HUGE_VAL};
   double extent = 0.0;
@@ -29,7 +29,7 @@ std::vector<std::uint64_t> positions(const SerialMesh& mesh) {
     }
     extent = std::max(extent, upper - lower[k]);
   }
-  const double scale = ((1 << bits_per_axis) - 1) / (4.0 * extent);  // of the sum over four corners
+  const double scale = ((1 << bits_per_axis) - 1) / (4.0 * extent);  // for the sum over four corners
   std::vector<std::uint64_t> result(mesh.num_cells());
   for (std::size_t c = 0; c < result.size(); ++c) {
     for (std::size_t k = 0; k < 3; ++k) {

@@ -17,7 +17,7 @@
 namespace pliant {
 namespace {
 
-/// Numbers that a volume can be computed of; a comparison with what is no number would put nodes in no order, too.
+/// Checks that the numbers can be used to compute a volume; NaN would also break the sorting of nodes.
 void require_finite(const std::vector<double>& corners, double scale) {
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const double x = scale * corners[i];
@@ -29,7 +29,7 @@ void require_finite(const std::vector<double>& corners, double scale) {
   }
 }
 
-/// One node per place; triangles of no area are left out.
+/// Merges nodes at the same place and drops triangles without area.
 SurfaceMesh joined(const std::vector<double>& corners, double scale) {
   SurfaceMesh surface;
   std::map<std::array<double, 3>, PetscInt> known;
@@ -48,7 +48,7 @@ SurfaceMesh joined(const std::vector<double>& corners, double scale) {
   return surface;
 }
 
-/// Positive if the triangles look outwards.
+/// The enclosed volume, positive if the triangles face outwards.
 double enclosed_volume(const SurfaceMesh& surface) {
   double volume = 0.0;
   for (const auto& [a, b, c] : surface.triangles) {
@@ -61,7 +61,7 @@ double enclosed_volume(const SurfaceMesh& surface) {
 }
 
 void require_closed(const SurfaceMesh& surface) {
-  if (surface.triangles.empty()) throw MeshDefect("there are no triangles in it: export the surface of a solid");
+  if (surface.triangles.empty()) throw MeshDefect("it contains no triangles: export the surface of a solid");
   std::map<std::pair<PetscInt, PetscInt>, int> directed;
   for (const auto& t : surface.triangles) {
     for (std::size_t a = 0; a < 3; ++a) ++directed[{t[a], t[(a + 1) % 3]}];
@@ -77,7 +77,7 @@ void require_closed(const SurfaceMesh& surface) {
   }
   if (num_wrong > 0) {
     throw MeshDefect(
-        fmt::format("at {} edges triangles meet that look to opposite sides, or more than two of them: it "
+        fmt::format("at {} edges two triangles face opposite sides, or more than two triangles meet: it "
                     "is not the surface of a solid",
                     num_wrong));
   }
@@ -86,7 +86,7 @@ void require_closed(const SurfaceMesh& surface) {
   }
 }
 
-/// Turns the triangles outwards.
+/// Orients the triangles outwards.
 void orient(SurfaceMesh& surface) {
   constexpr double rounding = 1e-12;
   double largest = 0.0;

@@ -8,10 +8,11 @@
 namespace pliant {
 namespace {
 
-/// Corners of the facets in PETSc's order, each seen anticlockwise from outside.
+/// Corners of the facets in PETSc's order, each anticlockwise seen from outside.
 constexpr std::array<std::array<std::size_t, 3>, 4> facets_of_cell{{{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {2, 1, 3}}};
 
-/// Different edges (two vertices) or facets (three), numbered as they come. `Size`: vertices besides the lowest one.
+/// Numbers distinct edges (two vertices) or facets (three) in order of appearance. `Size`: number of vertices besides
+/// the lowest one.
 template <std::size_t Size>
 class Parts {
  public:
@@ -21,8 +22,8 @@ class Parts {
     rests_.reserve(expected);
     next_.reserve(expected);
   }
-  /// The number of the part, and whether it is new. Vertices in ascending order. A vertex is the lowest one of few
-  /// parts, which are looked through.
+  /// The number of the edge or facet, and whether it is new. Vertices in ascending order. Each vertex is the lowest one
+  /// of only a few, which are searched linearly.
   std::pair<PetscInt, bool> number(PetscInt lowest, const Rest& rest) {
     PetscInt* link = &first_[static_cast<std::size_t>(lowest)];
     while (*link >= 0) {
@@ -38,8 +39,8 @@ class Parts {
   PetscInt size() const { return static_cast<PetscInt>(rests_.size()); }
 
  private:
-  std::vector<PetscInt> first_;  // part of each lowest vertex, -1 for none
-  std::vector<PetscInt> next_;   // of the same lowest vertex
+  std::vector<PetscInt> first_;  // first item of each lowest vertex, -1 for none
+  std::vector<PetscInt> next_;   // next item of the same lowest vertex
   std::vector<Rest> rests_;
 };
 
@@ -51,7 +52,7 @@ struct Topology {
   std::vector<std::array<PetscInt, 4>> orientations;  // of the facets as the cell sees them
 };
 
-/// How a cell that lists the vertices like this sees the facet of the same vertices in ascending order.
+/// The orientation in which a cell with this list of vertices sees the facet of the same vertices in ascending order.
 PetscInt orientation(const std::array<PetscInt, 3>& ascending, const std::array<PetscInt, 3>& listed) {
   PetscInt result = 0;
   check(DMPolytopeGetVertexOrientation(DM_POLYTOPE_TRIANGLE, ascending.data(), listed.data(), &result));
@@ -63,7 +64,7 @@ Topology find_parts(const SerialMesh& mesh, PetscInt num_vertices) {
   Topology topology;
   topology.cells.resize(num_cells);
   topology.orientations.resize(num_cells);
-  // Of large meshes: two facets and seven sixths of an edge per tetrahedron, and the surface.
+  // Estimates for large meshes: two facets and seven sixths of an edge per tetrahedron, plus the surface.
   Parts<2> facets(num_vertices, 2 * num_cells + num_cells / 4);
   Parts<1> edges(num_vertices, num_cells + num_cells / 3);
   topology.facets.reserve(2 * num_cells + num_cells / 4);
@@ -89,7 +90,7 @@ Topology find_parts(const SerialMesh& mesh, PetscInt num_vertices) {
   return topology;
 }
 
-/// First points of the kinds, in the order that PETSc gives them.
+/// First points of the kinds, in the order in which PETSc numbers them.
 struct Numbering {
   PetscInt vertices, facets, edges, end;
   Numbering(const Topology& topology, PetscInt num_vertices)
@@ -131,7 +132,7 @@ void set_cones(DM dm, const Topology& topology, const Numbering& first) {
   check(DMPlexStratify(dm));
 }
 
-/// Known before PETSc asks: it would find them out point by point.
+/// Set before PETSc asks for it: PETSc would compute it point by point.
 void set_cell_types(DM dm, const Numbering& first) {
   check(DMCreateLabel(dm, "celltype"));
   DMLabel types = nullptr;

@@ -1,4 +1,4 @@
-/// How objects say what they must remember to go on later exactly as if they had never stopped.
+/// How objects declare the state that a checkpoint must hold, so that a resumed run continues exactly.
 #pragma once
 
 #include "petsc/handle.hpp"
@@ -18,17 +18,17 @@ enum class Entries {
   pressures,  ///< pressures that are unknowns
 };
 
-/// An object that keeps a state has a method `keep(Archive&)`, which names all of it: an archive that stores writes it
-/// down, one that restores puts in what was written. So there is one declaration for both, next to the members. What
-/// follows from the input, and what a step leaves in passing, is not kept.
+/// An object with state has a method `keep(Archive&)` that names all of it: a writing archive stores the values, a
+/// reading one restores them. One declaration serves both and stands next to the members. State that follows from the
+/// input, and scratch values of a step, are not kept.
 ///
-/// Names are paths, `Archive::Section` opens a level. Everything is collective: every rank keeps the same things in the
-/// same order, numbers with the same values.
+/// Names are paths; `Archive::Section` opens a level. Everything is collective: every rank keeps the same items in the
+/// same order, and numbers with the same values.
 class Archive {
  public:
   virtual ~Archive() = default;
 
-  /// Whether this is the way back.
+  /// Whether the archive restores (reads) rather than stores.
   virtual bool restores() const = 0;
 
   /// A number, exact up to 2^53 if it is whole.
@@ -39,12 +39,12 @@ class Archive {
     exchange(path_ + name, std::span(&value, 1));
     x = static_cast<T>(value);
   }
-  /// Numbers, as many on the way back as there were.
+  /// A list of numbers; on restoring, as many as were stored.
   void numbers(const std::string& name, std::span<double> x) { exchange(path_ + name, x); }
   /// The owned entries; ghosts are left to the owner of the vector.
   void vector(const std::string& name, Entries entries, Vec x) { exchange(path_ + name, entries, x); }
 
-  /// While it lives, names stand below `name`.
+  /// While it lives, names are relative to `name`.
   class Section {
    public:
     Section(Archive& archive, const std::string& name) : archive_(archive), length_(archive.path_.size()) {

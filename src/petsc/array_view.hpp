@@ -1,4 +1,4 @@
-/// Scoped access to the local numbers of a vector.
+/// Scoped access to the owned entries of a vector.
 #pragma once
 
 #include "petsc/handle.hpp"

@@ -1,4 +1,4 @@
-/// C++ exceptions do not travel through PETSc's C frames: a callback keeps them and returns a code instead.
+/// C++ exceptions must not pass through PETSc's C frames: a callback stores them and returns an error code instead.
 #pragma once
 
 #include "petsc/check.hpp"
@@ -8,7 +8,7 @@
 
 namespace pliant {
 
-/// Holds what a callback threw until control is back in C++.
+/// Holds the exception of a callback until control is back in C++.
 class CallbackGuard {
  public:
   /// Runs the callback's body; 0, or a PETSc code if it threw.
@@ -26,7 +26,8 @@ class CallbackGuard {
     }
   }
 
-  /// After the PETSc call returned `code`: throws what a callback threw, else what `code` says.
+  /// To be called after the PETSc call that returned `code`: rethrows the callback's exception, or throws PetscFailure
+  /// for `code`.
   void rethrow(PetscErrorCode code, std::source_location where = std::source_location::current()) {
     if (caught_) std::rethrow_exception(std::exchange(caught_, nullptr));
     check(code, where);

@@ -1,4 +1,4 @@
-/// Every return code of PETSc and MPI is checked; a failure throws with the place it came from.
+/// Checks every return code of PETSc and MPI; a failure throws with the place of the call.
 #pragma once
 
 #include <source_location>
@@ -9,7 +9,7 @@
 
 namespace pliant {
 
-/// A failure inside PETSc or MPI: a bug or an exhausted resource, never a user's mistake.
+/// A failure inside PETSc or MPI: a bug or an exhausted resource, never an error in the input.
 class PetscFailure : public std::runtime_error {
  public:
   PetscFailure(PetscErrorCode code, const std::string& text) : std::runtime_error(text), code_(code) {}

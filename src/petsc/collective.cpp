@@ -22,7 +22,7 @@ struct Outcome {
 constexpr char field_end = '\x1f';
 constexpr char record_end = '\x1e';
 
-/// A text that names what stands in a user's file may hold anything.
+/// Removes the separators from a text: names from a user's file may contain anything.
 std::string without_separators(std::string text) {
   std::ranges::replace_if(
       text, [](char c) { return c == field_end || c == record_end || c == '\0'; }, ' ');

@@ -1,4 +1,4 @@
-/// Work that one rank does for all, with its failures told to all: no rank is left waiting.
+/// Work that one rank does for all. Its failures are raised on all ranks, so that none is left waiting.
 #pragma once
 
 #include <cstddef>
@@ -30,9 +30,9 @@ double sum(MPI_Comm comm, double x);
 double maximum(MPI_Comm comm, double x);
 double minimum(MPI_Comm comm, double x);
 PetscInt64 sum(MPI_Comm comm, PetscInt64 x);
-/// Whether it holds on any rank. Collective.
+/// Logical or over the ranks. Collective.
 bool any_rank(MPI_Comm comm, bool x);
-/// Sums of each number. Collective.
+/// Sums each number over the ranks. Collective.
 void sum_in_place(MPI_Comm comm, std::span<double> values);
 
 /// How long the lists of all ranks are. Collective.

@@ -7,7 +7,7 @@
 
 namespace pliant {
 
-/// Brings the ghosts of `v` up to date with their owners. Collective.
+/// Updates the ghosts of `v` from their owners. Collective.
 inline void update_ghosts(Vec v) {
   check(VecGhostUpdateBegin(v, INSERT_VALUES, SCATTER_FORWARD));
   check(VecGhostUpdateEnd(v, INSERT_VALUES, SCATTER_FORWARD));

@@ -16,7 +16,7 @@ std::vector<int> offsets_of(const std::vector<int>& counts) {
   return offsets;
 }
 
-/// Blocks of `width` numbers, as many to and from each rank as the counts say.
+/// Exchanges blocks of `width` numbers; the counts give the number of blocks to and from each rank.
 template <class T>
 std::vector<T> exchanged(MPI_Comm comm, const std::vector<T>& out, std::vector<int> num_out, std::vector<int> num_in,
                          int width) {
@@ -41,7 +41,7 @@ GlobalOrder::GlobalOrder(MPI_Comm comm, std::span<const EntryKey> keys) : comm_(
     largest = std::max(largest, key.first);
   }
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_INT64_T, MPI_MAX, comm));
-  // Keys with a common first part meet on one rank; the parts are spread evenly.
+  // Keys with the same first part meet on one rank; the first parts are spread evenly.
   const std::int64_t width = std::max<std::int64_t>(largest, 0) / static_cast<std::int64_t>(num_ranks_here) + 1;
   std::iota(sent_.begin(), sent_.end(), std::size_t{0});
   std::ranges::stable_sort(sent_, {}, [&](std::size_t entry) { return keys[entry].first / width; });

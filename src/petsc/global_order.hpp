@@ -1,4 +1,4 @@
-/// An order of entries that are spread over the ranks which does not depend on how they are spread.
+/// A global order of distributed entries that does not depend on how they are distributed.
 #pragma once
 
 #include <compare>
@@ -11,19 +11,18 @@
 
 namespace pliant {
 
-/// What an entry is called, whichever rank has it.
+/// The identity of an entry, the same on whichever rank holds it.
 struct EntryKey {
   std::int64_t first = 0;  ///< >= 0
   std::int64_t second = 0;
   auto operator<=>(const EntryKey&) const = default;
 };
 
-/// The distinct keys in ascending order, in rows 0, 1, ...; each rank holds a contiguous block of rows. Brings values
+/// The distinct keys in ascending order, in rows 0, 1, ...; each rank holds a contiguous block of rows. Moves values
 /// from the ranks that have the entries to the rows, and back.
 class GlobalOrder {
  public:
-  /// `keys`: those of this rank's entries; entries of several ranks that are the same thing have the same key.
-  /// Collective.
+  /// `keys`: the keys of this rank's entries; copies of one entry on several ranks have the same key. Collective.
   GlobalOrder(MPI_Comm comm, std::span<const EntryKey> keys);
 
   std::int64_t num_global() const { return num_global_; }
@@ -32,8 +31,8 @@ class GlobalOrder {
   /// The row of each entry.
   const std::vector<std::int64_t>& row_of_entry() const { return row_of_entry_; }
 
-  /// `values`: `components` for each entry. Returns those of this rank's rows; of entries with the same key, the
-  /// values of one of them. Collective.
+  /// `values`: `components` per entry. Returns the values of this rank's rows; if several entries have the same key,
+  /// one of them counts. Collective.
   std::vector<double> rows(std::span<const double> values, int components) const;
   /// The inverse: the values of this rank's entries from those of the rows. Collective.
   std::vector<double> entries(std::span<const double> rows, int components) const;

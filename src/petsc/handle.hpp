@@ -1,4 +1,4 @@
-/// Ownership of PETSc objects: one handle template, no raw object owned elsewhere.
+/// Ownership of PETSc objects: one handle template; raw objects are owned nowhere else.
 #pragma once
 
 #include "petsc/check.hpp"
@@ -80,7 +80,7 @@ class Handle {
   T get() const { return object_; }
   explicit operator bool() const { return object_ != nullptr; }
 
-  /// For PETSc's creating calls: `check(VecCreate(comm, v.out()))`. Destroys what was held.
+  /// For PETSc's creating calls: `check(VecCreate(comm, v.out()))`. Destroys the object held before.
   T* out() {
     if (object_ != nullptr) check(destroy(&object_));
     return &object_;

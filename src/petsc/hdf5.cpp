@@ -12,13 +12,13 @@
 namespace pliant {
 namespace {
 
-// Called by HDF5 from the innermost failing function outwards; keeps the innermost reason.
+// Called by HDF5 from the innermost failing function outwards; stores the innermost reason.
 herr_t keep_first(unsigned level, const H5E_error2_t* error, void* text) {
   if (level == 0 && error->desc != nullptr) *static_cast<std::string*>(text) = error->desc;
   return 0;
 }
 
-// HDF5's file drivers wrap the system's words into the time (with a line break), the file's name and numbers.
+// HDF5's file drivers wrap the system's error text in the time (with a line break), the file's name and numbers.
 std::string in_short(const std::string& description) {
   constexpr std::string_view before = "error message = '";
   const std::size_t found = description.find(before);
@@ -35,17 +35,17 @@ void write_scalar(hid_t object, const std::string& name, hid_t type, const void*
   check_hdf5(H5Awrite(attribute.get(), type, value), doing);
 }
 
-/// A piece of it, unpacked, must have room for its part of each row.
+/// Each dimension of a chunk must be no larger than the dataset's. Unpacking needs memory for a whole chunk.
 void require_pieces_in_rows(hid_t dataset, hid_t creation, const std::string& doing) {
   const std::vector<hsize_t> sizes = sizes_of(dataset);
   std::vector<hsize_t> piece(sizes.size());
   check_hdf5(H5Pget_chunk(creation, static_cast<int>(piece.size()), piece.data()), doing);
   for (std::size_t i = 1; i < sizes.size(); ++i) {
-    if (piece[i] > sizes[i]) throw FileError("cannot " + doing + ": it lies in pieces that are wider than its rows");
+    if (piece[i] > sizes[i]) throw FileError("cannot " + doing + ": its chunks are wider than its rows");
   }
 }
 
-/// A file can say that the bits of a number lie outside of it, where HDF5 1.10 then looks for them.
+/// A damaged file can place the bits of a number outside of it, and HDF5 1.10 then reads there.
 void require_usual_numbers(hid_t type, const std::string& doing) {
   const auto is = [type](hid_t usual) { return H5Tequal(type, usual) > 0; };
   const std::size_t size = H5Tget_size(type);
@@ -53,7 +53,7 @@ void require_usual_numbers(hid_t type, const std::string& doing) {
   const bool usual_integer = std::has_single_bit(size) && size <= 8 && H5Tget_precision(type) == 8 * size;
   const bool usual_float = is(H5T_IEEE_F64LE) || is(H5T_IEEE_F32LE) || is(H5T_IEEE_F64BE) || is(H5T_IEEE_F32BE);
   if ((kind == H5T_INTEGER && !usual_integer) || (kind == H5T_FLOAT && !usual_float)) {
-    throw FileError("cannot " + doing + ": its numbers are neither whole ones nor those of IEEE 754, of 1 to 8 bytes");
+    throw FileError("cannot " + doing + ": its numbers are neither integers nor IEEE 754 numbers of 1 to 8 bytes");
   }
 }
 
@@ -133,7 +133,7 @@ std::string hdf5_in_child(const std::filesystem::path& file, const std::function
     }
   });
   if (!end.answer || end.answer->empty()) {
-    throw FileError("'" + file.string() + "' is damaged: HDF5 died over it (" + end.how + ")");
+    throw FileError("'" + file.string() + "' is damaged: the HDF5 library crashed while reading it (" + end.how + ")");
   }
   std::string text = end.answer->substr(1);
   switch (end.answer->front()) {
@@ -163,7 +163,7 @@ void write_attribute(hid_t object, const std::string& name, std::int64_t value) 
 void write_attribute(hid_t object, const std::string& name, const std::string& value) {
   const std::string doing = "write the attribute '" + name + "'";
   const Hdf5Handle type(H5Tcopy(H5T_C_S1), H5Tclose, doing);
-  // HDF5 knows no string of size zero; the terminating null is the one byte of an empty one.
+  // HDF5 has no string of size zero; the terminating null is the one byte of an empty one.
   check_hdf5(H5Tset_size(type.get(), std::max<std::size_t>(value.size(), 1)), doing);
   check_hdf5(H5Tset_strpad(type.get(), H5T_STR_NULLPAD), doing);
   check_hdf5(H5Tset_cset(type.get(), H5T_CSET_UTF8), doing);
@@ -176,7 +176,7 @@ std::int64_t integer_attribute(hid_t object, const std::string& name) {
   const Hdf5Handle type(H5Aget_type(attribute.get()), H5Tclose, doing);
   const Hdf5Handle space(H5Aget_space(attribute.get()), H5Sclose, doing);
   if (H5Tget_class(type.get()) != H5T_INTEGER || H5Sget_simple_extent_npoints(space.get()) != 1) {
-    throw FileError("cannot " + doing + ": it is not a whole number");
+    throw FileError("cannot " + doing + ": it is not an integer");
   }
   require_usual_numbers(type.get(), doing);
   std::int64_t value = 0;
@@ -217,7 +217,7 @@ void require_room(hid_t dataset, double bytes, const std::string& doing) {
   const Hdf5Handle file(H5Iget_file_id(dataset), H5Fclose, doing);
   hsize_t size = 0;
   check_hdf5(H5Fget_filesize(file.get(), &size), doing);
-  if (static_cast<double>(size) < bytes) throw FileError("cannot " + doing + ": the file is shorter");
+  if (static_cast<double>(size) < bytes) throw FileError("cannot " + doing + ": the file is too short for it");
 }
 
 void require_stored(hid_t dataset, const std::string& doing) {
@@ -230,7 +230,7 @@ void require_stored(hid_t dataset, const std::string& doing) {
   const double claimed =
       static_cast<double>(H5Tget_size(type.get())) * static_cast<double>(H5Sget_simple_extent_npoints(space.get()));
   const auto stored = static_cast<double>(H5Dget_storage_size(dataset));
-  if (stored < claimed) throw FileError("cannot " + doing + ": the file holds a part of it only");
+  if (stored < claimed) throw FileError("cannot " + doing + ": the file holds only part of it");
   require_room(dataset, claimed, doing);
 }
 

@@ -1,5 +1,5 @@
-/// HDF5 with owned handles and checked return codes, as one rank uses it: nothing here is collective. Files are opened
-/// without HDF5's file locks, so that a reader holding the file open cannot stop the run.
+/// HDF5 with owned handles and checked return codes, used by one rank: nothing here is collective. Files are opened
+/// without HDF5's file locks, so that a reader cannot stop the run.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 
 namespace pliant {
 
-/// While it lives, HDF5 prints no error stack of its own: failures travel as FileError.
+/// While it lives, HDF5 prints no error stack: failures are thrown as FileError.
 class QuietHdf5 {
  public:
   QuietHdf5();
@@ -40,7 +40,8 @@ class Hdf5Handle {
   using Closer = herr_t (*)(hid_t);
 
   Hdf5Handle() = default;
-  /// Takes over `id`, the result of an HDF5 call that makes or opens something; throws as check_hdf5 does if it failed.
+  /// Takes ownership of `id`, the result of an HDF5 call that creates or opens something; throws as check_hdf5 does if
+  /// it failed.
   Hdf5Handle(hid_t id, Closer closer, const std::string& doing);
   Hdf5Handle(Hdf5Handle&& other) noexcept;
   Hdf5Handle& operator=(Hdf5Handle&& other) noexcept;
@@ -58,12 +59,12 @@ class Hdf5Handle {
 
 enum class Hdf5Mode { read, modify, create };
 
-/// Opens a file on the calling rank alone. `user_block`: bytes before HDF5's own that a file to be created leaves to
-/// others, 0 or a power of two from 512 on.
+/// Opens a file on the calling rank alone. `user_block`: size [bytes] of the block before HDF5's own data that a new
+/// file leaves to others, 0 or a power of two from 512 on.
 Hdf5Handle open_hdf5(const std::filesystem::path& file, Hdf5Mode mode, std::int64_t user_block = 0);
 
-/// Runs `work` over that file in a child process (base/child_process.hpp), for HDF5 crashes over some damaged files,
-/// and gives its text. Throws the FileError of `work`; a FileError if the child dies; std::runtime_error for other
+/// Runs `work` on that file in a child process (base/child_process.hpp), because HDF5 crashes on some damaged files,
+/// and returns its text. Throws the FileError of `work`; a FileError if the child dies; std::runtime_error for other
 /// failures.
 std::string hdf5_in_child(const std::filesystem::path& file, const std::function<std::string()>& work);
 /// The same for numbers, and structs of them.
@@ -81,7 +82,7 @@ auto hdf5_in_child(const std::filesystem::path& file, const Work& work) {
   return std::bit_cast<Result>(bytes);
 }
 
-/// Names of what is linked into a group, in alphabetical order.
+/// Names of the links in a group, in alphabetical order.
 std::vector<std::string> names_in(hid_t group);
 
 /// Attributes of a group, dataset or file.
@@ -91,10 +92,10 @@ void write_attribute(hid_t object, const std::string& name, const std::string& v
 void write_attribute(hid_t object, const std::string& name, std::span<const double> values);
 /// An attribute of as many numbers as there are places.
 void read_attribute(hid_t object, const std::string& name, std::span<double> values);
-/// An attribute of one number. Throws FileError if it is none or not finite.
+/// An attribute of one number. Throws FileError if it is missing or not finite.
 double finite_attribute(hid_t object, const std::string& name);
 
-/// Throw FileError if there is no such attribute, or it is no whole number or no text.
+/// Throw FileError if there is no such attribute, or if it is not an integer or not a text.
 std::int64_t integer_attribute(hid_t object, const std::string& name);
 std::string text_attribute(hid_t object, const std::string& name);
 
@@ -110,14 +111,14 @@ struct Hdf5Rows {
 /// Throws FileError "cannot <doing>: ..." if the dataset's file is shorter than so many bytes.
 void require_room(hid_t dataset, double bytes, const std::string& doing);
 
-/// Throws FileError "cannot <doing>: ..." if the file holds less than the dataset's sizes say, in pieces that hold less
-/// than theirs, or numbers that reach over their ends: HDF5 1.10 reads on there.
+/// Throws FileError "cannot <doing>: ..." if the file holds less than the dataset's sizes say, in chunks that hold less
+/// than theirs, or numbers whose bits reach over their ends: HDF5 1.10 would read out of bounds.
 void require_stored(hid_t dataset, const std::string& doing);
 
-/// Whole rows into `values`, which has room for them. `type`: of the values in memory.
+/// Reads whole rows into `values`, which must have room for them. `type`: of the values in memory.
 void read_rows(hid_t dataset, const Hdf5Rows& rows, hid_t type, void* values);
 
-/// A dataset of the given sizes with all its values.
+/// Writes a dataset of the given sizes with all its values.
 void write_dataset(hid_t parent, const std::string& name, const std::vector<hsize_t>& sizes, hid_t type,
                    const void* values);
 

@@ -5,7 +5,7 @@
 
 namespace pliant {
 
-/// A vector without memory that takes that of others in turn.
+/// A vector without memory of its own that views the memory of another.
 class LeadingPart {
  public:
   /// With as many entries per rank as `like`. Collective.

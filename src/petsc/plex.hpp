@@ -1,4 +1,4 @@
-/// The few questions asked of a DMPlex, in one place.
+/// The few queries of a DMPlex that the other layers need.
 #pragma once
 
 #include "petsc/handle.hpp"
@@ -24,7 +24,7 @@ inline PointRange stratum(DM dm, PetscInt depth) {
   return range;
 }
 
-/// One flag per local point: 1 for those that another rank owns. Not collective.
+/// One flag per local point: 1 if another rank owns it. Not collective.
 inline std::vector<char> ghost_points(DM dm) {
   PetscInt num_points = 0;
   check(DMPlexGetChart(dm, nullptr, &num_points));
@@ -55,7 +55,7 @@ inline const PetscInt* ends_of_edge(DM dm, PetscInt edge) {
   return ends;
 }
 
-/// The one of `edges` that joins vertices a and b, -1 if none does. Not collective.
+/// The edge among `edges` that joins vertices a and b, or -1 if none does. Not collective.
 template <class Edges>
 PetscInt joining_edge(DM dm, const Edges& edges, PetscInt a, PetscInt b) {
   for (const PetscInt edge : edges) {

@@ -18,15 +18,15 @@ PetscErrorCode pass_on(MPI_Comm, int, const char*, const char*, PetscErrorCode c
   return code;
 }
 
-/// HDF5 would close itself in MPI_Finalize, if MPI was there when HDF5 started, or else at exit. It crashes there over
-/// damaged files that it could not close before. What we open we close.
+/// HDF5 would close itself in MPI_Finalize (if MPI was initialised before HDF5), or else at exit, and crashes there if
+/// a damaged file could not be closed. Disabled: all files that Pliant opens it closes itself.
 void keep_hdf5_from_closing_itself() {
   (void)H5dont_atexit();
   (void)H5open();
 }
 
-/// One BLAS thread per rank, unless the user asks for more: ranks are the parallelism, and OpenBLAS would start a
-/// thread per core in each. The function is looked up at run time because another BLAS may stand in for OpenBLAS.
+/// Sets one BLAS thread per rank, unless the user asks for more: ranks are the parallelism, and OpenBLAS would start a
+/// thread per core in each. The function is looked up at run time because another BLAS may replace OpenBLAS.
 void use_one_blas_thread() {
   if (std::getenv("OPENBLAS_NUM_THREADS") != nullptr || std::getenv("OMP_NUM_THREADS") != nullptr) return;
   using SetThreads = void (*)(int);
@@ -37,7 +37,7 @@ void use_one_blas_thread() {
 }  // namespace
 
 Session::Session(const std::string& program, const std::vector<std::string>& petsc_options) {
-  // PETSc's handlers would end a process that nohup started at SIGHUP.
+  // PETSc's signal handlers would end a process that nohup started at SIGHUP.
   std::vector<std::string> texts{program, "-no_signal_handler", "1"};
   texts.insert(texts.end(), petsc_options.begin(), petsc_options.end());
   std::vector<char*> pointers;
@@ -46,7 +46,7 @@ Session::Session(const std::string& program, const std::vector<std::string>& pet
   int argc = static_cast<int>(texts.size());
   char** argv = pointers.data();
   keep_hdf5_from_closing_itself();
-  check(PetscPushErrorHandler(pass_on, nullptr));  // first, or PETSc tells by itself of an option that it refuses
+  check(PetscPushErrorHandler(pass_on, nullptr));  // first, or PETSc itself prints an error about an invalid option
   try {
     // PETSc keeps argv until PetscFinalize only for PetscGetArgs, which nobody here calls.
     check(PetscInitialize(&argc, &argv, nullptr, nullptr));
@@ -54,7 +54,7 @@ Session::Session(const std::string& program, const std::vector<std::string>& pet
     throw InputError({"PETSc options", 0, 0}, failure.what());
   }
   use_one_blas_thread();
-  check(PetscOptionsClearValue(nullptr, "-no_signal_handler"));  // petsc_options() has the user's
+  check(PetscOptionsClearValue(nullptr, "-no_signal_handler"));  // petsc_options() keeps the user's
 }
 
 Session::~Session() {

@@ -9,11 +9,11 @@
 namespace pliant {
 
 /// Initialises MPI and PETSc, finalises both at the end of the scope. One per process. Collective.
-/// PETSc's own error traces are silenced: failures travel as exceptions (check.hpp) and are told once.
+/// PETSc's own error traces are silenced: failures travel as exceptions (check.hpp) and are reported once.
 class Session {
  public:
   /// `petsc_options`: arguments in PETSc's syntax, e.g. {"-snes_monitor"}; the environment variable PETSC_OPTIONS
-  /// counts too. Throws InputError of options that cannot be taken, before other ranks know of it.
+  /// counts too. Throws InputError for options that cannot be parsed, before other ranks know of them.
   Session(const std::string& program, const std::vector<std::string>& petsc_options);
   ~Session();
   Session(const Session&) = delete;
@@ -24,10 +24,10 @@ class Session {
 int rank(MPI_Comm comm);
 int num_ranks(MPI_Comm comm);
 
-/// All PETSc options in force, as on a command line.
+/// All active PETSc options, as on a command line.
 std::string petsc_options();
 
-/// Options given on the command line that no object has asked for, e.g. misspelt ones.
+/// Options of the command line that no object has queried, e.g. misspelt ones.
 std::vector<std::string> unused_petsc_options();
 
 }  // namespace pliant

@@ -21,7 +21,7 @@
 namespace pliant {
 namespace {
 
-constexpr double newton_tolerance = 1e-11;  // lest what Newton's method leaves is taken for an error in time
+constexpr double newton_tolerance = 1e-11;  // so that the error of Newton's method is far below that in time
 constexpr double tolerance_factor = 3.0;    // an adaptive run that misses its tolerance by more has failed
 
 /// The end of a run.
@@ -229,7 +229,7 @@ class Study {
     row.failure = solution.failure;
   }
 
-  /// `factor`: of refinement between two levels.
+  /// `factor`: the refinement between two levels.
   void add(Row row, double factor) {
     if (!row.failure.empty()) row.error_q = row.error_v = nan;
     if (!rows_.empty() && rows_.back().method == row.method) {
@@ -355,7 +355,8 @@ class Study {
       const int expected = expected_order(config);
       const double lowest = is_static() ? last->order_q : std::min(last->order_q, last->order_v);
       if (last->failure.empty() && std::isnan(lowest)) {
-        shortfalls.push_back(fmt::format("{}: there is no order, for the errors are 0: does anything move?", method));
+        shortfalls.push_back(
+            fmt::format("{}: no order can be measured, because all errors are 0; check that something moves", method));
       } else if (!last->failure.empty()) {
         shortfalls.push_back(fmt::format("{}: the finest level was not solved", method));
       } else if (!(lowest >= expected - order_shortfall) && options_.refine != Refine::tolerance) {

@@ -31,7 +31,7 @@ std::vector<char*> pointers(const std::vector<std::string>& texts) {
   return result;
 }
 
-/// The number of the process, 0 if it could not be started.
+/// The process id, or 0 if it could not be started.
 pid_t start(const Program& program, const Environment& environment) {
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
@@ -63,7 +63,7 @@ std::vector<Ended> run_all(const std::vector<Program>& programs, const Environme
   received = 0;
   SignalHandlers handlers;
   for (const int number : stop_signals) handlers.set(number, note_signal);
-  handlers.set(SIGPIPE, SIG_IGN);  // the runs go on without a reader
+  handlers.set(SIGPIPE, SIG_IGN);  // the runs continue without a reader
   std::vector<Ended> ended(programs.size());
   std::map<pid_t, Running> running;
   int handed_on = 0;
@@ -88,7 +88,7 @@ std::vector<Ended> run_all(const std::vector<Program>& programs, const Environme
       }
       continue;
     }
-    // Asked again and again rather than waited for: a signal may come just before the wait.
+    // Polled instead of waited for: a signal may arrive just before the wait.
     int status = 0;
     const pid_t pid = waitpid(-1, &status, WNOHANG);
     const auto found = running.find(pid);

@@ -1,4 +1,4 @@
-/// Other programs, several at once.
+/// Runs other programs, several at a time.
 #pragma once
 
 #include <filesystem>
@@ -11,13 +11,14 @@ namespace pliant {
 /// Variables as "NAME=value".
 using Environment = std::vector<std::string>;
 
-/// That of this process, now: MPI adds variables of its own when it starts, which make programs believe that they
+/// The environment of this process, to be taken before MPI starts: MPI adds variables that make programs believe that
+/// they belong to the same job.
 /// belong to the same job.
 Environment current_environment();
 
 struct Program {
   std::vector<std::string> arguments;  ///< the first one: the program, as a path or to be searched for in PATH
-  std::filesystem::path log;           ///< what it prints is added to it
+  std::filesystem::path log;           ///< its output is appended here
 };
 
 /// How a program ended.
@@ -26,9 +27,9 @@ struct Ended {
   double seconds = 0.0;  ///< wall-clock time
 };
 
-/// Runs all programs, at most `at_once` at a time, in their order; tells `on_end` (index, how) as they end. What
-/// asks to stop (`stop_signals`) is handed on to those that run, and no further one is started: those count as ended by
-/// the signal. Not collective.
+/// Runs all programs, at most `at_once` at a time, in their order; calls `on_end` (index, how) as they end. A signal
+/// that asks to stop (`stop_signals`) is handed on to those that run, and no further one is started: those count as
+/// ended by the signal. Not collective.
 std::vector<Ended> run_all(const std::vector<Program>& programs, const Environment& environment, int at_once,
                            const std::function<void(std::size_t, const Ended&)>& on_end);
 

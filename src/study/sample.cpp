@@ -43,7 +43,7 @@ std::vector<double> quadrature_points(const NodeLayout& layout) {
   return result;
 }
 
-/// A field at points held by some rank each, on every rank.
+/// Gathers a field at points that are spread over the ranks, on every rank.
 std::vector<double> read_field(const NodeLayout& layout, const std::vector<ProbeLocation>& places, Vec x) {
   const Handle<Vec> with_ghosts = make_vector(layout);
   check(VecCopy(x, with_ghosts.get()));

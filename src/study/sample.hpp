@@ -1,4 +1,4 @@
-/// Comparing motions on one mesh, and across meshes that refine one another.
+/// Compares motions on one mesh, and across meshes that refine one another.
 #pragma once
 
 #include "model/model.hpp"
@@ -14,14 +14,14 @@ double nodal_mean_square(Vec x);
 /// Root mean square length of a - b over the mass, over the nodes where the model has no mass [unit of a]. Collective.
 double mean_square_distance(const Model& model, Vec a, Vec b);
 
-/// What a motion is at the points of a sample, the same on every rank.
+/// A motion at the points of a sample, the same on every rank.
 struct SampledState {
   std::vector<double> u, v;  ///< xyz per point
 };
 
-/// Quadrature points of a mesh, at which the mesh itself and finer ones are read. A mesh that is refined once more
-/// shows to each cell's points what the one before showed to those of its own: the means of two such samples compare.
-/// Points of a mesh coarser than both would not do: they lie at few places of the finer cells, which are special.
+/// Quadrature points of a mesh, at which motions on this mesh and on finer ones are evaluated. A mesh that is refined
+/// once more sees the points of each cell as the previous mesh saw those of its own, so the means of two such samples
+/// are comparable. Points of a mesh coarser than both would not do: they lie at few, special places of the finer cells.
 class Sample {
  public:
   /// The points of a rule of degree 5 in every cell. Collective.

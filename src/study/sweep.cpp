@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t most_runs = 1000;
-/// Columns of a history that tell of the computation, not of the body.
+/// Columns of a history that describe the computation, not the body.
 constexpr std::array<std::string_view, 5> bookkeeping{"step", "time", "dt", "newton_iterations", "linear_iterations"};
 
 /// For people and names of files.
@@ -31,7 +31,7 @@ std::string plain_text(const InputNode& value) {
   return value.kind == InputNode::Kind::scalar ? value.text : flow_text(value);
 }
 
-/// A key with the values that it takes in turn.
+/// A key with the values that it is given one after another.
 struct SweptKey {
   std::string path;
   std::vector<InputNode> values;
@@ -96,7 +96,7 @@ class Sweep {
   }
 
  private:
-  /// Which changes are swept: lists that the input refuses where they stand.
+  /// Which changes are swept: those with a list where the input does not accept one.
   void sort(const std::vector<Override>& changes) {
     std::vector<std::pair<const Override*, InputNode>> lists;
     for (const Override& change : changes) {
@@ -144,7 +144,7 @@ class Sweep {
       count *= key.values.size();
       if (count > most_runs) {
         throw InputError({"pliant sweep", 0, 0},
-                         fmt::format("these are more than {} runs: sweep fewer values", most_runs));
+                         fmt::format("the sweep has more than {} runs: sweep fewer values", most_runs));
       }
     }
     const std::size_t width = std::to_string(count).size();
@@ -168,7 +168,7 @@ class Sweep {
     make_directory(directory_);
   }
 
-  /// "step = 5 ms, method = bdf2": keys by their last part, as far as that tells them apart.
+  /// "step = 5 ms, method = bdf2": keys by their last component, if that distinguishes them.
   std::string label(const std::vector<std::string>& values) const {
     std::vector<std::string> parts;
     for (std::size_t k = 0; k < swept_.size(); ++k) parts.push_back(short_name(k) + "=" + values[k]);
@@ -303,7 +303,7 @@ class Sweep {
       const std::array known{ExitCode::input, ExitCode::solve, ExitCode::file, ExitCode::unexpected};
       const auto same = std::ranges::find(known, static_cast<ExitCode>(ended_[i].code));
       code = same == known.end() ? ExitCode::solve : *same;
-      console_.warn(fmt::format("run {} failed; what it said is in {}", i + 1, cases_[i].directory.string() + ".log"));
+      console_.warn(fmt::format("run {} failed; its output is in {}", i + 1, cases_[i].directory.string() + ".log"));
     }
     return code;
   }

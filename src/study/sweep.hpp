@@ -1,4 +1,4 @@
-/// The same input with other values: a run for each, side by side, and what came of them together.
+/// Parameter sweeps: runs of one input with other values, side by side, and a summary of their results.
 #pragma once
 
 #include "base/error.hpp"
@@ -14,7 +14,7 @@ namespace pliant {
 struct SweepOptions {
   int at_once = 0;                         ///< runs at a time; 0: as many as the processors allow
   int ranks = 1;                           ///< of each run
-  bool continues = false;                  ///< leave what is done, go on with what was begun
+  bool continues = false;                  ///< skip finished runs, resume those that were begun
   std::vector<std::string> petsc_options;  ///< of each run
   Environment environment;                 ///< of each run
 };
@@ -23,7 +23,7 @@ struct SweepOptions {
 /// (or a list of such, where it takes one), is swept; the other changes hold for all. Each run has a directory of its
 /// own in `output.directory`, named after its values. Prints a table, and writes sweep.csv (one row for each run: its
 /// values, how it ended, the last row of its history) and, for every column of the history that varies, a plot of all
-/// runs over time. Values that the input refuses throw InputError before anything runs. Returns done; the exit code of
+/// runs over time. Values that are not valid throw InputError before anything runs. Returns done; the exit code of
 /// the first run that failed; interrupted after `stop_signals`, which the runs get too. One process only.
 ExitCode sweep_command(const std::string& file, const std::vector<Override>& changes, const SweepOptions& options,
                        Console& console);

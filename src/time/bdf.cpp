@@ -70,7 +70,7 @@ double bdf_max_growth(int num_steps) {
 }
 
 int num_usable_states(std::span<const double> past_times, const Step& step) {
-  // The formula of l states sees the ratios of l successive steps.
+  // The formula of l states involves the ratios of l successive steps.
   const auto is_stable = [&](std::size_t l) {
     double newer = step.dt;
     for (std::size_t r = 0; r + 1 < l; ++r) {

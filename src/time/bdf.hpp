@@ -12,7 +12,7 @@ namespace pliant {
 /// The most past states a formula may have: with seven or more it is not zero-stable.
 inline constexpr int max_bdf_steps = 6;
 
-/// Takes no memory of its own: steps are many.
+/// The weights of a formula. Allocates nothing: it is made in every step.
 struct BdfWeights {
   std::array<double, max_bdf_steps> values{};  ///< alpha, filled up with zeros
   std::size_t num_steps = 1;                   ///< past states in the formula
@@ -36,8 +36,8 @@ bool has_known_growth(int num_steps);
 /// the zero stability of the variable order variable stepsize BDF-formulas". 1 for more states.
 double bdf_max_growth(int num_steps);
 
-/// How many of the past states may be used for the step: the most, such that no ratio of successive steps in the
-/// formula exceeds its limit. At least 1.
+/// How many of the past states may be used for the step: as many as possible without exceeding the limit of any ratio
+/// of successive steps in the formula. At least 1.
 int num_usable_states(std::span<const double> past_times, const Step& step);
 
 }  // namespace pliant

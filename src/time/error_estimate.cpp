@@ -10,7 +10,7 @@
 namespace pliant {
 namespace {
 
-/// Most rates in a formula: those of order 3, the highest that a method tells, and more than enough beyond.
+/// Most rates in a formula: those of order 3, the highest that a method reports, and more than enough beyond.
 constexpr std::size_t max_rates = 8;
 
 /// weights_r: integral over [-1, 0] of the polynomial that is 1 at nodes_r and 0 at the other nodes.

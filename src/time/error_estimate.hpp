@@ -1,4 +1,4 @@
-/// How large the error is that a step adds, and how that compares with what is tolerated.
+/// Estimates the error that a step adds, and compares it with the tolerance.
 ///
 /// A step of order p from y_n to y_{n+1} is compared with the Adams-Moulton formula through the p + 1 newest rates f,
 ///
@@ -30,20 +30,20 @@ namespace pliant {
 
 enum class ErrorEstimate { none, local };
 
-/// Estimates the errors of successive attempts. Remembers accelerations of accepted steps; nothing of an attempt stays
-/// unless it is accepted. Memory is taken once.
+/// Estimates the errors of successive attempts. Remembers accelerations of accepted steps; an attempt leaves no trace
+/// unless it is accepted. Memory is allocated once.
 class LocalError {
  public:
-  /// For steps of `method`, and of others that help it to start. Vectors are made like those of `like`. Collective.
+  /// For steps of `method`, and of the methods that start it. Vectors are made like `like`. Collective.
   LocalError(const Method& method, std::shared_ptr<const ConfigurationSpace> space, const StateView& like);
 
-  /// How many past states it wants to find in the history.
+  /// How many past states it needs in the history.
   int num_states() const { return num_rates_ - 1; }
   /// Adds the estimate to a converged attempt that `stepper` has just made. Collective.
   void estimate(const History& history, const Stepper& stepper, StepAttempt& attempt);
   /// The attempt was accepted. Collective.
   void accept(const StepAttempt& attempt);
-  /// What was known of the past says nothing about what follows.
+  /// Discards the past, which says nothing about what follows (at an event).
   void restart();
   /// Collective.
   void keep(Archive& archive);
@@ -58,7 +58,7 @@ class LocalError {
   Handle<Vec> q_, v_;                       // the estimate
   std::vector<Handle<Vec>> accelerations_;  // of accepted states, newest first
   int num_accelerations_ = 0;
-  // Of methods that are not stiffly accurate: embedded differences of the attempt and of the last accepted step.
+  // Methods that are not stiffly accurate: embedded differences of the attempt and of the last accepted step.
   struct EmbeddedDifference {
     Handle<Vec> q, v;
     double dt = 0.0;  // of the step; 0: unknown
@@ -66,13 +66,13 @@ class LocalError {
   EmbeddedDifference tried_, accepted_;
   std::vector<double> nodes_, weights_;
   std::vector<Vec> rates_;
-  // Of a space only: coordinates, the change of their rate, and the rates.
+  // Only for problems with a space: coordinates, the change of their rate, and the rates.
   Handle<Vec> xi_, change_;
   std::vector<Handle<Vec>> charted_;
 };
 
 struct Tolerances {
-  double relative = 0.0;           ///< of the largest |q| and |v| so far
+  double relative = 0.0;           ///< relative to the largest |q| and |v| so far
   double absolute = 0.0;           ///< [m]
   double absolute_velocity = 0.0;  ///< [m/s]
 };
@@ -86,7 +86,7 @@ class ErrorNorm {
  public:
   /// Collective.
   ErrorNorm(const Tolerances& tolerances, const StateView& initial);
-  /// Of an attempt with an estimate. Collective.
+  /// The error of an attempt with an estimate. Collective.
   double operator()(const StepAttempt& attempt) const;
   /// The attempt was accepted. Collective.
   void accept(const StepAttempt& attempt);

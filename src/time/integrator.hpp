@@ -1,4 +1,4 @@
-/// A method with its start-up and its memory: takes one step after another.
+/// A method with its start-up and its history: takes one step after another.
 #pragma once
 
 #include "time/error_estimate.hpp"
@@ -8,11 +8,11 @@
 
 namespace pliant {
 
-/// How a multistep method gets its first states.
+/// How a multistep method obtains its first states.
 enum class Startup {
   ramp,   ///< by formulas with fewer states, backward Euler first: robust, but costs third-order methods one order. Not
-          ///< for steps that follow a tight tolerance: to keep to it backward Euler needs steps of the size of the
-          ///< tolerance, so short that the rounding of v = (q - q0) / dt may exceed what they may have
+          ///< for steps that follow a tight tolerance: backward Euler then needs steps of the size of the tolerance, so
+          ///< short that the rounding of v = (q - q0) / dt may exceed their allowed error
   dirk33  ///< by steps of dirk33, which keeps the order of all methods of the table
 };
 
@@ -31,16 +31,16 @@ class Integrator {
   /// Starts from a copy of `initial`. Collective.
   Integrator(const IntegratorOptions& options, System system, const StateView& initial);
 
-  /// Tries the step from the newest state; takes no memory. With the estimated error if that was asked for and the
-  /// method has an estimate. Collective.
+  /// Tries the step from the newest state; allocates nothing. Estimates the error if that was requested and the method
+  /// has an estimate. Collective.
   StepAttempt attempt(const Step& step) &;
   /// Makes the last attempt, which converged, the newest state. Collective.
   void accept(const StepAttempt& attempt);
-  /// Forgets all but the newest state, and the start-up runs anew: after an event at which velocities that are given or
+  /// Forgets all but the newest state and starts the method again: after an event at which prescribed velocities or
   /// accelerations jump, past states say nothing about what follows. The newest velocity becomes that after the event.
   /// Collective.
   void restart();
-  /// Sets the quadratures of the newest state: what happened at a restart is no part of a step.
+  /// Sets the quadratures of the newest state: changes at a restart are not part of a step.
   void set_quadratures(std::span<const double> w) { history_.set_quadratures(w); }
   /// Collective.
   void keep(Archive& archive);

@@ -17,7 +17,7 @@
 
 namespace pliant {
 
-/// SO(3): a body turning about a fixed point. The numbers of a configuration are a unit quaternion, body to space;
+/// SO(3): a body that rotates about a fixed point. The numbers of a configuration are a unit quaternion, body to space;
 /// coordinates are a rotation vector [rad], velocities the angular velocity in the body's frame [rad/s].
 struct SO3 {
   static constexpr std::size_t num_numbers = 4;
@@ -63,8 +63,8 @@ struct SE3 {
   static Quaternion rotation(Configuration a) { return {a[3], a[4], a[5], a[6]}; }
 };
 
-/// Bodies one after another, spread over the ranks: vectors of configurations hold num_numbers per body, vectors of
-/// coordinates and of velocities num_coordinates. Results are neither of the arguments. No method communicates.
+/// Several bodies, distributed over the ranks: vectors of configurations hold num_numbers per body, vectors of
+/// coordinates and of velocities num_coordinates. Results must not alias arguments. No method communicates.
 template <class Group>
 class LieGroupSpace final : public ConfigurationSpace {
  public:

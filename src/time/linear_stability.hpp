@@ -16,16 +16,17 @@ namespace pliant {
 /// The l roots at z = lambda dt, Re z <= 0.
 std::vector<std::complex<double>> amplification(const MethodRow& row, std::complex<double> z);
 
-/// The root condition: at z = 0 no root lies outside the unit circle, and no two at one place on it.
+/// The root condition (zero-stability): at z = 0 no root lies outside the unit circle, and no double root on it.
 bool is_zero_stable(const MethodRow& row);
 
-/// No mode that decays or keeps its size grows, whatever the step.
+/// A-stability: no mode that decays or keeps its size grows, whatever the step.
 bool is_a_stable(const MethodRow& row);
 
-/// The root of largest modulus at z = infinity, where R = 1 - sum_i bt_i; of several past states its modulus.
+/// The root of largest modulus at z = infinity, where R = 1 - sum_i bt_i; for several past states its modulus.
 double damping_at_infinity(std::span<const double> alpha, std::span<const double> bt);
 
-/// b_i A_ij + b_j A_ji = b_i b_j with one past state (Hairer, Lubich & Wanner, Geometric Numerical Integration, VI.4).
+/// Symplecticity: b_i A_ij + b_j A_ji = b_i b_j with one past state (Hairer, Lubich & Wanner, Geometric Numerical
+/// Integration, VI.4).
 bool is_symplectic(const MethodRow& row);
 
 }  // namespace pliant

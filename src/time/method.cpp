@@ -111,7 +111,7 @@ void set_weights(Method& m) {
   }
 }
 
-/// None for symplectic methods, which run at a constant step.
+/// Reason for symplectic methods, which run at a constant step.
 void set_embedded(Method& m) {
   if (m.symplectic) return;
   if (auto embedded = embedded_formula(m)) {
@@ -192,13 +192,13 @@ std::variant<Method, MethodRefusal> derive_method(MethodRow row) {
 
 std::optional<std::string> why_not_adaptive(const Method& method) {
   if (method.symplectic) {
-    return "method '" + method.name + "' is symplectic, and keeps what it is chosen for at a constant step only";
+    return "method '" + method.name + "' is symplectic, and keeps this property only at a constant step";
   }
   if (method.needs_equal_steps) {
-    return "method '" + method.name + "' needs equal steps: its coefficients for changing ones are not known";
+    return "method '" + method.name + "' needs equal steps: its coefficients for variable steps are not known";
   }
   if (method.stiffly_accurate || !method.bt_embedded.empty()) return std::nullopt;
-  return "method '" + method.name + "' has too few stages for an embedded formula that would tell its error";
+  return "method '" + method.name + "' has too few stages for an embedded formula that estimates its error";
 }
 
 bool keeps_order_with_reconstructed_rates(const Method& method) {

@@ -1,5 +1,5 @@
-/// What the coefficients of a method say about its errors: orders, error constants, and an embedded formula that tells
-/// the error of a step.
+/// The errors of a method from its coefficients: orders, error constants, and an embedded formula that estimates the
+/// error of a step.
 #pragma once
 
 #include "time/method.hpp"
@@ -10,10 +10,10 @@
 
 namespace pliant {
 
-/// Within which identities between coefficients hold: published tables are printed with ten digits or more.
+/// Tolerance of identities between coefficients: published tables are printed with ten digits or more.
 inline constexpr double coefficient_tolerance = 1e-9;
 
-/// Order p of the method, told up to 3. A consistent row.
+/// Order p of the method, determined up to 3. A consistent row.
 int convergence_order(const MethodRow& row);
 
 /// Method::reconstructed_rate_order, for rates that act linearly on the motion (viscosity).
@@ -22,7 +22,7 @@ int reconstructed_rate_order(const MethodRow& row);
 /// C of y_{n+1} - y(t_{n+1}) = C dt^(order+1) y^(order+1) + ... for y' = lambda y with exact past states.
 double error_constant(const MethodRow& row, int order);
 
-/// Other weights of the same stages, for one-step methods.
+/// Embedded weights for the same stages, for one-step methods.
 struct EmbeddedFormula {
   std::vector<double> bt;  ///< weights of the increments Y_i - y*
   int order = 0;           ///< p^ < p

@@ -17,7 +17,7 @@ namespace pliant {
 ///   c_k(x) = sum_j (-x)^j / (k + 2j)!,   c_0 = cos theta, c_1 = sin theta / theta, c_2 = (1 - cos theta) / theta^2,
 ///   c_3 = (theta - sin theta) / theta^3, ...;   c_k = 1/k! - x c_{k+2},   dc_k/dx = (k c_{k+2} - c_{k+1}) / 2.
 ///
-/// All that the exponential needs is made of them; that they are closed under differentiation gives its derivatives.
+/// The exponential consists of them; they are closed under differentiation, which gives its derivatives.
 template <int k>
 double stumpff(double x) {
   if constexpr (k == 0) {
@@ -47,7 +47,7 @@ Dual<T> stumpff(const Dual<T>& x) {
   return {stumpff<k>(x.value), derivative * x.slope};
 }
 
-/// exp(xi^) a, the vector a turned by the rotation vector xi: a + c_1 xi x a + c_2 xi x (xi x a) (Rodrigues).
+/// exp(xi^) a, the vector a rotated by the rotation vector xi: a + c_1 xi x a + c_2 xi x (xi x a) (Rodrigues).
 template <class T>
 Vector3<T> turn(const Vector3<T>& xi, const Vector3<T>& a) {
   const T x = dot(xi, xi);
@@ -71,10 +71,10 @@ using Quaternion = std::array<double, 4>;
 Quaternion exponential(const Vector3<double>& xi);
 /// The rotation vector of b, of length at most pi: exp(logarithm(b)) = b. Accurate up to half a turn and there.
 Vector3<double> logarithm(const Quaternion& b);
-/// The rotation a after b (both in the frame b leads to: R_a R_b), of unit length to rounding, so that products of any
-/// number stay rotations.
+/// The rotation a after b (b is given in the frame that a leads to: R_a R_b), of unit length to rounding, so that
+/// products of any number stay rotations.
 Quaternion product(const Quaternion& a, const Quaternion& b);
-/// The rotation back.
+/// The inverse rotation.
 Quaternion inverse(const Quaternion& a);
 /// R a.
 Vector3<double> turn(const Quaternion& R, const Vector3<double>& a);

@@ -1,4 +1,4 @@
-/// The space of configurations, where it is not a vector space.
+/// Configuration spaces that are not vector spaces.
 #pragma once
 
 #include "petsc/handle.hpp"
@@ -16,12 +16,11 @@ class ConfigurationSpace {
  public:
   virtual ~ConfigurationSpace() = default;
 
-  /// xi = b seen from a: retract(a, xi) = b.
+  /// xi = the coordinates of b around a: retract(a, xi) = b.
   virtual void difference(Vec a, Vec b, Vec xi) const = 0;
   /// b = a (+) xi.
   virtual void retract(Vec a, Vec xi, Vec b) const = 0;
-  /// v = the velocity at a (+) xi of a motion whose coordinates around a change at the rate xi_dot; v = xi_dot at
-  /// xi = 0.
+  /// v = the velocity at a (+) xi of a motion whose coordinates around a have the rate xi_dot; v = xi_dot at xi = 0.
   virtual void velocity(Vec xi, Vec xi_dot, Vec v) const = 0;
 };
 

@@ -1,4 +1,5 @@
-/// A stage: the backward-Euler-like problem that every method of the time layer poses, and how a solver answers it.
+/// A stage: the problem, of the form of a backward Euler step, that every method of the time layer poses, and the
+/// solver's answer.
 #pragma once
 
 #include "petsc/handle.hpp"
@@ -10,11 +11,11 @@
 
 namespace pliant {
 
-/// All that a term may know of time. The vectors are borrowed and hold the stage's start; rates inside a stage are
-/// v = (q - q0) / dt and a = (v - v0) / dt (docs/theory.md, "The incremental potential").
+/// All that a term may know of time. The vectors are borrowed and hold the stage's start; rates inside a stage are v =
+/// (q - q0) / dt and a = (v - v0) / dt (docs/theory.md, "The incremental potential").
 ///
 /// On a configuration space that is not a vector space the unknown `q` and its start `q0` are coordinates around
-/// `centre` (time/space.hpp); terms of nodal positions need not care.
+/// `centre` (time/space.hpp); terms of nodal positions are not affected.
 struct StagePoint {
   double time = 0.0;  ///< t_i, at which loads and constraints are evaluated; just before an event, not at it [s]
   double dt = 0.0;    ///< dt_i = beta A_ii dt, length of the stage [s]
@@ -22,9 +23,9 @@ struct StagePoint {
   Vec v0 = nullptr;   ///< velocity at the stage's start [m/s]
   double load_factor =
       1.0;  ///< multiplies loads and prescribed displacements (load stepping of static problems; else 1)
-  double step_start = 0.0;  ///< t_n; what is given as a function of time is smooth from there on [s]
+  double step_start = 0.0;  ///< t_n; functions of time are smooth from there on [s]
   Vec z0 = nullptr;         ///< internal variables at the stage's start; nullptr if there are none
-  /// Of the last stage of a step on a vector space, while it is solved: q_{n+1} = end_rest + end_weight q. Else 0.
+  /// Set while the last stage of a step on a vector space is solved: q_{n+1} = end_rest + end_weight q. Otherwise 0.
   double end_weight = 0.0;
   Vec end_rest = nullptr;  ///< nullptr: zero, as for stiffly accurate methods
   Vec centre = nullptr;    ///< q_n, around which coordinates are taken; nullptr on a vector space
@@ -35,7 +36,7 @@ enum class StageOutcome { converged, retry, fatal };
 
 struct StageReport {
   StageOutcome outcome = StageOutcome::converged;
-  std::string reason;  ///< in plain words, for the log
+  std::string reason;  ///< the reason of a failure, for the log
   int newton_iterations = 0;
   int linear_iterations = 0;
 };
@@ -44,30 +45,31 @@ struct StageReport {
 /// Leaves q undefined unless converged. Collective; every rank gets the same report.
 using StageSolve = std::function<StageReport(const StagePoint&, Vec q)>;
 
-/// Motion given in advance on some entries of the configuration, exact in time.
+/// Motion prescribed on some entries of the configuration, exact in time.
 struct PrescribedMotion {
   /// Sets the prescribed entries of the stage's start to q0 = q_D(t) - dt v_D(t), v0 = v_D(t) - dt a_D(t), so that the
   /// stage-local differences are exact on them, and those of the guess q to q_D(t). Collective.
   std::function<void(const StagePoint& stage, Vec q)> start_stage = [](const StagePoint&, Vec) {};
   /// Sets the prescribed entries of a completed step to q_D(t), v_D(t), t = step.time. Collective.
   std::function<void(const Step& step, Vec q, Vec v)> complete_step = [](const Step&, Vec, Vec) {};
-  /// Where given velocities may jump, at the start of the run and at events: makes v the velocity after step.time that
-  /// the motion given from there on allows. `step.dt` is how far the motion is smooth. Collective.
+  /// Where prescribed velocities may jump (at the start of the run and at events): sets v to the velocity after
+  /// step.time that the motion prescribed from there on allows. `step.dt`: the motion is smooth over this time.
+  /// Collective.
   std::function<void(const Step& step, Vec q, Vec v)> restart = [](const Step&, Vec, Vec) {};
 };
 
-/// Variables of the material beside q and v, one more part of y: each obeys an ordinary differential equation of its
+/// Internal variables of the material, in y next to q and v: each obeys an ordinary differential equation of its
 /// own (or is a function of q whose rate is wanted), and is found once q is. The stage algebra is that of q and v.
 struct InternalVariables {
   /// z = the variables at the end of the converged stage (from stage.z0 and q). Collective.
   std::function<void(const StagePoint& stage, Vec q, Vec z)> end_stage;
-  /// On entry z is what the method's formula gives for the end of a step; those that are functions of q are set to
+  /// On entry z is the result of the method's formula for the end of a step; those that are functions of q are set to
   /// their values at q. Collective.
   std::function<void(Vec q, Vec z)> complete_step = [](Vec, Vec) {};
 };
 
-/// Pure integrals along the motion, dw/dt = rate(t, q, v), integrated by the method itself (energies, works). They are
-/// the same numbers on every rank.
+/// Quadratures: integrals along the motion, dw/dt = rate(t, q, v), integrated by the method itself (energies, works).
+/// They are the same numbers on every rank.
 struct Quadratures {
   /// Rates at the end of the converged stage; v and a are the stage's velocity and acceleration. Collective.
   std::function<void(const StagePoint& stage, Vec q, Vec v, Vec a, std::span<double> rates)> rates;

@@ -9,8 +9,8 @@
 
 namespace pliant {
 
-/// The vectors Y_i0, Y_i, y_{n+1} of one part of y and the sums that make them; which stages there are, and what is
-/// solved in them, is the stepper's concern. Memory is taken once. All methods are collective.
+/// The vectors Y_i0, Y_i, y_{n+1} of one part of y and the sums that form them; the stepper decides which stages there
+/// are and solves them. Memory is allocated once. All methods are collective.
 class StageVariable {
  public:
   StageVariable() = default;
@@ -23,9 +23,9 @@ class StageVariable {
   void start_stage(std::span<const double> At_i);
   /// Keeps Y_i - y* of a stage, counted from 0, if a later one or the end needs it.
   void end_stage(std::size_t i);
-  /// end() = y_{n+1} - bt_s Y_s, before the last stage s; of a stiffly accurate method there is none such.
+  /// end() = y_{n+1} - bt_s Y_s, before the last stage s; not needed for a stiffly accurate method.
   void start_last_stage(std::span<const double> bt);
-  /// y_{n+1} = y* + sum_i bt_i (Y_i - y*); of a stiffly accurate method it is Y_s, in place already.
+  /// y_{n+1} = y* + sum_i bt_i (Y_i - y*); for a stiffly accurate method it is Y_s, already in place.
   void complete_step(std::span<const double> bt);
 
   /// x = sum_i d_i (Y_i - y*), after the step's completion.

@@ -9,7 +9,7 @@
 
 namespace pliant {
 
-/// A state that belongs to somebody else.
+/// A state whose vectors another object owns.
 struct StateView {
   double time = 0.0;               ///< [s]
   Vec q = nullptr;                 ///< configuration [m]
@@ -28,26 +28,26 @@ struct State {
   State() = default;
   /// A copy. Collective.
   explicit State(const StateView& state);
-  /// Copies a state of the same layout; takes no memory. Collective.
+  /// Copies a state of the same layout; allocates nothing. Collective.
   void assign(const StateView& state);
   /// Collective.
   void keep(Archive& archive);
   StateView view() const { return {time, q.get(), v.get(), z.get(), w}; }
 };
 
-/// The last accepted states, newest first. Only accepted steps are pushed; the vectors are the history's own and are
-/// read by others, never written. Memory is taken once, at construction.
+/// The last accepted states, newest first. Only accepted steps are pushed; the vectors belong to the history, and
+/// others only read them. Memory is allocated once, at construction.
 class History {
  public:
-  /// Holds up to `depth` >= 1 states, at present the one given, which is copied. Collective.
+  /// Holds up to `depth` >= 1 states; begins with a copy of the given one. Collective.
   History(int depth, const StateView& initial);
 
-  /// Makes a copy the newest state and forgets the oldest if all places are taken. Collective.
+  /// Pushes a copy as the newest state and drops the oldest if the history is full. Collective.
   void push(const StateView& state);
-  /// Forgets all states but the newest, after which the motion is no continuation of what went before: its velocity, of
-  /// the state returned, may be changed.
+  /// Forgets all states but the newest. The motion after it does not continue the one before: the velocity of the state
+  /// returned may be changed.
   State& restart();
-  /// Of the newest state.
+  /// Quadratures of the newest state.
   void set_quadratures(std::span<const double> w);
 
   /// Collective.

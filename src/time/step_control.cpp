@@ -13,13 +13,14 @@ constexpr double growth = 2.0;
 constexpr int num_start_steps = 4;       // until estimates have their full order
 constexpr int many_rejections = 3;       // in a row
 constexpr double hard_step_part = 0.01;  // of the tolerance, for a step that is hard to estimate
-constexpr double least_part = 1e-4;      // of the tolerance, for any step
-constexpr double reserve = 1.0;          // of the tolerance, for hard steps, beside what others leave of their shares
-constexpr double missing_order = 0.7;    // an error that falls by so many powers less than it should is hard
+constexpr double least_part = 1e-4;      // fraction of the tolerance, for any step
+constexpr double reserve =
+    1.0;  // fraction of the tolerance, for hard steps, in addition to what others leave of their shares
+constexpr double missing_order = 0.7;  // an error that falls by so many powers less than it should is hard
 constexpr double standstill = 0.5;  // the power of the step with which a jump's error, or the solver's, falls at most
 constexpr double sliver = 1e-6;     // of a step: a step is made longer by so much rather than followed by one so short
 
-// Of adaptive steps:
+// Adaptive steps:
 constexpr double stretch = 0.1;  // a step may be so much longer than wanted if it spares a step
 constexpr double strongest_cut = 0.2;
 constexpr double after_event = 0.1;    // of the wanted step before the event
@@ -107,12 +108,12 @@ Step StepControl::next_nominal(const Target& target) const {
     return {target.time, std::abs(rest - plan_.dt) <= rounding_of(target.time, plan_.origin) ? plan_.dt : rest,
             target.is_event};
   }
-  // A rest of less than two steps is shared evenly, lest the second be short.
+  // A remainder of less than two steps is divided equally, so that the second one is not short.
   const double dt = rest < growth * progress_.limit ? 0.5 * rest : progress_.limit;
   return {progress_.time + dt, dt};
 }
 
-// Times on the way are counted back from the target, so that equal steps stay equal to the last bit.
+// Intermediate times are counted back from the target, so that equal steps stay equal to the last bit.
 Step StepControl::next_adaptive(const Target& target) const {
   const AdaptivePlan& adaptive = *plan_.adaptive;
   const double rest = target.time - progress_.time;
@@ -127,31 +128,31 @@ Step StepControl::next_adaptive(const Target& target) const {
   return {target.time, dt, target.is_event};
 }
 
-/// What a step may have: of the tolerance as much as of the run's duration, but not less than a small part of what is
-/// not spent, and a hundredth of it where steps are hard to estimate. After a start or event estimates are of low order
-/// and too large; at a kink that is no event, and where rounding and the solver's tolerance are all that is left, the
-/// error does not fall as it should. Without a least part what is fast and over soon would have to be followed by
-/// orders more closely than what is slow.
+/// The allowed error of a step: a share of the tolerance equal to its share of the run's duration, but at least a small
+/// fraction of the unspent tolerance, and a hundredth of that where steps are hard to estimate. After a start or event
+/// estimates are of low order and too large; at a kink that is not an event, and where only rounding and the solver's
+/// tolerance are left, the error does not fall as it should. Without this minimum, fast and brief motion would have to
+/// be resolved more closely than slow motion, by orders of magnitude.
 double StepControl::allowance(const Step& step, bool is_hard) const {
   const double duration = plan_.end - plan_.origin;
   const double unspent = (progress_.time - plan_.origin) / duration + reserve - progress_.spent;
   return std::max(step.dt / duration, (is_hard ? hard_step_part : least_part) * std::clamp(unspent, 0.0, 1.0));
 }
 
-/// The error as a share of what the step may have.
+/// The error relative to the step's allowed error.
 double StepControl::share(const Step& step, double error) const {
   const bool is_hard = progress_.num_after_start < num_start_steps || progress_.rejections >= many_rejections ||
                        !falls_as_it_should(step, error);
   return error / allowance(step, is_hard);
 }
 
-/// The power of the step with which the share falls: of the error, less one where what it may have falls too.
+/// The power of the step with which this ratio falls: that of the error, less one where the allowed error falls too.
 double StepControl::order_of_share(const Step& step) const {
   const bool is_least = allowance(step, false) > step.dt / (plan_.end - plan_.origin);
   return plan_.adaptive->order + (is_least && progress_.num_after_start == num_start_steps ? 1 : 0);
 }
 
-/// True if no step just rejected tells.
+/// Whether the step just rejected gives an estimate.
 bool StepControl::falls_as_it_should(const Step& step, double error) const {
   const double order = plan_.adaptive->order + 1 - missing_order;
   return progress_.rejections == 0 || progress_.rejected_dt == 0.0 ||
@@ -172,8 +173,8 @@ std::string StepControl::concession(double error) const {
   const Step step = next();
   if (step.dt > plan_.min_dt * (1.0 + sliver) || !stands_still(step, error)) return {};
   return error_of(step, error) +
-         " and is accepted all the same: the error does not fall with the step, as at a jump, or where it is the "
-         "solver's; jumps belong into time.events, and solver.newton.relative and absolute must be small enough";
+         " and is accepted nevertheless: the error does not fall with the step, as at a jump, or if it comes from the "
+         "solver; list jumps in time.events, and make solver.newton.relative and absolute small enough";
 }
 
 void StepControl::accept(double error) {
@@ -200,12 +201,12 @@ void StepControl::accept(double error) {
 // The PI controller of Gustafsson (Hairer & Wanner II, IV.8; exponents of the error per unit step):
 //     dt_new = dt (aim/e)^kI (e_prev/e)^kP,   kI = 0.7/p, kP = 0.3/p
 // An error that stays at e is corrected at once, kI + kP = 1/p, and one that was already falling, or rising, the less,
-// or the more. Of steps longer or shorter than wanted the error is taken to the wanted length; one of less than half of
-// it tells nothing, and changes nothing.
+// or the more. The error of a step of another length is scaled to the wanted length; one of less than half of
+// it is not informative, and changes nothing.
 void StepControl::adapt(const Step& step, double error) {
   const AdaptivePlan& adaptive = *plan_.adaptive;
   const double p = order_of_share(step), wanted = progress_.limit;
-  // Past states tell nothing of what follows a kink.
+  // Past states say nothing about what follows a kink.
   const bool is_kink =
       progress_.num_after_start == num_start_steps && progress_.rejections > 0 && error > allowance(step, false);
   if (step.dt >= 0.5 * wanted) {
@@ -267,7 +268,7 @@ std::string StepControl::error_of(const Step& step, double error) const {
   char times[32];
   std::snprintf(times, sizeof times, "%.3g", share(step, error));
   return "step of " + quantity(step.dt) + " from " + plan_.variable.name + " = " + quantity(progress_.time) + " has " +
-         times + " times the error it may have";
+         times + " times the allowed error";
 }
 
 RetryDecision StepControl::shorten(const Step& step, double dt, const std::string& failure) {

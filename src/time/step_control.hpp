@@ -1,5 +1,5 @@
-/// Which step to try next: a nominal step on a fixed grid of times, shortened when a step fails, or steps whose length
-/// follows the error.
+/// Decides which step to try next: a nominal step on a fixed grid of times, shortened when a step fails, or steps whose
+/// length follows the error.
 #pragma once
 
 #include "petsc/archive.hpp"
@@ -12,47 +12,47 @@
 
 namespace pliant {
 
-/// Steps that follow the error of the method.
+/// Adaptive steps, whose length follows the error of the method.
 struct AdaptivePlan {
-  double max_dt = 0.0;      ///< no step is longer [s]
+  double max_dt = 0.0;      ///< longest step [s]
   double interval = 0.0;    ///< the times origin + k interval are hit (output); 0: none [s]
   double max_growth = 0.0;  ///< limit of the ratio of successive steps (Method::max_growth)
   int order = 1;            ///< the error of a step grows as dt^(order + 1)
 };
 
-/// What steps advance, as messages name it: time, or the load factor of a static problem.
+/// The quantity that steps advance, as messages name it: time, or the load factor of a static problem.
 struct StepVariable {
   std::string name = "t";
-  std::string unit = "s";  ///< empty if it has none
+  std::string unit = "s";  ///< empty if there is none
 };
 
-/// What the run asks for. dt > 0, 0 < min_dt <= max_dt.
+/// The plan of a run. dt > 0, 0 < min_dt <= max_dt.
 struct StepPlan {
   double origin = 0.0;  ///< nominal step n ends at origin + n dt, the last at `end` [s]
-  double dt = 0.0;      ///< nominal step; of adaptive ones the first to be tried [s]
+  double dt = 0.0;      ///< nominal step; with adaptive steps the first to be tried [s]
   double end = 0.0;     ///< end of the run [s]
   double min_dt = 0.0;  ///< neither a failure nor an error makes a step shorter, except by equal steps to a target [s]
   std::vector<double> events = {};  ///< rising times at which loads may have a kink or a jump: steps end there [s]
-  std::optional<AdaptivePlan> adaptive = {};  ///< none: nominal steps
+  std::optional<AdaptivePlan> adaptive = {};  ///< empty: nominal steps
   StepVariable variable = {};
 };
 
-/// Where the run stands; with the plan, all that continues it exactly.
+/// The progress of the run; together with the plan, all that is needed to continue exactly.
 struct StepProgress {
   std::int64_t nominal = 0;  ///< nominal steps (adaptive: intervals) completed
   double time = 0.0;         ///< end of the last accepted step [s]
-  double limit = 0.0;        ///< the next step may not be longer; of adaptive steps the wanted length [s]
+  double limit = 0.0;        ///< upper limit of the next step; with adaptive steps the wanted length [s]
   bool at_event = false;     ///< the last accepted step ended at an event
   bool at_interval = false;  ///< ... at the end of a nominal step or interval
-  // Of adaptive steps only:
+  // Adaptive steps only:
   double last_dt = 0.0;  ///< length of the last accepted step; 0 at the start and after an event [s]
-  double error = 0.0;    ///< of the last step asked about its error, as a share of what it may have; 0: none
+  double error = 0.0;    ///< of the last step with an estimate, relative to what it may have; 0: none
   int rejections = 0;    ///< since the last accepted step
-  // Of the last step rejected for its error, until one as long is accepted; 0: none.
+  // The last step rejected for its error, until one as long is accepted; 0: none.
   double rejected_dt = 0.0;     ///< [s]
   double rejected_error = 0.0;  ///< in units of the tolerance
   double wanted = 0.0;          ///< length wanted before the first of these rejections [s]
-  double spent = 0.0;           ///< the errors of the accepted steps added up, in units of the tolerance
+  double spent = 0.0;           ///< sum of the errors of the accepted steps, in units of the tolerance
   int num_after_start = 0;      ///< accepted steps since the start or the last event, counted as far as it matters
 
   void keep(Archive& archive);
@@ -62,17 +62,17 @@ enum class Retry { again, give_up };
 
 struct RetryDecision {
   Retry retry = Retry::again;
-  std::string reason;  ///< in plain words, for the log
+  std::string reason;  ///< the reason, for the log
 };
 
 /// The progress of a run under a plan with another step, end or interval: the nominal steps completed are those whose
-/// ends lie behind. Of an unchanged plan it is as it was.
+/// ends lie behind. An unchanged plan keeps its progress.
 StepProgress under_plan(const StepPlan& plan, StepProgress progress);
 
 /// Fixed nominal step with retry. A failed step is halved, and again; after a success the step at most doubles until it
 /// is back at the nominal one. Every time origin + n dt is hit, computed by multiplication so that it carries no
-/// accumulated rounding, and so is the end: the last step is shortened where the end is no multiple of the step, or
-/// longer by a millionth of it, lest a sliver remain. So are the events on the way; a nominal time within half a
+/// accumulated rounding, and so is the end: the last step is shortened where the end is not a multiple of the step, or
+/// longer by a millionth of it, so that no sliver remains. So are the events on the way; a nominal time within half a
 /// millionth of dt of an event is that event.
 ///
 /// Adaptive steps keep the error of the run near the tolerance by allowing each step its share dt / (end - origin). The
@@ -81,11 +81,11 @@ StepProgress under_plan(const StepPlan& plan, StepProgress progress);
 /// long as no considerable change is called for, because factorizations and weights hold for one length. After an event
 /// steps start small, as nothing is known of what follows.
 ///
-/// Where an error does not fall as the method's order promises when a step is cut, at a kink or a jump that is no
+/// Where an error does not fall as the method's order promises when a step is cut, at a kink or a jump that is not an
 /// event, or where the solver's tolerance is all that is left, its share of the run would ask for steps without end.
 /// Such a step may take a hundredth of what is unspent: of the tolerance once more, and of what earlier steps left of
 /// their shares. So the estimates add up to twice the tolerance at most. At the smallest step an error that hardly
-/// falls at all is a jump's, or the solver's: the run goes on, and says so. A value: copies are independent.
+/// falls at all is a jump's, or the solver's: the run continues, and says so. A value: copies are independent.
 class StepControl {
  public:
   /// Starts at the plan's origin.

@@ -9,7 +9,7 @@
 namespace pliant {
 namespace {
 
-/// Lengths of the past steps that a velocity is continued.
+/// How many past steps a velocity is extrapolated from, in lengths of the step.
 constexpr double max_extrapolation = 2.0;
 
 }  // namespace
@@ -31,7 +31,7 @@ Stepper::Stepper(const Method& method, System system, const StateView& like)
     check(VecDuplicate(like.q, end_q_.out()));
     charted_.resize(l);
     for (auto& xi : charted_) check(VecDuplicate(like.v, xi.out()));
-    check(VecZeroEntries(charted_[0].get()));  // q_n seen from itself
+    check(VecZeroEntries(charted_[0].get()));  // the coordinates of q_n around itself
   }
   past_times_.reserve(l);
   for (auto* past : {&past_q_, &past_v_, &past_z_}) past->reserve(l);
@@ -46,7 +46,7 @@ StepAttempt Stepper::attempt(const History& history, const Step& step) & {
   for (std::size_t i = 0; i < method_.b.size(); ++i) {
     StagePoint stage;
     stage.time = step.time - weight.beta * (1.0 - method_.c[i]) * step.dt;  // exactly the end of the step for c_i = 1
-    // A stage at the end sees what jumps there as it is before.
+    // A stage at the end of a step sees what jumps there with its value before the jump.
     if (step.ends_at_event && stage.time == step.time) stage.time = std::nextafter(step.time, step.time - step.dt);
     stage.dt = weight.beta * method_.A[i][i] * step.dt;
     stage.step_start = history.newest().time;
@@ -97,7 +97,7 @@ BdfWeights Stepper::weights(const History& history, const Step& step) {
   return bdf_weights(std::span(past_times_).first(num_used), step);
 }
 
-// y*; of w only w* - w_n, lest small contributions drown
+// y*; of w only w* - w_n, to keep the digits of small contributions
 void Stepper::set_base(const History& history, std::span<const double> alpha) {
   for (auto* past : {&past_q_, &past_v_, &past_z_}) past->clear();
   std::ranges::fill(w_, 0.0);
@@ -144,7 +144,7 @@ void Stepper::start_stage(std::size_t i, const History& history, StagePoint& sta
 
 void Stepper::predict(const History& history, const StagePoint& stage, Vec q) const {
   int num_used = std::min(history.size(), num_states(Guess::predicted));
-  // Beyond the length of the steps that led here a polynomial says little.
+  // A polynomial says little beyond the length of the steps before it.
   while (num_used > 1 && stage.time - history[0].time >
                              max_extrapolation * (history[0].time - history[num_used - 1].time) / (num_used - 1))
     --num_used;

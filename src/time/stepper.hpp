@@ -99,7 +99,8 @@ class Stepper {
   std::vector<double> w_, rates_;
   std::vector<double> embedded_;  // bt - bt_embedded
   Handle<Vec> a_;
-  // Of a space only: the coordinates of the past states, xi' of a stage, the configuration at the end of the step.
+  // Only for problems with a space: the coordinates of the past states, xi' of a stage, the configuration at the end of
+  // the step.
   std::vector<Handle<Vec>> charted_;
   Handle<Vec> rate_, end_q_;
   // The past states, newest first.

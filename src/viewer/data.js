@@ -20,7 +20,7 @@ export async function accumulated(block) {
   return values;
 }
 
-/// Of each vertex those before it in number to which a side of a triangle leads; where there is none, the one before it.
+/// For each vertex: the preceding vertices that a side of a triangle joins to it; if there is none, the one before it.
 export class EarlierNeighbours {
   constructor(index, size) {
     this.size = size;

@@ -36,7 +36,7 @@ export function short(value, digits = 4) {
 
 export const grouped = (n) => n.toLocaleString("en").replaceAll(",", "\u2009");
 
-/// A time with as many decimals as tell the frames apart.
+/// A time with as many decimals as distinguish the frames.
 export function timeText(times) {
   const last = Math.max(...times.map(Math.abs)), [factor, unit] = handyUnit("s", last);
   const gap = times.length > 1 ? (last / factor) / (times.length - 1) : 1;

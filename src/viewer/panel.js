@@ -1,4 +1,4 @@
-// The choices beside the drawing: colours, scale of the displacement, what is shown.
+// The controls next to the drawing: colours, scale of the displacement, what is shown.
 import { gradient, nameColour } from "./colours.js";
 import { handyUnit, short, spelt, ticks, typeset } from "./numbers.js";
 import { VIEWS } from "./scene.js";

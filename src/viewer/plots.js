@@ -14,7 +14,7 @@ const span = (values) => {
 };
 const largest = (values) => Math.max(...span(values).map(Math.abs));
 const extent = (values) => { const [low, high] = span(values); return high - low; };
-/// Those of the lines that vary by more than rounding, beside the others.
+/// Those of the lines that vary by more than rounding, relative to the others.
 function varying(lines) {
   const most = Math.max(0, ...lines.map(([, values]) => Math.max(extent(values), 1e-6 * largest(values))));
   return lines.filter(([, values]) => extent(values) > 1e-6 * most);

@@ -103,7 +103,7 @@ export class View {
     this.bodyColours = nameColours(Math.max(1, bodies.names.length));
     this.options = { time: 0, scale: 1, field: -1, component: -1, low: 0, high: 1, edges: false, outline: false,
                      follow: false, obstacles: true };
-    this.look = () => {};  // told after each drawing
+    this.look = () => {};  // called after each drawing
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.ink());
     this.ink();
@@ -205,7 +205,7 @@ export class View {
     this.touch();
   }
 
-  /// Of the width, that the colour bar takes.
+  /// Width of the colour bar, as a fraction of the view's.
   legendShare() {
     const { clientWidth: width } = this.canvas.parentElement;
     return width > 0 ? Math.min(110 / width, 0.2) : 0;

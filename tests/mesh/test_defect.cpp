@@ -88,10 +88,10 @@ std::vector<Defect> defects() {
       {"NoElements", "a.msh", cube.format + cube.nodes, "without a $Elements section"},
       {"NoNodes", "a.msh", cube.format + cube.elements, "elements come before the nodes"},
       {"Version1", "a.msh", "$NOD\n1\n1 0 0 0\n$ENDNOD\n", "2.2 or 4.1"},
-      {"Version40", "a.msh", replaced(text, "2.2 0 8", "4 0 8"), "version 4 of the format is not read"},
+      {"Version40", "a.msh", replaced(text, "2.2 0 8", "4 0 8"), "version 4 of the format is not supported"},
       {"Version9", "a.msh", replaced(text, "2.2 0 8", "9.9 0 8"), "msh41"},
       {"VersionText", "a.msh", replaced(text, "2.2 0 8", "two 0 8"),
-       "line 2: the version of the format should be here, not 'two'"},
+       "line 2: the version of the format is expected here, not 'two'"},
       {"DataSize", "a.msh", replaced(text, "2.2 0 8", "2.2 0 4"), "data size"},
       {"FileType", "a.msh", replaced(text, "2.2 0 8", "2.2 7 8"), "0 (ascii) or 1 (binary)"},
       {"AsciiSaidBinary", "a.msh", replaced(text, "2.2 0 8", "2.2 1 8"), "byte order is wrong"},
@@ -100,14 +100,15 @@ std::vector<Defect> defects() {
       {"CutBeforeTheEnd", "a.msh", text.substr(0, text.find("$EndElements")), "truncated"},
       {"CutInNames", "a.msh", text.substr(0, text.find("3 2 \"bo")), "truncated"},
       {"TooFewNodes", "a.msh", broken("$Nodes\n8", "$Nodes\n9"), "$EndNodes"},
-      {"TooManyNodes", "a.msh", broken("$Nodes\n8", "$Nodes\n7"), "$EndNodes should be here"},
+      {"TooManyNodes", "a.msh", broken("$Nodes\n8", "$Nodes\n7"), "$EndNodes is expected here"},
       {"HugeCount", "a.msh", broken("$Nodes\n8", "$Nodes\n800000000000"), "damaged"},
       {"NegativeCount", "a.msh", broken("$Elements\n7", "$Elements\n-7"), "damaged"},
-      {"WordForANumber", "a.msh", broken("6 1 0 1", "6 1 zero 1"), "a coordinate should be here, not 'zero'"},
-      {"MissingCoordinate", "a.msh", broken("8 0 1 1\n$", "8 0 1\n$"), "a coordinate should be here, not '$EndNodes'"},
+      {"WordForANumber", "a.msh", broken("6 1 0 1", "6 1 zero 1"), "a coordinate is expected here, not 'zero'"},
+      {"MissingCoordinate", "a.msh", broken("8 0 1 1\n$", "8 0 1\n$"),
+       "a coordinate is expected here, not '$EndNodes'"},
       {"UnknownNode", "a.msh", broken("1 2 3 7", "1 2 3 70"), "element 2: an element refers to node 70"},
       {"NegativeNode", "a.msh", broken("1 2 3 7", "1 2 3 -7"),
-       "line 23: a node of an element should be here, not '-7'"},
+       "line 23: a node of an element is expected here, not '-7'"},
       {"NodeTwice", "a.msh", broken("8 0 1 1", "7 0 1 1"), "node 7 is defined twice"},
       {"UnknownType", "a.msh", broken("2 4 2 2 1", "2 140 2 2 1"), "type 140"},
       {"SecondNodes", "a.msh", text + cube.nodes, "second $Nodes"},
@@ -116,7 +117,7 @@ std::vector<Defect> defects() {
       {"FarTooFar", "a.msh", broken("6 1 0 1", "6 1 1e300 1"), "node 6"},
       {"FlatCell", "a.msh", broken("6 1 0 1", "6 1 1 1"), "without volume"},
       {"NoSuchCorner", "a.msh", broken("1 2 3 7", "1 2 2 7"), "without volume: element 2"},
-      {"CellTwice", "a.msh", many_twice, "given twice (the same four nodes as another): element 8"},
+      {"CellTwice", "a.msh", many_twice, "duplicate tetrahedra (the same four nodes as another): element 8"},
       {"NodesCoincide", "a.msh", replaced(broken("$Nodes\n8", "$Nodes\n9\n9 1 1 1"), "1 2 3 7", "1 2 3 9"),
        "coincide with another node: "},
       {"Folded", "a.msh", broken("2 1 0 0", "2 0.2 0.9 0.4"), "overlap"},
@@ -126,16 +127,16 @@ std::vector<Defect> defects() {
       {"NameTwice", "a.msh", broken("2\n2 1 \"clamp\"", "3\n2 4 \"clamp\"\n2 1 \"clamp\""), "have the name 'clamp'"},
       {"NameWithoutQuotes", "a.msh", broken("\"clamp\"", "clamp"), "in double quotes"},
       {"OnlyTriangles", "a.msh", cube.format + cube.nodes + "$Elements\n1\n1 2 2 1 1 1 2 3\n$EndElements\n",
-       "no tetrahedra in it, only 1 of type 3-node triangle"},
+       "contains no tetrahedra, only 1 of type 3-node triangle"},
       {"NoElementsAtAll", "a.msh", cube.format + cube.nodes + "$Elements\n0\n$EndElements\n",
-       "no tetrahedra in it, only nodes"},
+       "contains no tetrahedra, only nodes"},
       {"Hexahedron", "a.msh", cube.format + cube.nodes + "$Elements\n1\n1 5 2 1 1 1 2 3 4 5 6 7 8\n$EndElements\n",
        "1 of type 8-node hexahedron"},
       {"Mixed", "a.msh",
        replaced(broken("$Elements\n7", "$Elements\n8"), "$EndElements", "8 6 2 2 1 1 2 3 5 6 7\n$EndElements"),
        "1 of type 6-node prism"},
       {"Version41Blocks", "a.msh", v41 + "$Nodes\n1 2 1 2\n3 1 0 1\n1\n0 0 0\n$EndNodes\n",
-       "the blocks of nodes hold 1 nodes, the section says 2"},
+       "the blocks of nodes hold 1 nodes, but the section says 2"},
       {"Version41Dimension", "a.msh", v41 + "$Nodes\n1 1 1 1\n7 1 0 1\n1\n0 0 0\n$EndNodes\n",
        "dimension of an entity"},
       {"Version41Elements", "a.msh",
@@ -147,7 +148,7 @@ std::vector<Defect> defects() {
        "SetFactory(\"OpenCASCADE\");\nRectangle(1) = {0, 0, 0, 1, 1};\nPhysical Surface(1) = {1};\n", "no tetrahedra"},
       {"GeoEmpty", "a.geo", "// nothing yet\n", "no tetrahedra"},
       {"GeoWithoutLastLineBreak", "a.geo", box_geo + "Physical Volume(1) = {1}; Physical Surface(2) = {1};",
-       "end it with a line break"},
+       "add a line break"},
       {"GeoThatExits", "a.geo", box_geo + "Exit;\n", "Exit"},
       {"GeoHexahedra", "a.geo",
        box_geo + "Transfinite Curve{:} = 3; Transfinite Surface{:}; Recombine Surface{:}; Transfinite Volume{1};\n",
@@ -183,8 +184,8 @@ TEST(MeshSourceErrors, TheCubeItselfIsGood) {
 
 TEST(MeshSourceErrors, MissingFileAndDirectory) {
   const Scratch scratch(comm);
-  EXPECT_NE(complaint_about(scratch.path("none.msh")).find("there is no such file"), std::string::npos);
-  EXPECT_NE(complaint_about(scratch.path("none.step")).find("there is no such file"), std::string::npos);
+  EXPECT_NE(complaint_about(scratch.path("none.msh")).find("the file does not exist"), std::string::npos);
+  EXPECT_NE(complaint_about(scratch.path("none.step")).find("the file does not exist"), std::string::npos);
   on_root(comm, [&] { std::filesystem::create_directory(scratch.path("folder.msh")); });
   EXPECT_NE(complaint_about(scratch.path("folder.msh")).find("directory"), std::string::npos);
 }
@@ -227,7 +228,7 @@ TEST(MeshSourceErrors, CurvedCellsThatFold) {
   options.map = [](std::array<double, 3> x) { return std::array<double, 3>{x[0] == 0.5 ? 0.95 : x[0], x[1], x[2]}; };
   MeshSource source;
   source.file = scratch.file("a.msh", [&](const std::string& f) { write_box_msh(f, {1, 1, 1}, {1, 1, 1}, options); });
-  EXPECT_NE(complaint(source).find("fold over"), std::string::npos);
+  EXPECT_NE(complaint(source).find("folded"), std::string::npos);
 }
 
 TEST(MeshSourceErrors, MoreRanksThanCells) {

@@ -236,7 +236,7 @@ TEST(Msh, InvertedTetrahedraAreTurnedRoundAndOrphansDropped) {
   EXPECT_EQ(mesh.report.num_orphan_nodes, 1);
   EXPECT_NEAR(mesh.report.volume, 0.5, 1e-15);
   EXPECT_EQ(mesh.report.bounds[3], 1.0);
-  EXPECT_TRUE(has_notice(mesh, "1 inverted tetrahedra were turned round: element 7"));
+  EXPECT_TRUE(has_notice(mesh, "1 inverted tetrahedra were reoriented: element 7"));
   EXPECT_TRUE(has_notice(mesh, "node 77"));
 }
 
@@ -275,7 +275,7 @@ TEST(Msh, PartsAndHingesAreNoticed) {
   });
   const Mesh mesh = read(file);
   EXPECT_EQ(mesh.report.num_cells, 14);
-  EXPECT_TRUE(has_notice(mesh, "2 parts that are not connected"));
+  EXPECT_TRUE(has_notice(mesh, "2 disconnected parts"));
   EXPECT_TRUE(has_notice(mesh, "hinge"));
 }
 
@@ -371,8 +371,8 @@ TEST(Geo, PrescribedDivisionsThatWinAreNoticed) {
                    "Line(1) = {1,2}; Line(2) = {2,3}; Line(3) = {3,4}; Line(4) = {4,1};\n"
                    "Curve Loop(1) = {1,2,3,4}; Plane Surface(1) = {1};\n"
                    "Extrude{0,0,1}{ Surface{1}; Layers{3}; }\n");
-  EXPECT_FALSE(has_notice(read(file, 0.3), "asked for"));
-  EXPECT_TRUE(has_notice(read(file, 0.05), "asked for"));
+  EXPECT_FALSE(has_notice(read(file, 0.3), "instead of the requested"));
+  EXPECT_TRUE(has_notice(read(file, 0.05), "instead of the requested"));
 }
 
 TEST(Geo, SecondOrderCurvesOfASphere) {
@@ -416,7 +416,7 @@ TEST(Cad, TouchingSolidsAreJoined) {
     const std::string file = scratch.file(name, [](const std::string& f) { write_solids(f, 2); });
     const Mesh mesh = read(file);
     EXPECT_NEAR(mesh.report.bounds[3] / mesh.report.bounds[4], 10.0, 1e-9);
-    EXPECT_FALSE(has_notice(mesh, "not connected"));
+    EXPECT_FALSE(has_notice(mesh, "disconnected"));
   }
 }
 
@@ -459,7 +459,7 @@ TEST(Stl, ShellsInsideAreCavitiesAndOthersAreBodies) {
   for (const std::optional<double> size : {std::optional<double>{}, std::optional<double>{0.3}}) {
     const Mesh mesh = read(file, size);
     EXPECT_NEAR(mesh.report.volume, 27.0 - 1.0 + 0.125 + 1.0, 1e-8);
-    EXPECT_TRUE(has_notice(mesh, "3 parts that are not connected"));
+    EXPECT_TRUE(has_notice(mesh, "3 disconnected parts"));
   }
 }
 

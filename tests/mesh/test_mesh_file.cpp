@@ -228,33 +228,37 @@ std::vector<Damage> damages() {
       {"OnlyTheSignature", [](const std::string& f) { cut(f, 40); }, "damaged"},
       {"Truncated", [](const std::string& f) { cut(f, std::filesystem::file_size(f) / 2); }, "truncated"},
       {"NotHdf5", [](const std::string& f) { std::ofstream(f) << "solid cube\n"; }, "not an HDF5 file"},
-      {"NotAMesh", inside([](hid_t f) { check_hdf5(H5Adelete(f, "format"), "delete"); }), "no mesh of Pliant"},
+      {"NotAMesh", inside([](hid_t f) { check_hdf5(H5Adelete(f, "format"), "delete"); }), "not a mesh of Pliant"},
       {"OtherFormat", inside([](hid_t f) {
          check_hdf5(H5Adelete(f, "format"), "delete");
          write_attribute(f, "format", std::string("pliant-result"));
        }),
-       "no mesh of Pliant"},
+       "not a mesh of Pliant"},
       {"OtherVersion", inside([](hid_t f) {
          check_hdf5(H5Adelete(f, "version"), "delete");
          write_attribute(f, "version", std::int64_t{9});
        }),
        "version 9 of the format"},
-      {"NoNodes", without("nodes"), "there is no nodes in it"},
-      {"NoCells", without("cells"), "there is no cells in it"},
+      {"NoNodes", without("nodes"), "it contains no nodes"},
+      {"NoCells", without("cells"), "it contains no cells"},
       {"FlatNodes", resized("nodes", H5T_NATIVE_DOUBLE, {60, 2}), "nodes must have rows of 3 numbers"},
       {"ListOfCells", resized("cells", H5T_NATIVE_INT32, {144}), "cells must have rows of 4 numbers"},
-      {"RealCells", resized("cells", H5T_NATIVE_DOUBLE, {144, 4}), "cells must hold whole numbers"},
-      {"TooManyForTheIntegers", resized("cells", H5T_NATIVE_INT64, {hsize_t{1} << 62, 4}), "32-bit integers count"},
-      {"NoCellsAtAll", resized("cells", H5T_NATIVE_INT32, {0, 4}), "every rank needs one"},
+      {"RealCells", resized("cells", H5T_NATIVE_DOUBLE, {144, 4}), "cells must hold integers"},
+      {"TooManyForTheIntegers", resized("cells", H5T_NATIVE_INT64, {hsize_t{1} << 62, 4}),
+       "too many for 32-bit indices"},
+      {"NoCellsAtAll", resized("cells", H5T_NATIVE_INT32, {0, 4}), "every rank needs at least one"},
       {"NotANumber", overwritten<double>("nodes", {nan, 0.0, 0.0}), "not finite numbers (or beyond 1e100) in row 0"},
       {"Infinite", overwritten<double>("nodes", {0.0, 0.0, 0.0, 1e300, 0.0, 0.0}), "in row 1 of nodes"},
       {"NoSuchNode", overwritten<Whole>("cells", {0, 1, 2, 60}), "row 0 of cells does not name four different nodes"},
       {"NegativeNode", overwritten<Whole>("cells", {0, 1, 2, -1}), "row 0 of cells"},
       {"NodeTwice", overwritten<Whole>("cells", {0, 1, 2, 2}), "row 0 of cells"},
       {"InsideOut", overwritten<double>("nodes", {9.0, 9.0, 9.0}), "inverted or flat tetrahedra"},
-      {"NoSuchMember", overwritten<Whole>("groups/2", {144, 0}), "'clamp' has a member that no cell has, in row 0"},
-      {"NoSuchFacet", overwritten<Whole>("groups/2", {0, 4}), "'clamp' has a member that no cell has, in row 0"},
-      {"NoSuchCell", overwritten<Whole>("groups/5", {-1}), "'body' has a member that no cell has, in row 0"},
+      {"NoSuchMember", overwritten<Whole>("groups/2", {144, 0}),
+       "'clamp' has a member that is not part of any cell, in row 0"},
+      {"NoSuchFacet", overwritten<Whole>("groups/2", {0, 4}),
+       "'clamp' has a member that is not part of any cell, in row 0"},
+      {"NoSuchCell", overwritten<Whole>("groups/5", {-1}),
+       "'body' has a member that is not part of any cell, in row 0"},
       {"MembersWithoutParts", inside([](hid_t f) {
          const Hdf5Handle group(H5Dopen2(f, "groups/0", H5P_DEFAULT), H5Dclose, "open");
          check_hdf5(H5Adelete(group.get(), "dimension"), "delete");
@@ -271,7 +275,7 @@ std::vector<Damage> damages() {
          check_hdf5(H5Adelete(group.get(), "dimension"), "delete");
          write_attribute(group.get(), "dimension", std::string("2"));
        }),
-       "it is not a whole number"},
+       "it is not an integer"},
   };
 }
 
@@ -285,8 +289,9 @@ TEST(MeshFile, WhereHdf5DiesTheFileIsToBlame) {
     (void)isolated({Suspect::hdf5}, die);
     FAIL() << "no defect";
   } catch (const MeshDefect& defect) {
-    EXPECT_EQ(defect.reasons(), std::vector<std::string>{"HDF5 died while reading it (Segmentation fault): the file is "
-                                                         "damaged; write it again with `pliant mesh convert`"});
+    EXPECT_EQ(defect.reasons(),
+              std::vector<std::string>{"the HDF5 library crashed while reading it (Segmentation fault): the file is "
+                                       "damaged; write it again with `pliant mesh convert`"});
   }
 }
 

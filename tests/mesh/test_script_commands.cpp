@@ -52,15 +52,14 @@ std::vector<Script> with_commands() {
       {"Onelab", box + "OnelabRun(\"a\", \"touch made\");\n", "'OnelabRun' runs a program"},
       {"OfAField", box + "Field[1] = ExternalProcess;\nField[1].CommandLine = \"touch made\";\nBackground Field = 1;\n",
        "line 3, column 12: 'ExternalProcess' runs a program"},
-      {"MadeOfAText", box + "S2N[\"SystemCall\"] " + touch, "'S2N' can make a command"},
+      {"MadeOfAText", box + "S2N[\"SystemCall\"] " + touch, "'S2N' can turn a text into a command"},
       {"Printf", box + "Printf(\"a > b\") > \"made\";\n", "line 3, column 1: 'Printf ... >' writes a file"},
       {"PrintfBehind", box + "Printf(Sprintf(\"%g\", 1)) >> \"made\";\n", "'Printf ... >' writes a file"},
       {"Save", box + "Mesh 3; Save \"made\";\n", "line 3, column 9: 'Save' writes a file"},
       {"Print", box + "Print \"made\";\n", "'Print' writes a file"},
       {"Directory", box + "CreateDir \"made\";\n", "'CreateDir' writes a file"},
       {"Plugin", box + "Plugin(NewView).Run;\n", "'Plugin' can write files"},
-      {"ComputedName", box + "Merge StrCat(\"a\", \".geo\");\n",
-       "'Merge' loads a file that it does not name by a plain"},
+      {"ComputedName", box + "Merge StrCat(\"a\", \".geo\");\n", "'Merge' loads a file whose name is not a plain"},
       {"ZeroByte", box + "// " + std::string(1, '\0') + " SystemCall " + touch, "not a text"},
       {"LongText", box + "a = \"" + long_text + "\";\n", "more than 1000 bytes"},
       {"EndInAComment", box + "If (0)\nE/*\nEndIf\nSystemCall \"touch made\"; // */\n",
@@ -146,7 +145,7 @@ TEST(ScriptCommands, ThatKillGmshAreToldOf) {
   const Scratch scratch(comm);
   MeshSource source = source_of(scratch.text("a.geo", box + "SystemCall \"kill -9 $PPID\";\n"));
   source.commands = Commands::allowed;
-  EXPECT_NE(complaint(source).find("gmsh died while working on it (Killed)"), std::string::npos);
+  EXPECT_NE(complaint(source).find("gmsh crashed while working on it (Killed)"), std::string::npos);
 }
 
 TEST(ScriptCommands, AChildThatReadsOnlyCannotRunOrWriteAnything) {

@@ -70,7 +70,7 @@ TEST(Hdf5, PiecesAreNotLargerThanWhatTheyArePiecesOf) {
   };
   EXPECT_EQ(told("narrow", 1, H5T_NATIVE_DOUBLE), "nothing");
   EXPECT_EQ(told("whole rows", 3, H5T_NATIVE_DOUBLE), "nothing");
-  EXPECT_EQ(told("wide", 4, H5T_NATIVE_DOUBLE), "cannot read: it lies in pieces that are wider than its rows");
+  EXPECT_EQ(told("wide", 4, H5T_NATIVE_DOUBLE), "cannot read: its chunks are wider than its rows");
 }
 
 TEST(Hdf5, NumbersLieWithinTheirBytes) {

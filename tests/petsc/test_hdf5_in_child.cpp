@@ -50,9 +50,10 @@ TEST(Hdf5InChild, BlamesTheFileWhereItDies) {
     (void)std::raise(SIGSEGV);
     return std::string();
   };
-  EXPECT_EQ(complaint(die), "file: 'result.h5' is damaged: HDF5 died over it (Segmentation fault)");
+  EXPECT_EQ(complaint(die),
+            "file: 'result.h5' is damaged: the HDF5 library crashed while reading it (Segmentation fault)");
   const auto leave = []() -> std::string { std::exit(0); };
-  EXPECT_EQ(complaint(leave), "file: 'result.h5' is damaged: HDF5 died over it (exit code 77)");
+  EXPECT_EQ(complaint(leave), "file: 'result.h5' is damaged: the HDF5 library crashed while reading it (exit code 77)");
 }
 
 }  // namespace

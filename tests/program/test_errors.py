@@ -72,7 +72,7 @@ BAD_LINES = {
 BAD_AGAINST_THE_MESH = {
     "a mesh of unknown kind": ("mesh", "mesh: {file: @in.yaml}", "in.yaml"),
     "a mesh in parts that is none": ("mesh", "mesh: {file: @bad.h5}", "bad.h5.*not an HDF5 file"),
-    "a result as mesh": ("mesh", "mesh: {file: @other.h5}", "other.h5.*no mesh of Pliant"),
+    "a result as mesh": ("mesh", "mesh: {file: @other.h5}", "other.h5.*not a mesh of Pliant"),
     "misspelt surface": ("constraints", "constraints: [{surface: @lefd, displacement: [0, 0, 0]}]", "did you mean 'left'"),
     "surface as volume": ("bodies", "bodies: [{volume: @left, " + LAW + "}]", "surface: left|surface"),
     "volume as surface": ("constraints", "constraints: [{surface: @body, displacement: [0, 0, 0]}]", "volume"),
@@ -86,7 +86,7 @@ BAD_AGAINST_THE_MESH = {
                                                     "file: @endless.msh}]}", r"triangle \d+ is not finite"),
     "a flat obstacle": ("output", "contact: {obstacles: [{name: a, shape: surface, file: @flat.stl}]}", "flat and encloses no volume"),
     "an obstacle whose sides look different ways": ("output", "contact: {obstacles: [{name: a, shape: surface, file: @turned.stl}]}",
-                                                    "at 3 edges triangles meet that look to opposite sides"),
+                                                    "at 3 edges two triangles face opposite sides"),
     "an obstacle from no file": ("output", "contact: {obstacles: [{name: a, shape: surface, file: @nowhere.stl}]}",
                                  "nowhere.stl"),
     "a body beyond a barrier": ("output", "contact: {law: barrier, obstacles: [@{name: a, shape: plane, "
@@ -182,7 +182,7 @@ BAD_FILES_AND_OPTIONS = {  # told once ranks do different work
     "PETSc options without a dash": (["run", "in.yaml", "--", "ksp_type", "cg"], "'ksp_type' belongs to no option"),
     "PETSc options of two values": (["run", "in.yaml", "--", "-ksp_type", "cg", "cr"], "'cr' belongs to no option"),
     "PETSc options that do not fit": (["run", "in.yaml", "--", "-pc_type", "nonsense"], "PETSc options: .*nonsense"),
-    "a mesh to convert that is missing": (["mesh", "convert", "nowhere.msh", "a.h5"], "nowhere.msh.*no such file"),
+    "a mesh to convert that is missing": (["mesh", "convert", "nowhere.msh", "a.h5"], "nowhere.msh.*does not exist"),
     "a mesh to convert into another format": (["mesh", "convert", "cube.msh", "cube.vtk"], "must be named .h5"),
     "a mesh that is converted already": (["mesh", "convert", "bad.h5", "a.h5"], "own format already"),
     "a script to convert that runs a program": (["mesh", "convert", "commands.geo", "a.h5"], "'SystemCall' runs.*--allow-commands"),

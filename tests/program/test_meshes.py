@@ -42,8 +42,8 @@ class BadMeshes(MistakesTest):
         os.mkfifo(self.directory / "pipe.msh")
         os.symlink("self.msh", self.directory / "self.msh")
         cases = {name: self.case(name, words) for name, words in
-                 {"folder.msh": "directory", "pipe.msh": "a pipe or a device", "self.msh": "no such file",
-                  "nowhere.h5": "no such file"}.items()}
+                 {"folder.msh": "directory", "pipe.msh": "a pipe or a device", "self.msh": "does not exist",
+                  "nowhere.h5": "does not exist"}.items()}
         self.judge_all(cases, EVERY_CASE)
 
 
@@ -83,9 +83,9 @@ def orphans(b):
 # Name: change of the brick, what the run says of it.
 ODD = {
     "as it is": (lambda b: None, ""),
-    "two parts": (twice, "2 parts that are not connected"),
+    "two parts": (twice, "2 disconnected parts"),
     "huge tags": (huge_tags, ""),
-    "a cell turned round": (turned_round, "1 inverted tetrahedra were turned round: element 49"),
+    "a cell turned round": (turned_round, "1 inverted tetrahedra were reoriented: element 49"),
     "a cell in no group": (ungrouped_cells, "1 tetrahedra are in no physical volume and were left out"),
     "groups of nothing": (group_of_nothing, "'hole' has no elements"),
     "a node of no cell": (orphans, "1 nodes that no tetrahedron uses were dropped: node 28"),

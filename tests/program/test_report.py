@@ -53,7 +53,7 @@ DAMAGE = {
     "no frames": (lambda file: [file["frames"].__delitem__(name) for name in list(file["frames"])], "holds no frame yet", None),
     "no numbers": (without_displacement, "no frame with a finite displacement", None),
     "another format": (lambda file: file.attrs.__setitem__("format", np.bytes_("mine")), "is not a result of Pliant", "neither a checkpoint nor a result"),
-    "of another version": (lambda file: file.attrs.__setitem__("version", 2), *2 * ["has version 2 of the format, and this program reads version 1"]),
+    "of another version": (lambda file: file.attrs.__setitem__("version", 2), *2 * ["has version 2 of the format, but this program reads version 1"]),
     "a format of numbers": (lambda file: file.attrs.__setitem__("format", 7), "'format': it is not a text", "'format': it is not a text"),
     "two times": (lambda file: file["frames/000010"].attrs.__setitem__("time", [1.0, 2.0]), "'time': it has another size", "'time': it has another size"),
     "one number": (replaced("mesh/coordinates", 3.0), "'coordinates': it is not a table", "it is one number, not a table"),
@@ -134,7 +134,7 @@ class Report(ProgramTest):
         frames = len(report.result["frames"])
         self.assertTrue(3 <= frames <= 7, frames)  # of 11, for half of what they take, less what is reserved for their names
         self.assertIn(f"{frames} of 11 frames; open", done.stdout)
-        self.assertIn("2 of 11 frames (so much is needed", self.call("report", self.out, "--size", 0.1).stdout)
+        self.assertIn("2 of 11 frames (the data besides the frames need", self.call("report", self.out, "--size", 0.1).stdout)
 
     def test_pipes_are_written_to(self):  # and not replaced, as root could /dev/null
         pipe = self.directory / "pipe"

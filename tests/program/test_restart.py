@@ -415,7 +415,7 @@ class Damage(RestartTest):
     def test_changes_that_are_none(self):
         done = self.call("resume", "out", "--set", "bodies[0].density=2", "--set", "element=P2")
         self.assertEqual(done.returncode, 2)
-        self.assertEqual(done.stderr.count("cannot change in a run that continues"), 2)
+        self.assertEqual(done.stderr.count("cannot change when a run is resumed"), 2)
         done = self.call("resume", "out", "--set", "time.end=1 m")
         self.assertEqual(done.returncode, 2, done.stderr)
 

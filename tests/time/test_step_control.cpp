@@ -431,7 +431,7 @@ TEST(AdaptiveSteps, DoNotGrowRightAfterARejection) {
   EXPECT_EQ(decision.retry, Retry::again);
   const double shorter = control.next().dt;
   EXPECT_NEAR(shorter, 0.1 * std::sqrt(0.8 / 4.0), 1e-3);
-  EXPECT_NE(decision.reason.find("step of 0.1 s from t = 0 s has 4 times the error it may have; trying 0.0447214 s"),
+  EXPECT_NE(decision.reason.find("step of 0.1 s from t = 0 s has 4 times the allowed error; trying 0.0447214 s"),
             std::string::npos)
       << decision.reason;
   control.accept(0.0);

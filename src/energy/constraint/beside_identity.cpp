@@ -5,7 +5,7 @@
 namespace pliant {
 namespace {
 
-/// The parts of a matrix with the columns of this rank, and with those of the others.
+/// The blocks of a matrix (PETSc's diagonal and off-diagonal parts): the columns of this rank, and those of the others.
 struct Parts {
   explicit Parts(Mat matrix) { check(MatMPIAIJGetSeqAIJ(matrix, &parts[0], &parts[1], &columns)); }
   Mat parts[2] = {nullptr, nullptr};
@@ -60,7 +60,7 @@ PetscInt BesideIdentity::place(PetscInt row) const {
   return row - first_row_[static_cast<std::size_t>(owner)] + first_unknown_[static_cast<std::size_t>(owner)];
 }
 
-// Both hold their entries row by row in the order of the columns, which the new numbers keep.
+// Both parts hold their entries row by row in ascending columns, an order that the new numbers preserve.
 void BesideIdentity::update() {
   if (whole_.get() == A_) return;
   const Parts from(A_), to(whole_.get());

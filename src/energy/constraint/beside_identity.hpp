@@ -1,4 +1,4 @@
-/// A matrix that acts on the displacements among the unknowns, and leaves the others as they are.
+/// A matrix that acts on the displacements among the unknowns, and as the identity on the other unknowns.
 #pragma once
 
 #include "petsc/handle.hpp"
@@ -7,16 +7,16 @@
 
 namespace pliant {
 
-/// [A, 0; 0, I], A a square matrix of the first unknowns of each rank; A itself where there are no others.
+/// [A, 0; 0, I], where A is a square matrix of the first unknowns of each rank; A itself if there are no others.
 class BesideIdentity {
  public:
   /// A of type MATMPIAIJ; `unknowns`: a vector of them. Collective.
   BesideIdentity(Mat A, Vec unknowns);
 
-  /// After entries of A have changed, in the places that it had. Collective.
+  /// To be called after entries of A have changed, in the same pattern. Collective.
   void update();
   Mat matrix() const { return whole_.get(); }
-  /// The row of A that has this number, over all ranks, among the unknowns. Not collective.
+  /// The row of A with this global number, as a row among the unknowns. Not collective.
   PetscInt place(PetscInt row) const;
 
  private:

@@ -262,8 +262,8 @@ void ConstraintMap::follow(Vec x, Offset offset) const {
   }
 }
 
-// x += G^T m, G G^T m = offset - G x, by conjugate gradients with the diagonal for a preconditioner: constraints share
-// few entries, so that a handful of iterations do.
+// x += G^T m, G G^T m = offset - G x, by conjugate gradients preconditioned by the diagonal: constraints share few
+// entries, so that a few iterations suffice.
 template <class Offset>
 void ConstraintMap::put_nearest(Vec x, Offset offset) const {
   constexpr double rounding = 1e-14;
@@ -284,13 +284,13 @@ void ConstraintMap::put_nearest(Vec x, Offset offset) const {
   }
   check(VecNorm(r, NORM_INFINITY, &wrong));
   check(VecNorm(x, NORM_INFINITY, &largest));
-  // What is not a number stays one, and is found elsewhere.
+  // NaN stays NaN, and is detected elsewhere.
   if (wrong > rounding * largest && std::isfinite(wrong)) {
     double rho = preconditioned_size();
     const double first = rho;
     check(VecCopy(z, d));
     for (int i = 0; i < most_iterations && rho > rounding * rounding * first; ++i) {
-      // G^T d goes into the entries, G G^T d out of what is missing.
+      // Add G^T d to the entries, subtract G G^T d from the violation.
       check(VecZeroEntries(image));
       add_constraint_forces(d, image);
       check(VecNorm(image, NORM_2, &size));
@@ -303,7 +303,7 @@ void ConstraintMap::put_nearest(Vec x, Offset offset) const {
       check(VecAYPX(d, rho / before, z));
     }
   }
-  follow(x, offset);  // to the last digit
+  follow(x, offset);  // exact to the last digit
 }
 
 PrescribedMotion ConstraintMap::motion(PrescribedMotion before, Mending mending) const {
@@ -313,7 +313,7 @@ PrescribedMotion ConstraintMap::motion(PrescribedMotion before, Mending mending)
   PrescribedMotion motion;
   motion.start_stage = [this, mend, start = std::move(before.start_stage)](const StagePoint& stage, Vec q) {
     start(stage, q);
-    // What came before the step may lie behind a kink.
+    // The time before the step may lie behind a kink.
     const double passed = stage.time - stage.step_start, dt = stage.dt;
     const auto g =
         offsets(stage.time, passed > 0.0 ? passed : dt, stage.load_factor, passed > 0.0 ? Side::before : Side::after);

@@ -1,4 +1,4 @@
-/// The configuration as a function of the unknowns that constraints leave.
+/// The configuration as a function of the unknowns (degrees of freedom) that constraints leave.
 #pragma once
 
 #include "energy/constraint/linear_constraint.hpp"
@@ -13,76 +13,78 @@
 
 namespace pliant {
 
-/// What of a vector is changed so that it fulfils the constraints.
+/// How a vector is changed so that it fulfils the constraints.
 enum class Mending {
-  nearest,   ///< all entries, as little as can be: for methods that act on configurations
+  nearest,   ///< the least change of all entries: for methods that act on configurations
   of_slaves  ///< slaves follow their masters: for methods that act on the unknowns alone
 };
 
-/// q = T(y) = C y + g(t), y with the layout of q: rows of slaves hold their masters' coefficients, all other rows are
-/// those of the identity; entries of slaves in y have no meaning. Masters may lie on other ranks. Nodes of rigid
-/// patches that turn freely stand where the patch's unknowns put them: there T is not linear, and its Jacobian J
+/// q = T(y) = C y + g(t), where y has the layout of q: rows of slaves hold their masters' coefficients, all other rows
+/// are those of the identity; the entries of slaves in y have no meaning. Masters may be on other ranks. Nodes of rigid
+/// patches (RBE2) that rotate freely are placed by the patch's unknowns: there T is nonlinear, and its Jacobian J
 /// depends on y. Forces f on q balance if W^T f = 0; the columns of W are the virtual displacements that the
-/// constraints leave, those of J unless a patch is rigid in its accelerations. All methods but those that say otherwise
-/// are collective.
+/// constraints allow, equal to J unless a patch is rigid in its accelerations. All methods are collective unless they
+/// say otherwise.
 class ConstraintMap {
  public:
-  /// `slaves`: those of all ranks, none of a patch. `given`: what their given terms refer to.
+  /// `slaves`: those of all ranks, none of a patch. `given`: the displacements that their given terms refer to.
   ConstraintMap(const NodeLayout& layout, std::span<const Slave> slaves, std::vector<GivenDisplacement> given,
                 std::vector<RigidPatch> patches = {});
 
-  /// How patches are kept rigid: before the map is used.
+  /// How patches are kept rigid; to be called before the map is used.
   void set_rigidity(Rigidity rigidity);
-  /// The stage that all following calls speak of; q: a guess of its end.
+  /// Begins a stage, to which all following calls refer; q: a guess of its end.
   void begin_stage(const StagePoint& stage, Vec q);
-  /// Brings g to a part of its way from the accepted state (0) to the end of the stage (1), where begin_stage leaves
-  /// it.
+  /// Sets g to its value at a fraction of the way from the accepted state (0) to the end of the stage (1), which is
+  /// where begin_stage leaves it.
   void lead(double part);
   /// q = T(y).
   void expand(Vec y, Vec q) const;
-  /// Brings `jacobian` and `test_matrix` to y.
+  /// Evaluates `jacobian` and `test_matrix` at y.
   void linearize(Vec y);
-  /// Brings `jacobian` to the end of a step, whose configuration is q: its columns are the velocities that the
-  /// constraints leave. Until the next begin_stage.
+  /// Evaluates `jacobian` at the end of a step, whose configuration is q: its columns are the velocities that the
+  /// constraints allow. Valid until the next begin_stage.
   void linearize_at(Vec q);
-  /// Leaves of v what patches are free to do: their nodes' entries without what is given of them.
+  /// Reduces v to the free motion of patches: removes the prescribed part from the entries of their nodes.
   void keep_free_patches(Vec v) const;
   /// J, with places for the diagonal entries of slaves, which are zero.
   Mat jacobian() const { return J_.get(); }
   /// W, likewise.
   Mat test_matrix() const { return W_.get(); }
-  /// K += sum_i f_i dW_i/dy; `f`: forces on q. `place`: where an entry of y stands in K.
+  /// K += sum_i f_i dW_i/dy; `f`: forces on q. `place`: the index of an entry of y in K.
   void add_curvature(Vec y, Vec f, Mat K, const std::function<PetscInt(PetscInt)>& place) const;
-  /// x = in the entry of each slave the sum of |C_sm q_m| over its masters, which its own may leave of by cancellation,
-  /// times what of an error of its force reaches them by C^T; else 0: where rounding errors of ties come from.
+  /// Rounding errors of ties: x = in the entry of each slave the sum of |C_sm q_m| over its masters, which bounds its
+  /// error by cancellation, times the fraction of an error of its force that reaches them by C^T; 0 in all other
+  /// entries.
   void weigh_slaves(Vec q, Vec x) const;
-  /// One with the layout of q and y. Not collective.
+  /// A new vector with the layout of q and y. Not collective.
   Vec vector() const { return offset_.get(); }
 
-  /// Whether T is linear: y = q will do then. Not collective.
+  /// Whether T is linear: then y = q will do. Not collective.
   bool is_linear() const { return patches_.empty(); }
   /// Whether W = J. Not collective.
   bool is_symmetric() const { return W_.get() == J_.get(); }
-  /// y = the unknowns whose configuration is near q, the nearest one if patches are rigid there.
+  /// y = the unknowns whose configuration is close to q, the closest one if patches are rigid there.
   void restrict(Vec q, Vec y) const;
-  /// w = the rates of the unknowns at rest whose velocities are nearest to v.
+  /// w = the rates of the unknowns at rest whose velocities are closest to v.
   void restrict_rates(Vec v, Vec w) const;
 
-  /// One flag per owned entry: a slave. Not collective.
+  /// One flag per owned entry: whether it is a slave. Not collective.
   const std::vector<char>& is_slave() const { return is_slave_; }
-  /// One flag per owned entry: a slave or a master, where constraints do work. Not collective.
+  /// One flag per owned entry: whether it is a slave or a master, where constraints do work. Not collective.
   const std::vector<char>& is_tied() const { return is_tied_; }
 
-  /// `before`, then the motion that the constraints give: where g depends on time, its own velocity and acceleration
-  /// hold exactly, as for prescribed displacements (energy/prescribed.hpp). What a method's formulas leave of them is
-  /// put right by the least change of all entries: the formulas then act on the coordinates along the constraints,
-  /// which keeps their order, and the choice of slaves makes no difference. At the end of a step patches are rigid
-  /// again, and so are their velocities. With Mending::of_slaves, where T is linear, nothing but slaves is changed.
-  /// Refers to this object. Not collective.
+  /// `before`, then the motion that the constraints prescribe: where g depends on time, its own velocity and
+  /// acceleration hold exactly, as for prescribed displacements (energy/constraint/prescribed.hpp). The remaining error
+  /// of a method's formulas is corrected by the least change of all entries: the formulas then act on the coordinates
+  /// along the constraints, which keeps their order, and the choice of slaves makes no difference. At the end of a step
+  /// patches are rigid again, and so are their velocities. With `Mending::of_slaves`, where T is linear, only slaves
+  /// are changed. Refers to this object. Not collective.
   PrescribedMotion motion(PrescribedMotion before, Mending mending = Mending::nearest) const;
 
-  /// What holds the given displacements, per source and component: the work of the constraints per given displacement
-  /// [N]. `reaction`: the gradient of the potential. This rank's part, without patches. Not collective.
+  /// Reactions of the prescribed displacements, per source and component: the work of the constraints per unit of
+  /// prescribed displacement [N]. `reaction`: the gradient of the potential. This rank's part, without patches. Not
+  /// collective.
   std::vector<std::array<double, 3>> multipliers(Vec reaction) const;
 
  private:
@@ -91,11 +93,11 @@ class ConstraintMap {
     PetscInt local_entry;
     std::vector<GivenTerm> given;
   };
-  /// Coefficients by column, for each owned entry.
+  /// Coefficients by column, per owned entry.
   using Rows = std::vector<std::map<PetscInt, double>>;
   Handle<Mat> make_matrix(const Rows& rows) const;
   Handle<Mat> make_jacobian(Rows rows);
-  /// g of each slave.
+  /// g per slave.
   std::vector<Kinematics> offsets(double time, double time_scale, double factor, Side side = Side::before) const;
   /// x = C x + offset(slave) in the entries of slaves, by the least change of all entries: it does not depend on which
   /// entries are slaves.
@@ -116,12 +118,12 @@ class ConstraintMap {
   std::vector<RigidPatch> patches_;
   std::vector<char> is_slave_, is_tied_;
   Handle<Mat> C_, J_, W_;                           // the same if T is linear
-  Handle<Vec> offset_, start_offset_, end_offset_;  // g: where it is led, at the accepted state, at the stage's time
+  Handle<Vec> offset_, start_offset_, end_offset_;  // g: prescribed values; at the accepted state; at the stage's time
   Handle<Mat> sizes_;                               // |C|
   Handle<Vec> work_;
-  // Of put_nearest: what is missing, the forces that supply it, the direction of search and its image.
+  // put_nearest: the violation, the forces that correct it, the search direction and its image.
   Handle<Vec> missing_, forces_, direction_, image_;
-  Handle<Vec> inverse_diagonal_;  // of G G^T; 0 but for slaves
+  Handle<Vec> inverse_diagonal_;  // of G G^T; 0 except for slaves
 };
 
 }  // namespace pliant

@@ -11,16 +11,16 @@
 namespace pliant {
 namespace {
 
-/// Coefficients that cancel to less than this part of what they were made of are rounding.
+/// Coefficients that cancel to less than this fraction of their summands are rounding.
 constexpr double cancellation = 1e-12;
-/// Of the sizes of what is compared: given displacements that differ by less agree.
+/// Relative tolerance: prescribed displacements that differ by less agree.
 constexpr double agreement = 1e-9;
-/// A coefficient nearly as large as the largest may be the pivot if it stands before it.
+/// A coefficient nearly as large as the largest may be the pivot if it comes first.
 constexpr double nearly = 0.999;
 
-/// sum of c_k q_k - given, while slaves are put in.
+/// sum of c_k q_k - given, while slaves are substituted.
 struct Row {
-  std::map<PetscInt, std::pair<double, double>> entries;  // coefficient, and the size of what it was made of
+  std::map<PetscInt, std::pair<double, double>> entries;  // coefficient, and the size of its summands
   std::vector<GivenTerm> given;
 
   void add(double factor, std::span<const ConstraintEntry> more) {
@@ -102,7 +102,7 @@ class Eliminator {
     });
   }
 
-  /// In the order in which the constraint names its entries, then any.
+  /// In the order in which the constraint lists its entries, then any others.
   static PetscInt choose_pivot(const Row& row, const LinearConstraint& constraint) {
     double largest = 0.0;
     for (const auto& e : row.entries) largest = std::max(largest, std::abs(e.second.first));
@@ -116,7 +116,7 @@ class Eliminator {
     return std::ranges::find_if(row.entries, [&](const auto& e) { return is_large(e.first); })->first;
   }
 
-  /// Slaves that had the new slave for a master have its masters instead.
+  /// In slaves that have the new slave as a master, replaces it by its own masters.
   void put_into_others(const Slave& slave) {
     const auto followers = slaves_of_.find(slave.entry);
     if (followers == slaves_of_.end()) return;

@@ -1,4 +1,4 @@
-/// Linear constraints that tie displacements to one another, and their elimination.
+/// Linear constraints among displacements (ties; multi-point constraints, MPC), and their elimination.
 #pragma once
 
 #include "base/vector3.hpp"
@@ -11,7 +11,7 @@
 
 namespace pliant {
 
-/// weight * u_component(X, t) of a given displacement, which is known by its place in a list.
+/// weight * u_component(X, t) of a prescribed displacement, which is identified by its index in a list.
 struct GivenTerm {
   double weight = 1.0;
   std::size_t source = 0;
@@ -19,17 +19,17 @@ struct GivenTerm {
   Vector3<double> X{};
 };
 
-/// An entry of the configuration, numbered over all ranks (3 * global node + component), and its coefficient.
+/// An entry of the configuration, with its number over all ranks (3 * global node + component), and its coefficient.
 struct ConstraintEntry {
   PetscInt entry = 0;
   double coefficient = 1.0;
 };
 
-/// sum_k c_k q_k = sum of the given terms [m].
+/// sum_k c_k q_k = the sum of the given terms [m].
 struct LinearConstraint {
   std::vector<ConstraintEntry> entries;
   std::vector<GivenTerm> given;
-  std::size_t source = 0;  ///< whose constraint it is
+  std::size_t source = 0;  ///< index of the constraint in the input that it comes from
 };
 
 /// q_slave = sum_m c_m q_m + given; no master is a slave.
@@ -40,20 +40,20 @@ struct Slave {
   std::size_t source = 0;
 };
 
-/// What is left of constraints: slaves that follow from other entries.
+/// The result of the elimination: slaves that follow from other entries.
 struct Elimination {
-  std::vector<Slave> slaves;  ///< in the order of the constraints that made them
-  /// Sources of constraints that contradict each other.
+  std::vector<Slave> slaves;  ///< in the order of the constraints that they come from
+  /// Sources of constraints that conflict.
   std::vector<std::pair<std::size_t, std::size_t>> conflicts;
 };
 
-/// Gauss's elimination: every constraint makes a slave of that entry which has the largest coefficient once the earlier
-/// constraints are put in (the first of several); a constraint that the earlier ones imply makes none, and one that
-/// they contradict at one of the `times` is told. Chains of any length are thereby resolved. Not collective.
+/// Gaussian elimination: the slave of each constraint is the entry with the largest coefficient (the first of several)
+/// after substituting the earlier constraints. A constraint that the earlier ones imply gives no slave; one that
+/// conflicts with them at one of the `times` is reported. Chains of any length are resolved. Not collective.
 Elimination eliminate(std::span<const LinearConstraint> constraints, std::span<const GivenDisplacement> given,
                       std::span<const double> times);
 
-/// The constraints of all ranks, rank by rank, on every rank. Collective.
+/// Gathers the constraints of all ranks, in rank order, on every rank. Collective.
 std::vector<LinearConstraint> gathered(MPI_Comm comm, std::span<const LinearConstraint> mine);
 
 }  // namespace pliant

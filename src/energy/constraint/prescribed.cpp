@@ -76,7 +76,7 @@ PrescribedMotion PrescribedDisplacement::motion() const {
   PrescribedMotion motion;
   motion.start_stage = [this](const StagePoint& stage, Vec q) {
     const ArrayView guess(q), q0(stage.q0), v0(stage.v0);
-    // What came before the step may lie behind a kink.
+    // The time before the step may lie behind a kink.
     const double smooth = stage.time - stage.step_start;
     for_each(stage.time, std::min(time_scale_, smooth > 0.0 ? smooth : stage.dt), stage.load_factor,
              smooth > 0.0 ? Side::before : Side::after, [&](PetscInt dof, const Kinematics& k) {

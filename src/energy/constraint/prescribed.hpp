@@ -1,4 +1,5 @@
-/// Prescribed displacements: which entries of the configuration are given, and their motion in time.
+/// Prescribed displacements (Dirichlet boundary conditions): which entries of the configuration they fix, and their
+/// motion in time.
 #pragma once
 
 #include "energy/constraint/linear_constraint.hpp"
@@ -20,23 +21,23 @@ struct PrescribedPart {
 
 class PrescribedDisplacement {
  public:
-  /// Where parts overlap, the first one counts. `time_scale`: over which the formulas are smooth, e.g. the step [s].
-  /// Collective.
+  /// Where parts overlap, the first one counts. `time_scale`: a time over which the formulas are smooth, e.g. the step
+  /// [s]. Collective.
   PrescribedDisplacement(const NodeLayout& layout, std::vector<PrescribedPart> parts, double time_scale);
 
-  /// One flag per local entry, ghosts included.
+  /// One flag per local entry, ghosts included: whether it is prescribed.
   const std::vector<char>& flags() const { return flags_; }
 
   /// Pairs of parts (i < j) that prescribe different displacements to a node of this rank at one of the times.
   std::vector<std::pair<std::size_t, std::size_t>> conflicts(const NodeLayout& layout,
                                                              const std::vector<double>& times) const;
 
-  /// What is prescribed to owned entries among the `wanted` (numbered over all ranks), as constraints; a part is the
-  /// source of the same number. Not collective.
+  /// The prescribed values of owned entries among the `wanted` (numbered over all ranks), as constraints whose source
+  /// is the index of the part. Not collective.
   std::vector<LinearConstraint> constraints(const NodeLayout& layout, const std::set<PetscInt>& wanted) const;
 
-  /// The hooks of the time layer; they refer to this object. Rates are those of the side of t on which the stage or the
-  /// step lies, so that a kink at the step's start is not seen.
+  /// Hooks for the time layer; they refer to this object. Rates are one-sided, from the side of t on which the stage or
+  /// the step lies, so that a kink at the step's start has no effect.
   PrescribedMotion motion() const;
 
  private:
@@ -45,8 +46,8 @@ class PrescribedDisplacement {
     std::size_t part;
     std::array<double, 3> X;
   };
-  /// Calls `set(dof, kinematics)` for each prescribed entry, with rates on one side, from differences over
-  /// `time_scale`; `factor`: the part of the motion that a load step has reached.
+  /// Calls `set(dof, kinematics)` for each prescribed entry, with one-sided rates from differences over `time_scale`;
+  /// `factor`: the fraction of the motion that a load step has reached.
   template <class Set>
   void for_each(double time, double time_scale, double factor, Side side, Set set) const;
 

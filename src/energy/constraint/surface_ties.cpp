@@ -9,7 +9,7 @@
 namespace pliant {
 namespace {
 
-/// Of the extent of surfaces: partners are so near.
+/// Largest distance of partners, relative to the extent of the surfaces.
 constexpr double matching = 1e-6;
 
 struct PlacedNode {
@@ -17,7 +17,7 @@ struct PlacedNode {
   Vector3<double> X;
 };
 
-/// The nodes of all ranks, rank by rank, on every rank. Collective.
+/// Gathers the nodes of all ranks, in rank order, on every rank. Collective.
 std::vector<PlacedNode> placed(const NodeLayout& layout, std::span<const PetscInt> nodes) {
   std::vector<PlacedNode> mine;
   for (const PetscInt n : nodes) mine.push_back({layout.global_node(n), layout.position(n)});
@@ -37,14 +37,14 @@ struct Box {
   double extent() const { return std::max({upper[0] - lower[0], upper[1] - lower[1], upper[2] - lower[2]}); }
 };
 
-/// Finds nodes by place, to a tolerance.
+/// Finds nodes by position, to a tolerance.
 class Finder {
  public:
   Finder(std::span<const PlacedNode> nodes, double tolerance) : nodes_(nodes), tolerance_(tolerance) {
     for (std::size_t k = 0; k < nodes.size(); ++k) cells_[cell(nodes[k].X)].push_back(k);
   }
 
-  /// Its place in the list; their number if there is none.
+  /// The index in the list, or the length of the list if there is none.
   std::size_t operator()(const Vector3<double>& X) const {
     const auto c = cell(X);
     for (long i = -1; i <= 1; ++i) {

@@ -27,13 +27,13 @@ VelocityProjection::VelocityProjection(const ConstrainedMass& bodies)
   PC pc = nullptr;
   check(KSPGetPC(ksp_.get(), &pc));
   check(PCSetType(pc, PCJACOBI));
-  // To rounding: a mass matrix is well conditioned, and its solution a small part of the work of a step.
+  // Solved to rounding: a mass matrix is well conditioned, and its solution a small part of the work of a step.
   constexpr double relative = 1e-14;
   constexpr PetscInt most_iterations = 500;
   check(KSPSetTolerances(ksp_.get(), relative, PETSC_DEFAULT, PETSC_DEFAULT, most_iterations));
 }
 
-// J^T M J; M itself where there is no map, whose excluded rows are taken out but once.
+// J^T M J; M itself if there is no map, with its excluded rows removed once.
 Mat VelocityProjection::reduced_mass() {
   if (map_ == nullptr) {
     if (reduced_.get() == nullptr) check(MatDuplicate(mass_.get(), MAT_COPY_VALUES, reduced_.out()));
@@ -92,7 +92,7 @@ PrescribedMotion with_projected_velocities(PrescribedMotion motion, const Constr
     restart(step, q, v);
     PetscBool is_the_same = PETSC_FALSE;
     check(VecEqual(v, wanted->get(), &is_the_same));
-    // Restarts are few: the matrices are not kept for them.
+    // Restarts are rare: the matrices are not kept for them.
     if (is_the_same == PETSC_FALSE) VelocityProjection{bodies}(q, wanted->get(), v, Scope::all);
   };
   return motion;

@@ -1,4 +1,4 @@
-/// Velocities that fulfil constraints, nearest in kinetic energy.
+/// Projection of velocities onto the constraints, in the norm of the kinetic energy.
 #pragma once
 
 #include "energy/constraint/constraint_map.hpp"
@@ -10,8 +10,8 @@
 
 namespace pliant {
 
-/// What velocities are projected with. `prescribed`: one flag per owned entry (at least). `map`: nullptr if
-/// displacements are prescribed only.
+/// The data of a projection. `prescribed`: one flag per owned entry (at least). `map`: nullptr if only displacements
+/// are prescribed.
 struct ConstrainedMass {
   const NodeLayout& layout;
   const BlockPattern& pattern;
@@ -20,39 +20,40 @@ struct ConstrainedMass {
   ConstraintMap* map;
 };
 
-/// Projects velocities onto those that constraints leave:
+/// Projects velocities onto those that the constraints allow:
 ///
 ///   v = v_c + J w,  J^T M (v - v') = 0,
 ///
-/// v_c any velocity that fulfils the constraints, v' the one to be projected, J the Jacobian of the constraints' map at
-/// the configuration: of all velocities that fulfil the constraints v is the one for which (v - v')^T M (v - v') is
-/// least. The change is M^-1 times impulses of the constraints. Those of a rigid part that nothing holds have neither
-/// resultant nor moment: it keeps its momenta, and loses no more kinetic energy than it must.
+/// v_c is any velocity that fulfils the constraints, v' the one to be projected, J the Jacobian of the constraints' map
+/// at the configuration: among all velocities that fulfil the constraints, v minimises (v - v')^T M (v - v'). The
+/// change is M^-1 times impulses of the constraints. For a free rigid part these have neither resultant nor moment: it
+/// keeps its momenta, and loses no more kinetic energy than it must.
 class VelocityProjection {
  public:
-  /// What `bodies` refers to outlives the object. Collective.
+  /// The references in `bodies` must outlive the object. Collective.
   explicit VelocityProjection(const ConstrainedMass& bodies);
 
-  /// What is projected.
+  /// Which velocities are projected.
   enum class Scope {
     all,          ///< v'
-    rigid_parts,  ///< v' in rigid parts that turn freely, where nothing is given: the rest fulfils the constraints
+    rigid_parts,  ///< v' in rigid parts that rotate freely, where nothing is prescribed: all others fulfil the
+                  ///< constraints already
   };
-  /// v, which fulfils the constraints at q, becomes the projection of v'. Collective.
+  /// Replaces v, which fulfils the constraints at q, by the projection of v'. Collective.
   void operator()(Vec q, Vec wanted, Vec v, Scope scope);
 
  private:
   Mat reduced_mass();
 
   ConstraintMap* map_;
-  std::vector<PetscInt> excluded_;  // entries that are no unknowns
+  std::vector<PetscInt> excluded_;  // entries that are not unknowns
   Handle<Mat> mass_, reduced_;
   Handle<KSP> ksp_;
   Handle<Vec> difference_, force_, w_;
 };
 
-/// `motion` with its velocities projected: those of a restart, and where rigid parts turn freely, those of the method
-/// at the end of a step. What `bodies` refers to outlives all copies, which share their memory.
+/// `motion` with its velocities projected: after a restart and, where rigid parts rotate freely, those of the method at
+/// the end of a step. The references in `bodies` must outlive all copies, which share their memory.
 PrescribedMotion with_projected_velocities(PrescribedMotion motion, const ConstrainedMass& bodies);
 
 }  // namespace pliant

@@ -11,11 +11,11 @@ namespace {
 using ContactPoint = ContactSurface::Point;
 using Facets = ContactSurface::Facets;
 
-/// Of the distance that a point has: so near a step may lead.
+/// The fraction of a point's distance to the obstacle by which one step may approach it.
 constexpr double least_part = 0.1;
 constexpr int max_advances = 100;
 
-/// How far a point goes from one displacement to another, to the digits of the difference.
+/// The displacement of a point from one configuration to another, accurate relative to the difference.
 Vector3<double> way_of(const ContactPoint& point, std::span<const double> from, std::span<const double> to) {
   Vector3<double> dx{};
   for (std::size_t a = 0; a < point.nodes.size(); ++a) {
@@ -25,21 +25,21 @@ Vector3<double> way_of(const ContactPoint& point, std::span<const double> from, 
   return dx;
 }
 
-/// d(x + dx) - d(x), to the digits of dx where the distance is smooth: a body at rest moves by less than the rounding
-/// of its place.
+/// d(x + dx) - d(x), accurate relative to dx where the distance is smooth: a body at rest moves by less than the
+/// rounding error of its position.
 double distance_change(const ObstacleFrame& obstacle, const Vector3<double>& x, const Vector3<double>& dx) {
   constexpr double rounding = 20.0 * std::numeric_limits<double>::epsilon();
   const Vector3<double> end = x + dx;
   const DistanceAt from = obstacle.at(x), to = obstacle.at(end);
   const double difference = to.d - from.d;
-  // Simpson's rule for int n . dx, unless what it leaves out shows.
+  // Simpson's rule for int n . dx, unless its error is visible.
   const double along = dot(from.n + 4.0 * obstacle.at(x + 0.5 * dx).n + to.n, dx) / 6.0;
   const double size = norm(x) + norm(end) + std::abs(from.d) + std::abs(to.d);
   return std::abs(along - difference) <= rounding * size ? along : difference;
 }
 
-/// U(d + delta) - U(d) to the digits of delta: -int p, by Gauss's rule of three points, which is exact for a penalty
-/// between its joints, and for short ways of a barrier.
+/// U(d + delta) - U(d), accurate relative to delta: -int p, by Gauss's rule with three points, which is exact for a
+/// penalty between its joints, and for short distances in a barrier.
 double energy_change(const NormalLaw& law, double d, double delta) {
   const double reach = law.reach();
   if (delta == 0.0 || std::min(d, d + delta) >= reach) return 0.0;
@@ -47,7 +47,7 @@ double energy_change(const NormalLaw& law, double d, double delta) {
   if (law.kind == NormalKind::barrier && std::abs(delta) > short_way * (std::min(d, d + delta) - law.threshold)) {
     return law(d + delta).energy - law(d).energy;
   }
-  // Parts of the way at which the law changes.
+  // The intervals between the distances at which the law changes.
   const auto part = [&](double joint) { return std::clamp((joint - d) / delta, 0.0, 1.0); };
   std::array<double, 4> ends{0.0, part(reach), part(law.linear_from()), 1.0};
   if (ends[1] > ends[2]) std::swap(ends[1], ends[2]);
@@ -83,7 +83,7 @@ double Contact::value(const LocalStage& stage, std::span<const double> q) const 
     const double d0 = frame.distance(start);
     double change = 0.0;
     if (law.kind == NormalKind::barrier && d0 <= law.threshold) {
-      // The start of a stage, an extrapolation, may lie beyond a barrier. Its energy is a constant.
+      // The start of a stage, an extrapolation, may lie beyond a barrier. Its energy is a constant of the stage.
       change = law(frame.distance(surface_->position(point, q))).energy;
     } else {
       change = energy_change(law, d0, distance_change(frame, start, way_of(point, stage.q0, q)));
@@ -180,7 +180,7 @@ std::string_view name_of(const NormalDamping&) {
 template <class Drag>
 class ContactDrag final : public EnergyTerm {
  public:
-  /// `damping`: what is damped beside, on whose pressure the drag rests too.
+  /// `damping`: the contact damping of the same obstacle, whose pressure adds to the friction.
   ContactDrag(std::shared_ptr<const ContactSurface> surface, std::shared_ptr<const Obstacle> obstacle, const Drag& drag,
               const NormalDamping& damping, FrictionUpdate update)
       : surface_(std::move(surface)), obstacle_(std::move(obstacle)), drag_(drag), damping_(damping), update_(update) {}
@@ -214,7 +214,7 @@ class ContactDrag final : public EnergyTerm {
     });
   }
 
-  /// Of a frozen drag: what it exerts, and what the pressure at q allows, that of the frozen damping included.
+  /// A frozen drag: the traction that it exerts, and the one that the pressure at q allows, frozen damping included.
   DragBound bound(const LocalStage& stage, std::span<const double> q) const override {
     if (update_ == FrictionUpdate::iterated) return {};
     CompensatedSum<double> exerted, allowed;
@@ -246,7 +246,7 @@ class ContactDrag final : public EnergyTerm {
     });
   }
 
-  /// What the moving obstacle brings in by the drag.
+  /// The power that the moving obstacle supplies through the drag.
   double supply(const LocalStage& stage, std::span<const double> q) const override {
     return integrate(stage, q, [&](const Touch& touch, const Vector3<double>& v) {
       return -dot(drag_(touch.pressure, touch.n, v).slope, touch.obstacle_velocity);
@@ -254,15 +254,15 @@ class ContactDrag final : public EnergyTerm {
   }
 
  private:
-  /// A point with what is frozen there.
+  /// A point with its frozen pressure and normal.
   struct Touch {
     const ContactPoint& point;
-    double undamped;  // without that of the damping beside
-    double pressure;  // in all
+    double undamped;  // without the pressure of damping
+    double pressure;  // total
     Vector3<double> n, obstacle_velocity;
   };
 
-  /// visit(touch, velocity relative to the obstacle) where the frozen pressure is above zero.
+  /// visit(touch, velocity relative to the obstacle) where the frozen pressure is positive.
   template <class Visit>
   void for_each_touch(const LocalStage& stage, std::span<const double> q, Facets which, const Visit& visit) const {
     // The start of a stage may be an extrapolation, deep in the obstacle: the last accepted state is not.
@@ -276,7 +276,7 @@ class ContactDrag final : public EnergyTerm {
       const Vector3<double> x = surface_->position(point, at);
       const DistanceAt distance = frozen.at(x);
       const double pressure = surface_->law()(distance.d).pressure;
-      // Beyond a barrier there is no pressure to speak of.
+      // Beyond a barrier the pressure is undefined.
       if (!(pressure > 0.0)) return;
       const Vector3<double> moved = way_of(point, stage.q0, q);
       Touch touch{point, pressure, pressure, distance.n, now.velocity(x)};

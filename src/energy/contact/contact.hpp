@@ -1,5 +1,5 @@
-/// Contact of bodies with an obstacle: a normal response with a potential, and drags that act in proportion to its
-/// pressure.
+/// Contact of bodies with an obstacle: a normal response with a potential, and drags (friction, damping) proportional
+/// to its pressure.
 #pragma once
 
 #include "energy/contact/contact_surface.hpp"
@@ -13,8 +13,8 @@ namespace pliant {
 ///
 ///     r_a = -int N_a p n dA,    K_ab = int N_a N_b (U'' n n^T - p C) dA,    dU/dt at fixed q = int p n . v_o dA
 ///
-/// v_o being the velocity of the obstacle. C is definite of one sign, so that -p C is left out where K is to be
-/// semidefinite and the obstacle convex.
+/// where v_o is the velocity of the obstacle. The sign of C is definite, so -p C is left out where K must be
+/// semidefinite and the obstacle is convex.
 class Contact final : public EnergyTerm {
  public:
   Contact(std::shared_ptr<const ContactSurface> surface, std::shared_ptr<const Obstacle> obstacle)
@@ -32,11 +32,11 @@ class Contact final : public EnergyTerm {
                    Projection projection) const override;
   double energy_at(const Instant& at, std::span<const double> q, std::span<const double> z) const override;
   double supply(const LocalStage& stage, std::span<const double> q) const override;
-  /// Of a barrier: short of where a point would meet the obstacle, whose distance changes no faster than the point
+  /// For a barrier: short of where a point would meet the obstacle, whose distance changes no faster than the point
   /// moves.
   double max_step(const LocalStage& stage, std::span<const double> q, std::span<const double> d) const override;
 
-  /// Nodes nearer than twice the way of the obstacle are as near as can be, from five times on there is no nearness.
+  /// Nodes nearer than twice the displacement count as touching; from five times on they count as far.
   void carry_along(const LocalStage& stage, std::span<Vector3<double>> ways, std::span<double> nearness) const override;
 
   const ContactSurface& surface() const { return *surface_; }
@@ -51,9 +51,9 @@ class Contact final : public EnergyTerm {
 ///
 ///     Phi = dt int R(p, n; v - v_o) dA,   v = (q - q0)/dt,   v_o at the end of the stage
 ///
-/// p is the pressure that is recorded: of friction that with the damping of the same obstacle. p and n are frozen
-/// (FrictionUpdate), and so is the place at which v_o is taken. What is frozen at the last accepted state would go on
-/// acting on a surface that has left: StageEquation::refreeze then freezes it anew, at the solution.
+/// p is the recorded pressure; for friction it includes the damping of the same obstacle. p and n are frozen
+/// (FrictionUpdate), and so is the place at which v_o is taken. A traction frozen at the last accepted state would keep
+/// acting on a surface that has left: StageEquation::refreeze then freezes it again, at the solution.
 std::unique_ptr<EnergyTerm> make_friction(std::shared_ptr<const ContactSurface> surface,
                                           std::shared_ptr<const Obstacle> obstacle, const Friction& friction,
                                           const NormalDamping& damping, FrictionUpdate update);

@@ -9,13 +9,13 @@
 namespace pliant {
 namespace {
 
-/// Corners, middles of the edges and centre of the reference triangle, exact for the third degree.
+/// Corners, edge midpoints and centre of the reference triangle, exact for degree 3.
 QuadratureRule<2> nodal_rule() {
   return {{{0.0, 0.0}, {1.0, 0.0}, {0.0, 1.0}, {0.5, 0.0}, {0.5, 0.5}, {0.0, 0.5}, {1.0 / 3, 1.0 / 3}},
           {1.0 / 40, 1.0 / 40, 1.0 / 40, 1.0 / 15, 1.0 / 15, 1.0 / 15, 9.0 / 40}};
 }
 
-/// Six points, exact for the fourth degree: Strang & Fix 1973, An Analysis of the Finite Element Method, table 4.1.
+/// Six points, exact for degree 4: Strang & Fix 1973, An Analysis of the Finite Element Method, table 4.1.
 QuadratureRule<2> inner_rule() {
   QuadratureRule<2> rule;
   for (const auto& [a, weight] :
@@ -86,7 +86,7 @@ ContactSurface::Ball ContactSurface::ball(PetscInt facet, std::span<const double
 
 bool ContactSurface::is_near(PetscInt facet, const ObstacleFrame& obstacle, std::span<const double> q) const {
   const Ball around = ball(facet, q);
-  // What is no number is to be noticed where forces are summed.
+  // NaN must be noticed where forces are summed.
   return !(obstacle.distance(around.centre) > law_.reach() + around.radius);
 }
 

@@ -1,4 +1,4 @@
-/// The part of a body's surface that may touch obstacles, and its points near one.
+/// The part of a body's surface that may touch obstacles, and its points close to one.
 #pragma once
 
 #include "energy/contact/obstacle.hpp"
@@ -15,9 +15,9 @@
 
 namespace pliant {
 
-/// Facets with quadrature points. Integrals are over the reference area. A penalty's points are those of a rule of the
-/// fourth degree; a barrier's are the facet's corners, the middles of its edges and its centre (third degree), so that
-/// no node passes it. Both rules look the same from every corner, so that ranks agree on them.
+/// Facets (boundary faces) with quadrature points. Integrals are over the reference area. The points of a penalty are
+/// those of a rule of degree 4; those of a barrier are the facet's corners, edge midpoints and centre (degree 3), so
+/// that no node can pass it. Both rules are symmetric in the corners, so that ranks agree on them.
 class ContactSurface {
  public:
   /// The layout outlives the object.
@@ -32,13 +32,12 @@ class ContactSurface {
   };
 
   enum class Facets {
-    with_owned_nodes,  ///< whose forces a rank needs
-    owned,             ///< whose energies it counts
+    with_owned_nodes,  ///< facets whose forces a rank needs
+    owned,             ///< facets whose energies it counts
   };
 
-  /// visit(point) for the points of facets that come, at one of the displacements, within reach of the obstacle. A
-  /// facet lies in a ball around the mean of its nodes; the distance of its centre tells whether the ball is out of
-  /// reach.
+  /// visit(point) for the points of facets that are, at one of the displacements, within reach of the obstacle. A facet
+  /// lies in a ball around the mean of its nodes; the distance of its centre decides whether the ball is out of reach.
   template <class Visit>
   void for_each_near(const ObstacleFrame& obstacle, std::initializer_list<std::span<const double>> displacements,
                      Facets which, const Visit& visit) const {
@@ -61,13 +60,13 @@ class ContactSurface {
     }
   }
 
-  /// A ball in which the points of a facet are.
+  /// A ball that contains the points of a facet.
   struct Ball {
     Vector3<double> centre{};
     double radius = 0.0;  ///< [m]
   };
   Ball ball(PetscInt facet, std::span<const double> q) const;
-  /// The largest sum of |N_a| of a point: how much further it goes than its nodes.
+  /// The largest sum of |N_a| at a point: how much further it may move than its nodes.
   double overshoot() const { return overshoot_; }
   std::span<const PetscInt> nodes_of(PetscInt facet) const {
     return std::span(facets_.nodes).subspan(facet * facets_.nodes_per_facet, facets_.nodes_per_facet);
@@ -76,7 +75,7 @@ class ContactSurface {
     return layout_.position(node) + Vector3<double>{q[3 * node], q[3 * node + 1], q[3 * node + 2]};
   }
 
-  /// Where a point is at the displacement q.
+  /// The position of a point at the displacement q.
   Vector3<double> position(const Point& point, std::span<const double> q) const {
     Vector3<double> x{};
     for (std::size_t a = 0; a < point.nodes.size(); ++a) {

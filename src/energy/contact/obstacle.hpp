@@ -1,4 +1,4 @@
-/// Obstacles: solids of given shape whose motion is given, too.
+/// Obstacles: rigid solids of given shape and motion, which bodies touch.
 #pragma once
 
 #include "energy/given_motion.hpp"
@@ -18,11 +18,11 @@ class ObstacleFrame {
 
   DistanceAt at(const Vector3<double>& x) const;
   double distance(const Vector3<double>& x) const { return shape_.distance(in_shape(x)); }
-  /// Of the obstacle's material point at x [m/s].
+  /// Velocity of the obstacle's material point at x [m/s].
   Vector3<double> velocity(const Vector3<double>& x) const { return velocity_ + cross(spin_, x - centre_); }
-  /// Which point of the shape is at x.
+  /// The point of the reference shape that is at x.
   Vector3<double> in_shape(const Vector3<double>& x) const { return shape_centre_ + matvec(back_, x - centre_); }
-  /// Where a point of the shape is.
+  /// The position of a point of the shape.
   Vector3<double> place(const Vector3<double>& X) const { return centre_ + matvec(rotation_, X - shape_centre_); }
 
  private:
@@ -35,14 +35,15 @@ class ObstacleFrame {
 /// A shape and how it moves: x = centre + translation + R (X - centre).
 class Obstacle {
  public:
-  /// All components of the motion's translation are given.
+  /// Whether all components of the motion's translation are prescribed.
   Obstacle(std::shared_ptr<const SignedDistance> shape, const RigidMotion& motion);
 
-  /// Without velocities.
+  /// At an instant, without velocities.
   ObstacleFrame at(const Instant& instant) const;
-  /// With velocities, those before the instant; `time_scale`: the motion is smooth for so long (GivenKinematics).
+  /// At an instant, with the velocities just before it; `time_scale`: the motion is smooth over this time
+  /// (GivenKinematics).
   ObstacleFrame at(const Instant& instant, double time_scale) const;
-  /// In time, or with the load factor.
+  /// Whether it moves, in time or with the load factor.
   bool moves() const;
   const SignedDistance& shape() const { return *shape_; }
 

@@ -9,13 +9,13 @@
 namespace pliant {
 namespace {
 
-/// The least advance along a way, as a part of it: thinner than that a solid is not seen.
+/// The least advance along a path, relative to its length: a thinner solid is not detected.
 constexpr double least_advance = 1e-3;
-/// How much less deep a point half as deep again must be.
+/// By how much a point half as deep again must be less deep.
 constexpr double clearly = 0.05;
 
-/// How near to each other, in parts of an obstacle's width, facets are looked at, and into how many parts edges are cut
-/// at most.
+/// How close to each other, relative to the obstacle's width, facets are examined, and into how many parts edges are
+/// divided at most.
 constexpr double parts_of_width = 4.0, max_parts = 32.0;
 
 Vector3<double> place_on(const ContactSurface& surface, std::span<const PetscInt> nodes,
@@ -67,7 +67,7 @@ std::optional<Passage> passage(const SignedDistance& solid, const Vector3<double
   Vector3<double> entry{};
   if (is_inside) entry = solid.at(from).n;
   double depth = std::max(0.0, -d), travelled = 0.0;
-  // The distance tells how far the surface is at least, outside as well as inside.
+  // The distance is a lower bound of the distance to the surface, outside as well as inside.
   while (travelled < 1.0) {
     travelled = std::min(1.0, travelled + std::max(least_advance, std::abs(d) / length));
     const Vector3<double> x = from + travelled * way;

@@ -1,7 +1,7 @@
-/// What cavities hold: the pressure as a function of the volume that has been taken from them, pure functions.
+/// Contents of cavities: the pressure as a function of the swept volume; pure functions.
 ///
-/// The volume is V = V0 - S, S >= 0 where the walls have moved in. The gauge pressure p(S, t) is that above the
-/// surroundings; the content's potential is Phi(S) = int p dS, so that the walls feel the force -p dS/dq.
+/// The volume is V = V0 - S, with S >= 0 where the walls have moved inwards. The gauge pressure p(S, t) is relative to
+/// the surroundings; the potential of the content is Phi(S) = int p dS, so that the walls feel the force -p dS/dq.
 #pragma once
 
 #include "base/expression.hpp"
@@ -13,14 +13,14 @@
 
 namespace pliant {
 
-/// Where a simulation stands: the part f of its loads is there. What is pumped in grows with it; how stiff the fluid is
-/// does not.
+/// Time and load factor f of a simulation: the fraction of its loads that is applied. The amount pumped in grows with
+/// f; the stiffness of the fluid does not.
 struct LoadState {
   double time = 0.0;         ///< t [s]
   double load_factor = 1.0;  ///< f
 };
 
-/// A pressure that a pump keeps.
+/// A pressure that is controlled.
 struct GivenPressure {
   Expression value;  ///< p(t) [Pa]
 
@@ -38,7 +38,7 @@ struct Gas {
   double initial = 0.0;   ///< p_0, gauge [Pa]
   double ambient = 0.0;   ///< p_a, absolute [Pa]
   double exponent = 1.0;  ///< n: 1 isothermal, 1.4 adiabatic (air)
-  Expression amount;      ///< m(t), in parts of the gas at the start
+  Expression amount;      ///< m(t), relative to the gas at the start
 
   /// NaN where no volume is left.
   double absolute(double S, const LoadState& at) const {
@@ -61,7 +61,7 @@ struct Gas {
   bool depends_on_time() const { return amount.depends_on_time(); }
 };
 
-/// A liquid that fills the cavity, and what is pumped in: p = p_0 + K (S + A(t)) / V0.
+/// A liquid that fills the cavity, and the amount pumped in: p = p_0 + K (S + A(t)) / V0.
 struct Liquid {
   double volume = 0.0;        ///< V0 [m^3]
   double initial = 0.0;       ///< p_0 [Pa]

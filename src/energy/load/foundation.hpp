@@ -1,4 +1,4 @@
-/// Springs and dashpots between a body and the ground (boundary foundation, Robin condition).
+/// Foundations (Robin boundary conditions): springs and dashpots between a body and the ground.
 #pragma once
 
 #include "base/tensor.hpp"
@@ -12,22 +12,22 @@
 
 namespace pliant {
 
-/// M of |u|_M^2 = int u . D u dA, D = I or N N^T (of a surface [m^2]), or sum u . u (of nodes [1]): blocks of owned
+/// M of |u|_M^2 = int u . D u dA, D = I or N N^T (for a surface [m^2]), or sum u . u (for nodes [1]): blocks of owned
 /// rows.
 struct FoundationMatrix {
   struct Block {
     PetscInt row, column;  ///< local nodes
-    std::int32_t number;   ///< in the pattern
+    std::int32_t number;   ///< index in the pattern
     Tensor3<double> value;
   };
   std::vector<Block> blocks;
 };
 
-/// Of a surface; either of its sides may be outside.
+/// A foundation (Robin boundary condition) on a surface; either of its sides may be outside.
 FoundationMatrix surface_foundation(const NodeLayout& layout, const BlockPattern& pattern, const FacetList& facets,
                                     FoundationDirection direction);
 
-/// Of owned nodes, each with the same weight.
+/// A foundation at owned nodes, each with the same weight.
 FoundationMatrix nodal_foundation(const BlockPattern& pattern, const std::vector<PetscInt>& nodes, double weight);
 
 /// U = k/2 |q|_M^2 and R = c/2 |v|_M^2 with the velocity v = (q - q0)/dt of the stage, so that

@@ -33,7 +33,7 @@ class Sampler {
   using Element = Simplex<Dim, Order>;
 
  public:
-  /// Exact for a uniform load on straight items; the mapping of curved ones and a load in space add to the degree.
+  /// Exact for a uniform load on straight items; curved mappings and loads that vary in space raise the degree.
   Sampler(const NodeLayout& layout, Variation variation)
       : layout_(layout),
         rule_(simplex_rule<Dim>(Order + Dim * (Order - 1) + (variation == Variation::in_space ? 4 : 0))) {
@@ -128,7 +128,7 @@ LoadSamples lumped_samples_of(const NodeLayout& layout, const std::vector<double
   return samples;
 }
 
-/// Of items given by their nodes.
+/// Items given by their nodes.
 template <int Dim, int Order>
 LoadSamples item_samples_of(const NodeLayout& layout, std::span<const PetscInt> nodes, Variation variation) {
   constexpr std::size_t n = Simplex<Dim, Order>::num_nodes;

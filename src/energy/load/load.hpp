@@ -1,5 +1,5 @@
-/// Dead loads: forces per reference volume, area or length, or at nodes, that depend on place and time but not on the
-/// motion; U = -int f . u.
+/// Dead loads (Neumann boundary conditions and body forces): forces per reference volume, area or length, or at nodes,
+/// that depend on place and time but not on the motion; U = -int f . u.
 #pragma once
 
 #include "base/expression.hpp"
@@ -12,7 +12,7 @@
 
 namespace pliant {
 
-/// Where a load's density is evaluated, and how what is found there reaches the nodes.
+/// Points at which a load's density is evaluated, and its distribution to the nodes.
 struct LoadSamples {
   int nodes_per_item = 0;
   int points_per_item = 0;
@@ -27,8 +27,8 @@ enum class Variation { uniform, in_space };
 /// Samples of cells, each weighted by `factor_of_cell` (e.g. a density); a factor of zero leaves the cell out.
 LoadSamples cell_samples(const NodeLayout& layout, const std::vector<double>& factor_of_cell, Variation variation);
 
-/// The same for bodies of lumped mass: at the nodes, each weighted by its share of the cell's mass as the lumped
-/// inertia has it, so that a body falls without shaking.
+/// Likewise for bodies of lumped mass: at the nodes, each weighted by its share of the cell's mass, as in the lumped
+/// inertia, so that a body falls without vibrating.
 LoadSamples lumped_cell_samples(const NodeLayout& layout, const std::vector<double>& factor_of_cell);
 
 /// Samples of facets and of edges.
@@ -38,11 +38,11 @@ LoadSamples edge_samples(const NodeLayout& layout, const EdgeList& edges, Variat
 /// One sample of weight 1 per owned node.
 LoadSamples node_samples(const NodeLayout& layout, const std::vector<PetscInt>& nodes);
 
-/// The samples with their weights divided by the total weight of the owned items of all ranks, so that a density
-/// becomes a total force. `is_owned`: one flag per item. Collective.
+/// The samples with their weights divided by the total weight of the owned items on all ranks, which makes a density a
+/// total force. `is_owned`: one flag per item. Collective.
 LoadSamples with_total_weight_one(const NodeLayout& layout, LoadSamples samples, const std::vector<char>& is_owned);
 
-/// Whether a load of these components varies in space.
+/// Whether a load with these components varies in space.
 Variation variation_of(const std::array<Expression, 3>& value);
 
 class DeadLoad final : public EnergyTerm {
@@ -58,7 +58,7 @@ class DeadLoad final : public EnergyTerm {
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override;
   void add_hessian(const LocalStage&, std::span<const double>, const BlockWriter&, Projection) const override {}
 
-  /// -int f . u of a load that does not depend on time; 0 of others.
+  /// -int f . u of a load that does not depend on time; 0 for others.
   double energy(std::span<const double> q, std::span<const double> z) const override;
 
   /// Nodal forces at a time, rows of owned nodes [N].
@@ -66,7 +66,7 @@ class DeadLoad final : public EnergyTerm {
   bool depends_on_time() const;
 
  private:
-  /// Calls `add(owned entry, force)`, several times for an entry perhaps.
+  /// Calls `add(owned entry, force)`, possibly several times per entry.
   template <class Add>
   void for_each_force(double time, Add add) const;
   template <class Add>

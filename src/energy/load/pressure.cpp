@@ -10,7 +10,7 @@ FollowerPressure::FollowerPressure(const NodeLayout& layout, const BlockPattern&
 
 TermDeclaration FollowerPressure::declaration() const {
   if (!has_potential()) return {.is_potential = false, .symmetry = Symmetry::unsymmetric, .account = Account::load};
-  // Where the rim moves, its way counts, not its place alone.
+  // If the rim moves, its path matters, not only its position.
   const bool has_energy = !pressure_.depends_on_time() && rim_ != Rim::moving;
   return {.account = has_energy ? Account::load_potential : Account::load};
 }

@@ -1,4 +1,4 @@
-/// Follower pressure: acts along the current normal on the current area, so its forces turn and grow with the body.
+/// Follower pressure: acts along the current normal on the current area, so its forces rotate and grow with the body.
 #pragma once
 
 #include "base/expression.hpp"
@@ -8,9 +8,9 @@
 
 namespace pliant {
 
-/// A pressure that is uniform on a surface without a free rim has the potential p S, with S the volume that the surface
-/// has swept (energy/wetted_surface.hpp). Elsewhere what is antisymmetric in K, which belongs to the rim, makes it
-/// circulatory: it has no potential.
+/// A pressure that is uniform on a surface without a free rim has the potential p S, where S is the volume that the
+/// surface has swept (energy/load/wetted_surface.hpp). Otherwise the antisymmetric part of K, which belongs to the rim,
+/// makes it circulatory: it has no potential.
 class FollowerPressure final : public EnergyTerm {
  public:
   /// `pressure` [Pa], a function of X and t, presses inward where positive. The layout outlives the object.
@@ -22,10 +22,10 @@ class FollowerPressure final : public EnergyTerm {
   /// Zero where there is no potential.
   double value(const LocalStage& stage, std::span<const double> q) const override;
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override;
-  /// Nothing if K is to be projected: the load then stands still while the solid gives way.
+  /// Adds nothing if K is to be projected: the projected Hessian then treats the load as constant.
   void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                    Projection projection) const override;
-  /// p S of a constant pressure with a potential, from the reference configuration.
+  /// p S of a constant pressure that has a potential, relative to the reference configuration.
   double energy(std::span<const double> q, std::span<const double> z) const override;
 
  private:

@@ -1,4 +1,4 @@
-/// A part of the outer surface that a fluid presses on: forces of a pressure, their tangent, and the volume that the
+/// A part of the outer surface under the pressure of a fluid: its nodal forces, their tangent, and the volume that the
 /// surface sweeps.
 #pragma once
 
@@ -20,24 +20,24 @@ namespace pliant {
 ///     r_a  = p int N_a n dxi deta
 ///     K_ab = p int N_a ( dN_b/deta [x_xi] - dN_b/dxi [x_eta] ) dxi deta,     [v] w = v cross w
 ///
-/// r is what the surface sweeps, dS = int n . dx, times p. Where p is uniform and the surface is closed, or its rim
-/// does not sweep anything (Rim), r is the gradient of p S and K is symmetric.
+/// r is p times the derivative of the swept volume, dS = int n . dx. Where p is uniform and the surface is closed, or
+/// its rim sweeps nothing (Rim), r is the gradient of p S and K is symmetric.
 class WettedSurface {
  public:
-  /// `facets` are outer ones. `pressure_degree`: of the polynomials in space that are integrated as pressures. The
-  /// layout outlives the object.
+  /// `facets` must be outer ones. `pressure_degree`: the polynomial degree in space up to which pressures are
+  /// integrated exactly. The layout must outlive the object.
   WettedSurface(const NodeLayout& layout, const BlockPattern& pattern, FacetList facets, int pressure_degree);
 
   const FacetList& facets() const { return facets_; }
 
-  /// A pressure at every point of the facets times the points' weights; the argument of the functions below.
+  /// The pressure at every point of the facets times the points' weights; the argument of the functions below.
   std::vector<double> weighted(const Expression& pressure, double time) const;
   std::vector<double> weighted(double pressure) const;
 
-  /// int p dS along the straight way between two displacements, of this rank's facets: exact, and to the digits of the
-  /// change.
+  /// int p dS along the straight line between two displacements, over this rank's facets: exact, and accurate relative
+  /// to the change.
   double work(std::span<const double> pressures, std::span<const double> from, std::span<const double> to) const;
-  /// r += ..., rows of local nodes of which those of owned ones are complete.
+  /// r += ..., rows of local nodes; those of owned nodes are complete.
   void add_forces(std::span<const double> pressures, std::span<const double> q, std::span<double> r) const;
   /// K += ..., rows of owned nodes.
   void add_tangent(std::span<const double> pressures, std::span<const double> q, const BlockWriter& K) const;
@@ -59,7 +59,7 @@ class WettedSurface {
   const NodeLayout& layout_;
   FacetList facets_;
   std::vector<Point> points_;
-  std::vector<std::int32_t> blocks_;  ///< of nodes (a, b), nodes_per_facet^2 per facet; rows that are not owned: 0
+  std::vector<std::int32_t> blocks_;  ///< of nodes (a, b), nodes_per_facet^2 per facet; 0 in rows that are not owned
 };
 
 }  // namespace pliant

@@ -7,7 +7,7 @@
 namespace pliant {
 namespace {
 
-/// Nodes nearer to a plane than this part of their size lie in it.
+/// Nodes closer to a plane than this fraction of their size lie in it.
 constexpr double flatness = 1e-6;
 
 Vector3<double> column(const Tensor3<double>& A, int k) {

@@ -16,7 +16,7 @@ struct AffineMotion {
 };
 
 /// Fits affine motions to nodal vectors by least squares, all nodes weighing the same. Linear in what it fits, so that
-/// it commutes with the formulas of the time layer. Of nodes in a plane the gradient across it is zero.
+/// it commutes with the formulas of the time layer. For nodes in a plane the gradient across it is zero.
 class AffineFit {
  public:
   /// `nodes`: owned ones, which span a plane at least. Collective.

@@ -13,13 +13,13 @@
 namespace pliant {
 namespace {
 
-/// A twist (angular, linear), or what acts on one: (moment, force), (angular momentum, momentum).
+/// A twist (angular, linear), or its dual: (moment, force), (angular momentum, momentum).
 template <class T>
 struct Pair {
   Vector3<T> angular, linear;
 };
 
-/// About a fixed point nothing moves along.
+/// About a fixed point there is no linear motion.
 template <class T>
 Pair<T> pair_of(const std::array<T, 3>& a) {
   return {a, {T(0.0), T(0.0), T(0.0)}};
@@ -29,7 +29,7 @@ Pair<T> pair_of(const std::array<T, 6>& a) {
   return {{a[0], a[1], a[2]}, {a[3], a[4], a[5]}};
 }
 
-/// What acts along the coordinates; the force that holds a fixed point does not.
+/// The generalised forces along the coordinates; the reaction at a fixed point does not contribute.
 template <class Coordinates, class T>
 Coordinates coordinates_of(const Pair<T>& a) {
   if constexpr (std::tuple_size_v<Coordinates> == 3) {
@@ -221,7 +221,7 @@ double RigidBodies<Group>::force_scale(Vec q) {
   return std::sqrt(sum(comm_, inertia)) + std::sqrt(sum(comm_, gyroscopic)) + std::sqrt(sum(comm_, weight));
 }
 
-// The differences in v and a lose what their parts are rounded by.
+// The differences in v and a lose the rounding errors of their terms.
 template <class Group>
 double RigidBodies<Group>::rounding_floor(Vec q) const {
   const ConstArrayView xi(q);

@@ -1,13 +1,14 @@
-/// Rigid bodies: the equation of a stage by Newton and Euler, in the frames of the bodies.
+/// Rigid bodies: the equation of a stage by Newton and Euler, in body frames.
 ///
-/// With the twist v = (omega, u) of a body's frame, its mass matrix M, momentum mu = M v and weight w, all seen from
-/// the body, the residual per body is
+/// With the twist v = (omega, u) of a body's frame, its mass matrix M, momentum mu = M v and weight w, all in the
+/// body's frame, the residual per body is
 ///
 ///     r(xi) = M a + ad*(v) mu - w,     v = dexp_{-xi} (xi - xi_0)/dt_i,   a = (v - v_0)/dt_i,
 ///     ad*(v) (l, p) = (omega x l + u x p, omega x p)
 ///
-/// (Marsden & Ratiu, Introduction to Mechanics and Symmetry, chapter 14). It is the gradient of no function of xi: M a
-/// alone would be, in a vector space. The unknown is the coordinates xi around the configuration `centre` of the stage.
+/// (Marsden & Ratiu, Introduction to Mechanics and Symmetry, chapter 14). It is not the gradient of a function of xi:
+/// only M a would be, in a vector space. The unknowns are the coordinates xi around the configuration `centre` of the
+/// stage.
 #pragma once
 
 #include "energy/stage_equation.hpp"
@@ -18,21 +19,21 @@
 
 namespace pliant {
 
-/// In the body's frame. The origin of that frame is the fixed point (SO3), or whichever point is to be followed (SE3).
+/// In the body's frame. The origin of that frame is the fixed point (SO3), or any point of the body (SE3).
 struct RigidBody {
   double mass = 0.0;          ///< [kg]
   Vector3<double> centre{};   ///< of mass [m]
   Tensor3<double> inertia{};  ///< about the origin, not about the centre of mass [kg m^2]
 };
 
-/// Bodies that do not act upon one another, in a field of gravity: about fixed points (SO3) or in free motion (SE3).
-/// Vectors as in LieGroupSpace; lengths are counted in metres where moments and forces are added up.
+/// Bodies without interaction, in a field of gravity: about fixed points (SO3) or in free motion (SE3). Vectors as in
+/// LieGroupSpace; norms that add moments and forces measure lengths in metres.
 template <class Group>
 class RigidBodies final : public StageEquation {
  public:
   static constexpr std::size_t num_coordinates = Group::num_coordinates;
 
-  /// This rank owns `owned`, which may be none. `gravity` is in space [m/s^2]. Collective.
+  /// This rank owns `owned`, which may be empty. `gravity` is in space [m/s^2]. Collective.
   RigidBodies(MPI_Comm comm, std::vector<RigidBody> owned, const Vector3<double>& gravity);
 
   void begin_stage(const StagePoint& stage);
@@ -41,9 +42,9 @@ class RigidBodies final : public StageEquation {
   double value(Vec q) override;
   void gradient(Vec q, Vec r) override;
   Handle<Mat> make_hessian() const override;
-  /// Exact; what is projected is M/dt_i^2, the inertia at small coordinates.
+  /// Exact, or projected to M/dt_i^2, the inertia at small coordinates.
   void hessian(Vec q, Mat K, Projection projection) override;
-  /// To the first body that would be turned by 2 pi within the step, where its coordinates end.
+  /// The step to the first body that would rotate by 2 pi, where its coordinates end.
   double max_step(Vec q, Vec d) override;
   double force_scale(Vec q) override;
   double rounding_floor(Vec q) const override;
@@ -54,9 +55,9 @@ class RigidBodies final : public StageEquation {
   MPI_Comm comm() const override { return comm_; }
   Handle<Vec> make_vector() const override;
 
-  /// A zero vector of configurations; no configuration before quaternions are put in.
+  /// A zero vector of configurations; not a valid configuration until quaternions are set.
   Handle<Vec> make_configuration() const;
-  /// Kinetic energy plus that in the field of gravity, from the origin of space [J]. Collective.
+  /// Kinetic energy plus the potential energy of gravity, relative to the origin of space [J]. Collective.
   double energy(Vec q, Vec v) const;
 
  private:
@@ -75,7 +76,7 @@ class RigidBodies final : public StageEquation {
   Vector3<double> gravity_;
   std::vector<char> prescribed_;
   PetscInt num_unknowns_ = 0;
-  // Of the stage.
+  // State of the current stage.
   double dt_ = 0.0;
   std::vector<Coordinates<double>> xi_0_, v_0_;
   std::vector<Vector3<double>> body_gravity_;  // at the centre of the coordinates, seen from the bodies

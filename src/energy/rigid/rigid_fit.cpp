@@ -41,7 +41,7 @@ Quaternion largest_eigenvector(Matrix4 N) {
   return {V[0][largest], V[1][largest], V[2][largest], V[3][largest]};
 }
 
-/// Where nodes are on average before and after, and the sum of products of the differences from that.
+/// The mean positions of the nodes before and after, and the sum of products of the deviations from them.
 struct Moments {
   Vector3<double> arm{}, now{};  // from the centre
   Tensor3<double> products{};    // sum (now - mean)(arm - mean)^T
@@ -76,7 +76,7 @@ Moments moments(const NodeLayout& layout, std::span<const PetscInt> nodes, const
   return result;
 }
 
-/// The translation that goes with a rotation: now - R arm, with the small difference of the two kept.
+/// The translation that belongs to a rotation: now - R arm, which keeps the digits of their small difference.
 Placement placed(const Moments& m, const Quaternion& rotation) {
   Placement placement{{}, rotation};
   placement.translation = m.now - m.arm - placement.displacement(m.arm);

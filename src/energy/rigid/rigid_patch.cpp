@@ -11,9 +11,9 @@
 namespace pliant {
 namespace {
 
-/// Nodes nearer to one line than this part of their size do not turn about it.
+/// Nodes closer to one line than this fraction of their size do not determine a rotation about it.
 constexpr double collinearity = 1e-6;
-/// Of the size: displacements that are rigid but for this are left as they are, lest their digits are lost.
+/// Relative to the size: displacements that are rigid to this tolerance are left unchanged, which keeps their digits.
 constexpr double rounding = 1e-13;
 
 /// A^-1 b of a regular tensor: A^-1 = cof(A)^T / det A.
@@ -44,9 +44,9 @@ std::optional<std::string> why_not_rigid(const NodeLayout& layout, std::span<con
     if (dot(motion.axis, matvec(inertia, motion.axis)) > collinearity * collinearity * size) return std::nullopt;
     return "lies on one line along the axis, about which it does not turn";
   }
-  // Of points on a line one moment of inertia vanishes, and the others are `size` each.
+  // For points on a line one moment of inertia vanishes, and the others are `size` each.
   if (det(inertia) > collinearity * collinearity * size * size * size) return std::nullopt;
-  return "lies on one line, about which it does not turn";
+  return "lies on one line, about which its rotation is undefined";
 }
 
 bool centre_is_off_plane(const NodeLayout& layout, std::span<const PetscInt> nodes, const RigidMotion& motion) {
@@ -68,7 +68,7 @@ RigidPatch::RigidPatch(const NodeLayout& layout, std::vector<PetscInt> nodes, co
   } else {
     axes_ = {{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
     fit_.emplace(layout, nodes_, motion.centre);
-    // Any centre will do then: one in the plane of the nodes.
+    // Any centre will do then: use one in the plane of the nodes.
     if (is_free()) {
       motion_.rigid->centre = motion.centre + fit_->mean_arm();
       fit_.emplace(layout, nodes_, motion_.rigid->centre);
@@ -109,7 +109,7 @@ void RigidPatch::start_stage(const StagePoint& stage) const {
   }
 }
 
-// With F0 = I + h, dt F0' = g and B = 3/4 I + b, what is of the size of the displacements is kept apart:
+// With F0 = I + h, dt F0' = g and B = 3/4 I + b, quantities of the size of the displacements are kept apart:
 // 16 S^2 = I + 16 Z, Z = 3/4 (b + b^T) + b^T b - (h + h^T + h^T h) / 2.
 RigidPatch::Shape RigidPatch::shape_of(const StagePoint& stage) const {
   if (rigidity_ == Rigidity::of_configurations) return {};
@@ -128,7 +128,7 @@ RigidPatch::Shape RigidPatch::shape_of(const StagePoint& stage) const {
   const Tensor3<double> Z =
       0.75 * (b + transpose(b)) + matmul(transpose(b), b) - 0.5 * (h + transpose(h) + matmul(transpose(h), h));
   const auto eigen = eigen_decomposition(matmul(fit_->in_plane(), matmul(Z, fit_->in_plane())));
-  Tensor3<double> s{};  // S - I / 4; not a number where no rotation fulfils the equation: the step is too long
+  Tensor3<double> s{};  // S - I / 4; NaN if no rotation fulfils the equation: the step is too long
   for (int k = 0; k < 3; ++k) {
     const Vector3<double> n = {eigen.vectors(0, k), eigen.vectors(1, k), eigen.vectors(2, k)};
     const double z = eigen.values[static_cast<std::size_t>(k)];

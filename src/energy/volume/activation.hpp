@@ -1,4 +1,4 @@
-/// Contraction of a body along its fibres as a function of time: what active stress and active strain share.
+/// Contraction of a body along its fibres as a function of time: common to active stress and active strain.
 #pragma once
 
 #include "base/expression.hpp"
@@ -14,13 +14,13 @@ using PackDirection = std::array<Pack, 3>;
 
 class Activation {
  public:
-  /// `amount` is a function of place and time, `places` are those of all points of the body.
+  /// `amount` is a function of place and time, `places` are the positions of all points of the body.
   Activation(Expression amount, std::vector<PackPlaces> places, PerPoint<PackDirection> fibres);
 
   const PackDirection& fibre(std::size_t n) const { return fibres_[n]; }
   /// The amounts at the instant, times its load factor.
   PerPoint<Pack> amounts(const Instant& at) const;
-  /// Their rates in time at the end of the stage, by differences of sixth order over its length.
+  /// Their time rates at the end of the stage, by differences of sixth order over its length.
   PerPoint<Pack> rates(const LocalStage& stage) const;
 
  private:
@@ -32,7 +32,7 @@ class Activation {
   PerPoint<PackDirection> fibres_;
 };
 
-/// `fibre(local cell, reference position)`, at all points or, if the body's fibres are parallel, at none in particular.
+/// `fibre(local cell, reference position)`, at all points or, if the body's fibres are parallel, at an arbitrary one.
 struct FibreField {
   std::function<std::array<double, 3>(PetscInt, const std::array<double, 3>&)> at;
   enum class Kind { parallel, varying } kind;

@@ -8,12 +8,12 @@
 namespace pliant {
 namespace {
 
-/// Lane by lane: g++ 12 warns of its own header where it takes all at once.
+/// Lane by lane: for whole packs g++ 12 warns of its own header.
 Pack square_root(const Pack& x) {
   return Pack([&](auto lane) { return std::sqrt(static_cast<double>(x[lane])); });
 }
 
-/// H_e = F B - I, of B - I.
+/// H_e = F B - I, as a function of B - I.
 Tensor3<Pack> elastic_part(const Tensor3<Pack>& H, const Tensor3<Pack>& change) {
   return H + change + matmul(H, change);
 }

@@ -1,4 +1,4 @@
-/// Active strain of muscle: the fibres shorten by g(x, t), and the law sees the rest of the deformation,
+/// Active strain of muscle: the fibres shorten by g(x, t), and the law sees the remaining deformation,
 ///     F = F_e F_a,  F_a = (1 - g) f (x) f + (1 - g)^(-1/2) (I - f (x) f),  det F_a = 1
 ///     psi(F) = psi_e(F B),  P = P_e B,  A_iJkL = A_e iMkN B_MJ B_NL,  B = F_a^-1
 /// With B - I = c2 I + (c1 - c2) f (x) f, c1 = g / (1 - g), c2 = -g / (1 + (1 - g)^(1/2)), no digits are lost where g
@@ -10,7 +10,7 @@
 
 namespace pliant {
 
-/// A law with fibres that have shortened. It refers to both, which outlive it.
+/// A law with shortened fibres. It refers to the law and the shortening, which must outlive it.
 class ActiveStrain final : public LawField {
  public:
   ActiveStrain(const LawField& law, const Activation& shortening, const Instant& at)

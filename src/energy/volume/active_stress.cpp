@@ -69,7 +69,7 @@ class ActiveStress final : public StressTerm {
 
   StressPart part() const override { return StressPart::active; }
 
-  /// Nothing is stored: the work comes from outside of mechanics.
+  /// Stores no energy: the work comes from outside of mechanics.
   void stresses(const BodyState& state, const StressVisitor& visit) const override {
     const PerPoint<Pack> T = tension_->amounts(state.at);
     const auto at_points = [&](const Batch&) {

@@ -16,13 +16,13 @@ namespace pliant {
 template <int Order>
 struct CellBatch {
   const CellGroup<Order>& group;
-  std::size_t number;       ///< in its group
+  std::size_t number;       ///< its index in its group
   std::size_t first_cell;   ///< number of lane 0's cell among the rank's cells of the body, as the loops meet them
   std::size_t first_point;  ///< number of its first pack of points, likewise
 
   const auto& batch() const { return group.batches[number]; }
   PLIANT_INLINE auto values(std::span<const double> local) const { return gather<Order>(batch(), local.data()); }
-  /// a - b, of the nodes.
+  /// a - b, node by node.
   PLIANT_INLINE auto change(std::span<const double> a, std::span<const double> b) const {
     auto d = values(a);
     const auto u = values(b);
@@ -32,7 +32,7 @@ struct CellBatch {
     return d;
   }
   PetscInt local_cell(int lane) const { return group.cells[number * pack_size + static_cast<std::size_t>(lane)]; }
-  /// Number among the rank's cells of the body; padding lanes have that of the cell they repeat.
+  /// Index among the rank's cells of the body; padding lanes have that of the cell they repeat.
   std::size_t cell(int lane) const { return first_cell + (lane < batch().num_lanes ? lane : 0); }
 };
 
@@ -42,13 +42,13 @@ struct CellPoint {
   const CellBatch<Order>& in;
   int number;
 
-  /// Number of the pack among those of the body's quadrature points on this rank.
+  /// Index of the pack among those of the body's quadrature points on this rank.
   std::size_t index() const { return in.first_point + static_cast<std::size_t>(number); }
   PLIANT_INLINE decltype(auto) shape_gradients() const { return in.group.gradients(number); }
   PLIANT_INLINE const Tensor3<Pack>& inverse_jacobian() const {
     return in.group.inverse_jacobian[in.group.geometry(in.number, number)];
   }
-  /// Reference volume that the point stands for [m^3]; 0 in padding lanes.
+  /// Reference volume of the point [m^3]; 0 in padding lanes.
   PLIANT_INLINE Pack weight() const {
     return in.group.rule.weights[number] * in.group.jacobian[in.group.geometry(in.number, number)];
   }
@@ -87,15 +87,15 @@ PLIANT_INLINE Tangent<Pack> pulled_back(const Tangent<Pack>& A, const Tensor3<Pa
   return C;
 }
 
-/// The cells of one body on this rank, ghosts included. What is integrated is given in two steps, so that what a batch
-/// needs is gathered once: `of_batch(CellBatch)` returns a function of a CellPoint.
+/// The cells of one body on this rank, ghosts included. Integrands are given in two steps, so that the data of a batch
+/// are gathered once: `of_batch(CellBatch)` returns a function of a CellPoint.
 template <int Order>
 class BodyCells {
   using Group = CellGroup<Order>;
   static constexpr int num_nodes = Group::num_nodes;
 
  public:
-  /// `groups` holds all bodies' cells and outlives the object.
+  /// `groups` holds the cells of all bodies and must outlive the object.
   BodyCells(const CellGroups<Order>& groups, int body, PetscInt num_owned_nodes) : num_owned_nodes_(num_owned_nodes) {
     for (const Group& group : groups) {
       if (group.body == body) groups_.push_back(&group);

@@ -1,4 +1,4 @@
-/// Where the quadrature points of a body are, and values given point by point.
+/// The positions of the quadrature points of a body, and values given point by point.
 #pragma once
 
 #include "fem/cells.hpp"

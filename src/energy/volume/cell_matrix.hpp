@@ -19,9 +19,9 @@ struct CellMatrix {
   PLIANT_INLINE const Tensor3<Pack>& block(int a, int b) const { return blocks[static_cast<std::size_t>(index(a, b))]; }
 };
 
-/// What a quadrature point would contribute to linear tetrahedra [N/m]: blocks between the barycentric coordinates l,
+/// Contribution of a quadrature point to linear tetrahedra [N/m]: blocks between the barycentric coordinates l,
 ///   D_km = weight grad l_k . A . grad l_m,   (D_km)_ij = weight A_iJjL dl_k/dX_J dl_m/dX_L.
-/// Those of elements of any order are combinations of these ten.
+/// The contributions to elements of any order are combinations of these ten.
 using LinearMatrix = CellMatrix<4>;
 
 /// `A`: the symmetric tangent dP/dF [Pa]; `weight`: the volume of the point [m^3].

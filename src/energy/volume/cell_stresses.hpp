@@ -1,4 +1,4 @@
-/// What terms with a stress share: states at centroids, and their way to a visitor.
+/// What terms with a stress have in common: states at centroids, and their report to a visitor.
 #pragma once
 
 #include "energy/stress.hpp"
@@ -39,7 +39,7 @@ void visit_stresses(const CellBatch<Order>& batch, const CentroidState& at, cons
   }
 }
 
-/// A stress in the reference body and what is stored with it, at a point or of a cell.
+/// A stress in the reference body and the energy stored with it, at a point or for a cell.
 struct PointStress {
   Tensor3<Pack> S{};  ///< second Piola-Kirchhoff, or the stress of a law of small strain [Pa]
   Pack energy = 0.0;  ///< [J/m^3]
@@ -48,7 +48,7 @@ struct PointStress {
 /// Whether PointStress::S is pushed forward.
 enum class StressMeasure { second_piola_kirchhoff, small_strain };
 
-/// Visits the mean of a stress that is known at the quadrature points alone, where the internal variables are:
+/// Visits the mean of a stress that is known only at the quadrature points, with the internal variables:
 /// `of_batch(CellBatch)` returns a PointStress as a function of a CellPoint.
 template <int Order, class OfBatch>
 void visit_mean_stresses(const BodyCells<Order>& cells, std::span<const double> q, StressMeasure measure,

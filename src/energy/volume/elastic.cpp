@@ -62,7 +62,7 @@ class ElasticTermOf final : public ElasticTerm {
   void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                    Projection projection) const override {
     const LawNow law = law_at(instant_of(stage));
-    // Of linear elasticity stresses are what they are extrapolated to.
+    // Stresses of linear elasticity are evaluated at the extrapolated displacements.
     const bool extrapolates = !stage.previous.empty() && !law_->traits().constant_tangent;
     const auto tangent_of = [&](const Batch& batch) {
       const auto u = batch.values(q), du = extrapolates ? batch.change(q, stage.previous) : u;
@@ -96,7 +96,7 @@ class ElasticTermOf final : public ElasticTerm {
   }
 
  private:
-  /// The law as it is at an instant: its own, or that of fibres that have shortened.
+  /// The law at an instant: the body's own, or that of shortened fibres.
   class LawNow {
    public:
     explicit LawNow(const LawField& law) : law_(&law) {}

@@ -1,4 +1,4 @@
-/// What the elastic terms share beside their energies.
+/// What the elastic terms have in common, except for their energies.
 #pragma once
 
 #include "energy/volume/cell_stresses.hpp"
@@ -10,7 +10,7 @@
 
 namespace pliant {
 
-/// The largest alpha <= 1 for which no quadrature point of q + alpha d is turned inside out; +inf if none is.
+/// The largest alpha <= 1 for which no quadrature point of q + alpha d is inverted; +inf if none is.
 template <int Order>
 double step_to_inversion(const BodyCells<Order>& cells, std::span<const double> q, std::span<const double> d) {
   double step = std::numeric_limits<double>::infinity();
@@ -34,8 +34,8 @@ PLIANT_INLINE Tensor3<Pack> second_stress(const Tensor3<Pack>& H, const Tensor3<
   return (1.0 / det(F)) * matmul(transpose(cofactor(F)), P);
 }
 
-/// What is missing from f(H) to f(H') + Df(H') dH, the value extrapolated along the line from H' = H - dH, with the
-/// derivative as a central difference; 0 where that is not a number. f: Tensor3<Pack> -> Tensor3<Pack>. Source:
+/// The difference between f(H) and f(H') + Df(H') dH, the value extrapolated along the line from H' = H - dH, with the
+/// derivative as a central difference; 0 where it is NaN. f: Tensor3<Pack> -> Tensor3<Pack>. Source:
 /// Magisano, Leonetti & Garcea 2017, "How to improve efficiency and robustness of the Newton method in geometrically
 /// non-linear structural problem discretized via displacement-based finite elements", with the stresses of points that
 /// are functions of the displacements: only the tangent sees the extrapolated ones.

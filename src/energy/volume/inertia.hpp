@@ -32,7 +32,7 @@ class Inertia final : public EnergyTerm {
   const MassMatrix& mass() const { return mass_; }
   /// 1/2 v . M v of the owned nodes [J].
   double kinetic_energy(std::span<const double> v) const { return 0.5 * mass_.product(v, v); }
-  /// Of this rank's owned nodes; `X` are the reference coordinates of the local nodes.
+  /// The owned nodes of this rank; `X` are the reference coordinates of the local nodes.
   Momenta momenta(std::span<const double> X, std::span<const double> q, std::span<const double> v) const;
 
  private:
@@ -40,7 +40,7 @@ class Inertia final : public EnergyTerm {
   MassMatrix mass_;
 };
 
-/// `densities`: per body [kg/m^3]. `pattern` outlives the term.
+/// `densities`: per body [kg/m^3]. `pattern` must outlive the term.
 template <int Order>
 std::unique_ptr<Inertia> make_inertia(const NodeLayout& layout, const BlockPattern& pattern,
                                       const CellGroups<Order>& groups, const std::vector<double>& densities, Mass mass);

@@ -12,7 +12,7 @@
 namespace pliant {
 namespace {
 
-constexpr int point_bits = 14;  // per coordinate: 6e-5 tells all points of a rule apart
+constexpr int point_bits = 14;  // per coordinate: 6e-5 distinguishes all points of a rule
 constexpr std::int64_t most_per_term = 1024;
 
 }  // namespace

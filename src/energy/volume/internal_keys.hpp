@@ -1,4 +1,4 @@
-/// What the internal variables of terms are called, whichever rank has them.
+/// Keys that identify the internal variables of terms, whichever rank holds them.
 #pragma once
 
 #include "energy/term.hpp"
@@ -11,10 +11,10 @@
 
 namespace pliant {
 
-/// Of each six of this rank's internal variables, in their order (IncrementalPotential::make_internal), those of ghost
-/// cells included: the number of the cell, then the term, what of it, and the point. Points are told by their
-/// barycentric coordinates to the vertices in the order of their numbers, for a rank may list a cell's vertices in any
-/// order. Not collective.
+/// A key for each six of this rank's internal variables, in their order (IncrementalPotential::make_internal), those of
+/// ghost cells included: the number of the cell, then the term, the kind of variable, and the point. Points are
+/// identified by their barycentric coordinates, with the vertices in ascending order of their numbers, because ranks
+/// may list a cell's vertices in different orders. Not collective.
 std::vector<EntryKey> internal_keys(const NodeLayout& layout, std::span<const EnergyTerm* const> terms);
 
 }  // namespace pliant

@@ -5,7 +5,7 @@
 ///     Phi(q) = 1/(2 dt) (q - q0) . B (q - q0)
 ///     force = -B v,  dissipation = v . B v,   B_ab = int alpha rho N_a N_b dX
 ///
-/// A rigid motion is damped as any other. Source: Rayleigh, The Theory of Sound (1894), section 81.
+/// A rigid motion is damped like any other. Source: Rayleigh, The Theory of Sound (1894), section 81.
 #pragma once
 
 #include "energy/term.hpp"

@@ -1,4 +1,4 @@
-/// The mass matrix M of the bodies, or of any density that is given per body.
+/// The mass matrix M of the bodies, or of any other density given per body.
 #pragma once
 
 #include "fem/block_matrix.hpp"
@@ -11,7 +11,7 @@ namespace pliant {
 
 enum class Mass { consistent, lumped };
 
-/// A scalar per pair of nodes that share a cell, assembled once; it acts on each component alike. No method is
+/// One scalar per pair of nodes that share a cell, assembled once; it acts on each component alike. No method is
 /// collective; arrays span all local nodes.
 class MassMatrix {
  public:
@@ -26,7 +26,7 @@ class MassMatrix {
   double product(std::span<const double> x, std::span<const double> y) const;
   /// K += factor M, rows of owned nodes.
   void add_to(double factor, const BlockWriter& K) const;
-  /// K = factor M, likewise, whatever K was.
+  /// K = factor M, likewise; K is overwritten.
   void assign_to(double factor, const BlockWriter& K) const;
   /// This rank's share of the mass [kg].
   double total() const;

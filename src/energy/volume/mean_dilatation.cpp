@@ -17,12 +17,12 @@ using Point = CellPoint<order>;
 using Nodes = NodeValues<num_nodes>;
 using Mask = Pack::mask_type;
 
-/// det(F + dF) - det F, to the digits of the change.
+/// det(F + dF) - det F, accurate relative to the change.
 Pack change_of_det(const Tensor3<Pack>& F, const Tensor3<Pack>& dF) {
   return dot(cofactor(F), dF) + (dot(F, cofactor(dF)) + det(dF));
 }
 
-/// The cells of a batch under a displacement: its points, and what they have in common.
+/// The cells of a batch under a displacement: their points, and what these have in common.
 class BatchState {
  public:
   void set(const Batch& batch, const Nodes& u) {
@@ -44,12 +44,12 @@ class BatchState {
       theta_change += weights_.back() * j;
     }
     share_ = 1.0 / select(volume_ > 0.0, volume_, Pack(1.0));
-    // Cells turned inside out are taken to be at rest: their results are replaced.
+    // Inverted cells are treated as at rest: their results are replaced.
     theta_change_ = select(valid_, theta_change * share_, Pack(0.0));
     for (const auto& at : H) points_.push_back(at_gradient(at));
   }
 
-  /// A point of these cells, wherever it lies.
+  /// A point of these cells, at any position.
   Dilated<Pack> at_gradient(Tensor3<Pack> H) const {
     for (Pack& h : H.a) h = select(valid_, h, Pack(0.0));
     return dilated(H, volume_change(H), theta_change_);
@@ -79,7 +79,7 @@ void add_force(const Tensor3<Pack>& S, const CellGroup<order>::ShapeGradients& d
   }
 }
 
-/// The quadratic form (dF, dtheta) of a point made positive semidefinite, both parts together.
+/// The quadratic form (dF, dtheta) of a point, made positive semidefinite as a whole.
 void project(DilatedTangent<Pack>& at) {
   std::array<Pack, 100> M;
   for (std::size_t p = 0; p < 9; ++p) {
@@ -232,7 +232,7 @@ class MeanDilatationTerm final : public ElasticTerm {
  private:
   static std::size_t index(const Batch& batch, std::size_t k) { return Point{batch, static_cast<int>(k)}.index(); }
 
-  /// The pressure of the cells, and the stresses of their points on the way.
+  /// Computes the pressure of the cells, and the stresses of their points on the way.
   Pack pressure(const Batch& batch, const BatchState& at, std::vector<DilatedStress<Pack>>& stress) const {
     Pack integral = 0.0;
     for (std::size_t k = 0; k < at.size(); ++k) {
@@ -242,7 +242,7 @@ class MeanDilatationTerm final : public ElasticTerm {
     return at.mean(integral);
   }
 
-  /// What is missing from the pressure at q to the one extrapolated from `previous` (extrapolation_error).
+  /// The difference between the pressure at q and the one extrapolated from `previous` (extrapolation_error).
   Pack pressure_error(const Batch& batch, std::span<const double> q, std::span<const double> previous,
                       const Pack& p) const {
     constexpr double part = 1e-3;

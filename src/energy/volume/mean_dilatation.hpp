@@ -2,8 +2,8 @@
 ///
 ///     U = sum_e int_e psi(Fbar) dX,  Fbar = (theta/J)^(1/3) F,  theta = 1/V_e int_e J dX
 ///
-/// A cell then resists a change of its volume as a whole, and not at each of its points, which quadratic cells can
-/// bear: P2 for the displacement, P0 for the volume and the pressure. It stays an energy of the displacement alone.
+/// A cell then resists a change of its total volume instead of one at each of its points, which suits quadratic cells:
+/// P2 for the displacement, P0 for the volume and the pressure. It remains an energy of the displacement alone.
 /// With Psi(F, theta) = psi(Fbar) (material/dilatation.hpp), g = dtheta/dq and p = 1/V_e int_e Psi_theta dX
 ///
 ///     dU/dq    = int (Psi_F + p cof F) : dF
@@ -18,8 +18,8 @@
 
 namespace pliant {
 
-/// As make_elastic_term, of quadratic cells. Of any law that is exact under rotation; its energy is a barrier in J at
-/// the quadrature points, whatever the law's is.
+/// As make_elastic_term, for quadratic cells and any law that is exact under rotation; its energy is a barrier in J at
+/// the quadrature points where the law's is.
 std::unique_ptr<ElasticTerm> make_mean_dilatation_term(std::shared_ptr<const LawField> law, const CellGroups<2>& groups,
                                                        int body, PetscInt num_owned_nodes);
 

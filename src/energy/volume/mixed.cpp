@@ -16,7 +16,7 @@ using Batch = CellBatch<2>;
 using Point = CellPoint<2>;
 using Lanes = PressureCoupling::Lanes;
 
-/// What the volume does at a point: j = J - 1 (0 where J <= 0), and g of it.
+/// The volume at a point: j = J - 1 (0 where J <= 0), and g of it.
 struct VolumeState {
   Pack j;
   VolumeMeasure<Pack> measure;
@@ -30,7 +30,7 @@ struct VolumeState {
   }
 };
 
-/// The largest of the planes along the axes, of a body at rest [Pa].
+/// The largest shear modulus in the planes along the axes, of a body at rest [Pa].
 double stiffness_against_shear(const ElasticLawSpec& law) {
   const Tangent<double> A = tangent_at_rest(law);
   double largest = 0.0;

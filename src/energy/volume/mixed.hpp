@@ -5,7 +5,7 @@
 ///
 /// psi is the law without its part of the volume kappa U(J), and U = g^2/2 (material/volumetric.hpp), so that p = kappa
 /// g(J), in tension positive, in the weak sense. In an incompressible body 1/kappa = 0, and p holds the volume. Pi has
-/// no minimum but a saddle point: it is no potential for a line search (energy/mixed_equation.hpp).
+/// a saddle point instead of a minimum, so that a line search cannot use it (energy/equation/mixed_equation.hpp).
 /// Source: Brink & Stein, Comput. Mech. 19 (1996) 105-119; Taylor & Hood, Comput. Fluids 1 (1973) 73-100.
 #pragma once
 
@@ -18,14 +18,13 @@
 
 namespace pliant {
 
-/// The pressures that the mixed terms act with at present, ghosts included [Pa]. Its owner is the equation that they
-/// are unknowns of.
+/// The present pressures of the mixed terms, ghosts included [Pa]. The owner is the equation whose unknowns they are.
 class PressureField {
  public:
   PressureField(PressureLayout layout, MPI_Comm comm)
       : layout_(std::move(layout)), values_(make_vector(layout_, comm)) {}
   const PressureLayout& layout() const { return layout_; }
-  /// After a change: update_ghosts.
+  /// To be called after a change: update_ghosts.
   Vec values() const { return values_.get(); }
 
  private:
@@ -33,7 +32,7 @@ class PressureField {
   Handle<Vec> values_;
 };
 
-/// Second derivatives of Pi with a pressure, of a batch of cells.
+/// Second derivatives of Pi that involve a pressure, for a batch of cells.
 struct PressureCoupling {
   using Lanes = std::array<PetscInt, pack_size>;
   int num_lanes;
@@ -56,7 +55,7 @@ class MixedTerm : public ElasticTerm {
   virtual double shear_modulus() const = 0;
 };
 
-/// `pressures` outlives the term. Only uniform bodies.
+/// `pressures` must outlive the term. Uniform bodies only.
 std::unique_ptr<MixedTerm> make_mixed_term(const VolumeSplit& law, const CellGroups<2>& groups, int body,
                                            PetscInt num_owned_nodes, const PressureField& pressures);
 

@@ -15,7 +15,7 @@ std::size_t first_component(const CellPoint<Order>& point, int lane) {
   return num_symmetric * (point.in.cell(lane) * point.in.group.rule.size() + point.number);
 }
 
-/// The places of the tensors of all points, the `number`-th that the term has there.
+/// The places of the tensors of all points; `number`: the index among the term's tensors at each point.
 template <int Order>
 void place_symmetric(const BodyCells<Order>& cells, int number, std::span<InternalPlace> places) {
   cells.for_each_batch([&](const CellBatch<Order>& batch) {

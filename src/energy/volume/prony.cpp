@@ -64,7 +64,7 @@ struct Stiffness {
     }
   }
 
-  /// The x of C x = b, by elimination without pivots.
+  /// Solves C x = b by elimination without pivoting.
   Symmetric solve(Symmetric b) const {
     auto U = C;
     for (int k = 0; k < num_symmetric; ++k) {
@@ -86,7 +86,7 @@ struct Stiffness {
 
 BranchState branch_state(const LawField& elastic, std::size_t n, const Tensor3<Pack>& H, const Tensor3<Pack>& A) {
   constexpr int most_iterations = 40;
-  constexpr double longest = 0.3;     // of F^-1 dF: a law with a barrier is not left
+  constexpr double longest = 0.3;     // of F^-1 dF: a law with a barrier stays within it
   constexpr double accuracy = 1e-14;  // of the strain
   Tensor3<Pack> at = H;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {

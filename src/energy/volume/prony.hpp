@@ -1,4 +1,4 @@
-/// Finite linear viscoelasticity with the elastic law's own stress, the Prony series of most programs:
+/// Finite linear viscoelasticity with the stress of the elastic law, the Prony series of most programs:
 ///
 ///     S = S_e(E) + sum_i H_i,   Hdot_i + H_i / tau_i = g_i d/dt S_e
 ///
@@ -35,18 +35,19 @@
 
 namespace pliant {
 
-/// What a branch stores per reference volume, and the strain it measures that from.
+/// The energy that a branch stores per reference volume, and the strain from which it is measured.
 struct BranchState {
   Pack energy;               ///< psi_e(E) - psi_e(E_i) - A_i : (E - E_i) [J/m^3]
   Tensor3<Pack> elongation;  ///< E - E_i
 };
 
-/// The state of a branch that has forgotten the stress A [Pa] at the gradient H, by Newton's method from E on; `n` as
-/// in LawField. Where psi_e is not convex and there is no such strain, what it came to.
+/// The state of a branch that has relaxed by the stress A [Pa] at the gradient H, by Newton's method starting from E;
+/// `n` as in LawField. If psi_e is not convex and there is no such strain, the result of the last iteration.
 BranchState branch_state(const LawField& elastic, std::size_t n, const Tensor3<Pack>& H, const Tensor3<Pack>& A);
 
-/// The branches of one body. `groups` holds all bodies' cells and outlives the term. Internal variables: A at every
-/// quadrature point (energy/point_tensor.hpp), branch by branch; 0 at rest.
+/// The branches of one body. `groups` holds the cells of all bodies and must outlive the term. Internal variables: A at
+/// every
+/// quadrature point (energy/volume/point_tensor.hpp), branch by branch; 0 at rest.
 template <int Order>
 std::unique_ptr<EnergyTerm> make_prony_term(std::vector<Prony> branches, std::shared_ptr<const LawField> elastic,
                                             const CellGroups<Order>& groups, int body, PetscInt num_owned_nodes);

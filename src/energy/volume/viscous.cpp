@@ -31,11 +31,11 @@ IsotropicTensor<Pack> tangent_at_rest(const LawField& elastic, std::size_t n) {
   return {mu, lambda + 2.0 / 3.0 * mu};
 }
 
-/// What the strain E of the stage is compared with.
+/// The strain from which the strain E of the stage is measured.
 enum class Reference {
   start,     ///< E(q0)
   internal,  ///< G0
-  rate       ///< none: sym(F^T (F - F0)) takes the place of the difference
+  rate       ///< none: sym(F^T (F - F0)) replaces the difference
 };
 
 template <int Order, Reference reference>
@@ -80,7 +80,7 @@ class ViscousTerm final : public StressTerm {
         const IsotropicTensor<Pack> C = dashpot_.stiffness(d.n, dt);
         Tensor3<Pack> S = C(d.D), F = d.F;
         if constexpr (reference == Reference::rate) F = F + 0.5 * d.F_change;
-        // The part F C F is semidefinite as it stands.
+        // The part F C F is already semidefinite.
         if (projection == Projection::positive_semidefinite) project_to_positive_semidefinite(S);
         return SaintVenantKirchhoff<Pack>::Linearization<Pack>{C.shear, C.lambda(), F, S, {}}.tangent();
       };
@@ -116,7 +116,7 @@ class ViscousTerm final : public StressTerm {
     });
   }
 
-  /// 1/2 (E - G):eta/tau:(E - G), in the spring.
+  /// 1/2 (E - G):eta/tau:(E - G), stored in the spring.
   double energy(std::span<const double> q, std::span<const double> z) const override {
     if (reference != Reference::internal || dashpot_.relaxation_time == 0.0) return 0.0;
     return cells_.integrate([&](const Batch& batch) {
@@ -129,7 +129,8 @@ class ViscousTerm final : public StressTerm {
 
   StressPart part() const override { return StressPart::viscous; }
 
-  /// S = eta Edot of a dashpot alone, whatever form its rate has within stages, eta/tau (E - G) behind a spring.
+  /// The stress: S = eta Edot of a dashpot alone, whatever the form of its rate within stages; eta/tau (E - G) behind a
+  /// spring.
   void stresses(const BodyState& state, const StressVisitor& visit) const override {
     const bool has_spring = dashpot_.relaxation_time > 0.0;
     const bool is_at_rest = has_spring ? state.z.empty() : state.v.empty();
@@ -156,8 +157,8 @@ class ViscousTerm final : public StressTerm {
   }
 
  private:
-  /// The stage at a point. D = E - G0, or what stands for it; D_change = D - D at q0, summed from dH: no digits of a
-  /// stiff body's small strains cancel.
+  /// The stage at a point. D = E - G0, or its replacement; D_change = D - D at q0, summed from dH, so that the digits
+  /// of a stiff body's small strains are kept.
   struct Increment {
     std::size_t n;  // number of the pack
     Tensor3<Pack> F, F_change, D, D_change;

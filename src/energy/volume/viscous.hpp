@@ -1,7 +1,8 @@
-/// Viscosity of a body in its strain: Kelvin-Voigt, Maxwell and stiffness-proportional damping (material/viscosity.hpp)
+/// Viscosity in the strain of a body: Kelvin-Voigt, Maxwell and stiffness-proportional damping (material/viscosity.hpp)
 /// as terms of a stage.
 ///
-/// All are a dashpot of viscosity eta behind a spring of stiffness eta / tau; but for Maxwell's the spring is rigid,
+/// All are a dashpot of viscosity eta behind a spring of stiffness eta / tau; except for Maxwell's, the spring is
+/// rigid,
 /// tau = 0. The dashpot's strain G obeys tau Gdot = E - G, so at the end of a stage of length dt that starts from G0
 ///
 ///     G - G0 = dt / (tau + dt) (E - G0)
@@ -10,7 +11,7 @@
 ///
 /// (docs/theory.md, "Strain rates and their orders"). The three forms of the rate of a dashpot alone differ in the
 /// reference strain G0: `secant` has E(q0), `reconstructed` takes G = E as one more variable of the method, `exact`
-/// puts sym(F^T (F - F0)) in the place of E - G0, and with it loses the potential.
+/// uses sym(F^T (F - F0)) instead of E - G0, and has no potential.
 #pragma once
 
 #include "energy/term.hpp"
@@ -23,17 +24,17 @@
 
 namespace pliant {
 
-/// A term of the cells of `body`; `groups` holds all bodies' cells and outlives it. A body of several Maxwell branches
-/// has several terms. Internal variables (`reconstructed`, `maxwell`): G at every quadrature point as xx yy zz xy yz
-/// xz, cell by cell in the order of the groups, ghost cells included. They start at 0, the undeformed body at rest, and
-/// `complete_step` sets the reconstructed strains of any other configuration. `elastic`, the body's isotropic elastic
-/// law, gives what is proportional to its stiffness; its packs are the body's quadrature points.
+/// A term of the cells of `body`; `groups` holds the cells of all bodies and must outlive it. A body of several Maxwell
+/// branches has several terms. Internal variables (`reconstructed`, `maxwell`): G at every quadrature point as xx yy zz
+/// xy yz xz, cell by cell in the order of the groups, ghost cells included. They start at 0, the undeformed body at
+/// rest, and `complete_step` sets the reconstructed strains of any other configuration. `elastic`, the body's isotropic
+/// elastic law, gives what is proportional to its stiffness; its packs are the body's quadrature points.
 template <int Order>
 std::unique_ptr<EnergyTerm> make_viscous_term(const ViscosityVariant& law, const LawField& elastic,
                                               const CellGroups<Order>& groups, int body, PetscInt num_owned_nodes);
 
-/// The form of the strain rate that keeps the method's order: a form that has a potential where one does, `secant`,
-/// which needs no memory, before `reconstructed`; else `exact`.
+/// The form of the strain rate that keeps the method's order: a form with a potential if there is one (`secant`, which
+/// needs no memory, before `reconstructed`), else `exact`.
 StrainRate strain_rate_for(const Method& method);
 
 }  // namespace pliant

@@ -51,7 +51,7 @@ TriangleSoup triangles_of_model() {
 }
 
 void require_closed(const TriangleSoup& soup) {
-  if (soup.triangles.empty()) throw MeshDefect("there are no triangles in it");
+  if (soup.triangles.empty()) throw MeshDefect("it contains no triangles");
   std::vector<std::pair<PetscInt, PetscInt>> edges;
   for (const auto& t : soup.triangles) {
     for (std::size_t i = 0; i < 3; ++i) edges.push_back(std::minmax(t.nodes[i], t.nodes[(i + 1) % 3]));
@@ -70,7 +70,7 @@ void require_closed(const TriangleSoup& soup) {
                    " have more than two; repair it (in Blender, MeshLab or the CAD program it comes from)");
 }
 
-/// Triangles of one connected shell.
+/// The triangles of one connected shell.
 struct Shell {
   std::vector<int> surfaces;
   std::vector<Triangle> triangles;

@@ -20,7 +20,7 @@ void extract_entity(MeshCollector& collector, int dimension, int entity) {
   gmsh::model::mesh::getElements(types, tags, nodes, dimension, entity);
   for (std::size_t t = 0; t < types.size(); ++t) {
     if (static_cast<std::size_t>(types[t]) >= element_types.size()) {
-      throw MeshDefect("its mesh has elements of gmsh's type " + std::to_string(types[t]) +
+      throw MeshDefect("its mesh has elements of gmsh type " + std::to_string(types[t]) +
                        ", but only tetrahedra of order 1 or 2 can be used: set Mesh.ElementOrder to 1 or 2");
     }
     const auto num_nodes = static_cast<std::size_t>(element_types[static_cast<std::size_t>(types[t])].num_nodes);

@@ -15,7 +15,7 @@
 namespace pliant {
 namespace {
 
-/// Makes `size` the target everywhere: nothing else may give a size, and nothing may prescribe a division.
+/// Makes `size` the target everywhere: disables all other sizes and prescribed divisions.
 void impose_size(double size) {
   const auto set = [](const char* option, double value) { gmsh::option::setNumber(option, value); };
   set("Mesh.MeshSizeFactor", 1);
@@ -28,7 +28,8 @@ void impose_size(double size) {
   gmsh::model::mesh::removeConstraints();
 }
 
-/// What a script has meshed by itself would stay as it is. What is there as a mesh alone is kept.
+/// Removes the mesh that a script has generated, so that gmsh meshes again. Entities that exist only as a mesh are
+/// kept.
 void forget_mesh() {
   gmsh::vectorpair entities;
   gmsh::model::getEntities(entities);
@@ -40,17 +41,17 @@ void forget_mesh() {
   if (std::ranges::none_of(entities, is_discrete)) gmsh::model::mesh::clear();
 }
 
-/// A size in the wrong unit would fill the memory before gmsh gives up.
+/// Rejects a size in the wrong unit, with which gmsh would fill the memory before it gives up.
 void require_feasible(double size) {
   constexpr double most_cells = 1e9;  // the index range, with edges counted
   std::array<double, 6> b{};
   gmsh::model::getBoundingBox(-1, -1, b[0], b[1], b[2], b[3], b[4], b[5]);
   const double num_cells = 8.5 * ((b[3] - b[0]) / size) * ((b[4] - b[1]) / size) * ((b[5] - b[2]) / size);
   if (!(num_cells > most_cells)) return;
-  throw MeshDefect(
-      fmt::format("elements of size {:g} would be about {:.1g} in its bounding box of {:g} x {:g} x {:g} (before "
-                  "`scale`): are the unit of the size and the scale right?",
-                  size, num_cells, b[3] - b[0], b[4] - b[1], b[5] - b[2]));
+  throw MeshDefect(fmt::format(
+      "with elements of size {:g} there would be about {:.1g} in its bounding box of {:g} x {:g} x {:g} (before "
+      "`scale`): check the unit of `size`, and `scale`",
+      size, num_cells, b[3] - b[0], b[4] - b[1], b[5] - b[2]));
 }
 
 void generate(const std::optional<double>& size) {
@@ -64,11 +65,11 @@ void generate(const std::optional<double>& size) {
   gmsh::model::mesh::optimize(build.find("Netgen") != std::string::npos ? "Netgen" : "");
 }
 
-/// Solids that touch share their interface from now on, so that their meshes fit together.
+/// Makes solids that touch share their interface, so that their meshes conform.
 void join_solids() {
   gmsh::vectorpair solids;
   gmsh::model::getEntities(solids, 3);
-  if (solids.empty()) throw MeshDefect("there is no solid in it, only surfaces or curves: export the solid body");
+  if (solids.empty()) throw MeshDefect("it contains no solid, only surfaces or curves: export the solid body");
   if (solids.size() < 2) return;
   gmsh::model::occ::removeAllDuplicates();
   gmsh::model::occ::synchronize();
@@ -76,7 +77,7 @@ void join_solids() {
 
 SerialMesh extracted(const GmshSession& gmsh) {
   SerialMesh mesh;
-  gmsh.run("give its mesh", [&] { mesh = extract_mesh(); });
+  gmsh.run("return its mesh", [&] { mesh = extract_mesh(); });
   return mesh;
 }
 
@@ -92,37 +93,37 @@ double mean_edge(const SerialMesh& mesh) {
   return sum / static_cast<double>(6 * mesh.num_cells());
 }
 
-/// Divisions of gmsh's built-in kernel (Transfinite, Layers) cannot be taken back through its interface, and small
-/// parts need small elements.
+/// Divisions of gmsh's built-in kernel (Transfinite, Layers) cannot be removed through its interface, and small
+/// features need small elements.
 void notice_other_size(SerialMesh& mesh, const MeshSource& source) {
   const double mean = mean_edge(mesh);
   if (!source.size || (mean < 1.5 * *source.size && mean > 0.6 * *source.size)) return;
   mesh.notices.push_back(
-      fmt::format("the elements measure {:.2g} m in the mean, not the {:g} m asked for: the shape needs it, or the "
+      fmt::format("the mean element size is {:.2g} m instead of the requested {:g} m: the shape needs it, or the "
                   "file prescribes divisions (Transfinite, Layers)",
                   source.scale * mean, source.scale * *source.size));
 }
 
 SerialMesh mesh_script(const GmshSession& gmsh, const MeshSource& source) {
-  gmsh.run("make sense of it", [&] { gmsh::open(source.file); });
-  if (source.size) gmsh.run("mesh it anew", forget_mesh);
+  gmsh.run("read it", [&] { gmsh::open(source.file); });
+  if (source.size) gmsh.run("mesh it again", forget_mesh);
   gmsh.run("mesh it", [&] { generate(source.size); });
   return extracted(gmsh);
 }
 
 SerialMesh mesh_cad(const GmshSession& gmsh, const MeshSource& source) {
   gmsh::option::setString("Geometry.OCCTargetUnit", "M");
-  gmsh.run("make sense of it", [&] { gmsh::open(source.file); });
+  gmsh.run("read it", [&] { gmsh::open(source.file); });
   gmsh.run("join its solids", [] { join_solids(); });
   gmsh.run("mesh it", [&] { generate(source.size); });
   SerialMesh mesh = extracted(gmsh);
-  if (!source.size) mesh.notices.push_back("no size is given: gmsh chose it, about a tenth of the body's diagonal");
+  if (!source.size) mesh.notices.push_back("no size is given: gmsh chose one, about a tenth of the body's diagonal");
   return mesh;
 }
 
 SerialMesh mesh_surface(const GmshSession& gmsh, const MeshSource& source) {
-  gmsh.run("make sense of it", [&] { gmsh::open(source.file); });
-  gmsh.run("make volumes of it", [&] { add_enclosed_volumes(source.size ? Triangles::remesh : Triangles::keep); });
+  gmsh.run("read it", [&] { gmsh::open(source.file); });
+  gmsh.run("make volumes from it", [&] { add_enclosed_volumes(source.size ? Triangles::remesh : Triangles::keep); });
   gmsh.run("mesh the inside of the surface", [&] { generate(source.size); });
   return extracted(gmsh);
 }
@@ -138,12 +139,12 @@ SerialMesh mesh_geometry(const MeshSource& source, Geometry kind) {
 
 constexpr int triangle_type = 2, second_order_triangle_type = 9;  // gmsh's
 
-/// Corners of all triangles, three nodes each, as a mesh of nodes alone.
+/// The corners of all triangles, three nodes each, as a mesh without cells.
 SerialMesh triangle_corners(const std::string& file) {
   const GmshSession gmsh;
   SerialMesh corners;
-  gmsh.run("make sense of it", [&] { gmsh::merge(file); });
-  gmsh.run("give its triangles", [&] {
+  gmsh.run("read it", [&] { gmsh::merge(file); });
+  gmsh.run("return its triangles", [&] {
     std::vector<std::size_t> node_tags;
     std::vector<double> coordinates, parameters;
     gmsh::model::mesh::getNodes(node_tags, coordinates, parameters, -1, -1, false, false);

@@ -52,9 +52,9 @@ std::string thrown_by(const std::function<void()>& work) {
 GmshSession::GmshSession() {
   gmsh::initialize(0, nullptr, false);
   gmsh::option::setNumber("General.Terminal", 0);
-  // gmsh's parser does not survive an exception thrown through it: errors are taken from the log.
+  // gmsh's parser does not survive an exception thrown through it: errors are read from the log.
   gmsh::option::setNumber("General.AbortOnError", 0);
-  gmsh::option::setNumber("General.NumThreads", 1);  // the same mesh on every machine
+  gmsh::option::setNumber("General.NumThreads", 1);  // so that every machine gives the same mesh
   gmsh::logger::start();
 }
 
@@ -62,7 +62,7 @@ GmshSession::~GmshSession() {
   try {
     gmsh::logger::stop();
     gmsh::finalize();
-  } catch (...) {  // nothing to be done about a failing end
+  } catch (...) {  // a failure of the clean-up has no remedy
   }
 }
 

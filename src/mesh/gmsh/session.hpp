@@ -6,7 +6,8 @@
 
 namespace pliant {
 
-/// Initialises gmsh silently, without configuration files, and finalises it at the end of the scope. One at a time.
+/// Initialises gmsh without output and without configuration files, and finalises it at the end of the scope. Only one
+/// may exist at a time.
 class GmshSession {
  public:
   GmshSession();
@@ -14,8 +15,8 @@ class GmshSession {
   GmshSession(const GmshSession&) = delete;
   GmshSession& operator=(const GmshSession&) = delete;
 
-  /// Runs `work`, a set of gmsh calls. If gmsh throws or logs an error, throws MeshDefect: `doing` ("gmsh could not
-  /// ..."), then gmsh's own errors.
+  /// Runs `work`, a set of gmsh calls. If gmsh throws or logs an error, throws MeshDefect: "gmsh could not `doing`:",
+  /// then gmsh's own errors.
   void run(const std::string& doing, const std::function<void()>& work) const;
 };
 

@@ -1,4 +1,4 @@
-"""checkpoint-*.h5: the state from which a run goes on."""
+"""checkpoint-*.h5: the state from which a run is resumed."""
 import os
 from typing import Any, Union
 

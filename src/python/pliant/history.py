@@ -13,7 +13,7 @@ from .error import PliantError
 class History(Mapping[str, np.ndarray]):
     """Columns by name, float64 arrays of one value per step; row 0 is the initial state.
 
-    `docs/output.md` says what the columns are. Of a run that goes on: the complete rows that there are.
+    `docs/output.md` says what the columns are. An active run has the rows that are complete so far.
     """
 
     def __init__(self, path: Union[str, "os.PathLike[str]"]) -> None:

@@ -36,7 +36,7 @@ class Obstacles:
         return [np.append(triangles[0], triangles[1, 2]) for triangles in found if len(triangles) == 2]
 
     def points_of_others(self) -> np.ndarray:
-        """Positions of what is no plane."""
+        """Positions of the obstacles that are not planes."""
         count = np.bincount(self.obstacle, minlength=len(self.names))
         return self.points[np.unique(self.triangles[count[self.obstacle] != 2])]
 
@@ -154,7 +154,7 @@ def _newest_frame(h5: h5py.File) -> None:
 class Result(Sequence[Frame]):
     """A run's frames, in order of time: `result[-1]["displacement"]`, `for frame in result: ...`, `len(result)`.
 
-    Opened while the run goes on, it has the frames that were complete then; `refresh()` looks for more.
+    Opened while the run is active, it has the frames that were complete then; `refresh()` looks for more.
     """
 
     def __init__(self, path: Union[str, "os.PathLike[str]"]) -> None:

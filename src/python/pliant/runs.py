@@ -51,7 +51,7 @@ class Run:
 
 
 def program() -> str:
-    """The pliant to start: that of the environment variable PLIANT, else that on PATH, else that beside this package, as built
+    """The pliant to start: that of the environment variable PLIANT, else that on PATH, else the one next to this package, as built
     or installed."""
     named = os.environ.get("PLIANT")
     if named:
@@ -95,8 +95,8 @@ def run(source: "Union[Path, Mapping[str, Any]]", overrides: "Optional[Mapping[s
 
     `source`: an input file, its text, or its content as a dictionary; files that a text or a dictionary names are relative to
     the current directory. `overrides`: values by key, {"time.step": "5 ms", "loads.0.gravity": [0, 0, -1.6]}. `output`: the
-    directory of the results, instead of the input's. `go_on`: a run of this input that is there goes on from its newest
-    checkpoint, or stays as it is if it is done. `timeout` [s].
+    directory of the results, instead of the input's. `go_on`: a run of this input in that directory resumes from its newest
+    checkpoint, or stays as it is if it is finished. `timeout` [s].
 
     PliantError with the program's message if it fails; subprocess.TimeoutExpired if it takes too long.
     """
@@ -122,7 +122,7 @@ def run(source: "Union[Path, Mapping[str, Any]]", overrides: "Optional[Mapping[s
 
 def resume(checkpoint: Path, overrides: "Optional[Mapping[str, Any]]" = None, *, output: Optional[Path] = None, ranks: int = 1,
            petsc_options: Sequence[str] = (), timeout: Optional[float] = None) -> Run:
-    """Goes on from a checkpoint, or from the newest one in a directory; otherwise as `run`."""
+    """Resumes from a checkpoint, or from the newest one in a directory; otherwise as `run`."""
     return _finished(["resume", os.fspath(checkpoint), *_settings(overrides, output)], ranks, petsc_options, timeout)
 
 
