@@ -41,7 +41,7 @@ struct Box {
   }
 };
 
-/// Of points (at least one), `margin` [m] further out on all sides.
+/// The box around points (at least one), `margin` [m] further out on all sides.
 template <class... Points>
 Box box_of(double margin, const Vector3<double>& first, const Points&... others) {
   Box box;

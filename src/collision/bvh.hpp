@@ -40,7 +40,7 @@ class Bvh {
   void for_each_overlap(const Box& box, const F& f) const {
     visit(box, 0, f);
   }
-  /// The same of the boxes from the given place of the order on, and perhaps some before it.
+  /// The same for the boxes from the given place of the order on, and perhaps some before it.
   template <class F>
   void for_each_overlap_from(std::size_t place, const Box& box, const F& f) const {
     visit(box, static_cast<std::int32_t>(place / width), f);
@@ -55,7 +55,7 @@ class Bvh {
     float low[3][width], high[3][width];
   };
 
-  /// Of the lowest nodes from `first` on.
+  /// The same for the lowest nodes from `first` on.
   template <class F>
   void visit(const Box& box, std::int32_t first, const F& f) const;
   void set_leaves(std::span<const Box> boxes);

@@ -39,14 +39,14 @@ class BroadPhase {
   Bvh edges_, triangles_;
 };
 
-/// Of positions at one time.
+/// The same for positions at one time.
 Candidates find_candidates(const CollisionSurface& surface, std::span<const Vector3<double>> x, double distance);
 
 /// Half the least distance at rest between parts that share no vertex, and at most `width` [m]: with this width nothing
 /// is felt at rest, near edges and in narrow gaps. Searches all pairs within 2 `width` of each other.
 double width_cap(const CollisionSurface& surface, double width);
 
-/// All edges (first) that meet a triangle (second) of which they are no neighbours, in exact arithmetic: empty if and
+/// All edges (first) that meet a triangle (second) that they are not adjacent to, in exact arithmetic: empty if and
 /// only if nothing passes through anything.
 std::vector<BoxPair> find_intersections(const CollisionSurface& surface, std::span<const Vector3<double>> x);
 

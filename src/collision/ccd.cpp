@@ -13,7 +13,8 @@ namespace {
 using FourPoints = std::array<Vector3<double>, 4>;
 
 constexpr int most_rounds = 50;
-/// Of the sums below, in parts of the largest coordinate: a product of three terms, a difference, a product with t.
+/// Rounding of the sums below relative to the largest coordinate: a product of three terms, a difference, a product
+/// with t.
 constexpr double rounding = 16.0 * std::numeric_limits<double>::epsilon();
 
 struct Motion {

@@ -23,8 +23,8 @@ struct Clearance {
 };
 
 /// alpha in (0, 1]: at x + t dx, for all 0 <= t <= alpha, the distance is at least xi + kept (d(0) - xi), to the
-/// rounding of the positions. 1 if the whole displacement is free. 0 if the features are no further apart than xi to
-/// begin with, or only by rounding. `x` and `dx` [m]: the point, then the triangle.
+/// rounding of the positions. 1 if the whole displacement is free. 0 if the distance of the features does not exceed xi
+/// to begin with, or only by rounding. `x` and `dx` [m]: the point, then the triangle.
 double max_step_point_triangle(std::span<const Vector3<double>, 4> x, std::span<const Vector3<double>, 4> dx,
                                const Clearance& clearance);
 /// The first edge, then the second.

@@ -12,7 +12,7 @@ using Vector = Vector3<double>;
 /// Squared sine of an angle below which a normal has lost so many digits that its foot must compare with the others.
 constexpr double few_digits_left = 1e-8;
 
-/// Of the point r and the edge from 0 to e.
+/// The same for the point r and the edge from 0 to e.
 PLIANT_INLINE PointEdge closest_on_edge(const Vector& r, const Vector& e) {
   const double along = dot(r, e), length2 = dot(e, e);
   if (along <= 0.0) return {EdgeFeature::vertex_0, 0.0, dot(r, r)};

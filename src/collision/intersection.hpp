@@ -15,7 +15,7 @@ namespace pliant {
 /// The sign of (b - a) x (c - a) . (d - a): 1, -1, or 0 where the four points lie in one plane.
 int orientation(const Vector3<double>& a, const Vector3<double>& b, const Vector3<double>& c, const Vector3<double>& d);
 
-/// Closed: to touch is to meet. A segment in the plane of the triangle meets it where it does so in that plane. Of a
+/// Closed: to touch is to meet. A segment in the plane of the triangle meets it where it does so in that plane. For a
 /// triangle without area the answer may be yes where their shadows on all planes of coordinates meet.
 bool segment_meets_triangle(const std::array<Vector3<double>, 2>& segment,
                             const std::array<Vector3<double>, 3>& triangle);

@@ -14,7 +14,7 @@
 
 namespace pliant {
 
-/// Of a vertex, over all ranks.
+/// The name of a vertex over all ranks.
 using VertexKey = std::int64_t;
 
 struct SurfaceVertex {
@@ -36,7 +36,7 @@ class CollisionSurface {
     double area = 0.0;              ///< a third of its triangles' [m^2]
     std::int32_t multiplicity = 0;  ///< see `Edge`
   };
-  /// Of a point near a surface each triangle that contains the closest place speaks once. Counted with multiplicities,
+  /// For a point near a surface each triangle that contains the closest place speaks once. Counted with multiplicities,
   /// sum over triangles - sum over edges + sum over vertices, each place speaks once in all (Li et al. 2023, Convergent
   /// Incremental Potential Contact, section 4, for closed surfaces: there it is 1 inside and 0 on the boundary).
   struct Edge {

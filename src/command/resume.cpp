@@ -46,11 +46,12 @@ void check_changes(const std::vector<Override>& overrides) {
     const bool may_change = std::ranges::any_of(
         changeable, [&](const Changeable& one) { return (change.path + '.').starts_with(std::string(one.key) + '.'); });
     if (may_change) continue;
-    refused.push_back({Severity::error,
-                       {"--set " + change.path, 0, 0},
-                       fmt::format("this cannot change when a run is resumed; these can: {}; for anything else start a new run "
-                                   "with `pliant run`",
-                                   fmt::join(changeable | std::views::transform(&Changeable::key), ", "))});
+    refused.push_back(
+        {Severity::error,
+         {"--set " + change.path, 0, 0},
+         fmt::format("this cannot change when a run is resumed; these can: {}; for anything else start a new run "
+                     "with `pliant run`",
+                     fmt::join(changeable | std::views::transform(&Changeable::key), ", "))});
   }
   if (!refused.empty()) throw InputError(std::move(refused));
 }

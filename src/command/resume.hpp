@@ -10,12 +10,12 @@
 
 namespace pliant {
 
-/// Goes on with the run of this input that was begun in its output directory, begins it where there is none, and leaves
+/// Continues the run of this input that was begun in its output directory, begins it where there is none, and leaves
 /// it where it is done. InputError where that run had another input, except for what may change (see resume_command).
 ExitCode continue_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides,
                           Console& console);
 
-/// Goes on from a checkpoint, or from the newest one in a directory; from the one before where that is damaged. What
+/// Resumes from a checkpoint, or from the newest one in a directory; from the one before where that is damaged. What
 /// may be changed is how long the run is, its steps, solver and output; InputError else.
 ExitCode resume_command(MPI_Comm comm, const std::string& place, const std::vector<Override>& overrides,
                         Console& console);

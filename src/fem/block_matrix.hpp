@@ -11,7 +11,7 @@
 
 namespace pliant {
 
-/// Nodes of other ranks that no cell of this rank has, and which nodes couple beside those that share a cell.
+/// Nodes of other ranks that no cell of this rank has, and which nodes couple in addition to those that share a cell.
 struct FarCouplings {
   std::vector<PetscInt> globals;                     ///< global numbers of the far nodes, ascending
   std::vector<std::pair<PetscInt, PetscInt>> pairs;  ///< owned node, local node; far nodes count after the layout's

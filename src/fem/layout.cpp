@@ -175,8 +175,9 @@ void count_globally(NodeLayout& layout) {
   check_mpi(MPI_Exscan(&layout.num_owned_nodes, &layout.first_global_node, 1, MPIU_INT, MPI_SUM, layout.comm));
   const PetscInt64 num_nodes = sum(layout.comm, static_cast<PetscInt64>(layout.num_owned_nodes));
   if (3 * num_nodes > static_cast<PetscInt64>(PETSC_MAX_INT)) {
-    throw InputError({}, "there are " + std::to_string(3 * num_nodes) +
-                             " unknowns, too many for 32-bit indices: build Pliant with a PETSc configured for 64-bit indices");
+    throw InputError(
+        {}, "there are " + std::to_string(3 * num_nodes) +
+                " unknowns, too many for 32-bit indices: build Pliant with a PETSc configured for 64-bit indices");
   }
   layout.num_global_nodes = static_cast<PetscInt>(num_nodes);
   layout.num_global_cells = sum(layout.comm, static_cast<PetscInt64>(layout.num_owned_cells));

@@ -53,8 +53,7 @@ class Problem {
                        prescribed.flags());
     StageEquation* equation = &*potential_;
     if (mixed_ != nullptr) {
-      mixed_equation_.emplace(*potential_, solid_.layout(), std::vector<const MixedTerm*>{mixed_},
-                              *field_);
+      mixed_equation_.emplace(*potential_, solid_.layout(), std::vector<const MixedTerm*>{mixed_}, *field_);
       equation = &*mixed_equation_;
     }
     solver_.emplace(*equation, NewtonOptions{1e-10, 0.0, 50}, LinearKind::cholesky);

@@ -24,7 +24,7 @@ class PairAssembly {
   /// Brings the pairs to the straight way from q to q + d (which may be empty); the arrays span the layout's nodes at
   /// least. True if they have changed, and with them the far nodes: arrays are to be extended anew. Collective.
   bool follow(std::span<const double> q, std::span<const double> d);
-  /// Of the couplings, in their order, since the last call of `follow`.
+  /// The pairs of each coupling, in their order, since the last call of `follow`.
   const NearPatches& near(std::size_t coupling) const { return near_[coupling]; }
   std::size_t num_far_nodes() const { return far_->globals().size(); }
   /// FarNodes::extend. Collective.

@@ -65,7 +65,7 @@ void Box::grow(double by) {
 
 bool Box::contains(const Box& other) const {
   for (std::size_t i = 0; i < 3; ++i) {
-    // Of a box with a NaN none is known.
+    // A box with a NaN contains and is contained in nothing.
     if (!(low[i] <= other.low[i] && other.high[i] <= high[i])) return false;
   }
   return true;
@@ -185,7 +185,7 @@ FoundPatches PatchSearch::search(std::span<const double> q, std::span<const doub
   });
   std::ranges::sort(pairs, {}, [&](const PatchPair& pair) { return std::pair(keys[pair.first], keys[pair.second]); });
 
-  // Of the others only those that are near are kept, and get the numbers after this rank's.
+  // The others are kept only if they are near, and get the numbers after this rank's.
   std::vector<std::size_t> number(boxes.size(), boxes.size());
   std::iota(number.begin(), number.begin() + static_cast<std::ptrdiff_t>(patches.size()), std::size_t{0});
   std::vector<char> is_near(boxes.size(), 0);
