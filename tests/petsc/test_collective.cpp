@@ -14,7 +14,8 @@ const MPI_Comm comm = MPI_COMM_WORLD;
 TEST(Collective, InputErrorOfRootReachesEveryRankWhole) {
   try {
     on_root(comm, [] {
-      throw InputError({{{"a.yaml", 3, 7}, "unknown key 'x'\nsecond line"}, {{"", 0, 0}, "no place"}});
+      throw InputError({{Severity::error, {"a.yaml", 3, 7}, "unknown key 'x'\nsecond line"},
+                        {Severity::error, {"", 0, 0}, "no place"}});
     });
     FAIL() << "no exception";
   } catch (const InputError& e) {

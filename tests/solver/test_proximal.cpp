@@ -1,6 +1,7 @@
 // The potential that holds unknowns near a point: its derivatives, and which unknowns it holds.
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
+#include "petsc/session.hpp"
 #include "solver/proximal.hpp"
 
 #include <gtest/gtest.h>
