@@ -362,6 +362,7 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
   PC pc = nullptr;
   check(KSPGetPC(ksp, &pc));
   check(KSPSetOperators(ksp, K, K));
+  (void)takes_new_pattern(reinterpret_cast<PetscObject>(pc), K);  // that of the coarse level below
   const bool may_be_single = kind == LinearKind::cholesky && symmetry != Symmetry::indefinite;
   check(KSPSetTolerances(ksp, 1e-5, PETSC_DEFAULT, PETSC_DEFAULT,
                          kind == LinearKind::cholesky ? max_iterations_with_factor : max_iterations_of_multigrid));

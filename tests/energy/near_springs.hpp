@@ -91,16 +91,16 @@ class NearSprings final : public EnergyTerm, public PairCoupling {
   double stiffness_, length_;
 };
 
-/// Writes two unit cubes, `gap` apart along x, each of 2 x 2 x 2 cubes.
-inline void write_two_cubes(const std::string& file, double gap, int order = 1) {
+/// Writes two unit cubes, `gap` apart along x, with so many cells' cubes along each edge.
+inline void write_two_cubes(const std::string& file, double gap, int cubes = 2) {
   BoxOptions options;
-  options.order = order;
-  options.missing = 2;
-  options.map = [gap](std::array<double, 3> x) {
-    if (x[0] > 1.25) x[0] += gap - 0.5;
+  options.missing = cubes;
+  const double side = 1.0 / cubes;
+  options.map = [=](std::array<double, 3> x) {
+    if (x[0] > 1.0 + 0.5 * side) x[0] += gap - side;
     return x;
   };
-  write_box_msh(file, {2.5, 1.0, 1.0}, {5, 2, 2}, options);
+  write_box_msh(file, {2.0 + side, 1.0, 1.0}, {2 * cubes + 1, cubes, cubes}, options);
 }
 
 }  // namespace pliant::test

@@ -17,8 +17,8 @@ using test::ProblemSpec;
 using test::Scratch;
 using test::Solid;
 
-constexpr double gap = 0.5, reach = 0.45, between = 1.0 + 0.5 * gap, dt = 0.02;
-constexpr int num_steps = 24;
+constexpr double gap = 0.5, reach = 0.45, between = 1.0 + 0.5 * gap, dt = 0.008;
+constexpr int num_steps = 50;
 
 struct Case {
   int order;
@@ -38,14 +38,15 @@ class ChangingPairs : public ::testing::TestWithParam<Case> {
     result.density = 10.0;
     result.loads = [](const Solid& solid) {
       std::vector<std::unique_ptr<EnergyTerm>> terms;
-      terms.push_back(std::make_unique<NearSprings>(solid.layout(), between, 300.0, reach));
+      terms.push_back(std::make_unique<NearSprings>(solid.layout(), between, 30.0, reach));
       return terms;
     };
     return result;
   }
 
   Scratch scratch_{MPI_COMM_WORLD};
-  std::string file_ = scratch_.file("two.msh", [](const std::string& f) { test::write_two_cubes(f, gap, 1); });
+  std::string file_ =
+      scratch_.file("two.msh", [](const std::string& f) { test::write_two_cubes(f, gap, 3 - GetParam().order); });
 };
 
 INSTANTIATE_TEST_SUITE_P(Solvers, ChangingPairs,
@@ -107,9 +108,9 @@ TEST_P(ChangingPairs, GiveTheSameMotionOnAnyRanksWithKeptFactors) {
   for (std::size_t i = 0; i < here.numbers.size(); ++i) {
     EXPECT_NEAR(here.numbers[i], there.numbers[i], 1e-7 * std::abs(there.numbers[i])) << i;
   }
-  EXPECT_GE(there.num_changes, num_steps / 2);
+  EXPECT_GE(there.num_changes, 5);
   for (const Problem* problem : {&many, &alone}) {
-    EXPECT_LT(problem->statistics().factorizations, there.num_changes / 2);
+    EXPECT_LE(2 * problem->statistics().factorizations, there.num_changes);
     EXPECT_LT(3 * problem->statistics().factorizations, problem->statistics().newton_iterations);
   }
 }

@@ -68,7 +68,7 @@ struct TwoBodies {
 class Pairs : public ::testing::TestWithParam<int> {
  protected:
   Scratch scratch_{comm};
-  std::string file_ = scratch_.file("two.msh", [](const std::string& f) { test::write_two_cubes(f, gap, 1); });
+  std::string file_ = scratch_.file("two.msh", [](const std::string& f) { test::write_two_cubes(f, gap); });
 };
 
 INSTANTIATE_TEST_SUITE_P(Order, Pairs, ::testing::Values(1, 2));
