@@ -194,7 +194,7 @@ class Outputs(ProgramTest):
 
     def test_petsc_options(self):
         done = self.call("run", self.input, "--", "-snes_monitor", "-snes_view")
-        for words in ("SNES Function norm", "an earlier factorization, turned with the nodes", "MUMPS factorization in single precision",
+        for words in ("SNES Function norm", "an earlier factorization, rotated with the nodes", "MUMPS factorization in single precision",
                       "entries of the factors"):
             self.assertIn(words, done.stdout)
         self.assertEqual(done.stderr, "")
