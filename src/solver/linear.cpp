@@ -13,9 +13,6 @@
 namespace pliant {
 namespace {
 
-/// Beyond this many unknowns the fill of a factorization costs more time and memory (about 1.6 GB here) than the
-/// iterations of CG + GAMG; measured up to 84,000, where it was still ahead.
-constexpr PetscInt max_unknowns_of_factorization = 150000;
 /// Iterations that a set-up costs: of multigrid, or of a factorization that tells nothing of itself; of one that does,
 /// by the operations for each entry of its factor. Measured on two beams: 16 for 480 operations, 24 for 1100.
 constexpr double cost_of_usual_set_up = 16.0, cost_of_small_factorization = 8.0, cost_per_operation = 0.017;
@@ -301,6 +298,20 @@ bool is_p_multigrid(PC pc) {
   return num_levels == 2;
 }
 
+/// Prepares a preconditioner of PETSc's for a matrix of another pattern.
+void renew(PC pc, Mat K) {
+  PetscBool is_gamg = PETSC_FALSE;
+  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCGAMG, &is_gamg));
+  if (!is_gamg) {
+    check(PCReset(pc));
+    control_mumps(pc, K, first_workspace);
+    return;
+  }
+  check(PCSetType(pc, PCNONE));  // its levels would keep the sizes that they have
+  use_algebraic_multigrid(pc);
+  check(PCSetFromOptions(pc));
+}
+
 /// The operator of the coarse level follows that of the fine one; PCs without levels of their own are left alone.
 void update_coarse_level(PC pc, Mat K, bool is_new_pattern) {
   if (!is_p_multigrid(pc)) return;
@@ -315,6 +326,9 @@ void update_coarse_level(PC pc, Mat K, bool is_new_pattern) {
     check(MatGetNearNullSpace(linear, &near_null));
     renewed = coarse_operator(K, P, near_null);
     linear = renewed.get();
+    PC of_coarse = nullptr;
+    check(KSPGetPC(coarse, &of_coarse));
+    if (factorization_of(of_coarse) == nullptr) renew(of_coarse, linear);
   } else {
     check(MatPtAP(K, P, MAT_REUSE_MATRIX, PETSC_DEFAULT, &linear));
   }
@@ -322,23 +336,6 @@ void update_coarse_level(PC pc, Mat K, bool is_new_pattern) {
 }
 
 }  // namespace
-
-LinearKind automatic_linear_kind(PetscInt num_unknowns, int order) {
-  if (num_unknowns <= max_unknowns_of_factorization) return LinearKind::cholesky;
-  return order == 1 ? LinearKind::amg : LinearKind::p_multigrid;
-}
-
-std::string describe(LinearKind kind, Symmetry symmetry) {
-  const std::string krylov = symmetry == Symmetry::symmetric ? "conjugate gradients" : "GMRES";
-  if (kind == LinearKind::amg) return krylov + " with algebraic multigrid (GAMG)";
-  if (kind == LinearKind::p_multigrid) {
-    return krylov +
-           " with p-multigrid (quadratic elements, then linear ones by a factorization, or GAMG if they are many)";
-  }
-  return fmt::format("{} preconditioned by a MUMPS {} factorization in {} precision, kept while it pays", krylov,
-                     symmetry == Symmetry::unsymmetric ? "LU" : "LDL^T",
-                     symmetry == Symmetry::indefinite ? "double" : "single");
-}
 
 void set_krylov_method(KSP ksp, Symmetry symmetry) {
   if (symmetry == Symmetry::symmetric) {
@@ -387,10 +384,7 @@ SetUp set_up_preconditioner(PC pc, Mat K) {
   check(PCSetReusePreconditioner(pc, PETSC_FALSE));
   const bool is_new_pattern = takes_new_pattern(reinterpret_cast<PetscObject>(pc), K);
   // Its own multigrid keeps its levels; of PETSc's preconditioners nothing would fit the new pattern.
-  if (is_new_pattern && factorization_of(pc) == nullptr && !is_p_multigrid(pc)) {
-    check(PCReset(pc));
-    control_mumps(pc, K, first_workspace);
-  }
+  if (is_new_pattern && factorization_of(pc) == nullptr && !is_p_multigrid(pc)) renew(pc, K);
   check(PCSetOperators(pc, K, K));
   update_coarse_level(pc, K, is_new_pattern);
   SetUp outcome = SetUp::sound;

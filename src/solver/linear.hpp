@@ -3,24 +3,13 @@
 
 #include "energy/stage_equation.hpp"
 #include "petsc/handle.hpp"
+#include "solver/linear_kind.hpp"
 #include "solver/single_factorization.hpp"
 
 #include <optional>
 #include <string>
 
 namespace pliant {
-
-enum class LinearKind {
-  cholesky,    ///< factorization: LDL^T, or LU where the matrix is unsymmetric
-  amg,         ///< algebraic multigrid
-  p_multigrid  ///< of quadratic elements: to their linear functions, and from there by one of the others
-};
-
-/// What is chosen when the user says `auto`, for elements of that order.
-LinearKind automatic_linear_kind(PetscInt num_unknowns, int order);
-
-/// "conjugate gradients preconditioned by a MUMPS LDL^T factorization ..."
-std::string describe(LinearKind kind, Symmetry symmetry = Symmetry::symmetric);
 
 /// Sets up `ksp` for the matrix K (with its near-null space, for multigrid) and the given method: conjugate gradients
 /// where K is symmetric and not indefinite, else GMRES. p-multigrid needs the
