@@ -3,8 +3,6 @@
 
 # One thread per rank: the ranks are the parallelism.
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
-# A rank that waits lets others run: on a busy machine that is several times faster, on an idle one it costs nothing.
-export OMPI_MCA_mpi_yield_when_idle="${OMPI_MCA_mpi_yield_when_idle:-1}"
 # Open MPI does not start as root unless both variables are set.
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 

@@ -19,7 +19,7 @@ TOOLS = os.path.dirname(os.path.abspath(__file__))
 PAGE = os.path.join(bench.ROOT, "docs", "scaling.md")
 STEPS = 2
 ENVIRONMENT = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1",
-               "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_mpi_yield_when_idle": "1"}
+               "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 
 # Bricks of six tetrahedra along the axes, and the size [m].
 BODIES = {"S": ((30, 6, 6), (1.0, 0.2, 0.2)), "M": ((55, 11, 11), (1.0, 0.2, 0.2)),

@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 #include <dlfcn.h>
+#include <sched.h>
 
 #include <hdf5.h>
 #include <petscviewer.h>
@@ -23,6 +24,20 @@ PetscErrorCode pass_on(MPI_Comm, int, const char*, const char*, PetscErrorCode c
 void keep_hdf5_from_closing_itself() {
   (void)H5dont_atexit();
   (void)H5open();
+}
+
+/// Makes waiting ranks yield the processor if, and only if, this machine has fewer processors than ranks. Otherwise
+/// each poll for a message would give up the rest of a time slice (Linux since 6.6): beside another busy process, a
+/// factorization then takes 4 to 20 times as long, on one rank too, because MUMPS polls there as well.
+/// mpirun's own choice counts cores, not hardware threads, so that it yields too often.
+void yield_only_if_oversubscribed() {
+  const char* ranks = std::getenv("OMPI_COMM_WORLD_LOCAL_SIZE");        // set by mpirun
+  if (ranks == nullptr && std::getenv("PMIX_RANK") != nullptr) return;  // srun: unknown how many
+  cpu_set_t processors;
+  if (sched_getaffinity(0, sizeof processors, &processors) != 0) return;
+  const bool is_oversubscribed = ranks != nullptr && std::atoi(ranks) > CPU_COUNT(&processors);
+  if (is_oversubscribed && std::getenv("OMPI_MCA_orte_bound_at_launch") != nullptr) return;  // each has its own cores
+  (void)setenv("OMPI_MCA_mpi_yield_when_idle", is_oversubscribed ? "1" : "0", 1);
 }
 
 /// Sets one BLAS thread per rank, unless the user asks for more: ranks are the parallelism, and OpenBLAS would start a
@@ -46,6 +61,7 @@ Session::Session(const std::string& program, const std::vector<std::string>& pet
   int argc = static_cast<int>(texts.size());
   char** argv = pointers.data();
   keep_hdf5_from_closing_itself();
+  yield_only_if_oversubscribed();
   check(PetscPushErrorHandler(pass_on, nullptr));  // first, or PETSc itself prints an error about an invalid option
   try {
     // PETSc keeps argv until PetscFinalize only for PetscGetArgs, which nobody here calls.
