@@ -294,10 +294,10 @@ std::unique_ptr<NodalRotations> IncrementalPotential::make_rotations() const {
 }
 
 double IncrementalPotential::max_step(Vec q, Vec d) {
-  const auto [at, direction] = arrays_.along(q, d);
-  double mine = std::numeric_limits<double>::infinity();
+  const Path path = arrays_.along(q, d);
+  double mine = path.end < 1.0 ? path.end : std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < terms_.size(); ++k) {
-    mine = std::min(mine, terms_[k]->max_step(stage_of(k), at, direction));
+    mine = std::min(mine, terms_[k]->max_step(stage_of(k), path.q, path.d));
   }
   return minimum(layout_.comm, mine);
 }
@@ -305,10 +305,11 @@ double IncrementalPotential::max_step(Vec q, Vec d) {
 double IncrementalPotential::max_way(Vec q, Vec d) {
   double mine = std::numeric_limits<double>::infinity();
   if (std::ranges::none_of(terms_, [](const EnergyTerm* term) { return term->declaration().is_wall; })) return mine;
-  const auto [at, direction] = arrays_.along(q, d);
+  const Path path = arrays_.along(q, d);
+  if (path.end < 1.0) mine = path.end;
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     if (!terms_[k]->declaration().is_wall) continue;
-    mine = std::min(mine, terms_[k]->max_step(stage_of(k), at, direction));
+    mine = std::min(mine, terms_[k]->max_step(stage_of(k), path.q, path.d));
   }
   return minimum(layout_.comm, mine);
 }
