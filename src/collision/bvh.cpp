@@ -73,6 +73,27 @@ void sort_by_code(std::vector<std::uint64_t>& codes) {
   }
 }
 
+/// Sorts pairs with the same first number. A few by counting how many are less than each, which takes no branches.
+void sort_by_second(std::span<BoxPair> pairs) {
+  using Lanes = std::experimental::simd<std::int32_t, std::experimental::simd_abi::deduce_t<std::int32_t, 8>>;
+  constexpr std::size_t few = 32;
+  if (pairs.size() > few) {
+    std::ranges::sort(pairs, {}, &BoxPair::second);
+    return;
+  }
+  alignas(32) std::array<std::int32_t, few> numbers;
+  const std::size_t end = Lanes::size() * ((pairs.size() + Lanes::size() - 1) / Lanes::size());
+  for (std::size_t n = 0; n < pairs.size(); ++n) numbers[n] = pairs[n].second;
+  for (std::size_t n = pairs.size(); n < end; ++n) numbers[n] = std::numeric_limits<std::int32_t>::max();
+  for (std::size_t n = 0; n < pairs.size(); ++n) {
+    int num_less = 0;
+    for (std::size_t k = 0; k < end; k += Lanes::size()) {
+      num_less += popcount(Lanes(&numbers[k], std::experimental::vector_aligned) < numbers[n]);
+    }
+    pairs[num_less].second = numbers[n];
+  }
+}
+
 }  // namespace
 
 Bvh::Bvh(std::span<const Box> boxes) : size_(boxes.size()) {
@@ -118,7 +139,12 @@ void Bvh::refit(std::span<const Box> boxes) {
   if (size_ == 0) return;
   // Boxes with a NaN are left out of the nodes above.
   const Box nothing;
+  constexpr std::int32_t ahead = 8;  // nodes whose boxes are fetched early, as they lie scattered
+  const std::int32_t last = std::max(0, num_lowest() - ahead);
   for (std::int32_t n = 0; n < level_begin_[1]; ++n) {
+    for (int lane = 0; lane < width && n < last; ++lane) {
+      __builtin_prefetch(boxes.data() + std::max(0, order_[width * (n + ahead) + lane]));
+    }
     Box around;
     for (int lane = 0; lane < width; ++lane) {
       const std::int32_t number = order_[width * n + lane];
@@ -157,8 +183,7 @@ void sort_pairs(std::vector<BoxPair>& pairs, std::size_t num_first) {
   for (const BoxPair& pair : pairs) sorted[begin[pair.first]++] = pair;
   std::size_t first = 0;
   for (std::size_t i = 0; i < num_first; ++i) {  // begin[i] is now where those of i end
-    std::sort(sorted.begin() + static_cast<std::ptrdiff_t>(first),
-              sorted.begin() + static_cast<std::ptrdiff_t>(begin[i]));
+    sort_by_second(std::span(sorted).subspan(first, begin[i] - first));
     first = begin[i];
   }
   pairs.swap(sorted);

@@ -88,7 +88,11 @@ std::vector<BoxPair> overlapping_pairs(const Bvh& tree, const Bvh& other, const 
 template <class Accept>
 std::vector<BoxPair> overlapping_pairs(const Bvh& tree, const Accept& accept);
 
-/// Sorts pairs whose first numbers are below `num_first`, by counting.
+/// What to reserve memory for: on the surfaces of bodies a box meets some ten others around it. Growing costs more
+/// time.
+inline constexpr std::size_t usual_pairs_per_box = 16;
+
+/// Sorts pairs that differ and whose first numbers are below `num_first`, by counting.
 void sort_pairs(std::vector<BoxPair>& pairs, std::size_t num_first);
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -180,6 +184,7 @@ void Bvh::for_each_overlap(const F& f) const {
 template <class Accept>
 std::vector<BoxPair> overlapping_pairs(const Bvh& tree, const Bvh& other, const Accept& accept) {
   std::vector<BoxPair> pairs;
+  pairs.reserve(usual_pairs_per_box * tree.size());
   tree.for_each_overlap(other, [&](std::int32_t i, std::int32_t j) {
     if (accept(i, j)) pairs.push_back({i, j});
   });
@@ -190,6 +195,7 @@ std::vector<BoxPair> overlapping_pairs(const Bvh& tree, const Bvh& other, const 
 template <class Accept>
 std::vector<BoxPair> overlapping_pairs(const Bvh& tree, const Accept& accept) {
   std::vector<BoxPair> pairs;
+  pairs.reserve(usual_pairs_per_box * tree.size());
   tree.for_each_overlap([&](std::int32_t i, std::int32_t j) {
     if (accept(i, j)) pairs.push_back({i, j});
   });

@@ -154,6 +154,7 @@ std::vector<BoxPair> PatchSearch::find_pairs(std::span<const ForeignPatch> forei
   for (std::size_t n = 0; n < foreign.size(); ++n) foreign_of_kind[foreign[n].kind].push_back(static_cast<int>(n));
 
   std::vector<BoxPair> pairs;
+  pairs.reserve(usual_pairs_per_box * kind_of_patch_.size());
   const auto add = [&](std::int32_t place, std::int32_t other) {
     pairs.push_back({std::min(place, other), std::max(place, other)});
   };
