@@ -116,6 +116,8 @@ class IncrementalPotential final : public StageEquation {
   void clear_prescribed(std::span<double> r) const;
   /// Norm of the term's forces at q, whose ghosts are up to date.
   double force_of(std::size_t k, std::span<const double> q);
+  /// How far term k lets go along the path of StageArrays::along: where it couples pairs, not beyond the path's end.
+  double step_bound(std::size_t k, const Path& path);
 
   const NodeLayout& layout_;
   const BlockPattern& pattern_;
