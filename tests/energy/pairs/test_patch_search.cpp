@@ -268,19 +268,19 @@ struct Diagonals {
     layout.first_global_node = num_points * rank(comm);
     for (int n = 0; n < num_points; ++n) {
       const double s = 0.1 * n;
-      points.patches_.nodes.push_back(n);
-      points.patches_.keys.push_back(layout.first_global_node + n);
-      points.patches_.tags.push_back(0);
-      points.patches_.is_owned.push_back(1);
+      points.all.nodes.push_back(n);
+      points.all.keys.push_back(layout.first_global_node + n);
+      points.all.tags.push_back(0);
+      points.all.is_owned.push_back(1);
       layout.coordinates.insert(layout.coordinates.end(), {s, s + beside * rank(comm), 0.0});
     }
   }
 
   struct Points final : PairCoupling {
-    const Patches& patches() const override { return patches_; }
+    const Patches& patches() const override { return all; }
     double reach() const override { return 0.01; }
     bool may_couple(int, int) const override { return true; }
-    Patches patches_;
+    Patches all;
   };
   NodeLayout layout;
   Points points;
@@ -299,7 +299,7 @@ TEST(ForeignPatches, AreThoseNearPatchesOfThisRankAlone) {
       trees[0].patches.push_back(n);
     }
     trees[0].tree = Bvh(boxes);
-    return foreign_patches_near(diagonals.layout, kinds, {diagonals.points.patches_, kind_of_patch, boxes, trees});
+    return foreign_patches_near(diagonals.layout, kinds, {diagonals.points.all, kind_of_patch, boxes, trees});
   };
   EXPECT_TRUE(foreign().patches.empty());
   // The first point of every other rank comes to one of rank 0.
