@@ -16,7 +16,7 @@ LAYERS = {
     "mesh": "petsc base",
     "fem": "mesh petsc base",
     "time": "petsc base",
-    "energy": "fem material time petsc base",
+    "energy": "fem material time collision petsc base",
     "solver": "energy time petsc base",
     "io": "fem mesh time petsc base",
     "input": "material time petsc base",

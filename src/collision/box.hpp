@@ -11,10 +11,11 @@
 namespace pliant {
 
 /// The greatest float that is at most about x, and the least that is at least about x: at most 2 units in the last
-/// place further out. For finite x of any size.
+/// place further out. For x of any size, infinities included.
 inline float rounded_down(double x) {
   constexpr double relative = 1.2e-7, absolute = 1.2e-38;  // of the float's digits, and its least normal number
-  return static_cast<float>(std::clamp(x - relative * std::abs(x) - absolute, -std::numeric_limits<double>::max(),
+  constexpr double largest = std::numeric_limits<double>::max();
+  return static_cast<float>(std::clamp(x - relative * std::min(std::abs(x), largest) - absolute, -largest,
                                        static_cast<double>(std::numeric_limits<float>::max())));
 }
 inline float rounded_up(double x) {
@@ -38,6 +39,21 @@ struct Box {
     bool is_apart = false;
     for (int k = 0; k < 3; ++k) is_apart = is_apart || low[k] > other.high[k] || other.low[k] > high[k];
     return !is_apart;
+  }
+  /// False for a point with a NaN.
+  bool contains(const Vector3<double>& x) const {
+    bool is_inside = true;
+    for (int k = 0; k < 3; ++k) is_inside = is_inside && double{low[k]} <= x[k] && x[k] <= double{high[k]};
+    return is_inside;
+  }
+  /// The box whose sides are `margin` [m] further out.
+  Box grown(double margin) const {
+    Box box;
+    for (int k = 0; k < 3; ++k) {
+      box.low[k] = rounded_down(double{low[k]} - margin);
+      box.high[k] = rounded_up(double{high[k]} + margin);
+    }
+    return box;
   }
 };
 

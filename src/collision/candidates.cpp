@@ -31,21 +31,15 @@ void BroadPhase::set_boxes(const CollisionSurface& surface, std::span<const Vect
 BroadPhase::BroadPhase(const CollisionSurface& surface, std::span<const Vector3<double>> x,
                        std::span<const Vector3<double>> y, double distance) {
   set_boxes(surface, x, y, distance);
+  vertices_ = Bvh(vertex_boxes_);
   edges_ = Bvh(edge_boxes_);
   triangles_ = Bvh(triangle_boxes_);
-  // Vertices in the order in which the triangles of the tree come upon them.
-  std::vector<bool> has_come(vertex_boxes_.size(), false);
-  for (const std::int32_t triangle : triangles_.order()) {
-    for (const std::int32_t vertex : surface.triangles()[triangle].vertices) {
-      if (!has_come[vertex]) vertex_order_.push_back(vertex);
-      has_come[vertex] = true;
-    }
-  }
 }
 
 void BroadPhase::refit(const CollisionSurface& surface, std::span<const Vector3<double>> x,
                        std::span<const Vector3<double>> y, double distance) {
   set_boxes(surface, x, y, distance);
+  vertices_.refit(vertex_boxes_);
   edges_.refit(edge_boxes_);
   triangles_.refit(triangle_boxes_);
 }
@@ -53,11 +47,11 @@ void BroadPhase::refit(const CollisionSurface& surface, std::span<const Vector3<
 Candidates BroadPhase::candidates(const CollisionSurface& surface) const {
   const auto edges = surface.edges();
   const auto triangles = surface.triangles();
-  return {overlapping_pairs(triangles_, vertex_boxes_, vertex_order_,
+  return {overlapping_pairs(vertices_, triangles_,
                             [&](std::int32_t vertex, std::int32_t triangle) {
                               return !surface.is_incident(triangles[triangle], vertex);
                             }),
-          overlapping_pairs(edges_, edge_boxes_, [&](std::int32_t edge, std::int32_t other) {
+          overlapping_pairs(edges_, [&](std::int32_t edge, std::int32_t other) {
             return !surface.is_incident(edges[edge], edges[other]);
           })};
 }
@@ -85,7 +79,6 @@ double width_cap(const CollisionSurface& surface, double width) {
 
 std::vector<BoxPair> find_intersections(const CollisionSurface& surface, std::span<const Vector3<double>> x) {
   std::vector<Box> boxes(surface.triangles().size()), edge_boxes(surface.edges().size());
-  std::vector<std::int32_t> order(edge_boxes.size());
   for (std::size_t n = 0; n < boxes.size(); ++n) {
     const auto& t = surface.triangles()[n].vertices;
     boxes[n] = box_of(0.0, x[t[0]], x[t[1]], x[t[2]]);
@@ -93,9 +86,8 @@ std::vector<BoxPair> find_intersections(const CollisionSurface& surface, std::sp
   for (std::size_t n = 0; n < edge_boxes.size(); ++n) {
     const auto& e = surface.edges()[n].vertices;
     edge_boxes[n] = box_of(0.0, x[e[0]], x[e[1]]);
-    order[n] = static_cast<std::int32_t>(n);
   }
-  return overlapping_pairs(Bvh(boxes), edge_boxes, order, [&](std::int32_t edge, std::int32_t triangle) {
+  return overlapping_pairs(Bvh(edge_boxes), Bvh(boxes), [&](std::int32_t edge, std::int32_t triangle) {
     const auto& e = surface.edges()[edge].vertices;
     const auto& t = surface.triangles()[triangle].vertices;
     const bool is_incident = surface.is_incident(surface.triangles()[triangle], e[0]) ||

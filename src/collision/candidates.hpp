@@ -15,7 +15,7 @@ struct Candidates {
   std::vector<BoxPair> edge_edge;       ///< two edges, the first of the lower number
 };
 
-/// The trees over the triangles and edges of a surface, as they were when built and last refitted.
+/// The trees over the vertices, edges and triangles of a surface, as they were when built and last refitted.
 class BroadPhase {
  public:
   BroadPhase() = default;
@@ -35,8 +35,7 @@ class BroadPhase {
                  std::span<const Vector3<double>> y, double distance);
 
   std::vector<Box> vertex_boxes_, edge_boxes_, triangle_boxes_;
-  std::vector<std::int32_t> vertex_order_;  ///< along the curve
-  Bvh edges_, triangles_;
+  Bvh vertices_, edges_, triangles_;
 };
 
 /// The same for positions at one time.

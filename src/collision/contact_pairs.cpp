@@ -1,7 +1,6 @@
 #include "collision/contact_pairs.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 namespace pliant {
 namespace {
@@ -124,9 +123,7 @@ std::vector<BoxPair> point_candidates(const CollisionSurface& surface, std::span
     const auto& v = surface.triangles()[n].vertices;
     triangle_boxes[n] = box_of(0.0, x[v[0]], x[v[1]], x[v[2]]);
   }
-  std::vector<std::int32_t> order(points.size());
-  std::iota(order.begin(), order.end(), 0);
-  return overlapping_pairs(Bvh(triangle_boxes), boxes, order, [&](std::int32_t n, std::int32_t t) {
+  return overlapping_pairs(Bvh(boxes), Bvh(triangle_boxes), [&](std::int32_t n, std::int32_t t) {
     const SurfacePoint& point = points[n];
     const auto& triangle = surface.triangles()[t];
     for (int k = 0; k < point.num_nodes; ++k) {

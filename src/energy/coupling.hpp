@@ -49,8 +49,10 @@ struct PatchPair {
 /// this rank has come last; arrays of LocalStage and the q of a call span all of them.
 struct NearPatches {
   Patches patches;
-  /// All pairs with a patch of this rank whose distance may be below the reach, ascending in their keys. Which others
-  /// are among them depends on what was evaluated before, so nothing may depend on it.
+  /// All pairs with a patch of this rank whose distance may be below the reach, ascending in their keys; for a step
+  /// bound (EnergyTerm::max_step), anywhere between q and the end of the path (StageArrays::along). Which others are
+  /// among them depends on what was evaluated before, so nothing may depend on it. Patches that share nodes are among
+  /// them where the tags say so.
   std::vector<PatchPair> pairs;
   std::span<const double> coordinates;  ///< xyz of all local nodes in the reference configuration [m]
   PetscInt num_owned_nodes = 0;
@@ -74,7 +76,8 @@ class PairCoupling {
   virtual const Patches& patches() const = 0;
   /// The distance from which patches do not feel each other [m], > 0; the same on every rank.
   virtual double reach() const = 0;
-  /// Whether two patches with these tags may couple at all.
+  /// Whether two patches with these tags may couple at all; symmetric. Asked once for any two tags, of which there are
+  /// to be few: those of bodies, not of patches.
   virtual bool may_couple(int tag, int other) const = 0;
 };
 

@@ -43,7 +43,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, BvhOfSize, testing::Values(0, 1, 2, 7, 8, 9, 63,
 
 TEST_P(BvhOfSize, FindsThePairsOfBruteForce) {
   const auto boxes = random_boxes(GetParam(), 1, 0.05);
-  const auto pairs = overlapping_pairs(Bvh(boxes), boxes, all);
+  const auto pairs = overlapping_pairs(Bvh(boxes), all);
   EXPECT_EQ(pairs, brute_force(boxes));
   if (GetParam() >= 64) {
     EXPECT_GT(pairs.size(), GetParam() / 10);
@@ -52,9 +52,8 @@ TEST_P(BvhOfSize, FindsThePairsOfBruteForce) {
 
 TEST_P(BvhOfSize, FindsThePairsOfTwoSets) {
   const auto boxes = random_boxes(GetParam(), 2, 0.05), others = random_boxes(500, 3, 0.05);
-  std::vector<std::int32_t> order(others.size());
-  for (std::size_t n = 0; n < order.size(); ++n) order[n] = static_cast<std::int32_t>(order.size() - 1 - n);
-  EXPECT_EQ(overlapping_pairs(Bvh(boxes), others, order, all), brute_force(others, boxes));
+  EXPECT_EQ(overlapping_pairs(Bvh(boxes), Bvh(others), all), brute_force(boxes, others));
+  EXPECT_EQ(overlapping_pairs(Bvh(others), Bvh(boxes), all), brute_force(others, boxes));
 }
 
 TEST_P(BvhOfSize, FindsThePairsAfterARefit) {
@@ -62,7 +61,50 @@ TEST_P(BvhOfSize, FindsThePairsAfterARefit) {
   Bvh tree(boxes);
   boxes = random_boxes(GetParam(), 5, 0.05);  // all elsewhere
   tree.refit(boxes);
-  EXPECT_EQ(overlapping_pairs(tree, boxes, all), brute_force(boxes));
+  EXPECT_EQ(overlapping_pairs(tree, all), brute_force(boxes));
+}
+
+TEST_P(BvhOfSize, FindsTheBoxesThatOverlapOne) {
+  const auto boxes = random_boxes(GetParam(), 8, 0.05), others = random_boxes(50, 9, 0.2);
+  const Bvh tree(boxes);
+  for (const Box& other : others) {
+    std::vector<std::int32_t> found, expected;
+    tree.for_each_overlap(other, [&](std::int32_t n) { found.push_back(n); });
+    std::ranges::sort(found);
+    for (std::int32_t n = 0; n < static_cast<std::int32_t>(boxes.size()); ++n) {
+      if (boxes[n].overlaps(other)) expected.push_back(n);
+    }
+    EXPECT_EQ(found, expected);
+  }
+}
+
+// Every box lies within one of the few, and these within the whole.
+TEST_P(BvhOfSize, IsCoveredByFewBoxes) {
+  const auto boxes = random_boxes(GetParam(), 10, 0.05);
+  Box whole;
+  for (const Box& box : boxes) whole.include(box);
+  const auto holds = [](const Box& outer, const Box& inner) {
+    Box both = outer;
+    both.include(inner);
+    return both.low == outer.low && both.high == outer.high;
+  };
+  for (const std::size_t at_most : {8U, 64U, 100U}) {
+    const auto few = Bvh(boxes).cover(at_most);
+    EXPECT_LE(few.size(), at_most);
+    EXPECT_GE(8 * few.size(), std::min(at_most, boxes.size()));
+    for (const Box& box : boxes) {
+      EXPECT_TRUE(std::ranges::any_of(few, [&](const Box& outer) { return holds(outer, box); }));
+    }
+    for (const Box& outer : few) EXPECT_TRUE(holds(whole, outer));
+  }
+}
+
+// Coordinates beyond the floats make boxes without bounds, which overlap all, but nothing that is not there.
+TEST(Bvh, TakesBoxesBeyondTheRangeOfFloats) {
+  auto boxes = random_boxes(20, 11, 0.01);
+  boxes[7] = box_of(0.0, {-1e300, -1e300, -1e300}, Vector3<double>{1e300, 1e300, 1e300});
+  EXPECT_EQ(overlapping_pairs(Bvh(boxes), all), brute_force(boxes));
+  EXPECT_EQ(overlapping_pairs(Bvh(boxes), Bvh(boxes), all), brute_force(boxes, boxes));
 }
 
 TEST(Bvh, TakesOnlyPairsThatAreAccepted) {
@@ -72,12 +114,12 @@ TEST(Bvh, TakesOnlyPairsThatAreAccepted) {
   const std::size_t before = expected.size();
   std::erase_if(expected, [&](const BoxPair& pair) { return !accept(pair.first, pair.second); });
   ASSERT_LT(expected.size(), before);
-  EXPECT_EQ(overlapping_pairs(Bvh(boxes), boxes, accept), expected);
+  EXPECT_EQ(overlapping_pairs(Bvh(boxes), accept), expected);
 }
 
 TEST(Bvh, FindsAllBoxesAtOnePlace) {
   const std::vector<Box> boxes(100, box_of(0.0, {1, 2, 3}));
-  EXPECT_EQ(overlapping_pairs(Bvh(boxes), boxes, all).size(), 4950U);
+  EXPECT_EQ(overlapping_pairs(Bvh(boxes), all).size(), 4950U);
 }
 
 TEST(Box, IsRoundedOutwards) {
@@ -104,6 +146,18 @@ TEST(Box, OfPointsHoldsThemWithAMargin) {
   EXPECT_TRUE(box.overlaps(box_of(0.0, {1.5, 0, 0})));
   EXPECT_FALSE(box.overlaps(box_of(0.0, {1.51, 0, 0})));
   EXPECT_FALSE(box.overlaps(Box{}));
+  EXPECT_TRUE(box.contains({1.4, 0.0, 0.0}));
+  EXPECT_FALSE(box.contains({1.6, 0.0, 0.0}));
+  EXPECT_FALSE(box.contains({std::nan(""), 0.0, 0.0}));
+}
+
+TEST(Box, GrowsOutwards) {
+  const Box box = box_of(0.0, {0, 0, 0}, Vector3<double>{1e300, 1, 1}).grown(0.25);
+  EXPECT_LE(double{box.low[0]}, -0.25);
+  EXPECT_NEAR(box.low[0], -0.25, 1e-6);
+  EXPECT_TRUE(std::isinf(box.high[0]));
+  EXPECT_GE(double{box.high[1]}, 1.25);
+  EXPECT_FALSE(box.overlaps(Box{}.grown(1.0)));
 }
 
 }  // namespace

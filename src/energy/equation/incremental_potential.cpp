@@ -293,22 +293,24 @@ std::unique_ptr<NodalRotations> IncrementalPotential::make_rotations() const {
   return std::make_unique<NodalRotations>(layout_, prescribed_);
 }
 
+double IncrementalPotential::step_bound(std::size_t k, const Path& path) {
+  const double bound = terms_[k]->max_step(stage_of(k), path.q, path.d);
+  return near(k) != nullptr && path.end < 1.0 ? std::min(bound, path.end) : bound;
+}
+
 double IncrementalPotential::max_step(Vec q, Vec d) {
-  const auto [at, direction] = arrays_.along(q, d);
+  const Path path = arrays_.along(q, d);
   double mine = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < terms_.size(); ++k) {
-    mine = std::min(mine, terms_[k]->max_step(stage_of(k), at, direction));
-  }
+  for (std::size_t k = 0; k < terms_.size(); ++k) mine = std::min(mine, step_bound(k, path));
   return minimum(layout_.comm, mine);
 }
 
 double IncrementalPotential::max_way(Vec q, Vec d) {
   double mine = std::numeric_limits<double>::infinity();
   if (std::ranges::none_of(terms_, [](const EnergyTerm* term) { return term->declaration().is_wall; })) return mine;
-  const auto [at, direction] = arrays_.along(q, d);
+  const Path path = arrays_.along(q, d);
   for (std::size_t k = 0; k < terms_.size(); ++k) {
-    if (!terms_[k]->declaration().is_wall) continue;
-    mine = std::min(mine, terms_[k]->max_step(stage_of(k), at, direction));
+    if (terms_[k]->declaration().is_wall) mine = std::min(mine, step_bound(k, path));
   }
   return minimum(layout_.comm, mine);
 }

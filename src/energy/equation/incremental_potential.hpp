@@ -69,7 +69,8 @@ class IncrementalPotential final : public StageEquation {
   void rank_one_parts(Vec q, std::vector<RankOne>& parts) override;
   bool move_rigidly(Vec q) override;
   bool carry_along(Carried which, Vec q) override;
-  /// The largest alpha for which q + alpha d stays clear of all barriers.
+  /// The largest alpha for which q + alpha d stays clear of all barriers; less where d is too long to look for all
+  /// pairs on the way (StageArrays::along).
   double max_step(Vec q, Vec d) override;
   double max_way(Vec q, Vec d) override;
   /// Sum over the terms of the norms of their gradients [N]: the size of the forces that must balance. Prescribed
@@ -115,6 +116,8 @@ class IncrementalPotential final : public StageEquation {
   void clear_prescribed(std::span<double> r) const;
   /// Norm of the term's forces at q, whose ghosts are up to date.
   double force_of(std::size_t k, std::span<const double> q);
+  /// How far term k lets go along the path of StageArrays::along: where it couples pairs, not beyond the path's end.
+  double step_bound(std::size_t k, const Path& path);
 
   const NodeLayout& layout_;
   const BlockPattern& pattern_;

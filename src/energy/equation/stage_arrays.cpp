@@ -24,15 +24,15 @@ std::span<const double> StageArrays::copied(Vec v, Copy& copy) {
   return copy.extended;
 }
 
-void StageArrays::follow_pairs(std::span<const double>& q, Copy& of_q, std::span<const double>& d) {
-  if (!pairs_ || !pairs_->follow(q, d)) return;
+void StageArrays::follow_pairs(Path& path, Copy& of_q) {
+  if (!pairs_ || !pairs_->follow(path)) return;
   const auto extend = [&](std::span<const double>& entries, Copy& copy) {
     if (entries.empty()) return;
     pairs_->extend(ConstGhostedView(copy.ghosted.get()).span(), copy.extended);
     entries = copy.extended;
   };
-  extend(q, of_q);
-  extend(d, d_);
+  extend(path.q, of_q);
+  extend(path.d, d_);
   extend(stage_.q0, q0_);
   extend(stage_.v0, v0_);
   extend(stage_.accepted, accepted_);
@@ -51,21 +51,21 @@ void StageArrays::begin(const StagePoint& stage) {
 }
 
 std::span<const double> StageArrays::at(Vec q) {
-  auto entries = copied(q, q_);
-  std::span<const double> nowhere;
-  follow_pairs(entries, q_, nowhere);
-  return entries;
+  Path point{copied(q, q_)};
+  follow_pairs(point, q_);
+  return point.q;
 }
 
-std::pair<std::span<const double>, std::span<const double>> StageArrays::along(Vec q, Vec d) {
-  auto from = copied(q, q_), direction = copied(d, d_);
-  follow_pairs(from, q_, direction);
-  return {from, direction};
+Path StageArrays::along(Vec q, Vec d) {
+  Path path{copied(q, q_), copied(d, d_)};
+  if (pairs_) path.end = pairs_->searchable_part(path.d);
+  follow_pairs(path, q_);
+  return path;
 }
 
 void StageArrays::return_to_accepted() {
-  std::span<const double> entries = stage_.accepted, nowhere;
-  follow_pairs(entries, accepted_, nowhere);
+  Path point{stage_.accepted};
+  follow_pairs(point, accepted_);
 }
 
 }  // namespace pliant

@@ -37,8 +37,9 @@ class StageArrays {
 
   /// The entries of q, with pairs as they are near there. Collective.
   std::span<const double> at(Vec q);
-  /// Those of q and d, with pairs as they are near anywhere between q and q + d. Collective.
-  std::pair<std::span<const double>, std::span<const double>> along(Vec q, Vec d);
+  /// Those of q and d, with all pairs that come near between q and q + end d. Its end is 1 unless d is so long that too
+  /// many patches would meet (PairAssembly::searchable_part); beyond it pairs may be missed. Collective.
+  Path along(Vec q, Vec d);
   /// The entries of another vector at the configuration of the last call of `at`. Collective.
   std::span<const double> beside(Vec v) { return copied(v, d_); }
   /// Makes the pairs those at LocalStage::accepted. Collective.
@@ -56,8 +57,8 @@ class StageArrays {
     std::vector<double> extended;  // with far nodes; empty if there are no pairs
   };
   std::span<const double> copied(Vec v, Copy& copy);
-  /// Brings pairs to the way from q to q + d, copies of which these are, and all copies in use to the far nodes.
-  void follow_pairs(std::span<const double>& q, Copy& of_q, std::span<const double>& d);
+  /// Brings pairs to the path, whose arrays are copies of q and d, and all copies in use to the far nodes.
+  void follow_pairs(Path& path, Copy& of_q);
 
   const NodeLayout& layout_;
   std::unique_ptr<PairAssembly> pairs_;

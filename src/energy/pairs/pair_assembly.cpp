@@ -25,13 +25,19 @@ PairAssembly::PairAssembly(const NodeLayout& layout, std::vector<const PairCoupl
   for (const PairCoupling* coupling : couplings_) searches_.emplace_back(layout, *coupling);
 }
 
-bool PairAssembly::follow(std::span<const double> q, std::span<const double> d) {
-  const auto is_left = [&](const PatchSearch& search) { return !search.covers(q, d); };
+double PairAssembly::searchable_part(std::span<const double> d) const {
+  double part = 1.0;
+  for (const PatchSearch& search : searches_) part = std::min(part, search.searchable_part(d));
+  return minimum(layout_.comm, part);
+}
+
+bool PairAssembly::follow(const Path& path) {
+  const auto is_left = [&](const PatchSearch& search) { return !search.covers(path); };
   if (!any_rank(layout_.comm, std::ranges::any_of(searches_, is_left))) return false;
   std::vector<FoundPatches> found;
   std::vector<PetscInt> needed;
   for (PatchSearch& search : searches_) {
-    found.push_back(search.search(q, d));
+    found.push_back(search.search(path));
     for (const PetscInt node : found.back().global_nodes) needed.push_back(node);
   }
   const auto is_of_layout = [&](PetscInt global) {

@@ -21,9 +21,12 @@ class PairAssembly {
   PairAssembly(const NodeLayout& layout, std::vector<const PairCoupling*> couplings,
                const std::vector<char>& prescribed);
 
-  /// Brings the pairs to the straight way from q to q + d (which may be empty); the arrays span the layout's nodes at
-  /// least. True if they have changed, and with them the far nodes: arrays are to be extended anew. Collective.
-  bool follow(std::span<const double> q, std::span<const double> d);
+  /// The part of the displacement d, at most 1, to which pairs are followed in one search
+  /// (PatchSearch::searchable_part). Collective.
+  double searchable_part(std::span<const double> d) const;
+  /// Brings the pairs to the path: no pair that comes within reach on it is missed. True if they have changed, and with
+  /// them the far nodes: arrays are to be extended anew. Collective.
+  bool follow(const Path& path);
   /// The pairs of each coupling, in their order, since the last call of `follow`.
   const NearPatches& near(std::size_t coupling) const { return near_[coupling]; }
   std::size_t num_far_nodes() const { return far_->globals().size(); }

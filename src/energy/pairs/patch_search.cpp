@@ -1,13 +1,11 @@
 #include "energy/pairs/patch_search.hpp"
 
 #include "petsc/collective.hpp"
-#include "petsc/exchange.hpp"
-#include "petsc/session.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
-#include <set>
 
 namespace pliant {
 namespace {
@@ -15,191 +13,215 @@ namespace {
 /// The skin in units of the reach: the least, and the most, which bounds how many pairs are looked at in vain.
 constexpr double least_skin = 1.0, largest_skin = 8.0;
 
-/// Calls `visit(i, j)` for all pairs of overlapping boxes of which the first is one of the first `num_first`.
-template <class Visit>
-void for_each_overlap(std::span<const Box> boxes, std::size_t num_first, const Visit& visit) {
-  // Swept along the axis on which the boxes lie farthest apart.
-  Box all = Box::empty();
-  for (const Box& box : boxes) all.include(box);
-  std::size_t axis = 0;
-  for (const std::size_t i : {std::size_t{1}, std::size_t{2}}) {
-    if (all.high[i] - all.low[i] > all.high[axis] - all.low[axis]) axis = i;
-  }
-  std::vector<std::size_t> order(boxes.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::sort(order, {}, [&](std::size_t i) { return std::pair(boxes[i].low[axis], i); });
-  for (auto first = order.begin(); first != order.end(); ++first) {
-    for (auto second = first + 1; second != order.end() && boxes[*second].low[axis] <= boxes[*first].high[axis];
-         ++second) {
-      const auto [i, j] = std::minmax(*first, *second);
-      if (i < num_first && boxes[i].overlaps(boxes[j])) visit(i, j);
-    }
-  }
-}
+/// How far a node may move in one search, in units of the size of patches with the reach around them. Of surfaces of
+/// equal triangles, each then meets about 4 (1 + longest_path)^2 triangles of one surface at the most.
+constexpr double longest_path = 4.0;
+
+/// Pairs of a path serve other paths down to this part of its length, so that what a long one met is soon forgotten.
+constexpr double shortest_reuse = 0.25;
 
 }  // namespace
 
-Box Box::empty() {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  return {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-}
-
-void Box::include(const Vector3<double>& x) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    low[i] = std::min(low[i], x[i]);
-    high[i] = std::max(high[i], x[i]);
-  }
-}
-
-void Box::include(const Box& other) {
-  include(other.low);
-  include(other.high);
-}
-
-void Box::grow(double by) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    low[i] -= by;
-    high[i] += by;
-  }
-}
-
-bool Box::contains(const Box& other) const {
-  for (std::size_t i = 0; i < 3; ++i) {
-    // A box with a NaN contains and is contained in nothing.
-    if (!(low[i] <= other.low[i] && other.high[i] <= high[i])) return false;
-  }
-  return true;
-}
-
-bool Box::overlaps(const Box& other) const {
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (low[i] > other.high[i] || other.low[i] > high[i]) return false;
-  }
-  return true;
-}
-
 PatchSearch::PatchSearch(const NodeLayout& layout, const PairCoupling& coupling)
-    : layout_(layout), coupling_(coupling), skin_(least_skin * coupling.reach()) {}
-
-Box PatchSearch::box_of(std::size_t patch, std::span<const double> q, std::span<const double> d) const {
-  Box box = Box::empty();
-  for (const PetscInt node : coupling_.patches().nodes_of(patch)) {
-    Vector3<double> x = layout_.position(node);
-    const auto first = 3 * static_cast<std::size_t>(node);
-    for (std::size_t i = 0; i < 3; ++i) x[i] += q[first + i];
-    box.include(x);
-    if (d.empty()) continue;
-    for (std::size_t i = 0; i < 3; ++i) x[i] += d[first + i];
-    box.include(x);
+    : layout_(layout),
+      coupling_(coupling),
+      kinds_(layout.comm, coupling),
+      order_(coupling.patches().size()),
+      skin_(least_skin * coupling.reach()),
+      trees_(kinds_.size()) {
+  const Patches& patches = coupling.patches();
+  std::iota(order_.begin(), order_.end(), 0);
+  std::ranges::sort(order_, {}, [&](std::int32_t patch) { return patches.keys[patch]; });
+  for (const int tag : patches.tags) {
+    const std::int32_t kind = kinds_.kind_of(tag);
+    trees_[kind].patches.push_back(static_cast<std::int32_t>(kind_of_patch_.size()));
+    kind_of_patch_.push_back(kind);
   }
-  box.grow(0.5 * coupling_.reach());
-  return box;
+  number_nodes();
+  limit_paths();
 }
 
-bool PatchSearch::covers(std::span<const double> q, std::span<const double> d) const {
-  if (searched_.size() != coupling_.patches().size()) return false;
-  for (std::size_t patch = 0; patch < searched_.size(); ++patch) {
-    if (!searched_[patch].contains(box_of(patch, q, d))) return false;
+void PatchSearch::number_nodes() {
+  const std::vector<PetscInt>& all = coupling_.patches().nodes;
+  nodes_ = all;
+  std::ranges::sort(nodes_);
+  nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());
+  std::vector<std::int32_t> number(static_cast<std::size_t>(layout_.num_local_nodes));
+  for (std::size_t n = 0; n < nodes_.size(); ++n) number[nodes_[n]] = static_cast<std::int32_t>(n);
+  corners_.reserve(all.size());
+  for (const PetscInt node : all) corners_.push_back(number[node]);
+}
+
+// A patch of size h, reach included, that moves by l meets about (l / h)^2 others: the mean of this bounds l.
+void PatchSearch::limit_paths() {
+  const Patches& patches = coupling_.patches();
+  std::vector<double> sums(2, 0.0);
+  for (std::size_t patch = 0; patch < patches.size(); ++patch) {
+    if (!patches.is_owned[patch]) continue;
+    Vector3<double> low, high;
+    low.fill(std::numeric_limits<double>::infinity());
+    high.fill(-std::numeric_limits<double>::infinity());
+    for (const PetscInt node : patches.nodes_of(patch)) {
+      const Vector3<double> X = layout_.position(node);
+      for (std::size_t k = 0; k < 3; ++k) {
+        low[k] = std::min(low[k], X[k]);
+        high[k] = std::max(high[k], X[k]);
+      }
+    }
+    const Vector3<double> sides = high - low;
+    sums[0] += 1.0;
+    sums[1] += std::pow(*std::ranges::max_element(sides) + coupling_.reach(), -2);
+  }
+  sum_in_place(layout_.comm, sums);
+  longest_path_ = longest_path * std::sqrt(sums[0] / sums[1]);
+}
+
+Vector3<double> PatchSearch::position(PetscInt node, std::span<const double> q) const {
+  const Vector3<double> X = layout_.position(node);
+  const auto i = 3 * static_cast<std::size_t>(node);
+  return {X[0] + q[i], X[1] + q[i + 1], X[2] + q[i + 2]};
+}
+
+double PatchSearch::length(std::span<const double> d) const {
+  double longest = 0.0;
+  for (const PetscInt node : nodes_) {
+    const auto i = 3 * static_cast<std::size_t>(node);
+    for (std::size_t k = 0; k < 3 && !d.empty(); ++k) longest = std::max(longest, std::abs(d[i + k]));
+  }
+  return longest;
+}
+
+double PatchSearch::searchable_part(std::span<const double> d) const {
+  const double longest = length(d);
+  return longest > longest_path_ ? longest_path_ / longest : 1.0;
+}
+
+bool PatchSearch::covers(const Path& path) const {
+  if (node_boxes_.size() != nodes_.size()) return false;
+  if (searched_length_ > skin_ && path.end * length(path.d) < shortest_reuse * searched_length_) return false;
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    const Vector3<double> x = position(nodes_[n], path.q);
+    if (!node_boxes_[n].contains(x)) return false;
+    if (path.d.empty()) continue;
+    const auto i = 3 * static_cast<std::size_t>(nodes_[n]);
+    const Vector3<double> d{path.d[i], path.d[i + 1], path.d[i + 2]};
+    if (!node_boxes_[n].contains(x + path.end * d)) return false;
   }
   return true;
 }
 
-PatchSearch::Received PatchSearch::exchange() const {
-  Box mine = Box::empty();
-  for (const Box& box : searched_) mine.include(box);
-  std::vector<double> sides(mine.low.begin(), mine.low.end());
-  sides.insert(sides.end(), mine.high.begin(), mine.high.end());
-  const std::vector<double> of_ranks = gathered(layout_.comm, sides);
-  const auto num_ranks_here = static_cast<std::size_t>(num_ranks(layout_.comm));
-  const auto me = static_cast<std::size_t>(rank(layout_.comm));
-
-  const Patches& patches = coupling_.patches();
-  std::vector<std::vector<std::int64_t>> numbers(num_ranks_here);
-  std::vector<std::vector<double>> boxes(num_ranks_here);
-  for (std::size_t r = 0; r < num_ranks_here; ++r) {
-    if (r == me) continue;
-    Box theirs;
-    std::copy_n(of_ranks.begin() + static_cast<std::ptrdiff_t>(6 * r), 3, theirs.low.begin());
-    std::copy_n(of_ranks.begin() + static_cast<std::ptrdiff_t>(6 * r + 3), 3, theirs.high.begin());
-    for (std::size_t patch = 0; patch < patches.size(); ++patch) {
-      const Box& box = searched_[patch];
-      if (!patches.is_owned[patch] || !box.overlaps(theirs)) continue;
-      numbers[r].insert(numbers[r].end(), {patches.keys[patch], patches.tags[patch]});
-      for (const PetscInt node : patches.nodes_of(patch)) numbers[r].push_back(layout_.global_node(node));
-      boxes[r].insert(boxes[r].end(), box.low.begin(), box.low.end());
-      boxes[r].insert(boxes[r].end(), box.high.begin(), box.high.end());
-    }
-  }
-  Received received;
-  received.numbers = exchanged(layout_.comm, numbers);
-  const std::vector<double> values = exchanged(layout_.comm, boxes);
-  received.boxes.resize(values.size() / 6);
-  for (std::size_t i = 0; i < received.boxes.size(); ++i) {
-    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(6 * i), 3, received.boxes[i].low.begin());
-    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(6 * i + 3), 3, received.boxes[i].high.begin());
-  }
-  return received;
-}
-
-FoundPatches PatchSearch::search(std::span<const double> q, std::span<const double> d) {
-  const Patches& patches = coupling_.patches();
-  std::vector<Box> around(patches.size());
+void PatchSearch::widen_skin(std::span<const double> q) {
   double travelled = 0.0;  // beyond the boxes of the last search
-  for (std::size_t patch = 0; patch < patches.size(); ++patch) {
-    around[patch] = box_of(patch, q, {});
-    for (std::size_t i = 0; i < 3 && !searched_.empty(); ++i) {
-      const double down = searched_[patch].low[i] - around[patch].low[i],
-                   up = around[patch].high[i] - searched_[patch].high[i];
-      travelled = std::max({travelled, down, up});
-    }
+  for (std::size_t n = 0; n < node_boxes_.size(); ++n) {
+    const Box& box = node_boxes_[n];
+    const Vector3<double> x = position(nodes_[n], q);
+    for (std::size_t k = 0; k < 3; ++k) travelled = std::max({travelled, box.low[k] - x[k], x[k] - box.high[k]});
   }
   travelled = maximum(layout_.comm, travelled);
   skin_ = std::clamp(skin_ + travelled, least_skin * coupling_.reach(), largest_skin * coupling_.reach());
-  for (std::size_t patch = 0; patch < patches.size(); ++patch) {
-    if (!d.empty()) around[patch].include(box_of(patch, q, d));
-    around[patch].grow(0.5 * skin_);
-  }
-  searched_ = std::move(around);
+}
 
-  // Patches of other ranks, but for those that this rank has itself.
-  const Received received = exchange();
-  const std::size_t width = 2 + static_cast<std::size_t>(patches.nodes_per_patch);
-  const std::set<std::int64_t> mine(patches.keys.begin(), patches.keys.end());
-  std::vector<std::size_t> others;
-  for (std::size_t i = 0; i < received.boxes.size(); ++i) {
-    if (!mine.contains(received.numbers[width * i])) others.push_back(i);
+void PatchSearch::set_boxes(const Path& path) {
+  searched_length_ = path.end * length(path.d);
+  node_boxes_.resize(nodes_.size());
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    const Vector3<double> x = position(nodes_[n], path.q);
+    const auto i = 3 * static_cast<std::size_t>(nodes_[n]);
+    const Vector3<double> d = path.d.empty() || path.end == 0.0
+                                  ? Vector3<double>{}
+                                  : Vector3<double>{path.d[i], path.d[i + 1], path.d[i + 2]};
+    node_boxes_[n] = box_of(0.5 * skin_, x, x + path.end * d);
   }
-  std::ranges::sort(others, {}, [&](std::size_t i) { return received.numbers[width * i]; });
+  const auto nodes_per_patch = static_cast<std::size_t>(coupling_.patches().nodes_per_patch);
+  patch_boxes_.resize(coupling_.patches().size());
+  for (std::size_t patch = 0; patch < patch_boxes_.size(); ++patch) {
+    Box box;
+    for (std::size_t a = 0; a < nodes_per_patch; ++a) box.include(node_boxes_[corners_[patch * nodes_per_patch + a]]);
+    patch_boxes_[patch] = box.grown(0.5 * coupling_.reach());
+  }
+  std::vector<Box> boxes;
+  for (KindTree& of : trees_) {
+    boxes.clear();
+    for (const std::int32_t patch : of.patches) boxes.push_back(patch_boxes_[patch]);
+    of.tree = Bvh(boxes);
+  }
+}
 
-  std::vector<Box> boxes = searched_;
-  std::vector<std::int64_t> keys = patches.keys;
-  std::vector<int> tags = patches.tags;
-  for (const std::size_t i : others) {
-    boxes.push_back(received.boxes[i]);
-    keys.push_back(received.numbers[width * i]);
-    tags.push_back(static_cast<int>(received.numbers[width * i + 1]));
+std::vector<BoxPair> PatchSearch::find_pairs(std::span<const ForeignPatch> foreign,
+                                             std::span<const std::int32_t> places) const {
+  const std::span<const std::int32_t> foreign_places = places.subspan(kind_of_patch_.size());
+  std::vector<std::vector<std::int32_t>> foreign_of_kind(trees_.size());
+  for (std::size_t n = 0; n < foreign.size(); ++n) foreign_of_kind[foreign[n].kind].push_back(static_cast<int>(n));
+
+  std::vector<BoxPair> pairs;
+  pairs.reserve(usual_pairs_per_box * kind_of_patch_.size());
+  const auto add = [&](std::int32_t place, std::int32_t other) {
+    pairs.push_back({std::min(place, other), std::max(place, other)});
+  };
+  std::vector<Box> boxes;
+  const auto num_kinds = static_cast<std::int32_t>(trees_.size());
+  for (std::int32_t b = 0; b < num_kinds; ++b) {
+    boxes.clear();
+    for (const std::int32_t n : foreign_of_kind[b]) boxes.push_back(foreign[n].box);
+    const Bvh foreign_tree(boxes);
+    for (std::int32_t a = 0; a < num_kinds; ++a) {
+      if (!kinds_.may_couple(a, b)) continue;
+      const KindTree &mine = trees_[a], &others = trees_[b];
+      mine.tree.for_each_overlap(foreign_tree, [&](std::int32_t i, std::int32_t j) {
+        add(places[mine.patches[i]], foreign_places[foreign_of_kind[b][j]]);
+      });
+      const auto add_own = [&](std::int32_t i, std::int32_t j) {
+        add(places[mine.patches[i]], places[others.patches[j]]);
+      };
+      if (a == b) mine.tree.for_each_overlap(add_own);
+      if (a < b) mine.tree.for_each_overlap(others.tree, add_own);
+    }
   }
-  std::vector<PatchPair> pairs;
-  for_each_overlap(boxes, patches.size(), [&](std::size_t i, std::size_t j) {
-    if (coupling_.may_couple(tags[i], tags[j])) pairs.push_back(keys[i] < keys[j] ? PatchPair{i, j} : PatchPair{j, i});
+  sort_pairs(pairs, places.size());
+  return pairs;
+}
+
+FoundPatches PatchSearch::search(const Path& path) {
+  widen_skin(path.q);
+  set_boxes(path);
+  const Patches& patches = coupling_.patches();
+  ForeignPatches foreign = foreign_patches_near(layout_, kinds_, {patches, kind_of_patch_, patch_boxes_, trees_});
+  const auto key_of = [&](std::int32_t patch) { return patches.keys[patch]; };
+  std::erase_if(foreign.patches, [&](const ForeignPatch& patch) {  // this rank has them itself
+    const auto same = std::ranges::lower_bound(order_, patch.key, {}, key_of);
+    return same != order_.end() && key_of(*same) == patch.key;
   });
-  std::ranges::sort(pairs, {}, [&](const PatchPair& pair) { return std::pair(keys[pair.first], keys[pair.second]); });
+
+  // Places in the order of all keys, and what is there: numbers below num_local of this rank's patches, then the
+  // others.
+  const auto num_local = static_cast<std::int32_t>(patches.size()),
+             num_all = num_local + static_cast<std::int32_t>(foreign.patches.size());
+  std::vector<std::int32_t> at_place = order_, places(static_cast<std::size_t>(num_all));
+  for (std::int32_t n = num_local; n < num_all; ++n) at_place.push_back(n);
+  std::ranges::inplace_merge(at_place, at_place.begin() + num_local, {}, [&](std::int32_t n) {
+    return n < num_local ? key_of(n) : foreign.patches[n - num_local].key;
+  });
+  for (std::int32_t n = 0; n < num_all; ++n) places[at_place[n]] = n;
+  const std::vector<BoxPair> pairs = find_pairs(foreign.patches, places);
 
   // The others are kept only if they are near, and get the numbers after this rank's.
-  std::vector<std::size_t> number(boxes.size(), boxes.size());
-  std::iota(number.begin(), number.begin() + static_cast<std::ptrdiff_t>(patches.size()), std::size_t{0});
-  std::vector<char> is_near(boxes.size(), 0);
-  for (const PatchPair& pair : pairs) is_near[pair.first] = is_near[pair.second] = 1;
   FoundPatches found{patches.keys, patches.tags, {}, {}};
-  for (std::size_t i = patches.size(); i < boxes.size(); ++i) {
-    if (!is_near[i]) continue;
-    number[i] = found.keys.size();
-    found.keys.push_back(keys[i]);
-    found.tags.push_back(tags[i]);
-    const auto nodes = received.numbers.begin() + static_cast<std::ptrdiff_t>(width * others[i - patches.size()] + 2);
+  std::vector<char> is_near(places.size(), 0);
+  for (const BoxPair& pair : pairs) is_near[pair.first] = is_near[pair.second] = 1;
+  const auto nodes_per_patch = static_cast<std::size_t>(patches.nodes_per_patch);
+  for (std::int32_t n = num_local; n < num_all; ++n) {
+    if (!is_near[places[n]]) continue;
+    const ForeignPatch& patch = foreign.patches[n - num_local];
+    at_place[places[n]] = static_cast<std::int32_t>(found.keys.size());
+    found.keys.push_back(patch.key);
+    found.tags.push_back(kinds_.tag_of(patch.kind));
+    const auto nodes = foreign.global_nodes.begin() + static_cast<std::ptrdiff_t>(patch.place * nodes_per_patch);
     found.global_nodes.insert(found.global_nodes.end(), nodes, nodes + patches.nodes_per_patch);
   }
-  for (const PatchPair& pair : pairs) found.pairs.push_back({number[pair.first], number[pair.second]});
+  for (const BoxPair& pair : pairs) {
+    found.pairs.push_back(
+        {static_cast<std::size_t>(at_place[pair.first]), static_cast<std::size_t>(at_place[pair.second])});
+  }
   return found;
 }
 

@@ -161,12 +161,38 @@ TEST_P(Pairs, WhatWasEvaluatedBeforeDoesNotShow) {
 // Along a direction all pairs are there that are near anywhere on the way.
 TEST_P(Pairs, MayBeMetAnywhereOnTheWay) {
   TwoBodies bodies(comm, file_, GetParam());
-  const Handle<Vec> far = bodies.solid.vector(approach(-3.0)), near = bodies.solid.vector(approach(0.2));
+  const Handle<Vec> far = bodies.solid.vector(approach(-1.3)), near = bodies.solid.vector(approach(0.2));
   const Handle<Vec> d = test::moved(near.get(), -1.0, far.get());
   EXPECT_EQ(bodies.potential->max_step(far.get(), d.get()), std::numeric_limits<double>::infinity());
   // The pairs of the way hold at its end: the same energy as of one who comes from elsewhere.
   TwoBodies fresh(comm, file_, GetParam());
   EXPECT_DOUBLE_EQ(bodies.potential->value(near.get()), fresh.potential->value(near.get()));
+}
+
+// A direction that is too long to look for all pairs on the way bounds the step, by the same length however long it is
+// and whatever was searched before.
+TEST_P(Pairs, BoundTheStepAlongAHugeDirection) {
+  TwoBodies bodies(comm, file_, GetParam()), used(comm, file_, GetParam());
+  const Handle<Vec> q = bodies.solid.vector(approach(0.1));
+  double length = 0.0;
+  for (const double size : {1e3, 1e6, 1e12}) {
+    const Handle<Vec> d = bodies.solid.vector(test::rough_field(size, 5));
+    PetscReal longest = 0.0;
+    check(VecNorm(d.get(), NORM_INFINITY, &longest));
+    const double bound = bodies.potential->max_step(q.get(), d.get());
+    EXPECT_GT(bound, 0.0);
+    EXPECT_LT(bound, 1.0);
+    EXPECT_GT(bound * longest, reach);
+    if (length > 0.0) {
+      EXPECT_NEAR(bound * longest, length, 1e-12 * length);
+    }
+    length = bound * longest;
+    (void)used.potential->value(d.get());
+    EXPECT_EQ(used.potential->max_step(q.get(), d.get()), bound);
+    EXPECT_EQ(bodies.potential->max_step(q.get(), d.get()), bound);
+    const Handle<Vec> end = test::moved(q.get(), 0.5 * bound, d.get());
+    EXPECT_DOUBLE_EQ(bodies.potential->value(end.get()), used.potential->value(end.get()));
+  }
 }
 
 }  // namespace
