@@ -78,7 +78,7 @@ Losses follow(const Solid& solid, IncrementalPotential& potential, const Method&
   const Handle<Vec> r = potential.make_vector();
   system.quadratures.rates = [&](const StagePoint& stage, Vec q, Vec v, Vec, std::span<double> rates) {
     potential.begin_stage(stage);
-    rates[0] = potential.powers(q, v, r.get())[0].dissipated;
+    rates[0] = potential.accounts().powers(q, v, r.get())[0].dissipated;
     losses.least_rate = std::min(losses.least_rate, rates[0]);
     losses.largest_rate = std::max(losses.largest_rate, rates[0]);
   };

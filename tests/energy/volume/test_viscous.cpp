@@ -302,7 +302,7 @@ TEST(MassProportionalDamping, TakesItsPartOfTheMomentum) {
       EXPECT_NEAR(force[i], alpha * sum(comm, m.linear[i]), 1e-12 * density);
       EXPECT_NEAR(moment[i], alpha * sum(comm, m.angular[i]), 1e-12 * density);
     }
-    const auto power = potential.powers(q.get(), v.get(), r.get());
+    const auto power = potential.accounts().powers(q.get(), v.get(), r.get());
     const double lost = 2.0 * alpha * sum(comm, inertia->kinetic_energy(test::local_values(v.get())));
     EXPECT_NEAR(power[0].dissipated, lost, 1e-12 * lost);
     EXPECT_NEAR(power[0].exerted, -lost, 1e-12 * lost);
