@@ -234,7 +234,7 @@ std::vector<CreepCase> every_creep(const Method& method) {
                                 E0,
                                 {"",
                                  [=](const Solid& s) {
-                                   return s.viscous(KelvinVoigt{eta, eta / 1.5, rate});
+                                   return s.viscous(WithStrainRate{KelvinVoigt{eta, eta / 1.5}, rate});
                                  }},
                                 kelvin_voigt}};
   // At once the bar yields by the springs: the strain is no state of an ordinary differential equation, and methods

@@ -270,8 +270,8 @@ TEST(RelativeModuli, ArePartsOfTheElasticOnes) {
     return body.gradient(body.solid.vector(at_time(0.0)));
   };
   const auto& [shear, bulk] = test::stiffness_at_rest;
-  const auto expected = forces(KelvinVoigt{0.02 * shear, 0.02 * bulk, StrainRate::exact});
-  const auto proportional = forces(StiffnessProportional{0.02, StrainRate::exact});
+  const auto expected = forces(WithStrainRate{KelvinVoigt{0.02 * shear, 0.02 * bulk}, StrainRate::exact});
+  const auto proportional = forces(WithStrainRate{StiffnessProportional{0.02}, StrainRate::exact});
   EXPECT_LE(test::distance(proportional.get(), expected.get()), 1e-14 * test::norm(expected.get()));
   const auto branch = forces(Maxwell{0.3 * shear, 0.2 * bulk, 0.1});
   const auto part = forces(Maxwell{0.3, 0.2, 0.1, Moduli::relative});
