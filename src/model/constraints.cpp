@@ -308,10 +308,10 @@ void Constraints::check_turning_parts(const Config& config, const std::vector<Li
   std::set<std::pair<std::size_t, std::size_t>> quarrels;
   for (std::size_t c = 0; c < parts_.size(); ++c) {
     if (!parts_[c].turns) continue;
-    std::vector<double> mine;
-    for (const PetscInt n : parts_[c].nodes) mine.push_back(static_cast<double>(layout_.global_node(n)));
-    for (const double node : gathered(layout_.comm, mine)) {
-      const auto [first, is_new] = turning.try_emplace(static_cast<PetscInt>(node), c);
+    std::vector<PetscInt> mine;
+    for (const PetscInt n : parts_[c].nodes) mine.push_back(layout_.global_node(n));
+    for (const PetscInt node : gathered(layout_.comm, mine)) {
+      const auto [first, is_new] = turning.try_emplace(node, c);
       if (!is_new) quarrels.emplace(c, first->second);
     }
   }
@@ -327,13 +327,9 @@ void Constraints::check_turning_parts(const Config& config, const std::vector<Li
     for (const PetscInt n : parts_[c].nodes) compare(layout_.global_node(n), c);
   }
   // What this rank has found among its nodes, and the others among theirs.
-  std::vector<double> mine;
-  for (const auto& [other, part] : quarrels)
-    mine.insert(mine.end(), {static_cast<double>(other), static_cast<double>(part)});
-  const auto all = gathered(layout_.comm, mine);
-  for (std::size_t k = 0; k < all.size(); k += 2) {
-    quarrels.emplace(static_cast<std::size_t>(all[k]), static_cast<std::size_t>(all[k + 1]));
-  }
+  std::vector<std::array<std::size_t, 2>> mine;
+  for (const auto& [other, part] : quarrels) mine.push_back({other, part});
+  for (const auto& [other, part] : gathered(layout_.comm, mine)) quarrels.emplace(other, part);
   for (std::size_t c = 0; c < parts_.size() && analysis_of(config) == Analysis::dynamic; ++c) {
     const auto& rigid = parts_[c].displacement.rigid;
     const bool is_led = rigid && std::ranges::any_of(rigid->translation, [](const auto& u) { return u.has_value(); });
