@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Checks that includes run downward only: every `#include "layer/..."` in src/ against the table below, and no file cycles.
+"""Checks that includes run downward only: every `#include "layer/..."` in src/ against the table below, and no file cycles. Checks
+also that every source has a header of its own, which says what the source implements.
 
 Prints `file:line: what is wrong` and returns 1 when something is. With an argument: that folder instead of src/.
 The table is the design; change it on purpose, in its own commit (docs/developer/architecture.md shows it too).
@@ -38,6 +39,11 @@ ROOMS = {
         "equation": "constraint pairs rigid volume",
     },
 }
+# Sources that need no header: programs, and those that implement parts of another header still.
+WITHOUT_HEADER = {
+    "command/main.cpp",
+    "input/parse.cpp", "input/reference.cpp", "input/schema_formats.cpp", "solver/petsc_integrator_start.cpp",
+}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]')
 
 
@@ -73,6 +79,8 @@ def check(source):
         if layer not in LAYERS or layer == name:
             mistakes.append(f"{file}:1: '{layer}' is not a layer; the layers are: {', '.join(LAYERS)}")
             continue
+        if file.suffix == ".cpp" and name not in WITHOUT_HEADER and not file.with_suffix(".hpp").is_file():
+            mistakes.append(f"{file}:1: there is no {file.stem}.hpp; declare what the source implements in a header of its name")
         allowed = {layer, *LAYERS[layer].split()}
         for line, quote, target in includes(file):
             place = f"{file}:{line}:"

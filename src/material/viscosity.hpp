@@ -21,11 +21,11 @@
 #include "base/tensor.hpp"
 
 #include <string_view>
-#include <variant>
 
 namespace pliant {
 
-/// How a stage that starts at q0 and lasts dt forms Edot from the configuration q at its end.
+/// How a stage that starts at q0 and lasts dt forms Edot from the configuration q at its end: chosen for a term, not
+/// part of its law.
 enum class StrainRate {
   secant,         ///< (E(q) - E(q0)) / dt; has a potential; first order in time for every method
   reconstructed,  ///< (E(q) - E0) / dt, E0 from the strains of earlier stages as q0 is from their q; has a potential
@@ -62,7 +62,6 @@ struct KelvinVoigt {
 
   double shear;  ///< [Pa s]
   double bulk;   ///< [Pa s]
-  StrainRate rate;
 };
 
 struct Maxwell {
@@ -78,7 +77,6 @@ struct StiffnessProportional {
   static constexpr std::string_view name = "stiffness-proportional";
 
   double time;  ///< beta [s]
-  StrainRate rate;
 };
 
 /// A branch with the stress of the elastic law, relaxing (energy/prony.hpp).
@@ -94,8 +92,5 @@ struct MassProportional {
 
   double decay_rate;  ///< alpha [1/s]
 };
-
-/// The laws in E.
-using ViscosityVariant = std::variant<KelvinVoigt, Maxwell, StiffnessProportional>;
 
 }  // namespace pliant

@@ -110,10 +110,8 @@ std::string_view name_of(const ViscosityLaw& law) {
 
 bool has_strain_rate(const ViscosityLaw& law) {
   return std::visit(
-      [](const auto& one) {
-        return requires {
-          one.rate;
-        };
+      []<class Law>(const Law&) {
+        return std::is_same_v<Law, KelvinVoigt> || std::is_same_v<Law, StiffnessProportional>;
       },
       law);
 }

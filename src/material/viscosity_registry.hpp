@@ -23,7 +23,7 @@ struct MaxwellRatios {
 };
 
 /// A law with its parameters as users give them: an alternative for each set of parameters, in SI. The form of a strain
-/// rate is chosen beside it, since it may depend on the method in time.
+/// rate is chosen separately, since it may depend on the method in time.
 using ViscosityLaw = std::variant<KelvinVoigt, StiffnessProportional, MassProportional, Maxwell, MaxwellRatios, Prony>;
 
 std::string_view name_of(const ViscosityLaw& law);

@@ -4,6 +4,7 @@
 #include "mesh/isolated.hpp"
 #include "mesh/source_checks.hpp"
 #include "petsc/collective.hpp"
+#include "petsc/exchange.hpp"
 #include "petsc/hdf5.hpp"
 #include "petsc/session.hpp"
 
@@ -227,21 +228,12 @@ Members read_members(hid_t file, std::size_t number, const Head& head, const Hdf
 /// Sends the members of groups to the ranks that have their cells. Collective.
 Members sent_to_cells(MPI_Comm comm, const Members& members, std::size_t columns, std::int64_t num_cells) {
   const int size = num_ranks(comm);
-  const auto to = [&](std::size_t i) { return static_cast<std::size_t>(rank_of_row(members[i], num_cells, size)); };
-  std::vector<int> num_sent(static_cast<std::size_t>(size), 0), num_received(num_sent);
-  for (std::size_t i = 0; i < members.size(); i += columns) num_sent[to(i)] += static_cast<int>(columns);
-  check_mpi(MPI_Alltoall(num_sent.data(), 1, MPI_INT, num_received.data(), 1, MPI_INT, comm));
-  std::vector<int> sent_at(num_sent.size()), received_at(num_sent.size());
-  std::exclusive_scan(num_sent.begin(), num_sent.end(), sent_at.begin(), 0);
-  std::exclusive_scan(num_received.begin(), num_received.end(), received_at.begin(), 0);
-  Members sent(members.size()), received(static_cast<std::size_t>(received_at.back() + num_received.back()));
-  std::vector<int> next = sent_at;
+  std::vector<Members> out(static_cast<std::size_t>(size));
   for (std::size_t i = 0; i < members.size(); i += columns) {
-    for (std::size_t k = 0; k < columns; ++k) sent[static_cast<std::size_t>(next[to(i)]++)] = members[i + k];
+    Members& list = out[static_cast<std::size_t>(rank_of_row(members[i], num_cells, size))];
+    for (std::size_t k = 0; k < columns; ++k) list.push_back(members[i + k]);
   }
-  check_mpi(MPI_Alltoallv(sent.data(), num_sent.data(), sent_at.data(), MPI_INT64_T, received.data(),
-                          num_received.data(), received_at.data(), MPI_INT64_T, comm));
-  return received;
+  return exchanged(comm, out);
 }
 
 /// Volumes list cells by their index in this rank's block, groups of other dimensions their nodes.

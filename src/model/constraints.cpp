@@ -86,9 +86,9 @@ Constraints::Constraints(const Config& config, const NodeLayout& layout, Selecti
   auto all_ties = ties(config, selections);
   selections.throw_if_errors();
   all_ties = gathered(layout.comm, all_ties);
-  check_turning_parts(config, all_ties, selections);
-  const bool any_turns = std::ranges::any_of(parts_, [](const Part& part) { return part.turns.has_value(); });
-  if (any_turns || !all_ties.empty()) eliminate_ties(config, std::move(all_ties), selections);
+  check_rotating_parts(config, all_ties, selections);
+  const bool any_rotates = std::ranges::any_of(parts_, [](const Part& part) { return part.rotation.has_value(); });
+  if (any_rotates || !all_ties.empty()) eliminate_ties(config, std::move(all_ties), selections);
   add_supports(config);
 }
 
@@ -134,11 +134,11 @@ Constraints::Part Constraints::make_part(const ConstraintConfig& constraint, Sel
   return {};
 }
 
-// Along an axis it is a prescribed component, at no cost.
+// A normal along an axis makes it a prescribed component, at no cost.
 Constraints::Part Constraints::plane(const ConstraintConfig& constraint, Selections& selections) {
   Part part;
   part.nodes = selections.nodes(constraint.part);
-  if (sum(layout_.comm, static_cast<PetscInt64>(part.nodes.size())) == 0) return part;  // told already
+  if (sum(layout_.comm, static_cast<PetscInt64>(part.nodes.size())) == 0) return part;  // reported already
   const bool is_of_surface = constraint.part.kind == Selection::Kind::surface ||
                              constraint.part.kind == Selection::Kind::box ||
                              constraint.part.kind == Selection::Kind::where;
@@ -149,7 +149,7 @@ Constraints::Part Constraints::plane(const ConstraintConfig& constraint, Selecti
     return part;
   }
   const FacetList facets = selections.facets(constraint.part);
-  if (sum(layout_.comm, static_cast<PetscInt64>(facets.size())) == 0) return part;  // told already
+  if (sum(layout_.comm, static_cast<PetscInt64>(facets.size())) == 0) return part;  // reported already
   if (any_rank(layout_.comm, std::ranges::find(facets.is_outer, 0) != facets.is_outer.end())) {
     selections.report(constraint.part.where, fmt::format("{} lies inside the mesh, where a normal has no outside; name "
                                                          "a part of the outer surface",
@@ -185,12 +185,12 @@ Constraints::Part Constraints::rigid(const ConstraintConfig& constraint, Selecti
     if (config.rotation.angle) {
       motion.angle = *config.rotation.angle;
     } else {
-      part.turns = FreeRotation::about_axis;
+      part.rotation = FreeRotation::about_axis;
     }
   } else if (config.rotation.kind == RotationConfig::Kind::free) {
-    part.turns = FreeRotation::about_all_axes;
+    part.rotation = FreeRotation::about_all_axes;
   }
-  part.is_prescribed = !part.turns;
+  part.is_prescribed = !part.rotation;
   if (config.center) {
     motion.centre = *config.center;
   } else {
@@ -202,8 +202,8 @@ Constraints::Part Constraints::rigid(const ConstraintConfig& constraint, Selecti
     }
   }
   part.displacement.rigid = motion;
-  if (part.turns && sum(layout_.comm, static_cast<PetscInt64>(part.nodes.size())) > 0) {
-    if (const auto reason = why_not_rigid(layout_, part.nodes, motion, *part.turns)) {
+  if (part.rotation && sum(layout_.comm, static_cast<PetscInt64>(part.nodes.size())) > 0) {
+    if (const auto reason = why_not_rigid(layout_, part.nodes, motion, *part.rotation)) {
       selections.report(constraint.where,
                         fmt::format("{} {}; give the rotation, or say `fixed`", describe(constraint.part), *reason));
     }
@@ -211,7 +211,7 @@ Constraints::Part Constraints::rigid(const ConstraintConfig& constraint, Selecti
   return part;
 }
 
-// What all ranks know alike is counted once, on the first.
+// Ties that every rank knows are added on the first rank only.
 std::vector<LinearConstraint> Constraints::ties(const Config& config, Selections& selections) const {
   std::vector<LinearConstraint> result;
   const auto add = [&](std::vector<LinearConstraint> more) { std::ranges::move(more, std::back_inserter(result)); };
@@ -219,7 +219,7 @@ std::vector<LinearConstraint> Constraints::ties(const Config& config, Selections
   for (std::size_t c = 0; c < parts_.size(); ++c) {
     const ConstraintConfig& constraint = config.constraints[c];
     const Part& part = parts_[c];
-    if (part.turns) continue;
+    if (part.rotation) continue;
     if (constraint.kind == ConstraintKind::rigid) {
       add(translated_together(layout_, part.nodes, part.displacement, c));
     } else if (constraint.kind == ConstraintKind::periodic) {
@@ -244,17 +244,17 @@ std::vector<LinearConstraint> Constraints::periodic_ties(const ConstraintConfig&
   }
   const auto partners = selections.nodes(constraint.partner);
   const PeriodicPairs pairs = match_periodic(layout_, partners, parts_[c].nodes);
-  const std::size_t num_lonely = pairs.num_lonely_a + pairs.num_lonely_b;
-  if (num_lonely > 0) {
-    const auto& [x, y, z] = pairs.lonely;
+  const std::size_t num_unmatched = pairs.num_unmatched_a + pairs.num_unmatched_b;
+  if (num_unmatched > 0) {
+    const auto& [x, y, z] = pairs.unmatched;
     const auto& [dx, dy, dz] = pairs.translation;
     selections.report(
         constraint.partner.where,
         fmt::format("{} of {} and {} of {} have no partner when one is shifted by ({:g}, {:g}, {:g}) onto "
                     "the other, the first at ({:g}, {:g}, {:g}); their meshes must be copies of each "
                     "other (gmsh: `Periodic Surface`)",
-                    counted_nodes(pairs.num_lonely_b), describe(constraint.part), counted_nodes(pairs.num_lonely_a),
-                    describe(constraint.partner), dx, dy, dz, x, y, z));
+                    counted_nodes(pairs.num_unmatched_b), describe(constraint.part),
+                    counted_nodes(pairs.num_unmatched_a), describe(constraint.partner), dx, dy, dz, x, y, z));
   }
   return periodic(pairs, parts_[c].displacement, c);
 }
@@ -295,29 +295,30 @@ void Constraints::eliminate_ties(const Config& config, std::vector<LinearConstra
   selections.throw_if_errors();
   // The first are the prescribed entries themselves.
   result.slaves.erase(result.slaves.begin(), result.slaves.begin() + static_cast<std::ptrdiff_t>(num_prescribed));
-  std::vector<RigidPatch> patches;
+  std::vector<std::unique_ptr<DependentNodes>> dependents;
   for (const Part& part : parts_) {
-    if (part.turns) patches.emplace_back(layout_, part.nodes, *part.displacement.rigid, *part.turns);
+    if (!part.rotation) continue;
+    dependents.push_back(std::make_unique<RigidPart>(layout_, part.nodes, *part.displacement.rigid, *part.rotation));
   }
-  map_ = std::make_unique<ConstraintMap>(layout_, result.slaves, std::move(given), std::move(patches));
+  map_ = std::make_unique<ConstraintMap>(layout_, result.slaves, std::move(given), std::move(dependents));
 }
 
-void Constraints::check_turning_parts(const Config& config, const std::vector<LinearConstraint>& ties,
-                                      Selections& selections) const {
-  std::map<PetscInt, std::size_t> turning;  // by the node's global number
-  std::set<std::pair<std::size_t, std::size_t>> quarrels;
+void Constraints::check_rotating_parts(const Config& config, const std::vector<LinearConstraint>& ties,
+                                       Selections& selections) const {
+  std::map<PetscInt, std::size_t> rotating;  // by the node's global number
+  std::set<std::pair<std::size_t, std::size_t>> conflicts;
   for (std::size_t c = 0; c < parts_.size(); ++c) {
-    if (!parts_[c].turns) continue;
-    std::vector<double> mine;
-    for (const PetscInt n : parts_[c].nodes) mine.push_back(static_cast<double>(layout_.global_node(n)));
-    for (const double node : gathered(layout_.comm, mine)) {
-      const auto [first, is_new] = turning.try_emplace(static_cast<PetscInt>(node), c);
-      if (!is_new) quarrels.emplace(c, first->second);
+    if (!parts_[c].rotation) continue;
+    std::vector<PetscInt> mine;
+    for (const PetscInt n : parts_[c].nodes) mine.push_back(layout_.global_node(n));
+    for (const PetscInt node : gathered(layout_.comm, mine)) {
+      const auto [first, is_new] = rotating.try_emplace(node, c);
+      if (!is_new) conflicts.emplace(c, first->second);
     }
   }
   const auto compare = [&](PetscInt node, std::size_t other) {
-    const auto found = turning.find(node);
-    if (found != turning.end()) quarrels.emplace(other, found->second);
+    const auto found = rotating.find(node);
+    if (found != rotating.end()) conflicts.emplace(other, found->second);
   };
   for (const auto& tie : ties) {
     for (const auto& e : tie.entries) compare(e.entry / 3, tie.source);
@@ -326,25 +327,21 @@ void Constraints::check_turning_parts(const Config& config, const std::vector<Li
     if (!parts_[c].is_prescribed) continue;
     for (const PetscInt n : parts_[c].nodes) compare(layout_.global_node(n), c);
   }
-  // What this rank has found among its nodes, and the others among theirs.
-  std::vector<double> mine;
-  for (const auto& [other, part] : quarrels)
-    mine.insert(mine.end(), {static_cast<double>(other), static_cast<double>(part)});
-  const auto all = gathered(layout_.comm, mine);
-  for (std::size_t k = 0; k < all.size(); k += 2) {
-    quarrels.emplace(static_cast<std::size_t>(all[k]), static_cast<std::size_t>(all[k + 1]));
-  }
+  // Each rank has compared its own nodes.
+  std::vector<std::array<std::size_t, 2>> mine;
+  for (const auto& [other, part] : conflicts) mine.push_back({other, part});
+  for (const auto& [other, part] : gathered(layout_.comm, mine)) conflicts.emplace(other, part);
   for (std::size_t c = 0; c < parts_.size() && analysis_of(config) == Analysis::dynamic; ++c) {
     const auto& rigid = parts_[c].displacement.rigid;
-    const bool is_led = rigid && std::ranges::any_of(rigid->translation, [](const auto& u) { return u.has_value(); });
-    if (parts_[c].turns != FreeRotation::about_all_axes || !is_led) continue;
+    const bool is_given = rigid && std::ranges::any_of(rigid->translation, [](const auto& u) { return u.has_value(); });
+    if (parts_[c].rotation != FreeRotation::about_all_axes || !is_given) continue;
     if (!centre_is_off_plane(layout_, parts_[c].nodes, *rigid)) continue;
     selections.report(config.constraints[c].where,
                       fmt::format("{} lies in a plane that does not hold its `center`, whose translation is given; in "
                                   "dynamics put `center` into the plane, or choose nodes that span a volume",
                                   title(config, c)));
   }
-  for (const auto& [other, part] : quarrels) {
+  for (const auto& [other, part] : conflicts) {
     selections.report(config.constraints[part].where,
                       fmt::format("{} turns freely, so nodes of it cannot obey {} too; give its rotation, or leave out "
                                   "the nodes that both hold",
@@ -353,7 +350,7 @@ void Constraints::check_turning_parts(const Config& config, const std::vector<Li
   selections.throw_if_errors();
 }
 
-// Entries go under the name of the first constraint that claims them; those of a rigid part all.
+// An entry counts for the first constraint that claims it. A rigid part claims all entries of its nodes.
 void Constraints::add_supports(const Config& config) {
   std::vector<char> claimed(prescribed_->flags().size(), 0);
   for (std::size_t c = 0; c < parts_.size(); ++c) {
@@ -390,8 +387,8 @@ std::vector<int> Constraints::rigid_parts() const {
   return result;
 }
 
-PrescribedMotion Constraints::motion(Mending mending) const {
-  return map_ ? map_->motion(prescribed_->motion(), mending) : prescribed_->motion();
+PrescribedMotion Constraints::motion(Correction correction) const {
+  return map_ ? map_->motion(prescribed_->motion(), correction) : prescribed_->motion();
 }
 
 std::vector<char> Constraints::held() const {

@@ -3,6 +3,7 @@
 
 #include "energy/constraint/constraint_map.hpp"
 #include "energy/constraint/prescribed.hpp"
+#include "energy/constraint/rigid_part.hpp"
 #include "input/config.hpp"
 #include "model/selections.hpp"
 
@@ -14,14 +15,14 @@
 
 namespace pliant {
 
-/// What holds the body in one place, under one name.
+/// A support: what holds the body in one place, under one name.
 struct Support {
   std::string name;
   std::vector<PetscInt> dofs;             ///< owned entries whose reactions it is
-  std::optional<std::size_t> rigid_part;  ///< the constraint that makes them rigid: the torque is told, too
+  std::optional<std::size_t> rigid_part;  ///< the constraint that makes them rigid: the torque is recorded, too
 };
 
-/// What holds each support, on the body, over all ranks.
+/// The reaction: force and torque of a support on the body, over all ranks.
 struct Reaction {
   std::array<double, 3> force{};   ///< [N]
   std::array<double, 3> torque{};  ///< of a rigid part, about its centre [N m]
@@ -36,10 +37,10 @@ class Constraints {
 
   const PrescribedDisplacement& prescribed() const { return *prescribed_; }
   const std::vector<Support>& supports() const { return supports_; }
-  /// What ties displacements to one another; nullptr if nothing does.
+  /// The map of the ties and rigid parts; nullptr if there are none.
   ConstraintMap* map() const { return map_.get(); }
   /// The hooks of the time layer; they refer to this object.
-  PrescribedMotion motion(Mending mending = Mending::nearest) const;
+  PrescribedMotion motion(Correction correction = Correction::nearest) const;
   /// For each local node the number of the rigid part that it belongs to, from 1; 0 if to none. Collective.
   std::vector<int> rigid_parts() const;
   /// One flag per owned entry on which constraints do work.
@@ -58,7 +59,7 @@ class Constraints {
     GivenDisplacement displacement;  // what its ties refer to, too
     bool is_prescribed = false;      // the components that `displacement` gives
     Vector3<double> direction{};     // of the force that holds its first component, if that has one of its own
-    std::optional<FreeRotation> turns = std::nullopt;  // rigid, with a rotation that is not given
+    std::optional<FreeRotation> rotation = std::nullopt;  // of a rigid part, if it is not given
     Location where = {};
   };
 
@@ -72,9 +73,9 @@ class Constraints {
   std::vector<LinearConstraint> equation_ties(const ConstraintConfig& constraint, std::size_t c,
                                               Selections& selections) const;
   void eliminate_ties(const Config& config, std::vector<LinearConstraint> ties, Selections& selections);
-  /// Parts that turn freely obey nothing else: an error for each that does.
-  void check_turning_parts(const Config& config, const std::vector<LinearConstraint>& ties,
-                           Selections& selections) const;
+  /// Rigid parts that rotate freely obey no other constraint: an error for each that does.
+  void check_rotating_parts(const Config& config, const std::vector<LinearConstraint>& ties,
+                            Selections& selections) const;
   void add_supports(const Config& config);
   void add_multipliers(Vec r, std::vector<double>& sums) const;
 

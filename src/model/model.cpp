@@ -333,8 +333,8 @@ StageEquation& Model::equation() {
   return *constrained_equation_;
 }
 
-PrescribedMotion Model::motion(Mending mending) const {
-  PrescribedMotion motion = constraints_->motion(mending);
+PrescribedMotion Model::motion(Correction correction) const {
+  PrescribedMotion motion = constraints_->motion(correction);
   if (!inertia_ || !is_dynamic_) return motion;
   return with_projected_velocities(
       std::move(motion), {layout_, *pattern_, *inertia_, constraints_->prescribed().flags(), constraints_->map()});

@@ -82,7 +82,7 @@ class Model {
   Instant instant(double time) const { return static_time_ ? Instant{*static_time_, time} : Instant{time, 1.0}; }
 
   /// The hooks of the time layer; they refer to this object. Collective.
-  PrescribedMotion motion(Mending mending = Mending::nearest) const;
+  PrescribedMotion motion(Correction correction = Correction::nearest) const;
 
   /// Initial displacement and velocity: those that constraints allow at t = 0 and that are nearest to the ones of the
   /// input, displacements by their squares, velocities in dynamics by kinetic energy. Collective.

@@ -21,14 +21,8 @@ struct LawInStrain {
   using Result = std::optional<ViscosityVariant>;
   StrainRate rate;
 
-  Result operator()(KelvinVoigt law) const {
-    law.rate = rate;
-    return law;
-  }
-  Result operator()(StiffnessProportional law) const {
-    law.rate = rate;
-    return law;
-  }
+  Result operator()(const KelvinVoigt& law) const { return WithStrainRate<KelvinVoigt>{law, rate}; }
+  Result operator()(const StiffnessProportional& law) const { return WithStrainRate<StiffnessProportional>{law, rate}; }
   Result operator()(const Maxwell& law) const { return law; }
   Result operator()(const MaxwellRatios& law) const {
     return Maxwell{law.shear_ratio, law.bulk_ratio, law.relaxation_time, Moduli::relative};

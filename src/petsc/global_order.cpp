@@ -1,6 +1,7 @@
 #include "petsc/global_order.hpp"
 
 #include "petsc/check.hpp"
+#include "petsc/exchange.hpp"
 #include "petsc/session.hpp"
 
 #include <algorithm>
@@ -8,31 +9,6 @@
 #include <numeric>
 
 namespace pliant {
-namespace {
-
-std::vector<int> offsets_of(const std::vector<int>& counts) {
-  std::vector<int> offsets(counts.size(), 0);
-  std::partial_sum(counts.begin(), counts.end() - 1, offsets.begin() + 1);
-  return offsets;
-}
-
-/// Exchanges blocks of `width` numbers; the counts give the number of blocks to and from each rank.
-template <class T>
-std::vector<T> exchanged(MPI_Comm comm, const std::vector<T>& out, std::vector<int> num_out, std::vector<int> num_in,
-                         int width) {
-  static_assert(sizeof(T) == sizeof(double));
-  for (auto* counts : {&num_out, &num_in}) {
-    for (int& count : *counts) count *= width;
-  }
-  const std::vector<int> from = offsets_of(num_out), to = offsets_of(num_in);
-  std::vector<T> in(static_cast<std::size_t>(to.back() + num_in.back()));
-  check_mpi(MPI_Alltoallv(out.data(), num_out.data(), from.data(), MPI_INT64_T, in.data(), num_in.data(), to.data(),
-                          MPI_INT64_T, comm));
-  return in;
-}
-
-}  // namespace
-
 GlobalOrder::GlobalOrder(MPI_Comm comm, std::span<const EntryKey> keys) : comm_(comm), sent_(keys.size()) {
   const auto num_ranks_here = static_cast<std::size_t>(num_ranks(comm));
   std::int64_t largest = -1;
@@ -46,18 +22,14 @@ GlobalOrder::GlobalOrder(MPI_Comm comm, std::span<const EntryKey> keys) : comm_(
   std::iota(sent_.begin(), sent_.end(), std::size_t{0});
   std::ranges::stable_sort(sent_, {}, [&](std::size_t entry) { return keys[entry].first / width; });
   num_sent_.assign(num_ranks_here, 0);
-  num_received_.assign(num_ranks_here, 0);
-  std::vector<std::int64_t> out;
-  out.reserve(2 * keys.size());
+  std::vector<EntryKey> out;
+  out.reserve(keys.size());
   for (const std::size_t entry : sent_) {
     ++num_sent_[static_cast<std::size_t>(keys[entry].first / width)];
-    out.insert(out.end(), {keys[entry].first, keys[entry].second});
+    out.push_back(keys[entry]);
   }
-  check_mpi(MPI_Alltoall(num_sent_.data(), 1, MPI_INT, num_received_.data(), 1, MPI_INT, comm));
-  const auto in = exchanged(comm, out, num_sent_, num_received_, 2);
-
-  std::vector<EntryKey> mine(in.size() / 2);
-  for (std::size_t i = 0; i < mine.size(); ++i) mine[i] = {in[2 * i], in[2 * i + 1]};
+  num_received_ = exchanged_counts(comm, num_sent_);
+  const std::vector<EntryKey> mine = exchanged(comm, out, num_sent_, num_received_);
   std::vector<EntryKey> distinct = mine;
   std::ranges::sort(distinct);
   distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
@@ -72,7 +44,7 @@ GlobalOrder::GlobalOrder(MPI_Comm comm, std::span<const EntryKey> keys) : comm_(
     received_.push_back(std::ranges::lower_bound(distinct, key) - distinct.begin());
     answers.push_back(first_row_ + received_.back());
   }
-  const auto rows = exchanged(comm, answers, num_received_, num_sent_, 1);
+  const auto rows = exchanged(comm, answers, num_received_, num_sent_);
   row_of_entry_.resize(keys.size());
   for (std::size_t i = 0; i < sent_.size(); ++i) row_of_entry_[sent_[i]] = rows[i];
 }
@@ -86,7 +58,7 @@ std::vector<double> GlobalOrder::rows(std::span<const double> values, int compon
     const auto part = values.subspan(size * entry, size);
     out.insert(out.end(), part.begin(), part.end());
   }
-  const auto in = exchanged(comm_, out, num_sent_, num_received_, components);
+  const auto in = exchanged(comm_, out, num_sent_, num_received_, size);
   std::vector<double> result(size * static_cast<std::size_t>(num_rows_));
   for (std::size_t i = 0; i < received_.size(); ++i) {
     std::copy_n(in.begin() + static_cast<std::ptrdiff_t>(size * i), size,
@@ -104,7 +76,7 @@ std::vector<double> GlobalOrder::entries(std::span<const double> rows, int compo
     const auto part = rows.subspan(size * static_cast<std::size_t>(row), size);
     out.insert(out.end(), part.begin(), part.end());
   }
-  const auto in = exchanged(comm_, out, num_received_, num_sent_, components);
+  const auto in = exchanged(comm_, out, num_received_, num_sent_, size);
   std::vector<double> result(size * sent_.size());
   for (std::size_t i = 0; i < sent_.size(); ++i) {
     std::copy_n(in.begin() + static_cast<std::ptrdiff_t>(size * i), size,

@@ -114,7 +114,7 @@ class PetscAdvance final : public Advance {
   PetscAdvance(const Config& config, Model& model, Ledger& ledger, const PetscMethod& method, const StateView& initial)
       : name_(method.name), ledger_(ledger), integrator_(with_user_options([&] {
           const PetscIntegratorOptions options{method, newton_options(config), linear_kind(config, model.layout())};
-          return std::make_unique<PetscIntegrator>(options, model.equation(), model.motion(Mending::of_slaves),
+          return std::make_unique<PetscIntegrator>(options, model.equation(), model.motion(Correction::of_slaves),
                                                    initial);
         })) {}
 

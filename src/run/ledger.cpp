@@ -54,7 +54,7 @@ Ledger::Ledger(Model& model, Analysis analysis, const StateView& initial)
 Ledger::Works Ledger::powers(const StagePoint& stage, Vec q, Vec v) {
   IncrementalPotential& potential_of_stage = model_.potential();
   potential_of_stage.begin_stage(stage);
-  const auto of_term = potential_of_stage.powers(q, v, reaction_.get());
+  const auto of_term = potential_of_stage.accounts().powers(q, v, reaction_.get());
   Works power = no_works();
   supply_without_energy_ = 0.0;
   for (ContactForce& contact : contacts_) contact.force = {};
@@ -209,8 +209,8 @@ void Ledger::add_works_along_way(const StepAttempt& attempt) {
   const Works after = works_along(way_.get());
   for (std::size_t w = 0; w < num_works; ++w) works_[w] += 0.5 * (before[w] + after[w]);
   const Instant start = model_.instant(time_), end = model_.instant(attempt.time);
-  const double supplied =
-      0.5 * (model_.potential().supplied(start, end, q_.get()) + model_.potential().supplied(start, end, attempt.q));
+  EnergyAccounts accounts = model_.potential().accounts();
+  const double supplied = 0.5 * (accounts.supplied(start, end, q_.get()) + accounts.supplied(start, end, attempt.q));
   const auto integral = [&](std::size_t w) { return 0.5 * (attempt.time - time_) * (last_powers_[w] + power[w]); };
   works_[stored] += supplied + integral(loads);
   works_[loads] += supplied + integral(loads);
@@ -262,7 +262,7 @@ double Ledger::work_of_supports(Vec way) const {
 void Ledger::measure(const StateView& state) {
   const IncrementalPotential& sum = model_.potential();
   energies_.elastic = energies_.load_potential = 0.0;
-  const auto energies = model_.potential().energies(model_.instant(state.time), state.q, state.z);
+  const auto energies = model_.potential().accounts().energies(model_.instant(state.time), state.q, state.z);
   for (std::size_t k = 0; k < energies.size(); ++k) {
     const Account account = account_of(*sum.terms()[k]);
     if (account == Account::stored) energies_.elastic += energies[k];

@@ -96,16 +96,17 @@ constexpr std::array<ContactField, 3> contact_fields{{
 /// The owned cells of a step.
 std::vector<CellState> cell_states(Model& model, const StepRecord& record) {
   std::vector<CellState> cells(static_cast<std::size_t>(model.layout().num_owned_cells));
-  model.potential().visit_stresses(model.instant(record.time), record.q, record.v, record.z,
-                                   [&](StressPart part, PetscInt cell, const CellStress& stress) {
-                                     CellState& state = cells[static_cast<std::size_t>(cell)];
-                                     const auto p = static_cast<std::size_t>(part);
-                                     for (std::size_t k = 0; k < stress.cauchy.size(); ++k) {
-                                       state.cauchy[p][k] += stress.cauchy[k];
-                                     }
-                                     state.energy_density[p] += stress.energy_density;
-                                     if (part == StressPart::elastic) state.volume_ratio = stress.volume_ratio;
-                                   });
+  model.potential().accounts().visit_stresses(model.instant(record.time), record.q, record.v, record.z,
+                                              [&](StressPart part, PetscInt cell, const CellStress& stress) {
+                                                CellState& state = cells[static_cast<std::size_t>(cell)];
+                                                const auto p = static_cast<std::size_t>(part);
+                                                for (std::size_t k = 0; k < stress.cauchy.size(); ++k) {
+                                                  state.cauchy[p][k] += stress.cauchy[k];
+                                                }
+                                                state.energy_density[p] += stress.energy_density;
+                                                if (part == StressPart::elastic)
+                                                  state.volume_ratio = stress.volume_ratio;
+                                              });
   return cells;
 }
 

@@ -165,7 +165,7 @@ std::optional<std::string> Simulation::passage(const StepAttempt& attempt) {
 
 bool Simulation::ends_inside_out(const StepAttempt& attempt) {
   if (attempt.q == attempt.last_q) return false;  // the line search has seen to it
-  const auto energies = model_.potential().energies(model_.instant(attempt.time), attempt.q, attempt.z);
+  const auto energies = model_.potential().accounts().energies(model_.instant(attempt.time), attempt.q, attempt.z);
   return !std::ranges::all_of(energies, [](double energy) { return std::isfinite(energy); });
 }
 

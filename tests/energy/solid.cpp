@@ -245,15 +245,15 @@ std::string name_of(const ElasticLawSpec& law) {
 
 std::vector<ViscosityVariant> every_viscosity() {
   std::vector<ViscosityVariant> laws;
-  for (const auto& form : strain_rates()) laws.push_back(KelvinVoigt{20.0, 35.0, form.rate});
+  for (const auto& form : strain_rates()) laws.push_back(WithStrainRate{KelvinVoigt{20.0, 35.0}, form.rate});
   laws.push_back(Maxwell{300.0, 500.0, 0.1});
-  laws.push_back(StiffnessProportional{0.05, StrainRate::reconstructed});
+  laws.push_back(WithStrainRate{StiffnessProportional{0.05}, StrainRate::reconstructed});
   return laws;
 }
 
 std::optional<StrainRate> rate_of(const ViscosityVariant& law) {
-  if (const auto* kelvin_voigt = std::get_if<KelvinVoigt>(&law)) return kelvin_voigt->rate;
-  if (const auto* proportional = std::get_if<StiffnessProportional>(&law)) return proportional->rate;
+  if (const auto* kelvin_voigt = std::get_if<WithStrainRate<KelvinVoigt>>(&law)) return kelvin_voigt->rate;
+  if (const auto* proportional = std::get_if<WithStrainRate<StiffnessProportional>>(&law)) return proportional->rate;
   return std::nullopt;
 }
 

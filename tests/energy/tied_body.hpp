@@ -3,6 +3,7 @@
 
 #include "energy/constraint/constraint_map.hpp"
 #include "energy/constraint/prescribed.hpp"
+#include "energy/constraint/rigid_part.hpp"
 #include "energy/constraint/surface_ties.hpp"
 #include "energy/constraint/velocity_projection.hpp"
 #include "energy/equation/constrained_equation.hpp"
@@ -30,6 +31,8 @@ struct TestConstraint {
   /// Nodes of a rigid part that turns freely, as far as `given.rigid` says.
   Region turning = nullptr;
   FreeRotation rotation = FreeRotation::about_all_axes;
+  /// Dependent nodes of another kind.
+  std::function<std::unique_ptr<DependentNodes>(const NodeLayout&)> dependent = nullptr;
 };
 
 struct TiedSpec {
@@ -76,15 +79,16 @@ class TiedBody {
     auto result = eliminate(all, given, std::array{0.0, 0.4, 1.0});
     EXPECT_TRUE(result.conflicts.empty());
     result.slaves.erase(result.slaves.begin(), result.slaves.begin() + num_prescribed);
-    std::vector<RigidPatch> patches;
+    std::vector<std::unique_ptr<DependentNodes>> dependents;
     for (const auto& c : spec.constraints) {
+      if (c.dependent) dependents.push_back(c.dependent(layout()));
       if (!c.turning) continue;
       const auto nodes = nodes_in_region(layout(), c.turning);
       EXPECT_EQ(why_not_rigid(layout(), nodes, *c.given.rigid, c.rotation), std::nullopt);
-      patches.emplace_back(layout(), nodes, *c.given.rigid, c.rotation);
+      dependents.push_back(std::make_unique<RigidPart>(layout(), nodes, *c.given.rigid, c.rotation));
       turning_.push_back({nodes, *c.given.rigid});
     }
-    map_ = std::make_unique<ConstraintMap>(layout(), result.slaves, given, std::move(patches));
+    map_ = std::make_unique<ConstraintMap>(layout(), result.slaves, given, std::move(dependents));
     map_->set_rigidity(spec.rigidity);
     ties_ = std::move(all);
     given_ = std::move(given);
@@ -105,6 +109,7 @@ class TiedBody {
   }
   double strain_energy(Vec q) const { return sum(layout().comm, elastic().energy(local_values(q), {})); }
 
+  std::size_t num_turning_parts() const { return turning_.size(); }
   /// The placement of the turning part of this number that is nearest to its nodes. Collective.
   Placement placement(std::size_t part, Vec q) const {
     return nearest_placement(layout(), turning_[part].nodes, turning_[part].motion.centre, q);
@@ -202,7 +207,7 @@ inline TestConstraint slide(const Region& region, const Point& direction, const 
 inline TestConstraint repeat(const Region& a, const Region& b, const GivenDisplacement& difference) {
   return {difference, nullptr, [=](const NodeLayout& layout, std::size_t source) {
             const auto pairs = match_periodic(layout, nodes_in_region(layout, a), nodes_in_region(layout, b));
-            EXPECT_EQ(pairs.num_lonely_a + pairs.num_lonely_b, 0u);
+            EXPECT_EQ(pairs.num_unmatched_a + pairs.num_unmatched_b, 0u);
             return rank(layout.comm) == 0 ? periodic(pairs, difference, source) : std::vector<LinearConstraint>();
           }};
 }

@@ -17,7 +17,7 @@ class CheckLayers(unittest.TestCase):
             command = [ROOT / "tools/check_layers.py", folder]
             done = subprocess.run(command, capture_output=True, text=True, check=False)
             lines = done.stdout.replace(folder + "/", "").splitlines()
-            self.assertEqual(done.returncode, 1 if ".hpp:" in done.stdout else 0, done.stderr)
+            self.assertEqual(done.returncode, 1 if "pp:" in done.stdout else 0, done.stderr)
             return lines if done.returncode else []
 
     def test_downward_includes_are_fine(self):
@@ -40,6 +40,11 @@ class CheckLayers(unittest.TestCase):
         for name, target in (("energy/volume/c.hpp", "energy/equation/b.hpp"), ("energy/c.hpp", "energy/volume/a.hpp")):
             (line,) = self.complaints({**fine, name: f'#include "{target}"\n'})
             self.assertEqual(line, f"{name}:1: '{name[:-6]}' may not include '{target[:-6]}'")
+
+    def test_source_without_header_is_found(self):
+        files = {"base/a.hpp": "", "base/a.cpp": "", "base/b.cpp": "", "command/main.cpp": ""}
+        (line,) = self.complaints(files)
+        self.assertTrue(line.startswith("base/b.cpp:1: there is no b.hpp"), line)
 
     def test_cycle_of_files_is_found(self):
         files = {"base/a.hpp": '#include "base/b.hpp"\n', "base/b.hpp": '\n#include "base/a.hpp"\n'}

@@ -98,7 +98,7 @@ class PetscIntegration : public ::testing::Test {
       std::vector<std::unique_ptr<EnergyTerm>> terms;
       terms.push_back(solid.gravity(1000.0, {Expression(), Expression("-3*sin(5*t)"), Expression(-2.0)}));
       terms.push_back(std::make_unique<Drag>(solid));
-      terms.push_back(solid.viscous(KelvinVoigt{.shear = 10.0, .bulk = 20.0, .rate = StrainRate::exact}));
+      terms.push_back(solid.viscous(WithStrainRate{KelvinVoigt{.shear = 10.0, .bulk = 20.0}, StrainRate::exact}));
       return terms;
     };
     spec.newton.relative = 1e-11;  // far below the errors of the steps

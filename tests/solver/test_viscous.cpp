@@ -29,9 +29,9 @@ std::vector<StepCase> every_case() {
   std::vector<StepCase> cases;
   for (const char* method : {"bdf2", "dirk33"}) {
     // E = 1 MPa and steps of 10 ms: viscous stresses are as large as the elastic ones.
-    for (const auto& form : strain_rates()) cases.push_back({KelvinVoigt{4e3, 6e3, form.rate}, method});
+    for (const auto& form : strain_rates()) cases.push_back({WithStrainRate{KelvinVoigt{4e3, 6e3}, form.rate}, method});
     cases.push_back({Maxwell{5e5, 1e6, 0.03}, method});
-    cases.push_back({StiffnessProportional{10.0, StrainRate::exact}, method});
+    cases.push_back({WithStrainRate{StiffnessProportional{10.0}, StrainRate::exact}, method});
   }
   return cases;
 }

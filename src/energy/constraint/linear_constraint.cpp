@@ -166,36 +166,30 @@ Elimination eliminate(std::span<const LinearConstraint> constraints, std::span<c
 }
 
 std::vector<LinearConstraint> gathered(MPI_Comm comm, std::span<const LinearConstraint> mine) {
-  std::vector<double> packed;
+  struct Head {
+    std::size_t source, num_entries, num_given;
+  };
+  std::vector<Head> my_heads;
+  std::vector<ConstraintEntry> my_entries;
+  std::vector<GivenTerm> my_given;
   for (const LinearConstraint& c : mine) {
-    packed.insert(packed.end(), {static_cast<double>(c.source), static_cast<double>(c.entries.size()),
-                                 static_cast<double>(c.given.size())});
-    for (const auto& [entry, coefficient] : c.entries) {
-      packed.insert(packed.end(), {static_cast<double>(entry), coefficient});
-    }
-    for (const GivenTerm& g : c.given) {
-      packed.insert(packed.end(), {g.weight, static_cast<double>(g.source), static_cast<double>(g.component), g.X[0],
-                                   g.X[1], g.X[2]});
-    }
+    my_heads.push_back({c.source, c.entries.size(), c.given.size()});
+    my_entries.insert(my_entries.end(), c.entries.begin(), c.entries.end());
+    my_given.insert(my_given.end(), c.given.begin(), c.given.end());
   }
-  const std::vector<double> all = gathered(comm, packed);
+  const auto heads = gathered(comm, my_heads);
+  const auto entries = gathered(comm, my_entries);
+  const auto given = gathered(comm, my_given);
   std::vector<LinearConstraint> result;
-  for (auto at = all.begin(); at != all.end();) {
-    const auto next = [&] { return *at++; };
+  auto entry = entries.begin();
+  auto term = given.begin();
+  for (const Head& head : heads) {
     LinearConstraint& c = result.emplace_back();
-    c.source = static_cast<std::size_t>(next());
-    c.entries.resize(static_cast<std::size_t>(next()));
-    c.given.resize(static_cast<std::size_t>(next()));
-    for (auto& [entry, coefficient] : c.entries) {
-      entry = static_cast<PetscInt>(next());
-      coefficient = next();
-    }
-    for (GivenTerm& g : c.given) {
-      g.weight = next();
-      g.source = static_cast<std::size_t>(next());
-      g.component = static_cast<int>(next());
-      g.X = {next(), next(), next()};
-    }
+    c.source = head.source;
+    c.entries.assign(entry, entry + static_cast<std::ptrdiff_t>(head.num_entries));
+    c.given.assign(term, term + static_cast<std::ptrdiff_t>(head.num_given));
+    entry += static_cast<std::ptrdiff_t>(head.num_entries);
+    term += static_cast<std::ptrdiff_t>(head.num_given);
   }
   return result;
 }

@@ -100,7 +100,7 @@ PeriodicPairs match_periodic(const NodeLayout& layout, std::span<const PetscInt>
   for (const auto& [node, X] : b) {
     const std::size_t partner = find(X - result.translation);
     if (partner == a.size() || is_matched[partner]) {
-      if (result.num_lonely_b++ == 0) result.lonely = X;
+      if (result.num_unmatched_b++ == 0) result.unmatched = X;
     } else {
       is_matched[partner] = 1;
       result.pairs.push_back({a[partner].node, node, X});
@@ -108,7 +108,7 @@ PeriodicPairs match_periodic(const NodeLayout& layout, std::span<const PetscInt>
   }
   for (std::size_t k = 0; k < a.size(); ++k) {
     if (is_matched[k]) continue;
-    if (result.num_lonely_a++ == 0 && result.num_lonely_b == 0) result.lonely = a[k].X;
+    if (result.num_unmatched_a++ == 0 && result.num_unmatched_b == 0) result.unmatched = a[k].X;
   }
   return result;
 }

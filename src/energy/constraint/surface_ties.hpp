@@ -24,8 +24,8 @@ struct PeriodicPairs {
   std::vector<Pair> pairs;  ///< in the order of b in the list of all ranks' nodes; the same on every rank
   Vector3<double> translation{};
   /// Number of nodes of either surface without a partner, and one of them.
-  std::size_t num_lonely_a = 0, num_lonely_b = 0;
-  Vector3<double> lonely{};
+  std::size_t num_unmatched_a = 0, num_unmatched_b = 0;
+  Vector3<double> unmatched{};
 };
 
 /// Matches the owned nodes of two surfaces, to 1e-6 of their extent; the translation maps the lower corner of one

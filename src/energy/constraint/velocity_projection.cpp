@@ -51,7 +51,7 @@ Mat VelocityProjection::reduced_mass() {
 
 void VelocityProjection::operator()(Vec q, Vec wanted, Vec v, Scope scope) {
   check(VecWAXPY(difference_.get(), -1.0, v, wanted));
-  if (scope == Scope::rigid_parts) map_->keep_free_patches(difference_.get());
+  if (scope == Scope::dependents) map_->keep_free_motion_of_dependents(difference_.get());
   PetscReal size = 0.0;
   check(VecNorm(difference_.get(), NORM_INFINITY, &size));
   if (size == 0.0) return;
@@ -84,7 +84,7 @@ PrescribedMotion with_projected_velocities(PrescribedMotion motion, const Constr
                                                                                             Vec v) {
       check(VecCopy(v, wanted->get()));
       complete(step, q, v);
-      (*projection)(q, wanted->get(), v, Scope::rigid_parts);
+      (*projection)(q, wanted->get(), v, Scope::dependents);
     };
   }
   motion.restart = [wanted, bodies, restart = std::move(motion.restart)](const Step& step, Vec q, Vec v) {

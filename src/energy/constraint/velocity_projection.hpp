@@ -35,9 +35,9 @@ class VelocityProjection {
 
   /// Which velocities are projected.
   enum class Scope {
-    all,          ///< v'
-    rigid_parts,  ///< v' in rigid parts that rotate freely, where nothing is prescribed: all others fulfil the
-                  ///< constraints already
+    all,         ///< v'
+    dependents,  ///< v' at dependent nodes (rigid parts), where nothing is prescribed: all others fulfil the
+                 ///< constraints already
   };
   /// Replaces v, which fulfils the constraints at q, by the projection of v'. Collective.
   void operator()(Vec q, Vec wanted, Vec v, Scope scope);

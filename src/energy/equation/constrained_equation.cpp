@@ -2,7 +2,9 @@
 
 #include "petsc/array_view.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace pliant {
 
@@ -11,8 +13,8 @@ ConstrainedEquation::ConstrainedEquation(StageEquation& equation, ConstraintMap&
       map_(map),
       jacobian_(map.jacobian(), equation.make_vector().get()),
       full_(equation.make_hessian()),
-      y_part_(map.vector()),
-      x_part_(map.vector()) {
+      y_part_(map.make_vector().get()),
+      x_part_(map.make_vector().get()) {
   for (Handle<Vec>* x : {&x_, &d_, &full_gradient_, &diagonal_, &y0_, &w0_, &accepted_}) *x = equation.make_vector();
   if (!map.is_symmetric()) {
     own_test_matrix_.emplace(map.test_matrix(), x_.get());
@@ -105,8 +107,7 @@ Handle<Mat> ConstrainedEquation::make_hessian() const {
   return K;
 }
 
-// Modes of the body as the unknowns see them. What slaves do in them follows; a mode that the constraints forbid is one
-// of low energy still.
+// The modes of the body in the unknowns. Slaves follow; a mode that the constraints forbid still has a low energy.
 void ConstrainedEquation::set_near_null_space(Mat K) const {
   MatNullSpace space = nullptr;
   check(MatGetNearNullSpace(full_.get(), &space));
@@ -203,7 +204,7 @@ void ConstrainedEquation::hessian(Vec y, Mat K, Projection projection) {
 
 std::vector<std::string> ConstrainedEquation::non_potentials() const {
   auto names = equation_.non_potentials();
-  if (!map_.is_symmetric()) names.emplace_back("rigid parts that turn freely");
+  std::ranges::copy(map_.non_potentials(), std::back_inserter(names));
   return names;
 }
 
@@ -215,7 +216,8 @@ void ConstrainedEquation::rank_one_parts(Vec y, std::vector<RankOne>& parts) {
   expand(y, x_.get());
   equation_.rank_one_parts(x_.get(), parts);
   linearize(y);
-  // Of W^T g (J^T g)^T the symmetric neighbour: where W is not J, it is as near as the rotation in a stage is small.
+  // Instead of W^T g (J^T g)^T its symmetric neighbour: where W is not J, it is as near as the rotation in a stage is
+  // small.
   for (const RankOne& part : parts) {
     check(VecCopy(part.g.get(), full_gradient_.get()));
     check(MatMultTranspose(test_matrix(), full_gradient_.get(), part.g.get()));

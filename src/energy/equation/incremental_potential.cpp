@@ -16,67 +16,20 @@ namespace {
 /// How much more than they may do frozen coefficients are let do: what changes from step to step in steady sliding.
 constexpr double drag_excess = 1e-3;
 
-std::vector<const PairCoupling*> pair_couplings(std::span<const EnergyTerm* const> terms) {
-  std::vector<const PairCoupling*> couplings;
-  for (const EnergyTerm* term : terms) {
-    const Coupling coupling = term->coupling();
-    if (const auto* pairs = std::get_if<const PairCoupling*>(&coupling)) couplings.push_back(*pairs);
-  }
-  return couplings;
-}
-
 }  // namespace
 
 IncrementalPotential::IncrementalPotential(const NodeLayout& layout, const BlockPattern& pattern,
                                            std::vector<const EnergyTerm*> terms, const std::vector<char>& prescribed)
     : layout_(layout),
       pattern_(pattern),
-      terms_(std::move(terms)),
       prescribed_(prescribed),
       elimination_(layout, pattern, prescribed_),
-      arrays_(layout, pair_couplings(terms_), prescribed_) {
-  first_internal_.push_back(0);
-  for (const EnergyTerm* term : terms_) first_internal_.push_back(first_internal_.back() + term->num_internal());
-  for (std::size_t k = 0; k < terms_.size(); ++k) {
-    const Coupling coupling = terms_[k]->coupling();
-    if (std::holds_alternative<const FunctionOfSum*>(coupling)) functions_of_sum_.push_back(k);
-    if (std::holds_alternative<const PairCoupling*>(coupling)) pair_terms_.push_back(k);
-  }
-  sums_.resize(terms_.size());
-  if (!pair_terms_.empty()) of_cells_ = make_matrix(layout, pattern);
+      terms_(layout, std::move(terms), prescribed_) {
+  if (!terms_.pair_terms().empty()) of_cells_ = make_matrix(layout, pattern);
   free_bodies_ = free_components(layout, [&](PetscInt node) {
     return prescribed_[3 * node] || prescribed_[3 * node + 1] || prescribed_[3 * node + 2];
   });
   for (Handle<Vec>* v : {&work_, &diagonal_}) *v = pliant::make_vector(layout);
-}
-
-std::span<const double> IncrementalPotential::evaluated_at(Vec q) {
-  const auto at = arrays_.at(q);
-  add_up(arrays_.stage(), at);
-  return at;
-}
-
-std::span<double> IncrementalPotential::empty_rows() {
-  rows_.assign(3 * arrays_.num_nodes(), 0.0);
-  return rows_;
-}
-
-const FunctionOfSum& IncrementalPotential::sum_function(std::size_t k) const {
-  return *std::get<const FunctionOfSum*>(terms_[k]->coupling());
-}
-
-void IncrementalPotential::add_up(const LocalStage& stage, std::span<const double> q) {
-  if (functions_of_sum_.empty()) return;
-  std::vector<double> parts;
-  for (const std::size_t k : functions_of_sum_) {
-    const SumOverRanks part = sum_function(k).part(stage, q);
-    parts.insert(parts.end(), {part.start, part.change});
-  }
-  check_mpi(
-      MPI_Allreduce(MPI_IN_PLACE, parts.data(), static_cast<int>(parts.size()), MPI_DOUBLE, MPI_SUM, layout_.comm));
-  for (std::size_t i = 0; i < functions_of_sum_.size(); ++i) {
-    sums_[functions_of_sum_[i]] = {parts[2 * i], parts[2 * i + 1]};
-  }
 }
 
 void IncrementalPotential::clear_prescribed(std::span<double> r) const {
@@ -86,9 +39,8 @@ void IncrementalPotential::clear_prescribed(std::span<double> r) const {
 }
 
 void IncrementalPotential::begin_stage(const StagePoint& stage) {
-  arrays_.begin(stage);
-  arrays_.stage().exceeds_bound = exceeds_bound_;
-  z0_ = stage.z0;
+  terms_.begin(stage);
+  terms_.arrays().stage().exceeds_bound = exceeds_bound_;
 }
 
 StagePoint IncrementalPotential::enter(const StagePoint& stage, Vec q, Vec xi) {
@@ -98,26 +50,26 @@ StagePoint IncrementalPotential::enter(const StagePoint& stage, Vec q, Vec xi) {
 }
 
 void IncrementalPotential::freeze(Vec q) {
-  exceeds_bound_ = arrays_.stage().exceeds_bound = false;
-  arrays_.freeze(q);
+  exceeds_bound_ = terms_.arrays().stage().exceeds_bound = false;
+  terms_.arrays().freeze(q);
 }
 
 bool IncrementalPotential::refreeze(Vec q) {
-  exceeds_bound_ = arrays_.stage().exceeds_bound = exceeds_bound_ || exceeds_a_bound(q);
+  exceeds_bound_ = terms_.arrays().stage().exceeds_bound = exceeds_bound_ || exceeds_a_bound(q);
   const auto refreezes = [](const EnergyTerm* term) { return term->declaration().refreezes; };
-  if (!exceeds_bound_ && std::ranges::none_of(terms_, refreezes)) return false;
-  arrays_.freeze(q);
+  if (!exceeds_bound_ && std::ranges::none_of(terms_.all(), refreezes)) return false;
+  terms_.arrays().freeze(q);
   return true;
 }
 
 bool IncrementalPotential::exceeds_a_bound(Vec q) {
   const auto has_bound = [](const EnergyTerm* term) { return term->declaration().has_frozen_coefficients; };
-  if (std::ranges::none_of(terms_, has_bound)) return false;
-  const auto at = evaluated_at(q);
+  if (std::ranges::none_of(terms_.all(), has_bound)) return false;
+  const auto at = terms_.at(q);
   std::vector<double> sums;
   for (std::size_t k = 0; k < terms_.size(); ++k) {
-    if (!has_bound(terms_[k])) continue;
-    const DragBound bound = terms_[k]->bound(stage_of(k), at);
+    if (!has_bound(&terms_[k])) continue;
+    const DragBound bound = terms_[k].bound(terms_.stage_of(k), at);
     sums.insert(sums.end(), {bound.exerted, bound.allowed});
   }
   sum_in_place(layout_.comm, sums);
@@ -127,34 +79,13 @@ bool IncrementalPotential::exceeds_a_bound(Vec q) {
   return false;
 }
 
-std::span<double> IncrementalPotential::slice(std::span<double> z, std::size_t k) const {
-  return z.subspan(first_internal_[k], first_internal_[k + 1] - first_internal_[k]);
-}
-
-const NearPatches* IncrementalPotential::near(std::size_t k) const {
-  const auto place = std::ranges::find(pair_terms_, k);
-  if (place == pair_terms_.end()) return nullptr;
-  return &arrays_.pairs()->near(static_cast<std::size_t>(place - pair_terms_.begin()));
-}
-
-const LocalStage& IncrementalPotential::stage_of(std::size_t k) {
-  LocalStage& stage = arrays_.stage();
-  stage.sum = sums_[k];
-  stage.near = near(k);
-  stage.z0 = {};
-  if (z0_ != nullptr) {
-    const ConstArrayView z0(z0_);  // the memory stays where it is while the vector lives
-    stage.z0 = z0.span().subspan(first_internal_[k], first_internal_[k + 1] - first_internal_[k]);
-  }
-  return stage;
-}
-
 double IncrementalPotential::value(Vec q) {
-  const auto at = evaluated_at(q);
+  const auto at = terms_.at(q);
   double mine = 0.0;
-  for (std::size_t k = 0; k < terms_.size(); ++k) mine += terms_[k]->value(stage_of(k), at);
+  for (std::size_t k = 0; k < terms_.size(); ++k) mine += terms_[k].value(terms_.stage_of(k), at);
   double total = sum(layout_.comm, mine);
-  for (const std::size_t k : functions_of_sum_) total += sum_function(k).value_of_sum(stage_of(k));
+  for (const std::size_t k : terms_.functions_of_sum())
+    total += terms_.function_of_sum(k).value_of_sum(terms_.stage_of(k));
   return std::isfinite(total) ? total : std::numeric_limits<double>::infinity();
 }
 
@@ -164,10 +95,10 @@ void IncrementalPotential::take_owned(std::span<const double> rows, Vec r) const
 }
 
 void IncrementalPotential::gradient_of(const std::function<bool(const EnergyTerm&)>& wanted, Vec q, Vec r) {
-  const auto at = evaluated_at(q);
-  const auto rows = empty_rows();
+  const auto at = terms_.at(q);
+  const auto rows = terms_.empty_rows();
   for (std::size_t k = 0; k < terms_.size(); ++k) {
-    if (wanted(*terms_[k])) terms_[k]->add_gradient(stage_of(k), at, rows);
+    if (wanted(terms_[k])) terms_[k].add_gradient(terms_.stage_of(k), at, rows);
   }
   take_owned(rows, r);
 }
@@ -183,8 +114,8 @@ void IncrementalPotential::gradient(Vec q, Vec r) {
 }
 
 double IncrementalPotential::force_of(std::size_t k, std::span<const double> q) {
-  const auto rows = empty_rows();
-  terms_[k]->add_gradient(stage_of(k), q, rows);
+  const auto rows = terms_.empty_rows();
+  terms_[k].add_gradient(terms_.stage_of(k), q, rows);
   take_owned(rows, work_.get());
   PetscReal norm = 0.0;
   check(VecNorm(work_.get(), NORM_2, &norm));
@@ -192,7 +123,7 @@ double IncrementalPotential::force_of(std::size_t k, std::span<const double> q) 
 }
 
 double IncrementalPotential::force_scale(Vec q) {
-  const auto at = evaluated_at(q);
+  const auto at = terms_.at(q);
   double scale = 0.0;
   for (std::size_t k = 0; k < terms_.size(); ++k) scale += force_of(k, at);
   return scale;
@@ -201,28 +132,28 @@ double IncrementalPotential::force_scale(Vec q) {
 double IncrementalPotential::inertia_scale() {
   double scale = 0.0;
   for (std::size_t k = 0; k < terms_.size(); ++k) {
-    if (terms_[k]->declaration().account == Account::kinetic) scale += force_of(k, arrays_.stage().q0);
+    if (terms_[k].declaration().account == Account::kinetic) scale += force_of(k, terms_.arrays().stage().q0);
   }
   return scale;
 }
 
 bool IncrementalPotential::is_static() const {
-  return std::ranges::none_of(terms_,
+  return std::ranges::none_of(terms_.all(),
                               [](const EnergyTerm* term) { return term->declaration().account == Account::kinetic; });
 }
 
 void IncrementalPotential::hessian(Vec q, Mat K, Projection projection) {
-  const auto at = evaluated_at(q);
-  if (arrays_.pairs() != nullptr) fit(K);
-  const PairAssembly* pairs = arrays_.pairs();
+  const auto at = terms_.at(q);
+  if (terms_.arrays().pairs() != nullptr) fit(K);
+  const PairAssembly* pairs = terms_.arrays().pairs();
   Mat of_cells = pairs != nullptr ? of_cells_.get() : K;
   {
     BlockWriter writer(pattern_, of_cells);
     std::size_t first = 0;  // a term that the matrix starts from
-    while (first < terms_.size() && !terms_[first]->set_hessian(stage_of(first), writer)) ++first;
+    while (first < terms_.size() && !terms_[first].set_hessian(terms_.stage_of(first), writer)) ++first;
     if (first == terms_.size()) writer.zero();
     for (std::size_t k = 0; k < terms_.size(); ++k) {
-      if (k != first && near(k) == nullptr) terms_[k]->add_hessian(stage_of(k), at, writer, projection);
+      if (k != first && terms_.near(k) == nullptr) terms_[k].add_hessian(terms_.stage_of(k), at, writer, projection);
     }
     if (pairs == nullptr) writer.copy_diagonal(ArrayView(diagonal_.get()).span());
     writer.finish();
@@ -231,7 +162,7 @@ void IncrementalPotential::hessian(Vec q, Mat K, Projection projection) {
     BlockWriter writer(pairs->pattern(), K);
     writer.zero();
     writer.add(pattern_, of_cells);
-    for (const std::size_t k : pair_terms_) terms_[k]->add_hessian(stage_of(k), at, writer, projection);
+    for (const std::size_t k : terms_.pair_terms()) terms_[k].add_hessian(terms_.stage_of(k), at, writer, projection);
     writer.copy_diagonal(ArrayView(diagonal_.get()).span());
     writer.finish();
   }
@@ -244,20 +175,20 @@ void IncrementalPotential::hessian(Vec q, Mat K, Projection projection) {
 }
 
 void IncrementalPotential::fit(Mat K) {
-  if (arrays_.pairs()->fit()) present_pattern_.change();
-  if (!present_pattern_.is_that_of(K)) present_pattern_.give(K, make_hessian_of(arrays_.pairs()->pattern()));
+  if (terms_.arrays().pairs()->fit()) present_pattern_.change();
+  if (!present_pattern_.is_that_of(K)) present_pattern_.give(K, make_hessian_of(terms_.arrays().pairs()->pattern()));
 }
 
 void IncrementalPotential::rank_one_parts(Vec q, std::vector<RankOne>& parts) {
-  const auto at = evaluated_at(q);
+  const auto at = terms_.at(q);
   sum_rounding_ = 0.0;
-  for (std::size_t i = 0; i < functions_of_sum_.size(); ++i) {
-    const std::size_t k = functions_of_sum_[i];
-    const FunctionOfSum& function = sum_function(k);
+  for (std::size_t i = 0; i < terms_.functions_of_sum().size(); ++i) {
+    const std::size_t k = terms_.functions_of_sum()[i];
+    const FunctionOfSum& function = terms_.function_of_sum(k);
     auto& [c, g] = parts[i];
-    c = function.curvature(stage_of(k));
+    c = function.curvature(terms_.stage_of(k));
     double size = 0.0;
-    const auto rows = empty_rows();
+    const auto rows = terms_.empty_rows();
     function.add_gradient_of_sum(at, rows);
     clear_prescribed(rows);
     for (PetscInt e = 0; e < 3 * layout_.num_owned_nodes; ++e) size += std::abs(rows[e] * at[e]);
@@ -289,17 +220,19 @@ std::optional<Coarsening> IncrementalPotential::make_coarsening() const {
 }
 
 std::unique_ptr<NodalRotations> IncrementalPotential::make_rotations() const {
-  if (std::ranges::any_of(terms_, [](const EnergyTerm* term) { return !term->declaration().turns; })) return nullptr;
+  if (std::ranges::any_of(terms_.all(), [](const EnergyTerm* term) { return !term->declaration().turns; }))
+    return nullptr;
   return std::make_unique<NodalRotations>(layout_, prescribed_);
 }
 
 double IncrementalPotential::step_bound(std::size_t k, const Path& path) {
-  const double bound = terms_[k]->max_step(stage_of(k), path.q, path.d);
-  return near(k) != nullptr && path.end < 1.0 ? std::min(bound, path.end) : bound;
+  const LocalStage& stage = terms_.stage_of(k);
+  const double bound = terms_[k].max_step(stage, path.q, path.d);
+  return stage.near != nullptr && path.end < 1.0 ? std::min(bound, path.end) : bound;
 }
 
 double IncrementalPotential::max_step(Vec q, Vec d) {
-  const Path path = arrays_.along(q, d);
+  const Path path = terms_.arrays().along(q, d);
   double mine = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < terms_.size(); ++k) mine = std::min(mine, step_bound(k, path));
   return minimum(layout_.comm, mine);
@@ -307,22 +240,23 @@ double IncrementalPotential::max_step(Vec q, Vec d) {
 
 double IncrementalPotential::max_way(Vec q, Vec d) {
   double mine = std::numeric_limits<double>::infinity();
-  if (std::ranges::none_of(terms_, [](const EnergyTerm* term) { return term->declaration().is_wall; })) return mine;
-  const Path path = arrays_.along(q, d);
+  if (std::ranges::none_of(terms_.all(), [](const EnergyTerm* term) { return term->declaration().is_wall; }))
+    return mine;
+  const Path path = terms_.arrays().along(q, d);
   for (std::size_t k = 0; k < terms_.size(); ++k) {
-    if (terms_[k]->declaration().is_wall) mine = std::min(mine, step_bound(k, path));
+    if (terms_[k].declaration().is_wall) mine = std::min(mine, step_bound(k, path));
   }
   return minimum(layout_.comm, mine);
 }
 
 bool IncrementalPotential::move_rigidly(Vec q) {
-  const LocalStage& stage = arrays_.stage();
+  const LocalStage& stage = terms_.arrays().stage();
   if (free_bodies_.empty() || stage.accepted.empty()) return false;
   // Where inertia alone would lead.
-  check(VecWAXPY(work_.get(), stage.dt, arrays_.v0(), arrays_.q0()));
-  check(VecCopy(arrays_.accepted(), q));
+  check(VecWAXPY(work_.get(), stage.dt, terms_.arrays().v0(), terms_.arrays().q0()));
+  check(VecCopy(terms_.arrays().accepted(), q));
   for (const auto& nodes : free_bodies_) {
-    const Placement from = nearest_placement(layout_, nodes, {}, arrays_.accepted());
+    const Placement from = nearest_placement(layout_, nodes, {}, terms_.arrays().accepted());
     const Placement to = nearest_placement(layout_, nodes, {}, work_.get());
     const ArrayView u(q);
     for (const PetscInt a : nodes) {
@@ -337,11 +271,11 @@ bool IncrementalPotential::move_rigidly(Vec q) {
 }
 
 bool IncrementalPotential::carry_along(Carried which, Vec q) {
-  if (arrays_.stage().accepted.empty()) return false;
-  arrays_.return_to_accepted();
+  if (terms_.arrays().stage().accepted.empty()) return false;
+  terms_.arrays().return_to_accepted();
   std::vector<Vector3<double>> ways(static_cast<std::size_t>(layout_.num_local_nodes));
   std::vector<double> nearness(ways.size(), 0.0);
-  for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k]->carry_along(stage_of(k), ways, nearness);
+  for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k].carry_along(terms_.stage_of(k), ways, nearness);
   if (which == Carried::bodies) {
     // The mean way of what is nearest, of all ranks.
     std::vector<double> sums(4, 0.0);
@@ -357,7 +291,7 @@ bool IncrementalPotential::carry_along(Carried which, Vec q) {
   } else if (!any_rank(layout_.comm, std::ranges::any_of(nearness, [](double near) { return near > 0.0; }))) {
     return false;
   }
-  check(VecCopy(arrays_.accepted(), q));
+  check(VecCopy(terms_.arrays().accepted(), q));
   const ArrayView u(q);
   for (PetscInt a = 0; a < layout_.num_owned_nodes; ++a) {
     for (PetscInt i = 0; i < 3; ++i) u[3 * a + i] += nearness[a] * ways[a][static_cast<std::size_t>(i)];
@@ -376,7 +310,7 @@ double IncrementalPotential::rounding_floor(Vec q) const {
 
 std::vector<std::string> IncrementalPotential::non_potentials() const {
   std::vector<std::string> names;
-  for (const EnergyTerm* term : terms_) {
+  for (const EnergyTerm* term : terms_.all()) {
     if (term->declaration().is_potential || std::ranges::find(names, term->name()) != names.end()) continue;
     names.emplace_back(term->name());
   }
@@ -385,12 +319,12 @@ std::vector<std::string> IncrementalPotential::non_potentials() const {
 
 Symmetry IncrementalPotential::symmetry() const {
   const auto is_unsymmetric = [](const EnergyTerm* t) { return t->declaration().symmetry == Symmetry::unsymmetric; };
-  return std::ranges::any_of(terms_, is_unsymmetric) ? Symmetry::unsymmetric : Symmetry::symmetric;
+  return std::ranges::any_of(terms_.all(), is_unsymmetric) ? Symmetry::unsymmetric : Symmetry::symmetric;
 }
 
 Handle<Vec> IncrementalPotential::make_internal() const {
   Handle<Vec> z;
-  const auto size = static_cast<PetscInt>(first_internal_.back());
+  const auto size = static_cast<PetscInt>(terms_.num_internal());
   if (sum(layout_.comm, static_cast<PetscInt64>(size)) == 0) return z;
   check(VecCreateMPI(layout_.comm, size, PETSC_DECIDE, z.out()));
   return z;
@@ -400,14 +334,15 @@ InternalVariables IncrementalPotential::internal_variables() {
   InternalVariables internal;
   internal.end_stage = [this](const StagePoint& stage, Vec q, Vec z) {
     begin_stage(stage);
-    const auto at = arrays_.at(q);
+    const auto at = terms_.arrays().at(q);
     const ArrayView values(z);
-    for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k]->end_stage(stage_of(k), at, slice(values.span(), k));
+    for (std::size_t k = 0; k < terms_.size(); ++k)
+      terms_[k].end_stage(terms_.stage_of(k), at, terms_.internal_of(k, values.span()));
   };
   internal.complete_step = [this](Vec q, Vec z) {
-    const auto at = arrays_.at(q);
+    const auto at = terms_.arrays().at(q);
     const ArrayView values(z);
-    for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k]->complete_step(at, slice(values.span(), k));
+    for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k].complete_step(at, terms_.internal_of(k, values.span()));
   };
   return internal;
 }

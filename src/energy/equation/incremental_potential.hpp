@@ -1,9 +1,9 @@
 /// The incremental potential of a stage: the sum of its terms over all ranks, with prescribed entries eliminated.
 #pragma once
 
-#include "energy/equation/stage_arrays.hpp"
+#include "energy/equation/energy_accounts.hpp"
+#include "energy/equation/stage_terms.hpp"
 #include "energy/stage_equation.hpp"
-#include "energy/stress.hpp"
 #include "fem/block_matrix.hpp"
 #include "fem/layout.hpp"
 #include "petsc/matrix_pattern.hpp"
@@ -16,15 +16,6 @@
 
 namespace pliant {
 
-/// What the forces of a term do, over all ranks: numbers of one kind that are summed as they lie.
-struct TermPower {
-  static constexpr std::size_t num_numbers = 6;
-  double exerted = 0.0;     ///< by its forces, -dPhi_k/dq . v summed over all entries, prescribed ones included [W]
-  double dissipated = 0.0;  ///< EnergyTerm::dissipation [W]
-  double supplied = 0.0;    ///< EnergyTerm::supply [W]
-  std::array<double, 3> force{};  ///< sum of its forces -dPhi_k/dq over all nodes [N]
-};
-
 /// Phi(q) = sum of terms(q); docs/theory.md, "The incremental potential". Works on vectors of make_vector(layout).
 class IncrementalPotential final : public StageEquation {
  public:
@@ -32,7 +23,7 @@ class IncrementalPotential final : public StageEquation {
   IncrementalPotential(const NodeLayout& layout, const BlockPattern& pattern, std::vector<const EnergyTerm*> terms,
                        const std::vector<char>& prescribed);
 
-  std::span<const EnergyTerm* const> terms() const { return terms_; }
+  std::span<const EnergyTerm* const> terms() const { return terms_.all(); }
 
   /// The stage that all following calls speak of.
   void begin_stage(const StagePoint& stage);
@@ -48,24 +39,17 @@ class IncrementalPotential final : public StageEquation {
   void gradient_with_reactions(Vec q, Vec r);
   /// The sum of the gradients of some terms.
   void gradient_of(const std::function<bool(const EnergyTerm&)>& wanted, Vec q, Vec r);
-  /// gradient_with_reactions, and what each term's forces do at the velocity v.
-  std::vector<TermPower> powers(Vec q, Vec v, Vec r);
-  /// EnergyTerm::energy_at of each term; z may be nullptr if there are no internal variables [J].
-  std::vector<double> energies(const Instant& at, Vec q, Vec z);
-  /// Calls `visit` for the stress that each term has in each of its owned cells; z as above, v likewise at rest.
-  void visit_stresses(const Instant& at, Vec q, Vec v, Vec z,
-                      const std::function<void(StressPart, PetscInt, const CellStress&)>& visit);
-  /// Change of the energies at fixed q from one instant to another, which time alone makes [J].
-  double supplied(const Instant& from, const Instant& to, Vec q);
+  /// What the terms do in the stage, for ledgers and results. Refers to this object. Not collective.
+  EnergyAccounts accounts() { return EnergyAccounts(terms_); }
   /// A zero matrix for the Hessian, with the rigid-body modes as its near-null space.
   Handle<Mat> make_hessian() const override;
   std::optional<Coarsening> make_coarsening() const override;
   std::unique_ptr<NodalRotations> make_rotations() const override;
   /// K = d2Phi/dq2 [N/m]; rows and columns of prescribed entries are zero but for the diagonal.
   void hessian(Vec q, Mat K, Projection projection) override;
-  void extrapolate_from(Vec q) override { arrays_.extrapolate_from(q); }
+  void extrapolate_from(Vec q) override { terms_.arrays().extrapolate_from(q); }
   bool is_static() const override;
-  std::size_t num_rank_one() const override { return functions_of_sum_.size(); }
+  std::size_t num_rank_one() const override { return terms_.functions_of_sum().size(); }
   void rank_one_parts(Vec q, std::vector<RankOne>& parts) override;
   bool move_rigidly(Vec q) override;
   bool carry_along(Carried which, Vec q) override;
@@ -94,25 +78,14 @@ class IncrementalPotential final : public StageEquation {
   InternalVariables internal_variables();
 
  private:
-  /// The entries of q as terms see them, with the sums over all ranks of the terms that are functions of one.
-  std::span<const double> evaluated_at(Vec q);
-  /// Zeros for the rows of all nodes that terms see.
-  std::span<double> empty_rows();
   /// A zero matrix of a pattern, with the properties of the Hessian.
   Handle<Mat> make_hessian_of(const BlockPattern& pattern) const;
   /// Gives K the pattern of cells and pairs, unless it has it. Collective.
   void fit(Mat K);
-  const FunctionOfSum& sum_function(std::size_t k) const;
-  /// The patches near one another that the k-th term couples; nullptr if it is another kind of term.
-  const NearPatches* near(std::size_t k) const;
   /// r = the rows of owned nodes.
   void take_owned(std::span<const double> rows, Vec r) const;
-  void add_up(const LocalStage& stage, std::span<const double> q);
   /// Whether coefficients frozen at the step's start do more than those of q allow (EnergyTerm::bound).
   bool exceeds_a_bound(Vec q);
-  /// The stage as the k-th term sees it.
-  const LocalStage& stage_of(std::size_t k);
-  std::span<double> slice(std::span<double> z, std::size_t k) const;
   void clear_prescribed(std::span<double> r) const;
   /// Norm of the term's forces at q, whose ghosts are up to date.
   double force_of(std::size_t k, std::span<const double> q);
@@ -121,22 +94,15 @@ class IncrementalPotential final : public StageEquation {
 
   const NodeLayout& layout_;
   const BlockPattern& pattern_;
-  std::vector<const EnergyTerm*> terms_;
   std::vector<char> prescribed_;
   RowElimination elimination_;
-  StageArrays arrays_;
+  StageTerms terms_;
   bool exceeds_bound_ = false;                      // of the stage that was last solved
-  std::vector<std::size_t> first_internal_;         // of each term, and their total
-  Vec z0_ = nullptr;                                // of the stage, borrowed
-  std::vector<std::size_t> functions_of_sum_;       // among the terms
-  std::vector<SumOverRanks> sums_;                  // of each term, at the last q
   double sum_rounding_ = 0.0;                       // of the last parts of rank one [N]
   std::vector<std::vector<PetscInt>> free_bodies_;  // owned nodes of each body that nothing holds
-  std::vector<double> rows_;
   Handle<Vec> work_, diagonal_;
   // Where terms couple pairs.
-  std::vector<std::size_t> pair_terms_;  // among the terms
-  Handle<Mat> of_cells_;                 // the part of the Hessian that has the pattern of the cells
+  Handle<Mat> of_cells_;  // the part of the Hessian that has the pattern of the cells
   PresentPattern present_pattern_;
 };
 

@@ -238,11 +238,11 @@ std::unique_ptr<EnergyTerm> make_viscous_term(const ViscosityVariant& law, const
     return make(from<Reference::internal>,
                 {m->name, m->moduli == Moduli::relative ? proportional(shear, bulk) : uniform(shear, bulk), tau});
   }
-  if (const auto* s = std::get_if<StiffnessProportional>(&law)) {
-    return make_alone({s->name, proportional(s->time, s->time), 0.0}, s->rate);
+  if (const auto* s = std::get_if<WithStrainRate<StiffnessProportional>>(&law)) {
+    return make_alone({s->name, proportional(s->law.time, s->law.time), 0.0}, s->rate);
   }
-  const auto& k = std::get<KelvinVoigt>(law);
-  return make_alone({k.name, uniform(k.shear, k.bulk), 0.0}, k.rate);
+  const auto& [k, rate] = std::get<WithStrainRate<KelvinVoigt>>(law);
+  return make_alone({k.name, uniform(k.shear, k.bulk), 0.0}, rate);
 }
 
 #define PLIANT_INSTANTIATE(Order)                                                                         \

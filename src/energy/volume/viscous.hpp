@@ -21,8 +21,22 @@
 #include "time/method.hpp"
 
 #include <memory>
+#include <string_view>
+#include <variant>
 
 namespace pliant {
+
+/// A law in the rate of E, and how a stage forms that.
+template <class Law>
+struct WithStrainRate {
+  static constexpr std::string_view name = Law::name;
+
+  Law law;
+  StrainRate rate;
+};
+
+/// The laws in E.
+using ViscosityVariant = std::variant<WithStrainRate<KelvinVoigt>, Maxwell, WithStrainRate<StiffnessProportional>>;
 
 /// A term of the cells of `body`; `groups` holds the cells of all bodies and must outlive it. A body of several Maxwell
 /// branches has several terms. Internal variables (`reconstructed`, `maxwell`): G at every quadrature point as xx yy zz

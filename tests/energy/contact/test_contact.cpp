@@ -155,13 +155,14 @@ TEST_P(Contacting, PowersAddUp) {
   for (const EnergyTerm* term : terms_.all()) {
     IncrementalPotential potential = alone(*term);
     begin(potential);
-    const TermPower power = potential.powers(q_.get(), v.get(), r.get())[0];
+    const TermPower power = potential.accounts().powers(q_.get(), v.get(), r.get())[0];
     const Point force = test::resultant(solid_, r.get(), q_.get()).force;
     const double size = std::sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2]);
     for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(power.force[i], -force[i], 1e-12 * size);
     if (term == terms_.contact.get()) {
       EXPECT_EQ(power.dissipated, 0.0);
-      const double h = 1e-4, change = potential.supplied({time_of_stage - h, 1.0}, {time_of_stage + h, 1.0}, q_.get());
+      const double h = 1e-4,
+                   change = potential.accounts().supplied({time_of_stage - h, 1.0}, {time_of_stage + h, 1.0}, q_.get());
       EXPECT_NEAR(power.supplied, change / (2.0 * h), 1e-6 * std::abs(power.supplied));
     } else {
       EXPECT_GT(power.dissipated, 0.0) << term->name();
@@ -243,7 +244,7 @@ TEST(Contact, OfAFlatFaceIsASpringPerArea) {
     EXPECT_NEAR(-force[2], k * depth, 1e-12 * k);
     EXPECT_EQ(force[0], 0.0);
     // k width^2 (1/10 + y^2/2) with y = 3
-    EXPECT_NEAR(potential.energies({}, q.get(), nullptr)[0], k * 1e-4 * 4.6, 1e-12 * k);
+    EXPECT_NEAR(potential.accounts().energies({}, q.get(), nullptr)[0], k * 1e-4 * 4.6, 1e-12 * k);
   }
 }
 

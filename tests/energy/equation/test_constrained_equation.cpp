@@ -1,5 +1,6 @@
 // The equation in the unknowns that constraints leave: its derivatives, and that its configurations fulfil them.
 #include "energy/equation/constrained_equation.hpp"
+#include "energy/screw_joint.hpp"
 #include "energy/tied_body.hpp"
 #include "petsc/session.hpp"
 
@@ -12,6 +13,7 @@ namespace {
 using test::Point;
 using test::Scratch;
 using test::Shape;
+using test::TestConstraint;
 using test::TestStage;
 using test::TiedBody;
 using test::TiedSpec;
@@ -74,6 +76,18 @@ TiedSpec turning_in_time(int order) {
   TiedSpec spec = turning(order);
   spec.rigidity = Rigidity::of_accelerations;
   spec.surroundings = std::nullopt;
+  return spec;
+}
+
+/// A joint coordinate next to a rigid part.
+TiedSpec joint(int order) {
+  TiedSpec spec = turning(order);
+  spec.constraints.resize(1);
+  TestConstraint& constraint = spec.constraints.emplace_back();
+  constraint.dependent = [](const NodeLayout& layout) {
+    return std::make_unique<test::ScrewJoint>(layout, nodes_in_region(layout, at(0, 1.0)), free_motion().centre,
+                                              free_motion().axis, 0.3);
+  };
   return spec;
 }
 
@@ -166,6 +180,7 @@ class Constrained : public ::testing::TestWithParam<EquationCase> {
 INSTANTIATE_TEST_SUITE_P(Kinds, Constrained,
                          ::testing::Values(EquationCase{"Ties", everything, 1}, EquationCase{"Ties", everything, 2},
                                            EquationCase{"Turning", turning, 1}, EquationCase{"Turning", turning, 2},
+                                           EquationCase{"Joint", joint, 1}, EquationCase{"Joint", joint, 2},
                                            EquationCase{"TurningInTime", turning_in_time, 1},
                                            EquationCase{"TurningInTime", turning_in_time, 2},
                                            EquationCase{"TiesWithPressures", ties_with_pressures, 2},
@@ -207,7 +222,7 @@ TEST_P(Constrained, TurningPartsAreRigid) {
   if (body_.map().is_linear() || !body_.map().is_symmetric()) return;
   const auto q = body_.solid().vector(test::at_rest);
   body_.map().expand(displacements_of(y_.get()).get(), q.get());
-  for (const std::size_t part : {0, 1}) {
+  for (std::size_t part = 0; part < body_.num_turning_parts(); ++part) {
     EXPECT_LE(body_.distortion(part, q.get()), 1e-14);
     const auto placement = body_.placement(part, q.get());
     EXPECT_GT(placement.rotation[2], 0.2);
@@ -217,11 +232,43 @@ TEST_P(Constrained, TurningPartsAreRigid) {
     EXPECT_NEAR(0.8 * theta[1] - 0.6 * theta[2], 0.0, 1e-13);  // about the axis alone
     EXPECT_NEAR(theta[0], 0.0, 1e-13);
   }
-  // What is rigid already is found again.
-  const auto again = body_.solid().vector(test::at_rest), z = body_.solid().vector(test::at_rest);
+}
+
+// The unknowns of a configuration that fulfils the constraints are found again.
+TEST_P(Constrained, RestrictionIsTheInverse) {
+  if (!body_.map().is_symmetric()) return;
+  const auto q = body_.solid().vector(test::at_rest), again = body_.solid().vector(test::at_rest);
+  const auto y = displacements_of(y_.get()), z = body_.solid().vector(test::at_rest);
+  body_.map().expand(y.get(), q.get());
   body_.map().restrict(q.get(), z.get());
   body_.map().expand(z.get(), again.get());
   EXPECT_LE(test::distance(q.get(), again.get()), 1e-13);
+  // And in a stage that begins elsewhere.
+  body_.map().begin_stage(stage_.point, body_.solid().vector(test::at_rest).get());
+  body_.map().restrict(q.get(), z.get());
+  body_.map().expand(z.get(), again.get());
+  EXPECT_LE(test::distance(q.get(), again.get()), 1e-13);
+}
+
+// The columns of J are the derivatives of T; fourth order, as below.
+TEST_P(Constrained, JacobianIsTheDerivative) {
+  const auto y = displacements_of(y_.get()), d = displacements_of(direction(11).get());
+  const auto expanded = [&](double alpha) {
+    auto q = body_.solid().vector(test::at_rest);
+    body_.map().expand(test::moved(y.get(), alpha, d.get()).get(), q.get());
+    return q;
+  };
+  const double h = 1e-3;
+  const auto Jd = body_.solid().vector(test::at_rest), difference = body_.solid().vector(test::at_rest);
+  body_.map().linearize(y.get());
+  check(MatMult(body_.map().jacobian(), d.get(), Jd.get()));
+  check(VecWAXPY(difference.get(), -1.0, expanded(-h).get(), expanded(h).get()));
+  check(VecScale(difference.get(), 8.0));
+  check(VecAXPY(difference.get(), -1.0, expanded(2.0 * h).get()));
+  check(VecAXPY(difference.get(), 1.0, expanded(-2.0 * h).get()));
+  check(VecScale(difference.get(), 1.0 / (12.0 * h)));
+  ASSERT_GT(test::norm(Jd.get()), 1e-3);
+  EXPECT_LE(test::distance(Jd.get(), difference.get()), 1e-10 * test::norm(Jd.get()));
 }
 
 // The second derivative of F^T F = I with the rates of the stage, on the plane of the nodes; of the hinge across its
@@ -262,14 +309,14 @@ TEST_P(Constrained, StepsEndRigid) {
   const auto q = body_.solid().vector([](const Point& x) { return 0.1 * test::strained(x); });
   const auto v = body_.solid().vector(test::rough_field(0.3, 5));
   body_.motion().complete_step({0.7, 0.05}, q.get(), v.get());
-  for (const std::size_t part : {0, 1}) {
+  for (std::size_t part = 0; part < body_.num_turning_parts(); ++part) {
     EXPECT_LE(body_.distortion(part, q.get()), 1e-14);
     const double h = 1e-5;
     EXPECT_LE(body_.distortion(part, test::moved(q.get(), h, v.get()).get()), 2.0 * h * h);
   }
   const auto q2 = test::moved(q.get(), 0.0, q.get()), v2 = test::moved(v.get(), 0.0, v.get());
   body_.motion().complete_step({0.7, 0.05}, q2.get(), v2.get());
-  EXPECT_EQ(test::distance(q.get(), q2.get()), 0.0);
+  EXPECT_LE(test::distance(q.get(), q2.get()), body_.num_turning_parts() == 2 ? 0.0 : 1e-14);  // others to rounding
   EXPECT_LE(test::distance(v.get(), v2.get()), 1e-14);
 }
 

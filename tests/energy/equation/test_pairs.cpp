@@ -110,7 +110,7 @@ TEST_P(Pairs, DerivativesHoldWhileTheSetOfPairsChanges) {
     EXPECT_LT(test::distance(y.get(), after.get()), 1e-6 * test::norm(y.get())) << closer;
     EXPECT_GT(test::norm(y.get()), 0.0);
     // The springs act, but for the place that is far away.
-    const double energy = bodies.potential->energies({}, q.get(), nullptr)[1];
+    const double energy = bodies.potential->accounts().energies({}, q.get(), nullptr)[1];
     EXPECT_EQ(energy > 0.0, closer >= 0.0) << closer;
     EXPECT_NE(energy, coupling);
     coupling = energy;
@@ -131,7 +131,7 @@ TEST_P(Pairs, NumbersAreThoseOfOneRank) {
     const Handle<Vec> y = bodies.product(q.get(), d.get(), hessian);
     numbers.push_back(test::dot(y.get(), e.get()));
     numbers.push_back(test::norm(y.get()));
-    numbers.push_back(bodies.potential->energies({}, q.get(), nullptr)[1]);
+    numbers.push_back(bodies.potential->accounts().energies({}, q.get(), nullptr)[1]);
     numbers.push_back(bodies.potential->rounding_floor(q.get()));
     return numbers;
   };

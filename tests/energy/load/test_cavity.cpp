@@ -109,7 +109,7 @@ TEST_P(Cavities, ValueAndEnergyAreThoseOfTheWholeVolume) {
   const double body = GetParam().volume(), before = (1.1 * 0.9 - 1.0) * body, after = (1.3 * 1.2 - 1.0) * body;
   EXPECT_NEAR(sum(comm, term->swept(test::local_values(q.get()))), after, 1e-12);
   EXPECT_NEAR(potential.value(q.get()), gas.work(before, after - before, half), 1e-12);
-  EXPECT_NEAR(potential.energies({}, q.get(), nullptr)[0], gas.work(0.0, after, {}), 1e-12);
+  EXPECT_NEAR(potential.accounts().energies({}, q.get(), nullptr)[0], gas.work(0.0, after, {}), 1e-12);
   // The force along x on the motion x -> x, whose rate of volume is that of the body.
   const Handle<Vec> r = potential.make_vector();
   potential.gradient(q.get(), r.get());

@@ -62,15 +62,15 @@ TEST_P(Foundations, PullBackAndTakeEnergy) {
       EXPECT_NEAR(force[i], (spring + dashpot / dt) * resisted, 1e-12);
     }
     const double resisted_square = term == normal.get() ? 0.3 * 0.3 : square;
-    EXPECT_NEAR(potential.energies({}, q.get(), nullptr)[0], 0.5 * spring * resisted_square, 1e-13);
+    EXPECT_NEAR(potential.accounts().energies({}, q.get(), nullptr)[0], 0.5 * spring * resisted_square, 1e-13);
     EXPECT_NEAR(potential.value(q.get()), 0.5 * (spring + dashpot / dt) * resisted_square, 1e-12);
     const auto power =
-        potential.powers(q.get(),
-                         solid_.vector([&](const Point&) {
-                                 return Point{u[0] / dt, u[1] / dt, u[2] / dt};
-                               })
-                             .get(),
-                         r.get())[0];
+        potential.accounts().powers(q.get(),
+                                    solid_.vector([&](const Point&) {
+                                            return Point{u[0] / dt, u[1] / dt, u[2] / dt};
+                                          })
+                                        .get(),
+                                    r.get())[0];
     EXPECT_NEAR(power.dissipated, dashpot * resisted_square / (dt * dt), 1e-10);
     EXPECT_NEAR(power.exerted, -(spring + dashpot / dt) * resisted_square / dt, 1e-10);
   }

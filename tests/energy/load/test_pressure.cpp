@@ -172,7 +172,7 @@ TEST_P(Pressure, OnAClosedSurfaceItHasAPotential) {
   const auto q = solid_.vector(test::strained);
   const double V = volume_at(q.get()), V0 = volume_at(stage.q0.get()), V_rest = GetParam().volume();
   EXPECT_NEAR(of.value(q.get()), 7.0 * (V - V0), 1e-13);
-  EXPECT_NEAR(of.energies({}, q.get(), nullptr)[0], 7.0 * (V - V_rest), 1e-12);
+  EXPECT_NEAR(of.accounts().energies({}, q.get(), nullptr)[0], 7.0 * (V - V_rest), 1e-12);
   EXPECT_EQ(on_the_whole_surface(Expression("t"))->declaration().account, Account::load);
   EXPECT_FALSE(on_the_whole_surface(Expression("1+x"))->declaration().is_potential);
 }

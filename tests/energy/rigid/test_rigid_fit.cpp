@@ -1,6 +1,6 @@
 // The rigid motion that is nearest to that of some nodes.
+#include "energy/rigid/affine_fit.hpp"
 #include "energy/rigid/rigid_fit.hpp"
-#include "energy/rigid/rigid_patch.hpp"
 #include "energy/solid.hpp"
 #include "fem/selection.hpp"
 
@@ -111,20 +111,6 @@ TEST_F(RigidFit, FindsAffineMotions) {
     EXPECT_NEAR(turned.translation[i], translation[i], 1e-13);
     EXPECT_NEAR(matvec(turned.gradient, r)[i], expected[i], 1e-13);
   }
-}
-
-TEST_F(RigidFit, TellsWhatCannotTurn) {
-  const auto edge = nodes([](const Point& x) { return x[0] < 1e-9 && x[1] < 1e-9; });
-  const auto corner = nodes([](const Point& x) { return dot(x, x) < 1e-12; });
-  RigidMotion motion;
-  motion.axis = {0.0, 0.0, 1.0};
-  const NodeLayout& layout = solid_.layout();
-  EXPECT_TRUE(why_not_rigid(layout, edge, motion, FreeRotation::about_all_axes).has_value());
-  EXPECT_TRUE(why_not_rigid(layout, edge, motion, FreeRotation::about_axis).has_value());
-  EXPECT_TRUE(why_not_rigid(layout, corner, motion, FreeRotation::about_all_axes).has_value());
-  EXPECT_FALSE(why_not_rigid(layout, nodes(side_), motion, FreeRotation::about_all_axes).has_value());
-  motion.axis = {1.0, 0.0, 0.0};
-  EXPECT_FALSE(why_not_rigid(layout, edge, motion, FreeRotation::about_axis).has_value());
 }
 
 }  // namespace

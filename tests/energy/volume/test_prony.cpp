@@ -88,10 +88,10 @@ struct PronyBody {
     const Handle<Vec> r = potential.make_vector(), v = test::moved(q.get(), -1.0, second.q0.get());
     check(VecScale(v.get(), 1.0 / h));
     const double change = potential.value(q.get());
-    const TermPower power = potential.powers(q.get(), v.get(), r.get())[0];
-    const double before = potential.energies({}, second.q0.get(), second.z0.get())[0];
+    const TermPower power = potential.accounts().powers(q.get(), v.get(), r.get())[0];
+    const double before = potential.accounts().energies({}, second.q0.get(), second.z0.get())[0];
     return {test::norm(r.get()), change, -power.exerted, power.dissipated,
-            (potential.energies({}, q.get(), z.get())[0] - before) / h};
+            (potential.accounts().energies({}, q.get(), z.get())[0] - before) / h};
   }
 
   Solid solid;

@@ -78,7 +78,7 @@ Losses follow(const Solid& solid, IncrementalPotential& potential, const Method&
   const Handle<Vec> r = potential.make_vector();
   system.quadratures.rates = [&](const StagePoint& stage, Vec q, Vec v, Vec, std::span<double> rates) {
     potential.begin_stage(stage);
-    rates[0] = potential.powers(q, v, r.get())[0].dissipated;
+    rates[0] = potential.accounts().powers(q, v, r.get())[0].dissipated;
     losses.least_rate = std::min(losses.least_rate, rates[0]);
     losses.largest_rate = std::max(losses.largest_rate, rates[0]);
   };
@@ -234,7 +234,7 @@ std::vector<CreepCase> every_creep(const Method& method) {
                                 E0,
                                 {"",
                                  [=](const Solid& s) {
-                                   return s.viscous(KelvinVoigt{eta, eta / 1.5, rate});
+                                   return s.viscous(WithStrainRate{KelvinVoigt{eta, eta / 1.5}, rate});
                                  }},
                                 kelvin_voigt}};
   // At once the bar yields by the springs: the strain is no state of an ordinary differential equation, and methods

@@ -270,8 +270,8 @@ TEST(RelativeModuli, ArePartsOfTheElasticOnes) {
     return body.gradient(body.solid.vector(at_time(0.0)));
   };
   const auto& [shear, bulk] = test::stiffness_at_rest;
-  const auto expected = forces(KelvinVoigt{0.02 * shear, 0.02 * bulk, StrainRate::exact});
-  const auto proportional = forces(StiffnessProportional{0.02, StrainRate::exact});
+  const auto expected = forces(WithStrainRate{KelvinVoigt{0.02 * shear, 0.02 * bulk}, StrainRate::exact});
+  const auto proportional = forces(WithStrainRate{StiffnessProportional{0.02}, StrainRate::exact});
   EXPECT_LE(test::distance(proportional.get(), expected.get()), 1e-14 * test::norm(expected.get()));
   const auto branch = forces(Maxwell{0.3 * shear, 0.2 * bulk, 0.1});
   const auto part = forces(Maxwell{0.3, 0.2, 0.1, Moduli::relative});
@@ -302,7 +302,7 @@ TEST(MassProportionalDamping, TakesItsPartOfTheMomentum) {
       EXPECT_NEAR(force[i], alpha * sum(comm, m.linear[i]), 1e-12 * density);
       EXPECT_NEAR(moment[i], alpha * sum(comm, m.angular[i]), 1e-12 * density);
     }
-    const auto power = potential.powers(q.get(), v.get(), r.get());
+    const auto power = potential.accounts().powers(q.get(), v.get(), r.get());
     const double lost = 2.0 * alpha * sum(comm, inertia->kinetic_energy(test::local_values(v.get())));
     EXPECT_NEAR(power[0].dissipated, lost, 1e-12 * lost);
     EXPECT_NEAR(power[0].exerted, -lost, 1e-12 * lost);

@@ -50,10 +50,10 @@ TEST_P(ViscousDigits, ForcesOfStrainsOf1e8KeepTheirDigits) {
     if (body_.maxwell != nullptr) {
       const Quad yield = 1 + Quad(dt) / body_.maxwell->relaxation_time;
       shear = body_.maxwell->shear_modulus / yield, bulk = body_.maxwell->bulk_modulus / yield;
-    } else if (const auto* kelvin_voigt = std::get_if<KelvinVoigt>(&GetParam().law)) {
-      shear = kelvin_voigt->shear / Quad(dt), bulk = kelvin_voigt->bulk / Quad(dt);
+    } else if (const auto* kelvin_voigt = std::get_if<WithStrainRate<KelvinVoigt>>(&GetParam().law)) {
+      shear = kelvin_voigt->law.shear / Quad(dt), bulk = kelvin_voigt->law.bulk / Quad(dt);
     } else {
-      const auto& law = std::get<StiffnessProportional>(GetParam().law);
+      const auto& law = std::get<WithStrainRate<StiffnessProportional>>(GetParam().law).law;
       const auto& C0 = test::stiffness_at_rest;
       shear = law.time * Quad(C0.shear) / dt, bulk = law.time * Quad(C0.bulk) / dt;
     }

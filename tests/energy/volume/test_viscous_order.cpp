@@ -48,7 +48,7 @@ constexpr double density = 1.0, shear = 0.1, bulk = 0.07;
 const Maxwell branch{3.0, 2.0, 0.1};
 
 Damping kelvin_voigt(StrainRate rate) {
-  const KelvinVoigt law{shear, bulk, rate};
+  const WithStrainRate law{KelvinVoigt{shear, bulk}, rate};
   return {test::name_of(law), {law}};
 }
 
@@ -61,10 +61,10 @@ Damping prony() {
 }
 
 Damping every_mechanism(StrainRate rate) {
-  return {
-      "EveryMechanism",
-      {KelvinVoigt{0.5 * shear, 0.5 * bulk, rate}, branch, Maxwell{0.5, 0.8, 0.4}, StiffnessProportional{1e-4, rate}},
-      0.3};
+  return {"EveryMechanism",
+          {WithStrainRate{KelvinVoigt{0.5 * shear, 0.5 * bulk}, rate}, branch, Maxwell{0.5, 0.8, 0.4},
+           WithStrainRate{StiffnessProportional{1e-4}, rate}},
+          0.3};
 }
 
 std::vector<OrderCase> every_case() {

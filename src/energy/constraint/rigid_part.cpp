@@ -1,4 +1,4 @@
-#include "energy/rigid/rigid_patch.hpp"
+#include "energy/constraint/rigid_part.hpp"
 
 #include "energy/rigid/rigid_fit.hpp"
 #include "material/spectral.hpp"
@@ -56,8 +56,8 @@ bool centre_is_off_plane(const NodeLayout& layout, std::span<const PetscInt> nod
   return dot(off, off) > collinearity * collinearity * trace(fit.second_moment());
 }
 
-RigidPatch::RigidPatch(const NodeLayout& layout, std::vector<PetscInt> nodes, const RigidMotion& motion,
-                       FreeRotation rotation)
+RigidPart::RigidPart(const NodeLayout& layout, std::vector<PetscInt> nodes, const RigidMotion& motion,
+                     FreeRotation rotation)
     : layout_(&layout), nodes_(std::move(nodes)), motion_{{}, motion} {
   for (std::size_t i = 0; i < 3; ++i) {
     if (!motion.translation[i]) free_components_.push_back(i);
@@ -84,13 +84,13 @@ RigidPatch::RigidPatch(const NodeLayout& layout, std::vector<PetscInt> nodes, co
   for (std::size_t k = 0; k < axes_.size(); ++k) hosts_.push_back(3 * all[1] + static_cast<PetscInt>(k));
 }
 
-Placement RigidPatch::nearest(Vec q) const {
+Placement RigidPart::nearest(Vec q) const {
   const Vector3<double>& centre = motion_.rigid->centre;
   return axes_.size() == 1 ? nearest_placement_about(axes_[0], *layout_, nodes_, centre, q)
                            : nearest_placement(*layout_, nodes_, centre, q);
 }
 
-void RigidPatch::start_stage(const StagePoint& stage) const {
+void RigidPart::start_stage(const StagePoint& stage) const {
   if (rigidity_ != Rigidity::of_accelerations || free_components_.size() == 3) return;
   const double passed = stage.time - stage.step_start, dt = stage.dt;
   const GivenKinematics given(motion_, stage.time, passed > 0.0 ? passed : dt, stage.load_factor,
@@ -111,7 +111,7 @@ void RigidPatch::start_stage(const StagePoint& stage) const {
 
 // With F0 = I + h, dt F0' = g and B = 3/4 I + b, quantities of the size of the displacements are kept apart:
 // 16 S^2 = I + 16 Z, Z = 3/4 (b + b^T) + b^T b - (h + h^T + h^T h) / 2.
-RigidPatch::Shape RigidPatch::shape_of(const StagePoint& stage) const {
+RigidPart::Shape RigidPart::shape_of(const StagePoint& stage) const {
   if (rigidity_ == Rigidity::of_configurations) return {};
   if (stage.end_weight != 0.0) {
     Shape shape;
@@ -138,17 +138,17 @@ RigidPatch::Shape RigidPatch::shape_of(const StagePoint& stage) const {
 }
 
 // F - B = R S for the R that makes sum |x_a - B r_a - R S r_a|^2 least.
-Quaternion RigidPatch::nearest_rotation(const Tensor3<double>& gradient) const {
+Quaternion RigidPart::nearest_rotation(const Tensor3<double>& gradient) const {
   const Tensor3<double> A = matmul(matmul(gradient - shape_.drift + shape_.arms, fit_->second_moment()), shape_.arms);
   return axes_.size() == 1 ? rotation_nearest_to(A, axes_[0]) : rotation_nearest_to(A);
 }
 
-void RigidPatch::linearize_at(Vec q) {
+void RigidPart::begin_end_of_step(Vec q) {
   shape_ = {};
   reference_ = nearest(q).rotation;
 }
 
-void RigidPatch::begin_stage(const StagePoint& stage, Vec q) {
+void RigidPart::begin_stage(const StagePoint& stage, Vec q) {
   for (std::size_t i = 0; i < 3; ++i) {
     const auto& component = motion_.rigid->translation[i];
     given_translation_[i] = component ? stage.load_factor * (*component)(0.0, 0.0, 0.0, stage.time) : 0.0;
@@ -157,22 +157,7 @@ void RigidPatch::begin_stage(const StagePoint& stage, Vec q) {
   reference_ = nearest_rotation((*fit_)(*layout_, nodes_, q).gradient);
 }
 
-std::vector<double> RigidPatch::unknowns(Vec y) const {
-  std::vector<double> result(hosts_.size(), 0.0);
-  PetscInt first = 0, last = 0;
-  check(VecGetOwnershipRange(y, &first, &last));
-  {
-    const ConstArrayView entries(y);
-    for (std::size_t k = 0; k < hosts_.size(); ++k) {
-      if (hosts_[k] >= first && hosts_[k] < last) result[k] = entries[hosts_[k] - first];
-    }
-  }
-  check_mpi(
-      MPI_Allreduce(MPI_IN_PLACE, result.data(), static_cast<int>(result.size()), MPI_DOUBLE, MPI_SUM, layout_->comm));
-  return result;
-}
-
-std::vector<double> RigidPatch::nearest_unknowns(Vec q) const {
+std::vector<double> RigidPart::nearest_unknowns(Vec q) const {
   const AffineMotion motion = (*fit_)(*layout_, nodes_, q);
   const Quaternion R = nearest_rotation(motion.gradient);
   const Vector3<double>& r = fit_->mean_arm();
@@ -185,7 +170,7 @@ std::vector<double> RigidPatch::nearest_unknowns(Vec q) const {
   return result;
 }
 
-std::array<Vector3<double>, 2> RigidPatch::nearest_velocities(const Placement& placement, Vec v) const {
+std::array<Vector3<double>, 2> RigidPart::nearest_velocities(const Placement& placement, Vec v) const {
   // Number; sums of arms, velocities, arms times arms, arms times velocities.
   std::array<double, 25> sums{};
   {
@@ -225,7 +210,7 @@ std::array<Vector3<double>, 2> RigidPatch::nearest_velocities(const Placement& p
   return {w - cross(omega, r), omega};
 }
 
-std::vector<double> RigidPatch::nearest_rates(Vec v) const {
+std::vector<double> RigidPart::nearest_rates(Vec v) const {
   const auto [velocity, omega] = nearest_velocities({}, v);
   std::vector<double> result;
   for (const std::size_t i : free_components_) result.push_back(velocity[i]);
@@ -233,16 +218,7 @@ std::vector<double> RigidPatch::nearest_rates(Vec v) const {
   return result;
 }
 
-void RigidPatch::put_unknowns(std::span<const double> unknowns, Vec y) const {
-  PetscInt first = 0, last = 0;
-  check(VecGetOwnershipRange(y, &first, &last));
-  const ArrayView entries(y);
-  for (std::size_t k = 0; k < hosts_.size(); ++k) {
-    if (hosts_[k] >= first && hosts_[k] < last) entries[hosts_[k] - first] = unknowns[k];
-  }
-}
-
-Vector3<double> RigidPatch::rotation_vector(std::span<const double> unknowns) const {
+Vector3<double> RigidPart::rotation_vector(std::span<const double> unknowns) const {
   Vector3<double> theta{};
   for (std::size_t k = 0; k < axes_.size(); ++k) {
     theta = theta + (unknowns[free_components_.size() + k] / (shape_.weight * size_)) * axes_[k];
@@ -250,13 +226,13 @@ Vector3<double> RigidPatch::rotation_vector(std::span<const double> unknowns) co
   return theta;
 }
 
-Placement RigidPatch::placement(std::span<const double> unknowns) const {
+Placement RigidPart::placement(std::span<const double> unknowns) const {
   Placement result{given_translation_, product(exponential(rotation_vector(unknowns)), reference_)};
   for (std::size_t k = 0; k < free_components_.size(); ++k) result.translation[free_components_[k]] = unknowns[k];
   return result;
 }
 
-void RigidPatch::put_displacements(std::span<const double> unknowns, Vec q) const {
+void RigidPart::put_displacements(std::span<const double> unknowns, Vec q) const {
   const Placement at = placement(unknowns);
   const ArrayView entries(q);
   for (const PetscInt a : nodes_) {
@@ -265,60 +241,56 @@ void RigidPatch::put_displacements(std::span<const double> unknowns, Vec q) cons
   }
 }
 
-RigidPatch::Columns RigidPatch::columns(std::span<const double> unknowns, PetscInt node) const {
-  Columns result{};
+void RigidPart::put_columns(std::span<const double> unknowns, PetscInt node, std::span<Vector3<double>> columns) const {
   const std::size_t num_free = free_components_.size();
-  for (std::size_t k = 0; k < num_free; ++k) result[k][free_components_[k]] = 1.0;
+  std::ranges::fill(columns, Vector3<double>{});
+  for (std::size_t k = 0; k < num_free; ++k) columns[k][free_components_[k]] = 1.0;
   const Vector3<double> theta = rotation_vector(unknowns);
   const Vector3<double> s = turn(reference_, matvec(shape_.arms, arm(node)));
   for (std::size_t k = 0; k < axes_.size(); ++k) {
     const auto x = turn(along(theta, axes_[k]), constant<Dual<double>>(s));
-    result[num_free + k] = (1.0 / (shape_.weight * size_)) * Vector3<double>{x[0].slope, x[1].slope, x[2].slope};
+    columns[num_free + k] = (1.0 / (shape_.weight * size_)) * Vector3<double>{x[0].slope, x[1].slope, x[2].slope};
   }
-  return result;
 }
 
-RigidPatch::Columns RigidPatch::test_columns(std::span<const double> unknowns, PetscInt node) const {
-  Columns result = columns(unknowns, node);
-  if (rigidity_ == Rigidity::of_configurations) return result;
-  const Placement turned{{}, placement(unknowns).rotation};
+void RigidPart::put_test_columns(std::span<const double> unknowns, PetscInt node,
+                                 std::span<Vector3<double>> columns) const {
+  put_columns(unknowns, node, columns);
+  if (is_symmetric()) return;
+  const Placement rotated{{}, placement(unknowns).rotation};
   const Vector3<double> r = arm(node);
-  const Vector3<double> Fr = r + matvec(shape_.drift, r) + turned.displacement(matvec(shape_.arms, r));
+  const Vector3<double> Fr = r + matvec(shape_.drift, r) + rotated.displacement(matvec(shape_.arms, r));
   for (std::size_t k = 0; k < axes_.size(); ++k) {
-    result[free_components_.size() + k] = (1.0 / size_) * cross(axes_[k], Fr);
+    columns[free_components_.size() + k] = (1.0 / size_) * cross(axes_[k], Fr);
   }
-  return result;
 }
 
-std::vector<double> RigidPatch::curvature(std::span<const double> unknowns, Vec f) const {
+std::vector<double> RigidPart::curvature(std::span<const double> unknowns, Vec f) const {
   const Vector3<double> theta = rotation_vector(unknowns);
   const std::size_t num_free = free_components_.size(), n = hosts_.size();
   std::vector<double> result(n * n, 0.0);
-  {
-    const ConstArrayView forces(f);
-    for (const PetscInt a : nodes_) {
-      const Vector3<double> force = {forces[3 * a], forces[3 * a + 1], forces[3 * a + 2]};
-      const Vector3<double> s = turn(reference_, matvec(shape_.arms, arm(a)));
-      const Columns x = columns(unknowns, a);
-      for (std::size_t k = 0; k < axes_.size(); ++k) {
-        for (std::size_t l = 0; l < axes_.size(); ++l) {
-          double& entry = result[n * (num_free + k) + num_free + l];
-          if (rigidity_ == Rigidity::of_accelerations) {
-            entry += dot(force, cross(axes_[k], x[num_free + l])) / size_;
-          } else {
-            const auto twice = turn(along(along(theta, axes_[k]), axes_[l]), constant<Dual<Dual<double>>>(s));
-            for (std::size_t i = 0; i < 3; ++i) entry += force[i] * twice[i].slope.slope / (size_ * size_);
-          }
+  const ConstArrayView forces(f);
+  for (const PetscInt a : nodes_) {
+    const Vector3<double> force = {forces[3 * a], forces[3 * a + 1], forces[3 * a + 2]};
+    const Vector3<double> s = turn(reference_, matvec(shape_.arms, arm(a)));
+    std::array<Vector3<double>, most_unknowns> columns{};
+    put_columns(unknowns, a, std::span(columns).first(n));
+    for (std::size_t k = 0; k < axes_.size(); ++k) {
+      for (std::size_t l = 0; l < axes_.size(); ++l) {
+        double& entry = result[n * (num_free + k) + num_free + l];
+        if (is_symmetric()) {
+          const auto twice = turn(along(along(theta, axes_[k]), axes_[l]), constant<Dual<Dual<double>>>(s));
+          for (std::size_t i = 0; i < 3; ++i) entry += force[i] * twice[i].slope.slope / (size_ * size_);
+        } else {
+          entry += dot(force, cross(axes_[k], columns[num_free + l])) / size_;
         }
       }
     }
   }
-  check_mpi(
-      MPI_Allreduce(MPI_IN_PLACE, result.data(), static_cast<int>(result.size()), MPI_DOUBLE, MPI_SUM, layout_->comm));
   return result;
 }
 
-void RigidPatch::subtract_given(Vec v) const {
+void RigidPart::subtract_given(Vec v) const {
   const Vector3<double> centre = (*fit_)(*layout_, nodes_, v).translation;
   const ArrayView entries(v);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -327,7 +299,7 @@ void RigidPatch::subtract_given(Vec v) const {
   }
 }
 
-RigidPatch::RigidState RigidPatch::nearest_state(const GivenKinematics& given, Vec q, Vec v) const {
+RigidPart::RigidState RigidPart::nearest_state(const GivenKinematics& given, Vec q, Vec v) const {
   RigidState state{nearest(q)};
   const auto velocities = nearest_velocities(state.at, v);
   state.velocity = velocities[0];
@@ -341,8 +313,8 @@ RigidPatch::RigidState RigidPatch::nearest_state(const GivenKinematics& given, V
   return state;
 }
 
-void RigidPatch::make_velocities_rigid(double time, double time_scale, Vec q, Vec v) const {
-  const RigidState state = nearest_state({motion_, time, time_scale, 1.0, Side::after}, q, v);
+void RigidPart::restart(const Step& step, Vec q, Vec v) const {
+  const RigidState state = nearest_state({motion_, step.time, step.dt, 1.0, Side::after}, q, v);
   const ArrayView velocities(v);
   for (const PetscInt a : nodes_) {
     const auto w = state.velocity + cross(state.omega, turn(state.at.rotation, arm(a)));
@@ -350,8 +322,8 @@ void RigidPatch::make_velocities_rigid(double time, double time_scale, Vec q, Ve
   }
 }
 
-void RigidPatch::make_rigid(double time, double time_scale, Vec q, Vec v) const {
-  const RigidState state = nearest_state({motion_, time, time_scale}, q, v);
+void RigidPart::complete_step(const Step& step, Vec q, Vec v) const {
+  const RigidState state = nearest_state({motion_, step.time, step.dt}, q, v);
   const ArrayView displacements(q), velocities(v);
   double deviation = 0.0;
   for (const PetscInt a : nodes_) {

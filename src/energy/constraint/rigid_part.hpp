@@ -1,0 +1,122 @@
+/// Rigid parts (RBE2, kinematic coupling): nodes that move as a rigid body whose rotation follows from the forces.
+#pragma once
+
+#include "energy/constraint/dependent_nodes.hpp"
+#include "energy/given_motion.hpp"
+#include "energy/rigid/affine_fit.hpp"
+#include "fem/layout.hpp"
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+/// The axes about which a rigid part rotates freely: all (free), or one (hinged). Its translation is free in the
+/// components that RigidMotion leaves free.
+enum class FreeRotation { about_all_axes, about_axis };
+
+/// Why the nodes do not determine a rotation, as words that follow their name; nothing if they do. Collective.
+std::optional<std::string> why_not_rigid(const NodeLayout& layout, std::span<const PetscInt> nodes,
+                                         const RigidMotion& motion, FreeRotation rotation);
+/// Whether the nodes lie in a plane that does not contain the motion's centre: accelerations do not determine its path
+/// then. Collective.
+bool centre_is_off_plane(const NodeLayout& layout, std::span<const PetscInt> nodes, const RigidMotion& motion);
+
+/// A rigid part (RBE2): nodes that move as a rigid body whose rotation follows from the forces. In a stage
+///
+///   x_a = X_a + d + D r_a + (exp(theta) R_ref - I) S r_a,   r_a = X_a - centre,
+///
+/// where R_ref is a rotation close to the stage's guess, so that theta stays small.
+///
+/// With Rigidity::of_configurations D = 0 and S = I.
+///
+/// With Rigidity::of_accelerations what is rigid is the acceleration, and the configuration at the end of the step. In
+/// a stage configurations are affine, x = c + F r, and F fulfils the second derivative of F^T F = I,
+///
+///   F^T F'' + F''^T F + 2 F'^T F' = 0,   F = F0 + dt F',   F' = F0' + dt F'',
+///
+/// with F0 and F0' from the nodes at the stage's start. This is (F - B)^T (F - B) = S^2, B = (3 F0 + dt F0') / 4, S^2 =
+/// B^T B - F0^T F0 / 2: F = B + R S, R a rotation. Together with the balance of forces and torques these are ordinary
+/// differential equations for x and v, whose order every method keeps. Their drift is removed in the last stage, where
+/// D = -grad E / w and S = I / w make the step's end E + w x rigid (StagePoint::end_weight): neighbours follow, and no
+/// stress remains. The velocities are then rigid except for an error along the forces of the constraint, which is
+/// projected out (energy/constraint/velocity_projection.hpp). As these forces have neither resultant nor moment in any
+/// stage, implicit-midpoint keeps the momenta. Source: Hairer & Wanner, Solving Ordinary Differential Equations II,
+/// VII.2 (index reduction, projection); Hairer, Lubich & Wanner, Geometric Numerical Integration, VII.1 (RATTLE).
+///
+/// The unknowns are the free components of d, and theta about three axes or one, times the part's size. Their hosts are
+/// entries of the part's first two nodes.
+class RigidPart final : public DependentNodes {
+ public:
+  /// `nodes`: owned ones, for which why_not_rigid returns nothing. `motion.angle` is not used. Collective.
+  RigidPart(const NodeLayout& layout, std::vector<PetscInt> nodes, const RigidMotion& motion, FreeRotation rotation);
+
+  std::string description() const override { return "rigid parts that turn freely"; }
+  std::span<const PetscInt> nodes() const override { return nodes_; }
+  std::span<const PetscInt> hosts() const override { return hosts_; }
+  void set_rigidity(Rigidity rigidity) override { rigidity_ = rigidity; }
+  bool is_symmetric() const override { return rigidity_ == Rigidity::of_configurations; }
+
+  void begin_stage(const StagePoint& stage, Vec q) override;
+  /// D = 0, S = I, R_ref the rotation of q.
+  void begin_end_of_step(Vec q) override;
+
+  void put_displacements(std::span<const double> unknowns, Vec q) const override;
+  void put_columns(std::span<const double> unknowns, PetscInt node, std::span<Vector3<double>> columns) const override;
+  /// With Rigidity::of_accelerations: translations, and rotations of the affine configuration.
+  void put_test_columns(std::span<const double> unknowns, PetscInt node,
+                        std::span<Vector3<double>> columns) const override;
+  std::vector<double> curvature(std::span<const double> unknowns, Vec f) const override;
+
+  std::vector<double> nearest_unknowns(Vec q) const override;
+  std::vector<double> nearest_rates(Vec v) const override;
+
+  /// The prescribed components of the translation are treated as prescribed displacements are
+  /// (energy/constraint/prescribed.hpp).
+  void start_stage(const StagePoint& stage) const override;
+  void complete_step(const Step& step, Vec q, Vec v) const override;
+  void restart(const Step& step, Vec q, Vec v) const override;
+  void subtract_given(Vec v) const override;
+
+ private:
+  static constexpr std::size_t most_unknowns = 6;
+  /// Whether nothing of the motion is prescribed.
+  bool is_free() const { return free_components_.size() == 3 && axes_.size() == 3; }
+  /// D and S.
+  struct Shape {
+    Tensor3<double> drift{}, arms = identity<double>();
+    double weight = 1.0;  // of S, about
+  };
+  Shape shape_of(const StagePoint& stage) const;
+  Quaternion nearest_rotation(const Tensor3<double>& gradient) const;
+  Placement placement(std::span<const double> unknowns) const;
+  Vector3<double> rotation_vector(std::span<const double> unknowns) const;
+  Vector3<double> arm(PetscInt node) const { return layout_->position(node) - motion_.rigid->centre; }
+  Placement nearest(Vec q) const;
+  struct RigidState {
+    Placement at;
+    Vector3<double> velocity{}, omega{};  // of the centre, and the angular one
+  };
+  RigidState nearest_state(const GivenKinematics& given, Vec q, Vec v) const;
+  /// The velocity of the centre and the angular velocity closest to the nodes' velocities at a placement.
+  std::array<Vector3<double>, 2> nearest_velocities(const Placement& placement, Vec v) const;
+
+  const NodeLayout* layout_;
+  std::vector<PetscInt> nodes_;
+  GivenDisplacement motion_;
+  std::vector<std::size_t> free_components_;  // of the translation
+  std::vector<Vector3<double>> axes_;
+  double size_ = 1.0;  // [m]
+  std::vector<PetscInt> hosts_;
+  std::optional<AffineFit> fit_;
+  Rigidity rigidity_ = Rigidity::of_configurations;
+  // State of the current stage.
+  Vector3<double> given_translation_{};
+  Shape shape_;
+  Quaternion reference_{1.0, 0.0, 0.0, 0.0};
+};
+
+}  // namespace pliant

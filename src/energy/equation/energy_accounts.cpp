@@ -1,0 +1,79 @@
+#include "energy/equation/energy_accounts.hpp"
+
+#include "base/compensated_sum.hpp"
+#include "petsc/array_view.hpp"
+#include "petsc/collective.hpp"
+
+#include <algorithm>
+
+namespace pliant {
+
+std::vector<TermPower> EnergyAccounts::powers(Vec q, Vec v, Vec r) {
+  const auto at = terms_.at(q);
+  std::vector<TermPower> result(terms_.size());
+  check(VecZeroEntries(r));
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    const auto rows = terms_.empty_rows();
+    terms_[k].add_gradient(terms_.stage_of(k), at, rows);
+    const ConstArrayView velocity(v);
+    const ArrayView total(r);
+    CompensatedSum<double> power;
+    std::array<CompensatedSum<double>, 3> force;
+    for (PetscInt i = 0; i < 3 * terms_.layout().num_owned_nodes; ++i) {
+      power.add(-rows[i] * velocity[i]);
+      force[static_cast<std::size_t>(i % 3)].add(-rows[i]);
+      total[i] += rows[i];
+    }
+    result[k] = {power.total(),
+                 terms_[k].dissipation(terms_.stage_of(k), at),
+                 terms_[k].supply(terms_.stage_of(k), at),
+                 {force[0].total(), force[1].total(), force[2].total()}};
+  }
+  static_assert(sizeof(TermPower) == TermPower::num_numbers * sizeof(double));
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, result.data(), static_cast<int>(TermPower::num_numbers * result.size()),
+                          MPI_DOUBLE, MPI_SUM, terms_.layout().comm));
+  return result;
+}
+
+std::vector<double> EnergyAccounts::energies(const Instant& when, Vec q, Vec z) {
+  const auto at = terms_.at_without_stage(q);
+  Instant instant = when;
+  std::vector<double> result;
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    instant.near = terms_.near(k);
+    result.push_back(terms_[k].energy_at(instant, at, terms_.internal_of(k, z)));
+  }
+  sum_in_place(terms_.layout().comm, result);
+  for (const std::size_t k : terms_.functions_of_sum()) {
+    result[k] += terms_.function_of_sum(k).energy_of_sum(terms_.sum_of(k));
+  }
+  return result;
+}
+
+double EnergyAccounts::supplied(const Instant& from, const Instant& to, Vec q) {
+  const auto is_concerned = [](const EnergyTerm* term) { return term->declaration().depends_on_time; };
+  if (std::ranges::none_of(terms_.all(), is_concerned)) return 0.0;
+  const auto at = terms_.arrays().at(q);
+  double mine = 0.0;
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    if (!is_concerned(&terms_[k])) continue;
+    Instant before = from, after = to;
+    before.near = after.near = terms_.near(k);
+    mine += terms_[k].energy_at(after, at, {}) - terms_[k].energy_at(before, at, {});
+  }
+  return sum(terms_.layout().comm, mine);
+}
+
+void EnergyAccounts::visit_stresses(const Instant& at, Vec q, Vec v, Vec z,
+                                    const std::function<void(StressPart, PetscInt, const CellStress&)>& visit) {
+  BodyState state{.at = at, .q = terms_.arrays().at(q)};
+  if (v != nullptr) state.v = terms_.arrays().beside(v);
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    const auto* term = dynamic_cast<const StressTerm*>(&terms_[k]);
+    if (term == nullptr) continue;
+    state.z = terms_.internal_of(k, z);
+    term->stresses(state, [&](PetscInt cell, const CellStress& stress) { visit(term->part(), cell, stress); });
+  }
+}
+
+}  // namespace pliant
