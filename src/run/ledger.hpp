@@ -93,10 +93,10 @@ class Ledger {
   std::size_t first_impulse() const { return num_works + mechanisms_.size(); }
   Account account_of(const EnergyTerm& term) const;
   void add_works_in_time(const StepAttempt& attempt);
-  void add_works_along_way(const StepAttempt& attempt);
+  void add_works_along_displacement(const StepAttempt& attempt);
   void keep_forces(const StagePoint& stage, Vec q);
-  Works works_along(Vec way) const;
-  double work_of_supports(Vec way) const;
+  Works works_along(Vec displacement) const;
+  double work_of_supports(Vec displacement) const;
   void measure(const StateView& state);
   /// What follows from the works and the energies of the state.
   void balance();
@@ -118,7 +118,7 @@ class Ledger {
   std::vector<std::vector<std::size_t>> contacts_of_term_;
   Handle<Vec> q_;                       // of the last step
   double supply_without_energy_ = 0.0;  // by terms that have none, at the last `powers` [W]: friction of what moves
-  Handle<Vec> at_, way_, reaction_;
+  Handle<Vec> at_, direction_, reaction_;
   std::array<Handle<Vec>, 4> forces_;  // without inertia: those of each account at the last step
 };
 

@@ -12,8 +12,8 @@ namespace {
 /// Straight displacements in which a prescribed motion is applied.
 constexpr int max_displacements = 30;
 /// Of the difference by which the forces of a prescribed motion are found, in parts of the motion.
-constexpr double difference_part = 1e-3;
-/// Shorter displacements than this part lead nowhere.
+constexpr double difference_fraction = 1e-3;
+/// Shorter displacements than this fraction lead nowhere.
 constexpr double shortest_displacement = 1e-3;
 
 /// to = from in the entries that are prescribed, or in the others.
@@ -51,7 +51,7 @@ void GuessSearch::stop_short_of_walls(Vec accepted, Vec candidate) {
   if (accepted == nullptr) return;
   Vec displacement = correction_.get();
   check(VecWAXPY(displacement, -1.0, accepted, candidate));
-  const double bound = inversion_margin * equation_.max_way(accepted, displacement);
+  const double bound = inversion_margin * equation_.max_step_to_wall(accepted, displacement);
   // Where a wall has moved onto the accepted state no displacement is possible, and the guess is as good as its value.
   if (!(bound > 0.0 && bound < 1.0)) return;
   ++statistics_.capped_steps;
@@ -62,15 +62,15 @@ void GuessSearch::stop_short_of_walls(Vec accepted, Vec candidate) {
 // In the frame of the obstacle the accepted state is where it was, and nothing has moved onto it.
 void GuessSearch::follow_obstacles(const StagePoint& stage, Vec q, double& measure) {
   const auto& prescribed = equation_.prescribed();
-  const Handle<Vec> carried = equation_.make_vector(), given = equation_.make_vector();
+  const Handle<Vec> followed = equation_.make_vector(), given = equation_.make_vector();
   check(VecCopy(q, given.get()));
-  for (const auto which : {StageEquation::Carried::bodies, StageEquation::Carried::near}) {
-    if (!equation_.carry_along(which, carried.get())) continue;
-    copy_entries(given.get(), carried.get(), prescribed, Entries::prescribed);
-    consider(carried.get(), q, measure);
+  for (const auto which : {StageEquation::Followers::bodies, StageEquation::Followers::near}) {
+    if (!equation_.follow_obstacles(which, followed.get())) continue;
+    copy_entries(given.get(), followed.get(), prescribed, Entries::prescribed);
+    consider(followed.get(), q, measure);
     check(VecWAXPY(trial_.get(), stage.dt, stage.v0, stage.q0));
     copy_entries(given.get(), trial_.get(), prescribed, Entries::prescribed);
-    stop_short_of_walls(carried.get(), trial_.get());
+    stop_short_of_walls(followed.get(), trial_.get());
     consider(trial_.get(), q, measure);
   }
 }
@@ -133,32 +133,32 @@ std::optional<std::string> GuessSearch::try_prescribed_motion(Vec accepted, Vec 
          "stands in its way";
 }
 
-void GuessSearch::prescribe(Vec x, Vec target, Vec motion, double part) {
-  check(VecWAXPY(trial_.get(), part - 1.0, motion, target));
+void GuessSearch::prescribe(Vec x, Vec target, Vec motion, double fraction) {
+  check(VecWAXPY(trial_.get(), fraction - 1.0, motion, target));
   copy_entries(trial_.get(), x, equation_.prescribed(), Entries::prescribed);
-  equation_.lead(part);
+  equation_.set_prescribed_fraction(fraction);
 }
 
-std::optional<bool> GuessSearch::find_displacement(Vec q, Vec target, Vec motion, double part) {
+std::optional<bool> GuessSearch::find_displacement(Vec q, Vec target, Vec motion, double fraction) {
   Vec forces = correction_.get(), other = end_.get();
-  // d/d part of the residual, by a central difference.
-  const double h = difference_part * std::max(1.0 - part, shortest_displacement);
+  // d/d fraction of the residual, by a central difference.
+  const double h = difference_fraction * std::max(1.0 - fraction, shortest_displacement);
   check(VecCopy(q, other));
-  prescribe(other, target, motion, part + h);
+  prescribe(other, target, motion, fraction + h);
   objective_.gradient(other, forces);
-  prescribe(other, target, motion, part - h);
+  prescribe(other, target, motion, fraction - h);
   objective_.gradient(other, r_.get());
   check(VecAXPBY(forces, -0.5 / h, 0.5 / h, r_.get()));
-  prescribe(q, target, motion, part);
+  prescribe(q, target, motion, fraction);
   if (norm(forces) == 0.0) return std::nullopt;
   objective_.gradient(q, r_.get());
-  check(VecAXPY(r_.get(), 1.0 - part, forces));
+  check(VecAXPY(r_.get(), 1.0 - fraction, forces));
   system_.assemble(q);
   if (!system_.factorize_definite(q)) return false;
   system_.solve(r_.get(), correction_.get());
   check(VecScale(correction_.get(), -1.0));
   check(VecCopy(motion, other));
-  check(VecScale(other, 1.0 - part));
+  check(VecScale(other, 1.0 - fraction));
   copy_entries(other, correction_.get(), equation_.prescribed(), Entries::prescribed);
   return true;
 }
@@ -173,14 +173,14 @@ GuessSearch::Applied GuessSearch::apply_prescribed_motion(Vec accepted, Vec targ
       if (i >= prescribed.size() || !prescribed[i]) entries[static_cast<PetscInt>(i)] = 0.0;
     }
   }
-  double part = 0.0;
+  double fraction = 0.0;
   check(VecCopy(accepted, q));
   prescribe(q, target, motion.get(), 0.0);
   Applied applied = Applied::nothing;
   for (int k = 0; k < max_displacements && applied != Applied::all; ++k) {
     if (!std::isfinite(objective_.measure(q))) break;
     applied = Applied::part;
-    const auto is_found = find_displacement(q, target, motion.get(), part);
+    const auto is_found = find_displacement(q, target, motion.get(), fraction);
     if (!is_found) {
       prescribe(q, target, motion.get(), 1.0);
       applied = Applied::all;
@@ -188,20 +188,20 @@ GuessSearch::Applied GuessSearch::apply_prescribed_motion(Vec accepted, Vec targ
     }
     if (!*is_found) break;
     double length = std::min(1.0, inversion_margin * equation_.max_step(q, correction_.get()));
-    const double from = part;
+    const double from = fraction;
     bool is_finite = false;
     while (!is_finite && length > shortest_displacement) {
       check(VecWAXPY(end_.get(), length, correction_.get(), q));
-      part = length == 1.0 ? 1.0 : from + length * (1.0 - from);
-      prescribe(end_.get(), target, motion.get(), part);
+      fraction = length == 1.0 ? 1.0 : from + length * (1.0 - from);
+      prescribe(end_.get(), target, motion.get(), fraction);
       is_finite = std::isfinite(objective_.measure(end_.get()));
       if (!is_finite) length *= 0.5;
     }
     if (!is_finite) break;
     objective_.move(q, end_.get());
-    if (part == 1.0) applied = Applied::all;
+    if (fraction == 1.0) applied = Applied::all;
   }
-  equation_.lead(1.0);
+  equation_.set_prescribed_fraction(1.0);
   return applied;
 }
 

@@ -59,10 +59,10 @@ class GuessSearch {
   /// entries of q.
   Applied apply_prescribed_motion(Vec accepted, Vec target, Vec q);
   /// x = with the prescribed motion applied to a part; its free entries stay.
-  void prescribe(Vec x, Vec target, Vec motion, double part);
+  void prescribe(Vec x, Vec target, Vec motion, double fraction);
   /// correction = the displacement of all entries that the tangent at q gives for the rest of the prescribed motion,
-  /// beyond `part`; false if there is no tangent. nullopt if nothing that is prescribed moves, or nothing feels it.
-  std::optional<bool> find_displacement(Vec q, Vec target, Vec motion, double part);
+  /// beyond `fraction`; false if there is no tangent. nullopt if nothing that is prescribed moves, or nothing feels it.
+  std::optional<bool> find_displacement(Vec q, Vec target, Vec motion, double fraction);
 
   Objective& objective_;
   StageEquation& equation_;

@@ -23,10 +23,10 @@ class Proximal {
   void add_hessian(Mat K) const;
 
  private:
-  void find_way(Vec q);
+  void compute_force(Vec q);
 
   double weight_ = 0.0;
-  Handle<Vec> centre_, weights_, way_;
+  Handle<Vec> centre_, weights_, force_;
 };
 
 }  // namespace pliant

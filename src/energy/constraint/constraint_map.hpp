@@ -35,9 +35,9 @@ class ConstraintMap {
   void set_rigidity(Rigidity rigidity);
   /// Begins a stage, to which all following calls refer; q: a guess of its end.
   void begin_stage(const StagePoint& stage, Vec q);
-  /// Sets g to its value at a fraction of the way from the accepted state (0) to the end of the stage (1), which is
-  /// where begin_stage leaves it.
-  void lead(double part);
+  /// Sets g to its value at a fraction between the accepted state (0) and the end of the stage (1), which is where
+  /// begin_stage leaves it.
+  void set_prescribed_fraction(double fraction);
   /// q = T(y).
   void expand(Vec y, Vec q) const;
   /// Evaluates `jacobian` and `test_matrix` at y.

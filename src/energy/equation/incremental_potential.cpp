@@ -289,7 +289,8 @@ std::optional<Coarsening> IncrementalPotential::make_coarsening() const {
 }
 
 std::unique_ptr<NodalRotations> IncrementalPotential::make_rotations() const {
-  if (std::ranges::any_of(terms_, [](const EnergyTerm* term) { return !term->declaration().turns; })) return nullptr;
+  if (std::ranges::any_of(terms_, [](const EnergyTerm* term) { return !term->declaration().rotates_with_body; }))
+    return nullptr;
   return std::make_unique<NodalRotations>(layout_, prescribed_);
 }
 
@@ -302,7 +303,7 @@ double IncrementalPotential::max_step(Vec q, Vec d) {
   return minimum(layout_.comm, mine);
 }
 
-double IncrementalPotential::max_way(Vec q, Vec d) {
+double IncrementalPotential::max_step_to_wall(Vec q, Vec d) {
   double mine = std::numeric_limits<double>::infinity();
   if (std::ranges::none_of(terms_, [](const EnergyTerm* term) { return term->declaration().is_wall; })) return mine;
   const auto [at, direction] = arrays_.along(q, d);
@@ -334,31 +335,31 @@ bool IncrementalPotential::move_rigidly(Vec q) {
   return true;
 }
 
-bool IncrementalPotential::carry_along(Carried which, Vec q) {
+bool IncrementalPotential::follow_obstacles(Followers which, Vec q) {
   if (arrays_.stage().accepted.empty()) return false;
   arrays_.return_to_accepted();
-  std::vector<Vector3<double>> ways(static_cast<std::size_t>(layout_.num_local_nodes));
-  std::vector<double> nearness(ways.size(), 0.0);
-  for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k]->carry_along(stage_of(k), ways, nearness);
-  if (which == Carried::bodies) {
-    // The mean way of what is nearest, of all ranks.
+  std::vector<Vector3<double>> displacements(static_cast<std::size_t>(layout_.num_local_nodes));
+  std::vector<double> closeness(displacements.size(), 0.0);
+  for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k]->follow_obstacle(stage_of(k), displacements, closeness);
+  if (which == Followers::bodies) {
+    // The mean displacement of the nearest nodes, over all ranks.
     std::vector<double> sums(4, 0.0);
     for (PetscInt a = 0; a < layout_.num_owned_nodes; ++a) {
-      if (nearness[a] < 1.0) continue;
-      for (std::size_t i = 0; i < 3; ++i) sums[i] += ways[a][i];
+      if (closeness[a] < 1.0) continue;
+      for (std::size_t i = 0; i < 3; ++i) sums[i] += displacements[a][i];
       sums[3] += 1.0;
     }
     sum_in_place(layout_.comm, sums);
     if (sums[3] == 0.0) return false;
-    std::ranges::fill(ways, (1.0 / sums[3]) * Vector3<double>{sums[0], sums[1], sums[2]});
-    std::ranges::fill(nearness, 1.0);
-  } else if (!any_rank(layout_.comm, std::ranges::any_of(nearness, [](double near) { return near > 0.0; }))) {
+    std::ranges::fill(displacements, (1.0 / sums[3]) * Vector3<double>{sums[0], sums[1], sums[2]});
+    std::ranges::fill(closeness, 1.0);
+  } else if (!any_rank(layout_.comm, std::ranges::any_of(closeness, [](double near) { return near > 0.0; }))) {
     return false;
   }
   check(VecCopy(arrays_.accepted(), q));
   const ArrayView u(q);
   for (PetscInt a = 0; a < layout_.num_owned_nodes; ++a) {
-    for (PetscInt i = 0; i < 3; ++i) u[3 * a + i] += nearness[a] * ways[a][static_cast<std::size_t>(i)];
+    for (PetscInt i = 0; i < 3; ++i) u[3 * a + i] += closeness[a] * displacements[a][static_cast<std::size_t>(i)];
   }
   return true;
 }

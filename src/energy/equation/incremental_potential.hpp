@@ -68,10 +68,10 @@ class IncrementalPotential final : public StageEquation {
   std::size_t num_rank_one() const override { return functions_of_sum_.size(); }
   void rank_one_parts(Vec q, std::vector<RankOne>& parts) override;
   bool move_rigidly(Vec q) override;
-  bool carry_along(Carried which, Vec q) override;
+  bool follow_obstacles(Followers which, Vec q) override;
   /// The largest alpha for which q + alpha d stays clear of all barriers.
   double max_step(Vec q, Vec d) override;
-  double max_way(Vec q, Vec d) override;
+  double max_step_to_wall(Vec q, Vec d) override;
   /// Sum over the terms of the norms of their gradients [N]: the size of the forces that must balance. Prescribed
   /// entries count, as what holds them balances too: of a body under uniform stress there are no other forces.
   double force_scale(Vec q) override;

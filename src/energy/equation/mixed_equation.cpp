@@ -322,10 +322,10 @@ double MixedEquation::max_step(Vec x, Vec d) {
   return potential_.max_step(q_.get(), d_.get());
 }
 
-double MixedEquation::max_way(Vec x, Vec d) {
+double MixedEquation::max_step_to_wall(Vec x, Vec d) {
   take_displacement(x, q_.get());
   take_displacement(d, d_.get());
-  return potential_.max_way(q_.get(), d_.get());
+  return potential_.max_step_to_wall(q_.get(), d_.get());
 }
 
 bool MixedEquation::move_rigidly(Vec x) {
