@@ -9,14 +9,14 @@
 namespace pliant {
 namespace {
 
-/// Straight displacements in which a prescribed motion is applied.
+/// Largest number of straight displacements in which a prescribed motion is applied.
 constexpr int max_displacements = 30;
-/// Of the difference by which the forces of a prescribed motion are found, in parts of the motion.
+/// Length of the difference that gives the forces of a prescribed motion, as a fraction of the motion.
 constexpr double difference_fraction = 1e-3;
-/// Shorter displacements than this fraction lead nowhere.
+/// Displacements shorter than this fraction make no progress.
 constexpr double shortest_displacement = 1e-3;
 
-/// to = from in the entries that are prescribed, or in the others.
+/// to = from, in the prescribed entries or in the free ones.
 enum class Entries { prescribed, free };
 void copy_entries(Vec from, Vec to, const std::vector<char>& prescribed, Entries which) {
   const ConstArrayView source(from);
@@ -52,14 +52,14 @@ void GuessSearch::stop_short_of_walls(Vec accepted, Vec candidate) {
   Vec displacement = correction_.get();
   check(VecWAXPY(displacement, -1.0, accepted, candidate));
   const double bound = inversion_margin * equation_.max_step_to_wall(accepted, displacement);
-  // Where a wall has moved onto the accepted state no displacement is possible, and the guess is as good as its value.
+  // If a wall has moved onto the accepted state, no displacement is possible; the guess is then judged by its value.
   if (!(bound > 0.0 && bound < 1.0)) return;
   ++statistics_.capped_steps;
   check(VecWAXPY(r_.get(), bound, displacement, accepted));
   copy_entries(r_.get(), candidate, equation_.prescribed(), Entries::free);
 }
 
-// In the frame of the obstacle the accepted state is where it was, and nothing has moved onto it.
+// In the obstacle's frame the accepted state stays where it was, and no obstacle has moved onto it.
 void GuessSearch::follow_obstacles(const StagePoint& stage, Vec q, double& measure) {
   const auto& prescribed = equation_.prescribed();
   const Handle<Vec> followed = equation_.make_vector(), given = equation_.make_vector();
@@ -89,7 +89,7 @@ StartingGuess GuessSearch::choose(const StagePoint& stage, Vec q) {
   Vec accepted = stage.accepted;
   stop_short_of_walls(accepted, q);
   double measure = objective_.measure(q);
-  // Where inertia alone would lead.
+  // The state that inertia alone would reach.
   check(VecWAXPY(trial_.get(), stage.dt, stage.v0, stage.q0));
   copy_entries(q, trial_.get(), prescribed, Entries::prescribed);
   stop_short_of_walls(accepted, trial_.get());
@@ -101,7 +101,7 @@ StartingGuess GuessSearch::choose(const StagePoint& stage, Vec q) {
   }
   if (!std::isfinite(measure)) follow_obstacles(stage, q, measure);
   if (!std::isfinite(measure) && has_last_) {
-    // All lie beyond a barrier, on whose right side the last solution was.
+    // All guesses lie beyond a barrier; the last solution was on the admissible side.
     check(VecCopy(last_.get(), trial_.get()));
     copy_entries(q, trial_.get(), prescribed, Entries::prescribed);
     consider(trial_.get(), q, measure);
@@ -129,8 +129,8 @@ std::optional<std::string> GuessSearch::try_prescribed_motion(Vec accepted, Vec 
   equation_.extrapolate_from(nullptr);
   if (std::isfinite(measure)) return std::nullopt;
   if (applied == Applied::nothing) return "an obstacle has moved onto the body within one step";
-  return "what is prescribed cannot move as far within one step: a tetrahedron turns inside out, or an obstacle "
-         "stands in its way";
+  return "the prescribed displacement is too large for one step: a tetrahedron would invert, or an obstacle is in "
+         "the way";
 }
 
 void GuessSearch::prescribe(Vec x, Vec target, Vec motion, double fraction) {
@@ -141,7 +141,7 @@ void GuessSearch::prescribe(Vec x, Vec target, Vec motion, double fraction) {
 
 std::optional<bool> GuessSearch::find_displacement(Vec q, Vec target, Vec motion, double fraction) {
   Vec forces = correction_.get(), other = end_.get();
-  // d/d fraction of the residual, by a central difference.
+  // The derivative of the residual with respect to the fraction, by a central difference.
   const double h = difference_fraction * std::max(1.0 - fraction, shortest_displacement);
   check(VecCopy(q, other));
   prescribe(other, target, motion, fraction + h);
