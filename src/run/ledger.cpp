@@ -43,7 +43,7 @@ Ledger::Ledger(Model& model, Analysis analysis, const StateView& initial)
   check(VecCopy(initial.q, q_.get()));
   if (analysis == Analysis::dynamic) return;
   for (auto& f : forces_) f = make_vector(model.layout());
-  // Static: nothing acts yet. Quasistatic: the first state is at rest.
+  // Static: no load acts yet. Quasistatic: the first state is at rest.
   const Handle<Vec> at_rest = make_vector(model.layout());
   StagePoint start{initial.time, 1e-12, initial.q, at_rest.get()};  // in which nothing relaxes
   start.load_factor = analysis == Analysis::static_equilibrium ? 0.0 : 1.0;
@@ -90,7 +90,7 @@ Ledger::Works Ledger::powers(const StagePoint& stage, Vec q, Vec v) {
 
 Account Ledger::account_of(const EnergyTerm& term) const {
   const Account account = term.declaration().account;
-  // Load steps change even those loads that do not depend on time.
+  // Load steps change even loads that do not depend on time.
   const bool grows = analysis_ == Analysis::static_equilibrium && account == Account::load_potential;
   return grows ? Account::load : account;
 }
@@ -178,7 +178,7 @@ void Ledger::balance() {
                     (e.load_potential - initial_.load_potential) + e.dissipated + e.numerical_dissipation - e.load_work;
 }
 
-// Where the last equation solved lies within the step, the midpoint rule; else the trapezoidal one. The powers at the
+// The midpoint rule if the last equation solved lies within the step, otherwise the trapezoidal rule. The powers at the
 // start of the first step are not known: they depend on the accelerations there.
 void Ledger::add_works_in_time(const StepAttempt& attempt) {
   const double dt = attempt.time - time_;
@@ -194,9 +194,9 @@ void Ledger::add_works_in_time(const StepAttempt& attempt) {
   powers_are_known_ = true;
 }
 
-// Forces at both ends of the step, along the way between them; powers that are none of these by the trapezoidal rule.
-// The first state need not be in equilibrium: loads may act at once. Without inertia no kinetic energy takes what the
-// unbalanced forces do on the way to the first equilibrium; it is lost.
+// Works of the forces at both ends of the step along the displacement between them; other powers by the trapezoidal
+// rule. The first state need not be in equilibrium, since loads may act at once. Without inertia, the work of the
+// unbalanced forces up to the first equilibrium does not become kinetic energy; it is lost.
 void Ledger::add_works_along_displacement(const StepAttempt& attempt) {
   check(VecWAXPY(direction_.get(), -1.0, q_.get(), attempt.q));
   const Works before = works_along(direction_.get());
@@ -204,7 +204,7 @@ void Ledger::add_works_along_displacement(const StepAttempt& attempt) {
     released_ = -0.5 * (before[stored] + before[potential] - before[loads] - before[supports]);
   }
   Works power = powers(attempt.last_stage, attempt.last_q, attempt.v);
-  power[loads] = supply_without_energy_;  // the others' is the change of their energies, below
+  power[loads] = supply_without_energy_;  // other supply is the change of energies, below
   keep_forces(attempt.last_stage, attempt.last_q);
   const Works after = works_along(direction_.get());
   for (std::size_t w = 0; w < num_works; ++w) works_[w] += 0.5 * (before[w] + after[w]);

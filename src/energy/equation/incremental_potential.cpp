@@ -13,7 +13,7 @@
 namespace pliant {
 namespace {
 
-/// How much more than they may do frozen coefficients are let do: what changes from step to step in steady sliding.
+/// How far frozen coefficients may exceed their bound: by the change from step to step in steady sliding.
 constexpr double drag_excess = 1e-3;
 
 std::vector<const PairCoupling*> pair_couplings(std::span<const EnergyTerm* const> terms) {
@@ -143,7 +143,7 @@ const LocalStage& IncrementalPotential::stage_of(std::size_t k) {
   stage.near = near(k);
   stage.z0 = {};
   if (z0_ != nullptr) {
-    const ConstArrayView z0(z0_);  // the memory stays where it is while the vector lives
+    const ConstArrayView z0(z0_);  // the memory does not move during the vector's lifetime
     stage.z0 = z0.span().subspan(first_internal_[k], first_internal_[k + 1] - first_internal_[k]);
   }
   return stage;
@@ -317,7 +317,7 @@ double IncrementalPotential::max_step_to_wall(Vec q, Vec d) {
 bool IncrementalPotential::move_rigidly(Vec q) {
   const LocalStage& stage = arrays_.stage();
   if (free_bodies_.empty() || stage.accepted.empty()) return false;
-  // Where inertia alone would lead.
+  // The state that inertia alone would reach.
   check(VecWAXPY(work_.get(), stage.dt, arrays_.v0(), arrays_.q0()));
   check(VecCopy(arrays_.accepted(), q));
   for (const auto& nodes : free_bodies_) {
@@ -327,7 +327,7 @@ bool IncrementalPotential::move_rigidly(Vec q) {
     for (const PetscInt a : nodes) {
       const Vector3<double> X = layout_.position(a);
       const Vector3<double> now = {X[0] + u[3 * a], X[1] + u[3 * a + 1], X[2] + u[3 * a + 2]};
-      // x = x_to(x_from^-1(now)): small differences survive, as both rotations are nearly one.
+      // x = x_to(x_from^-1(now)): small differences survive, because the two rotations are nearly equal.
       const Vector3<double> moved = moved_from(from, to, now);
       for (std::size_t i = 0; i < 3; ++i) u[3 * a + static_cast<PetscInt>(i)] += moved[i];
     }

@@ -16,7 +16,7 @@
 
 namespace pliant {
 
-/// What the forces of a term do, over all ranks: numbers of one kind that are summed as they lie.
+/// Powers and resultant of a term's forces, over all ranks. All members are doubles, summed as one array.
 struct TermPower {
   static constexpr std::size_t num_numbers = 6;
   double exerted = 0.0;     ///< by its forces, -dPhi_k/dq . v summed over all entries, prescribed ones included [W]
@@ -34,34 +34,35 @@ class IncrementalPotential final : public StageEquation {
 
   std::span<const EnergyTerm* const> terms() const { return terms_; }
 
-  /// The stage that all following calls speak of.
+  /// Begins the stage to which all following calls refer.
   void begin_stage(const StagePoint& stage);
   StagePoint enter(const StagePoint& stage, Vec q, Vec xi) override;
   void freeze(Vec q) override;
   bool refreeze(Vec q) override;
 
-  /// Phi(q) [J] but for a constant of the stage; +inf where a barrier is crossed or a number is not finite.
+  /// Phi(q) [J] up to a constant of the stage; +inf where a barrier is crossed or a number is not finite.
   double value(Vec q) override;
   /// r = dPhi/dq [N], zero on prescribed entries.
   void gradient(Vec q, Vec r) override;
-  /// The same with what it takes to hold the prescribed entries: the reactions stand there.
+  /// Likewise, with the reactions (forces that hold them) in the prescribed entries.
   void gradient_with_reactions(Vec q, Vec r);
   /// The sum of the gradients of some terms.
   void gradient_of(const std::function<bool(const EnergyTerm&)>& wanted, Vec q, Vec r);
-  /// gradient_with_reactions, and what each term's forces do at the velocity v.
+  /// gradient_with_reactions, and the powers of each term's forces at the velocity v.
   std::vector<TermPower> powers(Vec q, Vec v, Vec r);
   /// EnergyTerm::energy_at of each term; z may be nullptr if there are no internal variables [J].
   std::vector<double> energies(const Instant& at, Vec q, Vec z);
-  /// Calls `visit` for the stress that each term has in each of its owned cells; z as above, v likewise at rest.
+  /// Calls `visit` for the stress of each term in each of its owned cells; z as above; v may be nullptr for a body at
+  /// rest.
   void visit_stresses(const Instant& at, Vec q, Vec v, Vec z,
                       const std::function<void(StressPart, PetscInt, const CellStress&)>& visit);
-  /// Change of the energies at fixed q from one instant to another, which time alone makes [J].
+  /// Change of the energies at fixed q from one instant to another, due to time alone [J].
   double supplied(const Instant& from, const Instant& to, Vec q);
   /// A zero matrix for the Hessian, with the rigid-body modes as its near-null space.
   Handle<Mat> make_hessian() const override;
   std::optional<Coarsening> make_coarsening() const override;
   std::unique_ptr<NodalRotations> make_rotations() const override;
-  /// K = d2Phi/dq2 [N/m]; rows and columns of prescribed entries are zero but for the diagonal.
+  /// K = d2Phi/dq2 [N/m]; rows and columns of prescribed entries are zero except for the diagonal.
   void hessian(Vec q, Mat K, Projection projection) override;
   void extrapolate_from(Vec q) override { arrays_.extrapolate_from(q); }
   bool is_static() const override;
@@ -73,11 +74,11 @@ class IncrementalPotential final : public StageEquation {
   double max_step(Vec q, Vec d) override;
   double max_step_to_wall(Vec q, Vec d) override;
   /// Sum over the terms of the norms of their gradients [N]: the size of the forces that must balance. Prescribed
-  /// entries count, as what holds them balances too: of a body under uniform stress there are no other forces.
+  /// entries count, because reactions balance too: a body under uniform stress has no other forces.
   double force_scale(Vec q) override;
   double inertia_scale() override;
-  /// Size of the rounding errors in the gradient at q [N]: |eps K_ii u_i|, with the diagonal of the last Hessian, and
-  /// eps c |g| sum |g_i u_i| of the last parts of rank one.
+  /// Size of the rounding errors in the gradient at q [N]: |eps K_ii u_i| with the diagonal of the last Hessian, and
+  /// eps c |g| sum |g_i u_i| with its rank-one terms.
   double rounding_floor(Vec q) const override;
 
   std::vector<std::string> non_potentials() const override;
@@ -93,21 +94,21 @@ class IncrementalPotential final : public StageEquation {
   InternalVariables internal_variables();
 
  private:
-  /// The entries of q as terms see them, with the sums over all ranks of the terms that are functions of one.
+  /// The entries of q as terms see them; also computes the sums over all ranks for terms that are functions of one.
   std::span<const double> evaluated_at(Vec q);
-  /// Zeros for the rows of all nodes that terms see.
+  /// A zero array for the rows of all nodes that terms see.
   std::span<double> empty_rows();
-  /// A zero matrix of a pattern, with the properties of the Hessian.
+  /// A zero matrix with that pattern and the properties of the Hessian.
   Handle<Mat> make_hessian_of(const BlockPattern& pattern) const;
-  /// Gives K the pattern of cells and pairs, unless it has it. Collective.
+  /// Gives K the pattern of cells and pairs, unless it already has it. Collective.
   void fit(Mat K);
   const FunctionOfSum& sum_function(std::size_t k) const;
-  /// The patches near one another that the k-th term couples; nullptr if it is another kind of term.
+  /// The nearby patches that the k-th term couples; nullptr if it does not couple pairs.
   const NearPatches* near(std::size_t k) const;
   /// r = the rows of owned nodes.
   void take_owned(std::span<const double> rows, Vec r) const;
   void add_up(const LocalStage& stage, std::span<const double> q);
-  /// Whether coefficients frozen at the step's start do more than those of q allow (EnergyTerm::bound).
+  /// Whether forces with coefficients frozen at the step's start exceed the bound at q (EnergyTerm::bound).
   bool exceeds_a_bound(Vec q);
   /// The stage as the k-th term sees it.
   const LocalStage& stage_of(std::size_t k);
@@ -127,8 +128,8 @@ class IncrementalPotential final : public StageEquation {
   Vec z0_ = nullptr;                                // of the stage, borrowed
   std::vector<std::size_t> functions_of_sum_;       // among the terms
   std::vector<SumOverRanks> sums_;                  // of each term, at the last q
-  double sum_rounding_ = 0.0;                       // of the last parts of rank one [N]
-  std::vector<std::vector<PetscInt>> free_bodies_;  // owned nodes of each body that nothing holds
+  double sum_rounding_ = 0.0;                       // of the last rank-one terms [N]
+  std::vector<std::vector<PetscInt>> free_bodies_;  // owned nodes of each unsupported body
   std::vector<double> rows_;
   Handle<Vec> work_, diagonal_;
   // Where terms couple pairs.

@@ -11,7 +11,7 @@
 namespace pliant {
 namespace {
 
-/// Where each rank's numbers start, and their total.
+/// The first number of each rank, and the total.
 std::vector<PetscInt> starts(MPI_Comm comm, PetscInt mine) {
   int size = 1;
   check_mpi(MPI_Comm_size(comm, &size));
@@ -242,7 +242,7 @@ void MixedEquation::for_each_coupling(std::span<const double> q, const Visit& vi
 }
 
 Handle<Mat> MixedEquation::make_hessian() const {
-  // The entries of K as its two parts hold them, then what couples the pressures.
+  // The entries of K in the order of its two parts, then those that couple the pressures.
   std::vector<PetscInt> rows, columns;
   Mat parts[2] = {nullptr, nullptr};
   const PetscInt* others = nullptr;  // columns of the second part, over all ranks

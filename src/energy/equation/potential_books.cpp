@@ -1,4 +1,4 @@
-// What IncrementalPotential tells of energies, works and stresses: for ledgers and results, not for solvers.
+// The energies, works and stresses of IncrementalPotential, for ledgers and results; solvers do not need them.
 #include "base/compensated_sum.hpp"
 #include "energy/equation/incremental_potential.hpp"
 #include "energy/function_of_sum.hpp"
