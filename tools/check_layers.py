@@ -69,15 +69,15 @@ def may_enter(rooms, here, there):
 
 
 def check(source):
-    """All mistakes of the tree as lines of text."""
-    mistakes = []
+    """All errors of the tree as lines of text."""
+    errors = []
     graph = {}
     for file in sorted(path for path in source.rglob("*") if path.suffix in (".cpp", ".hpp", ".h", ".c")):
         name = file.relative_to(source).as_posix()
         layer = name.split("/")[0]
         graph[name] = {}
         if layer not in LAYERS or layer == name:
-            mistakes.append(f"{file}:1: '{layer}' is not a layer; the layers are: {', '.join(LAYERS)}")
+            errors.append(f"{file}:1: '{layer}' is not a layer; the layers are: {', '.join(LAYERS)}")
             continue
         if file.suffix == ".cpp" and name not in WITHOUT_HEADER and not file.with_suffix(".hpp").is_file():
             mistakes.append(f"{file}:1: there is no {file.stem}.hpp; declare what the source implements in a header of its name")
@@ -86,27 +86,27 @@ def check(source):
             place = f"{file}:{line}:"
             target_layer = target.split("/")[0]
             if quote == "<":
-                mistakes.append(f'{place} write "{target}" for a header of Pliant')
+                errors.append(f'{place} write "{target}" for a header of Pliant')
             elif not (source / target).is_file():
-                mistakes.append(f"{place} there is no src/{target}; name a header as \"layer/file.hpp\"")
+                errors.append(f"{place} there is no src/{target}; name a header as \"layer/file.hpp\"")
             elif target_layer not in allowed:
                 may = LAYERS[layer] or "nothing"
-                mistakes.append(f"{place} layer '{layer}' may not include layer '{target_layer}' (it may include: {may})")
+                errors.append(f"{place} layer '{layer}' may not include layer '{target_layer}' (it may include: {may})")
             elif target_layer == layer and layer in ROOMS and not may_enter(ROOMS[layer], room_of(name), room_of(target)):
-                mistakes.append(f"{place} '{folder_of(name)}' may not include '{folder_of(target)}'")
+                errors.append(f"{place} '{folder_of(name)}' may not include '{folder_of(target)}'")
             graph[name][target] = line
-    return mistakes + cycles(source, graph)
+    return errors + cycles(source, graph)
 
 
 def cycles(source, graph):
     """One line for every include that closes a cycle of files."""
-    mistakes, done = [], set()
+    errors, done = [], set()
 
     def visit(name, path):
         for target, line in graph.get(name, {}).items():
             if target in path:
                 circle = " -> ".join([*path[path.index(target):], target])
-                mistakes.append(f"{source / name}:{line}: include cycle: {circle}")
+                errors.append(f"{source / name}:{line}: include cycle: {circle}")
             elif target not in done:
                 visit(target, [*path, target])
         done.add(name)
@@ -114,15 +114,15 @@ def cycles(source, graph):
     for name in graph:
         if name not in done:
             visit(name, [name])
-    return mistakes
+    return errors
 
 
 def main():
     root = pathlib.Path(__file__).resolve().parent.parent
     source = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else root / "src"
-    mistakes = check(source)
-    print("\n".join(mistakes) if mistakes else f"{source}: includes run downward only")
-    sys.exit(1 if mistakes else 0)
+    errors = check(source)
+    print("\n".join(errors) if errors else f"{source}: includes run downward only")
+    sys.exit(1 if errors else 0)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@
 
 Most of clang-tidy's time goes into library headers, so all sources of src/ are checked as one translation unit, and all of tests/. Their
 unnamed namespaces get different names for that; sources that clash nevertheless are checked in a further unit. --all-checks adds the
-checks of likely mistakes: minutes.
+checks for likely errors: minutes.
 """
 import argparse
 import concurrent.futures

@@ -61,25 +61,25 @@ def functions(text):
 
 def check(source):
     """All that is too long as lines of text."""
-    mistakes = []
+    errors = []
     for file in sorted(source.rglob("*.?pp")):
         text = file.read_text(encoding="utf-8")
         name = file.relative_to(source)
         n = len(text.splitlines())
         if n > MOST_LINES["file"]:
-            mistakes.append(f"{name}: {n} lines, of {MOST_LINES['file']} at most: part it")
+            errors.append(f"{name}: {n} lines, of {MOST_LINES['file']} at most: part it")
         for line, n in functions(text):
             if n > MOST_LINES["function"]:
-                mistakes.append(f"{name}:{line}: a function of {n} lines, of {MOST_LINES['function']} at most: part it")
-    return mistakes
+                errors.append(f"{name}:{line}: a function of {n} lines, of {MOST_LINES['function']} at most: part it")
+    return errors
 
 
 def main():
     root = pathlib.Path(__file__).resolve().parent.parent
     source = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else root / "src"
-    mistakes = check(source)
-    print("\n".join(mistakes) if mistakes else f"{source}: files and functions are short")
-    sys.exit(1 if mistakes else 0)
+    errors = check(source)
+    print("\n".join(errors) if errors else f"{source}: files and functions are short")
+    sys.exit(1 if errors else 0)
 
 
 if __name__ == "__main__":

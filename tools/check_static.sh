@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Looks for mistakes without running anything: clang-tidy with all of .clang-tidy, and cppcheck. Minutes.
+# Looks for errors without running anything: clang-tidy with all of .clang-tidy, and cppcheck. Minutes.
 #
 #   tools/check_static.sh [FILE.cpp ...]      default: all
 #

@@ -24,6 +24,16 @@ LAPSES = [
     (r"\bmend(?:s|ed|ing)?\b", "'repair', 'fix'"),
     (r"\bthat of which\b", "'whose'"),
     (r"\bcomplain(?:s|ed|ing|t|ts)?\b", "'diagnostic', 'error', 'warning'; 'reports'"),
+    (r"\bmistakes?\b", "'error'"),
+    (r"\bknows? (?:of )?no\b", "'does not know', 'does not support', 'is independent of'"),
+    (r"\bdo(?:es)? not suffice\b", "'is too small', 'there is too little ...'"),
+    (r"\bto the digits of\b", "'accurate relative to'"),
+    (r"\bfor want of\b", "'for lack of', 'without'"),
+    (r"\blest\b", "'so that ... not', 'or else'"),
+    (r"\bsee(?:s|n|ing)? to it that\b", "'ensures that'"),
+    (r"\bnear to\b", "'near', 'close to'"),
+    (r"\bof no account\b", "'has no influence'"),
+    (r"\bparts? of rank one\b", "'rank-one term', 'rank-one update'"),
     # House words for what the field has a word for.
     (r"\bladders?\b", "'fallback sequence'"),
     (r"\bturned (?:factors?|factorizations?|preconditioners?)\b", "'corotated preconditioner'"),
@@ -35,11 +45,11 @@ LAPSES = [
 ]
 # Not yet gone through: path prefixes, to be deleted as their files are.
 NOT_YET = [
-    "README.md", "docs/", "src/energy/equation/", "src/input/", "src/io/result_writer", "src/material/", "src/model/",
-    "src/run/", "src/solver/",
+    "docs/input.md", "src/energy/equation/constrained_equation", "src/energy/equation/stage_arrays", "src/input/", "src/model/",
 ]
 FILES = ["README.md", "CONTRIBUTING.md", "docs/**/*", "src/**/*", "tools/*", "input/**/*", "meshes/*"]
-EXCEPT = ["tools/check_words.py", "docs/input.schema.json", "src/viewer/package-lock.json"]
+# The vocabulary lists the words themselves.
+EXCEPT = ["tools/check_words.py", "docs/developer/vocabulary.md", "docs/input.schema.json", "src/viewer/package-lock.json"]
 
 # Comments and literals of C++, JavaScript and gmsh's scripts. A number comes first for the ' between its digits.
 TOKEN = re.compile(r"""\b\d[\w'.]*

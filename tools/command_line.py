@@ -13,11 +13,11 @@ def report(program, message):
     return 2
 
 
-def exit_code(program, work, mistakes, output, kinds):
-    """Does the work. `mistakes` are the exceptions for errors that the user can correct; `output` is written as one of `kinds`."""
+def exit_code(program, work, correctable, output, kinds):
+    """Does the work. `correctable` are the exceptions for errors that the user can correct; `output` is written as one of `kinds`."""
     try:
         work()
-    except mistakes as error:
+    except correctable as error:
         return report(program, error)
     except OSError as error:
         return report(program, f"{error.filename}: {error.strerror}" if error.filename else error)

@@ -114,7 +114,7 @@ def with_list(page):
     """The page with its list as it should be."""
     page = page.split(BEGIN)[0].rstrip("\n")
     explained = list(rows(page))
-    text = f"{page}\n\n{BEGIN}## All other messages\n\nThese say themselves what helps. `…` stands for names and numbers of your case.\n"
+    text = f"{page}\n\n{BEGIN}## All other messages\n\nThese need no explanation: they contain their remedy, or describe one place in a damaged file. `…` stands for names and numbers of\nyour case.\n"
     for place, texts in messages().items():
         texts = [one for one in texts if not is_explained(one, explained)]
         if texts:

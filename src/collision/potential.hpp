@@ -1,6 +1,6 @@
 /// A potential U(d) of the distance of two features, to second order in the positions of their points.
 ///
-/// The law gives U, the pressure p = -U' and its slope U'' at d, which it knows no more of: those of a penalty
+/// The law gives U, the pressure p = -U' and its slope U'' at d; those of a penalty
 /// and of a barrier are in material/contact_law. With the names of collision/distance and m = w n,
 ///
 ///     dU/dx_i = -p w_i n

@@ -1,4 +1,4 @@
-/// What a term couples: the nodes of each cell, what comes near to one another, or all nodes of a sum.
+/// What a term couples: the nodes of each cell, what comes near one another, or all nodes of a sum.
 #pragma once
 
 #include "base/vector3.hpp"
@@ -19,7 +19,7 @@ class PairCoupling;
 struct CellCoupling {};
 
 /// What a term couples, and therefore what the sum of the terms (IncrementalPotential) does for it: nothing beyond the
-/// ghosts and the matrix pattern of the cells; sums over all ranks, and parts of rank one of the Hessian
+/// ghosts and the matrix pattern of the cells; sums over all ranks, and rank-one terms of the Hessian
 /// (energy/function_of_sum.hpp); or pairs, the nodes of other ranks that they need, and a pattern that follows them.
 using Coupling = std::variant<CellCoupling, const FunctionOfSum*, const PairCoupling*>;
 

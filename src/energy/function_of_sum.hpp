@@ -6,14 +6,14 @@
 namespace pliant {
 
 /// Phi = f(S), S a sum over the facets (or cells) of all ranks. Every rank needs the whole S before it can add its part
-/// of the gradient f' dS; and the Hessian f' d2S + f'' dS dS^T has a part of rank one that couples all unknowns of S
-/// with all. The sum of the terms therefore adds up S, and gives it to the term in LocalStage::sum; `add_hessian` adds
+/// of the gradient f' dS; and the Hessian f' d2S + f'' dS dS^T has a rank-one term that couples all unknowns
+/// of S. The sum of the terms therefore adds up S, and gives it to the term in LocalStage::sum; `add_hessian` adds
 /// the first part of the Hessian, and the solver treats the second by its factors.
 class FunctionOfSum {
  public:
   virtual ~FunctionOfSum() = default;
 
-  /// This rank's part of S(q0) and of S(q) - S(q0), the latter to the digits of the change.
+  /// This rank's part of S(q0) and of S(q) - S(q0), the latter accurate relative to the change.
   virtual SumOverRanks part(const LocalStage& stage, std::span<const double> q) const = 0;
 
   /// f(S(q)) - f(S(q0)) [J], the same on every rank: EnergyTerm::value of all of them. +inf where a barrier is crossed.

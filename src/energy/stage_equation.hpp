@@ -46,21 +46,21 @@ class StageEquation {
   /// the last call.
   virtual bool refreeze(Vec /*q*/) { return false; }
 
-  /// Sets the motion that the stage prescribes, except for prescribed entries of q, to a fraction of the way from the
-  /// accepted state (0) to the end of the stage (1), where it is after `enter`.
-  virtual void lead(double /*part*/) {}
+  /// Sets the prescribed motion (Dirichlet boundary conditions), except for prescribed entries of q, to a fraction
+  /// between the accepted state (0) and the end of the stage (1), where it is after `enter`.
+  virtual void set_prescribed_fraction(double /*fraction*/) {}
   /// q = the accepted state, with each free body moved rigidly as its inertia carries it; false, and q unchanged, if
   /// there is no such body.
   virtual bool move_rigidly(Vec /*q*/) { return false; }
 
-  /// Which nodes move with an obstacle that has moved.
-  enum class Carried {
-    near,   ///< those close to it fully, the others the less the farther away they are
+  /// Which nodes follow an obstacle that has moved.
+  enum class Followers {
+    near,   ///< nodes close to it follow fully, others less with distance
     bodies  ///< all nodes, by the mean displacement of those nearest
   };
-  /// q = the accepted state, with nodes moved along with the obstacles that would otherwise have moved onto them; false
-  /// if none has moved close to a node.
-  virtual bool carry_along(Carried /*which*/, Vec /*q*/) { return false; }
+  /// q = the accepted state, with nodes displaced by the motion of obstacles that would otherwise have moved onto them.
+  /// Returns false if no obstacle has moved close to a node.
+  virtual bool follow_obstacles(Followers /*which*/, Vec /*q*/) { return false; }
 
   /// Phi(q) of the terms that are potentials [J], up to a constant of the stage; +inf where a barrier is crossed or a
   /// number is not finite.
@@ -90,8 +90,9 @@ class StageEquation {
   virtual void rank_one_parts(Vec /*q*/, std::vector<RankOne>& /*parts*/) {}
   /// The largest alpha for which q + alpha d crosses no barrier.
   virtual double max_step(Vec q, Vec d) = 0;
-  /// Likewise for the barriers that must not be jumped over (TermDeclaration::is_wall).
-  virtual double max_way(Vec /*q*/, Vec /*d*/) { return std::numeric_limits<double>::infinity(); }
+  /// The largest alpha for which q + alpha d crosses no wall, a barrier that must not be jumped over
+  /// (TermDeclaration::is_wall).
+  virtual double max_step_to_wall(Vec /*q*/, Vec /*d*/) { return std::numeric_limits<double>::infinity(); }
   /// Sum over the terms of the norms of their forces, including those on prescribed entries [N]: the size of the forces
   /// that must balance, to which residuals are compared.
   virtual double force_scale(Vec q) = 0;

@@ -79,10 +79,10 @@ struct TermDeclaration {
   bool refreezes = false;                ///< coefficients are frozen at LocalStage::frozen: StageEquation::refreeze
   Symmetry symmetry = Symmetry::symmetric;
   Account account = Account::stored;
-  bool depends_on_time = false;  ///< `energy_at` changes with time at a fixed configuration: `supply`
-  bool turns = true;             ///< its stiffness rotates with the body, as elastic stiffness does
-  bool is_wall = false;          ///< its barrier separates states: no step may jump over it
-  bool dissipates = false;       ///< `dissipation` may be positive; the ledger lists it under the term's name
+  bool depends_on_time = false;   ///< `energy_at` changes with time at a fixed configuration: `supply`
+  bool rotates_with_body = true;  ///< its stiffness rotates with the body, as elastic stiffness does
+  bool is_wall = false;           ///< its barrier separates states: no step may jump over it
+  bool dissipates = false;        ///< `dissipation` may be positive; the ledger lists it under the term's name
 };
 
 /// Where a symmetric tensor of six internal variables is evaluated.
@@ -153,11 +153,11 @@ class EnergyTerm {
   /// What it couples. The same at all times.
   virtual Coupling coupling() const { return CellCoupling{}; }
 
-  /// For a moving barrier: the displacements by which it carries the local nodes at LocalStage::accepted since the
-  /// step's start, and for each how close it is, 1 where it would be touched. Both keep their values where another
-  /// barrier is closer.
-  virtual void carry_along(const LocalStage& /*stage*/, std::span<Vector3<double>> /*ways*/,
-                           std::span<double> /*nearness*/) const {}
+  /// For a moving barrier: the displacements by which its motion since the step's start carries the local nodes from
+  /// LocalStage::accepted, and for each node the closeness of the barrier, 1 where it would be touched. Both keep
+  /// their values where another barrier is closer.
+  virtual void follow_obstacle(const LocalStage& /*stage*/, std::span<Vector3<double>> /*displacements*/,
+                               std::span<double> /*closeness*/) const {}
 
   /// The largest alpha for which q + alpha d does not cross the term's barrier; +inf if it has none.
   virtual double max_step(const LocalStage& /*stage*/, std::span<const double> /*q*/,

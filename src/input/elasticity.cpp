@@ -102,7 +102,7 @@ void ElasticityRule::set_directions(PetscInt cell, const std::array<double, 3>& 
 ElasticLawSpec ElasticityRule::law_at(PetscInt cell, const std::array<double, 3>& X) const {
   const std::vector<double> values = constants_at(cell, X);
   std::vector<Diagnostic> errors;
-  for (const auto& text : rule_.complaints(values)) {
+  for (const auto& text : rule_.errors(values)) {
     errors.push_back({Severity::error, config_.where, is_uniform_ ? text : text + "," + at_place(X)});
   }
   if (!errors.empty()) throw InputError(std::move(errors));

@@ -22,7 +22,7 @@ constexpr std::chrono::seconds time_between_syncs{10};
 void make_empty_file(const std::filesystem::path& path, const std::string& title) {
   const QuietHdf5 quiet;
   const std::string doing = "write '" + path.string() + "'";
-  // A reader that waits for the file finds a whole one.
+  // A reader that waits for the file finds it complete.
   std::filesystem::path part = path;
   part += ".part";
   File(part, FileMode::anew).reserve(0, 256 * 1024);
@@ -44,7 +44,7 @@ std::string name_of_mesh(std::int64_t number) {
   return number == 0 ? "mesh" : fmt::format("mesh_{}", number);
 }
 
-/// What a run that continues a result calls what it adds.
+/// Numbers for what a run adds to the result that it continues.
 struct Continuation {
   std::int64_t mesh_number;
   std::int64_t next_frame;
@@ -90,7 +90,7 @@ ResultWriter::ResultWriter(MPI_Comm comm, const ResultPlace& place, std::string 
     make_directory(place.directory);
     grids_ = listed_frames(xdmf_file_, last_step);
     std::error_code ignored;
-    if (!std::filesystem::exists(hdf5_file_, ignored)) grids_.clear();  // somebody has taken the frames away
+    if (!std::filesystem::exists(hdf5_file_, ignored)) grids_.clear();  // the frames have been removed from outside
     if (grids_.empty()) {
       start_files();
     } else {
@@ -107,8 +107,8 @@ ResultWriter::ResultWriter(MPI_Comm comm, const ResultPlace& place, std::string 
 }
 
 void ResultWriter::start_files() const {
-  // The old lists of frames go first, so that they never describe the new file; removing the old numbers, rather than
-  // emptying them, leaves a reader that has them open undisturbed. A failure shows when the new files are made.
+  // The old lists of frames are removed first, so that they never describe the new file. The old data are removed and
+  // not emptied, which does not disturb a reader that has them open. A failure shows when the new files are created.
   std::error_code ignored;
   std::filesystem::remove(xdmf_file_, ignored);
   std::filesystem::remove(obstacles_file(), ignored);

@@ -1,4 +1,4 @@
-/// The time series of a run for ParaView and other tools: result.h5 (the numbers) and result.xdmf (what they mean).
+/// The time series of a run for ParaView and other tools: result.h5 (the data) and result.xdmf (their description).
 ///
 /// result.h5    attributes: format "pliant-result", version, title
 ///   /mesh/coordinates       num_nodes x 3, reference positions X [m]
@@ -9,15 +9,15 @@
 ///                           `unit` and `location` ("node" or "cell")
 ///   /obstacles/...          see obstacle_writer.hpp
 ///
-/// Only the metadata go through HDF5, on rank 0; every rank then writes its rows straight to their place in the file.
-/// The result is an ordinary HDF5 file that does not depend on the rank count but for the order of nodes and cells. Why
-/// not HDF5's MPI-IO driver: on a full disk its collective calls report success on some ranks, hang, or crash at the
-/// end (seen with HDF5 1.10.8 and Open MPI 4.1.4), while here each failure is one rank's failed system call and is told
-/// to all.
+/// Only the metadata go through HDF5, on rank 0; every rank then writes its rows directly to their place in the file.
+/// The result is an ordinary HDF5 file; it depends on the number of ranks only in the order of nodes and cells. HDF5's
+/// MPI-IO driver is not used: on a full disk its collective calls report success on some ranks, hang, or crash at the
+/// end (seen with HDF5 1.10.8 and Open MPI 4.1.4). Here each failure is a failed system call of one rank, reported to
+/// all.
 ///
-/// A frame is linked into /frames only after its numbers are on the disk, the file is closed after each frame, and
-/// result.xdmf lists the frame last and is replaced atomically: both are readable at any time while the run goes on,
-/// and after it was killed.
+/// A frame is linked into /frames only after its data are in the file, the file is closed after each frame, and
+/// result.xdmf lists the frame last and is replaced atomically. Both files are readable at any time, during the run and
+/// after it was killed.
 #pragma once
 
 #include "io/hdf5_group.hpp"
@@ -36,7 +36,7 @@
 
 namespace pliant {
 
-/// Of the format of result.h5.
+/// Version of the format of result.h5.
 inline constexpr std::int64_t result_version = 1;
 
 /// The rank's part of a tetrahedral mesh. Ranks own contiguous blocks of nodes and of cells, in the order of ranks.
@@ -56,13 +56,13 @@ enum class FieldLocation { node, cell };
 /// The owned values of a field. Every rank passes the same fields in the same order.
 struct OutputField {
   std::string name;
-  std::string unit;  ///< "m/s"; empty if it has none
+  std::string unit;  ///< "m/s"; empty if the field has none
   FieldLocation location = FieldLocation::node;
   int components = 1;              ///< 1, 3, 6 (symmetric: xx yy zz xy yz xz) or 9 (row by row)
   std::span<const double> values;  ///< components by node or cell
 };
 
-/// Where a result lies: <directory>/<name>.h5 and <directory>/<name>.xdmf. A directory alone is a place too.
+/// The place of a result: <directory>/<name>.h5 and <directory>/<name>.xdmf. A directory alone is a place too.
 struct ResultPlace {
   ResultPlace(std::filesystem::path in, std::string called = "result")
       : directory(std::move(in)), name(std::move(called)) {}
@@ -74,20 +74,20 @@ struct ResultPlace {
 /// Writes result.h5 and result.xdmf. All members that write are collective; a failure throws FileError on every rank.
 class ResultWriter {
  public:
-  /// Makes the directory if need be, replaces an earlier result, writes the mesh; result.xdmf lists no frame yet.
+  /// Creates the directory if necessary, replaces an earlier result, writes the mesh; result.xdmf lists no frame yet.
   /// Collective.
   ResultWriter(MPI_Comm comm, const ResultPlace& place, std::string title, const OutputMesh& mesh);
 
-  /// Continues the result of an earlier run, e.g. from a checkpoint: its frames up to step `last_step` stay, later ones
-  /// go. The mesh is written anew, for the ranks may own other blocks of it now. Without an earlier result it starts
-  /// one. Collective.
+  /// Continues the result of an earlier run, e.g. from a checkpoint: keeps its frames up to step `last_step` and
+  /// removes later ones. Writes the mesh again, because ranks may now own other blocks of it. Starts a new result if
+  /// there is no earlier one. Collective.
   ResultWriter(MPI_Comm comm, const ResultPlace& place, std::string title, const OutputMesh& mesh,
                std::int64_t last_step);
 
-  /// Adds a frame; when it returns, the frame is in the file and listed: it survives the end of the program. Every ten
-  /// seconds frames are brought to the disk, too. Collective.
+  /// Adds a frame. When it returns, the frame is in the file and listed, and survives the end of the program. Frames
+  /// are also flushed to the disk every ten seconds. Collective.
   void write_frame(double time, std::int64_t step, std::span<const OutputField> fields);
-  /// Returns when all frames have reached the disk, and the file ends with them. Collective.
+  /// Returns when all frames have reached the disk and the file ends with them. Collective.
   void sync();
 
   const std::filesystem::path& xdmf_file() const { return xdmf_file_; }

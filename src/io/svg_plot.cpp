@@ -124,7 +124,7 @@ std::optional<double> slope_of(const std::vector<AxisPoint>& points) {
   return xx > 0.0 ? std::optional(xy / xx) : std::nullopt;
 }
 
-/// The lowest of the curves whose slopes are about as near to the order as any; nullptr if none has a slope.
+/// The lowest of the curves whose slopes are about as close to the order as any; nullptr if none has a slope.
 const Curve* nearest_curve(const std::vector<Curve>& curves, double order) {
   constexpr double about = 0.25;
   const auto distance = [&](const Curve& curve) {

@@ -14,11 +14,11 @@ namespace {
 enum Constant { youngs, poissons, shear, bulk, lame_first };
 
 constexpr std::array constants{
-    ParameterInfo{"youngs_modulus", "Pa", 0.0, infinity, "stiffness in simple tension at small strain"},
+    ParameterInfo{"youngs_modulus", "Pa", 0.0, infinity, "stiffness in uniaxial tension at small strain"},
     ParameterInfo{"poissons_ratio", "1", -1.0, 0.5, "lateral contraction per extension at small strain",
                   LowerBound::excluded, 1.0, std::nullopt, UpperBound::included},
-    ParameterInfo{"shear_modulus", "Pa", 0.0, infinity, "stiffness against change of shape at small strain"},
-    ParameterInfo{"bulk_modulus", "Pa", 0.0, infinity, "stiffness against change of volume at small strain"},
+    ParameterInfo{"shear_modulus", "Pa", 0.0, infinity, "stiffness in shear at small strain"},
+    ParameterInfo{"bulk_modulus", "Pa", 0.0, infinity, "stiffness against volume change at small strain"},
     ParameterInfo{"lame_lambda", "Pa", -infinity, infinity, "first Lame parameter: bulk_modulus - 2/3 shear_modulus"},
 };
 
@@ -37,12 +37,12 @@ bool has(const LawInfo& law, Constant c) {
   return place_in(law.parameters, constants[c].name) >= 0;
 }
 
-/// Are two constants of the isotropic solid asked for, or a bulk modulus alone, or none?
+/// Whether the law has two constants of the isotropic solid; otherwise it has a bulk modulus alone, or none.
 bool takes_two_constants(const LawInfo& law) {
   return has(law, shear) && (has(law, bulk) || has(law, lame_first));
 }
 
-/// Where the law is isotropic, so that Poisson's ratio can stand for it.
+/// Whether the law has a bulk modulus alone and is isotropic, so that Poisson's ratio can replace it.
 bool takes_bulk_modulus(const LawInfo& law) {
   return !takes_two_constants(law) && law.directions.empty() && has(law, bulk);
 }
@@ -112,7 +112,7 @@ std::string equivalents(const Lame& l) {
 ConstantsRule::ConstantsRule(std::size_t row, std::vector<std::string> keys, const Location& where)
     : row_(row), keys_(std::move(keys)) {
   const LawInfo& law = elastic_laws()[row];
-  std::vector<Diagnostic> mistakes;
+  std::vector<Diagnostic> errors;
   key_of_parameter_.assign(law.parameters.size(), -1);
   const bool two = takes_two_constants(law), one = takes_bulk_modulus(law);
   for (std::size_t k = 0; k < keys_.size(); ++k) {
@@ -123,7 +123,7 @@ ConstantsRule::ConstantsRule(std::size_t row, std::vector<std::string> keys, con
     } else if (own >= 0) {
       key_of_parameter_[own] = static_cast<int>(k);
     } else {
-      mistakes.push_back(
+      errors.push_back(
           {Severity::error, where,
            fmt::format("'{}' is not a parameter of {}, which has {}{}", keys_[k], law.name,
                        names_of_parameters(law.parameters), two ? " (or other two of the elastic constants)" : "")});
@@ -133,19 +133,19 @@ ConstantsRule::ConstantsRule(std::size_t row, std::vector<std::string> keys, con
   const std::size_t wanted = two ? 2 : one ? 1 : 0;
   if (constants_.size() != wanted) {
     const std::string given = constants_.empty() ? "none is given" : fmt::format("{} given", constants_.size());
-    mistakes.push_back({Severity::error, where,
-                        two ? fmt::format("{} needs two of {}; {}", law.name, names_of_parameters(constants),
-                                          constants_.size() == 1 ? "one is given" : given)
-                            : fmt::format("{} needs one of bulk_modulus, poissons_ratio; {}", law.name, given)});
+    errors.push_back({Severity::error, where,
+                      two ? fmt::format("{} needs two of {}; {}", law.name, names_of_parameters(constants),
+                                        constants_.size() == 1 ? "one is given" : given)
+                          : fmt::format("{} needs one of bulk_modulus, poissons_ratio; {}", law.name, given)});
   }
   for (std::size_t p = 0; p < law.parameters.size(); ++p) {
     const bool is_constant = (two || one) && place_in(constants, law.parameters[p].name) >= 0;
     if (is_constant || key_of_parameter_[p] >= 0 || law.parameters[p].fallback) continue;
-    mistakes.push_back(
+    errors.push_back(
         {Severity::error, where,
          fmt::format("missing key '{}' of {}: {}", law.parameters[p].name, law.name, law.parameters[p].meaning)});
   }
-  if (!mistakes.empty()) throw InputError(std::move(mistakes));
+  if (!errors.empty()) throw InputError(std::move(errors));
 }
 
 std::vector<double> ConstantsRule::operator()(std::span<const double> values) const {
@@ -174,26 +174,26 @@ std::vector<double> ConstantsRule::operator()(std::span<const double> values) co
   return result;
 }
 
-std::vector<std::string> ConstantsRule::complaints(std::span<const double> values) const {
+std::vector<std::string> ConstantsRule::errors(std::span<const double> values) const {
   const LawInfo& law = elastic_laws()[row_];
   std::vector<std::string> found;
   for (std::size_t k = 0; k < keys_.size(); ++k) {
     const int constant = place_in(constants, keys_[k]), own = place_in(law.parameters, keys_[k]);
     const ParameterInfo& p = own >= 0 ? law.parameters[own] : constants[constant];
-    if (const auto text = complaint(p, values[k])) found.push_back(*text);
+    if (const auto text = error_in(p, values[k])) found.push_back(*text);
   }
   if (!found.empty()) return found;
   const ElasticLawSpec spec{row_, (*this)(values)};
   if (const auto rest = spec.at_rest()) {
     if (!(rest->mu > 0.0) || !(bulk_modulus(*rest) > 0.0)) {
       found.push_back(fmt::format(
-          "these constants of {} make the body at rest unstable: shear modulus {:.4g} Pa, bulk modulus {:.4g} Pa; both "
+          "these constants of {} make the body unstable at rest: shear modulus {:.4g} Pa, bulk modulus {:.4g} Pa; both "
           "must be above 0",
           law.name, rest->mu, bulk_modulus(*rest)));
     }
   } else {
     for (std::size_t p = 0; p < law.parameters.size(); ++p) {
-      if (const auto text = complaint(law.parameters[p], spec.parameters[p])) found.push_back(*text);
+      if (const auto text = error_in(law.parameters[p], spec.parameters[p])) found.push_back(*text);
     }
   }
   return found;

@@ -1,10 +1,9 @@
 /// From the constants that users give to the parameters of a law.
 ///
-/// A law's own parameters go by their names. Where they are an elastic modulus of the isotropic solid at rest -
-/// shear_modulus, bulk_modulus, lame_lambda - users may give any two of
-///     youngs_modulus, poissons_ratio, shear_modulus, bulk_modulus, lame_lambda
-/// and where bulk_modulus stands alone, because the law has its own stiffness against shear, poissons_ratio in its
-/// place.
+/// Users give a law's own parameters by their names. If the law has elastic constants of the isotropic solid at rest
+/// (shear_modulus, bulk_modulus, lame_lambda), users may give any two of
+///     youngs_modulus, poissons_ratio, shear_modulus, bulk_modulus, lame_lambda.
+/// If bulk_modulus stands alone, because the law has its own shear stiffness, poissons_ratio may replace it.
 #pragma once
 
 #include "material/elastic_law.hpp"
@@ -15,34 +14,35 @@
 
 namespace pliant {
 
-/// Constants of the isotropic solid, any two of which determine it. Their rows have the bounds of each.
+/// The constants of the isotropic solid, any two of which determine it, with their bounds.
 std::span<const ParameterInfo> elastic_constants();
 
-/// Whether a law (by its row) can be given this key: one of its parameters, or a constant that stands for them.
+/// Whether a law (by its row) accepts this key: one of its parameters, or a constant that determines them.
 bool takes(std::size_t row, std::string_view key);
 
-/// The rule that makes the parameters of a law of certain keys: checked once, applied at as many points as there are.
+/// The rule that converts the values of certain keys to the parameters of a law: checked once, applied at every point.
 class ConstantsRule {
  public:
-  /// `keys` as given. Throws InputError at `where` if they do not determine the law's parameters, or do so twice.
+  /// `keys` as given. Throws InputError at `where` if they do not determine the law's parameters, or overdetermine
+  /// them.
   ConstantsRule(std::size_t row, std::vector<std::string> keys, const Location& where);
 
   /// The law's parameters from the values of the keys, in their order.
   std::vector<double> operator()(std::span<const double> values) const;
-  /// What is wrong with the values; empty if nothing.
-  std::vector<std::string> complaints(std::span<const double> values) const;
+  /// Messages for values that are not admissible; empty if all are.
+  std::vector<std::string> errors(std::span<const double> values) const;
 
  private:
   std::size_t row_;
   std::vector<std::string> keys_;
-  std::vector<int> key_of_parameter_;           // -1: not given by itself
-  std::vector<std::pair<int, int>> constants_;  // given ones: place in elastic_constants(), place in keys
+  std::vector<int> key_of_parameter_;           // -1: not given directly
+  std::vector<std::pair<int, int>> constants_;  // given ones: index in elastic_constants(), index in keys
 };
 
-/// mu and lambda from two of elastic_constants(), given by their places in it, in ascending order.
+/// mu and lambda from two of elastic_constants(), given by their indices in it, in ascending order.
 Lame lame_of(int first, double first_value, int second, double second_value);
 
-/// E, nu, mu, K and lambda in words: "E = 1 MPa, nu = 0.4, ..." in SI units.
+/// E, nu, mu, K and lambda as text, in SI units: "E = 1e+06 Pa, nu = 0.4, ...".
 std::string equivalents(const Lame& constants);
 
 }  // namespace pliant

@@ -1,4 +1,5 @@
-/// What a surface feels at an obstacle, per reference area: pure functions of the distance and of the velocity.
+/// Contact laws: pressure, friction and damping at an obstacle per reference area, as pure functions of the distance
+/// and of the velocity.
 #pragma once
 
 #include "base/limits.hpp"
@@ -11,7 +12,7 @@ namespace pliant {
 
 enum class NormalKind { penalty, barrier };
 
-/// Where the pressure and the normal are taken that a drag acts with.
+/// The state at which a drag evaluates the pressure and the normal.
 enum class FrictionUpdate {
   frozen,  ///< at the last accepted state, unless the drag then exceeds what the pressure at the solution allows: first
            ///< order in time
@@ -29,20 +30,19 @@ struct NormalResponse {
 ///
 ///     penalty   p = k width r(y),   r = 0 (y < -1),  y (y > 1),  3/16 + y/2 + 3/8 y^2 - y^4/16 between,
 ///
-/// a spring of stiffness k that begins at the threshold, its kink rounded over 2 widths so that U has three continuous
-/// derivatives: a surface at the threshold feels nothing. With
-/// s = (d - threshold) / width
+/// a spring of stiffness k that begins at the threshold. Its kink is rounded over 2 widths, which gives U three
+/// continuous derivatives, and a surface at the threshold without a force. With s = (d - threshold) / width
 ///
 ///     barrier   U = -k width^2 (1 - s)^2 log s   (0 < s < 1),   0 (s >= 1),   +infinity (s <= 0),
 ///
-/// which has two (Li et al. 2020, Incremental Potential Contact, equation 6).
+/// which has two continuous derivatives (Li et al. 2020, Incremental Potential Contact, equation 6).
 struct NormalLaw {
   NormalKind kind = NormalKind::penalty;
   double stiffness = 0.0;  ///< k [Pa/m]
   double width = 0.0;      ///< half of the rounding, or where a barrier begins [m]
   double threshold = 0.0;  ///< where the spring begins, or the wall stands [m]
 
-  /// The distance from which on nothing is felt [m].
+  /// The distance beyond which there is no force [m].
   double reach() const { return kind == NormalKind::penalty ? threshold : threshold + width; }
   /// The distance below which a penalty is linear [m].
   double linear_from() const { return threshold - 2.0 * width; }
@@ -76,12 +76,12 @@ struct DragResponse {
   Tensor3<double> hessian{};  ///< >= 0 [Pa s/m]
 };
 
-/// Coulomb's friction and a viscous one, both in proportion to the normal pressure in all, p: with v_t = v - (v.n) n, s
-/// = |v_t|
+/// Coulomb friction and viscous friction, both in proportion to the total normal pressure p. With v_t = v - (v.n) n and
+/// s = |v_t|
 ///
 ///     traction = -p (mu f(s / v_s) + eta s) v_t / s,   f(y) = (15 y - 10 y^3 + 3 y^5) / 8 (y < 1), else 1
 ///
-/// f has two continuous derivatives and is odd, so that the traction is smooth where the velocity passes zero. Below
+/// f has two continuous derivatives and is odd, which makes the traction smooth where the velocity passes zero. Below
 /// v_s a contact creeps and counts as sticking.
 struct Friction {
   double coefficient = 0.0;     ///< mu
@@ -110,26 +110,26 @@ struct Friction {
             })};
   }
 
-  /// The size of the traction [Pa].
+  /// Magnitude of the traction [Pa].
   double size(double pressure, const Vector3<double>& n, const Vector3<double>& v) const {
     return norm((*this)(pressure, n, v).slope);
   }
-  /// The largest that it may have, Coulomb's mu p and the viscous part [Pa].
+  /// Largest admissible magnitude: Coulomb's mu p plus the viscous part [Pa].
   double largest(double pressure, const Vector3<double>& n, const Vector3<double>& v) const {
     return pressure * (coefficient + viscosity * norm(v - dot(v, n) * n));
   }
 };
 
-/// Hunt & Crossley's damping of the approach (1975, Coefficient of restitution interpreted as damping in
-/// vibroimpact): with c the rate of approach -v.n times the damping,
+/// Contact damping (Hunt & Crossley 1975, Coefficient of restitution interpreted as damping in vibroimpact): with c the
+/// rate of approach -v.n times the damping,
 ///
 ///     pressure = p g(c),   g = c (c > -1/2),   -1 - 1/(4 c) (c < -1/2)
 ///
-/// so that the pressure in all, p (1 + g), never pulls.
+/// The total pressure p (1 + g) never pulls.
 struct NormalDamping {
   double damping = 0.0;  ///< [s/m]
 
-  /// g, the part of p that damping adds: more than -1.
+  /// g, the pressure that damping adds relative to p: more than -1.
   double added_part(const Vector3<double>& n, const Vector3<double>& v) const {
     const double c = -damping * dot(v, n);
     return c < -0.5 ? -1.0 - 0.25 / c : c;
@@ -146,11 +146,11 @@ struct NormalDamping {
             make_tensor([&](int i, int j) { return pressure * damping * slope * n[i] * n[j]; })};
   }
 
-  /// How much it pulls [Pa].
+  /// The tension that damping exerts [Pa].
   double size(double pressure, const Vector3<double>& n, const Vector3<double>& v) const {
     return std::max(0.0, dot((*this)(pressure, n, v).slope, n));
   }
-  /// The most that leaves a pressure [Pa].
+  /// The largest tension that leaves a pressure [Pa].
   double largest(double pressure, const Vector3<double>& /*n*/, const Vector3<double>& /*v*/) const { return pressure; }
 };
 

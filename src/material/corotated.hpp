@@ -1,16 +1,16 @@
-/// Corotated laws: Hooke's law in the frame that turns with the body, R being the rotation nearest to F.
+/// Corotated laws: Hooke's law in the frame that rotates with the body, where R is the rotation nearest to F.
 ///   arap              psi = mu |F - R|^2
 ///   fixed-corotated   psi = mu |F - R|^2 + lambda/2 (J - 1)^2
 /// Sources: Stomakhin, Howes, Schroeder & Teran, "Energetically consistent invertible elasticity", Symp. Computer
 /// Animation (2012) (fixed-corotated); Smith, de Goes & Kim, ACM Trans. Graph. 38 (2019) (arap: as rigid as possible;
-/// derivatives). In the principal stretches |F - R|^2 = sum_i (l_i - 1)^2; l_3 has the sign of J, so the energy is
-/// finite in flat and inverted bodies and pulls them back.
+/// derivatives). In principal stretches, |F - R|^2 = sum_i (l_i - 1)^2. l_3 has the sign of J, so the energy is finite
+/// in flat and inverted bodies, and restores them.
 ///
-/// Where J < 0 and l_2 + l_3 = 0, R is not unique and psi has a ridge, on whose top the second derivative is -inf.
-/// Newton needs a finite one: in the twist (P_i + P_j)/(l_i + l_j) the denominator is at least
-/// `least_sum_of_stretches`. P, and the tangent elsewhere, are exact.
+/// If J < 0 and l_2 + l_3 = 0, R is not unique and psi has a ridge where the second derivative is -inf. Newton's method
+/// needs a finite one: the denominator of the twist (P_i + P_j)/(l_i + l_j) is at least `least_sum_of_stretches`. P,
+/// and the tangent elsewhere, are exact.
 ///
-/// `arap` resists no change of volume but by its change of lengths: at rest its Poisson's ratio is 0.
+/// `arap` resists changes of volume only through changes of length: its Poisson's ratio at rest is 0.
 #pragma once
 
 #include "material/spectral.hpp"

@@ -1,5 +1,5 @@
-/// Laws evaluated at a volume ratio theta that is not the one of F: Psi(F, theta) = psi(Fbar), Fbar = (theta/J)^(1/3)
-/// F, so that the volume may be averaged while the distortion is not.
+/// Laws evaluated at a volume ratio theta other than J = det F: Psi(F, theta) = psi(Fbar), Fbar = (theta/J)^(1/3) F.
+/// With them the volume can be averaged and the distortion kept.
 ///
 /// With a = (theta/J)^(1/3), G = F^-T, Pb = P(Fbar), Ab = dP/dF(Fbar), B = Ab : Fbar, tau = Pb : Fbar, s = Fbar : B,
 ///     c = a (Pb + B),  m = (tau + s) / 3
@@ -8,8 +8,9 @@
 ///     Psi_FF             = a^2 Ab - (c (x) G + G (x) c)/3 + m/3 G (x) G + tau/3 G_iL G_kJ
 ///     Psi_F,theta        = (c - m G) / (3 theta)
 ///     Psi_theta,theta    = (s - 2 tau) / (9 theta^2)
-/// as dFbar = a (dF - (G : dF)/3 F) + dtheta/(3 theta) Fbar. Nothing cancels when H is small, as Hbar = Fbar - I is
-/// found from H and theta - J. Source: Simo, Taylor & Pister, Comput. Methods Appl. Mech. Eng. 51 (1985) 177-208.
+/// because dFbar = a (dF - (G : dF)/3 F) + dtheta/(3 theta) Fbar. There is no cancellation when H is small, because
+/// Hbar = Fbar - I is computed from H and theta - J. Source: Simo, Taylor & Pister, Comput. Methods Appl. Mech. Eng. 51
+/// (1985) 177-208.
 #pragma once
 
 #include "base/vector_math.hpp"
@@ -18,7 +19,7 @@
 
 namespace pliant {
 
-/// F with another volume.
+/// F with another volume ratio.
 template <class T>
 struct Dilated {
   Tensor3<T> F;
@@ -29,7 +30,7 @@ struct Dilated {
   T a;  ///< (theta/J)^(1/3)
 };
 
-/// H = F - I, j = J - 1 > -1 of it, and theta - 1 > -1.
+/// H = F - I, its j = J - 1 > -1, and theta_change = theta - 1 > -1.
 template <class T>
 PLIANT_INLINE Dilated<T> dilated(const Tensor3<T>& H, const T& j, const T& theta_change) {
   const T J = 1.0 + j;
@@ -38,7 +39,7 @@ PLIANT_INLINE Dilated<T> dilated(const Tensor3<T>& H, const T& j, const T& theta
   return {F, T(1.0 / J) * cofactor(F), H + growth * F, J, 1.0 + theta_change, 1.0 + growth};
 }
 
-/// Fbar(F + dF, theta + dtheta) - Fbar(F, theta), to the digits of the change; dJ is the change of J.
+/// Fbar(F + dF, theta + dtheta) - Fbar(F, theta), accurate relative to the change; dJ is the change of J.
 template <class T>
 PLIANT_INLINE Tensor3<T> dilated_change(const Dilated<T>& at, const Tensor3<T>& dF, const T& dJ, const T& dtheta) {
   const T ratio = (dtheta * at.J - dJ * at.theta) / (at.theta * (at.J + dJ));

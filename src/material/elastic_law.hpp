@@ -1,4 +1,4 @@
-/// An elastic law as a value: which one, and with what. What is known of laws without their formulas.
+/// An elastic law as a value: its row in the registry and its parameters. Needs none of the laws' formulas.
 #pragma once
 
 #include "material/lame.hpp"
@@ -18,7 +18,7 @@ namespace pliant {
 /// One row per law, in the order of ElasticLaws (material/registry.hpp); the parameters are those of LawData.
 std::span<const LawInfo> elastic_laws();
 
-/// What the law's type says of it.
+/// Properties that the law's type declares.
 struct LawTraits {
   bool is_barrier;
   bool constant_tangent;
@@ -26,7 +26,7 @@ struct LawTraits {
   int energy_degree;
   bool takes_volumetric_form;
 };
-/// A law as a value: which one, and with what. Directions are unit vectors.
+/// A law as a value: its row and its parameters. Directions are unit vectors.
 struct ElasticLawSpec {
   std::size_t row = 0;             ///< in elastic_laws()
   std::vector<double> parameters;  ///< in the row's order
@@ -39,13 +39,13 @@ struct ElasticLawSpec {
   std::optional<Lame> at_rest() const;
 };
 
-/// Constants as users give them, by their key.
+/// Constants as users give them, by key.
 using GivenConstants = std::map<std::string, double, std::less<>>;
 
-/// The law of that name with these constants (material/constants.hpp). Throws InputError, every mistake at `where`.
+/// The law `name` with these constants (material/constants.hpp). Throws InputError with every error, at `where`.
 ElasticLawSpec make_law(std::string_view name, const GivenConstants& constants, const Location& where = {});
 
-/// The same with E [Pa] and nu, and what else the law has at its typical value.
+/// Likewise with E [Pa] and nu; other parameters have their typical values.
 ElasticLawSpec make_law(std::string_view name, double youngs_modulus, double poissons_ratio,
                         const Location& where = {});
 

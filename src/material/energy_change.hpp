@@ -1,15 +1,15 @@
-/// The change of a law's energy between two near states, to the digits of the change.
+/// The change of a law's energy between two nearby states, accurate relative to the change.
 #pragma once
 
 #include "material/law.hpp"
 
 namespace pliant {
 
-/// psi(H + dH) - psi(H). As a difference it loses as many digits as the change is below the energy, and a Newton step
-/// near convergence changes a strained body's energy by far less than the rounding of the energy. Small increments are
-/// therefore integrated, int_0^1 P(H + s dH) : dH ds, by Gauss's rule of three points: exact where psi is a polynomial
-/// of degree 6, and for |F^-1 dH| <= 2^-8 to some 1e-15 of dH : A : dH for a logarithm of J too. Such increments do not
-/// reach J = 0. They may reach a limit of stretch; near it psi grows so fast that the difference has the digits.
+/// psi(H + dH) - psi(H). The difference of two values loses accuracy by cancellation: near convergence, a Newton step
+/// changes a strained body's energy by far less than the rounding error of the energy. Small increments are therefore
+/// integrated, int_0^1 P(H + s dH) : dH ds, by the Gauss rule with three points. It is exact if psi is a polynomial of
+/// degree 6, and for |F^-1 dH| <= 2^-8 accurate to about 1e-15 of dH : A : dH for a logarithm of J too. Such increments
+/// do not reach J = 0. They may reach a limit of stretch; near it psi grows so fast that the difference is accurate.
 template <class T, ElasticLaw L>
 PLIANT_INLINE T energy_change(const L& law, const Tensor3<T>& H, const Tensor3<T>& dH) {
   constexpr double small = 1.0 / 256;

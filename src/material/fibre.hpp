@@ -1,12 +1,12 @@
-/// What laws with fibres share: the invariants of unit directions f, s of the reference body, with their gradients
+/// Common parts of laws with fibres: the invariants of unit directions f, s of the reference body, with their gradients
 /// B = di/dF and the increments dB, and the exponential energy of an invariant.
 ///
 ///   I1b - 3                                    isochoric.hpp
 ///   I4 - 1  = 2 f.Ef                           stretch of a fibre, squared
-///   I4b - 1 = a (2 f.Ef - (x - 1))             the same without change of volume; a = J^(-2/3), x = J^(2/3)
+///   I4b - 1 = a (2 f.Ef - (x - 1))             without the change of volume; a = J^(-2/3), x = J^(2/3)
 ///   I8      = 2 f.Es,  f.s = 0                 shear between two directions
 ///
-/// Written in E nothing cancels when the strain is small. An energy sum_k w_k(i_k) + kappa U(J) then has
+/// Written in E, they avoid cancellation when the strain is small. An energy sum_k w_k(i_k) + kappa U(J) then has
 ///   P  = sum_k w_k' B_k + kappa J U' G,  G = F^-T
 ///   dP = sum_k (w_k'' (B_k : dH) B_k + w_k' dB_k) + ...
 /// Source: Holzapfel & Ogden, Phil. Trans. R. Soc. A 367 (2009) 3445-3475, sections 3 and 4.
@@ -17,18 +17,18 @@
 
 namespace pliant {
 
-/// Keys of the directions of laws with one preferred direction, with a second across it, with two families.
+/// Keys of directions: of laws with one preferred direction, with a second one normal to it, and with two families.
 inline constexpr std::array<std::string_view, 1> one_fibre{"fibre"};
 inline constexpr std::array<std::string_view, 2> fibre_and_sheet{"fibre", "sheet"};
 inline constexpr std::array<std::string_view, 2> two_fibres{"fibre", "fibre2"};
 
-/// A direction in the scalar of the state.
+/// A direction in the scalar type of the state.
 template <class T, class S>
 PLIANT_INLINE Vector3<T> direction_as(const std::array<S, 3>& d) {
   return {T(d[0]), T(d[1]), T(d[2])};
 }
 
-/// What depends on F alone. Where J <= 0, G is NaN.
+/// Quantities that depend on F alone. If J <= 0, G is NaN.
 template <class T>
 struct FibreState {
   Distortion<T> at;
@@ -121,17 +121,17 @@ struct Derivatives {
   T first, second;
 };
 
-/// exp(x) where it is below some 1e304, else `beyond`, without overflow.
+/// f(x), a function like exp(x), for x up to 700, where exp(x) is about 1e304; `beyond` for larger x. No overflow.
 template <class T, class Function>
 PLIANT_INLINE T within_exponent(const T& x, double beyond, const Function& f) {
   const auto fits = x <= 700.0;
   return select(fits, f(T(select(fits, x, T(0.0)))), T(beyond));
 }
 
-/// Fibres are slack in compression, or not.
+/// Whether fibres are slack in compression.
 enum class Compression { slack, stiff };
 
-/// w(i) = a/(2 b) (exp(b i^2) - 1), of <i> = max(i, 0) where compression is slack.
+/// w(i) = a/(2 b) (exp(b i^2) - 1), with <i> = max(i, 0) in place of i if fibres are slack in compression.
 template <class S, Compression compression = Compression::slack>
 struct ExponentialFibre {
   S a;  ///< [Pa]
@@ -159,18 +159,18 @@ struct ExponentialFibre {
   }
 };
 
-/// What the linearizations of laws with fibres share; `Linearization` has dP as its operator().
+/// Common part of the linearizations of laws with fibres; `Linearization` has dP as its operator().
 template <class Linearization, class T>
 struct FibreLinearization {
   FibreState<T> s;
-  T pressure, slope;  ///< Kirchhoff, and J d/dJ of it [Pa]
+  T pressure, slope;  ///< Kirchhoff pressure, and J d/dJ of it [Pa]
   Tensor3<T> P;       ///< [Pa]
 
   PLIANT_INLINE Tangent<T> tangent() const { return tangent_by_columns<T>(static_cast<const Linearization&>(*this)); }
 };
 
-/// The part of a law with fibres that its energy does not decide; `Law` has `volumetric`, `energy(H, change, valid)`,
-/// psi where `valid` (J > 0; change = J - 1) and any number elsewhere, and `linearize_at(s, pressure)`, a
+/// The parts of a law with fibres that do not depend on its energy. `Law` has `volumetric`; `energy(H, change, valid)`,
+/// which is psi where `valid` (J > 0; change = J - 1) and any number elsewhere; and `linearize_at(s, pressure)`, a
 /// FibreLinearization at a FibreState and the VolumetricStress there.
 template <class Law>
 struct FibreLaw {

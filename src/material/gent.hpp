@@ -1,7 +1,7 @@
-/// Gent's solid: neo-Hookean at small strain, ever stiffer towards a limit of stretch that it never reaches.
+/// Gent's solid: neo-Hookean at small strain, and increasingly stiff towards a limit of stretch that it never reaches.
 ///   psi = -mu Jm/2 ln(1 - (I1b - 3)/Jm) + kappa U(J)
 /// Source: Gent, Rubber Chem. Technol. 69 (1996) 59-61.
-/// Its energy is a barrier at I1b - 3 = Jm too: from there on psi is +inf and its derivatives are NaN.
+/// Its energy also has a barrier at I1b - 3 = Jm, beyond which psi is +inf and its derivatives are NaN.
 #pragma once
 
 #include "material/isochoric.hpp"

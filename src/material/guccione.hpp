@@ -1,8 +1,8 @@
 /// Transversely isotropic exponential law of passive heart muscle.
 ///   psi = C/2 (exp Q - 1) + kappa U(J)
 ///   Q = bf Eff^2 + bt (Ess^2 + Enn^2 + 2 Esn^2) + 2 bfs (Efs^2 + Efn^2)
-/// With g = E f - Eff f and T = E - f (x) g - g (x) f - Eff f (x) f, the parts of E between fibre and cross plane and
-/// in the cross plane, Q = bf Eff^2 + 2 bfs g.g + bt T:T needs no second direction. Then
+/// With g = E f - Eff f and T = E - f (x) g - g (x) f - Eff f (x) f, the parts of E between the fibre and its normal
+/// plane and within that plane, Q = bf Eff^2 + 2 bfs g.g + bt T:T needs no second direction. Then
 ///   S = C exp(Q) A,  A = bf Eff f (x) f + bfs (f (x) g + g (x) f) + bt T
 ///   dS = C exp(Q) (A(dE) + 2 (A : dE) A),  P = F S + kappa J U' F^-T
 /// Sources: Guccione, McCulloch & Waldman, J. Biomech. Eng. 113 (1991) 42-55; Land et al., Proc. R. Soc. A 471 (2015)
@@ -19,7 +19,7 @@ struct Guccione : FibreLaw<Guccione<S>> {
   static constexpr int num_directions = 1;
 
   S C;            ///< [Pa]
-  S bf, bt, bfs;  ///< exponents along the fibres, across, of shear between both
+  S bf, bt, bfs;  ///< exponents along the fibres, across them, and of shear between both
   Volumetric<S> volumetric;
   std::array<S, 3> fibre;
 
@@ -36,7 +36,7 @@ struct Guccione : FibreLaw<Guccione<S>> {
     Vector3<T> f;
     T scale;  ///< C exp Q [Pa]
     T bf, bt, bfs;
-    Tensor3<T> A, S2;  ///< S2: the second Piola-Kirchhoff stress without the volume's [Pa]
+    Tensor3<T> A, S2;  ///< S2: second Piola-Kirchhoff stress without its volumetric part [Pa]
 
     PLIANT_INLINE Tensor3<T> operator()(const Tensor3<T>& dH) const {
       const Tensor3<T> dE = small_strain(matmul(transpose(s.F), dH));
@@ -78,7 +78,7 @@ struct Guccione : FibreLaw<Guccione<S>> {
     return {T(bf), T(bt), T(bfs)};
   }
 
-  /// A of E; Q = A : E.
+  /// A as a function of E; Q = A : E.
   template <class T>
   PLIANT_INLINE static Tensor3<T> weighted(const Tensor3<T>& E, const Vector3<T>& f, const Exponents<T>& b) {
     const Vector3<T> Ef = matvec(E, f);

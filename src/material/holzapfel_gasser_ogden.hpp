@@ -1,9 +1,9 @@
-/// Two families of dispersed fibres in a neo-Hookean ground: walls of arteries.
+/// Two families of dispersed fibres in a neo-Hookean ground matrix: walls of arteries.
 ///   psi = mu/2 (I1b - 3) + k1/(2 k2) sum_i (exp(k2 <Ei>^2) - 1) + kappa U(J)
 ///   Ei = d (I1b - 3) + (1 - 3 d) (I4b_i - 1),  <x> = max(x, 0): fibres do not push
-/// with the dispersion d: 0 all fibres of a family parallel, 1/3 all directions alike. In contrast to the paper, Ei
-/// itself is cut at 0, not I4 alone, so that stresses are continuous.
-/// Source: Gasser, Ogden & Holzapfel, J. R. Soc. Interface 3 (2006) 15-35, equations 4.1 to 4.4.
+/// with the dispersion d: 0 if all fibres of a family are parallel, 1/3 if all directions are equal. Unlike in the
+/// paper, Ei itself is cut off at 0, not I4 alone, which makes the stresses continuous. Source: Gasser, Ogden &
+/// Holzapfel, J. R. Soc. Interface 3 (2006) 15-35, equations 4.1 to 4.4.
 #pragma once
 
 #include "material/fibre.hpp"

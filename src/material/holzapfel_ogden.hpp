@@ -1,7 +1,7 @@
-/// Orthotropic law of passive heart muscle: fibres f, sheets s across them.
+/// Orthotropic law of passive heart muscle with fibres f and sheets s normal to them.
 ///   psi = a/(2 b) (exp(b (I1b - 3)) - 1) + sum_{i = f, s} a_i/(2 b_i) (exp(b_i <I4i - 1>^2) - 1)
 ///         + a_fs/(2 b_fs) (exp(b_fs I8fs^2) - 1) + kappa U(J),   <x> = max(x, 0): fibres do not push
-/// I4 and I8 with the change of volume: without it, fibres would resist a change of volume of a slack body.
+/// I4 and I8 include the change of volume; without it, fibres would resist the change of volume of a slack body.
 /// Source: Holzapfel & Ogden, Phil. Trans. R. Soc. A 367 (2009) 3445-3475, equation 5.39.
 #pragma once
 
@@ -14,7 +14,7 @@ struct HolzapfelOgden : FibreLaw<HolzapfelOgden<S>> {
   static constexpr std::string_view name = "holzapfel-ogden";
   static constexpr int num_directions = 2;
 
-  S a, b;                                         ///< of the ground [Pa], [1]
+  S a, b;                                         ///< of the ground matrix [Pa], [1]
   ExponentialFibre<S> along_f, along_s;           ///< a_f, b_f; a_s, b_s
   ExponentialFibre<S, Compression::stiff> shear;  ///< a_fs, b_fs
   Volumetric<S> volumetric;

@@ -1,8 +1,8 @@
 /// Isotropic laws with an energy of the distortion and one of the volume,
 ///     psi = W(I1b - 3, I2b - 3) + kappa U(J),   I1b = J^(-2/3) I1(C), I2b = J^(-4/3) I2(C), C = F^T F,
-/// of which a law gives W and its derivatives alone.
+/// for which a law only provides W and its derivatives.
 ///
-/// Everything is written in the Green-Lagrange strain E and j = J - 1, so that nothing cancels when the strain is
+/// All formulas are written in the Green-Lagrange strain E and j = J - 1, which avoids cancellation when the strain is
 /// small: with a = J^(-2/3), x = J^(2/3), D = dev E and (1 + j)^2 = det(I + 2 E)
 ///     I1b - 3 = a   (2 D:D + (x - 1)^2 (x + 2)   - 4/3 tr^2 E - 8  I3(E))
 ///     I2b - 3 = a^2 (2 D:D + (x - 1)^2 (2 x + 1) - 4/3 tr^2 E - 16 I3(E))
@@ -25,7 +25,7 @@ struct DistortionDerivatives {
   T w1, w2, w11, w12, w22;
 };
 
-/// What depends on F alone.
+/// Quantities that depend on F alone.
 template <class T>
 struct Distortion {
   Tensor3<T> E;
@@ -48,8 +48,8 @@ struct Distortion {
   }
 };
 
-/// The part of a law that W does not decide; `Law` has `W(i1, i2)`, `derivatives(i1, i2)` (each NaN or +inf where W
-/// does not exist), `volumetric`, and says by `depends_on_i2` whether W depends on I2b.
+/// The parts of a law that do not depend on W. `Law` has `W(i1, i2)`, `derivatives(i1, i2)` (each NaN or +inf where W
+/// does not exist), `volumetric`, and `depends_on_i2`, whether W depends on I2b.
 template <class Law>
 struct IsochoricLaw {
   static constexpr bool is_barrier = true;

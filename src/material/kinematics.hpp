@@ -1,6 +1,7 @@
-/// Strain measures of H = grad u, F = I + H, in forms that keep their last digits when H is small.
+/// Strain measures of H = grad u, F = I + H, in forms that remain accurate to the last digits when H is small.
 ///
-/// F^T F - I and det F - 1 computed from F lose as many digits as the strain is below 1; these lose none. Source:
+/// F^T F - I and det F - 1 computed from F lose digits in proportion to the smallness of the strain; these forms lose
+/// none. Source:
 /// Shakeri, Ghaffari, Stengel, Thompson, Brown, "Stable numerics for finite-strain elasticity", Int. J. Numer. Methods
 /// Eng. (2024).
 #pragma once
@@ -30,7 +31,7 @@ PLIANT_INLINE Tensor3<T> green_lagrange(const Tensor3<T>& H) {
   return {{entry(0, 0), e01, e02, e01, entry(1, 1), e12, e02, e12, entry(2, 2)}};
 }
 
-/// E(H + dH) - E(H) = sym((F + dH/2)^T dH), to the digits of the change.
+/// E(H + dH) - E(H) = sym((F + dH/2)^T dH), accurate relative to the change.
 template <class T>
 PLIANT_INLINE Tensor3<T> green_lagrange_change(const Tensor3<T>& H, const Tensor3<T>& dH) {
   return small_strain(matmul(transpose(add_to_diagonal(H + 0.5 * dH, 1.0)), dH));

@@ -1,4 +1,4 @@
-/// Elastic constants of an isotropic solid: what users give and what laws take.
+/// Elastic constants of an isotropic solid, and conversions between them.
 #pragma once
 
 #include <limits>
@@ -19,7 +19,7 @@ constexpr Lame lame(double youngs_modulus, double poissons_ratio) {
           youngs_modulus * poissons_ratio / ((1.0 + poissons_ratio) * (1.0 - 2.0 * poissons_ratio))};
 }
 
-/// Of an incompressible body: lambda is infinite.
+/// The constants of an incompressible body: lambda is infinite.
 constexpr bool is_incompressible(const Lame& c) {
   return c.lambda == std::numeric_limits<double>::infinity();
 }

@@ -27,7 +27,7 @@ const LawKind& kind_of(std::size_t row) {
 
 void add_elastic_law(const LawInfo& info, const LawKind& kind) {
   if (std::ranges::find(elastic_laws(), info.name, &LawInfo::name) != elastic_laws().end()) {
-    throw std::invalid_argument("there is a law '" + std::string(info.name) + "' already");
+    throw std::invalid_argument("there already is a law '" + std::string(info.name) + "'");
   }
   kinds().push_back(kind);
   add_row(info);

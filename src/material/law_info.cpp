@@ -15,7 +15,7 @@ std::string admissible(const ParameterInfo& p) {
   return has_upper ? fmt::format("< {}", p.upper) : "any";
 }
 
-std::optional<std::string> complaint(const ParameterInfo& parameter, double value) {
+std::optional<std::string> error_in(const ParameterInfo& parameter, double value) {
   const bool may_be_lower = parameter.lower_bound == LowerBound::included;
   const bool is_above = may_be_lower ? value >= parameter.lower : value > parameter.lower;
   const bool may_be_upper = parameter.upper_bound == UpperBound::included;

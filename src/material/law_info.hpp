@@ -1,4 +1,4 @@
-/// What a user must know of a law: the rows of the registries of laws.
+/// What users need to know about a law: the rows of the registries of laws.
 #pragma once
 
 #include "base/error.hpp"
@@ -21,7 +21,7 @@ struct ParameterInfo {
   double upper;
   std::string_view meaning;
   LowerBound lower_bound = LowerBound::excluded;  ///< whether `lower` itself is admissible
-  double typical = 1.0;                           ///< of a soft body: for examples, plots and tests
+  double typical = 1.0;                           ///< typical of a soft body: for examples, plots and tests
   std::optional<double> fallback = {};            ///< its value if the user does not give it
   UpperBound upper_bound = UpperBound::excluded;  ///< whether `upper` itself is admissible
 };
@@ -38,8 +38,8 @@ struct LawInfo {
 /// The admissible values: "> 0", "between -1 and 0.5", "any".
 std::string admissible(const ParameterInfo& parameter);
 
-/// What is wrong with the value of a parameter; nothing if it is admissible.
-std::optional<std::string> complaint(const ParameterInfo& parameter, double value);
+/// A message if the value of a parameter is not admissible; nullopt if it is.
+std::optional<std::string> error_in(const ParameterInfo& parameter, double value);
 
 /// The names of the laws, separated by commas.
 std::string names_of(std::span<const LawInfo> laws);

@@ -1,4 +1,4 @@
-/// A kind of elastic law as the registry keeps it: what is made from its type, beside the row that people read.
+/// A kind of elastic law in the registry: the functions made from its type, next to the row for users.
 #pragma once
 
 #include "material/energy_change.hpp"
@@ -24,7 +24,7 @@ constexpr LawTraits traits_of() {
   return {L::is_barrier, L::constant_tangent, L::num_directions, L::energy_degree, has_volumetric_form<L>};
 }
 
-/// The laws of a body's packs of points: the contract of make_law_field.
+/// The laws at a body's packs of points, as make_law_field promises them.
 using LawOfLane = std::function<ElasticLawSpec(std::size_t n, int lane)>;
 
 struct LawKind {
@@ -55,7 +55,7 @@ class LawFieldOf final : public LawField {
   std::size_t stride_;
 };
 
-/// The laws of the lanes of a pack as one law of packs.
+/// Joins the laws of a pack's lanes to one law on packs.
 template <class L>
 L packed(const std::array<ElasticLawSpec, pack_size>& lanes) {
   const ElasticLawSpec& first = lanes.front();
@@ -95,12 +95,12 @@ constexpr LawKind law_kind() {
           }};
 }
 
-/// The kind of the law in the row.
+/// The kind of the law in that row.
 const LawKind& kind_of(std::size_t row);
 
-/// Adds a law to those that inputs can name; its name and keys are then known to all commands, as those of the other
-/// laws are. What `info` refers to outlives the program. To be called before the first input is read, by one thread.
-/// Throws std::invalid_argument if there is a law of that name.
+/// Adds a law that inputs can name; all commands then know its name and keys as those of the other laws. The data that
+/// `info` refers to must exist until the program ends. To be called by one thread, before the first input is read.
+/// Throws std::invalid_argument if there already is a law of this name.
 void add_elastic_law(const LawInfo& info, const LawKind& kind);
 
 }  // namespace pliant

@@ -30,7 +30,7 @@ struct Response {
   Tangent<double> A;  ///< dP/dH [Pa]
 };
 
-/// Of a uniform body; all lanes of the packs are alike.
+/// The law of a uniform body; all lanes of the packs are equal.
 Response response(const LawField& law, const Tensor3<double>& H) {
   const auto pack = make_tensor([&](int i, int j) -> Pack { return H(i, j); });
   const Tensor3<Pack> P = law.P(0, pack);

@@ -1,4 +1,4 @@
-/// Homogeneous deformations of a piece of material, as test machines make them: what its law answers to a stretch.
+/// Homogeneous deformations of a specimen, as in material tests: the stress of its law at a stretch.
 #pragma once
 
 #include "base/tensor.hpp"
@@ -14,7 +14,7 @@ namespace pliant {
 enum class Loading {
   uniaxial,      ///< stretched along x, sides free
   equibiaxial,   ///< stretched along x and y, free along z
-  simple_shear,  ///< x moves by the amount times y, all else held
+  simple_shear,  ///< x moves by the amount times y, y and z are fixed
 };
 
 struct LoadingInfo {
@@ -30,14 +30,14 @@ struct LoadedState {
   Tensor3<double> P;  ///< [Pa]; the component of the loading is the force per reference area
 };
 
-/// The state of a piece that is brought from rest to `amount`: the stretch, or 1 + the amount of shear. The free
-/// stretches are found by Newton's method along the way. Nothing if the law does not reach so far.
+/// The state of a specimen deformed from rest to `amount`: the stretch, or 1 + the amount of shear. Newton's method
+/// finds the free stretches in increments. nullopt if the law has no such state.
 std::optional<LoadedState> loaded(const ElasticLawSpec& law, Loading loading, double amount);
 
 /// dP/dH at rest [Pa].
 Tangent<double> tangent_at_rest(const ElasticLawSpec& law);
 
-/// The component of P that the loading is about [Pa].
+/// The component of P that characterises the loading [Pa].
 double nominal_stress(const LoadedState& state, Loading loading);
 
 }  // namespace pliant

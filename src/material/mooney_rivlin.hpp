@@ -1,6 +1,6 @@
-/// Mooney-Rivlin solids of two and of five terms.
-///   psi = c10 (I1b - 3) + c01 (I2b - 3) + kappa U(J)
-///   psi = the same + c20 (I1b - 3)^2 + c11 (I1b - 3)(I2b - 3) + c02 (I2b - 3)^2
+/// Mooney-Rivlin solids with two and with five terms.
+///   psi  = c10 (I1b - 3) + c01 (I2b - 3) + kappa U(J)
+///   psi5 = psi + c20 (I1b - 3)^2 + c11 (I1b - 3)(I2b - 3) + c02 (I2b - 3)^2
 /// Sources: Mooney, J. Appl. Phys. 11 (1940) 582-592; Rivlin, Phil. Trans. R. Soc. A 241 (1948) 379-397; Holzapfel,
 /// Nonlinear Solid Mechanics (Wiley, 2000), section 6.5.
 #pragma once

@@ -5,14 +5,14 @@
 /// Source: Bonet & Wood, Nonlinear Continuum Mechanics for Finite Element Analysis (Cambridge, 2nd ed. 2008),
 /// section 6.4.3.
 ///
-/// As written, psi and P are small differences of large numbers when strains are small. Computed instead, with j = J -
-/// 1:
+/// As written, psi and P are small differences of large numbers when strains are small. The code computes instead, with
+/// j = J - 1:
 ///   P = F^-T (2 mu E + lambda log1p(j) I)                    since F^-T (F^T F - I) = F - F^-T
 ///   psi = mu (tr E - ln J) + lambda/2 log1p(j)^2             since tr(F^T F) - 3 = 2 tr E
 ///   tr E - ln J = j^2/2 - 2 I2(E) - 4 I3(E) + (j - log1p(j))
-/// the last line from (1 + j)^2 = det(I + 2 E) = 1 + 2 tr E + 4 I2(E) + 8 I3(E), where I2 and I3 are the second and
-/// third invariants: every term is of second order, as the sum is, and all but j depends on E alone, so that the energy
-/// of a rotated, hardly strained body is as exact as that of a body at rest.
+/// The last line follows from (1 + j)^2 = det(I + 2 E) = 1 + 2 tr E + 4 I2(E) + 8 I3(E), where I2 and I3 are the second
+/// and third invariants. Every term is of second order, like the sum, and all but j depend on E alone. The energy of a
+/// rotated, hardly strained body is therefore as accurate as that of a body at rest.
 #pragma once
 
 #include "material/kinematics.hpp"

@@ -1,4 +1,4 @@
-/// Neo-Hookean solid with isochoric-volumetric split.
+/// Neo-Hookean solid with an isochoric-volumetric split.
 ///   psi = mu/2 (I1b - 3) + kappa U(J)
 /// Source: Holzapfel, Nonlinear Solid Mechanics (Wiley, 2000), section 6.5; Simo & Hughes, Computational Inelasticity
 /// (Springer, 1998), section 9.2.

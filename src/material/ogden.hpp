@@ -1,10 +1,11 @@
-/// Ogden's solid of up to four terms, an energy of the stretches without change of volume.
+/// Ogden's solid with up to four terms, an energy of the isochoric stretches.
 ///   psi = sum_p 2 mu_p / alpha_p^2 (l1b^alpha_p + l2b^alpha_p + l3b^alpha_p - 3) + kappa U(J),   l_ib = J^(-1/3) l_i
 /// Sources: Ogden, Proc. R. Soc. Lond. A 326 (1972) 565-584; Holzapfel, Nonlinear Solid Mechanics (Wiley, 2000),
-/// section 6.5. Written so that the shear modulus at rest is sum_p mu_p: Ogden's own mu_p is 2 mu_p / alpha_p of here.
-/// alpha_p = 2 is the neo-Hookean solid, alpha_p = 0 stands for the limit: Hencky's energy mu_p sum_i (ln l_ib)^2.
+/// section 6.5. The shear modulus at rest is sum_p mu_p; Ogden's own mu_p equals 2 mu_p / alpha_p in this notation.
+/// alpha_p = 2 is the neo-Hookean solid; alpha_p = 0 is the limit, Hencky's energy mu_p sum_i (ln l_ib)^2.
 ///
-/// With e_i = ln l_ib, whose sum is 0, phi1(x) = (exp(x) - 1)/x and phi2(x) = (exp(x) - 1 - x)/x^2 nothing cancels:
+/// With e_i = ln l_ib, whose sum is 0, phi1(x) = (exp(x) - 1)/x and phi2(x) = (exp(x) - 1 - x)/x^2, there is no
+/// cancellation:
 ///   psi = sum_p 2 mu_p sum_i e_i^2 phi2(alpha_p e_i) + kappa U(J)
 ///   tau_i = t_i - (t_1 + t_2 + t_3)/3 + kappa J U',  t_i = sum_p 2 mu_p e_i phi1(alpha_p e_i),  P_i = tau_i / l_i
 ///   l_i l_j (P_i - P_j)/(l_i - l_j) = sum_p 2 mu_p exp(alpha_p e_j) phi1(alpha_p d)/phi1(d) - tau_j,  d = e_i - e_j
@@ -26,7 +27,7 @@ struct Ogden {
 
   std::array<S, most_terms> mu;     ///< [Pa]
   std::array<S, most_terms> alpha;  ///< [1]
-  std::size_t num_terms;            ///< the others are 0
+  std::size_t num_terms;            ///< terms in use; the others are 0
   Volumetric<S> volumetric;
 
   static Ogden of(const LawData<S>& d) {
@@ -92,7 +93,7 @@ struct Ogden {
   }
 
  private:
-  /// Of the lanes where the law exists; the others are at rest.
+  /// The state in lanes where the law exists; the others are at rest.
   template <class T, class Mask>
   struct State {
     PrincipalStretches<T> at;

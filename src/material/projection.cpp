@@ -6,7 +6,7 @@
 namespace pliant {
 namespace {
 
-/// Of the symmetric n x n matrix.
+/// Raises the eigenvalues of a symmetric n x n matrix to `floor`.
 template <int n>
 void clamp_eigenvalues(double* entries, double floor) {
   using Matrix = Eigen::Matrix<double, n, n>;
@@ -15,7 +15,7 @@ void clamp_eigenvalues(double* entries, double floor) {
   const Eigen::SelfAdjointEigenSolver<Matrix> solver(matrix);
   const auto& values = solver.eigenvalues();
   const auto& vectors = solver.eigenvectors();
-  // A + sum over the low eigenvalues of (floor - value) v v^T: the others keep their digits.
+  // A + sum over the low eigenvalues of (floor - value) v v^T: the other eigenvalues remain exact.
   for (int k = 0; k < n && values[k] < floor; ++k) {  // ascending
     const Matrix correction = (floor - values[k]) * vectors.col(k) * vectors.col(k).transpose();
     matrix += correction;

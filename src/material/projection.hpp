@@ -5,16 +5,16 @@
 
 namespace pliant {
 
-/// Replaces every eigenvalue of the 9x9 tangent below `floor` [Pa] (>= 0) by `floor`: the nearest such tangent in the
-/// Frobenius norm. A tangent without such eigenvalues is left as it is, bit by bit; so is one that is not finite.
-/// Costs microseconds per point (a symmetric eigenproblem); lanes of a pack are treated one by one.
+/// Replaces every eigenvalue of the 9x9 tangent below `floor` [Pa] (>= 0) by `floor`, which gives the nearest such
+/// tangent in the Frobenius norm. A tangent without such eigenvalues, or one that is not finite, does not change by a
+/// bit. Costs microseconds per point (a symmetric eigenproblem); lanes of a pack are treated one by one.
 void project_to_positive_semidefinite(Tangent<double>& A, double floor = 0.0);
 void project_to_positive_semidefinite(Tangent<Pack>& A, double floor = 0.0);
 
-/// The same of a symmetric 10x10 matrix, a tangent bordered by one more variable, with the floor 0.
+/// Likewise for a symmetric 10x10 matrix, a tangent bordered by one more variable, with the floor 0.
 void project_to_positive_semidefinite(std::array<Pack, 100>& M);
 
-/// The same of a symmetric 3x3 tensor, with the floor 0.
+/// Likewise for a symmetric 3x3 tensor, with the floor 0.
 void project_to_positive_semidefinite(Tensor3<Pack>& S);
 
 }  // namespace pliant

@@ -12,14 +12,12 @@
 namespace pliant {
 namespace {
 
-constexpr ParameterInfo shear_modulus{
-    "shear_modulus",      "Pa", 0.0, infinity, "stiffness against change of shape at small strain",
-    LowerBound::excluded, 400e3};
+constexpr ParameterInfo shear_modulus{"shear_modulus",      "Pa", 0.0, infinity, "stiffness in shear at small strain",
+                                      LowerBound::excluded, 400e3};
 constexpr ParameterInfo lame_lambda{
     "lame_lambda", "Pa", -infinity, infinity, "first Lame parameter at small strain", LowerBound::excluded, 1.6e6};
 constexpr ParameterInfo bulk_modulus_at_rest{
-    "bulk_modulus",       "Pa", 0.0, infinity, "stiffness against change of volume at small strain",
-    LowerBound::excluded, 2e6};
+    "bulk_modulus", "Pa", 0.0, infinity, "stiffness against volume change at small strain", LowerBound::excluded, 2e6};
 
 constexpr ParameterInfo coefficient(std::string_view name, std::string_view meaning, double typical,
                                     double lower = -infinity) {
@@ -43,7 +41,7 @@ constexpr std::array yeoh{coefficient("c10", "of I1b - 3; half the shear modulus
                           bulk_modulus_at_rest};
 constexpr std::array gent{
     shear_modulus, bulk_modulus_at_rest,
-    ParameterInfo{"stretch_limit", "1", 0.0, infinity, "I1b - 3 stays below it", LowerBound::excluded, 20.0}};
+    ParameterInfo{"stretch_limit", "1", 0.0, infinity, "upper limit of I1b - 3", LowerBound::excluded, 20.0}};
 constexpr std::array arruda_boyce{shear_modulus, bulk_modulus_at_rest,
                                   ParameterInfo{"locking_stretch", "1", 1.0, infinity,
                                                 "stretch at which the chains lock", LowerBound::excluded, 2.8}};
@@ -56,15 +54,16 @@ constexpr ParameterInfo ogden_exponent(std::string_view name, std::string_view m
                                        std::optional<double> fallback = {}) {
   return {name, "1", -infinity, infinity, meaning, LowerBound::excluded, typical, fallback};
 }
-constexpr std::array ogden{ogden_modulus("mu1", "part of the first term in the shear modulus at small strain", 220e3),
-                           ogden_exponent("alpha1", "exponent of the first term", 1.3),
-                           ogden_modulus("mu2", "of the second term", 100e3, 0.0),
-                           ogden_exponent("alpha2", "of the second term", 5.0, 2.0),
-                           ogden_modulus("mu3", "of the third term", 60e3, 0.0),
-                           ogden_exponent("alpha3", "of the third term", -2.0, 2.0),
-                           ogden_modulus("mu4", "of the fourth term", 20e3, 0.0),
-                           ogden_exponent("alpha4", "of the fourth term", -4.0, 2.0),
-                           bulk_modulus_at_rest};
+constexpr std::array ogden{
+    ogden_modulus("mu1", "contribution of the first term to the shear modulus at small strain", 220e3),
+    ogden_exponent("alpha1", "exponent of the first term", 1.3),
+    ogden_modulus("mu2", "of the second term", 100e3, 0.0),
+    ogden_exponent("alpha2", "of the second term", 5.0, 2.0),
+    ogden_modulus("mu3", "of the third term", 60e3, 0.0),
+    ogden_exponent("alpha3", "of the third term", -2.0, 2.0),
+    ogden_modulus("mu4", "of the fourth term", 20e3, 0.0),
+    ogden_exponent("alpha4", "of the fourth term", -4.0, 2.0),
+    bulk_modulus_at_rest};
 constexpr std::array shear_alone{shear_modulus};
 
 constexpr ParameterInfo exponent(std::string_view name, std::string_view meaning, double typical) {
@@ -74,27 +73,28 @@ constexpr ParameterInfo exponent(std::string_view name, std::string_view meaning
 constexpr std::array guccione{
     coefficient("C", "scale of the stresses", 100e3, 0.0), exponent("bf", "stiffening along the fibres", 4.0),
     exponent("bt", "stiffening across the fibres", 1.0),
-    exponent("bfs", "stiffening against shear between fibres and what is across", 2.0), bulk_modulus_at_rest};
+    exponent("bfs", "stiffening in shear between the fibres and the directions across them", 2.0),
+    bulk_modulus_at_rest};
 constexpr std::array holzapfel_gasser_ogden{
     shear_modulus, bulk_modulus_at_rest, coefficient("k1", "of the fibres", 300e3, 0.0),
     exponent("k2", "stiffening of the fibres", 0.8),
-    ParameterInfo{"dispersion", "1", 0.0, 1.0 / 3.0, "of the fibres of a family: 0 parallel, 1/3 in all directions",
-                  LowerBound::included, 0.1, 0.0}};
-constexpr std::array holzapfel_ogden{
-    coefficient("a", "of the ground; the shear modulus there at small strain", 200e3, 0.0),
-    exponent("b", "stiffening of the ground", 1.5),
-    coefficient("a_f", "along the fibres", 400e3, 0.0),
-    exponent("b_f", "stiffening along the fibres", 1.2),
-    coefficient("a_s", "along the sheets", 100e3, 0.0),
-    exponent("b_s", "stiffening along the sheets", 0.9),
-    coefficient("a_fs", "of shear between fibres and sheets", 50e3, 0.0),
-    exponent("b_fs", "stiffening against that shear", 1.1),
-    bulk_modulus_at_rest};
+    ParameterInfo{"dispersion", "1", 0.0, 1.0 / 3.0,
+                  "0 if the fibres of a family are parallel, 1/3 if they run in all directions", LowerBound::included,
+                  0.1, 0.0}};
+constexpr std::array holzapfel_ogden{coefficient("a", "shear modulus of the ground matrix at small strain", 200e3, 0.0),
+                                     exponent("b", "stiffening of the ground matrix", 1.5),
+                                     coefficient("a_f", "along the fibres", 400e3, 0.0),
+                                     exponent("b_f", "stiffening along the fibres", 1.2),
+                                     coefficient("a_s", "along the sheets", 100e3, 0.0),
+                                     exponent("b_s", "stiffening along the sheets", 0.9),
+                                     coefficient("a_fs", "of shear between fibres and sheets", 50e3, 0.0),
+                                     exponent("b_fs", "stiffening in shear between fibres and sheets", 1.1),
+                                     bulk_modulus_at_rest};
 
 constexpr std::array<LawInfo, ElasticLaws::size> own_laws{{
     {Linear<double>::name, "psi = mu eps:eps + lambda/2 (tr eps)^2, eps = (H + H^T)/2, H = grad u", lame_parameters,
      "Hooke's law; Holzapfel, Nonlinear Solid Mechanics (2000)",
-     "small strains and small rotations; a rotation of more than a few degrees raises false stresses"},
+     "small strains and small rotations; a rotation of more than a few degrees causes spurious stresses"},
     {SaintVenantKirchhoff<double>::name, "psi = mu E:E + lambda/2 (tr E)^2, E = (F^T F - I)/2", lame_parameters,
      "Holzapfel, Nonlinear Solid Mechanics (2000), section 6.5",
      "large rotations with small strains (slender beams, shells); not for strong compression: it softens and lets "
@@ -104,7 +104,7 @@ constexpr std::array<LawInfo, ElasticLaws::size> own_laws{{
      "large rotations and large strains, the usual choice for soft bodies; never lets a cell invert"},
     {NeoHookeanIsochoric<double>::name, "psi = mu/2 (I1b - 3) + kappa U(J), I1b = J^(-2/3) tr(F^T F)", split,
      "Simo & Hughes, Computational Inelasticity (1998), section 9.2",
-     "nearly incompressible soft bodies; comparison with other programs, most of which split the volume off"},
+     "nearly incompressible soft bodies; comparison with other programs, most of which use this split"},
     {MooneyRivlin<double>::name, "psi = c10 (I1b - 3) + c01 (I2b - 3) + kappa U(J), I2b = J^(-4/3) I2(F^T F)",
      mooney_rivlin, "Mooney (1940); Rivlin (1948); Holzapfel (2000), section 6.5",
      "rubbers up to a stretch of about 2"},
@@ -124,17 +124,17 @@ constexpr std::array<LawInfo, ElasticLaws::size> own_laws{{
      "rubbers up to large strain in any kind of loading, from two constants"},
     {Ogden<double>::name,
      "psi = sum_p 2 mu_p/alpha_p^2 (l1b^alpha_p + l2b^alpha_p + l3b^alpha_p - 3) + kappa U(J), l_ib = J^(-1/3) l_i: "
-     "stretches; Ogden's own mu_p is 2 mu_p/alpha_p of here",
+     "stretches; Ogden's own mu_p equals 2 mu_p/alpha_p in this notation",
      ogden, "Ogden (1972); Holzapfel, Nonlinear Solid Mechanics (2000), section 6.5",
      "rubbers and tissues up to very large strain, fitted to several kinds of test"},
     {StableNeoHookean<double>::name,
      "psi = m/2 (I1 - 3) + l/2 (J - 1 - 3/4 m/l)^2 - m/2 ln(I1 + 1) - psi(I), I1 = tr(F^T F), m = 4/3 mu, "
      "l = lambda + 5/6 mu",
      lame_parameters, "Smith, de Goes & Kim, ACM Trans. Graph. 37 (2018)",
-     "bodies whose cells may invert on the way, from a bad start or under rough handling: they come back"},
+     "bodies whose cells may invert temporarily, after a poor start or under extreme loads: they recover"},
     {FixedCorotated<double>::name, "psi = mu |F - R|^2 + lambda/2 (J - 1)^2, R: rotation of F", lame_parameters,
      "Stomakhin et al., Energetically consistent invertible elasticity (2012)",
-     "animation and rough handling: linear in the stretches, and inverted cells come back"},
+     "animation and extreme deformation: linear in the stretches, and inverted cells recover"},
     {Arap<double>::name, "psi = mu |F - R|^2, R: rotation of F", shear_alone,
      "Smith, de Goes & Kim, ACM Trans. Graph. 38 (2019)",
      "as rigid as possible: deformation of shapes; its Poisson's ratio at rest is 0, it has no bulk modulus of its "
@@ -155,7 +155,7 @@ constexpr std::array<LawInfo, ElasticLaws::size> own_laws{{
      fibre_and_sheet},
 }};
 
-/// Those that come with Pliant, then those that a program has added.
+/// The laws that come with Pliant, then those that a program has added.
 std::vector<LawInfo>& rows() {
   static std::vector<LawInfo> all(own_laws.begin(), own_laws.end());
   return all;
@@ -215,9 +215,9 @@ ElasticLawSpec make_law(std::string_view name, const GivenConstants& constants, 
     values.push_back(value);
   }
   const ConstantsRule rule(row, keys, where);
-  std::vector<Diagnostic> mistakes;
-  for (const auto& text : rule.complaints(values)) mistakes.push_back({Severity::error, where, text});
-  if (!mistakes.empty()) throw InputError(std::move(mistakes));
+  std::vector<Diagnostic> errors;
+  for (const auto& text : rule.errors(values)) errors.push_back({Severity::error, where, text});
+  if (!errors.empty()) throw InputError(std::move(errors));
   return {row, rule(values)};
 }
 

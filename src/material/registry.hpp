@@ -1,6 +1,6 @@
-/// The elastic laws that come with Pliant. A new one is a header, a place in ElasticLaws and a row in registry.cpp; the
-/// tests, the input file, the plots and `pliant materials` read the list from here. Another program adds laws of its
-/// own with add_elastic_law (material/law_kind.hpp).
+/// The elastic laws that come with Pliant. A new one takes a header, an entry in ElasticLaws and a row in registry.cpp;
+/// the tests, the input file, the plots and `pliant materials` read this list. Another program adds its own laws with
+/// add_elastic_law (material/law_kind.hpp).
 #pragma once
 
 #include "material/arruda_boyce.hpp"
@@ -40,7 +40,7 @@ using ElasticLawVariant = ElasticLaws::Variant<double>;
 /// The law itself, one of ElasticLaws.
 ElasticLawVariant instantiate(const ElasticLawSpec& spec);
 
-/// Adds a row to elastic_laws(): add_elastic_law's part of what is not made from a type.
+/// Adds a row to elastic_laws(): the part of add_elastic_law that does not depend on a type.
 void add_row(const LawInfo& info);
 
 }  // namespace pliant

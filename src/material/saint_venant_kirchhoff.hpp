@@ -1,4 +1,4 @@
-/// Saint Venant-Kirchhoff: Hooke's law between E and S, for large rotations and small strains.
+/// Saint Venant-Kirchhoff solid: Hooke's law between E and S, for large rotations and small strains.
 ///   psi = mu E:E + lambda/2 (tr E)^2,  E = (F^T F - I) / 2
 ///   P = F S,  S = 2 mu E + lambda tr(E) I
 ///   d P_iJ / d F_kL = d_ik S_JL + lambda F_iJ F_kL + mu (F_iL F_kJ + (F F^T)_ik d_JL)

@@ -1,11 +1,11 @@
-/// Isotropic laws written in the principal stretches: stretches and directions of F = I + H that keep their digits
-/// when H is small, also where stretches are equal or the body is flat or inverted, and the tangent of an energy of
-/// them.
+/// Isotropic laws written in the principal stretches: the stretches and directions of F = I + H, accurate to the last
+/// digits when H is small, also if stretches are equal or the body is flat or inverted, and the tangent of an energy of
+/// the stretches.
 ///
 ///   F = sum_i l_i r_i n_i^T,  l_1 >= l_2 >= |l_3|
-/// where (n_i) and (r_i) are right-handed frames, so that l_3 has the sign of J and R = sum_i r_i n_i^T is the rotation
-/// nearest to F; unique where l_2 + l_3 > 0. Source: Irving, Teran & Fedkiw, "Invertible finite elements for robust
-/// simulation of large deformation", Symp. Computer Animation (2004).
+/// where (n_i) and (r_i) are right-handed frames. l_3 thus has the sign of J, and R = sum_i r_i n_i^T is the rotation
+/// nearest to F, which is unique if l_2 + l_3 > 0. Source: Irving, Teran & Fedkiw, "Invertible finite elements for
+/// robust simulation of large deformation", Symp. Computer Animation (2004).
 #pragma once
 
 #include "base/vector3.hpp"
@@ -25,7 +25,7 @@ struct EigenDecomposition {
   Tensor3<T> vectors;
 };
 
-/// One Jacobi rotation: A(p, q) becomes 0, V follows.
+/// One Jacobi rotation, which makes A(p, q) zero and updates V.
 template <int p, int q, class T>
 PLIANT_INLINE void jacobi_rotation(Tensor3<T>& A, Tensor3<T>& V) {
   constexpr int r = 3 - p - q;
@@ -60,8 +60,8 @@ PLIANT_INLINE void put_in_descending_order(Tensor3<T>& A, Tensor3<T>& V) {
   });
 }
 
-/// By Jacobi's cyclic method: without branches on the entries, and as good where eigenvalues are equal. Source: Golub &
-/// Van Loan, Matrix Computations (4th ed. 2013), section 8.5.
+/// Computed by the cyclic Jacobi method: no branches on the entries, and the same accuracy if eigenvalues are equal.
+/// Source: Golub & Van Loan, Matrix Computations (4th ed. 2013), section 8.5.
 template <class T>
 PLIANT_INLINE EigenDecomposition<T> eigen_decomposition(Tensor3<T> A) {
   constexpr double negligible = 0.25 * std::numeric_limits<double>::epsilon();
@@ -94,7 +94,7 @@ struct PrincipalStretches {
   }
 };
 
-/// The unit vector along v; `otherwise` where |v|^2 <= floor.
+/// The unit vector along v; `otherwise` if |v|^2 <= floor.
 template <class T>
 PLIANT_INLINE std::array<T, 3> unit_vector(const std::array<T, 3>& v, const T& floor,
                                            const std::array<T, 3>& otherwise) {
@@ -108,7 +108,7 @@ PLIANT_INLINE std::array<T, 3> unit_vector(const std::array<T, 3>& v, const T& f
 /// A unit vector normal to the unit vector r.
 template <class T>
 PLIANT_INLINE std::array<T, 3> any_normal(const std::array<T, 3>& r) {
-  // Of e_x and e_y the one that r is less along.
+  // e_x or e_y, whichever is less parallel to r.
   const auto x = r[0] * r[0] < r[1] * r[1];
   const std::array<T, 3> axis{select(x, T(1.0), T(0.0)), select(x, T(0.0), T(1.0)), T(0.0)};
   return unit_vector(cross(r, axis), T(0.0), axis);
@@ -116,7 +116,7 @@ PLIANT_INLINE std::array<T, 3> any_normal(const std::array<T, 3>& r) {
 
 template <class T>
 PLIANT_INLINE PrincipalStretches<T> principal_stretches(const Tensor3<T>& H) {
-  // C = I + 2 E; the stretches of the thin directions are taken from F, where they are not a square.
+  // C = I + 2 E. Stretches along thin directions are taken from F instead, where they are not squared.
   const EigenDecomposition<T> E = eigen_decomposition(green_lagrange(H));
   const Tensor3<T> F = add_to_diagonal(H, 1.0);
   const auto column = [](const Tensor3<T>& A, int i) -> std::array<T, 3> { return {A(0, i), A(1, i), A(2, i)}; };
@@ -129,7 +129,7 @@ PLIANT_INLINE PrincipalStretches<T> principal_stretches(const Tensor3<T>& H) {
   const Tensor3<T> Fn = matmul(F, n);
   const auto f1 = column(Fn, 0), f2 = column(Fn, 1), f3 = column(Fn, 2);
   const auto r1 = unit_vector(f1, T(0.0), n1);
-  // Where the second stretch is nothing beside the first, the body is a thread and any frame around it will do.
+  // If the second stretch is negligible relative to the first, the body is a thread, and any frame around it is valid.
   constexpr double thread = 1e-14;
   const T along = inner(r1, f2);
   const std::array<T, 3> across{f2[0] - along * r1[0], f2[1] - along * r1[1], f2[2] - along * r1[2]};
@@ -147,7 +147,7 @@ PLIANT_INLINE PrincipalStretches<T> principal_stretches(const Tensor3<T>& H) {
   return result;
 }
 
-/// P and dP of an energy of the stretches, from its derivatives: in the frames (r_i), (n_i), B = r^T dH n becomes
+/// P and dP of an energy of the stretches, from its derivatives. In the frames (r_i), (n_i), with B = r^T dH n,
 ///   dP_ii = sum_j normal_ij B_jj
 ///   dP_ij = shear_k (B_ij + B_ji)/2 + twist_k (B_ij - B_ji)/2,   i, j, k different
 ///   normal_ij = d^2 psi / dl_i dl_j,  shear_k = (P_i - P_j)/(l_i - l_j),  twist_k = (P_i + P_j)/(l_i + l_j).
@@ -173,7 +173,7 @@ struct SpectralLinearization {
     return matmul(matmul(at.r, Q), transpose(at.n));
   }
 
-  /// The sum of nine products left_m (x) right_m.
+  /// The tangent as a sum of nine products left_m (x) right_m.
   PLIANT_INLINE Tangent<T> tangent() const {
     std::array<Tensor3<T>, 9> left, right;
     const auto dyad = [&](int i, int j) __attribute__((always_inline)) {

@@ -1,8 +1,8 @@
-/// Stable neo-Hookean solid: its energy is finite and smooth for every F, flat and inverted ones too, and pulls an
-/// inverted body back.
+/// Stable neo-Hookean solid: its energy is finite and smooth for every F, including flat and inverted ones, and
+/// restores an inverted body.
 ///   psi = m/2 (I_C - 3) + l/2 (J - 1 - 3/4 m/l)^2 - m/2 ln(I_C + 1) - psi(I),   I_C = tr(F^T F)
 ///   P = 3/4 m (F - cof F) + l (J - 1) cof F + m tr E / (2 (I_C + 1)) F
-/// with m = 4/3 mu, l = lambda + 5/6 mu, which make it Hooke's law of mu and lambda at rest.
+/// with m = 4/3 mu, l = lambda + 5/6 mu, which reduce it to Hooke's law with mu and lambda at rest.
 /// Source: Smith, de Goes & Kim, "Stable neo-Hookean flesh simulation", ACM Trans. Graph. 37 (2018) 12.
 ///
 /// Computed without cancellation (j = J - 1; for tr E - j see neo_hookean.hpp):

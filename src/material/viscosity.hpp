@@ -1,7 +1,7 @@
-/// Laws of viscosity, in the Green-Lagrange strain E and its rate: exact under rotation, linear in E.
+/// Laws of viscosity in the Green-Lagrange strain E and its rate: invariant under rotation, linear in E.
 ///
 ///   Kelvin-Voigt   R = shear dev(Edot):dev(Edot) + bulk/2 tr(Edot)^2     dissipation potential [W/m^3]
-///                  S = 2 shear dev(Edot) + bulk tr(Edot) I               stress beside the elastic one [Pa]
+///                  S = 2 shear dev(Edot) + bulk tr(Edot) I               stress added to the elastic one [Pa]
 ///   stiffness-proportional: Kelvin-Voigt with time C0, C0 the elastic tangent at rest
 ///   Maxwell        Gdot = (E - G)/tau,  G the strain of the dashpot of a spring and a dashpot in series
 ///                  psi = mu_b dev(E - G):dev(E - G) + kappa_b/2 tr(E - G)^2   stored in the spring [J/m^3]
@@ -10,9 +10,9 @@
 ///
 ///   Prony          Hdot + H/tau = g d/dt S_e, S_e the stress of the elastic law
 ///
-/// all per reference volume; the first Piola-Kirchhoff stress is P = F S. Both are quadratic forms of one isotropic
-/// tensor, and so are their incremental potentials over a time dt (energy/viscous.hpp). Mass-proportional damping,
-/// R = alpha/2 rho v.v, acts on the velocity itself (energy/mass_damping.hpp).
+/// all per reference volume; the first Piola-Kirchhoff stress is P = F S. The potentials of Kelvin-Voigt and Maxwell
+/// are quadratic forms of an isotropic tensor, and so are their incremental potentials over a time dt
+/// (energy/volume/viscous.hpp). Mass-proportional damping, R = alpha/2 rho v.v, acts on the velocity itself.
 /// Sources: Landau & Lifshitz, Theory of Elasticity (3rd ed. 1986), section 34 (Kelvin-Voigt); Holzapfel, Nonlinear
 /// Solid Mechanics (Wiley, 2000), section 6.10, and Kumar & Lopez-Pamies, C. R. Mecanique 344 (2016), 102-112
 /// (Maxwell).
@@ -28,7 +28,7 @@ namespace pliant {
 /// part of its law.
 enum class StrainRate {
   secant,         ///< (E(q) - E(q0)) / dt; has a potential; first order in time for every method
-  reconstructed,  ///< (E(q) - E0) / dt, E0 from the strains of earlier stages as q0 is from their q; has a potential
+  reconstructed,  ///< (E(q) - E0) / dt, E0 from earlier stages' strains as q0 from their q; has a potential
   exact           ///< sym(F^T (F - F0)) / dt; keeps the order of every method; has no potential
 };
 
@@ -38,7 +38,7 @@ struct IsotropicTensor {
   S shear;  ///< [Pa] on strains, [Pa s] on rates
   S bulk;
 
-  /// Factor of tr(D) I beside that of D: bulk - 2/3 shear.
+  /// The factor of tr(D) I, next to 2 shear D: bulk - 2/3 shear.
   PLIANT_INLINE constexpr S lambda() const { return bulk - 2.0 / 3.0 * shear; }
 
   PLIANT_INLINE Tensor3<S> operator()(const Tensor3<S>& D) const {
@@ -51,10 +51,10 @@ PLIANT_INLINE constexpr IsotropicTensor<S> operator*(double s, const IsotropicTe
   return {s * C.shear, s * C.bulk};
 }
 
-/// What the moduli of a law are given in.
+/// How the moduli of a law are given.
 enum class Moduli {
   absolute,  ///< SI
-  relative   ///< parts of the elastic law's at rest
+  relative   ///< relative to the elastic law's moduli at rest
 };
 
 struct KelvinVoigt {
@@ -67,8 +67,8 @@ struct KelvinVoigt {
 struct Maxwell {
   static constexpr std::string_view name = "maxwell";
 
-  double shear_modulus;    ///< mu_b [Pa], or part of mu
-  double bulk_modulus;     ///< kappa_b [Pa], or part of K
+  double shear_modulus;    ///< mu_b [Pa], or mu_b / mu
+  double bulk_modulus;     ///< kappa_b [Pa], or kappa_b / K
   double relaxation_time;  ///< tau [s]
   Moduli moduli = Moduli::absolute;
 };
@@ -79,11 +79,11 @@ struct StiffnessProportional {
   double time;  ///< beta [s]
 };
 
-/// A branch with the stress of the elastic law, relaxing (energy/prony.hpp).
+/// A branch whose stress follows the elastic law and relaxes.
 struct Prony {
   static constexpr std::string_view name = "prony";
 
-  double ratio;            ///< g, of the stress in fast motion to that at rest
+  double ratio;            ///< g: stress of the branch in fast motion relative to the elastic stress
   double relaxation_time;  ///< tau [s]
 };
 

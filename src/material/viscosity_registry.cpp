@@ -8,36 +8,37 @@ namespace pliant {
 namespace {
 
 constexpr std::array kelvin_voigt{
-    ParameterInfo{"shear", "Pa*s", 0.0, infinity, "viscosity against change of shape", LowerBound::included},
-    ParameterInfo{"bulk", "Pa*s", 0.0, infinity, "viscosity against change of volume", LowerBound::included, 1.0, 0.0},
+    ParameterInfo{"shear", "Pa*s", 0.0, infinity, "viscosity in shear", LowerBound::included},
+    ParameterInfo{"bulk", "Pa*s", 0.0, infinity, "viscosity against volume change", LowerBound::included, 1.0, 0.0},
 };
 
 constexpr std::array maxwell{
-    ParameterInfo{"shear_modulus", "Pa", 0.0, infinity, "stiffness of the branch's spring against fast change of shape",
-                  LowerBound::included},
-    ParameterInfo{"bulk_modulus", "Pa", 0.0, infinity, "stiffness of the branch's spring against fast change of volume",
+    ParameterInfo{"shear_modulus", "Pa", 0.0, infinity,
+                  "shear modulus of the branch's spring, effective in fast motion", LowerBound::included},
+    ParameterInfo{"bulk_modulus", "Pa", 0.0, infinity, "bulk modulus of the branch's spring, effective in fast motion",
                   LowerBound::included, 1.0, 0.0},
-    ParameterInfo{"relaxation_time", "s", 0.0, infinity, "time in which the branch's stress falls to 1/e"},
+    ParameterInfo{"relaxation_time", "s", 0.0, infinity, "time in which the branch's stress decays to 1/e"},
 };
 
 constexpr std::array maxwell_ratios{
     ParameterInfo{"shear_ratio", "1", 0.0, infinity,
-                  "`shear_modulus` as a part of the elastic law's shear modulus at rest", LowerBound::included},
+                  "`shear_modulus` as a fraction of the elastic law's shear modulus at rest", LowerBound::included},
     ParameterInfo{"bulk_ratio", "1", 0.0, infinity,
-                  "`bulk_modulus` as a part of the elastic law's bulk modulus at rest", LowerBound::included, 1.0, 0.0},
+                  "`bulk_modulus` as a fraction of the elastic law's bulk modulus at rest", LowerBound::included, 1.0,
+                  0.0},
     maxwell[2],
 };
 
 constexpr std::array prony{
     ParameterInfo{"ratio", "1", 0.0, infinity,
-                  "g: stress of the branch in fast motion, as a part of the elastic law's; not normalised",
+                  "g: stress of the branch in fast motion, as a fraction of the elastic stress; not normalised",
                   LowerBound::included},
-    ParameterInfo{"relaxation_time", "s", 0.0, infinity, "time in which the branch's stress falls to 1/e"},
+    ParameterInfo{"relaxation_time", "s", 0.0, infinity, "time in which the branch's stress decays to 1/e"},
 };
 
 constexpr std::array stiffness_proportional{
     ParameterInfo{"time", "s", 0.0, infinity,
-                  "beta: a mode of the angular frequency w is damped by beta w / 2 of critical", LowerBound::included},
+                  "beta: the damping ratio of a mode with angular frequency w is beta w / 2", LowerBound::included},
 };
 
 constexpr std::array mass_proportional{
@@ -51,23 +52,22 @@ constexpr std::array mass_proportional{
 constexpr std::array<LawInfo, 5> laws{{
     {KelvinVoigt::name, "R = shear dev(Edot):dev(Edot) + bulk/2 (tr Edot)^2, E = (F^T F - I)/2", kelvin_voigt,
      "Landau & Lifshitz, Theory of Elasticity (1986), section 34, with E for the small strain",
-     "damping that grows with frequency: the damping ratio of a mode w is (viscosity/stiffness) w / 2; take some of it "
-     "when an accurate time method shows vibrations that the real body does not have"},
+     "damping that grows with frequency: the damping ratio of a mode w is (viscosity/stiffness) w / 2; add some if an "
+     "accurate time method shows vibrations that the real body does not have"},
     {Maxwell::name,
      "psi = shear_modulus dev(E-G):dev(E-G) + bulk_modulus/2 (tr(E-G))^2, Gdot = (E - G)/relaxation_time", maxwell,
      "Holzapfel, Nonlinear Solid Mechanics (2000), section 6.10; Kumar & Lopez-Pamies (2016)",
      "stress that relaxes: stiffer in fast motion than at rest; damps most near the frequency 1/relaxation_time; one "
-     "entry "
-     "per branch. `shear_ratio` and `bulk_ratio` give its moduli as parts of the elastic law's at rest"},
+     "entry per branch. `shear_ratio` and `bulk_ratio` give its moduli relative to the elastic law's at rest"},
     {Prony::name, "Hdot + H/relaxation_time = ratio d/dt S_e, S_e the elastic second Piola-Kirchhoff stress", prony,
      "Simo, Comput. Methods Appl. Mech. Eng. 60 (1987); Holzapfel, Nonlinear Solid Mechanics (2000), section 6.10",
-     "stress that relaxes by the same parts at any strain, with tables of Prony series; one entry per branch"},
+     "stress that relaxes by the same fraction at any strain, from a table of a Prony series; one entry per branch"},
     {StiffnessProportional::name, "R = time/2 Edot:C0:Edot, C0 the elastic tangent at rest", stiffness_proportional,
      "Rayleigh, The Theory of Sound (1894), section 81; Bathe, Finite Element Procedures (2014), section 9.3.3",
-     "kelvin-voigt with one constant: damping that grows with frequency, shear and volume alike"},
+     "kelvin-voigt with one constant: damping that grows with frequency, for shear and volume alike"},
     {MassProportional::name, "R = decay_rate/2 rho v.v", mass_proportional,
      "Rayleigh, The Theory of Sound (1894), section 81; Bathe, Finite Element Procedures (2014), section 9.3.3",
-     "drag of a surrounding medium, or a way to a state of rest; it damps low frequencies most, and rigid motion too"},
+     "drag of a surrounding medium, or settling to a state of rest; damps low frequencies most, and rigid motion too"},
 }};
 
 template <class Law, double Law::*member>
@@ -75,7 +75,7 @@ double& value(ViscosityLaw& law) {
   return std::get<Law>(law).*member;
 }
 
-/// The values of these members, in their order.
+/// The values of these members, in order.
 template <class Law, double Law::*... members>
 constexpr std::array<ViscosityMember, sizeof...(members)> values{value<Law, members>...};
 

@@ -1,7 +1,7 @@
 /// Every law of viscosity a user can name. A new law is a struct in viscosity.hpp, an alternative of ViscosityLaw, and
 /// a row and a form in viscosity_registry.cpp: the input's keys with their checks and defaults, its schema, `pliant
-/// materials` and the tests follow from these. Of which term it is made, model/viscosity.cpp says, which does not
-/// compile until it does.
+/// materials` and the tests follow from these. model/viscosity.cpp maps each law to a term, and does not compile
+/// without an entry for every law.
 #pragma once
 
 #include "material/law_info.hpp"
@@ -13,7 +13,7 @@
 
 namespace pliant {
 
-/// A Maxwell branch whose moduli are parts of the elastic law's at rest.
+/// A Maxwell branch whose moduli are relative to the elastic law's at rest.
 struct MaxwellRatios {
   static constexpr std::string_view name = Maxwell::name;
 
@@ -22,26 +22,26 @@ struct MaxwellRatios {
   double relaxation_time;  ///< tau [s]
 };
 
-/// A law with its parameters as users give them: an alternative for each set of parameters, in SI. The form of a strain
-/// rate is chosen separately, since it may depend on the method in time.
+/// A law with its parameters as users give them, in SI units: one alternative for each set of parameters. The form of
+/// the strain rate is chosen separately, because it may depend on the time integration method.
 using ViscosityLaw = std::variant<KelvinVoigt, StiffnessProportional, MassProportional, Maxwell, MaxwellRatios, Prony>;
 
 std::string_view name_of(const ViscosityLaw& law);
 
-/// Has the law a strain rate whose form can be chosen?
+/// Whether the law has a strain rate whose form can be chosen.
 bool has_strain_rate(const ViscosityLaw& law);
 
 /// One row per law.
 std::span<const LawInfo> viscosity_laws();
 
-/// Gives access to a parameter of a law, which must be the alternative that has it.
+/// Gives access to a parameter of a law; the law must be the alternative that has it.
 using ViscosityMember = double& (*)(ViscosityLaw&);
 
-/// A set of parameters from which a law is made. Forms of one law differ in their first parameter, by which users
-/// choose one.
+/// A set of parameters from which a law is made. The forms of a law differ in their first parameter, which identifies
+/// the form that a user chose.
 struct ViscosityForm {
   ViscosityLaw blank;                         ///< the alternative, every parameter 0
-  std::span<const ParameterInfo> parameters;  ///< those without a fallback are needed
+  std::span<const ParameterInfo> parameters;  ///< those without a fallback are required
   std::span<const ViscosityMember> members;   ///< of the parameters
 };
 

@@ -7,7 +7,7 @@
 namespace pliant {
 namespace {
 
-/// The parameter that the volumetric part is proportional to, and its form; nothing if there is none.
+/// The parameter to which the volumetric part is proportional, and its form; nullopt if there is none.
 struct Part {
   std::string_view parameter;
   VolumetricForm form;

@@ -1,4 +1,4 @@
-/// Laws whose energy has a part of the volume alone, psi = rest + kappa U(J), taken apart.
+/// The split of laws whose energy has a volumetric part, psi = rest + kappa U(J).
 #pragma once
 
 #include "material/elastic_law.hpp"
@@ -14,10 +14,10 @@ struct VolumeSplit {
   VolumetricForm form;
 };
 
-/// Nothing if the law has no such part.
+/// The split of a law; nullopt if it has no volumetric part.
 std::optional<VolumeSplit> split_volume(const ElasticLawSpec& law);
 
-/// The laws that have one, separated by commas.
+/// The names of the laws with a volumetric part, separated by commas.
 std::string names_of_split_laws();
 
 }  // namespace pliant

@@ -1,4 +1,4 @@
-/// Energies of a change of volume, kappa U(J), with j = J - 1, in forms that keep their digits when j is small.
+/// Volumetric energies kappa U(J), with j = J - 1, in forms that remain accurate when j is small.
 ///
 ///   log        U = 1/2 (ln J)^2
 ///   quadratic  U = 1/2 (J - 1)^2
@@ -17,13 +17,13 @@
 
 namespace pliant {
 
-/// g(j) with U = g^2 / 2 and the sign of j, and its derivatives: what a pressure of its own multiplies.
+/// g(j) with U = g^2 / 2 and the sign of j, and its derivatives: the function that an independent pressure multiplies.
 template <class T>
 struct VolumeMeasure {
   T g, slope, curvature;
 };
 
-/// Of a form; j > -1.
+/// The function g of a form, for j > -1.
 ///   log  g = ln J      quadratic  g = J - 1      mixed  g = j r, r = sqrt(1/2 + (j - ln J)/j^2),
 /// the last with g' = (2 + j)/(2 J r) from g g' = U', and g'' = g' (1/(2 + j) - 1/J - r'/r), where
 /// (r^2)' = (1/J - 2 (j - ln J)/j^2)/j = -1/3 + 2/4 j - 3/5 j^2 + ... needs its series when j is small.

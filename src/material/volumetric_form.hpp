@@ -1,4 +1,4 @@
-/// Which energy of a change of volume; the energies are in material/volumetric.hpp.
+/// The forms of the volumetric energy, which material/volumetric.hpp defines.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@ namespace pliant {
 
 enum class VolumetricForm { log, quadratic, mixed };
 
-/// As users type them, in the order of VolumetricForm.
+/// Names that users type, in the order of VolumetricForm.
 inline constexpr std::array<std::string_view, 3> volumetric_form_names{"log", "quadratic", "mixed"};
 
 }  // namespace pliant

@@ -1,4 +1,5 @@
-/// Yeoh's solid: a cubic of the first invariant alone, for rubbers whose stiffness falls at first and then rises.
+/// Yeoh's solid: a cubic polynomial of the first invariant, for rubbers whose stiffness first decreases, then
+/// increases.
 ///   psi = c10 (I1b - 3) + c20 (I1b - 3)^2 + c30 (I1b - 3)^3 + kappa U(J)
 /// Source: Yeoh, Rubber Chem. Technol. 66 (1993) 754-771.
 #pragma once

@@ -27,7 +27,7 @@ void keep_hdf5_from_closing_itself() {
 }
 
 /// Makes waiting ranks yield the processor if, and only if, this machine has fewer processors than ranks. Otherwise
-/// each poll for a message would give up the rest of a time slice (Linux since 6.6): beside another busy process, a
+/// each poll for a message would give up the rest of a time slice (Linux since 6.6): next to another busy process, a
 /// factorization then takes 4 to 20 times as long, on one rank too, because MUMPS polls there as well.
 /// mpirun's own choice counts cores, not hardware threads, so that it yields too often.
 void yield_only_if_oversubscribed() {

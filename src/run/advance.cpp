@@ -12,7 +12,7 @@
 namespace pliant {
 namespace {
 
-/// Of adaptive.relative: what Newton's method leaves must not be taken for an error of the steps.
+/// Newton's tolerance relative to adaptive.relative: its residual must not be mistaken for an error of the steps.
 constexpr double part_left_by_newton = 1e-4;
 
 NewtonOptions newton_options(const Config& config) {
@@ -34,7 +34,7 @@ auto with_user_options(const Make& make) {
   }
 }
 
-/// Our own Newton's method.
+/// Advances with Pliant's own Newton's method.
 std::unique_ptr<NewtonSolver> make_newton(const Config& config, Model& model) {
   return with_user_options([&] {
     return std::make_unique<NewtonSolver>(model.equation(), newton_options(config),
@@ -48,10 +48,10 @@ StageSolve stage_solve_of(NewtonSolver& newton) {
 
 std::string description_of(const Config& config, Model& model) {
   return fmt::format("solver: {}{}", describe(model.equation(), linear_kind(config, model.layout())),
-                     model.constraints().map() != nullptr ? ", in the unknowns that the constraints leave" : "");
+                     model.constraints().map() != nullptr ? ", in the unknowns that constraints leave free" : "");
 }
 
-/// In time, by a method of the table or the user's own.
+/// Advances in time by a method of the table, or by the user's own.
 class TimeAdvance final : public Advance {
  public:
   TimeAdvance(const Config& config, Model& model, Ledger& ledger, const StateView& initial)
@@ -108,7 +108,7 @@ class TimeAdvance final : public Advance {
   std::optional<ErrorNorm> norm_;
 };
 
-/// In time, by an integrator of PETSc.
+/// Advances in time by one of PETSc's integrators.
 class PetscAdvance final : public Advance {
  public:
   PetscAdvance(const Config& config, Model& model, Ledger& ledger, const PetscMethod& method, const StateView& initial)
@@ -138,7 +138,7 @@ class PetscAdvance final : public Advance {
   std::unique_ptr<PetscIntegrator> integrator_;
 };
 
-/// Along the load factor from 0 to 1, at one time; "time" of a step is the load factor.
+/// Advances the load factor from 0 to 1 at a fixed time; "time" of a step is the load factor.
 class LoadAdvance final : public Advance {
  public:
   LoadAdvance(const Config& config, Model& model, Vec q)
@@ -163,7 +163,7 @@ class LoadAdvance final : public Advance {
                          .step_start = time_ - 1.0,
                          .accepted = state_.get()};
     motion_.start_stage(result.last_stage, q_.get());
-    // Nothing moves: what is given as a function of time has no rate.
+    // Time stands still: prescribed functions of time have no rate.
     check(VecCopy(state_.get(), start_.get()));
     check(VecSet(start_velocity_.get(), 0.0));
     result.report = newton_->solve(result.last_stage, q_.get());
@@ -191,9 +191,9 @@ class LoadAdvance final : public Advance {
   std::vector<std::string> description() const override { return {description_}; }
 
  private:
-  /// The guess: on the line through the last two states.
+  /// The guess, by linear extrapolation of the last two states.
   void extrapolate(double load_factor) {
-    constexpr double longest = 2.0;  // of the step before
+    constexpr double longest = 2.0;  // relative to the previous step
     check(VecCopy(state_.get(), q_.get()));
     const double before = load_factor_ - earlier_factor_;
     if (before <= 0.0) return;
@@ -225,11 +225,10 @@ std::unique_ptr<Advance> make_advance(const Config& config, Model& model, Ledger
   }
   if (const PetscMethod* method = find_petsc_method(config.time.method.value)) {
     if (const ConstraintMap* map = model.constraints().map(); map != nullptr && !map->is_linear()) {
-      throw InputError(
-          config.time.method.where,
-          fmt::format("'{}' cannot be used here: it knows no rigid parts that turn freely; choose a method "
-                      "of Pliant",
-                      config.time.method.value));
+      throw InputError(config.time.method.where,
+                       fmt::format("'{}' does not support rigid parts that rotate freely; choose one of Pliant's own "
+                                   "methods",
+                                   config.time.method.value));
     }
     if (const auto reason = why_not(model.potential())) {
       throw InputError(config.time.method.where,

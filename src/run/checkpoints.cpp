@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t num_kept = 2;
 constexpr std::string_view prefix = "checkpoint-", suffix = ".h5";
 
-/// The step of a checkpoint, from its name; nothing if it is not named like one.
+/// The step of a checkpoint, from its name; nullopt if the name is not that of a checkpoint.
 std::optional<std::int64_t> step_of(const fs::path& file) {
   const std::string name = file.filename().string();
   if (!name.starts_with(prefix) || !name.ends_with(suffix)) return std::nullopt;
@@ -94,8 +94,8 @@ void Checkpoints::restore(const fs::path& file, const CheckpointInfo& info, cons
   if (fingerprint_of(model_) != info.mesh) {
     throw InputError(
         config_.mesh.file.where,
-        fmt::format("the mesh '{}' is not the one with which '{}' was written; put that one back, or start "
-                    "anew with `pliant run`",
+        fmt::format("the mesh '{}' differs from the one with which '{}' was written; restore that mesh, or start "
+                    "again with `pliant run`",
                     config_.mesh.file.value, file.string()));
   }
   CheckpointReader reader(model_.layout().comm, file, orders());

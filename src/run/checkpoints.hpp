@@ -1,4 +1,4 @@
-/// The checkpoints of a run: when they are due, where they lie, which are kept.
+/// The checkpoints of a run: when they are due, where they are written, which are kept.
 #pragma once
 
 #include "base/stopwatch.hpp"
@@ -25,17 +25,17 @@ class Checkpoints {
   /// `config` and `model`, whose terms are set up, outlive the object.
   Checkpoints(const Config& config, Model& model);
 
-  /// Whether one is due after so many steps. The same on every rank.
+  /// Whether a checkpoint is due after this step. The same on every rank.
   bool is_due(std::int64_t step) const;
-  /// Whether the clock says that one is due. Ranks may differ.
+  /// Whether a checkpoint is due by the clock. Ranks may differ.
   bool is_due_by_clock() const;
 
-  /// Writes what `keep` keeps to the output directory, unless that step has its checkpoint; the two newest stay.
-  /// FileError on every rank. Collective.
+  /// Writes the data of `keep` to the output directory, unless the step already has a checkpoint, and keeps the two
+  /// newest checkpoints. Throws FileError on every rank. Collective.
   void write(std::int64_t step, double time, const Keep& keep);
 
-  /// Gives back what was kept in a file that is whole, and makes it the newest one of its directory: later ones go.
-  /// InputError where the mesh is another one. Collective.
+  /// Restores the data from an intact file, and removes later checkpoints from its directory. Throws InputError if the
+  /// mesh differs. Collective.
   void restore(const std::filesystem::path& file, const CheckpointInfo& info, const Keep& keep);
   /// Removes the checkpoints of an earlier run from the output directory. Collective.
   void remove_all();
@@ -45,7 +45,7 @@ class Checkpoints {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// Made when they are needed first.
+  /// Made on first use.
   const ArchiveOrders& orders();
   void remove_after(std::int64_t step);
 

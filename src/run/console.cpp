@@ -13,8 +13,8 @@
 namespace pliant {
 namespace {
 
-/// Whether the user sees standard output on a terminal. Open MPI's mpirun gives every rank a pseudo-terminal of its
-/// own, so under it the question is where mpirun, the parent, writes to.
+/// Whether standard output is a terminal that the user sees. Open MPI's mpirun gives every rank a pseudo-terminal of
+/// its own; under mpirun the output of mpirun itself, the parent, decides.
 bool output_is_terminal() {
   if (isatty(STDOUT_FILENO) == 0) return false;
   if (std::getenv("OMPI_COMM_WORLD_SIZE") == nullptr) return true;

@@ -1,4 +1,4 @@
-/// What the user reads while a run goes on: rank 0's terminal.
+/// Output for the user during a run: rank 0's terminal.
 #pragma once
 
 #include "base/error.hpp"
@@ -22,9 +22,9 @@ class Console {
 
   void print(const std::string& line);
   void warn(const std::string& line);
-  /// A note is printed, what is worse goes to the standard error.
+  /// Prints a note to standard output, a warning or an error to standard error.
   void report(const Diagnostic& diagnostic);
-  /// A line that the next one replaces; only on a terminal.
+  /// Prints a line that the next one replaces; only on a terminal.
   void progress(const std::string& line);
   bool is_terminal() const { return is_terminal_; }
 

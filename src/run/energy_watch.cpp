@@ -5,34 +5,35 @@
 namespace pliant {
 
 void EnergyWatch::look(const Energies& energies, double time) {
-  const double came_in = start_ + energies.load_work - energies.load_potential;
-  const double made = energies.kinetic + energies.elastic - came_in;
-  came_in_ = std::max(came_in_, came_in);
-  if (made > made_) {
-    made_ = made;
-    made_at_ = time;
+  const double supplied = start_ + energies.load_work - energies.load_potential;
+  const double created = energies.kinetic + energies.elastic - supplied;
+  supplied_ = std::max(supplied_, supplied);
+  if (created > created_) {
+    created_ = created;
+    created_at_ = time;
   }
-  if (made + energies.dissipated > made_in_all_) {
-    made_in_all_ = made + energies.dissipated;
-    made_in_all_at_ = time;
+  if (created + energies.dissipated > created_with_dissipation_) {
+    created_with_dissipation_ = created + energies.dissipated;
+    created_with_dissipation_at_ = time;
   }
 }
 
 std::optional<EnergyWatch::Growth> EnergyWatch::growth() const {
-  if (!(came_in_ > 0.0)) return std::nullopt;
-  if (made_ > tolerance * came_in_) return Growth{1.0 + made_ / came_in_, made_at_};
-  if (made_in_all_ > tolerance_in_all * came_in_) return Growth{1.0 + made_in_all_ / came_in_, made_in_all_at_, true};
+  if (!(supplied_ > 0.0)) return std::nullopt;
+  if (created_ > tolerance * supplied_) return Growth{1.0 + created_ / supplied_, created_at_};
+  if (created_with_dissipation_ > tolerance_with_dissipation * supplied_)
+    return Growth{1.0 + created_with_dissipation_ / supplied_, created_with_dissipation_at_, true};
   return std::nullopt;
 }
 
 void EnergyWatch::keep(Archive& archive) {
   const Archive::Section section(archive, "energy_watch");
   archive.number("start", start_);
-  archive.number("came_in", came_in_);
-  archive.number("made", made_);
-  archive.number("made_at", made_at_);
-  archive.number("made_in_all", made_in_all_);
-  archive.number("made_in_all_at", made_in_all_at_);
+  archive.number("came_in", supplied_);
+  archive.number("made", created_);
+  archive.number("made_at", created_at_);
+  archive.number("made_in_all", created_with_dissipation_);
+  archive.number("made_in_all_at", created_with_dissipation_at_);
 }
 
 }  // namespace pliant

@@ -1,4 +1,4 @@
-/// Whether a run has more energy than came in: the sign of a method that cannot take the steps it is given.
+/// Detects a run with more energy than was supplied, a sign that the steps are too long for the method.
 #pragma once
 
 #include "run/ledger.hpp"
@@ -9,41 +9,41 @@ namespace pliant {
 
 /// Follows the ledger of a motion from the start.
 ///
-///     came in = T(0) + U(0) + load work - (V - V(0)),   made = T + U - came in
+///     supplied = T(0) + U(0) + load work - (V - V(0)),   created = T + U - supplied
 ///
-/// where V is the potential of constant loads. With what was dissipated, `made` is what the ledger calls numerical
-/// dissipation, with the other sign: what a method makes and a viscosity takes at once does not grow, but where it is
-/// much the books of the dissipation are wrong. The most that was made is compared with the most that came
-/// in: while loads grow from zero, errors of truncation may for a moment be as large as what came in by then.
+/// where V is the potential of constant loads. With dissipation added, `created` is the ledger's numerical dissipation
+/// with the opposite sign. Energy that a method creates and a viscosity dissipates at once does not grow; but if there
+/// is much of it, the dissipation in the ledger is wrong. The largest created energy is compared with the largest
+/// supplied energy: while loads grow from zero, truncation errors may temporarily be as large as the energy supplied.
 class EnergyWatch {
  public:
-  /// A larger part than this of what came in is not an error of truncation [1].
+  /// A larger fraction of the energy supplied than this is not a truncation error [1].
   static constexpr double tolerance = 0.1;
-  /// The same with what was dissipated.
-  static constexpr double tolerance_in_all = 0.5;
+  /// Likewise with dissipation added.
+  static constexpr double tolerance_with_dissipation = 0.5;
 
   struct Growth {
-    double factor = 1.0;     ///< (came in + made) / came in
-    double time = 0.0;       ///< when most was made [s]
-    bool is_in_all = false;  ///< with what was dissipated, as else there is no growth
+    double factor = 1.0;                ///< (supplied + created) / supplied
+    double time = 0.0;                  ///< when the most energy had been created [s]
+    bool includes_dissipation = false;  ///< with dissipation added, without which there is no growth
   };
 
-  /// The initial state.
+  /// Starts from the initial state.
   explicit EnergyWatch(const Energies& start)
-      : start_(start.kinetic + start.elastic + start.load_potential), came_in_(start.kinetic + start.elastic) {}
+      : start_(start.kinetic + start.elastic + start.load_potential), supplied_(start.kinetic + start.elastic) {}
 
-  /// The end of a step.
+  /// Examines the end of a step.
   void look(const Energies& energies, double time);
-  /// Nothing where no energy was made.
+  /// nullopt if no energy was created.
   std::optional<Growth> growth() const;
   void keep(Archive& archive);
 
  private:
-  double start_;                                     // T + U + V [J]
-  double came_in_;                                   // the most so far [J]
-  double made_ = 0.0;                                // likewise
-  double made_at_ = 0.0;                             // [s]
-  double made_in_all_ = 0.0, made_in_all_at_ = 0.0;  // the same with what was dissipated
+  double start_;                                                               // T + U + V [J]
+  double supplied_;                                                            // largest so far [J]
+  double created_ = 0.0;                                                       // likewise
+  double created_at_ = 0.0;                                                    // [s]
+  double created_with_dissipation_ = 0.0, created_with_dissipation_at_ = 0.0;  // likewise with dissipation added
 };
 
 }  // namespace pliant

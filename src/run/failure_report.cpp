@@ -14,9 +14,9 @@ namespace {
 constexpr double nearly_flat = 0.1;    // J of a tetrahedron that has lost nine tenths of its volume
 constexpr double poor_quality = 0.1;   // mean ratio
 constexpr double nearly_there = 1e2;   // residual over tolerance
-constexpr double still_falling = 0.7;  // residual over the one before
+constexpr double still_falling = 0.7;  // residual over the previous one
 
-/// As YAML spells it.
+/// A number as YAML writes it.
 std::string number(double x) {
   if (std::isnan(x)) return ".nan";
   if (std::isinf(x)) return x > 0.0 ? ".inf" : "-.inf";
@@ -29,7 +29,7 @@ std::string numbers(std::span<const double> values) {
   return "[" + text + "]";
 }
 
-/// A string of JSON is one of YAML.
+/// A YAML string: every JSON string is one.
 std::string quoted(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
@@ -53,11 +53,12 @@ void add_newton(const FailedStage& stage, std::string& text) {
   fmt::format_to(out, "\nstage: {{time: {}, length: {}}}  # of the method, within the step\n", number(stage.time),
                  number(stage.dt));
   fmt::format_to(out, "newton:\n  lowers: {}\n", lowers_potential ? "potential" : "merit of the residual");
-  fmt::format_to(out, "  tolerance: {}       # a residual that would have been small enough [N]\n",
+  fmt::format_to(out, "  tolerance: {}       # the residual at which it would have converged [N]\n",
                  number(stage.tolerance));
   fmt::format_to(out, "  force_scale: {}     # the forces that balance; 0: the first guess is beyond a barrier [N]\n",
                  number(scale));
-  fmt::format_to(out, "  rounding_floor: {}  # no residual gets below it [N]\n", number(stage.rounding_floor));
+  fmt::format_to(out, "  rounding_floor: {}  # size of the residual's rounding errors [N]\n",
+                 number(stage.rounding_floor));
   fmt::format_to(out, "  iterations:  # the first is the guess; residual [N], and over force_scale{}\n",
                  stage.iterations.empty() ? "; there was none" : "");
   for (const auto& it : stage.iterations) {
@@ -66,13 +67,15 @@ void add_newton(const FailedStage& stage, std::string& text) {
                    name_of(it.hessian));
   }
   if (stage.profile.empty()) return;
-  fmt::format_to(out, "\n# What is to be lowered, along Newton's last direction from where the iteration ended.\n");
-  fmt::format_to(out, "line:\n  inversion: {}  # length at which a tetrahedron is flat\n", number(stage.inversion));
+  fmt::format_to(out, "\n# The function to be lowered, along the last Newton direction from the last iterate.\n");
+  fmt::format_to(out, "line:\n  inversion: {}  # length at which a tetrahedron becomes flat\n",
+                 number(stage.inversion));
   if (stage.slope) {
-    fmt::format_to(out, "  slope: {}  # from the residual: what the profile does at 0, unless rounding hides it [J]\n",
+    fmt::format_to(out,
+                   "  slope: {}  # from the residual: the slope of the profile at 0, unless rounding hides it [J]\n",
                    number(*stage.slope));
   }
-  fmt::format_to(out, "  profile:  # length 1 is Newton's step; change [J]\n");
+  fmt::format_to(out, "  profile:  # length 1 is the full Newton step; change [J]\n");
   for (const auto& [length, change] : stage.profile) {
     fmt::format_to(out, "    - {{length: {}, change: {}}}\n", number(length), number(change));
   }
@@ -81,7 +84,7 @@ void add_newton(const FailedStage& stage, std::string& text) {
 }  // namespace
 
 std::vector<std::string> advice(const FailureReport& report, const Failure& failure) {
-  if (failure.is_mistake) return {"another formula, or an earlier time.end"};
+  if (failure.is_input_error) return {"another formula, or an earlier time.end"};
   std::vector<std::string> result;
   const auto* stage = failure.stage ? &*failure.stage : nullptr;
   const auto* iterations = stage != nullptr && !stage->iterations.empty() ? &stage->iterations : nullptr;
@@ -91,25 +94,25 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
   const bool is_whole = !report.worst_cells.empty() && report.worst_cells.front().volume_ratio > nearly_flat;
   if (stage != nullptr && stage->force_scale == 0.0 && is_whole) {
     result.push_back(
-        fmt::format("no state was found that is clear of all barriers: {}, slower obstacles, or contact.law: penalty",
+        fmt::format("no starting guess is clear of all barriers: {}, slower obstacles, or contact.law: penalty",
                     report.shorter_steps));
   } else if (stage != nullptr && stage->force_scale == 0.0) {
-    result.push_back(fmt::format(
-        "the prescribed motion alone turns tetrahedra inside out: {}, or a coarser mesh at the moving surface",
-        report.shorter_steps));
+    result.push_back(
+        fmt::format("the prescribed motion alone inverts tetrahedra: {}, or a coarser mesh at the moving surface",
+                    report.shorter_steps));
   } else if (!report.worst_cells.empty() && !is_whole) {
     result.push_back(fmt::format(
         "tetrahedra are nearly flat: a weaker or slower load there, a finer or better mesh, {}", report.shorter_steps));
   }
   if (!report.worst_cells.empty() && report.worst_cells.front().reference_quality < poor_quality) {
-    result.emplace_back("the worst tetrahedron was a bad one from the start: a better mesh there");
+    result.emplace_back("the worst tetrahedron has a poor shape in the mesh already: a better mesh there");
   }
   if (iterations != nullptr) {
     const double last = iterations->back().residual;
     const auto num_iterations = static_cast<int>(iterations->size()) - 1;
     const double before = num_iterations > 0 ? (*iterations)[iterations->size() - 2].residual : last;
     if (num_iterations >= report.max_iterations && last < still_falling * before) {
-      result.emplace_back("the residual was still falling: more solver.newton.max_iterations");
+      result.emplace_back("the residual was still falling: a larger solver.newton.max_iterations");
     }
     if (last < nearly_there * stage->tolerance) {
       result.push_back(fmt::format("the residual was nearly small enough: solver.newton.relative above {:.1g}",
@@ -118,9 +121,8 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
     const auto is_unstable = [](const NewtonIteration& it) { return it.hessian != NewtonIteration::Hessian::exact; };
     if (2 * std::ranges::count_if(*iterations, is_unstable) > num_iterations) {
       result.push_back(
-          fmt::format("the state is unstable (buckling, strong compression): {}, or a method in time that follows the "
-                      "motion instead "
-                      "of load steps",
+          fmt::format("the state is unstable (buckling, strong compression): {}, or a dynamic analysis instead of load "
+                      "steps",
                       report.shorter_steps));
     }
   }
@@ -129,17 +131,18 @@ std::vector<std::string> advice(const FailureReport& report, const Failure& fail
 }
 
 std::string to_yaml(const FailureReport& report, const Failure& failure) {
-  std::string text = "# Why a run of Pliant could not continue. SI units. Rows are those of state.h5, from 0.\n";
+  std::string text =
+      "# Why a run of Pliant could not continue. SI units. Row numbers refer to state.h5 and start at 0.\n";
   auto out = std::back_inserter(text);
   fmt::format_to(out, "title: {}\ninput: {}\nreason: {}\nadvice:\n", quoted(report.title), quoted(report.file),
                  quoted(failure.reason));
   for (const auto& line : advice(report, failure)) fmt::format_to(out, "  - {}\n", quoted(line));
-  fmt::format_to(out, "last_good: {{step: {}, time: {}}}  # of a static problem the load factor is the time\n",
+  fmt::format_to(out, "last_good: {{step: {}, time: {}}}  # in a static problem, time is the load factor\n",
                  report.last_step, number(report.last_time));
   fmt::format_to(out, "tried: {{time: {}, length: {}}}     # the shortest step\n", number(failure.tried.time),
                  number(failure.tried.dt));
   const double scale = failure.stage ? failure.stage->force_scale : 0.0;
-  fmt::format_to(out, "\nbodies:  # residual of their nodes [N], and over the forces that balance\n");
+  fmt::format_to(out, "\nbodies:  # residual over their nodes [N], also relative to the forces that balance\n");
   for (const auto& body : report.bodies) {
     fmt::format_to(out, "  - {{name: {}, residual: {}, relative: {}, volume_ratio: {}}}\n", quoted(body.name),
                    number(body.residual), number(body.residual / scale), number(body.volume_ratio));
@@ -156,7 +159,7 @@ std::string to_yaml(const FailureReport& report, const Failure& failure) {
                    name_of_body(cell.body), numbers(cell.X), cell.row, fmt::join(cell.vertices, ", "));
   }
   if (!failure.stage) {
-    text += "\n# The solver reports no more.\n";
+    text += "\n# The solver reports no further details.\n";
     return text;
   }
   fmt::format_to(out, "\nworst_nodes:  # vertex: number in the mesh, -1 in the middle of an edge\n");

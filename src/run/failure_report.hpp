@@ -1,4 +1,4 @@
-/// Why a run could not go on, as numbers and as text.
+/// The report on why a run could not continue, as numbers and as text.
 #pragma once
 
 #include "solver/failed_stage.hpp"
@@ -17,11 +17,11 @@ namespace pliant {
 struct Failure {
   std::string reason;
   Step tried;
-  std::optional<FailedStage> stage;  ///< nothing if the solver does not tell
-  bool is_mistake = false;           ///< a formula of the input is no number there
+  std::optional<FailedStage> stage;  ///< nullopt if the solver does not report it
+  bool is_input_error = false;       ///< a formula of the input is not a finite number there
 };
 
-/// Trivially copyable, as ReportedNode is, so that ranks can exchange them.
+/// A cell. Trivially copyable, as ReportedNode is, so that ranks can exchange them.
 struct ReportedCell {
   double volume_ratio = 1.0;  ///< the least J in it; NaN counts as the worst
   double quality = 1.0;
@@ -29,7 +29,7 @@ struct ReportedCell {
   std::size_t body = 0;                    ///< in FailureReport::bodies
   std::array<double, 3> X{};               ///< its middle in the reference configuration [m]
   std::int64_t row = 0;                    ///< of state.h5
-  std::array<std::int64_t, 4> vertices{};  ///< their numbers in the mesh, from 0
+  std::array<std::int64_t, 4> vertices{};  ///< numbers in the mesh, from 0
 };
 
 struct ReportedNode {
@@ -37,7 +37,7 @@ struct ReportedNode {
   std::size_t body = 0;       ///< in FailureReport::bodies
   std::array<double, 3> X{};  ///< [m]
   std::int64_t row = 0;       ///< of state.h5
-  std::int64_t number = 0;    ///< of the vertex in the mesh, from 0; -1 in the middle of an edge
+  std::int64_t number = 0;    ///< of the vertex in the mesh, from 0; -1 for a node in the middle of an edge
 };
 
 struct ReportedBody {
@@ -50,18 +50,18 @@ struct FailureReport {
   std::string title;
   std::string file;            ///< the input
   std::int64_t last_step = 0;  ///< completed
-  double last_time = 0.0;      ///< its end [s]; of a static problem the load factor
+  double last_time = 0.0;      ///< its end [s]; in a static problem, the load factor
   int max_iterations = 0;
-  std::string shorter_steps;  ///< how the input asks for them
+  std::string shorter_steps;  ///< how to ask for shorter steps in the input
   std::vector<ReportedBody> bodies;
-  std::vector<ReportedCell> worst_cells;  ///< the worst first; by their state where the iteration ended
-  std::vector<ReportedNode> worst_nodes;  ///< likewise; none if the stage is not known
+  std::vector<ReportedCell> worst_cells;  ///< the worst first, judged at the last iterate
+  std::vector<ReportedNode> worst_nodes;  ///< likewise; empty if the stage is not known
 };
 
-/// What to try, the most promising first; never empty.
+/// Remedies to try, the most promising first; never empty.
 std::vector<std::string> advice(const FailureReport& report, const Failure& failure);
 
-/// For people and for programs: YAML with comments.
+/// The report as YAML with comments, for people and for programs.
 std::string to_yaml(const FailureReport& report, const Failure& failure);
 
 }  // namespace pliant

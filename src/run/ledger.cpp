@@ -36,14 +36,14 @@ Ledger::Ledger(Model& model, Analysis analysis, const StateView& initial)
   }
   works_ = last_powers_ = no_works();
   energies_.dissipated_by.resize(mechanisms_.size());
-  for (Handle<Vec>* x : {&q_, &at_, &way_, &reaction_}) *x = make_vector(model.layout());
+  for (Handle<Vec>* x : {&q_, &at_, &direction_, &reaction_}) *x = make_vector(model.layout());
   measure(initial);
   initial_ = energies_;
   time_ = initial.time;
   check(VecCopy(initial.q, q_.get()));
   if (analysis == Analysis::dynamic) return;
   for (auto& f : forces_) f = make_vector(model.layout());
-  // Static: nothing acts yet. Quasistatic: the first state is at rest.
+  // Static: no load acts yet. Quasistatic: the first state is at rest.
   const Handle<Vec> at_rest = make_vector(model.layout());
   StagePoint start{initial.time, 1e-12, initial.q, at_rest.get()};  // in which nothing relaxes
   start.load_factor = analysis == Analysis::static_equilibrium ? 0.0 : 1.0;
@@ -90,7 +90,7 @@ Ledger::Works Ledger::powers(const StagePoint& stage, Vec q, Vec v) {
 
 Account Ledger::account_of(const EnergyTerm& term) const {
   const Account account = term.declaration().account;
-  // Load steps change even those loads that do not depend on time.
+  // Load steps change even loads that do not depend on time.
   const bool grows = analysis_ == Analysis::static_equilibrium && account == Account::load_potential;
   return grows ? Account::load : account;
 }
@@ -104,7 +104,7 @@ Quadratures Ledger::quadratures() {
 
 void Ledger::book(const StepAttempt& attempt) {
   if (analysis_ != Analysis::dynamic) {
-    add_works_along_way(attempt);
+    add_works_along_displacement(attempt);
   } else if (attempt.w.empty()) {
     add_works_in_time(attempt);
   } else {
@@ -178,14 +178,14 @@ void Ledger::balance() {
                     (e.load_potential - initial_.load_potential) + e.dissipated + e.numerical_dissipation - e.load_work;
 }
 
-// Where the last equation solved lies within the step, the midpoint rule; else the trapezoidal one. The powers at the
+// The midpoint rule if the last equation solved lies within the step, otherwise the trapezoidal rule. The powers at the
 // start of the first step are not known: they depend on the accelerations there.
 void Ledger::add_works_in_time(const StepAttempt& attempt) {
   const double dt = attempt.time - time_;
-  check(VecWAXPY(way_.get(), -1.0, q_.get(), attempt.q));
-  check(VecScale(way_.get(), 1.0 / dt));
+  check(VecWAXPY(direction_.get(), -1.0, q_.get(), attempt.q));
+  check(VecScale(direction_.get(), 1.0 / dt));
   const bool is_within = attempt.last_stage.time < attempt.time - 1e-6 * dt;
-  const Works power = powers(attempt.last_stage, attempt.last_q, is_within ? way_.get() : attempt.v);
+  const Works power = powers(attempt.last_stage, attempt.last_q, is_within ? direction_.get() : attempt.v);
   const bool takes_mean = !is_within && powers_are_known_;
   for (std::size_t w = 0; w < works_.size(); ++w) {
     works_[w] += dt * (takes_mean ? 0.5 * (last_powers_[w] + power[w]) : power[w]);
@@ -194,19 +194,19 @@ void Ledger::add_works_in_time(const StepAttempt& attempt) {
   powers_are_known_ = true;
 }
 
-// Forces at both ends of the step, along the way between them; powers that are none of these by the trapezoidal rule.
-// The first state need not be in equilibrium: loads may act at once. Without inertia no kinetic energy takes what the
-// unbalanced forces do on the way to the first equilibrium; it is lost.
-void Ledger::add_works_along_way(const StepAttempt& attempt) {
-  check(VecWAXPY(way_.get(), -1.0, q_.get(), attempt.q));
-  const Works before = works_along(way_.get());
+// Works of the forces at both ends of the step along the displacement between them; other powers by the trapezoidal
+// rule. The first state need not be in equilibrium, since loads may act at once. Without inertia, the work of the
+// unbalanced forces up to the first equilibrium does not become kinetic energy; it is lost.
+void Ledger::add_works_along_displacement(const StepAttempt& attempt) {
+  check(VecWAXPY(direction_.get(), -1.0, q_.get(), attempt.q));
+  const Works before = works_along(direction_.get());
   if (!powers_are_known_) {
     released_ = -0.5 * (before[stored] + before[potential] - before[loads] - before[supports]);
   }
   Works power = powers(attempt.last_stage, attempt.last_q, attempt.v);
-  power[loads] = supply_without_energy_;  // the others' is the change of their energies, below
+  power[loads] = supply_without_energy_;  // other supply is the change of energies, below
   keep_forces(attempt.last_stage, attempt.last_q);
-  const Works after = works_along(way_.get());
+  const Works after = works_along(direction_.get());
   for (std::size_t w = 0; w < num_works; ++w) works_[w] += 0.5 * (before[w] + after[w]);
   const Instant start = model_.instant(time_), end = model_.instant(attempt.time);
   EnergyAccounts accounts = model_.potential().accounts();
@@ -233,24 +233,24 @@ void Ledger::keep_forces(const StagePoint& stage, Vec q) {
   potential_of_stage.gradient_with_reactions(q, reaction_.get());
 }
 
-Ledger::Works Ledger::works_along(Vec way) const {
+Ledger::Works Ledger::works_along(Vec displacement) const {
   const auto along = [&](Account account) {
     PetscScalar work = 0.0;
-    check(VecDot(forces_[static_cast<std::size_t>(account)].get(), way, &work));
+    check(VecDot(forces_[static_cast<std::size_t>(account)].get(), displacement, &work));
     return work;
   };
   Works works = no_works();
   works[stored] = along(Account::stored);
   works[potential] = along(Account::load_potential);
   works[loads] = -along(Account::load);
-  works[supports] = work_of_supports(way);
+  works[supports] = work_of_supports(displacement);
   return works;
 }
 
-double Ledger::work_of_supports(Vec way) const {
+double Ledger::work_of_supports(Vec displacement) const {
   double work = 0.0;
   {
-    const ConstArrayView reaction(reaction_.get()), moved(way);
+    const ConstArrayView reaction(reaction_.get()), moved(displacement);
     for (std::size_t i = 0; i < held_.size(); ++i) {
       if (held_[i]) work += reaction.span()[i] * moved.span()[i];
     }
@@ -270,10 +270,10 @@ void Ledger::measure(const StateView& state) {
   }
   if (analysis_ != Analysis::dynamic || model_.inertia() == nullptr) return;
   check(VecCopy(state.q, at_.get()));
-  check(VecCopy(state.v, way_.get()));
+  check(VecCopy(state.v, direction_.get()));
   update_ghosts(at_.get());
-  update_ghosts(way_.get());
-  const ConstGhostedView u(at_.get()), velocity(way_.get());
+  update_ghosts(direction_.get());
+  const ConstGhostedView u(at_.get()), velocity(direction_.get());
   const Momenta m = model_.inertia()->momenta(model_.layout().coordinates, u.span(), velocity.span());
   std::array<double, 7> local{model_.inertia()->kinetic_energy(velocity.span())};
   std::copy(m.linear.begin(), m.linear.end(), local.begin() + 1);

@@ -1,15 +1,17 @@
-/// The energy ledger: where the energy of the bodies is, what came in, and what was lost, to what.
+/// The energy ledger (energy balance): the energies of the bodies, the energy supplied, and the energy lost, by cause.
 ///
-/// Every term's forces do work along the motion, and so do the supports. The works are quadratures of the method
-/// itself: dw/dt = f . v, integrated with the weights that integrate q and v. Then, to the accuracy of Newton's method,
+/// Every term's forces do work along the motion, and so do the supports. The works are quadratures of the time
+/// integration method itself: dw/dt = f . v, integrated with the weights that integrate q and v. Then, to the accuracy
+/// of Newton's method,
 ///
 ///     w_kinetic + w_stored + w_potential + dissipated - load_work = 0
 ///
-/// whatever the method and the step, because the forces balance in every stage. The energies of the state itself differ
-/// from the works that should have changed them: that difference is what the method dissipated (or made).
+/// for every method and step, because the forces balance in every stage. The change of the state's energies differs
+/// from the works that should have caused it; the difference is the energy that the method dissipated (or created).
 ///
-/// Without inertia the works are trapezoids between equilibria. The first state need not be one: what its unbalanced
-/// forces do on the way to the first equilibrium would be kinetic energy, and is lost with what the method dissipates.
+/// Without inertia the works are integrated by the trapezoidal rule between equilibria. The first state need not be an
+/// equilibrium: the work of its unbalanced forces up to the first equilibrium, which would become kinetic energy,
+/// counts as dissipated by the method.
 #pragma once
 
 #include "model/model.hpp"
@@ -21,34 +23,34 @@
 
 namespace pliant {
 
-/// Totals over all ranks. Loads that do not depend on time count with their potential, the others with the work they
-/// did; so do all loads of a static analysis, which grow from step to step, and the shortening of active fibres.
-/// Kinetic energy and momenta are those of inertia: without it (static, quasistatic) they are zero.
+/// Totals over all ranks. Loads that do not depend on time count with their potential. Other loads count with their
+/// work, as do all loads of a static analysis, which grow from step to step, and the shortening of active fibres.
+/// Kinetic energy and momenta belong to inertia and are zero without it (static, quasistatic).
 struct Energies {
   double kinetic = 0.0;                ///< [J]
-  double elastic = 0.0;                ///< stored in the material, branches of viscous bodies included [J]
+  double elastic = 0.0;                ///< stored in the material, including springs of viscous branches [J]
   double load_potential = 0.0;         ///< -int f . u of the constant dead loads [J]
   double dissipated = 0.0;             ///< by physical mechanisms, since the start [J]
-  std::vector<double> dissipated_by;   ///< the parts of it of Ledger::mechanisms() [J]
-  double load_work = 0.0;              ///< of the other loads and of prescribed motion, since the start [J]
-  double support_work = 0.0;           ///< the part of it that prescribed motion did [J]
-  double numerical_dissipation = 0.0;  ///< by the method, since the start; negative where it made energy [J]
-  /// kinetic + elastic + load_potential + dissipated + numerical_dissipation - load_work - initial [J]: what Newton's
-  /// tolerance leaves.
+  std::vector<double> dissipated_by;   ///< by each of Ledger::mechanisms() [J]
+  double load_work = 0.0;              ///< of other loads and of prescribed motion, since the start [J]
+  double support_work = 0.0;           ///< the part of it due to prescribed motion [J]
+  double numerical_dissipation = 0.0;  ///< by the method, since the start; negative if it created energy [J]
+  /// kinetic + elastic + load_potential + dissipated + numerical_dissipation - load_work - initial [J]: as small as
+  /// Newton's tolerance allows.
   double balance_error = 0.0;
   Momenta momenta;
 };
 
-/// What a ContactGroup of the model's contacts does to the bodies.
+/// Force and impulse of one of the model's ContactGroups on the bodies.
 struct ContactForce {
   std::array<double, 3> force{};    ///< at the end of the last stage [N]; zero before the first step
-  std::array<double, 3> impulse{};  ///< since the start, integrated as momentum is [N s]; none without inertia
+  std::array<double, 3> impulse{};  ///< since the start, integrated like momentum [N s]; zero without inertia
 };
 
 /// Keeps the books from step to step. All methods are collective.
 class Ledger {
  public:
-  /// Opens with the initial state. `model` outlives the ledger.
+  /// Starts with the initial state. `model` outlives the ledger.
   Ledger(Model& model, Analysis analysis, const StateView& initial);
 
   /// Names of the terms that dissipate, each once.
@@ -56,34 +58,34 @@ class Ledger {
 
   /// The works, for the integrator; they refer to this object.
   Quadratures quadratures();
-  /// Their values so far.
+  /// The works so far.
   std::span<const double> works() const { return works_; }
 
-  /// Books a completed step; call before it is accepted into the history, while `attempt` is valid. Where the
-  /// integrator has not integrated the works, they are trapezoidal, or by the midpoint rule.
+  /// Books a completed step; to be called before it is accepted into the history, while `attempt` is valid. If the
+  /// integrator has not integrated the works, they are integrated by the trapezoidal or the midpoint rule.
   void book(const StepAttempt& attempt);
-  /// What a method has made in a step, of what there was.
+  /// Energy that a method has created in a step, and the energy available.
   struct Gain {
-    double made = 0.0;       ///< minus the numerical dissipation [J]
-    double available = 0.0;  ///< kinetic and elastic energy at the step's start, and what came in since [J]
+    double created = 0.0;    ///< minus the numerical dissipation [J]
+    double available = 0.0;  ///< kinetic and elastic energy at the step's start, and the energy supplied since [J]
   };
-  /// Of a completed step that is not booked yet; nothing where the integrator has not integrated the works.
+  /// The gain of a completed step that is not booked yet; zero if the integrator has not integrated the works.
   Gain gain(const StepAttempt& attempt);
-  /// Books that the velocity of the last state booked has jumped to that of `after`: impulses of the constraints have
-  /// done work.
+  /// Books a jump of the velocity from that of the last booked state to that of `after`: impulses of the constraints
+  /// have done work.
   void book_jump(const StateView& after);
 
   /// `newest`: the last completed step.
   void keep(Archive& archive, const StateView& newest);
 
   const Energies& energies() const { return energies_; }
-  /// Of each support of the model, at the end of the last stage; zero before the first step.
+  /// Reactions of the model's supports at the end of the last stage; zero before the first step.
   const std::vector<Reaction>& reactions() const { return reactions_; }
   /// In the order of Contacts::groups.
   const std::vector<ContactForce>& contacts() const { return contacts_; }
 
  private:
-  /// The works; what each mechanism dissipated follows them, then the impulse of each contact.
+  /// The works; the dissipation of each mechanism follows them, then the impulse of each contact.
   enum Work : std::size_t { kinetic, stored, potential, loads, supports, num_works };
   using Works = std::vector<double>;
 
@@ -93,12 +95,12 @@ class Ledger {
   std::size_t first_impulse() const { return num_works + mechanisms_.size(); }
   Account account_of(const EnergyTerm& term) const;
   void add_works_in_time(const StepAttempt& attempt);
-  void add_works_along_way(const StepAttempt& attempt);
+  void add_works_along_displacement(const StepAttempt& attempt);
   void keep_forces(const StagePoint& stage, Vec q);
-  Works works_along(Vec way) const;
-  double work_of_supports(Vec way) const;
+  Works works_along(Vec displacement) const;
+  double work_of_supports(Vec displacement) const;
   void measure(const StateView& state);
-  /// What follows from the works and the energies of the state.
+  /// Computes the quantities that follow from the works and the energies of the state.
   void balance();
 
   Model& model_;
@@ -110,16 +112,17 @@ class Ledger {
   Works works_;        // since the start
   Works last_powers_;  // at the last step, for trapezoids
   bool powers_are_known_ = false;
-  double released_ = 0.0;   // without inertia: by what was not in equilibrium at the start [J]
+  double released_ = 0.0;   // without inertia: by forces unbalanced at the start [J]
   double time_ = 0.0;       // of the last step, or its load factor
   std::vector<char> held_;  // owned entries on which constraints do work
   std::vector<Reaction> reactions_;
   std::vector<ContactForce> contacts_;
   std::vector<std::vector<std::size_t>> contacts_of_term_;
-  Handle<Vec> q_;                       // of the last step
-  double supply_without_energy_ = 0.0;  // by terms that have none, at the last `powers` [W]: friction of what moves
-  Handle<Vec> at_, way_, reaction_;
-  std::array<Handle<Vec>, 4> forces_;  // without inertia: those of each account at the last step
+  Handle<Vec> q_;  // of the last step
+  double supply_without_energy_ =
+      0.0;  // by terms without an energy, at the last `powers` [W]: friction at moving obstacles
+  Handle<Vec> at_, direction_, reaction_;
+  std::array<Handle<Vec>, 4> forces_;  // without inertia: forces of each account at the last step
 };
 
 }  // namespace pliant

@@ -20,14 +20,14 @@ namespace {
 
 constexpr std::string_view rubber_tears = "it is fitted to rubber at a stretch below 2, and rubber tears at 5 to 8";
 constexpr std::string_view tissue_tears = "it is fitted to tissue at a stretch below 1.3, and tissue tears at 1.5 to 2";
-constexpr std::string_view of_graphics = "it is made for the looks of moderate deformation";
+constexpr std::string_view of_graphics = "it is made for computer graphics at moderate deformation";
 
-/// Generous: whoever is beyond has mistyped a number, or asks the law for what it does not know. Principal stretches of
-/// a membrane that is blown up become small as well as large, so that most laws have no lower bound to speak of.
+/// Generous bounds: beyond them, a number is mistyped or the law is used outside its range. An inflated membrane has
+/// small principal stretches as well as large ones; most laws therefore have practically no lower bound.
 constexpr double no_bound = 0.02;
 constexpr std::array<std::pair<std::string_view, TrustedStretches>, 16> trusted{{
-    {"linear", {0.8, 1.2, "it is for strains of a few per cent, and takes rotation for strain"}},
-    {"saint-venant-kirchhoff", {0.6, 2.0, "it is for small strain, and collapses under compression below 0.577"}},
+    {"linear", {0.8, 1.2, "it is for strains of a few per cent, and treats rotation as strain"}},
+    {"saint-venant-kirchhoff", {0.6, 2.0, "it is for small strain, and collapses at a stretch below 0.577"}},
     {"neo-hookean", {no_bound, 4.0, rubber_tears}},
     {"stable-neo-hookean", {no_bound, 4.0, rubber_tears}},
     {"neo-hookean-isochoric", {no_bound, 4.0, rubber_tears}},
@@ -44,7 +44,7 @@ constexpr std::array<std::pair<std::string_view, TrustedStretches>, 16> trusted{
     {"holzapfel-ogden", {no_bound, 2.5, tissue_tears}},
 }};
 
-/// The lowest body of each component. Collective.
+/// The first body of each component. Collective.
 std::vector<int> bodies_of_components(const Model& model) {
   const NodeLayout& layout = model.layout();
   std::vector<int> lowest(static_cast<std::size_t>(model.components().count), std::numeric_limits<int>::max());
@@ -81,7 +81,7 @@ std::array<double, 3> middle(const NodeLayout& layout, PetscInt cell) {
   return X;
 }
 
-/// A stretch and where it is; `excess` is what makes it the one to tell.
+/// A stretch and its place; the one with the largest `excess` is reported.
 struct Found {
   double excess = 0.0;
   double stretch = 1.0;
@@ -93,7 +93,7 @@ struct Found {
   }
 };
 
-/// That of the rank with the greatest excess, on every rank. Collective.
+/// The extreme of the rank with the largest excess, on every rank. Collective.
 Found of_all_ranks(MPI_Comm comm, Found found) {
   struct {
     double excess;
@@ -139,11 +139,9 @@ std::string MotionWatch::instant(double time) const {
 std::string MotionWatch::in_words(const Body& body, const Extreme& extreme) const {
   const auto& [x, y, z] = extreme.X;
   return fmt::format(
-      "{}: at {} '{}' is {} to {:.3g} of its length near X = ({:.4g}, {:.4g}, {:.4g}), and '{}' does not describe "
-      "that: "
-      "{}; "
-      "check loads and moduli: a number without a unit is in SI",
-      to_string(body.where), instant(extreme.time), body.name, extreme.stretch > 1.0 ? "stretched" : "squeezed",
+      "{}: at {} '{}' is {} to {:.3g} times its length near X = ({:.4g}, {:.4g}, {:.4g}), beyond the range of '{}': "
+      "{}; check loads and moduli: a number without a unit is in SI",
+      to_string(body.where), instant(extreme.time), body.name, extreme.stretch > 1.0 ? "stretched" : "compressed",
       extreme.stretch, x, y, z, body.law, body.trusted.why);
 }
 
@@ -194,8 +192,9 @@ std::optional<std::string> MotionWatch::look_for_passage(const StepRecord& recor
   overlap_is_known_ = true;
   const auto& [x, y, z] = overlap->at;
   return fmt::format(
-      "{}: at {} {} pass through one another, {:.3g} m deep at ({:.4g}, {:.4g}, {:.4g}): contact between bodies is not "
-      "modelled, only contact with obstacles; make one of them an obstacle, or keep them apart",
+      "{}: at {} {} pass through one another, {:.3g} m deep at ({:.4g}, {:.4g}, {:.4g}): contact acts only between "
+      "bodies "
+      "and obstacles; make one of them an obstacle, or keep them apart",
       to_string(mesh_), instant(record.time), names_of(overlap->of, overlap->in), overlap->depth, x, y, z);
 }
 
@@ -205,7 +204,7 @@ std::string MotionWatch::names_of(int component, int other) const {
   return fmt::format("'{}' and '{}'", std::min(name(component), name(other)), std::max(name(component), name(other)));
 }
 
-std::vector<std::string> MotionWatch::last_words() const {
+std::vector<std::string> MotionWatch::final_warnings() const {
   constexpr double worth_telling = 1.05;
   std::vector<std::string> words;
   for (const Body& body : bodies_) {

@@ -1,5 +1,5 @@
-/// What a motion shows to be wrong with its input, though every step was solved: material stretched beyond what its law
-/// is for, bodies that pass through one another.
+/// Detects input that is probably wrong although every step was solved: material stretched beyond the range of its law,
+/// and bodies that pass through one another.
 #pragma once
 
 #include "model/model.hpp"
@@ -18,24 +18,24 @@ struct TrustedStretches {
   std::string_view why;
 };
 
-/// Nothing for a name that is no law's.
+/// nullopt for a name that is not that of a law.
 std::optional<TrustedStretches> trusted_stretches(std::string_view law);
 
-/// Looks at states of a run. All methods but `last_words` are collective.
+/// Watches the states of a run. All methods except `final_warnings` are collective.
 class MotionWatch {
  public:
-  /// Both outlive the watch.
+  /// `config` and `model` outlive the watch.
   MotionWatch(const Config& config, const Model& model);
 
-  /// Warnings about the stretches of the state that were not given before; for every frame.
+  /// New warnings about the stretches of the state; to be called for every frame.
   std::vector<std::string> look(const StepRecord& record);
 
-  /// A warning, once a run, if parts of the mesh that share no node have come to pass through one another. For every
-  /// accepted step: as long as no boxes of parts meet it costs next to nothing.
+  /// A warning, once per run, if parts of the mesh that share no node pass through one another. To be called for every
+  /// accepted step; the cost is negligible as long as no bounding boxes of parts overlap.
   std::optional<std::string> look_for_passage(const StepRecord& record);
 
-  /// What has become worse since it was told, at the end of the run.
-  std::vector<std::string> last_words() const;
+  /// At the end of the run: updates of warnings whose stretches have become worse since.
+  std::vector<std::string> final_warnings() const;
 
  private:
   struct Extreme {
@@ -44,7 +44,7 @@ class MotionWatch {
     double time = 0.0;
   };
   struct Body {
-    Location where;  ///< of its elasticity in the input
+    Location where;  ///< place of its elasticity in the input
     std::string name, law;
     TrustedStretches trusted;
     Extreme smallest, largest;
@@ -60,8 +60,8 @@ class MotionWatch {
   const Model& model_;
   Location mesh_;  // in the input
   bool is_static_;
-  bool overlap_is_known_;                  ///< and the user has been warned
-  std::vector<int> bodies_of_components_;  ///< one of those that each component has
+  bool overlap_is_known_;                  ///< the user has been warned
+  std::vector<int> bodies_of_components_;  ///< one of the bodies that each component has
   std::vector<Body> bodies_;
   Handle<Vec> q_;
 };

@@ -9,7 +9,7 @@
 namespace pliant {
 namespace {
 
-/// What is unbounded is drawn so far, in half diagonals of the box around the bodies.
+/// The extent to which unbounded obstacles are drawn, in half diagonals of the bodies' bounding box.
 constexpr double drawn_half_diagonals = 3.0;
 
 struct Around {

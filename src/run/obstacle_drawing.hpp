@@ -1,4 +1,4 @@
-/// How results show obstacles: their surfaces as triangles, and where these are.
+/// The obstacles as results show them: their surfaces as triangles, and the positions of these.
 #pragma once
 
 #include "io/obstacle_writer.hpp"
@@ -10,12 +10,12 @@ namespace pliant {
 
 class ObstacleDrawing {
  public:
-  /// What is unbounded is drawn around the bodies. `contacts` outlives the object. Collective.
+  /// Unbounded obstacles are drawn around the bodies. `contacts` outlives the object. Collective.
   ObstacleDrawing(const Contacts& contacts, const NodeLayout& layout);
 
-  /// As if they did not move.
+  /// The surfaces at their initial positions.
   const OutputObstacles& surfaces() const { return surfaces_; }
-  /// Where the points are [m]; empty if no obstacle moves.
+  /// Positions of the points [m]; empty if no obstacle moves.
   std::vector<double> points(const Instant& at) const;
 
  private:

@@ -26,7 +26,7 @@ fs::path directory_of(const Config& config) {
   return fs::path(config.output.directory) / "post-mortem";
 }
 
-/// The ranks' rows, the first by `is_worse`, the same on every rank.
+/// The worst of all ranks' rows by `is_worse`, the same on every rank.
 template <class Row, class Worse>
 std::vector<Row> worst(MPI_Comm comm, std::vector<Row> mine, const Worse& is_worse) {
   const auto keep_worst = [&](std::vector<Row>& rows) {
@@ -40,7 +40,7 @@ std::vector<Row> worst(MPI_Comm comm, std::vector<Row> mine, const Worse& is_wor
   return rows;
 }
 
-/// A state of the model, as the frames of state.h5 hold it; of owned nodes and cells.
+/// A state of the model as the frames of state.h5 contain it, for owned nodes and cells.
 struct Picture {
   std::vector<double> displacement, residual, step;
   std::vector<double> volume_ratio, quality;
@@ -78,7 +78,7 @@ void write_frame(ResultWriter& writer, const Picture& picture, double time, std:
   writer.write_frame(time, step, fields);
 }
 
-/// What is not a number is the worst.
+/// NaN is the worst.
 double rank_of_ratio(double volume_ratio) {
   return std::isnan(volume_ratio) ? -std::numeric_limits<double>::infinity() : volume_ratio;
 }
@@ -106,7 +106,7 @@ std::vector<ReportedCell> worst_cells(const Model& model, const Picture& picture
   });
 }
 
-/// For each body and owned node, whether the node is one of the body's.
+/// For each body and owned node, whether the node belongs to the body.
 std::vector<std::vector<char>> nodes_of_bodies(const Model& model) {
   const NodeLayout& layout = model.layout();
   std::vector<std::vector<char>> is_in(model.body_names().size(),
@@ -156,11 +156,11 @@ std::vector<ReportedBody> bodies(const Model& model, const Picture& picture) {
   return result;
 }
 
-std::string what_to_look_at(const fs::path& directory, const FailureReport& report) {
+std::string where_to_look(const fs::path& directory, const FailureReport& report) {
   const ReportedCell& cell = report.worst_cells.front();
   return fmt::format(
-      "{0}/report.yaml says where and how (least det F: {1:.3g}, body '{2}' at [{3:.4g}, {4:.4g}, {5:.4g}] m), "
-      "{0}/state.xdmf shows it in ParaView (colour by volume_ratio and residual)",
+      "{0}/report.yaml says where and how (smallest det F: {1:.3g}, body '{2}' at [{3:.4g}, {4:.4g}, {5:.4g}] m), "
+      "{0}/state.xdmf shows it in ParaView (colour by volume_ratio or residual)",
       directory.string(), cell.volume_ratio, report.bodies[cell.body].name, cell.X[0], cell.X[1], cell.X[2]);
 }
 
@@ -192,7 +192,7 @@ std::string write_post_mortem(const Config& config, const Model& model, const St
   report.bodies = bodies(model, picture);
   report.worst_cells = worst_cells(model, picture);
   on_root(layout.comm, [&] { write_text_atomically(directory / "report.yaml", to_yaml(report, failure)); });
-  return what_to_look_at(directory, report) + "; try: " + advice(report, failure).front();
+  return where_to_look(directory, report) + "; try: " + advice(report, failure).front();
 }
 
 void remove_post_mortem(MPI_Comm comm, const Config& config) {

@@ -19,7 +19,7 @@
 namespace pliant {
 namespace {
 
-/// The parts of the stress of a cell, and what goes with them.
+/// The parts of a cell's stress, and the quantities that go with them.
 struct CellState {
   std::array<std::array<double, 6>, num_stress_parts> cauchy{};
   std::array<double, num_stress_parts> energy_density{};
@@ -78,7 +78,7 @@ constexpr std::array<NodeField, 3> node_fields{{
     {"acceleration", "m/s^2", &StepRecord::a},
 }};
 
-/// A field per node, from what the node feels of obstacles.
+/// A field per node, computed from its contact with obstacles.
 struct ContactField {
   const char* name;
   const char* unit;

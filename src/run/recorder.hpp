@@ -1,4 +1,4 @@
-/// What a run leaves on disk: result.h5 and result.xdmf, history.csv, run.yaml.
+/// The files that a run writes: result.h5 and result.xdmf, history.csv, run.yaml.
 #pragma once
 
 #include "io/history_writer.hpp"
@@ -13,7 +13,7 @@
 
 namespace pliant {
 
-/// What stays of the files of the run that is continued.
+/// What to keep of the files of the run that is continued.
 struct Recorded {
   std::int64_t last_row = 0;    ///< step of the last row of the history
   std::int64_t last_frame = 0;  ///< step of the last frame of the result
@@ -24,7 +24,7 @@ OutputMesh output_mesh(const Model& model);
 
 class Recorder {
  public:
-  /// Makes the directory and starts all files, or continues those of an earlier run; the history has columns for the
+  /// Creates the directory and all files, or continues the files of an earlier run. The history has columns for the
   /// ledger's mechanisms. Throws FileError on every rank. Collective.
   Recorder(const Config& config, Model& model, const Ledger& ledger, const std::optional<Recorded>& earlier);
 
@@ -47,7 +47,7 @@ class Recorder {
 
   Model& model_;
   std::vector<std::string> fields_;
-  double time_scale_;                  // over which the velocities of obstacles are told [s]
+  double time_scale_;                  // interval from which velocities of obstacles are computed [s]
   std::optional<double> static_time_;  // at which formulas are evaluated while the load factor grows [s]
   double seconds_ = 0.0;
   ResultWriter result_;

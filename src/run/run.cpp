@@ -25,9 +25,9 @@
 namespace pliant {
 namespace {
 
-/// A run that was just killed may take a moment to end.
+/// How long to wait for a run that was just killed and may take a moment to end.
 constexpr std::chrono::seconds patience{5};
-/// Of a stage that takes longer than this many seconds the user hears.
+/// A stage that takes longer than this is reported to the user [s].
 constexpr double long_stage = 30.0;
 
 using Clock = std::chrono::steady_clock;
@@ -45,7 +45,7 @@ std::string three_digits(double t) {
 /// Frames are due at multiples of the output interval, at the first step at or after them.
 class FrameSchedule {
  public:
-  /// From a time at which no frame is due any more.
+  /// Multiples up to a time at which no further frame is due.
   FrameSchedule(std::optional<double> interval, double start) : interval_(interval), last_(reached(start)) {}
   bool due(double time) {
     if (!interval_) return true;
@@ -78,7 +78,7 @@ class Run {
     });
     introduce();
     simulation_.emplace(config, model_);
-    simulation_->watch([this](const StageProgress& stage) { tell_of_long_stage(stage); });
+    simulation_->watch([this](const StageProgress& stage) { report_long_stage(stage); });
     energy_watch_.emplace(simulation_->ledger().energies());
     for (const auto& line : simulation_->description()) console.print(line);
     std::optional<Recorded> earlier;
@@ -88,8 +88,8 @@ class Run {
       last_row_ = record().step;
       if (simulation_->finished()) {
         console_.warn(
-            fmt::format("nothing is left to do: the checkpoint is at {} = {:.6g}{}; --set time.end=... beyond "
-                        "that makes the run longer",
+            fmt::format("nothing is left to do: the checkpoint is at {} = {:.6g}{}; to extend the run, give a later "
+                        "end: --set time.end=...",
                         variable(), record().time, is_static() ? "" : " s"));
       }
     }
@@ -97,7 +97,7 @@ class Run {
       recorder_.emplace(config, model_, simulation_->ledger(), earlier);
     } catch (const FileError& error) {
       if (!earlier) throw;
-      throw FileError(fmt::format("{}. To leave what is there and continue elsewhere: pliant resume {} --output DIR",
+      throw FileError(fmt::format("{}. To keep these files and continue elsewhere: pliant resume {} --output DIR",
                                   error.what(), from->file.string()));
     }
     if (!earlier) {
@@ -138,7 +138,8 @@ class Run {
       if (simulation_->analysis() == Analysis::dynamic)
         energy_watch_->look(simulation_->ledger().energies(), record().time);
       if (multigrid_is_news()) {
-        console_.warn("the factorization ran out of memory; algebraic multigrid takes its place (solver.linear: amg)");
+        console_.warn(
+            "the factorization ran out of memory; algebraic multigrid takes its place (as `solver.linear: amg`)");
       }
       if (record().newton_iterations > worst_.newton_iterations) {
         worst_ = {record().step, record().time, record().newton_iterations};
@@ -159,7 +160,7 @@ class Run {
       }
     }
     config_.checkpoint ? write_checkpoint() : recorder_->sync();
-    for (const auto& words : watch_.last_words()) console_.warn(words);
+    for (const auto& words : watch_.final_warnings()) console_.warn(words);
     summarise("done", "");
     return ExitCode::done;
   }
@@ -191,30 +192,31 @@ class Run {
   void write_checkpoint() {
     recorder_->sync();
     checkpoints_.write(record().step, record().time, [&](Archive& archive) { keep(archive); });
-    // What goes on here and what resumes there are the same run.
+    // Makes this run continue exactly as one that resumes from the checkpoint.
     simulation_->forget();
   }
 
-  /// After a file could not be written: what there is, and how to go on. Not collective: ranks say what they see.
+  /// After a file could not be written: the files that exist, and how to continue. Not collective: each rank reports
+  /// what it sees.
   std::string what_is_left() const {
     std::error_code ignored;
     if (!std::filesystem::exists(config_.output.directory, ignored)) {
-      return "The directory is gone, with all that was computed: start anew";
+      return "The output directory is gone, with all results: start the run again";
     }
     const auto files = checkpoints_in(config_.output.directory);
     const std::string what_to_do =
         files.empty()
-            ? "no checkpoint; once files can be written again, start anew (`checkpoint: {every: 100}` makes runs "
-              "that can go on)"
+            ? "no checkpoint; once files can be written again, start the run again (with `checkpoint: {every: 100}` it "
+              "can be resumed)"
             : fmt::format("{}; once files can be written again, continue with: {}", files.front().filename().string(),
                           how_to_resume());
-    return fmt::format("What is there is whole: rows up to step {}, frames up to step {}, {}", last_row_, last_frame_,
+    return fmt::format("The files are intact: rows up to step {}, frames up to step {}, {}", last_row_, last_frame_,
                        what_to_do);
   }
 
   bool multigrid_is_news() {
     const bool is_used = simulation_->solver_statistics().uses_multigrid_instead;
-    return is_used && !std::exchange(multigrid_was_told_, is_used);
+    return is_used && !std::exchange(multigrid_is_reported_, is_used);
   }
 
   std::string how_to_resume() const { return fmt::format("pliant resume {}", config_.output.directory); }
@@ -222,17 +224,17 @@ class Run {
   ExitCode interrupted() {
     if (!last_frame_written_) recorder_->write_frame(record());
     summarise("interrupted", "");
-    console_.warn(fmt::format("interrupted after step {} at {} = {:.6g}{}; what was computed is in {}; to continue: {}",
-                              record().step, variable(), record().time, is_static() ? "" : " s",
-                              config_.output.directory, how_to_resume()));
+    console_.warn(fmt::format(
+        "interrupted after step {} at {} = {:.6g}{}; the results so far are in {}; to continue: {}", record().step,
+        variable(), record().time, is_static() ? "" : " s", config_.output.directory, how_to_resume()));
     return ExitCode::interrupted;
   }
 
-  /// The last thing that is done: it leaves the model in the state that could not be solved.
+  /// To be called last: it leaves the model in the state that could not be solved.
   std::string post_mortem(const StepOutcome& outcome) {
     try {
       return write_post_mortem(config_, model_, record(),
-                               {outcome.reason, outcome.tried, simulation_->examine(), outcome.is_mistake});
+                               {outcome.reason, outcome.tried, simulation_->examine(), outcome.is_input_error});
     } catch (const FileError& error) {
       return error.what();
     }
@@ -241,13 +243,13 @@ class Run {
   [[noreturn]] void give_up(const StepOutcome& outcome) {
     if (!last_frame_written_) recorder_->write_frame(record());
     write_checkpoint();
-    const std::string what_to_look_at = post_mortem(outcome);
+    const std::string where_to_look = post_mortem(outcome);
     summarise("failed", outcome.reason);
     throw SolveError(fmt::format(
         "the solve failed at {0} = {1:.6g}: {2}. The last good state ({0} = {1:.6g}) is in {3}{4}. Post-mortem: {5}",
         variable(), record().time, outcome.reason, config_.output.directory,
         is_static() ? "" : fmt::format(" (`{} --set time.step=...` continues from there)", how_to_resume()),
-        what_to_look_at));
+        where_to_look));
   }
 
   double output_seconds() const { return recorder_->seconds() + checkpoints_.seconds(); }
@@ -263,7 +265,7 @@ class Run {
                        elapsed * (1.0 - done) / std::max(done, 1e-12));
   }
 
-  /// Without inertia there is no kinetic energy, and the steps of the load or of time are no method that damps.
+  /// Without inertia there is no kinetic energy, and steps of the load or of time do not damp.
   std::string energy_line() const {
     const Energies& e = simulation_->ledger().energies();
     const bool moves = simulation_->analysis() == Analysis::dynamic;
@@ -298,9 +300,8 @@ class Run {
                                steps.inaccurate));
     console_.print(fmt::format(
         "newton: {} iterations in {} stages, {} of them minimised, {} solved on the residual; {} factorizations, {} "
-        "linear iterations, {} step lengths "
-        "refused, {} steps capped before inversion, {} Hessians projected, {} shifted, {} stages ended at "
-        "rounding",
+        "linear iterations, {} step lengths rejected, {} steps capped before inversion, {} Hessians projected, {} "
+        "shifted, {} stages ended at rounding errors",
         s.newton_iterations, s.stages, s.minimisations, s.residual_solves, s.factorizations, s.linear_iterations,
         s.backtracks, s.capped_steps, s.projections, s.regularizations, s.rounding_stops));
     if (worst_.newton_iterations >= 0) {
@@ -310,28 +311,26 @@ class Run {
     console_.print(energy_line());
     if (const auto growth = energy_watch_->growth()) {
       console_.warn(fmt::format(
-          "{}: the energy grew without work: at t = {:.6g} s there was {:.3g} times what came in{}, in steps "
-          "of {:g} s by '{}'; shorten the steps, take bdf2, dirk22 or dirk33, or damp the vibrations by a "
-          "viscosity",
+          "{}: the energy grew without work: at t = {:.6g} s it was {:.3g} times the energy supplied{}, with steps "
+          "of {:g} s of '{}'; use shorter steps or bdf2, dirk22 or dirk33, or damp the vibrations with a viscosity",
           to_string(config_.time.method.where), growth->time, growth->factor,
-          growth->is_in_all ? " (with what was dissipated)" : "", steps.longest, config_.time.method.value));
+          growth->includes_dissipation ? " (including dissipation)" : "", steps.longest, config_.time.method.value));
     }
     warn_of_solutions(s);
     console_.print(fmt::format("results: {0}/result.xdmf, {0}/history.csv", config_.output.directory));
     for (const auto& option : unused_petsc_options()) {
-      console_.warn(fmt::format("PETSc option {} was not used by any object; is it misspelt?", option));
+      console_.warn(fmt::format("no solver used the PETSc option {}; is it misspelt?", option));
     }
   }
 
-  /// Once a stage has taken long, and each time it has taken twice as long.
-  void tell_of_long_stage(const StageProgress& stage) {
-    if (stage.iteration == 0 && stage.seconds < long_stage) told_at_ = 0.0;
-    if (stage.seconds < std::max(long_stage, 2.0 * told_at_)) return;
-    told_at_ = stage.seconds;
+  /// Reports a stage that takes long, and again each time its duration has doubled.
+  void report_long_stage(const StageProgress& stage) {
+    if (stage.iteration == 0 && stage.seconds < long_stage) reported_at_ = 0.0;
+    if (stage.seconds < std::max(long_stage, 2.0 * reported_at_)) return;
+    reported_at_ = stage.seconds;
     console_.print(
-        fmt::format("note: the step after {} = {:.6g}{} takes long: {:.0f} s so far, {} iterations of "
-                    "Newton's method, residual {:.1e} N of {:.1e} N wanted, {} linear iterations for the "
-                    "last",
+        fmt::format("note: the step after {} = {:.6g}{} takes long: {:.0f} s so far, {} Newton iterations, residual "
+                    "{:.1e} N (tolerance {:.1e} N), {} linear iterations in the last one",
                     variable(), record().time, is_static() ? "" : " s", stage.seconds, stage.iteration, stage.residual,
                     stage.target, stage.linear_iterations));
   }
@@ -340,19 +339,19 @@ class Run {
     if (2 * s.unbalanced_stops > s.stages) {
       console_.warn(
           fmt::format("{}: 'solver.newton.absolute' of {:g} N ended {} of {} solves while more than a tenth of the "
-                      "forces was unbalanced: this is not a solution; give a smaller one, or none",
+                      "forces was unbalanced: these are not solutions; give a smaller value, or omit the key",
                       config_.file, config_.solver.newton.absolute, s.unbalanced_stops, s.stages));
     }
     if (s.worst_rounding > doubtful_rounding) {
       console_.warn(fmt::format(
-          "{} of {} solves ended where double precision ends, one of them with {:.1e} of the forces unbalanced: the "
-          "body is too stiff for what moves it to be seen more exactly",
+          "{} of {} solves ended at the limit of double precision, one of them with {:.1e} of the forces unbalanced: "
+          "the body is too stiff relative to its loads for a more accurate solution",
           s.rounding_stops, s.stages, s.worst_rounding));
     }
     if (s.unstable_stages > 0) {
       console_.warn(fmt::format(
-          "{} of {} solves found an equilibrium that is not stable: at the least disturbance the body buckles or snaps "
-          "from there; a dynamic analysis (`time: {{method: bdf2, ...}}`) shows where to",
+          "{} of {} solves found an unstable equilibrium: at the slightest disturbance the body buckles or snaps; a "
+          "dynamic analysis (`time: {{method: bdf2, ...}}`) shows the motion that follows",
           s.unstable_stages, s.stages));
     }
   }
@@ -363,19 +362,19 @@ class Run {
   Console& console_;
   Model model_;
   MotionWatch watch_;
-  std::optional<DirectoryLock> lock_;  // rank 0's, on the output directory
+  std::optional<DirectoryLock> lock_;  // held by rank 0, on the output directory
   Checkpoints checkpoints_;
   std::optional<Simulation> simulation_;
   std::optional<Recorder> recorder_;
   double setup_seconds_ = 0.0;
   bool last_frame_written_ = true;
   std::int64_t last_row_ = 0;  // step of the last row of the history
-  bool multigrid_was_told_ = false;
-  std::int64_t last_frame_ = 0;  // step of the last one that was due
+  bool multigrid_is_reported_ = false;
+  std::int64_t last_frame_ = 0;  // step of the last frame that was due
   double largest_energy_ = 0.0;  // so far [J]
   std::optional<EnergyWatch> energy_watch_;
   WorstStep worst_;
-  double told_at_ = 0.0;  // seconds that the stage had taken when the user last heard of it
+  double reported_at_ = 0.0;  // duration of the stage at its last report [s]
 };
 
 }  // namespace

@@ -11,18 +11,18 @@
 
 namespace pliant {
 
-/// Runs what the input describes. Returns done or interrupted; throws InputError, FileError, or SolveError when the
-/// solve failed after every retry (the last good state is in the result then). `additional` terms are added to those of
-/// the input. Collective.
+/// Runs the simulation that the input describes. Returns done or interrupted. Throws InputError, FileError, or
+/// SolveError when the solve failed after every retry; the result then contains the last good state. `additional` terms
+/// are added to those of the input. Collective.
 ExitCode run_with_output(MPI_Comm comm, const Config& config, Console& console, const TermFactory& additional = {});
 
-/// A checkpoint that was found whole.
+/// A checkpoint that was found intact.
 struct ResumePoint {
   std::filesystem::path file;
   CheckpointInfo info;
 };
 
-/// The same from a checkpoint on: the results of the run in the output directory go on. Collective.
+/// Likewise from a checkpoint, continuing the results of the run in the output directory. Collective.
 ExitCode resume_with_output(MPI_Comm comm, const Config& config, Console& console, const ResumePoint& from,
                             const TermFactory& additional = {});
 

@@ -10,11 +10,11 @@
 
 namespace pliant {
 
-/// What asks a run to stop: Ctrl-C, the batch system, a terminal that is gone, a limit of processor time; and SIGUSR2,
-/// which mpirun passes on without ending its ranks a second later.
+/// Signals that ask a run to stop: Ctrl-C, the batch system, a closed terminal, a limit of processor time; and SIGUSR2,
+/// which mpirun forwards without killing its ranks a second later.
 inline constexpr std::array stop_signals{SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGUSR2};
 
-/// While it lives, signals do something else. One of its kind per process, as signals are.
+/// Replaces signal handlers during its lifetime. At most one object per process, since signals are per process.
 class SignalHandlers {
  public:
   SignalHandlers() = default;
@@ -22,23 +22,23 @@ class SignalHandlers {
   SignalHandlers(const SignalHandlers&) = delete;
   SignalHandlers& operator=(const SignalHandlers&) = delete;
 
-  /// Whom nohup has made deaf to SIGHUP stays so.
+  /// Leaves SIGHUP ignored if nohup has made the process ignore it.
   void set(int number, void (*handler)(int));
 
  private:
   std::vector<std::pair<int, void (*)(int)>> before_;
 };
 
-/// What a run is to do between two steps; the later ones include the earlier ones.
+/// What a run shall do between two steps; each request includes those before it.
 enum class Request { none, checkpoint, stop };
 
-/// While it lives, `stop_signals` and SIGUSR1 (checkpoint) only leave a note, and who read along may go: a checkpoint
-/// is written after Ctrl-C even if `tee` ended at once. One per process.
+/// During its lifetime, `stop_signals` and SIGUSR1 (checkpoint) are only recorded, and readers of a pipe may disappear:
+/// a checkpoint is written after Ctrl-C even if `tee` ended at once. At most one object per process.
 class InterruptGuard {
  public:
   InterruptGuard();
 
-  /// What a signal to any rank asks for, or any rank itself with `mine`. Collective.
+  /// The request of a signal to any rank, or of any rank itself by `mine`. Collective.
   Request request(MPI_Comm comm, Request mine) const;
 
  private:

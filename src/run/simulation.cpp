@@ -14,12 +14,12 @@
 namespace pliant {
 namespace {
 
-/// Steps of one length differ by rounding.
+/// Steps of equal length differ by rounding errors up to this factor.
 constexpr double longer = 1.0 + 1e-6;
-/// Nominal steps after which a contact is no impact any more.
+/// Number of nominal steps after which a contact no longer counts as an impact.
 constexpr double steps_of_impact = 3.0;
-/// Of the energy there is: a step that makes more of it at a barrier is cut, but not below this part of the nominal
-/// one.
+/// Largest gain relative to the available energy: a step that gains more at a barrier is shortened, but not below this
+/// fraction of the nominal step.
 constexpr double largest_gain = 0.02, least_part_of_impact = 1.0 / 200.0;
 
 StepOutcome::Kind outcome_of(const RetryDecision& decision, StepOutcome::Kind otherwise) {
@@ -109,7 +109,7 @@ void Simulation::keep(Archive& archive) {
 StepOutcome Simulation::advance() {
   const Step step = control_->next();
   StepAttempt attempt = advance_->attempt(step);
-  record_.a = nullptr;  // it was the advance's
+  record_.a = nullptr;  // it belonged to the advance
   if (attempt.report.outcome == StageOutcome::converged) {
     if (auto reason = impossibility(attempt, step)) {
       attempt.report.outcome = StageOutcome::retry;
@@ -136,9 +136,9 @@ StepOutcome Simulation::advance() {
   return {StepOutcome::Kind::accepted, std::move(concession), step};
 }
 
-// The formula of a multistep method extrapolates the velocity of past steps. It gives back what an impact has changed
-// in one step if all steps are of one length and one formula: 1 = 2/3 (1 + 1/3 + 1/9 ...) with bdf2. It gives back
-// more, up to five times as much, if steps become longer, and if an impact falls into a step of the start-up.
+// The formula of a multistep method extrapolates the velocity of past steps. With steps of one length and one formula,
+// it returns exactly the velocity change of an impact: 1 = 2/3 (1 + 1/3 + 1/9 ...) with bdf2. It returns more, up to
+// five times as much, if steps become longer, and if an impact falls into a step of the start-up.
 bool Simulation::extrapolates_impact(const Step& step, bool touches) {
   ++steps_since_restart_;
   if (!touches) contact_start_ = step.time;
@@ -164,32 +164,32 @@ std::optional<std::string> Simulation::passage(const StepAttempt& attempt) {
 }
 
 bool Simulation::ends_inside_out(const StepAttempt& attempt) {
-  if (attempt.q == attempt.last_q) return false;  // the line search has seen to it
+  if (attempt.q == attempt.last_q) return false;  // the line search has excluded it
   const auto energies = model_.potential().accounts().energies(model_.instant(attempt.time), attempt.q, attempt.z);
   return !std::ranges::all_of(energies, [](double energy) { return std::isfinite(energy); });
 }
 
-// A stage that starts where inertia leads, beyond a barrier, throws the body back as fast as it takes to come out
-// within the stage; and what damping takes there has the weight of the stage, not the time of the impact.
+// If inertia carries the start of a stage beyond a barrier, the stage throws the body back fast enough to leave the
+// barrier within the stage, and damping acts with the weight of the stage, not with the duration of the impact.
 std::optional<std::string> Simulation::gain_at_barrier(const StepAttempt& attempt, const Step& step) {
   const Contacts* contacts = model_.contacts();
   if (contacts == nullptr || !contacts->has_barrier() || step.dt < least_part_of_impact * plan_.dt) return std::nullopt;
   const Ledger::Gain gain = ledger_->gain(attempt);
-  if (!(gain.made > largest_gain * gain.available)) return std::nullopt;
+  if (!(gain.created > largest_gain * gain.available)) return std::nullopt;
   if (!(record_.contact.num_points > 0.0)) {
     check(VecCopy(attempt.q, next_q_.get()));
     update_ghosts(next_q_.get());
     const ConstGhostedView to(next_q_.get());
     if (!(contacts->closeness(model_.instant(attempt.time), to.span()).num_points > 0.0)) return std::nullopt;
   }
-  return fmt::format("the step is too long for an impact on a barrier: it gains {:.3g} J, of {:.3g} J available",
-                     gain.made, gain.available);
+  return fmt::format("the step is too long for an impact on a barrier: it creates {:.3g} J, with {:.3g} J available",
+                     gain.created, gain.available);
 }
 
 std::optional<std::string> Simulation::impossibility(const StepAttempt& attempt, const Step& step) {
   if (ends_inside_out(attempt)) {
-    return "a tetrahedron is inside out at the end of the step, although at none of its stages: the method takes the "
-           "end from all of them";
+    return "a tetrahedron is inside out at the end of the step, although not in any of its stages: the method combines "
+           "all of them";
   }
   if (auto passes = passage(attempt)) return passes;
   return gain_at_barrier(attempt, step);
@@ -200,8 +200,8 @@ StepOutcome Simulation::reject(const StepAttempt& attempt, const Step& step) {
   if (attempt.report.outcome == StageOutcome::fatal) return {StepOutcome::Kind::failed, attempt.report.reason, step};
   try {
     if (analysis_ != Analysis::static_equilibrium) model_.require_finite(attempt.time);
-  } catch (const InputError& mistake) {
-    return {StepOutcome::Kind::failed, mistake.what(), step, true};  // a shorter step would not help
+  } catch (const InputError& error) {
+    return {StepOutcome::Kind::failed, error.what(), step, true};  // a shorter step would not help
   }
   const RetryDecision decision = control_->reject(attempt.report.reason);
   return {outcome_of(decision, StepOutcome::Kind::unsolved), decision.reason, step};

@@ -1,4 +1,4 @@
-/// summary.json: how a run ended, what it took, what its solver did; for reports and scripts.
+/// summary.json: how a run ended, its costs, and what its solver did; for reports and scripts.
 #pragma once
 
 #include "run/energy_watch.hpp"
@@ -16,10 +16,10 @@ namespace pliant {
 struct RunSeconds {
   double total = 0.0, set_up = 0.0, mesh = 0.0, assembly = 0.0, factorization = 0.0, solve = 0.0, output = 0.0;
 
-  double rest() const;  ///< what none of the others counts; the mesh is a part of the set-up
+  double rest() const;  ///< time that none of the others counts; the mesh is a part of the set-up
 };
 
-/// The step that needed most; of none the iterations are -1.
+/// The step with the most Newton iterations; -1 iterations if there is none.
 struct WorstStep {
   std::int64_t step = 0;
   double time = 0.0;
@@ -37,13 +37,13 @@ struct Summary {
   std::optional<EnergyWatch::Growth> energy_growth;
 };
 
-/// Replaces summary.json. Of a resumed run it tells of the part since then. Not collective.
+/// Replaces summary.json. For a resumed run it covers the part since resuming. Not collective.
 void write_summary(const std::filesystem::path& directory, const Summary& summary);
 
-/// The summary that lies there; null where there is none, as while the run goes on. Not collective.
+/// Reads the summary; null if there is none, for instance while the run continues. Not collective.
 nlohmann::ordered_json summary_json(const std::filesystem::path& directory);
 
-/// Not collective.
+/// Removes summary.json. Not collective.
 void remove_summary(const std::filesystem::path& directory);
 
 }  // namespace pliant

@@ -1,4 +1,4 @@
-/// The program's version and those of the libraries it stands on.
+/// The versions of the program and of the libraries that it uses.
 #pragma once
 
 #include <string>

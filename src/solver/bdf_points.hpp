@@ -1,5 +1,5 @@
-/// What PETSc's TSBDF remembers of earlier steps. It keeps that to itself; recorded here as it arises, it can be given
-/// to a TSBDF that starts anew.
+/// The history of PETSc's TSBDF. TSBDF does not expose it; it is recorded here as it arises, and can be handed to a
+/// TSBDF that starts anew.
 #pragma once
 
 #include "time/state.hpp"
@@ -9,15 +9,15 @@
 
 namespace pliant {
 
-/// The points that TSBDF lays its polynomials through, in the order in which it got them. A start gives it two: the
-/// middle of the first step, for which it solves, then the state it starts from. The end of each step follows.
+/// The points that TSBDF interpolates, in the order in which it received them. At the start it receives two: the middle
+/// of the first step, for which it solves, then the initial state. The end of each step follows.
 class BdfPoints {
  public:
-  /// As many as a method of this order looks at in its next step, and one more, which takes the place of the middle of
+  /// Holds as many points as a method of this order needs for its next step, and one more, which replaces the middle of
   /// a first step.
   explicit BdfPoints(int order) : capacity_(static_cast<std::size_t>(order) + 2) {}
 
-  /// Appends a copy; the oldest makes room for it. Collective.
+  /// Appends a copy, and drops the oldest point if all are in use. Collective.
   void push(const StateView& point);
   void forget() { size_ = 0; }
   /// Vectors are made like those of `like`. Collective.
@@ -25,13 +25,13 @@ class BdfPoints {
 
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
-  /// The oldest has the number 0.
+  /// Point 0 is the oldest.
   const State& operator[](std::size_t i) const { return points_[i]; }
 
  private:
   std::size_t capacity_;
   std::size_t size_ = 0;
-  std::vector<State> points_;  // beyond size_: memory for later
+  std::vector<State> points_;  // allocated beyond size_, for later use
 };
 
 }  // namespace pliant

@@ -8,14 +8,14 @@
 namespace pliant {
 namespace {
 
-/// How often the forces of a guess give way to those at the iterate that met the tolerance for them. At a solution
-/// without stress there are none, and it is enough to have met it for the remains of remains.
+/// How often the scale may be lowered to the forces at the iterate, each time after the tolerance is met. A solution
+/// without stress has no forces; an iterate that has met the tolerance this often is accepted.
 constexpr int max_lowered = 3;
-/// The forces of a guess are too large a measure if those at the iterate are less than this part of them.
+/// The forces of a guess are too large a scale if those at the iterate are less than this fraction of them.
 constexpr double much_less = 0.1;
-/// Forces that are less than this part of those of the guess have vanished.
+/// Forces below this fraction of those of the guess count as zero.
 constexpr double tiny_part = 1e-6;
-/// Forces up to this multiple of the rounding floor are none.
+/// Forces up to this multiple of the rounding floor count as zero.
 constexpr double no_forces = 10.0;
 
 }  // namespace
@@ -61,7 +61,7 @@ void Convergence::count_rounding(double residual, Vec q) {
   StageEquation& equation = objective_.equation();
   ++statistics_.rounding_stops;
   const double size = std::max({equation.force_scale(q), equation.inertia_scale(), first_scale_ * tiny_part});
-  // A body at rest without stress: its forces are rounding errors themselves.
+  // A body at rest without stress: its forces are themselves rounding errors.
   const bool is_free_of_forces =
       objective_.is_static() && size <= no_forces * rounding_safety * equation.rounding_floor(q);
   if (size > 0.0 && !is_free_of_forces)
@@ -77,7 +77,7 @@ bool Convergence::is_rounding(double residual, Vec q) {
   double floor = rounding_safety * objective_.equation().rounding_floor(q);
   if (residual > floor) return false;
   if (residual > doubtful_rounding * scale_) {
-    // The last Hessian may be one near a wall that is far by now.
+    // The last Hessian may stem from a point near a wall that is now far away.
     reassemble_(q);
     floor = rounding_safety * objective_.equation().rounding_floor(q);
     if (residual > floor) return false;

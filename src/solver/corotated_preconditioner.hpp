@@ -6,11 +6,11 @@
 
 namespace pliant {
 
-/// R P R^T, where P is a preconditioner made of an earlier matrix and R are the rotations of the nodes since
-/// (NodalRotations): close to the inverse of the present matrix where the body has mainly rotated.
+/// R P R^T, where P is a preconditioner of an earlier matrix and R holds the rotations of the nodes since then
+/// (NodalRotations). It is close to the inverse of the current matrix if the body has mainly rotated.
 class CorotatedPreconditioner {
  public:
-  /// Takes the place of the preconditioner of `ksp`, which becomes P. `rotations` outlive the object.
+  /// Replaces the preconditioner of `ksp`, which becomes P. `rotations` outlives the object.
   CorotatedPreconditioner(KSP ksp, const NodalRotations& rotations);
   CorotatedPreconditioner(const CorotatedPreconditioner&) = delete;  // PETSc's objects point to it
   CorotatedPreconditioner& operator=(const CorotatedPreconditioner&) = delete;

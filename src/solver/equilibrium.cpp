@@ -5,21 +5,22 @@
 namespace pliant {
 namespace {
 
-/// Iterations to an equilibrium nearby: Newton's method squares the error.
+/// Iterations to a nearby equilibrium: Newton's method converges quadratically.
 constexpr int max_followed = 8;
-/// What a stage without an equilibrium adds to the trouble of which others take one away, and how much there is when a
-/// body is allowed to snap far away: shorter steps may find an equilibrium nearby.
+/// How much a stage without an equilibrium adds to the count of difficulties, from which each other stage subtracts
+/// one, and the count from which a body may snap to a distant equilibrium. Before that, shorter steps may find a
+/// nearby one.
 constexpr int trouble_of_failure = 2, trouble_before_snap = 4;
-/// How many times as many iterations as others a body may take that snaps.
+/// A body that snaps may take this many times the usual number of iterations.
 constexpr int times_to_snap = 20;
-/// Weights that hold the solutions of a descent, as parts of the Hessian's mean diagonal.
+/// Weights that hold the solutions of a descent, as fractions of the Hessian's mean diagonal.
 constexpr double first_weight = 1e-3, least_weight = 1e-9;
-/// Such a solution may leave this part of the residual of the one before,
+/// Such a solution may leave this fraction of the previous residual,
 constexpr double part_left = 0.1;
-/// and takes so many iterations at most; from half as many on, the weight stays.
+/// and takes at most this many iterations; if it takes half as many or more, the weight stays.
 constexpr int iterations_of_descent = 8;
 
-/// How many unknowns of this rank belong to displacements; they come first.
+/// Number of displacement unknowns on this rank; they come first.
 PetscInt num_local_displacements(StageEquation& equation, Vec q) {
   PetscInt number = 0, of_displacements = 0;
   check(VecGetLocalSize(q, &number));
@@ -116,7 +117,7 @@ StageReport EquilibriumSearch::descend(Vec q, int max_iterations) {
     total.newton_iterations += report.newton_iterations;
     total.linear_iterations += report.linear_iterations;
     if (report.outcome != StageOutcome::converged) {
-      // A potential has fallen nevertheless; a residual may lead anywhere.
+      // A potential has decreased nevertheless; iterations on the residual guarantee nothing.
       if (!objective_.is_minimised()) check(VecCopy(proximal.centre(), q));
       part *= 4.0;
     } else if (2 * report.newton_iterations <= iterations_of_descent) {

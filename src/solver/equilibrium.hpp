@@ -1,4 +1,4 @@
-/// How an equilibrium is found where there is no inertia.
+/// The search for an equilibrium of a stage without inertia.
 #pragma once
 
 #include "petsc/handle.hpp"
@@ -9,15 +9,15 @@
 
 namespace pliant {
 
-/// Without inertia there may be no minimum nearby, and still an equilibrium. One attempt after another, until one
-/// arrives: a few iterations of Newton's method to a minimum nearby; a few to any equilibrium nearby, on the residual
-/// and whatever the signs of the Hessian's eigenvalues; and, where steps cut short do not help, a descent to a minimum
-/// far away, to which the body snaps. The first two in the order that led to the equilibrium before.
+/// Without inertia there may be an equilibrium but no minimum nearby. The search makes one attempt after another until
+/// one converges: a few iterations of Newton's method to a nearby minimum; a few to any nearby equilibrium, on the
+/// residual and regardless of the signs of the Hessian's eigenvalues; and, if shorter steps do not help, a descent to a
+/// distant minimum, to which the body snaps. The first two are made in the order that found the previous equilibrium.
 ///
 /// Invariants:
-/// - Apart from a descent, all attempts of a stage together take at most the given number of iterations, but that one
-///   which is converging may finish.
-/// - Between stages the aim of the objective is the usual one, and nothing is held.
+/// - Apart from a descent, all attempts of a stage together take at most the given number of iterations, except that an
+///   attempt that is converging may finish.
+/// - Between stages the aim of the objective is the usual one, and the proximal term is released.
 ///
 /// Collective.
 class EquilibriumSearch {
@@ -25,33 +25,33 @@ class EquilibriumSearch {
   /// `relative`: tolerance of the residual. The references outlive the object.
   EquilibriumSearch(Objective& objective, Iteration& iteration, SolverStatistics& statistics, double relative);
 
-  /// From the guess in q, or from another one if that is not nullptr.
+  /// Starts from the guess in q, and also from the second guess if it is not nullptr.
   StageReport seek(Vec q, Vec second_guess, int max_iterations);
-  /// What the stage's guess should be good for: the equilibrium before may have been one that is no minimum.
+  /// The aim for which the stage's guess is chosen; the previous equilibrium may not have been a minimum.
   Aim first_aim() const { return prefers_following_ ? Aim::any_equilibrium : objective_.usual_aim(); }
-  /// Forgets what earlier stages have taught.
+  /// Forgets what was learned from earlier stages.
   void forget();
 
  private:
   /// The work of all attempts of a stage.
   struct Work {
-    StageReport report;  ///< of the last attempt; its numbers of iterations are those of all
+    StageReport report;  ///< of the last attempt, with the iterations of all attempts
     int limit = 0;
     bool is_over() const { return report.outcome != StageOutcome::retry; }
     int left() const { return limit - report.newton_iterations; }
   };
-  /// Starts from the guess, at most so many iterations; whether nothing more needs to be tried.
+  /// Runs at most this many iterations from the guess; returns whether nothing more needs to be tried.
   bool attempt(Vec q, Vec guess, Aim aim, int max_iterations, Work& work);
-  /// Descends from q to where the potential is nearly least, by solutions that are held near the one before; to resume
-  /// from when iterations have run out. In the report only iterations count.
+  /// Descends from q towards a minimum of the potential, by solutions each held near the previous one. Can be resumed
+  /// when the iterations have run out. Only the iterations in the report have a meaning.
   StageReport descend(Vec q, int max_iterations);
 
   Objective& objective_;
   Iteration& iteration_;
   SolverStatistics& statistics_;
   double relative_;
-  int trouble_ = 0;                 // grows with each stage for which no equilibrium is found, falls with each other
-  bool prefers_following_ = false;  // the equilibrium before was one without a minimum
+  int trouble_ = 0;                 // grows with each stage without an equilibrium, falls with each other stage
+  bool prefers_following_ = false;  // the previous equilibrium was not a minimum
 };
 
 }  // namespace pliant

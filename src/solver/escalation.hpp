@@ -1,4 +1,4 @@
-/// What Newton's method falls back on when a linear system gives no usable direction: an explicit state machine.
+/// The fallback sequence of Newton's method for linear systems that give no usable direction: a state machine.
 #pragma once
 
 namespace pliant {
@@ -10,15 +10,14 @@ namespace pliant {
 ///                         v            |
 ///                    made_definite ----+
 ///
-/// A value that knows no matrix: whoever owns the linear system reports what was done to it (`begin`, `factorized`,
-/// `shifted`, `projected`) and asks what to do next (`escalate`). Every rank holds the same state, since all calls
-/// rest on reduced numbers.
+/// A value type without a matrix: the owner of the linear system reports what was done to it (`begin`,
+/// `factorized`, `shifted`, `projected`) and asks what to do next (`escalate`). Every rank holds the same state, since
+/// all calls depend on reduced numbers.
 ///
 /// Invariants:
-/// - `escalate` never leads back: a search that asks again and again arrives at `smaller_step` after four calls at
-///   most, and stays there until `begin`.
-/// - Only `begin` leads to `kept_factor`, and only there is the factor that of another matrix.
-/// - `smaller_step` is the only state in which there is nothing to solve with.
+/// - `escalate` never goes back: repeated calls reach `smaller_step` after at most four, and stay there until `begin`.
+/// - Only `begin` leads to `kept_factor`, the only state in which the factor belongs to another matrix.
+/// - `smaller_step` is the only state without a factor to solve with.
 class Escalation {
  public:
   enum class State {
@@ -26,14 +25,14 @@ class Escalation {
     fresh_factor,           ///< the exact Hessian and its own factor
     made_definite,          ///< the least shift of its diagonal at which it has no negative eigenvalue
     projected,              ///< positive semidefinite, cell by cell
-    projected_and_shifted,  ///< its diagonal shifted as well, for it may be singular
-    smaller_step            ///< nothing left: the step is to be tried with a smaller length
+    projected_and_shifted,  ///< projected, with its diagonal shifted as well, since it may be singular
+    smaller_step            ///< nothing left to try: repeat the step with a smaller length
   };
   /// What may be done to the Hessian.
   enum class Permission {
     anything,
-    exact_hessian,  ///< any equilibrium will do, and only the exact Hessian leads to those that are not minima
-    nothing         ///< another matrix would take as much memory, which does not suffice
+    exact_hessian,  ///< any equilibrium is sought, and only the exact Hessian leads to those that are not minima
+    nothing         ///< there is not enough memory, and another matrix would need as much
   };
 
   State state() const { return state_; }
@@ -41,16 +40,16 @@ class Escalation {
   bool is_projected() const { return state_ == State::projected || state_ == State::projected_and_shifted; }
   bool is_shifted() const { return state_ == State::made_definite || state_ == State::projected_and_shifted; }
 
-  /// The exact Hessian of an iterate was assembled; it has no factor of its own yet.
+  /// Reports that the exact Hessian of an iterate was assembled; it has no factor of its own yet.
   void begin() { state_ = State::kept_factor; }
-  /// The matrix was factorized as it is.
+  /// Reports that the matrix was factorized unchanged.
   void factorized();
-  /// The diagonal of the matrix was shifted, with a factorization to follow.
+  /// Reports that the diagonal of the matrix was shifted; a factorization follows.
   void shifted();
-  /// The projected Hessian was assembled, with a factorization to follow.
+  /// Reports that the projected Hessian was assembled; a factorization follows.
   void projected() { state_ = State::projected; }
-  /// Goes to the next state, which the owner of the matrix must then bring about. From `kept_factor` the factorization
-  /// may find the Hessian indefinite and report `shifted` or `projected` on its own.
+  /// Goes to the next state, which the owner of the matrix must then establish. From `kept_factor` the factorization
+  /// may find the Hessian indefinite, and the owner may report `shifted` or `projected` without being asked.
   State escalate(Permission permission);
 
  private:

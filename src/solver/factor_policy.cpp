@@ -5,7 +5,7 @@
 namespace pliant {
 namespace {
 
-/// Iterations of the Krylov method that the factor of the very matrix leaves at most, if it is sound.
+/// Most iterations that the Krylov method needs with a sound factor of the same matrix.
 constexpr int max_fresh_iterations = 40;
 
 }  // namespace

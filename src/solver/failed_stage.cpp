@@ -9,10 +9,10 @@
 namespace pliant {
 namespace {
 
-/// Lengths on either side of the profile: 1, and each time shorter by the square root of ten.
+/// Number of lengths on either side of the profile: 1, then each shorter by the square root of ten.
 constexpr int num_lengths = 10;
 
-/// The part of the unknowns' vector that belongs to displacements, like `displacements`.
+/// The displacements in a vector of unknowns, as a vector like `displacements`.
 Handle<Vec> part_of_displacements(Vec unknowns, Vec displacements) {
   Handle<Vec> part;
   check(VecDuplicate(displacements, part.out()));

@@ -9,11 +9,11 @@
 namespace pliant {
 namespace {
 
-/// Beyond so many differences the oldest go.
+/// Beyond this number of differences the oldest are dropped.
 constexpr std::size_t max_differences = 6;
-/// The differences say nothing of a place where the error has grown by so much.
+/// The differences are discarded where the error has grown by this factor.
 constexpr double much_larger = 2.0;
-/// What is not told from the others, as a part of its square.
+/// A difference whose part independent of the others is below this fraction of its square is dropped.
 constexpr double dependent = 1e-12;
 
 Handle<Vec> like(Vec x) {
@@ -70,7 +70,7 @@ void FixedPoint::take(Vec x) {
   check(VecCopy(x, x_.get()));
 }
 
-// By Gram and Schmidt, the newest difference first, so that old ones that say nothing new drop out.
+// Gram-Schmidt orthogonalization, newest difference first, so that old ones without new information drop out.
 void FixedPoint::solve_least_squares(std::vector<double>& gamma) const {
   const std::size_t n = gamma.size();
   std::vector<Handle<Vec>> basis;

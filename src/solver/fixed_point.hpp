@@ -1,4 +1,4 @@
-/// Fixed points of maps that cost a solve.
+/// Fixed points of maps whose evaluation costs a solve (Anderson acceleration).
 #pragma once
 
 #include "petsc/handle.hpp"
@@ -7,20 +7,21 @@
 
 namespace pliant {
 
-/// Finds x = g(x) by Anderson's mixing (Walker & Ni 2011, Anderson acceleration for fixed-point iterations): with
-/// f_k = g(x_k) - x_k, and the differences dF, dG of the last f and g,
+/// Finds x = g(x) by Anderson acceleration, also called Anderson mixing (Walker & Ni 2011, Anderson acceleration for
+/// fixed-point iterations): with f_k = g(x_k) - x_k, and the differences dF, dG of the last f and g,
 ///
 ///     x_{k+1} = g_k - dG gamma,   gamma = argmin |f_k - dF gamma|
 ///
-/// on a linear map of few dimensions as fast as GMRES, where x_{k+1} = g_k converges as the powers of its norm.
+/// On a linear map of few dimensions it is as fast as GMRES, where the plain iteration x_{k+1} = g_k converges as the
+/// powers of the map's norm.
 class FixedPoint {
  public:
-  /// From x. Collective.
+  /// Starts from x. Collective.
   explicit FixedPoint(Vec x);
 
-  /// x_{k+1} - g of the g found for the last x; valid until the next call. Collective.
+  /// x_{k+1} - g, for g = g(x) at the last x; valid until the next call. Collective.
   Vec step(Vec g);
-  /// The x for which g is found next: what `step` says, or less. Collective.
+  /// Sets the x at which g is evaluated next: g + `step`, or a shorter step. Collective.
   void take(Vec x);
 
  private:

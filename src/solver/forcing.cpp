@@ -5,12 +5,11 @@
 namespace pliant {
 namespace {
 
-/// Of the linear residual in what is left out otherwise, or in what is to be reached.
+/// The linear residual as a fraction of the nonlinear remainder, or of the target.
 constexpr double part = 0.3;
-/// Where nothing is known.
+/// The tolerance of an iteration without a predecessor.
 constexpr double first_guess = 1e-3;
-/// No solve is worse than the one, lest Newton's directions become poor; none better than the other, where rounding
-/// begins.
+/// Bounds of the tolerance: looser ones make poor Newton directions, tighter ones reach rounding errors.
 constexpr double loosest = 3e-2, tightest = 1e-10;
 
 }  // namespace
@@ -26,7 +25,7 @@ double Forcing::tolerance(int iteration, double residual, double target) {
 
 void Forcing::observe(double residual) {
   const double ratio = residual / residual_;
-  // Where the linear residual was most of it, what is left out is less, nobody knows how much: look closer next time.
+  // Where the linear residual dominates, the remainder is smaller by an unknown amount: tighten the next tolerance.
   left_out_[iteration_] = ratio > 2.0 * tolerance_ ? ratio : 0.1 * tolerance_;
 }
 

@@ -9,14 +9,14 @@
 namespace pliant {
 namespace {
 
-/// Straight displacements in which a prescribed motion is applied.
+/// Largest number of straight displacements in which a prescribed motion is applied.
 constexpr int max_displacements = 30;
-/// Of the difference by which the forces of a prescribed motion are found, in parts of the motion.
-constexpr double difference_part = 1e-3;
-/// Shorter displacements than this part lead nowhere.
+/// Length of the difference that gives the forces of a prescribed motion, as a fraction of the motion.
+constexpr double difference_fraction = 1e-3;
+/// Displacements shorter than this fraction make no progress.
 constexpr double shortest_displacement = 1e-3;
 
-/// to = from in the entries that are prescribed, or in the others.
+/// to = from, in the prescribed entries or in the free ones.
 enum class Entries { prescribed, free };
 void copy_entries(Vec from, Vec to, const std::vector<char>& prescribed, Entries which) {
   const ConstArrayView source(from);
@@ -51,26 +51,26 @@ void GuessSearch::stop_short_of_walls(Vec accepted, Vec candidate) {
   if (accepted == nullptr) return;
   Vec displacement = correction_.get();
   check(VecWAXPY(displacement, -1.0, accepted, candidate));
-  const double bound = inversion_margin * equation_.max_way(accepted, displacement);
-  // Where a wall has moved onto the accepted state no displacement is possible, and the guess is as good as its value.
+  const double bound = inversion_margin * equation_.max_step_to_wall(accepted, displacement);
+  // If a wall has moved onto the accepted state, no displacement is possible; the guess is then judged by its value.
   if (!(bound > 0.0 && bound < 1.0)) return;
   ++statistics_.capped_steps;
   check(VecWAXPY(r_.get(), bound, displacement, accepted));
   copy_entries(r_.get(), candidate, equation_.prescribed(), Entries::free);
 }
 
-// In the frame of the obstacle the accepted state is where it was, and nothing has moved onto it.
+// In the obstacle's frame the accepted state stays where it was, and no obstacle has moved onto it.
 void GuessSearch::follow_obstacles(const StagePoint& stage, Vec q, double& measure) {
   const auto& prescribed = equation_.prescribed();
-  const Handle<Vec> carried = equation_.make_vector(), given = equation_.make_vector();
+  const Handle<Vec> followed = equation_.make_vector(), given = equation_.make_vector();
   check(VecCopy(q, given.get()));
-  for (const auto which : {StageEquation::Carried::bodies, StageEquation::Carried::near}) {
-    if (!equation_.carry_along(which, carried.get())) continue;
-    copy_entries(given.get(), carried.get(), prescribed, Entries::prescribed);
-    consider(carried.get(), q, measure);
+  for (const auto which : {StageEquation::Followers::bodies, StageEquation::Followers::near}) {
+    if (!equation_.follow_obstacles(which, followed.get())) continue;
+    copy_entries(given.get(), followed.get(), prescribed, Entries::prescribed);
+    consider(followed.get(), q, measure);
     check(VecWAXPY(trial_.get(), stage.dt, stage.v0, stage.q0));
     copy_entries(given.get(), trial_.get(), prescribed, Entries::prescribed);
-    stop_short_of_walls(carried.get(), trial_.get());
+    stop_short_of_walls(followed.get(), trial_.get());
     consider(trial_.get(), q, measure);
   }
 }
@@ -89,7 +89,7 @@ StartingGuess GuessSearch::choose(const StagePoint& stage, Vec q) {
   Vec accepted = stage.accepted;
   stop_short_of_walls(accepted, q);
   double measure = objective_.measure(q);
-  // Where inertia alone would lead.
+  // The state that inertia alone would reach.
   check(VecWAXPY(trial_.get(), stage.dt, stage.v0, stage.q0));
   copy_entries(q, trial_.get(), prescribed, Entries::prescribed);
   stop_short_of_walls(accepted, trial_.get());
@@ -101,7 +101,7 @@ StartingGuess GuessSearch::choose(const StagePoint& stage, Vec q) {
   }
   if (!std::isfinite(measure)) follow_obstacles(stage, q, measure);
   if (!std::isfinite(measure) && has_last_) {
-    // All lie beyond a barrier, on whose right side the last solution was.
+    // All guesses lie beyond a barrier; the last solution was on the admissible side.
     check(VecCopy(last_.get(), trial_.get()));
     copy_entries(q, trial_.get(), prescribed, Entries::prescribed);
     consider(trial_.get(), q, measure);
@@ -129,36 +129,36 @@ std::optional<std::string> GuessSearch::try_prescribed_motion(Vec accepted, Vec 
   equation_.extrapolate_from(nullptr);
   if (std::isfinite(measure)) return std::nullopt;
   if (applied == Applied::nothing) return "an obstacle has moved onto the body within one step";
-  return "what is prescribed cannot move as far within one step: a tetrahedron turns inside out, or an obstacle "
-         "stands in its way";
+  return "the prescribed displacement is too large for one step: a tetrahedron would invert, or an obstacle is in "
+         "the way";
 }
 
-void GuessSearch::prescribe(Vec x, Vec target, Vec motion, double part) {
-  check(VecWAXPY(trial_.get(), part - 1.0, motion, target));
+void GuessSearch::prescribe(Vec x, Vec target, Vec motion, double fraction) {
+  check(VecWAXPY(trial_.get(), fraction - 1.0, motion, target));
   copy_entries(trial_.get(), x, equation_.prescribed(), Entries::prescribed);
-  equation_.lead(part);
+  equation_.set_prescribed_fraction(fraction);
 }
 
-std::optional<bool> GuessSearch::find_displacement(Vec q, Vec target, Vec motion, double part) {
+std::optional<bool> GuessSearch::find_displacement(Vec q, Vec target, Vec motion, double fraction) {
   Vec forces = correction_.get(), other = end_.get();
-  // d/d part of the residual, by a central difference.
-  const double h = difference_part * std::max(1.0 - part, shortest_displacement);
+  // The derivative of the residual with respect to the fraction, by a central difference.
+  const double h = difference_fraction * std::max(1.0 - fraction, shortest_displacement);
   check(VecCopy(q, other));
-  prescribe(other, target, motion, part + h);
+  prescribe(other, target, motion, fraction + h);
   objective_.gradient(other, forces);
-  prescribe(other, target, motion, part - h);
+  prescribe(other, target, motion, fraction - h);
   objective_.gradient(other, r_.get());
   check(VecAXPBY(forces, -0.5 / h, 0.5 / h, r_.get()));
-  prescribe(q, target, motion, part);
+  prescribe(q, target, motion, fraction);
   if (norm(forces) == 0.0) return std::nullopt;
   objective_.gradient(q, r_.get());
-  check(VecAXPY(r_.get(), 1.0 - part, forces));
+  check(VecAXPY(r_.get(), 1.0 - fraction, forces));
   system_.assemble(q);
   if (!system_.factorize_definite(q)) return false;
   system_.solve(r_.get(), correction_.get());
   check(VecScale(correction_.get(), -1.0));
   check(VecCopy(motion, other));
-  check(VecScale(other, 1.0 - part));
+  check(VecScale(other, 1.0 - fraction));
   copy_entries(other, correction_.get(), equation_.prescribed(), Entries::prescribed);
   return true;
 }
@@ -173,14 +173,14 @@ GuessSearch::Applied GuessSearch::apply_prescribed_motion(Vec accepted, Vec targ
       if (i >= prescribed.size() || !prescribed[i]) entries[static_cast<PetscInt>(i)] = 0.0;
     }
   }
-  double part = 0.0;
+  double fraction = 0.0;
   check(VecCopy(accepted, q));
   prescribe(q, target, motion.get(), 0.0);
   Applied applied = Applied::nothing;
   for (int k = 0; k < max_displacements && applied != Applied::all; ++k) {
     if (!std::isfinite(objective_.measure(q))) break;
     applied = Applied::part;
-    const auto is_found = find_displacement(q, target, motion.get(), part);
+    const auto is_found = find_displacement(q, target, motion.get(), fraction);
     if (!is_found) {
       prescribe(q, target, motion.get(), 1.0);
       applied = Applied::all;
@@ -188,20 +188,20 @@ GuessSearch::Applied GuessSearch::apply_prescribed_motion(Vec accepted, Vec targ
     }
     if (!*is_found) break;
     double length = std::min(1.0, inversion_margin * equation_.max_step(q, correction_.get()));
-    const double from = part;
+    const double from = fraction;
     bool is_finite = false;
     while (!is_finite && length > shortest_displacement) {
       check(VecWAXPY(end_.get(), length, correction_.get(), q));
-      part = length == 1.0 ? 1.0 : from + length * (1.0 - from);
-      prescribe(end_.get(), target, motion.get(), part);
+      fraction = length == 1.0 ? 1.0 : from + length * (1.0 - from);
+      prescribe(end_.get(), target, motion.get(), fraction);
       is_finite = std::isfinite(objective_.measure(end_.get()));
       if (!is_finite) length *= 0.5;
     }
     if (!is_finite) break;
     objective_.move(q, end_.get());
-    if (part == 1.0) applied = Applied::all;
+    if (fraction == 1.0) applied = Applied::all;
   }
-  equation_.lead(1.0);
+  equation_.set_prescribed_fraction(1.0);
   return applied;
 }
 

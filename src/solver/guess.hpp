@@ -12,15 +12,15 @@
 
 namespace pliant {
 
-/// The best of the guesses that there are: the one at which the objective's measure is least.
+/// The best available guess: the one with the smallest measure of the objective.
 struct StartingGuess {
-  double measure = 0.0;                ///< the objective's there [J]; not finite if there is none
-  std::optional<std::string> failure;  ///< why there is none
+  double measure = 0.0;                ///< the objective's measure there [J]; not finite if there is no guess
+  std::optional<std::string> failure;  ///< why there is no guess
 };
 
-/// Chooses the guess of a stage among the given one, where inertia alone would lead, rigid motions, the motion of
-/// obstacles, the last solution, and the accepted state to which the prescribed motion (Dirichlet boundary condition)
-/// has been applied step by step.
+/// Chooses the guess of a stage from several candidates: the given guess, the state that inertia alone would reach,
+/// rigid motions, motion along with obstacles, the last solution, and the accepted state after the prescribed motion
+/// (Dirichlet boundary condition) has been applied to it in increments.
 ///
 /// Invariants:
 /// - A guess has the prescribed entries of the given one.
@@ -34,7 +34,7 @@ class GuessSearch {
 
   /// On entry q holds the given guess, on return the best one.
   StartingGuess choose(const StagePoint& stage, Vec q);
-  /// Another guess of the last stage, not as good in the objective's measure; nullptr if there is none.
+  /// The second-best guess of the last stage by the objective's measure; nullptr if there is none.
   Vec second() const { return has_second_ ? second_.get() : nullptr; }
 
   /// Keeps the solution of a stage, where the next one may start.
@@ -42,27 +42,28 @@ class GuessSearch {
   void forget() { has_last_ = false; }
 
  private:
-  /// How far the prescribed motion was applied: not at all, as the accepted state lies beyond a barrier now, or a part
-  /// of it, or all.
+  /// How much of the prescribed motion was applied: nothing, because the accepted state now lies beyond a barrier; a
+  /// part; or all of it.
   enum class Applied { nothing, part, all };
 
   /// Makes the candidate the guess if it is better.
   void consider(Vec candidate, Vec q, double& measure);
-  /// The candidate, or where a wall stands between the accepted state and it: short of the wall.
+  /// Shortens the displacement from the accepted state to the candidate if it would cross a wall.
   void stop_short_of_walls(Vec accepted, Vec candidate);
-  /// Considers guesses that obstacles which have moved onto the accepted state have taken along.
+  /// Considers guesses in which nodes follow obstacles that have moved onto the accepted state.
   void follow_obstacles(const StagePoint& stage, Vec q, double& measure);
-  /// Considers what the prescribed motion makes of the accepted state. A failure if no guess is left.
+  /// Considers the accepted state after the prescribed motion. Returns a failure if no guess is left.
   std::optional<std::string> try_prescribed_motion(Vec accepted, Vec q, double& measure);
-  /// Applies the prescribed motion from the accepted state to where it is in q, and moves the body with it: by the
-  /// tangent, in as many straight displacements as it takes; q is then where it ended. `target` has the prescribed
-  /// entries of q.
+  /// Applies the prescribed motion from the accepted state to its values in q, and moves the body with it by the
+  /// tangent stiffness, in as many straight displacements as necessary. q ends at the state reached. `target` has the
+  /// prescribed entries of q.
   Applied apply_prescribed_motion(Vec accepted, Vec target, Vec q);
-  /// x = with the prescribed motion applied to a part; its free entries stay.
-  void prescribe(Vec x, Vec target, Vec motion, double part);
-  /// correction = the displacement of all entries that the tangent at q gives for the rest of the prescribed motion,
-  /// beyond `part`; false if there is no tangent. nullopt if nothing that is prescribed moves, or nothing feels it.
-  std::optional<bool> find_displacement(Vec q, Vec target, Vec motion, double part);
+  /// Sets the prescribed entries of x to a fraction of the prescribed motion; leaves its free entries as they are.
+  void prescribe(Vec x, Vec target, Vec motion, double fraction);
+  /// correction_ = the displacement of all entries that the tangent stiffness at q gives for the rest of the prescribed
+  /// motion, beyond `fraction`. Returns false if the tangent cannot be factorized, nullopt if no prescribed entry moves
+  /// or none exerts a force.
+  std::optional<bool> find_displacement(Vec q, Vec target, Vec motion, double fraction);
 
   Objective& objective_;
   StageEquation& equation_;

@@ -1,4 +1,4 @@
-/// What Newton's iterations of a stage did, for whoever watches and for the post-mortem.
+/// A log of the Newton iterations of a stage, for progress reports and for the post-mortem.
 #pragma once
 
 #include "solver/failed_stage.hpp"
@@ -11,7 +11,7 @@
 
 namespace pliant {
 
-/// The iterations of the last run of the stage, first its start.
+/// The iterations of the stage's last run; the first entry is its start.
 class IterationLog {
  public:
   void begin_stage() {

@@ -13,17 +13,17 @@
 namespace pliant {
 namespace {
 
-/// Iterations that a set-up costs: of multigrid, or of a factorization that tells nothing of itself; of one that does,
-/// by the operations for each entry of its factor. Measured on two beams: 16 for 480 operations, 24 for 1100.
+/// Cost of a set-up in iterations: for multigrid and for factorizations that do not report their size; for those that
+/// do, from the operations per entry of the factor. Measured on two beams: 16 for 480 operations, 24 for 1100.
 constexpr double cost_of_usual_set_up = 16.0, cost_of_small_factorization = 8.0, cost_per_operation = 0.017;
-/// Vectors that GMRES keeps before it starts anew. With a factor it needs a few; with multigrid some tens.
+/// Vectors that GMRES keeps before it restarts. With a factor it needs a few, with multigrid some tens.
 constexpr PetscInt gmres_restart = 60;
 
-/// Iterations of the Krylov method after which a direction is taken as it is. With a factor that needs so many another
-/// one is due.
+/// Iterations of the Krylov method after which a direction is used as it is. A factor that needs so many should be
+/// renewed.
 constexpr PetscInt max_iterations_with_factor = 100, max_iterations_of_multigrid = 500;
 
-/// An option the user has not given. Looking for it makes it count as used, whether or not there is a solve.
+/// Sets an option that the user has not given. The look-up marks it as used, whether or not there is a solve.
 void set_default_option(const char* name, const char* value) {
   PetscBool given = PETSC_FALSE;
   check(PetscOptionsHasName(nullptr, nullptr, name, &given));
@@ -58,11 +58,11 @@ void use_algebraic_multigrid(PC pc) {
   check(PCGAMGSetThreshold(pc, &threshold, 1));
 }
 
-/// `workspace`: per cent beyond MUMPS's estimate.
+/// `workspace`: beyond MUMPS's estimate [per cent].
 void control_mumps(PC pc, Mat K, PetscInt workspace, int ordering = pord) {
   Mat factor = nullptr;
   if (!factorizes_with_mumps(pc, &factor)) return;
-  // PORD ends the process where all unknowns couple with all (a rigid body, a single cell).
+  // PORD aborts the process if all unknowns are coupled with all others (a rigid body, a single cell).
   PetscInt num_unknowns = 0;
   check(MatGetSize(K, &num_unknowns, nullptr));
   check(MatMumpsSetIcntl(factor, 7, num_unknowns < min_unknowns_of_pord ? approximate_minimum_degree : ordering));
@@ -88,7 +88,7 @@ SetUp set_up_with_workspace(PC pc, Mat K, int ordering = pord) {
         failure == PC_FACTOR_OUTMEMORY || outcome_of_mumps(static_cast<int>(error)) == SetUp::out_of_memory;
     outcome = lacks_memory ? SetUp::out_of_memory : SetUp::singular;
     if (may_help) workspace *= 4;
-    // PETSc 3.18 skips every factorization after one that failed, and says nothing; so the next one shall be the first.
+    // PETSc 3.18 silently skips every factorization after one that failed; a reset makes the next one the first.
     check(PCReset(pc));
     check(PCSetOperators(pc, K, K));
     control_mumps(pc, K, workspace, ordering);
@@ -101,7 +101,7 @@ void use_double_precision(PC pc, Symmetry symmetry) {
   check(PCFactorSetMatSolverType(pc, MATSOLVERMUMPS));
 }
 
-/// A factorization in single precision as long as that does, then in double; multigrid where memory does not suffice.
+/// A factorization in single precision while that is accurate enough, then in double; multigrid if memory is too small.
 class Factorization {
  public:
   explicit Factorization(Symmetry symmetry) : symmetry_(symmetry), single_(std::in_place, symmetry) {}
@@ -134,7 +134,7 @@ class Factorization {
                                  size.entries, size.flops, size.ordering));
   }
   const char* name() const {
-    if (multigrid_) return "algebraic multigrid, as memory does not suffice for a factorization";
+    if (multigrid_) return "algebraic multigrid, because there is too little memory for a factorization";
     return single_ ? "MUMPS factorization in single precision" : "MUMPS factorization in double precision";
   }
   bool is_multigrid() const { return static_cast<bool>(multigrid_); }
@@ -162,8 +162,8 @@ class Factorization {
     outcome_ = single_->factorize(K);
     const bool is_sound = outcome_ == SetUp::sound;
     if (outcome_ == SetUp::out_of_memory || (is_sound && single_->negative_pivots() == 0)) return;
-    // Singular or indefinite, so far as single precision can tell. If K is definite in double precision, single
-    // precision does not do for this body: double takes over for good.
+    // Singular or indefinite in single precision. If K is definite in double precision, single precision is not
+    // accurate enough for this body, and double precision is used from here on.
     make_double(K);
     const SetUp of_double = set_up_with_workspace(double_.get(), K);
     if (of_double == SetUp::sound && (!is_sound || pliant::negative_pivots(double_.get()) == 0)) {
@@ -183,7 +183,7 @@ class Factorization {
     control_mumps(double_.get(), K, first_workspace, ordering_);
   }
 
-  /// Of a copy of K: what is applied is that of the matrix of the last set-up, as of a factorization.
+  /// Works on a copy of K: like a factorization, it belongs to the matrix of the last set-up.
   void make_multigrid(Mat K) {
     single_.reset();
     double_ = {};
@@ -208,7 +208,7 @@ class Factorization {
   int ordering_ = pord;
 };
 
-/// nullptr if the preconditioner is another one.
+/// The Factorization behind a preconditioner; nullptr if it is of another type.
 Factorization* factorization_of(PC pc) {
   PetscBool is_shell = PETSC_FALSE;
   check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCSHELL, &is_shell));
@@ -262,8 +262,8 @@ Handle<Mat> coarse_operator(Mat K, Mat P, MatNullSpace near_null) {
 }
 
 /// Two levels, quadratic and linear elements: Chebyshev smoothing on the first (Adams et al. 2003, "Parallel multigrid
-/// smoothing: polynomial versus Gauss-Seidel"), on the second a factorization, or algebraic multigrid where that is too
-/// large.
+/// smoothing: polynomial versus Gauss-Seidel"), and on the second a factorization, or algebraic multigrid if a
+/// factorization would be too large.
 void use_p_multigrid(PC pc, Mat K, const Coarsening& coarsening) {
   Mat P = coarsening.prolongation.get();
   check(PCSetType(pc, PCMG));
@@ -298,7 +298,7 @@ bool is_p_multigrid(PC pc) {
   return num_levels == 2;
 }
 
-/// Prepares a preconditioner of PETSc's for a matrix of another pattern.
+/// Prepares one of PETSc's preconditioners for a matrix with another pattern.
 void renew(PC pc, Mat K) {
   PetscBool is_gamg = PETSC_FALSE;
   check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCGAMG, &is_gamg));
@@ -307,12 +307,12 @@ void renew(PC pc, Mat K) {
     control_mumps(pc, K, first_workspace);
     return;
   }
-  check(PCSetType(pc, PCNONE));  // its levels would keep the sizes that they have
+  check(PCSetType(pc, PCNONE));  // its levels would keep their old sizes
   use_algebraic_multigrid(pc);
   check(PCSetFromOptions(pc));
 }
 
-/// The operator of the coarse level follows that of the fine one; PCs without levels of their own are left alone.
+/// Updates the operator of the coarse level from the fine one; PCs without levels are left unchanged.
 void update_coarse_level(PC pc, Mat K, bool is_new_pattern) {
   if (!is_p_multigrid(pc)) return;
   Mat P = nullptr, linear = nullptr;
@@ -346,8 +346,8 @@ void set_krylov_method(KSP ksp, Symmetry symmetry) {
     PetscBool is_ours = PETSC_FALSE;
     check(KSPGetPC(ksp, &pc));
     check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCSHELL, &is_ours));
-    // Flexible where a solve in single precision is linear to its rounding errors only. On the right, so that the
-    // residual is that of the system.
+    // Flexible GMRES if the preconditioner works in single precision, which makes it linear only up to rounding errors.
+    // Preconditioned on the right, so that the residual is that of the system.
     check(KSPSetType(ksp, is_ours ? KSPFGMRES : KSPGMRES));
     check(KSPSetPCSide(ksp, PC_RIGHT));
     check(KSPGMRESSetRestart(ksp, gmres_restart));
@@ -383,7 +383,7 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
 SetUp set_up_preconditioner(PC pc, Mat K) {
   check(PCSetReusePreconditioner(pc, PETSC_FALSE));
   const bool is_new_pattern = takes_new_pattern(reinterpret_cast<PetscObject>(pc), K);
-  // Its own multigrid keeps its levels; of PETSc's preconditioners nothing would fit the new pattern.
+  // The p-multigrid set up here keeps its levels; nothing in PETSc's own preconditioners would fit the new pattern.
   if (is_new_pattern && factorization_of(pc) == nullptr && !is_p_multigrid(pc)) renew(pc, K);
   check(PCSetOperators(pc, K, K));
   update_coarse_level(pc, K, is_new_pattern);
@@ -401,7 +401,7 @@ SetUp set_up_preconditioner(PC pc, Mat K) {
 bool refine_factorization(PC pc) {
   Factorization* factorization = factorization_of(pc);
   if (factorization == nullptr || !factorization->refine()) return false;
-  check(PCReset(pc));  // PETSc sets up nothing for a matrix that it knows
+  check(PCReset(pc));  // PETSc skips the set-up for a matrix that it already knows
   return true;
 }
 

@@ -1,4 +1,4 @@
-/// How the linear systems of Newton's method are solved.
+/// Linear solvers for Newton's method: Krylov methods preconditioned by factorizations (MUMPS) or multigrid.
 #pragma once
 
 #include "energy/stage_equation.hpp"
@@ -12,41 +12,40 @@
 namespace pliant {
 
 /// Sets up `ksp` for the matrix K (with its near-null space, for multigrid) and the given method: conjugate gradients
-/// where K is symmetric and not indefinite, else GMRES. p-multigrid needs the
-/// coarse space (it is copied from) and a symmetric K; without, it is algebraic multigrid. PETSc options (-ksp_...,
-/// -pc_..., -mat_mumps_...) override. Collective.
+/// if K is symmetric and not indefinite, GMRES otherwise. p-multigrid needs the coarse space, which is copied, and a
+/// symmetric K; without them it becomes algebraic multigrid. PETSc options (-ksp_..., -pc_..., -mat_mumps_...)
+/// override. Collective.
 void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
                              const Coarsening* coarsening = nullptr);
 
-/// Makes the Krylov method one for matrices of that kind: conjugate gradients or GMRES, with the preconditioner as it
-/// is. Collective.
+/// Sets the Krylov method for matrices of that symmetry, conjugate gradients or GMRES, and leaves the preconditioner
+/// unchanged. Collective.
 void set_krylov_method(KSP ksp, Symmetry symmetry);
 
-/// Sets up the preconditioner (factorizes) for the present K, and keeps it for all further solves; a factorization that
-/// runs out of workspace is repeated with more. One that runs out of memory gives way to multigrid, for good, unless
-/// the user has asked for that factorization or K is indefinite. Unless the outcome is sound, solve nothing.
-/// Collective.
+/// Sets up the preconditioner (factorizes) for the current K, and keeps it for all further solves. A factorization that
+/// runs out of workspace is repeated with more; one that runs out of memory is permanently replaced by multigrid,
+/// unless the user asked for the factorization or K is indefinite. Solve only if the outcome is `sound`. Collective.
 SetUp set_up_preconditioner(PC pc, Mat K);
 
-/// Makes the next set-ups more exact, for good: in double precision, then with another ordering. False if the
-/// preconditioner is no factorization of ours, or there is nothing better. Collective.
+/// Makes all further set-ups more accurate: in double precision, then with another ordering. Returns false if the
+/// preconditioner is not one of Pliant's factorizations, or nothing better is available. Collective.
 bool refine_factorization(PC pc);
 
-/// Whether multigrid has taken the place of the factorization.
+/// Whether multigrid has replaced the factorization.
 bool uses_multigrid_instead(PC pc);
 
-/// What a set-up of the preconditioner costs, in iterations of the Krylov method with it: an estimate that depends on
-/// the matrix alone, not on the clock.
+/// Cost of a set-up of the preconditioner, in iterations of the Krylov method with it: an estimate that depends only on
+/// the matrix, not on measured times.
 double cost_of_set_up(PC pc);
 
-/// Whether all that the preconditioner applies comes from the matrix of its set-up: a factorization.
+/// Whether the preconditioner depends only on the matrix of its last set-up, as a factorization does.
 bool is_factorization(PC pc);
 
-/// Of the library that factorizes, e.g. "5.5.1".
+/// Version of MUMPS, the library that factorizes, e.g. "5.5.1".
 std::string mumps_version();
 
-/// Number of negative pivots of the current factorization, if it is LDL^T and tells; those of LU mean nothing.
-/// Collective.
+/// Number of negative pivots of the current factorization, if it is LDL^T and reports them; those of LU have no
+/// meaning. Collective.
 std::optional<PetscInt> negative_pivots(PC pc);
 
 }  // namespace pliant

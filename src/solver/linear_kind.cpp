@@ -6,7 +6,7 @@ namespace pliant {
 namespace {
 
 /// Beyond this many unknowns the fill of a factorization costs more time and memory (about 1.6 GB here) than the
-/// iterations of CG + GAMG; measured up to 84,000, where it was still ahead.
+/// iterations of CG + GAMG. Measured up to 84,000, where the factorization was still faster.
 constexpr PetscInt max_unknowns_of_factorization = 150000;
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// The kinds of linear solvers, and which one is chosen.
+/// The kinds of linear solvers, and the automatic choice among them.
 #pragma once
 
 #include "energy/term.hpp"
@@ -10,12 +10,12 @@
 namespace pliant {
 
 enum class LinearKind {
-  cholesky,    ///< factorization: LDL^T, or LU where the matrix is unsymmetric
+  cholesky,    ///< factorization: LDL^T, or LU if the matrix is unsymmetric
   amg,         ///< algebraic multigrid
-  p_multigrid  ///< of quadratic elements: to their linear functions, and from there by one of the others
+  p_multigrid  ///< for quadratic elements: linear elements as the coarse level, solved by one of the others
 };
 
-/// What is chosen when the user says `auto`, for elements of that order.
+/// The kind chosen for `auto`, for elements of that order.
 LinearKind automatic_linear_kind(PetscInt num_unknowns, int order);
 
 /// "conjugate gradients preconditioned by a MUMPS LDL^T factorization ..."

@@ -10,16 +10,16 @@
 namespace pliant {
 namespace {
 
-/// What is added to the diagonal of an indefinite Hessian, as a part of its mean: the least, the most, and how many
-/// times more each time until it is definite (as in Waechter & Biegler 2006, "On the implementation of an
+/// Shift of the diagonal of an indefinite Hessian, as a fraction of its mean: the smallest, the largest, and the factor
+/// by which it grows until the Hessian is definite (as in Waechter & Biegler 2006, "On the implementation of an
 /// interior-point filter line-search algorithm", 3.1).
 constexpr double least_shift = 1e-6, largest_shift = 0.1, shift_growth = 8.0;
 
-/// What the end of the fallback sequence adds to the diagonal, as a part of its mean: enough for a definite matrix
-/// where the projected Hessian is singular.
+/// Shift of the diagonal at the end of the fallback sequence, as a fraction of its mean: enough to make a singular
+/// projected Hessian definite.
 constexpr double regularization = 1e-3;
 
-/// Part of the residual of a linear system that conjugate gradients may leave where they meet negative curvature.
+/// Fraction of a linear system's residual that conjugate gradients may leave when they meet negative curvature.
 constexpr double truncated_part = 0.1;
 
 bool is_of_type(KSP ksp, KSPType type) {
@@ -55,7 +55,7 @@ LinearSystem::LinearSystem(Objective& objective, KSP ksp, Handle<Mat> K, SolverS
   if (!parts_.empty()) rank_one_ = std::make_unique<RankOneSystem>(ksp, K_.get(), parts_);
   PetscBool rotates = PETSC_TRUE;
   check(PetscOptionsGetBool(nullptr, nullptr, "-newton_turn_factor", &rotates, nullptr));
-  // Multigrid smooths with the present K, which has rotated already.
+  // Multigrid smooths with the current K, which has already rotated.
   const bool may_keep = solver_of(ksp) == FactorPolicy::Solver::iterative;
   if (rotates && may_keep && is_factorization(preconditioner_.get())) rotations_ = equation_.make_rotations();
   if (rotations_) corotated_ = std::make_unique<CorotatedPreconditioner>(ksp, *rotations_);
@@ -138,12 +138,12 @@ bool LinearSystem::factorize_definite(Vec q) {
   if (factor_.has_failed()) return false;
   if (objective_.aim() == Aim::any_equilibrium) {
     choose_krylov_method();
-    if (!has_right_inertia()) factor_.renew();  // GMRES gains little from the factor of another matrix
+    if (!has_right_inertia()) factor_.renew();  // an indefinite factor of another matrix helps GMRES little
     return true;
   }
   if (has_right_inertia()) return true;
-  // A small shift of the diagonal keeps what is stiff, and leaves Newton's direction long where K is soft or unstable.
-  // A merit of the residual knows no downhill: a direction that is long along an unstable mode gains nothing there.
+  // A small shift of the diagonal leaves stiff modes unchanged, and Newton's direction long along soft or unstable
+  // ones. On a merit of the residual, a direction that is long along an unstable mode gains nothing.
   const bool may_shift = objective_.is_minimised() || objective_.is_static();
   const double mean = may_shift ? mean_diagonal() : 0.0;
   double total = 0.0;
@@ -155,7 +155,7 @@ bool LinearSystem::factorize_definite(Vec q) {
     if (factor_.lacks_memory()) return false;
     if (!has_right_inertia()) continue;
     last_shift_ = part;
-    factor_.renew();  // the next Hessian may be definite again: look
+    factor_.renew();  // the next Hessian may be definite again
     return true;
   }
   last_shift_ = 0.0;
@@ -182,13 +182,13 @@ bool LinearSystem::escalate(Vec q) {
                                                                        : Escalation::Permission::anything;
     switch (escalation_.escalate(permission)) {
       case fresh_factor:
-        // On the residual Newton's own direction is the best, whatever the signs of the eigenvalues.
+        // On the residual, the exact Newton direction is the best, whatever the signs of the eigenvalues.
         objective_.is_minimised() || objective_.is_static() ? static_cast<void>(factorize_definite(q)) : factorize(q);
         break;
       case projected:
         assemble(q, Projection::positive_semidefinite);
         factorize(q);
-        factor_.renew();  // the next Hessian may do without
+        factor_.renew();  // the next Hessian may need no projection
         break;
       case projected_and_shifted:
         shift(regularization * mean_diagonal());
@@ -232,7 +232,7 @@ void LinearSystem::note_solve() {
 bool LinearSystem::has_direction(Vec r) const {
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   check(KSPGetConvergedReason(ksp_, &reason));
-  // Conjugate gradients that meet negative curvature leave what they had before it: a direction of descent, and a good
+  // Conjugate gradients stop at negative curvature and return the iterate before it: a descent direction, and a good
   // one if the linear system is nearly solved (truncated Newton: Nash 1984, "Newton-type minimization via the Lanczos
   // method").
   if (reason == KSP_DIVERGED_INDEFINITE_MAT) {

@@ -1,4 +1,4 @@
-/// The linear system of an iterate of Newton's method.
+/// The linear system of a Newton iteration.
 #pragma once
 
 #include "energy/rank_one.hpp"
@@ -16,31 +16,31 @@
 
 namespace pliant {
 
-/// K y = r: the Hessian K of the objective at an iterate, the factor that preconditions it, and the Krylov method
-/// around it. FactorPolicy says when the factor of an earlier K is kept, Escalation what is done to K where its
-/// solution is no use; this class brings it about.
+/// K y = r: the Hessian K (tangent stiffness) of the objective at an iterate, the factor that preconditions it, and the
+/// Krylov method. FactorPolicy decides when the factor of an earlier K is kept, Escalation how K is changed if its
+/// solution is of no use; this class carries out both.
 ///
-/// Parts of rank one (the pressure of a cavity depends on its volume) are no part of K: the system takes them in by
-/// Woodbury's formula (RankOneSystem). A kept factor rotates with the nodes where the equation knows how
+/// Rank-one terms (the pressure of a cavity depends on its volume) are not stored in K: the system includes them by
+/// Woodbury's formula (RankOneSystem). A kept factor rotates with the nodes if the equation provides their rotations
 /// (CorotatedPreconditioner).
 ///
-/// The aim of the objective decides what K must be like. For a minimum it has no more negative eigenvalues than a
-/// stable state has: where the factorization counts others, its diagonal is shifted by the least that helps, or it is
-/// projected. Any equilibrium takes it as it is, and another Krylov method where it is indefinite. Pivots of an
-/// unsymmetric K say nothing of stability.
+/// The requirements on K depend on the aim of the objective. For a minimum, K must have no more negative eigenvalues
+/// than that of a stable state: if the factorization counts more, the diagonal is shifted by the least amount that
+/// helps, or K is projected. For any equilibrium, K is used unchanged, with another Krylov method if it is indefinite.
+/// The pivots of an unsymmetric K do not indicate stability.
 ///
 /// Invariants:
 /// - After `assemble` and the changes of K that follow it, the state of the escalation says what K is.
-/// - Nothing else sets up the preconditioner; SNES and KSP are told to leave it as it is.
+/// - Only this class sets up the preconditioner; SNES and KSP are configured not to.
 ///
 /// All methods are collective.
 class LinearSystem {
  public:
-  /// `ksp` was configured for K (configure_linear_solver, and options). The references outlive the object, and so does
-  /// the KSP.
+  /// `ksp` has been configured for K (configure_linear_solver, and options). The KSP and the references outlive the
+  /// object.
   LinearSystem(Objective& objective, KSP ksp, Handle<Mat> K, SolverStatistics& statistics);
 
-  /// K with its parts of rank one, as an operator.
+  /// K with its rank-one terms, as an operator.
   Mat matrix() const { return rank_one_ ? rank_one_->matrix() : K_.get(); }
   Mat sparse_matrix() const { return K_.get(); }
 
@@ -52,29 +52,29 @@ class LinearSystem {
   void assemble(Vec q, Projection projection = Projection::none);
   /// Mean of the absolute diagonal of K.
   double mean_diagonal();
-  /// Factorizes the K of q; where the aim needs it, K is shifted or projected until it is definite. False if that
-  /// fails.
+  /// Factorizes K at q; if the aim requires it, shifts or projects K until it is definite. Returns false if that fails.
   bool factorize_definite(Vec q);
-  /// Makes the K of q ready to be solved with: with the kept factor if that still pays, else with one of its own, of
-  /// whatever the escalation leads to. False if none can be had.
+  /// Prepares solves with K at q: with the kept factor if that still pays, otherwise with a factor of its own,
+  /// escalating as necessary. Returns false if no factor can be computed.
   bool prepare(Vec q);
 
   /// y = K^-1 r.
   void solve(Vec r, Vec y);
-  /// Whether the solution of the last system, whose right-hand side was r, is a direction to go.
+  /// Whether the solution of the last system, with the right-hand side r, is a usable direction.
   bool has_direction(Vec r) const;
-  /// Books what the last solve cost: a kept factor ages.
+  /// Records the cost of the last solve, which ages a kept factor.
   void note_solve();
-  /// While the factor of this very K leaves too many iterations: makes it more exact, and solves again.
+  /// While a solve with the factor of this same K takes too many iterations: makes the factor more accurate and solves
+  /// again.
   void improve_poor_factor(Vec q, Vec r, Vec y);
-  /// Goes on in the fallback sequence until K has a factor; false if only a smaller step is left.
+  /// Continues in the fallback sequence until K has a factor; returns false if only a smaller step is left.
   bool escalate(Vec q);
 
-  /// Whether the factorization counts as many negative eigenvalues as a stable state has.
+  /// Whether the factorization counts as many negative eigenvalues as the Hessian of a stable state has.
   bool has_right_inertia() const;
-  /// Back to the Krylov method of definite matrices, which indefinite ones may have replaced.
+  /// Restores the Krylov method for definite matrices, which may have been replaced for indefinite ones.
   void use_usual_krylov_method();
-  /// Forgets what earlier stages have taught.
+  /// Forgets what was learned from earlier stages.
   void forget();
 
  private:
@@ -84,9 +84,9 @@ class LinearSystem {
   void factorize(Vec q);
   /// Adds to the diagonal of K.
   void shift(double by);
-  /// Conjugate gradients for a definite Hessian, GMRES for another.
+  /// Chooses conjugate gradients for a definite Hessian, GMRES otherwise.
   void choose_krylov_method();
-  /// Of the Hessian with its parts of rank one, as the factorization of the present K counts them.
+  /// Number of negative eigenvalues of the Hessian with its rank-one terms, from the factorization of the current K.
   std::optional<PetscInt> negative_eigenvalues() const;
   PetscInt last_iterations() const;
 
@@ -97,14 +97,14 @@ class LinearSystem {
   Handle<Mat> K_;
   Handle<PC> preconditioner_;  // of K
   Handle<Vec> diagonal_;
-  std::vector<RankOne> parts_;                          // of the Hessian, besides K
+  std::vector<RankOne> parts_;                          // rank-one terms of the Hessian, in addition to K
   std::unique_ptr<RankOneSystem> rank_one_;             // nullptr if there are no such parts
   std::unique_ptr<NodalRotations> rotations_;           // since the factorization; nullptr if it does not rotate
   std::unique_ptr<CorotatedPreconditioner> corotated_;  // nullptr likewise
   FactorPolicy factor_;
   Escalation escalation_;
-  bool may_choose_krylov_;   // the linear solver is conjugate gradients, and the user did not ask for it
-  double last_shift_ = 0.0;  // of an indefinite Hessian, as a part of its mean diagonal
+  bool may_choose_krylov_;   // the linear solver is conjugate gradients, and not by the user's choice
+  double last_shift_ = 0.0;  // of an indefinite Hessian, as a fraction of its mean diagonal
 };
 
 }  // namespace pliant

@@ -1,4 +1,4 @@
-/// How far a stage without a potential is from its solution: what its line search lowers.
+/// Merit functions: the distance of a stage without a potential from its solution, which its line search lowers.
 #pragma once
 
 #include "petsc/handle.hpp"
@@ -14,10 +14,10 @@ double dot(Vec a, Vec b);
 /// the absolute diagonal of a Hessian [N/m].
 class Merit {
  public:
-  /// D = 1 until `set_scale`. `unknowns`: a vector to take over. Collective.
+  /// D = 1 until `set_scale`. `unknowns`: a vector that becomes this object's storage. Collective.
   explicit Merit(Handle<Vec> unknowns);
 
-  /// Takes D from a diagonal of K; entries that are zero count as the mean one. Collective.
+  /// Takes D from the diagonal of K; zero entries are replaced by the mean. Collective.
   void set_scale(Vec diagonal);
 
   /// 1/2 r . D^-1 r of a residual [N]; +inf if it is not finite. Collective.

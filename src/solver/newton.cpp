@@ -10,9 +10,10 @@
 namespace pliant {
 namespace {
 
-/// Solves of a stage with coefficients frozen anew.
+/// Most solves of a stage with coefficients that are frozen again.
 constexpr int max_refreezes = 60;
-/// Part of the distance to a wall up to which coefficients are extrapolated, whose pressure goes to infinity there.
+/// Fraction of the distance to a wall up to which coefficients are extrapolated; at the wall their pressure is
+/// infinite.
 constexpr double part_to_wall = 0.5;
 
 }  // namespace
@@ -81,7 +82,8 @@ void NewtonSolver::settle_coefficients(Vec q, StageReport& report) {
     if (round == max_refreezes) {
       report.outcome = StageOutcome::retry;
       report.reason =
-          fmt::format("friction did not settle within {} solves with the pressure of the one before", max_refreezes);
+          fmt::format("friction did not settle within {} solves, each with the contact pressure of the previous one",
+                      max_refreezes);
       return;
     }
     if (is_settled(q)) return;

@@ -1,4 +1,4 @@
-/// The solver of a stage: Newton's method on the incremental potential, or on the residual alone, through SNES.
+/// The solver of a stage: Newton's method on the incremental potential, or on the residual alone, with PETSc's SNES.
 #pragma once
 
 #include "energy/stage_equation.hpp"
@@ -18,60 +18,61 @@
 
 namespace pliant {
 
-/// How the solver solves an equation and why, in words for the log.
+/// Describes for the log how the solver solves an equation, and why.
 std::string describe(const StageEquation& equation, LinearKind linear);
 
-/// Newton with the Hessian (tangent stiffness), a line search on the potential, or on a merit of the residual where
-/// there is none, and a fallback sequence for trouble. Each part has its own header:
+/// Newton's method with the Hessian (tangent stiffness), a line search on the potential or, if there is none, on a
+/// merit function of the residual, and a fallback sequence for iterations without a usable direction. Each part has its
+/// own header:
 ///
-/// - GuessSearch: where a stage starts.
-/// - NewtonLoop: the iteration itself, with Convergence (when it ends), LinearSystem (its directions), FactorPolicy
-///   (when a factor is kept), Escalation (the fallback sequence) and LineSearch (how far it goes).
-/// - EquilibriumSearch and solve_residual: several runs of the loop, where one may not do.
+/// - GuessSearch: the starting guess of a stage.
+/// - NewtonLoop: the iteration itself, with Convergence (the test of convergence), LinearSystem (the directions),
+///   FactorPolicy (the lifetime of a factor), Escalation (the fallback sequence) and LineSearch (the step length).
+/// - EquilibriumSearch and solve_residual: several runs of the loop, if one may not be enough.
 ///
-/// Every rank takes the same decisions: all of them rest on reduced numbers.
+/// Every rank takes the same decisions, because all of them depend on reduced numbers.
 ///
 /// Invariants:
-/// - A stage that is not solved leaves no trace in the next one but what `forget` forgets: an aged factor, and what
-///   was learned of tolerances, shifts and equilibria.
-/// - What the last stage was is kept only if it failed, for `examine`.
+/// - A stage that is not solved leaves no trace in the next one except what `forget` clears: an aged factor, and what
+///   was learned about tolerances, shifts and equilibria.
+/// - The last stage is kept only if it failed, for `examine`.
 class NewtonSolver {
  public:
   /// `equation` outlives the solver. PETSc options -snes_..., -ksp_..., -pc_... override. Collective.
   NewtonSolver(StageEquation& equation, const NewtonOptions& options, LinearKind linear);
 
-  /// Solves the stage of configurations, as a StageSolve does: from the guess in q, or from q0 + dt v0 where that
-  /// lowers the potential (or the merit) further. Collective.
+  /// Solves a stage given in configurations, as a StageSolve does, from the guess in q or from a better one that
+  /// GuessSearch finds. Collective.
   StageReport solve(const StagePoint& stage, Vec q);
 
-  /// Looks closely at the last stage, if it could not be solved; before anything else is asked of the equation, whose
+  /// Examines the last stage if it could not be solved. To be called before anything else uses the equation, whose
   /// other state (pressures) it leaves at the stage's last iterate. Collective.
   std::optional<FailedStage> examine();
 
-  /// Forgets what earlier stages have taught: the next one is solved as a new solver would.
+  /// Forgets what was learned from earlier stages: the next one is solved as by a new solver.
   void forget();
 
-  /// Calls `watcher` at each iteration of Newton's method. Collective.
+  /// Makes each iteration of Newton's method call `watcher`. Collective.
   void watch(std::function<void(const StageProgress&)> watcher) { loop_.log().watch(std::move(watcher)); }
 
   const SolverStatistics& statistics() const { return statistics_; }
 
  private:
-  /// A stage that could not be solved: where its iteration ended.
+  /// A stage that could not be solved, with its last iterate.
   struct Failure {
     Handle<Vec> q;
     double time = 0.0, dt = 0.0;
   };
 
-  /// The same in the unknowns of the equation.
+  /// Likewise, in the unknowns of the equation.
   StageReport solve_for_unknowns(const StagePoint& stage, Vec q);
-  /// By as many runs of Newton's iteration as it takes.
+  /// Runs Newton's iteration, several times if necessary.
   StageReport iterate(Vec q);
-  /// Solves again, with coefficients frozen at the solution, until it stays one.
+  /// Solves again with coefficients frozen at the solution, until the solution no longer changes.
   void settle_coefficients(Vec q, StageReport& report);
   /// Whether q solves the stage with the coefficients as they are.
   bool is_settled(Vec q);
-  /// Without inertia there may be an equilibrium that is no minimum.
+  /// Whether there may be an equilibrium that is not a minimum: in stages without inertia.
   bool may_follow() const { return objective_.is_static() && equation_.symmetry() != Symmetry::unsymmetric; }
 
   StageEquation& equation_;

@@ -65,7 +65,7 @@ SearchLine::Residual NewtonLine::residual(double alpha) {
   return {norm(r_.get()), dot(r_.get(), d_.get())};
 }
 
-// On the way to an equilibrium that is no minimum the potential only tells where the body cannot be.
+// When any equilibrium is sought, the potential only shows where the body cannot be.
 bool NewtonLine::is_admissible() {
   return objective_.aim() != Aim::any_equilibrium || std::isfinite(objective_.value(trial_));
 }

@@ -10,15 +10,15 @@ namespace pliant {
 
 /// q + alpha d with d = -K^-1 r. Residuals are evaluated through SNES, which counts them. Collective.
 ///
-/// Invariant: q, r and the vector d was made of are left as they are until `take`.
+/// Invariant: q, r and the vector from which d was made do not change until `take`.
 class NewtonLine final : public SearchLine {
  public:
   /// The references outlive the object, and so does the SNES.
   NewtonLine(Objective& objective, LinearSystem& system, SNES snes, SolverStatistics& statistics);
 
-  /// The line from q along -y; `trial` is where its points are put. `value`: the potential at q, if it is minimised.
+  /// Defines the line from q along -y; `trial` receives its points. `value`: the potential at q, if it is minimised.
   LineStart lay(Vec q, Vec r, Vec y, Vec trial, double value);
-  /// q and r = the point that the line went to last, and the residual there.
+  /// Copies the last point of the line to q, and the residual there to r.
   void take(Vec q, Vec r);
 
   double potential(double alpha) override;
@@ -31,7 +31,7 @@ class NewtonLine final : public SearchLine {
 
  private:
   void go_to(double alpha);
-  /// At most 1, and short of the step at which a tetrahedron inverts.
+  /// The first step length to try: at most 1, and short of the step at which a tetrahedron inverts.
   double first_length();
 
   Objective& objective_;
@@ -40,7 +40,7 @@ class NewtonLine final : public SearchLine {
   SolverStatistics& statistics_;
   Handle<Vec> d_, r_, correction_;
   Vec q_ = nullptr, trial_ = nullptr;
-  double length_ = 0.0;  // of the point in trial_
+  double length_ = 0.0;  // step length of the point in trial_
 };
 
 }  // namespace pliant

@@ -10,10 +10,10 @@
 namespace pliant {
 namespace {
 
-/// Iterations that have brought the residual below this part of the first one are converging.
+/// Iterations that have reduced the residual below this fraction of the first one are converging.
 constexpr double nearly_there = 1e-3;
-/// Of linear systems whose solutions are steps to be taken whole: what they leave in stiff directions, a step in soft
-/// ones turns into forces.
+/// Relative tolerance of linear systems whose solutions are taken as whole steps: with errors in stiff directions, a
+/// step along soft ones would cause large forces.
 constexpr double tolerance_of_whole_steps = 1e-8;
 
 std::string in_words(SNESConvergedReason reason) {
@@ -23,9 +23,9 @@ std::string in_words(SNESConvergedReason reason) {
     case SNES_DIVERGED_MAX_IT:
       return "Newton's method ran out of iterations";
     case SNES_DIVERGED_LINE_SEARCH:
-      return "no step length lowers the potential, or the residual where there is none";
+      return "the line search found no step length that lowers the potential (or the residual, if there is none)";
     case SNES_DIVERGED_JACOBIAN_DOMAIN:
-      return "the Hessian is singular, whatever is added to it";
+      return "the Hessian (tangent stiffness) is singular, even with a shifted diagonal";
     case SNES_DIVERGED_LINEAR_SOLVE:
       return "the linear solver failed";
     default:
@@ -34,8 +34,7 @@ std::string in_words(SNESConvergedReason reason) {
 }
 
 void limit_iterations(SNES snes, int number) {
-  // No tolerance on the step: SNES would compare it after a failed line search too, with the lengths of an earlier
-  // step.
+  // No tolerance on the step: after a failed line search SNES would compare it with the lengths of an earlier step.
   check(SNESSetTolerances(snes, PETSC_DEFAULT, PETSC_DEFAULT, 0.0, number, PETSC_MAX_INT));
 }
 
@@ -96,7 +95,7 @@ void NewtonLoop::search(SNESLineSearch search) {
 
 bool NewtonLoop::go_along(Vec q, Vec r, Vec y, SNESLineSearch search) {
   const double slope = -dot(r, y);
-  // Whether a merit descends shows when it is tried.
+  // Whether a merit decreases along the direction is found by trying.
   if (!std::isfinite(slope) || (objective_.is_minimised() && slope >= 0.0)) return false;
   Vec trial = nullptr;
   check(SNESLineSearchGetVecs(search, nullptr, nullptr, nullptr, &trial, nullptr));
@@ -217,15 +216,15 @@ StageReport NewtonLoop::report_of(SNESConvergedReason reason) const {
   report.newton_iterations = static_cast<int>(newton);
   report.linear_iterations = static_cast<int>(linear);
   if (reason > 0) {
-    report.reason = reason == SNES_CONVERGED_FNORM_ABS ? "converged to the rounding of the forces" : "converged";
+    report.reason = reason == SNES_CONVERGED_FNORM_ABS ? "converged to the rounding errors of the forces" : "converged";
     return report;
   }
   report.outcome = StageOutcome::retry;
   report.reason = in_words(reason);
   if (system_.factor().lacks_memory()) {
-    // A shorter step takes as much.
+    // A shorter step needs as much memory.
     report.outcome = StageOutcome::fatal;
-    report.reason = "memory does not suffice for the factorization (MUMPS)";
+    report.reason = "there is too little memory for the factorization (MUMPS)";
   }
   return report;
 }
@@ -286,10 +285,10 @@ Handle<SNES> NewtonLoop::make_snes(Mat K, const NewtonOptions& options, LinearKi
   check(SNESSetJacobian(snes, K, K, hessian_callback, this));
   check(SNESSetConvergenceTest(snes, convergence_callback, this, nullptr));
   limit_iterations(snes, options.max_iterations);
-  // Preconditioners are set up by LinearSystem, nowhere else.
+  // Only LinearSystem sets up preconditioners.
   check(SNESSetLagPreconditioner(snes, -1));
   check(SNESSetCheckJacobianDomainError(snes, PETSC_TRUE));
-  // A failed linear solve is the line search's business: it escalates.
+  // The line search handles a failed linear solve: it escalates.
   check(SNESSetMaxLinearSolveFailures(snes, PETSC_MAX_INT));
   SNESLineSearch search = nullptr;
   check(SNESGetLineSearch(snes, &search));

@@ -1,4 +1,4 @@
-/// Newton's iteration from a guess, through SNES.
+/// Newton's iteration from a guess, with PETSc's SNES.
 #pragma once
 
 #include "petsc/callback.hpp"
@@ -14,21 +14,21 @@
 
 namespace pliant {
 
-/// The loop itself is SNES's, which users monitor and configure; its parts are ours, and their order is
+/// SNES runs the loop, which users monitor and configure through PETSc's options; its parts are Pliant's. Their order:
 ///
 ///     r = gradient(q)
 ///     while judge(q, r) is `iterating`:             Convergence
 ///       K = Hessian(q), with a factor                linearize: LinearSystem, FactorPolicy
-///       d = -K^-1 r, by a Krylov method              SNES's KSP, as exactly as Forcing says
-///       until a length along d helps:                search: LineSearch along a NewtonLine
+///       d = -K^-1 r, by a Krylov method              SNES's KSP, with the tolerance from Forcing
+///       until a step length along d is accepted:     search: LineSearch along a NewtonLine
 ///         K, d = the next in the fallback sequence   Escalation; at its end the run fails
-///       q, r = there
+///       q, r = the new iterate and its residual
 ///
 /// Invariants:
-/// - `value_` is the potential at the iterate wherever it is minimised: whoever starts a run sets it (`begin`, `resume`
-///   or `use_guess`), a step updates it.
-/// - Every decision rests on numbers that are the same on all ranks.
-/// - Nothing is thrown through PETSc: `guard_` carries what a callback threw to `run`.
+/// - `value_` is the potential at the iterate if it is minimised: the start of a run sets it (`begin`, `resume` or
+///   `use_guess`), and each step updates it.
+/// - Every decision depends on numbers that are the same on all ranks.
+/// - Nothing is thrown through PETSc: `guard_` carries an exception of a callback to `run`.
 class NewtonLoop final : public Iteration {
  public:
   /// PETSc options -snes_..., -ksp_..., -pc_... override. The references outlive the object. Collective.
@@ -41,13 +41,13 @@ class NewtonLoop final : public Iteration {
   IterationLog& log() { return log_; }
 
   void begin_stage();
-  /// Takes the guess of the stage, with its measure, as the start of the next run. Collective.
+  /// Makes the guess of the stage, with its measure, the start of the next run. Collective.
   void use_guess(Vec q, double measure);
   /// Prepares a run from a solution for other coefficients of the equation. Collective.
   void resume(Vec q);
-  /// Forgets what earlier stages have taught.
+  /// Forgets what was learned from earlier stages.
   void forget();
-  /// The last direction of the stage, from which an iterate q goes to q - y; nullptr if there was none.
+  /// The last direction y of the stage, which leads from an iterate q to q - y; nullptr if there was none.
   Vec last_direction() const;
 
   void begin(Vec q, Aim aim) override;
@@ -67,14 +67,14 @@ class NewtonLoop final : public Iteration {
   static PetscErrorCode convergence_callback(SNES, PetscInt it, PetscReal, PetscReal, PetscReal f,
                                              SNESConvergedReason* reason, void* self);
 
-  /// A SNES with its KSP, configured for K and by options.
+  /// Makes a SNES with its KSP, configured for K and by PETSc's options.
   Handle<SNES> make_snes(Mat K, const NewtonOptions& options, LinearKind linear);
 
   void linearize(Vec q);
-  /// How exactly the next linear system is solved.
+  /// Sets the tolerance of the next linear system.
   void set_tolerance();
   void search(SNESLineSearch search);
-  /// Goes along -y as far as it helps; false if no step length does.
+  /// Searches along -y and takes the step; returns false if no step length helps.
   bool go_along(Vec q, Vec r, Vec y, SNESLineSearch search);
   SNESConvergedReason judge(int iteration, double residual);
   void note_iteration(int iteration, double residual);
@@ -95,10 +95,10 @@ class NewtonLoop final : public Iteration {
   Forcing forcing_;
   IterationLog log_;
   double value_ = 0.0;            // potential at the iterate, if it is minimised
-  double last_length_ = 0.0;      // of the last step that was accepted, in parts of Newton's
+  double last_length_ = 0.0;      // length of the last accepted step, relative to the full Newton step
   bool is_at_rounding_ = false;   // the last line search of this run ended there
-  bool has_direction_ = false;    // in this stage
-  bool adapts_tolerance_ = true;  // unless the user gives one
+  bool has_direction_ = false;    // there was a direction in this stage
+  bool adapts_tolerance_ = true;  // false if the user gives a tolerance
 };
 
 }  // namespace pliant

@@ -1,4 +1,4 @@
-/// What Newton's method solves at the moment: the equation of a stage, and what an iterate is measured by.
+/// What Newton's method currently solves: the equation of a stage, and the function that measures an iterate.
 #pragma once
 
 #include "energy/stage_equation.hpp"
@@ -9,22 +9,22 @@
 
 namespace pliant {
 
-/// What a run of Newton's method looks for, and thereby what its line search lowers.
+/// What a run of Newton's method looks for, which determines the function that its line search lowers.
 enum class Aim {
   minimum,         ///< of the potential
-  root,            ///< of the residual, by steps that lower a merit of it
-  whole_steps,     ///< the same by whole steps, whatever they do to the residual
+  root,            ///< of the residual, by steps that lower a merit function of it
+  whole_steps,     ///< of the residual, by whole steps whether or not they lower it
   any_equilibrium  ///< a root of the gradient of a potential, whatever the signs of the Hessian's eigenvalues
 };
 
-/// The equation of the stage, with a proximal term besides where a solution is to be held near a point, and the
-/// measure of an iterate: the potential where the aim is a minimum, else a merit of the residual. All methods are
+/// The equation of the stage, with a proximal term if a solution is to be held near a point, and the measure of an
+/// iterate: the potential if the aim is a minimum, otherwise a merit function of the residual. All methods are
 /// collective unless they only read.
 ///
 /// Invariants:
-/// - The aim belongs to the stage's equation: `minimum` and `any_equilibrium` need a potential, or at least a
+/// - The aim suits the stage's equation: `minimum` and `any_equilibrium` need a potential, or at least a
 ///   symmetric Hessian.
-/// - The vector that the equation extrapolates stresses from lives here, so the equation may refer to it.
+/// - This object owns the vector from which the equation extrapolates stresses, and the equation may refer to it.
 class Objective {
  public:
   /// The references outlive the object.
@@ -32,7 +32,7 @@ class Objective {
 
   StageEquation& equation() const { return equation_; }
 
-  /// A stage begins: it has the aim that suits the equation, and its merit no scale of its own yet.
+  /// Begins a stage, with the aim that suits the equation and without a scale of its merit function.
   void begin_stage(const StagePoint& stage);
   /// Where the stage starts from.
   Vec start() const { return start_; }
@@ -40,7 +40,7 @@ class Objective {
 
   Aim aim() const { return aim_; }
   void set_aim(Aim aim) { aim_ = aim; }
-  /// The aim that suits the equation where nothing special is tried: a minimum if there is a potential, else a root.
+  /// The aim that usually suits the equation: a minimum if there is a potential, otherwise a root.
   Aim usual_aim() const { return usual_aim_; }
   bool is_minimised() const { return aim_ == Aim::minimum; }
 
@@ -48,16 +48,16 @@ class Objective {
   double value(Vec q);
   void gradient(Vec q, Vec r);
   void hessian(Vec q, Mat K, Projection projection);
-  /// What is to be lowered: the potential at q, or the merit of the residual there [J].
+  /// The function to be lowered: the potential at q, or the merit of the residual there [J].
   double measure(Vec q);
 
   const Merit& merit() const { return merit_; }
-  /// The merit's scale is no longer that of the problem at hand: the next Hessian sets it.
+  /// Discards the scale of the merit function, which no longer fits the problem: the next Hessian sets it.
   void forget_scale_of_merit() { merit_has_scale_ = false; }
   /// Takes the scale from K unless there is one, or no merit is needed.
   void scale_merit(Mat K);
 
-  /// q = `to`, the end of a straight step from q.
+  /// Sets q = `to`, the end of a straight step from q.
   void move(Vec q, Vec to);
 
   Proximal& proximal() { return proximal_; }

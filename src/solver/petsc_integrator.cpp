@@ -13,8 +13,8 @@ namespace pliant {
 namespace {
 
 constexpr int max_halvings = 20;
-/// The residual's rounding floor is an estimate: below `floor_factor` times it nothing is to be gained; where the
-/// residual no longer falls, it is accepted up to 100 times as much.
+/// The residual's rounding floor is an estimate: an iterate below `floor_factor` times the floor is accepted, and one
+/// up to 100 times that if the residual no longer falls.
 constexpr double floor_factor = 4.0;
 
 }  // namespace
@@ -79,7 +79,7 @@ void PetscIntegrator::configure_newton() {
     system_->configure(ksp);
   }
   check(TSSetFromOptions(ts));
-  // What is not the user's to choose: the steps are those asked for, and a failed one is tried again by who asked.
+  // Options that users cannot change: TS takes the steps it is asked for, and the caller repeats failed ones.
   TSType type = nullptr;
   check(TSGetType(ts, &type));
   if (options_.method.type != type) {
@@ -136,8 +136,8 @@ PetscErrorCode PetscIntegrator::second_order_jacobian(TS, PetscReal t, Vec q, Ve
                                                       PetscReal shift_a, Mat J, Mat, void* self) {
   auto* integrator = static_cast<PetscIntegrator*>(self);
   return integrator->guard_.run([&] {
-    // Exact in mass and stiffness. Viscosity comes out with the factor 1/dt for shift_v: the two are equal at a radius
-    // of 1 and differ by at most 6 % (radius 0), which costs an iteration at most.
+    // Exact in mass and stiffness. Viscosity gets the factor 1/dt instead of shift_v: the two are equal at a spectral
+    // radius of 1 and differ by at most 6 % (radius 0), which costs at most one iteration.
     integrator->begin_stage(t, 1.0 / std::sqrt(shift_a), q, v, a);
     integrator->equation_.hessian(integrator->unknowns_.get(), J, Projection::none);
   });
@@ -205,7 +205,7 @@ void PetscIntegrator::evaluate_first_order(double time, Vec y, Vec y_dot, Vec F)
   begin_stage(time, time_step(), q_part_.get(), v_part_.get(), a_.get());
   evaluate_forces();
   if (!is_solving_) {
-    // TS asks for the slope at the step's start: -F at y' = 0, which it takes for F = y' - f(y).
+    // TS evaluates the slope at the step's start as -F at y' = 0, assuming F = y' - f(y).
     find_acceleration();
     check(VecScale(v_part_.get(), -1.0));
     check(VecScale(a_.get(), -1.0));
@@ -242,7 +242,7 @@ void PetscIntegrator::complete_guess(SNES snes, Vec x) {
   split(x, q_part_.get(), v_part_.get());
   motion_.complete_step({stage_time_, dt}, q_part_.get(), v_part_.get());
   join(q_part_.get(), v_part_.get(), x);
-  // v = q', from where on it stays so.
+  // Sets v = q', which all further iterates keep.
   Handle<Vec> F;
   check(VecDuplicate(x, F.out()));
   check(SNESComputeFunction(snes, x, F.get()));
@@ -256,7 +256,7 @@ void PetscIntegrator::search_line(SNESLineSearch search) {
   check(SNESLineSearchGetSNES(search, &snes));
   check(SNESLineSearchGetVecs(search, &x, &f, &y, nullptr, &trial));
   check(SNESLineSearchSetReason(search, SNES_LINESEARCH_SUCCEEDED));
-  // The direction in which the stage's configuration goes.
+  // The direction in which the stage's configuration moves.
   PetscReal part = 1.0;
   if (is_second_order()) {
     check(TSAlpha2GetParams(ts_.get(), nullptr, &part, nullptr, nullptr));
@@ -319,8 +319,9 @@ void PetscIntegrator::set_solution(Vec q, Vec v) {
 }
 
 void PetscIntegrator::roll_back() {
-  // The memory of a multistep method is TS's own; only TSRollBack tells it that the next step starts where this did. It
-  // is made for steps that succeeded: what it does to time and solution after a failed one is undone by `attempt`.
+  // The history of a multistep method is internal to TS; only TSRollBack resets it to the start of this step.
+  // TSRollBack is meant for steps that succeeded: its changes of time and solution after a failed one are undone by
+  // `attempt`.
   if (!is_rolled_back_) check(TSRollBack(ts_.get()));
   is_rolled_back_ = true;
   is_tried_ = false;

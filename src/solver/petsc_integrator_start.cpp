@@ -1,4 +1,4 @@
-// How TS starts: with no past, or with the one that it would have.
+// How TS starts: without a history, or with the history of an uninterrupted run.
 #include "solver/petsc_integrator.hpp"
 
 #include <cmath>
@@ -7,11 +7,11 @@
 namespace pliant {
 namespace {
 
-/// Length of a stage, in steps, of whose Hessian nothing but M / dt^2 is left in double precision, however long those
-/// are.
+/// Length of a stage, as a fraction of the step, at which M / dt^2 exceeds the rest of the Hessian beyond double
+/// precision, whatever the step.
 constexpr double part_of_step = 1e-30;
-/// Constant acceleration in the two half steps with which TSALPHA2 starts that it takes for an acceleration of 1. Until
-/// 3.22 its difference formula gave twice the acceleration, and radii below 1 were of first order.
+/// The constant acceleration, in the two half steps with which TSALPHA2 starts, that it interprets as 1. Before PETSc
+/// 3.22 its difference formula gave twice the acceleration, and spectral radii below 1 were of first order.
 constexpr double start_acceleration = PETSC_VERSION_LT(3, 22, 0) ? 0.5 : 1.0;
 
 }  // namespace
@@ -33,7 +33,7 @@ void PetscIntegrator::find_acceleration() {
   if (!mass_) {
     mass_ = equation_.make_hessian();
     const Handle<Vec> zero = equation_.make_vector();
-    // A power of two leaves M the same bits whatever the step.
+    // A power of two gives M the same bits for every step.
     const double instant = std::ldexp(1.0, std::ilogb(part_of_step * time_step()));
     (void)equation_.enter({.time = stage_.time, .dt = instant, .q0 = zero.get(), .v0 = zero.get()}, zero.get(),
                           unknowns_.get());
@@ -66,7 +66,7 @@ void PetscIntegrator::find_start() {
 }
 
 void PetscIntegrator::record_acceleration(double dt) {
-  // v1 = v0 + dt ((1 - gamma) a0 + gamma a1), of which TS shows all but the accelerations
+  // v1 = v0 + dt ((1 - gamma) a0 + gamma a1); TS gives access to all but the accelerations.
   PetscReal gamma = 0.0;
   check(TSAlpha2GetParams(ts_.get(), nullptr, nullptr, &gamma, nullptr));
   check(VecWAXPY(end_a_.get(), -1.0, accepted_.v.get(), y_dot_.get()));
@@ -79,7 +79,7 @@ void PetscIntegrator::hand_over_points() {
     const State& from = points_[n - 1];
     set_solution(from.q.get(), from.v.get());
     check(TSSetTime(ts, from.time));
-    // The first of them solves for its middle before.
+    // The first step also solves for its middle.
     check(TSSetTimeStep(ts, points_[n].time - from.time));
     num_stages_ = 0;
     handed_ = n;

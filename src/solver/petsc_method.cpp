@@ -37,17 +37,20 @@ std::optional<std::string> why_not(const IncrementalPotential& potential) {
   for (const EnergyTerm* term : potential.terms()) {
     has_inertia = has_inertia || term->declaration().account == Account::kinetic;
     if (term->declaration().has_frozen_coefficients || term->declaration().refreezes) {
-      return fmt::format("the term `{}` freezes coefficients in every stage, which PETSc does not have", term->name());
-    }
-    if (std::holds_alternative<const FunctionOfSum*>(term->coupling())) {
-      return fmt::format("the term `{}` couples all unknowns of its surface, which PETSc's Newton would assemble",
+      return fmt::format("the term `{}` freezes coefficients in every stage, which PETSc's integrators do not support",
                          term->name());
     }
+    if (std::holds_alternative<const FunctionOfSum*>(term->coupling())) {
+      return fmt::format(
+          "the term `{}` couples all unknowns of its surface, for which PETSc would assemble a dense matrix",
+          term->name());
+    }
     if (any_rank(potential.comm(), term->num_internal() > 0)) {
-      return fmt::format("the term `{}` has internal variables, which PETSc would not carry along", term->name());
+      return fmt::format("the term `{}` has internal variables, which PETSc's integrators do not advance",
+                         term->name());
     }
   }
-  if (!has_inertia) return "there is no inertia: nothing moves in time";
+  if (!has_inertia) return "without inertia there is no equation of motion to integrate in time";
   return std::nullopt;
 }
 

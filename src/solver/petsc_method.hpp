@@ -1,4 +1,4 @@
-/// The integrators of PETSc that users can name, and the equations for which they can.
+/// PETSc's integrators that users can select, and the equations that they support.
 #pragma once
 
 #include "energy/equation/incremental_potential.hpp"
@@ -16,17 +16,17 @@ struct PetscMethod {
   Kind kind;
   std::string_view name;         ///< what follows `petsc:`
   std::string_view type;         ///< TSType
-  int order;                     ///< in q and v, unless options change it
+  int order;                     ///< order of accuracy in q and v, unless options change it
   std::string_view description;  ///< one line, for lists
 };
 
 /// All of them.
 std::span<const PetscMethod> petsc_methods();
 
-/// That of `petsc:NAME`; nullptr if there is none.
+/// The integrator `petsc:NAME`; nullptr if there is none.
 const PetscMethod* find_petsc_method(std::string_view name);
 
-/// Why TS cannot solve the equation of these terms, for the user; nothing if it can. Collective.
+/// Why TS cannot solve the equation of these terms, in a message for the user; nullopt if it can. Collective.
 std::optional<std::string> why_not(const IncrementalPotential& potential);
 
 }  // namespace pliant

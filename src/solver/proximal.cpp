@@ -10,7 +10,7 @@ void Proximal::hold(Vec q, PetscInt number, double weight) {
   if (!centre_) {
     check(VecDuplicate(q, centre_.out()));
     check(VecDuplicate(q, weights_.out()));
-    check(VecDuplicate(q, way_.out()));
+    check(VecDuplicate(q, force_.out()));
   }
   check(VecCopy(q, centre_.get()));
   check(VecSet(weights_.get(), 0.0));
@@ -19,23 +19,23 @@ void Proximal::hold(Vec q, PetscInt number, double weight) {
   weight_ = weight;
 }
 
-void Proximal::find_way(Vec q) {
-  check(VecWAXPY(way_.get(), -1.0, centre_.get(), q));
-  check(VecPointwiseMult(way_.get(), way_.get(), weights_.get()));
+void Proximal::compute_force(Vec q) {
+  check(VecWAXPY(force_.get(), -1.0, centre_.get(), q));
+  check(VecPointwiseMult(force_.get(), force_.get(), weights_.get()));
 }
 
 double Proximal::value(Vec q) {
   if (weight_ == 0.0) return 0.0;
-  find_way(q);
+  compute_force(q);
   PetscReal size = 0.0;
-  check(VecNorm(way_.get(), NORM_2, &size));
+  check(VecNorm(force_.get(), NORM_2, &size));
   return 0.5 * size * size / weight_;
 }
 
 void Proximal::add_gradient(Vec q, Vec r) {
   if (weight_ == 0.0) return;
-  find_way(q);
-  check(VecAXPY(r, 1.0, way_.get()));
+  compute_force(q);
+  check(VecAXPY(r, 1.0, force_.get()));
 }
 
 void Proximal::add_hessian(Mat K) const {

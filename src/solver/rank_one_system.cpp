@@ -21,7 +21,7 @@ RankOneSystem::RankOneSystem(KSP ksp, Mat K, const std::vector<RankOne>& parts) 
   check(PCSetType(outer.get(), PCSHELL));
   check(PCShellSetContext(outer.get(), this));
   check(PCShellSetApply(outer.get(), apply_callback));
-  check(PCShellSetName(outer.get(), "parts of rank one, by the formula of Woodbury"));
+  check(PCShellSetName(outer.get(), "rank-one terms, by Woodbury's formula"));
   check(PCShellSetView(outer.get(), view_callback));
   check(KSPSetPC(ksp, outer.get()));
   check(KSPSetOperators(ksp, A_.get(), K));

@@ -1,4 +1,4 @@
-/// Linear systems with a sparse matrix and a few parts of rank one.
+/// Linear systems with a sparse matrix and a few rank-one terms.
 #pragma once
 
 #include "energy/rank_one.hpp"
@@ -9,16 +9,16 @@
 
 namespace pliant {
 
-/// A = K + sum_k c_k g_k g_k^T as an operator, and a preconditioner of it made of one of K, P ~ K^-1, by the formula of
-/// Sherman, Morrison and Woodbury: with Z = P G, D = diag(sqrt c) and the small matrix T = I + D G^T Z D,
+/// A = K + sum_k c_k g_k g_k^T as an operator, and its preconditioner made from one of K, P ~ K^-1, by the
+/// Sherman-Morrison-Woodbury formula: with Z = P G, D = diag(sqrt c) and the small matrix T = I + D G^T Z D,
 ///
 ///     A^-1 ~ P - Z D T^-1 D Z^T
 ///
-/// (Golub & Van Loan, Matrix Computations, 2.1.4). It is exact where P is, and A then has as many negative eigenvalues
-/// as K, less those of T: a part of rank one may make definite what the sparse matrix alone is not.
+/// (Golub & Van Loan, Matrix Computations, 2.1.4). It is exact if P is. A then has as many negative eigenvalues as K
+/// minus those of T: a rank-one term may make A definite although the sparse matrix is not.
 class RankOneSystem {
  public:
-  /// Takes the place of the preconditioner of `ksp`, which stays that of K. `parts` and K outlive the object.
+  /// Replaces the preconditioner of `ksp`, which remains in use for K. `parts` and K outlive the object.
   RankOneSystem(KSP ksp, Mat K, const std::vector<RankOne>& parts);
   RankOneSystem(const RankOneSystem&) = delete;  // PETSc's objects point to it
   RankOneSystem& operator=(const RankOneSystem&) = delete;
@@ -27,10 +27,10 @@ class RankOneSystem {
   Mat matrix() const { return A_.get(); }
   /// The preconditioner of K.
   PC inner() const { return inner_.get(); }
-  /// After `inner` was set up; keeps Z and T until the next call, while the parts of A may change. False if T is
-  /// singular. Collective.
+  /// To be called after `inner` was set up. Keeps Z and T until the next call, while the rank-one terms of A may
+  /// change. Returns false if T is singular. Collective.
   bool set_up();
-  /// Of T.
+  /// Number of negative eigenvalues of T.
   PetscInt negative_eigenvalues() const { return negative_; }
 
  private:

@@ -41,7 +41,7 @@ ReducedSystem::ReducedSystem(const StageEquation& equation, LinearKind linear)
 }
 
 void ReducedSystem::configure(KSP ksp) {
-  // The options -ksp_ and -pc_ speak of the systems in q.
+  // The options -ksp_ and -pc_ refer to the systems in q.
   check(KSPSetOptionsPrefix(ksp, "state_"));
   check(KSPSetType(ksp, KSPPREONLY));
   PC pc = nullptr;

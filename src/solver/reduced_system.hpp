@@ -9,7 +9,7 @@ namespace pliant {
 
 /// A vector for y = (q, v): each rank's entries of q, then those of v. Collective.
 Handle<Vec> make_state_vector(Vec q);
-/// q and v of y, and back; owned entries. Not collective.
+/// Copies the owned entries of y to q and v, and back. Not collective.
 void split(Vec y, Vec q, Vec v);
 void join(Vec q, Vec v, Vec y);
 
@@ -18,9 +18,9 @@ void join(Vec q, Vec v, Vec y);
 ///     J = [ sigma I        -I     ]      M = dr/dv',  C = dr/dv,  K = dr/dq,
 ///         [    K     sigma M + C  ]
 ///
-/// through the Hessian of a stage of length 1/sigma, H = K + sigma C + sigma^2 M: where the first row's residual is
+/// through the Hessian of a stage of length 1/sigma, H = K + sigma C + sigma^2 M. If the residual of the first row is
 /// zero, J (dq, dv) = (0, r) means H dq = r, dv = sigma dq. That row is linear, so Newton's method keeps it zero from a
-/// guess with v = q' on; only such systems are solved here, and J is applied only to what they are solved for.
+/// guess with v = q' on. Only such systems are solved here, and J is applied only to their solutions.
 class ReducedSystem {
  public:
   ReducedSystem(const StageEquation& equation, LinearKind linear);
@@ -32,12 +32,12 @@ class ReducedSystem {
 
   /// J, as an operator alone.
   Mat matrix() const { return J_.get(); }
-  /// H, to be filled by the owner for the shift set.
+  /// H, to be assembled by the caller for the shift that was set.
   Mat hessian() const { return H_.get(); }
-  /// [1/s]
+  /// Sets sigma [1/s].
   void set_shift(double sigma) { sigma_ = sigma; }
 
-  /// Of the systems in q, since the object was made.
+  /// Iterations for the systems in q, since the object was made.
   long long linear_iterations() const { return linear_iterations_; }
 
  private:

@@ -27,14 +27,14 @@ int num_ranks(PetscObject object) {
 }  // namespace
 
 bool lacks_workspace(int error) {
-  // Of the factors (-8, -9), of the solution (-11, -14), of messages (-17, -20).
+  // Workspace of the factors (-8, -9), of the solution (-11, -14), of messages (-17, -20).
   constexpr std::array codes{-8, -9, -11, -14, -15, -17, -18, -20};
   return std::ranges::find(codes, error) != codes.end();
 }
 
 SetUp outcome_of_mumps(int error) {
   if (error >= 0) return SetUp::sound;
-  // The system has no more to give, to the analysis (-5, -7) or the factors (-13), or ICNTL(23) forbids it (-19).
+  // The system has no more memory, for the analysis (-5, -7) or the factors (-13), or ICNTL(23) forbids it (-19).
   constexpr std::array codes{-5, -7, -13, -19};
   const bool lacks_memory = lacks_workspace(error) || std::ranges::find(codes, error) != codes.end();
   return lacks_memory ? SetUp::out_of_memory : SetUp::singular;
@@ -98,7 +98,7 @@ void SingleFactorization::analyse(Mat K) {
   const bool is_distributed = num_ranks(reinterpret_cast<PetscObject>(K)) > 1;
   rhs_.resize(rhs_rows_.size());
 
-  // SYM = 1, "positive definite", is L D L^T without pivoting: negative pivots are counted, not refused.
+  // SYM = 1, "positive definite", means L D L^T without pivoting: negative pivots are counted, not rejected.
   mumps_ = std::make_unique<Mumps>(comm, symmetry_ == Symmetry::unsymmetric ? 0 : 1);
   auto& id = mumps_->id;
   for (const int output : {1, 2, 3}) mumps_->icntl(output) = -1;
@@ -223,7 +223,7 @@ void SingleFactorization::solve(Vec b, Vec x) {
 }
 
 SingleFactorization::Size SingleFactorization::size() const {
-  // Where the number of entries is large it is told in millions, with a minus sign.
+  // MUMPS reports a large number of entries in millions, with a minus sign.
   const double entries = mumps_->infog(29);
   return {entries < 0.0 ? -1e6 * entries : entries, mumps_->id.rinfog[2], mumps_->infog(7)};
 }

@@ -10,25 +10,26 @@
 
 namespace pliant {
 
-/// How a factorization, or another preconditioner, has turned out.
+/// Outcome of a factorization, or of the set-up of another preconditioner.
 enum class SetUp { sound, singular, out_of_memory };
 
-/// Workspace of MUMPS beyond its estimate [per cent]: where pivoting needs more, four times as much, up to the last.
+/// Workspace of MUMPS beyond its estimate [per cent]: if pivoting needs more, four times as much, up to the last.
 inline constexpr int first_workspace = 40, last_workspace = 10240;
 /// Orderings (ICNTL(7)) that Debian's MUMPS has; METIS and SCOTCH are not among them.
 inline constexpr int approximate_minimum_degree = 0, approximate_minimum_fill = 2, pord = 4;
-/// PORD, its default ordering, ends the process where all unknowns couple with all (a rigid body, a single cell).
+/// PORD, its default ordering, aborts the process if all unknowns are coupled with all others (a rigid body, a single
+/// cell).
 inline constexpr PetscInt min_unknowns_of_pord = 100;
 
-/// What MUMPS's INFOG(1) means.
+/// The outcome that MUMPS's INFOG(1) stands for.
 SetUp outcome_of_mumps(int error);
 /// Whether more workspace (ICNTL(14)) may help.
 bool lacks_workspace(int error);
 
-/// K = L D L^T, or L U of an unsymmetric K, by MUMPS in single precision. It takes half the time and memory of double
-/// precision, to factorize as to solve, for one or two iterations more of the Krylov method around it; the accuracy of
-/// the solution is that method's. No pivoting in L D L^T: pivots of small size make it a poor preconditioner, no wrong
-/// one. The analysis is done once: K keeps its pattern. All methods are collective.
+/// K = L D L^T, or L U if K is unsymmetric, by MUMPS in single precision. Factorizing and solving take half the time
+/// and memory of double precision, and cost one or two more iterations of the Krylov method, which determines the
+/// accuracy of the solution. L D L^T is computed without pivoting: small pivots make a poor preconditioner, but not a
+/// wrong one. The analysis is done once, as K keeps its pattern. All methods are collective.
 class SingleFactorization {
  public:
   explicit SingleFactorization(Symmetry symmetry);
@@ -36,19 +37,19 @@ class SingleFactorization {
   SingleFactorization(SingleFactorization&&) noexcept;
   SingleFactorization& operator=(SingleFactorization&&) noexcept;
 
-  /// Factorizes K, an assembled matrix distributed by rows; what was there before is lost. Repeated with
-  /// more workspace where that is too little. `singular`: to single precision.
+  /// Factorizes K, an assembled matrix distributed by rows, and replaces the previous factors. Repeated with more
+  /// workspace if necessary. `singular` means singular in single precision.
   SetUp factorize(Mat K);
   /// x = K^-1 b, approximately, after a successful `factorize`.
   void solve(Vec b, Vec x);
-  /// What MUMPS tells of the last factorization.
+  /// What MUMPS reports on the last factorization.
   struct Size {
     double entries = 0.0;  ///< of the factors, over all ranks
     double flops = 0.0;    ///< of the elimination
     int ordering = 0;      ///< as ICNTL(7)
   };
   Size size() const;
-  /// Number of negative pivots of L D L^T, as far as single precision tells; 0 for L U.
+  /// Number of negative pivots of L D L^T in single precision; 0 for L U.
   PetscInt negative_pivots() const;
 
  private:
@@ -62,8 +63,8 @@ class SingleFactorization {
 
   Symmetry symmetry_;
   std::unique_ptr<Mumps> mumps_;
-  PetscObjectId analysed_ = 0;       // pattern_id of what was analysed
-  std::vector<int> rows_, columns_;  // of the entries, from 1
+  PetscObjectId analysed_ = 0;       // pattern_id of the analysed matrix
+  std::vector<int> rows_, columns_;  // of the entries, counted from 1
   std::vector<float> values_;
   double scale_ = 1.0;
   // Right-hand side and solution; with several ranks the solution lies where the pivots are.

@@ -1,14 +1,14 @@
-/// What a solver of stages reports of its work.
+/// Statistics that a stage solver reports.
 #pragma once
 
 namespace pliant {
 
-/// Part of the forces at work; a solve that leaves more of them has hardly begun.
+/// Fraction of the acting forces; a solve that leaves a larger residual has hardly begun.
 constexpr double unbalanced_part = 0.1;
-/// Part of the forces left where double precision is said to end, beyond which results may show it.
+/// A residual at the limit of double precision, as a fraction of the forces, above which results may be affected.
 constexpr double doubtful_rounding = 1e-6;
 
-/// What the solver has done since it was made.
+/// The work of a solver since it was made.
 struct SolverStatistics {
   long long stages = 0;
   long long minimisations = 0;    ///< stages solved on the incremental potential
@@ -16,21 +16,21 @@ struct SolverStatistics {
   long long newton_iterations = 0;
   long long linear_iterations = 0;
   long long factorizations = 0;         ///< or set-ups of another preconditioner
-  long long backtracks = 0;             ///< step lengths refused by the line search
+  long long backtracks = 0;             ///< step lengths rejected by the line search
   long long capped_steps = 0;           ///< steps shortened because a tetrahedron would have inverted
   long long projections = 0;            ///< Hessians made positive semidefinite cell by cell
   long long regularizations = 0;        ///< projected Hessians that needed a shift of their diagonal too
   long long rounding_stops = 0;         ///< stages whose residual ended at its rounding floor, above the tolerance
   long long unstable_stages = 0;        ///< equilibria at which the Hessian has negative eigenvalues
-  double worst_rounding = 0.0;          ///< the largest residual that they left, over the forces or M v / dt
+  double worst_rounding = 0.0;          ///< the largest residual of `rounding_stops`, over the forces or M v / dt
   long long unbalanced_stops = 0;       ///< stages that `absolute` ended while a tenth of the forces was unbalanced
-  bool uses_multigrid_instead = false;  ///< of the factorization, for which memory did not suffice
+  bool uses_multigrid_instead = false;  ///< of the factorization, for which there was too little memory
   double assembly_seconds = 0.0;        ///< residuals, energies, Hessians
   double factorization_seconds = 0.0;
   double solve_seconds = 0.0;
 };
 
-/// How far the solve of a stage is.
+/// Progress of the solve of a stage.
 struct StageProgress {
   double seconds = 0.0;  ///< since its start
   int iteration = 0;     ///< of Newton's method

@@ -3,7 +3,7 @@
 namespace pliant {
 namespace {
 
-/// Whole steps from a guess: they arrive within a few, or not at all.
+/// Most whole steps from a guess: they converge within a few, or not at all.
 constexpr int max_whole_steps = 12;
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// How a residual without a potential is solved.
+/// The solution of a residual without a potential.
 #pragma once
 
 #include "petsc/handle.hpp"
@@ -8,10 +8,11 @@
 
 namespace pliant {
 
-/// A few whole Newton steps from the guess in q, and damped ones where they do not arrive; with inertia, a few damped
-/// ones before. The stresses extrapolated along a step are near those of equilibrium even where it stretches a thin
-/// body to forces many times those at work, so that the next step takes them back; a line search that measures
-/// residuals would refuse both. The aim of the objective is the usual one again afterwards. Collective.
+/// Takes a few whole Newton steps from the guess in q, then damped ones if those do not converge; with inertia, a few
+/// damped ones first. A whole step may stretch a thin body until its forces are many times those that act on it. The
+/// stresses extrapolated along the step are nevertheless close to equilibrium, and the next step removes the stretch; a
+/// line search that measures residuals would reject both steps. On return the aim of the objective is the usual one.
+/// Collective.
 StageReport solve_residual(Objective& objective, Iteration& iteration, Vec q, int max_iterations);
 
 }  // namespace pliant

@@ -16,9 +16,9 @@
 /// the first step of a multistep method's ramp, backward Euler, nothing is known yet of how the acceleration changes:
 /// the estimate is zero for v, and right for q.
 ///
-/// Methods that are not stiffly accurate know no acceleration at the ends of their steps. Theirs is the embedded
-/// difference e_n ~ c dt^(p^+1) y^(p^+1) less that of the step before, e_n - (dt_n / dt_{n-1})^(p^+1) e_{n-1}, which is
-/// of one order more; still too large by orders if the embedded formula is.
+/// Methods that are not stiffly accurate have no acceleration at the ends of their steps. Theirs is the embedded
+/// difference e_n ~ c dt^(p^+1) y^(p^+1) minus that of the previous step, e_n - (dt_n / dt_{n-1})^(p^+1) e_{n-1}, which
+/// is of one order more; still too large by orders if the embedded formula is.
 #pragma once
 
 #include "time/stepper.hpp"

@@ -1,4 +1,4 @@
-/// One step of a method: its stages one after another, each handed to a solver. Knows no equation but q' = v.
+/// One step of a method: its stages one after another, each handed to a solver. Depends on no equation except q' = v.
 #pragma once
 
 #include "petsc/handle.hpp"

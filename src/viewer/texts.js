@@ -68,7 +68,7 @@ export function showRun(to, { summary }) {
     ...(worst ? [["hardest", `step ${grouped(worst.step)}, ${worst.newton_iterations} iterations`]] : [])]));
   to.append(table("Newton", [
     ["iterations", grouped(solver.newton_iterations)], ["stages", grouped(solver.stages)], ["factorizations", grouped(solver.factorizations)],
-    ["linear iterations", grouped(solver.linear_iterations)], ["step lengths refused", grouped(solver.backtracks)],
+    ["linear iterations", grouped(solver.linear_iterations)], ["step lengths rejected", grouped(solver.backtracks)],
     ["Hessians projected", grouped(solver.projections)]]));
 }
 

@@ -32,7 +32,7 @@ TEST(Registry, HasOneCompleteRowPerLawInOrder) {
     EXPECT_EQ(static_cast<int>(row.directions.size()), typical_law(n).traits().num_directions) << row.name;
     EXPECT_EQ(std::visit([]<class L>(const L&) { return L::name; }, law), row.name);
     for (const ParameterInfo& parameter : row.parameters) {
-      EXPECT_EQ(complaint(parameter, parameter.typical), std::nullopt) << row.name << " " << parameter.name;
+      EXPECT_EQ(error_in(parameter, parameter.typical), std::nullopt) << row.name << " " << parameter.name;
     }
   }
 }

@@ -67,11 +67,11 @@ TEST(ViscosityRegistry, NamesEveryFormOfTheStrainRateInOrder) {
 TEST(ViscosityRegistry, TakesNoNegativeValuesAndZeroWhereItMeansSomething) {
   for (const LawInfo& row : viscosity_laws()) {
     for (const ParameterInfo& parameter : row.parameters) {
-      EXPECT_TRUE(complaint(parameter, -1.0)) << parameter.name;
-      EXPECT_FALSE(complaint(parameter, 1.0)) << parameter.name;
-      EXPECT_TRUE(complaint(parameter, std::numeric_limits<double>::quiet_NaN())) << parameter.name;
-      EXPECT_TRUE(complaint(parameter, std::numeric_limits<double>::infinity())) << parameter.name;
-      EXPECT_EQ(complaint(parameter, 0.0).has_value(), parameter.name == "relaxation_time") << parameter.name;
+      EXPECT_TRUE(error_in(parameter, -1.0)) << parameter.name;
+      EXPECT_FALSE(error_in(parameter, 1.0)) << parameter.name;
+      EXPECT_TRUE(error_in(parameter, std::numeric_limits<double>::quiet_NaN())) << parameter.name;
+      EXPECT_TRUE(error_in(parameter, std::numeric_limits<double>::infinity())) << parameter.name;
+      EXPECT_EQ(error_in(parameter, 0.0).has_value(), parameter.name == "relaxation_time") << parameter.name;
     }
   }
 }

@@ -141,7 +141,7 @@ time: {method: static, end: 1, load_steps: 4}
                          "time.end=1", "--set", "solver.newton.max_iterations=1")
         self.assertEqual(done.returncode, 3, done.stderr)
         self.assertIn("load factor", done.stderr)
-        self.assertIn("more solver.newton.max_iterations", done.stderr)  # of which it had one
+        self.assertIn("a larger solver.newton.max_iterations", done.stderr)  # of which it had one
         self.assertIn("more load_steps", (self.directory / "out/post-mortem/report.yaml").read_text())
 
 

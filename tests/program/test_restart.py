@@ -408,7 +408,7 @@ class Damage(RestartTest):
     def test_another_mesh(self):
         self.run_input(self.input, "time.end=0.04")  # its checkpoints know this directory's mesh
         write_box(self.directory / "box.msh", (3, 1, 1), (0.5, 0.1, 0.1000001))
-        self.fails(2, "box.msh", "put that one back", numbers_of_ranks=(1, 2))
+        self.fails(2, "box.msh", "restore that mesh", numbers_of_ranks=(1, 2))
         (self.directory / "box.msh").unlink()
         self.fails(2, "box.msh")
 

@@ -12,13 +12,15 @@ LAPSES = [
     "this is no input", "these are no potentials", "it was no mesh", "which tells the others", "MPI is told", "the run goes on",
     "to go on", "an error in parts of the tolerance", "say what it is that fails", "Of each node, its place", "Read it. Of a cell, all",
     "the same of a facet", "in the box beside it", "a mesh that was mended", "a sum that of which is 1", "the program complains",
-    "all complaints", "the next step of the ladder", "the turned factor", "with turned preconditioners", "it climbs", "nodes that are led",
+    "all complaints", "a user's mistake", "it knows no units", "if memory does not suffice", "to the digits of the change",
+    "for want of space", "lest it fails", "it sees to it that", "near to a wall", "is of no account", "a part of rank one",
+    "the next step of the ladder", "the turned factor", "with turned preconditioners", "it climbs", "nodes that are led",
     "lonely nodes", "print the doubts", "two keys quarrel",
 ]
 FINE = [
     "there is no file of this name", "there are no loads", "the step is no longer valid", "it is no more than 3", "it is no larger than 1",
     "what is ongoing", "divided in parts", "of each node", "Of course it does", "the same as a facet", "besides", "recommended", "amended",
-    "that which is", "this led to a failure", "scheduled", "doubtful", "a turned body", "stolen", "a bladder",
+    "that which is", "this led to a failure", "scheduled", "doubtful", "a turned body", "stolen", "a bladder", "it must not be mistaken", "he knows nothing", "nearer to", "the latest", "rank one",
 ]
 
 

@@ -50,7 +50,7 @@ TEST(EnergyWatch, TellsOfMoreDissipatedThanThereWas) {
   lost.dissipated = 7;
   watch.look(lost, 0.2);
   ASSERT_TRUE(watch.growth());
-  EXPECT_TRUE(watch.growth()->is_in_all);
+  EXPECT_TRUE(watch.growth()->includes_dissipation);
   EXPECT_DOUBLE_EQ(watch.growth()->factor, 2.0);
   EXPECT_DOUBLE_EQ(watch.growth()->time, 0.2);
 }

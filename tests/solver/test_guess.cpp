@@ -30,7 +30,7 @@ class Valley final : public test::SmallEquation {
     const double x = free_entry(q);
     return x < barrier ? 0.5 * (x - minimum) * (x - minimum) : infinity;
   }
-  double max_way(Vec, Vec) override { return to_wall; }
+  double max_step_to_wall(Vec, Vec) override { return to_wall; }
   std::vector<std::string> non_potentials() const override { return {}; }
   Symmetry symmetry() const override { return Symmetry::symmetric; }
   const std::vector<char>& prescribed() const override { return prescribed_; }

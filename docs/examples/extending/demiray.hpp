@@ -41,9 +41,9 @@ struct Demiray : pliant::IsochoricLaw<Demiray<S>> {
 /// What people read of it, and which keys it has in an input.
 inline constexpr double unbounded = std::numeric_limits<double>::infinity();
 inline constexpr std::array demiray_parameters{
-    pliant::ParameterInfo{"shear_modulus", "Pa", 0.0, unbounded, "stiffness against change of shape at small strain"},
+    pliant::ParameterInfo{"shear_modulus", "Pa", 0.0, unbounded, "stiffness in shear at small strain"},
     pliant::ParameterInfo{"stiffening", "1", 0.0, unbounded, "how fast the stiffness grows with the strain"},
-    pliant::ParameterInfo{"bulk_modulus", "Pa", 0.0, unbounded, "stiffness against change of volume at small strain"}};
+    pliant::ParameterInfo{"bulk_modulus", "Pa", 0.0, unbounded, "stiffness against volume change at small strain"}};
 inline constexpr pliant::LawInfo demiray_info{
     Demiray<double>::name, "psi = mu/(2 b) (exp(b (I1b - 3)) - 1) + kappa U(J), b: stiffening", demiray_parameters,
     "Demiray, J. Biomech. 5 (1972)", "soft tissue that stiffens with strain"};

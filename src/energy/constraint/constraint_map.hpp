@@ -35,8 +35,8 @@ class ConstraintMap {
   void set_rigidity(Rigidity rigidity);
   /// Begins a stage, to which all following calls refer; q: a guess of its end.
   void begin_stage(const StagePoint& stage, Vec q);
-  /// LinearTies::lead.
-  void lead(double part) { ties_.lead(part); }
+  /// LinearTies::set_prescribed_fraction.
+  void set_prescribed_fraction(double fraction) { ties_.set_prescribed_fraction(fraction); }
   /// q = T(y).
   void expand(Vec y, Vec q) const;
   /// Evaluates `jacobian` and `test_matrix` at y.

@@ -49,12 +49,12 @@ void LinearTies::begin_stage(const StagePoint& stage, Vec q) {
           stage.accepted != nullptr ? accepted[slave.local_entry] - followed[slave.local_entry] : u;
     }
   }
-  lead(1.0);
+  set_prescribed_fraction(1.0);
 }
 
-void LinearTies::lead(double part) {
+void LinearTies::set_prescribed_fraction(double fraction) {
   check(VecCopy(end_offset_.get(), offset_.get()));
-  if (part != 1.0) check(VecAXPBY(offset_.get(), 1.0 - part, part, start_offset_.get()));
+  if (fraction != 1.0) check(VecAXPBY(offset_.get(), 1.0 - fraction, fraction, start_offset_.get()));
 }
 
 void LinearTies::put_slaves(Vec y, Vec q) const {

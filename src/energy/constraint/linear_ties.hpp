@@ -24,11 +24,12 @@ class LinearTies {
   /// `slaves`: those of all ranks. `given`: the displacements that their given terms refer to.
   LinearTies(const NodeLayout& layout, std::span<const Slave> slaves, std::vector<GivenDisplacement> given);
 
-  /// Begins a stage, to which all following calls of `lead` and `put_slaves` refer; q: a guess of its end.
+  /// Begins a stage, to which all following calls of `set_prescribed_fraction` and `put_slaves` refer; q: a guess of
+  /// its end.
   void begin_stage(const StagePoint& stage, Vec q);
   /// Sets g to its value at a fraction of the way from the accepted state (0) to the end of the stage (1), which is
   /// where begin_stage leaves it.
-  void lead(double part);
+  void set_prescribed_fraction(double fraction);
   /// The entries of slaves in q follow from the others in y.
   void put_slaves(Vec y, Vec q) const;
 

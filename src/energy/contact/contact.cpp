@@ -150,21 +150,22 @@ double Contact::max_step(const LocalStage& stage, std::span<const double> q, std
   return bound;
 }
 
-void Contact::carry_along(const LocalStage& stage, std::span<Vector3<double>> ways, std::span<double> nearness) const {
+void Contact::follow_obstacle(const LocalStage& stage, std::span<Vector3<double>> displacements,
+                              std::span<double> closeness) const {
   if (surface_->law().kind != NormalKind::barrier || !obstacle_->moves() || stage.accepted.empty()) return;
-  constexpr double near_ways = 2.0, far_ways = 5.0;
+  constexpr double near_multiple = 2.0, far_multiple = 5.0;
   const ObstacleFrame start = obstacle_->at(Instant{stage.step_start, stage.load_factor});
   const ObstacleFrame end = obstacle_->at(instant_of(stage));
-  for (std::size_t a = 0; a < ways.size(); ++a) {
+  for (std::size_t a = 0; a < displacements.size(); ++a) {
     const Vector3<double> x = surface_->position(static_cast<PetscInt>(a), stage.accepted);
-    const Vector3<double> way = end.place(start.in_shape(x)) - x;
-    const double length = norm(way);
+    const Vector3<double> displacement = end.place(start.in_shape(x)) - x;
+    const double length = norm(displacement);
     if (length == 0.0) continue;
     const double gap = std::max(0.0, start.distance(x) - surface_->law().threshold);
-    const double near = std::clamp((far_ways - gap / length) / (far_ways - near_ways), 0.0, 1.0);
-    if (near <= nearness[a]) continue;
-    ways[a] = way;
-    nearness[a] = near;
+    const double near = std::clamp((far_multiple - gap / length) / (far_multiple - near_multiple), 0.0, 1.0);
+    if (near <= closeness[a]) continue;
+    displacements[a] = displacement;
+    closeness[a] = near;
   }
 }
 

@@ -37,7 +37,8 @@ class Contact final : public EnergyTerm {
   double max_step(const LocalStage& stage, std::span<const double> q, std::span<const double> d) const override;
 
   /// Nodes nearer than twice the displacement count as touching; from five times on they count as far.
-  void carry_along(const LocalStage& stage, std::span<Vector3<double>> ways, std::span<double> nearness) const override;
+  void follow_obstacle(const LocalStage& stage, std::span<Vector3<double>> displacements,
+                       std::span<double> closeness) const override;
 
   const ContactSurface& surface() const { return *surface_; }
   const Obstacle& obstacle() const { return *obstacle_; }

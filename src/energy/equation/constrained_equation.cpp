@@ -147,8 +147,8 @@ bool ConstrainedEquation::refreeze(Vec y) {
   return equation_.refreeze(x_.get());
 }
 
-bool ConstrainedEquation::carry_along(Carried which, Vec y) {
-  if (!equation_.carry_along(which, x_.get())) return false;
+bool ConstrainedEquation::follow_obstacles(Followers which, Vec y) {
+  if (!equation_.follow_obstacles(which, x_.get())) return false;
   restrict(x_.get(), y);
   return true;
 }
@@ -240,9 +240,9 @@ void ConstrainedEquation::extrapolate_from(Vec y) {
   equation_.extrapolate_from(y != nullptr ? x_.get() : nullptr);
 }
 
-double ConstrainedEquation::max_way(Vec y, Vec d) {
+double ConstrainedEquation::max_step_to_wall(Vec y, Vec d) {
   expand_direction(y, d);
-  return equation_.max_way(x_.get(), d_.get());
+  return equation_.max_step_to_wall(x_.get(), d_.get());
 }
 
 double ConstrainedEquation::force_scale(Vec y) {

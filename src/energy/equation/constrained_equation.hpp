@@ -39,11 +39,11 @@ class ConstrainedEquation final : public StageEquation {
   std::size_t num_rank_one() const override { return equation_.num_rank_one(); }
   void rank_one_parts(Vec y, std::vector<RankOne>& parts) override;
   double max_step(Vec y, Vec d) override;
-  double max_way(Vec y, Vec d) override;
+  double max_step_to_wall(Vec y, Vec d) override;
   void extrapolate_from(Vec y) override;
   bool is_static() const override { return equation_.is_static(); }
-  bool carry_along(Carried which, Vec y) override;
-  void lead(double part) override { map_.lead(part); }
+  bool follow_obstacles(Followers which, Vec y) override;
+  void set_prescribed_fraction(double fraction) override { map_.set_prescribed_fraction(fraction); }
   double force_scale(Vec y) override;
   double inertia_scale() override { return equation_.inertia_scale(); }
   double rounding_floor(Vec y) const override;

@@ -13,7 +13,7 @@
 namespace pliant {
 namespace {
 
-/// How much more than they may do frozen coefficients are let do: what changes from step to step in steady sliding.
+/// How far frozen coefficients may exceed their bound: by the change from step to step in steady sliding.
 constexpr double drag_excess = 1e-3;
 
 }  // namespace
@@ -220,7 +220,7 @@ std::optional<Coarsening> IncrementalPotential::make_coarsening() const {
 }
 
 std::unique_ptr<NodalRotations> IncrementalPotential::make_rotations() const {
-  if (std::ranges::any_of(terms_.all(), [](const EnergyTerm* term) { return !term->declaration().turns; }))
+  if (std::ranges::any_of(terms_.all(), [](const EnergyTerm* term) { return !term->declaration().rotates_with_body; }))
     return nullptr;
   return std::make_unique<NodalRotations>(layout_, prescribed_);
 }
@@ -238,7 +238,7 @@ double IncrementalPotential::max_step(Vec q, Vec d) {
   return minimum(layout_.comm, mine);
 }
 
-double IncrementalPotential::max_way(Vec q, Vec d) {
+double IncrementalPotential::max_step_to_wall(Vec q, Vec d) {
   double mine = std::numeric_limits<double>::infinity();
   if (std::ranges::none_of(terms_.all(), [](const EnergyTerm* term) { return term->declaration().is_wall; }))
     return mine;
@@ -252,7 +252,7 @@ double IncrementalPotential::max_way(Vec q, Vec d) {
 bool IncrementalPotential::move_rigidly(Vec q) {
   const LocalStage& stage = terms_.arrays().stage();
   if (free_bodies_.empty() || stage.accepted.empty()) return false;
-  // Where inertia alone would lead.
+  // The state that inertia alone would reach.
   check(VecWAXPY(work_.get(), stage.dt, terms_.arrays().v0(), terms_.arrays().q0()));
   check(VecCopy(terms_.arrays().accepted(), q));
   for (const auto& nodes : free_bodies_) {
@@ -262,7 +262,7 @@ bool IncrementalPotential::move_rigidly(Vec q) {
     for (const PetscInt a : nodes) {
       const Vector3<double> X = layout_.position(a);
       const Vector3<double> now = {X[0] + u[3 * a], X[1] + u[3 * a + 1], X[2] + u[3 * a + 2]};
-      // x = x_to(x_from^-1(now)): small differences survive, as both rotations are nearly one.
+      // x = x_to(x_from^-1(now)): small differences survive, because the two rotations are nearly equal.
       const Vector3<double> moved = moved_from(from, to, now);
       for (std::size_t i = 0; i < 3; ++i) u[3 * a + static_cast<PetscInt>(i)] += moved[i];
     }
@@ -270,31 +270,33 @@ bool IncrementalPotential::move_rigidly(Vec q) {
   return true;
 }
 
-bool IncrementalPotential::carry_along(Carried which, Vec q) {
+bool IncrementalPotential::follow_obstacles(Followers which, Vec q) {
   if (terms_.arrays().stage().accepted.empty()) return false;
   terms_.arrays().return_to_accepted();
-  std::vector<Vector3<double>> ways(static_cast<std::size_t>(layout_.num_local_nodes));
-  std::vector<double> nearness(ways.size(), 0.0);
-  for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k].carry_along(terms_.stage_of(k), ways, nearness);
-  if (which == Carried::bodies) {
-    // The mean way of what is nearest, of all ranks.
+  std::vector<Vector3<double>> displacements(static_cast<std::size_t>(layout_.num_local_nodes));
+  std::vector<double> closeness(displacements.size(), 0.0);
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    terms_[k].follow_obstacle(terms_.stage_of(k), displacements, closeness);
+  }
+  if (which == Followers::bodies) {
+    // The mean displacement of the nearest nodes, over all ranks.
     std::vector<double> sums(4, 0.0);
     for (PetscInt a = 0; a < layout_.num_owned_nodes; ++a) {
-      if (nearness[a] < 1.0) continue;
-      for (std::size_t i = 0; i < 3; ++i) sums[i] += ways[a][i];
+      if (closeness[a] < 1.0) continue;
+      for (std::size_t i = 0; i < 3; ++i) sums[i] += displacements[a][i];
       sums[3] += 1.0;
     }
     sum_in_place(layout_.comm, sums);
     if (sums[3] == 0.0) return false;
-    std::ranges::fill(ways, (1.0 / sums[3]) * Vector3<double>{sums[0], sums[1], sums[2]});
-    std::ranges::fill(nearness, 1.0);
-  } else if (!any_rank(layout_.comm, std::ranges::any_of(nearness, [](double near) { return near > 0.0; }))) {
+    std::ranges::fill(displacements, (1.0 / sums[3]) * Vector3<double>{sums[0], sums[1], sums[2]});
+    std::ranges::fill(closeness, 1.0);
+  } else if (!any_rank(layout_.comm, std::ranges::any_of(closeness, [](double near) { return near > 0.0; }))) {
     return false;
   }
   check(VecCopy(terms_.arrays().accepted(), q));
   const ArrayView u(q);
   for (PetscInt a = 0; a < layout_.num_owned_nodes; ++a) {
-    for (PetscInt i = 0; i < 3; ++i) u[3 * a + i] += nearness[a] * ways[a][static_cast<std::size_t>(i)];
+    for (PetscInt i = 0; i < 3; ++i) u[3 * a + i] += closeness[a] * displacements[a][static_cast<std::size_t>(i)];
   }
   return true;
 }

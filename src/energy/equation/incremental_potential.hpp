@@ -25,17 +25,17 @@ class IncrementalPotential final : public StageEquation {
 
   std::span<const EnergyTerm* const> terms() const { return terms_.all(); }
 
-  /// The stage that all following calls speak of.
+  /// Begins the stage to which all following calls refer.
   void begin_stage(const StagePoint& stage);
   StagePoint enter(const StagePoint& stage, Vec q, Vec xi) override;
   void freeze(Vec q) override;
   bool refreeze(Vec q) override;
 
-  /// Phi(q) [J] but for a constant of the stage; +inf where a barrier is crossed or a number is not finite.
+  /// Phi(q) [J] up to a constant of the stage; +inf where a barrier is crossed or a number is not finite.
   double value(Vec q) override;
   /// r = dPhi/dq [N], zero on prescribed entries.
   void gradient(Vec q, Vec r) override;
-  /// The same with what it takes to hold the prescribed entries: the reactions stand there.
+  /// Likewise, with the reactions (forces that hold them) in the prescribed entries.
   void gradient_with_reactions(Vec q, Vec r);
   /// The sum of the gradients of some terms.
   void gradient_of(const std::function<bool(const EnergyTerm&)>& wanted, Vec q, Vec r);
@@ -45,24 +45,24 @@ class IncrementalPotential final : public StageEquation {
   Handle<Mat> make_hessian() const override;
   std::optional<Coarsening> make_coarsening() const override;
   std::unique_ptr<NodalRotations> make_rotations() const override;
-  /// K = d2Phi/dq2 [N/m]; rows and columns of prescribed entries are zero but for the diagonal.
+  /// K = d2Phi/dq2 [N/m]; rows and columns of prescribed entries are zero except for the diagonal.
   void hessian(Vec q, Mat K, Projection projection) override;
   void extrapolate_from(Vec q) override { terms_.arrays().extrapolate_from(q); }
   bool is_static() const override;
   std::size_t num_rank_one() const override { return terms_.functions_of_sum().size(); }
   void rank_one_parts(Vec q, std::vector<RankOne>& parts) override;
   bool move_rigidly(Vec q) override;
-  bool carry_along(Carried which, Vec q) override;
+  bool follow_obstacles(Followers which, Vec q) override;
   /// The largest alpha for which q + alpha d stays clear of all barriers; less where d is too long to look for all
   /// pairs on the way (StageArrays::along).
   double max_step(Vec q, Vec d) override;
-  double max_way(Vec q, Vec d) override;
+  double max_step_to_wall(Vec q, Vec d) override;
   /// Sum over the terms of the norms of their gradients [N]: the size of the forces that must balance. Prescribed
-  /// entries count, as what holds them balances too: of a body under uniform stress there are no other forces.
+  /// entries count, because reactions balance too: a body under uniform stress has no other forces.
   double force_scale(Vec q) override;
   double inertia_scale() override;
-  /// Size of the rounding errors in the gradient at q [N]: |eps K_ii u_i|, with the diagonal of the last Hessian, and
-  /// eps c |g| sum |g_i u_i| of the last parts of rank one.
+  /// Size of the rounding errors in the gradient at q [N]: |eps K_ii u_i| with the diagonal of the last Hessian, and
+  /// eps c |g| sum |g_i u_i| with its rank-one terms.
   double rounding_floor(Vec q) const override;
 
   std::vector<std::string> non_potentials() const override;
@@ -80,7 +80,7 @@ class IncrementalPotential final : public StageEquation {
  private:
   /// A zero matrix of a pattern, with the properties of the Hessian.
   Handle<Mat> make_hessian_of(const BlockPattern& pattern) const;
-  /// Gives K the pattern of cells and pairs, unless it has it. Collective.
+  /// Gives K the pattern of cells and pairs, unless it already has it. Collective.
   void fit(Mat K);
   /// r = the rows of owned nodes.
   void take_owned(std::span<const double> rows, Vec r) const;

@@ -11,7 +11,7 @@
 namespace pliant {
 namespace {
 
-/// Where each rank's numbers start, and their total.
+/// The first number of each rank, and the total.
 std::vector<PetscInt> starts(MPI_Comm comm, PetscInt mine) {
   int size = 1;
   check_mpi(MPI_Comm_size(comm, &size));
@@ -242,7 +242,7 @@ void MixedEquation::for_each_coupling(std::span<const double> q, const Visit& vi
 }
 
 Handle<Mat> MixedEquation::make_hessian() const {
-  // The entries of K as its two parts hold them, then what couples the pressures.
+  // The entries of K in the order of its two parts, then those that couple the pressures.
   std::vector<PetscInt> rows, columns;
   Mat parts[2] = {nullptr, nullptr};
   const PetscInt* others = nullptr;  // columns of the second part, over all ranks
@@ -322,10 +322,10 @@ double MixedEquation::max_step(Vec x, Vec d) {
   return potential_.max_step(q_.get(), d_.get());
 }
 
-double MixedEquation::max_way(Vec x, Vec d) {
+double MixedEquation::max_step_to_wall(Vec x, Vec d) {
   take_displacement(x, q_.get());
   take_displacement(d, d_.get());
-  return potential_.max_way(q_.get(), d_.get());
+  return potential_.max_step_to_wall(q_.get(), d_.get());
 }
 
 bool MixedEquation::move_rigidly(Vec x) {

@@ -1,12 +1,12 @@
 /// The equation of a stage with pressures: displacements and pressures as unknowns of one saddle point.
 ///
-/// Unknowns x = (q, y), per rank the owned displacements, then the owned pressures p = s y, where s [Pa/m] is the
-/// stiffness against shear over the size of a cell: y and its equations have then the units and the size of q and of
-/// its forces. With Pi the stage's potential (energy/mixed.hpp)
+/// Unknowns x = (q, y): on each rank the owned displacements, then the owned pressures p = s y, where s [Pa/m] is the
+/// shear modulus over the size of a cell. This gives y and its equations the units and the size of q and of its forces.
+/// With Pi the stage's potential (energy/volume/mixed.hpp)
 ///
 ///     r = (dPi/dq, s dPi/dp),   matrix [K, s B; s B^T, -s^2 C],   K = d2Pi/dq2
 ///
-/// The matrix of a stable state has one negative eigenvalue for each pressure, no more.
+/// The matrix of a stable state has exactly one negative eigenvalue for each pressure.
 #pragma once
 
 #include "energy/equation/incremental_potential.hpp"
@@ -20,17 +20,17 @@ namespace pliant {
 
 class MixedEquation final : public StageEquation {
  public:
-  /// `potential` is the sum of all terms, of which `mixed` are those with pressures, of `pressures`. The references
-  /// outlive the object. `rigid_parts`: for each local node the rigid part that it belongs to, 0 if none; or nothing.
+  /// `potential` is the sum of all terms; `mixed` are those of them with pressures, numbered by `pressures`. The
+  /// references outlive the object. `rigid_parts`: for each local node its rigid part, 0 if none; may be empty.
   /// Collective.
   MixedEquation(IncrementalPotential& potential, const NodeLayout& layout, std::vector<const MixedTerm*> mixed,
                 PressureField& pressures, std::span<const int> rigid_parts = {});
 
   const PressureLayout& pressure_layout() const { return pressures_.layout(); }
-  /// The pressures, from which the next solve starts. Collective.
+  /// Sets the pressures from which the next solve starts. Collective.
   void keep(Archive& archive);
 
-  /// The guess of the pressures are those of the last solution.
+  /// The guess of the pressures is their last solution.
   StagePoint enter(const StagePoint& stage, Vec q, Vec x) override;
   void leave(Vec x, Vec q) override;
   void give_up() override;
@@ -46,7 +46,7 @@ class MixedEquation final : public StageEquation {
   bool is_static() const override { return potential_.is_static(); }
   bool move_rigidly(Vec x) override;
   double max_step(Vec x, Vec d) override;
-  double max_way(Vec x, Vec d) override;
+  double max_step_to_wall(Vec x, Vec d) override;
   double force_scale(Vec x) override;
   double inertia_scale() override { return potential_.inertia_scale(); }
   double rounding_floor(Vec x) const override;
@@ -60,12 +60,12 @@ class MixedEquation final : public StageEquation {
   Handle<Vec> make_vector() const override;
 
  private:
-  /// Places in x, global, of a local displacement and of a local pressure.
+  /// Global indices in x of a local displacement and of a local pressure.
   PetscInt global_displacement(PetscInt entry) const;
   PetscInt global_pressure(PetscInt pressure) const;
   bool is_prescribed(PetscInt node, int component) const { return potential_.prescribed()[3 * node + component] != 0; }
-  /// Finds the pressures that nothing depends on: of cells that cannot be compressed, and whose motion is given or
-  /// rigid. They are 0.
+  /// Finds pressures without influence: those of incompressible cells whose motion is prescribed or rigid. They are set
+  /// to 0.
   void find_idle_pressures(std::span<const int> rigid_parts);
   /// Calls `visit(row, column, value)` for the entries that couple pressures, always in the same order.
   template <class Visit>
@@ -91,7 +91,7 @@ class MixedEquation final : public StageEquation {
   std::vector<RankOne> rank_one_;  // of the potential
   Handle<Vec> q_, r_, d_, work_, last_pressures_;
   Handle<Vec> q0_, v0_, accepted_;  // of the stage, in x
-  std::vector<double> values_;      // of the matrix's entries, in the order of its coordinates
+  std::vector<double> values_;      // of the matrix's entries, in coordinate (COO) order
 };
 
 }  // namespace pliant

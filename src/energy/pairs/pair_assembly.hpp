@@ -36,7 +36,7 @@ class PairAssembly {
   /// The pattern of cells and pairs, and the elimination of prescribed entries from it; renewed by `fit`.
   const BlockPattern& pattern() const { return *pattern_; }
   const RowElimination& elimination() const { return *elimination_; }
-  /// Sees to it that the pattern contains all pairs that are near; false if it did already. Collective.
+  /// Extends the pattern to all pairs that are near; false if it contains them already. Collective.
   bool fit();
 
  private:

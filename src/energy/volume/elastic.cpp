@@ -19,7 +19,7 @@ class ElasticTermOf final : public ElasticTerm {
 
   std::string_view name() const override { return "elastic"; }
   TermDeclaration declaration() const override {
-    return {.depends_on_time = shortening_ != nullptr, .turns = !law_->traits().constant_tangent};
+    return {.depends_on_time = shortening_ != nullptr, .rotates_with_body = !law_->traits().constant_tangent};
   }
 
   double value(const LocalStage& stage, std::span<const double> q) const override {
