@@ -256,7 +256,8 @@ void check_contact(const Config& config, const InputNode& root, Diagnostics& dia
     const InputNode* name = given(obstacles->children[k], {"name"});
     names.push_back(o.name);
     places.push_back(name != nullptr ? name->where : o.where);
-    if (o.shape == ObstacleConfig::Shape::capsule && given(obstacles->children[k], {"length"}) == nullptr) {
+    if (std::holds_alternative<ObstacleConfig::Capsule>(o.shape) &&
+        given(obstacles->children[k], {"length"}) == nullptr) {
       diagnostics.add(o.where, "missing key 'length' in " + numbered("obstacles", k) + ", which a capsule needs");
     }
     const auto has_name = [&](const ConstraintConfig& c) { return !o.name.empty() && c.part.name == o.name; };
@@ -269,7 +270,7 @@ void check_contact(const Config& config, const InputNode& root, Diagnostics& dia
   check_unique(names, places, "obstacle name", diagnostics);
 
   const InputNode* law = given(*contact, {"law"});
-  if (config.contact->law != NormalKind::barrier || law == nullptr || config.time.method.value.empty()) return;
+  if (config.contact->pressure.law != NormalKind::barrier || law == nullptr || config.time.method.value.empty()) return;
   const std::string& method = config.time.method.value;
   if (method == static_method || method == quasistatic_method) return;
   if (const Method* own = method_of(config.time); own != nullptr && own->stiffly_accurate) return;
@@ -333,8 +334,10 @@ void complete_defaults(Config& config, const InputNode& root) {
   if (!mesh.empty() && mesh.is_relative()) config.mesh.file.value = (input.parent_path() / mesh).string();
   if (config.contact) {
     for (ObstacleConfig& o : config.contact->obstacles) {
-      const fs::path file(o.file.value);
-      if (!file.empty() && file.is_relative()) o.file.value = (input.parent_path() / file).string();
+      auto* surface = std::get_if<ObstacleConfig::Surface>(&o.shape);
+      if (surface == nullptr) continue;
+      const fs::path file(surface->file.value);
+      if (!file.empty() && file.is_relative()) surface->file.value = (input.parent_path() / file).string();
     }
   }
   if (config.output.directory.empty()) config.output.directory = (fs::path("out") / input.stem()).string();

@@ -12,6 +12,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace pliant {
@@ -186,33 +187,64 @@ struct ObstacleMotionConfig {
   std::optional<Rotation> rotate;
 };
 
-struct ObstacleConfig {
-  enum class Shape { plane, sphere, cylinder, capsule, box, surface };
-  enum class Side { outside, inside };
-  std::string name;
-  Shape shape = Shape::plane;
-  std::array<double, 3> point{};   ///< of the plane, or the centre [m]
-  std::array<double, 3> normal{};  ///< plane; of any length
-  std::array<double, 3> axis{};    ///< cylinder, capsule; of any length
-  double radius = 0;               ///< sphere, cylinder, capsule [m]
-  std::optional<double> length;    ///< cylinder (empty: endless), capsule [m]
-  std::array<double, 3> size{};    ///< box [m]
-  Located<std::string> file;       ///< surface; resolved against the input file's directory
-  double scale = 1;                ///< surface
-  Side side = Side::outside;       ///< where the bodies are
+/// The pressure of a contact as a function of the distance.
+struct ContactPressureConfig {
+  NormalKind law = NormalKind::penalty;
+  std::optional<double> stiffness;  ///< [Pa/m]; default: from material and mesh
+  std::optional<double> width;      ///< [m]; default: from the mesh
+  double threshold = 0;             ///< [m]
+};
+
+/// What resists the velocity in a contact, in proportion to the pressure.
+struct ContactDragConfig {
   double friction = 0;
   double viscous_friction = 0;  ///< [s/m]
   double normal_damping = 0;    ///< [s/m]
+};
+
+struct ObstacleConfig {
+  /// Bounds half of space at the obstacle's point.
+  struct Plane {
+    std::array<double, 3> normal;  ///< towards the bodies, of any length
+  };
+  struct Sphere {
+    double radius;  ///< [m]
+  };
+  /// With flat ends.
+  struct Cylinder {
+    std::array<double, 3> axis;    ///< of any length
+    double radius;                 ///< [m]
+    std::optional<double> length;  ///< [m]; empty: endless
+  };
+  /// With round ends.
+  struct Capsule {
+    std::array<double, 3> axis;  ///< of any length
+    double radius;               ///< [m]
+    double length;               ///< between the centres of the ends [m]
+  };
+  struct Box {
+    std::array<double, 3> size;  ///< [m]
+  };
+  /// Closed, of triangles.
+  struct Surface {
+    Located<std::string> file;  ///< resolved against the input file's directory
+    double scale;
+  };
+  using Shape = std::variant<Plane, Sphere, Cylinder, Capsule, Box, Surface>;
+  enum class Side { outside, inside };
+
+  std::string name;
+  Shape shape;
+  std::array<double, 3> point{};  ///< of the plane, or the middle of the others [m]
+  Side side = Side::outside;      ///< where the bodies are
+  ContactDragConfig drag;
   std::optional<ObstacleMotionConfig> motion;
   Location where;
 };
 
 struct ContactConfig {
   Selection part;  ///< facets that take part: surface, box, where, or all of the surface
-  NormalKind law = NormalKind::penalty;
-  std::optional<double> stiffness;  ///< [Pa/m]; default: from material and mesh
-  std::optional<double> width;      ///< [m]; default: from the mesh
-  double threshold = 0;             ///< [m]
+  ContactPressureConfig pressure;
   FrictionUpdate friction_update = FrictionUpdate::iterated;
   double stick_velocity = 0;  ///< [m/s]
   std::vector<ObstacleConfig> obstacles;

@@ -84,7 +84,9 @@ std::string dump(const Config& config) {
   };
   make_absolute(portable.mesh.file.value);
   if (portable.contact) {
-    for (ObstacleConfig& obstacle : portable.contact->obstacles) make_absolute(obstacle.file.value);
+    for (ObstacleConfig& obstacle : portable.contact->obstacles) {
+      if (auto* surface = std::get_if<ObstacleConfig::Surface>(&obstacle.shape)) make_absolute(surface->file.value);
+    }
   }
   return to_yaml(write_config(portable));
 }

@@ -262,6 +262,7 @@ struct Field {
   std::optional<InputNode> fallback = {};  ///< read where the key is not given
   std::function<void(const InputNode&, Diagnostics&, T&)> read = {};
   std::function<InputNode(const T&)> write = {};
+  std::vector<Anchor> anchors = {};  ///< if given, the key stands only beside one of these
 
   Field required() && {
     info.need = KeyInfo::Need::required;
@@ -280,6 +281,11 @@ struct Field {
     info.fallback_words = std::move(words);
     return std::move(*this);
   }
+  /// The key belongs to these: it stands only beside one of them, and is needed there unless it has a default.
+  Field only_beside(std::vector<Anchor> owners) && {
+    anchors = std::move(owners);
+    return std::move(*this);
+  }
   /// The key is left out when writing where this holds.
   Field left_out_if(std::function<bool(const T&)> condition) && {
     write = [condition = std::move(condition), full = std::move(write)](const T& from) {
@@ -289,12 +295,18 @@ struct Field {
   }
 };
 
+template <class V>
+KeyInfo info_of(const std::string& key, const Format<V>& format, const std::string& description) {
+  KeyInfo info{key, format.type, description};
+  info.schema = format.schema;
+  info.children = format.children;
+  info.groups = format.groups;
+  return info;
+}
+
 template <class T, class M, class V>
 Field<T> field(const std::string& key, M T::*member, const Format<V>& format, const std::string& description) {
-  Field<T> result{{key, format.type, description}};
-  result.info.schema = format.schema;
-  result.info.children = format.children;
-  result.info.groups = format.groups;
+  Field<T> result{info_of(key, format, description)};
   if (result.info.has_type("object") && !is_optional<M>) result.fallback = InputNode::map({});  // its keys' defaults
   result.read = [key, member, read = format.read](const InputNode& node, Diagnostics& diagnostics, T& into) {
     V value{};
@@ -313,12 +325,12 @@ Field<T> selector(const std::string& key, Selection::Kind kind, const std::strin
   return field(key, &T::part, selection(kind), description);
 }
 
-/// The keys of a map that is read into T.
+/// The keys of a map that is read into T, in the order in which they are read.
 template <class T>
 struct Section {
   std::vector<Field<T>> fields;
-  std::vector<KeyGroup> groups = {};
-  Location T::*where = nullptr;  ///< where T keeps the map's place
+  std::vector<KeyGroup> groups = {};  ///< besides those of fields that have anchors
+  Location T::*where = nullptr;       ///< where T keeps the map's place
 
   void read(const InputNode& node, Diagnostics& diagnostics, T& into) const {
     if (where != nullptr) into.*where = node.where;
@@ -332,6 +344,15 @@ struct Section {
         f.read(fallback, diagnostics, into);
       }
     }
+  }
+  std::vector<KeyGroup> all_groups() const {
+    std::vector<KeyGroup> all = groups;
+    for (const Field<T>& f : fields) {
+      if (f.anchors.empty()) continue;
+      const bool has_default = f.fallback || !f.info.fallback_words.empty();
+      all.push_back({{f.info.key}, has_default ? KeyGroup::Need::any : KeyGroup::Need::all, f.anchors});
+    }
+    return all;
   }
   InputNode write(const T& from) const {
     std::vector<InputNode> entries;
@@ -348,7 +369,7 @@ template <class T>
 Format<T> map_of(const Section<T>& section) {
   Format<T> format{"with the keys below", {}, {}, {}};
   for (const Field<T>& f : section.fields) format.children.push_back(f.info);
-  format.groups = section.groups;
+  format.groups = section.all_groups();
   format.schema = object_schema(format.children, format.groups);
   KeyInfo info;
   info.children = format.children;

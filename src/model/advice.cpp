@@ -194,7 +194,7 @@ std::vector<Diagnostic> notes_of_idle_keys(const Config& config) {
   if (method == quasistatic_method) note_if(has_velocity, "the initial velocity has");
   if (method != static_method) return notes;
   const auto resists = [](const ObstacleConfig& o) {
-    return o.friction > 0.0 || o.viscous_friction > 0.0 || o.normal_damping > 0.0;
+    return o.drag.friction > 0.0 || o.drag.viscous_friction > 0.0 || o.drag.normal_damping > 0.0;
   };
   note_if(has_viscosity(config), "viscosity has");
   note_if(has_dashpots(config), "dashpots have");

@@ -24,24 +24,63 @@ constexpr double spacing_per_facet = 0.5;
 /// Less deep than this part of the width a surface touches and is not pushed.
 constexpr double least_push = 1e-6;
 
-/// Collective.
-std::unique_ptr<SignedDistance> shape_of(MPI_Comm comm, const ObstacleConfig& o) {
-  switch (o.shape) {
-    case ObstacleConfig::Shape::plane:
-      return make_distance(PlaneShape{o.point, unit(o.normal)});
-    case ObstacleConfig::Shape::sphere:
-      return make_distance(SphereShape{o.point, o.radius});
-    case ObstacleConfig::Shape::cylinder:
-      return make_distance(
-          CylinderShape{o.point, unit(o.axis), o.radius, o.length.value_or(std::numeric_limits<double>::infinity())});
-    case ObstacleConfig::Shape::capsule:
-      return make_distance(CapsuleShape{o.point, unit(o.axis), o.radius, o.length.value_or(0.0)});
-    case ObstacleConfig::Shape::surface:
-      return make_distance(read_surface(comm, {o.file.value, o.file.where, {}, o.scale}));
-    case ObstacleConfig::Shape::box:
-      break;
+constexpr double endless = std::numeric_limits<double>::infinity();
+
+/// The signed distance of each shape at a point. Collective.
+struct DistanceOf {
+  MPI_Comm comm;
+  const Vector3<double>& point;
+  using Result = std::unique_ptr<SignedDistance>;
+
+  Result operator()(const ObstacleConfig::Plane& plane) const {
+    return make_distance(PlaneShape{point, unit(plane.normal)});
   }
-  return make_distance(BoxShape{o.point, o.size});
+  Result operator()(const ObstacleConfig::Sphere& sphere) const {
+    return make_distance(SphereShape{point, sphere.radius});
+  }
+  Result operator()(const ObstacleConfig::Cylinder& cylinder) const {
+    return make_distance(CylinderShape{point, unit(cylinder.axis), cylinder.radius, cylinder.length.value_or(endless)});
+  }
+  Result operator()(const ObstacleConfig::Capsule& capsule) const {
+    return make_distance(CapsuleShape{point, unit(capsule.axis), capsule.radius, capsule.length});
+  }
+  Result operator()(const ObstacleConfig::Box& box) const { return make_distance(BoxShape{point, box.size}); }
+  Result operator()(const ObstacleConfig::Surface& surface) const {
+    return make_distance(read_surface(comm, {surface.file.value, surface.file.where, {}, surface.scale}));
+  }
+};
+
+/// The second largest of the extents: of a sheet the breadth, since points find its face.
+double second_extent(Vector3<double> extent) {
+  std::ranges::sort(extent);
+  return extent[1];
+}
+
+/// The width of each shape that may pass between contact points [m].
+struct WidthOf {
+  const Obstacle& obstacle;
+
+  double operator()(const ObstacleConfig::Plane&) const { return endless; }
+  double operator()(const ObstacleConfig::Sphere& sphere) const { return 2.0 * sphere.radius; }
+  double operator()(const ObstacleConfig::Cylinder& cylinder) const { return 2.0 * cylinder.radius; }
+  double operator()(const ObstacleConfig::Capsule& capsule) const { return 2.0 * capsule.radius; }
+  double operator()(const ObstacleConfig::Box& box) const { return second_extent(box.size); }
+  double operator()(const ObstacleConfig::Surface&) const {
+    Vector3<double> low{endless, endless, endless}, high = -1.0 * low;
+    for (const TrianglePatch& triangle : obstacle.shape().drawing({}, 0.0)) {
+      for (const auto& corner : triangle) {
+        for (std::size_t i = 0; i < 3; ++i) {
+          low[i] = std::min(low[i], corner[i]);
+          high[i] = std::max(high[i], corner[i]);
+        }
+      }
+    }
+    return second_extent(high - low);
+  }
+};
+
+double width_of(const ObstacleConfig& o, const Obstacle& obstacle) {
+  return o.side == ObstacleConfig::Side::inside ? endless : std::visit(WidthOf{obstacle}, o.shape);
 }
 
 RigidMotion motion_of(const ObstacleConfig& o) {
@@ -101,11 +140,11 @@ double corner_area(const NodeLayout& layout, std::span<const PetscInt> nodes) {
 Contacts::Contacts(const ContactConfig& config, const ContactBodies& bodies)
     : config_(config), layout_(bodies.layout), body_names_(bodies.names) {
   for (const auto& o : config.obstacles) {
-    auto shape = shape_of(layout_.comm, o);
+    auto shape = std::visit(DistanceOf{layout_.comm, o.point}, o.shape);
     if (o.side == ObstacleConfig::Side::inside) shape = hollow(std::move(shape));
     obstacles_.push_back(std::make_shared<const Obstacle>(std::move(shape), motion_of(o)));
+    widths_.push_back(width_of(o, *obstacles_.back()));
   }
-  for (std::size_t k = 0; k < obstacles_.size(); ++k) widths_.push_back(width_of(k));
   add_surfaces(bodies);
 }
 
@@ -139,8 +178,9 @@ void Contacts::add_surfaces(const ContactBodies& bodies) {
     const double total = sum(layout_.comm, area[b]), count = sum(layout_.comm, number[b]);
     const double size = count > 0.0 ? std::sqrt(2.0 * total / count) : 1.0;  // legs of a right triangle
     facet_sizes_.push_back(size);
-    const NormalLaw law{config_.law, config_.stiffness.value_or(shear_moduli_per_facet * bodies.shear_moduli[b] / size),
-                        config_.width.value_or(width_per_facet * size), config_.threshold};
+    const ContactPressureConfig& given = config_.pressure;
+    const NormalLaw law{given.law, given.stiffness.value_or(shear_moduli_per_facet * bodies.shear_moduli[b] / size),
+                        given.width.value_or(width_per_facet * size), given.threshold};
     surfaces_.push_back(std::make_shared<const ContactSurface>(layout_, bodies.pattern, std::move(facets[b]), law));
     if (count == 0.0) continue;
     description_.push_back(
@@ -169,12 +209,13 @@ void Contacts::prepare(const Config& config) {
       auto contact = std::make_unique<Contact>(surfaces_[b], obstacles_[k]);
       pairs_.push_back({k, b, contact.get()});
       add(std::move(contact));
-      if (has_velocity && (o.friction > 0.0 || o.viscous_friction > 0.0)) {
-        add(make_friction(surfaces_[b], obstacles_[k], {o.friction, o.viscous_friction, config_.stick_velocity},
-                          {o.normal_damping}, config_.friction_update));
+      if (has_velocity && (o.drag.friction > 0.0 || o.drag.viscous_friction > 0.0)) {
+        add(make_friction(surfaces_[b], obstacles_[k],
+                          {o.drag.friction, o.drag.viscous_friction, config_.stick_velocity}, {o.drag.normal_damping},
+                          config_.friction_update));
       }
-      if (has_velocity && o.normal_damping > 0.0) {
-        add(make_normal_damping(surfaces_[b], obstacles_[k], {o.normal_damping}, config_.friction_update));
+      if (has_velocity && o.drag.normal_damping > 0.0) {
+        add(make_normal_damping(surfaces_[b], obstacles_[k], {o.drag.normal_damping}, config_.friction_update));
       }
       of_pairs.push_back(std::move(of_pair));
     }
@@ -195,36 +236,13 @@ void Contacts::check_start(const Instant& at, std::span<const double> q) const {
 
 bool Contacts::is_within_bodies(const ObstacleConfig& o, const ObstacleFrame& frame,
                                 const VectorExpression& displacement) const {
-  using Shape = ObstacleConfig::Shape;
-  if (o.shape == Shape::plane || o.shape == Shape::surface || o.side == ObstacleConfig::Side::inside) return false;
+  const bool has_middle = !std::holds_alternative<ObstacleConfig::Plane>(o.shape) &&
+                          !std::holds_alternative<ObstacleConfig::Surface>(o.shape);
+  if (!has_middle || o.side == ObstacleConfig::Side::inside) return false;
   const Vector3<double> x = frame.place(o.point);
   Vector3<double> X = x;  // where the point of a body came from, if bodies only moved as a whole
   for (std::size_t i = 0; i < 3; ++i) X[i] -= displacement[i](x[0], x[1], x[2], 0.0);
   return locate(layout_, X).distance == 0.0;
-}
-
-double Contacts::width_of(std::size_t obstacle) const {
-  using Shape = ObstacleConfig::Shape;
-  const ObstacleConfig& o = config_.obstacles[obstacle];
-  constexpr double endless = std::numeric_limits<double>::infinity();
-  if (o.side == ObstacleConfig::Side::inside) return endless;
-  Vector3<double> extent{endless, endless, endless};
-  if (o.shape == Shape::box) extent = o.size;
-  if (o.shape == Shape::sphere || o.shape == Shape::capsule || o.shape == Shape::cylinder) return 2.0 * o.radius;
-  if (o.shape == Shape::surface) {
-    Vector3<double> low = extent, high = -1.0 * extent;
-    for (const TrianglePatch& triangle : obstacles_[obstacle]->shape().drawing({}, 0.0)) {
-      for (const auto& corner : triangle) {
-        for (std::size_t i = 0; i < 3; ++i) {
-          low[i] = std::min(low[i], corner[i]);
-          high[i] = std::max(high[i], corner[i]);
-        }
-      }
-    }
-    extent = high - low;
-  }
-  std::ranges::sort(extent);
-  return extent[1];  // of a sheet the breadth: points find its face
 }
 
 std::optional<Diagnostic> Contacts::warning_about_push(std::size_t obstacle, std::size_t body, const Instant& at,
@@ -241,11 +259,12 @@ std::optional<Diagnostic> Contacts::warning_about_push(std::size_t obstacle, std
   const double gap = minimum(layout_.comm, mine.gap), num_points = sum(layout_.comm, mine.num_points);
   // Beyond a barrier check_start throws. A surface that just touches is so but for its rounding. Without inertia a push
   // is a load like others.
-  if (!std::isfinite(energy) || gap > surface.law().reach() - config_.threshold - least_push * surface.law().width ||
+  if (!std::isfinite(energy) ||
+      gap > surface.law().reach() - config_.pressure.threshold - least_push * surface.law().width ||
       (!has_inertia_ && -gap <= facet_sizes_[body])) {
     return std::nullopt;
   }
-  const double distance = gap + config_.threshold;
+  const double distance = gap + config_.pressure.threshold;
   const std::string place = distance < 0.0
                                 ? fmt::format("{:.3g} m deep in the obstacle '{}'", -distance, o.name)
                                 : fmt::format("{:.3g} m from the obstacle '{}', where contact acts", distance, o.name);
@@ -254,7 +273,7 @@ std::optional<Diagnostic> Contacts::warning_about_push(std::size_t obstacle, std
       fmt::format("'{}' starts {}, which pushes it at {:.0f} of its contact points and would throw it out with "
                   "{:.3g} J that nothing brought in; move one of them{}",
                   body_names_[body], place, num_points, energy,
-                  o.shape == ObstacleConfig::Shape::plane && -gap > facet_sizes_[body]
+                  std::holds_alternative<ObstacleConfig::Plane>(o.shape) && -gap > facet_sizes_[body]
                       ? ", or turn 'normal' round: it points to where the bodies are"
                       : "")};
 }
@@ -339,7 +358,7 @@ std::optional<std::string> Contacts::passage(const Instant& from, std::span<cons
       "back; {} or a shorter 'time.step' keeps it out",
       body_names_[which % surfaces_.size()], config_.obstacles[which / surfaces_.size()].name, all[first + 2],
       all[first + 3], all[first + 4], all[first],
-      config_.law == NormalKind::barrier
+      config_.pressure.law == NormalKind::barrier
           ? "a finer mesh"
           : "a finer mesh, a larger 'contact.stiffness' (the log says what it is), 'law: barrier'");
 }
@@ -363,7 +382,7 @@ std::vector<NodalContact> Contacts::at_nodes(const Instant& at, double dt, std::
       NodalContact& node = result[a];
       const auto x = layout_.position(a) + vector_at(q, a);
       const DistanceAt distance = frame.at(x);
-      node.gap = std::min(node.gap, distance.d - config_.threshold);
+      node.gap = std::min(node.gap, distance.d - config_.pressure.threshold);
       if (surface_of_node_[a] < 0) continue;
       const double pressure = surfaces_[surface_of_node_[a]]->law()(distance.d).pressure;
       if (pressure <= 0.0) continue;

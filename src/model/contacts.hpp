@@ -59,7 +59,7 @@ class Contacts {
   std::optional<std::string> passage(const Instant& from, std::span<const double> q_from, const Instant& to,
                                      std::span<const double> q_to) const;
 
-  bool has_barrier() const { return config_.law == NormalKind::barrier; }
+  bool has_barrier() const { return config_.pressure.law == NormalKind::barrier; }
 
   /// Throws InputError if a body lies beyond a barrier. Collective.
   void check_start(const Instant& at, std::span<const double> q) const;
@@ -81,8 +81,6 @@ class Contacts {
     const Contact* term;
   };
   void add_surfaces(const ContactBodies& bodies);
-  /// The width of an obstacle that may poke in between contact points [m].
-  double width_of(std::size_t obstacle) const;
   /// A warning if an obstacle pushes a body at the start. Collective.
   std::optional<Diagnostic> warning_about_push(std::size_t obstacle, std::size_t body, const Instant& at,
                                                std::span<const double> q) const;
@@ -94,7 +92,7 @@ class Contacts {
   const NodeLayout& layout_;
   std::vector<std::string> body_names_;
   std::vector<std::shared_ptr<const Obstacle>> obstacles_;
-  std::vector<double> widths_;                                   // of the obstacles: width_of
+  std::vector<double> widths_;                                   // of the obstacles [m]
   std::vector<std::shared_ptr<const ContactSurface>> surfaces_;  // of the bodies
   std::vector<int> surface_of_node_;                             // per owned node: its body, -1 if it is inside
   std::vector<double> facet_sizes_;                              // per body [m]
