@@ -1,7 +1,9 @@
 #include "input/checks.hpp"
 
 #include "base/text.hpp"
+#include "input/analysis.hpp"
 #include "input/keys.hpp"
+#include "input/loads.hpp"
 #include "input/volumetric.hpp"
 
 #include <algorithm>
@@ -41,12 +43,16 @@ std::string seconds(double time) {
   return format_number(time) + " s";
 }
 
+bool is_known(const MethodConfig& method) {
+  return !std::holds_alternative<MethodConfig::Unknown>(method.kind);
+}
+
 /// Why the steps of this analysis cannot follow from their error; nothing if they can.
 std::optional<std::string> why_not_adaptive(const TimeConfig& time) {
   if (const Method* method = method_of(time)) return why_not_adaptive(*method);
-  const std::string& name = time.method.value;
-  return "method '" + name + "' " +
-         (name.starts_with(petsc_prefix) ? "runs at the step it is given" : "has no motion whose error could be told");
+  const bool is_petsc = std::holds_alternative<MethodConfig::PetscIntegrator>(time.method.kind);
+  return "method '" + method_name(time.method) + "' " +
+         (is_petsc ? "runs at the step it is given" : "has no motion whose error could be told");
 }
 
 /// Is the end there, and was it understood?
@@ -120,9 +126,9 @@ void check_events(const TimeConfig& time, const InputNode& section, Diagnostics&
 
 void check_time(const TimeConfig& time, const InputNode& root, Diagnostics& diagnostics) {
   const InputNode* section = given(root, {"time"});
-  if (section == nullptr || section->kind != InputNode::Kind::map || time.method.value.empty()) return;
+  if (section == nullptr || section->kind != InputNode::Kind::map || !is_known(time.method)) return;
   check_adaptive(time, *section, diagnostics);
-  if (time.method.value == static_method) return;
+  if (analysis_of(time) == Analysis::static_equilibrium) return;
   if (given(*section, {"step"}) == nullptr && !time.adaptive) {
     diagnostics.add({section->where, {"step", "adaptive"}}, section->where, "missing key 'step' in time");
   }
@@ -156,19 +162,19 @@ void check_bodies(const Config& config, const InputNode& root, Diagnostics& diag
                       "missing key 'fibre' in active: the elastic law has no fibres of its own");
     }
     if (given(entry(root, "bodies", i), {"density"}) != nullptr) continue;
-    const std::string& method = config.time.method.value;
+    const Analysis analysis = analysis_of(config);
     const auto is_needed_by = [&](const std::string& what) {
       diagnostics.add({bodies[i].where, {"density"}}, bodies[i].where,
                       "missing key 'density' in " + numbered("bodies", i) + ", which " + what + " needs");
     };
     const auto pulls = [&](const LoadConfig& l) {
-      return l.kind == LoadConfig::Kind::gravity && may_overlap(l.part, bodies[i].part);
+      return std::holds_alternative<LoadConfig::Gravity>(l.kind) && may_overlap(l.part, bodies[i].part);
     };
-    if (!method.empty() && method != static_method && method != quasistatic_method) {
+    if (is_known(config.time.method) && analysis == Analysis::dynamic) {
       is_needed_by("dynamics");
     } else if (std::any_of(config.loads.begin(), config.loads.end(), pulls)) {
       is_needed_by("gravity");
-    } else if (method == quasistatic_method && std::ranges::any_of(bodies[i].viscosity, damps_by_mass)) {
+    } else if (analysis == Analysis::quasistatic && std::ranges::any_of(bodies[i].viscosity, damps_by_mass)) {
       is_needed_by("mass-proportional damping");
     }
   }
@@ -176,10 +182,13 @@ void check_bodies(const Config& config, const InputNode& root, Diagnostics& diag
 
 /// Without inertia, every direction needs a constraint against moving as a whole.
 void check_held(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
-  const std::string& method = config.time.method.value;
-  if (method != static_method && method != quasistatic_method) return;
+  if (analysis_of(config) == Analysis::dynamic) return;
+  const std::string method = method_name(config.time.method);
   // Springs hold, too; in which directions they do shows only against the mesh.
-  const auto is_spring = [](const LoadConfig& load) { return load.spring.value_or(0.0) > 0.0; };
+  const auto is_spring = [](const LoadConfig& load) {
+    const auto foundation = foundation_of(load);
+    return foundation && foundation->spring > 0.0;
+  };
   if (std::ranges::any_of(config.loads, is_spring)) return;
   const InputNode* constraints = given(root, {"constraints"});
   const Location& where = config.time.method.where;
@@ -270,14 +279,14 @@ void check_contact(const Config& config, const InputNode& root, Diagnostics& dia
   check_unique(names, places, "obstacle name", diagnostics);
 
   const InputNode* law = given(*contact, {"law"});
-  if (config.contact->pressure.law != NormalKind::barrier || law == nullptr || config.time.method.value.empty()) return;
-  const std::string& method = config.time.method.value;
-  if (method == static_method || method == quasistatic_method) return;
+  if (config.contact->pressure.law != NormalKind::barrier || law == nullptr) return;
+  if (!is_known(config.time.method) || analysis_of(config) != Analysis::dynamic) return;
   if (const Method* own = method_of(config.time); own != nullptr && own->stiffly_accurate) return;
   diagnostics.add(law->where,
                   "a barrier needs a method whose step ends with its last stage (stiffly accurate), or a body "
                   "might end beyond it; '" +
-                      method + "' does not: choose backward-euler, bdf2, bdf3, dirk22 or dirk33, or 'law: penalty'");
+                      method_name(config.time.method) +
+                      "' does not: choose backward-euler, bdf2, bdf3, dirk22 or dirk33, or 'law: penalty'");
 }
 
 void check_tolerances(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
@@ -288,7 +297,8 @@ void check_tolerances(const Config& config, const InputNode& root, Diagnostics& 
 
 void check_linear_solver(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   const InputNode* linear = given(root, {"solver", "linear"});
-  if (linear == nullptr || config.solver.linear != "p-multigrid" || config.element != ElementOrder::p1) return;
+  if (linear == nullptr || config.solver.linear != LinearSolver::p_multigrid || config.element != ElementOrder::p1)
+    return;
   diagnostics.add(
       linear->where,
       "p-multigrid goes from quadratic elements to linear ones, and needs quadratic elements; add 'element: P2', "
@@ -313,9 +323,9 @@ void complete_time(TimeConfig& time, const InputNode& root) {
     complete_adaptive(time, *section);
   }
   if (time.min_step <= 0) time.min_step = time.step / min_step_divisor;
-  if (!time.startup.empty()) return;
+  if (time.startup) return;
   const Method* method = method_of(time);
-  time.startup = time.adaptive && method != nullptr && method->num_steps > 1 ? "dirk33" : "ramp";
+  time.startup = time.adaptive && method != nullptr && method->num_steps > 1 ? Startup::dirk33 : Startup::ramp;
 }
 
 template <class Entries>

@@ -8,6 +8,7 @@
 #include "material/viscosity_registry.hpp"
 #include "material/volumetric_form.hpp"
 #include "time/method.hpp"
+#include "time/startup.hpp"
 
 #include <array>
 #include <optional>
@@ -84,9 +85,14 @@ struct ViscosityConfig {
 
 /// Contraction along fibres; functions of x, y, z, t.
 struct ActiveConfig {
-  std::vector<GivenDirection> fibre;     ///< empty: that of the elastic law
-  std::optional<Expression> stress;      ///< tension per reference area [Pa]
-  std::optional<Expression> shortening;  ///< of the fibres, per length
+  struct Stress {
+    Expression tension;  ///< per reference area [Pa]
+  };
+  struct Shortening {
+    Expression part;  ///< of the fibres' length
+  };
+  std::vector<GivenDirection> fibre;  ///< empty: that of the elastic law
+  std::variant<Stress, Shortening> contraction;
   Location where;
 };
 
@@ -102,17 +108,14 @@ struct BodyConfig {
 using OptionalVectorExpression = std::array<std::optional<Expression>, 3>;  ///< an empty component is free
 
 struct RotationConfig {
-  enum class Kind { free, fixed, about_axis };
-  Kind kind = Kind::free;
-  std::array<double, 3> axis{};     ///< about_axis; of any length
-  std::optional<Expression> angle;  ///< about_axis [rad]; empty: free
+  struct Free {};
+  struct Fixed {};
+  struct AboutAxis {
+    std::array<double, 3> axis;       ///< of any length
+    std::optional<Expression> angle;  ///< [rad]; empty: free
+  };
+  std::variant<Free, Fixed, AboutAxis> kind;
   Location where;
-};
-
-struct RigidConfig {
-  OptionalVectorExpression translation;  ///< of the centre [m]
-  RotationConfig rotation;
-  std::optional<std::array<double, 3>> center;  ///< [m]; empty: the mean of the nodes
 };
 
 /// coefficient times a component of the mean displacement of some nodes
@@ -123,56 +126,99 @@ struct EquationTermConfig {
   Location where;
 };
 
+/// A prescribed displacement (Dirichlet boundary condition), or a tie (multi-point constraint).
 struct ConstraintConfig {
-  enum class Kind { displacement, symmetry, normal, along, periodic, rigid, equation };
-  Kind kind = Kind::displacement;
-  Selection part;                         ///< not of an equation
-  OptionalVectorExpression displacement;  ///< displacement [m]
-  Expression value;                       ///< normal, along, equation [m]
-  std::array<double, 3> direction{};      ///< along; of any length
-  Selection partner;                      ///< periodic: the surface that `part` repeats
-  OptionalVectorExpression difference;    ///< periodic [m]
-  RigidConfig rigid;
-  std::vector<EquationTermConfig> equation;
+  struct Displacement {
+    OptionalVectorExpression value;  ///< [m]
+  };
+  struct Symmetry {
+    bool operator==(const Symmetry&) const = default;
+  };
+  struct Normal {
+    Expression displacement;  ///< along the outward normal [m]
+  };
+  struct Along {
+    Expression displacement;          ///< [m]
+    std::array<double, 3> direction;  ///< of any length
+  };
+  struct Periodic {
+    Selection partner;                    ///< the surface that `part` repeats
+    OptionalVectorExpression difference;  ///< [m]
+  };
+  struct Rigid {
+    OptionalVectorExpression translation;  ///< of the centre [m]
+    RotationConfig rotation;
+    std::optional<std::array<double, 3>> center;  ///< [m]; empty: the mean of the nodes
+  };
+  struct Equation {
+    std::vector<EquationTermConfig> terms;
+    Expression value;  ///< [m]
+  };
+  using Kind = std::variant<Displacement, Symmetry, Normal, Along, Periodic, Rigid, Equation>;
+
+  Kind kind;
+  Selection part;  ///< not of an equation
   Location where;
 };
 
+/// A load (Neumann boundary condition), or springs and dashpots to the ground (Robin).
 struct LoadConfig {
-  enum class Kind { gravity, traction, pressure, force_density, line_force, force, foundation, point_foundation };
-  Kind kind = Kind::gravity;
-  Selection part;          ///< gravity, force_density: everything (or a volume); line_force: curve; point_foundation:
-                           ///< point; force: surface, box, where, curve or point; the others: surface, box or where
-  VectorExpression value;  ///< gravity [m/s^2], traction [Pa] per reference area, force_density [N/m^3], line_force
-                           ///< [N/m], force [N] in all
-  Expression pressure;     ///< [Pa] per current area, pushes onto the surface
-  std::optional<double> spring;   ///< foundation [N/m^3] per reference area, point_foundation [N/m] in all
-  std::optional<double> dashpot;  ///< foundation [N s/m^3], point_foundation [N s/m]
-  FoundationDirection direction = FoundationDirection::all;  ///< foundation
+  struct Gravity {
+    VectorExpression acceleration;  ///< [m/s^2]
+  };
+  struct ForceDensity {
+    VectorExpression value;  ///< per reference volume [N/m^3]
+  };
+  struct Traction {
+    VectorExpression value;  ///< per reference area [Pa]
+  };
+  struct LineForce {
+    VectorExpression value;  ///< per reference length [N/m]
+  };
+  struct Force {
+    VectorExpression value;  ///< in all [N]
+  };
+  struct Pressure {
+    Expression value;  ///< per current area, pushes onto the surface [Pa]
+  };
+  struct Foundation {
+    std::optional<double> spring;   ///< per reference area [N/m^3]
+    std::optional<double> dashpot;  ///< per reference area [N s/m^3]
+    FoundationDirection direction;
+  };
+  struct PointFoundation {
+    std::optional<double> spring;   ///< in all [N/m]
+    std::optional<double> dashpot;  ///< in all [N s/m]
+  };
+  using Kind = std::variant<Gravity, ForceDensity, Traction, LineForce, Force, Pressure, Foundation, PointFoundation>;
+
+  Kind kind;
+  Selection part;  ///< Gravity, ForceDensity: everything or a volume; LineForce: curve; PointFoundation: point; Force:
+                   ///< surface, box, where, curve or point; the others: surface, box or where
   Location where;
 };
 
-struct GasConfig {
-  double pressure = 0;  ///< at the start, above the ambient one [Pa]
-  double ambient = 0;   ///< absolute [Pa]
-  double exponent = 0;
-  Expression amount;  ///< in parts of that at the start; a function of t
-};
-
-struct LiquidConfig {
-  double bulk_modulus = 0;  ///< [Pa]
-  double pressure = 0;      ///< at the start [Pa]
-  Expression added_volume;  ///< [m^3]; a function of t
-  Expression flow;          ///< [m^3/s]; a function of t
-};
-
-/// Exactly one content is given.
+/// A hollow of the bodies, and what it holds.
 struct CavityConfig {
+  struct GivenPressure {
+    Expression value;  ///< [Pa]; a function of t
+  };
+  struct Gas {
+    double pressure;  ///< at the start, above the ambient one [Pa]
+    double ambient;   ///< absolute [Pa]
+    double exponent;
+    Expression amount;  ///< as a fraction of that at the start; a function of t
+  };
+  struct Liquid {
+    double bulk_modulus;      ///< [Pa]
+    double pressure;          ///< at the start [Pa]
+    Expression added_volume;  ///< [m^3]; a function of t
+    Expression flow;          ///< [m^3/s]; a function of t
+  };
   std::string name;
-  Selection part;                      ///< surface, box or where
-  std::optional<double> volume;        ///< of the reference configuration [m^3]; default: that behind the surface
-  std::optional<Expression> pressure;  ///< [Pa]; a function of t
-  std::optional<GasConfig> gas;
-  std::optional<LiquidConfig> liquid;
+  Selection part;                ///< surface, box or where
+  std::optional<double> volume;  ///< of the reference configuration [m^3]; default: that behind the surface
+  std::variant<GivenPressure, Gas, Liquid> content;
   Location where;
 };
 
@@ -266,21 +312,32 @@ struct AdaptiveConfig {
   Location where;
 };
 
+/// What advances time.
+struct MethodConfig {
+  struct Unknown {};  ///< the input is wrong
+  struct PetscIntegrator {
+    std::string name;  ///< alpha2, ...
+  };
+  struct Quasistatic {};  ///< equilibria without inertia, step by step
+  struct Static {};       ///< one equilibrium
+  std::variant<Unknown, Method, PetscIntegrator, Quasistatic, Static> kind;  ///< a Method of the table or of the user
+  Location where;
+};
+
 struct TimeConfig {
-  Located<std::string> method;       ///< a method's name (own_method's, too), petsc:<integrator>, quasistatic or static
-  std::optional<Method> own_method;  ///< of the user's coefficients
-  double step = 0;                   ///< [s]; adaptive: the first one tried, default end / 1000; static: unused
-  double end = 0;                    ///< [s]; static: the time at which expressions are evaluated (default 0)
-  int load_steps = 1;                ///< static: loads are applied in this many equal parts
-  std::string startup;               ///< ramp or dirk33
-  double min_step = 0;               ///< smallest step that may be tried [s]; default step / 1024
+  MethodConfig method;
+  double step = 0;                 ///< [s]; adaptive: the first one tried, default end / 1000; static: unused
+  double end = 0;                  ///< [s]; static: the time at which expressions are evaluated (default 0)
+  int load_steps = 1;              ///< static: loads are applied in this many equal parts
+  std::optional<Startup> startup;  ///< default: dirk33 where steps adapt and the method has several past states
+  double min_step = 0;             ///< smallest step that may be tried [s]; default step / 1024
   std::optional<AdaptiveConfig> adaptive;
   std::vector<double> events;  ///< times at which loads change abruptly, ascending, in (0, end) [s]; static: unused
 };
 
-/// The method's table; nullptr for quasistatic, static and PETSc's integrators.
+/// The method of Pliant; nullptr for quasistatic, static and PETSc's integrators.
 inline const Method* method_of(const TimeConfig& time) {
-  return time.own_method ? &*time.own_method : find_method(time.method.value);
+  return std::get_if<Method>(&time.method.kind);
 }
 
 struct NewtonConfig {
@@ -289,8 +346,11 @@ struct NewtonConfig {
   int max_iterations = 0;
 };
 
+/// What solves linear systems; `automatic`: by size.
+enum class LinearSolver { automatic, cholesky, amg, p_multigrid };
+
 struct SolverConfig {
-  std::string linear;  ///< auto, cholesky, amg, p-multigrid
+  LinearSolver linear = LinearSolver::automatic;
   NewtonConfig newton;
 };
 

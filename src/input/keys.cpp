@@ -94,7 +94,11 @@ Section<NewtonConfig> newton_keys() {
 Section<SolverConfig> solver_keys() {
   return {{
       field(
-          "linear", &SolverConfig::linear, choice({"auto", "cholesky", "amg", "p-multigrid"}),
+          "linear", &SolverConfig::linear,
+          choice_of<LinearSolver>({{"auto", LinearSolver::automatic},
+                                   {"cholesky", LinearSolver::cholesky},
+                                   {"amg", LinearSolver::amg},
+                                   {"p-multigrid", LinearSolver::p_multigrid}}),
           "linear solver: sparse Cholesky (MUMPS), conjugate gradients with algebraic multigrid, or with multigrid of "
           "quadratic elements through linear ones; auto: by size")
           .otherwise("auto"),

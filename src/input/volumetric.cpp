@@ -1,7 +1,6 @@
 #include "input/volumetric.hpp"
 
 #include "input/elasticity.hpp"
-#include "input/sections/time.hpp"
 #include "material/volume_split.hpp"
 
 #include <algorithm>
@@ -65,7 +64,7 @@ void check_mixed(const ElasticityConfig& e, const ElasticityRule& rule, Diagnost
 
 /// What acts on the displacement at every point beside the elastic law, and so does not go with either treatment.
 void check_points(const BodyConfig& body, Diagnostics& diagnostics) {
-  if (body.active && body.active->shortening) {
+  if (body.active && std::holds_alternative<ActiveConfig::Shortening>(body.active->contraction)) {
     diagnostics.add(body.active->where,
                     "'shortening' goes with 'volumetric: standard' only; give the fibres a 'stress' instead");
   }
@@ -87,7 +86,7 @@ void check_points(const BodyConfig& body, Diagnostics& diagnostics) {
 void check_mixed(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   const TimeConfig& time = config.time;
   const Method* method = method_of(time);
-  if (time.method.value.starts_with(petsc_prefix)) {
+  if (std::holds_alternative<MethodConfig::PetscIntegrator>(time.method.kind)) {
     diagnostics.add(time.method.where,
                     "'volumetric: mixed' needs one of Pliant's own methods; PETSc's do not know of pressures");
   } else if (method != nullptr && !method->stiffly_accurate) {
@@ -97,7 +96,7 @@ void check_mixed(const Config& config, const InputNode& root, Diagnostics& diagn
                                 "mean-dilatation'",
                                 method->name));
   }
-  if (config.solver.linear == "amg" || config.solver.linear == "p-multigrid") {
+  if (config.solver.linear == LinearSolver::amg || config.solver.linear == LinearSolver::p_multigrid) {
     diagnostics.add(where_is(root, {"solver", "linear"}),
                     "'volumetric: mixed' makes an indefinite matrix, which multigrid does not solve; use 'cholesky'");
   }

@@ -2,8 +2,9 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "input/analysis.hpp"
 #include "input/elasticity.hpp"
-#include "input/keys.hpp"
+#include "input/loads.hpp"
 #include "model/events.hpp"
 #include "model/loads.hpp"
 #include "model/viscosity.hpp"
@@ -34,8 +35,8 @@ class Warnings {
 
 /// Acts at places of the body's surface, not in its volume.
 bool is_local(const LoadConfig& load) {
-  using Kind = LoadConfig::Kind;
-  return load.kind != Kind::gravity && load.kind != Kind::force_density;
+  return !std::holds_alternative<LoadConfig::Gravity>(load.kind) &&
+         !std::holds_alternative<LoadConfig::ForceDensity>(load.kind);
 }
 
 bool is_zero(const VectorExpression& vector) {
@@ -44,15 +45,15 @@ bool is_zero(const VectorExpression& vector) {
 
 void check_time(const Config& config, Warnings& warnings) {
   const auto& method = config.time.method;
+  const bool is_static = analysis_of(config) == Analysis::static_equilibrium;
   const auto changes = [](const DrivingFormula& of) { return of.formula->depends_on_time(); };
-  if (method.value != static_method && config.time.load_steps > 1) {
+  if (!is_static && config.time.load_steps > 1) {
     warnings.add(method.where,
                  fmt::format("'load_steps' is for 'method: static'; with '{}' loads grow as their formulas of "
                              "t say, and not by it",
-                             method.value));
+                             method_name(method)));
   }
-  if (method.value == static_method && config.time.end == 0.0 &&
-      std::ranges::any_of(driving_formulas(config), changes)) {
+  if (is_static && config.time.end == 0.0 && std::ranges::any_of(driving_formulas(config), changes)) {
     warnings.add(method.where,
                  "a static analysis takes formulas at 'end', which is 0: those of t are taken at t = 0; give "
                  "'end', or let 'method: quasistatic' follow them");
@@ -114,7 +115,10 @@ void check_angles(const Config& config, Warnings& warnings) {
                                     value / (2.0 * std::numbers::pi), value));
   };
   for (const ConstraintConfig& c : config.constraints) {
-    if (c.rigid.rotation.angle) look(*c.rigid.rotation.angle, c.rigid.rotation.where);
+    const auto* rigid = std::get_if<ConstraintConfig::Rigid>(&c.kind);
+    if (rigid == nullptr) continue;
+    const auto* about = std::get_if<RotationConfig::AboutAxis>(&rigid->rotation.kind);
+    if (about != nullptr && about->angle) look(*about->angle, rigid->rotation.where);
   }
   if (!config.contact) return;
   for (const ObstacleConfig& o : config.contact->obstacles) {
@@ -125,9 +129,10 @@ void check_angles(const Config& config, Warnings& warnings) {
 /// Gravity typed in mm/s^2.
 void check_gravity(const Config& config, Warnings& warnings) {
   for (const LoadConfig& load : config.loads) {
-    if (load.kind != LoadConfig::Kind::gravity) continue;
+    const auto* gravity = std::get_if<LoadConfig::Gravity>(&load.kind);
+    if (gravity == nullptr) continue;
     std::array<double, 3> g{};
-    for (std::size_t i = 0; i < 3; ++i) g[i] = load.value[i](0.0, 0.0, 0.0, 0.0);
+    for (std::size_t i = 0; i < 3; ++i) g[i] = gravity->acceleration[i](0.0, 0.0, 0.0, 0.0);
     const double size = std::hypot(g[0], g[1], g[2]);
     if (std::abs(size - 9810.0) > 20.0) continue;
     warnings.add(load.where,
@@ -144,7 +149,7 @@ std::vector<Diagnostic> warnings_about(const Config& config) {
   const TimeConfig& time = config.time;
   const OutputConfig& output = config.output;
   constexpr double rounding = 1e-9;
-  if (time.method.value != static_method && !time.adaptive && output.every &&
+  if (analysis_of(config) != Analysis::static_equilibrium && !time.adaptive && output.every &&
       time.step > *output.every * (1.0 + rounding)) {
     warnings.add(output.every_where,
                  fmt::format("frames are asked for every {} s, but a step takes {} s, and there is one frame per step; "
@@ -172,27 +177,27 @@ bool nothing_moves(const Config& config) {
 }
 
 bool may_fall(const Config& config) {
-  using Kind = LoadConfig::Kind;
-  const auto holds = [](const LoadConfig& load) {
-    return load.kind == Kind::foundation || load.kind == Kind::point_foundation;
-  };
+  const auto holds = [](const LoadConfig& load) { return foundation_of(load).has_value(); };
   // Pressure acts on closed surfaces as a rule, and pushes a body nowhere.
-  const auto pushes = [](const LoadConfig& load) { return load.kind != Kind::pressure && !is_zero(load.value); };
+  const auto pushes = [](const LoadConfig& load) {
+    const VectorExpression* vector = vector_of(load);
+    return vector != nullptr && !is_zero(*vector);
+  };
   return !config.contact && is_zero(config.initial.velocity) && std::ranges::none_of(config.loads, holds) &&
          std::ranges::any_of(config.loads, pushes);
 }
 
 std::vector<Diagnostic> notes_of_idle_keys(const Config& config) {
-  const std::string& method = config.time.method.value;
+  const Analysis analysis = analysis_of(config);
+  const bool is_static = analysis == Analysis::static_equilibrium;
   std::vector<Diagnostic> notes;
-  const char* nothing =
-      method == static_method ? "no effect on a static equilibrium" : "no effect on quasi-static equilibria";
+  const char* nothing = is_static ? "no effect on a static equilibrium" : "no effect on quasi-static equilibria";
   const auto note_if = [&](bool is_there, const char* of_what) {
     if (is_there) notes.push_back(note(fmt::format("{} {}", of_what, nothing)));
   };
   const bool has_velocity = !is_zero(config.initial.velocity);
-  if (method == quasistatic_method) note_if(has_velocity, "the initial velocity has");
-  if (method != static_method) return notes;
+  if (analysis == Analysis::quasistatic) note_if(has_velocity, "the initial velocity has");
+  if (!is_static) return notes;
   const auto resists = [](const ObstacleConfig& o) {
     return o.drag.friction > 0.0 || o.drag.viscous_friction > 0.0 || o.drag.normal_damping > 0.0;
   };
@@ -234,14 +239,15 @@ std::vector<Diagnostic> warnings_about_loads(const Config& config, const NodeLay
 std::vector<Diagnostic> warnings_about_start(const Config& config, const NodeLayout& layout, Selections& selections) {
   Warnings warnings;
   for (const ConstraintConfig& c : config.constraints) {
-    if (c.kind != ConstraintConfig::Kind::displacement) continue;
+    const auto* prescribed = std::get_if<ConstraintConfig::Displacement>(&c.kind);
+    if (prescribed == nullptr) continue;
     double jump = 0.0, size = 0.0;
     for (const PetscInt node : selections.nodes(c.part)) {
       const auto X = layout.position(node);
       for (std::size_t i = 0; i < 3; ++i) {
-        if (!c.displacement[i]) continue;
+        if (!prescribed->value[i]) continue;
         const double from = config.initial.displacement[i](X[0], X[1], X[2], 0.0);
-        const double to = (*c.displacement[i])(X[0], X[1], X[2], 0.0);
+        const double to = (*prescribed->value[i])(X[0], X[1], X[2], 0.0);
         jump = std::max(jump, std::abs(to - from));
         size = std::max({size, std::abs(X[i]), std::abs(from)});
       }

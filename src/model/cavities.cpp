@@ -36,15 +36,21 @@ PrescribedSamples samples_of(const Config& config, const NodeLayout& layout, con
   return samples;
 }
 
-CavityContent content_of(const CavityConfig& cavity, double volume, const TimeConfig& time) {
-  if (cavity.pressure) return GivenPressure{*cavity.pressure};
-  if (const auto& gas = cavity.gas) return Gas{volume, gas->pressure, gas->ambient, gas->exponent, gas->amount};
-  const LiquidConfig& liquid = *cavity.liquid;
-  // A static equilibrium has no step.
-  const double panel = time.step > 0.0 ? time.step : time.end / 1000.0;
-  return Liquid{volume, liquid.pressure, liquid.bulk_modulus, liquid.added_volume,
-                TimeIntegral(liquid.flow, time.end, panel)};
-}
+struct ContentOf {
+  double volume;
+  const TimeConfig& time;
+
+  CavityContent operator()(const CavityConfig::GivenPressure& pressure) const { return GivenPressure{pressure.value}; }
+  CavityContent operator()(const CavityConfig::Gas& gas) const {
+    return Gas{volume, gas.pressure, gas.ambient, gas.exponent, gas.amount};
+  }
+  CavityContent operator()(const CavityConfig::Liquid& liquid) const {
+    // A static equilibrium has no step.
+    const double panel = time.step > 0.0 ? time.step : time.end / 1000.0;
+    return Liquid{volume, liquid.pressure, liquid.bulk_modulus, liquid.added_volume,
+                  TimeIntegral(liquid.flow, time.end, panel)};
+  }
+};
 
 /// The volume in the reference configuration; throws InputError where there is none.
 double volume_of(const CavityConfig& cavity, const NodeLayout& layout, const FacetList& walls,
@@ -77,7 +83,7 @@ double volume_of(const CavityConfig& cavity, const NodeLayout& layout, const Fac
 
 WettedParts::WettedParts(const Config& config, Selections& selections) {
   for (const LoadConfig& load : config.loads) {
-    if (load.kind != LoadConfig::Kind::pressure) continue;
+    if (!std::holds_alternative<LoadConfig::Pressure>(load.kind)) continue;
     of_pressures_.push_back(walls_of(load.part, load.where, selections));
   }
   for (const CavityConfig& cavity : config.cavities) {
@@ -93,19 +99,20 @@ std::vector<WettedParts::Term> WettedParts::make_terms(const Config& config, con
   const PrescribedSamples samples = samples_of(config, layout, prescribed);
   std::size_t k = 0;
   for (const LoadConfig& load : config.loads) {
-    if (load.kind != LoadConfig::Kind::pressure) continue;
+    const auto* pressure = std::get_if<LoadConfig::Pressure>(&load.kind);
+    if (pressure == nullptr) continue;
     FacetList& facets = of_pressures_[k++];
     auto edges = rim_edges(layout, facets);
     const Rim rim = classify(layout, edges, samples);
     terms.push_back(
-        {std::make_unique<FollowerPressure>(layout, pattern, std::move(facets), load.pressure, rim), load.where});
+        {std::make_unique<FollowerPressure>(layout, pattern, std::move(facets), pressure->value, rim), load.where});
   }
   for (std::size_t c = 0; c < config.cavities.size(); ++c) {
     const CavityConfig& cavity = config.cavities[c];
     auto edges = rim_edges(layout, of_cavities_[c]);
     const double volume = volume_of(cavity, layout, of_cavities_[c], edges, samples);
     auto term = std::make_unique<Cavity>(WettedSurface(layout, pattern, std::move(of_cavities_[c]), 0),
-                                         content_of(cavity, volume, config.time));
+                                         std::visit(ContentOf{volume, config.time}, cavity.content));
     cavities_.push_back({cavity.name, term.get(), volume});
     terms.push_back({std::move(term), cavity.where});
   }

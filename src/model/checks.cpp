@@ -11,7 +11,9 @@ void require_undeformed(const Config& config, Vec q) {
   check(VecNorm(q, NORM_INFINITY, &size));
   if (size == 0.0) return;
   const auto moves = [](const ConstraintConfig& constraint) {
-    return std::ranges::any_of(constraint.displacement, [](const auto& u) { return u && !u->is_zero(); });
+    const auto* prescribed = std::get_if<ConstraintConfig::Displacement>(&constraint.kind);
+    return prescribed != nullptr &&
+           std::ranges::any_of(prescribed->value, [](const auto& u) { return u && !u->is_zero(); });
   };
   const auto constraint = std::ranges::find_if(config.constraints, moves);
   throw InputError(constraint != config.constraints.end() ? constraint->where : Location{config.file, 0, 0},

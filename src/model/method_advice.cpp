@@ -116,7 +116,7 @@ std::optional<Diagnostic> rotation_warning(const Config& config, const Method& m
           "with {:.2g} times the energy of the rotation, out of nothing; take steps below {:.1g} s, or a method whose "
           "last "
           "stage ends the step: bdf2, dirk22, dirk33",
-          config.time.method.value, format_number(dt), angle * 180.0 / std::numbers::pi, worst, sound)};
+          method.name, format_number(dt), angle * 180.0 / std::numbers::pi, worst, sound)};
 }
 
 /// Vibrations that the method makes grow, and the body has.
@@ -139,7 +139,7 @@ std::optional<Diagnostic> vibration_warning(const Config& config, const Method& 
           "more in a step, and their energy over the run by a factor of {} or more; give the bodies a viscosity "
           "(stiffness-proportional, "
           "time: {:.2g} s), or take another method",
-          config.time.method.value, format_number(dt), phase / dt / (2.0 * std::numbers::pi), 100.0 * (factor - 1.0),
+          method.name, format_number(dt), phase / dt / (2.0 * std::numbers::pi), 100.0 * (factor - 1.0),
           decades > 30.0 ? "1e+30" : fmt::format("{:.0e}", std::pow(10.0, decades)), 0.2 * dt)};
 }
 

@@ -4,7 +4,6 @@
 #include "energy/constraint/velocity_projection.hpp"
 #include "energy/volume/mean_dilatation.hpp"
 #include "input/elasticity.hpp"
-#include "input/keys.hpp"
 #include "input/volumetric.hpp"
 #include "model/active.hpp"
 #include "model/advice.hpp"
@@ -254,17 +253,22 @@ void Model::find_components(const Config& config, Selections& selections) {
     for (const PetscInt n : nodes) is_held[static_cast<std::size_t>(components_.of_node[n])] = 1;
   };
   for (const ConstraintConfig& c : config.constraints) {
-    using Kind = ConstraintConfig::Kind;
     std::vector<PetscInt> nodes;
     const auto add = [&](const Selection& part) {
       for (const PetscInt n : selections.nodes(part)) nodes.push_back(n);
     };
-    if (c.kind != Kind::equation) add(c.part);
-    if (c.kind == Kind::periodic) add(c.partner);
-    for (const EquationTermConfig& term : c.equation) add(term.part);
+    const auto* periodic = std::get_if<ConstraintConfig::Periodic>(&c.kind);
+    const auto* equation = std::get_if<ConstraintConfig::Equation>(&c.kind);
+    if (equation == nullptr) {
+      add(c.part);
+    } else {
+      for (const EquationTermConfig& term : equation->terms) add(term.part);
+    }
+    if (periodic != nullptr) add(periodic->partner);
     hold(nodes);
-    if (c.kind == Kind::equation || c.kind == Kind::periodic || c.kind == Kind::rigid)
+    if (equation != nullptr || periodic != nullptr || std::holds_alternative<ConstraintConfig::Rigid>(c.kind)) {
       links.push_back(std::move(nodes));
+    }
   }
   if (analysis_of(config) == Analysis::dynamic && may_fall(config)) {
     int num_free = 0;

@@ -314,7 +314,7 @@ class Run {
           "of {:g} s by '{}'; shorten the steps, take bdf2, dirk22 or dirk33, or damp the vibrations by a "
           "viscosity",
           to_string(config_.time.method.where), growth->time, growth->factor,
-          growth->is_in_all ? " (with what was dissipated)" : "", steps.longest, config_.time.method.value));
+          growth->is_in_all ? " (with what was dissipated)" : "", steps.longest, method_name(config_.time.method)));
     }
     warn_of_solutions(s);
     console_.print(fmt::format("results: {0}/result.xdmf, {0}/history.csv", config_.output.directory));
