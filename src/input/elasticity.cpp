@@ -112,6 +112,12 @@ ElasticLawSpec ElasticityRule::law_at(PetscInt cell, const std::array<double, 3>
   return law;
 }
 
+bool has_fibres(const ElasticityConfig& config) {
+  const auto laws = elastic_laws();
+  const auto law = std::ranges::find(laws, config.model, &LawInfo::name);
+  return law != laws.end() && !law->directions.empty();
+}
+
 std::string describe(const ElasticityConfig& config) {
   const ElasticityRule rule(config);
   if (!rule.is_uniform()) {

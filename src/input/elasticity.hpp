@@ -38,6 +38,9 @@ class ElasticityRule {
   bool is_uniform_;
 };
 
+/// Does the law have preferred directions, so that its moduli at rest are more than two numbers?
+bool has_fibres(const ElasticityConfig& config);
+
 /// The law and its constants in words, with what is equivalent to them.
 std::string describe(const ElasticityConfig& config);
 

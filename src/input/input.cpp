@@ -1,6 +1,7 @@
 #include "input/input.hpp"
 
 #include "input/checks.hpp"
+#include "input/defaults.hpp"
 #include "input/keys.hpp"
 #include "input/schema.hpp"
 #include "petsc/collective.hpp"

@@ -167,6 +167,15 @@ const InputNode* InputNode::find(std::string_view name) const {
   return found == children.end() ? nullptr : &*found;
 }
 
+const InputNode* given(const InputNode& root, std::initializer_list<std::string_view> path) {
+  const InputNode* node = &root;
+  for (const std::string_view key : path) {
+    node = node->find(key);
+    if (node == nullptr || node->kind == InputNode::Kind::null) return nullptr;
+  }
+  return node;
+}
+
 std::string description(const InputNode& node) {
   switch (node.kind) {
     case InputNode::Kind::null:

@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 
+#include <initializer_list>
 #include <set>
 #include <string>
 #include <string_view>
@@ -71,6 +72,9 @@ struct InputNode {
   /// Where a message about this value should point: a value left empty has no place of its own.
   const Location& place() const { return kind == Kind::null && !key.empty() ? key_where : where; }
 };
+
+/// The value at a path of keys; nullptr if it is not there or empty.
+const InputNode* given(const InputNode& root, std::initializer_list<std::string_view> path);
 
 /// "a list", "a map of keys", "empty" or "'the text'", for messages.
 std::string description(const InputNode& node);

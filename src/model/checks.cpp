@@ -1,10 +1,15 @@
 #include "model/checks.hpp"
 
+#include "input/checks/volumetric.hpp"
 #include "petsc/check.hpp"
 
 #include <algorithm>
 
 namespace pliant {
+
+void require_compressible(const ElasticLawSpec& law, const Location& where) {
+  if (is_incompressible(law)) throw InputError(where, std::string(incompressible_without_pressures));
+}
 
 void require_undeformed(const Config& config, Vec q) {
   PetscReal size = 0.0;

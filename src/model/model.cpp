@@ -4,7 +4,6 @@
 #include "energy/constraint/velocity_projection.hpp"
 #include "energy/volume/mean_dilatation.hpp"
 #include "input/elasticity.hpp"
-#include "input/volumetric.hpp"
 #include "model/active.hpp"
 #include "model/advice.hpp"
 #include "model/checks.hpp"

@@ -61,13 +61,6 @@ std::vector<std::unique_ptr<EnergyTerm>> make_terms(const Config& config, const 
       if (const auto* branch = std::get_if<Prony>(&mechanism.law)) branches.push_back(*branch);
       const auto law = std::visit(LawInStrain{mechanism.rate.value_or(automatic)}, mechanism.law);
       if (!law) continue;
-      const bool needs_moduli = std::holds_alternative<MaxwellRatios>(mechanism.law) ||
-                                std::holds_alternative<StiffnessProportional>(mechanism.law);
-      if (needs_moduli && on.elastic[b]->traits().num_directions > 0) {
-        throw InputError(mechanism.where,
-                         "moduli at rest of an elastic law with fibres are no two numbers; give the viscosity in "
-                         "numbers of its own");
-      }
       terms.push_back(
           make_viscous_term<Order>(*law, *on.elastic[b], groups, static_cast<int>(b), on.layout.num_owned_nodes));
     }

@@ -1,4 +1,4 @@
-#include "input/volumetric.hpp"
+#include "input/checks/volumetric.hpp"
 
 #include "input/elasticity.hpp"
 #include "material/volume_split.hpp"
@@ -12,20 +12,6 @@
 namespace pliant {
 namespace {
 
-const Location& where_is(const InputNode& root, std::initializer_list<std::string_view> path) {
-  const InputNode* node = &root;
-  for (const std::string_view key : path) {
-    const InputNode* next = node->find(key);
-    if (next == nullptr) break;
-    node = next;
-  }
-  return node->where;
-}
-
-bool is_incompressible(const ElasticLawSpec& law) {
-  return std::ranges::any_of(law.parameters, [](double p) { return std::isinf(p); });
-}
-
 /// A body's law; nothing if it is not determined, which has been told.
 std::optional<ElasticityRule> rule_of(const ElasticityConfig& e) {
   try {
@@ -37,10 +23,6 @@ std::optional<ElasticityRule> rule_of(const ElasticityConfig& e) {
     return std::nullopt;
   }
 }
-
-constexpr const char* incompressible =
-    "the body is incompressible, for which displacements alone have no solution; add 'volumetric: mixed' or lower "
-    "'poissons_ratio'";
 
 void check_mean_dilatation(const ElasticityConfig& e, const ElasticityRule& rule, Diagnostics& diagnostics) {
   if (!rule.kind().traits().constant_tangent) return;
@@ -97,12 +79,12 @@ void check_mixed(const Config& config, const InputNode& root, Diagnostics& diagn
                                 method->name));
   }
   if (config.solver.linear == LinearSolver::amg || config.solver.linear == LinearSolver::p_multigrid) {
-    diagnostics.add(where_is(root, {"solver", "linear"}),
+    diagnostics.add(given(root, {"solver", "linear"})->where,
                     "'volumetric: mixed' makes an indefinite matrix, which multigrid does not solve; use 'cholesky'");
   }
   const auto& start = config.initial.displacement;
   if (std::ranges::any_of(start, [](const Expression& e) { return !e.is_zero(); })) {
-    diagnostics.add(where_is(root, {"initial", "displacement"}),
+    diagnostics.add(given(root, {"initial", "displacement"})->where,
                     "'volumetric: mixed' starts from the undeformed bodies, whose pressure is known; use 'volumetric: "
                     "mean-dilatation'");
   }
@@ -119,7 +101,7 @@ void check_volumetric(const Config& config, const InputNode& root, Diagnostics& 
     if (treatment == VolumetricTreatment::mixed) {
       check_mixed(body.elasticity, *rule, diagnostics);
     } else if (rule->is_uniform() && is_incompressible(rule->law_at(0, {}))) {
-      diagnostics.add(body.elasticity.where, incompressible);
+      diagnostics.add(body.elasticity.where, std::string(incompressible_without_pressures));
     } else if (treatment == VolumetricTreatment::mean_dilatation) {
       check_mean_dilatation(body.elasticity, *rule, diagnostics);
     }
@@ -130,8 +112,8 @@ void check_volumetric(const Config& config, const InputNode& root, Diagnostics& 
   diagnostics.add(key->where, fmt::format("'volumetric: {}' needs quadratic tetrahedra; add 'element: P2'", key->text));
 }
 
-void require_compressible(const ElasticLawSpec& law, const Location& where) {
-  if (is_incompressible(law)) throw InputError(where, incompressible);
+bool is_incompressible(const ElasticLawSpec& law) {
+  return std::ranges::any_of(law.parameters, [](double p) { return std::isinf(p); });
 }
 
 }  // namespace pliant
