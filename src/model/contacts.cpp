@@ -333,31 +333,28 @@ Closeness Contacts::closeness(const Instant& at, std::span<const double> q) cons
 
 std::optional<std::string> Contacts::passage(const Instant& from, std::span<const double> q_from, const Instant& to,
                                              std::span<const double> q_to) const {
-  Passage deepest;
-  std::size_t which = 0;
-  for (std::size_t k = 0; k < obstacles_.size() * surfaces_.size(); ++k) {
-    const std::size_t o = k / surfaces_.size();
-    const Obstacle& obstacle = *obstacles_[o];
-    const ObstacleStep step{obstacle.shape(), obstacle.at(from), obstacle.at(to), widths_[o]};
-    const auto found = pliant::passage(*surfaces_[k % surfaces_.size()], step, q_from, q_to);
-    if (!found || found->depth <= deepest.depth) continue;
-    deepest = *found;
-    which = k;
+  struct Candidate {
+    Passage passage;
+    std::size_t obstacle = 0, body = 0;
+  };
+  Candidate mine;
+  for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+    const ObstacleStep step{obstacles_[o]->shape(), obstacles_[o]->at(from), obstacles_[o]->at(to), widths_[o]};
+    for (std::size_t b = 0; b < surfaces_.size(); ++b) {
+      const auto found = pliant::passage(*surfaces_[b], step, q_from, q_to);
+      if (found && found->depth > mine.passage.depth) mine = {*found, o, b};
+    }
   }
-  if (!any_rank(layout_.comm, deepest.depth > 0.0)) return std::nullopt;
-  const auto& [x, y, z] = deepest.place;
-  const auto all = gathered(layout_.comm, std::array{deepest.depth, static_cast<double>(which), x, y, z});
-  std::size_t first = 0;
-  for (std::size_t i = 5; i < all.size(); i += 5) {
-    if (all[i] > all[first]) first = i;
-  }
-  which = static_cast<std::size_t>(all[first + 1]);
+  const auto all = gathered(layout_.comm, std::array{mine});
+  const Candidate& deepest =
+      *std::ranges::max_element(all, {}, [](const Candidate& candidate) { return candidate.passage.depth; });
+  if (!(deepest.passage.depth > 0.0)) return std::nullopt;
+  const auto& [x, y, z] = deepest.passage.place;
   return fmt::format(
       "'{}' passes the obstacle '{}': near ({:.4g}, {:.4g}, {:.4g}) its surface gets {:.3g} m deep, too deep to be "
       "pushed "
       "back; {} or a shorter 'time.step' keeps it out",
-      body_names_[which % surfaces_.size()], config_.obstacles[which / surfaces_.size()].name, all[first + 2],
-      all[first + 3], all[first + 4], all[first],
+      body_names_[deepest.body], config_.obstacles[deepest.obstacle].name, x, y, z, deepest.passage.depth,
       config_.pressure.law == NormalKind::barrier
           ? "a finer mesh"
           : "a finer mesh, a larger 'contact.stiffness' (the log says what it is), 'law: barrier'");
