@@ -81,42 +81,44 @@ double volume_of(const CavityConfig& cavity, const NodeLayout& layout, const Fac
 
 }  // namespace
 
-WettedParts::WettedParts(const Config& config, Selections& selections) {
+WettedParts find_wetted_parts(const Config& config, Selections& selections) {
+  WettedParts parts;
   for (const LoadConfig& load : config.loads) {
     if (!std::holds_alternative<LoadConfig::Pressure>(load.kind)) continue;
-    of_pressures_.push_back(walls_of(load.part, load.where, selections));
+    parts.of_pressures.push_back(walls_of(load.part, load.where, selections));
   }
   for (const CavityConfig& cavity : config.cavities) {
-    of_cavities_.push_back(walls_of(cavity.part, cavity.where, selections));
+    parts.of_cavities.push_back(walls_of(cavity.part, cavity.where, selections));
   }
+  return parts;
 }
 
-std::vector<WettedParts::Term> WettedParts::make_terms(const Config& config, const NodeLayout& layout,
-                                                       const BlockPattern& pattern,
-                                                       const PrescribedDisplacement& prescribed) {
-  std::vector<Term> terms;
-  if (of_pressures_.empty() && of_cavities_.empty()) return terms;
+WettedTerms make_wetted_terms(const Config& config, const NodeLayout& layout, const BlockPattern& pattern,
+                              WettedParts parts, const PrescribedDisplacement& prescribed) {
+  WettedTerms result;
+  if (parts.of_pressures.empty() && parts.of_cavities.empty()) return result;
   const PrescribedSamples samples = samples_of(config, layout, prescribed);
   std::size_t k = 0;
   for (const LoadConfig& load : config.loads) {
     const auto* pressure = std::get_if<LoadConfig::Pressure>(&load.kind);
     if (pressure == nullptr) continue;
-    FacetList& facets = of_pressures_[k++];
+    FacetList& facets = parts.of_pressures[k++];
     auto edges = rim_edges(layout, facets);
     const Rim rim = classify(layout, edges, samples);
-    terms.push_back(
+    result.terms.push_back(
         {std::make_unique<FollowerPressure>(layout, pattern, std::move(facets), pressure->value, rim), load.where});
   }
   for (std::size_t c = 0; c < config.cavities.size(); ++c) {
     const CavityConfig& cavity = config.cavities[c];
-    auto edges = rim_edges(layout, of_cavities_[c]);
-    const double volume = volume_of(cavity, layout, of_cavities_[c], edges, samples);
-    auto term = std::make_unique<Cavity>(WettedSurface(layout, pattern, std::move(of_cavities_[c]), 0),
+    FacetList& walls = parts.of_cavities[c];
+    auto edges = rim_edges(layout, walls);
+    const double volume = volume_of(cavity, layout, walls, edges, samples);
+    auto term = std::make_unique<Cavity>(WettedSurface(layout, pattern, std::move(walls), 0),
                                          std::visit(ContentOf{volume, config.time}, cavity.content));
-    cavities_.push_back({cavity.name, term.get(), volume});
-    terms.push_back({std::move(term), cavity.where});
+    result.cavities.push_back({cavity.name, term.get(), volume});
+    result.terms.push_back({std::move(term), cavity.where});
   }
-  return terms;
+  return result;
 }
 
 }  // namespace pliant

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -104,21 +105,21 @@ bool has_dashpots(const Config& config) {
   });
 }
 
-Loads::Loads(const Config& config, const LoadedBodies& bodies, Selections& selections)
-    : layout_(bodies.layout), pattern_(bodies.pattern), wetted_(config, selections) {
+LoadParts find_loads(const Config& config, const LoadedBodies& bodies, Selections& selections) {
+  LoadParts parts{{}, find_wetted_parts(config, selections)};
   const LoadTerms term_of(config, bodies, selections);
   for (const LoadConfig& load : config.loads) {
-    if (auto term = term_of(load)) add(std::move(term), load.where);
+    if (auto term = term_of(load)) parts.terms.push_back({std::move(term), load.where});
   }
+  return parts;
 }
 
-void Loads::add(std::unique_ptr<EnergyTerm> term, const Location& where) {
-  terms_.push_back(std::move(term));
-  places_.push_back(where);
-}
-
-void Loads::complete(const Config& config, const PrescribedDisplacement& prescribed) {
-  for (auto& [term, where] : wetted_.make_terms(config, layout_, pattern_, prescribed)) add(std::move(term), where);
+Loads::Loads(const Config& config, const NodeLayout& layout, const BlockPattern& pattern, LoadParts parts,
+             const PrescribedDisplacement& prescribed)
+    : layout_(layout), terms_(std::move(parts.terms)) {
+  WettedTerms wetted = make_wetted_terms(config, layout, pattern, std::move(parts.wetted), prescribed);
+  std::ranges::move(wetted.terms, std::back_inserter(terms_));
+  cavities_ = std::move(wetted.cavities);
 }
 
 void Loads::require_finite(double time) const {
@@ -128,11 +129,11 @@ void Loads::require_finite(double time) const {
   stage.dt = 1.0;
   stage.q0 = stage.v0 = zero;
   on_every_rank(layout_.comm, [&] {
-    for (std::size_t k = 0; k < terms_.size(); ++k) {
+    for (const auto& [term, where] : terms_) {
       std::vector<double> forces(zero);
-      terms_[k]->add_gradient(stage, zero, forces);
+      term->add_gradient(stage, zero, forces);
       if (std::all_of(forces.begin(), forces.end(), [](double f) { return std::isfinite(f); })) continue;
-      throw InputError(places_[k], fmt::format("the load is not finite at t = {:g}", time));
+      throw InputError(where, fmt::format("the load is not finite at t = {:g}", time));
     }
   });
 }

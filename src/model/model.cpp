@@ -180,7 +180,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   }
   body_of_cell_ = selections.cells(parts);
 
-  loads_ = std::make_unique<Loads>(config, LoadedBodies{layout_, *pattern_, body_of_cell_, densities_}, selections);
+  LoadParts load_parts = find_loads(config, {layout_, *pattern_, body_of_cell_, densities_}, selections);
   FacetList touching;
   if (config.contact) {
     touching = selections.outer_facets(config.contact->part, config.contact->where, "where nothing can be touched");
@@ -199,7 +199,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   if (may_start_deformed && analysis_of(config) == Analysis::dynamic) {
     include(warnings_about_start(config, layout_, selections));
   }
-  loads_->complete(config, constraints_->prescribed());
+  loads_ = std::make_unique<Loads>(config, layout_, *pattern_, std::move(load_parts), constraints_->prescribed());
   require_finite(analysis_of(config) == Analysis::static_equilibrium ? config.time.end : 0.0);
   if (config.contact) {
     contacts_ = std::make_unique<Contacts>(
@@ -312,7 +312,7 @@ void Model::prepare(const Config& config) {
   for (const auto& term : elastic_) terms.push_back(term.get());
   for (const auto& term : active_) terms.push_back(term.get());
   for (const auto& term : viscous_) terms.push_back(term.get());
-  for (const auto& term : loads_->terms()) terms.push_back(term.get());
+  for (const LocatedTerm& load : loads_->terms()) terms.push_back(load.term.get());
   if (contacts_) {
     contacts_->prepare(config);
     for (const auto& term : contacts_->terms()) terms.push_back(term.get());
