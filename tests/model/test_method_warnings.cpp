@@ -1,4 +1,4 @@
-#include "model/method_advice.hpp"
+#include "model/method_warnings.hpp"
 
 #include <cmath>
 

@@ -1,11 +1,11 @@
 // What an input may mean, but seldom does, is told with its place; what is usual is not. What only a mesh tells:
 // tests/program/test_errors.py.
 #include "input/bad_input.hpp"
-#include "model/advice.hpp"
+#include "model/warnings.hpp"
 
 #include <gtest/gtest.h>
 
-namespace pliant::test_advice {
+namespace pliant::test_warnings {
 namespace {
 
 /// As users read them; all are of the severity.
@@ -188,4 +188,4 @@ TEST(Advice, NothingIsSaidOfWhatIsUsual) {
 }
 
 }  // namespace
-}  // namespace pliant::test_advice
+}  // namespace pliant::test_warnings

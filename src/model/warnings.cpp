@@ -1,4 +1,4 @@
-#include "model/advice.hpp"
+#include "model/warnings.hpp"
 
 #include "base/error.hpp"
 #include "base/text.hpp"
