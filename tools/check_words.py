@@ -35,8 +35,8 @@ LAPSES = [
 ]
 # Not yet gone through: path prefixes, to be deleted as their files are.
 NOT_YET = [
-    "README.md", "docs/", "src/energy/equation/", "src/input/", "src/io/result_writer", "src/material/", "src/model/",
-    "src/run/", "src/solver/",
+    "README.md", "docs/", "src/energy/equation/", "src/io/result_writer", "src/material/", "src/run/",
+    "src/solver/",
 ]
 FILES = ["README.md", "CONTRIBUTING.md", "docs/**/*", "src/**/*", "tools/*", "input/**/*", "meshes/*"]
 EXCEPT = ["tools/check_words.py", "docs/input.schema.json", "src/viewer/package-lock.json"]

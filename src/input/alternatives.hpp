@@ -17,7 +17,7 @@ namespace pliant {
 /// A key of a part of T, as a key of T.
 template <class T, class Part>
 Field<T> within(Part T::*part, const Field<Part>& of_part) {
-  Field<T> result{of_part.info, of_part.fallback, {}, {}, of_part.anchors};
+  Field<T> result{of_part.info, of_part.fallback, {}, {}, of_part.owners};
   result.read = [part, read = of_part.read](const InputNode& node, Diagnostics& diagnostics, T& into) {
     read(node, diagnostics, into.*part);
   };
@@ -88,7 +88,7 @@ class NamedAlternatives {
   NamedAlternatives(std::string key, Choice T::*member, Names names)
       : key_(std::move(key)), member_(member), names_(std::move(names)) {}
 
-  /// The key that names the alternative; the sections's fields below come after it.
+  /// The key that names the alternative; the fields below come after it in the section.
   Field<T> choice(const std::string& description) const {
     const Format<std::string> by_name = pliant::choice({names_.begin(), names_.end()});
     Field<T> result{info_of(key_, by_name, description)};
@@ -116,7 +116,7 @@ class NamedAlternatives {
     for (std::size_t i = 0; i < names_.size(); ++i) {
       if (has_key[i]) anchors.push_back({key_, names_[i]});
     }
-    return field_of(member_, key, format, description, members...).only_beside(std::move(anchors));
+    return field_of(member_, key, format, description, members...).only_with(std::move(anchors));
   }
 
  private:

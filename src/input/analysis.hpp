@@ -1,4 +1,4 @@
-/// What kind of problem an input poses.
+/// The kind of problem that an input poses.
 #pragma once
 
 #include "input/config.hpp"

@@ -67,7 +67,7 @@ void check_bodies(const Config& config, const InputNode& root, Diagnostics& diag
   }
 }
 
-/// Laws of viscosity in units of the elastic law's moduli at rest, which are two numbers unless it has fibres.
+/// Viscosities relative to the elastic law's two moduli at rest, which laws with fibres do not have.
 void check_moduli(const Config& config, Diagnostics& diagnostics) {
   if (analysis_of(config) == Analysis::static_equilibrium) return;
   for (const BodyConfig& body : config.bodies) {
@@ -76,9 +76,10 @@ void check_moduli(const Config& config, Diagnostics& diagnostics) {
       const bool needs_moduli = std::holds_alternative<MaxwellRatios>(mechanism.law) ||
                                 std::holds_alternative<StiffnessProportional>(mechanism.law);
       if (!needs_moduli) continue;
-      diagnostics.add(mechanism.where,
-                      "moduli at rest of an elastic law with fibres are no two numbers; give the viscosity in "
-                      "numbers of its own");
+      diagnostics.add(
+          mechanism.where,
+          "this viscosity is relative to the shear and bulk modulus at rest, and an elastic law with fibres "
+          "has more moduli than these; give a viscosity in absolute numbers");
     }
   }
 }
@@ -87,7 +88,7 @@ void check_moduli(const Config& config, Diagnostics& diagnostics) {
 void check_held(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   if (analysis_of(config) == Analysis::dynamic) return;
   const std::string method = method_name(config.time.method);
-  // Springs hold, too; in which directions they do shows only against the mesh.
+  // Springs hold, too; the directions in which they do so depend on the mesh.
   const auto is_spring = [](const LoadConfig& load) {
     const auto foundation = foundation_of(load);
     return foundation && foundation->spring > 0.0;
@@ -175,8 +176,8 @@ void check_contact(const Config& config, const InputNode& root, Diagnostics& dia
     const auto has_name = [&](const ConstraintConfig& c) { return !o.name.empty() && c.part.name == o.name; };
     if (std::ranges::any_of(config.constraints, has_name)) {
       diagnostics.add(places.back(), "the obstacle name '" + o.name +
-                                         "' is that of a constrained part, too, and history.csv has columns of both; "
-                                         "choose another one");
+                                         "' is also the name of a constrained part, and history.csv has columns for "
+                                         "both; choose another name");
     }
   }
   check_unique(names, places, "obstacle name", diagnostics);
@@ -186,10 +187,10 @@ void check_contact(const Config& config, const InputNode& root, Diagnostics& dia
   if (!is_known(config.time.method) || analysis_of(config) != Analysis::dynamic) return;
   if (const Method* own = method_of(config.time); own != nullptr && own->stiffly_accurate) return;
   diagnostics.add(law->where,
-                  "a barrier needs a method whose step ends with its last stage (stiffly accurate), or a body "
-                  "might end beyond it; '" +
+                  "a barrier needs a stiffly accurate method, whose steps end with their last stage; with '" +
                       method_name(config.time.method) +
-                      "' does not: choose backward-euler, bdf2, bdf3, dirk22 or dirk33, or 'law: penalty'");
+                      "' a body could end beyond the barrier: choose backward-euler, bdf2, bdf3, dirk22 or dirk33, or "
+                      "'law: penalty'");
 }
 
 void check_tolerances(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
@@ -202,10 +203,8 @@ void check_linear_solver(const Config& config, const InputNode& root, Diagnostic
   const InputNode* linear = given(root, {"solver", "linear"});
   if (linear == nullptr || config.solver.linear != LinearSolver::p_multigrid || config.element != ElementOrder::p1)
     return;
-  diagnostics.add(
-      linear->where,
-      "p-multigrid goes from quadratic elements to linear ones, and needs quadratic elements; add 'element: P2', "
-      "or use 'amg'");
+  diagnostics.add(linear->where,
+                  "p-multigrid coarsens quadratic elements to linear ones; add 'element: P2', or use 'amg'");
 }
 
 }  // namespace

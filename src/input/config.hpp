@@ -1,4 +1,4 @@
-/// The input file as typed values in SI units; every default stands in the key table (input/schema), none here.
+/// The input file as typed values in SI units. All defaults of keys are in the key table (input/keys), none is here.
 #pragma once
 
 #include "base/error.hpp"
@@ -18,15 +18,14 @@
 
 namespace pliant {
 
-/// A value and the place in the file that gave it, so that later checks (e.g. against the mesh's groups) can point at
-/// it.
+/// A value and its place in the file, to which later checks (for example against the mesh's groups) can point.
 template <class T>
 struct Located {
   T value{};
   Location where;
 };
 
-/// Which part of the mesh an entry speaks of. Exactly one way of selecting is given.
+/// The part of the mesh that an entry refers to. Exactly one way of selecting it is given.
 struct Selection {
   enum class Kind { everything, volume, surface, curve, point, box, where };
   Kind kind = Kind::everything;
@@ -39,7 +38,7 @@ struct Selection {
 using VectorExpression = std::array<Expression, 3>;
 
 enum class ElementOrder { p1 = 1, p2 = 2 };
-/// How bodies resist a change of volume: at every point, the mean of each cell, or by a pressure of its own.
+/// How bodies resist a change of volume: at every point, by the mean over each cell, or by pressures as unknowns.
 enum class VolumetricTreatment { standard, mean_dilatation, mixed };
 enum class MassKind { consistent, lumped };
 
@@ -69,8 +68,8 @@ struct GivenDirection {
 };
 
 struct ElasticityConfig {
-  std::string model;                     ///< registry name
-  std::vector<GivenConstant> constants;  ///< of the law (material/constants.hpp)
+  std::string model;                     ///< name in the registry of elastic laws
+  std::vector<GivenConstant> constants;  ///< constants of the law (material/constants.hpp)
   std::vector<GivenDirection> directions;
   VolumetricForm volumetric_energy = VolumetricForm::mixed;
   Location where;
@@ -79,7 +78,8 @@ struct ElasticityConfig {
 /// A mechanism of damping.
 struct ViscosityConfig {
   ViscosityLaw law;
-  std::optional<StrainRate> rate;  ///< of laws that have one, instead of that in `law`; empty: as suits the method
+  std::optional<StrainRate>
+      rate;  ///< of laws that have one, instead of the rate in `law`; empty: the best for the method
   Location where;
 };
 
@@ -198,7 +198,7 @@ struct LoadConfig {
   Location where;
 };
 
-/// A hollow of the bodies, and what it holds.
+/// A cavity in the bodies, and its content.
 struct CavityConfig {
   struct GivenPressure {
     Expression value;  ///< [Pa]; a function of t
@@ -249,7 +249,7 @@ struct ContactDragConfig {
 };
 
 struct ObstacleConfig {
-  /// Bounds half of space at the obstacle's point.
+  /// The boundary of half of space, through the obstacle's point.
   struct Plane {
     std::array<double, 3> normal;  ///< towards the bodies, of any length
   };
@@ -302,7 +302,7 @@ struct InitialConfig {
   VectorExpression velocity;      ///< [m/s], function of x, y, z
 };
 
-/// Steps chosen by the error they make. Tolerances are for the error of the whole run.
+/// Steps chosen by their estimated error. Tolerances are for the error of the whole run.
 struct AdaptiveConfig {
   double relative = 0;           ///< of displacement and velocity
   double absolute = 0;           ///< of displacement [m]
@@ -330,7 +330,7 @@ struct TimeConfig {
   double end = 0;                  ///< [s]; static: the time at which expressions are evaluated (default 0)
   int load_steps = 1;              ///< static: loads are applied in this many equal parts
   std::optional<Startup> startup;  ///< default: dirk33 where steps adapt and the method has several past states
-  double min_step = 0;             ///< smallest step that may be tried [s]; default step / 1024
+  double min_step = 0;             ///< smallest step that is tried [s]; default step / 1024
   std::optional<AdaptiveConfig> adaptive;
   std::vector<double> events;  ///< times at which loads change abruptly, ascending, in (0, end) [s]; static: unused
 };
@@ -361,7 +361,7 @@ struct OutputConfig {
   std::vector<std::string> fields;
 };
 
-/// When checkpoints are written beside those of interrupted and failed runs.
+/// When checkpoints are written, in addition to those of interrupted and failed runs.
 struct CheckpointConfig {
   std::optional<int> every;       ///< steps
   std::optional<double> minutes;  ///< of the clock
@@ -391,7 +391,7 @@ struct Config {
   OutputConfig output;
   std::optional<CheckpointConfig> checkpoint;
   std::vector<ProbeConfig> probes;
-  std::vector<Diagnostic> warnings;  ///< about the text, of which nothing is left to see here
+  std::vector<Diagnostic> warnings;  ///< about the text of the input, which is not kept here
 };
 
 }  // namespace pliant

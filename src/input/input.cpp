@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The whole file, but never much more than an input can be (parse_yaml refuses the rest).
+/// The whole file, but never much more than an input can be (parse_yaml rejects the rest).
 std::string file_text(const std::string& file) {
   constexpr std::streamsize most = 8 << 20;
   std::error_code ignored;
@@ -30,7 +30,7 @@ std::string file_text(const std::string& file) {
   const std::string extension = fs::path(file).extension().string();
   if (std::ranges::find(meshes, extension) != meshes.end()) {
     throw InputError({file, 0, 0},
-                     "this is a mesh or a geometry; an input is a text in YAML, which names it: 'mesh: {file: " +
+                     "this is a mesh or a geometry, not an input file; name it in one (YAML): 'mesh: {file: " +
                          fs::path(file).filename().string() + "}'");
   }
   if (extension == ".h5") {

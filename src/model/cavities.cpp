@@ -14,7 +14,7 @@
 namespace pliant {
 namespace {
 
-/// Parts of the simulated time at which rims are looked at.
+/// Fractions of the simulated time at which rims are examined.
 constexpr std::array<double, 3> looks{0.0, 0.37, 1.0};
 
 FacetList walls_of(const Selection& part, const Location& where, Selections& selections) {
@@ -52,7 +52,7 @@ struct ContentOf {
   }
 };
 
-/// The volume in the reference configuration; throws InputError where there is none.
+/// The volume in the reference configuration. Throws InputError if the cavity is open.
 double volume_of(const CavityConfig& cavity, const NodeLayout& layout, const FacetList& walls,
                  std::vector<RimEdge>& edges, const PrescribedSamples& samples) {
   const Rim rim = classify(layout, edges, samples);

@@ -1,4 +1,4 @@
-/// Pressures on the walls of cavities and on other surfaces, as the input describes them.
+/// Pressures on the walls of cavities and on other surfaces.
 #pragma once
 
 #include "energy/constraint/prescribed.hpp"

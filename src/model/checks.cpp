@@ -22,7 +22,7 @@ void require_undeformed(const Config& config, Vec q) {
   };
   const auto constraint = std::ranges::find_if(config.constraints, moves);
   throw InputError(constraint != config.constraints.end() ? constraint->where : Location{config.file, 0, 0},
-                   "'volumetric: mixed' starts from the undeformed bodies, whose pressure is known, but a displacement "
+                   "'volumetric: mixed' must start from undeformed bodies, whose pressure is known, but a displacement "
                    "is prescribed at t = 0; let it grow from 0, or use 'volumetric: mean-dilatation'");
 }
 

@@ -1,4 +1,4 @@
-/// What an input cannot combine, as far as it takes the mesh to tell (the rest: input/checks).
+/// Combinations in an input that are wrong, where only the mesh reveals it (for others see input/checks).
 #pragma once
 
 #include "energy/constraint/constraint_map.hpp"

@@ -135,7 +135,7 @@ Constraints::Part Constraints::make_part(const ConstraintConfig& constraint, Sel
 Constraints::Part Constraints::plane(const ConstraintConfig& constraint, Selections& selections) {
   Part part;
   part.nodes = selections.nodes(constraint.part);
-  if (sum(layout_.comm, static_cast<PetscInt64>(part.nodes.size())) == 0) return part;  // told already
+  if (sum(layout_.comm, static_cast<PetscInt64>(part.nodes.size())) == 0) return part;  // already an error
   const bool is_of_surface = constraint.part.kind == Selection::Kind::surface ||
                              constraint.part.kind == Selection::Kind::box ||
                              constraint.part.kind == Selection::Kind::where;
@@ -146,7 +146,7 @@ Constraints::Part Constraints::plane(const ConstraintConfig& constraint, Selecti
     return part;
   }
   const FacetList facets = selections.facets(constraint.part);
-  if (sum(layout_.comm, static_cast<PetscInt64>(facets.size())) == 0) return part;  // told already
+  if (sum(layout_.comm, static_cast<PetscInt64>(facets.size())) == 0) return part;  // already an error
   if (any_rank(layout_.comm, std::ranges::find(facets.is_outer, 0) != facets.is_outer.end())) {
     selections.report(constraint.part.where, fmt::format("{} lies inside the mesh, where a normal has no outside; name "
                                                          "a part of the outer surface",

@@ -18,7 +18,7 @@ namespace pliant {
 struct Support {
   std::string name;
   std::vector<PetscInt> dofs;             ///< owned entries whose reactions it is
-  std::optional<std::size_t> rigid_part;  ///< the constraint that makes them rigid: the torque is told, too
+  std::optional<std::size_t> rigid_part;  ///< the constraint that makes them rigid: the torque is reported, too
 };
 
 /// What holds each support, on the body, over all ranks.

@@ -14,14 +14,14 @@
 namespace pliant {
 namespace {
 
-/// A spring of 10 Young's moduli per facet gives way by a tenth of what an element does, and is no stiffer than ten of
-/// them: nothing that a factorization or a Newton step would notice. E is 2 to 3 shear moduli.
+/// A spring of 10 Young's moduli per facet deforms by a tenth of what an element does, and is as stiff as ten of them,
+/// which neither a factorization nor Newton's method notices. E is 2 to 3 shear moduli.
 constexpr double shear_moduli_per_facet = 30.0;
-/// Of the size of a facet: what the rounding of the kink moves the body by.
+/// Fraction of the size of a facet by which the rounding of the kink moves the body.
 constexpr double width_per_facet = 1.0 / 50.0;
-/// How far contact points are apart, of the size of a facet.
+/// Distance of contact points, as a fraction of the size of a facet.
 constexpr double spacing_per_facet = 0.5;
-/// Less deep than this part of the width a surface touches and is not pushed.
+/// A surface that is less deep than this fraction of the width only touches, and is not pushed.
 constexpr double least_push = 1e-6;
 
 constexpr double endless = std::numeric_limits<double>::infinity();
@@ -184,7 +184,7 @@ void Contacts::add_surfaces(const ContactBodies& bodies) {
     surfaces_.push_back(std::make_shared<const ContactSurface>(layout_, bodies.pattern, std::move(facets[b]), law));
     if (count == 0.0) continue;
     description_.push_back(
-        note(fmt::format("contact of '{}': {:.0f} facets of some {:.3g} m, stiffness {:.3g} Pa/m, width {:.3g} m",
+        note(fmt::format("contact of '{}': {:.0f} facets of about {:.3g} m, stiffness {:.3g} Pa/m, width {:.3g} m",
                          body_names_[b], count, size, law.stiffness, law.width)));
   }
 }
@@ -228,7 +228,7 @@ void Contacts::check_start(const Instant& at, std::span<const double> q) const {
   for (const auto& [obstacle, body, term] : pairs_) {
     if (std::isfinite(sum(layout_.comm, term->energy_at(at, q, {})))) continue;
     const ObstacleConfig& o = config_.obstacles[obstacle];
-    throw InputError(o.where, fmt::format("'{}' reaches into the obstacle '{}' at the start, which a barrier does not "
+    throw InputError(o.where, fmt::format("'{}' overlaps the obstacle '{}' at the start, which a barrier does not "
                                           "allow; move one of them, or use 'law: penalty'",
                                           body_names_[body], o.name));
   }
@@ -240,7 +240,7 @@ bool Contacts::is_within_bodies(const ObstacleConfig& o, const ObstacleFrame& fr
                           !std::holds_alternative<ObstacleConfig::Surface>(o.shape);
   if (!has_middle || o.side == ObstacleConfig::Side::inside) return false;
   const Vector3<double> x = frame.place(o.point);
-  Vector3<double> X = x;  // where the point of a body came from, if bodies only moved as a whole
+  Vector3<double> X = x;  // reference position, if the initial displacement is uniform
   for (std::size_t i = 0; i < 3; ++i) X[i] -= displacement[i](x[0], x[1], x[2], 0.0);
   return locate(layout_, X).distance == 0.0;
 }
@@ -257,8 +257,8 @@ std::optional<Diagnostic> Contacts::warning_about_push(std::size_t obstacle, std
   energy = sum(layout_.comm, energy);
   const Closeness mine = pliant::closeness(surface, frame, q);
   const double gap = minimum(layout_.comm, mine.gap), num_points = sum(layout_.comm, mine.num_points);
-  // Beyond a barrier check_start throws. A surface that just touches is so but for its rounding. Without inertia a push
-  // is a load like others.
+  // Beyond a barrier check_start throws. A surface that just touches may overlap by rounding. Without inertia a push is
+  // a load like any other.
   if (!std::isfinite(energy) ||
       gap > surface.law().reach() - config_.pressure.threshold - least_push * surface.law().width ||
       (!has_inertia_ && -gap <= facet_sizes_[body])) {
@@ -271,10 +271,10 @@ std::optional<Diagnostic> Contacts::warning_about_push(std::size_t obstacle, std
   return Diagnostic{
       Severity::warning, o.where,
       fmt::format("'{}' starts {}, which pushes it at {:.0f} of its contact points and would throw it out with "
-                  "{:.3g} J that nothing brought in; move one of them{}",
+                  "{:.3g} J of energy from nowhere; move one of them{}",
                   body_names_[body], place, num_points, energy,
                   std::holds_alternative<ObstacleConfig::Plane>(o.shape) && -gap > facet_sizes_[body]
-                      ? ", or turn 'normal' round: it points to where the bodies are"
+                      ? ", or reverse 'normal', which must point towards the bodies"
                       : "")};
 }
 
@@ -284,7 +284,9 @@ std::vector<Diagnostic> Contacts::warnings_about_start(const Instant& at, const 
     warnings.push_back({Severity::warning, where, std::move(message)});
   };
   if (description_.empty()) {
-    warn(config_.where, "nothing can touch the obstacles: constraints give every displacement of the surface that may");
+    warn(
+        config_.where,
+        "nothing can touch the obstacles: constraints prescribe every displacement of the surface that may touch them");
   }
   std::vector<double> q(layout_.coordinates.size());
   for (PetscInt a = 0; a < layout_.num_local_nodes; ++a) {
@@ -297,8 +299,8 @@ std::vector<Diagnostic> Contacts::warnings_about_start(const Instant& at, const 
     const ObstacleConfig& o = config_.obstacles[k];
     const ObstacleFrame frame = obstacles_[k]->at(at);
     if (is_within_bodies(o, frame, displacement)) {
-      warn(o.where, fmt::format("the obstacle '{}' starts inside a body, which feels it only where its surface "
-                                "meets it; move one of them",
+      warn(o.where, fmt::format("the obstacle '{}' starts inside a body, but contact acts only on the surface of the "
+                                "body; move one of them",
                                 o.name));
       continue;
     }
@@ -309,7 +311,7 @@ std::vector<Diagnostic> Contacts::warnings_about_start(const Instant& at, const 
             o.where,
             fmt::format(
                 "the obstacle '{}' is {:.3g} m wide, but '{}' feels it at points that are up to {:.3g} m apart (facets "
-                "of some {:.3g} m): it can poke in between them; refine the mesh where they touch",
+                "of about {:.3g} m): it can pass between them; refine the mesh where they touch",
                 o.name, width, body_names_[b], spacing, facet_sizes_[b]));
       }
       if (auto warning = warning_about_push(k, b, at, q)) warnings.push_back(std::move(*warning));
@@ -351,9 +353,8 @@ std::optional<std::string> Contacts::passage(const Instant& from, std::span<cons
   if (!(deepest.passage.depth > 0.0)) return std::nullopt;
   const auto& [x, y, z] = deepest.passage.place;
   return fmt::format(
-      "'{}' passes the obstacle '{}': near ({:.4g}, {:.4g}, {:.4g}) its surface gets {:.3g} m deep, too deep to be "
-      "pushed "
-      "back; {} or a shorter 'time.step' keeps it out",
+      "'{}' passes through the obstacle '{}': near ({:.4g}, {:.4g}, {:.4g}) its surface is {:.3g} m deep, too deep to "
+      "be pushed back; use {} or a shorter 'time.step'",
       body_names_[deepest.body], config_.obstacles[deepest.obstacle].name, x, y, z, deepest.passage.depth,
       config_.pressure.law == NormalKind::barrier
           ? "a finer mesh"

@@ -53,12 +53,12 @@ class Formulas {
   std::vector<DrivingFormula>& into_;
 };
 
-/// Whether there are steps in time that could end at events.
+/// Whether there are time steps, which could end at events.
 bool has_steps(const Config& config) {
   return analysis_of(config) != Analysis::static_equilibrium && config.time.step > 0.0 && config.time.end > 0.0;
 }
 
-/// Events that are nearer than this part of a step are one, as for StepControl.
+/// Events closer than this fraction of a step are one, as in StepControl.
 constexpr double same = 1e-6;
 
 struct Kink {
@@ -156,11 +156,11 @@ std::vector<Diagnostic> warnings_about_moving_kinks(const Config& config, const 
     warnings.push_back(
         {Severity::warning, where,
          fmt::format(
-             "the motion prescribed by '{}' has kinks or jumps whose times depend on the place, as at {}{}: steps do "
-             "not "
-             "end there, so that every method is of first order at best, and velocities may be wrong by what the kink "
-             "changes; name the times that matter in 'time.events', or write a formula without kinks, such as "
-             "0.5*(a + b - sqrt((a - b)^2 + c^2)) with a small c in place of min(a, b)",
+             "the motion prescribed by '{}' has kinks or jumps whose times depend on the position, such as {}{}: "
+             "steps do not end there, so every method is of first order at best, and velocities may be wrong by the "
+             "jump "
+             "at the kink; list the times that matter in 'time.events', or write a formula without kinks, such as "
+             "0.5*(a + b - sqrt((a - b)^2 + c^2)) with a small c instead of min(a, b)",
              excerpt(formula->text()), at(*first), last->time > first->time ? " and " + at(*last) : "")});
   }
   return warnings;
@@ -172,7 +172,7 @@ Events events_of(const Config& config) {
   events.times = config.time.events;
   const std::vector<Kink> kinks = kinks_of(config);
   if (kinks.empty()) return events;
-  // Each costs a step, and past states; two steps between them are the least.
+  // Each event costs a step and the past states; at least two steps must lie between them.
   constexpr double always_taken = 50.0;
   const double most = std::max(always_taken, 0.5 * config.time.end / config.time.step);
   if (static_cast<double>(kinks.size()) > most) {
@@ -181,7 +181,7 @@ Events events_of(const Config& config) {
          {config.file, 0, 0},
          fmt::format("formulas of t have {} kinks or jumps, at {}: too many for steps to end at all of them; take "
                      "shorter steps, "
-                     "or name those that matter in 'time.events'",
+                     "or list those that matter in 'time.events'",
                      kinks.size(), in_words(kinks))});
     return events;
   }

@@ -72,7 +72,7 @@ class LoadTerms {
   Term dead_load(LoadSamples samples, const VectorExpression& value) const {
     return std::make_unique<DeadLoad>(bodies_.layout, std::move(samples), value);
   }
-  /// Of a total force.
+  /// Samples of a total force that is spread over the part.
   LoadSamples shared_samples(const Selection& part, Variation variation) const {
     const NodeLayout& layout = bodies_.layout;
     if (part.kind == Selection::Kind::point) {

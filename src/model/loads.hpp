@@ -13,7 +13,7 @@
 
 namespace pliant {
 
-/// What loads act on; outlives their terms.
+/// What loads act on; must outlive their terms.
 struct LoadedBodies {
   const NodeLayout& layout;
   const BlockPattern& pattern;

@@ -5,13 +5,13 @@
 #include "energy/volume/mean_dilatation.hpp"
 #include "input/elasticity.hpp"
 #include "model/active.hpp"
-#include "model/warnings.hpp"
 #include "model/checks.hpp"
 #include "model/events.hpp"
 #include "model/mesh_cell_data.hpp"
 #include "model/method_warnings.hpp"
 #include "model/selections.hpp"
 #include "model/viscosity.hpp"
+#include "model/warnings.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/ghosted.hpp"
@@ -25,7 +25,7 @@
 namespace pliant {
 
 Model::Model(MPI_Comm comm, const Config& config, const TermFactory& additional) {
-  // The input's size is in metres, gmsh's in the unit of the geometry.
+  // The size in the input is in metres, that of gmsh in the unit of the geometry.
   auto size = config.mesh.size;
   if (size) *size /= config.mesh.scale;
   const Mesh mesh = [&] {
@@ -71,7 +71,7 @@ void Model::check_method(const Config& config) {
   if (warnings.empty() && method != nullptr && method->stability == Stability::not_a_stable &&
       std::ranges::any_of(config.bodies, rings)) {
     diagnostics_.push_back(note(fmt::format(
-        "{} is not A-stable: vibrations that nothing damps grow; give the bodies a viscosity, or take another method",
+        "{} is not A-stable: undamped vibrations grow; give the bodies a viscosity, or choose another method",
         method->name.empty() ? "the method" : method->name)));
   }
   include(std::move(warnings));
@@ -224,8 +224,8 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   }
 }
 
-/// A probe beside the body by rounding, or by the facets of a round surface, is as good as on it; one further away is
-/// given in another unit, or for another body.
+/// A probe that is off the body by rounding, or by the flat facets of a round surface, counts as on it. One further
+/// away was given in another unit, or for another body.
 void Model::require_near(const std::vector<ProbeConfig>& probes) const {
   constexpr double near = 0.05;  // of the mesh's diagonal
   const auto& b = mesh_report_.bounds;
@@ -274,7 +274,7 @@ void Model::find_components(const Config& config, Selections& selections) {
     for (const char held : is_held) num_free += any_rank(layout_.comm, held != 0) ? 0 : 1;
     if (num_free > 0) {
       diagnostics_.push_back(note(fmt::format(
-          "nothing holds {}: the loads move {} away; constraints, springs or contact hold a body",
+          "nothing holds {}: the loads move {} away; add constraints, springs or contact to hold a body",
           components_.count == 1 ? "the body" : fmt::format("{} of the mesh's {} parts", num_free, components_.count),
           num_free == 1 ? "it" : "them")));
     }
@@ -294,8 +294,8 @@ void Model::check_overlap(const Config& config) {
   const auto& [x, y, z] = overlap->at;
   warn(config.mesh.file.where,
        fmt::format("parts of the mesh that share no node overlap at the start, {:.3g} m deep at ({:.4g}, {:.4g}, "
-                   "{:.4g}): they do not feel one another, since contact acts between bodies and obstacles only; move "
-                   "one of them, or join them in gmsh (BooleanFragments)",
+                   "{:.4g}): they pass through one another, because contact acts only between bodies and obstacles; "
+                   "move one of them, or join them in gmsh (BooleanFragments)",
                    overlap->depth, x, y, z));
 }
 
@@ -387,7 +387,7 @@ void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
   for (const auto& term : elastic_) energy += term->energy_at(instant(0.0), at.span(), {});
   if (!std::isfinite(sum(layout_.comm, energy))) {
     throw InputError({config.file, 0, 0},
-                     "the initial displacement, or a prescribed one at t = 0, turns tetrahedra inside out; start from "
+                     "the initial displacement, or a prescribed one at t = 0, inverts tetrahedra; start from "
                      "a smaller one");
   }
   if (contacts_) contacts_->check_start(instant(0.0), at.span());

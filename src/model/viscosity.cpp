@@ -11,12 +11,13 @@
 namespace pliant {
 namespace {
 
-/// Without a method of ours the exact form, which needs no history.
+/// The exact form, which needs no history, where the method is not one of Pliant's.
 StrainRate automatic_rate(const Method* method) {
   return method == nullptr ? StrainRate::exact : strain_rate_for(*method);
 }
 
-/// The law of a term in the strain of each point. Prony series and what acts on the body's velocity are no such laws.
+/// The law of a term in the strain of each point; nothing for Prony series and for damping by mass, which are other
+/// terms.
 struct LawInStrain {
   using Result = std::optional<ViscosityVariant>;
   StrainRate rate;

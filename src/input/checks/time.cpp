@@ -20,10 +20,10 @@ std::optional<std::string> why_not_adaptive(const TimeConfig& time) {
   if (const Method* method = method_of(time)) return why_not_adaptive(*method);
   const bool is_petsc = std::holds_alternative<MethodConfig::PetscIntegrator>(time.method.kind);
   return "method '" + method_name(time.method) + "' " +
-         (is_petsc ? "runs at the step it is given" : "has no motion whose error could be told");
+         (is_petsc ? "takes fixed steps" : "has no motion whose error could be estimated");
 }
 
-/// Is the end there, and was it understood?
+/// Is the end given, and could it be read?
 bool end_is_known(const TimeConfig& time, const InputNode& section) {
   const InputNode* end = given(section, {"end"});
   if (end == nullptr || time.end > 0) return end != nullptr;
@@ -44,7 +44,7 @@ void check_step(const TimeConfig& time, const InputNode& section, Diagnostics& d
   }
   const InputNode* min_step = given(section, {"min_step"});
   if (min_step != nullptr && time.adaptive) {
-    diagnostics.add(min_step->key_where, "'min_step' goes into 'adaptive' where steps adapt");
+    diagnostics.add(min_step->key_where, "'min_step' belongs in 'adaptive' where steps adapt");
   } else if (min_step != nullptr && time.min_step > time.step) {
     diagnostics.add(min_step->where, "'min_step' is larger than the step of " + seconds(time.step));
   }
@@ -59,7 +59,7 @@ void check_adaptive(const TimeConfig& time, const InputNode& section, Diagnostic
   if (time.step <= 0) {
     if (!why_not_adaptive(time) && given(section, {"step"}) == nullptr && end_is_known(time, section)) {
       diagnostics.add(given(section, {"end"})->where,
-                      "'end' must be > 0 [s] where steps adapt, or there is no first step");
+                      "'end' must be > 0 [s] where steps adapt, because the first step follows from it");
     }
     return;
   }
@@ -85,8 +85,7 @@ void check_events(const TimeConfig& time, const InputNode& section, Diagnostics&
     if (end_is_known(time, section) && event >= time.end) {
       diagnostics.add(where, "the event at " + seconds(event) + " is not before the end, " + seconds(time.end));
     } else if (event <= last) {
-      diagnostics.add(where,
-                      "events are given in ascending order, but " + seconds(event) + " follows " + seconds(last));
+      diagnostics.add(where, "events must be in ascending order, but " + seconds(event) + " follows " + seconds(last));
     }
     last = event;
   }

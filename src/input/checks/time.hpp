@@ -6,7 +6,7 @@
 
 namespace pliant {
 
-/// Adds the contradictions in `time`. `root`: of the input.
+/// Reports contradictions in `time`. `root`: of the input.
 void check_time(const TimeConfig& time, const InputNode& root, Diagnostics& diagnostics);
 
 }  // namespace pliant

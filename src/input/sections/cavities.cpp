@@ -18,7 +18,7 @@ Section<Gas> gas_keys() {
             "n of (absolute pressure) * volume^n = constant: 1 isothermal, 1.4 adiabatic air")
           .otherwise("1"),
       field("amount", &Gas::amount, expression("1", Variables::time),
-            "gas in the cavity in parts of that at the start, e.g. 1 + 2*t where some is pumped in")
+            "amount of gas relative to that at the start, such as 1 + 2*t where gas is pumped in")
           .otherwise("1"),
   }};
 }
@@ -33,7 +33,7 @@ Section<Liquid> liquid_keys() {
             "liquid pumped in since the start")
           .otherwise("0"),
       field("flow", &Liquid::flow, expression("m^3/s", Variables::time),
-            "liquid pumped in per time, beside added_volume")
+            "liquid pumped in per time, in addition to added_volume")
           .otherwise("0"),
   }};
 }
@@ -42,21 +42,22 @@ Section<Liquid> liquid_keys() {
 
 Section<CavityConfig> cavity_keys() {
   using C = CavityConfig;
-  return {
-      {
-          field("name", &C::name, column_name(), "begins the names of the cavity's columns in history.csv").required(),
-          selector<C>("surface", SelectionKind::surface, "the walls of the cavity, a part of the outer surface"),
-          selector<C>("box", SelectionKind::box, "the same: boundary facets inside this box"),
-          selector<C>("where", SelectionKind::where, "the same: boundary facets that fulfil this"),
-          choosing_field(&C::content, "pressure", expression("Pa", Variables::time), "a given pressure",
-                         &C::GivenPressure::value),
-          choosing_field(&C::content, "gas", map_of(gas_keys()), "a gas; `{}` takes the defaults"),
-          choosing_field(&C::content, "liquid", map_of(liquid_keys()), "a liquid; `{}` takes the defaults"),
-          field("volume", &C::volume, quantity("m^3", Range::above(0)), "of the cavity in the reference configuration")
-              .otherwise_in_words("what the walls enclose, open ends closed by flat lids"),
-      },
-      {{{"surface", "box", "where"}}, {{"pressure", "gas", "liquid"}}},
-      &C::where};
+  return {{
+              field("name", &C::name, column_name(), "prefix of the cavity's columns in history.csv").required(),
+              selector<C>("surface", SelectionKind::surface, "the walls of the cavity, a part of the outer surface"),
+              selector<C>("box", SelectionKind::box, "instead of `surface`: boundary facets inside this box"),
+              selector<C>("where", SelectionKind::where,
+                          "instead of `surface`: boundary facets that satisfy this condition"),
+              choosing_field(&C::content, "pressure", expression("Pa", Variables::time), "a prescribed pressure",
+                             &C::GivenPressure::value),
+              choosing_field(&C::content, "gas", map_of(gas_keys()), "a gas; `{}` takes the defaults"),
+              choosing_field(&C::content, "liquid", map_of(liquid_keys()), "a liquid; `{}` takes the defaults"),
+              field("volume", &C::volume, quantity("m^3", Range::above(0)),
+                    "volume of the cavity in the reference configuration")
+                  .otherwise_in_words("the volume that the walls enclose, with flat lids on open ends"),
+          },
+          {{{"surface", "box", "where"}}, {{"pressure", "gas", "liquid"}}},
+          &C::where};
 }
 
 }  // namespace pliant

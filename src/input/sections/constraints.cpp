@@ -66,9 +66,9 @@ Section<EquationTermConfig> term_keys() {
               selector<Term>("curve", SelectionKind::curve, "nodes of this curve"),
               selector<Term>("point", SelectionKind::point, "nodes of this point group"),
               selector<Term>("box", SelectionKind::box, "nodes inside this box"),
-              selector<Term>("where", SelectionKind::where, "nodes whose reference position fulfils this"),
+              selector<Term>("where", SelectionKind::where, "nodes whose reference position satisfies this condition"),
               field("component", &Term::component, choice_of<int>({{"x", 0}, {"y", 1}, {"z", 2}}),
-                    "component of the displacement; of several nodes their mean")
+                    "component of the displacement; its mean over several nodes")
                   .required(),
               field("coefficient", &Term::coefficient, quantity("1"), "factor of the term").otherwise("1"),
           },
@@ -89,55 +89,57 @@ Section<ConstraintConfig> constraint_keys() {
   using C = ConstraintConfig;
   using Need = KeyGroup::Need;
   const auto place_and_time = Variables::space_and_time;
-  return {
-      {
-          selector<C>("surface", SelectionKind::surface, "nodes of this surface"),
-          selector<C>("volume", SelectionKind::volume, "nodes of this volume"),
-          selector<C>("curve", SelectionKind::curve, "nodes of this curve"),
-          selector<C>("point", SelectionKind::point, "nodes of this point group"),
-          selector<C>("box", SelectionKind::box, "nodes inside this box"),
-          selector<C>("where", SelectionKind::where, "nodes whose reference position fulfils this"),
-          choosing_field(kind, "displacement", array_of<3>(expression_or_free("m", place_and_time)),
-                         "prescribed displacement; a component `free` is left alone", &C::Displacement::value),
-          choosing_field(kind, "symmetry", plane(), "the surface is a plane of symmetry: its nodes stay in it"),
-          choosing_field(kind, "normal_displacement", expression("m", place_and_time),
-                         "displacement of a plane surface along its outward normal; it may slide in its plane",
-                         &C::Normal::displacement),
-          choosing_field(kind, "displacement_along", expression("m", place_and_time),
-                         "displacement along `direction`; across it all is free", &C::Along::displacement),
-          field_of(kind, "direction", direction_of_any_length(), "with displacement_along: the direction",
-                   &C::Along::direction)
-              .only_beside({{"displacement_along"}}),
-          choosing_field(kind, "periodic_with", selection(SelectionKind::surface),
-                         "the surface repeats this one: nodes that a translation carries onto each other move alike, "
-                         "but for `difference`",
-                         &C::Periodic::partner),
-          field_of(kind, "difference", array_of<3>(expression_or_free("m", Variables::time)),
-                   "with periodic_with: displacement of `surface` less that of its partner; a component `free` is "
-                   "the same for all nodes and follows from the forces",
-                   &C::Periodic::difference)
-              .otherwise("[0, 0, 0]")
-              .only_beside({{"periodic_with"}}),
-          choosing_field(kind, "rigid", map_of(rigid_keys()),
-                         "the nodes move as a rigid body, with rotations of any size"),
-          choosing_field(kind, "equation", list_of(map_of(term_keys()), 1), "the sum of these terms is `value`",
-                         &C::Equation::terms),
-          field_of(kind, "value", expression("m", Variables::time), "with equation: its right-hand side",
-                   &C::Equation::value)
-              .otherwise_in_words("0")
-              .only_beside({{"equation"}}),
-      },
-      {{{"displacement", "symmetry", "normal_displacement", "displacement_along", "periodic_with", "rigid",
-         "equation"}},
-       {{"surface", "volume", "curve", "point", "box", "where"},
-        Need::exactly_one,
-        {{"displacement"},
-         {"displacement_along"},
-         {"rigid"},
-         {"symmetry"},
-         {"normal_displacement"},
-         {"periodic_with"}}}},
-      &C::where};
+  return {{
+              selector<C>("surface", SelectionKind::surface, "nodes of this surface"),
+              selector<C>("volume", SelectionKind::volume, "nodes of this volume"),
+              selector<C>("curve", SelectionKind::curve, "nodes of this curve"),
+              selector<C>("point", SelectionKind::point, "nodes of this point group"),
+              selector<C>("box", SelectionKind::box, "nodes inside this box"),
+              selector<C>("where", SelectionKind::where, "nodes whose reference position satisfies this condition"),
+              choosing_field(
+                  kind, "displacement", array_of<3>(expression_or_free("m", place_and_time)),
+                  "prescribed displacement (Dirichlet boundary condition); a component `free` is not constrained",
+                  &C::Displacement::value),
+              choosing_field(kind, "symmetry", plane(), "the surface is a plane of symmetry: its nodes stay in it"),
+              choosing_field(kind, "normal_displacement", expression("m", place_and_time),
+                             "displacement of a plane surface along its outward normal; it may slide in its plane",
+                             &C::Normal::displacement),
+              choosing_field(kind, "displacement_along", expression("m", place_and_time),
+                             "displacement along `direction`; across it the nodes are free", &C::Along::displacement),
+              field_of(kind, "direction", direction_of_any_length(), "with displacement_along: the direction",
+                       &C::Along::direction)
+                  .only_with({{"displacement_along"}}),
+              choosing_field(
+                  kind, "periodic_with", selection(SelectionKind::surface),
+                  "periodic boundary condition: nodes of the two surfaces that a translation maps onto each other have "
+                  "the same displacement, except for `difference`",
+                  &C::Periodic::partner),
+              field_of(kind, "difference", array_of<3>(expression_or_free("m", Variables::time)),
+                       "with periodic_with: displacement of `surface` less that of its partner; a component `free` is "
+                       "the same for all nodes and follows from the forces",
+                       &C::Periodic::difference)
+                  .otherwise("[0, 0, 0]")
+                  .only_with({{"periodic_with"}}),
+              choosing_field(kind, "rigid", map_of(rigid_keys()),
+                             "the nodes move as a rigid body, with rotations of any size (kinematic coupling, RBE2)"),
+              choosing_field(kind, "equation", list_of(map_of(term_keys()), 1),
+                             "multi-point constraint: the sum of these terms is `value`", &C::Equation::terms),
+              field_of(kind, "value", expression("m", Variables::time), "with equation: its right-hand side",
+                       &C::Equation::value)
+                  .otherwise_in_words("0")
+                  .only_with({{"equation"}}),
+          },
+          {{{"displacement", "symmetry", "normal_displacement", "displacement_along", "periodic_with", "rigid",
+             "equation"}},
+           {{"surface", "volume", "curve", "point", "box", "where"},
+            Need::exactly_one,
+            {{"displacement"},
+             {"displacement_along"},
+             {"rigid"},
+             {"symmetry"},
+             {"normal_displacement"},
+             {"periodic_with"}}}},
+          &C::where};
 }
 
 }  // namespace pliant

@@ -13,7 +13,7 @@ Section<ObstacleMotionConfig::Rotation> rotation_keys() {
       field("axis", &R::axis, direction_of_any_length(), "direction of the axis through `center`").required(),
       field("angle", &R::angle, expression("rad", Variables::time), "angle about it, by the right-hand rule")
           .required(),
-      field("center", &R::center, array_of<3>(quantity("m")), "a point of the axis, which `translate` carries along")
+      field("center", &R::center, array_of<3>(quantity("m")), "a point of the axis; it moves with `translate`")
           .otherwise_in_words("the obstacle's `point`, or the origin"),
   }};
 }
@@ -30,22 +30,22 @@ Section<ObstacleMotionConfig> motion_keys() {
 Field<ContactPressureConfig> law_key() {
   return field("law", &ContactPressureConfig::law,
                choice_of<NormalKind>({{"penalty", NormalKind::penalty}, {"barrier", NormalKind::barrier}}),
-               "pressure as a function of distance: a spring behind a smoothed gap, or a barrier that nothing passes")
+               "pressure as a function of distance: a spring with a rounded kink, or a barrier that nothing can pass")
       .otherwise("penalty");
 }
 
-/// The keys of the pressure besides its law.
+/// The keys of the pressure apart from its law.
 std::vector<Field<ContactPressureConfig>> pressure_keys() {
   using P = ContactPressureConfig;
   return {
       field("stiffness", &P::stiffness, quantity("Pa/m", Range::above(0)),
-            "pressure per depth of penetration, per reference area; of a barrier its scale")
+            "pressure per depth of penetration, per reference area; for a barrier its scale")
           .otherwise_in_words("30 shear moduli per size of a facet, body by body"),
       field("width", &P::width, quantity("m", Range::above(0)),
-            "half the distance over which the penalty's kink is rounded, or that at which the barrier begins")
+            "half the distance over which the penalty's kink is rounded, or the distance at which the barrier begins")
           .otherwise_in_words("1/50 of the size of a facet, body by body"),
       field("threshold", &P::threshold, quantity("m", Range::at_least(0)),
-            "distance from the obstacle at which the spring begins, or the wall stands")
+            "distance from the obstacle at which the spring begins, or at which the barrier is infinite")
           .otherwise("0"),
   };
 }
@@ -56,10 +56,10 @@ std::vector<Field<ContactDragConfig>> drag_keys() {
       field("friction", &D::friction, quantity("1", Range::at_least(0)), "Coulomb's coefficient of friction")
           .otherwise("0"),
       field("viscous_friction", &D::viscous_friction, quantity("s/m", Range::at_least(0)),
-            "what the coefficient of friction grows by per velocity of sliding")
+            "increase of the coefficient of friction per sliding velocity")
           .otherwise("0"),
       field("normal_damping", &D::normal_damping, quantity("s/m", Range::at_least(0)),
-            "what the pressure grows by, in parts of itself, per velocity of approach (Hunt and Crossley)")
+            "relative increase of the pressure per velocity of approach (Hunt and Crossley)")
           .otherwise("0"),
   };
 }
@@ -68,40 +68,40 @@ Section<ObstacleConfig> obstacle_keys() {
   using O = ObstacleConfig;
   const NamedAlternatives shape("shape", &O::shape, {"plane", "sphere", "cylinder", "capsule", "box", "surface"});
   std::vector<Field<O>> keys{
-      field("name", &O::name, column_name(), "begins the names of the obstacle's columns in history.csv").required(),
+      field("name", &O::name, column_name(), "prefix of the obstacle's columns in history.csv").required(),
       shape
-          .choice("what it is; a plane bounds half of space, a cylinder has flat ends and a capsule round ones, a "
-                  "surface is that of `file`")
+          .choice(
+              "a plane bounds half of space, a cylinder has flat ends and a capsule round ones, a surface is read from "
+              "`file`")
           .required(),
       field("point", &O::point, array_of<3>(quantity("m")),
-            "a point of the plane, or the middle of the others; of a surface the default center of rotation")
+            "a point of the plane, or the middle of another shape; for a surface the default center of rotation")
           .otherwise("[0, 0, 0]"),
-      shape.field("normal", direction_of_any_length(), "of a plane: the direction towards the bodies, of any length",
+      shape.field("normal", direction_of_any_length(), "direction from a plane towards the bodies, of any length",
                   &O::Plane::normal),
-      shape.field("axis", direction_of_any_length(), "of a cylinder or capsule", &O::Cylinder::axis, &O::Capsule::axis),
-      shape.field("radius", quantity("m", Range::above(0)), "of a sphere, cylinder or capsule", &O::Sphere::radius,
-                  &O::Cylinder::radius, &O::Capsule::radius),
+      shape.field("axis", direction_of_any_length(), "axis of a cylinder or capsule", &O::Cylinder::axis,
+                  &O::Capsule::axis),
+      shape.field("radius", quantity("m", Range::above(0)), "radius of a sphere, cylinder or capsule",
+                  &O::Sphere::radius, &O::Cylinder::radius, &O::Capsule::radius),
       shape
           .field("length", quantity("m", Range::above(0)),
-                 "of a cylinder between its ends, of a capsule between the centres of its ends", &O::Cylinder::length,
+                 "length of a cylinder, or of a capsule between the centres of its ends", &O::Cylinder::length,
                  &O::Capsule::length)
-          .otherwise_in_words("a cylinder without ends"),
-      shape.field("size", array_of<3>(quantity("m", Range::above(0))),
-                  "of a box: the lengths of its edges along x, y and z", &O::Box::size),
+          .otherwise_in_words("a cylinder is endless"),
+      shape.field("size", array_of<3>(quantity("m", Range::above(0))), "lengths of the edges of a box along x, y and z",
+                  &O::Box::size),
       shape.field("file", text(),
-                  "of a surface: closed, of triangles, relative to the input file; .stl, or the triangles of a .msh",
+                  "closed surface of triangles, relative to the input file; .stl, or the triangles of a .msh",
                   &O::Surface::file),
-      shape
-          .field("scale", quantity("1", Range::above(0)), "of a surface: coordinates are multiplied by it",
-                 &O::Surface::scale)
+      shape.field("scale", quantity("1", Range::above(0)), "factor of the coordinates of a surface", &O::Surface::scale)
           .otherwise("1"),
       field("side", &O::side, choice_of<Side>({{"outside", Side::outside}, {"inside", Side::inside}}),
             "where the bodies are: around the obstacle, or within it as in a vessel")
           .otherwise("outside"),
   };
   for (const auto& key : drag_keys()) keys.push_back(within(&O::drag, key));
-  keys.push_back(field("motion", &O::motion, map_of(motion_keys()), "how it moves; functions of t")
-                     .otherwise_in_words("it rests"));
+  keys.push_back(field("motion", &O::motion, map_of(motion_keys()), "prescribed motion; functions of t")
+                     .otherwise_in_words("none"));
   return {std::move(keys), {}, &O::where};
 }
 
@@ -113,23 +113,24 @@ Section<ContactConfig> contact_keys() {
       within(&C::pressure, law_key()),
       selector<C>("surface", Selection::Kind::surface, "the part of the bodies' surface that may touch obstacles")
           .otherwise_in_words("all of it"),
-      selector<C>("box", Selection::Kind::box, "the same: boundary facets inside this box"),
-      selector<C>("where", Selection::Kind::where, "the same: boundary facets that fulfil this"),
+      selector<C>("box", Selection::Kind::box, "instead of `surface`: boundary facets inside this box"),
+      selector<C>("where", Selection::Kind::where, "instead of `surface`: boundary facets that satisfy this condition"),
   };
   for (const auto& key : pressure_keys()) keys.push_back(within(&C::pressure, key));
   keys.push_back(
-      field("friction_update", &C::friction_update,
-            choice_of<FrictionUpdate>({{"frozen", FrictionUpdate::frozen}, {"iterated", FrictionUpdate::iterated}}),
-            "where friction and damping take pressure and normal: at the solution of a stage, found by solving again "
-            "until they stay the same, or at the start of the step, which is of first order in time and misses "
-            "impacts of a few steps")
+      field(
+          "friction_update", &C::friction_update,
+          choice_of<FrictionUpdate>({{"frozen", FrictionUpdate::frozen}, {"iterated", FrictionUpdate::iterated}}),
+          "state that gives friction and damping their pressure and normal: the solution of a stage, found by solving "
+          "again until they no longer change, or the start of the step, which is of first order in time and misses "
+          "impacts that last a few steps")
           .otherwise("iterated"));
   keys.push_back(field("stick_velocity", &C::stick_velocity, quantity("m/s", Range::above(0)),
                        "below this velocity a contact counts as sticking: friction grows smoothly up to it")
                      .otherwise("1 mm/s"));
-  keys.push_back(
-      field("obstacles", &C::obstacles, list_of(map_of(obstacle_keys()), 1), "rigid things that the bodies run into")
-          .required());
+  keys.push_back(field("obstacles", &C::obstacles, list_of(map_of(obstacle_keys()), 1),
+                       "rigid obstacles that the bodies can touch")
+                     .required());
   return {std::move(keys), {{{"surface", "box", "where"}, KeyGroup::Need::at_most_one}}, &C::where};
 }
 

@@ -44,21 +44,23 @@ Section<LoadConfig> load_keys() {
           field_of(kind, "direction",
                    choice_of<FoundationDirection>(
                        {{"all", FoundationDirection::all}, {"normal", FoundationDirection::normal}}),
-                   "with spring and dashpot: whether they resist every displacement, or the part along the reference "
-                   "normal alone",
+                   "with spring and dashpot: whether they resist every displacement, or only its component along the "
+                   "reference normal",
                    &L::Foundation::direction)
               .otherwise("all")
-              .only_beside({{"spring"}, {"dashpot"}}),
+              .only_with({{"spring"}, {"dashpot"}}),
           choosing_field(kind, "point_spring", coefficient_of("N/m"),
                          "stiffness of springs between a point group and the ground, in all directions; shared by its "
                          "nodes",
                          &L::PointFoundation::spring),
-          choosing_field(kind, "point_dashpot", coefficient_of("N*s/m"), "the same of dashpots",
+          choosing_field(kind, "point_dashpot", coefficient_of("N*s/m"),
+                         "viscosity of dashpots between a point group and the ground; shared by its nodes",
                          &L::PointFoundation::dashpot),
           selector<L>("surface", SelectionKind::surface,
                       "with traction, pressure, force, spring and dashpot: the surface it acts on"),
-          selector<L>("box", SelectionKind::box, "the same: boundary facets inside this box"),
-          selector<L>("where", SelectionKind::where, "the same: boundary facets that fulfil this"),
+          selector<L>("box", SelectionKind::box, "instead of `surface`: boundary facets inside this box"),
+          selector<L>("where", SelectionKind::where,
+                      "instead of `surface`: boundary facets that satisfy this condition"),
           selector<L>("curve", SelectionKind::curve, "with line_force and force: the curve it acts on"),
           selector<L>("point", SelectionKind::point,
                       "with force, point_spring and point_dashpot: the point group it acts on"),

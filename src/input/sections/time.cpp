@@ -24,7 +24,7 @@ std::vector<MethodConfig> named_methods() {
   return all;
 }
 
-/// The keys of a method that is not typed as a name.
+/// The keys of a method that is given by keys instead of a name.
 struct MethodKeys {
   std::string petsc;
   std::string name;
@@ -53,9 +53,7 @@ Section<MethodKeys> method_keys() {
               .otherwise("[1]")
               .left_out_if(is_petsc),
           field("beta", &MethodKeys::beta, coefficient(), "weight of the step").otherwise("1").left_out_if(is_petsc),
-          field("name", &MethodKeys::name, column_name(), "what your method is called")
-              .otherwise("own")
-              .left_out_if(is_petsc),
+          field("name", &MethodKeys::name, column_name(), "name of your method").otherwise("own").left_out_if(is_petsc),
       },
       {{{"petsc", "A"}},
        {{"b"}, KeyGroup::Need::all, {{"A"}}},
@@ -66,8 +64,7 @@ Section<MethodKeys> method_keys() {
 bool derive(MethodKeys keys, const InputNode& node, Diagnostics& diagnostics, MethodConfig& into) {
   const auto taken = time_methods();
   if (std::find(taken.begin(), taken.end(), keys.name) != taken.end()) {
-    diagnostics.add(node.find("name")->where,
-                    "'" + keys.name + "' is a method of Pliant; call your own by another name");
+    diagnostics.add(node.find("name")->where, "'" + keys.name + "' is a method of Pliant; give yours another name");
     return false;
   }
   auto derived =
@@ -123,13 +120,13 @@ Format<MethodConfig> method_choice() {
 Section<AdaptiveConfig> adaptive_keys() {
   return {{
               field("relative", &AdaptiveConfig::relative, quantity("1", Range{0, 1, Range::Ends::high_included}),
-                    "error of the whole run that is allowed, as a part of displacement and velocity")
+                    "allowed error of the whole run, as a fraction of displacement and velocity")
                   .otherwise("1e-4"),
               field("absolute", &AdaptiveConfig::absolute, quantity("m", Range::above(0)),
-                    "error of the displacement that is allowed beside it")
+                    "allowed error of the displacement, in addition to `relative`")
                   .otherwise("1e-6"),
               field("absolute_velocity", &AdaptiveConfig::absolute_velocity, quantity("m/s", Range::above(0)),
-                    "error of the velocity that is allowed beside it")
+                    "allowed error of the velocity, in addition to `relative`")
                   .otherwise_in_words("absolute / step"),
               field("min_step", &AdaptiveConfig::min_step, quantity("s", Range::above(0)),
                     "smallest step that is tried, for accuracy or when a solve fails")
@@ -170,13 +167,14 @@ Section<TimeConfig> time_keys() {
             "one order; `dirk33`: with that method")
           .otherwise_in_words("ramp; with `adaptive`: dirk33 for methods with several past states"),
       field("adaptive", &TimeConfig::adaptive, map_of(adaptive_keys()),
-            "steps follow from the error they make; `{}` takes the defaults")
+            "steps follow from their estimated error; `{}` takes the defaults")
           .otherwise_in_words("none: all steps are equal"),
-      field(
-          "events", &TimeConfig::events, list_of(quantity("s", Range::above(0)), 0),
-          "times in ascending order at which loads or constraints change abruptly, besides the kinks and jumps of "
-          "formulas of t, which are found: steps end exactly there, and methods with past states start anew; not used "
-          "by `static`"),
+      field("events", &TimeConfig::events, list_of(quantity("s", Range::above(0)), 0),
+            "times in ascending order at which loads or constraints change abruptly, in addition to the kinks and "
+            "jumps of "
+            "formulas of t, which are found automatically: steps end exactly there, and methods with past states "
+            "restart; "
+            "not used by `static`"),
       field("min_step", &TimeConfig::min_step, quantity("s", Range::above(0)),
             "smallest step that is tried when a solve fails; with `adaptive` it goes there")
           .otherwise_in_words("step / 1024")

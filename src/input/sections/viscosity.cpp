@@ -93,7 +93,7 @@ std::vector<const ViscosityForm*> forms_of(std::string_view law) {
   return forms;
 }
 
-/// What a key stands beside: every law all of whose forms have it, and the first keys of forms that alone do.
+/// The owners of a key: every law all of whose forms have it, and the first keys of forms that are alone in having it.
 std::vector<Anchor> anchors_of(std::string_view key) {
   std::vector<Anchor> anchors;
   for (const ViscosityForm& form : viscosity_forms()) {
