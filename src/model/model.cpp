@@ -213,7 +213,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   std::vector<std::array<double, 3>> points;
   for (const auto& probe : config.probes) points.push_back(probe.point);
   probes_ = locate(layout_, points);
-  require_near(config.probes);
+  require_near(layout_, mesh_report_.bounds, probes_, config.probes);
   for (std::size_t p = 0; p < probes_.size(); ++p) {
     const double far = probes_[p].distance;
     if (far > 0.0) {
@@ -222,26 +222,6 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
                            config.probes[p].name, far)));
     }
   }
-}
-
-/// A probe that is off the body by rounding, or by the flat facets of a round surface, counts as on it. One further
-/// away was given in another unit, or for another body.
-void Model::require_near(const std::vector<ProbeConfig>& probes) const {
-  constexpr double near = 0.05;  // of the mesh's diagonal
-  const auto& b = mesh_report_.bounds;
-  const double diagonal = std::hypot(b[3] - b[0], b[4] - b[1], b[5] - b[2]);
-  std::vector<Diagnostic> errors;
-  for (std::size_t p = 0; p < probes_.size(); ++p) {
-    if (!(probes_[p].distance > near * diagonal)) continue;  // to a node
-    const NearestOfMesh nearest = nearest_of_mesh(layout_, probes[p].point);
-    if (!(nearest.distance > near * diagonal)) continue;
-    const auto& [x, y, z] = nearest.point;
-    errors.push_back({Severity::error, probes[p].where,
-                      fmt::format("probe '{}' lies outside the mesh, {:.3g} m from its nearest point ({:.4g}, {:.4g}, "
-                                  "{:.4g}); positions are in metres, after 'mesh.scale', of the undeformed body",
-                                  probes[p].name, nearest.distance, x, y, z)});
-  }
-  if (!errors.empty()) throw InputError(std::move(errors));
 }
 
 void Model::find_components(const Config& config, Selections& selections) {
@@ -343,18 +323,6 @@ PrescribedMotion Model::motion(Mending mending) const {
       std::move(motion), {layout_, *pattern_, *inertia_, constraints_->prescribed().flags(), constraints_->map()});
 }
 
-void Model::require_finite_initial(const Config& config, const char* what, Vec values) const {
-  on_every_rank(layout_.comm, [&] {
-    const ConstArrayView view(values);
-    const std::span<const double> numbers = view.span();
-    const auto found = std::ranges::find_if_not(numbers, [](double number) { return std::isfinite(number); });
-    if (found == numbers.end()) return;
-    const auto [x, y, z] = layout_.position(static_cast<PetscInt>((found - numbers.begin()) / 3));
-    throw InputError({config.file, 0, 0},
-                     fmt::format("the initial {} is not finite at ({:g}, {:g}, {:g})", what, x, y, z));
-  });
-}
-
 void Model::require_finite(double time) const {
   loads_->require_finite(time);
   constraints_->require_finite(time);
@@ -372,7 +340,7 @@ void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
     }
   }
   for (const auto& [what, vec] : {std::pair{"displacement", q}, {"velocity", v}})
-    require_finite_initial(config, what, vec);
+    require_finite_initial(config, layout_, what, vec);
   const Step before_start{0.0, config.time.step};
   Handle<Vec> wanted;
   check(VecDuplicate(v, wanted.out()));

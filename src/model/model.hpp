@@ -90,14 +90,12 @@ class Model {
 
  private:
   void build_terms(const Config& config, const Mesh& mesh);
-  void require_near(const std::vector<ProbeConfig>& probes) const;
   /// Parts of the mesh that neither nodes nor constraints join.
   void find_components(const Config& config, Selections& selections);
   void check_overlap(const Config& config);
   void check_method(const Config& config);
   void warn(const Location& where, std::string message);
   void include(std::vector<Diagnostic> found);
-  void require_finite_initial(const Config& config, const char* what, Vec values) const;
   /// Widens the range of wave speeds.
   void include_waves(const ElasticLawSpec& law, double density);
   template <int Order>
