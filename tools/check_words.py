@@ -45,7 +45,7 @@ LAPSES = [
 ]
 # Not yet gone through: path prefixes, to be deleted as their files are.
 NOT_YET = [
-    "docs/input.md", "src/energy/equation/constrained_equation", "src/energy/equation/stage_arrays", "src/input/", "src/model/",
+    "docs/input.md", "src/energy/equation/constrained_equation", "src/energy/equation/stage_arrays",
 ]
 FILES = ["README.md", "CONTRIBUTING.md", "docs/**/*", "src/**/*", "tools/*", "input/**/*", "meshes/*"]
 # The vocabulary lists the words themselves.

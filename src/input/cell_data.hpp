@@ -1,4 +1,4 @@
-/// Data that the mesh file gives for its elements.
+/// Data that the mesh file contains for its cells (elements).
 #pragma once
 
 #include "base/error.hpp"
@@ -15,7 +15,7 @@ class CellData {
  public:
   virtual ~CellData() = default;
 
-  /// The number of the data of that name. Throws InputError if there are none, or if they have other numbers of
+  /// The index of the data with this name. Throws InputError if there are none, or if they have other numbers of
   /// components.
   virtual std::size_t find(const std::string& name, int components, const Location& where) const = 0;
   /// The values on a local cell, NaN where the file has none.

@@ -1,4 +1,4 @@
-/// What must hold between keys, beyond what the table says of each.
+/// Contradictions between keys that are valid by themselves.
 #pragma once
 
 #include "input/config.hpp"
@@ -6,10 +6,7 @@
 
 namespace pliant {
 
-/// Puts the defaults that follow from other keys and resolves the mesh's file against the directory of `config.file`.
-void complete_defaults(Config& config, const InputNode& root);
-
-/// Adds the contradictions in a configuration that was read from `root`; values that could not be read raise none.
+/// Reports contradictions in a configuration that was read from `root`; values that could not be read cause none.
 void check_combinations(const Config& config, const InputNode& root, Diagnostics& diagnostics);
 
 }  // namespace pliant

@@ -1,4 +1,4 @@
-/// The input file as typed values in SI units; every default stands in the key table (input/schema), none here.
+/// The input file as typed values in SI units. All defaults of keys are in the key table (input/keys), none is here.
 #pragma once
 
 #include "base/error.hpp"
@@ -8,23 +8,24 @@
 #include "material/viscosity_registry.hpp"
 #include "material/volumetric_form.hpp"
 #include "time/method.hpp"
+#include "time/startup.hpp"
 
 #include <array>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace pliant {
 
-/// A value and the place in the file that gave it, so that later checks (e.g. against the mesh's groups) can point at
-/// it.
+/// A value and its place in the file, to which later checks (for example against the mesh's groups) can point.
 template <class T>
 struct Located {
   T value{};
   Location where;
 };
 
-/// Which part of the mesh an entry speaks of. Exactly one way of selecting is given.
+/// The part of the mesh that an entry refers to. Exactly one way of selecting it is given.
 struct Selection {
   enum class Kind { everything, volume, surface, curve, point, box, where };
   Kind kind = Kind::everything;
@@ -37,7 +38,7 @@ struct Selection {
 using VectorExpression = std::array<Expression, 3>;
 
 enum class ElementOrder { p1 = 1, p2 = 2 };
-/// How bodies resist a change of volume: at every point, the mean of each cell, or by a pressure of its own.
+/// How bodies resist a change of volume: at every point, by the mean over each cell, or by pressures as unknowns.
 enum class VolumetricTreatment { standard, mean_dilatation, mixed };
 enum class MassKind { consistent, lumped };
 
@@ -67,8 +68,8 @@ struct GivenDirection {
 };
 
 struct ElasticityConfig {
-  std::string model;                     ///< registry name
-  std::vector<GivenConstant> constants;  ///< of the law (material/constants.hpp)
+  std::string model;                     ///< name in the registry of elastic laws
+  std::vector<GivenConstant> constants;  ///< constants of the law (material/constants.hpp)
   std::vector<GivenDirection> directions;
   VolumetricForm volumetric_energy = VolumetricForm::mixed;
   Location where;
@@ -77,15 +78,21 @@ struct ElasticityConfig {
 /// A mechanism of damping.
 struct ViscosityConfig {
   ViscosityLaw law;
-  std::optional<StrainRate> rate;  ///< of laws that have one, instead of that in `law`; empty: as suits the method
+  std::optional<StrainRate>
+      rate;  ///< of laws that have one, instead of the rate in `law`; empty: the best for the method
   Location where;
 };
 
 /// Contraction along fibres; functions of x, y, z, t.
 struct ActiveConfig {
-  std::vector<GivenDirection> fibre;     ///< empty: that of the elastic law
-  std::optional<Expression> stress;      ///< tension per reference area [Pa]
-  std::optional<Expression> shortening;  ///< of the fibres, per length
+  struct Stress {
+    Expression tension;  ///< per reference area [Pa]
+  };
+  struct Shortening {
+    Expression part;  ///< of the fibres' length
+  };
+  std::vector<GivenDirection> fibre;  ///< empty: that of the elastic law
+  std::variant<Stress, Shortening> contraction;
   Location where;
 };
 
@@ -101,17 +108,14 @@ struct BodyConfig {
 using OptionalVectorExpression = std::array<std::optional<Expression>, 3>;  ///< an empty component is free
 
 struct RotationConfig {
-  enum class Kind { free, fixed, about_axis };
-  Kind kind = Kind::free;
-  std::array<double, 3> axis{};     ///< about_axis; of any length
-  std::optional<Expression> angle;  ///< about_axis [rad]; empty: free
+  struct Free {};
+  struct Fixed {};
+  struct AboutAxis {
+    std::array<double, 3> axis;       ///< of any length
+    std::optional<Expression> angle;  ///< [rad]; empty: free
+  };
+  std::variant<Free, Fixed, AboutAxis> kind;
   Location where;
-};
-
-struct RigidConfig {
-  OptionalVectorExpression translation;  ///< of the centre [m]
-  RotationConfig rotation;
-  std::optional<std::array<double, 3>> center;  ///< [m]; empty: the mean of the nodes
 };
 
 /// coefficient times a component of the mean displacement of some nodes
@@ -122,56 +126,99 @@ struct EquationTermConfig {
   Location where;
 };
 
+/// A prescribed displacement (Dirichlet boundary condition), or a tie (multi-point constraint).
 struct ConstraintConfig {
-  enum class Kind { displacement, symmetry, normal, along, periodic, rigid, equation };
-  Kind kind = Kind::displacement;
-  Selection part;                         ///< not of an equation
-  OptionalVectorExpression displacement;  ///< displacement [m]
-  Expression value;                       ///< normal, along, equation [m]
-  std::array<double, 3> direction{};      ///< along; of any length
-  Selection partner;                      ///< periodic: the surface that `part` repeats
-  OptionalVectorExpression difference;    ///< periodic [m]
-  RigidConfig rigid;
-  std::vector<EquationTermConfig> equation;
+  struct Displacement {
+    OptionalVectorExpression value;  ///< [m]
+  };
+  struct Symmetry {
+    bool operator==(const Symmetry&) const = default;
+  };
+  struct Normal {
+    Expression displacement;  ///< along the outward normal [m]
+  };
+  struct Along {
+    Expression displacement;          ///< [m]
+    std::array<double, 3> direction;  ///< of any length
+  };
+  struct Periodic {
+    Selection partner;                    ///< the surface that `part` repeats
+    OptionalVectorExpression difference;  ///< [m]
+  };
+  struct Rigid {
+    OptionalVectorExpression translation;  ///< of the centre [m]
+    RotationConfig rotation;
+    std::optional<std::array<double, 3>> center;  ///< [m]; empty: the mean of the nodes
+  };
+  struct Equation {
+    std::vector<EquationTermConfig> terms;
+    Expression value;  ///< [m]
+  };
+  using Kind = std::variant<Displacement, Symmetry, Normal, Along, Periodic, Rigid, Equation>;
+
+  Kind kind;
+  Selection part;  ///< not of an equation
   Location where;
 };
 
+/// A load (Neumann boundary condition), or springs and dashpots to the ground (Robin).
 struct LoadConfig {
-  enum class Kind { gravity, traction, pressure, force_density, line_force, force, foundation, point_foundation };
-  Kind kind = Kind::gravity;
-  Selection part;          ///< gravity, force_density: everything (or a volume); line_force: curve; point_foundation:
-                           ///< point; force: surface, box, where, curve or point; the others: surface, box or where
-  VectorExpression value;  ///< gravity [m/s^2], traction [Pa] per reference area, force_density [N/m^3], line_force
-                           ///< [N/m], force [N] in all
-  Expression pressure;     ///< [Pa] per current area, pushes onto the surface
-  std::optional<double> spring;   ///< foundation [N/m^3] per reference area, point_foundation [N/m] in all
-  std::optional<double> dashpot;  ///< foundation [N s/m^3], point_foundation [N s/m]
-  FoundationDirection direction = FoundationDirection::all;  ///< foundation
+  struct Gravity {
+    VectorExpression acceleration;  ///< [m/s^2]
+  };
+  struct ForceDensity {
+    VectorExpression value;  ///< per reference volume [N/m^3]
+  };
+  struct Traction {
+    VectorExpression value;  ///< per reference area [Pa]
+  };
+  struct LineForce {
+    VectorExpression value;  ///< per reference length [N/m]
+  };
+  struct Force {
+    VectorExpression value;  ///< in all [N]
+  };
+  struct Pressure {
+    Expression value;  ///< per current area, pushes onto the surface [Pa]
+  };
+  struct Foundation {
+    std::optional<double> spring;   ///< per reference area [N/m^3]
+    std::optional<double> dashpot;  ///< per reference area [N s/m^3]
+    FoundationDirection direction;
+  };
+  struct PointFoundation {
+    std::optional<double> spring;   ///< in all [N/m]
+    std::optional<double> dashpot;  ///< in all [N s/m]
+  };
+  using Kind = std::variant<Gravity, ForceDensity, Traction, LineForce, Force, Pressure, Foundation, PointFoundation>;
+
+  Kind kind;
+  Selection part;  ///< Gravity, ForceDensity: everything or a volume; LineForce: curve; PointFoundation: point; Force:
+                   ///< surface, box, where, curve or point; the others: surface, box or where
   Location where;
 };
 
-struct GasConfig {
-  double pressure = 0;  ///< at the start, above the ambient one [Pa]
-  double ambient = 0;   ///< absolute [Pa]
-  double exponent = 0;
-  Expression amount;  ///< in parts of that at the start; a function of t
-};
-
-struct LiquidConfig {
-  double bulk_modulus = 0;  ///< [Pa]
-  double pressure = 0;      ///< at the start [Pa]
-  Expression added_volume;  ///< [m^3]; a function of t
-  Expression flow;          ///< [m^3/s]; a function of t
-};
-
-/// Exactly one content is given.
+/// A cavity in the bodies, and its content.
 struct CavityConfig {
+  struct GivenPressure {
+    Expression value;  ///< [Pa]; a function of t
+  };
+  struct Gas {
+    double pressure;  ///< at the start, above the ambient one [Pa]
+    double ambient;   ///< absolute [Pa]
+    double exponent;
+    Expression amount;  ///< as a fraction of that at the start; a function of t
+  };
+  struct Liquid {
+    double bulk_modulus;      ///< [Pa]
+    double pressure;          ///< at the start [Pa]
+    Expression added_volume;  ///< [m^3]; a function of t
+    Expression flow;          ///< [m^3/s]; a function of t
+  };
   std::string name;
-  Selection part;                      ///< surface, box or where
-  std::optional<double> volume;        ///< of the reference configuration [m^3]; default: that behind the surface
-  std::optional<Expression> pressure;  ///< [Pa]; a function of t
-  std::optional<GasConfig> gas;
-  std::optional<LiquidConfig> liquid;
+  Selection part;                ///< surface, box or where
+  std::optional<double> volume;  ///< of the reference configuration [m^3]; default: that behind the surface
+  std::variant<GivenPressure, Gas, Liquid> content;
   Location where;
 };
 
@@ -186,33 +233,64 @@ struct ObstacleMotionConfig {
   std::optional<Rotation> rotate;
 };
 
-struct ObstacleConfig {
-  enum class Shape { plane, sphere, cylinder, capsule, box, surface };
-  enum class Side { outside, inside };
-  std::string name;
-  Shape shape = Shape::plane;
-  std::array<double, 3> point{};   ///< of the plane, or the centre [m]
-  std::array<double, 3> normal{};  ///< plane; of any length
-  std::array<double, 3> axis{};    ///< cylinder, capsule; of any length
-  double radius = 0;               ///< sphere, cylinder, capsule [m]
-  std::optional<double> length;    ///< cylinder (empty: endless), capsule [m]
-  std::array<double, 3> size{};    ///< box [m]
-  Located<std::string> file;       ///< surface; resolved against the input file's directory
-  double scale = 1;                ///< surface
-  Side side = Side::outside;       ///< where the bodies are
+/// The pressure of a contact as a function of the distance.
+struct ContactPressureConfig {
+  NormalKind law = NormalKind::penalty;
+  std::optional<double> stiffness;  ///< [Pa/m]; default: from material and mesh
+  std::optional<double> width;      ///< [m]; default: from the mesh
+  double threshold = 0;             ///< [m]
+};
+
+/// What resists the velocity in a contact, in proportion to the pressure.
+struct ContactDragConfig {
   double friction = 0;
   double viscous_friction = 0;  ///< [s/m]
   double normal_damping = 0;    ///< [s/m]
+};
+
+struct ObstacleConfig {
+  /// The boundary of half of space, through the obstacle's point.
+  struct Plane {
+    std::array<double, 3> normal;  ///< towards the bodies, of any length
+  };
+  struct Sphere {
+    double radius;  ///< [m]
+  };
+  /// With flat ends.
+  struct Cylinder {
+    std::array<double, 3> axis;    ///< of any length
+    double radius;                 ///< [m]
+    std::optional<double> length;  ///< [m]; empty: endless
+  };
+  /// With round ends.
+  struct Capsule {
+    std::array<double, 3> axis;  ///< of any length
+    double radius;               ///< [m]
+    double length;               ///< between the centres of the ends [m]
+  };
+  struct Box {
+    std::array<double, 3> size;  ///< [m]
+  };
+  /// Closed, of triangles.
+  struct Surface {
+    Located<std::string> file;  ///< resolved against the input file's directory
+    double scale;
+  };
+  using Shape = std::variant<Plane, Sphere, Cylinder, Capsule, Box, Surface>;
+  enum class Side { outside, inside };
+
+  std::string name;
+  Shape shape;
+  std::array<double, 3> point{};  ///< of the plane, or the middle of the others [m]
+  Side side = Side::outside;      ///< where the bodies are
+  ContactDragConfig drag;
   std::optional<ObstacleMotionConfig> motion;
   Location where;
 };
 
 struct ContactConfig {
   Selection part;  ///< facets that take part: surface, box, where, or all of the surface
-  NormalKind law = NormalKind::penalty;
-  std::optional<double> stiffness;  ///< [Pa/m]; default: from material and mesh
-  std::optional<double> width;      ///< [m]; default: from the mesh
-  double threshold = 0;             ///< [m]
+  ContactPressureConfig pressure;
   FrictionUpdate friction_update = FrictionUpdate::iterated;
   double stick_velocity = 0;  ///< [m/s]
   std::vector<ObstacleConfig> obstacles;
@@ -224,7 +302,7 @@ struct InitialConfig {
   VectorExpression velocity;      ///< [m/s], function of x, y, z
 };
 
-/// Steps chosen by the error they make. Tolerances are for the error of the whole run.
+/// Steps chosen by their estimated error. Tolerances are for the error of the whole run.
 struct AdaptiveConfig {
   double relative = 0;           ///< of displacement and velocity
   double absolute = 0;           ///< of displacement [m]
@@ -234,21 +312,32 @@ struct AdaptiveConfig {
   Location where;
 };
 
+/// What advances time.
+struct MethodConfig {
+  struct Unknown {};  ///< the input is wrong
+  struct PetscIntegrator {
+    std::string name;  ///< alpha2, ...
+  };
+  struct Quasistatic {};  ///< equilibria without inertia, step by step
+  struct Static {};       ///< one equilibrium
+  std::variant<Unknown, Method, PetscIntegrator, Quasistatic, Static> kind;  ///< a Method of the table or of the user
+  Location where;
+};
+
 struct TimeConfig {
-  Located<std::string> method;       ///< a method's name (own_method's, too), petsc:<integrator>, quasistatic or static
-  std::optional<Method> own_method;  ///< of the user's coefficients
-  double step = 0;                   ///< [s]; adaptive: the first one tried, default end / 1000; static: unused
-  double end = 0;                    ///< [s]; static: the time at which expressions are evaluated (default 0)
-  int load_steps = 1;                ///< static: loads are applied in this many equal parts
-  std::string startup;               ///< ramp or dirk33
-  double min_step = 0;               ///< smallest step that may be tried [s]; default step / 1024
+  MethodConfig method;
+  double step = 0;                 ///< [s]; adaptive: the first one tried, default end / 1000; static: unused
+  double end = 0;                  ///< [s]; static: the time at which expressions are evaluated (default 0)
+  int load_steps = 1;              ///< static: loads are applied in this many equal parts
+  std::optional<Startup> startup;  ///< default: dirk33 where steps adapt and the method has several past states
+  double min_step = 0;             ///< smallest step that is tried [s]; default step / 1024
   std::optional<AdaptiveConfig> adaptive;
   std::vector<double> events;  ///< times at which loads change abruptly, ascending, in (0, end) [s]; static: unused
 };
 
-/// The method's table; nullptr for quasistatic, static and PETSc's integrators.
+/// The method of Pliant; nullptr for quasistatic, static and PETSc's integrators.
 inline const Method* method_of(const TimeConfig& time) {
-  return time.own_method ? &*time.own_method : find_method(time.method.value);
+  return std::get_if<Method>(&time.method.kind);
 }
 
 struct NewtonConfig {
@@ -257,8 +346,11 @@ struct NewtonConfig {
   int max_iterations = 0;
 };
 
+/// What solves linear systems; `automatic`: by size.
+enum class LinearSolver { automatic, cholesky, amg, p_multigrid };
+
 struct SolverConfig {
-  std::string linear;  ///< auto, cholesky, amg, p-multigrid
+  LinearSolver linear = LinearSolver::automatic;
   NewtonConfig newton;
 };
 
@@ -269,7 +361,7 @@ struct OutputConfig {
   std::vector<std::string> fields;
 };
 
-/// When checkpoints are written beside those of interrupted and failed runs.
+/// When checkpoints are written, in addition to those of interrupted and failed runs.
 struct CheckpointConfig {
   std::optional<int> every;       ///< steps
   std::optional<double> minutes;  ///< of the clock
@@ -299,7 +391,7 @@ struct Config {
   OutputConfig output;
   std::optional<CheckpointConfig> checkpoint;
   std::vector<ProbeConfig> probes;
-  std::vector<Diagnostic> warnings;  ///< about the text, of which nothing is left to see here
+  std::vector<Diagnostic> warnings;  ///< about the text of the input, which is not kept here
 };
 
 }  // namespace pliant

@@ -35,7 +35,7 @@ std::array<double, 3> DirectionRule::at(PetscInt cell, const std::array<double, 
   if (!(length > 0.0) || !std::isfinite(length)) {
     const std::string place = is_uniform() ? "" : at_place(X);
     throw InputError(given_.where, std::isnan(length) && data_ != nullptr
-                                       ? fmt::format("the cell data '{}' have no value{}", given_.cell_data, place)
+                                       ? fmt::format("cell data '{}' has no value{}", given_.cell_data, place)
                                        : fmt::format("'{}' has no direction{}: its components are ({:g}, {:g}, {:g})",
                                                      given_.key, place, d[0], d[1], d[2]));
   }

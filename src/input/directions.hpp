@@ -9,15 +9,15 @@
 
 namespace pliant {
 
-/// A direction as a function of the place.
+/// A direction as a function of the position.
 class DirectionRule {
  public:
-  /// `given` outlives the object.
+  /// `given` must outlive the object.
   explicit DirectionRule(const GivenDirection& given) : given_(given) {}
 
   const GivenDirection& given() const { return given_; }
   bool is_uniform() const;
-  /// Finds its data on the mesh, which outlive the object. Throws InputError.
+  /// Finds its data on the mesh, which must outlive the object. Throws InputError.
   void bind(const CellData& data);
   /// The unit vector. Throws InputError if it has no direction.
   std::array<double, 3> at(PetscInt cell, const std::array<double, 3>& X) const;

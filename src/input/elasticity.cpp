@@ -33,8 +33,8 @@ ElasticityRule::ElasticityRule(const ElasticityConfig& config)
   for (const auto& key : wanted) {
     const auto found = std::ranges::find(config.directions, key, &GivenDirection::key);
     if (found == config.directions.end()) {
-      errors.push_back(
-          {Severity::error, config.where, fmt::format("missing key '{}' of {}: a direction", key, config.model)});
+      errors.push_back({Severity::error, config.where,
+                        fmt::format("missing key '{}', a direction that {} needs", key, config.model)});
     } else {
       directions_.emplace_back(*found);
     }
@@ -79,7 +79,7 @@ std::vector<double> ElasticityRule::constants_at(PetscInt cell, const std::array
     const GivenConstant& c = config_.constants[k];
     values.push_back(c.cell_data.empty() ? c.value(X[0], X[1], X[2], 0.0) : data_->at(data_of_constant_[k], cell)[0]);
     if (!c.cell_data.empty() && std::isnan(values.back())) {
-      throw InputError(c.where, fmt::format("the cell data '{}' have no value{}", c.cell_data, at_place(X)));
+      throw InputError(c.where, fmt::format("cell data '{}' has no value{}", c.cell_data, at_place(X)));
     }
   }
   return values;
@@ -92,8 +92,8 @@ void ElasticityRule::set_directions(PetscInt cell, const std::array<double, 3>& 
     if (given.key != "sheet") continue;
     const auto side = across(law.directions[0], law.directions[d]);
     if (!side) {
-      throw InputError(given.where,
-                       "'sheet' is parallel to 'fibre'" + (is_uniform_ ? "" : at_place(X)) + ": it must lie across");
+      throw InputError(given.where, "'sheet' is parallel to 'fibre'" + (is_uniform_ ? "" : at_place(X)) +
+                                        "; choose a direction across it");
     }
     law.directions[d] = *side;
   }
@@ -110,6 +110,12 @@ ElasticLawSpec ElasticityRule::law_at(PetscInt cell, const std::array<double, 3>
   law.parameters = rule_(values);
   set_directions(cell, X, law);
   return law;
+}
+
+bool has_fibres(const ElasticityConfig& config) {
+  const auto laws = elastic_laws();
+  const auto law = std::ranges::find(laws, config.model, &LawInfo::name);
+  return law != laws.end() && !law->directions.empty();
 }
 
 std::string describe(const ElasticityConfig& config) {

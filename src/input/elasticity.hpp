@@ -10,19 +10,19 @@
 
 namespace pliant {
 
-/// A body's law as a function of the place.
+/// A body's law as a function of the position.
 class ElasticityRule {
  public:
   /// Throws InputError if the constants and directions do not determine the law.
   explicit ElasticityRule(const ElasticityConfig& config);
 
-  /// Finds its data on the mesh, which outlive the object. Throws InputError with all errors.
+  /// Finds its data on the mesh, which must outlive the object. Throws InputError with all errors.
   void bind(const CellData& data);
   bool is_uniform() const { return is_uniform_; }
   /// At the reference position X in a local cell; a uniform law is the same everywhere. Throws InputError if the
   /// constants or directions are not admissible there.
   ElasticLawSpec law_at(PetscInt cell, const std::array<double, 3>& X) const;
-  /// Its kind, for what does not depend on the constants.
+  /// The law without constants, for what does not depend on them.
   const ElasticLawSpec& kind() const { return kind_; }
 
  private:
@@ -32,13 +32,16 @@ class ElasticityRule {
   const ElasticityConfig& config_;
   ElasticLawSpec kind_;
   ConstantsRule rule_;
-  std::vector<DirectionRule> directions_;  // in the order of the law's
+  std::vector<DirectionRule> directions_;  // in the order of the law
   const CellData* data_ = nullptr;
   std::vector<std::size_t> data_of_constant_;  // where the constant is data of the mesh
   bool is_uniform_;
 };
 
-/// The law and its constants in words, with what is equivalent to them.
+/// Does the law have preferred directions, so that its moduli at rest are more than two numbers?
+bool has_fibres(const ElasticityConfig& config);
+
+/// The law and its constants in words, with the equivalent moduli at small strain.
 std::string describe(const ElasticityConfig& config);
 
 std::string describe(const ElasticLawSpec& law);

@@ -1,6 +1,7 @@
 #include "input/input.hpp"
 
 #include "input/checks.hpp"
+#include "input/defaults.hpp"
 #include "input/keys.hpp"
 #include "input/schema.hpp"
 #include "petsc/collective.hpp"
@@ -18,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The whole file, but never much more than an input can be (parse_yaml refuses the rest).
+/// The whole file, but never much more than an input can be (parse_yaml rejects the rest).
 std::string file_text(const std::string& file) {
   constexpr std::streamsize most = 8 << 20;
   std::error_code ignored;
@@ -29,7 +30,7 @@ std::string file_text(const std::string& file) {
   const std::string extension = fs::path(file).extension().string();
   if (std::ranges::find(meshes, extension) != meshes.end()) {
     throw InputError({file, 0, 0},
-                     "this is a mesh or a geometry; an input is a text in YAML, which names it: 'mesh: {file: " +
+                     "this is a mesh or a geometry, not an input file; name it in one (YAML): 'mesh: {file: " +
                          fs::path(file).filename().string() + "}'");
   }
   if (extension == ".h5") {
@@ -84,7 +85,9 @@ std::string dump(const Config& config) {
   };
   make_absolute(portable.mesh.file.value);
   if (portable.contact) {
-    for (ObstacleConfig& obstacle : portable.contact->obstacles) make_absolute(obstacle.file.value);
+    for (ObstacleConfig& obstacle : portable.contact->obstacles) {
+      if (auto* surface = std::get_if<ObstacleConfig::Surface>(&obstacle.shape)) make_absolute(surface->file.value);
+    }
   }
   return to_yaml(write_config(portable));
 }

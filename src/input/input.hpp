@@ -15,7 +15,7 @@ namespace pliant {
 /// relative to its directory. Throws InputError with every error, each at its line and column. Not collective.
 Config read_input(const std::string& text, const std::string& file, const std::vector<Override>& overrides);
 
-/// As read_input, the text read by rank 0. A file that is missing, unreadable or a directory is an InputError too.
+/// Like read_input, but rank 0 reads the text. A file that is missing, unreadable or a directory is an InputError too.
 /// Every rank returns the same or throws the same. Collective.
 Config read_input_file(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides);
 

@@ -31,7 +31,7 @@ Section<MeshConfig> mesh_keys() {
           "4.1, text or binary) is read as it is; .h5, made by `pliant mesh convert`, is read in parts by every rank")
           .required(),
       field("size", &MeshConfig::size, quantity("m", Range::above(0)),
-            "target element size for files that gmsh meshes, in metres as simulated: after scaling")
+            "target element size for files that gmsh meshes, in metres after scaling")
           .otherwise_in_words("the geometry's own"),
       field("scale", &MeshConfig::scale, quantity("1", Range::above(0)), "coordinates are multiplied by it")
           .otherwise("1"),
@@ -57,9 +57,9 @@ Section<BodyConfig> body_keys() {
                   .otherwise_in_words("none; needed for dynamics and for gravity"),
               field("elasticity", &BodyConfig::elasticity, elasticity_format(), "elastic law").required(),
               field("viscosity", &BodyConfig::viscosity, viscosity_format(),
-                    "law of viscosity beside the elastic one; several act side by side")
+                    "law of viscosity, in addition to the elastic law; several act in parallel")
                   .otherwise_in_words("none"),
-              field("active", &BodyConfig::active, map_of(active_keys()), "contraction along fibres, as of muscle")
+              field("active", &BodyConfig::active, map_of(active_keys()), "contraction along fibres, as in muscle")
                   .otherwise_in_words("none"),
           },
           {},
@@ -80,13 +80,13 @@ Section<InitialConfig> initial_keys() {
 Section<NewtonConfig> newton_keys() {
   return {{
       field("relative", &NewtonConfig::relative, quantity("1", Range::from_to(0, 0.1)),
-            "converged when the residual is this part of the forces at work")
+            "converged when the residual (out-of-balance force) is this fraction of the forces at work")
           .otherwise("1e-8"),
       field("absolute", &NewtonConfig::absolute, quantity("N", Range::at_least(0)),
             "converged when the residual is below this")
           .otherwise("0"),
       field("max_iterations", &NewtonConfig::max_iterations, integer(Range::from_to(1, 1e6)),
-            "iterations before a solve has failed")
+            "number of iterations after which a solve fails")
           .otherwise("50"),
   }};
 }
@@ -94,7 +94,11 @@ Section<NewtonConfig> newton_keys() {
 Section<SolverConfig> solver_keys() {
   return {{
       field(
-          "linear", &SolverConfig::linear, choice({"auto", "cholesky", "amg", "p-multigrid"}),
+          "linear", &SolverConfig::linear,
+          choice_of<LinearSolver>({{"auto", LinearSolver::automatic},
+                                   {"cholesky", LinearSolver::cholesky},
+                                   {"amg", LinearSolver::amg},
+                                   {"p-multigrid", LinearSolver::p_multigrid}}),
           "linear solver: sparse Cholesky (MUMPS), conjugate gradients with algebraic multigrid, or with multigrid of "
           "quadratic elements through linear ones; auto: by size")
           .otherwise("auto"),
@@ -124,13 +128,13 @@ Section<CheckpointConfig> checkpoint_keys() {
 }
 
 Section<ProbeConfig> probe_keys() {
-  return {{
-              field("name", &ProbeConfig::name, column_name(), "begins the names of the probe's columns in history.csv")
-                  .required(),
-              field("point", &ProbeConfig::point, array_of<3>(quantity("m")), "reference position").required(),
-          },
-          {},
-          &ProbeConfig::where};
+  return {
+      {
+          field("name", &ProbeConfig::name, column_name(), "prefix of the probe's columns in history.csv").required(),
+          field("point", &ProbeConfig::point, array_of<3>(quantity("m")), "reference position").required(),
+      },
+      {},
+      &ProbeConfig::where};
 }
 
 Section<Config> config_keys() {
@@ -145,25 +149,26 @@ Section<Config> config_keys() {
                                             {"mean-dilatation", VolumetricTreatment::mean_dilatation},
                                             {"mixed", VolumetricTreatment::mixed}}),
             "resistance to a change of volume: at every point; of each cell as a whole (P2), for nearly incompressible "
-            "bodies; by pressures that are unknowns of their own (P2), up to a Poisson's ratio of 1/2")
+            "bodies; by pressures as additional unknowns (P2), up to a Poisson's ratio of 1/2")
           .otherwise("standard"),
       field("mass", &Config::mass,
             choice_of<MassKind>({{"consistent", MassKind::consistent}, {"lumped", MassKind::lumped}}), "mass matrix")
           .otherwise("consistent"),
       field("bodies", &Config::bodies, list_of(map_of(body_keys()), 1), "the bodies and their materials").required(),
       field("constraints", &Config::constraints, list_of(map_of(constraint_keys()), 0),
-            "what holds the bodies and ties their parts to one another"),
-      field("loads", &Config::loads, list_of(map_of(load_keys()), 0), "forces, pressures, springs and dashpots"),
+            "prescribed displacements (Dirichlet boundary conditions) and ties (multi-point constraints)"),
+      field("loads", &Config::loads, list_of(map_of(load_keys()), 0),
+            "forces and pressures (Neumann boundary conditions), springs and dashpots (Robin)"),
       field("cavities", &Config::cavities, list_of(map_of(cavity_keys()), 0),
-            "hollows of the bodies that hold a gas or a liquid"),
-      field("contact", &Config::contact, map_of(contact_keys()), "obstacles, and what the bodies feel there")
+            "cavities in the bodies that hold a gas or a liquid"),
+      field("contact", &Config::contact, map_of(contact_keys()), "rigid obstacles, and the law of contact with them")
           .otherwise_in_words("none"),
       field("initial", &Config::initial, map_of(initial_keys()), "the state at time 0"),
       field("time", &Config::time, map_of(time_keys()), "how time advances").required(),
       field("solver", &Config::solver, map_of(solver_keys()), "how equations are solved"),
       field("output", &Config::output, map_of(output_keys()), "what is written"),
       field("checkpoint", &Config::checkpoint, map_of(checkpoint_keys()),
-            "files from which `pliant resume` continues; `{}`: at the end of the run alone; the last two are kept")
+            "files from which `pliant resume` continues; `{}`: only at the end of the run; the last two are kept")
           .otherwise_in_words("only where the run is interrupted or fails"),
       field("probes", &Config::probes, list_of(map_of(probe_keys()), 0), "points whose motion history.csv follows"),
   }};

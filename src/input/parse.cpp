@@ -44,7 +44,7 @@ void check_is_text(const std::string& text, const std::string& file) {
   });
   if (control != text.end()) {
     throw InputError(place_of(text, static_cast<std::size_t>(control - text.begin()), file),
-                     "the file holds a control character; is this a text file?");
+                     "the file contains a control character; is this a text file?");
   }
 }
 
@@ -62,7 +62,7 @@ bool quote_is_closed(const std::string& text, std::size_t at) {
   return false;
 }
 
-/// Builds the tree from yaml-cpp's events; throws InputError through the parser where going on makes no sense.
+/// Builds the tree from yaml-cpp's events; throws InputError through the parser where it makes no sense to continue.
 class TreeBuilder : public YAML::EventHandler {
  public:
   TreeBuilder(const std::string& text, const std::string& file, Diagnostics& diagnostics)
@@ -94,7 +94,7 @@ class TreeBuilder : public YAML::EventHandler {
   }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
     const auto known = anchors_.find(anchor);
-    if (known == anchors_.end()) throw InputError(at(mark), "this alias stands inside what it refers to");
+    if (known == anchors_.end()) throw InputError(at(mark), "this alias refers to a value that contains it");
     InputNode copy = known->second.node;
     count(mark, known->second.size);
     copy.key.clear();
@@ -128,11 +128,11 @@ class TreeBuilder : public YAML::EventHandler {
 
   Location at(const YAML::Mark& mark) const { return {file_, mark.line + 1, mark.column + 1}; }
 
-  /// Tags of programs, such as '!include': what they mean there does not happen here. YAML's own, '!!str', are passed
-  /// over.
+  /// Tags of other programs, such as '!include', would have no effect here and are errors. YAML's own, such as '!!str',
+  /// are ignored.
   void refuse_own(const std::string& tag, const YAML::Mark& mark) const {
     if (tag.size() > 1 && tag.front() == '!')
-      throw InputError(at(mark), "inputs have no tags such as '" + excerpt(tag) + "': leave it out");
+      throw InputError(at(mark), "tags such as '" + excerpt(tag) + "' are not supported; leave it out");
   }
 
   void count(const YAML::Mark& mark, std::size_t more) {
@@ -237,12 +237,12 @@ std::string plain_words(const std::string& message) {
   };
   static constexpr std::array translations{
       Translation{"illegal map value",
-                  "':' is not expected here; check the indentation, and quote texts that hold ': '"},
+                  "':' is not expected here; check the indentation, and quote text that contains ': '"},
       Translation{"illegal block entry", "a list entry '- ' is not expected here; start it on a line of its own"},
       Translation{"end of sequence flow not found", "a ']' is missing in the list before this place"},
       Translation{"end of map flow not found", "a '}' is missing in the map before this place"},
       Translation{"illegal flow end", "this bracket was never opened"},
-      Translation{"unknown token", "a text cannot start with this character; quote it"},
+      Translation{"unknown token", "text cannot start with this character; put it in quotes"},
       Translation{"the referenced anchor is not defined",
                   "this alias refers to an anchor ('&name') that is not defined before"},
       Translation{"end of map not found", "this line does not belong to the keys above; check the indentation"},

@@ -93,13 +93,13 @@ std::string table(const std::string& path, const std::vector<KeyInfo>& keys) {
   return out;
 }
 
-/// Keys of the group that may stand together.
+/// Keys of the group that can be given together.
 std::string exceptions(const KeyGroup& group) {
   std::string text;
   for (const auto& set : group.together) {
     std::string keys;
     for (const std::string& key : set) keys += (keys.empty() ? "`" : " and `") + key + '`';
-    text += " " + keys + " may stand together.";
+    text += " " + keys + " can be given together.";
   }
   return text;
 }
@@ -107,20 +107,20 @@ std::string exceptions(const KeyGroup& group) {
 std::string sentence(const KeyGroup& group) {
   std::string keys;
   for (const std::string& key : group.keys) keys += (keys.empty() ? "`" : ", `") + key + '`';
-  std::string beside;
-  for (const Anchor& anchor : group.beside) {
-    beside += (beside.empty() ? "Beside `" : " or `") + to_string(anchor) + '`';
+  std::string with;
+  for (const Anchor& anchor : group.only_with) {
+    with += (with.empty() ? "With `" : " or `") + to_string(anchor) + '`';
   }
-  if (!beside.empty()) beside += ": ";
+  if (!with.empty()) with += ": ";
   switch (group.need) {
     case KeyGroup::Need::exactly_one:
-      return beside + "exactly one of " + keys + "." + exceptions(group);
+      return with + "exactly one of " + keys + "." + exceptions(group);
     case KeyGroup::Need::at_most_one:
-      return beside + "at most one of " + keys + ".";
+      return with + "at most one of " + keys + ".";
     case KeyGroup::Need::all:
-      return beside + keys + ".";
+      return with + keys + ".";
     case KeyGroup::Need::any:
-      return beside + "optionally " + keys + ".";
+      return with + "optionally " + keys + ".";
   }
   return "";
 }

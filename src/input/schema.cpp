@@ -31,12 +31,12 @@ bool is_given(const InputNode& node, const Anchor& anchor) {
   return is_given(node, anchor.key) && (anchor.value.empty() || node.find(anchor.key)->text == anchor.value);
 }
 
-/// Digits, as the end of a number behind a decimal comma.
+/// Digits, such as the end of a number after a decimal comma.
 bool starts_with_digit(std::string_view text) {
   return !text.empty() && std::isdigit(static_cast<unsigned char>(text.front())) != 0;
 }
 
-/// The keys that are of use beside what is chosen.
+/// The keys that are useful with what is chosen.
 std::vector<KeyInfo> usable(const InputNode& node, const KeyInfo& section) {
   const auto is_chosen = [&](const Anchor& anchor) { return is_given(node, anchor); };
   const auto is_open = [&](const Anchor& anchor) {
@@ -53,7 +53,7 @@ std::vector<KeyInfo> usable(const InputNode& node, const KeyInfo& section) {
   return keys;
 }
 
-/// What a key that does not exist is meant to be.
+/// The key that was probably meant by one that does not exist.
 std::optional<std::string> meant_by(const std::string& key, const std::vector<KeyInfo>& keys) {
   for (const KeyInfo& known : keys) {
     if (std::find(known.also.begin(), known.also.end(), key) != known.also.end()) return known.key;
@@ -65,17 +65,18 @@ std::string unknown_key(const InputNode& child, const std::string& section_name,
                         const KeyInfo& section) {
   const std::string& key = child.key;
   if (child.kind == InputNode::Kind::null && starts_with_digit(key) && !is_part_of_formula(key)) {
-    return "'" + excerpt(key) + "' stands alone behind a ','; a decimal point is written '.'";
+    return "'" + excerpt(key) + "' stands alone after a ','; a decimal point is written '.'";
   }
   if (child.kind == InputNode::Kind::null && is_part_of_formula(key)) {
-    return "'" + excerpt(key) + "' is a part of a formula that a ',' has split; in { } put it into quotes, such as " +
+    return "'" + excerpt(key) +
+           "' is part of a formula that was split at a ','; inside { }, put the formula in quotes, such as " +
            "\"min(t, 1)\"";
   }
   const std::string message = "unknown key '" + excerpt(key) + "'" + in_section(section_name);
   const auto keys = usable(node, section);
   const auto names = names_of(keys);
   if (const std::size_t colon = key.find(':'); colon != std::string::npos) {
-    return message + " (a blank must follow the ':' after a key)";
+    return message + " (the ':' after a key must be followed by a space)";
   }
   if (const auto meant = meant_by(key, keys)) return message + " (did you mean '" + *meant + "'?)";
   for (const KeyInfo& other : section.children) {
@@ -94,11 +95,11 @@ std::vector<std::string> given_keys(const InputNode& node, const KeyGroup& group
   return given;
 }
 
-/// What is there of that which the group's keys stand beside.
+/// The owner of the group's keys that is given, if any.
 std::optional<Anchor> anchor_of(const InputNode& node, const KeyGroup& group) {
-  const auto found = std::find_if(group.beside.begin(), group.beside.end(),
+  const auto found = std::find_if(group.only_with.begin(), group.only_with.end(),
                                   [&](const Anchor& anchor) { return is_given(node, anchor); });
-  return found == group.beside.end() ? std::nullopt : std::optional(*found);
+  return found == group.only_with.end() ? std::nullopt : std::optional(*found);
 }
 
 bool holds(const std::vector<std::string>& keys, const std::string& key) {
@@ -114,7 +115,7 @@ bool count_as_one(const std::vector<std::string>& keys, const KeyGroup& group) {
 void check_group(const InputNode& node, const std::string& name, const KeyGroup& group, Diagnostics& diagnostics) {
   const auto given = given_keys(node, group);
   const auto anchor = anchor_of(node, group);
-  if (!group.beside.empty() && !anchor) return;
+  if (!group.only_with.empty() && !anchor) return;
   if (group.need == KeyGroup::Need::all) {
     for (const std::string& key : group.keys) {
       if (is_given(node, key)) continue;
@@ -124,9 +125,9 @@ void check_group(const InputNode& node, const std::string& name, const KeyGroup&
   }
   if (group.need != KeyGroup::Need::exactly_one && group.need != KeyGroup::Need::at_most_one) return;
   if (given.empty() && group.need == KeyGroup::Need::exactly_one) {
-    const std::string beside = anchor ? " beside '" + to_string(*anchor) + "'" : "";
+    const std::string with = anchor ? " with '" + to_string(*anchor) + "'" : "";
     diagnostics.add({node.where, group.keys}, node.where,
-                    "one of " + joined(group.keys) + " is needed" + in_section(name) + beside);
+                    "one of " + joined(group.keys) + " is needed" + in_section(name) + with);
   }
   if (given.size() > 1 && !count_as_one(given, group)) {
     diagnostics.add(node.find(given[1])->key_where,
@@ -147,24 +148,24 @@ std::string quoted(const std::vector<Anchor>& anchors) {
 /// Was the choice not made, or badly, to which some keys of the section belong?
 bool is_open(const std::string& choice, const InputNode& node, const KeyInfo& section) {
   return std::none_of(section.groups.begin(), section.groups.end(), [&](const KeyGroup& group) {
-    return std::any_of(group.beside.begin(), group.beside.end(),
+    return std::any_of(group.only_with.begin(), group.only_with.end(),
                        [&](const Anchor& anchor) { return anchor.key == choice && is_given(node, anchor); });
   });
 }
 
-/// What a key stands beside in any of the groups.
+/// The owners of a key in all groups.
 std::vector<Anchor> anchors_of(const std::string& key, const KeyInfo& section) {
   std::vector<Anchor> anchors;
   for (const KeyGroup& group : section.groups) {
-    if (holds(group.keys, key)) anchors.insert(anchors.end(), group.beside.begin(), group.beside.end());
+    if (holds(group.keys, key)) anchors.insert(anchors.end(), group.only_with.begin(), group.only_with.end());
   }
   return anchors;
 }
 
-/// Keys that stand only beside something which is not there. None where a choice is missing, which is told already.
+/// Reports keys whose owners are not given. None where a choice is missing, which is already an error.
 void check_strays(const InputNode& node, const std::string& name, const KeyInfo& section, Diagnostics& diagnostics) {
   for (const KeyGroup& group : section.groups) {
-    if (group.beside.empty() && group.need == KeyGroup::Need::exactly_one && given_keys(node, group).empty()) return;
+    if (group.only_with.empty() && group.need == KeyGroup::Need::exactly_one && given_keys(node, group).empty()) return;
   }
   for (const KeyInfo& key : section.children) {
     if (!is_given(node, key.key)) continue;
@@ -173,7 +174,7 @@ void check_strays(const InputNode& node, const std::string& name, const KeyInfo&
     if (anchors.empty() || std::any_of(anchors.begin(), anchors.end(), is_there)) continue;
     if (!anchors[0].value.empty() && is_open(anchors[0].key, node, section)) continue;
     diagnostics.add(node.find(key.key)->key_where,
-                    "'" + key.key + "' goes only beside " + quoted(anchors) + in_section(name));
+                    "'" + key.key + "' can only be given with " + quoted(anchors) + in_section(name));
   }
 }
 
@@ -214,14 +215,14 @@ Json with_anchor(const Anchor& anchor) {
   return schema;
 }
 
-/// What the group adds to the conditions and dependencies of its section's schema.
+/// Adds the group's conditions and dependencies to its section's schema.
 void add_conditions(const KeyGroup& group, Json& schema) {
-  if (group.beside.empty()) {
+  if (group.only_with.empty()) {
     schema["allOf"].push_back(with_group(group));
     return;
   }
   Json anchors = Json::array();
-  for (const Anchor& anchor : group.beside) {
+  for (const Anchor& anchor : group.only_with) {
     anchors.push_back(with_anchor(anchor));
     if (group.need == KeyGroup::Need::any) continue;
     schema["allOf"].push_back({{"if", with_anchor(anchor)}, {"then", with_group(group)}});
@@ -299,10 +300,10 @@ void warn_of_decimal_commas(const InputNode& node, Diagnostics& diagnostics) {
   }
   if (number == nullptr || !has_blank) return;
   const InputNode& decimals = *(number + 1);
-  diagnostics.warn(number->where,
-                   "'" + excerpt(number->text) + "," + excerpt(decimals.text) +
-                       "' are two entries of the list; a decimal point is written '.': " + excerpt(number->text) + "." +
-                       excerpt(decimals.text) + "; if two are meant, write a blank behind the ','");
+  diagnostics.warn(number->where, "'" + excerpt(number->text) + "," + excerpt(decimals.text) +
+                                      "' is read as two entries of the list; if it is one number, write " +
+                                      excerpt(number->text) + "." + excerpt(decimals.text) +
+                                      "; if it is two, put a space after the ','");
 }
 
 std::string why_split(const InputNode& list) {
@@ -310,7 +311,8 @@ std::string why_split(const InputNode& list) {
     const InputNode& entry = list.children[i];
     if (entry.kind != InputNode::Kind::scalar || entry.style != InputNode::Style::plain) continue;
     if (is_part_of_formula(entry.text)) {
-      return " (a ',' splits '" + excerpt(entry.text) + "'; in [ ] put a formula into quotes, such as \"min(t, 1)\")";
+      return " (a ',' splits '" + excerpt(entry.text) +
+             "'; inside [ ], put a formula in quotes, such as \"min(t, 1)\")";
     }
     if (i == 0) continue;
     const InputNode& before = list.children[i - 1];
@@ -329,7 +331,7 @@ bool refuse(const InputNode& node, const std::string& name, const std::string& w
 bool check_keys(const InputNode& node, const std::string& name, const KeyInfo& section, Diagnostics& diagnostics) {
   if (node.kind != InputNode::Kind::map) {
     if (node.kind == InputNode::Kind::scalar && node.text.find(':') != std::string::npos) {
-      diagnostics.add(node.where, "keys and values are needed here; a blank must follow the ':' after a key");
+      diagnostics.add(node.where, "keys and values are expected here; the ':' after a key must be followed by a space");
     } else if (name.empty()) {
       diagnostics.add(node.where,
                       "the input must be a map of keys such as 'mesh:' and 'time:', not " + description(node));

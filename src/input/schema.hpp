@@ -21,7 +21,7 @@ namespace pliant {
 /// JSON schema of a value. Shared and never changed; opaque here, since the library of JSON takes long to compile.
 using JsonSchema = std::shared_ptr<const nlohmann::ordered_json>;
 
-/// A key, or the value of a choice, to which other keys of the section belong.
+/// A key, or a value of a choice, to which other keys of the section belong.
 struct Anchor {
   std::string key;
   std::string value = {};  ///< empty: any
@@ -30,12 +30,12 @@ struct Anchor {
 /// "key" or "key: value".
 std::string to_string(const Anchor& anchor);
 
-/// Keys of one section of which one, at most one, all or any are to be given.
+/// Keys of a section, and how many of them must be given.
 struct KeyGroup {
   enum class Need { exactly_one, at_most_one, all, any };
   std::vector<std::string> keys;
   Need need = Need::exactly_one;
-  std::vector<Anchor> beside = {};  ///< if given, the keys belong to these and stand only beside one of them
+  std::vector<Anchor> only_with = {};  ///< if given, the keys belong to these and are allowed only with one of them
   std::vector<std::vector<std::string>> together = {};  ///< exactly_one: sets of keys that count as one
 };
 
@@ -51,15 +51,15 @@ struct KeyInfo {
   JsonSchema schema = {};              ///< of the value
   std::vector<KeyInfo> children = {};  ///< the keys of a section or of the entries of a list of sections
   std::vector<KeyGroup> groups = {};   ///< of the children
-  std::vector<std::string> also = {};  ///< what others call it: where that is typed, this key is suggested
-  std::vector<Anchor> only_with = {};  ///< choices with one of which it is of use, and suggested; none: all
+  std::vector<std::string> also = {};  ///< other names for it, for which this key is suggested
+  std::vector<Anchor> only_with = {};  ///< choices with which the key is useful, and suggested; empty: all
 
   /// Is the value of this JSON type?
   bool has_type(const char* json_type) const;
 };
 
-/// How a value of type V is typed. `read` stores what it can use and returns whether it did; it adds what is wrong to
-/// the diagnostics, under the name given. `write` is its inverse; a null node means: leave the key out.
+/// How a value of type V is typed. `read` stores the value and returns whether it could; it reports errors to the
+/// diagnostics, under the name given. `write` is its inverse; a null node means: leave the key out.
 template <class V>
 struct Format {
   std::string type;
@@ -70,10 +70,9 @@ struct Format {
   std::vector<KeyGroup> groups = {};
 };
 
-/// " (a decimal point is written '.')" or a word on quotes where a ',' within a number or a formula has split an entry
-/// of the list; else empty.
+/// A hint for a message where a ',' within a number or a formula has split an entry of the list; else empty.
 std::string why_split(const InputNode& list);
-/// Warns of lists in [ ] that may have a decimal comma: digits follow one ',' without a blank, but not another, as
+/// Warns of lists in [ ] that may have a decimal comma: one ',' is followed directly by digits, another by a blank, as
 /// in [0,45, 0].
 void warn_of_decimal_commas(const InputNode& node, Diagnostics& diagnostics);
 /// Whether the text is the beginning or end of a formula, which a ',' has split.
@@ -108,20 +107,20 @@ Format<std::string> choice(const std::vector<std::string>& names);
 Format<Expression> expression(const std::string& unit, Variables variables);
 /// As `expression`, or the word `free` for nothing.
 Format<std::optional<Expression>> expression_or_free(const std::string& unit, Variables variables);
-/// A direction, of any length but none.
+/// A direction, of any length except 0.
 Format<std::array<double, 3>> direction_of_any_length();
-/// A part of the mesh, chosen in the way of the kind.
+/// A part of the mesh, selected as the kind says.
 Format<Selection> selection(Selection::Kind kind);
 
-/// Adds "'name' must be ..., not ..." at the node. Returns false, for a reader's convenience.
+/// Adds "'name' must be ..., not ..." at the node. Returns false, so that a reader can return the result.
 bool refuse(const InputNode& node, const std::string& name, const std::string& wanted, Diagnostics& diagnostics);
 
-/// Reports what is wrong with the set of keys of a map. Returns whether it is a map at all.
+/// Reports keys of a map that are unknown, missing or in conflict. Returns whether the node is a map at all.
 bool check_keys(const InputNode& node, const std::string& name, const KeyInfo& section, Diagnostics& diagnostics);
 
-/// JSON schema of a list; `most`: none.
+/// JSON schema of a list; without `most` it has no upper limit.
 JsonSchema list_schema(const JsonSchema& entry, std::size_t fewest, std::optional<std::size_t> most = {});
-/// JSON schema of what may be typed in two ways.
+/// JSON schema of a value that can be typed in two ways.
 JsonSchema either_schema(const JsonSchema& one, const JsonSchema& other);
 /// JSON schema of a map with these keys.
 JsonSchema object_schema(const std::vector<KeyInfo>& keys, const std::vector<KeyGroup>& groups);
@@ -241,7 +240,7 @@ constexpr bool is_optional = false;
 template <class V>
 constexpr bool is_optional<std::optional<V>> = true;
 
-/// The value kept, if there is one. V is given, since it may be optional itself.
+/// The stored value, if there is one. V must be given explicitly, because it may itself be an optional.
 template <class V>
 const V* stored(const V& member) {
   return &member;
@@ -262,6 +261,7 @@ struct Field {
   std::optional<InputNode> fallback = {};  ///< read where the key is not given
   std::function<void(const InputNode&, Diagnostics&, T&)> read = {};
   std::function<InputNode(const T&)> write = {};
+  std::vector<Anchor> owners = {};  ///< if given, the key is allowed only with one of these
 
   Field required() && {
     info.need = KeyInfo::Need::required;
@@ -275,9 +275,14 @@ struct Field {
     fallback = parse_yaml(yaml, "default", none);
     return std::move(*this);
   }
-  /// A default that follows from other keys and is set after reading.
+  /// A default that depends on other keys and is set after reading.
   Field otherwise_in_words(std::string words) && {
     info.fallback_words = std::move(words);
+    return std::move(*this);
+  }
+  /// The key belongs to these: it is allowed only with one of them, and required there unless it has a default.
+  Field only_with(std::vector<Anchor> anchors) && {
+    owners = std::move(anchors);
     return std::move(*this);
   }
   /// The key is left out when writing where this holds.
@@ -289,12 +294,18 @@ struct Field {
   }
 };
 
+template <class V>
+KeyInfo info_of(const std::string& key, const Format<V>& format, const std::string& description) {
+  KeyInfo info{key, format.type, description};
+  info.schema = format.schema;
+  info.children = format.children;
+  info.groups = format.groups;
+  return info;
+}
+
 template <class T, class M, class V>
 Field<T> field(const std::string& key, M T::*member, const Format<V>& format, const std::string& description) {
-  Field<T> result{{key, format.type, description}};
-  result.info.schema = format.schema;
-  result.info.children = format.children;
-  result.info.groups = format.groups;
+  Field<T> result{info_of(key, format, description)};
   if (result.info.has_type("object") && !is_optional<M>) result.fallback = InputNode::map({});  // its keys' defaults
   result.read = [key, member, read = format.read](const InputNode& node, Diagnostics& diagnostics, T& into) {
     V value{};
@@ -307,18 +318,18 @@ Field<T> field(const std::string& key, M T::*member, const Format<V>& format, co
   return result;
 }
 
-/// A field of the part of the mesh that an entry speaks of; its key is the kind's name.
+/// A field for the part of the mesh that an entry refers to; its key is the kind's name.
 template <class T>
 Field<T> selector(const std::string& key, Selection::Kind kind, const std::string& description) {
   return field(key, &T::part, selection(kind), description);
 }
 
-/// The keys of a map that is read into T.
+/// The keys of a map that is read into T, in the order in which they are read.
 template <class T>
 struct Section {
   std::vector<Field<T>> fields;
-  std::vector<KeyGroup> groups = {};
-  Location T::*where = nullptr;  ///< where T keeps the map's place
+  std::vector<KeyGroup> groups = {};  ///< in addition to those of fields with owners
+  Location T::*where = nullptr;       ///< where T keeps the map's place
 
   void read(const InputNode& node, Diagnostics& diagnostics, T& into) const {
     if (where != nullptr) into.*where = node.where;
@@ -332,6 +343,15 @@ struct Section {
         f.read(fallback, diagnostics, into);
       }
     }
+  }
+  std::vector<KeyGroup> all_groups() const {
+    std::vector<KeyGroup> all = groups;
+    for (const Field<T>& f : fields) {
+      if (f.owners.empty()) continue;
+      const bool has_default = f.fallback || !f.info.fallback_words.empty();
+      all.push_back({{f.info.key}, has_default ? KeyGroup::Need::any : KeyGroup::Need::all, f.owners});
+    }
+    return all;
   }
   InputNode write(const T& from) const {
     std::vector<InputNode> entries;
@@ -348,14 +368,14 @@ template <class T>
 Format<T> map_of(const Section<T>& section) {
   Format<T> format{"with the keys below", {}, {}, {}};
   for (const Field<T>& f : section.fields) format.children.push_back(f.info);
-  format.groups = section.groups;
+  format.groups = section.all_groups();
   format.schema = object_schema(format.children, format.groups);
   KeyInfo info;
   info.children = format.children;
   info.groups = format.groups;
   format.read = [section, info](const InputNode& node, const std::string& name, Diagnostics& diagnostics, T& into) {
     if (check_keys(node, name, info, diagnostics)) section.read(node, diagnostics, into);
-    return true;  // what could be read serves the checks that follow
+    return true;  // the checks that follow use what could be read
   };
   format.write = [section](const T& from) { return section.write(from); };
   return format;

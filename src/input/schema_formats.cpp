@@ -86,7 +86,7 @@ bool read_expression(const InputNode& node, const std::string& name, const std::
     diagnostics.add(
         place_in(node, error.position()),
         "'" + name + "': " + error.what() +
-            (is_split ? " (in [ ] and { } put a formula with a ',' into quotes, such as \"min(t, 1)\")" : ""));
+            (is_split ? " (inside [ ] and { }, put a formula with a ',' in quotes, such as \"min(t, 1)\")" : ""));
     return false;
   }
   const bool is_constant = !into.depends_on_space() && !into.depends_on_time();
@@ -103,7 +103,7 @@ bool check_variables(const Expression& e, Variables variables, const InputNode& 
     return false;
   }
   if (variables == Variables::time && e.depends_on_space()) {
-    diagnostics.add(node.where, "'" + name + "' cannot depend on the place x, y, z; it is a function of t");
+    diagnostics.add(node.where, "'" + name + "' cannot depend on the position x, y, z; it is a function of t");
     return false;
   }
   return true;
@@ -217,7 +217,7 @@ Format<bool> truth() {
 Format<std::string> text() {
   Format<std::string> format{"text", shared({{"type", {"string", "number"}}, {"minLength", 1}}), {}, {}};
   format.read = [](const InputNode& node, const std::string& name, Diagnostics& diagnostics, std::string& into) {
-    if (node.kind != InputNode::Kind::scalar || node.text.empty()) return refuse(node, name, "a text", diagnostics);
+    if (node.kind != InputNode::Kind::scalar || node.text.empty()) return refuse(node, name, "text", diagnostics);
     into = node.text;
     return true;
   };
@@ -231,7 +231,7 @@ Format<std::string> text() {
 
 Format<std::string> column_name() {
   Format<std::string> format = text();
-  format.type = "name without commas, quotes and line breaks";
+  format.type = "name without commas, quotes or line breaks";
   format.read = [read = format.read, type = format.type](const InputNode& node, const std::string& name,
                                                          Diagnostics& diagnostics, std::string& into) {
     if (!read(node, name, diagnostics, into)) return false;

@@ -19,7 +19,7 @@ void relocate(InputNode& node, const Location& where) {
   for (InputNode& child : node.children) relocate(child, where);
 }
 
-/// The entry that one part of an override's path names; nullptr after adding a problem.
+/// The entry that one part of an override's path names; nullptr after an error.
 InputNode* entry_of(InputNode& node, const std::string& part, const Location& where, Diagnostics& diagnostics) {
   using Kind = InputNode::Kind;
   if (node.kind == Kind::list) {
@@ -167,6 +167,15 @@ const InputNode* InputNode::find(std::string_view name) const {
   return found == children.end() ? nullptr : &*found;
 }
 
+const InputNode* given(const InputNode& root, std::initializer_list<std::string_view> path) {
+  const InputNode* node = &root;
+  for (const std::string_view key : path) {
+    node = node->find(key);
+    if (node == nullptr || node->kind == InputNode::Kind::null) return nullptr;
+  }
+  return node;
+}
+
 std::string description(const InputNode& node) {
   switch (node.kind) {
     case InputNode::Kind::null:
@@ -189,10 +198,10 @@ InputNode value_of(const Override& change) {
     return value;
   } catch (const InputError& error) {
     std::vector<Diagnostic> errors = error.diagnostics();
-    const bool goes_on = change.value.starts_with('[') || change.value.starts_with('{');
+    const bool continues = change.value.starts_with('[') || change.value.starts_with('{');
     for (Diagnostic& d : errors) {
       d.where = where;
-      if (goes_on && d.message == several_documents) d.message = "something stands behind the closing bracket";
+      if (continues && d.message == several_documents) d.message = "there is text after the closing bracket";
     }
     throw InputError(std::move(errors));
   }
@@ -208,7 +217,7 @@ void apply_override(const Override& change, InputNode& root, Diagnostics& diagno
     return;
   }
   if (change.path.find('[') != std::string::npos) {
-    diagnostics.add(where, "entries of lists are numbers behind dots, such as bodies.0.density");
+    diagnostics.add(where, "entries of lists are numbers after dots, such as bodies.0.density");
     return;
   }
   InputNode* node = &root;
@@ -216,7 +225,7 @@ void apply_override(const Override& change, InputNode& root, Diagnostics& diagno
   std::size_t depth = 0;
   for (std::string part; std::getline(path, part, '.');) {
     if (part.empty() || ++depth > max_path) {
-      diagnostics.add(where, "the path must be keys with dots between them, such as time.step or bodies.0.density");
+      diagnostics.add(where, "the path must be keys separated by dots, such as time.step or bodies.0.density");
       return;
     }
     node = entry_of(*node, part, where, diagnostics);

@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 
+#include <initializer_list>
 #include <set>
 #include <string>
 #include <string_view>
@@ -72,16 +73,19 @@ struct InputNode {
   const Location& place() const { return kind == Kind::null && !key.empty() ? key_where : where; }
 };
 
+/// The value at a path of keys; nullptr if it is not there or empty.
+const InputNode* given(const InputNode& root, std::initializer_list<std::string_view> path);
+
 /// "a list", "a map of keys", "empty" or "'the text'", for messages.
 std::string description(const InputNode& node);
 
-/// What parse_yaml says of text behind the first document.
+/// The error of parse_yaml for text after the first document.
 constexpr std::string_view several_documents =
-    "the input ends before this line; is the line indented as its neighbours (one document per file)?";
+    "the input ends before this line; check that the line is indented like its neighbours (a file holds one document)";
 
-/// Reads YAML text (UTF-8). Beyond what yaml-cpp refuses, it refuses: keys given twice, several documents, quotes that
-/// are not closed, anything that is not text, and more depth or values than an input can need (alias bombs). Mistakes
-/// that leave a tree to go on with are added to `diagnostics`; others throw InputError.
+/// Reads YAML text (UTF-8). In addition to what yaml-cpp rejects, it rejects: keys given twice, several documents,
+/// quotes that are not closed, anything that is not text, and more depth or values than an input can need (alias
+/// bombs). Errors that leave a usable tree are added to `diagnostics`; others throw InputError.
 InputNode parse_yaml(const std::string& text, const std::string& file, Diagnostics& diagnostics);
 
 /// A change of the input from the command line: --set KEY.PATH=VALUE. Numbers in the path count list entries from 0.

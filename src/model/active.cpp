@@ -13,11 +13,11 @@ ActiveParts make_active_parts(const BodyConfig& config, const ActiveBody<Order>&
   fibre.bind(on.data);
   const FibreField field{[&](PetscInt cell, const std::array<double, 3>& X) { return fibre.at(cell, X); },
                          fibre.is_uniform() ? FibreField::Kind::parallel : FibreField::Kind::varying};
-  const auto make = [&](const std::optional<Expression>& amount) -> std::shared_ptr<const Activation> {
-    if (!amount) return nullptr;
-    return std::make_shared<Activation>(make_activation<Order>(*amount, field, on.layout, on.groups, on.body));
+  const auto make = [&](const Expression& amount) {
+    return std::make_shared<Activation>(make_activation<Order>(amount, field, on.layout, on.groups, on.body));
   };
-  return {make(active.stress), make(active.shortening)};
+  if (const auto* stress = std::get_if<ActiveConfig::Stress>(&active.contraction)) return {make(stress->tension), {}};
+  return {{}, make(std::get<ActiveConfig::Shortening>(active.contraction).part)};
 }
 
 template ActiveParts make_active_parts<1>(const BodyConfig&, const ActiveBody<1>&);

@@ -1,4 +1,4 @@
-/// Bodies that contract, as the input describes them.
+/// Bodies that contract.
 #pragma once
 
 #include "energy/volume/active_stress.hpp"
@@ -9,7 +9,7 @@
 
 namespace pliant {
 
-/// What the contraction of a body is made on.
+/// What the contraction of a body is built on.
 template <int Order>
 struct ActiveBody {
   const CellData& data;

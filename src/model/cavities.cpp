@@ -14,7 +14,7 @@
 namespace pliant {
 namespace {
 
-/// Parts of the simulated time at which rims are looked at.
+/// Fractions of the simulated time at which rims are examined.
 constexpr std::array<double, 3> looks{0.0, 0.37, 1.0};
 
 FacetList walls_of(const Selection& part, const Location& where, Selections& selections) {
@@ -36,17 +36,23 @@ PrescribedSamples samples_of(const Config& config, const NodeLayout& layout, con
   return samples;
 }
 
-CavityContent content_of(const CavityConfig& cavity, double volume, const TimeConfig& time) {
-  if (cavity.pressure) return GivenPressure{*cavity.pressure};
-  if (const auto& gas = cavity.gas) return Gas{volume, gas->pressure, gas->ambient, gas->exponent, gas->amount};
-  const LiquidConfig& liquid = *cavity.liquid;
-  // A static equilibrium has no step.
-  const double panel = time.step > 0.0 ? time.step : time.end / 1000.0;
-  return Liquid{volume, liquid.pressure, liquid.bulk_modulus, liquid.added_volume,
-                TimeIntegral(liquid.flow, time.end, panel)};
-}
+struct ContentOf {
+  double volume;
+  const TimeConfig& time;
 
-/// The volume in the reference configuration; throws InputError where there is none.
+  CavityContent operator()(const CavityConfig::GivenPressure& pressure) const { return GivenPressure{pressure.value}; }
+  CavityContent operator()(const CavityConfig::Gas& gas) const {
+    return Gas{volume, gas.pressure, gas.ambient, gas.exponent, gas.amount};
+  }
+  CavityContent operator()(const CavityConfig::Liquid& liquid) const {
+    // A static equilibrium has no step.
+    const double panel = time.step > 0.0 ? time.step : time.end / 1000.0;
+    return Liquid{volume, liquid.pressure, liquid.bulk_modulus, liquid.added_volume,
+                  TimeIntegral(liquid.flow, time.end, panel)};
+  }
+};
+
+/// The volume in the reference configuration. Throws InputError if the cavity is open.
 double volume_of(const CavityConfig& cavity, const NodeLayout& layout, const FacetList& walls,
                  std::vector<RimEdge>& edges, const PrescribedSamples& samples) {
   const Rim rim = classify(layout, edges, samples);
@@ -75,41 +81,44 @@ double volume_of(const CavityConfig& cavity, const NodeLayout& layout, const Fac
 
 }  // namespace
 
-WettedParts::WettedParts(const Config& config, Selections& selections) {
+WettedParts find_wetted_parts(const Config& config, Selections& selections) {
+  WettedParts parts;
   for (const LoadConfig& load : config.loads) {
-    if (load.kind != LoadConfig::Kind::pressure) continue;
-    of_pressures_.push_back(walls_of(load.part, load.where, selections));
+    if (!std::holds_alternative<LoadConfig::Pressure>(load.kind)) continue;
+    parts.of_pressures.push_back(walls_of(load.part, load.where, selections));
   }
   for (const CavityConfig& cavity : config.cavities) {
-    of_cavities_.push_back(walls_of(cavity.part, cavity.where, selections));
+    parts.of_cavities.push_back(walls_of(cavity.part, cavity.where, selections));
   }
+  return parts;
 }
 
-std::vector<WettedParts::Term> WettedParts::make_terms(const Config& config, const NodeLayout& layout,
-                                                       const BlockPattern& pattern,
-                                                       const PrescribedDisplacement& prescribed) {
-  std::vector<Term> terms;
-  if (of_pressures_.empty() && of_cavities_.empty()) return terms;
+WettedTerms make_wetted_terms(const Config& config, const NodeLayout& layout, const BlockPattern& pattern,
+                              WettedParts parts, const PrescribedDisplacement& prescribed) {
+  WettedTerms result;
+  if (parts.of_pressures.empty() && parts.of_cavities.empty()) return result;
   const PrescribedSamples samples = samples_of(config, layout, prescribed);
   std::size_t k = 0;
   for (const LoadConfig& load : config.loads) {
-    if (load.kind != LoadConfig::Kind::pressure) continue;
-    FacetList& facets = of_pressures_[k++];
+    const auto* pressure = std::get_if<LoadConfig::Pressure>(&load.kind);
+    if (pressure == nullptr) continue;
+    FacetList& facets = parts.of_pressures[k++];
     auto edges = rim_edges(layout, facets);
     const Rim rim = classify(layout, edges, samples);
-    terms.push_back(
-        {std::make_unique<FollowerPressure>(layout, pattern, std::move(facets), load.pressure, rim), load.where});
+    result.terms.push_back(
+        {std::make_unique<FollowerPressure>(layout, pattern, std::move(facets), pressure->value, rim), load.where});
   }
   for (std::size_t c = 0; c < config.cavities.size(); ++c) {
     const CavityConfig& cavity = config.cavities[c];
-    auto edges = rim_edges(layout, of_cavities_[c]);
-    const double volume = volume_of(cavity, layout, of_cavities_[c], edges, samples);
-    auto term = std::make_unique<Cavity>(WettedSurface(layout, pattern, std::move(of_cavities_[c]), 0),
-                                         content_of(cavity, volume, config.time));
-    cavities_.push_back({cavity.name, term.get(), volume});
-    terms.push_back({std::move(term), cavity.where});
+    FacetList& walls = parts.of_cavities[c];
+    auto edges = rim_edges(layout, walls);
+    const double volume = volume_of(cavity, layout, walls, edges, samples);
+    auto term = std::make_unique<Cavity>(WettedSurface(layout, pattern, std::move(walls), 0),
+                                         std::visit(ContentOf{volume, config.time}, cavity.content));
+    result.cavities.push_back({cavity.name, term.get(), volume});
+    result.terms.push_back({std::move(term), cavity.where});
   }
-  return terms;
+  return result;
 }
 
 }  // namespace pliant

@@ -1,4 +1,4 @@
-/// Pressures on the walls of cavities and on other surfaces, as the input describes them.
+/// Pressures on the walls of cavities and on other surfaces.
 #pragma once
 
 #include "energy/constraint/prescribed.hpp"
@@ -19,27 +19,30 @@ struct ModelCavity {
   double volume = 0.0;  ///< in the reference configuration [m^3]
 };
 
-/// The facets on which fluids press, found before the constraints are known; what their terms are depends on whether
-/// constraints hold the rims.
-class WettedParts {
- public:
-  /// Mistakes are reported to `selections`. Collective.
-  WettedParts(const Config& config, Selections& selections);
-
-  /// The terms of the pressures among the loads, then those of the cavities, with the places that name them in the
-  /// input. Throws InputError where a cavity is open. Collective.
-  struct Term {
-    std::unique_ptr<EnergyTerm> term;
-    Location where;
-  };
-  std::vector<Term> make_terms(const Config& config, const NodeLayout& layout, const BlockPattern& pattern,
-                               const PrescribedDisplacement& prescribed);
-
-  const std::vector<ModelCavity>& cavities() const { return cavities_; }
-
- private:
-  std::vector<FacetList> of_pressures_, of_cavities_;
-  std::vector<ModelCavity> cavities_;
+/// A term, and the entry of the input that it comes from.
+struct LocatedTerm {
+  std::unique_ptr<EnergyTerm> term;
+  Location where;
 };
+
+/// The facets on which fluids press.
+struct WettedParts {
+  std::vector<FacetList> of_pressures;  ///< per pressure among the loads
+  std::vector<FacetList> of_cavities;
+};
+
+/// Errors are reported to `selections`. Collective.
+WettedParts find_wetted_parts(const Config& config, Selections& selections);
+
+/// The terms of the pressures among the loads, then those of the cavities.
+struct WettedTerms {
+  std::vector<LocatedTerm> terms;
+  std::vector<ModelCavity> cavities;
+};
+
+/// What the terms are depends on whether constraints hold the rims of the parts. Throws InputError where a cavity is
+/// open. Collective.
+WettedTerms make_wetted_terms(const Config& config, const NodeLayout& layout, const BlockPattern& pattern,
+                              WettedParts parts, const PrescribedDisplacement& prescribed);
 
 }  // namespace pliant

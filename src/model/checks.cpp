@@ -1,22 +1,64 @@
 #include "model/checks.hpp"
 
+#include "input/checks/volumetric.hpp"
+#include "petsc/array_view.hpp"
 #include "petsc/check.hpp"
+#include "petsc/collective.hpp"
 
 #include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
 
 namespace pliant {
+
+void require_compressible(const ElasticLawSpec& law, const Location& where) {
+  if (is_incompressible(law)) throw InputError(where, std::string(incompressible_without_pressures));
+}
 
 void require_undeformed(const Config& config, Vec q) {
   PetscReal size = 0.0;
   check(VecNorm(q, NORM_INFINITY, &size));
   if (size == 0.0) return;
   const auto moves = [](const ConstraintConfig& constraint) {
-    return std::ranges::any_of(constraint.displacement, [](const auto& u) { return u && !u->is_zero(); });
+    const auto* prescribed = std::get_if<ConstraintConfig::Displacement>(&constraint.kind);
+    return prescribed != nullptr &&
+           std::ranges::any_of(prescribed->value, [](const auto& u) { return u && !u->is_zero(); });
   };
   const auto constraint = std::ranges::find_if(config.constraints, moves);
   throw InputError(constraint != config.constraints.end() ? constraint->where : Location{config.file, 0, 0},
-                   "'volumetric: mixed' starts from the undeformed bodies, whose pressure is known, but a displacement "
+                   "'volumetric: mixed' must start from undeformed bodies, whose pressure is known, but a displacement "
                    "is prescribed at t = 0; let it grow from 0, or use 'volumetric: mean-dilatation'");
+}
+
+void require_near(const NodeLayout& layout, const std::array<double, 6>& bounds,
+                  const std::vector<ProbeLocation>& locations, const std::vector<ProbeConfig>& probes) {
+  constexpr double near = 0.05;  // of the mesh's diagonal
+  const double diagonal = std::hypot(bounds[3] - bounds[0], bounds[4] - bounds[1], bounds[5] - bounds[2]);
+  std::vector<Diagnostic> errors;
+  for (std::size_t p = 0; p < locations.size(); ++p) {
+    if (!(locations[p].distance > near * diagonal)) continue;  // to a node
+    const NearestOfMesh nearest = nearest_of_mesh(layout, probes[p].point);
+    if (!(nearest.distance > near * diagonal)) continue;
+    const auto& [x, y, z] = nearest.point;
+    errors.push_back({Severity::error, probes[p].where,
+                      fmt::format("probe '{}' lies outside the mesh, {:.3g} m from its nearest point ({:.4g}, {:.4g}, "
+                                  "{:.4g}); positions are in metres, after 'mesh.scale', of the undeformed body",
+                                  probes[p].name, nearest.distance, x, y, z)});
+  }
+  if (!errors.empty()) throw InputError(std::move(errors));
+}
+
+void require_finite_initial(const Config& config, const NodeLayout& layout, const char* what, Vec values) {
+  on_every_rank(layout.comm, [&] {
+    const ConstArrayView view(values);
+    const std::span<const double> numbers = view.span();
+    const auto found = std::ranges::find_if_not(numbers, [](double number) { return std::isfinite(number); });
+    if (found == numbers.end()) return;
+    const auto [x, y, z] = layout.position(static_cast<PetscInt>((found - numbers.begin()) / 3));
+    throw InputError({config.file, 0, 0},
+                     fmt::format("the initial {} is not finite at ({:g}, {:g}, {:g})", what, x, y, z));
+  });
 }
 
 }  // namespace pliant

@@ -1,14 +1,32 @@
-/// What an input cannot combine, as far as it takes the mesh to tell (the rest: input/checks).
+/// Errors of an input that only the mesh reveals (for others see input/checks).
 #pragma once
 
 #include "energy/constraint/constraint_map.hpp"
+#include "fem/layout.hpp"
+#include "fem/probe.hpp"
 #include "input/config.hpp"
+#include "material/elastic_law.hpp"
+
+#include <array>
+#include <vector>
 
 #include <petscvec.h>
 
 namespace pliant {
 
+/// Throws InputError at `where` if the law is incompressible, for bodies without pressures.
+void require_compressible(const ElasticLawSpec& law, const Location& where);
+
 /// Throws InputError at a constraint if bodies with pressures do not start undeformed. Collective.
 void require_undeformed(const Config& config, Vec q);
+
+/// Throws InputError at each probe that is far from the mesh, because it was given in another unit or for another body.
+/// A probe that is off by rounding, or by the flat facets of a round surface, is not. `bounds` of the mesh; `locations`
+/// of the probes. Collective.
+void require_near(const NodeLayout& layout, const std::array<double, 6>& bounds,
+                  const std::vector<ProbeLocation>& locations, const std::vector<ProbeConfig>& probes);
+
+/// Throws InputError if an initial displacement or velocity (`what`) is not finite at a node. Collective.
+void require_finite_initial(const Config& config, const NodeLayout& layout, const char* what, Vec values);
 
 }  // namespace pliant

@@ -20,7 +20,9 @@
 namespace pliant {
 namespace {
 
-using ConstraintKind = ConstraintConfig::Kind;
+using Normal = ConstraintConfig::Normal;
+using Periodic = ConstraintConfig::Periodic;
+using Equation = ConstraintConfig::Equation;
 
 /// An equation couples all its entries with one another in the Hessian.
 constexpr std::size_t most_entries_of_equation = 1000;
@@ -34,8 +36,8 @@ std::string support_name(const ConstraintConfig& constraint, std::size_t index) 
 /// In a message.
 std::string title(const Config& config, std::size_t index) {
   const ConstraintConfig& constraint = config.constraints[index];
-  return constraint.kind == ConstraintKind::equation ? fmt::format("the equation constraints[{}]", index)
-                                                     : describe(constraint.part);
+  return std::holds_alternative<Equation>(constraint.kind) ? fmt::format("the equation constraints[{}]", index)
+                                                           : describe(constraint.part);
 }
 
 Expression times(double factor, const Expression& e) {
@@ -107,38 +109,33 @@ void Constraints::require_finite(double time) const {
 }
 
 Constraints::Part Constraints::make_part(const ConstraintConfig& constraint, Selections& selections) {
-  switch (constraint.kind) {
-    case ConstraintKind::displacement:
-      return {selections.nodes(constraint.part), {constraint.displacement}, true};
-    case ConstraintKind::symmetry:
-    case ConstraintKind::normal:
-      return plane(constraint, selections);
-    case ConstraintKind::along: {
-      const Vector3<double> direction = unit(constraint.direction);
-      Part part{selections.nodes(constraint.part), {}, false, direction};
-      part.displacement.components[0] = constraint.value;
-      return part;
-    }
-    case ConstraintKind::periodic:
-      return {selections.nodes(constraint.part), {constraint.difference}};
-    case ConstraintKind::rigid:
-      return rigid(constraint, selections);
-    case ConstraintKind::equation: {
-      Part part;
-      part.displacement.components[0] = constraint.value;
-      const EquationTermConfig& first = constraint.equation.front();
-      part.direction[static_cast<std::size_t>(first.component)] = first.coefficient;
-      return part;
-    }
+  const auto& kind = constraint.kind;
+  if (const auto* prescribed = std::get_if<ConstraintConfig::Displacement>(&kind)) {
+    return {selections.nodes(constraint.part), {prescribed->value}, true};
   }
-  return {};
+  if (const auto* along = std::get_if<ConstraintConfig::Along>(&kind)) {
+    const Vector3<double> direction = unit(along->direction);
+    Part part{selections.nodes(constraint.part), {}, false, direction};
+    part.displacement.components[0] = along->displacement;
+    return part;
+  }
+  if (const auto* tied = std::get_if<Periodic>(&kind)) return {selections.nodes(constraint.part), {tied->difference}};
+  if (std::holds_alternative<ConstraintConfig::Rigid>(kind)) return rigid(constraint, selections);
+  if (const auto* equation = std::get_if<Equation>(&kind)) {
+    Part part;
+    part.displacement.components[0] = equation->value;
+    const EquationTermConfig& first = equation->terms.front();
+    part.direction[static_cast<std::size_t>(first.component)] = first.coefficient;
+    return part;
+  }
+  return plane(constraint, selections);
 }
 
 // A normal along an axis makes it a prescribed component, at no cost.
 Constraints::Part Constraints::plane(const ConstraintConfig& constraint, Selections& selections) {
   Part part;
   part.nodes = selections.nodes(constraint.part);
-  if (sum(layout_.comm, static_cast<PetscInt64>(part.nodes.size())) == 0) return part;  // reported already
+  if (sum(layout_.comm, static_cast<PetscInt64>(part.nodes.size())) == 0) return part;  // already an error
   const bool is_of_surface = constraint.part.kind == Selection::Kind::surface ||
                              constraint.part.kind == Selection::Kind::box ||
                              constraint.part.kind == Selection::Kind::where;
@@ -149,7 +146,7 @@ Constraints::Part Constraints::plane(const ConstraintConfig& constraint, Selecti
     return part;
   }
   const FacetList facets = selections.facets(constraint.part);
-  if (sum(layout_.comm, static_cast<PetscInt64>(facets.size())) == 0) return part;  // reported already
+  if (sum(layout_.comm, static_cast<PetscInt64>(facets.size())) == 0) return part;  // already an error
   if (any_rank(layout_.comm, std::ranges::find(facets.is_outer, 0) != facets.is_outer.end())) {
     selections.report(constraint.part.where, fmt::format("{} lies inside the mesh, where a normal has no outside; name "
                                                          "a part of the outer surface",
@@ -163,7 +160,8 @@ Constraints::Part Constraints::plane(const ConstraintConfig& constraint, Selecti
                                                          describe(constraint.part)));
     return part;
   }
-  const Expression value = constraint.kind == ConstraintKind::normal ? constraint.value : Expression();
+  const auto* given = std::get_if<Normal>(&constraint.kind);
+  const Expression value = given != nullptr ? given->displacement : Expression();  // symmetry: none
   if (const auto axis = axis_of(*normal)) {
     const auto i = static_cast<std::size_t>(*axis);
     part.displacement.components[i] = times((*normal)[i] < 0.0 ? -1.0 : 1.0, value);
@@ -176,18 +174,18 @@ Constraints::Part Constraints::plane(const ConstraintConfig& constraint, Selecti
 }
 
 Constraints::Part Constraints::rigid(const ConstraintConfig& constraint, Selections& selections) {
-  const RigidConfig& config = constraint.rigid;
+  const auto& config = std::get<ConstraintConfig::Rigid>(constraint.kind);
   Part part{selections.nodes(constraint.part), {}, true};
   RigidMotion motion;
   motion.translation = config.translation;
-  if (config.rotation.kind == RotationConfig::Kind::about_axis) {
-    motion.axis = unit(config.rotation.axis);
-    if (config.rotation.angle) {
-      motion.angle = *config.rotation.angle;
+  if (const auto* about = std::get_if<RotationConfig::AboutAxis>(&config.rotation.kind)) {
+    motion.axis = unit(about->axis);
+    if (about->angle) {
+      motion.angle = *about->angle;
     } else {
       part.rotation = FreeRotation::about_axis;
     }
-  } else if (config.rotation.kind == RotationConfig::Kind::free) {
+  } else if (std::holds_alternative<RotationConfig::Free>(config.rotation.kind)) {
     part.rotation = FreeRotation::about_all_axes;
   }
   part.is_prescribed = !part.rotation;
@@ -220,12 +218,12 @@ std::vector<LinearConstraint> Constraints::ties(const Config& config, Selections
     const ConstraintConfig& constraint = config.constraints[c];
     const Part& part = parts_[c];
     if (part.rotation) continue;
-    if (constraint.kind == ConstraintKind::rigid) {
+    if (std::holds_alternative<ConstraintConfig::Rigid>(constraint.kind)) {
       add(translated_together(layout_, part.nodes, part.displacement, c));
-    } else if (constraint.kind == ConstraintKind::periodic) {
+    } else if (std::holds_alternative<Periodic>(constraint.kind)) {
       auto more = periodic_ties(constraint, c, selections);
       if (is_first) add(std::move(more));
-    } else if (constraint.kind == ConstraintKind::equation) {
+    } else if (std::holds_alternative<Equation>(constraint.kind)) {
       auto more = equation_ties(constraint, c, selections);
       if (is_first) add(std::move(more));
     } else if (!part.is_prescribed) {
@@ -237,24 +235,24 @@ std::vector<LinearConstraint> Constraints::ties(const Config& config, Selections
 
 std::vector<LinearConstraint> Constraints::periodic_ties(const ConstraintConfig& constraint, std::size_t c,
                                                          Selections& selections) const {
-  if (constraint.part.kind == constraint.partner.kind && constraint.part.name == constraint.partner.name) {
-    selections.report(constraint.partner.where,
-                      fmt::format("{} cannot repeat itself; name another surface", describe(constraint.partner)));
+  const Selection& partner = std::get<Periodic>(constraint.kind).partner;
+  if (constraint.part.kind == partner.kind && constraint.part.name == partner.name) {
+    selections.report(partner.where, fmt::format("{} cannot repeat itself; name another surface", describe(partner)));
     return {};
   }
-  const auto partners = selections.nodes(constraint.partner);
+  const auto partners = selections.nodes(partner);
   const PeriodicPairs pairs = match_periodic(layout_, partners, parts_[c].nodes);
   const std::size_t num_unmatched = pairs.num_unmatched_a + pairs.num_unmatched_b;
   if (num_unmatched > 0) {
     const auto& [x, y, z] = pairs.unmatched;
     const auto& [dx, dy, dz] = pairs.translation;
     selections.report(
-        constraint.partner.where,
+        partner.where,
         fmt::format("{} of {} and {} of {} have no partner when one is shifted by ({:g}, {:g}, {:g}) onto "
                     "the other, the first at ({:g}, {:g}, {:g}); their meshes must be copies of each "
                     "other (gmsh: `Periodic Surface`)",
                     counted_nodes(pairs.num_unmatched_b), describe(constraint.part),
-                    counted_nodes(pairs.num_unmatched_a), describe(constraint.partner), dx, dy, dz, x, y, z));
+                    counted_nodes(pairs.num_unmatched_a), describe(partner), dx, dy, dz, x, y, z));
   }
   return periodic(pairs, parts_[c].displacement, c);
 }
@@ -262,7 +260,7 @@ std::vector<LinearConstraint> Constraints::periodic_ties(const ConstraintConfig&
 std::vector<LinearConstraint> Constraints::equation_ties(const ConstraintConfig& constraint, std::size_t c,
                                                          Selections& selections) const {
   std::vector<MeanTerm> terms;
-  for (const EquationTermConfig& term : constraint.equation) {
+  for (const EquationTermConfig& term : std::get<Equation>(constraint.kind).terms) {
     terms.push_back({selections.nodes(term.part), term.component, term.coefficient});
   }
   LinearConstraint result = tie_of_means(layout_, terms, c);

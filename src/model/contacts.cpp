@@ -14,34 +14,73 @@
 namespace pliant {
 namespace {
 
-/// A spring of 10 Young's moduli per facet gives way by a tenth of what an element does, and is no stiffer than ten of
-/// them: nothing that a factorization or a Newton step would notice. E is 2 to 3 shear moduli.
+/// A spring of 10 Young's moduli per facet deforms by a tenth of what an element does, and is as stiff as ten of them,
+/// which neither a factorization nor Newton's method notices. E is 2 to 3 shear moduli.
 constexpr double shear_moduli_per_facet = 30.0;
-/// Of the size of a facet: what the rounding of the kink moves the body by.
+/// Fraction of the size of a facet by which the rounding of the kink moves the body.
 constexpr double width_per_facet = 1.0 / 50.0;
-/// How far contact points are apart, of the size of a facet.
+/// Distance of contact points, as a fraction of the size of a facet.
 constexpr double spacing_per_facet = 0.5;
-/// Less deep than this part of the width a surface touches and is not pushed.
+/// A surface that is less deep than this fraction of the width only touches, and is not pushed.
 constexpr double least_push = 1e-6;
 
-/// Collective.
-std::unique_ptr<SignedDistance> shape_of(MPI_Comm comm, const ObstacleConfig& o) {
-  switch (o.shape) {
-    case ObstacleConfig::Shape::plane:
-      return make_distance(PlaneShape{o.point, unit(o.normal)});
-    case ObstacleConfig::Shape::sphere:
-      return make_distance(SphereShape{o.point, o.radius});
-    case ObstacleConfig::Shape::cylinder:
-      return make_distance(
-          CylinderShape{o.point, unit(o.axis), o.radius, o.length.value_or(std::numeric_limits<double>::infinity())});
-    case ObstacleConfig::Shape::capsule:
-      return make_distance(CapsuleShape{o.point, unit(o.axis), o.radius, o.length.value_or(0.0)});
-    case ObstacleConfig::Shape::surface:
-      return make_distance(read_surface(comm, {o.file.value, o.file.where, {}, o.scale}));
-    case ObstacleConfig::Shape::box:
-      break;
+constexpr double endless = std::numeric_limits<double>::infinity();
+
+/// The signed distance of each shape at a point. Collective.
+struct DistanceOf {
+  MPI_Comm comm;
+  const Vector3<double>& point;
+  using Result = std::unique_ptr<SignedDistance>;
+
+  Result operator()(const ObstacleConfig::Plane& plane) const {
+    return make_distance(PlaneShape{point, unit(plane.normal)});
   }
-  return make_distance(BoxShape{o.point, o.size});
+  Result operator()(const ObstacleConfig::Sphere& sphere) const {
+    return make_distance(SphereShape{point, sphere.radius});
+  }
+  Result operator()(const ObstacleConfig::Cylinder& cylinder) const {
+    return make_distance(CylinderShape{point, unit(cylinder.axis), cylinder.radius, cylinder.length.value_or(endless)});
+  }
+  Result operator()(const ObstacleConfig::Capsule& capsule) const {
+    return make_distance(CapsuleShape{point, unit(capsule.axis), capsule.radius, capsule.length});
+  }
+  Result operator()(const ObstacleConfig::Box& box) const { return make_distance(BoxShape{point, box.size}); }
+  Result operator()(const ObstacleConfig::Surface& surface) const {
+    return make_distance(read_surface(comm, {surface.file.value, surface.file.where, {}, surface.scale}));
+  }
+};
+
+/// The second largest of the extents: of a sheet the breadth, since points find its face.
+double second_extent(Vector3<double> extent) {
+  std::ranges::sort(extent);
+  return extent[1];
+}
+
+/// The width of each shape that may pass between contact points [m].
+struct WidthOf {
+  const Obstacle& obstacle;
+
+  double operator()(const ObstacleConfig::Plane&) const { return endless; }
+  double operator()(const ObstacleConfig::Sphere& sphere) const { return 2.0 * sphere.radius; }
+  double operator()(const ObstacleConfig::Cylinder& cylinder) const { return 2.0 * cylinder.radius; }
+  double operator()(const ObstacleConfig::Capsule& capsule) const { return 2.0 * capsule.radius; }
+  double operator()(const ObstacleConfig::Box& box) const { return second_extent(box.size); }
+  double operator()(const ObstacleConfig::Surface&) const {
+    Vector3<double> low{endless, endless, endless}, high = -1.0 * low;
+    for (const TrianglePatch& triangle : obstacle.shape().drawing({}, 0.0)) {
+      for (const auto& corner : triangle) {
+        for (std::size_t i = 0; i < 3; ++i) {
+          low[i] = std::min(low[i], corner[i]);
+          high[i] = std::max(high[i], corner[i]);
+        }
+      }
+    }
+    return second_extent(high - low);
+  }
+};
+
+double width_of(const ObstacleConfig& o, const Obstacle& obstacle) {
+  return o.side == ObstacleConfig::Side::inside ? endless : std::visit(WidthOf{obstacle}, o.shape);
 }
 
 RigidMotion motion_of(const ObstacleConfig& o) {
@@ -101,11 +140,11 @@ double corner_area(const NodeLayout& layout, std::span<const PetscInt> nodes) {
 Contacts::Contacts(const ContactConfig& config, const ContactBodies& bodies)
     : config_(config), layout_(bodies.layout), body_names_(bodies.names) {
   for (const auto& o : config.obstacles) {
-    auto shape = shape_of(layout_.comm, o);
+    auto shape = std::visit(DistanceOf{layout_.comm, o.point}, o.shape);
     if (o.side == ObstacleConfig::Side::inside) shape = hollow(std::move(shape));
     obstacles_.push_back(std::make_shared<const Obstacle>(std::move(shape), motion_of(o)));
+    widths_.push_back(width_of(o, *obstacles_.back()));
   }
-  for (std::size_t k = 0; k < obstacles_.size(); ++k) widths_.push_back(width_of(k));
   add_surfaces(bodies);
 }
 
@@ -139,12 +178,13 @@ void Contacts::add_surfaces(const ContactBodies& bodies) {
     const double total = sum(layout_.comm, area[b]), count = sum(layout_.comm, number[b]);
     const double size = count > 0.0 ? std::sqrt(2.0 * total / count) : 1.0;  // legs of a right triangle
     facet_sizes_.push_back(size);
-    const NormalLaw law{config_.law, config_.stiffness.value_or(shear_moduli_per_facet * bodies.shear_moduli[b] / size),
-                        config_.width.value_or(width_per_facet * size), config_.threshold};
+    const ContactPressureConfig& given = config_.pressure;
+    const NormalLaw law{given.law, given.stiffness.value_or(shear_moduli_per_facet * bodies.shear_moduli[b] / size),
+                        given.width.value_or(width_per_facet * size), given.threshold};
     surfaces_.push_back(std::make_shared<const ContactSurface>(layout_, bodies.pattern, std::move(facets[b]), law));
     if (count == 0.0) continue;
     description_.push_back(
-        note(fmt::format("contact of '{}': {:.0f} facets of some {:.3g} m, stiffness {:.3g} Pa/m, width {:.3g} m",
+        note(fmt::format("contact of '{}': {:.0f} facets of about {:.3g} m, stiffness {:.3g} Pa/m, width {:.3g} m",
                          body_names_[b], count, size, law.stiffness, law.width)));
   }
 }
@@ -169,12 +209,13 @@ void Contacts::prepare(const Config& config) {
       auto contact = std::make_unique<Contact>(surfaces_[b], obstacles_[k]);
       pairs_.push_back({k, b, contact.get()});
       add(std::move(contact));
-      if (has_velocity && (o.friction > 0.0 || o.viscous_friction > 0.0)) {
-        add(make_friction(surfaces_[b], obstacles_[k], {o.friction, o.viscous_friction, config_.stick_velocity},
-                          {o.normal_damping}, config_.friction_update));
+      if (has_velocity && (o.drag.friction > 0.0 || o.drag.viscous_friction > 0.0)) {
+        add(make_friction(surfaces_[b], obstacles_[k],
+                          {o.drag.friction, o.drag.viscous_friction, config_.stick_velocity}, {o.drag.normal_damping},
+                          config_.friction_update));
       }
-      if (has_velocity && o.normal_damping > 0.0) {
-        add(make_normal_damping(surfaces_[b], obstacles_[k], {o.normal_damping}, config_.friction_update));
+      if (has_velocity && o.drag.normal_damping > 0.0) {
+        add(make_normal_damping(surfaces_[b], obstacles_[k], {o.drag.normal_damping}, config_.friction_update));
       }
       of_pairs.push_back(std::move(of_pair));
     }
@@ -187,7 +228,7 @@ void Contacts::check_start(const Instant& at, std::span<const double> q) const {
   for (const auto& [obstacle, body, term] : pairs_) {
     if (std::isfinite(sum(layout_.comm, term->energy_at(at, q, {})))) continue;
     const ObstacleConfig& o = config_.obstacles[obstacle];
-    throw InputError(o.where, fmt::format("'{}' reaches into the obstacle '{}' at the start, which a barrier does not "
+    throw InputError(o.where, fmt::format("'{}' overlaps the obstacle '{}' at the start, which a barrier does not "
                                           "allow; move one of them, or use 'law: penalty'",
                                           body_names_[body], o.name));
   }
@@ -195,36 +236,13 @@ void Contacts::check_start(const Instant& at, std::span<const double> q) const {
 
 bool Contacts::is_within_bodies(const ObstacleConfig& o, const ObstacleFrame& frame,
                                 const VectorExpression& displacement) const {
-  using Shape = ObstacleConfig::Shape;
-  if (o.shape == Shape::plane || o.shape == Shape::surface || o.side == ObstacleConfig::Side::inside) return false;
+  const bool has_middle = !std::holds_alternative<ObstacleConfig::Plane>(o.shape) &&
+                          !std::holds_alternative<ObstacleConfig::Surface>(o.shape);
+  if (!has_middle || o.side == ObstacleConfig::Side::inside) return false;
   const Vector3<double> x = frame.place(o.point);
-  Vector3<double> X = x;  // where the point of a body came from, if bodies only moved as a whole
+  Vector3<double> X = x;  // reference position, if the initial displacement is uniform
   for (std::size_t i = 0; i < 3; ++i) X[i] -= displacement[i](x[0], x[1], x[2], 0.0);
   return locate(layout_, X).distance == 0.0;
-}
-
-double Contacts::width_of(std::size_t obstacle) const {
-  using Shape = ObstacleConfig::Shape;
-  const ObstacleConfig& o = config_.obstacles[obstacle];
-  constexpr double endless = std::numeric_limits<double>::infinity();
-  if (o.side == ObstacleConfig::Side::inside) return endless;
-  Vector3<double> extent{endless, endless, endless};
-  if (o.shape == Shape::box) extent = o.size;
-  if (o.shape == Shape::sphere || o.shape == Shape::capsule || o.shape == Shape::cylinder) return 2.0 * o.radius;
-  if (o.shape == Shape::surface) {
-    Vector3<double> low = extent, high = -1.0 * extent;
-    for (const TrianglePatch& triangle : obstacles_[obstacle]->shape().drawing({}, 0.0)) {
-      for (const auto& corner : triangle) {
-        for (std::size_t i = 0; i < 3; ++i) {
-          low[i] = std::min(low[i], corner[i]);
-          high[i] = std::max(high[i], corner[i]);
-        }
-      }
-    }
-    extent = high - low;
-  }
-  std::ranges::sort(extent);
-  return extent[1];  // of a sheet the breadth: points find its face
 }
 
 std::optional<Diagnostic> Contacts::warning_about_push(std::size_t obstacle, std::size_t body, const Instant& at,
@@ -239,23 +257,24 @@ std::optional<Diagnostic> Contacts::warning_about_push(std::size_t obstacle, std
   energy = sum(layout_.comm, energy);
   const Closeness mine = pliant::closeness(surface, frame, q);
   const double gap = minimum(layout_.comm, mine.gap), num_points = sum(layout_.comm, mine.num_points);
-  // Beyond a barrier check_start throws. A surface that just touches is so but for its rounding. Without inertia a push
-  // is a load like others.
-  if (!std::isfinite(energy) || gap > surface.law().reach() - config_.threshold - least_push * surface.law().width ||
+  // Beyond a barrier check_start throws. A surface that just touches may overlap by rounding. Without inertia a push is
+  // a load like any other.
+  if (!std::isfinite(energy) ||
+      gap > surface.law().reach() - config_.pressure.threshold - least_push * surface.law().width ||
       (!has_inertia_ && -gap <= facet_sizes_[body])) {
     return std::nullopt;
   }
-  const double distance = gap + config_.threshold;
+  const double distance = gap + config_.pressure.threshold;
   const std::string place = distance < 0.0
                                 ? fmt::format("{:.3g} m deep in the obstacle '{}'", -distance, o.name)
                                 : fmt::format("{:.3g} m from the obstacle '{}', where contact acts", distance, o.name);
   return Diagnostic{
       Severity::warning, o.where,
       fmt::format("'{}' starts {}, which pushes it at {:.0f} of its contact points and would throw it out with "
-                  "{:.3g} J that nothing brought in; move one of them{}",
+                  "{:.3g} J of energy from nowhere; move one of them{}",
                   body_names_[body], place, num_points, energy,
-                  o.shape == ObstacleConfig::Shape::plane && -gap > facet_sizes_[body]
-                      ? ", or turn 'normal' round: it points to where the bodies are"
+                  std::holds_alternative<ObstacleConfig::Plane>(o.shape) && -gap > facet_sizes_[body]
+                      ? ", or reverse 'normal', which must point towards the bodies"
                       : "")};
 }
 
@@ -265,7 +284,9 @@ std::vector<Diagnostic> Contacts::warnings_about_start(const Instant& at, const 
     warnings.push_back({Severity::warning, where, std::move(message)});
   };
   if (description_.empty()) {
-    warn(config_.where, "nothing can touch the obstacles: constraints give every displacement of the surface that may");
+    warn(
+        config_.where,
+        "nothing can touch the obstacles: constraints prescribe every displacement of the surface that may touch them");
   }
   std::vector<double> q(layout_.coordinates.size());
   for (PetscInt a = 0; a < layout_.num_local_nodes; ++a) {
@@ -278,8 +299,8 @@ std::vector<Diagnostic> Contacts::warnings_about_start(const Instant& at, const 
     const ObstacleConfig& o = config_.obstacles[k];
     const ObstacleFrame frame = obstacles_[k]->at(at);
     if (is_within_bodies(o, frame, displacement)) {
-      warn(o.where, fmt::format("the obstacle '{}' starts inside a body, which feels it only where its surface "
-                                "meets it; move one of them",
+      warn(o.where, fmt::format("the obstacle '{}' starts inside a body, but contact acts only on the surface of the "
+                                "body; move one of them",
                                 o.name));
       continue;
     }
@@ -290,7 +311,7 @@ std::vector<Diagnostic> Contacts::warnings_about_start(const Instant& at, const 
             o.where,
             fmt::format(
                 "the obstacle '{}' is {:.3g} m wide, but '{}' feels it at points that are up to {:.3g} m apart (facets "
-                "of some {:.3g} m): it can poke in between them; refine the mesh where they touch",
+                "of about {:.3g} m): it can pass between them; refine the mesh where they touch",
                 o.name, width, body_names_[b], spacing, facet_sizes_[b]));
       }
       if (auto warning = warning_about_push(k, b, at, q)) warnings.push_back(std::move(*warning));
@@ -314,32 +335,28 @@ Closeness Contacts::closeness(const Instant& at, std::span<const double> q) cons
 
 std::optional<std::string> Contacts::passage(const Instant& from, std::span<const double> q_from, const Instant& to,
                                              std::span<const double> q_to) const {
-  Passage deepest;
-  std::size_t which = 0;
-  for (std::size_t k = 0; k < obstacles_.size() * surfaces_.size(); ++k) {
-    const std::size_t o = k / surfaces_.size();
-    const Obstacle& obstacle = *obstacles_[o];
-    const ObstacleStep step{obstacle.shape(), obstacle.at(from), obstacle.at(to), widths_[o]};
-    const auto found = pliant::passage(*surfaces_[k % surfaces_.size()], step, q_from, q_to);
-    if (!found || found->depth <= deepest.depth) continue;
-    deepest = *found;
-    which = k;
+  struct Candidate {
+    Passage passage;
+    std::size_t obstacle = 0, body = 0;
+  };
+  Candidate mine;
+  for (std::size_t o = 0; o < obstacles_.size(); ++o) {
+    const ObstacleStep step{obstacles_[o]->shape(), obstacles_[o]->at(from), obstacles_[o]->at(to), widths_[o]};
+    for (std::size_t b = 0; b < surfaces_.size(); ++b) {
+      const auto found = pliant::passage(*surfaces_[b], step, q_from, q_to);
+      if (found && found->depth > mine.passage.depth) mine = {*found, o, b};
+    }
   }
-  if (!any_rank(layout_.comm, deepest.depth > 0.0)) return std::nullopt;
-  const auto& [x, y, z] = deepest.place;
-  const auto all = gathered(layout_.comm, std::array{deepest.depth, static_cast<double>(which), x, y, z});
-  std::size_t first = 0;
-  for (std::size_t i = 5; i < all.size(); i += 5) {
-    if (all[i] > all[first]) first = i;
-  }
-  which = static_cast<std::size_t>(all[first + 1]);
+  const auto all = gathered(layout_.comm, std::array{mine});
+  const Candidate& deepest =
+      *std::ranges::max_element(all, {}, [](const Candidate& candidate) { return candidate.passage.depth; });
+  if (!(deepest.passage.depth > 0.0)) return std::nullopt;
+  const auto& [x, y, z] = deepest.passage.place;
   return fmt::format(
-      "'{}' passes the obstacle '{}': near ({:.4g}, {:.4g}, {:.4g}) its surface gets {:.3g} m deep, too deep to be "
-      "pushed "
-      "back; {} or a shorter 'time.step' keeps it out",
-      body_names_[which % surfaces_.size()], config_.obstacles[which / surfaces_.size()].name, all[first + 2],
-      all[first + 3], all[first + 4], all[first],
-      config_.law == NormalKind::barrier
+      "'{}' passes through the obstacle '{}': near ({:.4g}, {:.4g}, {:.4g}) its surface is {:.3g} m deep, too deep to "
+      "be pushed back; use {} or a shorter 'time.step'",
+      body_names_[deepest.body], config_.obstacles[deepest.obstacle].name, x, y, z, deepest.passage.depth,
+      config_.pressure.law == NormalKind::barrier
           ? "a finer mesh"
           : "a finer mesh, a larger 'contact.stiffness' (the log says what it is), 'law: barrier'");
 }
@@ -363,7 +380,7 @@ std::vector<NodalContact> Contacts::at_nodes(const Instant& at, double dt, std::
       NodalContact& node = result[a];
       const auto x = layout_.position(a) + vector_at(q, a);
       const DistanceAt distance = frame.at(x);
-      node.gap = std::min(node.gap, distance.d - config_.threshold);
+      node.gap = std::min(node.gap, distance.d - config_.pressure.threshold);
       if (surface_of_node_[a] < 0) continue;
       const double pressure = surfaces_[surface_of_node_[a]]->law()(distance.d).pressure;
       if (pressure <= 0.0) continue;

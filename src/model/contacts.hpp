@@ -1,4 +1,4 @@
-/// The obstacles of the input and the terms of their contact with the bodies.
+/// The obstacles of the input, and the terms of their contact with the bodies.
 #pragma once
 
 #include "energy/contact/contact.hpp"
@@ -14,9 +14,9 @@
 
 namespace pliant {
 
-/// What touches obstacles; outlives the terms.
+/// What can touch obstacles; must outlive the terms.
 struct ContactBodies {
-  const FacetList& facets;  ///< of the surface, that may touch
+  const FacetList& facets;  ///< of the surface; may touch
   const NodeLayout& layout;
   const BlockPattern& pattern;
   const std::vector<int>& body_of_cell;     ///< per local cell
@@ -25,17 +25,17 @@ struct ContactBodies {
   const std::vector<char>& prescribed;      ///< one flag per local entry
 };
 
-/// Terms whose forces history.csv sums: those of an obstacle, or of an obstacle on one body.
+/// Terms whose forces are summed in history.csv: those of an obstacle, or of an obstacle on one body.
 struct ContactGroup {
   std::string name;
   std::vector<const EnergyTerm*> terms;
 };
 
-/// What a node feels.
+/// Contact at a node.
 struct NodalContact {
   double gap = 0.0;        ///< to the nearest obstacle's spring or wall [m]
   double pressure = 0.0;   ///< [Pa]
-  Vector3<double> slip{};  ///< velocity along the obstacle that it touches, relative to it [m/s]
+  Vector3<double> slip{};  ///< tangential velocity relative to the obstacle that it touches [m/s]
 };
 
 class Contacts {
@@ -43,36 +43,36 @@ class Contacts {
   /// The facets take part unless all their entries are prescribed. Collective.
   Contacts(const ContactConfig& config, const ContactBodies& bodies);
 
-  /// Makes the terms for the input's analysis: a static one knows no velocity, so no friction and no damping. What
-  /// terms() and groups() gave before is gone. Not collective.
+  /// Makes the terms for the input's analysis: a static one has no velocity, so neither friction nor damping.
+  /// Invalidates earlier results of terms() and groups(). Not collective.
   void prepare(const Config& config);
 
   std::span<const std::unique_ptr<EnergyTerm>> terms() const { return terms_; }
-  /// Of the obstacles, in the order of the input, then, if there are several bodies, of the pairs.
+  /// Groups of the obstacles, in the order of the input, then, if there are several bodies, those of the pairs.
   const std::vector<ContactGroup>& groups() const { return groups_; }
   std::size_t num_obstacles() const { return obstacles_.size(); }
   std::span<const std::shared_ptr<const Obstacle>> obstacles() const { return obstacles_; }
 
-  /// How near the bodies are to the obstacles. Collective.
+  /// How close the bodies are to the obstacles. Collective.
   Closeness closeness(const Instant& at, std::span<const double> q) const;
-  /// What to say if a body passes an obstacle on the way from one state to another. Collective.
+  /// A message if a body passes through an obstacle between two states. Collective.
   std::optional<std::string> passage(const Instant& from, std::span<const double> q_from, const Instant& to,
                                      std::span<const double> q_to) const;
 
-  bool has_barrier() const { return config_.law == NormalKind::barrier; }
+  bool has_barrier() const { return config_.pressure.law == NormalKind::barrier; }
 
-  /// Throws InputError if a body lies beyond a barrier. Collective.
+  /// Throws InputError if a body overlaps a barrier. Collective.
   void check_start(const Instant& at, std::span<const double> q) const;
-  /// Warnings: nothing that may touch; obstacles within a body, or narrower than its contact
-  /// points are apart; bodies on which contact acts at the start. Collective.
+  /// Warnings about surfaces that cannot touch anything, obstacles inside a body or narrower than the distance of its
+  /// contact points, and bodies on which contact acts at the start. Collective.
   std::vector<Diagnostic> warnings_about_start(const Instant& at, const VectorExpression& displacement) const;
-  /// The energy of all contacts, of this rank's part [J].
+  /// The energy of this rank's part of all contacts [J].
   double energy(const Instant& at, std::span<const double> q) const;
-  /// Of the owned nodes; nodes within the bodies have a gap and nothing else. `dt`: the time over which the velocities
-  /// of obstacles are told.
+  /// Contact at the owned nodes; nodes inside the bodies have only a gap. `dt`: the time over which velocities of
+  /// obstacles are averaged.
   std::vector<NodalContact> at_nodes(const Instant& at, double dt, std::span<const double> q,
                                      std::span<const double> v) const;
-  /// Notes of what was derived from material and mesh.
+  /// Notes about what was derived from material and mesh.
   const std::vector<Diagnostic>& description() const { return description_; }
 
  private:
@@ -81,12 +81,10 @@ class Contacts {
     const Contact* term;
   };
   void add_surfaces(const ContactBodies& bodies);
-  /// The width of an obstacle that may poke in between contact points [m].
-  double width_of(std::size_t obstacle) const;
   /// A warning if an obstacle pushes a body at the start. Collective.
   std::optional<Diagnostic> warning_about_push(std::size_t obstacle, std::size_t body, const Instant& at,
                                                std::span<const double> q) const;
-  /// Is its middle in the material at the start? Collective.
+  /// Is the middle of the obstacle in the material at the start? Collective.
   bool is_within_bodies(const ObstacleConfig& o, const ObstacleFrame& frame,
                         const VectorExpression& displacement) const;
 
@@ -94,9 +92,9 @@ class Contacts {
   const NodeLayout& layout_;
   std::vector<std::string> body_names_;
   std::vector<std::shared_ptr<const Obstacle>> obstacles_;
-  std::vector<double> widths_;                                   // of the obstacles: width_of
+  std::vector<double> widths_;                                   // of the obstacles [m]
   std::vector<std::shared_ptr<const ContactSurface>> surfaces_;  // of the bodies
-  std::vector<int> surface_of_node_;                             // per owned node: its body, -1 if it is inside
+  std::vector<int> surface_of_node_;                             // per owned node: its body, -1 inside the bodies
   std::vector<double> facet_sizes_;                              // per body [m]
   std::vector<std::unique_ptr<EnergyTerm>> terms_;
   std::vector<Pair> pairs_;

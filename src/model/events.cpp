@@ -1,7 +1,8 @@
 #include "model/events.hpp"
 
 #include "base/text.hpp"
-#include "input/keys.hpp"
+#include "input/analysis.hpp"
+#include "input/loads.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -27,18 +28,37 @@ class Formulas {
     for (const T& value : values) add(value);
   }
 
+  void operator()(const ActiveConfig::Stress& active) { add(active.tension); }
+  void operator()(const ActiveConfig::Shortening& active) { add(active.part); }
+  void operator()(const ConstraintConfig::Displacement& prescribed) { add(prescribed.value); }
+  void operator()(const ConstraintConfig::Symmetry&) {}
+  void operator()(const ConstraintConfig::Normal& normal) { add(normal.displacement); }
+  void operator()(const ConstraintConfig::Along& along) { add(along.displacement); }
+  void operator()(const ConstraintConfig::Periodic& periodic) { add(periodic.difference); }
+  void operator()(const ConstraintConfig::Rigid& rigid) {
+    add(rigid.translation);
+    if (const auto* about = std::get_if<RotationConfig::AboutAxis>(&rigid.rotation.kind)) add(about->angle);
+  }
+  void operator()(const ConstraintConfig::Equation& equation) { add(equation.value); }
+  void operator()(const CavityConfig::GivenPressure& pressure) { add(pressure.value); }
+  void operator()(const CavityConfig::Gas& gas) { add(gas.amount); }
+  void operator()(const CavityConfig::Liquid& liquid) {
+    add(liquid.added_volume);
+    add(liquid.flow);
+  }
+
  private:
   DrivingFormula::Kind kind_;
   const Location& where_;
   std::vector<DrivingFormula>& into_;
 };
 
-/// Whether there are steps in time that could end at events.
+/// Whether there are time steps, which could end at events.
 bool has_steps(const Config& config) {
-  return config.time.method.value != static_method && config.time.step > 0.0 && config.time.end > 0.0;
+  return analysis_of(config) != Analysis::static_equilibrium && config.time.step > 0.0 && config.time.end > 0.0;
 }
 
-/// Events that are nearer than this part of a step are one, as for StepControl.
+/// Events closer than this fraction of a step are one, as in StepControl.
 constexpr double same = 1e-6;
 
 struct Kink {
@@ -87,29 +107,18 @@ std::vector<DrivingFormula> driving_formulas(const Config& config) {
   for (const BodyConfig& body : config.bodies) {
     if (!body.active) continue;
     Formulas formulas(Kind::force, body.active->where, all);
-    formulas.add(body.active->stress);
-    formulas.add(body.active->shortening);
+    std::visit(formulas, body.active->contraction);
   }
   for (const ConstraintConfig& c : config.constraints) {
-    Formulas formulas(Kind::motion, c.where, all);
-    formulas.add(c.displacement);
-    formulas.add(c.value);
-    formulas.add(c.difference);
-    formulas.add(c.rigid.translation);
-    formulas.add(c.rigid.rotation.angle);
+    std::visit(Formulas(Kind::motion, c.where, all), c.kind);
   }
   for (const LoadConfig& load : config.loads) {
     Formulas formulas(Kind::force, load.where, all);
-    formulas.add(load.value);
-    formulas.add(load.pressure);
+    if (const VectorExpression* vector = vector_of(load)) formulas.add(*vector);
+    if (const auto* pressure = std::get_if<LoadConfig::Pressure>(&load.kind)) formulas.add(pressure->value);
   }
   for (const CavityConfig& cavity : config.cavities) {
-    Formulas formulas(Kind::force, cavity.where, all);
-    formulas.add(cavity.pressure);
-    if (cavity.gas) formulas.add(cavity.gas->amount);
-    if (!cavity.liquid) continue;
-    formulas.add(cavity.liquid->added_volume);
-    formulas.add(cavity.liquid->flow);
+    std::visit(Formulas(Kind::force, cavity.where, all), cavity.content);
   }
   if (!config.contact) return all;
   for (const ObstacleConfig& o : config.contact->obstacles) {
@@ -147,11 +156,11 @@ std::vector<Diagnostic> warnings_about_moving_kinks(const Config& config, const 
     warnings.push_back(
         {Severity::warning, where,
          fmt::format(
-             "the motion prescribed by '{}' has kinks or jumps whose times depend on the place, as at {}{}: steps do "
-             "not "
-             "end there, so that every method is of first order at best, and velocities may be wrong by what the kink "
-             "changes; name the times that matter in 'time.events', or write a formula without kinks, such as "
-             "0.5*(a + b - sqrt((a - b)^2 + c^2)) with a small c in place of min(a, b)",
+             "the motion prescribed by '{}' has kinks or jumps whose times depend on the position, such as {}{}: "
+             "steps do not end there, so every method is of first order at best, and velocities may be wrong by the "
+             "jump "
+             "at the kink; list the times that matter in 'time.events', or write a formula without kinks, such as "
+             "0.5*(a + b - sqrt((a - b)^2 + c^2)) with a small c instead of min(a, b)",
              excerpt(formula->text()), at(*first), last->time > first->time ? " and " + at(*last) : "")});
   }
   return warnings;
@@ -163,7 +172,7 @@ Events events_of(const Config& config) {
   events.times = config.time.events;
   const std::vector<Kink> kinks = kinks_of(config);
   if (kinks.empty()) return events;
-  // Each costs a step, and past states; two steps between them are the least.
+  // Each event costs a step and the past states; at least two steps must lie between them.
   constexpr double always_taken = 50.0;
   const double most = std::max(always_taken, 0.5 * config.time.end / config.time.step);
   if (static_cast<double>(kinks.size()) > most) {
@@ -172,7 +181,7 @@ Events events_of(const Config& config) {
          {config.file, 0, 0},
          fmt::format("formulas of t have {} kinks or jumps, at {}: too many for steps to end at all of them; take "
                      "shorter steps, "
-                     "or name those that matter in 'time.events'",
+                     "or list those that matter in 'time.events'",
                      kinks.size(), in_words(kinks))});
     return events;
   }

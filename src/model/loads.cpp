@@ -3,113 +3,123 @@
 #include "energy/load/foundation.hpp"
 #include "energy/load/load.hpp"
 #include "input/analysis.hpp"
+#include "input/loads.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 
 namespace pliant {
 namespace {
 
-std::unique_ptr<EnergyTerm> make_foundation(const LoadConfig& load, Analysis analysis, const LoadedBodies& bodies,
-                                            Selections& selections) {
-  // A static equilibrium knows no velocity.
-  const double dashpot = analysis == Analysis::static_equilibrium ? 0.0 : load.dashpot.value_or(0.0);
-  const FoundationStiffness stiffness{load.spring.value_or(0.0), dashpot};
-  if (load.kind == LoadConfig::Kind::foundation) {
-    const auto facets = selections.facets(load.part);
-    return std::make_unique<Foundation>(surface_foundation(bodies.layout, bodies.pattern, facets, load.direction),
-                                        stiffness);
-  }
-  const auto nodes = selections.nodes(load.part);
-  const auto num_nodes = sum(bodies.layout.comm, static_cast<PetscInt64>(nodes.size()));
-  return std::make_unique<Foundation>(nodal_foundation(bodies.pattern, nodes, 1.0 / static_cast<double>(num_nodes)),
-                                      stiffness);
-}
+/// The terms of all kinds of loads but pressures, which depend on constraints (model/cavities); nullptr for those.
+class LoadTerms {
+ public:
+  using Term = std::unique_ptr<EnergyTerm>;
 
-LoadSamples gravity_samples(const LoadConfig& load, MassKind mass, const LoadedBodies& bodies, Selections& selections) {
-  const NodeLayout& layout = bodies.layout;
-  const auto inside = selections.cells(load.part);
-  std::vector<double> density(layout.num_local_cells, 0.0);
-  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
-    if (inside[c] && bodies.body_of_cell[c] >= 0) density[c] = bodies.densities[bodies.body_of_cell[c]];
-  }
-  return mass == MassKind::lumped ? lumped_cell_samples(layout, density)
-                                  : cell_samples(layout, density, variation_of(load.value));
-}
+  LoadTerms(const Config& config, const LoadedBodies& bodies, Selections& selections)
+      : config_(config), bodies_(bodies), selections_(selections) {}
 
-LoadSamples volume_samples(const LoadConfig& load, const LoadedBodies& bodies, Selections& selections) {
-  const auto inside = selections.cells(load.part);
-  return cell_samples(bodies.layout, {inside.begin(), inside.end()}, variation_of(load.value));
-}
+  Term operator()(const LoadConfig& load) const {
+    return std::visit([&](const auto& kind) { return make(kind, load); }, load.kind);
+  }
 
-/// Of a total force.
-LoadSamples shared_samples(const LoadConfig& load, const LoadedBodies& bodies, Selections& selections) {
-  const NodeLayout& layout = bodies.layout;
-  const Variation variation = variation_of(load.value);
-  if (load.part.kind == Selection::Kind::point) {
-    const auto nodes = selections.nodes(load.part);
-    return with_total_weight_one(layout, node_samples(layout, nodes), std::vector<char>(nodes.size(), 1));
+ private:
+  Term make(const LoadConfig::Gravity& gravity, const LoadConfig& load) const {
+    const NodeLayout& layout = bodies_.layout;
+    const auto inside = selections_.cells(load.part);
+    std::vector<double> density(layout.num_local_cells, 0.0);
+    for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
+      if (inside[c] && bodies_.body_of_cell[c] >= 0) density[c] = bodies_.densities[bodies_.body_of_cell[c]];
+    }
+    return dead_load(config_.mass == MassKind::lumped
+                         ? lumped_cell_samples(layout, density)
+                         : cell_samples(layout, density, variation_of(gravity.acceleration)),
+                     gravity.acceleration);
   }
-  if (load.part.kind == Selection::Kind::curve) {
-    const auto edges = selections.edges(load.part);
-    return with_total_weight_one(layout, edge_samples(layout, edges, variation), edges.is_owned);
+  Term make(const LoadConfig::ForceDensity& force, const LoadConfig& load) const {
+    const auto inside = selections_.cells(load.part);
+    return dead_load(cell_samples(bodies_.layout, {inside.begin(), inside.end()}, variation_of(force.value)),
+                     force.value);
   }
-  const auto facets = selections.facets(load.part);
-  return with_total_weight_one(layout, facet_samples(layout, facets, variation), facets.is_owned);
-}
+  Term make(const LoadConfig::Traction& traction, const LoadConfig& load) const {
+    return dead_load(facet_samples(bodies_.layout, selections_.facets(load.part), variation_of(traction.value)),
+                     traction.value);
+  }
+  Term make(const LoadConfig::LineForce& force, const LoadConfig& load) const {
+    return dead_load(edge_samples(bodies_.layout, selections_.edges(load.part), variation_of(force.value)),
+                     force.value);
+  }
+  Term make(const LoadConfig::Force& force, const LoadConfig& load) const {
+    return dead_load(shared_samples(load.part, variation_of(force.value)), force.value);
+  }
+  Term make(const LoadConfig::Pressure&, const LoadConfig&) const { return nullptr; }
+  Term make(const LoadConfig::Foundation& foundation, const LoadConfig& load) const {
+    const auto facets = selections_.facets(load.part);
+    return std::make_unique<Foundation>(
+        surface_foundation(bodies_.layout, bodies_.pattern, facets, foundation.direction), stiffness_of(load));
+  }
+  Term make(const LoadConfig::PointFoundation&, const LoadConfig& load) const {
+    const auto nodes = selections_.nodes(load.part);
+    const auto num_nodes = sum(bodies_.layout.comm, static_cast<PetscInt64>(nodes.size()));
+    return std::make_unique<Foundation>(nodal_foundation(bodies_.pattern, nodes, 1.0 / static_cast<double>(num_nodes)),
+                                        stiffness_of(load));
+  }
 
-std::unique_ptr<EnergyTerm> make_dead_load(const LoadConfig& load, MassKind mass, const LoadedBodies& bodies,
-                                           Selections& selections) {
-  using Kind = LoadConfig::Kind;
-  LoadSamples samples;
-  switch (load.kind) {
-    case Kind::gravity:
-      samples = gravity_samples(load, mass, bodies, selections);
-      break;
-    case Kind::force_density:
-      samples = volume_samples(load, bodies, selections);
-      break;
-    case Kind::traction:
-      samples = facet_samples(bodies.layout, selections.facets(load.part), variation_of(load.value));
-      break;
-    case Kind::line_force:
-      samples = edge_samples(bodies.layout, selections.edges(load.part), variation_of(load.value));
-      break;
-    default:
-      samples = shared_samples(load, bodies, selections);
-      break;
+  Term dead_load(LoadSamples samples, const VectorExpression& value) const {
+    return std::make_unique<DeadLoad>(bodies_.layout, std::move(samples), value);
   }
-  return std::make_unique<DeadLoad>(bodies.layout, std::move(samples), load.value);
-}
+  /// Samples of a total force that is spread over the part.
+  LoadSamples shared_samples(const Selection& part, Variation variation) const {
+    const NodeLayout& layout = bodies_.layout;
+    if (part.kind == Selection::Kind::point) {
+      const auto nodes = selections_.nodes(part);
+      return with_total_weight_one(layout, node_samples(layout, nodes), std::vector<char>(nodes.size(), 1));
+    }
+    if (part.kind == Selection::Kind::curve) {
+      const auto edges = selections_.edges(part);
+      return with_total_weight_one(layout, edge_samples(layout, edges, variation), edges.is_owned);
+    }
+    const auto facets = selections_.facets(part);
+    return with_total_weight_one(layout, facet_samples(layout, facets, variation), facets.is_owned);
+  }
+  /// A static equilibrium has no velocity.
+  FoundationStiffness stiffness_of(const LoadConfig& load) const {
+    const FoundationCoefficients given = foundation_of(load).value();
+    return {given.spring, analysis_of(config_) == Analysis::static_equilibrium ? 0.0 : given.dashpot};
+  }
+
+  const Config& config_;
+  const LoadedBodies& bodies_;
+  Selections& selections_;
+};
 
 }  // namespace
 
 bool has_dashpots(const Config& config) {
-  return std::ranges::any_of(config.loads, [](const LoadConfig& load) { return load.dashpot.value_or(0.0) > 0.0; });
+  return std::ranges::any_of(config.loads, [](const LoadConfig& load) {
+    return foundation_of(load).value_or(FoundationCoefficients{}).dashpot > 0.0;
+  });
 }
 
-Loads::Loads(const Config& config, const LoadedBodies& bodies, Selections& selections)
-    : layout_(bodies.layout), pattern_(bodies.pattern), wetted_(config, selections) {
-  using Kind = LoadConfig::Kind;
+LoadParts find_loads(const Config& config, const LoadedBodies& bodies, Selections& selections) {
+  LoadParts parts{{}, find_wetted_parts(config, selections)};
+  const LoadTerms term_of(config, bodies, selections);
   for (const LoadConfig& load : config.loads) {
-    if (load.kind == Kind::pressure) continue;
-    const bool is_foundation = load.kind == Kind::foundation || load.kind == Kind::point_foundation;
-    add(is_foundation ? make_foundation(load, analysis_of(config), bodies, selections)
-                      : make_dead_load(load, config.mass, bodies, selections),
-        load.where);
+    if (auto term = term_of(load)) parts.terms.push_back({std::move(term), load.where});
   }
+  return parts;
 }
 
-void Loads::add(std::unique_ptr<EnergyTerm> term, const Location& where) {
-  terms_.push_back(std::move(term));
-  places_.push_back(where);
-}
-
-void Loads::complete(const Config& config, const PrescribedDisplacement& prescribed) {
-  for (auto& [term, where] : wetted_.make_terms(config, layout_, pattern_, prescribed)) add(std::move(term), where);
+Loads::Loads(const Config& config, const NodeLayout& layout, const BlockPattern& pattern, LoadParts parts,
+             const PrescribedDisplacement& prescribed)
+    : layout_(layout), terms_(std::move(parts.terms)) {
+  WettedTerms wetted = make_wetted_terms(config, layout, pattern, std::move(parts.wetted), prescribed);
+  std::ranges::move(wetted.terms, std::back_inserter(terms_));
+  cavities_ = std::move(wetted.cavities);
 }
 
 void Loads::require_finite(double time) const {
@@ -119,11 +129,11 @@ void Loads::require_finite(double time) const {
   stage.dt = 1.0;
   stage.q0 = stage.v0 = zero;
   on_every_rank(layout_.comm, [&] {
-    for (std::size_t k = 0; k < terms_.size(); ++k) {
+    for (const auto& [term, where] : terms_) {
       std::vector<double> forces(zero);
-      terms_[k]->add_gradient(stage, zero, forces);
+      term->add_gradient(stage, zero, forces);
       if (std::all_of(forces.begin(), forces.end(), [](double f) { return std::isfinite(f); })) continue;
-      throw InputError(places_[k], fmt::format("the load is not finite at t = {:g}", time));
+      throw InputError(where, fmt::format("the load is not finite at t = {:g}", time));
     }
   });
 }

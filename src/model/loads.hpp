@@ -13,7 +13,7 @@
 
 namespace pliant {
 
-/// What loads act on; outlives their terms.
+/// What loads act on; must outlive their terms.
 struct LoadedBodies {
   const NodeLayout& layout;
   const BlockPattern& pattern;
@@ -24,29 +24,32 @@ struct LoadedBodies {
 /// Whether any load has a dashpot, which needs motion.
 bool has_dashpots(const Config& config);
 
+/// What loads and cavities need of the mesh, found before constraints are known.
+struct LoadParts {
+  std::vector<LocatedTerm> terms;  ///< of the loads that do not depend on constraints
+  WettedParts wetted;
+};
+
+/// Errors are reported to `selections`; if there are any, the result is of no use. Collective.
+LoadParts find_loads(const Config& config, const LoadedBodies& bodies, Selections& selections);
+
 /// The terms of loads and cavities.
 class Loads {
  public:
-  /// Mistakes are reported to `selections`; if there are any, the object is of no use. Collective.
-  Loads(const Config& config, const LoadedBodies& bodies, Selections& selections);
-
-  /// Adds those that depend on what constraints hold. Throws InputError where a cavity is open. Collective.
-  void complete(const Config& config, const PrescribedDisplacement& prescribed);
+  /// Throws InputError where a cavity is open. Collective.
+  Loads(const Config& config, const NodeLayout& layout, const BlockPattern& pattern, LoadParts parts,
+        const PrescribedDisplacement& prescribed);
 
   /// Throws InputError at a load that is not finite at the time [s]. Collective.
   void require_finite(double time) const;
 
-  const std::vector<std::unique_ptr<EnergyTerm>>& terms() const { return terms_; }
-  const std::vector<ModelCavity>& cavities() const { return wetted_.cavities(); }
+  const std::vector<LocatedTerm>& terms() const { return terms_; }
+  const std::vector<ModelCavity>& cavities() const { return cavities_; }
 
  private:
-  void add(std::unique_ptr<EnergyTerm> term, const Location& where);
-
   const NodeLayout& layout_;
-  const BlockPattern& pattern_;
-  WettedParts wetted_;
-  std::vector<std::unique_ptr<EnergyTerm>> terms_;
-  std::vector<Location> places_;  // of the terms in the input
+  std::vector<LocatedTerm> terms_;
+  std::vector<ModelCavity> cavities_;
 };
 
 }  // namespace pliant

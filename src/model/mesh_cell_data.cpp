@@ -12,13 +12,13 @@ std::size_t MeshCellData::find(const std::string& name, int components, const Lo
     std::string names;
     for (const auto& data : mesh_.cell_data) names += (names.empty() ? "'" : ", '") + data.name + "'";
     throw InputError(where, names.empty()
-                                ? fmt::format("the mesh has no cell data '{}', nor any other: they are the "
-                                              "$ElementData of .msh files (geometry that gmsh meshes has none)",
+                                ? fmt::format("the mesh has no cell data '{}', nor any other: cell data is the "
+                                              "$ElementData of a .msh file (geometry that gmsh meshes has none)",
                                               name)
                                 : fmt::format("the mesh has no cell data '{}'; it has {}", name, names));
   }
   if (found->components != components) {
-    throw InputError(where, fmt::format("the cell data '{}' of the mesh have {} components; {} {} needed", name,
+    throw InputError(where, fmt::format("cell data '{}' of the mesh has {} components; {} {} needed", name,
                                         found->components, components, components == 1 ? "is" : "are"));
   }
   return static_cast<std::size_t>(found - mesh_.cell_data.begin());

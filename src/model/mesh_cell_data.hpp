@@ -1,4 +1,4 @@
-/// What the mesh file gives for its elements, as the input refers to it.
+/// Data of the mesh file for its cells (elements), on the cells of this rank.
 #pragma once
 
 #include "fem/layout.hpp"
@@ -9,7 +9,7 @@ namespace pliant {
 
 class MeshCellData final : public CellData {
  public:
-  /// Both outlive the object.
+  /// Both must outlive the object.
   MeshCellData(const Mesh& mesh, const NodeLayout& layout) : mesh_(mesh), layout_(layout) {}
 
   std::size_t find(const std::string& name, int components, const Location& where) const override;

@@ -4,16 +4,14 @@
 #include "energy/constraint/velocity_projection.hpp"
 #include "energy/volume/mean_dilatation.hpp"
 #include "input/elasticity.hpp"
-#include "input/keys.hpp"
-#include "input/volumetric.hpp"
 #include "model/active.hpp"
-#include "model/advice.hpp"
 #include "model/checks.hpp"
 #include "model/events.hpp"
 #include "model/mesh_cell_data.hpp"
-#include "model/method_advice.hpp"
+#include "model/method_warnings.hpp"
 #include "model/selections.hpp"
 #include "model/viscosity.hpp"
+#include "model/warnings.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/ghosted.hpp"
@@ -27,7 +25,7 @@
 namespace pliant {
 
 Model::Model(MPI_Comm comm, const Config& config, const TermFactory& additional) {
-  // The input's size is in metres, gmsh's in the unit of the geometry.
+  // The size in the input is in metres, that of gmsh in the unit of the geometry.
   auto size = config.mesh.size;
   if (size) *size /= config.mesh.scale;
   const Mesh mesh = [&] {
@@ -73,7 +71,7 @@ void Model::check_method(const Config& config) {
   if (warnings.empty() && method != nullptr && method->stability == Stability::not_a_stable &&
       std::ranges::any_of(config.bodies, rings)) {
     diagnostics_.push_back(note(fmt::format(
-        "{} is not A-stable: vibrations that nothing damps grow; give the bodies a viscosity, or take another method",
+        "{} is not A-stable: undamped vibrations grow; give the bodies a viscosity, or choose another method",
         method->name.empty() ? "the method" : method->name)));
   }
   include(std::move(warnings));
@@ -182,7 +180,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   }
   body_of_cell_ = selections.cells(parts);
 
-  loads_ = std::make_unique<Loads>(config, LoadedBodies{layout_, *pattern_, body_of_cell_, densities_}, selections);
+  LoadParts load_parts = find_loads(config, {layout_, *pattern_, body_of_cell_, densities_}, selections);
   FacetList touching;
   if (config.contact) {
     touching = selections.outer_facets(config.contact->part, config.contact->where, "where nothing can be touched");
@@ -201,7 +199,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   if (may_start_deformed && analysis_of(config) == Analysis::dynamic) {
     include(warnings_about_start(config, layout_, selections));
   }
-  loads_->complete(config, constraints_->prescribed());
+  loads_ = std::make_unique<Loads>(config, layout_, *pattern_, std::move(load_parts), constraints_->prescribed());
   require_finite(analysis_of(config) == Analysis::static_equilibrium ? config.time.end : 0.0);
   if (config.contact) {
     contacts_ = std::make_unique<Contacts>(
@@ -215,7 +213,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   std::vector<std::array<double, 3>> points;
   for (const auto& probe : config.probes) points.push_back(probe.point);
   probes_ = locate(layout_, points);
-  require_near(config.probes);
+  require_near(layout_, mesh_report_.bounds, probes_, config.probes);
   for (std::size_t p = 0; p < probes_.size(); ++p) {
     const double far = probes_[p].distance;
     if (far > 0.0) {
@@ -226,26 +224,6 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   }
 }
 
-/// A probe beside the body by rounding, or by the facets of a round surface, is as good as on it; one further away is
-/// given in another unit, or for another body.
-void Model::require_near(const std::vector<ProbeConfig>& probes) const {
-  constexpr double near = 0.05;  // of the mesh's diagonal
-  const auto& b = mesh_report_.bounds;
-  const double diagonal = std::hypot(b[3] - b[0], b[4] - b[1], b[5] - b[2]);
-  std::vector<Diagnostic> errors;
-  for (std::size_t p = 0; p < probes_.size(); ++p) {
-    if (!(probes_[p].distance > near * diagonal)) continue;  // to a node
-    const NearestOfMesh nearest = nearest_of_mesh(layout_, probes[p].point);
-    if (!(nearest.distance > near * diagonal)) continue;
-    const auto& [x, y, z] = nearest.point;
-    errors.push_back({Severity::error, probes[p].where,
-                      fmt::format("probe '{}' lies outside the mesh, {:.3g} m from its nearest point ({:.4g}, {:.4g}, "
-                                  "{:.4g}); positions are in metres, after 'mesh.scale', of the undeformed body",
-                                  probes[p].name, nearest.distance, x, y, z)});
-  }
-  if (!errors.empty()) throw InputError(std::move(errors));
-}
-
 void Model::find_components(const Config& config, Selections& selections) {
   components_ = connected_components(layout_);
   std::vector<char> is_held(static_cast<std::size_t>(components_.count), 0);
@@ -254,24 +232,29 @@ void Model::find_components(const Config& config, Selections& selections) {
     for (const PetscInt n : nodes) is_held[static_cast<std::size_t>(components_.of_node[n])] = 1;
   };
   for (const ConstraintConfig& c : config.constraints) {
-    using Kind = ConstraintConfig::Kind;
     std::vector<PetscInt> nodes;
     const auto add = [&](const Selection& part) {
       for (const PetscInt n : selections.nodes(part)) nodes.push_back(n);
     };
-    if (c.kind != Kind::equation) add(c.part);
-    if (c.kind == Kind::periodic) add(c.partner);
-    for (const EquationTermConfig& term : c.equation) add(term.part);
+    const auto* periodic = std::get_if<ConstraintConfig::Periodic>(&c.kind);
+    const auto* equation = std::get_if<ConstraintConfig::Equation>(&c.kind);
+    if (equation == nullptr) {
+      add(c.part);
+    } else {
+      for (const EquationTermConfig& term : equation->terms) add(term.part);
+    }
+    if (periodic != nullptr) add(periodic->partner);
     hold(nodes);
-    if (c.kind == Kind::equation || c.kind == Kind::periodic || c.kind == Kind::rigid)
+    if (equation != nullptr || periodic != nullptr || std::holds_alternative<ConstraintConfig::Rigid>(c.kind)) {
       links.push_back(std::move(nodes));
+    }
   }
   if (analysis_of(config) == Analysis::dynamic && may_fall(config)) {
     int num_free = 0;
     for (const char held : is_held) num_free += any_rank(layout_.comm, held != 0) ? 0 : 1;
     if (num_free > 0) {
       diagnostics_.push_back(note(fmt::format(
-          "nothing holds {}: the loads move {} away; constraints, springs or contact hold a body",
+          "nothing holds {}: the loads move {} away; add constraints, springs or contact to hold a body",
           components_.count == 1 ? "the body" : fmt::format("{} of the mesh's {} parts", num_free, components_.count),
           num_free == 1 ? "it" : "them")));
     }
@@ -291,8 +274,8 @@ void Model::check_overlap(const Config& config) {
   const auto& [x, y, z] = overlap->at;
   warn(config.mesh.file.where,
        fmt::format("parts of the mesh that share no node overlap at the start, {:.3g} m deep at ({:.4g}, {:.4g}, "
-                   "{:.4g}): they do not feel one another, since contact acts between bodies and obstacles only; move "
-                   "one of them, or join them in gmsh (BooleanFragments)",
+                   "{:.4g}): they pass through one another, because contact acts only between bodies and obstacles; "
+                   "move one of them, or join them in gmsh (BooleanFragments)",
                    overlap->depth, x, y, z));
 }
 
@@ -309,7 +292,7 @@ void Model::prepare(const Config& config) {
   for (const auto& term : elastic_) terms.push_back(term.get());
   for (const auto& term : active_) terms.push_back(term.get());
   for (const auto& term : viscous_) terms.push_back(term.get());
-  for (const auto& term : loads_->terms()) terms.push_back(term.get());
+  for (const LocatedTerm& load : loads_->terms()) terms.push_back(load.term.get());
   if (contacts_) {
     contacts_->prepare(config);
     for (const auto& term : contacts_->terms()) terms.push_back(term.get());
@@ -340,18 +323,6 @@ PrescribedMotion Model::motion(Correction correction) const {
       std::move(motion), {layout_, *pattern_, *inertia_, constraints_->prescribed().flags(), constraints_->map()});
 }
 
-void Model::require_finite_initial(const Config& config, const char* what, Vec values) const {
-  on_every_rank(layout_.comm, [&] {
-    const ConstArrayView view(values);
-    const std::span<const double> numbers = view.span();
-    const auto found = std::ranges::find_if_not(numbers, [](double number) { return std::isfinite(number); });
-    if (found == numbers.end()) return;
-    const auto [x, y, z] = layout_.position(static_cast<PetscInt>((found - numbers.begin()) / 3));
-    throw InputError({config.file, 0, 0},
-                     fmt::format("the initial {} is not finite at ({:g}, {:g}, {:g})", what, x, y, z));
-  });
-}
-
 void Model::require_finite(double time) const {
   loads_->require_finite(time);
   constraints_->require_finite(time);
@@ -369,7 +340,7 @@ void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
     }
   }
   for (const auto& [what, vec] : {std::pair{"displacement", q}, {"velocity", v}})
-    require_finite_initial(config, what, vec);
+    require_finite_initial(config, layout_, what, vec);
   const Step before_start{0.0, config.time.step};
   Handle<Vec> wanted;
   check(VecDuplicate(v, wanted.out()));
@@ -384,7 +355,7 @@ void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
   for (const auto& term : elastic_) energy += term->energy_at(instant(0.0), at.span(), {});
   if (!std::isfinite(sum(layout_.comm, energy))) {
     throw InputError({config.file, 0, 0},
-                     "the initial displacement, or a prescribed one at t = 0, turns tetrahedra inside out; start from "
+                     "the initial displacement, or a prescribed one at t = 0, inverts tetrahedra; start from "
                      "a smaller one");
   }
   if (contacts_) contacts_->check_start(instant(0.0), at.span());

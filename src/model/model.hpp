@@ -1,4 +1,4 @@
-/// Everything the input describes, ready to be solved: unknowns, terms and their sum.
+/// Everything that the input describes, ready to be solved: unknowns, terms and their sum.
 #pragma once
 
 #include "energy/equation/constrained_equation.hpp"
@@ -22,7 +22,7 @@
 
 namespace pliant {
 
-/// Material time scales, for warnings.
+/// Wave speeds of the materials, for warnings.
 struct WaveSpeeds {
   double fastest = 0.0;  ///< pressure waves of the stiffest body [m/s]
   double slowest = 0.0;  ///< shear waves of the softest body [m/s]
@@ -30,15 +30,15 @@ struct WaveSpeeds {
 
 class Model;
 
-/// What a program adds to the terms of an input (docs/developer/extending.md). Called once, when all else of the model
-/// is there but the sum of the terms; the model outlives the terms. Collective.
+/// Terms that a program adds to those of an input (docs/developer/extending.md). Called once, when the model is
+/// complete except for the sum of the terms; the model outlives the terms. Collective.
 using TermFactory = std::function<std::vector<std::unique_ptr<EnergyTerm>>(const Model&)>;
 
-/// Built in one go from the input; its members refer to each other, so it stays where it is. The mesh itself goes once
-/// everything is found on it: it takes as much memory as all terms. A static problem has no inertia.
+/// Built in one go from the input; its members refer to one another, so it cannot be moved. The mesh itself is released
+/// once everything is found on it: it takes as much memory as all terms. A static problem has no inertia.
 class Model {
  public:
-  /// Throws InputError with all errors that show only against the mesh. Collective.
+  /// Throws InputError with all errors that only the mesh reveals. Collective.
   Model(MPI_Comm comm, const Config& config, const TermFactory& additional = {});
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
@@ -56,10 +56,10 @@ class Model {
   const std::vector<ModelCavity>& cavities() const { return loads_->cavities(); }
   const Contacts* contacts() const { return contacts_.get(); }  ///< nullptr if the input has none
   IncrementalPotential& potential() { return *potential_; }
-  /// Of the potential with pressures as unknowns of their own; nullptr if there are none.
-  /// What a solver solves: the potential's, in the unknowns that constraints leave, with pressures beside them. Until
-  /// the next `prepare`; the first call is collective.
+  /// The equation that a solver sees: that of the potential, in the unknowns that constraints leave free and, if there
+  /// are any, pressures. Valid until the next `prepare`; the first call is collective.
   StageEquation& equation();
+  /// The equation with pressures as unknowns; nullptr if there are none.
   MixedEquation* mixed_equation() { return mixed_equation_.get(); }
   const std::vector<ProbeLocation>& probes() const { return probes_; }
   const WaveSpeeds& wave_speeds() const { return wave_speeds_; }
@@ -68,17 +68,17 @@ class Model {
   /// Parts of the mesh that neither nodes nor constraints join.
   const Components& components() const { return components_; }
   bool overlaps_at_start() const { return overlaps_at_start_; }
-  /// Notes, then warnings: what the user should know, and what may not be meant.
+  /// Notes, then warnings.
   const std::vector<Diagnostic>& diagnostics() const { return diagnostics_; }
 
-  /// Sets up the terms and their sum for the method of `config`, which else is the one of the constructor: the form of
-  /// strain rates may depend on it. What `potential()` gave before is gone. Collective.
+  /// Sets up the terms and their sum for the time integration method of `config`, on which the form of strain rates may
+  /// depend; the constructor does so for its own. Invalidates earlier results of `potential()`. Collective.
   void prepare(const Config& config);
 
-  /// Throws InputError at a load or a given displacement that is not finite at the time [s]. Collective.
+  /// Throws InputError at a load or a prescribed displacement that is not finite at the time [s]. Collective.
   void require_finite(double time) const;
 
-  /// What terms know of a time of the run (of a static one: the load factor).
+  /// What terms know about a time of the run (for a static problem: the load factor).
   Instant instant(double time) const { return static_time_ ? Instant{*static_time_, time} : Instant{time, 1.0}; }
 
   /// The hooks of the time layer; they refer to this object. Collective.
@@ -90,14 +90,12 @@ class Model {
 
  private:
   void build_terms(const Config& config, const Mesh& mesh);
-  void require_near(const std::vector<ProbeConfig>& probes) const;
   /// Parts of the mesh that neither nodes nor constraints join.
   void find_components(const Config& config, Selections& selections);
   void check_overlap(const Config& config);
   void check_method(const Config& config);
   void warn(const Location& where, std::string message);
   void include(std::vector<Diagnostic> found);
-  void require_finite_initial(const Config& config, const char* what, Vec values) const;
   /// Widens the range of wave speeds.
   void include_waves(const ElasticLawSpec& law, double density);
   template <int Order>

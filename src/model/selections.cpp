@@ -101,7 +101,7 @@ std::vector<PetscInt> Selections::nodes(const Selection& part) {
     result = nodes_in_region(layout_, region(part));
   }
   if (sum(layout_.comm, static_cast<PetscInt64>(result.size())) == 0) {
-    report(part.where, fmt::format("{} holds no node of the mesh; `pliant check` shows the mesh's extent and groups",
+    report(part.where, fmt::format("{} contains no node of the mesh; `pliant check` shows the mesh's extent and groups",
                                    describe(part)));
   }
   return result;
@@ -120,7 +120,7 @@ FacetList Selections::facets(const Selection& part) {
   }
   if (sum(layout_.comm, static_cast<PetscInt64>(result.size())) == 0) {
     report(part.where,
-           fmt::format("{} holds no facet of the mesh's surface; `pliant check` shows the mesh's extent and groups",
+           fmt::format("{} contains no facet of the mesh's surface; `pliant check` shows the mesh's extent and groups",
                        describe(part)));
   }
   return result;
@@ -140,7 +140,7 @@ EdgeList Selections::edges(const Selection& part) {
   EdgeList result = edges_of_group(mesh_, layout_, *g);
   if (sum(layout_.comm, static_cast<PetscInt64>(result.size())) == 0) {
     report(part.where,
-           fmt::format("{} holds no edge of a tetrahedron; it must bound a volume or be embedded in one (in "
+           fmt::format("{} contains no edge of a tetrahedron; it must bound a volume or be embedded in one (in "
                        "gmsh: Curve {{1}} In Volume {{1}})",
                        describe(part)));
   }
@@ -191,8 +191,8 @@ std::vector<int> Selections::cells(const std::vector<Selection>& parts) {
       sharing.push_back("'" + title(groups[v]) + "'");
       where = parts[v].where;
     }
-    report(where, fmt::format("{} tetrahedra are in several volumes of bodies ({}), but a tetrahedron belongs to one "
-                              "body; make physical volumes that share nothing",
+    report(where, fmt::format("{} tetrahedra are in several volumes of bodies ({}), but a tetrahedron can belong "
+                              "to only one body; make the physical volumes disjoint",
                               several, joined(sharing)));
   }
   return result;

@@ -1,4 +1,4 @@
-/// From what the input names to nodes, facets and cells of the mesh.
+/// The nodes, facets and cells of the mesh that the input refers to.
 #pragma once
 
 #include "fem/selection.hpp"
@@ -9,20 +9,20 @@
 namespace pliant {
 
 /// Resolves selections and keeps every error, so that all are reported at once. Its answers and errors are the same on
-/// every rank, but for the lists of this rank's nodes and facets.
+/// every rank, except for the lists of this rank's nodes and facets.
 class Selections {
  public:
   Selections(const Mesh& mesh, const NodeLayout& layout) : mesh_(mesh), layout_(layout) {}
 
   /// Owned nodes. Collective.
   std::vector<PetscInt> nodes(const Selection& part);
-  /// Facets: of a surface group, or of the body's surface as a whole or inside a box or region. Collective.
+  /// Facets of a surface group, or of the whole surface of the bodies, or of the part in a box or region. Collective.
   FacetList facets(const Selection& part);
-  /// The same of the mesh's surface only: what lies inside is an error at `where`, and `reason` says why. Collective.
+  /// Facets of the outer surface only: facets inside the mesh are an error at `where`, with the reason. Collective.
   FacetList outer_facets(const Selection& part, const Location& where, const std::string& reason);
   /// Edges of a curve. Collective.
   EdgeList edges(const Selection& part);
-  /// Per local cell the index of the part that holds it. Every cell must be in exactly one. Collective.
+  /// Per local cell the index of the part that contains it. Every cell must be in exactly one. Collective.
   std::vector<int> cells(const std::vector<Selection>& parts);
   /// Per local cell: in the part or not. Collective.
   std::vector<char> cells(const Selection& part);

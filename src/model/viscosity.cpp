@@ -11,12 +11,13 @@
 namespace pliant {
 namespace {
 
-/// Without a method of ours the exact form, which needs no history.
+/// The exact form, which needs no history, where the method is not one of Pliant's.
 StrainRate automatic_rate(const Method* method) {
   return method == nullptr ? StrainRate::exact : strain_rate_for(*method);
 }
 
-/// The law of a term in the strain of each point. Prony series and what acts on the body's velocity are no such laws.
+/// The law of a term in the strain of each point; nothing for Prony series and for damping by mass, which are other
+/// terms.
 struct LawInStrain {
   using Result = std::optional<ViscosityVariant>;
   StrainRate rate;
@@ -55,13 +56,6 @@ std::vector<std::unique_ptr<EnergyTerm>> make_terms(const Config& config, const 
       if (const auto* branch = std::get_if<Prony>(&mechanism.law)) branches.push_back(*branch);
       const auto law = std::visit(LawInStrain{mechanism.rate.value_or(automatic)}, mechanism.law);
       if (!law) continue;
-      const bool needs_moduli = std::holds_alternative<MaxwellRatios>(mechanism.law) ||
-                                std::holds_alternative<StiffnessProportional>(mechanism.law);
-      if (needs_moduli && on.elastic[b]->traits().num_directions > 0) {
-        throw InputError(mechanism.where,
-                         "moduli at rest of an elastic law with fibres are no two numbers; give the viscosity in "
-                         "numbers of its own");
-      }
       terms.push_back(
           make_viscous_term<Order>(*law, *on.elastic[b], groups, static_cast<int>(b), on.layout.num_owned_nodes));
     }

@@ -1,4 +1,4 @@
-/// The terms of the bodies' viscosity, as the input describes it.
+/// The terms of the bodies' viscosity.
 #pragma once
 
 #include "energy/term.hpp"
@@ -13,12 +13,12 @@
 
 namespace pliant {
 
-/// What the terms are built on; outlives them.
+/// What the terms are built on; must outlive them.
 struct BodyParts {
   const NodeLayout& layout;
   const BlockPattern& pattern;
   const std::variant<CellGroups<1>, CellGroups<2>>& cells;
-  const std::vector<std::shared_ptr<const LawField>>& elastic;  ///< of each body
+  const std::vector<std::shared_ptr<const LawField>>& elastic;  ///< per body
 };
 
 /// Whether any body has a viscosity.

@@ -1,6 +1,5 @@
 #include "run/advance.hpp"
 
-#include "input/keys.hpp"
 #include "petsc/check.hpp"
 #include "solver/petsc_integrator.hpp"
 
@@ -88,7 +87,7 @@ class TimeAdvance final : public Advance {
 
  private:
   static IntegratorOptions options_of(const Config& config) {
-    return {*integrator_of(config), config.time.startup == "dirk33" ? Startup::dirk33 : Startup::ramp,
+    return {*integrator_of(config), config.time.startup.value(),
             config.time.adaptive ? ErrorEstimate::local : ErrorEstimate::none};
   }
   static System system_of(Model& model, Ledger& ledger, NewtonSolver& newton) {
@@ -212,9 +211,16 @@ class LoadAdvance final : public Advance {
 }  // namespace
 
 LinearKind linear_kind(const Config& config, const NodeLayout& layout) {
-  if (config.solver.linear == "cholesky") return LinearKind::cholesky;
-  if (config.solver.linear == "amg") return LinearKind::amg;
-  if (config.solver.linear == "p-multigrid") return LinearKind::p_multigrid;
+  switch (config.solver.linear) {
+    case LinearSolver::cholesky:
+      return LinearKind::cholesky;
+    case LinearSolver::amg:
+      return LinearKind::amg;
+    case LinearSolver::p_multigrid:
+      return LinearKind::p_multigrid;
+    case LinearSolver::automatic:
+      break;
+  }
   if (config.volumetric == VolumetricTreatment::mixed) return LinearKind::cholesky;  // the matrix is indefinite
   return automatic_linear_kind(3 * layout.num_global_nodes, layout.order);
 }
@@ -223,16 +229,16 @@ std::unique_ptr<Advance> make_advance(const Config& config, Model& model, Ledger
   if (analysis_of(config) == Analysis::static_equilibrium) {
     return std::make_unique<LoadAdvance>(config, model, initial.q);
   }
-  if (const PetscMethod* method = find_petsc_method(config.time.method.value)) {
+  if (const PetscMethod* method = find_petsc_method(method_name(config.time.method))) {
     if (const ConstraintMap* map = model.constraints().map(); map != nullptr && !map->is_linear()) {
       throw InputError(config.time.method.where,
                        fmt::format("'{}' does not support rigid parts that rotate freely; choose one of Pliant's own "
                                    "methods",
-                                   config.time.method.value));
+                                   method_name(config.time.method)));
     }
     if (const auto reason = why_not(model.potential())) {
       throw InputError(config.time.method.where,
-                       fmt::format("'{}' cannot be used here: {}", config.time.method.value, *reason));
+                       fmt::format("'{}' cannot be used here: {}", method_name(config.time.method), *reason));
     }
     return std::make_unique<PetscAdvance>(config, model, ledger, *method, initial);
   }

@@ -314,7 +314,8 @@ class Run {
           "{}: the energy grew without work: at t = {:.6g} s it was {:.3g} times the energy supplied{}, with steps "
           "of {:g} s of '{}'; use shorter steps or bdf2, dirk22 or dirk33, or damp the vibrations with a viscosity",
           to_string(config_.time.method.where), growth->time, growth->factor,
-          growth->includes_dissipation ? " (including dissipation)" : "", steps.longest, config_.time.method.value));
+          growth->includes_dissipation ? " (including dissipation)" : "", steps.longest,
+          method_name(config_.time.method)));
     }
     warn_of_solutions(s);
     console_.print(fmt::format("results: {0}/result.xdmf, {0}/history.csv", config_.output.directory));

@@ -87,7 +87,7 @@ double order_between(double coarse, double fine, double factor) {
 
 int theoretical_order(const Config& config) {
   if (const Method* method = integrator_of(config)) return method->order;
-  const PetscMethod* petsc = find_petsc_method(config.time.method.value);
+  const PetscMethod* petsc = find_petsc_method(method_name(config.time.method));
   return petsc != nullptr ? petsc->order : 0;
 }
 
@@ -189,8 +189,7 @@ class Study {
 
   static Config reference_with(const Config& config, double step) {
     Config reference = config;
-    reference.time.method.value = "dirk33";
-    reference.time.own_method.reset();
+    reference.time.method.kind = *find_method("dirk33");
     reference.time.adaptive.reset();
     reference.time.step = step;
     reference.time.min_step = step / 1024.0;
@@ -214,7 +213,7 @@ class Study {
 
   Row row_of(const Config& config, int level, double step, double size) const {
     Row row;
-    row.method = config.time.method.value;
+    row.method = method_name(config.time.method);
     row.level = level;
     row.step = step;
     row.size = size;
@@ -350,7 +349,7 @@ class Study {
   ExitCode verdict() const {
     std::vector<std::string> shortfalls;
     for (const Config& config : configs_) {
-      const std::string& method = config.time.method.value;
+      const std::string method = method_name(config.time.method);
       const auto last = std::find_if(rows_.rbegin(), rows_.rend(), [&](const Row& r) { return r.method == method; });
       const int expected = expected_order(config);
       const double lowest = is_static() ? last->order_q : std::min(last->order_q, last->order_v);
@@ -411,7 +410,7 @@ std::vector<Config> read_configs(MPI_Comm comm, const std::string& file, const s
       throw InputError(config.time.method.where, "a study by tolerance needs `adaptive` in time");
     }
     if (options.refine == Refine::time) config.time.adaptive.reset();
-    config.time.startup = "dirk33";
+    config.time.startup = Startup::dirk33;
     config.solver.newton.relative = std::min(config.solver.newton.relative, newton_tolerance);
   }
   return configs;

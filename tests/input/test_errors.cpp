@@ -36,7 +36,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{6, "@titel: x", "unknown key 'titel' (did you mean 'title'?)"},
         Bad{6, "@colour: red", "unknown key 'colour'; the keys are title, mesh,"},
         Bad{6, "@method: bdf2", "unknown key 'method' (it belongs in time)"},
-        Bad{5, "time: {step: 0.01, end: 1, @\"end:2\"}", "a blank must follow the ':'"},
+        Bad{5, "time: {step: 0.01, end: 1, @\"end:2\"}", "the ':' after a key must be followed by a space"},
         Bad{5, "time: {step: 0.01, end: 1, @step: 2}", "key 'step' is given twice (first in line 5)"},
         Bad{6, "@mesh: {file: b.msh}", "key 'mesh' is given twice (first in line 1)"},
         Bad{6, "? @[a, b]\n: c", "a key must be a word, not a list"}, Bad{1, "@title: no mesh", "missing key 'mesh'"},
@@ -54,17 +54,17 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{6, "contact: {obstacles: [@{name: a, shape: capsule, axis: [1, 0, 0], radius: 1}]}",
             "missing key 'length' in obstacles[0], which a capsule needs"},
         Bad{6, "contact: {obstacles: [{name: a, shape: sphere, radius: 1, @normal: [0, 0, 1]}]}",
-            "only beside 'shape: plane'"},
+            "only be given with 'shape: plane'"},
         Bad{6, "contact: {obstacles: [{name: a, shape: @cone}]}", "'shape' must be one of"},
         Bad{6, "contact: {obstacles: [{name: a, shape: plane, normal: @[0, 0, 0]}]}", "[0, 0, 0] points nowhere"},
         Bad{6, "contact: {obstacles: [{name: a, shape: sphere, radius: 1}, {name: @a, shape: sphere, radius: 2}]}",
             "the obstacle name 'a' is given twice"},
         Bad{6, "contact: {obstacles: [{name: @clamp, shape: sphere, radius: 1}]}",
-            "the obstacle name 'clamp' is that of a constrained part"},
+            "the obstacle name 'clamp' is also the name of a constrained part"},
         Bad{5,
             "time: {step: 0.01, end: 1, method: implicit-midpoint}\n"
             "contact: {law: @barrier, obstacles: [{name: a, shape: sphere, radius: 1}]}",
-            "a barrier needs a method whose step ends with its last stage"},
+            "a barrier needs a stiffly accurate method"},
         Bad{6, "output: {fields: [displacement, @contact_gap]}", "the field 'contact_gap' needs 'contact'"},
         Bad{6, "checkpoint: {every: @0}", "'every' must be a whole number from 1"},
         Bad{6, "checkpoint: {minutes: @0}", "'minutes' must be > 0"},
@@ -75,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Bad{1, "mesh: @[beam.msh]", "'mesh' must be a map of keys such as 'file:', not a list"},
         Bad{1, "mesh: @beam.msh", "'mesh' must be a map of keys such as 'file:', not 'beam.msh'"},
-        Bad{1, "mesh: {file: @[a, b]}", "'file' must be a text, not a list"},
+        Bad{1, "mesh: {file: @[a, b]}", "'file' must be text, not a list"},
         Bad{1, "mesh: {file: beam.msh, refine: @7}", "'refine' must be a whole number from 0 to 6, not '7'"},
         Bad{1, "mesh: {file: beam.msh, refine: @1.5}", "'refine' must be a whole number"},
         Bad{1, "mesh: {file: beam.msh, scale: @0}", "'scale' must be > 0, not '0'"},
@@ -89,11 +89,11 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{2, "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: @0.6}}]",
             "'poissons_ratio' must be between -1 (excluded) and 0.5, not '0.6'"},
         Bad{2, "bodies: [{density: 1, elasticity: @{model: linear, youngs_modulus: 1, poissons_ratio: 0.5}}]",
-            "the body is incompressible, for which displacements alone have no solution; add 'volumetric: mixed'"},
+            "displacements alone cannot represent an incompressible body; add 'volumetric: mixed'"},
         Bad{2, "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: @[1], poissons_ratio: 0}}]",
             "'youngs_modulus' must be a pressure [Pa] or a formula, not a list"},
         Bad{2, "bodies: [{density: 1, elasticity: @{model: guccione, C: 1, bf: 1, bt: 1, bfs: 1, bulk_modulus: 1}}]",
-            "missing key 'fibre' of guccione"},
+            "missing key 'fibre', a direction that guccione needs"},
         Bad{2,
             "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0, fibre: @[1, 0, "
             "0]}}]",
@@ -106,7 +106,7 @@ INSTANTIATE_TEST_SUITE_P(
             "bodies: [{density: 1, elasticity: {model: holzapfel-ogden, a: 1, b: 1, a_f: 1, b_f: 1, a_s: 1, b_s: 1, "
             "a_fs: "
             "1, b_fs: 1, bulk_modulus: 1, fibre: [1, 1, 0], sheet: @[-2, -2, 0]}}]",
-            "'sheet' is parallel to 'fibre': it must lie across"},
+            "'sheet' is parallel to 'fibre'; choose a direction across it"},
         Bad{2,
             "bodies: [{density: 1, elasticity: @{model: guccione, C: 1, bf: 1, bt: 1, bfs: 1, bulk_modulus: 1, "
             "poissons_ratio: 0.3, "
@@ -148,12 +148,12 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{2,
             "element: P2\nvolumetric: mean-dilatation\nbodies: [{density: 1, elasticity: @{model: linear, "
             "youngs_modulus: 1, poissons_ratio: 0}}]",
-            "model 'linear' knows small strains only"},
+            "model 'linear' is for small strains"},
         Bad{6, "volumetric: @mixed", "needs quadratic tetrahedra; add 'element: P2'"},
         Bad{2,
             "element: P2\nvolumetric: mixed\nbodies: [{density: 1, elasticity: @{model: saint-venant-kirchhoff, "
             "youngs_modulus: 1, poissons_ratio: 0}}]",
-            "the energy of model 'saint-venant-kirchhoff' has no part of the volume alone"},
+            "an energy with a separate volumetric part, which model 'saint-venant-kirchhoff' does not have"},
         Bad{2,
             "element: P2\nvolumetric: mixed\nbodies: [{density: 1, elasticity: @{model: neo-hookean, "
             "youngs_modulus: 1+x, poissons_ratio: 0}}]",
@@ -165,16 +165,17 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{2,
             "element: P2\nvolumetric: mixed\nbodies: [{density: 1, elasticity: {model: neo-hookean, "
             "youngs_modulus: 1, poissons_ratio: 0}, active: @{fibre: [1, 0, 0], shortening: t}}]",
-            "'shortening' goes with 'volumetric: standard' only"},
+            "'shortening' can only be used with 'volumetric: standard'"},
         Bad{5, "time: {method: @implicit-midpoint, step: 0.01, end: 1}\nelement: P2\nvolumetric: mixed",
-            "needs a method whose last stage ends the step"},
+            "needs a stiffly accurate method"},
         Bad{5, "time: {method: @petsc:bdf, step: 0.01, end: 1}\nelement: P2\nvolumetric: mixed",
             "needs one of Pliant's own methods"},
-        Bad{6, "element: P2\nvolumetric: mixed\nsolver: {linear: @amg}", "which multigrid does not solve"},
-        Bad{6, "element: P2\nvolumetric: mixed\nsolver: {linear: @p-multigrid}", "which multigrid does not solve"},
-        Bad{6, "solver: {linear: @p-multigrid}", "needs quadratic elements; add 'element: P2', or use 'amg'"},
+        Bad{6, "element: P2\nvolumetric: mixed\nsolver: {linear: @amg}", "which multigrid cannot solve"},
+        Bad{6, "element: P2\nvolumetric: mixed\nsolver: {linear: @p-multigrid}", "which multigrid cannot solve"},
+        Bad{6, "solver: {linear: @p-multigrid}",
+            "coarsens quadratic elements to linear ones; add 'element: P2', or use 'amg'"},
         Bad{6, "element: P2\nvolumetric: mixed\ninitial: {displacement: @[x, 0, 0]}",
-            "starts from the undeformed bodies"},
+            "must start from undeformed bodies"},
         Bad{6, "mass: @[lumped]", "'mass' must be one of consistent, lumped, not a list"},
         Bad{6, "solver: {newton: {relative: @-1e-8}}", "'relative' must be from 0 to 0.1"},
         Bad{6, "solver: {newton: {max_iterations: @0}}", "'max_iterations' must be a whole number from 1"},
@@ -224,10 +225,10 @@ INSTANTIATE_TEST_SUITE_P(
             "missing key 'direction' in constraints[0], which 'displacement_along' needs"},
         Bad{3, "constraints: [{surface: a, displacement_along: 1, direction: @[0, 0, 0]}]", "points nowhere"},
         Bad{3, "constraints: [{surface: a, symmetry: plane, @direction: [0, 0, 1]}]",
-            "'direction' goes only beside 'displacement_along'"},
-        Bad{3, "constraints: [@{periodic_with: a}]", "is needed in constraints[0] beside 'periodic_with'"},
+            "'direction' can only be given with 'displacement_along'"},
+        Bad{3, "constraints: [@{periodic_with: a}]", "is needed in constraints[0] with 'periodic_with'"},
         Bad{3, "constraints: [{surface: b, periodic_with: a, difference: [0, @x, 0]}]",
-            "'difference[1]' cannot depend on the place x, y, z; it is a function of t"},
+            "'difference[1]' cannot depend on the position x, y, z; it is a function of t"},
         Bad{3, "constraints: [{surface: a, rigid: {rotation: @none}}]", "'rotation' must be"},
         Bad{3, "constraints: [{surface: a, rigid: {rotation: @{axis: [0, 0, 1]}}}]", "missing key 'angle' in rotation"},
         Bad{3, "constraints: [{surface: a, rigid: {rotation: {axis: [0, 0, 1], angle: @1 m}}}]",
@@ -237,7 +238,8 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{3, "constraints: [{equation: [{point: a, component: @w}]}]", "'component' must be one of x, y, z, not 'w'"},
         Bad{3, "constraints: [{equation: [@{component: x}]}]",
             "one of surface, volume, curve, point, box, where is needed in equation[0]"},
-        Bad{3, "constraints: [{@surface: a, equation: [{point: a, component: x}]}]", "'surface' goes only beside"}));
+        Bad{3, "constraints: [{@surface: a, equation: [{point: a, component: x}]}]",
+            "'surface' can only be given with"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Selections, BadInput,
@@ -249,39 +251,39 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{3, "constraints: [{box: [[0, 0, 0], @[1, 1]], displacement: [0, 0, 0]}]", "'box[1]' must be a list of 3"},
         Bad{3, "constraints: [{box: @[[0, 2, 0], [1, 1, 1]], displacement: [0, 0, 0]}]", "the lower corner, then"},
         Bad{3, "constraints: [{surface: @\"\", displacement: [0, 0, 0]}]", "the name or tag of a physical group"},
-        Bad{3, "constraints: [{surface: @[a], displacement: [0, 0, 0]}]", "'surface' must be a text"},
-        Bad{4, "loads: [@{traction: [0, 0, 1]}]", "one of surface, box, where is needed in loads[0] beside 'traction'"},
+        Bad{3, "constraints: [{surface: @[a], displacement: [0, 0, 0]}]", "'surface' must be text"},
+        Bad{4, "loads: [@{traction: [0, 0, 1]}]", "one of surface, box, where is needed in loads[0] with 'traction'"},
         Bad{4, "loads: [@{surface: tip}]",
             "one of gravity, traction, pressure, force_density, line_force, force, spring, dashpot, point_spring, "
             "point_dashpot is needed in loads[0]"},
         Bad{4, "loads: [{surface: tip, traction: [0, 0, 1], @pressure: 1}]",
             "only one of traction, pressure can be given"},
-        Bad{4, "loads: [@{pressure: 1}]", "one of surface, box, where is needed in loads[0] beside 'pressure'"},
+        Bad{4, "loads: [@{pressure: 1}]", "one of surface, box, where is needed in loads[0] with 'pressure'"},
         Bad{4, "loads: [{pressure: 1, surface: tip, @volume: a}]",
-            "'volume' goes only beside 'gravity' or 'force_density' in loads[0]"},
+            "'volume' can only be given with 'gravity' or 'force_density' in loads[0]"},
         Bad{4, "loads: [{gravity: [0, 0, 1], @surface: tip}]",
-            "'surface' goes only beside 'traction', 'pressure', 'spring', 'dashpot' or 'force' in loads[0]"},
-        Bad{4, "loads: [{traction: [0, 0, 1], surface: tip, @volume: a}]", "'volume' goes only beside 'gravity'"},
+            "'surface' can only be given with 'traction', 'pressure', 'spring', 'dashpot' or 'force' in loads[0]"},
+        Bad{4, "loads: [{traction: [0, 0, 1], surface: tip, @volume: a}]", "'volume' can only be given with 'gravity'"},
         Bad{4, "cavities: [@{name: a, surface: b}]", "one of pressure, gas, liquid is needed in cavities[0]"},
         Bad{4, "cavities: [{name: a, surface: b, pressure: 1, @gas: {}}]", "only one of pressure, gas can be given"},
-        Bad{4, "cavities: [{name: a, surface: b, pressure: @2*x}]", "'pressure' cannot depend on the place x, y, z"},
+        Bad{4, "cavities: [{name: a, surface: b, pressure: @2*x}]", "'pressure' cannot depend on the position x, y, z"},
         Bad{4, "cavities: [{name: a, surface: b, gas: {}}, {name: @a, surface: c, gas: {}}]",
             "the cavity name 'a' is given twice"},
-        Bad{4, "loads: [@{spring: 1}]", "one of surface, box, where is needed in loads[0] beside 'spring'"},
+        Bad{4, "loads: [@{spring: 1}]", "one of surface, box, where is needed in loads[0] with 'spring'"},
         Bad{4, "loads: [{spring: @-1, surface: a}]", "'spring' must be >= 0 [Pa/m], not '-1'"},
         Bad{4, "loads: [{spring: @1 N/m, surface: a}]", "but"},
         Bad{4, "loads: [{@spring: 1, dashpot: 1, surface: a, pressure: 1}]",
             "only one of pressure, spring, dashpot can be given in loads[0]"},
         Bad{4, "loads: [{spring: 1, surface: a, direction: @up}]", "'direction' must be one of all, normal, not 'up'"},
         Bad{4, "loads: [{surface: a, traction: [0, 0, 1], @direction: all}]",
-            "'direction' goes only beside 'spring' or 'dashpot' in loads[0]"},
+            "'direction' can only be given with 'spring' or 'dashpot' in loads[0]"},
         Bad{4, "loads: [@{point_spring: 1}]", "missing key 'point' in loads[0], which 'point_spring' needs"},
         Bad{4, "loads: [@{line_force: [0, 0, 1]}]", "missing key 'curve' in loads[0], which 'line_force' needs"},
         Bad{4, "loads: [{line_force: [0, 0, @1 N], curve: a}]", "'1 N' is a force, but"},
         Bad{4, "loads: [@{force: [0, 0, 1]}]",
-            "one of surface, box, where, curve, point is needed in loads[0] beside 'force'"},
+            "one of surface, box, where, curve, point is needed in loads[0] with 'force'"},
         Bad{4, "loads: [{force: [0, 0, 1], curve: a, @point: b}]", "only one of curve, point can be given in loads[0]"},
-        Bad{4, "loads: [{force_density: [0, 0, 1], @surface: a}]", "'surface' goes only beside 'traction',"}));
+        Bad{4, "loads: [{force_density: [0, 0, 1], @surface: a}]", "'surface' can only be given with 'traction',"}));
 
 constexpr const char* viscous =
     "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}, viscosity: ";
@@ -324,20 +326,21 @@ INSTANTIATE_TEST_SUITE_P(
         BadViscosity{"@{model: prony, relaxation_time: 1}", "missing key 'ratio' in viscosity"},
         BadViscosity{"@{model: stiffness-proportional}", "missing key 'time' in viscosity"},
         BadViscosity{"{model: kelvin-voigt, shear: 1, @time: 1}",
-                     "'time' goes only beside 'model: stiffness-proportional' in viscosity"},
+                     "'time' can only be given with 'model: stiffness-proportional' in viscosity"},
         BadViscosity{"@{model: maxwell, relaxation_time: 1}",
-                     "one of shear_modulus, shear_ratio is needed in viscosity beside 'model: maxwell'"},
+                     "one of shear_modulus, shear_ratio is needed in viscosity with 'model: maxwell'"},
         BadViscosity{"{model: maxwell, relaxation_time: 1, shear_modulus: 1, @shear_ratio: 1}",
                      "only one of shear_modulus, shear_ratio can be given"},
         BadViscosity{"{model: maxwell, relaxation_time: 1, shear_ratio: 1, @bulk_modulus: 1}",
-                     "'bulk_modulus' goes only beside 'shear_modulus'"},
+                     "'bulk_modulus' can only be given with 'shear_modulus'"},
         BadViscosity{"@{model: kelvin-voigt}", "missing key 'shear' in viscosity, which 'model: kelvin-voigt' needs"},
         BadViscosity{"@{model: maxwell, shear_modulus: 1}",
                      "missing key 'relaxation_time' in viscosity, which 'model: maxwell' needs"},
         BadViscosity{"{model: kelvin-voigt, shear: 1, @shear_modulus: 1}",
-                     "'shear_modulus' goes only beside 'model: maxwell' in viscosity"},
-        BadViscosity{"{model: maxwell, shear_modulus: 1, relaxation_time: 1, @rate: exact}",
-                     "'rate' goes only beside 'model: kelvin-voigt' or 'model: stiffness-proportional' in viscosity"},
+                     "'shear_modulus' can only be given with 'model: maxwell' in viscosity"},
+        BadViscosity{
+            "{model: maxwell, shear_modulus: 1, relaxation_time: 1, @rate: exact}",
+            "'rate' can only be given with 'model: kelvin-voigt' or 'model: stiffness-proportional' in viscosity"},
         BadViscosity{"{model: kelvin-voigt, shear: 1, @bulks: 1}", "(did you mean 'bulk'?)"},
         BadViscosity{"{model: kelvin-voigt, shear: @-1}", "'shear' must be >= 0 [Pa*s], not '-1'"},
         BadViscosity{"{model: kelvin-voigt, shear: @20 Pa}",
@@ -354,7 +357,7 @@ INSTANTIATE_TEST_SUITE_P(
             "'petsc' must be one of alpha2, bdf, arkimex, not 'rk'"},
         Bad{5, "time: {step: 1, end: 1, method: @{name: mine}}", "one of petsc, A is needed in method"},
         Bad{5, "time: {step: 1, end: 1, method: @{A: [[1]]}}", "missing key 'b' in method, which 'A' needs"},
-        Bad{5, "time: {step: 1, end: 1, method: {petsc: bdf, @b: [1]}}", "'b' goes only beside 'A' in method"},
+        Bad{5, "time: {step: 1, end: 1, method: {petsc: bdf, @b: [1]}}", "'b' can only be given with 'A' in method"},
         Bad{5, "time: {step: 1, end: 1, method: {petsc: bdf, @A: [[1]], b: [1]}}", "only one of petsc, A can be given"},
         Bad{5, "time: {step: 1, end: 1, method: {A: @1, b: [1]}}", "'A' must be a list"},
         Bad{5, "time: {step: 1, end: 1, method: {A: [@1], b: [1]}}", "'A[0]' must be a list"},
@@ -374,7 +377,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{5, "time: {step: @2, end: 1}", "the step of 2 s is longer than the simulation, which ends at 1 s"},
         Bad{5, "time: {step: @1e-12, end: 1}", "would need 1000000000000 steps"},
         Bad{5, "time: {step: 0.1, end: 1, min_step: @1}", "'min_step' is larger than the step of 0.1 s"},
-        Bad{5, "time: {step: 0.1, end: 1, adaptive: {}, @min_step: 0.01}", "'min_step' goes into 'adaptive' where"},
+        Bad{5, "time: {step: 0.1, end: 1, adaptive: {}, @min_step: 0.01}", "'min_step' belongs in 'adaptive' where"},
         Bad{5, "time: {step: 0.1, end: 1, adaptive: {min_step: @0.2}}", "is larger than the first step, 0.1 s"},
         Bad{5, "time: {step: 0.1, end: 1, adaptive: {max_step: @0.05}}", "is smaller than the first step, 0.1 s"},
         Bad{5, "time: {end: 1, adaptive: {min_step: @0.2, max_step: 0.1}}", "larger than 'max_step', 0.1 s"},
@@ -385,7 +388,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{5, "time: {method: quasistatic, step: 0.1, end: 1, adaptive: @{}}",
             "steps cannot adapt: method 'quasistatic' has no motion"},
         Bad{5, "time: {method: {petsc: bdf}, step: 0.1, end: 1, adaptive: @{}}",
-            "steps cannot adapt: method 'petsc:bdf' runs at the step"},
+            "steps cannot adapt: method 'petsc:bdf' takes fixed steps"},
         Bad{5, "time: @{adaptive: {}}", "missing key 'end' in time"},
         Bad{5, "time: {step: 0.1, end: 1, events: [0.5, @1]}", "the event at 1 s is not before the end, 1 s"},
         Bad{5, "time: {step: 0.1, end: 1, events: [0.5, @0.2]}", "ascending order, but 0.2 s follows 0.5 s"},
@@ -410,13 +413,14 @@ INSTANTIATE_TEST_SUITE_P(Yaml, BadInput,
                                            Bad{6, "output:\n@\tdirectory: x", "tabs cannot indent YAML; use spaces"},
                                            Bad{6, "title: @'never closed", "this quote is not closed"},
                                            Bad{6, "title: @\"never closed \\\"", "this quote is not closed"},
-                                           Bad{6, "title: @%x", "a text cannot start with this character; quote it"},
+                                           Bad{6, "title: @%x",
+                                               "text cannot start with this character; put it in quotes"},
                                            Bad{6, "title: @*none", "an anchor ('&name') that is not defined"},
-                                           Bad{6, "title: &a [@*a]", "this alias stands inside what it refers to"},
+                                           Bad{6, "title: &a [@*a]", "this alias refers to a value that contains it"},
                                            Bad{6, "title: @]", "this bracket was never opened"},
                                            Bad{6, "@---\ntitle: second", "the input ends before this line"},
                                            Bad{6, "title: caf@\xE9", "this is not UTF-8 text"},
-                                           Bad{6, "title: a@\x01z", "the file holds a control character"}));
+                                           Bad{6, "title: a@\x01z", "the file contains a control character"}));
 
 TEST(InputErrors, AllAreReportedAtOnceInTheOrderOfTheFile) {
   const auto found = mistakes(R"yaml(titel: x
@@ -438,7 +442,8 @@ probes: [{name: a}]
       "dir/a.yaml:4:48: 'youngs_modulus' must be > 0 [Pa], not '-1'",
       "dir/a.yaml:4:68: 'poissons_ratio' must be between -1 (excluded) and 0.5, not '0.7'",
       "dir/a.yaml:6:21: 'gravity[2]': 'foo' is not known",
-      "dir/a.yaml:7:5: 'surface' goes only beside 'traction', 'pressure', 'spring', 'dashpot' or 'force' in loads[0]",
+      "dir/a.yaml:7:5: 'surface' can only be given with 'traction', 'pressure', 'spring', 'dashpot' or 'force' in "
+      "loads[0]",
       "dir/a.yaml:8:14: the step of 3 s is longer than the simulation, which ends at 2 s",
       "dir/a.yaml:9:10: missing key 'point' in probes[0]"};
   ASSERT_EQ(found.size(), expected.size()) << told(found);
@@ -493,8 +498,8 @@ TEST(InputErrors, OfOverridesNameTheOverride) {
       {{"bodies.1.density", "1"}, "'1' does not name an entry of this list; they are numbered from 0 to 0"},
       {{"bodies.first.density", "1"}, "'first' does not name an entry of this list"},
       {{"time.step.size", "1"}, "there is no key 'size' in the value '0.01'"},
-      {{"", "1"}, "the path must be keys with dots between them"},
-      {{"time..step", "1"}, "the path must be keys with dots between them"},
+      {{"", "1"}, "the path must be keys separated by dots"},
+      {{"time..step", "1"}, "the path must be keys separated by dots"},
       {{"time", "[1, 2"}, "a ']' is missing"},
       {{"time", "{step: 1, step: 2}"}, "key 'step' is given twice"},
       {{"mesh.file", ""}, "key 'file' in mesh has no value"}};
@@ -519,7 +524,8 @@ TEST(InputErrors, EmptyInputsSaySo) {
   }
   EXPECT_NE(told(mistakes("just words")).find("the input must be a map of keys"), std::string::npos);
   EXPECT_NE(told(mistakes("- a\n- b")).find("the input must be a map of keys"), std::string::npos);
-  EXPECT_NE(told(mistakes("mesh:1\ntime:2")).find("a blank must follow the ':'"), std::string::npos);
+  EXPECT_NE(told(mistakes("mesh:1\ntime:2")).find("the ':' after a key must be followed by a space"),
+            std::string::npos);
 }
 
 /// Text that is repeated.

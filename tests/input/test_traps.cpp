@@ -57,9 +57,9 @@ INSTANTIATE_TEST_SUITE_P(
     DecimalCommas, Trap,
     ::testing::Values(
         Bad{2, "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0,@45}}]",
-            "'45' stands alone behind a ','; a decimal point is written '.'"},
+            "'45' stands alone after a ','; a decimal point is written '.'"},
         Bad{2, "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1,@5 MPa, poissons_ratio: 0}}]",
-            "'5 MPa' stands alone behind a ','; a decimal point is written '.'"},
+            "'5 MPa' stands alone after a ','; a decimal point is written '.'"},
         Bad{3, "constraints: [{surface: clamp, displacement: @[0, 0, 0,45]}]",
             "a list of 3 values, not of 4 (a decimal point is written '.': 0.45)"},
         Bad{5, "time: {step: @\"0,01\", end: 1}", "a decimal point is written '.'"},
@@ -69,15 +69,17 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(
     FormulasThatAListSplits, Trap,
-    ::testing::Values(Bad{3, "constraints: [{surface: clamp, displacement: @[0, min(t, 1), 0]}]",
-                          "not of 4 (a ',' splits 'min(t'; in [ ] put a formula into quotes, such as \"min(t, 1)\")"},
-                      Bad{4, "loads: [{surface: a, traction: @[0, 0, max(0, min(t, 1))]}]", "a ',' splits 'max(0'"}));
+    ::testing::Values(
+        Bad{3, "constraints: [{surface: clamp, displacement: @[0, min(t, 1), 0]}]",
+            "not of 4 (a ',' splits 'min(t'; inside [ ], put a formula in quotes, such as \"min(t, 1)\")"},
+        Bad{4, "loads: [{surface: a, traction: @[0, 0, max(0, min(t, 1))]}]", "a ',' splits 'max(0'"}));
 
 TEST(InputTraps, AFormulaThatAMapSplitsIsToldToNeedQuotes) {
   const auto text = told(mistakes(with_line(4, "loads: [{surface: a, pressure: min(t, 1)}]")));
-  EXPECT_NE(text.find("a ')' is missing (in [ ] and { } put a formula with a ',' into quotes"), std::string::npos)
+  EXPECT_NE(text.find("a ')' is missing (inside [ ] and { }, put a formula with a ',' in quotes"), std::string::npos)
       << text;
-  EXPECT_NE(text.find("'1)' is a part of a formula that a ',' has split; in { } put it into quotes"), std::string::npos)
+  EXPECT_NE(text.find("'1)' is part of a formula that was split at a ','; inside { }, put the formula in quotes"),
+            std::string::npos)
       << text;
 }
 
@@ -139,12 +141,12 @@ INSTANTIATE_TEST_SUITE_P(
                       Bad{5, "time: {step: 0.01, end: 1, ? @{a: b} : c}", "a key must be a word, not a map of keys"},
                       Bad{5, "time: {step: 0.01, end: 1, @~: 1}", "a key must be a word, not empty"},
                       Bad{5, "time: {step: 0.01 end@: 1}", "YAML"},
-                      Bad{5, "time: &t {step: 0.01, end: @*t}", "this alias stands inside what it refers to"},
-                      Bad{1, "mesh: {file: @\"\"}", "'file' must be a text, not ''"},
-                      Bad{1, "mesh: {file: @!!str}", "'file' must be a text, not ''"},
-                      Bad{5, "time: @!include time.yaml", "inputs have no tags such as '!include'"},
-                      Bad{5, "time: @!Time {step: 0.01, end: 1}", "inputs have no tags such as '!Time'"},
-                      Bad{6, "probes: @!a []", "inputs have no tags such as '!a'"},
+                      Bad{5, "time: &t {step: 0.01, end: @*t}", "this alias refers to a value that contains it"},
+                      Bad{1, "mesh: {file: @\"\"}", "'file' must be text, not ''"},
+                      Bad{1, "mesh: {file: @!!str}", "'file' must be text, not ''"},
+                      Bad{5, "time: @!include time.yaml", "tags such as '!include' are not supported"},
+                      Bad{5, "time: @!Time {step: 0.01, end: 1}", "tags such as '!Time' are not supported"},
+                      Bad{6, "probes: @!a []", "tags such as '!a' are not supported"},
                       Bad{6, "title: |\n  a\n  b\nelement: @*q", "anchor"},
                       Bad{6, "title: @`x`", "cannot start with this character"},
                       Bad{6, "title: a@\x7F", "control character"}));
@@ -269,7 +271,7 @@ TEST(InputTraps, ManyMisspeltKeysEnd) {
 TEST(InputTraps, BytesThatAreNoTextAreRefusedAtTheirPlace) {
   const std::string nul("title: a\0b", 10);
   EXPECT_EQ(told(mistakes(with_line(6, nul))),
-            "dir/a.yaml:6:9: the file holds a control character; is this a text file?\n");
+            "dir/a.yaml:6:9: the file contains a control character; is this a text file?\n");
   EXPECT_EQ(told(mistakes(with_line(6, "title: \xC0\xAF"))),
             "dir/a.yaml:6:8: this is not UTF-8 text; is this the right file, saved as UTF-8?\n");
   EXPECT_EQ(told(mistakes(with_line(6, "title: \xED\xA0\x80"))),

@@ -180,7 +180,7 @@ time: {{{time}}}
     def test_what_starts_in_contact_is_told(self):
         rod = "shape: capsule, point: [0.05, 0.05, -8 mm], axis: [1, 0, 0], radius: 10 mm, length: 0.3"
         _, done = self.small_cube("inside", "method: bdf2, step: 1 ms, end: 2 ms", obstacle=rod)
-        self.assertRegex(done.stderr, r"'body1?' starts 0\.002 m deep in the obstacle 'o'.* contact points .* J that nothing brought in")
+        self.assertRegex(done.stderr, r"'body1?' starts 0\.002 m deep in the obstacle 'o'.* contact points .* J of energy from nowhere")
         _, done = self.small_cube("near", "method: bdf2, step: 1 ms, end: 2 ms", "law: barrier, width: 1 mm", place=(0, 0, 5e-4))
         self.assertRegex(done.stderr, r"starts 0\.0005 m from the obstacle 'o', where contact acts")
 
@@ -201,7 +201,7 @@ time: {{{time}}}
                         self.assertGreater(h["pz"][-1], 0)
                     else:
                         self.assertEqual(done.returncode, 3)
-                        self.assertRegex(done.stderr, r"passes the obstacle 'o': near \(.*\) its surface gets .* m deep.*contact.stiffness")
+                        self.assertRegex(done.stderr, r"passes through the obstacle 'o': near \(.*\) its surface is .* m deep.*contact.stiffness")
                     summary = json.loads((self.directory / f"pass-{shape}-{young}-{speed}" / "summary.json").read_text())
                     self.assertEqual(summary["contact_gap_min"], h["contact_gap_min"].min())
         self.assertEqual(outcomes, {0, 3})

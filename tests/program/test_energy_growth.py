@@ -18,7 +18,7 @@ contact: {obstacles: [{name: floor, shape: plane, point: [0, 0, -0.03], normal: 
 time: {method: %s, step: 4 ms, end: %s}
 output: {every: 100}
 """
-AHEAD, BEHIND = "out of nothing", "the energy grew without work"
+AHEAD, BEHIND = "times the energy of the rotation", "the energy grew without work"
 
 
 class EnergyGrowth(ProgramTest):

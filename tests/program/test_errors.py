@@ -46,7 +46,7 @@ BAD_LINES = {
     "unknown law": ("bodies", "bodies: [{density: 1, elasticity: {model: @neohookean, youngs_modulus: 1, poissons_ratio: 0}}]",
                     "did you mean 'neo-hookean'"),
     "a key of another viscosity": ("bodies", "bodies: [{" + LAW + ", viscosity: {model: maxwell, shear_modulus: 1, "
-                                   "relaxation_time: 1, @shear: 1}}]", "only beside 'model: kelvin-voigt'"),
+                                   "relaxation_time: 1, @shear: 1}}]", "only be given with 'model: kelvin-voigt'"),
     "a viscosity without its parameter": ("bodies", "bodies: [{" + LAW + ", viscosity: @{model: kelvin-voigt}}]",
                                           "missing key 'shear'"),
     "pressure as a vector": ("loads", "loads: [{surface: top, pressure: @[0, 0, 1]}]", "'pressure' must be a pressure"),
@@ -90,7 +90,7 @@ BAD_AGAINST_THE_MESH = {
     "an obstacle from no file": ("output", "contact: {obstacles: [{name: a, shape: surface, file: @nowhere.stl}]}",
                                  "nowhere.stl"),
     "a body beyond a barrier": ("output", "contact: {law: barrier, obstacles: [@{name: a, shape: plane, "
-                                "normal: [0, 0, 1], point: [0, 0, 0.5]}]}", "reaches into the obstacle 'a'"),
+                                "normal: [0, 0, 1], point: [0, 0, 0.5]}]}", "overlaps the obstacle 'a'"),
     "a probe far from the body": ("output", "probes: [@{name: tip, point: [0, 0.5, 100]}]",
                                   r"'tip' lies outside the mesh, 99 m from its nearest point \(0, 0.5, 1\)"),
     "a script that runs a program": ("mesh", "mesh: {file: @commands.geo}",
@@ -112,11 +112,11 @@ BAD_AGAINST_THE_MESH = {
     "volumes that do not cover": ("bodies", "bodies: [{volume: @lower, " + LAW + "}]", "upper"),
     "volumes that share tetrahedra": ("bodies", "bodies: [{volume: body, " + LAW + "}, {volume: @whole, " + LAW + "}]",
                                       "48 tetrahedra are in several volumes .*'body', 'whole'"),
-    "a curve off the edges": ("loads", "loads: [{curve: @wire, line_force: [0, 0, 1]}]", "'wire' holds no edge of a tetrahedron"),
+    "a curve off the edges": ("loads", "loads: [{curve: @wire, line_force: [0, 0, 1]}]", "'wire' contains no edge of a tetrahedron"),
     "one volume twice": ("bodies", "bodies: [{volume: body, " + LAW + "}, {volume: @body, " + LAW + "}]", "same volume"),
     "pressures of bodies that start deformed": ("constraints", 'constraints: [@{surface: left, displacement: ["0.1 + t", 0, 0]}]\n'
                                                 "element: P2\nvolumetric: mixed", "prescribed at t = 0"),
-    "initial state inside out": ("output", 'initial: {displacement: ["-2*x", 0, 0]}', "inside out"),
+    "initial state inside out": ("output", 'initial: {displacement: ["-2*x", 0, 0]}', "inverts tetrahedra"),
     "a cavity with a loose edge": ("output", "cavities: [@{name: c, surface: right, gas: {}}]", "is open: .* can move"),
     "a cavity around the body": ("output", 'cavities: [@{name: c, where: "x > -1", gas: {}}]', "encloses no cavity"),
     "a cavity and PETSc's integrators": ("time", "time: {method: @{petsc: alpha2}, step: 0.01, end: 1}\n"
@@ -125,7 +125,7 @@ BAD_AGAINST_THE_MESH = {
                                                    "time: {method: @{petsc: alpha2}, step: 0.01, end: 1}", "rotate freely"),
     "viscosity as a part of a modulus that fibres have not": (
         "bodies", "bodies: [{density: 1000, elasticity: {model: guccione, C: 1 kPa, bf: 8, bt: 2, bfs: 4, bulk_modulus: 1 MPa, fibre: [1, 0, 0]}, "
-        "viscosity: [@{model: stiffness-proportional, time: 2 ms}]}]", "give the viscosity in numbers"),
+        "viscosity: [@{model: stiffness-proportional, time: 2 ms}]}]", "give a viscosity in absolute numbers"),
 }
 # Number of ranks -> each how many-th case runs on them.
 READ_ALIKE = {1: 1, 2: 4}  # each rank has the whole text of the input and of the command line
@@ -134,18 +134,18 @@ HELD_IN_PARTS = {1: 1, 2: 1, 4: 6}  # a rank has a part of the mesh, or reads or
 DOUBTFUL = {
     "a load on what is held": ("loads", "loads: [@{surface: left, traction: [0, 0, 1]}]", "the load moves nothing"),
     "a load on what moves as given": ("loads", 'loads: [@{where: "x < 1e-9 && z < 0.6", pressure: 1}]', "the load moves nothing"),
-    "frames between steps": ("output", "output: {directory: out, every: @1 ms}", "every 0.001 s, but a step takes 0.01 s"),
+    "frames between steps": ("output", "output: {directory: out, every: @1 ms}", "every 0.001 s, but a step is 0.01 s long"),
     "a floor that points away": ("output", "contact: {stiffness: 1, obstacles: [@{name: floor, shape: plane, point: [0, 0, -0.1], normal: [0, 0, -1]}]}",
-                                 "starts 1.1 m deep in the obstacle 'floor'.* turn 'normal' round"),
+                                 "starts 1.1 m deep in the obstacle 'floor'.* reverse 'normal'"),
     "an obstacle between contact points": ("output", "contact: {obstacles: [@{name: needle, shape: capsule, axis: [1, 0, 0], point: [0, 0, -1], "
-                                           "radius: 0.01, length: 1}]}", "'needle' is 0.02 m wide, but .* it can poke in between them"),
+                                           "radius: 0.01, length: 1}]}", "'needle' is 0.02 m wide, but .* it can pass between them"),
     "an obstacle inside the body": ("output", "contact: {obstacles: [@{name: ball, shape: sphere, point: [0.5, 0.5, 0.5], radius: 0.1}]}",
                                     "'ball' starts inside a body"),
     "contact of what is held": ("output", "contact: @{surface: left, obstacles: [{name: floor, shape: plane, normal: [0, 0, 1]}]}",
                                 "nothing can touch the obstacles"),
     "bodies at rest": ("loads", "loads: []", "nothing moves the bodies"),
     "motion that starts with a jump": ("constraints", "constraints: [{surface: left, displacement: [0, 0, 0]}, "
-                                       "@{where: \"x > 0.9\", displacement: [\"0.1*cos(t)\", 0, 0]}]", "displaces nodes by 0.1 m"),
+                                       "@{where: \"x > 0.9\", displacement: [\"0.1*cos(t)\", 0, 0]}]", "displaces nodes abruptly by 0.1 m"),
     "a mesh in millimetres": ("mesh", "mesh: {file: @cube.msh, scale: 100}", "the mesh is 100 m long.*'scale: 0.001'"),
     "rubber that is stretched too far": ("time", "time: {step: 1 us, end: 3 us}\ninitial: {displacement: [\"4.5*x\", 0, 0]}",
                                          "'body' is stretched to 5.5 times its length near X = .*beyond the range of 'neo-hookean'"),
@@ -176,7 +176,7 @@ BAD_FILES_AND_OPTIONS = {  # told once ranks do different work
     "a directory as input": (["run", "folder"], "directory"),
     "an empty input": (["run", "empty.yaml"], "empty"),
     "binary input": (["run", "binary.yaml"], "binary.yaml"),
-    "a mesh as input": (["run", "cube.msh"], r"which names it: 'mesh: \{file: cube.msh\}'"),
+    "a mesh as input": (["run", "cube.msh"], r"name it in one (YAML): 'mesh: \{file: cube.msh\}'"),
     "HDF5 as input": (["run", "bad.h5"], "pliant resume"),
     "PETSc options in no file": (["methods", "--", "-options_file", "nowhere.txt"], "PETSc options: .*nowhere.txt"),
     "PETSc options without a dash": (["run", "in.yaml", "--", "ksp_type", "cg"], "'ksp_type' belongs to no option"),
@@ -203,8 +203,8 @@ BAD_COMMANDS = {
     "set without value": (["run", "in.yaml", "--set", "time.step"], "KEY.PATH=VALUE"),
     "set an unknown key": (["run", "in.yaml", "--set", "time.stop=1"], "did you mean 'step'|stop"),
     "set a bad value": (["run", "in.yaml", "--set", "time.step=1 kg"], "1 kg"),
-    "set an entry in brackets": (["run", "in.yaml", "--set", "bodies[0].density=1"], "numbers behind dots, such as bodies.0.density"),
-    "set something behind a list": (["run", "in.yaml", "--set", "output.fields=[velocity] m"], "behind the closing bracket"),
+    "set an entry in brackets": (["run", "in.yaml", "--set", "bodies[0].density=1"], "numbers after dots, such as bodies.0.density"),
+    "set something behind a list": (["run", "in.yaml", "--set", "output.fields=[velocity] m"], "after the closing bracket"),
     "output into nothing": (["run", "in.yaml", "--output", ""], "--output: the name is empty"),
     "set beyond the list": (["run", "in.yaml", "--set", "bodies.3.density=1"], "bodies"),
 }

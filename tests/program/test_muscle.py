@@ -128,9 +128,9 @@ probes: [{{name: tip, point: [2, 1, 1]}}]
         for change, message in (
                 ({"fibre": "{cell_data: fibre}"},
                  "the mesh has no cell data 'fibre'; it has 'fibres', 'C of the law', 'half'"),
-                ({"fibre": "{cell_data: half}"}, "the cell data 'half' of the mesh have 1 components; 3 are needed"),
-                ({"law": self.LAW.format(C="{cell_data: fibres}")}, "have 3 components; 1 is needed"),
-                ({"law": self.LAW.format(C="{cell_data: half}")}, "the cell data 'half' have no value at ("),
+                ({"fibre": "{cell_data: half}"}, "cell data 'half' of the mesh has 1 components; 3 are needed"),
+                ({"law": self.LAW.format(C="{cell_data: fibres}")}, "has 3 components; 1 is needed"),
+                ({"law": self.LAW.format(C="{cell_data: half}")}, "cell data 'half' has no value at ("),
                 ({"fibre": '["x - x", 0, 0]'}, "'fibre' has no direction at (")):
             file = self.write("bad.yaml", self.INPUT.format(**{**good, **change}))
             for ranks in (1, 2):

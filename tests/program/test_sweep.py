@@ -59,7 +59,7 @@ class Sweep(ProgramTest):
             (["time.step=10 ms"], "nothing varies"),
             (["time.stp=[1, 2]"], "did you mean 'step'"),
             (["time.step=[5 ms, 5 kg]"], "is a mass"),
-            (["time.step=[5, 10] ms"], "behind the closing bracket"),
+            (["time.step=[5, 10] ms"], "after the closing bracket"),
             (["time.step=[5 ms, 10 ms]", "time=[{step: 1 ms, end: 2 ms}, {step: 2 ms, end: 2 ms}]"], "'time' would replace those of 'time.step'"),
             ([f"time.step={list(range(1, 40))}", f"time.end={list(range(1, 40))}"], "more than 1000 runs"),
         ):

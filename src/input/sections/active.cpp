@@ -1,5 +1,6 @@
 #include "input/sections/active.hpp"
 
+#include "input/alternatives.hpp"
 #include "input/sections/cell_data.hpp"
 
 namespace pliant {
@@ -10,11 +11,14 @@ Section<ActiveConfig> active_keys() {
       {
           direction_field("fibre", &A::fibre, "direction of the contraction")
               .otherwise_in_words("the fibre of the elastic law"),
-          field("stress", &A::stress, expression("Pa", Variables::space_and_time),
-                "active stress: tension along the fibres per reference area, beside the elastic law"),
-          field("shortening", &A::shortening, expression("1", Variables::space_and_time),
-                "active strain: part of their length by which the fibres shorten, below 1; the elastic law sees the "
-                "rest of the deformation"),
+          choosing_field(&A::contraction, "stress", expression("Pa", Variables::space_and_time),
+                         "active stress: tension along the fibres per reference area, in addition to the elastic law",
+                         &A::Stress::tension),
+          choosing_field(
+              &A::contraction, "shortening", expression("1", Variables::space_and_time),
+              "active strain: fraction of their length by which the fibres shorten, below 1; the elastic law "
+              "sees the rest of the deformation",
+              &A::Shortening::part),
       },
       {{{"stress", "shortening"}, KeyGroup::Need::exactly_one}},
       &A::where};

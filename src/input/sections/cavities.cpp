@@ -1,36 +1,39 @@
 #include "input/sections/cavities.hpp"
 
+#include "input/alternatives.hpp"
+
 namespace pliant {
 namespace {
 
 using SelectionKind = Selection::Kind;
+using Gas = CavityConfig::Gas;
+using Liquid = CavityConfig::Liquid;
 
-Section<GasConfig> gas_keys() {
+Section<Gas> gas_keys() {
   return {{
-      field("pressure", &GasConfig::pressure, quantity("Pa"), "pressure at the start, above the ambient one")
-          .otherwise("0"),
-      field("ambient", &GasConfig::ambient, quantity("Pa", Range::at_least(0)), "absolute pressure of the surroundings")
+      field("pressure", &Gas::pressure, quantity("Pa"), "pressure at the start, above the ambient one").otherwise("0"),
+      field("ambient", &Gas::ambient, quantity("Pa", Range::at_least(0)), "absolute pressure of the surroundings")
           .otherwise("101325"),
-      field("exponent", &GasConfig::exponent, quantity("1", Range::above(0)),
+      field("exponent", &Gas::exponent, quantity("1", Range::above(0)),
             "n of (absolute pressure) * volume^n = constant: 1 isothermal, 1.4 adiabatic air")
           .otherwise("1"),
-      field("amount", &GasConfig::amount, expression("1", Variables::time),
-            "gas in the cavity in parts of that at the start, e.g. 1 + 2*t where some is pumped in")
+      field("amount", &Gas::amount, expression("1", Variables::time),
+            "amount of gas relative to that at the start, such as 1 + 2*t where gas is pumped in")
           .otherwise("1"),
   }};
 }
 
-Section<LiquidConfig> liquid_keys() {
+Section<Liquid> liquid_keys() {
   return {{
-      field("bulk_modulus", &LiquidConfig::bulk_modulus, quantity("Pa", Range::above(0)),
+      field("bulk_modulus", &Liquid::bulk_modulus, quantity("Pa", Range::above(0)),
             "pressure per relative change of volume")
           .otherwise("2.2e9"),
-      field("pressure", &LiquidConfig::pressure, quantity("Pa"), "pressure at the start").otherwise("0"),
-      field("added_volume", &LiquidConfig::added_volume, expression("m^3", Variables::time),
+      field("pressure", &Liquid::pressure, quantity("Pa"), "pressure at the start").otherwise("0"),
+      field("added_volume", &Liquid::added_volume, expression("m^3", Variables::time),
             "liquid pumped in since the start")
           .otherwise("0"),
-      field("flow", &LiquidConfig::flow, expression("m^3/s", Variables::time),
-            "liquid pumped in per time, beside added_volume")
+      field("flow", &Liquid::flow, expression("m^3/s", Variables::time),
+            "liquid pumped in per time, in addition to added_volume")
           .otherwise("0"),
   }};
 }
@@ -39,20 +42,22 @@ Section<LiquidConfig> liquid_keys() {
 
 Section<CavityConfig> cavity_keys() {
   using C = CavityConfig;
-  return {
-      {
-          field("name", &C::name, column_name(), "begins the names of the cavity's columns in history.csv").required(),
-          selector<C>("surface", SelectionKind::surface, "the walls of the cavity, a part of the outer surface"),
-          selector<C>("box", SelectionKind::box, "the same: boundary facets inside this box"),
-          selector<C>("where", SelectionKind::where, "the same: boundary facets that fulfil this"),
-          field("pressure", &C::pressure, expression("Pa", Variables::time), "a given pressure"),
-          field("gas", &C::gas, map_of(gas_keys()), "a gas; `{}` takes the defaults"),
-          field("liquid", &C::liquid, map_of(liquid_keys()), "a liquid; `{}` takes the defaults"),
-          field("volume", &C::volume, quantity("m^3", Range::above(0)), "of the cavity in the reference configuration")
-              .otherwise_in_words("what the walls enclose, open ends closed by flat lids"),
-      },
-      {{{"surface", "box", "where"}}, {{"pressure", "gas", "liquid"}}},
-      &C::where};
+  return {{
+              field("name", &C::name, column_name(), "prefix of the cavity's columns in history.csv").required(),
+              selector<C>("surface", SelectionKind::surface, "the walls of the cavity, a part of the outer surface"),
+              selector<C>("box", SelectionKind::box, "instead of `surface`: boundary facets inside this box"),
+              selector<C>("where", SelectionKind::where,
+                          "instead of `surface`: boundary facets that satisfy this condition"),
+              choosing_field(&C::content, "pressure", expression("Pa", Variables::time), "a prescribed pressure",
+                             &C::GivenPressure::value),
+              choosing_field(&C::content, "gas", map_of(gas_keys()), "a gas; `{}` takes the defaults"),
+              choosing_field(&C::content, "liquid", map_of(liquid_keys()), "a liquid; `{}` takes the defaults"),
+              field("volume", &C::volume, quantity("m^3", Range::above(0)),
+                    "volume of the cavity in the reference configuration")
+                  .otherwise_in_words("the volume that the walls enclose, with flat lids on open ends"),
+          },
+          {{{"surface", "box", "where"}}, {{"pressure", "gas", "liquid"}}},
+          &C::where};
 }
 
 }  // namespace pliant

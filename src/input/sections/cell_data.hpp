@@ -5,7 +5,7 @@
 
 namespace pliant {
 
-/// A value, or the name of the data of the mesh file that give it.
+/// A value, or the name of the data in the mesh file that contains it.
 template <class V>
 struct ValueOrCellData {
   V value{};
@@ -38,7 +38,7 @@ Format<ValueOrCellData<V>> or_cell_data(const Format<V>& plain) {
   return format;
 }
 
-/// A direction of the key: three components or formulas of the position, or data of the mesh.
+/// A direction: three components or formulas of the position, or data of the mesh.
 template <class T>
 Field<T> direction_field(const std::string& key, std::vector<GivenDirection> T::*member,
                          const std::string& description) {

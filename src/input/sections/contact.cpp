@@ -1,11 +1,10 @@
 #include "input/sections/contact.hpp"
 
-#include <algorithm>
+#include "input/alternatives.hpp"
 
 namespace pliant {
 namespace {
 
-using Shape = ObstacleConfig::Shape;
 using Side = ObstacleConfig::Side;
 
 Section<ObstacleMotionConfig::Rotation> rotation_keys() {
@@ -14,7 +13,7 @@ Section<ObstacleMotionConfig::Rotation> rotation_keys() {
       field("axis", &R::axis, direction_of_any_length(), "direction of the axis through `center`").required(),
       field("angle", &R::angle, expression("rad", Variables::time), "angle about it, by the right-hand rule")
           .required(),
-      field("center", &R::center, array_of<3>(quantity("m")), "a point of the axis, which `translate` carries along")
+      field("center", &R::center, array_of<3>(quantity("m")), "a point of the axis; it moves with `translate`")
           .otherwise_in_words("the obstacle's `point`, or the origin"),
   }};
 }
@@ -28,114 +27,111 @@ Section<ObstacleMotionConfig> motion_keys() {
   }};
 }
 
-/// A key that belongs to some shapes, and is written for those alone.
-Field<ObstacleConfig> of_shapes(const std::vector<Shape>& shapes, Field<ObstacleConfig> result) {
-  return std::move(result).left_out_if(
-      [shapes](const ObstacleConfig& o) { return std::find(shapes.begin(), shapes.end(), o.shape) == shapes.end(); });
+Field<ContactPressureConfig> law_key() {
+  return field("law", &ContactPressureConfig::law,
+               choice_of<NormalKind>({{"penalty", NormalKind::penalty}, {"barrier", NormalKind::barrier}}),
+               "pressure as a function of distance: a spring with a rounded kink, or a barrier that nothing can pass")
+      .otherwise("penalty");
+}
+
+/// The keys of the pressure apart from its law.
+std::vector<Field<ContactPressureConfig>> pressure_keys() {
+  using P = ContactPressureConfig;
+  return {
+      field("stiffness", &P::stiffness, quantity("Pa/m", Range::above(0)),
+            "pressure per depth of penetration, per reference area; for a barrier its scale")
+          .otherwise_in_words("30 shear moduli per size of a facet, body by body"),
+      field("width", &P::width, quantity("m", Range::above(0)),
+            "half the distance over which the penalty's kink is rounded, or the distance at which the barrier begins")
+          .otherwise_in_words("1/50 of the size of a facet, body by body"),
+      field("threshold", &P::threshold, quantity("m", Range::at_least(0)),
+            "distance from the obstacle at which the spring begins, or at which the barrier is infinite")
+          .otherwise("0"),
+  };
+}
+
+std::vector<Field<ContactDragConfig>> drag_keys() {
+  using D = ContactDragConfig;
+  return {
+      field("friction", &D::friction, quantity("1", Range::at_least(0)), "Coulomb's coefficient of friction")
+          .otherwise("0"),
+      field("viscous_friction", &D::viscous_friction, quantity("s/m", Range::at_least(0)),
+            "increase of the coefficient of friction per sliding velocity")
+          .otherwise("0"),
+      field("normal_damping", &D::normal_damping, quantity("s/m", Range::at_least(0)),
+            "relative increase of the pressure per velocity of approach (Hunt and Crossley)")
+          .otherwise("0"),
+  };
 }
 
 Section<ObstacleConfig> obstacle_keys() {
   using O = ObstacleConfig;
-  using Need = KeyGroup::Need;
-  const auto shape = [](const char* name) { return Anchor{"shape", name}; };
-  return {
-      {
-          field("name", &O::name, column_name(), "begins the names of the obstacle's columns in history.csv")
-              .required(),
-          field("shape", &O::shape,
-                choice_of<Shape>({{"plane", Shape::plane},
-                                  {"sphere", Shape::sphere},
-                                  {"cylinder", Shape::cylinder},
-                                  {"capsule", Shape::capsule},
-                                  {"box", Shape::box},
-                                  {"surface", Shape::surface}}),
-                "what it is; a plane bounds half of space, a cylinder has flat ends and a capsule round ones, a "
-                "surface is that of `file`")
-              .required(),
-          field("point", &O::point, array_of<3>(quantity("m")),
-                "a point of the plane, or the middle of the others; of a surface the default center of rotation")
-              .otherwise("[0, 0, 0]"),
-          of_shapes({Shape::plane}, field("normal", &O::normal, direction_of_any_length(),
-                                          "of a plane: the direction towards the bodies, of any length")),
-          of_shapes({Shape::cylinder, Shape::capsule},
-                    field("axis", &O::axis, direction_of_any_length(), "of a cylinder or capsule")),
-          of_shapes({Shape::sphere, Shape::cylinder, Shape::capsule},
-                    field("radius", &O::radius, quantity("m", Range::above(0)), "of a sphere, cylinder or capsule")),
-          field("length", &O::length, quantity("m", Range::above(0)),
-                "of a cylinder between its ends, of a capsule between the centres of its ends")
-              .otherwise_in_words("a cylinder without ends"),
-          of_shapes({Shape::box}, field("size", &O::size, array_of<3>(quantity("m", Range::above(0))),
-                                        "of a box: the lengths of its edges along x, y and z")),
-          of_shapes({Shape::surface},
-                    field("file", &O::file, text(),
-                          "of a surface: closed, of triangles, relative to the input file; .stl, or the triangles of a "
-                          ".msh")),
-          of_shapes({Shape::surface}, field("scale", &O::scale, quantity("1", Range::above(0)),
-                                            "of a surface: coordinates are multiplied by it")
-                                          .otherwise("1")),
-          field("side", &O::side, choice_of<Side>({{"outside", Side::outside}, {"inside", Side::inside}}),
-                "where the bodies are: around the obstacle, or within it as in a vessel")
-              .otherwise("outside"),
-          field("friction", &O::friction, quantity("1", Range::at_least(0)), "Coulomb's coefficient of friction")
-              .otherwise("0"),
-          field("viscous_friction", &O::viscous_friction, quantity("s/m", Range::at_least(0)),
-                "what the coefficient of friction grows by per velocity of sliding")
-              .otherwise("0"),
-          field("normal_damping", &O::normal_damping, quantity("s/m", Range::at_least(0)),
-                "what the pressure grows by, in parts of itself, per velocity of approach (Hunt and Crossley)")
-              .otherwise("0"),
-          field("motion", &O::motion, map_of(motion_keys()), "how it moves; functions of t")
-              .otherwise_in_words("it rests"),
-      },
-      {{{"normal"}, Need::all, {shape("plane")}},
-       {{"axis"}, Need::all, {shape("cylinder"), shape("capsule")}},
-       {{"radius"}, Need::all, {shape("sphere"), shape("cylinder"), shape("capsule")}},
-       {{"length"}, Need::any, {shape("cylinder"), shape("capsule")}},
-       {{"size"}, Need::all, {shape("box")}},
-       {{"file"}, Need::all, {shape("surface")}},
-       {{"scale"}, Need::any, {shape("surface")}}},
-      &O::where};
+  const NamedAlternatives shape("shape", &O::shape, {"plane", "sphere", "cylinder", "capsule", "box", "surface"});
+  std::vector<Field<O>> keys{
+      field("name", &O::name, column_name(), "prefix of the obstacle's columns in history.csv").required(),
+      shape
+          .choice(
+              "a plane bounds half of space, a cylinder has flat ends and a capsule round ones, a surface is read from "
+              "`file`")
+          .required(),
+      field("point", &O::point, array_of<3>(quantity("m")),
+            "a point of the plane, or the middle of another shape; for a surface the default center of rotation")
+          .otherwise("[0, 0, 0]"),
+      shape.field("normal", direction_of_any_length(), "direction from a plane towards the bodies, of any length",
+                  &O::Plane::normal),
+      shape.field("axis", direction_of_any_length(), "axis of a cylinder or capsule", &O::Cylinder::axis,
+                  &O::Capsule::axis),
+      shape.field("radius", quantity("m", Range::above(0)), "radius of a sphere, cylinder or capsule",
+                  &O::Sphere::radius, &O::Cylinder::radius, &O::Capsule::radius),
+      shape
+          .field("length", quantity("m", Range::above(0)),
+                 "length of a cylinder, or of a capsule between the centres of its ends", &O::Cylinder::length,
+                 &O::Capsule::length)
+          .otherwise_in_words("a cylinder is endless"),
+      shape.field("size", array_of<3>(quantity("m", Range::above(0))), "lengths of the edges of a box along x, y and z",
+                  &O::Box::size),
+      shape.field("file", text(),
+                  "closed surface of triangles, relative to the input file; .stl, or the triangles of a .msh",
+                  &O::Surface::file),
+      shape.field("scale", quantity("1", Range::above(0)), "factor of the coordinates of a surface", &O::Surface::scale)
+          .otherwise("1"),
+      field("side", &O::side, choice_of<Side>({{"outside", Side::outside}, {"inside", Side::inside}}),
+            "where the bodies are: around the obstacle, or within it as in a vessel")
+          .otherwise("outside"),
+  };
+  for (const auto& key : drag_keys()) keys.push_back(within(&O::drag, key));
+  keys.push_back(field("motion", &O::motion, map_of(motion_keys()), "prescribed motion; functions of t")
+                     .otherwise_in_words("none"));
+  return {std::move(keys), {}, &O::where};
 }
 
 }  // namespace
 
 Section<ContactConfig> contact_keys() {
   using C = ContactConfig;
-  return {
-      {
-          field("law", &C::law,
-                choice_of<NormalKind>({{"penalty", NormalKind::penalty}, {"barrier", NormalKind::barrier}}),
-                "pressure as a function of distance: a spring behind a smoothed gap, or a barrier that nothing passes")
-              .otherwise("penalty"),
-          selector<C>("surface", Selection::Kind::surface, "the part of the bodies' surface that may touch obstacles")
-              .otherwise_in_words("all of it"),
-          selector<C>("box", Selection::Kind::box, "the same: boundary facets inside this box"),
-          selector<C>("where", Selection::Kind::where, "the same: boundary facets that fulfil this"),
-          field("stiffness", &C::stiffness, quantity("Pa/m", Range::above(0)),
-                "pressure per depth of penetration, per reference area; of a barrier its scale")
-              .otherwise_in_words("30 shear moduli per size of a facet, body by body"),
-          field("width", &C::width, quantity("m", Range::above(0)),
-                "half the distance over which the penalty's kink is rounded, or that at which the barrier begins")
-              .otherwise_in_words("1/50 of the size of a facet, body by body"),
-          field("threshold", &C::threshold, quantity("m", Range::at_least(0)),
-                "distance from the obstacle at which the spring begins, or the wall stands")
-              .otherwise("0"),
-          field(
-              "friction_update", &C::friction_update,
-              choice_of<FrictionUpdate>({{"frozen", FrictionUpdate::frozen}, {"iterated", FrictionUpdate::iterated}}),
-              "where friction and damping take pressure and normal: at the solution of a stage, found by solving again "
-              "until they stay the same, or at the start of the step, which is of first order in time and misses "
-              "impacts of a few steps")
-              .otherwise("iterated"),
-          field("stick_velocity", &C::stick_velocity, quantity("m/s", Range::above(0)),
-                "below this velocity a contact counts as sticking: friction grows smoothly up to it")
-              .otherwise("1 mm/s"),
-          field("obstacles", &C::obstacles, list_of(map_of(obstacle_keys()), 1),
-                "rigid things that the bodies run into")
-              .required(),
-      },
-      {{{"surface", "box", "where"}, KeyGroup::Need::at_most_one}},
-      &C::where};
+  std::vector<Field<C>> keys{
+      within(&C::pressure, law_key()),
+      selector<C>("surface", Selection::Kind::surface, "the part of the bodies' surface that may touch obstacles")
+          .otherwise_in_words("all of it"),
+      selector<C>("box", Selection::Kind::box, "instead of `surface`: boundary facets inside this box"),
+      selector<C>("where", Selection::Kind::where, "instead of `surface`: boundary facets that satisfy this condition"),
+  };
+  for (const auto& key : pressure_keys()) keys.push_back(within(&C::pressure, key));
+  keys.push_back(
+      field(
+          "friction_update", &C::friction_update,
+          choice_of<FrictionUpdate>({{"frozen", FrictionUpdate::frozen}, {"iterated", FrictionUpdate::iterated}}),
+          "state that gives friction and damping their pressure and normal: the solution of a stage, found by solving "
+          "again until they no longer change, or the start of the step, which is of first order in time and misses "
+          "impacts that last a few steps")
+          .otherwise("iterated"));
+  keys.push_back(field("stick_velocity", &C::stick_velocity, quantity("m/s", Range::above(0)),
+                       "below this velocity a contact counts as sticking: friction grows smoothly up to it")
+                     .otherwise("1 mm/s"));
+  keys.push_back(field("obstacles", &C::obstacles, list_of(map_of(obstacle_keys()), 1),
+                       "rigid obstacles that the bodies can touch")
+                     .required());
+  return {std::move(keys), {{{"surface", "box", "where"}, KeyGroup::Need::at_most_one}}, &C::where};
 }
 
 }  // namespace pliant

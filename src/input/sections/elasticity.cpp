@@ -18,7 +18,7 @@ bool is_constant(const Expression& e) {
   return !e.depends_on_space() && !e.depends_on_time();
 }
 
-/// What the elastic constants are called in the literature.
+/// Names of the elastic constants in the literature.
 std::vector<std::string> other_names(std::string_view constant) {
   if (constant == "youngs_modulus") return {"E", "Young", "young", "Youngs_modulus", "elastic_modulus"};
   if (constant == "poissons_ratio") return {"nu", "Poisson", "poisson"};
@@ -28,7 +28,7 @@ std::vector<std::string> other_names(std::string_view constant) {
   return {};
 }
 
-/// The laws that can be given a key.
+/// The laws that take a key.
 template <class Takes>
 std::vector<Anchor> laws_that(Takes takes_key) {
   std::vector<Anchor> laws;
@@ -70,7 +70,7 @@ std::string joined_names(const std::vector<std::string>& names) {
   return text;
 }
 
-/// The elastic constants, then the parameters of the laws by name; a name that several laws have stands once.
+/// The elastic constants, then the parameters of the laws by name; a name that several laws share is listed once.
 std::vector<Field<ElasticityConfig>> constant_fields() {
   std::vector<Field<ElasticityConfig>> fields;
   for (const auto& p : elastic_constants()) fields.push_back(constant_field(p, std::string(p.meaning)));
@@ -100,9 +100,10 @@ Section<ElasticityConfig> elasticity_keys() {
   section.fields.push_back(
       field("model", &E::model, choice(law_names(elastic_laws())), "elastic law (`pliant materials`)").required());
   for (auto& f : constant_fields()) section.fields.push_back(std::move(f));
-  section.fields.push_back(direction_field("fibre", &E::directions, "of laws with fibres: their direction"));
+  section.fields.push_back(
+      direction_field("fibre", &E::directions, "direction of the fibres, for laws that have some"));
   section.fields.push_back(direction_field("sheet", &E::directions,
-                                           "holzapfel-ogden: direction of the sheets, made to lie across the fibres"));
+                                           "holzapfel-ogden: direction of the sheets, made orthogonal to the fibres"));
   section.fields.push_back(
       direction_field("fibre2", &E::directions, "holzapfel-gasser-ogden: direction of the second family of fibres"));
   for (auto& f : section.fields) {

@@ -1,7 +1,10 @@
 #include "input/sections/time.hpp"
 
+#include "input/analysis.hpp"
+
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <variant>
 
 namespace pliant {
@@ -9,13 +12,19 @@ namespace {
 
 constexpr std::array<const char*, 3> petsc_integrators{"alpha2", "bdf", "arkimex"};
 
-/// What is typed under `method`.
-struct MethodChoice {
-  std::string name;
-  std::optional<Method> own;
-};
+using PetscIntegrator = MethodConfig::PetscIntegrator;
 
-/// The keys of a method that is not typed as a name.
+/// Every choice of `method` that is typed as a name.
+std::vector<MethodConfig> named_methods() {
+  std::vector<MethodConfig> all;
+  for (const Method& method : methods()) all.push_back({method, {}});
+  all.push_back({MethodConfig::Quasistatic{}, {}});
+  all.push_back({MethodConfig::Static{}, {}});
+  for (const char* integrator : petsc_integrators) all.push_back({PetscIntegrator{integrator}, {}});
+  return all;
+}
+
+/// The keys of a method that is given by keys instead of a name.
 struct MethodKeys {
   std::string petsc;
   std::string name;
@@ -44,9 +53,7 @@ Section<MethodKeys> method_keys() {
               .otherwise("[1]")
               .left_out_if(is_petsc),
           field("beta", &MethodKeys::beta, coefficient(), "weight of the step").otherwise("1").left_out_if(is_petsc),
-          field("name", &MethodKeys::name, column_name(), "what your method is called")
-              .otherwise("own")
-              .left_out_if(is_petsc),
+          field("name", &MethodKeys::name, column_name(), "name of your method").otherwise("own").left_out_if(is_petsc),
       },
       {{{"petsc", "A"}},
        {{"b"}, KeyGroup::Need::all, {{"A"}}},
@@ -54,11 +61,10 @@ Section<MethodKeys> method_keys() {
 }
 
 /// Derives the method that the keys describe; its name must not be one that means another.
-bool derive(MethodKeys keys, const InputNode& node, Diagnostics& diagnostics, MethodChoice& into) {
+bool derive(MethodKeys keys, const InputNode& node, Diagnostics& diagnostics, MethodConfig& into) {
   const auto taken = time_methods();
   if (std::find(taken.begin(), taken.end(), keys.name) != taken.end()) {
-    diagnostics.add(node.find("name")->where,
-                    "'" + keys.name + "' is a method of Pliant; call your own by another name");
+    diagnostics.add(node.find("name")->where, "'" + keys.name + "' is a method of Pliant; give yours another name");
     return false;
   }
   auto derived =
@@ -67,76 +73,60 @@ bool derive(MethodKeys keys, const InputNode& node, Diagnostics& diagnostics, Me
     diagnostics.add(node.where, refusal->reason);
     return false;
   }
-  into.own = std::get<Method>(std::move(derived));
-  into.name = into.own->name;
+  into.kind = std::get<Method>(std::move(derived));
   return true;
 }
 
-Format<MethodChoice> method_choice() {
+Format<MethodConfig> method_choice() {
   const auto by_name = choice(time_methods());
   const auto by_keys = map_of(method_keys());
-  Format<MethodChoice> format{by_name.type + ", or with the keys below",
+  Format<MethodConfig> format{by_name.type + ", or with the keys below",
                               either_schema(by_name.schema, by_keys.schema),
                               {},
                               {},
                               by_keys.children,
                               by_keys.groups};
   format.read = [by_name, by_keys](const InputNode& node, const std::string& name, Diagnostics& diagnostics,
-                                   MethodChoice& into) {
-    if (node.kind != InputNode::Kind::map) return by_name.read(node, name, diagnostics, into.name);
+                                   MethodConfig& into) {
+    into.where = node.where;
+    if (node.kind != InputNode::Kind::map) {
+      std::string chosen;
+      if (!by_name.read(node, name, diagnostics, chosen)) return false;
+      const auto all = named_methods();
+      into.kind = std::ranges::find(all, chosen, method_name)->kind;
+      return true;
+    }
     const std::size_t before = diagnostics.num_errors();
     MethodKeys keys;
     by_keys.read(node, name, diagnostics, keys);
     if (diagnostics.num_errors() != before) return false;
     if (!is_petsc(keys)) return derive(std::move(keys), node, diagnostics, into);
-    into.name = petsc_prefix;
-    into.name += keys.petsc;
+    into.kind = PetscIntegrator{keys.petsc};
     return true;
   };
-  format.write = [by_name, by_keys](const MethodChoice& method) {
-    if (method.own) {
-      const Method& m = *method.own;
-      return by_keys.write({{}, m.name, m.alpha, m.beta, m.A, m.b});
+  format.write = [by_name, by_keys](const MethodConfig& chosen) {
+    if (const auto* petsc = std::get_if<PetscIntegrator>(&chosen.kind)) {
+      MethodKeys keys;
+      keys.petsc = petsc->name;
+      return by_keys.write(keys);
     }
-    if (!method.name.starts_with(petsc_prefix)) return by_name.write(method.name);
-    MethodKeys keys;
-    keys.petsc = method.name.substr(petsc_prefix.size());
-    return by_keys.write(keys);
+    const auto* method = std::get_if<Method>(&chosen.kind);
+    if (method == nullptr || find_method(method->name) != nullptr) return by_name.write(method_name(chosen));
+    return by_keys.write({{}, method->name, method->alpha, method->beta, method->A, method->b});
   };
   return format;
-}
-
-/// The method goes into two members.
-Field<TimeConfig> method_field() {
-  struct Holder {
-    Located<MethodChoice> method;
-  };
-  const auto typed = field("method", &Holder::method, method_choice(),
-                           "time integrator (`pliant methods`); `quasistatic`: equilibria without inertia, step by "
-                           "step; `static`: one equilibrium");
-  Field<TimeConfig> result{typed.info};
-  result.read = [read = typed.read](const InputNode& node, Diagnostics& diagnostics, TimeConfig& into) {
-    Holder holder;
-    read(node, diagnostics, holder);
-    into.method = {holder.method.value.name, holder.method.where};
-    into.own_method = std::move(holder.method.value.own);
-  };
-  result.write = [write = typed.write](const TimeConfig& from) {
-    return write({{{from.method.value, from.own_method}, from.method.where}});
-  };
-  return std::move(result).otherwise("backward-euler");
 }
 
 Section<AdaptiveConfig> adaptive_keys() {
   return {{
               field("relative", &AdaptiveConfig::relative, quantity("1", Range{0, 1, Range::Ends::high_included}),
-                    "error of the whole run that is allowed, as a part of displacement and velocity")
+                    "allowed error of the whole run, as a fraction of displacement and velocity")
                   .otherwise("1e-4"),
               field("absolute", &AdaptiveConfig::absolute, quantity("m", Range::above(0)),
-                    "error of the displacement that is allowed beside it")
+                    "allowed error of the displacement, in addition to `relative`")
                   .otherwise("1e-6"),
               field("absolute_velocity", &AdaptiveConfig::absolute_velocity, quantity("m/s", Range::above(0)),
-                    "error of the velocity that is allowed beside it")
+                    "allowed error of the velocity, in addition to `relative`")
                   .otherwise_in_words("absolute / step"),
               field("min_step", &AdaptiveConfig::min_step, quantity("s", Range::above(0)),
                     "smallest step that is tried, for accuracy or when a solve fails")
@@ -152,16 +142,16 @@ Section<AdaptiveConfig> adaptive_keys() {
 
 std::vector<std::string> time_methods() {
   std::vector<std::string> names;
-  for (const Method& method : methods()) names.push_back(method.name);
-  names.emplace_back(quasistatic_method);
-  names.emplace_back(static_method);
-  for (const char* integrator : petsc_integrators) names.push_back(std::string(petsc_prefix) + integrator);
+  std::ranges::transform(named_methods(), std::back_inserter(names), method_name);
   return names;
 }
 
 Section<TimeConfig> time_keys() {
   return {{
-      method_field(),
+      field("method", &TimeConfig::method, method_choice(),
+            "time integrator (`pliant methods`); `quasistatic`: equilibria without inertia, step by step; `static`: "
+            "one equilibrium")
+          .otherwise("backward-euler"),
       field("step", &TimeConfig::step, quantity("s", Range::above(0)),
             "time step; with `adaptive` the first one that is tried; not used by `static`")
           .otherwise_in_words("with `adaptive`: end / 1000; else none, and needed unless `static`")
@@ -172,18 +162,19 @@ Section<TimeConfig> time_keys() {
       field("load_steps", &TimeConfig::load_steps, integer(Range::from_to(1, 1e6)),
             "for `static`: loads and prescribed displacements grow to their values in this many equal parts")
           .otherwise("1"),
-      field("startup", &TimeConfig::startup, choice({"ramp", "dirk33"}),
+      field("startup", &TimeConfig::startup, choice_of<Startup>({{"ramp", Startup::ramp}, {"dirk33", Startup::dirk33}}),
             "how a method with several past states starts; `ramp`: with the methods of fewer states, which costs bdf3 "
             "one order; `dirk33`: with that method")
           .otherwise_in_words("ramp; with `adaptive`: dirk33 for methods with several past states"),
       field("adaptive", &TimeConfig::adaptive, map_of(adaptive_keys()),
-            "steps follow from the error they make; `{}` takes the defaults")
+            "steps follow from their estimated error; `{}` takes the defaults")
           .otherwise_in_words("none: all steps are equal"),
-      field(
-          "events", &TimeConfig::events, list_of(quantity("s", Range::above(0)), 0),
-          "times in ascending order at which loads or constraints change abruptly, besides the kinks and jumps of "
-          "formulas of t, which are found: steps end exactly there, and methods with past states start anew; not used "
-          "by `static`"),
+      field("events", &TimeConfig::events, list_of(quantity("s", Range::above(0)), 0),
+            "times in ascending order at which loads or constraints change abruptly, in addition to the kinks and "
+            "jumps of "
+            "formulas of t, which are found automatically: steps end exactly there, and methods with past states "
+            "restart; "
+            "not used by `static`"),
       field("min_step", &TimeConfig::min_step, quantity("s", Range::above(0)),
             "smallest step that is tried when a solve fails; with `adaptive` it goes there")
           .otherwise_in_words("step / 1024")

@@ -93,7 +93,7 @@ std::vector<const ViscosityForm*> forms_of(std::string_view law) {
   return forms;
 }
 
-/// What a key stands beside: every law all of whose forms have it, and the first keys of forms that alone do.
+/// The owners of a key: every law all of whose forms have it, and the first keys of forms that are alone in having it.
 std::vector<Anchor> anchors_of(std::string_view key) {
   std::vector<Anchor> anchors;
   for (const ViscosityForm& form : viscosity_forms()) {
@@ -128,15 +128,10 @@ std::vector<KeyGroup> groups() {
   return groups;
 }
 
-const InputNode* given(const InputNode& section, std::string_view key) {
-  const InputNode* node = section.find(key);
-  return node == nullptr || node->kind == InputNode::Kind::null ? nullptr : node;
-}
-
 /// The form of the law whose first key is given.
 const ViscosityForm* chosen_form(const InputNode& section, std::string_view law) {
   const auto forms = forms_of(law);
-  const auto is_given = [&](const auto* form) { return given(section, form->parameters.front().name) != nullptr; };
+  const auto is_given = [&](const auto* form) { return given(section, {form->parameters.front().name}) != nullptr; };
   const auto found = std::ranges::find_if(forms, is_given);
   return found != forms.end() ? *found : forms.front();
 }
@@ -144,7 +139,7 @@ const ViscosityForm* chosen_form(const InputNode& section, std::string_view law)
 /// Reads what is given even where the law is not known, for the errors in it.
 void read_values(const InputNode& section, Diagnostics& diagnostics, ViscosityConfig& into) {
   for (const std::string& key : parameter_keys()) {
-    const InputNode* node = given(section, key);
+    const InputNode* node = given(section, {key});
     if (key == rate_key) {
       if (node != nullptr) strain_rate().read(*node, key, diagnostics, into.rate);
       continue;
@@ -181,7 +176,7 @@ Format<ViscosityConfig> mechanism() {
     into.where = node.where;
     if (!check_keys(node, name, section, diagnostics)) return true;
     std::string law;
-    const InputNode* named = given(node, "model");
+    const InputNode* named = given(node, {"model"});
     if (named != nullptr && model().read(*named, "model", diagnostics, law)) into.law = chosen_form(node, law)->blank;
     read_values(node, diagnostics, into);
     return true;

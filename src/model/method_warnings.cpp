@@ -1,4 +1,4 @@
-#include "model/method_advice.hpp"
+#include "model/method_warnings.hpp"
 
 #include "base/error.hpp"
 #include "base/tensor.hpp"
@@ -17,11 +17,11 @@
 namespace pliant {
 namespace {
 
-/// A factor of the energy that no vibration which a run excites is too small for.
+/// Growth of the energy by this factor makes every vibration that a run excites visible.
 constexpr double certain_growth = 1e4;
-/// Of the energy of the rotation, in a single step.
+/// Fraction of the energy of the rotation that is certainly too much for a single step.
 constexpr double certain_stretch = 0.25;
-/// What grows by a tenth at most in many steps (measured with a cube).
+/// The same fraction, where the energy grows by at most a tenth in many steps (measured with a cube).
 constexpr double harmless_stretch = 0.03;
 
 double largest_root(const Method& method, double phase) {
@@ -35,7 +35,7 @@ struct Rotation {
   double energy = 0.0;  ///< per mass [J/kg]
 };
 
-/// The rigid rotation nearest to the initial velocity of a body, all its nodes weighing the same. Collective.
+/// The rigid rotation nearest to the initial velocity of a body, with equal weights of its nodes. Collective.
 Rotation initial_rotation(const Config& config, const MotionAtStart& at, int body) {
   const NodeLayout& layout = at.layout;
   std::vector<char> is_in(static_cast<std::size_t>(layout.num_owned_nodes), 0);
@@ -71,7 +71,7 @@ Rotation initial_rotation(const Config& config, const MotionAtStart& at, int bod
     for (int l = 0; l < 3; ++l) total(sums.XX(i, l));
   }
   if (!(sums.count > 0.0)) return {};
-  // About the middle: inertia I = tr(C) 1 - C of the second moments C, spin I^-1 (moment).
+  // About the centre: inertia I = tr(C) 1 - C of the second moments C, spin I^-1 (moment).
   Tensor3<double> C{};
   std::array<double, 3> moment{};
   for (int i = 0; i < 3; ++i) {
@@ -91,8 +91,8 @@ Rotation initial_rotation(const Config& config, const MotionAtStart& at, int bod
           0.5 * (spin[0] * moment[0] + spin[1] * moment[1] + spin[2] * moment[2])};
 }
 
-/// A free body that turns while none of its vibrations can follow the stretch that the steps leave. It stores at least
-/// 2 mu stretch^2 per volume: mu the shear modulus, the stretch that of the plane in which it turns.
+/// Warns of a free body that rotates and is stretched by the steps, which none of its vibrations can follow. It stores
+/// at least 2 mu stretch^2 per volume, with the shear modulus mu and the stretch in the plane of the rotation.
 std::optional<Diagnostic> rotation_warning(const Config& config, const Method& method, const MotionAtStart& at) {
   if (method.num_steps > 1 || method.stiffly_accurate || !config.constraints.empty()) return std::nullopt;
   const double dt = config.time.step;
@@ -107,26 +107,25 @@ std::optional<Diagnostic> rotation_warning(const Config& config, const Method& m
     angle = rotation.rate * dt;
   }
   if (worst < certain_stretch) return std::nullopt;
-  // The stretch is of second order in the step, its energy of fourth.
+  // The stretch is of second order in the step, its energy of fourth order.
   const double sound = dt * std::pow(harmless_stretch / worst, 0.25);
   return Diagnostic{
       Severity::warning, config.time.method.where,
       fmt::format(
-          "'{}' cannot take steps of {} s here: the body turns by {:.2g} degrees in a step, which leaves it stretched "
-          "with {:.2g} times the energy of the rotation, out of nothing; take steps below {:.1g} s, or a method whose "
-          "last "
-          "stage ends the step: bdf2, dirk22, dirk33",
-          config.time.method.value, format_number(dt), angle * 180.0 / std::numbers::pi, worst, sound)};
+          "'{}' cannot take steps of {} s here: the body rotates by {:.2g} degrees in a step, and the method then "
+          "stretches it with {:.2g} times the energy of the rotation; take steps below {:.1g} s, or a stiffly accurate "
+          "method: bdf2, dirk22, dirk33",
+          method.name, format_number(dt), angle * 180.0 / std::numbers::pi, worst, sound)};
 }
 
-/// Vibrations that the method makes grow, and the body has.
+/// Warns of vibrations of the body that the method amplifies.
 std::optional<Diagnostic> vibration_warning(const Config& config, const Method& method, const MotionAtStart& at) {
   const auto rings = [](const BodyConfig& body) { return body.viscosity.empty(); };
   if (method.stability != Stability::not_a_stable || std::ranges::none_of(config.bodies, rings)) return std::nullopt;
   const double dt = config.time.step;
   const auto& b = at.mesh.bounds;
   const double length = std::max({b[3] - b[0], b[4] - b[1], b[5] - b[2]});
-  // Half a wave in the body's length, and the fastest vibration of the mesh or somewhat less. There are slower ones.
+  // From half a wave in the length of the body to about the fastest vibration of the mesh. Slower ones exist, too.
   const double lowest = std::numbers::pi * at.slowest_wave / length, highest = 2.0 * at.slowest_wave / at.mesh.min_edge;
   if (!(lowest < highest)) return std::nullopt;
   const auto [factor, phase] = fastest_growth(method, lowest * dt, highest * dt);
@@ -135,11 +134,11 @@ std::optional<Diagnostic> vibration_warning(const Config& config, const Method& 
   return Diagnostic{
       Severity::warning, config.time.method.where,
       fmt::format(
-          "'{}' is not A-stable: in steps of {} s vibrations near {:.2g} Hz, which the body has, grow by {:.2g} % or "
-          "more in a step, and their energy over the run by a factor of {} or more; give the bodies a viscosity "
+          "'{}' is not A-stable: in steps of {} s vibrations of the body near {:.2g} Hz grow by {:.2g} % or more in a "
+          "step, and their energy over the run by a factor of {} or more; give the bodies a viscosity "
           "(stiffness-proportional, "
-          "time: {:.2g} s), or take another method",
-          config.time.method.value, format_number(dt), phase / dt / (2.0 * std::numbers::pi), 100.0 * (factor - 1.0),
+          "time: {:.2g} s), or choose another method",
+          method.name, format_number(dt), phase / dt / (2.0 * std::numbers::pi), 100.0 * (factor - 1.0),
           decades > 30.0 ? "1e+30" : fmt::format("{:.0e}", std::pow(10.0, decades)), 0.2 * dt)};
 }
 

@@ -1,7 +1,6 @@
-#include "input/volumetric.hpp"
+#include "input/checks/volumetric.hpp"
 
 #include "input/elasticity.hpp"
-#include "input/sections/time.hpp"
 #include "material/volume_split.hpp"
 
 #include <algorithm>
@@ -13,21 +12,7 @@
 namespace pliant {
 namespace {
 
-const Location& where_is(const InputNode& root, std::initializer_list<std::string_view> path) {
-  const InputNode* node = &root;
-  for (const std::string_view key : path) {
-    const InputNode* next = node->find(key);
-    if (next == nullptr) break;
-    node = next;
-  }
-  return node->where;
-}
-
-bool is_incompressible(const ElasticLawSpec& law) {
-  return std::ranges::any_of(law.parameters, [](double p) { return std::isinf(p); });
-}
-
-/// A body's law; nothing if it is not determined, which has been told.
+/// A body's law; nothing if it is not determined, which is already an error.
 std::optional<ElasticityRule> rule_of(const ElasticityConfig& e) {
   try {
     if (e.model.empty()) return std::nullopt;
@@ -39,15 +24,12 @@ std::optional<ElasticityRule> rule_of(const ElasticityConfig& e) {
   }
 }
 
-constexpr const char* incompressible =
-    "the body is incompressible, for which displacements alone have no solution; add 'volumetric: mixed' or lower "
-    "'poissons_ratio'";
-
 void check_mean_dilatation(const ElasticityConfig& e, const ElasticityRule& rule, Diagnostics& diagnostics) {
   if (!rule.kind().traits().constant_tangent) return;
-  diagnostics.add(e.where, fmt::format("model '{}' knows small strains only, 'volumetric: mean-dilatation' large ones; "
-                                       "use saint-venant-kirchhoff, which is the same at small strain",
-                                       e.model));
+  diagnostics.add(e.where,
+                  fmt::format("model '{}' is for small strains, and 'volumetric: mean-dilatation' for large ones; "
+                              "use saint-venant-kirchhoff, which is equivalent at small strain",
+                              e.model));
 }
 
 void check_mixed(const ElasticityConfig& e, const ElasticityRule& rule, Diagnostics& diagnostics) {
@@ -57,17 +39,18 @@ void check_mixed(const ElasticityConfig& e, const ElasticityRule& rule, Diagnost
         "'volumetric: mixed' needs elastic constants that are the same everywhere; give each region a body of "
         "its own, or use 'volumetric: mean-dilatation'");
   } else if (!split_volume(rule.law_at(0, {}))) {
-    diagnostics.add(e.where, fmt::format("the energy of model '{}' has no part of the volume alone, which 'volumetric: "
-                                         "mixed' needs; use one of {}, or 'volumetric: mean-dilatation'",
-                                         e.model, names_of_split_laws()));
+    diagnostics.add(e.where,
+                    fmt::format("'volumetric: mixed' needs an energy with a separate volumetric part, which model "
+                                "'{}' does not have; use one of {}, or 'volumetric: mean-dilatation'",
+                                e.model, names_of_split_laws()));
   }
 }
 
-/// What acts on the displacement at every point beside the elastic law, and so does not go with either treatment.
+/// Reports what acts on the displacement at every point in addition to the elastic law, which neither treatment allows.
 void check_points(const BodyConfig& body, Diagnostics& diagnostics) {
-  if (body.active && body.active->shortening) {
+  if (body.active && std::holds_alternative<ActiveConfig::Shortening>(body.active->contraction)) {
     diagnostics.add(body.active->where,
-                    "'shortening' goes with 'volumetric: standard' only; give the fibres a 'stress' instead");
+                    "'shortening' can only be used with 'volumetric: standard'; give the fibres a 'stress' instead");
   }
   for (const auto& mechanism : body.viscosity) {
     const auto* branch = std::get_if<MaxwellRatios>(&mechanism.law);
@@ -77,34 +60,34 @@ void check_points(const BodyConfig& body, Diagnostics& diagnostics) {
     if (!resists) continue;
     diagnostics.add(
         mechanism.where,
-        fmt::format("viscosity '{}' resists a change of volume at every point, which 'volumetric' is to avoid; "
-                    "use kelvin-voigt, or maxwell with a 'shear_ratio' alone",
+        fmt::format("viscosity '{}' resists a change of volume at every point, which 'volumetric' is meant to "
+                    "avoid; use kelvin-voigt, or maxwell with a 'shear_ratio' only",
                     name_of(mechanism.law)));
   }
 }
 
-/// What pressures, which have no history and no inertia, do not go with.
+/// Reports what cannot be combined with pressures, which have neither history nor inertia.
 void check_mixed(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   const TimeConfig& time = config.time;
   const Method* method = method_of(time);
-  if (time.method.value.starts_with(petsc_prefix)) {
+  if (std::holds_alternative<MethodConfig::PetscIntegrator>(time.method.kind)) {
     diagnostics.add(time.method.where,
-                    "'volumetric: mixed' needs one of Pliant's own methods; PETSc's do not know of pressures");
+                    "'volumetric: mixed' needs one of Pliant's own methods; PETSc's do not support pressures");
   } else if (method != nullptr && !method->stiffly_accurate) {
     diagnostics.add(time.method.where,
-                    fmt::format("'volumetric: mixed' needs a method whose last stage ends the step, as the pressure is "
-                                "found in stages; '{}' ends elsewhere: use bdf2, dirk22 or dirk33, or 'volumetric: "
-                                "mean-dilatation'",
+                    fmt::format("'volumetric: mixed' needs a stiffly accurate method, because pressures are known only "
+                                "at stages, and a step of '{}' does not end with one; use bdf2, dirk22 or dirk33, or "
+                                "'volumetric: mean-dilatation'",
                                 method->name));
   }
-  if (config.solver.linear == "amg" || config.solver.linear == "p-multigrid") {
-    diagnostics.add(where_is(root, {"solver", "linear"}),
-                    "'volumetric: mixed' makes an indefinite matrix, which multigrid does not solve; use 'cholesky'");
+  if (config.solver.linear == LinearSolver::amg || config.solver.linear == LinearSolver::p_multigrid) {
+    diagnostics.add(given(root, {"solver", "linear"})->where,
+                    "'volumetric: mixed' has an indefinite matrix, which multigrid cannot solve; use 'cholesky'");
   }
   const auto& start = config.initial.displacement;
   if (std::ranges::any_of(start, [](const Expression& e) { return !e.is_zero(); })) {
-    diagnostics.add(where_is(root, {"initial", "displacement"}),
-                    "'volumetric: mixed' starts from the undeformed bodies, whose pressure is known; use 'volumetric: "
+    diagnostics.add(given(root, {"initial", "displacement"})->where,
+                    "'volumetric: mixed' must start from undeformed bodies, whose pressure is known; use 'volumetric: "
                     "mean-dilatation'");
   }
 }
@@ -120,7 +103,7 @@ void check_volumetric(const Config& config, const InputNode& root, Diagnostics& 
     if (treatment == VolumetricTreatment::mixed) {
       check_mixed(body.elasticity, *rule, diagnostics);
     } else if (rule->is_uniform() && is_incompressible(rule->law_at(0, {}))) {
-      diagnostics.add(body.elasticity.where, incompressible);
+      diagnostics.add(body.elasticity.where, std::string(incompressible_without_pressures));
     } else if (treatment == VolumetricTreatment::mean_dilatation) {
       check_mean_dilatation(body.elasticity, *rule, diagnostics);
     }
@@ -131,8 +114,8 @@ void check_volumetric(const Config& config, const InputNode& root, Diagnostics& 
   diagnostics.add(key->where, fmt::format("'volumetric: {}' needs quadratic tetrahedra; add 'element: P2'", key->text));
 }
 
-void require_compressible(const ElasticLawSpec& law, const Location& where) {
-  if (is_incompressible(law)) throw InputError(where, incompressible);
+bool is_incompressible(const ElasticLawSpec& law) {
+  return std::ranges::any_of(law.parameters, [](double p) { return std::isinf(p); });
 }
 
 }  // namespace pliant

@@ -1,4 +1,4 @@
-#include "model/method_advice.hpp"
+#include "model/method_warnings.hpp"
 
 #include <cmath>
 
@@ -13,13 +13,13 @@ double per_square_of_angle(const char* method) {
 }
 
 // The chord: half a step on, the midpoint rule has turned by half the angle; it goes on as far again along the tangent.
-TEST(MethodAdvice, StretchOfARotation) {
+TEST(MethodWarnings, StretchOfARotation) {
   EXPECT_NEAR(per_square_of_angle("implicit-midpoint"), 1.0 / 4.0, 1e-4);
   EXPECT_NEAR(per_square_of_angle("symplectic-dirk22"), 1.0 / 16.0, 1e-4);
   EXPECT_NEAR(per_square_of_angle("dirk23"), 0.144, 1e-3);
 }
 
-TEST(MethodAdvice, MethodsThatEndInAStageDoNotStretch) {
+TEST(MethodWarnings, MethodsThatEndInAStageDoNotStretch) {
   for (const Method& method : methods()) {
     if (method.num_steps == 1 && method.stiffly_accurate) {
       EXPECT_NEAR(stretch_of_rotation(method, 0.1), 0.0, 1e-14) << method.name;
@@ -28,7 +28,7 @@ TEST(MethodAdvice, MethodsThatEndInAStageDoNotStretch) {
 }
 
 // bdf3: 1 + (omega dt)^4 / 4 for slow vibrations, at most 4.6 % at 1.14 (docs/methods.md).
-TEST(MethodAdvice, GrowthOfVibrations) {
+TEST(MethodWarnings, GrowthOfVibrations) {
   const Method& bdf3 = *find_method("bdf3");
   const FastestGrowth slow = fastest_growth(bdf3, 1e-3, 0.1);
   EXPECT_NEAR((slow.factor - 1.0) / (std::pow(0.1, 4) / 4.0), 1.0, 0.05);

@@ -1,4 +1,4 @@
-/// Methods in time that certainly cannot take the steps they are given.
+/// Warnings about time integration methods that certainly cannot take the steps they are given.
 #pragma once
 
 #include "fem/layout.hpp"
@@ -10,7 +10,7 @@
 
 namespace pliant {
 
-/// What is known of the motion before it starts.
+/// What is known about the motion before it starts.
 struct MotionAtStart {
   const NodeLayout& layout;
   const std::vector<int>& body_of_cell;  ///< of each local cell
@@ -19,8 +19,8 @@ struct MotionAtStart {
   const MeshReport& mesh;
 };
 
-/// How far a stiff body is stretched that a step turns by `angle` [rad], by the method alone: stages put it where it
-/// has its size, but it ends where they lead.
+/// Stretch of a stiff body that a step rotates by `angle` [rad], which the method alone causes: at stages the body has
+/// its size, but the step ends at a combination of them.
 ///
 ///     y_{n+1} - y* = sum_i bt_i (Y_i - y*),   |Y_i| = |y*|:   stretch = |1 + sum_i bt_i (exp(i c_i angle) - 1)| - 1
 ///

@@ -1,11 +1,11 @@
 // What an input may mean, but seldom does, is told with its place; what is usual is not. What only a mesh tells:
 // tests/program/test_errors.py.
 #include "input/bad_input.hpp"
-#include "model/advice.hpp"
+#include "model/warnings.hpp"
 
 #include <gtest/gtest.h>
 
-namespace pliant::test_advice {
+namespace pliant::test_warnings {
 namespace {
 
 /// As users read them; all are of the severity.
@@ -31,7 +31,7 @@ TEST(Advice, StepsShouldNotBeLongerThanTheTimeBetweenFrames) {
   const auto told = warnings("step: 0.01, end: 1", "output: {every: 4 ms}");
   ASSERT_EQ(told.size(), 1u);
   EXPECT_EQ(told[0].find("a.yaml:6:17: "), 0u) << told[0];
-  EXPECT_NE(told[0].find("every 0.004 s, but a step takes 0.01 s"), std::string::npos) << told[0];
+  EXPECT_NE(told[0].find("every 0.004 s, but a step is 0.01 s long"), std::string::npos) << told[0];
   EXPECT_EQ(warnings("method: quasistatic, step: 0.01, end: 1", "output: {every: 4 ms}").size(), 1u);
   EXPECT_EQ(warnings("step: 0.01, end: 1", "", "0.004").size(), 1u);
 }
@@ -80,31 +80,32 @@ INSTANTIATE_TEST_SUITE_P(
     Inputs, Warning,
     ::testing::Values(
         Doubtful{2, "bodies: [{density: 1e-9, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0.4}}]",
-                 "with this density shear waves run at 1.9e+04 m/s"},
+                 "with this density shear waves travel at 1.9e+04 m/s"},
         Doubtful{2, "bodies: [{density: 1000, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0.4}}]",
-                 "shear waves run at 0.019 m/s"},
+                 "shear waves travel at 0.019 m/s"},
         // A megapascal was meant, whatever else the body has.
         Doubtful{2,
                  "bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 0.3, poissons_ratio: 0.4}, "
                  "viscosity: {model: kelvin-voigt, shear: 100 Pa*s}}]",
-                 "shear waves run at 0.01 m/s"},
+                 "shear waves travel at 0.01 m/s"},
         Doubtful{2,
                  "bodies: [{density: 1000, elasticity: {model: linear, youngs_modulus: 1 MPa, shear_modulus: 1 MPa}}]",
-                 "Poisson's ratio follows as -0.5"},
+                 "these constants give a Poisson's ratio of -0.5"},
         Doubtful{
             2,
             "bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e6, poissons_ratio: 0.4999}}]",
             "Poisson's ratio is 0.4999, and linear elements"},
-        Doubtful{4, "loads: [{gravity: [0, 0, -9806.65]}]", "with its unit it is '9806.65 mm/s^2'"},
+        Doubtful{4, "loads: [{gravity: [0, 0, -9806.65]}]", "if mm/s^2 is meant, write '9806.65 mm/s^2'"},
         Doubtful{3, "constraints: [{surface: clamp, displacement: [0,45, 0]}]",
-                 "a.yaml:3:47: '0,45' are two entries of the list; a decimal point is written '.': 0.45;"},
-        Doubtful{3, "constraints: [{surface: clamp, displacement: [0, 0,45]}]", "'0,45' are two entries"},
-        Doubtful{4, "loads: [{gravity: [0, -9,81 m/s^2]}]", "a decimal point is written '.': -9.81 m/s^2"},
-        Doubtful{5, "time: {method: bdf2, step: 0.01, end: 1, load_steps: 10}", "'load_steps' is for 'method: static'"},
+                 "a.yaml:3:47: '0,45' is read as two entries of the list; if it is one number, write 0.45;"},
+        Doubtful{3, "constraints: [{surface: clamp, displacement: [0, 0,45]}]", "'0,45' is read as two entries"},
+        Doubtful{4, "loads: [{gravity: [0, -9,81 m/s^2]}]", "if it is one number, write -9.81 m/s^2"},
+        Doubtful{5, "time: {method: bdf2, step: 0.01, end: 1, load_steps: 10}",
+                 "'load_steps' has an effect only with 'method: static'"},
         Doubtful{6,
                  "contact: {obstacles: [{name: a, shape: plane, normal: [0, 0, 1], motion: {rotate: {axis: [0, 0, 1], "
                  "angle: 90}}}]}",
-                 "degrees are written '90 deg'"}));
+                 "if degrees are meant, write '90 deg'"}));
 
 TEST(Advice, BodiesMayBeAtRest) {
   const auto rests = [](const std::string& loads) {
@@ -124,7 +125,7 @@ TEST(Advice, StaticFormulasOfTimeNeedATime) {
     return warnings_of(test::with_line(3, ramp), {{"time", "{method: static" + end + "}"}});
   };
   ASSERT_EQ(told("").size(), 1u);
-  EXPECT_NE(told("")[0].find("those of t are taken at t = 0"), std::string::npos) << told("")[0];
+  EXPECT_NE(told("")[0].find("evaluates formulas of t at 'end', which is 0"), std::string::npos) << told("")[0];
   EXPECT_EQ(told(", end: 2"), std::vector<std::string>{});
 }
 
@@ -188,4 +189,4 @@ TEST(Advice, NothingIsSaidOfWhatIsUsual) {
 }
 
 }  // namespace
-}  // namespace pliant::test_advice
+}  // namespace pliant::test_warnings

@@ -1,9 +1,10 @@
-#include "model/advice.hpp"
+#include "model/warnings.hpp"
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "input/analysis.hpp"
 #include "input/elasticity.hpp"
-#include "input/keys.hpp"
+#include "input/loads.hpp"
 #include "model/events.hpp"
 #include "model/loads.hpp"
 #include "model/viscosity.hpp"
@@ -19,7 +20,7 @@
 namespace pliant {
 namespace {
 
-/// Warnings in the making.
+/// A list of warnings that grows.
 class Warnings {
  public:
   explicit Warnings(std::vector<Diagnostic> first = {}) : found_(std::move(first)) {}
@@ -32,10 +33,10 @@ class Warnings {
   std::vector<Diagnostic> found_;
 };
 
-/// Acts at places of the body's surface, not in its volume.
+/// Does the load act on surfaces, curves or points, not in the volume?
 bool is_local(const LoadConfig& load) {
-  using Kind = LoadConfig::Kind;
-  return load.kind != Kind::gravity && load.kind != Kind::force_density;
+  return !std::holds_alternative<LoadConfig::Gravity>(load.kind) &&
+         !std::holds_alternative<LoadConfig::ForceDensity>(load.kind);
 }
 
 bool is_zero(const VectorExpression& vector) {
@@ -44,25 +45,25 @@ bool is_zero(const VectorExpression& vector) {
 
 void check_time(const Config& config, Warnings& warnings) {
   const auto& method = config.time.method;
+  const bool is_static = analysis_of(config) == Analysis::static_equilibrium;
   const auto changes = [](const DrivingFormula& of) { return of.formula->depends_on_time(); };
-  if (method.value != static_method && config.time.load_steps > 1) {
+  if (!is_static && config.time.load_steps > 1) {
     warnings.add(method.where,
-                 fmt::format("'load_steps' is for 'method: static'; with '{}' loads grow as their formulas of "
-                             "t say, and not by it",
-                             method.value));
+                 fmt::format("'load_steps' has an effect only with 'method: static'; with '{}' loads follow "
+                             "their formulas of t",
+                             method_name(method)));
   }
-  if (method.value == static_method && config.time.end == 0.0 &&
-      std::ranges::any_of(driving_formulas(config), changes)) {
+  if (is_static && config.time.end == 0.0 && std::ranges::any_of(driving_formulas(config), changes)) {
     warnings.add(method.where,
-                 "a static analysis takes formulas at 'end', which is 0: those of t are taken at t = 0; give "
-                 "'end', or let 'method: quasistatic' follow them");
+                 "a static analysis evaluates formulas of t at 'end', which is 0; set 'end', or use 'method: "
+                 "quasistatic' to follow them in time");
   }
 }
 
-/// No material is slower or faster: its numbers are in other units than SI.
+/// Limits for real materials; beyond them the numbers are probably not in SI units.
 constexpr double slowest_shear_wave = 0.05;  // [m/s]; of the softest gels
 constexpr double softest_gel = 0.5;          // shear modulus [Pa]
-constexpr double no_stiffness = 1e-4;        // shear modulus of what is meant to be viscous alone [Pa]
+constexpr double no_stiffness = 1e-4;        // shear modulus of bodies that are meant to be purely viscous [Pa]
 constexpr double fastest_shear_wave = 1e4;   // [m/s]; of diamond 12000, of steel 3200
 constexpr double longest_body = 50.0;        // [m]
 constexpr double locking_ratio = 0.49;       // Poisson's, of linear elements
@@ -74,7 +75,7 @@ void check_body(const Config& config, const BodyConfig& body, Warnings& warnings
   if (!rest) return;
   const auto add = [&](const std::string& text) { warnings.add(body.elasticity.where, text); };
   const double speed = std::sqrt(rest->mu / body.density.value_or(rest->mu));
-  // What is viscous alone has next to no stiffness, which nobody types by forgetting a unit.
+  // A purely viscous body has almost no stiffness, which nobody types by forgetting a unit.
   const bool may_be_soft = !body.viscosity.empty() && rest->mu < no_stiffness;
   if (!body.density && rest->mu < softest_gel && !may_be_soft) {
     add(
@@ -85,36 +86,39 @@ void check_body(const Config& config, const BodyConfig& body, Warnings& warnings
   const bool is_slow = speed < slowest_shear_wave && !may_be_soft;
   if (body.density && (is_slow || speed > fastest_shear_wave)) {
     add(
-        fmt::format("with this density shear waves run at {:.2g} m/s (silicone: 10, steel: 3000); are 'density' and "
+        fmt::format("with this density shear waves travel at {:.2g} m/s (silicone: 10, steel: 3000); are 'density' and "
                     "the moduli in SI? A number without a unit is in kg/m^3 and Pa",
                     speed));
   }
   const double poissons_ratio = std::isfinite(rest->lambda) ? 0.5 * rest->lambda / (rest->lambda + rest->mu) : 0.5;
   const auto is_ratio = [](const GivenConstant& c) { return c.key == "poissons_ratio"; };
   if (poissons_ratio < 0.0 && std::ranges::none_of(body.elasticity.constants, is_ratio)) {
-    add(
-        fmt::format("Poisson's ratio follows as {:.3g}: the body would grow thicker where it is pulled; is the bulk "
-                    "modulus meant to be so small beside the shear modulus?",
-                    poissons_ratio));
+    add(fmt::format(
+        "these constants give a Poisson's ratio of {:.3g}: the body would thicken when it is stretched; is the bulk "
+        "modulus meant to be so small compared with the shear modulus?",
+        poissons_ratio));
   }
   if (poissons_ratio >= locking_ratio && config.element == ElementOrder::p1) {
     add(
-        fmt::format("Poisson's ratio is {:.4g}, and linear elements are far too stiff where it is near 1/2; take "
+        fmt::format("Poisson's ratio is {:.4g}, and linear elements lock (are far too stiff) where it is near 1/2; use "
                     "'element: P2' with 'volumetric: mean-dilatation'",
                     poissons_ratio));
   }
 }
 
-/// Degrees typed as radians: whole numbers of several turns.
+/// Warns of degrees typed as radians: whole numbers of several turns.
 void check_angles(const Config& config, Warnings& warnings) {
   const auto look = [&](const Expression& angle, const Location& where) {
     const double value = angle(0.0, 0.0, 0.0, 0.0);
     if (angle.depends_on_time() || std::abs(value) < 10.0 || value != std::round(value)) return;
-    warnings.add(where, fmt::format("an angle of {:g} rad is {:.3g} turns; degrees are written '{:g} deg'", value,
-                                    value / (2.0 * std::numbers::pi), value));
+    warnings.add(where, fmt::format("an angle of {:g} rad is {:.3g} turns; if degrees are meant, write '{:g} deg'",
+                                    value, value / (2.0 * std::numbers::pi), value));
   };
   for (const ConstraintConfig& c : config.constraints) {
-    if (c.rigid.rotation.angle) look(*c.rigid.rotation.angle, c.rigid.rotation.where);
+    const auto* rigid = std::get_if<ConstraintConfig::Rigid>(&c.kind);
+    if (rigid == nullptr) continue;
+    const auto* about = std::get_if<RotationConfig::AboutAxis>(&rigid->rotation.kind);
+    if (about != nullptr && about->angle) look(*about->angle, rigid->rotation.where);
   }
   if (!config.contact) return;
   for (const ObstacleConfig& o : config.contact->obstacles) {
@@ -122,16 +126,17 @@ void check_angles(const Config& config, Warnings& warnings) {
   }
 }
 
-/// Gravity typed in mm/s^2.
+/// Warns of gravity typed in mm/s^2.
 void check_gravity(const Config& config, Warnings& warnings) {
   for (const LoadConfig& load : config.loads) {
-    if (load.kind != LoadConfig::Kind::gravity) continue;
+    const auto* gravity = std::get_if<LoadConfig::Gravity>(&load.kind);
+    if (gravity == nullptr) continue;
     std::array<double, 3> g{};
-    for (std::size_t i = 0; i < 3; ++i) g[i] = load.value[i](0.0, 0.0, 0.0, 0.0);
+    for (std::size_t i = 0; i < 3; ++i) g[i] = gravity->acceleration[i](0.0, 0.0, 0.0, 0.0);
     const double size = std::hypot(g[0], g[1], g[2]);
     if (std::abs(size - 9810.0) > 20.0) continue;
     warnings.add(load.where,
-                 fmt::format("gravity is {:g} m/s^2, a thousand times the Earth's; with its unit it is '{:g} "
+                 fmt::format("gravity is {:g} m/s^2, a thousand times the Earth's; if mm/s^2 is meant, write '{:g} "
                              "mm/s^2'",
                              size, size));
   }
@@ -144,19 +149,19 @@ std::vector<Diagnostic> warnings_about(const Config& config) {
   const TimeConfig& time = config.time;
   const OutputConfig& output = config.output;
   constexpr double rounding = 1e-9;
-  if (time.method.value != static_method && !time.adaptive && output.every &&
+  if (analysis_of(config) != Analysis::static_equilibrium && !time.adaptive && output.every &&
       time.step > *output.every * (1.0 + rounding)) {
     warnings.add(output.every_where,
-                 fmt::format("frames are asked for every {} s, but a step takes {} s, and there is one frame per step; "
-                             "choose a shorter 'time.step', or leave 'every' out",
+                 fmt::format("frames are requested every {} s, but a step is {} s long, and a step gives at most one "
+                             "frame; choose a shorter 'time.step', or leave 'every' out",
                              format_number(*output.every), format_number(time.step)));
   }
   const std::string extension = std::filesystem::path(config.mesh.file.value).extension().string();
   if (config.mesh.scale == 0.001 && (extension == ".step" || extension == ".stp")) {
     warnings.add(
         config.mesh.file.where,
-        "a STEP file says its unit and is read in metres; with 'scale: 0.001' the part is a thousandth of what it "
-        "was drawn: leave 'scale' out");
+        "a STEP file states its unit and is read in metres; 'scale: 0.001' makes the part a thousand times smaller "
+        "than drawn: leave 'scale' out");
   }
   check_time(config, warnings);
   for (const BodyConfig& body : config.bodies) check_body(config, body, warnings);
@@ -172,29 +177,29 @@ bool nothing_moves(const Config& config) {
 }
 
 bool may_fall(const Config& config) {
-  using Kind = LoadConfig::Kind;
-  const auto holds = [](const LoadConfig& load) {
-    return load.kind == Kind::foundation || load.kind == Kind::point_foundation;
+  const auto holds = [](const LoadConfig& load) { return foundation_of(load).has_value(); };
+  // Pressure usually acts on closed surfaces, and does not push a body away.
+  const auto pushes = [](const LoadConfig& load) {
+    const VectorExpression* vector = vector_of(load);
+    return vector != nullptr && !is_zero(*vector);
   };
-  // Pressure acts on closed surfaces as a rule, and pushes a body nowhere.
-  const auto pushes = [](const LoadConfig& load) { return load.kind != Kind::pressure && !is_zero(load.value); };
   return !config.contact && is_zero(config.initial.velocity) && std::ranges::none_of(config.loads, holds) &&
          std::ranges::any_of(config.loads, pushes);
 }
 
 std::vector<Diagnostic> notes_of_idle_keys(const Config& config) {
-  const std::string& method = config.time.method.value;
+  const Analysis analysis = analysis_of(config);
+  const bool is_static = analysis == Analysis::static_equilibrium;
   std::vector<Diagnostic> notes;
-  const char* nothing =
-      method == static_method ? "no effect on a static equilibrium" : "no effect on quasi-static equilibria";
+  const char* nothing = is_static ? "no effect on a static equilibrium" : "no effect on quasi-static equilibria";
   const auto note_if = [&](bool is_there, const char* of_what) {
     if (is_there) notes.push_back(note(fmt::format("{} {}", of_what, nothing)));
   };
   const bool has_velocity = !is_zero(config.initial.velocity);
-  if (method == quasistatic_method) note_if(has_velocity, "the initial velocity has");
-  if (method != static_method) return notes;
+  if (analysis == Analysis::quasistatic) note_if(has_velocity, "the initial velocity has");
+  if (!is_static) return notes;
   const auto resists = [](const ObstacleConfig& o) {
-    return o.friction > 0.0 || o.viscous_friction > 0.0 || o.normal_damping > 0.0;
+    return o.drag.friction > 0.0 || o.drag.viscous_friction > 0.0 || o.drag.normal_damping > 0.0;
   };
   note_if(has_viscosity(config), "viscosity has");
   note_if(has_dashpots(config), "dashpots have");
@@ -209,7 +214,7 @@ std::vector<Diagnostic> warnings_about_mesh(const Config& config, const MeshRepo
   const double length = std::max({b[3] - b[0], b[4] - b[1], b[5] - b[2]});
   if (length < longest_body) return {};
   return {{Severity::warning, config.mesh.file.where,
-           fmt::format("the mesh is {:.3g} m long; 'scale: 0.001' makes metres of a geometry in millimetres", length)}};
+           fmt::format("the mesh is {:.3g} m long; 'scale: 0.001' converts millimetres to metres", length)}};
 }
 
 std::vector<Diagnostic> warnings_about_loads(const Config& config, const NodeLayout& layout, Selections& selections,
@@ -225,8 +230,8 @@ std::vector<Diagnostic> warnings_about_loads(const Config& config, const NodeLay
     });
     if (any_rank(layout.comm, moves_here)) continue;
     warnings.add(load.where,
-                 "the load moves nothing, for constraints give the displacement of all that it acts "
-                 "on; it changes reactions alone");
+                 "the load moves nothing, because constraints prescribe the displacement of everything it "
+                 "acts on; it changes only reactions");
   }
   return std::move(warnings).found();
 }
@@ -234,14 +239,15 @@ std::vector<Diagnostic> warnings_about_loads(const Config& config, const NodeLay
 std::vector<Diagnostic> warnings_about_start(const Config& config, const NodeLayout& layout, Selections& selections) {
   Warnings warnings;
   for (const ConstraintConfig& c : config.constraints) {
-    if (c.kind != ConstraintConfig::Kind::displacement) continue;
+    const auto* prescribed = std::get_if<ConstraintConfig::Displacement>(&c.kind);
+    if (prescribed == nullptr) continue;
     double jump = 0.0, size = 0.0;
     for (const PetscInt node : selections.nodes(c.part)) {
       const auto X = layout.position(node);
       for (std::size_t i = 0; i < 3; ++i) {
-        if (!c.displacement[i]) continue;
+        if (!prescribed->value[i]) continue;
         const double from = config.initial.displacement[i](X[0], X[1], X[2], 0.0);
-        const double to = (*c.displacement[i])(X[0], X[1], X[2], 0.0);
+        const double to = (*prescribed->value[i])(X[0], X[1], X[2], 0.0);
         jump = std::max(jump, std::abs(to - from));
         size = std::max({size, std::abs(X[i]), std::abs(from)});
       }
@@ -249,10 +255,9 @@ std::vector<Diagnostic> warnings_about_start(const Config& config, const NodeLay
     constexpr double rounding = 1e-9;
     jump = maximum(layout.comm, jump);
     if (jump <= rounding * maximum(layout.comm, size)) continue;
-    warnings.add(c.where,
-                 fmt::format("at t = 0 this displaces nodes by {:.3g} m from where the initial displacement has "
-                             "them, at once; let it grow with t, or give 'initial' to suit",
-                             jump));
+    warnings.add(c.where, fmt::format("at t = 0 this displaces nodes abruptly by {:.3g} m from their initial "
+                                      "displacement; let it grow with t, or set 'initial' to match",
+                                      jump));
   }
   return std::move(warnings).found();
 }

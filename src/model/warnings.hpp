@@ -1,4 +1,4 @@
-/// What an input may mean, but seldom does: nothing is wrong with it, and the user is warned of it.
+/// Warnings about inputs that are legal but probably not what was meant, and notes.
 #pragma once
 
 #include "energy/constraint/prescribed.hpp"
@@ -10,26 +10,27 @@
 
 namespace pliant {
 
-/// What shows in the input alone; with the warnings about its text.
+/// Warnings that need only the input, including those about its text.
 std::vector<Diagnostic> warnings_about(const Config& config);
 
-/// Does the input alone leave the bodies at rest? Terms that others add may move them.
+/// Does the input leave the bodies at rest? Terms that a program adds may still move them.
 bool nothing_moves(const Config& config);
 
-/// Do loads push the bodies that no constraint holds, and nothing else stops them, nor are they thrown?
+/// Can bodies that no constraint holds fall: do loads push them, while neither contact nor springs stop them, and they
+/// have no initial velocity?
 bool may_fall(const Config& config);
 
-/// Notes of what the input gives and its kind of analysis does not use.
+/// Notes about what the input contains and its kind of analysis does not use.
 std::vector<Diagnostic> notes_of_idle_keys(const Config& config);
 
-/// A mesh in other units than metres.
+/// Warns of a mesh that is probably not in metres.
 std::vector<Diagnostic> warnings_about_mesh(const Config& config, const MeshReport& mesh);
 
-/// Constraints that a motion does not start from. Collective over the ranks of `layout`, as the next.
+/// Warns of constraints that displace the initial state abruptly. Collective over the ranks of `layout`, like the next.
 std::vector<Diagnostic> warnings_about_start(const Config& config, const NodeLayout& layout, Selections& selections);
 
-/// Loads on parts of which every node is given its displacement: they move nothing. `selections` must be without
-/// errors.
+/// Warns of loads on parts whose displacement is prescribed at every node: they move nothing. `selections` must be free
+/// of errors.
 std::vector<Diagnostic> warnings_about_loads(const Config& config, const NodeLayout& layout, Selections& selections,
                                              const PrescribedDisplacement& prescribed);
 

@@ -1,0 +1,22 @@
+/// What cannot be combined with `volumetric`, the resistance to a change of volume.
+#pragma once
+
+#include "input/config.hpp"
+#include "input/tree.hpp"
+#include "material/elastic_law.hpp"
+
+#include <string_view>
+
+namespace pliant {
+
+/// Reports what cannot be combined with the treatment of the volume. `root`: of the input.
+void check_volumetric(const Config& config, const InputNode& root, Diagnostics& diagnostics);
+
+/// Is the law's resistance to a change of volume infinite?
+bool is_incompressible(const ElasticLawSpec& law);
+
+inline constexpr std::string_view incompressible_without_pressures =
+    "displacements alone cannot represent an incompressible body; add 'volumetric: mixed' or lower "
+    "'poissons_ratio'";
+
+}  // namespace pliant

@@ -1,0 +1,34 @@
+#include "input/loads.hpp"
+
+namespace pliant {
+namespace {
+
+struct VectorOf {
+  const VectorExpression* operator()(const LoadConfig::Gravity& load) const { return &load.acceleration; }
+  const VectorExpression* operator()(const LoadConfig::Pressure&) const { return nullptr; }
+  const VectorExpression* operator()(const LoadConfig::Foundation&) const { return nullptr; }
+  const VectorExpression* operator()(const LoadConfig::PointFoundation&) const { return nullptr; }
+  template <class Other>
+  const VectorExpression* operator()(const Other& load) const {
+    return &load.value;
+  }
+};
+
+template <class Foundation>
+FoundationCoefficients coefficients_of(const Foundation& foundation) {
+  return {foundation.spring.value_or(0.0), foundation.dashpot.value_or(0.0)};
+}
+
+}  // namespace
+
+const VectorExpression* vector_of(const LoadConfig& load) {
+  return std::visit(VectorOf{}, load.kind);
+}
+
+std::optional<FoundationCoefficients> foundation_of(const LoadConfig& load) {
+  if (const auto* surface = std::get_if<LoadConfig::Foundation>(&load.kind)) return coefficients_of(*surface);
+  if (const auto* point = std::get_if<LoadConfig::PointFoundation>(&load.kind)) return coefficients_of(*point);
+  return std::nullopt;
+}
+
+}  // namespace pliant
