@@ -32,21 +32,22 @@ void remove_doubles(std::vector<std::int32_t>& numbers) {
 /// Counts for one point after another, in buffers that stay.
 class FeatureCounter {
  public:
-  FeatureCounter(const CollisionSurface& surface, std::span<const Vector3<double>> x, double reach)
-      : surface_(surface), x_(x), reach2_(reach * reach) {}
+  FeatureCounter(const CollisionSurface& surface, const FeatureMultiplicities& multiplicities,
+                 std::span<const Vector3<double>> x, double reach)
+      : surface_(surface), multiplicities_(multiplicities), x_(x), reach2_(reach * reach) {}
 
-  std::span<const Count> count(const Vector3<double>& p, std::span<const BoxPair> candidates) {
+  /// Of a point at p of the given group.
+  std::span<const Count> count(const Vector3<double>& p, std::int32_t group, std::span<const BoxPair> candidates) {
     counts_.clear();
     edges_.clear();
     vertices_.clear();
     for (const BoxPair& pair : candidates) add_triangle(p, pair.second);
     remove_doubles(edges_);
     remove_doubles(vertices_);
-    for (const std::int32_t edge : edges_) subtract_edge(p, edge);
+    for (const std::int32_t edge : edges_) subtract_edge(p, edge, multiplicities_.edge(group, edge));
     for (const std::int32_t vertex : vertices_) {
       const Vector3<double> r = p - x_[vertex];
-      if (dot(r, r) < reach2_)
-        counts_.push_back({FeatureKind::vertex, vertex, surface_.vertices()[vertex].multiplicity});
+      if (dot(r, r) < reach2_) counts_.push_back({FeatureKind::vertex, vertex, multiplicities_.vertex(group, vertex)});
     }
     merge(counts_);
     return counts_;
@@ -70,19 +71,20 @@ class FeatureCounter {
     vertices_.insert(vertices_.end(), v.begin(), v.end());
   }
 
-  void subtract_edge(const Vector3<double>& p, std::int32_t number) {
+  void subtract_edge(const Vector3<double>& p, std::int32_t number, std::int32_t multiplicity) {
     const auto& edge = surface_.edges()[number];
     const PointEdge closest = closest_point_edge(std::array{p, x_[edge.vertices[0]], x_[edge.vertices[1]]});
     if (!(closest.squared_distance < reach2_)) return;
     if (closest.feature == EdgeFeature::inside) {
-      counts_.push_back({FeatureKind::edge, number, -edge.multiplicity});
+      counts_.push_back({FeatureKind::edge, number, -multiplicity});
     } else {
       const std::int32_t vertex = edge.vertices[static_cast<std::size_t>(closest.feature)];
-      counts_.push_back({FeatureKind::vertex, vertex, -edge.multiplicity});
+      counts_.push_back({FeatureKind::vertex, vertex, -multiplicity});
     }
   }
 
   const CollisionSurface& surface_;
+  const FeatureMultiplicities& multiplicities_;
   std::span<const Vector3<double>> x_;
   double reach2_;
   std::vector<Count> counts_;
@@ -100,16 +102,49 @@ Vector3<double> SurfacePoint::position(std::span<const Vector3<double>> x) const
   return weights[0] * x[nodes[0]] + weights[1] * x[nodes[1]] + weights[2] * x[nodes[2]];
 }
 
+FeatureMultiplicities::FeatureMultiplicities(const CollisionSurface& surface, const ContactSets& sets)
+    : num_edges_(surface.edges().size()), num_vertices_(surface.vertices().size()) {
+  const auto num_sets = static_cast<std::size_t>(sets.num_sets);
+  edges_.assign(num_sets * num_edges_, -1);
+  vertices_.assign(num_sets * num_vertices_, 1);
+  for (std::size_t set = 0; set < num_sets; ++set) {
+    const auto of_edge = std::span(edges_).subspan(set * num_edges_, num_edges_);
+    const auto of_vertex = std::span(vertices_).subspan(set * num_vertices_, num_vertices_);
+    for (const auto& triangle : surface.triangles()) {
+      if (!sets(static_cast<int>(set), triangle.group)) continue;
+      for (std::size_t k = 0; k < 3; ++k) {
+        ++of_edge[triangle.edges[k]];
+        --of_vertex[triangle.vertices[k]];
+      }
+    }
+    for (std::size_t edge = 0; edge < num_edges_; ++edge) {
+      if (of_edge[edge] < 0) continue;  // no triangle is seen here
+      for (const std::int32_t vertex : surface.edges()[edge].vertices) of_vertex[vertex] += of_edge[edge];
+    }
+  }
+}
+
 std::vector<SurfacePoint> surface_points(const CollisionSurface& surface, const ContactRule& rule) {
   std::vector<SurfacePoint> points;
-  const auto vertices = surface.vertices();
-  for (std::size_t n = 0; n < vertices.size() && rule.corner_weight > 0.0; ++n) {
-    // Their areas are thirds.
-    points.push_back({{static_cast<std::int32_t>(n)}, {1.0}, 1, 3.0 * rule.corner_weight * vertices[n].area});
+  if (rule.corner_weight > 0.0) {
+    for (const auto& triangle : surface.triangles()) {
+      for (const std::int32_t vertex : triangle.vertices) {
+        points.push_back({{vertex}, {1.0}, 1, triangle.group, rule.corner_weight * triangle.area});
+      }
+    }
+    const auto place = [](const SurfacePoint& point) { return std::pair(point.nodes[0], point.group); };
+    std::ranges::stable_sort(points, {}, place);
+    std::size_t kept = 0;
+    for (std::size_t n = 0; n < points.size();) {
+      SurfacePoint sum = points[n];
+      for (++n; n < points.size() && place(points[n]) == place(sum); ++n) sum.area += points[n].area;
+      points[kept++] = sum;
+    }
+    points.resize(kept);
   }
   for (const auto& triangle : surface.triangles()) {
     for (const RulePoint& inner : rule.inner_points) {
-      points.push_back({triangle.vertices, inner.barycentric, 3, inner.weight * triangle.area});
+      points.push_back({triangle.vertices, inner.barycentric, 3, triangle.group, inner.weight * triangle.area});
     }
   }
   return points;
@@ -133,15 +168,16 @@ std::vector<BoxPair> point_candidates(const CollisionSurface& surface, std::span
   });
 }
 
-std::vector<PointPair> point_pairs(const CollisionSurface& surface, std::span<const SurfacePoint> points,
-                                   std::span<const BoxPair> candidates, std::span<const Vector3<double>> x,
-                                   double reach) {
+std::vector<PointPair> point_pairs(const CollisionSurface& surface, const FeatureMultiplicities& multiplicities,
+                                   std::span<const SurfacePoint> points, std::span<const BoxPair> candidates,
+                                   std::span<const Vector3<double>> x, double reach) {
   std::vector<PointPair> pairs;
-  FeatureCounter counter(surface, x, reach);
+  FeatureCounter counter(surface, multiplicities, x, reach);
   for (std::size_t begin = 0, end = 0; begin < candidates.size(); begin = end) {
     const std::int32_t point = candidates[begin].first;
     while (end < candidates.size() && candidates[end].first == point) ++end;
-    for (const Count& count : counter.count(points[point].position(x), candidates.subspan(begin, end - begin))) {
+    const auto near = candidates.subspan(begin, end - begin);
+    for (const Count& count : counter.count(points[point].position(x), points[point].group, near)) {
       pairs.push_back({point, count.feature, count.kind, count.number});
     }
   }

@@ -3,16 +3,20 @@
 ///     W = sum_p A_p / 2 [sum_T U(d(p, T)) - sum_e m_e U(d(p, e)) + sum_v m_v U(d(p, v))]
 ///         + edge_share sum_(a,b) (A_a + A_b) / 4 m U(d(a, b))
 ///
-/// over the points p of a rule on the surface with areas A_p, each of which sees the triangles near it, less their
-/// inner edges, plus their inner vertices (the multiplicities m_e, m_v of CollisionSurface): where the surface is flat
-/// this is U of the distance of its plane, whatever the triangulation (Li et al. 2023, Convergent Incremental Potential
-/// Contact, section 4). Each side contributes one half. Corners are points of the rule, and pairs of edges have a part
-/// of their own, faded out by m as they become parallel: with a barrier no vertex passes a triangle and no edge
-/// another. Only the first sum makes a uniform pressure, the second adds to it where edges cross: edge_share is to be
-/// small.
+/// over the points p of a rule on the surface with areas A_p, each of which sees the triangles within reach, less their
+/// inner edges, plus their inner vertices. With the multiplicities m_e = (triangles at e) - 1 and m_v = 1 - (triangles
+/// at v) + sum of m_e over the edges at v, every place of the surface counts exactly once (inclusion-exclusion): on a
+/// closed surface m_e = m_v = 1, on the boundary of an open one 0. Where the surface is flat, the sum is U of the
+/// distance of its plane, whatever the triangulation (Li et al. 2023, Convergent Incremental Potential Contact,
+/// section 4). A point does not see the triangles of which it is a part, which count in m nevertheless: what is left of
+/// the triangles around them cancels, so that a flat surface does not feel itself. Each side contributes one half.
+/// Corners are points of the rule, and pairs of edges have a part of their own, faded out by m as they become parallel:
+/// with a barrier no vertex passes a triangle and no edge another. Only the first sum makes a uniform pressure; the
+/// second adds to it where edges cross, so that edge_share should be small.
 ///
 /// Features on which a triangle, its edges and vertices agree are counted first, as whole numbers, and kept where the
-/// count is not zero: over a flat surface one pair per point, so that nothing cancels in rounding.
+/// count is not zero: over a flat surface one pair per point, so that nothing cancels in rounding. The counts of a
+/// feature are complete if all triangles at the feature are among the candidates, whatever else is missing.
 ///
 /// Rank-local. Positions `x` [m] are of the vertices of the surface.
 #pragma once
@@ -42,17 +46,44 @@ struct ContactRule {
 /// The corners and the centre, exact for quadratic functions: 1/12 each, and 3/4.
 ContactRule quadratic_contact_rule();
 
-/// A vertex (num_nodes 1) or a point inside a triangle (3).
+/// Which groups of triangles (SurfaceTriangle::group) may touch: a symmetric matrix by rows.
+struct ContactSets {
+  int num_sets = 1;
+  std::vector<char> may_touch{1};
+
+  bool operator()(int set, int other) const { return may_touch[num_sets * set + other] != 0; }
+};
+
+/// The multiplicities m_e, m_v of edges and vertices for the points of each group, which see those of the triangles
+/// that their group may touch.
+class FeatureMultiplicities {
+ public:
+  FeatureMultiplicities() = default;
+  FeatureMultiplicities(const CollisionSurface& surface, const ContactSets& sets);
+
+  std::int32_t edge(std::int32_t group, std::int32_t edge) const { return edges_[group * num_edges_ + edge]; }
+  std::int32_t vertex(std::int32_t group, std::int32_t vertex) const {
+    return vertices_[group * num_vertices_ + vertex];
+  }
+
+ private:
+  std::size_t num_edges_ = 0, num_vertices_ = 0;
+  std::vector<std::int16_t> edges_, vertices_;  // of each group, one after another
+};
+
+/// A vertex (num_nodes 1) or a point inside a triangle (3), as a point of the triangles of one group.
 struct SurfacePoint {
   std::array<std::int32_t, 3> nodes{};
   std::array<double, 3> weights{};
   int num_nodes = 0;
+  std::int32_t group = 0;
   double area = 0.0;  ///< A_p [m^2]
 
   Vector3<double> position(std::span<const Vector3<double>> x) const;
 };
 
-/// The vertices, in their order, then the inner points of the triangles in theirs. Those of zero weight are left out.
+/// The vertices, in their order, and those of several groups once for each; then the inner points of the triangles in
+/// theirs. Those of zero weight are left out.
 std::vector<SurfacePoint> surface_points(const CollisionSurface& surface, const ContactRule& rule);
 
 /// Points (first) and triangles (second) within `distance` [m] whose nodes are not the same, sorted.
@@ -80,16 +111,16 @@ struct ContactPairs {
 };
 
 /// What is nearer than `reach` [m], of candidates within at least that distance.
-std::vector<PointPair> point_pairs(const CollisionSurface& surface, std::span<const SurfacePoint> points,
-                                   std::span<const BoxPair> candidates, std::span<const Vector3<double>> x,
-                                   double reach);
+std::vector<PointPair> point_pairs(const CollisionSurface& surface, const FeatureMultiplicities& multiplicities,
+                                   std::span<const SurfacePoint> points, std::span<const BoxPair> candidates,
+                                   std::span<const Vector3<double>> x, double reach);
 std::vector<EdgePair> edge_pairs(const CollisionSurface& surface, std::span<const BoxPair> candidates,
                                  std::span<const Vector3<double>> x, double reach, double edge_share);
 
 /// How much of the potential's derivatives is wanted.
 enum class ContactOrder { gradient, hessian, semidefinite_hessian };
 
-// Evaluation. `law(d)` is a DistanceResponse. Returns W [J] and calls add_force(vertex, dW/dx) and
+// Evaluation. `law(body, body, d)` is a DistanceResponse. Returns W [J] and calls add_force(vertex, dW/dx) and
 // add_block(vertex, vertex, d2W/dx dx), the latter where the order has it, for all vertices of all pairs, in their
 // order.
 
@@ -103,6 +134,15 @@ double add_edge_pairs(const CollisionSurface& surface, std::span<const EdgePair>
                       const AddBlock& add_block);
 
 // ---------------------------------------------------------------------------------------------------------------------
+
+/// The vertices of a pair's feature; the first is the one of the lowest key.
+inline std::int32_t first_vertex(const CollisionSurface& surface, const PointPair& pair) {
+  if (pair.kind == FeatureKind::face) return surface.triangles()[pair.feature].vertices[0];
+  return pair.kind == FeatureKind::edge ? surface.edges()[pair.feature].vertices[0] : pair.feature;
+}
+inline std::int32_t body_of(const CollisionSurface& surface, const PointPair& pair) {
+  return surface.vertices()[first_vertex(surface, pair)].body;
+}
 
 /// One pair: `nodes` and where they are.
 template <int N>
@@ -168,7 +208,8 @@ double add_point_pairs(const CollisionSurface& surface, std::span<const SurfaceP
     }
     for (int n = 0; n < A + B; ++n) at.x[n] = x[at.nodes[n]];
     const auto closest = separation<A + B>(point_feature_stencil<A, B>(point.weights, simple), at.x);
-    const auto U = expand_to(order, closest, law(closest.distance), pair.multiplicity < 0);
+    const auto response = law(surface.vertices()[point.nodes[0]].body, body_of(surface, pair), closest.distance);
+    const auto U = expand_to(order, closest, response, pair.multiplicity < 0);
     const double weight = 0.5 * point.area * pair.multiplicity;
     total += weight * U.value;
     scatter<A + B>(U, weight, at.nodes, order, add_force, add_block);
@@ -211,7 +252,8 @@ double add_edge_pairs(const CollisionSurface& surface, std::span<const EdgePair>
     const bool is_mollified = m < 1.0;
     const ContactOrder inner =
         is_mollified && order == ContactOrder::semidefinite_hessian ? ContactOrder::hessian : order;
-    Expansion<4> U = expand_to(inner, closest, law(closest.distance), false);
+    const auto response = law(surface.edges()[pair.a].body, surface.edges()[pair.b].body, closest.distance);
+    Expansion<4> U = expand_to(inner, closest, response, false);
     if (is_mollified) {
       U = product(edge_edge_mollifier(at.x, pair.threshold), U);
       if (order == ContactOrder::semidefinite_hessian) project_to_positive_semidefinite(U);

@@ -61,23 +61,18 @@ CollisionSurface::CollisionSurface(std::span<const SurfaceVertex> vertices,
   }
   std::ranges::sort(edges_, {}, &Edge::vertices);
   edges_.erase(std::ranges::unique(edges_, {}, &Edge::vertices).begin(), edges_.end());
-  for (Edge& edge : edges_) edge.multiplicity = -1;
-  for (Vertex& vertex : vertices_) vertex.multiplicity = 1;
   for (Triangle& triangle : triangles_) {
     for (int k = 0; k < 3; ++k) {
       const auto [low, high] = std::minmax(triangle.vertices[k], triangle.vertices[(k + 1) % 3]);
       const auto place = std::ranges::lower_bound(edges_, std::array{low, high}, {}, &Edge::vertices);
       triangle.edges[k] = static_cast<std::int32_t>(place - edges_.begin());
       place->area += triangle.area / 3.0;
-      ++place->multiplicity;
       Vertex& vertex = vertices_[triangle.vertices[k]];
       vertex.area += triangle.area / 3.0;
       vertex.body = triangle.body;
-      --vertex.multiplicity;
     }
   }
   for (const Edge& edge : edges_) {
-    for (const std::int32_t vertex : edge.vertices) vertices_[vertex].multiplicity += edge.multiplicity;
     longest_edge_ =
         std::max(longest_edge_, norm(rest_positions_[edge.vertices[1]] - rest_positions_[edge.vertices[0]]));
   }

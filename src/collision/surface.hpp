@@ -33,17 +33,12 @@ class CollisionSurface {
   struct Vertex {
     VertexKey key = 0;
     std::int32_t body = 0;
-    double area = 0.0;              ///< a third of its triangles' [m^2]
-    std::int32_t multiplicity = 0;  ///< see `Edge`
+    double area = 0.0;  ///< a third of that of its triangles [m^2]
   };
-  /// For a point near a surface each triangle that contains the closest place speaks once. Counted with multiplicities,
-  /// sum over triangles - sum over edges + sum over vertices, each place speaks once in all (Li et al. 2023, Convergent
-  /// Incremental Potential Contact, section 4, for closed surfaces: there it is 1 inside and 0 on the boundary).
   struct Edge {
     std::array<std::int32_t, 2> vertices{};  ///< in the order of their keys
     std::int32_t body = 0;
-    double area = 0.0;              ///< a third of its triangles' [m^2]
-    std::int32_t multiplicity = 0;  ///< its triangles, less one
+    double area = 0.0;  ///< a third of that of its triangles [m^2]
   };
   struct Triangle {
     std::array<std::int32_t, 3> vertices{};  ///< the one of the least key first, in the order given

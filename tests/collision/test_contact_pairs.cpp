@@ -27,18 +27,23 @@ Response penalty_law(double d) {
 /// The whole way from positions to the potential.
 struct Contact {
   CollisionSurface surface;
+  FeatureMultiplicities multiplicities;
   std::vector<SurfacePoint> points;
   double edge_share = 0.0;
   Response (*law)(double) = barrier_law;
 
   Contact(const SurfaceInput& input, const ContactRule& rule, double share = 0.0)
-      : surface(input.surface()), points(surface_points(surface, rule)), edge_share(share) {}
+
+      : surface(input.surface()),
+        multiplicities(surface, {}),
+        points(surface_points(surface, rule)),
+        edge_share(share) {}
 
   std::vector<Vector3<double>> rest() const {
     return {surface.rest_positions().begin(), surface.rest_positions().end()};
   }
   ContactPairs pairs(std::span<const Vector3<double>> x) const {
-    return {point_pairs(surface, points, point_candidates(surface, points, x, reach), x, reach),
+    return {point_pairs(surface, multiplicities, points, point_candidates(surface, points, x, reach), x, reach),
             edge_share > 0.0 ? edge_pairs(surface, find_candidates(surface, x, reach).edge_edge, x, reach, edge_share)
                              : std::vector<EdgePair>{}};
   }
@@ -48,8 +53,9 @@ struct Contact {
     forces.assign(x.size(), {});
     const auto add = [&](std::int32_t v, const Vector3<double>& f) { forces[v] = forces[v] + f; };
     const ContactPairs near = pairs(x);
-    return add_point_pairs(surface, points, near.points, x, law, order, add, add_block) +
-           add_edge_pairs(surface, near.edges, x, law, order, add, add_block);
+    const auto law_of = [&](int, int, double d) { return law(d); };
+    return add_point_pairs(surface, points, near.points, x, law_of, order, add, add_block) +
+           add_edge_pairs(surface, near.edges, x, law_of, order, add, add_block);
   }
   double gradient(std::span<const Vector3<double>> x, std::vector<Vector3<double>>& forces) const {
     return evaluate(x, ContactOrder::gradient, forces, [](auto...) {});
@@ -71,6 +77,33 @@ void place_probe(std::vector<Vector3<double>>& x, const Vector3<double>& tip) {
   const std::size_t first = x.size() - 4;
   const std::array<Vector3<double>, 4> shape{{{0, 0, 0}, {1, 0, 2}, {0, 1, 2}, {-1, -1, 2}}};
   for (std::size_t n = 0; n < 4; ++n) x[first + n] = tip + shape[n];
+}
+
+/// However the triangles at a vertex are connected: a point close to it, but to nothing else, sees it once.
+TEST(ContactPairs, EveryVertexCountsOnce) {
+  SurfaceInput fins = patch(3, 0.0, 0, 0, 2);
+  fins.vertices.push_back({100, {0.5, 0.5, 1}});
+  fins.vertices.push_back({101, {0.3, 0.9, 1}});
+  fins.triangles.push_back({{0, 1, 100}, 0, 0});     // a third triangle at an edge of the boundary
+  fins.triangles.push_back({{5, 6, 100}, 0, 0});     // and at an inner edge
+  fins.triangles.push_back({{10, 101, 100}, 0, 0});  // one connected by two vertices
+  const Contact contact = probe_over(fins);
+  auto x = contact.rest();
+  const auto tip = static_cast<std::int32_t>(x.size() - 4);
+  for (std::int32_t v = 0; v < tip; ++v) {
+    place_probe(x, x[v] + Vector3<double>{0.3e-6, 0.2e-6, 0.1e-6});
+    std::vector<BoxPair> candidates;
+    for (std::size_t t = 0; t < contact.surface.triangles().size(); ++t) {
+      if (!contact.surface.is_incident(contact.surface.triangles()[t], tip))
+        candidates.push_back({tip, static_cast<std::int32_t>(t)});
+    }
+    int count = 0;
+    for (const PointPair& pair :
+         point_pairs(contact.surface, contact.multiplicities, contact.points, candidates, x, 1e-6)) {
+      count += pair.multiplicity;
+    }
+    EXPECT_EQ(count, 1) << v;
+  }
 }
 
 TEST(ContactPairs, PointSlidesOverAFlatSurfaceAsOverAPlane) {

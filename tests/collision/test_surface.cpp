@@ -19,54 +19,11 @@ TEST(Surface, OfACube) {
   EXPECT_EQ(surface.edges().size(), 18U);
   EXPECT_EQ(surface.triangles().size(), 12U);
   double vertex_area = 0, edge_area = 0;
-  for (const auto& vertex : surface.vertices()) {
-    EXPECT_EQ(vertex.multiplicity, 1);  // closed
-    vertex_area += vertex.area;
-  }
-  for (const auto& edge : surface.edges()) {
-    EXPECT_EQ(edge.multiplicity, 1);
-    edge_area += edge.area;
-  }
+  for (const auto& vertex : surface.vertices()) vertex_area += vertex.area;
+  for (const auto& edge : surface.edges()) edge_area += edge.area;
   EXPECT_NEAR(vertex_area, 6.0, 1e-14);
   EXPECT_NEAR(edge_area, 6.0, 1e-14);
   EXPECT_NEAR(surface.longest_edge(), std::sqrt(2.0), 1e-15);
-}
-
-TEST(Surface, MultiplicitiesOfABoundaryAreZero) {
-  const auto surface = patch(4, 0.0, 10, 3, 1).surface();
-  const auto X = surface.rest_positions();
-  const auto is_inner = [&](const Vector3<double>& x) { return x[0] > 0 && x[0] < 1 && x[1] > 0 && x[1] < 1; };
-  int inner = 0;
-  for (std::size_t n = 0; n < surface.vertices().size(); ++n) {
-    EXPECT_EQ(surface.vertices()[n].multiplicity, is_inner(X[n]) ? 1 : 0);
-    EXPECT_EQ(surface.vertices()[n].body, 3);
-    inner += is_inner(X[n]) ? 1 : 0;
-  }
-  EXPECT_EQ(inner, 9);
-  for (const auto& edge : surface.edges()) {
-    EXPECT_EQ(edge.multiplicity, is_inner(0.5 * (X[edge.vertices[0]] + X[edge.vertices[1]])) ? 1 : 0);
-  }
-}
-
-/// Whatever hangs together how: at each vertex, triangles - edges + vertices counts 1.
-TEST(Surface, CountsEachPlaceOnce) {
-  SurfaceInput fins = patch(3, 0.0, 0, 0, 2);
-  fins.vertices.push_back({100, {0.5, 0.5, 1}});
-  fins.vertices.push_back({101, {0.3, 0.9, 1}});
-  fins.triangles.push_back({{0, 1, 100}, 0, 0});     // a third triangle on an edge of the boundary
-  fins.triangles.push_back({{5, 6, 100}, 0, 0});     // and of the inside
-  fins.triangles.push_back({{10, 101, 100}, 0, 0});  // one that hangs on two vertices
-  const auto surface = fins.surface();
-  std::vector<int> count(surface.vertices().size());
-  for (std::size_t n = 0; n < count.size(); ++n) count[n] = surface.vertices()[n].multiplicity;
-  for (const auto& triangle : surface.triangles()) {
-    for (const auto vertex : triangle.vertices) ++count[vertex];
-  }
-  for (const auto& edge : surface.edges()) {
-    for (const auto vertex : edge.vertices) count[vertex] -= edge.multiplicity;
-  }
-  for (const int c : count) EXPECT_EQ(c, 1);
-  EXPECT_EQ(std::ranges::count(surface.edges(), 2, &CollisionSurface::Edge::multiplicity), 1);
 }
 
 TEST(Surface, DoesNotDependOnTheOrderOfItsInput) {

@@ -1,0 +1,263 @@
+#include "energy/contact/body_contact.hpp"
+
+#include "collision/ccd.hpp"
+#include "collision/closest_points.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace pliant {
+namespace {
+
+/// Share of the edge-edge part in the potential: small, because it is added to a pressure that is already complete.
+constexpr double edge_share = 0.05;
+/// Part of a gap that a step leaves at the least.
+constexpr double kept_gap = 0.1;
+
+}  // namespace
+
+double BodyContactLaws::reach() const {
+  double reach = 0.0;
+  for (const NormalLaw& law : of_bodies) reach = std::max(reach, law.reach());
+  return reach;
+}
+
+/// Pairs that may touch, and the vertices of the collision surface as a rank sees them: those of triangles that are not
+/// near it have no meaning.
+struct BodyContact::Near {
+  std::vector<Vector3<double>> x, dx;  // positions, and displacements if there are any [m]
+  std::vector<PetscInt> nodes;         // local
+  std::vector<BoxPair> points;         // a point of the rule, a triangle
+  std::vector<BoxPair> edges;          // the first of the lower number
+};
+
+BodyContact::BodyContact(std::shared_ptr<const BodySurfaces> surfaces, ContactSets sets, BodyContactLaws laws)
+    : surfaces_(std::move(surfaces)), sets_(std::move(sets)), laws_(std::move(laws)) {
+  for (const NormalLaw& law : laws_.of_bodies) {
+    if (law.kind != NormalKind::barrier) throw std::invalid_argument("contact between bodies needs a barrier");
+  }
+  const CollisionSurface& surface = surfaces_->surface();
+  const ContactRule rule = quadratic_contact_rule();
+  multiplicities_ = FeatureMultiplicities(surface, sets_);
+  points_ = surface_points(surface, rule);
+  num_inner_points_ = rule.inner_points.size();
+  const auto corners = std::span(points_).first(points_.size() - num_inner_points_ * surface.triangles().size());
+  for (const auto& triangle : surface.triangles()) {
+    for (const std::int32_t vertex : triangle.vertices) {
+      const auto place = [](const SurfacePoint& point) { return std::pair(point.nodes[0], point.group); };
+      const auto point = std::ranges::lower_bound(corners, std::pair(vertex, triangle.group), {}, place);
+      point_of_corner_.push_back(static_cast<std::int32_t>(point - corners.begin()));
+    }
+  }
+}
+
+namespace {
+
+/// Bounds of a triangle, on its way if it moves.
+struct Bounds {
+  Vector3<double> low, high;
+
+  Bounds(const CollisionSurface::Triangle& triangle, std::span<const Vector3<double>> x,
+         std::span<const Vector3<double>> dx) {
+    low = high = x[triangle.vertices[0]];
+    for (const std::int32_t v : triangle.vertices) {
+      include(x[v]);
+      if (!dx.empty()) include(x[v] + dx[v]);
+    }
+  }
+  void include(const Vector3<double>& x) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      low[i] = std::min(low[i], x[i]);
+      high[i] = std::max(high[i], x[i]);
+    }
+  }
+  bool is_within(double distance, const Bounds& other) const {
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (low[i] > other.high[i] + distance || other.low[i] > high[i] + distance) return false;
+    }
+    return true;
+  }
+};
+
+/// Sorted and once each.
+void make_unique(std::vector<BoxPair>& pairs) {
+  std::ranges::sort(pairs);
+  pairs.erase(std::ranges::unique(pairs).begin(), pairs.end());
+}
+
+}  // namespace
+
+BodyContact::Near BodyContact::near_at(const NearPatches& near, std::span<const double> q,
+                                       std::span<const double> d) const {
+  const CollisionSurface& surface = surfaces_->surface();
+  const auto triangles = surface.triangles();
+  const std::size_t num_vertices = surface.vertices().size();
+  Near found;
+  found.x.resize(num_vertices);
+  if (!d.empty()) found.dx.resize(num_vertices);
+  found.nodes.assign(num_vertices, -1);
+  for (std::size_t patch = 0; patch < near.patches.size(); ++patch) {
+    const auto nodes = near.patches.nodes_of(patch);
+    const auto& vertices = triangles[near.patches.keys[patch]].vertices;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int32_t v = vertices[k];
+      const auto i = 3 * static_cast<std::size_t>(nodes[k]);
+      found.nodes[v] = nodes[k];
+      found.x[v] = near.position(nodes[k], q);
+      if (!d.empty()) found.dx[v] = {d[i], d[i + 1], d[i + 2]};
+    }
+  }
+  const double reach = laws_.reach();
+  const std::size_t first_inner_point = points_.size() - num_inner_points_ * triangles.size();
+  const auto number = [](std::size_t n) { return static_cast<std::int32_t>(n); };
+  // The points that the first triangle stands for, with the second.
+  const auto add_points = [&](std::size_t first, std::size_t second, bool is_incident) {
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t vertex = triangles[first].vertices[k];
+      if (surfaces_->stands_for_vertex(first, k) && !surface.is_incident(triangles[second], vertex)) {
+        found.points.push_back({point_of_corner_[3 * first + static_cast<std::size_t>(k)], number(second)});
+      }
+    }
+    for (std::size_t j = 0; !is_incident && j < num_inner_points_; ++j) {
+      found.points.push_back({number(first_inner_point + num_inner_points_ * first + j), number(second)});
+    }
+  };
+  for (const PatchPair& pair : near.pairs) {
+    const auto first = static_cast<std::size_t>(near.patches.keys[pair.first]);
+    const auto second = static_cast<std::size_t>(near.patches.keys[pair.second]);
+    const auto &a = triangles[first], &b = triangles[second];
+    if (!Bounds(a, found.x, found.dx).is_within(reach, Bounds(b, found.x, found.dx))) continue;
+    const bool is_incident = surface.is_incident(a, b);
+    add_points(first, second, is_incident);
+    add_points(second, first, is_incident);
+    for (int k = 0; k < 3; ++k) {
+      if (!surfaces_->stands_for_edge(first, k)) continue;
+      for (int l = 0; l < 3; ++l) {
+        if (!surfaces_->stands_for_edge(second, l)) continue;
+        const auto [low, high] = std::minmax(a.edges[k], b.edges[l]);
+        if (!surface.is_incident(surface.edges()[low], surface.edges()[high])) found.edges.push_back({low, high});
+      }
+    }
+  }
+  make_unique(found.points);
+  make_unique(found.edges);
+  return found;
+}
+
+ContactPairs BodyContact::pairs_of(const Near& near) const {
+  const CollisionSurface& surface = surfaces_->surface();
+  return {point_pairs(surface, multiplicities_, points_, near.points, near.x, laws_.reach()),
+          edge_pairs(surface, near.edges, near.x, laws_.reach(), edge_share)};
+}
+
+double BodyContact::energy(const NearPatches& near, std::span<const double> q) const {
+  const CollisionSurface& surface = surfaces_->surface();
+  const Near found = near_at(near, q);
+  ContactPairs pairs = pairs_of(found);
+  const auto is_counted_elsewhere = [&](std::int32_t vertex) { return !near.is_owned(found.nodes[vertex]); };
+  std::erase_if(pairs.points, [&](const PointPair& pair) { return is_counted_elsewhere(first_vertex(surface, pair)); });
+  std::erase_if(pairs.edges,
+                [&](const EdgePair& pair) { return is_counted_elsewhere(surface.edges()[pair.a].vertices[0]); });
+  const auto nothing = [](auto...) {};
+  return add_point_pairs(surface, points_, pairs.points, found.x, laws_, ContactOrder::gradient, nothing, nothing) +
+         add_edge_pairs(surface, pairs.edges, found.x, laws_, ContactOrder::gradient, nothing, nothing);
+}
+
+template <class AddForce, class AddBlock>
+void BodyContact::evaluate(const NearPatches& near, std::span<const double> q, ContactOrder order,
+                           const AddForce& add_force, const AddBlock& add_block) const {
+  const CollisionSurface& surface = surfaces_->surface();
+  const Near found = near_at(near, q);
+  const ContactPairs pairs = pairs_of(found);
+  const auto& nodes = found.nodes;
+  const auto force = [&](std::int32_t v, const Vector3<double>& f) {
+    if (near.is_owned(nodes[v])) add_force(nodes[v], f);
+  };
+  const auto block = [&](std::int32_t v, std::int32_t w, const Tensor3<double>& H) {
+    if (near.is_owned(nodes[v])) add_block(nodes[v], nodes[w], H);
+  };
+  add_point_pairs(surface, points_, pairs.points, found.x, laws_, order, force, block);
+  add_edge_pairs(surface, pairs.edges, found.x, laws_, order, force, block);
+}
+
+double BodyContact::value(const LocalStage& stage, std::span<const double> q) const {
+  return energy(*stage.near, q);
+}
+
+double BodyContact::energy_at(const Instant& at, std::span<const double> q, std::span<const double> /*z*/) const {
+  return energy(*at.near, q);
+}
+
+void BodyContact::add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const {
+  evaluate(
+      *stage.near, q, ContactOrder::gradient,
+      [&](PetscInt node, const Vector3<double>& f) {
+        for (PetscInt i = 0; i < 3; ++i) r[3 * node + i] += f[i];
+      },
+      [](auto...) {});
+}
+
+void BodyContact::add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
+                              Projection projection) const {
+  const auto order = projection == Projection::none ? ContactOrder::hessian : ContactOrder::semidefinite_hessian;
+  evaluate(
+      *stage.near, q, order, [](auto...) {},
+      [&](PetscInt row, PetscInt column, const Tensor3<double>& H) { K.add(row, column, H.a); });
+}
+
+double BodyContact::max_step(const LocalStage& stage, std::span<const double> q, std::span<const double> d) const {
+  const CollisionSurface& surface = surfaces_->surface();
+  const Near found = near_at(*stage.near, q, d);
+  double bound = 1.0;
+  const auto limit_by = [&](const auto& max_step, const std::array<std::int32_t, 4>& v, int body, int other) {
+    std::array<Vector3<double>, 4> x, dx;
+    for (std::size_t i = 0; i < 4; ++i) {
+      x[i] = found.x[v[i]];
+      dx[i] = found.dx[v[i]];
+    }
+    bound = std::min(bound, max_step(x, dx, Clearance{laws_.of(body, other).threshold, kept_gap}));
+  };
+  for (const BoxPair& pair : found.points) {
+    const SurfacePoint& point = points_[pair.first];
+    if (point.num_nodes > 1) continue;  // inside a triangle
+    const auto& triangle = surface.triangles()[pair.second];
+    const auto [a, b, c] = triangle.vertices;
+    limit_by(max_step_point_triangle, {point.nodes[0], a, b, c}, surface.vertices()[point.nodes[0]].body,
+             triangle.body);
+  }
+  for (const BoxPair& pair : found.edges) {
+    const auto &a = surface.edges()[pair.first], &b = surface.edges()[pair.second];
+    limit_by(max_step_edge_edge, {a.vertices[0], a.vertices[1], b.vertices[0], b.vertices[1]}, a.body, b.body);
+  }
+  return bound < 1.0 ? bound : std::numeric_limits<double>::infinity();
+}
+
+ContactGap BodyContact::gap(const NearPatches& near, std::span<const double> q) const {
+  const CollisionSurface& surface = surfaces_->surface();
+  const Near found = near_at(near, q);
+  ContactGap gap;
+  const auto include = [&](double squared_distance, int body, int other) {
+    gap.least = std::min(gap.least, std::sqrt(squared_distance) - laws_.of(body, other).threshold);
+  };
+  for (const BoxPair& pair : found.points) {
+    const auto& triangle = surface.triangles()[pair.second];
+    const auto [a, b, c] = triangle.vertices;
+    const std::array x{points_[pair.first].position(found.x), found.x[a], found.x[b], found.x[c]};
+    include(closest_point_triangle(x).squared_distance, surface.vertices()[points_[pair.first].nodes[0]].body,
+            triangle.body);
+  }
+  for (const BoxPair& pair : found.edges) {
+    const auto &a = surface.edges()[pair.first], &b = surface.edges()[pair.second];
+    const std::array x{found.x[a.vertices[0]], found.x[a.vertices[1]], found.x[b.vertices[0]], found.x[b.vertices[1]]};
+    include(closest_edge_edge(x).squared_distance, a.body, b.body);
+  }
+  std::int32_t last = -1;
+  for (const PointPair& pair : point_pairs(surface, multiplicities_, points_, found.points, found.x, laws_.reach())) {
+    const bool is_counted = near.is_owned(found.nodes[points_[pair.point].nodes[0]]);
+    if (is_counted && pair.point != last) gap.num_points += 1.0;
+    last = pair.point;
+  }
+  return gap;
+}
+
+}  // namespace pliant

@@ -1,0 +1,28 @@
+/// The term of contact between the bodies of a mesh.
+#pragma once
+
+#include "energy/contact/body_contact.hpp"
+#include "energy/solid.hpp"
+
+namespace pliant::test {
+
+/// All outer facets of a solid, those with x < `between` of body 0, the others of body 1.
+inline std::shared_ptr<const BodySurfaces> surfaces_of(const Solid& solid, double between) {
+  const FacetList facets = surface_facets(solid.mesh(), solid.layout(), [](const auto&) { return true; });
+  std::vector<FacetSide> sides;
+  for (PetscInt f = 0; f < facets.size(); ++f) {
+    const PetscInt node = facets.nodes[static_cast<std::size_t>(f * facets.nodes_per_facet)];
+    sides.push_back({solid.layout().position(node)[0] < between ? 0 : 1, 0});
+  }
+  return std::make_shared<const BodySurfaces>(solid.layout(), facets, sides);
+}
+
+/// Everything touches everything, with the same barrier.
+inline std::unique_ptr<BodyContact> contact_of(const Solid& solid, double between, double stiffness, double width,
+                                               double threshold = 0.0) {
+  const NormalLaw law{NormalKind::barrier, stiffness, width, threshold};
+  return std::make_unique<BodyContact>(surfaces_of(solid, between), ContactSets{},
+                                       BodyContactLaws{2, {law, law, law, law}});
+}
+
+}  // namespace pliant::test

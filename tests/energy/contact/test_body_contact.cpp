@@ -1,0 +1,197 @@
+// Contact of two bodies: derivatives, balance of forces, the same numbers on every number of ranks, and step bounds.
+#include "collision/candidates.hpp"
+#include "energy/body_contact.hpp"
+#include "energy/near_springs.hpp"
+#include "petsc/collective.hpp"
+
+#include <optional>
+
+namespace pliant::test_body_contact {
+namespace {
+
+using test::Point;
+using test::Scratch;
+using test::Solid;
+using test::TestStage;
+
+const MPI_Comm comm = MPI_COMM_WORLD;
+constexpr double gap = 0.3, width = 0.1, stiffness = 7e4, between = 1.0 + 0.5 * gap;
+
+/// The second body comes nearer, by `closer`, and is turned and shifted; both are strained from node to node.
+test::Field approach(double closer) {
+  return [closer](const Point& x) {
+    Point u;
+    for (int i = 0; i < 3; ++i) u[static_cast<std::size_t>(i)] = 0.01 * test::rough(x, i, 7);
+    if (x[0] > between) {
+      u[0] -= closer + 0.06 * (x[1] - 0.5) - 0.03 * x[2];
+      u[1] += 0.13;
+      u[2] -= 0.09;
+    }
+    return u;
+  };
+}
+
+struct TwoBodies {
+  TwoBodies(MPI_Comm of, const std::string& file, int order, double threshold = 0.0)
+      : solid(of, file, order, 2),
+        contact(test::contact_of(solid, between, stiffness, width - threshold, threshold)),
+        prescribed(solid.nothing_prescribed()) {
+    potential.emplace(solid.layout(), solid.pattern(), std::vector<const EnergyTerm*>{contact.get()}, prescribed);
+    stage.emplace(solid, 0.0, 0.1);
+    potential->begin_stage(stage->point);
+  }
+  Handle<Vec> product(Vec q, Vec d, Mat K, Projection projection = Projection::none) {
+    potential->hessian(q, K, projection);
+    Handle<Vec> y = potential->make_vector();
+    check(MatMult(K, d, y.get()));
+    return y;
+  }
+
+  Solid solid;
+  std::unique_ptr<BodyContact> contact;
+  std::vector<char> prescribed;
+  std::optional<IncrementalPotential> potential;
+  std::optional<TestStage> stage;
+};
+
+class BodyContactOf : public ::testing::TestWithParam<int> {
+ protected:
+  Scratch scratch_{comm};
+  std::string file_ = scratch_.file("two.msh", [](const std::string& f) { test::write_two_cubes(f, gap); });
+};
+
+INSTANTIATE_TEST_SUITE_P(Order, BodyContactOf, ::testing::Values(1, 2));
+
+TEST_P(BodyContactOf, DerivativesAreThoseOfTheEnergy) {
+  for (const double threshold : {0.0, 0.02}) {
+    TwoBodies bodies(comm, file_, GetParam(), threshold);
+    const Handle<Mat> K = bodies.potential->make_hessian();
+    const Handle<Vec> d = bodies.solid.vector(test::rough_field(1.0, 3));
+    const Handle<Vec> r = bodies.potential->make_vector(), before = bodies.potential->make_vector(),
+                      after = bodies.potential->make_vector();
+    for (const double closer : {0.2, 0.22, 0.18}) {
+      const Handle<Vec> q = bodies.solid.vector(approach(closer));
+      constexpr double h = 1e-7;
+      const Handle<Vec> ahead = test::moved(q.get(), h, d.get()), behind = test::moved(q.get(), -h, d.get());
+      bodies.potential->gradient(q.get(), r.get());
+      const double slope = test::dot(r.get(), d.get());
+      const double difference =
+          (bodies.potential->value(ahead.get()) - bodies.potential->value(behind.get())) / (2.0 * h);
+      EXPECT_NEAR(slope, difference, 1e-6 * test::norm(r.get())) << closer;
+      EXPECT_GT(test::norm(r.get()), 0.0);
+
+      const Handle<Vec> y = bodies.product(q.get(), d.get(), K.get());
+      bodies.potential->gradient(ahead.get(), after.get());
+      bodies.potential->gradient(behind.get(), before.get());
+      check(VecAXPY(after.get(), -1.0, before.get()));
+      check(VecScale(after.get(), 1.0 / (2.0 * h)));
+      EXPECT_LT(test::distance(y.get(), after.get()), 2e-6 * test::norm(y.get())) << closer;
+
+      // The projection changes the matrix, and leaves no negative curvature.
+      const Handle<Vec> z = bodies.product(q.get(), d.get(), K.get(), Projection::positive_semidefinite);
+      EXPECT_GT(test::distance(y.get(), z.get()), 1e-8 * test::norm(y.get()));
+      for (int seed = 10; seed < 30; ++seed) {
+        const Handle<Vec> e = bodies.solid.vector(test::rough_field(1.0, seed)), Ke = bodies.potential->make_vector();
+        check(MatMult(K.get(), e.get(), Ke.get()));
+        EXPECT_GE(test::dot(e.get(), Ke.get()), 0.0);
+      }
+    }
+  }
+}
+
+TEST_P(BodyContactOf, ForcesAndTheirMomentsBalance) {
+  TwoBodies bodies(comm, file_, GetParam());
+  const Handle<Vec> r = bodies.potential->make_vector();
+  for (const double closer : {0.2, 0.22}) {
+    const Handle<Vec> q = bodies.solid.vector(approach(closer));
+    bodies.potential->gradient(q.get(), r.get());
+    const auto total = test::resultant(bodies.solid, r.get(), q.get());
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(total.force[static_cast<std::size_t>(i)], 0.0, 1e-13 * test::norm(r.get()));
+      EXPECT_NEAR(total.moment[static_cast<std::size_t>(i)], 0.0, 1e-12 * test::norm(r.get()));
+    }
+  }
+}
+
+// A rank alone has all surfaces; with more of them the interface lies across the cut.
+TEST_P(BodyContactOf, NumbersAreThoseOfOneRank) {
+  TwoBodies many(comm, file_, GetParam()), alone(MPI_COMM_SELF, file_, GetParam());
+  const Handle<Mat> K = many.potential->make_hessian(), K_alone = alone.potential->make_hessian();
+  const auto numbers_of = [](TwoBodies& bodies, Mat hessian, double closer) {
+    const Handle<Vec> q = bodies.solid.vector(approach(closer)), d = bodies.solid.vector(test::rough_field(1.0, 5)),
+                      e = bodies.solid.vector(test::rough_field(1.0, 6)), r = bodies.potential->make_vector();
+    std::vector<double> numbers{bodies.potential->value(q.get())};
+    bodies.potential->gradient(q.get(), r.get());
+    numbers.push_back(test::dot(r.get(), d.get()));
+    numbers.push_back(test::norm(r.get()));
+    for (const Projection projection : {Projection::none, Projection::positive_semidefinite}) {
+      const Handle<Vec> y = bodies.product(q.get(), d.get(), hessian, projection);
+      numbers.push_back(test::dot(y.get(), e.get()));
+      numbers.push_back(test::norm(y.get()));
+    }
+    numbers.push_back(bodies.potential->energies({}, q.get(), nullptr)[0]);
+    const Handle<Vec> way = bodies.solid.vector([](const Point& x) {
+      return Point{x[0] > between ? -0.5 : 0.0, 0, 0};
+    });
+    numbers.push_back(bodies.potential->max_step(q.get(), way.get()));
+    return numbers;
+  };
+  for (const double closer : {0.2, -1.0, 0.18, 0.22}) {
+    const auto here = numbers_of(many, K.get(), closer), there = numbers_of(alone, K_alone.get(), closer);
+    EXPECT_EQ(there[0] > 0.0, closer > 0.0) << closer;
+    for (std::size_t i = 0; i < here.size(); ++i) {
+      if (std::isfinite(there[i])) {
+        EXPECT_NEAR(here[i], there[i], 1e-11 * std::abs(there[i]) + 1e-11) << closer << " " << i;
+      } else {
+        EXPECT_EQ(here[i], there[i]);
+      }
+    }
+  }
+}
+
+/// The surface of both bodies at q, on a rank alone.
+std::vector<BoxPair> intersections(const Solid& solid, Vec q) {
+  const auto surfaces = test::surfaces_of(solid, between);
+  const CollisionSurface& surface = surfaces->surface();
+  const ArrayView entries(q);
+  std::vector<Vector3<double>> x(surface.rest_positions().begin(), surface.rest_positions().end());
+  for (std::size_t v = 0; v < x.size(); ++v) {
+    for (std::size_t i = 0; i < 3; ++i) x[v][i] += entries[3 * surface.vertices()[v].key + static_cast<PetscInt>(i)];
+  }
+  return find_intersections(surface, x);
+}
+
+// The longest step that is allowed ends before bodies meet, however far beyond the direction leads.
+TEST_P(BodyContactOf, StepsEndBeforeBodiesMeet) {
+  TwoBodies bodies(MPI_COMM_SELF, file_, GetParam());
+  const Handle<Vec> q = bodies.solid.vector(approach(0.1));
+  for (const double length : {0.3, 0.6, 2.0}) {
+    for (int seed = 0; seed < 5; ++seed) {
+      const Handle<Vec> d = bodies.solid.vector([&](const Point& x) {
+        Point way;
+        for (int i = 0; i < 3; ++i) way[static_cast<std::size_t>(i)] = 0.2 * test::rough(x, i, seed);
+        way[0] += x[0] > between ? -length : 0.0;
+        return way;
+      });
+      const double alpha = bodies.potential->max_step(q.get(), d.get());
+      ASSERT_LT(alpha, 1.0);
+      ASSERT_GT(alpha, 0.0);
+      const Handle<Vec> end = test::moved(q.get(), alpha, d.get()), beyond = test::moved(q.get(), 1.0, d.get());
+      EXPECT_TRUE(intersections(bodies.solid, end.get()).empty());
+      EXPECT_TRUE(std::isfinite(bodies.potential->value(end.get())));
+      if (length < 1.0) {
+        EXPECT_FALSE(intersections(bodies.solid, beyond.get()).empty());
+      }
+    }
+  }
+}
+
+TEST(BodyContact, RefusesAPenalty) {
+  Scratch scratch(comm);
+  const std::string file = scratch.file("two.msh", [](const std::string& f) { test::write_two_cubes(f, gap); });
+  const Solid solid(comm, file, 1, 2);
+  EXPECT_THROW(BodyContact(test::surfaces_of(solid, between), {}, {1, {NormalLaw{}}}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace pliant::test_body_contact
