@@ -21,7 +21,7 @@ LAYERS = {
     "solver": "energy time petsc base",
     "io": "fem mesh time petsc base",
     "input": "material time petsc base",
-    "model": "input solver energy time fem mesh material petsc base",
+    "model": "input solver energy time fem mesh collision material petsc base",
     "run": "model input io solver energy time fem mesh material petsc base",
     "study": "run model input io solver energy time fem mesh material petsc base",
     "command": "study run model input io solver energy time fem mesh material petsc base",

@@ -60,21 +60,27 @@ Candidates find_candidates(const CollisionSurface& surface, std::span<const Vect
   return BroadPhase(surface, x, x, distance).candidates(surface);
 }
 
-double width_cap(const CollisionSurface& surface, double width) {
-  const auto X = surface.rest_positions();
-  const Candidates candidates = find_candidates(surface, X, 2.0 * width);
-  double least2 = 4.0 * width * width;
+std::vector<double> least_distances(const CollisionSurface& surface, std::span<const Vector3<double>> x, int num_bodies,
+                                    double distance) {
+  const auto n = static_cast<std::size_t>(num_bodies);
+  std::vector<double> squares(n * n, distance * distance);
+  const auto lower = [&](int body, int other, double square) {
+    for (double* entry : {&squares[n * body + other], &squares[n * other + body]}) *entry = std::min(*entry, square);
+  };
+  const Candidates candidates = find_candidates(surface, x, distance);
   for (const BoxPair& pair : candidates.point_triangle) {
-    const auto& t = surface.triangles()[pair.second].vertices;
-    const std::array<Vector3<double>, 4> x{X[pair.first], X[t[0]], X[t[1]], X[t[2]]};
-    least2 = std::min(least2, closest_point_triangle(x).squared_distance);
+    const auto& triangle = surface.triangles()[pair.second];
+    const auto [a, b, c] = triangle.vertices;
+    lower(surface.vertices()[pair.first].body, triangle.body,
+          closest_point_triangle(std::array{x[pair.first], x[a], x[b], x[c]}).squared_distance);
   }
   for (const BoxPair& pair : candidates.edge_edge) {
-    const auto &a = surface.edges()[pair.first].vertices, &b = surface.edges()[pair.second].vertices;
-    const std::array<Vector3<double>, 4> x{X[a[0]], X[a[1]], X[b[0]], X[b[1]]};
-    least2 = std::min(least2, closest_edge_edge(x).squared_distance);
+    const auto &a = surface.edges()[pair.first], &b = surface.edges()[pair.second];
+    const std::array ends{x[a.vertices[0]], x[a.vertices[1]], x[b.vertices[0]], x[b.vertices[1]]};
+    lower(a.body, b.body, closest_edge_edge(ends).squared_distance);
   }
-  return 0.5 * std::sqrt(least2);
+  for (double& entry : squares) entry = std::sqrt(entry);
+  return squares;
 }
 
 std::vector<BoxPair> find_intersections(const CollisionSurface& surface, std::span<const Vector3<double>> x) {

@@ -41,9 +41,10 @@ class BroadPhase {
 /// The same for positions at one time.
 Candidates find_candidates(const CollisionSurface& surface, std::span<const Vector3<double>> x, double distance);
 
-/// Half the least distance at rest between parts that share no vertex, and at most `width` [m]: with this width nothing
-/// is felt at rest, near edges and in narrow gaps. Searches all pairs within 2 `width` of each other.
-double width_cap(const CollisionSurface& surface, double width);
+/// The least distances between parts of bodies that share no vertex [m], and at most `distance`: a symmetric matrix by
+/// rows of all bodies (SurfaceTriangle::body).
+std::vector<double> least_distances(const CollisionSurface& surface, std::span<const Vector3<double>> x, int num_bodies,
+                                    double distance);
 
 /// All edges (first) that meet a triangle (second) that they are not adjacent to, in exact arithmetic: empty if and
 /// only if nothing passes through anything.

@@ -149,6 +149,35 @@ void check_names(const Config& config, const InputNode& root, Diagnostics& diagn
   check_unique(config.output.fields, places, "field", diagnostics);
 }
 
+void check_barrier(const Config& config, const InputNode& contact, Diagnostics& diagnostics) {
+  const InputNode* law = given(contact, {"law"});
+  if (config.contact->pressure.law != NormalKind::barrier || law == nullptr) return;
+  if (!is_known(config.time.method) || analysis_of(config) != Analysis::dynamic) return;
+  if (const Method* own = method_of(config.time); own != nullptr && own->stiffly_accurate) return;
+  diagnostics.add(law->where,
+                  "a barrier needs a stiffly accurate method, whose steps end with their last stage; with '" +
+                      method_name(config.time.method) +
+                      "' a body could end beyond the barrier: choose backward-euler, bdf2, bdf3, dirk22 or dirk33, or "
+                      "'law: penalty'");
+}
+
+void check_pairs(const ContactConfig& config, const InputNode& contact, Diagnostics& diagnostics) {
+  const InputNode *pairs = given(contact, {"pairs"}), *exclude = given(contact, {"exclude"});
+  if (pairs == nullptr && given(contact, {"obstacles"}) == nullptr) {
+    diagnostics.add(contact.where,
+                    "'contact' needs 'pairs' (`pairs: all`: bodies touch each other and themselves), 'obstacles' or "
+                    "both");
+  }
+  if (pairs == nullptr && exclude != nullptr) {
+    diagnostics.add(exclude->where, "'exclude' needs 'pairs', from which it takes some");
+  }
+  if (pairs != nullptr && config.pressure.law != NormalKind::barrier) {
+    diagnostics.add(pairs->where,
+                    "contact between bodies needs the barrier, which keeps them apart; write 'law: barrier' "
+                    "in 'contact'");
+  }
+}
+
 void check_contact(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   const InputNode* contact = given(root, {"contact"});
   if (!config.contact) {
@@ -160,6 +189,8 @@ void check_contact(const Config& config, const InputNode& root, Diagnostics& dia
     }
     return;
   }
+  check_barrier(config, *contact, diagnostics);
+  check_pairs(*config.contact, *contact, diagnostics);
   const InputNode* obstacles = given(*contact, {"obstacles"});
   if (obstacles == nullptr || obstacles->kind != InputNode::Kind::list) return;
   std::vector<std::string> names;
@@ -181,16 +212,6 @@ void check_contact(const Config& config, const InputNode& root, Diagnostics& dia
     }
   }
   check_unique(names, places, "obstacle name", diagnostics);
-
-  const InputNode* law = given(*contact, {"law"});
-  if (config.contact->pressure.law != NormalKind::barrier || law == nullptr) return;
-  if (!is_known(config.time.method) || analysis_of(config) != Analysis::dynamic) return;
-  if (const Method* own = method_of(config.time); own != nullptr && own->stiffly_accurate) return;
-  diagnostics.add(law->where,
-                  "a barrier needs a stiffly accurate method, whose steps end with their last stage; with '" +
-                      method_name(config.time.method) +
-                      "' a body could end beyond the barrier: choose backward-euler, bdf2, bdf3, dirk22 or dirk33, or "
-                      "'law: penalty'");
 }
 
 void check_tolerances(const Config& config, const InputNode& root, Diagnostics& diagnostics) {

@@ -288,11 +288,31 @@ struct ObstacleConfig {
   Location where;
 };
 
+/// Two parts of the bodies that may touch, or one that may touch itself.
+struct ContactPairConfig {
+  Located<std::string> part;                 ///< a surface, or a volume, of which the outer surface counts
+  std::optional<Located<std::string>> with;  ///< likewise; empty: itself
+  std::optional<double> stiffness;           ///< [Pa/m]; default: that of the contact, or from material and mesh
+  std::optional<double> width;               ///< [m]; likewise
+  std::optional<double> thickness;           ///< distance at which the wall stands [m]; default: the threshold
+  Location where;
+};
+
+/// Which parts of the bodies may touch one another.
+struct ContactPairsConfig {
+  bool all = false;  ///< all outer surfaces, with each other and with themselves; then `list` is empty
+  std::vector<ContactPairConfig> list;
+
+  bool empty() const { return !all && list.empty(); }
+};
+
 struct ContactConfig {
   Selection part;  ///< facets that take part: surface, box, where, or all of the surface
   ContactPressureConfig pressure;
   FrictionUpdate friction_update = FrictionUpdate::iterated;
   double stick_velocity = 0;  ///< [m/s]
+  ContactPairsConfig pairs;
+  std::vector<std::array<Located<std::string>, 2>> exclude;  ///< surfaces or volumes that do not touch each other
   std::vector<ObstacleConfig> obstacles;
   Location where;
 };

@@ -4,6 +4,7 @@
 #include "fem/surface_distance.hpp"
 #include "input/analysis.hpp"
 #include "petsc/collective.hpp"
+#include "petsc/session.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -98,37 +99,6 @@ RigidMotion motion_of(const ObstacleConfig& o) {
   return motion;
 }
 
-/// The bodies of facets, found by the corners of the cells.
-class BodyOfFacets {
- public:
-  BodyOfFacets(const ContactBodies& bodies, const FacetList& facets) {
-    std::vector<char> is_on_facets(static_cast<std::size_t>(bodies.layout.num_local_nodes), 0);
-    for (const PetscInt node : facets.nodes) is_on_facets[node] = 1;
-    for (PetscInt c = 0; c < bodies.layout.num_local_cells; ++c) {
-      const auto nodes = bodies.layout.nodes_of_cell(c);
-      for (std::size_t left_out = 0; left_out < 4; ++left_out) {
-        Corners corners{};
-        for (std::size_t a = 0, i = 0; a < 4; ++a) {
-          if (a != left_out) corners[i++] = nodes[a];
-        }
-        if (!std::ranges::all_of(corners, [&](PetscInt a) { return is_on_facets[a] != 0; })) continue;
-        std::ranges::sort(corners);
-        bodies_.insert({corners, bodies.body_of_cell[c]});
-      }
-    }
-  }
-  int operator()(std::span<const PetscInt> nodes) const {
-    Corners corners{nodes[0], nodes[1], nodes[2]};
-    std::ranges::sort(corners);
-    const auto found = bodies_.find(corners);
-    return found == bodies_.end() ? -1 : found->second;
-  }
-
- private:
-  using Corners = std::array<PetscInt, 3>;
-  std::map<Corners, int> bodies_;
-};
-
 /// Area of the triangle of a facet's corners [m^2].
 double corner_area(const NodeLayout& layout, std::span<const PetscInt> nodes) {
   const auto X = layout.position(nodes[0]);
@@ -137,7 +107,7 @@ double corner_area(const NodeLayout& layout, std::span<const PetscInt> nodes) {
 
 }  // namespace
 
-Contacts::Contacts(const ContactConfig& config, const ContactBodies& bodies)
+Contacts::Contacts(const ContactConfig& config, const ContactBodies& bodies, std::vector<TouchingSurfaces> touching)
     : config_(config), layout_(bodies.layout), body_names_(bodies.names) {
   for (const auto& o : config.obstacles) {
     auto shape = std::visit(DistanceOf{layout_.comm, o.point}, o.shape);
@@ -145,7 +115,10 @@ Contacts::Contacts(const ContactConfig& config, const ContactBodies& bodies)
     obstacles_.push_back(std::make_shared<const Obstacle>(std::move(shape), motion_of(o)));
     widths_.push_back(width_of(o, *obstacles_.back()));
   }
-  add_surfaces(bodies);
+  if (!obstacles_.empty()) add_surfaces(bodies);
+  if (touching.empty()) return;
+  between_ = std::make_unique<BodyContacts>(config_, layout_, std::move(touching), body_names_, bodies.shear_moduli);
+  for (const Diagnostic& note : between_->description()) description_.push_back(note);
 }
 
 void Contacts::add_surfaces(const ContactBodies& bodies) {
@@ -154,11 +127,12 @@ void Contacts::add_surfaces(const ContactBodies& bodies) {
   std::vector<FacetList> facets(body_names_.size());
   for (FacetList& list : facets) list.nodes_per_facet = all.nodes_per_facet;
   surface_of_node_.assign(static_cast<std::size_t>(layout_.num_owned_nodes), -1);
-  const BodyOfFacets body_of(bodies, all);
+  const CellOfFacets cell_of(layout_, all);
   std::vector<double> area(body_names_.size(), 0.0), number(body_names_.size(), 0.0);
   for (PetscInt f = 0; f < all.size(); ++f) {
     const auto nodes = std::span(all.nodes).subspan(f * n, n);
-    const int body = body_of(nodes);
+    const auto cell = cell_of(nodes);
+    const int body = cell ? bodies.body_of_cell[*cell] : -1;
     const auto is_held = [&](PetscInt a) {
       return bodies.prescribed[3 * a] && bodies.prescribed[3 * a + 1] && bodies.prescribed[3 * a + 2];
     };
@@ -232,6 +206,7 @@ void Contacts::check_start(const Instant& at, std::span<const double> q) const {
                                           "allow; move one of them, or use 'law: penalty'",
                                           body_names_[body], o.name));
   }
+  if (between_) between_->check_start(q);
 }
 
 bool Contacts::is_within_bodies(const ObstacleConfig& o, const ObstacleFrame& frame,
@@ -283,7 +258,7 @@ std::vector<Diagnostic> Contacts::warnings_about_start(const Instant& at, const 
   const auto warn = [&](const Location& where, std::string message) {
     warnings.push_back({Severity::warning, where, std::move(message)});
   };
-  if (description_.empty()) {
+  if (description_.empty() && !obstacles_.empty()) {
     warn(
         config_.where,
         "nothing can touch the obstacles: constraints prescribe every displacement of the surface that may touch them");
@@ -330,6 +305,11 @@ Closeness Contacts::closeness(const Instant& at, std::span<const double> q) cons
       result.num_points += one.num_points;
     }
   }
+  if (between_) {
+    const Closeness one = between_->closeness(q);
+    result.gap = std::min(result.gap, one.gap);
+    if (rank(layout_.comm) == 0) result.num_points += one.num_points;
+  }
   return {minimum(layout_.comm, result.gap), sum(layout_.comm, result.num_points)};
 }
 
@@ -364,6 +344,7 @@ std::optional<std::string> Contacts::passage(const Instant& from, std::span<cons
 double Contacts::energy(const Instant& at, std::span<const double> q) const {
   double total = 0.0;
   for (const auto& pair : pairs_) total += pair.term->energy_at(at, q, {});
+  if (between_) total += between_->energy(q);
   return total;
 }
 
@@ -388,6 +369,12 @@ std::vector<NodalContact> Contacts::at_nodes(const Instant& at, double dt, std::
       const auto relative = vector_at(v, a) - frame.velocity(x);
       node.slip = relative - dot(relative, distance.n) * distance.n;
     }
+  }
+  if (!between_) return result;
+  const auto of_bodies = between_->at_nodes(q);
+  for (std::size_t a = 0; a < result.size(); ++a) {
+    result[a].gap = std::min(result[a].gap, of_bodies[a].gap);
+    result[a].pressure += of_bodies[a].pressure;
   }
   return result;
 }

@@ -1,10 +1,11 @@
-/// The obstacles of the input, and the terms of their contact with the bodies.
+/// The contact of the input: of the bodies with obstacles, and with one another.
 #pragma once
 
 #include "energy/contact/contact.hpp"
 #include "energy/contact/passage.hpp"
 #include "fem/layout.hpp"
 #include "input/config.hpp"
+#include "model/body_contacts.hpp"
 
 #include <memory>
 #include <optional>
@@ -41,13 +42,15 @@ struct NodalContact {
 class Contacts {
  public:
   /// The facets take part unless all their entries are prescribed. Collective.
-  Contacts(const ContactConfig& config, const ContactBodies& bodies);
+  Contacts(const ContactConfig& config, const ContactBodies& bodies, std::vector<TouchingSurfaces> touching);
 
   /// Makes the terms for the input's analysis: a static one has no velocity, so neither friction nor damping.
   /// Invalidates earlier results of terms() and groups(). Not collective.
   void prepare(const Config& config);
 
   std::span<const std::unique_ptr<EnergyTerm>> terms() const { return terms_; }
+  /// Contact of the bodies with one another; nullptr if the input has none.
+  const BodyContacts* between_bodies() const { return between_.get(); }
   /// Groups of the obstacles, in the order of the input, then, if there are several bodies, those of the pairs.
   const std::vector<ContactGroup>& groups() const { return groups_; }
   std::size_t num_obstacles() const { return obstacles_.size(); }
@@ -66,10 +69,10 @@ class Contacts {
   /// Warnings about surfaces that cannot touch anything, obstacles inside a body or narrower than the distance of its
   /// contact points, and bodies on which contact acts at the start. Collective.
   std::vector<Diagnostic> warnings_about_start(const Instant& at, const VectorExpression& displacement) const;
-  /// The energy of this rank's part of all contacts [J].
+  /// The energy of this rank's part of all contacts [J]. Collective.
   double energy(const Instant& at, std::span<const double> q) const;
   /// Contact at the owned nodes; nodes inside the bodies have only a gap. `dt`: the time over which velocities of
-  /// obstacles are averaged.
+  /// obstacles are averaged. Collective.
   std::vector<NodalContact> at_nodes(const Instant& at, double dt, std::span<const double> q,
                                      std::span<const double> v) const;
   /// Notes about what was derived from material and mesh.
@@ -99,6 +102,7 @@ class Contacts {
   std::vector<std::unique_ptr<EnergyTerm>> terms_;
   std::vector<Pair> pairs_;
   std::vector<ContactGroup> groups_;
+  std::unique_ptr<BodyContacts> between_;
   std::vector<Diagnostic> description_;
   bool has_inertia_ = false;
 };

@@ -182,7 +182,9 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
 
   LoadParts load_parts = find_loads(config, {layout_, *pattern_, body_of_cell_, densities_}, selections);
   FacetList touching;
+  std::vector<TouchingSurfaces> touching_each_other;
   if (config.contact) {
+    touching_each_other = find_touching_surfaces(*config.contact, layout_, body_of_cell_, selections);
     touching = selections.outer_facets(config.contact->part, config.contact->where, "where nothing can be touched");
   }
   constraints_ = std::make_unique<Constraints>(config, layout_, selections);
@@ -202,9 +204,10 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   loads_ = std::make_unique<Loads>(config, layout_, *pattern_, std::move(load_parts), constraints_->prescribed());
   require_finite(analysis_of(config) == Analysis::static_equilibrium ? config.time.end : 0.0);
   if (config.contact) {
-    contacts_ = std::make_unique<Contacts>(
-        *config.contact, ContactBodies{touching, layout_, *pattern_, body_of_cell_, body_names_, shear_moduli_,
-                                       constraints_->prescribed().flags()});
+    contacts_ = std::make_unique<Contacts>(*config.contact,
+                                           ContactBodies{touching, layout_, *pattern_, body_of_cell_, body_names_,
+                                                         shear_moduli_, constraints_->prescribed().flags()},
+                                           std::move(touching_each_other));
     include(contacts_->description());
   }
 
@@ -272,11 +275,15 @@ void Model::check_overlap(const Config& config) {
   overlaps_at_start_ = overlap.has_value();
   if (!overlap) return;
   const auto& [x, y, z] = overlap->at;
-  warn(config.mesh.file.where,
-       fmt::format("parts of the mesh that share no node overlap at the start, {:.3g} m deep at ({:.4g}, {:.4g}, "
-                   "{:.4g}): they pass through one another, because contact acts only between bodies and obstacles; "
-                   "move one of them, or join them in gmsh (BooleanFragments)",
-                   overlap->depth, x, y, z));
+  const std::string what = fmt::format(
+      "parts of the mesh that share no node overlap at the start, {:.3g} m deep at ({:.4g}, {:.4g}, {:.4g})",
+      overlap->depth, x, y, z);
+  if (contacts_ && contacts_->between_bodies() != nullptr) {
+    throw InputError(config.contact->where, what + ", and contact between bodies cannot part them; move one of them");
+  }
+  warn(config.mesh.file.where, what +
+                                   ": no contact between them is asked for; move one of them, join them in gmsh "
+                                   "(BooleanFragments), or let them touch (`contact: {law: barrier, pairs: all}`)");
 }
 
 void Model::prepare(const Config& config) {
@@ -296,6 +303,8 @@ void Model::prepare(const Config& config) {
   if (contacts_) {
     contacts_->prepare(config);
     for (const auto& term : contacts_->terms()) terms.push_back(term.get());
+    if (const BodyContacts* between = contacts_->between_bodies())
+      std::ranges::copy(between->terms(), std::back_inserter(terms));
   }
   for (const auto& term : additional_) terms.push_back(term.get());
   if (analysis == Analysis::dynamic && inertia_) terms.push_back(inertia_.get());

@@ -134,6 +134,12 @@ FacetList Selections::outer_facets(const Selection& part, const Location& where,
   return result;
 }
 
+bool Selections::has_group(Selection::Kind kind, const std::string& name) const {
+  return std::ranges::any_of(mesh_.groups, [&](const PhysicalGroup& group) {
+    return group.dimension == dimension(kind) && (group.name == name || std::to_string(group.tag) == name);
+  });
+}
+
 EdgeList Selections::edges(const Selection& part) {
   const PhysicalGroup* g = group(part);
   if (g == nullptr) return {};

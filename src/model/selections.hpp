@@ -20,6 +20,8 @@ class Selections {
   FacetList facets(const Selection& part);
   /// Facets of the outer surface only: facets inside the mesh are an error at `where`, with the reason. Collective.
   FacetList outer_facets(const Selection& part, const Location& where, const std::string& reason);
+  /// Whether the mesh has such a group. Not collective, and no error.
+  bool has_group(Selection::Kind kind, const std::string& name) const;
   /// Edges of a curve. Collective.
   EdgeList edges(const Selection& part);
   /// Per local cell the index of the part that contains it. Every cell must be in exactly one. Collective.

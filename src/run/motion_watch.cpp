@@ -192,9 +192,8 @@ std::optional<std::string> MotionWatch::look_for_passage(const StepRecord& recor
   overlap_is_known_ = true;
   const auto& [x, y, z] = overlap->at;
   return fmt::format(
-      "{}: at {} {} pass through one another, {:.3g} m deep at ({:.4g}, {:.4g}, {:.4g}): contact acts only between "
-      "bodies "
-      "and obstacles; make one of them an obstacle, or keep them apart",
+      "{}: at {} {} pass through one another, {:.3g} m deep at ({:.4g}, {:.4g}, {:.4g}): no contact "
+      "between them is asked for; 'contact: {{law: barrier, pairs: all}}' keeps bodies apart",
       to_string(mesh_), instant(record.time), names_of(overlap->of, overlap->in), overlap->depth, x, y, z);
 }
 

@@ -47,16 +47,20 @@ void GuessSearch::remember(Vec solution) {
   check(VecCopy(solution, last_.get()));
 }
 
-void GuessSearch::stop_short_of_walls(Vec accepted, Vec candidate) {
-  if (accepted == nullptr) return;
+bool GuessSearch::stop_short_of_walls(Vec accepted, Vec candidate) {
+  if (accepted == nullptr) return true;
   Vec displacement = correction_.get();
   check(VecWAXPY(displacement, -1.0, accepted, candidate));
   const double bound = inversion_margin * equation_.max_step_to_wall(accepted, displacement);
   // If a wall has moved onto the accepted state, no displacement is possible; the guess is then judged by its value.
-  if (!(bound > 0.0 && bound < 1.0)) return;
+  if (!(bound > 0.0 && bound < 1.0)) return true;
   ++statistics_.capped_steps;
   check(VecWAXPY(r_.get(), bound, displacement, accepted));
   copy_entries(r_.get(), candidate, equation_.prescribed(), Entries::free);
+  // What is prescribed moves all the way nevertheless: bodies that only distances without sign hold apart could be
+  // beyond each other then, with a finite potential.
+  check(VecWAXPY(displacement, -1.0, accepted, candidate));
+  return !(equation_.max_step_to_wall(accepted, displacement) < 1.0);
 }
 
 // In the obstacle's frame the accepted state stays where it was, and no obstacle has moved onto it.
@@ -70,8 +74,7 @@ void GuessSearch::follow_obstacles(const StagePoint& stage, Vec q, double& measu
     consider(followed.get(), q, measure);
     check(VecWAXPY(trial_.get(), stage.dt, stage.v0, stage.q0));
     copy_entries(given.get(), trial_.get(), prescribed, Entries::prescribed);
-    stop_short_of_walls(followed.get(), trial_.get());
-    consider(trial_.get(), q, measure);
+    if (stop_short_of_walls(followed.get(), trial_.get())) consider(trial_.get(), q, measure);
   }
 }
 
@@ -87,17 +90,14 @@ StartingGuess GuessSearch::choose(const StagePoint& stage, Vec q) {
   has_second_ = false;
   const auto& prescribed = equation_.prescribed();
   Vec accepted = stage.accepted;
-  stop_short_of_walls(accepted, q);
-  double measure = objective_.measure(q);
+  double measure = stop_short_of_walls(accepted, q) ? objective_.measure(q) : std::numeric_limits<double>::infinity();
   // The state that inertia alone would reach.
   check(VecWAXPY(trial_.get(), stage.dt, stage.v0, stage.q0));
   copy_entries(q, trial_.get(), prescribed, Entries::prescribed);
-  stop_short_of_walls(accepted, trial_.get());
-  consider(trial_.get(), q, measure);
+  if (stop_short_of_walls(accepted, trial_.get())) consider(trial_.get(), q, measure);
   if (equation_.move_rigidly(trial_.get())) {
     copy_entries(q, trial_.get(), prescribed, Entries::prescribed);
-    stop_short_of_walls(accepted, trial_.get());
-    consider(trial_.get(), q, measure);
+    if (stop_short_of_walls(accepted, trial_.get())) consider(trial_.get(), q, measure);
   }
   if (!std::isfinite(measure)) follow_obstacles(stage, q, measure);
   if (!std::isfinite(measure) && has_last_) {

@@ -48,8 +48,9 @@ class GuessSearch {
 
   /// Makes the candidate the guess if it is better.
   void consider(Vec candidate, Vec q, double& measure);
-  /// Shortens the displacement from the accepted state to the candidate if it would cross a wall.
-  void stop_short_of_walls(Vec accepted, Vec candidate);
+  /// Shortens the displacement of the free entries from the accepted state to the candidate if it would cross a wall.
+  /// False if the prescribed displacements cross it nevertheless.
+  bool stop_short_of_walls(Vec accepted, Vec candidate);
   /// Considers guesses in which nodes follow obstacles that have moved onto the accepted state.
   void follow_obstacles(const StagePoint& stage, Vec q, double& measure);
   /// Considers the accepted state after the prescribed motion. Returns a failure if no guess is left.

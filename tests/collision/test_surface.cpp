@@ -116,10 +116,16 @@ TEST(Candidates, HoldPairsThatMeetOnTheWay) {
   EXPECT_FALSE(has_pair_of_both(BroadPhase(surface, X, X, 0.01).candidates(surface)));
 }
 
-TEST(Candidates, WidthIsHalfOfTheNarrowestGap) {
+TEST(Candidates, LeastDistancesAreThoseOfEachTwoBodies) {
   const auto surface = joined(patch(2, 0.0, 0, 0, 9, 0.0), patch(2, 0.01, 1000, 1, 10, 0.0)).surface();
-  EXPECT_NEAR(width_cap(surface, 0.1), 0.005, 1e-15);
-  EXPECT_EQ(width_cap(surface, 0.004), 0.004);
+  const auto far = least_distances(surface, surface.rest_positions(), 2, 10.0);
+  EXPECT_NEAR(far[1], 0.01, 1e-15);
+  EXPECT_EQ(far[1], far[2]);
+  EXPECT_NEAR(far[0], far[3], 0.1);
+  EXPECT_GT(far[0], 0.3);  // across one triangle
+  const auto near = least_distances(surface, surface.rest_positions(), 2, 0.02);
+  EXPECT_EQ(near[0], 0.02);
+  EXPECT_EQ(near[1], far[1]);
 }
 
 TEST(Candidates, IntersectionsAreThoseOfTheSurfaces) {

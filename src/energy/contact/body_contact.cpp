@@ -2,6 +2,7 @@
 
 #include "collision/ccd.hpp"
 #include "collision/closest_points.hpp"
+#include "collision/intersection.hpp"
 
 #include <algorithm>
 #include <stdexcept>
@@ -87,7 +88,7 @@ void make_unique(std::vector<BoxPair>& pairs) {
 
 }  // namespace
 
-BodyContact::Near BodyContact::near_at(const NearPatches& near, std::span<const double> q,
+BodyContact::Near BodyContact::near_at(const NearPatches& near, double distance, std::span<const double> q,
                                        std::span<const double> d) const {
   const CollisionSurface& surface = surfaces_->surface();
   const auto triangles = surface.triangles();
@@ -107,7 +108,6 @@ BodyContact::Near BodyContact::near_at(const NearPatches& near, std::span<const 
       if (!d.empty()) found.dx[v] = {d[i], d[i + 1], d[i + 2]};
     }
   }
-  const double reach = laws_.reach();
   const std::size_t first_inner_point = points_.size() - num_inner_points_ * triangles.size();
   const auto number = [](std::size_t n) { return static_cast<std::int32_t>(n); };
   // The points that the first triangle stands for, with the second.
@@ -126,7 +126,7 @@ BodyContact::Near BodyContact::near_at(const NearPatches& near, std::span<const 
     const auto first = static_cast<std::size_t>(near.patches.keys[pair.first]);
     const auto second = static_cast<std::size_t>(near.patches.keys[pair.second]);
     const auto &a = triangles[first], &b = triangles[second];
-    if (!Bounds(a, found.x, found.dx).is_within(reach, Bounds(b, found.x, found.dx))) continue;
+    if (!Bounds(a, found.x, found.dx).is_within(distance, Bounds(b, found.x, found.dx))) continue;
     const bool is_incident = surface.is_incident(a, b);
     add_points(first, second, is_incident);
     add_points(second, first, is_incident);
@@ -152,7 +152,7 @@ ContactPairs BodyContact::pairs_of(const Near& near) const {
 
 double BodyContact::energy(const NearPatches& near, std::span<const double> q) const {
   const CollisionSurface& surface = surfaces_->surface();
-  const Near found = near_at(near, q);
+  const Near found = near_at(near, laws_.reach(), q);
   ContactPairs pairs = pairs_of(found);
   const auto is_counted_elsewhere = [&](std::int32_t vertex) { return !near.is_owned(found.nodes[vertex]); };
   std::erase_if(pairs.points, [&](const PointPair& pair) { return is_counted_elsewhere(first_vertex(surface, pair)); });
@@ -167,7 +167,7 @@ template <class AddForce, class AddBlock>
 void BodyContact::evaluate(const NearPatches& near, std::span<const double> q, ContactOrder order,
                            const AddForce& add_force, const AddBlock& add_block) const {
   const CollisionSurface& surface = surfaces_->surface();
-  const Near found = near_at(near, q);
+  const Near found = near_at(near, laws_.reach(), q);
   const ContactPairs pairs = pairs_of(found);
   const auto& nodes = found.nodes;
   const auto force = [&](std::int32_t v, const Vector3<double>& f) {
@@ -207,7 +207,7 @@ void BodyContact::add_hessian(const LocalStage& stage, std::span<const double> q
 
 double BodyContact::max_step(const LocalStage& stage, std::span<const double> q, std::span<const double> d) const {
   const CollisionSurface& surface = surfaces_->surface();
-  const Near found = near_at(*stage.near, q, d);
+  const Near found = near_at(*stage.near, laws_.reach(), q, d);
   double bound = 1.0;
   const auto limit_by = [&](const auto& max_step, const std::array<std::int32_t, 4>& v, int body, int other) {
     std::array<Vector3<double>, 4> x, dx;
@@ -232,19 +232,19 @@ double BodyContact::max_step(const LocalStage& stage, std::span<const double> q,
   return bound < 1.0 ? bound : std::numeric_limits<double>::infinity();
 }
 
-ContactGap BodyContact::gap(const NearPatches& near, std::span<const double> q) const {
+ContactGap BodyContact::gap(const NearPatches& near, std::span<const double> q, double distance) const {
   const CollisionSurface& surface = surfaces_->surface();
-  const Near found = near_at(near, q);
+  const Near found = near_at(near, distance, q);
   ContactGap gap;
   const auto include = [&](double squared_distance, int body, int other) {
     gap.least = std::min(gap.least, std::sqrt(squared_distance) - laws_.of(body, other).threshold);
   };
   for (const BoxPair& pair : found.points) {
+    const SurfacePoint& point = points_[pair.first];
     const auto& triangle = surface.triangles()[pair.second];
     const auto [a, b, c] = triangle.vertices;
-    const std::array x{points_[pair.first].position(found.x), found.x[a], found.x[b], found.x[c]};
-    include(closest_point_triangle(x).squared_distance, surface.vertices()[points_[pair.first].nodes[0]].body,
-            triangle.body);
+    const std::array x{point.position(found.x), found.x[a], found.x[b], found.x[c]};
+    include(closest_point_triangle(x).squared_distance, surface.vertices()[point.nodes[0]].body, triangle.body);
   }
   for (const BoxPair& pair : found.edges) {
     const auto &a = surface.edges()[pair.first], &b = surface.edges()[pair.second];
@@ -258,6 +258,51 @@ ContactGap BodyContact::gap(const NearPatches& near, std::span<const double> q) 
     last = pair.point;
   }
   return gap;
+}
+
+void BodyContact::lower_gaps(const NearPatches& near, std::span<const double> q, double distance,
+                             std::span<double> gaps) const {
+  const CollisionSurface& surface = surfaces_->surface();
+  const Near found = near_at(near, distance, q);
+  for (const BoxPair& pair : found.points) {
+    const SurfacePoint& point = points_[pair.first];
+    const PetscInt node = found.nodes[point.nodes[0]];
+    if (point.num_nodes > 1 || !near.is_owned(node)) continue;
+    const auto& triangle = surface.triangles()[pair.second];
+    const auto [a, b, c] = triangle.vertices;
+    const std::array x{point.position(found.x), found.x[a], found.x[b], found.x[c]};
+    const NormalLaw& law = laws_.of(surface.vertices()[point.nodes[0]].body, triangle.body);
+    gaps[node] = std::min(gaps[node], std::sqrt(closest_point_triangle(x).squared_distance) - law.threshold);
+  }
+}
+
+SurfaceCrossings BodyContact::crossings(const NearPatches& near, std::span<const double> q) const {
+  const CollisionSurface& surface = surfaces_->surface();
+  const Near found = near_at(near, 0.0, q);
+  SurfaceCrossings crossings;
+  const auto look_at = [&](std::size_t of_edges, std::size_t number) {
+    const auto &one = surface.triangles()[of_edges], &other = surface.triangles()[number];
+    for (int k = 0; k < 3; ++k) {
+      const auto& ends = surface.edges()[one.edges[k]].vertices;
+      const bool touches = surface.is_incident(other, ends[0]) || surface.is_incident(other, ends[1]);
+      if (!surfaces_->stands_for_edge(of_edges, k) || touches) continue;
+      const std::array segment{found.x[ends[0]], found.x[ends[1]]};
+      const auto [a, b, c] = other.vertices;
+      if (!segment_meets_triangle(segment, {found.x[a], found.x[b], found.x[c]})) continue;
+      if (crossings.count++ == 0) {
+        crossings.place = 0.5 * (segment[0] + segment[1]);
+        crossings.body = one.body;
+        crossings.other = other.body;
+      }
+    }
+  };
+  for (const PatchPair& pair : near.pairs) {
+    const auto first = static_cast<std::size_t>(near.patches.keys[pair.first]);
+    const auto second = static_cast<std::size_t>(near.patches.keys[pair.second]);
+    look_at(first, second);
+    look_at(second, first);
+  }
+  return crossings;
 }
 
 }  // namespace pliant

@@ -30,6 +30,13 @@ struct ContactGap {
   double num_points = 0.0;                                 ///< points of the surface rule on which a pressure acts
 };
 
+/// Edges that pass through triangles, where bodies overlap.
+struct SurfaceCrossings {
+  int count = 0;
+  Vector3<double> place{};  ///< of one of them [m]
+  int body = 0, other = 0;  ///< whose surfaces cross there
+};
+
 /// The potential of collision/contact_pairs over the surfaces as they are deformed, with barriers alone: distances have
 /// no sign, so that a penalty would push what has passed through further on.
 ///
@@ -57,15 +64,24 @@ class BodyContact final : public EnergyTerm, public PairCoupling {
   /// Short of the first contact of a vertex with a triangle or of two edges, by conservative advancement.
   double max_step(const LocalStage& stage, std::span<const double> q, std::span<const double> d) const override;
 
-  /// Over this rank's pairs.
-  ContactGap gap(const NearPatches& near, std::span<const double> q) const;
+  // Of this rank's pairs, with NearPatches found for at least the distance asked for.
+
+  /// Of what is nearer than `distance` [m], at least the reach.
+  ContactGap gap(const NearPatches& near, std::span<const double> q, double distance) const;
+  /// Lowers the gaps [m] of the owned nodes (all local nodes have one) to those of their vertices.
+  void lower_gaps(const NearPatches& near, std::span<const double> q, double distance, std::span<double> gaps) const;
+  /// In exact arithmetic.
+  SurfaceCrossings crossings(const NearPatches& near, std::span<const double> q) const;
+  double energy(const NearPatches& near, std::span<const double> q) const;
+
+  const BodySurfaces& surfaces() const { return *surfaces_; }
 
  private:
   struct Near;
-  /// What may touch at q, or anywhere between q and q + d.
-  Near near_at(const NearPatches& near, std::span<const double> q, std::span<const double> d = {}) const;
+  /// What is nearer than `distance` [m] at q, or anywhere between q and q + d.
+  Near near_at(const NearPatches& near, double distance, std::span<const double> q,
+               std::span<const double> d = {}) const;
   ContactPairs pairs_of(const Near& near) const;
-  double energy(const NearPatches& near, std::span<const double> q) const;
   /// Evaluates all pairs at q: AddForce and AddBlock as those of add_point_pairs, with local nodes.
   template <class AddForce, class AddBlock>
   void evaluate(const NearPatches& near, std::span<const double> q, ContactOrder order, const AddForce& add_force,

@@ -105,6 +105,55 @@ Section<ObstacleConfig> obstacle_keys() {
   return {std::move(keys), {}, &O::where};
 }
 
+Format<Located<std::string>> located_text() {
+  const auto name = text();
+  Format<Located<std::string>> format{"name of a physical surface or volume", name.schema, {}, {}};
+  format.read = [name](const InputNode& node, const std::string& key, Diagnostics& diagnostics,
+                       Located<std::string>& into) {
+    into.where = node.where;
+    return name.read(node, key, diagnostics, into.value);
+  };
+  format.write = [name](const Located<std::string>& value) { return name.write(value.value); };
+  return format;
+}
+
+Section<ContactPairConfig> pair_keys() {
+  using P = ContactPairConfig;
+  return {{
+              field("surface", &P::part, located_text(), "a surface, or a volume with its outer surface").required(),
+              field("with", &P::with, located_text(), "the same: what it may touch").otherwise_in_words("itself"),
+              field("stiffness", &P::stiffness, quantity("Pa/m", Range::above(0)), "scale of the barrier's pressure")
+                  .otherwise_in_words("that of `contact`, or the harmonic mean of both bodies' 30 shear moduli per "
+                                      "size of a facet"),
+              field("width", &P::width, quantity("m", Range::above(0)), "distance at which the barrier begins")
+                  .otherwise_in_words("that of `contact`, or 1/50 of the size of a facet, and at most half of the "
+                                      "distance at rest"),
+              field("thickness", &P::thickness, quantity("m", Range::at_least(0)),
+                    "distance that the surfaces keep, such as that of a skin which the mesh does not have")
+                  .otherwise_in_words("the `threshold` of `contact`"),
+          },
+          {},
+          &P::where};
+}
+
+Format<ContactPairsConfig> pairs_of_bodies() {
+  const auto word = choice({"all"});
+  const auto list = list_of(map_of(pair_keys()), 1);
+  Format<ContactPairsConfig> format{
+      "`all`, or a " + list.type, either_schema(word.schema, list.schema), {}, {}, list.children, list.groups};
+  format.read = [word, list](const InputNode& node, const std::string& key, Diagnostics& diagnostics,
+                             ContactPairsConfig& into) {
+    if (node.kind == InputNode::Kind::list) return list.read(node, key, diagnostics, into.list);
+    std::string all;
+    into.all = word.read(node, key, diagnostics, all);
+    return into.all;
+  };
+  format.write = [word, list](const ContactPairsConfig& pairs) {
+    return pairs.all ? word.write("all") : list.write(pairs.list);
+  };
+  return format;
+}
+
 }  // namespace
 
 Section<ContactConfig> contact_keys() {
@@ -128,9 +177,18 @@ Section<ContactConfig> contact_keys() {
   keys.push_back(field("stick_velocity", &C::stick_velocity, quantity("m/s", Range::above(0)),
                        "below this velocity a contact counts as sticking: friction grows smoothly up to it")
                      .otherwise("1 mm/s"));
-  keys.push_back(field("obstacles", &C::obstacles, list_of(map_of(obstacle_keys()), 1),
-                       "rigid obstacles that the bodies can touch")
-                     .required());
+  keys.push_back(field("pairs", &C::pairs, pairs_of_bodies(),
+                       "parts of the bodies that may touch one another; `all`: the outer surfaces of all bodies, with "
+                       "each other and with themselves; needs the barrier")
+                     .otherwise_in_words("bodies pass through one another"));
+  keys.push_back(
+      field("exclude", &C::exclude, list_of(array_of<2>(located_text()), 1),
+            "two surfaces or volumes each that do not touch although `pairs` says so, such as the sides of a "
+            "hinge")
+          .otherwise_in_words("none"));
+  keys.push_back(
+      field("obstacles", &C::obstacles, list_of(map_of(obstacle_keys()), 1), "rigid solids that the bodies touch")
+          .otherwise_in_words("none"));
   return {std::move(keys), {{{"surface", "box", "where"}, KeyGroup::Need::at_most_one}}, &C::where};
 }
 

@@ -1,0 +1,223 @@
+#include "model/body_contacts.hpp"
+
+#include "collision/candidates.hpp"
+#include "petsc/collective.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// As of obstacles (model/contacts): in shear moduli per size of a facet, and of that size.
+constexpr double shear_moduli_per_facet = 30.0;
+constexpr double width_per_facet = 1.0 / 50.0;
+
+/// The size of a facet of each body: the legs of a right triangle of the mean area [m]; 0 of bodies without any.
+std::vector<double> facet_sizes(const CollisionSurface& surface, std::size_t num_bodies) {
+  std::vector<double> area(num_bodies, 0.0), number(num_bodies, 0.0), size(num_bodies, 0.0);
+  for (const auto& triangle : surface.triangles()) {
+    area[triangle.body] += triangle.area;
+    number[triangle.body] += 1.0;
+  }
+  for (std::size_t b = 0; b < num_bodies; ++b) size[b] = number[b] > 0.0 ? std::sqrt(2.0 * area[b] / number[b]) : 0.0;
+  return size;
+}
+
+}  // namespace
+
+struct BodyContacts::Part {
+  /// The pairs of a term within another distance than its reach.
+  class Observed final : public PairCoupling {
+   public:
+    Observed(const PairCoupling& coupling, double reach) : coupling_(coupling), reach_(reach) {}
+    const Patches& patches() const override { return coupling_.patches(); }
+    double reach() const override { return reach_; }
+    bool may_couple(int tag, int other) const override { return coupling_.may_couple(tag, other); }
+
+   private:
+    const PairCoupling& coupling_;
+    double reach_;
+  };
+
+  std::unique_ptr<BodyContact> term;
+  double distance;  // of observation [m]
+  Observed coupling;
+  std::vector<char> nothing_prescribed;
+  PairAssembly pairs;
+
+  Part(const NodeLayout& layout, std::unique_ptr<BodyContact> contact, double observed)
+      : term(std::move(contact)),
+        distance(observed),
+        coupling(*term, observed),
+        nothing_prescribed(3 * static_cast<std::size_t>(layout.num_local_nodes), 0),
+        pairs(layout, {&coupling}, nothing_prescribed) {}
+
+  /// What is near at q, and q with the nodes that it needs. Collective.
+  std::pair<const NearPatches&, std::vector<double>> at(std::span<const double> q) {
+    (void)pairs.follow({q});
+    std::vector<double> all;
+    pairs.extend(q, all);
+    return {pairs.near(0), std::move(all)};
+  }
+};
+
+BodyContacts::BodyContacts(const ContactConfig& config, const NodeLayout& layout,
+                           std::vector<TouchingSurfaces> surfaces, const std::vector<std::string>& body_names,
+                           const std::vector<double>& shear_moduli)
+    : config_(config), layout_(layout), body_names_(body_names) {
+  for (TouchingSurfaces& touching : surfaces) add(std::move(touching), shear_moduli);
+}
+
+BodyContactLaws BodyContacts::laws_of(const CollisionSurface& surface, const ContactPairConfig* pair,
+                                      const std::vector<double>& shear_moduli) {
+  const std::size_t n = body_names_.size();
+  const std::vector<double> sizes = facet_sizes(surface, n);
+  const ContactPressureConfig& common = config_.pressure;
+  const auto given = [&](std::optional<double> ContactPairConfig::*of_pair, std::optional<double> of_all) {
+    return pair != nullptr && pair->*of_pair ? pair->*of_pair : of_all;
+  };
+  const auto stiffness = given(&ContactPairConfig::stiffness, common.stiffness);
+  const auto width = given(&ContactPairConfig::width, common.width);
+  const double threshold = given(&ContactPairConfig::thickness, common.threshold).value_or(0.0);
+  const double widest = width.value_or(width_per_facet * *std::ranges::max_element(sizes));
+  const auto apart = least_distances(surface, surface.rest_positions(), static_cast<int>(n), 2.0 * widest + threshold);
+  BodyContactLaws laws{static_cast<int>(n), {}};
+  for (std::size_t a = 0; a < n; ++a) {
+    for (std::size_t b = 0; b < n; ++b) {
+      const double h = std::min(sizes[a], sizes[b]), room = apart[n * a + b] - threshold;
+      if (a == b && h > 0.0 && !(room > 0.0)) {
+        throw InputError(pair != nullptr ? pair->where : config_.where,
+                         fmt::format("parts of '{}' that share no edge are {:.3g} m apart in the mesh, and 'thickness' "
+                                     "keeps them {:.3g} m apart; a smaller thickness, or no contact with itself",
+                                     body_names_[a], apart[n * a + b], threshold));
+      }
+      NormalLaw law{NormalKind::barrier, 1.0, width.value_or(width_per_facet * h), threshold};
+      if (h > 0.0) {
+        const double k_a = shear_moduli_per_facet * shear_moduli[a] / sizes[a];
+        const double k_b = shear_moduli_per_facet * shear_moduli[b] / sizes[b];
+        law.stiffness = stiffness.value_or(2.0 * k_a * k_b / (k_a + k_b));
+        // At rest nothing pushes within a body, and between bodies only if the user wants so.
+        if (room > 0.0 && (a == b || !width)) law.width = std::min(law.width, 0.5 * room);
+      }
+      laws.of_bodies.push_back(law);
+    }
+  }
+  return laws;
+}
+
+void BodyContacts::add(TouchingSurfaces touching, const std::vector<double>& shear_moduli) {
+  auto surfaces = std::make_shared<const BodySurfaces>(layout_, touching.facets, touching.sides);
+  const CollisionSurface& surface = surfaces->surface();
+  BodyContactLaws laws = laws_of(surface, touching.config, shear_moduli);
+  const double distance = std::max(surface.longest_edge(), laws.reach());
+  double stiffest = 0.0, widest = 0.0;
+  for (const NormalLaw& law : laws.of_bodies) {
+    stiffest = std::max(stiffest, law.stiffness);
+    widest = std::max(widest, law.width);
+  }
+  const auto* pair = touching.config;
+  description_.push_back(note(fmt::format(
+      "contact of {}: {} triangles, stiffness {:.3g} Pa/m, width {:.3g} m",
+      pair == nullptr ? "all bodies"
+                      : fmt::format("'{}' with {}", pair->part.value,
+                                    pair->with ? fmt::format("'{}'", pair->with->value) : std::string("itself")),
+      surface.triangles().size(), stiffest, widest)));
+  auto term = std::make_unique<BodyContact>(std::move(surfaces), std::move(touching.sets), std::move(laws));
+  parts_.push_back(std::make_shared<Part>(layout_, std::move(term), distance));
+}
+
+std::vector<const EnergyTerm*> BodyContacts::terms() const {
+  std::vector<const EnergyTerm*> terms;
+  for (const auto& part : parts_) terms.push_back(part->term.get());
+  return terms;
+}
+
+Closeness BodyContacts::closeness(std::span<const double> q) const {
+  Closeness result;
+  for (const auto& part : parts_) {
+    const auto [near, all] = part->at(q);
+    const ContactGap gap = part->term->gap(near, all, part->distance);
+    result.gap = std::min(result.gap, gap.least);
+    result.num_points += gap.num_points;
+  }
+  return {minimum(layout_.comm, result.gap), sum(layout_.comm, result.num_points)};
+}
+
+double BodyContacts::energy(std::span<const double> q) const {
+  double total = 0.0;
+  for (const auto& part : parts_) {
+    const auto [near, all] = part->at(q);
+    total += part->term->energy(near, all);
+  }
+  return total;
+}
+
+std::vector<BodyContacts::AtNode> BodyContacts::at_nodes(std::span<const double> q) const {
+  std::vector<AtNode> nodes(static_cast<std::size_t>(layout_.num_owned_nodes));
+  std::vector<double> area(nodes.size(), 0.0);
+  for (const auto& part : parts_) {
+    const auto [near, all] = part->at(q);
+    std::vector<double> gaps(all.size() / 3, std::numeric_limits<double>::infinity()), forces(all.size(), 0.0);
+    part->term->lower_gaps(near, all, part->distance, gaps);
+    LocalStage stage;
+    stage.near = &near;
+    part->term->add_gradient(stage, all, forces);
+    const CollisionSurface& surface = part->term->surfaces().surface();
+    const Patches& patches = part->term->patches();
+    std::ranges::fill(area, 0.0);
+    for (std::size_t patch = 0; patch < patches.size(); ++patch) {
+      const auto& vertices = surface.triangles()[patches.keys[patch]].vertices;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const PetscInt node = patches.nodes_of(patch)[k];
+        if (node < layout_.num_owned_nodes) area[node] = surface.vertices()[vertices[k]].area;
+      }
+    }
+    for (std::size_t a = 0; a < nodes.size(); ++a) {
+      nodes[a].gap = std::min(nodes[a].gap, gaps[a]);
+      const Vector3<double> force{forces[3 * a], forces[3 * a + 1], forces[3 * a + 2]};
+      if (area[a] > 0.0) nodes[a].pressure += norm(force) / area[a];
+    }
+  }
+  return nodes;
+}
+
+void BodyContacts::check_start(std::span<const double> q) const {
+  struct Found {
+    std::int64_t part;
+    SurfaceCrossings crossings;
+  };
+  std::vector<Found> mine;
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    const auto [near, all] = parts_[k]->at(q);
+    const SurfaceCrossings crossings = parts_[k]->term->crossings(near, all);
+    if (crossings.count > 0) mine.push_back({static_cast<std::int64_t>(k), crossings});
+  }
+  const std::vector<Found> found = gathered(layout_.comm, mine);
+  if (!found.empty()) {
+    const SurfaceCrossings& first = found.front().crossings;
+    const auto& [x, y, z] = first.place;
+    throw InputError(config_.where,
+                     fmt::format("{} at the start, near ({:.4g}, {:.4g}, {:.4g}), which the barrier does not allow; "
+                                 "move one of them, or exclude them from contact ('exclude')",
+                                 first.body == first.other
+                                     ? fmt::format("the surface of '{}' passes through itself", body_names_[first.body])
+                                     : fmt::format("'{}' and '{}' pass through each other", body_names_[first.body],
+                                                   body_names_[first.other]),
+                                 x, y, z));
+  }
+  for (const auto& part : parts_) {
+    const auto [near, all] = part->at(q);
+    const double gap = minimum(layout_.comm, part->term->gap(near, all, part->distance).least);
+    if (gap > 0.0) continue;
+    const std::string what = gap < 0.0 ? fmt::format("surfaces start {:.3g} m nearer than their 'thickness'", -gap)
+                                       : std::string("surfaces touch at the start");
+    throw InputError(config_.where, what +
+                                        ", and the barrier needs a gap between them, however small; move one body "
+                                        "away from the other");
+  }
+}
+
+}  // namespace pliant

@@ -1,0 +1,169 @@
+#include "model/touching_surfaces.hpp"
+
+#include "petsc/collective.hpp"
+
+#include <algorithm>
+#include <cstdint>
+
+namespace pliant {
+namespace {
+
+using Corners = std::array<PetscInt, 3>;
+
+Corners corners_of(std::span<const PetscInt> nodes) {
+  Corners corners{nodes[0], nodes[1], nodes[2]};
+  std::ranges::sort(corners);
+  return corners;
+}
+
+std::span<const PetscInt> nodes_of(const FacetList& facets, PetscInt facet) {
+  return std::span(facets.nodes).subspan(facet * facets.nodes_per_facet, facets.nodes_per_facet);
+}
+
+/// To which of the named parts facets belong, a bit for each.
+class Membership {
+ public:
+  Membership(const FacetList& facets, const CellOfFacets& cells, Selections& selections)
+      : facets_(facets), cells_(cells), selections_(selections), masks_(static_cast<std::size_t>(facets.size()), 0) {
+    for (PetscInt facet = 0; facet < facets.size(); ++facet) number_[corners_of(nodes_of(facets, facet))] = facet;
+  }
+
+  /// Sets the bit of the facets of a surface or of the outer facets of a volume. Collective.
+  void add(const Located<std::string>& name, int bit) {
+    using Kind = Selection::Kind;
+    Selection part;
+    part.name = name.value;
+    part.where = name.where;
+    part.kind = Kind::surface;
+    const std::uint64_t mask = std::uint64_t{1} << bit;
+    if (!selections_.has_group(Kind::surface, name.value) && selections_.has_group(Kind::volume, name.value)) {
+      part.kind = Kind::volume;
+      const std::vector<char> is_in = selections_.cells(part);
+      for (PetscInt facet = 0; facet < facets_.size(); ++facet) {
+        const auto cell = cells_(nodes_of(facets_, facet));
+        if (cell && is_in[*cell] != 0) masks_[facet] |= mask;
+      }
+      return;
+    }
+    const FacetList members = selections_.outer_facets(part, name.where, "where nothing can touch it");
+    for (PetscInt facet = 0; facet < members.size(); ++facet) {
+      const auto found = number_.find(corners_of(nodes_of(members, facet)));
+      if (found != number_.end()) masks_[found->second] |= mask;
+    }
+  }
+  void add_all(int bit) {
+    for (std::uint64_t& mask : masks_) mask |= std::uint64_t{1} << bit;
+  }
+  std::uint64_t operator[](PetscInt facet) const { return masks_[facet]; }
+
+ private:
+  const FacetList& facets_;
+  const CellOfFacets& cells_;
+  Selections& selections_;
+  std::map<Corners, PetscInt> number_;
+  std::vector<std::uint64_t> masks_;
+};
+
+constexpr int first_side = 0, second_side = 1, first_excluded = 2;
+constexpr std::size_t most_excluded = 30;
+
+bool may_touch(std::uint64_t a, std::uint64_t b, std::size_t num_excluded) {
+  const auto has = [](std::uint64_t mask, int bit) { return (mask >> bit & 1) != 0; };
+  const auto are = [&](int one, int other) { return (has(a, one) && has(b, other)) || (has(b, one) && has(a, other)); };
+  for (std::size_t k = 0; k < num_excluded; ++k) {
+    const int one = first_excluded + 2 * static_cast<int>(k);
+    if (are(one, one + 1)) return false;
+  }
+  return are(first_side, second_side);
+}
+
+}  // namespace
+
+CellOfFacets::CellOfFacets(const NodeLayout& layout, const FacetList& facets) {
+  std::vector<char> is_on_facets(static_cast<std::size_t>(layout.num_local_nodes), 0);
+  for (const PetscInt node : facets.nodes) is_on_facets[node] = 1;
+  for (PetscInt cell = 0; cell < layout.num_local_cells; ++cell) {
+    const auto nodes = layout.nodes_of_cell(cell);
+    for (std::size_t left_out = 0; left_out < 4; ++left_out) {
+      Corners corners{};
+      for (std::size_t a = 0, i = 0; a < 4; ++a) {
+        if (a != left_out) corners[i++] = nodes[a];
+      }
+      if (!std::ranges::all_of(corners, [&](PetscInt a) { return is_on_facets[a] != 0; })) continue;
+      cells_.insert({corners_of(corners), cell});
+    }
+  }
+}
+
+std::optional<PetscInt> CellOfFacets::operator()(std::span<const PetscInt> nodes) const {
+  const auto found = cells_.find(corners_of(nodes));
+  return found == cells_.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config, const NodeLayout& layout,
+                                                     const std::vector<int>& body_of_cell, Selections& selections) {
+  std::vector<TouchingSurfaces> result;
+  if (config.pairs.empty()) return result;
+  if (config.exclude.size() > most_excluded) {
+    selections.report(config.exclude[most_excluded][0].where,
+                      "'exclude' has more than 30 entries; combine some in gmsh");
+    return result;
+  }
+  Selection everything;
+  const FacetList all = selections.facets(everything);
+  const CellOfFacets cells(layout, all);
+  std::vector<const ContactPairConfig*> entries;
+  for (const ContactPairConfig& pair : config.pairs.list) entries.push_back(&pair);
+  if (config.pairs.all) entries.push_back(nullptr);
+  for (const ContactPairConfig* pair : entries) {
+    Membership membership(all, cells, selections);
+    if (pair == nullptr) {
+      membership.add_all(first_side);
+      membership.add_all(second_side);
+    } else {
+      membership.add(pair->part, first_side);
+      membership.add(pair->with.value_or(pair->part), second_side);
+    }
+    for (std::size_t k = 0; k < config.exclude.size(); ++k) {
+      for (int side = 0; side < 2; ++side) {
+        membership.add(config.exclude[k][static_cast<std::size_t>(side)],
+                       first_excluded + 2 * static_cast<int>(k) + side);
+      }
+    }
+    TouchingSurfaces touching;
+    touching.facets.nodes_per_facet = all.nodes_per_facet;
+    touching.config = pair;
+    std::vector<std::uint64_t> masks;
+    for (PetscInt facet = 0; facet < all.size(); ++facet) {
+      if ((membership[facet] & 3) == 0) continue;
+      const auto nodes = nodes_of(all, facet);
+      const auto cell = cells(nodes);
+      touching.facets.nodes.insert(touching.facets.nodes.end(), nodes.begin(), nodes.end());
+      touching.facets.is_owned.push_back(all.is_owned[facet]);
+      touching.facets.is_outer.push_back(1);
+      touching.sides.push_back({cell ? body_of_cell[*cell] : 0, 0});
+      masks.push_back(membership[facet]);
+    }
+    // Facets with the same bits are a set, numbered alike on all ranks.
+    std::vector<std::uint64_t> kinds = masks;
+    std::ranges::sort(kinds);
+    kinds.erase(std::ranges::unique(kinds).begin(), kinds.end());
+    kinds = gathered(layout.comm, kinds);
+    std::ranges::sort(kinds);
+    kinds.erase(std::ranges::unique(kinds).begin(), kinds.end());
+    for (std::size_t facet = 0; facet < masks.size(); ++facet) {
+      touching.sides[facet].set =
+          static_cast<std::int32_t>(std::ranges::lower_bound(kinds, masks[facet]) - kinds.begin());
+    }
+    touching.sets = {static_cast<int>(kinds.size()), {}};
+    for (const std::uint64_t a : kinds) {
+      for (const std::uint64_t b : kinds) {
+        touching.sets.may_touch.push_back(may_touch(a, b, config.exclude.size()) ? 1 : 0);
+      }
+    }
+    result.push_back(std::move(touching));
+  }
+  return result;
+}
+
+}  // namespace pliant

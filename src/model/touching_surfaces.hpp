@@ -1,0 +1,38 @@
+/// Which facets of the mesh may touch which others, as the input's `contact.pairs` and `contact.exclude` say.
+#pragma once
+
+#include "collision/contact_pairs.hpp"
+#include "energy/contact/body_surfaces.hpp"
+#include "model/selections.hpp"
+
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace pliant {
+
+/// The local cell of a facet of the mesh's surface, found by its corners.
+class CellOfFacets {
+ public:
+  CellOfFacets(const NodeLayout& layout, const FacetList& facets);
+  /// `nodes`: of a facet; its corners come first. Empty if no cell of this rank has it.
+  std::optional<PetscInt> operator()(std::span<const PetscInt> nodes) const;
+
+ private:
+  std::map<std::array<PetscInt, 3>, PetscInt> cells_;
+};
+
+/// What one entry of `contact.pairs`, or `all`, speaks of.
+struct TouchingSurfaces {
+  FacetList facets;
+  std::vector<FacetSide> sides;               ///< of each facet: its body, and its set among `sets`
+  ContactSets sets;                           ///< which may touch
+  const ContactPairConfig* config = nullptr;  ///< nullptr: `all`
+};
+
+/// What is wrong stands in `selections` afterwards. The config outlives the result. Collective.
+std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config, const NodeLayout& layout,
+                                                     const std::vector<int>& body_of_cell, Selections& selections);
+
+}  // namespace pliant
