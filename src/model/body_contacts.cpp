@@ -199,14 +199,15 @@ void BodyContacts::check_start(std::span<const double> q) const {
   if (!found.empty()) {
     const SurfaceCrossings& first = found.front().crossings;
     const auto& [x, y, z] = first.place;
-    throw InputError(config_.where,
-                     fmt::format("{} at the start, near ({:.4g}, {:.4g}, {:.4g}), which the barrier does not allow; "
-                                 "move one of them, or exclude them from contact ('exclude')",
-                                 first.body == first.other
-                                     ? fmt::format("the surface of '{}' passes through itself", body_names_[first.body])
-                                     : fmt::format("'{}' and '{}' pass through each other", body_names_[first.body],
-                                                   body_names_[first.other]),
-                                 x, y, z));
+    throw InputError(
+        config_.where,
+        fmt::format("{} at the start, near ({:.4g}, {:.4g}, {:.4g}), which the barrier does not allow; "
+                    "move one of them, or exclude them from contact ('exclude')",
+                    first.body == first.other
+                        ? fmt::format("the surface of '{}' touches or passes through itself", body_names_[first.body])
+                        : fmt::format("'{}' and '{}' touch or pass through each other", body_names_[first.body],
+                                      body_names_[first.other]),
+                    x, y, z));
   }
   for (const auto& part : parts_) {
     const auto [near, all] = part->at(q);

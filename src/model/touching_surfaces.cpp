@@ -51,6 +51,9 @@ class Membership {
       if (found != number_.end()) masks_[found->second] |= mask;
     }
   }
+  void copy(int from, int to) {
+    for (std::uint64_t& mask : masks_) mask |= (mask >> from & 1) << to;
+  }
   void add_all(int bit) {
     for (std::uint64_t& mask : masks_) mask |= std::uint64_t{1} << bit;
   }
@@ -122,7 +125,11 @@ std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config
       membership.add_all(second_side);
     } else {
       membership.add(pair->part, first_side);
-      membership.add(pair->with.value_or(pair->part), second_side);
+      if (pair->with) {
+        membership.add(*pair->with, second_side);
+      } else {
+        membership.copy(first_side, second_side);
+      }
     }
     for (std::size_t k = 0; k < config.exclude.size(); ++k) {
       for (int side = 0; side < 2; ++side) {

@@ -150,7 +150,7 @@ Recorder::Recorder(const Config& config, Model& model, const Ledger& ledger, con
                columns(config, ledger), earlier ? std::optional(static_cast<double>(earlier->last_row)) : std::nullopt),
       q_(make_vector(model.layout())),
       v_(make_vector(model.layout())) {
-  if (model.contacts() == nullptr) return;
+  if (model.contacts() == nullptr || model.contacts()->num_obstacles() == 0) return;
   drawing_.emplace(*model.contacts(), model.layout());
   obstacles_.emplace(model.layout().comm, result_, config.title, drawing_->surfaces(),
                      earlier ? earlier->last_frame : -1);

@@ -80,6 +80,12 @@ struct Bounds {
   }
 };
 
+/// Whether two places of one body at these squared distances now and at rest are only neighbours, not nearer to each
+/// other than the body's deformation makes them: their gap says nothing.
+bool is_neighbour(double square, double square_at_rest) {
+  return square > 0.25 * square_at_rest;
+}
+
 /// Sorted and once each.
 void make_unique(std::vector<BoxPair>& pairs) {
   std::ranges::sort(pairs);
@@ -236,20 +242,27 @@ ContactGap BodyContact::gap(const NearPatches& near, std::span<const double> q, 
   const CollisionSurface& surface = surfaces_->surface();
   const Near found = near_at(near, distance, q);
   ContactGap gap;
-  const auto include = [&](double squared_distance, int body, int other) {
-    gap.least = std::min(gap.least, std::sqrt(squared_distance) - laws_.of(body, other).threshold);
+  const auto include = [&](const auto& square_at, int body, int other) {
+    const double square = square_at(std::span<const Vector3<double>>(found.x));
+    if (body == other && is_neighbour(square, square_at(surface.rest_positions()))) return;
+    gap.least = std::min(gap.least, std::sqrt(square) - laws_.of(body, other).threshold);
   };
   for (const BoxPair& pair : found.points) {
     const SurfacePoint& point = points_[pair.first];
     const auto& triangle = surface.triangles()[pair.second];
     const auto [a, b, c] = triangle.vertices;
-    const std::array x{point.position(found.x), found.x[a], found.x[b], found.x[c]};
-    include(closest_point_triangle(x).squared_distance, surface.vertices()[point.nodes[0]].body, triangle.body);
+    const auto square_at = [&](std::span<const Vector3<double>> x) {
+      return closest_point_triangle(std::array{point.position(x), x[a], x[b], x[c]}).squared_distance;
+    };
+    include(square_at, surface.vertices()[point.nodes[0]].body, triangle.body);
   }
   for (const BoxPair& pair : found.edges) {
     const auto &a = surface.edges()[pair.first], &b = surface.edges()[pair.second];
-    const std::array x{found.x[a.vertices[0]], found.x[a.vertices[1]], found.x[b.vertices[0]], found.x[b.vertices[1]]};
-    include(closest_edge_edge(x).squared_distance, a.body, b.body);
+    const auto square_at = [&](std::span<const Vector3<double>> x) {
+      const std::array ends{x[a.vertices[0]], x[a.vertices[1]], x[b.vertices[0]], x[b.vertices[1]]};
+      return closest_edge_edge(ends).squared_distance;
+    };
+    include(square_at, a.body, b.body);
   }
   std::int32_t last = -1;
   for (const PointPair& pair : point_pairs(surface, multiplicities_, points_, found.points, found.x, laws_.reach())) {
@@ -270,9 +283,13 @@ void BodyContact::lower_gaps(const NearPatches& near, std::span<const double> q,
     if (point.num_nodes > 1 || !near.is_owned(node)) continue;
     const auto& triangle = surface.triangles()[pair.second];
     const auto [a, b, c] = triangle.vertices;
-    const std::array x{point.position(found.x), found.x[a], found.x[b], found.x[c]};
-    const NormalLaw& law = laws_.of(surface.vertices()[point.nodes[0]].body, triangle.body);
-    gaps[node] = std::min(gaps[node], std::sqrt(closest_point_triangle(x).squared_distance) - law.threshold);
+    const auto square_at = [&](std::span<const Vector3<double>> x) {
+      return closest_point_triangle(std::array{point.position(x), x[a], x[b], x[c]}).squared_distance;
+    };
+    const std::int32_t body = surface.vertices()[point.nodes[0]].body;
+    const double square = square_at(found.x);
+    if (body == triangle.body && is_neighbour(square, square_at(surface.rest_positions()))) continue;
+    gaps[node] = std::min(gaps[node], std::sqrt(square) - laws_.of(body, triangle.body).threshold);
   }
 }
 

@@ -66,7 +66,8 @@ class BodyContact final : public EnergyTerm, public PairCoupling {
 
   // Of this rank's pairs, with NearPatches found for at least the distance asked for.
 
-  /// Of what is nearer than `distance` [m], at least the reach.
+  /// Of what is nearer than `distance` [m], at least the reach; places of one body count if they have come to less than
+  /// half of their distance at rest.
   ContactGap gap(const NearPatches& near, std::span<const double> q, double distance) const;
   /// Lowers the gaps [m] of the owned nodes (all local nodes have one) to those of their vertices.
   void lower_gaps(const NearPatches& near, std::span<const double> q, double distance, std::span<double> gaps) const;

@@ -1,0 +1,147 @@
+#!/usr/bin/python3
+"""Bodies that touch one another: weight, impacts, what does not pass through what, ranks, and messages."""
+import unittest
+
+import h5py
+import numpy as np
+
+from program import ROOT, ProgramTest
+
+BLOCKS = ROOT / "meshes/falling_blocks.geo"
+GEOMETRY = """SetFactory("OpenCASCADE");
+Box(1) = {-2, -2, 0, 4, 4, 1};
+Box(2) = {-1, -1, %s, 2, 2, 2};
+Physical Volume("base") = {1};
+Physical Volume("block") = {2};
+Physical Surface("floor") = {5};
+Mesh.MeshSizeMin = 1;
+Mesh.MeshSizeMax = 1;
+"""
+G = 9.81
+
+
+def bodies(young="1e5", density=1000, rest=""):
+    return "\n".join(f"  - {{volume: {name}, density: {density}, elasticity: {{model: neo-hookean, youngs_modulus: {young}, "
+                     f"poissons_ratio: 0.3}}{rest}}}" for name in ("base", "block"))
+
+
+def two_blocks(contact="law: barrier, pairs: all", time="method: backward-euler, step: 2 ms, end: 0.02", young="1e5", rest="",
+               velocity="[0, 0, 0]", file="blocks.geo", element="P1"):
+    """A block of 20 mm, 2 mm above a base of 40 x 40 x 10 mm."""
+    return f"""
+mesh: {{file: {file}, scale: 0.01}}
+element: {element}
+bodies:
+{bodies(young, rest=rest)}
+constraints: [{{surface: floor, displacement: [0, 0, 0]}}]
+loads: [{{gravity: [0, 0, {-G}]}}]
+initial: {{velocity: {velocity}}}
+contact: {{{contact}}}
+time: {{{time}}}
+output: {{fields: [displacement, contact_pressure, contact_gap]}}
+"""
+
+
+def places_inside(directory):
+    """Nodes of one body inside a tetrahedron of another, in all frames, by comparing all with all."""
+    found = 0
+    with h5py.File(directory / "result.h5") as file:
+        rest, cells, body = (file["mesh"][name][:] for name in ("coordinates", "cells", "body"))
+        for frame in file["frames"].values():
+            x = rest + frame["displacement"][:]
+            for b in np.unique(body):
+                own = cells[body == b][:, :4]
+                origin = x[own[:, 0]]
+                to_local = np.linalg.inv(np.stack([x[own[:, i]] - origin for i in (1, 2, 3)], axis=2))
+                for node in np.setdiff1d(cells[body != b], cells[body == b]):
+                    local = np.einsum("tij,tj->ti", to_local, x[node] - origin)
+                    found += np.any(np.minimum(local.min(axis=1), 1 - local.sum(axis=1)) > 0)
+    return found
+
+
+class BodyContact(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.write("blocks.geo", GEOMETRY % "1.2")
+
+    def run_blocks(self, name, *, ranks=1, **options):
+        return self.run_input(self.write(name + ".yaml", two_blocks(**options)), output=name, ranks=ranks)
+
+    def test_a_block_at_rest_weighs_what_it_weighs(self):
+        damped = ", viscosity: [{model: mass-proportional, decay_rate: 40}]"
+        options = {"rest": damped, "time": "method: bdf2, step: 5 ms, end: 0.7"}
+        h = self.run_blocks("rest", **options)
+        weight = 1000 * G * (0.04 * 0.04 * 0.01 + 0.02**3)
+        self.assertAlmostEqual(h["floor_fz"][-1] / weight, 1, delta=1e-5)
+        self.assertGreater(h["contact_points"][-1], 3)
+        self.assertGreater(h["contact_gap_min"].min(), 0)
+        self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-6 * np.abs(h["load_potential"]).max())
+        # The pressure on the base carries the block.
+        with h5py.File(self.directory / "rest" / "result.h5") as file:
+            frame = file["frames"][max(file["frames"])]
+            touched = frame["contact_pressure"][:]
+            self.assertGreater(touched.max(), 1000 * G * 0.02)
+            gap = frame["contact_gap"][:]
+            self.assertAlmostEqual(gap[touched > 0].min(), h["contact_gap_min"][-1], delta=0.5 * h["contact_gap_min"][-1])
+        self.assertEqual(places_inside(self.directory / "rest"), 0)
+        for ranks in (2, 3):
+            self.assert_same_history(h, self.run_blocks(f"rest{ranks}", ranks=ranks, **options), 1e-5)
+
+    def test_nothing_passes_however_fast(self):
+        for element, speed, young in (("P1", 2, "1e5"), ("P1", 40, "1e6"), ("P2", 10, "1e5")):
+            with self.subTest(element=element, speed=speed):
+                name = f"fast{element}{speed}"
+                h = self.run_blocks(name, element=element, young=young,
+                                    velocity=f"[0, \"z > 0.011 ? {0.3 * speed} : 0\", \"z > 0.011 ? {-speed} : 0\"]",
+                                    time="method: dirk22, step: 5 ms, end: 0.03")
+                self.assertGreater(h["contact_gap_min"].min(), 0)
+                self.assertEqual(places_inside(self.directory / name), 0)
+
+    def test_a_plate_that_is_moved_pushes_in_front_of_it(self):
+        text = two_blocks(contact="law: barrier, pairs: [{surface: block, with: base}]", young="1e6",
+                          time="method: bdf2, step: 4 ms, end: 0.1")
+        text = text.replace("displacement: [0, 0, 0]}", "displacement: [0, 0, \"0.4*t\"]}").replace(f"{-G}", "0")
+        h = self.run_input(self.write("pushed.yaml", text), output="pushed")
+        self.assertEqual(places_inside(self.directory / "pushed"), 0)
+        self.assertGreater(h["pz"][-1], 0.3 * 1000 * (0.04 * 0.04 * 0.01 + 0.02**3))
+
+    def test_free_bodies_keep_their_momentum(self):
+        text = two_blocks(velocity="[0, 0, \"z > 0.011 ? -1 : 0\"]", time="method: bdf2, step: 1 ms, end: 0.02")
+        text = text.replace("constraints: [{surface: floor, displacement: [0, 0, 0]}]\n", "").replace(f"{-G}", "0")
+        h = self.run_input(self.write("free.yaml", text), output="free")
+        self.assertGreater(h["contact_points"].max(), 0)
+        for name in ("px", "py", "pz"):
+            self.assertLess(np.ptp(h[name]), 1e-8 * abs(h["pz"][0]))
+        self.assertLess(h["kinetic_energy"][-1] + h["elastic_energy"][-1], h["kinetic_energy"][0] * (1 + 1e-9))
+
+    def test_messages(self):
+        touching = self.write("touching.geo", GEOMETRY % "1")
+        within = self.write("within.geo", GEOMETRY % "0.3")
+        for name, options, expected in (
+                ("law", {"contact": "pairs: all"}, "contact between bodies needs the barrier"),
+                ("none", {"contact": "law: barrier"}, "'contact' needs 'pairs'"),
+                ("excluded", {"contact": "law: barrier, exclude: [[base, block]]"}, "'exclude' needs 'pairs'"),
+                ("unknown", {"contact": "law: barrier, pairs: [{surface: blok}]"}, "no surface 'blok' in the mesh"),
+                ("method", {"time": "method: implicit-midpoint, step: 1 ms, end: 0.01"}, "stiffly accurate"),
+                ("touching", {"file": touching}, "'base' and 'block' touch or pass through each other at the start"),
+                ("within", {"file": within}, "overlap at the start")):
+            with self.subTest(name):
+                file = self.write(name + ".yaml", two_blocks(**options))
+                for ranks in (1, 2):
+                    done = self.call("run", file, "--quiet", ranks=ranks)
+                    self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+                    self.assertEqual(done.stderr.count(expected), 1, done.stderr)
+
+    def test_excluded_bodies_pass_and_a_warning_names_the_key_where_none_is_asked_for(self):
+        speed = "[0, 0, \"z > 0.011 ? -1 : 0\"]"
+        h = self.run_blocks("excluded", contact="law: barrier, pairs: all, exclude: [[base, block]]", velocity=speed)
+        self.assertEqual(h["contact_points"].max(), 0)
+        text = two_blocks(velocity=speed, time="method: backward-euler, step: 2 ms, end: 0.02")
+        done = self.call("run", self.write("through.yaml", text.replace("contact: {law: barrier, pairs: all}\n", "").replace(
+            ", contact_pressure, contact_gap", "")), "--quiet")
+        self.assertEqual(done.returncode, 0)
+        self.assertIn("'contact: {law: barrier, pairs: all}' keeps bodies apart", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
