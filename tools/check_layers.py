@@ -80,7 +80,7 @@ def check(source):
             errors.append(f"{file}:1: '{layer}' is not a layer; the layers are: {', '.join(LAYERS)}")
             continue
         if file.suffix == ".cpp" and name not in WITHOUT_HEADER and not file.with_suffix(".hpp").is_file():
-            mistakes.append(f"{file}:1: there is no {file.stem}.hpp; declare what the source implements in a header of its name")
+            errors.append(f"{file}:1: there is no {file.stem}.hpp; declare what the source implements in a header of its name")
         allowed = {layer, *LAYERS[layer].split()}
         for line, quote, target in includes(file):
             place = f"{file}:{line}:"

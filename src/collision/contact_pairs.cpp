@@ -36,7 +36,7 @@ class FeatureCounter {
                  std::span<const Vector3<double>> x, double reach)
       : surface_(surface), multiplicities_(multiplicities), x_(x), reach2_(reach * reach) {}
 
-  /// Of a point at p of the given group.
+  /// The features near a point at p of the given group.
   std::span<const Count> count(const Vector3<double>& p, std::int32_t group, std::span<const BoxPair> candidates) {
     counts_.clear();
     edges_.clear();

@@ -64,10 +64,10 @@ class BodyContact final : public EnergyTerm, public PairCoupling {
   /// Short of the first contact of a vertex with a triangle or of two edges, by conservative advancement.
   double max_step(const LocalStage& stage, std::span<const double> q, std::span<const double> d) const override;
 
-  // Of this rank's pairs, with NearPatches found for at least the distance asked for.
+  // The following measure this rank's pairs, with NearPatches found for at least the distance asked for.
 
-  /// Of what is nearer than `distance` [m], at least the reach; places of one body count if they have come to less than
-  /// half of their distance at rest.
+  /// The gap of what is nearer than `distance` [m], at least the reach; places of one body count if they have come to
+  /// less than half of their distance at rest.
   ContactGap gap(const NearPatches& near, std::span<const double> q, double distance) const;
   /// Lowers the gaps [m] of the owned nodes (all local nodes have one) to those of their vertices.
   void lower_gaps(const NearPatches& near, std::span<const double> q, double distance, std::span<double> gaps) const;

@@ -98,7 +98,7 @@ class IncrementalPotential final : public StageEquation {
   RowElimination elimination_;
   StageTerms terms_;
   bool exceeds_bound_ = false;                      // of the stage that was last solved
-  double sum_rounding_ = 0.0;                       // of the last parts of rank one [N]
+  double sum_rounding_ = 0.0;                       // of the last rank-one terms [N]
   std::vector<std::vector<PetscInt>> free_bodies_;  // owned nodes of each body that nothing holds
   Handle<Vec> work_, diagonal_;
   // Where terms couple pairs.

@@ -9,7 +9,7 @@
 namespace pliant {
 namespace {
 
-/// About as many boxes as a rank tells the others, of all kinds.
+/// About as many boxes as a rank sends to the others, of all kinds.
 constexpr std::size_t num_part_boxes = 64;
 
 /// A box that holds those of some patches of a rank.

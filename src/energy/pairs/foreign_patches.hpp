@@ -39,7 +39,7 @@ struct ForeignPatches {
 };
 
 /// All patches owned by other ranks whose boxes overlap one of this rank's and that may couple with it, and some more.
-/// Ranks tell each other a few boxes that hold those of their patches, and send what overlaps them: what lies within a
+/// Ranks send each other a few boxes that hold those of their patches, and send what overlaps them: what lies within a
 /// rank stays there. Patches that this rank lists itself may be among them. Collective.
 ForeignPatches foreign_patches_near(const NodeLayout& layout, const PatchKinds& kinds, const LocalPatches& mine);
 

@@ -13,8 +13,8 @@ namespace {
 /// The skin in units of the reach: the least, and the most, which bounds how many pairs are looked at in vain.
 constexpr double least_skin = 1.0, largest_skin = 8.0;
 
-/// How far a node may move in one search, in units of the size of patches with the reach around them. Of surfaces of
-/// equal triangles, each then meets about 4 (1 + longest_path)^2 triangles of one surface at the most.
+/// How far a node may move in one search, in units of the size of patches with the reach around them. A
+/// triangle among equal ones then meets at most about 4 (1 + longest_path)^2 triangles of one surface.
 constexpr double longest_path = 4.0;
 
 /// Pairs of a path serve other paths down to this part of its length, so that what a long one met is soon forgotten.
