@@ -21,6 +21,8 @@ class BodyContacts {
                const std::vector<std::string>& body_names, const std::vector<double>& shear_moduli);
 
   std::vector<const EnergyTerm*> terms() const;
+  /// Whether everything may touch everything: then no body can pass through another.
+  bool includes_all() const { return config_.pairs.all && config_.exclude.empty(); }
   /// Notes of what was derived from material and mesh.
   const std::vector<Diagnostic>& description() const { return description_; }
 

@@ -183,6 +183,10 @@ std::vector<std::string> MotionWatch::look(const StepRecord& record) {
 
 std::optional<std::string> MotionWatch::look_for_passage(const StepRecord& record) {
   if (overlap_is_known_ || model_.components().count < 2) return std::nullopt;
+  const Contacts* contacts = model_.contacts();
+  if (contacts != nullptr && contacts->between_bodies() != nullptr && contacts->between_bodies()->includes_all()) {
+    return std::nullopt;
+  }
   check(VecCopy(record.q, q_.get()));
   update_ghosts(q_.get());
   const ConstGhostedView u(q_.get());

@@ -129,7 +129,7 @@ TEST_P(BodyContactOf, NumbersAreThoseOfOneRank) {
       numbers.push_back(test::dot(y.get(), e.get()));
       numbers.push_back(test::norm(y.get()));
     }
-    numbers.push_back(bodies.potential->energies({}, q.get(), nullptr)[0]);
+    numbers.push_back(bodies.potential->accounts().energies({}, q.get(), nullptr)[0]);
     const Handle<Vec> way = bodies.solid.vector([](const Point& x) {
       return Point{x[0] > between ? -0.5 : 0.0, 0, 0};
     });
