@@ -10,5 +10,4 @@ source "$root/tools/environment.sh"
 
 set_up test
 say "testing"
-# Short runs under mpirun wait for half of their time, so there is one test more than there are cores.
-ctest --test-dir "$build" --output-on-failure --no-tests=error -j $(($(usable_cores) + 1)) "$@" </dev/null
+ctest --test-dir "$build" --output-on-failure --no-tests=error -j "$(usable_cores)" "$@" </dev/null

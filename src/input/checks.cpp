@@ -161,23 +161,6 @@ void check_barrier(const Config& config, const InputNode& contact, Diagnostics& 
                       "'law: penalty'");
 }
 
-void check_pairs(const ContactConfig& config, const InputNode& contact, Diagnostics& diagnostics) {
-  const InputNode *pairs = given(contact, {"pairs"}), *exclude = given(contact, {"exclude"});
-  if (pairs == nullptr && given(contact, {"obstacles"}) == nullptr) {
-    diagnostics.add(contact.where,
-                    "'contact' needs 'pairs' (`pairs: all`: bodies touch each other and themselves), 'obstacles' or "
-                    "both");
-  }
-  if (pairs == nullptr && exclude != nullptr) {
-    diagnostics.add(exclude->where, "'exclude' needs 'pairs', from which it takes some");
-  }
-  if (pairs != nullptr && config.pressure.law != NormalKind::barrier) {
-    diagnostics.add(pairs->where,
-                    "contact between bodies needs the barrier, which keeps them apart; write 'law: barrier' "
-                    "in 'contact'");
-  }
-}
-
 void check_contact(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   const InputNode* contact = given(root, {"contact"});
   if (!config.contact) {
@@ -190,7 +173,6 @@ void check_contact(const Config& config, const InputNode& root, Diagnostics& dia
     return;
   }
   check_barrier(config, *contact, diagnostics);
-  check_pairs(*config.contact, *contact, diagnostics);
   const InputNode* obstacles = given(*contact, {"obstacles"});
   if (obstacles == nullptr || obstacles->kind != InputNode::Kind::list) return;
   std::vector<std::string> names;

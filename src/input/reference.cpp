@@ -115,6 +115,8 @@ std::string sentence(const KeyGroup& group) {
   switch (group.need) {
     case KeyGroup::Need::exactly_one:
       return with + "exactly one of " + keys + "." + exceptions(group);
+    case KeyGroup::Need::at_least_one:
+      return with + "at least one of " + keys + ".";
     case KeyGroup::Need::at_most_one:
       return with + "at most one of " + keys + ".";
     case KeyGroup::Need::all:

@@ -123,6 +123,10 @@ void check_group(const InputNode& node, const std::string& name, const KeyGroup&
       diagnostics.add({node.where, {key}}, node.where, "missing key '" + key + "'" + in_section(name) + why);
     }
   }
+  if (group.need == KeyGroup::Need::at_least_one && given.empty()) {
+    diagnostics.add({node.where, group.keys}, node.where,
+                    "at least one of " + joined(group.keys) + " is needed" + in_section(name));
+  }
   if (group.need != KeyGroup::Need::exactly_one && group.need != KeyGroup::Need::at_most_one) return;
   if (given.empty() && group.need == KeyGroup::Need::exactly_one) {
     const std::string with = anchor ? " with '" + to_string(*anchor) + "'" : "";
@@ -162,6 +166,11 @@ std::vector<Anchor> anchors_of(const std::string& key, const KeyInfo& section) {
   return anchors;
 }
 
+bool has_default(const std::string& key, const KeyInfo& section) {
+  return std::any_of(section.children.begin(), section.children.end(),
+                     [&](const KeyInfo& child) { return child.key == key && !child.fallback.empty(); });
+}
+
 /// Reports keys whose owners are not given. None where a choice is missing, which is already an error.
 void check_strays(const InputNode& node, const std::string& name, const KeyInfo& section, Diagnostics& diagnostics) {
   for (const KeyGroup& group : section.groups) {
@@ -172,7 +181,8 @@ void check_strays(const InputNode& node, const std::string& name, const KeyInfo&
     const auto anchors = anchors_of(key.key, section);
     const auto is_there = [&](const Anchor& anchor) { return is_given(node, anchor); };
     if (anchors.empty() || std::any_of(anchors.begin(), anchors.end(), is_there)) continue;
-    if (!anchors[0].value.empty() && is_open(anchors[0].key, node, section)) continue;
+    const bool is_chosen_by_default = !is_given(node, anchors[0].key) && has_default(anchors[0].key, section);
+    if (!anchors[0].value.empty() && !is_chosen_by_default && is_open(anchors[0].key, node, section)) continue;
     diagnostics.add(node.find(key.key)->key_where,
                     "'" + key.key + "' can only be given with " + quoted(anchors) + in_section(name));
   }
@@ -198,6 +208,7 @@ Json with_group(const KeyGroup& group) {
     for (const auto& set : group.together) options.push_back({{"anyOf", required_keys(set)}});
     return {{"oneOf", options}};
   }
+  if (group.need == KeyGroup::Need::at_least_one) return {{"anyOf", required_keys(group.keys)}};
   if (group.need == KeyGroup::Need::at_most_one) {
     Json pairs = Json::array();
     for (std::size_t i = 0; i < group.keys.size(); ++i) {

@@ -32,7 +32,7 @@ std::string to_string(const Anchor& anchor);
 
 /// Keys of a section, and how many of them must be given.
 struct KeyGroup {
-  enum class Need { exactly_one, at_most_one, all, any };
+  enum class Need { exactly_one, at_least_one, at_most_one, all, any };
   std::vector<std::string> keys;
   Need need = Need::exactly_one;
   std::vector<Anchor> only_with = {};  ///< if given, the keys belong to these and are allowed only with one of them

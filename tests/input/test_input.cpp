@@ -316,6 +316,9 @@ TEST(Dump, SpellsOutEveryKeyOfTheTable) {
     const std::string contact = "{" + part + ", obstacles: [{name: ball, shape: sphere, radius: 1}]}";
     collect_paths(parse_yaml(dump(read(smallest, {{"contact", contact}})), "dump", none), "", written);
   }
+  const std::string between =
+      "{law: barrier, pairs: [{surface: a, with: b, stiffness: 1, width: 1, thickness: 1}], exclude: [[c, d]]}";
+  collect_paths(parse_yaml(dump(read(smallest, {{"contact", between}})), "dump", none), "", written);
   for (const std::string& time : other_times) {
     collect_paths(parse_yaml(dump(read(everything, {{"time", time}})), "dump", none), "", written);
   }

@@ -132,6 +132,9 @@ const std::vector<std::string> good_lines{
     "cm/s, obstacles: [{name: a, shape: plane, normal: [0, 0, 2], friction: 0.5, viscous_friction: 1, normal_damping: "
     "0.1 "
     "s/m}]}",
+    "contact: {law: barrier, pairs: all, exclude: [[a, b], [c, 3]]}",
+    "contact: {law: barrier, pairs: [{surface: a, with: b, stiffness: 1 MPa/m, width: 1 mm, thickness: 0}, {surface: "
+    "c}]}",
     "contact: {obstacles: [{name: a, shape: sphere, radius: 1, side: inside, motion: {translate: [\"t\", 0, 0]}}, "
     "{name: "
     "b, shape: cylinder, axis: [1, 0, 0], radius: 1 mm, length: 1, motion: {rotate: {axis: [0, 0, 1], angle: t}}}, "
@@ -166,6 +169,12 @@ const std::vector<std::string> good_lines{
 const std::vector<std::string> bad_lines{
     "contact: 1",
     "contact: {}",
+    "contact: {pairs: all}",
+    "contact: {law: barrier, pairs: none}",
+    "contact: {law: barrier, pairs: []}",
+    "contact: {law: barrier, pairs: [{with: a}]}",
+    "contact: {law: barrier, pairs: all, exclude: [[a]]}",
+    "contact: {law: barrier, exclude: [[a, b]], obstacles: [{name: a, shape: sphere, radius: 1}]}",
     "contact: {obstacles: []}",
     "contact: {obstacles: [{shape: sphere, radius: 1}]}",
     "contact: {obstacles: [{name: a, shape: sphere}]}",

@@ -36,7 +36,7 @@ BAD_LINES = {
     "unknown key": ("bodies", "bodies: [{density: 1, elasticity: {model: linear, @youngs_modulos: 1, poissons_ratio: 0}}]",
                     "did you mean 'youngs_modulus'"),
     "unknown section": ("output", "@constrains: []", "did you mean 'constraints'"),
-    "contact with nothing": ("output", "contact: @{law: penalty}", "missing key 'obstacles'"),
+    "contact with nothing": ("output", "contact: @{law: penalty}", "at least one of pairs, obstacles is needed"),
     "wrong unit": ("time", "time: {step: @5 mm, end: 1}", "5 mm"),
     "no such unit": ("time", "time: {step: @5 flops, end: 1}", "flops"),
     "not a number": ("bodies", "bodies: [{density: @heavy, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}}]",
@@ -122,7 +122,7 @@ BAD_AGAINST_THE_MESH = {
     "a cavity and PETSc's integrators": ("time", "time: {method: @{petsc: alpha2}, step: 0.01, end: 1}\n"
                                          'cavities: [{name: c, where: "x > -1", volume: 3, gas: {}}]', "`cavity` couples all"),
     "parts that turn freely and PETSc's integrators": ("constraints", "constraints: [{surface: right, rigid: {}}]\n"
-                                                   "time: {method: @{petsc: alpha2}, step: 0.01, end: 1}", "turn freely"),
+                                                   "time: {method: @{petsc: alpha2}, step: 0.01, end: 1}", "rotate freely"),
     "viscosity as a part of a modulus that fibres have not": (
         "bodies", "bodies: [{density: 1000, elasticity: {model: guccione, C: 1 kPa, bf: 8, bt: 2, bfs: 4, bulk_modulus: 1 MPa, fibre: [1, 0, 0]}, "
         "viscosity: [@{model: stiffness-proportional, time: 2 ms}]}]", "give a viscosity in absolute numbers"),
@@ -148,10 +148,10 @@ DOUBTFUL = {
                                        "@{where: \"x > 0.9\", displacement: [\"0.1*cos(t)\", 0, 0]}]", "displaces nodes abruptly by 0.1 m"),
     "a mesh in millimetres": ("mesh", "mesh: {file: @cube.msh, scale: 100}", "the mesh is 100 m long.*'scale: 0.001'"),
     "rubber that is stretched too far": ("time", "time: {step: 1 us, end: 3 us}\ninitial: {displacement: [\"4.5*x\", 0, 0]}",
-                                         "'body' is stretched to 5.5 of its length near X = .*'neo-hookean' does not describe that"),
+                                         "'body' is stretched to 5.5 times its length near X = .*beyond the range of 'neo-hookean'"),
     "parts that overlap": ("mesh", "mesh: {file: @cube.msh}", "overlap at the start, 0.[12][0-9]* m deep"),
     "parts that pass through one another": ("output", 'initial: {velocity: ["-30*(x > 1.4)", 0, 0]}', "at t = 0.02 s two parts of 'body', which share no node, pass through"),
-    "Newton's method that does nothing": ("output", "solver: {newton: {absolute: 1 MN}}", "ended 2 of 2 solves.* this is not a solution"),
+    "Newton's method that does nothing": ("output", "solver: {newton: {absolute: 1 MN}}", "ended 2 of 2 solves.* these are not solutions"),
 }
 NOT_DOUBTFUL = {
     "a load on what is held in part": ("loads", "loads: [{surface: top, traction: [0, 0, 1]}, {gravity: [0, 0, -9.81]}]"),

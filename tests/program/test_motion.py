@@ -81,7 +81,7 @@ class Motion(ProgramTest):
     def test_kinks_that_move_are_warned_of(self):
         lid = '{surface: top, displacement: [0, 0, "%s"]}'
         time = "method: bdf2, step: 1 ms, end: 20 ms"
-        for formula, words in (("0.1*min(t, 0.01*(1 + x))", r"in.yaml:5:5: the motion prescribed by '0.1\*min\(t, 0.01\*\(1 \+ x\)\)' has kinks .*as at "
+        for formula, words in (("0.1*min(t, 0.01*(1 + x))", r"in.yaml:5:5: the motion prescribed by '0.1\*min\(t, 0.01\*\(1 \+ x\)\)' has kinks .*such as "
                                 r"t = 0.01 s at \(0, 0, 0\) and t = 0.015 s at \(0.5, 1, 1\): .*time.events"),
                                ("0.1*max(0, t - 0.01*x)^5", None), ("0.1*x*min(t, 0.01)", None), ("x > 0.5 ? t : 0", None)):
             with self.subTest(formula):

@@ -208,7 +208,7 @@ class Outputs(ProgramTest):
         done = self.call("run", self.input, "--quiet", "--", "-snes_monitr", "-ksp_typ", "cg")
         self.assertEqual(done.returncode, 0)
         for option in ("-snes_monitr", "-ksp_typ"):
-            self.assertEqual(done.stderr.count(option + " "), 1, done.stderr)
+            self.assertEqual(done.stderr.count(option + ";"), 1, done.stderr)
 
     def test_any_working_directory(self):
         done = self.call("run", ROOT / "input/beam_small.yaml", "--set", "time.end=0.01", "--output", "here")

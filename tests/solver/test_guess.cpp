@@ -30,7 +30,10 @@ class Valley final : public test::SmallEquation {
     const double x = free_entry(q);
     return x < barrier ? 0.5 * (x - minimum) * (x - minimum) : infinity;
   }
-  double max_step_to_wall(Vec, Vec) override { return to_wall; }
+  double max_step_to_wall(Vec q, Vec d) override {
+    const double room = wall - free_entry(q), step = free_entry(d);
+    return step > room ? room / step : infinity;
+  }
   std::vector<std::string> non_potentials() const override { return {}; }
   Symmetry symmetry() const override { return Symmetry::symmetric; }
   const std::vector<char>& prescribed() const override { return prescribed_; }
@@ -51,7 +54,7 @@ class Valley final : public test::SmallEquation {
   }
 
   double minimum = 0.0, barrier = infinity;
-  double to_wall = infinity;
+  double wall = infinity;
 
  private:
   std::vector<char> prescribed_;
@@ -109,7 +112,7 @@ TEST_F(Guesses, FallBackOnTheLastSolutionBeyondABarrier) {
 // A wall stands half-way between the accepted state and the given guess.
 TEST_F(Guesses, StopShortOfWalls) {
   has_accepted_ = true;
-  equation_.to_wall = 0.5;
+  equation_.wall = 1.0;
   equation_.minimum = 10.0;
   choose(0.0, 0.0, 2.0);
   EXPECT_DOUBLE_EQ(chosen(), 0.9 * 0.5 * 2.0);

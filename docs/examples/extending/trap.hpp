@@ -36,7 +36,7 @@ class Trap final : public pliant::EnergyTerm {
   std::string_view name() const override { return "trap"; }
   /// An energy of the load's: the ledger books it as load potential.
   pliant::TermDeclaration declaration() const override {
-    return {.account = pliant::Account::load_potential, .turns = false};
+    return {.account = pliant::Account::load_potential, .rotates_with_body = false};
   }
 
   /// U(q) - U(q0) = sum k V (q - q0) . ((x + x0)/2 - c): no difference of large numbers.

@@ -34,6 +34,8 @@ struct WithStrainRate {
   Law law;
   StrainRate rate;
 };
+template <class Law>
+WithStrainRate(Law, StrainRate) -> WithStrainRate<Law>;  // for clang before 17
 
 /// The laws in E.
 using ViscosityVariant = std::variant<WithStrainRate<KelvinVoigt>, Maxwell, WithStrainRate<StiffnessProportional>>;

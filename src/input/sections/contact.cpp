@@ -179,17 +179,21 @@ Section<ContactConfig> contact_keys() {
                      .otherwise("1 mm/s"));
   keys.push_back(field("pairs", &C::pairs, pairs_of_bodies(),
                        "parts of the bodies that may touch one another; `all`: the outer surfaces of all bodies, with "
-                       "each other and with themselves; needs the barrier")
-                     .otherwise_in_words("bodies pass through one another"));
+                       "each other and with themselves")
+                     .otherwise_in_words("bodies pass through one another")
+                     .only_with({{"law", "barrier"}}));
   keys.push_back(
       field("exclude", &C::exclude, list_of(array_of<2>(located_text()), 1),
-            "two surfaces or volumes each that do not touch although `pairs` says so, such as the sides of a "
-            "hinge")
-          .otherwise_in_words("none"));
-  keys.push_back(
-      field("obstacles", &C::obstacles, list_of(map_of(obstacle_keys()), 1), "rigid solids that the bodies touch")
-          .otherwise_in_words("none"));
-  return {std::move(keys), {{{"surface", "box", "where"}, KeyGroup::Need::at_most_one}}, &C::where};
+            "two surfaces or volumes each that do not touch although `pairs` says so, such as the sides of a hinge")
+          .otherwise_in_words("none")
+          .only_with({{"pairs"}}));
+  keys.push_back(field("obstacles", &C::obstacles, list_of(map_of(obstacle_keys()), 1),
+                       "rigid obstacles that the bodies can touch")
+                     .otherwise_in_words("none"));
+  using Need = KeyGroup::Need;
+  return {std::move(keys),
+          {{{"surface", "box", "where"}, Need::at_most_one}, {{"pairs", "obstacles"}, Need::at_least_one}},
+          &C::where};
 }
 
 }  // namespace pliant
