@@ -116,7 +116,7 @@ TEST_F(Guesses, StopShortOfWalls) {
   equation_.minimum = 10.0;
   choose(0.0, 0.0, 2.0);
   EXPECT_DOUBLE_EQ(chosen(), 0.9 * 0.5 * 2.0);
-  EXPECT_EQ(statistics_.capped_steps, 2);
+  EXPECT_EQ(statistics_.capped_steps, 1);
 }
 
 }  // namespace
