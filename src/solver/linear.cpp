@@ -304,6 +304,7 @@ void renew(PC pc, Mat K) {
   check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCGAMG, &is_gamg));
   if (!is_gamg) {
     check(PCReset(pc));
+    check(PCSetOperators(pc, K, K));  // the reset has dropped them, and MUMPS is chosen by the matrix
     control_mumps(pc, K, first_workspace);
     return;
   }

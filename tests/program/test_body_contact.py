@@ -113,6 +113,19 @@ class BodyContact(ProgramTest):
                 self.assertGreater(h["contact_gap_min"].min(), 0)
                 self.assertEqual(places_inside(self.directory / name), 0)
 
+    def test_bodies_with_pressures_and_rigid_ones_touch(self):
+        # The first contact changes the pattern of a matrix that has been factorized before.
+        speed = "[0, 0, \"z > 0.011 ? -0.5 : 0\"]"
+        time = "method: backward-euler, step: 2 ms, end: 0.012"
+        for name, change in (("mixed", ("element: P1", "element: P2\nvolumetric: mixed")),
+                             ("rigid", ("constraints: [", "constraints: [{volume: block, rigid: {}}, "))):
+            with self.subTest(name):
+                text = two_blocks(velocity=speed, time=time).replace(*change)
+                h = self.run_input(self.write(name + ".yaml", text), output=name)
+                self.assertGreater(h["contact_points"].max(), 0)
+                self.assertGreater(h["contact_gap_min"].min(), 0)
+                self.assertEqual(places_inside(self.directory / name), 0)
+
     def test_a_plate_that_is_moved_pushes_in_front_of_it(self):
         text = two_blocks(contact="law: barrier, pairs: [{surface: block, with: base}]", young="1e6",
                           time="method: bdf2, step: 4 ms, end: 0.1")
