@@ -156,7 +156,9 @@ class Factorization {
   void factorize(Mat K) {
     if (!single_) {
       if (!double_ || pattern_of_double_ != pattern_id(K)) make_double(K);
+      check(PCSetReusePreconditioner(double_.get(), PETSC_FALSE));
       outcome_ = set_up_with_workspace(double_.get(), K, ordering_);
+      keep(double_.get());
       return;
     }
     outcome_ = single_->factorize(K);
@@ -169,11 +171,15 @@ class Factorization {
     if (of_double == SetUp::sound && (!is_sound || pliant::negative_pivots(double_.get()) == 0)) {
       single_.reset();
       outcome_ = SetUp::sound;
+      keep(double_.get());
     } else {
       double_ = {};
       if (!is_sound) outcome_ = of_double;
     }
   }
+
+  /// Keeps the factors of K until the next set-up, although K changes: PETSc would factorize anew at the next solve.
+  static void keep(PC pc) { check(PCSetReusePreconditioner(pc, PETSC_TRUE)); }
 
   void make_double(Mat K) {
     pattern_of_double_ = pattern_id(K);
