@@ -1,7 +1,6 @@
 #include "solver/newton.hpp"
 
 #include "solver/fixed_point.hpp"
-#include "solver/whole_steps.hpp"
 
 #include <algorithm>
 
@@ -36,7 +35,8 @@ NewtonSolver::NewtonSolver(StageEquation& equation, const NewtonOptions& options
       objective_(equation, statistics_),
       loop_(objective_, options, linear, statistics_),
       guesses_(objective_, loop_.system(), statistics_),
-      equilibria_(objective_, loop_, statistics_, options.relative) {}
+      equilibria_(objective_, loop_, statistics_, options.relative),
+      roots_(objective_, loop_) {}
 
 StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
   ++statistics_.stages;
@@ -73,7 +73,7 @@ StageReport NewtonSolver::solve_for_unknowns(const StagePoint& stage, Vec q) {
 StageReport NewtonSolver::iterate(Vec q) {
   if (may_follow()) return equilibria_.seek(q, guesses_.second(), options_.max_iterations);
   if (objective_.is_minimised()) return loop_.run(q);
-  return solve_residual(objective_, loop_, q, options_.max_iterations);
+  return roots_.seek(q, options_.max_iterations);
 }
 
 void NewtonSolver::settle_coefficients(Vec q, StageReport& report) {
@@ -112,6 +112,7 @@ void NewtonSolver::forget() {
   loop_.forget();
   guesses_.forget();
   equilibria_.forget();
+  roots_.forget();
 }
 
 std::optional<FailedStage> NewtonSolver::examine() {

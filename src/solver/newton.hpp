@@ -8,6 +8,7 @@
 #include "solver/guess.hpp"
 #include "solver/newton_loop.hpp"
 #include "solver/objective.hpp"
+#include "solver/root_search.hpp"
 #include "solver/statistics.hpp"
 #include "time/stage.hpp"
 
@@ -28,7 +29,7 @@ std::string describe(const StageEquation& equation, LinearKind linear);
 /// - GuessSearch: the starting guess of a stage.
 /// - NewtonLoop: the iteration itself, with Convergence (the test of convergence), LinearSystem (the directions),
 ///   FactorPolicy (the lifetime of a factor), Escalation (the fallback sequence) and LineSearch (the step length).
-/// - EquilibriumSearch and solve_residual: several runs of the loop, if one may not be enough.
+/// - EquilibriumSearch and RootSearch: several runs of the loop, if one may not be enough.
 ///
 /// Every rank takes the same decisions, because all of them depend on reduced numbers.
 ///
@@ -83,6 +84,7 @@ class NewtonSolver {
   NewtonLoop loop_;
   GuessSearch guesses_;
   EquilibriumSearch equilibria_;
+  RootSearch roots_;
   std::optional<Failure> failure_;
 };
 

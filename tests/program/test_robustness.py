@@ -153,7 +153,7 @@ probes: [{{name: tip, point: [{length}, {width / 2}, {thickness / 2}]}}]
         text = text.replace("density: 1000", "density: 0.01").replace(f"pressure: {pressure}", f'pressure: "{pressure}*t"')
         h = self.run_text(text.replace("static, load_steps: 20", "bdf2, step: 0.05, end: 1"))
         self.assert_no_step_failed()
-        self.assertLess(h["newton_iterations"].sum(), 20 * 20)
+        self.assertLess(h["newton_iterations"].sum(), 20 * 10)
 
     def test_block_that_snaps_arrives(self):
         """Bonded ends of a nearly incompressible block are pulled apart or pressed together: there are bifurcations on

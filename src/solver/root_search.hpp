@@ -1,0 +1,38 @@
+/// The solution of a residual without a potential.
+#pragma once
+
+#include "petsc/handle.hpp"
+#include "solver/iteration.hpp"
+#include "solver/objective.hpp"
+#include "time/stage.hpp"
+
+namespace pliant {
+
+/// Several runs of Newton's iteration on a residual, of two kinds.
+///
+/// - Damped steps, each of which lowers a merit of the residual.
+/// - Whole steps, as many as it takes if they converge at all. A whole step may stretch a thin body until its forces
+///   are many times those that act on it. The stresses extrapolated along the step are nevertheless close to
+///   equilibrium, and the next step removes the stretch; a line search that measures residuals would reject both.
+///
+/// A stage without inertia begins with whole steps. One with inertia begins with damped steps, or with the kind that
+/// solved the last stage. Each kind gets a few iterations from the guess, and damped steps the rest of them.
+///
+/// Invariant: what was learned from earlier stages is the kind of steps, which `forget` clears.
+class RootSearch {
+ public:
+  /// The references outlive the object.
+  RootSearch(Objective& objective, Iteration& iteration) : objective_(objective), iteration_(iteration) {}
+
+  /// Solves the stage from the guess in q. On return the aim of the objective is the usual one. Collective.
+  StageReport seek(Vec q, int max_iterations);
+
+  void forget() { prefers_whole_steps_ = false; }
+
+ private:
+  Objective& objective_;
+  Iteration& iteration_;
+  bool prefers_whole_steps_ = false;
+};
+
+}  // namespace pliant
