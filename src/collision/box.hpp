@@ -10,8 +10,7 @@
 
 namespace pliant {
 
-/// The greatest float that is at most about x, and the least that is at least about x: at most 2 units in the last
-/// place further out. For x of any size, infinities included.
+/// A float at most (at least) x, and at most 2 units in the last place away. For x of any size, infinities included.
 inline float rounded_down(double x) {
   constexpr double relative = 1.2e-7, absolute = 1.2e-38;  // of the float's digits, and its least normal number
   constexpr double largest = std::numeric_limits<double>::max();

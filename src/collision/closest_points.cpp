@@ -78,8 +78,12 @@ EdgeEdge closest_edge_edge(std::span<const Vector, 4> x) {
     closest = {EdgeFeature::inside, EdgeFeature::inside, s / n2, t / n2, dot(off, off)};
     if (n2 > few_digits_left * dot(u, u) * dot(v, v)) return closest;
   }
+  // Between parallel edges all of that is rounding: the insides have to be clearly nearer than every vertex.
+  double least = (1.0 + few_digits_left) * closest.squared_distance;
   const auto offer = [&](EdgeFeature a, EdgeFeature b, double at_a, double at_b, double squared_distance) {
-    if (squared_distance < closest.squared_distance) closest = {a, b, at_a, at_b, squared_distance};
+    if (!(squared_distance < least)) return;
+    closest = {a, b, at_a, at_b, squared_distance};
+    least = squared_distance;
   };
   const PointEdge a0 = closest_on_edge(r, v), a1 = closest_on_edge(x[1] - x[2], v);
   const PointEdge b0 = closest_on_edge(-1.0 * r, u), b1 = closest_on_edge(x[3] - x[0], u);

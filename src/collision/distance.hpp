@@ -90,7 +90,7 @@ Separation<N> separation(const Stencil<N>& stencil, std::span<const Vector3<doub
   at.normal = (1.0 / at.distance) * at.r;
   if (at.num_slopes == 2) {  // keeps its digits where d is a rounding of the coordinates
     const Vector3<double> across = cross(at.tangents[0], at.tangents[1]);
-    at.normal = std::copysign(1.0, dot(across, at.r)) * across;
+    at.normal = std::copysign(1.0 / norm(across), dot(across, at.r)) * across;
   }
   return at;
 }

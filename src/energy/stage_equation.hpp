@@ -88,6 +88,9 @@ class StageEquation {
   virtual std::size_t num_rank_one() const { return 0; }
   /// The rank-one terms at q; `parts` has num_rank_one() of them, with vectors of make_vector().
   virtual void rank_one_parts(Vec /*q*/, std::vector<RankOne>& /*parts*/) {}
+  /// Drops what earlier evaluations have left behind and rounding can show, so that a run that is resumed here computes
+  /// the same bits. Not collective.
+  virtual void forget() {}
   /// The largest alpha for which q + alpha d crosses no barrier.
   virtual double max_step(Vec q, Vec d) = 0;
   /// The largest alpha for which q + alpha d crosses no wall, a barrier that must not be jumped over

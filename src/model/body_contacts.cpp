@@ -16,13 +16,14 @@ constexpr double shear_moduli_per_facet = 30.0;
 constexpr double width_per_facet = 1.0 / 50.0;
 
 /// The size of a facet of each body: the legs of a right triangle of the mean area [m]; 0 of bodies without any.
-std::vector<double> facet_sizes(const CollisionSurface& surface, std::size_t num_bodies) {
+std::vector<double> facet_sizes(const CollisionSurface& surface, std::size_t num_bodies, double triangles_per_facet) {
   std::vector<double> area(num_bodies, 0.0), number(num_bodies, 0.0), size(num_bodies, 0.0);
   for (const auto& triangle : surface.triangles()) {
     area[triangle.body] += triangle.area;
     number[triangle.body] += 1.0;
   }
-  for (std::size_t b = 0; b < num_bodies; ++b) size[b] = number[b] > 0.0 ? std::sqrt(2.0 * area[b] / number[b]) : 0.0;
+  for (std::size_t b = 0; b < num_bodies; ++b)
+    size[b] = number[b] > 0.0 ? std::sqrt(2.0 * area[b] / number[b] * triangles_per_facet) : 0.0;
   return size;
 }
 
@@ -71,10 +72,10 @@ BodyContacts::BodyContacts(const ContactConfig& config, const NodeLayout& layout
   for (TouchingSurfaces& touching : surfaces) add(std::move(touching), shear_moduli);
 }
 
-BodyContactLaws BodyContacts::laws_of(const CollisionSurface& surface, const ContactPairConfig* pair,
-                                      const std::vector<double>& shear_moduli) {
+BodyContactLaws BodyContacts::laws_of(const CollisionSurface& surface, double triangles_per_facet,
+                                      const ContactPairConfig* pair, const std::vector<double>& shear_moduli) {
   const std::size_t n = body_names_.size();
-  const std::vector<double> sizes = facet_sizes(surface, n);
+  const std::vector<double> sizes = facet_sizes(surface, n, triangles_per_facet);
   const ContactPressureConfig& common = config_.pressure;
   const auto given = [&](std::optional<double> ContactPairConfig::*of_pair, std::optional<double> of_all) {
     return pair != nullptr && pair->*of_pair ? pair->*of_pair : of_all;
@@ -111,7 +112,8 @@ BodyContactLaws BodyContacts::laws_of(const CollisionSurface& surface, const Con
 void BodyContacts::add(TouchingSurfaces touching, const std::vector<double>& shear_moduli) {
   auto surfaces = std::make_shared<const BodySurfaces>(layout_, touching.facets, touching.sides);
   const CollisionSurface& surface = surfaces->surface();
-  BodyContactLaws laws = laws_of(surface, touching.config, shear_moduli);
+  BodyContactLaws laws =
+      laws_of(surface, touching.facets.nodes_per_facet == 6 ? 4.0 : 1.0, touching.config, shear_moduli);
   const double distance = std::max(surface.longest_edge(), laws.reach());
   double stiffest = 0.0, widest = 0.0;
   for (const NormalLaw& law : laws.of_bodies) {
@@ -143,7 +145,7 @@ Closeness BodyContacts::closeness(std::span<const double> q) const {
     result.gap = std::min(result.gap, gap.least);
     result.num_points += gap.num_points;
   }
-  return {minimum(layout_.comm, result.gap), sum(layout_.comm, result.num_points)};
+  return result;
 }
 
 double BodyContacts::energy(std::span<const double> q) const {
@@ -184,30 +186,31 @@ std::vector<BodyContacts::AtNode> BodyContacts::at_nodes(std::span<const double>
   return nodes;
 }
 
-void BodyContacts::check_start(std::span<const double> q) const {
-  struct Found {
-    std::int64_t part;
-    SurfaceCrossings crossings;
-  };
-  std::vector<Found> mine;
-  for (std::size_t k = 0; k < parts_.size(); ++k) {
-    const auto [near, all] = parts_[k]->at(q);
-    const SurfaceCrossings crossings = parts_[k]->term->crossings(near, all);
-    if (crossings.count > 0) mine.push_back({static_cast<std::int64_t>(k), crossings});
+std::optional<std::string> BodyContacts::crossing(std::span<const double> q) const {
+  std::vector<SurfaceCrossings> mine;
+  for (const auto& part : parts_) {
+    const auto [near, all] = part->at(q);
+    const SurfaceCrossings crossings = part->term->crossings(near, all);
+    if (crossings.count > 0) mine.push_back(crossings);
   }
-  const std::vector<Found> found = gathered(layout_.comm, mine);
-  if (!found.empty()) {
-    const SurfaceCrossings& first = found.front().crossings;
-    const auto& [x, y, z] = first.place;
-    throw InputError(
-        config_.where,
-        fmt::format("{} at the start, near ({:.4g}, {:.4g}, {:.4g}), which the barrier does not allow; "
-                    "move one of them, or exclude them from contact ('exclude')",
-                    first.body == first.other
-                        ? fmt::format("the surface of '{}' touches or passes through itself", body_names_[first.body])
-                        : fmt::format("'{}' and '{}' touch or pass through each other", body_names_[first.body],
-                                      body_names_[first.other]),
-                    x, y, z));
+  const std::vector<SurfaceCrossings> found = gathered(layout_.comm, mine);
+  if (found.empty()) return std::nullopt;
+  const SurfaceCrossings& first = found.front();
+  const std::string& body = body_names_[static_cast<std::size_t>(first.body)];
+  const auto& [x, y, z] = first.place;
+  return fmt::format("{} near ({:.4g}, {:.4g}, {:.4g})",
+                     first.body == first.other
+                         ? fmt::format("the surface of '{}' touches or passes through itself", body)
+                         : fmt::format("'{}' and '{}' touch or pass through each other", body,
+                                       body_names_[static_cast<std::size_t>(first.other)]),
+                     x, y, z);
+}
+
+void BodyContacts::check_start(std::span<const double> q) const {
+  if (const auto what = crossing(q)) {
+    throw InputError(config_.where, *what +
+                                        " at the start, which the barrier does not allow; move one of them, or "
+                                        "exclude them from contact ('exclude')");
   }
   for (const auto& part : parts_) {
     const auto [near, all] = part->at(q);

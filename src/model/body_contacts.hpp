@@ -7,6 +7,7 @@
 #include "model/touching_surfaces.hpp"
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,7 +27,7 @@ class BodyContacts {
   /// Notes of what was derived from material and mesh.
   const std::vector<Diagnostic>& description() const { return description_; }
 
-  /// Over all ranks; distances beyond the size of a facet count as infinite. Collective.
+  /// The part of this rank; distances beyond the longest edge count as infinite. Collective.
   Closeness closeness(std::span<const double> q) const;
   /// The energy of this rank's part [J]. Collective.
   double energy(std::span<const double> q) const;
@@ -35,6 +36,8 @@ class BodyContacts {
     double gap = std::numeric_limits<double>::infinity(), pressure = 0.0;
   };
   std::vector<AtNode> at_nodes(std::span<const double> q) const;
+  /// Says what crosses, or touches, and where; nothing if nothing does. Collective.
+  std::optional<std::string> crossing(std::span<const double> q) const;
   /// Throws InputError if surfaces cross or touch. Collective.
   void check_start(std::span<const double> q) const;
 
@@ -42,7 +45,7 @@ class BodyContacts {
   /// A term with the search for what is near it, apart from that of the solver.
   struct Part;
   void add(TouchingSurfaces surfaces, const std::vector<double>& shear_moduli);
-  BodyContactLaws laws_of(const CollisionSurface& surface, const ContactPairConfig* pair,
+  BodyContactLaws laws_of(const CollisionSurface& surface, double triangles_per_facet, const ContactPairConfig* pair,
                           const std::vector<double>& shear_moduli);
 
   const ContactConfig& config_;

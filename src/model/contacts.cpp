@@ -4,7 +4,6 @@
 #include "fem/surface_distance.hpp"
 #include "input/analysis.hpp"
 #include "petsc/collective.hpp"
-#include "petsc/session.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -258,7 +257,9 @@ std::vector<Diagnostic> Contacts::warnings_about_start(const Instant& at, const 
   const auto warn = [&](const Location& where, std::string message) {
     warnings.push_back({Severity::warning, where, std::move(message)});
   };
-  if (description_.empty() && !obstacles_.empty()) {
+  std::vector<char> has_facets;
+  for (const auto& surface : surfaces_) has_facets.push_back(any_rank(layout_.comm, surface->facets().size() > 0));
+  if (!obstacles_.empty() && std::ranges::find(has_facets, 1) == has_facets.end()) {
     warn(
         config_.where,
         "nothing can touch the obstacles: constraints prescribe every displacement of the surface that may touch them");
@@ -268,8 +269,6 @@ std::vector<Diagnostic> Contacts::warnings_about_start(const Instant& at, const 
     const Vector3<double> X = layout_.position(a);
     for (std::size_t i = 0; i < 3; ++i) q[3 * a + i] = displacement[i](X[0], X[1], X[2], 0.0);
   }
-  std::vector<char> has_facets;
-  for (const auto& surface : surfaces_) has_facets.push_back(any_rank(layout_.comm, surface->facets().size() > 0));
   for (std::size_t k = 0; k < obstacles_.size(); ++k) {
     const ObstacleConfig& o = config_.obstacles[k];
     const ObstacleFrame frame = obstacles_[k]->at(at);
@@ -308,7 +307,7 @@ Closeness Contacts::closeness(const Instant& at, std::span<const double> q) cons
   if (between_) {
     const Closeness one = between_->closeness(q);
     result.gap = std::min(result.gap, one.gap);
-    if (rank(layout_.comm) == 0) result.num_points += one.num_points;
+    result.num_points += one.num_points;
   }
   return {minimum(layout_.comm, result.gap), sum(layout_.comm, result.num_points)};
 }
@@ -330,7 +329,11 @@ std::optional<std::string> Contacts::passage(const Instant& from, std::span<cons
   const auto all = gathered(layout_.comm, std::array{mine});
   const Candidate& deepest =
       *std::ranges::max_element(all, {}, [](const Candidate& candidate) { return candidate.passage.depth; });
-  if (!(deepest.passage.depth > 0.0)) return std::nullopt;
+  if (!(deepest.passage.depth > 0.0)) {
+    auto crossing = between_ ? between_->crossing(q_to) : std::nullopt;
+    if (crossing) *crossing += " at the end of the step; use a shorter 'time.step'";
+    return crossing;
+  }
   const auto& [x, y, z] = deepest.passage.place;
   return fmt::format(
       "'{}' passes through the obstacle '{}': near ({:.4g}, {:.4g}, {:.4g}) its surface is {:.3g} m deep, too deep to "

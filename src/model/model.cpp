@@ -278,12 +278,12 @@ void Model::check_overlap(const Config& config) {
   const std::string what = fmt::format(
       "parts of the mesh that share no node overlap at the start, {:.3g} m deep at ({:.4g}, {:.4g}, {:.4g})",
       overlap->depth, x, y, z);
-  if (contacts_ && contacts_->between_bodies() != nullptr) {
+  if (contacts_ && contacts_->between_bodies() != nullptr && contacts_->between_bodies()->includes_all()) {
     throw InputError(config.contact->where, what + ", and contact between bodies cannot part them; move one of them");
   }
   warn(config.mesh.file.where, what +
-                                   ": no contact between them is asked for; move one of them, join them in gmsh "
-                                   "(BooleanFragments), or let them touch (`contact: {law: barrier, pairs: all}`)");
+                                   ": no contact between them is enabled; move one of them, join them in gmsh "
+                                   "(BooleanFragments), or let them touch ('contact: {law: barrier, pairs: all}')");
 }
 
 void Model::prepare(const Config& config) {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include <fmt/format.h>
+
 namespace pliant {
 namespace {
 
@@ -18,6 +20,19 @@ Corners corners_of(std::span<const PetscInt> nodes) {
 
 std::span<const PetscInt> nodes_of(const FacetList& facets, PetscInt facet) {
   return std::span(facets.nodes).subspan(facet * facets.nodes_per_facet, facets.nodes_per_facet);
+}
+
+/// Whether two entries let the same facets touch, as the one side and the other. `masks`: of all outer facets of this
+/// rank. Collective.
+bool repeats(MPI_Comm comm, std::span<const std::uint64_t> masks, std::span<const std::uint64_t> others) {
+  std::array<bool, 4> shares{};
+  for (std::size_t facet = 0; facet < masks.size(); ++facet) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      shares[k] = shares[k] || ((masks[facet] >> (k & 1) & 1) != 0 && (others[facet] >> (k >> 1) & 1) != 0);
+    }
+  }
+  for (bool& share : shares) share = any_rank(comm, share);
+  return (shares[0] && shares[3]) || (shares[1] && shares[2]);
 }
 
 /// To which of the named parts facets belong, a bit for each.
@@ -45,7 +60,11 @@ class Membership {
       }
       return;
     }
-    const FacetList members = selections_.outer_facets(part, name.where, "where nothing can touch it");
+    add(part, mask);
+  }
+  /// Sets bits of the facets of a part of the surface. Collective.
+  void add(const Selection& part, std::uint64_t mask) {
+    const FacetList members = selections_.outer_facets(part, part.where, "where nothing can touch it");
     for (PetscInt facet = 0; facet < members.size(); ++facet) {
       const auto found = number_.find(corners_of(nodes_of(members, facet)));
       if (found != number_.end()) masks_[found->second] |= mask;
@@ -54,10 +73,8 @@ class Membership {
   void copy(int from, int to) {
     for (std::uint64_t& mask : masks_) mask |= (mask >> from & 1) << to;
   }
-  void add_all(int bit) {
-    for (std::uint64_t& mask : masks_) mask |= std::uint64_t{1} << bit;
-  }
   std::uint64_t operator[](PetscInt facet) const { return masks_[facet]; }
+  const std::vector<std::uint64_t>& masks() const { return masks_; }
 
  private:
   const FacetList& facets_;
@@ -68,6 +85,7 @@ class Membership {
 };
 
 constexpr int first_side = 0, second_side = 1, first_excluded = 2;
+constexpr std::uint64_t both_sides = 3;
 constexpr std::size_t most_excluded = 30;
 
 bool may_touch(std::uint64_t a, std::uint64_t b, std::size_t num_excluded) {
@@ -118,11 +136,11 @@ std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config
   std::vector<const ContactPairConfig*> entries;
   for (const ContactPairConfig& pair : config.pairs.list) entries.push_back(&pair);
   if (config.pairs.all) entries.push_back(nullptr);
+  std::vector<std::vector<std::uint64_t>> sides;  // of the entries so far
   for (const ContactPairConfig* pair : entries) {
     Membership membership(all, cells, selections);
     if (pair == nullptr) {
-      membership.add_all(first_side);
-      membership.add_all(second_side);
+      membership.add(config.part, both_sides);
     } else {
       membership.add(pair->part, first_side);
       if (pair->with) {
@@ -137,12 +155,21 @@ std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config
                        first_excluded + 2 * static_cast<int>(k) + side);
       }
     }
+    for (std::size_t k = 0; k < sides.size(); ++k) {
+      if (!repeats(layout.comm, membership.masks(), sides[k])) continue;
+      selections.report(pair->where,
+                        fmt::format("contact.pairs[{}] repeats contact.pairs[{}], at least in part, and their "
+                                    "pressures would add up; list each two surfaces once",
+                                    sides.size(), k));
+      break;
+    }
+    sides.push_back(membership.masks());
     TouchingSurfaces touching;
     touching.facets.nodes_per_facet = all.nodes_per_facet;
     touching.config = pair;
     std::vector<std::uint64_t> masks;
     for (PetscInt facet = 0; facet < all.size(); ++facet) {
-      if ((membership[facet] & 3) == 0) continue;
+      if ((membership[facet] & both_sides) == 0) continue;
       const auto nodes = nodes_of(all, facet);
       const auto cell = cells(nodes);
       touching.facets.nodes.insert(touching.facets.nodes.end(), nodes.begin(), nodes.end());

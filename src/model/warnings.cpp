@@ -171,8 +171,8 @@ std::vector<Diagnostic> warnings_about(const Config& config) {
 }
 
 bool nothing_moves(const Config& config) {
-  return config.cavities.empty() && !config.contact && is_zero(config.initial.displacement) &&
-         is_zero(config.initial.velocity) &&
+  return config.cavities.empty() && !(config.contact && !config.contact->obstacles.empty()) &&
+         is_zero(config.initial.displacement) && is_zero(config.initial.velocity) &&
          std::ranges::all_of(driving_formulas(config), [](const DrivingFormula& of) { return of.formula->is_zero(); });
 }
 

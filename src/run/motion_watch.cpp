@@ -197,7 +197,7 @@ std::optional<std::string> MotionWatch::look_for_passage(const StepRecord& recor
   const auto& [x, y, z] = overlap->at;
   return fmt::format(
       "{}: at {} {} pass through one another, {:.3g} m deep at ({:.4g}, {:.4g}, {:.4g}): no contact "
-      "between them is asked for; 'contact: {{law: barrier, pairs: all}}' keeps bodies apart",
+      "between them is enabled; 'contact: {{law: barrier, pairs: all}}' keeps bodies apart",
       to_string(mesh_), instant(record.time), names_of(overlap->of, overlap->in), overlap->depth, x, y, z);
 }
 

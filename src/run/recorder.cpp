@@ -78,7 +78,7 @@ constexpr std::array<NodeField, 3> node_fields{{
     {"acceleration", "m/s^2", &StepRecord::a},
 }};
 
-/// A field per node, computed from its contact with obstacles.
+/// A field per node, computed from its contact.
 struct ContactField {
   const char* name;
   const char* unit;

@@ -71,7 +71,7 @@ void GuessSearch::follow_obstacles(const StagePoint& stage, Vec q, double& measu
   for (const auto which : {StageEquation::Followers::bodies, StageEquation::Followers::near}) {
     if (!equation_.follow_obstacles(which, followed.get())) continue;
     copy_entries(given.get(), followed.get(), prescribed, Entries::prescribed);
-    consider(followed.get(), q, measure);
+    if (stop_short_of_walls(stage.accepted, followed.get())) consider(followed.get(), q, measure);
     check(VecWAXPY(trial_.get(), stage.dt, stage.v0, stage.q0));
     copy_entries(given.get(), trial_.get(), prescribed, Entries::prescribed);
     if (stop_short_of_walls(followed.get(), trial_.get())) consider(trial_.get(), q, measure);
@@ -104,7 +104,7 @@ StartingGuess GuessSearch::choose(const StagePoint& stage, Vec q) {
     // All guesses lie beyond a barrier; the last solution was on the admissible side.
     check(VecCopy(last_.get(), trial_.get()));
     copy_entries(q, trial_.get(), prescribed, Entries::prescribed);
-    consider(trial_.get(), q, measure);
+    if (stop_short_of_walls(accepted, trial_.get())) consider(trial_.get(), q, measure);
   }
   if (accepted == nullptr) {
     if (std::isfinite(measure)) return {measure, std::nullopt};
@@ -182,9 +182,15 @@ GuessSearch::Applied GuessSearch::apply_prescribed_motion(Vec accepted, Vec targ
     applied = Applied::part;
     const auto is_found = find_displacement(q, target, motion.get(), fraction);
     if (!is_found) {
-      prescribe(q, target, motion.get(), 1.0);
-      applied = Applied::all;
-      break;
+      // Nothing feels it yet: all of it, or up to what stands in the way.
+      check(VecCopy(motion.get(), end_.get()));
+      check(VecScale(end_.get(), 1.0 - fraction));
+      const double length = std::min(1.0, inversion_margin * equation_.max_step_to_wall(q, end_.get()));
+      if (!(length > shortest_displacement)) break;
+      fraction = length == 1.0 ? 1.0 : fraction + length * (1.0 - fraction);
+      prescribe(q, target, motion.get(), fraction);
+      if (fraction == 1.0) applied = Applied::all;
+      continue;
     }
     if (!*is_found) break;
     double length = std::min(1.0, inversion_margin * equation_.max_step(q, correction_.get()));

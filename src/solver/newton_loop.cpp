@@ -195,6 +195,7 @@ double NewtonLoop::stiffness(Vec q) {
 }
 
 void NewtonLoop::forget() {
+  objective_.equation().forget();
   forcing_.forget();
   system_.forget();
 }

@@ -1,4 +1,5 @@
 #include "collision/ccd.hpp"
+#include "collision/closest_points.hpp"
 #include "derivatives.hpp"
 
 #include <gtest/gtest.h>
@@ -183,6 +184,18 @@ TEST(Ccd, CommonMotionIsFree) {
     EXPECT_EQ(max_step_point_triangle(x, dx, {}), 1.0);
     EXPECT_EQ(max_step_edge_edge(x, dx, {}), 1.0);
   }
+}
+
+/// Opposite edges of a thin plate that turns: parallel to their last digit, so that the normal across them is rounding.
+TEST(Ccd, ParallelEdgesMayMoveTogether) {
+  const Points<4> x{{{-0.020588235294117699, 0.002, 0.010000000000000002},
+                     {-0.023529411764705934, 0.002, 0.0050942670810849256},
+                     {-0.020588235294117702, -0.002, 0.0099999999999999967},
+                     {-0.023529411764705934, -0.002, 0.0050942670810849256}}};
+  Points<4> dx;
+  for (std::size_t i = 0; i < 4; ++i) dx[i] = {-0.2 * x[i][1], 0.2 * x[i][0], 0.0};
+  EXPECT_EQ(max_step_edge_edge(x, dx, {}), 1.0);
+  EXPECT_EQ(closest_edge_edge(x).squared_distance, 0.004 * 0.004);
 }
 
 TEST(Ccd, FeaturesThatTouchAreRefused) {

@@ -126,6 +126,24 @@ class BodyContact(ProgramTest):
                 self.assertGreater(h["contact_gap_min"].min(), 0)
                 self.assertEqual(places_inside(self.directory / name), 0)
 
+    def test_what_spins_hits_what_is_in_its_way(self):
+        # Steps of 11 degrees, and opposite sides of a blade with parallel edges; the stick is thrown away.
+        self.write("blade.geo", """SetFactory("OpenCASCADE");
+Box(1) = {-5, -0.2, 0, 10, 0.4, 2};
+Box(2) = {3, 0.4, 0.2, 1, 3, 1};
+Physical Volume("base") = {1};
+Physical Volume("block") = {2};
+Physical Surface("floor") = {5};
+Mesh.MeshSizeMax = 0.6;
+""")
+        text = two_blocks(file="blade.geo", young="5e6", time="method: bdf2, step: 2 ms, end: 0.03",
+                          velocity='["y < 0.003 ? -100*y : 0", "y < 0.003 ? 100*x : 0", 0]')
+        text = text.replace("constraints: [{surface: floor, displacement: [0, 0, 0]}]\n", "").replace(f"{-G}", "0")
+        h = self.run_input(self.write("spin.yaml", text), output="spin")
+        self.assertEqual(places_inside(self.directory / "spin"), 0)
+        self.assertGreater(h["contact_points"].max(), 0)
+        self.assertLess(np.abs(h["Lz"] / h["Lz"][0] - 1).max(), 0.2, "backward Euler starts bdf2, and loses some of it")
+
     def test_a_plate_that_is_moved_pushes_in_front_of_it(self):
         text = two_blocks(contact="law: barrier, pairs: [{surface: block, with: base}]", young="1e6",
                           time="method: bdf2, step: 4 ms, end: 0.1")
@@ -133,6 +151,33 @@ class BodyContact(ProgramTest):
         h = self.run_input(self.write("pushed.yaml", text), output="pushed")
         self.assertEqual(places_inside(self.directory / "pushed"), 0)
         self.assertGreater(h["pz"][-1], 0.3 * 1000 * (0.04 * 0.04 * 0.01 + 0.02**3))
+
+    def test_a_paddle_takes_along_what_is_thinner_than_its_step(self):
+        # It is prescribed as a whole, so that nothing feels it before it touches; 8 mm a step, and a block of 3 mm.
+        self.write("paddle.geo", """SetFactory("OpenCASCADE");
+Box(1) = {-2, -2, 0, 4, 4, 0.5};
+Box(2) = {-1, -1, 1, 2, 2, 0.3};
+Physical Volume("base") = {1};
+Physical Volume("block") = {2};
+Physical Surface("floor") = {5};
+Mesh.MeshSizeMax = 0.7;
+""")
+        text = two_blocks(file="paddle.geo", young="1e6", time="method: backward-euler, step: 4 ms, end: 0.024")
+        text = text.replace("{surface: floor, displacement: [0, 0, 0]}", '{volume: base, displacement: [0, 0, "2*t"]}')
+        h = self.run_input(self.write("paddle.yaml", text.replace(f"{-G}", "0")), output="paddle")
+        self.assertEqual(places_inside(self.directory / "paddle"), 0)
+        block = 1000 * 0.02 * 0.02 * 0.003
+        self.assertGreater(h["pz"][-1] - 1000 * 0.04 * 0.04 * 0.005 * 2, 0.9 * 2 * block)
+
+    def test_the_same_bits_whether_interrupted_or_not(self):
+        text = two_blocks(velocity="[0, 0, \"z > 0.011 ? -0.5 : 0\"]", time="method: bdf2, step: 1 ms, end: 0.02")
+        self.run_input(self.write("whole.yaml", text + "checkpoint: {every: 8}\n"), output="whole")
+        whole = (self.directory / "whole/history.csv").read_bytes()
+        first, second = sorted((self.directory / "whole").glob("checkpoint-*.h5"))
+        second.unlink()
+        done = self.call("resume", first, "--quiet")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual((self.directory / "whole/history.csv").read_bytes(), whole)
 
     def test_free_bodies_keep_their_momentum(self):
         text = two_blocks(velocity="[0, 0, \"z > 0.011 ? -1 : 0\"]", time="method: bdf2, step: 1 ms, end: 0.02")
@@ -152,7 +197,9 @@ class BodyContact(ProgramTest):
                 ("excluded", {"contact": "law: barrier, exclude: [[base, block]]"}, "'exclude' can only be given with 'pairs'"),
                 ("unknown", {"contact": "law: barrier, pairs: [{surface: blok}]"}, "no surface 'blok' in the mesh"),
                 ("method", {"time": "method: implicit-midpoint, step: 1 ms, end: 0.01"}, "stiffly accurate"),
-                ("touching", {"file": touching}, "'base' and 'block' touch or pass through each other at the start"),
+                ("repeated", {"contact": "law: barrier, pairs: [{surface: base, with: block}, {surface: block, with: base}]"},
+                 "contact.pairs[1] repeats contact.pairs[0]"),
+                ("touching", {"file": touching}, "'base' and 'block' touch or pass through each other"),
                 ("within", {"file": within}, "overlap at the start")):
             with self.subTest(name):
                 file = self.write(name + ".yaml", two_blocks(**options))

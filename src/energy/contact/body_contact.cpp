@@ -54,31 +54,14 @@ BodyContact::BodyContact(std::shared_ptr<const BodySurfaces> surfaces, ContactSe
 
 namespace {
 
-/// Bounds of a triangle, on its way if it moves.
-struct Bounds {
-  Vector3<double> low, high;
-
-  Bounds(const CollisionSurface::Triangle& triangle, std::span<const Vector3<double>> x,
-         std::span<const Vector3<double>> dx) {
-    low = high = x[triangle.vertices[0]];
-    for (const std::int32_t v : triangle.vertices) {
-      include(x[v]);
-      if (!dx.empty()) include(x[v] + dx[v]);
-    }
-  }
-  void include(const Vector3<double>& x) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      low[i] = std::min(low[i], x[i]);
-      high[i] = std::max(high[i], x[i]);
-    }
-  }
-  bool is_within(double distance, const Bounds& other) const {
-    for (std::size_t i = 0; i < 3; ++i) {
-      if (low[i] > other.high[i] + distance || other.low[i] > high[i] + distance) return false;
-    }
-    return true;
-  }
-};
+/// The box around a triangle, on its way if it moves, `margin` [m] further out.
+Box box_around(const CollisionSurface::Triangle& triangle, double margin, std::span<const Vector3<double>> x,
+               std::span<const Vector3<double>> dx = {}) {
+  const auto [a, b, c] = triangle.vertices;
+  Box box = box_of(margin, x[a], x[b], x[c]);
+  if (!dx.empty()) box.include(box_of(margin, x[a] + dx[a], x[b] + dx[b], x[c] + dx[c]));
+  return box;
+}
 
 /// Whether two places of one body at these squared distances now and at rest are only neighbours, not nearer to each
 /// other than the body's deformation makes them: their gap says nothing.
@@ -132,7 +115,7 @@ BodyContact::Near BodyContact::near_at(const NearPatches& near, double distance,
     const auto first = static_cast<std::size_t>(near.patches.keys[pair.first]);
     const auto second = static_cast<std::size_t>(near.patches.keys[pair.second]);
     const auto &a = triangles[first], &b = triangles[second];
-    if (!Bounds(a, found.x, found.dx).is_within(distance, Bounds(b, found.x, found.dx))) continue;
+    if (!box_around(a, distance, found.x, found.dx).overlaps(box_around(b, 0.0, found.x, found.dx))) continue;
     const bool is_incident = surface.is_incident(a, b);
     add_points(first, second, is_incident);
     add_points(second, first, is_incident);
@@ -235,7 +218,8 @@ double BodyContact::max_step(const LocalStage& stage, std::span<const double> q,
     const auto &a = surface.edges()[pair.first], &b = surface.edges()[pair.second];
     limit_by(max_step_edge_edge, {a.vertices[0], a.vertices[1], b.vertices[0], b.vertices[1]}, a.body, b.body);
   }
-  return bound < 1.0 ? bound : std::numeric_limits<double>::infinity();
+  // Never 0, which means that an obstacle has moved onto the state: between bodies, values do not show who is where.
+  return bound < 1.0 ? std::max(bound, std::numeric_limits<double>::min()) : std::numeric_limits<double>::infinity();
 }
 
 ContactGap BodyContact::gap(const NearPatches& near, std::span<const double> q, double distance) const {
@@ -316,6 +300,8 @@ SurfaceCrossings BodyContact::crossings(const NearPatches& near, std::span<const
   for (const PatchPair& pair : near.pairs) {
     const auto first = static_cast<std::size_t>(near.patches.keys[pair.first]);
     const auto second = static_cast<std::size_t>(near.patches.keys[pair.second]);
+    const auto &a = surface.triangles()[first], &b = surface.triangles()[second];
+    if (!box_around(a, 0.0, found.x).overlaps(box_around(b, 0.0, found.x))) continue;
     look_at(first, second);
     look_at(second, first);
   }

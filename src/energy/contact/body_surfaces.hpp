@@ -20,7 +20,7 @@ struct FacetSide {
 };
 
 /// Triangles of the facets of all ranks, numbered alike on every rank: one per linear facet, the four between the six
-/// nodes of a quadratic one. Memory: about 120 bytes per triangle of all bodies on each rank.
+/// nodes of a quadratic one. Memory: about 100 bytes per triangle of all bodies on each rank.
 class BodySurfaces {
  public:
   /// `sides`: of each facet. Facets inside the mesh (FacetList::is_outer) are not allowed. The layout outlives the

@@ -16,8 +16,8 @@ namespace pliant {
 /// to a potential stays one, and Newton's method on it converges quadratically. Where the map balances forces by other
 /// virtual displacements W than J (ConstraintMap::is_symmetric), these are W^T r and W^T K J + sum_i r_i dW_i/dy, of no
 /// potential. Entries of slaves are as prescribed ones: their rows of the gradient are zero, those of the Hessian hold
-/// the diagonal alone. Unknowns of the equation beside displacements (pressures) are those of this one too: T, J and W
-/// leave them as they are.
+/// the diagonal alone. Unknowns of the equation in addition to displacements (pressures) are those of this one too: T,
+/// J and W leave them as they are.
 class ConstrainedEquation final : public StageEquation {
  public:
   /// Both outlive the object; the map's rigidity is set. Collective.
@@ -27,6 +27,7 @@ class ConstrainedEquation final : public StageEquation {
   StagePoint enter(const StagePoint& stage, Vec q, Vec y) override;
   void leave(Vec y, Vec q) override;
   void give_up() override { equation_.give_up(); }
+  void forget() override { equation_.forget(); }
   void freeze(Vec y) override;
   bool refreeze(Vec y) override;
   double value(Vec y) override;
@@ -61,7 +62,7 @@ class ConstrainedEquation final : public StageEquation {
   void expand(Vec y, Vec x) const;
   /// y = the unknowns whose configuration is near that of x.
   void restrict(Vec x, Vec y) const;
-  /// The same of rates at rest.
+  /// The same for rates at rest.
   void restrict_rates(Vec x, Vec y) const;
   /// Brings J and W to y.
   void linearize(Vec y);

@@ -179,6 +179,12 @@ void IncrementalPotential::fit(Mat K) {
   if (!present_pattern_.is_that_of(K)) present_pattern_.give(K, make_hessian_of(terms_.arrays().pairs()->pattern()));
 }
 
+void IncrementalPotential::forget() {
+  if (terms_.arrays().pairs() == nullptr) return;
+  terms_.arrays().pairs()->forget();
+  present_pattern_.change();
+}
+
 void IncrementalPotential::rank_one_parts(Vec q, std::vector<RankOne>& parts) {
   const auto at = terms_.at(q);
   sum_rounding_ = 0.0;

@@ -34,6 +34,7 @@ class MixedEquation final : public StageEquation {
   StagePoint enter(const StagePoint& stage, Vec q, Vec x) override;
   void leave(Vec x, Vec q) override;
   void give_up() override;
+  void forget() override { potential_.forget(); }
   void freeze(Vec x) override;
   bool refreeze(Vec x) override;
   double value(Vec x) override;

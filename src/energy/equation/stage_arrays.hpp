@@ -45,7 +45,7 @@ class StageArrays {
   /// Makes the pairs those at LocalStage::accepted. Collective.
   void return_to_accepted();
 
-  /// Of the nodes that all spans have.
+  /// The number of nodes that all spans have.
   std::size_t num_nodes() const;
   /// nullptr where no term couples pairs.
   PairAssembly* pairs() { return pairs_.get(); }

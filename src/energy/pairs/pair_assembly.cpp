@@ -18,11 +18,17 @@ PairAssembly::PairAssembly(const NodeLayout& layout, std::vector<const PairCoupl
     : layout_(layout),
       couplings_(std::move(couplings)),
       prescribed_(prescribed.begin(), prescribed.end()),
-      near_(couplings_.size()),
-      far_(std::in_place, layout, std::vector<PetscInt>{}),
-      pattern_(layout),
-      elimination_(std::in_place, layout, *pattern_, prescribed) {
-  for (const PairCoupling* coupling : couplings_) searches_.emplace_back(layout, *coupling);
+      near_(couplings_.size()) {
+  forget();
+}
+
+void PairAssembly::forget() {
+  searches_.clear();
+  for (const PairCoupling* coupling : couplings_) searches_.emplace_back(layout_, *coupling);
+  far_.emplace(layout_, std::vector<PetscInt>{});
+  pattern_.emplace(layout_);
+  elimination_.emplace(layout_, *pattern_, std::vector<char>(prescribed_.begin(), prescribed_.end()));
+  is_fitted_ = false;
 }
 
 double PairAssembly::searchable_part(std::span<const double> d) const {

@@ -29,6 +29,8 @@ class PairAssembly {
   bool follow(const Path& path);
   /// The pairs of each coupling, in their order, since the last call of `follow`.
   const NearPatches& near(std::size_t coupling) const { return near_[coupling]; }
+  /// Goes back to what it was when made: the next `follow` searches anew, and the pattern is that of the cells.
+  void forget();
   std::size_t num_far_nodes() const { return far_->globals().size(); }
   /// FarNodes::extend. Collective.
   void extend(std::span<const double> local, std::vector<double>& all) const { far_->extend(local, all); }

@@ -121,7 +121,8 @@ Section<ContactPairConfig> pair_keys() {
   using P = ContactPairConfig;
   return {{
               field("surface", &P::part, located_text(), "a surface, or a volume with its outer surface").required(),
-              field("with", &P::with, located_text(), "the same: what it may touch").otherwise_in_words("itself"),
+              field("with", &P::with, located_text(), "the surface or volume that it may touch")
+                  .otherwise_in_words("itself"),
               field("stiffness", &P::stiffness, quantity("Pa/m", Range::above(0)), "scale of the barrier's pressure")
                   .otherwise_in_words("that of `contact`, or the harmonic mean of both bodies' 30 shear moduli per "
                                       "size of a facet"),
@@ -160,7 +161,8 @@ Section<ContactConfig> contact_keys() {
   using C = ContactConfig;
   std::vector<Field<C>> keys{
       within(&C::pressure, law_key()),
-      selector<C>("surface", Selection::Kind::surface, "the part of the bodies' surface that may touch obstacles")
+      selector<C>("surface", Selection::Kind::surface,
+                  "the part of the bodies' surface that may touch obstacles, and with `pairs: all` each other")
           .otherwise_in_words("all of it"),
       selector<C>("box", Selection::Kind::box, "instead of `surface`: boundary facets inside this box"),
       selector<C>("where", Selection::Kind::where, "instead of `surface`: boundary facets that satisfy this condition"),
