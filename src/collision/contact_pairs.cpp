@@ -199,4 +199,63 @@ std::vector<EdgePair> edge_pairs(const CollisionSurface& surface, std::span<cons
   return pairs;
 }
 
+namespace {
+
+/// The parts that follow from the separation of the nodes at `x`.
+template <int N>
+PairGeometry geometry_at(const Stencil<N>& stencil, const std::array<std::int32_t, N>& nodes,
+                         std::span<const Vector3<double>> x) {
+  std::array<Vector3<double>, N> at;
+  for (int n = 0; n < N; ++n) at[n] = x[nodes[n]];
+  const Separation<N> closest = separation<N>(stencil, at);
+  PairGeometry pair{.num_nodes = N, .distance = closest.distance, .normal = closest.normal};
+  std::ranges::copy(nodes, pair.nodes.begin());
+  std::ranges::copy(closest.weights, pair.weights.begin());
+  return pair;
+}
+
+}  // namespace
+
+PairGeometry geometry_of(const CollisionSurface& surface, std::span<const SurfacePoint> points, const PointPair& pair,
+                         std::span<const Vector3<double>> x) {
+  const SurfacePoint& point = points[pair.point];
+  const auto between = [&]<int A, int B>(const std::array<std::int32_t, B>& feature) {
+    std::array<std::int32_t, A + B> nodes{};
+    std::array<Vector3<double>, 1 + B> simple{point.position(x)};
+    std::copy_n(point.nodes.begin(), A, nodes.begin());
+    for (int b = 0; b < B; ++b) {
+      nodes[A + b] = feature[b];
+      simple[1 + b] = x[feature[b]];
+    }
+    return geometry_at<A + B>(point_feature_stencil<A, B>(point.weights, simple), nodes, x);
+  };
+  const auto with = [&]<int B>(const std::array<std::int32_t, B>& feature) {
+    return point.num_nodes == 1 ? between.template operator()<1, B>(feature)
+                                : between.template operator()<3, B>(feature);
+  };
+  PairGeometry result;
+  if (pair.kind == FeatureKind::vertex) result = with.template operator()<1>({pair.feature});
+  if (pair.kind == FeatureKind::edge) result = with.template operator()<2>(surface.edges()[pair.feature].vertices);
+  if (pair.kind == FeatureKind::face) result = with.template operator()<3>(surface.triangles()[pair.feature].vertices);
+  result.weight = 0.5 * point.area * pair.multiplicity;
+  result.body = surface.vertices()[point.nodes[0]].body;
+  result.other = body_of(surface, pair);
+  result.first_vertex = first_vertex(surface, pair);
+  return result;
+}
+
+PairGeometry geometry_of(const CollisionSurface& surface, const EdgePair& pair, std::span<const Vector3<double>> x) {
+  const auto &a = surface.edges()[pair.a], &b = surface.edges()[pair.b];
+  const std::array nodes{a.vertices[0], a.vertices[1], b.vertices[0], b.vertices[1]};
+  const std::array ends{x[nodes[0]], x[nodes[1]], x[nodes[2]], x[nodes[3]]};
+  const double mollifier = edge_edge_mollifier_value(ends, pair.threshold);
+  PairGeometry result;
+  if (mollifier > 0.0) result = geometry_at<4>(stencil_of(closest_edge_edge(ends)), nodes, x);
+  result.weight = pair.weight * mollifier;
+  result.body = a.body;
+  result.other = b.body;
+  result.first_vertex = a.vertices[0];
+  return result;
+}
+
 }  // namespace pliant

@@ -117,6 +117,22 @@ std::vector<PointPair> point_pairs(const CollisionSurface& surface, const Featur
 std::vector<EdgePair> edge_pairs(const CollisionSurface& surface, std::span<const BoxPair> candidates,
                                  std::span<const Vector3<double>> x, double reach, double edge_share);
 
+/// Where the two features of a pair are closest.
+struct PairGeometry {
+  std::array<std::int32_t, 6> nodes{};  ///< vertices: of the point or edge, then of the other feature
+  std::array<double, 6> weights{};      ///< r = sum of weights times positions, from the second feature to the first
+  int num_nodes = 0;
+  double distance = 0.0;     ///< [m]
+  Vector3<double> normal{};  ///< r / distance
+  double weight = 0.0;       ///< of the pair in the potential, mollifier included [m^2]
+  std::int32_t body = 0, other = 0;
+  std::int32_t first_vertex = 0;  ///< of the feature that stands for the pair where energies are counted
+};
+
+PairGeometry geometry_of(const CollisionSurface& surface, std::span<const SurfacePoint> points, const PointPair& pair,
+                         std::span<const Vector3<double>> x);
+PairGeometry geometry_of(const CollisionSurface& surface, const EdgePair& pair, std::span<const Vector3<double>> x);
+
 /// How much of the potential's derivatives is wanted.
 enum class ContactOrder { gradient, hessian, semidefinite_hessian };
 

@@ -22,14 +22,15 @@ struct SumOverRanks {
 
 /// A stage as the terms see it: StagePoint with the arrays of this rank, owned nodes first, then ghosts, xyz per node.
 struct LocalStage {
-  double time = 0.0;                  ///< t_i [s]
-  double dt = 0.0;                    ///< dt_i [s]
-  double load_factor = 1.0;           ///< multiplies loads
-  std::span<const double> q0 = {};    ///< stage-start displacement [m]
-  std::span<const double> v0 = {};    ///< stage-start velocity [m/s]
-  std::span<const double> z0 = {};    ///< the term's own internal variables at the stage's start
-  SumOverRanks sum = {};              ///< of a FunctionOfSum, at the q of the call
-  const NearPatches* near = nullptr;  ///< of a PairCoupling, at the q of the call (and along its direction)
+  double time = 0.0;                         ///< t_i [s]
+  double dt = 0.0;                           ///< dt_i [s]
+  double load_factor = 1.0;                  ///< multiplies loads
+  std::span<const double> q0 = {};           ///< stage-start displacement [m]
+  std::span<const double> v0 = {};           ///< stage-start velocity [m/s]
+  std::span<const double> z0 = {};           ///< the term's own internal variables at the stage's start
+  SumOverRanks sum = {};                     ///< of a FunctionOfSum, at the q of the call
+  const NearPatches* near = nullptr;         ///< of a PairCoupling, at the q of the call (and along its direction)
+  const NearPatches* near_frozen = nullptr;  ///< likewise, at PairCoupling::frozen_place
   /// Displacement at which coefficients of terms that refreeze are frozen, at t_i; empty: they follow the q of the
   /// call.
   std::span<const double> frozen = {};
@@ -45,6 +46,15 @@ struct LocalStage {
   /// The displacement relative to which `EnergyTerm::value` is computed: close to q, and never beyond a barrier, as q0
   /// may be when a method extrapolates it.
   std::span<const double> reference() const { return accepted.empty() ? q0 : accepted; }
+
+  /// Whether coefficients are frozen at the step's start: those that do not refreeze, within their bound.
+  bool is_frozen_at_start(bool refreezes) const { return !refreezes && !exceeds_bound; }
+  /// The displacement at which they are frozen in a call with q.
+  std::span<const double> frozen_at(bool refreezes, std::span<const double> q) const {
+    // The start of a stage may be an extrapolation, beyond a barrier: the last accepted state is not.
+    if (is_frozen_at_start(refreezes)) return reference();
+    return frozen.empty() ? q : frozen;
+  }
 };
 
 /// What an energy may depend on besides the configuration.
@@ -150,7 +160,10 @@ class EnergyTerm {
   /// coefficients, on this rank.
   virtual DragBound bound(const LocalStage& /*stage*/, std::span<const double> /*q*/) const { return {}; }
 
-  /// What it couples. The same at all times.
+  /// Whether the force on an owned node counts in the term's resultant (TermPower::force).
+  virtual bool is_measured_at(PetscInt /*node*/) const { return true; }
+
+  /// What it couples; several terms may share one. The same at all times.
   virtual Coupling coupling() const { return CellCoupling{}; }
 
   /// For a moving barrier: the displacements by which its motion since the step's start carries the local nodes from

@@ -161,6 +161,32 @@ void check_barrier(const Config& config, const InputNode& contact, Diagnostics& 
                       "'law: penalty'");
 }
 
+/// Obstacles and pairs of bodies have columns in history.csv, as constrained parts have.
+void check_contact_names(const Config& config, const InputNode& contact, Diagnostics& diagnostics) {
+  std::vector<std::string> names;
+  std::vector<Location> places;
+  const auto collect = [&](const char* key, const auto& entries, const char* what) {
+    const InputNode* list = given(contact, {key});
+    if (list == nullptr || list->kind != InputNode::Kind::list) return;
+    for (std::size_t k = 0; k < entries.size(); ++k) {
+      const std::string& name = entries[k].name;
+      if (name.empty()) continue;
+      const InputNode* node = given(list->children[k], {"name"});
+      names.push_back(name);
+      places.push_back(node != nullptr ? node->where : entries[k].where);
+      const auto has_name = [&](const ConstraintConfig& c) { return c.part.name == name; };
+      if (std::ranges::any_of(config.constraints, has_name)) {
+        diagnostics.add(places.back(), std::string("the ") + what + " name '" + name +
+                                           "' is also the name of a constrained part, and history.csv has columns for "
+                                           "both; choose another name");
+      }
+    }
+  };
+  collect("obstacles", config.contact->obstacles, "obstacle");
+  collect("pairs", config.contact->pairs.list, "contact pair");
+  check_unique(names, places, "contact name", diagnostics);
+}
+
 void check_contact(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   const InputNode* contact = given(root, {"contact"});
   if (!config.contact) {
@@ -173,27 +199,16 @@ void check_contact(const Config& config, const InputNode& root, Diagnostics& dia
     return;
   }
   check_barrier(config, *contact, diagnostics);
+  check_contact_names(config, *contact, diagnostics);
   const InputNode* obstacles = given(*contact, {"obstacles"});
   if (obstacles == nullptr || obstacles->kind != InputNode::Kind::list) return;
-  std::vector<std::string> names;
-  std::vector<Location> places;
   for (std::size_t k = 0; k < config.contact->obstacles.size(); ++k) {
     const ObstacleConfig& o = config.contact->obstacles[k];
-    const InputNode* name = given(obstacles->children[k], {"name"});
-    names.push_back(o.name);
-    places.push_back(name != nullptr ? name->where : o.where);
     if (std::holds_alternative<ObstacleConfig::Capsule>(o.shape) &&
         given(obstacles->children[k], {"length"}) == nullptr) {
       diagnostics.add(o.where, "missing key 'length' in " + numbered("obstacles", k) + ", which a capsule needs");
     }
-    const auto has_name = [&](const ConstraintConfig& c) { return !o.name.empty() && c.part.name == o.name; };
-    if (std::ranges::any_of(config.constraints, has_name)) {
-      diagnostics.add(places.back(), "the obstacle name '" + o.name +
-                                         "' is also the name of a constrained part, and history.csv has columns for "
-                                         "both; choose another name");
-    }
   }
-  check_unique(names, places, "obstacle name", diagnostics);
 }
 
 void check_tolerances(const Config& config, const InputNode& root, Diagnostics& diagnostics) {

@@ -241,11 +241,11 @@ struct ContactPressureConfig {
   double threshold = 0;             ///< [m]
 };
 
-/// What resists the velocity in a contact, in proportion to the pressure.
+/// What resists the velocity in a contact, in proportion to the pressure. Default: that of the contact.
 struct ContactDragConfig {
-  double friction = 0;
-  double viscous_friction = 0;  ///< [s/m]
-  double normal_damping = 0;    ///< [s/m]
+  std::optional<double> friction;
+  std::optional<double> viscous_friction;  ///< [s/m]
+  std::optional<double> normal_damping;    ///< [s/m]
 };
 
 struct ObstacleConfig {
@@ -290,11 +290,13 @@ struct ObstacleConfig {
 
 /// Two parts of the bodies that may touch, or one that may touch itself.
 struct ContactPairConfig {
+  std::string name;                          ///< prefix of its columns; empty: it has none
   Located<std::string> part;                 ///< a surface, or a volume, of which the outer surface counts
   std::optional<Located<std::string>> with;  ///< likewise; empty: itself
   std::optional<double> stiffness;           ///< [Pa/m]; default: that of the contact, or from material and mesh
   std::optional<double> width;               ///< [m]; likewise
   std::optional<double> thickness;           ///< distance at which the wall stands [m]; default: the threshold
+  ContactDragConfig drag;
   Location where;
 };
 
@@ -309,12 +311,21 @@ struct ContactPairsConfig {
 struct ContactConfig {
   Selection part;  ///< facets that take part: surface, box, where, or all of the surface
   ContactPressureConfig pressure;
+  ContactDragConfig drag;  ///< of all that has none of its own
   FrictionUpdate friction_update = FrictionUpdate::iterated;
   double stick_velocity = 0;  ///< [m/s]
   ContactPairsConfig pairs;
   std::vector<std::array<Located<std::string>, 2>> exclude;  ///< surfaces or volumes that do not touch each other
   std::vector<ObstacleConfig> obstacles;
   Location where;
+
+  Friction friction(const ContactDragConfig& own) const {
+    return {own.friction.value_or(drag.friction.value_or(0.0)),
+            own.viscous_friction.value_or(drag.viscous_friction.value_or(0.0)), stick_velocity};
+  }
+  NormalDamping damping(const ContactDragConfig& own) const {
+    return {own.normal_damping.value_or(drag.normal_damping.value_or(0.0))};
+  }
 };
 
 struct InitialConfig {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 namespace pliant {
 
@@ -84,9 +85,12 @@ struct DragResponse {
 /// f has two continuous derivatives and is odd, which makes the traction smooth where the velocity passes zero. Below
 /// v_s a contact creeps and counts as sticking.
 struct Friction {
-  double coefficient = 0.0;     ///< mu
-  double viscosity = 0.0;       ///< eta [s/m]
-  double stick_velocity = 0.0;  ///< v_s [m/s]
+  static constexpr std::string_view name = "friction";  ///< of its term
+  double coefficient = 0.0;                             ///< mu
+  double viscosity = 0.0;                               ///< eta [s/m]
+  double stick_velocity = 0.0;                          ///< v_s [m/s]
+
+  bool acts() const { return coefficient > 0.0 || viscosity > 0.0; }
 
   DragResponse operator()(double pressure, const Vector3<double>& n, const Vector3<double>& v) const {
     const Vector3<double> slip = v - dot(v, n) * n;
@@ -127,7 +131,10 @@ struct Friction {
 ///
 /// The total pressure p (1 + g) never pulls.
 struct NormalDamping {
+  static constexpr std::string_view name = "contact-damping";
   double damping = 0.0;  ///< [s/m]
+
+  bool acts() const { return damping > 0.0; }
 
   /// g, the pressure that damping adds relative to p: more than -1.
   double added_part(const Vector3<double>& n, const Vector3<double>& v) const {

@@ -43,16 +43,20 @@ struct BodyContacts::Part {
     double reach_;
   };
 
-  std::unique_ptr<BodyContact> term;
+  std::shared_ptr<const TouchingBodies> bodies;
+  std::string name;  // may be empty
+  MeasuredNodes measured;
+  Friction friction;
+  NormalDamping damping;
   double distance;  // of observation [m]
   Observed coupling;
   std::vector<char> nothing_prescribed;
   PairAssembly pairs;
 
-  Part(const NodeLayout& layout, std::unique_ptr<BodyContact> contact, double observed)
-      : term(std::move(contact)),
+  Part(const NodeLayout& layout, std::shared_ptr<const TouchingBodies> touching, double observed)
+      : bodies(std::move(touching)),
         distance(observed),
-        coupling(*term, observed),
+        coupling(*bodies, observed),
         nothing_prescribed(3 * static_cast<std::size_t>(layout.num_local_nodes), 0),
         pairs(layout, {&coupling}, nothing_prescribed) {}
 
@@ -127,21 +131,59 @@ void BodyContacts::add(TouchingSurfaces touching, const std::vector<double>& she
                       : fmt::format("'{}' with {}", pair->part.value,
                                     pair->with ? fmt::format("'{}'", pair->with->value) : std::string("itself")),
       surface.triangles().size(), stiffest, widest)));
-  auto term = std::make_unique<BodyContact>(std::move(surfaces), std::move(touching.sets), std::move(laws));
-  parts_.push_back(std::make_shared<Part>(layout_, std::move(term), distance));
+  const ContactDragConfig none;
+  const ContactDragConfig& drag = pair != nullptr ? pair->drag : none;
+  const Friction friction = config_.friction(drag);
+  const NormalDamping damping = config_.damping(drag);
+  const bool has_drag = friction.acts() || damping.acts();
+  auto bodies =
+      std::make_shared<const TouchingBodies>(std::move(surfaces), std::move(touching.sets), std::move(laws),
+                                             has_drag ? std::optional(config_.friction_update) : std::nullopt);
+  auto part = std::make_shared<Part>(layout_, std::move(bodies), distance);
+  part->friction = friction;
+  part->damping = damping;
+  if (pair != nullptr && !pair->name.empty()) {
+    part->name = pair->name;
+    part->measured = std::make_shared<const std::vector<char>>(nodes_of_first_side(touching));
+  }
+  parts_.push_back(std::move(part));
 }
 
-std::vector<const EnergyTerm*> BodyContacts::terms() const {
-  std::vector<const EnergyTerm*> terms;
-  for (const auto& part : parts_) terms.push_back(part->term.get());
-  return terms;
+std::vector<char> BodyContacts::nodes_of_first_side(const TouchingSurfaces& touching) const {
+  std::vector<char> is_on_side(static_cast<std::size_t>(layout_.num_owned_nodes), 0);
+  const auto n = static_cast<std::size_t>(touching.facets.nodes_per_facet);
+  for (std::size_t place = 0; place < touching.facets.nodes.size(); ++place) {
+    const PetscInt node = touching.facets.nodes[place];
+    if (node < layout_.num_owned_nodes && touching.is_on_first_side[place / n] != 0) is_on_side[node] = 1;
+  }
+  return is_on_side;
+}
+
+void BodyContacts::make_terms(bool has_velocity, std::vector<std::unique_ptr<EnergyTerm>>& terms,
+                              std::vector<ContactGroup>& groups) const {
+  for (const auto& part : parts_) {
+    ContactGroup group{part->name, ContactGroup::Kind::bodies, {}};
+    const auto add = [&](std::unique_ptr<EnergyTerm> term) {
+      group.terms.push_back(term.get());
+      terms.push_back(std::move(term));
+    };
+    const FrictionUpdate update = config_.friction_update;
+    add(make_body_contact(part->bodies, part->measured));
+    if (has_velocity && part->friction.acts()) {
+      add(make_body_friction(part->bodies, part->friction, part->damping, update, part->measured));
+    }
+    if (has_velocity && part->damping.acts()) {
+      add(make_body_damping(part->bodies, part->damping, update, part->measured));
+    }
+    if (!part->name.empty()) groups.push_back(std::move(group));
+  }
 }
 
 Closeness BodyContacts::closeness(std::span<const double> q) const {
   Closeness result;
   for (const auto& part : parts_) {
     const auto [near, all] = part->at(q);
-    const ContactGap gap = part->term->gap(near, all, part->distance);
+    const ContactGap gap = part->bodies->gap(near, all, part->distance);
     result.gap = std::min(result.gap, gap.least);
     result.num_points += gap.num_points;
   }
@@ -152,23 +194,35 @@ double BodyContacts::energy(std::span<const double> q) const {
   double total = 0.0;
   for (const auto& part : parts_) {
     const auto [near, all] = part->at(q);
-    total += part->term->energy(near, all);
+    total += part->bodies->energy(near, all);
   }
   return total;
 }
 
-std::vector<BodyContacts::AtNode> BodyContacts::at_nodes(std::span<const double> q) const {
+std::vector<BodyContacts::AtNode> BodyContacts::at_nodes(std::span<const double> q, std::span<const double> v) const {
   std::vector<AtNode> nodes(static_cast<std::size_t>(layout_.num_owned_nodes));
-  std::vector<double> area(nodes.size(), 0.0);
+  std::vector<double> area(nodes.size(), 0.0), touched(nodes.size(), 0.0), velocity;
   for (const auto& part : parts_) {
     const auto [near, all] = part->at(q);
+    part->pairs.extend(v, velocity);
     std::vector<double> gaps(all.size() / 3, std::numeric_limits<double>::infinity()), forces(all.size(), 0.0);
-    part->term->lower_gaps(near, all, part->distance, gaps);
+    part->bodies->lower_gaps(near, all, part->distance, gaps);
     LocalStage stage;
     stage.near = &near;
-    part->term->add_gradient(stage, all, forces);
-    const CollisionSurface& surface = part->term->surfaces().surface();
-    const Patches& patches = part->term->patches();
+    make_body_contact(part->bodies)->add_gradient(stage, all, forces);
+    part->bodies->for_each_touch(near, all, [&](const Touch& touch) {
+      const Vector3<double> relative = touch.combine(velocity);
+      const Vector3<double> slip = relative - dot(relative, touch.normal) * touch.normal;
+      for (int i = 0; i < touch.num_nodes; ++i) {
+        if (!near.is_owned(touch.nodes[i])) continue;
+        const double share =
+            touch.weights[i] * touch.area * touch.pressure;  // < 0 on the second side, which sees -slip
+        nodes[touch.nodes[i]].slip = nodes[touch.nodes[i]].slip + share * slip;
+        touched[touch.nodes[i]] += std::abs(share);
+      }
+    });
+    const CollisionSurface& surface = part->bodies->surfaces().surface();
+    const Patches& patches = part->bodies->patches();
     std::ranges::fill(area, 0.0);
     for (std::size_t patch = 0; patch < patches.size(); ++patch) {
       const auto& vertices = surface.triangles()[patches.keys[patch]].vertices;
@@ -183,6 +237,9 @@ std::vector<BodyContacts::AtNode> BodyContacts::at_nodes(std::span<const double>
       if (area[a] > 0.0) nodes[a].pressure += norm(force) / area[a];
     }
   }
+  for (std::size_t a = 0; a < nodes.size(); ++a) {
+    if (touched[a] > 0.0) nodes[a].slip = (1.0 / touched[a]) * nodes[a].slip;
+  }
   return nodes;
 }
 
@@ -190,7 +247,7 @@ std::optional<std::string> BodyContacts::crossing(std::span<const double> q) con
   std::vector<SurfaceCrossings> mine;
   for (const auto& part : parts_) {
     const auto [near, all] = part->at(q);
-    const SurfaceCrossings crossings = part->term->crossings(near, all);
+    const SurfaceCrossings crossings = part->bodies->crossings(near, all);
     if (crossings.count > 0) mine.push_back(crossings);
   }
   const std::vector<SurfaceCrossings> found = gathered(layout_.comm, mine);
@@ -214,7 +271,7 @@ void BodyContacts::check_start(std::span<const double> q) const {
   }
   for (const auto& part : parts_) {
     const auto [near, all] = part->at(q);
-    const double gap = minimum(layout_.comm, part->term->gap(near, all, part->distance).least);
+    const double gap = minimum(layout_.comm, part->bodies->gap(near, all, part->distance).least);
     if (gap > 0.0) continue;
     const std::string what = gap < 0.0 ? fmt::format("surfaces start {:.3g} m nearer than their 'thickness'", -gap)
                                        : std::string("surfaces touch at the start");

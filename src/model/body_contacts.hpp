@@ -14,6 +14,18 @@
 
 namespace pliant {
 
+/// Terms whose forces are summed in history.csv.
+struct ContactGroup {
+  enum class Kind {
+    obstacle,          ///< the force of an obstacle on all bodies
+    obstacle_on_body,  ///< the force of an obstacle on one body
+    bodies             ///< the force between two parts of bodies
+  };
+  std::string name;
+  Kind kind;
+  std::vector<const EnergyTerm*> terms;
+};
+
 class BodyContacts {
  public:
   /// `shear_moduli`: of each body's stiffest part at rest [Pa]. Everything outlives the object. Throws InputError where
@@ -21,7 +33,9 @@ class BodyContacts {
   BodyContacts(const ContactConfig& config, const NodeLayout& layout, std::vector<TouchingSurfaces> surfaces,
                const std::vector<std::string>& body_names, const std::vector<double>& shear_moduli);
 
-  std::vector<const EnergyTerm*> terms() const;
+  /// Appends the terms, and a group for each pair that has a name. `has_velocity`: there may be friction and damping.
+  void make_terms(bool has_velocity, std::vector<std::unique_ptr<EnergyTerm>>& terms,
+                  std::vector<ContactGroup>& groups) const;
   /// Whether everything may touch everything: then no body can pass through another.
   bool includes_all() const { return config_.pairs.all && config_.exclude.empty(); }
   /// Notes of what was derived from material and mesh.
@@ -31,20 +45,24 @@ class BodyContacts {
   Closeness closeness(std::span<const double> q) const;
   /// The energy of this rank's part [J]. Collective.
   double energy(std::span<const double> q) const;
-  /// The gap of each owned node to what it may touch, and its pressure [Pa]: both as of `closeness`. Collective.
+  /// The gap of each owned node to what it may touch, as of `closeness`, its pressure [Pa], and its velocity along the
+  /// surfaces relative to what it touches [m/s]. Collective.
   struct AtNode {
     double gap = std::numeric_limits<double>::infinity(), pressure = 0.0;
+    Vector3<double> slip{};
   };
-  std::vector<AtNode> at_nodes(std::span<const double> q) const;
+  std::vector<AtNode> at_nodes(std::span<const double> q, std::span<const double> v) const;
   /// Says what crosses, or touches, and where; nothing if nothing does. Collective.
   std::optional<std::string> crossing(std::span<const double> q) const;
   /// Throws InputError if surfaces cross or touch. Collective.
   void check_start(std::span<const double> q) const;
 
  private:
-  /// A term with the search for what is near it, apart from that of the solver.
+  /// An entry of `contact.pairs`, with a search for what is near apart from that of the solver.
   struct Part;
   void add(TouchingSurfaces surfaces, const std::vector<double>& shear_moduli);
+  /// A flag for each owned node.
+  std::vector<char> nodes_of_first_side(const TouchingSurfaces& touching) const;
   BodyContactLaws laws_of(const CollisionSurface& surface, double triangles_per_facet, const ContactPairConfig* pair,
                           const std::vector<double>& shear_moduli);
 

@@ -171,9 +171,11 @@ void Contacts::prepare(const Config& config) {
   std::vector<ContactGroup> of_pairs;
   for (std::size_t k = 0; k < obstacles_.size(); ++k) {
     const ObstacleConfig& o = config_.obstacles[k];
-    ContactGroup of_obstacle{o.name, {}};
+    ContactGroup of_obstacle{o.name, ContactGroup::Kind::obstacle, {}};
+    const Friction friction = config_.friction(o.drag);
+    const NormalDamping damping = config_.damping(o.drag);
     for (std::size_t b = 0; b < surfaces_.size(); ++b) {
-      ContactGroup of_pair{o.name + "_" + body_names_[b], {}};
+      ContactGroup of_pair{o.name + "_" + body_names_[b], ContactGroup::Kind::obstacle_on_body, {}};
       const auto add = [&](std::unique_ptr<EnergyTerm> term) {
         of_obstacle.terms.push_back(term.get());
         of_pair.terms.push_back(term.get());
@@ -182,19 +184,18 @@ void Contacts::prepare(const Config& config) {
       auto contact = std::make_unique<Contact>(surfaces_[b], obstacles_[k]);
       pairs_.push_back({k, b, contact.get()});
       add(std::move(contact));
-      if (has_velocity && (o.drag.friction > 0.0 || o.drag.viscous_friction > 0.0)) {
-        add(make_friction(surfaces_[b], obstacles_[k],
-                          {o.drag.friction, o.drag.viscous_friction, config_.stick_velocity}, {o.drag.normal_damping},
-                          config_.friction_update));
+      if (has_velocity && friction.acts()) {
+        add(make_friction(surfaces_[b], obstacles_[k], friction, damping, config_.friction_update));
       }
-      if (has_velocity && o.drag.normal_damping > 0.0) {
-        add(make_normal_damping(surfaces_[b], obstacles_[k], {o.drag.normal_damping}, config_.friction_update));
+      if (has_velocity && damping.acts()) {
+        add(make_normal_damping(surfaces_[b], obstacles_[k], damping, config_.friction_update));
       }
       of_pairs.push_back(std::move(of_pair));
     }
     groups_.push_back(std::move(of_obstacle));
   }
   if (surfaces_.size() > 1) std::ranges::move(of_pairs, std::back_inserter(groups_));
+  if (between_) between_->make_terms(has_velocity, terms_, groups_);
 }
 
 void Contacts::check_start(const Instant& at, std::span<const double> q) const {
@@ -374,10 +375,11 @@ std::vector<NodalContact> Contacts::at_nodes(const Instant& at, double dt, std::
     }
   }
   if (!between_) return result;
-  const auto of_bodies = between_->at_nodes(q);
+  const auto of_bodies = between_->at_nodes(q, v);
   for (std::size_t a = 0; a < result.size(); ++a) {
     result[a].gap = std::min(result[a].gap, of_bodies[a].gap);
     result[a].pressure += of_bodies[a].pressure;
+    result[a].slip = result[a].slip + of_bodies[a].slip;
   }
   return result;
 }

@@ -26,12 +26,6 @@ struct ContactBodies {
   const std::vector<char>& prescribed;      ///< one flag per local entry
 };
 
-/// Terms whose forces are summed in history.csv: those of an obstacle, or of an obstacle on one body.
-struct ContactGroup {
-  std::string name;
-  std::vector<const EnergyTerm*> terms;
-};
-
 /// Contact at a node.
 struct NodalContact {
   double gap = 0.0;        ///< to the nearest obstacle's spring or wall [m]
@@ -51,7 +45,8 @@ class Contacts {
   std::span<const std::unique_ptr<EnergyTerm>> terms() const { return terms_; }
   /// Contact of the bodies with one another; nullptr if the input has none.
   const BodyContacts* between_bodies() const { return between_.get(); }
-  /// Groups of the obstacles, in the order of the input, then, if there are several bodies, those of the pairs.
+  /// Groups of the obstacles, in the order of the input, then, if there are several bodies, those of the obstacles on
+  /// each of them, then those of the pairs of bodies that have names.
   const std::vector<ContactGroup>& groups() const { return groups_; }
   std::size_t num_obstacles() const { return obstacles_.size(); }
   std::span<const std::shared_ptr<const Obstacle>> obstacles() const { return obstacles_; }

@@ -303,8 +303,6 @@ void Model::prepare(const Config& config) {
   if (contacts_) {
     contacts_->prepare(config);
     for (const auto& term : contacts_->terms()) terms.push_back(term.get());
-    if (const BodyContacts* between = contacts_->between_bodies())
-      std::ranges::copy(between->terms(), std::back_inserter(terms));
   }
   for (const auto& term : additional_) terms.push_back(term.get());
   if (analysis == Analysis::dynamic && inertia_) terms.push_back(inertia_.get());

@@ -176,6 +176,7 @@ std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config
       touching.facets.is_owned.push_back(all.is_owned[facet]);
       touching.facets.is_outer.push_back(1);
       touching.sides.push_back({cell ? body_of_cell[*cell] : 0, 0});
+      touching.is_on_first_side.push_back((membership[facet] >> first_side & 1) != 0);
       masks.push_back(membership[facet]);
     }
     // Facets with the same bits are a set, numbered alike on all ranks.

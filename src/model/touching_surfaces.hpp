@@ -28,6 +28,7 @@ struct TouchingSurfaces {
   FacetList facets;
   std::vector<FacetSide> sides;               ///< of each facet: its body, and its set among `sets`
   ContactSets sets;                           ///< which may touch
+  std::vector<char> is_on_first_side;         ///< of each facet: it belongs to `surface` of the entry
   const ContactPairConfig* config = nullptr;  ///< nullptr: `all`
 };
 

@@ -187,6 +187,14 @@ bool may_fall(const Config& config) {
          std::ranges::any_of(config.loads, pushes);
 }
 
+bool has_drag(const ContactConfig& contact) {
+  const auto resists = [&](const auto& of) {
+    return contact.friction(of.drag).acts() || contact.damping(of.drag).acts();
+  };
+  return resists(contact) || std::ranges::any_of(contact.obstacles, resists) ||
+         std::ranges::any_of(contact.pairs.list, resists);
+}
+
 std::vector<Diagnostic> notes_of_idle_keys(const Config& config) {
   const Analysis analysis = analysis_of(config);
   const bool is_static = analysis == Analysis::static_equilibrium;
@@ -198,13 +206,9 @@ std::vector<Diagnostic> notes_of_idle_keys(const Config& config) {
   const bool has_velocity = !is_zero(config.initial.velocity);
   if (analysis == Analysis::quasistatic) note_if(has_velocity, "the initial velocity has");
   if (!is_static) return notes;
-  const auto resists = [](const ObstacleConfig& o) {
-    return o.drag.friction > 0.0 || o.drag.viscous_friction > 0.0 || o.drag.normal_damping > 0.0;
-  };
   note_if(has_viscosity(config), "viscosity has");
   note_if(has_dashpots(config), "dashpots have");
-  note_if(config.contact && std::ranges::any_of(config.contact->obstacles, resists),
-          "friction and damping of contact have");
+  note_if(config.contact && has_drag(*config.contact), "friction and damping of contact have");
   note_if(has_velocity || !is_zero(config.initial.displacement), "the initial state has");
   return notes;
 }

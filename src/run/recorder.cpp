@@ -122,6 +122,8 @@ std::filesystem::path prepared_directory(MPI_Comm comm, const Config& config) {
   return directory;
 }
 
+using Kind = ContactGroup::Kind;
+
 }  // namespace
 
 OutputMesh output_mesh(const Model& model) {
@@ -175,13 +177,15 @@ std::vector<std::string> Recorder::columns(const Config& config, const Ledger& l
                                  "Ly",
                                  "Lz"};
   const Contacts* contacts = model_.contacts();
-  const auto add_forces = [&](std::size_t begin, std::size_t end, const std::array<const char*, 3>& suffixes) {
-    for (std::size_t c = begin; c < end; ++c) {
-      for (const char* suffix : suffixes) names.push_back(contacts->groups()[c].name + suffix);
+  const auto add_columns = [&](Kind kind, const std::array<const char*, 3>& suffixes) {
+    if (contacts == nullptr) return;
+    for (const ContactGroup& group : contacts->groups()) {
+      if (group.kind != kind) continue;
+      for (const char* suffix : suffixes) names.push_back(group.name + suffix);
     }
   };
-  constexpr std::array force_suffixes{"_fx", "_fy", "_fz"};
-  if (contacts != nullptr) add_forces(0, contacts->num_obstacles(), force_suffixes);
+  constexpr std::array force_suffixes{"_fx", "_fy", "_fz"}, impulse_suffixes{"_jx", "_jy", "_jz"};
+  add_columns(Kind::obstacle, force_suffixes);
   for (const auto& probe : config.probes) {
     for (const char* suffix : {"_x", "_y", "_z", "_vx", "_vy", "_vz"}) names.push_back(probe.name + suffix);
   }
@@ -202,8 +206,10 @@ std::vector<std::string> Recorder::columns(const Config& config, const Ledger& l
   }
   if (contacts != nullptr) {
     names.emplace_back("contact_energy");
-    add_forces(0, contacts->num_obstacles(), {"_jx", "_jy", "_jz"});
-    add_forces(contacts->num_obstacles(), contacts->groups().size(), force_suffixes);
+    add_columns(Kind::obstacle, impulse_suffixes);
+    add_columns(Kind::obstacle_on_body, force_suffixes);
+    add_columns(Kind::bodies, force_suffixes);
+    add_columns(Kind::bodies, impulse_suffixes);
     for (const char* name : {"contact_gap_min", "contact_points"}) names.emplace_back(name);
   }
   return names;
@@ -225,9 +231,15 @@ void Recorder::record(const StepRecord& record, const Ledger& ledger) {
                           e.balance_error};
   row.insert(row.end(), e.momenta.linear.begin(), e.momenta.linear.end());
   row.insert(row.end(), e.momenta.angular.begin(), e.momenta.angular.end());
-  const std::size_t num_obstacles = model_.contacts() != nullptr ? model_.contacts()->num_obstacles() : 0;
-  const std::span contacts(ledger.contacts());
-  for (const auto& [force, impulse] : contacts.first(num_obstacles)) row.insert(row.end(), force.begin(), force.end());
+  const auto add_contacts = [&](Kind kind, std::array<double, 3> ContactForce::*numbers) {
+    if (model_.contacts() == nullptr) return;
+    for (std::size_t c = 0; c < ledger.contacts().size(); ++c) {
+      if (model_.contacts()->groups()[c].kind != kind) continue;
+      const auto& values = ledger.contacts()[c].*numbers;
+      row.insert(row.end(), values.begin(), values.end());
+    }
+  };
+  add_contacts(Kind::obstacle, &ContactForce::force);
 
   if (!model_.probes().empty()) {
     check(VecCopy(record.q, q_.get()));
@@ -257,12 +269,10 @@ void Recorder::record(const StepRecord& record, const Ledger& ledger) {
   for (const double value : cavity_states(record)) row.push_back(value);
   if (model_.contacts() != nullptr) {
     row.push_back(contact_energy(record));
-    for (const auto& [force, impulse] : contacts.first(num_obstacles)) {
-      row.insert(row.end(), impulse.begin(), impulse.end());
-    }
-    for (const auto& [force, impulse] : contacts.subspan(num_obstacles)) {
-      row.insert(row.end(), force.begin(), force.end());
-    }
+    add_contacts(Kind::obstacle, &ContactForce::impulse);
+    add_contacts(Kind::obstacle_on_body, &ContactForce::force);
+    add_contacts(Kind::bodies, &ContactForce::force);
+    add_contacts(Kind::bodies, &ContactForce::impulse);
     row.insert(row.end(), {record.contact.gap, record.contact.num_points});
   }
   history_.append(row);

@@ -18,11 +18,13 @@ inline std::shared_ptr<const BodySurfaces> surfaces_of(const Solid& solid, doubl
 }
 
 /// Everything touches everything, with the same barrier.
-inline std::unique_ptr<BodyContact> contact_of(const Solid& solid, double between, double stiffness, double width,
-                                               double threshold = 0.0) {
-  const NormalLaw law{NormalKind::barrier, stiffness, width, threshold};
-  return std::make_unique<BodyContact>(surfaces_of(solid, between), ContactSets{},
-                                       BodyContactLaws{2, {law, law, law, law}});
+inline std::shared_ptr<const TouchingBodies> touching(const Solid& solid, double between, const NormalLaw& law,
+                                                      std::optional<FrictionUpdate> drag = std::nullopt) {
+  return std::make_shared<const TouchingBodies>(surfaces_of(solid, between), ContactSets{},
+                                                BodyContactLaws{2, {law, law, law, law}}, drag);
+}
+inline NormalLaw barrier(double stiffness, double width, double threshold = 0.0) {
+  return {NormalKind::barrier, stiffness, width, threshold};
 }
 
 }  // namespace pliant::test

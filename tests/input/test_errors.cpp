@@ -63,7 +63,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{6, "contact: {obstacles: [{name: a, shape: @cone}]}", "'shape' must be one of"},
         Bad{6, "contact: {obstacles: [{name: a, shape: plane, normal: @[0, 0, 0]}]}", "[0, 0, 0] points nowhere"},
         Bad{6, "contact: {obstacles: [{name: a, shape: sphere, radius: 1}, {name: @a, shape: sphere, radius: 2}]}",
-            "the obstacle name 'a' is given twice"},
+            "the contact name 'a' is given twice"},
         Bad{6, "contact: {obstacles: [{name: @clamp, shape: sphere, radius: 1}]}",
             "the obstacle name 'clamp' is also the name of a constrained part"},
         Bad{5,

@@ -1,311 +1,184 @@
 #include "energy/contact/body_contact.hpp"
 
-#include "collision/ccd.hpp"
-#include "collision/closest_points.hpp"
-#include "collision/intersection.hpp"
+#include "base/compensated_sum.hpp"
 
 #include <algorithm>
-#include <stdexcept>
+#include <string_view>
 
 namespace pliant {
 namespace {
 
-/// Share of the edge-edge part in the potential: small, because it is added to a pressure that is already complete.
-constexpr double edge_share = 0.05;
-/// Part of a gap that a step leaves at the least.
-constexpr double kept_gap = 0.1;
+/// What the terms have in common.
+class BodyTerm : public EnergyTerm {
+ public:
+  BodyTerm(std::shared_ptr<const TouchingBodies> bodies, MeasuredNodes measured)
+      : bodies_(std::move(bodies)), measured_(std::move(measured)) {}
 
-}  // namespace
+  Coupling coupling() const override { return static_cast<const PairCoupling*>(bodies_.get()); }
+  bool is_measured_at(PetscInt node) const override { return measured_ == nullptr || (*measured_)[node] != 0; }
 
-double BodyContactLaws::reach() const {
-  double reach = 0.0;
-  for (const NormalLaw& law : of_bodies) reach = std::max(reach, law.reach());
-  return reach;
-}
+ protected:
+  const TouchingBodies& bodies() const { return *bodies_; }
 
-/// Pairs that may touch, and the vertices of the collision surface as a rank sees them: those of triangles that are not
-/// near it have no meaning.
-struct BodyContact::Near {
-  std::vector<Vector3<double>> x, dx;  // positions, and displacements if there are any [m]
-  std::vector<PetscInt> nodes;         // local
-  std::vector<BoxPair> points;         // a point of the rule, a triangle
-  std::vector<BoxPair> edges;          // the first of the lower number
+ private:
+  std::shared_ptr<const TouchingBodies> bodies_;
+  MeasuredNodes measured_;
 };
 
-BodyContact::BodyContact(std::shared_ptr<const BodySurfaces> surfaces, ContactSets sets, BodyContactLaws laws)
-    : surfaces_(std::move(surfaces)), sets_(std::move(sets)), laws_(std::move(laws)) {
-  for (const NormalLaw& law : laws_.of_bodies) {
-    if (law.kind != NormalKind::barrier) throw std::invalid_argument("contact between bodies needs a barrier");
+class BodyContact final : public BodyTerm {
+ public:
+  using BodyTerm::BodyTerm;
+
+  std::string_view name() const override { return "contact"; }
+  TermDeclaration declaration() const override { return {.account = Account::stored, .is_wall = true}; }
+
+  double value(const LocalStage& stage, std::span<const double> q) const override {
+    return bodies().energy(*stage.near, q);
   }
-  const CollisionSurface& surface = surfaces_->surface();
-  const ContactRule rule = quadratic_contact_rule();
-  multiplicities_ = FeatureMultiplicities(surface, sets_);
-  points_ = surface_points(surface, rule);
-  num_inner_points_ = rule.inner_points.size();
-  const auto corners = std::span(points_).first(points_.size() - num_inner_points_ * surface.triangles().size());
-  for (const auto& triangle : surface.triangles()) {
-    for (const std::int32_t vertex : triangle.vertices) {
-      const auto place = [](const SurfacePoint& point) { return std::pair(point.nodes[0], point.group); };
-      const auto point = std::ranges::lower_bound(corners, std::pair(vertex, triangle.group), {}, place);
-      point_of_corner_.push_back(static_cast<std::int32_t>(point - corners.begin()));
-    }
+  double energy_at(const Instant& at, std::span<const double> q, std::span<const double> /*z*/) const override {
+    return bodies().energy(*at.near, q);
   }
-}
 
-namespace {
+  void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override {
+    bodies().evaluate(
+        *stage.near, q, ContactOrder::gradient,
+        [&](PetscInt node, const Vector3<double>& f) {
+          for (PetscInt i = 0; i < 3; ++i) r[3 * node + i] += f[i];
+        },
+        [](auto...) {});
+  }
 
-/// The box around a triangle, on its way if it moves, `margin` [m] further out.
-Box box_around(const CollisionSurface::Triangle& triangle, double margin, std::span<const Vector3<double>> x,
-               std::span<const Vector3<double>> dx = {}) {
-  const auto [a, b, c] = triangle.vertices;
-  Box box = box_of(margin, x[a], x[b], x[c]);
-  if (!dx.empty()) box.include(box_of(margin, x[a] + dx[a], x[b] + dx[b], x[c] + dx[c]));
-  return box;
-}
+  void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
+                   Projection projection) const override {
+    const auto order = projection == Projection::none ? ContactOrder::hessian : ContactOrder::semidefinite_hessian;
+    bodies().evaluate(
+        *stage.near, q, order, [](auto...) {},
+        [&](PetscInt row, PetscInt column, const Tensor3<double>& H) { K.add(row, column, H.a); });
+  }
 
-/// Whether two places of one body at these squared distances now and at rest are only neighbours, not nearer to each
-/// other than the body's deformation makes them: their gap says nothing.
-bool is_neighbour(double square, double square_at_rest) {
-  return square > 0.25 * square_at_rest;
-}
+  double max_step(const LocalStage& stage, std::span<const double> q, std::span<const double> d) const override {
+    return bodies().max_step(*stage.near, q, d);
+  }
+};
 
-/// Sorted and once each.
-void make_unique(std::vector<BoxPair>& pairs) {
-  std::ranges::sort(pairs);
-  pairs.erase(std::ranges::unique(pairs).begin(), pairs.end());
-}
+template <class Drag>
+class BodyDrag final : public BodyTerm {
+ public:
+  /// `damping`: the contact damping of the same bodies, whose pressure adds to the friction.
+  BodyDrag(std::shared_ptr<const TouchingBodies> bodies, const Drag& drag, const NormalDamping& damping,
+           FrictionUpdate update, MeasuredNodes measured)
+      : BodyTerm(std::move(bodies), std::move(measured)), drag_(drag), damping_(damping), update_(update) {}
+
+  std::string_view name() const override { return Drag::name; }
+  TermDeclaration declaration() const override {
+    return {.has_frozen_coefficients = update_ == FrictionUpdate::frozen,
+            .refreezes = update_ == FrictionUpdate::iterated,
+            .account = Account::stored,
+            .dissipates = true};
+  }
+
+  double value(const LocalStage& stage, std::span<const double> q) const override {
+    return stage.dt * integrate(stage, q, [&](const Touch& touch, double pressure, const Vector3<double>& v) {
+             return drag_(pressure, touch.normal, v).potential;
+           });
+  }
+
+  void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override {
+    for_each_touch(stage, q, [&](const Touch& touch, double pressure, const Vector3<double>& v) {
+      const Vector3<double> f = touch.area * drag_(pressure, touch.normal, v).slope;
+      for (int i = 0; i < touch.num_nodes; ++i) {
+        for (PetscInt k = 0; k < 3; ++k) r[3 * touch.nodes[i] + k] += touch.weights[i] * f[k];
+      }
+    });
+  }
+
+  void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
+                   Projection projection) const override {
+    for_each_touch(stage, q, [&](const Touch& touch, double pressure, const Vector3<double>& v) {
+      if (touch.area < 0.0 && projection == Projection::positive_semidefinite) return;
+      const Tensor3<double> H = (touch.area / stage.dt) * drag_(pressure, touch.normal, v).hessian;
+      for (int i = 0; i < touch.num_nodes; ++i) {
+        if (!stage.near_frozen->is_owned(touch.nodes[i])) continue;
+        for (int j = 0; j < touch.num_nodes; ++j) {
+          K.add(touch.nodes[i], touch.nodes[j], ((touch.weights[i] * touch.weights[j]) * H).a);
+        }
+      }
+    });
+  }
+
+  /// A frozen drag: the traction that it exerts, and the one that the pressure at q allows, frozen damping included.
+  DragBound bound(const LocalStage& stage, std::span<const double> q) const override {
+    if (update_ == FrictionUpdate::iterated) return {};
+    CompensatedSum<double> exerted, allowed;
+    for_each_touch(stage, q, [&](const Touch& touch, double pressure, const Vector3<double>& v) {
+      if (!touch.is_counted) return;
+      exerted.add(touch.area * drag_.size(pressure, touch.normal, v));
+      if (damping_.damping == 0.0) return;
+      const double added = touch.pressure * damping_.added_part(touch.normal, v);
+      allowed.add(touch.area * drag_.largest(added, touch.normal, v));
+    });
+    bodies().for_each_touch(*stage.near, q, [&](const Touch& touch) {
+      const Vector3<double> v = (1.0 / stage.dt) * touch.displacement(stage.q0, q);
+      if (touch.is_counted) allowed.add(touch.area * drag_.largest(touch.pressure, touch.normal, v));
+    });
+    return {exerted.total(), std::max(0.0, allowed.total())};
+  }
+
+  double dissipation(const LocalStage& stage, std::span<const double> q) const override {
+    return integrate(stage, q, [&](const Touch& touch, double pressure, const Vector3<double>& v) {
+      return dot(drag_(pressure, touch.normal, v).slope, v);
+    });
+  }
+
+ private:
+  /// visit(touch, pressure with damping, relative velocity at q) of what is frozen.
+  template <class Visit>
+  void for_each_touch(const LocalStage& stage, std::span<const double> q, const Visit& visit) const {
+    const bool refreezes = update_ == FrictionUpdate::iterated;
+    const std::span<const double> at = stage.frozen_at(refreezes, q);
+    bodies().for_each_touch(*stage.near_frozen, at, [&](const Touch& touch) {
+      double pressure = touch.pressure;
+      if (damping_.damping > 0.0) {
+        const Vector3<double> v = stage.is_frozen_at_start(refreezes)
+                                      ? touch.combine(stage.v0)
+                                      : (1.0 / stage.dt) * touch.displacement(stage.q0, at);
+        pressure *= 1.0 + damping_.added_part(touch.normal, v);
+      }
+      visit(touch, pressure, (1.0 / stage.dt) * touch.displacement(stage.q0, q));
+    });
+  }
+
+  template <class Density>
+  double integrate(const LocalStage& stage, std::span<const double> q, const Density& density) const {
+    CompensatedSum<double> total;
+    for_each_touch(stage, q, [&](const Touch& touch, double pressure, const Vector3<double>& v) {
+      if (touch.is_counted) total.add(touch.area * density(touch, pressure, v));
+    });
+    return total.total();
+  }
+
+  Drag drag_;
+  NormalDamping damping_;
+  FrictionUpdate update_;
+};
 
 }  // namespace
 
-BodyContact::Near BodyContact::near_at(const NearPatches& near, double distance, std::span<const double> q,
-                                       std::span<const double> d) const {
-  const CollisionSurface& surface = surfaces_->surface();
-  const auto triangles = surface.triangles();
-  const std::size_t num_vertices = surface.vertices().size();
-  Near found;
-  found.x.resize(num_vertices);
-  if (!d.empty()) found.dx.resize(num_vertices);
-  found.nodes.assign(num_vertices, -1);
-  for (std::size_t patch = 0; patch < near.patches.size(); ++patch) {
-    const auto nodes = near.patches.nodes_of(patch);
-    const auto& vertices = triangles[near.patches.keys[patch]].vertices;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::int32_t v = vertices[k];
-      const auto i = 3 * static_cast<std::size_t>(nodes[k]);
-      found.nodes[v] = nodes[k];
-      found.x[v] = near.position(nodes[k], q);
-      if (!d.empty()) found.dx[v] = {d[i], d[i + 1], d[i + 2]};
-    }
-  }
-  const std::size_t first_inner_point = points_.size() - num_inner_points_ * triangles.size();
-  const auto number = [](std::size_t n) { return static_cast<std::int32_t>(n); };
-  // The points that the first triangle stands for, with the second.
-  const auto add_points = [&](std::size_t first, std::size_t second, bool is_incident) {
-    for (int k = 0; k < 3; ++k) {
-      const std::int32_t vertex = triangles[first].vertices[k];
-      if (surfaces_->stands_for_vertex(first, k) && !surface.is_incident(triangles[second], vertex)) {
-        found.points.push_back({point_of_corner_[3 * first + static_cast<std::size_t>(k)], number(second)});
-      }
-    }
-    for (std::size_t j = 0; !is_incident && j < num_inner_points_; ++j) {
-      found.points.push_back({number(first_inner_point + num_inner_points_ * first + j), number(second)});
-    }
-  };
-  for (const PatchPair& pair : near.pairs) {
-    const auto first = static_cast<std::size_t>(near.patches.keys[pair.first]);
-    const auto second = static_cast<std::size_t>(near.patches.keys[pair.second]);
-    const auto &a = triangles[first], &b = triangles[second];
-    if (!box_around(a, distance, found.x, found.dx).overlaps(box_around(b, 0.0, found.x, found.dx))) continue;
-    const bool is_incident = surface.is_incident(a, b);
-    add_points(first, second, is_incident);
-    add_points(second, first, is_incident);
-    for (int k = 0; k < 3; ++k) {
-      if (!surfaces_->stands_for_edge(first, k)) continue;
-      for (int l = 0; l < 3; ++l) {
-        if (!surfaces_->stands_for_edge(second, l)) continue;
-        const auto [low, high] = std::minmax(a.edges[k], b.edges[l]);
-        if (!surface.is_incident(surface.edges()[low], surface.edges()[high])) found.edges.push_back({low, high});
-      }
-    }
-  }
-  make_unique(found.points);
-  make_unique(found.edges);
-  return found;
+std::unique_ptr<EnergyTerm> make_body_contact(std::shared_ptr<const TouchingBodies> bodies, MeasuredNodes measured) {
+  return std::make_unique<BodyContact>(std::move(bodies), std::move(measured));
 }
 
-ContactPairs BodyContact::pairs_of(const Near& near) const {
-  const CollisionSurface& surface = surfaces_->surface();
-  return {point_pairs(surface, multiplicities_, points_, near.points, near.x, laws_.reach()),
-          edge_pairs(surface, near.edges, near.x, laws_.reach(), edge_share)};
+std::unique_ptr<EnergyTerm> make_body_friction(std::shared_ptr<const TouchingBodies> bodies, const Friction& friction,
+                                               const NormalDamping& damping, FrictionUpdate update,
+                                               MeasuredNodes measured) {
+  return std::make_unique<BodyDrag<Friction>>(std::move(bodies), friction, damping, update, std::move(measured));
 }
 
-double BodyContact::energy(const NearPatches& near, std::span<const double> q) const {
-  const CollisionSurface& surface = surfaces_->surface();
-  const Near found = near_at(near, laws_.reach(), q);
-  ContactPairs pairs = pairs_of(found);
-  const auto is_counted_elsewhere = [&](std::int32_t vertex) { return !near.is_owned(found.nodes[vertex]); };
-  std::erase_if(pairs.points, [&](const PointPair& pair) { return is_counted_elsewhere(first_vertex(surface, pair)); });
-  std::erase_if(pairs.edges,
-                [&](const EdgePair& pair) { return is_counted_elsewhere(surface.edges()[pair.a].vertices[0]); });
-  const auto nothing = [](auto...) {};
-  return add_point_pairs(surface, points_, pairs.points, found.x, laws_, ContactOrder::gradient, nothing, nothing) +
-         add_edge_pairs(surface, pairs.edges, found.x, laws_, ContactOrder::gradient, nothing, nothing);
-}
-
-template <class AddForce, class AddBlock>
-void BodyContact::evaluate(const NearPatches& near, std::span<const double> q, ContactOrder order,
-                           const AddForce& add_force, const AddBlock& add_block) const {
-  const CollisionSurface& surface = surfaces_->surface();
-  const Near found = near_at(near, laws_.reach(), q);
-  const ContactPairs pairs = pairs_of(found);
-  const auto& nodes = found.nodes;
-  const auto force = [&](std::int32_t v, const Vector3<double>& f) {
-    if (near.is_owned(nodes[v])) add_force(nodes[v], f);
-  };
-  const auto block = [&](std::int32_t v, std::int32_t w, const Tensor3<double>& H) {
-    if (near.is_owned(nodes[v])) add_block(nodes[v], nodes[w], H);
-  };
-  add_point_pairs(surface, points_, pairs.points, found.x, laws_, order, force, block);
-  add_edge_pairs(surface, pairs.edges, found.x, laws_, order, force, block);
-}
-
-double BodyContact::value(const LocalStage& stage, std::span<const double> q) const {
-  return energy(*stage.near, q);
-}
-
-double BodyContact::energy_at(const Instant& at, std::span<const double> q, std::span<const double> /*z*/) const {
-  return energy(*at.near, q);
-}
-
-void BodyContact::add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const {
-  evaluate(
-      *stage.near, q, ContactOrder::gradient,
-      [&](PetscInt node, const Vector3<double>& f) {
-        for (PetscInt i = 0; i < 3; ++i) r[3 * node + i] += f[i];
-      },
-      [](auto...) {});
-}
-
-void BodyContact::add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
-                              Projection projection) const {
-  const auto order = projection == Projection::none ? ContactOrder::hessian : ContactOrder::semidefinite_hessian;
-  evaluate(
-      *stage.near, q, order, [](auto...) {},
-      [&](PetscInt row, PetscInt column, const Tensor3<double>& H) { K.add(row, column, H.a); });
-}
-
-double BodyContact::max_step(const LocalStage& stage, std::span<const double> q, std::span<const double> d) const {
-  const CollisionSurface& surface = surfaces_->surface();
-  const Near found = near_at(*stage.near, laws_.reach(), q, d);
-  double bound = 1.0;
-  const auto limit_by = [&](const auto& max_step, const std::array<std::int32_t, 4>& v, int body, int other) {
-    std::array<Vector3<double>, 4> x, dx;
-    for (std::size_t i = 0; i < 4; ++i) {
-      x[i] = found.x[v[i]];
-      dx[i] = found.dx[v[i]];
-    }
-    bound = std::min(bound, max_step(x, dx, Clearance{laws_.of(body, other).threshold, kept_gap}));
-  };
-  for (const BoxPair& pair : found.points) {
-    const SurfacePoint& point = points_[pair.first];
-    if (point.num_nodes > 1) continue;  // inside a triangle
-    const auto& triangle = surface.triangles()[pair.second];
-    const auto [a, b, c] = triangle.vertices;
-    limit_by(max_step_point_triangle, {point.nodes[0], a, b, c}, surface.vertices()[point.nodes[0]].body,
-             triangle.body);
-  }
-  for (const BoxPair& pair : found.edges) {
-    const auto &a = surface.edges()[pair.first], &b = surface.edges()[pair.second];
-    limit_by(max_step_edge_edge, {a.vertices[0], a.vertices[1], b.vertices[0], b.vertices[1]}, a.body, b.body);
-  }
-  // Never 0, which means that an obstacle has moved onto the state: between bodies, values do not show who is where.
-  return bound < 1.0 ? std::max(bound, std::numeric_limits<double>::min()) : std::numeric_limits<double>::infinity();
-}
-
-ContactGap BodyContact::gap(const NearPatches& near, std::span<const double> q, double distance) const {
-  const CollisionSurface& surface = surfaces_->surface();
-  const Near found = near_at(near, distance, q);
-  ContactGap gap;
-  const auto include = [&](const auto& square_at, int body, int other) {
-    const double square = square_at(std::span<const Vector3<double>>(found.x));
-    if (body == other && is_neighbour(square, square_at(surface.rest_positions()))) return;
-    gap.least = std::min(gap.least, std::sqrt(square) - laws_.of(body, other).threshold);
-  };
-  for (const BoxPair& pair : found.points) {
-    const SurfacePoint& point = points_[pair.first];
-    const auto& triangle = surface.triangles()[pair.second];
-    const auto [a, b, c] = triangle.vertices;
-    const auto square_at = [&](std::span<const Vector3<double>> x) {
-      return closest_point_triangle(std::array{point.position(x), x[a], x[b], x[c]}).squared_distance;
-    };
-    include(square_at, surface.vertices()[point.nodes[0]].body, triangle.body);
-  }
-  for (const BoxPair& pair : found.edges) {
-    const auto &a = surface.edges()[pair.first], &b = surface.edges()[pair.second];
-    const auto square_at = [&](std::span<const Vector3<double>> x) {
-      const std::array ends{x[a.vertices[0]], x[a.vertices[1]], x[b.vertices[0]], x[b.vertices[1]]};
-      return closest_edge_edge(ends).squared_distance;
-    };
-    include(square_at, a.body, b.body);
-  }
-  std::int32_t last = -1;
-  for (const PointPair& pair : point_pairs(surface, multiplicities_, points_, found.points, found.x, laws_.reach())) {
-    const bool is_counted = near.is_owned(found.nodes[points_[pair.point].nodes[0]]);
-    if (is_counted && pair.point != last) gap.num_points += 1.0;
-    last = pair.point;
-  }
-  return gap;
-}
-
-void BodyContact::lower_gaps(const NearPatches& near, std::span<const double> q, double distance,
-                             std::span<double> gaps) const {
-  const CollisionSurface& surface = surfaces_->surface();
-  const Near found = near_at(near, distance, q);
-  for (const BoxPair& pair : found.points) {
-    const SurfacePoint& point = points_[pair.first];
-    const PetscInt node = found.nodes[point.nodes[0]];
-    if (point.num_nodes > 1 || !near.is_owned(node)) continue;
-    const auto& triangle = surface.triangles()[pair.second];
-    const auto [a, b, c] = triangle.vertices;
-    const auto square_at = [&](std::span<const Vector3<double>> x) {
-      return closest_point_triangle(std::array{point.position(x), x[a], x[b], x[c]}).squared_distance;
-    };
-    const std::int32_t body = surface.vertices()[point.nodes[0]].body;
-    const double square = square_at(found.x);
-    if (body == triangle.body && is_neighbour(square, square_at(surface.rest_positions()))) continue;
-    gaps[node] = std::min(gaps[node], std::sqrt(square) - laws_.of(body, triangle.body).threshold);
-  }
-}
-
-SurfaceCrossings BodyContact::crossings(const NearPatches& near, std::span<const double> q) const {
-  const CollisionSurface& surface = surfaces_->surface();
-  const Near found = near_at(near, 0.0, q);
-  SurfaceCrossings crossings;
-  const auto look_at = [&](std::size_t of_edges, std::size_t number) {
-    const auto &one = surface.triangles()[of_edges], &other = surface.triangles()[number];
-    for (int k = 0; k < 3; ++k) {
-      const auto& ends = surface.edges()[one.edges[k]].vertices;
-      const bool touches = surface.is_incident(other, ends[0]) || surface.is_incident(other, ends[1]);
-      if (!surfaces_->stands_for_edge(of_edges, k) || touches) continue;
-      const std::array segment{found.x[ends[0]], found.x[ends[1]]};
-      const auto [a, b, c] = other.vertices;
-      if (!segment_meets_triangle(segment, {found.x[a], found.x[b], found.x[c]})) continue;
-      if (crossings.count++ == 0) {
-        crossings.place = 0.5 * (segment[0] + segment[1]);
-        crossings.body = one.body;
-        crossings.other = other.body;
-      }
-    }
-  };
-  for (const PatchPair& pair : near.pairs) {
-    const auto first = static_cast<std::size_t>(near.patches.keys[pair.first]);
-    const auto second = static_cast<std::size_t>(near.patches.keys[pair.second]);
-    const auto &a = surface.triangles()[first], &b = surface.triangles()[second];
-    if (!box_around(a, 0.0, found.x).overlaps(box_around(b, 0.0, found.x))) continue;
-    look_at(first, second);
-    look_at(second, first);
-  }
-  return crossings;
+std::unique_ptr<EnergyTerm> make_body_damping(std::shared_ptr<const TouchingBodies> bodies,
+                                              const NormalDamping& damping, FrictionUpdate update,
+                                              MeasuredNodes measured) {
+  return std::make_unique<BodyDrag<NormalDamping>>(std::move(bodies), damping, NormalDamping{}, update,
+                                                   std::move(measured));
 }
 
 }  // namespace pliant

@@ -171,13 +171,6 @@ void Contact::follow_obstacle(const LocalStage& stage, std::span<Vector3<double>
 
 namespace {
 
-std::string_view name_of(const Friction&) {
-  return "friction";
-}
-std::string_view name_of(const NormalDamping&) {
-  return "contact-damping";
-}
-
 template <class Drag>
 class ContactDrag final : public EnergyTerm {
  public:
@@ -186,7 +179,7 @@ class ContactDrag final : public EnergyTerm {
               const NormalDamping& damping, FrictionUpdate update)
       : surface_(std::move(surface)), obstacle_(std::move(obstacle)), drag_(drag), damping_(damping), update_(update) {}
 
-  std::string_view name() const override { return name_of(drag_); }
+  std::string_view name() const override { return Drag::name; }
   TermDeclaration declaration() const override {
     return {.has_frozen_coefficients = update_ == FrictionUpdate::frozen,
             .refreezes = update_ == FrictionUpdate::iterated,
@@ -266,9 +259,8 @@ class ContactDrag final : public EnergyTerm {
   /// visit(touch, velocity relative to the obstacle) where the frozen pressure is positive.
   template <class Visit>
   void for_each_touch(const LocalStage& stage, std::span<const double> q, Facets which, const Visit& visit) const {
-    // The start of a stage may be an extrapolation, deep in the obstacle: the last accepted state is not.
-    const bool at_start = update_ == FrictionUpdate::frozen && !stage.exceeds_bound;
-    const std::span<const double> at = at_start ? stage.reference() : stage.frozen.empty() ? q : stage.frozen;
+    const bool refreezes = update_ == FrictionUpdate::iterated, at_start = stage.is_frozen_at_start(refreezes);
+    const std::span<const double> at = stage.frozen_at(refreezes, q);
     const double start = stage.accepted.empty() ? stage.time - stage.dt : stage.step_start;
     const ObstacleFrame now = obstacle_->at(instant_of(stage), stage.dt);
     const ObstacleFrame frozen =

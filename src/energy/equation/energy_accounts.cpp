@@ -21,7 +21,7 @@ std::vector<TermPower> EnergyAccounts::powers(Vec q, Vec v, Vec r) {
     std::array<CompensatedSum<double>, 3> force;
     for (PetscInt i = 0; i < 3 * terms_.layout().num_owned_nodes; ++i) {
       power.add(-rows[i] * velocity[i]);
-      force[static_cast<std::size_t>(i % 3)].add(-rows[i]);
+      if (terms_[k].is_measured_at(i / 3)) force[static_cast<std::size_t>(i % 3)].add(-rows[i]);
       total[i] += rows[i];
     }
     result[k] = {power.total(),

@@ -16,7 +16,7 @@ struct TermPower {
   double exerted = 0.0;     ///< by its forces, -dPhi_k/dq . v summed over all entries, prescribed ones included [W]
   double dissipated = 0.0;  ///< EnergyTerm::dissipation [W]
   double supplied = 0.0;    ///< EnergyTerm::supply [W]
-  std::array<double, 3> force{};  ///< sum of its forces -dPhi_k/dq over all nodes [N]
+  std::array<double, 3> force{};  ///< sum of its forces -dPhi_k/dq over the nodes of EnergyTerm::is_measured_at [N]
 };
 
 /// A view of terms; all methods are collective.

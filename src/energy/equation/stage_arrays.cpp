@@ -6,9 +6,9 @@ namespace pliant {
 
 StageArrays::StageArrays(const NodeLayout& layout, std::vector<const PairCoupling*> couplings,
                          const std::vector<char>& prescribed)
-    : layout_(layout) {
+    : layout_(layout), couplings_(std::move(couplings)) {
   for (Copy* copy : {&q_, &d_, &q0_, &v0_, &accepted_, &previous_, &frozen_}) copy->ghosted = make_vector(layout);
-  if (!couplings.empty()) pairs_ = std::make_unique<PairAssembly>(layout, std::move(couplings), prescribed);
+  if (!couplings_.empty()) pairs_ = std::make_unique<PairAssembly>(layout, couplings_, prescribed);
 }
 
 std::size_t StageArrays::num_nodes() const {
@@ -25,7 +25,10 @@ std::span<const double> StageArrays::copied(Vec v, Copy& copy) {
 }
 
 void StageArrays::follow_pairs(Path& path, Copy& of_q) {
-  if (!pairs_ || !pairs_->follow(path)) return;
+  if (!pairs_) return;
+  std::vector<std::span<const double>> frozen;
+  for (const PairCoupling* coupling : couplings_) frozen.push_back(coupling->frozen_place(stage_, path.q));
+  if (!pairs_->follow(path, frozen)) return;
   const auto extend = [&](std::span<const double>& entries, Copy& copy) {
     if (entries.empty()) return;
     pairs_->extend(ConstGhostedView(copy.ghosted.get()).span(), copy.extended);

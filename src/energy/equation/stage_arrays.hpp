@@ -57,10 +57,12 @@ class StageArrays {
     std::vector<double> extended;  // with far nodes; empty if there are no pairs
   };
   std::span<const double> copied(Vec v, Copy& copy);
-  /// Brings pairs to the path, whose arrays are copies of q and d, and all copies in use to the far nodes.
+  /// Brings pairs to the path, whose arrays are copies of q and d, and to where coefficients are frozen; and all copies
+  /// in use to the far nodes.
   void follow_pairs(Path& path, Copy& of_q);
 
   const NodeLayout& layout_;
+  std::vector<const PairCoupling*> couplings_;
   std::unique_ptr<PairAssembly> pairs_;
   LocalStage stage_;
   Copy q_, d_, q0_, v0_, accepted_, previous_, frozen_;

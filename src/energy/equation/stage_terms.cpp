@@ -8,11 +8,13 @@
 namespace pliant {
 namespace {
 
+/// Each once, in the order of the terms.
 std::vector<const PairCoupling*> pair_couplings(std::span<const EnergyTerm* const> terms) {
   std::vector<const PairCoupling*> couplings;
   for (const EnergyTerm* term : terms) {
     const Coupling coupling = term->coupling();
-    if (const auto* pairs = std::get_if<const PairCoupling*>(&coupling)) couplings.push_back(*pairs);
+    const auto* pairs = std::get_if<const PairCoupling*>(&coupling);
+    if (pairs != nullptr && std::ranges::find(couplings, *pairs) == couplings.end()) couplings.push_back(*pairs);
   }
   return couplings;
 }
@@ -22,12 +24,17 @@ std::vector<const PairCoupling*> pair_couplings(std::span<const EnergyTerm* cons
 StageTerms::StageTerms(const NodeLayout& layout, std::vector<const EnergyTerm*> terms,
                        const std::vector<char>& prescribed)
     : layout_(layout), terms_(std::move(terms)), arrays_(layout, pair_couplings(terms_), prescribed) {
+  const auto couplings = pair_couplings(terms_);
   first_internal_.push_back(0);
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     first_internal_.push_back(first_internal_.back() + terms_[k]->num_internal());
     const Coupling coupling = terms_[k]->coupling();
     if (std::holds_alternative<const FunctionOfSum*>(coupling)) functions_of_sum_.push_back(k);
-    if (std::holds_alternative<const PairCoupling*>(coupling)) pair_terms_.push_back(k);
+    pairs_of_term_.emplace_back();
+    if (const auto* pairs = std::get_if<const PairCoupling*>(&coupling)) {
+      pair_terms_.push_back(k);
+      pairs_of_term_[k] = static_cast<std::size_t>(std::ranges::find(couplings, *pairs) - couplings.begin());
+    }
   }
   sums_.resize(terms_.size());
 }
@@ -72,14 +79,17 @@ const LocalStage& StageTerms::stage_of(std::size_t k) {
   LocalStage& stage = arrays_.stage();
   stage.sum = sums_[k];
   stage.near = near(k);
+  stage.near_frozen = near_frozen(k);
   stage.z0 = internal_of(k, z0_);
   return stage;
 }
 
 const NearPatches* StageTerms::near(std::size_t k) const {
-  const auto place = std::ranges::find(pair_terms_, k);
-  if (place == pair_terms_.end()) return nullptr;
-  return &arrays_.pairs()->near(static_cast<std::size_t>(place - pair_terms_.begin()));
+  return pairs_of_term_[k] ? &arrays_.pairs()->near(*pairs_of_term_[k]) : nullptr;
+}
+
+const NearPatches* StageTerms::near_frozen(std::size_t k) const {
+  return pairs_of_term_[k] ? &arrays_.pairs()->near_frozen(*pairs_of_term_[k]) : nullptr;
 }
 
 std::span<double> StageTerms::empty_rows() {

@@ -4,6 +4,7 @@
 #include "energy/equation/stage_arrays.hpp"
 #include "energy/function_of_sum.hpp"
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -37,8 +38,10 @@ class StageTerms {
   const LocalStage& stage_of(std::size_t k);
   /// The sum that the k-th term is a function of, at the last configuration.
   double sum_of(std::size_t k) const { return sums_[k].total(); }
-  /// The patches near one another that the k-th term couples; nullptr if it is another kind of term.
+  /// The patches near one another that the k-th term couples, and those where its coefficients are frozen; nullptr if
+  /// it is another kind of term.
   const NearPatches* near(std::size_t k) const;
+  const NearPatches* near_frozen(std::size_t k) const;
   /// Zeros for the rows of all nodes that terms see; valid until the next call.
   std::span<double> empty_rows();
 
@@ -59,9 +62,10 @@ class StageTerms {
   std::vector<const EnergyTerm*> terms_;
   StageArrays arrays_;
   std::vector<std::size_t> functions_of_sum_, pair_terms_;
-  std::vector<std::size_t> first_internal_;  // of each term, and their total
-  Vec z0_ = nullptr;                         // of the stage, borrowed
-  std::vector<SumOverRanks> sums_;           // of each term, at the last configuration
+  std::vector<std::optional<std::size_t>> pairs_of_term_;  // number of its coupling in PairAssembly
+  std::vector<std::size_t> first_internal_;                // of each term, and their total
+  Vec z0_ = nullptr;                                       // of the stage, borrowed
+  std::vector<SumOverRanks> sums_;                         // of each term, at the last configuration
   std::vector<double> rows_;
 };
 

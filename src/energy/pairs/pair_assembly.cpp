@@ -15,16 +15,21 @@ constexpr std::size_t most_kept = 2;
 
 PairAssembly::PairAssembly(const NodeLayout& layout, std::vector<const PairCoupling*> couplings,
                            const std::vector<char>& prescribed)
-    : layout_(layout),
-      couplings_(std::move(couplings)),
-      prescribed_(prescribed.begin(), prescribed.end()),
-      near_(couplings_.size()) {
+    : layout_(layout), prescribed_(prescribed.begin(), prescribed.end()) {
+  for (const PairCoupling* coupling : couplings) {
+    on_path_.push_back({*coupling, {}, {}, {}});
+    frozen_.push_back({*coupling, {}, {}, {}});
+  }
   forget();
 }
 
 void PairAssembly::forget() {
-  searches_.clear();
-  for (const PairCoupling* coupling : couplings_) searches_.emplace_back(layout_, *coupling);
+  for (Pursuit& pursuit : on_path_) pursuit.search.emplace(layout_, pursuit.coupling);
+  for (Pursuit& pursuit : frozen_) {
+    pursuit.search.reset();
+    pursuit.found = {};
+    pursuit.near = {};
+  }
   far_.emplace(layout_, std::vector<PetscInt>{});
   pattern_.emplace(layout_);
   elimination_.emplace(layout_, *pattern_, std::vector<char>(prescribed_.begin(), prescribed_.end()));
@@ -33,18 +38,32 @@ void PairAssembly::forget() {
 
 double PairAssembly::searchable_part(std::span<const double> d) const {
   double part = 1.0;
-  for (const PatchSearch& search : searches_) part = std::min(part, search.searchable_part(d));
+  for (const Pursuit& pursuit : on_path_) part = std::min(part, pursuit.search->searchable_part(d));
   return minimum(layout_.comm, part);
 }
 
-bool PairAssembly::follow(const Path& path) {
-  const auto is_left = [&](const PatchSearch& search) { return !search.covers(path); };
-  if (!any_rank(layout_.comm, std::ranges::any_of(searches_, is_left))) return false;
-  std::vector<FoundPatches> found;
+bool PairAssembly::follow(const Path& path, std::span<const std::span<const double>> frozen) {
+  std::vector<std::pair<Pursuit*, Path>> pursuits;
+  for (Pursuit& pursuit : on_path_) pursuits.emplace_back(&pursuit, path);
+  for (std::size_t k = 0; k < frozen.size(); ++k) pursuits.emplace_back(&frozen_[k], Path{frozen[k]});
+  std::vector<double> is_left;  // on how many ranks
+  for (const auto& [pursuit, of] : pursuits) {
+    const bool is_covered = of.q.empty() || (pursuit->search && pursuit->search->covers(of));
+    is_left.push_back(is_covered ? 0.0 : 1.0);
+  }
+  sum_in_place(layout_.comm, is_left);
+  if (std::ranges::none_of(is_left, [](double ranks) { return ranks > 0.0; })) return false;
+  for (std::size_t n = 0; n < pursuits.size(); ++n) {
+    if (is_left[n] == 0.0) continue;
+    auto& [pursuit, of] = pursuits[n];
+    if (!pursuit->search) pursuit->search.emplace(layout_, pursuit->coupling);
+    pursuit->found = pursuit->search->search(of);
+  }
   std::vector<PetscInt> needed;
-  for (PatchSearch& search : searches_) {
-    found.push_back(search.search(path));
-    for (const PetscInt node : found.back().global_nodes) needed.push_back(node);
+  for (const std::vector<Pursuit>* all : {&on_path_, &frozen_}) {
+    for (const Pursuit& pursuit : *all) {
+      needed.insert(needed.end(), pursuit.found.global_nodes.begin(), pursuit.found.global_nodes.end());
+    }
   }
   const auto is_of_layout = [&](PetscInt global) {
     const PetscInt owned = global - layout_.first_global_node;
@@ -66,20 +85,27 @@ bool PairAssembly::follow(const Path& path) {
   far_->extend(layout_.coordinates, coordinates_);
   is_fitted_ = false;
 
-  for (std::size_t k = 0; k < couplings_.size(); ++k) {
-    Patches patches = couplings_[k]->patches();
-    patches.keys = std::move(found[k].keys);
-    patches.tags = std::move(found[k].tags);
-    patches.is_owned.resize(patches.keys.size(), 0);
-    for (const PetscInt node : found[k].global_nodes) patches.nodes.push_back(far_->local_node(node));
-    near_[k] = {std::move(patches), std::move(found[k].pairs), coordinates_, layout_.num_owned_nodes};
+  for (std::vector<Pursuit>* all : {&on_path_, &frozen_}) {
+    for (Pursuit& pursuit : *all) {
+      if (pursuit.search) pursuit.near = near_of(pursuit);
+    }
   }
   return true;
 }
 
+NearPatches PairAssembly::near_of(const Pursuit& pursuit) const {
+  const FoundPatches& found = pursuit.found;
+  Patches patches = pursuit.coupling.patches();
+  patches.keys = found.keys;
+  patches.tags = found.tags;
+  patches.is_owned.resize(patches.keys.size(), 0);
+  for (const PetscInt node : found.global_nodes) patches.nodes.push_back(far_->local_node(node));
+  return {std::move(patches), found.pairs, coordinates_, layout_.num_owned_nodes};
+}
+
 std::vector<std::pair<PetscInt, PetscInt>> PairAssembly::coupled_nodes() const {
   std::vector<std::pair<PetscInt, PetscInt>> result;
-  for (const NearPatches& near : near_) {
+  const auto add = [&](const NearPatches& near) {
     for (const PatchPair& pair : near.pairs) {
       for (const PetscInt a : near.patches.nodes_of(pair.first)) {
         for (const PetscInt b : near.patches.nodes_of(pair.second)) {
@@ -88,7 +114,9 @@ std::vector<std::pair<PetscInt, PetscInt>> PairAssembly::coupled_nodes() const {
         }
       }
     }
-  }
+  };
+  for (const Pursuit& pursuit : on_path_) add(pursuit.near);
+  for (const Pursuit& pursuit : frozen_) add(pursuit.near);
   std::ranges::sort(result);
   result.erase(std::unique(result.begin(), result.end()), result.end());
   return result;

@@ -24,11 +24,13 @@ class PairAssembly {
   /// The part of the displacement d, at most 1, to which pairs are followed in one search
   /// (PatchSearch::searchable_part). Collective.
   double searchable_part(std::span<const double> d) const;
-  /// Brings the pairs to the path: no pair that comes within reach on it is missed. True if they have changed, and with
+  /// Brings the pairs to the path: no pair that comes within reach on it is missed. `frozen`: of each coupling, another
+  /// configuration whose pairs it needs, or none (PairCoupling::frozen_place). True if pairs have changed, and with
   /// them the far nodes: arrays are to be extended anew. Collective.
-  bool follow(const Path& path);
-  /// The pairs of each coupling, in their order, since the last call of `follow`.
-  const NearPatches& near(std::size_t coupling) const { return near_[coupling]; }
+  bool follow(const Path& path, std::span<const std::span<const double>> frozen = {});
+  /// The pairs of each coupling, in their order, since the last call of `follow`: on the path, and at `frozen`.
+  const NearPatches& near(std::size_t coupling) const { return on_path_[coupling].near; }
+  const NearPatches& near_frozen(std::size_t coupling) const { return frozen_[coupling].near; }
   /// Goes back to what it was when made: the next `follow` searches anew, and the pattern is that of the cells.
   void forget();
   std::size_t num_far_nodes() const { return far_->globals().size(); }
@@ -42,14 +44,20 @@ class PairAssembly {
   bool fit();
 
  private:
+  /// Pairs at one place or along one path, and the search for them.
+  struct Pursuit {
+    const PairCoupling& coupling;
+    std::optional<PatchSearch> search;  // not before it is needed
+    FoundPatches found;                 // by the last search
+    NearPatches near;                   // the same, with the far nodes as they are
+  };
+  NearPatches near_of(const Pursuit& pursuit) const;
   /// Pairs of nodes that couple, the first owned.
   std::vector<std::pair<PetscInt, PetscInt>> coupled_nodes() const;
 
   const NodeLayout& layout_;
-  std::vector<const PairCoupling*> couplings_;
-  std::vector<double> prescribed_;  // of entries, 0 or 1
-  std::vector<PatchSearch> searches_;
-  std::vector<NearPatches> near_;
+  std::vector<double> prescribed_;         // of entries, 0 or 1
+  std::vector<Pursuit> on_path_, frozen_;  // of each coupling
   std::optional<FarNodes> far_;
   std::vector<double> coordinates_;  // of local and far nodes
   std::optional<BlockPattern> pattern_;

@@ -50,19 +50,21 @@ std::vector<Field<ContactPressureConfig>> pressure_keys() {
   };
 }
 
-std::vector<Field<ContactDragConfig>> drag_keys() {
+std::vector<Field<ContactDragConfig>> drag_keys(const std::string& otherwise) {
   using D = ContactDragConfig;
   return {
       field("friction", &D::friction, quantity("1", Range::at_least(0)), "Coulomb's coefficient of friction")
-          .otherwise("0"),
+          .otherwise_in_words(otherwise),
       field("viscous_friction", &D::viscous_friction, quantity("s/m", Range::at_least(0)),
             "increase of the coefficient of friction per sliding velocity")
-          .otherwise("0"),
+          .otherwise_in_words(otherwise),
       field("normal_damping", &D::normal_damping, quantity("s/m", Range::at_least(0)),
             "relative increase of the pressure per velocity of approach (Hunt and Crossley)")
-          .otherwise("0"),
+          .otherwise_in_words(otherwise),
   };
 }
+
+const std::string of_contact = "that of `contact`";
 
 Section<ObstacleConfig> obstacle_keys() {
   using O = ObstacleConfig;
@@ -99,7 +101,7 @@ Section<ObstacleConfig> obstacle_keys() {
             "where the bodies are: around the obstacle, or within it as in a vessel")
           .otherwise("outside"),
   };
-  for (const auto& key : drag_keys()) keys.push_back(within(&O::drag, key));
+  for (const auto& key : drag_keys(of_contact)) keys.push_back(within(&O::drag, key));
   keys.push_back(field("motion", &O::motion, map_of(motion_keys()), "prescribed motion; functions of t")
                      .otherwise_in_words("none"));
   return {std::move(keys), {}, &O::where};
@@ -119,22 +121,25 @@ Format<Located<std::string>> located_text() {
 
 Section<ContactPairConfig> pair_keys() {
   using P = ContactPairConfig;
-  return {{
-              field("surface", &P::part, located_text(), "a surface, or a volume with its outer surface").required(),
-              field("with", &P::with, located_text(), "the surface or volume that it may touch")
-                  .otherwise_in_words("itself"),
-              field("stiffness", &P::stiffness, quantity("Pa/m", Range::above(0)), "scale of the barrier's pressure")
-                  .otherwise_in_words("that of `contact`, or the harmonic mean of both bodies' 30 shear moduli per "
-                                      "size of a facet"),
-              field("width", &P::width, quantity("m", Range::above(0)), "distance at which the barrier begins")
-                  .otherwise_in_words("that of `contact`, or 1/50 of the size of a facet, and at most half of the "
-                                      "distance at rest"),
-              field("thickness", &P::thickness, quantity("m", Range::at_least(0)),
-                    "distance that the surfaces keep, such as that of a skin which the mesh does not have")
-                  .otherwise_in_words("the `threshold` of `contact`"),
-          },
-          {},
-          &P::where};
+  std::vector<Field<P>> keys{
+      field("name", &P::name, column_name(),
+            "prefix of the columns in history.csv with the force and impulse of `with` on `surface`")
+          .otherwise_in_words("no columns")
+          .only_with({{"with"}}),
+      field("surface", &P::part, located_text(), "a surface, or a volume with its outer surface").required(),
+      field("with", &P::with, located_text(), "the surface or volume that it may touch").otherwise_in_words("itself"),
+      field("stiffness", &P::stiffness, quantity("Pa/m", Range::above(0)), "scale of the barrier's pressure")
+          .otherwise_in_words("that of `contact`, or the harmonic mean of both bodies' 30 shear moduli per "
+                              "size of a facet"),
+      field("width", &P::width, quantity("m", Range::above(0)), "distance at which the barrier begins")
+          .otherwise_in_words("that of `contact`, or 1/50 of the size of a facet, and at most half of the "
+                              "distance at rest"),
+      field("thickness", &P::thickness, quantity("m", Range::at_least(0)),
+            "distance that the surfaces keep, such as that of a skin which the mesh does not have")
+          .otherwise_in_words("the `threshold` of `contact`"),
+  };
+  for (const auto& key : drag_keys(of_contact)) keys.push_back(within(&P::drag, key));
+  return {std::move(keys), {}, &P::where};
 }
 
 Format<ContactPairsConfig> pairs_of_bodies() {
@@ -168,6 +173,7 @@ Section<ContactConfig> contact_keys() {
       selector<C>("where", Selection::Kind::where, "instead of `surface`: boundary facets that satisfy this condition"),
   };
   for (const auto& key : pressure_keys()) keys.push_back(within(&C::pressure, key));
+  for (const auto& key : drag_keys("0")) keys.push_back(within(&C::drag, key));
   keys.push_back(
       field(
           "friction_update", &C::friction_update,

@@ -34,7 +34,8 @@ test::Field approach(double closer) {
 struct TwoBodies {
   TwoBodies(MPI_Comm of, const std::string& file, int order, double threshold = 0.0)
       : solid(of, file, order, 2),
-        contact(test::contact_of(solid, between, stiffness, width - threshold, threshold)),
+        contact(
+            make_body_contact(test::touching(solid, between, test::barrier(stiffness, width - threshold, threshold)))),
         prescribed(solid.nothing_prescribed()) {
     potential.emplace(solid.layout(), solid.pattern(), std::vector<const EnergyTerm*>{contact.get()}, prescribed);
     stage.emplace(solid, 0.0, 0.1);
@@ -48,7 +49,7 @@ struct TwoBodies {
   }
 
   Solid solid;
-  std::unique_ptr<BodyContact> contact;
+  std::unique_ptr<EnergyTerm> contact;
   std::vector<char> prescribed;
   std::optional<IncrementalPotential> potential;
   std::optional<TestStage> stage;
@@ -190,7 +191,7 @@ TEST(BodyContact, RefusesAPenalty) {
   Scratch scratch(comm);
   const std::string file = scratch.file("two.msh", [](const std::string& f) { test::write_two_cubes(f, gap); });
   const Solid solid(comm, file, 1, 2);
-  EXPECT_THROW(BodyContact(test::surfaces_of(solid, between), {}, {1, {NormalLaw{}}}), std::invalid_argument);
+  EXPECT_THROW(TouchingBodies(test::surfaces_of(solid, between), {}, {1, {NormalLaw{}}}), std::invalid_argument);
 }
 
 }  // namespace

@@ -1,0 +1,167 @@
+/// The surfaces of bodies that may touch one another, and what is near one another on them.
+#pragma once
+
+#include "collision/contact_pairs.hpp"
+#include "energy/contact/body_surfaces.hpp"
+#include "energy/term.hpp"
+#include "material/contact_law.hpp"
+
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace pliant {
+
+/// The contact law of each two bodies (FacetSide::body): a symmetric matrix by rows.
+struct BodyContactLaws {
+  int num_bodies = 1;
+  std::vector<NormalLaw> of_bodies;
+
+  const NormalLaw& of(int body, int other) const { return of_bodies[num_bodies * body + other]; }
+  NormalResponse operator()(int body, int other, double distance) const { return of(body, other)(distance); }
+  /// The greatest distance at which one of them acts [m].
+  double reach() const;
+};
+
+/// The gap of surfaces that may touch.
+struct ContactGap {
+  double least = std::numeric_limits<double>::infinity();  ///< least distance less the threshold [m]; +infinity if
+                                                           ///< nothing is within reach
+  double num_points = 0.0;                                 ///< points of the surface rule on which a pressure acts
+};
+
+/// Edges that pass through triangles, where bodies overlap.
+struct SurfaceCrossings {
+  int count = 0;
+  Vector3<double> place{};  ///< of one of them [m]
+  int body = 0, other = 0;  ///< whose surfaces cross there
+};
+
+/// A point of one surface and the nearest one of another: r = sum w_i x_i between them, with the nodes' positions x_i.
+struct Touch {
+  std::array<PetscInt, 6> nodes{};  ///< local
+  std::array<double, 6> weights{};  ///< w_i, whose sum is 0
+  int num_nodes = 0;
+  double pressure = 0.0;     ///< [Pa], > 0
+  double area = 0.0;         ///< [m^2]; negative where a feature is subtracted (collision/contact_pairs)
+  Vector3<double> normal{};  ///< of the second surface, towards the first
+  bool is_counted = false;   ///< by this rank, among all that have it
+
+  /// sum w_i (to_i - from_i) of two configurations.
+  Vector3<double> displacement(std::span<const double> from, std::span<const double> to) const;
+  /// sum w_i v_i of a nodal field.
+  Vector3<double> combine(std::span<const double> v) const;
+};
+
+/// What touches, as pairs that the terms of contact, friction and damping have in common: each rank sees those at its
+/// own nodes, and counts those whose feature has its first vertex there.
+class TouchingBodies final : public PairCoupling {
+ public:
+  /// `drag`: that of the friction and damping between them, which need the pairs of the configuration at which they are
+  /// frozen too; empty: there are none. Throws std::invalid_argument for a penalty: distances have no sign, so that it
+  /// would push what has passed through further on.
+  TouchingBodies(std::shared_ptr<const BodySurfaces> surfaces, ContactSets sets, BodyContactLaws laws,
+                 std::optional<FrictionUpdate> drag = std::nullopt);
+
+  const Patches& patches() const override { return surfaces_->patches(); }
+  double reach() const override { return laws_.reach(); }
+  bool may_couple(int tag, int other) const override { return sets_(tag, other); }
+  std::span<const double> frozen_place(const LocalStage& stage, std::span<const double> q) const override;
+
+  const BodySurfaces& surfaces() const { return *surfaces_; }
+
+  // The following are of this rank's pairs, with NearPatches found for at least the distance asked for.
+
+  /// The potential of what this rank counts [J].
+  double energy(const NearPatches& near, std::span<const double> q) const;
+  /// Calls add_force(node, dU/dx) and add_block(node, node, d2U/dx dx) for local nodes, the first of them owned.
+  template <class AddForce, class AddBlock>
+  void evaluate(const NearPatches& near, std::span<const double> q, ContactOrder order, const AddForce& add_force,
+                const AddBlock& add_block) const;
+  /// visit(touch), for each with an owned node.
+  template <class Visit>
+  void for_each_touch(const NearPatches& near, std::span<const double> q, const Visit& visit) const;
+
+  /// Short of the first contact of a vertex with a triangle or of two edges on the way from q to q + d, by conservative
+  /// advancement; as a fraction of d, +infinity if there is none.
+  double max_step(const NearPatches& near, std::span<const double> q, std::span<const double> d) const;
+
+  /// The gap of what is nearer than `distance` [m], at least the reach; places of one body count if they have come to
+  /// less than half of their distance at rest.
+  ContactGap gap(const NearPatches& near, std::span<const double> q, double distance) const;
+  /// Lowers the gaps [m] of the owned nodes (all local nodes have one) to those of their vertices.
+  void lower_gaps(const NearPatches& near, std::span<const double> q, double distance, std::span<double> gaps) const;
+  /// In exact arithmetic.
+  SurfaceCrossings crossings(const NearPatches& near, std::span<const double> q) const;
+
+ private:
+  /// Pairs that may touch, and the vertices of the collision surface as a rank sees them: those of triangles that are
+  /// not near it have no meaning.
+  struct Near {
+    std::vector<Vector3<double>> x, dx;  // positions, and displacements if there are any [m]
+    std::vector<PetscInt> nodes;         // local
+    std::vector<BoxPair> points;         // a point of the rule, a triangle
+    std::vector<BoxPair> edges;          // the first of the lower number
+  };
+  /// What is nearer than `distance` [m] at q, or anywhere between q and q + d.
+  Near near_at(const NearPatches& near, double distance, std::span<const double> q,
+               std::span<const double> d = {}) const;
+  ContactPairs pairs_of(const Near& near) const;
+
+  std::shared_ptr<const BodySurfaces> surfaces_;
+  ContactSets sets_;
+  BodyContactLaws laws_;
+  std::optional<FrictionUpdate> drag_;
+  FeatureMultiplicities multiplicities_;
+  std::vector<SurfacePoint> points_;           // of the rule: corners, then inner points of the triangles
+  std::vector<std::int32_t> point_of_corner_;  // of the three corners of each triangle
+  std::size_t num_inner_points_ = 0;           // of each triangle
+};
+
+// ---------------------------------------------------------------------------------------------------------------------
+
+template <class AddForce, class AddBlock>
+void TouchingBodies::evaluate(const NearPatches& near, std::span<const double> q, ContactOrder order,
+                              const AddForce& add_force, const AddBlock& add_block) const {
+  const CollisionSurface& surface = surfaces_->surface();
+  const Near found = near_at(near, laws_.reach(), q);
+  const ContactPairs pairs = pairs_of(found);
+  const auto& nodes = found.nodes;
+  const auto force = [&](std::int32_t v, const Vector3<double>& f) {
+    if (near.is_owned(nodes[v])) add_force(nodes[v], f);
+  };
+  const auto block = [&](std::int32_t v, std::int32_t w, const Tensor3<double>& H) {
+    if (near.is_owned(nodes[v])) add_block(nodes[v], nodes[w], H);
+  };
+  add_point_pairs(surface, points_, pairs.points, found.x, laws_, order, force, block);
+  add_edge_pairs(surface, pairs.edges, found.x, laws_, order, force, block);
+}
+
+template <class Visit>
+void TouchingBodies::for_each_touch(const NearPatches& near, std::span<const double> q, const Visit& visit) const {
+  const CollisionSurface& surface = surfaces_->surface();
+  const Near found = near_at(near, laws_.reach(), q);
+  const ContactPairs pairs = pairs_of(found);
+  const auto pass_on = [&](const PairGeometry& pair) {
+    if (pair.weight == 0.0) return;
+    Touch touch{.weights = pair.weights,
+                .num_nodes = pair.num_nodes,
+                .pressure = laws_(pair.body, pair.other, pair.distance).pressure,
+                .area = pair.weight,
+                .normal = pair.normal,
+                .is_counted = near.is_owned(found.nodes[pair.first_vertex])};
+    if (!(touch.pressure > 0.0)) return;
+    bool is_ours = false;
+    for (int i = 0; i < pair.num_nodes; ++i) {
+      touch.nodes[i] = found.nodes[pair.nodes[i]];
+      is_ours = is_ours || near.is_owned(touch.nodes[i]);
+    }
+    if (is_ours) visit(std::as_const(touch));
+  };
+  for (const PointPair& pair : pairs.points) pass_on(geometry_of(surface, points_, pair, found.x));
+  for (const EdgePair& pair : pairs.edges) pass_on(geometry_of(surface, pair, found.x));
+}
+
+}  // namespace pliant
