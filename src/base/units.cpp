@@ -21,7 +21,7 @@ struct Deleter {
   void operator()(ut_unit* x) const { ut_free(x); }
   void operator()(cv_converter* x) const { cv_free(x); }
 };
-using System = std::unique_ptr<ut_system, Deleter>;
+using UnitSystem = std::unique_ptr<ut_system, Deleter>;
 using Unit = std::unique_ptr<ut_unit, Deleter>;
 using Converter = std::unique_ptr<cv_converter, Deleter>;
 
@@ -54,9 +54,9 @@ constexpr std::array dimensions{
     Dimension{"rad", "an angle"},
 };
 
-System loaded_system() {
+UnitSystem loaded_system() {
   ut_set_error_message_handler(ut_ignore);  // udunits writes to stderr otherwise
-  System system(ut_read_xml(nullptr));
+  UnitSystem system(ut_read_xml(nullptr));
   if (!system)
     throw FileError("the database of units cannot be read; install udunits2's data (Debian: libudunits2-data)");
   const Unit degree(ut_parse(system.get(), "degree", UT_ASCII));
@@ -65,7 +65,7 @@ System loaded_system() {
 }
 
 ut_system* system_of_units() {
-  static const System system = loaded_system();
+  static const UnitSystem system = loaded_system();
   return system.get();
 }
 
@@ -103,7 +103,7 @@ struct NumberAndUnit {
 };
 
 /// Splits a text into its longest leading number and the rest without blanks.
-std::optional<NumberAndUnit> split(std::string_view text) {
+std::optional<NumberAndUnit> split_quantity(std::string_view text) {
   text = trimmed(text);
   const std::size_t digits = text.find_first_not_of("+-.0123456789eE");
   for (std::size_t end = std::min(digits, text.size()); end > 0; --end) {
@@ -148,13 +148,13 @@ std::string quantity_name(const std::string& unit) {
 }
 
 bool looks_like_quantity(const std::string& text) {
-  const auto parts = split(text);
+  const auto parts = split_quantity(text);
   return parts && (parts->unit.empty() || starts_unit(parts->unit));
 }
 
 double parse_quantity(const std::string& text, const std::string& unit) {
   const std::string wanted = quantity_name(unit) + " is expected";
-  const auto parts = split(text);
+  const auto parts = split_quantity(text);
   const std::string quoted = "'" + excerpt(text) + "'";
   if (!parts) throw UnitError(quoted + " is not a number, but " + wanted);
   if (parts->unit.empty()) return parts->number;

@@ -1,5 +1,6 @@
 #include "fem/components.hpp"
 
+#include "base/limits.hpp"
 #include "base/vector3.hpp"
 #include "mesh/disjoint_sets.hpp"
 #include "petsc/array_view.hpp"
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <set>
 #include <utility>
@@ -17,8 +17,6 @@ namespace pliant {
 namespace {
 
 using Position = Vector3<double>;
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Labels of nodes: the lowest global number owned by this rank among the nodes that its own cells connect. Stored as
 /// doubles, which hold them exactly.
@@ -81,7 +79,7 @@ Position current(const NodeLayout& layout, std::span<const double> u, PetscInt n
           layout.coordinates[3 * n + 2] + u[3 * n + 2]};
 }
 
-struct Box {
+struct ComponentBox {
   Position low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
 
   void include(const Position& x) {
@@ -93,7 +91,7 @@ struct Box {
   bool holds(const Position& x) const {
     return x[0] >= low[0] && x[1] >= low[1] && x[2] >= low[2] && x[0] <= high[0] && x[1] <= high[1] && x[2] <= high[2];
   }
-  bool meets(const Box& other) const {
+  bool meets(const ComponentBox& other) const {
     for (std::size_t i = 0; i < 3; ++i) {
       if (!(low[i] < other.high[i] && other.low[i] < high[i])) return false;
     }
@@ -102,14 +100,14 @@ struct Box {
 };
 
 /// Sums over the nodes of each component on all ranks. Collective.
-std::vector<Box> boxes_of(const NodeLayout& layout, const Components& components, std::span<const double> u) {
+std::vector<ComponentBox> boxes_of(const NodeLayout& layout, const Components& components, std::span<const double> u) {
   const auto count = static_cast<std::size_t>(components.count);
-  std::vector<Box> boxes(count);
+  std::vector<ComponentBox> boxes(count);
   for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
     boxes[static_cast<std::size_t>(components.of_node[n])].include(current(layout, u, n));
   }
   std::vector<double> least;  // minima of low and of -high
-  for (const Box& box : boxes) {
+  for (const ComponentBox& box : boxes) {
     least.insert(least.end(), box.low.begin(), box.low.end());
     for (const double x : box.high) least.push_back(-x);
   }
@@ -131,7 +129,7 @@ struct Candidate {
 
 /// Nodes of all ranks in the box of another component, in ascending order of x. Collective.
 std::vector<Candidate> candidates(const NodeLayout& layout, const Components& components, std::span<const double> u,
-                                  const std::vector<Box>& boxes, std::size_t most) {
+                                  const std::vector<ComponentBox>& boxes, std::size_t most) {
   const int count = components.count;
   std::vector<std::vector<int>> met(static_cast<std::size_t>(count));
   for (int a = 0; a < count; ++a) {
@@ -259,7 +257,7 @@ std::optional<Overlap> deepest_overlap(const NodeLayout& layout, const Component
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
     const auto nodes = layout.nodes_of_cell(c);
     std::array<Position, 4> corners{};
-    Box box;
+    ComponentBox box;
     for (std::size_t a = 0; a < 4; ++a) {
       corners[a] = current(layout, u, nodes[a]);
       box.include(corners[a]);

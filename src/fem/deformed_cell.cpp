@@ -12,7 +12,6 @@
 namespace pliant {
 namespace {
 
-using tetrahedron::Corners;
 using tetrahedron::Point;
 
 /// The points at which J is evaluated: on a linear cell it is constant. On a quadratic one it is a cubic, whose minimum
@@ -50,7 +49,7 @@ double least_volume_ratio(std::span<const Point> X, std::span<const Point> x) {
   return least;
 }
 
-Corners corners_of(std::span<const Point> nodes) {
+tetrahedron::Corners corners_of(std::span<const Point> nodes) {
   return {nodes[0], nodes[1], nodes[2], nodes[3]};
 }
 

@@ -9,8 +9,8 @@
 namespace pliant {
 namespace {
 
-constexpr double flatness = 1e-6;
-constexpr double rounding = 1e-9;
+constexpr double plane_flatness = 1e-6;
+constexpr double zero_component = 1e-9;
 
 }  // namespace
 
@@ -26,7 +26,7 @@ std::optional<Vector3<double>> common_normal(const NodeLayout& layout, const Fac
   const double size = std::sqrt(dot(area, area));
   if (size == 0.0) return std::nullopt;
   Vector3<double> n = (1.0 / size) * area;
-  for (double& n_i : n) n_i = std::abs(n_i) < rounding ? 0.0 : n_i;
+  for (double& n_i : n) n_i = std::abs(n_i) < zero_component ? 0.0 : n_i;
   n = (1.0 / std::sqrt(dot(n, n))) * n;
 
   double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -45,7 +45,7 @@ std::optional<Vector3<double>> common_normal(const NodeLayout& layout, const Fac
     extent = std::max(extent, maximum(layout.comm, upper[i]) - minimum(layout.comm, lower[i]));
   }
   const double height = maximum(layout.comm, high) - minimum(layout.comm, low);
-  return height <= flatness * extent ? std::optional(n) : std::nullopt;
+  return height <= plane_flatness * extent ? std::optional(n) : std::nullopt;
 }
 
 }  // namespace pliant

@@ -11,7 +11,7 @@ namespace {
 constexpr int num_segments = 48;  // of a circle in pictures
 
 /// A unit vector orthogonal to another one.
-Vector3<double> across(const Vector3<double>& n) {
+Vector3<double> orthogonal_to(const Vector3<double>& n) {
   Vector3<double> e{};
   e[std::ranges::min_element(n, {}, [](double x) { return std::abs(x); }) - n.begin()] = 1.0;
   return unit(cross(n, e));
@@ -22,7 +22,7 @@ struct Split {
   Split(const Vector3<double>& r, const Vector3<double>& axis) : along(dot(r, axis)) {
     const Vector3<double> rest = r - along * axis;
     across = norm(rest);
-    direction = across > 0.0 ? (1.0 / across) * rest : pliant::across(axis);
+    direction = across > 0.0 ? (1.0 / across) * rest : orthogonal_to(axis);
   }
   double along;
   double across;
@@ -45,7 +45,7 @@ DistanceAt from_point(const Vector3<double>& r, double radius) {
 /// The surface of revolution of a curve (height along the axis, radius), from end to end.
 std::vector<TrianglePatch> revolved(const Vector3<double>& center, const Vector3<double>& axis,
                                     const std::vector<std::array<double, 2>>& curve) {
-  const Vector3<double> e = across(axis), f = cross(axis, e);
+  const Vector3<double> e = orthogonal_to(axis), f = cross(axis, e);
   const auto at = [&](std::size_t k, int s) {
     const double angle = 2.0 * std::numbers::pi * s / num_segments;
     const auto [height, radius] = curve[k];
@@ -77,7 +77,7 @@ class PlaneDistance final : public SignedDistance {
   double distance(const Vector3<double>& x) const override { return dot(shape_.normal, x - shape_.point); }
   std::vector<TrianglePatch> drawing(const Vector3<double>& middle, double extent) const override {
     const Vector3<double> foot = middle - distance(middle) * shape_.normal;
-    const Vector3<double> e = extent * across(shape_.normal), f = cross(shape_.normal, e);
+    const Vector3<double> e = extent * orthogonal_to(shape_.normal), f = cross(shape_.normal, e);
     const Vector3<double> a = foot - e - f, b = foot + e - f, c = foot + e + f, d = foot - e + f;
     return {{a, b, c}, {a, c, d}};
   }

@@ -25,7 +25,7 @@ constexpr ParameterInfo coefficient(std::string_view name, std::string_view mean
 }
 
 constexpr std::array lame_parameters{shear_modulus, lame_lambda};
-constexpr std::array split{shear_modulus, bulk_modulus_at_rest};
+constexpr std::array split_moduli{shear_modulus, bulk_modulus_at_rest};
 constexpr std::array mooney_rivlin{
     coefficient("c10", "of I1b - 3; c10 + c01 is half the shear modulus at small strain", 150e3),
     coefficient("c01", "of I2b - 3", 50e3), bulk_modulus_at_rest};
@@ -102,7 +102,7 @@ constexpr std::array<LawInfo, ElasticLaws::size> own_laws{{
     {NeoHookean<double>::name, "psi = mu/2 (tr(F^T F) - 3) - mu ln J + lambda/2 (ln J)^2, J = det F", lame_parameters,
      "Bonet & Wood, Nonlinear Continuum Mechanics for Finite Element Analysis (2008), section 6.4.3",
      "large rotations and large strains, the usual choice for soft bodies; never lets a cell invert"},
-    {NeoHookeanIsochoric<double>::name, "psi = mu/2 (I1b - 3) + kappa U(J), I1b = J^(-2/3) tr(F^T F)", split,
+    {NeoHookeanIsochoric<double>::name, "psi = mu/2 (I1b - 3) + kappa U(J), I1b = J^(-2/3) tr(F^T F)", split_moduli,
      "Simo & Hughes, Computational Inelasticity (1998), section 9.2",
      "nearly incompressible soft bodies; comparison with other programs, most of which use this split"},
     {MooneyRivlin<double>::name, "psi = c10 (I1b - 3) + c01 (I2b - 3) + kappa U(J), I2b = J^(-4/3) I2(F^T F)",

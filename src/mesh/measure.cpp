@@ -13,7 +13,6 @@
 namespace pliant {
 namespace {
 
-using tetrahedron::Corners;
 using tetrahedron::Point;
 
 /// True for the points that this rank owns.
@@ -97,7 +96,7 @@ void measure_cells(MPI_Comm comm, DM dm, const std::vector<bool>& owned, MeshRep
   for (PetscInt c = cells.begin; c < cells.end; ++c) {
     if (!owned[static_cast<std::size_t>(c)]) continue;
     const auto x = geometry.corners(c);
-    const Corners corners{x[0], x[1], x[2], x[3]};
+    const tetrahedron::Corners corners{x[0], x[1], x[2], x[3]};
     const double q = tetrahedron::mean_ratio(corners);
     ++histogram[static_cast<std::size_t>(std::min(9.0, std::max(0.0, std::floor(10.0 * q))))];
     min_quality = std::min(min_quality, q);

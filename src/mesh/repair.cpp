@@ -11,7 +11,6 @@
 namespace pliant {
 namespace {
 
-using tetrahedron::Corners;
 using tetrahedron::Point;
 
 // A tetrahedron is flat if its volume is below this fraction of its longest edge cubed: 1e4 times the rounding error of
@@ -29,7 +28,7 @@ Point corner(const SerialMesh& mesh, std::size_t cell, std::size_t i) {
   return {x[0], x[1], x[2]};
 }
 
-Corners corners(const SerialMesh& mesh, std::size_t cell) {
+tetrahedron::Corners corners(const SerialMesh& mesh, std::size_t cell) {
   return {corner(mesh, cell, 0), corner(mesh, cell, 1), corner(mesh, cell, 2), corner(mesh, cell, 3)};
 }
 
@@ -65,7 +64,7 @@ void turn_round(SerialMesh& mesh, std::size_t cell) {
 void turn_inverted_round(SerialMesh& mesh, MeshReport& report, Reasons& reasons) {
   std::vector<std::size_t> flat, inverted;
   for (std::size_t c = 0; c < mesh.num_cells(); ++c) {
-    const Corners x = corners(mesh, c);
+    const tetrahedron::Corners x = corners(mesh, c);
     const double v = tetrahedron::volume(x);
     const double longest = tetrahedron::longest_edge(x);
     if (!(std::abs(v) > flat_volume * longest * longest * longest)) {

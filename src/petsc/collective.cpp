@@ -12,10 +12,10 @@
 namespace pliant {
 namespace {
 
-enum class Failure : int { none, input, file, other };
+enum class FailureKind : int { none, input, file, other };
 
-struct Outcome {
-  Failure failure = Failure::none;
+struct WorkOutcome {
+  FailureKind failure = FailureKind::none;
   std::string text;  // of InputError: one record per diagnostic, fields separated by '\x1f', records by '\x1e'
 };
 
@@ -57,16 +57,16 @@ std::vector<Diagnostic> unpacked(const std::string& text) {
   return diagnostics;
 }
 
-Outcome outcome_of(const std::function<void()>& work) {
+WorkOutcome outcome_of(const std::function<void()>& work) {
   try {
     work();
     return {};
   } catch (const InputError& e) {
-    return {Failure::input, packed(e)};
+    return {FailureKind::input, packed(e)};
   } catch (const FileError& e) {
-    return {Failure::file, e.what()};
+    return {FailureKind::file, e.what()};
   } catch (const std::exception& e) {
-    return {Failure::other, e.what()};
+    return {FailureKind::other, e.what()};
   }
 }
 
@@ -78,16 +78,16 @@ std::string broadcast_from(MPI_Comm comm, std::string text, int root) {
   return text;
 }
 
-void throw_everywhere(MPI_Comm comm, Outcome outcome, int from) {
+void throw_everywhere(MPI_Comm comm, WorkOutcome outcome, int from) {
   int kind = static_cast<int>(outcome.failure);
   check_mpi(MPI_Bcast(&kind, 1, MPI_INT, from, comm));
-  const auto failure = static_cast<Failure>(kind);
-  if (failure == Failure::none) return;
+  const auto failure = static_cast<FailureKind>(kind);
+  if (failure == FailureKind::none) return;
   const std::string text = broadcast_from(comm, std::move(outcome.text), from);
   switch (failure) {
-    case Failure::input:
+    case FailureKind::input:
       throw InputError(unpacked(text));
-    case Failure::file:
+    case FailureKind::file:
       throw FileError(text);
     default:
       throw PetscFailure(PETSC_ERR_LIB, text);
@@ -104,13 +104,13 @@ T reduced(MPI_Comm comm, T x, MPI_Datatype type, MPI_Op op) {
 }  // namespace
 
 void on_root(MPI_Comm comm, const std::function<void()>& work) {
-  throw_everywhere(comm, rank(comm) == 0 ? outcome_of(work) : Outcome{}, 0);
+  throw_everywhere(comm, rank(comm) == 0 ? outcome_of(work) : WorkOutcome{}, 0);
 }
 
 void on_every_rank(MPI_Comm comm, const std::function<void()>& work) {
-  Outcome mine = outcome_of(work);
+  WorkOutcome mine = outcome_of(work);
   const int size = num_ranks(comm);
-  const int candidate = mine.failure == Failure::none ? size : rank(comm);
+  const int candidate = mine.failure == FailureKind::none ? size : rank(comm);
   const int first = reduced(comm, candidate, MPI_INT, MPI_MIN);
   if (first < size) throw_everywhere(comm, std::move(mine), first);
 }

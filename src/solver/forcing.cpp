@@ -6,7 +6,7 @@ namespace pliant {
 namespace {
 
 /// The linear residual as a fraction of the nonlinear remainder, or of the target.
-constexpr double part = 0.3;
+constexpr double residual_part = 0.3;
 /// The tolerance of an iteration without a predecessor.
 constexpr double first_guess = 1e-3;
 /// Bounds of the tolerance: looser ones make poor Newton directions, tighter ones reach rounding errors.
@@ -18,8 +18,8 @@ double Forcing::tolerance(int iteration, double residual, double target) {
   iteration_ = std::min(iteration, num_remembered - 1);
   residual_ = residual;
   const double left_out = left_out_[iteration_];
-  const double wanted = left_out == unknown ? first_guess : part * left_out;
-  tolerance_ = std::clamp(std::max(wanted, part * target / residual), tightest, loosest);
+  const double wanted = left_out == unknown ? first_guess : residual_part * left_out;
+  tolerance_ = std::clamp(std::max(wanted, residual_part * target / residual), tightest, loosest);
   return tolerance_;
 }
 

@@ -17,14 +17,14 @@ constexpr double difference_fraction = 1e-3;
 constexpr double shortest_displacement = 1e-3;
 
 /// to = from, in the prescribed entries or in the free ones.
-enum class Entries { prescribed, free };
-void copy_entries(Vec from, Vec to, const std::vector<char>& prescribed, Entries which) {
+enum class EntryKind { prescribed, free };
+void copy_entries(Vec from, Vec to, const std::vector<char>& prescribed, EntryKind which) {
   const ConstArrayView source(from);
   const ArrayView target(to);
   const std::size_t n = target.span().size();
   for (std::size_t i = 0; i < n; ++i) {
     const bool is_prescribed = i < prescribed.size() && prescribed[i] != 0;
-    if (is_prescribed == (which == Entries::prescribed)) target[static_cast<PetscInt>(i)] = source.span()[i];
+    if (is_prescribed == (which == EntryKind::prescribed)) target[static_cast<PetscInt>(i)] = source.span()[i];
   }
 }
 
@@ -56,7 +56,7 @@ bool GuessSearch::stop_short_of_walls(Vec accepted, Vec candidate) {
   if (!(bound > 0.0 && bound < 1.0)) return true;
   ++statistics_.capped_steps;
   check(VecWAXPY(r_.get(), bound, displacement, accepted));
-  copy_entries(r_.get(), candidate, equation_.prescribed(), Entries::free);
+  copy_entries(r_.get(), candidate, equation_.prescribed(), EntryKind::free);
   // What is prescribed moves all the way nevertheless: bodies that only distances without sign hold apart could be
   // beyond each other then, with a finite potential.
   check(VecWAXPY(displacement, -1.0, accepted, candidate));
@@ -70,10 +70,10 @@ void GuessSearch::follow_obstacles(const StagePoint& stage, Vec q, double& measu
   check(VecCopy(q, given.get()));
   for (const auto which : {StageEquation::Followers::bodies, StageEquation::Followers::near}) {
     if (!equation_.follow_obstacles(which, followed.get())) continue;
-    copy_entries(given.get(), followed.get(), prescribed, Entries::prescribed);
+    copy_entries(given.get(), followed.get(), prescribed, EntryKind::prescribed);
     if (stop_short_of_walls(stage.accepted, followed.get())) consider(followed.get(), q, measure);
     check(VecWAXPY(trial_.get(), stage.dt, stage.v0, stage.q0));
-    copy_entries(given.get(), trial_.get(), prescribed, Entries::prescribed);
+    copy_entries(given.get(), trial_.get(), prescribed, EntryKind::prescribed);
     if (stop_short_of_walls(followed.get(), trial_.get())) consider(trial_.get(), q, measure);
   }
 }
@@ -93,17 +93,17 @@ StartingGuess GuessSearch::choose(const StagePoint& stage, Vec q) {
   double measure = stop_short_of_walls(accepted, q) ? objective_.measure(q) : std::numeric_limits<double>::infinity();
   // The state that inertia alone would reach.
   check(VecWAXPY(trial_.get(), stage.dt, stage.v0, stage.q0));
-  copy_entries(q, trial_.get(), prescribed, Entries::prescribed);
+  copy_entries(q, trial_.get(), prescribed, EntryKind::prescribed);
   if (stop_short_of_walls(accepted, trial_.get())) consider(trial_.get(), q, measure);
   if (equation_.move_rigidly(trial_.get())) {
-    copy_entries(q, trial_.get(), prescribed, Entries::prescribed);
+    copy_entries(q, trial_.get(), prescribed, EntryKind::prescribed);
     if (stop_short_of_walls(accepted, trial_.get())) consider(trial_.get(), q, measure);
   }
   if (!std::isfinite(measure)) follow_obstacles(stage, q, measure);
   if (!std::isfinite(measure) && has_last_) {
     // All guesses lie beyond a barrier; the last solution was on the admissible side.
     check(VecCopy(last_.get(), trial_.get()));
-    copy_entries(q, trial_.get(), prescribed, Entries::prescribed);
+    copy_entries(q, trial_.get(), prescribed, EntryKind::prescribed);
     if (stop_short_of_walls(accepted, trial_.get())) consider(trial_.get(), q, measure);
   }
   if (accepted == nullptr) {
@@ -135,7 +135,7 @@ std::optional<std::string> GuessSearch::try_prescribed_motion(Vec accepted, Vec 
 
 void GuessSearch::prescribe(Vec x, Vec target, Vec motion, double fraction) {
   check(VecWAXPY(trial_.get(), fraction - 1.0, motion, target));
-  copy_entries(trial_.get(), x, equation_.prescribed(), Entries::prescribed);
+  copy_entries(trial_.get(), x, equation_.prescribed(), EntryKind::prescribed);
   equation_.set_prescribed_fraction(fraction);
 }
 
@@ -159,7 +159,7 @@ std::optional<bool> GuessSearch::find_displacement(Vec q, Vec target, Vec motion
   check(VecScale(correction_.get(), -1.0));
   check(VecCopy(motion, other));
   check(VecScale(other, 1.0 - fraction));
-  copy_entries(other, correction_.get(), equation_.prescribed(), Entries::prescribed);
+  copy_entries(other, correction_.get(), equation_.prescribed(), EntryKind::prescribed);
   return true;
 }
 

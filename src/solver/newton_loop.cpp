@@ -11,7 +11,7 @@ namespace pliant {
 namespace {
 
 /// Iterations that have reduced the residual below this fraction of the first one are converging.
-constexpr double nearly_there = 1e-3;
+constexpr double nearly_converged = 1e-3;
 /// Relative tolerance of linear systems whose solutions are taken as whole steps: with errors in stiff directions, a
 /// step along soft ones would cause large forces.
 constexpr double tolerance_of_whole_steps = 1e-8;
@@ -186,7 +186,7 @@ bool NewtonLoop::is_converging() const {
   SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
   check(SNESGetConvergedReason(snes_.get(), &reason));
   const auto& iterations = log_.iterations();
-  return reason == SNES_DIVERGED_MAX_IT && iterations.back().residual < nearly_there * iterations.front().residual;
+  return reason == SNES_DIVERGED_MAX_IT && iterations.back().residual < nearly_converged * iterations.front().residual;
 }
 
 double NewtonLoop::stiffness(Vec q) {

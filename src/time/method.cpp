@@ -121,7 +121,7 @@ void set_embedded(Method& m) {
   }
 }
 
-std::vector<MethodRow> rows() {
+std::vector<MethodRow> method_rows() {
   const double gamma22 = 1.0 - std::numbers::sqrt2 / 2.0;
   const double gamma23 = 0.5 + 0.5 / std::numbers::sqrt3;
   const double g = 0.43586652150845899941601945;  // root of 6 g^3 - 18 g^2 + 9 g - 1
@@ -212,7 +212,7 @@ int estimate_order(const Method& method) {
 std::span<const Method> methods() {
   static const std::vector<Method> table = [] {
     std::vector<Method> derived;
-    for (auto& row : rows()) derived.push_back(std::get<Method>(derive_method(std::move(row))));
+    for (auto& row : method_rows()) derived.push_back(std::get<Method>(derive_method(std::move(row))));
     return derived;
   }();
   return table;

@@ -8,33 +8,33 @@
 namespace pliant {
 namespace {
 
-using Vector = std::vector<double>;
+using StageVector = std::vector<double>;
 
 bool is_zero(double x) {
   return std::abs(x) < coefficient_tolerance;
 }
 
-double dot(const Vector& x, const Vector& y) {
+double dot(const StageVector& x, const StageVector& y) {
   return std::inner_product(x.begin(), x.end(), y.begin(), 0.0);
 }
 
 /// A x
-Vector product(const MethodRow& row, const Vector& x) {
-  Vector y;
-  for (const Vector& A_i : row.A) y.push_back(dot(A_i, x));
+StageVector product(const MethodRow& row, const StageVector& x) {
+  StageVector y;
+  for (const StageVector& A_i : row.A) y.push_back(dot(A_i, x));
   return y;
 }
 
 /// x_i y_i
-Vector entrywise(const Vector& x, const Vector& y) {
-  Vector z(x.size());
+StageVector entrywise(const StageVector& x, const StageVector& y) {
+  StageVector z(x.size());
   std::ranges::transform(x, y, z.begin(), std::multiplies());
   return z;
 }
 
 /// a x + b (1, ..., 1)
-Vector affine(double a, const Vector& x, double b) {
-  Vector y(x.size());
+StageVector affine(double a, const StageVector& x, double b) {
+  StageVector y(x.size());
   std::ranges::transform(x, y.begin(), [=](double x_i) { return a * x_i + b; });
   return y;
 }
@@ -51,18 +51,18 @@ double moment(const MethodRow& row, int k) {
 }
 
 /// tau_i = 1 - beta + beta c_i, the times of the stages for t_n = 0 and dt = 1.
-Vector stage_times(const MethodRow& row) {
-  return affine(row.beta, product(row, Vector(row.b.size(), 1.0)), 1.0 - row.beta);
+StageVector stage_times(const MethodRow& row) {
+  return affine(row.beta, product(row, StageVector(row.b.size(), 1.0)), 1.0 - row.beta);
 }
 
 /// sigma_i in Y_i = y_n + tau_i y' + sigma_i y'' + ...
-Vector second_moments(const MethodRow& row, const Vector& tau) {
+StageVector second_moments(const MethodRow& row, const StageVector& tau) {
   return affine(row.beta, product(row, tau), 0.5 * moment(row, 2));
 }
 
 /// The part of x that is orthogonal to all of `directions` (Gram-Schmidt).
-Vector orthogonal_part(Vector x, std::vector<Vector> directions) {
-  const auto remove = [](Vector& from, const Vector& direction) {
+StageVector orthogonal_part(StageVector x, std::vector<StageVector> directions) {
+  const auto remove = [](StageVector& from, const StageVector& direction) {
     const double size = dot(direction, direction);
     const double share = size > 0.0 ? dot(from, direction) / size : 0.0;
     for (std::size_t i = 0; i < from.size(); ++i) from[i] -= share * direction[i];
@@ -77,18 +77,19 @@ Vector orthogonal_part(Vector x, std::vector<Vector> directions) {
 /// The direction d in which b may change such that order q stays and the error constant of order q changes most; empty
 /// if there is none. `error` is that change, R_infinity that of the damping.
 struct Freedom {
-  Vector d;
+  StageVector d;
   double error = 0.0;
   double R_infinity = 0.0;
 };
 
 Freedom freedom(const MethodRow& row, int q) {
-  const Vector one(row.b.size(), 1.0), c = product(row, one);
-  std::vector<Vector> conditions{one};
+  const StageVector one(row.b.size(), 1.0), c = product(row, one);
+  std::vector<StageVector> conditions{one};
   if (q == 2) conditions.push_back(c);
-  const Vector functional = q == 1 ? c : product(row, c);
-  std::vector<Vector> with_damping = conditions;  // d^T A^-1 (1, ..., 1) = 0: fast modes do not enter the difference
-  Vector fast(row.b.size());
+  const StageVector functional = q == 1 ? c : product(row, c);
+  std::vector<StageVector> with_damping =
+      conditions;  // d^T A^-1 (1, ..., 1) = 0: fast modes do not enter the difference
+  StageVector fast(row.b.size());
   for (std::size_t i = 0; i < fast.size(); ++i) {
     fast[i] =
         (1.0 - std::inner_product(fast.begin(), fast.begin() + static_cast<std::ptrdiff_t>(i), row.A[i].begin(), 0.0)) /
@@ -97,7 +98,7 @@ Freedom freedom(const MethodRow& row, int q) {
   with_damping.push_back(fast);
   for (const auto& wanted : {with_damping, conditions}) {
     if (wanted.size() >= row.b.size()) continue;
-    Vector d = orthogonal_part(functional, wanted);
+    StageVector d = orthogonal_part(functional, wanted);
     const double error = dot(d, functional);
     if (error > 1e-6 * dot(functional, functional)) return {d, error, dot(d, fast)};
   }
@@ -113,7 +114,7 @@ Freedom freedom(const MethodRow& row, int q) {
 //     gamma_3 / 6 + beta b.tau^2 / 2 = 1/6,   gamma_3 / 6 + beta b.sigma = 1/6
 // (one-step: tau = c, the conditions of Hairer & Wanner II, IV.5).
 int convergence_order(const MethodRow& row) {
-  const Vector tau = stage_times(row);
+  const StageVector tau = stage_times(row);
   if (!is_zero(moment(row, 2) / 2 + row.beta * dot(row.b, tau) - 1.0 / 2)) return 1;
   const double past = moment(row, 3) / 6 - 1.0 / 6;
   const bool third = is_zero(past + row.beta * dot(row.b, entrywise(tau, tau)) / 2) &&
@@ -132,13 +133,15 @@ int convergence_order(const MethodRow& row) {
 int reconstructed_rate_order(const MethodRow& row) {
   const int order = convergence_order(row);
   if (order == 1) return 1;
-  const Vector tau = stage_times(row), tau2 = entrywise(tau, tau), sigma = second_moments(row, tau);
+  const StageVector tau = stage_times(row), tau2 = entrywise(tau, tau), sigma = second_moments(row, tau);
   const double gamma_2 = moment(row, 2), gamma_3 = moment(row, 3);
   /// w^T (beta A)^-1 x
-  const auto slopes = [&](const Vector& w, const Vector& x) { return dot(times_inverse(w, row.A), x) / row.beta; };
+  const auto slopes = [&](const StageVector& w, const StageVector& x) {
+    return dot(times_inverse(w, row.A), x) / row.beta;
+  };
   if (!is_zero(slopes(row.b, affine(0.5, tau2, -0.5 * gamma_2)) - dot(row.b, tau))) return 1;
   if (order == 2) return 2;
-  const Vector b_tau = entrywise(row.b, tau);
+  const StageVector b_tau = entrywise(row.b, tau);
   const bool third =
       is_zero(slopes(row.b, affine(1.0, entrywise(tau, sigma), -0.5 * gamma_3)) - dot(row.b, tau2) -
               dot(row.b, sigma)) &&
@@ -151,7 +154,7 @@ int reconstructed_rate_order(const MethodRow& row) {
 double error_constant(const MethodRow& row, int order) {
   const int k = order + 1;
   double C = (moment(row, k) - 1.0) / factorial(k);
-  Vector slopes(row.b.size(), 1.0);
+  StageVector slopes(row.b.size(), 1.0);
   for (int j = 1; j <= k; ++j) {
     C += std::pow(row.beta, j) * dot(row.b, slopes) * moment(row, k - j) / factorial(k - j);
     slopes = product(row, slopes);
@@ -166,7 +169,7 @@ double error_constant(const MethodRow& row, int order) {
 std::optional<EmbeddedFormula> embedded_formula(const MethodRow& row) {
   constexpr double moderate_error = 0.1, moderate_damping = 0.75;
   if (row.alpha.size() > 1) return std::nullopt;
-  const Vector bt = times_inverse(row.b, row.A);
+  const StageVector bt = times_inverse(row.b, row.A);
   const double R_infinity = 1.0 - std::accumulate(bt.begin(), bt.end(), 0.0);
   for (int q = convergence_order(row) - 1; q >= 1; --q) {
     const Freedom free = freedom(row, q);
@@ -177,7 +180,7 @@ std::optional<EmbeddedFormula> embedded_formula(const MethodRow& row) {
     const double room = std::abs(R_infinity) + std::max(moderate_damping, std::abs(R_infinity));
     if (change > room) theta *= room / change;
     EmbeddedFormula embedded{{}, q, theta * free.error};
-    Vector b = row.b;
+    StageVector b = row.b;
     for (std::size_t i = 0; i < b.size(); ++i) b[i] -= theta * free.d[i];
     embedded.bt = times_inverse(b, row.A);
     return embedded;
@@ -185,8 +188,8 @@ std::optional<EmbeddedFormula> embedded_formula(const MethodRow& row) {
   return std::nullopt;
 }
 
-Vector times_inverse(std::span<const double> r, const std::vector<Vector>& A) {
-  Vector x(r.size());
+StageVector times_inverse(std::span<const double> r, const std::vector<StageVector>& A) {
+  StageVector x(r.size());
   for (std::size_t j = r.size(); j-- > 0;) {
     double sum = r[j];
     for (std::size_t k = j + 1; k < r.size(); ++k) sum -= x[k] * A[k][j];

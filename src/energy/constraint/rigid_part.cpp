@@ -14,7 +14,7 @@ namespace {
 /// Nodes closer to one line than this fraction of their size do not determine a rotation about it.
 constexpr double collinearity = 1e-6;
 /// Relative to the size: displacements that are rigid to this tolerance are left unchanged, which keeps their digits.
-constexpr double rounding = 1e-13;
+constexpr double rigidity_tolerance = 1e-13;
 
 /// A^-1 b of a regular tensor: A^-1 = cof(A)^T / det A.
 Vector3<double> solved(const Tensor3<double>& A, const Vector3<double>& b) {
@@ -332,7 +332,7 @@ void RigidPart::complete_step(const Step& step, Vec q, Vec v) const {
       deviation = std::max(deviation, std::abs(u[i] - displacements[3 * a + static_cast<PetscInt>(i)]));
     }
   }
-  const bool is_rigid = maximum(layout_->comm, deviation) <= rounding * size_;
+  const bool is_rigid = maximum(layout_->comm, deviation) <= rigidity_tolerance * size_;
   for (const PetscInt a : nodes_) {
     const auto u = state.at.displacement(arm(a)),
                w = state.velocity + cross(state.omega, turn(state.at.rotation, arm(a)));

@@ -24,9 +24,9 @@ std::vector<PlacedNode> placed(const NodeLayout& layout, std::span<const PetscIn
   return gathered(layout.comm, mine);
 }
 
-struct Box {
+struct NodeBox {
   Vector3<double> lower{HUGE_VAL, HUGE_VAL, HUGE_VAL}, upper{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-  explicit Box(std::span<const PlacedNode> nodes) {
+  explicit NodeBox(std::span<const PlacedNode> nodes) {
     for (const auto& node : nodes) {
       for (std::size_t i = 0; i < 3; ++i) {
         lower[i] = std::min(lower[i], node.X[i]);
@@ -93,7 +93,7 @@ PeriodicPairs match_periodic(const NodeLayout& layout, std::span<const PetscInt>
   const auto a = placed(layout, nodes_a), b = placed(layout, nodes_b);
   PeriodicPairs result;
   if (a.empty() || b.empty()) return result;
-  const Box around_a(a), around_b(b);
+  const NodeBox around_a(a), around_b(b);
   result.translation = around_b.lower - around_a.lower;
   const Finder find(a, matching * std::max(around_a.extent(), around_b.extent()));
   std::vector<char> is_matched(a.size(), 0);

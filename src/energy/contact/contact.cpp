@@ -12,7 +12,7 @@ using ContactPoint = ContactSurface::Point;
 using Facets = ContactSurface::Facets;
 
 /// The fraction of a point's distance to the obstacle by which one step may approach it.
-constexpr double least_part = 0.1;
+constexpr double least_gap_left = 0.1;
 constexpr int max_advances = 100;
 
 /// The displacement of a point from one configuration to another, accurate relative to the difference.
@@ -140,8 +140,8 @@ double Contact::max_step(const LocalStage& stage, std::span<const double> q, std
     const double start = frame.distance(x) - surface_->law().threshold;
     if (!(start < length) || length == 0.0) return;
     double alpha = 0.0, clear = start;
-    for (int i = 0; i < max_advances && alpha < bound && clear > least_part * start; ++i) {
-      alpha += (clear - 0.5 * least_part * start) / length;
+    for (int i = 0; i < max_advances && alpha < bound && clear > least_gap_left * start; ++i) {
+      alpha += (clear - 0.5 * least_gap_left * start) / length;
       if (alpha > 2.0) return;  // farther than any step goes
       clear = frame.distance(x + alpha * way) - surface_->law().threshold;
     }

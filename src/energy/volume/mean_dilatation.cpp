@@ -13,7 +13,7 @@ namespace {
 constexpr int order = 2;
 constexpr int num_nodes = CellGroup<order>::num_nodes;
 using Batch = CellBatch<order>;
-using Point = CellPoint<order>;
+using QuadraturePoint = CellPoint<order>;
 using Nodes = NodeValues<num_nodes>;
 using Mask = Pack::mask_type;
 
@@ -35,7 +35,7 @@ class BatchState {
     H.clear();
     Pack theta_change = 0.0;
     for (int k = 0; k < n; ++k) {
-      const Point point{batch, k};
+      const QuadraturePoint point{batch, k};
       weights_.push_back(point.weight());
       H.push_back(point.gradient(u));
       const Pack j = volume_change(H.back());
@@ -116,7 +116,7 @@ class MeanDilatationTerm final : public ElasticTerm {
       Mask valid = start.valid();
       Pack dtheta = 0.0;
       for (std::size_t k = 0; k < start.size(); ++k) {
-        dF.push_back(Point{batch, static_cast<int>(k)}.gradient(du));
+        dF.push_back(QuadraturePoint{batch, static_cast<int>(k)}.gradient(du));
         dJ.push_back(change_of_det(start.point(k).F, dF.back()));
         valid = valid && start.point(k).J + dJ.back() > 0.0;
         dtheta += start.weight(k) * dJ.back();
@@ -152,7 +152,7 @@ class MeanDilatationTerm final : public ElasticTerm {
       const Pack p = pressure(batch, at, stress);
       Nodes f{};
       for (std::size_t k = 0; k < at.size(); ++k) {
-        const Point point{batch, static_cast<int>(k)};
+        const QuadraturePoint point{batch, static_cast<int>(k)};
         const Tensor3<Pack> P = stress[k].distortion + Pack(p * at.point(k).J) * at.point(k).G;
         add_force(at.weight(k) * pulled_back(P, point.inverse_jacobian()), point.shape_gradients(), f);
       }
@@ -179,7 +179,7 @@ class MeanDilatationTerm final : public ElasticTerm {
       Nodes g{}, h{};
       Pack k_theta = 0.0;
       for (std::size_t k = 0; k < at.size(); ++k) {
-        const Point point{batch, static_cast<int>(k)};
+        const QuadraturePoint point{batch, static_cast<int>(k)};
         const auto& X = point.inverse_jacobian();
         const auto& dN = point.shape_gradients();
         const Pack& w = at.weight(k);
@@ -230,7 +230,9 @@ class MeanDilatationTerm final : public ElasticTerm {
   }
 
  private:
-  static std::size_t index(const Batch& batch, std::size_t k) { return Point{batch, static_cast<int>(k)}.index(); }
+  static std::size_t index(const Batch& batch, std::size_t k) {
+    return QuadraturePoint{batch, static_cast<int>(k)}.index();
+  }
 
   /// Computes the pressure of the cells, and the stresses of their points on the way.
   Pack pressure(const Batch& batch, const BatchState& at, std::vector<DilatedStress<Pack>>& stress) const {

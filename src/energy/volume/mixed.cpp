@@ -13,7 +13,7 @@ namespace pliant {
 namespace {
 
 using Batch = CellBatch<2>;
-using Point = CellPoint<2>;
+using MixedPoint = CellPoint<2>;
 using Lanes = PressureCoupling::Lanes;
 
 /// The volume at a point: j = J - 1 (0 where J <= 0), and g of it.
@@ -67,7 +67,7 @@ class MixedTermOf final : public MixedTerm {
     const ConstGhostedView p(pressures_.values());
     return integrate([&](const Batch& batch, std::size_t number) {
       return [this, u0 = batch.values(stage.reference()), du = batch.change(q, stage.reference()),
-              p = gather_pressures(p.span(), number)](const Point& point) {
+              p = gather_pressures(p.span(), number)](const MixedPoint& point) {
         const Tensor3<Pack> H0 = point.gradient(u0), dH = point.gradient(du);
         const VolumeState before(form_, H0), after(form_, H0 + dH);
         const Pack change =
@@ -80,7 +80,7 @@ class MixedTermOf final : public MixedTerm {
   double energy(std::span<const double> q, std::span<const double> /*z*/) const override {
     const ConstGhostedView p(pressures_.values());
     return integrate([&](const Batch& batch, std::size_t number) {
-      return [this, u = batch.values(q), p = gather_pressures(p.span(), number)](const Point& point) {
+      return [this, u = batch.values(q), p = gather_pressures(p.span(), number)](const MixedPoint& point) {
         return density(point.index(), point.gradient(u), pressure_at(point, p));
       };
     });
@@ -90,7 +90,7 @@ class MixedTermOf final : public MixedTerm {
     const ConstGhostedView p(pressures_.values());
     std::size_t number = 0;
     const auto stress_of = [&](const Batch& batch) {
-      return [this, u = batch.values(q), p = gather_pressures(p.span(), number++)](const Point& point) {
+      return [this, u = batch.values(q), p = gather_pressures(p.span(), number++)](const MixedPoint& point) {
         return stress(point.index(), point.gradient(u), pressure_at(point, p));
       };
     };
@@ -102,31 +102,32 @@ class MixedTermOf final : public MixedTerm {
     const ConstGhostedView p(pressures_.values());
     std::size_t number = 0;
     const auto tangent_of = [&](const Batch& batch) {
-      return [this, projection, u = batch.values(q), p = gather_pressures(p.span(), number++)](const Point& point) {
-        const Tensor3<Pack> H = point.gradient(u), F = add_to_diagonal(H, 1.0);
-        Tangent<Pack> A;
-        law_->tangent(point.index(), H, A);
-        // p (g'' cof F (x) cof F + g' d cof F/dF), the latter eps_ikm eps_JLN F_mN
-        const VolumeState volume(form_, H);
-        const Pack at = select(volume.valid, pressure_at(point, p), Pack(nan));
-        const Pack curvature = at * volume.measure.curvature, slope = at * volume.measure.slope;
-        const Tensor3<Pack> C = cofactor(F);
-        for (int i = 0; i < 3; ++i) {
-          for (int J = 0; J < 3; ++J) {
-            for (int k = 0; k < 3; ++k) {
-              for (int L = 0; L < 3; ++L) {
-                Pack& entry = A[9 * (3 * i + J) + 3 * k + L];
-                entry += curvature * (C(i, J) * C(k, L));
-                if (i == k || J == L) continue;
-                const double sign = ((k - i + 3) % 3 == 1) == ((L - J + 3) % 3 == 1) ? 1.0 : -1.0;
-                entry += sign * slope * F(3 - i - k, 3 - J - L);
+      return
+          [this, projection, u = batch.values(q), p = gather_pressures(p.span(), number++)](const MixedPoint& point) {
+            const Tensor3<Pack> H = point.gradient(u), F = add_to_diagonal(H, 1.0);
+            Tangent<Pack> A;
+            law_->tangent(point.index(), H, A);
+            // p (g'' cof F (x) cof F + g' d cof F/dF), the latter eps_ikm eps_JLN F_mN
+            const VolumeState volume(form_, H);
+            const Pack at = select(volume.valid, pressure_at(point, p), Pack(nan));
+            const Pack curvature = at * volume.measure.curvature, slope = at * volume.measure.slope;
+            const Tensor3<Pack> C = cofactor(F);
+            for (int i = 0; i < 3; ++i) {
+              for (int J = 0; J < 3; ++J) {
+                for (int k = 0; k < 3; ++k) {
+                  for (int L = 0; L < 3; ++L) {
+                    Pack& entry = A[9 * (3 * i + J) + 3 * k + L];
+                    entry += curvature * (C(i, J) * C(k, L));
+                    if (i == k || J == L) continue;
+                    const double sign = ((k - i + 3) % 3 == 1) == ((L - J + 3) % 3 == 1) ? 1.0 : -1.0;
+                    entry += sign * slope * F(3 - i - k, 3 - J - L);
+                  }
+                }
               }
             }
-          }
-        }
-        if (projection == Projection::positive_semidefinite) project_to_positive_semidefinite(A);
-        return A;
-      };
+            if (projection == Projection::positive_semidefinite) project_to_positive_semidefinite(A);
+            return A;
+          };
     };
     cells_.add_stiffness(tangent_of, K);
   }
@@ -139,7 +140,7 @@ class MixedTermOf final : public MixedTerm {
     const ConstGhostedView values(pressures_.values());
     for_each_batch([&](const Batch& batch, std::size_t number) {
       const Tensor3<Pack> H = centroid_gradient(batch, batch.values(state.q));
-      const std::size_t n = Point{batch, 0}.index();
+      const std::size_t n = MixedPoint{batch, 0}.index();
       const auto p = gather_pressures(values.span(), number);
       const Pack mean = 0.25 * ((p[0] + p[1]) + (p[2] + p[3]));
       visit_stresses(batch, {H, stress(n, H, mean), det(add_to_diagonal(H, 1.0)), density(n, H, mean)}, visit);
@@ -153,7 +154,7 @@ class MixedTermOf final : public MixedTerm {
       const auto p = gather_pressures(values.span(), number);
       std::array<Pack, 4> f{};
       for (int k = 0; k < batch.group.rule.size(); ++k) {
-        const Point point{batch, k};
+        const MixedPoint point{batch, k};
         const VolumeState volume(form_, point.gradient(u));
         const Pack residual = point.weight() * (volume.measure.g - compliance_ * pressure_at(point, p));
         const auto N = shape_values(point);
@@ -167,7 +168,7 @@ class MixedTermOf final : public MixedTerm {
     for_each_batch([&](const Batch& batch, std::size_t number) {
       std::array<Pack, 4> f{};
       for (int k = 0; k < batch.group.rule.size(); ++k) {
-        const Point point{batch, k};
+        const MixedPoint point{batch, k};
         const auto N = shape_values(point);
         for (int b = 0; b < 4; ++b) f[b] += N[b] * point.weight();
       }
@@ -181,7 +182,7 @@ class MixedTermOf final : public MixedTerm {
       std::array<std::array<Pack, 4>, 3 * CellGroup<2>::num_nodes> B{};
       std::array<std::array<Pack, 4>, 4> C{};
       for (int k = 0; k < batch.group.rule.size(); ++k) {
-        const Point point{batch, k};
+        const MixedPoint point{batch, k};
         const auto N = shape_values(point);
         const auto& dN = point.shape_gradients();
         const Pack weight = point.weight();
@@ -209,10 +210,10 @@ class MixedTermOf final : public MixedTerm {
  private:
   using Pressures = std::array<Pack, 4>;
 
-  static std::array<double, 4> shape_values(const Point& point) {
+  static std::array<double, 4> shape_values(const MixedPoint& point) {
     return Tet<1>::values(point.in.group.rule.points[point.number]);
   }
-  static Pack pressure_at(const Point& point, const Pressures& p) {
+  static Pack pressure_at(const MixedPoint& point, const Pressures& p) {
     const auto N = shape_values(point);
     return (N[0] * p[0] + N[1] * p[1]) + (N[2] * p[2] + N[3] * p[3]);
   }

@@ -6,33 +6,34 @@ namespace pliant {
 namespace {
 
 using SelectionKind = Selection::Kind;
-using Gas = CavityConfig::Gas;
-using Liquid = CavityConfig::Liquid;
+using GasKeys = CavityConfig::Gas;
+using LiquidKeys = CavityConfig::Liquid;
 
-Section<Gas> gas_keys() {
+Section<GasKeys> gas_keys() {
   return {{
-      field("pressure", &Gas::pressure, quantity("Pa"), "pressure at the start, above the ambient one").otherwise("0"),
-      field("ambient", &Gas::ambient, quantity("Pa", Range::at_least(0)), "absolute pressure of the surroundings")
+      field("pressure", &GasKeys::pressure, quantity("Pa"), "pressure at the start, above the ambient one")
+          .otherwise("0"),
+      field("ambient", &GasKeys::ambient, quantity("Pa", Range::at_least(0)), "absolute pressure of the surroundings")
           .otherwise("101325"),
-      field("exponent", &Gas::exponent, quantity("1", Range::above(0)),
+      field("exponent", &GasKeys::exponent, quantity("1", Range::above(0)),
             "n of (absolute pressure) * volume^n = constant: 1 isothermal, 1.4 adiabatic air")
           .otherwise("1"),
-      field("amount", &Gas::amount, expression("1", Variables::time),
+      field("amount", &GasKeys::amount, expression("1", Variables::time),
             "amount of gas relative to that at the start, such as 1 + 2*t where gas is pumped in")
           .otherwise("1"),
   }};
 }
 
-Section<Liquid> liquid_keys() {
+Section<LiquidKeys> liquid_keys() {
   return {{
-      field("bulk_modulus", &Liquid::bulk_modulus, quantity("Pa", Range::above(0)),
+      field("bulk_modulus", &LiquidKeys::bulk_modulus, quantity("Pa", Range::above(0)),
             "pressure per relative change of volume")
           .otherwise("2.2e9"),
-      field("pressure", &Liquid::pressure, quantity("Pa"), "pressure at the start").otherwise("0"),
-      field("added_volume", &Liquid::added_volume, expression("m^3", Variables::time),
+      field("pressure", &LiquidKeys::pressure, quantity("Pa"), "pressure at the start").otherwise("0"),
+      field("added_volume", &LiquidKeys::added_volume, expression("m^3", Variables::time),
             "liquid pumped in since the start")
           .otherwise("0"),
-      field("flow", &Liquid::flow, expression("m^3/s", Variables::time),
+      field("flow", &LiquidKeys::flow, expression("m^3/s", Variables::time),
             "liquid pumped in per time, in addition to added_volume")
           .otherwise("0"),
   }};

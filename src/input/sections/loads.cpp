@@ -7,7 +7,7 @@ namespace {
 
 using SelectionKind = Selection::Kind;
 
-constexpr auto kind = &LoadConfig::kind;
+constexpr auto load_kind = &LoadConfig::kind;
 
 }  // namespace
 
@@ -18,30 +18,31 @@ Section<LoadConfig> load_keys() {
   const auto coefficient_of = [](const std::string& unit) { return quantity(unit, Range::at_least(0)); };
   return {
       {
-          choosing_field(kind, "gravity", vector("m/s^2"), "acceleration of gravity, acts on mass",
+          choosing_field(load_kind, "gravity", vector("m/s^2"), "acceleration of gravity, acts on mass",
                          &L::Gravity::acceleration),
-          choosing_field(kind, "force_density", vector("N/m^3"), "force per reference volume", &L::ForceDensity::value),
+          choosing_field(load_kind, "force_density", vector("N/m^3"), "force per reference volume",
+                         &L::ForceDensity::value),
           selector<L>("volume", SelectionKind::volume, "with gravity and force_density: the volume it acts on")
               .otherwise_in_words("the whole mesh"),
-          choosing_field(kind, "traction", vector("Pa"), "force per reference area, fixed in direction (dead)",
+          choosing_field(load_kind, "traction", vector("Pa"), "force per reference area, fixed in direction (dead)",
                          &L::Traction::value),
-          choosing_field(kind, "pressure", expression("Pa", Variables::space_and_time),
+          choosing_field(load_kind, "pressure", expression("Pa", Variables::space_and_time),
                          "force per current area, against the outward normal: it follows the surface, and pushes where "
                          "it is positive",
                          &L::Pressure::value),
-          choosing_field(kind, "line_force", vector("N/m"), "force per reference length of a curve",
+          choosing_field(load_kind, "line_force", vector("N/m"), "force per reference length of a curve",
                          &L::LineForce::value),
-          choosing_field(kind, "force", vector("N"),
+          choosing_field(load_kind, "force", vector("N"),
                          "total force, fixed in direction: spread evenly over the reference area of a surface or the "
                          "length of a curve, or shared by the nodes of a point group",
                          &L::Force::value),
-          choosing_field(kind, "spring", coefficient_of("Pa/m"),
+          choosing_field(load_kind, "spring", coefficient_of("Pa/m"),
                          "stiffness per reference area of springs between the surface and the ground",
                          &L::Foundation::spring),
-          choosing_field(kind, "dashpot", coefficient_of("Pa*s/m"),
+          choosing_field(load_kind, "dashpot", coefficient_of("Pa*s/m"),
                          "viscosity per reference area of dashpots between the surface and the ground",
                          &L::Foundation::dashpot),
-          field_of(kind, "direction",
+          field_of(load_kind, "direction",
                    choice_of<FoundationDirection>(
                        {{"all", FoundationDirection::all}, {"normal", FoundationDirection::normal}}),
                    "with spring and dashpot: whether they resist every displacement, or only its component along the "
@@ -49,11 +50,11 @@ Section<LoadConfig> load_keys() {
                    &L::Foundation::direction)
               .otherwise("all")
               .only_with({{"spring"}, {"dashpot"}}),
-          choosing_field(kind, "point_spring", coefficient_of("N/m"),
+          choosing_field(load_kind, "point_spring", coefficient_of("N/m"),
                          "stiffness of springs between a point group and the ground, in all directions; shared by its "
                          "nodes",
                          &L::PointFoundation::spring),
-          choosing_field(kind, "point_dashpot", coefficient_of("N*s/m"),
+          choosing_field(load_kind, "point_dashpot", coefficient_of("N*s/m"),
                          "viscosity of dashpots between a point group and the ground; shared by its nodes",
                          &L::PointFoundation::dashpot),
           selector<L>("surface", SelectionKind::surface,

@@ -12,15 +12,13 @@ namespace {
 
 constexpr std::array<const char*, 3> petsc_integrators{"alpha2", "bdf", "arkimex"};
 
-using PetscIntegrator = MethodConfig::PetscIntegrator;
-
 /// Every choice of `method` that is typed as a name.
 std::vector<MethodConfig> named_methods() {
   std::vector<MethodConfig> all;
   for (const Method& method : methods()) all.push_back({method, {}});
   all.push_back({MethodConfig::Quasistatic{}, {}});
   all.push_back({MethodConfig::Static{}, {}});
-  for (const char* integrator : petsc_integrators) all.push_back({PetscIntegrator{integrator}, {}});
+  for (const char* integrator : petsc_integrators) all.push_back({MethodConfig::PetscIntegrator{integrator}, {}});
   return all;
 }
 
@@ -101,11 +99,11 @@ Format<MethodConfig> method_choice() {
     by_keys.read(node, name, diagnostics, keys);
     if (diagnostics.num_errors() != before) return false;
     if (!is_petsc(keys)) return derive(std::move(keys), node, diagnostics, into);
-    into.kind = PetscIntegrator{keys.petsc};
+    into.kind = MethodConfig::PetscIntegrator{keys.petsc};
     return true;
   };
   format.write = [by_name, by_keys](const MethodConfig& chosen) {
-    if (const auto* petsc = std::get_if<PetscIntegrator>(&chosen.kind)) {
+    if (const auto* petsc = std::get_if<MethodConfig::PetscIntegrator>(&chosen.kind)) {
       MethodKeys keys;
       keys.petsc = petsc->name;
       return by_keys.write(keys);

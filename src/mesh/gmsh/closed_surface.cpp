@@ -16,7 +16,7 @@
 namespace pliant {
 namespace {
 
-using namespace tetrahedron;
+using tetrahedron::Point;
 
 // Facets that meet at more than this angle [rad] belong to different faces of the body.
 constexpr double crease_angle = 40.0 * std::numbers::pi / 180.0;
