@@ -3,9 +3,9 @@
 
   tools/check_naming.py [--build DIR] [--all-checks] [FILE.cpp ...]      without files: all
 
-Most of clang-tidy's time goes into library headers, so all sources of src/ are checked as one translation unit, and all of tests/. Their
-unnamed namespaces get different names for that; sources that clash nevertheless are checked in a further unit. --all-checks adds the
-checks for likely errors: minutes.
+Most of clang-tidy's time goes into headers, so all sources of src/ are checked as one translation unit, and all of tests/. Their unnamed
+namespaces get different names for that. Sources that clash nevertheless are named and checked one by one, which takes seconds for each;
+another name in one of them saves the time. --all-checks adds the checks for likely errors: minutes.
 """
 import argparse
 import concurrent.futures
@@ -14,6 +14,7 @@ import os
 import pathlib
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -43,8 +44,8 @@ def commands(build):
 
 def tidy(file, options, checks):
     """clang-tidy's findings on a file, each with its notes; -w: warnings are the compiler's business."""
-    command = [CLANG_TIDY, "--quiet", f"--config-file={ROOT / '.clang-tidy'}", *checks, str(file), "--", *options, "-w",
-               "-ferror-limit=0"]
+    # The configuration is the one that stands next to a file, and there is none next to libraries: their names cost no time.
+    command = [CLANG_TIDY, "--quiet", *checks, str(file), "--", *options, "-w", "-ferror-limit=0"]
     done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
     findings = re.split(r"^(?=/.*?:\d+:\d+: (?:error|warning): |error: )", done.stdout, flags=re.MULTILINE)
     noise = [line for line in done.stderr.splitlines() if not QUIET.match(line)]
@@ -60,6 +61,7 @@ def with_named_namespace(text, name):
 
 def unit_of(files, folder):
     """Writes one translation unit of all files; returns it, and by file the copy that it includes."""
+    shutil.copy(ROOT / ".clang-tidy", folder)
     copies = {}
     headers = {}
     for number, file in enumerate(files):
@@ -75,23 +77,18 @@ def unit_of(files, folder):
 
 
 def tidy_together(files, options_of, checks):
-    """Findings on all files."""
+    """Findings on all files, and those of the files that must be checked by themselves: what others define spoils them."""
+    if len(files) == 1:
+        return tidy(files[0], [word for option in options_of[files[0]] for word in option], checks), []
     options = [f"-iquote{folder}" for folder in dict.fromkeys(file.parent for file in files)]
     options += [word for option in dict.fromkeys(option for file in files for option in options_of[file]) for word in option]
-    if len(files) == 1:
-        return tidy(files[0], options, checks)
     with tempfile.TemporaryDirectory() as folder:
         unit, copies = unit_of(files, pathlib.Path(folder))
         findings = tidy(unit, options, checks)
-    errors = [text for text in findings if "[clang-diagnostic-error" in text]
-    places = [text.split(":", 1)[0] for text in errors]
-    clashing = [file for file in files if str(copies[file]) in places]
-    if len(clashing) == len(files) or not set(places) <= {str(copies[file]) for file in clashing}:
-        half = len(files) // 2
-        return tidy_together(files[:half], options_of, checks) + tidy_together(files[half:], options_of, checks)
-    spoilt = (*(str(copies[file]) for file in clashing),)
-    kept = [text.replace(folder, str(ROOT)) for text in findings if text not in errors and not text.startswith(spoilt)]
-    return kept + (tidy_together(clashing, options_of, checks) if clashing else [])
+    errors = {text.split(":", 1)[0] for text in findings if "[clang-diagnostic-error" in text}
+    clashing = [file for file in files if str(copies[file]) in errors]
+    spoilt = tuple(f"{copies[file]}:" for file in clashing)
+    return [text.replace(folder, str(ROOT)) for text in findings if not text.startswith(spoilt)], clashing
 
 
 def main():
@@ -112,8 +109,12 @@ def main():
         groups.setdefault(file.relative_to(ROOT).parts[0], []).append(file)
     checks = [] if arguments.all_checks else ["--checks=-*,readability-identifier-naming"]
     with concurrent.futures.ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
-        results = pool.map(lambda files: tidy_together(files, options_of, checks), groups.values())
-        findings = list(dict.fromkeys(text.rstrip("\n") for texts in results for text in texts))
+        results = list(pool.map(lambda files: tidy_together(files, options_of, checks), groups.values()))
+        apart = [file for _, files in results for file in files]
+        if apart:
+            print("checked by themselves, for they clash with others:", *(file.relative_to(ROOT) for file in apart))
+        results += pool.map(lambda file: tidy_together([file], options_of, checks), apart)
+    findings = list(dict.fromkeys(text.rstrip("\n") for texts, _ in results for text in texts))
     print("\n".join(findings) if findings else f"{len(chosen)} sources follow .clang-tidy")
     sys.exit(1 if findings else 0)
 
