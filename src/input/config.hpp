@@ -145,6 +145,10 @@ struct ConstraintConfig {
     Selection partner;                    ///< the surface that `part` repeats
     OptionalVectorExpression difference;  ///< [m]
   };
+  struct Tied {
+    Selection partner;                ///< the surface whose facets the nodes of `part` follow
+    std::optional<double> tolerance;  ///< [m]; empty: from the size of the facets
+  };
   struct Rigid {
     OptionalVectorExpression translation;  ///< of the centre [m]
     RotationConfig rotation;
@@ -154,7 +158,7 @@ struct ConstraintConfig {
     std::vector<EquationTermConfig> terms;
     Expression value;  ///< [m]
   };
-  using Kind = std::variant<Displacement, Symmetry, Normal, Along, Periodic, Rigid, Equation>;
+  using Kind = std::variant<Displacement, Symmetry, Normal, Along, Periodic, Tied, Rigid, Equation>;
 
   Kind kind;
   Selection part;  ///< not of an equation

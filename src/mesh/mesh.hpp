@@ -42,6 +42,8 @@ struct MeshSource {
   int refine = 0;              ///< uniform refinements after distribution (each cuts a tetrahedron into 8)
   Commands commands = Commands::refused;
   double time_limit = 3600.0;  ///< for gmsh [s]
+  /// Names or numbers of surfaces (physical groups) whose nodes may coincide with others, because the input ties them.
+  std::vector<std::string> tied_surfaces = {};
 };
 
 /// The distributed mesh of tetrahedra. The vertices x0 .. x3 in the transitive closure of a cell have det(x1 - x0, x2 -

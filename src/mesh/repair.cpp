@@ -110,8 +110,24 @@ void require_distinct_cells(const SerialMesh& mesh, Reasons& reasons) {
   }
 }
 
+/// Per node: whether it is on one of the surfaces.
+std::vector<char> nodes_of_surfaces(const SerialMesh& mesh, std::span<const std::string> surfaces) {
+  std::vector<char> result(mesh.num_nodes(), 0);
+  for (const auto& [group, members] : mesh.groups) {
+    if (group.dimension != 2) continue;
+    const bool is_named = std::ranges::any_of(surfaces, [&name = group.name, &tag = group.tag](const std::string& s) {
+      return s == name || s == std::to_string(tag);
+    });
+    if (!is_named) continue;
+    for (const PetscInt node : members) result[static_cast<std::size_t>(node)] = 1;
+  }
+  return result;
+}
+
 /// Finds nodes that coincide: sorts along a direction in which lattice nodes do not tie, and compares near neighbours.
-void require_distinct_places(const SerialMesh& mesh, PetscInt num_vertices, Reasons& reasons) {
+void require_distinct_places(const SerialMesh& mesh, PetscInt num_vertices, std::span<const std::string> tied_surfaces,
+                             Reasons& reasons) {
+  const std::vector<char> is_tied = nodes_of_surfaces(mesh, tied_surfaces);
   constexpr Point direction{0.6213412, 0.5177432, 0.5881174};  // generic; a unit vector to 6 digits
   double extent = 0.0;
   for (int k = 0; k < 3; ++k) {
@@ -135,6 +151,8 @@ void require_distinct_places(const SerialMesh& mesh, PetscInt num_vertices, Reas
       const double* x = mesh.node(along[i].second);
       const double* y = mesh.node(along[j].second);
       if (std::hypot(x[0] - y[0], x[1] - y[1], x[2] - y[2]) > near) continue;
+      if (is_tied[static_cast<std::size_t>(along[i].second)] || is_tied[static_cast<std::size_t>(along[j].second)])
+        continue;
       coinciding.push_back(mesh.node_tags[static_cast<std::size_t>(along[j].second)]);
       break;
     }
@@ -145,7 +163,7 @@ void require_distinct_places(const SerialMesh& mesh, PetscInt num_vertices, Reas
   reasons.push_back(
       "nodes that coincide with another node: " + first_few(coinciding) +
       "; the parts that meet there are not joined. Join them in gmsh (Coherence or BooleanFragments in the "
-      "geometry, Coherence Mesh on a mesh), or leave a gap between them");
+      "geometry, Coherence Mesh on a mesh), tie their surfaces in the input (`tied_to`), or leave a gap between them");
 }
 
 /// Numbers the corners first, then the mid-edge nodes, each in the file's order; drops all other nodes.
@@ -261,7 +279,7 @@ void throw_if_any(const Reasons& reasons) {
 
 }  // namespace
 
-PetscInt repair(SerialMesh& mesh, MeshReport& report) {
+PetscInt repair(SerialMesh& mesh, std::span<const std::string> tied_surfaces, MeshReport& report) {
   Reasons reasons;
   require_distinct_names(mesh, reasons);
   require_finite_nodes(mesh, reasons);
@@ -269,7 +287,7 @@ PetscInt repair(SerialMesh& mesh, MeshReport& report) {
   const PetscInt num_vertices = drop_orphans(mesh, report);
   turn_inverted_round(mesh, report, reasons);
   require_distinct_cells(mesh, reasons);
-  require_distinct_places(mesh, num_vertices, reasons);
+  require_distinct_places(mesh, num_vertices, tied_surfaces, reasons);
   require_one_mid_node_per_edge(mesh, num_vertices, reasons);
   throw_if_any(reasons);
   require_unfolded_curves(mesh, reasons);

@@ -4,12 +4,16 @@
 #include "mesh/report.hpp"
 #include "mesh/serial_mesh.hpp"
 
+#include <span>
+#include <string>
+
 namespace pliant {
 
 /// Drops orphan nodes, reorients inverted tetrahedra, converts straight second-order meshes to first order, and rejects
 /// what cannot be repaired: nodes that are not finite or coincide, flat tetrahedra, duplicate tetrahedra, duplicate
 /// group names. Afterwards the `num_vertices` corner nodes are numbered first. Repairs are counted and described in
-/// `report`. Throws MeshDefect with every reason found. Not collective.
-PetscInt repair(SerialMesh& mesh, MeshReport& report);
+/// `report`. Nodes may coincide with those of the `tied_surfaces`, given by name or number. Throws MeshDefect with
+/// every reason found. Not collective.
+PetscInt repair(SerialMesh& mesh, std::span<const std::string> tied_surfaces, MeshReport& report);
 
 }  // namespace pliant

@@ -1,9 +1,8 @@
 #include "model/constraints.hpp"
 
-#include "energy/constraint/surface_ties.hpp"
 #include "energy/rigid/rigid_fit.hpp"
 #include "fem/plane.hpp"
-#include "input/analysis.hpp"
+#include "model/tied_surfaces.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/ghosted.hpp"
@@ -11,8 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <set>
 #include <utility>
 
 #include <fmt/format.h>
@@ -24,20 +21,10 @@ using Normal = ConstraintConfig::Normal;
 using Periodic = ConstraintConfig::Periodic;
 using Equation = ConstraintConfig::Equation;
 
-/// An equation couples all its entries with one another in the Hessian.
-constexpr std::size_t most_entries_of_equation = 1000;
-
 /// The support's name in the history: the surface's, else by its place in the list of constraints.
 std::string support_name(const ConstraintConfig& constraint, std::size_t index) {
   return constraint.part.kind == Selection::Kind::surface ? constraint.part.name
                                                           : fmt::format("constraint{}", index + 1);
-}
-
-/// In a message.
-std::string title(const Config& config, std::size_t index) {
-  const ConstraintConfig& constraint = config.constraints[index];
-  return std::holds_alternative<Equation>(constraint.kind) ? fmt::format("the equation constraints[{}]", index)
-                                                           : describe(constraint.part);
 }
 
 Expression times(double factor, const Expression& e) {
@@ -51,16 +38,6 @@ std::optional<int> axis_of(const Vector3<double>& direction) {
     if (std::abs(direction[static_cast<std::size_t>(i)]) == norm(direction)) return i;
   }
   return std::nullopt;
-}
-
-std::string counted_nodes(std::size_t number) {
-  return fmt::format("{} node{}", number, number == 1 ? "" : "s");
-}
-
-/// Times at which given displacements are compared: the start, the end, and two that no round period fits.
-std::vector<double> times_to_compare(const Config& config) {
-  const double end = config.time.end;
-  return {0.0, 0.3819660113 * end, 0.7320508076 * end, end};
 }
 
 }  // namespace
@@ -81,16 +58,29 @@ Constraints::Constraints(const Config& config, const NodeLayout& layout, Selecti
           config.constraints[j].where,
           fmt::format("{} and {} share nodes but prescribe different displacements there; make one of them `free` or "
                       "let them agree",
-                      title(config, i), title(config, j)));
+                      title_of_constraint(config, i), title_of_constraint(config, j)));
     }
     selections.throw_if_errors();
   });
-  auto all_ties = ties(config, selections);
-  selections.throw_if_errors();
-  all_ties = gathered(layout.comm, all_ties);
-  check_rotating_parts(config, all_ties, selections);
+  const ConstraintsOnMesh constraints{config, layout, parts_};
+  ConstraintTies all_ties = find_ties(constraints, selections);
+  for (const SurfaceTie& tie : all_ties.of_surfaces) {
+    parts_[tie.source].nodes = owned_nodes(layout, tie);
+    description_.push_back(note_of(config, tie));
+  }
+  check_rotating_parts(constraints, all_ties, selections);
   const bool any_rotates = std::ranges::any_of(parts_, [](const Part& part) { return part.rotation.has_value(); });
-  if (any_rotates || !all_ties.empty()) eliminate_ties(config, std::move(all_ties), selections);
+  if (any_rotates || !all_ties.empty()) {
+    const auto slaves = eliminate_ties(constraints, *prescribed_, std::move(all_ties), selections);
+    std::vector<GivenDisplacement> given;
+    for (const Part& part : parts_) given.push_back(part.displacement);
+    std::vector<std::unique_ptr<DependentNodes>> dependents;
+    for (const Part& part : parts_) {
+      if (!part.rotation) continue;
+      dependents.push_back(std::make_unique<RigidPart>(layout_, part.nodes, *part.displacement.rigid, *part.rotation));
+    }
+    map_ = std::make_unique<ConstraintMap>(layout_, slaves, std::move(given), std::move(dependents));
+  }
   add_supports(config);
 }
 
@@ -120,6 +110,7 @@ Constraints::Part Constraints::make_part(const ConstraintConfig& constraint, Sel
     return part;
   }
   if (const auto* tied = std::get_if<Periodic>(&kind)) return {selections.nodes(constraint.part), {tied->difference}};
+  if (std::holds_alternative<ConstraintConfig::Tied>(kind)) return {};  // its nodes are known later
   if (std::holds_alternative<ConstraintConfig::Rigid>(kind)) return rigid(constraint, selections);
   if (const auto* equation = std::get_if<Equation>(&kind)) {
     Part part;
@@ -209,146 +200,8 @@ Constraints::Part Constraints::rigid(const ConstraintConfig& constraint, Selecti
   return part;
 }
 
-// Ties that every rank knows are added on the first rank only.
-std::vector<LinearConstraint> Constraints::ties(const Config& config, Selections& selections) const {
-  std::vector<LinearConstraint> result;
-  const auto add = [&](std::vector<LinearConstraint> more) { std::ranges::move(more, std::back_inserter(result)); };
-  const bool is_first = rank(layout_.comm) == 0;
-  for (std::size_t c = 0; c < parts_.size(); ++c) {
-    const ConstraintConfig& constraint = config.constraints[c];
-    const Part& part = parts_[c];
-    if (part.rotation) continue;
-    if (std::holds_alternative<ConstraintConfig::Rigid>(constraint.kind)) {
-      add(translated_together(layout_, part.nodes, part.displacement, c));
-    } else if (std::holds_alternative<Periodic>(constraint.kind)) {
-      auto more = periodic_ties(constraint, c, selections);
-      if (is_first) add(std::move(more));
-    } else if (std::holds_alternative<Equation>(constraint.kind)) {
-      auto more = equation_ties(constraint, c, selections);
-      if (is_first) add(std::move(more));
-    } else if (!part.is_prescribed) {
-      add(ties_along(layout_, part.nodes, part.direction, c));
-    }
-  }
-  return result;
-}
-
-std::vector<LinearConstraint> Constraints::periodic_ties(const ConstraintConfig& constraint, std::size_t c,
-                                                         Selections& selections) const {
-  const Selection& partner = std::get<Periodic>(constraint.kind).partner;
-  if (constraint.part.kind == partner.kind && constraint.part.name == partner.name) {
-    selections.report(partner.where, fmt::format("{} cannot repeat itself; name another surface", describe(partner)));
-    return {};
-  }
-  const auto partners = selections.nodes(partner);
-  const PeriodicPairs pairs = match_periodic(layout_, partners, parts_[c].nodes);
-  const std::size_t num_unmatched = pairs.num_unmatched_a + pairs.num_unmatched_b;
-  if (num_unmatched > 0) {
-    const auto& [x, y, z] = pairs.unmatched;
-    const auto& [dx, dy, dz] = pairs.translation;
-    selections.report(
-        partner.where,
-        fmt::format("{} of {} and {} of {} have no partner when one is shifted by ({:g}, {:g}, {:g}) onto "
-                    "the other, the first at ({:g}, {:g}, {:g}); their meshes must be copies of each "
-                    "other (gmsh: `Periodic Surface`)",
-                    counted_nodes(pairs.num_unmatched_b), describe(constraint.part),
-                    counted_nodes(pairs.num_unmatched_a), describe(partner), dx, dy, dz, x, y, z));
-  }
-  return periodic(pairs, parts_[c].displacement, c);
-}
-
-std::vector<LinearConstraint> Constraints::equation_ties(const ConstraintConfig& constraint, std::size_t c,
-                                                         Selections& selections) const {
-  std::vector<MeanTerm> terms;
-  for (const EquationTermConfig& term : std::get<Equation>(constraint.kind).terms) {
-    terms.push_back({selections.nodes(term.part), term.component, term.coefficient});
-  }
-  LinearConstraint result = tie_of_means(layout_, terms, c);
-  if (result.entries.size() > most_entries_of_equation) {
-    selections.report(constraint.where, fmt::format("the equation has {} entries, which it couples all with one "
-                                                    "another; choose at most {} nodes",
-                                                    result.entries.size(), most_entries_of_equation));
-  }
-  return {std::move(result)};
-}
-
-void Constraints::eliminate_ties(const Config& config, std::vector<LinearConstraint> ties, Selections& selections) {
-  std::set<PetscInt> named;
-  for (const auto& tie : ties) {
-    for (const auto& e : tie.entries) named.insert(e.entry);
-  }
-  auto all = gathered(layout_.comm, prescribed_->constraints(layout_, named));
-  const std::size_t num_prescribed = all.size();
-  std::ranges::stable_sort(ties, {}, &LinearConstraint::source);
-  std::ranges::move(ties, std::back_inserter(all));
-  std::vector<GivenDisplacement> given;
-  for (const Part& part : parts_) given.push_back(part.displacement);
-  Elimination result = eliminate(all, given, times_to_compare(config));
-  for (const auto& [i, j] : result.conflicts) {
-    selections.report(config.constraints[j].where,
-                      fmt::format("{} and {} contradict each other where they meet; make a component `free`, or let "
-                                  "them agree at all times",
-                                  title(config, i), title(config, j)));
-  }
-  selections.throw_if_errors();
-  // The first are the prescribed entries themselves.
-  result.slaves.erase(result.slaves.begin(), result.slaves.begin() + static_cast<std::ptrdiff_t>(num_prescribed));
-  std::vector<std::unique_ptr<DependentNodes>> dependents;
-  for (const Part& part : parts_) {
-    if (!part.rotation) continue;
-    dependents.push_back(std::make_unique<RigidPart>(layout_, part.nodes, *part.displacement.rigid, *part.rotation));
-  }
-  map_ = std::make_unique<ConstraintMap>(layout_, result.slaves, std::move(given), std::move(dependents));
-}
-
-void Constraints::check_rotating_parts(const Config& config, const std::vector<LinearConstraint>& ties,
-                                       Selections& selections) const {
-  std::map<PetscInt, std::size_t> rotating;  // by the node's global number
-  std::set<std::pair<std::size_t, std::size_t>> conflicts;
-  for (std::size_t c = 0; c < parts_.size(); ++c) {
-    if (!parts_[c].rotation) continue;
-    std::vector<PetscInt> mine;
-    for (const PetscInt n : parts_[c].nodes) mine.push_back(layout_.global_node(n));
-    for (const PetscInt node : gathered(layout_.comm, mine)) {
-      const auto [first, is_new] = rotating.try_emplace(node, c);
-      if (!is_new) conflicts.emplace(c, first->second);
-    }
-  }
-  const auto compare = [&](PetscInt node, std::size_t other) {
-    const auto found = rotating.find(node);
-    if (found != rotating.end()) conflicts.emplace(other, found->second);
-  };
-  for (const auto& tie : ties) {
-    for (const auto& e : tie.entries) compare(e.entry / 3, tie.source);
-  }
-  for (std::size_t c = 0; c < parts_.size(); ++c) {
-    if (!parts_[c].is_prescribed) continue;
-    for (const PetscInt n : parts_[c].nodes) compare(layout_.global_node(n), c);
-  }
-  // Each rank has compared its own nodes.
-  std::vector<std::array<std::size_t, 2>> mine;
-  for (const auto& [other, part] : conflicts) mine.push_back({other, part});
-  for (const auto& [other, part] : gathered(layout_.comm, mine)) conflicts.emplace(other, part);
-  for (std::size_t c = 0; c < parts_.size() && analysis_of(config) == Analysis::dynamic; ++c) {
-    const auto& rigid = parts_[c].displacement.rigid;
-    const bool is_given = rigid && std::ranges::any_of(rigid->translation, [](const auto& u) { return u.has_value(); });
-    if (parts_[c].rotation != FreeRotation::about_all_axes || !is_given) continue;
-    if (!centre_is_off_plane(layout_, parts_[c].nodes, *rigid)) continue;
-    selections.report(config.constraints[c].where,
-                      fmt::format("{} lies in a plane that does not hold its `center`, whose translation is given; in "
-                                  "dynamics put `center` into the plane, or choose nodes that span a volume",
-                                  title(config, c)));
-  }
-  for (const auto& [other, part] : conflicts) {
-    selections.report(config.constraints[part].where,
-                      fmt::format("{} turns freely, so nodes of it cannot obey {} too; give its rotation, or leave out "
-                                  "the nodes that both hold",
-                                  title(config, part), title(config, other)));
-  }
-  selections.throw_if_errors();
-}
-
-// An entry counts for the first constraint that claims it. A rigid part claims all entries of its nodes.
+// An entry counts for the first constraint that claims it. A rigid part claims all entries of its nodes; tied surfaces
+// claim what no other constraint does.
 void Constraints::add_supports(const Config& config) {
   std::vector<char> claimed(prescribed_->flags().size(), 0);
   for (std::size_t c = 0; c < parts_.size(); ++c) {
@@ -364,6 +217,14 @@ void Constraints::add_supports(const Config& config) {
       for (const PetscInt node : part.nodes) {
         if (std::exchange(claimed[3 * node + i], 1)) continue;
         support->dofs.push_back(3 * node + i);
+      }
+    }
+  }
+  for (std::size_t c = 0; c < parts_.size(); ++c) {
+    if (!std::holds_alternative<ConstraintConfig::Tied>(config.constraints[c].kind)) continue;
+    for (const PetscInt node : parts_[c].nodes) {
+      for (PetscInt dof = 3 * node; dof < 3 * node + 3; ++dof) {
+        if (!std::exchange(claimed[dof], 1)) supports_[support_of_part_[c]].dofs.push_back(dof);
       }
     }
   }

@@ -3,8 +3,8 @@
 
 #include "energy/constraint/constraint_map.hpp"
 #include "energy/constraint/prescribed.hpp"
-#include "energy/constraint/rigid_part.hpp"
 #include "input/config.hpp"
+#include "model/constraint_ties.hpp"
 #include "model/selections.hpp"
 
 #include <array>
@@ -37,6 +37,8 @@ class Constraints {
 
   const PrescribedDisplacement& prescribed() const { return *prescribed_; }
   const std::vector<Support>& supports() const { return supports_; }
+  /// Notes of what was tied.
+  const std::vector<Diagnostic>& description() const { return description_; }
   /// The map of the ties and rigid parts; nullptr if there are none.
   ConstraintMap* map() const { return map_.get(); }
   /// The hooks of the time layer; they refer to this object.
@@ -53,29 +55,11 @@ class Constraints {
   std::vector<Reaction> reactions(Vec r, Vec q) const;
 
  private:
-  /// An entry of the input on the mesh.
-  struct Part {
-    std::vector<PetscInt> nodes;     // owned
-    GivenDisplacement displacement;  // what its ties refer to, too
-    bool is_prescribed = false;      // the components that `displacement` gives
-    Vector3<double> direction{};     // of the force that holds its first component, if that has one of its own
-    std::optional<FreeRotation> rotation = std::nullopt;  // of a rigid part, if it is not given
-    Location where = {};
-  };
+  using Part = ConstraintPart;
 
   Part make_part(const ConstraintConfig& constraint, Selections& selections);
   Part plane(const ConstraintConfig& constraint, Selections& selections);
   Part rigid(const ConstraintConfig& constraint, Selections& selections);
-  /// This rank's part of all ties.
-  std::vector<LinearConstraint> ties(const Config& config, Selections& selections) const;
-  std::vector<LinearConstraint> periodic_ties(const ConstraintConfig& constraint, std::size_t c,
-                                              Selections& selections) const;
-  std::vector<LinearConstraint> equation_ties(const ConstraintConfig& constraint, std::size_t c,
-                                              Selections& selections) const;
-  void eliminate_ties(const Config& config, std::vector<LinearConstraint> ties, Selections& selections);
-  /// Rigid parts that rotate freely obey no other constraint: an error for each that does.
-  void check_rotating_parts(const Config& config, const std::vector<LinearConstraint>& ties,
-                            Selections& selections) const;
   void add_supports(const Config& config);
   void add_multipliers(Vec r, std::vector<double>& sums) const;
 
@@ -85,6 +69,7 @@ class Constraints {
   std::unique_ptr<ConstraintMap> map_;
   std::vector<Support> supports_;
   std::vector<std::size_t> support_of_part_;
+  std::vector<Diagnostic> description_;
 };
 
 }  // namespace pliant

@@ -35,6 +35,7 @@ class Formulas {
   void operator()(const ConstraintConfig::Normal& normal) { add(normal.displacement); }
   void operator()(const ConstraintConfig::Along& along) { add(along.displacement); }
   void operator()(const ConstraintConfig::Periodic& periodic) { add(periodic.difference); }
+  void operator()(const ConstraintConfig::Tied&) {}
   void operator()(const ConstraintConfig::Rigid& rigid) {
     add(rigid.translation);
     if (const auto* about = std::get_if<RotationConfig::AboutAxis>(&rigid.rotation.kind)) add(about->angle);

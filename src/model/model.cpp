@@ -10,6 +10,7 @@
 #include "model/mesh_cell_data.hpp"
 #include "model/method_warnings.hpp"
 #include "model/selections.hpp"
+#include "model/tied_surfaces.hpp"
 #include "model/viscosity.hpp"
 #include "model/warnings.hpp"
 #include "petsc/array_view.hpp"
@@ -30,9 +31,9 @@ Model::Model(MPI_Comm comm, const Config& config, const TermFactory& additional)
   if (size) *size /= config.mesh.scale;
   const Mesh mesh = [&] {
     const Stopwatch watch(mesh_seconds_);
-    return read_mesh(comm,
-                     {config.mesh.file.value, config.mesh.file.where, size, config.mesh.scale, config.mesh.refine,
-                      config.mesh.allow_commands ? Commands::allowed : Commands::refused, config.mesh.time_limit});
+    return read_mesh(comm, {config.mesh.file.value, config.mesh.file.where, size, config.mesh.scale, config.mesh.refine,
+                            config.mesh.allow_commands ? Commands::allowed : Commands::refused, config.mesh.time_limit,
+                            names_of_partners(config)});
   }();
   mesh_report_ = mesh.report;
   const int order = static_cast<int>(config.element);
@@ -184,10 +185,12 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   FacetList touching;
   std::vector<TouchingSurfaces> touching_each_other;
   if (config.contact) {
-    touching_each_other = find_touching_surfaces(*config.contact, layout_, body_of_cell_, selections);
+    touching_each_other =
+        find_touching_surfaces(*config.contact, tied_surfaces(config), {layout_, body_of_cell_}, selections);
     touching = selections.outer_facets(config.contact->part, config.contact->where, "where nothing can be touched");
   }
   constraints_ = std::make_unique<Constraints>(config, layout_, selections);
+  include(constraints_->description());
   include(selections.unused_groups());
   if (layout_.order == 1) {
     build_cells<1>(config, mesh);
@@ -247,8 +250,11 @@ void Model::find_components(const Config& config, Selections& selections) {
       for (const EquationTermConfig& term : equation->terms) add(term.part);
     }
     if (periodic != nullptr) add(periodic->partner);
+    const auto* tied = std::get_if<ConstraintConfig::Tied>(&c.kind);
+    if (tied != nullptr) add(tied->partner);
     hold(nodes);
-    if (equation != nullptr || periodic != nullptr || std::holds_alternative<ConstraintConfig::Rigid>(c.kind)) {
+    const bool is_rigid = std::holds_alternative<ConstraintConfig::Rigid>(c.kind);
+    if (equation != nullptr || periodic != nullptr || tied != nullptr || is_rigid) {
       links.push_back(std::move(nodes));
     }
   }

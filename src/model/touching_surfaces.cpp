@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -70,6 +71,24 @@ class Membership {
       if (found != number_.end()) masks_[found->second] |= mask;
     }
   }
+  /// Sets the bit of the facets of a part of the surface, and of all that share a node with them. Collective.
+  void add_around(const NodeLayout& layout, const Selection& part, int bit) {
+    const std::uint64_t mask = std::uint64_t{1} << bit;
+    add(part, mask);
+    std::set<PetscInt> mine;
+    for (PetscInt facet = 0; facet < facets_.size(); ++facet) {
+      if ((masks_[facet] & mask) == 0) continue;
+      for (const PetscInt n : nodes_of(facets_, facet)) mine.insert(layout.global_node(n));
+    }
+    const auto all = gathered(layout.comm, std::vector<PetscInt>(mine.begin(), mine.end()));
+    const std::set<PetscInt> nodes(all.begin(), all.end());
+    for (PetscInt facet = 0; facet < facets_.size(); ++facet) {
+      const auto of_facet = nodes_of(facets_, facet);
+      const bool meets =
+          std::ranges::any_of(of_facet, [&](PetscInt n) { return nodes.contains(layout.global_node(n)); });
+      if (meets) masks_[facet] |= mask;
+    }
+  }
   void copy(int from, int to) {
     for (std::uint64_t& mask : masks_) mask |= (mask >> from & 1) << to;
   }
@@ -98,6 +117,27 @@ bool may_touch(std::uint64_t a, std::uint64_t b, std::size_t num_excluded) {
   return are(first_side, second_side);
 }
 
+/// Facets with the same bits are a set, numbered alike on all ranks. Collective.
+void sort_into_sets(MPI_Comm comm, const std::vector<std::uint64_t>& masks, std::size_t num_excluded,
+                    TouchingSurfaces& touching) {
+  std::vector<std::uint64_t> kinds = masks;
+  std::ranges::sort(kinds);
+  kinds.erase(std::ranges::unique(kinds).begin(), kinds.end());
+  kinds = gathered(comm, kinds);
+  std::ranges::sort(kinds);
+  kinds.erase(std::ranges::unique(kinds).begin(), kinds.end());
+  for (std::size_t facet = 0; facet < masks.size(); ++facet) {
+    touching.sides[facet].set =
+        static_cast<std::int32_t>(std::ranges::lower_bound(kinds, masks[facet]) - kinds.begin());
+  }
+  touching.sets = {static_cast<int>(kinds.size()), {}};
+  for (const std::uint64_t a : kinds) {
+    for (const std::uint64_t b : kinds) {
+      touching.sets.may_touch.push_back(may_touch(a, b, num_excluded) ? 1 : 0);
+    }
+  }
+}
+
 }  // namespace
 
 CellOfFacets::CellOfFacets(const NodeLayout& layout, const FacetList& facets) {
@@ -121,13 +161,16 @@ std::optional<PetscInt> CellOfFacets::operator()(std::span<const PetscInt> nodes
   return found == cells_.end() ? std::nullopt : std::optional(found->second);
 }
 
-std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config, const NodeLayout& layout,
-                                                     const std::vector<int>& body_of_cell, Selections& selections) {
+std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config,
+                                                     const std::vector<std::array<Selection, 2>>& tied,
+                                                     const LayoutOfBodies& bodies, Selections& selections) {
+  const auto& [layout, body_of_cell] = bodies;
   std::vector<TouchingSurfaces> result;
   if (config.pairs.empty()) return result;
-  if (config.exclude.size() > most_excluded) {
-    selections.report(config.exclude[most_excluded][0].where,
-                      "'exclude' has more than 30 entries; combine some in gmsh");
+  const std::size_t num_excluded = config.exclude.size() + tied.size();
+  if (num_excluded > most_excluded) {
+    selections.report(config.where,
+                      "'exclude' and the ties of surfaces have more than 30 entries; combine some in gmsh");
     return result;
   }
   Selection everything;
@@ -155,6 +198,11 @@ std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config
                        first_excluded + 2 * static_cast<int>(k) + side);
       }
     }
+    for (std::size_t k = 0; k < tied.size(); ++k) {
+      const int bit = first_excluded + 2 * static_cast<int>(config.exclude.size() + k);
+      membership.add_around(layout, tied[k][0], bit);
+      membership.add_around(layout, tied[k][1], bit + 1);
+    }
     for (std::size_t k = 0; k < sides.size(); ++k) {
       if (!repeats(layout.comm, membership.masks(), sides[k])) continue;
       selections.report(pair->where,
@@ -179,23 +227,7 @@ std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config
       touching.is_on_first_side.push_back((membership[facet] >> first_side & 1) != 0);
       masks.push_back(membership[facet]);
     }
-    // Facets with the same bits are a set, numbered alike on all ranks.
-    std::vector<std::uint64_t> kinds = masks;
-    std::ranges::sort(kinds);
-    kinds.erase(std::ranges::unique(kinds).begin(), kinds.end());
-    kinds = gathered(layout.comm, kinds);
-    std::ranges::sort(kinds);
-    kinds.erase(std::ranges::unique(kinds).begin(), kinds.end());
-    for (std::size_t facet = 0; facet < masks.size(); ++facet) {
-      touching.sides[facet].set =
-          static_cast<std::int32_t>(std::ranges::lower_bound(kinds, masks[facet]) - kinds.begin());
-    }
-    touching.sets = {static_cast<int>(kinds.size()), {}};
-    for (const std::uint64_t a : kinds) {
-      for (const std::uint64_t b : kinds) {
-        touching.sets.may_touch.push_back(may_touch(a, b, config.exclude.size()) ? 1 : 0);
-      }
-    }
+    sort_into_sets(layout.comm, masks, num_excluded, touching);
     result.push_back(std::move(touching));
   }
   return result;

@@ -1,10 +1,12 @@
-/// Which facets of the mesh may touch which others, as the input's `contact.pairs` and `contact.exclude` say.
+/// Which facets of the mesh may touch which others, as the input's `contact.pairs`, `contact.exclude` and ties of
+/// surfaces say.
 #pragma once
 
 #include "collision/contact_pairs.hpp"
 #include "energy/contact/body_surfaces.hpp"
 #include "model/selections.hpp"
 
+#include <array>
 #include <map>
 #include <optional>
 #include <span>
@@ -32,8 +34,15 @@ struct TouchingSurfaces {
   const ContactPairConfig* config = nullptr;  ///< nullptr: `all`
 };
 
-/// What is wrong stands in `selections` afterwards. The config outlives the result. Collective.
-std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config, const NodeLayout& layout,
-                                                     const std::vector<int>& body_of_cell, Selections& selections);
+struct LayoutOfBodies {
+  const NodeLayout& layout;
+  const std::vector<int>& body_of_cell;  ///< per local cell
+};
+
+/// `tied`: surfaces that constraints tie; their facets, and those around their rims, never see each other. What is
+/// wrong stands in `selections` afterwards. The config outlives the result. Collective.
+std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config,
+                                                     const std::vector<std::array<Selection, 2>>& tied,
+                                                     const LayoutOfBodies& bodies, Selections& selections);
 
 }  // namespace pliant

@@ -221,8 +221,8 @@ INSTANTIATE_TEST_SUITE_P(
     Constraints, BadInput,
     ::testing::Values(
         Bad{3, "constraints: [@{surface: a}]",
-            "one of displacement, symmetry, normal_displacement, displacement_along, periodic_with, rigid, equation is "
-            "needed in constraints[0]"},
+            "one of displacement, symmetry, normal_displacement, displacement_along, periodic_with, tied_to, rigid, "
+            "equation is needed in constraints[0]"},
         Bad{3, "constraints: [{surface: a, symmetry: @true}]", "'symmetry' must be 'plane', not 'true'"},
         Bad{3, "constraints: [{surface: a, symmetry: plane, @normal_displacement: 0}]",
             "only one of symmetry, normal_displacement can be given"},
@@ -232,6 +232,10 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{3, "constraints: [{surface: a, symmetry: plane, @direction: [0, 0, 1]}]",
             "'direction' can only be given with 'displacement_along'"},
         Bad{3, "constraints: [@{periodic_with: a}]", "is needed in constraints[0] with 'periodic_with'"},
+        Bad{3, "constraints: [@{tied_to: a}]", "is needed in constraints[0] with 'tied_to'"},
+        Bad{3, "constraints: [{surface: b, tied_to: a, tolerance: @0 mm}]", "'tolerance' must be > 0 [m], not '0 mm'"},
+        Bad{3, "constraints: [{surface: b, symmetry: plane, @tolerance: 1 mm}]",
+            "'tolerance' can only be given with 'tied_to'"},
         Bad{3, "constraints: [{surface: b, periodic_with: a, difference: [0, @x, 0]}]",
             "'difference[1]' cannot depend on the position x, y, z; it is a function of t"},
         Bad{3, "constraints: [{surface: a, rigid: {rotation: @none}}]", "'rotation' must be"},

@@ -67,6 +67,7 @@ constraints:
   - {box: [[0, 0, 0], [1, 1, 1]], rigid: {translation: [1 mm, 0, 0], rotation: fixed}}
   - {equation: [{point: a, component: x}, {surface: b, component: z, coefficient: -0.5}], value: "t^2"}
   - {equation: [{volume: a, component: x}, {curve: b, component: y}, {box: [[0, 0, 0], [1, 1, 1]], component: z}, {where: "x > 1", component: z}]}
+  - {surface: foot, tied_to: floor, tolerance: 2 mm}
 loads:
   - {gravity: [0, 0, -9.81 m/s^2]}
   - {gravity: ["sin(t)", 0, 0], volume: beam}
@@ -204,7 +205,7 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_EQ(rayleigh.rate, StrainRate::secant);
   EXPECT_EQ(std::get<MassProportional>(c.bodies[1].viscosity[3].law).decay_rate, 2);
   EXPECT_EQ(c.bodies[1].viscosity[3].where.line, c.bodies[1].viscosity[0].where.line + 3);
-  ASSERT_EQ(c.constraints.size(), 14u);
+  ASSERT_EQ(c.constraints.size(), 15u);
   const auto given = [&](std::size_t i) {
     return std::get<ConstraintConfig::Displacement>(c.constraints.at(i).kind).value;
   };
@@ -225,6 +226,9 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_EQ(periodic.partner.name, "left");
   EXPECT_FALSE(periodic.difference[1]);
   EXPECT_EQ((*periodic.difference[2])(0, 0, 0, 3), 3);
+  const auto& tied = std::get<ConstraintConfig::Tied>(c.constraints.back().kind);
+  EXPECT_EQ(tied.partner.name, "floor");
+  EXPECT_EQ(tied.tolerance, 2e-3);
   const auto& grip = std::get<ConstraintConfig::Rigid>(c.constraints[10].kind);
   EXPECT_FALSE(grip.translation[1]);
   const auto& turn = std::get<RotationConfig::AboutAxis>(grip.rotation.kind);
@@ -248,7 +252,7 @@ TEST(Input, EveryValueArrivesInSI) {
   const VectorExpression& traction = std::get<L::Traction>(c.loads[2].kind).value;
   EXPECT_EQ(traction[1](0, 0, 0, 0), 2000);
   EXPECT_TRUE(traction[2].depends_on_time());
-  EXPECT_EQ(c.loads[2].where.line, 42);
+  EXPECT_EQ(c.loads[2].where.line, 43);
   EXPECT_EQ(c.loads[3].part.kind, Selection::Kind::box);
   EXPECT_EQ(std::get<L::Traction>(c.loads[3].kind).value[2](0, 0, 0, 0), 1.0 / 3.0);
   EXPECT_EQ(c.loads[5].part.name, "inside");
@@ -280,7 +284,7 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_EQ(c.initial.velocity[1](0, 2, 0, 0), -2);
   EXPECT_DOUBLE_EQ(c.initial.velocity[2](0, 0, 0, 0), 3 / 3.6);
   EXPECT_EQ(method_name(c.time.method), "bdf2");
-  EXPECT_EQ(c.time.method.where.line, 54);
+  EXPECT_EQ(c.time.method.where.line, 55);
   EXPECT_EQ(c.time.min_step, 1e-6);
   EXPECT_EQ(c.solver.linear, LinearSolver::cholesky);
   EXPECT_EQ(c.solver.newton.absolute, 1e-3);

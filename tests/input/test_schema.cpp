@@ -146,7 +146,8 @@ const std::vector<std::string> good_lines{
     "loads: [{force_density: [0, 0, 1 N/m^3]}, {curve: c, line_force: [0, t, 1]}, {point: p, force: [0, 1 N, 0]}, "
     "{surface: s, force: [1, 1, 1]}, {volume: v, force_density: [1, 0, 0]}]",
     "constraints: [{surface: a, symmetry: plane}, {where: x, normal_displacement: \"t\"}, {point: a, "
-    "displacement_along: 1, direction: [1, 0, 0]}, {surface: a, periodic_with: b, difference: [free, 0, 0]}]",
+    "displacement_along: 1, direction: [1, 0, 0]}, {surface: a, periodic_with: b, difference: [free, 0, 0]}, "
+    "{surface: a, tied_to: b, tolerance: 1 mm}]",
     "constraints: [{surface: a, rigid: {}}, {point: a, rigid: {translation: [0, free, \"t\"], rotation: {axis: [0, 0, "
     "1], angle: 90 degree}}}, {equation: [{point: a, component: x}, {point: b, component: y, coefficient: 2}]}]",
     viscous("{model: kelvin-voigt, shear: 20 Pa*s}"),

@@ -155,7 +155,7 @@ def names_in(tree, names):
             names_in(entry, names)
     elif isinstance(tree, dict):
         for key, value in tree.items():
-            kind = "surface" if key in ("periodic_with", "with") else key
+            kind = "surface" if key in ("periodic_with", "tied_to", "with") else key
             if key == "exclude":
                 names_in([{"surface": name} for pair in value for name in pair], names)
             if kind in names and isinstance(value, str):

@@ -234,6 +234,16 @@ class Verification(ProgramTest):
         # The published components make this a norm of 0.4426818930 m, too.
         self.row("norm of all displacements", "0.44268188785 m", np.linalg.norm(u), 2e-8)
 
+    def test_tied_cube(self):
+        # The law is nonlinear, by a part of the strain: 1e-7.
+        for settings, element in (((), "P1"), (("element=P2",), "P2")):
+            h = self.history("tied_cube", *settings)
+            self.about("tied_cube", f"as given, {element}", 14)
+            u = 1e6 * np.array([h[f"corner_{axis}"][-1] - 1 for axis in "xyz"])
+            self.row("u_x(1, 1, 1) for p = 100", "0.0277778 m", u[0], 2e-6)
+            self.row("u_y(1, 1, 1) for p = 100", "0.0277778 m", u[1], 2e-6)
+            self.row("u_z(1, 1, 1) for p = 100", "-0.1111111 m", u[2], 2e-6)
+
     def test_beam_theory(self):
         h = self.history("slender_beam")
         self.about("slender_beam", "as given", 7)

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <unordered_map>
-#include <unordered_set>
 
 namespace pliant {
 namespace {
@@ -17,6 +15,8 @@ constexpr double cancellation = 1e-12;
 constexpr double agreement = 1e-9;
 /// A coefficient nearly as large as the largest may be the pivot if it comes first.
 constexpr double nearly = 0.999;
+/// A preferred pivot has at least this fraction of the largest coefficient.
+constexpr double not_small = 0.1;
 
 /// sum of c_k q_k - given, while slaves are substituted.
 struct Row {
@@ -49,120 +49,113 @@ struct Row {
   }
 };
 
-class Eliminator {
- public:
-  Eliminator(std::span<const GivenDisplacement> given, std::span<const double> times) : given_(given), times_(times) {}
-
-  void add(const LinearConstraint& constraint) {
-    Row row;
-    row.add(-1.0, constraint.given);
-    std::size_t implied_by = constraint.source;
-    for (const ConstraintEntry& e : constraint.entries) {
-      const auto slave = slave_of_.find(e.entry);
-      if (slave == slave_of_.end()) {
-        row.add(1.0, std::span(&e, 1));
-      } else {
-        const Slave& known = result_.slaves[slave->second];
-        row.add(e.coefficient, known.masters);
-        row.add(e.coefficient, known.given);
-        implied_by = known.source;
-      }
-    }
-    row.drop_rounding();
-    if (row.entries.empty()) {
-      if (!vanishes(row.given)) result_.conflicts.emplace_back(implied_by, constraint.source);
-      return;
-    }
-    const PetscInt pivot = choose_pivot(row, constraint);
-    const double factor = -1.0 / row.entries.at(pivot).first;
-    Slave slave{pivot, {}, {}, constraint.source};
-    for (const auto& [entry, coefficient] : row.entries) {
-      if (entry != pivot) slave.masters.push_back({entry, factor * coefficient.first});
-    }
-    slave.given = std::move(row.given);
-    for (GivenTerm& term : slave.given) term.weight *= factor;
-    put_into_others(slave);
-    for (const auto& master : slave.masters) slaves_of_[master.entry].insert(result_.slaves.size());
-    slave_of_[pivot] = result_.slaves.size();
-    result_.slaves.push_back(std::move(slave));
+/// In the order in which the constraint lists its entries, then any others.
+PetscInt choose_pivot(const Row& row, const LinearConstraint& constraint, std::optional<PetscInt> preferred) {
+  double largest = 0.0;
+  for (const auto& e : row.entries) largest = std::max(largest, std::abs(e.second.first));
+  const auto exceeds = [&](PetscInt entry, double fraction) {
+    const auto found = row.entries.find(entry);
+    return found != row.entries.end() && std::abs(found->second.first) >= fraction * largest;
+  };
+  if (preferred && exceeds(*preferred, not_small)) return *preferred;
+  for (const auto& e : constraint.entries) {
+    if (exceeds(e.entry, nearly)) return e.entry;
   }
-
-  Elimination take() { return std::move(result_); }
-
- private:
-  bool vanishes(const std::vector<GivenTerm>& terms) const {
-    return std::ranges::all_of(times_, [&](double t) {
-      double sum = 0.0, size = 0.0;
-      for (const GivenTerm& term : terms) {
-        const double u = term.weight * given_[term.source](term.component, term.X, t);
-        sum += u;
-        size += std::abs(u);
-      }
-      return std::abs(sum) <= agreement * size;
-    });
-  }
-
-  /// In the order in which the constraint lists its entries, then any others.
-  static PetscInt choose_pivot(const Row& row, const LinearConstraint& constraint) {
-    double largest = 0.0;
-    for (const auto& e : row.entries) largest = std::max(largest, std::abs(e.second.first));
-    const auto is_large = [&](PetscInt entry) {
-      const auto found = row.entries.find(entry);
-      return found != row.entries.end() && std::abs(found->second.first) >= nearly * largest;
-    };
-    for (const auto& e : constraint.entries) {
-      if (is_large(e.entry)) return e.entry;
-    }
-    return std::ranges::find_if(row.entries, [&](const auto& e) { return is_large(e.first); })->first;
-  }
-
-  /// In slaves that have the new slave as a master, replaces it by its own masters.
-  void put_into_others(const Slave& slave) {
-    const auto followers = slaves_of_.find(slave.entry);
-    if (followers == slaves_of_.end()) return;
-    for (const std::size_t s : followers->second) {
-      Slave& other = result_.slaves[s];
-      Row row;
-      double coefficient = 0.0;
-      for (const ConstraintEntry& master : other.masters) {
-        if (master.entry == slave.entry) {
-          coefficient = master.coefficient;
-        } else {
-          row.add(1.0, std::span(&master, 1));
-        }
-      }
-      row.add(1.0, other.given);
-      row.add(coefficient, slave.masters);
-      row.add(coefficient, slave.given);
-      row.drop_rounding();
-      other.masters.clear();
-      for (const auto& [entry, c] : row.entries) {
-        other.masters.push_back({entry, c.first});
-        slaves_of_[entry].insert(s);
-      }
-      other.given = std::move(row.given);
-    }
-    slaves_of_.erase(slave.entry);
-  }
-
-  std::span<const GivenDisplacement> given_;
-  std::span<const double> times_;
-  Elimination result_;
-  std::unordered_map<PetscInt, std::size_t> slave_of_;                       // by entry
-  std::unordered_map<PetscInt, std::unordered_set<std::size_t>> slaves_of_;  // by master
-};
+  return std::ranges::find_if(row.entries, [&](const auto& e) { return exceeds(e.first, nearly); })->first;
+}
 
 }  // namespace
+
+void Eliminator::add(const LinearConstraint& constraint, std::optional<PetscInt> preferred) {
+  Row row;
+  row.add(-1.0, constraint.given);
+  std::size_t implied_by = constraint.source;
+  for (const ConstraintEntry& e : constraint.entries) {
+    const Slave* known = find(e.entry);
+    if (known == nullptr) {
+      row.add(1.0, std::span(&e, 1));
+    } else {
+      row.add(e.coefficient, known->masters);
+      row.add(e.coefficient, known->given);
+      implied_by = known->source;
+    }
+  }
+  row.drop_rounding();
+  if (row.entries.empty()) {
+    if (!vanishes(row.given)) result_.conflicts.emplace_back(implied_by, constraint.source);
+    return;
+  }
+  const PetscInt pivot = choose_pivot(row, constraint, preferred);
+  const double factor = -1.0 / row.entries.at(pivot).first;
+  Slave slave{pivot, {}, {}, constraint.source};
+  for (const auto& [entry, coefficient] : row.entries) {
+    if (entry != pivot) slave.masters.push_back({entry, factor * coefficient.first});
+  }
+  slave.given = std::move(row.given);
+  for (GivenTerm& term : slave.given) term.weight *= factor;
+  put_into_others(slave);
+  for (const auto& master : slave.masters) slaves_of_[master.entry].insert(result_.slaves.size());
+  slave_of_[pivot] = result_.slaves.size();
+  result_.slaves.push_back(std::move(slave));
+}
+
+const Slave* Eliminator::find(PetscInt entry) const {
+  const auto found = slave_of_.find(entry);
+  return found == slave_of_.end() ? nullptr : &result_.slaves[found->second];
+}
+
+Elimination Eliminator::take() && {
+  std::ranges::sort(result_.conflicts);
+  const auto repeated = std::ranges::unique(result_.conflicts);
+  result_.conflicts.erase(repeated.begin(), repeated.end());
+  return std::move(result_);
+}
+
+bool Eliminator::vanishes(const std::vector<GivenTerm>& terms) const {
+  return std::ranges::all_of(times_, [&](double t) {
+    double sum = 0.0, size = 0.0;
+    for (const GivenTerm& term : terms) {
+      const double u = term.weight * given_[term.source](term.component, term.X, t);
+      sum += u;
+      size += std::abs(u);
+    }
+    return std::abs(sum) <= agreement * size;
+  });
+}
+
+void Eliminator::put_into_others(const Slave& slave) {
+  const auto followers = slaves_of_.find(slave.entry);
+  if (followers == slaves_of_.end()) return;
+  for (const std::size_t s : followers->second) {
+    Slave& other = result_.slaves[s];
+    Row row;
+    double coefficient = 0.0;
+    for (const ConstraintEntry& master : other.masters) {
+      if (master.entry == slave.entry) {
+        coefficient = master.coefficient;
+      } else {
+        row.add(1.0, std::span(&master, 1));
+      }
+    }
+    row.add(1.0, other.given);
+    row.add(coefficient, slave.masters);
+    row.add(coefficient, slave.given);
+    row.drop_rounding();
+    other.masters.clear();
+    for (const auto& [entry, c] : row.entries) {
+      other.masters.push_back({entry, c.first});
+      slaves_of_[entry].insert(s);
+    }
+    other.given = std::move(row.given);
+  }
+  slaves_of_.erase(slave.entry);
+}
 
 Elimination eliminate(std::span<const LinearConstraint> constraints, std::span<const GivenDisplacement> given,
                       std::span<const double> times) {
   Eliminator eliminator(given, times);
   for (const LinearConstraint& constraint : constraints) eliminator.add(constraint);
-  Elimination result = eliminator.take();
-  std::ranges::sort(result.conflicts);
-  const auto repeated = std::ranges::unique(result.conflicts);
-  result.conflicts.erase(repeated.begin(), repeated.end());
-  return result;
+  return std::move(eliminator).take();
 }
 
 std::vector<LinearConstraint> gathered(MPI_Comm comm, std::span<const LinearConstraint> mine) {

@@ -5,7 +5,10 @@
 #include "energy/given_motion.hpp"
 #include "petsc/handle.hpp"
 
+#include <optional>
 #include <span>
+#include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -47,9 +50,34 @@ struct Elimination {
   std::vector<std::pair<std::size_t, std::size_t>> conflicts;
 };
 
-/// Gaussian elimination: the slave of each constraint is the entry with the largest coefficient (the first of several)
-/// after substituting the earlier constraints. A constraint that the earlier ones imply gives no slave; one that
-/// conflicts with them at one of the `times` is reported. Chains of any length are resolved. Not collective.
+/// Gaussian elimination, constraint by constraint: the slave of each constraint is the entry with the largest
+/// coefficient (the first of several) after substituting the earlier constraints. A constraint that the earlier ones
+/// imply gives no slave; one that conflicts with them at one of the `times` is reported. Chains of any length are
+/// resolved. Not collective.
+class Eliminator {
+ public:
+  /// Both outlive the object.
+  Eliminator(std::span<const GivenDisplacement> given, std::span<const double> times) : given_(given), times_(times) {}
+
+  /// `slave`: preferred as the slave wherever its coefficient is not small.
+  void add(const LinearConstraint& constraint, std::optional<PetscInt> slave = std::nullopt);
+  /// The entry as a slave of the constraints so far; nullptr if it is none. Valid until the next `add`.
+  const Slave* find(PetscInt entry) const;
+  Elimination take() &&;
+
+ private:
+  bool vanishes(const std::vector<GivenTerm>& terms) const;
+  /// In slaves that have the new slave as a master, replaces it by its own masters.
+  void put_into_others(const Slave& slave);
+
+  std::span<const GivenDisplacement> given_;
+  std::span<const double> times_;
+  Elimination result_;
+  std::unordered_map<PetscInt, std::size_t> slave_of_;                       // by entry
+  std::unordered_map<PetscInt, std::unordered_set<std::size_t>> slaves_of_;  // by master
+};
+
+/// The elimination of all of them, in this order. Not collective.
 Elimination eliminate(std::span<const LinearConstraint> constraints, std::span<const GivenDisplacement> given,
                       std::span<const double> times);
 

@@ -120,6 +120,13 @@ Section<ConstraintConfig> constraint_keys() {
                        &C::Periodic::difference)
                   .otherwise("[0, 0, 0]")
                   .only_with({{"periodic_with"}}),
+              choosing_field(kind, "tied_to", selection(SelectionKind::surface),
+                             "tie to a surface whose mesh need not match (mesh tying): the nodes follow its facets",
+                             &C::Tied::partner),
+              field_of(kind, "tolerance", quantity("m", Range::above(0.0)),
+                       "with tied_to: nodes that are farther from that surface stay free", &C::Tied::tolerance)
+                  .otherwise_in_words("a tenth of the mean edge of the surface with the longer edges")
+                  .only_with({{"tied_to"}}),
               choosing_field(kind, "rigid", map_of(rigid_keys()),
                              "the nodes move as a rigid body, with rotations of any size (kinematic coupling, RBE2)"),
               choosing_field(kind, "equation", list_of(map_of(term_keys()), 1),
@@ -129,8 +136,8 @@ Section<ConstraintConfig> constraint_keys() {
                   .otherwise_in_words("0")
                   .only_with({{"equation"}}),
           },
-          {{{"displacement", "symmetry", "normal_displacement", "displacement_along", "periodic_with", "rigid",
-             "equation"}},
+          {{{"displacement", "symmetry", "normal_displacement", "displacement_along", "periodic_with", "tied_to",
+             "rigid", "equation"}},
            {{"surface", "volume", "curve", "point", "box", "where"},
             Need::exactly_one,
             {{"displacement"},
@@ -138,7 +145,8 @@ Section<ConstraintConfig> constraint_keys() {
              {"rigid"},
              {"symmetry"},
              {"normal_displacement"},
-             {"periodic_with"}}}},
+             {"periodic_with"},
+             {"tied_to"}}}},
           &C::where};
 }
 

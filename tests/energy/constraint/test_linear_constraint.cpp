@@ -57,6 +57,21 @@ TEST(Elimination, FulfilsEveryConstraintOfAChain) {
   }
 }
 
+TEST(Elimination, TakesThePreferredSlaveUnlessItsCoefficientIsSmall) {
+  const std::vector<GivenDisplacement> given{along_x("0")};
+  for (const auto& [coefficient, slave] : {std::pair{0.5, 0}, {0.01, 1}}) {
+    Eliminator eliminator(given, times);
+    eliminator.add({{{0, coefficient}, {1, -1.2}, {2, 0.3}}, {}, 0}, 0);
+    ASSERT_NE(eliminator.find(slave), nullptr);
+    EXPECT_EQ(eliminator.find(1 - slave), nullptr);
+    const Elimination result = std::move(eliminator).take();
+    ASSERT_EQ(result.slaves.size(), 1u);
+    const double left = coefficient * value(result, given, 0, y, 0.0) - 1.2 * value(result, given, 1, y, 0.0) +
+                        0.3 * value(result, given, 2, y, 0.0);
+    EXPECT_NEAR(left, 0.0, 1e-14);
+  }
+}
+
 // The corner of a cell that is periodic in two directions is reached on two ways.
 TEST(Elimination, DropsWhatIsImplied) {
   const std::vector<GivenDisplacement> given{along_x("t"), along_x("3*t")};
