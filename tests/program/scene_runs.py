@@ -120,15 +120,21 @@ def run_scene(seed, directory, ranks=None, time_limit=TIME_LIMIT):
         return outcome
     outcome.seconds = time.monotonic() - begin
     (directory / "log").write_text(done.stdout + done.stderr, encoding="utf-8")
+    check_run(scene, directory, done, outcome)
+    return outcome
+
+
+def check_run(scene, directory, done, outcome):
+    """Adds to an outcome what a completed process left."""
     if scene.is_refused:
         if done.returncode != 2 or "stiffly accurate" not in done.stderr:
             outcome.problems.append(f"the method is not refused (exit code {done.returncode})")
-        return outcome
+        return
     if done.returncode != 0:
         reason = next((line for line in done.stderr.splitlines()[::-1] if "error" in line), done.stderr[-300:])
         outcome.problems.append(f"exit code {done.returncode}: {reason}")
     if not (directory / "out/history.csv").exists():
-        return outcome
+        return
     history = read_history(directory / "out")
     outcome.accepted = len(history["step"]) - 1
     if outcome.accepted > 0:
@@ -138,7 +144,6 @@ def run_scene(seed, directory, ranks=None, time_limit=TIME_LIMIT):
     if summary.exists():
         outcome.halved = json.loads(summary.read_text())["steps"]["failed"]
     outcome.problems += check_history(scene, history, outcome) + check_frames(scene, directory / "out", history)
-    return outcome
 
 
 def run_kept(seed, options):

@@ -21,6 +21,7 @@ METHODS = {"backward-euler": 4, "bdf2": 6, "dirk22": 4, "dirk33": 3, "bdf3": 2, 
 REFUSED = ("implicit-midpoint", "dirk23", "symplectic-dirk22")  # not stiffly accurate
 LAWS = {"neo-hookean": 6, "neo-hookean-isochoric": 1, "stable-neo-hookean": 2, "mooney-rivlin": 1, "gent": 1, "fixed-corotated": 1,
         "linear": 1, "saint-venant-kirchhoff": 1}
+LAWS_WITH_VOLUME = {"neo-hookean": 4, "neo-hookean-isochoric": 1, "mooney-rivlin": 1, "gent": 1}  # those with a volumetric part
 SHAPES = {"box": 4, "plate": 4, "rod": 3, "bracket": 2, "tetrahedron": 2, "ball": 2, "drum": 2}  # of the writer below
 SOLIDS = {"Box": 3, "Sphere": 3, "Cylinder": 3, "Cone": 2, "Torus": 1, "Wedge": 2}  # of gmsh
 
@@ -53,7 +54,7 @@ class Body:
     corners: np.ndarray  # shape (points, 3); all of the body lies between them
     size: float = 1.0
     cells: np.ndarray = None  # None: gmsh makes them
-    solid: str = ""  # for gmsh
+    solid: tuple = ()  # for gmsh: its kind and parameters
     rotation: np.ndarray = dataclasses.field(default_factory=lambda: np.eye(3))
     axis_angle: tuple = ((0, 0, 1), 0.0)
     place: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros(3))
@@ -152,7 +153,7 @@ def make_bodies(seed, is_of_gmsh):
         if is_of_gmsh:
             kind = rng.of(SOLIDS)
             parameters, (low, high) = solid(rng, kind)
-            body = Body(f"b{k}", np.array(list(itertools.product(*zip(low, high)))), solid=kind + "({}) = " + parameters)
+            body = Body(f"b{k}", np.array(list(itertools.product(*zip(low, high)))), solid=(kind, parameters))
         else:
             points, cells = grid(rng, rng.of(SHAPES))
             body = Body(f"b{k}", points, cells=cells)
@@ -167,26 +168,19 @@ def make_bodies(seed, is_of_gmsh):
 
 
 def place_bodies(seed, bodies):
-    """Apart: as a heap, or around the origin. Returns the least distance along an axis."""
+    """Apart, but close to one another: as a heap, or around the origin. Returns the least distance along an axis."""
     rng = Stream(seed, "places")
     gap = rng.logarithmic(0.005, 0.1) * min(body.size for body in bodies)
-    if rng.chance(0.3):
-        top = 0.0
-        for body in bodies:
-            body.place = np.array([rng.uniform(-0.3, 0.3) * body.size, rng.uniform(-0.3, 0.3) * body.size, 0.0])
-            body.place[2] = top + gap - body.bounds()[0][2]
-            top = body.bounds()[1][2]
-        return gap
-    placed, radius = [], 0.0
-    for body in bodies:
-        for _ in range(10000):
-            body.place = radius * rng.random() * rng.direction()
-            low, high = body.bounds()
-            if all((low - other.bounds()[1] > gap).any() or (other.bounds()[0] - high > gap).any() for other in placed):
-                break
-            radius += 0.01 * body.size
-        placed.append(body)
+    is_heap = rng.chance(0.3)
+    for k, body in enumerate(bodies[1:], 1):
+        way = np.array([rng.uniform(-0.2, 0.2), rng.uniform(-0.2, 0.2), 1.0]) if is_heap else rng.direction()
+        while any(overlap(body.bounds(), other.bounds(), gap) for other in bodies[:k]):
+            body.place = body.place + 0.02 * body.size * way
     return gap
+
+
+def overlap(first, second, gap):
+    return bool((first[0] < second[1] + gap).all() and (second[0] < first[1] + gap).all())
 
 
 # Files.
@@ -218,7 +212,8 @@ def write_geometry(path, bodies, fineness):
     lines = ['SetFactory("OpenCASCADE");']
     for tag, body in enumerate(bodies, 1):
         (axis, angle), place = body.axis_angle, body.place.tolist()
-        lines += [body.solid.format(tag) + ";",
+        kind, parameters = body.solid
+        lines += [f"{kind}({tag}) = {parameters};",
                   f"Dilate {{{{0, 0, 0}}, {body.size}}} {{ Volume{{{tag}}}; }}",
                   f"Rotate {{{{{', '.join(map(str, axis))}}}, {{0, 0, 0}}, {angle}}} {{ Volume{{{tag}}}; }}",
                   f"Translate {{{', '.join(map(str, place))}}} {{ Volume{{{tag}}}; }}",
@@ -237,8 +232,8 @@ def within(body, part=1.0):
     return " && ".join(f"{c} > {a - margin} && {c} < {b + margin}" for c, a, b in zip("xyz", low, high))
 
 
-def elasticity(rng, young, poisson):
-    model = rng.of(LAWS)
+def elasticity(rng, laws, young, poisson):
+    model = rng.of(laws)
     mu, kappa = young / (2 * (1 + poisson)), young / (3 * (1 - 2 * poisson))
     if model == "mooney-rivlin":
         return {"model": model, "c10": 0.4 * mu, "c01": 0.1 * mu, "bulk_modulus": kappa}
@@ -247,15 +242,17 @@ def elasticity(rng, young, poisson):
     return {"model": model, "youngs_modulus": young, "poissons_ratio": poisson}
 
 
-def materials(seed, bodies, step):
+def materials(seed, bodies, step, volumetric):
     rng = Stream(seed, "materials")
     entries = []
     one_for_all = rng.chance(0.3)
     for body in bodies:
         young, poisson = rng.logarithmic(1e4, 1e9), rng.choice((0, 0.3, 0.4, 0.45, 0.49))
-        entry = {"volume": body.name, "density": round(rng.logarithmic(300, 8000)), "elasticity": elasticity(rng, young, poisson)}
+        entry = {"volume": body.name, "density": round(rng.logarithmic(300, 8000)), "elasticity": elasticity(rng, LAWS if volumetric == "standard" else LAWS_WITH_VOLUME, young, poisson)}
         if rng.chance(0.2):
-            entry["viscosity"] = [{"model": "stiffness-proportional", "time": rng.logarithmic(0.01, 1) * step}]
+            time = rng.logarithmic(0.01, 1) * step
+            entry["viscosity"] = [{"model": "stiffness-proportional", "time": time} if volumetric == "standard" else
+                                  {"model": "kelvin-voigt", "shear": 0.3 * young * time}]
         if one_for_all and entries:
             entry = {**entries[0], "volume": body.name}
         entries.append(entry)
@@ -300,6 +297,7 @@ def obstacle(seed, bodies, gap):
     rng = Stream(seed, "obstacle")
     low = np.min([body.bounds()[0] for body in bodies], axis=0)
     high = np.max([body.bounds()[1] for body in bodies], axis=0)
+    gap = max(gap, 0.05 * max(body.size for body in bodies))  # beyond the width of the barrier
     kind = rng.of({"none": 5, "floor": 3, "rising": 1, "vessel": 1})
     if kind == "none":
         return None
@@ -362,11 +360,12 @@ def write_scene(seed, directory):
     is_static = method == "quasistatic"
     step, num_steps = rng.logarithmic(1e-3, 25e-3), rng.randint(10, 20)
     element = "P2" if rng.chance(0.3) else "P1"
+    volumetric = rng.choice(("standard", "standard", "mean-dilatation", "mixed")) if element == "P2" else "standard"
     bodies = make_bodies(seed, is_of_gmsh)
     gap = place_bodies(seed, bodies)
-    motions = velocities(seed, bodies, 5 * gap / (step * num_steps))  # to meet in time
+    motions = velocities(seed, bodies, bodies[0].size / (step * num_steps))  # to meet in time
     held = constraints(seed, bodies, motions, is_static)
-    entries = materials(seed, bodies, step)
+    entries = materials(seed, bodies, step, volumetric)
     contact, touching, thickness = contact_between(seed, [body.name for body in bodies], gap)
     around = None if is_static or any("displacement" in entry for entry in held) else obstacle(seed, bodies, gap)
     loads = [{"gravity": [0, 0, -9.81]}] if not is_static and rng.chance(0.7 if around else 0.1) else []
@@ -381,6 +380,7 @@ def write_scene(seed, directory):
     scene = {
         "mesh": {"file": "scene.geo" if is_of_gmsh else "scene.msh"},
         "element": element,
+        "volumetric": volumetric,
         "bodies": entries,
         "constraints": held,
         "loads": loads,
@@ -389,8 +389,6 @@ def write_scene(seed, directory):
         "time": {"method": method, "step": step, "end": step * num_steps},
         "output": {"fields": ["displacement", "velocity"]},
     }
-    if element == "P2" and rng.chance(0.5):
-        scene["volumetric"] = rng.choice(("mean-dilatation", "mixed"))
     text = "".join(f"{key}: {json.dumps(value)}\n" for key, value in scene.items() if value)
     (directory / "scene.yaml").write_text(f"# Seed {seed}\n{text}", encoding="ascii")
     is_free = not around and not held and not loads
