@@ -80,7 +80,8 @@ class PairCoupling {
   /// Whether two patches with these tags may couple at all; symmetric. Asked once for any two tags, of which there are
   /// to be few: those of bodies, not of patches.
   virtual bool may_couple(int tag, int other) const = 0;
-  /// A configuration beside the q of a call whose pairs the term needs too (LocalStage::near_frozen); empty: none.
+  /// A configuration in addition to the q of a call whose pairs the term needs too (LocalStage::near_frozen); empty:
+  /// none.
   virtual std::span<const double> frozen_place(const LocalStage& /*stage*/, std::span<const double> /*q*/) const {
     return {};
   }

@@ -188,6 +188,25 @@ Mesh.MeshSizeMax = 0.7;
             self.assertLess(np.ptp(h[name]), 1e-8 * abs(h["pz"][0]))
         self.assertLess(h["kinetic_energy"][-1] + h["elastic_energy"][-1], h["kinetic_energy"][0] * (1 + 1e-9))
 
+    def test_a_block_slides_down_a_slab_as_coulomb_says(self):
+        """On a slope of 1/2: the block starts at a velocity that friction keeps or takes away."""
+        self.write("blocks.geo", GEOMETRY % "1.005")
+        for friction, ranks in ((0.45, 2), (0.55, 1)):
+            for update in ("iterated", "frozen"):
+                with self.subTest(friction=friction, update=update):
+                    text = two_blocks(f"law: barrier, friction_update: {update}, stick_velocity: 0.1 mm/s, "
+                                      f"pairs: [{{name: grip, surface: block, with: base, friction: {friction}}}]",
+                                      "method: bdf2, step: 2 ms, end: 0.08", young="1e7", velocity='["0.2*(z > 11e-3)", 0, 0]')
+                    text = text.replace(f"[0, 0, {-G}]", f"[{G / 5**0.5}, 0, {-2 * G / 5**0.5}]")
+                    h = self.run_input(self.write("slope.yaml", text), output="slope", ranks=ranks)
+                    # Whatever the block does: while it slides, friction is in proportion to the pressure.
+                    tolerance = 2e-3 if update == "iterated" else 0.1  # at the start of a step, which misses a part of impacts
+                    np.testing.assert_allclose(h["grip_jx"][-1], -friction * h["grip_jz"][-1], rtol=tolerance)
+                    weight = 1000 * 8e-6 * 2 * G / 5**0.5
+                    np.testing.assert_allclose(h["grip_jz"][-1], weight * h["time"][-1], rtol=0.15)  # it bounces
+                    self.assertGreater(h["dissipated_friction"][-1], 0)
+                    self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-7 * h["dissipated_friction"][-1])
+
     def test_messages(self):
         touching = self.write("touching.geo", GEOMETRY % "1")
         within = self.write("within.geo", GEOMETRY % "0.3")

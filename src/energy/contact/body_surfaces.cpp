@@ -95,7 +95,8 @@ BodySurfaces::BodySurfaces(const NodeLayout& layout, const FacetList& facets, st
     patches_.nodes.insert(patches_.nodes.end(), nodes.begin(), nodes.end());
     patches_.keys.push_back(place - triangles.begin());
     patches_.tags.push_back(sides[facet].set);
-    patches_.is_owned.push_back(facets.is_owned[facet]);
+    // Not by the rank of the facet, which may have none of its nodes, and does not list it then.
+    patches_.is_owned.push_back(is_mine(nodes[0]));
   });
 }
 

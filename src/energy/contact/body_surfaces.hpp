@@ -29,7 +29,7 @@ class BodySurfaces {
 
   const CollisionSurface& surface() const { return surface_; }
   /// The triangles with a node of this rank: nodes in the order of their vertices, keys are their numbers, tags their
-  /// sets. A triangle is owned by the rank of its facet.
+  /// sets. A triangle is owned by the rank of its first node.
   const Patches& patches() const { return patches_; }
 
   /// Whether the triangle stands for its k-th vertex or edge: it is the first of its set that has it. What is near one

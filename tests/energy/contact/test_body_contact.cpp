@@ -6,6 +6,8 @@
 
 #include <optional>
 
+#include <fmt/format.h>
+
 namespace pliant::test_body_contact {
 namespace {
 
@@ -147,6 +149,23 @@ TEST_P(BodyContactOf, NumbersAreThoseOfOneRank) {
         EXPECT_EQ(here[i], there[i]);
       }
     }
+  }
+}
+
+// A rank is asked for the triangles that it owns: they are among those that it lists, each on one rank, even where all
+// nodes of a facet belong to another rank than its cell.
+TEST_P(BodyContactOf, EveryTriangleIsOwnedOnce) {
+  for (const int cubes : {3, 7}) {
+    const std::string file = scratch_.file(fmt::format("more{}.msh", cubes), [&](const std::string& f) {
+      test::write_body(f, {1, test::Shape::jittered, cubes});
+    });
+    const Solid solid(comm, file, GetParam(), 0);
+    const auto surfaces = test::surfaces_of(solid, between);
+    const Patches& patches = surfaces->patches();
+    std::vector<double> owners(surfaces->surface().triangles().size(), 0.0);
+    for (std::size_t n = 0; n < patches.size(); ++n) owners[patches.keys[n]] += patches.is_owned[n] != 0 ? 1.0 : 0.0;
+    sum_in_place(comm, owners);
+    EXPECT_EQ(std::ranges::count(owners, 1.0), static_cast<std::ptrdiff_t>(owners.size())) << cubes;
   }
 }
 
