@@ -45,6 +45,8 @@ class StageEquation {
   /// that exceed it refreeze too, until the next call of `freeze`. A stage is solved when its solution equals the q of
   /// the last call.
   virtual bool refreeze(Vec /*q*/) { return false; }
+  /// f(q) of the terms that refreeze, with coefficients frozen at `at` [N]; leaves them frozen there.
+  virtual void drag(Vec /*q*/, Vec /*at*/, Vec f) { check(VecZeroEntries(f)); }
 
   /// Sets the prescribed motion (Dirichlet boundary conditions), except for prescribed entries of q, to a fraction
   /// between the accepted state (0) and the end of the stage (1), where it is after `enter`.

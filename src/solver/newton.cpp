@@ -1,22 +1,10 @@
 #include "solver/newton.hpp"
 
-#include "solver/fixed_point.hpp"
-
 #include <algorithm>
 
 #include <fmt/format.h>
 
 namespace pliant {
-namespace {
-
-/// Most solves of a stage with coefficients that are frozen again.
-constexpr int max_refreezes = 60;
-/// Fraction of the distance to a wall up to which coefficients are extrapolated; at the wall their pressure is
-/// infinite.
-constexpr double part_to_wall = 0.5;
-
-}  // namespace
-
 std::string describe(const StageEquation& equation, LinearKind linear) {
   const auto names = equation.non_potentials();
   std::string how = "Newton on the incremental potential";
@@ -31,12 +19,12 @@ NewtonSolver::NewtonSolver(StageEquation& equation, const NewtonOptions& options
     : equation_(equation),
       options_(options),
       unknowns_(equation.make_vector()),
-      trial_(equation.make_vector()),
       objective_(equation, statistics_),
       loop_(objective_, options, linear, statistics_),
       guesses_(objective_, loop_.system(), statistics_),
       equilibria_(objective_, loop_, statistics_, options.relative),
-      roots_(objective_, loop_) {}
+      roots_(objective_, loop_),
+      coefficients_(objective_, loop_, statistics_) {}
 
 StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
   ++statistics_.stages;
@@ -58,7 +46,7 @@ StageReport NewtonSolver::solve_for_unknowns(const StagePoint& stage, Vec q) {
   if (!guess.failure) {
     loop_.use_guess(q, guess.measure);
     report = iterate(q);
-    settle_coefficients(q, report);
+    coefficients_.settle(q, report);
   }
   if (report.outcome == StageOutcome::converged) {
     guesses_.remember(q);
@@ -74,38 +62,6 @@ StageReport NewtonSolver::iterate(Vec q) {
   if (may_follow()) return equilibria_.seek(q, guesses_.second(), options_.max_iterations);
   if (objective_.is_minimised()) return loop_.run(q);
   return roots_.seek(q, options_.max_iterations);
-}
-
-void NewtonSolver::settle_coefficients(Vec q, StageReport& report) {
-  std::optional<FixedPoint> rounds;
-  for (int round = 0; report.outcome == StageOutcome::converged && equation_.refreeze(q); ++round) {
-    if (round == max_refreezes) {
-      report.outcome = StageOutcome::retry;
-      report.reason =
-          fmt::format("friction did not settle within {} solves, each with the contact pressure of the previous one",
-                      max_refreezes);
-      return;
-    }
-    if (is_settled(q)) return;
-    if (!rounds) {
-      rounds.emplace(q);
-    } else {
-      Vec step = rounds->step(q);
-      check(VecCopy(q, trial_.get()));
-      check(VecAXPY(trial_.get(), std::min(1.0, part_to_wall * equation_.max_step(q, step)), step));
-      equation_.refreeze(trial_.get());
-      rounds->take(trial_.get());
-    }
-    loop_.resume(q);
-    const StageReport again = loop_.run(q);
-    report = {again.outcome, again.reason, report.newton_iterations + again.newton_iterations,
-              report.linear_iterations + again.linear_iterations};
-  }
-}
-
-bool NewtonSolver::is_settled(Vec q) {
-  objective_.gradient(q, trial_.get());
-  return loop_.convergence().is_solution(norm(trial_.get()), q);
 }
 
 void NewtonSolver::forget() {

@@ -3,6 +3,7 @@
 
 #include "energy/stage_equation.hpp"
 #include "petsc/handle.hpp"
+#include "solver/coefficient_search.hpp"
 #include "solver/equilibrium.hpp"
 #include "solver/failed_stage.hpp"
 #include "solver/guess.hpp"
@@ -30,6 +31,7 @@ std::string describe(const StageEquation& equation, LinearKind linear);
 /// - NewtonLoop: the iteration itself, with Convergence (the test of convergence), LinearSystem (the directions),
 ///   FactorPolicy (the lifetime of a factor), Escalation (the fallback sequence) and LineSearch (the step length).
 /// - EquilibriumSearch and RootSearch: several runs of the loop, if one may not be enough.
+/// - CoefficientSearch: coefficients that follow the solution.
 ///
 /// Every rank takes the same decisions, because all of them depend on reduced numbers.
 ///
@@ -69,22 +71,19 @@ class NewtonSolver {
   StageReport solve_for_unknowns(const StagePoint& stage, Vec q);
   /// Runs Newton's iteration, several times if necessary.
   StageReport iterate(Vec q);
-  /// Solves again with coefficients frozen at the solution, until the solution no longer changes.
-  void settle_coefficients(Vec q, StageReport& report);
-  /// Whether q solves the stage with the coefficients as they are.
-  bool is_settled(Vec q);
   /// Whether there may be an equilibrium that is not a minimum: in stages without inertia.
   bool may_follow() const { return objective_.is_static() && equation_.symmetry() != Symmetry::unsymmetric; }
 
   StageEquation& equation_;
   NewtonOptions options_;
   SolverStatistics statistics_;
-  Handle<Vec> unknowns_, trial_;
+  Handle<Vec> unknowns_;
   Objective objective_;
   NewtonLoop loop_;
   GuessSearch guesses_;
   EquilibriumSearch equilibria_;
   RootSearch roots_;
+  CoefficientSearch coefficients_;
   std::optional<Failure> failure_;
 };
 

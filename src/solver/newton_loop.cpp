@@ -200,6 +200,10 @@ void NewtonLoop::forget() {
   system_.forget();
 }
 
+KSP NewtonLoop::linear_solver() const {
+  return linear_solver_of(snes_.get());
+}
+
 Vec NewtonLoop::last_direction() const {
   if (!has_direction_) return nullptr;
   Vec y = nullptr;

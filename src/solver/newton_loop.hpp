@@ -37,6 +37,7 @@ class NewtonLoop final : public Iteration {
   NewtonLoop& operator=(const NewtonLoop&) = delete;
 
   LinearSystem& system() { return system_; }
+  KSP linear_solver() const;
   Convergence& convergence() { return convergence_; }
   IterationLog& log() { return log_; }
 

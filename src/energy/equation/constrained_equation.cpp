@@ -147,6 +147,14 @@ bool ConstrainedEquation::refreeze(Vec y) {
   return equation_.refreeze(x_.get());
 }
 
+void ConstrainedEquation::drag(Vec y, Vec at, Vec f) {
+  expand(at, d_.get());
+  expand(y, x_.get());
+  equation_.drag(x_.get(), d_.get(), full_gradient_.get());
+  linearize(y);
+  check(MatMultTranspose(test_matrix(), full_gradient_.get(), f));
+}
+
 bool ConstrainedEquation::follow_obstacles(Followers which, Vec y) {
   if (!equation_.follow_obstacles(which, x_.get())) return false;
   restrict(x_.get(), y);

@@ -30,6 +30,7 @@ class ConstrainedEquation final : public StageEquation {
   void forget() override { equation_.forget(); }
   void freeze(Vec y) override;
   bool refreeze(Vec y) override;
+  void drag(Vec y, Vec at, Vec f) override;
   double value(Vec y) override;
   void gradient(Vec y, Vec r) override;
   Handle<Mat> make_hessian() const override;

@@ -62,6 +62,18 @@ bool IncrementalPotential::refreeze(Vec q) {
   return true;
 }
 
+void IncrementalPotential::drag(Vec q, Vec at, Vec f) {
+  terms_.arrays().freeze(at);
+  gradient_of(
+      [&](const EnergyTerm& term) {
+        const TermDeclaration is = term.declaration();
+        return is.refreezes || (exceeds_bound_ && is.has_frozen_coefficients);
+      },
+      q, f);
+  const ArrayView rows(f);
+  clear_prescribed(rows.span());
+}
+
 bool IncrementalPotential::exceeds_a_bound(Vec q) {
   const auto has_bound = [](const EnergyTerm* term) { return term->declaration().has_frozen_coefficients; };
   if (std::ranges::none_of(terms_.all(), has_bound)) return false;

@@ -30,6 +30,7 @@ class IncrementalPotential final : public StageEquation {
   StagePoint enter(const StagePoint& stage, Vec q, Vec xi) override;
   void freeze(Vec q) override;
   bool refreeze(Vec q) override;
+  void drag(Vec q, Vec at, Vec f) override;
 
   /// Phi(q) [J] up to a constant of the stage; +inf where a barrier is crossed or a number is not finite.
   double value(Vec q) override;

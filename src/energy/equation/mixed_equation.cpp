@@ -191,6 +191,16 @@ bool MixedEquation::refreeze(Vec x) {
   return potential_.refreeze(q_.get());
 }
 
+void MixedEquation::drag(Vec x, Vec at, Vec f) {
+  take_displacement(x, q_.get());
+  take_displacement(at, d_.get());
+  potential_.drag(q_.get(), d_.get(), r_.get());
+  check(VecZeroEntries(f));
+  const ConstArrayView from(r_.get());
+  const ArrayView to(f);
+  std::copy_n(from.span().begin(), num_q_, to.span().begin());
+}
+
 double MixedEquation::value(Vec x) {
   set(x);
   return potential_.value(q_.get());

@@ -37,6 +37,7 @@ class MixedEquation final : public StageEquation {
   void forget() override { potential_.forget(); }
   void freeze(Vec x) override;
   bool refreeze(Vec x) override;
+  void drag(Vec x, Vec at, Vec f) override;
   double value(Vec x) override;
   void gradient(Vec x, Vec r) override;
   Vec displacements(Vec x) override;

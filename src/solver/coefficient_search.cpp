@@ -1,0 +1,116 @@
+#include "solver/coefficient_search.hpp"
+
+#include "base/stopwatch.hpp"
+#include "solver/fixed_point.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// Most solves of a stage with coefficients that are frozen again.
+constexpr int max_rounds = 60;
+/// Fraction of the distance to a wall up to which solutions are extrapolated; at the wall their pressure is infinite.
+constexpr double part_to_wall = 0.5;
+/// Most of Newton's steps between two rounds, and the fraction of the residual's merit that each must at least remove.
+constexpr int max_steps = 8;
+constexpr double least_progress = 0.5;
+constexpr int max_halvings = 3;
+/// Relative residual of the linear systems.
+constexpr double linear_tolerance = 1e-3;
+
+}  // namespace
+
+CoefficientSearch::CoefficientSearch(Objective& objective, NewtonLoop& loop, SolverStatistics& statistics)
+    : objective_(objective),
+      equation_(objective.equation()),
+      loop_(loop),
+      statistics_(statistics),
+      coupled_(equation_, loop.linear_solver()),
+      merit_(equation_.make_vector()) {
+  for (Handle<Vec>* v : {&r_, &trial_, &trial_residual_, &d_, &diagonal_}) *v = equation_.make_vector();
+}
+
+bool CoefficientSearch::is_settled(Vec q) {
+  objective_.gradient(q, r_.get());
+  return loop_.convergence().is_solution(norm(r_.get()), q);
+}
+
+void CoefficientSearch::settle(Vec q, StageReport& report) {
+  std::optional<FixedPoint> rounds;
+  for (int round = 0; report.outcome == StageOutcome::converged && equation_.refreeze(q); ++round) {
+    if (round == max_rounds) {
+      report.outcome = StageOutcome::retry;
+      report.reason = fmt::format(
+          "friction did not settle within {} solves, each with the contact pressure of the previous one", max_rounds);
+      return;
+    }
+    if (is_settled(q)) return;
+    const int before = report.newton_iterations;
+    if (step_to_solution(q, report)) return;
+    if (report.newton_iterations > before) {
+      rounds.reset();
+    } else if (!rounds) {
+      rounds.emplace(q);
+    } else {
+      Vec step = rounds->step(q);
+      check(VecCopy(q, trial_.get()));
+      check(VecAXPY(trial_.get(), std::min(1.0, part_to_wall * equation_.max_step(q, step)), step));
+      equation_.refreeze(trial_.get());
+      rounds->take(trial_.get());
+    }
+    loop_.resume(q);
+    const StageReport again = loop_.run(q);
+    report = {again.outcome, again.reason, report.newton_iterations + again.newton_iterations,
+              report.linear_iterations + again.linear_iterations};
+  }
+}
+
+bool CoefficientSearch::step_to_solution(Vec q, StageReport& report) {
+  for (int i = 0; i < max_steps; ++i) {
+    const double before = merit_.of_residual(r_.get());
+    if (!step(q, report)) return false;
+    if (is_settled(q)) return true;
+    if (merit_.of_residual(r_.get()) > least_progress * before) return false;
+  }
+  return false;
+}
+
+bool CoefficientSearch::step(Vec q, StageReport& report) {
+  LinearSystem& system = loop_.system();
+  system.assemble(q);
+  equation_.size_of_diagonal(system.sparse_matrix(), diagonal_.get());
+  merit_.set_scale(diagonal_.get());
+  if (!system.prepare(q)) return false;
+  PetscInt iterations = 0;
+  {
+    const Stopwatch watch(statistics_.solve_seconds);
+    iterations = coupled_.solve(q, system.matrix(), r_.get(), d_.get(), linear_tolerance);
+  }
+  equation_.refreeze(q);
+  statistics_.linear_iterations += iterations;
+  report.linear_iterations += static_cast<int>(iterations);
+  if (iterations == 0) return false;
+  check(VecScale(d_.get(), -1.0));
+  const double start = merit_.of_residual(r_.get());
+  double length = std::min(1.0, inversion_margin * equation_.max_step(q, d_.get()));
+  for (int i = 0; i <= max_halvings; ++i, length *= 0.5) {
+    check(VecWAXPY(trial_.get(), length, d_.get(), q));
+    equation_.refreeze(trial_.get());
+    objective_.gradient(trial_.get(), trial_residual_.get());
+    if (!(merit_.of_residual(trial_residual_.get()) < start)) continue;
+    check(VecCopy(trial_.get(), q));
+    check(VecCopy(trial_residual_.get(), r_.get()));
+    ++statistics_.newton_iterations;
+    ++report.newton_iterations;
+    return true;
+  }
+  equation_.refreeze(q);
+  return false;
+}
+
+}  // namespace pliant
