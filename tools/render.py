@@ -40,6 +40,7 @@ from command_line import Parser, exit_code
 PLAIN_BODY = (0.62, 0.70, 0.79)
 OBSTACLE = (0.93, 0.91, 0.88)
 OBSTACLE_OVER_BODY = 0.5  # opacity of obstacles where they hide a body
+TRANSPARENT = 0.25  # opacity of what is chosen to be transparent
 VIEW_ANGLE = 24.0  # [degrees], of the picture's height
 SUPERSAMPLING = 2  # drawn this much larger and scaled down: smooth edges on any graphics library
 VIEWS = {"iso": (0.62, -1.0, 0.48), "front": (0, -1, 0), "back": (0, 1, 0), "right": (1, 0, 0), "left": (-1, 0, 0),
@@ -137,28 +138,62 @@ def _words(name):
 # ----------------------------------------------------------------------------------------------------- the 3D scene
 
 
-class Scene:
-    """The surface in VTK; `draw` moves and colours it and returns the pixels."""
+@dataclasses.dataclass(frozen=True)
+class Shell:
+    """A surface that is drawn as one, and how."""
 
-    def __init__(self, surface, size, options):
+    surface: Surface
+    opacity: float
+
+
+class DrawnShell:
+    """A shell in VTK: its points move, its triangles have colours."""
+
+    def __init__(self):
+        self.points, self.body, self.edges = vtkPoints(), vtkPolyData(), vtkPolyData()
+
+    def set(self, positions, colours, by_face):
+        self.points.SetData(numpy_to_vtk(np.ascontiguousarray(positions), deep=True))
+        self.points.Modified()
+        if colours is not None:
+            (self.body.GetCellData() if by_face else self.body.GetPointData()).SetScalars(
+                numpy_to_vtk(np.ascontiguousarray(colours), deep=True))
+        self.body.Modified()
+        self.edges.Modified()
+
+
+class Scene:
+    """The shells in VTK; `draw` moves and colours them and returns the pixels."""
+
+    def __init__(self, shells, size, options):
         self._size = tuple(SUPERSAMPLING * n for n in size)
         self._renderer = vtkRenderer()
         self._renderer.SetBackground(*(c / 255 for c in BACKGROUND))
         self._renderer.UseFXAAOn()
-        self._points = vtkPoints()
-        self._body = vtkPolyData()
-        self._add_surface(self._body, self._points, surface.triangles, PLAIN_BODY)
-        self._obstacles = None
-        self._edges = None
-        if options.mesh_edges:
-            self._edges = vtkPolyData()
-            self._add_lines(self._edges, surface.element_edges, (0.12, 0.14, 0.18), 1.1, 0.55)
+        self._shells = []
+        for shell in shells:
+            drawn = DrawnShell()
+            self._add_surface(drawn.body, drawn.points, shell.surface.triangles, PLAIN_BODY).GetProperty().SetOpacity(shell.opacity)
+            if options.mesh_edges:
+                drawn.edges.SetPoints(drawn.points)
+                self._add_lines(drawn.edges, shell.surface.element_edges, (0.12, 0.14, 0.18), 1.1, 0.55 * shell.opacity)
+            self._shells.append(drawn)
+        self._obstacles = []
         self._add_lights()
         self._window = vtkRenderWindow()
+        if any(shell.opacity < 1 for shell in shells) or options.transparent:
+            self._peel()
         self._window.SetOffScreenRendering(1)
         self._window.SetMultiSamples(0)
         self._window.SetSize(*self._size)
         self._window.AddRenderer(self._renderer)
+
+    def _peel(self):
+        """Draws transparent triangles from the farthest to the nearest, pixel by pixel."""
+        self._window.SetAlphaBitPlanes(1)
+        self._renderer.SetUseDepthPeeling(1)
+        self._renderer.SetMaximumNumberOfPeels(24)
+        self._renderer.SetOcclusionRatio(0.0)
 
     def _add_surface(self, data, points, triangles, colour):
         data.SetPoints(points)
@@ -180,16 +215,16 @@ class Scene:
         self._renderer.AddActor(actor)
         return actor
 
-    def add_obstacles(self, triangles):
+    def add_obstacles(self, triangles, opacity=1.0):
         """Obstacles, which `draw` places."""
-        self._obstacle_points = vtkPoints()
-        self._obstacle_data = vtkPolyData()
-        self._obstacles = self._add_surface(self._obstacle_data, self._obstacle_points, triangles, OBSTACLE)
-        self._obstacles.GetProperty().SetAmbient(0.62)
-        self._obstacles.GetProperty().SetDiffuse(0.38)
+        points, data = vtkPoints(), vtkPolyData()
+        actor = self._add_surface(data, points, triangles, OBSTACLE)
+        actor.GetProperty().SetAmbient(0.62)
+        actor.GetProperty().SetDiffuse(0.38)
+        actor.GetProperty().SetOpacity(opacity)
+        self._obstacles.append((points, data, actor))
 
     def _add_lines(self, data, lines, colour, width, opacity):
-        data.SetPoints(self._points if data.GetPoints() is None else data.GetPoints())
         data.SetLines(_cell_array(lines))
         mapper = vtkPolyDataMapper()
         mapper.SetInputData(data)
@@ -243,27 +278,25 @@ class Scene:
         view.SetViewUp(*camera.up)
 
     def draw(self, positions, colours, by_face, obstacle_points):
-        """`colours`: 8-bit RGB of each point (or triangle), or None for a plain body. Returns height x width x 3 pixels.
+        """`positions`, `colours`: of each shell; 8-bit RGB of each point (or triangle), or None for plain bodies. Returns
+        height x width x 3 pixels.
 
         Obstacles are half transparent where they hide a body.
         """
-        self._points.SetData(numpy_to_vtk(np.ascontiguousarray(positions), deep=True))
-        self._points.Modified()
-        if colours is not None:
-            (self._body.GetCellData() if by_face else self._body.GetPointData()).SetScalars(
-                numpy_to_vtk(np.ascontiguousarray(colours), deep=True))
-        self._body.Modified()
-        if self._edges is not None:
-            self._edges.Modified()
-        if self._obstacles is None:
+        for shell, x, colour in zip(self._shells, positions, colours):
+            shell.set(x, colour, by_face)
+        if not self._obstacles:
             return self._pixels()
-        self._obstacle_points.SetData(numpy_to_vtk(np.ascontiguousarray(obstacle_points), deep=True))
-        self._obstacle_points.Modified()
-        self._obstacle_data.Modified()
+        for points, data, _ in self._obstacles:
+            points.SetData(numpy_to_vtk(np.ascontiguousarray(obstacle_points), deep=True))
+            points.Modified()
+            data.Modified()
         whole = self._pixels()
-        self._obstacles.VisibilityOff()
+        for _, _, actor in self._obstacles:
+            actor.VisibilityOff()
         bodies = self._pixels()
-        self._obstacles.VisibilityOn()
+        for _, _, actor in self._obstacles:
+            actor.VisibilityOn()
         hidden = (bodies != BACKGROUND).any(axis=2, keepdims=True) & (bodies != whole).any(axis=2, keepdims=True)
         mixed = OBSTACLE_OVER_BODY * whole + (1 - OBSTACLE_OVER_BODY) * bodies
         return np.where(hidden, mixed, whole).round().astype(np.uint8)
@@ -344,16 +377,17 @@ class Renderer:
     def __init__(self, result, chosen, options):
         self._result, self._options = result, options
         self._frames = chosen
-        self._surfaces = {}
+        self._shells_of_mesh = {}
         self._scenes = {}
+        self._require_names(chosen[0])
         self._quantity = None if options.field == "none" else quantity_of(result, options.field)
         self._colours = self._colour_scale()
         title = options.title if options.title is not None else result.title
         self._page = Page(options.size, title, self._quantity, self._colours)
         self._times = dict(zip((frame.name for frame in result.frames), times_as_text(result.frames)))
-        clouds = [self._positions(frame) for frame in self._sample()]
+        clouds = [x for frame in self._sample() for x in self._positions(frame)]
         if options.outline:
-            clouds.append(self._reference(chosen[0]))
+            clouds += [self._reference(shell, chosen[0]) for shell in self._shells(chosen[0])]
         self._bodies = np.concatenate([_extreme(points) for points in clouds])
         clouds += self._near_obstacles()
         self._camera = fitted_camera(options.view, clouds, self._page.scene_size)
@@ -363,24 +397,51 @@ class Renderer:
         picked = np.unique(np.linspace(0, len(self._frames) - 1, at_most).round().astype(int))
         return [self._frames[i] for i in picked]
 
-    def _surface(self, frame):
-        if frame.mesh_group not in self._surfaces:
-            self._surfaces[frame.mesh_group] = Surface(frame.mesh)
-        return self._surfaces[frame.mesh_group]
+    def _require_names(self, frame):
+        known = [*frame.mesh.body_names, *(frame.obstacles.names if frame.obstacles else [])]
+        for option in ("hide", "transparent"):
+            for name in getattr(self._options, option):
+                if name not in known:
+                    raise UserError(f"--{option} {name}: there is no body or obstacle of this name; there are {', '.join(known)}")
 
-    def _reference(self, frame):
-        return self._surface(frame).of_nodes(frame.mesh.coordinates)
+    def _shells(self, frame):
+        """The outside of the bodies that are neither hidden nor transparent, as one; then each transparent body."""
+        if frame.mesh_group not in self._shells_of_mesh:
+            mesh, options = frame.mesh, self._options
+            hidden, transparent = (np.array([name in names for name in mesh.body_names]) for names in (options.hide, options.transparent))
+            parts = [(~hidden & ~transparent, 1.0)]
+            parts += [(np.arange(len(hidden)) == k, TRANSPARENT) for k in np.nonzero(transparent & ~hidden)[0]]
+            cells = [(np.nonzero(of_body[mesh.body])[0], opacity) for of_body, opacity in parts]
+            shells = [Shell(Surface(mesh, cells=numbers), opacity) for numbers, opacity in cells if len(numbers) > 0]
+            if not shells:
+                raise UserError("--hide: every body is hidden")
+            self._shells_of_mesh[frame.mesh_group] = shells
+        return self._shells_of_mesh[frame.mesh_group]
+
+    @staticmethod
+    def _reference(shell, frame):
+        return shell.surface.of_nodes(frame.mesh.coordinates)
 
     def _positions(self, frame):
-        displacement = self._surface(frame).of_nodes(frame.displacement())
-        positions = self._reference(frame) + self._options.scale * displacement
-        if not np.isfinite(positions).all():
-            raise UserError(f"the displacement at t = {frame.time:g} s is not finite")
-        return positions
+        """Of each shell."""
+        displacement = frame.displacement()
+        found = []
+        for shell in self._shells(frame):
+            positions = self._reference(shell, frame) + self._options.scale * shell.surface.of_nodes(displacement)
+            if not np.isfinite(positions).all():
+                raise UserError(f"the displacement at t = {frame.time:g} s is not finite")
+            found.append(positions)
+        return found
 
     def _obstacles(self, frame):
-        """None where displacements are not drawn as they are: then nothing touches."""
-        return frame.obstacles if self._options.scale == 1 else None
+        """Those that are not hidden; None where displacements are not drawn as they are: then nothing touches."""
+        obstacles = frame.obstacles if self._options.scale == 1 else None
+        if obstacles is None:
+            return None
+        shown = ~np.isin(np.array(obstacles.names)[obstacles.obstacle], self._options.hide)
+        if not shown.any():
+            return None
+        return dataclasses.replace(obstacles, triangles=obstacles.triangles[shown], obstacle=obstacles.obstacle[shown])
 
     def _near_obstacles(self):
         """Points of obstacles that belong into the picture: those next to the bodies, and the sheets of planes."""
@@ -407,7 +468,8 @@ class Renderer:
         return points
 
     def _values(self, frame):
-        return self._quantity.at_points(frame, self._surface(frame))
+        """Of each shell."""
+        return [self._quantity.at_points(frame, shell.surface) for shell in self._shells(frame)]
 
     def _colour_scale(self):
         if self._quantity is None:
@@ -418,31 +480,47 @@ class Renderer:
             return Colours(*self._options.range)
         # A magnitude starts at zero. Cell stresses at a sharp corner are far larger than elsewhere: the uppermost and
         # lowermost thousandth get the colour of the ends.
-        values = np.concatenate([np.quantile(self._values(frame), [0.001, 0.999]) for frame in self._sample()])
+        values = np.concatenate([_extent(np.concatenate(self._values(frame))) for frame in self._sample()])
         low, high = values.min(), values.max()
         return Colours(0.0 if 0 <= low < 0.5 * high else low, high)
 
     def _scene(self, frame):
         if frame.mesh_group not in self._scenes:
-            surface = self._surface(frame)
-            scene = Scene(surface, self._page.scene_size, self._options)
+            shells = self._shells(frame)
+            scene = Scene(shells, self._page.scene_size, self._options)
             obstacles = self._obstacles(frame)
             if obstacles is not None:
-                scene.add_obstacles(obstacles.triangles)
+                clear = np.isin(np.array(obstacles.names)[obstacles.obstacle], self._options.transparent)
+                for chosen, opacity in ((~clear, 1.0), (clear, TRANSPARENT)):
+                    if chosen.any():
+                        scene.add_obstacles(obstacles.triangles[chosen], opacity)
             if self._options.outline:
-                scene.add_outline(self._reference(frame), surface.triangles)
+                for shell in shells:
+                    scene.add_outline(self._reference(shell, frame), shell.surface.triangles)
             scene.aim(self._camera)
             self._scenes[frame.mesh_group] = scene
         return self._scenes[frame.mesh_group]
 
     def picture(self, frame):
-        colours, by_face = None, False
+        shells = self._shells(frame)
+        colours, by_face = [None] * len(shells), False
         if self._quantity is not None:
-            colours, by_face = self._colours(self._values(frame)), bool(self._quantity.names)
+            colours, by_face = [self._colours(values) for values in self._values(frame)], bool(self._quantity.names)
             if by_face:
-                colours = colours[self._surface(frame).face_of_triangle]
+                colours = [of_faces[shell.surface.face_of_triangle] for of_faces, shell in zip(colours, shells)]
         pixels = self._scene(frame).draw(self._positions(frame), colours, by_face, self._obstacle_points(frame))
         return self._page.compose(pixels, self._times[frame.name])
+
+
+def _extent(values):
+    """The range of colours: of values that are not 0, as contact has few of them, all but a thousandth at either end, and 0 if it
+    occurs. Infinite ones, such as gaps where nothing is near, have the colour of the end."""
+    finite = values[np.isfinite(values)]
+    if len(finite) == 0:
+        return np.zeros(2)
+    others = finite[finite != 0]
+    ends = np.quantile(others, [0.001, 0.999]) if len(others) > 0 else np.zeros(2)
+    return ends if len(others) == len(finite) else np.append(ends, 0.0)
 
 
 def write_movie(pictures, file, frames_per_second):
@@ -580,6 +658,9 @@ def parsed(arguments):
     parser.add_argument("--scale", type=_finite, default=1.0, help="displacements are multiplied by it (1); obstacles are drawn at 1 only")
     parser.add_argument("--mesh-edges", action="store_true", help="draw the edges of the elements")
     parser.add_argument("--outline", action="store_true", help="draw the edges of the undeformed shape")
+    parser.add_argument("--hide", action="append", default=[], metavar="NAME", help="leave out a body or an obstacle; may be repeated")
+    parser.add_argument("--transparent", action="append", default=[], metavar="NAME",
+                        help="draw a body or an obstacle transparent; may be repeated")
     parser.add_argument("--title", help="instead of the run's title")
     return parser.parse_args(_with_negative_values(arguments))
 

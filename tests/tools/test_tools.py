@@ -95,6 +95,37 @@ class Pictures(WithResult):
         colours, counts = np.unique(before[30:].reshape(-1, 3) // 4, axis=0, return_counts=True)
         self.assertGreater(len(colours[counts > 20]), 3, "background, body, obstacle, and the mean of the two")
 
+    def test_bodies_are_hidden_and_transparent(self):
+        """Named colours: the root is blue, the tip orange; the end of the root inside the bar is seen once the tip is gone."""
+        def shares(*arguments):
+            file = self.draw("--field=body", "--frame", 0, "--view=1,-1,0.3", *arguments, *SMALL)
+            r, g, b = np.moveaxis(np.asarray(Image.open(file).convert("RGB")).astype(int)[30:, :240], 2, 0)
+            strong = abs(r - b) > 85  # not of a transparent body
+            return np.mean(strong & (b > r)), np.mean(strong & (r > b)), np.mean((r < 245) & (r > b + 5) & ~strong)
+
+        root, tip, _ = shares()
+        self.assertGreater(min(root, tip), 0.01)
+        alone, nothing, _ = shares("--hide", "tip")
+        self.assertEqual(nothing, 0)
+        self.assertGreater(alone, root)
+        behind, nothing, veil = shares("--transparent", "tip")
+        self.assertEqual(nothing, 0)
+        self.assertGreater(veil, 0.5 * tip)
+        self.assertGreater(behind, 0.5 * root)
+        synthetic.add_obstacles(self.directory)
+        pictures = [np.asarray(Image.open(self.draw("--view=front", "--frame", 2, *arguments, *SMALL))).tobytes()
+                    for arguments in ([], ["--hide", "pyramid"], ["--transparent", "pyramid"], ["--hide", "floor", "--hide", "pyramid"])]
+        self.assertEqual(len(set(pictures)), 4)
+
+    def test_values_that_are_not_finite_have_no_part_in_the_range(self):
+        with h5py.File(self.path("result.h5"), "r+") as h5:
+            for frame in h5["frames"].values():
+                gap = np.full(len(h5["mesh/coordinates"]), np.inf)
+                gap[:20] = np.linspace(-1e-4, 2e-3, 20)
+                frame["contact_gap"] = gap
+                frame["contact_gap"].attrs.update({"unit": "m", "location": "node"})
+        self.assertGreater(len(self.body_pixels(Image.open(self.draw("--field", "contact_gap", *SMALL)))), 1000)
+
     def test_views_differ(self):
         pictures = []
         for view in ("iso", "front", "top", "-1,0.5,0.3"):
@@ -126,6 +157,9 @@ class Pictures(WithResult):
         self.fails("no component 'q'", self.directory, "--field", "velocity_q")
         self.fails("is a tensor", self.directory, "--field", "cauchy_stress")
         self.fails("no frame 3", self.directory, "--frame", "3")
+        self.fails("--hide arm: there is no body or obstacle of this name; there are root, tip", self.directory, "--hide", "arm")
+        self.fails("no body or obstacle", self.directory, "--transparent", "arm")
+        self.fails("every body is hidden", self.directory, "--hide", "root", "--hide", "tip")
         self.fails("--size", self.directory, "--size", "big")
         self.fails("--view", self.directory, "--view", "0,0,0")
         self.fails("No such file", self.directory, "-o", self.path("missing/picture.png"))
@@ -155,6 +189,20 @@ class SurfaceOfBlock(WithResult):
             self.assertAlmostEqual((area * (a + b + c)).sum() / 9, length * width * height, places=12)
             # Each point is there once: Euler's formula of a closed surface.
             self.assertEqual(len(x) - len(surface.triangles) // 2, 2)
+
+    def test_the_outside_of_one_body_alone(self):
+        synthetic.write_result(self.directory, num_frames=1, cubes=(4, 2, 2))
+        mesh = Result(self.directory)[0].mesh
+        tip = np.nonzero(mesh.body == 1)[0]
+        surface = Surface(mesh, cells=tip)
+        self.assertEqual(set(mesh.body[surface.cell_of_face]), {1})
+        x = surface.of_nodes(mesh.coordinates)
+        a, b, c = (x[surface.triangles[:, i]] for i in range(3))
+        area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+        half = synthetic.LENGTH / 2
+        self.assertAlmostEqual(area, 4 * half * synthetic.WIDTH + 2 * synthetic.WIDTH**2, delta=1e-12)
+        # Values of cells are averaged over its own cells, not over those of its neighbour.
+        np.testing.assert_allclose(surface.of_cells(mesh.body[:, None].astype(float)), 1)
 
     def test_quadratic_fields_are_shown_exactly(self):
         synthetic.write_result(self.directory, num_frames=1, order=2)

@@ -10,19 +10,23 @@ _FACES = np.array([[0, 1, 3, 4, 8, 7], [1, 2, 3, 5, 9, 8], [2, 0, 3, 6, 7, 9], [
 
 
 class Surface:
-    """The outer faces of a mesh, each divided into `divisions`^2 triangles, with points shared between neighbours.
+    """The outer faces of a mesh, or of some of its cells, each divided into `divisions`^2 triangles, with points shared between
+    neighbours.
 
     Everything is topology: `positions`, `of_nodes` and `of_cells` turn nodal and cell values into values at the points, for any
     frame.
     """
 
-    def __init__(self, mesh: Mesh, divisions: Optional[int] = None) -> None:
+    def __init__(self, mesh: Mesh, divisions: Optional[int] = None, *, cells: Optional[np.ndarray] = None) -> None:
+        """`cells`: numbers of those whose outside is meant, such as `np.nonzero(mesh.body == 1)[0]`; default: all."""
         rng = np.random.default_rng(0)
         # Sums of random 64-bit numbers name sets of nodes: equal sets have equal sums, others practically never.
         self._label = rng.integers(1, 2**63, size=len(mesh.coordinates), dtype=np.uint64)
         self._mesh = mesh
+        self._cells = np.arange(len(mesh.cells)) if cells is None else np.asarray(cells)
         quadratic = mesh.cells.shape[1] == 10
-        faces, self.cell_of_face = self._outer_faces(mesh.cells)
+        faces, cell = self._outer_faces(mesh.cells[self._cells])
+        self.cell_of_face = self._cells[cell]
         if divisions is None:
             divisions = 1 if not quadratic else 4 if len(faces) < 40_000 else 2
         self._n = divisions
@@ -70,17 +74,18 @@ class Surface:
 
     def of_cells(self, values: np.ndarray) -> np.ndarray:
         """Cell values at the points: first averaged to the nodes, weighted by volume."""
-        corners = self._mesh.cells[:, :4]
+        cells = self._mesh.cells[self._cells]
+        corners = cells[:, :4]
         a, b, c, d = (self._mesh.coordinates[corners[:, i]] for i in range(4))
         volume = np.abs(np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a))
         num_nodes = len(self._mesh.coordinates)
-        nodes = self._mesh.cells.ravel()
-        weight = np.repeat(volume, self._mesh.cells.shape[1])
+        nodes = cells.ravel()
+        weight = np.repeat(volume, cells.shape[1])
         total = np.bincount(nodes, weight, num_nodes)
         total[total == 0] = 1
         at_nodes = np.stack(
-            [np.bincount(nodes, weight * np.repeat(column, self._mesh.cells.shape[1]), num_nodes) / total
-             for column in values.T], axis=1)
+            [np.bincount(nodes, weight * np.repeat(column, cells.shape[1]), num_nodes) / total
+             for column in values[self._cells].T], axis=1)
         return self.of_nodes(at_nodes)
 
 
