@@ -84,7 +84,10 @@ Json json_of(const PackedMesh& mesh, Page& page) {
 
 Json json_of(const PackedObstacles& obstacles, Page& page) {
   if (obstacles.num_points == 0) return nullptr;
-  Json json{{"names", obstacles.names}, {"vertices", obstacles.num_points}, {"index", page.block(obstacles.triangles)}};
+  Json json{{"names", obstacles.names},
+            {"vertices", obstacles.num_points},
+            {"index", page.block(obstacles.triangles)},
+            {"owners", page.block(obstacles.owners)}};
   for (std::size_t i = 0; i < 3; ++i) {
     json["positions"].push_back(page.block(obstacles.positions[i]));
     json["scales"].push_back(json_of(obstacles.position_scales[i]));

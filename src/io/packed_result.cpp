@@ -207,6 +207,7 @@ class Packer {
     packed.num_points = obstacles.points.size() / 3;
     const std::vector<std::int32_t> triangles(obstacles.triangles.begin(), obstacles.triangles.end());
     packed.triangles = packed_triangles(triangles);
+    packed.owners = packed_text(std::as_bytes(std::span(obstacles.obstacles)));
     scene.obstacle_neighbours = EarlierNeighbours(packed.num_points, triangles);
     for (std::size_t i = 0; i < 3; ++i) {
       std::tie(packed.positions[i], packed.position_scales[i]) =
@@ -377,6 +378,7 @@ std::size_t PackedResult::size() const {
   }
   for (const auto& one : obstacles) {
     add(one.triangles);
+    add(one.owners);
     std::ranges::for_each(one.positions, add);
     std::ranges::for_each(one.moves, add);
   }

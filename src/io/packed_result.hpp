@@ -42,6 +42,7 @@ struct PackedObstacles {
   std::vector<std::string> names;
   std::size_t num_points = 0;
   std::string triangles;  ///< as those of PackedMesh
+  std::string owners;     ///< index into names of each triangle, int32
   std::array<std::string, 3> positions, moves;
   std::array<Quantisation, 3> position_scales, move_scales;  ///< [m]
 };

@@ -146,7 +146,9 @@ std::optional<OutputObstacles> ResultReader::obstacles(const std::string& group)
   result.obstacles = table<std::int32_t>(obstacles.get(), "obstacle", H5T_NATIVE_INT32, 1);
   result.names = lines_of(text_attribute(open_dataset(obstacles.get(), "obstacle").get(), "names"));
   const auto is_known = [&](std::int64_t p) { return p >= 0 && p < std::ssize(result.points) / 3; };
-  if (!std::ranges::all_of(result.triangles, is_known)) {
+  const auto has_name = [&](std::int32_t o) { return o >= 0 && o < std::ssize(result.names); };
+  if (!std::ranges::all_of(result.triangles, is_known) || !std::ranges::all_of(result.obstacles, has_name) ||
+      result.triangles.size() != 3 * result.obstacles.size()) {
     throw FileError(fmt::format("the obstacles '{}' of '{}' are damaged", place, path_.string()));
   }
   return result;

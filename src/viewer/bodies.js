@@ -124,15 +124,16 @@ export class Bodies {
   }
 
   /// Lowest and highest value over all frames; of peaks the uppermost and lowermost thousandth are left out, for at sharp
-  /// corners stresses have no bound.
+  /// corners stresses have no bound. Zeros do not count among these: contact acts on few places, and its peaks are those.
   range(field, component) {
     const samples = [], frames = this.frames.length, some = Math.min(frames, 40);
     for (let k = 0; k < some; ++k) {
       const at = this.at(this.frames[some > 1 ? Math.round((k * (frames - 1)) / (some - 1)) : 0].time);
       const values = new Float32Array(at.surface.size);
       this.scalars(at, field, component, values);
-      const sorted = values.sort(), cut = Math.floor(values.length / 1000);
-      samples.push(sorted[cut], sorted[sorted.length - 1 - cut]);
+      const sorted = values.filter((value) => value !== 0).sort(), cut = Math.floor(sorted.length / 1000);
+      if (sorted.length > 0) samples.push(sorted[cut], sorted[sorted.length - 1 - cut]);
+      if (sorted.length < values.length) samples.push(0);
     }
     let low = Math.min(...samples), high = Math.max(...samples);
     const diverging = low < -0.02 * (high - low) && high > 0.02 * (high - low);

@@ -1,6 +1,6 @@
 // Rigid obstacles of contact, where the result has them.
 import { BufferAttribute, BufferGeometry, CanvasTexture, DoubleSide, Group, Mesh, MeshStandardMaterial } from "three";
-import { report, accumulated, rows, EarlierNeighbours } from "./data.js";
+import { report, accumulated, int32, rows, EarlierNeighbours } from "./data.js";
 
 const AXES = [0, 1, 2];
 const REACH = 1.6;  // of a plane that is drawn, in sizes of the scene
@@ -15,21 +15,11 @@ function fading() {
   return new CanvasTexture(canvas);
 }
 
-/// Triangles that hang together, as lists of vertices, three each.
-function pieces(index, size) {
-  const parent = Int32Array.from({ length: size }, (_, i) => i);
-  const root = (i) => {
-    while (parent[i] !== i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  for (let t = 0; t < index.length; ++t) parent[root(index[t])] = root(index[t - (t % 3)]);
-  const found = new Map();
-  for (let t = 0; t < index.length; t += 3) {
-    const key = root(index[t]);
-    if (!found.has(key)) found.set(key, []);
-    found.get(key).push(...index.subarray(t, t + 3));
-  }
-  return [...found.values()];
+/// Vertices of the triangles of each obstacle, three each.
+function pieces(index, owners) {
+  const found = [];
+  owners.forEach((owner, t) => (found[owner] ??= []).push(...index.subarray(3 * t, 3 * t + 3)));
+  return found;
 }
 
 /// Obstacles of one part of the run (they are written anew where it was resumed).
@@ -42,15 +32,27 @@ class Part {
     for (const k of AXES) (await rows(given.positions[k], neighbours, given.scales[k])).addTo(part.rest, k, 3, 0, 1);
     part.position = new BufferAttribute(new Float32Array(3 * given.vertices), 3);
     part.group = new Group();
+    part.materials = materials;
     part.planes = [];
-    const closed = [];
-    for (const piece of pieces(index, given.vertices)) {
+    part.shapes = [];  // by name
+    pieces(index, await int32(given.owners)).forEach((piece, owner) => {
       // Two triangles are a plane, cut out around the bodies; what is closed has more.
-      if (piece.length !== 6) closed.push(...piece);
-      else part.planes.push({ piece, mesh: part.add(piece, materials.plane, new BufferAttribute(new Float32Array(2 * given.vertices), 2)) });
-    }
-    if (closed.length) part.add(closed, materials.solid);
+      const isPlane = piece.length === 6;
+      const mesh = part.add(piece, materials.transparent.closed, isPlane && new BufferAttribute(new Float32Array(2 * given.vertices), 2));
+      if (isPlane) part.planes.push({ piece, mesh });
+      part.shapes.push({ name: given.names[owner], mesh, kind: isPlane ? "plane" : "closed" });
+    });
+    part.show({});
     return part;
+  }
+
+  /// `looks`: by name, one of "solid", "transparent", "hidden"; transparent where there is none.
+  show(looks) {
+    for (const { name, mesh, kind } of this.shapes) {
+      const look = looks[name] ?? "transparent";
+      mesh.visible = look !== "hidden";
+      if (mesh.visible) mesh.material = this.materials[look][kind];
+    }
   }
 
   add(index, material, uv) {
@@ -91,12 +93,22 @@ export class Obstacles {
     const obstacles = new Obstacles();
     obstacles.bodies = bodies;
     obstacles.group = new Group();
-    const look = { color: 0x98a2b0, roughness: 0.9, transparent: true, side: DoubleSide, depthWrite: false };
-    const materials = { plane: new MeshStandardMaterial({ ...look, opacity: 0.6, alphaMap: fading() }),
-                        solid: new MeshStandardMaterial({ ...look, opacity: 0.5, flatShading: true }) };
+    const look = { color: 0x98a2b0, roughness: 0.9, side: DoubleSide };
+    const plane = { ...look, transparent: true, depthWrite: false, alphaMap: fading() };  // fades out, however solid
+    const closed = { ...look, flatShading: true };
+    const materials = {
+      transparent: { plane: new MeshStandardMaterial({ ...plane, opacity: 0.6 }),
+                     closed: new MeshStandardMaterial({ ...closed, transparent: true, depthWrite: false, opacity: 0.5 }) },
+      solid: { plane: new MeshStandardMaterial(plane), closed: new MeshStandardMaterial(closed) } };
+    obstacles.names = [...new Set(given.flatMap((part) => part?.names ?? []))];
     obstacles.parts = await Promise.all(given.map((part) => part && Part.load(part, materials)));
     for (const part of obstacles.parts) if (part) obstacles.group.add(part.group);
     return obstacles;
+  }
+
+  /// As Part.show.
+  show(looks) {
+    for (const part of this.parts) part?.show(looks);
   }
 
   /// Where they are at that time, relative to `origin`.

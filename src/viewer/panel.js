@@ -1,7 +1,7 @@
 // The controls next to the drawing: colours, scale of the displacement, what is shown.
 import { gradient, nameColour } from "./colours.js";
 import { handyUnit, short, spelt, ticks, typeset } from "./numbers.js";
-import { VIEWS } from "./scene.js";
+import { LOOKS, VIEWS } from "./scene.js";
 
 function element(tag, properties = {}, ...children) {
   const made = Object.assign(document.createElement(tag), properties);
@@ -50,8 +50,15 @@ export class Panel {
     }
     place.append(this.check("Edges of elements", "edges"), this.check("Outline at the start", "outline"));
     if (this.flies()) place.append(this.check("Follow the bodies", "follow", () => view.aim(this.direction())));
-    if (view.obstacles) place.append(this.check("Obstacles", "obstacles", null, true));
-    if (bodies.names.length > 1) place.append(element("h2", { textContent: "Bodies" }), this.bodyChoices());
+    this.looks = { bodies: bodies.names.map(() => "solid"), obstacles: {} };
+    const obstacles = view.obstacles?.names ?? [];
+    for (const name of obstacles) this.looks.obstacles[name] = "transparent";
+    if (bodies.names.length > 1) {
+      place.append(element("h2", { textContent: "Bodies" }), this.choices("body", bodies.names, this.looks.bodies, (i) => i, nameColour));
+    }
+    if (obstacles.length > 0) {
+      place.append(element("h2", { textContent: "Obstacles" }), this.choices("obstacle", obstacles, this.looks.obstacles, (i) => obstacles[i], () => "#98a2b0"));
+    }
     place.append(element("h2", { textContent: "View" }), element("div", { className: "row views" },
       ...Object.entries(VIEWS).map(([name, direction]) => element("button", {
         textContent: name, title: name === "iso" ? "from the front, above" : `along ${name}`, onclick: () => view.aim(direction) })),
@@ -71,8 +78,8 @@ export class Panel {
     return this.bodies.moves && frames.some((f) => Math.hypot(...f.shift.map((s, k) => s - first[k])) > 0.75 * this.view.bodySize);
   }
 
-  check(text, option, then, on = false) {
-    const box = element("input", { type: "checkbox", checked: on, id: `show-${option}` });
+  check(text, option, then) {
+    const box = element("input", { type: "checkbox", id: `show-${option}` });
     box.onchange = () => {
       this.view.set({ [option]: box.checked });
       then?.();
@@ -80,17 +87,24 @@ export class Panel {
     return element("label", { className: "row check" }, box, element("span", { textContent: text }));
   }
 
-  bodyChoices() {
-    const visible = this.bodies.names.map(() => true), list = element("div", { className: "bodies" });
-    this.bodies.names.forEach((name, i) => {
-      const box = element("input", { type: "checkbox", checked: true });
-      box.onchange = () => {
-        visible[i] = box.checked;
-        this.view.showBodies(visible);
+  /// A row for each name that chooses how it is drawn: of native controls, so that the keyboard reaches them.
+  choices(kind, names, looks, keyOf, colourOf) {
+    const list = element("div", { className: "bodies" });
+    names.forEach((name, i) => {
+      const choice = element("select", { id: `${kind}-${i}`, title: `how to draw ${name}` });
+      for (const look of LOOKS) choice.append(new Option(look, look));
+      choice.value = looks[keyOf(i)];
+      choice.setAttribute("aria-label", `${name}: how to draw it`);
+      choice.onchange = () => {
+        looks[keyOf(i)] = choice.value;
+        row.dataset.look = choice.value;
+        this.view.show(this.looks);
       };
       const chip = element("i");
-      chip.style.background = nameColour(i);
-      list.append(element("label", { className: "row check" }, box, chip, element("span", { textContent: name })));
+      chip.style.background = colourOf(i);
+      const row = element("div", { className: "row look" }, chip, element("span", { textContent: name, title: name }), choice);
+      row.dataset.look = choice.value;
+      list.append(row);
     });
     return list;
   }

@@ -9,6 +9,9 @@ import { colourMap, nameColours } from "./colours.js";
 const VIEW_ANGLE = 24;  // [degrees], of the picture's height
 export const VIEWS = { iso: [0.62, -1, 0.48], x: [1, 0, 0], y: [0, -1, 0], z: [0, 0, 1] };
 const PLAIN = 0x9db2c9;
+const TRANSPARENT = 0.22;  // opacity of bodies that are drawn so
+/// How a body or an obstacle may be drawn.
+export const LOOKS = ["solid", "transparent", "hidden"];
 
 /// Unit normals at vertices, from the triangles around each, by their areas.
 function setNormals(normals, x, index) {
@@ -47,29 +50,34 @@ class Drawn {
     this.body = new Mesh(geometry(surface.index), materials.body);
     this.body.geometry.setAttribute("normal", new BufferAttribute(new Float32Array(3 * surface.size), 3));
     this.body.geometry.setAttribute("uv", new BufferAttribute(new Float32Array(2 * surface.size).fill(0.5), 2));
+    this.clear = new Mesh(geometry([]), materials.clear);  // the transparent bodies, after all that is solid
+    for (const name of ["normal", "uv"]) this.clear.geometry.setAttribute(name, this.body.geometry.attributes[name]);
+    this.clear.renderOrder = 2;
     this.edges = new LineSegments(geometry(surface.elementEdges()), materials.edges);
     this.sharp = new LineSegments(geometry(surface.sharpEdges()), materials.sharp);
     const rest = new BufferGeometry();
     rest.setAttribute("position", new BufferAttribute(new Float32Array(3 * surface.size), 3));
     rest.setIndex(this.sharp.geometry.index);
     this.outline = new LineSegments(rest, materials.outline);
-    this.all = new Group().add(this.body, this.edges, this.sharp, this.outline);
+    this.all = new Group().add(this.body, this.clear, this.edges, this.sharp, this.outline);
     for (const object of this.all.children) object.frustumCulled = false;  // it moves
   }
 
-  /// Those bodies only.
-  show(visible) {
-    const { index, bodies } = this.surface;
-    const whole = [this.surface.index, this.surface.elementEdges(), this.surface.sharpEdges()];
-    [this.body, this.edges, this.sharp].forEach((object, k) => {
-      const size = k === 0 ? 3 : 2, kept = [];
-      for (let i = 0; i < whole[k].length; i += size) {
-        if (visible[bodies[whole[k][i]]]) for (let j = 0; j < size; ++j) kept.push(whole[k][i + j]);
+  /// `looks`: of each body, one of LOOKS. Transparent bodies have no edges of elements, only sharp ones.
+  show(looks) {
+    const { surface } = this;
+    const draw = (object, whole, size, drawn) => {
+      const kept = [];
+      for (let i = 0; i < whole.length; i += size) {
+        if (drawn.includes(looks[surface.bodies[whole[i]]])) for (let j = 0; j < size; ++j) kept.push(whole[i + j]);
       }
       object.geometry.setIndex(new BufferAttribute(Uint32Array.from(kept), 1));
-    });
+    };
+    draw(this.body, surface.index, 3, ["solid"]);
+    draw(this.clear, surface.index, 3, ["transparent"]);
+    draw(this.edges, surface.elementEdges(), 2, ["solid"]);
+    draw(this.sharp, surface.sharpEdges(), 2, ["solid", "transparent"]);
     this.outline.geometry.setIndex(this.sharp.geometry.index);
-    return index.length;
   }
 }
 
@@ -88,9 +96,10 @@ export class View {
     this.controls.addEventListener("change", () => this.touch());
     this.controls.addEventListener("start", () => (this.aimed = null));  // from now on the viewer's own view
     this.light();
+    const surface = { roughness: 0.78, metalness: 0, side: DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
     this.materials = {
-      body: new MeshStandardMaterial({ roughness: 0.78, metalness: 0, side: DoubleSide, polygonOffset: true,
-                                       polygonOffsetFactor: 1, polygonOffsetUnits: 1 }),
+      body: new MeshStandardMaterial(surface),
+      clear: new MeshStandardMaterial({ ...surface, transparent: true, opacity: TRANSPARENT, depthWrite: false }),
       edges: new LineBasicMaterial({ transparent: true, opacity: 0.32 }),
       sharp: new LineBasicMaterial({ transparent: true, opacity: 0.35 }),
       outline: new LineBasicMaterial({ transparent: true, opacity: 0.5 }),
@@ -102,7 +111,7 @@ export class View {
     if (obstacles) this.scene.add(obstacles.group);
     this.bodyColours = nameColours(Math.max(1, bodies.names.length));
     this.options = { time: 0, scale: 1, field: -1, component: -1, low: 0, high: 1, edges: false, outline: false,
-                     follow: false, obstacles: true };
+                     follow: false };
     this.look = () => {};  // called after each drawing
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.ink());
@@ -147,16 +156,20 @@ export class View {
     this.touch();
   }
 
-  showBodies(visible) {
-    for (const one of this.drawn) one.show(visible);
+  /// `looks`: of each body and of each obstacle's name, one of LOOKS.
+  show(looks) {
+    for (const one of this.drawn) one.show(looks.bodies);
+    this.obstacles?.show(looks.obstacles);
     this.touch();
   }
 
   /// Colours from a map, from the bodies' names, or none.
   paint(kind) {
-    this.materials.body.map = kind === "bodies" ? this.bodyColours : kind === "none" ? null : colourMap(kind);
-    this.materials.body.color.set(kind === "none" ? PLAIN : 0xffffff);
-    this.materials.body.needsUpdate = true;
+    for (const material of [this.materials.body, this.materials.clear]) {
+      material.map = kind === "bodies" ? this.bodyColours : kind === "none" ? null : colourMap(kind);
+      material.color.set(kind === "none" ? PLAIN : 0xffffff);
+      material.needsUpdate = true;
+    }
     this.kind = kind;
     this.set({});
   }
@@ -258,10 +271,7 @@ export class View {
       for (let i = 0; i < x.array.length; ++i) x.array[i] = at.surface.rest[i] - origin[i % 3];
       x.needsUpdate = true;
     }
-    if (this.obstacles) {
-      this.obstacles.group.visible = options.obstacles;
-      this.obstacles.place(at, origin, this.sceneSize);
-    }
+    this.obstacles?.place(at, origin, this.sceneSize);
     this.colour(at, attributes.uv);
   }
 

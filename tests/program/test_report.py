@@ -31,6 +31,31 @@ output: {fields: [displacement, velocity, cauchy_stress]}
 probes: [{name: tip, point: [1, 0.1, 0.1]}]
 """
 
+BLOCKS = """SetFactory("OpenCASCADE");
+Box(1) = {-2, -2, 0, 4, 4, 1};
+Box(2) = {-1, -1, 1.005, 2, 2, 2};
+Physical Volume("base") = {1};
+Physical Volume("block") = {2};
+Physical Surface("floor") = {5};
+Mesh.MeshSizeMax = 0.7;
+"""
+TOUCHING = """
+mesh: {file: blocks.geo, scale: 0.01}
+bodies:
+  - {volume: base, density: 1000, elasticity: &soft {model: neo-hookean, youngs_modulus: 1e5, poissons_ratio: 0.3}}
+  - {volume: block, density: 1000, elasticity: *soft}
+constraints: [{surface: floor, displacement: [0, 0, 0]}]
+initial: {velocity: [0, 0, "z > 0.01001 ? -0.5 : 0"]}
+contact:
+  law: barrier
+  pairs: all
+  obstacles:
+    - {name: ground, shape: plane, point: [0, 0, -0.001], normal: [0, 0, 1]}
+    - {name: "post", shape: cylinder, point: [0.03, 0, 0.01], axis: [0, 0, 1], radius: 5 mm, length: 30 mm}
+time: {method: backward-euler, step: 1 ms, end: 4 ms}
+output: {fields: [displacement, contact_pressure, contact_gap, contact_slip]}
+"""
+
 
 def replaced(path, values):
     """Other numbers in the place of a dataset, with its attributes."""
@@ -62,6 +87,7 @@ DAMAGE = {
     "few values": (replaced("frames/000003/displacement", np.zeros((5, 3))), "'displacement' of frame '000003' is damaged", None),
     "few values of cells": (replaced("frames/000010/cauchy_stress", np.zeros((5, 6))), "'cauchy_stress' of frame '000010' is damaged", None),
     "unknown corners": (replaced("obstacles/triangles", np.full((4, 3), 1 << 40)), "the obstacles .*are damaged", None),
+    "triangles of nobody": (replaced("obstacles/obstacle", np.full((4, 1), 7, dtype="i4")), "the obstacles .*are damaged", None),
     "few corners": (replaced("obstacles/frames/000003/points", np.zeros((5, 3))), "obstacles of frame '000003' are damaged", None),
 }
 
@@ -241,6 +267,69 @@ class Report(ProgramTest):
             browser.wait("document.querySelector('#view').clientWidth < 420")
             browser.wait("document.documentElement.scrollWidth <= 420")
             self.assertLess(np.median(browser.picture()), 80)
+            self.assertEqual(browser.errors, [])
+
+
+    @unittest.skipUnless(CHROMIUM, "needs the package chromium")
+    def test_surfaces_that_touch(self):
+        """What lies between bodies is seen once one of them is hidden or transparent, which the keyboard does too."""
+        self.write("blocks.geo", BLOCKS)
+        self.run_input(self.write("touching.yaml", TOUCHING), output="touching")
+        done = self.call("report", self.directory / "touching")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        report = ReportFile(self.directory / "touching/report.html")
+        pressure = report.field("contact_pressure")[-1, :, 0]
+        body = report.array(report.result["meshes"][0]["bodies"], "i4")
+        with h5py.File(self.directory / "touching/result.h5") as file:
+            highest = file["frames"][max(file["frames"])]["contact_pressure"][:].max()
+        for b in (0, 1):  # both sides of the contact have it
+            self.assertGreater(pressure[body == b].max(), 0.3 * highest)
+        self.assertAlmostEqual(pressure.max(), highest, delta=0.01 * highest)
+
+        def press(browser, selector, *keys):
+            browser.evaluate(f"document.querySelector('{selector}').focus()")
+            for key in keys:
+                code = {"Down": 40, "Up": 38}[key]
+                for kind in ("keyDown", "keyUp"):
+                    browser.call("Input.dispatchKeyEvent", type=kind, key=f"Arrow{key}", code=f"Arrow{key}", windowsVirtualKeyCode=code)
+            browser.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+        def high_pressure(browser):
+            """Share of the pixels with the upper colours of the scale, without the bar itself."""
+            r, g, b = np.moveaxis(browser.picture("#view")[:, :-120], 2, 0)
+            return np.mean((g > b + 40) & (g > 90))
+
+        with Browser((1200, 900)) as browser:
+            browser.open(self.directory / "touching/report.html")
+            browser.wait("document.documentElement?.dataset.ready === 'yes'")
+            names = browser.evaluate("[...document.querySelectorAll('.look')].map(row => row.textContent.replace(/solid.*/, ''))")
+            self.assertEqual(names, ["base", "block", "ground", "post"])
+            # Each control can be reached by the keyboard and says what it does.
+            for control in ("#body-0", "#body-1", "#obstacle-0", "#obstacle-1"):
+                self.assertTrue(browser.evaluate(f"""(() => {{ const c = document.querySelector('{control}');
+                    return c.tagName === 'SELECT' && c.tabIndex === 0 && c.getAttribute('aria-label').length > 4; }})()"""))
+            browser.evaluate("""(async () => { const { panel } = pliant;
+                panel.colour.value = [...panel.colour.options].find(o => o.textContent === 'Contact pressure').value;
+                await panel.paint();
+                panel.setRange(0, %g); })()""" % (0.5 * highest))
+            self.assertIn("Contact pressure", browser.evaluate("document.querySelector('#legend').textContent"))
+            for control in ("#obstacle-0", "#obstacle-1"):
+                press(browser, control, "Down")
+            solid, covered = browser.picture("#view"), high_pressure(browser)
+            press(browser, "#body-1", "Down")
+            transparent = browser.picture("#view")
+            self.assertEqual(browser.evaluate("document.querySelector('#body-1').value"), "transparent")
+            press(browser, "#body-1", "Down")
+            hidden, seen = browser.picture("#view"), high_pressure(browser)
+            self.assertEqual(browser.evaluate("document.querySelector('#body-1').value"), "hidden")
+            self.assertGreater(seen, covered + 0.005)
+            for a, b in ((solid, transparent), (transparent, hidden), (solid, hidden)):
+                self.assertGreater(np.mean(np.abs(a - b).max(axis=2) > 20), 0.01)
+            press(browser, "#body-1", "Up", "Up")
+            self.assertLessEqual(np.abs(browser.picture("#view") - solid).max(), 2)
+            press(browser, "#obstacle-1", "Up", "Up")
+            self.assertGreater(np.mean(np.abs(browser.picture("#view") - solid).max(axis=2) > 20), 0.003)
+            self.assertEqual(browser.evaluate("pliant.player.time"), browser.evaluate("pliant.player.end"), "keys of choices do not play")
             self.assertEqual(browser.errors, [])
 
 
