@@ -2,6 +2,7 @@
 
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "command/contact_table.hpp"
 #include "command/material_plot.hpp"
 #include "energy/volume/viscous.hpp"
 #include "input/elasticity.hpp"
@@ -10,6 +11,7 @@
 #include "material/viscosity_registry.hpp"
 #include "model/model.hpp"
 #include "petsc/collective.hpp"
+#include "petsc/ghosted.hpp"
 #include "petsc/session.hpp"
 #include "run/advance.hpp"
 #include "run/run.hpp"
@@ -88,6 +90,20 @@ void report_time_scales(const Model& model, const Config& config, Console& conso
                   across / 10.0, config.time.step));
 }
 
+/// Throws InputError where a run could not start from there. Collective.
+void report_contact(const Model& model, const Config& config, Console& console) {
+  if (model.contacts() == nullptr) return;
+  const Handle<Vec> q = make_vector(model.layout()), v = make_vector(model.layout());
+  if (analysis_of(config) != Analysis::static_equilibrium) {
+    model.set_initial_state(config, q.get(), v.get());
+  } else {
+    model.check_contact_at_start(q.get());
+  }
+  update_ghosts(q.get());
+  const ConstGhostedView at(q.get());
+  for (const auto& line : contact_table(model.contacts()->summary(model.instant(0.0), at.span()))) console.print(line);
+}
+
 }  // namespace
 
 void plot_material_command(MPI_Comm comm, const std::string& law, const std::vector<std::string>& settings,
@@ -153,6 +169,8 @@ ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector
   for (const auto& cavity : model.cavities()) {
     console.print(fmt::format("  {}: volume {:.6g} m^3", cavity.name, cavity.volume));
   }
+
+  report_contact(model, config, console);
 
   const LinearKind kind = linear_kind(config, layout);
   const Memory memory = predicted_memory(model, kind);

@@ -1,10 +1,13 @@
 #include "model/body_contacts.hpp"
 
 #include "collision/candidates.hpp"
+#include "collision/triangle_tree.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -27,6 +30,19 @@ std::vector<double> facet_sizes(const CollisionSurface& surface, std::size_t num
   return size;
 }
 
+/// The current positions of all vertices, on every rank. Collective.
+std::vector<Vector3<double>> gathered_positions(const NodeLayout& layout, const CollisionSurface& surface,
+                                                std::span<const double> q) {
+  std::vector<Vector3<double>> mine;  // vertices are sorted by global numbers, which ascend with the ranks
+  for (const auto& vertex : surface.vertices()) {
+    const VertexKey node = vertex.key - layout.first_global_node;
+    if (node < 0 || node >= layout.num_owned_nodes) continue;
+    const auto a = static_cast<PetscInt>(node);
+    mine.push_back(layout.position(a) + Vector3<double>{q[3 * a], q[3 * a + 1], q[3 * a + 2]});
+  }
+  return gathered(layout.comm, mine);
+}
+
 }  // namespace
 
 struct BodyContacts::Part {
@@ -44,7 +60,13 @@ struct BodyContacts::Part {
   };
 
   std::shared_ptr<const TouchingBodies> bodies;
-  std::string name;  // may be empty
+  std::string name;                           // may be empty
+  const ContactPairConfig* config = nullptr;  // nullptr: `all`
+  ContactSets sets;
+  BodyContactLaws laws;
+  std::vector<std::array<bool, 2>> set_is_on_side;
+  std::array<double, 2> facets_of_side{};  // over all ranks
+  std::vector<double> facets_of_body;
   MeasuredNodes measured;
   Friction friction;
   NormalDamping damping;
@@ -136,12 +158,27 @@ void BodyContacts::add(TouchingSurfaces touching, const std::vector<double>& she
   const Friction friction = config_.friction(drag);
   const NormalDamping damping = config_.damping(drag);
   const bool has_drag = friction.acts() || damping.acts();
+  const ContactSets sets = touching.sets;
+  const BodyContactLaws laws_of_bodies = laws;
   auto bodies =
       std::make_shared<const TouchingBodies>(std::move(surfaces), std::move(touching.sets), std::move(laws),
                                              has_drag ? std::optional(config_.friction_update) : std::nullopt);
   auto part = std::make_shared<Part>(layout_, std::move(bodies), distance);
   part->friction = friction;
   part->damping = damping;
+  part->config = pair;
+  part->sets = sets;
+  part->laws = laws_of_bodies;
+  part->set_is_on_side = touching.set_is_on_side;
+  part->facets_of_body.assign(body_names_.size(), 0.0);
+  for (PetscInt facet = 0; facet < touching.facets.size(); ++facet) {
+    if (!touching.facets.is_owned[facet]) continue;
+    const auto [body, set] = touching.sides[facet];
+    part->facets_of_body[body] += 1.0;
+    for (std::size_t k = 0; k < 2; ++k) part->facets_of_side[k] += touching.set_is_on_side[set][k] ? 1.0 : 0.0;
+  }
+  sum_in_place(layout_.comm, part->facets_of_body);
+  for (double& count : part->facets_of_side) count = sum(layout_.comm, count);
   if (pair != nullptr && !pair->name.empty()) {
     part->name = pair->name;
     part->measured = std::make_shared<const std::vector<char>>(nodes_of_first_side(touching));
@@ -273,11 +310,95 @@ void BodyContacts::check_start(std::span<const double> q) const {
     const auto [near, all] = part->at(q);
     const double gap = minimum(layout_.comm, part->bodies->gap(near, all, part->distance).least);
     if (gap > 0.0) continue;
-    const std::string what = gap < 0.0 ? fmt::format("surfaces start {:.3g} m nearer than their 'thickness'", -gap)
-                                       : std::string("surfaces touch at the start");
-    throw InputError(config_.where, what +
-                                        ", and the barrier needs a gap between them, however small; move one body "
-                                        "away from the other");
+    ContactSummary summary;
+    summarize(q, summary);
+    const auto nearest =
+        std::ranges::min_element(summary.pairs, {}, [](const ContactRow& row) { return row.start.gap; });
+    const std::string pair = nearest == summary.pairs.end() ? "surfaces"
+                             : nearest->second.empty()      ? fmt::format("parts of '{}'", nearest->first)
+                                                       : fmt::format("'{}' and '{}'", nearest->first, nearest->second);
+    throw InputError(config_.where,
+                     fmt::format("{} {}{}, and the barrier needs a gap between them, however small; move one of them "
+                                 "away from the other",
+                                 pair,
+                                 gap < 0.0 ? fmt::format("start {:.3g} m nearer than their 'thickness'", -gap)
+                                           : std::string("touch at the start"),
+                                 nearest == summary.pairs.end() ? "" : " at " + place_text(nearest->start.place)));
+  }
+}
+
+void BodyContacts::summarize(std::span<const double> q, ContactSummary& summary) const {
+  for (const auto& part : parts_) {
+    const CollisionSurface& surface = part->bodies->surfaces().surface();
+    const auto x = gathered_positions(layout_, surface, q);
+    const auto triangles = surface.triangles();
+    const auto may_touch = [&](std::int32_t s, std::int32_t t) {
+      return part->sets(triangles[s].group, triangles[t].group);
+    };
+    const auto tree_of = [&](const auto& belongs) {
+      std::vector<std::int32_t> numbers;
+      for (std::size_t t = 0; t < triangles.size(); ++t) {
+        if (belongs(triangles[t])) numbers.push_back(static_cast<std::int32_t>(t));
+      }
+      return TriangleTree(surface, x, std::move(numbers));
+    };
+    const auto gap_of = [&](const NearestPlaces& nearest) {
+      return StartGap{nearest.distance - part->laws.of(nearest.body, nearest.other).threshold,
+                      without_rounding(nearest.place, surface.longest_edge())};
+    };
+    ContactRow row{part->name, {}, {}, 0.0, 0.0, {}, part->friction.coefficient, {}};
+    if (part->config != nullptr) {
+      const auto is_on_side = [&](std::size_t side) {
+        return [&, side](const CollisionSurface::Triangle& t) { return part->set_is_on_side[t.group][side]; };
+      };
+      // What touches itself is only asked for what comes near: all of it is near its neighbours.
+      const double within = part->config->with ? std::numeric_limits<double>::infinity() : part->distance;
+      const TriangleTree first = tree_of(is_on_side(0)), second = tree_of(is_on_side(1));
+      const auto nearest = nearest_places(first, second, within, may_touch);
+      const auto body_of = [&](const TriangleTree& tree) {
+        return std::ranges::min(tree.numbers() |
+                                std::views::transform([&](std::int32_t t) { return triangles[t].body; }));
+      };
+      const bool is_found = std::isfinite(nearest.distance);
+      row.first = part->config->part.value;
+      row.second = part->config->with ? part->config->with->value : std::string();
+      row.num_facets = part->facets_of_side[0];
+      row.num_other_facets = part->facets_of_side[1];
+      row.law = is_found ? part->laws.of(nearest.body, nearest.other) : part->laws.of(body_of(first), body_of(second));
+      row.start = gap_of(nearest);
+      summary.pairs.push_back(row);
+      continue;
+    }
+    summary.far = part->distance;
+    std::vector<std::set<std::int32_t>> groups(body_names_.size());
+    for (const auto& triangle : triangles) groups[triangle.body].insert(triangle.group);
+    const auto may_meet = [&](std::size_t a, std::size_t b) {
+      return std::ranges::any_of(groups[a], [&](std::int32_t s) {
+        return std::ranges::any_of(groups[b], [&](std::int32_t t) { return part->sets(s, t); });
+      });
+    };
+    std::vector<TriangleTree> trees;
+    for (std::size_t b = 0; b < body_names_.size(); ++b) {
+      trees.push_back(tree_of([&](const CollisionSurface::Triangle& t) { return t.body == static_cast<int>(b); }));
+    }
+    for (std::size_t a = 0; a < trees.size(); ++a) {
+      for (std::size_t b = a; b < trees.size(); ++b) {
+        if (!may_meet(a, b)) continue;
+        row.law = part->laws.of(static_cast<int>(a), static_cast<int>(b));
+        const double within = a == b ? row.law.reach() : part->distance;
+        const auto nearest = nearest_places(trees[a], trees[b], within, may_touch);
+        if (!(nearest.distance < within)) {
+          summary.num_far_pairs += a == b ? 0 : 1;
+          continue;
+        }
+        row.first = body_names_[a];
+        row.second = a == b ? std::string() : body_names_[b];
+        row.num_facets = part->facets_of_body[a];
+        row.num_other_facets = part->facets_of_body[b];
+        row.start = gap_of(nearest);
+        summary.pairs.push_back(row);
+      }
+    }
   }
 }
 

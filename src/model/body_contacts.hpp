@@ -4,6 +4,7 @@
 #include "energy/contact/body_contact.hpp"
 #include "energy/contact/passage.hpp"
 #include "energy/pairs/pair_assembly.hpp"
+#include "model/contact_summary.hpp"
 #include "model/touching_surfaces.hpp"
 
 #include <memory>
@@ -56,6 +57,8 @@ class BodyContacts {
   std::optional<std::string> crossing(std::span<const double> q) const;
   /// Throws InputError if surfaces cross or touch. Collective.
   void check_start(std::span<const double> q) const;
+  /// Adds the entries, or the pairs of bodies, with their gaps at q. Gathers all positions. Collective.
+  void summarize(std::span<const double> q, ContactSummary& summary) const;
 
  private:
   /// An entry of `contact.pairs`, with a search for what is near apart from that of the solver.

@@ -98,6 +98,23 @@ RigidMotion motion_of(const ObstacleConfig& o) {
   return motion;
 }
 
+/// The least gap of the points and nodes of a body's surface to an obstacle. Collective.
+StartGap start_gap(MPI_Comm comm, const ContactSurface& surface, const ObstacleFrame& obstacle,
+                   std::span<const double> q) {
+  StartGap mine;
+  const auto include = [&](const Vector3<double>& x) {
+    mine = nearer(mine, {obstacle.distance(x) - surface.law().threshold, x});
+  };
+  surface.for_each_owned([&](const ContactSurface::Point& point) { include(surface.position(point, q)); });
+  for (PetscInt f = 0; f < surface.facets().size(); ++f) {
+    if (!surface.facets().is_owned[f]) continue;
+    for (const PetscInt node : surface.nodes_of(f)) include(surface.position(node, q));
+  }
+  StartGap least;
+  for (const StartGap& of_rank : gathered(comm, std::array{mine})) least = nearer(least, of_rank);
+  return least;
+}
+
 /// Area of the triangle of a facet's corners [m^2].
 double corner_area(const NodeLayout& layout, std::span<const PetscInt> nodes) {
   const auto X = layout.position(nodes[0]);
@@ -343,6 +360,29 @@ std::optional<std::string> Contacts::passage(const Instant& from, std::span<cons
       config_.pressure.law == NormalKind::barrier
           ? "a finer mesh"
           : "a finer mesh, a larger 'contact.stiffness' (the log says what it is), 'law: barrier'");
+}
+
+ContactSummary Contacts::summary(const Instant& at, std::span<const double> q) const {
+  ContactSummary summary;
+  for (std::size_t k = 0; k < obstacles_.size(); ++k) {
+    const ObstacleFrame frame = obstacles_[k]->at(at);
+    const ObstacleConfig& o = config_.obstacles[k];
+    ContactRow row{o.name, {}, {}, 0.0, 0.0, {}, config_.friction(o.drag).coefficient, {}};
+    for (std::size_t b = 0; b < surfaces_.size(); ++b) {
+      const double count =
+          sum(layout_.comm, static_cast<double>(std::ranges::count(surfaces_[b]->facets().is_owned, 1)));
+      const StartGap start = start_gap(layout_.comm, *surfaces_[b], frame, q);
+      const StartGap nearest = nearer(row.start, start);
+      if (count == 0.0 || (nearest.gap == row.start.gap && nearest.place == row.start.place)) continue;
+      row.start = {start.gap, without_rounding(start.place, facet_sizes_[b])};
+      row.first = body_names_[b];
+      row.num_facets = count;
+      row.law = surfaces_[b]->law();
+    }
+    summary.obstacles.push_back(row);
+  }
+  if (between_) between_->summarize(q, summary);
+  return summary;
 }
 
 double Contacts::energy(const Instant& at, std::span<const double> q) const {

@@ -61,6 +61,8 @@ class Contacts {
 
   /// Throws InputError if a body overlaps a barrier. Collective.
   void check_start(const Instant& at, std::span<const double> q) const;
+  /// What may touch, and how far apart it starts: the same on any number of ranks. Collective.
+  ContactSummary summary(const Instant& at, std::span<const double> q) const;
   /// Warnings about surfaces that cannot touch anything, obstacles inside a body or narrower than the distance of its
   /// contact points, and bodies on which contact acts at the start. Collective.
   std::vector<Diagnostic> warnings_about_start(const Instant& at, const VectorExpression& displacement) const;

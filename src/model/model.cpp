@@ -284,7 +284,8 @@ void Model::check_overlap(const Config& config) {
   const std::string what = fmt::format(
       "parts of the mesh that share no node overlap at the start, {:.3g} m deep at ({:.4g}, {:.4g}, {:.4g})",
       overlap->depth, x, y, z);
-  if (contacts_ && contacts_->between_bodies() != nullptr && contacts_->between_bodies()->includes_all()) {
+  const BodyContacts* between = contacts_ ? contacts_->between_bodies() : nullptr;
+  if (between != nullptr && between->includes_all()) {
     throw InputError(config.contact->where, what + ", and contact between bodies cannot part them; move one of them");
   }
   warn(config.mesh.file.where, what +
@@ -372,6 +373,13 @@ void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
                      "a smaller one");
   }
   if (contacts_) contacts_->check_start(instant(0.0), at.span());
+}
+
+void Model::check_contact_at_start(Vec q) const {
+  if (!contacts_) return;
+  update_ghosts(q);
+  const ConstGhostedView at(q);
+  contacts_->check_start(instant(0.0), at.span());
 }
 
 }  // namespace pliant

@@ -132,6 +132,9 @@ void sort_into_sets(MPI_Comm comm, const std::vector<std::uint64_t>& masks, std:
   }
   touching.sets = {static_cast<int>(kinds.size()), {}};
   for (const std::uint64_t a : kinds) {
+    touching.set_is_on_side.push_back({(a >> first_side & 1) != 0, (a >> second_side & 1) != 0});
+  }
+  for (const std::uint64_t a : kinds) {
     for (const std::uint64_t b : kinds) {
       touching.sets.may_touch.push_back(may_touch(a, b, num_excluded) ? 1 : 0);
     }

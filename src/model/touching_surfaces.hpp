@@ -28,10 +28,11 @@ class CellOfFacets {
 /// What one entry of `contact.pairs`, or `all`, speaks of.
 struct TouchingSurfaces {
   FacetList facets;
-  std::vector<FacetSide> sides;               ///< of each facet: its body, and its set among `sets`
-  ContactSets sets;                           ///< which may touch
-  std::vector<char> is_on_first_side;         ///< of each facet: it belongs to `surface` of the entry
-  const ContactPairConfig* config = nullptr;  ///< nullptr: `all`
+  std::vector<FacetSide> sides;                     ///< of each facet: its body, and its set among `sets`
+  ContactSets sets;                                 ///< which may touch
+  std::vector<std::array<bool, 2>> set_is_on_side;  ///< of each set: it is of `surface`, of `with` of the entry
+  std::vector<char> is_on_first_side;               ///< of each facet: it belongs to `surface` of the entry
+  const ContactPairConfig* config = nullptr;        ///< nullptr: `all`
 };
 
 struct LayoutOfBodies {

@@ -1,0 +1,129 @@
+#!/usr/bin/python3
+"""How far apart bodies and obstacles start, as `check` lists it."""
+import re
+import unittest
+
+from program import ProgramTest
+
+THREE = """SetFactory("OpenCASCADE");
+Box(1) = {-2, -2, 0, 4, 4, 1};
+Box(2) = {-1, -1, 1.2, 2, 2, 2};
+Box(3) = {-1, -1, 30, 2, 2, 2};
+Physical Volume("base") = {1};
+Physical Volume("block") = {2};
+Physical Volume("moon") = {3};
+Physical Surface("floor") = {5};
+Physical Surface("top") = {6};
+Physical Surface("under") = {11};
+Mesh.MeshSizeMin = 1;
+Mesh.MeshSizeMax = 1;
+"""
+SOFT = "density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e5, poissons_ratio: 0.3}"
+
+
+def tables(text):
+    """Rows of the tables of `check` by their titles, each as values by heading."""
+    found, title, headings = {}, None, None
+    for line in text.splitlines():
+        if line in ("contact pairs", "obstacles"):
+            title, headings = line, None
+            found[title] = []
+        elif title and not line.startswith("  "):
+            title = None
+        elif title and re.match(r"  \d+ (more )?pairs? of bodies", line):
+            found["rest"] = line.strip()
+        elif title and headings is None:
+            headings = [(m.start(), m[0]) for m in re.finditer(r"\S+(?: \S+)*", line)]
+        elif title:
+            ends = [at for at, _ in headings[1:]] + [None]
+            found[title].append({name: line[at:end].strip() for (at, name), end in zip(headings, ends)})
+    return found
+
+
+class ContactTable(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.write("three.geo", THREE)
+
+    def three(self, contact, initial="[0, 0, 0]", time="method: backward-euler, step: 2 ms, end: 0.02"):
+        return self.write("three.yaml", f"""
+mesh: {{file: three.geo, scale: 0.01}}
+bodies: [{{volume: base, {SOFT}}}, {{volume: block, {SOFT}}}, {{volume: moon, {SOFT}}}]
+constraints: [{{surface: floor, displacement: [0, 0, 0]}}]
+initial: {{displacement: {initial}}}
+contact: {{law: barrier, {contact}}}
+time: {{{time}}}
+""")
+
+    def check_on_ranks(self, file):
+        """The tables, the same on every rank count."""
+        texts = []
+        for ranks in (1, 2, 3):
+            done = self.call("check", file, ranks=ranks)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            begin = re.search("^(contact pairs|obstacles)$", done.stdout, re.M).start()
+            texts.append(done.stdout[begin:done.stdout.index("unknowns\n")])
+        self.assertEqual(texts[0], texts[1])
+        self.assertEqual(texts[0], texts[2])
+        return tables(texts[0])
+
+    def test_all_bodies(self):
+        found = self.check_on_ranks(self.three("pairs: all, friction: 0.4"))
+        [row] = found["contact pairs"]
+        self.assertEqual((row["between"], row["law"], row["friction"]), ("base with block", "barrier", "0.4"))
+        self.assertEqual((row["gap at the start [m]"], row["thickness [m]"]), ("0.002", "0"))
+        facets = [int(number) for number in row["facets"].split(" and ")]
+        self.assertGreater(min(facets), 20)
+        self.assertGreater(float(row["stiffness [Pa/m]"]), 1e5)
+        self.assertAlmostEqual(float(row["width [m]"]), 0.01 / 50, delta=0.5 * 0.01 / 50)
+        x, y, z = map(float, row["at [m]"].strip("()").split(","))
+        self.assertTrue(max(abs(x), abs(y)) <= 0.02 and z in (0.01, 0.012), row)
+        self.assertRegex(found["rest"], r"^2 more pairs of bodies farther apart than 0\.0\d+ m$")
+
+    def test_excluded_bodies_are_not_counted(self):
+        found = self.check_on_ranks(self.three("pairs: all, exclude: [[base, moon], [base, block]]"))
+        self.assertEqual(found["contact pairs"], [])
+        self.assertRegex(found["rest"], r"^1 pair of bodies farther apart than")
+
+    def test_pairs_and_obstacles(self):
+        contact = """thickness: 1 mm, friction: 0.2, pairs: [
+            {name: grip, surface: under, with: top, friction: 0.5, width: 0.1 mm, stiffness: 3e8, thickness: 0.5 mm},
+            {surface: moon, with: block}, {surface: block, thickness: 0}],
+            obstacles: [{name: ground, shape: plane, point: [0, 0, -0.003], normal: [0, 0, 1], friction: 0.7},
+                        {name: ball, shape: sphere, point: [0.05, 0, 0.31], radius: 10 mm}]"""
+        for time in ("method: backward-euler, step: 2 ms, end: 0.02", "method: static"):
+            with self.subTest(time):
+                file = self.three(contact.replace("thickness: 1 mm, ", "threshold: 1 mm, "), time=time)
+                found = self.check_on_ranks(file)
+                grip, far, itself = found["contact pairs"]
+                self.assertEqual([row["pair"] for row in found["contact pairs"]], ["grip", "1", "2"])
+                self.assertEqual((grip["between"], grip["stiffness [Pa/m]"], grip["width [m]"]), ("under with top", "3e+08", "0.0001"))
+                self.assertEqual((grip["thickness [m]"], grip["friction"], grip["gap at the start [m]"]), ("0.0005", "0.5", "0.0015"))
+                self.assertEqual((far["between"], far["friction"]), ("moon with block", "0.2"))
+                # However far: 30 - 3.2 cm, less the threshold.
+                self.assertEqual((far["thickness [m]"], far["gap at the start [m]"]), ("0.001", "0.267"))
+                self.assertEqual((itself["between"], itself["gap at the start [m]"]), ("block with itself", "none near"))
+                self.assertGreater(float(itself["width [m]"]), 1e-5)
+                ground, ball = found["obstacles"]
+                self.assertEqual((ground["obstacle"], ground["nearest body"], ground["friction"]), ("ground", "base", "0.7"))
+                self.assertEqual(ground["threshold [m]"], "0.001")
+                self.assertEqual((ball["nearest body"], ball["gap at the start [m]"]), ("moon", "0.029"))
+
+    def test_a_displacement_at_the_start_counts(self):
+        [row] = self.check_on_ranks(self.three("pairs: all", initial='[0, 0, "z > 0.011 ? -1e-3 : 0"]'))["contact pairs"]
+        self.assertEqual(row["gap at the start [m]"], "0.001")
+
+    def test_a_start_within_the_thickness_is_named(self):
+        for ranks in (1, 2):
+            done = self.call("run", self.three("pairs: all, threshold: 2.5 mm"), "--quiet", ranks=ranks)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertRegex(done.stderr, r"'base' and 'block' start 0.0005 m nearer than their 'thickness' at \(.*\), and the barrier needs a gap")
+
+    def test_no_contact_no_table(self):
+        file = self.three("pairs: all")
+        file.write_text(re.sub("contact: .*\n", "", file.read_text()))
+        self.assertEqual(tables(self.call("check", file).stdout), {})
+
+
+if __name__ == "__main__":
+    unittest.main()
