@@ -104,8 +104,18 @@ class Quantity:
         field = frame.field(self.field)
         if self.names:
             return field.values[surface.cell_of_face, 0]
-        values = surface.of_nodes(field.values) if field.on_nodes else surface.of_cells(field.values)
+        values = _of_nodes(surface, field.values) if field.on_nodes else surface.of_cells(field.values)
         return np.linalg.norm(values, axis=1) if self.component < 0 else values[:, self.component]
+
+
+def _of_nodes(surface, values):
+    """Nodal values at the points of the surface: infinite ones, such as gaps where nothing is near, stay so."""
+    infinite = np.isposinf(values)
+    if not infinite.any():
+        return surface.of_nodes(values)
+    finite = values[np.isfinite(values)]
+    at_points = surface.of_nodes(np.where(infinite, finite.max() if len(finite) > 0 else 0.0, values))
+    return np.where(surface.of_nodes(infinite.astype(float)) != 0, np.inf, at_points)
 
 
 def quantity_of(result, name):

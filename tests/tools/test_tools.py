@@ -124,7 +124,11 @@ class Pictures(WithResult):
                 gap[:20] = np.linspace(-1e-4, 2e-3, 20)
                 frame["contact_gap"] = gap
                 frame["contact_gap"].attrs.update({"unit": "m", "location": "node"})
-        self.assertGreater(len(self.body_pixels(Image.open(self.draw("--field", "contact_gap", *SMALL)))), 1000)
+        pixels = self.body_pixels(Image.open(self.draw("--field", "contact_gap", *SMALL)))
+        self.assertGreater(len(pixels), 1000)
+        yellow = pixels[:, 2] < 0.5 * pixels[:, 0]  # the end of the scale, where nothing is near, in any light
+        self.assertGreater(yellow.mean(), 0.5)
+        self.assertEqual((pixels.max(axis=1) < 25).sum(), 0)
 
     def test_views_differ(self):
         pictures = []
