@@ -1,7 +1,9 @@
 #include "model/body_contacts.hpp"
 
 #include "collision/candidates.hpp"
+#include "collision/overlaps.hpp"
 #include "collision/triangle_tree.hpp"
+#include "model/start_overlap.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
@@ -42,6 +44,8 @@ std::vector<Vector3<double>> gathered_positions(const NodeLayout& layout, const 
   }
   return gathered(layout.comm, mine);
 }
+
+constexpr std::size_t most_overlaps_named = 10;
 
 }  // namespace
 
@@ -300,8 +304,39 @@ std::optional<std::string> BodyContacts::crossing(std::span<const double> q) con
                      x, y, z);
 }
 
+void BodyContacts::check_overlaps(std::span<const double> q) const {
+  std::vector<Diagnostic> diagnostics;
+  OverlappingFacets facets;
+  std::size_t num_overlaps = 0;
+  for (const auto& part : parts_) {
+    const CollisionSurface& surface = part->bodies->surfaces().surface();
+    const auto x = gathered_positions(layout_, surface, q);
+    for (const SurfaceOverlap& overlap : find_overlaps(surface, x, part->sets)) {
+      if (++num_overlaps <= most_overlaps_named) {
+        diagnostics.push_back({Severity::error, part->config != nullptr ? part->config->where : config_.where,
+                               describe(overlap, body_names_, surface.longest_edge())});
+      }
+      for (const OverlappingTriangle& of : overlap.triangles) {
+        const auto& triangle = surface.triangles()[of.number];
+        const auto [a, b, c] = triangle.vertices;
+        facets.corners.push_back({x[a], x[b], x[c]});
+        facets.bodies.push_back(triangle.body);
+        facets.others.push_back(triangle.body == overlap.body ? overlap.other : overlap.body);
+        facets.depths.push_back(of.depth);
+      }
+    }
+  }
+  if (diagnostics.empty()) return;
+  if (num_overlaps > most_overlaps_named) {
+    diagnostics.push_back({Severity::error, config_.where,
+                           fmt::format("{} more pairs of bodies overlap", num_overlaps - most_overlaps_named)});
+  }
+  throw OverlapError(std::move(diagnostics), std::move(facets));
+}
+
 void BodyContacts::check_start(std::span<const double> q) const {
   if (const auto what = crossing(q)) {
+    check_overlaps(q);
     throw InputError(config_.where, *what +
                                         " at the start, which the barrier does not allow; move one of them, or "
                                         "exclude them from contact ('exclude')");

@@ -55,8 +55,11 @@ class BodyContacts {
   std::vector<AtNode> at_nodes(std::span<const double> q, std::span<const double> v) const;
   /// Says what crosses, or touches, and where; nothing if nothing does. Collective.
   std::optional<std::string> crossing(std::span<const double> q) const;
-  /// Throws InputError if surfaces cross or touch. Collective.
+  /// Throws InputError if surfaces cross or touch: an OverlapError with what does, the same on any number of ranks.
+  /// Collective.
   void check_start(std::span<const double> q) const;
+  /// Throws OverlapError if surfaces cross or touch, or a body lies in another one. Gathers all positions. Collective.
+  void check_overlaps(std::span<const double> q) const;
   /// Adds the entries, or the pairs of bodies, with their gaps at q. Gathers all positions. Collective.
   void summarize(std::span<const double> q, ContactSummary& summary) const;
 

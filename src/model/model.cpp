@@ -285,6 +285,7 @@ void Model::check_overlap(const Config& config) {
       "parts of the mesh that share no node overlap at the start, {:.3g} m deep at ({:.4g}, {:.4g}, {:.4g})",
       overlap->depth, x, y, z);
   const BodyContacts* between = contacts_ ? contacts_->between_bodies() : nullptr;
+  if (between != nullptr) between->check_overlaps(u);
   if (between != nullptr && between->includes_all()) {
     throw InputError(config.contact->where, what + ", and contact between bodies cannot part them; move one of them");
   }

@@ -87,8 +87,8 @@ class Model {
   /// Initial displacement and velocity: those that constraints allow at t = 0 and that are nearest to the ones of the
   /// input, displacements by their squares, velocities in dynamics by kinetic energy. Collective.
   void set_initial_state(const Config& config, Vec q, Vec v) const;
-  /// Throws InputError if bodies overlap one another, or obstacles with barriers, at the configuration q of the start.
-  /// Part of set_initial_state; for analyses that have no initial state. Collective.
+  /// Throws InputError if bodies overlap one another, or obstacles with barriers, at the configuration q of the start:
+  /// an OverlapError for bodies. Part of set_initial_state; for analyses that have no initial state. Collective.
   void check_contact_at_start(Vec q) const;
 
  private:

@@ -6,6 +6,7 @@
 #include "run/checkpoints.hpp"
 #include "run/energy_watch.hpp"
 #include "run/motion_watch.hpp"
+#include "run/overlap_file.hpp"
 #include "run/post_mortem.hpp"
 #include "run/recorder.hpp"
 #include "run/signals.hpp"
@@ -103,6 +104,7 @@ class Run {
     if (!earlier) {
       checkpoints_.remove_all();
       remove_post_mortem(comm_, config_);
+      remove_overlap_file(comm_, config_);
       recorder_->record(record(), simulation_->ledger());
       recorder_->write_frame(record());
     }
@@ -381,7 +383,11 @@ class Run {
 }  // namespace
 
 ExitCode run_with_output(MPI_Comm comm, const Config& config, Console& console, const TermFactory& additional) {
-  return Run(comm, config, console, additional, nullptr)();
+  try {
+    return Run(comm, config, console, additional, nullptr)();
+  } catch (const OverlapError& error) {
+    throw with_overlap_file(comm, config, error);
+  }
 }
 
 ExitCode resume_with_output(MPI_Comm comm, const Config& config, Console& console, const ResumePoint& from,

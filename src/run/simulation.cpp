@@ -32,7 +32,11 @@ Simulation::Simulation(const Config& config, Model& model) : analysis_(analysis_
   model.prepare(config);
   q_ = make_vector(model.layout());
   v_ = make_vector(model.layout());
-  if (analysis_ != Analysis::static_equilibrium) model.set_initial_state(config, q_.get(), v_.get());
+  if (analysis_ != Analysis::static_equilibrium) {
+    model.set_initial_state(config, q_.get(), v_.get());
+  } else {
+    model.check_contact_at_start(q_.get());
+  }
   const Handle<Vec> z = model.potential().make_internal();
   if (z.get() != nullptr) model.potential().internal_variables().complete_step(q_.get(), z.get());
   StateView initial{0.0, q_.get(), v_.get(), z.get()};

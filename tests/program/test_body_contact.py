@@ -218,8 +218,8 @@ Mesh.MeshSizeMax = 0.7;
                 ("method", {"time": "method: implicit-midpoint, step: 1 ms, end: 0.01"}, "stiffly accurate"),
                 ("repeated", {"contact": "law: barrier, pairs: [{surface: base, with: block}, {surface: block, with: base}]"},
                  "contact.pairs[1] repeats contact.pairs[0]"),
-                ("touching", {"file": touching}, "'base' and 'block' touch or pass through each other"),
-                ("within", {"file": within}, "overlap at the start")):
+                ("touching", {"file": touching}, "'base' and 'block' touch at the start in 1 place"),
+                ("within", {"file": within}, "'base' and 'block' overlap at the start in 1 place")):
             with self.subTest(name):
                 file = self.write(name + ".yaml", two_blocks(**options))
                 for ranks in (1, 2):

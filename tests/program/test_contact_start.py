@@ -1,9 +1,15 @@
 #!/usr/bin/python3
-"""How far apart bodies and obstacles start, as `check` lists it."""
+"""How far apart bodies and obstacles start, as `check` lists it, and what is said and drawn where they overlap."""
 import re
 import unittest
+import xml.etree.ElementTree
 
-from program import ProgramTest
+import numpy as np
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+
+from program import ProgramTest, start, finish, UNSIGNALLED
+from test_body_contact import GEOMETRY, two_blocks
 
 THREE = """SetFactory("OpenCASCADE");
 Box(1) = {-2, -2, 0, 4, 4, 1};
@@ -123,6 +129,95 @@ time: {{{time}}}
         file = self.three("pairs: all")
         file.write_text(re.sub("contact: .*\n", "", file.read_text()))
         self.assertEqual(tables(self.call("check", file).stdout), {})
+
+
+class Overlap(ProgramTest):
+    def facets(self, file):
+        """Of the picture, as ParaView reads it: corners of each triangle, and values of cells."""
+        xml.etree.ElementTree.parse(file)
+        reader = vtkXMLUnstructuredGridReader()
+        reader.SetFileName(str(file))
+        reader.Update()
+        grid = reader.GetOutput()
+        points = vtk_to_numpy(grid.GetPoints().GetData())
+        corners = points[vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(-1, 3)]
+        data = grid.GetCellData()
+        values = {data.GetArrayName(i): vtk_to_numpy(data.GetArray(i)) for i in range(data.GetNumberOfArrays())}
+        self.assertEqual({grid.GetCellType(i) for i in range(grid.GetNumberOfCells())}, {5})
+        return corners, values
+
+    def overlap(self, name, geometry, expected, element="P1", **options):
+        """The facets; message and file are the same on 1 and 2 ranks."""
+        self.write(name + ".geo", geometry)
+        file = self.write(name + ".yaml", two_blocks(file=name + ".geo", element=element, **options))
+        messages, pictures = [], []
+        for ranks in (1, 2):
+            out = f"{name}{ranks}"
+            done = finish(start(["run", file, "--quiet", "--output", out], self.directory, ranks, UNSIGNALLED), 120)
+            self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+            message = next(line for line in done.stderr.splitlines() if "at the start" in line)
+            self.assertRegex(message, expected)
+            self.assertEqual(done.stderr.count("at the start"), 1)
+            self.assertIn(f"{out}/overlap.vtu", message)
+            messages.append(message.replace(out, ""))
+            pictures.append(self.facets(self.directory / out / "overlap.vtu"))
+        self.assertEqual(*messages)
+        sums = [np.sort(np.column_stack([corners.sum(axis=1), *values.values()]).round(12), axis=0) for corners, values in pictures]
+        np.testing.assert_allclose(sums[0], sums[1], atol=1e-11)
+        # What `run` refuses, `check` refuses, and it writes nothing.
+        done = self.call("check", file)
+        self.assertEqual(done.returncode, 2)
+        self.assertRegex(done.stderr, expected)
+        return pictures[0]
+
+    def test_a_block_in_its_base(self):
+        for element in ("P1", "P2"):
+            for contact in ("law: barrier, pairs: all", "law: barrier, pairs: [{surface: block, with: base}]"):
+                with self.subTest(element=element, contact=contact):
+                    corners, values = self.overlap(
+                        "within" + element, GEOMETRY % "0.3",
+                        r"^\S+:\d+:\d+: 'base' and 'block' overlap at the start in 1 place \(\d+ triangles\), 0\.007 m deep at \(.*, .*, 0\.01\)",
+                        element, contact=contact)
+                    self.assertEqual(set(values), {"body", "other", "depth"})
+                    self.assertEqual(set(values["body"]), {0, 1})
+                    np.testing.assert_array_equal(values["other"], 1 - values["body"])
+                    self.assertAlmostEqual(values["depth"].max(), 0.007, delta=1e-12)
+                    self.assertGreaterEqual(values["depth"].min(), 0)
+                    # The bottom of the block is 3 mm above that of the base, and below its top.
+                    bottom = (values["body"] == 1) & (corners[..., 2] < 0.00301).all(axis=1)
+                    np.testing.assert_allclose(values["depth"][bottom], 0.003, atol=1e-12)
+                    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+                    self.assertAlmostEqual(area[bottom].sum(), 4e-4, delta=1e-12)
+
+    def test_a_body_in_another_one(self):
+        geometry = GEOMETRY.replace("{-1, -1, %s, 2, 2, 2}", "{-0.5, -0.5, 0.3, 1, 1, 0.4}")
+        _, values = self.overlap("inside", geometry, "'base' and 'block' overlap at the start in 1 place .* 0.005 m deep at")
+        self.assertEqual(set(values["body"]), {1})  # no facet of the base is in the block
+
+    def test_two_places_and_surfaces_that_only_touch(self):
+        legs = """SetFactory("OpenCASCADE");
+Box(1) = {-2, -2, 0, 4, 4, 1};
+Box(2) = {-1.5, -0.5, 0.9, 1, 1, 1};
+Box(3) = {0.5, -0.5, 0.9, 1, 1, 1};
+Physical Volume("base") = {1};
+Physical Volume("block") = {2, 3};
+Physical Surface("floor") = {5};
+Mesh.MeshSizeMax = 0.5;
+"""
+        self.overlap("legs", legs, "'base' and 'block' overlap at the start in 2 places .* 0.001 m deep")
+        corners, values = self.overlap("touching", GEOMETRY % "1", "'base' and 'block' touch at the start in 1 place .*, near .*needs a gap")
+        self.assertEqual(values["depth"].max(), 0)
+        self.assertTrue((np.abs(corners[..., 2] - 0.01).min(axis=1) < 1e-12).all())
+
+    def test_static_runs_too_and_the_picture_goes_with_the_overlap(self):
+        # Nothing but the pair's own check sees this: the block's lower facets alone may touch.
+        self.overlap("static", GEOMETRY.replace("Mesh.MeshSizeMin", 'Physical Surface("under") = {11};\nMesh.MeshSizeMin') % "0.95",
+                     "'base' and 'block' overlap at the start", time="method: static",
+                     contact="law: barrier, pairs: [{surface: under, with: base}]")
+        self.write("static.geo", GEOMETRY % "1.2")
+        file = self.write("apart.yaml", two_blocks(file="static.geo", time="method: backward-euler, step: 2 ms, end: 2 ms"))
+        self.run_input(file, output="static1")
+        self.assertFalse((self.directory / "static1/overlap.vtu").exists())
 
 
 if __name__ == "__main__":

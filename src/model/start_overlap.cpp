@@ -1,0 +1,33 @@
+#include "model/start_overlap.hpp"
+
+#include "model/contact_summary.hpp"
+
+#include <fmt/format.h>
+
+namespace pliant {
+
+std::string describe(const SurfaceOverlap& overlap, const std::vector<std::string>& body_names, double size) {
+  const std::string where = fmt::format("at the start in {} place{} ({} triangles)", overlap.num_places,
+                                        overlap.num_places == 1 ? "" : "s", overlap.triangles.size());
+  const std::string place = place_text(without_rounding(overlap.place, size));
+  const std::string& body = body_names[static_cast<std::size_t>(overlap.body)];
+  if (overlap.body == overlap.other) {
+    return fmt::format(
+        "the surface of '{}' touches or passes through itself {}, near {}; change its shape, or exclude "
+        "the parts that touch ('exclude')",
+        body, where, place);
+  }
+  const std::string pair = fmt::format("'{}' and '{}'", body, body_names[static_cast<std::size_t>(overlap.other)]);
+  if (!(overlap.depth > 0.0)) {
+    return fmt::format(
+        "{} touch {}, near {}, and the barrier needs a gap between them, however small; move one of "
+        "them, or exclude them from contact ('exclude')",
+        pair, where, place);
+  }
+  return fmt::format(
+      "{} overlap {}, {:.3g} m deep at {}, which the barrier does not allow; move one of them, or exclude "
+      "them from contact ('exclude')",
+      pair, where, overlap.depth, place);
+}
+
+}  // namespace pliant
