@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 namespace pliant {
@@ -45,25 +46,112 @@ Motion relative_motion(std::span<const Vector3<double>, 4> x, std::span<const Ve
   return motion;
 }
 
-/// The time until which min n.(a_i - b_j) >= `kept` is certain, the first `num_a` points being a's; `from` if it is not
-/// certain there.
-double certified_until(const Motion& motion, int num_a, const Vector3<double>& n, double kept, double from) {
-  std::array<double, 4> height, speed;
+/// A unit normal, and its rate: orthogonal to it, and not larger than `fastest`.
+struct TurningNormal {
+  Vector3<double> n, rate;
+};
+
+/// Faster ones gain nothing, and lose digits.
+constexpr double fastest = 100.0;
+
+/// The least t > 0 at which a + b t + c t^2 = 0, with a > 0; infinity if there is none.
+double first_root(double a, double b, double c) {
+  const double square = b * b - 4.0 * a * c;
+  const double divisor = square < 0.0 ? 0.0 : std::sqrt(square) - b;
+  return divisor > 0.0 ? 2.0 * a / divisor : std::numeric_limits<double>::infinity();
+}
+
+/// The time until which min N.(a_i - b_j) >= `kept` |N| is certain, where N = n + (t - from) rate and the first `num_a`
+/// points, `x` at the time `from`, are a's; `from` if it is not certain there.
+double certified_until(const Motion& motion, const FourPoints& x, int num_a, const TurningNormal& normal, double kept,
+                       double from) {
+  const auto& [n, rate] = normal;
+  std::array<double, 4> height, speed, bend;
   for (int i = 0; i < 4; ++i) {
-    height[i] = dot(n, motion.x[i]);
-    speed[i] = dot(n, motion.dx[i]);
+    height[i] = dot(n, x[i]);
+    speed[i] = dot(n, motion.dx[i]) + dot(rate, x[i]);
+    bend[i] = dot(rate, motion.dx[i]);
   }
+  // |N| <= 1 + (t - from)^2 |rate|^2 / 2
+  const double turning = norm(rate), error = rounding * (motion.size + motion.way),
+               longer = 0.5 * kept * turning * turning;
   double until = 1.0;
-  const double error = rounding * (motion.size + motion.way);
   for (int i = 0; i < num_a; ++i) {
     for (int j = num_a; j < 4; ++j) {
-      const double room = height[i] - height[j] - error - kept, closing = speed[j] - speed[i];
-      // Linear in time: it holds in between where it holds at both ends.
-      if (room < from * closing) return from;
-      if (closing > 0.0) until = std::min(until, room / closing);
+      const double room = height[i] - height[j] - error - kept;
+      if (!(room > 0.0)) return from;
+      const double parting = speed[i] - speed[j] - error * turning, bending = bend[i] - bend[j] - longer;
+      until = std::min(until, from + first_root(room, parting, bending));
     }
   }
   return std::max(until * (1.0 - rounding), from);
+}
+
+/// How the normal turns with lines and planes that are closest.
+Vector3<double> rate_with_features(const Separation<4>& at, const FourPoints& dx) {
+  Vector3<double> rate{};
+  for (int k = 0; k < at.num_slopes; ++k) {
+    rate = rate - dot(at.normal, combine<4>(at.slopes[k], dx)) * at.tangents[k];
+  }
+  rate = rate - dot(rate, at.normal) * at.normal;
+  const double size = norm(rate);
+  return size <= fastest ? rate : (size < std::numeric_limits<double>::infinity() ? fastest / size : 0.0) * rate;
+}
+
+/// The least t in (0, 1] up to which c[0] + c[1] t + c[2] t^2 + c[3] t^3 >= 0, with c[0] > 0: short of the first root.
+double first_root(const std::array<double, 4>& c) {
+  const auto value = [&](double t) { return c[0] + t * (c[1] + t * (c[2] + t * c[3])); };
+  std::array<double, 3> ends{1.0, 1.0, 1.0};  // of intervals in which it only falls or only rises
+  const double square = c[2] * c[2] - 3.0 * c[1] * c[3];
+  if (square > 0.0) {
+    const double q = -(c[2] + std::copysign(std::sqrt(square), c[2]));
+    ends = {std::clamp(q / (3.0 * c[3]), 0.0, 1.0), std::clamp(c[1] / q, 0.0, 1.0), 1.0};
+    if (!(ends[0] <= ends[1])) std::swap(ends[0], ends[1]);  // NaN first
+  }
+  double low = 0.0;
+  for (double high : ends) {
+    if (!(high > low)) continue;
+    if (value(high) >= 0.0) {
+      low = high;
+      continue;
+    }
+    for (int halving = 0; halving < 30; ++halving) {
+      const double middle = 0.5 * (low + high);
+      (value(middle) >= 0.0 ? low : high) = middle;
+    }
+    return low;
+  }
+  return 1.0;
+}
+
+/// The time until which the distance of two lines, or of a point and a plane, is certain to be at least `kept`. With
+/// vectors u, v along the features and r between them it is N.r / |N|, N = u x v, of which the first factor is a
+/// polynomial of third degree, and the second not more than one of second.
+double certified_until_lines_meet(const Motion& motion, const FourPoints& x, int num_a, const Separation<4>& at,
+                                  double kept, double from) {
+  const auto side = [&](const FourPoints& y, int k) {
+    if (num_a == 1) return y[k == 0 ? 2 : 3] - y[1];
+    return k == 0 ? y[1] - y[0] : y[3] - y[2];
+  };
+  const double rest = 1.0 - from;
+  const Vector3<double> u0 = side(x, 0), u1 = rest * side(motion.dx, 0), v0 = side(x, 1),
+                        v1 = rest * side(motion.dx, 1);
+  Vector3<double> n0 = cross(u0, v0), n1 = cross(u1, v0) + cross(u0, v1), n2 = cross(u1, v1);
+  const Vector3<double> r0 = at.r, r1 = rest * combine<4>(at.weights, motion.dx);
+  if (dot(n0, r0) < 0.0) {
+    n0 = -1.0 * n0;
+    n1 = -1.0 * n1;
+    n2 = -1.0 * n2;
+  }
+  // |N| <= (1 - t)^2 |n0| + 2 t (1 - t) |n0 + n1/2| + t^2 |n0 + n1 + n2|
+  const double a = norm(n0), b = norm(n0 + 0.5 * n1), c = norm(n0 + n1 + n2);
+  const double size = motion.size + motion.way;
+  const double error = rounding * size * (std::max({a, b, c}) + size * (norm(r0) + norm(r1)));
+  const std::array<double, 4> polynomial{dot(n0, r0) - error - kept * a,
+                                         dot(n1, r0) + dot(n0, r1) - 2.0 * kept * (b - a),
+                                         dot(n2, r0) + dot(n1, r1) - kept * (a - 2.0 * b + c), dot(n2, r1)};
+  if (!(polynomial[0] > 0.0)) return from;
+  return std::max(from + (1.0 - rounding) * first_root(polynomial) * rest, from);
 }
 
 /// `stencil(x)` of the closest points.
@@ -83,7 +171,14 @@ double max_step(const Motion& motion, int num_a, const Clearance& clearance, con
     } else if (distance <= enough) {
       break;
     }
-    const double next = certified_until(motion, num_a, closest.normal, kept, reached);
+    double next = certified_until(motion, x, num_a, {closest.normal, {}}, kept, reached);
+    if (next < 1.0 - 2.0 * rounding && closest.num_slopes > 0) {
+      const Vector3<double> rate = rate_with_features(closest, motion.dx);
+      next = std::max(next, certified_until(motion, x, num_a, {closest.normal, rate}, kept, reached));
+    }
+    if (next < 1.0 - 2.0 * rounding && closest.num_slopes == 2) {
+      next = std::max(next, certified_until_lines_meet(motion, x, num_a, closest, kept, reached));
+    }
     if (next >= 1.0 - 2.0 * rounding) return 1.0;
     if (!(next > reached)) break;
     reached = next;

@@ -3,11 +3,12 @@
 ///
 /// The bound of additive CCD (Li, Kaufman, Jiang 2021, Codimensional Incremental Potential Contact, section 5), made
 /// sharper along the normal (Mirtich 1996): for any unit vector n, the distance of the convex hulls of points a_i and
-/// b_j is at least min_ij n.(a_i - b_j). With n from the present closest points and linear motion each of these is
-/// linear in time, so that the time until which all of them stay above what is to be kept is known at once; there n is
-/// taken anew. Every time that is reached is certified by these inequalities, with a bound for their rounding: how the
-/// closest points were found, how degenerate the features are and when one stops decides how far one gets, never
-/// whether it is safe.
+/// b_j is at least min_ij n.(a_i - b_j). With n from the present closest points, which stays or turns with the lines
+/// and planes that they lie on, and linear motion each of these is quadratic in time, so that the time until which all
+/// of them stay above what is to be kept is known at once; there n is taken anew. With n at rest a step would be about
+/// as long as the gap g for edges of length L that turn, with n that turns it is sqrt(g L). Every time that is reached
+/// is certified by these inequalities, with a bound for their rounding: how the closest points were found, how
+/// degenerate the features are and when one stops decides how far one gets, never whether it is safe.
 #pragma once
 
 #include "base/vector3.hpp"

@@ -82,7 +82,7 @@ bool stays_above(const Case& motion, const Kind& kind, Long bound, Long from, Lo
 /// Generic, parallel, coplanar, fast, grazing, far from the origin, and degenerate motions.
 Case random_case(RandomPoints& random) {
   Case c{random.points<4>(), random.points<4>(2.0)};
-  switch (random.integer(0, 9)) {
+  switch (random.integer(0, 10)) {
     case 0:  // coplanar, and staying so
       for (int i = 0; i < 4; ++i) c.x[i][2] = c.dx[i][2] = 0.0;
       break;
@@ -113,7 +113,14 @@ Case random_case(RandomPoints& random) {
       for (int i = 1; i < 4; ++i) c.dx[i][2] = 0.0;
       break;
     }
-    case 8:  // slivers
+    case 8: {  // close, and turning about one another
+      const double gap = std::pow(10.0, random.number(-10.0, -1.0)), angle = random.number(0.0, 0.3);
+      for (int i = 0; i < 4; ++i) c.x[i][2] = i == 0 || (i == 1 && random.integer(0, 1) == 0) ? gap : 0.0;
+      const Vector3<double> spin = angle * random.point();
+      for (int i = 0; i < 4; ++i) c.dx[i] = cross(spin, c.x[i]) + random.point(gap) + random.point(1e-3 * angle);
+      break;
+    }
+    case 9:  // slivers
       c.x[3] = random.number(0.0, 1.0) * (c.x[1] + c.x[2]) + random.point(std::pow(10.0, random.number(-14.0, -3.0)));
       break;
     default:
@@ -174,6 +181,17 @@ TEST(Ccd, SlidingCloseByIsFree) {
   const Points<4> edges{{{-1, 0, 1e-9}, {1, 0, 1e-9}, {0, -1, 0}, {0, 1, 0}}},
       along{{{0.4, 0, 0}, {0.4, 0, 0}, {}, {}}};
   EXPECT_EQ(max_step_edge_edge(edges, along, {}), 1.0);
+}
+
+/// Crossed edges a billionth of their length apart turn together: a straight motion along the tangents of the rotation
+/// lengthens all distances.
+TEST(Ccd, TurningTogetherIsFree) {
+  const Points<4> edges{{{-1, 0.1, 1e-9}, {1, -0.1, 1e-9}, {0, -1, 0}, {0.2, 1, 0}}};
+  for (const Vector3<double>& spin : {Vector3<double>{0.1, 0.2, 0.3}, Vector3<double>{0.0, -0.5, 0.0}}) {
+    Points<4> dx;
+    for (std::size_t i = 0; i < 4; ++i) dx[i] = cross(spin, edges[i]);
+    EXPECT_EQ(max_step_edge_edge(edges, dx, {}), 1.0);
+  }
 }
 
 TEST(Ccd, CommonMotionIsFree) {
