@@ -165,12 +165,17 @@ INSTANTIATE_TEST_SUITE_P(
             "youngs_modulus: 1+x, poissons_ratio: 0}}]",
             "needs elastic constants that are the same everywhere"},
         Bad{2,
+            "element: P2\nvolumetric: mixed\nbodies: [{density: 1, elasticity: @{model: neo-hookean, "
+            "youngs_modulus: 1, poissons_ratio: 0}}]",
+            "needs a volumetric part that resists a change of volume; with these constants, that of model "
+            "'neo-hookean' is 0 Pa"},
+        Bad{2,
             "element: P2\nvolumetric: mean-dilatation\nbodies: [{density: 1, elasticity: {model: neo-hookean, "
             "youngs_modulus: 1, poissons_ratio: 0}, viscosity: @{model: prony, ratio: 0.5, relaxation_time: 1}}]",
             "viscosity 'prony' resists a change of volume at every point"},
         Bad{2,
             "element: P2\nvolumetric: mixed\nbodies: [{density: 1, elasticity: {model: neo-hookean, "
-            "youngs_modulus: 1, poissons_ratio: 0}, active: @{fibre: [1, 0, 0], shortening: t}}]",
+            "youngs_modulus: 1, poissons_ratio: 0.3}, active: @{fibre: [1, 0, 0], shortening: t}}]",
             "'shortening' can only be used with 'volumetric: standard'"},
         Bad{5, "time: {method: @implicit-midpoint, step: 0.01, end: 1}\nelement: P2\nvolumetric: mixed",
             "needs a stiffly accurate method"},

@@ -38,11 +38,19 @@ void check_mixed(const ElasticityConfig& e, const ElasticityRule& rule, Diagnost
         e.where,
         "'volumetric: mixed' needs elastic constants that are the same everywhere; give each region a body of "
         "its own, or use 'volumetric: mean-dilatation'");
-  } else if (!split_volume(rule.law_at(0, {}))) {
+    return;
+  }
+  const auto split = split_volume(rule.law_at(0, {}));
+  if (!split) {
     diagnostics.add(e.where,
                     fmt::format("'volumetric: mixed' needs an energy with a separate volumetric part, which model "
                                 "'{}' does not have; use one of {}, or 'volumetric: mean-dilatation'",
                                 e.model, names_of_split_laws()));
+  } else if (!(split->kappa > 0.0)) {
+    diagnostics.add(e.where,
+                    fmt::format("'volumetric: mixed' needs a volumetric part that resists a change of volume; with "
+                                "these constants, that of model '{}' is {:.3g} Pa; use 'volumetric: standard'",
+                                e.model, split->kappa));
   }
 }
 
