@@ -23,6 +23,7 @@ LAWS = {"neo-hookean": 6, "neo-hookean-isochoric": 1, "stable-neo-hookean": 2, "
         "linear": 1, "saint-venant-kirchhoff": 1}
 LAWS_WITH_VOLUME = {"neo-hookean": 4, "neo-hookean-isochoric": 1, "mooney-rivlin": 1, "gent": 1}  # those with a volumetric part
 SHAPES = {"box": 4, "plate": 4, "rod": 3, "bracket": 2, "tetrahedron": 2, "ball": 2, "drum": 2}  # of the writer below
+TUBE = 0.3  # of the radius of a torus
 SOLIDS = {"Box": 3, "Sphere": 3, "Cylinder": 3, "Cone": 2, "Torus": 1, "Wedge": 2}  # of gmsh
 
 
@@ -55,6 +56,7 @@ class Body:
     size: float = 1.0
     cells: np.ndarray = None  # None: gmsh makes them
     solid: tuple = ()  # for gmsh: its kind and parameters
+    largest_facet: float = 1.0  # with which gmsh can mesh it
     rotation: np.ndarray = dataclasses.field(default_factory=lambda: np.eye(3))
     axis_angle: tuple = ((0, 0, 1), 0.0)
     place: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros(3))
@@ -127,7 +129,7 @@ def grid(rng, shape):
 
 
 def solid(rng, kind):
-    """A solid of gmsh with its parameters, and the corners of a box around it."""
+    """Parameters of a solid of gmsh, and the corners of a box around it."""
     r, s = rng.uniform(0.2, 0.5), rng.uniform(0.05, 0.5)
     if kind == "Sphere":
         return f"{{0, 0, 0, {r}}}", [(-r, -r, -r), (r, r, r)]
@@ -136,7 +138,7 @@ def solid(rng, kind):
     if kind == "Cone":
         return f"{{0, 0, {-s}, 0, 0, {2 * s}, {r}, {0.3 * r}}}", [(-r, -r, -s), (r, r, s)]
     if kind == "Torus":
-        t = 0.3 * r
+        t = TUBE * r
         return f"{{0, 0, 0, {r}, {t}}}", [(-r - t, -r - t, -t), (r + t, r + t, t)]
     if kind == "Wedge":
         return f"{{{-r}, {-r}, {-s}, {2 * r}, {2 * r}, {2 * s}, {0.3 * r}}}", [(-r, -r, -s), (r, r, s)]
@@ -154,14 +156,16 @@ def make_bodies(seed, is_of_gmsh):
             kind = rng.of(SOLIDS)
             parameters, (low, high) = solid(rng, kind)
             body = Body(f"b{k}", np.array(list(itertools.product(*zip(low, high)))), solid=(kind, parameters))
+            if kind == "Torus":  # four around the tube
+                body.largest_facet = 1.5 * high[2]
         else:
             points, cells = grid(rng, rng.of(SHAPES))
             body = Body(f"b{k}", points, cells=cells)
         body.size = size * rng.logarithmic(0.5, 2)
         if rng.chance(0.6):  # the others have parallel faces
-            axis, angle = rng.direction(), rng.uniform(0, math.pi)
+            axis, angle = rng.direction(), -rng.uniform(0, math.pi)
             body.axis_angle = (axis.tolist(), angle)
-            cross = np.cross(np.eye(3), -axis)
+            cross = np.cross(np.eye(3), axis)
             body.rotation = np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
         bodies.append(body)
     return bodies
@@ -218,7 +222,7 @@ def write_geometry(path, bodies, fineness):
                   f"Rotate {{{{{', '.join(map(str, axis))}}}, {{0, 0, 0}}, {angle}}} {{ Volume{{{tag}}}; }}",
                   f"Translate {{{', '.join(map(str, place))}}} {{ Volume{{{tag}}}; }}",
                   f'Physical Volume("{body.name}") = {{{tag}}};',
-                  f"MeshSize {{ PointsOf {{ Volume{{{tag}}}; }} }} = {fineness * body.size};"]
+                  f"MeshSize {{ PointsOf {{ Volume{{{tag}}}; }} }} = {body.size * min(fineness, body.largest_facet)};"]
     path.write_text("\n".join(lines) + "\n", encoding="ascii")
 
 
@@ -248,6 +252,8 @@ def materials(seed, bodies, step, volumetric):
     one_for_all = rng.chance(0.3)
     for body in bodies:
         young, poisson = rng.logarithmic(1e4, 1e9), rng.choice((0, 0.3, 0.4, 0.45, 0.49))
+        if volumetric == "mixed":  # needs a resistance to changes of volume
+            poisson = max(poisson, 0.3)
         entry = {"volume": body.name, "density": round(rng.logarithmic(300, 8000)), "elasticity": elasticity(rng, LAWS if volumetric == "standard" else LAWS_WITH_VOLUME, young, poisson)}
         if rng.chance(0.2):
             time = rng.logarithmic(0.01, 1) * step
@@ -286,7 +292,7 @@ def velocity_formulas(bodies, motions):
 
 
 def drag(seed):
-    """Friction and damping. Of obstacles: there is none between bodies."""
+    """Friction and damping of an obstacle."""
     rng = Stream(seed, "drag")
     keys = {"friction": rng.uniform(0, 1), "viscous_friction": rng.uniform(0, 0.1), "normal_damping": rng.uniform(0, 0.5)}
     return {key: value for key, value in keys.items() if rng.chance(0.3)}
@@ -330,6 +336,12 @@ def contact_between(seed, names, gap):
         contact["threshold"] = thickness
     if rng.chance(0.15):
         contact["width"] = rng.logarithmic(0.05, 0.5) * (gap - thickness)
+    rng = Stream(seed, "drag between")
+    if rng.chance(0.3):
+        contact["friction"] = rng.uniform(0, 1)
+        contact["friction_update"] = rng.choice(("frozen", "iterated"))
+    if rng.chance(0.1):
+        contact["normal_damping"] = rng.uniform(0, 0.5)
     return contact, touching, thickness
 
 
