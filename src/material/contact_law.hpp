@@ -11,7 +11,7 @@
 
 namespace pliant {
 
-enum class NormalKind { penalty, barrier };
+enum class NormalKind { penalty, barrier, edge_barrier };
 
 /// The state at which a drag evaluates the pressure and the normal.
 enum class FrictionUpdate {
@@ -36,7 +36,12 @@ struct NormalResponse {
 ///
 ///     barrier   U = -k width^2 (1 - s)^2 log s   (0 < s < 1),   0 (s >= 1),   +infinity (s <= 0),
 ///
-/// which has two continuous derivatives (Li et al. 2020, Incremental Potential Contact, equation 6).
+/// which has two continuous derivatives (Li et al. 2020, Incremental Potential Contact, equation 6). For edges across
+/// edges, of which each has a small area but may carry all of a blow,
+///
+///     edge barrier   U = k width^2 (1 - s)^3 / s,
+///
+/// the same where it begins, and beyond it the steeper the closer: a pressure of a thousand k width leaves s = 0.03.
 struct NormalLaw {
   NormalKind kind = NormalKind::penalty;
   double stiffness = 0.0;  ///< k [Pa/m]
@@ -50,7 +55,9 @@ struct NormalLaw {
 
   NormalResponse operator()(double d) const {
     if (d >= reach()) return {};
-    return kind == NormalKind::penalty ? spring((threshold - d) / width - 1.0) : wall((d - threshold) / width);
+    if (kind == NormalKind::penalty) return spring((threshold - d) / width - 1.0);
+    const double s = (d - threshold) / width;
+    return kind == NormalKind::barrier ? wall(s) : steep_wall(s);
   }
 
  private:
@@ -67,6 +74,13 @@ struct NormalLaw {
     const double kw = stiffness * width, rest = 1.0 - s, log_s = std::log1p(-rest);
     return {-kw * width * rest * rest * log_s, kw * (rest * rest / s - 2.0 * rest * log_s),
             stiffness * (rest * rest / (s * s) + 4.0 * rest / s - 2.0 * log_s)};
+  }
+
+  NormalResponse steep_wall(double s) const {
+    if (s <= 0.0) return {infinity, nan, nan};
+    const double kw = stiffness * width, ratio = (1.0 - s) / s;
+    return {kw * width * ratio * (1.0 - s) * (1.0 - s), kw * ratio * (1.0 - s) * (3.0 + ratio),
+            2.0 * stiffness * ratio * (3.0 + ratio * (3.0 + ratio))};
   }
 };
 

@@ -19,8 +19,12 @@ class NormalLaws : public ::testing::TestWithParam<NormalKind> {
   NormalLaw law_{GetParam(), stiffness, width, threshold};
 };
 
-INSTANTIATE_TEST_SUITE_P(EveryKind, NormalLaws, ::testing::Values(NormalKind::penalty, NormalKind::barrier),
-                         [](const auto& of) { return of.param == NormalKind::penalty ? "Penalty" : "Barrier"; });
+INSTANTIATE_TEST_SUITE_P(EveryKind, NormalLaws,
+                         ::testing::Values(NormalKind::penalty, NormalKind::barrier, NormalKind::edge_barrier),
+                         [](const auto& of) {
+                           if (of.param == NormalKind::penalty) return "Penalty";
+                           return of.param == NormalKind::barrier ? "Barrier" : "EdgeBarrier";
+                         });
 
 // Fourth-order differences over a 2000th of the width: errors and rounding of 1e-10 of the values.
 TEST_P(NormalLaws, PressureIsTheSlopeOfTheEnergyAndStiffnessThatOfThePressure) {
@@ -29,7 +33,7 @@ TEST_P(NormalLaws, PressureIsTheSlopeOfTheEnergyAndStiffnessThatOfThePressure) {
     return (8.0 * (of(law_(d + h)) - of(law_(d - h))) - (of(law_(d + 2.0 * h)) - of(law_(d - 2.0 * h)))) / (12.0 * h);
   };
   for (int k = 0; k < 100; ++k) {
-    const double start = GetParam() == NormalKind::penalty ? -3.0 : 0.05;
+    const double start = GetParam() == NormalKind::penalty ? -3.0 : GetParam() == NormalKind::barrier ? 0.05 : 0.1;
     const double d = threshold + width * (start + (1.2 - start) * k / 100.0);
     const NormalResponse at = law_(d);
     EXPECT_NEAR(slope([](const auto& r) { return r.energy; }, d), -at.pressure, 1e-6 * stiffness * width);
@@ -63,13 +67,19 @@ TEST(NormalLaw, PenaltyIsASpringWithARoundedKink) {
   }
 }
 
-TEST(NormalLaw, BarrierHasNoOtherSide) {
+TEST(NormalLaw, BarriersHaveNoOtherSide) {
   const NormalLaw law{NormalKind::barrier, stiffness, width, threshold};
+  const NormalLaw of_edges{NormalKind::edge_barrier, stiffness, width, threshold};
   for (const double d : {threshold, threshold - width, -1.0}) {
     EXPECT_EQ(law(d).energy, std::numeric_limits<double>::infinity());
     EXPECT_TRUE(std::isnan(law(d).pressure));
+    EXPECT_EQ(of_edges(d).energy, std::numeric_limits<double>::infinity());
+    EXPECT_TRUE(std::isnan(of_edges(d).pressure));
   }
   EXPECT_GT(law(threshold + 1e-6 * width).pressure, 1e5 * stiffness * width);
+  EXPECT_GT(of_edges(threshold + 0.03 * width).pressure, 1e3 * stiffness * width);
+  const double begin = threshold + (1.0 - 1e-4) * width;
+  EXPECT_NEAR(of_edges(begin).pressure, law(begin).pressure, 1e-3 * law(begin).pressure);
 }
 
 /// Velocities of all sizes, in all directions.

@@ -47,6 +47,8 @@ TouchingBodies::TouchingBodies(std::shared_ptr<const BodySurfaces> surfaces, Con
   for (const NormalLaw& law : laws_.of_bodies) {
     if (law.kind != NormalKind::barrier) throw std::invalid_argument("contact between bodies needs a barrier");
   }
+  edge_laws_ = laws_;
+  for (NormalLaw& law : edge_laws_.of_bodies) law.kind = NormalKind::edge_barrier;
   const CollisionSurface& surface = surfaces_->surface();
   const ContactRule rule = quadratic_contact_rule();
   multiplicities_ = FeatureMultiplicities(surface, sets_);
@@ -164,7 +166,7 @@ double TouchingBodies::energy(const NearPatches& near, std::span<const double> q
                 [&](const EdgePair& pair) { return is_counted_elsewhere(surface.edges()[pair.a].vertices[0]); });
   const auto nothing = [](auto...) {};
   return add_point_pairs(surface, points_, pairs.points, found.x, laws_, ContactOrder::gradient, nothing, nothing) +
-         add_edge_pairs(surface, pairs.edges, found.x, laws_, ContactOrder::gradient, nothing, nothing);
+         add_edge_pairs(surface, pairs.edges, found.x, edge_laws_, ContactOrder::gradient, nothing, nothing);
 }
 
 double TouchingBodies::max_step(const NearPatches& near, std::span<const double> q, std::span<const double> d) const {

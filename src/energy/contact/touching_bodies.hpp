@@ -112,7 +112,7 @@ class TouchingBodies final : public PairCoupling {
 
   std::shared_ptr<const BodySurfaces> surfaces_;
   ContactSets sets_;
-  BodyContactLaws laws_;
+  BodyContactLaws laws_, edge_laws_;  // of points at triangles, and of edges across edges
   std::optional<FrictionUpdate> drag_;
   FeatureMultiplicities multiplicities_;
   std::vector<SurfacePoint> points_;           // of the rule: corners, then inner points of the triangles
@@ -136,7 +136,7 @@ void TouchingBodies::evaluate(const NearPatches& near, std::span<const double> q
     if (near.is_owned(nodes[v])) add_block(nodes[v], nodes[w], H);
   };
   add_point_pairs(surface, points_, pairs.points, found.x, laws_, order, force, block);
-  add_edge_pairs(surface, pairs.edges, found.x, laws_, order, force, block);
+  add_edge_pairs(surface, pairs.edges, found.x, edge_laws_, order, force, block);
 }
 
 template <class Visit>
@@ -144,11 +144,11 @@ void TouchingBodies::for_each_touch(const NearPatches& near, std::span<const dou
   const CollisionSurface& surface = surfaces_->surface();
   const Near found = near_at(near, laws_.reach(), q);
   const ContactPairs pairs = pairs_of(found);
-  const auto pass_on = [&](const PairGeometry& pair) {
+  const auto pass_on = [&](const PairGeometry& pair, const BodyContactLaws& laws) {
     if (pair.weight == 0.0) return;
     Touch touch{.weights = pair.weights,
                 .num_nodes = pair.num_nodes,
-                .pressure = laws_(pair.body, pair.other, pair.distance).pressure,
+                .pressure = laws(pair.body, pair.other, pair.distance).pressure,
                 .area = pair.weight,
                 .normal = pair.normal,
                 .is_counted = near.is_owned(found.nodes[pair.first_vertex])};
@@ -160,8 +160,8 @@ void TouchingBodies::for_each_touch(const NearPatches& near, std::span<const dou
     }
     if (is_ours) visit(std::as_const(touch));
   };
-  for (const PointPair& pair : pairs.points) pass_on(geometry_of(surface, points_, pair, found.x));
-  for (const EdgePair& pair : pairs.edges) pass_on(geometry_of(surface, pair, found.x));
+  for (const PointPair& pair : pairs.points) pass_on(geometry_of(surface, points_, pair, found.x), laws_);
+  for (const EdgePair& pair : pairs.edges) pass_on(geometry_of(surface, pair, found.x), edge_laws_);
 }
 
 }  // namespace pliant
