@@ -35,6 +35,7 @@ class SearchLine {
 /// The data of a line search at q itself.
 struct LineStart {
   double first_length = 1.0;       ///< the step length to try first, at most 1
+  bool is_at_wall = false;         ///< a wall has cut first_length to less than half
   double slope = 0.0;              ///< r . d [J]
   double residual = 0.0;           ///< |r| [N]
   double residual_rounding = 0.0;  ///< size of the rounding errors of r [N]

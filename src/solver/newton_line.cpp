@@ -5,6 +5,12 @@
 #include <limits>
 
 namespace pliant {
+namespace {
+
+/// What a step loses to a wall, if the wall counts.
+constexpr double much_shorter = 0.5;
+
+}  // namespace
 
 NewtonLine::NewtonLine(Objective& objective, LinearSystem& system, SNES snes, SolverStatistics& statistics)
     : objective_(objective),
@@ -34,6 +40,8 @@ LineStart NewtonLine::lay(Vec q, Vec r, Vec y, Vec trial, double value) {
     start.measure = objective_.merit().of_residual(r);
   }
   start.first_length = first_length();
+  start.is_at_wall = start.first_length < much_shorter &&
+                     inversion_margin * objective_.equation().max_step_to_wall(q, d_.get()) < much_shorter;
   return start;
 }
 

@@ -12,6 +12,9 @@ namespace {
 
 /// Iterations that have reduced the residual below this fraction of the first one are converging.
 constexpr double nearly_converged = 1e-3;
+/// Iterations that end at a wall are not counted, but there are no more than this multiple of the limit in all. They
+/// find one by one what the bodies meet on their way, and lose less than the shorter steps that would follow.
+constexpr int most_per_counted = 4;
 /// Relative tolerance of linear systems whose solutions are taken as whole steps: with errors in stiff directions, a
 /// step along soft ones would cause large forces.
 constexpr double tolerance_of_whole_steps = 1e-8;
@@ -33,11 +36,6 @@ std::string in_words(SNESConvergedReason reason) {
   }
 }
 
-void limit_iterations(SNES snes, int number) {
-  // No tolerance on the step: after a failed line search SNES would compare it with the lengths of an earlier step.
-  check(SNESSetTolerances(snes, PETSC_DEFAULT, PETSC_DEFAULT, 0.0, number, PETSC_MAX_INT));
-}
-
 KSP linear_solver_of(SNES snes) {
   KSP ksp = nullptr;
   check(SNESGetKSP(snes, &ksp));
@@ -52,6 +50,7 @@ StageReport NewtonLoop::run(Vec q) {
   const double before = statistics_.factorization_seconds + statistics_.assembly_seconds + statistics_.solve_seconds;
   double total = 0.0;
   is_at_rounding_ = false;
+  num_at_wall_ = 0;
   line_search_.begin();
   {
     const Stopwatch watch(total);
@@ -110,6 +109,7 @@ bool NewtonLoop::go_along(Vec q, Vec r, Vec y, SNESLineSearch search) {
       line_.take(q, r);
       if (objective_.is_minimised()) value_ = outcome.potential;
       last_length_ = outcome.length;
+      if (start.is_at_wall) ++num_at_wall_;
       check(SNESLineSearchSetLambda(search, outcome.length));
       check(SNESLineSearchSetNorms(search, norm(q), outcome.residual, outcome.length * start.step));
       return true;
@@ -139,7 +139,13 @@ SNESConvergedReason NewtonLoop::judge(int iteration, double residual) {
     case Convergence::Verdict::iterating:
       break;
   }
-  return SNES_CONVERGED_ITERATING;
+  return iteration - num_at_wall_ < limit_ ? SNES_CONVERGED_ITERATING : SNES_DIVERGED_MAX_IT;
+}
+
+void NewtonLoop::limit_iterations(int number) {
+  limit_ = number;
+  // No tolerance on the step: after a failed line search SNES would compare it with the lengths of an earlier step.
+  check(SNESSetTolerances(snes_.get(), PETSC_DEFAULT, PETSC_DEFAULT, 0.0, most_per_counted * number, PETSC_MAX_INT));
 }
 
 // What begins and ends a run.
@@ -176,9 +182,9 @@ void NewtonLoop::begin_again(Vec q) {
 }
 
 StageReport NewtonLoop::run(Vec q, int max_iterations) {
-  limit_iterations(snes_.get(), max_iterations);
+  limit_iterations(max_iterations);
   StageReport report = run(q);
-  limit_iterations(snes_.get(), options_.max_iterations);
+  limit_iterations(options_.max_iterations);
   return report;
 }
 
@@ -276,6 +282,9 @@ NewtonLoop::NewtonLoop(Objective& objective, const NewtonOptions& options, Linea
   if (system_.matrix() != system_.sparse_matrix()) {
     check(SNESSetJacobian(snes_.get(), system_.matrix(), system_.sparse_matrix(), hessian_callback, this));
   }
+  PetscInt given = 0;
+  check(SNESGetTolerances(snes_.get(), nullptr, nullptr, nullptr, &given, nullptr));
+  limit_iterations(static_cast<int>(given));
   PetscBool tolerance_is_given = PETSC_FALSE;
   check(PetscOptionsHasName(nullptr, nullptr, "-ksp_rtol", &tolerance_is_given));
   adapts_tolerance_ = !tolerance_is_given;
@@ -289,7 +298,7 @@ Handle<SNES> NewtonLoop::make_snes(Mat K, const NewtonOptions& options, LinearKi
   check(SNESSetFunction(snes, r_.get(), residual_callback, this));
   check(SNESSetJacobian(snes, K, K, hessian_callback, this));
   check(SNESSetConvergenceTest(snes, convergence_callback, this, nullptr));
-  limit_iterations(snes, options.max_iterations);
+  check(SNESSetTolerances(snes, PETSC_DEFAULT, PETSC_DEFAULT, 0.0, options.max_iterations, PETSC_MAX_INT));
   // Only LinearSystem sets up preconditioners.
   check(SNESSetLagPreconditioner(snes, -1));
   check(SNESSetCheckJacobianDomainError(snes, PETSC_TRUE));

@@ -68,6 +68,8 @@ class NewtonLoop final : public Iteration {
   static PetscErrorCode convergence_callback(SNES, PetscInt it, PetscReal, PetscReal, PetscReal f,
                                              SNESConvergedReason* reason, void* self);
 
+  /// Limits the iterations of the next runs.
+  void limit_iterations(int number);
   /// Makes a SNES with its KSP, configured for K and by PETSc's options.
   Handle<SNES> make_snes(Mat K, const NewtonOptions& options, LinearKind linear);
 
@@ -96,6 +98,8 @@ class NewtonLoop final : public Iteration {
   Forcing forcing_;
   IterationLog log_;
   double value_ = 0.0;            // potential at the iterate, if it is minimised
+  int limit_ = 0;                 // most iterations of a run, those that end at a wall not counted
+  int num_at_wall_ = 0;           // iterations of this run that did
   double last_length_ = 0.0;      // length of the last accepted step, relative to the full Newton step
   bool is_at_rounding_ = false;   // the last line search of this run ended there
   bool has_direction_ = false;    // there was a direction in this stage
