@@ -63,6 +63,9 @@ class StageEquation {
   /// q = the accepted state, with nodes displaced by the motion of obstacles that would otherwise have moved onto them.
   /// Returns false if no obstacle has moved close to a node.
   virtual bool follow_obstacles(Followers /*which*/, Vec /*q*/) { return false; }
+  /// q = the accepted state, displaced as a whole by the mean displacement of the nodes whose prescribed entries in q
+  /// move: what they would strike moves with them. Returns false if none moves.
+  virtual bool follow_prescribed_nodes(Vec /*q*/) { return false; }
 
   /// Phi(q) of the terms that are potentials [J], up to a constant of the stage; +inf where a barrier is crossed or a
   /// number is not finite.

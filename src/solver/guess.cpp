@@ -115,6 +115,14 @@ StartingGuess GuessSearch::choose(const StagePoint& stage, Vec q) {
   return {measure, std::move(failure)};
 }
 
+void GuessSearch::follow_prescribed_nodes(Vec accepted, Vec q, double& measure) {
+  const Handle<Vec> followed = equation_.make_vector();
+  check(VecCopy(q, followed.get()));
+  if (!equation_.follow_prescribed_nodes(followed.get())) return;
+  copy_entries(q, followed.get(), equation_.prescribed(), EntryKind::prescribed);
+  if (stop_short_of_walls(accepted, followed.get())) consider(followed.get(), q, measure);
+}
+
 std::optional<std::string> GuessSearch::try_prescribed_motion(Vec accepted, Vec q, double& measure) {
   const double best = measure;
   check(VecCopy(q, second_.get()));
@@ -127,6 +135,7 @@ std::optional<std::string> GuessSearch::try_prescribed_motion(Vec accepted, Vec 
   }
   has_second_ = has_second_ && std::isfinite(best);
   equation_.extrapolate_from(nullptr);
+  if (!std::isfinite(measure)) follow_prescribed_nodes(accepted, q, measure);
   if (std::isfinite(measure)) return std::nullopt;
   if (applied == Applied::nothing) return "an obstacle has moved onto the body within one step";
   return "the prescribed displacement is too large for one step: a tetrahedron would invert, or an obstacle is in "

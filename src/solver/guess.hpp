@@ -53,6 +53,8 @@ class GuessSearch {
   bool stop_short_of_walls(Vec accepted, Vec candidate);
   /// Considers guesses in which nodes follow obstacles that have moved onto the accepted state.
   void follow_obstacles(const StagePoint& stage, Vec q, double& measure);
+  /// Considers the accepted state displaced as a whole with the prescribed nodes.
+  void follow_prescribed_nodes(Vec accepted, Vec q, double& measure);
   /// Considers the accepted state after the prescribed motion. Returns a failure if no guess is left.
   std::optional<std::string> try_prescribed_motion(Vec accepted, Vec q, double& measure);
   /// Applies the prescribed motion from the accepted state to its values in q, and moves the body with it by the

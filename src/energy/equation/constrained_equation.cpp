@@ -161,6 +161,13 @@ bool ConstrainedEquation::follow_obstacles(Followers which, Vec y) {
   return true;
 }
 
+bool ConstrainedEquation::follow_prescribed_nodes(Vec y) {
+  expand(y, x_.get());
+  if (!equation_.follow_prescribed_nodes(x_.get())) return false;
+  restrict(x_.get(), y);
+  return true;
+}
+
 Vec ConstrainedEquation::displacements(Vec y) {
   expand(y, x_.get());
   return x_.get();

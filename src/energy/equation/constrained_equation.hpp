@@ -45,6 +45,7 @@ class ConstrainedEquation final : public StageEquation {
   void extrapolate_from(Vec y) override;
   bool is_static() const override { return equation_.is_static(); }
   bool follow_obstacles(Followers which, Vec y) override;
+  bool follow_prescribed_nodes(Vec y) override;
   void set_prescribed_fraction(double fraction) override { map_.set_prescribed_fraction(fraction); }
   double force_scale(Vec y) override;
   double inertia_scale() override { return equation_.inertia_scale(); }

@@ -319,6 +319,28 @@ bool IncrementalPotential::follow_obstacles(Followers which, Vec q) {
   return true;
 }
 
+bool IncrementalPotential::follow_prescribed_nodes(Vec q) {
+  if (terms_.arrays().stage().accepted.empty()) return false;
+  const ArrayView u(q);
+  const ConstArrayView accepted(terms_.arrays().accepted());
+  std::vector<double> sums(4, 0.0);
+  for (PetscInt a = 0; a < layout_.num_owned_nodes; ++a) {
+    Vector3<double> moved{};
+    for (PetscInt i = 0; i < 3; ++i) {
+      if (prescribed_[3 * a + i]) moved[static_cast<std::size_t>(i)] = u[3 * a + i] - accepted[3 * a + i];
+    }
+    if (moved == Vector3<double>{}) continue;
+    for (std::size_t i = 0; i < 3; ++i) sums[i] += moved[i];
+    sums[3] += 1.0;
+  }
+  sum_in_place(layout_.comm, sums);
+  if (sums[3] == 0.0) return false;
+  for (PetscInt e = 0; e < 3 * layout_.num_owned_nodes; ++e) {
+    u[e] = accepted[e] + sums[static_cast<std::size_t>(e % 3)] / sums[3];
+  }
+  return true;
+}
+
 double IncrementalPotential::rounding_floor(Vec q) const {
   double squares = 0.0;
   const ConstArrayView u(q), k(diagonal_.get());

@@ -54,6 +54,7 @@ class IncrementalPotential final : public StageEquation {
   void rank_one_parts(Vec q, std::vector<RankOne>& parts) override;
   bool move_rigidly(Vec q) override;
   bool follow_obstacles(Followers which, Vec q) override;
+  bool follow_prescribed_nodes(Vec q) override;
   void forget() override;
   /// The largest alpha for which q + alpha d stays clear of all barriers; less where d is too long to look for all
   /// pairs on the way (StageArrays::along).
