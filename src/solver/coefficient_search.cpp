@@ -14,6 +14,9 @@ namespace {
 
 /// Most solves of a stage with coefficients that are frozen again.
 constexpr int max_rounds = 60;
+/// After so many they must have brought the solution nearer by this factor, or a shorter step costs less.
+constexpr int many_rounds = 20;
+constexpr double little_nearer = 0.3;
 /// Fraction of the distance to a wall up to which solutions are extrapolated; at the wall their pressure is infinite.
 constexpr double part_to_wall = 0.5;
 /// Most of Newton's steps between two rounds, and the fraction of the residual's merit that each must at least remove.

@@ -11,8 +11,9 @@ namespace {
 
 /// Beyond this number of differences the oldest are dropped.
 constexpr std::size_t max_differences = 6;
-/// The differences are discarded where the error has grown by this factor.
-constexpr double much_larger = 2.0;
+/// The differences are discarded where the error has grown by this factor, as from one side of a kink to the other, and
+/// from there on the steps are shorter by the second.
+constexpr double much_larger = 2.0, shorter = 0.5;
 /// A difference whose part independent of the others is below this fraction of its square is dropped.
 constexpr double dependent = 1e-12;
 
@@ -48,6 +49,8 @@ Vec FixedPoint::step(Vec g) {
   if (size > much_larger * least_) {
     dF_.clear();
     dG_.clear();
+    least_ = size;
+    mixing_ *= shorter;
   } else if (!is_first_) {
     for (auto& [list, newest, last] : {std::tuple{&dF_, f.get(), f_.get()}, {&dG_, g, g_.get()}}) {
       list->push_back(like(g));
@@ -55,14 +58,19 @@ Vec FixedPoint::step(Vec g) {
       if (list->size() > max_differences) list->erase(list->begin());
     }
   }
+  if (is_first_) first_ = size;
+  size_ = size;
   least_ = std::min(least_, size);
   is_first_ = false;
   f_ = std::move(f);
   check(VecCopy(g, g_.get()));
-  check(VecZeroEntries(step_.get()));
+  check(VecCopy(f_.get(), step_.get()));
+  check(VecScale(step_.get(), mixing_ - 1.0));
   std::vector<double> gamma(dF_.size(), 0.0);
   solve_least_squares(gamma);
-  for (std::size_t i = 0; i < gamma.size(); ++i) check(VecAXPY(step_.get(), -gamma[i], dG_[i].get()));
+  for (std::size_t i = 0; i < gamma.size(); ++i) {
+    check(VecAXPBYPCZ(step_.get(), -gamma[i], (1.0 - mixing_) * gamma[i], 1.0, dG_[i].get(), dF_[i].get()));
+  }
   return step_.get();
 }
 

@@ -2,6 +2,7 @@
 #include "petsc/array_view.hpp"
 #include "solver/fixed_point.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -51,6 +52,16 @@ TEST(FixedPoint, OfACurvedMapIsFoundFast) {
 
 TEST(FixedPoint, OfAMapThatGoesAwayIsFoundAllTheSame) {
   EXPECT_LE(rounds_of([](PetscInt i, double x) { return 1.0 - (i % 2 == 0 ? 1.5 : 0.3) * x; }), 8);
+}
+
+/// Plain iteration goes to and fro for ever.
+TEST(FixedPoint, OfAMapWithKinksIsFoundAllTheSame) {
+  const auto kink = [](PetscInt i, double x) {
+    return std::cos(1.7 * static_cast<double>(i)) - 3.0 * std::max(x, 0.0);
+  };
+  EXPECT_LE(rounds_of(kink), 15);
+  const auto bend = [](PetscInt i, double x) { return std::cos(static_cast<double>(i)) - 1.5 * std::tanh(4.0 * x); };
+  EXPECT_LE(rounds_of(bend), 45);
 }
 
 }  // namespace
