@@ -26,6 +26,7 @@ from scenes import write_scene
 
 TIME_LIMIT = 600  # [s]; far above what a scene takes on an idle machine
 LARGEST_IMBALANCE = 1e-5  # of the energy
+ROUNDING = 1e-12  # of the energy at a strain of 1, which bodies may store that nothing strains
 LARGEST_GAIN = 0.1  # of the energy that was there or supplied; of methods that damp what they do not resolve
 LARGEST_IMPULSE = 1e-6  # on free bodies, of the sum of all momenta
 DAMPING_METHODS = ("backward-euler", "bdf2", "dirk22", "dirk33")
@@ -90,7 +91,7 @@ def check_history(scene, history, outcome):
                 if name != "contact_gap_min" and not np.isfinite(values).all()]
     energy = history["kinetic_energy"] + history["elastic_energy"]
     supplied = np.maximum.accumulate(energy + np.abs(history["load_work"]) + np.abs(history["load_potential"] - history["load_potential"][0]))
-    scale = max(supplied.max(), 1e-300)
+    scale = max(supplied.max(), ROUNDING * scene.strain_energy)
     outcome.imbalance = np.abs(history["energy_balance_error"]).max() / scale
     outcome.gain = max(0.0, -history["numerical_dissipation"].min() / scale)
     if outcome.imbalance > LARGEST_IMBALANCE:

@@ -86,6 +86,7 @@ class Scene:
     num_steps: int
     thickness: float
     speed: float  # of the fastest body
+    strain_energy: float  # of the largest and stiffest body at a strain of about 1 [J]
 
 
 # Shapes.
@@ -244,6 +245,11 @@ def elasticity(rng, laws, young, poisson):
     if model == "gent":
         return {"model": model, "shear_modulus": mu, "stretch_limit": 50, "bulk_modulus": kappa}
     return {"model": model, "youngs_modulus": young, "poissons_ratio": poisson}
+
+
+def stiffness(entry):
+    law = entry["elasticity"]
+    return law.get("youngs_modulus", law.get("bulk_modulus"))
 
 
 def materials(seed, bodies, step, volumetric):
@@ -406,4 +412,5 @@ def write_scene(seed, directory):
     is_free = not around and not held and not loads
     return Scene(seed, directory / "scene.yaml", rng.choice((1, 1, 1, 2, 2, 3)), method, element, [body.name for body in bodies], touching,
                  method in REFUSED, is_free, around, step, num_steps, thickness,
-                 max(float(np.linalg.norm(v)) for v, _ in motions))
+                 max(float(np.linalg.norm(v)) for v, _ in motions),
+                 max(stiffness(entry) for entry in entries) * max(body.size for body in bodies) ** 3)
