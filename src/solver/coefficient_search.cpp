@@ -46,13 +46,13 @@ bool CoefficientSearch::is_settled(Vec q) {
 void CoefficientSearch::settle(Vec q, StageReport& report) {
   std::optional<FixedPoint> rounds;
   for (int round = 0; report.outcome == StageOutcome::converged && equation_.refreeze(q); ++round) {
-    if (round == max_rounds) {
+    if (is_settled(q)) return;
+    if (round == max_rounds || (round >= many_rounds && rounds && rounds->error() > little_nearer)) {
       report.outcome = StageOutcome::retry;
       report.reason = fmt::format(
-          "friction did not settle within {} solves, each with the contact pressure of the previous one", max_rounds);
+          "friction did not settle within {} solves, each with the contact pressure of the previous one", round);
       return;
     }
-    if (is_settled(q)) return;
     const int before = report.newton_iterations;
     if (step_to_solution(q, report)) return;
     if (report.newton_iterations > before) {
