@@ -101,7 +101,7 @@ def small_settings():
     settings = {"beam.yaml": [], "input.yaml": [], **SMALL, "gripper_finger.yaml": ["mesh.size=0.02", "time.end=0.02"],
                 "dropped_club.yaml": ["mesh.size=0.02", "time.end=0.02"],
                 "cantilever.yaml": ["mesh.size=0.2", "element=P1", "time.end=0.03"],
-                "gripper.yaml": ["mesh.size=50 mm", "time.step=20 ms", "time.end=0.1", "time.events=[]"]}
+                "gripper.yaml": ["time.step=20 ms", "time.end=0.04", "time.events=[]"]}
     for file in (ROOT / "input/convergence").glob("*.yaml"):
         time = yaml.safe_load(file.read_text(encoding="utf-8"))["time"]
         if time.get("method") == "static":
