@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <variant>
 #include <vector>
@@ -45,6 +46,13 @@ struct PatchPair {
   std::size_t first = 0, second = 0;
 };
 
+/// What a coupling derives from the patches that are near one another, once for all configurations between two searches
+/// (PairCoupling::features_of).
+class PairFeatures {
+ public:
+  virtual ~PairFeatures() = default;
+};
+
 /// What a rank sees of the patches: its own in the order of PairCoupling::patches, then those of other ranks that are
 /// near one of its own, by their keys. Their nodes are local ones, among which nodes of other ranks that no cell of
 /// this rank has come last; arrays of LocalStage and the q of a call span all of them.
@@ -57,6 +65,7 @@ struct NearPatches {
   std::vector<PatchPair> pairs;
   std::span<const double> coordinates;  ///< xyz of all local nodes in the reference configuration [m]
   PetscInt num_owned_nodes = 0;
+  std::shared_ptr<const PairFeatures> features;  ///< PairCoupling::features_of
 
   Vector3<double> position(PetscInt node, std::span<const double> q) const {
     const auto i = 3 * static_cast<std::size_t>(node);
@@ -80,6 +89,8 @@ class PairCoupling {
   /// Whether two patches with these tags may couple at all; symmetric. Asked once for any two tags, of which there are
   /// to be few: those of bodies, not of patches.
   virtual bool may_couple(int tag, int other) const = 0;
+  /// What its terms need to know of these patches and pairs besides positions; nullptr: nothing.
+  virtual std::shared_ptr<const PairFeatures> features_of(const NearPatches& /*near*/) const { return nullptr; }
   /// A configuration in addition to the q of a call whose pairs the term needs too (LocalStage::near_frozen); empty:
   /// none.
   virtual std::span<const double> frozen_place(const LocalStage& /*stage*/, std::span<const double> /*q*/) const {

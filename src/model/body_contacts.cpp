@@ -57,6 +57,9 @@ struct BodyContacts::Part {
     const Patches& patches() const override { return coupling_.patches(); }
     double reach() const override { return reach_; }
     bool may_couple(int tag, int other) const override { return coupling_.may_couple(tag, other); }
+    std::shared_ptr<const PairFeatures> features_of(const NearPatches& near) const override {
+      return coupling_.features_of(near);
+    }
 
    private:
     const PairCoupling& coupling_;

@@ -8,9 +8,9 @@ namespace pliant {
 namespace {
 
 constexpr PetscInt max_iterations = 40;
-/// A difference moves the configuration by this fraction of the way to a barrier, whose pressure varies with the gap,
-/// or, where nothing is in the way, by this fraction of the unknowns.
-constexpr double part_of_way = 1e-4, part_of_size = 1e-6;
+/// Differences move the configuration by this fraction of the step that is sought, and of the way to a barrier, whose
+/// pressure varies with the gap.
+constexpr double part_of_step = 1e-2, part_of_way = 1e-4;
 
 double largest(Vec x) {
   PetscReal norm = 0.0;
@@ -46,6 +46,8 @@ PetscInt CoupledSystem::solve(Vec q, Mat K, Vec r, Vec y, double tolerance) {
   check(KSPSetReusePreconditioner(ksp_.get(), PETSC_TRUE));
   check(KSPSetTolerances(ksp_.get(), tolerance, PETSC_DEFAULT, PETSC_DEFAULT, max_iterations));
   equation_.drag(q, q, here_.get());
+  check(PCApply(preconditioner, r, y));
+  step_ = largest(y);
   guard_.rethrow(KSPSolve(ksp_.get(), r, y));
   KSPConvergedReason reason = KSP_CONVERGED_ITERATING;
   PetscInt iterations = 0;
@@ -57,14 +59,14 @@ PetscInt CoupledSystem::solve(Vec q, Mat K, Vec r, Vec y, double tolerance) {
 void CoupledSystem::multiply(Vec x, Vec y) {
   check(MatMult(K_, x, y));
   const double size = largest(x);
-  if (size == 0.0) return;
-  const double way = equation_.max_step(q_, x);
-  const double part = std::isfinite(way) ? part_of_way * way : part_of_size * largest(q_) / size;
-  if (part == 0.0) return;
-  check(VecWAXPY(at_.get(), part, x, q_));
+  if (size == 0.0 || step_ == 0.0) return;
+  check(VecCopy(x, at_.get()));
+  check(VecScale(at_.get(), step_ / size));
+  const double part = std::min(part_of_step, part_of_way * equation_.max_step(q_, at_.get()));
+  check(VecAYPX(at_.get(), part, q_));
   equation_.drag(q_, at_.get(), there_.get());
   check(VecAXPY(there_.get(), -1.0, here_.get()));
-  check(VecAXPY(y, 1.0 / part, there_.get()));
+  check(VecAXPY(y, size / (part * step_), there_.get()));
 }
 
 PetscErrorCode CoupledSystem::multiply_callback(Mat A, Vec x, Vec y) {

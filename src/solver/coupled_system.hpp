@@ -33,6 +33,7 @@ class CoupledSystem {
   Handle<Vec> here_, there_, at_;  // forces with coefficients of q and of `at_`
   Vec q_ = nullptr;                // of the present solve, borrowed, as K_
   Mat K_ = nullptr;
+  double step_ = 0.0;  // largest entry of the solution, roughly
   CallbackGuard guard_;
 };
 

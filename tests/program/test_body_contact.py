@@ -98,7 +98,7 @@ class BodyContact(ProgramTest):
             self.assertAlmostEqual(gap[touched > 0].min(), h["contact_gap_min"][-1], delta=0.5 * h["contact_gap_min"][-1])
         self.assertEqual(places_inside(self.directory / "rest"), 0)
         # Whatever cuts the interface.
-        options["time"] = "method: bdf2, step: 5 ms, end: 0.2"
+        options["time"] = "method: bdf2, step: 5 ms, end: 0.06"
         h = self.run_blocks("alone", **options)
         for ranks in (2, 3):
             self.assert_same_history(h, self.run_blocks(f"rest{ranks}", ranks=ranks, **options), 1e-5)

@@ -82,52 +82,50 @@ bool is_neighbour(double square, double square_at_rest) {
 }
 
 /// Sorted and once each.
-void make_unique(std::vector<BoxPair>& pairs) {
-  std::ranges::sort(pairs);
-  pairs.erase(std::ranges::unique(pairs).begin(), pairs.end());
+template <class Item>
+void make_unique(std::vector<Item>& items) {
+  std::ranges::sort(items);
+  items.erase(std::ranges::unique(items).begin(), items.end());
 }
 
 }  // namespace
 
-TouchingBodies::Near TouchingBodies::near_at(const NearPatches& near, double distance, std::span<const double> q,
-                                             std::span<const double> d) const {
+std::shared_ptr<const PairFeatures> TouchingBodies::features_of(const NearPatches& near) const {
   const CollisionSurface& surface = surfaces_->surface();
   const auto triangles = surface.triangles();
-  const std::size_t num_vertices = surface.vertices().size();
-  Near found;
-  found.x.resize(num_vertices);
-  if (!d.empty()) found.dx.resize(num_vertices);
-  found.nodes.assign(num_vertices, -1);
-  for (std::size_t patch = 0; patch < near.patches.size(); ++patch) {
-    const auto nodes = near.patches.nodes_of(patch);
-    const auto& vertices = triangles[near.patches.keys[patch]].vertices;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::int32_t v = vertices[k];
-      const auto i = 3 * static_cast<std::size_t>(nodes[k]);
-      found.nodes[v] = nodes[k];
-      found.x[v] = near.position(nodes[k], q);
-      if (!d.empty()) found.dx[v] = {d[i], d[i + 1], d[i + 2]};
-    }
-  }
-  const std::size_t first_inner_point = points_.size() - num_inner_points_ * triangles.size();
+  auto features = std::make_shared<Features>();
+  features->nodes.assign(surface.vertices().size(), -1);
   const auto number = [](std::size_t n) { return static_cast<std::int32_t>(n); };
+  for (std::size_t patch = 0; patch < near.patches.size(); ++patch) {
+    const auto triangle = static_cast<std::size_t>(near.patches.keys[patch]);
+    const auto nodes = near.patches.nodes_of(patch);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int32_t vertex = triangles[triangle].vertices[k];
+      features->nodes[vertex] = nodes[k];
+      features->vertices.push_back(vertex);
+    }
+    features->triangles.push_back(number(triangle));
+  }
+  make_unique(features->vertices);
+  make_unique(features->triangles);
+  const std::size_t first_inner_point = points_.size() - num_inner_points_ * triangles.size();
+  auto& [points, edges] = features->candidates;
   // The points that the first triangle stands for, with the second.
   const auto add_points = [&](std::size_t first, std::size_t second, bool is_incident) {
     for (int k = 0; k < 3; ++k) {
       const std::int32_t vertex = triangles[first].vertices[k];
       if (surfaces_->stands_for_vertex(first, k) && !surface.is_incident(triangles[second], vertex)) {
-        found.points.push_back({point_of_corner_[3 * first + static_cast<std::size_t>(k)], number(second)});
+        points.push_back({point_of_corner_[3 * first + static_cast<std::size_t>(k)], number(second)});
       }
     }
     for (std::size_t j = 0; !is_incident && j < num_inner_points_; ++j) {
-      found.points.push_back({number(first_inner_point + num_inner_points_ * first + j), number(second)});
+      points.push_back({number(first_inner_point + num_inner_points_ * first + j), number(second)});
     }
   };
   for (const PatchPair& pair : near.pairs) {
     const auto first = static_cast<std::size_t>(near.patches.keys[pair.first]);
     const auto second = static_cast<std::size_t>(near.patches.keys[pair.second]);
     const auto &a = triangles[first], &b = triangles[second];
-    if (!box_around(a, distance, found.x, found.dx).overlaps(box_around(b, 0.0, found.x, found.dx))) continue;
     const bool is_incident = surface.is_incident(a, b);
     add_points(first, second, is_incident);
     add_points(second, first, is_incident);
@@ -136,13 +134,107 @@ TouchingBodies::Near TouchingBodies::near_at(const NearPatches& near, double dis
       for (int l = 0; l < 3; ++l) {
         if (!surfaces_->stands_for_edge(second, l)) continue;
         const auto [low, high] = std::minmax(a.edges[k], b.edges[l]);
-        if (!surface.is_incident(surface.edges()[low], surface.edges()[high])) found.edges.push_back({low, high});
+        if (!surface.is_incident(surface.edges()[low], surface.edges()[high])) edges.push_back({low, high});
       }
     }
   }
-  make_unique(found.points);
-  make_unique(found.edges);
+  make_unique(points);
+  make_unique(edges);
+  return features;
+}
+
+TouchingBodies::Positions TouchingBodies::positions(const NearPatches& near, std::span<const double> q,
+                                                    std::span<const double> d) const {
+  const Features& known = features(near);
+  Positions at;
+  at.x.resize(known.nodes.size());
+  if (!d.empty()) at.dx.resize(known.nodes.size());
+  for (const std::int32_t v : known.vertices) {
+    const PetscInt node = known.nodes[v];
+    const auto i = 3 * static_cast<std::size_t>(node);
+    at.x[v] = near.position(node, q);
+    if (!d.empty()) at.dx[v] = {d[i], d[i + 1], d[i + 2]};
+  }
+  return at;
+}
+
+TouchingBodies::Candidates TouchingBodies::candidates(const NearPatches& near, const Positions& at,
+                                                      double distance) const {
+  const CollisionSurface& surface = surfaces_->surface();
+  const auto box = [&](double margin, const auto&... vertices) {
+    Box around = box_of(margin, at.x[vertices]...);
+    if (!at.dx.empty()) around.include(box_of(margin, (at.x[vertices] + at.dx[vertices])...));
+    return around;
+  };
+  const auto& [points, edges] = features(near).candidates;
+  std::vector<Box> of_triangles(surface.triangles().size()), of_edges(surface.edges().size());
+  for (const std::int32_t triangle : features(near).triangles) {
+    const auto& [a, b, c] = surface.triangles()[triangle].vertices;
+    of_triangles[triangle] = box(distance, a, b, c);
+    for (const std::int32_t edge : surface.triangles()[triangle].edges) {
+      const auto& [from, to] = surface.edges()[edge].vertices;
+      of_edges[edge] = box(0.5 * distance, from, to);
+    }
+  }
+  Candidates found;
+  std::int32_t last = -1;
+  Box of_point;
+  for (const BoxPair& pair : points) {
+    if (pair.first != last) {
+      last = pair.first;
+      const SurfacePoint& point = points_[last];
+      of_point = box_of(0.0, point.position(at.x));
+      if (!at.dx.empty()) of_point.include(box_of(0.0, point.position(at.x) + point.position(at.dx)));
+    }
+    if (of_point.overlaps(of_triangles[pair.second])) found.points.push_back(pair);
+  }
+  for (const BoxPair& pair : edges) {
+    if (of_edges[pair.first].overlaps(of_edges[pair.second])) found.edges.push_back(pair);
+  }
   return found;
+}
+
+TouchingBodies::Configuration& TouchingBodies::configuration(const NearPatches& near, std::span<const double> q) const {
+  Positions at = positions(near, q);
+  for (Configuration& known : last_) {
+    if (known.features == near.features && known.x == at.x) return known;
+  }
+  Configuration& now = last_[std::exchange(oldest_, (oldest_ + 1) % last_.size())];
+  const CollisionSurface& surface = surfaces_->surface();
+  const auto [points, edges] = candidates(near, at, laws_.reach());
+  now.features = near.features;
+  now.pairs = {point_pairs(surface, multiplicities_, points_, points, at.x, laws_.reach()),
+               edge_pairs(surface, edges, at.x, laws_.reach(), edge_share)};
+  now.x = std::move(at.x);
+  now.touches.reset();
+  return now;
+}
+
+const std::vector<Touch>& TouchingBodies::touches(const NearPatches& near, std::span<const double> q) const {
+  Configuration& now = configuration(near, q);
+  if (now.touches) return *now.touches;
+  const CollisionSurface& surface = surfaces_->surface();
+  const auto& nodes = features(near).nodes;
+  std::vector<Touch>& touches = now.touches.emplace();
+  const auto add = [&](const PairGeometry& pair, const BodyContactLaws& laws) {
+    if (pair.weight == 0.0) return;
+    Touch touch{.weights = pair.weights,
+                .num_nodes = pair.num_nodes,
+                .pressure = laws(pair.body, pair.other, pair.distance).pressure,
+                .area = pair.weight,
+                .normal = pair.normal,
+                .is_counted = near.is_owned(nodes[pair.first_vertex])};
+    if (!(touch.pressure > 0.0)) return;
+    bool is_ours = false;
+    for (int i = 0; i < pair.num_nodes; ++i) {
+      touch.nodes[i] = nodes[pair.nodes[i]];
+      is_ours = is_ours || near.is_owned(touch.nodes[i]);
+    }
+    if (is_ours) touches.push_back(touch);
+  };
+  for (const PointPair& pair : now.pairs.points) add(geometry_of(surface, points_, pair, now.x), laws_);
+  for (const EdgePair& pair : now.pairs.edges) add(geometry_of(surface, pair, now.x), edge_laws_);
+  return touches;
 }
 
 std::span<const double> TouchingBodies::frozen_place(const LocalStage& stage, std::span<const double> q) const {
@@ -150,34 +242,29 @@ std::span<const double> TouchingBodies::frozen_place(const LocalStage& stage, st
   return stage.frozen_at(*drag_ == FrictionUpdate::iterated, q);
 }
 
-ContactPairs TouchingBodies::pairs_of(const Near& near) const {
-  const CollisionSurface& surface = surfaces_->surface();
-  return {point_pairs(surface, multiplicities_, points_, near.points, near.x, laws_.reach()),
-          edge_pairs(surface, near.edges, near.x, laws_.reach(), edge_share)};
-}
-
 double TouchingBodies::energy(const NearPatches& near, std::span<const double> q) const {
   const CollisionSurface& surface = surfaces_->surface();
-  const Near found = near_at(near, laws_.reach(), q);
-  ContactPairs pairs = pairs_of(found);
-  const auto is_counted_elsewhere = [&](std::int32_t vertex) { return !near.is_owned(found.nodes[vertex]); };
+  const Configuration& now = configuration(near, q);
+  const auto is_counted_elsewhere = [&](std::int32_t vertex) { return !near.is_owned(features(near).nodes[vertex]); };
+  ContactPairs pairs = now.pairs;
   std::erase_if(pairs.points, [&](const PointPair& pair) { return is_counted_elsewhere(first_vertex(surface, pair)); });
   std::erase_if(pairs.edges,
                 [&](const EdgePair& pair) { return is_counted_elsewhere(surface.edges()[pair.a].vertices[0]); });
   const auto nothing = [](auto...) {};
-  return add_point_pairs(surface, points_, pairs.points, found.x, laws_, ContactOrder::gradient, nothing, nothing) +
-         add_edge_pairs(surface, pairs.edges, found.x, edge_laws_, ContactOrder::gradient, nothing, nothing);
+  return add_point_pairs(surface, points_, pairs.points, now.x, laws_, ContactOrder::gradient, nothing, nothing) +
+         add_edge_pairs(surface, pairs.edges, now.x, edge_laws_, ContactOrder::gradient, nothing, nothing);
 }
 
 double TouchingBodies::max_step(const NearPatches& near, std::span<const double> q, std::span<const double> d) const {
   const CollisionSurface& surface = surfaces_->surface();
-  const Near found = near_at(near, laws_.reach(), q, d);
+  const Positions at = positions(near, q, d);
+  const Candidates found = candidates(near, at, laws_.reach());
   double bound = 1.0;
   const auto limit_by = [&](const auto& max_step, const std::array<std::int32_t, 4>& v, int body, int other) {
     std::array<Vector3<double>, 4> x, dx;
     for (std::size_t i = 0; i < 4; ++i) {
-      x[i] = found.x[v[i]];
-      dx[i] = found.dx[v[i]];
+      x[i] = at.x[v[i]];
+      dx[i] = at.dx[v[i]];
     }
     bound = std::min(bound, max_step(x, dx, Clearance{laws_.of(body, other).threshold, kept_gap}));
   };
@@ -199,10 +286,11 @@ double TouchingBodies::max_step(const NearPatches& near, std::span<const double>
 
 ContactGap TouchingBodies::gap(const NearPatches& near, std::span<const double> q, double distance) const {
   const CollisionSurface& surface = surfaces_->surface();
-  const Near found = near_at(near, distance, q);
+  const Positions at = positions(near, q);
+  const Candidates found = candidates(near, at, distance);
   ContactGap gap;
   const auto include = [&](const auto& square_at, int body, int other) {
-    const double square = square_at(std::span<const Vector3<double>>(found.x));
+    const double square = square_at(std::span<const Vector3<double>>(at.x));
     if (body == other && is_neighbour(square, square_at(surface.rest_positions()))) return;
     gap.least = std::min(gap.least, std::sqrt(square) - laws_.of(body, other).threshold);
   };
@@ -224,8 +312,8 @@ ContactGap TouchingBodies::gap(const NearPatches& near, std::span<const double> 
     include(square_at, a.body, b.body);
   }
   std::int32_t last = -1;
-  for (const PointPair& pair : point_pairs(surface, multiplicities_, points_, found.points, found.x, laws_.reach())) {
-    const bool is_counted = near.is_owned(found.nodes[points_[pair.point].nodes[0]]);
+  for (const PointPair& pair : point_pairs(surface, multiplicities_, points_, found.points, at.x, laws_.reach())) {
+    const bool is_counted = near.is_owned(features(near).nodes[points_[pair.point].nodes[0]]);
     if (is_counted && pair.point != last) gap.num_points += 1.0;
     last = pair.point;
   }
@@ -235,10 +323,11 @@ ContactGap TouchingBodies::gap(const NearPatches& near, std::span<const double> 
 void TouchingBodies::lower_gaps(const NearPatches& near, std::span<const double> q, double distance,
                                 std::span<double> gaps) const {
   const CollisionSurface& surface = surfaces_->surface();
-  const Near found = near_at(near, distance, q);
+  const Positions at = positions(near, q);
+  const Candidates found = candidates(near, at, distance);
   for (const BoxPair& pair : found.points) {
     const SurfacePoint& point = points_[pair.first];
-    const PetscInt node = found.nodes[point.nodes[0]];
+    const PetscInt node = features(near).nodes[point.nodes[0]];
     if (point.num_nodes > 1 || !near.is_owned(node)) continue;
     const auto& triangle = surface.triangles()[pair.second];
     const auto [a, b, c] = triangle.vertices;
@@ -246,7 +335,7 @@ void TouchingBodies::lower_gaps(const NearPatches& near, std::span<const double>
       return closest_point_triangle(std::array{point.position(x), x[a], x[b], x[c]}).squared_distance;
     };
     const std::int32_t body = surface.vertices()[point.nodes[0]].body;
-    const double square = square_at(found.x);
+    const double square = square_at(at.x);
     if (body == triangle.body && is_neighbour(square, square_at(surface.rest_positions()))) continue;
     gaps[node] = std::min(gaps[node], std::sqrt(square) - laws_.of(body, triangle.body).threshold);
   }
@@ -254,7 +343,7 @@ void TouchingBodies::lower_gaps(const NearPatches& near, std::span<const double>
 
 SurfaceCrossings TouchingBodies::crossings(const NearPatches& near, std::span<const double> q) const {
   const CollisionSurface& surface = surfaces_->surface();
-  const Near found = near_at(near, 0.0, q);
+  const Positions at = positions(near, q);
   SurfaceCrossings crossings;
   const auto look_at = [&](std::size_t of_edges, std::size_t number) {
     const auto &one = surface.triangles()[of_edges], &other = surface.triangles()[number];
@@ -262,9 +351,9 @@ SurfaceCrossings TouchingBodies::crossings(const NearPatches& near, std::span<co
       const auto& ends = surface.edges()[one.edges[k]].vertices;
       const bool touches = surface.is_incident(other, ends[0]) || surface.is_incident(other, ends[1]);
       if (!surfaces_->stands_for_edge(of_edges, k) || touches) continue;
-      const std::array segment{found.x[ends[0]], found.x[ends[1]]};
+      const std::array segment{at.x[ends[0]], at.x[ends[1]]};
       const auto [a, b, c] = other.vertices;
-      if (!segment_meets_triangle(segment, {found.x[a], found.x[b], found.x[c]})) continue;
+      if (!segment_meets_triangle(segment, {at.x[a], at.x[b], at.x[c]})) continue;
       if (crossings.count++ == 0) {
         crossings.place = 0.5 * (segment[0] + segment[1]);
         crossings.body = one.body;
@@ -276,7 +365,7 @@ SurfaceCrossings TouchingBodies::crossings(const NearPatches& near, std::span<co
     const auto first = static_cast<std::size_t>(near.patches.keys[pair.first]);
     const auto second = static_cast<std::size_t>(near.patches.keys[pair.second]);
     const auto &a = surface.triangles()[first], &b = surface.triangles()[second];
-    if (!box_around(a, 0.0, found.x).overlaps(box_around(b, 0.0, found.x))) continue;
+    if (!box_around(a, 0.0, at.x).overlaps(box_around(b, 0.0, at.x))) continue;
     look_at(first, second);
     look_at(second, first);
   }

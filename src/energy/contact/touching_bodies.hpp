@@ -68,6 +68,7 @@ class TouchingBodies final : public PairCoupling {
   const Patches& patches() const override { return surfaces_->patches(); }
   double reach() const override { return laws_.reach(); }
   bool may_couple(int tag, int other) const override { return sets_(tag, other); }
+  std::shared_ptr<const PairFeatures> features_of(const NearPatches& near) const override;
   std::span<const double> frozen_place(const LocalStage& stage, std::span<const double> q) const override;
 
   const BodySurfaces& surfaces() const { return *surfaces_; }
@@ -97,18 +98,37 @@ class TouchingBodies final : public PairCoupling {
   SurfaceCrossings crossings(const NearPatches& near, std::span<const double> q) const;
 
  private:
-  /// Pairs that may touch, and the vertices of the collision surface as a rank sees them: those of triangles that are
-  /// not near it have no meaning.
-  struct Near {
-    std::vector<Vector3<double>> x, dx;  // positions, and displacements if there are any [m]
-    std::vector<PetscInt> nodes;         // local
-    std::vector<BoxPair> points;         // a point of the rule, a triangle
-    std::vector<BoxPair> edges;          // the first of the lower number
+  /// The vertices of the collision surface as a rank sees them: those of triangles that are not near it have no
+  /// meaning.
+  struct Positions {
+    std::vector<Vector3<double>> x, dx;  // and displacements if there are any [m]
   };
-  /// What is nearer than `distance` [m] at q, or anywhere between q and q + d.
-  Near near_at(const NearPatches& near, double distance, std::span<const double> q,
-               std::span<const double> d = {}) const;
-  ContactPairs pairs_of(const Near& near) const;
+  /// Points and triangles, and edges, that may touch; each list is sorted.
+  struct Candidates {
+    std::vector<BoxPair> points;  // a point of the rule, a triangle
+    std::vector<BoxPair> edges;   // the first of the lower number
+  };
+  /// All candidates of patches that are near one another, and the nodes of their vertices.
+  struct Features final : PairFeatures {
+    Candidates candidates;
+    std::vector<PetscInt> nodes;          // local, of each vertex of the collision surface; -1: unknown
+    std::vector<std::int32_t> triangles;  // that are near, ascending
+    std::vector<std::int32_t> vertices;   // of these, ascending
+  };
+  /// What touches in a configuration, and what follows from it.
+  struct Configuration {
+    std::shared_ptr<const PairFeatures> features;
+    std::vector<Vector3<double>> x;
+    ContactPairs pairs;
+    std::optional<std::vector<Touch>> touches;
+  };
+  static const Features& features(const NearPatches& near) { return static_cast<const Features&>(*near.features); }
+  Positions positions(const NearPatches& near, std::span<const double> q, std::span<const double> d = {}) const;
+  /// What is nearer than `distance` [m] there, or anywhere on the way.
+  Candidates candidates(const NearPatches& near, const Positions& at, double distance) const;
+  /// Valid until the next call.
+  Configuration& configuration(const NearPatches& near, std::span<const double> q) const;
+  const std::vector<Touch>& touches(const NearPatches& near, std::span<const double> q) const;
 
   std::shared_ptr<const BodySurfaces> surfaces_;
   ContactSets sets_;
@@ -118,6 +138,10 @@ class TouchingBodies final : public PairCoupling {
   std::vector<SurfacePoint> points_;           // of the rule: corners, then inner points of the triangles
   std::vector<std::int32_t> point_of_corner_;  // of the three corners of each triangle
   std::size_t num_inner_points_ = 0;           // of each triangle
+  /// The last configurations: value, gradient and Hessian are evaluated at one of them, and coefficients stay frozen at
+  /// another.
+  mutable std::array<Configuration, 3> last_;
+  mutable std::size_t oldest_ = 0;
 };
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -126,42 +150,21 @@ template <class AddForce, class AddBlock>
 void TouchingBodies::evaluate(const NearPatches& near, std::span<const double> q, ContactOrder order,
                               const AddForce& add_force, const AddBlock& add_block) const {
   const CollisionSurface& surface = surfaces_->surface();
-  const Near found = near_at(near, laws_.reach(), q);
-  const ContactPairs pairs = pairs_of(found);
-  const auto& nodes = found.nodes;
+  const Configuration& now = configuration(near, q);
+  const auto& nodes = features(near).nodes;
   const auto force = [&](std::int32_t v, const Vector3<double>& f) {
     if (near.is_owned(nodes[v])) add_force(nodes[v], f);
   };
   const auto block = [&](std::int32_t v, std::int32_t w, const Tensor3<double>& H) {
     if (near.is_owned(nodes[v])) add_block(nodes[v], nodes[w], H);
   };
-  add_point_pairs(surface, points_, pairs.points, found.x, laws_, order, force, block);
-  add_edge_pairs(surface, pairs.edges, found.x, edge_laws_, order, force, block);
+  add_point_pairs(surface, points_, now.pairs.points, now.x, laws_, order, force, block);
+  add_edge_pairs(surface, now.pairs.edges, now.x, edge_laws_, order, force, block);
 }
 
 template <class Visit>
 void TouchingBodies::for_each_touch(const NearPatches& near, std::span<const double> q, const Visit& visit) const {
-  const CollisionSurface& surface = surfaces_->surface();
-  const Near found = near_at(near, laws_.reach(), q);
-  const ContactPairs pairs = pairs_of(found);
-  const auto pass_on = [&](const PairGeometry& pair, const BodyContactLaws& laws) {
-    if (pair.weight == 0.0) return;
-    Touch touch{.weights = pair.weights,
-                .num_nodes = pair.num_nodes,
-                .pressure = laws(pair.body, pair.other, pair.distance).pressure,
-                .area = pair.weight,
-                .normal = pair.normal,
-                .is_counted = near.is_owned(found.nodes[pair.first_vertex])};
-    if (!(touch.pressure > 0.0)) return;
-    bool is_ours = false;
-    for (int i = 0; i < pair.num_nodes; ++i) {
-      touch.nodes[i] = found.nodes[pair.nodes[i]];
-      is_ours = is_ours || near.is_owned(touch.nodes[i]);
-    }
-    if (is_ours) visit(std::as_const(touch));
-  };
-  for (const PointPair& pair : pairs.points) pass_on(geometry_of(surface, points_, pair, found.x), laws_);
-  for (const EdgePair& pair : pairs.edges) pass_on(geometry_of(surface, pair, found.x), edge_laws_);
+  for (const Touch& touch : touches(near, q)) visit(touch);
 }
 
 }  // namespace pliant

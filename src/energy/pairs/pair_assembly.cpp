@@ -100,36 +100,40 @@ NearPatches PairAssembly::near_of(const Pursuit& pursuit) const {
   patches.tags = found.tags;
   patches.is_owned.resize(patches.keys.size(), 0);
   for (const PetscInt node : found.global_nodes) patches.nodes.push_back(far_->local_node(node));
-  return {std::move(patches), found.pairs, coordinates_, layout_.num_owned_nodes};
+  NearPatches near{std::move(patches), found.pairs, coordinates_, layout_.num_owned_nodes, nullptr};
+  near.features = pursuit.coupling.features_of(near);
+  return near;
 }
 
-std::vector<std::pair<PetscInt, PetscInt>> PairAssembly::coupled_nodes() const {
-  std::vector<std::pair<PetscInt, PetscInt>> result;
-  const auto add = [&](const NearPatches& near) {
+template <class Visit>
+bool PairAssembly::all_coupled_nodes(const Visit& visit) const {
+  const auto visit_all = [&](const NearPatches& near) {
     for (const PatchPair& pair : near.pairs) {
       for (const PetscInt a : near.patches.nodes_of(pair.first)) {
         for (const PetscInt b : near.patches.nodes_of(pair.second)) {
-          if (near.is_owned(a)) result.emplace_back(a, b);
-          if (near.is_owned(b)) result.emplace_back(b, a);
+          if (near.is_owned(a) && !visit(a, b)) return false;
+          if (near.is_owned(b) && !visit(b, a)) return false;
         }
       }
     }
+    return true;
   };
-  for (const Pursuit& pursuit : on_path_) add(pursuit.near);
-  for (const Pursuit& pursuit : frozen_) add(pursuit.near);
-  std::ranges::sort(result);
-  result.erase(std::unique(result.begin(), result.end()), result.end());
-  return result;
+  const auto is_done = [&](const Pursuit& pursuit) { return visit_all(pursuit.near); };
+  return std::ranges::all_of(on_path_, is_done) && std::ranges::all_of(frozen_, is_done);
 }
 
 bool PairAssembly::fit() {
   if (is_fitted_) return false;
   is_fitted_ = true;
-  auto coupled = coupled_nodes();
-  const bool is_contained = pattern_ && std::ranges::all_of(coupled, [&](const auto& pair) {
-                              return pattern_->contains(pair.first, pair.second);
-                            });
-  if (!any_rank(layout_.comm, !is_contained)) return false;
+  const auto is_known = [&](PetscInt row, PetscInt column) { return pattern_->contains(row, column); };
+  if (!any_rank(layout_.comm, !pattern_ || !all_coupled_nodes(is_known))) return false;
+  std::vector<std::pair<PetscInt, PetscInt>> coupled;
+  all_coupled_nodes([&](PetscInt row, PetscInt column) {
+    coupled.emplace_back(row, column);
+    return true;
+  });
+  std::ranges::sort(coupled);
+  coupled.erase(std::unique(coupled.begin(), coupled.end()), coupled.end());
   pattern_.emplace(layout_, FarCouplings{far_->globals(), std::move(coupled)});
   std::vector<double> flags;
   far_->extend(prescribed_, flags);

@@ -52,8 +52,10 @@ class PairAssembly {
     NearPatches near;                   // the same, with the far nodes as they are
   };
   NearPatches near_of(const Pursuit& pursuit) const;
-  /// Pairs of nodes that couple, the first owned.
-  std::vector<std::pair<PetscInt, PetscInt>> coupled_nodes() const;
+  /// visit(node, node) of those that couple, the first owned, some of them repeatedly, until it returns false: then so
+  /// does this.
+  template <class Visit>
+  bool all_coupled_nodes(const Visit& visit) const;
 
   const NodeLayout& layout_;
   std::vector<double> prescribed_;         // of entries, 0 or 1
