@@ -137,9 +137,9 @@ std::optional<std::string> GuessSearch::try_prescribed_motion(Vec accepted, Vec 
   equation_.extrapolate_from(nullptr);
   if (!std::isfinite(measure)) follow_prescribed_nodes(accepted, q, measure);
   if (std::isfinite(measure)) return std::nullopt;
-  if (applied == Applied::nothing) return "an obstacle has moved onto the body within one step";
-  return "the prescribed displacement is too large for one step: a tetrahedron would invert, or an obstacle is in "
-         "the way";
+  if (applied == Applied::nothing) return "an obstacle or a prescribed surface moves across a gap within one step";
+  return "the prescribed displacement is too large for one step: a tetrahedron would invert, or an obstacle or "
+         "another body is in the way";
 }
 
 void GuessSearch::prescribe(Vec x, Vec target, Vec motion, double fraction) {

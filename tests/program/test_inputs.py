@@ -7,6 +7,7 @@ from program import ROOT, ProgramTest
 # File in input/ -> what makes it small.
 SMALL = {
     "beam_small.yaml": ["time.end=0.03"],
+    "bellows.yaml": ["element=P1", "mesh.size=5 mm", "time.step=0.1", "time.end=0.5"],
     "bracket.yaml": ["mesh.size=0.006", "element=P1", "time.load_steps=2"],
     "cantilever.yaml": ["mesh.size=0.2", "time.end=0.05"],
     "dropped_club.yaml": ["mesh.size=0.02", "time.end=0.25"],
@@ -15,6 +16,7 @@ SMALL = {
     "gripper.yaml": ["time.step=20 ms", "time.end=0.52", "time.events=[]", "contact.friction_update=frozen"],
     "gripper_finger.yaml": ["time.end=0.02"],
     "muscle.yaml": ["mesh.size=0.2", "time.end=0.1"],
+    "pile.yaml": ["mesh.size=8 mm", "time.end=0.06", "time.step=0.004"],
     "pneumatic_actuator.yaml": ["time.end=0.02", "time.events=[]"],
     "relaxation.yaml": ["time.step=20 ms", "time.end=1"],
     "static_bending.yaml": ["mesh.size=0.2", "time.load_steps=4"],
