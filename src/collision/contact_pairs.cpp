@@ -1,6 +1,7 @@
 #include "collision/contact_pairs.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pliant {
 namespace {
@@ -94,7 +95,8 @@ class FeatureCounter {
 }  // namespace
 
 ContactRule quadratic_contact_rule() {
-  return {1.0 / 12.0, {{{1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0}, 0.75}}};
+  const double a = (1.0 + std::sqrt(8.0 / 17.0)) / 3.0, b = 0.5 * (1.0 - a), weight = 17.0 / 60.0;
+  return {1.0 / 20.0, {{{a, b, b}, weight}, {{b, a, b}, weight}, {{b, b, a}, weight}}};
 }
 
 Vector3<double> SurfacePoint::position(std::span<const Vector3<double>> x) const {
@@ -203,12 +205,13 @@ namespace {
 
 /// The parts that follow from the separation of the nodes at `x`.
 template <int N>
-PairGeometry geometry_at(const Stencil<N>& stencil, const std::array<std::int32_t, N>& nodes,
+PairGeometry geometry_at(const Stencil<N>& stencil, const std::array<std::int32_t, N>& nodes, int num_first_nodes,
                          std::span<const Vector3<double>> x) {
   std::array<Vector3<double>, N> at;
   for (int n = 0; n < N; ++n) at[n] = x[nodes[n]];
   const Separation<N> closest = separation<N>(stencil, at);
-  PairGeometry pair{.num_nodes = N, .distance = closest.distance, .normal = closest.normal};
+  PairGeometry pair{
+      .num_nodes = N, .num_first_nodes = num_first_nodes, .distance = closest.distance, .normal = closest.normal};
   std::ranges::copy(nodes, pair.nodes.begin());
   std::ranges::copy(closest.weights, pair.weights.begin());
   return pair;
@@ -227,7 +230,7 @@ PairGeometry geometry_of(const CollisionSurface& surface, std::span<const Surfac
       nodes[A + b] = feature[b];
       simple[1 + b] = x[feature[b]];
     }
-    return geometry_at<A + B>(point_feature_stencil<A, B>(point.weights, simple), nodes, x);
+    return geometry_at<A + B>(point_feature_stencil<A, B>(point.weights, simple), nodes, A, x);
   };
   const auto with = [&]<int B>(const std::array<std::int32_t, B>& feature) {
     return point.num_nodes == 1 ? between.template operator()<1, B>(feature)
@@ -250,7 +253,7 @@ PairGeometry geometry_of(const CollisionSurface& surface, const EdgePair& pair, 
   const std::array ends{x[nodes[0]], x[nodes[1]], x[nodes[2]], x[nodes[3]]};
   const double mollifier = edge_edge_mollifier_value(ends, pair.threshold);
   PairGeometry result;
-  if (mollifier > 0.0) result = geometry_at<4>(stencil_of(closest_edge_edge(ends)), nodes, x);
+  if (mollifier > 0.0) result = geometry_at<4>(stencil_of(closest_edge_edge(ends)), nodes, 2, x);
   result.weight = pair.weight * mollifier;
   result.body = a.body;
   result.other = b.body;

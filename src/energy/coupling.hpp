@@ -25,10 +25,19 @@ struct CellCoupling {};
 /// (energy/function_of_sum.hpp); or pairs, the nodes of other ranks that they need, and a pattern that follows them.
 using Coupling = std::variant<CellCoupling, const FunctionOfSum*, const PairCoupling*>;
 
+/// A point that moves with three nodes of a patch, by constant weights whose sum is 1.
+struct PatchPoint {
+  std::array<std::uint8_t, 3> nodes{};  ///< among those of the patch
+  std::array<double, 3> weights{1.0, 0.0, 0.0};
+};
+
 /// Sets of nodes that couple as a whole with what comes near them: nodes, edges or facets of surfaces. A rank lists
 /// those with at least one node of its own; the same patch may stand on several ranks.
 struct Patches {
   int nodes_per_patch = 1;
+  /// The patch lies within the hull of these, of its nodes where there are none.
+  int points_per_patch = 0;
+  std::vector<PatchPoint> points;  ///< points_per_patch of each of this rank's patches
   std::vector<PetscInt> nodes;     ///< local, nodes_per_patch of each
   std::vector<std::int64_t> keys;  ///< number of each patch, the same on all ranks, different for each
   std::vector<int> tags;           ///< of each, whatever the term wants to know of it on other ranks: its body

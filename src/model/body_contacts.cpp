@@ -33,16 +33,18 @@ std::vector<double> facet_sizes(const CollisionSurface& surface, std::size_t num
 }
 
 /// The current positions of all vertices, on every rank. Collective.
-std::vector<Vector3<double>> gathered_positions(const NodeLayout& layout, const CollisionSurface& surface,
+std::vector<Vector3<double>> gathered_positions(const NodeLayout& layout, const BodySurfaces& surfaces,
                                                 std::span<const double> q) {
   std::vector<Vector3<double>> mine;  // vertices are sorted by global numbers, which ascend with the ranks
-  for (const auto& vertex : surface.vertices()) {
+  for (const auto& vertex : surfaces.surface().vertices()) {
     const VertexKey node = vertex.key - layout.first_global_node;
     if (node < 0 || node >= layout.num_owned_nodes) continue;
     const auto a = static_cast<PetscInt>(node);
     mine.push_back(layout.position(a) + Vector3<double>{q[3 * a], q[3 * a + 1], q[3 * a + 2]});
   }
-  return gathered(layout.comm, mine);
+  std::vector<Vector3<double>> all = gathered(layout.comm, mine);
+  surfaces.place(all);
+  return all;
 }
 
 constexpr std::size_t most_overlaps_named = 10;
@@ -251,16 +253,15 @@ std::vector<BodyContacts::AtNode> BodyContacts::at_nodes(std::span<const double>
     part->pairs.extend(v, velocity);
     std::vector<double> gaps(all.size() / 3, std::numeric_limits<double>::infinity()), forces(all.size(), 0.0);
     part->bodies->lower_gaps(near, all, part->distance, gaps);
-    LocalStage stage;
-    stage.near = &near;
-    make_body_contact(part->bodies)->add_gradient(stage, all, forces);
+    part->bodies->add_forces_on_vertices(near, all, forces);
     part->bodies->for_each_touch(near, all, [&](const Touch& touch) {
       const Vector3<double> relative = touch.combine(velocity);
       const Vector3<double> slip = relative - dot(relative, touch.normal) * touch.normal;
       for (int i = 0; i < touch.num_nodes; ++i) {
         if (!near.is_owned(touch.nodes[i])) continue;
-        const double share =
-            touch.weights[i] * touch.area * touch.pressure;  // < 0 on the second side, which sees -slip
+        // The second side sees -slip.
+        const double side = i < touch.num_first_nodes ? 1.0 : -1.0;
+        const double share = side * std::abs(touch.weights[i]) * touch.area * touch.pressure;
         nodes[touch.nodes[i]].slip = nodes[touch.nodes[i]].slip + share * slip;
         touched[touch.nodes[i]] += std::abs(share);
       }
@@ -313,7 +314,7 @@ void BodyContacts::check_overlaps(std::span<const double> q) const {
   std::size_t num_overlaps = 0;
   for (const auto& part : parts_) {
     const CollisionSurface& surface = part->bodies->surfaces().surface();
-    const auto x = gathered_positions(layout_, surface, q);
+    const auto x = gathered_positions(layout_, part->bodies->surfaces(), q);
     for (const SurfaceOverlap& overlap : find_overlaps(surface, x, part->sets)) {
       if (++num_overlaps <= most_overlaps_named) {
         diagnostics.push_back({Severity::error, part->config != nullptr ? part->config->where : config_.where,
@@ -368,7 +369,7 @@ void BodyContacts::check_start(std::span<const double> q) const {
 void BodyContacts::summarize(std::span<const double> q, ContactSummary& summary) const {
   for (const auto& part : parts_) {
     const CollisionSurface& surface = part->bodies->surfaces().surface();
-    const auto x = gathered_positions(layout_, surface, q);
+    const auto x = gathered_positions(layout_, part->bodies->surfaces(), q);
     const auto triangles = surface.triangles();
     const auto may_touch = [&](std::int32_t s, std::int32_t t) {
       return part->sets(triangles[s].group, triangles[t].group);

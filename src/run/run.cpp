@@ -125,6 +125,7 @@ class Run {
     // Every step is a frame unless an interval is given.
     FrameSchedule schedule(config_.output.every, record().time);
     const auto start = Clock::now();
+    simulation_->forget();  // as after a checkpoint: what was looked at until now leaves no trace
     while (!simulation_->finished()) {
       const Request request =
           interrupt.request(comm_, checkpoints_.is_due_by_clock() ? Request::checkpoint : Request::none);

@@ -99,14 +99,16 @@ std::shared_ptr<const PairFeatures> TouchingBodies::features_of(const NearPatche
   for (std::size_t patch = 0; patch < near.patches.size(); ++patch) {
     const auto triangle = static_cast<std::size_t>(near.patches.keys[patch]);
     const auto nodes = near.patches.nodes_of(patch);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::int32_t vertex = triangles[triangle].vertices[k];
-      features->nodes[vertex] = nodes[k];
-      features->vertices.push_back(vertex);
+    const auto vertices = surfaces_->nodes_of(triangle);
+    for (std::size_t k = 0; k < vertices.size(); ++k) {
+      features->nodes[vertices[k]] = nodes[k];
+      features->vertices.push_back(vertices[k]);
     }
+    features->placed.insert(features->placed.end(), vertices.begin(), vertices.begin() + 3);
     features->triangles.push_back(number(triangle));
   }
   make_unique(features->vertices);
+  make_unique(features->placed);
   make_unique(features->triangles);
   const std::size_t first_inner_point = points_.size() - num_inner_points_ * triangles.size();
   auto& [points, edges] = features->candidates;
@@ -155,6 +157,8 @@ TouchingBodies::Positions TouchingBodies::positions(const NearPatches& near, std
     at.x[v] = near.position(node, q);
     if (!d.empty()) at.dx[v] = {d[i], d[i + 1], d[i + 2]};
   }
+  surfaces_->place(known.placed, at.x);
+  if (!d.empty()) surfaces_->place(known.placed, at.dx);
   return at;
 }
 
@@ -218,19 +222,25 @@ const std::vector<Touch>& TouchingBodies::touches(const NearPatches& near, std::
   std::vector<Touch>& touches = now.touches.emplace();
   const auto add = [&](const PairGeometry& pair, const BodyContactLaws& laws) {
     if (pair.weight == 0.0) return;
-    Touch touch{.weights = pair.weights,
-                .num_nodes = pair.num_nodes,
-                .pressure = laws(pair.body, pair.other, pair.distance).pressure,
+    Touch touch{.pressure = laws(pair.body, pair.other, pair.distance).pressure,
                 .area = pair.weight,
                 .normal = pair.normal,
                 .is_counted = near.is_owned(nodes[pair.first_vertex])};
     if (!(touch.pressure > 0.0)) return;
-    bool is_ours = false;
+    int begin = 0;  // of the nodes of the present surface
     for (int i = 0; i < pair.num_nodes; ++i) {
-      touch.nodes[i] = nodes[pair.nodes[i]];
-      is_ours = is_ours || near.is_owned(touch.nodes[i]);
+      if (i == pair.num_first_nodes) begin = touch.num_first_nodes = touch.num_nodes;
+      const auto of_vertex = surfaces_->support(pair.nodes[i]);
+      for (int a = 0; a < of_vertex.size; ++a) {
+        const PetscInt node = nodes[of_vertex.nodes[a]];
+        const auto end = touch.nodes.begin() + touch.num_nodes;
+        const auto known = std::find(touch.nodes.begin() + begin, end, node);
+        if (known == end) touch.nodes[touch.num_nodes++] = node;
+        touch.weights[known - touch.nodes.begin()] += of_vertex.weights[a] * pair.weights[i];
+      }
     }
-    if (is_ours) touches.push_back(touch);
+    const auto used = std::span(touch.nodes).first(static_cast<std::size_t>(touch.num_nodes));
+    if (std::ranges::any_of(used, [&](PetscInt node) { return near.is_owned(node); })) touches.push_back(touch);
   };
   for (const PointPair& pair : now.pairs.points) add(geometry_of(surface, points_, pair, now.x), laws_);
   for (const EdgePair& pair : now.pairs.edges) add(geometry_of(surface, pair, now.x), edge_laws_);
@@ -253,6 +263,19 @@ double TouchingBodies::energy(const NearPatches& near, std::span<const double> q
   const auto nothing = [](auto...) {};
   return add_point_pairs(surface, points_, pairs.points, now.x, laws_, ContactOrder::gradient, nothing, nothing) +
          add_edge_pairs(surface, pairs.edges, now.x, edge_laws_, ContactOrder::gradient, nothing, nothing);
+}
+
+void TouchingBodies::add_forces_on_vertices(const NearPatches& near, std::span<const double> q,
+                                            std::span<double> forces) const {
+  const CollisionSurface& surface = surfaces_->surface();
+  const Configuration& now = configuration(near, q);
+  const auto add = [&](std::int32_t vertex, const Vector3<double>& f) {
+    const auto i = 3 * static_cast<std::size_t>(features(near).nodes[vertex]);
+    for (std::size_t k = 0; k < 3; ++k) forces[i + k] += f[k];
+  };
+  const auto nothing = [](auto...) {};
+  add_point_pairs(surface, points_, now.pairs.points, now.x, laws_, ContactOrder::gradient, add, nothing);
+  add_edge_pairs(surface, now.pairs.edges, now.x, edge_laws_, ContactOrder::gradient, add, nothing);
 }
 
 double TouchingBodies::max_step(const NearPatches& near, std::span<const double> q, std::span<const double> d) const {

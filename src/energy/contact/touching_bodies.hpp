@@ -41,9 +41,9 @@ struct SurfaceCrossings {
 
 /// A point of one surface and the nearest one of another: r = sum w_i x_i between them, with the nodes' positions x_i.
 struct Touch {
-  std::array<PetscInt, 6> nodes{};  ///< local
-  std::array<double, 6> weights{};  ///< w_i, whose sum is 0
-  int num_nodes = 0;
+  std::array<PetscInt, 12> nodes{};  ///< local; those of the first surface come first
+  std::array<double, 12> weights{};  ///< w_i, whose sum is 0
+  int num_nodes = 0, num_first_nodes = 0;
   double pressure = 0.0;     ///< [Pa], > 0
   double area = 0.0;         ///< [m^2]; negative where a feature is subtracted (collision/contact_pairs)
   Vector3<double> normal{};  ///< of the second surface, towards the first
@@ -77,6 +77,9 @@ class TouchingBodies final : public PairCoupling {
 
   /// The potential of what this rank counts [J].
   double energy(const NearPatches& near, std::span<const double> q) const;
+  /// dU/dx of the vertex of each local node, not that of the node (BodySurfaces); adds to `forces`, three entries of
+  /// each. Complete for owned nodes.
+  void add_forces_on_vertices(const NearPatches& near, std::span<const double> q, std::span<double> forces) const;
   /// Calls add_force(node, dU/dx) and add_block(node, node, d2U/dx dx) for local nodes, the first of them owned.
   template <class AddForce, class AddBlock>
   void evaluate(const NearPatches& near, std::span<const double> q, ContactOrder order, const AddForce& add_force,
@@ -98,7 +101,7 @@ class TouchingBodies final : public PairCoupling {
   SurfaceCrossings crossings(const NearPatches& near, std::span<const double> q) const;
 
  private:
-  /// The vertices of the collision surface as a rank sees them: those of triangles that are not near it have no
+  /// The vertices of the collision surface as a rank sees them: only those at the nodes of triangles near it have a
   /// meaning.
   struct Positions {
     std::vector<Vector3<double>> x, dx;  // and displacements if there are any [m]
@@ -113,7 +116,8 @@ class TouchingBodies final : public PairCoupling {
     Candidates candidates;
     std::vector<PetscInt> nodes;          // local, of each vertex of the collision surface; -1: unknown
     std::vector<std::int32_t> triangles;  // that are near, ascending
-    std::vector<std::int32_t> vertices;   // of these, ascending
+    std::vector<std::int32_t> vertices;   // of the nodes with which these move, ascending
+    std::vector<std::int32_t> placed;     // of the triangles themselves, ascending: their positions are complete
   };
   /// What touches in a configuration, and what follows from it.
   struct Configuration {
@@ -153,10 +157,19 @@ void TouchingBodies::evaluate(const NearPatches& near, std::span<const double> q
   const Configuration& now = configuration(near, q);
   const auto& nodes = features(near).nodes;
   const auto force = [&](std::int32_t v, const Vector3<double>& f) {
-    if (near.is_owned(nodes[v])) add_force(nodes[v], f);
+    const auto of_v = surfaces_->support(v);
+    for (int a = 0; a < of_v.size; ++a) {
+      if (near.is_owned(nodes[of_v.nodes[a]])) add_force(nodes[of_v.nodes[a]], of_v.weights[a] * f);
+    }
   };
   const auto block = [&](std::int32_t v, std::int32_t w, const Tensor3<double>& H) {
-    if (near.is_owned(nodes[v])) add_block(nodes[v], nodes[w], H);
+    const auto of_v = surfaces_->support(v), of_w = surfaces_->support(w);
+    for (int a = 0; a < of_v.size; ++a) {
+      if (!near.is_owned(nodes[of_v.nodes[a]])) continue;
+      for (int b = 0; b < of_w.size; ++b) {
+        add_block(nodes[of_v.nodes[a]], nodes[of_w.nodes[b]], (of_v.weights[a] * of_w.weights[b]) * H);
+      }
+    }
   };
   add_point_pairs(surface, points_, now.pairs.points, now.x, laws_, order, force, block);
   add_edge_pairs(surface, now.pairs.edges, now.x, edge_laws_, order, force, block);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace pliant {
@@ -52,25 +51,54 @@ void PatchSearch::number_nodes() {
   for (const PetscInt node : all) corners_.push_back(number[node]);
 }
 
+namespace {
+
+/// What holds the point if these hold its nodes.
+template <class BoxOfNode>
+Box box_of_point(const PatchPoint& point, const BoxOfNode& box_of_node) {
+  if (point.weights[1] == 0.0 && point.weights[2] == 0.0) return box_of_node(point.nodes[0]);
+  Vector3<double> low{}, high{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const Box box = box_of_node(point.nodes[a]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [least, most] = std::minmax({point.weights[a] * box.low[k], point.weights[a] * box.high[k]});
+      low[k] += least;
+      high[k] += most;
+    }
+  }
+  return box_of(0.0, low, high);
+}
+
+}  // namespace
+
+template <class BoxOfNode>
+Box PatchSearch::box_of_patch(std::size_t patch, const BoxOfNode& box_of_node) const {
+  const Patches& patches = coupling_.patches();
+  const auto num_nodes = static_cast<std::size_t>(patches.nodes_per_patch);
+  const auto of_patch = [&](std::size_t a) { return box_of_node(patch * num_nodes + a); };
+  Box box;
+  if (patches.points_per_patch == 0) {
+    for (std::size_t a = 0; a < num_nodes; ++a) box.include(of_patch(a));
+  }
+  const auto num_points = static_cast<std::size_t>(patches.points_per_patch);
+  for (const PatchPoint& point : std::span(patches.points).subspan(patch * num_points, num_points)) {
+    box.include(box_of_point(point, of_patch));
+  }
+  return box;
+}
+
 // A patch of size h, reach included, that moves by l meets about (l / h)^2 others: the mean of this bounds l.
 void PatchSearch::limit_paths() {
   const Patches& patches = coupling_.patches();
   std::vector<double> sums(2, 0.0);
   for (std::size_t patch = 0; patch < patches.size(); ++patch) {
     if (!patches.is_owned[patch]) continue;
-    Vector3<double> low, high;
-    low.fill(std::numeric_limits<double>::infinity());
-    high.fill(-std::numeric_limits<double>::infinity());
-    for (const PetscInt node : patches.nodes_of(patch)) {
-      const Vector3<double> X = layout_.position(node);
-      for (std::size_t k = 0; k < 3; ++k) {
-        low[k] = std::min(low[k], X[k]);
-        high[k] = std::max(high[k], X[k]);
-      }
-    }
-    const Vector3<double> sides = high - low;
+    const Box box =
+        box_of_patch(patch, [&](std::size_t place) { return box_of(0.0, layout_.position(patches.nodes[place])); });
+    double size = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) size = std::max(size, double{box.high[k]} - double{box.low[k]});
     sums[0] += 1.0;
-    sums[1] += std::pow(*std::ranges::max_element(sides) + coupling_.reach(), -2);
+    sums[1] += std::pow(size + coupling_.reach(), -2);
   }
   sum_in_place(layout_.comm, sums);
   longest_path_ = longest_path * std::sqrt(sums[0] / sums[1]);
@@ -132,11 +160,9 @@ void PatchSearch::set_boxes(const Path& path) {
                                   : Vector3<double>{path.d[i], path.d[i + 1], path.d[i + 2]};
     node_boxes_[n] = box_of(0.5 * skin_, x, x + path.end * d);
   }
-  const auto nodes_per_patch = static_cast<std::size_t>(coupling_.patches().nodes_per_patch);
   patch_boxes_.resize(coupling_.patches().size());
   for (std::size_t patch = 0; patch < patch_boxes_.size(); ++patch) {
-    Box box;
-    for (std::size_t a = 0; a < nodes_per_patch; ++a) box.include(node_boxes_[corners_[patch * nodes_per_patch + a]]);
+    const Box box = box_of_patch(patch, [&](std::size_t place) { return node_boxes_[corners_[place]]; });
     patch_boxes_[patch] = box.grown(0.5 * coupling_.reach());
   }
   std::vector<Box> boxes;

@@ -60,6 +60,9 @@ class PatchSearch {
   double length(std::span<const double> d) const;
   void widen_skin(std::span<const double> q);
   void set_boxes(const Path& path);
+  /// The box of a patch, from those of its nodes.
+  template <class BoxOfNode>
+  Box box_of_patch(std::size_t patch, const BoxOfNode& box_of_node) const;
 
   /// All pairs with a patch of this rank, of numbers in the order of all keys, sorted; `places` has these numbers of
   /// this rank's patches, then of the foreign ones.

@@ -65,6 +65,41 @@ class BodyContactOf : public ::testing::TestWithParam<int> {
 
 INSTANTIATE_TEST_SUITE_P(Order, BodyContactOf, ::testing::Values(1, 2));
 
+// The forces of a pressure on the triangles are then those of the facets' shape functions.
+TEST(BodySurfaces, HaveTheMeanOfTheirFacets) {
+  const Scratch scratch(comm);
+  const std::string file = scratch.file("two.msh", [](const std::string& f) { test::write_two_cubes(f, gap); });
+  for (const int order : {1, 2}) {
+    const Solid solid(MPI_COMM_SELF, file, order, 2);
+    const FacetList facets = surface_facets(solid.mesh(), solid.layout(), [](const auto&) { return true; });
+    const auto surfaces = test::surfaces_of(solid, between);
+    const CollisionSurface& surface = surfaces->surface();
+    // A displacement at random of each node, all of which have a vertex.
+    const auto displacement = [&](PetscInt node) {
+      const Point X = solid.layout().position(node);
+      return Vector3<double>{test::rough(X, 0, 3), test::rough(X, 1, 3), test::rough(X, 2, 3)};
+    };
+    std::vector<Vector3<double>> u;
+    for (const auto& vertex : surface.vertices()) u.push_back(displacement(static_cast<PetscInt>(vertex.key)));
+    surfaces->place(u);
+    Vector3<double> of_triangles{}, of_facets{};
+    for (const auto& triangle : surface.triangles()) {
+      const auto [a, b, c] = triangle.vertices;
+      of_triangles = of_triangles + (triangle.area / 3.0) * (u[a] + u[b] + u[c]);
+    }
+    const auto n = static_cast<std::size_t>(facets.nodes_per_facet);
+    for (std::size_t first = 0; first < facets.nodes.size(); first += n) {
+      const auto X = [&](std::size_t k) { return solid.layout().position(facets.nodes[first + k]); };
+      const double area = 0.5 * norm(cross(X(1) - X(0), X(2) - X(0)));
+      // Quadratic shape functions: the integral is a third of each mid-edge node's.
+      for (std::size_t k = n - 3; k < n; ++k)
+        of_facets = of_facets + (area / 3.0) * displacement(facets.nodes[first + k]);
+    }
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(of_triangles[k], of_facets[k], 1e-13);
+    EXPECT_GT(norm(of_facets), 1e-3);
+  }
+}
+
 TEST_P(BodyContactOf, DerivativesAreThoseOfTheEnergy) {
   for (const double threshold : {0.0, 0.02}) {
     TwoBodies bodies(comm, file_, GetParam(), threshold);

@@ -19,10 +19,18 @@ constexpr double gap = 0.3, between = 1.0 + 0.5 * gap;
 /// Whether the triangles of a body see one another too.
 enum class Seen { other_bodies, all };
 
+/// What a patch is the hull of: its nodes, or combinations of them that reach beyond.
+enum class Hull { nodes, points };
+
+struct Kind {
+  Seen seen;
+  Hull hull;
+};
+
 /// The surface triangles of two bodies, with keys and tags that do not depend on the ranks.
 class Triangles final : public PairCoupling {
  public:
-  Triangles(const Solid& solid, double reach, Seen seen) : reach_(reach), seen_(seen) {
+  Triangles(const Solid& solid, double reach, Kind kind) : reach_(reach), seen_(kind.seen) {
     const NodeLayout& layout = solid.layout();
     const FacetList facets = surface_facets(solid.mesh(), layout, [](const auto&) { return true; });
     patches_.nodes_per_patch = 3;
@@ -36,6 +44,10 @@ class Triangles final : public PairCoupling {
       std::ranges::sort(vertices);
       patches_.keys.push_back((vertices[0] * 10000 + vertices[1]) * 10000 + vertices[2]);
       patches_.tags.push_back(layout.position(patches_.nodes[3 * static_cast<std::size_t>(n)])[0] < between ? -7 : 40);
+      if (kind.hull == Hull::nodes) continue;
+      patches_.points_per_patch = 2;
+      patches_.points.push_back({{1}});
+      patches_.points.push_back({{2, 0, 1}, {3.0, -1.0, -1.0}});
     }
   }
 
@@ -61,12 +73,13 @@ std::vector<double> random_displacements(const NodeLayout& layout, unsigned seed
   return q;
 }
 
-/// A triangle by its corners on the way, at t = 0 and t = 1.
+/// A triangle by its corners on the way, at t = 0 and t = 1; those of a patch of two points coincide in part.
 struct Moving {
   std::array<Vector3<double>, 3> at, by;
 };
 
-Moving moving(const Solid& solid, std::span<const PetscInt> nodes, const Path& path) {
+Moving moving(const Solid& solid, const Patches& patches, std::size_t patch, const Path& path) {
+  const auto nodes = patches.nodes_of(patch);
   Moving triangle;
   for (std::size_t a = 0; a < 3; ++a) {
     const Vector3<double> X = solid.layout().position(nodes[a]);
@@ -75,7 +88,16 @@ Moving moving(const Solid& solid, std::span<const PetscInt> nodes, const Path& p
       triangle.by[a][k] = path.end * path.d[3 * nodes[a] + k];
     }
   }
-  return triangle;
+  if (patches.points_per_patch == 0) return triangle;
+  Moving hull{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const PatchPoint& point = patches.points[2 * patch + std::min<std::size_t>(a, 1)];
+    for (std::size_t b = 0; b < 3; ++b) {
+      hull.at[a] = hull.at[a] + point.weights[b] * triangle.at[point.nodes[b]];
+      hull.by[a] = hull.by[a] + point.weights[b] * triangle.by[point.nodes[b]];
+    }
+  }
+  return hull;
 }
 
 /// The least distance of corners and centres at some times: at least the least distance of the triangles.
@@ -108,7 +130,7 @@ std::vector<KeyPair> keys_of(const FoundPatches& found) {
 }
 
 /// Two bodies on all ranks, and on this one alone.
-class PatchSearches : public ::testing::TestWithParam<Seen> {
+class PatchSearches : public ::testing::TestWithParam<Kind> {
  protected:
   static constexpr double reach = 0.08;
 
@@ -145,8 +167,8 @@ class PatchSearches : public ::testing::TestWithParam<Seen> {
         const KeyPair pair{patches.keys[i], patches.keys[j]};
         if (pair.first >= pair.second || !there_.may_couple(patches.tags[i], patches.tags[j])) continue;
         if (!keys_here_.contains(pair.first) && !keys_here_.contains(pair.second)) continue;
-        const double distance = sampled_distance(moving(alone_, patches.nodes_of(i), path_alone),
-                                                 moving(alone_, patches.nodes_of(j), path_alone));
+        const double distance =
+            sampled_distance(moving(alone_, patches, i, path_alone), moving(alone_, patches, j, path_alone));
         if (distance >= reach) continue;
         ++num_near_;
         EXPECT_TRUE(all.contains(pair)) << pair.first << " " << pair.second;
@@ -163,7 +185,9 @@ class PatchSearches : public ::testing::TestWithParam<Seen> {
   std::size_t num_near_ = 0;
 };
 
-INSTANTIATE_TEST_SUITE_P(Bodies, PatchSearches, ::testing::Values(Seen::other_bodies, Seen::all));
+INSTANTIATE_TEST_SUITE_P(Bodies, PatchSearches,
+                         ::testing::Values(Kind{Seen::other_bodies, Hull::nodes}, Kind{Seen::all, Hull::nodes},
+                                           Kind{Seen::other_bodies, Hull::points}));
 
 TEST_P(PatchSearches, FindThePairsOfBruteForceInMotionsAtRandom) {
   unsigned seed = 1;
@@ -228,7 +252,7 @@ TEST(SearchablePart, BoundsTheNumberOfPairs) {
     const std::string file =
         scratch.file("fine.msh", [&](const std::string& f) { test::write_two_cubes(f, gap, cubes); });
     const Solid solid(comm, file, 1, 1);
-    const Triangles triangles(solid, 0.01, Seen::all);
+    const Triangles triangles(solid, 0.01, {Seen::all, Hull::nodes});
     PatchSearch search(solid.layout(), triangles);
     const auto q = random_displacements(solid.layout(), 1, 0.01, 0.0);
     PetscInt64 num_owned = 0, num_pairs = -1;
