@@ -98,8 +98,9 @@ class StageEquation {
   virtual void forget() {}
   /// The largest alpha for which q + alpha d crosses no barrier.
   virtual double max_step(Vec q, Vec d) = 0;
-  /// The largest alpha for which q + alpha d crosses no wall, a barrier that must not be jumped over
-  /// (TermDeclaration::is_wall).
+  /// Whether a term is a wall, a barrier that must not be jumped over (TermDeclaration::is_wall).
+  virtual bool has_walls() const { return false; }
+  /// The largest alpha for which q + alpha d crosses no wall.
   virtual double max_step_to_wall(Vec /*q*/, Vec /*d*/) { return std::numeric_limits<double>::infinity(); }
   /// Sum over the terms of the norms of their forces, including those on prescribed entries [N]: the size of the forces
   /// that must balance, to which residuals are compared.

@@ -68,7 +68,11 @@ inline Instant instant_of(const LocalStage& stage) {
 }
 
 /// Whether the Hessian is exact or projected (made positive semidefinite cell by cell).
-enum class Projection { none, positive_semidefinite };
+enum class Projection {
+  none,
+  walls,                 ///< that of terms with TermDeclaration::is_wall alone; asked only of their sum
+  positive_semidefinite  ///< that of all terms
+};
 
 /// The account of the ledger to which the power of a term's forces belongs.
 enum class Account {

@@ -247,13 +247,13 @@ double BodyContacts::energy(std::span<const double> q) const {
 
 std::vector<BodyContacts::AtNode> BodyContacts::at_nodes(std::span<const double> q, std::span<const double> v) const {
   std::vector<AtNode> nodes(static_cast<std::size_t>(layout_.num_owned_nodes));
-  std::vector<double> area(nodes.size(), 0.0), touched(nodes.size(), 0.0), velocity;
+  std::vector<double> touched(nodes.size(), 0.0), velocity;
   for (const auto& part : parts_) {
     const auto [near, all] = part->at(q);
     part->pairs.extend(v, velocity);
-    std::vector<double> gaps(all.size() / 3, std::numeric_limits<double>::infinity()), forces(all.size(), 0.0);
+    std::vector<double> gaps(all.size() / 3, std::numeric_limits<double>::infinity());
     part->bodies->lower_gaps(near, all, part->distance, gaps);
-    part->bodies->add_forces_on_vertices(near, all, forces);
+    const std::vector<double> pressures = part->bodies->pressures(near, all);
     part->bodies->for_each_touch(near, all, [&](const Touch& touch) {
       const Vector3<double> relative = touch.combine(velocity);
       const Vector3<double> slip = relative - dot(relative, touch.normal) * touch.normal;
@@ -266,20 +266,9 @@ std::vector<BodyContacts::AtNode> BodyContacts::at_nodes(std::span<const double>
         touched[touch.nodes[i]] += std::abs(share);
       }
     });
-    const CollisionSurface& surface = part->bodies->surfaces().surface();
-    const Patches& patches = part->bodies->patches();
-    std::ranges::fill(area, 0.0);
-    for (std::size_t patch = 0; patch < patches.size(); ++patch) {
-      const auto& vertices = surface.triangles()[patches.keys[patch]].vertices;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const PetscInt node = patches.nodes_of(patch)[k];
-        if (node < layout_.num_owned_nodes) area[node] = surface.vertices()[vertices[k]].area;
-      }
-    }
     for (std::size_t a = 0; a < nodes.size(); ++a) {
       nodes[a].gap = std::min(nodes[a].gap, gaps[a]);
-      const Vector3<double> force{forces[3 * a], forces[3 * a + 1], forces[3 * a + 2]};
-      if (area[a] > 0.0) nodes[a].pressure += norm(force) / area[a];
+      nodes[a].pressure += pressures[a];
     }
   }
   for (std::size_t a = 0; a < nodes.size(); ++a) {

@@ -55,7 +55,7 @@ bool EquilibriumSearch::attempt(Vec q, Vec guess, Aim aim, int max_iterations, W
   work.report.newton_iterations = newton;
   work.report.linear_iterations = linear;
   if (work.report.outcome == StageOutcome::converged) {
-    prefers_following_ = aim == Aim::any_equilibrium && !iteration_.is_stable();
+    prefers_following_ = aim == Aim::any_equilibrium && !iteration_.is_stable(q);
     if (prefers_following_) ++statistics_.unstable_stages;
   }
   objective_.set_aim(objective_.usual_aim());

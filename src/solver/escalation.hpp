@@ -21,10 +21,10 @@ namespace pliant {
 class Escalation {
  public:
   enum class State {
-    kept_factor,            ///< the exact Hessian, preconditioned by the factor of an earlier one (or by none yet)
-    fresh_factor,           ///< the exact Hessian and its own factor
-    made_definite,          ///< the least shift of its diagonal at which it has no negative eigenvalue
-    projected,              ///< positive semidefinite, cell by cell
+    kept_factor,    ///< the exact Hessian, preconditioned by the factor of an earlier one (or by none yet)
+    fresh_factor,   ///< the exact Hessian and its own factor
+    made_definite,  ///< without negative eigenvalues: with projected barriers, or the least shift of its diagonal
+    projected,      ///< positive semidefinite, cell by cell
     projected_and_shifted,  ///< projected, with its diagonal shifted as well, since it may be singular
     smaller_step            ///< nothing left to try: repeat the step with a smaller length
   };
@@ -44,6 +44,8 @@ class Escalation {
   void begin() { state_ = State::kept_factor; }
   /// Reports that the matrix was factorized unchanged.
   void factorized();
+  /// Reports that the Hessian was assembled with projected barriers, else exact; a factorization follows.
+  void barriers_projected() { state_ = State::made_definite; }
   /// Reports that the diagonal of the matrix was shifted; a factorization follows.
   void shifted();
   /// Reports that the projected Hessian was assembled; a factorization follows.

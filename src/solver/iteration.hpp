@@ -24,7 +24,7 @@ class Iteration {
   /// Whether the last run reached its limit of iterations while converging.
   virtual bool is_converging() const = 0;
   /// Whether the last factorized Hessian has as many negative eigenvalues as that of a stable state.
-  virtual bool is_stable() const = 0;
+  virtual bool is_stable(Vec q) = 0;
   /// Discards the current factor, which is of no use for the next run.
   virtual void renew_factor() = 0;
   /// Mean of the absolute diagonal of the Hessian at q.

@@ -13,7 +13,14 @@ namespace {
 /// Shift of the diagonal of an indefinite Hessian, as a fraction of its mean: the smallest, the largest, and the factor
 /// by which it grows until the Hessian is definite (as in Waechter & Biegler 2006, "On the implementation of an
 /// interior-point filter line-search algorithm", 3.1).
-constexpr double least_shift = 1e-6, largest_shift = 0.1, shift_growth = 8.0;
+constexpr double largest_shift = 0.1;
+struct ShiftSequence {
+  double least, growth;
+};
+constexpr ShiftSequence usual_shifts{1e-6, 8.0};
+/// The negative directions of barriers are stiff: small shifts do not help, and larger ones than these would leave
+/// Newton's steps short everywhere, where the barriers can be projected instead.
+constexpr ShiftSequence shifts_at_walls{1e-3, 30.0};
 
 /// Shift of the diagonal at the end of the fallback sequence, as a fraction of its mean: enough to make a singular
 /// projected Hessian definite.
@@ -67,12 +74,17 @@ void LinearSystem::assemble(Vec q, Projection projection) {
     objective_.hessian(q, K_.get(), projection);
     if (rank_one_) equation_.rank_one_parts(q, parts_);
   }
-  if (projection == Projection::none) {
-    escalation_.begin();
-  } else {
-    escalation_.projected();
-    ++statistics_.projections;
+  switch (projection) {
+    case Projection::none:
+      escalation_.begin();
+      return;
+    case Projection::walls:
+      escalation_.barriers_projected();
+      break;
+    case Projection::positive_semidefinite:
+      escalation_.projected();
   }
+  ++statistics_.projections;
 }
 
 double LinearSystem::mean_diagonal() {
@@ -142,13 +154,24 @@ bool LinearSystem::factorize_definite(Vec q) {
     return true;
   }
   if (has_right_inertia()) return true;
-  // A small shift of the diagonal leaves stiff modes unchanged, and Newton's direction long along soft or unstable
-  // ones. On a merit of the residual, a direction that is long along an unstable mode gains nothing.
-  const bool may_shift = objective_.is_minimised() || objective_.is_static();
-  const double mean = may_shift ? mean_diagonal() : 0.0;
+  if (factorize_shifted(q)) return true;
+  if (factor_.lacks_memory()) return false;
+  last_shift_ = 0.0;
+  if (equation_.has_walls() && factorize_with_projected_walls(q)) return true;
+  assemble(q, Projection::positive_semidefinite);
+  factorize(q);
+  factor_.renew();
+  return !factor_.has_failed();
+}
+
+// A small shift of the diagonal leaves stiff modes unchanged, and Newton's direction long along soft or unstable ones.
+// On a merit of the residual, a direction that is long along an unstable mode gains nothing.
+bool LinearSystem::factorize_shifted(Vec q) {
+  if (!objective_.is_minimised() && !objective_.is_static()) return false;
+  const ShiftSequence& shifts = equation_.has_walls() ? shifts_at_walls : usual_shifts;
+  const double mean = mean_diagonal();
   double total = 0.0;
-  for (double part = std::max(least_shift, last_shift_ / 3.0); may_shift && part <= largest_shift;
-       part *= shift_growth) {
+  for (double part = std::max(shifts.least, last_shift_ / 3.0); part <= largest_shift; part *= shifts.growth) {
     shift(part * mean - total);
     total = part * mean;
     factorize(q);
@@ -158,11 +181,18 @@ bool LinearSystem::factorize_definite(Vec q) {
     factor_.renew();  // the next Hessian may be definite again
     return true;
   }
-  last_shift_ = 0.0;
-  assemble(q, Projection::positive_semidefinite);
+  return false;
+}
+
+bool LinearSystem::factorize_with_projected_walls(Vec q) {
+  assemble(q, Projection::walls);
   factorize(q);
   factor_.renew();
-  return !factor_.has_failed();
+  return has_right_inertia();
+}
+
+bool LinearSystem::is_stable(Vec q) {
+  return has_right_inertia() || (equation_.has_walls() && factorize_with_projected_walls(q));
 }
 
 bool LinearSystem::prepare(Vec q) {

@@ -72,6 +72,9 @@ class LinearSystem {
 
   /// Whether the factorization counts as many negative eigenvalues as the Hessian of a stable state has.
   bool has_right_inertia() const;
+  /// Whether a solution q, at which K was factorized, is stable apart from the places where barriers are: whether K has
+  /// the right inertia there, or has it with projected barriers.
+  bool is_stable(Vec q);
   /// Restores the Krylov method for definite matrices, which may have been replaced for indefinite ones.
   void use_usual_krylov_method();
   /// Forgets what was learned from earlier stages.
@@ -82,6 +85,10 @@ class LinearSystem {
     return escalation_.has_kept_factor() ? FactorPolicy::Factor::kept : FactorPolicy::Factor::own;
   }
   void factorize(Vec q);
+  /// Shifts the diagonal of K, factorized and indefinite, by the least amount that helps; false if none does.
+  bool factorize_shifted(Vec q);
+  /// Assembles the Hessian with projected barriers instead; false if it is indefinite.
+  bool factorize_with_projected_walls(Vec q);
   /// Adds to the diagonal of K.
   void shift(double by);
   /// Chooses conjugate gradients for a definite Hessian, GMRES otherwise.

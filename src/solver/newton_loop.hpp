@@ -56,7 +56,7 @@ class NewtonLoop final : public Iteration {
   StageReport run(Vec q) override;
   StageReport run(Vec q, int max_iterations) override;
   bool is_converging() const override;
-  bool is_stable() const override { return system_.has_right_inertia(); }
+  bool is_stable(Vec q) override { return system_.is_stable(q); }
   void renew_factor() override { system_.factor().renew(); }
   double stiffness(Vec q) override;
   void accept(double residual) override { convergence_.accept(residual); }

@@ -38,7 +38,7 @@ class Script final : public Iteration {
     return {fails ? StageOutcome::retry : StageOutcome::converged, "", fails ? limit : 3, 2};
   }
   bool is_converging() const override { return false; }
-  bool is_stable() const override { return finds_minimum; }
+  bool is_stable(Vec /*q*/) override { return finds_minimum; }
   void renew_factor() override { ++renewed; }
   double stiffness(Vec) override { return 1.0; }
   void accept(double residual) override { accepted = residual; }

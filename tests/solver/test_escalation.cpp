@@ -51,6 +51,16 @@ TEST(Escalation, GoesThroughTheWholeSequence) {
             (std::vector{State::fresh_factor, State::projected, State::projected_and_shifted, State::smaller_step}));
 }
 
+TEST(Escalation, AHessianWithProjectedBarriersIsProjectedNext) {
+  for (const State state : {State::fresh_factor, State::made_definite}) {
+    Escalation escalation = in(state);
+    escalation.barriers_projected();
+    EXPECT_EQ(escalation.state(), State::made_definite);
+    escalation.factorized();
+    EXPECT_EQ(escalation.escalate(Permission::anything), State::projected);
+  }
+}
+
 TEST(Escalation, AHessianMadeDefiniteIsProjectedNext) {
   EXPECT_EQ(in(State::made_definite).escalate(Permission::anything), State::projected);
 }

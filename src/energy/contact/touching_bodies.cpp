@@ -14,6 +14,8 @@ namespace {
 constexpr double edge_share = 0.05;
 /// Part of a gap that a step leaves at the least.
 constexpr double kept_gap = 0.1;
+/// Part of a vertex' area that carries the force on it at the least, where that is along the surface.
+constexpr double least_facing_area = 0.25;
 
 }  // namespace
 
@@ -265,17 +267,34 @@ double TouchingBodies::energy(const NearPatches& near, std::span<const double> q
          add_edge_pairs(surface, pairs.edges, now.x, edge_laws_, ContactOrder::gradient, nothing, nothing);
 }
 
-void TouchingBodies::add_forces_on_vertices(const NearPatches& near, std::span<const double> q,
-                                            std::span<double> forces) const {
+std::vector<double> TouchingBodies::pressures(const NearPatches& near, std::span<const double> q) const {
   const CollisionSurface& surface = surfaces_->surface();
   const Configuration& now = configuration(near, q);
-  const auto add = [&](std::int32_t vertex, const Vector3<double>& f) {
-    const auto i = 3 * static_cast<std::size_t>(features(near).nodes[vertex]);
-    for (std::size_t k = 0; k < 3; ++k) forces[i + k] += f[k];
-  };
+  std::vector<Vector3<double>> slopes(surface.vertices().size());  // of the potential, against the forces
+  const auto add = [&](std::int32_t vertex, const Vector3<double>& f) { slopes[vertex] = slopes[vertex] + f; };
   const auto nothing = [](auto...) {};
   add_point_pairs(surface, points_, now.pairs.points, now.x, laws_, ContactOrder::gradient, add, nothing);
   add_edge_pairs(surface, now.pairs.edges, now.x, edge_laws_, ContactOrder::gradient, add, nothing);
+
+  std::vector<double> facing(surface.vertices().size(), 0.0);  // areas, as vectors along the slopes
+  for (const std::int32_t number : features(near).triangles) {
+    const auto& triangle = surface.triangles()[number];
+    const auto [a, b, c] = triangle.vertices;
+    const Vector3<double> normal = cross(now.x[b] - now.x[a], now.x[c] - now.x[a]);
+    const double size = norm(normal);
+    for (const std::int32_t vertex : triangle.vertices) {
+      if (size > 0.0) facing[vertex] += triangle.area / 3.0 * std::max(0.0, dot(normal, slopes[vertex]) / size);
+    }
+  }
+  std::vector<double> pressures(static_cast<std::size_t>(near.num_owned_nodes), 0.0);
+  for (const std::int32_t vertex : features(near).placed) {
+    const PetscInt node = features(near).nodes[vertex];
+    const double force = norm(slopes[vertex]);
+    if (!near.is_owned(node) || force == 0.0) continue;
+    const double least = least_facing_area * surface.vertices()[vertex].area;
+    pressures[node] = force / std::max(least, facing[vertex] / force);
+  }
+  return pressures;
 }
 
 double TouchingBodies::max_step(const NearPatches& near, std::span<const double> q, std::span<const double> d) const {

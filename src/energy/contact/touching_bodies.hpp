@@ -77,9 +77,9 @@ class TouchingBodies final : public PairCoupling {
 
   /// The potential of what this rank counts [J].
   double energy(const NearPatches& near, std::span<const double> q) const;
-  /// dU/dx of the vertex of each local node, not that of the node (BodySurfaces); adds to `forces`, three entries of
-  /// each. Complete for owned nodes.
-  void add_forces_on_vertices(const NearPatches& near, std::span<const double> q, std::span<double> forces) const;
+  /// The contact pressure at the vertex of each owned node [Pa]: the force on it over the part of its area that faces
+  /// the force, so that at edges and corners of bodies only the facets that touch count.
+  std::vector<double> pressures(const NearPatches& near, std::span<const double> q) const;
   /// Calls add_force(node, dU/dx) and add_block(node, node, d2U/dx dx) for local nodes, the first of them owned.
   template <class AddForce, class AddBlock>
   void evaluate(const NearPatches& near, std::span<const double> q, ContactOrder order, const AddForce& add_force,

@@ -211,7 +211,7 @@ void ConstrainedEquation::hessian(Vec y, Mat K, Projection projection) {
   }
   check(MatAssemblyBegin(K, MAT_FINAL_ASSEMBLY));
   check(MatAssemblyEnd(K, MAT_FINAL_ASSEMBLY));
-  if (map_.is_linear() || projection != Projection::none) return;
+  if (map_.is_linear() || projection == Projection::positive_semidefinite) return;
   equation_.gradient(x_.get(), full_gradient_.get());
   const LeadingPart::Of unknowns(y_part_, y), forces(x_part_, full_gradient_.get());
   map_.add_curvature(unknowns.get(), forces.get(), K, [&](PetscInt entry) { return jacobian_.place(entry); });

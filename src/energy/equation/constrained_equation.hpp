@@ -41,6 +41,7 @@ class ConstrainedEquation final : public StageEquation {
   std::size_t num_rank_one() const override { return equation_.num_rank_one(); }
   void rank_one_parts(Vec y, std::vector<RankOne>& parts) override;
   double max_step(Vec y, Vec d) override;
+  bool has_walls() const override { return equation_.has_walls(); }
   double max_step_to_wall(Vec y, Vec d) override;
   void extrapolate_from(Vec y) override;
   bool is_static() const override { return equation_.is_static(); }

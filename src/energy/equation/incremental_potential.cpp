@@ -156,6 +156,10 @@ bool IncrementalPotential::is_static() const {
 
 void IncrementalPotential::hessian(Vec q, Mat K, Projection projection) {
   const auto at = terms_.at(q);
+  const auto of_term = [&](std::size_t k) {
+    if (projection != Projection::walls) return projection;
+    return terms_[k].declaration().is_wall ? Projection::positive_semidefinite : Projection::none;
+  };
   if (terms_.arrays().pairs() != nullptr) fit(K);
   const PairAssembly* pairs = terms_.arrays().pairs();
   Mat of_cells = pairs != nullptr ? of_cells_.get() : K;
@@ -165,7 +169,7 @@ void IncrementalPotential::hessian(Vec q, Mat K, Projection projection) {
     while (first < terms_.size() && !terms_[first].set_hessian(terms_.stage_of(first), writer)) ++first;
     if (first == terms_.size()) writer.zero();
     for (std::size_t k = 0; k < terms_.size(); ++k) {
-      if (k != first && terms_.near(k) == nullptr) terms_[k].add_hessian(terms_.stage_of(k), at, writer, projection);
+      if (k != first && terms_.near(k) == nullptr) terms_[k].add_hessian(terms_.stage_of(k), at, writer, of_term(k));
     }
     if (pairs == nullptr) writer.copy_diagonal(ArrayView(diagonal_.get()).span());
     writer.finish();
@@ -174,7 +178,7 @@ void IncrementalPotential::hessian(Vec q, Mat K, Projection projection) {
     BlockWriter writer(pairs->pattern(), K);
     writer.zero();
     writer.add(pattern_, of_cells);
-    for (const std::size_t k : terms_.pair_terms()) terms_[k].add_hessian(terms_.stage_of(k), at, writer, projection);
+    for (const std::size_t k : terms_.pair_terms()) terms_[k].add_hessian(terms_.stage_of(k), at, writer, of_term(k));
     writer.copy_diagonal(ArrayView(diagonal_.get()).span());
     writer.finish();
   }
@@ -256,10 +260,13 @@ double IncrementalPotential::max_step(Vec q, Vec d) {
   return minimum(layout_.comm, mine);
 }
 
+bool IncrementalPotential::has_walls() const {
+  return std::ranges::any_of(terms_.all(), [](const EnergyTerm* term) { return term->declaration().is_wall; });
+}
+
 double IncrementalPotential::max_step_to_wall(Vec q, Vec d) {
   double mine = std::numeric_limits<double>::infinity();
-  if (std::ranges::none_of(terms_.all(), [](const EnergyTerm* term) { return term->declaration().is_wall; }))
-    return mine;
+  if (!has_walls()) return mine;
   const Path path = terms_.arrays().along(q, d);
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     if (terms_[k].declaration().is_wall) mine = std::min(mine, step_bound(k, path));

@@ -59,6 +59,7 @@ class IncrementalPotential final : public StageEquation {
   /// The largest alpha for which q + alpha d stays clear of all barriers; less where d is too long to look for all
   /// pairs on the way (StageArrays::along).
   double max_step(Vec q, Vec d) override;
+  bool has_walls() const override;
   double max_step_to_wall(Vec q, Vec d) override;
   /// Sum over the terms of the norms of their gradients [N]: the size of the forces that must balance. Prescribed
   /// entries count, because reactions balance too: a body under uniform stress has no other forces.

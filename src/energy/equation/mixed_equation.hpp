@@ -48,6 +48,7 @@ class MixedEquation final : public StageEquation {
   bool is_static() const override { return potential_.is_static(); }
   bool move_rigidly(Vec x) override;
   double max_step(Vec x, Vec d) override;
+  bool has_walls() const override { return potential_.has_walls(); }
   double max_step_to_wall(Vec x, Vec d) override;
   double force_scale(Vec x) override;
   double inertia_scale() override { return potential_.inertia_scale(); }

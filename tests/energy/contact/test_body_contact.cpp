@@ -128,6 +128,9 @@ TEST_P(BodyContactOf, DerivativesAreThoseOfTheEnergy) {
       // The projection changes the matrix, and leaves no negative curvature.
       const Handle<Vec> z = bodies.product(q.get(), d.get(), K.get(), Projection::positive_semidefinite);
       EXPECT_GT(test::distance(y.get(), z.get()), 1e-8 * test::norm(y.get()));
+      // Contact is a wall, projected with the walls.
+      const Handle<Vec> of_walls = bodies.product(q.get(), d.get(), K.get(), Projection::walls);
+      EXPECT_EQ(test::distance(of_walls.get(), z.get()), 0.0);
       for (int seed = 10; seed < 30; ++seed) {
         const Handle<Vec> e = bodies.solid.vector(test::rough_field(1.0, seed)), Ke = bodies.potential->make_vector();
         check(MatMult(K.get(), e.get(), Ke.get()));
