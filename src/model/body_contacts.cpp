@@ -79,7 +79,7 @@ struct BodyContacts::Part {
   MeasuredNodes measured;
   Friction friction;
   NormalDamping damping;
-  double distance;  // of observation [m]
+  double distance;  // of observation, the size of a facet of the body with the smallest [m]
   Observed coupling;
   std::vector<char> nothing_prescribed;
   PairAssembly pairs;
@@ -147,9 +147,13 @@ BodyContactLaws BodyContacts::laws_of(const CollisionSurface& surface, double tr
 void BodyContacts::add(TouchingSurfaces touching, const std::vector<double>& shear_moduli) {
   auto surfaces = std::make_shared<const BodySurfaces>(layout_, touching.facets, touching.sides);
   const CollisionSurface& surface = surfaces->surface();
-  BodyContactLaws laws =
-      laws_of(surface, touching.facets.nodes_per_facet == 6 ? 4.0 : 1.0, touching.config, shear_moduli);
-  const double distance = std::max(surface.longest_edge(), laws.reach());
+  const double triangles_per_facet = touching.facets.nodes_per_facet == 6 ? 4.0 : 1.0;
+  BodyContactLaws laws = laws_of(surface, triangles_per_facet, touching.config, shear_moduli);
+  double distance = std::numeric_limits<double>::infinity();
+  for (const double size : facet_sizes(surface, body_names_.size(), triangles_per_facet)) {
+    if (size > 0.0) distance = std::min(distance, size);
+  }
+  distance = std::max(distance, laws.reach());
   double stiffest = 0.0, widest = 0.0;
   for (const NormalLaw& law : laws.of_bodies) {
     stiffest = std::max(stiffest, law.stiffness);
@@ -360,6 +364,7 @@ void BodyContacts::summarize(std::span<const double> q, ContactSummary& summary)
     const CollisionSurface& surface = part->bodies->surfaces().surface();
     const auto x = gathered_positions(layout_, part->bodies->surfaces(), q);
     const auto triangles = surface.triangles();
+    const double far = std::max(surface.longest_edge(), part->laws.reach());
     const auto may_touch = [&](std::int32_t s, std::int32_t t) {
       return part->sets(triangles[s].group, triangles[t].group);
     };
@@ -380,7 +385,7 @@ void BodyContacts::summarize(std::span<const double> q, ContactSummary& summary)
         return [&, side](const CollisionSurface::Triangle& t) { return part->set_is_on_side[t.group][side]; };
       };
       // What touches itself is only asked for what comes near: all of it is near its neighbours.
-      const double within = part->config->with ? std::numeric_limits<double>::infinity() : part->distance;
+      const double within = part->config->with ? std::numeric_limits<double>::infinity() : far;
       const TriangleTree first = tree_of(is_on_side(0)), second = tree_of(is_on_side(1));
       const auto nearest = nearest_places(first, second, within, may_touch);
       const auto body_of = [&](const TriangleTree& tree) {
@@ -397,7 +402,7 @@ void BodyContacts::summarize(std::span<const double> q, ContactSummary& summary)
       summary.pairs.push_back(row);
       continue;
     }
-    summary.far = part->distance;
+    summary.far = far;
     std::vector<std::set<std::int32_t>> groups(body_names_.size());
     for (const auto& triangle : triangles) groups[triangle.body].insert(triangle.group);
     const auto may_meet = [&](std::size_t a, std::size_t b) {
@@ -413,7 +418,7 @@ void BodyContacts::summarize(std::span<const double> q, ContactSummary& summary)
       for (std::size_t b = a; b < trees.size(); ++b) {
         if (!may_meet(a, b)) continue;
         row.law = part->laws.of(static_cast<int>(a), static_cast<int>(b));
-        const double within = a == b ? row.law.reach() : part->distance;
+        const double within = a == b ? row.law.reach() : far;
         const auto nearest = nearest_places(trees[a], trees[b], within, may_touch);
         if (!(nearest.distance < within)) {
           summary.num_far_pairs += a == b ? 0 : 1;

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """The commands that solve nothing: check, methods, materials, schema, help and version."""
 import json
+import pathlib
 import re
 import subprocess
 import unittest
@@ -8,7 +9,7 @@ import unittest
 import jsonschema
 import yaml
 
-from program import PROGRAM, ROOT, ProgramTest, write_box
+from program import ENVIRONMENT, PROGRAM, ROOT, ProgramTest, write_box
 
 INPUT = """
 mesh: {file: bar.msh}
@@ -79,6 +80,22 @@ class Commands(ProgramTest):
             for name in ("pliant", "PETSc", "MUMPS", "HDF5", "gmsh", "MPI"):
                 self.assertRegex(text, rf"(?m)^ *{name} .*\d+\.\d+")
                 self.assertEqual(len(re.findall(rf"(?m)^ *{name} ", text)), 1, "told by one rank")
+
+    def test_openblas_computes_with_kernels_that_fit_the_processor(self):
+        def kernels(**environment):
+            done = subprocess.run([PROGRAM, "--version"], env=ENVIRONMENT | {"OPENBLAS_VERBOSE": "2"} | environment,
+                                  capture_output=True, text=True, check=True)
+            return [line.removeprefix("Core: ") for line in done.stderr.splitlines() if line.startswith("Core: ")]
+
+        found = kernels()
+        if not found:
+            self.skipTest("another BLAS than OpenBLAS")
+        is_vectorised = {"avx2", "fma"} <= set(pathlib.Path("/proc/cpuinfo").read_text().split())
+        if found[0] == "Prescott" and is_vectorised:  # older than the processor, it takes it for the oldest one
+            self.assertIn(found[1:], (["SkylakeX"], ["Haswell"]))
+        else:
+            self.assertEqual(len(found), 1)
+        self.assertEqual(kernels(OPENBLAS_CORETYPE="Prescott"), ["Prescott"], "the user's choice")
 
     def test_methods(self):
         text = self.text("methods")

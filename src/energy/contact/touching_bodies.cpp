@@ -327,14 +327,36 @@ double TouchingBodies::max_step(const NearPatches& near, std::span<const double>
 }
 
 ContactGap TouchingBodies::gap(const NearPatches& near, std::span<const double> q, double distance) const {
-  const CollisionSurface& surface = surfaces_->surface();
   const Positions at = positions(near, q);
-  const Candidates found = candidates(near, at, distance);
+  double threshold = 0.0;
+  for (const NormalLaw& law : laws_.of_bodies) threshold = std::max(threshold, law.threshold);
   ContactGap gap;
+  std::int32_t last = -1;
+  double within = laws_.reach();
+  Candidates found = candidates(near, at, within);
+  for (const PointPair& pair :
+       point_pairs(surfaces_->surface(), multiplicities_, points_, found.points, at.x, laws_.reach())) {
+    const bool is_counted = near.is_owned(features(near).nodes[points_[pair.point].nodes[0]]);
+    if (is_counted && pair.point != last) gap.num_points += 1.0;
+    last = pair.point;
+  }
+  gap.least = least_gap(at, found);
+  // What was not found is farther away.
+  while (!(gap.least <= within - threshold) && within < distance) {
+    within = std::min(4.0 * within, distance);
+    found = candidates(near, at, within);
+    gap.least = least_gap(at, found);
+  }
+  return gap;
+}
+
+double TouchingBodies::least_gap(const Positions& at, const Candidates& found) const {
+  const CollisionSurface& surface = surfaces_->surface();
+  double least = std::numeric_limits<double>::infinity();
   const auto include = [&](const auto& square_at, int body, int other) {
     const double square = square_at(std::span<const Vector3<double>>(at.x));
     if (body == other && is_neighbour(square, square_at(surface.rest_positions()))) return;
-    gap.least = std::min(gap.least, std::sqrt(square) - laws_.of(body, other).threshold);
+    least = std::min(least, std::sqrt(square) - laws_.of(body, other).threshold);
   };
   for (const BoxPair& pair : found.points) {
     const SurfacePoint& point = points_[pair.first];
@@ -353,13 +375,7 @@ ContactGap TouchingBodies::gap(const NearPatches& near, std::span<const double> 
     };
     include(square_at, a.body, b.body);
   }
-  std::int32_t last = -1;
-  for (const PointPair& pair : point_pairs(surface, multiplicities_, points_, found.points, at.x, laws_.reach())) {
-    const bool is_counted = near.is_owned(features(near).nodes[points_[pair.point].nodes[0]]);
-    if (is_counted && pair.point != last) gap.num_points += 1.0;
-    last = pair.point;
-  }
-  return gap;
+  return least;
 }
 
 void TouchingBodies::lower_gaps(const NearPatches& near, std::span<const double> q, double distance,

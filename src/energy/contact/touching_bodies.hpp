@@ -130,6 +130,8 @@ class TouchingBodies final : public PairCoupling {
   Positions positions(const NearPatches& near, std::span<const double> q, std::span<const double> d = {}) const;
   /// What is nearer than `distance` [m] there, or anywhere on the way.
   Candidates candidates(const NearPatches& near, const Positions& at, double distance) const;
+  /// ContactGap::least of the candidates.
+  double least_gap(const Positions& at, const Candidates& found) const;
   /// Valid until the next call.
   Configuration& configuration(const NearPatches& near, std::span<const double> q) const;
   const std::vector<Touch>& touches(const NearPatches& near, std::span<const double> q) const;

@@ -1,0 +1,44 @@
+#include "petsc/blas_kernels.hpp"
+
+#include <cstdlib>
+#include <dlfcn.h>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+#include <unistd.h>
+
+namespace pliant {
+namespace {
+
+constexpr const char* variable = "OPENBLAS_CORETYPE";
+
+/// The newest kernels of which the processor has all instructions; nullptr: those for the oldest fit, or it is of
+/// another architecture.
+const char* fitting_kernels() {
+#if defined(__x86_64__)
+  __builtin_cpu_init();
+  const auto has_avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512cd") &&
+                          __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
+                          __builtin_cpu_supports("avx512vl");
+  if (has_avx512) return "SkylakeX";
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return "Haswell";
+#endif
+  return nullptr;
+}
+
+}  // namespace
+
+void restart_with_fitting_blas_kernels(char** argv) {
+  if (std::getenv(variable) != nullptr) return;
+  using GetName = char* (*)();
+  // Looked up at run time, because another BLAS may replace OpenBLAS.
+  const auto name_of_kernels = reinterpret_cast<GetName>(dlsym(RTLD_DEFAULT, "openblas_get_corename"));
+  if (name_of_kernels == nullptr || std::string_view(name_of_kernels()) != "Prescott") return;
+  const char* const kernels = fitting_kernels();
+  if (kernels == nullptr || setenv(variable, kernels, 0) != 0) return;
+  std::error_code failed;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
+  if (!failed) (void)execv(program.c_str(), argv);
+}
+
+}  // namespace pliant
