@@ -244,6 +244,62 @@ class Verification(ProgramTest):
             self.row("u_y(1, 1, 1) for p = 100", "0.0277778 m", u[1], 2e-6)
             self.row("u_z(1, 1, 1) for p = 100", "-0.1111111 m", u[2], 2e-6)
 
+    def contact_pressures(self):
+        """Of the last frame, in Pa, at the nodes that feel one: their reference positions, and the pressures."""
+        mesh, frames = self.frames()
+        pressure = frames[-1]["contact_pressure"]
+        touching = pressure > 0
+        return mesh["coordinates"][touching] + frames[-1]["displacement"][touching], pressure[touching]
+
+    def test_contact_patch(self):
+        for element in ("P1", "P2"):
+            for ranks in (1, 3):
+                self.history("contact_patch", f"element={element}", ranks=ranks)
+                pressure = self.contact_pressures()[1]
+                self.about("contact_patch", element, 15)
+                if ranks == 1:
+                    self.row("contact pressure, least of all nodes", "0.625 Pa", pressure.min(), 0.02)
+                    self.row("contact pressure, largest of all nodes", "0.625 Pa", pressure.max(), 0.02)
+                    alone = np.sort(pressure)
+            np.testing.assert_allclose(np.sort(pressure), alone, rtol=1e-6)
+
+    def test_contact_balls(self):
+        h = self.history("contact_balls", "time.load_steps=4")
+        place, pressure = self.contact_pressures()
+        square = (place[:, :2] ** 2).sum(axis=1)
+        inside = pressure > 0.3 * pressure.max()
+        slope, largest = np.polyfit(square[inside], pressure[inside] ** 2, 1)  # p^2 = p0^2 (1 - r^2/a^2)
+        # Held at their equators, the balls are stiffer than half-spaces, by 0.36 a/R = 7.2 % of the approach (Tatara 1991).
+        self.about("contact_balls", "as given, `load_steps=4`", 16)
+        self.row("largest pressure", "2798.33 MPa", 1e-6 * np.sqrt(largest), 0.05)
+        self.row("radius of the circle of contact", "10 mm", 1e3 * np.sqrt(-largest / slope), 0.04)
+        self.row("force", "586.08 kN", -4e-3 * h["balls_fz"][-1], 0.15)
+
+    def test_colliding_bars(self):
+        h = self.history("colliding_bars")
+        steady = (h["time"] > 5) & (h["time"] < 15)
+        self.about("colliding_bars", "20 elements, P1", 17)
+        self.row("stress in contact", "0.1 Pa", -h["bars_fx"][steady].mean(), 2e-3)
+        self.row("time in contact", "20 s", h["time"][h["bars_fx"] != 0].max() - 0.05, 0.02)
+        self.row("impulse: velocities are exchanged", "2 N s", -h["bars_jx"][-1], 0.02)
+
+    def test_colliding_balls(self):
+        h = self.history("colliding_balls")
+        force, approach = -4 * h["balls_fz"], 1e3 * (0.1 - (h["high_z"] - h["low_z"]))
+        touching = h["time"][force > 0]
+        # Stiffer than half-spaces, as the balls above.
+        self.about("colliding_balls", "as given", 17)
+        self.row("largest force", "136.29 N", force.max(), 0.07)
+        self.row("largest approach", "2.4011 mm", approach.max(), 0.07)
+        self.row("time in contact", "7.067 ms", 1e3 * touching.max() - 0.05, 0.07)
+
+    def test_stack_of_blocks(self):
+        h = self.history("stack_of_cubes")
+        weights = [9810 * (1 - 0.04 * k) * (1 - 0.02 * k) for k in range(4)]
+        self.about("stack_of_cubes", "as given", 17)
+        for k, pair in enumerate(("ab", "bc", "cd")):
+            self.row(f"force of {pair[0]} on {pair[1]}", f"{sum(weights[k + 1:]):.7g} N", -h[f"{pair}_fz"][-1], 1e-6)
+
     def test_beam_theory(self):
         h = self.history("slender_beam")
         self.about("slender_beam", "as given", 7)
