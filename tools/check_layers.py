@@ -40,10 +40,7 @@ ROOMS = {
     },
 }
 # Sources that need no header: programs, and those that implement parts of another header still.
-WITHOUT_HEADER = {
-    "command/main.cpp",
-    "input/parse.cpp", "input/reference.cpp", "input/schema_formats.cpp", "solver/petsc_integrator_start.cpp",
-}
+WITHOUT_HEADER = {"command/main.cpp", "solver/petsc_integrator_start.cpp"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^">]+)[">]')
 
 

@@ -4,6 +4,7 @@
 #include "command/command_help.hpp"
 #include "command/material_reference.hpp"
 #include "command/resume.hpp"
+#include "input/reference.hpp"
 #include "petsc/session.hpp"
 #include "run/version.hpp"
 

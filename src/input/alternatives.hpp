@@ -3,7 +3,7 @@
 /// of its own, which are read and written only where it is the one chosen.
 #pragma once
 
-#include "input/schema.hpp"
+#include "input/formats.hpp"
 
 #include <array>
 #include <string>

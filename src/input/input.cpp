@@ -3,7 +3,7 @@
 #include "input/checks.hpp"
 #include "input/defaults.hpp"
 #include "input/keys.hpp"
-#include "input/schema.hpp"
+#include "input/parse.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>

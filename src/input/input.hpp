@@ -1,4 +1,4 @@
-/// The input file: YAML to Config and back, its JSON schema and its reference.
+/// The input file: YAML to Config and back, and its JSON schema.
 #pragma once
 
 #include "input/config.hpp"
@@ -25,8 +25,5 @@ std::string dump(const Config& config);
 
 /// JSON Schema (draft 7) of the input, from which editors complete and check.
 std::string json_schema();
-
-/// The reference of the input in Markdown: docs/input.md.
-std::string input_reference();
 
 }  // namespace pliant

@@ -1,5 +1,6 @@
 #include "input/keys.hpp"
 
+#include "input/formats.hpp"
 #include "input/sections/active.hpp"
 #include "input/sections/cavities.hpp"
 #include "input/sections/constraints.hpp"

@@ -1,5 +1,6 @@
+#include "input/parse.hpp"
+
 #include "base/text.hpp"
-#include "input/tree.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,6 @@
+#include "input/reference.hpp"
+
 #include "base/text.hpp"
-#include "input/input.hpp"
 #include "input/keys.hpp"
 
 #include <algorithm>

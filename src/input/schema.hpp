@@ -1,14 +1,15 @@
 /// The parts from which the table of the input's keys is made (the table itself: input/keys.cpp and input/sections). A
-/// Format says how one kind of value is typed; a Field ties a key and a format to a member; a Section is the keys of
-/// one map. Reading, defaults, writing, the JSON schema and the reference all follow from them.
+/// Format says how one kind of value is typed (input/formats.hpp has those of single values); a Field ties a key and a
+/// format to a member; a Section is the keys of one map. Reading, defaults, writing, the JSON schema and the reference
+/// all follow from them.
 #pragma once
 
 #include "input/config.hpp"
+#include "input/parse.hpp"
 #include "input/tree.hpp"
 
 #include <array>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -78,40 +79,6 @@ void warn_of_decimal_commas(const InputNode& node, Diagnostics& diagnostics);
 /// Whether the text is the beginning or end of a formula, which a ',' has split.
 bool is_part_of_formula(std::string_view text);
 
-/// Admissible values of a number.
-struct Range {
-  enum class Ends { included, excluded, high_included };
-  double low = -std::numeric_limits<double>::infinity();
-  double high = std::numeric_limits<double>::infinity();
-  Ends ends = Ends::included;
-
-  static Range above(double low) { return {low, std::numeric_limits<double>::infinity(), Ends::excluded}; }
-  static Range at_least(double low) { return {low, std::numeric_limits<double>::infinity(), Ends::included}; }
-  static Range between(double low, double high) { return {low, high, Ends::excluded}; }
-  static Range from_to(double low, double high) { return {low, high, Ends::included}; }
-};
-
-enum class Variables { space, time, space_and_time };
-
-Format<double> quantity(const std::string& unit, const Range& range = {});
-/// A number as it stands in formulas of the literature, e.g. 1 - sqrt(2)/2.
-Format<double> coefficient();
-Format<int> integer(const Range& range);
-Format<std::string> text();
-/// true or false
-Format<bool> truth();
-/// A text that can stand in the header of a CSV column.
-Format<std::string> column_name();
-Format<std::string> choice(const std::vector<std::string>& names);
-/// A number, a number with a unit, or a formula in SI.
-Format<Expression> expression(const std::string& unit, Variables variables);
-/// As `expression`, or the word `free` for nothing.
-Format<std::optional<Expression>> expression_or_free(const std::string& unit, Variables variables);
-/// A direction, of any length except 0.
-Format<std::array<double, 3>> direction_of_any_length();
-/// A part of the mesh, selected as the kind says.
-Format<Selection> selection(Selection::Kind kind);
-
 /// Adds "'name' must be ..., not ..." at the node. Returns false, so that a reader can return the result.
 bool refuse(const InputNode& node, const std::string& name, const std::string& wanted, Diagnostics& diagnostics);
 
@@ -124,30 +91,6 @@ JsonSchema list_schema(const JsonSchema& entry, std::size_t fewest, std::optiona
 JsonSchema either_schema(const JsonSchema& one, const JsonSchema& other);
 /// JSON schema of a map with these keys.
 JsonSchema object_schema(const std::vector<KeyInfo>& keys, const std::vector<KeyGroup>& groups);
-
-/// A choice of names that stand for values.
-template <class V>
-Format<V> choice_of(const std::vector<std::pair<std::string, V>>& values) {
-  std::vector<std::string> names;
-  for (const auto& v : values) names.push_back(v.first);
-  const Format<std::string> by_name = choice(names);
-  Format<V> format{by_name.type, by_name.schema, {}, {}};
-  format.read = [values, by_name](const InputNode& node, const std::string& name, Diagnostics& diagnostics, V& into) {
-    std::string chosen;
-    if (!by_name.read(node, name, diagnostics, chosen)) return false;
-    for (const auto& v : values) {
-      if (v.first == chosen) into = v.second;
-    }
-    return true;
-  };
-  format.write = [values](const V& value) {
-    for (const auto& v : values) {
-      if (v.second == value) return InputNode::scalar(v.first);
-    }
-    return InputNode{};
-  };
-  return format;
-}
 
 /// A list of exactly N values.
 template <std::size_t N, class V>
@@ -316,12 +259,6 @@ Field<T> field(const std::string& key, M T::*member, const Format<V>& format, co
     return value == nullptr ? InputNode{} : write(*value);
   };
   return result;
-}
-
-/// A field for the part of the mesh that an entry refers to; its key is the kind's name.
-template <class T>
-Field<T> selector(const std::string& key, Selection::Kind kind, const std::string& description) {
-  return field(key, &T::part, selection(kind), description);
 }
 
 /// The keys of a map that is read into T, in the order in which they are read.

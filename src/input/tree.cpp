@@ -1,6 +1,7 @@
 #include "input/tree.hpp"
 
 #include "base/text.hpp"
+#include "input/parse.hpp"
 
 #include <algorithm>
 #include <array>

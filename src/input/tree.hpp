@@ -1,4 +1,4 @@
-/// The input file as a tree of texts with their places: YAML in, YAML out, and changes from the command line.
+/// The input file as a tree of texts with their places, its YAML text, and changes from the command line.
 #pragma once
 
 #include "base/error.hpp"
@@ -78,15 +78,6 @@ const InputNode* given(const InputNode& root, std::initializer_list<std::string_
 
 /// "a list", "a map of keys", "empty" or "'the text'", for messages.
 std::string description(const InputNode& node);
-
-/// The error of parse_yaml for text after the first document.
-constexpr std::string_view several_documents =
-    "the input ends before this line; check that the line is indented like its neighbours (a file holds one document)";
-
-/// Reads YAML text (UTF-8). In addition to what yaml-cpp rejects, it rejects: keys given twice, several documents,
-/// quotes that are not closed, anything that is not text, and more depth or values than an input can need (alias
-/// bombs). Errors that leave a usable tree are added to `diagnostics`; others throw InputError.
-InputNode parse_yaml(const std::string& text, const std::string& file, Diagnostics& diagnostics);
 
 /// A change of the input from the command line: --set KEY.PATH=VALUE. Numbers in the path count list entries from 0.
 struct Override {

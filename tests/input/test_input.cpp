@@ -4,6 +4,7 @@
 #include "input/input.hpp"
 #include "input/keys.hpp"
 #include "input/loads.hpp"
+#include "input/parse.hpp"
 #include "material/elastic_law.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"

@@ -1,6 +1,7 @@
 // The JSON schema and the reference tell of every key of the table.
 #include "input/input.hpp"
 #include "input/keys.hpp"
+#include "input/reference.hpp"
 #include "petsc/session.hpp"
 #include "places.hpp"
 

@@ -1,7 +1,7 @@
 /// Values of the input that may come from the mesh file, cell by cell.
 #pragma once
 
-#include "input/schema.hpp"
+#include "input/formats.hpp"
 
 namespace pliant {
 

@@ -2,6 +2,7 @@
 
 #include "base/units.hpp"
 #include "input/elasticity.hpp"
+#include "input/formats.hpp"
 #include "input/sections/cell_data.hpp"
 #include "input/sections/laws.hpp"
 #include "material/constants.hpp"

@@ -1,5 +1,7 @@
 #include "input/sections/laws.hpp"
 
+#include "input/formats.hpp"
+
 #include <stdexcept>
 
 namespace pliant {

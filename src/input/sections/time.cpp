@@ -1,6 +1,7 @@
 #include "input/sections/time.hpp"
 
 #include "input/analysis.hpp"
+#include "input/formats.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,7 @@
 #include "input/sections/viscosity.hpp"
 
 #include "base/text.hpp"
+#include "input/formats.hpp"
 #include "input/sections/laws.hpp"
 
 #include <algorithm>

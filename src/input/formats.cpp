@@ -1,6 +1,7 @@
+#include "input/formats.hpp"
+
 #include "base/text.hpp"
 #include "base/units.hpp"
-#include "input/schema.hpp"
 
 #include <algorithm>
 #include <cmath>
