@@ -47,6 +47,22 @@ std::vector<Vector3<double>> gathered_positions(const NodeLayout& layout, const 
   return all;
 }
 
+/// For each two bodies whether parts of them may touch, by rows.
+std::vector<char> bodies_that_may_meet(const CollisionSurface& surface, const ContactSets& sets,
+                                       std::size_t num_bodies) {
+  std::vector<std::set<std::int32_t>> groups(num_bodies);
+  for (const auto& triangle : surface.triangles()) groups[triangle.body].insert(triangle.group);
+  std::vector<char> may_meet;
+  for (const auto& one : groups) {
+    for (const auto& other : groups) {
+      const bool meets = std::ranges::any_of(
+          one, [&](std::int32_t s) { return std::ranges::any_of(other, [&](std::int32_t t) { return sets(s, t); }); });
+      may_meet.push_back(meets ? 1 : 0);
+    }
+  }
+  return may_meet;
+}
+
 constexpr std::size_t most_overlaps_named = 10;
 
 }  // namespace
@@ -154,10 +170,12 @@ void BodyContacts::add(TouchingSurfaces touching, const std::vector<double>& she
     if (size > 0.0) distance = std::min(distance, size);
   }
   distance = std::max(distance, laws.reach());
+  const auto may_meet = bodies_that_may_meet(surface, touching.sets, body_names_.size());
   double stiffest = 0.0, widest = 0.0;
-  for (const NormalLaw& law : laws.of_bodies) {
-    stiffest = std::max(stiffest, law.stiffness);
-    widest = std::max(widest, law.width);
+  for (std::size_t pair = 0; pair < laws.of_bodies.size(); ++pair) {
+    if (may_meet[pair] == 0) continue;
+    stiffest = std::max(stiffest, laws.of_bodies[pair].stiffness);
+    widest = std::max(widest, laws.of_bodies[pair].width);
   }
   const auto* pair = touching.config;
   description_.push_back(note(fmt::format(
@@ -403,20 +421,14 @@ void BodyContacts::summarize(std::span<const double> q, ContactSummary& summary)
       continue;
     }
     summary.far = far;
-    std::vector<std::set<std::int32_t>> groups(body_names_.size());
-    for (const auto& triangle : triangles) groups[triangle.body].insert(triangle.group);
-    const auto may_meet = [&](std::size_t a, std::size_t b) {
-      return std::ranges::any_of(groups[a], [&](std::int32_t s) {
-        return std::ranges::any_of(groups[b], [&](std::int32_t t) { return part->sets(s, t); });
-      });
-    };
+    const auto may_meet = bodies_that_may_meet(surface, part->sets, body_names_.size());
     std::vector<TriangleTree> trees;
     for (std::size_t b = 0; b < body_names_.size(); ++b) {
       trees.push_back(tree_of([&](const CollisionSurface::Triangle& t) { return t.body == static_cast<int>(b); }));
     }
     for (std::size_t a = 0; a < trees.size(); ++a) {
       for (std::size_t b = a; b < trees.size(); ++b) {
-        if (!may_meet(a, b)) continue;
+        if (may_meet[a * trees.size() + b] == 0) continue;
         row.law = part->laws.of(static_cast<int>(a), static_cast<int>(b));
         const double within = a == b ? row.law.reach() : far;
         const auto nearest = nearest_places(trees[a], trees[b], within, may_touch);

@@ -5,8 +5,8 @@ namespace pliant {
 
 /// Restarts the program with kernels that fit the processor, where OpenBLAS has chosen those for the oldest one: a
 /// version older than the processor does not know it (0.3.21 of Debian 12 and Sapphire Rapids or newer), and
-/// factorizations take 1.7 times as long. OpenBLAS reads the variable OPENBLAS_CORETYPE as it is loaded; a user's choice
-/// of it stays. To be called first in `main`. Returns where there is nothing to do, or if the restart fails.
+/// factorizations take 1.7 times as long. OpenBLAS reads the variable OPENBLAS_CORETYPE as it is loaded; a user's
+/// choice of it stays. To be called first in `main`. Returns where there is nothing to do, or if the restart fails.
 void restart_with_fitting_blas_kernels(char** argv);
 
 }  // namespace pliant
