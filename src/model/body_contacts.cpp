@@ -1,36 +1,18 @@
 #include "model/body_contacts.hpp"
 
-#include "collision/candidates.hpp"
 #include "collision/overlaps.hpp"
 #include "collision/triangle_tree.hpp"
+#include "model/body_contact_laws.hpp"
 #include "model/start_overlap.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <ranges>
-#include <set>
 
 #include <fmt/format.h>
 
 namespace pliant {
 namespace {
-
-/// As of obstacles (model/contacts): in shear moduli per size of a facet, and of that size.
-constexpr double shear_moduli_per_facet = 30.0;
-constexpr double width_per_facet = 1.0 / 50.0;
-
-/// The size of a facet of each body: the legs of a right triangle of the mean area [m]; 0 of bodies without any.
-std::vector<double> facet_sizes(const CollisionSurface& surface, std::size_t num_bodies, double triangles_per_facet) {
-  std::vector<double> area(num_bodies, 0.0), number(num_bodies, 0.0), size(num_bodies, 0.0);
-  for (const auto& triangle : surface.triangles()) {
-    area[triangle.body] += triangle.area;
-    number[triangle.body] += 1.0;
-  }
-  for (std::size_t b = 0; b < num_bodies; ++b)
-    size[b] = number[b] > 0.0 ? std::sqrt(2.0 * area[b] / number[b] * triangles_per_facet) : 0.0;
-  return size;
-}
 
 /// The current positions of all vertices, on every rank. Collective.
 std::vector<Vector3<double>> gathered_positions(const NodeLayout& layout, const BodySurfaces& surfaces,
@@ -47,21 +29,9 @@ std::vector<Vector3<double>> gathered_positions(const NodeLayout& layout, const 
   return all;
 }
 
-/// For each two bodies whether parts of them may touch, by rows.
-std::vector<char> bodies_that_may_meet(const CollisionSurface& surface, const ContactSets& sets,
-                                       std::size_t num_bodies) {
-  std::vector<std::set<std::int32_t>> groups(num_bodies);
-  for (const auto& triangle : surface.triangles()) groups[triangle.body].insert(triangle.group);
-  std::vector<char> may_meet;
-  for (const auto& one : groups) {
-    for (const auto& other : groups) {
-      const bool meets = std::ranges::any_of(
-          one, [&](std::int32_t s) { return std::ranges::any_of(other, [&](std::int32_t t) { return sets(s, t); }); });
-      may_meet.push_back(meets ? 1 : 0);
-    }
-  }
-  return may_meet;
-}
+/// The surfaces through the nodes of quadratic facets, as they are drawn, are kept apart by a barrier of this part of
+/// the width. It acts where facets are bent so much that these surfaces come closer than those of the same mean.
+constexpr double guard_width = 0.1;
 
 constexpr std::size_t most_overlaps_named = 10;
 
@@ -85,6 +55,7 @@ struct BodyContacts::Part {
   };
 
   std::shared_ptr<const TouchingBodies> bodies;
+  bool is_guard = false;                      // of the part before it
   std::string name;                           // may be empty
   const ContactPairConfig* config = nullptr;  // nullptr: `all`
   ContactSets sets;
@@ -120,51 +91,21 @@ BodyContacts::BodyContacts(const ContactConfig& config, const NodeLayout& layout
                            std::vector<TouchingSurfaces> surfaces, const std::vector<std::string>& body_names,
                            const std::vector<double>& shear_moduli)
     : config_(config), layout_(layout), body_names_(body_names) {
-  for (TouchingSurfaces& touching : surfaces) add(std::move(touching), shear_moduli);
-}
-
-BodyContactLaws BodyContacts::laws_of(const CollisionSurface& surface, double triangles_per_facet,
-                                      const ContactPairConfig* pair, const std::vector<double>& shear_moduli) {
-  const std::size_t n = body_names_.size();
-  const std::vector<double> sizes = facet_sizes(surface, n, triangles_per_facet);
-  const ContactPressureConfig& common = config_.pressure;
-  const auto given = [&](std::optional<double> ContactPairConfig::*of_pair, std::optional<double> of_all) {
-    return pair != nullptr && pair->*of_pair ? pair->*of_pair : of_all;
-  };
-  const auto stiffness = given(&ContactPairConfig::stiffness, common.stiffness);
-  const auto width = given(&ContactPairConfig::width, common.width);
-  const double threshold = given(&ContactPairConfig::thickness, common.threshold).value_or(0.0);
-  const double widest = width.value_or(width_per_facet * *std::ranges::max_element(sizes));
-  const auto apart = least_distances(surface, surface.rest_positions(), static_cast<int>(n), 2.0 * widest + threshold);
-  BodyContactLaws laws{static_cast<int>(n), {}};
-  for (std::size_t a = 0; a < n; ++a) {
-    for (std::size_t b = 0; b < n; ++b) {
-      const double h = std::min(sizes[a], sizes[b]), room = apart[n * a + b] - threshold;
-      if (a == b && h > 0.0 && !(room > 0.0)) {
-        throw InputError(pair != nullptr ? pair->where : config_.where,
-                         fmt::format("parts of '{}' that share no edge are {:.3g} m apart in the mesh, and 'thickness' "
-                                     "keeps them {:.3g} m apart; a smaller thickness, or no contact with itself",
-                                     body_names_[a], apart[n * a + b], threshold));
-      }
-      NormalLaw law{NormalKind::barrier, 1.0, width.value_or(width_per_facet * h), threshold};
-      if (h > 0.0) {
-        const double k_a = shear_moduli_per_facet * shear_moduli[a] / sizes[a];
-        const double k_b = shear_moduli_per_facet * shear_moduli[b] / sizes[b];
-        law.stiffness = stiffness.value_or(2.0 * k_a * k_b / (k_a + k_b));
-        // At rest nothing pushes within a body, and between bodies only if the user wants so.
-        if (room > 0.0 && (a == b || !width)) law.width = std::min(law.width, 0.5 * room);
-      }
-      laws.of_bodies.push_back(law);
-    }
+  for (const TouchingSurfaces& touching : surfaces) {
+    add(touching, shear_moduli, FacetVertices::mean);
+    if (touching.facets.nodes_per_facet == 6) add(touching, shear_moduli, FacetVertices::nodes);
   }
-  return laws;
 }
 
-void BodyContacts::add(TouchingSurfaces touching, const std::vector<double>& shear_moduli) {
-  auto surfaces = std::make_shared<const BodySurfaces>(layout_, touching.facets, touching.sides);
+void BodyContacts::add(const TouchingSurfaces& touching, const std::vector<double>& shear_moduli,
+                       FacetVertices vertices) {
+  auto surfaces = std::make_shared<const BodySurfaces>(layout_, touching.facets, touching.sides, vertices);
   const CollisionSurface& surface = surfaces->surface();
   const double triangles_per_facet = touching.facets.nodes_per_facet == 6 ? 4.0 : 1.0;
-  BodyContactLaws laws = laws_of(surface, triangles_per_facet, touching.config, shear_moduli);
+  BodyContactLaws laws =
+      body_contact_laws(config_, touching.config, {body_names_, shear_moduli}, surface, triangles_per_facet);
+  const bool is_guard = vertices == FacetVertices::nodes;
+  for (NormalLaw& law : laws.of_bodies) law.width *= is_guard ? guard_width : 1.0;
   double distance = std::numeric_limits<double>::infinity();
   for (const double size : facet_sizes(surface, body_names_.size(), triangles_per_facet)) {
     if (size > 0.0) distance = std::min(distance, size);
@@ -178,28 +119,27 @@ void BodyContacts::add(TouchingSurfaces touching, const std::vector<double>& she
     widest = std::max(widest, laws.of_bodies[pair].width);
   }
   const auto* pair = touching.config;
-  description_.push_back(note(fmt::format(
+  const auto description = note(fmt::format(
       "contact of {}: {} triangles, stiffness {:.3g} Pa/m, width {:.3g} m",
       pair == nullptr ? "all bodies"
                       : fmt::format("'{}' with {}", pair->part.value,
                                     pair->with ? fmt::format("'{}'", pair->with->value) : std::string("itself")),
-      surface.triangles().size(), stiffest, widest)));
+      surface.triangles().size(), stiffest, widest));
+  if (!is_guard) description_.push_back(description);
   const ContactDragConfig none;
   const ContactDragConfig& drag = pair != nullptr ? pair->drag : none;
-  const Friction friction = config_.friction(drag);
-  const NormalDamping damping = config_.damping(drag);
+  const Friction friction = is_guard ? Friction{} : config_.friction(drag);
+  const NormalDamping damping = is_guard ? NormalDamping{} : config_.damping(drag);
   const bool has_drag = friction.acts() || damping.acts();
-  const ContactSets sets = touching.sets;
-  const BodyContactLaws laws_of_bodies = laws;
-  auto bodies =
-      std::make_shared<const TouchingBodies>(std::move(surfaces), std::move(touching.sets), std::move(laws),
-                                             has_drag ? std::optional(config_.friction_update) : std::nullopt);
+  auto bodies = std::make_shared<const TouchingBodies>(
+      std::move(surfaces), touching.sets, laws, has_drag ? std::optional(config_.friction_update) : std::nullopt);
   auto part = std::make_shared<Part>(layout_, std::move(bodies), distance);
   part->friction = friction;
   part->damping = damping;
   part->config = pair;
-  part->sets = sets;
-  part->laws = laws_of_bodies;
+  part->is_guard = is_guard;
+  part->sets = touching.sets;
+  part->laws = laws;
   part->set_is_on_side = touching.set_is_on_side;
   part->facets_of_body.assign(body_names_.size(), 0.0);
   for (PetscInt facet = 0; facet < touching.facets.size(); ++facet) {
@@ -243,7 +183,13 @@ void BodyContacts::make_terms(bool has_velocity, std::vector<std::unique_ptr<Ene
     if (has_velocity && part->damping.acts()) {
       add(make_body_damping(part->bodies, part->damping, update, part->measured));
     }
-    if (!part->name.empty()) groups.push_back(std::move(group));
+    if (part->name.empty()) continue;
+    if (part->is_guard) {
+      auto& guarded = groups.back().terms;
+      guarded.insert(guarded.end(), group.terms.begin(), group.terms.end());
+    } else {
+      groups.push_back(std::move(group));
+    }
   }
 }
 
@@ -253,7 +199,7 @@ Closeness BodyContacts::closeness(std::span<const double> q) const {
     const auto [near, all] = part->at(q);
     const ContactGap gap = part->bodies->gap(near, all, part->distance);
     result.gap = std::min(result.gap, gap.least);
-    result.num_points += gap.num_points;
+    if (!part->is_guard) result.num_points += gap.num_points;
   }
   return result;
 }
@@ -324,6 +270,7 @@ void BodyContacts::check_overlaps(std::span<const double> q) const {
   OverlappingFacets facets;
   std::size_t num_overlaps = 0;
   for (const auto& part : parts_) {
+    if (part->is_guard && !diagnostics.empty()) continue;
     const CollisionSurface& surface = part->bodies->surfaces().surface();
     const auto x = gathered_positions(layout_, part->bodies->surfaces(), q);
     for (const SurfaceOverlap& overlap : find_overlaps(surface, x, part->sets)) {
@@ -379,6 +326,7 @@ void BodyContacts::check_start(std::span<const double> q) const {
 
 void BodyContacts::summarize(std::span<const double> q, ContactSummary& summary) const {
   for (const auto& part : parts_) {
+    if (part->is_guard) continue;
     const CollisionSurface& surface = part->bodies->surfaces().surface();
     const auto x = gathered_positions(layout_, part->bodies->surfaces(), q);
     const auto triangles = surface.triangles();

@@ -66,11 +66,9 @@ class BodyContacts {
  private:
   /// An entry of `contact.pairs`, with a search for what is near apart from that of the solver.
   struct Part;
-  void add(TouchingSurfaces surfaces, const std::vector<double>& shear_moduli);
+  void add(const TouchingSurfaces& surfaces, const std::vector<double>& shear_moduli, FacetVertices vertices);
   /// A flag for each owned node.
   std::vector<char> nodes_of_first_side(const TouchingSurfaces& touching) const;
-  BodyContactLaws laws_of(const CollisionSurface& surface, double triangles_per_facet, const ContactPairConfig* pair,
-                          const std::vector<double>& shear_moduli);
 
   const ContactConfig& config_;
   const NodeLayout& layout_;

@@ -7,14 +7,15 @@
 namespace pliant::test {
 
 /// All outer facets of a solid, those with x < `between` of body 0, the others of body 1.
-inline std::shared_ptr<const BodySurfaces> surfaces_of(const Solid& solid, double between) {
+inline std::shared_ptr<const BodySurfaces> surfaces_of(const Solid& solid, double between,
+                                                       FacetVertices vertices = FacetVertices::mean) {
   const FacetList facets = surface_facets(solid.mesh(), solid.layout(), [](const auto&) { return true; });
   std::vector<FacetSide> sides;
   for (PetscInt f = 0; f < facets.size(); ++f) {
     const PetscInt node = facets.nodes[static_cast<std::size_t>(f * facets.nodes_per_facet)];
     sides.push_back({solid.layout().position(node)[0] < between ? 0 : 1, 0});
   }
-  return std::make_shared<const BodySurfaces>(solid.layout(), facets, sides);
+  return std::make_shared<const BodySurfaces>(solid.layout(), facets, sides, vertices);
 }
 
 /// Everything touches everything, with the same barrier.

@@ -70,7 +70,8 @@ std::vector<Middle> gathered_middles(const NodeLayout& layout, const FacetList& 
   return middles;
 }
 
-CollisionSurface gathered_surface(const NodeLayout& layout, const FacetList& facets, std::span<const FacetSide> sides) {
+CollisionSurface gathered_surface(const NodeLayout& layout, const FacetList& facets, std::span<const FacetSide> sides,
+                                  FacetVertices where) {
   std::vector<SurfaceVertex> vertices;
   std::vector<SurfaceTriangle> triangles;
   std::vector<char> is_listed(static_cast<std::size_t>(layout.num_owned_nodes), 0);
@@ -80,6 +81,7 @@ CollisionSurface gathered_surface(const NodeLayout& layout, const FacetList& fac
     vertices.push_back({layout.global_node(node), X});
   };
   for_each_middle(facets, [&](PetscInt node, PetscInt a, PetscInt b) {
+    if (where == FacetVertices::nodes) return;
     list(node, vertex_between(layout.position(a), layout.position(b), layout.position(node)));
   });
   for (const PetscInt node : facets.nodes) list(node, layout.position(node));
@@ -114,8 +116,9 @@ std::vector<char> first_of_sets(std::span<const CollisionSurface::Triangle> tria
 
 }  // namespace
 
-BodySurfaces::BodySurfaces(const NodeLayout& layout, const FacetList& facets, std::span<const FacetSide> sides)
-    : surface_(gathered_surface(layout, facets, sides)) {
+BodySurfaces::BodySurfaces(const NodeLayout& layout, const FacetList& facets, std::span<const FacetSide> sides,
+                           FacetVertices vertices)
+    : surface_(gathered_surface(layout, facets, sides, vertices)) {
   const auto triangles = surface_.triangles();
   using Triangle = CollisionSurface::Triangle;
   const auto of_vertices = first_of_sets(triangles, &Triangle::vertices);
@@ -126,8 +129,9 @@ BodySurfaces::BodySurfaces(const NodeLayout& layout, const FacetList& facets, st
       stands_for_[t] |= static_cast<std::uint8_t>(of_vertices[3 * t + k] << k | of_edges[3 * t + k] << (3 + k));
     }
   }
-  patches_.nodes_per_patch = facets.nodes_per_facet;
-  if (facets.nodes_per_facet == 6) {
+  patches_.nodes_per_patch = 3;
+  if (facets.nodes_per_facet == 6 && vertices == FacetVertices::mean) {
+    patches_.nodes_per_patch = 6;
     ends_.assign(surface_.vertices().size(), {-1, -1});
     for (const Middle& middle : gathered_middles(layout, facets)) {
       ends_[number_of(surface_, middle.node)] = {number_of(surface_, middle.ends[0]),

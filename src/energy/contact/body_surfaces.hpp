@@ -19,11 +19,17 @@ struct FacetSide {
   std::int32_t set = 0;
 };
 
+/// Where the vertices of the nodes between the corners of quadratic facets are.
+enum class FacetVertices {
+  mean,  ///< such that the triangles have the mean of their facet
+  nodes  ///< at the nodes
+};
+
 /// Triangles of the facets of all ranks, numbered alike on every rank: one per linear facet, four per quadratic one.
 /// Memory: about 100 bytes per triangle of all bodies on each rank.
 ///
-/// Each node has a vertex. Those of the corners of facets are the nodes themselves. In a quadratic facet with the nodes
-/// a, b and m between them, the vertex of m is
+/// Each node has a vertex. Those of the corners of facets are the nodes themselves. With FacetVertices::mean, in a
+/// quadratic facet with the nodes a, b and m between them, the vertex of m is
 ///
 ///     x = (a + b)/2 + 4/3 (m - (a + b)/2)
 ///
@@ -35,7 +41,8 @@ class BodySurfaces {
  public:
   /// `sides`: of each facet. Facets inside the mesh (FacetList::is_outer) are not allowed. The layout outlives the
   /// object. Collective.
-  BodySurfaces(const NodeLayout& layout, const FacetList& facets, std::span<const FacetSide> sides);
+  BodySurfaces(const NodeLayout& layout, const FacetList& facets, std::span<const FacetSide> sides,
+               FacetVertices vertices = FacetVertices::mean);
 
   const CollisionSurface& surface() const { return surface_; }
   /// The triangles that move with a node of this rank: keys are their numbers, tags their sets, nodes those of
@@ -75,7 +82,7 @@ class BodySurfaces {
 
   CollisionSurface surface_;
   Patches patches_;
-  std::vector<Ends> ends_;                        // of each vertex; empty where facets are linear
+  std::vector<Ends> ends_;                        // of each vertex; empty where all vertices are nodes
   std::vector<std::int32_t> nodes_of_triangles_;  // nodes_per_patch of each
   std::vector<std::uint8_t> stands_for_;          // of each triangle, a bit for each of its vertices, then of its edges
 };

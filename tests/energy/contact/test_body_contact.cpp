@@ -65,6 +65,25 @@ class BodyContactOf : public ::testing::TestWithParam<int> {
 
 INSTANTIATE_TEST_SUITE_P(Order, BodyContactOf, ::testing::Values(1, 2));
 
+TEST(BodySurfaces, HaveTheirVerticesAtTheNodesIfAsked) {
+  const Scratch scratch(comm);
+  const std::string file = scratch.file("two.msh", [](const std::string& f) { test::write_two_cubes(f, gap); });
+  const Solid solid(MPI_COMM_SELF, file, 2, 2);
+  const auto surfaces = test::surfaces_of(solid, between, FacetVertices::nodes);
+  const CollisionSurface& surface = surfaces->surface();
+  std::vector<Vector3<double>> u;
+  for (const auto& vertex : surface.vertices()) {
+    const Point X = solid.layout().position(static_cast<PetscInt>(vertex.key));
+    u.push_back({test::rough(X, 0, 3), test::rough(X, 1, 3), test::rough(X, 2, 3)});
+  }
+  const auto at_nodes = u;
+  surfaces->place(u);
+  EXPECT_EQ(u, at_nodes);
+  EXPECT_EQ(surfaces->patches().nodes_per_patch, 3);
+  EXPECT_EQ(surface.triangles().size(),
+            test::surfaces_of(solid, between, FacetVertices::mean)->surface().triangles().size());
+}
+
 // The forces of a pressure on the triangles are then those of the facets' shape functions.
 TEST(BodySurfaces, HaveTheMeanOfTheirFacets) {
   const Scratch scratch(comm);

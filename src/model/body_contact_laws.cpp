@@ -1,0 +1,85 @@
+#include "model/body_contact_laws.hpp"
+
+#include "collision/candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// As of obstacles (model/contacts): in shear moduli per size of a facet, and of that size.
+constexpr double shear_moduli_per_facet = 30.0;
+constexpr double width_per_facet = 1.0 / 50.0;
+
+}  // namespace
+
+std::vector<double> facet_sizes(const CollisionSurface& surface, std::size_t num_bodies, double triangles_per_facet) {
+  std::vector<double> area(num_bodies, 0.0), number(num_bodies, 0.0), size(num_bodies, 0.0);
+  for (const auto& triangle : surface.triangles()) {
+    area[triangle.body] += triangle.area;
+    number[triangle.body] += 1.0;
+  }
+  for (std::size_t b = 0; b < num_bodies; ++b)
+    size[b] = number[b] > 0.0 ? std::sqrt(2.0 * area[b] / number[b] * triangles_per_facet) : 0.0;
+  return size;
+}
+
+BodyContactLaws body_contact_laws(const ContactConfig& config, const ContactPairConfig* pair,
+                                  const ContactBodies& bodies, const CollisionSurface& surface,
+                                  double triangles_per_facet) {
+  const auto& [names, shear_moduli] = bodies;
+  const std::size_t n = names.size();
+  const std::vector<double> sizes = facet_sizes(surface, n, triangles_per_facet);
+  const ContactPressureConfig& common = config.pressure;
+  const auto given = [&](std::optional<double> ContactPairConfig::*of_pair, std::optional<double> of_all) {
+    return pair != nullptr && pair->*of_pair ? pair->*of_pair : of_all;
+  };
+  const auto stiffness = given(&ContactPairConfig::stiffness, common.stiffness);
+  const auto width = given(&ContactPairConfig::width, common.width);
+  const double threshold = given(&ContactPairConfig::thickness, common.threshold).value_or(0.0);
+  const double widest = width.value_or(width_per_facet * *std::ranges::max_element(sizes));
+  const auto apart = least_distances(surface, surface.rest_positions(), static_cast<int>(n), 2.0 * widest + threshold);
+  BodyContactLaws laws{static_cast<int>(n), {}};
+  for (std::size_t a = 0; a < n; ++a) {
+    for (std::size_t b = 0; b < n; ++b) {
+      const double h = std::min(sizes[a], sizes[b]), room = apart[n * a + b] - threshold;
+      if (a == b && h > 0.0 && !(room > 0.0)) {
+        throw InputError(pair != nullptr ? pair->where : config.where,
+                         fmt::format("parts of '{}' that share no edge are {:.3g} m apart in the mesh, and 'thickness' "
+                                     "keeps them {:.3g} m apart; a smaller thickness, or no contact with itself",
+                                     names[a], apart[n * a + b], threshold));
+      }
+      NormalLaw law{NormalKind::barrier, 1.0, width.value_or(width_per_facet * h), threshold};
+      if (h > 0.0) {
+        const double k_a = shear_moduli_per_facet * shear_moduli[a] / sizes[a];
+        const double k_b = shear_moduli_per_facet * shear_moduli[b] / sizes[b];
+        law.stiffness = stiffness.value_or(2.0 * k_a * k_b / (k_a + k_b));
+        // At rest nothing pushes within a body, and between bodies only if the user wants so.
+        if (room > 0.0 && (a == b || !width)) law.width = std::min(law.width, 0.5 * room);
+      }
+      laws.of_bodies.push_back(law);
+    }
+  }
+  return laws;
+}
+
+std::vector<char> bodies_that_may_meet(const CollisionSurface& surface, const ContactSets& sets,
+                                       std::size_t num_bodies) {
+  std::vector<std::set<std::int32_t>> groups(num_bodies);
+  for (const auto& triangle : surface.triangles()) groups[triangle.body].insert(triangle.group);
+  std::vector<char> may_meet;
+  for (const auto& one : groups) {
+    for (const auto& other : groups) {
+      const bool meets = std::ranges::any_of(
+          one, [&](std::int32_t s) { return std::ranges::any_of(other, [&](std::int32_t t) { return sets(s, t); }); });
+      may_meet.push_back(meets ? 1 : 0);
+    }
+  }
+  return may_meet;
+}
+
+}  // namespace pliant

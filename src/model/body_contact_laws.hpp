@@ -1,0 +1,31 @@
+/// The laws of contact of bodies with one another, as the input gives them or as they follow from material and mesh.
+#pragma once
+
+#include "energy/contact/touching_bodies.hpp"
+#include "input/config.hpp"
+
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+/// All bodies of the input.
+struct ContactBodies {
+  const std::vector<std::string>& names;
+  const std::vector<double>& shear_moduli;  ///< of the stiffest part of each, at rest [Pa]
+};
+
+/// The size of a facet of each body: the legs of a right triangle of the mean area [m]; 0 of bodies without any.
+std::vector<double> facet_sizes(const CollisionSurface& surface, std::size_t num_bodies, double triangles_per_facet);
+
+/// Barriers. `pair`: the entry of `contact.pairs`; nullptr: `all`. Throws InputError where a body is thinner than the
+/// distance that its surface has to keep from itself.
+BodyContactLaws body_contact_laws(const ContactConfig& config, const ContactPairConfig* pair,
+                                  const ContactBodies& bodies, const CollisionSurface& surface,
+                                  double triangles_per_facet);
+
+/// For each two bodies whether parts of them may touch, by rows.
+std::vector<char> bodies_that_may_meet(const CollisionSurface& surface, const ContactSets& sets,
+                                       std::size_t num_bodies);
+
+}  // namespace pliant
