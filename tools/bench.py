@@ -179,6 +179,17 @@ def write(page, program, table):
         file.write(f"{before}{begin}\n{table}\n{end}{after}")
 
 
+def give_all_the_same_blas_kernels():
+    """Where OpenBLAS does not know the processor, Pliant chooses its kernels itself; the peers get the same."""
+    if not os.path.exists(PLIANT):
+        return
+    done = subprocess.run([PLIANT, "--version"], env=os.environ | {"OPENBLAS_VERBOSE": "2"}, capture_output=True, text=True,
+                          check=False)
+    kernels = re.findall(r"^Core: (\w+)$", done.stderr, re.MULTILINE)
+    if kernels:
+        os.environ["OPENBLAS_CORETYPE"] = kernels[-1]
+
+
 def main():
     if sys.argv[1:2] == ["--measure"]:
         return measure(sys.argv[2:])
@@ -200,6 +211,7 @@ def main():
         print("bench.sh: dolfinx is missing: install python3-dolfinx and python3-petsc4py-real, or measure Pliant alone "
               "with --peers", file=sys.stderr)
         return 2
+    give_all_the_same_blas_kernels()
     lines = [f"{os.cpu_count()} cores, {platform.machine()}; medians of {options.repeats}", "", heading(options)]
     print("\n".join(lines), flush=True)
     measured = {}
