@@ -29,7 +29,7 @@ std::vector<double> facet_sizes(const CollisionSurface& surface, std::size_t num
 }
 
 BodyContactLaws body_contact_laws(const ContactConfig& config, const ContactPairConfig* pair,
-                                  const ContactBodies& bodies, const CollisionSurface& surface,
+                                  const BodyStiffnesses& bodies, const CollisionSurface& surface,
                                   double triangles_per_facet) {
   const auto& [names, shear_moduli] = bodies;
   const std::size_t n = names.size();

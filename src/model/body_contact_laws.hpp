@@ -10,7 +10,7 @@
 namespace pliant {
 
 /// All bodies of the input.
-struct ContactBodies {
+struct BodyStiffnesses {
   const std::vector<std::string>& names;
   const std::vector<double>& shear_moduli;  ///< of the stiffest part of each, at rest [Pa]
 };
@@ -21,7 +21,7 @@ std::vector<double> facet_sizes(const CollisionSurface& surface, std::size_t num
 /// Barriers. `pair`: the entry of `contact.pairs`; nullptr: `all`. Throws InputError where a body is thinner than the
 /// distance that its surface has to keep from itself.
 BodyContactLaws body_contact_laws(const ContactConfig& config, const ContactPairConfig* pair,
-                                  const ContactBodies& bodies, const CollisionSurface& surface,
+                                  const BodyStiffnesses& bodies, const CollisionSurface& surface,
                                   double triangles_per_facet);
 
 /// For each two bodies whether parts of them may touch, by rows.
