@@ -44,7 +44,7 @@ struct ContactRule {
 };
 
 /// The corners with 1/20 each and three inner points with 17/60, exact for quadratic functions. The points are about
-/// evenly spread: what they exert on the nodes of another mesh is the more uniform (a third of what the corners with
+/// evenly spread: what they exert on the nodes of another mesh is the more uniform (two fifths of what the corners with
 /// 1/12 and the centre with 3/4 leave of non-uniformity).
 ContactRule quadratic_contact_rule();
 

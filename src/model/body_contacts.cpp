@@ -1,5 +1,6 @@
 #include "model/body_contacts.hpp"
 
+#include "collision/candidates.hpp"
 #include "collision/overlaps.hpp"
 #include "collision/triangle_tree.hpp"
 #include "model/body_contact_laws.hpp"
@@ -32,6 +33,33 @@ std::vector<Vector3<double>> gathered_positions(const NodeLayout& layout, const 
 /// The surfaces through the nodes of quadratic facets, as they are drawn, are kept apart by a barrier of this part of
 /// the width. It acts where facets are bent so much that these surfaces come closer than those of the same mean.
 constexpr double guard_width = 0.1;
+
+std::string name_of(const ContactPairConfig* pair) {
+  if (pair == nullptr) return "all bodies";
+  return fmt::format("'{}' with {}", pair->part.value,
+                     pair->with ? fmt::format("'{}'", pair->with->value) : std::string("itself"));
+}
+
+/// Whether the triangles that have the mean of curved facets overlap at rest, or come to less than half of the distance
+/// of those between the nodes: vertices of facets of size h and radius R are h^2/(24 R) outside of the nodes.
+bool is_too_curved(const NodeLayout& layout, const TouchingSurfaces& touching, std::size_t num_bodies) {
+  const BodySurfaces of_means(layout, touching.facets, touching.sides, FacetVertices::mean);
+  const BodySurfaces of_nodes(layout, touching.facets, touching.sides, FacetVertices::nodes);
+  const auto x = of_means.surface().rest_positions(), X = of_nodes.surface().rest_positions();
+  double farthest = 0.0;
+  for (std::size_t vertex = 0; vertex < x.size(); ++vertex) farthest = std::max(farthest, norm(x[vertex] - X[vertex]));
+  if (farthest < 1e-9 * of_nodes.surface().longest_edge()) return false;  // straight edges, up to rounding
+  // Where it is farther apart than this, the distance of the one is more than half of the other's.
+  const double distance = 4.0 * farthest;
+  const auto n = static_cast<int>(num_bodies);
+  const auto apart = least_distances(of_means.surface(), x, n, distance),
+             apart_of_nodes = least_distances(of_nodes.surface(), X, n, distance);
+  for (std::size_t pair = 0; pair < apart.size(); ++pair) {
+    if (apart[pair] < 0.5 * apart_of_nodes[pair]) return true;
+  }
+  return !find_overlaps(of_means.surface(), x, touching.sets).empty() &&
+         find_overlaps(of_nodes.surface(), X, touching.sets).empty();
+}
 
 constexpr std::size_t most_overlaps_named = 10;
 
@@ -92,19 +120,31 @@ BodyContacts::BodyContacts(const ContactConfig& config, const NodeLayout& layout
                            const std::vector<double>& shear_moduli)
     : config_(config), layout_(layout), body_names_(body_names) {
   for (const TouchingSurfaces& touching : surfaces) {
-    add(touching, shear_moduli, FacetVertices::mean);
-    if (touching.facets.nodes_per_facet == 6) add(touching, shear_moduli, FacetVertices::nodes);
+    const bool is_quadratic = touching.facets.nodes_per_facet == 6;
+    if (is_quadratic && is_too_curved(layout_, touching, body_names_.size())) {
+      add(touching, shear_moduli, FacetVertices::nodes, Role::main);
+      description_.push_back(
+          {Severity::warning, touching.config != nullptr ? touching.config->where : config_.where,
+           fmt::format(
+               "contact of {}: facets are curved by more than the distance between the surfaces allows, so that "
+               "pressures act on the triangles between their nodes, and vary from node to node; use smaller "
+               "facets there, or leave a wider gap",
+               name_of(touching.config))});
+      continue;
+    }
+    add(touching, shear_moduli, FacetVertices::mean, Role::main);
+    if (is_quadratic) add(touching, shear_moduli, FacetVertices::nodes, Role::guard);
   }
 }
 
 void BodyContacts::add(const TouchingSurfaces& touching, const std::vector<double>& shear_moduli,
-                       FacetVertices vertices) {
+                       FacetVertices vertices, Role role) {
   auto surfaces = std::make_shared<const BodySurfaces>(layout_, touching.facets, touching.sides, vertices);
   const CollisionSurface& surface = surfaces->surface();
   const double triangles_per_facet = touching.facets.nodes_per_facet == 6 ? 4.0 : 1.0;
   BodyContactLaws laws =
       body_contact_laws(config_, touching.config, {body_names_, shear_moduli}, surface, triangles_per_facet);
-  const bool is_guard = vertices == FacetVertices::nodes;
+  const bool is_guard = role == Role::guard;
   for (NormalLaw& law : laws.of_bodies) law.width *= is_guard ? guard_width : 1.0;
   double distance = std::numeric_limits<double>::infinity();
   for (const double size : facet_sizes(surface, body_names_.size(), triangles_per_facet)) {
@@ -119,12 +159,8 @@ void BodyContacts::add(const TouchingSurfaces& touching, const std::vector<doubl
     widest = std::max(widest, laws.of_bodies[pair].width);
   }
   const auto* pair = touching.config;
-  const auto description = note(fmt::format(
-      "contact of {}: {} triangles, stiffness {:.3g} Pa/m, width {:.3g} m",
-      pair == nullptr ? "all bodies"
-                      : fmt::format("'{}' with {}", pair->part.value,
-                                    pair->with ? fmt::format("'{}'", pair->with->value) : std::string("itself")),
-      surface.triangles().size(), stiffest, widest));
+  const auto description = note(fmt::format("contact of {}: {} triangles, stiffness {:.3g} Pa/m, width {:.3g} m",
+                                            name_of(pair), surface.triangles().size(), stiffest, widest));
   if (!is_guard) description_.push_back(description);
   const ContactDragConfig none;
   const ContactDragConfig& drag = pair != nullptr ? pair->drag : none;

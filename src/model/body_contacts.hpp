@@ -66,7 +66,12 @@ class BodyContacts {
  private:
   /// An entry of `contact.pairs`, with a search for what is near apart from that of the solver.
   struct Part;
-  void add(const TouchingSurfaces& surfaces, const std::vector<double>& shear_moduli, FacetVertices vertices);
+  enum class Role {
+    main,
+    guard  ///< keeps surfaces apart in addition to a main part
+  };
+  void add(const TouchingSurfaces& surfaces, const std::vector<double>& shear_moduli, FacetVertices vertices,
+           Role role);
   /// A flag for each owned node.
   std::vector<char> nodes_of_first_side(const TouchingSurfaces& touching) const;
 

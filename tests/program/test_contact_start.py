@@ -8,7 +8,7 @@ import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
-from program import ProgramTest, start, finish, UNSIGNALLED
+from program import ProgramTest, start, finish, read_history, UNSIGNALLED
 from test_body_contact import GEOMETRY, two_blocks
 
 THREE = """SetFactory("OpenCASCADE");
@@ -188,6 +188,36 @@ class Overlap(ProgramTest):
                     np.testing.assert_allclose(values["depth"][bottom], 0.003, atol=1e-12)
                     area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
                     self.assertAlmostEqual(area[bottom].sum(), 4e-4, delta=1e-12)
+
+    def test_coarse_balls_that_are_apart(self):
+        # 10 mm, but the triangles that have the mean of the facets are farther outside than that.
+        geometry = """SetFactory("OpenCASCADE");
+Mesh.ElementOrder = 2;
+Mesh.SecondOrderLinear = 0;
+Sphere(1) = {0, 0, 0, 1};
+Sphere(2) = {0, 0, %s, 1};
+Physical Volume("low") = {1};
+Physical Volume("high") = {2};
+MeshSize{ PointsOf{ Volume{1}; } } = 0.8;
+MeshSize{ PointsOf{ Volume{2}; } } = 0.6;
+Mesh.MeshSizeMax = 0.8;
+"""
+        law = "density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e6, poissons_ratio: 0.3}"
+        text = f"""mesh: {{file: balls.geo}}
+element: P2
+bodies: [{{volume: low, {law}}}, {{volume: high, {law}}}]
+initial: {{velocity: [0, 0, "z < 1 ? 0 : -1"]}}
+contact: {{law: barrier, pairs: [{{name: balls, surface: low, with: high}}]}}
+time: {{method: bdf2, step: 4 ms, end: 0.04}}
+"""
+        for place, is_told in ((2.01, True), (2.5, False)):
+            self.write("balls.geo", geometry % place)
+            done = self.call("run", self.write("balls.yaml", text), "--output", "out")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual("curved by more than the distance" in done.stderr, is_told)
+            h = read_history(self.directory / "out")
+            self.assertEqual(h["balls_fz"].any(), is_told)
+            self.assertGreater(h["contact_gap_min"].min(), 0)
 
     def test_a_body_in_another_one(self):
         geometry = GEOMETRY.replace("{-1, -1, %s, 2, 2, 2}", "{-0.5, -0.5, 0.3, 1, 1, 0.4}")
