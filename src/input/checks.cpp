@@ -157,8 +157,8 @@ void check_barrier(const Config& config, const InputNode& contact, Diagnostics& 
   diagnostics.add(law->where,
                   "a barrier needs a stiffly accurate method, whose steps end with their last stage; with '" +
                       method_name(config.time.method) +
-                      "' a body could end beyond the barrier: choose backward-euler, bdf2, bdf3, dirk22 or dirk33, or "
-                      "'law: penalty'");
+                      "' a body could end beyond the barrier: choose backward-euler, bdf2, bdf3, dirk22 or dirk33" +
+                      (config.contact->pairs.empty() ? ", or 'law: penalty'" : ""));
 }
 
 /// Obstacles and pairs of bodies have columns in history.csv, as constrained parts have.
