@@ -1,7 +1,5 @@
 #include "collision/triangle_tree.hpp"
 
-#include "collision/closest_points.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -210,14 +208,14 @@ DepthBelow::DepthBelow(const TriangleTree& tree) : tree_(tree) {
   }
 }
 
-double DepthBelow::operator()(const Vector3<double>& p) const {
-  if (tree_.nodes().empty()) return 0.0;
+template <class Counts>
+Foot DepthBelow::nearest(const Vector3<double>& p, const Counts& counts) const {
+  Foot foot;
+  if (tree_.nodes().empty()) return foot;
   const CollisionSurface& surface = tree_.surface();
   const auto x = tree_.positions();
   const Bounds at{p, p};
   double least = std::numeric_limits<double>::infinity();
-  std::int32_t nearest = 0;
-  PointTriangle closest;
   std::vector<std::int32_t> open{0};
   while (!open.empty()) {
     const std::int32_t number = open.back();
@@ -233,28 +231,51 @@ double DepthBelow::operator()(const Vector3<double>& p) const {
     }
     for (std::int32_t i = 0; i < node.count; ++i) {
       const std::int32_t t = tree_.numbers()[node.first + i];
+      if (!counts(t)) continue;
       const auto [a, b, c] = surface.triangles()[t].vertices;
       const PointTriangle found = closest_point_triangle(std::array{p, x[a], x[b], x[c]});
       if (!(found.squared_distance < least)) continue;
       least = found.squared_distance;
-      nearest = t;
-      closest = found;
+      foot.triangle = t;
+      foot.closest = found;
     }
   }
-  const auto& triangle = surface.triangles()[nearest];
+  if (foot.triangle < 0) return foot;
+  const auto& triangle = surface.triangles()[foot.triangle];
   const auto& v = triangle.vertices;
-  const auto feature = static_cast<std::size_t>(closest.feature);
-  Vector3<double> foot{}, normal = cross(x[v[1]] - x[v[0]], x[v[2]] - x[v[0]]);
-  for (std::size_t k = 0; k < 3; ++k) foot = foot + closest.barycentric[k] * x[v[k]];
+  const auto feature = static_cast<std::size_t>(foot.closest.feature);
+  for (std::size_t k = 0; k < 3; ++k) foot.place = foot.place + foot.closest.barycentric[k] * x[v[k]];
   if (feature < 3) {
-    if (is_rim_vertex_[v[feature]] != 0) return 0.0;
-    normal = normals_of_vertices_[v[feature]];
-  } else if (closest.feature != TriangleFeature::face) {
+    foot.is_on_rim = is_rim_vertex_[v[feature]] != 0;
+    foot.normal = normals_of_vertices_[v[feature]];
+  } else if (foot.closest.feature != TriangleFeature::face) {
     const std::int32_t edge = triangle.edges[feature - static_cast<std::size_t>(TriangleFeature::edge_01)];
-    if (is_rim_edge_[edge] != 0) return 0.0;
-    normal = normals_of_edges_[edge];
+    foot.is_on_rim = is_rim_edge_[edge] != 0;
+    foot.normal = normals_of_edges_[edge];
+  } else {
+    foot.normal = cross(x[v[1]] - x[v[0]], x[v[2]] - x[v[0]]);
   }
-  return dot(normal, p - foot) < 0.0 ? std::sqrt(least) : 0.0;
+  return foot;
+}
+
+Foot DepthBelow::foot(const Vector3<double>& p) const {
+  return nearest(p, [](std::int32_t) { return true; });
+}
+
+Foot DepthBelow::foot_facing(const Vector3<double>& direction, const Vector3<double>& p) const {
+  constexpr double least_cosine = 0.1;
+  const auto x = tree_.positions();
+  return nearest(p, [&](std::int32_t t) {
+    const auto [a, b, c] = tree_.surface().triangles()[t].vertices;
+    const Vector3<double> area = cross(x[b] - x[a], x[c] - x[a]);
+    return dot(area, direction) < -least_cosine * norm(area) * norm(direction);
+  });
+}
+
+double DepthBelow::operator()(const Vector3<double>& p) const {
+  const Foot at = foot(p);
+  if (at.triangle < 0 || at.is_on_rim) return 0.0;
+  return dot(at.normal, p - at.place) < 0.0 ? std::sqrt(at.closest.squared_distance) : 0.0;
 }
 
 }  // namespace pliant

@@ -4,6 +4,7 @@
 /// places are equally good up to rounding, the lowest along a generic direction wins. Rank-local.
 #pragma once
 
+#include "collision/closest_points.hpp"
 #include "collision/surface.hpp"
 
 #include <array>
@@ -63,11 +64,27 @@ struct NearestPlaces {
 NearestPlaces nearest_places(const TriangleTree& a, const TriangleTree& b, double within,
                              const std::function<bool(std::int32_t, std::int32_t)>& may_touch);
 
+/// The place on a surface that is nearest to a point.
+struct Foot {
+  std::int32_t triangle = -1;  ///< its number; -1: there are no triangles
+  PointTriangle closest;
+  Vector3<double> place{};   ///< [m]
+  Vector3<double> normal{};  ///< of the face, the edge or the vertex there, outwards; not of unit length
+  bool is_on_rim = false;    ///< of a surface that is not closed
+};
+
 /// The depth of points below the triangles of a tree.
 class DepthBelow {
  public:
   /// The tree outlives the object.
   explicit DepthBelow(const TriangleTree& tree);
+  Foot foot(const Vector3<double>& p) const;
+  /// The same among the triangles that face a direction: their normals are at an obtuse angle to it, of more than 96
+  /// degrees.
+  Foot foot_facing(const Vector3<double>& direction, const Vector3<double>& p) const;
+  /// The sum of the triangles' unit normals at an edge; at a vertex weighted by their angles.
+  const Vector3<double>& normal_of_edge(std::int32_t edge) const { return normals_of_edges_[edge]; }
+  const Vector3<double>& normal_of_vertex(std::int32_t vertex) const { return normals_of_vertices_[vertex]; }
   /// The distance to the nearest triangle if the point lies behind it [m]; 0 in front of it, or beyond the rim of a
   /// surface that is not closed. The sides are those of the normals around the nearest point, weighted by their angles
   /// (Baerentzen & Aanaes 2005, Signed distance computation using the angle weighted pseudonormal).
@@ -75,6 +92,9 @@ class DepthBelow {
   bool is_closed() const { return is_closed_; }
 
  private:
+  template <class Counts>
+  Foot nearest(const Vector3<double>& p, const Counts& counts) const;
+
   const TriangleTree& tree_;
   std::vector<Vector3<double>> normals_of_edges_, normals_of_vertices_;  // of the surface, not of unit length
   std::vector<char> is_rim_edge_, is_rim_vertex_;

@@ -246,7 +246,8 @@ void join(Components& components, const NodeLayout& layout, std::span<const Pets
 }
 
 std::optional<Overlap> deepest_overlap(const NodeLayout& layout, const Components& components,
-                                       std::span<const double> u, std::size_t most_nodes) {
+                                       std::span<const double> u, std::size_t most_nodes,
+                                       std::span<const char> are_kept_apart) {
   if (components.count < 2) return std::nullopt;
   const std::vector<Candidate> points = candidates(layout, components, u, boxes_of(layout, components, u), most_nodes);
   if (points.empty()) return std::nullopt;
@@ -281,6 +282,8 @@ std::optional<Overlap> deepest_overlap(const NodeLayout& layout, const Component
   double lowest = infinity;
   for (std::size_t p = 0; p < points.size(); ++p) {
     if (!std::isfinite(depths[p]) || depths[p] <= 0.0) continue;
+    const auto place = static_cast<std::size_t>(points[p].component * components.count + holders[p]);
+    if (!are_kept_apart.empty() && are_kept_apart[place] != 0) continue;
     // Ties between equally deep places are broken independently of the ranks: the lowest along a generic direction
     // wins.
     const double level = dot(Position{1.0, 0.6180339887, 0.3819660113}, points[p].x);

@@ -249,20 +249,6 @@ void place_nodes(const Mesh& mesh, const CellClosure& closure, const std::vector
   }
 }
 
-void mark_bent_cells(const Mesh& mesh, NodeLayout& layout) {
-  layout.cell_is_affine.assign(layout.num_local_cells, 1);
-  if (!is_curved(mesh, layout)) return;
-  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
-    const auto nodes = layout.nodes_of_cell(c);
-    for (int e = 0; e < 6; ++e) {
-      if (!is_straight(layout.position(nodes[tet_edges[e][0]]), layout.position(nodes[tet_edges[e][1]]),
-                       layout.position(nodes[4 + e]))) {
-        layout.cell_is_affine[c] = 0;
-      }
-    }
-  }
-}
-
 }  // namespace
 
 NodeLayout make_layout(const Mesh& mesh, int order) {
@@ -280,7 +266,11 @@ NodeLayout make_layout(const Mesh& mesh, int order) {
   sort_cells(points_of_cells, layout);
   keep_numbers_of_mesh(mesh, layout);
   place_nodes(mesh, closure, points, layout);
-  mark_bent_cells(mesh, layout);
+  if (is_curved(mesh, layout)) {
+    mark_bent_cells(layout);
+  } else {
+    layout.cell_is_affine.assign(layout.num_local_cells, 1);
+  }
   return layout;
 }
 
@@ -317,6 +307,20 @@ Handle<Vec> make_vector(const NodeLayout& layout) {
                             static_cast<PetscInt>(layout.ghost_global_nodes.size()), layout.ghost_global_nodes.data(),
                             v.out()));
   return v;
+}
+
+void mark_bent_cells(NodeLayout& layout) {
+  layout.cell_is_affine.assign(layout.num_local_cells, 1);
+  if (layout.order == 1) return;
+  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
+    const auto nodes = layout.nodes_of_cell(c);
+    for (int e = 0; e < 6; ++e) {
+      if (!is_straight(layout.position(nodes[tet_edges[e][0]]), layout.position(nodes[tet_edges[e][1]]),
+                       layout.position(nodes[4 + e]))) {
+        layout.cell_is_affine[c] = 0;
+      }
+    }
+  }
 }
 
 }  // namespace pliant

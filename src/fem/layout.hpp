@@ -58,6 +58,9 @@ struct NodeLayout {
 /// InputError if there are more unknowns than the integer type can count. Collective.
 NodeLayout make_layout(const Mesh& mesh, int order);
 
+/// Sets `cell_is_affine` from the coordinates. Not collective.
+void mark_bent_cells(NodeLayout& layout);
+
 /// A vector of three entries per node with ghosts (petsc/ghosted.hpp), zero. Collective.
 Handle<Vec> make_vector(const NodeLayout& layout);
 

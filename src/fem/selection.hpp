@@ -5,6 +5,7 @@
 
 #include <array>
 #include <functional>
+#include <span>
 #include <vector>
 
 namespace pliant {
@@ -23,6 +24,9 @@ struct FacetList {
   std::vector<char>
       is_outer;  ///< on the surface of the mesh; otherwise cells lie on both sides, and neither side is outside
   PetscInt size() const { return static_cast<PetscInt>(nodes.size()) / nodes_per_facet; }
+  std::span<const PetscInt> nodes_of(PetscInt facet) const {
+    return std::span(nodes).subspan(facet * nodes_per_facet, nodes_per_facet);
+  }
 };
 
 /// Edges as local nodes: 2 or 3 per edge (ends, mid-edge node), in the lists of the same ranks as a FacetList's facets.

@@ -161,6 +161,12 @@ void check_barrier(const Config& config, const InputNode& contact, Diagnostics& 
                       (config.contact->pairs.empty() ? ", or 'law: penalty'" : ""));
 }
 
+void check_contact_start(const Config& config, const InputNode& contact, Diagnostics& diagnostics) {
+  const InputNode* start = given(contact, {"start"});
+  if (start == nullptr || config.contact->start == ContactStart::as_meshed || !config.contact->pairs.empty()) return;
+  diagnostics.add(start->where, "'start: resolve' moves bodies apart that may touch each other: add 'pairs'");
+}
+
 /// Obstacles and pairs of bodies have columns in history.csv, as constrained parts have.
 void check_contact_names(const Config& config, const InputNode& contact, Diagnostics& diagnostics) {
   std::vector<std::string> names;
@@ -199,6 +205,7 @@ void check_contact(const Config& config, const InputNode& root, Diagnostics& dia
     return;
   }
   check_barrier(config, *contact, diagnostics);
+  check_contact_start(config, *contact, diagnostics);
   check_contact_names(config, *contact, diagnostics);
   const InputNode* obstacles = given(*contact, {"obstacles"});
   if (obstacles == nullptr || obstacles->kind != InputNode::Kind::list) return;

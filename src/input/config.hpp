@@ -312,6 +312,12 @@ struct ContactPairsConfig {
   bool empty() const { return !all && list.empty(); }
 };
 
+/// What is done about surfaces that overlap or touch at the start.
+enum class ContactStart {
+  as_meshed,  ///< an error
+  resolve     ///< they are moved apart in the mesh
+};
+
 struct ContactConfig {
   Selection part;  ///< facets that take part: surface, box, where, or all of the surface
   ContactPressureConfig pressure;
@@ -319,6 +325,7 @@ struct ContactConfig {
   FrictionUpdate friction_update = FrictionUpdate::iterated;
   double stick_velocity = 0;  ///< [m/s]
   ContactPairsConfig pairs;
+  ContactStart start = ContactStart::as_meshed;
   std::vector<std::array<Located<std::string>, 2>> exclude;  ///< surfaces or volumes that do not touch each other
   std::vector<ObstacleConfig> obstacles;
   Location where;

@@ -24,7 +24,7 @@ MeshParts prepare(const MeshSource& source, int num_parts, MeshReport& report) {
   parts.mesh = import_mesh(source);
   report.notices = std::move(parts.mesh.notices);
   for (double& x : parts.mesh.coordinates) x *= source.scale;
-  parts.num_vertices = repair(parts.mesh, source.tied_surfaces, report);
+  parts.num_vertices = repair(parts.mesh, source.meeting_parts, report);
   if (source.refine > 0 && parts.mesh.geometry_order() == 2) {
     throw MeshDefect(
         "refine does not support curved second-order elements: mesh it finer in gmsh, or use first-order elements");

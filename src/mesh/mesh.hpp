@@ -42,8 +42,9 @@ struct MeshSource {
   int refine = 0;              ///< uniform refinements after distribution (each cuts a tetrahedron into 8)
   Commands commands = Commands::refused;
   double time_limit = 3600.0;  ///< for gmsh [s]
-  /// Names or numbers of surfaces (physical groups) whose nodes may coincide with others, because the input ties them.
-  std::vector<std::string> tied_surfaces = {};
+  /// Names or numbers of surfaces and volumes (physical groups) whose nodes may coincide with those of other parts,
+  /// because the input ties them or moves them apart.
+  std::vector<std::string> meeting_parts = {};
 };
 
 /// The distributed mesh of tetrahedra. The vertices x0 .. x3 in the transitive closure of a cell have det(x1 - x0, x2 -

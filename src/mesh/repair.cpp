@@ -110,24 +110,41 @@ void require_distinct_cells(const SerialMesh& mesh, Reasons& reasons) {
   }
 }
 
-/// Per node: whether it is on one of the surfaces.
-std::vector<char> nodes_of_surfaces(const SerialMesh& mesh, std::span<const std::string> surfaces) {
-  std::vector<char> result(mesh.num_nodes(), 0);
-  for (const auto& [group, members] : mesh.groups) {
-    if (group.dimension != 2) continue;
-    const bool is_named = std::ranges::any_of(surfaces, [&name = group.name, &tag = group.tag](const std::string& s) {
-      return s == name || s == std::to_string(tag);
-    });
-    if (!is_named) continue;
-    for (const PetscInt node : members) result[static_cast<std::size_t>(node)] = 1;
+/// The parts whose nodes may coincide with others.
+struct MeetingParts {
+  std::vector<char> is_on_surface;     ///< per node: on one of the surfaces
+  std::vector<std::size_t> of_volume;  ///< per node: number of the volume, from 1; 0: none
+
+  MeetingParts(const SerialMesh& mesh, std::span<const std::string> names)
+      : is_on_surface(mesh.num_nodes(), 0), of_volume(mesh.num_nodes(), 0) {
+    for (std::size_t g = 0; g < mesh.groups.size(); ++g) {
+      const auto& [group, members] = mesh.groups[g];
+      const auto is_this = [&name = group.name, &tag = group.tag](const std::string& s) {
+        return s == name || s == std::to_string(tag);
+      };
+      if (group.dimension < 2 || std::ranges::none_of(names, is_this)) continue;
+      if (group.dimension == 2) {
+        for (const PetscInt node : members) is_on_surface[static_cast<std::size_t>(node)] = 1;
+        continue;
+      }
+      for (const PetscInt cell : members) {
+        for (std::size_t i = 0; i < 4; ++i) {
+          of_volume[static_cast<std::size_t>(mesh.cells[4 * static_cast<std::size_t>(cell) + i])] = g + 1;
+        }
+      }
+    }
   }
-  return result;
-}
+
+  bool may_coincide(PetscInt node, PetscInt other) const {
+    const auto a = static_cast<std::size_t>(node), b = static_cast<std::size_t>(other);
+    return is_on_surface[a] != 0 || is_on_surface[b] != 0 || of_volume[a] != of_volume[b];
+  }
+};
 
 /// Finds nodes that coincide: sorts along a direction in which lattice nodes do not tie, and compares near neighbours.
-void require_distinct_places(const SerialMesh& mesh, PetscInt num_vertices, std::span<const std::string> tied_surfaces,
+void require_distinct_places(const SerialMesh& mesh, PetscInt num_vertices, std::span<const std::string> meeting_parts,
                              Reasons& reasons) {
-  const std::vector<char> is_tied = nodes_of_surfaces(mesh, tied_surfaces);
+  const MeetingParts parts(mesh, meeting_parts);
   constexpr Point direction{0.6213412, 0.5177432, 0.5881174};  // generic; a unit vector to 6 digits
   double extent = 0.0;
   for (int k = 0; k < 3; ++k) {
@@ -151,8 +168,7 @@ void require_distinct_places(const SerialMesh& mesh, PetscInt num_vertices, std:
       const double* x = mesh.node(along[i].second);
       const double* y = mesh.node(along[j].second);
       if (std::hypot(x[0] - y[0], x[1] - y[1], x[2] - y[2]) > near) continue;
-      if (is_tied[static_cast<std::size_t>(along[i].second)] || is_tied[static_cast<std::size_t>(along[j].second)])
-        continue;
+      if (parts.may_coincide(along[i].second, along[j].second)) continue;
       coinciding.push_back(mesh.node_tags[static_cast<std::size_t>(along[j].second)]);
       break;
     }
@@ -163,7 +179,8 @@ void require_distinct_places(const SerialMesh& mesh, PetscInt num_vertices, std:
   reasons.push_back(
       "nodes that coincide with another node: " + first_few(coinciding) +
       "; the parts that meet there are not joined. Join them in gmsh (Coherence or BooleanFragments in the "
-      "geometry, Coherence Mesh on a mesh), tie their surfaces in the input (`tied_to`), or leave a gap between them");
+      "geometry, Coherence Mesh on a mesh), tie their surfaces in the input (`tied_to`), let contact move them apart "
+      "(`contact.start: resolve`), or leave a gap between them");
 }
 
 /// Numbers the corners first, then the mid-edge nodes, each in the file's order; drops all other nodes.
@@ -279,7 +296,7 @@ void throw_if_any(const Reasons& reasons) {
 
 }  // namespace
 
-PetscInt repair(SerialMesh& mesh, std::span<const std::string> tied_surfaces, MeshReport& report) {
+PetscInt repair(SerialMesh& mesh, std::span<const std::string> meeting_parts, MeshReport& report) {
   Reasons reasons;
   require_distinct_names(mesh, reasons);
   require_finite_nodes(mesh, reasons);
@@ -287,7 +304,7 @@ PetscInt repair(SerialMesh& mesh, std::span<const std::string> tied_surfaces, Me
   const PetscInt num_vertices = drop_orphans(mesh, report);
   turn_inverted_round(mesh, report, reasons);
   require_distinct_cells(mesh, reasons);
-  require_distinct_places(mesh, num_vertices, tied_surfaces, reasons);
+  require_distinct_places(mesh, num_vertices, meeting_parts, reasons);
   require_one_mid_node_per_edge(mesh, num_vertices, reasons);
   throw_if_any(reasons);
   require_unfolded_curves(mesh, reasons);

@@ -30,7 +30,7 @@ std::vector<double> facet_sizes(const CollisionSurface& surface, std::size_t num
 
 BodyContactLaws body_contact_laws(const ContactConfig& config, const ContactPairConfig* pair,
                                   const BodyStiffnesses& bodies, const CollisionSurface& surface,
-                                  double triangles_per_facet) {
+                                  std::span<const Vector3<double>> start, double triangles_per_facet) {
   const auto& [names, shear_moduli] = bodies;
   const std::size_t n = names.size();
   const std::vector<double> sizes = facet_sizes(surface, n, triangles_per_facet);
@@ -42,23 +42,27 @@ BodyContactLaws body_contact_laws(const ContactConfig& config, const ContactPair
   const auto width = given(&ContactPairConfig::width, common.width);
   const double threshold = given(&ContactPairConfig::thickness, common.threshold).value_or(0.0);
   const double widest = width.value_or(width_per_facet * *std::ranges::max_element(sizes));
-  const auto apart = least_distances(surface, surface.rest_positions(), static_cast<int>(n), 2.0 * widest + threshold);
+  const double far = 2.0 * widest + threshold;
+  const auto at_rest = least_distances(surface, surface.rest_positions(), static_cast<int>(n), far),
+             at_start = least_distances(surface, start, static_cast<int>(n), far);
   BodyContactLaws laws{static_cast<int>(n), {}};
   for (std::size_t a = 0; a < n; ++a) {
     for (std::size_t b = 0; b < n; ++b) {
-      const double h = std::min(sizes[a], sizes[b]), room = apart[n * a + b] - threshold;
+      // Parts of one body that are near each other at the start only are folded: there is no room to leave.
+      const double apart = a == b ? at_rest[n * a + b] : std::min(at_rest[n * a + b], at_start[n * a + b]);
+      const double h = std::min(sizes[a], sizes[b]), room = apart - threshold;
       if (a == b && h > 0.0 && !(room > 0.0)) {
         throw InputError(pair != nullptr ? pair->where : config.where,
                          fmt::format("parts of '{}' that share no edge are {:.3g} m apart in the mesh, and 'thickness' "
                                      "keeps them {:.3g} m apart; a smaller thickness, or no contact with itself",
-                                     names[a], apart[n * a + b], threshold));
+                                     names[a], apart, threshold));
       }
       NormalLaw law{NormalKind::barrier, 1.0, width.value_or(width_per_facet * h), threshold};
       if (h > 0.0) {
         const double k_a = shear_moduli_per_facet * shear_moduli[a] / sizes[a];
         const double k_b = shear_moduli_per_facet * shear_moduli[b] / sizes[b];
         law.stiffness = stiffness.value_or(2.0 * k_a * k_b / (k_a + k_b));
-        // At rest nothing pushes within a body, and between bodies only if the user wants so.
+        // Nothing pushes within a body at rest, nor between bodies at the start unless the user wants so.
         if (room > 0.0 && (a == b || !width)) law.width = std::min(law.width, 0.5 * room);
       }
       laws.of_bodies.push_back(law);

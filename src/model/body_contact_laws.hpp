@@ -4,6 +4,7 @@
 #include "energy/contact/touching_bodies.hpp"
 #include "input/config.hpp"
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -18,11 +19,12 @@ struct BodyStiffnesses {
 /// The size of a facet of each body: the legs of a right triangle of the mean area [m]; 0 of bodies without any.
 std::vector<double> facet_sizes(const CollisionSurface& surface, std::size_t num_bodies, double triangles_per_facet);
 
-/// Barriers. `pair`: the entry of `contact.pairs`; nullptr: `all`. Throws InputError where a body is thinner than the
+/// Barriers. `pair`: the entry of `contact.pairs`; nullptr: `all`. `start`: positions of the vertices at the start [m].
+/// Throws InputError where a body is thinner than the
 /// distance that its surface has to keep from itself.
 BodyContactLaws body_contact_laws(const ContactConfig& config, const ContactPairConfig* pair,
                                   const BodyStiffnesses& bodies, const CollisionSurface& surface,
-                                  double triangles_per_facet);
+                                  std::span<const Vector3<double>> start, double triangles_per_facet);
 
 /// For each two bodies whether parts of them may touch, by rows.
 std::vector<char> bodies_that_may_meet(const CollisionSurface& surface, const ContactSets& sets,

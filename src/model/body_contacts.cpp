@@ -18,14 +18,7 @@ namespace {
 /// The current positions of all vertices, on every rank. Collective.
 std::vector<Vector3<double>> gathered_positions(const NodeLayout& layout, const BodySurfaces& surfaces,
                                                 std::span<const double> q) {
-  std::vector<Vector3<double>> mine;  // vertices are sorted by global numbers, which ascend with the ranks
-  for (const auto& vertex : surfaces.surface().vertices()) {
-    const VertexKey node = vertex.key - layout.first_global_node;
-    if (node < 0 || node >= layout.num_owned_nodes) continue;
-    const auto a = static_cast<PetscInt>(node);
-    mine.push_back(layout.position(a) + Vector3<double>{q[3 * a], q[3 * a + 1], q[3 * a + 2]});
-  }
-  std::vector<Vector3<double>> all = gathered(layout.comm, mine);
+  std::vector<Vector3<double>> all = gathered_nodes(layout, surfaces, q);
   surfaces.place(all);
   return all;
 }
@@ -117,12 +110,12 @@ struct BodyContacts::Part {
 
 BodyContacts::BodyContacts(const ContactConfig& config, const NodeLayout& layout,
                            std::vector<TouchingSurfaces> surfaces, const std::vector<std::string>& body_names,
-                           const std::vector<double>& shear_moduli)
+                           const std::vector<double>& shear_moduli, std::span<const double> start)
     : config_(config), layout_(layout), body_names_(body_names) {
   for (const TouchingSurfaces& touching : surfaces) {
     const bool is_quadratic = touching.facets.nodes_per_facet == 6;
     if (is_quadratic && is_too_curved(layout_, touching, body_names_.size())) {
-      add(touching, shear_moduli, FacetVertices::nodes, Role::main);
+      add(touching, shear_moduli, start, FacetVertices::nodes, Role::main);
       description_.push_back(
           {Severity::warning, touching.config != nullptr ? touching.config->where : config_.where,
            fmt::format(
@@ -132,18 +125,18 @@ BodyContacts::BodyContacts(const ContactConfig& config, const NodeLayout& layout
                name_of(touching.config))});
       continue;
     }
-    add(touching, shear_moduli, FacetVertices::mean, Role::main);
-    if (is_quadratic) add(touching, shear_moduli, FacetVertices::nodes, Role::guard);
+    add(touching, shear_moduli, start, FacetVertices::mean, Role::main);
+    if (is_quadratic) add(touching, shear_moduli, start, FacetVertices::nodes, Role::guard);
   }
 }
 
 void BodyContacts::add(const TouchingSurfaces& touching, const std::vector<double>& shear_moduli,
-                       FacetVertices vertices, Role role) {
+                       std::span<const double> start, FacetVertices vertices, Role role) {
   auto surfaces = std::make_shared<const BodySurfaces>(layout_, touching.facets, touching.sides, vertices);
   const CollisionSurface& surface = surfaces->surface();
   const double triangles_per_facet = touching.facets.nodes_per_facet == 6 ? 4.0 : 1.0;
-  BodyContactLaws laws =
-      body_contact_laws(config_, touching.config, {body_names_, shear_moduli}, surface, triangles_per_facet);
+  BodyContactLaws laws = body_contact_laws(config_, touching.config, {body_names_, shear_moduli}, surface,
+                                           gathered_positions(layout_, *surfaces, start), triangles_per_facet);
   const bool is_guard = role == Role::guard;
   for (NormalLaw& law : laws.of_bodies) law.width *= is_guard ? guard_width : 1.0;
   double distance = std::numeric_limits<double>::infinity();
@@ -312,7 +305,7 @@ void BodyContacts::check_overlaps(std::span<const double> q) const {
     for (const SurfaceOverlap& overlap : find_overlaps(surface, x, part->sets)) {
       if (++num_overlaps <= most_overlaps_named) {
         diagnostics.push_back({Severity::error, part->config != nullptr ? part->config->where : config_.where,
-                               describe(overlap, body_names_, surface.longest_edge())});
+                               describe(overlap, body_names_, surface.longest_edge(), config_.start)});
       }
       for (const OverlappingTriangle& of : overlap.triangles) {
         const auto& triangle = surface.triangles()[of.number];

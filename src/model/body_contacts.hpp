@@ -29,16 +29,16 @@ struct ContactGroup {
 
 class BodyContacts {
  public:
-  /// `shear_moduli`: of each body's stiffest part at rest [Pa]. Everything outlives the object. Throws InputError where
+  /// `shear_moduli`: of each body's stiffest part at rest [Pa]. `start`: displacements of local nodes at the start [m].
+  /// Everything but the surfaces and the start outlives the object. Throws InputError where
   /// a body is thinner than the distance that its surface has to keep from itself. Collective.
   BodyContacts(const ContactConfig& config, const NodeLayout& layout, std::vector<TouchingSurfaces> surfaces,
-               const std::vector<std::string>& body_names, const std::vector<double>& shear_moduli);
+               const std::vector<std::string>& body_names, const std::vector<double>& shear_moduli,
+               std::span<const double> start);
 
   /// Appends the terms, and a group for each pair that has a name. `has_velocity`: there may be friction and damping.
   void make_terms(bool has_velocity, std::vector<std::unique_ptr<EnergyTerm>>& terms,
                   std::vector<ContactGroup>& groups) const;
-  /// Whether everything may touch everything: then no body can pass through another.
-  bool includes_all() const { return config_.pairs.all && config_.exclude.empty(); }
   /// Notes of what was derived from material and mesh.
   const std::vector<Diagnostic>& description() const { return description_; }
 
@@ -70,8 +70,8 @@ class BodyContacts {
     main,
     guard  ///< keeps surfaces apart in addition to a main part
   };
-  void add(const TouchingSurfaces& surfaces, const std::vector<double>& shear_moduli, FacetVertices vertices,
-           Role role);
+  void add(const TouchingSurfaces& surfaces, const std::vector<double>& shear_moduli, std::span<const double> start,
+           FacetVertices vertices, Role role);
   /// A flag for each owned node.
   std::vector<char> nodes_of_first_side(const TouchingSurfaces& touching) const;
 

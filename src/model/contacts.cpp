@@ -3,6 +3,7 @@
 #include "fem/probe.hpp"
 #include "fem/surface_distance.hpp"
 #include "input/analysis.hpp"
+#include "model/initial_displacement.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
@@ -133,7 +134,8 @@ Contacts::Contacts(const ContactConfig& config, const ContactBodies& bodies, std
   }
   if (!obstacles_.empty()) add_surfaces(bodies);
   if (touching.empty()) return;
-  between_ = std::make_unique<BodyContacts>(config_, layout_, std::move(touching), body_names_, bodies.shear_moduli);
+  between_ = std::make_unique<BodyContacts>(config_, layout_, std::move(touching), body_names_, bodies.shear_moduli,
+                                            bodies.start);
   for (const Diagnostic& note : between_->description()) description_.push_back(note);
 }
 
@@ -282,11 +284,7 @@ std::vector<Diagnostic> Contacts::warnings_about_start(const Instant& at, const 
         config_.where,
         "nothing can touch the obstacles: constraints prescribe every displacement of the surface that may touch them");
   }
-  std::vector<double> q(layout_.coordinates.size());
-  for (PetscInt a = 0; a < layout_.num_local_nodes; ++a) {
-    const Vector3<double> X = layout_.position(a);
-    for (std::size_t i = 0; i < 3; ++i) q[3 * a + i] = displacement[i](X[0], X[1], X[2], 0.0);
-  }
+  const std::vector<double> q = initial_displacement(displacement, layout_);
   for (std::size_t k = 0; k < obstacles_.size(); ++k) {
     const ObstacleConfig& o = config_.obstacles[k];
     const ObstacleFrame frame = obstacles_[k]->at(at);

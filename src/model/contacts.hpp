@@ -24,6 +24,7 @@ struct ContactBodies {
   const std::vector<std::string>& names;    ///< of the bodies
   const std::vector<double>& shear_moduli;  ///< per body, of its stiffest part at rest [Pa]
   const std::vector<char>& prescribed;      ///< one flag per local entry
+  const std::vector<double>& start;         ///< displacements of local nodes at the start [m]
 };
 
 /// Contact at a node.

@@ -3,13 +3,16 @@
 #include "base/stopwatch.hpp"
 #include "energy/constraint/velocity_projection.hpp"
 #include "energy/volume/mean_dilatation.hpp"
+#include "fem/entry_keys.hpp"
 #include "input/elasticity.hpp"
 #include "model/active.hpp"
 #include "model/checks.hpp"
 #include "model/events.hpp"
+#include "model/initial_displacement.hpp"
 #include "model/mesh_cell_data.hpp"
 #include "model/method_warnings.hpp"
 #include "model/selections.hpp"
+#include "model/start_adjustment.hpp"
 #include "model/tied_surfaces.hpp"
 #include "model/viscosity.hpp"
 #include "model/warnings.hpp"
@@ -24,6 +27,29 @@
 #include <fmt/format.h>
 
 namespace pliant {
+namespace {
+
+bool resolves_start(const Config& config) {
+  return config.contact && config.contact->start == ContactStart::resolve;
+}
+
+/// Surfaces and volumes whose nodes may coincide with those of other parts, by name or number: others are tied to them,
+/// or they are moved apart.
+std::vector<std::string> parts_that_meet(const Config& config) {
+  std::vector<std::string> names;
+  for (const auto& surfaces : tied_surfaces(config)) names.push_back(surfaces[1].name);
+  if (!resolves_start(config)) return names;
+  for (const ContactPairConfig& pair : config.contact->pairs.list) {
+    names.push_back(pair.part.value);
+    if (pair.with) names.push_back(pair.with->value);
+  }
+  if (config.contact->pairs.all) {
+    for (const BodyConfig& body : config.bodies) names.push_back(body.part.name);
+  }
+  return names;
+}
+
+}  // namespace
 
 Model::Model(MPI_Comm comm, const Config& config, const TermFactory& additional) {
   // The size in the input is in metres, that of gmsh in the unit of the geometry.
@@ -33,11 +59,12 @@ Model::Model(MPI_Comm comm, const Config& config, const TermFactory& additional)
     const Stopwatch watch(mesh_seconds_);
     return read_mesh(comm, {config.mesh.file.value, config.mesh.file.where, size, config.mesh.scale, config.mesh.refine,
                             config.mesh.allow_commands ? Commands::allowed : Commands::refused, config.mesh.time_limit,
-                            names_of_partners(config)});
+                            parts_that_meet(config)});
   }();
   mesh_report_ = mesh.report;
   const int order = static_cast<int>(config.element);
   layout_ = make_layout(mesh, order);
+  fingerprint_ = fingerprint(layout_);
   on_every_rank(comm, [&] { pattern_ = std::make_unique<BlockPattern>(layout_); });
   if (order == 1 && mesh.geometry_order == 2) {
     diagnostics_.push_back(note("the mesh has curved edges, which P1 elements straighten; `element: P2` keeps them"));
@@ -171,7 +198,9 @@ void Model::build_cells(const Config& config, const Mesh& mesh) {
 }
 
 void Model::build_terms(const Config& config, const Mesh& mesh) {
-  Selections selections(mesh, layout_);
+  // Selections are by places in the mesh as it is given, whatever is moved before the start.
+  const std::optional<NodeLayout> as_meshed = resolves_start(config) ? std::optional(layout_) : std::nullopt;
+  Selections selections(mesh, as_meshed ? *as_meshed : layout_);
 
   std::vector<Selection> parts;
   for (const auto& body : config.bodies) {
@@ -188,6 +217,10 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
     touching_each_other =
         find_touching_surfaces(*config.contact, tied_surfaces(config), {layout_, body_of_cell_}, selections);
     touching = selections.outer_facets(config.contact->part, config.contact->where, "where nothing can be touched");
+    if (as_meshed) {
+      include(adjust_start(*config.contact, touching_each_other, body_names_, config.initial.displacement,
+                           selections.facets(Selection{}), *as_meshed, layout_));
+    }
   }
   constraints_ = std::make_unique<Constraints>(config, layout_, selections);
   include(constraints_->description());
@@ -207,14 +240,16 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   loads_ = std::make_unique<Loads>(config, layout_, *pattern_, std::move(load_parts), constraints_->prescribed());
   require_finite(analysis_of(config) == Analysis::static_equilibrium ? config.time.end : 0.0);
   if (config.contact) {
-    contacts_ = std::make_unique<Contacts>(*config.contact,
-                                           ContactBodies{touching, layout_, *pattern_, body_of_cell_, body_names_,
-                                                         shear_moduli_, constraints_->prescribed().flags()},
-                                           std::move(touching_each_other));
+    contacts_ = std::make_unique<Contacts>(
+        *config.contact,
+        ContactBodies{touching, layout_, *pattern_, body_of_cell_, body_names_, shear_moduli_,
+                      constraints_->prescribed().flags(), initial_displacement(config.initial.displacement, layout_)},
+        touching_each_other);
     include(contacts_->description());
   }
 
   find_components(config, selections);
+  are_kept_apart_ = components_kept_apart(layout_.comm, components_, touching_each_other);
 
   std::vector<std::array<double, 3>> points;
   for (const auto& probe : config.probes) points.push_back(probe.point);
@@ -272,23 +307,20 @@ void Model::find_components(const Config& config, Selections& selections) {
 }
 
 void Model::check_overlap(const Config& config) {
-  std::vector<double> u(3 * static_cast<std::size_t>(layout_.num_local_nodes));
-  for (PetscInt n = 0; n < layout_.num_local_nodes; ++n) {
-    const auto [x, y, z] = layout_.position(n);
-    for (std::size_t i = 0; i < 3; ++i) u[3 * n + i] = config.initial.displacement[i](x, y, z, 0.0);
+  const std::vector<double> u = initial_displacement(config.initial.displacement, layout_);
+  constexpr std::size_t most_nodes = 20000;
+  auto overlap = deepest_overlap(layout_, components_, u, most_nodes);
+  if (overlap && contacts_ && contacts_->between_bodies() != nullptr) {
+    contacts_->between_bodies()->check_overlaps(u);
+    // The surfaces of what is kept apart do not meet: only their edges do, taken as straight.
+    overlap = deepest_overlap(layout_, components_, u, most_nodes, are_kept_apart_);
   }
-  const auto overlap = deepest_overlap(layout_, components_, u);
   overlaps_at_start_ = overlap.has_value();
   if (!overlap) return;
   const auto& [x, y, z] = overlap->at;
   const std::string what = fmt::format(
       "parts of the mesh that share no node overlap at the start, {:.3g} m deep at ({:.4g}, {:.4g}, {:.4g})",
       overlap->depth, x, y, z);
-  const BodyContacts* between = contacts_ ? contacts_->between_bodies() : nullptr;
-  if (between != nullptr) between->check_overlaps(u);
-  if (between != nullptr && between->includes_all()) {
-    throw InputError(config.contact->where, what + ", and contact between bodies cannot part them; move one of them");
-  }
   warn(config.mesh.file.where, what +
                                    ": no contact between them is enabled; move one of them, join them in gmsh "
                                    "(BooleanFragments), or let them touch ('contact: {law: barrier, pairs: all}')");

@@ -65,8 +65,12 @@ class Model {
   const WaveSpeeds& wave_speeds() const { return wave_speeds_; }
   /// Wall-clock time that the mesh took: reading or meshing, checks, partition, distribution [s].
   double mesh_seconds() const { return mesh_seconds_; }
+  /// The fingerprint of the mesh as it is given (fem/entry_keys).
+  std::uint64_t mesh_fingerprint() const { return fingerprint_; }
   /// Parts of the mesh that neither nodes nor constraints join.
   const Components& components() const { return components_; }
+  /// Whether contact keeps two of them apart, for each two, by rows.
+  const std::vector<char>& are_kept_apart() const { return are_kept_apart_; }
   bool overlaps_at_start() const { return overlaps_at_start_; }
   /// Notes, then warnings.
   const std::vector<Diagnostic>& diagnostics() const { return diagnostics_; }
@@ -129,6 +133,8 @@ class Model {
   std::unique_ptr<ConstrainedEquation> constrained_equation_;
   std::vector<ProbeLocation> probes_;
   Components components_;
+  std::uint64_t fingerprint_ = 0;
+  std::vector<char> are_kept_apart_;  // of each two
   bool overlaps_at_start_ = false;
   bool is_dynamic_ = false;
   std::optional<double> static_time_;  // at which a static problem takes its loads

@@ -6,7 +6,8 @@
 
 namespace pliant {
 
-std::string describe(const SurfaceOverlap& overlap, const std::vector<std::string>& body_names, double size) {
+std::string describe(const SurfaceOverlap& overlap, const std::vector<std::string>& body_names, double size,
+                     ContactStart start) {
   const std::string where = fmt::format("at the start in {} place{} ({} triangles)", overlap.num_places,
                                         overlap.num_places == 1 ? "" : "s", overlap.triangles.size());
   const std::string place = place_text(without_rounding(overlap.place, size));
@@ -18,16 +19,16 @@ std::string describe(const SurfaceOverlap& overlap, const std::vector<std::strin
         body, where, place);
   }
   const std::string pair = fmt::format("'{}' and '{}'", body, body_names[static_cast<std::size_t>(overlap.other)]);
+  constexpr double deepest_resolved = 0.25;  // relative to a facet; more seldom succeeds
+  const bool may_resolve = start == ContactStart::as_meshed && overlap.depth < deepest_resolved * size;
+  const std::string advice = fmt::format("{}, or exclude them from contact ('exclude')",
+                                         may_resolve ? "let 'start: resolve' move them apart" : "move one of them");
   if (!(overlap.depth > 0.0)) {
-    return fmt::format(
-        "{} touch {}, near {}, and the barrier needs a gap between them, however small; move one of "
-        "them, or exclude them from contact ('exclude')",
-        pair, where, place);
+    return fmt::format("{} touch {}, near {}, and the barrier needs a gap between them, however small; {}", pair, where,
+                       place, advice);
   }
-  return fmt::format(
-      "{} overlap {}, {:.3g} m deep at {}, which the barrier does not allow; move one of them, or exclude "
-      "them from contact ('exclude')",
-      pair, where, overlap.depth, place);
+  return fmt::format("{} overlap {}, {:.3g} m deep at {}, which the barrier does not allow; {}", pair, where,
+                     overlap.depth, place, advice);
 }
 
 }  // namespace pliant

@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "base/vector3.hpp"
 #include "collision/overlaps.hpp"
+#include "input/config.hpp"
 
 #include <array>
 #include <string>
@@ -32,6 +33,7 @@ class OverlapError : public InputError {
 };
 
 /// What overlaps, how deep and where, and what to do. `size`: of a facet, to know what is rounding [m].
-std::string describe(const SurfaceOverlap& overlap, const std::vector<std::string>& body_names, double size);
+std::string describe(const SurfaceOverlap& overlap, const std::vector<std::string>& body_names, double size,
+                     ContactStart start);
 
 }  // namespace pliant

@@ -91,12 +91,6 @@ Diagnostic note_of(const Config& config, const SurfaceTie& tie) {
   return note(text);
 }
 
-std::vector<std::string> names_of_partners(const Config& config) {
-  std::vector<std::string> result;
-  for (const auto& surfaces : tied_surfaces(config)) result.push_back(surfaces[1].name);
-  return result;
-}
-
 std::vector<std::array<Selection, 2>> tied_surfaces(const Config& config) {
   std::vector<std::array<Selection, 2>> result;
   for (const ConstraintConfig& constraint : config.constraints) {

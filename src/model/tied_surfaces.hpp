@@ -21,9 +21,6 @@ std::vector<PetscInt> owned_nodes(const NodeLayout& layout, const SurfaceTie& ti
 /// How many nodes are tied and how far they are; how many stay free.
 Diagnostic note_of(const Config& config, const SurfaceTie& tie);
 
-/// The surfaces that others are tied to, by name or number.
-std::vector<std::string> names_of_partners(const Config& config);
-
 /// The two surfaces of each tie.
 std::vector<std::array<Selection, 2>> tied_surfaces(const Config& config);
 

@@ -19,10 +19,6 @@ Corners corners_of(std::span<const PetscInt> nodes) {
   return corners;
 }
 
-std::span<const PetscInt> nodes_of(const FacetList& facets, PetscInt facet) {
-  return std::span(facets.nodes).subspan(facet * facets.nodes_per_facet, facets.nodes_per_facet);
-}
-
 /// Whether two entries let the same facets touch, as the one side and the other. `masks`: of all outer facets of this
 /// rank. Collective.
 bool repeats(MPI_Comm comm, std::span<const std::uint64_t> masks, std::span<const std::uint64_t> others) {
@@ -41,7 +37,7 @@ class Membership {
  public:
   Membership(const FacetList& facets, const CellOfFacets& cells, Selections& selections)
       : facets_(facets), cells_(cells), selections_(selections), masks_(static_cast<std::size_t>(facets.size()), 0) {
-    for (PetscInt facet = 0; facet < facets.size(); ++facet) number_[corners_of(nodes_of(facets, facet))] = facet;
+    for (PetscInt facet = 0; facet < facets.size(); ++facet) number_[corners_of(facets.nodes_of(facet))] = facet;
   }
 
   /// Sets the bit of the facets of a surface or of the outer facets of a volume. Collective.
@@ -56,7 +52,7 @@ class Membership {
       part.kind = Kind::volume;
       const std::vector<char> is_in = selections_.cells(part);
       for (PetscInt facet = 0; facet < facets_.size(); ++facet) {
-        const auto cell = cells_(nodes_of(facets_, facet));
+        const auto cell = cells_(facets_.nodes_of(facet));
         if (cell && is_in[*cell] != 0) masks_[facet] |= mask;
       }
       return;
@@ -67,7 +63,7 @@ class Membership {
   void add(const Selection& part, std::uint64_t mask) {
     const FacetList members = selections_.outer_facets(part, part.where, "where nothing can touch it");
     for (PetscInt facet = 0; facet < members.size(); ++facet) {
-      const auto found = number_.find(corners_of(nodes_of(members, facet)));
+      const auto found = number_.find(corners_of(members.nodes_of(facet)));
       if (found != number_.end()) masks_[found->second] |= mask;
     }
   }
@@ -78,12 +74,12 @@ class Membership {
     std::set<PetscInt> mine;
     for (PetscInt facet = 0; facet < facets_.size(); ++facet) {
       if ((masks_[facet] & mask) == 0) continue;
-      for (const PetscInt n : nodes_of(facets_, facet)) mine.insert(layout.global_node(n));
+      for (const PetscInt n : facets_.nodes_of(facet)) mine.insert(layout.global_node(n));
     }
     const auto all = gathered(layout.comm, std::vector<PetscInt>(mine.begin(), mine.end()));
     const std::set<PetscInt> nodes(all.begin(), all.end());
     for (PetscInt facet = 0; facet < facets_.size(); ++facet) {
-      const auto of_facet = nodes_of(facets_, facet);
+      const auto of_facet = facets_.nodes_of(facet);
       const bool meets =
           std::ranges::any_of(of_facet, [&](PetscInt n) { return nodes.contains(layout.global_node(n)); });
       if (meets) masks_[facet] |= mask;
@@ -220,8 +216,11 @@ std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config
     touching.config = pair;
     std::vector<std::uint64_t> masks;
     for (PetscInt facet = 0; facet < all.size(); ++facet) {
-      if ((membership[facet] & both_sides) == 0) continue;
-      const auto nodes = nodes_of(all, facet);
+      const auto nodes = all.nodes_of(facet);
+      if ((membership[facet] & both_sides) == 0) {
+        touching.nodes_left_out.push_back(nodes[0]);
+        continue;
+      }
       const auto cell = cells(nodes);
       touching.facets.nodes.insert(touching.facets.nodes.end(), nodes.begin(), nodes.end());
       touching.facets.is_owned.push_back(all.is_owned[facet]);
@@ -234,6 +233,39 @@ std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config
     result.push_back(std::move(touching));
   }
   return result;
+}
+
+std::vector<char> components_kept_apart(MPI_Comm comm, const Components& components,
+                                        std::span<const TouchingSurfaces> touching) {
+  const auto count = static_cast<std::size_t>(components.count);
+  const auto component_of = [&](PetscInt node) { return static_cast<std::size_t>(components.of_node[node]); };
+  std::vector<char> are_kept(count * count, 0);
+  for (const TouchingSurfaces& entry : touching) {
+    // The outer facets of each component that take no part, and those of each set.
+    const auto num_sets = static_cast<std::size_t>(entry.sets.num_sets);
+    std::vector<double> left_out(count, 0.0), of_sets(count * num_sets, 0.0);
+    for (const PetscInt node : entry.nodes_left_out) left_out[component_of(node)] += 1.0;
+    for (PetscInt facet = 0; facet < entry.facets.size(); ++facet) {
+      const auto set = static_cast<std::size_t>(entry.sides[facet].set);
+      of_sets[component_of(entry.facets.nodes_of(facet)[0]) * num_sets + set] += 1.0;
+    }
+    sum_in_place(comm, left_out);
+    sum_in_place(comm, of_sets);
+    const auto may_touch = [&](std::size_t a, std::size_t b) {
+      if (left_out[a] > 0.0 || left_out[b] > 0.0) return false;
+      for (std::size_t s = 0; s < num_sets; ++s) {
+        for (std::size_t t = 0; t < num_sets; ++t) {
+          const bool are_there = of_sets[a * num_sets + s] > 0.0 && of_sets[b * num_sets + t] > 0.0;
+          if (are_there && !entry.sets(static_cast<int>(s), static_cast<int>(t))) return false;
+        }
+      }
+      return true;
+    };
+    for (std::size_t a = 0; a < count; ++a) {
+      for (std::size_t b = 0; b < count; ++b) are_kept[a * count + b] |= a == b || may_touch(a, b) ? 1 : 0;
+    }
+  }
+  return are_kept;
 }
 
 }  // namespace pliant

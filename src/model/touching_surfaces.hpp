@@ -4,6 +4,7 @@
 
 #include "collision/contact_pairs.hpp"
 #include "energy/contact/body_surfaces.hpp"
+#include "fem/components.hpp"
 #include "model/selections.hpp"
 
 #include <array>
@@ -32,6 +33,7 @@ struct TouchingSurfaces {
   ContactSets sets;                                 ///< which may touch
   std::vector<std::array<bool, 2>> set_is_on_side;  ///< of each set: it is of `surface`, of `with` of the entry
   std::vector<char> is_on_first_side;               ///< of each facet: it belongs to `surface` of the entry
+  std::vector<PetscInt> nodes_left_out;             ///< a local node of each outer facet that takes no part
   const ContactPairConfig* config = nullptr;        ///< nullptr: `all`
 };
 
@@ -45,5 +47,10 @@ struct LayoutOfBodies {
 std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config,
                                                      const std::vector<std::array<Selection, 2>>& tied,
                                                      const LayoutOfBodies& bodies, Selections& selections);
+
+/// For each two components whether contact keeps them apart, by rows: all their outer facets may touch each other.
+/// Collective.
+std::vector<char> components_kept_apart(MPI_Comm comm, const Components& components,
+                                        std::span<const TouchingSurfaces> touching);
 
 }  // namespace pliant

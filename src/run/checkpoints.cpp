@@ -32,7 +32,7 @@ std::optional<std::int64_t> step_of(const fs::path& file) {
 }
 
 std::string fingerprint_of(const Model& model) {
-  return fmt::format("{:016x}", fingerprint(model.layout()));
+  return fmt::format("{:016x}", model.mesh_fingerprint());
 }
 
 }  // namespace

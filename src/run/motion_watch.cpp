@@ -183,15 +183,13 @@ std::vector<std::string> MotionWatch::look(const StepRecord& record) {
 
 std::optional<std::string> MotionWatch::look_for_passage(const StepRecord& record) {
   if (overlap_is_known_ || model_.components().count < 2) return std::nullopt;
-  const Contacts* contacts = model_.contacts();
-  if (contacts != nullptr && contacts->between_bodies() != nullptr && contacts->between_bodies()->includes_all()) {
-    return std::nullopt;
-  }
+  const std::vector<char>& are_kept_apart = model_.are_kept_apart();
+  if (std::ranges::find(are_kept_apart, 0) == are_kept_apart.end()) return std::nullopt;
   check(VecCopy(record.q, q_.get()));
   update_ghosts(q_.get());
   const ConstGhostedView u(q_.get());
   constexpr std::size_t most_nodes = 1000;  // costs far less than a step
-  const auto overlap = deepest_overlap(model_.layout(), model_.components(), u.span(), most_nodes);
+  const auto overlap = deepest_overlap(model_.layout(), model_.components(), u.span(), most_nodes, are_kept_apart);
   if (!overlap) return std::nullopt;
   overlap_is_known_ = true;
   const auto& [x, y, z] = overlap->at;

@@ -107,6 +107,24 @@ TEST_P(ComponentsOfCubes, OverlapAsDeepAsTheyDo) {
   EXPECT_EQ(std::max(overlap->of, overlap->in), 1);
 }
 
+TEST_P(ComponentsOfCubes, ThatAreKeptApartDoNotCount) {
+  const Cubes cubes({{0, 0, 0}, {0.9, 0.9, 0.9}, {-0.85, -0.85, -0.85}}, GetParam());
+  const Components components = connected_components(cubes.layout());
+  const auto deepest = [&](const std::vector<char>& are_kept_apart) {
+    return deepest_overlap(cubes.layout(), components, cubes.at_rest(), 20000, are_kept_apart);
+  };
+  const auto all = deepest({});
+  ASSERT_TRUE(all.has_value());
+  std::vector<char> are_kept_apart(9, 0);
+  are_kept_apart[static_cast<std::size_t>(3 * all->of + all->in)] = 1;
+  are_kept_apart[static_cast<std::size_t>(3 * all->in + all->of)] = 1;
+  const auto next = deepest(are_kept_apart);
+  ASSERT_TRUE(next.has_value());
+  EXPECT_LT(next->depth, all->depth);
+  EXPECT_NE(std::minmax({next->of, next->in}), std::minmax({all->of, all->in}));
+  EXPECT_FALSE(deepest(std::vector<char>(9, 1)).has_value());
+}
+
 TEST_P(ComponentsOfCubes, ThatTouchDoNotOverlap) {
   for (const Point& corner : {Point{1, 0.3, 0.2}, {0.3, 1, 0}, {1, 0.5, 1}, {1.001, 0.3, 0.3}, {3, 3, 3}}) {
     const Cubes cubes({{0, 0, 0}, corner}, GetParam());

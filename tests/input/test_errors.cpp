@@ -52,6 +52,8 @@ INSTANTIATE_TEST_SUITE_P(
             "'name' can only be given with 'with' in pairs[0]"},
         Bad{6, "contact: {law: barrier, @exclude: [[a, b]], obstacles: [{name: a, shape: sphere, radius: 1}]}",
             "'exclude' can only be given with 'pairs' in contact"},
+        Bad{6, "contact: {law: barrier, start: @resolve, obstacles: [{name: a, shape: sphere, radius: 1}]}",
+            "'start: resolve' moves bodies apart that may touch each other: add 'pairs'"},
         Bad{6, "contact: {surface: a, @where: \"x > 0\", obstacles: [{name: a, shape: sphere, radius: 1}]}",
             "only one of surface, where can be given in contact"},
         Bad{6, "contact: {obstacles: [@{name: a, shape: plane}]}", "missing key 'normal'"},

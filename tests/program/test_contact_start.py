@@ -4,10 +4,12 @@ import re
 import unittest
 import xml.etree.ElementTree
 
+import h5py
 import numpy as np
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
+from overlaps import overlaps
 from program import ProgramTest, start, finish, read_history, UNSIGNALLED
 from test_body_contact import GEOMETRY, two_blocks
 
@@ -248,6 +250,142 @@ Mesh.MeshSizeMax = 0.5;
         file = self.write("apart.yaml", two_blocks(file="static.geo", time="method: backward-euler, step: 2 ms, end: 2 ms"))
         self.run_input(file, output="static1")
         self.assertFalse((self.directory / "static1/overlap.vtu").exists())
+
+
+PIN = """SetFactory("OpenCASCADE");
+Box(1) = {-2, -2, 0, 4, 4, 1};
+Cylinder(2) = {0, 0, -0.5, 0, 0, 2, 0.8};
+BooleanDifference{ Volume{1}; Delete; }{ Volume{2}; }
+Cylinder(3) = {0, 0, -0.5, 0, 0, 2, 0.8};
+Physical Volume("base") = {1};
+Physical Volume("block") = {3};
+Physical Surface("floor") = {Surface In BoundingBox {-2.1, -2.1, -0.1, 2.1, 2.1, 0.1}};
+Mesh.MeshSizeMax = 0.8;
+MeshSize{ PointsOf{ Volume{3}; } } = 0.5;
+"""
+WEDGES = """SetFactory("OpenCASCADE");
+Point(1) = {-1, -2, 0}; Point(2) = {1, -2, 0}; Point(3) = {0, -2, 1};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 1}; Curve Loop(1) = {1, 2, 3}; Plane Surface(1) = {1};
+a[] = Extrude {0, 4, 0} { Surface{1}; };
+Point(11) = {-2, -1, 1.95}; Point(12) = {-2, 1, 1.95}; Point(13) = {-2, 0, 0.95};
+Line(21) = {11, 12}; Line(22) = {12, 13}; Line(23) = {13, 11}; Curve Loop(21) = {21, 22, 23}; Plane Surface(21) = {21};
+b[] = Extrude {4, 0, 0} { Surface{21}; };
+Physical Volume("base") = {a[1]};
+Physical Volume("block") = {b[1]};
+Physical Surface("floor") = {a[2]};
+Mesh.MeshSizeMax = 0.6;
+"""
+
+
+class Resolve(ProgramTest):
+    """`start: resolve` moves apart what touches or overlaps a little."""
+
+    RESOLVE = "law: barrier, start: resolve, pairs: all"
+
+    def note(self, file, ranks=1):
+        done = self.call("check", file, ranks=ranks)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return re.search(r"'base' and 'block' (.*)", done.stdout + done.stderr)[0]
+
+    def test_shapes_that_touch_or_overlap(self):
+        shapes = {"touching": (GEOMETRY % "1", "touch in the mesh"), "low": (GEOMETRY % "0.95", "overlap by up to 0.0005 m"),
+                  "pin": (PIN, "overlap by up to"), "wedges": (WEDGES, "overlap by up to 0.000")}
+        for name, (geometry, expected) in shapes.items():
+            self.write(name + ".geo", "Mesh.ElementOrder = 2;\n" + geometry)
+            for element in ("P1", "P2"):
+                with self.subTest(shape=name, element=element):
+                    file = self.write(name + element + ".yaml",
+                                      two_blocks(self.RESOLVE, file=name + ".geo", element=element,
+                                                 time="method: backward-euler, step: 1 ms, end: 4 ms"))
+                    notes = [self.note(file, ranks) for ranks in (1, 3)]
+                    self.assertIn(expected, notes[0])
+                    self.assertRegex(notes[0], "'start: resolve' moves [1-9][0-9]* nodes")
+                    self.assertEqual(*notes)
+                    h = self.run_input(file, output=name + element)
+                    self.assertEqual(h["contact_energy"][0], 0)
+                    self.assertGreater(h["contact_gap_min"].min(), 0)
+                    self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-6 * np.abs(h["load_potential"]).max())
+                    self.assertEqual(overlaps(self.directory / (name + element) / "result.h5"), [])
+                    self.assert_same_history(h, self.run_input(file, output=name + "3", ranks=3), 1e-5)
+
+    def test_flat_surfaces_stay_flat(self):
+        # Two blocks of 1 x 0.5 m that do not fit, without transverse strain, shortened by 1 %: the same stress everywhere.
+        self.write("patch.geo", """SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 1, 1, 0.5};
+Box(2) = {0, 0, 0.5, 1, 1, 0.5};
+Physical Volume("base") = {1};
+Physical Volume("block") = {2};
+Physical Surface("floor") = {5};
+Physical Surface("top") = {12};
+MeshSize{ PointsOf{ Volume{1}; } } = 0.35;
+MeshSize{ PointsOf{ Volume{2}; } } = 0.25;
+""")
+        law = "density: 1000, elasticity: {model: saint-venant-kirchhoff, youngs_modulus: 1e6, poissons_ratio: 0}"
+        for element, spread in (("P1", 0.03), ("P2", 0.03)):
+            file = self.write("patch.yaml", f"""
+mesh: {{file: patch.geo}}
+element: {element}
+bodies: [{{volume: base, {law}}}, {{volume: block, {law}}}]
+constraints: [{{surface: floor, displacement: [free, free, 0]}}, {{surface: top, displacement: [0, 0, -0.01]}},
+              {{where: "x < 1e-9", displacement: [0, free, free]}}, {{where: "y < 1e-9", displacement: [free, 0, free]}}]
+contact: {{{self.RESOLVE}, width: 1e-6}}
+time: {{method: static, load_steps: 2}}
+output: {{fields: [cauchy_stress]}}
+""")
+            self.run_input(file)
+            with h5py.File(self.directory / "out/result.h5") as result:
+                frame = result["frames"][max(result["frames"])]
+                stress = frame["cauchy_stress"][:]
+            vertical = stress[:, 2] if stress.shape[1] == 6 else stress.reshape(-1, 3, 3)[:, 2, 2]
+            self.assertAlmostEqual(np.mean(vertical) / -9.9e3, 1, delta=0.01)
+            self.assertLess(np.abs(vertical / np.mean(vertical) - 1).max(), spread)
+
+    def test_selections_are_by_the_mesh_as_it_is_given(self):
+        self.write("blocks.geo", GEOMETRY % "1")
+        text = two_blocks(self.RESOLVE).replace("constraints: [", 'constraints: [{where: "abs(z - 0.01) < 1e-9", displacement: [0, 0, free]}, ')
+        self.run_input(self.write("two.yaml", text))
+        # The same nodes are not at that height any more.
+        with h5py.File(self.directory / "out/result.h5") as result:
+            height = result["mesh"]["coordinates"][:, 2]
+        self.assertGreater(np.count_nonzero((np.abs(height - 0.01) > 1e-7) & (np.abs(height - 0.01) < 1e-5)), 8)
+
+    def test_distances_given(self):
+        self.write("blocks.geo", GEOMETRY % "1")
+        for keys, least, most in (("width: 0.05 mm", 0.05e-3, 0.11e-3), ("width: 0.05 mm, threshold: 0.4 mm", 0.05e-3, 0.11e-3)):
+            file = self.write("two.yaml", two_blocks(f"{self.RESOLVE}, {keys}", time="method: backward-euler, step: 1 ms, end: 1 ms"))
+            start = self.run_input(file)["contact_gap_min"][0]
+            self.assertTrue(least <= start <= most, start)
+        # A block that starts within the threshold alone.
+        self.write("blocks.geo", GEOMETRY % "1.03")
+        self.assertIn("are nearer than their 'thickness' in the mesh", self.note(file))
+
+    def test_a_displacement_at_the_start_counts(self):
+        self.write("blocks.geo", GEOMETRY % "1.2")
+        text = two_blocks(self.RESOLVE).replace("initial: {", 'initial: {displacement: [0, 0, "z > 0.011 ? -2.3e-3 : 0"], ')
+        h = self.run_input(self.write("two.yaml", text))
+        self.assertEqual(h["contact_energy"][0], 0)
+        self.assertGreater(h["contact_gap_min"][0], 0)
+
+    def test_goes_on_elsewhere(self):
+        self.write("blocks.geo", GEOMETRY % "0.97")
+        file = self.write("two.yaml", two_blocks(self.RESOLVE, time="method: backward-euler, step: 1 ms, end: 8 ms")
+                          + "checkpoint: {every: 4}\n")
+        whole = self.run_input(file, output="whole")
+        self.run_input(file, output="part")
+        for later in sorted((self.directory / "part").glob("checkpoint-*.h5"))[1:]:
+            later.unlink()
+        done = self.call("resume", "part", "--quiet", ranks=2)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assert_same_history(whole, read_history(self.directory / "part"), 1e-6)
+
+    def test_what_is_too_deep_is_told(self):
+        fine = GEOMETRY.replace("Max = 1", "Max = 0.4").replace("Min = 1", "Min = 0.4")
+        for height, expected in ((0.7, "flatten an element near"), (0.4, "overlap at the start in 1 place")):
+            self.write("blocks.geo", fine % height)
+            for ranks in (1, 2):
+                done = self.call("run", self.write("two.yaml", two_blocks(self.RESOLVE)), "--quiet", ranks=ranks)
+                self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+                self.assertRegex(done.stderr, expected)
 
 
 if __name__ == "__main__":

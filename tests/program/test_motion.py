@@ -133,13 +133,13 @@ time: {method: bdf2, step: 10 ms, end: 0.2}
 output: {every: 0.2}
 """
 
-    def warnings(self, velocity, ranks):
+    def warnings(self, velocity, ranks, more=""):
         points, triangles, cells = box((2, 2, 2))
         volumes = (["post", "ball"], np.repeat([0, 1], len(cells)))
         write_mesh(self.directory / "two.msh", np.vstack([points, points + (1.4, 0.1, 0.1)]), triangles,
                    np.vstack([cells, cells + len(points)]), volumes)
         law = "density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e5, poissons_ratio: 0.3}"
-        text = (self.PASSING % velocity).replace(f"[{{{law}}}]", f"[{{volume: ball, {law}}}, {{volume: post, {law}}}]")
+        text = (self.PASSING % velocity + more).replace(f"[{{{law}}}]", f"[{{volume: ball, {law}}}, {{volume: post, {law}}}]")
         done = self.call("run", self.write("two.yaml", text), "--output", "out", ranks=ranks)
         self.assertEqual(done.returncode, 0, done.stderr)
         return [line for line in done.stderr.splitlines() if "pass through" in line]
@@ -157,6 +157,12 @@ output: {every: 0.2}
 
     def test_that_does_not_come_to_be_is_not_warned_of(self):
         self.assertEqual(self.warnings("-1.9", 1), [])
+
+    def test_depends_on_what_contact_keeps_apart(self):
+        for pair, is_told in (("{surface: ball, with: post}", False), ("{surface: left, with: ball}", True)):
+            with self.subTest(pair):
+                contact = f"contact: {{law: barrier, pairs: [{pair}]}}\n"
+                self.assertEqual(len(self.warnings("-5", 2, contact)), int(is_told))
 
 
 if __name__ == "__main__":

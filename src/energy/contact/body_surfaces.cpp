@@ -222,4 +222,16 @@ void BodySurfaces::place(std::span<Vector3<double>> x) const {
   for (std::size_t vertex = 0; vertex < ends_.size(); ++vertex) place(static_cast<std::int32_t>(vertex), x);
 }
 
+std::vector<Vector3<double>> gathered_nodes(const NodeLayout& layout, const BodySurfaces& surfaces,
+                                            std::span<const double> q) {
+  std::vector<Vector3<double>> mine;  // vertices are sorted by global numbers, which ascend with the ranks
+  for (const auto& vertex : surfaces.surface().vertices()) {
+    const VertexKey node = vertex.key - layout.first_global_node;
+    if (node < 0 || node >= layout.num_owned_nodes) continue;
+    const auto a = static_cast<PetscInt>(node);
+    mine.push_back(layout.position(a) + Vector3<double>{q[3 * a], q[3 * a + 1], q[3 * a + 2]});
+  }
+  return gathered(layout.comm, mine);
+}
+
 }  // namespace pliant

@@ -87,4 +87,9 @@ class BodySurfaces {
   std::vector<std::uint8_t> stands_for_;          // of each triangle, a bit for each of its vertices, then of its edges
 };
 
+/// The current positions of all nodes of the surfaces, as of their vertices, on every rank [m]; `q`: displacements of
+/// local nodes. Collective.
+std::vector<Vector3<double>> gathered_nodes(const NodeLayout& layout, const BodySurfaces& surfaces,
+                                            std::span<const double> q);
+
 }  // namespace pliant

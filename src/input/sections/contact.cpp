@@ -195,6 +195,12 @@ Section<ContactConfig> contact_keys() {
             "two surfaces or volumes each that do not touch although `pairs` says so, such as the sides of a hinge")
           .otherwise_in_words("none")
           .only_with({{"pairs"}}));
+  keys.push_back(
+      field("start", &C::start,
+            choice_of<ContactStart>({{"as-meshed", ContactStart::as_meshed}, {"resolve", ContactStart::resolve}}),
+            "what to do about bodies that touch at the start, or overlap by less than the size of a facet: an error, "
+            "or move their surfaces apart in the mesh, without strain")
+          .otherwise("as-meshed"));
   keys.push_back(field("obstacles", &C::obstacles, list_of(map_of(obstacle_keys()), 1),
                        "rigid obstacles that the bodies can touch")
                      .otherwise_in_words("none"));

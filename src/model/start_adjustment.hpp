@@ -1,0 +1,26 @@
+/// `contact.start: resolve`: surfaces that overlap or touch at the start are moved apart in the mesh.
+#pragma once
+
+#include "fem/layout.hpp"
+#include "input/config.hpp"
+#include "model/touching_surfaces.hpp"
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+/// Moves nodes of the reference configuration, before anything is built on it, so that bodies that may touch and that
+/// overlap by less than the size of a facet, touch, or are nearer than their threshold, start apart. Their surfaces
+/// move, and the nodes inside them follow, so that no element is flattened; there is no strain. Bodies that are apart
+/// stay as they are.
+///
+/// `displacement`: at the start. `boundary`: all facets of the bodies. `as_meshed`: the layout as it is at first.
+/// Returns a note for each two bodies that were moved. Throws InputError where an element would lose most of its
+/// volume. Collective.
+std::vector<Diagnostic> adjust_start(const ContactConfig& config, std::span<const TouchingSurfaces> touching,
+                                     const std::vector<std::string>& body_names, const VectorExpression& displacement,
+                                     const FacetList& boundary, const NodeLayout& as_meshed, NodeLayout& layout);
+
+}  // namespace pliant
