@@ -203,15 +203,83 @@ std::vector<EdgePair> edge_pairs(const CollisionSurface& surface, std::span<cons
 
 namespace {
 
+/// The nearest feature of a body, so far.
+struct Nearest {
+  std::int32_t body = 0;
+  double squared_distance = 0.0, steepness = -1.0;
+  PointPair pair;
+};
+
+}  // namespace
+
+std::vector<PointPair> nearest_pairs(const CollisionSurface& surface, const FeatureMultiplicities& multiplicities,
+                                     std::span<const SurfacePoint> points, std::span<const BoxPair> candidates,
+                                     std::span<const Vector3<double>> x, double reach, double depth) {
+  constexpr double rounding = 1e-12;  // of squared distances to one feature of several triangles
+  const double farthest = std::max(reach, depth);
+  std::vector<PointPair> pairs;
+  std::vector<Nearest> of_bodies;
+  for (std::size_t begin = 0, end = 0; begin < candidates.size(); begin = end) {
+    const std::int32_t point = candidates[begin].first;
+    while (end < candidates.size() && candidates[end].first == point) ++end;
+    const std::int32_t own = surface.vertices()[points[point].nodes[0]].body;
+    const Vector3<double> p = points[point].position(x);
+    of_bodies.clear();
+    for (const BoxPair& candidate : candidates.subspan(begin, end - begin)) {
+      const auto& triangle = surface.triangles()[candidate.second];
+      if (triangle.body == own) continue;
+      const auto& v = triangle.vertices;
+      const PointTriangle closest = closest_point_triangle(std::array{p, x[v[0]], x[v[1]], x[v[2]]});
+      const double square = closest.squared_distance;
+      if (!(square <= farthest * farthest)) continue;
+      auto known = std::ranges::find(of_bodies, triangle.body, &Nearest::body);
+      if (known != of_bodies.end() && square > known->squared_distance * (1.0 + rounding)) continue;
+      Vector3<double> r = p;
+      for (std::size_t k = 0; k < 3; ++k) r = r - closest.barycentric[k] * x[v[k]];
+      const Vector3<double> normal = cross(x[v[1]] - x[v[0]], x[v[2]] - x[v[0]]);
+      const double along = dot(normal, r), steepness = std::abs(along) / norm(normal);
+      const bool is_same = known != of_bodies.end() && square >= known->squared_distance * (1.0 - rounding);
+      if (is_same && steepness <= known->steepness) continue;
+      if (known == of_bodies.end()) known = of_bodies.insert(known, Nearest{});
+      PointPair pair{point, candidate.second, FeatureKind::face, 1, static_cast<std::int8_t>(along < 0.0 ? -1 : 1)};
+      const int feature = static_cast<int>(closest.feature);
+      if (closest.feature < TriangleFeature::edge_01) {
+        pair.kind = FeatureKind::vertex;
+        pair.feature = v[feature];
+      } else if (closest.feature != TriangleFeature::face) {
+        pair.kind = FeatureKind::edge;
+        pair.feature = triangle.edges[feature - static_cast<int>(TriangleFeature::edge_01)];
+      }
+      *known = {triangle.body, std::min(square, is_same ? known->squared_distance : square), steepness, pair};
+    }
+    std::ranges::sort(of_bodies, {}, [](const Nearest& nearest) { return nearest.pair; });
+    const std::int32_t group = points[point].group;
+    for (const Nearest& nearest : of_bodies) {
+      const auto& [kind, feature] = std::pair(nearest.pair.kind, nearest.pair.feature);
+      const bool is_on_rim = (kind == FeatureKind::edge && multiplicities.edge(group, feature) != 1) ||
+                             (kind == FeatureKind::vertex && multiplicities.vertex(group, feature) != 1);
+      if (is_on_rim) continue;
+      const double limit = nearest.pair.side < 0 ? depth : reach;
+      if (nearest.squared_distance < limit * limit) pairs.push_back(nearest.pair);
+    }
+  }
+  return pairs;
+}
+
+namespace {
+
 /// The parts that follow from the separation of the nodes at `x`.
 template <int N>
 PairGeometry geometry_at(const Stencil<N>& stencil, const std::array<std::int32_t, N>& nodes, int num_first_nodes,
-                         std::span<const Vector3<double>> x) {
+                         std::span<const Vector3<double>> x, const auto& sign_at) {
   std::array<Vector3<double>, N> at;
   for (int n = 0; n < N; ++n) at[n] = x[nodes[n]];
   const Separation<N> closest = separation<N>(stencil, at);
-  PairGeometry pair{
-      .num_nodes = N, .num_first_nodes = num_first_nodes, .distance = closest.distance, .normal = closest.normal};
+  const double sign = sign_at(closest);
+  PairGeometry pair{.num_nodes = N,
+                    .num_first_nodes = num_first_nodes,
+                    .distance = sign * closest.distance,
+                    .normal = sign * closest.normal};
   std::ranges::copy(nodes, pair.nodes.begin());
   std::ranges::copy(closest.weights, pair.weights.begin());
   return pair;
@@ -230,7 +298,8 @@ PairGeometry geometry_of(const CollisionSurface& surface, std::span<const Surfac
       nodes[A + b] = feature[b];
       simple[1 + b] = x[feature[b]];
     }
-    return geometry_at<A + B>(point_feature_stencil<A, B>(point.weights, simple), nodes, A, x);
+    return geometry_at<A + B>(point_feature_stencil<A, B>(point.weights, simple), nodes, A, x,
+                              [&](const auto& closest) { return sign_of(surface, pair, closest, x); });
   };
   const auto with = [&]<int B>(const std::array<std::int32_t, B>& feature) {
     return point.num_nodes == 1 ? between.template operator()<1, B>(feature)
@@ -253,7 +322,8 @@ PairGeometry geometry_of(const CollisionSurface& surface, const EdgePair& pair, 
   const std::array ends{x[nodes[0]], x[nodes[1]], x[nodes[2]], x[nodes[3]]};
   const double mollifier = edge_edge_mollifier_value(ends, pair.threshold);
   PairGeometry result;
-  if (mollifier > 0.0) result = geometry_at<4>(stencil_of(closest_edge_edge(ends)), nodes, 2, x);
+  if (mollifier > 0.0)
+    result = geometry_at<4>(stencil_of(closest_edge_edge(ends)), nodes, 2, x, [](const auto&) { return 1.0; });
   result.weight = pair.weight * mollifier;
   result.body = a.body;
   result.other = b.body;

@@ -98,6 +98,7 @@ struct PointPair {
   std::int32_t point = 0, feature = 0;  ///< of the points; of the vertices, edges or triangles
   FeatureKind kind = FeatureKind::vertex;
   std::int32_t multiplicity = 0;  ///< not 0
+  std::int8_t side = 0;           ///< 1 or -1: the distance counts as positive or negative; 0: it has no sign
   friend auto operator<=>(const PointPair&, const PointPair&) = default;
 };
 
@@ -119,12 +120,20 @@ std::vector<PointPair> point_pairs(const CollisionSurface& surface, const Featur
 std::vector<EdgePair> edge_pairs(const CollisionSurface& surface, std::span<const BoxPair> candidates,
                                  std::span<const Vector3<double>> x, double reach, double edge_share);
 
+/// For laws that let surfaces pass into each other: of each point and each other body the nearest feature, where its
+/// distance is at most `reach` in front of the surface, or `depth` behind it [m]. Which side it is says the triangle at
+/// the feature that the point sees at the steepest angle; beyond the rim of an open surface there is no pair.
+/// Candidates are within at least both distances.
+std::vector<PointPair> nearest_pairs(const CollisionSurface& surface, const FeatureMultiplicities& multiplicities,
+                                     std::span<const SurfacePoint> points, std::span<const BoxPair> candidates,
+                                     std::span<const Vector3<double>> x, double reach, double depth);
+
 /// Where the two features of a pair are closest.
 struct PairGeometry {
   std::array<std::int32_t, 6> nodes{};  ///< vertices: of the point or edge, then of the other feature
   std::array<double, 6> weights{};      ///< r = sum of weights times positions, from the second feature to the first
   int num_nodes = 0, num_first_nodes = 0;
-  double distance = 0.0;     ///< [m]
+  double distance = 0.0;     ///< with its sign, if it has one [m]
   Vector3<double> normal{};  ///< r / distance
   double weight = 0.0;       ///< of the pair in the potential, mollifier included [m^2]
   std::int32_t body = 0, other = 0;
@@ -160,6 +169,17 @@ inline std::int32_t first_vertex(const CollisionSurface& surface, const PointPai
 }
 inline std::int32_t body_of(const CollisionSurface& surface, const PointPair& pair) {
   return surface.vertices()[first_vertex(surface, pair)].body;
+}
+
+/// By which the distance of a pair is to be multiplied. On a face it follows from the normals, so that it holds at any
+/// distance, 0 included.
+template <int N>
+double sign_of(const CollisionSurface& surface, const PointPair& pair, const Separation<N>& at,
+               std::span<const Vector3<double>> x) {
+  if (pair.side == 0) return 1.0;
+  if (pair.kind != FeatureKind::face) return pair.side;
+  const auto [a, b, c] = surface.triangles()[pair.feature].vertices;
+  return dot(cross(x[b] - x[a], x[c] - x[a]), at.normal) < 0.0 ? -1.0 : 1.0;
 }
 
 /// One pair: `nodes` and where they are.
@@ -226,7 +246,9 @@ double add_point_pairs(const CollisionSurface& surface, std::span<const SurfaceP
     }
     for (int n = 0; n < A + B; ++n) at.x[n] = x[at.nodes[n]];
     const auto closest = separation<A + B>(point_feature_stencil<A, B>(point.weights, simple), at.x);
-    const auto response = law(surface.vertices()[point.nodes[0]].body, body_of(surface, pair), closest.distance);
+    const double sign = sign_of(surface, pair, closest, x);
+    auto response = law(surface.vertices()[point.nodes[0]].body, body_of(surface, pair), sign * closest.distance);
+    response.pressure *= sign;  // -dU/dd of the distance without the sign
     const auto U = expand_to(order, closest, response, pair.multiplicity < 0);
     const double weight = 0.5 * point.area * pair.multiplicity;
     total += weight * U.value;

@@ -176,20 +176,57 @@ std::vector<unsigned char> outer_sides(const NodeLayout& layout) {
   return result;
 }
 
-/// The depth of x below the outer sides of the tetrahedron that contains it [m], at most `most`; nothing if it is
-/// outside.
-std::optional<double> depth_in(const std::array<Position, 4>& corners, unsigned char outer, const Position& x,
+/// The nodes of outer sides, those of other ranks included. Collective.
+std::vector<char> nodes_of_sides(const NodeLayout& layout, std::span<const unsigned char> outer) {
+  const Handle<Vec> number = make_vector(layout);
+  {
+    const GhostedView values(number.get());
+    for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+      const auto nodes = layout.nodes_of_cell(c);
+      for (std::size_t i = 0; i < 4; ++i) {
+        if ((outer[static_cast<std::size_t>(c)] >> i & 1U) == 0) continue;
+        for (std::size_t a = 0; a < 4; ++a) values.span()[3 * nodes[a]] += a == i ? 0.0 : 1.0;
+      }
+    }
+  }
+  check(VecGhostUpdateBegin(number.get(), ADD_VALUES, SCATTER_REVERSE));
+  check(VecGhostUpdateEnd(number.get(), ADD_VALUES, SCATTER_REVERSE));
+  update_ghosts(number.get());
+  const ConstGhostedView values(number.get());
+  std::vector<char> is_outer;
+  for (PetscInt n = 0; n < layout.num_local_nodes; ++n) is_outer.push_back(values.span()[3 * n] > 0.0 ? 1 : 0);
+  return is_outer;
+}
+
+/// Which of its parts a tetrahedron has on the surface: sides (bit i: opposite to corner i) and corners.
+struct OuterParts {
+  unsigned char sides = 0;
+  std::array<bool, 4> corners{};
+};
+
+/// A lower bound of the depth of x below the surface in the tetrahedron that contains it [m], at most `most`; nothing
+/// if it is outside. Where no side is on the surface, an edge between two corners that are on it may be, or one corner.
+std::optional<double> depth_in(const std::array<Position, 4>& corners, const OuterParts& outer, const Position& x,
                                double most) {
   constexpr double rounding = 1e-9;  // relative to the height
   double depth = most;
+  std::array<double, 4> parts{};  // barycentric
   for (std::size_t i = 0; i < 4; ++i) {
     const Position &a = corners[(i + 1) % 4], &b = corners[(i + 2) % 4], &c = corners[(i + 3) % 4];
     const Position n = cross(b - a, c - a);
     const double height = dot(n, corners[i] - a);
     if (height == 0.0) return std::nullopt;
-    const double part = dot(n, x - a) / height;
-    if (part < -rounding) return std::nullopt;
-    if ((outer >> i & 1U) != 0) depth = std::min(depth, part * std::abs(height) / norm(n));
+    parts[i] = dot(n, x - a) / height;
+    if (parts[i] < -rounding) return std::nullopt;
+    if ((outer.sides >> i & 1U) != 0) depth = std::min(depth, parts[i] * std::abs(height) / norm(n));
+  }
+  if (outer.sides != 0) return depth;
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t j = 0; j < 4; ++j) {
+      if (outer.corners[i] && outer.corners[j]) {
+        depth = std::min(depth, most * (1.0 - parts[i] - (i == j ? 0.0 : parts[j])));
+      }
+    }
   }
   return depth;
 }
@@ -206,7 +243,10 @@ Components connected_components(const NodeLayout& layout) {
   Components result;
   const auto numbers = numbers_of(gathered(layout.comm, connections_here(layout, owners, sets)), result.count);
   for (const double label : owners) result.of_node.push_back(numbers.at(label));
-  if (result.count > 1) result.outer_sides = outer_sides(layout);
+  if (result.count > 1) {
+    result.outer_sides = outer_sides(layout);
+    result.is_outer = nodes_of_sides(layout, result.outer_sides);
+  }
   return result;
 }
 
@@ -267,7 +307,9 @@ std::optional<Overlap> deepest_overlap(const NodeLayout& layout, const Component
     auto point = std::ranges::lower_bound(points, box.low[0], {}, [](const Candidate& p) { return p.x[0]; });
     for (; point != points.end() && point->x[0] <= box.high[0]; ++point) {
       if (point->component == components.of_node[nodes[0]] || !box.holds(point->x)) continue;
-      const auto depth = depth_in(corners, components.outer_sides[static_cast<std::size_t>(c)], point->x, size);
+      OuterParts outer{components.outer_sides[static_cast<std::size_t>(c)], {}};
+      for (std::size_t a = 0; a < 4; ++a) outer.corners[a] = components.is_outer[nodes[a]] != 0;
+      const auto depth = depth_in(corners, outer, point->x, size);
       if (!depth) continue;
       const auto p = static_cast<std::size_t>(point - points.begin());
       depths[p] = std::min(depths[p], *depth > least_part * size ? *depth : 0.0);

@@ -14,7 +14,8 @@ namespace pliant {
 struct Components {
   int count = 1;
   std::vector<unsigned char>
-      outer_sides;  ///< if there are several: per owned cell, bit i marks the side opposite to corner i
+      outer_sides;             ///< if there are several: per owned cell, bit i marks the side opposite to corner i
+  std::vector<char> is_outer;  ///< if there are several: per local node, whether it is on one of these sides
   std::vector<int>
       of_node;  ///< component 0 .. count - 1 of each local node, ghosts included; the same numbers on every rank
 };

@@ -150,15 +150,30 @@ void check_names(const Config& config, const InputNode& root, Diagnostics& diagn
 }
 
 void check_barrier(const Config& config, const InputNode& contact, Diagnostics& diagnostics) {
-  const InputNode* law = given(contact, {"law"});
-  if (config.contact->pressure.law != NormalKind::barrier || law == nullptr) return;
   if (!is_known(config.time.method) || analysis_of(config) != Analysis::dynamic) return;
   if (const Method* own = method_of(config.time); own != nullptr && own->stiffly_accurate) return;
-  diagnostics.add(law->where,
-                  "a barrier needs a stiffly accurate method, whose steps end with their last stage; with '" +
-                      method_name(config.time.method) +
-                      "' a body could end beyond the barrier: choose backward-euler, bdf2, bdf3, dirk22 or dirk33" +
-                      (config.contact->pairs.empty() ? ", or 'law: penalty'" : ""));
+  const auto refuse = [&](const Location& where) {
+    diagnostics.add(where,
+                    "a barrier needs a stiffly accurate method, whose steps end with their last stage; with '" +
+                        method_name(config.time.method) +
+                        "' a body could end beyond the barrier: choose backward-euler, bdf2, bdf3, dirk22 or dirk33, "
+                        "or 'law: penalty'");
+  };
+  const InputNode* law = given(contact, {"law"});
+  if (config.contact->pressure.law == NormalKind::barrier && law != nullptr) refuse(law->where);
+  for (const ContactPairConfig& pair : config.contact->pairs.list) {
+    if (pair.law == NormalKind::barrier) refuse(pair.where);
+  }
+}
+
+/// A surface that passes into itself has no inside.
+void check_self_contact(const Config& config, Diagnostics& diagnostics) {
+  for (const ContactPairConfig& pair : config.contact->pairs.list) {
+    if (pair.with || config.contact->law_of(&pair) == NormalKind::barrier) continue;
+    diagnostics.add(pair.where,
+                    "contact of a part with itself needs 'law: barrier': a penalty lets surfaces pass into "
+                    "each other, and a body has no outside within itself");
+  }
 }
 
 void check_contact_start(const Config& config, const InputNode& contact, Diagnostics& diagnostics) {
@@ -205,6 +220,7 @@ void check_contact(const Config& config, const InputNode& root, Diagnostics& dia
     return;
   }
   check_barrier(config, *contact, diagnostics);
+  check_self_contact(config, diagnostics);
   check_contact_start(config, *contact, diagnostics);
   check_contact_names(config, *contact, diagnostics);
   const InputNode* obstacles = given(*contact, {"obstacles"});

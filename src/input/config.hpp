@@ -297,6 +297,7 @@ struct ContactPairConfig {
   std::string name;                          ///< prefix of its columns; empty: it has none
   Located<std::string> part;                 ///< a surface, or a volume, of which the outer surface counts
   std::optional<Located<std::string>> with;  ///< likewise; empty: itself
+  std::optional<NormalKind> law;             ///< default: that of the contact
   std::optional<double> stiffness;           ///< [Pa/m]; default: that of the contact, or from material and mesh
   std::optional<double> width;               ///< [m]; likewise
   std::optional<double> thickness;           ///< distance at which the wall stands [m]; default: the threshold
@@ -330,6 +331,14 @@ struct ContactConfig {
   std::vector<ObstacleConfig> obstacles;
   Location where;
 
+  /// The law of an entry of `pairs`; nullptr: of `all`.
+  NormalKind law_of(const ContactPairConfig* pair) const {
+    return pair != nullptr && pair->law ? *pair->law : pressure.law;
+  }
+  bool has_barrier() const {
+    if (pressure.law == NormalKind::barrier && (pairs.all || !obstacles.empty())) return true;
+    return std::ranges::any_of(pairs.list, [&](const auto& pair) { return law_of(&pair) == NormalKind::barrier; });
+  }
   Friction friction(const ContactDragConfig& own) const {
     return {own.friction.value_or(drag.friction.value_or(0.0)),
             own.viscous_friction.value_or(drag.viscous_friction.value_or(0.0)), stick_velocity};

@@ -41,6 +41,7 @@ BodyContactLaws body_contact_laws(const ContactConfig& config, const ContactPair
   const auto stiffness = given(&ContactPairConfig::stiffness, common.stiffness);
   const auto width = given(&ContactPairConfig::width, common.width);
   const double threshold = given(&ContactPairConfig::thickness, common.threshold).value_or(0.0);
+  const NormalKind kind = config.law_of(pair);
   const double widest = width.value_or(width_per_facet * *std::ranges::max_element(sizes));
   const double far = 2.0 * widest + threshold;
   const auto at_rest = least_distances(surface, surface.rest_positions(), static_cast<int>(n), far),
@@ -51,19 +52,20 @@ BodyContactLaws body_contact_laws(const ContactConfig& config, const ContactPair
       // Parts of one body that are near each other at the start only are folded: there is no room to leave.
       const double apart = a == b ? at_rest[n * a + b] : std::min(at_rest[n * a + b], at_start[n * a + b]);
       const double h = std::min(sizes[a], sizes[b]), room = apart - threshold;
-      if (a == b && h > 0.0 && !(room > 0.0)) {
+      if (kind == NormalKind::barrier && a == b && h > 0.0 && !(room > 0.0)) {
         throw InputError(pair != nullptr ? pair->where : config.where,
                          fmt::format("parts of '{}' that share no edge are {:.3g} m apart in the mesh, and 'thickness' "
                                      "keeps them {:.3g} m apart; a smaller thickness, or no contact with itself",
                                      names[a], apart, threshold));
       }
-      NormalLaw law{NormalKind::barrier, 1.0, width.value_or(width_per_facet * h), threshold};
+      NormalLaw law{kind, 1.0, width.value_or(width_per_facet * h), threshold};
       if (h > 0.0) {
         const double k_a = shear_moduli_per_facet * shear_moduli[a] / sizes[a];
         const double k_b = shear_moduli_per_facet * shear_moduli[b] / sizes[b];
         law.stiffness = stiffness.value_or(2.0 * k_a * k_b / (k_a + k_b));
         // Nothing pushes within a body at rest, nor between bodies at the start unless the user wants so.
-        if (room > 0.0 && (a == b || !width)) law.width = std::min(law.width, 0.5 * room);
+        if (kind == NormalKind::barrier && room > 0.0 && (a == b || !width))
+          law.width = std::min(law.width, 0.5 * room);
       }
       laws.of_bodies.push_back(law);
     }

@@ -19,7 +19,7 @@ struct BodyStiffnesses {
 /// The size of a facet of each body: the legs of a right triangle of the mean area [m]; 0 of bodies without any.
 std::vector<double> facet_sizes(const CollisionSurface& surface, std::size_t num_bodies, double triangles_per_facet);
 
-/// Barriers. `pair`: the entry of `contact.pairs`; nullptr: `all`. `start`: positions of the vertices at the start [m].
+/// `pair`: the entry of `contact.pairs`; nullptr: `all`. `start`: positions of the vertices at the start [m].
 /// Throws InputError where a body is thinner than the
 /// distance that its surface has to keep from itself.
 BodyContactLaws body_contact_laws(const ContactConfig& config, const ContactPairConfig* pair,

@@ -1,9 +1,11 @@
 #include "model/body_contacts.hpp"
 
-#include "collision/candidates.hpp"
 #include "collision/overlaps.hpp"
 #include "collision/triangle_tree.hpp"
+#include "energy/pairs/observed_pairs.hpp"
 #include "model/body_contact_laws.hpp"
+#include "model/curved_facets.hpp"
+#include "model/penalty_depth.hpp"
 #include "model/start_overlap.hpp"
 #include "petsc/collective.hpp"
 
@@ -15,66 +17,21 @@
 namespace pliant {
 namespace {
 
-/// The current positions of all vertices, on every rank. Collective.
-std::vector<Vector3<double>> gathered_positions(const NodeLayout& layout, const BodySurfaces& surfaces,
-                                                std::span<const double> q) {
-  std::vector<Vector3<double>> all = gathered_nodes(layout, surfaces, q);
-  surfaces.place(all);
-  return all;
-}
-
 /// The surfaces through the nodes of quadratic facets, as they are drawn, are kept apart by a barrier of this part of
 /// the width. It acts where facets are bent so much that these surfaces come closer than those of the same mean.
 constexpr double guard_width = 0.1;
 
 std::string name_of(const ContactPairConfig* pair) {
   if (pair == nullptr) return "all bodies";
-  return fmt::format("'{}' with {}", pair->part.value,
-                     pair->with ? fmt::format("'{}'", pair->with->value) : std::string("itself"));
-}
-
-/// Whether the triangles that have the mean of curved facets overlap at rest, or come to less than half of the distance
-/// of those between the nodes: vertices of facets of size h and radius R are h^2/(24 R) outside of the nodes.
-bool is_too_curved(const NodeLayout& layout, const TouchingSurfaces& touching, std::size_t num_bodies) {
-  const BodySurfaces of_means(layout, touching.facets, touching.sides, FacetVertices::mean);
-  const BodySurfaces of_nodes(layout, touching.facets, touching.sides, FacetVertices::nodes);
-  const auto x = of_means.surface().rest_positions(), X = of_nodes.surface().rest_positions();
-  double farthest = 0.0;
-  for (std::size_t vertex = 0; vertex < x.size(); ++vertex) farthest = std::max(farthest, norm(x[vertex] - X[vertex]));
-  if (farthest < 1e-9 * of_nodes.surface().longest_edge()) return false;  // straight edges, up to rounding
-  // Where it is farther apart than this, the distance of the one is more than half of the other's.
-  const double distance = 4.0 * farthest;
-  const auto n = static_cast<int>(num_bodies);
-  const auto apart = least_distances(of_means.surface(), x, n, distance),
-             apart_of_nodes = least_distances(of_nodes.surface(), X, n, distance);
-  for (std::size_t pair = 0; pair < apart.size(); ++pair) {
-    if (apart[pair] < 0.5 * apart_of_nodes[pair]) return true;
-  }
-  return !find_overlaps(of_means.surface(), x, touching.sets).empty() &&
-         find_overlaps(of_nodes.surface(), X, touching.sets).empty();
+  return fmt::format("'{}' with {}", pair->part.value, pair->with ? "'" + pair->with->value + "'" : "itself");
 }
 
 constexpr std::size_t most_overlaps_named = 10;
+constexpr double least_push = 1e-6;  // of the width: what is less deep only touches
 
 }  // namespace
 
 struct BodyContacts::Part {
-  /// The pairs of a term within another distance than its reach.
-  class Observed final : public PairCoupling {
-   public:
-    Observed(const PairCoupling& coupling, double reach) : coupling_(coupling), reach_(reach) {}
-    const Patches& patches() const override { return coupling_.patches(); }
-    double reach() const override { return reach_; }
-    bool may_couple(int tag, int other) const override { return coupling_.may_couple(tag, other); }
-    std::shared_ptr<const PairFeatures> features_of(const NearPatches& near) const override {
-      return coupling_.features_of(near);
-    }
-
-   private:
-    const PairCoupling& coupling_;
-    double reach_;
-  };
-
   std::shared_ptr<const TouchingBodies> bodies;
   bool is_guard = false;                      // of the part before it
   std::string name;                           // may be empty
@@ -87,8 +44,9 @@ struct BodyContacts::Part {
   MeasuredNodes measured;
   Friction friction;
   NormalDamping damping;
-  double distance;  // of observation, the size of a facet of the body with the smallest [m]
-  Observed coupling;
+  double distance;     // of observation, the size of a facet of the body with the smallest [m]
+  double depth = 0.0;  // to which a penalty pushes bodies apart [m]
+  ObservedPairs coupling;
   std::vector<char> nothing_prescribed;
   PairAssembly pairs;
 
@@ -126,7 +84,8 @@ BodyContacts::BodyContacts(const ContactConfig& config, const NodeLayout& layout
       continue;
     }
     add(touching, shear_moduli, start, FacetVertices::mean, Role::main);
-    if (is_quadratic) add(touching, shear_moduli, start, FacetVertices::nodes, Role::guard);
+    if (is_quadratic && config_.law_of(touching.config) == NormalKind::barrier)
+      add(touching, shear_moduli, start, FacetVertices::nodes, Role::guard);
   }
 }
 
@@ -152,17 +111,23 @@ void BodyContacts::add(const TouchingSurfaces& touching, const std::vector<doubl
     widest = std::max(widest, laws.of_bodies[pair].width);
   }
   const auto* pair = touching.config;
-  const auto description = note(fmt::format("contact of {}: {} triangles, stiffness {:.3g} Pa/m, width {:.3g} m",
-                                            name_of(pair), surface.triangles().size(), stiffest, widest));
+  const auto description =
+      note(fmt::format("contact of {}: {} triangles, {}, stiffness {:.3g} Pa/m, width {:.3g} m", name_of(pair),
+                       surface.triangles().size(), laws.is_penalty() ? "penalty" : "barrier", stiffest, widest));
   if (!is_guard) description_.push_back(description);
   const ContactDragConfig none;
   const ContactDragConfig& drag = pair != nullptr ? pair->drag : none;
   const Friction friction = is_guard ? Friction{} : config_.friction(drag);
   const NormalDamping damping = is_guard ? NormalDamping{} : config_.damping(drag);
   const bool has_drag = friction.acts() || damping.acts();
-  auto bodies = std::make_shared<const TouchingBodies>(
-      std::move(surfaces), touching.sets, laws, has_drag ? std::optional(config_.friction_update) : std::nullopt);
+  const double depth = depth_of_penalty(surface, body_names_.size(), distance);
+  std::vector<char> has_points;
+  for (const auto& [is_first, is_second] : touching.set_is_on_side) has_points.push_back(is_first || is_second ? 1 : 0);
+  auto bodies = std::make_shared<const TouchingBodies>(std::move(surfaces), touching.sets, laws,
+                                                       has_drag ? std::optional(config_.friction_update) : std::nullopt,
+                                                       laws.is_penalty() ? depth : 0.0, std::move(has_points));
   auto part = std::make_shared<Part>(layout_, std::move(bodies), distance);
+  part->depth = depth;
   part->friction = friction;
   part->damping = damping;
   part->config = pair;
@@ -294,6 +259,62 @@ std::optional<std::string> BodyContacts::crossing(std::span<const double> q) con
                      x, y, z);
 }
 
+std::vector<SurfaceOverlap> BodyContacts::overlaps(const Part& part, std::span<const Vector3<double>> x) const {
+  const CollisionSurface& surface = part.bodies->surfaces().surface();
+  return part.bodies->is_penalty() ? deep_overlaps(surface, x, part.sets, part.depth)
+                                   : find_overlaps(surface, x, part.sets);
+}
+
+std::optional<std::string> BodyContacts::passage(std::span<const double> q_from, std::span<const double> q_to) const {
+  for (const auto& part : parts_) {
+    if (!part->bodies->is_penalty()) continue;
+    double farthest = 0.0;
+    for (const PetscInt node : part->bodies->patches().nodes) {
+      const auto n = 3 * static_cast<std::size_t>(node);
+      farthest = std::max(farthest, norm(Vector3<double>{q_to[n] - q_from[n], q_to[n + 1] - q_from[n + 1],
+                                                         q_to[n + 2] - q_from[n + 2]}));
+    }
+    farthest = maximum(layout_.comm, farthest);
+    const double threshold = part->laws.of_bodies.front().threshold;
+    const auto [near, all] = part->at(q_from);
+    const double gap = std::min(part->distance, part->bodies->gap(near, all, part->distance).least);
+    const double distance = minimum(layout_.comm, gap) + threshold;
+    if (distance - 2.0 * farthest > -too_deep * part->depth) continue;  // it costs more to look for what is there
+    const auto x_from = gathered_positions(layout_, part->bodies->surfaces(), q_from);
+    const auto x_to = gathered_positions(layout_, part->bodies->surfaces(), q_to);
+    const auto overlap =
+        deep_overlap_on_way(part->bodies->surfaces().surface(), {x_from, x_to, farthest}, part->sets, part->depth);
+    if (!overlap) continue;
+    return fmt::format(
+        "'{}' comes {:.3g} m deep into '{}' near {}, too deep to be pushed back by a penalty; use a larger "
+        "'stiffness' (the log says what it is), 'law: barrier' or a shorter 'time.step'",
+        body_names_[static_cast<std::size_t>(overlap->body)], overlap->depth,
+        body_names_[static_cast<std::size_t>(overlap->other)],
+        place_text(without_rounding(overlap->place, part->distance)));
+  }
+  return std::nullopt;
+}
+
+std::vector<Diagnostic> BodyContacts::warnings_about_push(std::span<const double> q) const {
+  std::vector<Diagnostic> warnings;
+  for (const auto& part : parts_) {
+    if (!part->bodies->is_penalty()) continue;
+    const auto [near, all] = part->at(q);
+    const double energy = sum(layout_.comm, part->bodies->energy(near, all));
+    const ContactGap gap = part->bodies->gap(near, all, part->distance);
+    const double least = minimum(layout_.comm, gap.least), number = sum(layout_.comm, gap.num_points);
+    // Surfaces that just touch may overlap by rounding.
+    if (!(least < -least_push * part->laws.of_bodies.front().width) || !(energy > 0.0)) continue;
+    warnings.push_back(
+        {Severity::warning, part->config != nullptr ? part->config->where : config_.where,
+         fmt::format("contact of {}: surfaces start up to {:.3g} m within the reach of the spring, which pushes at "
+                     "{:.0f} contact points and would throw the bodies apart with {:.3g} J of energy from nowhere; "
+                     "move one of them, or let 'start: resolve' do it",
+                     name_of(part->config), -least, number, energy)});
+  }
+  return warnings;
+}
+
 void BodyContacts::check_overlaps(std::span<const double> q) const {
   std::vector<Diagnostic> diagnostics;
   OverlappingFacets facets;
@@ -302,10 +323,11 @@ void BodyContacts::check_overlaps(std::span<const double> q) const {
     if (part->is_guard && !diagnostics.empty()) continue;
     const CollisionSurface& surface = part->bodies->surfaces().surface();
     const auto x = gathered_positions(layout_, part->bodies->surfaces(), q);
-    for (const SurfaceOverlap& overlap : find_overlaps(surface, x, part->sets)) {
+    for (const SurfaceOverlap& overlap : overlaps(*part, x)) {
       if (++num_overlaps <= most_overlaps_named) {
-        diagnostics.push_back({Severity::error, part->config != nullptr ? part->config->where : config_.where,
-                               describe(overlap, body_names_, surface.longest_edge(), config_.start)});
+        diagnostics.push_back(
+            {Severity::error, part->config != nullptr ? part->config->where : config_.where,
+             describe(overlap, body_names_, surface.longest_edge(), config_.start, part->bodies->is_penalty())});
       }
       for (const OverlappingTriangle& of : overlap.triangles) {
         const auto& triangle = surface.triangles()[of.number];
@@ -333,6 +355,7 @@ void BodyContacts::check_start(std::span<const double> q) const {
                                         "exclude them from contact ('exclude')");
   }
   for (const auto& part : parts_) {
+    if (part->bodies->is_penalty()) continue;
     const auto [near, all] = part->at(q);
     const double gap = minimum(layout_.comm, part->bodies->gap(near, all, part->distance).least);
     if (gap > 0.0) continue;

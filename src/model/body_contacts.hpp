@@ -1,6 +1,7 @@
 /// The terms of contact of the bodies with one another and with themselves, and what is measured of it.
 #pragma once
 
+#include "collision/overlaps.hpp"
 #include "energy/contact/body_contact.hpp"
 #include "energy/contact/passage.hpp"
 #include "energy/pairs/pair_assembly.hpp"
@@ -42,6 +43,9 @@ class BodyContacts {
   /// Notes of what was derived from material and mesh.
   const std::vector<Diagnostic>& description() const { return description_; }
 
+  /// A warning for each penalty that pushes bodies at the start. Collective.
+  std::vector<Diagnostic> warnings_about_push(std::span<const double> q) const;
+
   /// The part of this rank; distances beyond the longest edge count as infinite. Collective.
   Closeness closeness(std::span<const double> q) const;
   /// The energy of this rank's part [J]. Collective.
@@ -53,12 +57,15 @@ class BodyContacts {
     Vector3<double> slip{};
   };
   std::vector<AtNode> at_nodes(std::span<const double> q, std::span<const double> v) const;
-  /// Says what crosses, or touches, and where; nothing if nothing does. Collective.
+  /// Says which bodies a step takes too deeply into each other for a penalty to part them. Collective.
+  std::optional<std::string> passage(std::span<const double> q_from, std::span<const double> q_to) const;
+  /// Says what crosses a barrier, or touches, and where; nothing if nothing does. Collective.
   std::optional<std::string> crossing(std::span<const double> q) const;
   /// Throws InputError if surfaces cross or touch: an OverlapError with what does, the same on any number of ranks.
   /// Collective.
   void check_start(std::span<const double> q) const;
-  /// Throws OverlapError if surfaces cross or touch, or a body lies in another one. Gathers all positions. Collective.
+  /// Throws OverlapError if surfaces cross or touch, or a body lies in another one; for a penalty only if they are too
+  /// deep in each other. Gathers all positions. Collective.
   void check_overlaps(std::span<const double> q) const;
   /// Adds the entries, or the pairs of bodies, with their gaps at q. Gathers all positions. Collective.
   void summarize(std::span<const double> q, ContactSummary& summary) const;
@@ -72,6 +79,8 @@ class BodyContacts {
   };
   void add(const TouchingSurfaces& surfaces, const std::vector<double>& shear_moduli, std::span<const double> start,
            FacetVertices vertices, Role role);
+  /// What overlaps; for a penalty only what is too deep. Gathers all positions. Collective.
+  std::vector<SurfaceOverlap> overlaps(const Part& part, std::span<const Vector3<double>> x) const;
   /// A flag for each owned node.
   std::vector<char> nodes_of_first_side(const TouchingSurfaces& touching) const;
 

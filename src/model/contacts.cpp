@@ -285,6 +285,7 @@ std::vector<Diagnostic> Contacts::warnings_about_start(const Instant& at, const 
         "nothing can touch the obstacles: constraints prescribe every displacement of the surface that may touch them");
   }
   const std::vector<double> q = initial_displacement(displacement, layout_);
+  if (between_ && has_inertia_) std::ranges::move(between_->warnings_about_push(q), std::back_inserter(warnings));
   for (std::size_t k = 0; k < obstacles_.size(); ++k) {
     const ObstacleConfig& o = config_.obstacles[k];
     const ObstacleFrame frame = obstacles_[k]->at(at);
@@ -346,7 +347,9 @@ std::optional<std::string> Contacts::passage(const Instant& from, std::span<cons
   const Candidate& deepest =
       *std::ranges::max_element(all, {}, [](const Candidate& candidate) { return candidate.passage.depth; });
   if (!(deepest.passage.depth > 0.0)) {
-    auto crossing = between_ ? between_->crossing(q_to) : std::nullopt;
+    if (!between_) return std::nullopt;
+    if (auto too_deep = between_->passage(q_from, q_to)) return too_deep;
+    auto crossing = between_->crossing(q_to);
     if (crossing) *crossing += " at the end of the step; use a shorter 'time.step'";
     return crossing;
   }

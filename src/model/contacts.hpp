@@ -58,7 +58,7 @@ class Contacts {
   std::optional<std::string> passage(const Instant& from, std::span<const double> q_from, const Instant& to,
                                      std::span<const double> q_to) const;
 
-  bool has_barrier() const { return config_.pressure.law == NormalKind::barrier; }
+  bool has_barrier() const { return config_.has_barrier(); }
 
   /// Throws InputError if a body overlaps a barrier. Collective.
   void check_start(const Instant& at, std::span<const double> q) const;

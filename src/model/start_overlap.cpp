@@ -7,7 +7,7 @@
 namespace pliant {
 
 std::string describe(const SurfaceOverlap& overlap, const std::vector<std::string>& body_names, double size,
-                     ContactStart start) {
+                     ContactStart start, bool is_penalty) {
   const std::string where = fmt::format("at the start in {} place{} ({} triangles)", overlap.num_places,
                                         overlap.num_places == 1 ? "" : "s", overlap.triangles.size());
   const std::string place = place_text(without_rounding(overlap.place, size));
@@ -27,8 +27,8 @@ std::string describe(const SurfaceOverlap& overlap, const std::vector<std::strin
     return fmt::format("{} touch {}, near {}, and the barrier needs a gap between them, however small; {}", pair, where,
                        place, advice);
   }
-  return fmt::format("{} overlap {}, {:.3g} m deep at {}, which the barrier does not allow; {}", pair, where,
-                     overlap.depth, place, advice);
+  return fmt::format("{} overlap {}, {:.3g} m deep at {}, which {}; {}", pair, where, overlap.depth, place,
+                     is_penalty ? "is too deep for a penalty to part them" : "the barrier does not allow", advice);
 }
 
 }  // namespace pliant

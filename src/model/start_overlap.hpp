@@ -34,6 +34,6 @@ class OverlapError : public InputError {
 
 /// What overlaps, how deep and where, and what to do. `size`: of a facet, to know what is rounding [m].
 std::string describe(const SurfaceOverlap& overlap, const std::vector<std::string>& body_names, double size,
-                     ContactStart start);
+                     ContactStart start, bool is_penalty);
 
 }  // namespace pliant

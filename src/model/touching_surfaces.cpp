@@ -32,6 +32,13 @@ bool repeats(MPI_Comm comm, std::span<const std::uint64_t> masks, std::span<cons
   return (shares[0] && shares[3]) || (shares[1] && shares[2]);
 }
 
+/// Bits of a facet: on the sides of the entry; of parts that do not touch each other; on the rest of a body that has
+/// facets on a side, which a penalty needs to know what is inside.
+constexpr int first_side = 0, second_side = 1, first_excluded = 2;
+constexpr std::size_t most_excluded = 30;
+constexpr int rest_of_first = 62, rest_of_second = 63;
+constexpr std::uint64_t both_sides = 3, both_rests = std::uint64_t{3} << rest_of_first;
+
 /// To which of the named parts facets belong, a bit for each.
 class Membership {
  public:
@@ -85,6 +92,23 @@ class Membership {
       if (meets) masks_[facet] |= mask;
     }
   }
+  /// Sets a bit of the facets on neither side that belong to a body with facets on a side. Collective.
+  void add_rest(MPI_Comm comm, const std::vector<int>& body_of_cell, int side, int bit) {
+    int num_bodies = 0;
+    for (const int body : body_of_cell) num_bodies = std::max(num_bodies, body + 1);
+    std::vector<double> has_side(static_cast<std::size_t>(maximum(comm, static_cast<double>(num_bodies))), 0.0);
+    const auto body_of = [&](PetscInt facet) {
+      const auto cell = cells_(facets_.nodes_of(facet));
+      return cell ? body_of_cell[*cell] : 0;
+    };
+    for (PetscInt facet = 0; facet < facets_.size(); ++facet) {
+      if ((masks_[facet] >> side & 1) != 0) has_side[body_of(facet)] = 1.0;
+    }
+    sum_in_place(comm, has_side);
+    for (PetscInt facet = 0; facet < facets_.size(); ++facet) {
+      if ((masks_[facet] & both_sides) == 0 && has_side[body_of(facet)] > 0.0) masks_[facet] |= std::uint64_t{1} << bit;
+    }
+  }
   void copy(int from, int to) {
     for (std::uint64_t& mask : masks_) mask |= (mask >> from & 1) << to;
   }
@@ -99,10 +123,6 @@ class Membership {
   std::vector<std::uint64_t> masks_;
 };
 
-constexpr int first_side = 0, second_side = 1, first_excluded = 2;
-constexpr std::uint64_t both_sides = 3;
-constexpr std::size_t most_excluded = 30;
-
 bool may_touch(std::uint64_t a, std::uint64_t b, std::size_t num_excluded) {
   const auto has = [](std::uint64_t mask, int bit) { return (mask >> bit & 1) != 0; };
   const auto are = [&](int one, int other) { return (has(a, one) && has(b, other)) || (has(b, one) && has(a, other)); };
@@ -110,7 +130,7 @@ bool may_touch(std::uint64_t a, std::uint64_t b, std::size_t num_excluded) {
     const int one = first_excluded + 2 * static_cast<int>(k);
     if (are(one, one + 1)) return false;
   }
-  return are(first_side, second_side);
+  return are(first_side, second_side) || are(first_side, rest_of_second) || are(second_side, rest_of_first);
 }
 
 /// Facets with the same bits are a set, numbered alike on all ranks. Collective.
@@ -211,13 +231,17 @@ std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config
       break;
     }
     sides.push_back(membership.masks());
+    if (config.law_of(pair) == NormalKind::penalty) {
+      membership.add_rest(layout.comm, body_of_cell, first_side, rest_of_first);
+      membership.add_rest(layout.comm, body_of_cell, second_side, rest_of_second);
+    }
     TouchingSurfaces touching;
     touching.facets.nodes_per_facet = all.nodes_per_facet;
     touching.config = pair;
     std::vector<std::uint64_t> masks;
     for (PetscInt facet = 0; facet < all.size(); ++facet) {
       const auto nodes = all.nodes_of(facet);
-      if ((membership[facet] & both_sides) == 0) {
+      if ((membership[facet] & (both_sides | both_rests)) == 0) {
         touching.nodes_left_out.push_back(nodes[0]);
         continue;
       }

@@ -31,7 +31,8 @@ struct TouchingSurfaces {
   FacetList facets;
   std::vector<FacetSide> sides;                     ///< of each facet: its body, and its set among `sets`
   ContactSets sets;                                 ///< which may touch
-  std::vector<std::array<bool, 2>> set_is_on_side;  ///< of each set: it is of `surface`, of `with` of the entry
+  std::vector<std::array<bool, 2>> set_is_on_side;  ///< of each set: it is of `surface`, of `with` of the entry; of
+                                                    ///< neither is the rest of a body in contact by a penalty
   std::vector<char> is_on_first_side;               ///< of each facet: it belongs to `surface` of the entry
   std::vector<PetscInt> nodes_left_out;             ///< a local node of each outer facet that takes no part
   const ContactPairConfig* config = nullptr;        ///< nullptr: `all`

@@ -46,7 +46,7 @@ INSTANTIATE_TEST_SUITE_P(
             "linear needs two of youngs_modulus, poissons_ratio"},
         Bad{2, "bodies: [@{density: 1}]", "missing key 'elasticity' in bodies[0]"},
         Bad{6, "contact: @{law: penalty}", "at least one of pairs, obstacles is needed in contact"},
-        Bad{6, "contact: {@pairs: all}", "'pairs' can only be given with 'law: barrier' in contact"},
+        Bad{6, "contact: {pairs: [@{surface: a}]}", "contact of a part with itself needs 'law: barrier'"},
         Bad{6, "contact: {law: barrier, pairs: @some}", "'pairs' must be 'all', not 'some'"},
         Bad{6, "contact: {law: barrier, pairs: [{surface: a, @name: grip}]}",
             "'name' can only be given with 'with' in pairs[0]"},

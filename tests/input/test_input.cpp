@@ -323,7 +323,8 @@ TEST(Dump, SpellsOutEveryKeyOfTheTable) {
   }
   const std::string between =
       "{law: barrier, friction: 0.1, viscous_friction: 1, normal_damping: 2, pairs: [{name: grip, surface: a, with: b, "
-      "stiffness: 1, width: 1, thickness: 1, friction: 0.5, viscous_friction: 0, normal_damping: 0}], exclude: [[c, "
+      "law: penalty, stiffness: 1, width: 1, thickness: 1, friction: 0.5, viscous_friction: 0, normal_damping: 0}], "
+      "exclude: [[c, "
       "d]]}";
   collect_paths(parse_yaml(dump(read(smallest, {{"contact", between}})), "dump", none), "", written);
   for (const std::string& time : other_times) {

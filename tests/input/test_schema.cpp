@@ -134,6 +134,8 @@ const std::vector<std::string> good_lines{
     "0.1 "
     "s/m}]}",
     "contact: {law: barrier, pairs: all, exclude: [[a, b], [c, 3]]}",
+    "contact: {pairs: all, start: resolve}",
+    "contact: {pairs: [{surface: a, with: b, law: barrier}, {surface: c, with: d, law: penalty, thickness: 1 mm}]}",
     "contact: {law: barrier, pairs: [{surface: a, with: b, stiffness: 1 MPa/m, width: 1 mm, thickness: 0}, {surface: "
     "c}]}",
     "contact: {obstacles: [{name: a, shape: sphere, radius: 1, side: inside, motion: {translate: [\"t\", 0, 0]}}, "
@@ -171,7 +173,7 @@ const std::vector<std::string> good_lines{
 const std::vector<std::string> bad_lines{
     "contact: 1",
     "contact: {}",
-    "contact: {pairs: all}",
+    "contact: {law: barrier, pairs: [{surface: a, law: wall}]}",
     "contact: {law: barrier, pairs: none}",
     "contact: {law: barrier, pairs: []}",
     "contact: {law: barrier, pairs: [{with: a}]}",

@@ -5,7 +5,7 @@ import unittest
 import h5py
 import numpy as np
 
-from program import ROOT, ProgramTest
+from program import ROOT, ProgramTest, read_history
 
 BLOCKS = ROOT / "meshes/falling_blocks.geo"
 GEOMETRY = """SetFactory("OpenCASCADE");
@@ -207,11 +207,89 @@ Mesh.MeshSizeMax = 0.7;
                     self.assertGreater(h["dissipated_friction"][-1], 0)
                     self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-7 * h["dissipated_friction"][-1])
 
+    def test_a_penalty_holds_what_lies_on_it(self):
+        damped = ", viscosity: [{model: mass-proportional, decay_rate: 40}]"
+        weight = 1000 * G * 0.02**3
+        for element, pairs in (("P1", "all"), ("P1", "[{name: grip, surface: block, with: base}]"), ("P2", "all")):
+            with self.subTest(element=element, pairs=pairs):
+                options = {"rest": damped, "time": "method: bdf2, step: 5 ms, end: 0.5", "element": element,
+                           "contact": f"law: penalty, pairs: {pairs}"}
+                h = self.run_blocks("soft", **options)
+                self.assertAlmostEqual((h["floor_fz"][-1] - 1000 * G * 0.04 * 0.04 * 0.01) / weight, 1, delta=1e-5)
+                if pairs != "all":
+                    self.assertAlmostEqual(h["grip_fz"][-1] / weight, 1, delta=1e-5)
+                self.assertLess(h["contact_gap_min"][-1], 0)
+                self.assertGreater(h["contact_gap_min"].min(), -2e-4)
+                self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-6 * np.abs(h["load_potential"]).max())
+                with h5py.File(self.directory / "soft" / "result.h5") as file:
+                    frame = file["frames"][max(file["frames"])]
+                    self.assertAlmostEqual(frame["contact_gap"][:].min(), h["contact_gap_min"][-1], delta=5e-5)
+                    self.assertGreater(frame["contact_pressure"][:].max(), 0.5 * 1000 * G * 0.02)
+                options["time"] = "method: bdf2, step: 5 ms, end: 0.06"
+                h = self.run_blocks("alone", **options)
+                for ranks in (2, 3):
+                    self.assert_same_history(h, self.run_blocks(f"soft{ranks}", ranks=ranks, **options), 1e-5)
+
+    def test_every_method_keeps_momentum_on_a_penalty(self):
+        # Free blocks that meet at 2 m/s.
+        for method in ("backward-euler", "bdf2", "bdf3", "dirk22", "dirk23", "dirk33", "implicit-midpoint", "symplectic-dirk22"):
+            with self.subTest(method):
+                text = two_blocks("law: penalty, friction: 0.3, pairs: [{name: grip, surface: base, with: block}]",
+                                  f"method: {method}, step: 0.2 ms, end: 12 ms", young="1e6", velocity='[0.3, 0, "z > 0.011 ? -1 : 0"]')
+                text = text.replace("constraints: [{surface: floor, displacement: [0, 0, 0]}]\nloads: [{gravity: [0, 0, -9.81]}]\n", "")
+                self.assertNotIn("gravity", text)
+                h = self.run_input(self.write("free.yaml", text), output="free")
+                for name in ("px", "py", "pz"):
+                    self.assertLess(np.abs(h[name] - h[name][0]).max(), 1e-8 * np.abs(h["pz"][0]), name)
+                self.assertGreater(np.abs(h["grip_jz"][-1]), 0.5 * np.abs(h["pz"][0]))
+                self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-7 * h["kinetic_energy"][0])
+                if method in ("implicit-midpoint", "symplectic-dirk22"):
+                    lost = h["dissipated_friction"][-1]
+                    total = (h["kinetic_energy"] + h["elastic_energy"])[-1] + lost
+                    self.assertAlmostEqual(total / h["kinetic_energy"][0], 1, delta=0.08)
+
+    def test_laws_of_pairs_stand_side_by_side_and_go_on_elsewhere(self):
+        self.write("three.geo", (GEOMETRY % "1.1").replace("Physical Volume", "Box(3) = {-1, -1, 3.2, 2, 2, 2};\nPhysical Volume", 1)
+                   + 'Physical Volume("top") = {3};\n')
+        text = two_blocks("friction: 0.2, pairs: [{name: soft, surface: base, with: block}, {name: hard, surface: block, with: top, law: barrier}]",
+                          "method: bdf2, step: 1 ms, end: 60 ms", file="three.geo").replace(
+            "bodies:\n", "bodies:\n  - {volume: top, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e5, poissons_ratio: 0.3}}\n")
+        file = self.write("mixed.yaml", text + "checkpoint: {every: 30}\n")
+        whole = self.run_input(file, output="whole")
+        self.assertLess(whole["soft_fz"].min(), 0)
+        self.assertLess(whole["hard_fz"].min(), 0)
+        self.run_input(file, output="part", ranks=2)
+        for later in sorted((self.directory / "part").glob("checkpoint-*.h5"))[1:]:
+            later.unlink()
+        done = self.call("resume", "part", "--quiet", ranks=3)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assert_same_history(whole, read_history(self.directory / "part"), 1e-5)
+
+    def test_a_penalty_says_what_it_cannot_hold(self):
+        # A thin plate, and a block that would be beyond it after one step.
+        self.write("thin.geo", GEOMETRY.replace("-2, -2, 0, 4, 4, 1", "-2, -2, 0.8, 4, 4, 0.2") % "1.2")
+        for speed, ranks in ((30, 1), (30, 2), (3, 2)):
+            text = two_blocks("law: penalty, pairs: all", "method: bdf2, step: 4 ms, least_step: 1 ms, end: 0.02", file="thin.geo",
+                              velocity=f'[0, 0, "z > 0.011 ? -{speed} : 0"]', young="1e4").replace("least_step: 1 ms, ", "")
+            done = self.call("run", self.write("thin.yaml", text), ranks=ranks)
+            self.assertIn("too deep to be pushed back by a penalty", done.stderr)
+            with h5py.File(self.directory / "out/thin/result.h5") as file:
+                rest, cells, body = (file["mesh"][name][:] for name in ("coordinates", "cells", "body"))
+                for frame in file["frames"].values():
+                    height = rest[:, 2] + frame["displacement"][:][:, 2]
+                    self.assertGreater(height[cells[body == 1]].min(), height[cells[body == 0]].min())
+        # What starts in contact is pushed; what starts far inside is refused.
+        for height, code, expected in (("0.999", 0, "would throw the bodies apart with .* J"), ("0.5", 2, "too deep for a penalty to part them")):
+            self.write("blocks.geo", GEOMETRY % height)
+            done = self.call("run", self.write("two.yaml", two_blocks("law: penalty, pairs: all")))
+            self.assertEqual(done.returncode, code, done.stderr)
+            self.assertRegex(done.stderr, expected)
+
     def test_messages(self):
         touching = self.write("touching.geo", GEOMETRY % "1")
         within = self.write("within.geo", GEOMETRY % "0.3")
         for name, options, expected in (
-                ("law", {"contact": "pairs: all"}, "'pairs' can only be given with 'law: barrier'"),
+                ("itself", {"contact": "pairs: [{surface: base}]"}, "contact of a part with itself needs 'law: barrier'"),
                 ("none", {"contact": "law: barrier"}, "at least one of pairs, obstacles is needed"),
                 ("excluded", {"contact": "law: barrier, exclude: [[base, block]]"}, "'exclude' can only be given with 'pairs'"),
                 ("unknown", {"contact": "law: barrier, pairs: [{surface: blok}]"}, "no surface 'blok' in the mesh"),

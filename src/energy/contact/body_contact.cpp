@@ -30,7 +30,9 @@ class BodyContact final : public BodyTerm {
   using BodyTerm::BodyTerm;
 
   std::string_view name() const override { return "contact"; }
-  TermDeclaration declaration() const override { return {.account = Account::stored, .is_wall = true}; }
+  TermDeclaration declaration() const override {
+    return {.account = Account::stored, .is_wall = !bodies().is_penalty()};
+  }
 
   double value(const LocalStage& stage, std::span<const double> q) const override {
     return bodies().energy(*stage.near, q);

@@ -234,4 +234,11 @@ std::vector<Vector3<double>> gathered_nodes(const NodeLayout& layout, const Body
   return gathered(layout.comm, mine);
 }
 
+std::vector<Vector3<double>> gathered_positions(const NodeLayout& layout, const BodySurfaces& surfaces,
+                                                std::span<const double> q) {
+  std::vector<Vector3<double>> x = gathered_nodes(layout, surfaces, q);
+  surfaces.place(x);
+  return x;
+}
+
 }  // namespace pliant

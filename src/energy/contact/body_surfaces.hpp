@@ -92,4 +92,8 @@ class BodySurfaces {
 std::vector<Vector3<double>> gathered_nodes(const NodeLayout& layout, const BodySurfaces& surfaces,
                                             std::span<const double> q);
 
+/// The current positions of the vertices, on every rank [m]. Collective.
+std::vector<Vector3<double>> gathered_positions(const NodeLayout& layout, const BodySurfaces& surfaces,
+                                                std::span<const double> q);
+
 }  // namespace pliant

@@ -2,10 +2,8 @@
 
 #include "collision/ccd.hpp"
 #include "collision/closest_points.hpp"
-#include "collision/intersection.hpp"
 
 #include <algorithm>
-#include <stdexcept>
 
 namespace pliant {
 namespace {
@@ -25,30 +23,14 @@ double BodyContactLaws::reach() const {
   return reach;
 }
 
-Vector3<double> Touch::displacement(std::span<const double> from, std::span<const double> to) const {
-  Vector3<double> total{};
-  for (int i = 0; i < num_nodes; ++i) {
-    const auto n = 3 * static_cast<std::size_t>(nodes[i]);
-    for (std::size_t k = 0; k < 3; ++k) total[k] += weights[i] * (to[n + k] - from[n + k]);
-  }
-  return total;
-}
-
-Vector3<double> Touch::combine(std::span<const double> v) const {
-  Vector3<double> total{};
-  for (int i = 0; i < num_nodes; ++i) {
-    const auto n = 3 * static_cast<std::size_t>(nodes[i]);
-    for (std::size_t k = 0; k < 3; ++k) total[k] += weights[i] * v[n + k];
-  }
-  return total;
-}
-
 TouchingBodies::TouchingBodies(std::shared_ptr<const BodySurfaces> surfaces, ContactSets sets, BodyContactLaws laws,
-                               std::optional<FrictionUpdate> drag)
-    : surfaces_(std::move(surfaces)), sets_(std::move(sets)), laws_(std::move(laws)), drag_(drag) {
-  for (const NormalLaw& law : laws_.of_bodies) {
-    if (law.kind != NormalKind::barrier) throw std::invalid_argument("contact between bodies needs a barrier");
-  }
+                               std::optional<FrictionUpdate> drag, double depth, std::vector<char> has_points)
+    : surfaces_(std::move(surfaces)),
+      sets_(std::move(sets)),
+      laws_(std::move(laws)),
+      drag_(drag),
+      depth_(depth),
+      has_points_(std::move(has_points)) {
   edge_laws_ = laws_;
   for (NormalLaw& law : edge_laws_.of_bodies) law.kind = NormalKind::edge_barrier;
   const CollisionSurface& surface = surfaces_->surface();
@@ -67,15 +49,6 @@ TouchingBodies::TouchingBodies(std::shared_ptr<const BodySurfaces> surfaces, Con
 }
 
 namespace {
-
-/// The box around a triangle, on its way if it moves, `margin` [m] further out.
-Box box_around(const CollisionSurface::Triangle& triangle, double margin, std::span<const Vector3<double>> x,
-               std::span<const Vector3<double>> dx = {}) {
-  const auto [a, b, c] = triangle.vertices;
-  Box box = box_of(margin, x[a], x[b], x[c]);
-  if (!dx.empty()) box.include(box_of(margin, x[a] + dx[a], x[b] + dx[b], x[c] + dx[c]));
-  return box;
-}
 
 /// Whether two places of one body at these squared distances now and at rest are only neighbours, not nearer to each
 /// other than the body's deformation makes them: their gap says nothing.
@@ -127,6 +100,7 @@ std::shared_ptr<const PairFeatures> TouchingBodies::features_of(const NearPatche
     }
   };
   for (const PatchPair& pair : near.pairs) {
+    if (is_penalty()) break;  // these are not all that it needs
     const auto first = static_cast<std::size_t>(near.patches.keys[pair.first]);
     const auto second = static_cast<std::size_t>(near.patches.keys[pair.second]);
     const auto &a = triangles[first], &b = triangles[second];
@@ -166,6 +140,7 @@ TouchingBodies::Positions TouchingBodies::positions(const NearPatches& near, std
 
 TouchingBodies::Candidates TouchingBodies::candidates(const NearPatches& near, const Positions& at,
                                                       double distance) const {
+  if (is_penalty()) return known_candidates(near, at, distance);
   const CollisionSurface& surface = surfaces_->surface();
   const auto box = [&](double margin, const auto&... vertices) {
     Box around = box_of(margin, at.x[vertices]...);
@@ -200,6 +175,39 @@ TouchingBodies::Candidates TouchingBodies::candidates(const NearPatches& near, c
   return found;
 }
 
+TouchingBodies::Candidates TouchingBodies::known_candidates(const NearPatches& near, const Positions& at,
+                                                            double distance) const {
+  const CollisionSurface& surface = surfaces_->surface();
+  const auto& triangles = features(near).triangles;
+  const std::size_t first_inner_point = points_.size() - num_inner_points_ * surface.triangles().size();
+  std::vector<std::int32_t> points;
+  std::vector<Box> of_points, of_triangles;
+  for (const std::int32_t t : triangles) {
+    const auto [a, b, c] = surface.triangles()[t].vertices;
+    of_triangles.push_back(box_of(distance, at.x[a], at.x[b], at.x[c]));
+    const auto first = static_cast<std::size_t>(t);
+    if (!has_points_.empty() && has_points_[surface.triangles()[t].group] == 0) continue;
+    for (std::size_t k = 0; k < 3; ++k) points.push_back(point_of_corner_[3 * first + k]);
+    for (std::size_t j = 0; j < num_inner_points_; ++j) {
+      points.push_back(static_cast<std::int32_t>(first_inner_point + num_inner_points_ * first + j));
+    }
+  }
+  make_unique(points);
+  for (const std::int32_t point : points) of_points.push_back(box_of(0.0, points_[point].position(at.x)));
+  Candidates found;
+  Bvh(of_points).for_each_overlap(Bvh(of_triangles), [&](std::int32_t i, std::int32_t j) {
+    const SurfacePoint& point = points_[points[i]];
+    const auto& triangle = surface.triangles()[triangles[j]];
+    const bool may_touch =
+        surface.vertices()[point.nodes[0]].body != triangle.body && sets_(point.group, triangle.group);
+    const auto nodes = std::span(point.nodes).first(static_cast<std::size_t>(point.num_nodes));
+    const auto is_incident = [&](std::int32_t vertex) { return surface.is_incident(triangle, vertex); };
+    if (may_touch && std::ranges::none_of(nodes, is_incident)) found.points.push_back({points[i], triangles[j]});
+  });
+  std::ranges::sort(found.points);
+  return found;
+}
+
 TouchingBodies::Configuration& TouchingBodies::configuration(const NearPatches& near, std::span<const double> q) const {
   Positions at = positions(near, q);
   for (Configuration& known : last_) {
@@ -207,13 +215,19 @@ TouchingBodies::Configuration& TouchingBodies::configuration(const NearPatches& 
   }
   Configuration& now = last_[std::exchange(oldest_, (oldest_ + 1) % last_.size())];
   const CollisionSurface& surface = surfaces_->surface();
-  const auto [points, edges] = candidates(near, at, laws_.reach());
+  const Candidates found = candidates(near, at, std::max(laws_.reach(), range()));
   now.features = near.features;
-  now.pairs = {point_pairs(surface, multiplicities_, points_, points, at.x, laws_.reach()),
-               edge_pairs(surface, edges, at.x, laws_.reach(), edge_share)};
+  now.pairs = {point_pairs_of(found, at.x), edge_pairs(surface, found.edges, at.x, laws_.reach(), edge_share)};
   now.x = std::move(at.x);
   now.touches.reset();
   return now;
+}
+
+std::vector<PointPair> TouchingBodies::point_pairs_of(const Candidates& found,
+                                                      std::span<const Vector3<double>> x) const {
+  const CollisionSurface& surface = surfaces_->surface();
+  if (is_penalty()) return nearest_pairs(surface, multiplicities_, points_, found.points, x, laws_.reach(), depth_);
+  return point_pairs(surface, multiplicities_, points_, found.points, x, laws_.reach());
 }
 
 const std::vector<Touch>& TouchingBodies::touches(const NearPatches& near, std::span<const double> q) const {
@@ -298,6 +312,7 @@ std::vector<double> TouchingBodies::pressures(const NearPatches& near, std::span
 }
 
 double TouchingBodies::max_step(const NearPatches& near, std::span<const double> q, std::span<const double> d) const {
+  if (is_penalty()) return std::numeric_limits<double>::infinity();
   const CollisionSurface& surface = surfaces_->surface();
   const Positions at = positions(near, q, d);
   const Candidates found = candidates(near, at, laws_.reach());
@@ -332,27 +347,31 @@ ContactGap TouchingBodies::gap(const NearPatches& near, std::span<const double> 
   for (const NormalLaw& law : laws_.of_bodies) threshold = std::max(threshold, law.threshold);
   ContactGap gap;
   std::int32_t last = -1;
-  double within = laws_.reach();
+  double within = std::max(laws_.reach(), range());
   Candidates found = candidates(near, at, within);
-  for (const PointPair& pair :
-       point_pairs(surfaces_->surface(), multiplicities_, points_, found.points, at.x, laws_.reach())) {
+  for (const PointPair& pair : point_pairs_of(found, at.x)) {
     const bool is_counted = near.is_owned(features(near).nodes[points_[pair.point].nodes[0]]);
     if (is_counted && pair.point != last) gap.num_points += 1.0;
     last = pair.point;
   }
-  gap.least = least_gap(at, found);
+  gap.least = least_gap(near, at, found);
   // What was not found is farther away.
   while (!(gap.least <= within - threshold) && within < distance) {
     within = std::min(4.0 * within, distance);
     found = candidates(near, at, within);
-    gap.least = least_gap(at, found);
+    gap.least = least_gap(near, at, found);
   }
   return gap;
 }
 
-double TouchingBodies::least_gap(const Positions& at, const Candidates& found) const {
+double TouchingBodies::least_gap(const NearPatches& near, const Positions& at, const Candidates& found) const {
   const CollisionSurface& surface = surfaces_->surface();
   double least = std::numeric_limits<double>::infinity();
+  if (is_penalty()) {
+    for_each_gap(near, at, found, std::numeric_limits<double>::infinity(),
+                 [&](const SurfacePoint&, double gap) { least = std::min(least, gap); });
+    return least;
+  }
   const auto include = [&](const auto& square_at, int body, int other) {
     const double square = square_at(std::span<const Vector3<double>>(at.x));
     if (body == other && is_neighbour(square, square_at(surface.rest_positions()))) return;
@@ -378,11 +397,31 @@ double TouchingBodies::least_gap(const Positions& at, const Candidates& found) c
   return least;
 }
 
+template <class Visit>
+void TouchingBodies::for_each_gap(const NearPatches& near, const Positions& at, const Candidates& found,
+                                  double distance, const Visit& visit) const {
+  const CollisionSurface& surface = surfaces_->surface();
+  for (const PointPair& pair : nearest_pairs(surface, multiplicities_, points_, found.points, at.x, distance, depth_)) {
+    const SurfacePoint& point = points_[pair.point];
+    // On other ranks something nearer may be unknown.
+    if (!near.is_owned(features(near).nodes[point.nodes[0]])) continue;
+    const PairGeometry geometry = geometry_of(surface, points_, pair, at.x);
+    visit(point, geometry.distance - laws_.of(geometry.body, geometry.other).threshold);
+  }
+}
+
 void TouchingBodies::lower_gaps(const NearPatches& near, std::span<const double> q, double distance,
                                 std::span<double> gaps) const {
   const CollisionSurface& surface = surfaces_->surface();
   const Positions at = positions(near, q);
   const Candidates found = candidates(near, at, distance);
+  if (is_penalty()) {
+    for_each_gap(near, at, found, distance, [&](const SurfacePoint& point, double gap) {
+      const PetscInt node = features(near).nodes[point.nodes[0]];
+      if (point.num_nodes == 1) gaps[node] = std::min(gaps[node], gap);
+    });
+    return;
+  }
   for (const BoxPair& pair : found.points) {
     const SurfacePoint& point = points_[pair.first];
     const PetscInt node = features(near).nodes[point.nodes[0]];
@@ -400,34 +439,7 @@ void TouchingBodies::lower_gaps(const NearPatches& near, std::span<const double>
 }
 
 SurfaceCrossings TouchingBodies::crossings(const NearPatches& near, std::span<const double> q) const {
-  const CollisionSurface& surface = surfaces_->surface();
-  const Positions at = positions(near, q);
-  SurfaceCrossings crossings;
-  const auto look_at = [&](std::size_t of_edges, std::size_t number) {
-    const auto &one = surface.triangles()[of_edges], &other = surface.triangles()[number];
-    for (int k = 0; k < 3; ++k) {
-      const auto& ends = surface.edges()[one.edges[k]].vertices;
-      const bool touches = surface.is_incident(other, ends[0]) || surface.is_incident(other, ends[1]);
-      if (!surfaces_->stands_for_edge(of_edges, k) || touches) continue;
-      const std::array segment{at.x[ends[0]], at.x[ends[1]]};
-      const auto [a, b, c] = other.vertices;
-      if (!segment_meets_triangle(segment, {at.x[a], at.x[b], at.x[c]})) continue;
-      if (crossings.count++ == 0) {
-        crossings.place = 0.5 * (segment[0] + segment[1]);
-        crossings.body = one.body;
-        crossings.other = other.body;
-      }
-    }
-  };
-  for (const PatchPair& pair : near.pairs) {
-    const auto first = static_cast<std::size_t>(near.patches.keys[pair.first]);
-    const auto second = static_cast<std::size_t>(near.patches.keys[pair.second]);
-    const auto &a = surface.triangles()[first], &b = surface.triangles()[second];
-    if (!box_around(a, 0.0, at.x).overlaps(box_around(b, 0.0, at.x))) continue;
-    look_at(first, second);
-    look_at(second, first);
-  }
-  return crossings;
+  return is_penalty() ? SurfaceCrossings{} : find_crossings(*surfaces_, near, positions(near, q).x);
 }
 
 }  // namespace pliant

@@ -3,6 +3,8 @@
 
 #include "collision/contact_pairs.hpp"
 #include "energy/contact/body_surfaces.hpp"
+#include "energy/contact/surface_crossings.hpp"
+#include "energy/contact/touch.hpp"
 #include "energy/term.hpp"
 #include "material/contact_law.hpp"
 
@@ -23,6 +25,8 @@ struct BodyContactLaws {
   NormalResponse operator()(int body, int other, double distance) const { return of(body, other)(distance); }
   /// The greatest distance at which one of them acts [m].
   double reach() const;
+  /// Whether they let surfaces pass into each other; all are of one kind.
+  bool is_penalty() const { return of_bodies.front().kind == NormalKind::penalty; }
 };
 
 /// The gap of surfaces that may touch.
@@ -32,42 +36,22 @@ struct ContactGap {
   double num_points = 0.0;                                 ///< points of the surface rule on which a pressure acts
 };
 
-/// Edges that pass through triangles, where bodies overlap.
-struct SurfaceCrossings {
-  int count = 0;
-  Vector3<double> place{};  ///< of one of them [m]
-  int body = 0, other = 0;  ///< whose surfaces cross there
-};
-
-/// A point of one surface and the nearest one of another: r = sum w_i x_i between them, with the nodes' positions x_i.
-struct Touch {
-  std::array<PetscInt, 12> nodes{};  ///< local; those of the first surface come first
-  std::array<double, 12> weights{};  ///< w_i, whose sum is 0
-  int num_nodes = 0, num_first_nodes = 0;
-  double pressure = 0.0;     ///< [Pa], > 0
-  double area = 0.0;         ///< [m^2]; negative where a feature is subtracted (collision/contact_pairs)
-  Vector3<double> normal{};  ///< of the second surface, towards the first
-  bool is_counted = false;   ///< by this rank, among all that have it
-
-  /// sum w_i (to_i - from_i) of two configurations.
-  Vector3<double> displacement(std::span<const double> from, std::span<const double> to) const;
-  /// sum w_i v_i of a nodal field.
-  Vector3<double> combine(std::span<const double> v) const;
-};
-
 /// What touches, as pairs that the terms of contact, friction and damping have in common: each rank sees those at its
 /// own nodes, and counts those whose feature has its first vertex there.
 class TouchingBodies final : public PairCoupling {
  public:
   /// `drag`: that of the friction and damping between them, which need the pairs of the configuration at which they are
-  /// frozen too; empty: there are none. Throws std::invalid_argument for a penalty: distances have no sign, so that it
-  /// would push what has passed through further on.
+  /// frozen too; empty: there are none. `depth`: to which a penalty pushes what is in another body out again [m].
+  /// `has_points`: of each set, whether its points feel others; empty: all do.
   TouchingBodies(std::shared_ptr<const BodySurfaces> surfaces, ContactSets sets, BodyContactLaws laws,
-                 std::optional<FrictionUpdate> drag = std::nullopt);
+                 std::optional<FrictionUpdate> drag = std::nullopt, double depth = 0.0,
+                 std::vector<char> has_points = {});
 
   const Patches& patches() const override { return surfaces_->patches(); }
-  double reach() const override { return laws_.reach(); }
-  bool may_couple(int tag, int other) const override { return sets_(tag, other); }
+  /// For a penalty twice as far as its points look, and on the same side, too: a rank has to know everything that may
+  /// be nearer to a point than one of its own triangles.
+  double reach() const override { return std::max(laws_.reach(), 2.0 * range()); }
+  bool may_couple(int tag, int other) const override { return is_penalty() || sets_(tag, other); }
   std::shared_ptr<const PairFeatures> features_of(const NearPatches& near) const override;
   std::span<const double> frozen_place(const LocalStage& stage, std::span<const double> q) const override;
 
@@ -88,16 +72,19 @@ class TouchingBodies final : public PairCoupling {
   template <class Visit>
   void for_each_touch(const NearPatches& near, std::span<const double> q, const Visit& visit) const;
 
+  /// Whether the bodies may pass into each other.
+  bool is_penalty() const { return laws_.is_penalty(); }
+
   /// Short of the first contact of a vertex with a triangle or of two edges on the way from q to q + d, by conservative
-  /// advancement; as a fraction of d, +infinity if there is none.
+  /// advancement; as a fraction of d, +infinity if there is none. A penalty limits nothing.
   double max_step(const NearPatches& near, std::span<const double> q, std::span<const double> d) const;
 
   /// The gap of what is nearer than `distance` [m], at least the reach; places of one body count if they have come to
-  /// less than half of their distance at rest.
+  /// less than half of their distance at rest. The distance of a penalty has a sign.
   ContactGap gap(const NearPatches& near, std::span<const double> q, double distance) const;
   /// Lowers the gaps [m] of the owned nodes (all local nodes have one) to those of their vertices.
   void lower_gaps(const NearPatches& near, std::span<const double> q, double distance, std::span<double> gaps) const;
-  /// In exact arithmetic.
+  /// In exact arithmetic; a penalty allows them.
   SurfaceCrossings crossings(const NearPatches& near, std::span<const double> q) const;
 
  private:
@@ -126,12 +113,22 @@ class TouchingBodies final : public PairCoupling {
     ContactPairs pairs;
     std::optional<std::vector<Touch>> touches;
   };
+  /// The distance within which a penalty looks for what is nearest [m].
+  double range() const { return is_penalty() ? std::max(laws_.reach(), depth_) : 0.0; }
   static const Features& features(const NearPatches& near) { return static_cast<const Features&>(*near.features); }
   Positions positions(const NearPatches& near, std::span<const double> q, std::span<const double> d = {}) const;
   /// What is nearer than `distance` [m] there, or anywhere on the way.
   Candidates candidates(const NearPatches& near, const Positions& at, double distance) const;
   /// ContactGap::least of the candidates.
-  double least_gap(const Positions& at, const Candidates& found) const;
+  double least_gap(const NearPatches& near, const Positions& at, const Candidates& found) const;
+  /// Points and triangles of different bodies that are near each other, for a penalty: of all that the rank knows.
+  Candidates known_candidates(const NearPatches& near, const Positions& at, double distance) const;
+  /// visit(point, gap) of each point that this rank counts and what is nearest to it in another body, within a distance
+  /// [m], for a penalty.
+  template <class Visit>
+  void for_each_gap(const NearPatches& near, const Positions& at, const Candidates& found, double distance,
+                    const Visit& visit) const;
+  std::vector<PointPair> point_pairs_of(const Candidates& found, std::span<const Vector3<double>> x) const;
   /// Valid until the next call.
   Configuration& configuration(const NearPatches& near, std::span<const double> q) const;
   const std::vector<Touch>& touches(const NearPatches& near, std::span<const double> q) const;
@@ -140,6 +137,8 @@ class TouchingBodies final : public PairCoupling {
   ContactSets sets_;
   BodyContactLaws laws_, edge_laws_;  // of points at triangles, and of edges across edges
   std::optional<FrictionUpdate> drag_;
+  double depth_;
+  std::vector<char> has_points_;  // of each set, for a penalty
   FeatureMultiplicities multiplicities_;
   std::vector<SurfacePoint> points_;           // of the rule: corners, then inner points of the triangles
   std::vector<std::int32_t> point_of_corner_;  // of the three corners of each triangle

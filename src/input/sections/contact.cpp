@@ -27,9 +27,12 @@ Section<ObstacleMotionConfig> motion_keys() {
   }};
 }
 
+Format<NormalKind> normal_kind() {
+  return choice_of<NormalKind>({{"penalty", NormalKind::penalty}, {"barrier", NormalKind::barrier}});
+}
+
 Field<ContactPressureConfig> law_key() {
-  return field("law", &ContactPressureConfig::law,
-               choice_of<NormalKind>({{"penalty", NormalKind::penalty}, {"barrier", NormalKind::barrier}}),
+  return field("law", &ContactPressureConfig::law, normal_kind(),
                "pressure as a function of distance: a spring with a rounded kink, or a barrier that nothing can pass")
       .otherwise("penalty");
 }
@@ -128,12 +131,15 @@ Section<ContactPairConfig> pair_keys() {
           .only_with({{"with"}}),
       field("surface", &P::part, located_text(), "a surface, or a volume with its outer surface").required(),
       field("with", &P::with, located_text(), "the surface or volume that it may touch").otherwise_in_words("itself"),
-      field("stiffness", &P::stiffness, quantity("Pa/m", Range::above(0)), "scale of the barrier's pressure")
+      field("law", &P::law, normal_kind(), "as of `contact`").otherwise_in_words(of_contact),
+      field("stiffness", &P::stiffness, quantity("Pa/m", Range::above(0)),
+            "pressure per depth of penetration, or the scale of the barrier's pressure")
           .otherwise_in_words("that of `contact`, or the harmonic mean of both bodies' 30 shear moduli per "
                               "size of a facet"),
-      field("width", &P::width, quantity("m", Range::above(0)), "distance at which the barrier begins")
-          .otherwise_in_words("that of `contact`, or 1/50 of the size of a facet, and at most half of the "
-                              "distance at rest"),
+      field("width", &P::width, quantity("m", Range::above(0)),
+            "distance at which the barrier begins, or half the distance over which the penalty's kink is rounded")
+          .otherwise_in_words("that of `contact`, or 1/50 of the size of a facet, of a barrier at most half of the "
+                              "distance at the start"),
       field("thickness", &P::thickness, quantity("m", Range::at_least(0)),
             "distance that the surfaces keep, such as that of a skin which the mesh does not have")
           .otherwise_in_words("the `threshold` of `contact`"),
@@ -188,8 +194,7 @@ Section<ContactConfig> contact_keys() {
   keys.push_back(field("pairs", &C::pairs, pairs_of_bodies(),
                        "parts of the bodies that may touch one another; `all`: the outer surfaces of all bodies, with "
                        "each other and with themselves")
-                     .otherwise_in_words("bodies pass through one another")
-                     .only_with({{"law", "barrier"}}));
+                     .otherwise_in_words("bodies pass through one another"));
   keys.push_back(
       field("exclude", &C::exclude, list_of(array_of<2>(located_text()), 1),
             "two surfaces or volumes each that do not touch although `pairs` says so, such as the sides of a hinge")

@@ -35,9 +35,10 @@ test::Field approach(double closer) {
 
 struct TwoBodies {
   TwoBodies(MPI_Comm of, const std::string& file, int order, double threshold = 0.0)
+      : TwoBodies(of, file, order, test::barrier(stiffness, width - threshold, threshold)) {}
+  TwoBodies(MPI_Comm of, const std::string& file, int order, const NormalLaw& law)
       : solid(of, file, order, 2),
-        contact(
-            make_body_contact(test::touching(solid, between, test::barrier(stiffness, width - threshold, threshold)))),
+        contact(make_body_contact(test::touching(solid, between, law))),
         prescribed(solid.nothing_prescribed()) {
     potential.emplace(solid.layout(), solid.pattern(), std::vector<const EnergyTerm*>{contact.get()}, prescribed);
     stage.emplace(solid, 0.0, 0.1);
@@ -263,11 +264,76 @@ TEST_P(BodyContactOf, StepsEndBeforeBodiesMeet) {
   }
 }
 
-TEST(BodyContact, RefusesAPenalty) {
-  Scratch scratch(comm);
-  const std::string file = scratch.file("two.msh", [](const std::string& f) { test::write_two_cubes(f, gap); });
-  const Solid solid(comm, file, 1, 2);
-  EXPECT_THROW(TouchingBodies(test::surfaces_of(solid, between), {}, {1, {NormalLaw{}}}), std::invalid_argument);
+/// They are in each other, by up to 0.1, or have a layer of that thickness around them.
+struct PenaltyCase {
+  double closer;
+  NormalLaw law;
+};
+const std::vector<PenaltyCase> penalties{{0.32, {NormalKind::penalty, stiffness, 0.01, 0.0}},
+                                         {0.35, {NormalKind::penalty, stiffness, 0.01, 0.0}},
+                                         {0.27, {NormalKind::penalty, stiffness, 0.02, 0.1}},
+                                         {0.31, {NormalKind::penalty, stiffness, 0.02, 0.1}}};
+
+TEST_P(BodyContactOf, DerivativesOfAPenaltyAreThoseOfTheEnergy) {
+  for (const auto& [closer, law] : penalties) {
+    TwoBodies bodies(comm, file_, GetParam(), law);
+    const Handle<Mat> K = bodies.potential->make_hessian();
+    const Handle<Vec> d = bodies.solid.vector(test::rough_field(1.0, 3)), q = bodies.solid.vector(approach(closer)),
+                      r = bodies.potential->make_vector(), before = bodies.potential->make_vector(),
+                      after = bodies.potential->make_vector();
+    constexpr double h = 1e-8;
+    const Handle<Vec> ahead = test::moved(q.get(), h, d.get()), behind = test::moved(q.get(), -h, d.get());
+    bodies.potential->gradient(q.get(), r.get());
+    EXPECT_GT(test::norm(r.get()), 0.0);
+    const double difference =
+        (bodies.potential->value(ahead.get()) - bodies.potential->value(behind.get())) / (2.0 * h);
+    EXPECT_NEAR(test::dot(r.get(), d.get()), difference, 1e-5 * test::norm(r.get())) << closer;
+    const Handle<Vec> y = bodies.product(q.get(), d.get(), K.get());
+    bodies.potential->gradient(ahead.get(), after.get());
+    bodies.potential->gradient(behind.get(), before.get());
+    check(VecAXPY(after.get(), -1.0, before.get()));
+    check(VecScale(after.get(), 1.0 / (2.0 * h)));
+    EXPECT_LT(test::distance(y.get(), after.get()), 1e-5 * test::norm(y.get())) << closer;
+    (void)bodies.product(q.get(), d.get(), K.get(), Projection::positive_semidefinite);
+    for (int seed = 10; seed < 30; ++seed) {
+      const Handle<Vec> e = bodies.solid.vector(test::rough_field(1.0, seed)), Ke = bodies.potential->make_vector();
+      check(MatMult(K.get(), e.get(), Ke.get()));
+      EXPECT_GE(test::dot(e.get(), Ke.get()), -1e-12 * test::norm(Ke.get()) * test::norm(e.get()));
+    }
+    // Forces balance, and push the bodies apart, whoever is in whom.
+    const auto total = test::resultant(bodies.solid, r.get(), q.get());
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_NEAR(total.force[i], 0.0, 1e-13 * test::norm(r.get()));
+      EXPECT_NEAR(total.moment[i], 0.0, 1e-12 * test::norm(r.get()));
+    }
+    const Handle<Vec> apart = bodies.solid.vector([](const Point& x) {
+      return Point{x[0] > between ? 1.0 : 0.0, 0, 0};
+    });
+    EXPECT_LT(test::dot(r.get(), apart.get()), -0.9 * std::abs(test::dot(r.get(), r.get())) / test::norm(r.get()));
+    EXPECT_TRUE(std::isinf(bodies.potential->max_step(q.get(), apart.get())));
+  }
+}
+
+TEST_P(BodyContactOf, NumbersOfAPenaltyAreThoseOfOneRank) {
+  for (const auto& [closer, law] : penalties) {
+    TwoBodies many(comm, file_, GetParam(), law), alone(MPI_COMM_SELF, file_, GetParam(), law);
+    const Handle<Mat> K = many.potential->make_hessian(), K_alone = alone.potential->make_hessian();
+    const auto numbers_of = [&, at = closer](TwoBodies& bodies, Mat hessian) {
+      const Handle<Vec> q = bodies.solid.vector(approach(at)), d = bodies.solid.vector(test::rough_field(1.0, 5)),
+                        e = bodies.solid.vector(test::rough_field(1.0, 6)), r = bodies.potential->make_vector();
+      std::vector<double> numbers{bodies.potential->value(q.get())};
+      bodies.potential->gradient(q.get(), r.get());
+      numbers.push_back(test::dot(r.get(), d.get()));
+      numbers.push_back(test::norm(r.get()));
+      const Handle<Vec> y = bodies.product(q.get(), d.get(), hessian);
+      numbers.push_back(test::dot(y.get(), e.get()));
+      numbers.push_back(bodies.potential->accounts().energies({}, q.get(), nullptr)[0]);
+      return numbers;
+    };
+    const auto here = numbers_of(many, K.get()), there = numbers_of(alone, K_alone.get());
+    for (std::size_t i = 0; i < here.size(); ++i)
+      EXPECT_NEAR(here[i], there[i], 1e-11 * std::abs(there[i]) + 1e-11) << i;
+  }
 }
 
 }  // namespace
