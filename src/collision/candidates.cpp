@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace pliant {
 
@@ -81,6 +82,34 @@ std::vector<double> least_distances(const CollisionSurface& surface, std::span<c
   }
   for (double& entry : squares) entry = std::sqrt(entry);
   return squares;
+}
+
+std::vector<BoxPair> triangles_of_bodies_near(const CollisionSurface& surface, std::span<const Vector3<double>> x,
+                                              std::span<const std::int32_t> numbers, double distance) {
+  const auto triangles = surface.triangles();
+  const auto box = [&](std::int32_t t) {
+    const auto [a, b, c] = triangles[t].vertices;
+    return box_of(0.5 * distance, x[a], x[b], x[c]);
+  };
+  std::map<std::int32_t, Box> of_bodies;
+  for (const std::int32_t t : numbers) of_bodies[triangles[t].body].include(box(t));
+  std::vector<std::int32_t> near;  // another body's box
+  std::vector<Box> boxes;
+  for (const std::int32_t t : numbers) {
+    const Box mine = box(t);
+    const bool is_near = std::ranges::any_of(of_bodies, [&](const auto& of_body) {
+      return of_body.first != triangles[t].body && mine.overlaps(of_body.second);
+    });
+    if (!is_near) continue;
+    near.push_back(t);
+    boxes.push_back(mine);
+  }
+  std::vector<BoxPair> pairs;
+  if (near.empty()) return pairs;
+  Bvh(boxes).for_each_overlap([&](std::int32_t i, std::int32_t j) {
+    if (triangles[near[i]].body != triangles[near[j]].body) pairs.push_back({near[i], near[j]});
+  });
+  return pairs;
 }
 
 std::vector<BoxPair> find_intersections(const CollisionSurface& surface, std::span<const Vector3<double>> x) {

@@ -46,6 +46,11 @@ Candidates find_candidates(const CollisionSurface& surface, std::span<const Vect
 std::vector<double> least_distances(const CollisionSurface& surface, std::span<const Vector3<double>> x, int num_bodies,
                                     double distance);
 
+/// Pairs of triangles of different bodies whose boxes are nearer than `distance` [m], of those with these numbers, in
+/// no particular order.
+std::vector<BoxPair> triangles_of_bodies_near(const CollisionSurface& surface, std::span<const Vector3<double>> x,
+                                              std::span<const std::int32_t> numbers, double distance);
+
 /// All edges (first) that meet a triangle (second) that they are not adjacent to, in exact arithmetic: empty if and
 /// only if nothing passes through anything.
 std::vector<BoxPair> find_intersections(const CollisionSurface& surface, std::span<const Vector3<double>> x);

@@ -204,7 +204,7 @@ std::vector<EdgePair> edge_pairs(const CollisionSurface& surface, std::span<cons
 namespace {
 
 /// The nearest feature of a body, so far.
-struct Nearest {
+struct NearestFeature {
   std::int32_t body = 0;
   double squared_distance = 0.0, steepness = -1.0;
   PointPair pair;
@@ -218,7 +218,7 @@ std::vector<PointPair> nearest_pairs(const CollisionSurface& surface, const Feat
   constexpr double rounding = 1e-12;  // of squared distances to one feature of several triangles
   const double farthest = std::max(reach, depth);
   std::vector<PointPair> pairs;
-  std::vector<Nearest> of_bodies;
+  std::vector<NearestFeature> of_bodies;
   for (std::size_t begin = 0, end = 0; begin < candidates.size(); begin = end) {
     const std::int32_t point = candidates[begin].first;
     while (end < candidates.size() && candidates[end].first == point) ++end;
@@ -232,7 +232,7 @@ std::vector<PointPair> nearest_pairs(const CollisionSurface& surface, const Feat
       const PointTriangle closest = closest_point_triangle(std::array{p, x[v[0]], x[v[1]], x[v[2]]});
       const double square = closest.squared_distance;
       if (!(square <= farthest * farthest)) continue;
-      auto known = std::ranges::find(of_bodies, triangle.body, &Nearest::body);
+      auto known = std::ranges::find(of_bodies, triangle.body, &NearestFeature::body);
       if (known != of_bodies.end() && square > known->squared_distance * (1.0 + rounding)) continue;
       Vector3<double> r = p;
       for (std::size_t k = 0; k < 3; ++k) r = r - closest.barycentric[k] * x[v[k]];
@@ -240,7 +240,7 @@ std::vector<PointPair> nearest_pairs(const CollisionSurface& surface, const Feat
       const double along = dot(normal, r), steepness = std::abs(along) / norm(normal);
       const bool is_same = known != of_bodies.end() && square >= known->squared_distance * (1.0 - rounding);
       if (is_same && steepness <= known->steepness) continue;
-      if (known == of_bodies.end()) known = of_bodies.insert(known, Nearest{});
+      if (known == of_bodies.end()) known = of_bodies.insert(known, NearestFeature{});
       PointPair pair{point, candidate.second, FeatureKind::face, 1, static_cast<std::int8_t>(along < 0.0 ? -1 : 1)};
       const int feature = static_cast<int>(closest.feature);
       if (closest.feature < TriangleFeature::edge_01) {
@@ -252,9 +252,9 @@ std::vector<PointPair> nearest_pairs(const CollisionSurface& surface, const Feat
       }
       *known = {triangle.body, std::min(square, is_same ? known->squared_distance : square), steepness, pair};
     }
-    std::ranges::sort(of_bodies, {}, [](const Nearest& nearest) { return nearest.pair; });
+    std::ranges::sort(of_bodies, {}, [](const NearestFeature& nearest) { return nearest.pair; });
     const std::int32_t group = points[point].group;
-    for (const Nearest& nearest : of_bodies) {
+    for (const NearestFeature& nearest : of_bodies) {
       const auto& [kind, feature] = std::pair(nearest.pair.kind, nearest.pair.feature);
       const bool is_on_rim = (kind == FeatureKind::edge && multiplicities.edge(group, feature) != 1) ||
                              (kind == FeatureKind::vertex && multiplicities.vertex(group, feature) != 1);

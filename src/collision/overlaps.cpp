@@ -14,19 +14,19 @@ namespace {
 /// Depths that differ by less, relatively, are equal but for rounding.
 constexpr double rounding = 1e-9;
 
-using Triangle = CollisionSurface::Triangle;
+using SurfaceFacet = CollisionSurface::Triangle;
 using Points = std::array<Vector3<double>, 7>;
 
 /// Corners, middles of the edges, centre.
-Points points_on(const Triangle& triangle, std::span<const Vector3<double>> x) {
+Points points_on(const SurfaceFacet& triangle, std::span<const Vector3<double>> x) {
   const auto& v = triangle.vertices;
   const auto &a = x[v[0]], &b = x[v[1]], &c = x[v[2]];
   return {a, b, c, 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a), 1.0 / 3.0 * (a + b + c)};
 }
 
 /// Whether an edge of the first triangle that shares no vertex with the second one meets it.
-bool passes_through(const CollisionSurface& surface, std::span<const Vector3<double>> x, const Triangle& of_edges,
-                    const Triangle& triangle) {
+bool passes_through(const CollisionSurface& surface, std::span<const Vector3<double>> x, const SurfaceFacet& of_edges,
+                    const SurfaceFacet& triangle) {
   const auto [a, b, c] = triangle.vertices;
   for (const std::int32_t edge : of_edges.edges) {
     const auto& ends = surface.edges()[edge].vertices;

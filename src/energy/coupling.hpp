@@ -98,6 +98,9 @@ class PairCoupling {
   /// Whether two patches with these tags may couple at all; symmetric. Asked once for any two tags, of which there are
   /// to be few: those of bodies, not of patches.
   virtual bool may_couple(int tag, int other) const = 0;
+  /// Whether the nodes of two patches of these keys, which are near each other, couple, or one of them is known only
+  /// because it may decide what others do; symmetric.
+  virtual bool couples(std::int64_t /*key*/, std::int64_t /*other*/) const { return true; }
   /// What its terms need to know of these patches and pairs besides positions; nullptr: nothing.
   virtual std::shared_ptr<const PairFeatures> features_of(const NearPatches& /*near*/) const { return nullptr; }
   /// A configuration in addition to the q of a call whose pairs the term needs too (LocalStage::near_frozen); empty:

@@ -1,6 +1,7 @@
 #include "model/body_contact_laws.hpp"
 
 #include "collision/candidates.hpp"
+#include "model/contact_defaults.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,13 +10,6 @@
 #include <fmt/format.h>
 
 namespace pliant {
-namespace {
-
-/// As of obstacles (model/contacts): in shear moduli per size of a facet, and of that size.
-constexpr double shear_moduli_per_facet = 30.0;
-constexpr double width_per_facet = 1.0 / 50.0;
-
-}  // namespace
 
 std::vector<double> facet_sizes(const CollisionSurface& surface, std::size_t num_bodies, double triangles_per_facet) {
   std::vector<double> area(num_bodies, 0.0), number(num_bodies, 0.0), size(num_bodies, 0.0);

@@ -4,6 +4,7 @@
 #include "collision/triangle_tree.hpp"
 #include "energy/pairs/observed_pairs.hpp"
 #include "model/body_contact_laws.hpp"
+#include "model/contact_defaults.hpp"
 #include "model/curved_facets.hpp"
 #include "model/penalty_depth.hpp"
 #include "model/start_overlap.hpp"
@@ -27,7 +28,6 @@ std::string name_of(const ContactPairConfig* pair) {
 }
 
 constexpr std::size_t most_overlaps_named = 10;
-constexpr double least_push = 1e-6;  // of the width: what is less deep only touches
 
 }  // namespace
 

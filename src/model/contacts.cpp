@@ -3,6 +3,7 @@
 #include "fem/probe.hpp"
 #include "fem/surface_distance.hpp"
 #include "input/analysis.hpp"
+#include "model/contact_defaults.hpp"
 #include "model/initial_displacement.hpp"
 #include "petsc/collective.hpp"
 
@@ -15,15 +16,8 @@
 namespace pliant {
 namespace {
 
-/// A spring of 10 Young's moduli per facet deforms by a tenth of what an element does, and is as stiff as ten of them,
-/// which neither a factorization nor Newton's method notices. E is 2 to 3 shear moduli.
-constexpr double shear_moduli_per_facet = 30.0;
-/// Fraction of the size of a facet by which the rounding of the kink moves the body.
-constexpr double width_per_facet = 1.0 / 50.0;
 /// Distance of contact points, as a fraction of the size of a facet.
 constexpr double spacing_per_facet = 0.5;
-/// A surface that is less deep than this fraction of the width only touches, and is not pushed.
-constexpr double least_push = 1e-6;
 
 constexpr double endless = std::numeric_limits<double>::infinity();
 

@@ -22,13 +22,13 @@ namespace {
 
 /// The distance at which the barrier begins, relative to a facet, unless the input says it; surfaces start twice as far
 /// apart: a thousandth of a facet is below what the mesh resolves, and Newton's method takes no longer for it.
-constexpr double width_per_facet = 1.0 / 2000.0;
+constexpr double start_width_per_facet = 1.0 / 2000.0;
 /// Steps by which nodes inside the bodies follow, each to the mean of its neighbours.
 constexpr int smoothing_steps = 10;
 /// The least part of its volume that an element keeps, anywhere in it.
 constexpr double least_volume = 0.2;
 /// Because the displacement at the start depends on where the nodes are.
-constexpr int most_rounds = 3;
+constexpr int most_passes = 3;
 
 /// Two bodies that do not start apart.
 struct Adjustment {
@@ -58,7 +58,7 @@ class EntryAdjuster {
     std::vector<Adjustment> adjustments;
     for (const Adjustment& overlap : overlaps(x)) {
       const std::size_t body = overlap.body, other = overlap.other;
-      const double size = std::min(sizes[body], sizes[other]), width = width_.value_or(width_per_facet * size);
+      const double size = std::min(sizes[body], sizes[other]), width = width_.value_or(start_width_per_facet * size);
       if (overlap.depth > size) continue;
       const GapGoal goal{threshold_ + 2.0 * width, threshold_ + width, size, overlap.depth};
       goals.of_bodies[body * num_bodies_ + other] = goals.of_bodies[other * num_bodies_ + body] = goal;
@@ -256,7 +256,7 @@ std::vector<Diagnostic> adjust_start(const ContactConfig& config, std::span<cons
                                      const FacetList& boundary, const NodeLayout& as_meshed, NodeLayout& layout) {
   std::vector<std::vector<Adjustment>> adjustments(touching.size());
   bool is_changed = true;
-  for (int round = 0; round < most_rounds && is_changed; ++round) {
+  for (int round = 0; round < most_passes && is_changed; ++round) {
     is_changed = false;
     for (std::size_t entry = 0; entry < touching.size(); ++entry) {
       const EntryAdjuster adjust(config, touching[entry], body_names.size(), layout);

@@ -12,7 +12,7 @@
 namespace pliant {
 namespace {
 
-constexpr int max_halvings = 20;
+constexpr int most_cuts = 20;
 /// The residual's rounding floor is an estimate: an iterate below `floor_factor` times the floor is accepted, and one
 /// up to 100 times that if the residual no longer falls.
 constexpr double floor_factor = 4.0;
@@ -268,7 +268,7 @@ void PetscIntegrator::search_line(SNESLineSearch search) {
   const double bound = inversion_margin * equation_.max_step(unknowns_.get(), q_part_.get());
   if (bound < 1.0) ++statistics_.capped_steps;
   double lambda = std::min(1.0, bound);
-  for (int i = 0; i < max_halvings; ++i, lambda *= 0.5) {
+  for (int i = 0; i < most_cuts; ++i, lambda *= 0.5) {
     check(VecWAXPY(trial, -lambda, y, x));
     check(SNESComputeFunction(snes, trial, f));
     const double after = norm(f);

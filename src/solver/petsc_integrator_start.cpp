@@ -9,7 +9,7 @@ namespace {
 
 /// Length of a stage, as a fraction of the step, at which M / dt^2 exceeds the rest of the Hessian beyond double
 /// precision, whatever the step.
-constexpr double part_of_step = 1e-30;
+constexpr double short_part_of_step = 1e-30;
 /// The constant acceleration, in the two half steps with which TSALPHA2 starts, that it interprets as 1. Before PETSc
 /// 3.22 its difference formula gave twice the acceleration, and spectral radii below 1 were of first order.
 constexpr double start_acceleration = PETSC_VERSION_LT(3, 22, 0) ? 0.5 : 1.0;
@@ -34,7 +34,7 @@ void PetscIntegrator::find_acceleration() {
     mass_ = equation_.make_hessian();
     const Handle<Vec> zero = equation_.make_vector();
     // A power of two gives M the same bits for every step.
-    const double instant = std::ldexp(1.0, std::ilogb(part_of_step * time_step()));
+    const double instant = std::ldexp(1.0, std::ilogb(short_part_of_step * time_step()));
     (void)equation_.enter({.time = stage_.time, .dt = instant, .q0 = zero.get(), .v0 = zero.get()}, zero.get(),
                           unknowns_.get());
     equation_.hessian(zero.get(), mass_.get(), Projection::none);

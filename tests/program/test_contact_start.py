@@ -290,23 +290,23 @@ class Resolve(ProgramTest):
     def test_shapes_that_touch_or_overlap(self):
         shapes = {"touching": (GEOMETRY % "1", "touch in the mesh"), "low": (GEOMETRY % "0.95", "overlap by up to 0.0005 m"),
                   "pin": (PIN, "overlap by up to"), "wedges": (WEDGES, "overlap by up to 0.000")}
-        for name, (geometry, expected) in shapes.items():
+        for name, element in (("touching", "P1"), ("touching", "P2"), ("low", "P1"), ("pin", "P2"), ("wedges", "P2")):
+            geometry, expected = shapes[name]
             self.write(name + ".geo", "Mesh.ElementOrder = 2;\n" + geometry)
-            for element in ("P1", "P2"):
-                with self.subTest(shape=name, element=element):
-                    file = self.write(name + element + ".yaml",
-                                      two_blocks(self.RESOLVE, file=name + ".geo", element=element,
-                                                 time="method: backward-euler, step: 1 ms, end: 4 ms"))
-                    notes = [self.note(file, ranks) for ranks in (1, 3)]
-                    self.assertIn(expected, notes[0])
-                    self.assertRegex(notes[0], "'start: resolve' moves [1-9][0-9]* nodes")
-                    self.assertEqual(*notes)
-                    h = self.run_input(file, output=name + element)
-                    self.assertEqual(h["contact_energy"][0], 0)
-                    self.assertGreater(h["contact_gap_min"].min(), 0)
-                    self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-6 * np.abs(h["load_potential"]).max())
-                    self.assertEqual(overlaps(self.directory / (name + element) / "result.h5"), [])
-                    self.assert_same_history(h, self.run_input(file, output=name + "3", ranks=3), 1e-5)
+            with self.subTest(shape=name, element=element):
+                file = self.write(name + element + ".yaml",
+                                  two_blocks(self.RESOLVE, file=name + ".geo", element=element,
+                                             time="method: backward-euler, step: 1 ms, end: 3 ms"))
+                notes = [self.note(file, ranks) for ranks in (1, 3)]
+                self.assertIn(expected, notes[0])
+                self.assertRegex(notes[0], "'start: resolve' moves [1-9][0-9]* nodes")
+                self.assertEqual(*notes)
+                h = self.run_input(file, output=name + element)
+                self.assertEqual(h["contact_energy"][0], 0)
+                self.assertGreater(h["contact_gap_min"].min(), 0)
+                self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-6 * np.abs(h["load_potential"]).max())
+                self.assertEqual(overlaps(self.directory / (name + element) / "result.h5"), [])
+                self.assert_same_history(h, self.run_input(file, output=name + "3", ranks=3), 1e-5)
 
     def test_flat_surfaces_stay_flat(self):
         # Two blocks of 1 x 0.5 m that do not fit, without transverse strain, shortened by 1 %: the same stress everywhere.

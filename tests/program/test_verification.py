@@ -271,7 +271,8 @@ class Verification(ProgramTest):
         slope, largest = np.polyfit(square[inside], pressure[inside] ** 2, 1)  # p^2 = p0^2 (1 - r^2/a^2)
         # Held at their equators, the balls are stiffer than half-spaces, by 0.36 a/R = 7.2 % of the approach (Tatara 1991).
         self.about("contact_balls", "as given, `load_steps=4`", 16)
-        self.row("largest pressure", "2798.33 MPa", 1e-6 * np.sqrt(largest), 0.05)
+        # The iteration ends at its tolerance, differently on other processors.
+        self.row("largest pressure", "2798.33 MPa", round(1e-6 * np.sqrt(largest), 1), 0.05)
         self.row("radius of the circle of contact", "10 mm", 1e3 * np.sqrt(-largest / slope), 0.04)
         self.row("force", "586.08 kN", -4e-3 * h["balls_fz"][-1], 0.15)
 

@@ -12,7 +12,7 @@
 namespace pliant {
 namespace {
 
-using Triangle = CollisionSurface::Triangle;
+using SurfaceFacet = CollisionSurface::Triangle;
 using Places = std::vector<Vector3<double>>;
 
 constexpr int most_steps_of_nodes = 4, most_sweeps = 60;
@@ -20,18 +20,18 @@ constexpr int most_steps_of_nodes = 4, most_sweeps = 60;
 constexpr double least_share = 1e-7;
 
 /// A point of a triangle, as a mean of its corners.
-struct Sample {
+struct FacetSample {
   std::array<double, 3> barycentric;
   int corner, edge;  // on which it is; -1: on none
 };
 constexpr double third = 1.0 / 3.0;
-constexpr std::array<Sample, 7> samples{{{{1.0, 0.0, 0.0}, 0, -1},
-                                         {{0.0, 1.0, 0.0}, 1, -1},
-                                         {{0.0, 0.0, 1.0}, 2, -1},
-                                         {{0.5, 0.5, 0.0}, -1, 0},
-                                         {{0.0, 0.5, 0.5}, -1, 1},
-                                         {{0.5, 0.0, 0.5}, -1, 2},
-                                         {{third, third, third}, -1, -1}}};
+constexpr std::array<FacetSample, 7> samples{{{{1.0, 0.0, 0.0}, 0, -1},
+                                              {{0.0, 1.0, 0.0}, 1, -1},
+                                              {{0.0, 0.0, 1.0}, 2, -1},
+                                              {{0.5, 0.5, 0.0}, -1, 0},
+                                              {{0.0, 0.5, 0.5}, -1, 1},
+                                              {{0.5, 0.0, 0.5}, -1, 2},
+                                              {{third, third, third}, -1, -1}}};
 
 /// Two points of surfaces that are too near: r = sum w_i x_i between them, as a function of the nodes, must not be less
 /// than a distance along the normal n.
@@ -43,14 +43,14 @@ struct Approach {
 };
 
 /// A body's triangles at some positions.
-struct Side {
+struct BodySide {
   TriangleTree tree;
   DepthBelow below;
-  Side(const CollisionSurface& surface, const Places& x, std::vector<std::int32_t> numbers)
+  BodySide(const CollisionSurface& surface, const Places& x, std::vector<std::int32_t> numbers)
       : tree(surface, x, std::move(numbers)), below(tree) {}
 };
 
-Vector3<double> face_normal(const Triangle& triangle, const Places& x) {
+Vector3<double> face_normal(const SurfaceFacet& triangle, const Places& x) {
   const auto [a, b, c] = triangle.vertices;
   return cross(x[b] - x[a], x[c] - x[a]);
 }
@@ -61,8 +61,8 @@ Vector3<double> unit_or_zero(const Vector3<double>& a) {
 }
 
 /// The normal of the feature on which a foot lies, decided with a tolerance, and whether that is the face.
-std::pair<Vector3<double>, bool> normal_at(const Foot& foot, const Side& side, const Places& x) {
-  const Triangle& triangle = side.tree.surface().triangles()[foot.triangle];
+std::pair<Vector3<double>, bool> normal_at(const Foot& foot, const BodySide& side, const Places& x) {
+  const SurfaceFacet& triangle = side.tree.surface().triangles()[foot.triangle];
   std::vector<std::size_t> present;
   for (std::size_t k = 0; k < 3; ++k) {
     if (foot.closest.barycentric[k] > least_share) present.push_back(k);
@@ -73,7 +73,8 @@ std::pair<Vector3<double>, bool> normal_at(const Foot& foot, const Side& side, c
   return {unit_or_zero(side.below.normal_of_edge(triangle.edges[edge])), false};
 }
 
-Vector3<double> normal_at(const Sample& sample, const Triangle& triangle, const Side& side, const Places& x) {
+Vector3<double> normal_at(const FacetSample& sample, const SurfaceFacet& triangle, const BodySide& side,
+                          const Places& x) {
   if (sample.corner >= 0) return unit_or_zero(side.below.normal_of_vertex(triangle.vertices[sample.corner]));
   if (sample.edge >= 0) return unit_or_zero(side.below.normal_of_edge(triangle.edges[sample.edge]));
   return unit_or_zero(face_normal(triangle, x));
@@ -97,7 +98,7 @@ class ApproachFinder {
     x_.assign(nodes.begin(), nodes.end());
     surfaces_.place(x_);
     found_.clear();
-    std::map<std::int32_t, Side> sides;
+    std::map<std::int32_t, BodySide> sides;
     for (const auto& [body, numbers] : of_body_) sides.try_emplace(body, surface_, x_, numbers);
     for (const auto& [body, mine] : sides) {
       for (const auto& [other, theirs] : sides) {
@@ -111,18 +112,18 @@ class ApproachFinder {
   }
 
  private:
-  bool are_apart(const Triangle& a, const Triangle& b) const {
+  bool are_apart(const SurfaceFacet& a, const SurfaceFacet& b) const {
     return !sets_(a.group, b.group) || surface_.is_incident(a, b);
   }
 
-  void add_points(const Side& mine, const Side& theirs, const GapGoal& goal, Points points) {
+  void add_points(const BodySide& mine, const BodySide& theirs, const GapGoal& goal, Points points) {
     const auto& bounds = theirs.tree.nodes()[0].bounds;
     const bool only_corners = points == Points::corners;
     const double near = only_corners ? goal.wanted : goal.least;
     for (const std::int32_t t : mine.tree.numbers()) {
-      const Triangle& triangle = surface_.triangles()[t];
+      const SurfaceFacet& triangle = surface_.triangles()[t];
       const auto& v = triangle.vertices;
-      for (const Sample& sample : samples) {
+      for (const FacetSample& sample : samples) {
         if (only_corners && sample.corner < 0) continue;
         Vector3<double> p{};
         for (std::size_t k = 0; k < 3; ++k) p = p + sample.barycentric[k] * x_[v[k]];
@@ -142,7 +143,7 @@ class ApproachFinder {
             foot = facing;
           }
         }
-        const Triangle& met = surface_.triangles()[foot.triangle];
+        const SurfaceFacet& met = surface_.triangles()[foot.triangle];
         if (are_apart(triangle, met)) continue;
         const Vector3<double> between = p - foot.place;
         const auto [their_normal, is_on_face] = normal_at(foot, theirs, x_);
@@ -161,8 +162,8 @@ class ApproachFinder {
     }
   }
 
-  void add_edges(const Side& mine, const Side& theirs, const GapGoal& goal) {
-    const auto boxes = [&](const Side& side) {
+  void add_edges(const BodySide& mine, const BodySide& theirs, const GapGoal& goal) {
+    const auto boxes = [&](const BodySide& side) {
       std::vector<Box> result;
       for (const std::int32_t t : side.tree.numbers()) {
         const auto [a, b, c] = surface_.triangles()[t].vertices;
@@ -171,8 +172,8 @@ class ApproachFinder {
       return result;
     };
     Bvh(boxes(mine)).for_each_overlap(Bvh(boxes(theirs)), [&](std::int32_t i, std::int32_t j) {
-      const Triangle& a = surface_.triangles()[mine.tree.numbers()[i]];
-      const Triangle& b = surface_.triangles()[theirs.tree.numbers()[j]];
+      const SurfaceFacet& a = surface_.triangles()[mine.tree.numbers()[i]];
+      const SurfaceFacet& b = surface_.triangles()[theirs.tree.numbers()[j]];
       if (are_apart(a, b)) return;
       // Where triangles meet, only the pair that parts them by the least motion: others are behind each other.
       const bool meet = triangles_meet(corners(a), corners(b));
@@ -189,14 +190,14 @@ class ApproachFinder {
     });
   }
 
-  std::array<Vector3<double>, 3> corners(const Triangle& triangle) const {
+  std::array<Vector3<double>, 3> corners(const SurfaceFacet& triangle) const {
     const auto [a, b, c] = triangle.vertices;
     return {x_[a], x_[b], x_[c]};
   }
 
   /// Edges k and l that are too near along the normals of both, or have passed through each other.
-  std::optional<Approach> edge_pair(const Side& mine, const Triangle& a, std::size_t k, const Side& theirs,
-                                    const Triangle& b, std::size_t l, const GapGoal& goal) const {
+  std::optional<Approach> edge_pair(const BodySide& mine, const SurfaceFacet& a, std::size_t k, const BodySide& theirs,
+                                    const SurfaceFacet& b, std::size_t l, const GapGoal& goal) const {
     const std::size_t k_next = (k + 1) % 3, l_next = (l + 1) % 3;
     const std::array ends{x_[a.vertices[k]], x_[a.vertices[k_next]], x_[b.vertices[l]], x_[b.vertices[l_next]]};
     const EdgeEdge closest = closest_edge_edge(ends);

@@ -1,5 +1,6 @@
 #include "energy/contact/touching_bodies.hpp"
 
+#include "collision/candidates.hpp"
 #include "collision/ccd.hpp"
 #include "collision/closest_points.hpp"
 
@@ -178,33 +179,36 @@ TouchingBodies::Candidates TouchingBodies::candidates(const NearPatches& near, c
 TouchingBodies::Candidates TouchingBodies::known_candidates(const NearPatches& near, const Positions& at,
                                                             double distance) const {
   const CollisionSurface& surface = surfaces_->surface();
-  const auto& triangles = features(near).triangles;
   const std::size_t first_inner_point = points_.size() - num_inner_points_ * surface.triangles().size();
-  std::vector<std::int32_t> points;
-  std::vector<Box> of_points, of_triangles;
-  for (const std::int32_t t : triangles) {
-    const auto [a, b, c] = surface.triangles()[t].vertices;
-    of_triangles.push_back(box_of(distance, at.x[a], at.x[b], at.x[c]));
-    const auto first = static_cast<std::size_t>(t);
-    if (!has_points_.empty() && has_points_[surface.triangles()[t].group] == 0) continue;
-    for (std::size_t k = 0; k < 3; ++k) points.push_back(point_of_corner_[3 * first + k]);
-    for (std::size_t j = 0; j < num_inner_points_; ++j) {
-      points.push_back(static_cast<std::int32_t>(first_inner_point + num_inner_points_ * first + j));
-    }
-  }
-  make_unique(points);
-  for (const std::int32_t point : points) of_points.push_back(box_of(0.0, points_[point].position(at.x)));
   Candidates found;
-  Bvh(of_points).for_each_overlap(Bvh(of_triangles), [&](std::int32_t i, std::int32_t j) {
-    const SurfacePoint& point = points_[points[i]];
-    const auto& triangle = surface.triangles()[triangles[j]];
-    const bool may_touch =
-        surface.vertices()[point.nodes[0]].body != triangle.body && sets_(point.group, triangle.group);
-    const auto nodes = std::span(point.nodes).first(static_cast<std::size_t>(point.num_nodes));
-    const auto is_incident = [&](std::int32_t vertex) { return surface.is_incident(triangle, vertex); };
-    if (may_touch && std::ranges::none_of(nodes, is_incident)) found.points.push_back({points[i], triangles[j]});
-  });
-  std::ranges::sort(found.points);
+  const auto add_points = [&](std::int32_t of_points, std::int32_t t) {
+    const auto &mine = surface.triangles()[of_points], &theirs = surface.triangles()[t];
+    if (!has_points_.empty() && has_points_[mine.group] == 0) return;
+    const auto first = static_cast<std::size_t>(of_points);
+    const auto [a, b, c] = theirs.vertices;
+    const auto add = [&, a = a, b = b, c = c](std::size_t point) {
+      const Vector3<double> p = points_[point].position(at.x);
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto [low, high] = std::minmax({at.x[a][i], at.x[b][i], at.x[c][i]});
+        if (p[i] < low - distance || p[i] > high + distance) return;
+      }
+      found.points.push_back({static_cast<std::int32_t>(point), t});
+    };
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!surface.is_incident(theirs, mine.vertices[k]))
+        add(static_cast<std::size_t>(point_of_corner_[3 * first + k]));
+    }
+    for (std::size_t j = 0; j < num_inner_points_ && !surface.is_incident(mine, theirs); ++j) {
+      add(first_inner_point + num_inner_points_ * first + j);
+    }
+  };
+  for (const BoxPair& pair : triangles_of_bodies_near(surface, at.x, features(near).triangles, distance)) {
+    if (!sets_(surface.triangles()[pair.first].group, surface.triangles()[pair.second].group)) continue;
+    add_points(pair.first, pair.second);
+    add_points(pair.second, pair.first);
+  }
+  sort_pairs(found.points, points_.size());
+  found.points.erase(std::ranges::unique(found.points).begin(), found.points.end());
   return found;
 }
 

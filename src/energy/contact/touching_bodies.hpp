@@ -52,6 +52,10 @@ class TouchingBodies final : public PairCoupling {
   /// be nearer to a point than one of its own triangles.
   double reach() const override { return std::max(laws_.reach(), 2.0 * range()); }
   bool may_couple(int tag, int other) const override { return is_penalty() || sets_(tag, other); }
+  bool couples(std::int64_t key, std::int64_t other) const override {
+    const auto &a = surfaces_->surface().triangles()[key], &b = surfaces_->surface().triangles()[other];
+    return !is_penalty() || (a.body != b.body && sets_(a.group, b.group));
+  }
   std::shared_ptr<const PairFeatures> features_of(const NearPatches& near) const override;
   std::span<const double> frozen_place(const LocalStage& stage, std::span<const double> q) const override;
 

@@ -17,6 +17,7 @@ class ObservedPairs final : public PairCoupling {
   std::shared_ptr<const PairFeatures> features_of(const NearPatches& near) const override {
     return coupling_.features_of(near);
   }
+  bool couples(std::int64_t key, std::int64_t other) const override { return coupling_.couples(key, other); }
 
  private:
   const PairCoupling& coupling_;

@@ -107,8 +107,9 @@ NearPatches PairAssembly::near_of(const Pursuit& pursuit) const {
 
 template <class Visit>
 bool PairAssembly::all_coupled_nodes(const Visit& visit) const {
-  const auto visit_all = [&](const NearPatches& near) {
+  const auto visit_all = [&](const NearPatches& near, const PairCoupling& coupling) {
     for (const PatchPair& pair : near.pairs) {
+      if (!coupling.couples(near.patches.keys[pair.first], near.patches.keys[pair.second])) continue;
       for (const PetscInt a : near.patches.nodes_of(pair.first)) {
         for (const PetscInt b : near.patches.nodes_of(pair.second)) {
           if (near.is_owned(a) && !visit(a, b)) return false;
@@ -118,7 +119,7 @@ bool PairAssembly::all_coupled_nodes(const Visit& visit) const {
     }
     return true;
   };
-  const auto is_done = [&](const Pursuit& pursuit) { return visit_all(pursuit.near); };
+  const auto is_done = [&](const Pursuit& pursuit) { return visit_all(pursuit.near, pursuit.coupling); };
   return std::ranges::all_of(on_path_, is_done) && std::ranges::all_of(frozen_, is_done);
 }
 
