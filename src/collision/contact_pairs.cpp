@@ -215,7 +215,8 @@ struct NearestFeature {
 std::vector<PointPair> nearest_pairs(const CollisionSurface& surface, const FeatureMultiplicities& multiplicities,
                                      std::span<const SurfacePoint> points, std::span<const BoxPair> candidates,
                                      std::span<const Vector3<double>> x, double reach, double depth) {
-  constexpr double rounding = 1e-12;  // of squared distances to one feature of several triangles
+  constexpr double rounding = 1e-12;   // of squared distances to one feature of several triangles
+  constexpr double on_surface = 1e-9;  // relative to the longest edge
   const double farthest = std::max(reach, depth);
   std::vector<PointPair> pairs;
   std::vector<NearestFeature> of_bodies;
@@ -243,7 +244,11 @@ std::vector<PointPair> nearest_pairs(const CollisionSurface& surface, const Feat
       if (known == of_bodies.end()) known = of_bodies.insert(known, NearestFeature{});
       PointPair pair{point, candidate.second, FeatureKind::face, 1, static_cast<std::int8_t>(along < 0.0 ? -1 : 1)};
       const int feature = static_cast<int>(closest.feature);
-      if (closest.feature < TriangleFeature::edge_01) {
+      // A point on an edge or a vertex has no direction from it: it counts as one of the face.
+      const bool is_on_surface = square <= on_surface * on_surface * surface.longest_edge() * surface.longest_edge();
+      if (is_on_surface) {
+        pair.kind = FeatureKind::face;
+      } else if (closest.feature < TriangleFeature::edge_01) {
         pair.kind = FeatureKind::vertex;
         pair.feature = v[feature];
       } else if (closest.feature != TriangleFeature::face) {

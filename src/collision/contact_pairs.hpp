@@ -218,7 +218,9 @@ Stencil<A + B> point_feature_stencil(const std::array<double, 3>& weights, std::
   } else if constexpr (B == 2) {
     simple = stencil_of(closest_point_edge(x));
   } else {
-    simple = stencil_of(closest_point_triangle(x));
+    PointTriangle closest = closest_point_triangle(x);
+    closest.feature = TriangleFeature::face;  // also of a point that lies on the face's rim, which has a normal then
+    simple = stencil_of(closest);
   }
   Stencil<A + B> stencil;
   stencil.num_slopes = simple.num_slopes;

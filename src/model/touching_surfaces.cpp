@@ -238,6 +238,7 @@ std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config
     TouchingSurfaces touching;
     touching.facets.nodes_per_facet = all.nodes_per_facet;
     touching.config = pair;
+    touching.law = config.law_of(pair);
     std::vector<std::uint64_t> masks;
     for (PetscInt facet = 0; facet < all.size(); ++facet) {
       const auto nodes = all.nodes_of(facet);
@@ -275,18 +276,20 @@ std::vector<char> components_kept_apart(MPI_Comm comm, const Components& compone
     }
     sum_in_place(comm, left_out);
     sum_in_place(comm, of_sets);
-    const auto may_touch = [&](std::size_t a, std::size_t b) {
-      if (left_out[a] > 0.0 || left_out[b] > 0.0) return false;
+    const auto are_kept_apart = [&](std::size_t a, std::size_t b) {
+      bool some = false, all = left_out[a] == 0.0 && left_out[b] == 0.0;
       for (std::size_t s = 0; s < num_sets; ++s) {
         for (std::size_t t = 0; t < num_sets; ++t) {
-          const bool are_there = of_sets[a * num_sets + s] > 0.0 && of_sets[b * num_sets + t] > 0.0;
-          if (are_there && !entry.sets(static_cast<int>(s), static_cast<int>(t))) return false;
+          if (of_sets[a * num_sets + s] == 0.0 || of_sets[b * num_sets + t] == 0.0) continue;
+          const bool may_touch = entry.sets(static_cast<int>(s), static_cast<int>(t));
+          some = some || may_touch;
+          all = all && may_touch;
         }
       }
-      return true;
+      return entry.law == NormalKind::penalty ? some : all;
     };
     for (std::size_t a = 0; a < count; ++a) {
-      for (std::size_t b = 0; b < count; ++b) are_kept[a * count + b] |= a == b || may_touch(a, b) ? 1 : 0;
+      for (std::size_t b = 0; b < count; ++b) are_kept[a * count + b] |= a == b || are_kept_apart(a, b) ? 1 : 0;
     }
   }
   return are_kept;

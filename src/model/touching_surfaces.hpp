@@ -35,7 +35,8 @@ struct TouchingSurfaces {
                                                     ///< neither is the rest of a body in contact by a penalty
   std::vector<char> is_on_first_side;               ///< of each facet: it belongs to `surface` of the entry
   std::vector<PetscInt> nodes_left_out;             ///< a local node of each outer facet that takes no part
-  const ContactPairConfig* config = nullptr;        ///< nullptr: `all`
+  NormalKind law = NormalKind::barrier;
+  const ContactPairConfig* config = nullptr;  ///< nullptr: `all`
 };
 
 struct LayoutOfBodies {
@@ -49,8 +50,8 @@ std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config
                                                      const std::vector<std::array<Selection, 2>>& tied,
                                                      const LayoutOfBodies& bodies, Selections& selections);
 
-/// For each two components whether contact keeps them apart, by rows: all their outer facets may touch each other.
-/// Collective.
+/// For each two components whether contact keeps them apart, by rows: all their outer facets may touch each other, or,
+/// with a penalty, which knows the whole surfaces, some. Collective.
 std::vector<char> components_kept_apart(MPI_Comm comm, const Components& components,
                                         std::span<const TouchingSurfaces> touching);
 

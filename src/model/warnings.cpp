@@ -171,8 +171,10 @@ std::vector<Diagnostic> warnings_about(const Config& config) {
 }
 
 bool nothing_moves(const Config& config) {
-  return config.cavities.empty() && !(config.contact && !config.contact->obstacles.empty()) &&
-         is_zero(config.initial.displacement) && is_zero(config.initial.velocity) &&
+  // Bodies that start in each other are pushed apart by a penalty.
+  const bool may_be_pushed = config.contact && (!config.contact->obstacles.empty() || !config.contact->has_barrier());
+  return config.cavities.empty() && !may_be_pushed && is_zero(config.initial.displacement) &&
+         is_zero(config.initial.velocity) &&
          std::ranges::all_of(driving_formulas(config), [](const DrivingFormula& of) { return of.formula->is_zero(); });
 }
 

@@ -285,6 +285,33 @@ Mesh.MeshSizeMax = 0.7;
             self.assertEqual(done.returncode, code, done.stderr)
             self.assertRegex(done.stderr, expected)
 
+    def test_a_penalty_resolves_an_overlap_by_strain(self):
+        # The patch test of Tribol and MFEM: cubes of lambda = mu = 50 that overlap by 0.01 in the mesh, held above and below. What
+        # coincides exactly there, edges on faces and corners on edges, has a pressure and a direction.
+        text = (ROOT / "meshes/contact_patch.geo").read_text()
+        self.assertIn("gap = 1e-4;", text)
+        self.write("patch.geo", text.replace("gap = 1e-4;", "gap = -0.01;"))
+        law = "elasticity: {model: linear, youngs_modulus: 125, poissons_ratio: 0.25}"
+        for element in ("P1", "P2"):
+            with self.subTest(element):
+                file = self.write("patch.yaml", f"""
+mesh: {{file: patch.geo}}
+element: {element}
+bodies: [{{volume: lower, {law}}}, {{volume: upper, {law}}}]
+constraints: [{{surface: left, symmetry: plane}}, {{surface: front, symmetry: plane}},
+              {{surface: bottom, displacement: [free, free, 0]}}, {{surface: lid, displacement: [free, free, 0]}}]
+contact: {{law: penalty, stiffness: 1e6, width: 1e-6, threshold: 1e-6, pairs: [{{name: patch, surface: lower_face, with: upper_face}}]}}
+time: {{method: static}}
+output: {{fields: [cauchy_stress]}}
+""")
+                done = self.call("run", file, ranks=2)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertNotIn("warning", done.stderr)
+                self.assertAlmostEqual(read_history(self.directory / "out/patch")["patch_fz"][-1], -0.625, delta=1e-3 * 0.625)
+                with h5py.File(self.directory / "out/patch/result.h5") as file:
+                    vertical = file["frames"][max(file["frames"])]["cauchy_stress"][:, 2]
+                np.testing.assert_allclose(vertical, -0.625, rtol=0.01)
+
     def test_messages(self):
         touching = self.write("touching.geo", GEOMETRY % "1")
         within = self.write("within.geo", GEOMETRY % "0.3")
