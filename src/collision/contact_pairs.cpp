@@ -104,6 +104,14 @@ Vector3<double> SurfacePoint::position(std::span<const Vector3<double>> x) const
   return weights[0] * x[nodes[0]] + weights[1] * x[nodes[1]] + weights[2] * x[nodes[2]];
 }
 
+ContactSets without(ContactSets sets, std::span<const char> left_out) {
+  const auto n = static_cast<std::size_t>(sets.num_sets);
+  for (std::size_t pair = 0; !left_out.empty() && pair < n * n; ++pair) {
+    if (left_out[pair / n] != 0 || left_out[pair % n] != 0) sets.may_touch[pair] = 0;
+  }
+  return sets;
+}
+
 FeatureMultiplicities::FeatureMultiplicities(const CollisionSurface& surface, const ContactSets& sets)
     : num_edges_(surface.edges().size()), num_vertices_(surface.vertices().size()) {
   const auto num_sets = static_cast<std::size_t>(sets.num_sets);

@@ -56,6 +56,9 @@ struct ContactSets {
   bool operator()(int set, int other) const { return may_touch[num_sets * set + other] != 0; }
 };
 
+/// The same sets, where those that are left out (flags; empty: none is) touch nothing.
+ContactSets without(ContactSets sets, std::span<const char> left_out);
+
 /// The multiplicities m_e, m_v of edges and vertices for the points of each group, which see those of the triangles
 /// that their group may touch.
 class FeatureMultiplicities {

@@ -82,4 +82,29 @@ std::vector<char> bodies_that_may_meet(const CollisionSurface& surface, const Co
   return may_meet;
 }
 
+std::pair<double, double> stiffest_and_widest(const BodyContactLaws& laws, const std::vector<char>& may_meet) {
+  double stiffest = 0.0, widest = 0.0;
+  for (std::size_t pair = 0; pair < laws.of_bodies.size(); ++pair) {
+    if (may_meet[pair] == 0) continue;
+    stiffest = std::max(stiffest, laws.of_bodies[pair].stiffness);
+    widest = std::max(widest, laws.of_bodies[pair].width);
+  }
+  return {stiffest, widest};
+}
+
+std::string name_of(const ContactPairConfig* pair) {
+  if (pair == nullptr) return "all bodies";
+  return fmt::format("'{}' with {}", pair->part.value, pair->with ? "'" + pair->with->value + "'" : "itself");
+}
+
+void require_two_bodies(const ContactPairConfig* pair, const std::vector<char>& may_meet, std::size_t num_bodies) {
+  if (pair == nullptr) return;
+  for (std::size_t place = 0; place < may_meet.size(); ++place) {
+    if (may_meet[place] != 0 && place / num_bodies != place % num_bodies) return;
+  }
+  throw InputError(
+      pair->where,
+      fmt::format("{} are parts of one body, and contact of a body with itself needs 'law: barrier'", name_of(pair)));
+}
+
 }  // namespace pliant

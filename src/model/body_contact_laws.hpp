@@ -6,6 +6,7 @@
 
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace pliant {
@@ -29,5 +30,14 @@ BodyContactLaws body_contact_laws(const ContactConfig& config, const ContactPair
 /// For each two bodies whether parts of them may touch, by rows.
 std::vector<char> bodies_that_may_meet(const CollisionSurface& surface, const ContactSets& sets,
                                        std::size_t num_bodies);
+
+/// The greatest stiffness [Pa/m] and width [m] of bodies that may meet.
+std::pair<double, double> stiffest_and_widest(const BodyContactLaws& laws, const std::vector<char>& may_meet);
+
+/// The entry in words; nullptr: `all`.
+std::string name_of(const ContactPairConfig* pair);
+
+/// Throws InputError where an entry asks for a penalty, and no two bodies may meet: a body is not parted from itself.
+void require_two_bodies(const ContactPairConfig* pair, const std::vector<char>& may_meet, std::size_t num_bodies);
 
 }  // namespace pliant

@@ -22,11 +22,6 @@ namespace {
 /// the width. It acts where facets are bent so much that these surfaces come closer than those of the same mean.
 constexpr double guard_width = 0.1;
 
-std::string name_of(const ContactPairConfig* pair) {
-  if (pair == nullptr) return "all bodies";
-  return fmt::format("'{}' with {}", pair->part.value, pair->with ? "'" + pair->with->value + "'" : "itself");
-}
-
 constexpr std::size_t most_overlaps_named = 10;
 
 }  // namespace
@@ -104,12 +99,7 @@ void BodyContacts::add(const TouchingSurfaces& touching, const std::vector<doubl
   }
   distance = std::max(distance, laws.reach());
   const auto may_meet = bodies_that_may_meet(surface, touching.sets, body_names_.size());
-  double stiffest = 0.0, widest = 0.0;
-  for (std::size_t pair = 0; pair < laws.of_bodies.size(); ++pair) {
-    if (may_meet[pair] == 0) continue;
-    stiffest = std::max(stiffest, laws.of_bodies[pair].stiffness);
-    widest = std::max(widest, laws.of_bodies[pair].width);
-  }
+  const auto [stiffest, widest] = stiffest_and_widest(laws, may_meet);
   const auto* pair = touching.config;
   const auto description =
       note(fmt::format("contact of {}: {} triangles, {}, stiffness {:.3g} Pa/m, width {:.3g} m", name_of(pair),
@@ -121,11 +111,16 @@ void BodyContacts::add(const TouchingSurfaces& touching, const std::vector<doubl
   const NormalDamping damping = is_guard ? NormalDamping{} : config_.damping(drag);
   const bool has_drag = friction.acts() || damping.acts();
   const double depth = depth_of_penalty(surface, body_names_.size(), distance);
-  std::vector<char> has_points;
-  for (const auto& [is_first, is_second] : touching.set_is_on_side) has_points.push_back(is_first || is_second ? 1 : 0);
+  PenaltyParts penalty;
+  if (laws.is_penalty()) {
+    penalty.depth = depth;
+    penalty.is_mirror = touching.set_is_mirror;
+    for (const auto& [first, second] : touching.set_is_on_side) penalty.has_points.push_back(first || second ? 1 : 0);
+    require_two_bodies(pair, may_meet, body_names_.size());
+  }
   auto bodies = std::make_shared<const TouchingBodies>(std::move(surfaces), touching.sets, laws,
                                                        has_drag ? std::optional(config_.friction_update) : std::nullopt,
-                                                       laws.is_penalty() ? depth : 0.0, std::move(has_points));
+                                                       std::move(penalty));
   auto part = std::make_shared<Part>(layout_, std::move(bodies), distance);
   part->depth = depth;
   part->friction = friction;

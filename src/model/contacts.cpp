@@ -128,6 +128,9 @@ Contacts::Contacts(const ContactConfig& config, const ContactBodies& bodies, std
   }
   if (!obstacles_.empty()) add_surfaces(bodies);
   if (touching.empty()) return;
+  for (TouchingSurfaces& entry : touching) {
+    if (entry.law == NormalKind::penalty) mark_planes_of_symmetry(layout_, bodies.prescribed, entry);
+  }
   between_ = std::make_unique<BodyContacts>(config_, layout_, std::move(touching), body_names_, bodies.shear_moduli,
                                             bodies.start);
   for (const Diagnostic& note : between_->description()) description_.push_back(note);

@@ -3,6 +3,7 @@
 #include "petsc/collective.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <set>
 
@@ -260,6 +261,36 @@ std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config
   return result;
 }
 
+void mark_planes_of_symmetry(const NodeLayout& layout, std::span<const char> prescribed, TouchingSurfaces& touching) {
+  constexpr double rounding = 1e-9;
+  const int num_sets = touching.sets.num_sets;
+  for (PetscInt facet = 0; facet < touching.facets.size(); ++facet) {
+    const auto corners = touching.facets.nodes_of(facet).first(3);
+    const Vector3<double> X = layout.position(corners[0]);
+    const Vector3<double> area = cross(layout.position(corners[1]) - X, layout.position(corners[2]) - X);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto is_held = [&](PetscInt node) { return prescribed[3 * node + axis] != 0; };
+      const auto is_free = [&](PetscInt node) {
+        return prescribed[3 * node + (axis + 1) % 3] == 0 || prescribed[3 * node + (axis + 2) % 3] == 0;
+      };
+      const bool is_across = std::abs(area[axis]) > (1.0 - rounding) * norm(area);
+      if (is_across && std::ranges::all_of(corners, is_held) && std::ranges::any_of(corners, is_free)) {
+        touching.sides[facet].set += num_sets;
+      }
+    }
+  }
+  ContactSets doubled{2 * num_sets, {}};
+  for (int s = 0; s < 2 * num_sets; ++s) {
+    for (int t = 0; t < 2 * num_sets; ++t) {
+      doubled.may_touch.push_back(touching.sets(s % num_sets, t % num_sets) ? 1 : 0);
+    }
+    touching.set_is_mirror.push_back(s < num_sets ? 0 : 1);
+  }
+  touching.sets = std::move(doubled);
+  const auto sides = touching.set_is_on_side;
+  touching.set_is_on_side.insert(touching.set_is_on_side.end(), sides.begin(), sides.end());
+}
+
 std::vector<char> components_kept_apart(MPI_Comm comm, const Components& components,
                                         std::span<const TouchingSurfaces> touching) {
   const auto count = static_cast<std::size_t>(components.count);
@@ -268,14 +299,17 @@ std::vector<char> components_kept_apart(MPI_Comm comm, const Components& compone
   for (const TouchingSurfaces& entry : touching) {
     // The outer facets of each component that take no part, and those of each set.
     const auto num_sets = static_cast<std::size_t>(entry.sets.num_sets);
-    std::vector<double> left_out(count, 0.0), of_sets(count * num_sets, 0.0);
+    std::vector<double> left_out(count, 0.0), of_sets(count * num_sets, 0.0), body(count, -1.0);
     for (const PetscInt node : entry.nodes_left_out) left_out[component_of(node)] += 1.0;
     for (PetscInt facet = 0; facet < entry.facets.size(); ++facet) {
       const auto set = static_cast<std::size_t>(entry.sides[facet].set);
-      of_sets[component_of(entry.facets.nodes_of(facet)[0]) * num_sets + set] += 1.0;
+      const std::size_t component = component_of(entry.facets.nodes_of(facet)[0]);
+      of_sets[component * num_sets + set] += 1.0;
+      body[component] = entry.sides[facet].body;
     }
     sum_in_place(comm, left_out);
     sum_in_place(comm, of_sets);
+    for (double& number : body) number = maximum(comm, number);
     const auto are_kept_apart = [&](std::size_t a, std::size_t b) {
       bool some = false, all = left_out[a] == 0.0 && left_out[b] == 0.0;
       for (std::size_t s = 0; s < num_sets; ++s) {
@@ -286,7 +320,8 @@ std::vector<char> components_kept_apart(MPI_Comm comm, const Components& compone
           all = all && may_touch;
         }
       }
-      return entry.law == NormalKind::penalty ? some : all;
+      // A penalty does not part what is of one body.
+      return entry.law == NormalKind::penalty ? some && body[a] != body[b] : all;
     };
     for (std::size_t a = 0; a < count; ++a) {
       for (std::size_t b = 0; b < count; ++b) are_kept[a * count + b] |= a == b || are_kept_apart(a, b) ? 1 : 0;

@@ -33,6 +33,7 @@ struct TouchingSurfaces {
   ContactSets sets;                                 ///< which may touch
   std::vector<std::array<bool, 2>> set_is_on_side;  ///< of each set: it is of `surface`, of `with` of the entry; of
                                                     ///< neither is the rest of a body in contact by a penalty
+  std::vector<char> set_is_mirror;                  ///< of each set: mark_planes_of_symmetry; empty: none is
   std::vector<char> is_on_first_side;               ///< of each facet: it belongs to `surface` of the entry
   std::vector<PetscInt> nodes_left_out;             ///< a local node of each outer facet that takes no part
   NormalKind law = NormalKind::barrier;
@@ -49,6 +50,11 @@ struct LayoutOfBodies {
 std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config,
                                                      const std::vector<std::array<Selection, 2>>& tied,
                                                      const LayoutOfBodies& bodies, Selections& selections);
+
+/// Gives the facets on planes of symmetry sets of their own, one for each set, whose numbers come after all others: the
+/// body continues behind them, so that nothing is pushed out there. These are facets across an axis along which all of
+/// their corners are prescribed, and one is free otherwise. `prescribed`: one flag per local entry. Not collective.
+void mark_planes_of_symmetry(const NodeLayout& layout, std::span<const char> prescribed, TouchingSurfaces& touching);
 
 /// For each two components whether contact keeps them apart, by rows: all their outer facets may touch each other, or,
 /// with a penalty, which knows the whole surfaces, some. Collective.

@@ -251,7 +251,7 @@ Mesh.MeshSizeMax = 0.7;
     def test_laws_of_pairs_stand_side_by_side_and_go_on_elsewhere(self):
         self.write("three.geo", (GEOMETRY % "1.1").replace("Physical Volume", "Box(3) = {-1, -1, 3.2, 2, 2, 2};\nPhysical Volume", 1)
                    + 'Physical Volume("top") = {3};\n')
-        text = two_blocks("friction: 0.2, pairs: [{name: soft, surface: base, with: block}, {name: hard, surface: block, with: top, law: barrier}]",
+        text = two_blocks("pairs: [{name: soft, surface: base, with: block}, {name: hard, surface: block, with: top, law: barrier}]",
                           "method: bdf2, step: 1 ms, end: 60 ms", file="three.geo").replace(
             "bodies:\n", "bodies:\n  - {volume: top, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e5, poissons_ratio: 0.3}}\n")
         file = self.write("mixed.yaml", text + "checkpoint: {every: 30}\n")
@@ -312,11 +312,35 @@ output: {{fields: [cauchy_stress]}}
                     vertical = file["frames"][max(file["frames"])]["cauchy_stress"][:, 2]
                 np.testing.assert_allclose(vertical, -0.625, rtol=0.01)
 
+    def test_a_penalty_does_not_end_at_a_plane_of_symmetry(self):
+        # A quarter of two balls on coarse meshes, which touch on the axis alone, where both planes meet. With springs so stiff that
+        # nothing sinks in, penalty and barrier are the same.
+        forces = {}
+        text = (ROOT / "input/verification/contact_balls.yaml").read_text().replace("../../meshes", str(ROOT / "meshes"))
+        for law, keys in (("barrier", "width: 1e-6"), ("penalty", "width: 1e-6, stiffness: 1e16")):
+            self.assertIn("  law: barrier\n", text)
+            file = self.write("balls.yaml", text.replace("contact:\n  law: barrier\n", f"contact:\n  law: {law}\n  "
+                                                         + keys.replace(", ", "\n  ") + "\n"))
+            forces[law] = self.run_input(file, "mesh.size=6", "element=P1", "time.load_steps=4", output=law)["balls_fz"][-1]
+        self.assertLess(forces["barrier"], -1e5)
+        self.assertAlmostEqual(forces["penalty"] / forces["barrier"], 1, delta=2e-3)
+
+    def test_parts_of_one_body_that_a_penalty_lets_pass_are_warned_of(self):
+        self.write("one.geo", (GEOMETRY % "1.1").replace('Physical Volume("base") = {1};\nPhysical Volume("block") = {2};',
+                                                         'Physical Volume("base") = {1, 2};'))
+        text = two_blocks("law: penalty, pairs: all", file="one.geo", velocity='[0, 0, "z > 0.0105 ? -1 : 0"]')
+        text = "\n".join(line for line in text.splitlines() if "volume: block" not in line)
+        done = self.call("run", self.write("one.yaml", text))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("two parts of 'base', which share no node, pass through one another", done.stderr)
+
     def test_messages(self):
         touching = self.write("touching.geo", GEOMETRY % "1")
         within = self.write("within.geo", GEOMETRY % "0.3")
         for name, options, expected in (
                 ("itself", {"contact": "pairs: [{surface: base}]"}, "contact of a part with itself needs 'law: barrier'"),
+                ("one body", {"contact": "pairs: [{surface: floor, with: base}]"},
+                 "'floor' with 'base' are parts of one body, and contact of a body with itself needs 'law: barrier'"),
                 ("none", {"contact": "law: barrier"}, "at least one of pairs, obstacles is needed"),
                 ("excluded", {"contact": "law: barrier, exclude: [[base, block]]"}, "'exclude' can only be given with 'pairs'"),
                 ("unknown", {"contact": "law: barrier, pairs: [{surface: blok}]"}, "no surface 'blok' in the mesh"),

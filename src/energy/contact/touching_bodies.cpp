@@ -25,18 +25,18 @@ double BodyContactLaws::reach() const {
 }
 
 TouchingBodies::TouchingBodies(std::shared_ptr<const BodySurfaces> surfaces, ContactSets sets, BodyContactLaws laws,
-                               std::optional<FrictionUpdate> drag, double depth, std::vector<char> has_points)
+                               std::optional<FrictionUpdate> drag, PenaltyParts penalty)
     : surfaces_(std::move(surfaces)),
       sets_(std::move(sets)),
       laws_(std::move(laws)),
       drag_(drag),
-      depth_(depth),
-      has_points_(std::move(has_points)) {
+      penalty_(std::move(penalty)) {
   edge_laws_ = laws_;
   for (NormalLaw& law : edge_laws_.of_bodies) law.kind = NormalKind::edge_barrier;
   const CollisionSurface& surface = surfaces_->surface();
   const ContactRule rule = quadratic_contact_rule();
   multiplicities_ = FeatureMultiplicities(surface, sets_);
+  sets_ = without(std::move(sets_), penalty_.is_mirror);
   points_ = surface_points(surface, rule);
   num_inner_points_ = rule.inner_points.size();
   const auto corners = std::span(points_).first(points_.size() - num_inner_points_ * surface.triangles().size());
@@ -57,7 +57,6 @@ bool is_neighbour(double square, double square_at_rest) {
   return square > 0.25 * square_at_rest;
 }
 
-/// Sorted and once each.
 template <class Item>
 void make_unique(std::vector<Item>& items) {
   std::ranges::sort(items);
@@ -183,7 +182,7 @@ TouchingBodies::Candidates TouchingBodies::known_candidates(const NearPatches& n
   Candidates found;
   const auto add_points = [&](std::int32_t of_points, std::int32_t t) {
     const auto &mine = surface.triangles()[of_points], &theirs = surface.triangles()[t];
-    if (!has_points_.empty() && has_points_[mine.group] == 0) return;
+    if (!penalty_.has_points.empty() && penalty_.has_points[mine.group] == 0) return;
     const auto first = static_cast<std::size_t>(of_points);
     const auto [a, b, c] = theirs.vertices;
     const auto add = [&, a = a, b = b, c = c](std::size_t point) {
@@ -230,7 +229,8 @@ TouchingBodies::Configuration& TouchingBodies::configuration(const NearPatches& 
 std::vector<PointPair> TouchingBodies::point_pairs_of(const Candidates& found,
                                                       std::span<const Vector3<double>> x) const {
   const CollisionSurface& surface = surfaces_->surface();
-  if (is_penalty()) return nearest_pairs(surface, multiplicities_, points_, found.points, x, laws_.reach(), depth_);
+  if (is_penalty())
+    return nearest_pairs(surface, multiplicities_, points_, found.points, x, laws_.reach(), penalty_.depth);
   return point_pairs(surface, multiplicities_, points_, found.points, x, laws_.reach());
 }
 
@@ -405,7 +405,8 @@ template <class Visit>
 void TouchingBodies::for_each_gap(const NearPatches& near, const Positions& at, const Candidates& found,
                                   double distance, const Visit& visit) const {
   const CollisionSurface& surface = surfaces_->surface();
-  for (const PointPair& pair : nearest_pairs(surface, multiplicities_, points_, found.points, at.x, distance, depth_)) {
+  for (const PointPair& pair :
+       nearest_pairs(surface, multiplicities_, points_, found.points, at.x, distance, penalty_.depth)) {
     const SurfacePoint& point = points_[pair.point];
     // On other ranks something nearer may be unknown.
     if (!near.is_owned(features(near).nodes[point.nodes[0]])) continue;

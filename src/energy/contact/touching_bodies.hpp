@@ -29,6 +29,14 @@ struct BodyContactLaws {
   bool is_penalty() const { return of_bodies.front().kind == NormalKind::penalty; }
 };
 
+/// What a penalty between bodies needs in addition.
+struct PenaltyParts {
+  double depth = 0.0;            ///< to which it pushes what is in another body out again [m]
+  std::vector<char> has_points;  ///< of each set, whether its points feel others; empty: all do
+  std::vector<char> is_mirror;  ///< of each set, whether it is on a plane of symmetry, where nothing is pushed out, but
+                                ///< the surface does not end either; empty: none is
+};
+
 /// The gap of surfaces that may touch.
 struct ContactGap {
   double least = std::numeric_limits<double>::infinity();  ///< least distance less the threshold [m]; +infinity if
@@ -41,11 +49,9 @@ struct ContactGap {
 class TouchingBodies final : public PairCoupling {
  public:
   /// `drag`: that of the friction and damping between them, which need the pairs of the configuration at which they are
-  /// frozen too; empty: there are none. `depth`: to which a penalty pushes what is in another body out again [m].
-  /// `has_points`: of each set, whether its points feel others; empty: all do.
+  /// frozen too; empty: there are none. `penalty`: of such a law.
   TouchingBodies(std::shared_ptr<const BodySurfaces> surfaces, ContactSets sets, BodyContactLaws laws,
-                 std::optional<FrictionUpdate> drag = std::nullopt, double depth = 0.0,
-                 std::vector<char> has_points = {});
+                 std::optional<FrictionUpdate> drag = std::nullopt, PenaltyParts penalty = {});
 
   const Patches& patches() const override { return surfaces_->patches(); }
   /// For a penalty twice as far as its points look, and on the same side, too: a rank has to know everything that may
@@ -118,7 +124,7 @@ class TouchingBodies final : public PairCoupling {
     std::optional<std::vector<Touch>> touches;
   };
   /// The distance within which a penalty looks for what is nearest [m].
-  double range() const { return is_penalty() ? std::max(laws_.reach(), depth_) : 0.0; }
+  double range() const { return is_penalty() ? std::max(laws_.reach(), penalty_.depth) : 0.0; }
   static const Features& features(const NearPatches& near) { return static_cast<const Features&>(*near.features); }
   Positions positions(const NearPatches& near, std::span<const double> q, std::span<const double> d = {}) const;
   /// What is nearer than `distance` [m] there, or anywhere on the way.
@@ -141,8 +147,7 @@ class TouchingBodies final : public PairCoupling {
   ContactSets sets_;
   BodyContactLaws laws_, edge_laws_;  // of points at triangles, and of edges across edges
   std::optional<FrictionUpdate> drag_;
-  double depth_;
-  std::vector<char> has_points_;  // of each set, for a penalty
+  PenaltyParts penalty_;
   FeatureMultiplicities multiplicities_;
   std::vector<SurfacePoint> points_;           // of the rule: corners, then inner points of the triangles
   std::vector<std::int32_t> point_of_corner_;  // of the three corners of each triangle
