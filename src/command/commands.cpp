@@ -156,11 +156,15 @@ ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector
   console.print("bodies");
   std::vector<double> cells(model.body_names().size(), 0.0);
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) ++cells[model.body_of_cell()[c]];
-  for (std::size_t b = 0; b < cells.size(); ++b) {
-    console.print(fmt::format(
-        "  {}: {} tetrahedra, {}{}", model.body_names()[b], static_cast<long long>(sum(layout.comm, cells[b])),
-        describe(config.bodies[b].elasticity),
-        config.bodies[b].density ? fmt::format(", density {:.4g} kg/m^3", *config.bodies[b].density) : std::string()));
+  for (std::size_t b = 0; b < config.bodies.size(); ++b) {
+    const BodyConfig& body = config.bodies[b];
+    console.print(fmt::format("  {}: {} tetrahedra, {}{}", model.body_names()[b],
+                              static_cast<long long>(sum(layout.comm, cells[b])),
+                              body.elasticity ? describe(*body.elasticity) : "rigid",
+                              body.density ? fmt::format(", density {:.4g} kg/m^3", *body.density) : std::string()));
+  }
+  for (const RigidBodyConfig& body : config.rigid_bodies) {
+    console.print(fmt::format("  {}: rigid, mass {:.6g} kg", body.name, body.mass));
   }
   if (model.inertia() != nullptr) {
     console.print(fmt::format("  mass {:.6g} kg", sum(layout.comm, model.inertia()->mass().total())));

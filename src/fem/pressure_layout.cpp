@@ -13,6 +13,7 @@ PressureLayout make_pressure_layout(const NodeLayout& layout, const std::vector<
   of_node.assign(static_cast<std::size_t>(num_bodies),
                  std::vector<PetscInt>(static_cast<std::size_t>(layout.num_local_nodes), -1));
   for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
+    if (body_of_cell[c] < 0) continue;
     const auto nodes = layout.nodes_of_cell(c);
     for (int a = 0; a < 4; ++a) of_node[body_of_cell[c]][nodes[a]] = 0;
   }

@@ -18,7 +18,7 @@ struct PressureLayout {
   std::vector<std::vector<PetscInt>> of_node;  ///< [body][local node]: local pressure, -1 if none
 };
 
-/// `body_of_cell`: per local cell. Collective.
+/// `body_of_cell`: per local cell; negative: it has no pressure. Collective.
 PressureLayout make_pressure_layout(const NodeLayout& layout, const std::vector<int>& body_of_cell, int num_bodies);
 
 /// A vector of the pressures with ghosts (petsc/ghosted.hpp), zero. Collective.

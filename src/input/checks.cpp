@@ -2,6 +2,7 @@
 
 #include "base/text.hpp"
 #include "input/analysis.hpp"
+#include "input/checks/rigid_bodies.hpp"
 #include "input/checks/time.hpp"
 #include "input/checks/volumetric.hpp"
 #include "input/elasticity.hpp"
@@ -34,6 +35,28 @@ bool damps_by_mass(const ViscosityConfig& mechanism) {
   return std::holds_alternative<MassProportional>(mechanism.law);
 }
 
+/// Rigid bodies without a mesh need neither a mesh nor other bodies.
+void check_parts(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
+  if (!config.rigid_bodies.empty() && root.find("mesh") == nullptr && root.find("bodies") == nullptr) return;
+  for (const char* key : {"mesh", "bodies"}) {
+    if (given(root, {key}) != nullptr) continue;
+    const InputNode* empty = root.find(key);
+    if (empty != nullptr) {
+      diagnostics.add(empty->key_where, "key '" + std::string(key) + "' has no value");
+    } else {
+      diagnostics.add({root.where, {key}}, root.where, "missing key '" + std::string(key) + "'");
+    }
+  }
+  const InputNode* mesh = given(root, {"mesh"});
+  if (mesh == nullptr || mesh->kind != InputNode::Kind::map || given(*mesh, {"file"}) != nullptr) return;
+  const InputNode* empty = mesh->find("file");
+  if (empty != nullptr) {
+    diagnostics.add(empty->key_where, "key 'file' in mesh has no value");
+  } else {
+    diagnostics.add({mesh->where, {"file"}}, mesh->where, "missing key 'file' in mesh");
+  }
+}
+
 void check_bodies(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   const auto& bodies = config.bodies;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -44,7 +67,19 @@ void check_bodies(const Config& config, const InputNode& root, Diagnostics& diag
       break;
     }
     const auto& active = bodies[i].active;
-    if (active && active->fibre.empty() && bodies[i].elasticity.directions.empty()) {
+    const auto& elasticity = bodies[i].elasticity;
+    if (bodies[i].is_rigid) {
+      for (const char* key : {"elasticity", "viscosity", "active"}) {
+        const InputNode* node = given(entry(root, "bodies", i), {key});
+        if (node == nullptr) continue;
+        diagnostics.add(node->where,
+                        numbered("bodies", i) + " is rigid: remove '" + std::string(key) + "', or say 'rigid: false'");
+      }
+    } else if (!elasticity && given(entry(root, "bodies", i), {"elasticity"}) == nullptr) {
+      diagnostics.add({bodies[i].where, {"elasticity"}}, bodies[i].where,
+                      "missing key 'elasticity' in " + numbered("bodies", i));
+    }
+    if (active && active->fibre.empty() && elasticity && elasticity->directions.empty()) {
       diagnostics.add({active->where, {"fibre"}}, active->where,
                       "missing key 'fibre' in active: the elastic law has no fibres of its own");
     }
@@ -71,7 +106,7 @@ void check_bodies(const Config& config, const InputNode& root, Diagnostics& diag
 void check_moduli(const Config& config, Diagnostics& diagnostics) {
   if (analysis_of(config) == Analysis::static_equilibrium) return;
   for (const BodyConfig& body : config.bodies) {
-    if (!has_fibres(body.elasticity)) continue;
+    if (!body.elasticity || !has_fibres(*body.elasticity)) continue;
     for (const ViscosityConfig& mechanism : body.viscosity) {
       const bool needs_moduli = std::holds_alternative<MaxwellRatios>(mechanism.law) ||
                                 std::holds_alternative<StiffnessProportional>(mechanism.law);
@@ -252,7 +287,9 @@ void check_linear_solver(const Config& config, const InputNode& root, Diagnostic
 
 void check_combinations(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   check_time(config.time, root, diagnostics);
+  check_parts(config, root, diagnostics);
   check_bodies(config, root, diagnostics);
+  check_rigid_bodies(config, diagnostics);
   check_moduli(config, diagnostics);
   check_volumetric(config, root, diagnostics);
   check_held(config, root, diagnostics);

@@ -99,9 +99,40 @@ struct ActiveConfig {
 struct BodyConfig {
   Selection part;                 ///< volume, or everything
   std::optional<double> density;  ///< [kg/m^3]; required for dynamics and gravity
-  ElasticityConfig elasticity;
+  bool is_rigid = false;
+  std::optional<ElasticityConfig> elasticity;  ///< of a body that is not rigid
   std::vector<ViscosityConfig> viscosity;
   std::optional<ActiveConfig> active;
+  Location where;
+};
+
+/// A rigid body without a mesh.
+struct RigidBodyConfig {
+  struct Inertia {
+    std::array<double, 6> moments{};  ///< xx, yy, zz, xy, yz, zx, about the centre [kg m^2]
+    Location where;
+  };
+  std::string name;
+  double mass = 0.0;  ///< [kg]
+  Inertia inertia;
+  std::array<double, 3> center{};            ///< of mass [m]
+  std::array<double, 3> velocity{};          ///< [m/s]
+  std::array<double, 3> angular_velocity{};  ///< [rad/s]
+  Location where;
+};
+
+enum class JointType { fixed, ball, hinge, slider, cylindrical, universal, planar, distance };
+
+/// A joint between two rigid bodies or rigid parts, or one and the ground.
+struct JointConfig {
+  std::string name;
+  JointType type = JointType::fixed;
+  std::array<std::string, 2> between;
+  std::array<double, 3> point{};                      ///< [m]
+  std::optional<std::array<double, 3>> axis;          ///< of any length
+  std::optional<std::array<double, 3>> second_axis;   ///< of any length (universal)
+  std::optional<std::array<double, 3>> second_point;  ///< [m] (distance)
+  std::optional<Expression> motion;                   ///< angle [rad], travel [m] or change of a distance [m]
   Location where;
 };
 
@@ -153,6 +184,7 @@ struct ConstraintConfig {
     OptionalVectorExpression translation;  ///< of the centre [m]
     RotationConfig rotation;
     std::optional<std::array<double, 3>> center;  ///< [m]; empty: the mean of the nodes
+    bool is_implied = false;                      ///< by a rigid body: the input has no such constraint
   };
   struct Equation {
     std::vector<EquationTermConfig> terms;
@@ -432,6 +464,8 @@ struct Config {
   VolumetricTreatment volumetric = VolumetricTreatment::standard;
   MassKind mass = MassKind::consistent;
   std::vector<BodyConfig> bodies;
+  std::vector<RigidBodyConfig> rigid_bodies;
+  std::vector<JointConfig> joints;
   std::vector<ConstraintConfig> constraints;
   std::vector<LoadConfig> loads;
   std::vector<CavityConfig> cavities;

@@ -8,6 +8,7 @@
 #include "input/sections/elasticity.hpp"
 #include "input/sections/laws.hpp"
 #include "input/sections/loads.hpp"
+#include "input/sections/rigid_bodies.hpp"
 #include "input/sections/viscosity.hpp"
 #include "material/elastic_law.hpp"
 
@@ -29,8 +30,7 @@ Section<MeshConfig> mesh_keys() {
       field(
           "file", &MeshConfig::file, text(),
           "geometry or mesh, relative to the input file; .geo, .step, .brep and .stl are meshed by gmsh, .msh (2.2 or "
-          "4.1, text or binary) is read as it is; .h5, made by `pliant mesh convert`, is read in parts by every rank")
-          .required(),
+          "4.1, text or binary) is read as it is; .h5, made by `pliant mesh convert`, is read in parts by every rank"),
       field("size", &MeshConfig::size, quantity("m", Range::above(0)),
             "target element size for files that gmsh meshes, in metres after scaling")
           .otherwise_in_words("the geometry's own"),
@@ -51,20 +51,23 @@ Section<MeshConfig> mesh_keys() {
 }
 
 Section<BodyConfig> body_keys() {
-  return {{
-              selector<BodyConfig>("volume", SelectionKind::volume, "the volume that the body fills")
-                  .otherwise_in_words("the whole mesh"),
-              field("density", &BodyConfig::density, quantity("kg/m^3", Range::above(0)), "mass per reference volume")
-                  .otherwise_in_words("none; needed for dynamics and for gravity"),
-              field("elasticity", &BodyConfig::elasticity, elasticity_format(), "elastic law").required(),
-              field("viscosity", &BodyConfig::viscosity, viscosity_format(),
-                    "law of viscosity, in addition to the elastic law; several act in parallel")
-                  .otherwise_in_words("none"),
-              field("active", &BodyConfig::active, map_of(active_keys()), "contraction along fibres, as in muscle")
-                  .otherwise_in_words("none"),
-          },
-          {},
-          &BodyConfig::where};
+  return {
+      {
+          selector<BodyConfig>("volume", SelectionKind::volume, "the volume that the body fills")
+              .otherwise_in_words("the whole mesh"),
+          field("density", &BodyConfig::density, quantity("kg/m^3", Range::above(0)), "mass per reference volume")
+              .otherwise_in_words("none; needed for dynamics and for gravity"),
+          field("elasticity", &BodyConfig::elasticity, elasticity_format(), "elastic law of a body that is not rigid"),
+          field("rigid", &BodyConfig::is_rigid, truth(), "whether the body is rigid, and needs no elastic law")
+              .otherwise("false"),
+          field("viscosity", &BodyConfig::viscosity, viscosity_format(),
+                "law of viscosity, in addition to the elastic law; several act in parallel")
+              .otherwise_in_words("none"),
+          field("active", &BodyConfig::active, map_of(active_keys()), "contraction along fibres, as in muscle")
+              .otherwise_in_words("none"),
+      },
+      {},
+      &BodyConfig::where};
 }
 
 Section<InitialConfig> initial_keys() {
@@ -141,7 +144,7 @@ Section<ProbeConfig> probe_keys() {
 Section<Config> config_keys() {
   return {{
       field("title", &Config::title, text(), "free text for the log and the results"),
-      field("mesh", &Config::mesh, map_of(mesh_keys()), "the mesh").required(),
+      field("mesh", &Config::mesh, map_of(mesh_keys()), "the mesh; only `rigid_bodies` need none"),
       field("element", &Config::element, choice_of<ElementOrder>({{"P1", ElementOrder::p1}, {"P2", ElementOrder::p2}}),
             "linear or quadratic tetrahedra")
           .otherwise("P1"),
@@ -155,7 +158,11 @@ Section<Config> config_keys() {
       field("mass", &Config::mass,
             choice_of<MassKind>({{"consistent", MassKind::consistent}, {"lumped", MassKind::lumped}}), "mass matrix")
           .otherwise("consistent"),
-      field("bodies", &Config::bodies, list_of(map_of(body_keys()), 1), "the bodies and their materials").required(),
+      field("bodies", &Config::bodies, list_of(map_of(body_keys()), 1), "the bodies and their materials"),
+      field("rigid_bodies", &Config::rigid_bodies, list_of(map_of(rigid_body_keys()), 0),
+            "rigid bodies by mass and inertia, without a mesh"),
+      field("joints", &Config::joints, list_of(map_of(joint_keys()), 0),
+            "joints between rigid bodies, rigid parts and the ground"),
       field("constraints", &Config::constraints, list_of(map_of(constraint_keys()), 0),
             "prescribed displacements (Dirichlet boundary conditions) and ties (multi-point constraints)"),
       field("loads", &Config::loads, list_of(map_of(load_keys()), 0),

@@ -151,10 +151,11 @@ std::string quoted(const std::vector<Anchor>& anchors) {
 
 /// Was the choice not made, or badly, to which some keys of the section belong?
 bool is_open(const std::string& choice, const InputNode& node, const KeyInfo& section) {
-  return std::none_of(section.groups.begin(), section.groups.end(), [&](const KeyGroup& group) {
-    return std::any_of(group.only_with.begin(), group.only_with.end(),
-                       [&](const Anchor& anchor) { return anchor.key == choice && is_given(node, anchor); });
-  });
+  const InputNode* made = node.find(choice);
+  const auto key = std::ranges::find(section.children, choice, &KeyInfo::key);
+  if (made == nullptr || key == section.children.end() || !key->schema->contains("enum")) return true;
+  const auto& names = (*key->schema)["enum"];
+  return std::ranges::none_of(names, [&](const auto& name) { return name == made->text; });
 }
 
 /// The owners of a key in all groups.

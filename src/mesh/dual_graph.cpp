@@ -43,7 +43,8 @@ bool same_side(const SerialMesh& mesh, std::span<const PetscInt> cell, int i, Pe
   return tetrahedron::volume(x) > 0.0;
 }
 
-void notice_parts(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_vertices, MeshReport& report) {
+void notice_parts(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_vertices, std::size_t num_added,
+                  MeshReport& report) {
   DisjointSets vertices(static_cast<std::size_t>(num_vertices));
   for (std::size_t c = 0; c < mesh.num_cells(); ++c) {
     for (std::size_t i = 1; i < 4; ++i) {
@@ -51,7 +52,9 @@ void notice_parts(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_v
     }
   }
   const std::size_t parts = vertices.count();
-  if (parts > 1) report.notices.push_back("the mesh has " + std::to_string(parts) + " disconnected parts");
+  if (parts > 1 + num_added) {
+    report.notices.push_back("the mesh has " + std::to_string(parts - num_added) + " disconnected parts");
+  }
   const std::size_t by_facets = graph.num_components();
   if (by_facets > parts) {
     report.notices.push_back(std::to_string(by_facets - parts + 1) +
@@ -124,7 +127,8 @@ std::vector<PetscInt> DualGraph::partition(int num_parts, long long& edge_cut) c
   return {part.begin(), part.end()};
 }
 
-void check_connections(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_vertices, MeshReport& report) {
+void check_connections(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_vertices, std::size_t num_added,
+                       MeshReport& report) {
   std::vector<std::size_t> overlapping, crowded;
   for (std::size_t c = 0; c < mesh.num_cells(); ++c) {
     const auto cell = corners_of(mesh, c);
@@ -147,7 +151,7 @@ void check_connections(const SerialMesh& mesh, const DualGraph& graph, PetscInt 
                       first_few(overlapping) + "; the mesh is folded there, remesh it");
   }
   if (!reasons.empty()) throw MeshDefect(reasons);
-  notice_parts(mesh, graph, num_vertices, report);
+  notice_parts(mesh, graph, num_vertices, num_added, report);
 }
 
 }  // namespace pliant

@@ -39,7 +39,9 @@ class DualGraph {
 };
 
 /// Rejects tetrahedra that overlap at a common facet (both on the same side of it, or three sharing one). Adds notices
-/// of disconnected parts, and of parts that only an edge or a node connects. Throws MeshDefect. Not collective.
-void check_connections(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_vertices, MeshReport& report);
+/// of disconnected parts, and of parts that only an edge or a node connects; `num_added`: parts that are not worth one.
+/// Throws MeshDefect. Not collective.
+void check_connections(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_vertices, std::size_t num_added,
+                       MeshReport& report);
 
 }  // namespace pliant

@@ -1,5 +1,6 @@
 #include "mesh/mesh.hpp"
 
+#include "mesh/added_tetrahedra.hpp"
 #include "mesh/distribute.hpp"
 #include "mesh/dual_graph.hpp"
 #include "mesh/gmsh_import.hpp"
@@ -21,9 +22,10 @@ namespace {
 MeshParts prepare(const MeshSource& source, int num_parts, MeshReport& report) {
   require_sane(source);
   MeshParts parts;
-  parts.mesh = import_mesh(source);
+  if (!source.file.empty()) parts.mesh = import_mesh(source);
   report.notices = std::move(parts.mesh.notices);
   for (double& x : parts.mesh.coordinates) x *= source.scale;
+  add_tetrahedra(source.added, static_cast<std::size_t>(num_parts), parts.mesh);
   parts.num_vertices = repair(parts.mesh, source.meeting_parts, report);
   if (source.refine > 0 && parts.mesh.geometry_order() == 2) {
     throw MeshDefect(
@@ -31,7 +33,7 @@ MeshParts prepare(const MeshSource& source, int num_parts, MeshReport& report) {
   }
   require_enough_cells(static_cast<std::int64_t>(parts.mesh.num_cells()), num_parts);
   const DualGraph graph(parts.mesh);
-  check_connections(parts.mesh, graph, parts.num_vertices, report);
+  check_connections(parts.mesh, graph, parts.num_vertices, source.added.size(), report);
   parts.part = graph.partition(num_parts, report.edge_cut);
   return parts;
 }
@@ -93,6 +95,12 @@ Mesh read_mesh(MPI_Comm comm, const MeshSource& source) {
   if (is_whole) {
     on_root(comm, [&] { telling_the_user(source, [&] { parts = prepare(source, num_ranks(comm), mesh.report); }); });
   } else {
+    telling_the_user(source, [&] {
+      if (source.added.empty()) return;
+      throw MeshDefect(
+          "rigid bodies without a mesh cannot be added to Pliant's own format: name the mesh that it was "
+          "made from");
+    });
     parts = read_mesh_file(comm, source);
   }
   mesh.groups = shared_groups(comm, parts.mesh);

@@ -5,6 +5,7 @@
 #include "mesh/report.hpp"
 #include "petsc/handle.hpp"
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -33,10 +34,17 @@ struct CellField {
 /// Whether geometry files may run programs and write files, as gmsh's language allows.
 enum class Commands { refused, allowed };
 
+/// A tetrahedron of a volume of its own, which stands for a body without a mesh.
+struct AddedTetrahedron {
+  std::string name;                                ///< of the volume
+  std::array<std::array<double, 3>, 4> corners{};  ///< [m]; of positive volume
+};
+
 /// Where a mesh comes from.
 struct MeshSource {
-  std::string file;            ///< .geo .step .stp .brep .stl are meshed by gmsh; .msh and .h5 are read as they are
-  Location where;              ///< the place in the user's input that names the file, for messages
+  std::string file;  ///< empty: `added` is all; .geo .step .stp .brep .stl are meshed by gmsh; .msh and .h5 are read as
+                     ///< they are
+  Location where;    ///< the place in the user's input that names the file, for messages
   std::optional<double> size;  ///< target element size in the unit of the file, where gmsh meshes it
   double scale = 1.0;          ///< coordinates are multiplied by it
   int refine = 0;              ///< uniform refinements after distribution (each cuts a tetrahedron into 8)
@@ -45,6 +53,7 @@ struct MeshSource {
   /// Names or numbers of surfaces and volumes (physical groups) whose nodes may coincide with those of other parts,
   /// because the input ties them or moves them apart.
   std::vector<std::string> meeting_parts = {};
+  std::vector<AddedTetrahedron> added = {};
 };
 
 /// The distributed mesh of tetrahedra. The vertices x0 .. x3 in the transitive closure of a cell have det(x1 - x0, x2 -

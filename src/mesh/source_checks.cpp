@@ -15,7 +15,8 @@ void telling_the_user(const MeshSource& source, const std::function<void()>& wor
   } catch (const MeshDefect& defect) {
     std::vector<Diagnostic> diagnostics;
     for (const auto& reason : defect.reasons()) {
-      diagnostics.push_back({Severity::error, source.where, "mesh file '" + source.file + "': " + reason});
+      diagnostics.push_back(
+          {Severity::error, source.where, (source.file.empty() ? "" : "mesh file '" + source.file + "': ") + reason});
     }
     throw InputError(std::move(diagnostics));
   }

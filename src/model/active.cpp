@@ -8,7 +8,7 @@ template <int Order>
 ActiveParts make_active_parts(const BodyConfig& config, const ActiveBody<Order>& on) {
   if (!config.active) return {};
   const ActiveConfig& active = *config.active;
-  const auto& directions = active.fibre.empty() ? config.elasticity.directions : active.fibre;
+  const auto& directions = active.fibre.empty() ? config.elasticity->directions : active.fibre;
   DirectionRule fibre(directions.front());
   fibre.bind(on.data);
   const FibreField field{[&](PetscInt cell, const std::array<double, 3>& X) { return fibre.at(cell, X); },

@@ -74,12 +74,9 @@ Constraints::Constraints(const Config& config, const NodeLayout& layout, Selecti
     const auto slaves = eliminate_ties(constraints, *prescribed_, std::move(all_ties), selections);
     std::vector<GivenDisplacement> given;
     for (const Part& part : parts_) given.push_back(part.displacement);
-    std::vector<std::unique_ptr<DependentNodes>> dependents;
-    for (const Part& part : parts_) {
-      if (!part.rotation) continue;
-      dependents.push_back(std::make_unique<RigidPart>(layout_, part.nodes, *part.displacement.rigid, *part.rotation));
-    }
-    map_ = std::make_unique<ConstraintMap>(layout_, slaves, std::move(given), std::move(dependents));
+    RigidSystem system = make_rigid_system(constraints, selections);
+    joints_ = std::move(system.joints);
+    map_ = std::make_unique<ConstraintMap>(layout_, slaves, std::move(given), std::move(system.dependents));
   }
   add_supports(config);
 }
@@ -206,6 +203,11 @@ void Constraints::add_supports(const Config& config) {
   std::vector<char> claimed(prescribed_->flags().size(), 0);
   for (std::size_t c = 0; c < parts_.size(); ++c) {
     const Part& part = parts_[c];
+    const auto* rigid = std::get_if<ConstraintConfig::Rigid>(&config.constraints[c].kind);
+    if (rigid != nullptr && rigid->is_implied) {
+      support_of_part_.push_back(0);  // not asked for: it holds nothing
+      continue;
+    }
     const bool is_rigid = part.displacement.rigid.has_value();
     const std::string name = support_name(config.constraints[c], c);
     auto support = std::ranges::find(supports_, name, &Support::name);
@@ -285,6 +287,25 @@ std::vector<Reaction> Constraints::reactions(Vec r, Vec q) const {
   for (std::size_t s = 0; s < supports_.size(); ++s) {
     std::copy_n(sums.begin() + 6 * static_cast<std::ptrdiff_t>(s), 3, result[s].force.begin());
     std::copy_n(sums.begin() + 6 * static_cast<std::ptrdiff_t>(s) + 3, 3, result[s].torque.begin());
+  }
+  return result;
+}
+
+std::vector<JointReaction> Constraints::joint_reactions(Vec r, Vec q) const {
+  std::vector<JointReaction> result(joints_.size());
+  std::vector<const Mechanism*> done;
+  for (const ModelJoint& first : joints_) {
+    if (std::ranges::find(done, first.mechanism) != done.end()) continue;
+    done.push_back(first.mechanism);
+    std::vector<Vector3<double>> points;
+    std::vector<std::size_t> numbers;
+    for (std::size_t j = 0; j < joints_.size(); ++j) {
+      if (joints_[j].mechanism != first.mechanism) continue;
+      points.push_back(joints_[j].second_point);
+      numbers.push_back(j);
+    }
+    const auto reactions = first.mechanism->reactions(r, q, points);
+    for (std::size_t k = 0; k < numbers.size(); ++k) result[numbers[k]] = reactions[k];
   }
   return result;
 }

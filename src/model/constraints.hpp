@@ -5,6 +5,7 @@
 #include "energy/constraint/prescribed.hpp"
 #include "input/config.hpp"
 #include "model/constraint_ties.hpp"
+#include "model/mechanisms.hpp"
 #include "model/selections.hpp"
 
 #include <array>
@@ -37,6 +38,7 @@ class Constraints {
 
   const PrescribedDisplacement& prescribed() const { return *prescribed_; }
   const std::vector<Support>& supports() const { return supports_; }
+  const std::vector<ModelJoint>& joints() const { return joints_; }
   /// Notes of what was tied.
   const std::vector<Diagnostic>& description() const { return description_; }
   /// The map of the ties and rigid parts; nullptr if there are none.
@@ -53,6 +55,8 @@ class Constraints {
 
   /// Reactions of the supports from the gradient `r` of the potential at q. Collective.
   std::vector<Reaction> reactions(Vec r, Vec q) const;
+  /// The same for joints: on their second bodies. Collective.
+  std::vector<JointReaction> joint_reactions(Vec r, Vec q) const;
 
  private:
   using Part = ConstraintPart;
@@ -67,6 +71,7 @@ class Constraints {
   std::vector<Part> parts_;  // per constraint of the input
   std::unique_ptr<PrescribedDisplacement> prescribed_;
   std::unique_ptr<ConstraintMap> map_;
+  std::vector<ModelJoint> joints_;
   std::vector<Support> supports_;
   std::vector<std::size_t> support_of_part_;
   std::vector<Diagnostic> description_;

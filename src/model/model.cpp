@@ -11,6 +11,7 @@
 #include "model/initial_displacement.hpp"
 #include "model/mesh_cell_data.hpp"
 #include "model/method_warnings.hpp"
+#include "model/rigid_bodies.hpp"
 #include "model/selections.hpp"
 #include "model/start_adjustment.hpp"
 #include "model/tied_surfaces.hpp"
@@ -29,6 +30,9 @@
 namespace pliant {
 namespace {
 
+/// Shear modulus from which the stiffness of contact follows where all bodies are rigid [Pa].
+constexpr double modulus_between_rigid_bodies = 1e7;
+
 bool resolves_start(const Config& config) {
   return config.contact && config.contact->start == ContactStart::resolve;
 }
@@ -36,7 +40,7 @@ bool resolves_start(const Config& config) {
 /// Surfaces and volumes whose nodes may coincide with those of other parts, by name or number: others are tied to them,
 /// or they are moved apart.
 std::vector<std::string> parts_that_meet(const Config& config) {
-  std::vector<std::string> names;
+  std::vector<std::string> names = names_of_rigid_bodies(config);
   for (const auto& surfaces : tied_surfaces(config)) names.push_back(surfaces[1].name);
   if (!resolves_start(config)) return names;
   for (const ContactPairConfig& pair : config.contact->pairs.list) {
@@ -51,7 +55,8 @@ std::vector<std::string> parts_that_meet(const Config& config) {
 
 }  // namespace
 
-Model::Model(MPI_Comm comm, const Config& config, const TermFactory& additional) {
+Model::Model(MPI_Comm comm, const Config& given, const TermFactory& additional) {
+  const Config config = with_rigid_bodies(given);
   // The size in the input is in metres, that of gmsh in the unit of the geometry.
   auto size = config.mesh.size;
   if (size) *size /= config.mesh.scale;
@@ -59,7 +64,7 @@ Model::Model(MPI_Comm comm, const Config& config, const TermFactory& additional)
     const Stopwatch watch(mesh_seconds_);
     return read_mesh(comm, {config.mesh.file.value, config.mesh.file.where, size, config.mesh.scale, config.mesh.refine,
                             config.mesh.allow_commands ? Commands::allowed : Commands::refused, config.mesh.time_limit,
-                            parts_that_meet(config)});
+                            parts_that_meet(config), added_tetrahedra(config)});
   }();
   mesh_report_ = mesh.report;
   const int order = static_cast<int>(config.element);
@@ -95,7 +100,7 @@ void Model::check_method(const Config& config) {
   auto warnings =
       warnings_about_method(config, {layout_, body_of_cell_, shear_waves, wave_speeds_.slowest, mesh_report_});
   const Method* method = method_of(config.time);
-  const auto rings = [](const BodyConfig& body) { return body.viscosity.empty(); };
+  const auto rings = [](const BodyConfig& body) { return !body.is_rigid && body.viscosity.empty(); };
   if (warnings.empty() && method != nullptr && method->stability == Stability::not_a_stable &&
       std::ranges::any_of(config.bodies, rings)) {
     diagnostics_.push_back(note(fmt::format(
@@ -124,17 +129,22 @@ void Model::include_waves(const ElasticLawSpec& law, double density) {
 
 template <int Order>
 void Model::build_cells(const Config& config, const Mesh& mesh) {
-  std::vector<ElasticityRule> rules;
+  std::vector<std::optional<ElasticityRule>> rules;  // of bodies that are not rigid
   std::vector<int> degrees;
   for (const auto& body : config.bodies) {
-    rules.emplace_back(body.elasticity);
-    degrees.push_back(elastic_quadrature_degree(rules.back().kind().traits(), Order));
+    auto& rule = rules.emplace_back();
+    if (body.elasticity) rule.emplace(*body.elasticity);
+    degrees.push_back(rule ? elastic_quadrature_degree(rule->kind().traits(), Order) : 1);
   }
   auto& groups = cells_.emplace<CellGroups<Order>>();
   const bool is_mixed = config.volumetric == VolumetricTreatment::mixed;
   if (is_mixed) {
+    std::vector<int> with_pressure = body_of_cell_;
+    for (int& body : with_pressure) {
+      if (body >= 0 && !rules[static_cast<std::size_t>(body)]) body = -1;
+    }
     pressures_ = std::make_unique<PressureField>(
-        make_pressure_layout(layout_, body_of_cell_, static_cast<int>(rules.size())), layout_.comm);
+        make_pressure_layout(layout_, with_pressure, static_cast<int>(rules.size())), layout_.comm);
   }
   on_every_rank(layout_.comm, [&] {
     try {
@@ -149,10 +159,15 @@ void Model::build_cells(const Config& config, const Mesh& mesh) {
   on_every_rank(layout_.comm, [&] {
     for (std::size_t b = 0; b < rules.size(); ++b) {
       const int body = static_cast<int>(b);
-      rules[b].bind(cell_data);
+      if (!rules[b]) {
+        laws_.push_back(nullptr);
+        continue;
+      }
+      ElasticityRule& rule = *rules[b];
+      rule.bind(cell_data);
       const auto law_at = [&](PetscInt cell, const std::array<double, 3>& X) {
-        ElasticLawSpec law = rules[b].law_at(cell, X);
-        if (!is_mixed) require_compressible(law, config.bodies[b].elasticity.where);
+        ElasticLawSpec law = rule.law_at(cell, X);
+        if (!is_mixed) require_compressible(law, config.bodies[b].elasticity->where);
         include_waves(law, densities_[b]);
         shear_moduli_[b] = std::max(shear_moduli_[b], wave_moduli(law).smallest);
         return law;
@@ -172,10 +187,10 @@ void Model::build_cells(const Config& config, const Mesh& mesh) {
         }
       }
       std::shared_ptr<const LawField> law;
-      if (rules[b].is_uniform()) {
+      if (rule.is_uniform()) {
         law = make_law_field(law_at(0, {}));
       } else {
-        law = make_varying_law<Order>(rules[b].kind(), layout_, groups, body, law_at);
+        law = make_varying_law<Order>(rule.kind(), layout_, groups, body, law_at);
       }
       laws_.push_back(law);
       if constexpr (Order == 2) {
@@ -190,17 +205,27 @@ void Model::build_cells(const Config& config, const Mesh& mesh) {
   });
   wave_speeds_ = {maximum(layout_.comm, wave_speeds_.fastest), minimum(layout_.comm, wave_speeds_.slowest)};
   for (double& modulus : shear_moduli_) modulus = maximum(layout_.comm, modulus);
-  const bool has_mass = std::any_of(densities_.begin(), densities_.end(), [](double d) { return d > 0.0; });
-  if (has_mass) {
-    inertia_ = make_inertia<Order>(layout_, *pattern_, groups, densities_,
-                                   config.mass == MassKind::consistent ? Mass::consistent : Mass::lumped);
+  // Where rigid bodies touch others, these set the stiffness of the contact.
+  const double stiffest = shear_moduli_.empty() ? 0.0 : std::ranges::max(shear_moduli_);
+  for (std::size_t b = 0; b < rules.size(); ++b) {
+    if (!rules[b]) shear_moduli_[b] = stiffest > 0.0 ? stiffest : modulus_between_rigid_bodies;
   }
+  const bool has_mass = std::any_of(densities_.begin(), densities_.end(), [](double d) { return d > 0.0; });
+  if (!has_mass) return;
+  const std::size_t num_meshed = config.bodies.size() - config.rigid_bodies.size();
+  std::vector<double> densities = densities_;
+  std::fill(densities.begin() + static_cast<std::ptrdiff_t>(num_meshed), densities.end(), 0.0);
+  MassMatrix mass = make_mass_matrix<Order>(layout_, *pattern_, groups, densities,
+                                            config.mass == MassKind::consistent ? Mass::consistent : Mass::lumped);
+  add_affine_bodies(layout_, *pattern_, body_of_cell_, masses_of_rigid_bodies(config, static_cast<int>(num_meshed)),
+                    mass);
+  inertia_ = std::make_unique<Inertia>(layout_, std::move(mass));
 }
 
 void Model::build_terms(const Config& config, const Mesh& mesh) {
   // Selections are by places in the mesh as it is given, whatever is moved before the start.
   const std::optional<NodeLayout> as_meshed = resolves_start(config) ? std::optional(layout_) : std::nullopt;
-  Selections selections(mesh, as_meshed ? *as_meshed : layout_);
+  Selections selections(mesh, as_meshed ? *as_meshed : layout_, names_of_rigid_bodies(config));
 
   std::vector<Selection> parts;
   for (const auto& body : config.bodies) {
@@ -250,6 +275,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
 
   find_components(config, selections);
   are_kept_apart_ = components_kept_apart(layout_.comm, components_, touching_each_other);
+  keep_apart_bodies_without_mesh(config);
 
   std::vector<std::array<double, 3>> points;
   for (const auto& probe : config.probes) points.push_back(probe.point);
@@ -306,10 +332,32 @@ void Model::find_components(const Config& config, Selections& selections) {
   for (const auto& nodes : links) join(components_, layout_, nodes);
 }
 
+// They have no surface.
+void Model::keep_apart_bodies_without_mesh(const Config& config) {
+  const auto count = static_cast<std::size_t>(components_.count);
+  const int first = static_cast<int>(config.bodies.size() - config.rigid_bodies.size());
+  are_without_surface_.assign(count, 0);
+  for (PetscInt c = 0; c < layout_.num_owned_cells; ++c) {
+    if (body_of_cell_[static_cast<std::size_t>(c)] < first) continue;
+    are_without_surface_[static_cast<std::size_t>(components_.of_node[layout_.nodes_of_cell(c)[0]])] = 1;
+  }
+  for (char& is_without : are_without_surface_) is_without = any_rank(layout_.comm, is_without != 0) ? 1 : 0;
+  for (std::size_t a = 0; a < count; ++a) {
+    for (std::size_t b = 0; b < count; ++b) {
+      if (are_without_surface_[a] != 0 || are_without_surface_[b] != 0) are_kept_apart_[a * count + b] = 1;
+    }
+  }
+}
+
 void Model::check_overlap(const Config& config) {
   const std::vector<double> u = initial_displacement(config.initial.displacement, layout_);
   constexpr std::size_t most_nodes = 20000;
-  auto overlap = deepest_overlap(layout_, components_, u, most_nodes);
+  const auto count = are_without_surface_.size();
+  std::vector<char> are_skipped(count * count, 0);
+  for (std::size_t k = 0; k < are_skipped.size(); ++k) {
+    are_skipped[k] = are_without_surface_[k / count] != 0 || are_without_surface_[k % count] != 0 ? 1 : 0;
+  }
+  auto overlap = deepest_overlap(layout_, components_, u, most_nodes, are_skipped);
   if (overlap && contacts_ && contacts_->between_bodies() != nullptr) {
     contacts_->between_bodies()->check_overlaps(u);
     // The surfaces of what is kept apart do not meet: only their edges do, taken as straight.
@@ -375,6 +423,22 @@ void Model::require_finite(double time) const {
   constraints_->require_finite(time);
 }
 
+void Model::set_velocities_of_rigid_bodies(const Config& config, Vec v) const {
+  const int first = static_cast<int>(body_names_.size() - config.rigid_bodies.size());
+  const ArrayView velocity(v);
+  for (PetscInt c = 0; c < layout_.num_local_cells; ++c) {
+    const int body = body_of_cell_[static_cast<std::size_t>(c)];
+    if (body < first) continue;
+    const RigidBodyConfig& rigid = config.rigid_bodies[static_cast<std::size_t>(body - first)];
+    for (const PetscInt n : layout_.nodes_of_cell(c)) {
+      if (n >= layout_.num_owned_nodes) continue;
+      const Vector3<double> arm = Vector3<double>(layout_.position(n)) - Vector3<double>(rigid.center);
+      const auto w = Vector3<double>(rigid.velocity) + cross(Vector3<double>(rigid.angular_velocity), arm);
+      for (std::size_t i = 0; i < 3; ++i) velocity[3 * n + static_cast<PetscInt>(i)] = w[i];
+    }
+  }
+}
+
 void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
   {
     const ArrayView displacement(q), velocity(v);
@@ -386,6 +450,7 @@ void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
       }
     }
   }
+  set_velocities_of_rigid_bodies(config, v);
   for (const auto& [what, vec] : {std::pair{"displacement", q}, {"velocity", v}})
     require_finite_initial(config, layout_, what, vec);
   const Step before_start{0.0, config.time.step};

@@ -99,7 +99,9 @@ class Model {
   void build_terms(const Config& config, const Mesh& mesh);
   /// Parts of the mesh that neither nodes nor constraints join.
   void find_components(const Config& config, Selections& selections);
+  void keep_apart_bodies_without_mesh(const Config& config);
   void check_overlap(const Config& config);
+  void set_velocities_of_rigid_bodies(const Config& config, Vec v) const;
   void check_method(const Config& config);
   void warn(const Location& where, std::string message);
   void include(std::vector<Diagnostic> found);
@@ -134,7 +136,8 @@ class Model {
   std::vector<ProbeLocation> probes_;
   Components components_;
   std::uint64_t fingerprint_ = 0;
-  std::vector<char> are_kept_apart_;  // of each two
+  std::vector<char> are_kept_apart_;       // of each two
+  std::vector<char> are_without_surface_;  // components that stand for bodies without a mesh
   bool overlaps_at_start_ = false;
   bool is_dynamic_ = false;
   std::optional<double> static_time_;  // at which a static problem takes its loads

@@ -65,6 +65,39 @@ std::string describe(const Selection& part) {
   }
 }
 
+Selections::Selections(const Mesh& mesh, const NodeLayout& layout, std::span<const std::string> added)
+    : mesh_(mesh), layout_(layout), added_(added.begin(), added.end()) {
+  std::vector<PhysicalGroup> groups;
+  for (const PhysicalGroup& g : mesh.groups) {
+    if (is_added(g)) groups.push_back(g);
+  }
+  if (groups.empty()) return;
+  is_added_node_.assign(static_cast<std::size_t>(layout.num_local_nodes), 0);
+  const auto of_cells = volume_of_cells(mesh, layout, groups);
+  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
+    if (of_cells[static_cast<std::size_t>(c)] < 0) continue;
+    for (const PetscInt n : layout.nodes_of_cell(c)) is_added_node_[static_cast<std::size_t>(n)] = 1;
+  }
+}
+
+bool Selections::is_added(const PhysicalGroup& group) const {
+  return group.dimension == 3 && std::ranges::find(added_, group.name) != added_.end();
+}
+
+FacetList Selections::without_added(const FacetList& facets) const {
+  if (is_added_node_.empty()) return facets;
+  FacetList result;
+  result.nodes_per_facet = facets.nodes_per_facet;
+  for (PetscInt f = 0; f < facets.size(); ++f) {
+    const auto nodes = facets.nodes_of(f);
+    if (is_added_node_[static_cast<std::size_t>(nodes[0])] != 0) continue;
+    result.nodes.insert(result.nodes.end(), nodes.begin(), nodes.end());
+    result.is_owned.push_back(facets.is_owned[static_cast<std::size_t>(f)]);
+    result.is_outer.push_back(facets.is_outer[static_cast<std::size_t>(f)]);
+  }
+  return result;
+}
+
 const PhysicalGroup* Selections::group(const Selection& part) {
   const int d = dimension(part.kind);
   std::vector<std::string> names;
@@ -100,6 +133,9 @@ std::vector<PetscInt> Selections::nodes(const Selection& part) {
   } else {
     result = nodes_in_region(layout_, region(part));
   }
+  if (!is_group(part.kind) && !is_added_node_.empty()) {
+    std::erase_if(result, [&](PetscInt n) { return is_added_node_[static_cast<std::size_t>(n)] != 0; });
+  }
   if (sum(layout_.comm, static_cast<PetscInt64>(result.size())) == 0) {
     report(part.where, fmt::format("{} contains no node of the mesh; `pliant check` shows the mesh's extent and groups",
                                    describe(part)));
@@ -114,9 +150,9 @@ FacetList Selections::facets(const Selection& part) {
     if (g == nullptr) return result;
     result = facets_of_group(mesh_, layout_, *g);
   } else if (part.kind == Selection::Kind::everything) {
-    result = surface_facets(mesh_, layout_, [](const auto&) { return true; });
+    result = without_added(surface_facets(mesh_, layout_, [](const auto&) { return true; }));
   } else {
-    result = surface_facets(mesh_, layout_, region(part));
+    result = without_added(surface_facets(mesh_, layout_, region(part)));
   }
   if (sum(layout_.comm, static_cast<PetscInt64>(result.size())) == 0) {
     report(part.where,
@@ -163,12 +199,24 @@ std::vector<int> Selections::cells(const std::vector<Selection>& parts) {
     return result;
   }
   std::vector<PhysicalGroup> groups;
-  for (const auto& part : parts) {
-    const PhysicalGroup* g = group(part);
-    if (g != nullptr) groups.push_back(*g);
+  std::vector<int> part_of_group;
+  int rest = -1;  // what has all the others
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    if (parts[p].kind == Selection::Kind::everything) {
+      rest = static_cast<int>(p);
+      continue;
+    }
+    const PhysicalGroup* g = group(parts[p]);
+    if (g == nullptr) continue;
+    groups.push_back(*g);
+    part_of_group.push_back(static_cast<int>(p));
   }
-  if (groups.size() != parts.size()) return result;
+  if (groups.size() + (rest < 0 ? 0 : 1) != parts.size()) return result;
   result = volume_of_cells(mesh_, layout_, groups);
+  if (rest >= 0) {
+    for (int& part : result) part = part < 0 ? rest : part_of_group[static_cast<std::size_t>(part)];
+    return result;
+  }
   PetscInt64 without = 0, several = 0;
   for (PetscInt c = 0; c < layout_.num_owned_cells; ++c) {
     without += result[c] == -1;
@@ -221,7 +269,7 @@ void Selections::throw_if_errors() const {
 std::vector<Diagnostic> Selections::unused_groups() const {
   std::vector<Diagnostic> notes;
   for (const auto& g : mesh_.groups) {
-    if (std::find(used_.begin(), used_.end(), &g) == used_.end()) {
+    if (!is_added(g) && std::find(used_.begin(), used_.end(), &g) == used_.end()) {
       notes.push_back(note(fmt::format("{} '{}' of the mesh is not used by the input", noun(g.dimension), title(g))));
     }
   }

@@ -4,6 +4,8 @@
 #include "fem/selection.hpp"
 #include "input/config.hpp"
 
+#include <span>
+#include <string>
 #include <vector>
 
 namespace pliant {
@@ -12,7 +14,9 @@ namespace pliant {
 /// every rank, except for the lists of this rank's nodes and facets.
 class Selections {
  public:
-  Selections(const Mesh& mesh, const NodeLayout& layout) : mesh_(mesh), layout_(layout) {}
+  /// `added`: volumes of the mesh that stand for rigid bodies without one. Only their names select them, and they have
+  /// no surface.
+  Selections(const Mesh& mesh, const NodeLayout& layout, std::span<const std::string> added = {});
 
   /// Owned nodes. Collective.
   std::vector<PetscInt> nodes(const Selection& part);
@@ -40,9 +44,14 @@ class Selections {
 
  private:
   const PhysicalGroup* group(const Selection& part);
+  bool is_added(const PhysicalGroup& group) const;
+  /// The list without what belongs to added volumes.
+  FacetList without_added(const FacetList& facets) const;
 
   const Mesh& mesh_;
   const NodeLayout& layout_;
+  std::vector<std::string> added_;
+  std::vector<char> is_added_node_;  // per local node; empty if none is
   std::vector<const PhysicalGroup*> used_;
   std::vector<Diagnostic> errors_;
 };

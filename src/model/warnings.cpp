@@ -69,11 +69,12 @@ constexpr double longest_body = 50.0;        // [m]
 constexpr double locking_ratio = 0.49;       // Poisson's, of linear elements
 
 void check_body(const Config& config, const BodyConfig& body, Warnings& warnings) {
-  const ElasticityRule rule(body.elasticity);
+  if (body.is_rigid) return;
+  const ElasticityRule rule(*body.elasticity);
   if (!rule.is_uniform()) return;
   const auto rest = rule.law_at(0, {}).at_rest();
   if (!rest) return;
-  const auto add = [&](const std::string& text) { warnings.add(body.elasticity.where, text); };
+  const auto add = [&](const std::string& text) { warnings.add(body.elasticity->where, text); };
   const double speed = std::sqrt(rest->mu / body.density.value_or(rest->mu));
   // A purely viscous body has almost no stiffness, which nobody types by forgetting a unit.
   const bool may_be_soft = !body.viscosity.empty() && rest->mu < no_stiffness;
@@ -92,7 +93,7 @@ void check_body(const Config& config, const BodyConfig& body, Warnings& warnings
   }
   const double poissons_ratio = std::isfinite(rest->lambda) ? 0.5 * rest->lambda / (rest->lambda + rest->mu) : 0.5;
   const auto is_ratio = [](const GivenConstant& c) { return c.key == "poissons_ratio"; };
-  if (poissons_ratio < 0.0 && std::ranges::none_of(body.elasticity.constants, is_ratio)) {
+  if (poissons_ratio < 0.0 && std::ranges::none_of(body.elasticity->constants, is_ratio)) {
     add(fmt::format(
         "these constants give a Poisson's ratio of {:.3g}: the body would thicken when it is stretched; is the bulk "
         "modulus meant to be so small compared with the shear modulus?",

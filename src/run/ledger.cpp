@@ -111,6 +111,7 @@ void Ledger::book(const StepAttempt& attempt) {
     std::copy(attempt.w.begin(), attempt.w.end(), works_.begin());
   }
   if (!reactions_.empty()) reactions_ = model_.constraints().reactions(reaction_.get(), attempt.last_q);
+  joint_reactions_ = model_.constraints().joint_reactions(reaction_.get(), attempt.last_q);
   measure(attempt.view());
   time_ = attempt.time;
   check(VecCopy(attempt.q, q_.get()));

@@ -81,6 +81,7 @@ class Ledger {
   const Energies& energies() const { return energies_; }
   /// Reactions of the model's supports at the end of the last stage; zero before the first step.
   const std::vector<Reaction>& reactions() const { return reactions_; }
+  const std::vector<JointReaction>& joint_reactions() const { return joint_reactions_; }
   /// In the order of Contacts::groups.
   const std::vector<ContactForce>& contacts() const { return contacts_; }
 
@@ -116,6 +117,7 @@ class Ledger {
   double time_ = 0.0;       // of the last step, or its load factor
   std::vector<char> held_;  // owned entries on which constraints do work
   std::vector<Reaction> reactions_;
+  std::vector<JointReaction> joint_reactions_;
   std::vector<ContactForce> contacts_;
   std::vector<std::vector<std::size_t>> contacts_of_term_;
   Handle<Vec> q_;  // of the last step

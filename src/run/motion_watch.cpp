@@ -119,11 +119,15 @@ MotionWatch::MotionWatch(const Config& config, const Model& model)
       overlap_is_known_(model.overlaps_at_start()),
       bodies_of_components_(bodies_of_components(model)),
       q_(make_vector(model.layout())) {
-  for (std::size_t b = 0; b < config.bodies.size(); ++b) {
-    const ElasticityRule rule(config.bodies[b].elasticity);
+  for (std::size_t b = 0; b < model.body_names().size(); ++b) {
+    if (b >= config.bodies.size() || config.bodies[b].is_rigid) {
+      bodies_.push_back({{}, model.body_names()[b], {}, {no_bound, infinity, {}}, {}, {}});  // nothing stretches it
+      continue;
+    }
+    const ElasticityRule rule(*config.bodies[b].elasticity);
     const std::string law(rule.kind().info().name);
     bodies_.push_back(
-        {config.bodies[b].elasticity.where,
+        {config.bodies[b].elasticity->where,
          model.body_names()[b],
          law,
          trusted_stretches(law).value_or(TrustedStretches{no_bound, 10.0, "the range of this law is not known"}),

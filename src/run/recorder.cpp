@@ -143,6 +143,7 @@ OutputMesh output_mesh(const Model& model) {
 
 Recorder::Recorder(const Config& config, Model& model, const Ledger& ledger, const std::optional<Recorded>& earlier)
     : model_(model),
+      rigid_states_(config, model),
       fields_(config.output.fields),
       time_scale_(config.time.step > 0.0 ? config.time.step : 1.0),
       static_time_(analysis_of(config) == Analysis::static_equilibrium ? std::optional(config.time.end) : std::nullopt),
@@ -212,6 +213,7 @@ std::vector<std::string> Recorder::columns(const Config& config, const Ledger& l
     add_columns(Kind::bodies, impulse_suffixes);
     for (const char* name : {"contact_gap_min", "contact_points"}) names.emplace_back(name);
   }
+  for (std::string& name : rigid_states_.columns()) names.push_back(std::move(name));
   return names;
 }
 
@@ -275,6 +277,7 @@ void Recorder::record(const StepRecord& record, const Ledger& ledger) {
     add_contacts(Kind::bodies, &ContactForce::impulse);
     row.insert(row.end(), {record.contact.gap, record.contact.num_points});
   }
+  for (const double number : rigid_states_.values(record.q, record.v, ledger.joint_reactions())) row.push_back(number);
   history_.append(row);
 }
 

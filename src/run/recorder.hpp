@@ -3,6 +3,7 @@
 
 #include "io/history_writer.hpp"
 #include "io/result_writer.hpp"
+#include "model/rigid_states.hpp"
 #include "run/obstacle_drawing.hpp"
 #include "run/simulation.hpp"
 
@@ -46,6 +47,7 @@ class Recorder {
   std::vector<std::string> columns(const Config& config, const Ledger& ledger) const;
 
   Model& model_;
+  RigidStates rigid_states_;
   std::vector<std::string> fields_;
   double time_scale_;                  // interval from which velocities of obstacles are computed [s]
   std::optional<double> static_time_;  // at which formulas are evaluated while the load factor grows [s]

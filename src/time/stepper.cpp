@@ -51,6 +51,7 @@ StepAttempt Stepper::attempt(const History& history, const Step& step) & {
     stage.dt = weight.beta * method_.A[i][i] * step.dt;
     stage.step_start = history.newest().time;
     (system_.space ? stage.centre : stage.accepted) = history.newest().q.get();
+    stage.end_time = step.time;
     start_stage(i, history, stage);
     const StageReport report = system_.solve(stage, q_.stage());
     attempt.report.newton_iterations += report.newton_iterations;

@@ -127,7 +127,7 @@ Config read(const std::string& text, const std::vector<Override>& overrides = {}
 
 /// A constant of the body's elastic law.
 double constant(const BodyConfig& body, std::string_view key) {
-  for (const auto& c : body.elasticity.constants) {
+  for (const auto& c : body.elasticity->constants) {
     if (c.key == key) return c.value(0, 0, 0, 0);
   }
   ADD_FAILURE() << "no constant " << key;
@@ -183,7 +183,7 @@ TEST(Input, EveryValueArrivesInSI) {
   EXPECT_EQ(constant(c.bodies[0], "youngs_modulus"), 1e6);
   EXPECT_EQ(constant(c.bodies[0], "poissons_ratio"), 0.4);
   EXPECT_EQ(c.bodies[1].part.name, "7");
-  EXPECT_EQ(c.bodies[1].elasticity.model, "linear");
+  EXPECT_EQ(c.bodies[1].elasticity->model, "linear");
   EXPECT_EQ(constant(c.bodies[1], "youngs_modulus"), 1e6) << "merged from the anchor";
   ASSERT_EQ(c.bodies[0].viscosity.size(), 1u);
   ASSERT_EQ(c.bodies[1].viscosity.size(), 4u);
@@ -363,7 +363,7 @@ TEST(Input, DirectionsAndDataOfTheMesh) {
                                       "[{density: 1, elasticity: {model: holzapfel-gasser-ogden, "
                                       "shear_modulus: {cell_data: \"mu of it\"}, bulk_modulus: 1 MPa, k1: 1, "
                                       "k2: 1, fibre: {cell_data: f}, fibre2: [y, 2, -x]}}]"}});
-  const ElasticityConfig& e = c.bodies[0].elasticity;
+  const ElasticityConfig& e = *c.bodies[0].elasticity;
   ASSERT_EQ(e.constants.size(), 4u);
   EXPECT_EQ(e.constants[0].cell_data, "mu of it");
   EXPECT_TRUE(e.constants[1].cell_data.empty());

@@ -16,11 +16,6 @@ constexpr double collinearity = 1e-6;
 /// Relative to the size: displacements that are rigid to this tolerance are left unchanged, which keeps their digits.
 constexpr double rigidity_tolerance = 1e-13;
 
-/// A^-1 b of a regular tensor: A^-1 = cof(A)^T / det A.
-Vector3<double> solved(const Tensor3<double>& A, const Vector3<double>& b) {
-  return (1.0 / det(A)) * matvec(transpose(cofactor(A)), b);
-}
-
 /// A dual vector: x and its derivative along b.
 template <class T>
 Vector3<Dual<T>> along(const Vector3<T>& x, const Vector3<double>& b) {
@@ -171,43 +166,9 @@ std::vector<double> RigidPart::nearest_unknowns(Vec q) const {
 }
 
 std::array<Vector3<double>, 2> RigidPart::nearest_velocities(const Placement& placement, Vec v) const {
-  // Number; sums of arms, velocities, arms times arms, arms times velocities.
-  std::array<double, 25> sums{};
-  {
-    const ConstArrayView velocity(v);
-    for (const PetscInt a : nodes_) {
-      const Vector3<double> r = turn(placement.rotation, arm(a));
-      sums[0] += 1.0;
-      for (std::size_t i = 0; i < 3; ++i) {
-        sums[1 + i] += r[i];
-        sums[4 + i] += velocity[3 * a + static_cast<PetscInt>(i)];
-        for (std::size_t k = 0; k < 3; ++k) {
-          sums[7 + 3 * i + k] += r[i] * r[k];
-          sums[16 + 3 * i + k] += r[i] * velocity[3 * a + static_cast<PetscInt>(k)];
-        }
-      }
-    }
-  }
-  sum_in_place(layout_->comm, sums);
-  const double n = sums[0];
-  const Vector3<double> r = (1.0 / n) * Vector3<double>{sums[1], sums[2], sums[3]};
-  const Vector3<double> w = (1.0 / n) * Vector3<double>{sums[4], sums[5], sums[6]};
-  const auto central = [&](std::size_t first, const Vector3<double>& b) {
-    return make_tensor([&](int i, int k) {
-      const auto j = static_cast<std::size_t>(i), l = static_cast<std::size_t>(k);
-      return sums[first + 3 * j + l] - n * r[j] * b[l];
-    });
-  };
-  const Tensor3<double> rr = central(7, r), rv = central(16, w);
-  const Tensor3<double> inertia = add_to_diagonal(-1.0 * rr, trace(rr));
-  const Vector3<double> spin = {rv(1, 2) - rv(2, 1), rv(2, 0) - rv(0, 2), rv(0, 1) - rv(1, 0)};
-  if (axes_.size() == 3) {
-    const Vector3<double> omega = solved(inertia, spin);
-    return {w - cross(omega, r), omega};
-  }
-  const auto& b = axes_[0];
-  const Vector3<double> omega = (dot(b, spin) / dot(b, matvec(inertia, b))) * b;
-  return {w - cross(omega, r), omega};
+  const Vector3<double>& centre = motion_.rigid->centre;
+  return axes_.size() == 1 ? nearest_velocity_about(axes_[0], *layout_, nodes_, centre, placement, v)
+                           : nearest_velocity(*layout_, nodes_, centre, placement, v);
 }
 
 std::vector<double> RigidPart::nearest_rates(Vec v) const {
@@ -299,8 +260,63 @@ void RigidPart::subtract_given(Vec v) const {
   }
 }
 
+BodyMotion<double> RigidPart::motion_of(Vec u) const {
+  const AffineMotion fitted = (*fit_)(*layout_, nodes_, u);
+  return {motion_.rigid->centre, fitted.translation, fitted.gradient};
+}
+
+BodyMotion<double> RigidPart::RigidState::motion() const {
+  const Placement rotated{{}, at.rotation};
+  const auto column = [&](int j) {
+    return rotated.displacement({j == 0 ? 1.0 : 0.0, j == 1 ? 1.0 : 0.0, j == 2 ? 1.0 : 0.0});
+  };
+  const std::array<Vector3<double>, 3> columns{column(0), column(1), column(2)};
+  return {centre, at.translation,
+          make_tensor([&](int i, int j) { return columns[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)]; })};
+}
+
+BodyMotion<double> RigidPart::RigidState::rate() const {
+  const Tensor3<double> R = rotation_matrix(at.rotation);
+  return {centre, velocity, make_tensor([&](int i, int j) {
+            return cross(omega, {R(0, j), R(1, j), R(2, j)})[static_cast<std::size_t>(i)];
+          })};
+}
+
+RigidPart::RigidState RigidPart::state(const Step& step, Side side, Vec q, Vec v) const {
+  return nearest_state({motion_, step.time, step.dt, 1.0, side}, q, v);
+}
+
+RigidPart::RigidState RigidPart::moved(RigidState state, std::span<const double> unknowns,
+                                       std::span<const double> rates) const {
+  Vector3<double> theta{};
+  for (std::size_t k = 0; k < free_components_.size(); ++k) {
+    state.at.translation[free_components_[k]] += unknowns[k];
+    state.velocity[free_components_[k]] += rates[k];
+  }
+  for (std::size_t k = 0; k < axes_.size(); ++k) {
+    theta = theta + (unknowns[free_components_.size() + k] / size_) * axes_[k];
+    state.omega = state.omega + (rates[free_components_.size() + k] / size_) * axes_[k];
+  }
+  state.at.rotation = product(exponential(theta), state.at.rotation);
+  return state;
+}
+
+void RigidPart::put(const RigidState& state, Vec q, Vec v) const {
+  const ArrayView velocities(v);
+  for (const PetscInt a : nodes_) {
+    const auto w = state.velocity + cross(state.omega, turn(state.at.rotation, arm(a)));
+    for (std::size_t i = 0; i < 3; ++i) velocities[3 * a + static_cast<PetscInt>(i)] = w[i];
+  }
+  if (q == nullptr) return;
+  const ArrayView displacements(q);
+  for (const PetscInt a : nodes_) {
+    const auto u = state.at.displacement(arm(a));
+    for (std::size_t i = 0; i < 3; ++i) displacements[3 * a + static_cast<PetscInt>(i)] = u[i];
+  }
+}
+
 RigidPart::RigidState RigidPart::nearest_state(const GivenKinematics& given, Vec q, Vec v) const {
-  RigidState state{nearest(q)};
+  RigidState state{nearest(q), {}, {}, motion_.rigid->centre};
   const auto velocities = nearest_velocities(state.at, v);
   state.velocity = velocities[0];
   state.omega = velocities[1];

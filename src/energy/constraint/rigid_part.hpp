@@ -4,6 +4,7 @@
 #include "energy/constraint/dependent_nodes.hpp"
 #include "energy/given_motion.hpp"
 #include "energy/rigid/affine_fit.hpp"
+#include "energy/rigid/joint_equation.hpp"
 #include "fem/layout.hpp"
 
 #include <array>
@@ -81,6 +82,36 @@ class RigidPart final : public DependentNodes {
   void restart(const Step& step, Vec q, Vec v) const override;
   void subtract_given(Vec v) const override;
 
+  /// What joints need of a part whose nodes do not lie in a plane (energy/constraint/mechanism.hpp).
+
+  /// The affine motion nearest to u. Collective.
+  BodyMotion<double> motion_of(Vec u) const;
+  /// The motion in the stage.
+  template <class T>
+  BodyMotion<T> motion(std::span<const T> unknowns) const;
+  /// The virtual motion of unknown k: at the end of a step its rate.
+  template <class T>
+  BodyMotion<T> virtual_motion(std::size_t k, const BodyMotion<T>& at) const;
+  /// Placement and velocities, as seen from the centre; nearest to q and v. Collective.
+  struct RigidState {
+    Placement at;
+    Vector3<double> velocity{}, omega{};
+    Vector3<double> centre{};
+
+    BodyMotion<double> motion() const;
+    BodyMotion<double> rate() const;
+  };
+  RigidState state(const Step& step, Side side, Vec q, Vec v) const;
+  /// Moves a state by unknowns, and changes its velocities by rates of them.
+  RigidState moved(RigidState state, std::span<const double> unknowns, std::span<const double> rates) const;
+  /// Writes displacements (unless q is nullptr) and velocities of a state to the nodes.
+  void put(const RigidState& state, Vec q, Vec v) const;
+  /// The distance of the nodes from their mean, about [m].
+  double size() const { return size_; }
+  /// Whether the nodes lie in a plane.
+  bool is_plane() const { return trace(fit_->in_plane()) < 2.5; }
+  Vector3<double> reference(PetscInt node) const { return layout_->position(node); }
+
  private:
   static constexpr std::size_t most_unknowns = 6;
   /// Whether nothing of the motion is prescribed.
@@ -96,10 +127,6 @@ class RigidPart final : public DependentNodes {
   Vector3<double> rotation_vector(std::span<const double> unknowns) const;
   Vector3<double> arm(PetscInt node) const { return layout_->position(node) - motion_.rigid->centre; }
   Placement nearest(Vec q) const;
-  struct RigidState {
-    Placement at;
-    Vector3<double> velocity{}, omega{};  // of the centre, and the angular one
-  };
   RigidState nearest_state(const GivenKinematics& given, Vec q, Vec v) const;
   /// The velocity of the centre and the angular velocity closest to the nodes' velocities at a placement.
   std::array<Vector3<double>, 2> nearest_velocities(const Placement& placement, Vec v) const;
@@ -118,5 +145,43 @@ class RigidPart final : public DependentNodes {
   Shape shape_;
   Quaternion reference_{1.0, 0.0, 0.0, 0.0};
 };
+
+// (exp(theta) R_ref - I) S e_j + D e_j, column by column.
+template <class T>
+BodyMotion<T> RigidPart::motion(std::span<const T> unknowns) const {
+  BodyMotion<T> motion{motion_.rigid->centre, {}, {}};
+  for (std::size_t i = 0; i < 3; ++i) motion.translation[i] = T(given_translation_[i]);
+  for (std::size_t k = 0; k < free_components_.size(); ++k) motion.translation[free_components_[k]] = unknowns[k];
+  Vector3<T> theta{T(0.0), T(0.0), T(0.0)};
+  for (std::size_t k = 0; k < axes_.size(); ++k) {
+    const T angle = T(1.0 / (shape_.weight * size_)) * unknowns[free_components_.size() + k];
+    for (std::size_t i = 0; i < 3; ++i) theta[i] = theta[i] + T(axes_[k][i]) * angle;
+  }
+  for (int j = 0; j < 3; ++j) {
+    const Vector3<double> arm = {shape_.arms(0, j), shape_.arms(1, j), shape_.arms(2, j)};
+    const Vector3<double> turned = turn(reference_, arm);
+    const Vector3<T> x = turn(theta, Vector3<T>{T(turned[0]), T(turned[1]), T(turned[2])});
+    for (int i = 0; i < 3; ++i) {
+      motion.gradient(i, j) = x[static_cast<std::size_t>(i)] + T(shape_.drift(i, j) - shape_.arms(i, j));
+    }
+  }
+  return motion;
+}
+
+template <class T>
+BodyMotion<T> RigidPart::virtual_motion(std::size_t k, const BodyMotion<T>& at) const {
+  BodyMotion<T> result{at.centre, {}, {}};
+  if (k < free_components_.size()) {
+    result.translation[free_components_[k]] = T(1.0);
+    return result;
+  }
+  const Vector3<double> axis = (1.0 / size_) * axes_[k - free_components_.size()];
+  for (int j = 0; j < 3; ++j) {
+    const Vector3<double> unit_vector = {j == 0 ? 1.0 : 0.0, j == 1 ? 1.0 : 0.0, j == 2 ? 1.0 : 0.0};
+    const Vector3<T> x = cross(Vector3<T>{T(axis[0]), T(axis[1]), T(axis[2])}, at.direction(unit_vector));
+    for (int i = 0; i < 3; ++i) result.gradient(i, j) = x[static_cast<std::size_t>(i)];
+  }
+  return result;
+}
 
 }  // namespace pliant

@@ -83,6 +83,49 @@ Placement placed(const Moments& m, const Quaternion& rotation) {
   return placement;
 }
 
+/// Velocities of the nodes about their mean: means, and the products of arms with arms and with velocities.
+struct NodalVelocities {
+  Vector3<double> arm{}, velocity{};
+  Tensor3<double> inertia{};  // of nodes of mass 1
+  Vector3<double> spin{};     // sum r x v
+};
+
+NodalVelocities gather_velocities(const NodeLayout& layout, std::span<const PetscInt> nodes,
+                                  const Vector3<double>& centre, const Placement& placement, Vec v) {
+  // Number; sums of arms, velocities, arms times arms, arms times velocities.
+  std::array<double, 25> sums{};
+  {
+    const ConstArrayView velocity(v);
+    for (const PetscInt a : nodes) {
+      const Vector3<double> r = turn(placement.rotation, Vector3<double>(layout.position(a)) - centre);
+      sums[0] += 1.0;
+      for (std::size_t i = 0; i < 3; ++i) {
+        sums[1 + i] += r[i];
+        sums[4 + i] += velocity[3 * a + static_cast<PetscInt>(i)];
+        for (std::size_t k = 0; k < 3; ++k) {
+          sums[7 + 3 * i + k] += r[i] * r[k];
+          sums[16 + 3 * i + k] += r[i] * velocity[3 * a + static_cast<PetscInt>(k)];
+        }
+      }
+    }
+  }
+  sum_in_place(layout.comm, sums);
+  const double n = sums[0];
+  NodalVelocities result;
+  result.arm = (1.0 / n) * Vector3<double>{sums[1], sums[2], sums[3]};
+  result.velocity = (1.0 / n) * Vector3<double>{sums[4], sums[5], sums[6]};
+  const auto central = [&](std::size_t first, const Vector3<double>& b) {
+    return make_tensor([&](int i, int k) {
+      const auto j = static_cast<std::size_t>(i), l = static_cast<std::size_t>(k);
+      return sums[first + 3 * j + l] - n * result.arm[j] * b[l];
+    });
+  };
+  const Tensor3<double> rr = central(7, result.arm), rv = central(16, result.velocity);
+  result.inertia = add_to_diagonal(-1.0 * rr, trace(rr));
+  result.spin = {rv(1, 2) - rv(2, 1), rv(2, 0) - rv(0, 2), rv(0, 1) - rv(1, 0)};
+  return result;
+}
+
 }  // namespace
 
 // x_to = t_to + Q (x - t_from) with Q = R_to R_from^-1
@@ -118,6 +161,22 @@ Placement nearest_placement_about(const Vector3<double>& axis, const NodeLayout&
                                   std::span<const PetscInt> nodes, const Vector3<double>& centre, Vec u) {
   const Moments m = moments(layout, nodes, centre, u);
   return placed(m, rotation_nearest_to(m.products, axis));
+}
+
+std::array<Vector3<double>, 2> nearest_velocity(const NodeLayout& layout, std::span<const PetscInt> nodes,
+                                                const Vector3<double>& centre, const Placement& placement, Vec v) {
+  const NodalVelocities sums = gather_velocities(layout, nodes, centre, placement, v);
+  // A^-1 b = cof(A)^T b / det A.
+  const Vector3<double> omega = (1.0 / det(sums.inertia)) * matvec(transpose(cofactor(sums.inertia)), sums.spin);
+  return {sums.velocity - cross(omega, sums.arm), omega};
+}
+
+std::array<Vector3<double>, 2> nearest_velocity_about(const Vector3<double>& axis, const NodeLayout& layout,
+                                                      std::span<const PetscInt> nodes, const Vector3<double>& centre,
+                                                      const Placement& placement, Vec v) {
+  const NodalVelocities sums = gather_velocities(layout, nodes, centre, placement, v);
+  const Vector3<double> omega = (dot(axis, sums.spin) / dot(axis, matvec(sums.inertia, axis))) * axis;
+  return {sums.velocity - cross(omega, sums.arm), omega};
 }
 
 }  // namespace pliant

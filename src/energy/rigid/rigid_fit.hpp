@@ -4,6 +4,7 @@
 #include "energy/given_motion.hpp"
 #include "fem/layout.hpp"
 
+#include <array>
 #include <span>
 
 namespace pliant {
@@ -17,6 +18,16 @@ Placement nearest_placement(const NodeLayout& layout, std::span<const PetscInt> 
 /// The same with a rotation about an axis (of unit length) alone.
 Placement nearest_placement_about(const Vector3<double>& axis, const NodeLayout& layout,
                                   std::span<const PetscInt> nodes, const Vector3<double>& centre, Vec u);
+
+/// The velocity of the centre and the angular velocity that are nearest to the velocities v of the nodes of a body at a
+/// placement. Collective.
+std::array<Vector3<double>, 2> nearest_velocity(const NodeLayout& layout, std::span<const PetscInt> nodes,
+                                                const Vector3<double>& centre, const Placement& placement, Vec v);
+
+/// The same with an angular velocity about an axis (of unit length) alone.
+std::array<Vector3<double>, 2> nearest_velocity_about(const Vector3<double>& axis, const NodeLayout& layout,
+                                                      std::span<const PetscInt> nodes, const Vector3<double>& centre,
+                                                      const Placement& placement, Vec v);
 
 /// How far the rigid motion from one placement to another, both about the same centre at the origin, moves the point
 /// that is now at `x`.

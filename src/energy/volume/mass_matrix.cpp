@@ -197,6 +197,11 @@ double MassMatrix::product(std::span<const double> x, std::span<const double> y)
   return total.total();
 }
 
+void MassMatrix::add(std::int32_t block, double mass) {
+  (block >= 0 ? diagonal_.masses[static_cast<std::size_t>(block)]
+              : off_diagonal_.masses[static_cast<std::size_t>(-1 - block)]) += mass;
+}
+
 double MassMatrix::total() const {
   const std::vector<double> one(static_cast<std::size_t>(3 * num_local_nodes_), 1.0);
   std::vector<double> y(one.size(), 0.0);

@@ -4,6 +4,7 @@
 #include "fem/block_matrix.hpp"
 #include "fem/cells.hpp"
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -30,6 +31,8 @@ class MassMatrix {
   void assign_to(double factor, const BlockWriter& K) const;
   /// This rank's share of the mass [kg].
   double total() const;
+  /// Adds a mass to a block of the pattern (BlockPattern::block) [kg].
+  void add(std::int32_t block, double mass);
 
  private:
   struct Part {

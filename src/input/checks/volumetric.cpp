@@ -106,14 +106,16 @@ void check_volumetric(const Config& config, const InputNode& root, Diagnostics& 
   const VolumetricTreatment treatment = config.volumetric;
   for (const auto& body : config.bodies) {
     if (treatment != VolumetricTreatment::standard) check_points(body, diagnostics);
-    const auto rule = rule_of(body.elasticity);
+    if (!body.elasticity) continue;
+    const ElasticityConfig& elasticity = *body.elasticity;
+    const auto rule = rule_of(elasticity);
     if (!rule) continue;
     if (treatment == VolumetricTreatment::mixed) {
-      check_mixed(body.elasticity, *rule, diagnostics);
+      check_mixed(elasticity, *rule, diagnostics);
     } else if (rule->is_uniform() && is_incompressible(rule->law_at(0, {}))) {
-      diagnostics.add(body.elasticity.where, std::string(incompressible_without_pressures));
+      diagnostics.add(elasticity.where, std::string(incompressible_without_pressures));
     } else if (treatment == VolumetricTreatment::mean_dilatation) {
-      check_mean_dilatation(body.elasticity, *rule, diagnostics);
+      check_mean_dilatation(elasticity, *rule, diagnostics);
     }
   }
   if (treatment == VolumetricTreatment::mixed) check_mixed(config, root, diagnostics);

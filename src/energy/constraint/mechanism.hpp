@@ -1,0 +1,141 @@
+/// Rigid parts that joints connect, as one function of as many unknowns as the mechanism has degrees of freedom.
+#pragma once
+
+#include "energy/constraint/rigid_part.hpp"
+#include "energy/rigid/joint_equation.hpp"
+
+#include <eigen3/Eigen/Core>
+#include <eigen3/Eigen/LU>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+/// The force and the torque of a joint on its second body.
+struct JointReaction {
+  Vector3<double> force{};   ///< [N]
+  Vector3<double> torque{};  ///< about the joint's point [N m]
+};
+
+/// Rigid parts and joints between them, closed loops included. With the unknowns xi of all parts (RigidPart), the
+/// equations of the joints are h(xi) = 0: those of the configuration, or, with Rigidity::of_accelerations, those of the
+/// acceleration in all stages but the last, d2g/dt2 = 0 with the rates (x - x0) / dt and (x - x0 - dt v0) / dt^2, and
+/// g = 0 for the step's end in the last (so that the order of every method is kept, as a rigid part keeps it). The
+/// unknowns y are coordinates of the solutions of these equations (tangent-plane parametrisation),
+///
+///   xi(y) = xi_ref + N y + G_ref^T z(y),   h(xi(y)) = 0,   G = dh/dxi,   G_ref N = 0,   N^T N = I,
+///
+/// N as close as possible to the same columns at all times, so that the factors of matrices can be kept. z is found by
+/// Newton's method to rounding: joints are exact whatever the solver's tolerance. The virtual displacements are those
+/// which the joints allow at the configuration of the stage: their forces on two bodies are opposite, with no resultant
+/// and no moment. Sources: Potra & Yen 1991, "Implicit numerical integration for Euler-Lagrange equations via tangent
+/// space parametrization"; Hairer & Wanner, Solving Ordinary Differential Equations II, VII.2.
+class Mechanism final : public DependentNodes {
+ public:
+  /// `parts`: their nodes do not lie in planes. `equations`: independent at the reference configuration
+  /// (dependent_joints). Collective.
+  Mechanism(const NodeLayout& layout, std::vector<std::unique_ptr<RigidPart>> parts,
+            std::vector<JointEquation> equations);
+
+  /// The joints of which equations repeat what other equations say, or contradict it; empty: none. Not collective.
+  std::vector<std::size_t> dependent_joints() const;
+  std::size_t num_degrees_of_freedom() const { return hosts_.size(); }
+
+  std::string description() const override { return "mechanisms"; }
+  std::span<const PetscInt> nodes() const override { return nodes_; }
+  std::span<const PetscInt> hosts() const override { return hosts_; }
+  void set_rigidity(Rigidity rigidity) override;
+  bool is_symmetric() const override { return rigidity_ == Rigidity::of_configurations; }
+
+  void begin_stage(const StagePoint& stage, Vec q) override;
+  void begin_end_of_step(Vec q) override;
+
+  void put_displacements(std::span<const double> unknowns, Vec q) const override;
+  void put_columns(std::span<const double> unknowns, PetscInt node, std::span<Vector3<double>> columns) const override;
+  void put_test_columns(std::span<const double> unknowns, PetscInt node,
+                        std::span<Vector3<double>> columns) const override;
+  std::vector<double> curvature(std::span<const double> unknowns, Vec f) const override;
+
+  std::vector<double> nearest_unknowns(Vec q) const override;
+  std::vector<double> nearest_rates(Vec v) const override;
+
+  void start_stage(const StagePoint& stage) const override;
+  void complete_step(const Step& step, Vec q, Vec v) const override;
+  void restart(const Step& step, Vec q, Vec v) const override;
+  void subtract_given(Vec v) const override;
+
+  /// The states of two of the parts (JointEquation::ground: at rest) that are nearest to q and v. Collective.
+  std::array<RigidPart::RigidState, 2> states(const std::array<int, 2>& parts, Vec q, Vec v) const;
+  /// Of the joint of each equation, from the gradient r of the potential at q, where nothing else holds the bodies.
+  /// `points`: of the joints, in the reference configuration [m]. Collective.
+  std::vector<JointReaction> reactions(Vec r, Vec q, std::span<const Vector3<double>> points) const;
+
+ private:
+  using Vector = Eigen::VectorXd;
+  using Matrix = Eigen::MatrixXd;
+  using Once = Dual<double>;
+  using Twice = Dual<Once>;
+  /// The motion of a part and its derivatives by the part's unknowns, actual and virtual.
+  struct PartMotion {
+    BodyMotion<double> value;
+    std::vector<BodyMotion<double>> columns, test_columns;
+  };
+  /// A solution of the joints' equations and its derivatives.
+  struct Solution {
+    std::vector<double> unknowns;
+    Vector xi;
+    std::vector<PartMotion> parts;
+    Matrix columns, test_columns;      // d xi / dy, and virtual displacements
+    Eigen::PartialPivLU<Matrix> test;  // of G_W G_ref^T, G_W: along virtual displacements
+  };
+
+  std::size_t num_equations() const { return equations_.size(); }
+  std::span<const double> of_part(const Vector& xi, std::size_t part) const;
+  std::vector<PartMotion> motions(const Vector& xi) const;
+  /// h and its derivative by xi.
+  void evaluate(const std::vector<PartMotion>& parts, Vector& h, Matrix& G) const;
+  /// g and its derivative along the (test) columns, of the configurations that are given.
+  enum class Along { columns, test_columns };
+  void evaluate_configuration(const std::vector<PartMotion>& parts, Along along,
+                              const std::vector<TimeSeries<double>>& given, Vector& g, Matrix& G) const;
+  /// The columns N for equations with the derivative G_ref.
+  void choose_columns(const Matrix& G);
+  /// The nearest solution of h(xi) = 0 about; false: none is found.
+  bool approach(Vector& xi) const;
+  /// Newton's method for h(start + G_ref^T z) = 0; false: it does not converge.
+  bool solve(Vector& xi) const;
+  const Solution& at(std::span<const double> unknowns) const;
+  /// The joints' part of the curvature, for the forces lambda of their equations.
+  Matrix joint_curvature(const Solution& solution, const Vector& lambda) const;
+  BodyMotion<Twice> twice_moved(const Solution& solution, std::size_t part, int k, int l) const;
+  std::vector<TimeSeries<double>> given(double time, double time_scale, double unit, double factor, Side side) const;
+  /// States of the parts, nearest to q and v.
+  std::vector<RigidPart::RigidState> states(const Step& step, Side side, Vec q, Vec v) const;
+  /// Those of which velocities, and configurations too, fulfil the joints' equations; whether they are new.
+  bool fit_states(const Step& step, Side side, bool with_configurations,
+                  std::vector<RigidPart::RigidState>& states) const;
+  std::vector<PartMotion> motions(const std::vector<RigidPart::RigidState>& states) const;
+
+  MPI_Comm comm_;
+  std::vector<std::unique_ptr<RigidPart>> parts_;
+  std::vector<JointEquation> equations_;
+  std::vector<double> scales_;      // of the equations: of derivatives of length 1
+  std::vector<std::size_t> first_;  // unknown of each part, and their number
+  double size_ = 0.0;               // of the parts [m]
+  std::vector<PetscInt> nodes_, hosts_;
+  std::vector<std::size_t> part_of_node_;  // per local owned node
+  Matrix preferred_;                       // columns N
+  Rigidity rigidity_ = Rigidity::of_configurations;
+  // State of the current stage.
+  enum class Level { configuration, acceleration, end_of_step };
+  Level level_ = Level::configuration;
+  double end_weight_ = 1.0;
+  std::vector<BodyMotion<double>> start_, advance_, rest_;  // x0, dt v0, and the rest of the step's end
+  std::vector<TimeSeries<double>> given_;
+  Vector reference_;
+  Matrix columns_, G_ref_;
+  mutable Solution solution_;
+};
+
+}  // namespace pliant

@@ -1,0 +1,63 @@
+#include "input/checks/rigid_bodies.hpp"
+
+#include "base/tensor.hpp"
+#include "base/vector3.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <string>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// Relative to the largest moment: what rounding of the input may violate.
+constexpr double rounding = 1e-6;
+
+/// Every principal second moment, (the sum of the two other moments of inertia - its own) / 2, is positive or zero: the
+/// principal minors of tr(J)/2 I - J, slightly enlarged, are.
+bool has_real_mass(const std::array<double, 6>& moments) {
+  const auto& [xx, yy, zz, xy, yz, zx] = moments;
+  const double half = 0.5 * (xx + yy + zz), slack = rounding * std::abs(half);
+  const double a = half - xx + slack, b = half - yy + slack, c = half - zz + slack;
+  return a >= 0.0 && b >= 0.0 && c >= 0.0 && a * b >= xy * xy && b * c >= yz * yz && a * c >= zx * zx &&
+         a * b * c - 2.0 * xy * yz * zx - a * yz * yz - b * zx * zx - c * xy * xy >= 0.0;
+}
+
+}  // namespace
+
+void check_rigid_bodies(const Config& config, Diagnostics& diagnostics) {
+  std::map<std::string, std::string> taken;  // name: what has it
+  const auto take = [&](const std::string& name, const char* what, const Location& where) {
+    if (name.empty()) return;
+    const auto [found, is_new] = taken.try_emplace(name, what);
+    if (is_new) return;
+    diagnostics.add(
+        where, found->second == what
+                   ? fmt::format("the {} name '{}' is given twice", what, name)
+                   : fmt::format("'{}' names a {} and a {}, and history.csv has columns for both; rename one", name,
+                                 found->second, what));
+  };
+  for (const RigidBodyConfig& body : config.rigid_bodies) {
+    take(body.name, "rigid body", body.where);
+    if (body.name == "ground") {
+      diagnostics.add(body.where, "'ground' names what does not move; choose another name for the rigid body");
+    }
+    if (!has_real_mass(body.inertia.moments)) {
+      diagnostics.add(
+          body.inertia.where,
+          fmt::format("no body has these moments of inertia ('{}'): none of the principal ones is negative or "
+                      "larger than the sum of the two others; they are about the center of mass, in kg m^2",
+                      body.name));
+    }
+  }
+  for (const JointConfig& joint : config.joints) {
+    take(joint.name, "joint", joint.where);
+  }
+  for (const ProbeConfig& probe : config.probes) take(probe.name, "probe", probe.where);
+}
+
+}  // namespace pliant

@@ -1,0 +1,98 @@
+#include "input/sections/rigid_bodies.hpp"
+
+#include "input/formats.hpp"
+
+namespace pliant {
+namespace {
+
+using Inertia = RigidBodyConfig::Inertia;
+
+/// Three principal moments, or six numbers.
+Format<Inertia> inertia() {
+  const auto principal = array_of<3>(quantity("kg*m^2", Range::at_least(0)));
+  const auto full = array_of<6>(quantity("kg*m^2"));
+  Format<Inertia> format{"list of 3 numbers (principal moments) or of 6 (xx, yy, zz, xy, yz, zx) [kg m^2]",
+                         either_schema(principal.schema, full.schema),
+                         {},
+                         {}};
+  format.read = [principal, full](const InputNode& node, const std::string& name, Diagnostics& diagnostics,
+                                  Inertia& into) {
+    into.where = node.where;
+    if (node.kind == InputNode::Kind::list && node.children.size() == 6) {
+      return full.read(node, name, diagnostics, into.moments);
+    }
+    if (node.kind != InputNode::Kind::list || node.children.size() != 3) {
+      return refuse(node, name, "3 principal moments or 6 numbers xx, yy, zz, xy, yz, zx", diagnostics);
+    }
+    std::array<double, 3> moments{};
+    if (!principal.read(node, name, diagnostics, moments)) return false;
+    std::ranges::copy(moments, into.moments.begin());
+    return true;
+  };
+  format.write = [full](const Inertia& from) { return full.write(from.moments); };
+  return format;
+}
+
+}  // namespace
+
+Section<RigidBodyConfig> rigid_body_keys() {
+  using R = RigidBodyConfig;
+  return {{
+              field("name", &R::name, column_name(), "name in joints and constraints, and prefix of its columns")
+                  .required(),
+              field("mass", &R::mass, quantity("kg", Range::above(0)), "mass").required(),
+              field("inertia", &R::inertia, inertia(), "moments of inertia about the center").required(),
+              field("center", &R::center, array_of<3>(quantity("m")), "center of mass at the start").required(),
+              field("velocity", &R::velocity, array_of<3>(quantity("m/s")), "velocity of the center at the start")
+                  .otherwise("[0, 0, 0]"),
+              field("angular_velocity", &R::angular_velocity, array_of<3>(quantity("rad/s")),
+                    "angular velocity at the start")
+                  .otherwise("[0, 0, 0]"),
+          },
+          {},
+          &R::where};
+}
+
+Section<JointConfig> joint_keys() {
+  using J = JointConfig;
+  return {
+      {
+          field("name", &J::name, column_name(), "prefix of its columns in history.csv").required(),
+          field("type", &J::type,
+                choice_of<JointType>({{"fixed", JointType::fixed},
+                                      {"ball", JointType::ball},
+                                      {"hinge", JointType::hinge},
+                                      {"slider", JointType::slider},
+                                      {"cylindrical", JointType::cylindrical},
+                                      {"universal", JointType::universal},
+                                      {"planar", JointType::planar},
+                                      {"distance", JointType::distance}}),
+                "fixed: no relative motion; ball: about `point`; hinge: about the axis; slider: along it; "
+                "cylindrical: both; universal: about `axis`, which moves with the first body, and `second_axis`, "
+                "which moves with the second; planar: in the plane across the axis; distance: of `point` on the "
+                "first body and `second_point` on the second")
+              .required(),
+          field("between", &J::between, array_of<2>(text()),
+                "two of: names of rigid bodies, volumes or surfaces with a constraint `rigid`, `ground`")
+              .required(),
+          field("point", &J::point, array_of<3>(quantity("m")), "place of the joint at the start").required(),
+          field("axis", &J::axis, direction_of_any_length(), "direction of the axis at the start")
+              .only_with({{"type", "hinge"},
+                          {"type", "slider"},
+                          {"type", "cylindrical"},
+                          {"type", "universal"},
+                          {"type", "planar"}}),
+          field("second_axis", &J::second_axis, direction_of_any_length(), "direction at the start, across `axis`")
+              .only_with({{"type", "universal"}}),
+          field("second_point", &J::second_point, array_of<3>(quantity("m")), "place on the second body at the start")
+              .only_with({{"type", "distance"}}),
+          field("motion", &J::motion, expression("1", Variables::time),
+                "given angle [rad] of a hinge, travel [m] of a slider or change of a distance [m]")
+              .otherwise_in_words("none: it follows from the forces")
+              .only_with({{"type", "hinge"}, {"type", "slider"}, {"type", "distance"}}),
+      },
+      {},
+      &J::where};
+}
+
+}  // namespace pliant

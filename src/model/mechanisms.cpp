@@ -1,0 +1,240 @@
+#include "model/mechanisms.hpp"
+
+#include "base/text.hpp"
+#include "mesh/disjoint_sets.hpp"
+#include "petsc/collective.hpp"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// The cosine of an angle that counts as right.
+constexpr double right_angle = 1e-6;
+
+/// Two unit vectors across an axis of unit length.
+std::array<Vector3<double>, 2> across(const Vector3<double>& axis) {
+  std::size_t least = 0;
+  for (std::size_t i = 1; i < 3; ++i) {
+    if (std::abs(axis[i]) < std::abs(axis[least])) least = i;
+  }
+  Vector3<double> other{};
+  other[least] = 1.0;
+  const Vector3<double> e = unit(cross(axis, other));
+  return {e, cross(axis, e)};
+}
+
+/// The scalar equations of a joint.
+class Equations {
+ public:
+  Equations(const JointConfig& joint, const Vector3<double>& axis)
+      : joint_(joint), point_(joint.point), axis_(axis), across_(across(axis)) {}
+
+  std::vector<std::variant<Coincidence, Perpendicularity, Travel, Turn, Distance>> operator()() {
+    switch (joint_.type) {
+      case JointType::fixed:
+        meet();
+        align();
+        break;
+      case JointType::ball:
+        meet();
+        break;
+      case JointType::hinge:
+        meet();
+        keep_axis();
+        if (const Expression* angle = motion()) add(Turn{across_[0], across_[1], *angle});
+        break;
+      case JointType::slider:
+        align();
+        stay_on_axis();
+        if (const Expression* travel = motion()) add(Travel{point_, axis_, *travel});
+        break;
+      case JointType::cylindrical:
+        keep_axis();
+        stay_on_axis();
+        break;
+      case JointType::universal:
+        meet();
+        add(Perpendicularity{axis_, unit(*joint_.second_axis)});
+        break;
+      case JointType::planar:
+        keep_axis();
+        add(Travel{point_, axis_, std::nullopt});
+        break;
+      case JointType::distance: {
+        const Vector3<double> b = *joint_.second_point;
+        const double length = norm(b - point_);
+        std::optional<Expression> given;
+        if (const Expression* change = motion()) given.emplace(fmt::format("{:.17g}+({})", length, change->text()));
+        add(Distance{point_, b, length, given});
+        break;
+      }
+    }
+    return std::move(equations_);
+  }
+
+ private:
+  using Equation = std::variant<Coincidence, Perpendicularity, Travel, Turn, Distance>;
+  void add(Equation equation) { equations_.push_back(std::move(equation)); }
+  const Expression* motion() const { return joint_.motion ? &*joint_.motion : nullptr; }
+  void meet() {
+    for (std::size_t i = 0; i < 3; ++i) {
+      Vector3<double> normal{};
+      normal[i] = 1.0;
+      add(Coincidence{point_, normal});
+    }
+  }
+  void align() {
+    keep_axis();
+    add(Perpendicularity{across_[0], across_[1]});
+  }
+  /// The second body's axis stays that of the first.
+  void keep_axis() {
+    for (const auto& direction : across_) add(Perpendicularity{direction, axis_});
+  }
+  void stay_on_axis() {
+    for (const auto& direction : across_) add(Travel{point_, direction, std::nullopt});
+  }
+
+  const JointConfig& joint_;
+  Vector3<double> point_, axis_;
+  std::array<Vector3<double>, 2> across_;
+  std::vector<Equation> equations_;
+};
+
+bool needs_axis(JointType type) {
+  return type == JointType::hinge || type == JointType::slider || type == JointType::cylindrical ||
+         type == JointType::universal || type == JointType::planar;
+}
+
+/// The number of the constraint that makes a part of this name rigid; nothing, with an error, if there is none.
+std::optional<std::size_t> find_part(const ConstraintsOnMesh& constraints, const JointConfig& joint, std::size_t side,
+                                     Selections& selections) {
+  const std::string& name = joint.between[side];
+  if (name == "ground") return ModelJoint::ground;
+  std::vector<std::string> known{"ground"};
+  for (std::size_t c = 0; c < constraints.parts.size(); ++c) {
+    const ConstraintConfig& constraint = constraints.config.constraints[c];
+    if (!std::holds_alternative<ConstraintConfig::Rigid>(constraint.kind)) continue;
+    if (constraint.part.name != name) {
+      if (!constraint.part.name.empty()) known.push_back(constraint.part.name);
+      continue;
+    }
+    if (constraints.parts[c].rotation) return c;
+    selections.report(joint.where, fmt::format("joint '{}' connects '{}', whose rotation a constraint gives: name "
+                                               "`ground` if it is held, or leave the rotation `free` and move it by "
+                                               "the joint's `motion`",
+                                               joint.name, name));
+    return std::nullopt;
+  }
+  selections.report(joint.where, fmt::format("joint '{}' connects '{}', which is no rigid body and no part with a "
+                                             "constraint `rigid`{}; there are: {}",
+                                             joint.name, name, did_you_mean(name, known), joined(known)));
+  return std::nullopt;
+}
+
+/// The joint's axis, zero if it has none; nothing, with an error, if it is wrong.
+std::optional<Vector3<double>> find_axis(const JointConfig& joint, Selections& selections) {
+  if (joint.type == JointType::fixed) return Vector3<double>{0.0, 0.0, 1.0};
+  if (!needs_axis(joint.type)) return Vector3<double>{};
+  const Vector3<double> axis = unit(*joint.axis);
+  if (joint.type == JointType::universal && std::abs(dot(axis, unit(*joint.second_axis))) > right_angle) {
+    selections.report(joint.where,
+                      fmt::format("the axes of joint '{}' must be at right angles at the start", joint.name));
+    return std::nullopt;
+  }
+  return axis;
+}
+
+}  // namespace
+
+RigidSystem make_rigid_system(const ConstraintsOnMesh& constraints, Selections& selections) {
+  const auto& [config, layout, parts] = constraints;
+  RigidSystem system;
+  std::vector<const JointConfig*> configs;
+  DisjointSets groups(parts.size());
+  for (const JointConfig& joint : config.joints) {
+    const auto first = find_part(constraints, joint, 0, selections),
+               second = find_part(constraints, joint, 1, selections);
+    const auto axis = find_axis(joint, selections);
+    if (!first || !second || !axis) continue;
+    if (*first == *second) {
+      selections.report(joint.where, fmt::format("joint '{}' connects '{}' with itself", joint.name, joint.between[0]));
+      continue;
+    }
+    ModelJoint& added = system.joints.emplace_back();
+    added.name = joint.name;
+    added.type = joint.type;
+    added.point = joint.point;
+    added.second_point = joint.type == JointType::distance ? *joint.second_point : joint.point;
+    added.axis = *axis;
+    added.parts = {*first, *second};
+    configs.push_back(&joint);
+    if (*first != ModelJoint::ground && *second != ModelJoint::ground) groups.join(*first, *second);
+  }
+  selections.throw_if_errors();
+  // Parts of each mechanism, by its first part; those without joints are alone.
+  std::map<std::size_t, std::vector<std::size_t>> members;
+  for (std::size_t c = 0; c < parts.size(); ++c) {
+    if (parts[c].rotation) members[groups.root(c)].push_back(c);
+  }
+  const auto make_part = [&](std::size_t c) {
+    return std::make_unique<RigidPart>(layout, parts[c].nodes, *parts[c].displacement.rigid, *parts[c].rotation);
+  };
+  for (const auto& [root, of_mechanism] : members) {
+    std::vector<JointEquation> equations;
+    std::vector<std::size_t> joints;
+    for (std::size_t j = 0; j < system.joints.size(); ++j) {
+      ModelJoint& joint = system.joints[j];
+      const std::size_t any = joint.parts[0] == ModelJoint::ground ? joint.parts[1] : joint.parts[0];
+      if (groups.root(any) != root) continue;
+      joint.number = joints.size();
+      const auto number = [&](std::size_t part) {
+        return part == ModelJoint::ground
+                   ? JointEquation::ground
+                   : static_cast<int>(std::ranges::find(of_mechanism, part) - of_mechanism.begin());
+      };
+      joint.bodies = {number(joint.parts[0]), number(joint.parts[1])};
+      for (auto& kind : Equations(*configs[j], joint.axis)()) {
+        equations.push_back({std::move(kind), joint.bodies, joints.size()});
+      }
+      joints.push_back(j);
+    }
+    if (joints.empty()) {
+      for (const std::size_t c : of_mechanism) system.dependents.push_back(make_part(c));
+      continue;
+    }
+    std::vector<std::unique_ptr<RigidPart>> rigid;
+    for (const std::size_t c : of_mechanism) {
+      rigid.push_back(make_part(c));
+      if (!rigid.back()->is_plane()) continue;
+      selections.report(config.constraints[c].where,
+                        fmt::format("{} lies in a plane, and joints need nodes off it: make a volume rigid",
+                                    describe(config.constraints[c].part)));
+    }
+    selections.throw_if_errors();
+    auto mechanism = std::make_unique<Mechanism>(layout, std::move(rigid), std::move(equations));
+    std::vector<std::string> names;
+    for (const std::size_t j : mechanism->dependent_joints())
+      names.push_back("'" + system.joints[joints[j]].name + "'");
+    if (!names.empty()) {
+      selections.report(configs[joints[mechanism->dependent_joints().front()]]->where,
+                        names.size() == 1
+                            ? fmt::format("joint {} repeats or contradicts what already holds its bodies", names[0])
+                            : fmt::format("joints {} repeat or contradict one another: a motion that one of them "
+                                          "forbids is forbidden already; in a closed loop of hinges make one of them "
+                                          "`ball` and another `cylindrical`",
+                                          joined(names)));
+    }
+    for (const std::size_t j : joints) system.joints[j].mechanism = mechanism.get();
+    system.dependents.push_back(std::move(mechanism));
+  }
+  selections.throw_if_errors();
+  return system;
+}
+
+}  // namespace pliant

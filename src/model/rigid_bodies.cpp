@@ -1,0 +1,109 @@
+#include "model/rigid_bodies.hpp"
+
+#include "material/spectral.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pliant {
+namespace {
+
+/// Thinnest tetrahedron of a body that is flat or thin, relative to its length.
+constexpr double flattest = 0.3;
+/// Half the length of a body that has no moments of inertia, a mass point [m].
+constexpr double size_of_point = 0.1;
+
+/// S = tr(J) / 2 I - J.
+Tensor3<double> second_moment(const RigidBodyConfig& body) {
+  const auto& [xx, yy, zz, xy, yz, zx] = body.inertia.moments;
+  const Tensor3<double> J{{xx, xy, zx, xy, yy, yz, zx, yz, zz}};
+  return add_to_diagonal(-1.0 * J, 0.5 * trace(J));
+}
+
+/// Half the edges of the cube in which the tetrahedron is inscribed, along the principal axes; the same second moments
+/// as the body, where that is not too thin: those of the tetrahedron are m s^2 / 5.
+Vector3<double> half_edges(const RigidBodyConfig& body, const EigenDecomposition<double>& principal) {
+  Vector3<double> s{};
+  for (std::size_t i = 0; i < 3; ++i) s[i] = std::sqrt(5.0 * std::max(principal.values[i], 0.0) / body.mass);
+  const double longest = std::ranges::max(s);
+  for (double& x : s) x = longest > 0.0 ? std::max(x, flattest * longest) : size_of_point;
+  return s;
+}
+
+Selection volume_named(const std::string& name, const Location& where) {
+  Selection part;
+  part.kind = Selection::Kind::volume;
+  part.name = name;
+  part.where = where;
+  return part;
+}
+
+bool is_made_rigid(const Config& config, const Selection& part) {
+  return std::ranges::any_of(config.constraints, [&](const ConstraintConfig& constraint) {
+    return std::holds_alternative<ConstraintConfig::Rigid>(constraint.kind) && constraint.part.kind == part.kind &&
+           constraint.part.name == part.name;
+  });
+}
+
+}  // namespace
+
+Config with_rigid_bodies(Config config) {
+  for (const RigidBodyConfig& rigid : config.rigid_bodies) {
+    BodyConfig body;
+    body.part = volume_named(rigid.name, rigid.where);
+    const Vector3<double> s = half_edges(rigid, eigen_decomposition(second_moment(rigid)));
+    body.density = rigid.mass / (8.0 / 3.0 * s[0] * s[1] * s[2]);
+    body.is_rigid = true;
+    body.where = rigid.where;
+    config.bodies.push_back(std::move(body));
+  }
+  for (const BodyConfig& body : config.bodies) {
+    if (!body.is_rigid || is_made_rigid(config, body.part)) continue;
+    ConstraintConfig constraint;
+    ConstraintConfig::Rigid rigid;
+    rigid.is_implied = true;
+    constraint.kind = std::move(rigid);
+    constraint.part = body.part;
+    constraint.where = body.where;
+    config.constraints.push_back(std::move(constraint));
+  }
+  return config;
+}
+
+std::vector<AddedTetrahedron> added_tetrahedra(const Config& config) {
+  std::vector<AddedTetrahedron> result;
+  for (const RigidBodyConfig& body : config.rigid_bodies) {
+    const auto principal = eigen_decomposition(second_moment(body));
+    const Vector3<double> s = half_edges(body, principal);
+    constexpr std::array<std::array<double, 3>, 4> corners{
+        {{1.0, 1.0, 1.0}, {1.0, -1.0, -1.0}, {-1.0, 1.0, -1.0}, {-1.0, -1.0, 1.0}}};
+    AddedTetrahedron& tetrahedron = result.emplace_back();
+    tetrahedron.name = body.name;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const Vector3<double> along = {corners[k][0] * s[0], corners[k][1] * s[1], corners[k][2] * s[2]};
+      tetrahedron.corners[k] = body.center + matvec(principal.vectors, along);
+    }
+    const Vector3<double> X = tetrahedron.corners[0];
+    const Vector3<double> a = tetrahedron.corners[1] - X, b = tetrahedron.corners[2] - X,
+                          c = tetrahedron.corners[3] - X;
+    // The axes may be left-handed.
+    if (dot(a, cross(b, c)) < 0.0) std::swap(tetrahedron.corners[0], tetrahedron.corners[1]);
+  }
+  return result;
+}
+
+std::vector<AffineBody> masses_of_rigid_bodies(const Config& config, int first) {
+  std::vector<AffineBody> result;
+  for (const RigidBodyConfig& body : config.rigid_bodies) {
+    result.push_back({first++, body.mass, body.center, second_moment(body)});
+  }
+  return result;
+}
+
+std::vector<std::string> names_of_rigid_bodies(const Config& config) {
+  std::vector<std::string> result;
+  for (const RigidBodyConfig& body : config.rigid_bodies) result.push_back(body.name);
+  return result;
+}
+
+}  // namespace pliant

@@ -1,0 +1,131 @@
+#include "model/rigid_states.hpp"
+
+#include "energy/rigid/rigid_fit.hpp"
+#include "petsc/array_view.hpp"
+#include "petsc/collective.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace pliant {
+namespace {
+
+constexpr std::array axes{"x", "y", "z"};
+
+bool has_angle(JointType type) {
+  return type == JointType::hinge || type == JointType::cylindrical;
+}
+
+bool has_travel(JointType type) {
+  return type == JointType::slider || type == JointType::cylindrical || type == JointType::distance;
+}
+
+/// The angle by which R turns about the axis, in (-pi, pi].
+double angle_about(const Vector3<double>& axis, const Quaternion& R) {
+  const double half = std::atan2(R[1] * axis[0] + R[2] * axis[1] + R[3] * axis[2], R[0]);
+  return std::remainder(2.0 * half, 2.0 * std::numbers::pi);
+}
+
+}  // namespace
+
+RigidStates::RigidStates(const Config& config, const Model& model) : model_(model) {
+  const NodeLayout& layout = model.layout();
+  const std::size_t num_meshed = config.bodies.size();
+  for (std::size_t b = 0; b < num_meshed + config.rigid_bodies.size(); ++b) {
+    if (b < num_meshed && !config.bodies[b].is_rigid) continue;
+    Body body{model.body_names()[b], {}, {}};
+    std::vector<char> is_of_body(static_cast<std::size_t>(layout.num_local_nodes), 0);
+    // Volume and first moments of the straight cells: their density is uniform.
+    std::array<double, 4> sums{};
+    for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
+      if (model.body_of_cell()[static_cast<std::size_t>(c)] != static_cast<int>(b)) continue;
+      const auto nodes = layout.nodes_of_cell(c);
+      for (const PetscInt n : nodes) is_of_body[static_cast<std::size_t>(n)] = 1;
+      if (c >= layout.num_owned_cells) continue;
+      std::array<Vector3<double>, 4> x;
+      for (std::size_t k = 0; k < 4; ++k) x[k] = layout.position(nodes[k]);
+      const double volume = dot(x[1] - x[0], cross(x[2] - x[0], x[3] - x[0])) / 6.0;
+      const Vector3<double> middle = 0.25 * (x[0] + x[1] + x[2] + x[3]);
+      sums[3] += volume;
+      for (std::size_t i = 0; i < 3; ++i) sums[i] += volume * middle[i];
+    }
+    sum_in_place(layout.comm, sums);
+    body.centre = b < num_meshed ? (1.0 / sums[3]) * Vector3<double>{sums[0], sums[1], sums[2]}
+                                 : Vector3<double>(config.rigid_bodies[b - num_meshed].center);
+    for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
+      if (is_of_body[static_cast<std::size_t>(n)] != 0) body.nodes.push_back(n);
+    }
+    bodies_.push_back(std::move(body));
+  }
+}
+
+std::vector<std::string> RigidStates::columns() const {
+  std::vector<std::string> names;
+  const auto add = [&](const std::string& name, const std::string& what) {
+    for (const char* axis : axes) names.push_back(name + what + axis);
+  };
+  for (const Body& body : bodies_) {
+    add(body.name, "_");
+    add(body.name, "_v");
+    names.push_back(body.name + "_qw");
+    add(body.name, "_q");
+    add(body.name, "_w");
+  }
+  for (const ModelJoint& joint : model_.constraints().joints()) {
+    if (has_angle(joint.type)) names.push_back(joint.name + "_angle");
+    if (has_travel(joint.type)) names.push_back(joint.name + "_travel");
+    if (has_angle(joint.type) != has_travel(joint.type)) names.push_back(joint.name + "_rate");
+    add(joint.name, "_f");
+    add(joint.name, "_t");
+  }
+  return names;
+}
+
+std::vector<double> RigidStates::values(Vec q, Vec v, const std::vector<JointReaction>& reactions) const {
+  std::vector<double> result;
+  const auto add = [&](const auto& numbers) { result.insert(result.end(), numbers.begin(), numbers.end()); };
+  for (const Body& body : bodies_) {
+    const Placement at = nearest_placement(model_.layout(), body.nodes, body.centre, q);
+    const auto [velocity, omega] = nearest_velocity(model_.layout(), body.nodes, body.centre, at, v);
+    add(body.centre + at.translation);
+    add(velocity);
+    const double sign = at.rotation[0] < 0.0 ? -1.0 : 1.0;
+    for (const double number : at.rotation) result.push_back(sign * number);
+    add(omega);
+  }
+  const auto& joints = model_.constraints().joints();
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const ModelJoint& joint = joints[j];
+    const auto [a, b] = joint.mechanism->states(joint.bodies, q, v);
+    const Vector3<double> axis = joint.axis;
+    const Vector3<double> n = a.motion().direction(axis);
+    const Vector3<double> n_rate = cross(a.omega, n);
+    const Vector3<double> from = a.motion().point(joint.point), to = b.motion().point(joint.second_point);
+    const Vector3<double> apart = to - from;
+    const auto velocity_of = [](const RigidPart::RigidState& body, const Vector3<double>& x) {
+      return body.velocity + cross(body.omega, x - body.motion().point(body.centre));
+    };
+    const Vector3<double> moving_apart = velocity_of(b, to) - velocity_of(a, from);
+    double rate = 0.0;
+    if (has_angle(joint.type)) {
+      result.push_back(angle_about(axis, product(inverse(a.at.rotation), b.at.rotation)));
+      rate = dot(b.omega - a.omega, n);
+    }
+    if (joint.type == JointType::distance) {
+      const double length = norm(apart);
+      result.push_back(length - norm(joint.second_point - joint.point));
+      rate = dot(apart, moving_apart) / length;
+    } else if (has_travel(joint.type)) {
+      result.push_back(dot(apart, n));
+      rate = dot(moving_apart, n) + dot(apart, n_rate);
+    }
+    if (has_angle(joint.type) != has_travel(joint.type)) result.push_back(rate);
+    const JointReaction reaction = j < reactions.size() ? reactions[j] : JointReaction{};
+    add(reaction.force);
+    add(reaction.torque);
+  }
+  return result;
+}
+
+}  // namespace pliant

@@ -1,0 +1,232 @@
+#!/usr/bin/python3
+"""Rigid bodies and joints, as users type them: motions that are known, orders, ranks, restart, soft bodies between them."""
+import unittest
+
+import numpy as np
+
+from program import ProgramTest, read_history
+
+CHAIN = """rigid_bodies:
+  - {name: one, mass: 1, inertia: [0.01, 0.02, 0.03], center: [0.5, 0, 0]}
+  - {name: two, mass: 2, inertia: [0.02, 0.03, 0.04, 0.005, 0, 0.002], center: [1.5, 0.1, 0]}
+joints:
+  - {name: a, type: hinge, between: [ground, one], point: [0, 0, 0], axis: [0, 1, 0.2]}
+  - {name: b, type: TYPE, between: [one, two], point: [1, 0, 0], MORE}
+loads: [{gravity: [0, 0, -9.81]}]
+"""
+# A joint of each type between the bodies of the chain.
+TYPES = {
+    "fixed": "",
+    "ball": "",
+    "hinge": "axis: [0.1, 1, 0]",
+    "slider": "axis: [1, 0.2, 0]",
+    "cylindrical": "axis: [1, 0.2, 0]",
+    "universal": "axis: [0, 1, 0], second_axis: [1, 0, 1]",
+    "planar": "axis: [0, 0.6, 0.8]",
+    "distance": "second_point: [1.4, 0.2, 0.3]",
+}
+DRIVEN = {"hinge": '0.5*sin(9*t)', "slider": '0.1*sin(9*t)', "distance": '0.1*sin(9*t)'}
+METHODS = {"backward-euler": 1, "bdf2": 2, "bdf3": 3, "dirk22": 2, "dirk23": 3, "dirk33": 3, "implicit-midpoint": 2, "symplectic-dirk22": 2}
+SOFT_MESH = """SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 0.2, 0.1, 0.1};
+Box(2) = {0.2, 0, 0, 0.2, 0.1, 0.1};
+Box(3) = {0.4, 0, 0, 0.2, 0.1, 0.1};
+BooleanFragments{ Volume{1, 2, 3}; Delete; }{}
+MeshSize{ PointsOf{ Volume{1, 2, 3}; } } = 0.1;
+Physical Volume("palm") = {1};
+Physical Volume("bar") = {2};
+Physical Volume("tip") = {3};
+"""
+SOFT = """mesh: {file: soft.geo}
+bodies:
+  - {volume: palm, density: 2000, rigid: true}
+  - {volume: bar, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 50 kPa, poissons_ratio: 0.3}}
+  - {volume: tip, density: 2000, rigid: true}
+rigid_bodies:
+  - {name: ball, mass: 1, inertia: [0.001, 0.001, 0.001], center: [0.8, 0.05, 0.05]}
+joints:
+  - {name: knuckle, type: hinge, between: [ground, palm], point: [0, 0.05, 0.05], axis: [0, 1, 0]}
+  - {name: link, type: ball, between: [tip, ball], point: [0.6, 0.05, 0.05]}
+loads: [{gravity: [0, 0, -9.81]}]
+"""
+
+
+def turned(history, name, vector, row=-1):
+    """A vector of the body at the start, where the body is now."""
+    w, *n = (history[f"{name}_q{axis}"][row] for axis in "wxyz")
+    return vector + 2 * (w * np.cross(n, vector) + np.cross(n, np.cross(n, vector)))
+
+
+def place(history, name, start, center, row=-1):
+    """Where the point of the body is that was at `start`."""
+    return np.array([history[f"{name}_{axis}"][row] for axis in "xyz"]) + turned(history, name, np.subtract(start, center), row)
+
+
+class Mechanisms(ProgramTest):
+    def solve(self, text, time, ranks=1, more=()):
+        self.write("in.yaml", text + f"time: {{{time}}}\noutput: {{every: 1}}\n")
+        return self.run_input("in.yaml", *more, ranks=ranks)
+
+    def pliant(self, *arguments, ranks=1, status=0):
+        done = self.call(*arguments, ranks=ranks, timeout=300)
+        self.assertEqual(done.returncode, status, done.stdout + done.stderr)
+        return done
+
+    def chain(self, kind, more=""):
+        return CHAIN.replace("TYPE", kind).replace("MORE", TYPES[kind] + more)
+
+    def test_joints_hold_what_they_say(self):
+        one, two = [0.5, 0, 0], [1.5, 0.1, 0]
+        for kind, more in TYPES.items():
+            with self.subTest(kind):
+                h = self.solve(self.chain(kind), "method: bdf2, step: 10 ms, end: 0.5")
+                at = {name: place(h, name, [1, 0, 0], center) for name, center in (("one", one), ("two", two))}
+                apart = at["two"] - at["one"]
+                axis = np.array([0.1, 1, 0]) if kind == "hinge" else np.array([1, 0.2, 0])
+                if kind in ("fixed", "ball", "hinge", "universal"):
+                    np.testing.assert_allclose(apart, 0, atol=1e-13)
+                if kind in ("hinge", "cylindrical", "slider"):
+                    np.testing.assert_allclose(turned(h, "one", axis), turned(h, "two", axis), atol=1e-13)
+                if kind in ("slider", "cylindrical"):
+                    np.testing.assert_allclose(np.cross(apart, turned(h, "one", axis)), 0, atol=1e-13)
+                    self.assertGreater(np.linalg.norm(apart), 0.01)
+                if kind in ("slider", "fixed"):
+                    for vector in np.eye(3):
+                        np.testing.assert_allclose(turned(h, "one", vector), turned(h, "two", vector), atol=1e-13)
+                if kind == "universal":
+                    self.assertAlmostEqual(turned(h, "one", np.array([0, 1, 0])) @ turned(h, "two", np.array([1, 0, 1])), 0, delta=1e-13)
+                if kind == "planar":
+                    self.assertAlmostEqual(turned(h, "one", np.array([0, 0.6, 0.8])) @ apart, 0, delta=1e-13)
+                if kind == "distance":
+                    self.assertAlmostEqual(np.linalg.norm(place(h, "two", [1.4, 0.2, 0.3], two) - at["one"]),
+                                           np.linalg.norm([0.4, 0.2, 0.3]), delta=1e-13)
+                scale = h["kinetic_energy"].max()
+                self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-12 * scale)
+
+    def test_motions_are_exact(self):
+        for kind, formula in DRIVEN.items():
+            with self.subTest(kind):
+                h = self.solve(self.chain(kind, f', motion: "{formula}"'), "method: dirk33, step: 10 ms, end: 0.2")
+                amplitude = float(formula.split("*")[0])
+                column = "b_angle" if kind == "hinge" else "b_travel"
+                np.testing.assert_allclose(h[column], amplitude * np.sin(9 * h["time"]), atol=1e-13)
+                np.testing.assert_allclose(h["b_rate"], 9 * amplitude * np.cos(9 * h["time"]), atol=1e-11)
+
+    def test_every_method_keeps_its_order(self):
+        self.write("in.yaml", self.chain("universal") + "time: {method: bdf2, step: 10 ms, end: 80 ms}\n")
+        self.pliant("converge", "in.yaml", "--in", "time", "--levels", "3", "--methods", "all")
+
+    def test_loops_close(self):
+        crank = """rigid_bodies:
+  - {name: crank, mass: 0.5, inertia: [1e-4, 1e-3, 1e-3], center: [0.065818692, 0, 0.035956915]}
+  - {name: rod, mass: 1, inertia: [1e-4, 0.017, 0.017], center: [0.353745692, 0, 0.035956915]}
+  - {name: slider, mass: 2, inertia: [1e-3, 1e-3, 1e-3], center: [0.575853999, 0, 0]}
+joints:
+  - {name: shaft, type: hinge, between: [ground, crank], point: [0, 0, 0], axis: [0, -1, 0]MOTION}
+  - {name: crankpin, type: ball, between: [crank, rod], point: [0.131637384, 0, 0.071913831]}
+  - {name: gudgeon, type: cylindrical, between: [rod, slider], point: [0.575853999, 0, 0], axis: [0, 1, 0]}
+  - {name: guide, type: slider, between: [ground, slider], point: [0.575853999, 0, 0], axis: [1, 0, 0]}
+"""
+        # Driven: the slider's place by its formula. Free under its weight: what it keeps is its energy.
+        h = self.solve(crank.replace("MOTION", ', motion: "20*t"'), "method: bdf2, step: 5 ms, end: 0.4")
+        angle = 20 * h["time"] + 0.5
+        x = 0.15 * np.cos(angle) + np.sqrt(0.45**2 - (0.15 * np.sin(angle)) ** 2)
+        np.testing.assert_allclose(h["slider_x"], x, atol=1e-9)
+        np.testing.assert_allclose(h["guide_travel"], x - x[0], atol=1e-9)
+        h = self.solve(crank.replace("MOTION", "") + "loads: [{gravity: [0, 0, -9.81]}]\n", "method: symplectic-dirk22, step: 2 ms, end: 0.4")
+        energy = h["kinetic_energy"] + h["load_potential"]
+        self.assertGreater(h["kinetic_energy"].max(), 0.3)
+        np.testing.assert_allclose(energy, energy[0], atol=2e-3)
+
+    def test_a_free_body_keeps_its_momenta(self):
+        body = """rigid_bodies:
+  - {name: brick, mass: 2, inertia: [0.01, 0.02, 0.025, 0.001, 0, 0.002], center: [1, 2, 3], velocity: [1, -1, 0.5], angular_velocity: [3, 1, 2]}
+"""
+        for method in ("implicit-midpoint", "symplectic-dirk22", "bdf3"):
+            with self.subTest(method):
+                h = self.solve(body, f"method: {method}, step: 10 ms, end: 1")
+                J = np.array([[0.01, 0.001, 0.002], [0.001, 0.02, 0], [0.002, 0, 0.025]])
+                spin = J @ [3, 1, 2] + np.cross([1, 2, 3], 2 * np.array([1, -1, 0.5]))
+                np.testing.assert_allclose([h[f"L{a}"][0] for a in "xyz"], spin, rtol=1e-12)
+                self.assertAlmostEqual(h["kinetic_energy"][0], 0.5 * 2 * 2.25 + 0.5 * np.array([3, 1, 2]) @ J @ [3, 1, 2], delta=1e-12)
+                if method == "bdf3":
+                    continue
+                for column in ("px", "py", "pz", "Lx", "Ly", "Lz"):
+                    np.testing.assert_allclose(h[column], h[column][0], atol=1e-11)
+
+    def test_reactions_carry_the_weight(self):
+        # At rest, the ball of a plumb line and a slider across gravity carry weights and moments.
+        h = self.solve("""rigid_bodies:
+  - {name: beam, mass: 3, inertia: [0.01, 0.1, 0.1], center: [0.5, 0, 0]}
+  - {name: bob, mass: 2, inertia: [0, 0, 0], center: [1, 0, -1]}
+joints:
+  - {name: wall, type: fixed, between: [ground, beam], point: [0, 0, 0]}
+  - {name: hook, type: ball, between: [beam, bob], point: [1, 0, 0]}
+loads: [{gravity: [0, 0, -10]}]
+""", "method: bdf2, step: 10 ms, end: 0.1")
+        expected = {"wall_fz": 50, "wall_ty": -3 * 10 * 0.5 - 2 * 10 * 1, "hook_fz": 20, "wall_fx": 0, "hook_tx": 0}
+        for column, value in expected.items():
+            np.testing.assert_allclose(h[column][1:], value, atol=1e-8, err_msg=column)
+
+    def test_ranks_and_restart_do_not_matter(self):
+        self.write("soft.geo", SOFT_MESH)
+        for text in (self.chain("universal"), SOFT, "element: P2\nvolumetric: mixed\n" + SOFT.replace("0.3}", "0.49}")):
+            time = "method: bdf2, step: 4 ms, end: 40 ms"
+            one, *others = [self.solve(text, time, ranks) for ranks in (1, 2, 3)]
+            for other in others:
+                self.assert_same_history(other, one, 1e-7)
+        self.write("in.yaml", SOFT + "time: {method: bdf2, step: 4 ms, end: 20 ms}\n")
+        self.pliant("run", "in.yaml", "--quiet", "--output", "half", "--set", "checkpoint={}")
+        self.pliant("resume", "half", "--quiet", "--set", "time.end=40ms", ranks=2)
+        resumed = read_history(self.directory / "half")
+        whole = self.solve(SOFT, "method: bdf2, step: 4 ms, end: 40 ms")
+        self.assert_same_history(resumed, whole, 1e-7)
+
+    def test_soft_bodies_between_rigid_ones_keep_the_order(self):
+        self.write("soft.geo", SOFT_MESH)
+        self.write("in.yaml", SOFT + "time: {method: bdf2, step: 0.5 ms, end: 8 ms}\n")
+        self.pliant("converge", "in.yaml", "--in", "time", "--levels", "3", "--methods", "bdf2,dirk22,dirk33,implicit-midpoint")
+
+    def test_rigid_bodies_touch(self):
+        self.write("drop.geo", """SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 1, 1, 0.4};
+Box(2) = {0.3, 0.3, 0.42, 0.4, 0.4, 0.3};
+MeshSize{ PointsOf{ Volume{1, 2}; } } = 0.3;
+Physical Volume("pad") = {1};
+Physical Volume("brick") = {2};
+Physical Surface("bottom") = {5};
+""")
+        h = self.solve("""mesh: {file: drop.geo}
+bodies:
+  - {volume: pad, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 100 kPa, poissons_ratio: 0.3}}
+  - {volume: brick, density: 2000, rigid: true}
+constraints: [{surface: bottom, displacement: [0, 0, 0]}]
+contact: {law: barrier, pairs: all, friction: 0.3}
+loads: [{gravity: [0, 0, -9.81]}]
+""", "method: bdf2, step: 5 ms, end: 0.15")
+        self.assertGreater(h["contact_gap_min"].min(), 0)
+        self.assertLess(h["brick_vz"].min(), -0.3)
+        self.assertGreater(h["brick_vz"].max(), 0.05)
+
+    def test_mistakes_are_told(self):
+        chain = self.chain("ball")
+        cases = {
+            "no body has these moments of inertia": chain.replace("inertia: [0.01, 0.02, 0.03]", "inertia: [0.01, 0.02, 0.04]"),
+            "connects 'tow', which is no rigid body": chain.replace("[one, two]", "[one, tow]"),
+            "missing key 'axis' in joints[1]": chain.replace("type: ball", "type: hinge"),
+            "repeat or contradict": chain.replace("loads:", "  - {name: c, type: hinge, between: [one, two], point: [1, 0, 0], axis: [0, 1, 0]}\nloads:"),
+            "must be at right angles": chain.replace("type: ball", "type: universal").replace("point: [1, 0, 0], }", "point: [1, 0, 0], axis: [1, 0, 0], second_axis: [1, 1, 0]}"),
+            "connects 'one' with itself": chain.replace("[one, two]", "[one, one]"),
+            "'motion' can only be given with": chain.replace("point: [1, 0, 0], }", 'point: [1, 0, 0], motion: "t"}'),
+            "is given twice": chain.replace("name: two", "name: one"),
+            "missing key 'mesh'": chain + "bodies: [{density: 1, rigid: true}]\n",
+        }
+        for message, text in cases.items():
+            with self.subTest(message):
+                self.write("in.yaml", text + "time: {method: bdf2, step: 10 ms, end: 0.1}\n")
+                for ranks in (1, 2):
+                    self.assertIn(message, self.pliant("check", "in.yaml", ranks=ranks, status=2).stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
