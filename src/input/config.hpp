@@ -3,6 +3,8 @@
 
 #include "base/error.hpp"
 #include "base/expression.hpp"
+#include "input/mechanism_config.hpp"
+#include "input/output_config.hpp"
 #include "material/contact_law.hpp"
 #include "material/foundation.hpp"
 #include "material/viscosity_registry.hpp"
@@ -103,36 +105,6 @@ struct BodyConfig {
   std::optional<ElasticityConfig> elasticity;  ///< of a body that is not rigid
   std::vector<ViscosityConfig> viscosity;
   std::optional<ActiveConfig> active;
-  Location where;
-};
-
-/// A rigid body without a mesh.
-struct RigidBodyConfig {
-  struct Inertia {
-    std::array<double, 6> moments{};  ///< xx, yy, zz, xy, yz, zx, about the centre [kg m^2]
-    Location where;
-  };
-  std::string name;
-  double mass = 0.0;  ///< [kg]
-  Inertia inertia;
-  std::array<double, 3> center{};            ///< of mass [m]
-  std::array<double, 3> velocity{};          ///< [m/s]
-  std::array<double, 3> angular_velocity{};  ///< [rad/s]
-  Location where;
-};
-
-enum class JointType { fixed, ball, hinge, slider, cylindrical, universal, planar, distance };
-
-/// A joint between two rigid bodies or rigid parts, or one and the ground.
-struct JointConfig {
-  std::string name;
-  JointType type = JointType::fixed;
-  std::array<std::string, 2> between;
-  std::array<double, 3> point{};                      ///< [m]
-  std::optional<std::array<double, 3>> axis;          ///< of any length
-  std::optional<std::array<double, 3>> second_axis;   ///< of any length (universal)
-  std::optional<std::array<double, 3>> second_point;  ///< [m] (distance)
-  std::optional<Expression> motion;                   ///< angle [rad], travel [m] or change of a distance [m]
   Location where;
 };
 
@@ -435,25 +407,6 @@ enum class LinearSolver { automatic, cholesky, amg, p_multigrid };
 struct SolverConfig {
   LinearSolver linear = LinearSolver::automatic;
   NewtonConfig newton;
-};
-
-struct OutputConfig {
-  std::string directory;        ///< resolved against the working directory; default out/<input's stem>
-  std::optional<double> every;  ///< [s]; default: the step
-  Location every_where;         ///< of `every` in the input, where it is given
-  std::vector<std::string> fields;
-};
-
-/// When checkpoints are written, in addition to those of interrupted and failed runs.
-struct CheckpointConfig {
-  std::optional<int> every;       ///< steps
-  std::optional<double> minutes;  ///< of the clock
-};
-
-struct ProbeConfig {
-  std::string name;
-  std::array<double, 3> point{};  ///< reference position [m]
-  Location where;
 };
 
 struct Config {

@@ -131,7 +131,7 @@ std::optional<std::size_t> find_part(const ConstraintsOnMesh& constraints, const
                                                joint.name, name));
     return std::nullopt;
   }
-  selections.report(joint.where, fmt::format("joint '{}' connects '{}', which is no rigid body and no part with a "
+  selections.report(joint.where, fmt::format("joint '{}' connects '{}', which is not a rigid body, nor a part with a "
                                              "constraint `rigid`{}; there are: {}",
                                              joint.name, name, did_you_mean(name, known), joined(known)));
   return std::nullopt;
@@ -150,91 +150,118 @@ std::optional<Vector3<double>> find_axis(const JointConfig& joint, Selections& s
   return axis;
 }
 
-}  // namespace
+/// The joints of the input, then the mechanisms that they make.
+class RigidSystemBuilder {
+ public:
+  RigidSystemBuilder(const ConstraintsOnMesh& constraints, Selections& selections)
+      : constraints_(constraints), selections_(selections), groups_(constraints.parts.size()) {}
 
-RigidSystem make_rigid_system(const ConstraintsOnMesh& constraints, Selections& selections) {
-  const auto& [config, layout, parts] = constraints;
-  RigidSystem system;
-  std::vector<const JointConfig*> configs;
-  DisjointSets groups(parts.size());
-  for (const JointConfig& joint : config.joints) {
-    const auto first = find_part(constraints, joint, 0, selections),
-               second = find_part(constraints, joint, 1, selections);
-    const auto axis = find_axis(joint, selections);
-    if (!first || !second || !axis) continue;
-    if (*first == *second) {
-      selections.report(joint.where, fmt::format("joint '{}' connects '{}' with itself", joint.name, joint.between[0]));
-      continue;
+  RigidSystem operator()() {
+    for (const JointConfig& joint : constraints_.config.joints) add(joint);
+    selections_.throw_if_errors();
+    // Parts of each mechanism, by its first part; those without joints are alone.
+    std::map<std::size_t, std::vector<std::size_t>> members;
+    for (std::size_t c = 0; c < constraints_.parts.size(); ++c) {
+      if (constraints_.parts[c].rotation) members[groups_.root(c)].push_back(c);
     }
-    ModelJoint& added = system.joints.emplace_back();
+    for (const auto& [root, parts] : members) connect(parts, joints_of(root));
+    selections_.throw_if_errors();
+    return std::move(system_);
+  }
+
+ private:
+  void add(const JointConfig& joint) {
+    const auto first = find_part(constraints_, joint, 0, selections_);
+    const auto second = find_part(constraints_, joint, 1, selections_);
+    const auto axis = find_axis(joint, selections_);
+    if (!first || !second || !axis) return;
+    if (*first == *second) {
+      selections_.report(joint.where,
+                         fmt::format("joint '{}' connects '{}' with itself", joint.name, joint.between[0]));
+      return;
+    }
+    ModelJoint& added = system_.joints.emplace_back();
     added.name = joint.name;
     added.type = joint.type;
     added.point = joint.point;
     added.second_point = joint.type == JointType::distance ? *joint.second_point : joint.point;
     added.axis = *axis;
     added.parts = {*first, *second};
-    configs.push_back(&joint);
-    if (*first != ModelJoint::ground && *second != ModelJoint::ground) groups.join(*first, *second);
+    configs_.push_back(&joint);
+    if (*first != ModelJoint::ground && *second != ModelJoint::ground) groups_.join(*first, *second);
   }
-  selections.throw_if_errors();
-  // Parts of each mechanism, by its first part; those without joints are alone.
-  std::map<std::size_t, std::vector<std::size_t>> members;
-  for (std::size_t c = 0; c < parts.size(); ++c) {
-    if (parts[c].rotation) members[groups.root(c)].push_back(c);
-  }
-  const auto make_part = [&](std::size_t c) {
-    return std::make_unique<RigidPart>(layout, parts[c].nodes, *parts[c].displacement.rigid, *parts[c].rotation);
-  };
-  for (const auto& [root, of_mechanism] : members) {
-    std::vector<JointEquation> equations;
+
+  std::vector<std::size_t> joints_of(std::size_t root) {
     std::vector<std::size_t> joints;
-    for (std::size_t j = 0; j < system.joints.size(); ++j) {
-      ModelJoint& joint = system.joints[j];
-      const std::size_t any = joint.parts[0] == ModelJoint::ground ? joint.parts[1] : joint.parts[0];
-      if (groups.root(any) != root) continue;
-      joint.number = joints.size();
-      const auto number = [&](std::size_t part) {
-        return part == ModelJoint::ground
-                   ? JointEquation::ground
-                   : static_cast<int>(std::ranges::find(of_mechanism, part) - of_mechanism.begin());
-      };
-      joint.bodies = {number(joint.parts[0]), number(joint.parts[1])};
-      for (auto& kind : Equations(*configs[j], joint.axis)()) {
-        equations.push_back({std::move(kind), joint.bodies, joints.size()});
-      }
-      joints.push_back(j);
+    for (std::size_t j = 0; j < system_.joints.size(); ++j) {
+      const auto& [first, second] = system_.joints[j].parts;
+      if (groups_.root(first == ModelJoint::ground ? second : first) == root) joints.push_back(j);
+    }
+    return joints;
+  }
+
+  void connect(const std::vector<std::size_t>& parts, const std::vector<std::size_t>& joints) {
+    std::vector<std::unique_ptr<RigidPart>> rigid;
+    for (const std::size_t c : parts) {
+      const ConstraintPart& part = constraints_.parts[c];
+      rigid.push_back(
+          std::make_unique<RigidPart>(constraints_.layout, part.nodes, *part.displacement.rigid, *part.rotation));
+      if (joints.empty() || !rigid.back()->is_plane()) continue;
+      const ConstraintConfig& constraint = constraints_.config.constraints[c];
+      selections_.report(constraint.where, fmt::format("{} lies in a plane, and joints need nodes off it: make a "
+                                                       "volume rigid",
+                                                       describe(constraint.part)));
     }
     if (joints.empty()) {
-      for (const std::size_t c : of_mechanism) system.dependents.push_back(make_part(c));
-      continue;
+      for (auto& part : rigid) system_.dependents.push_back(std::move(part));
+      return;
     }
-    std::vector<std::unique_ptr<RigidPart>> rigid;
-    for (const std::size_t c : of_mechanism) {
-      rigid.push_back(make_part(c));
-      if (!rigid.back()->is_plane()) continue;
-      selections.report(config.constraints[c].where,
-                        fmt::format("{} lies in a plane, and joints need nodes off it: make a volume rigid",
-                                    describe(config.constraints[c].part)));
+    selections_.throw_if_errors();
+    std::vector<JointEquation> equations;
+    for (std::size_t k = 0; k < joints.size(); ++k) {
+      ModelJoint& joint = system_.joints[joints[k]];
+      joint.number = k;
+      for (std::size_t side = 0; side < 2; ++side) {
+        const std::size_t part = joint.parts[side];
+        joint.bodies[side] = part == ModelJoint::ground
+                                 ? JointEquation::ground
+                                 : static_cast<int>(std::ranges::find(parts, part) - parts.begin());
+      }
+      for (auto& kind : Equations(*configs_[joints[k]], joint.axis)()) {
+        equations.push_back({std::move(kind), joint.bodies, k});
+      }
     }
-    selections.throw_if_errors();
-    auto mechanism = std::make_unique<Mechanism>(layout, std::move(rigid), std::move(equations));
-    std::vector<std::string> names;
-    for (const std::size_t j : mechanism->dependent_joints())
-      names.push_back("'" + system.joints[joints[j]].name + "'");
-    if (!names.empty()) {
-      selections.report(configs[joints[mechanism->dependent_joints().front()]]->where,
-                        names.size() == 1
-                            ? fmt::format("joint {} repeats or contradicts what already holds its bodies", names[0])
-                            : fmt::format("joints {} repeat or contradict one another: a motion that one of them "
-                                          "forbids is forbidden already; in a closed loop of hinges make one of them "
-                                          "`ball` and another `cylindrical`",
-                                          joined(names)));
-    }
-    for (const std::size_t j : joints) system.joints[j].mechanism = mechanism.get();
-    system.dependents.push_back(std::move(mechanism));
+    auto mechanism = std::make_unique<Mechanism>(constraints_.layout, std::move(rigid), std::move(equations));
+    report_dependent(*mechanism, joints);
+    for (const std::size_t j : joints) system_.joints[j].mechanism = mechanism.get();
+    system_.dependents.push_back(std::move(mechanism));
   }
-  selections.throw_if_errors();
-  return system;
+
+  void report_dependent(const Mechanism& mechanism, const std::vector<std::size_t>& joints) {
+    const auto dependent = mechanism.dependent_joints();
+    if (dependent.empty()) return;
+    std::vector<std::string> names;
+    for (const std::size_t j : dependent) names.push_back("'" + system_.joints[joints[j]].name + "'");
+    selections_.report(configs_[joints[dependent.front()]]->where,
+                       names.size() == 1
+                           ? fmt::format("joint {} repeats or contradicts what already holds its bodies", names[0])
+                           : fmt::format("joints {} repeat or contradict one another: a motion that one of them "
+                                         "forbids is forbidden already; in a closed loop of hinges make one of them "
+                                         "`ball` and another `cylindrical`",
+                                         joined(names)));
+  }
+
+  const ConstraintsOnMesh& constraints_;
+  Selections& selections_;
+  DisjointSets groups_;
+  RigidSystem system_;
+  std::vector<const JointConfig*> configs_;  // of the system's joints
+};
+
+}  // namespace
+
+RigidSystem make_rigid_system(const ConstraintsOnMesh& constraints, Selections& selections) {
+  return RigidSystemBuilder(constraints, selections)();
 }
 
 }  // namespace pliant

@@ -28,33 +28,6 @@
 #include <fmt/format.h>
 
 namespace pliant {
-namespace {
-
-/// Shear modulus from which the stiffness of contact follows where all bodies are rigid [Pa].
-constexpr double modulus_between_rigid_bodies = 1e7;
-
-bool resolves_start(const Config& config) {
-  return config.contact && config.contact->start == ContactStart::resolve;
-}
-
-/// Surfaces and volumes whose nodes may coincide with those of other parts, by name or number: others are tied to them,
-/// or they are moved apart.
-std::vector<std::string> parts_that_meet(const Config& config) {
-  std::vector<std::string> names = names_of_rigid_bodies(config);
-  for (const auto& surfaces : tied_surfaces(config)) names.push_back(surfaces[1].name);
-  if (!resolves_start(config)) return names;
-  for (const ContactPairConfig& pair : config.contact->pairs.list) {
-    names.push_back(pair.part.value);
-    if (pair.with) names.push_back(pair.with->value);
-  }
-  if (config.contact->pairs.all) {
-    for (const BodyConfig& body : config.bodies) names.push_back(body.part.name);
-  }
-  return names;
-}
-
-}  // namespace
-
 Model::Model(MPI_Comm comm, const Config& given, const TermFactory& additional) {
   const Config config = with_rigid_bodies(given);
   // The size in the input is in metres, that of gmsh in the unit of the geometry.
@@ -205,11 +178,12 @@ void Model::build_cells(const Config& config, const Mesh& mesh) {
   });
   wave_speeds_ = {maximum(layout_.comm, wave_speeds_.fastest), minimum(layout_.comm, wave_speeds_.slowest)};
   for (double& modulus : shear_moduli_) modulus = maximum(layout_.comm, modulus);
-  // Where rigid bodies touch others, these set the stiffness of the contact.
-  const double stiffest = shear_moduli_.empty() ? 0.0 : std::ranges::max(shear_moduli_);
-  for (std::size_t b = 0; b < rules.size(); ++b) {
-    if (!rules[b]) shear_moduli_[b] = stiffest > 0.0 ? stiffest : modulus_between_rigid_bodies;
-  }
+  set_moduli_of_rigid_bodies(config, shear_moduli_);
+}
+
+template <int Order>
+void Model::build_inertia(const Config& config) {
+  const auto& groups = std::get<CellGroups<Order>>(cells_);
   const bool has_mass = std::any_of(densities_.begin(), densities_.end(), [](double d) { return d > 0.0; });
   if (!has_mass) return;
   const std::size_t num_meshed = config.bodies.size() - config.rigid_bodies.size();
@@ -252,8 +226,10 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   include(selections.unused_groups());
   if (layout_.order == 1) {
     build_cells<1>(config, mesh);
+    build_inertia<1>(config);
   } else {
     build_cells<2>(config, mesh);
+    build_inertia<2>(config);
   }
   include(warnings_about(config));
   include(warnings_about_mesh(config, mesh_report_));
@@ -275,7 +251,10 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
 
   find_components(config, selections);
   are_kept_apart_ = components_kept_apart(layout_.comm, components_, touching_each_other);
-  keep_apart_bodies_without_mesh(config);
+  are_without_surface_ = components_of_rigid_bodies(config, layout_, components_, body_of_cell_);
+  for (std::size_t k = 0; k < are_kept_apart_.size(); ++k) {
+    if (is_without_surface(k)) are_kept_apart_[k] = 1;
+  }
 
   std::vector<std::array<double, 3>> points;
   for (const auto& probe : config.probes) points.push_back(probe.point);
@@ -332,31 +311,11 @@ void Model::find_components(const Config& config, Selections& selections) {
   for (const auto& nodes : links) join(components_, layout_, nodes);
 }
 
-// They have no surface.
-void Model::keep_apart_bodies_without_mesh(const Config& config) {
-  const auto count = static_cast<std::size_t>(components_.count);
-  const int first = static_cast<int>(config.bodies.size() - config.rigid_bodies.size());
-  are_without_surface_.assign(count, 0);
-  for (PetscInt c = 0; c < layout_.num_owned_cells; ++c) {
-    if (body_of_cell_[static_cast<std::size_t>(c)] < first) continue;
-    are_without_surface_[static_cast<std::size_t>(components_.of_node[layout_.nodes_of_cell(c)[0]])] = 1;
-  }
-  for (char& is_without : are_without_surface_) is_without = any_rank(layout_.comm, is_without != 0) ? 1 : 0;
-  for (std::size_t a = 0; a < count; ++a) {
-    for (std::size_t b = 0; b < count; ++b) {
-      if (are_without_surface_[a] != 0 || are_without_surface_[b] != 0) are_kept_apart_[a * count + b] = 1;
-    }
-  }
-}
-
 void Model::check_overlap(const Config& config) {
   const std::vector<double> u = initial_displacement(config.initial.displacement, layout_);
   constexpr std::size_t most_nodes = 20000;
-  const auto count = are_without_surface_.size();
-  std::vector<char> are_skipped(count * count, 0);
-  for (std::size_t k = 0; k < are_skipped.size(); ++k) {
-    are_skipped[k] = are_without_surface_[k / count] != 0 || are_without_surface_[k % count] != 0 ? 1 : 0;
-  }
+  std::vector<char> are_skipped;
+  for (std::size_t k = 0; k < are_kept_apart_.size(); ++k) are_skipped.push_back(is_without_surface(k) ? 1 : 0);
   auto overlap = deepest_overlap(layout_, components_, u, most_nodes, are_skipped);
   if (overlap && contacts_ && contacts_->between_bodies() != nullptr) {
     contacts_->between_bodies()->check_overlaps(u);
@@ -423,22 +382,6 @@ void Model::require_finite(double time) const {
   constraints_->require_finite(time);
 }
 
-void Model::set_velocities_of_rigid_bodies(const Config& config, Vec v) const {
-  const int first = static_cast<int>(body_names_.size() - config.rigid_bodies.size());
-  const ArrayView velocity(v);
-  for (PetscInt c = 0; c < layout_.num_local_cells; ++c) {
-    const int body = body_of_cell_[static_cast<std::size_t>(c)];
-    if (body < first) continue;
-    const RigidBodyConfig& rigid = config.rigid_bodies[static_cast<std::size_t>(body - first)];
-    for (const PetscInt n : layout_.nodes_of_cell(c)) {
-      if (n >= layout_.num_owned_nodes) continue;
-      const Vector3<double> arm = Vector3<double>(layout_.position(n)) - Vector3<double>(rigid.center);
-      const auto w = Vector3<double>(rigid.velocity) + cross(Vector3<double>(rigid.angular_velocity), arm);
-      for (std::size_t i = 0; i < 3; ++i) velocity[3 * n + static_cast<PetscInt>(i)] = w[i];
-    }
-  }
-}
-
 void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
   {
     const ArrayView displacement(q), velocity(v);
@@ -450,7 +393,7 @@ void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
       }
     }
   }
-  set_velocities_of_rigid_bodies(config, v);
+  set_velocities_of_rigid_bodies(config, layout_, body_of_cell_, v);
   for (const auto& [what, vec] : {std::pair{"displacement", q}, {"velocity", v}})
     require_finite_initial(config, layout_, what, vec);
   const Step before_start{0.0, config.time.step};

@@ -99,9 +99,12 @@ class Model {
   void build_terms(const Config& config, const Mesh& mesh);
   /// Parts of the mesh that neither nodes nor constraints join.
   void find_components(const Config& config, Selections& selections);
-  void keep_apart_bodies_without_mesh(const Config& config);
   void check_overlap(const Config& config);
-  void set_velocities_of_rigid_bodies(const Config& config, Vec v) const;
+  /// Whether one of two components has no surface; `k`: as in are_kept_apart.
+  bool is_without_surface(std::size_t k) const {
+    const std::size_t count = are_without_surface_.size();
+    return are_without_surface_[k / count] != 0 || are_without_surface_[k % count] != 0;
+  }
   void check_method(const Config& config);
   void warn(const Location& where, std::string message);
   void include(std::vector<Diagnostic> found);
@@ -109,6 +112,8 @@ class Model {
   void include_waves(const ElasticLawSpec& law, double density);
   template <int Order>
   void build_cells(const Config& config, const Mesh& mesh);
+  template <int Order>
+  void build_inertia(const Config& config);
 
   double mesh_seconds_ = 0.0;
   MeshReport mesh_report_;

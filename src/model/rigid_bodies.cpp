@@ -1,6 +1,8 @@
 #include "model/rigid_bodies.hpp"
 
 #include "material/spectral.hpp"
+#include "petsc/array_view.hpp"
+#include "petsc/collective.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +14,9 @@ namespace {
 constexpr double flattest = 0.3;
 /// Half the length of a body that has no moments of inertia, a mass point [m].
 constexpr double size_of_point = 0.1;
+
+/// Shear modulus from which the stiffness of contact follows where all bodies are rigid [Pa].
+constexpr double modulus_between_rigid_bodies = 1e7;
 
 /// S = tr(J) / 2 I - J.
 Tensor3<double> second_moment(const RigidBodyConfig& body) {
@@ -36,6 +41,12 @@ Selection volume_named(const std::string& name, const Location& where) {
   part.name = name;
   part.where = where;
   return part;
+}
+
+/// The number of the first of `rigid_bodies` among the bodies: they are the last.
+int first_rigid_body(const Config& config, const NodeLayout& layout, const std::vector<int>& body_of_cell) {
+  const int last = body_of_cell.empty() ? -1 : std::ranges::max(body_of_cell);
+  return static_cast<int>(maximum(layout.comm, last)) + 1 - static_cast<int>(config.rigid_bodies.size());
 }
 
 bool is_made_rigid(const Config& config, const Selection& part) {
@@ -98,6 +109,44 @@ std::vector<AffineBody> masses_of_rigid_bodies(const Config& config, int first) 
     result.push_back({first++, body.mass, body.center, second_moment(body)});
   }
   return result;
+}
+
+std::vector<char> components_of_rigid_bodies(const Config& config, const NodeLayout& layout,
+                                             const Components& components, const std::vector<int>& body_of_cell) {
+  std::vector<char> result(static_cast<std::size_t>(components.count), 0);
+  if (config.rigid_bodies.empty()) return result;
+  const int first = first_rigid_body(config, layout, body_of_cell);
+  for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+    if (body_of_cell[static_cast<std::size_t>(c)] < first) continue;
+    result[static_cast<std::size_t>(components.of_node[layout.nodes_of_cell(c)[0]])] = 1;
+  }
+  for (char& is_without : result) is_without = any_rank(layout.comm, is_without != 0) ? 1 : 0;
+  return result;
+}
+
+void set_velocities_of_rigid_bodies(const Config& config, const NodeLayout& layout,
+                                    const std::vector<int>& body_of_cell, Vec v) {
+  if (config.rigid_bodies.empty()) return;
+  const int first = first_rigid_body(config, layout, body_of_cell);
+  const ArrayView velocity(v);
+  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
+    const int body = body_of_cell[static_cast<std::size_t>(c)];
+    if (body < first) continue;
+    const RigidBodyConfig& rigid = config.rigid_bodies[static_cast<std::size_t>(body - first)];
+    for (const PetscInt n : layout.nodes_of_cell(c)) {
+      if (n >= layout.num_owned_nodes) continue;
+      const Vector3<double> arm = Vector3<double>(layout.position(n)) - Vector3<double>(rigid.center);
+      const auto w = Vector3<double>(rigid.velocity) + cross(Vector3<double>(rigid.angular_velocity), arm);
+      for (std::size_t i = 0; i < 3; ++i) velocity[3 * n + static_cast<PetscInt>(i)] = w[i];
+    }
+  }
+}
+
+void set_moduli_of_rigid_bodies(const Config& config, std::vector<double>& shear_moduli) {
+  const double stiffest = shear_moduli.empty() ? 0.0 : std::ranges::max(shear_moduli);
+  for (std::size_t b = 0; b < config.bodies.size(); ++b) {
+    if (config.bodies[b].is_rigid) shear_moduli[b] = stiffest > 0.0 ? stiffest : modulus_between_rigid_bodies;
+  }
 }
 
 std::vector<std::string> names_of_rigid_bodies(const Config& config) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "energy/volume/affine_bodies.hpp"
+#include "fem/components.hpp"
 #include "input/config.hpp"
 #include "mesh/mesh.hpp"
 
@@ -20,6 +21,17 @@ std::vector<AddedTetrahedron> added_tetrahedra(const Config& config);
 
 /// The masses of `rigid_bodies`; `first`: the number of the first among the bodies.
 std::vector<AffineBody> masses_of_rigid_bodies(const Config& config, int first);
+
+/// One flag per component: whether it stands for a body without a mesh, which has no surface. Collective.
+std::vector<char> components_of_rigid_bodies(const Config& config, const NodeLayout& layout,
+                                             const Components& components, const std::vector<int>& body_of_cell);
+
+/// Sets the velocities of the nodes of `rigid_bodies`, the last of the bodies, to those at the start.
+void set_velocities_of_rigid_bodies(const Config& config, const NodeLayout& layout,
+                                    const std::vector<int>& body_of_cell, Vec v);
+
+/// Sets the moduli of rigid bodies, from which the stiffness of their contact follows: that of the stiffest other body.
+void set_moduli_of_rigid_bodies(const Config& config, std::vector<double>& shear_moduli);
 
 /// Names of `rigid_bodies`.
 std::vector<std::string> names_of_rigid_bodies(const Config& config);

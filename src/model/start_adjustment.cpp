@@ -8,6 +8,8 @@
 #include "model/body_contact_laws.hpp"
 #include "model/contact_summary.hpp"
 #include "model/initial_displacement.hpp"
+#include "model/rigid_bodies.hpp"
+#include "model/tied_surfaces.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/ghosted.hpp"
 
@@ -291,6 +293,24 @@ std::vector<Diagnostic> adjust_start(const ContactConfig& config, std::span<cons
     }
   }
   return notes;
+}
+
+bool resolves_start(const Config& config) {
+  return config.contact && config.contact->start == ContactStart::resolve;
+}
+
+std::vector<std::string> parts_that_meet(const Config& config) {
+  std::vector<std::string> names = names_of_rigid_bodies(config);
+  for (const auto& surfaces : tied_surfaces(config)) names.push_back(surfaces[1].name);
+  if (!resolves_start(config)) return names;
+  for (const ContactPairConfig& pair : config.contact->pairs.list) {
+    names.push_back(pair.part.value);
+    if (pair.with) names.push_back(pair.with->value);
+  }
+  if (config.contact->pairs.all) {
+    for (const BodyConfig& body : config.bodies) names.push_back(body.part.name);
+  }
+  return names;
 }
 
 }  // namespace pliant

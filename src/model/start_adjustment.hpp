@@ -23,4 +23,10 @@ std::vector<Diagnostic> adjust_start(const ContactConfig& config, std::span<cons
                                      const std::vector<std::string>& body_names, const VectorExpression& displacement,
                                      const FacetList& boundary, const NodeLayout& as_meshed, NodeLayout& layout);
 
+/// Whether surfaces are moved apart at the start.
+bool resolves_start(const Config& config);
+/// Surfaces and volumes whose nodes may coincide with those of other parts, by name or number: others are tied to them,
+/// or they are moved apart.
+std::vector<std::string> parts_that_meet(const Config& config);
+
 }  // namespace pliant

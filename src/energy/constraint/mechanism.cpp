@@ -1,6 +1,6 @@
 #include "energy/constraint/mechanism.hpp"
 
-#include "energy/given_motion.hpp"
+#include "energy/constraint/part_motion.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 
@@ -16,36 +16,15 @@ namespace {
 constexpr auto no_part = static_cast<std::size_t>(-1);
 /// Relative to the size: equations that hold to this tolerance are solved.
 constexpr double tolerance = 1e-14;
-/// Singular values below this, of equations with derivatives of length 1, are those of dependent ones.
-constexpr double independence = 1e-7;
 /// Columns that keep less than this of their length give way to others.
 constexpr double least_kept = 0.1;
 
-template <class T>
-BodyMotion<T> combined(const BodyMotion<double>& value, const BodyMotion<double>& slope);
-
-template <>
-BodyMotion<Dual<double>> combined(const BodyMotion<double>& value, const BodyMotion<double>& slope) {
-  BodyMotion<Dual<double>> result{value.centre, {}, {}};
-  for (std::size_t i = 0; i < 3; ++i) result.translation[i] = {value.translation[i], slope.translation[i]};
-  for (std::size_t i = 0; i < 9; ++i) result.gradient.a[i] = {value.gradient.a[i], slope.gradient.a[i]};
-  return result;
+/// The first unknown of each part, and the number of all.
+std::vector<std::size_t> first_unknowns(const std::vector<std::unique_ptr<RigidPart>>& parts) {
+  std::vector<std::size_t> first{0};
+  for (const auto& part : parts) first.push_back(first.back() + part->hosts().size());
+  return first;
 }
-
-/// f of each number of the motions.
-template <class T, class F, class... Motions>
-BodyMotion<T> each(F&& f, const BodyMotion<double>& first, const Motions&... others) {
-  BodyMotion<T> result{first.centre, {}, {}};
-  for (std::size_t i = 0; i < 3; ++i) result.translation[i] = f(first.translation[i], others.translation[i]...);
-  for (std::size_t i = 0; i < 9; ++i) result.gradient.a[i] = f(first.gradient.a[i], others.gradient.a[i]...);
-  return result;
-}
-
-BodyMotion<double> sum_of(double a, const BodyMotion<double>& x, const BodyMotion<double>& y) {
-  return each<double>([a](double p, double q) { return a * p + q; }, x, y);
-}
-
-const BodyMotion<double> at_rest{};
 
 }  // namespace
 
@@ -53,12 +32,10 @@ Mechanism::Mechanism(const NodeLayout& layout, std::vector<std::unique_ptr<Rigid
                      std::vector<JointEquation> equations)
     : comm_(layout.comm),
       parts_(std::move(parts)),
-      equations_(std::move(equations)),
-      scales_(equations_.size(), 1.0),
-      first_{0},
+      first_(first_unknowns(parts_)),
+      joints_(std::move(equations), first_),
       part_of_node_(static_cast<std::size_t>(layout.num_owned_nodes), no_part) {
   for (std::size_t p = 0; p < parts_.size(); ++p) {
-    first_.push_back(first_.back() + parts_[p]->hosts().size());
     hosts_.insert(hosts_.end(), parts_[p]->hosts().begin(), parts_[p]->hosts().end());
     for (const PetscInt a : parts_[p]->nodes()) {
       nodes_.push_back(a);
@@ -68,35 +45,13 @@ Mechanism::Mechanism(const NodeLayout& layout, std::vector<std::unique_ptr<Rigid
   }
   // The reference configuration, at the start of the run.
   reference_ = Vector::Zero(static_cast<Eigen::Index>(hosts_.size()));
-  given_ = given(0.0, 1.0, 1.0, 1.0, Side::after);
+  given_ = joints_.given(0.0, 1.0, 1.0, 1.0, Side::after);
   Vector g;
-  evaluate_configuration(motions(reference_), Along::columns, given_, g, G_ref_);
-  for (std::size_t j = 0; j < num_equations(); ++j) {
-    const double length = G_ref_.row(static_cast<Eigen::Index>(j)).norm();
-    if (length > 0.0) scales_[j] = 1.0 / length;
-    G_ref_.row(static_cast<Eigen::Index>(j)) *= scales_[j];
-  }
+  joints_.configuration(motions(reference_), Along::columns, given_, g, G_ref_);
+  joints_.scale_rows(G_ref_);
   choose_columns(G_ref_);
   preferred_ = columns_;
   hosts_.resize(static_cast<std::size_t>(columns_.cols()));
-}
-
-// Equations with a part in a sum that vanishes: a left singular vector of the value zero.
-std::vector<std::size_t> Mechanism::dependent_joints() const {
-  std::vector<std::size_t> result;
-  if (equations_.empty()) return result;
-  const Eigen::JacobiSVD<Matrix> svd(G_ref_, Eigen::ComputeFullU);
-  for (Eigen::Index j = 0; j < G_ref_.rows(); ++j) {
-    if (j < svd.singularValues().size() && svd.singularValues()[j] > independence) continue;
-    for (std::size_t e = 0; e < num_equations(); ++e) {
-      if (std::abs(svd.matrixU()(static_cast<Eigen::Index>(e), j)) > std::sqrt(independence)) {
-        result.push_back(equations_[e].joint);
-      }
-    }
-  }
-  std::ranges::sort(result);
-  result.erase(std::unique(result.begin(), result.end()), result.end());
-  return result;
 }
 
 void Mechanism::set_rigidity(Rigidity rigidity) {
@@ -109,95 +64,27 @@ std::span<const double> Mechanism::of_part(const Vector& xi, std::size_t part) c
       .subspan(first_[part], first_[part + 1] - first_[part]);
 }
 
-std::vector<Mechanism::PartMotion> Mechanism::motions(const Vector& xi) const {
+std::vector<PartMotion> Mechanism::motions(const Vector& xi) const {
   std::vector<PartMotion> result;
-  for (std::size_t p = 0; p < parts_.size(); ++p) {
-    const auto unknowns = of_part(xi, p);
-    PartMotion& motion = result.emplace_back();
-    motion.value = parts_[p]->motion(unknowns);
-    std::vector<Dual<double>> with_slope(unknowns.begin(), unknowns.end());
-    for (std::size_t k = 0; k < unknowns.size(); ++k) {
-      with_slope[k].slope = 1.0;
-      const auto moved = parts_[p]->motion(std::span<const Dual<double>>(with_slope));
-      with_slope[k].slope = 0.0;
-      BodyMotion<double>& column = motion.columns.emplace_back(BodyMotion<double>{moved.centre, {}, {}});
-      for (std::size_t i = 0; i < 3; ++i) column.translation[i] = moved.translation[i].slope;
-      for (std::size_t i = 0; i < 9; ++i) column.gradient.a[i] = moved.gradient.a[i].slope;
-      motion.test_columns.push_back(is_symmetric() ? column : parts_[p]->virtual_motion(k, motion.value));
-    }
-  }
+  for (std::size_t p = 0; p < parts_.size(); ++p) result.push_back(motion_of_part(*parts_[p], of_part(xi, p)));
   return result;
 }
 
-void Mechanism::evaluate_configuration(const std::vector<PartMotion>& parts, Along along,
-                                       const std::vector<TimeSeries<double>>& given, Vector& g, Matrix& G) const {
-  const auto value = [&](int body) -> const BodyMotion<double>& {
-    return body < 0 ? at_rest : parts[static_cast<std::size_t>(body)].value;
-  };
-  g = Vector::Zero(static_cast<Eigen::Index>(num_equations()));
-  G = Matrix::Zero(g.size(), static_cast<Eigen::Index>(first_.back()));
-  for (std::size_t j = 0; j < num_equations(); ++j) {
-    const JointEquation& equation = equations_[j];
-    const auto row = static_cast<Eigen::Index>(j);
-    const std::array<const BodyMotion<double>*, 2> bodies{&value(equation.bodies[0]), &value(equation.bodies[1])};
-    g[row] = scales_[j] * equation(*bodies[0], *bodies[1], given[j]);
-    for (std::size_t side = 0; side < 2; ++side) {
-      if (equation.bodies[side] < 0) continue;
-      const auto p = static_cast<std::size_t>(equation.bodies[side]);
-      const auto& columns = along == Along::columns ? parts[p].columns : parts[p].test_columns;
-      for (std::size_t k = 0; k < columns.size(); ++k) {
-        const auto moved = combined<Dual<double>>(*bodies[side], columns[k]);
-        const auto other = combined<Dual<double>>(*bodies[1 - side], at_rest);
-        const Dual<double> result = side == 0 ? equation(moved, other, given[j]) : equation(other, moved, given[j]);
-        G(row, static_cast<Eigen::Index>(first_[p] + k)) += scales_[j] * result.slope;
-      }
-    }
-  }
-}
-
 void Mechanism::evaluate(const std::vector<PartMotion>& parts, Vector& h, Matrix& G) const {
+  if (level_ == Level::acceleration) {
+    joints_.acceleration(parts, start_, advance_, given_, h, G);
+    return;
+  }
   if (level_ == Level::configuration) {
-    evaluate_configuration(parts, Along::columns, given_, h, G);
+    joints_.configuration(parts, Along::columns, given_, h, G);
     return;
   }
-  if (level_ == Level::end_of_step) {
-    std::vector<PartMotion> ends(parts.size());
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-      ends[p].value = sum_of(end_weight_, parts[p].value, rest_[p]);
-      for (const auto& column : parts[p].columns) ends[p].columns.push_back(sum_of(end_weight_, column, at_rest));
-    }
-    evaluate_configuration(ends, Along::columns, given_, h, G);
-    return;
+  std::vector<PartMotion> ends(parts.size());
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    ends[p].value = sum_of(end_weight_, parts[p].value, rest_[p]);
+    for (const auto& column : parts[p].columns) ends[p].columns.push_back(sum_of(end_weight_, column, {}));
   }
-  using Number = TimeSeries<Dual<double>>;
-  const auto series = [&](int body, const BodyMotion<double>* slope) {
-    if (body < 0) return BodyMotion<Number>{};
-    const auto p = static_cast<std::size_t>(body);
-    const auto number = [](double x, double x0, double advance, double s) {
-      return Number({x, s}, {x - x0, s}, {x - x0 - advance, s});
-    };
-    auto result = each<Number>(number, parts[p].value, start_[p], advance_[p], slope != nullptr ? *slope : at_rest);
-    result.centre = parts[p].value.centre;
-    return result;
-  };
-  h = Vector::Zero(static_cast<Eigen::Index>(num_equations()));
-  G = Matrix::Zero(h.size(), static_cast<Eigen::Index>(first_.back()));
-  for (std::size_t j = 0; j < num_equations(); ++j) {
-    const JointEquation& equation = equations_[j];
-    const auto row = static_cast<Eigen::Index>(j);
-    const std::array<BodyMotion<Number>, 2> bodies{series(equation.bodies[0], nullptr),
-                                                   series(equation.bodies[1], nullptr)};
-    h[row] = scales_[j] * equation(bodies[0], bodies[1], given_[j]).acceleration.value;
-    for (std::size_t side = 0; side < 2; ++side) {
-      if (equation.bodies[side] < 0) continue;
-      const auto p = static_cast<std::size_t>(equation.bodies[side]);
-      for (std::size_t k = 0; k < parts[p].columns.size(); ++k) {
-        const auto moved = series(equation.bodies[side], &parts[p].columns[k]);
-        const auto result = side == 0 ? equation(moved, bodies[1], given_[j]) : equation(bodies[0], moved, given_[j]);
-        G(row, static_cast<Eigen::Index>(first_[p] + k)) += scales_[j] * result.acceleration.slope;
-      }
-    }
-  }
+  joints_.configuration(ends, Along::columns, given_, h, G);
 }
 
 void Mechanism::choose_columns(const Matrix& G) {
@@ -213,7 +100,7 @@ void Mechanism::choose_columns(const Matrix& G) {
 
 // Gauss and Newton's method from far away: steps that do not lower |h| are shortened.
 bool Mechanism::approach(Vector& xi) const {
-  if (equations_.empty()) return true;
+  if (joints_.empty()) return true;
   constexpr int most_iterations = 100, most_halvings = 20;
   Vector h, h_next;
   Matrix G, G_next;
@@ -239,7 +126,7 @@ bool Mechanism::approach(Vector& xi) const {
 }
 
 bool Mechanism::solve(Vector& xi) const {
-  if (equations_.empty()) return true;
+  if (joints_.empty()) return true;
   constexpr int most_iterations = 50;
   constexpr double slow = 0.5;
   Vector h;
@@ -274,7 +161,7 @@ void Mechanism::begin_stage(const StagePoint& stage, Vec q) {
   for (const auto& part : parts_) {
     if (level_ == Level::acceleration) {
       start_.push_back(part->motion_of(stage.q0));
-      advance_.push_back(sum_of(stage.dt, part->motion_of(stage.v0), at_rest));
+      advance_.push_back(sum_of(stage.dt, part->motion_of(stage.v0), {}));
     } else if (level_ == Level::end_of_step) {
       rest_.push_back(stage.end_rest != nullptr ? part->motion_of(stage.end_rest) : BodyMotion<double>{});
       rest_.back().centre = part->motion_of(q).centre;
@@ -282,8 +169,8 @@ void Mechanism::begin_stage(const StagePoint& stage, Vec q) {
   }
   const double time = level_ == Level::end_of_step ? stage.end_time : stage.time;
   const double passed = time - stage.step_start;
-  given_ = given(time, passed > 0.0 ? passed : stage.dt, stage.dt, stage.load_factor,
-                 passed > 0.0 ? Side::before : Side::after);
+  given_ = joints_.given(time, passed > 0.0 ? passed : stage.dt, stage.dt, stage.load_factor,
+                         passed > 0.0 ? Side::before : Side::after);
   std::vector<double> xi;
   for (const auto& part : parts_) {
     const auto nearest = part->nearest_unknowns(q);
@@ -310,7 +197,7 @@ void Mechanism::begin_end_of_step(Vec q) {
   }
   reference_ = Eigen::Map<const Vector>(xi.data(), static_cast<Eigen::Index>(xi.size()));
   Vector g;
-  evaluate_configuration(motions(reference_), Along::columns, given_, g, G_ref_);
+  joints_.configuration(motions(reference_), Along::columns, given_, g, G_ref_);
   choose_columns(G_ref_);
   // The configuration fulfils the equations, of whatever time.
   Solution& solution = solution_;
@@ -331,13 +218,13 @@ const Mechanism::Solution& Mechanism::at(std::span<const double> unknowns) const
   }
   solution.parts = motions(solution.xi);
   solution.columns = solution.test_columns = columns_;
-  if (equations_.empty()) return solution;
+  if (joints_.empty()) return solution;
   Vector h;
   Matrix G;
   evaluate(solution.parts, h, G);
   const Matrix across = G_ref_.transpose();
   solution.columns -= across * Matrix(G * across).partialPivLu().solve(G * columns_);
-  evaluate_configuration(solution.parts, Along::test_columns, given_, h, G);
+  joints_.configuration(solution.parts, Along::test_columns, given_, h, G);
   solution.test.compute(G * across);
   solution.test_columns -= across * solution.test.solve(G * columns_);
   return solution;
@@ -350,32 +237,27 @@ void Mechanism::put_displacements(std::span<const double> unknowns, Vec q) const
 
 void Mechanism::put_columns(std::span<const double> unknowns, PetscInt node, std::span<Vector3<double>> columns) const {
   const Solution& solution = at(unknowns);
-  const std::size_t p = part_of_node_[static_cast<std::size_t>(node)];
-  std::array<Vector3<double>, 6> own{};
-  const std::size_t n = first_[p + 1] - first_[p];
-  parts_[p]->put_columns(of_part(solution.xi, p), node, std::span(own).first(n));
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    columns[k] = {};
-    for (std::size_t l = 0; l < n; ++l) {
-      columns[k] = columns[k] +
-                   solution.columns(static_cast<Eigen::Index>(first_[p] + l), static_cast<Eigen::Index>(k)) * own[l];
-    }
-  }
+  combine(solution, solution.columns, &RigidPart::put_columns, node, columns);
 }
 
 void Mechanism::put_test_columns(std::span<const double> unknowns, PetscInt node,
                                  std::span<Vector3<double>> columns) const {
   const Solution& solution = at(unknowns);
+  combine(solution, solution.test_columns, &RigidPart::put_test_columns, node, columns);
+}
+
+void Mechanism::combine(const Solution& solution, const Matrix& of_unknowns, PutColumns put, PetscInt node,
+                        std::span<Vector3<double>> columns) const {
   const std::size_t p = part_of_node_[static_cast<std::size_t>(node)];
-  std::array<Vector3<double>, 6> own{};
-  const std::size_t n = first_[p + 1] - first_[p];
-  parts_[p]->put_test_columns(of_part(solution.xi, p), node, std::span(own).first(n));
+  const auto xi = of_part(solution.xi, p);
+  std::array<Vector3<double>, 6> of_part_alone{};
+  const auto own = std::span(of_part_alone).first(xi.size());
+  (*parts_[p].*put)(xi, node, own);
   for (std::size_t k = 0; k < columns.size(); ++k) {
     columns[k] = {};
-    for (std::size_t l = 0; l < n; ++l) {
-      columns[k] =
-          columns[k] +
-          solution.test_columns(static_cast<Eigen::Index>(first_[p] + l), static_cast<Eigen::Index>(k)) * own[l];
+    for (std::size_t l = 0; l < own.size(); ++l) {
+      const auto row = static_cast<Eigen::Index>(first_[p] + l);
+      columns[k] = columns[k] + of_unknowns(row, static_cast<Eigen::Index>(k)) * own[l];
     }
   }
 }
@@ -389,96 +271,29 @@ std::vector<double> Mechanism::curvature(std::span<const double> unknowns, Vec f
   Vector phi = Vector::Zero(all);
   const ConstArrayView forces(f);
   for (std::size_t p = 0; p < parts_.size(); ++p) {
-    const std::size_t n = first_[p + 1] - first_[p];
     const auto first = static_cast<Eigen::Index>(first_[p]);
     const auto xi = of_part(solution.xi, p);
+    const auto n = static_cast<Eigen::Index>(xi.size());
     const auto values = parts_[p]->curvature(xi, f);
-    std::array<Vector3<double>, 6> own{};
-    for (std::size_t k = 0; k < n; ++k) {
-      for (std::size_t l = 0; l < n; ++l) {
-        of_parts(first + static_cast<Eigen::Index>(k), first + static_cast<Eigen::Index>(l)) = values[n * k + l];
-      }
-    }
-    for (const PetscInt a : parts_[p]->nodes()) {
-      parts_[p]->put_test_columns(xi, a, std::span(own).first(n));
-      for (std::size_t k = 0; k < n; ++k) {
-        for (std::size_t i = 0; i < 3; ++i) {
-          phi[first + static_cast<Eigen::Index>(k)] += forces[3 * a + static_cast<PetscInt>(i)] * own[k][i];
-        }
-      }
-    }
+    using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    of_parts.block(first, first, n, n) = Eigen::Map<const Rows>(values.data(), n, n);
+    const auto on_unknowns = forces_on_unknowns(*parts_[p], xi, forces.span());
+    phi.segment(first, n) = Eigen::Map<const Vector>(on_unknowns.data(), n);
   }
   Matrix result = solution.test_columns.transpose() * of_parts * solution.columns;
-  if (!equations_.empty()) {
+  if (!joints_.empty()) {
     const Vector lambda = solution.test.transpose().solve(G_ref_ * phi);
-    result -= joint_curvature(solution, lambda);
+    std::vector<std::vector<BodyMotion<JointSystem::Twice>>> moved;
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+      moved.push_back(twice_moved(*parts_[p], solution.parts[p], of_part(solution.xi, p)));
+    }
+    result -= solution.test_columns.transpose() * joints_.curvature(moved, given_, lambda) * solution.columns;
   }
   std::vector<double> rows;
   for (Eigen::Index k = 0; k < result.rows(); ++k) {
     for (Eigen::Index l = 0; l < result.cols(); ++l) rows.push_back(result(k, l));
   }
   return rows;
-}
-
-// d/dy_l of g along the virtual displacement V_k, which is held.
-Mechanism::Matrix Mechanism::joint_curvature(const Solution& solution, const Vector& lambda) const {
-  const auto all = static_cast<Eigen::Index>(first_.back());
-  Matrix of_unknowns = Matrix::Zero(all, all);  // lambda^T d2g / (virtual k) (actual l)
-  // Of each part, moved along k (or not at all) and l: row k + 1, column l + 1.
-  std::vector<std::vector<BodyMotion<Twice>>> moved(parts_.size());
-  for (std::size_t p = 0; p < parts_.size(); ++p) {
-    const auto n = static_cast<int>(first_[p + 1] - first_[p]);
-    for (int k = -1; k < n; ++k) {
-      for (int l = -1; l < n; ++l) moved[p].push_back(twice_moved(solution, p, k, l));
-    }
-  }
-  const BodyMotion<Twice> of_ground{};
-  for (std::size_t j = 0; j < num_equations(); ++j) {
-    const JointEquation& equation = equations_[j];
-    const auto motion = [&](std::size_t side, std::size_t k, std::size_t l) -> const BodyMotion<Twice>& {
-      if (equation.bodies[side] < 0) return of_ground;
-      const auto p = static_cast<std::size_t>(equation.bodies[side]);
-      return moved[p][k * (first_[p + 1] - first_[p] + 1) + l];
-    };
-    for (std::size_t side = 0; side < 2; ++side) {
-      if (equation.bodies[side] < 0) continue;
-      for (std::size_t other = 0; other < 2; ++other) {
-        if (equation.bodies[other] < 0) continue;
-        const auto p = static_cast<std::size_t>(equation.bodies[side]);
-        const auto r = static_cast<std::size_t>(equation.bodies[other]);
-        for (std::size_t k = 0; k < first_[p + 1] - first_[p]; ++k) {
-          for (std::size_t l = 0; l < first_[r + 1] - first_[r]; ++l) {
-            const auto at = [&](std::size_t s) -> const BodyMotion<Twice>& {
-              return motion(s, s == side ? k + 1 : 0, s == other ? l + 1 : 0);
-            };
-            of_unknowns(static_cast<Eigen::Index>(first_[p] + k), static_cast<Eigen::Index>(first_[r] + l)) +=
-                scales_[j] * lambda[static_cast<Eigen::Index>(j)] * equation(at(0), at(1), given_[j]).slope.slope;
-          }
-        }
-      }
-    }
-  }
-  return solution.test_columns.transpose() * of_unknowns * solution.columns;
-}
-
-// x + eps w_k + eps' t_l + eps eps' dw_k / d xi_l.
-BodyMotion<Mechanism::Twice> Mechanism::twice_moved(const Solution& solution, std::size_t p, int k, int l) const {
-  const PartMotion& part = solution.parts[p];
-  if (is_symmetric()) {
-    const auto xi = of_part(solution.xi, p);
-    std::vector<Twice> unknowns;
-    for (std::size_t i = 0; i < xi.size(); ++i) {
-      const double along_k = static_cast<int>(i) == k ? 1.0 : 0.0, along_l = static_cast<int>(i) == l ? 1.0 : 0.0;
-      unknowns.push_back({Once(xi[i], along_l), Once(along_k, 0.0)});
-    }
-    return parts_[p]->motion(std::span<const Twice>(unknowns));
-  }
-  const auto moved = combined<Once>(part.value, l >= 0 ? part.columns[static_cast<std::size_t>(l)] : at_rest);
-  const auto along = k >= 0 ? parts_[p]->virtual_motion(static_cast<std::size_t>(k), moved) : BodyMotion<Once>{};
-  BodyMotion<Twice> result{part.value.centre, {}, {}};
-  for (std::size_t i = 0; i < 3; ++i) result.translation[i] = {moved.translation[i], along.translation[i]};
-  for (std::size_t i = 0; i < 9; ++i) result.gradient.a[i] = {moved.gradient.a[i], along.gradient.a[i]};
-  return result;
 }
 
 std::vector<double> Mechanism::nearest_unknowns(Vec q) const {
@@ -505,20 +320,6 @@ std::vector<double> Mechanism::nearest_rates(Vec v) const {
   return {w.begin(), w.end()};
 }
 
-std::vector<TimeSeries<double>> Mechanism::given(double time, double time_scale, double unit, double factor,
-                                                 Side side) const {
-  std::vector<TimeSeries<double>> result;
-  for (const JointEquation& equation : equations_) {
-    TimeSeries<double>& series = result.emplace_back();
-    const Expression* const formula = equation.given();
-    if (formula == nullptr) continue;
-    const GivenDisplacement displacement{{*formula, std::nullopt, std::nullopt}};
-    const Kinematics k = GivenKinematics(displacement, time, time_scale, factor, side)(0, {});
-    series = {k.u, unit * k.v, unit * unit * k.a};
-  }
-  return result;
-}
-
 void Mechanism::start_stage(const StagePoint& stage) const {
   for (const auto& part : parts_) part->start_stage(stage);
 }
@@ -529,7 +330,7 @@ std::vector<RigidPart::RigidState> Mechanism::states(const Step& step, Side side
   return result;
 }
 
-std::vector<Mechanism::PartMotion> Mechanism::motions(const std::vector<RigidPart::RigidState>& states) const {
+std::vector<PartMotion> Mechanism::motions(const std::vector<RigidPart::RigidState>& states) const {
   std::vector<PartMotion> result;
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     PartMotion& motion = result.emplace_back();
@@ -543,14 +344,14 @@ std::vector<Mechanism::PartMotion> Mechanism::motions(const std::vector<RigidPar
 
 bool Mechanism::fit_states(const Step& step, Side side, bool with_configurations,
                            std::vector<RigidPart::RigidState>& states) const {
-  if (equations_.empty()) return false;
-  const auto given_now = given(step.time, step.dt, 1.0, 1.0, side);
+  if (joints_.empty()) return false;
+  const auto given_now = joints_.given(step.time, step.dt, 1.0, 1.0, side);
   const std::vector<double> none(first_.back(), 0.0);
   Vector g;
   Matrix G;
   bool are_new = false;
   const auto evaluate_at = [&](const std::vector<RigidPart::RigidState>& at) {
-    evaluate_configuration(motions(at), Along::columns, given_now, g, G);
+    joints_.configuration(motions(at), Along::columns, given_now, g, G);
   };
   evaluate_at(states);
   // As `approach` does.
@@ -575,19 +376,12 @@ bool Mechanism::fit_states(const Step& step, Side side, bool with_configurations
     }
     are_new = true;
   }
-  // The rates of the equations: of the motions that the velocities are, and of what is given.
-  Vector rates = Vector::Zero(g.size());
-  for (std::size_t j = 0; j < num_equations(); ++j) {
-    using Number = TimeSeries<double>;
-    const auto series = [&](int body) {
-      if (body < 0) return BodyMotion<Number>{};
-      const auto& state = states[static_cast<std::size_t>(body)];
-      return each<Number>([](double x, double rate) { return Number(x, rate, 0.0); }, state.motion(), state.rate());
-    };
-    const JointEquation& equation = equations_[j];
-    rates[static_cast<Eigen::Index>(j)] =
-        scales_[j] * equation(series(equation.bodies[0]), series(equation.bodies[1]), given_now[j]).rate;
+  std::vector<BodyMotion<double>> values, rates_of_parts;
+  for (const auto& state : states) {
+    values.push_back(state.motion());
+    rates_of_parts.push_back(state.rate());
   }
+  const Vector rates = joints_.rates(values, rates_of_parts, given_now);
   const Vector change = -G.transpose() * Matrix(G * G.transpose()).partialPivLu().solve(rates);
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     states[p] = parts_[p]->moved(states[p], std::span(none).first(first_[p + 1] - first_[p]), of_part(change, p));
@@ -627,10 +421,10 @@ std::array<RigidPart::RigidState, 2> Mechanism::states(const std::array<int, 2>&
 std::vector<JointReaction> Mechanism::reactions(Vec r, Vec q, std::span<const Vector3<double>> points) const {
   std::vector<RigidPart::RigidState> at;
   for (const auto& part : parts_) at.push_back(part->state({0.0, 1.0}, Side::after, q, q));
-  const auto motions_now = motions(at);
+  const std::vector<PartMotion> motions_now = motions(at);
   Vector g;
   Matrix G;
-  evaluate_configuration(motions_now, Along::columns, given_, g, G);
+  joints_.configuration(motions_now, Along::columns, given_, g, G);
   std::vector<double> forces(first_.back(), 0.0);
   {
     const ConstArrayView gradient(r);
@@ -649,37 +443,7 @@ std::vector<JointReaction> Mechanism::reactions(Vec r, Vec q, std::span<const Ve
   sum_in_place(comm_, forces);
   const Eigen::Map<const Vector> phi(forces.data(), static_cast<Eigen::Index>(forces.size()));
   const Vector lambda = Matrix(G * G.transpose()).partialPivLu().solve(G * phi);
-  std::vector<JointReaction> result(points.size());
-  for (std::size_t j = 0; j < num_equations(); ++j) {
-    const JointEquation& equation = equations_[j];
-    // The work of the equation's force under translations and rotations of the second body about the joint's point.
-    const auto body = [&](int number) -> const BodyMotion<double>& {
-      return number < 0 ? at_rest : motions_now[static_cast<std::size_t>(number)].value;
-    };
-    const BodyMotion<double>&a = body(equation.bodies[0]), &b = body(equation.bodies[1]);
-    const Vector3<double> place = b.point(points[equation.joint]);
-    for (std::size_t i = 0; i < 3; ++i) {
-      Vector3<double> axis{};
-      axis[i] = 1.0;
-      for (const bool turns : {false, true}) {
-        BodyMotion<double> slope{b.centre, axis, {}};
-        if (turns) {
-          slope.translation = cross(axis, b.point(b.centre) - place);
-          for (int c = 0; c < 3; ++c) {
-            Vector3<double> e{};
-            e[static_cast<std::size_t>(c)] = 1.0;
-            const Vector3<double> x = cross(axis, b.direction(e));
-            for (int m = 0; m < 3; ++m) slope.gradient(m, c) = x[static_cast<std::size_t>(m)];
-          }
-        }
-        const Dual<double> work =
-            equation(combined<Dual<double>>(a, at_rest), combined<Dual<double>>(b, slope), given_[j]);
-        const double force = scales_[j] * lambda[static_cast<Eigen::Index>(j)] * work.slope;
-        (turns ? result[equation.joint].torque : result[equation.joint].force)[i] += force;
-      }
-    }
-  }
-  return result;
+  return joints_.reactions(motions_now, given_, lambda, points);
 }
 
 }  // namespace pliant

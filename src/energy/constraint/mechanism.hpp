@@ -2,7 +2,7 @@
 #pragma once
 
 #include "energy/constraint/rigid_part.hpp"
-#include "energy/rigid/joint_equation.hpp"
+#include "energy/rigid/joint_system.hpp"
 
 #include <eigen3/Eigen/Core>
 #include <eigen3/Eigen/LU>
@@ -11,12 +11,6 @@
 #include <vector>
 
 namespace pliant {
-
-/// The force and the torque of a joint on its second body.
-struct JointReaction {
-  Vector3<double> force{};   ///< [N]
-  Vector3<double> torque{};  ///< about the joint's point [N m]
-};
 
 /// Rigid parts and joints between them, closed loops included. With the unknowns xi of all parts (RigidPart), the
 /// equations of the joints are h(xi) = 0: those of the configuration, or, with Rigidity::of_accelerations, those of the
@@ -38,8 +32,8 @@ class Mechanism final : public DependentNodes {
   Mechanism(const NodeLayout& layout, std::vector<std::unique_ptr<RigidPart>> parts,
             std::vector<JointEquation> equations);
 
-  /// The joints of which equations repeat what other equations say, or contradict it; empty: none. Not collective.
-  std::vector<std::size_t> dependent_joints() const;
+  /// JointSystem::dependent_joints, at the reference configuration. Not collective.
+  std::vector<std::size_t> dependent_joints() const { return joints_.dependent_joints(G_ref_); }
   std::size_t num_degrees_of_freedom() const { return hosts_.size(); }
 
   std::string description() const override { return "mechanisms"; }
@@ -67,20 +61,14 @@ class Mechanism final : public DependentNodes {
 
   /// The states of two of the parts (JointEquation::ground: at rest) that are nearest to q and v. Collective.
   std::array<RigidPart::RigidState, 2> states(const std::array<int, 2>& parts, Vec q, Vec v) const;
-  /// Of the joint of each equation, from the gradient r of the potential at q, where nothing else holds the bodies.
+  /// The reactions of the joints, from the gradient r of the potential at q, where nothing else holds the bodies.
   /// `points`: of the joints, in the reference configuration [m]. Collective.
   std::vector<JointReaction> reactions(Vec r, Vec q, std::span<const Vector3<double>> points) const;
 
  private:
-  using Vector = Eigen::VectorXd;
-  using Matrix = Eigen::MatrixXd;
-  using Once = Dual<double>;
-  using Twice = Dual<Once>;
-  /// The motion of a part and its derivatives by the part's unknowns, actual and virtual.
-  struct PartMotion {
-    BodyMotion<double> value;
-    std::vector<BodyMotion<double>> columns, test_columns;
-  };
+  using Vector = JointSystem::Vector;
+  using Matrix = JointSystem::Matrix;
+  using Along = JointSystem::Along;
   /// A solution of the joints' equations and its derivatives.
   struct Solution {
     std::vector<double> unknowns;
@@ -90,15 +78,10 @@ class Mechanism final : public DependentNodes {
     Eigen::PartialPivLU<Matrix> test;  // of G_W G_ref^T, G_W: along virtual displacements
   };
 
-  std::size_t num_equations() const { return equations_.size(); }
   std::span<const double> of_part(const Vector& xi, std::size_t part) const;
   std::vector<PartMotion> motions(const Vector& xi) const;
   /// h and its derivative by xi.
   void evaluate(const std::vector<PartMotion>& parts, Vector& h, Matrix& G) const;
-  /// g and its derivative along the (test) columns, of the configurations that are given.
-  enum class Along { columns, test_columns };
-  void evaluate_configuration(const std::vector<PartMotion>& parts, Along along,
-                              const std::vector<TimeSeries<double>>& given, Vector& g, Matrix& G) const;
   /// The columns N for equations with the derivative G_ref.
   void choose_columns(const Matrix& G);
   /// The nearest solution of h(xi) = 0 about; false: none is found.
@@ -106,10 +89,10 @@ class Mechanism final : public DependentNodes {
   /// Newton's method for h(start + G_ref^T z) = 0; false: it does not converge.
   bool solve(Vector& xi) const;
   const Solution& at(std::span<const double> unknowns) const;
-  /// The joints' part of the curvature, for the forces lambda of their equations.
-  Matrix joint_curvature(const Solution& solution, const Vector& lambda) const;
-  BodyMotion<Twice> twice_moved(const Solution& solution, std::size_t part, int k, int l) const;
-  std::vector<TimeSeries<double>> given(double time, double time_scale, double unit, double factor, Side side) const;
+  using PutColumns = void (RigidPart::*)(std::span<const double>, PetscInt, std::span<Vector3<double>>) const;
+  /// The columns of a node by the mechanism's unknowns, from those by its part's.
+  void combine(const Solution& solution, const Matrix& of_unknowns, PutColumns put, PetscInt node,
+               std::span<Vector3<double>> columns) const;
   /// States of the parts, nearest to q and v.
   std::vector<RigidPart::RigidState> states(const Step& step, Side side, Vec q, Vec v) const;
   /// Those of which velocities, and configurations too, fulfil the joints' equations; whether they are new.
@@ -119,10 +102,9 @@ class Mechanism final : public DependentNodes {
 
   MPI_Comm comm_;
   std::vector<std::unique_ptr<RigidPart>> parts_;
-  std::vector<JointEquation> equations_;
-  std::vector<double> scales_;      // of the equations: of derivatives of length 1
   std::vector<std::size_t> first_;  // unknown of each part, and their number
-  double size_ = 0.0;               // of the parts [m]
+  JointSystem joints_;
+  double size_ = 0.0;  // of the parts [m]
   std::vector<PetscInt> nodes_, hosts_;
   std::vector<std::size_t> part_of_node_;  // per local owned node
   Matrix preferred_;                       // columns N
@@ -132,7 +114,7 @@ class Mechanism final : public DependentNodes {
   Level level_ = Level::configuration;
   double end_weight_ = 1.0;
   std::vector<BodyMotion<double>> start_, advance_, rest_;  // x0, dt v0, and the rest of the step's end
-  std::vector<TimeSeries<double>> given_;
+  JointSystem::Given given_;
   Vector reference_;
   Matrix columns_, G_ref_;
   mutable Solution solution_;

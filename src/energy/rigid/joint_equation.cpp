@@ -53,7 +53,7 @@ struct Evaluation {
   }
 
  private:
-  /// Of the parts X of both bodies, written such that small motions keep their digits.
+  /// x_b(X) - x_a(X), written such that small motions keep their digits.
   Vector3<T> apart(const Vector3<double>& X) const {
     return b.translation + matvec(b.gradient, lift<T>(X - b.centre)) - a.translation -
            matvec(a.gradient, lift<T>(X - a.centre));

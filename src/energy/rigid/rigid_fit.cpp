@@ -1,6 +1,7 @@
 #include "energy/rigid/rigid_fit.hpp"
 
 #include "petsc/array_view.hpp"
+#include "petsc/collective.hpp"
 
 #include <cmath>
 

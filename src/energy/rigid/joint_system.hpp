@@ -1,0 +1,84 @@
+/// The equations of all joints of a mechanism, and their derivatives.
+#pragma once
+
+#include "energy/given_motion.hpp"
+#include "energy/rigid/joint_equation.hpp"
+
+#include <eigen3/Eigen/Core>
+#include <span>
+#include <vector>
+
+namespace pliant {
+
+/// The force and the torque of a joint on its second body.
+struct JointReaction {
+  Vector3<double> force{};   ///< [N]
+  Vector3<double> torque{};  ///< about the joint's point [N m]
+};
+
+/// The motion of a body and its derivatives by the body's unknowns, actual and virtual ones.
+struct PartMotion {
+  BodyMotion<double> value;
+  std::vector<BodyMotion<double>> columns, test_columns;
+};
+
+/// The motion with its derivative along a slope.
+BodyMotion<Dual<double>> with_slope(const BodyMotion<double>& value, const BodyMotion<double>& slope);
+/// a x + y.
+BodyMotion<double> sum_of(double a, const BodyMotion<double>& x, const BodyMotion<double>& y);
+
+/// g_j(motions, t) = 0 for each equation j of the joints between some bodies; the unknowns of body p have the numbers
+/// first[p] .. first[p + 1] - 1. Equations are scaled such that their derivatives at the reference configuration have
+/// length 1: values are lengths [m].
+class JointSystem {
+ public:
+  using Vector = Eigen::VectorXd;
+  using Matrix = Eigen::MatrixXd;
+  using Once = Dual<double>;
+  using Twice = Dual<Once>;
+  using Given = std::vector<TimeSeries<double>>;  ///< of the formula of each equation, 0 where it has none
+  enum class Along { columns, test_columns };
+
+  JointSystem(std::vector<JointEquation> equations, std::vector<std::size_t> first);
+
+  bool empty() const { return equations_.empty(); }
+  /// Scales the equations such that the rows of G, their derivatives, have length 1; scales G too.
+  void scale_rows(Matrix& G);
+
+  /// What is given, one-sided in time; rates are times `unit`, accelerations times its square. `time_scale`: formulas
+  /// are smooth over this time on that side. `factor` multiplies them.
+  Given given(double time, double time_scale, double unit, double factor, Side side) const;
+  /// g and its derivative by the unknowns.
+  void configuration(std::span<const PartMotion> parts, Along along, const Given& given, Vector& g, Matrix& G) const;
+  /// dt^2 d2g/dt2 of a stage, and its derivative by the unknowns, with x' = (x - x0) / dt, x'' = (x - x0 - dt v0) /
+  /// dt^2; `advance`: dt v0; rates of what is given are times dt.
+  void acceleration(std::span<const PartMotion> parts, std::span<const BodyMotion<double>> start,
+                    std::span<const BodyMotion<double>> advance, const Given& given, Vector& h, Matrix& G) const;
+  /// dg/dt.
+  Vector rates(std::span<const BodyMotion<double>> values, std::span<const BodyMotion<double>> rates,
+               const Given& given) const;
+  /// sum_j lambda_j d2g_j / (virtual k) (actual l). `moved`: for each body of n unknowns, its motion with the slopes
+  /// along k and l, at (k + 1) (n + 1) + l + 1, of which k = -1 or l = -1 is none.
+  Matrix curvature(std::span<const std::vector<BodyMotion<Twice>>> moved, const Given& given,
+                   const Vector& lambda) const;
+  /// The joints of which equations repeat what other equations say, or contradict it. G: the derivatives.
+  std::vector<std::size_t> dependent_joints(const Matrix& G) const;
+  /// The reaction of each joint, from the forces lambda of the equations. `points`: of the joints on their second
+  /// bodies, in the reference configuration [m].
+  std::vector<JointReaction> reactions(std::span<const PartMotion> parts, const Given& given, const Vector& lambda,
+                                       std::span<const Vector3<double>> points) const;
+
+ private:
+  Eigen::Index num_equations() const { return static_cast<Eigen::Index>(equations_.size()); }
+  Eigen::Index num_unknowns() const { return static_cast<Eigen::Index>(first_.back()); }
+  std::size_t num_unknowns_of(int body) const {
+    const auto p = static_cast<std::size_t>(body);
+    return first_[p + 1] - first_[p];
+  }
+
+  std::vector<JointEquation> equations_;
+  std::vector<double> scales_;
+  std::vector<std::size_t> first_;
+};
+
+}  // namespace pliant
