@@ -342,6 +342,21 @@ class Verification(ProgramTest):
         for k, pair in enumerate(("ab", "bc", "cd")):
             self.row(f"force of {pair[0]} on {pair[1]}", f"{sum(weights[k + 1:]):.7g} N", -h[f"{pair}_fz"][-1], 1e-6)
 
+    def test_pendulum(self):
+        h = self.history("pendulum")
+        self.about("pendulum", "rigid", 19)
+        for time, x, y in ((1, ".98629175", "-.16501085"), (5, "-.94230544", "-.33475434"), (10, "-.27508746", "-.96141921")):
+            row = np.flatnonzero(np.isclose(h["time"], time))[0]
+            for axis, expected in (("x", x), ("y", y)):
+                self.row(f"{axis} at {time} s", f"{float(expected):.8f} m", h[f"bob_{axis}"][row], 3e-5)
+
+    def test_heavy_top(self):
+        h = self.history("heavy_top")
+        self.about("heavy_top", "rigid", 20)
+        sign = -1 if h["top_qw"][-1] > 0 else 1  # a rotation has two quaternions
+        for axis, expected in zip("wxyz", ("-0.70824", "0.43878", "0.54578", "0.08937")):
+            self.row(f"q_{axis} at 0.2 s", expected, sign * h[f"top_q{axis}"][-1], 5e-4)
+
     def test_beam_theory(self):
         h = self.history("slender_beam")
         self.about("slender_beam", "as given", 7)
