@@ -86,13 +86,18 @@ Box box_of(const NodeLayout& layout, PetscInt cell) {
   return box;
 }
 
+bool is_out(std::span<const char> is_left_out, PetscInt cell) {
+  return !is_left_out.empty() && is_left_out[static_cast<std::size_t>(cell)] != 0;
+}
+
 /// The owned cells in a regular grid with about as many bins.
 class CellGrid {
  public:
-  explicit CellGrid(const NodeLayout& layout) {
+  CellGrid(const NodeLayout& layout, std::span<const char> is_left_out) {
     constexpr double inf = std::numeric_limits<double>::infinity();
     bounds_ = {{inf, inf, inf}, {-inf, -inf, -inf}};
     for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+      if (is_out(is_left_out, c)) continue;
       const Box box = box_of(layout, c);
       for (int i = 0; i < 3; ++i) {
         bounds_.low[i] = std::min(bounds_.low[i], box.low[i]);
@@ -102,6 +107,7 @@ class CellGrid {
     per_side_ = std::max(1, static_cast<int>(std::cbrt(static_cast<double>(layout.num_owned_cells))));
     bins_.resize(static_cast<std::size_t>(per_side_) * per_side_ * per_side_);
     for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+      if (is_out(is_left_out, c)) continue;
       const Box box = box_of(layout, c);
       const auto first = bin(box.low), last = bin(box.high);
       for (int i = first[0]; i <= last[0]; ++i) {
@@ -161,10 +167,16 @@ ProbeLocation locate_in_cell(const NodeLayout& layout, const CellGrid& grid, con
 }
 
 /// The location at the owned node nearest to X.
-ProbeLocation locate_at_node(const NodeLayout& layout, const Point& X) {
+ProbeLocation locate_at_node(const NodeLayout& layout, const Point& X, std::span<const char> is_left_out) {
   ProbeLocation best;
   best.distance = not_here;
+  std::vector<char> is_wanted(static_cast<std::size_t>(layout.num_local_nodes), is_left_out.empty() ? 1 : 0);
+  for (PetscInt c = 0; c < layout.num_local_cells && !is_left_out.empty(); ++c) {
+    if (is_out(is_left_out, c)) continue;
+    for (const PetscInt n : layout.nodes_of_cell(c)) is_wanted[static_cast<std::size_t>(n)] = 1;
+  }
   for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
+    if (is_wanted[static_cast<std::size_t>(n)] == 0) continue;
     const double d = distance(X, layout.position(n));
     if (d >= best.distance) continue;
     best.nodes = {n};
@@ -201,8 +213,9 @@ std::array<double, 3> ProbeLocation::interpolate(std::span<const double> local) 
   return value;
 }
 
-std::vector<ProbeLocation> locate(const NodeLayout& layout, std::span<const std::array<double, 3>> points) {
-  const CellGrid grid(layout);
+std::vector<ProbeLocation> locate(const NodeLayout& layout, std::span<const std::array<double, 3>> points,
+                                  std::span<const char> is_left_out) {
+  const CellGrid grid(layout, is_left_out);
   std::vector<ProbeLocation> locations;
   for (const auto& X : points) {
     locations.push_back(layout.order == 1 ? locate_in_cell<1>(layout, grid, X) : locate_in_cell<2>(layout, grid, X));
@@ -212,16 +225,18 @@ std::vector<ProbeLocation> locate(const NodeLayout& layout, std::span<const std:
   keep_nearest(layout.comm, all);
   for (std::size_t p = 0; p < points.size(); ++p) {
     if (locations[p].distance != not_here) continue;
-    locations[p] = locate_at_node(layout, points[p]);
+    locations[p] = locate_at_node(layout, points[p], is_left_out);
     outside.push_back(&locations[p]);
   }
   keep_nearest(layout.comm, outside);
   return locations;
 }
 
-NearestOfMesh nearest_of_mesh(const NodeLayout& layout, const std::array<double, 3>& X) {
+NearestOfMesh nearest_of_mesh(const NodeLayout& layout, const std::array<double, 3>& X,
+                              std::span<const char> is_left_out) {
   NearestOfMesh best{{}, std::numeric_limits<double>::infinity()};
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+    if (is_out(is_left_out, c)) continue;
     const auto nodes = layout.nodes_of_cell(c);
     for (std::size_t i = 0; i < 4; ++i) {
       const Nearest nearest = nearest_point({layout.position(nodes[(i + 1) % 4]), layout.position(nodes[(i + 2) % 4]),

@@ -20,8 +20,10 @@ struct ProbeLocation {
   std::array<double, 3> interpolate(std::span<const double> local) const;
 };
 
-/// Locates the points (the same on every rank) in the mesh; a point outside gets the nearest node. Collective.
-std::vector<ProbeLocation> locate(const NodeLayout& layout, std::span<const std::array<double, 3>> points);
+/// Locates the points (the same on every rank) in the mesh; a point outside gets the nearest node. `is_left_out`: per
+/// local cell; empty: none is. Collective.
+std::vector<ProbeLocation> locate(const NodeLayout& layout, std::span<const std::array<double, 3>> points,
+                                  std::span<const char> is_left_out = {});
 
 /// The point of the mesh, with flat sides of cells, nearest to a point outside it.
 struct NearestOfMesh {
@@ -29,8 +31,9 @@ struct NearestOfMesh {
   double distance = 0.0;  ///< [m]
 };
 
-/// For points outside the mesh. Collective.
-NearestOfMesh nearest_of_mesh(const NodeLayout& layout, const std::array<double, 3>& X);
+/// For points outside the mesh. `is_left_out`: as in `locate`. Collective.
+NearestOfMesh nearest_of_mesh(const NodeLayout& layout, const std::array<double, 3>& X,
+                              std::span<const char> is_left_out = {});
 
 inline ProbeLocation locate(const NodeLayout& layout, const std::array<double, 3>& X) {
   return locate(layout, std::span(&X, 1)).front();

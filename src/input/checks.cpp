@@ -37,7 +37,8 @@ bool damps_by_mass(const ViscosityConfig& mechanism) {
 
 /// Rigid bodies without a mesh need neither a mesh nor other bodies.
 void check_parts(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
-  if (!config.rigid_bodies.empty() && root.find("mesh") == nullptr && root.find("bodies") == nullptr) return;
+  const bool has_mesh = given(root, {"mesh", "file"}) != nullptr || root.find("bodies") != nullptr;
+  if (!config.rigid_bodies.empty() && !has_mesh) return;
   for (const char* key : {"mesh", "bodies"}) {
     if (given(root, {key}) != nullptr) continue;
     const InputNode* empty = root.find(key);
@@ -129,6 +130,10 @@ void check_held(const Config& config, const InputNode& root, Diagnostics& diagno
     return foundation && foundation->spring > 0.0;
   };
   if (std::ranges::any_of(config.loads, is_spring)) return;
+  const auto holds = [](const JointConfig& joint) {
+    return std::ranges::find(joint.between, "ground") != joint.between.end();
+  };
+  if (std::ranges::any_of(config.joints, holds)) return;
   const InputNode* constraints = given(root, {"constraints"});
   const Location& where = config.time.method.where;
   if (constraints == nullptr || constraints->children.empty()) {

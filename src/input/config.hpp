@@ -419,6 +419,7 @@ struct Config {
   std::vector<BodyConfig> bodies;
   std::vector<RigidBodyConfig> rigid_bodies;
   std::vector<JointConfig> joints;
+  std::vector<TendonConfig> tendons;
   std::vector<ConstraintConfig> constraints;
   std::vector<LoadConfig> loads;
   std::vector<CavityConfig> cavities;

@@ -163,6 +163,8 @@ Section<Config> config_keys() {
             "rigid bodies by mass and inertia, without a mesh"),
       field("joints", &Config::joints, list_of(map_of(joint_keys()), 0),
             "joints between rigid bodies, rigid parts and the ground"),
+      field("tendons", &Config::tendons, list_of(map_of(tendon_keys()), 0),
+            "strings through the bodies that are pulled"),
       field("constraints", &Config::constraints, list_of(map_of(constraint_keys()), 0),
             "prescribed displacements (Dirichlet boundary conditions) and ties (multi-point constraints)"),
       field("loads", &Config::loads, list_of(map_of(load_keys()), 0),

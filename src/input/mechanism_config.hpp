@@ -7,6 +7,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace pliant {
 
@@ -29,6 +30,18 @@ enum class JointType { fixed, ball, hinge, slider, cylindrical, universal, plana
 
 /// A joint between two rigid bodies or rigid parts, or one and the ground.
 struct JointConfig {
+  /// Efforts are torques [N m] about an axis or forces [N] along it.
+  struct Motor {
+    Expression target;            ///< angle [rad] or travel [m]; a function of t
+    double stiffness = 0.0;       ///< [N m/rad] or [N/m]
+    double damping = 0.0;         ///< [N m s/rad] or [N s/m]
+    std::optional<double> limit;  ///< of the effort
+    Expression effort;            ///< a function of t
+  };
+  struct Spring {
+    double stiffness = 0.0;  ///< [N m/rad] or [N/m]
+    double rest = 0.0;       ///< [rad] or [m]
+  };
   std::string name;
   JointType type = JointType::fixed;
   std::array<std::string, 2> between;
@@ -37,6 +50,17 @@ struct JointConfig {
   std::optional<std::array<double, 3>> second_axis;   ///< of any length (universal)
   std::optional<std::array<double, 3>> second_point;  ///< [m] (distance)
   std::optional<Expression> motion;                   ///< angle [rad], travel [m] or change of a distance [m]
+  std::optional<Motor> motor;                         ///< of a hinge or a slider, as the two below
+  std::optional<Spring> spring;
+  std::optional<double> damping;  ///< [N m s/rad] or [N s/m]
+  Location where;
+};
+
+/// A string through points of the bodies, pulled with a given force.
+struct TendonConfig {
+  std::string name;
+  std::vector<std::array<double, 3>> points;  ///< at the start, in their order along it [m]
+  Expression tension;                         ///< [N]; a function of t
   Location where;
 };
 

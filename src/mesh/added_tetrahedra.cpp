@@ -45,15 +45,15 @@ std::vector<Corners> cut(const Corners& c, Nodes& nodes) {
 
 }  // namespace
 
-void add_tetrahedra(std::span<const AddedTetrahedron> added, std::size_t fewest_cells, SerialMesh& mesh) {
+void add_tetrahedra(std::span<const AddedTetrahedron> added, SerialMesh& mesh) {
   if (added.empty()) return;
   const bool has_middles = mesh.geometry_order() == 2;
   int tag = 0;
   for (const SerialGroup& group : mesh.groups) {
     if (group.group.dimension == 3) tag = std::max(tag, group.group.tag);
   }
-  std::size_t cells_of_each = 1;
-  while (mesh.num_cells() + cells_of_each * added.size() < fewest_cells) cells_of_each *= 8;
+  // The same for any number of ranks: runs are resumed on others.
+  const std::size_t cells_of_each = mesh.num_cells() == 0 ? 8 : 1;
   for (const AddedTetrahedron& body : added) {
     for (const SerialGroup& group : mesh.groups) {
       if (group.group.dimension != 3 || group.group.name != body.name) continue;

@@ -7,8 +7,9 @@
 
 namespace pliant {
 
-/// Appends each tetrahedron as a volume of its own, cut into 8 as often as needed for `fewest_cells` in the whole mesh.
+/// Appends each tetrahedron as a volume of its own; cut into 8 where there is no other cell, so that several ranks have
+/// some.
 /// Throws MeshDefect if the mesh has a volume of one of these names. Not collective.
-void add_tetrahedra(std::span<const AddedTetrahedron> added, std::size_t fewest_cells, SerialMesh& mesh);
+void add_tetrahedra(std::span<const AddedTetrahedron> added, SerialMesh& mesh);
 
 }  // namespace pliant

@@ -25,7 +25,7 @@ MeshParts prepare(const MeshSource& source, int num_parts, MeshReport& report) {
   if (!source.file.empty()) parts.mesh = import_mesh(source);
   report.notices = std::move(parts.mesh.notices);
   for (double& x : parts.mesh.coordinates) x *= source.scale;
-  add_tetrahedra(source.added, static_cast<std::size_t>(num_parts), parts.mesh);
+  add_tetrahedra(source.added, parts.mesh);
   parts.num_vertices = repair(parts.mesh, source.meeting_parts, report);
   if (source.refine > 0 && parts.mesh.geometry_order() == 2) {
     throw MeshDefect(

@@ -121,6 +121,14 @@ std::vector<DrivingFormula> driving_formulas(const Config& config) {
   for (const CavityConfig& cavity : config.cavities) {
     std::visit(Formulas(Kind::force, cavity.where, all), cavity.content);
   }
+  for (const JointConfig& joint : config.joints) {
+    if (joint.motion) Formulas(Kind::motion, joint.where, all).add(*joint.motion);
+    if (!joint.motor) continue;
+    Formulas formulas(Kind::force, joint.where, all);
+    formulas.add(joint.motor->target);
+    formulas.add(joint.motor->effort);
+  }
+  for (const TendonConfig& tendon : config.tendons) Formulas(Kind::force, tendon.where, all).add(tendon.tension);
   if (!config.contact) return all;
   for (const ObstacleConfig& o : config.contact->obstacles) {
     if (!o.motion) continue;

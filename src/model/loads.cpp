@@ -41,7 +41,12 @@ class LoadTerms {
                      gravity.acceleration);
   }
   Term make(const LoadConfig::ForceDensity& force, const LoadConfig& load) const {
-    const auto inside = selections_.cells(load.part);
+    auto inside = selections_.cells(load.part);
+    // Bodies without a mesh have no volume.
+    const auto first = static_cast<int>(bodies_.densities.size() - config_.rigid_bodies.size());
+    for (std::size_t c = 0; c < inside.size(); ++c) {
+      if (bodies_.body_of_cell[c] >= first) inside[c] = 0;
+    }
     return dead_load(cell_samples(bodies_.layout, {inside.begin(), inside.end()}, variation_of(force.value)),
                      force.value);
   }

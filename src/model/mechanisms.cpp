@@ -16,18 +16,6 @@ namespace {
 /// The cosine of an angle that counts as right.
 constexpr double right_angle = 1e-6;
 
-/// Two unit vectors across an axis of unit length.
-std::array<Vector3<double>, 2> across(const Vector3<double>& axis) {
-  std::size_t least = 0;
-  for (std::size_t i = 1; i < 3; ++i) {
-    if (std::abs(axis[i]) < std::abs(axis[least])) least = i;
-  }
-  Vector3<double> other{};
-  other[least] = 1.0;
-  const Vector3<double> e = unit(cross(axis, other));
-  return {e, cross(axis, e)};
-}
-
 /// The scalar equations of a joint.
 class Equations {
  public:
@@ -259,6 +247,17 @@ class RigidSystemBuilder {
 };
 
 }  // namespace
+
+std::array<Vector3<double>, 2> across(const Vector3<double>& axis) {
+  std::size_t least = 0;
+  for (std::size_t i = 1; i < 3; ++i) {
+    if (std::abs(axis[i]) < std::abs(axis[least])) least = i;
+  }
+  Vector3<double> other{};
+  other[least] = 1.0;
+  const Vector3<double> e = unit(cross(axis, other));
+  return {e, cross(axis, e)};
+}
 
 RigidSystem make_rigid_system(const ConstraintsOnMesh& constraints, Selections& selections) {
   return RigidSystemBuilder(constraints, selections)();

@@ -11,6 +11,10 @@
 
 namespace pliant {
 
+/// Two unit vectors across an axis of unit length, a right-handed frame with it: the second is the axis times the
+/// first.
+std::array<Vector3<double>, 2> across(const Vector3<double>& axis);
+
 /// A joint and the two bodies that it connects.
 struct ModelJoint {
   std::string name;

@@ -120,7 +120,7 @@ std::optional<Diagnostic> rotation_warning(const Config& config, const Method& m
 
 /// Warns of vibrations of the body that the method amplifies.
 std::optional<Diagnostic> vibration_warning(const Config& config, const Method& method, const MotionAtStart& at) {
-  const auto rings = [](const BodyConfig& body) { return body.viscosity.empty(); };
+  const auto rings = [](const BodyConfig& body) { return !body.is_rigid && body.viscosity.empty(); };
   if (method.stability != Stability::not_a_stable || std::ranges::none_of(config.bodies, rings)) return std::nullopt;
   const double dt = config.time.step;
   const auto& b = at.mesh.bounds;

@@ -9,6 +9,7 @@
 #include "model/checks.hpp"
 #include "model/events.hpp"
 #include "model/initial_displacement.hpp"
+#include "model/joint_efforts.hpp"
 #include "model/mesh_cell_data.hpp"
 #include "model/method_warnings.hpp"
 #include "model/rigid_bodies.hpp"
@@ -28,8 +29,8 @@
 #include <fmt/format.h>
 
 namespace pliant {
-Model::Model(MPI_Comm comm, const Config& given, const TermFactory& additional) {
-  const Config config = with_rigid_bodies(given);
+Model::Model(MPI_Comm comm, const Config& given, const TermFactory& additional) : config_(with_rigid_bodies(given)) {
+  const Config& config = config_;
   // The size in the input is in metres, that of gmsh in the unit of the geometry.
   auto size = config.mesh.size;
   if (size) *size /= config.mesh.scale;
@@ -256,9 +257,11 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
     if (is_without_surface(k)) are_kept_apart_[k] = 1;
   }
 
+  const std::vector<char> left_out = cells_without_mesh(config, layout_, body_of_cell_);
+  tendons_ = make_tendons(config, layout_, left_out);
   std::vector<std::array<double, 3>> points;
   for (const auto& probe : config.probes) points.push_back(probe.point);
-  probes_ = locate(layout_, points);
+  probes_ = locate(layout_, points, left_out);
   require_near(layout_, mesh_report_.bounds, probes_, config.probes);
   for (std::size_t p = 0; p < probes_.size(); ++p) {
     const double far = probes_[p].distance;
@@ -346,6 +349,9 @@ void Model::prepare(const Config& config) {
   for (const auto& term : elastic_) terms.push_back(term.get());
   for (const auto& term : active_) terms.push_back(term.get());
   for (const auto& term : viscous_) terms.push_back(term.get());
+  joint_efforts_ = make_joint_efforts(config_, layout_, body_of_cell_, constraints_->joints());
+  for (const auto& term : joint_efforts_) terms.push_back(term.get());
+  for (const ModelTendon& tendon : tendons_) terms.push_back(tendon.term.get());
   for (const LocatedTerm& load : loads_->terms()) terms.push_back(load.term.get());
   if (contacts_) {
     contacts_->prepare(config);
@@ -380,6 +386,7 @@ PrescribedMotion Model::motion(Correction correction) const {
 void Model::require_finite(double time) const {
   loads_->require_finite(time);
   constraints_->require_finite(time);
+  require_finite_formulas(config_, time);
 }
 
 void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
@@ -393,7 +400,7 @@ void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
       }
     }
   }
-  set_velocities_of_rigid_bodies(config, layout_, body_of_cell_, v);
+  set_start_of_rigid_bodies(config, layout_, body_of_cell_, q, v);
   for (const auto& [what, vec] : {std::pair{"displacement", q}, {"velocity", v}})
     require_finite_initial(config, layout_, what, vec);
   const Step before_start{0.0, config.time.step};

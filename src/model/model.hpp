@@ -13,6 +13,7 @@
 #include "model/constraints.hpp"
 #include "model/contacts.hpp"
 #include "model/loads.hpp"
+#include "model/tendons.hpp"
 
 #include <functional>
 #include <memory>
@@ -53,6 +54,7 @@ class Model {
   const std::vector<std::unique_ptr<ElasticTerm>>& elastic() const { return elastic_; }
   const Inertia* inertia() const { return inertia_.get(); }  ///< nullptr if no body has a density
   const Constraints& constraints() const { return *constraints_; }
+  const std::vector<ModelTendon>& tendons() const { return tendons_; }
   const std::vector<ModelCavity>& cavities() const { return loads_->cavities(); }
   const Contacts* contacts() const { return contacts_.get(); }  ///< nullptr if the input has none
   IncrementalPotential& potential() { return *potential_; }
@@ -115,6 +117,7 @@ class Model {
   template <int Order>
   void build_inertia(const Config& config);
 
+  Config config_;  // with all rigid bodies; others refer to it
   double mesh_seconds_ = 0.0;
   MeshReport mesh_report_;
   NodeLayout layout_;
@@ -128,6 +131,8 @@ class Model {
   std::vector<std::unique_ptr<ElasticTerm>> elastic_;
   std::vector<std::unique_ptr<EnergyTerm>> active_;
   std::vector<std::unique_ptr<EnergyTerm>> viscous_;
+  std::vector<std::unique_ptr<EnergyTerm>> joint_efforts_;
+  std::vector<ModelTendon> tendons_;
   std::unique_ptr<Loads> loads_;
   std::unique_ptr<Contacts> contacts_;
   std::vector<std::unique_ptr<EnergyTerm>> additional_;

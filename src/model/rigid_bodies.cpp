@@ -14,6 +14,8 @@ namespace {
 constexpr double flattest = 0.3;
 /// Half the length of a body that has no moments of inertia, a mass point [m].
 constexpr double size_of_point = 0.1;
+/// The relative difference in size of the tetrahedra of two bodies that follow each other.
+constexpr double difference_of_sizes = 1.37e-4;
 
 /// Shear modulus from which the stiffness of contact follows where all bodies are rigid [Pa].
 constexpr double modulus_between_rigid_bodies = 1e7;
@@ -25,13 +27,18 @@ Tensor3<double> second_moment(const RigidBodyConfig& body) {
   return add_to_diagonal(-1.0 * J, 0.5 * trace(J));
 }
 
-/// Half the edges of the cube in which the tetrahedron is inscribed, along the principal axes; the same second moments
-/// as the body, where that is not too thin: those of the tetrahedron are m s^2 / 5.
-Vector3<double> half_edges(const RigidBodyConfig& body, const EigenDecomposition<double>& principal) {
+/// Half the edges of the cube in which the tetrahedron of the body of this number is inscribed, along the principal
+/// axes; about the same second moments as the body, where that is not too thin: those of the tetrahedron are m s^2 / 5.
+/// No two are equal, so that their corners do not coincide.
+Vector3<double> half_edges(const RigidBodyConfig& body, const EigenDecomposition<double>& principal,
+                           std::size_t number) {
   Vector3<double> s{};
   for (std::size_t i = 0; i < 3; ++i) s[i] = std::sqrt(5.0 * std::max(principal.values[i], 0.0) / body.mass);
   const double longest = std::ranges::max(s);
-  for (double& x : s) x = longest > 0.0 ? std::max(x, flattest * longest) : size_of_point;
+  for (double& x : s) {
+    x = longest > 0.0 ? std::max(x, flattest * longest) : size_of_point;
+    x *= 1.0 + difference_of_sizes * static_cast<double>(number + 1);
+  }
   return s;
 }
 
@@ -59,10 +66,11 @@ bool is_made_rigid(const Config& config, const Selection& part) {
 }  // namespace
 
 Config with_rigid_bodies(Config config) {
-  for (const RigidBodyConfig& rigid : config.rigid_bodies) {
+  for (std::size_t k = 0; k < config.rigid_bodies.size(); ++k) {
+    const RigidBodyConfig& rigid = config.rigid_bodies[k];
     BodyConfig body;
     body.part = volume_named(rigid.name, rigid.where);
-    const Vector3<double> s = half_edges(rigid, eigen_decomposition(second_moment(rigid)));
+    const Vector3<double> s = half_edges(rigid, eigen_decomposition(second_moment(rigid)), k);
     body.density = rigid.mass / (8.0 / 3.0 * s[0] * s[1] * s[2]);
     body.is_rigid = true;
     body.where = rigid.where;
@@ -85,7 +93,7 @@ std::vector<AddedTetrahedron> added_tetrahedra(const Config& config) {
   std::vector<AddedTetrahedron> result;
   for (const RigidBodyConfig& body : config.rigid_bodies) {
     const auto principal = eigen_decomposition(second_moment(body));
-    const Vector3<double> s = half_edges(body, principal);
+    const Vector3<double> s = half_edges(body, principal, result.size());
     constexpr std::array<std::array<double, 3>, 4> corners{
         {{1.0, 1.0, 1.0}, {1.0, -1.0, -1.0}, {-1.0, 1.0, -1.0}, {-1.0, -1.0, 1.0}}};
     AddedTetrahedron& tetrahedron = result.emplace_back();
@@ -124,11 +132,20 @@ std::vector<char> components_of_rigid_bodies(const Config& config, const NodeLay
   return result;
 }
 
-void set_velocities_of_rigid_bodies(const Config& config, const NodeLayout& layout,
-                                    const std::vector<int>& body_of_cell, Vec v) {
+std::vector<char> cells_without_mesh(const Config& config, const NodeLayout& layout,
+                                     const std::vector<int>& body_of_cell) {
+  if (config.rigid_bodies.empty() || config.rigid_bodies.size() == config.bodies.size()) return {};
+  const int first = first_rigid_body(config, layout, body_of_cell);
+  std::vector<char> result;
+  for (const int body : body_of_cell) result.push_back(body >= first ? 1 : 0);
+  return result;
+}
+
+void set_start_of_rigid_bodies(const Config& config, const NodeLayout& layout, const std::vector<int>& body_of_cell,
+                               Vec q, Vec v) {
   if (config.rigid_bodies.empty()) return;
   const int first = first_rigid_body(config, layout, body_of_cell);
-  const ArrayView velocity(v);
+  const ArrayView displacement(q), velocity(v);
   for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
     const int body = body_of_cell[static_cast<std::size_t>(c)];
     if (body < first) continue;
@@ -137,7 +154,10 @@ void set_velocities_of_rigid_bodies(const Config& config, const NodeLayout& layo
       if (n >= layout.num_owned_nodes) continue;
       const Vector3<double> arm = Vector3<double>(layout.position(n)) - Vector3<double>(rigid.center);
       const auto w = Vector3<double>(rigid.velocity) + cross(Vector3<double>(rigid.angular_velocity), arm);
-      for (std::size_t i = 0; i < 3; ++i) velocity[3 * n + static_cast<PetscInt>(i)] = w[i];
+      for (std::size_t i = 0; i < 3; ++i) {
+        displacement[3 * n + static_cast<PetscInt>(i)] = 0.0;
+        velocity[3 * n + static_cast<PetscInt>(i)] = w[i];
+      }
     }
   }
 }

@@ -26,9 +26,13 @@ std::vector<AffineBody> masses_of_rigid_bodies(const Config& config, int first);
 std::vector<char> components_of_rigid_bodies(const Config& config, const NodeLayout& layout,
                                              const Components& components, const std::vector<int>& body_of_cell);
 
-/// Sets the velocities of the nodes of `rigid_bodies`, the last of the bodies, to those at the start.
-void set_velocities_of_rigid_bodies(const Config& config, const NodeLayout& layout,
-                                    const std::vector<int>& body_of_cell, Vec v);
+/// One flag per local cell: whether it stands for a body without a mesh; empty if none does, or all do.
+std::vector<char> cells_without_mesh(const Config& config, const NodeLayout& layout,
+                                     const std::vector<int>& body_of_cell);
+
+/// Puts `rigid_bodies`, the last of the bodies, to their places and velocities at the start.
+void set_start_of_rigid_bodies(const Config& config, const NodeLayout& layout, const std::vector<int>& body_of_cell,
+                               Vec q, Vec v);
 
 /// Sets the moduli of rigid bodies, from which the stiffness of their contact follows: that of the stiffest other body.
 void set_moduli_of_rigid_bodies(const Config& config, std::vector<double>& shear_moduli);

@@ -1,6 +1,8 @@
 #include "model/rigid_states.hpp"
 
 #include "energy/rigid/rigid_fit.hpp"
+#include "input/analysis.hpp"
+#include "model/joint_efforts.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 
@@ -29,7 +31,8 @@ double angle_about(const Vector3<double>& axis, const Quaternion& R) {
 
 }  // namespace
 
-RigidStates::RigidStates(const Config& config, const Model& model) : model_(model) {
+RigidStates::RigidStates(const Config& config, const Model& model)
+    : model_(model), joints_(config.joints), is_static_(analysis_of(config) == Analysis::static_equilibrium) {
   const NodeLayout& layout = model.layout();
   const std::size_t num_meshed = config.bodies.size();
   for (std::size_t b = 0; b < num_meshed + config.rigid_bodies.size(); ++b) {
@@ -72,26 +75,30 @@ std::vector<std::string> RigidStates::columns() const {
     add(body.name, "_q");
     add(body.name, "_w");
   }
-  for (const ModelJoint& joint : model_.constraints().joints()) {
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    const ModelJoint& joint = model_.constraints().joints()[j];
+    const JointConfig& given = joints_[j];
     if (has_angle(joint.type)) names.push_back(joint.name + "_angle");
     if (has_travel(joint.type)) names.push_back(joint.name + "_travel");
     if (has_angle(joint.type) != has_travel(joint.type)) names.push_back(joint.name + "_rate");
+    if (given.motor) names.push_back(joint.name + "_effort");
     add(joint.name, "_f");
     add(joint.name, "_t");
   }
   return names;
 }
 
-std::vector<double> RigidStates::values(Vec q, Vec v, const std::vector<JointReaction>& reactions) const {
+std::vector<double> RigidStates::values(const Instant& at, Vec q, Vec v,
+                                        const std::vector<JointReaction>& reactions) const {
   std::vector<double> result;
   const auto add = [&](const auto& numbers) { result.insert(result.end(), numbers.begin(), numbers.end()); };
   for (const Body& body : bodies_) {
-    const Placement at = nearest_placement(model_.layout(), body.nodes, body.centre, q);
-    const auto [velocity, omega] = nearest_velocity(model_.layout(), body.nodes, body.centre, at, v);
-    add(body.centre + at.translation);
+    const Placement place = nearest_placement(model_.layout(), body.nodes, body.centre, q);
+    const auto [velocity, omega] = nearest_velocity(model_.layout(), body.nodes, body.centre, place, v);
+    add(body.centre + place.translation);
     add(velocity);
-    const double sign = at.rotation[0] < 0.0 ? -1.0 : 1.0;
-    for (const double number : at.rotation) result.push_back(sign * number);
+    const double sign = place.rotation[0] < 0.0 ? -1.0 : 1.0;
+    for (const double number : place.rotation) result.push_back(sign * number);
     add(omega);
   }
   const auto& joints = model_.constraints().joints();
@@ -108,6 +115,7 @@ std::vector<double> RigidStates::values(Vec q, Vec v, const std::vector<JointRea
     };
     const Vector3<double> moving_apart = velocity_of(b, to) - velocity_of(a, from);
     double rate = 0.0;
+    const std::size_t first = result.size();
     if (has_angle(joint.type)) {
       result.push_back(angle_about(axis, product(inverse(a.at.rotation), b.at.rotation)));
       rate = dot(b.omega - a.omega, n);
@@ -121,6 +129,9 @@ std::vector<double> RigidStates::values(Vec q, Vec v, const std::vector<JointRea
       rate = dot(moving_apart, n) + dot(apart, n_rate);
     }
     if (has_angle(joint.type) != has_travel(joint.type)) result.push_back(rate);
+    if (joints_[j].motor) {
+      result.push_back(effort_of_motor(joints_[j], is_static_, result[first], rate, at.time, at.load_factor));
+    }
     const JointReaction reaction = j < reactions.size() ? reactions[j] : JointReaction{};
     add(reaction.force);
     add(reaction.torque);

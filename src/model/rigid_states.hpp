@@ -12,8 +12,8 @@ namespace pliant {
 /// order: for each body `<name>_x, _y, _z` (centre of mass [m]), `_vx, _vy, _vz` [m/s], `_qw, _qx, _qy, _qz` (rotation
 /// since the start, a unit quaternion with qw >= 0), `_wx, _wy, _wz` (angular velocity in space [rad/s]); for each
 /// joint
-/// `<name>_angle` in (-pi, pi] [rad] or `<name>_travel` [m], `<name>_rate`, `<name>_fx, _fy, _fz` [N], `_tx, _ty, _tz`
-/// (force and torque on the second body, at the joint [N m]).
+/// `<name>_angle` in (-pi, pi] [rad] or `<name>_travel` [m], `<name>_rate`, `<name>_effort` of a motor, `<name>_fx,
+/// _fy, _fz` [N], `_tx, _ty, _tz` (force and torque on the second body, at the joint [N m]).
 class RigidStates {
  public:
   /// Collective.
@@ -21,7 +21,7 @@ class RigidStates {
 
   std::vector<std::string> columns() const;
   /// At q and v; `reactions`: of the joints. Collective.
-  std::vector<double> values(Vec q, Vec v, const std::vector<JointReaction>& reactions) const;
+  std::vector<double> values(const Instant& at, Vec q, Vec v, const std::vector<JointReaction>& reactions) const;
 
  private:
   struct Body {
@@ -31,6 +31,8 @@ class RigidStates {
   };
   const Model& model_;
   std::vector<Body> bodies_;
+  std::vector<JointConfig> joints_;
+  bool is_static_;
 };
 
 }  // namespace pliant

@@ -174,6 +174,13 @@ std::vector<Diagnostic> warnings_about(const Config& config) {
 bool nothing_moves(const Config& config) {
   // Bodies that start in each other are pushed apart by a penalty.
   const bool may_be_pushed = config.contact && (!config.contact->obstacles.empty() || !config.contact->has_barrier());
+  const auto is_at_rest = [](const RigidBodyConfig& body) {
+    const std::array<double, 3> none{};
+    return body.velocity == none && body.angular_velocity == none;
+  };
+  const auto is_loose = [](const JointConfig& joint) { return !joint.spring; };
+  if (!std::ranges::all_of(config.rigid_bodies, is_at_rest) || !std::ranges::all_of(config.joints, is_loose))
+    return false;
   return config.cavities.empty() && !may_be_pushed && is_zero(config.initial.displacement) &&
          is_zero(config.initial.velocity) &&
          std::ranges::all_of(driving_formulas(config), [](const DrivingFormula& of) { return of.formula->is_zero(); });

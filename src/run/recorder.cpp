@@ -214,6 +214,9 @@ std::vector<std::string> Recorder::columns(const Config& config, const Ledger& l
     for (const char* name : {"contact_gap_min", "contact_points"}) names.emplace_back(name);
   }
   for (std::string& name : rigid_states_.columns()) names.push_back(std::move(name));
+  for (const ModelTendon& tendon : model_.tendons()) {
+    for (const char* suffix : {"_tension", "_length"}) names.push_back(tendon.name + suffix);
+  }
   return names;
 }
 
@@ -277,7 +280,10 @@ void Recorder::record(const StepRecord& record, const Ledger& ledger) {
     add_contacts(Kind::bodies, &ContactForce::impulse);
     row.insert(row.end(), {record.contact.gap, record.contact.num_points});
   }
-  for (const double number : rigid_states_.values(record.q, record.v, ledger.joint_reactions())) row.push_back(number);
+  for (const double number :
+       rigid_states_.values(model_.instant(record.time), record.q, record.v, ledger.joint_reactions()))
+    row.push_back(number);
+  for (const double number : tendon_states(record)) row.push_back(number);
   history_.append(row);
 }
 
@@ -291,6 +297,20 @@ std::vector<double> Recorder::cavity_states(const StepRecord& record) {
     const double swept = sum(model_.layout().comm, cavity.term->swept(u.span()));
     const LoadState at = static_time_ ? LoadState{*static_time_, record.time} : LoadState{record.time, 1.0};
     values.insert(values.end(), {cavity.term->pressure(swept, at), cavity.volume - swept});
+  }
+  return values;
+}
+
+std::vector<double> Recorder::tendon_states(const StepRecord& record) {
+  std::vector<double> values;
+  if (model_.tendons().empty()) return values;
+  check(VecCopy(record.q, q_.get()));
+  update_ghosts(q_.get());
+  const ConstGhostedView u(q_.get());
+  const Instant at = model_.instant(record.time);
+  for (const ModelTendon& tendon : model_.tendons()) {
+    values.insert(values.end(),
+                  {tendon.term->tension(at.time, at.load_factor), length_of(tendon, model_.layout(), u.span())});
   }
   return values;
 }

@@ -41,6 +41,7 @@ class Recorder {
  private:
   /// Gauge pressure [Pa] and volume [m^3] of each cavity.
   std::vector<double> cavity_states(const StepRecord& record);
+  std::vector<double> tendon_states(const StepRecord& record);
   double contact_energy(const StepRecord& record);
   void add_contact_fields(const StepRecord& record, std::vector<std::vector<double>>& storage,
                           std::vector<OutputField>& fields);

@@ -530,7 +530,8 @@ TEST(InputErrors, OfOverridesNameTheOverride) {
 
 TEST(InputErrors, PlacesHoldAlsoWithWindowsLinesAndLettersBeyondAscii) {
   const std::string text = "\xEF\xBB\xBFtitle: 'caf\u00e9 \u20ac'\r\nmesh: {file: \"b.msh\"}\r\ncolour: 'x'\r\n";
-  EXPECT_EQ(told(mistakes(text)).find("dir/a.yaml:1:1: missing key 'bodies'"), 0u) << told(mistakes(text));
+  EXPECT_EQ(told(mistakes(text)).find("dir/a.yaml:1:1: missing key 'time'"), 0u) << told(mistakes(text));
+  EXPECT_NE(told(mistakes(text)).find("dir/a.yaml:1:1: missing key 'bodies'"), std::string::npos);
   EXPECT_NE(told(mistakes(text)).find("dir/a.yaml:3:1: unknown key 'colour'"), std::string::npos);
   EXPECT_EQ(told(mistakes(text + "title2: 'open\r\n")), "dir/a.yaml:4:9: this quote is not closed\n");
 }

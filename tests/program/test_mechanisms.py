@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from program import ProgramTest, read_history
+from program import ProgramTest, read_history, write_box
 
 CHAIN = """rigid_bodies:
   - {name: one, mass: 1, inertia: [0.01, 0.02, 0.03], center: [0.5, 0, 0]}
@@ -116,6 +116,106 @@ class Mechanisms(ProgramTest):
         self.write("in.yaml", self.chain("universal") + "time: {method: bdf2, step: 10 ms, end: 80 ms}\n")
         self.pliant("converge", "in.yaml", "--in", "time", "--levels", "3", "--methods", "all")
 
+    def test_springs_dampers_and_motors(self):
+        wheel = """rigid_bodies:
+  - {name: wheel, mass: 2, inertia: [0.1, 0.1, 0.05], center: [0, 0, 0]}
+joints:
+  - {name: axle, type: hinge, between: [ground, wheel], point: [0, 0, 0], axis: [0, 0, 1], MORE}
+"""
+        cart = """rigid_bodies:
+  - {name: cart, mass: 2, inertia: [0.1, 0.1, 0.1], center: [0, 0, 0], velocity: [0.5, 0, 0]}
+joints:
+  - {name: rail, type: slider, between: [ground, cart], point: [0, 0, 0.1], axis: [1, 0, 0], MORE}
+"""
+        time = "method: dirk33, step: 2 ms, end: 0.4"
+        with self.subTest("spring and damper"):
+            h = self.solve(cart.replace("MORE", "spring: {stiffness: 200, rest: 0.03}, damping: 4"), time)
+            decay, omega = 4 / (2 * 2), np.sqrt(200 / 2 - 1)
+            t = h["time"]
+            exact = 0.03 + np.exp(-decay * t) * (-0.03 * np.cos(omega * t) + (0.5 - 0.03 * decay) / omega * np.sin(omega * t))
+            np.testing.assert_allclose(h["rail_travel"], exact, atol=1e-7)
+            lost = h["kinetic_energy"][0] + 0.5 * 200 * 0.03**2 - h["kinetic_energy"][-1] - h["elastic_energy"][-1]
+            self.assertAlmostEqual(h["dissipated_joint_dampers"][-1], lost, delta=1e-5 * lost)
+        with self.subTest("turned spring"):
+            h = self.solve(wheel.replace("MORE", "spring: {stiffness: 5, rest: 0.4}"), time)
+            np.testing.assert_allclose(h["axle_angle"], 0.4 * (1 - np.cos(10 * h["time"])), atol=1e-6)
+        with self.subTest("effort"):
+            h = self.solve(wheel.replace("MORE", 'motor: {effort: "0.3*t"}'), time)
+            np.testing.assert_allclose(h["axle_angle"], 0.3 * h["time"] ** 3 / 6 / 0.05, atol=1e-9)
+            np.testing.assert_allclose(h["axle_effort"], 0.3 * h["time"], atol=1e-15)
+            self.assertAlmostEqual(h["load_work"][-1], h["kinetic_energy"][-1], delta=1e-9)
+        with self.subTest("control"):
+            # Against a weight on an arm, the integral part missing: the angle lags by weight / stiffness.
+            arm = wheel.replace("center: [0, 0, 0]", "center: [0.1, 0, 0]") + "loads: [{gravity: [0, -9.81, 0]}]\n"
+            h = self.solve(arm.replace("MORE", "motor: {target: 0.5, stiffness: 100, damping: 5}"), "method: bdf2, step: 5 ms, end: 3")
+            angle = h["axle_angle"][-1]
+            self.assertAlmostEqual(100 * (0.5 - angle), 2 * 9.81 * 0.1 * np.cos(angle), delta=1e-6)
+            self.assertAlmostEqual(h["axle_effort"][-1], 2 * 9.81 * 0.1 * np.cos(angle), delta=1e-6)
+        with self.subTest("limit"):
+            h = self.solve(wheel.replace("MORE", "motor: {target: 1, stiffness: 1000, limit: 0.2}"), "method: dirk33, step: 5 ms, end: 0.1")
+            np.testing.assert_allclose(h["axle_angle"], 0.5 * 0.2 / 0.05 * h["time"] ** 2, atol=1e-9)
+        # Between two bodies that turn, of all methods, on several ranks.
+        both = self.chain("hinge", ", spring: {stiffness: 30, rest: 0.3}, damping: 0.5, motor: {target: \"0.4*sin(5*t)\", stiffness: 20, damping: 1, limit: 3}")
+        self.write("in.yaml", both + "time: {method: bdf2, step: 5 ms, end: 40 ms}\n")
+        self.pliant("converge", "in.yaml", "--in", "time", "--levels", "3", "--methods", "all")
+        one, *others = [self.solve(both, "method: bdf2, step: 5 ms, end: 0.1", ranks) for ranks in (1, 2, 3)]
+        self.assertGreater(np.abs(one["b_effort"]).max(), 0.5)
+        for other in others:
+            self.assert_same_history(other, one, 1e-9)
+        self.assertLess(np.abs(one["energy_balance_error"]).max(), 1e-9 * one["kinetic_energy"].max())
+
+    def test_kinks_of_motions_are_events(self):
+        # The hinge turns at 1 rad/s until 0.033 s, between two nominal steps, and rests from then on.
+        h = self.solve(self.chain("hinge", ', motion: "min(t, 0.033)"'), "method: dirk33, step: 10 ms, end: 0.06")
+        self.assertIn(0.033, h["time"])
+        np.testing.assert_allclose(h["b_angle"], np.minimum(h["time"], 0.033), atol=1e-13)
+        self.assertAlmostEqual(h["b_rate"][-1], 0, delta=1e-10)
+
+    def test_tendons(self):
+        # A finger that a tendon bends: on an offset d from the middle, curvature T d / EI, of length 1 - T / EA.
+        text = """mesh: {file: finger.msh}
+element: P2
+bodies: [{density: 1000, elasticity: {model: saint-venant-kirchhoff, youngs_modulus: 1 MPa, poissons_ratio: 0}}]
+constraints: [{surface: left, displacement: [0, 0, 0]}]
+tendons: [{name: flexor, points: [POINTS], tension: "1*min(t, 1)"}]
+probes: [{name: tip, point: [0.1, 0.005, 0.005]}]
+"""
+        write_box(self.directory / "finger.msh", (20, 2, 2), (0.1, 0.01, 0.01))
+        points = ", ".join(f"[{x:.4f}, 0.005, 0.001]" for x in np.linspace(0, 0.1, 41))
+        text = text.replace("POINTS", points)
+        one, two = [self.solve(text, "method: static, end: 1, load_steps: 4", ranks) for ranks in (1, 2)]
+        self.assert_same_history(two, one, 1e-7)
+        np.testing.assert_allclose(one["tip_x"][-1], 95.24195e-3, rtol=0.01)
+        np.testing.assert_allclose(0.005 - one["tip_z"][-1], 23.30730e-3, rtol=0.015)
+        pull = one["flexor_length"][0] - one["flexor_length"][-1]
+        np.testing.assert_allclose(pull, 2.92e-3, rtol=0.02)
+        np.testing.assert_allclose(one["flexor_tension"], [0, 0.25, 0.5, 0.75, 1])
+        # Its work is what the finger stores, where nothing is lost.
+        self.assertAlmostEqual(one["load_work"][-1], one["elastic_energy"][-1], delta=0.02 * one["elastic_energy"][-1])
+        self.write("in.yaml", text.replace("min(t, 1)", "sin(3*t)") + "time: {method: bdf2, step: 2 ms, end: 16 ms}\n")
+        self.pliant("converge", "in.yaml", "--in", "time", "--levels", "3", "--methods", "bdf2,dirk33", "--no-check")
+
+    def test_motions_of_the_bodies_of_a_joint_are_seen(self):
+        # A slider on a body that is led: what is recorded is where the bodies are.
+        text = """rigid_bodies:
+  - {name: base, mass: 1, inertia: [0.1, 0.1, 0.1], center: [0, 0, 0]}
+  - {name: cart, mass: 1, inertia: [0.1, 0.1, 0.1], center: [0, 0, 1]}
+constraints: [{volume: base, rigid: {translation: ["0.3*t^2", 0, 0], rotation: free}}]
+joints: [{name: rail, type: slider, between: [base, cart], point: [0, 0, 1], axis: [1, 0, 0]}]
+"""
+        h = self.solve(text, "method: dirk33, step: 5 ms, end: 0.2")
+        np.testing.assert_allclose(h["rail_travel"], h["cart_x"] - h["base_x"], atol=1e-12)
+        np.testing.assert_allclose(h["rail_rate"], h["cart_vx"] - h["base_vx"], atol=1e-11)
+        np.testing.assert_allclose(h["base_x"], 0.3 * h["time"] ** 2, atol=1e-12)
+
+    def test_restart_on_more_ranks_than_bodies(self):
+        text = self.chain("ball") + "checkpoint: {}\n"
+        self.solve(text, "method: bdf2, step: 5 ms, end: 20 ms")
+        self.pliant("resume", "out", "--quiet", "--set", "time.end=40ms", ranks=4)
+        resumed = read_history(self.directory / "out")
+        whole = self.solve(self.chain("ball"), "method: bdf2, step: 5 ms, end: 40 ms")
+        self.assert_same_history(resumed, whole, 1e-9)
+
     def test_loops_close(self):
         crank = """rigid_bodies:
   - {name: crank, mass: 0.5, inertia: [1e-4, 1e-3, 1e-3], center: [0.065818692, 0, 0.035956915]}
@@ -212,13 +312,19 @@ loads: [{gravity: [0, 0, -9.81]}]
         chain = self.chain("ball")
         cases = {
             "no body has these moments of inertia": chain.replace("inertia: [0.01, 0.02, 0.03]", "inertia: [0.01, 0.02, 0.04]"),
-            "connects 'tow', which is no rigid body": chain.replace("[one, two]", "[one, tow]"),
+            "connects 'tow', which is not a rigid body": chain.replace("[one, two]", "[one, tow]"),
             "missing key 'axis' in joints[1]": chain.replace("type: ball", "type: hinge"),
             "repeat or contradict": chain.replace("loads:", "  - {name: c, type: hinge, between: [one, two], point: [1, 0, 0], axis: [0, 1, 0]}\nloads:"),
             "must be at right angles": chain.replace("type: ball", "type: universal").replace("point: [1, 0, 0], }", "point: [1, 0, 0], axis: [1, 0, 0], second_axis: [1, 1, 0]}"),
             "connects 'one' with itself": chain.replace("[one, two]", "[one, one]"),
             "'motion' can only be given with": chain.replace("point: [1, 0, 0], }", 'point: [1, 0, 0], motion: "t"}'),
             "is given twice": chain.replace("name: two", "name: one"),
+            "begins at 0.5": chain.replace("type: ball", "type: hinge").replace("point: [1, 0, 0], }", 'point: [1, 0, 0], axis: [0, 0, 1], motion: "0.5+t"}'),
+            "the points of joint 'b' are one": chain.replace("type: ball", "type: distance").replace("point: [1, 0, 0], }", "point: [1, 0, 0], second_point: [1, 0, 0]}"),
+            "is not finite": chain.replace("type: ball", "type: hinge").replace("point: [1, 0, 0], }", 'point: [1, 0, 0], axis: [0, 0, 1], motor: {effort: "1/t"}}'),
+            "names what does not move": chain.replace("name: one,", "name: ground,"),
+            "the same point twice": chain + "tendons: [{name: cord, points: [[0.5, 0, 0], [0.5, 0, 0]], tension: 1}]\n",
+            "outside the mesh": chain + "tendons: [{name: cord, points: [[0, 0, 0], [9, 9, 9]], tension: 1}]\n",
             "missing key 'mesh'": chain + "bodies: [{density: 1, rigid: true}]\n",
         }
         for message, text in cases.items():

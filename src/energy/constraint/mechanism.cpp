@@ -107,12 +107,14 @@ bool Mechanism::approach(Vector& xi) const {
   evaluate(motions(xi), h, G);
   for (int i = 0; i < most_iterations; ++i) {
     if (!h.allFinite()) return false;
-    if (h.lpNorm<Eigen::Infinity>() <= tolerance * size_) return true;
+    if (h.lpNorm<Eigen::Infinity>() <= tolerance * size_) return joints_.is_on_branch(motions(xi), given_);
     const Vector change = G.transpose() * Matrix(G * G.transpose()).partialPivLu().solve(h);
     double factor = 1.0;
     for (int k = 0;; ++k, factor *= 0.5) {
       // To rounding: nothing lowers it any more.
-      if (k == most_halvings) return h.lpNorm<Eigen::Infinity>() <= std::sqrt(tolerance) * size_;
+      if (k == most_halvings) {
+        return h.lpNorm<Eigen::Infinity>() <= std::sqrt(tolerance) * size_ && joints_.is_on_branch(motions(xi), given_);
+      }
       const Vector next = xi - factor * change;
       evaluate(motions(next), h_next, G_next);
       if (!(h_next.norm() < h.norm())) continue;
@@ -133,11 +135,14 @@ bool Mechanism::solve(Vector& xi) const {
   Matrix G;
   double last = std::numeric_limits<double>::infinity();
   for (int i = 0; i < most_iterations; ++i) {
-    evaluate(motions(xi), h, G);
+    const auto parts = motions(xi);
+    evaluate(parts, h, G);
     const double error = h.lpNorm<Eigen::Infinity>();
     if (!std::isfinite(error)) return false;
     // To rounding: until it does not fall any more.
-    if (error <= tolerance * size_ || (error <= std::sqrt(tolerance) * size_ && error > slow * last)) return true;
+    if (error <= tolerance * size_ || (error <= std::sqrt(tolerance) * size_ && error > slow * last)) {
+      return joints_.is_on_branch(parts, given_);
+    }
     last = error;
     const Vector z = Matrix(G * G_ref_.transpose()).partialPivLu().solve(h);
     xi -= G_ref_.transpose() * z;
@@ -145,6 +150,15 @@ bool Mechanism::solve(Vector& xi) const {
     if (!(xi - reference_).allFinite()) return false;
   }
   return false;
+}
+
+Mechanism::Vector Mechanism::nearest_of_parts(Vec q) const {
+  std::vector<double> xi;
+  for (const auto& part : parts_) {
+    const auto nearest = part->nearest_unknowns(q);
+    xi.insert(xi.end(), nearest.begin(), nearest.end());
+  }
+  return Eigen::Map<const Vector>(xi.data(), static_cast<Eigen::Index>(xi.size()));
 }
 
 void Mechanism::begin_stage(const StagePoint& stage, Vec q) {
@@ -171,12 +185,7 @@ void Mechanism::begin_stage(const StagePoint& stage, Vec q) {
   const double passed = time - stage.step_start;
   given_ = joints_.given(time, passed > 0.0 ? passed : stage.dt, stage.dt, stage.load_factor,
                          passed > 0.0 ? Side::before : Side::after);
-  std::vector<double> xi;
-  for (const auto& part : parts_) {
-    const auto nearest = part->nearest_unknowns(q);
-    xi.insert(xi.end(), nearest.begin(), nearest.end());
-  }
-  reference_ = Eigen::Map<const Vector>(xi.data(), static_cast<Eigen::Index>(xi.size()));
+  reference_ = nearest_of_parts(q);
   Vector h, solution = reference_;
   evaluate(motions(reference_), h, G_ref_);
   if (approach(solution)) {
@@ -190,12 +199,7 @@ void Mechanism::begin_end_of_step(Vec q) {
   solution_ = {};
   for (const auto& part : parts_) part->begin_end_of_step(q);
   level_ = Level::configuration;
-  std::vector<double> xi;
-  for (const auto& part : parts_) {
-    const auto nearest = part->nearest_unknowns(q);
-    xi.insert(xi.end(), nearest.begin(), nearest.end());
-  }
-  reference_ = Eigen::Map<const Vector>(xi.data(), static_cast<Eigen::Index>(xi.size()));
+  reference_ = nearest_of_parts(q);
   Vector g;
   joints_.configuration(motions(reference_), Along::columns, given_, g, G_ref_);
   choose_columns(G_ref_);
@@ -297,12 +301,7 @@ std::vector<double> Mechanism::curvature(std::span<const double> unknowns, Vec f
 }
 
 std::vector<double> Mechanism::nearest_unknowns(Vec q) const {
-  std::vector<double> xi;
-  for (const auto& part : parts_) {
-    const auto nearest = part->nearest_unknowns(q);
-    xi.insert(xi.end(), nearest.begin(), nearest.end());
-  }
-  Vector solution = Eigen::Map<const Vector>(xi.data(), static_cast<Eigen::Index>(xi.size()));
+  Vector solution = nearest_of_parts(q);
   Vector on_joints = solution;
   if (approach(on_joints)) solution = on_joints;
   const Vector y = columns_.transpose() * (solution - reference_);
@@ -412,7 +411,7 @@ std::array<RigidPart::RigidState, 2> Mechanism::states(const std::array<int, 2>&
   std::array<RigidPart::RigidState, 2> result;
   for (std::size_t side = 0; side < 2; ++side) {
     if (parts[side] < 0) continue;
-    result[side] = parts_[static_cast<std::size_t>(parts[side])]->state({0.0, 1.0}, Side::after, q, v);
+    result[side] = parts_[static_cast<std::size_t>(parts[side])]->state(q, v);
   }
   return result;
 }
@@ -420,7 +419,7 @@ std::array<RigidPart::RigidState, 2> Mechanism::states(const std::array<int, 2>&
 // At the step's end: the forces of the joints balance those on the unknowns of the parts, G^T lambda = phi.
 std::vector<JointReaction> Mechanism::reactions(Vec r, Vec q, std::span<const Vector3<double>> points) const {
   std::vector<RigidPart::RigidState> at;
-  for (const auto& part : parts_) at.push_back(part->state({0.0, 1.0}, Side::after, q, q));
+  for (const auto& part : parts_) at.push_back(part->state(q, q));
   const std::vector<PartMotion> motions_now = motions(at);
   Vector g;
   Matrix G;

@@ -80,6 +80,8 @@ class Mechanism final : public DependentNodes {
 
   std::span<const double> of_part(const Vector& xi, std::size_t part) const;
   std::vector<PartMotion> motions(const Vector& xi) const;
+  /// The unknowns of each part that are nearest to q.
+  Vector nearest_of_parts(Vec q) const;
   /// h and its derivative by xi.
   void evaluate(const std::vector<PartMotion>& parts, Vector& h, Matrix& G) const;
   /// The columns N for equations with the derivative G_ref.

@@ -286,6 +286,14 @@ RigidPart::RigidState RigidPart::state(const Step& step, Side side, Vec q, Vec v
   return nearest_state({motion_, step.time, step.dt, 1.0, side}, q, v);
 }
 
+RigidPart::RigidState RigidPart::state(Vec q, Vec v) const {
+  RigidState state{nearest(q), {}, {}, motion_.rigid->centre};
+  const auto velocities = nearest_velocities(state.at, v);
+  state.velocity = velocities[0];
+  state.omega = velocities[1];
+  return state;
+}
+
 RigidPart::RigidState RigidPart::moved(RigidState state, std::span<const double> unknowns,
                                        std::span<const double> rates) const {
   Vector3<double> theta{};

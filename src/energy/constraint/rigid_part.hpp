@@ -102,6 +102,8 @@ class RigidPart final : public DependentNodes {
     BodyMotion<double> rate() const;
   };
   RigidState state(const Step& step, Side side, Vec q, Vec v) const;
+  /// The same without what is prescribed: as it is. Collective.
+  RigidState state(Vec q, Vec v) const;
   /// Moves a state by unknowns, and changes its velocities by rates of them.
   RigidState moved(RigidState state, std::span<const double> unknowns, std::span<const double> rates) const;
   /// Writes displacements (unless q is nullptr) and velocities of a state to the nodes.

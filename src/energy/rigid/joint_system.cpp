@@ -128,6 +128,24 @@ void JointSystem::acceleration(std::span<const PartMotion> parts, std::span<cons
   }
 }
 
+bool JointSystem::is_on_branch(std::span<const PartMotion> parts, const Given& given) const {
+  const auto value = [&](int body) -> const BodyMotion<double>& {
+    return body < 0 ? at_rest : parts[static_cast<std::size_t>(body)].value;
+  };
+  for (std::size_t j = 0; j < equations_.size(); ++j) {
+    const JointEquation& equation = equations_[j];
+    if (const auto* turn = std::get_if<Turn>(&equation.kind)) {
+      const BodyMotion<double>& a = value(equation.bodies[0]);
+      const Vector3<double> wanted =
+          std::cos(given[j].value) * a.direction(turn->e) + std::sin(given[j].value) * a.direction(turn->f);
+      if (!(dot(value(equation.bodies[1]).direction(turn->e), wanted) > 0.0)) return false;
+    }
+    const auto* distance = std::get_if<Distance>(&equation.kind);
+    if (distance != nullptr && distance->given && !(given[j].value > 0.0)) return false;
+  }
+  return true;
+}
+
 JointSystem::Vector JointSystem::rates(std::span<const BodyMotion<double>> values,
                                        std::span<const BodyMotion<double>> rates, const Given& given) const {
   using Number = TimeSeries<double>;

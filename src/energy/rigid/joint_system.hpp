@@ -54,6 +54,9 @@ class JointSystem {
   /// dt^2; `advance`: dt v0; rates of what is given are times dt.
   void acceleration(std::span<const PartMotion> parts, std::span<const BodyMotion<double>> start,
                     std::span<const BodyMotion<double>> advance, const Given& given, Vector& h, Matrix& G) const;
+  /// Whether solutions are those that are meant: a turn is known up to half a turn by its equation, a distance up to
+  /// its sign.
+  bool is_on_branch(std::span<const PartMotion> parts, const Given& given) const;
   /// dg/dt.
   Vector rates(std::span<const BodyMotion<double>> values, std::span<const BodyMotion<double>> rates,
                const Given& given) const;

@@ -2,6 +2,7 @@
 
 #include "base/tensor.hpp"
 #include "base/vector3.hpp"
+#include "input/analysis.hpp"
 
 #include <algorithm>
 #include <array>
@@ -27,9 +28,27 @@ bool has_real_mass(const std::array<double, 6>& moments) {
          a * b * c - 2.0 * xy * yz * zx - a * yz * yz - b * zx * zx - c * xy * xy >= 0.0;
 }
 
+/// What the keys of a joint cannot say one by one.
+void check_joint(const JointConfig& joint, bool is_dynamic, Diagnostics& diagnostics) {
+  if (joint.type == JointType::distance && joint.second_point == joint.point) {
+    diagnostics.add(
+        joint.where,
+        fmt::format("the points of joint '{}' are one: a distance of 0 is a joint of type 'ball'", joint.name));
+  }
+  constexpr double rounding_of_start = 1e-9;  // [rad] or [m]
+  const double start = joint.motion && is_dynamic ? (*joint.motion)(0.0, 0.0, 0.0, 0.0) : 0.0;
+  if (std::abs(start) > rounding_of_start) {
+    diagnostics.add(joint.where,
+                    fmt::format("the motion of joint '{}' begins at {:g}, and the bodies at 0: it must be 0 at "
+                                "t = 0",
+                                joint.name, start));
+  }
+}
+
 }  // namespace
 
 void check_rigid_bodies(const Config& config, Diagnostics& diagnostics) {
+  const bool is_dynamic = analysis_of(config) == Analysis::dynamic;
   std::map<std::string, std::string> taken;  // name: what has it
   const auto take = [&](const std::string& name, const char* what, const Location& where) {
     if (name.empty()) return;
@@ -41,10 +60,22 @@ void check_rigid_bodies(const Config& config, Diagnostics& diagnostics) {
                    : fmt::format("'{}' names a {} and a {}, and history.csv has columns for both; rename one", name,
                                  found->second, what));
   };
+  const auto refuse_ground = [&](const std::string& name, const Location& where) {
+    if (name != "ground") return;
+    diagnostics.add(where, "'ground' names what does not move; choose another name for the rigid body");
+  };
+  for (const BodyConfig& body : config.bodies) {
+    if (!body.is_rigid) continue;
+    take(body.part.name.empty() ? "body" : body.part.name, "rigid body", body.where);
+    refuse_ground(body.part.name, body.where);
+  }
   for (const RigidBodyConfig& body : config.rigid_bodies) {
     take(body.name, "rigid body", body.where);
-    if (body.name == "ground") {
-      diagnostics.add(body.where, "'ground' names what does not move; choose another name for the rigid body");
+    refuse_ground(body.name, body.where);
+    const auto has_name = [&](const BodyConfig& other) { return !other.is_rigid && other.part.name == body.name; };
+    if (std::ranges::any_of(config.bodies, has_name)) {
+      diagnostics.add(body.where,
+                      fmt::format("'{}' is also the volume of a body with a mesh; rename the rigid body", body.name));
     }
     if (!has_real_mass(body.inertia.moments)) {
       diagnostics.add(
@@ -56,6 +87,12 @@ void check_rigid_bodies(const Config& config, Diagnostics& diagnostics) {
   }
   for (const JointConfig& joint : config.joints) {
     take(joint.name, "joint", joint.where);
+    check_joint(joint, is_dynamic, diagnostics);
+  }
+  for (const TendonConfig& tendon : config.tendons) {
+    take(tendon.name, "tendon", tendon.where);
+    if (std::ranges::adjacent_find(tendon.points) == tendon.points.end()) continue;
+    diagnostics.add(tendon.where, fmt::format("tendon '{}' has the same point twice in a row", tendon.name));
   }
   for (const ProbeConfig& probe : config.probes) take(probe.name, "probe", probe.where);
 }

@@ -33,6 +33,33 @@ Format<Inertia> inertia() {
   return format;
 }
 
+Section<JointConfig::Motor> motor_keys() {
+  using M = JointConfig::Motor;
+  return {{
+      field("target", &M::target, expression("1", Variables::time), "angle [rad] or travel [m] that it aims at")
+          .otherwise("0"),
+      field("stiffness", &M::stiffness, quantity("1", Range::at_least(0)),
+            "effort per difference from the target [N m/rad or N/m]")
+          .otherwise("0"),
+      field("damping", &M::damping, quantity("1", Range::at_least(0)),
+            "effort per difference from the target's rate [N m s/rad or N s/m]")
+          .otherwise("0"),
+      field("limit", &M::limit, quantity("1", Range::above(0)), "largest effort, reached smoothly [N m or N]")
+          .otherwise_in_words("none"),
+      field("effort", &M::effort, expression("1", Variables::time), "given torque [N m] or force [N], in addition")
+          .otherwise("0"),
+  }};
+}
+
+Section<JointConfig::Spring> spring_keys() {
+  using S = JointConfig::Spring;
+  return {{
+      field("stiffness", &S::stiffness, quantity("1", Range::above(0)), "effort per angle or travel [N m/rad or N/m]")
+          .required(),
+      field("rest", &S::rest, quantity("1"), "angle [rad] or travel [m] without effort").otherwise("0"),
+  }};
+}
+
 }  // namespace
 
 Section<RigidBodyConfig> rigid_body_keys() {
@@ -90,9 +117,35 @@ Section<JointConfig> joint_keys() {
                 "given angle [rad] of a hinge, travel [m] of a slider or change of a distance [m]")
               .otherwise_in_words("none: it follows from the forces")
               .only_with({{"type", "hinge"}, {"type", "slider"}, {"type", "distance"}}),
+          field("motor", &J::motor, map_of(motor_keys()),
+                "motor: proportional and derivative control of the angle or travel, or a given effort")
+              .otherwise_in_words("none")
+              .only_with({{"type", "hinge"}, {"type", "slider"}}),
+          field("spring", &J::spring, map_of(spring_keys()), "spring that acts on the angle or travel")
+              .otherwise_in_words("none")
+              .only_with({{"type", "hinge"}, {"type", "slider"}}),
+          field("damping", &J::damping, quantity("1", Range::at_least(0)),
+                "effort per rate of the angle [N m s/rad] or travel [N s/m]")
+              .otherwise_in_words("0")
+              .only_with({{"type", "hinge"}, {"type", "slider"}}),
+      },
+      {{{"motion", "motor"}, KeyGroup::Need::at_most_one}},
+      &J::where};
+}
+
+Section<TendonConfig> tendon_keys() {
+  using T = TendonConfig;
+  return {
+      {
+          field("name", &T::name, column_name(), "prefix of its columns in history.csv").required(),
+          field(
+              "points", &T::points, list_of(array_of<3>(quantity("m")), 2),
+              "places in the bodies at the start through which it passes, in their order; it is straight between them")
+              .required(),
+          field("tension", &T::tension, expression("N", Variables::time), "force with which it is pulled").required(),
       },
       {},
-      &J::where};
+      &T::where};
 }
 
 }  // namespace pliant

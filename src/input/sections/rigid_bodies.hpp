@@ -1,4 +1,4 @@
-/// The keys of `rigid_bodies[]` and `joints[]`.
+/// The keys of `rigid_bodies[]`, `joints[]` and `tendons[]`.
 #pragma once
 
 #include "input/schema.hpp"
@@ -7,5 +7,6 @@ namespace pliant {
 
 Section<RigidBodyConfig> rigid_body_keys();
 Section<JointConfig> joint_keys();
+Section<TendonConfig> tendon_keys();
 
 }  // namespace pliant

@@ -1,0 +1,353 @@
+#include "energy/rigid/joint_effort.hpp"
+
+#include "base/formula_tree.hpp"
+#include "petsc/collective.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace pliant {
+namespace {
+
+constexpr int ground = -1;
+
+/// The difference of two coordinates; of two angles in [-pi, pi].
+double difference(double a, double b, bool turns) {
+  return turns ? std::remainder(a - b, 2.0 * std::numbers::pi) : a - b;
+}
+
+struct EffortOf {
+  double coordinate, rate, time, factor;
+  bool turns;
+
+  JointEffortValue operator()(const JointSpring& spring) const {
+    return {-spring.stiffness * difference(coordinate, spring.rest, turns), -spring.stiffness, 0.0};
+  }
+  JointEffortValue operator()(const JointDamper& damper) const {
+    return {-damper.coefficient * rate, 0.0, -damper.coefficient};
+  }
+  JointEffortValue operator()(const JointMotor& motor) const {
+    const TimeJet target = motor.target.derivatives(0.0, 0.0, 0.0, time, time);
+    const double u = motor.stiffness * difference(factor * target.value, coordinate, turns) +
+                     motor.damping * (factor * target.rate - rate);
+    double effort = u, slope = 1.0;
+    if (motor.limit) {
+      const double tanh = std::tanh(u / *motor.limit);
+      effort = *motor.limit * tanh;
+      slope = 1.0 - tanh * tanh;
+    }
+    return {effort + factor * motor.effort(0.0, 0.0, 0.0, time), -slope * motor.stiffness, -slope * motor.damping};
+  }
+};
+
+/// Shape functions of the linear tetrahedron of four nodes.
+struct Corners {
+  Vector3<double> centre{};                    // of the first node
+  std::array<Vector3<double>, 4> gradients{};  // [1/m]
+
+  explicit Corners(const std::array<Vector3<double>, 4>& X) : centre(X[0]) {
+    const Vector3<double> a = X[1] - X[0], b = X[2] - X[0], c = X[3] - X[0];
+    const double volume = dot(a, cross(b, c));
+    gradients[1] = (1.0 / volume) * cross(b, c);
+    gradients[2] = (1.0 / volume) * cross(c, a);
+    gradients[3] = (1.0 / volume) * cross(a, b);
+    gradients[0] = -1.0 * (gradients[1] + gradients[2] + gradients[3]);
+  }
+  template <class T>
+  BodyMotion<T> motion(const std::array<Vector3<T>, 4>& u) const {
+    BodyMotion<T> result{centre, u[0], {}};
+    for (std::size_t a = 0; a < 4; ++a) {
+      for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+          result.gradient(i, j) =
+              result.gradient(i, j) + T(gradients[a][static_cast<std::size_t>(j)]) * u[a][static_cast<std::size_t>(i)];
+        }
+      }
+    }
+    return result;
+  }
+};
+
+/// The coordinate of a joint as a function of the displacements of its nodes, those of the first body first, and its
+/// derivatives.
+class CoordinateOfNodes {
+ public:
+  static constexpr std::size_t most = 24;  ///< displacements
+
+  CoordinateOfNodes(const JointCoordinate& coordinate, const std::array<std::vector<PetscInt>, 2>& nodes,
+                    std::span<const double> X)
+      : coordinate_(coordinate) {
+    for (std::size_t side = 0; side < 2; ++side) {
+      if (nodes[side].empty()) continue;
+      std::array<Vector3<double>, 4> x;
+      for (std::size_t a = 0; a < 4; ++a) {
+        for (std::size_t i = 0; i < 3; ++i) x[a][i] = X[3 * static_cast<std::size_t>(nodes[side][a]) + i];
+      }
+      corners_[side].emplace(x);
+      for (const PetscInt node : nodes[side]) nodes_.push_back(node);
+    }
+  }
+  const std::vector<PetscInt>& nodes() const { return nodes_; }
+  std::size_t size() const { return 3 * nodes_.size(); }
+
+  template <class T>
+  T operator()(std::span<const T> u) const {
+    std::array<BodyMotion<T>, 2> motions{};
+    std::size_t first = 0;
+    for (std::size_t side = 0; side < 2; ++side) {
+      if (!corners_[side]) continue;
+      std::array<Vector3<T>, 4> own;
+      for (std::size_t a = 0; a < 4; ++a) {
+        for (std::size_t i = 0; i < 3; ++i) own[a][i] = u[first + 3 * a + i];
+      }
+      motions[side] = corners_[side]->motion(own);
+      first += 12;
+    }
+    return std::visit([&](const auto& joint) { return coordinate_of(joint, motions[0], motions[1]); }, coordinate_);
+  }
+  std::vector<double> gather(std::span<const double> q) const {
+    std::vector<double> u;
+    for (const PetscInt node : nodes_) {
+      for (std::size_t i = 0; i < 3; ++i) u.push_back(q[3 * static_cast<std::size_t>(node) + i]);
+    }
+    return u;
+  }
+  std::vector<double> gradient(std::span<const double> u) const {
+    std::vector<Dual<double>> x(u.begin(), u.end());
+    std::vector<double> result;
+    for (auto& one : x) {
+      one.slope = 1.0;
+      result.push_back((*this)(std::span<const Dual<double>>(x)).slope);
+      one.slope = 0.0;
+    }
+    return result;
+  }
+  /// By rows.
+  std::vector<double> hessian(std::span<const double> u) const {
+    using Twice = Dual<Dual<double>>;
+    std::vector<Twice> x;
+    for (const double value : u) x.push_back({Dual<double>(value, 0.0), Dual<double>(0.0, 0.0)});
+    std::vector<double> result;
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      x[k].slope.value = 1.0;
+      for (std::size_t l = 0; l < x.size(); ++l) {
+        x[l].value.slope = 1.0;
+        result.push_back((*this)(std::span<const Twice>(x)).slope.slope);
+        x[l].value.slope = 0.0;
+      }
+      x[k].slope.value = 0.0;
+    }
+    return result;
+  }
+
+ private:
+  const JointCoordinate& coordinate_;
+  std::array<std::optional<Corners>, 2> corners_;
+  std::vector<PetscInt> nodes_;
+};
+
+/// A joint in a stage.
+struct State {
+  std::vector<double> u, velocity, slope;
+  JointEffortValue effort;
+  double coordinate = 0.0, rate = 0.0;
+};
+
+State state_of(const CoordinateOfNodes& coordinate, const JointEffort::Joint& joint, const LocalStage& stage,
+               std::span<const double> q) {
+  State state{coordinate.gather(q), std::vector<double>(coordinate.size(), 0.0), {}, {}};
+  state.coordinate = coordinate(std::span<const double>(state.u));
+  state.slope = coordinate.gradient(state.u);
+  if (!std::holds_alternative<JointSpring>(joint.law) && !stage.q0.empty() && stage.dt > 0.0) {
+    const auto start = coordinate.gather(stage.q0);
+    for (std::size_t k = 0; k < start.size(); ++k) {
+      state.velocity[k] = (state.u[k] - start[k]) / stage.dt;
+      state.rate += state.slope[k] * state.velocity[k];
+    }
+  }
+  state.effort = joint_effort(joint.law, state.coordinate, state.rate, stage.time, stage.load_factor,
+                              std::holds_alternative<JointAngle>(joint.coordinate));
+  return state;
+}
+
+}  // namespace
+
+JointEffortValue joint_effort(const JointLaw& law, double coordinate, double rate, double time, double factor,
+                              bool turns) {
+  return std::visit(EffortOf{coordinate, rate, time, factor, turns}, law);
+}
+
+JointBody joint_body(const NodeLayout& layout, const std::vector<int>& body_of_cell, int body) {
+  std::int64_t mine = std::numeric_limits<std::int64_t>::max();
+  PetscInt cell = -1;
+  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
+    const auto k = static_cast<std::size_t>(c);
+    if (body_of_cell[k] != body || layout.cell_numbers[k] >= mine) continue;
+    mine = layout.cell_numbers[k];
+    cell = c;
+  }
+  std::int64_t first = mine;
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT64_T, MPI_MIN, layout.comm));
+  JointBody result{body, {}, false};
+  if (cell < 0 || mine != first) return result;
+  const auto corners = layout.nodes_of_cell(cell).first(4);
+  result.is_owned = corners[0] < layout.num_owned_nodes;
+  const bool has_some = std::ranges::any_of(corners, [&](PetscInt n) { return n < layout.num_owned_nodes; });
+  if (has_some) result.nodes.assign(corners.begin(), corners.end());
+  return result;
+}
+
+JointEffort::JointEffort(const std::vector<JointBody>& bodies, std::vector<Joint> joints) : joints_(std::move(joints)) {
+  patches_.nodes_per_patch = 4;
+  for (const JointBody& body : bodies) {
+    const auto has_body = [&](const Joint& joint) {
+      return joint.bodies[0] == body.key || joint.bodies[1] == body.key;
+    };
+    if (body.nodes.empty() || std::ranges::none_of(joints_, has_body)) continue;
+    patches_.nodes.insert(patches_.nodes.end(), body.nodes.begin(), body.nodes.end());
+    patches_.keys.push_back(body.key);
+    patches_.tags.push_back(body.key);
+    patches_.is_owned.push_back(body.is_owned ? 1 : 0);
+  }
+}
+
+bool JointEffort::may_couple(int tag, int other) const {
+  return std::ranges::any_of(joints_, [&](const Joint& joint) {
+    return joint.bodies == std::array{tag, other} || joint.bodies == std::array{other, tag};
+  });
+}
+
+std::string_view JointEffort::name() const {
+  constexpr std::array<std::string_view, 3> names{"joint-springs", "joint-dampers", "joint-motors"};
+  return names[joints_.front().law.index()];
+}
+
+TermDeclaration JointEffort::declaration() const {
+  TermDeclaration declaration;
+  declaration.is_potential = is_spring();
+  declaration.account = std::holds_alternative<JointMotor>(joints_.front().law) ? Account::load : Account::stored;
+  declaration.dissipates = std::holds_alternative<JointDamper>(joints_.front().law);
+  declaration.symmetry = is_spring() ? Symmetry::symmetric : Symmetry::unsymmetric;
+  declaration.rotates_with_body = false;
+  return declaration;
+}
+
+std::vector<JointEffort::Seen> JointEffort::seen(const NearPatches& near) const {
+  std::vector<Seen> result;
+  const auto& keys = near.patches.keys;
+  for (const Joint& joint : joints_) {
+    Seen one{&joint, {}, false};
+    bool is_there = true;
+    int least = std::numeric_limits<int>::max();
+    for (std::size_t side = 0; side < 2; ++side) {
+      if (joint.bodies[side] == ground) continue;
+      const auto found = std::ranges::find(keys, static_cast<std::int64_t>(joint.bodies[side]));
+      if (found == keys.end()) {
+        is_there = false;
+        break;
+      }
+      const auto patch = static_cast<std::size_t>(found - keys.begin());
+      const auto nodes = near.patches.nodes_of(patch);
+      one.nodes[side].assign(nodes.begin(), nodes.end());
+      if (joint.bodies[side] >= least) continue;
+      least = joint.bodies[side];
+      one.is_counted = near.patches.is_owned[patch] != 0;
+    }
+    if (is_there) result.push_back(std::move(one));
+  }
+  return result;
+}
+
+double JointEffort::value(const LocalStage& stage, std::span<const double> q) const {
+  double sum = 0.0;
+  for (const Seen& one : seen(*stage.near)) {
+    const auto* spring = std::get_if<JointSpring>(&one.joint->law);
+    if (spring == nullptr || !one.is_counted) continue;
+    const CoordinateOfNodes coordinate(one.joint->coordinate, one.nodes, stage.near->coordinates);
+    const bool turns = std::holds_alternative<JointAngle>(one.joint->coordinate);
+    const auto stretch = [&](std::span<const double> at) {
+      const auto u = coordinate.gather(at);
+      return difference(coordinate(std::span<const double>(u)), spring->rest, turns);
+    };
+    const double now = stretch(q), then = stretch(stage.reference());
+    sum += 0.5 * spring->stiffness * (now - then) * (now + then);
+  }
+  return sum;
+}
+
+void JointEffort::add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const {
+  for (const Seen& one : seen(*stage.near)) {
+    const CoordinateOfNodes coordinate(one.joint->coordinate, one.nodes, stage.near->coordinates);
+    const State state = state_of(coordinate, *one.joint, stage, q);
+    for (std::size_t a = 0; a < coordinate.nodes().size(); ++a) {
+      if (!stage.near->is_owned(coordinate.nodes()[a])) continue;
+      for (std::size_t i = 0; i < 3; ++i) {
+        r[3 * static_cast<std::size_t>(coordinate.nodes()[a]) + i] -= state.effort.effort * state.slope[3 * a + i];
+      }
+    }
+  }
+}
+
+// r = -f(s, s') ds: -f d2s - ds (f_s ds + f_s' (ds / dt + d2s v))^T.
+void JointEffort::add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
+                              Projection projection) const {
+  for (const Seen& one : seen(*stage.near)) {
+    const CoordinateOfNodes coordinate(one.joint->coordinate, one.nodes, stage.near->coordinates);
+    const State state = state_of(coordinate, *one.joint, stage, q);
+    const std::size_t n = coordinate.size();
+    const double per_time = stage.dt > 0.0 ? 1.0 / stage.dt : 0.0;
+    std::vector<double> by_place(n), curvature(n * n, 0.0);
+    const double along = state.effort.by_coordinate + state.effort.by_rate * per_time;
+    for (std::size_t k = 0; k < n; ++k) by_place[k] = along * state.slope[k];
+    if (projection == Projection::none) {
+      curvature = coordinate.hessian(state.u);
+      for (std::size_t k = 0; k < n; ++k) {
+        for (std::size_t l = 0; l < n; ++l)
+          by_place[k] += state.effort.by_rate * curvature[n * k + l] * state.velocity[l];
+      }
+    }
+    const auto& nodes = coordinate.nodes();
+    for (std::size_t a = 0; a < nodes.size(); ++a) {
+      if (!stage.near->is_owned(nodes[a])) continue;
+      for (std::size_t b = 0; b < nodes.size(); ++b) {
+        std::array<double, 9> block{};
+        for (std::size_t i = 0; i < 3; ++i) {
+          for (std::size_t j = 0; j < 3; ++j) {
+            block[3 * i + j] = -state.slope[3 * a + i] * by_place[3 * b + j] -
+                               state.effort.effort * curvature[n * (3 * a + i) + 3 * b + j];
+          }
+        }
+        K.add(nodes[a], nodes[b], block);
+      }
+    }
+  }
+}
+
+double JointEffort::energy_at(const Instant& at, std::span<const double> q, std::span<const double> /*z*/) const {
+  double sum = 0.0;
+  for (const Seen& one : seen(*at.near)) {
+    const auto* spring = std::get_if<JointSpring>(&one.joint->law);
+    if (spring == nullptr || !one.is_counted) continue;
+    const CoordinateOfNodes coordinate(one.joint->coordinate, one.nodes, at.near->coordinates);
+    const auto u = coordinate.gather(q);
+    const double stretch = difference(coordinate(std::span<const double>(u)), spring->rest,
+                                      std::holds_alternative<JointAngle>(one.joint->coordinate));
+    sum += 0.5 * spring->stiffness * stretch * stretch;
+  }
+  return sum;
+}
+
+double JointEffort::dissipation(const LocalStage& stage, std::span<const double> q) const {
+  double sum = 0.0;
+  for (const Seen& one : seen(*stage.near)) {
+    if (!one.is_counted || !std::holds_alternative<JointDamper>(one.joint->law)) continue;
+    const CoordinateOfNodes coordinate(one.joint->coordinate, one.nodes, stage.near->coordinates);
+    const State state = state_of(coordinate, *one.joint, stage, q);
+    sum -= state.effort.effort * state.rate;
+  }
+  return sum;
+}
+
+}  // namespace pliant

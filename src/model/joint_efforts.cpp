@@ -1,0 +1,107 @@
+#include "model/joint_efforts.hpp"
+
+#include "input/analysis.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+JointMotor motor_of(const JointConfig::Motor& motor, bool is_static) {
+  return {motor.target, motor.stiffness, is_static ? 0.0 : motor.damping, motor.limit, motor.effort};
+}
+
+/// The laws of a joint. A static equilibrium has no rates.
+std::vector<JointLaw> laws_of(const JointConfig& joint, bool is_static) {
+  std::vector<JointLaw> laws;
+  if (joint.spring) laws.emplace_back(JointSpring{joint.spring->stiffness, joint.spring->rest});
+  if (joint.damping.value_or(0.0) > 0.0 && !is_static) laws.emplace_back(JointDamper{*joint.damping});
+  if (joint.motor) laws.emplace_back(motor_of(*joint.motor, is_static));
+  return laws;
+}
+
+/// The number of the rigid body that a constraint makes rigid.
+std::optional<int> rigid_body_of(const Config& config, const ConstraintConfig& constraint) {
+  for (std::size_t b = 0; b < config.bodies.size(); ++b) {
+    const BodyConfig& body = config.bodies[b];
+    if (body.is_rigid && body.part.kind == constraint.part.kind && body.part.name == constraint.part.name) {
+      return static_cast<int>(b);
+    }
+  }
+  return std::nullopt;
+}
+
+JointCoordinate coordinate_of(const ModelJoint& joint) {
+  if (joint.type == JointType::slider) return JointTravel{joint.point, joint.axis};
+  const auto [e, f] = across(joint.axis);
+  return JointAngle{e, f};
+}
+
+}  // namespace
+
+std::vector<std::unique_ptr<EnergyTerm>> make_joint_efforts(const Config& config, const NodeLayout& layout,
+                                                            const std::vector<int>& body_of_cell,
+                                                            std::span<const ModelJoint> joints) {
+  const bool is_static = analysis_of(config) == Analysis::static_equilibrium;
+  std::vector<JointBody> bodies;
+  std::array<std::vector<JointEffort::Joint>, std::variant_size_v<JointLaw>> of_kinds;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const JointConfig& given = config.joints[j];
+    const auto laws = laws_of(given, is_static);
+    if (laws.empty()) continue;
+    JointEffort::Joint joint{{-1, -1}, coordinate_of(joints[j]), {}};
+    for (std::size_t side = 0; side < 2; ++side) {
+      if (joints[j].parts[side] == ModelJoint::ground) continue;
+      const auto body = rigid_body_of(config, config.constraints[joints[j].parts[side]]);
+      if (!body) {
+        throw InputError(given.where,
+                         fmt::format("joint '{}' has a spring, damping or a motor, and '{}' is a part of a "
+                                     "soft body: these act between rigid bodies and the ground only",
+                                     given.name, given.between[side]));
+      }
+      joint.bodies[side] = *body;
+      if (std::ranges::find(bodies, *body, &JointBody::key) == bodies.end()) {
+        bodies.push_back(joint_body(layout, body_of_cell, *body));
+      }
+    }
+    for (const JointLaw& law : laws) {
+      joint.law = law;
+      of_kinds[law.index()].push_back(joint);
+    }
+  }
+  std::ranges::sort(bodies, {}, &JointBody::key);
+  std::vector<std::unique_ptr<EnergyTerm>> terms;
+  for (auto& of_kind : of_kinds) {
+    if (!of_kind.empty()) terms.push_back(std::make_unique<JointEffort>(bodies, std::move(of_kind)));
+  }
+  return terms;
+}
+
+double effort_of_motor(const JointConfig& joint, bool is_static, double coordinate, double rate, double time,
+                       double factor) {
+  if (!joint.motor) return 0.0;
+  return joint_effort(motor_of(*joint.motor, is_static), coordinate, rate, time, factor, joint.type == JointType::hinge)
+      .effort;
+}
+
+void require_finite_formulas(const Config& config, double time) {
+  const auto require = [&](const Expression& formula, const Location& where, const std::string& what) {
+    if (std::isfinite(formula(0.0, 0.0, 0.0, time))) return;
+    throw InputError(where, fmt::format("{} is not finite at t = {:g}", what, time));
+  };
+  for (const JointConfig& joint : config.joints) {
+    if (joint.motion) require(*joint.motion, joint.where, "the motion of joint '" + joint.name + "'");
+    if (!joint.motor) continue;
+    require(joint.motor->target, joint.where, "the target of the motor of joint '" + joint.name + "'");
+    require(joint.motor->effort, joint.where, "the effort of the motor of joint '" + joint.name + "'");
+  }
+  for (const TendonConfig& tendon : config.tendons) {
+    require(tendon.tension, tendon.where, "the tension of tendon '" + tendon.name + "'");
+  }
+}
+
+}  // namespace pliant
