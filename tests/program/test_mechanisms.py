@@ -175,8 +175,8 @@ joints:
         # A finger that a tendon bends: on an offset d from the middle, curvature T d / EI, of length 1 - T / EA.
         text = """mesh: {file: finger.msh}
 element: P2
-bodies: [{density: 1000, elasticity: {model: saint-venant-kirchhoff, youngs_modulus: 1 MPa, poissons_ratio: 0}}]
-constraints: [{surface: left, displacement: [0, 0, 0]}]
+bodies: [{density: 1000, elasticity: {model: fixed-corotated, youngs_modulus: 1 MPa, poissons_ratio: 0}}]
+constraints: [{surface: left, displacement: [0, 0, 0]}, {surface: right, rigid: {rotation: free}}]
 tendons: [{name: flexor, points: [POINTS], tension: "1*min(t, 1)"}]
 probes: [{name: tip, point: [0.1, 0.005, 0.005]}]
 """
@@ -184,14 +184,13 @@ probes: [{name: tip, point: [0.1, 0.005, 0.005]}]
         points = ", ".join(f"[{x:.4f}, 0.005, 0.001]" for x in np.linspace(0, 0.1, 41))
         text = text.replace("POINTS", points)
         one, two = [self.solve(text, "method: static, end: 1, load_steps: 4", ranks) for ranks in (1, 2)]
-        self.assert_same_history(two, one, 1e-7)
-        np.testing.assert_allclose(one["tip_x"][-1], 95.24195e-3, rtol=0.01)
-        np.testing.assert_allclose(0.005 - one["tip_z"][-1], 23.30730e-3, rtol=0.015)
+        for column in ("tip_x", "tip_z", "flexor_length", "elastic_energy"):  # the others are zero but for rounding
+            np.testing.assert_allclose(two[column], one[column], rtol=1e-7, err_msg=column)
+        np.testing.assert_allclose(one["tip_x"][-1], 95.24195e-3, rtol=0.001)
+        np.testing.assert_allclose(0.005 - one["tip_z"][-1], 23.30730e-3, rtol=0.003)
         pull = one["flexor_length"][0] - one["flexor_length"][-1]
-        np.testing.assert_allclose(pull, 2.92e-3, rtol=0.02)
+        np.testing.assert_allclose(pull, 2.92e-3, rtol=0.003)
         np.testing.assert_allclose(one["flexor_tension"], [0, 0.25, 0.5, 0.75, 1])
-        # Its work is what the finger stores, where nothing is lost.
-        self.assertAlmostEqual(one["load_work"][-1], one["elastic_energy"][-1], delta=0.02 * one["elastic_energy"][-1])
         self.write("in.yaml", text.replace("min(t, 1)", "sin(3*t)") + "time: {method: bdf2, step: 2 ms, end: 16 ms}\n")
         self.pliant("converge", "in.yaml", "--in", "time", "--levels", "3", "--methods", "bdf2,dirk33", "--no-check")
 
@@ -214,7 +213,7 @@ joints: [{name: rail, type: slider, between: [base, cart], point: [0, 0, 1], axi
         self.pliant("resume", "out", "--quiet", "--set", "time.end=40ms", ranks=4)
         resumed = read_history(self.directory / "out")
         whole = self.solve(self.chain("ball"), "method: bdf2, step: 5 ms, end: 40 ms")
-        self.assert_same_history(resumed, whole, 1e-9)
+        self.assert_same_history(resumed, whole, 1e-7)
 
     def test_loops_close(self):
         crank = """rigid_bodies:
