@@ -37,7 +37,7 @@ bool damps_by_mass(const ViscosityConfig& mechanism) {
 
 /// Rigid bodies without a mesh need neither a mesh nor other bodies.
 void check_parts(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
-  const bool has_mesh = given(root, {"mesh", "file"}) != nullptr || root.find("bodies") != nullptr;
+  const bool has_mesh = root.find("mesh") != nullptr || root.find("bodies") != nullptr;
   if (!config.rigid_bodies.empty() && !has_mesh) return;
   for (const char* key : {"mesh", "bodies"}) {
     if (given(root, {key}) != nullptr) continue;
@@ -47,14 +47,6 @@ void check_parts(const Config& config, const InputNode& root, Diagnostics& diagn
     } else {
       diagnostics.add({root.where, {key}}, root.where, "missing key '" + std::string(key) + "'");
     }
-  }
-  const InputNode* mesh = given(root, {"mesh"});
-  if (mesh == nullptr || mesh->kind != InputNode::Kind::map || given(*mesh, {"file"}) != nullptr) return;
-  const InputNode* empty = mesh->find("file");
-  if (empty != nullptr) {
-    diagnostics.add(empty->key_where, "key 'file' in mesh has no value");
-  } else {
-    diagnostics.add({mesh->where, {"file"}}, mesh->where, "missing key 'file' in mesh");
   }
 }
 

@@ -89,7 +89,11 @@ std::string dump(const Config& config) {
       if (auto* surface = std::get_if<ObstacleConfig::Surface>(&obstacle.shape)) make_absolute(surface->file.value);
     }
   }
-  return to_yaml(write_config(portable));
+  InputNode tree = write_config(portable);
+  if (portable.mesh.file.value.empty()) {
+    std::erase_if(tree.children, [](const InputNode& node) { return node.key == "mesh"; });
+  }
+  return to_yaml(tree);
 }
 
 std::string json_schema() {

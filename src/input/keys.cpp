@@ -30,7 +30,8 @@ Section<MeshConfig> mesh_keys() {
       field(
           "file", &MeshConfig::file, text(),
           "geometry or mesh, relative to the input file; .geo, .step, .brep and .stl are meshed by gmsh, .msh (2.2 or "
-          "4.1, text or binary) is read as it is; .h5, made by `pliant mesh convert`, is read in parts by every rank"),
+          "4.1, text or binary) is read as it is; .h5, made by `pliant mesh convert`, is read in parts by every rank")
+          .required(),
       field("size", &MeshConfig::size, quantity("m", Range::above(0)),
             "target element size for files that gmsh meshes, in metres after scaling")
           .otherwise_in_words("the geometry's own"),
@@ -144,7 +145,8 @@ Section<ProbeConfig> probe_keys() {
 Section<Config> config_keys() {
   return {{
       field("title", &Config::title, text(), "free text for the log and the results"),
-      field("mesh", &Config::mesh, map_of(mesh_keys()), "the mesh; only `rigid_bodies` need none"),
+      field("mesh", &Config::mesh, map_of(mesh_keys()), "the mesh")
+          .otherwise_in_words("none; only `rigid_bodies` need none"),
       field("element", &Config::element, choice_of<ElementOrder>({{"P1", ElementOrder::p1}, {"P2", ElementOrder::p2}}),
             "linear or quadratic tetrahedra")
           .otherwise("P1"),

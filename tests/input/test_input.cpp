@@ -336,6 +336,17 @@ TEST(Dump, SpellsOutEveryKeyOfTheTable) {
                                                    "relaxation_time: 1}}]"}})),
                            "dump", none),
                 "", written);
+  const std::vector<Override> mechanism{
+      {"rigid_bodies",
+       "[{name: r, mass: 1, inertia: [1, 1, 1], center: [0, 0, 0], velocity: [1, 0, 0], angular_velocity: "
+       "[0, 0, 1]}]"},
+      {"joints",
+       "[{name: j, type: hinge, between: [ground, r], point: [0, 0, 0], axis: [0, 0, 1], spring: {stiffness: 1, "
+       "rest: 1}, damping: 1, motor: {target: t, stiffness: 1, damping: 1, limit: 1, effort: t}}, {name: k, type: "
+       "universal, between: [ground, r], point: [0, 0, 0], axis: [0, 0, 1], second_axis: [1, 0, 0]}, {name: l, "
+       "type: distance, between: [ground, r], point: [0, 0, 0], second_point: [1, 0, 0], motion: t}]"},
+      {"tendons", "[{name: s, points: [[0, 0, 0], [1, 0, 0]], tension: t}]"}};
+  collect_paths(parse_yaml(dump(read(everything, mechanism)), "dump", none), "", written);
   for (std::size_t row = 0; row < elastic_laws().size(); ++row) {
     const ElasticLawSpec law = typical_law(row);
     std::string body = "[{density: 1, elasticity: {model: " + std::string(law.info().name);

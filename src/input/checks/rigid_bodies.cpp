@@ -94,7 +94,13 @@ void check_rigid_bodies(const Config& config, Diagnostics& diagnostics) {
     if (std::ranges::adjacent_find(tendon.points) == tendon.points.end()) continue;
     diagnostics.add(tendon.where, fmt::format("tendon '{}' has the same point twice in a row", tendon.name));
   }
-  for (const ProbeConfig& probe : config.probes) take(probe.name, "probe", probe.where);
+  for (const ProbeConfig& probe : config.probes) {
+    const auto found = taken.find(probe.name);
+    if (found == taken.end()) continue;
+    diagnostics.add(probe.where,
+                    fmt::format("'{}' names a {} and a probe, and history.csv has columns for both; rename one",
+                                probe.name, found->second));
+  }
 }
 
 }  // namespace pliant

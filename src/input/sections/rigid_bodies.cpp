@@ -67,7 +67,7 @@ Section<RigidBodyConfig> rigid_body_keys() {
   return {{
               field("name", &R::name, column_name(), "name in joints and constraints, and prefix of its columns")
                   .required(),
-              field("mass", &R::mass, quantity("kg", Range::above(0)), "mass").required(),
+              field("mass", &R::mass, quantity("kg", Range::above(0)), "mass of the body").required(),
               field("inertia", &R::inertia, inertia(), "moments of inertia about the center").required(),
               field("center", &R::center, array_of<3>(quantity("m")), "center of mass at the start").required(),
               field("velocity", &R::velocity, array_of<3>(quantity("m/s")), "velocity of the center at the start")
