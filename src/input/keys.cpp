@@ -145,8 +145,7 @@ Section<ProbeConfig> probe_keys() {
 Section<Config> config_keys() {
   return {{
       field("title", &Config::title, text(), "free text for the log and the results"),
-      field("mesh", &Config::mesh, map_of(mesh_keys()), "the mesh")
-          .otherwise_in_words("none; only `rigid_bodies` need none"),
+      field("mesh", &Config::mesh, map_of(mesh_keys()), "the mesh").or_none("none; only `rigid_bodies` need none"),
       field("element", &Config::element, choice_of<ElementOrder>({{"P1", ElementOrder::p1}, {"P2", ElementOrder::p2}}),
             "linear or quadratic tetrahedra")
           .otherwise("P1"),

@@ -223,6 +223,12 @@ struct Field {
     info.fallback_words = std::move(words);
     return std::move(*this);
   }
+  /// A section that may be missing as a whole: its required keys are required where it is given.
+  Field or_none(std::string words) && {
+    info.fallback_words = std::move(words);
+    fallback.reset();
+    return std::move(*this);
+  }
   /// The key belongs to these: it is allowed only with one of them, and required there unless it has a default.
   Field only_with(std::vector<Anchor> anchors) && {
     owners = std::move(anchors);
