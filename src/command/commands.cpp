@@ -148,7 +148,8 @@ ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector
   const Model model(comm, config);
   const NodeLayout& layout = model.layout();
   console.print(fmt::format("{}: the input is well", file));
-  console.print(fmt::format("mesh {}", config.mesh.file.value));
+  console.print(config.mesh.file.value.empty() ? "mesh: none; a tetrahedron stands for each rigid body"
+                                               : fmt::format("mesh {}", config.mesh.file.value));
   std::string text = describe(model.mesh_report());
   if (!text.empty() && text.back() == '\n') text.pop_back();
   console.print(text);

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <string>
 
@@ -299,6 +300,20 @@ NodeGraph node_graph(std::span<const PetscInt> cell_nodes, int nodes_per_cell, P
     graph.offsets.push_back(static_cast<PetscInt>(graph.neighbours.size()));
   }
   return graph;
+}
+
+PetscInt first_cell_of(const NodeLayout& layout, const std::vector<int>& body_of_cell, int body) {
+  std::int64_t lowest = std::numeric_limits<std::int64_t>::max();
+  PetscInt cell = -1;
+  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
+    const auto k = static_cast<std::size_t>(c);
+    if (body_of_cell[k] != body || layout.cell_numbers[k] >= lowest) continue;
+    lowest = layout.cell_numbers[k];
+    cell = c;
+  }
+  std::int64_t first = lowest;
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT64_T, MPI_MIN, layout.comm));
+  return lowest == first ? cell : -1;
 }
 
 Handle<Vec> make_vector(const NodeLayout& layout) {

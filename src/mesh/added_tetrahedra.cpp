@@ -8,12 +8,12 @@
 namespace pliant {
 namespace {
 
-using Corners = std::array<PetscInt, 4>;
+using CornerNodes = std::array<PetscInt, 4>;
 
-/// Nodes of a tetrahedron's cells, made as they are needed.
-class Nodes {
+/// NodesOfBody of a tetrahedron's cells, made as they are needed.
+class NodesOfBody {
  public:
-  explicit Nodes(SerialMesh& mesh) : mesh_(mesh) {}
+  explicit NodesOfBody(SerialMesh& mesh) : mesh_(mesh) {}
 
   PetscInt add(const std::array<double, 3>& x) {
     mesh_.coordinates.insert(mesh_.coordinates.end(), x.begin(), x.end());
@@ -36,11 +36,11 @@ class Nodes {
 };
 
 /// The eight tetrahedra between corners and middles of edges, oriented as the whole.
-std::vector<Corners> cut(const Corners& c, Nodes& nodes) {
+std::vector<CornerNodes> cut(const CornerNodes& c, NodesOfBody& nodes) {
   const PetscInt a = nodes.middle(c[0], c[1]), b = nodes.middle(c[0], c[2]), d = nodes.middle(c[0], c[3]),
                  e = nodes.middle(c[1], c[2]), f = nodes.middle(c[1], c[3]), g = nodes.middle(c[2], c[3]);
   return {{c[0], a, b, d}, {a, c[1], e, f}, {b, e, c[2], g}, {d, f, g, c[3]},
-          {a, d, b, f},    {a, b, e, f},    {b, d, g, f},    {b, g, e, f}};
+          {a, b, d, f},    {a, e, b, f},    {b, g, d, f},    {b, e, g, f}};
 }
 
 }  // namespace
@@ -59,19 +59,19 @@ void add_tetrahedra(std::span<const AddedTetrahedron> added, SerialMesh& mesh) {
       if (group.group.dimension != 3 || group.group.name != body.name) continue;
       throw MeshDefect("it has a volume '" + body.name + "', which is also the name of a rigid body: rename one");
     }
-    Nodes nodes(mesh);
-    Corners corners{};
+    NodesOfBody nodes(mesh);
+    CornerNodes corners{};
     for (std::size_t k = 0; k < 4; ++k) corners[k] = nodes.add(body.corners[k]);
-    std::vector<Corners> cells{corners};
+    std::vector<CornerNodes> cells{corners};
     while (cells.size() < cells_of_each) {
-      std::vector<Corners> finer;
-      for (const Corners& cell : cells) {
-        for (const Corners& part : cut(cell, nodes)) finer.push_back(part);
+      std::vector<CornerNodes> finer;
+      for (const CornerNodes& cell : cells) {
+        for (const CornerNodes& part : cut(cell, nodes)) finer.push_back(part);
       }
       cells = std::move(finer);
     }
     SerialGroup group{{3, ++tag, body.name}, {}};
-    for (const Corners& cell : cells) {
+    for (const CornerNodes& cell : cells) {
       group.members.push_back(static_cast<PetscInt>(mesh.num_cells()));
       mesh.cells.insert(mesh.cells.end(), cell.begin(), cell.end());
       mesh.cell_tags.push_back(mesh.num_cells());

@@ -163,6 +163,15 @@ void check_rotating_parts(const ConstraintsOnMesh& constraints, const Constraint
                                   title_of_constraint(config, c)));
   }
   for (const auto& [other, part] : conflicts) {
+    const auto* rigid = std::get_if<ConstraintConfig::Rigid>(&config.constraints[part].kind);
+    if (rigid != nullptr && rigid->is_implied) {
+      selections.report(
+          config.constraints[other].where,
+          fmt::format("{} shares nodes with {}, which is a rigid body: hold or move that as a whole, by a "
+                      "constraint `rigid` on its volume, or by a joint",
+                      title_of_constraint(config, other), title_of_constraint(config, part)));
+      continue;
+    }
     selections.report(config.constraints[part].where,
                       fmt::format("{} turns freely, so nodes of it cannot obey {} too; give its rotation, or leave out "
                                   "the nodes that both hold",

@@ -1,10 +1,12 @@
 #include "model/mechanisms.hpp"
 
 #include "base/text.hpp"
+#include "input/analysis.hpp"
 #include "mesh/disjoint_sets.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
+#include <eigen3/Eigen/Eigenvalues>
 #include <map>
 #include <optional>
 
@@ -55,10 +57,7 @@ class Equations {
         break;
       case JointType::distance: {
         const Vector3<double> b = *joint_.second_point;
-        const double length = norm(b - point_);
-        std::optional<Expression> given;
-        if (const Expression* change = motion()) given.emplace(fmt::format("{:.17g}+({})", length, change->text()));
-        add(Distance{point_, b, length, given});
+        add(Distance{point_, b, norm(b - point_), joint_.motion});
         break;
       }
     }
@@ -108,8 +107,11 @@ std::optional<std::size_t> find_part(const ConstraintsOnMesh& constraints, const
   for (std::size_t c = 0; c < constraints.parts.size(); ++c) {
     const ConstraintConfig& constraint = constraints.config.constraints[c];
     if (!std::holds_alternative<ConstraintConfig::Rigid>(constraint.kind)) continue;
-    if (constraint.part.name != name) {
-      if (!constraint.part.name.empty()) known.push_back(constraint.part.name);
+    // A single body without a volume is the whole mesh.
+    const std::string name_of_part =
+        constraint.part.kind == Selection::Kind::everything ? "body" : constraint.part.name;
+    if (name_of_part != name) {
+      if (!name_of_part.empty()) known.push_back(name_of_part);
       continue;
     }
     if (constraints.parts[c].rotation) return c;
@@ -201,6 +203,8 @@ class RigidSystemBuilder {
                                                        describe(constraint.part)));
     }
     if (joints.empty()) {
+      const auto n = static_cast<Eigen::Index>(rigid.front()->hosts().size());
+      require_mass(parts, JointSystem::Matrix::Identity(n, n));
       for (auto& part : rigid) system_.dependents.push_back(std::move(part));
       return;
     }
@@ -221,8 +225,42 @@ class RigidSystemBuilder {
     }
     auto mechanism = std::make_unique<Mechanism>(constraints_.layout, std::move(rigid), std::move(equations));
     report_dependent(*mechanism, joints);
+    require_mass(parts, mechanism->free_motions());
     for (const std::size_t j : joints) system_.joints[j].mechanism = mechanism.get();
     system_.dependents.push_back(std::move(mechanism));
+  }
+
+  /// In dynamics every free motion needs a mass: a mass point has no rotation that forces determine. `free`: columns in
+  /// the unknowns of all parts, three translations [m] and three rotations times a length of each.
+  void require_mass(const std::vector<std::size_t>& parts, const JointSystem::Matrix& free) {
+    if (analysis_of(constraints_.config) != Analysis::dynamic || free.cols() == 0) return;
+    constexpr Eigen::Index unknowns_of_part = 6;
+    if (free.rows() != unknowns_of_part * static_cast<Eigen::Index>(parts.size()))
+      return;  // parts whose motion is prescribed
+    JointSystem::Matrix mass = JointSystem::Matrix::Identity(free.rows(), free.rows());
+    std::vector<std::string> names;
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      const std::string& name = constraints_.config.constraints[parts[p]].part.name;
+      const auto& bodies = constraints_.config.rigid_bodies;
+      const auto body = std::ranges::find(bodies, name, &RigidBodyConfig::name);
+      if (body == bodies.end()) continue;
+      const auto& [xx, yy, zz, xy, yz, zx] = body->inertia.moments;
+      const double largest = xx + yy + zz;
+      JointSystem::Matrix inertia(3, 3);
+      inertia << xx, xy, zx, xy, yy, yz, zx, yz, zz;
+      const auto first = unknowns_of_part * static_cast<Eigen::Index>(p) + 3;
+      mass.block(first, first, 3, 3) = largest > 0.0 ? JointSystem::Matrix(inertia / largest) : inertia;
+      names.push_back("'" + name + "'");
+    }
+    if (names.empty()) return;
+    const Eigen::SelfAdjointEigenSolver<JointSystem::Matrix> solver(free.transpose() * mass * free);
+    constexpr double none = 1e-10;
+    if (solver.eigenvalues()[0] > none) return;
+    selections_.report(
+        constraints_.parts[parts.front()].where,
+        fmt::format("a rotation of {} has no moment of inertia, and no joint prevents it: forces do not "
+                    "determine it; give a moment of inertia, however small, or a joint that leaves less free",
+                    joined(names)));
   }
 
   void report_dependent(const Mechanism& mechanism, const std::vector<std::size_t>& joints) {

@@ -355,7 +355,7 @@ class Verification(ProgramTest):
         self.about("heavy_top", "rigid", 20)
         sign = -1 if h["top_qw"][-1] > 0 else 1  # a rotation has two quaternions
         for axis, expected in zip("wxyz", ("-0.70824", "0.43878", "0.54578", "0.08937")):
-            self.row(f"q_{axis} at 0.2 s", expected, sign * h[f"top_q{axis}"][-1], 5e-4)
+            self.row(f"q_{axis} at 0.2 s", expected, sign * h[f"top_q{axis}"][-1], 2e-4)
 
     def test_beam_theory(self):
         h = self.history("slender_beam")

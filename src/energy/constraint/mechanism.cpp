@@ -19,6 +19,40 @@ constexpr double tolerance = 1e-14;
 /// Columns that keep less than this of their length give way to others.
 constexpr double least_kept = 0.1;
 
+enum class Descent { nothing_to_do, done, failed };
+
+/// Gauss and Newton's method for h(x) = 0 from far away: steps that do not lower |h| are shortened. Until |h| is that
+/// of rounding, about `size` times the tolerance. `evaluate(x, h, G)`; `moved(x, change)` is x after a change.
+template <class X, class Evaluate, class Move>
+Descent descend(X& x, double size, const Evaluate& evaluate, const Move& moved) {
+  constexpr int most_iterations = 100, most_halvings = 20;
+  JointSystem::Vector h, h_next;
+  JointSystem::Matrix G, G_next;
+  evaluate(x, h, G);
+  for (int i = 0; i < most_iterations; ++i) {
+    if (!h.allFinite()) return Descent::failed;
+    if (h.size() == 0 || h.lpNorm<Eigen::Infinity>() <= tolerance * size) {
+      return i == 0 ? Descent::nothing_to_do : Descent::done;
+    }
+    const JointSystem::Vector change = -G.transpose() * JointSystem::Matrix(G * G.transpose()).partialPivLu().solve(h);
+    bool is_lower = false;
+    for (int k = 0; k < most_halvings && !is_lower; ++k) {
+      X next = moved(x, std::ldexp(1.0, -k) * change);
+      evaluate(next, h_next, G_next);
+      is_lower = h_next.norm() < h.norm();
+      if (!is_lower) continue;
+      x = std::move(next);
+      h.swap(h_next);
+      G.swap(G_next);
+    }
+    if (is_lower) continue;
+    // To rounding: nothing lowers it any more.
+    if (h.lpNorm<Eigen::Infinity>() > std::sqrt(tolerance) * size) return Descent::failed;
+    return i == 0 ? Descent::nothing_to_do : Descent::done;
+  }
+  return Descent::failed;
+}
+
 /// The first unknown of each part, and the number of all.
 std::vector<std::size_t> first_unknowns(const std::vector<std::unique_ptr<RigidPart>>& parts) {
   std::vector<std::size_t> first{0};
@@ -98,33 +132,10 @@ void Mechanism::choose_columns(const Matrix& G) {
   columns_ = complement * (svd.matrixU() * svd.matrixV().transpose());
 }
 
-// Gauss and Newton's method from far away: steps that do not lower |h| are shortened.
 bool Mechanism::approach(Vector& xi) const {
-  if (joints_.empty()) return true;
-  constexpr int most_iterations = 100, most_halvings = 20;
-  Vector h, h_next;
-  Matrix G, G_next;
-  evaluate(motions(xi), h, G);
-  for (int i = 0; i < most_iterations; ++i) {
-    if (!h.allFinite()) return false;
-    if (h.lpNorm<Eigen::Infinity>() <= tolerance * size_) return joints_.is_on_branch(motions(xi), given_);
-    const Vector change = G.transpose() * Matrix(G * G.transpose()).partialPivLu().solve(h);
-    double factor = 1.0;
-    for (int k = 0;; ++k, factor *= 0.5) {
-      // To rounding: nothing lowers it any more.
-      if (k == most_halvings) {
-        return h.lpNorm<Eigen::Infinity>() <= std::sqrt(tolerance) * size_ && joints_.is_on_branch(motions(xi), given_);
-      }
-      const Vector next = xi - factor * change;
-      evaluate(motions(next), h_next, G_next);
-      if (!(h_next.norm() < h.norm())) continue;
-      xi = next;
-      h.swap(h_next);
-      G.swap(G_next);
-      break;
-    }
-  }
-  return false;
+  const auto evaluate_at = [&](const Vector& at, Vector& h, Matrix& G) { evaluate(motions(at), h, G); };
+  const auto moved = [](const Vector& from, const Vector& change) { return Vector(from + change); };
+  return descend(xi, size_, evaluate_at, moved) != Descent::failed && joints_.is_on_branch(motions(xi), given_);
 }
 
 bool Mechanism::solve(Vector& xi) const {
@@ -344,37 +355,22 @@ std::vector<PartMotion> Mechanism::motions(const std::vector<RigidPart::RigidSta
 bool Mechanism::fit_states(const Step& step, Side side, bool with_configurations,
                            std::vector<RigidPart::RigidState>& states) const {
   if (joints_.empty()) return false;
+  using States = std::vector<RigidPart::RigidState>;
   const auto given_now = joints_.given(step.time, step.dt, 1.0, 1.0, side);
   const std::vector<double> none(first_.back(), 0.0);
-  Vector g;
-  Matrix G;
-  bool are_new = false;
-  const auto evaluate_at = [&](const std::vector<RigidPart::RigidState>& at) {
+  const auto evaluate_at = [&](const States& at, Vector& g, Matrix& G) {
     joints_.configuration(motions(at), Along::columns, given_now, g, G);
   };
-  evaluate_at(states);
-  // As `approach` does.
-  constexpr int most_iterations = 100, most_halvings = 20;
-  for (int i = 0; i < most_iterations && with_configurations && g.lpNorm<Eigen::Infinity>() > tolerance * size_; ++i) {
-    const double error = g.norm();
-    const Vector change = -G.transpose() * Matrix(G * G.transpose()).partialPivLu().solve(g);
-    bool is_lower = false;
-    for (int k = 0; k < most_halvings && !is_lower; ++k) {
-      const Vector part_of_it = std::ldexp(1.0, -k) * change;
-      auto next = states;
-      for (std::size_t p = 0; p < parts_.size(); ++p) {
-        next[p] = parts_[p]->moved(states[p], of_part(part_of_it, p), std::span(none).first(first_[p + 1] - first_[p]));
-      }
-      evaluate_at(next);
-      is_lower = g.norm() < error;
-      if (is_lower) states = std::move(next);
+  const auto moved = [&](States at, const Vector& change) {
+    for (std::size_t p = 0; p < at.size(); ++p) {
+      at[p] = parts_[p]->moved(at[p], of_part(change, p), std::span(none).first(first_[p + 1] - first_[p]));
     }
-    if (!is_lower) {
-      evaluate_at(states);
-      break;
-    }
-    are_new = true;
-  }
+    return at;
+  };
+  const bool are_new = with_configurations && descend(states, size_, evaluate_at, moved) != Descent::nothing_to_do;
+  Vector g;
+  Matrix G;
+  evaluate_at(states, g, G);
   std::vector<BodyMotion<double>> values, rates_of_parts;
   for (const auto& state : states) {
     values.push_back(state.motion());

@@ -35,6 +35,9 @@ class Mechanism final : public DependentNodes {
   /// JointSystem::dependent_joints, at the reference configuration. Not collective.
   std::vector<std::size_t> dependent_joints() const { return joints_.dependent_joints(G_ref_); }
   std::size_t num_degrees_of_freedom() const { return hosts_.size(); }
+  /// The motions that the joints leave at the reference configuration: orthonormal columns in the unknowns of all
+  /// parts.
+  const JointSystem::Matrix& free_motions() const { return preferred_; }
 
   std::string description() const override { return "mechanisms"; }
   std::span<const PetscInt> nodes() const override { return nodes_; }

@@ -1,7 +1,7 @@
 #include "energy/rigid/joint_effort.hpp"
 
 #include "base/formula_tree.hpp"
-#include "petsc/collective.hpp"
+#include "fem/straight_cell.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -42,21 +42,12 @@ struct EffortOf {
   }
 };
 
-/// Shape functions of the linear tetrahedron of four nodes.
-struct Corners {
-  Vector3<double> centre{};                    // of the first node
-  std::array<Vector3<double>, 4> gradients{};  // [1/m]
+/// The affine motion of a body by its four corners.
+struct MotionOfCorners {
+  explicit MotionOfCorners(const std::array<Vector3<double>, 4>& X) : centre(X[0]), gradients(linear_gradients(X)) {}
 
-  explicit Corners(const std::array<Vector3<double>, 4>& X) : centre(X[0]) {
-    const Vector3<double> a = X[1] - X[0], b = X[2] - X[0], c = X[3] - X[0];
-    const double volume = dot(a, cross(b, c));
-    gradients[1] = (1.0 / volume) * cross(b, c);
-    gradients[2] = (1.0 / volume) * cross(c, a);
-    gradients[3] = (1.0 / volume) * cross(a, b);
-    gradients[0] = -1.0 * (gradients[1] + gradients[2] + gradients[3]);
-  }
   template <class T>
-  BodyMotion<T> motion(const std::array<Vector3<T>, 4>& u) const {
+  BodyMotion<T> operator()(const std::array<Vector3<T>, 4>& u) const {
     BodyMotion<T> result{centre, u[0], {}};
     for (std::size_t a = 0; a < 4; ++a) {
       for (int i = 0; i < 3; ++i) {
@@ -68,14 +59,15 @@ struct Corners {
     }
     return result;
   }
+
+  Vector3<double> centre;
+  std::array<Vector3<double>, 4> gradients;
 };
 
 /// The coordinate of a joint as a function of the displacements of its nodes, those of the first body first, and its
 /// derivatives.
 class CoordinateOfNodes {
  public:
-  static constexpr std::size_t most = 24;  ///< displacements
-
   CoordinateOfNodes(const JointCoordinate& coordinate, const std::array<std::vector<PetscInt>, 2>& nodes,
                     std::span<const double> X)
       : coordinate_(coordinate) {
@@ -102,7 +94,7 @@ class CoordinateOfNodes {
       for (std::size_t a = 0; a < 4; ++a) {
         for (std::size_t i = 0; i < 3; ++i) own[a][i] = u[first + 3 * a + i];
       }
-      motions[side] = corners_[side]->motion(own);
+      motions[side] = (*corners_[side])(own);
       first += 12;
     }
     return std::visit([&](const auto& joint) { return coordinate_of(joint, motions[0], motions[1]); }, coordinate_);
@@ -144,20 +136,20 @@ class CoordinateOfNodes {
 
  private:
   const JointCoordinate& coordinate_;
-  std::array<std::optional<Corners>, 2> corners_;
+  std::array<std::optional<MotionOfCorners>, 2> corners_;
   std::vector<PetscInt> nodes_;
 };
 
 /// A joint in a stage.
-struct State {
+struct JointState {
   std::vector<double> u, velocity, slope;
   JointEffortValue effort;
   double coordinate = 0.0, rate = 0.0;
 };
 
-State state_of(const CoordinateOfNodes& coordinate, const JointEffort::Joint& joint, const LocalStage& stage,
-               std::span<const double> q) {
-  State state{coordinate.gather(q), std::vector<double>(coordinate.size(), 0.0), {}, {}};
+JointState state_of(const CoordinateOfNodes& coordinate, const JointEffort::Joint& joint, const LocalStage& stage,
+                    std::span<const double> q) {
+  JointState state{coordinate.gather(q), std::vector<double>(coordinate.size(), 0.0), {}, {}};
   state.coordinate = coordinate(std::span<const double>(state.u));
   state.slope = coordinate.gradient(state.u);
   if (!std::holds_alternative<JointSpring>(joint.law) && !stage.q0.empty() && stage.dt > 0.0) {
@@ -180,18 +172,9 @@ JointEffortValue joint_effort(const JointLaw& law, double coordinate, double rat
 }
 
 JointBody joint_body(const NodeLayout& layout, const std::vector<int>& body_of_cell, int body) {
-  std::int64_t mine = std::numeric_limits<std::int64_t>::max();
-  PetscInt cell = -1;
-  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
-    const auto k = static_cast<std::size_t>(c);
-    if (body_of_cell[k] != body || layout.cell_numbers[k] >= mine) continue;
-    mine = layout.cell_numbers[k];
-    cell = c;
-  }
-  std::int64_t first = mine;
-  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT64_T, MPI_MIN, layout.comm));
   JointBody result{body, {}, false};
-  if (cell < 0 || mine != first) return result;
+  const PetscInt cell = first_cell_of(layout, body_of_cell, body);
+  if (cell < 0) return result;
   const auto corners = layout.nodes_of_cell(cell).first(4);
   result.is_owned = corners[0] < layout.num_owned_nodes;
   const bool has_some = std::ranges::any_of(corners, [&](PetscInt n) { return n < layout.num_owned_nodes; });
@@ -260,27 +243,33 @@ std::vector<JointEffort::Seen> JointEffort::seen(const NearPatches& near) const 
   return result;
 }
 
-double JointEffort::value(const LocalStage& stage, std::span<const double> q) const {
+// k/2 (s - rest)^2 of springs, less that at another place: (a^2 - b^2) = (a - b) (a + b) keeps the digits of changes.
+double JointEffort::stored(const NearPatches& near, std::span<const double> q, std::span<const double> from) const {
+  if (!is_spring()) return 0.0;
   double sum = 0.0;
-  for (const Seen& one : seen(*stage.near)) {
-    const auto* spring = std::get_if<JointSpring>(&one.joint->law);
-    if (spring == nullptr || !one.is_counted) continue;
-    const CoordinateOfNodes coordinate(one.joint->coordinate, one.nodes, stage.near->coordinates);
-    const bool turns = std::holds_alternative<JointAngle>(one.joint->coordinate);
+  for (const Seen& one : seen(near)) {
+    if (!one.is_counted) continue;
+    const auto& spring = std::get<JointSpring>(one.joint->law);
+    const CoordinateOfNodes coordinate(one.joint->coordinate, one.nodes, near.coordinates);
     const auto stretch = [&](std::span<const double> at) {
       const auto u = coordinate.gather(at);
-      return difference(coordinate(std::span<const double>(u)), spring->rest, turns);
+      return difference(coordinate(std::span<const double>(u)), spring.rest,
+                        std::holds_alternative<JointAngle>(one.joint->coordinate));
     };
-    const double now = stretch(q), then = stretch(stage.reference());
-    sum += 0.5 * spring->stiffness * (now - then) * (now + then);
+    const double now = stretch(q), then = from.empty() ? 0.0 : stretch(from);
+    sum += 0.5 * spring.stiffness * (now - then) * (now + then);
   }
   return sum;
+}
+
+double JointEffort::value(const LocalStage& stage, std::span<const double> q) const {
+  return stored(*stage.near, q, stage.reference());
 }
 
 void JointEffort::add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const {
   for (const Seen& one : seen(*stage.near)) {
     const CoordinateOfNodes coordinate(one.joint->coordinate, one.nodes, stage.near->coordinates);
-    const State state = state_of(coordinate, *one.joint, stage, q);
+    const JointState state = state_of(coordinate, *one.joint, stage, q);
     for (std::size_t a = 0; a < coordinate.nodes().size(); ++a) {
       if (!stage.near->is_owned(coordinate.nodes()[a])) continue;
       for (std::size_t i = 0; i < 3; ++i) {
@@ -295,7 +284,7 @@ void JointEffort::add_hessian(const LocalStage& stage, std::span<const double> q
                               Projection projection) const {
   for (const Seen& one : seen(*stage.near)) {
     const CoordinateOfNodes coordinate(one.joint->coordinate, one.nodes, stage.near->coordinates);
-    const State state = state_of(coordinate, *one.joint, stage, q);
+    const JointState state = state_of(coordinate, *one.joint, stage, q);
     const std::size_t n = coordinate.size();
     const double per_time = stage.dt > 0.0 ? 1.0 / stage.dt : 0.0;
     std::vector<double> by_place(n), curvature(n * n, 0.0);
@@ -326,17 +315,7 @@ void JointEffort::add_hessian(const LocalStage& stage, std::span<const double> q
 }
 
 double JointEffort::energy_at(const Instant& at, std::span<const double> q, std::span<const double> /*z*/) const {
-  double sum = 0.0;
-  for (const Seen& one : seen(*at.near)) {
-    const auto* spring = std::get_if<JointSpring>(&one.joint->law);
-    if (spring == nullptr || !one.is_counted) continue;
-    const CoordinateOfNodes coordinate(one.joint->coordinate, one.nodes, at.near->coordinates);
-    const auto u = coordinate.gather(q);
-    const double stretch = difference(coordinate(std::span<const double>(u)), spring->rest,
-                                      std::holds_alternative<JointAngle>(one.joint->coordinate));
-    sum += 0.5 * spring->stiffness * stretch * stretch;
-  }
-  return sum;
+  return stored(*at.near, q, {});
 }
 
 double JointEffort::dissipation(const LocalStage& stage, std::span<const double> q) const {
@@ -344,7 +323,7 @@ double JointEffort::dissipation(const LocalStage& stage, std::span<const double>
   for (const Seen& one : seen(*stage.near)) {
     if (!one.is_counted || !std::holds_alternative<JointDamper>(one.joint->law)) continue;
     const CoordinateOfNodes coordinate(one.joint->coordinate, one.nodes, stage.near->coordinates);
-    const State state = state_of(coordinate, *one.joint, stage, q);
+    const JointState state = state_of(coordinate, *one.joint, stage, q);
     sum -= state.effort.effort * state.rate;
   }
   return sum;

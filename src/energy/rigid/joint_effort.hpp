@@ -81,6 +81,8 @@ class JointEffort final : public EnergyTerm, public PairCoupling {
     bool is_counted = false;
   };
   std::vector<Seen> seen(const NearPatches& near) const;
+  /// The energy of springs at q less that at `from`; empty: less none.
+  double stored(const NearPatches& near, std::span<const double> q, std::span<const double> from) const;
   bool is_spring() const { return std::holds_alternative<JointSpring>(joints_.front().law); }
 
   std::vector<Joint> joints_;

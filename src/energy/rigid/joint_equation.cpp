@@ -48,7 +48,7 @@ struct Evaluation {
   }
   T operator()(const Distance& d) const {
     const auto between = b.point(d.b) - a.point(d.a);
-    const T length = d.given ? Given<T>::of(given) : T(d.at_start);
+    const T length = d.given ? T(d.at_start) + Given<T>::of(given) : T(d.at_start);
     return T(0.5 / d.at_start) * (dot(between, between) - length * length);
   }
 

@@ -51,12 +51,12 @@ struct Turn {
   Vector3<double> e{}, f{};
   Expression given;  ///< s [rad]
 };
-/// The material points A of the first body and B of the second have a given distance:
-/// (|x_b(B) - x_a(A)|^2 - s(t)^2) / (2 s(0)) = 0.
+/// The material points A of the first body and B of the second keep their distance L of the start, or one that differs
+/// from it by a given s: (|x_b(B) - x_a(A)|^2 - (L + s(t))^2) / (2 L) = 0.
 struct Distance {
   Vector3<double> a{}, b{};
-  double at_start = 0.0;            ///< [m]
-  std::optional<Expression> given;  ///< s [m]; empty: that of the start
+  double at_start = 0.0;            ///< L [m]
+  std::optional<Expression> given;  ///< s [m]
 };
 
 /// A smooth scalar equation g(a, b, t) = 0 of the motions of two bodies; the first member stays 0 if both move rigidly

@@ -141,7 +141,7 @@ bool JointSystem::is_on_branch(std::span<const PartMotion> parts, const Given& g
       if (!(dot(value(equation.bodies[1]).direction(turn->e), wanted) > 0.0)) return false;
     }
     const auto* distance = std::get_if<Distance>(&equation.kind);
-    if (distance != nullptr && distance->given && !(given[j].value > 0.0)) return false;
+    if (distance != nullptr && distance->given && !(distance->at_start + given[j].value > 0.0)) return false;
   }
   return true;
 }

@@ -85,6 +85,12 @@ void check_rigid_bodies(const Config& config, Diagnostics& diagnostics) {
                       body.name));
     }
   }
+  if (config.contact && config.bodies.empty() && !config.rigid_bodies.empty()) {
+    diagnostics.add(
+        config.contact->where,
+        "rigid bodies without a mesh have no surface that could touch anything: mesh their volumes, and list "
+        "them in 'bodies' with 'rigid: true'");
+  }
   for (const JointConfig& joint : config.joints) {
     take(joint.name, "joint", joint.where);
     check_joint(joint, is_dynamic, diagnostics);

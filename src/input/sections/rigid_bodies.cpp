@@ -5,18 +5,17 @@
 namespace pliant {
 namespace {
 
-using Inertia = RigidBodyConfig::Inertia;
-
 /// Three principal moments, or six numbers.
-Format<Inertia> inertia() {
+Format<RigidBodyConfig::Inertia> inertia() {
   const auto principal = array_of<3>(quantity("kg*m^2", Range::at_least(0)));
   const auto full = array_of<6>(quantity("kg*m^2"));
-  Format<Inertia> format{"list of 3 numbers (principal moments) or of 6 (xx, yy, zz, xy, yz, zx) [kg m^2]",
-                         either_schema(principal.schema, full.schema),
-                         {},
-                         {}};
+  Format<RigidBodyConfig::Inertia> format{
+      "list of 3 numbers (principal moments) or of 6 (xx, yy, zz, xy, yz, zx) [kg m^2]",
+      either_schema(principal.schema, full.schema),
+      {},
+      {}};
   format.read = [principal, full](const InputNode& node, const std::string& name, Diagnostics& diagnostics,
-                                  Inertia& into) {
+                                  RigidBodyConfig::Inertia& into) {
     into.where = node.where;
     if (node.kind == InputNode::Kind::list && node.children.size() == 6) {
       return full.read(node, name, diagnostics, into.moments);
@@ -29,7 +28,7 @@ Format<Inertia> inertia() {
     std::ranges::copy(moments, into.moments.begin());
     return true;
   };
-  format.write = [full](const Inertia& from) { return full.write(from.moments); };
+  format.write = [full](const RigidBodyConfig::Inertia& from) { return full.write(from.moments); };
   return format;
 }
 
