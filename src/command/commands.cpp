@@ -148,7 +148,7 @@ ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector
   const Model model(comm, config);
   const NodeLayout& layout = model.layout();
   console.print(fmt::format("{}: the input is well", file));
-  console.print(config.mesh.file.value.empty() ? "mesh: none; a tetrahedron stands for each rigid body"
+  console.print(config.mesh.file.value.empty() ? "mesh: none but that of rigid bodies"
                                                : fmt::format("mesh {}", config.mesh.file.value));
   std::string text = describe(model.mesh_report());
   if (!text.empty() && text.back() == '\n') text.pop_back();
@@ -165,7 +165,10 @@ ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector
                               body.density ? fmt::format(", density {:.4g} kg/m^3", *body.density) : std::string()));
   }
   for (const RigidBodyConfig& body : config.rigid_bodies) {
-    console.print(fmt::format("  {}: rigid, mass {:.6g} kg", body.name, body.mass));
+    const std::size_t b = config.bodies.size() + static_cast<std::size_t>(&body - config.rigid_bodies.data());
+    const std::string shape =
+        body.surface ? fmt::format("{} tetrahedra, ", static_cast<long long>(sum(layout.comm, cells[b]))) : "";
+    console.print(fmt::format("  {}: {}rigid, mass {:.6g} kg", body.name, shape, body.mass));
   }
   if (model.inertia() != nullptr) {
     console.print(fmt::format("  mass {:.6g} kg", sum(layout.comm, model.inertia()->mass().total())));

@@ -1,6 +1,7 @@
 #include "fem/layout.hpp"
 
 #include "base/error.hpp"
+#include "base/vector3.hpp"
 #include "fem/element.hpp"
 #include "mesh/tetrahedron.hpp"
 #include "petsc/array_view.hpp"
@@ -302,12 +303,25 @@ NodeGraph node_graph(std::span<const PetscInt> cell_nodes, int nodes_per_cell, P
   return graph;
 }
 
-PetscInt first_cell_of(const NodeLayout& layout, const std::vector<int>& body_of_cell, int body) {
+PetscInt largest_cell_of(const NodeLayout& layout, const std::vector<int>& body_of_cell, int body) {
+  constexpr double rounding = 1e-9;
+  std::vector<double> volumes(static_cast<std::size_t>(layout.num_local_cells), 0.0);
+  double largest = 0.0;
+  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
+    if (body_of_cell[static_cast<std::size_t>(c)] != body) continue;
+    const auto nodes = layout.nodes_of_cell(c);
+    const Vector3<double> X = layout.position(nodes[0]);
+    const auto edge = [&](std::size_t a) { return Vector3<double>(layout.position(nodes[a])) - X; };
+    volumes[static_cast<std::size_t>(c)] = dot(edge(1), cross(edge(2), edge(3)));
+    largest = std::max(largest, volumes[static_cast<std::size_t>(c)]);
+  }
+  check_mpi(MPI_Allreduce(MPI_IN_PLACE, &largest, 1, MPI_DOUBLE, MPI_MAX, layout.comm));
   std::int64_t lowest = std::numeric_limits<std::int64_t>::max();
   PetscInt cell = -1;
   for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
     const auto k = static_cast<std::size_t>(c);
-    if (body_of_cell[k] != body || layout.cell_numbers[k] >= lowest) continue;
+    if (body_of_cell[k] != body || volumes[k] < (1.0 - rounding) * largest || layout.cell_numbers[k] >= lowest)
+      continue;
     lowest = layout.cell_numbers[k];
     cell = c;
   }

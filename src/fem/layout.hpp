@@ -61,9 +61,9 @@ NodeLayout make_layout(const Mesh& mesh, int order);
 /// Sets `cell_is_affine` from the coordinates. Not collective.
 void mark_bent_cells(NodeLayout& layout);
 
-/// The cell of a body with the lowest number in the whole mesh; -1 on ranks that do not have it. All that own one of
-/// its nodes do. `body_of_cell`: per local cell. Collective.
-PetscInt first_cell_of(const NodeLayout& layout, const std::vector<int>& body_of_cell, int body);
+/// The largest cell of a body, of several the one with the lowest number in the whole mesh; -1 on ranks that do not
+/// have it. All that own one of its nodes do. `body_of_cell`: per local cell. Collective.
+PetscInt largest_cell_of(const NodeLayout& layout, const std::vector<int>& body_of_cell, int body);
 
 /// A vector of three entries per node with ghosts (petsc/ghosted.hpp), zero. Collective.
 Handle<Vec> make_vector(const NodeLayout& layout);

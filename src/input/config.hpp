@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/expression.hpp"
+#include "input/located.hpp"
 #include "input/mechanism_config.hpp"
 #include "input/output_config.hpp"
 #include "material/contact_law.hpp"
@@ -19,13 +20,6 @@
 #include <vector>
 
 namespace pliant {
-
-/// A value and its place in the file, to which later checks (for example against the mesh's groups) can point.
-template <class T>
-struct Located {
-  T value{};
-  Location where;
-};
 
 /// The part of the mesh that an entry refers to. Exactly one way of selecting it is given.
 struct Selection {
@@ -156,6 +150,7 @@ struct ConstraintConfig {
     OptionalVectorExpression translation;  ///< of the centre [m]
     RotationConfig rotation;
     std::optional<std::array<double, 3>> center;  ///< [m]; empty: the mean of the nodes
+    std::vector<Selection> attached;              ///< parts that move with it; not from a key of the constraint
     bool is_implied = false;                      ///< by a rigid body: the input has no such constraint
   };
   struct Equation {
@@ -186,6 +181,9 @@ struct LoadConfig {
   struct Force {
     VectorExpression value;  ///< in all [N]
   };
+  struct Torque {
+    VectorExpression value;  ///< on a rigid body; functions of t [N m]
+  };
   struct Pressure {
     Expression value;  ///< per current area, pushes onto the surface [Pa]
   };
@@ -198,11 +196,13 @@ struct LoadConfig {
     std::optional<double> spring;   ///< in all [N/m]
     std::optional<double> dashpot;  ///< in all [N s/m]
   };
-  using Kind = std::variant<Gravity, ForceDensity, Traction, LineForce, Force, Pressure, Foundation, PointFoundation>;
+  using Kind =
+      std::variant<Gravity, ForceDensity, Traction, LineForce, Force, Torque, Pressure, Foundation, PointFoundation>;
 
   Kind kind;
   Selection part;  ///< Gravity, ForceDensity: everything or a volume; LineForce: curve; PointFoundation: point; Force:
-                   ///< surface, box, where, curve or point; the others: surface, box or where
+                   ///< surface, box, where, curve, point or the volume of a rigid body; Torque: such a volume; the
+                   ///< others: surface, box or where
   Location where;
 };
 

@@ -48,6 +48,11 @@ void complete_defaults(Config& config, const InputNode& root) {
   const fs::path input(config.file);
   const fs::path mesh(config.mesh.file.value);
   if (!mesh.empty() && mesh.is_relative()) config.mesh.file.value = (input.parent_path() / mesh).string();
+  for (RigidBodyConfig& body : config.rigid_bodies) {
+    if (!body.surface) continue;
+    const fs::path file(body.surface->file.value);
+    if (!file.empty() && file.is_relative()) body.surface->file.value = (input.parent_path() / file).string();
+  }
   if (config.contact) {
     for (ObstacleConfig& o : config.contact->obstacles) {
       auto* surface = std::get_if<ObstacleConfig::Surface>(&o.shape);

@@ -202,6 +202,18 @@ Format<int> integer(const Range& range) {
   return format;
 }
 
+Format<Located<std::string>> name_of_part() {
+  const auto name = text();
+  Format<Located<std::string>> format{"name of a physical surface or volume", name.schema, {}, {}};
+  format.read = [name](const InputNode& node, const std::string& key, Diagnostics& diagnostics,
+                       Located<std::string>& into) {
+    into.where = node.where;
+    return name.read(node, key, diagnostics, into.value);
+  };
+  format.write = [name](const Located<std::string>& value) { return name.write(value.value); };
+  return format;
+}
+
 Format<bool> truth() {
   Format<bool> format{"`true` or `false`", shared({{"enum", {true, false, "true", "false"}}}), {}, {}};
   format.read = [](const InputNode& node, const std::string& name, Diagnostics& diagnostics, bool& into) {

@@ -32,6 +32,8 @@ Format<double> quantity(const std::string& unit, const Range& range = {});
 Format<double> coefficient();
 Format<int> integer(const Range& range);
 Format<std::string> text();
+/// The name of a surface or volume of the mesh, and where it is given.
+Format<Located<std::string>> name_of_part();
 /// true or false
 Format<bool> truth();
 /// A text that can stand in the header of a CSV column.

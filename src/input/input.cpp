@@ -84,6 +84,9 @@ std::string dump(const Config& config) {
     if (!failure && !file.empty()) file = fs::absolute(path).string();
   };
   make_absolute(portable.mesh.file.value);
+  for (RigidBodyConfig& body : portable.rigid_bodies) {
+    if (body.surface) make_absolute(body.surface->file.value);
+  }
   if (portable.contact) {
     for (ObstacleConfig& obstacle : portable.contact->obstacles) {
       if (auto* surface = std::get_if<ObstacleConfig::Surface>(&obstacle.shape)) make_absolute(surface->file.value);

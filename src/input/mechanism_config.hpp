@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/expression.hpp"
+#include "input/located.hpp"
 
 #include <array>
 #include <optional>
@@ -18,11 +19,19 @@ struct RigidBodyConfig {
     Location where;
   };
   std::string name;
-  double mass = 0.0;  ///< [kg]
+  double mass = 0.0;  ///< [kg]; 0 only where something is attached
   Inertia inertia;
   std::array<double, 3> center{};            ///< of mass [m]
   std::array<double, 3> velocity{};          ///< [m/s]
   std::array<double, 3> angular_velocity{};  ///< [rad/s]
+  /// The body's shape, for contact and pictures.
+  struct Surface {
+    Located<std::string> file;  ///< resolved against the input file's directory
+    double scale = 1.0;
+    std::optional<double> size;  ///< of the tetrahedra inside [m]
+  };
+  std::optional<Surface> surface;
+  std::vector<Located<std::string>> attached;  ///< names of surfaces of other bodies that move with it
   Location where;
 };
 
@@ -50,9 +59,13 @@ struct JointConfig {
   std::optional<std::array<double, 3>> second_axis;   ///< of any length (universal)
   std::optional<std::array<double, 3>> second_point;  ///< [m] (distance)
   std::optional<Expression> motion;                   ///< angle [rad], travel [m] or change of a distance [m]
-  std::optional<Motor> motor;                         ///< of a hinge or a slider, as the two below
+  std::optional<Motor> motor;                         ///< of a hinge or a slider, as what follows
   std::optional<Spring> spring;
-  std::optional<double> damping;  ///< [N m s/rad] or [N s/m]
+  std::optional<double> damping;                ///< [N m s/rad] or [N s/m]
+  std::optional<std::array<double, 2>> limits;  ///< of the angle [rad] or travel [m]
+  std::optional<double> limit_stiffness;        ///< of the stops there [N m/rad] or [N/m]; none: from masses and steps
+  std::optional<double> friction;               ///< [N m] or [N]
+  std::optional<double> stick_rate;             ///< [rad/s] or [m/s]
   Location where;
 };
 

@@ -1,6 +1,7 @@
 #include "mesh/mesh.hpp"
 
 #include "mesh/added_tetrahedra.hpp"
+#include "mesh/added_volumes.hpp"
 #include "mesh/distribute.hpp"
 #include "mesh/dual_graph.hpp"
 #include "mesh/gmsh_import.hpp"
@@ -25,7 +26,8 @@ MeshParts prepare(const MeshSource& source, int num_parts, MeshReport& report) {
   if (!source.file.empty()) parts.mesh = import_mesh(source);
   report.notices = std::move(parts.mesh.notices);
   for (double& x : parts.mesh.coordinates) x *= source.scale;
-  add_tetrahedra(source.added, parts.mesh);
+  add_volumes(source, parts.mesh);
+  add_tetrahedra(source.added_tetrahedra, parts.mesh);
   parts.num_vertices = repair(parts.mesh, source.meeting_parts, report);
   if (source.refine > 0 && parts.mesh.geometry_order() == 2) {
     throw MeshDefect(
@@ -33,7 +35,7 @@ MeshParts prepare(const MeshSource& source, int num_parts, MeshReport& report) {
   }
   require_enough_cells(static_cast<std::int64_t>(parts.mesh.num_cells()), num_parts);
   const DualGraph graph(parts.mesh);
-  check_connections(parts.mesh, graph, parts.num_vertices, source.added.size(), report);
+  check_connections(parts.mesh, graph, parts.num_vertices, source.num_added(), report);
   parts.part = graph.partition(num_parts, report.edge_cut);
   return parts;
 }
@@ -96,7 +98,7 @@ Mesh read_mesh(MPI_Comm comm, const MeshSource& source) {
     on_root(comm, [&] { telling_the_user(source, [&] { parts = prepare(source, num_ranks(comm), mesh.report); }); });
   } else {
     telling_the_user(source, [&] {
-      if (source.added.empty()) return;
+      if (source.num_added() == 0) return;
       throw MeshDefect(
           "rigid bodies without a mesh cannot be added to Pliant's own format: name the mesh that it was "
           "made from");

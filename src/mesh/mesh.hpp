@@ -40,10 +40,19 @@ struct AddedTetrahedron {
   std::array<std::array<double, 3>, 4> corners{};  ///< [m]; of positive volume
 };
 
+/// The inside of a closed surface as a volume of its own.
+struct AddedVolume {
+  std::string name;            ///< of the volume
+  std::string file;            ///< of the surface; as of MeshSource, geometry or mesh
+  Location where;              ///< the place in the user's input that names the file
+  std::optional<double> size;  ///< target element size in the unit of the file
+  double scale = 1.0;          ///< of the file's coordinates
+};
+
 /// Where a mesh comes from.
 struct MeshSource {
-  std::string file;  ///< empty: `added` is all; .geo .step .stp .brep .stl are meshed by gmsh; .msh and .h5 are read as
-                     ///< they are
+  std::string file;  ///< empty: what is added is all; .geo .step .stp .brep .stl are meshed by gmsh; .msh and .h5 are
+                     ///< read as they are
   Location where;    ///< the place in the user's input that names the file, for messages
   std::optional<double> size;  ///< target element size in the unit of the file, where gmsh meshes it
   double scale = 1.0;          ///< coordinates are multiplied by it
@@ -53,7 +62,9 @@ struct MeshSource {
   /// Names or numbers of surfaces and volumes (physical groups) whose nodes may coincide with those of other parts,
   /// because the input ties them or moves them apart.
   std::vector<std::string> meeting_parts = {};
-  std::vector<AddedTetrahedron> added = {};
+  std::vector<AddedTetrahedron> added_tetrahedra = {};
+  std::vector<AddedVolume> added_volumes = {};
+  std::size_t num_added() const { return added_tetrahedra.size() + added_volumes.size(); }
 };
 
 /// The distributed mesh of tetrahedra. The vertices x0 .. x3 in the transitive closure of a cell have det(x1 - x0, x2 -

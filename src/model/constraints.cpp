@@ -164,6 +164,12 @@ Constraints::Part Constraints::plane(const ConstraintConfig& constraint, Selecti
 Constraints::Part Constraints::rigid(const ConstraintConfig& constraint, Selections& selections) {
   const auto& config = std::get<ConstraintConfig::Rigid>(constraint.kind);
   Part part{selections.nodes(constraint.part), {}, true};
+  for (const Selection& attached : config.attached) {
+    const auto more = selections.nodes(attached);
+    part.nodes.insert(part.nodes.end(), more.begin(), more.end());
+  }
+  std::ranges::sort(part.nodes);
+  part.nodes.erase(std::ranges::unique(part.nodes).begin(), part.nodes.end());
   RigidMotion motion;
   motion.translation = config.translation;
   if (const auto* about = std::get_if<RotationConfig::AboutAxis>(&config.rotation.kind)) {

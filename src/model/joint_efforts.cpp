@@ -1,6 +1,7 @@
 #include "model/joint_efforts.hpp"
 
 #include "input/analysis.hpp"
+#include "model/joint_stops.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,9 @@
 namespace pliant {
 namespace {
 
+/// [rad/s] or [m/s]
+constexpr double usual_stick_rate = 0.001;
+
 JointMotor motor_of(const JointConfig::Motor& motor, bool is_static) {
   return {motor.target, motor.stiffness, is_static ? 0.0 : motor.damping, motor.limit, motor.effort};
 }
@@ -20,6 +24,9 @@ std::vector<JointLaw> laws_of(const JointConfig& joint, bool is_static) {
   std::vector<JointLaw> laws;
   if (joint.spring) laws.emplace_back(JointSpring{joint.spring->stiffness, joint.spring->rest});
   if (joint.damping.value_or(0.0) > 0.0 && !is_static) laws.emplace_back(JointDamper{*joint.damping});
+  if (joint.friction.value_or(0.0) > 0.0 && !is_static) {
+    laws.emplace_back(JointFriction{*joint.friction, joint.stick_rate.value_or(usual_stick_rate)});
+  }
   if (joint.motor) laws.emplace_back(motor_of(*joint.motor, is_static));
   return laws;
 }
@@ -51,16 +58,16 @@ std::vector<std::unique_ptr<EnergyTerm>> make_joint_efforts(const Config& config
   std::array<std::vector<JointEffort::Joint>, std::variant_size_v<JointLaw>> of_kinds;
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const JointConfig& given = config.joints[j];
-    const auto laws = laws_of(given, is_static);
-    if (laws.empty()) continue;
+    auto laws = laws_of(given, is_static);
+    if (laws.empty() && !given.limits) continue;
     JointEffort::Joint joint{{-1, -1}, coordinate_of(joints[j]), {}};
     for (std::size_t side = 0; side < 2; ++side) {
       if (joints[j].parts[side] == ModelJoint::ground) continue;
       const auto body = rigid_body_of(config, config.constraints[joints[j].parts[side]]);
       if (!body) {
         throw InputError(given.where,
-                         fmt::format("joint '{}' has a spring, damping or a motor, and '{}' is a part of a "
-                                     "soft body: these act between rigid bodies and the ground only",
+                         fmt::format("joint '{}' has a spring, a motor, limits, damping or friction, and '{}' is a "
+                                     "part of a soft body: these act between rigid bodies and the ground only",
                                      given.name, given.between[side]));
       }
       joint.bodies[side] = *body;
@@ -68,6 +75,7 @@ std::vector<std::unique_ptr<EnergyTerm>> make_joint_efforts(const Config& config
         bodies.push_back(joint_body(layout, body_of_cell, *body));
       }
     }
+    if (given.limits) laws.emplace_back(make_joint_stops(config, layout, body_of_cell, given, joints[j], joint.bodies));
     for (const JointLaw& law : laws) {
       joint.law = law;
       of_kinds[law.index()].push_back(joint);

@@ -1,4 +1,4 @@
-/// The springs, dampers and motors of the input's joints.
+/// The springs, dampers, motors, stops and friction of the input's joints.
 #pragma once
 
 #include "energy/rigid/joint_effort.hpp"

@@ -1,14 +1,20 @@
 #include "model/loads.hpp"
 
+#include "base/text.hpp"
+#include "energy/load/body_torque.hpp"
 #include "energy/load/foundation.hpp"
 #include "energy/load/load.hpp"
 #include "input/analysis.hpp"
 #include "input/loads.hpp"
+#include "model/rigid_bodies.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
+#include <span>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -25,6 +31,20 @@ class LoadTerms {
 
   Term operator()(const LoadConfig& load) const {
     return std::visit([&](const auto& kind) { return make(kind, load); }, load.kind);
+  }
+  /// The weight of `rigid_bodies`; nothing if the load has none of it.
+  Term weight_of_rigid_bodies(const LoadConfig& load) const {
+    const auto* gravity = std::get_if<LoadConfig::Gravity>(&load.kind);
+    if (gravity == nullptr || config_.rigid_bodies.empty()) return nullptr;
+    auto bodies = masses_of_rigid_bodies(config_);
+    if (load.part.kind != Selection::Kind::everything) {
+      std::erase_if(bodies, [&](const AffineBody& body) {
+        const Selection& part = config_.bodies[static_cast<std::size_t>(body.body)].part;
+        return part.kind != load.part.kind || part.name != load.part.name;
+      });
+    }
+    if (bodies.empty()) return nullptr;
+    return dead_load(samples_of_affine_bodies(bodies_.layout, bodies_.body_of_cell, bodies), gravity->acceleration);
   }
 
  private:
@@ -43,10 +63,8 @@ class LoadTerms {
   Term make(const LoadConfig::ForceDensity& force, const LoadConfig& load) const {
     auto inside = selections_.cells(load.part);
     // Bodies without a mesh have no volume.
-    const auto first = static_cast<int>(bodies_.densities.size() - config_.rigid_bodies.size());
-    for (std::size_t c = 0; c < inside.size(); ++c) {
-      if (bodies_.body_of_cell[c] >= first) inside[c] = 0;
-    }
+    const auto left_out = cells_without_mesh(config_, bodies_.layout, bodies_.body_of_cell);
+    for (std::size_t c = 0; c < left_out.size(); ++c) inside[c] = static_cast<char>(inside[c] != 0 && left_out[c] == 0);
     return dead_load(cell_samples(bodies_.layout, {inside.begin(), inside.end()}, variation_of(force.value)),
                      force.value);
   }
@@ -59,7 +77,20 @@ class LoadTerms {
                      force.value);
   }
   Term make(const LoadConfig::Force& force, const LoadConfig& load) const {
+    if (load.part.kind == Selection::Kind::volume) {
+      const auto body = rigid_body(load);
+      if (!body) return nullptr;
+      const AffineBody unit{*body, 1.0, center_of_rigid_body(config_, bodies_.layout, bodies_.body_of_cell, *body), {}};
+      return dead_load(samples_of_affine_bodies(bodies_.layout, bodies_.body_of_cell, std::span(&unit, 1)),
+                       force.value);
+    }
     return dead_load(shared_samples(load.part, variation_of(force.value)), force.value);
+  }
+  Term make(const LoadConfig::Torque& torque, const LoadConfig& load) const {
+    const auto body = rigid_body(load);
+    if (!body) return nullptr;
+    return std::make_unique<BodyTorque>(bodies_.layout, largest_cell_of(bodies_.layout, bodies_.body_of_cell, *body),
+                                        torque.value);
   }
   Term make(const LoadConfig::Pressure&, const LoadConfig&) const { return nullptr; }
   Term make(const LoadConfig::Foundation& foundation, const LoadConfig& load) const {
@@ -72,6 +103,23 @@ class LoadTerms {
     const auto num_nodes = sum(bodies_.layout.comm, static_cast<PetscInt64>(nodes.size()));
     return std::make_unique<Foundation>(nodal_foundation(bodies_.pattern, nodes, 1.0 / static_cast<double>(num_nodes)),
                                         stiffness_of(load));
+  }
+
+  /// The number of the rigid body on which the load acts; nothing, with an error, if it is none.
+  std::optional<int> rigid_body(const LoadConfig& load) const {
+    std::vector<std::string> known;
+    for (std::size_t b = 0; b < config_.bodies.size(); ++b) {
+      const BodyConfig& body = config_.bodies[b];
+      if (!body.is_rigid || body.part.kind != Selection::Kind::volume) continue;
+      if (body.part.name == load.part.name) return static_cast<int>(b);
+      known.push_back(body.part.name);
+    }
+    selections_.report(
+        load.part.where,
+        fmt::format("{} is not a rigid body, and only those take a force or torque as a whole{}; there "
+                    "are: {}",
+                    describe(load.part), did_you_mean(load.part.name, known), known.empty() ? "none" : joined(known)));
+    return std::nullopt;
   }
 
   Term dead_load(LoadSamples samples, const VectorExpression& value) const {
@@ -115,6 +163,7 @@ LoadParts find_loads(const Config& config, const LoadedBodies& bodies, Selection
   const LoadTerms term_of(config, bodies, selections);
   for (const LoadConfig& load : config.loads) {
     if (auto term = term_of(load)) parts.terms.push_back({std::move(term), load.where});
+    if (auto term = term_of.weight_of_rigid_bodies(load)) parts.terms.push_back({std::move(term), load.where});
   }
   return parts;
 }

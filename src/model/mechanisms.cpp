@@ -198,8 +198,8 @@ class RigidSystemBuilder {
           std::make_unique<RigidPart>(constraints_.layout, part.nodes, *part.displacement.rigid, *part.rotation));
       if (joints.empty() || !rigid.back()->is_plane()) continue;
       const ConstraintConfig& constraint = constraints_.config.constraints[c];
-      selections_.report(constraint.where, fmt::format("{} lies in a plane, and joints need nodes off it: make a "
-                                                       "volume rigid",
+      selections_.report(constraint.where, fmt::format("{} lies in a plane, and joints need nodes off it: attach "
+                                                       "it to one of `rigid_bodies`, or make a volume rigid",
                                                        describe(constraint.part)));
     }
     if (joints.empty()) {
@@ -243,7 +243,7 @@ class RigidSystemBuilder {
       const std::string& name = constraints_.config.constraints[parts[p]].part.name;
       const auto& bodies = constraints_.config.rigid_bodies;
       const auto body = std::ranges::find(bodies, name, &RigidBodyConfig::name);
-      if (body == bodies.end()) continue;
+      if (body == bodies.end() || !body->attached.empty()) continue;
       const auto& [xx, yy, zz, xy, yz, zx] = body->inertia.moments;
       const double largest = xx + yy + zz;
       JointSystem::Matrix inertia(3, 3);

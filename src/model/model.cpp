@@ -38,7 +38,7 @@ Model::Model(MPI_Comm comm, const Config& given, const TermFactory& additional) 
     const Stopwatch watch(mesh_seconds_);
     return read_mesh(comm, {config.mesh.file.value, config.mesh.file.where, size, config.mesh.scale, config.mesh.refine,
                             config.mesh.allow_commands ? Commands::allowed : Commands::refused, config.mesh.time_limit,
-                            parts_that_meet(config), added_tetrahedra(config)});
+                            parts_that_meet(config), added_tetrahedra(config), added_volumes(config)});
   }();
   mesh_report_ = mesh.report;
   const int order = static_cast<int>(config.element);
@@ -186,14 +186,10 @@ template <int Order>
 void Model::build_inertia(const Config& config) {
   const auto& groups = std::get<CellGroups<Order>>(cells_);
   const bool has_mass = std::any_of(densities_.begin(), densities_.end(), [](double d) { return d > 0.0; });
-  if (!has_mass) return;
-  const std::size_t num_meshed = config.bodies.size() - config.rigid_bodies.size();
-  std::vector<double> densities = densities_;
-  std::fill(densities.begin() + static_cast<std::ptrdiff_t>(num_meshed), densities.end(), 0.0);
-  MassMatrix mass = make_mass_matrix<Order>(layout_, *pattern_, groups, densities,
+  if (!has_mass && config.rigid_bodies.empty()) return;
+  MassMatrix mass = make_mass_matrix<Order>(layout_, *pattern_, groups, densities_,
                                             config.mass == MassKind::consistent ? Mass::consistent : Mass::lumped);
-  add_affine_bodies(layout_, *pattern_, body_of_cell_, masses_of_rigid_bodies(config, static_cast<int>(num_meshed)),
-                    mass);
+  add_affine_bodies(layout_, *pattern_, body_of_cell_, masses_of_rigid_bodies(config), mass);
   inertia_ = std::make_unique<Inertia>(layout_, std::move(mass));
 }
 

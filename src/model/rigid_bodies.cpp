@@ -33,7 +33,9 @@ Tensor3<double> second_moment(const RigidBodyConfig& body) {
 Vector3<double> half_edges(const RigidBodyConfig& body, const EigenDecomposition<double>& principal,
                            std::size_t number) {
   Vector3<double> s{};
-  for (std::size_t i = 0; i < 3; ++i) s[i] = std::sqrt(5.0 * std::max(principal.values[i], 0.0) / body.mass);
+  for (std::size_t i = 0; i < 3 && body.mass > 0.0; ++i) {
+    s[i] = std::sqrt(5.0 * std::max(principal.values[i], 0.0) / body.mass);
+  }
   const double longest = std::ranges::max(s);
   for (double& x : s) {
     x = longest > 0.0 ? std::max(x, flattest * longest) : size_of_point;
@@ -42,9 +44,9 @@ Vector3<double> half_edges(const RigidBodyConfig& body, const EigenDecomposition
   return s;
 }
 
-Selection volume_named(const std::string& name, const Location& where) {
+Selection part_named(Selection::Kind kind, const std::string& name, const Location& where) {
   Selection part;
-  part.kind = Selection::Kind::volume;
+  part.kind = kind;
   part.name = name;
   part.where = where;
   return part;
@@ -54,6 +56,11 @@ Selection volume_named(const std::string& name, const Location& where) {
 int first_rigid_body(const Config& config, const NodeLayout& layout, const std::vector<int>& body_of_cell) {
   const int last = body_of_cell.empty() ? -1 : std::ranges::max(body_of_cell);
   return static_cast<int>(maximum(layout.comm, last)) + 1 - static_cast<int>(config.rigid_bodies.size());
+}
+
+/// Whether cells of a body are a tetrahedron in its place. `number` in `rigid_bodies`; negative: none of them.
+bool stands_for_body(const Config& config, int number) {
+  return number >= 0 && !config.rigid_bodies[static_cast<std::size_t>(number)].surface;
 }
 
 bool is_made_rigid(const Config& config, const Selection& part) {
@@ -66,12 +73,9 @@ bool is_made_rigid(const Config& config, const Selection& part) {
 }  // namespace
 
 Config with_rigid_bodies(Config config) {
-  for (std::size_t k = 0; k < config.rigid_bodies.size(); ++k) {
-    const RigidBodyConfig& rigid = config.rigid_bodies[k];
+  for (const RigidBodyConfig& rigid : config.rigid_bodies) {
     BodyConfig body;
-    body.part = volume_named(rigid.name, rigid.where);
-    const Vector3<double> s = half_edges(rigid, eigen_decomposition(second_moment(rigid)), k);
-    body.density = rigid.mass / (8.0 / 3.0 * s[0] * s[1] * s[2]);
+    body.part = part_named(Selection::Kind::volume, rigid.name, rigid.where);
     body.is_rigid = true;
     body.where = rigid.where;
     config.bodies.push_back(std::move(body));
@@ -86,12 +90,23 @@ Config with_rigid_bodies(Config config) {
     constraint.where = body.where;
     config.constraints.push_back(std::move(constraint));
   }
+  for (const RigidBodyConfig& body : config.rigid_bodies) {
+    for (ConstraintConfig& constraint : config.constraints) {
+      auto* rigid = std::get_if<ConstraintConfig::Rigid>(&constraint.kind);
+      const bool is_of_body = constraint.part.kind == Selection::Kind::volume && constraint.part.name == body.name;
+      if (rigid == nullptr || !is_of_body) continue;
+      for (const auto& surface : body.attached) {
+        rigid->attached.push_back(part_named(Selection::Kind::surface, surface.value, surface.where));
+      }
+    }
+  }
   return config;
 }
 
 std::vector<AddedTetrahedron> added_tetrahedra(const Config& config) {
   std::vector<AddedTetrahedron> result;
   for (const RigidBodyConfig& body : config.rigid_bodies) {
+    if (body.surface) continue;
     const auto principal = eigen_decomposition(second_moment(body));
     const Vector3<double> s = half_edges(body, principal, result.size());
     constexpr std::array<std::array<double, 3>, 4> corners{
@@ -111,12 +126,44 @@ std::vector<AddedTetrahedron> added_tetrahedra(const Config& config) {
   return result;
 }
 
-std::vector<AffineBody> masses_of_rigid_bodies(const Config& config, int first) {
+std::vector<AddedVolume> added_volumes(const Config& config) {
+  std::vector<AddedVolume> result;
+  for (const RigidBodyConfig& body : config.rigid_bodies) {
+    if (!body.surface) continue;
+    const auto& [file, scale, size] = *body.surface;
+    result.push_back({body.name, file.value, file.where, size, scale});
+    if (size) *result.back().size /= scale;
+  }
+  return result;
+}
+
+std::vector<AffineBody> masses_of_rigid_bodies(const Config& config) {
+  auto first = static_cast<int>(config.bodies.size() - config.rigid_bodies.size());
   std::vector<AffineBody> result;
   for (const RigidBodyConfig& body : config.rigid_bodies) {
     result.push_back({first++, body.mass, body.center, second_moment(body)});
   }
   return result;
+}
+
+// Of straight cells: their density is uniform.
+Vector3<double> center_of_rigid_body(const Config& config, const NodeLayout& layout,
+                                     const std::vector<int>& body_of_cell, int body) {
+  const auto first = static_cast<int>(config.bodies.size() - config.rigid_bodies.size());
+  if (body >= first) return config.rigid_bodies[static_cast<std::size_t>(body - first)].center;
+  std::array<double, 4> sums{};
+  for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
+    if (body_of_cell[static_cast<std::size_t>(c)] != body) continue;
+    const auto nodes = layout.nodes_of_cell(c);
+    std::array<Vector3<double>, 4> x;
+    for (std::size_t k = 0; k < 4; ++k) x[k] = layout.position(nodes[k]);
+    const double volume = dot(x[1] - x[0], cross(x[2] - x[0], x[3] - x[0])) / 6.0;
+    const Vector3<double> middle = 0.25 * (x[0] + x[1] + x[2] + x[3]);
+    sums[3] += volume;
+    for (std::size_t i = 0; i < 3; ++i) sums[i] += volume * middle[i];
+  }
+  sum_in_place(layout.comm, sums);
+  return (1.0 / sums[3]) * Vector3<double>{sums[0], sums[1], sums[2]};
 }
 
 std::vector<char> components_of_rigid_bodies(const Config& config, const NodeLayout& layout,
@@ -125,7 +172,7 @@ std::vector<char> components_of_rigid_bodies(const Config& config, const NodeLay
   if (config.rigid_bodies.empty()) return result;
   const int first = first_rigid_body(config, layout, body_of_cell);
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
-    if (body_of_cell[static_cast<std::size_t>(c)] < first) continue;
+    if (!stands_for_body(config, body_of_cell[static_cast<std::size_t>(c)] - first)) continue;
     result[static_cast<std::size_t>(components.of_node[layout.nodes_of_cell(c)[0]])] = 1;
   }
   for (char& is_without : result) is_without = any_rank(layout.comm, is_without != 0) ? 1 : 0;
@@ -137,7 +184,7 @@ std::vector<char> cells_without_mesh(const Config& config, const NodeLayout& lay
   if (config.rigid_bodies.empty() || config.rigid_bodies.size() == config.bodies.size()) return {};
   const int first = first_rigid_body(config, layout, body_of_cell);
   std::vector<char> result;
-  for (const int body : body_of_cell) result.push_back(body >= first ? 1 : 0);
+  for (const int body : body_of_cell) result.push_back(stands_for_body(config, body - first) ? 1 : 0);
   return result;
 }
 
@@ -169,9 +216,12 @@ void set_moduli_of_rigid_bodies(const Config& config, std::vector<double>& shear
   }
 }
 
-std::vector<std::string> names_of_rigid_bodies(const Config& config) {
-  std::vector<std::string> result;
-  for (const RigidBodyConfig& body : config.rigid_bodies) result.push_back(body.name);
+AddedBodies names_of_rigid_bodies(const Config& config) {
+  AddedBodies result;
+  for (const RigidBodyConfig& body : config.rigid_bodies) {
+    result.names.push_back(body.name);
+    if (!body.surface) result.without_surface.push_back(body.name);
+  }
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include "fem/components.hpp"
 #include "input/config.hpp"
 #include "mesh/mesh.hpp"
+#include "model/selections.hpp"
 
 #include <string>
 #include <vector>
@@ -12,15 +13,20 @@
 namespace pliant {
 
 /// The input with each entry of `rigid_bodies` among the bodies, after the others, and with the constraint that makes a
-/// body rigid where the input has none for it. What a body without a mesh has of `density` makes its tetrahedron as
-/// heavy as the body.
+/// body rigid where the input has none for it. Those of `rigid_bodies` have no density: their masses are given.
 Config with_rigid_bodies(Config config);
 
-/// One for each entry of `rigid_bodies`: about as large as the body.
+/// One for each entry of `rigid_bodies` without a surface: about as large as the body.
 std::vector<AddedTetrahedron> added_tetrahedra(const Config& config);
+/// One for each with a surface.
+std::vector<AddedVolume> added_volumes(const Config& config);
 
-/// The masses of `rigid_bodies`; `first`: the number of the first among the bodies.
-std::vector<AffineBody> masses_of_rigid_bodies(const Config& config, int first);
+/// The masses of `rigid_bodies`, by their numbers among the bodies of the completed input.
+std::vector<AffineBody> masses_of_rigid_bodies(const Config& config);
+
+/// The centre of mass of a rigid body of the completed input at the start, with a mesh or without. Collective.
+Vector3<double> center_of_rigid_body(const Config& config, const NodeLayout& layout,
+                                     const std::vector<int>& body_of_cell, int body);
 
 /// One flag per component: whether it stands for a body without a mesh, which has no surface. Collective.
 std::vector<char> components_of_rigid_bodies(const Config& config, const NodeLayout& layout,
@@ -38,6 +44,6 @@ void set_start_of_rigid_bodies(const Config& config, const NodeLayout& layout, c
 void set_moduli_of_rigid_bodies(const Config& config, std::vector<double>& shear_moduli);
 
 /// Names of `rigid_bodies`.
-std::vector<std::string> names_of_rigid_bodies(const Config& config);
+AddedBodies names_of_rigid_bodies(const Config& config);
 
 }  // namespace pliant

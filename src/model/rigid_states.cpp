@@ -3,6 +3,7 @@
 #include "energy/rigid/rigid_fit.hpp"
 #include "input/analysis.hpp"
 #include "model/joint_efforts.hpp"
+#include "model/rigid_bodies.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 
@@ -34,28 +35,17 @@ double angle_about(const Vector3<double>& axis, const Quaternion& R) {
 RigidStates::RigidStates(const Config& config, const Model& model)
     : model_(model), joints_(config.joints), is_static_(analysis_of(config) == Analysis::static_equilibrium) {
   const NodeLayout& layout = model.layout();
-  const std::size_t num_meshed = config.bodies.size();
-  for (std::size_t b = 0; b < num_meshed + config.rigid_bodies.size(); ++b) {
-    if (b < num_meshed && !config.bodies[b].is_rigid) continue;
+  const Config completed = with_rigid_bodies(config);
+  for (std::size_t b = 0; b < completed.bodies.size(); ++b) {
+    if (!completed.bodies[b].is_rigid) continue;
     Body body{model.body_names()[b], {}, {}};
     std::vector<char> is_of_body(static_cast<std::size_t>(layout.num_local_nodes), 0);
-    // Volume and first moments of the straight cells: their density is uniform.
-    std::array<double, 4> sums{};
     for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
       if (model.body_of_cell()[static_cast<std::size_t>(c)] != static_cast<int>(b)) continue;
       const auto nodes = layout.nodes_of_cell(c);
       for (const PetscInt n : nodes) is_of_body[static_cast<std::size_t>(n)] = 1;
-      if (c >= layout.num_owned_cells) continue;
-      std::array<Vector3<double>, 4> x;
-      for (std::size_t k = 0; k < 4; ++k) x[k] = layout.position(nodes[k]);
-      const double volume = dot(x[1] - x[0], cross(x[2] - x[0], x[3] - x[0])) / 6.0;
-      const Vector3<double> middle = 0.25 * (x[0] + x[1] + x[2] + x[3]);
-      sums[3] += volume;
-      for (std::size_t i = 0; i < 3; ++i) sums[i] += volume * middle[i];
     }
-    sum_in_place(layout.comm, sums);
-    body.centre = b < num_meshed ? (1.0 / sums[3]) * Vector3<double>{sums[0], sums[1], sums[2]}
-                                 : Vector3<double>(config.rigid_bodies[b - num_meshed].center);
+    body.centre = center_of_rigid_body(completed, layout, model.body_of_cell(), static_cast<int>(b));
     for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
       if (is_of_body[static_cast<std::size_t>(n)] != 0) body.nodes.push_back(n);
     }

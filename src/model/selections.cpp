@@ -65,32 +65,37 @@ std::string describe(const Selection& part) {
   }
 }
 
-Selections::Selections(const Mesh& mesh, const NodeLayout& layout, std::span<const std::string> added)
-    : mesh_(mesh), layout_(layout), added_(added.begin(), added.end()) {
+Selections::Selections(const Mesh& mesh, const NodeLayout& layout, AddedBodies added)
+    : mesh_(mesh), layout_(layout), added_(std::move(added)) {
   std::vector<PhysicalGroup> groups;
   for (const PhysicalGroup& g : mesh.groups) {
     if (is_added(g)) groups.push_back(g);
   }
   if (groups.empty()) return;
-  is_added_node_.assign(static_cast<std::size_t>(layout.num_local_nodes), 0);
+  added_node_.assign(static_cast<std::size_t>(layout.num_local_nodes), Added::none);
   const auto of_cells = volume_of_cells(mesh, layout, groups);
   for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
-    if (of_cells[static_cast<std::size_t>(c)] < 0) continue;
-    for (const PetscInt n : layout.nodes_of_cell(c)) is_added_node_[static_cast<std::size_t>(n)] = 1;
+    const int group = of_cells[static_cast<std::size_t>(c)];
+    if (group < 0) continue;
+    const std::string& name = groups[static_cast<std::size_t>(group)].name;
+    const bool stands = std::ranges::find(added_.without_surface, name) != added_.without_surface.end();
+    for (const PetscInt n : layout.nodes_of_cell(c)) {
+      added_node_[static_cast<std::size_t>(n)] = stands ? Added::without_surface : Added::with_surface;
+    }
   }
 }
 
 bool Selections::is_added(const PhysicalGroup& group) const {
-  return group.dimension == 3 && std::ranges::find(added_, group.name) != added_.end();
+  return group.dimension == 3 && std::ranges::find(added_.names, group.name) != added_.names.end();
 }
 
-FacetList Selections::without_added(const FacetList& facets) const {
-  if (is_added_node_.empty()) return facets;
+FacetList Selections::without(const FacetList& facets, std::initializer_list<Added> kinds) const {
+  if (added_node_.empty()) return facets;
   FacetList result;
   result.nodes_per_facet = facets.nodes_per_facet;
   for (PetscInt f = 0; f < facets.size(); ++f) {
     const auto nodes = facets.nodes_of(f);
-    if (is_added_node_[static_cast<std::size_t>(nodes[0])] != 0) continue;
+    if (std::ranges::find(kinds, added_node_[static_cast<std::size_t>(nodes[0])]) != kinds.end()) continue;
     result.nodes.insert(result.nodes.end(), nodes.begin(), nodes.end());
     result.is_owned.push_back(facets.is_owned[static_cast<std::size_t>(f)]);
     result.is_outer.push_back(facets.is_outer[static_cast<std::size_t>(f)]);
@@ -133,8 +138,8 @@ std::vector<PetscInt> Selections::nodes(const Selection& part) {
   } else {
     result = nodes_in_region(layout_, region(part));
   }
-  if (!is_group(part.kind) && !is_added_node_.empty()) {
-    std::erase_if(result, [&](PetscInt n) { return is_added_node_[static_cast<std::size_t>(n)] != 0; });
+  if (!is_group(part.kind) && !added_node_.empty()) {
+    std::erase_if(result, [&](PetscInt n) { return added_node_[static_cast<std::size_t>(n)] != Added::none; });
   }
   if (sum(layout_.comm, static_cast<PetscInt64>(result.size())) == 0) {
     report(part.where, fmt::format("{} contains no node of the mesh; `pliant check` shows the mesh's extent and groups",
@@ -150,9 +155,9 @@ FacetList Selections::facets(const Selection& part) {
     if (g == nullptr) return result;
     result = facets_of_group(mesh_, layout_, *g);
   } else if (part.kind == Selection::Kind::everything) {
-    result = without_added(surface_facets(mesh_, layout_, [](const auto&) { return true; }));
+    result = without(surface_facets(mesh_, layout_, [](const auto&) { return true; }), {Added::without_surface});
   } else {
-    result = without_added(surface_facets(mesh_, layout_, region(part)));
+    result = without(surface_facets(mesh_, layout_, region(part)), {Added::with_surface, Added::without_surface});
   }
   if (sum(layout_.comm, static_cast<PetscInt64>(result.size())) == 0) {
     report(part.where,

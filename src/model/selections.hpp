@@ -4,19 +4,23 @@
 #include "fem/selection.hpp"
 #include "input/config.hpp"
 
-#include <span>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
 namespace pliant {
 
+/// Volumes of the mesh that are not of its file: bodies with only their names to select them.
+struct AddedBodies {
+  std::vector<std::string> names;
+  std::vector<std::string> without_surface;  ///< of them, those that only stand for a body
+};
+
 /// Resolves selections and keeps every error, so that all are reported at once. Its answers and errors are the same on
 /// every rank, except for the lists of this rank's nodes and facets.
 class Selections {
  public:
-  /// `added`: volumes of the mesh that stand for rigid bodies without one. Only their names select them, and they have
-  /// no surface.
-  Selections(const Mesh& mesh, const NodeLayout& layout, std::span<const std::string> added = {});
+  Selections(const Mesh& mesh, const NodeLayout& layout, AddedBodies added = {});
 
   /// Owned nodes. Collective.
   std::vector<PetscInt> nodes(const Selection& part);
@@ -45,13 +49,14 @@ class Selections {
  private:
   const PhysicalGroup* group(const Selection& part);
   bool is_added(const PhysicalGroup& group) const;
-  /// The list without what belongs to added volumes.
-  FacetList without_added(const FacetList& facets) const;
+  enum class Added : char { none, with_surface, without_surface };
+  /// The list without what belongs to added volumes of these kinds.
+  FacetList without(const FacetList& facets, std::initializer_list<Added> kinds) const;
 
   const Mesh& mesh_;
   const NodeLayout& layout_;
-  std::vector<std::string> added_;
-  std::vector<char> is_added_node_;  // per local node; empty if none is
+  AddedBodies added_;
+  std::vector<Added> added_node_;  // per local node; empty if none is
   std::vector<const PhysicalGroup*> used_;
   std::vector<Diagnostic> errors_;
 };

@@ -172,7 +172,7 @@ joints:
             h = self.solve(wheel.replace("MORE", "motor: {target: 1, stiffness: 1000, limit: 0.2}"), "method: dirk33, step: 5 ms, end: 0.1")
             np.testing.assert_allclose(h["axle_angle"], 0.5 * 0.2 / 0.05 * h["time"] ** 2, atol=1e-9)
         # Between two bodies that turn, of all methods, on several ranks.
-        both = self.chain("hinge", ", spring: {stiffness: 30, rest: 0.3}, damping: 0.5, motor: {target: \"0.4*sin(5*t)\", stiffness: 20, damping: 1, limit: 3}")
+        both = self.chain("hinge", ", spring: {stiffness: 30, rest: 0.3}, damping: 0.5, friction: 0.3, stick_rate: 2, motor: {target: \"0.4*sin(5*t)\", stiffness: 20, damping: 1, limit: 3}")
         self.write("in.yaml", both + "time: {method: bdf2, step: 5 ms, end: 40 ms}\n")
         self.pliant("converge", "in.yaml", "--in", "time", "--levels", "3", "--methods", "all")
         one, *others = [self.solve(both, "method: bdf2, step: 5 ms, end: 0.1", ranks) for ranks in (1, 2, 3)]
@@ -210,6 +210,48 @@ probes: [{name: tip, point: [0.1, 0.005, 0.005]}]
         np.testing.assert_allclose(one["flexor_tension"], [0, 0.25, 0.5, 0.75, 1])
         self.write("in.yaml", text.replace("min(t, 1)", "(20*t)^4").replace("P2", "P1") + "time: {method: bdf2, step: 0.5 ms, end: 8 ms}\n")
         self.pliant("converge", "in.yaml", "--in", "time", "--levels", "3", "--methods", "bdf2,dirk22")
+
+    def test_stops(self):
+        swing = """rigid_bodies: [{name: bob, mass: 1, inertia: [0, 0, 0], center: [1, 0, 0]}]
+joints: [{name: pivot, type: hinge, between: [ground, bob], point: [0, 0, 0], axis: [0, 0, 1], limits: [-0.8, 0.4]MORE}]
+loads: [{gravity: [0, -9.81, 0]}]
+"""
+        for method in ("backward-euler", "bdf2", "dirk22", "dirk33", "implicit-midpoint"):
+            with self.subTest(method):
+                h = self.solve(swing.replace("MORE", ""), f"method: {method}, step: 5 ms, end: 1")
+                self.assertGreater(h["pivot_angle"].min(), -0.84)
+                self.assertLess(h["pivot_angle"].min(), -0.8)
+                self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-10)
+        # Thrown back elastically: it comes up again.
+        h = self.solve(swing.replace("MORE", ", limit_stiffness: 1e5"), "method: dirk33, step: 0.5 ms, end: 1")
+        self.assertGreater(h["pivot_angle"].min(), -0.82)
+        again = h["pivot_angle"][len(h["time"]) // 2:].max()
+        self.assertGreater(again, -0.01)
+        with self.subTest("static"):
+            pushed = swing.replace("MORE", ", limit_stiffness: 1000, motor: {effort: 2}").replace("loads: [{gravity: [0, -9.81, 0]}]\n", "")
+            h = self.solve(pushed, "method: static, load_steps: 2")
+            np.testing.assert_allclose(h["pivot_angle"][-1], 0.4 + 2 / 1000 + 0.5e-3 * 1.2, rtol=1e-9)
+        with self.subTest("beyond half a turn"):
+            wheel = """rigid_bodies: [{name: wheel, mass: 1, inertia: [1, 1, 1], center: [0, 0, 0], angular_velocity: [0, 0, 8]}]
+joints: [{name: axle, type: hinge, between: [ground, wheel], point: [0, 0, 0], axis: [0, 0, 1], limits: [0, 4], damping: 1}]
+"""
+            h = self.solve(wheel, "method: bdf2, step: 2 ms, end: 1")
+            turned = np.unwrap(h["axle_angle"])
+            self.assertLess(turned.max(), 4.05)
+            self.assertGreater(turned.max(), 4)
+
+    def test_friction(self):
+        wheel = """rigid_bodies: [{name: wheel, mass: 1, inertia: [0.1, 0.1, 0.05], center: [0, 0, 0], angular_velocity: [0, 0, 3]}]
+joints: [{name: axle, type: hinge, between: [ground, wheel], point: [0, 0, 0], axis: [0, 0, 1], friction: 0.2}]
+"""
+        h = self.solve(wheel, "method: bdf2, step: 10 ms, end: 1")  # it stops at 0.75 s
+        t = h["time"]
+        np.testing.assert_allclose(h["wheel_wz"], np.maximum(3 - 0.2 / 0.05 * t, 0), atol=5e-3)
+        np.testing.assert_allclose(h["dissipated_joint_friction"][-1] / (0.5 * 0.05 * 9), 1, rtol=0.01)
+        # What it can hold it holds.
+        held = wheel.replace(", angular_velocity: [0, 0, 3]", "").replace("friction: 0.2", "friction: 0.2, motor: {effort: 0.15}")
+        h = self.solve(held, "method: dirk22, step: 10 ms, end: 1")
+        self.assertLess(abs(h["axle_angle"][-1]), 2e-3)
 
     def test_motions_of_the_bodies_of_a_joint_are_seen(self):
         # A slider on a body that is led: what is recorded is where the bodies are.

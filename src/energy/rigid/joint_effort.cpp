@@ -18,6 +18,33 @@ double difference(double a, double b, bool turns) {
   return turns ? std::remainder(a - b, 2.0 * std::numbers::pi) : a - b;
 }
 
+/// At which stop the coordinate is, the sign of it, and how far beyond; negative: between them.
+std::pair<double, double> beyond_stops(const JointStops& stops, double coordinate, bool turns) {
+  const double from_middle = difference(coordinate, stops.middle, turns);
+  return {from_middle < 0.0 ? -1.0 : 1.0, std::abs(from_middle) - stops.half_range};
+}
+
+/// The energy that stops store [J].
+double energy_of(const JointStops& stops, double coordinate, bool turns) {
+  const double beyond = beyond_stops(stops, coordinate, turns).second, w = stops.rounding;
+  if (beyond <= 0.0) return 0.0;
+  if (beyond < w) return stops.stiffness * beyond * beyond * beyond / (6.0 * w);
+  return stops.stiffness * (0.5 * beyond * (beyond - w) + w * w / 6.0);
+}
+
+/// The energy that a law stores at a coordinate less that at `from` [J]; none: less none.
+double stored_energy(const JointLaw& law, double coordinate, std::optional<double> from, bool turns) {
+  if (const auto* stops = std::get_if<JointStops>(&law)) {
+    return energy_of(*stops, coordinate, turns) - (from ? energy_of(*stops, *from, turns) : 0.0);
+  }
+  const auto* spring = std::get_if<JointSpring>(&law);
+  if (spring == nullptr) return 0.0;
+  // a^2 - b^2 = (a - b) (a + b) keeps the digits of small changes.
+  const double now = difference(coordinate, spring->rest, turns);
+  const double then = from ? difference(*from, spring->rest, turns) : 0.0;
+  return 0.5 * spring->stiffness * (now - then) * (now + then);
+}
+
 struct EffortOf {
   double coordinate, rate, time, factor;
   bool turns;
@@ -27,6 +54,17 @@ struct EffortOf {
   }
   JointEffortValue operator()(const JointDamper& damper) const {
     return {-damper.coefficient * rate, 0.0, -damper.coefficient};
+  }
+  JointEffortValue operator()(const JointStops& stops) const {
+    const auto [side, beyond] = beyond_stops(stops, coordinate, turns);
+    if (beyond <= 0.0) return {};
+    const bool is_begun = beyond < stops.rounding;
+    const double force = is_begun ? 0.5 * beyond * beyond / stops.rounding : beyond - 0.5 * stops.rounding;
+    return {-side * stops.stiffness * force, -stops.stiffness * (is_begun ? beyond / stops.rounding : 1.0), 0.0};
+  }
+  JointEffortValue operator()(const JointFriction& friction) const {
+    const double tanh = std::tanh(rate / friction.stick_rate);
+    return {-friction.largest * tanh, 0.0, -friction.largest / friction.stick_rate * (1.0 - tanh * tanh)};
   }
   JointEffortValue operator()(const JointMotor& motor) const {
     const TimeJet target = motor.target.derivatives(0.0, 0.0, 0.0, time, time);
@@ -140,6 +178,15 @@ class CoordinateOfNodes {
   std::vector<PetscInt> nodes_;
 };
 
+/// Whether the effort follows from the coordinate alone, and is that of an energy.
+bool is_elastic(const JointLaw& law) {
+  return std::holds_alternative<JointSpring>(law) || std::holds_alternative<JointStops>(law);
+}
+
+bool dissipates(const JointLaw& law) {
+  return std::holds_alternative<JointDamper>(law) || std::holds_alternative<JointFriction>(law);
+}
+
 /// A joint in a stage.
 struct JointState {
   std::vector<double> u, velocity, slope;
@@ -152,7 +199,7 @@ JointState state_of(const CoordinateOfNodes& coordinate, const JointEffort::Join
   JointState state{coordinate.gather(q), std::vector<double>(coordinate.size(), 0.0), {}, {}};
   state.coordinate = coordinate(std::span<const double>(state.u));
   state.slope = coordinate.gradient(state.u);
-  if (!std::holds_alternative<JointSpring>(joint.law) && !stage.q0.empty() && stage.dt > 0.0) {
+  if (!is_elastic(joint.law) && !stage.q0.empty() && stage.dt > 0.0) {
     const auto start = coordinate.gather(stage.q0);
     for (std::size_t k = 0; k < start.size(); ++k) {
       state.velocity[k] = (state.u[k] - start[k]) / stage.dt;
@@ -173,7 +220,7 @@ JointEffortValue joint_effort(const JointLaw& law, double coordinate, double rat
 
 JointBody joint_body(const NodeLayout& layout, const std::vector<int>& body_of_cell, int body) {
   JointBody result{body, {}, false};
-  const PetscInt cell = first_cell_of(layout, body_of_cell, body);
+  const PetscInt cell = largest_cell_of(layout, body_of_cell, body);
   if (cell < 0) return result;
   const auto corners = layout.nodes_of_cell(cell).first(4);
   result.is_owned = corners[0] < layout.num_owned_nodes;
@@ -203,16 +250,17 @@ bool JointEffort::may_couple(int tag, int other) const {
 }
 
 std::string_view JointEffort::name() const {
-  constexpr std::array<std::string_view, 3> names{"joint-springs", "joint-dampers", "joint-motors"};
-  return names[joints_.front().law.index()];
+  constexpr std::array<std::string_view, std::variant_size_v<JointLaw>> names{
+      "joint-springs", "joint-dampers", "joint-motors", "joint-stops", "joint-friction"};
+  return names[law().index()];
 }
 
 TermDeclaration JointEffort::declaration() const {
   TermDeclaration declaration;
-  declaration.is_potential = is_spring();
-  declaration.account = std::holds_alternative<JointMotor>(joints_.front().law) ? Account::load : Account::stored;
-  declaration.dissipates = std::holds_alternative<JointDamper>(joints_.front().law);
-  declaration.symmetry = is_spring() ? Symmetry::symmetric : Symmetry::unsymmetric;
+  declaration.is_potential = is_elastic(law());
+  declaration.account = std::holds_alternative<JointMotor>(law()) ? Account::load : Account::stored;
+  declaration.dissipates = dissipates(law());
+  declaration.symmetry = is_elastic(law()) ? Symmetry::symmetric : Symmetry::unsymmetric;
   declaration.rotates_with_body = false;
   return declaration;
 }
@@ -243,21 +291,19 @@ std::vector<JointEffort::Seen> JointEffort::seen(const NearPatches& near) const 
   return result;
 }
 
-// k/2 (s - rest)^2 of springs, less that at another place: (a^2 - b^2) = (a - b) (a + b) keeps the digits of changes.
 double JointEffort::stored(const NearPatches& near, std::span<const double> q, std::span<const double> from) const {
-  if (!is_spring()) return 0.0;
+  if (!is_elastic(law())) return 0.0;
   double sum = 0.0;
   for (const Seen& one : seen(near)) {
     if (!one.is_counted) continue;
-    const auto& spring = std::get<JointSpring>(one.joint->law);
     const CoordinateOfNodes coordinate(one.joint->coordinate, one.nodes, near.coordinates);
-    const auto stretch = [&](std::span<const double> at) {
-      const auto u = coordinate.gather(at);
-      return difference(coordinate(std::span<const double>(u)), spring.rest,
-                        std::holds_alternative<JointAngle>(one.joint->coordinate));
+    const bool turns = std::holds_alternative<JointAngle>(one.joint->coordinate);
+    const auto at = [&](std::span<const double> place) {
+      const auto u = coordinate.gather(place);
+      return coordinate(std::span<const double>(u));
     };
-    const double now = stretch(q), then = from.empty() ? 0.0 : stretch(from);
-    sum += 0.5 * spring.stiffness * (now - then) * (now + then);
+    const std::optional<double> then = from.empty() ? std::nullopt : std::optional(at(from));
+    sum += stored_energy(one.joint->law, at(q), then, turns);
   }
   return sum;
 }
@@ -321,7 +367,7 @@ double JointEffort::energy_at(const Instant& at, std::span<const double> q, std:
 double JointEffort::dissipation(const LocalStage& stage, std::span<const double> q) const {
   double sum = 0.0;
   for (const Seen& one : seen(*stage.near)) {
-    if (!one.is_counted || !std::holds_alternative<JointDamper>(one.joint->law)) continue;
+    if (!one.is_counted || !dissipates(one.joint->law)) continue;
     const CoordinateOfNodes coordinate(one.joint->coordinate, one.nodes, stage.near->coordinates);
     const JointState state = state_of(coordinate, *one.joint, stage, q);
     sum -= state.effort.effort * state.rate;

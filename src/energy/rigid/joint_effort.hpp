@@ -1,4 +1,4 @@
-/// Springs, dampers and motors of joints: torques about an axis, and forces along it.
+/// Springs, dampers, motors, stops and friction of joints: torques about an axis, and forces along it.
 #pragma once
 
 #include "base/expression.hpp"
@@ -28,7 +28,18 @@ struct JointMotor {
   std::optional<double> limit;
   Expression effort;
 };
-using JointLaw = std::variant<JointSpring, JointDamper, JointMotor>;
+/// Elastic stops at both ends of a range: an effort k g where the coordinate is beyond one by g, which begins smoothly
+/// within `rounding` (k g^2 / (2 rounding), then k (g - rounding / 2)). Angles are compared within half a turn of the
+/// middle of the range.
+struct JointStops {
+  double middle = 0.0, half_range = 0.0;
+  double stiffness = 0.0, rounding = 0.0;
+};
+/// Dry friction: an effort against the rate, `largest` where it slides, sat(rate) = largest tanh(rate / stick_rate).
+struct JointFriction {
+  double largest = 0.0, stick_rate = 0.0;
+};
+using JointLaw = std::variant<JointSpring, JointDamper, JointMotor, JointStops, JointFriction>;
 
 /// The effort of a law on the coordinate, and its derivatives.
 struct JointEffortValue {
@@ -81,9 +92,10 @@ class JointEffort final : public EnergyTerm, public PairCoupling {
     bool is_counted = false;
   };
   std::vector<Seen> seen(const NearPatches& near) const;
-  /// The energy of springs at q less that at `from`; empty: less none.
+  /// The energy of springs and stops at q less that at `from`; empty: less none.
   double stored(const NearPatches& near, std::span<const double> q, std::span<const double> from) const;
-  bool is_spring() const { return std::holds_alternative<JointSpring>(joints_.front().law); }
+  /// All of a kind, as the first one.
+  const JointLaw& law() const { return joints_.front().law; }
 
   std::vector<Joint> joints_;
   Patches patches_;

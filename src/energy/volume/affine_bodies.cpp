@@ -2,27 +2,63 @@
 
 #include "fem/straight_cell.hpp"
 
+#include <optional>
+
 namespace pliant {
+namespace {
+
+/// The corners of a body's largest cell, whose linear shape functions N describe its motion.
+struct CornersOfBody {
+  std::span<const PetscInt> nodes;
+  std::array<Vector3<double>, 4> gradients;
+  std::array<double, 4> at_centre{};  // N_a(c)
+};
+
+/// Nothing on ranks without the cell. Collective.
+std::optional<CornersOfBody> corners_of(const NodeLayout& layout, const std::vector<int>& body_of_cell,
+                                        const AffineBody& body) {
+  const PetscInt cell = largest_cell_of(layout, body_of_cell, body.body);
+  if (cell < 0) return std::nullopt;
+  CornersOfBody corners{layout.nodes_of_cell(cell).first(4), {}, {1.0, 0.0, 0.0, 0.0}};
+  std::array<Vector3<double>, 4> X;
+  for (std::size_t a = 0; a < 4; ++a) X[a] = layout.position(corners.nodes[a]);
+  corners.gradients = linear_gradients(X);
+  for (std::size_t a = 0; a < 4; ++a) corners.at_centre[a] += dot(corners.gradients[a], body.centre - X[0]);
+  return corners;
+}
+
+}  // namespace
 
 void add_affine_bodies(const NodeLayout& layout, const BlockPattern& pattern, const std::vector<int>& body_of_cell,
                        std::span<const AffineBody> bodies, MassMatrix& mass) {
   for (const AffineBody& body : bodies) {
-    const PetscInt cell = first_cell_of(layout, body_of_cell, body.body);
-    if (cell < 0) continue;
-    const auto corners = layout.nodes_of_cell(cell).first(4);
-    std::array<Vector3<double>, 4> X;
-    for (std::size_t a = 0; a < 4; ++a) X[a] = layout.position(corners[a]);
-    const auto gradients = linear_gradients(X);
-    std::array<double, 4> at_centre{1.0, 0.0, 0.0, 0.0};  // N_a(c)
-    for (std::size_t a = 0; a < 4; ++a) at_centre[a] += dot(gradients[a], body.centre - X[0]);
+    const auto corners = corners_of(layout, body_of_cell, body);
+    if (!corners) continue;
+    const auto& [nodes, gradients, at_centre] = *corners;
     for (std::size_t a = 0; a < 4; ++a) {
-      if (corners[a] >= layout.num_owned_nodes) continue;
+      if (nodes[a] >= layout.num_owned_nodes) continue;
       for (std::size_t b = 0; b < 4; ++b) {
-        mass.add(pattern.block(corners[a], corners[b]),
+        mass.add(pattern.block(nodes[a], nodes[b]),
                  body.mass * at_centre[a] * at_centre[b] + dot(gradients[a], matvec(body.second_moment, gradients[b])));
       }
     }
   }
+}
+
+LoadSamples samples_of_affine_bodies(const NodeLayout& layout, const std::vector<int>& body_of_cell,
+                                     std::span<const AffineBody> bodies) {
+  LoadSamples samples{1, 1, {}, {{1.0}}, {}, {}};
+  for (const AffineBody& body : bodies) {
+    const auto corners = corners_of(layout, body_of_cell, body);
+    if (!corners) continue;
+    for (std::size_t a = 0; a < 4; ++a) {
+      if (corners->nodes[a] >= layout.num_owned_nodes) continue;
+      samples.nodes.push_back(corners->nodes[a]);
+      samples.points.push_back(body.centre);
+      samples.weights.push_back(body.mass * corners->at_centre[a]);
+    }
+  }
+  return samples;
 }
 
 }  // namespace pliant

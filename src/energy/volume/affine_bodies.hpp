@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/vector3.hpp"
+#include "energy/load/load.hpp"
 #include "energy/volume/mass_matrix.hpp"
 
 #include <span>
@@ -17,9 +18,13 @@ struct AffineBody {
   Tensor3<double> second_moment{};  ///< int (X - centre) (X - centre)^T dm [kg m^2]
 };
 
-/// Adds M_ab = m N_a(c) N_b(c) + grad N_a . S grad N_b to the corners a, b of the body's first cell, N linear.
+/// Adds M_ab = m N_a(c) N_b(c) + grad N_a . S grad N_b to the corners a, b of the body's largest cell, N linear.
 /// Collective.
 void add_affine_bodies(const NodeLayout& layout, const BlockPattern& pattern, const std::vector<int>& body_of_cell,
                        std::span<const AffineBody> bodies, MassMatrix& mass);
+
+/// Samples of the bodies' weight: m N_a(c) at the corners a. Collective.
+LoadSamples samples_of_affine_bodies(const NodeLayout& layout, const std::vector<int>& body_of_cell,
+                                     std::span<const AffineBody> bodies);
 
 }  // namespace pliant

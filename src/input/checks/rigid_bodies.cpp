@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <string>
 
 #include <fmt/format.h>
@@ -28,6 +29,22 @@ bool has_real_mass(const std::array<double, 6>& moments) {
          a * b * c - 2.0 * xy * yz * zx - a * yz * yz - b * zx * zx - c * xy * xy >= 0.0;
 }
 
+void check_limits(const JointConfig& joint, Diagnostics& diagnostics) {
+  const auto& [low, high] = *joint.limits;
+  const bool turns = joint.type == JointType::hinge;
+  if (!(low < high)) {
+    diagnostics.add(joint.where, fmt::format("the limits of joint '{}' are [{:g}, {:g}]: the first must be smaller",
+                                             joint.name, low, high));
+  } else if (turns && high - low >= 2.0 * std::numbers::pi) {
+    diagnostics.add(joint.where, fmt::format("the limits of joint '{}' are a full turn apart: they are angles in "
+                                             "radians, less than 2 pi apart",
+                                             joint.name));
+  } else if (low > 0.0 || high < 0.0) {
+    diagnostics.add(joint.where, fmt::format("joint '{}' is at 0 at the start, outside of its limits [{:g}, {:g}]",
+                                             joint.name, low, high));
+  }
+}
+
 /// What the keys of a joint cannot say one by one.
 void check_joint(const JointConfig& joint, bool is_dynamic, Diagnostics& diagnostics) {
   if (joint.type == JointType::distance && joint.second_point == joint.point) {
@@ -35,6 +52,7 @@ void check_joint(const JointConfig& joint, bool is_dynamic, Diagnostics& diagnos
         joint.where,
         fmt::format("the points of joint '{}' are one: a distance of 0 is a joint of type 'ball'", joint.name));
   }
+  if (joint.limits) check_limits(joint, diagnostics);
   constexpr double rounding_of_start = 1e-9;  // [rad] or [m]
   const double start = joint.motion && is_dynamic ? (*joint.motion)(0.0, 0.0, 0.0, 0.0) : 0.0;
   if (std::abs(start) > rounding_of_start) {
@@ -77,6 +95,12 @@ void check_rigid_bodies(const Config& config, Diagnostics& diagnostics) {
       diagnostics.add(body.where,
                       fmt::format("'{}' is also the volume of a body with a mesh; rename the rigid body", body.name));
     }
+    if (body.mass == 0.0 && (body.attached.empty() || std::ranges::max(body.inertia.moments) > 0.0)) {
+      diagnostics.add(body.where,
+                      fmt::format("rigid body '{}' has no mass; only a point of reference has none, to which "
+                                  "a surface of another body is 'attached', and no moments of inertia",
+                                  body.name));
+    }
     if (!has_real_mass(body.inertia.moments)) {
       diagnostics.add(
           body.inertia.where,
@@ -85,11 +109,13 @@ void check_rigid_bodies(const Config& config, Diagnostics& diagnostics) {
                       body.name));
     }
   }
-  if (config.contact && config.bodies.empty() && !config.rigid_bodies.empty()) {
+  const bool none_has_surface =
+      std::ranges::none_of(config.rigid_bodies, [](const RigidBodyConfig& body) { return body.surface.has_value(); });
+  if (config.contact && config.bodies.empty() && !config.rigid_bodies.empty() && none_has_surface) {
     diagnostics.add(
         config.contact->where,
-        "rigid bodies without a mesh have no surface that could touch anything: mesh their volumes, and list "
-        "them in 'bodies' with 'rigid: true'");
+        "these rigid bodies have no surface that could touch anything: give them a 'surface', or mesh their volumes "
+        "and list them in 'bodies' with 'rigid: true'");
   }
   for (const JointConfig& joint : config.joints) {
     take(joint.name, "joint", joint.where);

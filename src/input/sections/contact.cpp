@@ -110,18 +110,6 @@ Section<ObstacleConfig> obstacle_keys() {
   return {std::move(keys), {}, &O::where};
 }
 
-Format<Located<std::string>> located_text() {
-  const auto name = text();
-  Format<Located<std::string>> format{"name of a physical surface or volume", name.schema, {}, {}};
-  format.read = [name](const InputNode& node, const std::string& key, Diagnostics& diagnostics,
-                       Located<std::string>& into) {
-    into.where = node.where;
-    return name.read(node, key, diagnostics, into.value);
-  };
-  format.write = [name](const Located<std::string>& value) { return name.write(value.value); };
-  return format;
-}
-
 Section<ContactPairConfig> pair_keys() {
   using P = ContactPairConfig;
   std::vector<Field<P>> keys{
@@ -129,8 +117,8 @@ Section<ContactPairConfig> pair_keys() {
             "prefix of the columns in history.csv with the force and impulse of `with` on `surface`")
           .otherwise_in_words("no columns")
           .only_with({{"with"}}),
-      field("surface", &P::part, located_text(), "a surface, or a volume with its outer surface").required(),
-      field("with", &P::with, located_text(), "the surface or volume that it may touch").otherwise_in_words("itself"),
+      field("surface", &P::part, name_of_part(), "a surface, or a volume with its outer surface").required(),
+      field("with", &P::with, name_of_part(), "the surface or volume that it may touch").otherwise_in_words("itself"),
       field("law", &P::law, normal_kind(), "as of `contact`").otherwise_in_words(of_contact),
       field("stiffness", &P::stiffness, quantity("Pa/m", Range::above(0)),
             "pressure per depth of penetration, or the scale of the barrier's pressure")
@@ -196,7 +184,7 @@ Section<ContactConfig> contact_keys() {
                        "each other and with themselves")
                      .otherwise_in_words("bodies pass through one another"));
   keys.push_back(
-      field("exclude", &C::exclude, list_of(array_of<2>(located_text()), 1),
+      field("exclude", &C::exclude, list_of(array_of<2>(name_of_part()), 1),
             "two surfaces or volumes each that do not touch although `pairs` says so, such as the sides of a hinge")
           .otherwise_in_words("none")
           .only_with({{"pairs"}}));

@@ -22,7 +22,8 @@ Section<LoadConfig> load_keys() {
                          &L::Gravity::acceleration),
           choosing_field(load_kind, "force_density", vector("N/m^3"), "force per reference volume",
                          &L::ForceDensity::value),
-          selector<L>("volume", SelectionKind::volume, "with gravity and force_density: the volume it acts on")
+          selector<L>("volume", SelectionKind::volume,
+                      "with gravity and force_density: the volume it acts on; with force and torque: a rigid body")
               .otherwise_in_words("the whole mesh"),
           choosing_field(load_kind, "traction", vector("Pa"), "force per reference area, fixed in direction (dead)",
                          &L::Traction::value),
@@ -34,8 +35,11 @@ Section<LoadConfig> load_keys() {
                          &L::LineForce::value),
           choosing_field(load_kind, "force", vector("N"),
                          "total force, fixed in direction: spread evenly over the reference area of a surface or the "
-                         "length of a curve, or shared by the nodes of a point group",
+                         "length of a curve, shared by the nodes of a point group, or at the center of mass of a rigid "
+                         "body",
                          &L::Force::value),
+          choosing_field(load_kind, "torque", array_of<3>(expression("N*m", Variables::time)),
+                         "torque on a rigid body, fixed in direction", &L::Torque::value),
           choosing_field(load_kind, "spring", coefficient_of("Pa/m"),
                          "stiffness per reference area of springs between the surface and the ground",
                          &L::Foundation::spring),
@@ -66,14 +70,15 @@ Section<LoadConfig> load_keys() {
           selector<L>("point", SelectionKind::point,
                       "with force, point_spring and point_dashpot: the point group it acts on"),
       },
-      {{{"gravity", "traction", "pressure", "force_density", "line_force", "force", "spring", "dashpot", "point_spring",
-         "point_dashpot"},
+      {{{"gravity", "traction", "pressure", "force_density", "line_force", "force", "torque", "spring", "dashpot",
+         "point_spring", "point_dashpot"},
         Need::exactly_one,
         {},
         {{"spring", "dashpot"}, {"point_spring", "point_dashpot"}}},
        {{"volume"}, Need::any, {{"gravity"}, {"force_density"}}},
        {{"surface", "box", "where"}, Need::exactly_one, {{"traction"}, {"pressure"}, {"spring"}, {"dashpot"}}},
-       {{"surface", "box", "where", "curve", "point"}, Need::exactly_one, {{"force"}}},
+       {{"surface", "box", "where", "curve", "point", "volume"}, Need::exactly_one, {{"force"}}},
+       {{"volume"}, Need::all, {{"torque"}}},
        {{"curve"}, Need::all, {{"line_force"}}},
        {{"point"}, Need::all, {{"point_spring"}, {"point_dashpot"}}}},
       &L::where};

@@ -59,6 +59,19 @@ Section<JointConfig::Spring> spring_keys() {
   }};
 }
 
+Section<RigidBodyConfig::Surface> surface_keys() {
+  using S = RigidBodyConfig::Surface;
+  return {{
+      field(
+          "file", &S::file, text(),
+          "closed surface (.stl), geometry or mesh (.msh), relative to the input file, where the body is at the start")
+          .required(),
+      field("scale", &S::scale, quantity("1", Range::above(0)), "factor of the file's coordinates").otherwise("1"),
+      field("size", &S::size, quantity("m", Range::above(0)), "size of the elements that gmsh makes")
+          .otherwise_in_words("that of the triangles"),
+  }};
+}
+
 }  // namespace
 
 Section<RigidBodyConfig> rigid_body_keys() {
@@ -66,14 +79,21 @@ Section<RigidBodyConfig> rigid_body_keys() {
   return {{
               field("name", &R::name, column_name(), "name in joints and constraints, and prefix of its columns")
                   .required(),
-              field("mass", &R::mass, quantity("kg", Range::above(0)), "mass of the body").required(),
-              field("inertia", &R::inertia, inertia(), "moments of inertia about the center").required(),
+              field("mass", &R::mass, quantity("kg", Range::at_least(0)),
+                    "mass of the body; needed unless something is attached to it")
+                  .otherwise("0"),
+              field("inertia", &R::inertia, inertia(), "moments of inertia about the center").otherwise("[0, 0, 0]"),
               field("center", &R::center, array_of<3>(quantity("m")), "center of mass at the start").required(),
               field("velocity", &R::velocity, array_of<3>(quantity("m/s")), "velocity of the center at the start")
                   .otherwise("[0, 0, 0]"),
               field("angular_velocity", &R::angular_velocity, array_of<3>(quantity("rad/s")),
                     "angular velocity at the start")
                   .otherwise("[0, 0, 0]"),
+              field("surface", &R::surface, map_of(surface_keys()), "shape of the body, with which it touches others")
+                  .otherwise_in_words("none: it touches nothing"),
+              field("attached", &R::attached, list_of(name_of_part(), 1),
+                    "names of surfaces of other bodies that move with it, rigidly")
+                  .otherwise_in_words("none"),
           },
           {},
           &R::where};
@@ -127,6 +147,22 @@ Section<JointConfig> joint_keys() {
                 "effort per rate of the angle [N m s/rad] or travel [N s/m]")
               .otherwise_in_words("0")
               .only_with({{"type", "hinge"}, {"type", "slider"}}),
+          field("limits", &J::limits, array_of<2>(quantity("1")),
+                "smallest and largest angle [rad] or travel [m]: stops that give way by little")
+              .otherwise_in_words("none")
+              .only_with({{"type", "hinge"}, {"type", "slider"}}),
+          field("limit_stiffness", &J::limit_stiffness, quantity("1", Range::above(0)),
+                "effort of a stop per angle or travel beyond it [N m/rad or N/m]")
+              .otherwise_in_words("what stops the bodies within a few time steps")
+              .only_with({{"limits"}}),
+          field("friction", &J::friction, quantity("1", Range::at_least(0)),
+                "effort of dry friction against the motion [N m or N]")
+              .otherwise_in_words("0")
+              .only_with({{"type", "hinge"}, {"type", "slider"}}),
+          field("stick_rate", &J::stick_rate, quantity("1", Range::above(0)),
+                "rate at which dry friction reaches 76 % of its effort [rad/s or m/s]")
+              .otherwise_in_words("0.001")
+              .only_with({{"friction"}}),
       },
       {{{"motion", "motor"}, KeyGroup::Need::at_most_one}},
       &J::where};

@@ -39,6 +39,11 @@ std::vector<EffortCase> every_case() {
           {"Damper", JointDamper{3.0}, travel},
           {"TurningMotor", motor, angle},
           {"Motor", motor, travel},
+          {"TurnedStops", JointStops{0.3, 0.25, 40.0, 0.05}, angle},
+          {"TurnedStopsWithinTheirRounding", JointStops{0.3, 0.25, 40.0, 0.5}, angle},
+          {"Stops", JointStops{0.2, 0.1, 40.0, 0.02}, travel},
+          {"TurningFriction", JointFriction{0.7, 0.4}, angle},
+          {"Friction", JointFriction{0.7, 0.4}, travel},
           {"SpringToGround", JointSpring{30.0, 0.1}, travel, {-1, 1}},
           {"MotorOnGround", motor, angle, {-1, 0}}};
 }
