@@ -121,7 +121,11 @@ void check_held(const Config& config, const InputNode& root, Diagnostics& diagno
     const auto foundation = foundation_of(load);
     return foundation && foundation->spring > 0.0;
   };
-  if (std::ranges::any_of(config.loads, is_spring)) return;
+  const auto pulls_to_ground = [](const SpringConfig& spring) {
+    return spring.stiffness > 0.0 &&
+           std::ranges::find(spring.points, "ground", &BodyPoint::body) != spring.points.end();
+  };
+  if (std::ranges::any_of(config.loads, is_spring) || std::ranges::any_of(config.springs, pulls_to_ground)) return;
   const auto holds = [](const JointConfig& joint) {
     return std::ranges::find(joint.between, "ground") != joint.between.end();
   };

@@ -420,6 +420,7 @@ struct Config {
   std::vector<RigidBodyConfig> rigid_bodies;
   std::vector<JointConfig> joints;
   std::vector<TendonConfig> tendons;
+  std::vector<SpringConfig> springs;
   std::vector<ConstraintConfig> constraints;
   std::vector<LoadConfig> loads;
   std::vector<CavityConfig> cavities;

@@ -166,6 +166,8 @@ Section<Config> config_keys() {
             "joints between rigid bodies, rigid parts and the ground"),
       field("tendons", &Config::tendons, list_of(map_of(tendon_keys()), 0),
             "strings through the bodies that are pulled"),
+      field("springs", &Config::springs, list_of(map_of(spring_keys()), 0),
+            "springs and dampers between two points of bodies, or one and the ground"),
       field("constraints", &Config::constraints, list_of(map_of(constraint_keys()), 0),
             "prescribed displacements (Dirichlet boundary conditions) and ties (multi-point constraints)"),
       field("loads", &Config::loads, list_of(map_of(load_keys()), 0),

@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/expression.hpp"
+#include "input/body_point.hpp"
 #include "input/located.hpp"
 
 #include <array>
@@ -74,6 +75,17 @@ struct TendonConfig {
   std::string name;
   std::vector<std::array<double, 3>> points;  ///< at the start, in their order along it [m]
   Expression tension;                         ///< [N]; a function of t
+  Location where;
+};
+
+/// A spring, a damper or both, between two points.
+struct SpringConfig {
+  std::string name;
+  std::array<BodyPoint, 2> points;
+  double stiffness = 0.0;      ///< [N/m]
+  std::optional<double> rest;  ///< length without force [m]; default: that at the start
+  double damping = 0.0;        ///< [N s/m]
+  bool is_tension_only = false;
   Location where;
 };
 

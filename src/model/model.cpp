@@ -255,6 +255,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
 
   const std::vector<char> left_out = cells_without_mesh(config, layout_, body_of_cell_);
   tendons_ = make_tendons(config, layout_, left_out);
+  springs_ = make_springs({config, layout_, body_of_cell_, left_out});
   std::vector<std::array<double, 3>> points;
   for (const auto& probe : config.probes) points.push_back(probe.point);
   probes_ = locate(layout_, points, left_out);
@@ -348,6 +349,7 @@ void Model::prepare(const Config& config) {
   joint_efforts_ = make_joint_efforts(config_, layout_, body_of_cell_, constraints_->joints());
   for (const auto& term : joint_efforts_) terms.push_back(term.get());
   for (const ModelTendon& tendon : tendons_) terms.push_back(tendon.term.get());
+  for (const auto& term : springs_.terms) terms.push_back(term.get());
   for (const LocatedTerm& load : loads_->terms()) terms.push_back(load.term.get());
   if (contacts_) {
     contacts_->prepare(config);

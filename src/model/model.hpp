@@ -13,6 +13,7 @@
 #include "model/constraints.hpp"
 #include "model/contacts.hpp"
 #include "model/loads.hpp"
+#include "model/springs.hpp"
 #include "model/tendons.hpp"
 
 #include <functional>
@@ -55,6 +56,7 @@ class Model {
   const Inertia* inertia() const { return inertia_.get(); }  ///< nullptr if no body has a density
   const Constraints& constraints() const { return *constraints_; }
   const std::vector<ModelTendon>& tendons() const { return tendons_; }
+  const ModelSprings& springs() const { return springs_; }
   const std::vector<ModelCavity>& cavities() const { return loads_->cavities(); }
   const Contacts* contacts() const { return contacts_.get(); }  ///< nullptr if the input has none
   IncrementalPotential& potential() { return *potential_; }
@@ -133,6 +135,7 @@ class Model {
   std::vector<std::unique_ptr<EnergyTerm>> viscous_;
   std::vector<std::unique_ptr<EnergyTerm>> joint_efforts_;
   std::vector<ModelTendon> tendons_;
+  ModelSprings springs_;
   std::unique_ptr<Loads> loads_;
   std::unique_ptr<Contacts> contacts_;
   std::vector<std::unique_ptr<EnergyTerm>> additional_;

@@ -179,8 +179,11 @@ bool nothing_moves(const Config& config) {
     return body.velocity == none && body.angular_velocity == none;
   };
   const auto is_loose = [](const JointConfig& joint) { return !joint.spring; };
-  if (!std::ranges::all_of(config.rigid_bodies, is_at_rest) || !std::ranges::all_of(config.joints, is_loose))
+  const auto is_relaxed = [](const SpringConfig& spring) { return !spring.rest || spring.stiffness == 0.0; };
+  if (!std::ranges::all_of(config.rigid_bodies, is_at_rest) || !std::ranges::all_of(config.joints, is_loose) ||
+      !std::ranges::all_of(config.springs, is_relaxed)) {
     return false;
+  }
   return config.cavities.empty() && !may_be_pushed && is_zero(config.initial.displacement) &&
          is_zero(config.initial.velocity) &&
          std::ranges::all_of(driving_formulas(config), [](const DrivingFormula& of) { return of.formula->is_zero(); });
@@ -193,8 +196,8 @@ bool may_fall(const Config& config) {
     const VectorExpression* vector = vector_of(load);
     return vector != nullptr && !is_zero(*vector);
   };
-  return !config.contact && is_zero(config.initial.velocity) && std::ranges::none_of(config.loads, holds) &&
-         std::ranges::any_of(config.loads, pushes);
+  return !config.contact && config.springs.empty() && is_zero(config.initial.velocity) &&
+         std::ranges::none_of(config.loads, holds) && std::ranges::any_of(config.loads, pushes);
 }
 
 bool has_drag(const ContactConfig& contact) {
@@ -218,6 +221,8 @@ std::vector<Diagnostic> notes_of_idle_keys(const Config& config) {
   if (!is_static) return notes;
   note_if(has_viscosity(config), "viscosity has");
   note_if(has_dashpots(config), "dashpots have");
+  note_if(std::ranges::any_of(config.springs, [](const SpringConfig& s) { return s.damping > 0.0; }),
+          "the damping of springs has");
   note_if(config.contact && has_drag(*config.contact), "friction and damping of contact have");
   note_if(has_velocity || !is_zero(config.initial.displacement), "the initial state has");
   return notes;

@@ -217,6 +217,9 @@ std::vector<std::string> Recorder::columns(const Config& config, const Ledger& l
   for (const ModelTendon& tendon : model_.tendons()) {
     for (const char* suffix : {"_tension", "_length"}) names.push_back(tendon.name + suffix);
   }
+  for (const std::string& spring : model_.springs().names) {
+    for (const char* suffix : {"_length", "_force"}) names.push_back(spring + suffix);
+  }
   return names;
 }
 
@@ -284,6 +287,7 @@ void Recorder::record(const StepRecord& record, const Ledger& ledger) {
        rigid_states_.values(model_.instant(record.time), record.q, record.v, ledger.joint_reactions()))
     row.push_back(number);
   for (const double number : tendon_states(record)) row.push_back(number);
+  for (const double number : spring_states(record)) row.push_back(number);
   history_.append(row);
 }
 
@@ -313,6 +317,16 @@ std::vector<double> Recorder::tendon_states(const StepRecord& record) {
                   {tendon.term->tension(at.time, at.load_factor), length_of(tendon, model_.layout(), u.span())});
   }
   return values;
+}
+
+std::vector<double> Recorder::spring_states(const StepRecord& record) {
+  if (model_.springs().names.empty()) return {};
+  check(VecCopy(record.q, q_.get()));
+  check(VecCopy(record.v, v_.get()));
+  update_ghosts(q_.get());
+  update_ghosts(v_.get());
+  const ConstGhostedView u(q_.get()), velocity(v_.get());
+  return states_of(model_.springs(), model_.layout(), u.span(), velocity.span());
 }
 
 double Recorder::contact_energy(const StepRecord& record) {

@@ -42,6 +42,8 @@ class Recorder {
   /// Gauge pressure [Pa] and volume [m^3] of each cavity.
   std::vector<double> cavity_states(const StepRecord& record);
   std::vector<double> tendon_states(const StepRecord& record);
+  /// Length [m] and force [N] of each spring.
+  std::vector<double> spring_states(const StepRecord& record);
   double contact_energy(const StepRecord& record);
   void add_contact_fields(const StepRecord& record, std::vector<std::vector<double>>& storage,
                           std::vector<OutputField>& fields);

@@ -345,7 +345,10 @@ TEST(Dump, SpellsOutEveryKeyOfTheTable) {
        "rest: 1}, damping: 1, motor: {target: t, stiffness: 1, damping: 1, limit: 1, effort: t}}, {name: k, type: "
        "universal, between: [ground, r], point: [0, 0, 0], axis: [0, 0, 1], second_axis: [1, 0, 0]}, {name: l, "
        "type: distance, between: [ground, r], point: [0, 0, 0], second_point: [1, 0, 0], motion: t}]"},
-      {"tendons", "[{name: s, points: [[0, 0, 0], [1, 0, 0]], tension: t}]"}};
+      {"tendons", "[{name: s, points: [[0, 0, 0], [1, 0, 0]], tension: t}]"},
+      {"springs",
+       "[{name: d, points: [[0, 0, 0], {body: r, point: [1, 0, 0]}], stiffness: 1, rest: 1, damping: 1, "
+       "tension_only: false}]"}};
   collect_paths(parse_yaml(dump(read(everything, mechanism)), "dump", none), "", written);
   for (std::size_t row = 0; row < elastic_laws().size(); ++row) {
     const ElasticLawSpec law = typical_law(row);

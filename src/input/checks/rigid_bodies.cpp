@@ -63,6 +63,25 @@ void check_joint(const JointConfig& joint, bool is_dynamic, Diagnostics& diagnos
   }
 }
 
+/// What the keys of a spring cannot say one by one.
+void check_spring(const SpringConfig& spring, Diagnostics& diagnostics) {
+  const auto& [first, second] = spring.points;
+  if (spring.stiffness == 0.0 && spring.damping == 0.0) {
+    diagnostics.add(spring.where,
+                    fmt::format("spring '{}' does nothing: give it 'stiffness', 'damping' or both", spring.name));
+  }
+  if (spring.is_tension_only && spring.damping > 0.0) {
+    diagnostics.add(spring.where, fmt::format("the damping of spring '{}' would jump where the spring becomes slack "
+                                              "('tension_only'): make the damper an entry of its own",
+                                              spring.name));
+  }
+  if (!first.body.empty() && first.body == second.body) {
+    diagnostics.add(spring.where, fmt::format("both points of spring '{}' are fixed in '{}', so it does nothing: "
+                                              "connect two bodies, or one and the ground",
+                                              spring.name, first.body));
+  }
+}
+
 }  // namespace
 
 void check_rigid_bodies(const Config& config, Diagnostics& diagnostics) {
@@ -125,6 +144,10 @@ void check_rigid_bodies(const Config& config, Diagnostics& diagnostics) {
     take(tendon.name, "tendon", tendon.where);
     if (std::ranges::adjacent_find(tendon.points) == tendon.points.end()) continue;
     diagnostics.add(tendon.where, fmt::format("tendon '{}' has the same point twice in a row", tendon.name));
+  }
+  for (const SpringConfig& spring : config.springs) {
+    take(spring.name, "spring", spring.where);
+    check_spring(spring, diagnostics);
   }
   for (const ProbeConfig& probe : config.probes) {
     const auto found = taken.find(probe.name);

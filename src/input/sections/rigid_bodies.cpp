@@ -1,6 +1,7 @@
 #include "input/sections/rigid_bodies.hpp"
 
 #include "input/formats.hpp"
+#include "input/sections/body_point.hpp"
 
 namespace pliant {
 namespace {
@@ -50,7 +51,7 @@ Section<JointConfig::Motor> motor_keys() {
   }};
 }
 
-Section<JointConfig::Spring> spring_keys() {
+Section<JointConfig::Spring> joint_spring_keys() {
   using S = JointConfig::Spring;
   return {{
       field("stiffness", &S::stiffness, quantity("1", Range::above(0)), "effort per angle or travel [N m/rad or N/m]")
@@ -140,7 +141,7 @@ Section<JointConfig> joint_keys() {
                 "motor: proportional and derivative control of the angle or travel, or a given effort")
               .otherwise_in_words("none")
               .only_with({{"type", "hinge"}, {"type", "slider"}}),
-          field("spring", &J::spring, map_of(spring_keys()), "spring that acts on the angle or travel")
+          field("spring", &J::spring, map_of(joint_spring_keys()), "spring that acts on the angle or travel")
               .otherwise_in_words("none")
               .only_with({{"type", "hinge"}, {"type", "slider"}}),
           field("damping", &J::damping, quantity("1", Range::at_least(0)),
@@ -181,6 +182,25 @@ Section<TendonConfig> tendon_keys() {
       },
       {},
       &T::where};
+}
+
+Section<SpringConfig> spring_keys() {
+  using S = SpringConfig;
+  return {{
+              field("name", &S::name, column_name(), "prefix of its columns in history.csv").required(),
+              field("points", &S::points, array_of<2>(body_point()), "its ends at the start").required(),
+              field("stiffness", &S::stiffness, quantity("N/m", Range::at_least(0)), "force per change of the length")
+                  .otherwise("0"),
+              field("rest", &S::rest, quantity("m", Range::at_least(0)), "length without force")
+                  .otherwise_in_words("the length at the start"),
+              field("damping", &S::damping, quantity("N*s/m", Range::at_least(0)), "force per rate of the length")
+                  .otherwise("0"),
+              field("tension_only", &S::is_tension_only, truth(),
+                    "whether it is slack, without force, below its length at rest")
+                  .otherwise("false"),
+          },
+          {},
+          &S::where};
 }
 
 }  // namespace pliant

@@ -1,0 +1,135 @@
+#include "energy/load/point_lines.hpp"
+
+#include "petsc/collective.hpp"
+
+#include <algorithm>
+#include <map>
+
+namespace pliant {
+namespace {
+
+/// Pairs are sorted into so many kinds, so that not all points are looked at as neighbours of all others.
+constexpr PetscInt num_kinds = 32;
+
+/// A node of a point, as it goes to all ranks.
+struct NodeOfAttached {
+  PetscInt point = 0, global_node = 0;
+  double weight = 0.0;
+};
+
+/// The local number of a node; -1: this rank does not have it.
+PetscInt local_node_of(const NodeLayout& layout, PetscInt global) {
+  const PetscInt owned = global - layout.first_global_node;
+  if (owned >= 0 && owned < layout.num_owned_nodes) return owned;
+  const auto& ghosts = layout.ghost_global_nodes;
+  const auto found = std::ranges::lower_bound(ghosts, global);
+  if (found == ghosts.end() || *found != global) return -1;
+  return layout.num_owned_nodes + static_cast<PetscInt>(found - ghosts.begin());
+}
+
+}  // namespace
+
+Vector3<double> PointLine::way(const NearPatches& near, std::span<const double> q) const {
+  Vector3<double> d = offset;
+  for (std::size_t a = 0; a < nodes.size(); ++a) d = d + weights[a] * near.position(nodes[a], q);
+  return d;
+}
+
+Vector3<double> PointLine::change(std::span<const double> q, std::span<const double> from) const {
+  Vector3<double> d{};
+  for (std::size_t a = 0; a < nodes.size(); ++a) {
+    const auto first = 3 * static_cast<std::size_t>(nodes[a]);
+    for (std::size_t i = 0; i < 3; ++i) d[i] += weights[a] * (q[first + i] - from[first + i]);
+  }
+  return d;
+}
+
+void PointLine::add_force(const NearPatches& near, const Vector3<double>& f, std::span<double> r) const {
+  for (std::size_t a = 0; a < nodes.size(); ++a) {
+    if (!near.is_owned(nodes[a])) continue;
+    for (std::size_t i = 0; i < 3; ++i) r[3 * static_cast<std::size_t>(nodes[a]) + i] += weights[a] * f[i];
+  }
+}
+
+void PointLine::add_stiffness(const NearPatches& near, const std::array<double, 9>& block, const BlockWriter& K) const {
+  for (std::size_t a = 0; a < nodes.size(); ++a) {
+    if (!near.is_owned(nodes[a])) continue;
+    for (std::size_t b = 0; b < nodes.size(); ++b) {
+      std::array<double, 9> part = block;
+      for (double& entry : part) entry *= weights[a] * weights[b];
+      K.add(nodes[a], nodes[b], part);
+    }
+  }
+}
+
+PointLines::PointLines(const NodeLayout& layout, std::span<const AttachedPoint> points)
+    : weights_(points.size()), fixed_(points.size()) {
+  std::vector<NodeOfAttached> mine;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (points[k].fixed) {
+      fixed_[k] = *points[k].fixed;
+      continue;
+    }
+    const ProbeLocation& at = points[k].location;
+    for (std::size_t a = 0; a < at.nodes.size(); ++a) {
+      mine.push_back({static_cast<PetscInt>(k), layout.global_node(at.nodes[a]), at.weights[a]});
+    }
+  }
+  std::vector<std::vector<PetscInt>> globals(points.size());
+  std::size_t most = 1;
+  for (const NodeOfAttached& node : gathered(layout.comm, mine)) {
+    const auto point = static_cast<std::size_t>(node.point);
+    globals[point].push_back(node.global_node);
+    weights_[point].push_back(node.weight);
+    most = std::max(most, globals[point].size());
+  }
+  // A point at a node has that alone: patches are of one size, so it is repeated without weight.
+  patches_.nodes_per_patch = static_cast<int>(most);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (points[k].fixed) continue;
+    globals[k].resize(most, globals[k].front());
+    weights_[k].resize(most, 0.0);
+    std::vector<PetscInt> local;
+    for (const PetscInt node : globals[k]) local.push_back(local_node_of(layout, node));
+    const auto is_mine = [&](PetscInt node) { return node >= 0 && node < layout.num_owned_nodes; };
+    if (std::ranges::none_of(local, is_mine)) continue;
+    patches_.nodes.insert(patches_.nodes.end(), local.begin(), local.end());
+    patches_.keys.push_back(static_cast<std::int64_t>(k));
+    patches_.tags.push_back(static_cast<int>(k / 2 % num_kinds));
+    patches_.is_owned.push_back(is_mine(local.front()) ? 1 : 0);
+  }
+}
+
+std::vector<PointLine> PointLines::seen(const NearPatches& near) const {
+  std::map<std::int64_t, std::size_t> patch_of;
+  for (std::size_t p = 0; p < near.patches.size(); ++p) patch_of.emplace(near.patches.keys[p], p);
+  std::vector<PointLine> result;
+  for (std::size_t n = 0; 2 * n < weights_.size(); ++n) {
+    PointLine pair;
+    pair.number = n;
+    bool is_seen = true, has_first = false;
+    for (std::size_t end = 0; end < 2 && is_seen; ++end) {
+      const std::size_t point = 2 * n + end;
+      const double sign = end == 0 ? -1.0 : 1.0;
+      if (weights_[point].empty()) {
+        pair.offset = pair.offset + sign * fixed_[point];
+        continue;
+      }
+      const auto found = patch_of.find(static_cast<std::int64_t>(point));
+      is_seen = found != patch_of.end();
+      if (!is_seen) continue;
+      const auto nodes = near.patches.nodes_of(found->second);
+      for (std::size_t a = 0; a < nodes.size(); ++a) {
+        if (weights_[point][a] == 0.0) continue;
+        pair.nodes.push_back(nodes[a]);
+        pair.weights.push_back(sign * weights_[point][a]);
+      }
+      if (!has_first) pair.is_counted = near.patches.is_owned[found->second] != 0;
+      has_first = true;
+    }
+    if (is_seen && has_first) result.push_back(std::move(pair));
+  }
+  return result;
+}
+
+}  // namespace pliant
