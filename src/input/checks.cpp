@@ -61,6 +61,10 @@ void check_bodies(const Config& config, const InputNode& root, Diagnostics& diag
     }
     const auto& active = bodies[i].active;
     const auto& elasticity = bodies[i].elasticity;
+    if (!bodies[i].is_rigid && !bodies[i].attached.empty()) {
+      diagnostics.add(bodies[i].attached.front().where,
+                      "'attached' is for rigid bodies, whose motion it gives to surfaces of others: add 'rigid: true'");
+    }
     if (bodies[i].is_rigid) {
       for (const char* key : {"elasticity", "viscosity", "active"}) {
         const InputNode* node = given(entry(root, "bodies", i), {key});

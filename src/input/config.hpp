@@ -96,6 +96,7 @@ struct BodyConfig {
   Selection part;                 ///< volume, or everything
   std::optional<double> density;  ///< [kg/m^3]; required for dynamics and gravity
   bool is_rigid = false;
+  std::vector<Located<std::string>> attached;  ///< of a rigid body: names of surfaces of others that move with it
   std::optional<ElasticityConfig> elasticity;  ///< of a body that is not rigid
   std::vector<ViscosityConfig> viscosity;
   std::optional<ActiveConfig> active;

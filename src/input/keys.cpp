@@ -59,6 +59,9 @@ Section<BodyConfig> body_keys() {
           field("density", &BodyConfig::density, quantity("kg/m^3", Range::above(0)), "mass per reference volume")
               .otherwise_in_words("none; needed for dynamics and for gravity"),
           field("elasticity", &BodyConfig::elasticity, elasticity_format(), "elastic law of a body that is not rigid"),
+          field("attached", &BodyConfig::attached, list_of(name_of_part(), 1),
+                "of a rigid body: names of surfaces of other bodies that move with it, rigidly")
+              .otherwise_in_words("none"),
           field("rigid", &BodyConfig::is_rigid, truth(), "whether the body is rigid, and needs no elastic law")
               .otherwise("false"),
           field("viscosity", &BodyConfig::viscosity, viscosity_format(),

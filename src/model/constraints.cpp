@@ -70,7 +70,7 @@ Constraints::Constraints(const Config& config, const NodeLayout& layout, Selecti
   }
   check_rotating_parts(constraints, all_ties, selections);
   const bool any_rotates = std::ranges::any_of(parts_, [](const Part& part) { return part.rotation.has_value(); });
-  if (any_rotates || !all_ties.empty()) {
+  if (any_rotates || !all_ties.empty() || !config.joints.empty()) {
     const auto slaves = eliminate_ties(constraints, *prescribed_, std::move(all_ties), selections);
     std::vector<GivenDisplacement> given;
     for (const Part& part : parts_) given.push_back(part.displacement);

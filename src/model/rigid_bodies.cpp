@@ -77,6 +77,7 @@ Config with_rigid_bodies(Config config) {
     BodyConfig body;
     body.part = part_named(Selection::Kind::volume, rigid.name, rigid.where);
     body.is_rigid = true;
+    body.attached = rigid.attached;
     body.where = rigid.where;
     config.bodies.push_back(std::move(body));
   }
@@ -90,10 +91,10 @@ Config with_rigid_bodies(Config config) {
     constraint.where = body.where;
     config.constraints.push_back(std::move(constraint));
   }
-  for (const RigidBodyConfig& body : config.rigid_bodies) {
+  for (const BodyConfig& body : config.bodies) {
     for (ConstraintConfig& constraint : config.constraints) {
       auto* rigid = std::get_if<ConstraintConfig::Rigid>(&constraint.kind);
-      const bool is_of_body = constraint.part.kind == Selection::Kind::volume && constraint.part.name == body.name;
+      const bool is_of_body = constraint.part.kind == body.part.kind && constraint.part.name == body.part.name;
       if (rigid == nullptr || !is_of_body) continue;
       for (const auto& surface : body.attached) {
         rigid->attached.push_back(part_named(Selection::Kind::surface, surface.value, surface.where));

@@ -339,10 +339,13 @@ TEST(Dump, SpellsOutEveryKeyOfTheTable) {
   const std::vector<Override> mechanism{
       {"rigid_bodies",
        "[{name: r, mass: 1, inertia: [1, 1, 1], center: [0, 0, 0], velocity: [1, 0, 0], angular_velocity: "
-       "[0, 0, 1]}]"},
+       "[0, 0, 1], surface: {file: r.stl, scale: 1, size: 1}, attached: [a]}]"},
+      {"bodies", "[{volume: v, density: 1, rigid: true, attached: [a]}]"},
+      {"loads", "[{torque: [t, 0, 0], volume: r}]"},
       {"joints",
        "[{name: j, type: hinge, between: [ground, r], point: [0, 0, 0], axis: [0, 0, 1], spring: {stiffness: 1, "
-       "rest: 1}, damping: 1, motor: {target: t, stiffness: 1, damping: 1, limit: 1, effort: t}}, {name: k, type: "
+       "rest: 1}, damping: 1, motor: {target: t, stiffness: 1, damping: 1, limit: 1, effort: t}, limits: [-1, 1], "
+       "limit_stiffness: 1, friction: 1, stick_rate: 1}, {name: k, type: "
        "universal, between: [ground, r], point: [0, 0, 0], axis: [0, 0, 1], second_axis: [1, 0, 0]}, {name: l, "
        "type: distance, between: [ground, r], point: [0, 0, 0], second_point: [1, 0, 0], motion: t}]"},
       {"tendons", "[{name: s, points: [[0, 0, 0], [1, 0, 0]], tension: t}]"},

@@ -385,6 +385,9 @@ loads: [{gravity: [0, 0, -9.81]}]
             "no surface that could touch": chain + "contact: {law: barrier, pairs: all}\n",
             "the same point twice": chain + "tendons: [{name: cord, points: [[0.5, 0, 0], [0.5, 0, 0]], tension: 1}]\n",
             "outside the mesh": chain + "tendons: [{name: cord, points: [[0, 0, 0], [9, 9, 9]], tension: 1}]\n",
+            "full turn apart": chain.replace("type: ball", "type: hinge").replace("point: [1, 0, 0], }", 'point: [1, 0, 0], axis: [0, 0, 1], limits: [-180, 180]}'),
+            "outside of its limits": chain.replace("type: ball", "type: slider").replace("point: [1, 0, 0], }", 'point: [1, 0, 0], axis: [0, 0, 1], limits: [1, 2]}'),
+            "the first must be smaller": chain.replace("type: ball", "type: slider").replace("point: [1, 0, 0], }", 'point: [1, 0, 0], axis: [0, 0, 1], limits: [1, -2]}'),
             "missing key 'mesh'": chain + "bodies: [{density: 1, rigid: true}]\n",
         }
         for message, text in cases.items():
