@@ -173,6 +173,11 @@ ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector
   if (model.inertia() != nullptr) {
     console.print(fmt::format("  mass {:.6g} kg", sum(layout.comm, model.inertia()->mass().total())));
   }
+  if (!model.tendons().empty()) console.print("tendons");
+  for (const ModelTendon& tendon : model.tendons()) {
+    console.print(fmt::format("  {}: {} points, {:.6g} m long, turns by {:.4g} rad", tendon.name, tendon.points.size(),
+                              tendon.length, tendon.turn));
+  }
   if (!model.cavities().empty()) console.print("cavities");
   for (const auto& cavity : model.cavities()) {
     console.print(fmt::format("  {}: volume {:.6g} m^3", cavity.name, cavity.volume));

@@ -20,10 +20,31 @@ struct LocalStage;
 /// The term couples nodes that share a cell (or a facet of one): the pattern that every Hessian has.
 struct CellCoupling {};
 
+/// The term is a function of a sum over all ranks of what patches near one another have: the length of a string.
+struct SumOverPairs {
+  const FunctionOfSum* sum = nullptr;
+  const PairCoupling* pairs = nullptr;
+};
+
 /// What a term couples, and therefore what the sum of the terms (IncrementalPotential) does for it: nothing beyond the
 /// ghosts and the matrix pattern of the cells; sums over all ranks, and rank-one terms of the Hessian
-/// (energy/function_of_sum.hpp); or pairs, the nodes of other ranks that they need, and a pattern that follows them.
-using Coupling = std::variant<CellCoupling, const FunctionOfSum*, const PairCoupling*>;
+/// (energy/function_of_sum.hpp); pairs, the nodes of other ranks that they need, and a pattern that follows them; or
+/// both.
+using Coupling = std::variant<CellCoupling, const FunctionOfSum*, const PairCoupling*, SumOverPairs>;
+
+/// The sum over all ranks that it is a function of; nullptr: none.
+inline const FunctionOfSum* function_of_sum(const Coupling& coupling) {
+  if (const auto* sum = std::get_if<const FunctionOfSum*>(&coupling)) return *sum;
+  const auto* both = std::get_if<SumOverPairs>(&coupling);
+  return both != nullptr ? both->sum : nullptr;
+}
+
+/// The pairs that it couples; nullptr: none.
+inline const PairCoupling* pair_coupling(const Coupling& coupling) {
+  if (const auto* pairs = std::get_if<const PairCoupling*>(&coupling)) return *pairs;
+  const auto* both = std::get_if<SumOverPairs>(&coupling);
+  return both != nullptr ? both->pairs : nullptr;
+}
 
 /// A point that moves with three nodes of a patch, by constant weights whose sum is 1.
 struct PatchPoint {

@@ -13,17 +13,18 @@ class FunctionOfSum {
  public:
   virtual ~FunctionOfSum() = default;
 
-  /// This rank's part of S(q0) and of S(q) - S(q0), the latter accurate relative to the change.
+  /// This rank's part of S(q0) and of S(q) - S(q0), the latter accurate relative to the change. Of the stage it may
+  /// use `q0` and, if it couples pairs too, `near`.
   virtual SumOverRanks part(const LocalStage& stage, std::span<const double> q) const = 0;
 
   /// f(S(q)) - f(S(q0)) [J], the same on every rank: EnergyTerm::value of all of them. +inf where a barrier is crossed.
   virtual double value_of_sum(const LocalStage& stage) const = 0;
-  /// EnergyTerm::energy of all ranks at S [J].
-  virtual double energy_of_sum(double S) const = 0;
+  /// EnergyTerm::energy_at of all ranks at S [J].
+  virtual double energy_of_sum(const Instant& at, double S) const = 0;
   /// f'' at the stage's sum, >= 0.
   virtual double curvature(const LocalStage& stage) const = 0;
   /// g += dS/dq, rows of owned nodes complete.
-  virtual void add_gradient_of_sum(std::span<const double> q, std::span<double> g) const = 0;
+  virtual void add_gradient_of_sum(const LocalStage& stage, std::span<const double> q, std::span<double> g) const = 0;
 };
 
 }  // namespace pliant

@@ -3,6 +3,7 @@
 #include "base/text.hpp"
 #include "input/analysis.hpp"
 #include "input/checks/rigid_bodies.hpp"
+#include "input/checks/tendons.hpp"
 #include "input/checks/time.hpp"
 #include "input/checks/volumetric.hpp"
 #include "input/elasticity.hpp"
@@ -295,6 +296,7 @@ void check_combinations(const Config& config, const InputNode& root, Diagnostics
   check_parts(config, root, diagnostics);
   check_bodies(config, root, diagnostics);
   check_rigid_bodies(config, diagnostics);
+  check_tendons(config, diagnostics);
   check_moduli(config, diagnostics);
   check_volumetric(config, root, diagnostics);
   check_held(config, root, diagnostics);

@@ -9,6 +9,7 @@
 #include "input/sections/laws.hpp"
 #include "input/sections/loads.hpp"
 #include "input/sections/rigid_bodies.hpp"
+#include "input/sections/tendons.hpp"
 #include "input/sections/viscosity.hpp"
 #include "material/elastic_law.hpp"
 

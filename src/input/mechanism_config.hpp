@@ -70,11 +70,22 @@ struct JointConfig {
   Location where;
 };
 
-/// A string through points of the bodies, pulled with a given force.
+/// A string that is pulled at the first of its points, and anchored at the last.
 struct TendonConfig {
+  struct Point {
+    std::array<double, 3> place{};  ///< at the start [m]
+    std::string body;               ///< rigid body in which it is fixed, or `ground`; empty: the cell that contains it
+    Location where;
+  };
   std::string name;
-  std::vector<std::array<double, 3>> points;  ///< at the start, in their order along it [m]
-  Expression tension;                         ///< [N]; a function of t
+  std::vector<Point> points;                       ///< in their order along it; empty: those of `curve`
+  std::string curve;                               ///< physical group; empty: none
+  std::optional<std::array<double, 3>> pulled_at;  ///< near the end of the curve that is the first point [m]
+  std::optional<Expression> tension;               ///< [N]; a function of t
+  std::optional<Expression> pull;                  ///< [m]; a function of t, instead of `tension`
+  std::optional<double> stiffness;                 ///< between what pulls and the string [N/m] (pull)
+  double friction = 0.0;                           ///< coefficient, along the bodies
+  double stick_velocity = 0.0;                     ///< [m/s]
   Location where;
 };
 

@@ -14,9 +14,10 @@ struct MeshParts {
   };
   Held held = Held::on_root;
   SerialMesh mesh;  ///< corner nodes first; for in_blocks: cells and groups use the node numbers of the whole mesh
-  PetscInt num_vertices = 0;   ///< corner nodes that this rank holds
-  PetscInt first_cell = 0;     ///< for in_blocks: number of cells on lower ranks
-  std::vector<PetscInt> part;  ///< on rank 0: the rank assigned to each cell
+  PetscInt num_vertices = 0;      ///< corner nodes that this rank holds
+  PetscInt first_cell = 0;        ///< for in_blocks: number of cells on lower ranks
+  std::vector<PetscInt> part;     ///< on rank 0: the rank assigned to each cell
+  std::vector<MeshCurve> curves;  ///< on rank 0: Mesh::curves
 };
 
 /// Builds the DMPlex with its labels, sends the cells to their ranks, refines, and adds the layer of overlap cells.

@@ -19,6 +19,25 @@
 namespace pliant {
 namespace {
 
+/// MeshSource::curves, before repairs drop what no tetrahedron has.
+std::vector<MeshCurve> wanted_curves(const SerialMesh& mesh, std::span<const std::string> wanted) {
+  std::vector<MeshCurve> result;
+  const auto place = [&](PetscInt node) {
+    const double* x = mesh.node(node);
+    return std::array<double, 3>{x[0], x[1], x[2]};
+  };
+  for (const auto& [group, members] : mesh.groups) {
+    const auto names = [&, &of = group](const std::string& name) {
+      return name == of.name || name == std::to_string(of.tag);
+    };
+    if (group.dimension != 1 || std::ranges::none_of(wanted, names)) continue;
+    MeshCurve& curve = result.emplace_back(MeshCurve{group, {}});
+    for (std::size_t e = 0; e < members.size(); e += 2)
+      curve.edges.push_back({place(members[e]), place(members[e + 1])});
+  }
+  return result;
+}
+
 /// The whole mesh, repaired and checked, and its partition into `num_parts`.
 MeshParts prepare(const MeshSource& source, int num_parts, MeshReport& report) {
   require_sane(source);
@@ -26,6 +45,7 @@ MeshParts prepare(const MeshSource& source, int num_parts, MeshReport& report) {
   if (!source.file.empty()) parts.mesh = import_mesh(source);
   report.notices = std::move(parts.mesh.notices);
   for (double& x : parts.mesh.coordinates) x *= source.scale;
+  parts.curves = wanted_curves(parts.mesh, source.curves);
   add_volumes(source, parts.mesh);
   add_tetrahedra(source.added_tetrahedra, parts.mesh);
   parts.num_vertices = repair(parts.mesh, source.meeting_parts, report);
@@ -68,6 +88,28 @@ std::vector<PhysicalGroup> shared_groups(MPI_Comm comm, const SerialMesh& mesh) 
   return groups;
 }
 
+/// Broadcasts the curves of rank 0.
+std::vector<MeshCurve> shared_curves(MPI_Comm comm, const std::vector<MeshCurve>& of_root,
+                                     const std::vector<PhysicalGroup>& groups) {
+  struct Row {
+    int tag;
+    MeshCurve::Edge edge;
+  };
+  std::vector<Row> rows;
+  for (const MeshCurve& curve : of_root) {
+    for (const MeshCurve::Edge& edge : curve.edges) rows.push_back({curve.group.tag, edge});
+  }
+  std::vector<MeshCurve> result;
+  for (const Row& row : gathered(comm, rows)) {
+    if (result.empty() || result.back().group.tag != row.tag) {
+      const auto is_meant = [&](const PhysicalGroup& group) { return group.dimension == 1 && group.tag == row.tag; };
+      result.push_back({*std::ranges::find_if(groups, is_meant), {}});
+    }
+    result.back().edges.push_back(row.edge);
+  }
+  return result;
+}
+
 /// Broadcasts the names and numbers of components of rank 0's data.
 std::vector<CellField> shared_cell_data(MPI_Comm comm, const SerialMesh& mesh) {
   std::string text;
@@ -107,6 +149,7 @@ Mesh read_mesh(MPI_Comm comm, const MeshSource& source) {
   }
   mesh.groups = shared_groups(comm, parts.mesh);
   mesh.cell_data = shared_cell_data(comm, parts.mesh);
+  if (!source.curves.empty()) mesh.curves = shared_curves(comm, parts.curves, mesh.groups);
   distribute(comm, std::move(parts), source.refine, mesh);
   measure(comm, mesh);
   // A serial mesh was checked as a whole; a mesh read in blocks reports only this sum over the ranks.

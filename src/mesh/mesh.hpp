@@ -49,6 +49,16 @@ struct AddedVolume {
   double scale = 1.0;          ///< of the file's coordinates
 };
 
+/// The edges of a physical curve as the file has them, in the mesh of the volumes or not. Each is directed as the
+/// curve is.
+struct MeshCurve {
+  struct Edge {
+    std::array<double, 3> from{}, to{};  ///< [m]
+  };
+  PhysicalGroup group;
+  std::vector<Edge> edges;
+};
+
 /// Where a mesh comes from.
 struct MeshSource {
   std::string file;  ///< empty: what is added is all; .geo .step .stp .brep .stl are meshed by gmsh; .msh and .h5 are
@@ -64,6 +74,8 @@ struct MeshSource {
   std::vector<std::string> meeting_parts = {};
   std::vector<AddedTetrahedron> added_tetrahedra = {};
   std::vector<AddedVolume> added_volumes = {};
+  /// Names or numbers of physical curves wanted as Mesh::curves.
+  std::vector<std::string> curves = {};
   std::size_t num_added() const { return added_tetrahedra.size() + added_volumes.size(); }
 };
 
@@ -77,6 +89,8 @@ struct Mesh {
       edge_midpoints;  ///< geometry_order 2: xyz of the mid-edge node of local edge point p at 3 * (p - edge_start) [m]
   std::vector<PhysicalGroup> groups;  ///< the same on every rank
   std::vector<CellField> cell_data;   ///< the same names on every rank; values by cell point, ghosts included
+  std::vector<MeshCurve> curves;      ///< MeshSource::curves, the same on every rank; not refined. None of Pliant's own
+                                      ///< format, which keeps no directions
   /// Numbers of the local vertex and cell points (indexed by point - start of the stratum), ghosts included: the number
   /// in the whole mesh, from 0, however it is distributed. Children of a refined cell c have 8 c .. 8 c + 7.
   std::vector<std::int64_t> vertex_numbers, cell_numbers;

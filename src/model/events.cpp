@@ -128,7 +128,11 @@ std::vector<DrivingFormula> driving_formulas(const Config& config) {
     formulas.add(joint.motor->target);
     formulas.add(joint.motor->effort);
   }
-  for (const TendonConfig& tendon : config.tendons) Formulas(Kind::force, tendon.where, all).add(tendon.tension);
+  for (const TendonConfig& tendon : config.tendons) {
+    Formulas formulas(Kind::force, tendon.where, all);
+    if (tendon.tension) formulas.add(*tendon.tension);
+    if (tendon.pull) formulas.add(*tendon.pull);
+  }
   if (!config.contact) return all;
   for (const ObstacleConfig& o : config.contact->obstacles) {
     if (!o.motion) continue;

@@ -108,7 +108,8 @@ void require_finite_formulas(const Config& config, double time) {
     require(joint.motor->effort, joint.where, "the effort of the motor of joint '" + joint.name + "'");
   }
   for (const TendonConfig& tendon : config.tendons) {
-    require(tendon.tension, tendon.where, "the tension of tendon '" + tendon.name + "'");
+    if (tendon.tension) require(*tendon.tension, tendon.where, "the tension of tendon '" + tendon.name + "'");
+    if (tendon.pull) require(*tendon.pull, tendon.where, "the pull of tendon '" + tendon.name + "'");
   }
 }
 

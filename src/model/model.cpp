@@ -38,7 +38,8 @@ Model::Model(MPI_Comm comm, const Config& given, const TermFactory& additional) 
     const Stopwatch watch(mesh_seconds_);
     return read_mesh(comm, {config.mesh.file.value, config.mesh.file.where, size, config.mesh.scale, config.mesh.refine,
                             config.mesh.allow_commands ? Commands::allowed : Commands::refused, config.mesh.time_limit,
-                            parts_that_meet(config), added_tetrahedra(config), added_volumes(config)});
+                            parts_that_meet(config), added_tetrahedra(config), added_volumes(config),
+                            curves_of_tendons(config)});
   }();
   mesh_report_ = mesh.report;
   const int order = static_cast<int>(config.element);
@@ -220,6 +221,8 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   }
   constraints_ = std::make_unique<Constraints>(config, layout_, selections);
   include(constraints_->description());
+  const std::vector<char> left_out = cells_without_mesh(config, layout_, body_of_cell_);
+  tendons_ = make_tendons(config, {mesh, layout_, body_of_cell_, left_out}, selections);
   include(selections.unused_groups());
   if (layout_.order == 1) {
     build_cells<1>(config, mesh);
@@ -253,8 +256,6 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
     if (is_without_surface(k)) are_kept_apart_[k] = 1;
   }
 
-  const std::vector<char> left_out = cells_without_mesh(config, layout_, body_of_cell_);
-  tendons_ = make_tendons(config, layout_, left_out);
   springs_ = make_springs({config, layout_, body_of_cell_, left_out});
   std::vector<std::array<double, 3>> points;
   for (const auto& probe : config.probes) points.push_back(probe.point);
@@ -348,7 +349,11 @@ void Model::prepare(const Config& config) {
   for (const auto& term : viscous_) terms.push_back(term.get());
   joint_efforts_ = make_joint_efforts(config_, layout_, body_of_cell_, constraints_->joints());
   for (const auto& term : joint_efforts_) terms.push_back(term.get());
-  for (const ModelTendon& tendon : tendons_) terms.push_back(tendon.term.get());
+  for (const ModelTendon& tendon : tendons_) {
+    terms.push_back(tendon.term.get());
+    const bool has_velocity = analysis != Analysis::static_equilibrium;
+    if (tendon.friction && has_velocity) terms.push_back(tendon.friction.get());
+  }
   for (const auto& term : springs_.terms) terms.push_back(term.get());
   for (const LocatedTerm& load : loads_->terms()) terms.push_back(load.term.get());
   if (contacts_) {

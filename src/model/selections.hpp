@@ -30,6 +30,8 @@ class Selections {
   FacetList outer_facets(const Selection& part, const Location& where, const std::string& reason);
   /// Whether the mesh has such a group. Not collective, and no error.
   bool has_group(Selection::Kind kind, const std::string& name) const;
+  /// Counts a group as used, or reports that the mesh has none. Not collective.
+  void use(const Selection& part) { (void)group(part); }
   /// Edges of a curve. Collective.
   EdgeList edges(const Selection& part);
   /// Per local cell the index of the part that contains it. Every cell must be in exactly one. Collective.

@@ -2,7 +2,10 @@
 #pragma once
 
 #include "energy/load/tendon.hpp"
+#include "energy/load/tendon_friction.hpp"
 #include "input/config.hpp"
+#include "mesh/mesh.hpp"
+#include "model/selections.hpp"
 
 #include <memory>
 #include <span>
@@ -13,15 +16,31 @@ namespace pliant {
 
 struct ModelTendon {
   std::string name;
-  std::vector<ProbeLocation> points;
+  std::vector<TendonPoint> points;
+  TendonDrive drive;
   std::unique_ptr<Tendon> term;
+  std::unique_ptr<TendonFriction> friction;  ///< nullptr: none
+  double length = 0.0;                       ///< in the mesh as it is given [m]
+  double turn = 0.0;                         ///< sum of the angles between segments there [rad]
 };
 
-/// The length of a tendon at displacements u of the local nodes [m]. Collective.
-double length_of(const ModelTendon& tendon, const NodeLayout& layout, std::span<const double> u);
+/// Names or numbers of the physical curves that tendons follow.
+std::vector<std::string> curves_of_tendons(const Config& config);
 
-/// Throws InputError at tendons with a point outside the mesh; `is_left_out`: cells that are not of it. Collective.
-std::vector<ModelTendon> make_tendons(const Config& config, const NodeLayout& layout,
-                                      std::span<const char> is_left_out);
+/// The lengthening of a tendon at displacements u of the local nodes [m]: ModelTendon::length is without it.
+/// Collective.
+double lengthening_of(const ModelTendon& tendon, const NodeLayout& layout, std::span<const double> u);
+
+/// What tendons are made on.
+struct TendonMesh {
+  const Mesh& mesh;
+  const NodeLayout& layout;
+  const std::vector<int>& body_of_cell;
+  std::span<const char> is_left_out;  ///< local cells that no point finds by its place alone
+};
+
+/// Throws InputError at tendons with a point outside the mesh, or a curve that is not one line. `config` has all rigid
+/// bodies among its bodies. Collective.
+std::vector<ModelTendon> make_tendons(const Config& config, const TendonMesh& on, Selections& selections);
 
 }  // namespace pliant

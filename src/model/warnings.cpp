@@ -224,6 +224,8 @@ std::vector<Diagnostic> notes_of_idle_keys(const Config& config) {
   note_if(std::ranges::any_of(config.springs, [](const SpringConfig& s) { return s.damping > 0.0; }),
           "the damping of springs has");
   note_if(config.contact && has_drag(*config.contact), "friction and damping of contact have");
+  const auto rubs = [](const TendonConfig& tendon) { return tendon.friction > 0.0; };
+  note_if(std::ranges::any_of(config.tendons, rubs), "friction of tendons has");
   note_if(has_velocity || !is_zero(config.initial.displacement), "the initial state has");
   return notes;
 }

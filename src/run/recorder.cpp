@@ -313,8 +313,9 @@ std::vector<double> Recorder::tendon_states(const StepRecord& record) {
   const ConstGhostedView u(q_.get());
   const Instant at = model_.instant(record.time);
   for (const ModelTendon& tendon : model_.tendons()) {
+    const double longer = lengthening_of(tendon, model_.layout(), u.span());
     values.insert(values.end(),
-                  {tendon.term->tension(at.time, at.load_factor), length_of(tendon, model_.layout(), u.span())});
+                  {tension_at_pulled_end(tendon.drive, longer, at.time, at.load_factor), tendon.length + longer});
   }
   return values;
 }

@@ -40,9 +40,9 @@ std::optional<std::string> why_not(const IncrementalPotential& potential) {
       return fmt::format("the term `{}` freezes coefficients in every stage, which PETSc's integrators do not support",
                          term->name());
     }
-    if (std::holds_alternative<const FunctionOfSum*>(term->coupling())) {
+    if (function_of_sum(term->coupling()) != nullptr) {
       return fmt::format(
-          "the term `{}` couples all unknowns of its surface, for which PETSc would assemble a dense matrix",
+          "the term `{}` couples all its unknowns with one another, for which PETSc would assemble a dense matrix",
           term->name());
     }
     if (any_rank(potential.comm(), term->num_internal() > 0)) {

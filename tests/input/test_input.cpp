@@ -348,7 +348,9 @@ TEST(Dump, SpellsOutEveryKeyOfTheTable) {
        "limit_stiffness: 1, friction: 1, stick_rate: 1}, {name: k, type: "
        "universal, between: [ground, r], point: [0, 0, 0], axis: [0, 0, 1], second_axis: [1, 0, 0]}, {name: l, "
        "type: distance, between: [ground, r], point: [0, 0, 0], second_point: [1, 0, 0], motion: t}]"},
-      {"tendons", "[{name: s, points: [[0, 0, 0], [1, 0, 0]], tension: t}]"},
+      {"tendons",
+       "[{name: s, points: [[0, 0, 0], {body: r, point: [1, 0, 0]}], tension: t}, {name: u, curve: c, pulled_at: "
+       "[0, 0, 0], pull: t, stiffness: 1, friction: 0.1, stick_velocity: 1}]"},
       {"springs",
        "[{name: d, points: [[0, 0, 0], {body: r, point: [1, 0, 0]}], stiffness: 1, rest: 1, damping: 1, "
        "tension_only: false}]"}};

@@ -45,7 +45,7 @@ std::vector<double> EnergyAccounts::energies(const Instant& when, Vec q, Vec z) 
   }
   sum_in_place(terms_.layout().comm, result);
   for (const std::size_t k : terms_.functions_of_sum()) {
-    result[k] += terms_.function_of_sum(k).energy_of_sum(terms_.sum_of(k));
+    result[k] += terms_.function_of_sum(k).energy_of_sum(when, terms_.sum_of(k));
   }
   return result;
 }
@@ -53,7 +53,7 @@ std::vector<double> EnergyAccounts::energies(const Instant& when, Vec q, Vec z) 
 double EnergyAccounts::supplied(const Instant& from, const Instant& to, Vec q) {
   const auto is_concerned = [](const EnergyTerm* term) { return term->declaration().depends_on_time; };
   if (std::ranges::none_of(terms_.all(), is_concerned)) return 0.0;
-  const auto at = terms_.arrays().at(q);
+  const auto at = terms_.at_without_stage(q);
   double mine = 0.0;
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     if (!is_concerned(&terms_[k])) continue;
@@ -61,7 +61,13 @@ double EnergyAccounts::supplied(const Instant& from, const Instant& to, Vec q) {
     before.near = after.near = terms_.near(k);
     mine += terms_[k].energy_at(after, at, {}) - terms_[k].energy_at(before, at, {});
   }
-  return sum(terms_.layout().comm, mine);
+  double total = sum(terms_.layout().comm, mine);
+  for (const std::size_t k : terms_.functions_of_sum()) {
+    if (!is_concerned(&terms_[k])) continue;
+    const FunctionOfSum& function = terms_.function_of_sum(k);
+    total += function.energy_of_sum(to, terms_.sum_of(k)) - function.energy_of_sum(from, terms_.sum_of(k));
+  }
+  return total;
 }
 
 void EnergyAccounts::visit_stresses(const Instant& at, Vec q, Vec v, Vec z,

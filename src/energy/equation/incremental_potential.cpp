@@ -211,7 +211,7 @@ void IncrementalPotential::rank_one_parts(Vec q, std::vector<RankOne>& parts) {
     c = function.curvature(terms_.stage_of(k));
     double size = 0.0;
     const auto rows = terms_.empty_rows();
-    function.add_gradient_of_sum(at, rows);
+    function.add_gradient_of_sum(terms_.stage_of(k), at, rows);
     clear_prescribed(rows);
     for (PetscInt e = 0; e < 3 * layout_.num_owned_nodes; ++e) size += std::abs(rows[e] * at[e]);
     take_owned(rows, g.get());

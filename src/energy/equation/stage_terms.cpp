@@ -12,9 +12,8 @@ namespace {
 std::vector<const PairCoupling*> pair_couplings(std::span<const EnergyTerm* const> terms) {
   std::vector<const PairCoupling*> couplings;
   for (const EnergyTerm* term : terms) {
-    const Coupling coupling = term->coupling();
-    const auto* pairs = std::get_if<const PairCoupling*>(&coupling);
-    if (pairs != nullptr && std::ranges::find(couplings, *pairs) == couplings.end()) couplings.push_back(*pairs);
+    const PairCoupling* pairs = pair_coupling(term->coupling());
+    if (pairs != nullptr && std::ranges::find(couplings, pairs) == couplings.end()) couplings.push_back(pairs);
   }
   return couplings;
 }
@@ -29,18 +28,18 @@ StageTerms::StageTerms(const NodeLayout& layout, std::vector<const EnergyTerm*> 
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     first_internal_.push_back(first_internal_.back() + terms_[k]->num_internal());
     const Coupling coupling = terms_[k]->coupling();
-    if (std::holds_alternative<const FunctionOfSum*>(coupling)) functions_of_sum_.push_back(k);
+    if (pliant::function_of_sum(coupling) != nullptr) functions_of_sum_.push_back(k);
     pairs_of_term_.emplace_back();
-    if (const auto* pairs = std::get_if<const PairCoupling*>(&coupling)) {
+    if (const PairCoupling* pairs = pair_coupling(coupling)) {
       pair_terms_.push_back(k);
-      pairs_of_term_[k] = static_cast<std::size_t>(std::ranges::find(couplings, *pairs) - couplings.begin());
+      pairs_of_term_[k] = static_cast<std::size_t>(std::ranges::find(couplings, pairs) - couplings.begin());
     }
   }
   sums_.resize(terms_.size());
 }
 
 const FunctionOfSum& StageTerms::function_of_sum(std::size_t k) const {
-  return *std::get<const FunctionOfSum*>(terms_[k]->coupling());
+  return *pliant::function_of_sum(terms_[k]->coupling());
 }
 
 void StageTerms::begin(const StagePoint& stage) {
@@ -62,10 +61,11 @@ std::span<const double> StageTerms::at_without_stage(Vec q) {
   return entries;
 }
 
-void StageTerms::add_up(const LocalStage& stage, std::span<const double> q) {
+void StageTerms::add_up(LocalStage stage, std::span<const double> q) {
   if (functions_of_sum_.empty()) return;
   std::vector<double> parts;
   for (const std::size_t k : functions_of_sum_) {
+    stage.near = near(k);
     const SumOverRanks part = function_of_sum(k).part(stage, q);
     parts.insert(parts.end(), {part.start, part.change});
   }

@@ -56,7 +56,7 @@ class StageTerms {
   std::span<const double> internal_of(std::size_t k, Vec z) const;
 
  private:
-  void add_up(const LocalStage& stage, std::span<const double> q);
+  void add_up(LocalStage stage, std::span<const double> q);
 
   const NodeLayout& layout_;
   std::vector<const EnergyTerm*> terms_;

@@ -43,7 +43,7 @@ double Cavity::value_of_sum(const LocalStage& stage) const {
   return std::visit(work, content_);
 }
 
-double Cavity::energy_of_sum(double S) const {
+double Cavity::energy_of_sum(const Instant& /*at*/, double S) const {
   if (declaration().account != Account::load_potential) return 0.0;
   return std::visit([&](const auto& of) { return of.work(0.0, S, LoadState{}); }, content_);
 }
@@ -53,7 +53,7 @@ double Cavity::curvature(const LocalStage& stage) const {
   return std::visit(stiffness, content_);
 }
 
-void Cavity::add_gradient_of_sum(std::span<const double> q, std::span<double> g) const {
+void Cavity::add_gradient_of_sum(const LocalStage& /*stage*/, std::span<const double> q, std::span<double> g) const {
   walls_.add_forces(walls_.weighted(1.0), q, g);
 }
 

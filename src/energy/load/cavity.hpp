@@ -29,9 +29,9 @@ class Cavity final : public EnergyTerm, public FunctionOfSum {
 
   SumOverRanks part(const LocalStage& stage, std::span<const double> q) const override;
   double value_of_sum(const LocalStage& stage) const override;
-  double energy_of_sum(double S) const override;
+  double energy_of_sum(const Instant& at, double S) const override;
   double curvature(const LocalStage& stage) const override;
-  void add_gradient_of_sum(std::span<const double> q, std::span<double> g) const override;
+  void add_gradient_of_sum(const LocalStage& stage, std::span<const double> q, std::span<double> g) const override;
 
   /// This rank's part of S at a displacement [m^3].
   double swept(std::span<const double> q) const;

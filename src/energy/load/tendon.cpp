@@ -1,142 +1,78 @@
 #include "energy/load/tendon.hpp"
 
-#include "base/vector3.hpp"
-#include "petsc/collective.hpp"
+#include "base/formula_tree.hpp"
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace pliant {
 namespace {
 
-/// A node of a point of a tendon, as it goes to all ranks.
-struct NodeOfPoint {
-  PetscInt point = 0, place = 0, global_node = 0;
-  double weight = 0.0;
-};
+/// Where the rate of a formula is taken, in parts of the stage before its end: at a kink that of the stage counts.
+constexpr double aside = 1e-6;
 
-/// The local number of a node; -1: this rank does not have it.
-PetscInt local_node(const NodeLayout& layout, PetscInt global) {
-  const PetscInt owned = global - layout.first_global_node;
-  if (owned >= 0 && owned < layout.num_owned_nodes) return owned;
-  const auto& ghosts = layout.ghost_global_nodes;
-  const auto found = std::ranges::lower_bound(ghosts, global);
-  if (found == ghosts.end() || *found != global) return -1;
-  return layout.num_owned_nodes + static_cast<PetscInt>(found - ghosts.begin());
+double at_time(const Expression& formula, double time) {
+  return formula(0.0, 0.0, 0.0, time);
 }
 
-Vector3<double> way(const NearPatches& near, std::span<const PetscInt> nodes, std::span<const double> weights,
-                    std::span<const double> q) {
-  Vector3<double> result{};
-  for (std::size_t a = 0; a < nodes.size(); ++a) result = result + weights[a] * near.position(nodes[a], q);
-  return result;
+/// By how much the spring is longer than without tension [m].
+double stretch(const TendonSpring& spring, double lengthening, double time, double factor) {
+  return std::max(0.0, lengthening + factor * at_time(spring.pull, time));
 }
 
 }  // namespace
 
-Tendon::Tendon(const NodeLayout& layout, const std::vector<ProbeLocation>& points, Expression tension)
-    : weights_(points.size()), tension_(std::move(tension)) {
-  std::vector<NodeOfPoint> mine;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    for (std::size_t a = 0; a < points[k].nodes.size(); ++a) {
-      mine.push_back({static_cast<PetscInt>(k), static_cast<PetscInt>(a), layout.global_node(points[k].nodes[a]),
-                      points[k].weights[a]});
-    }
-  }
-  std::vector<std::vector<PetscInt>> globals(points.size());
-  for (const NodeOfPoint& node : gathered(layout.comm, mine)) {
-    globals[static_cast<std::size_t>(node.point)].push_back(node.global_node);
-    weights_[static_cast<std::size_t>(node.point)].push_back(node.weight);
-  }
-  // A point at a node has that alone: patches are of one size, so it is repeated without weight.
-  std::size_t most = 1;
-  for (const auto& nodes : globals) most = std::max(most, nodes.size());
-  patches_.nodes_per_patch = static_cast<int>(most);
-  for (std::size_t k = 0; k < globals.size(); ++k) {
-    globals[k].resize(most, globals[k].front());
-    weights_[k].resize(most, 0.0);
-    std::vector<PetscInt> local;
-    for (const PetscInt node : globals[k]) local.push_back(local_node(layout, node));
-    const auto is_mine = [&](PetscInt node) { return node >= 0 && node < layout.num_owned_nodes; };
-    if (std::ranges::none_of(local, is_mine)) continue;
-    patches_.nodes.insert(patches_.nodes.end(), local.begin(), local.end());
-    patches_.keys.push_back(static_cast<std::int64_t>(k));
-    patches_.tags.push_back(0);
-    patches_.is_owned.push_back(is_mine(local.front()) ? 1 : 0);
-  }
+double tension_at_pulled_end(const TendonDrive& drive, double lengthening, double time, double factor) {
+  if (const auto* given = std::get_if<GivenTension>(&drive)) return factor * at_time(given->tension, time);
+  const auto& spring = std::get<TendonSpring>(drive);
+  return spring.stiffness * stretch(spring, lengthening, time, factor);
 }
 
 TermDeclaration Tendon::declaration() const {
   TermDeclaration declaration;
-  declaration.account = tension_.depends_on_time() ? Account::load : Account::load_potential;
   declaration.rotates_with_body = false;
+  if (const auto* given = std::get_if<GivenTension>(&drive_)) {
+    declaration.account = given->tension.depends_on_time() ? Account::load : Account::load_potential;
+  } else {
+    declaration.account = Account::stored;
+    declaration.depends_on_time = !spring()->pull.is_zero();  // load steps change even a constant pull
+  }
   return declaration;
 }
 
-std::vector<Tendon::Segment> Tendon::segments(const NearPatches& near) const {
-  std::vector<Segment> result;
-  std::map<std::int64_t, std::size_t> patch_of;
-  for (std::size_t p = 0; p < near.patches.size(); ++p) patch_of.emplace(near.patches.keys[p], p);
-  for (const auto& [key, patch] : patch_of) {
-    const auto next = patch_of.find(key + 1);
-    if (next == patch_of.end()) continue;
-    Segment segment;
-    const std::array<std::size_t, 2> ends{patch, next->second};
-    for (std::size_t end = 0; end < 2; ++end) {
-      const auto nodes = near.patches.nodes_of(ends[end]);
-      const auto& weights = weights_[static_cast<std::size_t>(key) + end];
-      for (std::size_t a = 0; a < nodes.size(); ++a) {
-        if (weights[a] == 0.0) continue;
-        segment.nodes.push_back(nodes[a]);
-        segment.weights.push_back(end == 0 ? -weights[a] : weights[a]);
-      }
-    }
-    segment.is_counted = near.patches.is_owned[patch] != 0;
-    result.push_back(std::move(segment));
-  }
-  return result;
+Coupling Tendon::coupling() const {
+  if (spring() == nullptr) return static_cast<const PairCoupling*>(path_.get());
+  return SumOverPairs{this, path_.get()};
 }
 
-double Tendon::length(const NearPatches& near, std::span<const double> q) const {
-  double sum = 0.0;
-  for (const Segment& segment : segments(near)) {
-    if (segment.is_counted) sum += norm(way(near, segment.nodes, segment.weights, q));
-  }
-  return sum;
+double Tendon::tension(const LocalStage& stage) const {
+  return tension_at_pulled_end(drive_, stage.sum.total(), stage.time, stage.load_factor);
 }
 
 double Tendon::value(const LocalStage& stage, std::span<const double> q) const {
-  const double T = tension(stage.time, stage.load_factor);
+  if (spring() != nullptr) return 0.0;  // all of it is in value_of_sum
   double sum = 0.0;
-  for (const Segment& segment : segments(*stage.near)) {
-    if (!segment.is_counted) continue;
-    // |a| - |b| = (a - b) . (a + b) / (|a| + |b|): small changes keep their digits.
-    const Vector3<double> now = way(*stage.near, segment.nodes, segment.weights, q);
-    const Vector3<double> then = way(*stage.near, segment.nodes, segment.weights, stage.reference());
-    sum += T * dot(now - then, now + then) / (norm(now) + norm(then));
+  for (const TendonSegment& segment : TendonPath::segments(*stage.near)) {
+    if (segment.is_counted) sum += segment.lengthening(*stage.near, q, stage.reference());
   }
-  return sum;
+  return tension(stage) * sum;
 }
 
 void Tendon::add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const {
-  const double T = tension(stage.time, stage.load_factor);
-  for (const Segment& segment : segments(*stage.near)) {
-    const Vector3<double> n = unit(way(*stage.near, segment.nodes, segment.weights, q));
-    for (std::size_t a = 0; a < segment.nodes.size(); ++a) {
-      if (!stage.near->is_owned(segment.nodes[a])) continue;
-      for (std::size_t i = 0; i < 3; ++i) {
-        r[3 * static_cast<std::size_t>(segment.nodes[a]) + i] += T * segment.weights[a] * n[i];
-      }
-    }
+  const double T = tension(stage);
+  if (T == 0.0) return;
+  for (const TendonSegment& segment : TendonPath::segments(*stage.near)) {
+    segment.add_force(*stage.near, T * unit(segment.way(*stage.near, q)), r);
   }
 }
 
 void Tendon::add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                          Projection projection) const {
-  const double T = tension(stage.time, stage.load_factor);
-  if (projection != Projection::none && T < 0.0) return;
-  for (const Segment& segment : segments(*stage.near)) {
-    const Vector3<double> d = way(*stage.near, segment.nodes, segment.weights, q);
+  const double T = tension(stage);
+  if (T == 0.0 || (projection != Projection::none && T < 0.0)) return;
+  for (const TendonSegment& segment : TendonPath::segments(*stage.near)) {
+    const Vector3<double> d = segment.way(*stage.near, q);
     const Vector3<double> n = unit(d);
     for (std::size_t a = 0; a < segment.nodes.size(); ++a) {
       if (!stage.near->is_owned(segment.nodes[a])) continue;
@@ -153,8 +89,52 @@ void Tendon::add_hessian(const LocalStage& stage, std::span<const double> q, con
 }
 
 double Tendon::energy_at(const Instant& at, std::span<const double> q, std::span<const double> /*z*/) const {
-  if (tension_.depends_on_time()) return 0.0;
-  return tension(at.time, at.load_factor) * length(*at.near, q);
+  if (declaration().account != Account::load_potential) return 0.0;
+  double length = 0.0;
+  for (const TendonSegment& segment : TendonPath::segments(*at.near)) {
+    if (segment.is_counted) length += norm(segment.way(*at.near, q));
+  }
+  return tension_at_pulled_end(drive_, 0.0, at.time, at.load_factor) * length;
+}
+
+double Tendon::supply(const LocalStage& stage, std::span<const double> /*q*/) const {
+  if (spring() == nullptr || !spring()->pull.depends_on_time()) return 0.0;
+  const auto& segments = TendonPath::segments(*stage.near);
+  if (segments.empty() || !segments.front().is_counted) return 0.0;  // one rank counts it
+  const TimeJet pull = spring()->pull.derivatives(0.0, 0.0, 0.0, stage.time, stage.time - aside * stage.dt);
+  return tension(stage) * stage.load_factor * pull.rate;
+}
+
+SumOverRanks Tendon::part(const LocalStage& stage, std::span<const double> q) const {
+  SumOverRanks mine;
+  for (const TendonSegment& segment : TendonPath::segments(*stage.near)) {
+    if (!segment.is_counted) continue;
+    mine.start += segment.lengthening(*stage.near, stage.q0, {});
+    mine.change += segment.lengthening(*stage.near, q, stage.q0);
+  }
+  return mine;
+}
+
+// k/2 (b^2 - a^2) = k/2 (b - a) (b + a), where b - a is the change of the sum if neither is slack.
+double Tendon::value_of_sum(const LocalStage& stage) const {
+  const double a = stretch(*spring(), stage.sum.start, stage.time, stage.load_factor),
+               b = stretch(*spring(), stage.sum.total(), stage.time, stage.load_factor);
+  return 0.5 * spring()->stiffness * (a > 0.0 && b > 0.0 ? stage.sum.change : b - a) * (a + b);
+}
+
+double Tendon::energy_of_sum(const Instant& at, double S) const {
+  const double e = stretch(*spring(), S, at.time, at.load_factor);
+  return 0.5 * spring()->stiffness * e * e;
+}
+
+double Tendon::curvature(const LocalStage& stage) const {
+  return tension(stage) > 0.0 ? spring()->stiffness : 0.0;
+}
+
+void Tendon::add_gradient_of_sum(const LocalStage& stage, std::span<const double> q, std::span<double> g) const {
+  for (const TendonSegment& segment : TendonPath::segments(*stage.near)) {
+    segment.add_force(*stage.near, unit(segment.way(*stage.near, q)), g);
+  }
 }
 
 }  // namespace pliant

@@ -1,59 +1,64 @@
-/// Tendons: strings through points of the bodies that are pulled with a given force.
+/// Tendons: strings through points of the bodies that are pulled at their first point.
 #pragma once
 
 #include "base/expression.hpp"
+#include "energy/function_of_sum.hpp"
+#include "energy/load/tendon_path.hpp"
 #include "energy/term.hpp"
-#include "fem/layout.hpp"
-#include "fem/probe.hpp"
 
-#include <cstdint>
-#include <map>
-#include <string>
-#include <vector>
+#include <memory>
+#include <variant>
 
 namespace pliant {
 
-/// A string without friction: straight between its points x_0 .. x_n, which are fixed in the bodies; its tension T is
-/// the same everywhere and given. Its potential is T l, l = sum |x_{k+1} - x_k|: convex, with the Hessian
-/// T (I - n n^T) / |x_{k+1} - x_k| of each segment, n its direction.
-class Tendon final : public EnergyTerm, public PairCoupling {
- public:
-  /// `points`: places in the mesh, in their order along the tendon (the same on every rank, at least two). `tension`: a
-  /// formula of t [N]. Collective.
-  Tendon(const NodeLayout& layout, const std::vector<ProbeLocation>& points, Expression tension);
+/// A given force at the pulled end.
+struct GivenTension {
+  Expression tension;  ///< [N]; a function of t
+};
+/// A given pull by a spring at the pulled end, which may become slack: T = k max(0, l - l0 + pull), l0 the length in
+/// the reference configuration.
+struct TendonSpring {
+  double stiffness = 0.0;  ///< k [N/m]
+  Expression pull;         ///< [m]; a function of t
+};
+using TendonDrive = std::variant<GivenTension, TendonSpring>;
 
-  const Patches& patches() const override { return patches_; }
-  /// Neighbours along the tendon are near each other wherever they are.
-  double reach() const override { return 1e9; }
-  bool may_couple(int /*tag*/, int /*other*/) const override { return true; }
-  bool couples(std::int64_t key, std::int64_t other) const override { return key - other == 1 || other - key == 1; }
+/// The tension at the pulled end [N] where the path is longer than in the reference configuration by `lengthening` [m].
+double tension_at_pulled_end(const TendonDrive& drive, double lengthening, double time, double factor);
+
+/// A string without friction, straight between its points x_0 .. x_n: its tension T is the same everywhere. With
+/// l = sum |x_{k+1} - x_k|, its potential is T l for a given tension, k/2 max(0, l - l0 + pull)^2 for a spring. Both
+/// are convex in the positions. The Hessian has T (I - n n^T) / |x_{k+1} - x_k| of each segment, n its direction, and
+/// for a spring the rank-one part k dl dl^T, which couples all points (energy/function_of_sum.hpp).
+class Tendon final : public EnergyTerm, public FunctionOfSum {
+ public:
+  Tendon(std::shared_ptr<const TendonPath> path, TendonDrive drive)
+      : path_(std::move(path)), drive_(std::move(drive)) {}
 
   std::string_view name() const override { return "tendon"; }
   TermDeclaration declaration() const override;
-  Coupling coupling() const override { return static_cast<const PairCoupling*>(this); }
+  Coupling coupling() const override;
   double value(const LocalStage& stage, std::span<const double> q) const override;
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override;
   void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                    Projection projection) const override;
   double energy_at(const Instant& at, std::span<const double> q, std::span<const double> z) const override;
+  /// T pull': the work of what pulls the spring.
+  double supply(const LocalStage& stage, std::span<const double> q) const override;
 
-  double tension(double time, double factor) const { return factor * tension_(0.0, 0.0, 0.0, time); }
+  /// S = l - l0.
+  SumOverRanks part(const LocalStage& stage, std::span<const double> q) const override;
+  double value_of_sum(const LocalStage& stage) const override;
+  double energy_of_sum(const Instant& at, double S) const override;
+  double curvature(const LocalStage& stage) const override;
+  void add_gradient_of_sum(const LocalStage& stage, std::span<const double> q, std::span<double> g) const override;
 
  private:
-  /// A segment that this rank sees: the nodes of its ends and the weights of the second less those of the first, so
-  /// that sum_a w_a x_a is the way from one end to the other.
-  struct Segment {
-    std::vector<PetscInt> nodes;
-    std::vector<double> weights;
-    bool is_counted = false;
-  };
-  std::vector<Segment> segments(const NearPatches& near) const;
-  /// This rank's part of the length [m].
-  double length(const NearPatches& near, std::span<const double> q) const;
+  const TendonSpring* spring() const { return std::get_if<TendonSpring>(&drive_); }
+  double tension(const LocalStage& stage) const;
 
-  Patches patches_;
-  std::vector<std::vector<double>> weights_;  // of the nodes of each point, by its key, on every rank
-  Expression tension_;
+  std::shared_ptr<const TendonPath> path_;
+  TendonDrive drive_;
 };
 
 }  // namespace pliant

@@ -142,8 +142,6 @@ void check_rigid_bodies(const Config& config, Diagnostics& diagnostics) {
   }
   for (const TendonConfig& tendon : config.tendons) {
     take(tendon.name, "tendon", tendon.where);
-    if (std::ranges::adjacent_find(tendon.points) == tendon.points.end()) continue;
-    diagnostics.add(tendon.where, fmt::format("tendon '{}' has the same point twice in a row", tendon.name));
   }
   for (const SpringConfig& spring : config.springs) {
     take(spring.name, "spring", spring.where);

@@ -169,21 +169,6 @@ Section<JointConfig> joint_keys() {
       &J::where};
 }
 
-Section<TendonConfig> tendon_keys() {
-  using T = TendonConfig;
-  return {
-      {
-          field("name", &T::name, column_name(), "prefix of its columns in history.csv").required(),
-          field(
-              "points", &T::points, list_of(array_of<3>(quantity("m")), 2),
-              "places in the bodies at the start through which it passes, in their order; it is straight between them")
-              .required(),
-          field("tension", &T::tension, expression("N", Variables::time), "force with which it is pulled").required(),
-      },
-      {},
-      &T::where};
-}
-
 Section<SpringConfig> spring_keys() {
   using S = SpringConfig;
   return {{

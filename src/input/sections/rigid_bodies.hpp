@@ -1,4 +1,4 @@
-/// The keys of `rigid_bodies[]`, `joints[]`, `tendons[]` and `springs[]`.
+/// The keys of `rigid_bodies[]`, `joints[]` and `springs[]`.
 #pragma once
 
 #include "input/schema.hpp"
@@ -7,7 +7,6 @@ namespace pliant {
 
 Section<RigidBodyConfig> rigid_body_keys();
 Section<JointConfig> joint_keys();
-Section<TendonConfig> tendon_keys();
 Section<SpringConfig> spring_keys();
 
 }  // namespace pliant
