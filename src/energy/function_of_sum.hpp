@@ -13,8 +13,8 @@ class FunctionOfSum {
  public:
   virtual ~FunctionOfSum() = default;
 
-  /// This rank's part of S(q0) and of S(q) - S(q0), the latter accurate relative to the change. Of the stage it may
-  /// use `q0` and, if it couples pairs too, `near`.
+  /// This rank's part of S(q0) and of S(q) - S(q0), the latter accurate relative to the change. Uses
+  /// only `q0` of the stage and, if it couples pairs too, `near`.
   virtual SumOverRanks part(const LocalStage& stage, std::span<const double> q) const = 0;
 
   /// f(S(q)) - f(S(q0)) [J], the same on every rank: EnergyTerm::value of all of them. +inf where a barrier is crossed.

@@ -72,13 +72,8 @@ struct JointConfig {
 
 /// A string that is pulled at the first of its points, and anchored at the last.
 struct TendonConfig {
-  struct Point {
-    std::array<double, 3> place{};  ///< at the start [m]
-    std::string body;               ///< rigid body in which it is fixed, or `ground`; empty: the cell that contains it
-    Location where;
-  };
   std::string name;
-  std::vector<Point> points;                       ///< in their order along it; empty: those of `curve`
+  std::vector<BodyPoint> points;                   ///< in their order along it; empty: those of `curve`
   std::string curve;                               ///< physical group; empty: none
   std::optional<std::array<double, 3>> pulled_at;  ///< near the end of the curve that is the first point [m]
   std::optional<Expression> tension;               ///< [N]; a function of t

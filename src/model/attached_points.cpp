@@ -145,8 +145,8 @@ std::vector<Vector3<double>> places_of(std::span<const AttachedPoint> points, co
   return places;
 }
 
-std::vector<Vector3<double>> velocities_of(std::span<const AttachedPoint> points, const NodeLayout& layout,
-                                           std::span<const double> v) {
+std::vector<Vector3<double>> field_at(std::span<const AttachedPoint> points, const NodeLayout& layout,
+                                      std::span<const double> v) {
   return values_at(points, layout.comm, v);
 }
 

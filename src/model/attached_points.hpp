@@ -32,8 +32,8 @@ std::vector<AttachedPoint> attach(const BodiesOnMesh& bodies, std::span<const Bo
 /// Where the points are at displacements of the local nodes [m], the same on every rank. Collective.
 std::vector<Vector3<double>> places_of(std::span<const AttachedPoint> points, const NodeLayout& layout,
                                        std::span<const double> u);
-/// Likewise their velocities [m/s].
-std::vector<Vector3<double>> velocities_of(std::span<const AttachedPoint> points, const NodeLayout& layout,
-                                           std::span<const double> v);
+/// A field of the nodes at the points, their velocities for example; zero at points in space.
+std::vector<Vector3<double>> field_at(std::span<const AttachedPoint> points, const NodeLayout& layout,
+                                      std::span<const double> v);
 
 }  // namespace pliant

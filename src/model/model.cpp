@@ -36,10 +36,10 @@ Model::Model(MPI_Comm comm, const Config& given, const TermFactory& additional) 
   if (size) *size /= config.mesh.scale;
   const Mesh mesh = [&] {
     const Stopwatch watch(mesh_seconds_);
-    return read_mesh(comm, {config.mesh.file.value, config.mesh.file.where, size, config.mesh.scale, config.mesh.refine,
-                            config.mesh.allow_commands ? Commands::allowed : Commands::refused, config.mesh.time_limit,
-                            parts_that_meet(config), added_tetrahedra(config), added_volumes(config),
-                            curves_of_tendons(config)});
+    return read_mesh(
+        comm, {config.mesh.file.value, config.mesh.file.where, size, config.mesh.scale, config.mesh.refine,
+               config.mesh.allow_commands ? Commands::allowed : Commands::refused, config.mesh.time_limit,
+               parts_that_meet(config), added_tetrahedra(config), added_volumes(config), curves_of_tendons(config)});
   }();
   mesh_report_ = mesh.report;
   const int order = static_cast<int>(config.element);
@@ -222,7 +222,8 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   constraints_ = std::make_unique<Constraints>(config, layout_, selections);
   include(constraints_->description());
   const std::vector<char> left_out = cells_without_mesh(config, layout_, body_of_cell_);
-  tendons_ = make_tendons(config, {mesh, layout_, body_of_cell_, left_out}, selections);
+  const BodiesOnMesh bodies{config, layout_, body_of_cell_, left_out};
+  tendons_ = make_tendons(bodies, mesh, selections);
   include(selections.unused_groups());
   if (layout_.order == 1) {
     build_cells<1>(config, mesh);
@@ -256,7 +257,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
     if (is_without_surface(k)) are_kept_apart_[k] = 1;
   }
 
-  springs_ = make_springs({config, layout_, body_of_cell_, left_out});
+  springs_ = make_springs(bodies);
   std::vector<std::array<double, 3>> points;
   for (const auto& probe : config.probes) points.push_back(probe.point);
   probes_ = locate(layout_, points, left_out);

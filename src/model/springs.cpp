@@ -47,7 +47,7 @@ ModelSprings make_springs(const BodiesOnMesh& bodies) {
 
 std::vector<double> states_of(const ModelSprings& springs, const NodeLayout& layout, std::span<const double> u,
                               std::span<const double> v) {
-  const auto places = places_of(springs.points, layout, u), velocities = velocities_of(springs.points, layout, v);
+  const auto places = places_of(springs.points, layout, u), velocities = field_at(springs.points, layout, v);
   std::vector<double> states;
   for (std::size_t k = 0; k < springs.springs.size(); ++k) {
     const Vector3<double> d = places[2 * k + 1] - places[2 * k];

@@ -5,6 +5,7 @@
 #include "energy/load/tendon_friction.hpp"
 #include "input/config.hpp"
 #include "mesh/mesh.hpp"
+#include "model/attached_points.hpp"
 #include "model/selections.hpp"
 
 #include <memory>
@@ -16,7 +17,7 @@ namespace pliant {
 
 struct ModelTendon {
   std::string name;
-  std::vector<TendonPoint> points;
+  std::vector<AttachedPoint> points;
   TendonDrive drive;
   std::unique_ptr<Tendon> term;
   std::unique_ptr<TendonFriction> friction;  ///< nullptr: none
@@ -31,16 +32,7 @@ std::vector<std::string> curves_of_tendons(const Config& config);
 /// Collective.
 double lengthening_of(const ModelTendon& tendon, const NodeLayout& layout, std::span<const double> u);
 
-/// What tendons are made on.
-struct TendonMesh {
-  const Mesh& mesh;
-  const NodeLayout& layout;
-  const std::vector<int>& body_of_cell;
-  std::span<const char> is_left_out;  ///< local cells that no point finds by its place alone
-};
-
-/// Throws InputError at tendons with a point outside the mesh, or a curve that is not one line. `config` has all rigid
-/// bodies among its bodies. Collective.
-std::vector<ModelTendon> make_tendons(const Config& config, const TendonMesh& on, Selections& selections);
+/// Throws InputError at tendons with a point outside the mesh, or a curve that is not one line. Collective.
+std::vector<ModelTendon> make_tendons(const BodiesOnMesh& bodies, const Mesh& mesh, Selections& selections);
 
 }  // namespace pliant

@@ -9,7 +9,8 @@
 namespace pliant {
 namespace {
 
-/// Where the rate of a formula is taken, in parts of the stage before its end: at a kink that of the stage counts.
+/// How long before the end of a stage, relative to its length, the rate of a formula is taken: at a kink the earlier
+/// one counts.
 constexpr double aside = 1e-6;
 
 double at_time(const Expression& formula, double time) {

@@ -39,7 +39,7 @@ class TendonFriction final : public EnergyTerm {
     double drop = 0.0;      // F, loss of tension at full slip [N]; 0 at the first point
     double velocity = 0.0;  // s [m/s]
   };
-  /// Of each segment, with what is frozen as it is and s at q.
+  /// One for each segment, with what is frozen as it is and s at q.
   std::vector<Turn> turns(const LocalStage& stage, std::span<const double> q) const;
   /// dt R, f and df/ds of a drop.
   DragResponse response(const Turn& turn) const;

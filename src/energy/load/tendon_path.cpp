@@ -72,11 +72,11 @@ void TendonSegment::add_force(const NearPatches& near, const Vector3<double>& fo
   }
 }
 
-TendonPath::TendonPath(const NodeLayout& layout, const std::vector<TendonPoint>& points, Couples couples)
+TendonPath::TendonPath(const NodeLayout& layout, const std::vector<AttachedPoint>& points, Couples couples)
     : couples_(couples), weights_(points.size()) {
   std::vector<NodeOfPoint> mine;
   for (std::size_t k = 0; k < points.size(); ++k) {
-    rests_.push_back(points[k].rest);
+    rests_.push_back(points[k].fixed.value_or(Vector3<double>{}));
     const ProbeLocation& location = points[k].location;
     for (std::size_t a = 0; a < location.nodes.size(); ++a) {
       mine.push_back({static_cast<PetscInt>(k), layout.global_node(location.nodes[a]), location.weights[a]});

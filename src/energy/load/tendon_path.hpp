@@ -3,8 +3,8 @@
 
 #include "base/vector3.hpp"
 #include "energy/coupling.hpp"
+#include "energy/load/point_lines.hpp"
 #include "fem/layout.hpp"
-#include "fem/probe.hpp"
 
 #include <cstdint>
 #include <memory>
@@ -12,12 +12,6 @@
 #include <vector>
 
 namespace pliant {
-
-/// x = rest + sum of weights times positions of nodes. A point in space has no nodes on any rank.
-struct TendonPoint {
-  ProbeLocation location;
-  Vector3<double> rest{};  ///< [m]
-};
 
 /// The way from a point to the next one: d = rest + sum_a weights_a x_a.
 struct TendonSegment {
@@ -45,7 +39,7 @@ class TendonPath final : public PairCoupling {
 
   /// `points`: in their order along the tendon, the same on every rank, at least two, one of them in a body.
   /// Collective.
-  TendonPath(const NodeLayout& layout, const std::vector<TendonPoint>& points, Couples couples);
+  TendonPath(const NodeLayout& layout, const std::vector<AttachedPoint>& points, Couples couples);
 
   const Patches& patches() const override { return patches_; }
   /// Points of a tendon are near each other wherever they are.

@@ -1,50 +1,16 @@
 #include "input/sections/tendons.hpp"
 
 #include "input/formats.hpp"
+#include "input/sections/body_point.hpp"
 
 namespace pliant {
-namespace {
-
-using Point = TendonConfig::Point;
-
-Section<Point> point_keys() {
-  return {{
-      field("body", &Point::body, text(), "rigid body in which the point is fixed, also outside its mesh, or `ground`")
-          .required(),
-      field("point", &Point::place, array_of<3>(quantity("m")), "place of the point at the start").required(),
-  }};
-}
-
-/// Three coordinates, or a map of `body` and `point`.
-Format<Point> point() {
-  const auto place = array_of<3>(quantity("m"));
-  const auto fixed = map_of(point_keys());
-  Format<Point> format{"list of 3 lengths [m], or `{body: name, point: [..]}`",
-                       either_schema(place.schema, fixed.schema),
-                       {},
-                       {},
-                       fixed.children,
-                       fixed.groups};
-  format.read = [place, fixed](const InputNode& node, const std::string& name, Diagnostics& diagnostics, Point& into) {
-    into.where = node.where;
-    return node.kind == InputNode::Kind::map ? fixed.read(node, name, diagnostics, into)
-                                             : place.read(node, name, diagnostics, into.place);
-  };
-  format.write = [place, fixed](const Point& from) {
-    return from.body.empty() ? place.write(from.place) : fixed.write(from);
-  };
-  return format;
-}
-
-}  // namespace
-
 Section<TendonConfig> tendon_keys() {
   using T = TendonConfig;
   using Need = KeyGroup::Need;
   return {
       {
           field("name", &T::name, column_name(), "prefix of its columns in history.csv").required(),
-          field("points", &T::points, list_of(point(), 2),
+          field("points", &T::points, list_of(body_point(), 2),
                 "places in the bodies at the start through which it passes, in their order from the end where it is "
                 "pulled; it is straight between them")
               .left_out_if([](const T& tendon) { return tendon.points.empty(); }),

@@ -44,11 +44,12 @@ std::vector<TendonCase> every_case() {
 /// A tendon through two bodies, and over a place in space between them.
 struct TwoBodies {
   TwoBodies(MPI_Comm of, const std::string& file, const TendonCase& c) : solid(of, file, 1, 1) {
-    const std::vector<std::array<double, 3>> places{{0.2, 0.3, 0.4}, {0.8, 0.6, 0.5}, {}, {1.5, 0.3, 0.6}, {2.1, 0.7, 0.3}};
-    std::vector<TendonPoint> points;
+    const std::vector<std::array<double, 3>> places{
+        {0.2, 0.3, 0.4}, {0.8, 0.6, 0.5}, {}, {1.5, 0.3, 0.6}, {2.1, 0.7, 0.3}};
+    std::vector<AttachedPoint> points;
     for (const auto& X : places) {
       if (X == std::array<double, 3>{}) {
-        points.push_back({{}, {1.2, 0.9, 1.4}});
+        points.push_back({{}, Vector3<double>{1.2, 0.9, 1.4}});
       } else {
         points.push_back({locate(solid.layout(), X), {}});
       }
@@ -128,7 +129,7 @@ TEST_P(Tendons, AreThoseOfOneRank) {
     const auto powers = bodies.potential->accounts().powers(q.get(), d.get(), r.get());
     const auto energies = bodies.potential->accounts().energies({0.3, 1.0, nullptr}, q.get(), nullptr);
     return std::array{bodies.potential->value(q.get()), test::dot(r.get(), d.get()), test::norm(r.get()),
-                      powers.front().supplied, powers.back().dissipated, energies.front()};
+                      powers.front().supplied,          powers.back().dissipated,    energies.front()};
   };
   const auto here = numbers_of(many), there = numbers_of(alone);
   for (std::size_t i = 0; i < here.size(); ++i) {
