@@ -43,7 +43,7 @@ class Inertia {
     const Vector3<double> d = arm(body.center);
     return xx * x * x + yy * y * y + zz * z * z + 2.0 * (xy * x * y + yz * y * z + zx * z * x) + body.mass * dot(d, d);
   }
-  /// Of straight cells: int |d|^2 dV = V / 20 (sum |d_a|^2 + |sum d_a|^2) of a tetrahedron.
+  /// A straight tetrahedron has int |d|^2 dV = V / 20 (sum |d_a|^2 + |sum d_a|^2).
   double of_mesh(int body, double density) const {
     double sum = 0.0;
     for (PetscInt c = 0; c < layout_.num_owned_cells; ++c) {
@@ -81,7 +81,7 @@ JointStops make_joint_stops(const Config& config, const NodeLayout& layout, cons
     stops.stiffness = *given.limit_stiffness;
     return stops;
   }
-  // Of two bodies that swing against each other, I_1 I_2 / (I_1 + I_2).
+  // Two bodies swing against each other as one of I_1 I_2 / (I_1 + I_2).
   double per_inertia = 0.0;
   for (const int body : bodies) {
     if (body == JointEquation::ground) continue;

@@ -44,7 +44,7 @@ class LoadTerms {
       });
     }
     if (bodies.empty()) return nullptr;
-    return dead_load(samples_of_affine_bodies(bodies_.layout, bodies_.body_of_cell, bodies), gravity->acceleration);
+    return dead_load(samples_at_centres(bodies), gravity->acceleration);
   }
 
  private:
@@ -81,8 +81,7 @@ class LoadTerms {
       const auto body = rigid_body(load);
       if (!body) return nullptr;
       const AffineBody unit{*body, 1.0, center_of_rigid_body(config_, bodies_.layout, bodies_.body_of_cell, *body), {}};
-      return dead_load(samples_of_affine_bodies(bodies_.layout, bodies_.body_of_cell, std::span(&unit, 1)),
-                       force.value);
+      return dead_load(samples_at_centres(std::span(&unit, 1)), force.value);
     }
     return dead_load(shared_samples(load.part, variation_of(force.value)), force.value);
   }
@@ -105,6 +104,16 @@ class LoadTerms {
                                         stiffness_of(load));
   }
 
+  /// Samples of the masses of bodies at their centres.
+  LoadSamples samples_at_centres(std::span<const AffineBody> bodies) const {
+    LoadSamples samples{1, 1, {}, {{1.0}}, {}, {}};
+    for (const auto& [node, mass, centre] : masses_of_affine_bodies(bodies_.layout, bodies_.body_of_cell, bodies)) {
+      samples.nodes.push_back(node);
+      samples.points.push_back(centre);
+      samples.weights.push_back(mass);
+    }
+    return samples;
+  }
   /// The number of the rigid body on which the load acts; nothing, with an error, if it is none.
   std::optional<int> rigid_body(const LoadConfig& load) const {
     std::vector<std::string> known;

@@ -147,7 +147,7 @@ std::vector<AffineBody> masses_of_rigid_bodies(const Config& config) {
   return result;
 }
 
-// Of straight cells: their density is uniform.
+// The density is uniform, and the cells count as straight.
 Vector3<double> center_of_rigid_body(const Config& config, const NodeLayout& layout,
                                      const std::vector<int>& body_of_cell, int body) {
   const auto first = static_cast<int>(config.bodies.size() - config.rigid_bodies.size());

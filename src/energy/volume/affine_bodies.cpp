@@ -45,20 +45,18 @@ void add_affine_bodies(const NodeLayout& layout, const BlockPattern& pattern, co
   }
 }
 
-LoadSamples samples_of_affine_bodies(const NodeLayout& layout, const std::vector<int>& body_of_cell,
-                                     std::span<const AffineBody> bodies) {
-  LoadSamples samples{1, 1, {}, {{1.0}}, {}, {}};
+std::vector<MassAtNode> masses_of_affine_bodies(const NodeLayout& layout, const std::vector<int>& body_of_cell,
+                                                std::span<const AffineBody> bodies) {
+  std::vector<MassAtNode> result;
   for (const AffineBody& body : bodies) {
     const auto corners = corners_of(layout, body_of_cell, body);
     if (!corners) continue;
     for (std::size_t a = 0; a < 4; ++a) {
       if (corners->nodes[a] >= layout.num_owned_nodes) continue;
-      samples.nodes.push_back(corners->nodes[a]);
-      samples.points.push_back(body.centre);
-      samples.weights.push_back(body.mass * corners->at_centre[a]);
+      result.push_back({corners->nodes[a], body.mass * corners->at_centre[a], body.centre});
     }
   }
-  return samples;
+  return result;
 }
 
 }  // namespace pliant

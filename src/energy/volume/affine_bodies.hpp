@@ -2,7 +2,6 @@
 #pragma once
 
 #include "base/vector3.hpp"
-#include "energy/load/load.hpp"
 #include "energy/volume/mass_matrix.hpp"
 
 #include <span>
@@ -23,8 +22,15 @@ struct AffineBody {
 void add_affine_bodies(const NodeLayout& layout, const BlockPattern& pattern, const std::vector<int>& body_of_cell,
                        std::span<const AffineBody> bodies, MassMatrix& mass);
 
-/// Samples of the bodies' weight: m N_a(c) at the corners a. Collective.
-LoadSamples samples_of_affine_bodies(const NodeLayout& layout, const std::vector<int>& body_of_cell,
-                                     std::span<const AffineBody> bodies);
+/// A mass that acts at a node, and the place of the body's centre [m].
+struct MassAtNode {
+  PetscInt node = 0;  ///< owned
+  double mass = 0.0;  ///< [kg]
+  Vector3<double> centre{};
+};
+
+/// What uniform accelerations act on: m N_a(c) at the corners a. Collective.
+std::vector<MassAtNode> masses_of_affine_bodies(const NodeLayout& layout, const std::vector<int>& body_of_cell,
+                                                std::span<const AffineBody> bodies);
 
 }  // namespace pliant
