@@ -271,13 +271,13 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{3, "constraints: [{surface: @[a], displacement: [0, 0, 0]}]", "'surface' must be text"},
         Bad{4, "loads: [@{traction: [0, 0, 1]}]", "one of surface, box, where is needed in loads[0] with 'traction'"},
         Bad{4, "loads: [@{surface: tip}]",
-            "one of gravity, traction, pressure, force_density, line_force, force, spring, dashpot, point_spring, "
-            "point_dashpot is needed in loads[0]"},
+            "one of gravity, traction, pressure, force_density, line_force, force, torque, spring, dashpot, "
+            "point_spring, point_dashpot is needed in loads[0]"},
         Bad{4, "loads: [{surface: tip, traction: [0, 0, 1], @pressure: 1}]",
             "only one of traction, pressure can be given"},
         Bad{4, "loads: [@{pressure: 1}]", "one of surface, box, where is needed in loads[0] with 'pressure'"},
         Bad{4, "loads: [{pressure: 1, surface: tip, @volume: a}]",
-            "'volume' can only be given with 'gravity' or 'force_density' in loads[0]"},
+            "'volume' can only be given with 'gravity', 'force_density', 'force' or 'torque' in loads[0]"},
         Bad{4, "loads: [{gravity: [0, 0, 1], @surface: tip}]",
             "'surface' can only be given with 'traction', 'pressure', 'spring', 'dashpot' or 'force' in loads[0]"},
         Bad{4, "loads: [{traction: [0, 0, 1], surface: tip, @volume: a}]", "'volume' can only be given with 'gravity'"},
@@ -298,7 +298,8 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{4, "loads: [@{line_force: [0, 0, 1]}]", "missing key 'curve' in loads[0], which 'line_force' needs"},
         Bad{4, "loads: [{line_force: [0, 0, @1 N], curve: a}]", "'1 N' is a force, but"},
         Bad{4, "loads: [@{force: [0, 0, 1]}]",
-            "one of surface, box, where, curve, point is needed in loads[0] with 'force'"},
+            "one of surface, box, where, curve, point, volume is needed in loads[0] with 'force'"},
+        Bad{4, "loads: [@{torque: [0, 0, 1]}]", "missing key 'volume' in loads[0], which 'torque' needs"},
         Bad{4, "loads: [{force: [0, 0, 1], curve: a, @point: b}]", "only one of curve, point can be given in loads[0]"},
         Bad{4, "loads: [{force_density: [0, 0, 1], @surface: a}]", "'surface' can only be given with 'traction',"}));
 

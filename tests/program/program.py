@@ -82,6 +82,28 @@ def read_history(directory):
     return dict(zip(names, np.array(rows, dtype=float).T))
 
 
+def write_cube(file, low, high):
+    """A box as an .stl file: a closed surface of twelve triangles."""
+    low, high = np.array(low, float), np.array(high, float)
+    with open(file, "w") as out:
+        out.write("solid cube\n")
+        for axis, side in itertools.product(range(3), (0, 1)):
+            j, k = (axis + 1) % 3, (axis + 2) % 3
+            corners = []
+            for a, b in ((0, 0), (1, 0), (1, 1), (0, 1)):
+                x = np.empty(3)
+                x[axis], x[j], x[k] = (low, high)[side][axis], (low, high)[a][j], (low, high)[b][k]
+                corners.append(x)
+            if side == 0:
+                corners.reverse()
+            for triangle in ((0, 1, 2), (0, 2, 3)):
+                out.write("facet normal 0 0 0\nouter loop\n")
+                for c in triangle:
+                    out.write("vertex {:.17g} {:.17g} {:.17g}\n".format(*corners[c]))
+                out.write("endloop\nendfacet\n")
+        out.write("endsolid cube\n")
+
+
 class ProgramTest(unittest.TestCase):
     """A test with a directory of its own."""
 

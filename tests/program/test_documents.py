@@ -15,7 +15,7 @@ import unittest
 import numpy as np
 import yaml
 
-from program import ENVIRONMENT, PROGRAM, ROOT, ProgramTest, box
+from program import ENVIRONMENT, PROGRAM, ROOT, ProgramTest, box, write_cube
 from test_inputs import SMALL
 
 BLOCK = re.compile(r"^( *)```(\w+)\n(.*?)^ *```$", re.MULTILINE | re.DOTALL)
@@ -156,6 +156,8 @@ def names_in(tree, names):
     elif isinstance(tree, dict):
         for key, value in tree.items():
             kind = "surface" if key in ("periodic_with", "tied_to", "with") else key
+            if key == "attached":
+                names_in([{"surface": name} for name in value], names)
             if key == "exclude":
                 names_in([{"surface": name} for pair in value for name in pair], names)
             if kind in names and isinstance(value, str):
@@ -224,6 +226,7 @@ class Documents(ProgramTest):
         (self.directory / "input").mkdir()
         (self.directory / "meshes").symlink_to(ROOT / "meshes")
         (self.directory / "docs").symlink_to(ROOT / "docs")
+        write_cube(self.directory / "fruit.stl", (0, 0, 100), (20, 20, 120))
         for page, line, text in blocks("yaml"):
             part = yaml.load(text, UniqueKeys)
             if part is None:
@@ -233,6 +236,8 @@ class Documents(ProgramTest):
                     file = self.write("input/whole.yaml", text)
                 else:
                     names = names_in(part, {"volume": [], "surface": [], "point": []})
+                    names["volume"] = [name for name in names["volume"]
+                                       if name not in [body["name"] for body in part.get("rigid_bodies", [])]]
                     write_body(self.directory / "body.msh", names)
                     file = self.write("part.yaml", yaml.safe_dump(completed(part)))
                 done = self.call("check", file)

@@ -1,33 +1,10 @@
 #!/usr/bin/python3
 """Rigid bodies with a shape of their own, points of reference on soft bodies, forces and torques on both."""
-import itertools
 import unittest
 
 import numpy as np
 
-from program import ProgramTest, write_box
-
-
-def write_cube(file, low, high):
-    """A closed surface of twelve triangles."""
-    low, high = np.array(low, float), np.array(high, float)
-    with open(file, "w") as out:
-        out.write("solid cube\n")
-        for axis, side in itertools.product(range(3), (0, 1)):
-            j, k = (axis + 1) % 3, (axis + 2) % 3
-            corners = []
-            for a, b in ((0, 0), (1, 0), (1, 1), (0, 1)):
-                x = np.empty(3)
-                x[axis], x[j], x[k] = (low, high)[side][axis], (low, high)[a][j], (low, high)[b][k]
-                corners.append(x)
-            if side == 0:
-                corners.reverse()
-            for triangle in ((0, 1, 2), (0, 2, 3)):
-                out.write("facet normal 0 0 0\nouter loop\n")
-                for c in triangle:
-                    out.write("vertex {:.17g} {:.17g} {:.17g}\n".format(*corners[c]))
-                out.write("endloop\nendfacet\n")
-        out.write("endsolid cube\n")
+from program import ProgramTest, write_box, write_cube
 
 
 class RigidBodies(ProgramTest):
@@ -51,7 +28,7 @@ class RigidBodies(ProgramTest):
 loads: [{gravity: [0, 0, -9.81]}]
 """
         time = "method: dirk33, step: 2 ms, end: 0.1"
-        shape = ", surface: {file: cube.stl, scale: 0.001, size: 0.03}"
+        shape = ", surface: {file: cube.stl, scale: 0.001, size: 0.06}"
         without = self.solve(text.replace("SURFACE", ""), time)
         for element in ("P1", "P2"):
             for ranks in (1, 2):
@@ -75,7 +52,7 @@ loads: [{gravity: [0, 0, -9.81], volume: cube}]
 """
         one, two = [self.solve(text, "method: static, load_steps: 2", ranks) for ranks in (1, 2)]
         np.testing.assert_allclose(one["bottom_fz"][-1], 100 * 9.81, rtol=1e-6)
-        self.assertLess(one["cube_z"][-1], 1.2 - 0.01)
+        self.assertLess(one["cube_z"][-1], 1.2 - 0.008)
         np.testing.assert_allclose(two["cube_z"][-1], one["cube_z"][-1], atol=1e-7)
 
     def test_a_point_of_reference_bends_a_beam(self):
