@@ -203,7 +203,7 @@ probes: [{name: tip, point: [1, 0, 0]}]
         chain = links[:links.index("tendons:")]
         cases = {
             "the same point twice": chain + "tendons: [{name: cord, points: [[0.5, 0, 0], [0.5, 0, 0]], tension: 1}]\n",
-            "outside the mesh": chain + "tendons: [{name: cord, points: [[0.5, 0, 0], [9, 9, 9]], tension: 1}]\n",
+            "and there is no mesh: name its body": chain + "tendons: [{name: cord, points: [[0.5, 0, 0], [9, 9, 9]], tension: 1}]\n",
             "which is not a rigid body": links.replace("body: two, point: [1.9", "body: tow, point: [1.9"),
             "it moves nothing": links.replace("body: one", "body: ground").replace("body: two", "body: ground"),
             "one of tension, pull is needed": LINKS.replace("PULLED", "friction: 0"),
