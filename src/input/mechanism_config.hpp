@@ -66,7 +66,7 @@ struct JointConfig {
   std::optional<std::array<double, 2>> limits;  ///< of the angle [rad] or travel [m]
   std::optional<double> limit_stiffness;        ///< of the stops there [N m/rad] or [N/m]; none: from masses and steps
   std::optional<double> friction;               ///< [N m] or [N]
-  std::optional<double> stick_rate;             ///< [rad/s] or [m/s]
+  double stick_rate = 0.0;                      ///< [rad/s] or [m/s]
   Location where;
 };
 

@@ -167,9 +167,10 @@ void check_rotating_parts(const ConstraintsOnMesh& constraints, const Constraint
     if (rigid != nullptr && rigid->is_implied) {
       selections.report(
           config.constraints[other].where,
-          fmt::format("{} shares nodes with {}, which is a rigid body: hold or move that as a whole, by a "
-                      "constraint `rigid` on its volume, or by a joint",
-                      title_of_constraint(config, other), title_of_constraint(config, part)));
+          fmt::format("{} shares nodes with {}{}: hold or move the rigid body as a whole, by a constraint `rigid` on "
+                      "its volume, or by a joint",
+                      title_of_constraint(config, other), title_of_constraint(config, part),
+                      rigid->attached.empty() ? ", which is a rigid body" : " or with what is attached to it"));
       continue;
     }
     selections.report(config.constraints[part].where,

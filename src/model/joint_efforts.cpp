@@ -12,9 +12,6 @@
 namespace pliant {
 namespace {
 
-/// [rad/s] or [m/s]
-constexpr double usual_stick_rate = 0.001;
-
 JointMotor motor_of(const JointConfig::Motor& motor, bool is_static) {
   return {motor.target, motor.stiffness, is_static ? 0.0 : motor.damping, motor.limit, motor.effort};
 }
@@ -25,7 +22,7 @@ std::vector<JointLaw> laws_of(const JointConfig& joint, bool is_static) {
   if (joint.spring) laws.emplace_back(JointSpring{joint.spring->stiffness, joint.spring->rest});
   if (joint.damping.value_or(0.0) > 0.0 && !is_static) laws.emplace_back(JointDamper{*joint.damping});
   if (joint.friction.value_or(0.0) > 0.0 && !is_static) {
-    laws.emplace_back(JointFriction{*joint.friction, joint.stick_rate.value_or(usual_stick_rate)});
+    laws.emplace_back(JointFriction{*joint.friction, joint.stick_rate});
   }
   if (joint.motor) laws.emplace_back(motor_of(*joint.motor, is_static));
   return laws;
@@ -42,12 +39,6 @@ std::optional<int> rigid_body_of(const Config& config, const ConstraintConfig& c
   return std::nullopt;
 }
 
-JointCoordinate coordinate_of(const ModelJoint& joint) {
-  if (joint.type == JointType::slider) return JointTravel{joint.point, joint.axis};
-  const auto [e, f] = across(joint.axis);
-  return JointAngle{e, f};
-}
-
 }  // namespace
 
 std::vector<std::unique_ptr<EnergyTerm>> make_joint_efforts(const Config& config, const NodeLayout& layout,
@@ -60,7 +51,7 @@ std::vector<std::unique_ptr<EnergyTerm>> make_joint_efforts(const Config& config
     const JointConfig& given = config.joints[j];
     auto laws = laws_of(given, is_static);
     if (laws.empty() && !given.limits) continue;
-    JointEffort::Joint joint{{-1, -1}, coordinate_of(joints[j]), {}};
+    JointEffort::Joint joint{{-1, -1}, coordinate_of_joint(joints[j]), {}};
     for (std::size_t side = 0; side < 2; ++side) {
       if (joints[j].parts[side] == ModelJoint::ground) continue;
       const auto body = rigid_body_of(config, config.constraints[joints[j].parts[side]]);

@@ -3,9 +3,10 @@
 #include "input/analysis.hpp"
 #include "petsc/collective.hpp"
 
-#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numbers>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -72,6 +73,22 @@ class Inertia {
 };
 
 }  // namespace
+
+JointCoordinate coordinate_of_joint(const ModelJoint& joint) {
+  if (joint.type == JointType::slider) return JointTravel{joint.point, joint.axis};
+  const auto [e, f] = across(joint.axis);
+  return JointAngle{e, f};
+}
+
+double beyond_limits(const JointConfig& given, const ModelJoint& joint, Vec q, Vec v) {
+  const auto& [low, high] = *given.limits;
+  const auto [a, b] = joint.mechanism->states(joint.bodies, q, v);
+  const double coordinate = std::visit([&](const auto& kind) { return coordinate_of(kind, a.motion(), b.motion()); },
+                                       coordinate_of_joint(joint));
+  const double from_middle = coordinate - 0.5 * (low + high);
+  const bool turns = joint.type == JointType::hinge;
+  return std::abs(turns ? std::remainder(from_middle, 2.0 * std::numbers::pi) : from_middle) / (high - low) - 0.5;
+}
 
 JointStops make_joint_stops(const Config& config, const NodeLayout& layout, const std::vector<int>& body_of_cell,
                             const JointConfig& given, const ModelJoint& joint, const std::array<int, 2>& bodies) {

@@ -29,6 +29,17 @@
 #include <fmt/format.h>
 
 namespace pliant {
+namespace {
+
+/// Two parts each whose surfaces do not see each other in contact: constraints hold them together.
+std::vector<std::array<Selection, 2>> surfaces_held_together(const Config& config) {
+  auto result = tied_surfaces(config);
+  std::ranges::move(attached_surfaces(config), std::back_inserter(result));
+  return result;
+}
+
+}  // namespace
+
 Model::Model(MPI_Comm comm, const Config& given, const TermFactory& additional) : config_(with_rigid_bodies(given)) {
   const Config& config = config_;
   // The size in the input is in metres, that of gmsh in the unit of the geometry.
@@ -212,7 +223,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   std::vector<TouchingSurfaces> touching_each_other;
   if (config.contact) {
     touching_each_other =
-        find_touching_surfaces(*config.contact, tied_surfaces(config), {layout_, body_of_cell_}, selections);
+        find_touching_surfaces(*config.contact, surfaces_held_together(config), {layout_, body_of_cell_}, selections);
     touching = selections.outer_facets(config.contact->part, config.contact->where, "where nothing can be touched");
     if (as_meshed) {
       include(adjust_start(*config.contact, touching_each_other, body_names_, config.initial.displacement,

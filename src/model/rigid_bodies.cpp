@@ -217,6 +217,20 @@ void set_moduli_of_rigid_bodies(const Config& config, std::vector<double>& shear
   }
 }
 
+std::vector<std::array<Selection, 2>> attached_surfaces(const Config& config) {
+  std::vector<std::array<Selection, 2>> result;
+  const std::size_t first = config.bodies.size() - config.rigid_bodies.size();
+  for (std::size_t b = 0; b < config.bodies.size(); ++b) {
+    if (b >= first && !config.rigid_bodies[b - first].surface) continue;
+    const BodyConfig& body = config.bodies[b];
+    if (body.part.kind != Selection::Kind::volume) continue;
+    for (const auto& surface : body.attached) {
+      result.push_back({part_named(Selection::Kind::surface, surface.value, surface.where), body.part});
+    }
+  }
+  return result;
+}
+
 AddedBodies names_of_rigid_bodies(const Config& config) {
   AddedBodies result;
   for (const RigidBodyConfig& body : config.rigid_bodies) {

@@ -43,6 +43,9 @@ void set_start_of_rigid_bodies(const Config& config, const NodeLayout& layout, c
 /// Sets the moduli of rigid bodies, from which the stiffness of their contact follows: that of the stiffest other body.
 void set_moduli_of_rigid_bodies(const Config& config, std::vector<double>& shear_moduli);
 
+/// Surfaces of other bodies that move with a rigid one, each with the volume of that.
+std::vector<std::array<Selection, 2>> attached_surfaces(const Config& config);
+
 /// Names of `rigid_bodies`.
 AddedBodies names_of_rigid_bodies(const Config& config);
 

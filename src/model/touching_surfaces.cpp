@@ -58,6 +58,12 @@ class Membership {
     const std::uint64_t mask = std::uint64_t{1} << bit;
     if (!selections_.has_group(Kind::surface, name.value) && selections_.has_group(Kind::volume, name.value)) {
       part.kind = Kind::volume;
+    }
+    add(part, mask);
+  }
+  /// Sets bits of the facets of a part of the surface, or of the outer facets of a volume. Collective.
+  void add(const Selection& part, std::uint64_t mask) {
+    if (part.kind == Selection::Kind::volume) {
       const std::vector<char> is_in = selections_.cells(part);
       for (PetscInt facet = 0; facet < facets_.size(); ++facet) {
         const auto cell = cells_(facets_.nodes_of(facet));
@@ -65,10 +71,6 @@ class Membership {
       }
       return;
     }
-    add(part, mask);
-  }
-  /// Sets bits of the facets of a part of the surface. Collective.
-  void add(const Selection& part, std::uint64_t mask) {
     const FacetList members = selections_.outer_facets(part, part.where, "where nothing can touch it");
     for (PetscInt facet = 0; facet < members.size(); ++facet) {
       const auto found = number_.find(corners_of(members.nodes_of(facet)));
@@ -190,7 +192,7 @@ std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config
   const std::size_t num_excluded = config.exclude.size() + tied.size();
   if (num_excluded > most_excluded) {
     selections.report(config.where,
-                      "'exclude' and the ties of surfaces have more than 30 entries; combine some in gmsh");
+                      "'exclude', ties and attached surfaces are more than 30 in all; combine some in gmsh");
     return result;
   }
   Selection everything;

@@ -223,6 +223,9 @@ std::vector<Diagnostic> notes_of_idle_keys(const Config& config) {
   note_if(has_dashpots(config), "dashpots have");
   note_if(std::ranges::any_of(config.springs, [](const SpringConfig& s) { return s.damping > 0.0; }),
           "the damping of springs has");
+  note_if(std::ranges::any_of(
+              config.joints, [](const JointConfig& j) { return j.damping.value_or(0) + j.friction.value_or(0) > 0.0; }),
+          "damping and friction of joints have");
   note_if(config.contact && has_drag(*config.contact), "friction and damping of contact have");
   const auto rubs = [](const TendonConfig& tendon) { return tendon.friction > 0.0; };
   note_if(std::ranges::any_of(config.tendons, rubs), "friction of tendons has");

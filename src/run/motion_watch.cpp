@@ -4,6 +4,7 @@
 #include "fem/element.hpp"
 #include "input/elasticity.hpp"
 #include "material/spectral.hpp"
+#include "model/joint_stops.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/ghosted.hpp"
 #include "petsc/session.hpp"
@@ -118,6 +119,8 @@ MotionWatch::MotionWatch(const Config& config, const Model& model)
       is_static_(analysis_of(config) == Analysis::static_equilibrium),
       overlap_is_known_(model.overlaps_at_start()),
       bodies_of_components_(bodies_of_components(model)),
+      joints_(config.joints),
+      are_beyond_(config.joints.size(), 0),
       q_(make_vector(model.layout())) {
   for (std::size_t b = 0; b < model.body_names().size(); ++b) {
     if (b >= config.bodies.size() || config.bodies[b].is_rigid) {
@@ -201,6 +204,22 @@ std::optional<std::string> MotionWatch::look_for_passage(const StepRecord& recor
       "{}: at {} {} pass through one another, {:.3g} m deep at ({:.4g}, {:.4g}, {:.4g}): no contact "
       "between them is enabled; 'contact: {{law: barrier, pairs: all}}' keeps bodies apart",
       to_string(mesh_), instant(record.time), names_of(overlap->of, overlap->in), overlap->depth, x, y, z);
+}
+
+std::vector<std::string> MotionWatch::look_at_joints(const StepRecord& record) {
+  constexpr double far = 0.1;  // of the range
+  std::vector<std::string> news;
+  for (std::size_t j = 0; j < joints_.size(); ++j) {
+    if (!joints_[j].limits || are_beyond_[j] != 0) continue;
+    const double beyond = beyond_limits(joints_[j], model_.constraints().joints()[j], record.q, record.v);
+    if (beyond < far) continue;
+    are_beyond_[j] = 1;
+    news.push_back(
+        fmt::format("{}: at {} joint '{}' is beyond its limits by {:.2g} of the range between them: shorten "
+                    "the step, or give a larger 'limit_stiffness'",
+                    to_string(joints_[j].where), instant(record.time), joints_[j].name, beyond));
+  }
+  return news;
 }
 
 std::string MotionWatch::names_of(int component, int other) const {

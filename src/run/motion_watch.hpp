@@ -1,5 +1,5 @@
 /// Detects input that is probably wrong although every step was solved: material stretched beyond the range of its law,
-/// and bodies that pass through one another.
+/// bodies that pass through one another, and joints far beyond their stops.
 #pragma once
 
 #include "model/model.hpp"
@@ -34,6 +34,9 @@ class MotionWatch {
   /// accepted step; the cost is negligible as long as no bounding boxes of parts overlap.
   std::optional<std::string> look_for_passage(const StepRecord& record);
 
+  /// Warnings, once per joint, about those that are far beyond their limits. To be called for every accepted step.
+  std::vector<std::string> look_at_joints(const StepRecord& record);
+
   /// At the end of the run: updates of warnings whose stretches have become worse since.
   std::vector<std::string> final_warnings() const;
 
@@ -63,6 +66,8 @@ class MotionWatch {
   bool overlap_is_known_;                  ///< the user has been warned
   std::vector<int> bodies_of_components_;  ///< one of the bodies that each component has
   std::vector<Body> bodies_;
+  std::vector<JointConfig> joints_;
+  std::vector<char> are_beyond_;  // per joint: the user has been warned
   Handle<Vec> q_;
 };
 

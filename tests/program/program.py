@@ -120,6 +120,16 @@ class ProgramTest(unittest.TestCase):
     def call(self, *arguments, ranks=1, timeout=120):
         return finish(start(arguments, self.directory, ranks, UNSIGNALLED), timeout)
 
+    def pliant(self, *arguments, ranks=1, status=0):
+        done = self.call(*arguments, ranks=ranks, timeout=300)
+        self.assertEqual(done.returncode, status, done.stdout + done.stderr)
+        return done
+
+    def solve(self, text, time, ranks=1, more=()):
+        """The history of an input with these keys of `time`, and a frame at every step."""
+        self.write("in.yaml", text + f"time: {{{time}}}\noutput: {{every: 1}}\n")
+        return self.run_input("in.yaml", *more, ranks=ranks)
+
     def run_input(self, file, *settings, ranks=1, output="out", options=(), timeout=120):
         """Runs an input that must succeed; returns its history. `settings`: KEY.PATH=VALUE."""
         arguments = ["run", file, "--quiet", "--output", output]

@@ -63,15 +63,6 @@ def place(history, name, start, center, row=-1):
 
 
 class Mechanisms(ProgramTest):
-    def solve(self, text, time, ranks=1, more=()):
-        self.write("in.yaml", text + f"time: {{{time}}}\noutput: {{every: 1}}\n")
-        return self.run_input("in.yaml", *more, ranks=ranks)
-
-    def pliant(self, *arguments, ranks=1, status=0):
-        done = self.call(*arguments, ranks=ranks, timeout=300)
-        self.assertEqual(done.returncode, status, done.stdout + done.stderr)
-        return done
-
     def chain(self, kind, more=""):
         return CHAIN.replace("TYPE", kind).replace("MORE", TYPES[kind] + more)
 
@@ -208,6 +199,11 @@ loads: [{gravity: [0, -9.81, 0]}]
             pushed = swing.replace("MORE", ", limit_stiffness: 1000, motor: {effort: 2}").replace("loads: [{gravity: [0, -9.81, 0]}]\n", "")
             h = self.solve(pushed, "method: static, load_steps: 2")
             np.testing.assert_allclose(h["pivot_angle"][-1], 0.4 + 2 / 1000 + 0.5e-3 * 1.2, rtol=1e-9)
+        with self.subTest("far beyond"):
+            fast = swing.replace("MORE", ", limit_stiffness: 1")
+            self.write("fast.yaml", fast + "time: {method: bdf2, step: 10 ms, end: 1}\n")
+            told = self.pliant("run", "fast.yaml", "--quiet").stderr
+            self.assertEqual(told.count("joint 'pivot' is beyond its limits by"), 1, told)
         with self.subTest("beyond half a turn"):
             wheel = """rigid_bodies: [{name: wheel, mass: 1, inertia: [1, 1, 1], center: [0, 0, 0], angular_velocity: [0, 0, 8]}]
 joints: [{name: axle, type: hinge, between: [ground, wheel], point: [0, 0, 0], axis: [0, 0, 1], limits: [0, 4], damping: 1}]
@@ -363,6 +359,7 @@ loads: [{gravity: [0, 0, -9.81]}]
             "full turn apart": chain.replace("type: ball", "type: hinge").replace("point: [1, 0, 0], }", 'point: [1, 0, 0], axis: [0, 0, 1], limits: [-180, 180]}'),
             "outside of its limits": chain.replace("type: ball", "type: slider").replace("point: [1, 0, 0], }", 'point: [1, 0, 0], axis: [0, 0, 1], limits: [1, 2]}'),
             "the first must be smaller": chain.replace("type: ball", "type: slider").replace("point: [1, 0, 0], }", 'point: [1, 0, 0], axis: [0, 0, 1], limits: [1, -2]}'),
+            "only one of motion, limits can be given": chain.replace("type: ball", "type: slider").replace("point: [1, 0, 0], }", 'point: [1, 0, 0], axis: [0, 0, 1], limits: [-1, 2], motion: "t"}'),
             "missing key 'mesh'": chain + "bodies: [{density: 1, rigid: true}]\n",
         }
         for message, text in cases.items():

@@ -8,10 +8,6 @@ from program import ProgramTest, write_box, write_cube
 
 
 class RigidBodies(ProgramTest):
-    def solve(self, text, time, ranks=1, more=()):
-        self.write("in.yaml", text + f"time: {{{time}}}\noutput: {{every: 1}}\n")
-        return self.run_input("in.yaml", *more, ranks=ranks)
-
     def refused(self, text, *messages):
         self.write("in.yaml", text)
         for ranks in (1, 2):
@@ -54,6 +50,23 @@ loads: [{gravity: [0, 0, -9.81], volume: cube}]
         np.testing.assert_allclose(one["bottom_fz"][-1], 100 * 9.81, rtol=1e-6)
         self.assertLess(one["cube_z"][-1], 1.2 - 0.008)
         np.testing.assert_allclose(two["cube_z"][-1], one["cube_z"][-1], atol=1e-7)
+
+    def test_a_shape_does_not_touch_what_is_attached_to_it(self):
+        # The shape lies on the surface that it holds. Its weight goes through that, and not through contact.
+        write_cube(self.directory / "cube.stl", (0.2, 0.2, 1.0), (0.8, 0.8, 1.4))
+        write_box(self.directory / "box.msh", (3, 3, 2))
+        text = """mesh: {file: box.msh}
+bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 100 kPa, poissons_ratio: 0.3}}]
+rigid_bodies:
+  - {name: cube, mass: 100, inertia: [1, 1, 1], center: [0.5, 0.5, 1.2], surface: {file: cube.stl}, attached: [top]}
+constraints: [{surface: bottom, displacement: [0, 0, 0]}]
+loads: [{gravity: [0, 0, -9.81]}]
+"""
+        time = "method: bdf2, step: 5 ms, end: 0.1"
+        alone, touching = self.solve(text, time), self.solve(text + "contact: {law: barrier, pairs: all}\n", time)
+        self.assertEqual(np.nanmax(touching["contact_points"]), 0)
+        np.testing.assert_allclose(touching["cube_z"], alone["cube_z"], atol=1e-8)
+        self.assertLess(alone["cube_z"][-1], 1.2 - 0.01)
 
     def test_a_point_of_reference_bends_a_beam(self):
         # A moment at the end of a beam: it turns by M L / (E I), whatever the material point of the torque is.

@@ -51,15 +51,6 @@ def integrated(acceleration, x, v, end, steps=20000):
 
 
 class Springs(ProgramTest):
-    def solve(self, text, time, ranks=1, more=()):
-        self.write("in.yaml", text + f"time: {{{time}}}\noutput: {{every: 1}}\n")
-        return self.run_input("in.yaml", *more, ranks=ranks)
-
-    def pliant(self, *arguments, ranks=1, status=0):
-        done = self.call(*arguments, ranks=ranks, timeout=300)
-        self.assertEqual(done.returncode, status, done.stdout + done.stderr)
-        return done
-
     def test_an_oscillator_is_that_of_the_closed_form(self):
         h = self.solve(BOB.replace("SPRING", "stiffness: 200, rest: 0.47, damping: 4").replace("MORE", ", velocity: [0.5, 0, 0]"),
                        "method: dirk33, step: 2 ms, end: 0.4")

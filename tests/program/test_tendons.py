@@ -45,15 +45,6 @@ HALF_CIRCLE = [(-1, -2)] + [(-np.cos(a), np.sin(a)) for a in np.linspace(0, np.p
 
 
 class Tendons(ProgramTest):
-    def solve(self, text, time, ranks=1):
-        self.write("in.yaml", text + f"time: {{{time}}}\noutput: {{every: 1}}\n")
-        return self.run_input("in.yaml", ranks=ranks)
-
-    def pliant(self, *arguments, ranks=1, status=0):
-        done = self.call(*arguments, ranks=ranks, timeout=300)
-        self.assertEqual(done.returncode, status, done.stdout + done.stderr)
-        return done
-
     def finger(self, pulled, count=41):
         points = ", ".join(f"[{x:.4f}, 0.005, 0.001]" for x in np.linspace(0, 0.1, count))
         return FINGER.replace("POINTS", points).replace("PULLED", pulled)

@@ -9,7 +9,7 @@ namespace pliant {
 namespace {
 
 /// Pairs are sorted into so many kinds, so that not all points are looked at as neighbours of all others.
-constexpr PetscInt num_kinds = 32;
+constexpr std::size_t num_kinds = 32;
 
 /// A node of a point, as it goes to all ranks.
 struct NodeOfAttached {
@@ -39,9 +39,15 @@ Vector3<double> PointLine::change(std::span<const double> q, std::span<const dou
   Vector3<double> d{};
   for (std::size_t a = 0; a < nodes.size(); ++a) {
     const auto first = 3 * static_cast<std::size_t>(nodes[a]);
-    for (std::size_t i = 0; i < 3; ++i) d[i] += weights[a] * (q[first + i] - from[first + i]);
+    for (std::size_t i = 0; i < 3; ++i) d[i] += weights[a] * (q[first + i] - (from.empty() ? 0.0 : from[first + i]));
   }
   return d;
+}
+
+// |a| - |b| = (a - b) . (a + b) / (|a| + |b|)
+double PointLine::lengthening(const NearPatches& near, std::span<const double> q, std::span<const double> from) const {
+  const Vector3<double> now = way(near, q), moved = change(q, from), then = now - moved;
+  return dot(moved, now + then) / (norm(now) + norm(then));
 }
 
 void PointLine::add_force(const NearPatches& near, const Vector3<double>& f, std::span<double> r) const {
@@ -62,68 +68,79 @@ void PointLine::add_stiffness(const NearPatches& near, const std::array<double, 
   }
 }
 
-PointLines::PointLines(const NodeLayout& layout, std::span<const AttachedPoint> points)
-    : weights_(points.size()), fixed_(points.size()) {
+NodesOfPoints nodes_of_points(const NodeLayout& layout, std::span<const AttachedPoint> points) {
   std::vector<NodeOfAttached> mine;
   for (std::size_t k = 0; k < points.size(); ++k) {
-    if (points[k].fixed) {
-      fixed_[k] = *points[k].fixed;
-      continue;
-    }
     const ProbeLocation& at = points[k].location;
     for (std::size_t a = 0; a < at.nodes.size(); ++a) {
       mine.push_back({static_cast<PetscInt>(k), layout.global_node(at.nodes[a]), at.weights[a]});
     }
   }
-  std::vector<std::vector<PetscInt>> globals(points.size());
-  std::size_t most = 1;
+  NodesOfPoints result{std::vector<std::vector<PetscInt>>(points.size()),
+                       std::vector<std::vector<double>>(points.size())};
   for (const NodeOfAttached& node : gathered(layout.comm, mine)) {
-    const auto point = static_cast<std::size_t>(node.point);
-    globals[point].push_back(node.global_node);
-    weights_[point].push_back(node.weight);
-    most = std::max(most, globals[point].size());
+    result.nodes[static_cast<std::size_t>(node.point)].push_back(node.global_node);
+    result.weights[static_cast<std::size_t>(node.point)].push_back(node.weight);
   }
-  // A point at a node has that alone: patches are of one size, so it is repeated without weight.
-  patches_.nodes_per_patch = static_cast<int>(most);
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    if (points[k].fixed) continue;
-    globals[k].resize(most, globals[k].front());
-    weights_[k].resize(most, 0.0);
+  return result;
+}
+
+Patches patches_of_points(const NodeLayout& layout, NodesOfPoints& points,
+                          const std::function<int(std::size_t)>& tag_of) {
+  std::size_t most = 1;
+  for (const auto& nodes : points.nodes) most = std::max(most, nodes.size());
+  Patches patches;
+  patches.nodes_per_patch = static_cast<int>(most);
+  for (std::size_t k = 0; k < points.nodes.size(); ++k) {
+    if (points.nodes[k].empty()) continue;
+    // A point at a node has that alone: patches are of one size, so it is repeated without weight.
+    points.nodes[k].resize(most, points.nodes[k].front());
+    points.weights[k].resize(most, 0.0);
     std::vector<PetscInt> local;
-    for (const PetscInt node : globals[k]) local.push_back(local_node_of(layout, node));
+    for (const PetscInt node : points.nodes[k]) local.push_back(local_node_of(layout, node));
     const auto is_mine = [&](PetscInt node) { return node >= 0 && node < layout.num_owned_nodes; };
     if (std::ranges::none_of(local, is_mine)) continue;
-    patches_.nodes.insert(patches_.nodes.end(), local.begin(), local.end());
-    patches_.keys.push_back(static_cast<std::int64_t>(k));
-    patches_.tags.push_back(static_cast<int>(k / 2 % num_kinds));
-    patches_.is_owned.push_back(is_mine(local.front()) ? 1 : 0);
+    patches.nodes.insert(patches.nodes.end(), local.begin(), local.end());
+    patches.keys.push_back(static_cast<std::int64_t>(k));
+    patches.tags.push_back(tag_of(k));
+    patches.is_owned.push_back(is_mine(local.front()) ? 1 : 0);
   }
+  return patches;
+}
+
+void add_end(double sign, std::span<const PetscInt> nodes, std::span<const double> weights, PointLine& line) {
+  for (std::size_t a = 0; a < nodes.size(); ++a) {
+    if (weights[a] == 0.0) continue;
+    line.nodes.push_back(nodes[a]);
+    line.weights.push_back(sign * weights[a]);
+  }
+}
+
+PointLines::PointLines(const NodeLayout& layout, std::span<const AttachedPoint> points)
+    : points_(nodes_of_points(layout, points)),
+      patches_(patches_of_points(layout, points_, [](std::size_t k) { return static_cast<int>(k / 2 % num_kinds); })) {
+  for (const AttachedPoint& point : points) fixed_.push_back(point.fixed.value_or(Vector3<double>{}));
 }
 
 std::vector<PointLine> PointLines::seen(const NearPatches& near) const {
   std::map<std::int64_t, std::size_t> patch_of;
   for (std::size_t p = 0; p < near.patches.size(); ++p) patch_of.emplace(near.patches.keys[p], p);
   std::vector<PointLine> result;
-  for (std::size_t n = 0; 2 * n < weights_.size(); ++n) {
+  for (std::size_t n = 0; 2 * n < fixed_.size(); ++n) {
     PointLine pair;
     pair.number = n;
     bool is_seen = true, has_first = false;
     for (std::size_t end = 0; end < 2 && is_seen; ++end) {
       const std::size_t point = 2 * n + end;
       const double sign = end == 0 ? -1.0 : 1.0;
-      if (weights_[point].empty()) {
+      if (points_.nodes[point].empty()) {
         pair.offset = pair.offset + sign * fixed_[point];
         continue;
       }
       const auto found = patch_of.find(static_cast<std::int64_t>(point));
       is_seen = found != patch_of.end();
       if (!is_seen) continue;
-      const auto nodes = near.patches.nodes_of(found->second);
-      for (std::size_t a = 0; a < nodes.size(); ++a) {
-        if (weights_[point][a] == 0.0) continue;
-        pair.nodes.push_back(nodes[a]);
-        pair.weights.push_back(sign * weights_[point][a]);
-      }
+      add_end(sign, near.patches.nodes_of(found->second), points_.weights[point], pair);
       if (!has_first) pair.is_counted = near.patches.is_owned[found->second] != 0;
       has_first = true;
     }

@@ -7,6 +7,7 @@
 #include "fem/probe.hpp"
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -29,13 +30,31 @@ struct PointLine {
 
   /// d at displacements q [m].
   Vector3<double> way(const NearPatches& near, std::span<const double> q) const;
-  /// d(q) - d(from), with the digits of small changes [m].
+  /// d(q) - d(from), with the digits of small changes [m]; an empty `from`: the reference configuration.
   Vector3<double> change(std::span<const double> q, std::span<const double> from) const;
+  /// |d(q)| - |d(from)|, likewise.
+  double lengthening(const NearPatches& near, std::span<const double> q, std::span<const double> from) const;
   /// r += w_a f in the rows of owned nodes.
   void add_force(const NearPatches& near, const Vector3<double>& f, std::span<double> r) const;
   /// K += w_a w_b block in the rows of owned nodes.
   void add_stiffness(const NearPatches& near, const std::array<double, 9>& block, const BlockWriter& K) const;
 };
+
+/// The nodes of points, by their global numbers, and their weights: the same on every rank. A point in space has none.
+struct NodesOfPoints {
+  std::vector<std::vector<PetscInt>> nodes;
+  std::vector<std::vector<double>> weights;
+};
+/// Collective.
+NodesOfPoints nodes_of_points(const NodeLayout& layout, std::span<const AttachedPoint> points);
+
+/// The points that have nodes as patches with their numbers as keys, on the ranks that own one of their nodes; weights
+/// are filled up with zeros to the size of a patch. Not collective.
+Patches patches_of_points(const NodeLayout& layout, NodesOfPoints& points,
+                          const std::function<int(std::size_t)>& tag_of);
+
+/// Adds an end of a line, a point with these nodes; `sign`: -1 of the first, 1 of the second.
+void add_end(double sign, std::span<const PetscInt> nodes, std::span<const double> weights, PointLine& line);
 
 /// Pairs of points as patches: the points 2 n and 2 n + 1 are those of the pair n.
 class PointLines {
@@ -48,9 +67,9 @@ class PointLines {
   std::vector<PointLine> seen(const NearPatches& near) const;
 
  private:
-  Patches patches_;                           // of the points that move, their keys are the numbers of points
-  std::vector<std::vector<double>> weights_;  // of each point's nodes; none of one in space
-  std::vector<Vector3<double>> fixed_;        // of each point in space [m]
+  NodesOfPoints points_;
+  Patches patches_;                     // of the points that move
+  std::vector<Vector3<double>> fixed_;  // of each point in space [m]
 };
 
 }  // namespace pliant

@@ -54,7 +54,7 @@ double Tendon::tension(const LocalStage& stage) const {
 double Tendon::value(const LocalStage& stage, std::span<const double> q) const {
   if (spring() != nullptr) return 0.0;  // all of it is in value_of_sum
   double sum = 0.0;
-  for (const TendonSegment& segment : TendonPath::segments(*stage.near)) {
+  for (const PointLine& segment : TendonPath::segments(*stage.near)) {
     if (segment.is_counted) sum += segment.lengthening(*stage.near, q, stage.reference());
   }
   return tension(stage) * sum;
@@ -63,7 +63,7 @@ double Tendon::value(const LocalStage& stage, std::span<const double> q) const {
 void Tendon::add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const {
   const double T = tension(stage);
   if (T == 0.0) return;
-  for (const TendonSegment& segment : TendonPath::segments(*stage.near)) {
+  for (const PointLine& segment : TendonPath::segments(*stage.near)) {
     segment.add_force(*stage.near, T * unit(segment.way(*stage.near, q)), r);
   }
 }
@@ -72,27 +72,20 @@ void Tendon::add_hessian(const LocalStage& stage, std::span<const double> q, con
                          Projection projection) const {
   const double T = tension(stage);
   if (T == 0.0 || (projection != Projection::none && T < 0.0)) return;
-  for (const TendonSegment& segment : TendonPath::segments(*stage.near)) {
-    const Vector3<double> d = segment.way(*stage.near, q);
-    const Vector3<double> n = unit(d);
-    for (std::size_t a = 0; a < segment.nodes.size(); ++a) {
-      if (!stage.near->is_owned(segment.nodes[a])) continue;
-      for (std::size_t b = 0; b < segment.nodes.size(); ++b) {
-        std::array<double, 9> block{};
-        const double factor = T * segment.weights[a] * segment.weights[b] / norm(d);
-        for (std::size_t i = 0; i < 3; ++i) {
-          for (std::size_t j = 0; j < 3; ++j) block[3 * i + j] = factor * ((i == j ? 1.0 : 0.0) - n[i] * n[j]);
-        }
-        K.add(segment.nodes[a], segment.nodes[b], block);
-      }
+  for (const PointLine& segment : TendonPath::segments(*stage.near)) {
+    const Vector3<double> d = segment.way(*stage.near, q), n = unit(d);
+    std::array<double, 9> block{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) block[3 * i + j] = T / norm(d) * ((i == j ? 1.0 : 0.0) - n[i] * n[j]);
     }
+    segment.add_stiffness(*stage.near, block, K);
   }
 }
 
 double Tendon::energy_at(const Instant& at, std::span<const double> q, std::span<const double> /*z*/) const {
   if (declaration().account != Account::load_potential) return 0.0;
   double length = 0.0;
-  for (const TendonSegment& segment : TendonPath::segments(*at.near)) {
+  for (const PointLine& segment : TendonPath::segments(*at.near)) {
     if (segment.is_counted) length += norm(segment.way(*at.near, q));
   }
   return tension_at_pulled_end(drive_, 0.0, at.time, at.load_factor) * length;
@@ -108,7 +101,7 @@ double Tendon::supply(const LocalStage& stage, std::span<const double> /*q*/) co
 
 SumOverRanks Tendon::part(const LocalStage& stage, std::span<const double> q) const {
   SumOverRanks mine;
-  for (const TendonSegment& segment : TendonPath::segments(*stage.near)) {
+  for (const PointLine& segment : TendonPath::segments(*stage.near)) {
     if (!segment.is_counted) continue;
     mine.start += segment.lengthening(*stage.near, stage.q0, {});
     mine.change += segment.lengthening(*stage.near, q, stage.q0);
@@ -133,7 +126,7 @@ double Tendon::curvature(const LocalStage& stage) const {
 }
 
 void Tendon::add_gradient_of_sum(const LocalStage& stage, std::span<const double> q, std::span<double> g) const {
-  for (const TendonSegment& segment : TendonPath::segments(*stage.near)) {
+  for (const PointLine& segment : TendonPath::segments(*stage.near)) {
     segment.add_force(*stage.near, unit(segment.way(*stage.near, q)), g);
   }
 }

@@ -35,8 +35,8 @@ std::vector<TendonFriction::Turn> TendonFriction::turns(const LocalStage& stage,
   double beyond = 0.0, frozen_beyond = 0.0, lengthening = 0.0;
   for (std::size_t k = segments.size(); k-- > 0;) {
     turns[k].n = unit(segments[k].way(*stage.near, frozen));
-    beyond -= dot(turns[k].n, segments[k].moved(q, stage.q0)) / stage.dt;
-    frozen_beyond -= dot(turns[k].n, segments[k].moved(frozen, stage.q0)) / stage.dt;
+    beyond -= dot(turns[k].n, segments[k].change(q, stage.q0)) / stage.dt;
+    frozen_beyond -= dot(turns[k].n, segments[k].change(frozen, stage.q0)) / stage.dt;
     turns[k].velocity = beyond;
     frozen_velocities[k] = frozen_beyond;
     lengthening += segments[k].lengthening(*stage.near, frozen, {});

@@ -13,24 +13,6 @@
 
 namespace pliant {
 
-/// The way from a point to the next one: d = rest + sum_a weights_a x_a.
-struct TendonSegment {
-  std::size_t number = 0;  ///< of its first point
-  std::vector<PetscInt> nodes;
-  std::vector<double> weights;  ///< those of its second point, less those of its first
-  Vector3<double> rest{};
-  bool is_counted = false;  ///< exactly one rank counts it
-
-  /// d at displacements q.
-  Vector3<double> way(const NearPatches& near, std::span<const double> q) const;
-  /// d(q) - d(from), accurate relative to the change; an empty `from`: the reference configuration.
-  Vector3<double> moved(std::span<const double> q, std::span<const double> from) const;
-  /// |d(q)| - |d(from)|, likewise.
-  double lengthening(const NearPatches& near, std::span<const double> q, std::span<const double> from) const;
-  /// r += weights_a force on the owned nodes.
-  void add_force(const NearPatches& near, const Vector3<double>& force, std::span<double> r) const;
-};
-
 /// Points of a tendon as patches of their nodes, which may be on different ranks.
 class TendonPath final : public PairCoupling {
  public:
@@ -50,14 +32,14 @@ class TendonPath final : public PairCoupling {
   }
   std::shared_ptr<const PairFeatures> features_of(const NearPatches& near) const override;
 
-  /// All segments, in their order; none on a rank without a node of the tendon.
-  static const std::vector<TendonSegment>& segments(const NearPatches& near);
+  /// All segments, lines from a point to the next one, in their order; none on a rank without a node of the tendon.
+  static const std::vector<PointLine>& segments(const NearPatches& near);
 
  private:
   Couples couples_;
+  NodesOfPoints points_;
   Patches patches_;
-  std::vector<std::vector<double>> weights_;  // of the nodes of each point, on every rank
-  std::vector<Vector3<double>> rests_;        // of each point
+  std::vector<Vector3<double>> fixed_;  // of each point in space [m]
 };
 
 }  // namespace pliant

@@ -162,10 +162,11 @@ Section<JointConfig> joint_keys() {
               .only_with({{"type", "hinge"}, {"type", "slider"}}),
           field("stick_rate", &J::stick_rate, quantity("1", Range::above(0)),
                 "rate at which dry friction reaches 76 % of its effort [rad/s or m/s]")
-              .otherwise_in_words("0.001")
-              .only_with({{"friction"}}),
+              .otherwise("0.001")
+              .only_with({{"friction"}})
+              .left_out_if([](const J& joint) { return !joint.friction; }),
       },
-      {{{"motion", "motor"}, KeyGroup::Need::at_most_one}},
+      {{{"motion", "motor"}, KeyGroup::Need::at_most_one}, {{"motion", "limits"}, KeyGroup::Need::at_most_one}},
       &J::where};
 }
 

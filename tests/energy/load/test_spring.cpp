@@ -1,24 +1,21 @@
 // Springs and dampers between points: derivatives, opposite forces, coinciding points, the same numbers on every number
 // of ranks.
-#include "energy/equation/incremental_potential.hpp"
 #include "energy/load/spring.hpp"
-#include "energy/near_springs.hpp"
-#include "petsc/collective.hpp"
+#include "energy/two_bodies.hpp"
 
 #include <memory>
-#include <optional>
 #include <string>
 
 namespace pliant::test_spring {
 namespace {
 
 using test::Point;
-using test::Scratch;
 using test::Solid;
 using test::TestStage;
+using test::TwoBodies;
+using test::TwoBodiesFile;
 
 const MPI_Comm comm = MPI_COMM_WORLD;
-constexpr double gap = 0.3;
 
 enum class Kind { spring, damper };
 
@@ -68,66 +65,27 @@ std::unique_ptr<LineTerm> term_of(const Solid& solid, const SpringCase& c) {
   return std::make_unique<Springs>(solid.layout(), points, std::move(laws));
 }
 
-/// Two bodies with springs in a stage.
-struct TwoBodies {
-  TwoBodies(MPI_Comm of, const std::string& file, const SpringCase& c) : solid(of, file, 1, 1) {
-    term = term_of(solid, c);
-    potential.emplace(solid.layout(), solid.pattern(), std::vector<const EnergyTerm*>{term.get()},
-                      solid.nothing_prescribed());
-    stage.emplace(solid, 0.3, 0.05, test::rough_field(0.02, 3), test::rough_field(0.3, 4));
-    potential->begin_stage(stage->point);
-  }
-  Handle<Vec> place() const {
-    return solid.vector([](const Point& x) {
-      Point u;
-      for (int i = 0; i < 3; ++i) u[static_cast<std::size_t>(i)] = 0.05 * test::rough(x, i, 7);
-      return u;
-    });
-  }
-
-  Solid solid;
-  std::unique_ptr<LineTerm> term;
-  std::optional<IncrementalPotential> potential;
-  std::optional<TestStage> stage;
-};
-
 class SpringTerms : public ::testing::TestWithParam<SpringCase> {
  protected:
-  Scratch scratch_{comm};
-  std::string file_ = scratch_.file("two.msh", [](const std::string& f) { test::write_two_cubes(f, gap); });
+  static TwoBodies::Terms make(const Solid& solid) {
+    TwoBodies::Terms terms;
+    terms.push_back(term_of(solid, GetParam()));
+    return terms;
+  }
+  TwoBodiesFile file_;
 };
 
 INSTANTIATE_TEST_SUITE_P(Laws, SpringTerms, ::testing::ValuesIn(every_case()),
                          [](const auto& of) { return of.param.name; });
 
 TEST_P(SpringTerms, DerivativesAreThoseOfDifferences) {
-  TwoBodies bodies(comm, file_, GetParam());
-  IncrementalPotential& potential = *bodies.potential;
-  const auto q = bodies.place(), d = bodies.solid.vector(test::rough_field(1.0, 5));
-  const Handle<Vec> r = potential.make_vector(), before = potential.make_vector(), after = potential.make_vector();
-  const Handle<Mat> K = potential.make_hessian();
-  constexpr double h = 1e-6;
-  const auto ahead = test::moved(q.get(), h, d.get()), behind = test::moved(q.get(), -h, d.get());
-  potential.gradient(q.get(), r.get());
-  ASSERT_GT(test::norm(r.get()), 0.01);
-  EXPECT_EQ(potential.is_potential(), GetParam().kind == Kind::spring);
-  if (potential.is_potential()) {
-    EXPECT_NEAR(test::dot(r.get(), d.get()), (potential.value(ahead.get()) - potential.value(behind.get())) / (2.0 * h),
-                1e-6 * test::norm(r.get()));
-  }
-  potential.hessian(q.get(), K.get(), Projection::none);
-  const Handle<Vec> y = potential.make_vector();
-  check(MatMult(K.get(), d.get(), y.get()));
-  potential.gradient(ahead.get(), after.get());
-  potential.gradient(behind.get(), before.get());
-  check(VecAXPY(after.get(), -1.0, before.get()));
-  check(VecScale(after.get(), 1.0 / (2.0 * h)));
-  ASSERT_GT(test::norm(y.get()), 0.1);
-  EXPECT_LT(test::distance(y.get(), after.get()), 1e-6 * test::norm(y.get()));
+  TwoBodies bodies(comm, file_.name, make);
+  EXPECT_EQ(bodies.potential->is_potential(), GetParam().kind == Kind::spring);
+  test::expect_derivatives(bodies);
 }
 
 TEST_P(SpringTerms, ProjectedHessiansAreNotNegative) {
-  TwoBodies bodies(comm, file_, GetParam());
+  TwoBodies bodies(comm, file_.name, make);
   const auto q = bodies.place();
   const Handle<Mat> K = bodies.potential->make_hessian();
   bodies.potential->hessian(q.get(), K.get(), Projection::positive_semidefinite);
@@ -139,34 +97,15 @@ TEST_P(SpringTerms, ProjectedHessiansAreNotNegative) {
   }
 }
 
-// What pulls at one point pulls back at the other: no resultant.
+// What pulls at one point pulls back at the other.
 TEST_P(SpringTerms, HaveNoResultant) {
   if (GetParam().is_first_in_space) return;
-  TwoBodies bodies(comm, file_, GetParam());
-  const auto q = bodies.place();
-  const Handle<Vec> r = bodies.potential->make_vector();
-  bodies.potential->gradient(q.get(), r.get());
-  std::array<double, 3> total{};
-  {
-    const ConstArrayView entries(r.get());
-    for (PetscInt i = 0; i < 3 * bodies.solid.layout().num_owned_nodes; ++i) total[i % 3] += entries[i];
-  }
-  sum_in_place(comm, total);
-  for (const double component : total) EXPECT_NEAR(component, 0.0, 1e-12 * test::norm(r.get()));
+  TwoBodies bodies(comm, file_.name, make);
+  test::expect_no_resultant(bodies);
 }
 
 TEST_P(SpringTerms, AreThoseOfOneRank) {
-  TwoBodies many(comm, file_, GetParam()), alone(MPI_COMM_SELF, file_, GetParam());
-  const auto numbers_of = [](TwoBodies& bodies) {
-    const auto q = bodies.place(), d = bodies.solid.vector(test::rough_field(1.0, 5));
-    const Handle<Vec> r = bodies.potential->make_vector();
-    bodies.potential->gradient(q.get(), r.get());
-    return std::array{bodies.potential->value(q.get()), test::dot(r.get(), d.get()), test::norm(r.get())};
-  };
-  const auto here = numbers_of(many), there = numbers_of(alone);
-  for (std::size_t i = 0; i < here.size(); ++i) {
-    EXPECT_NEAR(here[i], there[i], 1e-11 * std::abs(there[i]) + 1e-14) << i;
-  }
+  test::expect_numbers_of_one_rank(file_.name, make);
 }
 
 /// The norms of gradient and Hessian of a term at rest.
@@ -189,15 +128,14 @@ std::array<double, 2> norms_at_rest(const std::string& file, const SpringCase& c
 
 class SpringsAtTheirLimits : public ::testing::Test {
  protected:
-  Scratch scratch_{comm};
-  std::string file_ = scratch_.file("two.msh", [](const std::string& f) { test::write_two_cubes(f, gap); });
+  TwoBodiesFile file_;
 };
 
 TEST_F(SpringsAtTheirLimits, CoincidingPointsHaveNoForce) {
   const std::array<Point, 2> same{across[0], across[0]};
   for (const double rest : {0.0, 0.2}) {
     for (const Kind kind : {Kind::spring, Kind::damper}) {
-      const auto [force, stiffness] = norms_at_rest(file_, {"Same", kind, {30.0, rest, 3.0, false}, {same}});
+      const auto [force, stiffness] = norms_at_rest(file_.name, {"Same", kind, {30.0, rest, 3.0, false}, {same}});
       EXPECT_NEAR(force, 0.0, 1e-12);
       EXPECT_TRUE(std::isfinite(stiffness));
     }
@@ -205,7 +143,7 @@ TEST_F(SpringsAtTheirLimits, CoincidingPointsHaveNoForce) {
 }
 
 TEST_F(SpringsAtTheirLimits, SlackOnesDoNothing) {
-  const auto [force, stiffness] = norms_at_rest(file_, {"Slack", Kind::spring, {30.0, 2.0, 0.0, true}, {across}});
+  const auto [force, stiffness] = norms_at_rest(file_.name, {"Slack", Kind::spring, {30.0, 2.0, 0.0, true}, {across}});
   EXPECT_EQ(force, 0.0);
   EXPECT_EQ(stiffness, 0.0);
 }
