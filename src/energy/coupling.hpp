@@ -116,6 +116,8 @@ class PairCoupling {
   virtual const Patches& patches() const = 0;
   /// The distance from which patches do not feel each other [m], > 0; the same on every rank.
   virtual double reach() const = 0;
+  /// About how far patches may move before they are searched anew [m], > 0; the same on every rank.
+  virtual double slack() const { return reach(); }
   /// Whether two patches with these tags may couple at all; symmetric. Asked once for any two tags, of which there are
   /// to be few: those of bodies, not of patches.
   virtual bool may_couple(int tag, int other) const = 0;

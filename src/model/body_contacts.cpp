@@ -2,9 +2,9 @@
 
 #include "collision/overlaps.hpp"
 #include "collision/triangle_tree.hpp"
-#include "energy/pairs/observed_pairs.hpp"
 #include "model/body_contact_laws.hpp"
 #include "model/contact_defaults.hpp"
+#include "model/contact_observation.hpp"
 #include "model/curved_facets.hpp"
 #include "model/penalty_depth.hpp"
 #include "model/start_overlap.hpp"
@@ -39,25 +39,27 @@ struct BodyContacts::Part {
   MeasuredNodes measured;
   Friction friction;
   NormalDamping damping;
-  double distance;     // of observation, the size of a facet of the body with the smallest [m]
+  double distance;     // up to which gaps are told, the size of a facet of the body with the smallest [m]
   double depth = 0.0;  // to which a penalty pushes bodies apart [m]
-  ObservedPairs coupling;
-  std::vector<char> nothing_prescribed;
-  PairAssembly pairs;
+  ContactObservation close, far;
 
   Part(const NodeLayout& layout, std::shared_ptr<const TouchingBodies> touching, double observed)
       : bodies(std::move(touching)),
         distance(observed),
-        coupling(*bodies, observed),
-        nothing_prescribed(3 * static_cast<std::size_t>(layout.num_local_nodes), 0),
-        pairs(layout, {&coupling}, nothing_prescribed) {}
+        close(layout, *bodies, std::min(bodies->reach(), observed)),
+        far(layout, *bodies, observed) {}
 
-  /// What is near at q, and q with the nodes that it needs. Collective.
-  std::pair<const NearPatches&, std::vector<double>> at(std::span<const double> q) {
-    (void)pairs.follow({q});
-    std::vector<double> all;
-    pairs.extend(q, all);
-    return {pairs.near(0), std::move(all)};
+  /// As TouchingBodies::gap of this rank, up to `distance`. What is far apart takes time to find, so it is looked for
+  /// only where nothing is close. Collective.
+  ContactGap gap(std::span<const double> q) {
+    double threshold = 0.0;
+    for (const NormalLaw& law : laws.of_bodies) threshold = std::max(threshold, law.threshold);
+    const auto [near, all] = close.at(q);
+    const ContactGap found = bodies->gap(near, all, close.distance);
+    const bool is_close = minimum(close.layout.comm, found.least) <= close.distance - threshold;
+    if (is_close || close.distance >= distance) return found;
+    const auto [around, extended] = far.at(q);
+    return bodies->gap(around, extended, distance);
   }
 };
 
@@ -185,8 +187,7 @@ void BodyContacts::make_terms(bool has_velocity, std::vector<std::unique_ptr<Ene
 Closeness BodyContacts::closeness(std::span<const double> q) const {
   Closeness result;
   for (const auto& part : parts_) {
-    const auto [near, all] = part->at(q);
-    const ContactGap gap = part->bodies->gap(near, all, part->distance);
+    const ContactGap gap = part->gap(q);
     result.gap = std::min(result.gap, gap.least);
     if (!part->is_guard) result.num_points += gap.num_points;
   }
@@ -196,7 +197,7 @@ Closeness BodyContacts::closeness(std::span<const double> q) const {
 double BodyContacts::energy(std::span<const double> q) const {
   double total = 0.0;
   for (const auto& part : parts_) {
-    const auto [near, all] = part->at(q);
+    const auto [near, all] = part->close.at(q);
     total += part->bodies->energy(near, all);
   }
   return total;
@@ -206,8 +207,8 @@ std::vector<BodyContacts::AtNode> BodyContacts::at_nodes(std::span<const double>
   std::vector<AtNode> nodes(static_cast<std::size_t>(layout_.num_owned_nodes));
   std::vector<double> touched(nodes.size(), 0.0), velocity;
   for (const auto& part : parts_) {
-    const auto [near, all] = part->at(q);
-    part->pairs.extend(v, velocity);
+    const auto [near, all] = part->far.at(q);
+    part->far.pairs.extend(v, velocity);
     std::vector<double> gaps(all.size() / 3, std::numeric_limits<double>::infinity());
     part->bodies->lower_gaps(near, all, part->distance, gaps);
     const std::vector<double> pressures = part->bodies->pressures(near, all);
@@ -237,7 +238,7 @@ std::vector<BodyContacts::AtNode> BodyContacts::at_nodes(std::span<const double>
 std::optional<std::string> BodyContacts::crossing(std::span<const double> q) const {
   std::vector<SurfaceCrossings> mine;
   for (const auto& part : parts_) {
-    const auto [near, all] = part->at(q);
+    const auto [near, all] = part->close.at(q);
     const SurfaceCrossings crossings = part->bodies->crossings(near, all);
     if (crossings.count > 0) mine.push_back(crossings);
   }
@@ -271,8 +272,7 @@ std::optional<std::string> BodyContacts::passage(std::span<const double> q_from,
     }
     farthest = maximum(layout_.comm, farthest);
     const double threshold = part->laws.of_bodies.front().threshold;
-    const auto [near, all] = part->at(q_from);
-    const double gap = std::min(part->distance, part->bodies->gap(near, all, part->distance).least);
+    const double gap = std::min(part->distance, part->gap(q_from).least);
     const double distance = minimum(layout_.comm, gap) + threshold;
     if (distance - 2.0 * farthest > -too_deep * part->depth) continue;  // it costs more to look for what is there
     const auto x_from = gathered_positions(layout_, part->bodies->surfaces(), q_from);
@@ -294,9 +294,9 @@ std::vector<Diagnostic> BodyContacts::warnings_about_push(std::span<const double
   std::vector<Diagnostic> warnings;
   for (const auto& part : parts_) {
     if (!part->bodies->is_penalty()) continue;
-    const auto [near, all] = part->at(q);
+    const auto [near, all] = part->close.at(q);
     const double energy = sum(layout_.comm, part->bodies->energy(near, all));
-    const ContactGap gap = part->bodies->gap(near, all, part->distance);
+    const ContactGap gap = part->gap(q);
     const double least = minimum(layout_.comm, gap.least), number = sum(layout_.comm, gap.num_points);
     // Surfaces that just touch may overlap by rounding.
     if (!(least < -least_push * part->laws.of_bodies.front().width) || !(energy > 0.0)) continue;
@@ -351,8 +351,7 @@ void BodyContacts::check_start(std::span<const double> q) const {
   }
   for (const auto& part : parts_) {
     if (part->bodies->is_penalty()) continue;
-    const auto [near, all] = part->at(q);
-    const double gap = minimum(layout_.comm, part->bodies->gap(near, all, part->distance).least);
+    const double gap = minimum(layout_.comm, part->gap(q).least);
     if (gap > 0.0) continue;
     ContactSummary summary;
     summarize(q, summary);

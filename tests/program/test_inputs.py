@@ -20,6 +20,7 @@ SMALL = {
     "soft_flail.yaml": ["time.end=0.06"],
     "pneumatic_actuator.yaml": ["time.end=0.02", "time.events=[]"],
     "relaxation.yaml": ["time.step=20 ms", "time.end=1"],
+    "tendon_gripper.yaml": ["mesh.size=6 mm", "time.step=20 ms", "time.end=0.6", "time.events=[]"],
     "static_bending.yaml": ["mesh.size=0.2", "time.load_steps=4"],
     "thrown_box.yaml": ["mesh.size=0.025", "time.end=0.8", "time.step=0.004"],
     "ventricle.yaml": ["mesh.size=0.004", "time.load_steps=10"],
@@ -44,6 +45,20 @@ class Inputs(ProgramTest):
             SEEN[name] = test
             return test
         return mark
+
+    @looked_at("tendon_gripper.yaml")
+    def test_the_gripper_with_tendons_lifts_the_ball(self):
+        h = self.run_small("tendon_gripper.yaml")
+        weight = 9.81 * 1000 * 4 / 3 * np.pi * 15e-3**3  # that of the mesh has a twentieth less
+        at = lambda name, time: h[name][np.abs(h["time"] - time).argmin()]
+        self.assertAlmostEqual(at("table_ball_fz", 0.06) / weight, 0.95, delta=0.03)
+        self.assertEqual(np.abs(h["table_ball_fz"][h["time"] > 0.3]).max(), 0, "it still lies on the table")
+        lift = 0.02 * (1 - np.cos(np.pi * 0.2 / 0.4))
+        self.assertAlmostEqual(h["lift_travel"][-1], lift, delta=1e-4)
+        self.assertAlmostEqual(h["ball_z"][-1] - at("ball_z", 0.4), lift, delta=0.02 * lift)
+        # Halfway up the palm does not accelerate.
+        self.assertAlmostEqual(h["grip_fz"][-1] / weight, 0.95, delta=0.03)
+        self.assertEqual(h["left_tension"][-1], 5)
 
     @looked_at("gripper.yaml")
     def test_the_gripper_lifts_the_fruit(self):

@@ -116,8 +116,9 @@ std::shared_ptr<const PairFeatures> TouchingBodies::features_of(const NearPatche
       }
     }
   }
-  make_unique(points);
-  make_unique(edges);
+  // One triangle stands for each vertex and edge, so each pair is there once.
+  sort_pairs(points, points_.size());
+  sort_pairs(edges, surface.edges().size());
   return features;
 }
 

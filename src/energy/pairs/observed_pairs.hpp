@@ -13,6 +13,7 @@ class ObservedPairs final : public PairCoupling {
   ObservedPairs(const PairCoupling& coupling, double reach) : coupling_(coupling), reach_(reach) {}
   const Patches& patches() const override { return coupling_.patches(); }
   double reach() const override { return reach_; }
+  double slack() const override { return coupling_.slack(); }
   bool may_couple(int tag, int other) const override { return coupling_.may_couple(tag, other); }
   std::shared_ptr<const PairFeatures> features_of(const NearPatches& near) const override {
     return coupling_.features_of(near);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 
 namespace pliant {
 namespace {
@@ -11,14 +12,53 @@ namespace {
 /// Far nodes are kept, though no longer near, up to this many times those that are: the fewer patterns.
 constexpr std::size_t most_kept = 2;
 
+/// visit(node, node) of the nodes of these pairs that couple, the first owned, some of them repeatedly, until it
+/// returns false: then so does this.
+template <class Visit>
+bool all_coupled_nodes(const NearPatches& near, const PairCoupling& coupling, std::span<const PatchPair> pairs,
+                       const Visit& visit) {
+  for (const PatchPair& pair : pairs) {
+    if (!coupling.couples(near.patches.keys[pair.first], near.patches.keys[pair.second])) continue;
+    for (const PetscInt a : near.patches.nodes_of(pair.first)) {
+      for (const PetscInt b : near.patches.nodes_of(pair.second)) {
+        if (near.is_owned(a) && !visit(a, b)) return false;
+        if (near.is_owned(b) && !visit(b, a)) return false;
+      }
+    }
+  }
+  return true;
+}
+
+/// Those that `visit_all(visit)` visits, each once, ascending.
+template <class VisitAll>
+std::vector<std::pair<PetscInt, PetscInt>> each_once(PetscInt num_rows, PetscInt num_columns,
+                                                     const VisitAll& visit_all) {
+  std::vector<std::size_t> end(static_cast<std::size_t>(num_rows) + 1, 0);
+  visit_all([&](PetscInt row, PetscInt) { ++end[static_cast<std::size_t>(row) + 1]; });
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  std::vector<PetscInt> columns(end.back());
+  visit_all([&](PetscInt row, PetscInt column) { columns[end[row]++] = column; });
+  std::vector<std::pair<PetscInt, PetscInt>> pairs;
+  std::vector<PetscInt> last_row(static_cast<std::size_t>(num_columns), -1);
+  std::size_t place = 0;
+  for (PetscInt row = 0; row < num_rows; ++row) {
+    const std::size_t first = pairs.size();
+    for (; place < end[row]; ++place) {
+      if (std::exchange(last_row[columns[place]], row) != row) pairs.emplace_back(row, columns[place]);
+    }
+    std::ranges::sort(std::span(pairs).subspan(first));
+  }
+  return pairs;
+}
+
 }  // namespace
 
 PairAssembly::PairAssembly(const NodeLayout& layout, std::vector<const PairCoupling*> couplings,
                            const std::vector<char>& prescribed)
     : layout_(layout), prescribed_(prescribed.begin(), prescribed.end()) {
   for (const PairCoupling* coupling : couplings) {
-    on_path_.push_back({*coupling, {}, {}, {}});
-    frozen_.push_back({*coupling, {}, {}, {}});
+    on_path_.push_back({*coupling, {}, {}, {}, {}});
+    frozen_.push_back({*coupling, {}, {}, {}, {}});
   }
   forget();
 }
@@ -30,10 +70,13 @@ void PairAssembly::forget() {
     pursuit.found = {};
     pursuit.near = {};
   }
+  for (std::vector<Pursuit>* all : {&on_path_, &frozen_}) {
+    for (Pursuit& pursuit : *all) pursuit.fitted.clear();
+  }
   far_.emplace(layout_, std::vector<PetscInt>{});
-  pattern_.emplace(layout_);
-  elimination_.emplace(layout_, *pattern_, std::vector<char>(prescribed_.begin(), prescribed_.end()));
-  is_fitted_ = false;
+  pattern_.reset();
+  elimination_.reset();
+  has_new_far_nodes_ = is_fitted_ = false;
 }
 
 double PairAssembly::searchable_part(std::span<const double> d) const {
@@ -80,7 +123,7 @@ bool PairAssembly::follow(const Path& path, std::span<const std::span<const doub
   if (both.size() > most_kept * needed.size()) both = needed;
   if (any_rank(layout_.comm, both != before)) {
     far_.emplace(layout_, std::move(both));
-    pattern_.reset();
+    has_new_far_nodes_ = true;
   }
   far_->extend(layout_.coordinates, coordinates_);
   is_fitted_ = false;
@@ -105,40 +148,73 @@ NearPatches PairAssembly::near_of(const Pursuit& pursuit) const {
   return near;
 }
 
-template <class Visit>
-bool PairAssembly::all_coupled_nodes(const Visit& visit) const {
-  const auto visit_all = [&](const NearPatches& near, const PairCoupling& coupling) {
-    for (const PatchPair& pair : near.pairs) {
-      if (!coupling.couples(near.patches.keys[pair.first], near.patches.keys[pair.second])) continue;
-      for (const PetscInt a : near.patches.nodes_of(pair.first)) {
-        for (const PetscInt b : near.patches.nodes_of(pair.second)) {
-          if (near.is_owned(a) && !visit(a, b)) return false;
-          if (near.is_owned(b) && !visit(b, a)) return false;
-        }
-      }
-    }
-    return true;
-  };
-  const auto is_done = [&](const Pursuit& pursuit) { return visit_all(pursuit.near, pursuit.coupling); };
-  return std::ranges::all_of(on_path_, is_done) && std::ranges::all_of(frozen_, is_done);
+std::vector<PatchPair> PairAssembly::new_pairs(const Pursuit& pursuit) {
+  const NearPatches& near = pursuit.near;
+  std::vector<PatchPair> found;
+  auto known = pursuit.fitted.begin();
+  for (const PatchPair& pair : near.pairs) {
+    const KeyPair keys{near.patches.keys[pair.first], near.patches.keys[pair.second]};
+    while (known != pursuit.fitted.end() && *known < keys) ++known;
+    if (known == pursuit.fitted.end() || *known != keys) found.push_back(pair);
+  }
+  return found;
+}
+
+void PairAssembly::note_fitted(Pursuit& pursuit, std::span<const PatchPair> pairs) {
+  const auto middle = static_cast<std::ptrdiff_t>(pursuit.fitted.size());
+  for (const PatchPair& pair : pairs) {
+    pursuit.fitted.emplace_back(pursuit.near.patches.keys[pair.first], pursuit.near.patches.keys[pair.second]);
+  }
+  std::ranges::inplace_merge(pursuit.fitted, pursuit.fitted.begin() + middle);
 }
 
 bool PairAssembly::fit() {
   if (is_fitted_) return false;
   is_fitted_ = true;
+  const auto eliminate = [&](const std::vector<double>& flags) {
+    elimination_.emplace(layout_, *pattern_, std::vector<char>(flags.begin(), flags.end()));
+  };
+  if (!pattern_) {
+    pattern_.emplace(layout_);
+    eliminate(prescribed_);
+  }
   const auto is_known = [&](PetscInt row, PetscInt column) { return pattern_->contains(row, column); };
-  if (!any_rank(layout_.comm, !pattern_ || !all_coupled_nodes(is_known))) return false;
-  std::vector<std::pair<PetscInt, PetscInt>> coupled;
-  all_coupled_nodes([&](PetscInt row, PetscInt column) {
-    coupled.emplace_back(row, column);
-    return true;
-  });
-  std::ranges::sort(coupled);
-  coupled.erase(std::unique(coupled.begin(), coupled.end()), coupled.end());
-  pattern_.emplace(layout_, FarCouplings{far_->globals(), std::move(coupled)});
+  bool contains_all = !has_new_far_nodes_;
+  std::vector<std::pair<Pursuit*, std::vector<PatchPair>>> fresh;
+  for (std::vector<Pursuit>* all : {&on_path_, &frozen_}) {
+    for (Pursuit& pursuit : *all) {
+      if (!contains_all) break;
+      fresh.emplace_back(&pursuit, new_pairs(pursuit));
+      contains_all = all_coupled_nodes(pursuit.near, pursuit.coupling, fresh.back().second, is_known);
+    }
+  }
+  if (!any_rank(layout_.comm, !contains_all)) {
+    for (auto& [pursuit, pairs] : fresh) note_fitted(*pursuit, pairs);
+    return false;
+  }
+  has_new_far_nodes_ = false;
+  const auto visit_all = [&](const auto& visit) {
+    const auto always = [&](PetscInt row, PetscInt column) {
+      visit(row, column);
+      return true;
+    };
+    for (const std::vector<Pursuit>* all : {&on_path_, &frozen_}) {
+      for (const Pursuit& pursuit : *all) {
+        (void)all_coupled_nodes(pursuit.near, pursuit.coupling, pursuit.near.pairs, always);
+      }
+    }
+  };
+  const auto num_columns = layout_.num_local_nodes + static_cast<PetscInt>(num_far_nodes());
+  pattern_.emplace(layout_, FarCouplings{far_->globals(), each_once(layout_.num_owned_nodes, num_columns, visit_all)});
+  for (std::vector<Pursuit>* all : {&on_path_, &frozen_}) {
+    for (Pursuit& pursuit : *all) {
+      pursuit.fitted.clear();
+      note_fitted(pursuit, pursuit.near.pairs);
+    }
+  }
   std::vector<double> flags;
   far_->extend(prescribed_, flags);
-  elimination_.emplace(layout_, *pattern_, std::vector<char>(flags.begin(), flags.end()));
+  eliminate(flags);
   return true;
 }
 

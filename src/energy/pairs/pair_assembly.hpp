@@ -6,9 +6,11 @@
 #include "energy/pairs/patch_search.hpp"
 #include "fem/block_matrix.hpp"
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace pliant {
@@ -37,25 +39,27 @@ class PairAssembly {
   /// FarNodes::extend. Collective.
   void extend(std::span<const double> local, std::vector<double>& all) const { far_->extend(local, all); }
 
-  /// The pattern of cells and pairs, and the elimination of prescribed entries from it; renewed by `fit`.
+  /// The pattern of cells and pairs, and the elimination of prescribed entries from it; made and renewed by `fit`.
   const BlockPattern& pattern() const { return *pattern_; }
   const RowElimination& elimination() const { return *elimination_; }
   /// Extends the pattern to all pairs that are near; false if it contains them already. Collective.
   bool fit();
 
  private:
+  using KeyPair = std::pair<std::int64_t, std::int64_t>;
   /// Pairs at one place or along one path, and the search for them.
   struct Pursuit {
     const PairCoupling& coupling;
     std::optional<PatchSearch> search;  // not before it is needed
     FoundPatches found;                 // by the last search
     NearPatches near;                   // the same, with the far nodes as they are
+    std::vector<KeyPair> fitted;        // whose nodes the pattern contains, of pairs by their keys; ascending
   };
   NearPatches near_of(const Pursuit& pursuit) const;
-  /// visit(node, node) of those that couple, the first owned, some of them repeatedly, until it returns false: then so
-  /// does this.
-  template <class Visit>
-  bool all_coupled_nodes(const Visit& visit) const;
+  /// The pairs near that the pattern is not known to contain, in their order.
+  static std::vector<PatchPair> new_pairs(const Pursuit& pursuit);
+  /// Notes that the pattern contains these pairs; they are near, and new to `fitted`.
+  static void note_fitted(Pursuit& pursuit, std::span<const PatchPair> pairs);
 
   const NodeLayout& layout_;
   std::vector<double> prescribed_;         // of entries, 0 or 1
@@ -64,7 +68,8 @@ class PairAssembly {
   std::vector<double> coordinates_;  // of local and far nodes
   std::optional<BlockPattern> pattern_;
   std::optional<RowElimination> elimination_;
-  bool is_fitted_ = false;  // the pattern contains what is near
+  bool has_new_far_nodes_ = false;  // which the pattern does not know
+  bool is_fitted_ = false;          // the pattern contains what is near
 };
 
 }  // namespace pliant

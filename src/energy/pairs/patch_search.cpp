@@ -9,7 +9,7 @@
 namespace pliant {
 namespace {
 
-/// The skin in units of the reach: the least, and the most, which bounds how many pairs are looked at in vain.
+/// The skin in units of the slack: the least, and the most, which bounds how many pairs are looked at in vain.
 constexpr double least_skin = 1.0, largest_skin = 8.0;
 
 /// How far a node may move in one search, in units of the size of patches with the reach around them. A
@@ -26,7 +26,7 @@ PatchSearch::PatchSearch(const NodeLayout& layout, const PairCoupling& coupling)
       coupling_(coupling),
       kinds_(layout.comm, coupling),
       order_(coupling.patches().size()),
-      skin_(least_skin * coupling.reach()),
+      skin_(least_skin * coupling.slack()),
       trees_(kinds_.size()) {
   const Patches& patches = coupling.patches();
   std::iota(order_.begin(), order_.end(), 0);
@@ -146,7 +146,7 @@ void PatchSearch::widen_skin(std::span<const double> q) {
     for (std::size_t k = 0; k < 3; ++k) travelled = std::max({travelled, box.low[k] - x[k], x[k] - box.high[k]});
   }
   travelled = maximum(layout_.comm, travelled);
-  skin_ = std::clamp(skin_ + travelled, least_skin * coupling_.reach(), largest_skin * coupling_.reach());
+  skin_ = std::clamp(skin_ + travelled, least_skin * coupling_.slack(), largest_skin * coupling_.slack());
 }
 
 void PatchSearch::set_boxes(const Path& path) {

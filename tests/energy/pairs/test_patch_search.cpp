@@ -1,5 +1,6 @@
 // Pairs of patches over all ranks, in motions at random, compared with brute force and with a search on one rank.
 #include "energy/near_springs.hpp"
+#include "energy/pairs/pair_assembly.hpp"
 #include "energy/pairs/patch_search.hpp"
 #include "petsc/session.hpp"
 
@@ -241,6 +242,39 @@ TEST_P(PatchSearches, AreMadeAnewAfterALongPath) {
   const auto num_there = num_pairs(search_.search({q}));
   EXPECT_TRUE(search_.covers({q}));
   EXPECT_LT(2 * num_there, num_on_path);
+}
+
+// The matrix has room for what is near, wherever the bodies go; what it has room for already does not renew it.
+TEST_P(PatchSearches, AreInThePatternOfTheAssembly) {
+  const NodeLayout& layout = many_.layout();
+  const std::vector<char> nothing_prescribed(3 * static_cast<std::size_t>(layout.num_local_nodes), 0);
+  PairAssembly pairs(layout, {&here_}, nothing_prescribed);
+  const auto missing = [&] {
+    const NearPatches& near = pairs.near(0);
+    PetscInt number = 0;
+    const auto is_missing = [&](PetscInt a, PetscInt b) { return near.is_owned(a) && !pairs.pattern().contains(a, b); };
+    for (const PatchPair& pair : near.pairs) {
+      for (const PetscInt a : near.patches.nodes_of(pair.first)) {
+        for (const PetscInt b : near.patches.nodes_of(pair.second)) number += is_missing(a, b) + is_missing(b, a);
+      }
+    }
+    return sum(comm, number);
+  };
+  int num_renewed = 0;
+  for (unsigned seed = 1; seed < 9; ++seed) {
+    const double apart = seed % 2 == 0 ? -0.25 : 0.1;
+    const auto q = random_displacements(layout, seed, 0.05, apart);
+    (void)pairs.follow({q});
+    num_renewed += pairs.fit() ? 1 : 0;
+    EXPECT_EQ(missing(), 0) << seed;
+    EXPECT_FALSE(pairs.fit());
+  }
+  EXPECT_GT(num_renewed, 1);
+  const auto q = random_displacements(layout, 8, 0.05, -0.25);
+  pairs.forget();
+  (void)pairs.follow({q});
+  EXPECT_TRUE(pairs.fit());
+  EXPECT_EQ(missing(), 0);
 }
 
 // However long the displacement is, the number of pairs is bounded by that of the patches; and the path that is
