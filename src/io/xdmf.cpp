@@ -34,14 +34,17 @@ std::string_view attribute_type(int columns) {
   }
 }
 
+/// As attributes: lines need the number of their nodes.
 std::string_view topology_type(int nodes_per_cell) {
   switch (nodes_per_cell) {
+    case 2:
+      return R"(TopologyType="Polyline" NodesPerElement="2")";
     case 3:
-      return "Triangle";
+      return R"(TopologyType="Triangle")";
     case 4:
-      return "Tetrahedron";
+      return R"(TopologyType="Tetrahedron")";
     default:
-      return "Tetrahedron_10";
+      return R"(TopologyType="Tetrahedron_10")";
   }
 }
 
@@ -96,7 +99,7 @@ std::string to_xml(const XdmfGrid& grid) {
       R"(      <Grid Name="{}" GridType="Uniform">
         <Time Value="{}"/>
         <Information Name="step" Value="{}"/>
-        <Topology TopologyType="{}" NumberOfElements="{}">
+        <Topology {} NumberOfElements="{}">
           {}
         </Topology>
         <Geometry GeometryType="XYZ">
