@@ -30,7 +30,7 @@ constexpr std::size_t few_ellipsoids = 60;
 
 using Node = std::int32_t;
 
-/// Of each body, whether it is only a mass.
+/// Which bodies are only masses.
 std::vector<char> are_masses(const OutputMesh& mesh) {
   std::vector<char> result;
   for (const auto& name : mesh.body_names) {

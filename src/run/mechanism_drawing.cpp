@@ -15,11 +15,15 @@ constexpr double half_axis = 0.075;
 /// Half the length of other lines, in those of a hinge's axis.
 constexpr double half_slide = 1.5, half_bar = 0.25, half_cross = 0.3;
 
+bool has_axis(JointType type) {
+  return type != JointType::fixed && type != JointType::ball && type != JointType::distance;
+}
+
 void append(std::vector<double>& numbers, const Vector3<double>& x) {
   numbers.insert(numbers.end(), x.begin(), x.end());
 }
 
-/// Of the box around the nodes and some points [m]. Collective.
+/// The diagonal of the box around the nodes and some points [m]. Collective.
 double diagonal_of(const NodeLayout& layout, std::span<const double> points, std::span<const ModelJoint> joints) {
   Vector3<double> lower, upper;
   lower.fill(std::numeric_limits<double>::infinity());
@@ -143,7 +147,7 @@ MechanismState MechanismDrawing::state(const Instant& at, Vec q, Vec v) const {
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const auto bodies = joints[j].mechanism->states(joints[j].bodies, q, v);
     for (const JointPoint& point : joint_points_[j]) append(state.points, bodies[point.body].motion().point(point.X));
-    append(state.axes, bodies[0].motion().direction(joints[j].axis));
+    append(state.axes, has_axis(joints[j].type) ? bodies[0].motion().direction(joints[j].axis) : Vector3<double>{});
   }
   state.tensions.resize(parts_.parts.size(), 0.0);
   return state;

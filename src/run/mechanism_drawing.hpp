@@ -35,7 +35,7 @@ class MechanismDrawing {
   void add_line(const std::vector<Vector3<double>>& places);
   void add_line(std::size_t joint, const JointPoint& from, const JointPoint& to);
   void add_joint(std::size_t joint, const JointConfig& config, double size);
-  /// Positions and velocities of the local nodes.
+  /// Adds the points and the tensions of tendons and springs. Collective.
   void move_lines(const Instant& at, Vec q, Vec v, MechanismState& state) const;
 
   const Model& model_;

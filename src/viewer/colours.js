@@ -18,7 +18,7 @@ function between(stops, s) {
 
 const stopsOf = (kind) => (kind === "diverging" ? RED_BLUE : VIRIDIS);
 
-/// Of a map at 0 <= s <= 1, or at the nearer end: red, green, blue up to 255.
+/// The colour of a map at 0 <= s <= 1, or at the nearer end: red, green, blue up to 255.
 export const colourAt = (kind, s) => between(stopsOf(kind), Math.min(1, Math.max(0, s)));
 
 function texture(colours, filter) {

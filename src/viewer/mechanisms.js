@@ -76,7 +76,7 @@ export class Mechanisms {
     return this.kinds.some((kind) => kind === "tendon" || kind === "spring");
   }
 
-  /// Of tendons and springs over all frames.
+  /// The range of the tensions of tendons and springs over all frames.
   range() {
     let low = 0, high = 0;
     this.bodies.frames.forEach((frame, f) => {

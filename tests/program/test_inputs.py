@@ -21,6 +21,7 @@ SMALL = {
     "pneumatic_actuator.yaml": ["time.end=0.02", "time.events=[]"],
     "relaxation.yaml": ["time.step=20 ms", "time.end=1"],
     "static_bending.yaml": ["mesh.size=0.2", "time.load_steps=4"],
+    "tendon_finger.yaml": ["mesh.size=12 mm", "time.end=0.04"],
     "thrown_box.yaml": ["mesh.size=0.025", "time.end=0.8", "time.step=0.004"],
     "ventricle.yaml": ["mesh.size=0.004", "time.load_steps=10"],
 }

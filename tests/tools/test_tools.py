@@ -18,7 +18,7 @@ sys.dont_write_bytecode = True
 
 import synthetic  # noqa: E402
 from package import Result, Surface  # noqa: E402
-from pliant import von_mises  # noqa: E402
+from pliant import Mesh, von_mises  # noqa: E402
 
 SMALL = ["--size", "320x240"]
 
@@ -200,6 +200,23 @@ class Pictures(WithResult):
 
 
 class SurfaceOfBlock(WithResult):
+    def test_a_mass_is_an_ellipsoid(self):
+        """In the box [-1, 1] x [-2, 2] x [-3, 3], and beside it an ordinary tetrahedron."""
+        box = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) * [1, 2, 3]
+        other = np.array([[10.0, 0, 0], [11, 0, 0], [10, 1, 0], [10, 0, 1]])
+        x = np.vstack([box, other])
+        for order in ([1, 0, 2, 3], [0, 2, 1, 3]):
+            mesh = Mesh(x, np.array([order, [4, 5, 6, 7]]), np.array([0, 1]), ["bob", "block"], ["bob"])
+            surface = Surface(mesh)
+            points = surface.of_nodes(x)
+            of_bob = surface.cell_of_face[surface.face_of_triangle] == 0
+            self.assertEqual((of_bob.sum(), (~of_bob).sum()), (512, 4))
+            np.testing.assert_allclose(np.linalg.norm(points[surface.triangles[of_bob]] / [1, 2, 3], axis=2), 1, atol=1e-14)
+            a, b, c = (points[surface.triangles[:, k]] for k in range(3))
+            volumes = np.einsum("ij,ij->i", np.cross(a, b), c) / 6
+            self.assertAlmostEqual(volumes[of_bob].sum() / (8 * np.pi), 1, delta=0.03)
+            self.assertAlmostEqual(volumes[~of_bob].sum(), 1 / 6)
+
     def test_area_and_outward_normals(self):
         for order in (1, 2):
             directory = self.path(f"order{order}")
