@@ -17,7 +17,7 @@ install(DIRECTORY src/python/pliant DESTINATION lib/python3/dist-packages COMPON
         FILES_MATCHING PATTERN "*.py" PATTERN "py.typed" PATTERN "__pycache__" EXCLUDE)
 install(PROGRAMS tools/render.py tools/plot.py tools/work_precision.py tools/beam_mesh.py DESTINATION ${pliant_share}/tools
         COMPONENT program)
-install(FILES tools/command_line.py tools/package.py tools/page.py DESTINATION ${pliant_share}/tools COMPONENT program)
+install(FILES tools/command_line.py tools/mechanism_lines.py tools/package.py tools/page.py DESTINATION ${pliant_share}/tools COMPONENT program)
 install(FILES README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 install(FILES src/shell/pliant.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program
         RENAME pliant)

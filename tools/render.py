@@ -29,6 +29,7 @@ try:
         vtkWindowToImageFilter,
     )
     import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  the implementation behind vtkRenderWindow
+    from mechanism_lines import DrawnMechanisms, ShownMechanisms, tensions_of
     from page import BACKGROUND, Colours, NamedColours, Page, times_as_text
     from package import PliantError as UserError, Result, Surface
 except ImportError as missing:
@@ -40,6 +41,7 @@ from command_line import Parser, exit_code
 PLAIN_BODY = (0.62, 0.70, 0.79)
 OBSTACLE = (0.93, 0.91, 0.88)
 OBSTACLE_OVER_BODY = 0.5  # opacity of obstacles where they hide a body
+MECHANISM_IN_BODY = 0.6  # opacity of tendons, springs and joints where a body hides them
 TRANSPARENT = 0.25  # opacity of what is chosen to be transparent
 VIEW_ANGLE = 24.0  # [degrees], of the picture's height
 SUPERSAMPLING = 2  # drawn this much larger and scaled down: smooth edges on any graphics library
@@ -189,6 +191,7 @@ class Scene:
                 self._add_lines(drawn.edges, shell.surface.element_edges, (0.12, 0.14, 0.18), 1.1, 0.55 * shell.opacity)
             self._shells.append(drawn)
         self._obstacles = []
+        self._mechanisms = None
         self._add_lights()
         self._window = vtkRenderWindow()
         if any(shell.opacity < 1 for shell in shells) or options.transparent:
@@ -233,6 +236,10 @@ class Scene:
         actor.GetProperty().SetDiffuse(0.38)
         actor.GetProperty().SetOpacity(opacity)
         self._obstacles.append((points, data, actor))
+
+    def add_mechanisms(self, size):
+        """Tendons, springs and joints, which `draw` places, in a scene of this size."""
+        self._mechanisms = DrawnMechanisms(self._renderer, size)
 
     def _add_lines(self, data, lines, colour, width, opacity):
         data.SetLines(_cell_array(lines))
@@ -287,29 +294,43 @@ class Scene:
         view.SetPosition(*camera.position)
         view.SetViewUp(*camera.up)
 
-    def draw(self, positions, colours, by_face, obstacle_points):
+    def draw(self, positions, colours, by_face, obstacle_points, mechanisms):
         """`positions`, `colours`: of each shell; 8-bit RGB of each point (or triangle), or None for plain bodies. Returns
         height x width x 3 pixels.
 
-        Obstacles are half transparent where they hide a body.
+        Obstacles are half transparent where they hide a body, and mechanisms are seen through what hides them.
         """
         for shell, x, colour in zip(self._shells, positions, colours):
             shell.set(x, colour, by_face)
-        if not self._obstacles:
-            return self._pixels()
         for points, data, _ in self._obstacles:
             points.SetData(numpy_to_vtk(np.ascontiguousarray(obstacle_points), deep=True))
             points.Modified()
             data.Modified()
-        whole = self._pixels()
-        for _, _, actor in self._obstacles:
+        if self._mechanisms is not None:
+            self._mechanisms.set(mechanisms)
+        whole = drawn = self._pixels()
+        if self._obstacles:
+            bodies = self._without([actor for _, _, actor in self._obstacles])
+            hidden = (bodies != BACKGROUND).any(axis=2, keepdims=True) & (bodies != whole).any(axis=2, keepdims=True)
+            drawn = np.where(hidden, OBSTACLE_OVER_BODY * whole + (1 - OBSTACLE_OVER_BODY) * bodies, whole)
+        if self._mechanisms is not None:
+            lines = self._without([actor for actor in self._actors() if actor not in self._mechanisms.actors])
+            share = np.where((lines == whole).all(axis=2, keepdims=True), 1.0, MECHANISM_IN_BODY)
+            drawn = np.where((lines != BACKGROUND).any(axis=2, keepdims=True), share * lines + (1 - share) * drawn, drawn)
+        return drawn.round().astype(np.uint8)
+
+    def _actors(self):
+        actors = self._renderer.GetActors()
+        return [actors.GetItemAsObject(i) for i in range(actors.GetNumberOfItems())]
+
+    def _without(self, actors):
+        """The picture without some of the actors."""
+        for actor in actors:
             actor.VisibilityOff()
-        bodies = self._pixels()
-        for _, _, actor in self._obstacles:
+        pixels = self._pixels()
+        for actor in actors:
             actor.VisibilityOn()
-        hidden = (bodies != BACKGROUND).any(axis=2, keepdims=True) & (bodies != whole).any(axis=2, keepdims=True)
-        mixed = OBSTACLE_OVER_BODY * whole + (1 - OBSTACLE_OVER_BODY) * bodies
-        return np.where(hidden, mixed, whole).round().astype(np.uint8)
+        return pixels
 
     def _pixels(self):
         self._renderer.ResetCameraClippingRange()
@@ -390,7 +411,8 @@ class Renderer:
         self._shells_of_mesh = {}
         self._scenes = {}
         self._require_names(chosen[0])
-        self._quantity = None if options.field == "none" else quantity_of(result, options.field)
+        self._by_tension = options.field == "tension"
+        self._quantity = self._chosen_quantity()
         self._colours = self._colour_scale()
         title = options.title if options.title is not None else result.title
         self._page = Page(options.size, title, self._quantity, self._colours)
@@ -400,7 +422,17 @@ class Renderer:
             clouds += [self._reference(shell, chosen[0]) for shell in self._shells(chosen[0])]
         self._bodies = np.concatenate([_extreme(points) for points in clouds])
         clouds += self._near_obstacles()
+        clouds += [shown.cloud() for shown in map(self._mechanisms, self._sample()) if shown is not None]
         self._camera = fitted_camera(options.view, clouds, self._page.scene_size)
+
+    def _chosen_quantity(self):
+        if self._options.field == "none":
+            return None
+        if not self._by_tension:
+            return quantity_of(self._result, self._options.field)
+        if self._frames[0].mechanisms is None:
+            raise UserError("--field tension: the result has no tendons and no springs")
+        return Quantity("tension", 0, "tension", "N", [])
 
     def _sample(self, at_most=60):
         """Frames from which the camera and the colour scale are taken."""
@@ -409,10 +441,11 @@ class Renderer:
 
     def _require_names(self, frame):
         known = [*frame.mesh.body_names, *(frame.obstacles.names if frame.obstacles else [])]
-        for option in ("hide", "transparent"):
+        lines = frame.mechanisms.names if frame.mechanisms else []
+        for option, names in (("hide", [*known, *lines]), ("transparent", known)):
             for name in getattr(self._options, option):
-                if name not in known:
-                    raise UserError(f"--{option} {name}: there is no body or obstacle of this name; there are {', '.join(known)}")
+                if name not in names:
+                    raise UserError(f"--{option} {name}: there is no body or obstacle of this name; there are {', '.join(names)}")
 
     def _shells(self, frame):
         """The outside of the bodies that are neither hidden nor transparent, as one; then each transparent body."""
@@ -453,6 +486,14 @@ class Renderer:
             return None
         return dataclasses.replace(obstacles, triangles=obstacles.triangles[shown], obstacle=obstacles.obstacle[shown])
 
+    def _mechanisms(self, frame):
+        """Those that are not hidden; None where displacements are not drawn as they are."""
+        given = frame.mechanisms if self._options.scale == 1 else None
+        if given is None:
+            return None
+        shown = ShownMechanisms(given, self._options.hide, self._colours if self._by_tension else None)
+        return shown if len(shown.segments) > 0 else None
+
     def _near_obstacles(self):
         """Points of obstacles that belong into the picture: those next to the bodies, and the sheets of planes."""
         middle = (self._bodies.min(axis=0) + self._bodies.max(axis=0)) / 2
@@ -490,7 +531,8 @@ class Renderer:
             return Colours(*self._options.range)
         # A magnitude starts at zero. Cell stresses at a sharp corner are far larger than elsewhere: the uppermost and
         # lowermost thousandth get the colour of the ends.
-        values = np.concatenate([_extent(np.concatenate(self._values(frame))) for frame in self._sample()])
+        of_lines = [tensions_of(frame.mechanisms) for frame in self._sample()] if self._by_tension else []
+        values = np.concatenate(of_lines or [_extent(np.concatenate(self._values(frame))) for frame in self._sample()])
         low, high = values.min(), values.max()
         return Colours(0.0 if 0 <= low < 0.5 * high else low, high)
 
@@ -504,6 +546,8 @@ class Renderer:
                 for chosen, opacity in ((~clear, 1.0), (clear, TRANSPARENT)):
                     if chosen.any():
                         scene.add_obstacles(obstacles.triangles[chosen], opacity)
+            if self._mechanisms(frame) is not None:
+                scene.add_mechanisms(np.linalg.norm(np.ptp(self._bodies, axis=0)))
             if self._options.outline:
                 for shell in shells:
                     scene.add_outline(self._reference(shell, frame), shell.surface.triangles)
@@ -514,11 +558,11 @@ class Renderer:
     def picture(self, frame):
         shells = self._shells(frame)
         colours, by_face = [None] * len(shells), False
-        if self._quantity is not None:
+        if self._quantity is not None and not self._by_tension:
             colours, by_face = [self._colours(values) for values in self._values(frame)], bool(self._quantity.names)
             if by_face:
                 colours = [of_faces[shell.surface.face_of_triangle] for of_faces, shell in zip(colours, shells)]
-        pixels = self._scene(frame).draw(self._positions(frame), colours, by_face, self._obstacle_points(frame))
+        pixels = self._scene(frame).draw(self._positions(frame), colours, by_face, self._obstacle_points(frame), self._mechanisms(frame))
         return self._page.compose(pixels, self._times[frame.name])
 
 
@@ -655,7 +699,7 @@ def parsed(arguments):
     parser.add_argument("result", help="the output directory of a run, its result.xdmf or its result.h5")
     parser.add_argument("-o", "--output", help="file to write (with --frames: directory); default: in the output directory")
     parser.add_argument("--field", help="what colours the body: displacement (default), velocity, von_mises_stress, "
-                        "velocity_z, cauchy_stress_xx, body, rank, ..., or none")
+                        "velocity_z, cauchy_stress_xx, body, rank, ..., tension (colours tendons and springs), or none")
     parser.add_argument("--range", type=_range, metavar="LOW,HIGH", help="of the colours, in SI units; default: that of all frames")
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--frames", action="store_true", help="write every frame as a PNG")
@@ -665,10 +709,11 @@ def parsed(arguments):
     parser.add_argument("--view", type=_view, default=VIEWS["iso"], metavar="X,Y,Z|NAME",
                         help=f"where the viewer stands, seen from the body: a direction or one of {', '.join(VIEWS)} (iso)")
     parser.add_argument("--size", type=_size, default=(1280, 800), metavar="WxH", help="in pixels (1280x800)")
-    parser.add_argument("--scale", type=_finite, default=1.0, help="displacements are multiplied by it (1); obstacles are drawn at 1 only")
+    parser.add_argument("--scale", type=_finite, default=1.0, help="displacements are multiplied by it (1); obstacles, tendons, "
+                        "springs and joints are drawn at 1 only")
     parser.add_argument("--mesh-edges", action="store_true", help="draw the edges of the elements")
     parser.add_argument("--outline", action="store_true", help="draw the edges of the undeformed shape")
-    parser.add_argument("--hide", action="append", default=[], metavar="NAME", help="leave out a body or an obstacle; may be repeated")
+    parser.add_argument("--hide", action="append", default=[], metavar="NAME", help="leave out a body, an obstacle, a tendon, a spring or a joint; may be repeated")
     parser.add_argument("--transparent", action="append", default=[], metavar="NAME",
                         help="draw a body or an obstacle transparent; may be repeated")
     parser.add_argument("--title", help="instead of the run's title")

@@ -4,6 +4,7 @@
 #include "base/units.hpp"
 #include "command/contact_table.hpp"
 #include "command/material_plot.hpp"
+#include "command/mechanism_table.hpp"
 #include "energy/volume/viscous.hpp"
 #include "input/elasticity.hpp"
 #include "input/keys.hpp"
@@ -154,30 +155,11 @@ ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector
   if (!text.empty() && text.back() == '\n') text.pop_back();
   console.print(text);
 
-  console.print("bodies");
-  std::vector<double> cells(model.body_names().size(), 0.0);
-  for (PetscInt c = 0; c < layout.num_owned_cells; ++c) ++cells[model.body_of_cell()[c]];
-  for (std::size_t b = 0; b < config.bodies.size(); ++b) {
-    const BodyConfig& body = config.bodies[b];
-    console.print(fmt::format("  {}: {} tetrahedra, {}{}", model.body_names()[b],
-                              static_cast<long long>(sum(layout.comm, cells[b])),
-                              body.elasticity ? describe(*body.elasticity) : "rigid",
-                              body.density ? fmt::format(", density {:.4g} kg/m^3", *body.density) : std::string()));
-  }
-  for (const RigidBodyConfig& body : config.rigid_bodies) {
-    const std::size_t b = config.bodies.size() + static_cast<std::size_t>(&body - config.rigid_bodies.data());
-    const std::string shape =
-        body.surface ? fmt::format("{} tetrahedra, ", static_cast<long long>(sum(layout.comm, cells[b]))) : "";
-    console.print(fmt::format("  {}: {}rigid, mass {:.6g} kg", body.name, shape, body.mass));
-  }
+  for (const auto& line : body_table(config, model)) console.print(line);
   if (model.inertia() != nullptr) {
     console.print(fmt::format("  mass {:.6g} kg", sum(layout.comm, model.inertia()->mass().total())));
   }
-  if (!model.tendons().empty()) console.print("tendons");
-  for (const ModelTendon& tendon : model.tendons()) {
-    console.print(fmt::format("  {}: {} points, {:.6g} m long, turns by {:.4g} rad", tendon.name, tendon.points.size(),
-                              tendon.length, tendon.turn));
-  }
+  for (const auto& line : mechanism_table(config, model)) console.print(line);
   if (!model.cavities().empty()) console.print("cavities");
   for (const auto& cavity : model.cavities()) {
     console.print(fmt::format("  {}: volume {:.6g} m^3", cavity.name, cavity.volume));

@@ -82,18 +82,36 @@ Json json_of(const PackedMesh& mesh, Page& page) {
   return json;
 }
 
-Json json_of(const PackedObstacles& obstacles, Page& page) {
-  if (obstacles.num_points == 0) return nullptr;
-  Json json{{"names", obstacles.names},
-            {"vertices", obstacles.num_points},
-            {"index", page.block(obstacles.triangles)},
-            {"owners", page.block(obstacles.owners)}};
+Json json_of(const PackedPoints& points, Page& page) {
+  Json json{{"vertices", points.count}};
   for (std::size_t i = 0; i < 3; ++i) {
-    json["positions"].push_back(page.block(obstacles.positions[i]));
-    json["scales"].push_back(json_of(obstacles.position_scales[i]));
-    json["moves"].push_back(page.block(obstacles.moves[i]));
-    json["moveScales"].push_back(json_of(obstacles.move_scales[i]));
+    json["positions"].push_back(page.block(points.positions[i]));
+    json["scales"].push_back(json_of(points.position_scales[i]));
+    json["moves"].push_back(page.block(points.moves[i]));
+    json["moveScales"].push_back(json_of(points.move_scales[i]));
   }
+  return json;
+}
+
+Json json_of(const PackedObstacles& obstacles, Page& page) {
+  if (obstacles.points.count == 0) return nullptr;
+  Json json = json_of(obstacles.points, page);
+  json["names"] = obstacles.names;
+  json["index"] = page.block(obstacles.triangles);
+  json["owners"] = page.block(obstacles.owners);
+  return json;
+}
+
+Json json_of(const PackedMechanisms& mechanisms, Page& page) {
+  if (mechanisms.points.count == 0) return nullptr;
+  Json json = json_of(mechanisms.points, page);
+  json["names"] = mechanisms.names;
+  json["kinds"] = mechanisms.kinds;
+  json["segments"] = page.block(mechanisms.segments);
+  json["parts"] = page.block(mechanisms.parts);
+  json["joints"] = page.block(mechanisms.joints);
+  json["tensions"] = page.block(mechanisms.tensions);
+  json["tensionScale"] = json_of(mechanisms.tension_scale);
   return json;
 }
 
@@ -114,9 +132,10 @@ Json json_of(const PackedResult& result, Page& page) {
             {"cells", result.num_cells},
             {"order", result.nodes_per_cell == 10 ? 2 : 1},
             {"framesInResult", result.num_frames}};
-  json["meshes"] = json["obstacles"] = json["frames"] = json["fields"] = Json::array();
+  json["meshes"] = json["obstacles"] = json["mechanisms"] = json["frames"] = json["fields"] = Json::array();
   for (const auto& mesh : result.meshes) json["meshes"].push_back(json_of(mesh, page));
   for (const auto& obstacles : result.obstacles) json["obstacles"].push_back(json_of(obstacles, page));
+  for (const auto& mechanisms : result.mechanisms) json["mechanisms"].push_back(json_of(mechanisms, page));
   for (const auto& f : result.frames) {
     json["frames"].push_back({{"time", f.time}, {"step", f.step}, {"mesh", f.mesh}, {"shift", f.shift}});
   }

@@ -9,6 +9,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace pliant {
@@ -37,6 +38,18 @@ struct RigidBodyConfig {
 };
 
 enum class JointType { fixed, ball, hinge, slider, cylindrical, universal, planar, distance };
+/// Their names in the input, in the order of the types.
+inline constexpr std::array<std::pair<const char*, JointType>, 8> joint_types{{{"fixed", JointType::fixed},
+                                                                               {"ball", JointType::ball},
+                                                                               {"hinge", JointType::hinge},
+                                                                               {"slider", JointType::slider},
+                                                                               {"cylindrical", JointType::cylindrical},
+                                                                               {"universal", JointType::universal},
+                                                                               {"planar", JointType::planar},
+                                                                               {"distance", JointType::distance}}};
+inline const char* name_of(JointType type) {
+  return joint_types[static_cast<std::size_t>(type)].first;
+}
 
 /// A joint between two rigid bodies or rigid parts, or one and the ground.
 struct JointConfig {

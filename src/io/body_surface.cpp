@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/vector3.hpp"
+#include "io/unit_sphere.hpp"
 #include "mesh/disjoint_sets.hpp"
 
 #include <algorithm>
@@ -23,7 +24,20 @@ constexpr std::array<std::array<int, 6>, 4> facets{
 constexpr std::array<std::array<int, 3>, 4> quarters{{{0, 3, 5}, {1, 4, 3}, {2, 5, 4}, {3, 4, 5}}};
 constexpr double sharp = 0.82;  // cosine of the smallest angle between normals at a sharp edge, 35 degrees
 
+/// Divisions of ellipsoids, where there are few and where there are many.
+constexpr int fine = 3, coarse = 1;
+constexpr std::size_t few_ellipsoids = 60;
+
 using Node = std::int32_t;
+
+/// Which bodies are only masses.
+std::vector<char> are_masses(const OutputMesh& mesh) {
+  std::vector<char> result;
+  for (const auto& name : mesh.body_names) {
+    result.push_back(std::ranges::find(mesh.masses, name) != mesh.masses.end() ? 1 : 0);
+  }
+  return result;
+}
 
 struct Facet {
   std::array<Node, 3> corners;  // ascending
@@ -37,7 +51,9 @@ struct Facet {
 std::vector<Facet> outer_facets(const OutputMesh& mesh) {
   std::vector<Facet> all;
   all.reserve(4 * mesh.bodies.size());
+  const std::vector<char> is_mass = are_masses(mesh);
   for (std::size_t c = 0; c < mesh.bodies.size(); ++c) {
+    if (is_mass[static_cast<std::size_t>(mesh.bodies[c])] != 0) continue;
     const std::int64_t* nodes = &mesh.cells[c * static_cast<std::size_t>(mesh.nodes_per_cell)];
     for (int f = 0; f < 4; ++f) {
       Facet facet{{}, mesh.bodies[c], 4 * static_cast<std::int64_t>(c) + f};
@@ -214,6 +230,29 @@ BodySurface::Averages averages_of(const OutputMesh& mesh, const BodySurface& sur
   return averages;
 }
 
+/// Adds the ellipsoids of bodies that are only masses.
+void add_ellipsoids(const OutputMesh& mesh, BodySurface& surface) {
+  constexpr std::array<Vector3<double>, 4> corners{{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}};
+  const Sphere sphere = unit_sphere(mesh.masses.size() > few_ellipsoids ? coarse : fine);
+  const std::vector<char> is_mass = are_masses(mesh);
+  for (std::size_t c = 0; c < mesh.bodies.size(); ++c) {
+    if (is_mass[static_cast<std::size_t>(mesh.bodies[c])] == 0) continue;
+    BodySurface::Blend blend{};
+    std::copy_n(&mesh.cells[c * static_cast<std::size_t>(mesh.nodes_per_cell)], 4, blend.nodes.begin());
+    const auto first = static_cast<std::int32_t>(surface.num_vertices());
+    for (const Vector3<double>& x : sphere.points) {
+      for (std::size_t k = 0; k < 4; ++k) blend.weights[k] = 0.25 * (1.0 + dot(corners[k], x));
+      surface.blends.push_back(blend);
+      surface.nodes.push_back(blend.nodes[0]);
+      surface.bodies.push_back(mesh.bodies[c]);
+    }
+    // The corners above have a negative volume, cells a positive one: their order is mirrored.
+    for (const auto& [i, j, k] : sphere.triangles) {
+      surface.triangles.insert(surface.triangles.end(), {first + i, first + k, first + j});
+    }
+  }
+}
+
 }  // namespace
 
 BodySurface surface_of_bodies(const OutputMesh& mesh, std::size_t most_divided) {
@@ -240,6 +279,7 @@ BodySurface surface_of_bodies(const OutputMesh& mesh, std::size_t most_divided) 
   for (std::size_t corner = 0; corner < triangles.nodes.size(); ++corner) {
     surface.triangles.push_back(vertex_of_root[sets.root(corner)]);
   }
+  if (!mesh.masses.empty()) add_ellipsoids(mesh, surface);
   surface.averages = averages_of(mesh, surface);
   return surface;
 }
@@ -248,7 +288,16 @@ std::vector<double> at_vertices(const BodySurface& surface, std::span<const doub
                                 int components) {
   const auto n = static_cast<std::size_t>(components);
   std::vector<double> result(n * surface.num_vertices(), 0.0);
+  const std::size_t first_blend = surface.num_vertices() - surface.blends.size();
   for (std::size_t v = 0; v < surface.num_vertices(); ++v) {
+    if (location == FieldLocation::node && v >= first_blend) {
+      const auto& [nodes, weights] = surface.blends[v - first_blend];
+      for (std::size_t k = 0; k < nodes.size(); ++k) {
+        const double* of_node = &values[n * static_cast<std::size_t>(nodes[k])];
+        for (std::size_t i = 0; i < n; ++i) result[n * v + i] += weights[k] * of_node[i];
+      }
+      continue;
+    }
     if (location == FieldLocation::node) {
       std::copy_n(&values[n * static_cast<std::size_t>(surface.nodes[v])], n, &result[n * v]);
       continue;

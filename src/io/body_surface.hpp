@@ -3,6 +3,7 @@
 
 #include "io/result_writer.hpp"
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -11,11 +12,11 @@ namespace pliant {
 
 /// Triangles around every body, counterclockwise seen from outside. Each body has vertices of its own, so that values
 /// may jump from one to the next, and so has each side of a sharp edge, so that averaged normals show it as one.
-/// Vertices near in space are near in number.
+/// Vertices near in space are near in number. Bodies that are only masses are ellipsoids (OutputMesh::masses).
 struct BodySurface {
   std::vector<std::int32_t> triangles;  ///< three vertices each
   int triangles_per_facet = 1;          ///< 1: corners of the facets; 4: also the middles of their edges
-  std::vector<std::int64_t> nodes;      ///< of each vertex
+  std::vector<std::int64_t> nodes;      ///< of each vertex; of an ellipsoid's any of its cell
   std::vector<std::int32_t> bodies;     ///< of each vertex
 
   /// Weights that turn values of cells into values at vertices: averages over the cells of the body around the node,
@@ -25,6 +26,13 @@ struct BodySurface {
     std::vector<std::int64_t> cells;
     std::vector<double> weights;
   } averages;
+
+  /// The vertices of ellipsoids, the last ones: values are weighted sums of those at four nodes.
+  struct Blend {
+    std::array<std::int64_t, 4> nodes;
+    std::array<double, 4> weights;
+  };
+  std::vector<Blend> blends;
 
   std::size_t num_vertices() const { return nodes.size(); }
 };

@@ -9,12 +9,11 @@
 /// After a restart the group is called /obstacles_1, as the mesh is called /mesh_1.
 #pragma once
 
-#include "io/result_writer.hpp"
+#include "io/companion_series.hpp"
 
 #include <cstdint>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <petscsys.h>
@@ -29,9 +28,6 @@ struct OutputObstacles {
   std::vector<std::int32_t> obstacles;  ///< index into names of each triangle
 };
 
-/// "obstacles", "obstacles_1" for "mesh" or "/mesh", "mesh_1".
-std::string obstacles_beside(std::string_view mesh_group);
-
 /// Adds obstacles to a result. All members that write are collective; a failure throws FileError on every rank.
 class ObstacleWriter {
  public:
@@ -40,23 +36,15 @@ class ObstacleWriter {
   ObstacleWriter(MPI_Comm comm, const ResultWriter& bodies, std::string title, const OutputObstacles& obstacles,
                  std::int64_t last_step);
 
-  /// Adds a frame; `points`: the current positions, on rank 0 at least, or empty everywhere if no obstacle has moved.
-  /// To be called before the bodies' frame is added, so that each of these has its obstacles. Collective.
+  /// Adds a frame before the bodies' frame is added; `points`: the current positions, or empty if no obstacle has
+  /// moved. Collective.
   void write_frame(double time, std::int64_t step, std::span<const double> points);
   /// Returns when the list of frames is on disk; the numbers follow with ResultWriter::sync. Collective.
-  void sync() const;
+  void sync() const { series_.sync(); }
 
  private:
-  /// Rank 0 writes everything.
-  RowBlock rows(std::int64_t num_global) const;
-  XdmfArray array(const std::string& place, XdmfArray::Number number, std::int64_t num_rows, int columns) const;
-
   MPI_Comm comm_;
-  const ResultWriter& bodies_;
-  std::string title_;
-  std::int64_t num_points_, num_triangles_;
-  std::string group_;  // "/obstacles"
-  std::string grids_;  // rank 0: the XML of the frames so far
+  CompanionSeries series_;
 };
 
 }  // namespace pliant

@@ -17,7 +17,7 @@ namespace pliant {
 namespace {
 
 constexpr std::size_t most_frames = 240;
-constexpr int most_levels = 65535;  // of reference positions and of what moves as one
+constexpr int most_levels = 65535;
 constexpr double levels_of_displacement = 16383.0, levels_of_fields = 1023.0, least_levels = 255.0;
 constexpr double unseen = 1e-3;  // share of the values at either end of a field outside the range of colours
 // What a page writes around a text, and of a frame [bytes]; no less than it is.
@@ -81,18 +81,8 @@ struct Scene {
   BodySurface surface;
   EarlierNeighbours neighbours;
   PackedMesh packed;
-  PackedObstacles obstacles;
-  EarlierNeighbours obstacle_neighbours;
-  std::vector<double> obstacle_points;
+  Companions companions;
 };
-
-void widen(Quantisation& scale, std::span<const float> values) {
-  for (const double value : values) {
-    if (!std::isfinite(value)) continue;
-    scale.low = std::min(scale.low, value);
-    scale.high = std::max(scale.high, value);
-  }
-}
 
 std::vector<std::uint16_t> quantised(const Quantisation& scale, std::span<const float> values) {
   std::vector<std::uint16_t> q;
@@ -101,35 +91,11 @@ std::vector<std::uint16_t> quantised(const Quantisation& scale, std::span<const 
   return q;
 }
 
-/// Rows of a value at each vertex, with the smallest scale that holds them.
-std::pair<std::string, Quantisation> packed_rows(const std::vector<std::vector<float>>& rows,
-                                                 const EarlierNeighbours& neighbours) {
-  Quantisation scale{infinity, -infinity, most_levels};
-  for (const auto& row : rows) widen(scale, row);
-  if (!(scale.low <= scale.high)) scale.low = scale.high = 0.0;
-  PackedRows packed(neighbours);
-  for (const auto& row : rows) packed.append(quantised(scale, row));
-  return {packed.text(), scale};
-}
-
-/// Numbers `component`, `component` + 3, ... of points.
-std::vector<float> component_of(std::span<const double> points, std::size_t component) {
-  std::vector<float> x;
-  for (std::size_t i = component; i < points.size(); i += 3) x.push_back(static_cast<float>(points[i]));
-  return x;
-}
-
-std::string packed_triangles(std::span<const std::int32_t> triangles) {
-  std::vector<std::int32_t> steps(triangles.begin(), triangles.end());
-  for (std::size_t i = steps.size(); i-- > 1;) steps[i] -= steps[i - 1];
-  return packed_text(std::as_bytes(std::span(steps)));
-}
-
 /// A frame as read: of each channel the values at the vertices, by component.
 struct Values {
   PackedFrame frame;
   std::vector<std::vector<std::vector<float>>> of_channels;
-  std::vector<double> moves;  // of the points of obstacles
+  Companions::Frame companions;
 };
 
 class Packer {
@@ -176,7 +142,7 @@ class Packer {
     scene.surface = surface_of_bodies(mesh);
     scene.neighbours = EarlierNeighbours(scene.surface.num_vertices(), scene.surface.triangles);
     pack(mesh, scene);
-    if (const auto obstacles = result_.obstacles(group)) pack(*obstacles, scene);
+    scene.companions = Companions(result_, group);
     packed_.body_names = mesh.body_names;
     packed_.nodes_per_cell = mesh.nodes_per_cell;
     scenes_.push_back(std::move(scene));
@@ -191,29 +157,10 @@ class Packer {
     packed.triangles_per_facet = surface.triangles_per_facet;
     packed.triangles = packed_triangles(surface.triangles);
     packed.bodies = packed_text(std::as_bytes(std::span(surface.bodies)));
-    std::vector<double> points;
-    for (const auto node : surface.nodes) {
-      const auto x = mesh.coordinates.begin() + 3 * node;
-      points.insert(points.end(), x, x + 3);
-    }
+    const std::vector<double> points = at_vertices(surface, mesh.coordinates, FieldLocation::node, 3);
     for (std::size_t i = 0; i < 3; ++i) {
       std::tie(packed.positions[i], packed.scales[i]) = packed_rows({component_of(points, i)}, scene.neighbours);
     }
-  }
-
-  static void pack(const OutputObstacles& obstacles, Scene& scene) {
-    PackedObstacles& packed = scene.obstacles;
-    packed.names = obstacles.names;
-    packed.num_points = obstacles.points.size() / 3;
-    const std::vector<std::int32_t> triangles(obstacles.triangles.begin(), obstacles.triangles.end());
-    packed.triangles = packed_triangles(triangles);
-    packed.owners = packed_text(std::as_bytes(std::span(obstacles.obstacles)));
-    scene.obstacle_neighbours = EarlierNeighbours(packed.num_points, triangles);
-    for (std::size_t i = 0; i < 3; ++i) {
-      std::tie(packed.positions[i], packed.position_scales[i]) =
-          packed_rows({component_of(obstacles.points, i)}, scene.obstacle_neighbours);
-    }
-    scene.obstacle_points = obstacles.points;
   }
 
   void read(const std::vector<std::size_t>& chosen) {
@@ -241,11 +188,7 @@ class Packer {
       read(frame, channel, scene, components);
       if (channel.name == "displacement" && !take_shift(components, values.frame.shift)) return std::nullopt;
     }
-    const auto& at_rest = scene.obstacle_points;
-    if (!at_rest.empty()) values.moves = result_.obstacle_points(frame);
-    if (values.moves.size() != at_rest.size())
-      throw FileError("the obstacles of frame '" + frame.name + "' are damaged");
-    for (std::size_t i = 0; i < at_rest.size(); ++i) values.moves[i] -= at_rest[i];
+    values.companions = scene.companions.read(result_, frame);
     return values;
   }
 
@@ -317,27 +260,20 @@ class Packer {
     return scales;
   }
 
-  PackedObstacles moving_obstacles(std::size_t mesh, const std::vector<std::size_t>& kept) const {
-    PackedObstacles packed = scenes_[mesh].obstacles;
-    if (packed.num_points == 0) return packed;
-    for (std::size_t k = 0; k < 3; ++k) {
-      std::vector<std::vector<float>> rows;
-      for (const std::size_t i : kept) {
-        if (frames_[i].frame.mesh == mesh) rows.push_back(component_of(frames_[i].moves, k));
-      }
-      std::tie(packed.moves[k], packed.move_scales[k]) = packed_rows(rows, scenes_[mesh].obstacle_neighbours);
-    }
-    return packed;
-  }
-
   void encode(const std::vector<std::size_t>& kept) {
     packed_.meshes.clear();
     packed_.frames.clear();
     packed_.fields.clear();
     packed_.obstacles.clear();
+    packed_.mechanisms.clear();
     for (std::size_t m = 0; m < scenes_.size(); ++m) {
       packed_.meshes.push_back(scenes_[m].packed);
-      packed_.obstacles.push_back(moving_obstacles(m, kept));
+      std::vector<const Companions::Frame*> frames;
+      for (const std::size_t i : kept) {
+        if (frames_[i].frame.mesh == m) frames.push_back(&frames_[i].companions);
+      }
+      packed_.obstacles.push_back(scenes_[m].companions.obstacles(frames));
+      packed_.mechanisms.push_back(scenes_[m].companions.mechanisms(frames));
     }
     for (const std::size_t i : kept) packed_.frames.push_back(frames_[i].frame);
     for (std::size_t k = 0; k < channels_.size(); ++k) {
@@ -376,12 +312,8 @@ std::size_t PackedResult::size() const {
     add(mesh.bodies);
     std::ranges::for_each(mesh.positions, add);
   }
-  for (const auto& one : obstacles) {
-    add(one.triangles);
-    add(one.owners);
-    std::ranges::for_each(one.positions, add);
-    std::ranges::for_each(one.moves, add);
-  }
+  for (const auto& one : obstacles) for_each_text(one, add);
+  for (const auto& one : mechanisms) for_each_text(one, add);
   for (const auto& field : fields) {
     for (const auto& of_mesh : field.values) std::ranges::for_each(of_mesh, add);
   }

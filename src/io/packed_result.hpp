@@ -1,8 +1,7 @@
 /// A result compressed for a page: the surfaces of its bodies, some of its frames, quantised values.
 #pragma once
 
-#include "io/packed.hpp"
-#include "io/result_reader.hpp"
+#include "io/packed_companions.hpp"
 
 #include <array>
 #include <cstddef>
@@ -37,23 +36,14 @@ struct PackedField {
   std::vector<std::vector<std::string>> values;  ///< by mesh and component
 };
 
-/// The obstacles of a mesh, if there are any: where they are drawn, and their displacement from there in each frame.
-struct PackedObstacles {
-  std::vector<std::string> names;
-  std::size_t num_points = 0;
-  std::string triangles;  ///< as those of PackedMesh
-  std::string owners;     ///< index into names of each triangle, int32
-  std::array<std::string, 3> positions, moves;
-  std::array<Quantisation, 3> position_scales, move_scales;  ///< [m]
-};
-
 struct PackedResult {
   std::vector<std::string> body_names;
   std::size_t num_nodes = 0, num_cells = 0;  ///< of the last mesh
   int nodes_per_cell = 4;
   std::size_t num_frames = 0;  ///< of the result, before it was thinned
   std::vector<PackedMesh> meshes;
-  std::vector<PackedObstacles> obstacles;  ///< for each mesh
+  std::vector<PackedObstacles> obstacles;    ///< for each mesh
+  std::vector<PackedMechanisms> mechanisms;  ///< for each mesh
   std::vector<PackedFrame> frames;
   std::vector<PackedField> fields;  ///< the displacement, if there is one, first
 

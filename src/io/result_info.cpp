@@ -18,14 +18,14 @@ std::array<hsize_t, 2> size_of_dataset(hid_t group, const std::string& name) {
   return {sizes[0], sizes.size() > 1 ? sizes[1] : 1};
 }
 
-/// A line with the names, or nothing.
-std::string obstacles_of(hid_t file) {
-  if (H5Lexists(file, "obstacles", H5P_DEFAULT) <= 0) return {};
-  const std::string doing = "read 'obstacles/obstacle'";
-  const Hdf5Handle dataset(H5Dopen2(file, "obstacles/obstacle", H5P_DEFAULT), H5Dclose, doing);
+/// A line with the names that a dataset of a group has, or nothing.
+std::string names_of(hid_t file, const std::string& group, const std::string& table) {
+  if (H5Lexists(file, group.c_str(), H5P_DEFAULT) <= 0) return {};
+  const std::string place = group + "/" + table, doing = "read '" + place + "'";
+  const Hdf5Handle dataset(H5Dopen2(file, place.c_str(), H5P_DEFAULT), H5Dclose, doing);
   std::string names = text_attribute(dataset.get(), "names");
   for (std::size_t at; (at = names.find('\n')) != std::string::npos;) names.replace(at, 1, ", ");
-  return fmt::format("obstacles: {}\n", names);
+  return fmt::format("{}: {}\n", group, names);
 }
 
 double time_of(hid_t frames, const std::string& name) {
@@ -56,7 +56,7 @@ std::string description_of(const std::filesystem::path& path) {
   std::string text =
       fmt::format("result{}: {} nodes, {} tetrahedra\n", title.empty() ? "" : fmt::format(" of '{}'", title),
                   size_of_dataset(file.get(), "mesh/coordinates")[0], size_of_dataset(file.get(), "mesh/cells")[0]);
-  text += obstacles_of(file.get());
+  text += names_of(file.get(), "obstacles", "obstacle") + names_of(file.get(), "mechanisms", "part");
   if (names.empty()) return text + "no frames\n";
   text += fmt::format("{} frame{} from t = {:.6g} to {:.6g}\n", names.size(), names.size() == 1 ? "" : "s",
                       time_of(frames.get(), names.front()), time_of(frames.get(), names.back()));

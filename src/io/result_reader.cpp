@@ -125,7 +125,11 @@ OutputMesh ResultReader::mesh(const std::string& group) const {
   result.nodes_per_cell = static_cast<int>(shape_of(open_dataset(mesh.get(), "cells").get(), "cells")[1]);
   result.cells = table<std::int64_t>(mesh.get(), "cells", H5T_NATIVE_INT64);
   result.bodies = table<int>(mesh.get(), "body", H5T_NATIVE_INT, 1);
-  result.body_names = lines_of(text_attribute(open_dataset(mesh.get(), "body").get(), "names"));
+  const Hdf5Handle body_of_cell = open_dataset(mesh.get(), "body");
+  result.body_names = lines_of(text_attribute(body_of_cell.get(), "names"));
+  if (H5Aexists(body_of_cell.get(), "masses") > 0) {
+    result.masses = lines_of(text_attribute(body_of_cell.get(), "masses"));
+  }
   const auto is_known = [&](std::int64_t node) { return node >= 0 && node < result.global_num_nodes; };
   const auto has_name = [&](int body) { return body >= 0 && body < std::ssize(result.body_names); };
   const bool fits = (result.nodes_per_cell == 4 || result.nodes_per_cell == 10) &&
@@ -137,7 +141,7 @@ OutputMesh ResultReader::mesh(const std::string& group) const {
 }
 
 std::optional<OutputObstacles> ResultReader::obstacles(const std::string& group) const {
-  const std::string place = obstacles_beside(group);
+  const std::string place = group_beside(group, "obstacles");
   if (!has_link(file_.get(), place)) return std::nullopt;
   const Hdf5Handle obstacles = open_group(file_.get(), place);
   OutputObstacles result;
@@ -155,9 +159,47 @@ std::optional<OutputObstacles> ResultReader::obstacles(const std::string& group)
 }
 
 std::vector<double> ResultReader::obstacle_points(const ResultFrame& frame) const {
-  const std::string place = obstacles_beside(frame.mesh), moved = fmt::format("{}/frames/{:06}", place, frame.step);
+  const std::string place = group_beside(frame.mesh, "obstacles"),
+                    moved = fmt::format("{}/frames/{:06}", place, frame.step);
   const bool moves = has_link(file_.get(), place + "/frames") && has_link(file_.get(), moved);
   return table<double>(file_.get(), (moves ? moved : place) + "/points", H5T_NATIVE_DOUBLE, 3);
+}
+
+std::optional<OutputMechanisms> ResultReader::mechanisms(const std::string& group) const {
+  const std::string place = group_beside(group, "mechanisms");
+  if (!has_link(file_.get(), place)) return std::nullopt;
+  const Hdf5Handle mechanisms = open_group(file_.get(), place);
+  OutputMechanisms result;
+  result.points = table<double>(mechanisms.get(), "points", H5T_NATIVE_DOUBLE, 3);
+  result.segments = table<std::int64_t>(mechanisms.get(), "segments", H5T_NATIVE_INT64, 2);
+  result.parts = table<std::int32_t>(mechanisms.get(), "part", H5T_NATIVE_INT32, 1);
+  const Hdf5Handle part = open_dataset(mechanisms.get(), "part");
+  result.names = lines_of(text_attribute(part.get(), "names"));
+  result.kinds = lines_of(text_attribute(part.get(), "kinds"));
+  if (has_link(mechanisms.get(), "joints")) {
+    result.joints = table<std::int64_t>(mechanisms.get(), "joints", H5T_NATIVE_INT64, 1);
+  }
+  const auto is_known = [&](std::int64_t p) { return p >= 0 && p < std::ssize(result.points) / 3; };
+  const auto has_name = [&](std::int32_t p) { return p >= 0 && p < std::ssize(result.names); };
+  if (!std::ranges::all_of(result.segments, is_known) || !std::ranges::all_of(result.joints, is_known) ||
+      !std::ranges::all_of(result.parts, has_name) || result.segments.size() != 2 * result.parts.size() ||
+      result.kinds.size() != result.names.size() || result.joints.size() > result.names.size()) {
+    throw FileError(fmt::format("the mechanisms '{}' of '{}' are damaged", place, path_.string()));
+  }
+  return result;
+}
+
+MechanismState ResultReader::mechanism_state(const ResultFrame& frame, const OutputMechanisms& mechanisms) const {
+  const std::string place = fmt::format("{}/frames/{:06}", group_beside(frame.mesh, "mechanisms"), frame.step);
+  MechanismState state;
+  state.points = table<double>(file_.get(), place + "/points", H5T_NATIVE_DOUBLE, 3);
+  state.tensions = table<double>(file_.get(), place + "/tension", H5T_NATIVE_DOUBLE, 1);
+  if (!mechanisms.joints.empty()) state.axes = table<double>(file_.get(), place + "/axes", H5T_NATIVE_DOUBLE, 3);
+  if (state.points.size() != mechanisms.points.size() || state.tensions.size() != mechanisms.parts.size() ||
+      state.axes.size() != 3 * mechanisms.joints.size()) {
+    throw FileError("the mechanisms of frame '" + frame.name + "' are damaged");
+  }
+  return state;
 }
 
 std::vector<ResultField> ResultReader::fields(const ResultFrame& frame) const {

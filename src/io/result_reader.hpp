@@ -1,6 +1,7 @@
 /// Reads the time series of a run (io/result_writer.hpp), also while the run is active. Nothing here is collective.
 #pragma once
 
+#include "io/mechanism_writer.hpp"
 #include "io/obstacle_writer.hpp"
 #include "io/result_writer.hpp"
 #include "petsc/hdf5.hpp"
@@ -55,6 +56,10 @@ class ResultReader {
   std::optional<OutputObstacles> obstacles(const std::string& group) const;
   /// Positions of the points of the obstacles; where they are drawn, if they are at rest.
   std::vector<double> obstacle_points(const ResultFrame& frame) const;
+  /// The lines of tendons, springs and joints; nothing if the run had none. `group`: ResultFrame::mesh.
+  std::optional<OutputMechanisms> mechanisms(const std::string& group) const;
+  /// Where they are in a frame; `mechanisms`: those of its mesh.
+  MechanismState mechanism_state(const ResultFrame& frame, const OutputMechanisms& mechanisms) const;
   std::vector<ResultField> fields(const ResultFrame& frame) const;
   /// Components by node or cell.
   std::vector<double> values(const ResultFrame& frame, const ResultField& field) const;

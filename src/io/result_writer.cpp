@@ -111,7 +111,7 @@ void ResultWriter::start_files() const {
   // not emptied, which does not disturb a reader that has them open. A failure shows when the new files are created.
   std::error_code ignored;
   std::filesystem::remove(xdmf_file_, ignored);
-  std::filesystem::remove(obstacles_file(), ignored);
+  for (const char* companion : companions) std::filesystem::remove(companion_file(companion), ignored);
   std::filesystem::remove(hdf5_file_, ignored);
   make_empty_file(hdf5_file_, title_);
 }
@@ -120,10 +120,12 @@ void ResultWriter::write_mesh(const OutputMesh& mesh) const {
   using enum XdmfArray::Number;
   const std::vector<std::int32_t> bodies(mesh.bodies.begin(), mesh.bodies.end());
   const std::vector<std::int32_t> ranks(mesh.bodies.size(), rank(comm_));
+  std::vector<std::pair<std::string, std::string>> names{{"names", lines(mesh.body_names)}};
+  if (!mesh.masses.empty()) names.emplace_back("masses", lines(mesh.masses));
   Group group{"/", mesh_, [](hid_t) {}, {}};
   group.datasets = {{"coordinates", float64, nodes_, 3, std::as_bytes(std::span(mesh.coordinates)), {{"unit", "m"}}},
                     {"cells", int64, cells_, nodes_per_cell_, std::as_bytes(std::span(mesh.cells)), {}},
-                    {"body", int32, cells_, 1, std::as_bytes(std::span(bodies)), {{"names", lines(mesh.body_names)}}},
+                    {"body", int32, cells_, 1, std::as_bytes(std::span(bodies)), std::move(names)},
                     {"rank", int32, cells_, 1, std::as_bytes(std::span(ranks)), {}}};
   add_group(comm_, hdf5_file_, group, Durability::process);
 }
@@ -180,8 +182,8 @@ XdmfArray ResultWriter::array(const std::string& place, XdmfArray::Number number
   return {hdf5_file_.filename().string() + ":" + place, number, rows.num_global, columns};
 }
 
-std::filesystem::path ResultWriter::obstacles_file() const {
-  return xdmf_file_.parent_path() / (xdmf_file_.stem().string() + "_obstacles.xdmf");
+std::filesystem::path ResultWriter::companion_file(const std::string& companion) const {
+  return xdmf_file_.parent_path() / (xdmf_file_.stem().string() + "_" + companion + ".xdmf");
 }
 
 std::string ResultWriter::grid_of_frame(double time, std::int64_t step, const std::string& group,

@@ -3,11 +3,12 @@
 /// result.h5    attributes: format "pliant-result", version, title
 ///   /mesh/coordinates       num_nodes x 3, reference positions X [m]
 ///   /mesh/cells             num_cells x 4 or 10, node numbers in VTK's order
-///   /mesh/body, /mesh/rank  num_cells; attribute `names` of body: the names, one per line
+///   /mesh/body, /mesh/rank  num_cells; attributes of body, one per line: `names`; `masses`, names of
+///                           rigid bodies with neither mesh nor surface, if there are any
 ///   /frames/000000/...      attributes time [s], step, mesh (its group: "/mesh"; "/mesh_1" after a restart); a dataset
 ///   per field, num_nodes or num_cells x components, attributes
 ///                           `unit` and `location` ("node" or "cell")
-///   /obstacles/...          see obstacle_writer.hpp
+///   /obstacles/..., /mechanisms/...  see obstacle_writer.hpp, mechanism_writer.hpp
 ///
 /// Only the metadata go through HDF5, on rank 0; every rank then writes its rows directly to their place in the file.
 /// The result is an ordinary HDF5 file; it depends on the number of ranks only in the order of nodes and cells. HDF5's
@@ -23,6 +24,7 @@
 #include "io/hdf5_group.hpp"
 #include "io/xdmf.hpp"
 
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -35,6 +37,9 @@
 #include <petscsys.h>
 
 namespace pliant {
+
+/// Names of what a result may have in addition to the bodies (CompanionSeries).
+inline constexpr std::array companions{"obstacles", "mechanisms"};
 
 /// Version of the format of result.h5.
 inline constexpr std::int64_t result_version = 1;
@@ -49,6 +54,9 @@ struct OutputMesh {
       cells;                ///< global node numbers of the owned cells; mid-edge nodes in VTK's order 01 12 02 03 13 23
   std::vector<int> bodies;  ///< index into body_names of each owned cell
   std::vector<std::string> body_names;
+  /// Names of rigid bodies with neither mesh nor surface. The one cell of each has the corners (1, 1, 1), (1, -1, -1),
+  /// (-1, 1, -1), (-1, -1, 1) of the box around the ellipsoid with the body's moments of inertia, in any order.
+  std::vector<std::string> masses;
 };
 
 enum class FieldLocation { node, cell };
@@ -92,8 +100,8 @@ class ResultWriter {
 
   const std::filesystem::path& xdmf_file() const { return xdmf_file_; }
   const std::filesystem::path& hdf5_file() const { return hdf5_file_; }
-  /// Where an ObstacleWriter lists its frames: <directory>/<name>_obstacles.xdmf.
-  std::filesystem::path obstacles_file() const;
+  /// Where a CompanionSeries of this name lists its frames: <directory>/<name>_obstacles.xdmf.
+  std::filesystem::path companion_file(const std::string& companion) const;
   /// The group of this run's mesh: "mesh", "mesh_1" after a restart.
   const std::string& mesh_group() const { return mesh_; }
 

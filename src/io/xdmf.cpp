@@ -36,6 +36,8 @@ std::string_view attribute_type(int columns) {
 
 std::string_view topology_type(int nodes_per_cell) {
   switch (nodes_per_cell) {
+    case 2:
+      return "Polyline";
     case 3:
       return "Triangle";
     case 4:
@@ -92,18 +94,19 @@ std::string xml_escaped(const std::string& text) {
 }
 
 std::string to_xml(const XdmfGrid& grid) {
+  const std::string nodes_per_line = grid.cells.columns == 2 ? R"( NodesPerElement="2")" : "";
   std::string text = fmt::format(
       R"(      <Grid Name="{}" GridType="Uniform">
         <Time Value="{}"/>
         <Information Name="step" Value="{}"/>
-        <Topology TopologyType="{}" NumberOfElements="{}">
+        <Topology TopologyType="{}"{} NumberOfElements="{}">
           {}
         </Topology>
         <Geometry GeometryType="XYZ">
           {}
         </Geometry>
 )",
-      xml_escaped(grid.name), grid.time, grid.step, topology_type(grid.cells.columns), grid.cells.rows,
+      xml_escaped(grid.name), grid.time, grid.step, topology_type(grid.cells.columns), nodes_per_line, grid.cells.rows,
       to_xml(grid.cells), to_xml(grid.coordinates));
   for (const auto& field : grid.fields) text += to_xml(field);
   return text + "      </Grid>\n";

@@ -29,7 +29,7 @@ struct XdmfGrid {
   std::string name;
   double time = 0;  ///< [s]
   std::int64_t step = 0;
-  XdmfArray cells;        ///< 3 columns: triangles; 4: linear tetrahedra; 10: quadratic ones
+  XdmfArray cells;        ///< 2 columns: lines; 3: triangles; 4: linear tetrahedra; 10: quadratic ones
   XdmfArray coordinates;  ///< 3 columns
   std::vector<XdmfField> fields;
 };

@@ -147,11 +147,7 @@ std::vector<AffineBody> masses_of_rigid_bodies(const Config& config) {
   return result;
 }
 
-// The density is uniform, and the cells count as straight.
-Vector3<double> center_of_rigid_body(const Config& config, const NodeLayout& layout,
-                                     const std::vector<int>& body_of_cell, int body) {
-  const auto first = static_cast<int>(config.bodies.size() - config.rigid_bodies.size());
-  if (body >= first) return config.rigid_bodies[static_cast<std::size_t>(body - first)].center;
+BodyVolume volume_of_body(const NodeLayout& layout, const std::vector<int>& body_of_cell, int body) {
   std::array<double, 4> sums{};
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
     if (body_of_cell[static_cast<std::size_t>(c)] != body) continue;
@@ -164,7 +160,15 @@ Vector3<double> center_of_rigid_body(const Config& config, const NodeLayout& lay
     for (std::size_t i = 0; i < 3; ++i) sums[i] += volume * middle[i];
   }
   sum_in_place(layout.comm, sums);
-  return (1.0 / sums[3]) * Vector3<double>{sums[0], sums[1], sums[2]};
+  return {sums[3], (1.0 / sums[3]) * Vector3<double>{sums[0], sums[1], sums[2]}};
+}
+
+// The density is uniform.
+Vector3<double> center_of_rigid_body(const Config& config, const NodeLayout& layout,
+                                     const std::vector<int>& body_of_cell, int body) {
+  const auto first = static_cast<int>(config.bodies.size() - config.rigid_bodies.size());
+  if (body >= first) return config.rigid_bodies[static_cast<std::size_t>(body - first)].center;
+  return volume_of_body(layout, body_of_cell, body).center;
 }
 
 std::vector<char> components_of_rigid_bodies(const Config& config, const NodeLayout& layout,

@@ -24,6 +24,14 @@ std::vector<AddedVolume> added_volumes(const Config& config);
 /// The masses of `rigid_bodies`, by their numbers among the bodies of the completed input.
 std::vector<AffineBody> masses_of_rigid_bodies(const Config& config);
 
+/// The volume of a body's cells, which count as straight [m^3], and its centre [m].
+struct BodyVolume {
+  double volume = 0.0;
+  Vector3<double> center{};
+};
+/// Collective.
+BodyVolume volume_of_body(const NodeLayout& layout, const std::vector<int>& body_of_cell, int body);
+
 /// The centre of mass of a rigid body of the completed input at the start, with a mesh or without. Collective.
 Vector3<double> center_of_rigid_body(const Config& config, const NodeLayout& layout,
                                      const std::vector<int>& body_of_cell, int body);

@@ -122,6 +122,14 @@ double lengthening_of(const ModelTendon& tendon, const NodeLayout& layout, std::
   return sum;
 }
 
+std::vector<double> tensions_of(const ModelTendon& tendon, const NodeLayout& layout, std::span<const double> u,
+                                std::span<const double> v, const Instant& at) {
+  const double longer = lengthening_of(tendon, layout, u);
+  const double T = tension_at_pulled_end(tendon.drive, longer, at.time, at.load_factor);
+  if (tendon.friction == nullptr) return std::vector<double>(tendon.points.size() - 1, T);
+  return tendon.friction->tensions(T, places_of(tendon.points, layout, u), field_at(tendon.points, layout, v));
+}
+
 std::vector<ModelTendon> make_tendons(const BodiesOnMesh& bodies, const Mesh& mesh, Selections& selections) {
   std::vector<ModelTendon> result;
   Points points(bodies, mesh, selections);

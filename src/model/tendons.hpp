@@ -32,6 +32,11 @@ std::vector<std::string> curves_of_tendons(const Config& config);
 /// Collective.
 double lengthening_of(const ModelTendon& tendon, const NodeLayout& layout, std::span<const double> u);
 
+/// The tension of each segment [N], by friction that at displacements u and velocities v of the local nodes.
+/// Collective.
+std::vector<double> tensions_of(const ModelTendon& tendon, const NodeLayout& layout, std::span<const double> u,
+                                std::span<const double> v, const Instant& at);
+
 /// Throws InputError at tendons with a point outside the mesh, or a curve that is not one line. Collective.
 std::vector<ModelTendon> make_tendons(const BodiesOnMesh& bodies, const Mesh& mesh, Selections& selections);
 

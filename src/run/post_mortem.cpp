@@ -170,7 +170,7 @@ std::string write_post_mortem(const Config& config, const Model& model, const St
                               const Failure& failure) {
   const NodeLayout& layout = model.layout();
   const fs::path directory = directory_of(config);
-  ResultWriter writer(layout.comm, {directory, "state"}, config.title, output_mesh(model));
+  ResultWriter writer(layout.comm, {directory, "state"}, config.title, output_mesh(config, model));
   Picture picture = picture_of(layout, last_good.q, nullptr, nullptr);
   write_frame(writer, picture, last_good.time, last_good.step);
   FailureReport report;

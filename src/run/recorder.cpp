@@ -3,6 +3,7 @@
 #include "base/file.hpp"
 #include "base/stopwatch.hpp"
 #include "input/input.hpp"
+#include "model/rigid_bodies.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/ghosted.hpp"
@@ -126,7 +127,7 @@ using Kind = ContactGroup::Kind;
 
 }  // namespace
 
-OutputMesh output_mesh(const Model& model) {
+OutputMesh output_mesh(const Config& config, const Model& model) {
   const NodeLayout& layout = model.layout();
   OutputMesh mesh;
   mesh.nodes_per_cell = layout.nodes_per_cell;
@@ -138,6 +139,7 @@ OutputMesh output_mesh(const Model& model) {
     mesh.bodies.push_back(model.body_of_cell()[c]);
   }
   mesh.body_names = model.body_names();
+  mesh.masses = names_of_rigid_bodies(config).without_surface;
   return mesh;
 }
 
@@ -147,16 +149,20 @@ Recorder::Recorder(const Config& config, Model& model, const Ledger& ledger, con
       fields_(config.output.fields),
       time_scale_(config.time.step > 0.0 ? config.time.step : 1.0),
       static_time_(analysis_of(config) == Analysis::static_equilibrium ? std::optional(config.time.end) : std::nullopt),
-      result_(model.layout().comm, prepared_directory(model.layout().comm, config), config.title, output_mesh(model),
-              earlier ? earlier->last_frame : -1),
+      result_(model.layout().comm, prepared_directory(model.layout().comm, config), config.title,
+              output_mesh(config, model), earlier ? earlier->last_frame : -1),
+      mechanism_drawing_(config, model),
       history_(model.layout().comm, std::filesystem::path(config.output.directory) / "history.csv",
                columns(config, ledger), earlier ? std::optional(static_cast<double>(earlier->last_row)) : std::nullopt),
       q_(make_vector(model.layout())),
       v_(make_vector(model.layout())) {
+  const std::int64_t last_frame = earlier ? earlier->last_frame : -1;
+  if (!mechanism_drawing_.parts().names.empty()) {
+    mechanisms_.emplace(model.layout().comm, result_, config.title, mechanism_drawing_.parts(), last_frame);
+  }
   if (model.contacts() == nullptr || model.contacts()->num_obstacles() == 0) return;
   drawing_.emplace(*model.contacts(), model.layout());
-  obstacles_.emplace(model.layout().comm, result_, config.title, drawing_->surfaces(),
-                     earlier ? earlier->last_frame : -1);
+  obstacles_.emplace(model.layout().comm, result_, config.title, drawing_->surfaces(), last_frame);
 }
 
 std::vector<std::string> Recorder::columns(const Config& config, const Ledger& ledger) const {
@@ -354,6 +360,7 @@ void Recorder::sync() {
   history_.sync();
   result_.sync();
   if (obstacles_) obstacles_->sync();
+  if (mechanisms_) mechanisms_->sync();
 }
 
 void Recorder::write_frame(const StepRecord& record) {
@@ -385,7 +392,11 @@ void Recorder::write_frame(const StepRecord& record) {
       fields.push_back({field.name, field.unit, FieldLocation::cell, field.components, values});
     }
   }
-  if (obstacles_) obstacles_->write_frame(record.time, record.step, drawing_->points(model_.instant(record.time)));
+  const Instant at = model_.instant(record.time);
+  if (obstacles_) obstacles_->write_frame(record.time, record.step, drawing_->points(at));
+  if (mechanisms_) {
+    mechanisms_->write_frame(record.time, record.step, mechanism_drawing_.state(at, record.q, record.v));
+  }
   result_.write_frame(record.time, record.step, fields);
 }
 

@@ -4,6 +4,7 @@
 #include "io/history_writer.hpp"
 #include "io/result_writer.hpp"
 #include "model/rigid_states.hpp"
+#include "run/mechanism_drawing.hpp"
 #include "run/obstacle_drawing.hpp"
 #include "run/simulation.hpp"
 
@@ -21,7 +22,7 @@ struct Recorded {
 };
 
 /// The mesh of the model as results hold it.
-OutputMesh output_mesh(const Model& model);
+OutputMesh output_mesh(const Config& config, const Model& model);
 
 class Recorder {
  public:
@@ -58,6 +59,8 @@ class Recorder {
   ResultWriter result_;
   std::optional<ObstacleDrawing> drawing_;  // of obstacles, if there are any
   std::optional<ObstacleWriter> obstacles_;
+  MechanismDrawing mechanism_drawing_;
+  std::optional<MechanismWriter> mechanisms_;  // if there are any
   HistoryWriter history_;
   Handle<Vec> q_, v_;
 };

@@ -16,6 +16,11 @@ function between(stops, s) {
   return a.map((x, k) => Math.round(x + (at - i) * (b[k] - x)));
 }
 
+const stopsOf = (kind) => (kind === "diverging" ? RED_BLUE : VIRIDIS);
+
+/// The colour of a map at 0 <= s <= 1, or at the nearer end: red, green, blue up to 255.
+export const colourAt = (kind, s) => between(stopsOf(kind), Math.min(1, Math.max(0, s)));
+
 function texture(colours, filter) {
   const data = new Uint8Array(colours.flatMap((c) => [...c, 255]));
   const made = new DataTexture(data, colours.length, 1);
@@ -30,12 +35,12 @@ const textures = new Map();
 
 /// One of "sequential", "diverging".
 export function colourMap(kind) {
-  if (!textures.has(kind)) textures.set(kind, texture(map(kind === "diverging" ? RED_BLUE : VIRIDIS), LinearFilter));
+  if (!textures.has(kind)) textures.set(kind, texture(map(stopsOf(kind)), LinearFilter));
   return textures.get(kind);
 }
 
 export const gradient = (kind) =>
-  `linear-gradient(to top, ${(kind === "diverging" ? RED_BLUE : VIRIDIS).map((c) => "#" + c).join(", ")})`;
+  `linear-gradient(to top, ${stopsOf(kind).map((c) => "#" + c).join(", ")})`;
 
 export const nameColour = (i) => "#" + NAMES[i % NAMES.length];
 

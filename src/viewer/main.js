@@ -1,6 +1,7 @@
 // `pliant report`: puts the page together.
 import { report, readHistory } from "./data.js";
 import { Bodies } from "./bodies.js";
+import { Mechanisms } from "./mechanisms.js";
 import { Obstacles } from "./obstacles.js";
 import { Panel } from "./panel.js";
 import { Player } from "./player.js";
@@ -34,7 +35,7 @@ async function start() {
   player.listen((time) => plots.mark(time));
   let view;
   try {
-    view = new View(place("view"), bodies, await Obstacles.load(bodies));
+    view = new View(place("view"), bodies, await Obstacles.load(bodies), await Mechanisms.load(bodies));
   } catch (error) {
     // Without WebGL there are still the plots.
     place("trouble").hidden = false;

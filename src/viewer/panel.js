@@ -33,6 +33,7 @@ export class Panel {
     this.colour = element("select", { id: "colour" });
     this.colour.append(new Option("plain", "none"));
     if (bodies.names.length > 1) this.colour.append(new Option("Body", "bodies"));
+    if (view.mechanisms?.hasTension) this.colour.append(new Option("Tension of lines", "tension"));
     bodies.fields.forEach((field, i) => this.colour.append(new Option(spelt(field.name), i)));
     this.component = element("select", { id: "component" });
     [["magnitude", -1], ["x", 0], ["y", 1], ["z", 2]].forEach(([name, value]) => this.component.append(new Option(name, value)));
@@ -50,7 +51,7 @@ export class Panel {
     }
     place.append(this.check("Edges of elements", "edges"), this.check("Outline at the start", "outline"));
     if (this.flies()) place.append(this.check("Follow the bodies", "follow", () => view.aim(this.direction())));
-    this.looks = { bodies: bodies.names.map(() => "solid"), obstacles: {} };
+    this.looks = { bodies: bodies.names.map(() => "solid"), obstacles: {}, mechanisms: {} };
     const obstacles = view.obstacles?.names ?? [];
     for (const name of obstacles) this.looks.obstacles[name] = "transparent";
     if (bodies.names.length > 1) {
@@ -58,6 +59,12 @@ export class Panel {
     }
     if (obstacles.length > 0) {
       place.append(element("h2", { textContent: "Obstacles" }), this.choices("obstacle", obstacles, this.looks.obstacles, (i) => obstacles[i], () => "#98a2b0"));
+    }
+    if (view.mechanisms) {
+      const { names, kinds, colours } = view.mechanisms;
+      for (const name of names) this.looks.mechanisms[name] = "shown";
+      place.append(element("h2", { textContent: "Mechanism" }),
+        this.choices("part", names, this.looks.mechanisms, (i) => names[i], (i) => colours[i], { looks: ["shown", "hidden"], kinds }));
     }
     place.append(element("h2", { textContent: "View" }), element("div", { className: "row views" },
       ...Object.entries(VIEWS).map(([name, direction]) => element("button", {
@@ -88,11 +95,11 @@ export class Panel {
   }
 
   /// A row for each name that chooses how it is drawn: of native controls, so that the keyboard reaches them.
-  choices(kind, names, looks, keyOf, colourOf) {
+  choices(kind, names, looks, keyOf, colourOf, { looks: allowed = LOOKS, kinds } = {}) {
     const list = element("div", { className: "bodies" });
     names.forEach((name, i) => {
       const choice = element("select", { id: `${kind}-${i}`, title: `how to draw ${name}` });
-      for (const look of LOOKS) choice.append(new Option(look, look));
+      for (const look of allowed) choice.append(new Option(look, look));
       choice.value = looks[keyOf(i)];
       choice.setAttribute("aria-label", `${name}: how to draw it`);
       choice.onchange = () => {
@@ -102,7 +109,7 @@ export class Panel {
       };
       const chip = element("i");
       chip.style.background = colourOf(i);
-      const row = element("div", { className: "row look" }, chip, element("span", { textContent: name, title: name }), choice);
+      const row = element("div", { className: "row look" }, chip, element("span", { textContent: kinds ? `${name}, ${kinds[i]}` : name, title: name }), choice);
       row.dataset.look = choice.value;
       list.append(row);
     });
@@ -111,13 +118,15 @@ export class Panel {
 
   /// Colours by what is chosen.
   async paint() {
-    const chosen = this.colour.value, byField = chosen !== "none" && chosen !== "bodies";
+    const chosen = this.colour.value, byField = !["none", "bodies", "tension"].includes(chosen);
     this.rangeRow.hidden = !byField;
     this.componentRow.hidden = !byField || this.bodies.fields[chosen].scales.length === 1;
+    const tension = chosen === "tension" ? this.view.mechanisms.range() : null;
+    this.view.set({ tension });
     if (!byField) {
       this.view.set({ field: -1 });
-      this.view.paint(chosen);
-      showLegend(this.legend, {});
+      this.view.paint(tension ? "none" : chosen);
+      showLegend(this.legend, tension ? { label: "Tension", unit: "N", ...tension } : {});
       return;
     }
     const field = Number(chosen), component = this.componentRow.hidden ? 0 : Number(this.component.value);

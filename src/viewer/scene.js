@@ -82,8 +82,8 @@ class Drawn {
 }
 
 export class View {
-  /// `obstacles`: of obstacles.js, or null.
-  constructor(canvas, bodies, obstacles) {
+  /// `obstacles`: of obstacles.js, `mechanisms`: of mechanisms.js, or null.
+  constructor(canvas, bodies, obstacles, mechanisms) {
     this.bodies = bodies;
     this.canvas = canvas;
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
@@ -109,9 +109,11 @@ export class View {
     for (const one of this.drawn) this.scene.add(one.all);
     this.obstacles = obstacles;
     if (obstacles) this.scene.add(obstacles.group);
+    this.mechanisms = mechanisms;
+    if (mechanisms) this.scene.add(mechanisms.group);
     this.bodyColours = nameColours(Math.max(1, bodies.names.length));
     this.options = { time: 0, scale: 1, field: -1, component: -1, low: 0, high: 1, edges: false, outline: false,
-                     follow: false };
+                     follow: false, tension: null };
     this.look = () => {};  // called after each drawing
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.ink());
@@ -156,11 +158,12 @@ export class View {
     this.touch();
   }
 
-  /// `looks`: of each body and of each obstacle's name, one of LOOKS.
+  /// `looks`: of each body and of each obstacle's name, one of LOOKS; of what is hidden of mechanisms, "hidden".
   show(looks) {
     for (const one of this.drawn) one.show(looks.bodies);
     this.obstacles?.show(looks.obstacles);
-    this.touch();
+    this.mechanisms?.show(looks.mechanisms);
+    this.set({});
   }
 
   /// Colours from a map, from the bodies' names, or none.
@@ -184,6 +187,8 @@ export class View {
       if (this.options.follow) for (let i = 0; i < x.length; ++i) x[i] -= this.flown(at)[i % 3];
       const every = Math.max(1, Math.floor(at.surface.size / 1500));
       for (let v = 0; v < at.surface.size; v += every) points.push(new Vector3(x[3 * v], x[3 * v + 1], x[3 * v + 2]));
+      const lines = this.mechanisms?.current(at, this.options.scale, this.originAt(at));
+      for (let v = 0; lines && v < lines.x.length; v += 3) points.push(new Vector3(...lines.x.subarray(v, v + 3)));
     }
     return points;
   }
@@ -229,6 +234,11 @@ export class View {
     return at.shift.map((s, k) => this.options.scale * (s - first[k]));
   }
 
+  /// Where the origin of the drawing is: it flies with the bodies if it follows them.
+  originAt(at) {
+    return this.options.follow ? this.origin.map((x, k) => x + this.flown(at)[k]) : this.origin;
+  }
+
   resize() {
     const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
     if (!width || !height) return;
@@ -259,7 +269,7 @@ export class View {
     for (const one of this.drawn) one.all.visible = one.surface === at.surface;
     const { body, outline, edges } = this.drawn[at.surface.number];
     const attributes = body.geometry.attributes;
-    const origin = options.follow ? this.origin.map((x, k) => x + this.flown(at)[k]) : this.origin;
+    const origin = this.originAt(at);
     bodies.positions(at, options.scale, origin, attributes.position.array);
     attributes.position.needsUpdate = true;
     setNormals(attributes.normal.array, attributes.position.array, at.surface.index);
@@ -272,6 +282,7 @@ export class View {
       x.needsUpdate = true;
     }
     this.obstacles?.place(at, origin, this.sceneSize);
+    this.mechanisms?.place(at, origin, options.scale, options.tension);
     this.colour(at, attributes.uv);
   }
 

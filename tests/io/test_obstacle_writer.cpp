@@ -89,7 +89,7 @@ TEST(ObstacleWriter, ListOfAnEarlierRunGoesWithItsNumbers) {
   writer.write_frame(0.0, 0, {});
   write_sample_frame(bodies, mesh, 0.0, 0);
   const ResultWriter without(comm, directory, "block", mesh);
-  on_root(comm, [&] { EXPECT_FALSE(std::filesystem::exists(without.obstacles_file())); });
+  on_root(comm, [&] { EXPECT_FALSE(std::filesystem::exists(without.companion_file("obstacles"))); });
 }
 
 }  // namespace

@@ -12,8 +12,10 @@
 #include "petsc/session.hpp"
 #include "sample.hpp"
 
+#include <array>
 #include <cmath>
 #include <fstream>
+#include <numbers>
 #include <random>
 #include <set>
 
@@ -37,9 +39,9 @@ std::filesystem::path sample_result(const std::string& name, int nodes_per_cell,
 
 /// Area and, by the divergence theorem, volume within the surface of one body.
 std::pair<double, double> area_and_volume(const OutputMesh& mesh, const BodySurface& surface, int body) {
+  const auto positions = at_vertices(surface, mesh.coordinates, FieldLocation::node, 3);
   const auto x = [&](std::size_t corner) {
-    const double* at = &mesh.coordinates[3 * static_cast<std::size_t>(
-                                                 surface.nodes[static_cast<std::size_t>(surface.triangles[corner])])];
+    const double* at = &positions[3 * static_cast<std::size_t>(surface.triangles[corner])];
     return Vector3<double>{at[0], at[1], at[2]};
   };
   double area = 0.0, volume = 0.0;
@@ -73,6 +75,39 @@ TEST(BodySurface, SurroundsEachBody) {
     }
     EXPECT_EQ(std::ssize(one.nodes) - std::ssize(edges) + num_triangles, 6);
     EXPECT_EQ(surface_of_bodies(mesh, /*most_divided=*/1).triangles_per_facet, 1);
+  }
+}
+
+// A tetrahedron in the box [-1, 1] x [-2, 2] x [-3, 3] about (5, 0, 0), its corners in both orders that occur.
+TEST(BodySurface, MassesAreEllipsoids) {
+  for (const auto& corners : {std::array<std::int64_t, 4>{1, 0, 2, 3}, {0, 2, 1, 3}}) {
+    OutputMesh mesh = sample_mesh(MPI_COMM_SELF, 4);
+    const std::int64_t first = mesh.global_num_nodes;
+    mesh.global_num_nodes += 4;
+    mesh.coordinates.insert(mesh.coordinates.end(), {6, 2, 3, 6, -2, -3, 4, 2, -3, 4, -2, 3});
+    for (const std::int64_t corner : corners) mesh.cells.push_back(first + corner);
+    mesh.bodies.push_back(2);
+    mesh.body_names.emplace_back("bob");
+    mesh.masses = {"bob"};
+    const BodySurface surface = surface_of_bodies(mesh);
+    const auto x = at_vertices(surface, mesh.coordinates, FieldLocation::node, 3);
+    std::vector<double> number(mesh.bodies.size());
+    number.back() = 7.0;
+    const auto of_cells = at_vertices(surface, number, FieldLocation::cell, 1);
+    std::size_t count = 0;
+    for (std::size_t v = 0; v < surface.num_vertices(); ++v) {
+      if (surface.bodies[v] != 2) continue;
+      ++count;
+      EXPECT_NEAR(norm(Vector3<double>{x[3 * v] - 5, x[3 * v + 1] / 2, x[3 * v + 2] / 3}), 1.0, 1e-14);
+      EXPECT_EQ(of_cells[v], 7.0);
+    }
+    EXPECT_EQ(count, 258U);
+    // The volume of a polyhedron inscribed in an ellipsoid, with triangles that are 1/8 of a quarter circle wide.
+    const double volume = area_and_volume(mesh, surface, 2).second;
+    EXPECT_LT(volume, 8.0 * std::numbers::pi);
+    EXPECT_GT(volume, 0.97 * 8.0 * std::numbers::pi);
+    EXPECT_NEAR(area_and_volume(mesh, surface, 0).second + area_and_volume(mesh, surface, 1).second, volume_of_sample,
+                1e-12);
   }
 }
 

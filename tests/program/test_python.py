@@ -4,6 +4,7 @@ import contextlib
 import io
 import os
 import re
+import shutil
 import sys
 import unittest
 
@@ -128,8 +129,9 @@ class Package(ProgramTest):
 
     def test_page(self):
         """The blocks of the page one after another, as a reader types them; their beam with a coarser mesh."""
-        for name in ("input", "meshes"):
-            (self.directory / name).mkdir()
+        for name in ("input/verification", "meshes"):
+            (self.directory / name).mkdir(parents=True)
+        shutil.copy(ROOT / "input/verification/pendulum.yaml", self.directory / "input/verification")
         text = (ROOT / "input/beam_small.yaml").read_text()
         self.write("input/beam_small.yaml", text.replace("volume: beam", "volume: body").replace("surface: clamp", "surface: left"))
         write_box("meshes/beam_small.msh", (4, 1, 1), (1, 0.2, 0.2))

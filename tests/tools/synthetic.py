@@ -87,6 +87,26 @@ def add_obstacles(directory):
             group[f"frames/{frame.attrs['step']:06}/points"] = np.vstack([floor, lifted])
 
 
+def add_mechanisms(directory):
+    """A tendon from above the bar's root into its middle, a spring below the bar, and a hinge at the bar's root."""
+    at_rest = np.array([[0, 0, 0.5], [0.2, 0, 0.2], [0.25, 0, 0], [0.9, 0, 0],
+                        [0.2, 0, -0.5], [0.8, 0, -0.5],
+                        [0, 0, 0], [0, -0.2, 0], [0, 0.2, 0]])
+    with h5py.File(os.path.join(directory, "result.h5"), "r+") as h5:
+        group = h5.create_group("mechanisms")
+        group["points"] = at_rest
+        group["segments"] = np.array([[0, 1], [1, 2], [2, 3], [4, 5], [7, 8]])
+        group["part"] = np.array([0, 0, 0, 1, 2], dtype="i4")
+        group["part"].attrs.update({"names": "flexor\ncoil\nroot_hinge", "kinds": "tendon\nspring\nhinge"})
+        group["joints"] = np.array([6])
+        for frame in h5["frames"].values():
+            t = frame.attrs["time"]
+            now = group.create_group(f"frames/{frame.attrs['step']:06}")
+            now["points"] = at_rest + bent(at_rest, -0.6 * (1 - np.cos(2 * np.pi * t))) * [[0], [0], [1], [1], [0], [0], [0], [0], [0]]
+            now["tension"] = np.array([8, 7, 5, -2, 0]) * t
+            now["axes"] = np.array([[0.0, 1, 0]])
+
+
 def write_history(directory, num_steps=200):
     t = np.linspace(0, 1, num_steps + 1)
     phase = 2 * np.pi * t

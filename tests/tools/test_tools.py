@@ -18,7 +18,7 @@ sys.dont_write_bytecode = True
 
 import synthetic  # noqa: E402
 from package import Result, Surface  # noqa: E402
-from pliant import von_mises  # noqa: E402
+from pliant import Mesh, von_mises  # noqa: E402
 
 SMALL = ["--size", "320x240"]
 
@@ -95,6 +95,28 @@ class Pictures(WithResult):
         colours, counts = np.unique(before[30:].reshape(-1, 3) // 4, axis=0, return_counts=True)
         self.assertGreater(len(colours[counts > 20]), 3, "background, body, obstacle, and the mean of the two")
 
+    def test_tendons_springs_and_joints_are_drawn_and_seen_through_bodies(self):
+        def shares(*arguments):
+            """Of pixels of tendon, spring and joint where nothing hides them, and of those where a body does."""
+            file = self.draw("--view=0.2,-1,0.3", "--field=none", "--frame", 2, *arguments, *SMALL)
+            r, g, b = np.moveaxis(np.asarray(Image.open(file).convert("RGB")).astype(int)[30:], 2, 0)
+            is_red, is_green, is_yellow = (r > g + 80) & (r > b + 50), (g > r + 60), (g > b + 60) & (r > g + 30)
+            return [np.mean(colour) for colour in (is_red & ~is_yellow, is_green, is_yellow, (r > b) & (r < 205))]
+
+        nothing = shares()
+        synthetic.add_mechanisms(self.directory)
+        self.assertEqual(shares("--scale", 1.001), nothing)
+        drawn = shares()
+        for share, none in zip(drawn, nothing):
+            self.assertGreater(share, none + 2e-4)
+        without = shares("--hide", "flexor", "--hide", "root_hinge")
+        self.assertEqual((without[0], without[2]), (nothing[0], nothing[2]))
+        self.assertGreaterEqual(without[1], drawn[1], "the camera comes nearer")
+        self.fails("--transparent coil: there is no body or obstacle of this name", self.directory, "--transparent", "coil")
+        # By tension: the spring pushes, the tendon pulls most at its first segment.
+        pictures = [np.asarray(Image.open(self.draw("--field", field, "--frame", 2, "--size", "480x360"))).tobytes() for field in ("tension", "none")]
+        self.assertNotEqual(*pictures)
+
     def test_bodies_are_hidden_and_transparent(self):
         """Named colours: the root is blue, the tip orange; the end of the root inside the bar is seen once the tip is gone."""
         def shares(*arguments):
@@ -164,6 +186,7 @@ class Pictures(WithResult):
         self.fails("--hide arm: there is no body or obstacle of this name; there are root, tip", self.directory, "--hide", "arm")
         self.fails("no body or obstacle", self.directory, "--transparent", "arm")
         self.fails("every body is hidden", self.directory, "--hide", "root", "--hide", "tip")
+        self.fails("--field tension: the result has no tendons", self.directory, "--field", "tension")
         self.fails("--size", self.directory, "--size", "big")
         self.fails("--view", self.directory, "--view", "0,0,0")
         self.fails("No such file", self.directory, "-o", self.path("missing/picture.png"))
@@ -177,6 +200,23 @@ class Pictures(WithResult):
 
 
 class SurfaceOfBlock(WithResult):
+    def test_a_mass_is_an_ellipsoid(self):
+        """In the box [-1, 1] x [-2, 2] x [-3, 3], and beside it an ordinary tetrahedron."""
+        box = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) * [1, 2, 3]
+        other = np.array([[10.0, 0, 0], [11, 0, 0], [10, 1, 0], [10, 0, 1]])
+        x = np.vstack([box, other])
+        for order in ([1, 0, 2, 3], [0, 2, 1, 3]):
+            mesh = Mesh(x, np.array([order, [4, 5, 6, 7]]), np.array([0, 1]), ["bob", "block"], ["bob"])
+            surface = Surface(mesh)
+            points = surface.of_nodes(x)
+            of_bob = surface.cell_of_face[surface.face_of_triangle] == 0
+            self.assertEqual((of_bob.sum(), (~of_bob).sum()), (512, 4))
+            np.testing.assert_allclose(np.linalg.norm(points[surface.triangles[of_bob]] / [1, 2, 3], axis=2), 1, atol=1e-14)
+            a, b, c = (points[surface.triangles[:, k]] for k in range(3))
+            volumes = np.einsum("ij,ij->i", np.cross(a, b), c) / 6
+            self.assertAlmostEqual(volumes[of_bob].sum() / (8 * np.pi), 1, delta=0.03)
+            self.assertAlmostEqual(volumes[~of_bob].sum(), 1 / 6)
+
     def test_area_and_outward_normals(self):
         for order in (1, 2):
             directory = self.path(f"order{order}")

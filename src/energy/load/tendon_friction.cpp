@@ -52,6 +52,24 @@ std::vector<TendonFriction::Turn> TendonFriction::turns(const LocalStage& stage,
   return turns;
 }
 
+std::vector<double> TendonFriction::tensions(double at_pulled_end, std::span<const Vector3<double>> places,
+                                             std::span<const Vector3<double>> velocities) const {
+  const std::size_t last = places.size() - 1;
+  std::vector<Vector3<double>> n(last);
+  std::vector<double> slip(last);
+  double beyond = 0.0;
+  for (std::size_t k = last; k-- > 0;) {
+    n[k] = unit(places[k + 1] - places[k]);
+    slip[k] = beyond -= dot(n[k], velocities[k + 1] - velocities[k]);
+  }
+  std::vector<double> T{at_pulled_end};
+  for (std::size_t k = 1; k < last; ++k) {
+    const double f = response({{}, 1.0, slip[k]}).slope[0];
+    T.push_back(T.back() * std::exp(-friction_.coefficient * angle_between(n[k - 1], n[k]) * f));
+  }
+  return T;
+}
+
 double TendonFriction::value(const LocalStage& stage, std::span<const double> q) const {
   const auto& segments = TendonPath::segments(*stage.near);
   const std::vector<Turn> all = turns(stage, q);

@@ -32,6 +32,11 @@ class TendonFriction final : public EnergyTerm {
                    Projection projection) const override;
   double dissipation(const LocalStage& stage, std::span<const double> q) const override;
 
+  /// The tension of each segment of a tendon whose points have these places [m] and velocities [m/s], from that at the
+  /// pulled end [N].
+  std::vector<double> tensions(double at_pulled_end, std::span<const Vector3<double>> places,
+                               std::span<const Vector3<double>> velocities) const;
+
  private:
   /// The point at the start of a segment.
   struct Turn {

@@ -9,9 +9,9 @@ All numbers are in SI units.
 from .checkpoint import Checkpoint
 from .error import PliantError
 from .history import History
-from .result import Field, Frame, Mesh, Obstacles, Result, von_mises
+from .result import Field, Frame, Joint, Line, Mechanisms, Mesh, Obstacles, Result, von_mises
 from .runs import Run, resume, run
 from .surface import Surface
 
-__all__ = ["Checkpoint", "Field", "Frame", "History", "Mesh", "Obstacles", "PliantError", "Result", "Run", "Surface", "resume", "run",
-           "von_mises"]
+__all__ = ["Checkpoint", "Field", "Frame", "History", "Joint", "Line", "Mechanisms", "Mesh", "Obstacles", "PliantError", "Result", "Run",
+           "Surface", "resume", "run", "von_mises"]

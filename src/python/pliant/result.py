@@ -19,6 +19,8 @@ class Mesh:
     cells: np.ndarray  #: num_cells x 4, or 10: then the middles of the edges 01 12 02 03 13 23 come last
     body: np.ndarray  #: index of the body of each cell
     body_names: "list[str]"
+    #: Rigid bodies without a mesh and a surface: the one cell of each has the moments of inertia of the ellipsoid whose box it is in.
+    masses: "list[str]" = dataclasses.field(default_factory=list)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -39,6 +41,42 @@ class Obstacles:
         """Positions of the obstacles that are not planes."""
         count = np.bincount(self.obstacle, minlength=len(self.names))
         return self.points[np.unique(self.triangles[count[self.obstacle] != 2])]
+
+
+@dataclasses.dataclass(frozen=True)
+class Mechanisms:
+    """Tendons, springs and joints as lines, and where they are in a frame."""
+
+    names: "list[str]"  #: of tendons, then springs, then joints
+    kinds: "list[str]"  #: of each: "tendon", "spring", or the type of a joint
+    points: np.ndarray  #: num_points x 3, current positions [m]
+    segments: np.ndarray  #: num_segments x 2, point numbers
+    part: np.ndarray  #: index into names of each segment
+    tension: np.ndarray  #: of each segment [N]; 0 of joints
+    joints: np.ndarray  #: the point where each joint is; joints are the last of the names
+    axes: np.ndarray  #: num_joints x 3, of unit length; zero of joints without an axis
+
+    def points_along(self, part: int) -> np.ndarray:
+        """The points of a tendon or a spring in their order, numbers."""
+        segments = self.segments[self.part == part]
+        return np.append(segments[:, 0], segments[-1:, 1])
+
+
+@dataclasses.dataclass(frozen=True)
+class Line:
+    """A tendon or a spring in all frames."""
+
+    points: np.ndarray  #: num_frames x num_points x 3, from the pulled end of a tendon [m]
+    tension: np.ndarray  #: num_frames x (num_points - 1), of each segment; of a spring its force, positive where it pulls [N]
+
+
+@dataclasses.dataclass(frozen=True)
+class Joint:
+    """A joint in all frames."""
+
+    type: str  #: "hinge", "ball", ...
+    point: np.ndarray  #: num_frames x 3, where it is on its second body [m]
+    axis: np.ndarray  #: num_frames x 3, of unit length, with its first body; zero if it has none
 
 
 @dataclasses.dataclass(frozen=True)
@@ -123,6 +161,19 @@ class Frame:
         moved = f"frames/{self.step:06}/points"
         names = text(group["obstacle"].attrs["names"]).split("\n")
         return Obstacles(group[moved if moved in group else "points"][()], group["triangles"][()], group["obstacle"][()], names)
+
+    @property
+    def mechanisms(self) -> Optional[Mechanisms]:
+        """Lines that show tendons, springs and joints; None if the run had none."""
+        path = self.mesh_group.replace("mesh", "mechanisms")
+        if path not in self.result.h5:
+            return None
+        group = self.result.h5[path]
+        now, part = group[f"frames/{self.step:06}"], group["part"]
+        names, kinds = (text(part.attrs[key]).split("\n") for key in ("names", "kinds"))
+        joints = group["joints"][()] if "joints" in group else np.zeros(0, dtype=int)
+        axes = now["axes"][()] if "axes" in now else np.zeros((0, 3))
+        return Mechanisms(names, kinds, now["points"][()], group["segments"][()], part[()], now["tension"][()], joints, axes)
 
     def to_meshio(self) -> Any:
         """A meshio.Mesh in the current shape with all fields; `.write("frame.vtu")` writes any format that meshio knows."""
@@ -224,8 +275,8 @@ class Result(Sequence[Frame]):
         """Of all frames, unless the run was resumed: `Frame.mesh` is that of a frame."""
         if group not in self._meshes:
             given = self.h5[group]
-            names = text(given["body"].attrs.get("names", "")).split("\n")
-            self._meshes[group] = Mesh(given["coordinates"][()], given["cells"][()], given["body"][()], names)
+            names, masses = (text(given["body"].attrs.get(key, "")).split("\n") for key in ("names", "masses"))
+            self._meshes[group] = Mesh(given["coordinates"][()], given["cells"][()], given["body"][()], names, masses if masses[0] else [])
         return self._meshes[group]
 
     def series(self, name: str, rows: Any = slice(None)) -> np.ndarray:
@@ -234,3 +285,39 @@ class Result(Sequence[Frame]):
         if len({frame.mesh_group for frame in self.frames}) > 1:
             raise PliantError(f"{self.file}: the run was resumed, and nodes and cells have another order since; read the frames")
         return np.stack([frame.field(name).values[rows] for frame in self.frames])
+
+    @property
+    def tendons(self) -> "dict[str, Line]":
+        """In all frames, by name: `result.tendons["flexor"].points[-1]`."""
+        return self._lines("tendon")
+
+    @property
+    def springs(self) -> "dict[str, Line]":
+        """In all frames, by name."""
+        return self._lines("spring")
+
+    @property
+    def joints(self) -> "dict[str, Joint]":
+        """In all frames, by name: `result.joints["knuckle"].axis[-1]`."""
+        frames = self._mechanisms()
+        if not frames:
+            return {}
+        first, joints = frames[0], {}
+        for j, place in enumerate(first.joints):
+            part = j - len(first.joints)
+            joints[first.names[part]] = Joint(first.kinds[part], np.stack([frame.points[place] for frame in frames]),
+                                              np.stack([frame.axes[j] for frame in frames]))
+        return joints
+
+    def _lines(self, kind: str) -> "dict[str, Line]":
+        frames, lines = self._mechanisms(), {}
+        for part, name in enumerate(frames[0].names if frames else []):
+            if frames[0].kinds[part] == kind:
+                along, of_part = frames[0].points_along(part), frames[0].part == part
+                lines[name] = Line(np.stack([frame.points[along] for frame in frames]),
+                                   np.stack([frame.tension[of_part] for frame in frames]))
+        return lines
+
+    def _mechanisms(self) -> "list[Mechanisms]":
+        found = [frame.mechanisms for frame in self.frames]
+        return [one for one in found if one is not None]

@@ -13,6 +13,8 @@ class Surface:
     """The outer faces of a mesh, or of some of its cells, each divided into `divisions`^2 triangles, with points shared between
     neighbours.
 
+    A body that is only a mass (`Mesh.masses`) is the ellipsoid with its moments of inertia.
+
     Everything is topology: `positions`, `of_nodes` and `of_cells` turn nodal and cell values into values at the points, for any
     frame.
     """
@@ -25,12 +27,16 @@ class Surface:
         self._mesh = mesh
         self._cells = np.arange(len(mesh.cells)) if cells is None else np.asarray(cells)
         quadratic = mesh.cells.shape[1] == 10
-        faces, cell = self._outer_faces(mesh.cells[self._cells])
-        self.cell_of_face = self._cells[cell]
+        is_mass = np.isin(np.array(mesh.body_names), mesh.masses)[mesh.body[self._cells]]
+        of_mesh, masses = self._cells[~is_mass], self._cells[is_mass]
+        faces, cell = self._outer_faces(mesh.cells[of_mesh])
+        self.cell_of_face = of_mesh[cell]
         if divisions is None:
             divisions = 1 if not quadratic else 4 if len(faces) < 40_000 else 2
         self._n = divisions
         self._divide(faces if quadratic else faces[:, :3])
+        if len(masses) > 0:
+            self._add_ellipsoids(masses)
 
     def _outer_faces(self, cells: np.ndarray) -> "tuple[np.ndarray, np.ndarray]":
         corners = cells[:, _FACES[:, :3]].reshape(-1, 3)
@@ -68,6 +74,24 @@ class Surface:
         _, first = np.unique(ends, axis=0, return_index=True)
         self.element_edges = lines[first]
 
+    def _add_ellipsoids(self, cells: np.ndarray) -> None:
+        """Around the corners (1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1) of a box [-1, 1]^3, as they are mapped: the unit sphere in it."""
+        sphere, triangles = _sphere()
+        weights = (1 + sphere @ np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]).T) / 4
+        width = max(self._nodes.shape[1], 4)
+        padding = [(0, 0), (0, width - self._nodes.shape[1])]
+        corners = np.pad(self._mesh.cells[cells, :4], [(0, 0), (0, width - 4)], mode="edge")
+        first = len(self._nodes) + len(sphere) * np.arange(len(cells))
+        self._nodes = np.vstack([np.pad(self._nodes, padding, mode="edge"), np.repeat(corners, len(sphere), axis=0)])
+        self._weights = np.vstack([np.pad(self._weights, padding), np.tile(np.pad(weights, [(0, 0), (0, width - 4)]), (len(cells), 1))])
+        a, b, c, d = (self._mesh.coordinates[self._mesh.cells[cells, k]] for k in range(4))
+        mirrored = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) * np.linalg.det([[0, -2, -2], [-2, 0, -2], [-2, -2, 0]]) < 0
+        for start, is_mirrored in zip(first, mirrored):
+            self.triangles = np.vstack([self.triangles, start + (triangles[:, ::-1] if is_mirrored else triangles)])
+        faces = len(self.cell_of_face) + np.arange(len(cells))
+        self.cell_of_face = np.append(self.cell_of_face, cells)
+        self.face_of_triangle = np.append(self.face_of_triangle, np.repeat(faces, len(triangles)))
+
     def of_nodes(self, values: np.ndarray) -> np.ndarray:
         """Nodal values (rows x components) at the points."""
         return np.einsum("pk,pkc->pc", self._weights, values[self._nodes])
@@ -87,6 +111,21 @@ class Surface:
             [np.bincount(nodes, weight * np.repeat(column, cells.shape[1]), num_nodes) / total
              for column in values[self._cells].T], axis=1)
         return self.of_nodes(at_nodes)
+
+
+def _sphere(divisions: int = 3) -> "tuple[np.ndarray, np.ndarray]":
+    """Points of the unit sphere, and triangles between them: an octahedron whose triangles are divided into four, `divisions` times."""
+    points = np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 1], [-1, 0, 0], [0, -1, 0], [0, 0, -1]])
+    triangles = np.array([[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])
+    for _ in range(divisions):
+        a, b, c = triangles.T
+        sides = np.sort(np.vstack([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+        ends, number = np.unique(sides, axis=0, return_inverse=True)
+        middles = points[ends].sum(axis=1)
+        ab, bc, ca = (len(points) + number.ravel()).reshape(3, -1)
+        points = np.vstack([points, middles / np.linalg.norm(middles, axis=1, keepdims=True)])
+        triangles = np.stack([a, ab, ca, b, bc, ab, c, ca, bc, ab, bc, ca], axis=1).reshape(-1, 3)
+    return points, triangles
 
 
 def _shape_functions(barycentric: np.ndarray, num_nodes: int) -> np.ndarray:

@@ -1,0 +1,101 @@
+#include "command/mechanism_table.hpp"
+
+#include "input/elasticity.hpp"
+#include "model/rigid_bodies.hpp"
+#include "petsc/collective.hpp"
+
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// Components that are zero but for rounding are written as 0.
+std::string place(Vector3<double> x) {
+  constexpr double rounding = 1e-12;
+  const double size = norm(x);
+  for (double& component : x) component = std::abs(component) > rounding * size ? component : 0.0;
+  return fmt::format("({:.6g}, {:.6g}, {:.6g})", x[0], x[1], x[2]);
+}
+
+std::string cells_of(const Model& model, std::size_t body) {
+  double count = 0.0;
+  for (PetscInt c = 0; c < model.layout().num_owned_cells; ++c) {
+    count += model.body_of_cell()[static_cast<std::size_t>(c)] == static_cast<int>(body) ? 1.0 : 0.0;
+  }
+  return fmt::format("{:.0f} tetrahedra", sum(model.layout().comm, count));
+}
+
+/// Where a point of a tendon or a spring is fixed.
+std::string holder(const BodyPoint& point) {
+  return point.body.empty() ? "the mesh" : point.body;
+}
+
+std::string line_of(const JointConfig& joint) {
+  std::string text = fmt::format("  {}: {}, {} - {}, at {}", joint.name, name_of(joint.type), joint.between[0],
+                                 joint.between[1], place(joint.point));
+  if (joint.second_point) text += fmt::format(" and {}", place(*joint.second_point));
+  if (joint.axis) text += fmt::format(", axis {}", place(unit(Vector3<double>(*joint.axis))));
+  if (joint.second_axis) text += fmt::format(" and {}", place(unit(Vector3<double>(*joint.second_axis))));
+  if (joint.motion) text += ", moved";
+  if (joint.motor) text += ", motor";
+  if (joint.limits) text += fmt::format(", stops at {:.6g} and {:.6g}", (*joint.limits)[0], (*joint.limits)[1]);
+  return text;
+}
+
+std::string line_of(const SpringConfig& spring, const LineSpring& on_mesh, double length) {
+  std::string text = fmt::format("  {}: {} - {}, {:.6g} m long", spring.name, holder(spring.points[0]),
+                                 holder(spring.points[1]), length);
+  if (spring.stiffness > 0.0) text += fmt::format(", {:.6g} N/m from {:.6g} m on", spring.stiffness, on_mesh.rest);
+  if (spring.is_tension_only) text += ", slack below";
+  if (spring.damping > 0.0) text += fmt::format(", damping {:.6g} N s/m", spring.damping);
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string> body_table(const Config& config, const Model& model) {
+  std::vector<std::string> lines{"bodies"};
+  for (std::size_t b = 0; b < config.bodies.size(); ++b) {
+    const BodyConfig& body = config.bodies[b];
+    std::string text = fmt::format("  {}: {}, {}", model.body_names()[b], cells_of(model, b),
+                                   body.elasticity ? describe(*body.elasticity) : "rigid");
+    if (body.density) text += fmt::format(", density {:.4g} kg/m^3", *body.density);
+    if (body.is_rigid) {
+      const auto [volume, center] = volume_of_body(model.layout(), model.body_of_cell(), static_cast<int>(b));
+      if (body.density) text += fmt::format(", mass {:.6g} kg", *body.density * volume);
+      text += ", center " + place(center);
+    }
+    lines.push_back(std::move(text));
+  }
+  for (std::size_t r = 0; r < config.rigid_bodies.size(); ++r) {
+    const RigidBodyConfig& body = config.rigid_bodies[r];
+    const std::string shape = body.surface ? cells_of(model, config.bodies.size() + r) + ", " : "";
+    lines.push_back(
+        fmt::format("  {}: {}rigid, mass {:.6g} kg, center {}", body.name, shape, body.mass, place(body.center)));
+  }
+  return lines;
+}
+
+std::vector<std::string> mechanism_table(const Config& config, const Model& model) {
+  std::vector<std::string> lines;
+  if (!config.joints.empty()) lines.emplace_back("joints");
+  for (const JointConfig& joint : config.joints) lines.push_back(line_of(joint));
+  const ModelSprings& springs = model.springs();
+  if (!springs.names.empty()) lines.emplace_back("springs");
+  const std::vector<double> at_rest(3 * static_cast<std::size_t>(model.layout().num_local_nodes), 0.0);
+  const auto ends = places_of(springs.points, model.layout(), at_rest);
+  for (std::size_t k = 0; k < springs.names.size(); ++k) {
+    lines.push_back(line_of(config.springs[k], springs.springs[k], norm(ends[2 * k + 1] - ends[2 * k])));
+  }
+  if (!model.tendons().empty()) lines.emplace_back("tendons");
+  for (const ModelTendon& tendon : model.tendons()) {
+    lines.push_back(fmt::format("  {}: {} points, {:.6g} m long, turns by {:.4g} rad", tendon.name,
+                                tendon.points.size(), tendon.length, tendon.turn));
+  }
+  return lines;
+}
+
+}  // namespace pliant

@@ -1,0 +1,17 @@
+/// What `pliant check` says of bodies, and of what connects them.
+#pragma once
+
+#include "model/model.hpp"
+
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+/// A heading and a line for each body: its cells and its material, or mass and centre of a rigid one. Collective.
+std::vector<std::string> body_table(const Config& config, const Model& model);
+
+/// Joints, springs and tendons, a heading and a line for each; nothing where there are none. Collective.
+std::vector<std::string> mechanism_table(const Config& config, const Model& model);
+
+}  // namespace pliant

@@ -1,0 +1,88 @@
+"""Tendons, springs and joints in a picture: tubes and spheres that VTK draws."""
+import numpy as np
+from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
+from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+from vtkmodules.vtkFiltersCore import vtkGlyph3D, vtkTubeFilter
+from vtkmodules.vtkFiltersSources import vtkSphereSource
+from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
+
+COLOURS = {"tendon": (214, 58, 80), "spring": (47, 158, 120)}
+JOINT = (232, 152, 28)
+THICKNESS, DOT = 0.004, 0.014  # radius of lines and of the spheres at joints, as fractions of the scene's size
+
+
+class DrawnMechanisms:
+    """Lines in a renderer, in whose scene something is `size` long; `set` places and colours them."""
+
+    def __init__(self, renderer, size):
+        self._lines, self._places = vtkPolyData(), vtkPolyData()
+        tubes = vtkTubeFilter()
+        tubes.SetInputData(self._lines)
+        tubes.SetRadius(THICKNESS * size)
+        tubes.SetNumberOfSides(16)
+        tubes.CappingOn()
+        ball = vtkSphereSource()
+        ball.SetRadius(DOT * size)
+        ball.SetThetaResolution(24)
+        ball.SetPhiResolution(24)
+        balls = vtkGlyph3D()
+        balls.SetInputData(self._places)
+        balls.SetSourceConnection(ball.GetOutputPort())
+        balls.ScalingOff()
+        self.actors = [self._actor(renderer, part.GetOutputPort()) for part in (tubes, balls)]
+        self.actors[1].GetMapper().ScalarVisibilityOff()
+        self.actors[1].GetProperty().SetColor(*(c / 255 for c in JOINT))
+
+    @staticmethod
+    def _actor(renderer, port):
+        mapper, actor = vtkPolyDataMapper(), vtkActor()
+        mapper.SetInputConnection(port)
+        mapper.SetScalarModeToUseCellData()
+        actor.SetMapper(mapper)
+        actor.GetProperty().SetAmbient(0.5)
+        actor.GetProperty().SetDiffuse(0.6)
+        renderer.AddActor(actor)
+        return actor
+
+    def set(self, shown):
+        """`shown`: a ShownMechanisms."""
+        self._fill(self._lines, shown.points, shown.segments)
+        self._lines.GetCellData().SetScalars(numpy_to_vtk(np.ascontiguousarray(shown.colours), deep=True))
+        self._fill(self._places, shown.points[shown.joints])
+
+    @staticmethod
+    def _fill(data, positions, segments=None):
+        points, cells = vtkPoints(), vtkCellArray()
+        points.SetData(numpy_to_vtk(np.ascontiguousarray(positions), deep=True))
+        data.SetPoints(points)
+        if segments is not None:
+            offsets = 2 * np.arange(len(segments) + 1, dtype=np.int64)
+            cells.SetData(numpy_to_vtkIdTypeArray(offsets, deep=True),
+                          numpy_to_vtkIdTypeArray(np.ascontiguousarray(segments, dtype=np.int64).ravel(), deep=True))
+            data.SetLines(cells)
+        data.Modified()
+
+
+class ShownMechanisms:
+    """Those of a frame whose names are not in `hidden`; `colour_of`: colours of tensions, None for plain lines."""
+
+    def __init__(self, mechanisms, hidden, colour_of):
+        names, first_joint = np.array(mechanisms.names), len(mechanisms.names) - len(mechanisms.joints)
+        kept = ~np.isin(names[mechanisms.part], hidden)
+        part = mechanisms.part[kept]
+        self.points, self.segments = mechanisms.points, mechanisms.segments[kept]
+        self.joints = mechanisms.joints[~np.isin(names[first_joint:], hidden)]
+        self.colours = np.array([COLOURS.get(mechanisms.kinds[p], JOINT) for p in part], dtype=np.uint8).reshape(-1, 3)
+        is_line = part < first_joint
+        if colour_of is not None and is_line.any():
+            self.colours[is_line] = colour_of(mechanisms.tension[kept][is_line])
+
+    def cloud(self):
+        """Where they are."""
+        return self.points[np.append(self.segments.ravel(), self.joints)]
+
+
+def tensions_of(mechanisms):
+    """Of tendons and springs [N]."""
+    return mechanisms.tension[mechanisms.part < len(mechanisms.names) - len(mechanisms.joints)]
