@@ -62,9 +62,11 @@ void check_bodies(const Config& config, const InputNode& root, Diagnostics& diag
     }
     const auto& active = bodies[i].active;
     const auto& elasticity = bodies[i].elasticity;
-    if (!bodies[i].is_rigid && !bodies[i].attached.empty()) {
-      diagnostics.add(bodies[i].attached.front().where,
-                      "'attached' is for rigid bodies, whose motion it gives to surfaces of others: add 'rigid: true'");
+    for (const auto& [key, held] : {std::pair{"attached", &bodies[i].attached}, {"coupled", &bodies[i].coupled}}) {
+      if (bodies[i].is_rigid || held->empty()) continue;
+      diagnostics.add(
+          held->front().where,
+          "'" + std::string(key) + "' is for rigid bodies, which hold surfaces of others: add 'rigid: true'");
     }
     if (bodies[i].is_rigid) {
       for (const char* key : {"elasticity", "viscosity", "active"}) {

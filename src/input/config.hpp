@@ -97,6 +97,8 @@ struct BodyConfig {
   std::optional<double> density;  ///< [kg/m^3]; required for dynamics and gravity
   bool is_rigid = false;
   std::vector<Located<std::string>> attached;  ///< of a rigid body: names of surfaces of others that move with it
+  std::vector<Located<std::string>> coupled;   ///< of a rigid body: names of surfaces whose mean motion it follows
+  std::optional<double> coupling_stiffness;    ///< of these [N/m]; none: from the material and the area
   std::optional<ElasticityConfig> elasticity;  ///< of a body that is not rigid
   std::vector<ViscosityConfig> viscosity;
   std::optional<ActiveConfig> active;

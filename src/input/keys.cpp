@@ -61,8 +61,16 @@ Section<BodyConfig> body_keys() {
               .otherwise_in_words("none; needed for dynamics and for gravity"),
           field("elasticity", &BodyConfig::elasticity, elasticity_format(), "elastic law of a body that is not rigid"),
           field("attached", &BodyConfig::attached, list_of(name_of_part(), 1),
-                "of a rigid body: names of surfaces of other bodies that move with it, rigidly")
+                "of a rigid body: names of surfaces of other bodies that move with it, rigidly (RBE2)")
               .otherwise_in_words("none"),
+          field("coupled", &BodyConfig::coupled, list_of(name_of_part(), 1),
+                "of a rigid body: names of surfaces of other bodies whose mean motion it follows, and which stay free "
+                "to deform (RBE3)")
+              .otherwise_in_words("none"),
+          field("coupling_stiffness", &BodyConfig::coupling_stiffness, quantity("N/m", Range::above(0)),
+                "force per distance between the body and the mean of a coupled surface")
+              .otherwise_in_words("1000 times Young's modulus times the root of the area")
+              .only_with({{"coupled"}}),
           field("rigid", &BodyConfig::is_rigid, truth(), "whether the body is rigid, and needs no elastic law")
               .otherwise("false"),
           field("viscosity", &BodyConfig::viscosity, viscosity_format(),

@@ -21,7 +21,7 @@ struct RigidBodyConfig {
     Location where;
   };
   std::string name;
-  double mass = 0.0;  ///< [kg]; 0 only where something is attached
+  double mass = 0.0;  ///< [kg]; 0 only where something is attached or coupled
   Inertia inertia;
   std::array<double, 3> center{};            ///< of mass [m]
   std::array<double, 3> velocity{};          ///< [m/s]
@@ -34,6 +34,8 @@ struct RigidBodyConfig {
   };
   std::optional<Surface> surface;
   std::vector<Located<std::string>> attached;  ///< names of surfaces of other bodies that move with it
+  std::vector<Located<std::string>> coupled;   ///< names of surfaces of other bodies whose mean motion it follows
+  std::optional<double> coupling_stiffness;    ///< of these [N/m]; none: from the material and the area
   Location where;
 };
 

@@ -243,7 +243,7 @@ class RigidSystemBuilder {
       const std::string& name = constraints_.config.constraints[parts[p]].part.name;
       const auto& bodies = constraints_.config.rigid_bodies;
       const auto body = std::ranges::find(bodies, name, &RigidBodyConfig::name);
-      if (body == bodies.end() || !body->attached.empty()) continue;
+      if (body == bodies.end() || !body->attached.empty() || !body->coupled.empty()) continue;
       const auto& [xx, yy, zz, xy, yz, zx] = body->inertia.moments;
       const double largest = xx + yy + zz;
       JointSystem::Matrix inertia(3, 3);

@@ -29,16 +29,6 @@
 #include <fmt/format.h>
 
 namespace pliant {
-namespace {
-
-/// Two parts each whose surfaces do not see each other in contact: constraints hold them together.
-std::vector<std::array<Selection, 2>> surfaces_held_together(const Config& config) {
-  auto result = tied_surfaces(config);
-  std::ranges::move(attached_surfaces(config), std::back_inserter(result));
-  return result;
-}
-
-}  // namespace
 
 Model::Model(MPI_Comm comm, const Config& given, const TermFactory& additional) : config_(with_rigid_bodies(given)) {
   const Config& config = config_;
@@ -222,8 +212,9 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   FacetList touching;
   std::vector<TouchingSurfaces> touching_each_other;
   if (config.contact) {
-    touching_each_other =
-        find_touching_surfaces(*config.contact, surfaces_held_together(config), {layout_, body_of_cell_}, selections);
+    auto together = tied_surfaces(config);
+    std::ranges::move(attached_surfaces(config), std::back_inserter(together));
+    touching_each_other = find_touching_surfaces(*config.contact, together, {layout_, body_of_cell_}, selections);
     touching = selections.outer_facets(config.contact->part, config.contact->where, "where nothing can be touched");
     if (as_meshed) {
       include(adjust_start(*config.contact, touching_each_other, body_names_, config.initial.displacement,
@@ -235,7 +226,6 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   const std::vector<char> left_out = cells_without_mesh(config, layout_, body_of_cell_);
   const BodiesOnMesh bodies{config, layout_, body_of_cell_, left_out};
   tendons_ = make_tendons(bodies, mesh, selections);
-  include(selections.unused_groups());
   if (layout_.order == 1) {
     build_cells<1>(config, mesh);
     build_inertia<1>(config);
@@ -243,6 +233,9 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
     build_cells<2>(config, mesh);
     build_inertia<2>(config);
   }
+  couplings_ = make_couplings(bodies, shear_moduli_, constraints_->rigid_parts(), selections);
+  for (const ModelCoupling& coupling : couplings_) diagnostics_.push_back(coupling.note);
+  include(selections.unused_groups());
   include(warnings_about(config));
   include(warnings_about_mesh(config, mesh_report_));
   include(warnings_about_loads(config, layout_, selections, constraints_->prescribed()));
@@ -321,6 +314,13 @@ void Model::find_components(const Config& config, Selections& selections) {
           num_free == 1 ? "it" : "them")));
     }
   }
+  for (const BodyConfig& body : config.bodies) {
+    const auto surfaces = surfaces_held_by(body);
+    if (surfaces.empty()) continue;
+    std::vector<PetscInt> nodes = selections.nodes(body.part);
+    for (const Selection& surface : surfaces) std::ranges::copy(selections.nodes(surface), std::back_inserter(nodes));
+    links.push_back(std::move(nodes));
+  }
   for (const auto& nodes : links) join(components_, layout_, nodes);
 }
 
@@ -367,6 +367,7 @@ void Model::prepare(const Config& config) {
     if (tendon.friction && has_velocity) terms.push_back(tendon.friction.get());
   }
   for (const auto& term : springs_.terms) terms.push_back(term.get());
+  for (const ModelCoupling& coupling : couplings_) terms.push_back(coupling.term.get());
   for (const LocatedTerm& load : loads_->terms()) terms.push_back(load.term.get());
   if (contacts_) {
     contacts_->prepare(config);

@@ -12,6 +12,7 @@
 #include "mesh/mesh.hpp"
 #include "model/constraints.hpp"
 #include "model/contacts.hpp"
+#include "model/couplings.hpp"
 #include "model/loads.hpp"
 #include "model/springs.hpp"
 #include "model/tendons.hpp"
@@ -136,6 +137,7 @@ class Model {
   std::vector<std::unique_ptr<EnergyTerm>> joint_efforts_;
   std::vector<ModelTendon> tendons_;
   ModelSprings springs_;
+  std::vector<ModelCoupling> couplings_;
   std::unique_ptr<Loads> loads_;
   std::unique_ptr<Contacts> contacts_;
   std::vector<std::unique_ptr<EnergyTerm>> additional_;

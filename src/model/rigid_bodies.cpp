@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace pliant {
 namespace {
@@ -52,6 +53,12 @@ Selection part_named(Selection::Kind kind, const std::string& name, const Locati
   return part;
 }
 
+std::vector<Selection> surfaces_named(const std::vector<Located<std::string>>& names) {
+  std::vector<Selection> result;
+  for (const auto& name : names) result.push_back(part_named(Selection::Kind::surface, name.value, name.where));
+  return result;
+}
+
 /// The number of the first of `rigid_bodies` among the bodies: they are the last.
 int first_rigid_body(const Config& config, const NodeLayout& layout, const std::vector<int>& body_of_cell) {
   const int last = body_of_cell.empty() ? -1 : std::ranges::max(body_of_cell);
@@ -78,6 +85,8 @@ Config with_rigid_bodies(Config config) {
     body.part = part_named(Selection::Kind::volume, rigid.name, rigid.where);
     body.is_rigid = true;
     body.attached = rigid.attached;
+    body.coupled = rigid.coupled;
+    body.coupling_stiffness = rigid.coupling_stiffness;
     body.where = rigid.where;
     config.bodies.push_back(std::move(body));
   }
@@ -96,9 +105,7 @@ Config with_rigid_bodies(Config config) {
       auto* rigid = std::get_if<ConstraintConfig::Rigid>(&constraint.kind);
       const bool is_of_body = constraint.part.kind == body.part.kind && constraint.part.name == body.part.name;
       if (rigid == nullptr || !is_of_body) continue;
-      for (const auto& surface : body.attached) {
-        rigid->attached.push_back(part_named(Selection::Kind::surface, surface.value, surface.where));
-      }
+      for (Selection& surface : surfaces_named(body.attached)) rigid->attached.push_back(std::move(surface));
     }
   }
   return config;
@@ -221,6 +228,16 @@ void set_moduli_of_rigid_bodies(const Config& config, std::vector<double>& shear
   }
 }
 
+std::vector<Selection> coupled_surfaces(const BodyConfig& body) {
+  return surfaces_named(body.coupled);
+}
+
+std::vector<Selection> surfaces_held_by(const BodyConfig& body) {
+  auto result = surfaces_named(body.attached);
+  std::ranges::move(surfaces_named(body.coupled), std::back_inserter(result));
+  return result;
+}
+
 std::vector<std::array<Selection, 2>> attached_surfaces(const Config& config) {
   std::vector<std::array<Selection, 2>> result;
   const std::size_t first = config.bodies.size() - config.rigid_bodies.size();
@@ -228,9 +245,7 @@ std::vector<std::array<Selection, 2>> attached_surfaces(const Config& config) {
     if (b >= first && !config.rigid_bodies[b - first].surface) continue;
     const BodyConfig& body = config.bodies[b];
     if (body.part.kind != Selection::Kind::volume) continue;
-    for (const auto& surface : body.attached) {
-      result.push_back({part_named(Selection::Kind::surface, surface.value, surface.where), body.part});
-    }
+    for (const Selection& surface : surfaces_held_by(body)) result.push_back({surface, body.part});
   }
   return result;
 }

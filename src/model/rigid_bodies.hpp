@@ -51,7 +51,10 @@ void set_start_of_rigid_bodies(const Config& config, const NodeLayout& layout, c
 /// Sets the moduli of rigid bodies, from which the stiffness of their contact follows: that of the stiffest other body.
 void set_moduli_of_rigid_bodies(const Config& config, std::vector<double>& shear_moduli);
 
-/// Surfaces of other bodies that move with a rigid one, each with the volume of that.
+/// The surfaces of other bodies whose mean motion a rigid one follows, and all that it holds, attached or coupled.
+std::vector<Selection> coupled_surfaces(const BodyConfig& body);
+std::vector<Selection> surfaces_held_by(const BodyConfig& body);
+/// All of them, each with the volume of its rigid body.
 std::vector<std::array<Selection, 2>> attached_surfaces(const Config& config);
 
 /// Names of `rigid_bodies`.

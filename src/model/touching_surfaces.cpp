@@ -192,7 +192,7 @@ std::vector<TouchingSurfaces> find_touching_surfaces(const ContactConfig& config
   const std::size_t num_excluded = config.exclude.size() + tied.size();
   if (num_excluded > most_excluded) {
     selections.report(config.where,
-                      "'exclude', ties and attached surfaces are more than 30 in all; combine some in gmsh");
+                      "'exclude', ties, attached and coupled surfaces are more than 30 in all; combine some in gmsh");
     return result;
   }
   Selection everything;

@@ -18,8 +18,8 @@ struct TwoBodies {
   static constexpr double gap = 0.3;
   using Terms = std::vector<std::unique_ptr<EnergyTerm>>;
 
-  TwoBodies(MPI_Comm comm, const std::string& file, const std::function<Terms(const Solid&)>& make)
-      : solid(comm, file, 1, 1), terms(make(solid)) {
+  TwoBodies(MPI_Comm comm, const std::string& file, const std::function<Terms(const Solid&)>& make, int order = 1)
+      : solid(comm, file, order, 1), terms(make(solid)) {
     std::vector<const EnergyTerm*> all;
     for (const auto& term : terms) all.push_back(term.get());
     potential.emplace(solid.layout(), solid.pattern(), all, solid.nothing_prescribed());
@@ -109,8 +109,8 @@ inline std::vector<double> numbers_of(TwoBodies& bodies) {
 }
 
 inline void expect_numbers_of_one_rank(const std::string& file,
-                                       const std::function<TwoBodies::Terms(const Solid&)>& make) {
-  TwoBodies many(MPI_COMM_WORLD, file, make), alone(MPI_COMM_SELF, file, make);
+                                       const std::function<TwoBodies::Terms(const Solid&)>& make, int order = 1) {
+  TwoBodies many(MPI_COMM_WORLD, file, make, order), alone(MPI_COMM_SELF, file, make, order);
   const auto here = numbers_of(many), there = numbers_of(alone);
   for (std::size_t i = 0; i < here.size(); ++i) {
     EXPECT_NEAR(here[i], there[i], 1e-11 * std::abs(there[i]) + 1e-14) << i;

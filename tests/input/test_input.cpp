@@ -339,8 +339,8 @@ TEST(Dump, SpellsOutEveryKeyOfTheTable) {
   const std::vector<Override> mechanism{
       {"rigid_bodies",
        "[{name: r, mass: 1, inertia: [1, 1, 1], center: [0, 0, 0], velocity: [1, 0, 0], angular_velocity: "
-       "[0, 0, 1], surface: {file: r.stl, scale: 1, size: 1}, attached: [a]}]"},
-      {"bodies", "[{volume: v, density: 1, rigid: true, attached: [a]}]"},
+       "[0, 0, 1], surface: {file: r.stl, scale: 1, size: 1}, attached: [a], coupled: [b], coupling_stiffness: 1}]"},
+      {"bodies", "[{volume: v, density: 1, rigid: true, attached: [a], coupled: [b], coupling_stiffness: 1}]"},
       {"loads", "[{torque: [t, 0, 0], volume: r}]"},
       {"joints",
        "[{name: j, type: hinge, between: [ground, r], point: [0, 0, 0], axis: [0, 0, 1], spring: {stiffness: 1, "

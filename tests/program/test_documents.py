@@ -156,7 +156,7 @@ def names_in(tree, names):
     elif isinstance(tree, dict):
         for key, value in tree.items():
             kind = "surface" if key in ("periodic_with", "tied_to", "with") else key
-            if key == "attached":
+            if key in ("attached", "coupled"):
                 names_in([{"surface": name} for name in value], names)
             if key == "exclude":
                 names_in([{"surface": name} for pair in value for name in pair], names)

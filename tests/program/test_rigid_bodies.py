@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""Rigid bodies with a shape of their own, points of reference on soft bodies, forces and torques on both."""
+"""Rigid bodies with a shape of their own, points of reference on soft bodies, rigid ones and those in the mean, forces and torques."""
 import unittest
 
 import numpy as np
 
-from program import ProgramTest, write_box, write_cube
+from program import ProgramTest, read_history, write_box, write_cube
 
 
 class RigidBodies(ProgramTest):
@@ -130,6 +130,171 @@ bodies: [{volume: body, density: 1000, rigid: true}]
         self.refused(body.replace("BODY", "mass: 1, center: [0, 0, 0], inertia: [1, 1, 1], surface: {file: open.stl}"), "open.stl", "closed")
         self.refused("loads: [{torque: [0, 0, 1], volume: tip}]\n" + body.replace("BODY", "mass: 1, center: [0, 0, 0], inertia: [1, 1, 1]"), "is not a rigid body", "top")
         self.refused(body.replace("BODY", "mass: 1, center: [0, 0, 0], inertia: [1, 1, 1], attached: [end]"), "end")
+
+BAR = """mesh: {file: bar.msh}
+element: P2
+bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.3}}]
+"""
+LENGTH, WIDTH, E = 0.4, 0.04, 1e6
+EI = E * WIDTH**4 / 12
+SYMMETRY = """  - {surface: left, displacement: [0, free, free]}
+  - {surface: bottom, displacement: [free, free, 0]}
+  - {surface: front, displacement: [free, 0, free]}
+"""
+
+
+def hub(more="", x=LENGTH, held="coupled: [right]"):
+    return f"rigid_bodies: [{{name: hub, center: [{x}, {WIDTH / 2}, {WIDTH / 2}], {held}{more}}}]\n"
+
+
+class CoupledSurfaces(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        write_box(self.directory / "bar.msh", (8, 2, 2), (LENGTH, WIDTH, WIDTH))
+
+    def test_a_face_is_free_to_contract(self):
+        # Uniaxial tension: the bar that a uniform traction pulls, which a rigid face does not allow.
+        force = 0.2 * E * WIDTH**2
+        probes = "probes:\n" + "".join(
+            f"  - {{name: {name}, point: [{x}, {y * WIDTH}, {y * WIDTH}]}}\n"
+            for name, x, y in (("corner", LENGTH, 1), ("middle", LENGTH, 0.5), ("inside", LENGTH / 2, 1)))
+        held = BAR + probes + "constraints:\n" + SYMMETRY
+        expected = self.solve(held + f"loads: [{{surface: right, traction: [{force / WIDTH**2}, 0, 0]}}]\n", "method: static")
+        through_hub = f"loads: [{{force: [{force}, 0, 0], volume: hub}}]\n"
+        for ranks in (1, 2, 3):
+            h = self.solve(held + through_hub + hub(), "method: static", ranks)
+            for column in (f"{probe}_{axis}" for probe in ("corner", "middle", "inside") for axis in "xyz"):
+                self.assertLess(abs(h[column][-1] - expected[column][-1]), 1e-9 * LENGTH, column)
+            np.testing.assert_allclose(h["left_fx"][-1], -force, rtol=1e-9)
+            np.testing.assert_allclose(h["elastic_energy"][-1], expected["elastic_energy"][-1], rtol=2e-4)  # and the coupling's
+            np.testing.assert_allclose(h["hub_x"][-1], expected["middle_x"][-1], atol=1e-4 * LENGTH)
+        guided = "constraints:\n  - {surface: left, displacement: [0, free, free]}\n  - {volume: hub, rigid: {translation: [free, 0, 0], rotation: fixed}}\n"
+        rigid = self.solve(BAR + probes + guided + through_hub + hub(held="attached: [right]"), "method: static")
+        self.assertLess(rigid["hub_x"][-1], expected["middle_x"][-1] - 1e-3 * LENGTH)
+        self.assertGreater(rigid["corner_y"][-1], expected["corner_y"][-1] + 0.05 * WIDTH)
+
+    def test_torques_and_forces_act_as_on_a_beam(self):
+        # A moment M turns the end by M L / (E I); a force acts with its arm beyond the end, and shears.
+        text = BAR + "constraints: [{surface: left, displacement: [0, 0, 0]}]\n"
+        moment, force, beyond = 0.25, 0.01, 0.05
+        for nu, error in ((0, 2e-3), (0.3, 0.02)):  # the clamp keeps the bar from contracting
+            bar = text.replace("poissons_ratio: 0.3", f"poissons_ratio: {nu}")
+            turned = self.solve(bar + hub() + f"loads: [{{torque: [0, {moment}, 0], volume: hub}}]\n", "method: static, load_steps: 2")
+            angle = 2 * np.arctan2(turned["hub_qy"][-1], turned["hub_qw"][-1])
+            np.testing.assert_allclose(angle, moment * LENGTH / EI, rtol=error)
+            bent = self.solve(bar + hub(x=LENGTH + beyond) + f"loads: [{{force: [0, 0, {-force}], volume: hub}}]\n", "method: static")
+            shear = 1.2 * force * LENGTH / (E / (2 + 2 * nu) * WIDTH**2)
+            deflection = force / EI * ((LENGTH + beyond) ** 3 - beyond**3) / 3 + shear
+            np.testing.assert_allclose(WIDTH / 2 - bent["hub_z"][-1], deflection, rtol=error)
+            # What holds the bar at the other end is what acts on the point: force and moment.
+            np.testing.assert_allclose(bent["left_fz"][-1], force, rtol=1e-8)
+
+    def test_a_mass_at_the_point_vibrates(self):
+        # A bar with its own mass at its end: b L tan(b L) = 1, period 2 pi / (b sqrt(E / rho)); started in this mode.
+        mass, v = 1000 * LENGTH * WIDTH**2, 0.01
+        b = 0.8603335890193797 / LENGTH
+        period = 2 * np.pi / (b * np.sqrt(E / 1000))
+        J = mass * WIDTH**2 / 6
+        text = BAR + "constraints:\n" + SYMMETRY + f"initial: {{velocity: ['{v}*sin({b}*x)', 0, 0]}}\n"
+        text += hub(f", mass: {mass}, inertia: [{J}, {J}, {J}], velocity: [{v * np.sin(b * LENGTH)}, 0, 0]")
+        h = self.solve(text, f"method: dirk33, step: {period / 64}, end: {1.03 * period}")
+        moved, t = h["hub_x"] - LENGTH, h["time"]
+        crossings = [n for n in range(1, len(t) - 1) if moved[n] * moved[n + 1] < 0]
+        self.assertEqual(len(crossings), 2)
+        n = crossings[1]
+        found = t[n] + (t[n + 1] - t[n]) * moved[n] / (moved[n] - moved[n + 1])
+        np.testing.assert_allclose(found, period, rtol=2e-3)
+        self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-9 * h["kinetic_energy"].max())
+
+    def test_a_motor_at_the_point(self):
+        # A hinge holds the end, a motor turns it: 4 E I / L (with shear) of the bar against the stiffness of the motor.
+        motor = "{target: TARGET, stiffness: 2, damping: 0.05}"
+        text = BAR + "constraints: [{surface: left, displacement: [0, 0, 0]}]\n" + hub()
+        text += (f"joints: [{{name: pivot, type: hinge, between: [ground, hub], point: [{LENGTH}, {WIDTH / 2}, {WIDTH / 2}],"
+                 f" axis: [0, 1, 0], motor: {motor}}}]\n")
+        shear = 12 * EI / (E / 2.6 / 1.2 * WIDTH**2 * LENGTH**2)
+        stiffness = 4 * EI / LENGTH * (1 + shear / 4) / (1 + shear)
+        h = self.solve(text.replace("TARGET", "0.05"), "method: static")
+        np.testing.assert_allclose(h["pivot_angle"][-1], 0.05 * 2 / (2 + stiffness), rtol=0.02)
+        np.testing.assert_allclose(h["pivot_fz"][-1], -h["left_fz"][-1], rtol=1e-6)
+        moving = text.replace("TARGET", "'0.5*min(t/0.02, 1)'")
+        one, two, three = [self.solve(moving, "method: bdf2, step: 2 ms, end: 0.04", ranks) for ranks in (1, 2, 3)]
+        self.assertGreater(one["pivot_angle"][-1], 0.05)
+        self.assertLess(np.abs(one["energy_balance_error"]).max(), 1e-7 * one["kinetic_energy"].max())
+        for other in (two, three):
+            np.testing.assert_allclose(other["pivot_angle"], one["pivot_angle"], atol=1e-8)
+            np.testing.assert_allclose(other["elastic_energy"], one["elastic_energy"], rtol=1e-6, atol=1e-9)
+
+    def thrown(self):
+        inertia = "inertia: [1e-4, 2e-4, 1e-4]"
+        text = BAR.replace("P2", "P1") + "initial: {velocity: ['-2*(y-0.02)+0.3', '2*x', 0.1]}\n"
+        return text + hub(f", mass: 0.3, {inertia}, velocity: [0.3, {2 * (LENGTH + 0.1)}, 0.1], angular_velocity: [0, 0, 2]",
+                          x=LENGTH + 0.1)
+
+    def test_momenta_are_conserved(self):
+        one, two, three = [self.solve(self.thrown(), "method: implicit-midpoint, step: 2 ms, end: 0.1", ranks) for ranks in (1, 2, 3)]
+        for h in (one, two, three):
+            for column in ("px", "py", "pz", "Lx", "Ly", "Lz"):
+                self.assertLess(np.ptp(h[column]), 1e-9 * np.abs(h[column]).max(), column)
+            np.testing.assert_allclose(h["hub_qz"], one["hub_qz"], atol=1e-9)
+        self.assertGreater(np.ptp(one["hub_qz"]), 0.09)
+
+    def test_every_method_keeps_its_order(self):
+        loads = "loads: [{force: [0, '0.1*(50*t)^4', '-0.15*(50*t)^4'], volume: hub}, {torque: ['0.01*(50*t)^4', 0, 0], volume: hub}]\n"
+        text = BAR.replace("P2", "P1") + "constraints: [{surface: left, displacement: [0, 0, 0]}]\n" + loads
+        write_box(self.directory / "bar.msh", (6, 1, 1), (LENGTH, WIDTH, WIDTH))
+        for more in (", mass: 0.3, inertia: [1e-4, 1e-4, 1e-4]", ""):
+            with self.subTest(more):
+                self.write("in.yaml", text + hub(more) + "time: {method: bdf2, step: 1 ms, end: 16 ms}\n")
+                self.pliant("converge", "in.yaml", "--in", "time", "--levels", "4", "--methods", "all")
+
+    def test_a_run_goes_on_on_other_ranks(self):
+        text = self.thrown() + "time: {method: bdf3, step: 2 ms, end: END}\noutput: {every: 1}\ncheckpoint: {every: 5}\n"
+        self.write("whole.yaml", text.replace("END", "0.04"))
+        whole = self.run_input("whole.yaml", output="whole")
+        self.write("in.yaml", text.replace("END", "0.02"))
+        self.run_input("in.yaml", ranks=2, output="part")
+        self.pliant("resume", "part", "--quiet", "--set", "time.end=0.04", ranks=3)
+        part = read_history(self.directory / "part")
+        for column in ("hub_x", "hub_qz", "hub_wz", "elastic_energy", "Lz"):
+            np.testing.assert_allclose(part[column], whole[column], atol=1e-7 * np.abs(whole[column]).max(), err_msg=column)
+
+    def test_a_shape_does_not_touch_what_is_coupled_with_it(self):
+        write_cube(self.directory / "cube.stl", (0.2, 0.2, 1.0), (0.8, 0.8, 1.4))
+        write_box(self.directory / "box.msh", (3, 3, 2))
+        text = """mesh: {file: box.msh}
+bodies: [{density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 100 kPa, poissons_ratio: 0.3}}]
+rigid_bodies:
+  - {name: cube, mass: 100, inertia: [1, 1, 1], center: [0.5, 0.5, 1.2], surface: {file: cube.stl}, coupled: [top]}
+constraints: [{surface: bottom, displacement: [0, 0, 0]}]
+loads: [{gravity: [0, 0, -9.81]}]
+"""
+        time = "method: bdf2, step: 5 ms, end: 0.05"
+        alone, touching = self.solve(text, time), self.solve(text + "contact: {law: barrier, pairs: all}\n", time)
+        self.assertEqual(np.nanmax(touching["contact_points"]), 0)
+        np.testing.assert_allclose(touching["cube_z"], alone["cube_z"], atol=1e-8)
+
+    def test_a_prescribed_surface_leads_the_body(self):
+        text = BAR + "constraints: [{surface: right, displacement: [0.01, 0, 0]}]\n" + hub()
+        h = self.solve(text, "method: static")
+        np.testing.assert_allclose(h["hub_x"][-1], LENGTH + 0.01, atol=1e-12)
+
+    def test_mistakes(self):
+        def refused(text, *messages, ranks=1):
+            self.write("in.yaml", BAR + text + "time: {method: bdf2, step: 1 ms, end: 1}\n")
+            done = self.call("run", "in.yaml", ranks=ranks)
+            self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+            for message in messages:
+                self.assertIn(message, done.stderr)
+
+        refused(hub(held="coupled: [rigth]"), "in.yaml:4", "rigth", "right")
+        refused(hub(held="attached: [left], coupled: [bottom]"), "in.yaml:4", "surface 'bottom'", "'hub'", "rigid", ranks=2)
+        refused(hub(held="coupled: [right], attached: [right]"), "surface 'right'", "rigid")
+        refused(hub(held="coupling_stiffness: 1e5"), "coupling_stiffness", "coupled")
+        refused(hub(held="coupled: [right], coupling_stiffness: 0"), "coupling_stiffness")
+        refused(hub(held="coupled: []"), "coupled")
+        refused(hub(", inertia: [1, 1, 1]"), "has no mass")
+        refused("constraints: [{surface: right, rigid: {translation: [0, 0, 0], rotation: free}}]\n" + hub(), "surface 'right'", "rigid")
 
 
 if __name__ == "__main__":

@@ -114,10 +114,11 @@ void check_rigid_bodies(const Config& config, Diagnostics& diagnostics) {
       diagnostics.add(body.where,
                       fmt::format("'{}' is also the volume of a body with a mesh; rename the rigid body", body.name));
     }
-    if (body.mass == 0.0 && (body.attached.empty() || std::ranges::max(body.inertia.moments) > 0.0)) {
+    const bool is_alone = body.attached.empty() && body.coupled.empty();
+    if (body.mass == 0.0 && (is_alone || std::ranges::max(body.inertia.moments) > 0.0)) {
       diagnostics.add(body.where,
                       fmt::format("rigid body '{}' has no mass; only a point of reference has none, to which "
-                                  "a surface of another body is 'attached', and no moments of inertia",
+                                  "a surface of another body is 'attached' or 'coupled', and no moments of inertia",
                                   body.name));
     }
     if (!has_real_mass(body.inertia.moments)) {

@@ -81,7 +81,7 @@ Section<RigidBodyConfig> rigid_body_keys() {
               field("name", &R::name, column_name(), "name in joints and constraints, and prefix of its columns")
                   .required(),
               field("mass", &R::mass, quantity("kg", Range::at_least(0)),
-                    "mass of the body; needed unless something is attached to it")
+                    "mass of the body; needed unless something is attached to it or coupled with it")
                   .otherwise("0"),
               field("inertia", &R::inertia, inertia(), "moments of inertia about the center").otherwise("[0, 0, 0]"),
               field("center", &R::center, array_of<3>(quantity("m")), "center of mass at the start").required(),
@@ -93,8 +93,16 @@ Section<RigidBodyConfig> rigid_body_keys() {
               field("surface", &R::surface, map_of(surface_keys()), "shape of the body, with which it touches others")
                   .otherwise_in_words("none: it touches nothing"),
               field("attached", &R::attached, list_of(name_of_part(), 1),
-                    "names of surfaces of other bodies that move with it, rigidly")
+                    "names of surfaces of other bodies that move with it, rigidly (RBE2)")
                   .otherwise_in_words("none"),
+              field("coupled", &R::coupled, list_of(name_of_part(), 1),
+                    "names of surfaces of other bodies whose mean motion it follows, and which stay free to deform "
+                    "(RBE3)")
+                  .otherwise_in_words("none"),
+              field("coupling_stiffness", &R::coupling_stiffness, quantity("N/m", Range::above(0)),
+                    "force per distance between the body and the mean of a coupled surface")
+                  .otherwise_in_words("1000 times Young's modulus times the root of the area")
+                  .only_with({{"coupled"}}),
           },
           {},
           &R::where};
