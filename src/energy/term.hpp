@@ -83,8 +83,12 @@ enum class Account {
 };
 
 /// The kind of matrix a Hessian is. `add_hessian` of a term adds one of the first two; the matrix of a saddle point is
-/// symmetric with negative eigenvalues of its own.
-enum class Symmetry { symmetric, unsymmetric, indefinite };
+/// symmetric with negative eigenvalues of its own (indefinite); that of a soft body with a few rigid parts is symmetric
+/// but for their rows (nearly symmetric).
+enum class Symmetry { symmetric, unsymmetric, indefinite, nearly_symmetric };
+constexpr bool is_symmetric(Symmetry symmetry) {
+  return symmetry == Symmetry::symmetric || symmetry == Symmetry::indefinite;
+}
 
 /// Properties of a term; the solver chooses line search and linear solver from those of all terms.
 struct TermDeclaration {

@@ -7,6 +7,8 @@ namespace {
 
 /// Most iterations that the Krylov method needs with a sound factor of the same matrix.
 constexpr int max_fresh_iterations = 40;
+/// The same with the factor of its symmetric part: those that are saved by not factorizing the whole matrix, about.
+constexpr int max_iterations_with_symmetric_part = 15;
 
 }  // namespace
 
@@ -30,8 +32,9 @@ void FactorPolicy::note_solve(const Solve& solve, Factor factor) {
   if (excess_ > solve.cost_of_set_up) is_wanted_ = true;
 }
 
-bool FactorPolicy::is_poor(int iterations, Factor factor) {
-  return factor == Factor::own && iterations > max_fresh_iterations;
+bool FactorPolicy::is_poor(int iterations, Factor factor, Factored factored) {
+  const int most = factored == Factored::whole ? max_fresh_iterations : max_iterations_with_symmetric_part;
+  return factor == Factor::own && iterations > most;
 }
 
 }  // namespace pliant

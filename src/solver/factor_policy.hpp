@@ -27,6 +27,8 @@ class FactorPolicy {
   };
   /// Which factor preconditions a linear system: its own, or a kept one.
   enum class Factor { own, kept };
+  /// What is factorized of the matrix.
+  enum class Factored { whole, symmetric_part };
 
   explicit FactorPolicy(Solver solver) : solver_(solver) {}
 
@@ -52,8 +54,9 @@ class FactorPolicy {
     double cost_of_set_up = 0.0;
   };
   void note_solve(const Solve& solve, Factor factor);
-  /// Whether a solve took more iterations than it would with a sound factor of its own matrix.
-  static bool is_poor(int iterations, Factor factor);
+  /// Whether a solve took more iterations than it would with a sound factor of its own matrix, or than pays for that of
+  /// its symmetric part, which takes half the work.
+  static bool is_poor(int iterations, Factor factor, Factored factored);
 
  private:
   Solver solver_;

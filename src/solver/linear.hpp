@@ -27,9 +27,13 @@ void set_krylov_method(KSP ksp, Symmetry symmetry);
 /// unless the user asked for the factorization or K is indefinite. Solve only if the outcome is `sound`. Collective.
 SetUp set_up_preconditioner(PC pc, Mat K);
 
-/// Makes all further set-ups more accurate: in double precision, then with another ordering. Returns false if the
+/// Makes all further set-ups more accurate: of the whole matrix instead of its symmetric part, in double precision,
+/// then with another ordering. Returns false if the
 /// preconditioner is not one of Pliant's factorizations, or nothing better is available. Collective.
 bool refine_factorization(PC pc);
+
+/// Whether the factorization is that of the symmetric part of a nearly symmetric matrix.
+bool is_of_symmetric_part(PC pc);
 
 /// Whether multigrid has replaced the factorization.
 bool uses_multigrid_instead(PC pc);

@@ -23,8 +23,10 @@ std::string describe(LinearKind kind, Symmetry symmetry) {
     return krylov +
            " with p-multigrid (quadratic elements, then linear ones by a factorization, or GAMG if they are many)";
   }
-  return fmt::format("{} preconditioned by a MUMPS {} factorization in {} precision, kept while it pays", krylov,
-                     symmetry == Symmetry::unsymmetric ? "LU" : "LDL^T",
+  const char* factors = symmetry == Symmetry::unsymmetric        ? "LU factorization"
+                        : symmetry == Symmetry::nearly_symmetric ? "LDL^T factorization of the symmetric part"
+                                                                 : "LDL^T factorization";
+  return fmt::format("{} preconditioned by a MUMPS {} in {} precision, kept while it pays", krylov, factors,
                      symmetry == Symmetry::indefinite ? "double" : "single");
 }
 

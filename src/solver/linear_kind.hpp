@@ -10,7 +10,7 @@
 namespace pliant {
 
 enum class LinearKind {
-  cholesky,    ///< factorization: LDL^T, or LU if the matrix is unsymmetric
+  cholesky,    ///< factorization: LDL^T, or LU if the matrix is unsymmetric in more than a few rows
   amg,         ///< algebraic multigrid
   p_multigrid  ///< for quadratic elements: linear elements as the coarse level, solved by one of the others
 };

@@ -233,7 +233,12 @@ bool LinearSystem::escalate(Vec q) {
 }
 
 void LinearSystem::improve_poor_factor(Vec q, Vec r, Vec y) {
-  while (FactorPolicy::is_poor(last_iterations(), whose_factor()) && refine_factorization(preconditioner_.get())) {
+  using enum FactorPolicy::Factored;
+  const auto is_poor = [&] {
+    return FactorPolicy::is_poor(last_iterations(), whose_factor(),
+                                 is_of_symmetric_part(preconditioner_.get()) ? symmetric_part : whole);
+  };
+  while (is_poor() && refine_factorization(preconditioner_.get())) {
     if (!factorize_definite(q)) return;
     solve(r, y);
   }

@@ -72,7 +72,7 @@ class NewtonSolver {
   /// Runs Newton's iteration, several times if necessary.
   StageReport iterate(Vec q);
   /// Whether there may be an equilibrium that is not a minimum: in stages without inertia.
-  bool may_follow() const { return objective_.is_static() && equation_.symmetry() != Symmetry::unsymmetric; }
+  bool may_follow() const { return objective_.is_static() && is_symmetric(equation_.symmetry()); }
 
   StageEquation& equation_;
   NewtonOptions options_;

@@ -143,7 +143,7 @@ void SingleFactorization::set_values(Mat K) {
     check(MatGetRow(K, row, &count, &columns, &values));
     for (PetscInt k = 0; k < count; ++k) {
       if (!is_kept(row, columns[k])) continue;
-      exact.push_back(values[k]);
+      exact.push_back(weight(row, columns[k]) * values[k]);
       largest = std::max(largest, std::abs(values[k]));
     }
     check(MatRestoreRow(K, row, &count, &columns, &values));
@@ -229,7 +229,7 @@ SingleFactorization::Size SingleFactorization::size() const {
 }
 
 PetscInt SingleFactorization::negative_pivots() const {
-  return symmetry_ == Symmetry::unsymmetric ? 0 : mumps_->infog(12);
+  return is_symmetric(symmetry_) ? mumps_->infog(12) : 0;
 }
 
 }  // namespace pliant

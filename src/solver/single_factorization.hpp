@@ -26,7 +26,8 @@ SetUp outcome_of_mumps(int error);
 /// Whether more workspace (ICNTL(14)) may help.
 bool lacks_workspace(int error);
 
-/// K = L D L^T, or L U if K is unsymmetric, by MUMPS in single precision. Factorizing and solving take half the time
+/// K = L D L^T, or L U if K is unsymmetric, by MUMPS in single precision; of a nearly symmetric K, its symmetric part
+/// (K + K^T) / 2 = L D L^T. Factorizing and solving take half the time
 /// and memory of double precision, and cost one or two more iterations of the Krylov method, which determines the
 /// accuracy of the solution. L D L^T is computed without pivoting: small pivots make a poor preconditioner, but not a
 /// wrong one. The analysis is done once, as K keeps its pattern. All methods are collective.
@@ -49,7 +50,7 @@ class SingleFactorization {
     int ordering = 0;      ///< as ICNTL(7)
   };
   Size size() const;
-  /// Number of negative pivots of L D L^T in single precision; 0 for L U.
+  /// Number of negative pivots of L D L^T in single precision; 0 where they say nothing about K: unless it is symmetric.
   PetscInt negative_pivots() const;
 
  private:
@@ -58,7 +59,11 @@ class SingleFactorization {
   void analyse(Mat K);
   /// The entries of K, divided by the largest.
   void set_values(Mat K);
-  bool is_kept(PetscInt row, PetscInt column) const { return symmetry_ == Symmetry::unsymmetric || column >= row; }
+  bool is_kept(PetscInt row, PetscInt column) const { return !is_symmetric(symmetry_) || column >= row; }
+  /// MUMPS adds the two halves of a nearly symmetric K.
+  double weight(PetscInt row, PetscInt column) const {
+    return symmetry_ == Symmetry::nearly_symmetric && row != column ? 0.5 : 1.0;
+  }
   void gather_solution(Vec x);
 
   Symmetry symmetry_;

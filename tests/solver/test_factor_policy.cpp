@@ -7,6 +7,7 @@ namespace pliant::test_factor_policy {
 namespace {
 
 using Factor = FactorPolicy::Factor;
+using Factored = FactorPolicy::Factored;
 using Solver = FactorPolicy::Solver;
 
 constexpr double cost = 10.0;
@@ -90,9 +91,12 @@ TEST(FactorPolicy, ForgetsALackOfMemoryWithTheStage) {
 }
 
 TEST(FactorPolicy, OnlyAFactorOfTheVeryMatrixCanBePoor) {
-  EXPECT_FALSE(FactorPolicy::is_poor(40, Factor::own));
-  EXPECT_TRUE(FactorPolicy::is_poor(41, Factor::own));
-  EXPECT_FALSE(FactorPolicy::is_poor(1000, Factor::kept));
+  EXPECT_FALSE(FactorPolicy::is_poor(40, Factor::own, Factored::whole));
+  EXPECT_TRUE(FactorPolicy::is_poor(41, Factor::own, Factored::whole));
+  EXPECT_FALSE(FactorPolicy::is_poor(1000, Factor::kept, Factored::whole));
+  EXPECT_FALSE(FactorPolicy::is_poor(15, Factor::own, Factored::symmetric_part));
+  EXPECT_TRUE(FactorPolicy::is_poor(16, Factor::own, Factored::symmetric_part));
+  EXPECT_FALSE(FactorPolicy::is_poor(1000, Factor::kept, Factored::symmetric_part));
 }
 
 TEST(FactorPolicy, RenewsOnRequest) {

@@ -4,7 +4,10 @@
 #include "solver/linear.hpp"
 #include "solver/single_factorization.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <string_view>
+#include <vector>
 
 namespace pliant::test_linear {
 namespace {
@@ -256,6 +259,61 @@ TEST(LinearSolver, SinglePrecisionCountsNegativePivots) {
   EXPECT_EQ(num_negative(ksp.get()), expected);
   // Double precision found the same, and leaves the work to single precision.
   EXPECT_TRUE(is_in_single_precision(ksp.get()));
+}
+
+/// Changes the entries of the first six rows by a part of them, each by another one: as a rigid part makes them.
+void make_nearly_symmetric(Mat K, double part) {
+  PetscInt begin = 0, end = 0;
+  check(MatGetOwnershipRange(K, &begin, &end));
+  for (PetscInt row = begin; row < std::min<PetscInt>(6, end); ++row) {
+    PetscInt number = 0;
+    const PetscInt* columns = nullptr;
+    const PetscScalar* values = nullptr;
+    check(MatGetRow(K, row, &number, &columns, &values));
+    const std::vector<PetscInt> where(columns, columns + number);
+    std::vector<double> changed(values, values + number);
+    check(MatRestoreRow(K, row, &number, &columns, &values));
+    for (std::size_t k = 0; k < where.size(); ++k) changed[k] *= 1.0 + part * std::sin(2.0 + row + 3.0 * where[k]);
+    check(MatSetValues(K, 1, &row, static_cast<PetscInt>(where.size()), where.data(), changed.data(), INSERT_VALUES));
+  }
+  check(MatAssemblyBegin(K, MAT_FINAL_ASSEMBLY));
+  check(MatAssemblyEnd(K, MAT_FINAL_ASSEMBLY));
+}
+
+PetscInt solve(KSP ksp, Vec b, Vec x) {
+  PetscInt iterations = 0;
+  check(KSPSolve(ksp, b, x));
+  check(KSPGetIterationNumber(ksp, &iterations));
+  return iterations;
+}
+
+TEST(LinearSolver, TheSymmetricPartPreconditionsANearlySymmetricMatrix) {
+  const Cube cube(1e6);
+  make_nearly_symmetric(cube.K(), 0.1);
+  const auto ksp = solver_of(cube, Symmetry::nearly_symmetric);
+  ASSERT_TRUE(set_up(ksp.get(), cube.K()));
+  EXPECT_TRUE(is_of_symmetric_part(preconditioner_of(ksp.get())));
+  EXPECT_EQ(num_negative(ksp.get()), -1);
+  const auto b = cube.right_hand_side(), x = cube.vector();
+  EXPECT_LE(solve(ksp.get(), b.get(), x.get()), 5);
+  EXPECT_LE(cube.residual(x.get(), b.get()), 1e-5);
+}
+
+TEST(LinearSolver, TheWholeOfAMatrixIsFactorizedWhereItsSymmetricPartIsFar) {
+  const Cube cube(1e6);
+  make_nearly_symmetric(cube.K(), 20.0);
+  const auto ksp = solver_of(cube, Symmetry::nearly_symmetric);
+  ASSERT_TRUE(set_up(ksp.get(), cube.K()));
+  const auto b = cube.right_hand_side(), x = cube.vector();
+  const PetscInt iterations = solve(ksp.get(), b.get(), x.get());
+  ASSERT_TRUE(refine_factorization(preconditioner_of(ksp.get())));
+  EXPECT_FALSE(is_of_symmetric_part(preconditioner_of(ksp.get())));
+  EXPECT_TRUE(is_in_single_precision(ksp.get()));
+  ASSERT_TRUE(set_up(ksp.get(), cube.K()));
+  const PetscInt refined = solve(ksp.get(), b.get(), x.get());
+  EXPECT_LE(refined, 3);
+  EXPECT_GT(iterations, refined);
+  EXPECT_LE(cube.residual(x.get(), b.get()), 1e-5);
 }
 
 // The six motions that cost nothing have 1e-11 of the stiffness of the others: single precision cannot tell them from

@@ -65,11 +65,20 @@ Handle<Vec> ConstraintMap::make_vector() const {
 }
 
 void ConstraintMap::set_rigidity(Rigidity rigidity) {
+  linearized_at_.clear();
   for (const auto& dependent : dependents_) dependent->set_rigidity(rigidity);
   W_ = J_.share();
   if (std::ranges::all_of(dependents_, [](const auto& dependent) { return dependent->is_symmetric(); })) return;
   W_ = Handle<Mat>();
   check(MatDuplicate(J_.get(), MAT_COPY_VALUES, W_.out()));
+}
+
+PetscInt64 ConstraintMap::num_unsymmetric() const {
+  PetscInt64 number = 0;
+  for (const auto& dependent : dependents_) {
+    if (!dependent->is_symmetric()) number += static_cast<PetscInt64>(dependent->hosts().size());
+  }
+  return number;
 }
 
 std::vector<std::string> ConstraintMap::non_potentials() const {
@@ -104,6 +113,7 @@ void ConstraintMap::put_unknowns(const DependentNodes& dependent, std::span<cons
 }
 
 void ConstraintMap::begin_stage(const StagePoint& stage, Vec q) {
+  linearized_at_.clear();
   ties_.begin_stage(stage, q);
   for (const auto& dependent : dependents_) dependent->begin_stage(stage, q);
 }
@@ -132,8 +142,13 @@ void ConstraintMap::put_rows(Mat matrix, const DependentNodes& dependent, std::s
 
 void ConstraintMap::linearize(Vec y) {
   if (is_linear()) return;
-  for (const auto& dependent : dependents_) {
-    const auto unknowns = unknowns_of(*dependent, y);
+  std::vector<std::vector<double>> unknowns_of_all;
+  for (const auto& dependent : dependents_) unknowns_of_all.push_back(unknowns_of(*dependent, y));
+  if (linearized_at_ == unknowns_of_all) return;
+  linearized_at_ = std::move(unknowns_of_all);
+  for (std::size_t d = 0; d < dependents_.size(); ++d) {
+    const auto& dependent = dependents_[d];
+    const auto& unknowns = linearized_at_[d];
     put_rows(J_.get(), *dependent, unknowns, &DependentNodes::put_columns);
     if (!is_symmetric()) put_rows(W_.get(), *dependent, unknowns, &DependentNodes::put_test_columns);
   }
@@ -142,6 +157,7 @@ void ConstraintMap::linearize(Vec y) {
 }
 
 void ConstraintMap::linearize_at(Vec q) {
+  linearized_at_.clear();
   for (const auto& dependent : dependents_) {
     dependent->begin_end_of_step(q);
     const std::vector<double> at_reference(dependent->hosts().size(), 0.0);

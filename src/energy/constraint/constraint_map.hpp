@@ -61,6 +61,8 @@ class ConstraintMap {
   bool is_linear() const { return dependents_.empty(); }
   /// Whether W = J. Not collective.
   bool is_symmetric() const { return W_.get() == J_.get(); }
+  /// The number of unknowns whose rows of W are not those of J. Not collective.
+  PetscInt64 num_unsymmetric() const;
   /// The constraints for which W is not J, each once, as plurals. Not collective.
   std::vector<std::string> non_potentials() const;
   /// y = the unknowns whose configuration is close to q, the closest one if q fulfils the constraints.
@@ -96,6 +98,7 @@ class ConstraintMap {
   std::vector<std::unique_ptr<DependentNodes>> dependents_;
   std::vector<char> is_slave_, is_tied_;
   Handle<Mat> J_, W_;  // the same where W = J
+  std::vector<std::vector<double>> linearized_at_;  // unknowns of the dependents in this stage; empty: nowhere yet
 };
 
 }  // namespace pliant

@@ -1,6 +1,6 @@
 #include "energy/constraint/mechanism.hpp"
 
-#include "energy/constraint/part_motion.hpp"
+#include "energy/constraint/descent.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 
@@ -14,44 +14,8 @@ namespace pliant {
 namespace {
 
 constexpr auto no_part = static_cast<std::size_t>(-1);
-/// Relative to the size: equations that hold to this tolerance are solved.
-constexpr double tolerance = 1e-14;
 /// Columns that keep less than this of their length give way to others.
 constexpr double least_kept = 0.1;
-
-enum class Descent { nothing_to_do, done, failed };
-
-/// Gauss and Newton's method for h(x) = 0 from far away: steps that do not lower |h| are shortened. Until |h| is that
-/// of rounding, about `size` times the tolerance. `evaluate(x, h, G)`; `moved(x, change)` is x after a change.
-template <class X, class Evaluate, class Move>
-Descent descend(X& x, double size, const Evaluate& evaluate, const Move& moved) {
-  constexpr int most_iterations = 100, most_halvings = 20;
-  JointSystem::Vector h, h_next;
-  JointSystem::Matrix G, G_next;
-  evaluate(x, h, G);
-  for (int i = 0; i < most_iterations; ++i) {
-    if (!h.allFinite()) return Descent::failed;
-    if (h.size() == 0 || h.lpNorm<Eigen::Infinity>() <= tolerance * size) {
-      return i == 0 ? Descent::nothing_to_do : Descent::done;
-    }
-    const JointSystem::Vector change = -G.transpose() * JointSystem::Matrix(G * G.transpose()).partialPivLu().solve(h);
-    bool is_lower = false;
-    for (int k = 0; k < most_halvings && !is_lower; ++k) {
-      X next = moved(x, std::ldexp(1.0, -k) * change);
-      evaluate(next, h_next, G_next);
-      is_lower = h_next.norm() < h.norm();
-      if (!is_lower) continue;
-      x = std::move(next);
-      h.swap(h_next);
-      G.swap(G_next);
-    }
-    if (is_lower) continue;
-    // To rounding: nothing lowers it any more.
-    if (h.lpNorm<Eigen::Infinity>() > std::sqrt(tolerance) * size) return Descent::failed;
-    return i == 0 ? Descent::nothing_to_do : Descent::done;
-  }
-  return Descent::failed;
-}
 
 /// The first unknown of each part, and the number of all.
 std::vector<std::size_t> first_unknowns(const std::vector<std::unique_ptr<RigidPart>>& parts) {
@@ -100,7 +64,7 @@ std::span<const double> Mechanism::of_part(const Vector& xi, std::size_t part) c
 
 std::vector<PartMotion> Mechanism::motions(const Vector& xi) const {
   std::vector<PartMotion> result;
-  for (std::size_t p = 0; p < parts_.size(); ++p) result.push_back(motion_of_part(*parts_[p], of_part(xi, p)));
+  for (std::size_t p = 0; p < parts_.size(); ++p) result.push_back(parts_[p]->motion(of_part(xi, p)));
   return result;
 }
 
@@ -138,20 +102,19 @@ bool Mechanism::approach(Vector& xi) const {
   return descend(xi, size_, evaluate_at, moved) != Descent::failed && joints_.is_on_branch(motions(xi), given_);
 }
 
-bool Mechanism::solve(Vector& xi) const {
+bool Mechanism::solve(Vector& xi, std::vector<PartMotion>& parts, Matrix& G) const {
+  parts = motions(xi);
   if (joints_.empty()) return true;
   constexpr int most_iterations = 50;
   constexpr double slow = 0.5;
   Vector h;
-  Matrix G;
   double last = std::numeric_limits<double>::infinity();
   for (int i = 0; i < most_iterations; ++i) {
-    const auto parts = motions(xi);
     evaluate(parts, h, G);
     const double error = h.lpNorm<Eigen::Infinity>();
     if (!std::isfinite(error)) return false;
     // To rounding: until it does not fall any more.
-    if (error <= tolerance * size_ || (error <= std::sqrt(tolerance) * size_ && error > slow * last)) {
+    if (error <= joint_tolerance * size_ || (error <= std::sqrt(joint_tolerance) * size_ && error > slow * last)) {
       return joints_.is_on_branch(parts, given_);
     }
     last = error;
@@ -159,6 +122,7 @@ bool Mechanism::solve(Vector& xi) const {
     xi -= G_ref_.transpose() * z;
     // The equations are those of motions of about this size.
     if (!(xi - reference_).allFinite()) return false;
+    parts = motions(xi);
   }
   return false;
 }
@@ -220,28 +184,38 @@ void Mechanism::begin_end_of_step(Vec q) {
   solution.xi = reference_;
   solution.parts = motions(reference_);
   solution.columns = solution.test_columns = columns_;
+  combine(solution);
 }
 
 const Mechanism::Solution& Mechanism::at(std::span<const double> unknowns) const {
   Solution& solution = solution_;
   if (solution.xi.size() > 0 && std::ranges::equal(solution.unknowns, unknowns)) return solution;
-  solution.unknowns.assign(unknowns.begin(), unknowns.end());
-  const Eigen::Map<const Vector> y(unknowns.data(), static_cast<Eigen::Index>(unknowns.size()));
-  solution.xi = reference_ + columns_ * y;
-  if (!solution.xi.allFinite() || !solve(solution.xi)) {
-    solution.xi.setConstant(std::numeric_limits<double>::quiet_NaN());
+  const auto size = static_cast<Eigen::Index>(unknowns.size());
+  const Eigen::Map<const Vector> y(unknowns.data(), size);
+  if (solution.xi.size() > 0 && solution.xi.allFinite()) {
+    // From the last solution along its tangent; N^T dxi/dy = I.
+    const Eigen::Map<const Vector> before(solution.unknowns.data(), size);
+    solution.xi += solution.columns * (y - before);
+  } else {
+    solution.xi = reference_ + columns_ * y;
   }
-  solution.parts = motions(solution.xi);
-  solution.columns = solution.test_columns = columns_;
-  if (joints_.empty()) return solution;
-  Vector h;
+  solution.unknowns.assign(unknowns.begin(), unknowns.end());
   Matrix G;
-  evaluate(solution.parts, h, G);
-  const Matrix across = G_ref_.transpose();
-  solution.columns -= across * Matrix(G * across).partialPivLu().solve(G * columns_);
-  joints_.configuration(solution.parts, Along::test_columns, given_, h, G);
-  solution.test.compute(G * across);
-  solution.test_columns -= across * solution.test.solve(G * columns_);
+  if (!solution.xi.allFinite() || !solve(solution.xi, solution.parts, G)) {
+    solution.xi.setConstant(std::numeric_limits<double>::quiet_NaN());
+    solution.parts = motions(solution.xi);
+    G = Matrix::Constant(G_ref_.rows(), G_ref_.cols(), std::numeric_limits<double>::quiet_NaN());
+  }
+  solution.columns = solution.test_columns = columns_;
+  if (!joints_.empty()) {
+    Vector g;
+    const Matrix across = G_ref_.transpose();
+    solution.columns -= across * Matrix(G * across).partialPivLu().solve(G * columns_);
+    joints_.configuration(solution.parts, Along::test_columns, given_, g, G);
+    solution.test.compute(G * across);
+    solution.test_columns -= across * solution.test.solve(G * columns_);
+  }
+  combine(solution);
   return solution;
 }
 
@@ -251,29 +225,34 @@ void Mechanism::put_displacements(std::span<const double> unknowns, Vec q) const
 }
 
 void Mechanism::put_columns(std::span<const double> unknowns, PetscInt node, std::span<Vector3<double>> columns) const {
-  const Solution& solution = at(unknowns);
-  combine(solution, solution.columns, &RigidPart::put_columns, node, columns);
+  const std::size_t p = part_of_node_[static_cast<std::size_t>(node)];
+  const auto& motions = at(unknowns).motions[p];
+  for (std::size_t k = 0; k < columns.size(); ++k) columns[k] = motions[k].displacement(parts_[p]->reference(node));
 }
 
 void Mechanism::put_test_columns(std::span<const double> unknowns, PetscInt node,
                                  std::span<Vector3<double>> columns) const {
-  const Solution& solution = at(unknowns);
-  combine(solution, solution.test_columns, &RigidPart::put_test_columns, node, columns);
+  const std::size_t p = part_of_node_[static_cast<std::size_t>(node)];
+  const auto& motions = at(unknowns).virtual_motions[p];
+  for (std::size_t k = 0; k < columns.size(); ++k) columns[k] = motions[k].displacement(parts_[p]->reference(node));
 }
 
-void Mechanism::combine(const Solution& solution, const Matrix& of_unknowns, PutColumns put, PetscInt node,
-                        std::span<Vector3<double>> columns) const {
-  const std::size_t p = part_of_node_[static_cast<std::size_t>(node)];
-  const auto xi = of_part(solution.xi, p);
-  std::array<Vector3<double>, 6> of_part_alone{};
-  const auto own = std::span(of_part_alone).first(xi.size());
-  (*parts_[p].*put)(xi, node, own);
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    columns[k] = {};
-    for (std::size_t l = 0; l < own.size(); ++l) {
-      const auto row = static_cast<Eigen::Index>(first_[p] + l);
-      columns[k] = columns[k] + of_unknowns(row, static_cast<Eigen::Index>(k)) * own[l];
+void Mechanism::combine(Solution& solution) const {
+  const auto combined = [&](std::size_t p, const Matrix& of_unknowns, const std::vector<BodyMotion<double>>& own) {
+    std::vector<BodyMotion<double>> result;
+    for (Eigen::Index k = 0; k < of_unknowns.cols(); ++k) {
+      BodyMotion<double>& sum = result.emplace_back(BodyMotion<double>{solution.parts[p].value.centre, {}, {}});
+      for (std::size_t l = 0; l < own.size(); ++l) {
+        sum = sum_of(of_unknowns(static_cast<Eigen::Index>(first_[p] + l), k), own[l], sum);
+      }
     }
+    return result;
+  };
+  solution.motions.clear();
+  solution.virtual_motions.clear();
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    solution.motions.push_back(combined(p, solution.columns, solution.parts[p].columns));
+    solution.virtual_motions.push_back(combined(p, solution.test_columns, solution.parts[p].test_columns));
   }
 }
 
@@ -284,25 +263,26 @@ std::vector<double> Mechanism::curvature(std::span<const double> unknowns, Vec f
   const auto all = static_cast<Eigen::Index>(first_.back());
   Matrix of_parts = Matrix::Zero(all, all);
   Vector phi = Vector::Zero(all);
+  std::vector<std::vector<BodyMotion<double>>> bends;
   const ConstArrayView forces(f);
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     const auto first = static_cast<Eigen::Index>(first_[p]);
     const auto xi = of_part(solution.xi, p);
     const auto n = static_cast<Eigen::Index>(xi.size());
-    const auto values = parts_[p]->curvature(xi, f);
-    using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    of_parts.block(first, first, n, n) = Eigen::Map<const Rows>(values.data(), n, n);
-    const auto on_unknowns = forces_on_unknowns(*parts_[p], xi, forces.span());
-    phi.segment(first, n) = Eigen::Map<const Vector>(on_unknowns.data(), n);
+    const MotionForce force = parts_[p]->force_on_motion(forces.span());
+    bends.push_back(parts_[p]->bends(xi, solution.parts[p].columns));
+    for (Eigen::Index k = 0; k < n; ++k) {
+      phi[first + k] = force.along(solution.parts[p].test_columns[static_cast<std::size_t>(k)]);
+      for (Eigen::Index l = 0; l < n; ++l) {
+        of_parts(first + k, first + l) = force.along(bends[p][static_cast<std::size_t>(k * n + l)]);
+      }
+    }
   }
   Matrix result = solution.test_columns.transpose() * of_parts * solution.columns;
   if (!joints_.empty()) {
     const Vector lambda = solution.test.transpose().solve(G_ref_ * phi);
-    std::vector<std::vector<BodyMotion<JointSystem::Twice>>> moved;
-    for (std::size_t p = 0; p < parts_.size(); ++p) {
-      moved.push_back(twice_moved(*parts_[p], solution.parts[p], of_part(solution.xi, p)));
-    }
-    result -= solution.test_columns.transpose() * joints_.curvature(moved, given_, lambda) * solution.columns;
+    const Matrix of_joints = joints_.curvature(solution.parts, bends, given_, lambda);
+    result -= solution.test_columns.transpose() * of_joints * solution.columns;
   }
   std::vector<double> rows;
   for (Eigen::Index k = 0; k < result.rows(); ++k) {
@@ -424,14 +404,9 @@ std::vector<JointReaction> Mechanism::reactions(Vec r, Vec q, std::span<const Ve
   {
     const ConstArrayView gradient(r);
     for (std::size_t p = 0; p < parts_.size(); ++p) {
-      for (const PetscInt a : parts_[p]->nodes()) {
-        for (std::size_t k = 0; k < motions_now[p].columns.size(); ++k) {
-          const BodyMotion<double>& column = motions_now[p].columns[k];
-          const Vector3<double> moved = column.point(parts_[p]->reference(a)) - parts_[p]->reference(a);
-          for (std::size_t i = 0; i < 3; ++i) {
-            forces[first_[p] + k] += gradient[3 * a + static_cast<PetscInt>(i)] * moved[i];
-          }
-        }
+      const MotionForce force = parts_[p]->force_on_motion(gradient.span());
+      for (std::size_t k = 0; k < motions_now[p].columns.size(); ++k) {
+        forces[first_[p] + k] = force.along(motions_now[p].columns[k]);
       }
     }
   }

@@ -78,6 +78,7 @@ class Mechanism final : public DependentNodes {
     Vector xi;
     std::vector<PartMotion> parts;
     Matrix columns, test_columns;      // d xi / dy, and virtual displacements
+    std::vector<std::vector<BodyMotion<double>>> motions, virtual_motions;  // the same, of each part by each unknown
     Eigen::PartialPivLU<Matrix> test;  // of G_W G_ref^T, G_W: along virtual displacements
   };
 
@@ -91,13 +92,11 @@ class Mechanism final : public DependentNodes {
   void choose_columns(const Matrix& G);
   /// The nearest solution of h(xi) = 0 about; false: none is found.
   bool approach(Vector& xi) const;
-  /// Newton's method for h(start + G_ref^T z) = 0; false: it does not converge.
-  bool solve(Vector& xi) const;
+  /// Newton's method for h(start + G_ref^T z) = 0, with the motions and G at its end; false: it does not converge.
+  bool solve(Vector& xi, std::vector<PartMotion>& parts, Matrix& G) const;
   const Solution& at(std::span<const double> unknowns) const;
-  using PutColumns = void (RigidPart::*)(std::span<const double>, PetscInt, std::span<Vector3<double>>) const;
-  /// The columns of a node by the mechanism's unknowns, from those by its part's.
-  void combine(const Solution& solution, const Matrix& of_unknowns, PutColumns put, PetscInt node,
-               std::span<Vector3<double>> columns) const;
+  /// The motions of the parts by the mechanism's unknowns, from those by the parts' own.
+  void combine(Solution& solution) const;
   /// States of the parts, nearest to q and v.
   std::vector<RigidPart::RigidState> states(const Step& step, Side side, Vec q, Vec v) const;
   /// Those of which velocities, and configurations too, fulfil the joints' equations; whether they are new.

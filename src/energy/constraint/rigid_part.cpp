@@ -1,6 +1,8 @@
 #include "energy/constraint/rigid_part.hpp"
 
+#include "base/dual.hpp"
 #include "energy/rigid/rigid_fit.hpp"
+#include "time/rotation.hpp"
 #include "material/spectral.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
@@ -16,15 +18,14 @@ constexpr double collinearity = 1e-6;
 /// Relative to the size: displacements that are rigid to this tolerance are left unchanged, which keeps their digits.
 constexpr double rigidity_tolerance = 1e-13;
 
-/// A dual vector: x and its derivative along b.
-template <class T>
-Vector3<Dual<T>> along(const Vector3<T>& x, const Vector3<double>& b) {
-  return {Dual<T>(x[0], T(b[0])), Dual<T>(x[1], T(b[1])), Dual<T>(x[2], T(b[2]))};
-}
-
-template <class T>
-Vector3<T> constant(const Vector3<double>& x) {
-  return {T(x[0]), T(x[1]), T(x[2])};
+/// a x each column of A.
+Tensor3<double> cross_columns(const Vector3<double>& a, const Tensor3<double>& A) {
+  Tensor3<double> result;
+  for (int j = 0; j < 3; ++j) {
+    const Vector3<double> column = cross(a, {A(0, j), A(1, j), A(2, j)});
+    for (int i = 0; i < 3; ++i) result(i, j) = column[static_cast<std::size_t>(i)];
+  }
+  return result;
 }
 
 }  // namespace
@@ -141,6 +142,7 @@ Quaternion RigidPart::nearest_rotation(const Tensor3<double>& gradient) const {
 void RigidPart::begin_end_of_step(Vec q) {
   shape_ = {};
   reference_ = nearest(q).rotation;
+  at_ = {};
 }
 
 void RigidPart::begin_stage(const StagePoint& stage, Vec q) {
@@ -150,6 +152,7 @@ void RigidPart::begin_stage(const StagePoint& stage, Vec q) {
   }
   shape_ = shape_of(stage);
   reference_ = nearest_rotation((*fit_)(*layout_, nodes_, q).gradient);
+  at_ = {};
 }
 
 std::vector<double> RigidPart::nearest_unknowns(Vec q) const {
@@ -202,52 +205,126 @@ void RigidPart::put_displacements(std::span<const double> unknowns, Vec q) const
   }
 }
 
-void RigidPart::put_columns(std::span<const double> unknowns, PetscInt node, std::span<Vector3<double>> columns) const {
-  const std::size_t num_free = free_components_.size();
-  std::ranges::fill(columns, Vector3<double>{});
-  for (std::size_t k = 0; k < num_free; ++k) columns[k][free_components_[k]] = 1.0;
-  const Vector3<double> theta = rotation_vector(unknowns);
-  const Vector3<double> s = turn(reference_, matvec(shape_.arms, arm(node)));
+// (exp(theta) R_ref - I) S e_j + D e_j, column by column.
+template <class T>
+BodyMotion<T> RigidPart::motion_of_unknowns(std::span<const T> unknowns) const {
+  BodyMotion<T> motion{motion_.rigid->centre, {}, {}};
+  for (std::size_t i = 0; i < 3; ++i) motion.translation[i] = T(given_translation_[i]);
+  for (std::size_t k = 0; k < free_components_.size(); ++k) motion.translation[free_components_[k]] = unknowns[k];
+  Vector3<T> theta{T(0.0), T(0.0), T(0.0)};
   for (std::size_t k = 0; k < axes_.size(); ++k) {
-    const auto x = turn(along(theta, axes_[k]), constant<Dual<double>>(s));
-    columns[num_free + k] = (1.0 / (shape_.weight * size_)) * Vector3<double>{x[0].slope, x[1].slope, x[2].slope};
+    const T angle = T(1.0 / (shape_.weight * size_)) * unknowns[free_components_.size() + k];
+    for (std::size_t i = 0; i < 3; ++i) theta[i] = theta[i] + T(axes_[k][i]) * angle;
   }
+  for (int j = 0; j < 3; ++j) {
+    const Vector3<double> arm = {shape_.arms(0, j), shape_.arms(1, j), shape_.arms(2, j)};
+    const Vector3<double> turned = turn(reference_, arm);
+    const Vector3<T> x = turn(theta, Vector3<T>{T(turned[0]), T(turned[1]), T(turned[2])});
+    for (int i = 0; i < 3; ++i) {
+      motion.gradient(i, j) = x[static_cast<std::size_t>(i)] + T(shape_.drift(i, j) - shape_.arms(i, j));
+    }
+  }
+  return motion;
+}
+
+// d exp(theta) / d theta_k x = (J_l(theta) e_k) x exp(theta) x: the left Jacobian of rotations.
+PartMotion RigidPart::motion(std::span<const double> unknowns) const {
+  PartMotion result{motion_of_unknowns(unknowns), {}, {}};
+  const Vector3<double>& centre = motion_.rigid->centre;
+  for (const std::size_t i : free_components_) {
+    result.columns.push_back({centre, {}, {}});
+    result.columns.back().translation[i] = 1.0;
+  }
+  const Tensor3<double> rotated = result.value.gradient - shape_.drift + shape_.arms;  // exp(theta) R_ref S
+  const Vector3<double> theta = rotation_vector(unknowns);
+  for (const auto& axis : axes_) {
+    const Vector3<double> rate = (1.0 / (shape_.weight * size_)) * right_jacobian(-1.0 * theta, axis);
+    result.columns.push_back({centre, {}, cross_columns(rate, rotated)});
+  }
+  if (is_symmetric()) {
+    result.test_columns = result.columns;
+    return result;
+  }
+  for (std::size_t k = 0; k < unknowns.size(); ++k) result.test_columns.push_back(virtual_motion(k, result.value));
+  return result;
+}
+
+BodyMotion<double> RigidPart::virtual_motion(std::size_t k, const BodyMotion<double>& at) const {
+  BodyMotion<double> result{at.centre, {}, {}};
+  if (k < free_components_.size()) {
+    result.translation[free_components_[k]] = 1.0;
+  } else {
+    result.gradient =
+        cross_columns((1.0 / size_) * axes_[k - free_components_.size()], add_to_diagonal(at.gradient, 1.0));
+  }
+  return result;
+}
+
+std::vector<BodyMotion<double>> RigidPart::bends(std::span<const double> unknowns,
+                                                 std::span<const BodyMotion<double>> columns) const {
+  std::vector<BodyMotion<double>> result;
+  const std::size_t num_free = free_components_.size(), n = unknowns.size();
+  for (std::size_t k = 0; k < n; ++k) {
+    for (std::size_t l = 0; l < n; ++l) {
+      BodyMotion<double>& bend = result.emplace_back(BodyMotion<double>{motion_.rigid->centre, {}, {}});
+      if (k < num_free || l < num_free) continue;
+      if (is_symmetric()) {
+        bend = second_derivative(unknowns, k, l);
+      } else {
+        bend.gradient = cross_columns((1.0 / size_) * axes_[k - num_free], columns[l].gradient);
+      }
+    }
+  }
+  return result;
+}
+
+BodyMotion<double> RigidPart::second_derivative(std::span<const double> unknowns, std::size_t k, std::size_t l) const {
+  using Once = Dual<double>;
+  using Twice = Dual<Once>;
+  std::vector<Twice> moved;
+  for (std::size_t i = 0; i < unknowns.size(); ++i) {
+    moved.push_back({Once(unknowns[i], i == l ? 1.0 : 0.0), Once(i == k ? 1.0 : 0.0, 0.0)});
+  }
+  const auto motion = motion_of_unknowns(std::span<const Twice>(moved));
+  BodyMotion<double> result{motion.centre, {}, {}};
+  for (std::size_t i = 0; i < 9; ++i) result.gradient.a[i] = motion.gradient.a[i].slope.slope;
+  return result;
+}
+
+MotionForce RigidPart::force_on_motion(std::span<const double> forces) const {
+  MotionForce result;
+  for (const PetscInt a : nodes_) {
+    const auto first = 3 * static_cast<std::size_t>(a);
+    const Vector3<double> force = {forces[first], forces[first + 1], forces[first + 2]};
+    result.add(1.0, {force, outer(force, arm(a))});
+  }
+  return result;
+}
+
+const PartMotion& RigidPart::at(std::span<const double> unknowns) const {
+  if (at_.columns.empty() || !std::ranges::equal(at_unknowns_, unknowns)) {
+    at_unknowns_.assign(unknowns.begin(), unknowns.end());
+    at_ = motion(unknowns);
+  }
+  return at_;
+}
+
+void RigidPart::put_columns(std::span<const double> unknowns, PetscInt node, std::span<Vector3<double>> columns) const {
+  const PartMotion& motion = at(unknowns);
+  for (std::size_t k = 0; k < columns.size(); ++k) columns[k] = motion.columns[k].displacement(reference(node));
 }
 
 void RigidPart::put_test_columns(std::span<const double> unknowns, PetscInt node,
                                  std::span<Vector3<double>> columns) const {
-  put_columns(unknowns, node, columns);
-  if (is_symmetric()) return;
-  const Placement rotated{{}, placement(unknowns).rotation};
-  const Vector3<double> r = arm(node);
-  const Vector3<double> Fr = r + matvec(shape_.drift, r) + rotated.displacement(matvec(shape_.arms, r));
-  for (std::size_t k = 0; k < axes_.size(); ++k) {
-    columns[free_components_.size() + k] = (1.0 / size_) * cross(axes_[k], Fr);
-  }
+  const PartMotion& motion = at(unknowns);
+  for (std::size_t k = 0; k < columns.size(); ++k) columns[k] = motion.test_columns[k].displacement(reference(node));
 }
 
 std::vector<double> RigidPart::curvature(std::span<const double> unknowns, Vec f) const {
-  const Vector3<double> theta = rotation_vector(unknowns);
-  const std::size_t num_free = free_components_.size(), n = hosts_.size();
-  std::vector<double> result(n * n, 0.0);
   const ConstArrayView forces(f);
-  for (const PetscInt a : nodes_) {
-    const Vector3<double> force = {forces[3 * a], forces[3 * a + 1], forces[3 * a + 2]};
-    const Vector3<double> s = turn(reference_, matvec(shape_.arms, arm(a)));
-    std::array<Vector3<double>, most_unknowns> columns{};
-    put_columns(unknowns, a, std::span(columns).first(n));
-    for (std::size_t k = 0; k < axes_.size(); ++k) {
-      for (std::size_t l = 0; l < axes_.size(); ++l) {
-        double& entry = result[n * (num_free + k) + num_free + l];
-        if (is_symmetric()) {
-          const auto twice = turn(along(along(theta, axes_[k]), axes_[l]), constant<Dual<Dual<double>>>(s));
-          for (std::size_t i = 0; i < 3; ++i) entry += force[i] * twice[i].slope.slope / (size_ * size_);
-        } else {
-          entry += dot(force, cross(axes_[k], columns[num_free + l])) / size_;
-        }
-      }
-    }
-  }
+  const MotionForce force = force_on_motion(forces.span());
+  std::vector<double> result;
+  for (const auto& bend : bends(unknowns, at(unknowns).columns)) result.push_back(force.along(bend));
   return result;
 }
 

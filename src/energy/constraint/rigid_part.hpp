@@ -86,12 +86,15 @@ class RigidPart final : public DependentNodes {
 
   /// The affine motion nearest to u. Collective.
   BodyMotion<double> motion_of(Vec u) const;
-  /// The motion in the stage.
-  template <class T>
-  BodyMotion<T> motion(std::span<const T> unknowns) const;
+  /// The motion in the stage, with its columns.
+  PartMotion motion(std::span<const double> unknowns) const;
   /// The virtual motion of unknown k: at the end of a step its rate.
-  template <class T>
-  BodyMotion<T> virtual_motion(std::size_t k, const BodyMotion<T>& at) const;
+  BodyMotion<double> virtual_motion(std::size_t k, const BodyMotion<double>& at) const;
+  /// The derivative of each virtual motion k by each unknown l, at k n + l of n unknowns. `columns`: at the unknowns.
+  std::vector<BodyMotion<double>> bends(std::span<const double> unknowns,
+                                        std::span<const BodyMotion<double>> columns) const;
+  /// The force on the motion of the part, from those on the entries of this rank's nodes [N].
+  MotionForce force_on_motion(std::span<const double> forces) const;
   /// Placement and velocities, as seen from the centre; nearest to q and v. Collective.
   struct RigidState {
     Placement at;
@@ -127,6 +130,11 @@ class RigidPart final : public DependentNodes {
   Quaternion nearest_rotation(const Tensor3<double>& gradient) const;
   Placement placement(std::span<const double> unknowns) const;
   Vector3<double> rotation_vector(std::span<const double> unknowns) const;
+  template <class T>
+  BodyMotion<T> motion_of_unknowns(std::span<const T> unknowns) const;
+  BodyMotion<double> second_derivative(std::span<const double> unknowns, std::size_t k, std::size_t l) const;
+  /// The motion at the unknowns, kept for the next call.
+  const PartMotion& at(std::span<const double> unknowns) const;
   Vector3<double> arm(PetscInt node) const { return layout_->position(node) - motion_.rigid->centre; }
   Placement nearest(Vec q) const;
   RigidState nearest_state(const GivenKinematics& given, Vec q, Vec v) const;
@@ -146,44 +154,8 @@ class RigidPart final : public DependentNodes {
   Vector3<double> given_translation_{};
   Shape shape_;
   Quaternion reference_{1.0, 0.0, 0.0, 0.0};
+  mutable std::vector<double> at_unknowns_;
+  mutable PartMotion at_;  // at these; without columns: nowhere yet
 };
-
-// (exp(theta) R_ref - I) S e_j + D e_j, column by column.
-template <class T>
-BodyMotion<T> RigidPart::motion(std::span<const T> unknowns) const {
-  BodyMotion<T> motion{motion_.rigid->centre, {}, {}};
-  for (std::size_t i = 0; i < 3; ++i) motion.translation[i] = T(given_translation_[i]);
-  for (std::size_t k = 0; k < free_components_.size(); ++k) motion.translation[free_components_[k]] = unknowns[k];
-  Vector3<T> theta{T(0.0), T(0.0), T(0.0)};
-  for (std::size_t k = 0; k < axes_.size(); ++k) {
-    const T angle = T(1.0 / (shape_.weight * size_)) * unknowns[free_components_.size() + k];
-    for (std::size_t i = 0; i < 3; ++i) theta[i] = theta[i] + T(axes_[k][i]) * angle;
-  }
-  for (int j = 0; j < 3; ++j) {
-    const Vector3<double> arm = {shape_.arms(0, j), shape_.arms(1, j), shape_.arms(2, j)};
-    const Vector3<double> turned = turn(reference_, arm);
-    const Vector3<T> x = turn(theta, Vector3<T>{T(turned[0]), T(turned[1]), T(turned[2])});
-    for (int i = 0; i < 3; ++i) {
-      motion.gradient(i, j) = x[static_cast<std::size_t>(i)] + T(shape_.drift(i, j) - shape_.arms(i, j));
-    }
-  }
-  return motion;
-}
-
-template <class T>
-BodyMotion<T> RigidPart::virtual_motion(std::size_t k, const BodyMotion<T>& at) const {
-  BodyMotion<T> result{at.centre, {}, {}};
-  if (k < free_components_.size()) {
-    result.translation[free_components_[k]] = T(1.0);
-    return result;
-  }
-  const Vector3<double> axis = (1.0 / size_) * axes_[k - free_components_.size()];
-  for (int j = 0; j < 3; ++j) {
-    const Vector3<double> unit_vector = {j == 0 ? 1.0 : 0.0, j == 1 ? 1.0 : 0.0, j == 2 ? 1.0 : 0.0};
-    const Vector3<T> x = cross(Vector3<T>{T(axis[0]), T(axis[1]), T(axis[2])}, at.direction(unit_vector));
-    for (int i = 0; i < 3; ++i) result.gradient(i, j) = x[static_cast<std::size_t>(i)];
-  }
-  return result;
-}
 
 }  // namespace pliant

@@ -3,7 +3,7 @@
 
 #include "energy/constraint/constraint_map.hpp"
 #include "energy/volume/inertia.hpp"
-#include "fem/block_matrix.hpp"
+#include "petsc/callback.hpp"
 #include "time/stage.hpp"
 
 #include <vector>
@@ -14,7 +14,6 @@ namespace pliant {
 /// are prescribed.
 struct ConstrainedMass {
   const NodeLayout& layout;
-  const BlockPattern& pattern;
   const Inertia& inertia;
   const std::vector<char>& prescribed;
   ConstraintMap* map;
@@ -32,6 +31,8 @@ class VelocityProjection {
  public:
   /// The references in `bodies` must outlive the object. Collective.
   explicit VelocityProjection(const ConstrainedMass& bodies);
+  VelocityProjection(const VelocityProjection&) = delete;  // PETSc's objects point to it
+  VelocityProjection& operator=(const VelocityProjection&) = delete;
 
   /// Which velocities are projected.
   enum class Scope {
@@ -43,13 +44,21 @@ class VelocityProjection {
   void operator()(Vec q, Vec wanted, Vec v, Scope scope);
 
  private:
-  Mat reduced_mass();
+  static PetscErrorCode multiply_callback(Mat A, Vec x, Vec y);
+  static PetscErrorCode diagonal_callback(Mat A, Vec diagonal);
+  /// y = J^T M J x.
+  void multiply(Vec x, Vec y);
+  /// f = J^T M v, whose ghosts it updates.
+  void put_force(Vec v, Vec f);
+  void clear_excluded(Vec x) const;
 
   ConstraintMap* map_;
-  std::vector<PetscInt> excluded_;  // entries that are not unknowns
-  Handle<Mat> mass_, reduced_;
+  const MassMatrix& mass_;
+  std::vector<char> is_excluded_;  // entries that are not unknowns
+  Handle<Mat> reduced_;            // J^T M J, on unknowns
   Handle<KSP> ksp_;
-  Handle<Vec> difference_, force_, w_;
+  Handle<Vec> expanded_, force_, w_, rhs_, diagonal_, masses_;
+  CallbackGuard guard_;
 };
 
 /// `motion` with its velocities projected: after a restart and, where rigid parts rotate freely, those of the method at

@@ -1,12 +1,19 @@
 #include "energy/equation/constrained_equation.hpp"
 
 #include "petsc/array_view.hpp"
+#include "petsc/collective.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 
 namespace pliant {
+namespace {
+
+/// Unknowns of the equation to one whose row is unsymmetric, at least, for the whole to count as nearly symmetric.
+constexpr PetscInt64 many_to_one = 10;
+
+}  // namespace
 
 ConstrainedEquation::ConstrainedEquation(StageEquation& equation, ConstraintMap& map)
     : equation_(equation),
@@ -16,10 +23,8 @@ ConstrainedEquation::ConstrainedEquation(StageEquation& equation, ConstraintMap&
       y_part_(map.make_vector().get()),
       x_part_(map.make_vector().get()) {
   for (Handle<Vec>* x : {&x_, &d_, &full_gradient_, &diagonal_, &y0_, &w0_, &accepted_}) *x = equation.make_vector();
-  if (!map.is_symmetric()) {
-    own_test_matrix_.emplace(map.test_matrix(), x_.get());
-    check(MatMatMult(full_.get(), jacobian_.matrix(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, product_.out()));
-  }
+  if (!map.is_symmetric()) own_test_matrix_.emplace(map.test_matrix(), x_.get());
+  product_.emplace(full_.get(), test_matrix(), jacobian_.matrix(), map.is_tied());
   pattern_of_full_ = pattern_id(full_.get());
   PetscInt size = 0;
   check(VecGetLocalSize(x_.get(), &size));
@@ -27,6 +32,15 @@ ConstrainedEquation::ConstrainedEquation(StageEquation& equation, ConstraintMap&
   for (std::size_t i = 0; i < map.is_slave().size(); ++i) {
     if (map.is_slave()[i]) prescribed_[i] = 1;
   }
+  symmetry_ = find_symmetry();
+}
+
+Symmetry ConstrainedEquation::find_symmetry() const {
+  if (map_.is_symmetric()) return equation_.symmetry();
+  if (equation_.symmetry() != Symmetry::symmetric) return Symmetry::unsymmetric;
+  const auto num_free = static_cast<PetscInt64>(std::ranges::count(prescribed_, char{0}));
+  const bool are_few = many_to_one * map_.num_unsymmetric() <= sum(comm(), num_free);
+  return are_few ? Symmetry::nearly_symmetric : Symmetry::unsymmetric;
 }
 
 void ConstrainedEquation::expand(Vec y, Vec x) const {
@@ -93,13 +107,8 @@ void ConstrainedEquation::gradient(Vec y, Vec r) {
 }
 
 Handle<Mat> ConstrainedEquation::make_hessian() const {
-  Handle<Mat> K;
-  if (map_.is_symmetric()) {
-    check(MatPtAP(full_.get(), jacobian_.matrix(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, K.out()));
-  } else {
-    check(MatTransposeMatMult(test_matrix(), product_.get(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, K.out()));
-  }
-  const PetscBool is_symmetric = symmetry() != Symmetry::unsymmetric ? PETSC_TRUE : PETSC_FALSE;
+  Handle<Mat> K = product_->make();
+  const PetscBool is_symmetric = pliant::is_symmetric(symmetry()) ? PETSC_TRUE : PETSC_FALSE;
   check(MatSetOption(K.get(), MAT_SYMMETRIC, is_symmetric));
   check(MatSetOption(K.get(), MAT_SYMMETRY_ETERNAL, is_symmetric));
   check(MatSetOption(K.get(), MAT_STRUCTURALLY_SYMMETRIC, PETSC_TRUE));
@@ -177,21 +186,10 @@ void ConstrainedEquation::project(Mat K) {
   if (pattern_id(full_.get()) != pattern_of_full_) {
     pattern_of_full_ = pattern_id(full_.get());
     present_pattern_.change();
-    if (!map_.is_symmetric()) {
-      check(MatMatMult(full_.get(), jacobian_.matrix(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, product_.out()));
-    }
+    product_.emplace(full_.get(), test_matrix(), jacobian_.matrix(), map_.is_tied());
   }
-  if (!present_pattern_.is_that_of(K)) {
-    present_pattern_.give(K, make_hessian());
-    if (map_.is_symmetric()) return;  // with its values
-  }
-  if (map_.is_symmetric()) {
-    check(MatPtAP(full_.get(), jacobian_.matrix(), MAT_REUSE_MATRIX, PETSC_DEFAULT, &K));
-    return;
-  }
-  Mat KJ = product_.get();
-  check(MatMatMult(full_.get(), jacobian_.matrix(), MAT_REUSE_MATRIX, PETSC_DEFAULT, &KJ));
-  check(MatTransposeMatMult(test_matrix(), KJ, MAT_REUSE_MATRIX, PETSC_DEFAULT, &K));
+  if (!present_pattern_.is_that_of(K)) present_pattern_.give(K, make_hessian());
+  product_->set(full_.get(), K);
 }
 
 void ConstrainedEquation::hessian(Vec y, Mat K, Projection projection) {
@@ -221,10 +219,6 @@ std::vector<std::string> ConstrainedEquation::non_potentials() const {
   auto names = equation_.non_potentials();
   std::ranges::copy(map_.non_potentials(), std::back_inserter(names));
   return names;
-}
-
-Symmetry ConstrainedEquation::symmetry() const {
-  return map_.is_symmetric() ? equation_.symmetry() : Symmetry::unsymmetric;
 }
 
 void ConstrainedEquation::rank_one_parts(Vec y, std::vector<RankOne>& parts) {

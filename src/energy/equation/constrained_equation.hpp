@@ -3,6 +3,7 @@
 
 #include "energy/constraint/beside_identity.hpp"
 #include "energy/constraint/constraint_map.hpp"
+#include "energy/equation/constrained_product.hpp"
 #include "energy/stage_equation.hpp"
 #include "petsc/leading_part.hpp"
 #include "petsc/matrix_pattern.hpp"
@@ -54,7 +55,7 @@ class ConstrainedEquation final : public StageEquation {
   void size_of_diagonal(Mat K, Vec D) const override { equation_.size_of_diagonal(K, D); }
   PetscInt num_negative_pivots() const override { return equation_.num_negative_pivots(); }
   std::vector<std::string> non_potentials() const override;
-  Symmetry symmetry() const override;
+  Symmetry symmetry() const override { return symmetry_; }
   const std::vector<char>& prescribed() const override { return prescribed_; }
   PetscInt num_unknowns() const override { return equation_.num_unknowns(); }
   MPI_Comm comm() const override { return equation_.comm(); }
@@ -75,6 +76,7 @@ class ConstrainedEquation final : public StageEquation {
   void set_near_null_space(Mat K) const;
   /// K = W^T (Hessian in x) J.
   void project(Mat K);
+  Symmetry find_symmetry() const;
 
   StageEquation& equation_;
   ConstraintMap& map_;
@@ -82,7 +84,8 @@ class ConstrainedEquation final : public StageEquation {
   BesideIdentity jacobian_;
   std::optional<BesideIdentity> own_test_matrix_;  // where W is not J
   Handle<Mat> full_;                               // Hessian in x
-  Handle<Mat> product_;                            // K J, where W is not J
+  std::optional<ConstrainedProduct> product_;      // W^T K J
+  Symmetry symmetry_ = Symmetry::symmetric;
   PetscObjectId pattern_of_full_ = 0;              // pattern_id
   PresentPattern present_pattern_;                 // of W^T K J
   LeadingPart y_part_, x_part_;

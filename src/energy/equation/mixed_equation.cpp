@@ -284,7 +284,7 @@ Handle<Mat> MixedEquation::make_hessian() const {
   check(MatSetPreallocationCOO(A.get(), static_cast<PetscCount>(num_entries), rows.data(), columns.data()));
   const std::vector<double> zeros(num_entries, 0.0);
   check(MatSetValuesCOO(A.get(), zeros.data(), INSERT_VALUES));
-  const PetscBool is_symmetric = symmetry() == Symmetry::unsymmetric ? PETSC_FALSE : PETSC_TRUE;
+  const PetscBool is_symmetric = pliant::is_symmetric(symmetry()) ? PETSC_TRUE : PETSC_FALSE;
   check(MatSetOption(A.get(), MAT_SYMMETRIC, is_symmetric));
   check(MatSetOption(A.get(), MAT_SYMMETRY_ETERNAL, is_symmetric));
   return A;

@@ -1,6 +1,7 @@
 /// The angle or the travel of a joint as a function of the motions of its bodies.
 #pragma once
 
+#include "base/dual.hpp"
 #include "energy/rigid/joint_equation.hpp"
 
 #include <cmath>

@@ -25,18 +25,16 @@ TimeSeries<double> sine(const TimeSeries<double>& s) {
   return {c, d * s.rate, d * s.acceleration - c * s.rate * s.rate};
 }
 
-template <class T>
-Vector3<T> lift(const Vector3<double>& a) {
-  return {T(a[0]), T(a[1]), T(a[2])};
-}
-
 /// The value of an equation of each kind.
 template <class T>
 struct Evaluation {
   const BodyMotion<T>&a, &b;
   const TimeSeries<double>& given;
 
-  T operator()(const Coincidence& c) const { return dot(lift<T>(c.normal), apart(c.point)); }
+  T operator()(const Coincidence& c) const {
+    const Vector3<T> d = apart(c.point);
+    return c.normal[0] * d[0] + c.normal[1] * d[1] + c.normal[2] * d[2];
+  }
   T operator()(const Perpendicularity& p) const { return dot(a.direction(p.a), b.direction(p.b)); }
   T operator()(const Travel& t) const {
     const T distance = dot(a.direction(t.normal), apart(t.point));
@@ -55,10 +53,54 @@ struct Evaluation {
  private:
   /// x_b(X) - x_a(X), written such that small motions keep their digits.
   Vector3<T> apart(const Vector3<double>& X) const {
-    return b.translation + matvec(b.gradient, lift<T>(X - b.centre)) - a.translation -
-           matvec(a.gradient, lift<T>(X - a.centre));
+    return b.displacement(X) - a.displacement(X);
   }
 };
+
+enum class Terms { all, linear };  ///< of the gradient in the motions: with its constant terms or without
+
+/// The gradient of an equation of each kind. `direction`: what Turn compares with e, at the given value or its rates.
+struct GradientOf {
+  const BodyMotion<double>&a, &b;
+  Vector3<double> direction;
+  Terms terms;
+
+  JointEquation::Forces operator()(const Coincidence& c) const {
+    if (terms == Terms::linear) return {};
+    return forces_at(c.point, c.point, c.normal);
+  }
+  JointEquation::Forces operator()(const Perpendicularity& p) const { return of_directions(p.a, p.b); }
+  JointEquation::Forces operator()(const Travel& t) const {
+    auto forces = forces_at(t.point, t.point, seen(a, t.normal));
+    forces[0].add(1.0, {{}, outer(b.displacement(t.point) - a.displacement(t.point), t.normal)});
+    return forces;
+  }
+  JointEquation::Forces operator()(const Turn& t) const { return of_directions(direction, t.e); }
+  JointEquation::Forces operator()(const Distance& d) const {
+    const Vector3<double> at_start = terms == Terms::all ? d.b - d.a : Vector3<double>{};
+    const Vector3<double> between = at_start + b.displacement(d.b) - a.displacement(d.a);
+    return forces_at(d.a, d.b, (1.0 / d.at_start) * between);
+  }
+
+ private:
+  Vector3<double> seen(const BodyMotion<double>& body, const Vector3<double>& x) const {
+    return terms == Terms::all ? body.direction(x) : body.turned(x);
+  }
+  /// Of (F_a x) . (F_b y).
+  JointEquation::Forces of_directions(const Vector3<double>& x, const Vector3<double>& y) const {
+    return {MotionForce{{}, outer(seen(b, y), x)}, MotionForce{{}, outer(seen(a, x), y)}};
+  }
+  /// Of f . (x_b(B) - x_a(A)), f constant.
+  JointEquation::Forces forces_at(const Vector3<double>& A, const Vector3<double>& B, const Vector3<double>& f) const {
+    return {MotionForce{-1.0 * f, outer(-1.0 * f, A - a.centre)}, MotionForce{f, outer(f, B - b.centre)}};
+  }
+};
+
+/// cos(s) f - sin(s) e, as a function of time.
+TimeSeries<Vector3<double>> direction_of(const Turn& t, const TimeSeries<double>& given) {
+  const TimeSeries<double> c = cosine(given), s = sine(given);
+  return {c.value * t.f - s.value * t.e, c.rate * t.f - s.rate * t.e, c.acceleration * t.f - s.acceleration * t.e};
+}
 
 }  // namespace
 
@@ -74,18 +116,39 @@ T JointEquation::operator()(const BodyMotion<T>& a, const BodyMotion<T>& b, cons
   return std::visit(Evaluation<T>{a, b, given}, kind);
 }
 
+JointEquation::Forces JointEquation::gradient(const Motions& motions, const TimeSeries<double>& given) const {
+  const auto* turn = std::get_if<Turn>(&kind);
+  const Vector3<double> direction = turn != nullptr ? direction_of(*turn, given).value : Vector3<double>{};
+  return std::visit(GradientOf{*motions[0], *motions[1], direction, Terms::all}, kind);
+}
+
+JointEquation::Forces JointEquation::change_of_gradient(const Motions& moves, const TimeSeries<double>& given) const {
+  const auto* turn = std::get_if<Turn>(&kind);
+  const Vector3<double> direction = turn != nullptr ? direction_of(*turn, given).value : Vector3<double>{};
+  return std::visit(GradientOf{*moves[0], *moves[1], direction, Terms::linear}, kind);
+}
+
+JointEquation::Forces JointEquation::gradient_of_acceleration(const Motions& values, const Motions& once,
+                                                              const Motions& twice,
+                                                              const TimeSeries<double>& given) const {
+  const auto* turn = std::get_if<Turn>(&kind);
+  const auto direction = turn != nullptr ? direction_of(*turn, given) : TimeSeries<Vector3<double>>();
+  const auto at = [&](const Motions& motions, const Vector3<double>& of_turn) {
+    return std::visit(GradientOf{*motions[0], *motions[1], of_turn, Terms::all}, kind);
+  };
+  Forces forces = at(twice, direction.value);
+  if (turn == nullptr) return forces;
+  const Forces with_rate = at(once, direction.rate), with_acceleration = at(values, direction.acceleration);
+  for (std::size_t side = 0; side < 2; ++side) {
+    forces[side].add(2.0, with_rate[side]);
+    forces[side].add(1.0, with_acceleration[side]);
+  }
+  return forces;
+}
+
 template double JointEquation::operator()(const BodyMotion<double>&, const BodyMotion<double>&,
                                           const TimeSeries<double>&) const;
-template Dual<double> JointEquation::operator()(const BodyMotion<Dual<double>>&, const BodyMotion<Dual<double>>&,
-                                                const TimeSeries<double>&) const;
-template Dual<Dual<double>> JointEquation::operator()(const BodyMotion<Dual<Dual<double>>>&,
-                                                      const BodyMotion<Dual<Dual<double>>>&,
-                                                      const TimeSeries<double>&) const;
 template TimeSeries<double> JointEquation::operator()(const BodyMotion<TimeSeries<double>>&,
                                                       const BodyMotion<TimeSeries<double>>&,
                                                       const TimeSeries<double>&) const;
-template TimeSeries<Dual<double>> JointEquation::operator()(const BodyMotion<TimeSeries<Dual<double>>>&,
-                                                            const BodyMotion<TimeSeries<Dual<double>>>&,
-                                                            const TimeSeries<double>&) const;
-
 }  // namespace pliant

@@ -1,7 +1,6 @@
 /// Scalar equations between two rigid bodies, of which joints consist, and their derivatives in time and configuration.
 #pragma once
 
-#include "base/dual.hpp"
 #include "base/expression.hpp"
 #include "base/vector3.hpp"
 #include "energy/rigid/time_series.hpp"
@@ -22,13 +21,43 @@ struct BodyMotion {
 
   /// The place of the material point X.
   Vector3<T> point(const Vector3<double>& X) const {
-    return translation + matvec(gradient, lift(X - centre)) + lift(X);
+    return displacement(X) + lift(X);
   }
+  Vector3<T> displacement(const Vector3<double>& X) const { return translation + turned(X - centre); }
   /// The material direction a.
-  Vector3<T> direction(const Vector3<double>& a) const { return lift(a) + matvec(gradient, lift(a)); }
+  Vector3<T> direction(const Vector3<double>& a) const { return lift(a) + turned(a); }
+  /// What the gradient adds to the material direction a.
+  Vector3<T> turned(const Vector3<double>& a) const {
+    const auto row = [&](int i) { return a[0] * gradient(i, 0) + a[1] * gradient(i, 1) + a[2] * gradient(i, 2); };
+    return {row(0), row(1), row(2)};
+  }
 
  private:
   static Vector3<T> lift(const Vector3<double>& a) { return {T(a[0]), T(a[1]), T(a[2])}; }
+};
+
+/// The motion of a body and its derivatives by the body's unknowns, actual and virtual ones.
+struct PartMotion {
+  BodyMotion<double> value;
+  std::vector<BodyMotion<double>> columns, test_columns;
+};
+
+/// The derivative of a scalar by the motion of a body: ds = translation . d(translation) + gradient : d(gradient).
+struct MotionForce {
+  Vector3<double> translation{};
+  Tensor3<double> gradient{};
+
+  /// ds along a motion.
+  double along(const BodyMotion<double>& d) const {
+    double sum = dot(translation, d.translation);
+    for (std::size_t i = 0; i < 9; ++i) sum += gradient.a[i] * d.gradient.a[i];
+    return sum;
+  }
+  /// Adds s times another one.
+  void add(double s, const MotionForce& other) {
+    translation = translation + s * other.translation;
+    for (std::size_t i = 0; i < 9; ++i) gradient.a[i] += s * other.gradient.a[i];
+  }
 };
 
 /// The material point X of both bodies is at one place, seen along a fixed direction: n . (x_b(X) - x_a(X)) = 0.
@@ -60,7 +89,8 @@ struct Distance {
 };
 
 /// A smooth scalar equation g(a, b, t) = 0 of the motions of two bodies; the first member stays 0 if both move rigidly
-/// together. Lengths in metres, except that Perpendicularity and Turn are numbers.
+/// together. Lengths in metres, except that Perpendicularity and Turn are numbers. g is a polynomial of the second
+/// degree in the numbers of both motions: its gradient is affine in them, which gives all derivatives.
 struct JointEquation {
   static constexpr int ground = -1;  ///< the number of what does not move
 
@@ -73,6 +103,18 @@ struct JointEquation {
   /// g, with the values of the formula as the number type T has them: as they are, or as series in time.
   template <class T>
   T operator()(const BodyMotion<T>& a, const BodyMotion<T>& b, const TimeSeries<double>& given) const;
+
+  using Motions = std::array<const BodyMotion<double>*, 2>;
+  using Forces = std::array<MotionForce, 2>;
+  /// dg by the motions of both bodies.
+  Forces gradient(const Motions& motions, const TimeSeries<double>& given) const;
+  /// The change of the gradient when the motions move by these.
+  Forces change_of_gradient(const Motions& moves, const TimeSeries<double>& given) const;
+  /// The gradient of d2g/dt2 where values, rates and accelerations of the motions move by the same. `once`, `twice`:
+  /// value + rate and value + 2 rate + acceleration of each motion. For the second derivative of a product, (x y)'' =
+  /// x'' y + 2 x' y' + x y'', this is the gradient of g at `twice`, except that what is given has rates of its own.
+  Forces gradient_of_acceleration(const Motions& values, const Motions& once, const Motions& twice,
+                                  const TimeSeries<double>& given) const;
 };
 
 }  // namespace pliant

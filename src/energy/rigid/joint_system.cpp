@@ -11,8 +11,8 @@ namespace {
 constexpr double independence = 1e-7;
 
 /// f of each number of the motions.
-template <class T, class F, class... Motions>
-BodyMotion<T> each(F&& f, const BodyMotion<double>& first, const Motions&... others) {
+template <class T, class F, class First, class... Motions>
+BodyMotion<T> each(F&& f, const BodyMotion<First>& first, const Motions&... others) {
   BodyMotion<T> result{first.centre, {}, {}};
   for (std::size_t i = 0; i < 3; ++i) result.translation[i] = f(first.translation[i], others.translation[i]...);
   for (std::size_t i = 0; i < 9; ++i) result.gradient.a[i] = f(first.gradient.a[i], others.gradient.a[i]...);
@@ -20,6 +20,10 @@ BodyMotion<T> each(F&& f, const BodyMotion<double>& first, const Motions&... oth
 }
 
 const BodyMotion<double> at_rest{};
+
+const BodyMotion<double>& value_of(int body, std::span<const PartMotion> parts) {
+  return body < 0 ? at_rest : parts[static_cast<std::size_t>(body)].value;
+}
 
 /// The rotation about an axis through a point, as the rate of a body's motion.
 BodyMotion<double> rotation_about(const Vector3<double>& axis, const Vector3<double>& point,
@@ -38,10 +42,6 @@ BodyMotion<double> rotation_about(const Vector3<double>& axis, const Vector3<dou
 
 BodyMotion<double> sum_of(double a, const BodyMotion<double>& x, const BodyMotion<double>& y) {
   return each<double>([a](double p, double q) { return a * p + q; }, x, y);
-}
-
-BodyMotion<Dual<double>> with_slope(const BodyMotion<double>& value, const BodyMotion<double>& slope) {
-  return each<Dual<double>>([](double x, double s) { return Dual<double>(x, s); }, value, slope);
 }
 
 JointSystem::JointSystem(std::vector<JointEquation> equations, std::vector<std::size_t> first)
@@ -69,76 +69,71 @@ JointSystem::Given JointSystem::given(double time, double time_scale, double uni
   return result;
 }
 
+void JointSystem::put_row(Eigen::Index row, const JointEquation::Forces& forces, std::span<const PartMotion> parts,
+                          Along along, Matrix& G) const {
+  const auto j = static_cast<std::size_t>(row);
+  for (std::size_t side = 0; side < 2; ++side) {
+    if (equations_[j].bodies[side] < 0) continue;
+    const auto p = static_cast<std::size_t>(equations_[j].bodies[side]);
+    const auto& columns = along == Along::columns ? parts[p].columns : parts[p].test_columns;
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      G(row, static_cast<Eigen::Index>(first_[p] + k)) = scales_[j] * forces[side].along(columns[k]);
+    }
+  }
+}
+
 void JointSystem::configuration(std::span<const PartMotion> parts, Along along, const Given& given, Vector& g,
                                 Matrix& G) const {
-  const auto value = [&](int body) -> const BodyMotion<double>& {
-    return body < 0 ? at_rest : parts[static_cast<std::size_t>(body)].value;
-  };
   g = Vector::Zero(num_equations());
   G = Matrix::Zero(num_equations(), num_unknowns());
   for (std::size_t j = 0; j < equations_.size(); ++j) {
     const JointEquation& equation = equations_[j];
     const auto row = static_cast<Eigen::Index>(j);
-    const std::array<const BodyMotion<double>*, 2> bodies{&value(equation.bodies[0]), &value(equation.bodies[1])};
+    const JointEquation::Motions bodies{&value_of(equation.bodies[0], parts), &value_of(equation.bodies[1], parts)};
     g[row] = scales_[j] * equation(*bodies[0], *bodies[1], given[j]);
-    for (std::size_t side = 0; side < 2; ++side) {
-      if (equation.bodies[side] < 0) continue;
-      const auto p = static_cast<std::size_t>(equation.bodies[side]);
-      const auto& columns = along == Along::columns ? parts[p].columns : parts[p].test_columns;
-      const auto other = with_slope(*bodies[1 - side], at_rest);
-      for (std::size_t k = 0; k < columns.size(); ++k) {
-        const auto moved = with_slope(*bodies[side], columns[k]);
-        const Once result = side == 0 ? equation(moved, other, given[j]) : equation(other, moved, given[j]);
-        G(row, static_cast<Eigen::Index>(first_[p] + k)) += scales_[j] * result.slope;
-      }
-    }
+    put_row(row, equation.gradient(bodies, given[j]), parts, along, G);
   }
 }
 
 void JointSystem::acceleration(std::span<const PartMotion> parts, std::span<const BodyMotion<double>> start,
                                std::span<const BodyMotion<double>> advance, const Given& given, Vector& h,
                                Matrix& G) const {
-  using Number = TimeSeries<Once>;
-  const auto series = [&](int body, const BodyMotion<double>& slope) {
-    if (body < 0) return BodyMotion<Number>{};
-    const auto p = static_cast<std::size_t>(body);
-    return each<Number>(
-        [](double x, double x0, double dx, double s) {
-          return Number({x, s}, {x - x0, s}, {x - x0 - dx, s});
-        },
-        parts[p].value, start[p], advance[p], slope);
+  using Number = TimeSeries<double>;
+  std::vector<BodyMotion<Number>> series;
+  std::vector<BodyMotion<double>> once, twice;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    series.push_back(each<Number>([](double x, double x0, double dx) { return Number(x, x - x0, x - x0 - dx); },
+                                  parts[p].value, start[p], advance[p]));
+    once.push_back(each<double>([](const Number& x) { return x.value + x.rate; }, series[p]));
+    twice.push_back(each<double>([](const Number& x) { return x.value + 2.0 * x.rate + x.acceleration; }, series[p]));
+  }
+  const BodyMotion<Number> of_ground{};
+  const auto of = [](int body, const auto& motions, const auto& ground) {
+    return body < 0 ? &ground : &motions[static_cast<std::size_t>(body)];
   };
   h = Vector::Zero(num_equations());
   G = Matrix::Zero(num_equations(), num_unknowns());
   for (std::size_t j = 0; j < equations_.size(); ++j) {
     const JointEquation& equation = equations_[j];
     const auto row = static_cast<Eigen::Index>(j);
-    const std::array<BodyMotion<Number>, 2> bodies{series(equation.bodies[0], at_rest),
-                                                   series(equation.bodies[1], at_rest)};
-    h[row] = scales_[j] * equation(bodies[0], bodies[1], given[j]).acceleration.value;
-    for (std::size_t side = 0; side < 2; ++side) {
-      if (equation.bodies[side] < 0) continue;
-      const auto p = static_cast<std::size_t>(equation.bodies[side]);
-      for (std::size_t k = 0; k < parts[p].columns.size(); ++k) {
-        const auto moved = series(equation.bodies[side], parts[p].columns[k]);
-        const Number result = side == 0 ? equation(moved, bodies[1], given[j]) : equation(bodies[0], moved, given[j]);
-        G(row, static_cast<Eigen::Index>(first_[p] + k)) += scales_[j] * result.acceleration.slope;
-      }
-    }
+    const auto& [a, b] = equation.bodies;
+    h[row] = scales_[j] * equation(*of(a, series, of_ground), *of(b, series, of_ground), given[j]).acceleration;
+    put_row(row,
+            equation.gradient_of_acceleration({&value_of(a, parts), &value_of(b, parts)},
+                                              {of(a, once, at_rest), of(b, once, at_rest)},
+                                              {of(a, twice, at_rest), of(b, twice, at_rest)}, given[j]),
+            parts, Along::columns, G);
   }
 }
 
 bool JointSystem::is_on_branch(std::span<const PartMotion> parts, const Given& given) const {
-  const auto value = [&](int body) -> const BodyMotion<double>& {
-    return body < 0 ? at_rest : parts[static_cast<std::size_t>(body)].value;
-  };
   for (std::size_t j = 0; j < equations_.size(); ++j) {
     const JointEquation& equation = equations_[j];
     if (const auto* turn = std::get_if<Turn>(&equation.kind)) {
-      const BodyMotion<double>& a = value(equation.bodies[0]);
+      const BodyMotion<double>& a = value_of(equation.bodies[0], parts);
       const Vector3<double> wanted =
           std::cos(given[j].value) * a.direction(turn->e) + std::sin(given[j].value) * a.direction(turn->f);
-      if (!(dot(value(equation.bodies[1]).direction(turn->e), wanted) > 0.0)) return false;
+      if (!(dot(value_of(equation.bodies[1], parts).direction(turn->e), wanted) > 0.0)) return false;
     }
     const auto* distance = std::get_if<Distance>(&equation.kind);
     if (distance != nullptr && distance->given && !(distance->at_start + given[j].value > 0.0)) return false;
@@ -162,31 +157,41 @@ JointSystem::Vector JointSystem::rates(std::span<const BodyMotion<double>> value
   return result;
 }
 
-JointSystem::Matrix JointSystem::curvature(std::span<const std::vector<BodyMotion<Twice>>> moved, const Given& given,
+JointSystem::Matrix JointSystem::curvature(std::span<const PartMotion> parts,
+                                           std::span<const std::vector<BodyMotion<double>>> bends, const Given& given,
                                            const Vector& lambda) const {
   Matrix result = Matrix::Zero(num_unknowns(), num_unknowns());
-  const BodyMotion<Twice> of_ground{};
+  std::vector<MotionForce> on_parts(parts.size());
   for (std::size_t j = 0; j < equations_.size(); ++j) {
     const JointEquation& equation = equations_[j];
     const double force = scales_[j] * lambda[static_cast<Eigen::Index>(j)];
-    const auto motion = [&](std::size_t side, std::size_t k, std::size_t l) -> const BodyMotion<Twice>& {
-      const int body = equation.bodies[side];
-      return body < 0 ? of_ground : moved[static_cast<std::size_t>(body)][k * (num_unknowns_of(body) + 1) + l];
-    };
-    for (std::size_t side = 0; side < 2; ++side) {
-      for (std::size_t other = 0; other < 2; ++other) {
-        if (equation.bodies[side] < 0 || equation.bodies[other] < 0) continue;
-        const std::size_t row = first_[static_cast<std::size_t>(equation.bodies[side])];
-        const std::size_t column = first_[static_cast<std::size_t>(equation.bodies[other])];
-        for (std::size_t k = 0; k < num_unknowns_of(equation.bodies[side]); ++k) {
-          for (std::size_t l = 0; l < num_unknowns_of(equation.bodies[other]); ++l) {
-            const auto at = [&](std::size_t s) -> const BodyMotion<Twice>& {
-              return motion(s, s == side ? k + 1 : 0, s == other ? l + 1 : 0);
-            };
-            result(static_cast<Eigen::Index>(row + k), static_cast<Eigen::Index>(column + l)) +=
-                force * equation(at(0), at(1), given[j]).slope.slope;
+    const auto gradient = equation.gradient(
+        {&value_of(equation.bodies[0], parts), &value_of(equation.bodies[1], parts)}, given[j]);
+    for (std::size_t moved = 0; moved < 2; ++moved) {
+      if (equation.bodies[moved] < 0) continue;
+      const auto p = static_cast<std::size_t>(equation.bodies[moved]);
+      on_parts[p].add(force, gradient[moved]);
+      for (std::size_t l = 0; l < parts[p].columns.size(); ++l) {
+        JointEquation::Motions moves{&at_rest, &at_rest};
+        moves[moved] = &parts[p].columns[l];
+        const auto change = equation.change_of_gradient(moves, given[j]);
+        for (std::size_t side = 0; side < 2; ++side) {
+          if (equation.bodies[side] < 0) continue;
+          const auto other = static_cast<std::size_t>(equation.bodies[side]);
+          for (std::size_t k = 0; k < parts[other].test_columns.size(); ++k) {
+            result(static_cast<Eigen::Index>(first_[other] + k), static_cast<Eigen::Index>(first_[p] + l)) +=
+                force * change[side].along(parts[other].test_columns[k]);
           }
         }
+      }
+    }
+  }
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const std::size_t n = first_[p + 1] - first_[p];
+    for (std::size_t k = 0; k < n; ++k) {
+      for (std::size_t l = 0; l < n; ++l) {
+        result(static_cast<Eigen::Index>(first_[p] + k), static_cast<Eigen::Index>(first_[p] + l)) +=
+            on_parts[p].along(bends[p][k * n + l]);
       }
     }
   }
@@ -213,18 +218,13 @@ std::vector<std::size_t> JointSystem::dependent_joints(const Matrix& G) const {
 // The work of each equation's force under translations and rotations of the second body.
 std::vector<JointReaction> JointSystem::reactions(std::span<const PartMotion> parts, const Given& given,
                                                   const Vector& lambda, std::span<const Vector3<double>> points) const {
-  const auto value = [&](int body) -> const BodyMotion<double>& {
-    return body < 0 ? at_rest : parts[static_cast<std::size_t>(body)].value;
-  };
   std::vector<JointReaction> result(points.size());
   for (std::size_t j = 0; j < equations_.size(); ++j) {
     const JointEquation& equation = equations_[j];
-    const BodyMotion<double>& b = value(equation.bodies[1]);
-    const auto a = with_slope(value(equation.bodies[0]), at_rest);
+    const BodyMotion<double>& b = value_of(equation.bodies[1], parts);
     const double force = scales_[j] * lambda[static_cast<Eigen::Index>(j)];
-    const auto work = [&](const BodyMotion<double>& rate) {
-      return force * equation(a, with_slope(b, rate), given[j]).slope;
-    };
+    const MotionForce on_b = equation.gradient({&value_of(equation.bodies[0], parts), &b}, given[j])[1];
+    const auto work = [&](const BodyMotion<double>& rate) { return force * on_b.along(rate); };
     const Vector3<double> place = b.point(points[equation.joint]);
     for (std::size_t i = 0; i < 3; ++i) {
       Vector3<double> axis{};

@@ -16,14 +16,6 @@ struct JointReaction {
   Vector3<double> torque{};  ///< about the joint's point [N m]
 };
 
-/// The motion of a body and its derivatives by the body's unknowns, actual and virtual ones.
-struct PartMotion {
-  BodyMotion<double> value;
-  std::vector<BodyMotion<double>> columns, test_columns;
-};
-
-/// The motion with its derivative along a slope.
-BodyMotion<Dual<double>> with_slope(const BodyMotion<double>& value, const BodyMotion<double>& slope);
 /// a x + y.
 BodyMotion<double> sum_of(double a, const BodyMotion<double>& x, const BodyMotion<double>& y);
 
@@ -34,8 +26,6 @@ class JointSystem {
  public:
   using Vector = Eigen::VectorXd;
   using Matrix = Eigen::MatrixXd;
-  using Once = Dual<double>;
-  using Twice = Dual<Once>;
   using Given = std::vector<TimeSeries<double>>;  ///< of the formula of each equation, 0 where it has none
   enum class Along { columns, test_columns };
 
@@ -60,10 +50,10 @@ class JointSystem {
   /// dg/dt.
   Vector rates(std::span<const BodyMotion<double>> values, std::span<const BodyMotion<double>> rates,
                const Given& given) const;
-  /// sum_j lambda_j d2g_j / (virtual k) (actual l). `moved`: for each body of n unknowns, its motion with the slopes
-  /// along k and l, at (k + 1) (n + 1) + l + 1, of which k = -1 or l = -1 is none.
-  Matrix curvature(std::span<const std::vector<BodyMotion<Twice>>> moved, const Given& given,
-                   const Vector& lambda) const;
+  /// sum_j lambda_j d2g_j / (virtual k) (actual l). `bends`: for each body of n unknowns, the derivative of its virtual
+  /// motion k by its unknown l, at k n + l.
+  Matrix curvature(std::span<const PartMotion> parts, std::span<const std::vector<BodyMotion<double>>> bends,
+                   const Given& given, const Vector& lambda) const;
   /// The joints of which equations repeat what other equations say, or contradict it. G: the derivatives.
   std::vector<std::size_t> dependent_joints(const Matrix& G) const;
   /// The reaction of each joint, from the forces lambda of the equations. `points`: of the joints on their second
@@ -74,10 +64,9 @@ class JointSystem {
  private:
   Eigen::Index num_equations() const { return static_cast<Eigen::Index>(equations_.size()); }
   Eigen::Index num_unknowns() const { return static_cast<Eigen::Index>(first_.back()); }
-  std::size_t num_unknowns_of(int body) const {
-    const auto p = static_cast<std::size_t>(body);
-    return first_[p + 1] - first_[p];
-  }
+  /// The derivative of an equation by the unknowns of its bodies.
+  void put_row(Eigen::Index row, const JointEquation::Forces& forces, std::span<const PartMotion> parts, Along along,
+               Matrix& G) const;
 
   std::vector<JointEquation> equations_;
   std::vector<double> scales_;

@@ -23,6 +23,9 @@ struct TimeSeries {
   friend constexpr TimeSeries operator-(const TimeSeries& x, const TimeSeries& y) {
     return {x.value - y.value, x.rate - y.rate, x.acceleration - y.acceleration};
   }
+  friend constexpr TimeSeries operator*(double s, const TimeSeries& x) {
+    return {s * x.value, s * x.rate, s * x.acceleration};
+  }
   friend constexpr TimeSeries operator*(const TimeSeries& x, const TimeSeries& y) {
     return {x.value * y.value, x.value * y.rate + x.rate * y.value,
             x.value * y.acceleration + T(2.0) * (x.rate * y.rate) + x.acceleration * y.value};

@@ -189,6 +189,16 @@ void MassMatrix::assign_to(double factor, const BlockWriter& K) const {
   }
 }
 
+void MassMatrix::put_diagonal(std::span<double> diagonal) const {
+  const auto& [offsets, nodes] = *diagonal_.rows;
+  for (PetscInt a = 0; a < num_owned_nodes_; ++a) {
+    for (PetscInt k = offsets[a]; k < offsets[a + 1]; ++k) {
+      if (nodes[k] != a) continue;
+      for (int i = 0; i < 3; ++i) diagonal[3 * a + i] = diagonal_.masses[k];
+    }
+  }
+}
+
 double MassMatrix::product(std::span<const double> x, std::span<const double> y) const {
   std::vector<double> My(y.size(), 0.0);
   add_times(y, My);

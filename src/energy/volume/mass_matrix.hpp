@@ -29,6 +29,8 @@ class MassMatrix {
   void add_to(double factor, const BlockWriter& K) const;
   /// K = factor M, likewise; K is overwritten.
   void assign_to(double factor, const BlockWriter& K) const;
+  /// diagonal = that of M, of owned nodes [kg].
+  void put_diagonal(std::span<double> diagonal) const;
   /// This rank's share of the mass [kg].
   double total() const;
   /// Adds a mass to a block of the pattern (BlockPattern::block) [kg].

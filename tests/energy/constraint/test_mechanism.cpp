@@ -2,6 +2,7 @@
 #include "energy/constraint/mechanism.hpp"
 #include "energy/solid.hpp"
 #include "fem/selection.hpp"
+#include "petsc/array_view.hpp"
 #include "time/stage.hpp"
 
 #include <cmath>
@@ -98,6 +99,74 @@ TEST(JointEquations, DoNotSeeMotionsOfTheWhole) {
   }
 }
 
+/// The motion with one of its twelve numbers moved.
+template <class T>
+BodyMotion<T> moved(BodyMotion<T> motion, std::size_t number, const T& by) {
+  T& x = number < 3 ? motion.translation[number] : motion.gradient.a[number - 3];
+  x = x + by;
+  return motion;
+}
+
+double component(const MotionForce& force, std::size_t number) {
+  return force.along(moved(BodyMotion<double>{}, number, 1.0));
+}
+
+// Equations are polynomials of the second degree: central differences are their derivatives, but for rounding.
+TEST(JointEquations, GradientsAreTheirDerivatives) {
+  const TimeSeries<double> given(0.4, -0.7, 1.3);
+  const auto a = motion(0.4, 0.3), b = motion(0.4, 1.1);
+  for (const JointEquation& equation : one_of_each()) {
+    const auto gradient = equation.gradient({&a, &b}, given);
+    for (std::size_t k = 0; k < 12; ++k) {
+      const double of_a = equation(moved(a, k, 0.5), b, given) - equation(moved(a, k, -0.5), b, given);
+      const double of_b = equation(a, moved(b, k, 0.5), given) - equation(a, moved(b, k, -0.5), given);
+      EXPECT_NEAR(component(gradient[0], k), of_a, 1e-14) << equation.kind.index() << " " << k;
+      EXPECT_NEAR(component(gradient[1], k), of_b, 1e-14) << equation.kind.index() << " " << k;
+    }
+  }
+}
+
+TEST(JointEquations, GradientsChangeWithTheMotions) {
+  const TimeSeries<double> given(0.4, -0.7, 1.3);
+  const auto a = motion(0.4, 0.3), b = motion(0.4, 1.1), da = motion(0.7, 0.2), db = motion(0.2, 0.9);
+  const auto a_moved = sum_of(1.0, a, da), b_moved = sum_of(1.0, b, db);
+  for (const JointEquation& equation : one_of_each()) {
+    const auto before = equation.gradient({&a, &b}, given), after = equation.gradient({&a_moved, &b_moved}, given);
+    const auto change = equation.change_of_gradient({&da, &db}, given);
+    for (std::size_t side = 0; side < 2; ++side) {
+      for (std::size_t k = 0; k < 12; ++k) {
+        EXPECT_NEAR(component(change[side], k), component(after[side], k) - component(before[side], k), 1e-14)
+            << equation.kind.index() << " " << k;
+      }
+    }
+  }
+}
+
+TEST(JointEquations, GradientsOfAccelerationsAreTheirDerivatives) {
+  const TimeSeries<double> given(0.4, -0.7, 1.3);
+  const auto a = series(0.4, 0.3), b = series(0.4, 1.1);
+  const auto sum = [](const BodyMotion<TimeSeries<double>>& x, double rate, double acceleration) {
+    BodyMotion<double> result{x.centre, {}, {}};
+    const auto of = [&](const TimeSeries<double>& s) { return s.value + rate * s.rate + acceleration * s.acceleration; };
+    for (std::size_t i = 0; i < 3; ++i) result.translation[i] = of(x.translation[i]);
+    for (std::size_t i = 0; i < 9; ++i) result.gradient.a[i] = of(x.gradient.a[i]);
+    return result;
+  };
+  const std::array values{sum(a, 0.0, 0.0), sum(b, 0.0, 0.0)}, once{sum(a, 1.0, 0.0), sum(b, 1.0, 0.0)},
+      twice{sum(a, 2.0, 1.0), sum(b, 2.0, 1.0)};
+  const TimeSeries<double> more(0.5, 0.5, 0.5), less(-0.5, -0.5, -0.5);
+  for (const JointEquation& equation : one_of_each()) {
+    const auto gradient = equation.gradient_of_acceleration({&values[0], &values[1]}, {&once[0], &once[1]},
+                                                            {&twice[0], &twice[1]}, given);
+    for (std::size_t k = 0; k < 12; ++k) {
+      const auto of_a = equation(moved(a, k, more), b, given) - equation(moved(a, k, less), b, given);
+      const auto of_b = equation(a, moved(b, k, more), given) - equation(a, moved(b, k, less), given);
+      EXPECT_NEAR(component(gradient[0], k), of_a.acceleration, 1e-13) << equation.kind.index() << " " << k;
+      EXPECT_NEAR(component(gradient[1], k), of_b.acceleration, 1e-13) << equation.kind.index() << " " << k;
+    }
+  }
+}
+
 class Mechanisms : public ::testing::Test {
  protected:
   Scratch scratch_{comm};
@@ -133,6 +202,70 @@ TEST_F(Mechanisms, CountTheirDegreesOfFreedom) {
   // ball closes a loop that cannot move, and a fourth repeats it.
   for (auto& e : ball({ground, 1}, {1.0, 0.5, 0.5}, 2)) equations.push_back(e);
   EXPECT_EQ(make(equations).dependent_joints(), (std::vector<std::size_t>{0, 1, 2}));
+}
+
+/// The kinds of stages that a mechanism knows.
+struct StageKind {
+  Rigidity rigidity;
+  double end_weight;
+};
+
+// Columns are the derivatives of displacements, and curvatures those of the work of forces along virtual ones.
+TEST_F(Mechanisms, HaveExactDerivatives) {
+  for (const StageKind kind : {StageKind{Rigidity::of_configurations, 0.0}, StageKind{Rigidity::of_accelerations, 0.0},
+                               StageKind{Rigidity::of_accelerations, 1.3}}) {
+    auto equations = ball({ground, 0}, {0.0, 0.5, 0.5}, 0);
+    equations.push_back({Turn{unit_vector(0), unit_vector(1), Expression("0.3*t")}, {ground, 0}, 0});
+    equations.push_back({Distance{{0.2, 0.1, 0.3}, {0.9, 0.8, 0.4}, 1.0, Expression("0.05*t")}, {0, 1}, 1});
+    equations.push_back({Perpendicularity{unit_vector(0), {0.0, 0.6, 0.8}}, {0, 1}, 2});
+    Mechanism mechanism = make(std::move(equations));
+    mechanism.set_rigidity(kind.rigidity);
+    const auto q = solid_.vector([](const Point& x) { return 0.02 * test::strained(x); });
+    const auto v = solid_.vector([](const Point& x) { return 0.2 * test::strained(x); });
+    StagePoint stage;
+    stage.time = stage.end_time = stage.dt = 0.05;
+    stage.q0 = q.get();
+    stage.v0 = v.get();
+    stage.end_weight = kind.end_weight;
+    mechanism.begin_stage(stage, q.get());
+    const std::size_t n = mechanism.num_degrees_of_freedom();
+    ASSERT_EQ(n, 7u);
+    std::vector<double> y{0.01, -0.02, 0.015, 0.005, -0.01, 0.02, 0.01};
+    const auto f = solid_.vector(test::rough_field(1.0, 5));
+    const auto work = [&](std::span<const double> at, std::size_t k) {
+      double sum = 0.0;
+      std::vector<Vector3<double>> columns(n);
+      const ConstArrayView forces(f.get());
+      for (const PetscInt a : mechanism.nodes()) {
+        mechanism.put_test_columns(at, a, columns);
+        for (PetscInt i = 0; i < 3; ++i) sum += forces[3 * a + i] * columns[k][static_cast<std::size_t>(i)];
+      }
+      return sum;
+    };
+    constexpr double h = 1e-4;
+    const auto curvature = mechanism.curvature(y, f.get());
+    for (std::size_t l = 0; l < n; ++l) {
+      auto more = y, less = y;
+      more[l] += h;
+      less[l] -= h;
+      const Handle<Vec> above = make_vector(solid_.layout()), below = make_vector(solid_.layout());
+      mechanism.put_displacements(more, above.get());
+      mechanism.put_displacements(less, below.get());
+      {
+        const ConstArrayView u(above.get()), w(below.get());
+        std::vector<Vector3<double>> columns(n);
+        for (const PetscInt a : mechanism.nodes()) {
+          mechanism.put_columns(y, a, columns);
+          for (PetscInt i = 0; i < 3; ++i) {
+            EXPECT_NEAR(columns[l][static_cast<std::size_t>(i)], (u[3 * a + i] - w[3 * a + i]) / (2.0 * h), 1e-6);
+          }
+        }
+      }
+      for (std::size_t k = 0; k < n; ++k) {
+        EXPECT_NEAR(curvature[n * k + l], (work(more, k) - work(less, k)) / (2.0 * h), 1e-5) << k << " " << l;
+      }
+    }
+  }
 }
 
 // Where a step ends, the joints' equations and their rates hold, whatever came before.

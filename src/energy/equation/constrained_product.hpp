@@ -1,0 +1,50 @@
+/// The Hessian in the unknowns that constraints leave: a sparse product with matrices close to the identity.
+#pragma once
+
+#include "petsc/handle.hpp"
+
+#include <array>
+#include <vector>
+
+namespace pliant {
+
+/// K = W^T A J, where J and W have the rows of the identity but for those of tied entries, which are few. Only the
+/// entries of A in rows or columns of tied entries, A', are multiplied; all others are copied:
+///
+///   K = (A - A') + W^T A' J.
+///
+/// PETSc's products of the whole matrices would cost as much as the assembly of A.
+class ConstrainedProduct {
+ public:
+  /// All of type MATMPIAIJ with the same layout; only patterns are used. W and J may be one matrix. `is_tied`: one flag
+  /// per leading owned row of J and W; the others are those of the identity. J and W outlive the object. Collective.
+  ConstrainedProduct(Mat A, Mat W, Mat J, const std::vector<char>& is_tied);
+
+  /// A zero matrix with the pattern of K. Collective.
+  Handle<Mat> make() const;
+  /// Sets K, a matrix of make() for an A of this pattern, from the values of A, J and W. Collective.
+  void set(Mat A, Mat K);
+
+ private:
+  /// Entries that follow one another in both of two arrays.
+  struct Run {
+    PetscInt from = 0, to = 0, count = 0;
+  };
+  /// Of the two parts of a matrix: the columns of this rank, and those of other ranks.
+  using Runs = std::array<std::vector<Run>, 2>;
+  class Rows;
+
+  void make_near(Mat A);
+  void multiply(MatReuse reuse);
+
+  Mat W_, J_;
+  std::array<std::vector<char>, 2> is_tied_column_;  // per column of each part of A
+  std::vector<char> is_tied_row_;
+  Handle<Mat> near_;           // A'
+  Handle<Mat> near_times_J_;   // where W is not J
+  Handle<Mat> product_;        // W^T A' J
+  Handle<Mat> pattern_;        // of K
+  Runs near_from_A_, K_from_A_, K_from_product_;
+};
+
+}  // namespace pliant
