@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -230,25 +231,50 @@ BodySurface::Averages averages_of(const OutputMesh& mesh, const BodySurface& sur
   return averages;
 }
 
+/// The corners of the tetrahedra that stand for masses, by body: those that belong to one cell.
+std::map<int, std::array<Node, 4>> corners_of_masses(const OutputMesh& mesh) {
+  const std::vector<char> is_mass = are_masses(mesh);
+  std::map<int, std::map<Node, int>> num_cells;
+  for (std::size_t c = 0; c < mesh.bodies.size(); ++c) {
+    if (is_mass[static_cast<std::size_t>(mesh.bodies[c])] == 0) continue;
+    const std::int64_t* nodes = &mesh.cells[c * static_cast<std::size_t>(mesh.nodes_per_cell)];
+    for (int i = 0; i < 4; ++i) ++num_cells[mesh.bodies[c]][static_cast<Node>(nodes[i])];
+  }
+  std::map<int, std::array<Node, 4>> result;
+  for (const auto& [body, nodes] : num_cells) {
+    std::vector<Node> corners;
+    for (const auto& [node, count] : nodes) {
+      if (count == 1) corners.push_back(node);
+    }
+    if (corners.size() != 4)
+      throw FileError("the body '" + mesh.body_names[static_cast<std::size_t>(body)] +
+                      "' of the result is damaged: it is not a tetrahedron");
+    std::ranges::copy(corners, result[body].begin());
+  }
+  return result;
+}
+
 /// Adds the ellipsoids of bodies that are only masses.
 void add_ellipsoids(const OutputMesh& mesh, BodySurface& surface) {
   constexpr std::array<Vector3<double>, 4> corners{{{1, 1, 1}, {1, -1, -1}, {-1, 1, -1}, {-1, -1, 1}}};
   const Sphere sphere = unit_sphere(mesh.masses.size() > few_ellipsoids ? coarse : fine);
-  const std::vector<char> is_mass = are_masses(mesh);
-  for (std::size_t c = 0; c < mesh.bodies.size(); ++c) {
-    if (is_mass[static_cast<std::size_t>(mesh.bodies[c])] == 0) continue;
+  for (const auto& [body, nodes] : corners_of_masses(mesh)) {
     BodySurface::Blend blend{};
-    std::copy_n(&mesh.cells[c * static_cast<std::size_t>(mesh.nodes_per_cell)], 4, blend.nodes.begin());
+    std::ranges::copy(nodes, blend.nodes.begin());
     const auto first = static_cast<std::int32_t>(surface.num_vertices());
     for (const Vector3<double>& x : sphere.points) {
       for (std::size_t k = 0; k < 4; ++k) blend.weights[k] = 0.25 * (1.0 + dot(corners[k], x));
       surface.blends.push_back(blend);
-      surface.nodes.push_back(blend.nodes[0]);
-      surface.bodies.push_back(mesh.bodies[c]);
+      surface.nodes.push_back(nodes[0]);
+      surface.bodies.push_back(body);
     }
-    // The corners above have a negative volume, cells a positive one: their order is mirrored.
-    for (const auto& [i, j, k] : sphere.triangles) {
-      surface.triangles.insert(surface.triangles.end(), {first + i, first + k, first + j});
+    // The corners above have a negative volume; where the nodes have a positive one, their order is mirrored.
+    const auto x = position(mesh, nodes[0]);
+    const double volume =
+        dot(cross(position(mesh, nodes[1]) - x, position(mesh, nodes[2]) - x), position(mesh, nodes[3]) - x);
+    for (auto [i, j, k] : sphere.triangles) {
+      if (volume > 0.0) std::swap(j, k);
+      surface.triangles.insert(surface.triangles.end(), {first + i, first + j, first + k});
     }
   }
 }

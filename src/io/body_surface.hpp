@@ -16,7 +16,7 @@ namespace pliant {
 struct BodySurface {
   std::vector<std::int32_t> triangles;  ///< three vertices each
   int triangles_per_facet = 1;          ///< 1: corners of the facets; 4: also the middles of their edges
-  std::vector<std::int64_t> nodes;      ///< of each vertex; of an ellipsoid's any of its cell
+  std::vector<std::int64_t> nodes;      ///< of each vertex; of an ellipsoid's one of its corners
   std::vector<std::int32_t> bodies;     ///< of each vertex
 
   /// Weights that turn values of cells into values at vertices: averages over the cells of the body around the node,

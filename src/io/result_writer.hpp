@@ -54,8 +54,9 @@ struct OutputMesh {
       cells;                ///< global node numbers of the owned cells; mid-edge nodes in VTK's order 01 12 02 03 13 23
   std::vector<int> bodies;  ///< index into body_names of each owned cell
   std::vector<std::string> body_names;
-  /// Names of rigid bodies with neither mesh nor surface. The one cell of each has the corners (1, 1, 1), (1, -1, -1),
-  /// (-1, 1, -1), (-1, -1, 1) of the box around the ellipsoid with the body's moments of inertia, in any order.
+  /// Names of rigid bodies with neither mesh nor surface. The cells of each are a tetrahedron, or its parts, with the
+  /// corners (1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1) of the box around the ellipsoid with the body's moments
+  /// of inertia.
   std::vector<std::string> masses;
 };
 

@@ -11,7 +11,7 @@ from PIL import Image
 
 from browser import CHROMIUM, Browser
 from program import ENVIRONMENT, ROOT, ProgramTest, read_history, write_box
-from package import Result
+from package import Result, Surface
 from report_file import ReportFile
 
 # A soft finger on a palm that a motor turns; a tendon with friction bends the finger, a bob hangs from the palm.
@@ -134,6 +134,19 @@ class MechanismViews(ProgramTest):
         self.run_input("in.yaml")
         result = Result(self.directory / "out")
         self.assertEqual([joint.type for joint in result.joints.values()], list(at))
+        # Bodies without a surface are ellipsoids, here spheres of radius sqrt(5 S/m), S = tr(J) / 2 - J.
+        mesh = result[0].mesh
+        self.assertEqual(mesh.masses, [f"b{k}" for k in range(8)])
+        surface = Surface(mesh)
+        points = surface.of_nodes(mesh.coordinates)[surface.triangles]
+        centers = np.repeat([[3 * k, 0, 1] for k in range(8)], 512, axis=0)
+        np.testing.assert_allclose(np.linalg.norm(points - centers[:, None], axis=2), np.sqrt(5 * 0.05), rtol=2e-3)
+        self.pliant("report", "out")
+        report = ReportFile(self.directory / "out/report.html")
+        self.assertEqual(report.triangles(0).shape, (8 * 512, 3))
+        for found in (report.positions(0)[report.triangles(0)], points):  # counterclockwise seen from outside
+            a, b, c = np.moveaxis(found - centers[:, None], 1, 0)
+            self.assertGreater(np.einsum("ij,ij->i", np.cross(a, b), c).min(), 0)
         drawn = np.bincount(result[-1].mechanisms.part)
         self.assertEqual(list(drawn), [3, 3, 1, 5, 5, 2, 5, 1])
         for joint in result.joints.values():

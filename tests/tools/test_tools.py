@@ -216,6 +216,11 @@ class SurfaceOfBlock(WithResult):
             volumes = np.einsum("ij,ij->i", np.cross(a, b), c) / 6
             self.assertAlmostEqual(volumes[of_bob].sum() / (8 * np.pi), 1, delta=0.03)
             self.assertAlmostEqual(volumes[~of_bob].sum(), 1 / 6)
+        # Divided into eight cells.
+        middles = np.array([x[a] + x[b] for a, b in ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))]) / 2
+        parts = [[0, 8, 10, 11], [8, 1, 9, 12], [10, 9, 2, 13], [11, 12, 13, 3], [8, 10, 11, 12], [8, 10, 9, 12], [10, 11, 12, 13], [10, 9, 12, 13]]
+        divided = Surface(Mesh(np.vstack([x, middles]), np.array([*parts, [4, 5, 6, 7]]), np.array([0] * 8 + [1]), ["bob", "block"], ["bob"]))
+        self.assertEqual(len(divided.triangles), 516)
 
     def test_area_and_outward_normals(self):
         for order in (1, 2):

@@ -19,7 +19,7 @@ class Mesh:
     cells: np.ndarray  #: num_cells x 4, or 10: then the middles of the edges 01 12 02 03 13 23 come last
     body: np.ndarray  #: index of the body of each cell
     body_names: "list[str]"
-    #: Rigid bodies without a mesh and a surface: the one cell of each has the moments of inertia of the ellipsoid whose box it is in.
+    #: Rigid bodies without a mesh and a surface: their cells make the tetrahedron with the same moments of inertia.
     masses: "list[str]" = dataclasses.field(default_factory=list)
 
 

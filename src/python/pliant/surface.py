@@ -75,16 +75,23 @@ class Surface:
         self.element_edges = lines[first]
 
     def _add_ellipsoids(self, cells: np.ndarray) -> None:
-        """Around the corners (1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1) of a box [-1, 1]^3, as they are mapped: the unit sphere in it."""
+        """The unit sphere, as the corners (1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1) around it are mapped to those of each body: nodes
+        that belong to one cell."""
+        mesh, tetrahedra = self._mesh, []
+        bodies, firsts = np.unique(mesh.body[cells], return_index=True)
+        for body in bodies:
+            nodes, count = np.unique(mesh.cells[cells[mesh.body[cells] == body], :4], return_counts=True)
+            tetrahedra.append(nodes[count == 1])
+        cells, tetrahedra = cells[firsts], np.array(tetrahedra)
         sphere, triangles = _sphere()
         weights = (1 + sphere @ np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]).T) / 4
         width = max(self._nodes.shape[1], 4)
         padding = [(0, 0), (0, width - self._nodes.shape[1])]
-        corners = np.pad(self._mesh.cells[cells, :4], [(0, 0), (0, width - 4)], mode="edge")
+        corners = np.pad(tetrahedra, [(0, 0), (0, width - 4)], mode="edge")
         first = len(self._nodes) + len(sphere) * np.arange(len(cells))
         self._nodes = np.vstack([np.pad(self._nodes, padding, mode="edge"), np.repeat(corners, len(sphere), axis=0)])
         self._weights = np.vstack([np.pad(self._weights, padding), np.tile(np.pad(weights, [(0, 0), (0, width - 4)]), (len(cells), 1))])
-        a, b, c, d = (self._mesh.coordinates[self._mesh.cells[cells, k]] for k in range(4))
+        a, b, c, d = (mesh.coordinates[tetrahedra[:, k]] for k in range(4))
         mirrored = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) * np.linalg.det([[0, -2, -2], [-2, 0, -2], [-2, -2, 0]]) < 0
         for start, is_mirrored in zip(first, mirrored):
             self.triangles = np.vstack([self.triangles, start + (triangles[:, ::-1] if is_mirrored else triangles)])
