@@ -395,8 +395,8 @@ StageEquation& Model::equation() {
 PrescribedMotion Model::motion(Correction correction) const {
   PrescribedMotion motion = constraints_->motion(correction);
   if (!inertia_ || !is_dynamic_) return motion;
-  return with_projected_velocities(
-      std::move(motion), {layout_, *inertia_, constraints_->prescribed().flags(), constraints_->map()});
+  return with_projected_velocities(std::move(motion),
+                                   {layout_, *inertia_, constraints_->prescribed().flags(), constraints_->map()});
 }
 
 void Model::require_finite(double time) const {

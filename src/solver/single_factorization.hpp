@@ -50,7 +50,8 @@ class SingleFactorization {
     int ordering = 0;      ///< as ICNTL(7)
   };
   Size size() const;
-  /// Number of negative pivots of L D L^T in single precision; 0 where they say nothing about K: unless it is symmetric.
+  /// Number of negative pivots of L D L^T in single precision; 0 where they say nothing about K: unless it is
+  /// symmetric.
   PetscInt negative_pivots() const;
 
  private:

@@ -97,7 +97,7 @@ class ConstraintMap {
   LinearTies ties_;
   std::vector<std::unique_ptr<DependentNodes>> dependents_;
   std::vector<char> is_slave_, is_tied_;
-  Handle<Mat> J_, W_;  // the same where W = J
+  Handle<Mat> J_, W_;                               // the same where W = J
   std::vector<std::vector<double>> linearized_at_;  // unknowns of the dependents in this stage; empty: nowhere yet
 };
 

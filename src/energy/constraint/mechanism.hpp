@@ -77,7 +77,7 @@ class Mechanism final : public DependentNodes {
     std::vector<double> unknowns;
     Vector xi;
     std::vector<PartMotion> parts;
-    Matrix columns, test_columns;      // d xi / dy, and virtual displacements
+    Matrix columns, test_columns;                                           // d xi / dy, and virtual displacements
     std::vector<std::vector<BodyMotion<double>>> motions, virtual_motions;  // the same, of each part by each unknown
     Eigen::PartialPivLU<Matrix> test;  // of G_W G_ref^T, G_W: along virtual displacements
   };

@@ -2,10 +2,10 @@
 
 #include "base/dual.hpp"
 #include "energy/rigid/rigid_fit.hpp"
-#include "time/rotation.hpp"
 #include "material/spectral.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
+#include "time/rotation.hpp"
 
 #include <algorithm>
 #include <cmath>

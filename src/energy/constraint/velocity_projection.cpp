@@ -30,8 +30,7 @@ void diagonal_of_product(Mat J, Vec D, Vec result) {
 
 }  // namespace
 
-VelocityProjection::VelocityProjection(const ConstrainedMass& bodies)
-    : map_(bodies.map), mass_(bodies.inertia.mass()) {
+VelocityProjection::VelocityProjection(const ConstrainedMass& bodies) : map_(bodies.map), mass_(bodies.inertia.mass()) {
   const NodeLayout& layout = bodies.layout;
   for (Handle<Vec>* x : {&expanded_, &force_, &w_, &rhs_, &diagonal_, &masses_}) *x = make_vector(layout);
   const auto num_owned = static_cast<std::size_t>(3 * layout.num_owned_nodes);

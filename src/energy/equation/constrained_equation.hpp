@@ -86,8 +86,8 @@ class ConstrainedEquation final : public StageEquation {
   Handle<Mat> full_;                               // Hessian in x
   std::optional<ConstrainedProduct> product_;      // W^T K J
   Symmetry symmetry_ = Symmetry::symmetric;
-  PetscObjectId pattern_of_full_ = 0;              // pattern_id
-  PresentPattern present_pattern_;                 // of W^T K J
+  PetscObjectId pattern_of_full_ = 0;  // pattern_id
+  PresentPattern present_pattern_;     // of W^T K J
   LeadingPart y_part_, x_part_;
   Handle<Vec> x_, d_, full_gradient_, diagonal_, y0_, w0_, accepted_;
 };

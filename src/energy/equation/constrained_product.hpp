@@ -30,7 +30,7 @@ class ConstrainedProduct {
   struct Run {
     PetscInt from = 0, to = 0, count = 0;
   };
-  /// Of the two parts of a matrix: the columns of this rank, and those of other ranks.
+  /// One list for each part of a matrix: the columns of this rank, and those of other ranks.
   using Runs = std::array<std::vector<Run>, 2>;
   class Rows;
 
@@ -40,10 +40,10 @@ class ConstrainedProduct {
   Mat W_, J_;
   std::array<std::vector<char>, 2> is_tied_column_;  // per column of each part of A
   std::vector<char> is_tied_row_;
-  Handle<Mat> near_;           // A'
-  Handle<Mat> near_times_J_;   // where W is not J
-  Handle<Mat> product_;        // W^T A' J
-  Handle<Mat> pattern_;        // of K
+  Handle<Mat> near_;          // A'
+  Handle<Mat> near_times_J_;  // where W is not J
+  Handle<Mat> product_;       // W^T A' J
+  Handle<Mat> pattern_;       // of K
   Runs near_from_A_, K_from_A_, K_from_product_;
 };
 

@@ -52,9 +52,7 @@ struct Evaluation {
 
  private:
   /// x_b(X) - x_a(X), written such that small motions keep their digits.
-  Vector3<T> apart(const Vector3<double>& X) const {
-    return b.displacement(X) - a.displacement(X);
-  }
+  Vector3<T> apart(const Vector3<double>& X) const { return b.displacement(X) - a.displacement(X); }
 };
 
 enum class Terms { all, linear };  ///< of the gradient in the motions: with its constant terms or without
@@ -86,11 +84,11 @@ struct GradientOf {
   Vector3<double> seen(const BodyMotion<double>& body, const Vector3<double>& x) const {
     return terms == Terms::all ? body.direction(x) : body.turned(x);
   }
-  /// Of (F_a x) . (F_b y).
+  /// The gradient of (F_a x) . (F_b y).
   JointEquation::Forces of_directions(const Vector3<double>& x, const Vector3<double>& y) const {
     return {MotionForce{{}, outer(seen(b, y), x)}, MotionForce{{}, outer(seen(a, x), y)}};
   }
-  /// Of f . (x_b(B) - x_a(A)), f constant.
+  /// The gradient of f . (x_b(B) - x_a(A)), f constant.
   JointEquation::Forces forces_at(const Vector3<double>& A, const Vector3<double>& B, const Vector3<double>& f) const {
     return {MotionForce{-1.0 * f, outer(-1.0 * f, A - a.centre)}, MotionForce{f, outer(f, B - b.centre)}};
   }

@@ -20,9 +20,7 @@ struct BodyMotion {
   Tensor3<T> gradient{};
 
   /// The place of the material point X.
-  Vector3<T> point(const Vector3<double>& X) const {
-    return displacement(X) + lift(X);
-  }
+  Vector3<T> point(const Vector3<double>& X) const { return displacement(X) + lift(X); }
   Vector3<T> displacement(const Vector3<double>& X) const { return translation + turned(X - centre); }
   /// The material direction a.
   Vector3<T> direction(const Vector3<double>& a) const { return lift(a) + turned(a); }

@@ -162,17 +162,20 @@ JointSystem::Matrix JointSystem::curvature(std::span<const PartMotion> parts,
                                            const Vector& lambda) const {
   Matrix result = Matrix::Zero(num_unknowns(), num_unknowns());
   std::vector<MotionForce> on_parts(parts.size());
+  std::vector<BodyMotion<double>> resting;
+  for (const PartMotion& part : parts) resting.push_back({part.value.centre, {}, {}});
+  const auto rest_of = [&](int body) { return body < 0 ? &at_rest : &resting[static_cast<std::size_t>(body)]; };
   for (std::size_t j = 0; j < equations_.size(); ++j) {
     const JointEquation& equation = equations_[j];
     const double force = scales_[j] * lambda[static_cast<Eigen::Index>(j)];
-    const auto gradient = equation.gradient(
-        {&value_of(equation.bodies[0], parts), &value_of(equation.bodies[1], parts)}, given[j]);
+    const auto gradient =
+        equation.gradient({&value_of(equation.bodies[0], parts), &value_of(equation.bodies[1], parts)}, given[j]);
     for (std::size_t moved = 0; moved < 2; ++moved) {
       if (equation.bodies[moved] < 0) continue;
       const auto p = static_cast<std::size_t>(equation.bodies[moved]);
       on_parts[p].add(force, gradient[moved]);
       for (std::size_t l = 0; l < parts[p].columns.size(); ++l) {
-        JointEquation::Motions moves{&at_rest, &at_rest};
+        JointEquation::Motions moves{rest_of(equation.bodies[0]), rest_of(equation.bodies[1])};
         moves[moved] = &parts[p].columns[l];
         const auto change = equation.change_of_gradient(moves, given[j]);
         for (std::size_t side = 0; side < 2; ++side) {

@@ -4,8 +4,9 @@
 #include "petsc/collective.hpp"
 
 #include <cmath>
-#include <gtest/gtest.h>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 namespace pliant::test_constrained_product {
 namespace {
