@@ -39,7 +39,7 @@ struct BodyContacts::Part {
   MeasuredNodes measured;
   Friction friction;
   NormalDamping damping;
-  double distance;     // up to which gaps are told, the size of a facet of the body with the smallest [m]
+  double distance;     // beyond which gaps do not matter, the size of a facet of the body with the smallest [m]
   double depth = 0.0;  // to which a penalty pushes bodies apart [m]
   ContactObservation close, far;
 

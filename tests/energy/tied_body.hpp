@@ -104,8 +104,7 @@ class TiedBody {
   PrescribedMotion motion() const {
     PrescribedMotion motion = map_->motion(prescribed_.motion());
     if (!inertia_) return motion;
-    return with_projected_velocities(std::move(motion),
-                                     {layout(), solid_.pattern(), *inertia_, prescribed_.flags(), map_.get()});
+    return with_projected_velocities(std::move(motion), {layout(), *inertia_, prescribed_.flags(), map_.get()});
   }
   double strain_energy(Vec q) const { return sum(layout().comm, elastic().energy(local_values(q), {})); }
 

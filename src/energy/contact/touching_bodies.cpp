@@ -82,9 +82,7 @@ std::shared_ptr<const PairFeatures> TouchingBodies::features_of(const NearPatche
     features->placed.insert(features->placed.end(), vertices.begin(), vertices.begin() + 3);
     features->triangles.push_back(number(triangle));
   }
-  make_unique(features->vertices);
-  make_unique(features->placed);
-  make_unique(features->triangles);
+  for (auto* numbers : {&features->vertices, &features->placed, &features->triangles}) make_unique(*numbers);
   const std::size_t first_inner_point = points_.size() - num_inner_points_ * triangles.size();
   auto& [points, edges] = features->candidates;
   // The points that the first triangle stands for, with the second.

@@ -251,7 +251,7 @@ TEST_P(PatchSearches, AreInThePatternOfTheAssembly) {
   PairAssembly pairs(layout, {&here_}, nothing_prescribed);
   const auto missing = [&] {
     const NearPatches& near = pairs.near(0);
-    PetscInt number = 0;
+    PetscInt64 number = 0;
     const auto is_missing = [&](PetscInt a, PetscInt b) { return near.is_owned(a) && !pairs.pattern().contains(a, b); };
     for (const PatchPair& pair : near.pairs) {
       for (const PetscInt a : near.patches.nodes_of(pair.first)) {
