@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from program import ProgramTest, read_history, write_box, write_cube
+from program import ProgramTest, box, read_history, write_box, write_cube, write_mesh
 
 
 class RigidBodies(ProgramTest):
@@ -172,6 +172,27 @@ class CoupledSurfaces(ProgramTest):
         rigid = self.solve(BAR + probes + guided + through_hub + hub(held="attached: [right]"), "method: static")
         self.assertLess(rigid["hub_x"][-1], expected["middle_x"][-1] - 1e-3 * LENGTH)
         self.assertGreater(rigid["corner_y"][-1], expected["corner_y"][-1] + 0.05 * WIDTH)
+
+    def test_a_body_with_a_mesh_follows_a_face_as_one_without(self):
+        points, sides, cells = box((4, 1, 1), (LENGTH, WIDTH, WIDTH))
+        beside, _, of_cap = box((2, 2, 2), (WIDTH, WIDTH, WIDTH), origin=(LENGTH + 0.01, 0, 0))
+        write_mesh(self.directory / "two.msh", np.vstack([points, beside]), sides, np.vstack([cells, of_cap + len(points)]),
+                   (["bar", "cap"], np.repeat([0, 1], [len(cells), len(of_cap)])))
+        write_box(self.directory / "bar.msh", (4, 1, 1), (LENGTH, WIDTH, WIDTH))
+        more = f"""constraints: [{{surface: left, displacement: [0, 0, 0]}}]
+probes: [{{name: end, point: [{LENGTH}, 0, 0]}}]
+loads: [{{force: [0, 0.01, 0.02], volume: NAME}}, {{torque: [0.02, 0, 0], volume: NAME}}]
+"""
+        without = BAR + hub(x=LENGTH + 0.01 + WIDTH / 2) + more.replace("NAME", "hub")
+        meshed = BAR.replace("bar.msh", "two.msh").replace("[{density", "[{volume: bar, density").replace(
+            "0.3}}]", "0.3}}, {volume: cap, density: 1000, rigid: true, coupled: [right]}]") + more.replace("NAME", "cap")
+        expected = self.solve(without, "method: static")
+        for ranks in (1, 2):
+            h = self.solve(meshed, "method: static", ranks)
+            for axis in "xyz":
+                np.testing.assert_allclose(h[f"end_{axis}"], expected[f"end_{axis}"], atol=1e-8 * LENGTH)
+                np.testing.assert_allclose(h[f"cap_{axis}"], expected[f"hub_{axis}"], atol=1e-8 * LENGTH)
+        self.assertGreater(h["end_z"][-1], 1e-3 * LENGTH)
 
     def test_torques_and_forces_act_as_on_a_beam(self):
         # A moment M turns the end by M L / (E I); a force acts with its arm beyond the end, and shears.
