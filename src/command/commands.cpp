@@ -146,7 +146,7 @@ ExitCode run_command(MPI_Comm comm, const std::string& file, const std::vector<O
 ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides,
                        Console& console) {
   const Config config = read_input_file(comm, file, overrides);
-  const Model model(comm, config);
+  Model model(comm, config);
   const NodeLayout& layout = model.layout();
   console.print(fmt::format("{}: the input is well", file));
   console.print(config.mesh.file.value.empty() ? "mesh: none but that of rigid bodies"
@@ -177,7 +177,7 @@ ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector
                             3 * layout.num_global_nodes, sum(layout.comm, static_cast<PetscInt64>(prescribed)),
                             layout.order, minimum(layout.comm, mine), maximum(layout.comm, mine)));
   report_communication(layout, console);
-  console.print(fmt::format("  linear solver: {}", describe(kind)));
+  console.print(fmt::format("  linear solver: {}", describe(kind, model.equation().symmetry())));
   console.print(fmt::format("  predicted memory: matrix {}, {} about {}", bytes(memory.matrix),
                             kind == LinearKind::cholesky ? "factor" : "multigrid", bytes(memory.factor)));
   report_time_scales(model, config, console);

@@ -28,8 +28,8 @@ void set_krylov_method(KSP ksp, Symmetry symmetry);
 SetUp set_up_preconditioner(PC pc, Mat K);
 
 /// Makes all further set-ups more accurate: of the whole matrix instead of its symmetric part, in double precision,
-/// then with another ordering. Returns false if the
-/// preconditioner is not one of Pliant's factorizations, or nothing better is available. Collective.
+/// then with another ordering. Returns false if the preconditioner is not one of Pliant's factorizations, or nothing
+/// better is available. Collective.
 bool refine_factorization(PC pc);
 
 /// Whether the factorization is that of the symmetric part of a nearly symmetric matrix.

@@ -19,6 +19,6 @@ enum class LinearKind {
 LinearKind automatic_linear_kind(PetscInt num_unknowns, int order);
 
 /// "conjugate gradients preconditioned by a MUMPS LDL^T factorization ..."
-std::string describe(LinearKind kind, Symmetry symmetry = Symmetry::symmetric);
+std::string describe(LinearKind kind, Symmetry symmetry);
 
 }  // namespace pliant

@@ -27,10 +27,10 @@ SetUp outcome_of_mumps(int error);
 bool lacks_workspace(int error);
 
 /// K = L D L^T, or L U if K is unsymmetric, by MUMPS in single precision; of a nearly symmetric K, its symmetric part
-/// (K + K^T) / 2 = L D L^T. Factorizing and solving take half the time
-/// and memory of double precision, and cost one or two more iterations of the Krylov method, which determines the
-/// accuracy of the solution. L D L^T is computed without pivoting: small pivots make a poor preconditioner, but not a
-/// wrong one. The analysis is done once, as K keeps its pattern. All methods are collective.
+/// (K + K^T) / 2 = L D L^T. Factorizing and solving take half the time and memory of double precision, and cost one or
+/// two more iterations of the Krylov method, which determines the accuracy of the solution. L D L^T is computed without
+/// pivoting: small pivots make a poor preconditioner, but not a wrong one. The analysis is done once, as K keeps its
+/// pattern. All methods are collective.
 class SingleFactorization {
  public:
   explicit SingleFactorization(Symmetry symmetry);

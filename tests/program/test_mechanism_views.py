@@ -117,7 +117,8 @@ class MechanismViews(ProgramTest):
                      "knuckle: hinge, ground - palm, at (-0.05, 0.01, 0.01), axis (0, 1, 0), motor",
                      "eye: ball, palm - bob, at (-0.03, 0.01, 0)\n",
                      "coil: ground - palm, 0.0583095 m long, 50 N/m from 0.0583095 m on, damping 0.1 N s/m",
-                     "flexor: 5 points, "):
+                     "flexor: 5 points, ",
+                     "linear solver: GMRES preconditioned by "):
             self.assertIn(line, text)
 
     def test_kinds_of_joints(self):
