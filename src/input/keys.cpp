@@ -166,7 +166,7 @@ Section<Config> config_keys() {
                                             {"mean-dilatation", VolumetricTreatment::mean_dilatation},
                                             {"mixed", VolumetricTreatment::mixed}}),
             "resistance to a change of volume: at every point; of each cell as a whole (P2), for nearly incompressible "
-            "bodies; by pressures as additional unknowns (P2), up to a Poisson's ratio of 1/2")
+            "bodies; by pressures as additional unknowns, up to a Poisson's ratio of 1/2")
           .otherwise("standard"),
       field("mass", &Config::mass,
             choice_of<MassKind>({{"consistent", MassKind::consistent}, {"lumped", MassKind::lumped}}), "mass matrix")

@@ -43,4 +43,10 @@ PLIANT_INLINE T volume_change(const Tensor3<T>& H) {
   return trace(H) + (second_invariant(H) + det(H));
 }
 
+/// det(F + dF) - det F, accurate relative to the change.
+template <class T>
+PLIANT_INLINE T det_change(const Tensor3<T>& F, const Tensor3<T>& dF) {
+  return dot(cofactor(F), dF) + (dot(F, cofactor(dF)) + det(dF));
+}
+
 }  // namespace pliant

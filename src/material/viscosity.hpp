@@ -76,7 +76,8 @@ struct Maxwell {
 struct StiffnessProportional {
   static constexpr std::string_view name = "stiffness-proportional";
 
-  double time;  ///< beta [s]
+  double time;                     ///< beta [s]
+  bool resists_dilatation = true;  ///< false: the shear part of C0 alone
 };
 
 /// A branch whose stress follows the elastic law and relaxes.

@@ -20,6 +20,11 @@ std::optional<Part> part_of(const ElasticLawSpec& law) {
 
 }  // namespace
 
+std::optional<VolumetricForm> volumetric_form_of(const ElasticLawSpec& law) {
+  const auto part = part_of(law);
+  return part ? std::optional(part->form) : std::nullopt;
+}
+
 std::optional<VolumeSplit> split_volume(const ElasticLawSpec& law) {
   const auto part = part_of(law);
   if (!part) return std::nullopt;
@@ -30,6 +35,19 @@ std::optional<VolumeSplit> split_volume(const ElasticLawSpec& law) {
   VolumeSplit split{law, law.parameters[place], part->form};
   split.rest.parameters[place] = 0.0;
   return split;
+}
+
+bool is_isochoric(const LawField& law) {
+  const Tensor3<Pack> H{{0.1, 0.03, -0.02, 0.05, -0.04, 0.06, 0.01, -0.03, 0.08}};
+  const Tensor3<Pack> larger = add_to_diagonal(1.2 * H, 0.2);  // F a fifth larger
+  const Pack energy = law.psi(0, H);
+  return all_of(std::experimental::abs(law.psi(0, larger) - energy) <= 1e-12 * std::experimental::abs(energy));
+}
+
+bool can_relax(const ElasticLawSpec& law) {
+  const auto field = make_law_field(law);
+  // A law whose fibres do not push, around an isochoric matrix, has no stiffness against an even compression.
+  return is_isochoric(*field) || all_of(field->psi(0, add_to_diagonal(Tensor3<Pack>{}, -0.01)) > 0.0);
 }
 
 std::string names_of_split_laws() {

@@ -16,6 +16,21 @@ void require_compressible(const ElasticLawSpec& law, const Location& where) {
   if (is_incompressible(law)) throw InputError(where, std::string(incompressible_without_pressures));
 }
 
+void require_volumetric_stiffness(const VolumeSplit& law, bool is_uniform, const ElasticityConfig& elasticity) {
+  if (!(law.kappa > 0.0)) throw InputError(elasticity.where, lacks_volumetric_stiffness(elasticity.model, law.kappa));
+  if (is_uniform || std::isfinite(law.kappa)) return;
+  throw InputError(elasticity.where,
+                   "the body is incompressible at some places only; give the incompressible region a body of its own");
+}
+
+void require_factorization(const Config& config, bool is_plain) {
+  if (config.volumetric != VolumetricTreatment::mixed || config.solver.linear != LinearSolver::amg || is_plain) return;
+  throw InputError(
+      {config.file, 0, 0},
+      "'volumetric: mixed' with ties, rigid parts, joints or contact between bodies needs a factorization; "
+      "use 'solver: {linear: cholesky}'");
+}
+
 void require_undeformed(const Config& config, Vec q) {
   PetscReal size = 0.0;
   check(VecNorm(q, NORM_INFINITY, &size));
@@ -26,9 +41,10 @@ void require_undeformed(const Config& config, Vec q) {
            std::ranges::any_of(prescribed->value, [](const auto& u) { return u && !u->is_zero(); });
   };
   const auto constraint = std::ranges::find_if(config.constraints, moves);
-  throw InputError(constraint != config.constraints.end() ? constraint->where : Location{config.file, 0, 0},
-                   "'volumetric: mixed' must start from undeformed bodies, whose pressure is known, but a displacement "
-                   "is prescribed at t = 0; let it grow from 0, or use 'volumetric: mean-dilatation'");
+  throw InputError(
+      constraint != config.constraints.end() ? constraint->where : Location{config.file, 0, 0},
+      "an incompressible body must start undeformed, because its deformation does not determine its pressure, "
+      "but a displacement is prescribed at t = 0; let it grow from 0, or use a poissons_ratio below 1/2");
 }
 
 void require_near(const NodeLayout& layout, const std::array<double, 6>& bounds,

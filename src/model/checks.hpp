@@ -6,6 +6,7 @@
 #include "fem/probe.hpp"
 #include "input/config.hpp"
 #include "material/elastic_law.hpp"
+#include "material/volume_split.hpp"
 
 #include <array>
 #include <vector>
@@ -17,7 +18,15 @@ namespace pliant {
 /// Throws InputError at `where` if the law is incompressible, for bodies without pressures.
 void require_compressible(const ElasticLawSpec& law, const Location& where);
 
-/// Throws InputError at a constraint if bodies with pressures do not start undeformed. Collective.
+/// Throws InputError if the law of a body with pressures does not resist a change of volume, or if it is incompressible
+/// at some places only.
+void require_volumetric_stiffness(const VolumeSplit& law, bool is_uniform, const ElasticityConfig& elasticity);
+
+/// Throws InputError if algebraic multigrid cannot solve for the pressures: `is_plain` if the unknowns are those of the
+/// nodes, and no pairs of surfaces couple them.
+void require_factorization(const Config& config, bool is_plain);
+
+/// Throws InputError at a constraint if incompressible bodies do not start undeformed. Collective.
 void require_undeformed(const Config& config, Vec q);
 
 /// Throws InputError at each probe that is far from the mesh, because it was given in another unit or for another body.

@@ -2,11 +2,12 @@
 
 #include "base/stopwatch.hpp"
 #include "energy/constraint/velocity_projection.hpp"
-#include "energy/volume/mean_dilatation.hpp"
 #include "fem/entry_keys.hpp"
+#include "input/checks/volumetric.hpp"
 #include "input/elasticity.hpp"
 #include "model/active.hpp"
 #include "model/checks.hpp"
+#include "model/elastic_parts.hpp"
 #include "model/events.hpp"
 #include "model/initial_displacement.hpp"
 #include "model/joint_efforts.hpp"
@@ -152,31 +153,11 @@ void Model::build_cells(const Config& config, const Mesh& mesh) {
       if (active.tension) {
         active_.push_back(make_active_stress_term<Order>(active.tension, groups, body, layout_.num_owned_nodes));
       }
-      if constexpr (Order == 2) {
-        if (is_mixed) {
-          const VolumeSplit split = *split_volume(law_at(0, {}));
-          laws_.push_back(make_law_field(split.rest));
-          auto term = make_mixed_term(split, groups, body, layout_.num_owned_nodes, *pressures_);
-          mixed_.push_back(term.get());
-          elastic_.push_back(std::move(term));
-          continue;
-        }
-      }
-      std::shared_ptr<const LawField> law;
-      if (rule.is_uniform()) {
-        law = make_law_field(law_at(0, {}));
-      } else {
-        law = make_varying_law<Order>(rule.kind(), layout_, groups, body, law_at);
-      }
-      laws_.push_back(law);
-      if constexpr (Order == 2) {
-        if (config.volumetric == VolumetricTreatment::mean_dilatation) {
-          elastic_.push_back(make_mean_dilatation_term(std::move(law), groups, body, layout_.num_owned_nodes));
-          continue;
-        }
-      }
-      elastic_.push_back(
-          make_elastic_term<Order>(std::move(law), groups, body, layout_.num_owned_nodes, active.shortening));
+      ElasticParts parts =
+          make_elastic_parts<Order>({config, rule, layout_, groups, body, pressures_.get()}, law_at, active.shortening);
+      laws_.push_back(std::move(parts.shape));
+      if (parts.mixed != nullptr) mixed_.push_back(parts.mixed);
+      elastic_.push_back(std::move(parts.term));
     }
   });
   wave_speeds_ = {maximum(layout_.comm, wave_speeds_.fastest), minimum(layout_.comm, wave_speeds_.slowest)};
@@ -222,6 +203,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
     }
   }
   constraints_ = std::make_unique<Constraints>(config, layout_, selections);
+  require_factorization(config, constraints_->map() == nullptr && touching_each_other.empty());
   include(constraints_->description());
   const std::vector<char> left_out = cells_without_mesh(config, layout_, body_of_cell_);
   const BodiesOnMesh bodies{config, layout_, body_of_cell_, left_out};
@@ -239,8 +221,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   include(warnings_about(config));
   include(warnings_about_mesh(config, mesh_report_));
   include(warnings_about_loads(config, layout_, selections, constraints_->prescribed()));
-  const bool may_start_deformed = config.volumetric != VolumetricTreatment::mixed;  // which is refused later
-  if (may_start_deformed && analysis_of(config) == Analysis::dynamic) {
+  if (!has_incompressible_body(config) && analysis_of(config) == Analysis::dynamic) {  // or a strain is refused later
     include(warnings_about_start(config, layout_, selections));
   }
   loads_ = std::make_unique<Loads>(config, layout_, *pattern_, std::move(load_parts), constraints_->prescribed());
@@ -426,7 +407,11 @@ void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
   constraints_->motion().complete_step(before_start, q, v);
   check(VecCopy(wanted.get(), v));
   motion().restart(before_start, q, v);
-  if (pressures_) require_undeformed(config, q);
+  if (has_incompressible_body(config)) {
+    require_undeformed(config, q);
+  } else if (mixed_equation_) {
+    mixed_equation_->settle(q);
+  }
   update_ghosts(q);
   const ConstGhostedView at(q);
   double energy = 0.0;

@@ -21,9 +21,12 @@ StrainRate automatic_rate(const Method* method) {
 struct LawInStrain {
   using Result = std::optional<ViscosityVariant>;
   StrainRate rate;
+  bool resists_dilatation;
 
   Result operator()(const KelvinVoigt& law) const { return WithStrainRate<KelvinVoigt>{law, rate}; }
-  Result operator()(const StiffnessProportional& law) const { return WithStrainRate<StiffnessProportional>{law, rate}; }
+  Result operator()(const StiffnessProportional& law) const {
+    return WithStrainRate<StiffnessProportional>{{law.time, resists_dilatation}, rate};
+  }
   Result operator()(const Maxwell& law) const { return law; }
   Result operator()(const MaxwellRatios& law) const {
     return Maxwell{law.shear_ratio, law.bulk_ratio, law.relaxation_time, Moduli::relative};
@@ -49,12 +52,13 @@ template <int Order>
 std::vector<std::unique_ptr<EnergyTerm>> make_terms(const Config& config, const BodyParts& on,
                                                     const CellGroups<Order>& groups) {
   const StrainRate automatic = automatic_rate(integrator_of(config));
+  const bool resists_dilatation = config.volumetric == VolumetricTreatment::standard;
   std::vector<std::unique_ptr<EnergyTerm>> terms;
   for (std::size_t b = 0; b < config.bodies.size(); ++b) {
     std::vector<Prony> branches;
     for (const auto& mechanism : config.bodies[b].viscosity) {
       if (const auto* branch = std::get_if<Prony>(&mechanism.law)) branches.push_back(*branch);
-      const auto law = std::visit(LawInStrain{mechanism.rate.value_or(automatic)}, mechanism.law);
+      const auto law = std::visit(LawInStrain{mechanism.rate.value_or(automatic), resists_dilatation}, mechanism.law);
       if (!law) continue;
       terms.push_back(
           make_viscous_term<Order>(*law, *on.elastic[b], groups, static_cast<int>(b), on.layout.num_owned_nodes));

@@ -18,7 +18,7 @@ struct BodyParts {
   const NodeLayout& layout;
   const BlockPattern& pattern;
   const std::variant<CellGroups<1>, CellGroups<2>>& cells;
-  const std::vector<std::shared_ptr<const LawField>>& elastic;  ///< per body
+  const std::vector<std::shared_ptr<const LawField>>& elastic;  ///< per body, what viscosity follows
 };
 
 /// Whether any body has a viscosity.

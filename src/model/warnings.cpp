@@ -5,6 +5,7 @@
 #include "input/analysis.hpp"
 #include "input/elasticity.hpp"
 #include "input/loads.hpp"
+#include "material/volume_split.hpp"
 #include "model/events.hpp"
 #include "model/loads.hpp"
 #include "model/viscosity.hpp"
@@ -91,19 +92,20 @@ void check_body(const Config& config, const BodyConfig& body, Warnings& warnings
                     "the moduli in SI? A number without a unit is in kg/m^3 and Pa",
                     speed));
   }
-  const double poissons_ratio = std::isfinite(rest->lambda) ? 0.5 * rest->lambda / (rest->lambda + rest->mu) : 0.5;
+  const double ratio = poissons_ratio(*rest);
   const auto is_ratio = [](const GivenConstant& c) { return c.key == "poissons_ratio"; };
-  if (poissons_ratio < 0.0 && std::ranges::none_of(body.elasticity->constants, is_ratio)) {
+  if (ratio < 0.0 && std::ranges::none_of(body.elasticity->constants, is_ratio)) {
     add(fmt::format(
         "these constants give a Poisson's ratio of {:.3g}: the body would thicken when it is stretched; is the bulk "
         "modulus meant to be so small compared with the shear modulus?",
-        poissons_ratio));
+        ratio));
   }
-  if (poissons_ratio >= locking_ratio && config.element == ElementOrder::p1) {
+  if (ratio >= locking_ratio && config.element == ElementOrder::p1 &&
+      config.volumetric == VolumetricTreatment::standard) {
     add(
         fmt::format("Poisson's ratio is {:.4g}, and linear elements lock (are far too stiff) where it is near 1/2; use "
-                    "'element: P2' with 'volumetric: mean-dilatation'",
-                    poissons_ratio));
+                    "'volumetric: mixed'",
+                    ratio));
   }
 }
 
@@ -284,6 +286,23 @@ std::vector<Diagnostic> warnings_about_start(const Config& config, const NodeLay
                                       jump));
   }
   return std::move(warnings).found();
+}
+
+std::vector<Diagnostic> warnings_about_iterations(const Config& config, double iterations) {
+  constexpr double many = 10.0;
+  if (iterations <= many || config.volumetric == VolumetricTreatment::mixed) return {};
+  for (const BodyConfig& body : config.bodies) {
+    if (body.is_rigid) continue;
+    const ElasticityRule rule(*body.elasticity);
+    if (!rule.is_uniform() || !volumetric_form_of(rule.kind())) continue;
+    const auto rest = rule.law_at(0, {}).at_rest();
+    if (!rest || poissons_ratio(*rest) < locking_ratio) continue;
+    return {{Severity::warning, body.elasticity->where,
+             fmt::format("Newton's method took {:.0f} iterations a stage, because this body resists a change of volume "
+                         "much more than a change of shape; 'volumetric: mixed' needs a few",
+                         iterations)}};
+  }
+  return {};
 }
 
 }  // namespace pliant

@@ -13,6 +13,10 @@ namespace pliant {
 /// Warnings that need only the input, including those about its text.
 std::vector<Diagnostic> warnings_about(const Config& config);
 
+/// Warns of bodies whose resistance to a change of volume makes Newton's method slow, as it is with `iterations` per
+/// stage; at most one warning.
+std::vector<Diagnostic> warnings_about_iterations(const Config& config, double iterations);
+
 /// Does the input leave the bodies at rest? Terms that a program adds may still move them.
 bool nothing_moves(const Config& config);
 

@@ -1,6 +1,7 @@
 #include "run/run.hpp"
 
 #include "base/file.hpp"
+#include "model/warnings.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/session.hpp"
 #include "run/checkpoints.hpp"
@@ -322,6 +323,8 @@ class Run {
           method_name(config_.time.method)));
     }
     warn_of_solutions(s);
+    const double iterations = static_cast<double>(s.newton_iterations) / std::max(1.0, static_cast<double>(s.stages));
+    for (const Diagnostic& warning : warnings_about_iterations(config_, iterations)) console_.warn(to_string(warning));
     console_.print(fmt::format("results: {0}/result.xdmf, {0}/history.csv", config_.output.directory));
     for (const auto& option : unused_petsc_options()) {
       console_.warn(fmt::format("no solver used the PETSc option {}; is it misspelt?", option));

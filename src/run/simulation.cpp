@@ -50,6 +50,7 @@ Simulation::Simulation(const Config& config, Model& model) : analysis_(analysis_
   record_.z = advance_->state().z;
   next_q_ = make_vector(model.layout());
   const Method* method = integrator_of(config);
+  settles_pressures_ = model_.mixed_equation() != nullptr && method != nullptr && !method->stiffly_accurate;
   num_past_ = analysis_ != Analysis::dynamic ? 1 : method != nullptr ? method->num_steps : 2;
   measure_contact();
 }
@@ -115,6 +116,7 @@ StepOutcome Simulation::advance() {
   StepAttempt attempt = advance_->attempt(step);
   record_.a = nullptr;  // it belonged to the advance
   if (attempt.report.outcome == StageOutcome::converged) {
+    if (settles_pressures_) model_.mixed_equation()->settle(attempt.q);
     if (auto reason = impossibility(attempt, step)) {
       attempt.report.outcome = StageOutcome::retry;
       attempt.report.reason = std::move(*reason);

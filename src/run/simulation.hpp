@@ -120,7 +120,8 @@ class Simulation {
   std::optional<StepControl> control_;
   StepRecord record_;
   StepStatistics steps_;
-  double contact_start_ = 0.0;  // end of the last step without contact [s]
+  double contact_start_ = 0.0;      // end of the last step without contact [s]
+  bool settles_pressures_ = false;  // because steps do not end with a stage
   std::int64_t steps_since_restart_ = 0;
 };
 

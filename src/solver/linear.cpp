@@ -1,5 +1,6 @@
 #include "solver/linear.hpp"
 
+#include "energy/equation/saddle_point.hpp"
 #include "petsc/callback.hpp"
 #include "petsc/matrix_pattern.hpp"
 #include "solver/factorization.hpp"
@@ -103,6 +104,41 @@ void use_p_multigrid(PC pc, Mat K, const Coarsening& coarsening) {
   }
 }
 
+/// Displacements by algebraic multigrid, then pressures by their approximate Schur complement.
+void use_split(PC pc, const SaddlePointParts& parts) {
+  check(PCSetType(pc, PCFIELDSPLIT));
+  check(PCFieldSplitSetIS(pc, "displacements", parts.displacements));
+  check(PCFieldSplitSetIS(pc, "pressures", parts.pressures));
+  check(PCFieldSplitSetType(pc, PC_COMPOSITE_SCHUR));
+  check(PCFieldSplitSetSchurFactType(pc, PC_FIELDSPLIT_SCHUR_FACT_UPPER));
+  check(PCFieldSplitSetSchurPre(pc, PC_FIELDSPLIT_SCHUR_PRE_USER, parts.schur));
+}
+
+/// Chooses the solvers of the parts, which exist once the preconditioner has been set up.
+void choose_solvers_of_parts(PC pc) {
+  PetscBool is_split = PETSC_FALSE;
+  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCFIELDSPLIT, &is_split));
+  if (!is_split) return;
+  PetscInt num_parts = 0;
+  KSP* parts = nullptr;
+  check(PCFieldSplitSchurGetSubKSP(pc, &num_parts, &parts));
+  for (PetscInt part = 0; part < num_parts; ++part) {
+    PC of_part = nullptr;
+    PetscBool is_chosen = PETSC_FALSE;
+    check(KSPGetPC(parts[part], &of_part));
+    check(PetscObjectTypeCompareAny(reinterpret_cast<PetscObject>(of_part), &is_chosen, PCGAMG, PCJACOBI, ""));
+    if (is_chosen) continue;
+    check(KSPSetType(parts[part], KSPPREONLY));
+    if (part == 0) {
+      use_algebraic_multigrid(of_part);
+    } else {
+      check(PCSetType(of_part, PCJACOBI));
+    }
+    check(KSPSetFromOptions(parts[part]));
+  }
+  check(PetscFree(parts));
+}
+
 bool is_p_multigrid(PC pc) {
   PetscBool is_multigrid = PETSC_FALSE;
   check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCMG, &is_multigrid));
@@ -183,6 +219,8 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
     use_double_precision(pc, symmetry);
   } else if (coarsening != nullptr && symmetry == Symmetry::symmetric) {
     use_p_multigrid(pc, K, *coarsening);
+  } else if (const auto parts = saddle_point_of(K)) {
+    use_split(pc, *parts);
   } else {
     use_algebraic_multigrid(pc);
   }
@@ -207,6 +245,7 @@ SetUp set_up_preconditioner(PC pc, Mat K) {
     outcome = factorization->outcome();
   } else {
     outcome = set_up_with_workspace(pc, K);
+    choose_solvers_of_parts(pc);
   }
   check(PCSetReusePreconditioner(pc, PETSC_TRUE));
   return outcome;

@@ -18,6 +18,9 @@ LinearKind automatic_linear_kind(PetscInt num_unknowns, int order) {
 
 std::string describe(LinearKind kind, Symmetry symmetry) {
   const std::string krylov = symmetry == Symmetry::symmetric ? "conjugate gradients" : "GMRES";
+  if (kind != LinearKind::cholesky && symmetry == Symmetry::indefinite) {
+    return krylov + " with algebraic multigrid (GAMG) for displacements, Schur complement for pressures";
+  }
   if (kind == LinearKind::amg) return krylov + " with algebraic multigrid (GAMG)";
   if (kind == LinearKind::p_multigrid) {
     return krylov +

@@ -1,10 +1,12 @@
 #include "energy/solid.hpp"
 
+#include "material/volume_split.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 
 namespace pliant::test {
@@ -26,6 +28,21 @@ std::unique_ptr<ElasticTerm> Solid::elastic(const ElasticLawSpec& law, Dilatatio
   return make_elastic_term<2>(law, std::get<1>(groups_), 0, layout().num_owned_nodes);
 }
 
+std::unique_ptr<MixedTerm> Solid::mixed(MixedLaw law, const PressureField& field,
+                                        std::shared_ptr<const Activation> shortening) const {
+  return std::visit(
+      [&]<int Order>(const CellGroups<Order>& groups) {
+        return make_mixed_term<Order>(std::move(law), groups, 0, layout().num_owned_nodes, field,
+                                      std::move(shortening));
+      },
+      groups_);
+}
+
+std::unique_ptr<PressureField> Solid::pressure_field() const {
+  const std::vector<int> one_body(static_cast<std::size_t>(layout().num_local_cells), 0);
+  return std::make_unique<PressureField>(make_pressure_layout(layout(), one_body, 1), layout().comm);
+}
+
 std::unique_ptr<EnergyTerm> Solid::viscous(const ViscosityVariant& law) const {
   const auto elastic = make_law_field(
       make_law("linear", {{"shear_modulus", stiffness_at_rest.shear}, {"bulk_modulus", stiffness_at_rest.bulk}}));
@@ -36,7 +53,11 @@ std::unique_ptr<EnergyTerm> Solid::viscous(const ViscosityVariant& law) const {
 
 std::unique_ptr<EnergyTerm> Solid::prony(const std::vector<Prony>& branches, std::string_view law,
                                          double youngs_modulus, double poissons_ratio) const {
-  std::shared_ptr<const LawField> elastic = make_law_field(make_law(law, youngs_modulus, poissons_ratio));
+  return prony(branches, make_law(law, youngs_modulus, poissons_ratio));
+}
+
+std::unique_ptr<EnergyTerm> Solid::prony(const std::vector<Prony>& branches, const ElasticLawSpec& law) const {
+  std::shared_ptr<const LawField> elastic = make_law_field(law);
   const PetscInt num_owned = layout().num_owned_nodes;
   if (layout().order == 1) return make_prony_term<1>(branches, elastic, std::get<0>(groups_), 0, num_owned);
   return make_prony_term<2>(branches, elastic, std::get<1>(groups_), 0, num_owned);
@@ -226,6 +247,13 @@ std::vector<ElasticLawSpec> every_law(double youngs_modulus, double poissons_rat
     laws.push_back(law);
   }
   return laws;
+}
+
+ElasticLawSpec without_volume(std::string_view name, double youngs_modulus, double poissons_ratio) {
+  for (const auto& law : every_law(youngs_modulus, poissons_ratio)) {
+    if (law.info().name == name) return split_volume(law).value().rest;
+  }
+  throw std::invalid_argument("there is no such law");
 }
 
 std::vector<Dilatation> every_dilatation(const ElasticLawSpec& law, int order) {

@@ -11,6 +11,7 @@
 #include "energy/volume/inertia.hpp"
 #include "energy/volume/mass_damping.hpp"
 #include "energy/volume/mean_dilatation.hpp"
+#include "energy/volume/mixed.hpp"
 #include "energy/volume/prony.hpp"
 #include "energy/volume/viscous.hpp"
 #include "fem/body.hpp"
@@ -51,9 +52,15 @@ class Solid {
   const std::variant<CellGroups<1>, CellGroups<2>>& groups() const { return groups_; }
 
   std::unique_ptr<ElasticTerm> elastic(const ElasticLawSpec& law, Dilatation dilatation = Dilatation::pointwise) const;
+  /// With the pressures of `field` (pressure_field).
+  std::unique_ptr<MixedTerm> mixed(MixedLaw law, const PressureField& field,
+                                   std::shared_ptr<const Activation> shortening = nullptr) const;
+  /// The pressures of the body, all zero. Collective.
+  std::unique_ptr<PressureField> pressure_field() const;
   std::unique_ptr<EnergyTerm> viscous(const ViscosityVariant& law) const;
   std::unique_ptr<EnergyTerm> prony(const std::vector<Prony>& branches, std::string_view law,
                                     double youngs_modulus = prony_modulus, double poissons_ratio = 0.3) const;
+  std::unique_ptr<EnergyTerm> prony(const std::vector<Prony>& branches, const ElasticLawSpec& law) const;
   /// alpha rho [kg/(s m^3)].
   std::unique_ptr<MassDamping> mass_damping(double density, Mass mass) const;
   /// An amount of contraction along fibres that turn from place to place, or lie across all axes.
@@ -140,6 +147,9 @@ double softest_shear(const ElasticLawSpec& law);
 
 /// The laws of the registry with typical parameters, made as stiff at rest as E = 1000 Pa and nu = 0.3 are.
 std::vector<ElasticLawSpec> every_law(double youngs_modulus = 1000.0, double poissons_ratio = 0.3);
+
+/// One of them, without its volumetric part.
+ElasticLawSpec without_volume(std::string_view name, double youngs_modulus = 1000.0, double poissons_ratio = 0.3);
 
 /// The ways of an order of elements with a law.
 std::vector<Dilatation> every_dilatation(const ElasticLawSpec& law, int order);

@@ -66,6 +66,12 @@ std::vector<TermCase> every_case() {
                          return solid.prony({{0.5, 0.1}, {2.0, 0.02}}, law);
                        }});
     }
+    for (const char* law : {"neo-hookean", "neo-hookean-isochoric", "ogden"}) {
+      const auto rest = test::without_volume(law);
+      cases.push_back({"pronyWithoutVolume" + test::name_of(rest), body, 2 * (body.order - 1), [=](const Solid& solid) {
+                         return solid.prony({{0.5, 0.1}, {2.0, 0.02}}, rest);
+                       }});
+    }
     for (const auto& [name, mass] : {std::pair{"consistent", Mass::consistent}, {"lumped", Mass::lumped}}) {
       const Mass of = mass;
       cases.push_back({name, body, 2, [=](const Solid& solid) { return solid.inertia(density, of); }});

@@ -42,7 +42,7 @@ struct TiedSpec {
   std::vector<TestConstraint> constraints;
   std::optional<CavityContent> surroundings = std::nullopt;
   Rigidity rigidity = Rigidity::of_configurations;
-  bool has_pressures = false;  ///< as unknowns; of order 2
+  bool has_pressures = false;  ///< as unknowns
 };
 
 class TiedBody {
@@ -50,10 +50,8 @@ class TiedBody {
   TiedBody(MPI_Comm comm, const std::string& file, const TiedSpec& spec)
       : solid_(comm, file, spec.order, elastic_quadrature_degree(spec.law.traits(), spec.order)),
         elastic_(spec.has_pressures ? nullptr : solid_.elastic(spec.law)),
-        pressures_(spec.has_pressures ? std::make_unique<PressureField>(pressure_layout(), comm) : nullptr),
-        mixed_(spec.has_pressures ? make_mixed_term(*split_volume(spec.law), std::get<1>(solid_.groups()), 0,
-                                                    layout().num_owned_nodes, *pressures_)
-                                  : nullptr),
+        pressures_(spec.has_pressures ? solid_.pressure_field() : nullptr),
+        mixed_(spec.has_pressures ? solid_.mixed(make_mixed_law(*split_volume(spec.law)), *pressures_) : nullptr),
         inertia_(spec.density > 0.0 ? solid_.inertia(spec.density, Mass::consistent) : nullptr),
         surroundings_(spec.surroundings ? solid_.cavity_around(*spec.surroundings) : nullptr),
         prescribed_(layout(), parts(spec), HUGE_VAL),
@@ -149,9 +147,6 @@ class TiedBody {
 
  private:
   const ElasticTerm& elastic() const { return mixed_ ? static_cast<const ElasticTerm&>(*mixed_) : *elastic_; }
-  PressureLayout pressure_layout() const {
-    return make_pressure_layout(layout(), std::vector<int>(static_cast<std::size_t>(layout().num_local_cells), 0), 1);
-  }
   std::vector<PrescribedPart> parts(const TiedSpec& spec) const {
     std::vector<PrescribedPart> result;
     for (const auto& c : spec.constraints) {

@@ -114,8 +114,9 @@ BAD_AGAINST_THE_MESH = {
                                       "48 tetrahedra are in several volumes .*'body', 'whole'"),
     "a curve off the edges": ("loads", "loads: [{curve: @wire, line_force: [0, 0, 1]}]", "'wire' contains no edge of a tetrahedron"),
     "one volume twice": ("bodies", "bodies: [{volume: body, " + LAW + "}, {volume: @body, " + LAW + "}]", "same volume"),
-    "pressures of bodies that start deformed": ("constraints", 'constraints: [@{surface: left, displacement: ["0.1 + t", 0, 0]}]\n'
-                                                "element: P2\nvolumetric: mixed", "prescribed at t = 0"),
+    "an incompressible body that starts deformed": ("bodies", "bodies: [{volume: body, density: 1000, elasticity: {model: neo-hookean, "
+                                                    "youngs_modulus: 1e6, poissons_ratio: 0.5}}]\nvolumetric: mixed\n"
+                                                    'constraints: [@{surface: left, displacement: ["0.1 + t", 0, 0]}]', "prescribed at t = 0"),
     "initial state inside out": ("output", 'initial: {displacement: ["-2*x", 0, 0]}', "inverts tetrahedra"),
     "a cavity with a loose edge": ("output", "cavities: [@{name: c, surface: right, gas: {}}]", "is open: .* can move"),
     "a cavity around the body": ("output", 'cavities: [@{name: c, where: "x > -1", gas: {}}]', "encloses no cavity"),

@@ -1,5 +1,6 @@
 #include "energy/equation/mixed_equation.hpp"
 
+#include "energy/equation/saddle_point.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/ghosted.hpp"
@@ -86,12 +87,21 @@ void MixedEquation::find_idle_pressures(std::span<const int> rigid_parts) {
     std::fill(is_needed.span().begin(), is_needed.span().end(), 0.0);
     const std::vector<double> rest(3 * static_cast<std::size_t>(layout_.num_local_nodes), 0.0);
     for (const MixedTerm* term : mixed_) {
+      // Stabilized pressures depend on those of neighbouring cells: none is idle if one is not.
+      bool any_needed = false, are_stabilized = false;
       term->couple(rest, [&](const PressureCoupling& cells) {
         for (int lane = 0; lane < cells.num_lanes; ++lane) {
-          const bool is_idle = moves_as_given(cells, lane);
-          for (int b = 0; b < 4; ++b) {
-            if (!is_idle || cells.C[b][b][lane] != 0.0) is_needed.span()[cells.pressures[b][lane]] = 1.0;
-          }
+          const bool needs_all = cells.is_compressible[lane] || !moves_as_given(cells, lane);
+          any_needed = any_needed || needs_all;
+          are_stabilized = are_stabilized || (!cells.is_compressible[lane] && cells.C[0][1][lane] != 0.0);
+          for (int b = 0; b < 4 && needs_all; ++b) is_needed.span()[cells.pressures[b][lane]] = 1.0;
+        }
+      });
+      any_needed = maximum(layout_.comm, any_needed ? 1.0 : 0.0) > 0.0;
+      if (!any_needed || !are_stabilized) continue;
+      term->couple(rest, [&](const PressureCoupling& cells) {
+        for (const auto& numbers : cells.pressures) {
+          for (int lane = 0; lane < cells.num_lanes; ++lane) is_needed.span()[numbers[lane]] = 1.0;
         }
       });
     }
@@ -181,6 +191,23 @@ void MixedEquation::keep(Archive& archive) {
   update_ghosts(pressures_.values());
 }
 
+void MixedEquation::pressure_gradient(std::span<const double> q, Vec r) const {
+  const GhostedView rows(r);
+  std::fill(rows.span().begin(), rows.span().end(), 0.0);
+  for (const MixedTerm* term : mixed_) term->add_pressure_gradient(q, rows.span());
+}
+
+void MixedEquation::settle(Vec q) {
+  if (!projection_) projection_.emplace(make_compliance(mixed_, layout_, pressures_.layout()));
+  update_ghosts(q);
+  const ConstGhostedView at(q);
+  check(VecSet(pressures_.values(), 0.0));
+  update_ghosts(pressures_.values());
+  pressure_gradient(at.span(), work_.get());
+  projection_->solve(work_.get(), pressures_.values());
+  update_ghosts(pressures_.values());
+}
+
 void MixedEquation::freeze(Vec x) {
   take_displacement(x, q_.get());
   potential_.freeze(q_.get());
@@ -210,15 +237,15 @@ void MixedEquation::gradient(Vec x, Vec r) {
   set(x);
   potential_.gradient(q_.get(), r_.get());
   update_ghosts(q_.get());
-  const ConstGhostedView q(q_.get());
-  const GhostedView rows(work_.get());
-  std::fill(rows.span().begin(), rows.span().end(), 0.0);
-  for (const MixedTerm* term : mixed_) term->add_pressure_gradient(q.span(), rows.span());
-  const ConstArrayView from(r_.get());
+  {
+    const ConstGhostedView q(q_.get());
+    pressure_gradient(q.span(), work_.get());
+  }
+  const ConstArrayView from(r_.get()), rows(work_.get());
   const ArrayView to(r);
   std::copy_n(from.span().begin(), num_q_, to.span().begin());
   for (PetscInt i = 0; i < num_p_; ++i) {
-    to[num_q_ + i] = is_idle_[static_cast<std::size_t>(i)] ? 0.0 : scale_ * rows.span()[i];
+    to[num_q_ + i] = is_idle_[static_cast<std::size_t>(i)] ? 0.0 : scale_ * rows[i];
   }
 }
 
@@ -230,12 +257,12 @@ void MixedEquation::for_each_coupling(std::span<const double> q, const Visit& vi
         for (int b = 0; b < 4; ++b) {
           const PetscInt p = cells.pressures[b][lane];
           const PetscInt global_p = global_pressure(p);
-          for (int a = 0; a < 10; ++a) {
+          for (std::size_t a = 0; a < cells.nodes.size(); ++a) {
             const PetscInt node = cells.nodes[a][lane];
             for (int i = 0; i < 3; ++i) {
               const PetscInt global_q = global_displacement(3 * layout_.global_node(node) + i);
               const bool is_fixed = is_idle_[static_cast<std::size_t>(p)] || is_prescribed(node, i);
-              const double entry = is_fixed ? 0.0 : scale_ * cells.B[3 * a + i][b][lane];
+              const double entry = is_fixed ? 0.0 : scale_ * cells.B[3 * a + static_cast<std::size_t>(i)][b][lane];
               if (node < layout_.num_owned_nodes) visit(global_q, global_p, entry);
               if (p < num_p_) visit(global_p, global_q, entry);
             }
@@ -287,7 +314,35 @@ Handle<Mat> MixedEquation::make_hessian() const {
   const PetscBool is_symmetric = pliant::is_symmetric(symmetry()) ? PETSC_TRUE : PETSC_FALSE;
   check(MatSetOption(A.get(), MAT_SYMMETRIC, is_symmetric));
   check(MatSetOption(A.get(), MAT_SYMMETRY_ETERNAL, is_symmetric));
+  attach_parts(A.get());
   return A;
+}
+
+// -Schur complement = s^2 (C + B^T K^-1 B), where B^T K^-1 B is close to the mass matrix of the pressures over the
+// shear modulus (Elman, Silvester & Wathen, Finite Elements and Fast Iterative Solvers, 2nd ed. 2014, chapter 3).
+void MixedEquation::attach_parts(Mat A) const {
+  PetscInt first = 0;
+  check(MatGetOwnershipRange(A, &first, nullptr));
+  Handle<IS> displacements, pressures;
+  check(ISCreateStride(layout_.comm, num_q_, first, 1, displacements.out()));
+  check(ISCreateStride(layout_.comm, num_p_, first + num_q_, 1, pressures.out()));
+  check(ISSetBlockSize(displacements.get(), 3));
+  MatNullSpace near_null = nullptr;
+  check(MatGetNearNullSpace(K_.get(), &near_null));
+  if (near_null != nullptr) {
+    check(PetscObjectCompose(reinterpret_cast<PetscObject>(displacements.get()), "nearnullspace",
+                             reinterpret_cast<PetscObject>(near_null)));
+  }
+  const Handle<Mat> schur = make_compliance(mixed_, layout_, pressures_.layout());
+  check(MatScale(schur.get(), -scale_ * scale_));
+  Handle<Vec> diagonal;
+  check(MatCreateVecs(schur.get(), diagonal.out(), nullptr));
+  {
+    const ArrayView of_mass(diagonal.get());
+    for (PetscInt i = 0; i < num_p_; ++i) of_mass[i] = -pressure_diagonal_[static_cast<std::size_t>(i)];
+  }
+  check(MatDiagonalSet(schur.get(), diagonal.get(), ADD_VALUES));
+  attach(A, {displacements.get(), pressures.get(), schur.get()});
 }
 
 void MixedEquation::hessian(Vec x, Mat A, Projection projection) {

@@ -10,9 +10,11 @@
 #pragma once
 
 #include "energy/equation/incremental_potential.hpp"
+#include "energy/equation/pressure_projection.hpp"
 #include "energy/volume/mixed.hpp"
 #include "petsc/archive.hpp"
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -29,6 +31,9 @@ class MixedEquation final : public StageEquation {
   const PressureLayout& pressure_layout() const { return pressures_.layout(); }
   /// Sets the pressures from which the next solve starts. Collective.
   void keep(Archive& archive);
+  /// Sets the pressures to those that belong to the displacements, dPi/dp = 0: for states that are not the end of a
+  /// stage. Every body must be compressible. Collective.
+  void settle(Vec q);
 
   /// The guess of the pressures is their last solution.
   StagePoint enter(const StagePoint& stage, Vec q, Vec x) override;
@@ -77,6 +82,9 @@ class MixedEquation final : public StageEquation {
   void set(Vec x);
   void join(Vec q, Vec x) const;
   void take_displacement(Vec x, Vec q) const;
+  /// r = dPi/dp, owned and complete; q has its ghosts.
+  void pressure_gradient(std::span<const double> q, Vec r) const;
+  void attach_parts(Mat A) const;
 
   IncrementalPotential& potential_;
   const NodeLayout& layout_;
@@ -91,7 +99,8 @@ class MixedEquation final : public StageEquation {
   PresentPattern present_pattern_;
   PetscObjectId pattern_of_K_ = 0;
   Handle<Mat> K_;
-  std::vector<RankOne> rank_one_;  // of the potential
+  std::optional<PressureProjection> projection_;  // made when it is needed
+  std::vector<RankOne> rank_one_;                 // of the potential
   Handle<Vec> q_, r_, d_, work_, last_pressures_;
   Handle<Vec> q0_, v0_, accepted_;  // of the stage, in x
   std::vector<double> values_;      // of the matrix's entries, in coordinate (COO) order

@@ -1,6 +1,6 @@
 #include "energy/volume/elastic.hpp"
 
-#include "energy/volume/active_strain.hpp"
+#include "energy/volume/body_law.hpp"
 #include "energy/volume/elastic_cells.hpp"
 #include "material/projection.hpp"
 
@@ -15,15 +15,15 @@ class ElasticTermOf final : public ElasticTerm {
  public:
   ElasticTermOf(std::shared_ptr<const LawField> law, const CellGroups<Order>& groups, int body,
                 PetscInt num_owned_nodes, std::shared_ptr<const Activation> shortening)
-      : law_(std::move(law)), shortening_(std::move(shortening)), cells_(groups, body, num_owned_nodes) {}
+      : law_(std::move(law), std::move(shortening)), cells_(groups, body, num_owned_nodes) {}
 
   std::string_view name() const override { return "elastic"; }
   TermDeclaration declaration() const override {
-    return {.depends_on_time = shortening_ != nullptr, .rotates_with_body = !law_->traits().constant_tangent};
+    return {.depends_on_time = law_.depends_on_time(), .rotates_with_body = !law_.traits().constant_tangent};
   }
 
   double value(const LocalStage& stage, std::span<const double> q) const override {
-    const LawNow law = law_at(instant_of(stage));
+    const BodyLaw::Now law = law_.at(instant_of(stage));
     return cells_.integrate([&](const Batch& batch) {
       return [&law, u0 = batch.values(stage.reference()), du = batch.change(q, stage.reference())](const Point& point) {
         return law->psi_change(point.index(), point.gradient(u0), point.gradient(du));
@@ -34,25 +34,22 @@ class ElasticTermOf final : public ElasticTerm {
   double energy(std::span<const double> q, std::span<const double> z) const override { return energy_at({}, q, z); }
 
   double energy_at(const Instant& at, std::span<const double> q, std::span<const double> /*z*/) const override {
-    const LawNow law = law_at(at);
+    const BodyLaw::Now law = law_.at(at);
     return cells_.integrate([&](const Batch& batch) {
       return [&law, u = batch.values(q)](const Point& point) { return law->psi(point.index(), point.gradient(u)); };
     });
   }
 
   double supply(const LocalStage& stage, std::span<const double> q) const override {
-    if (!shortening_) return 0.0;
-    const ActiveStrain law(*law_, *shortening_, instant_of(stage));
-    const PerPoint<Pack> rate = shortening_->rates(stage);
+    if (!law_.depends_on_time()) return 0.0;
+    const auto power = law_.supply(stage);
     return cells_.integrate([&](const Batch& batch) {
-      return [&law, &rate, u = batch.values(q)](const Point& point) {
-        return rate[point.index()] * law.slope(point.index(), point.gradient(u));
-      };
+      return [&power, u = batch.values(q)](const Point& point) { return power(point.index(), point.gradient(u)); };
     });
   }
 
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override {
-    const LawNow law = law_at(instant_of(stage));
+    const BodyLaw::Now law = law_.at(instant_of(stage));
     const auto stress_of = [&](const Batch& batch) {
       return [&law, u = batch.values(q)](const Point& point) { return law->P(point.index(), point.gradient(u)); };
     };
@@ -61,9 +58,9 @@ class ElasticTermOf final : public ElasticTerm {
 
   void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                    Projection projection) const override {
-    const LawNow law = law_at(instant_of(stage));
+    const BodyLaw::Now law = law_.at(instant_of(stage));
     // Stresses of linear elasticity are evaluated at the extrapolated displacements.
-    const bool extrapolates = !stage.previous.empty() && !law_->traits().constant_tangent;
+    const bool extrapolates = !stage.previous.empty() && !law_.traits().constant_tangent;
     const auto tangent_of = [&](const Batch& batch) {
       const auto u = batch.values(q), du = extrapolates ? batch.change(q, stage.previous) : u;
       return [&law, projection, extrapolates, u, du](const Point& point) {
@@ -82,12 +79,12 @@ class ElasticTermOf final : public ElasticTerm {
   }
 
   double max_step(const LocalStage& /*stage*/, std::span<const double> q, std::span<const double> d) const override {
-    if (!law_->traits().is_barrier) return std::numeric_limits<double>::infinity();
+    if (!law_.traits().is_barrier) return std::numeric_limits<double>::infinity();
     return step_to_inversion(cells_, q, d);
   }
 
   void stresses(const BodyState& state, const StressVisitor& visit) const override {
-    const LawNow law = law_at(state.at);
+    const BodyLaw::Now law = law_.at(state.at);
     cells_.for_each_batch([&](const Batch& batch) {
       const Tensor3<Pack> H = centroid_gradient(batch, batch.values(state.q));
       const std::size_t n = Point{batch, 0}.index();
@@ -96,24 +93,7 @@ class ElasticTermOf final : public ElasticTerm {
   }
 
  private:
-  /// The law at an instant: the body's own, or that of shortened fibres.
-  class LawNow {
-   public:
-    explicit LawNow(const LawField& law) : law_(&law) {}
-    explicit LawNow(std::unique_ptr<const LawField> own) : own_(std::move(own)), law_(own_.get()) {}
-    const LawField* operator->() const { return law_; }
-
-   private:
-    std::unique_ptr<const LawField> own_;
-    const LawField* law_;
-  };
-  LawNow law_at(const Instant& at) const {
-    if (!shortening_) return LawNow(*law_);
-    return LawNow(std::make_unique<ActiveStrain>(*law_, *shortening_, at));
-  }
-
-  std::shared_ptr<const LawField> law_;
-  std::shared_ptr<const Activation> shortening_;  // or nullptr
+  BodyLaw law_;
   BodyCells<Order> cells_;
 };
 

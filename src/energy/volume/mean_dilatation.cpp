@@ -1,8 +1,10 @@
 #include "energy/volume/mean_dilatation.hpp"
 
 #include "base/limits.hpp"
+#include "energy/volume/body_law.hpp"
 #include "energy/volume/elastic_cells.hpp"
 #include "material/dilatation.hpp"
+#include "material/kinematics.hpp"
 #include "material/projection.hpp"
 
 #include <vector>
@@ -16,11 +18,6 @@ using Batch = CellBatch<order>;
 using QuadraturePoint = CellPoint<order>;
 using Nodes = NodeValues<num_nodes>;
 using Mask = Pack::mask_type;
-
-/// det(F + dF) - det F, accurate relative to the change.
-Pack change_of_det(const Tensor3<Pack>& F, const Tensor3<Pack>& dF) {
-  return dot(cofactor(F), dF) + (dot(F, cofactor(dF)) + det(dF));
-}
 
 /// The cells of a batch under a displacement: their points, and what these have in common.
 class BatchState {
@@ -97,14 +94,14 @@ void project(DilatedTangent<Pack>& at) {
 
 class MeanDilatationTerm final : public ElasticTerm {
  public:
-  MeanDilatationTerm(std::shared_ptr<const LawField> law, const CellGroups<order>& groups, int body,
-                     PetscInt num_owned_nodes)
+  MeanDilatationTerm(BodyLaw law, const CellGroups<order>& groups, int body, PetscInt num_owned_nodes)
       : law_(std::move(law)), cells_(groups, body, num_owned_nodes), num_owned_nodes_(num_owned_nodes) {}
 
   std::string_view name() const override { return "elastic"; }
-  TermDeclaration declaration() const override { return {}; }
+  TermDeclaration declaration() const override { return {.depends_on_time = law_.depends_on_time()}; }
 
   double value(const LocalStage& stage, std::span<const double> q) const override {
+    const BodyLaw::Now law = law_.at(instant_of(stage));
     BatchState start;
     std::vector<Tensor3<Pack>> dF;
     std::vector<Pack> dJ;
@@ -117,7 +114,7 @@ class MeanDilatationTerm final : public ElasticTerm {
       Pack dtheta = 0.0;
       for (std::size_t k = 0; k < start.size(); ++k) {
         dF.push_back(QuadraturePoint{batch, static_cast<int>(k)}.gradient(du));
-        dJ.push_back(change_of_det(start.point(k).F, dF.back()));
+        dJ.push_back(det_change(start.point(k).F, dF.back()));
         valid = valid && start.point(k).J + dJ.back() > 0.0;
         dtheta += start.weight(k) * dJ.back();
       }
@@ -127,29 +124,45 @@ class MeanDilatationTerm final : public ElasticTerm {
         for (Pack& h : dF[k].a) h = select(valid, h, Pack(0.0));
         const Tensor3<Pack> change =
             dilated_change(start.point(k), dF[k], select(valid, dJ[k], Pack(0.0)), select(valid, dtheta, Pack(0.0)));
-        energy += start.weight(k) * law_->psi_change(index(batch, k), start.point(k).H, change);
+        energy += start.weight(k) * law->psi_change(index(batch, k), start.point(k).H, change);
       }
       return select(valid, energy, Pack(infinity));
     });
   }
 
-  double energy(std::span<const double> q, std::span<const double> /*z*/) const override {
+  double energy(std::span<const double> q, std::span<const double> z) const override { return energy_at({}, q, z); }
+
+  double energy_at(const Instant& instant, std::span<const double> q, std::span<const double> /*z*/) const override {
+    const BodyLaw::Now law = law_.at(instant);
     BatchState at;
     return sum_over_cells([&](const Batch& batch) {
       at.set(batch, batch.values(q));
       Pack energy = 0.0;
-      for (std::size_t k = 0; k < at.size(); ++k) energy += at.weight(k) * law_->psi(index(batch, k), at.point(k).H);
+      for (std::size_t k = 0; k < at.size(); ++k) energy += at.weight(k) * law->psi(index(batch, k), at.point(k).H);
       return select(at.valid(), energy, Pack(infinity));
     });
   }
 
-  void add_gradient(const LocalStage&, std::span<const double> q, std::span<double> r) const override {
+  double supply(const LocalStage& stage, std::span<const double> q) const override {
+    if (!law_.depends_on_time()) return 0.0;
+    const auto power = law_.supply(stage);
+    BatchState at;
+    return sum_over_cells([&](const Batch& batch) {
+      at.set(batch, batch.values(q));
+      Pack total = 0.0;
+      for (std::size_t k = 0; k < at.size(); ++k) total += at.weight(k) * power(index(batch, k), at.point(k).H);
+      return total;
+    });
+  }
+
+  void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override {
+    const BodyLaw::Now law = law_.at(instant_of(stage));
     BatchState at;
     std::vector<DilatedStress<Pack>> stress;
     cells_.for_each_batch([&](const Batch& batch) {
       at.set(batch, batch.values(q));
       stress.clear();
-      const Pack p = pressure(batch, at, stress);
+      const Pack p = pressure(*law, batch, at, stress);
       Nodes f{};
       for (std::size_t k = 0; k < at.size(); ++k) {
         const QuadraturePoint point{batch, static_cast<int>(k)};
@@ -165,6 +178,7 @@ class MeanDilatationTerm final : public ElasticTerm {
 
   void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                    Projection projection) const override {
+    const BodyLaw::Now law = law_.at(instant_of(stage));
     BatchState at;
     std::vector<DilatedStress<Pack>> stress;
     CellMatrix<num_nodes> matrix;
@@ -173,8 +187,8 @@ class MeanDilatationTerm final : public ElasticTerm {
     cells_.for_each_batch([&](const Batch& batch) {
       at.set(batch, batch.values(q));
       stress.clear();
-      Pack p = pressure(batch, at, stress);
-      if (!stage.previous.empty()) p += pressure_error(batch, q, stage.previous, p);
+      Pack p = pressure(*law, batch, at, stress);
+      if (!stage.previous.empty()) p += pressure_error(*law, batch, q, stage.previous, p);
       points.resize(at.size());
       Nodes g{}, h{};
       Pack k_theta = 0.0;
@@ -183,8 +197,8 @@ class MeanDilatationTerm final : public ElasticTerm {
         const auto& X = point.inverse_jacobian();
         const auto& dN = point.shape_gradients();
         const Pack& w = at.weight(k);
-        law_->tangent(index(batch, k), at.point(k).H, Ab);
-        DilatedTangent<Pack> tangent(at.point(k), law_->P(index(batch, k), at.point(k).H), Ab, p);
+        law->tangent(index(batch, k), at.point(k).H, Ab);
+        DilatedTangent<Pack> tangent(at.point(k), law->P(index(batch, k), at.point(k).H), Ab, p);
         if (projection == Projection::positive_semidefinite) project(tangent);
         for (Pack& entry : tangent.FF) entry = select(at.valid(), entry, Pack(nan));
         set_linear_matrix(tangent.FF, X, w, points[k]);
@@ -212,19 +226,20 @@ class MeanDilatationTerm final : public ElasticTerm {
   }
 
   void stresses(const BodyState& state, const StressVisitor& visit) const override {
+    const BodyLaw::Now law = law_.at(state.at);
     BatchState at;
     std::vector<DilatedStress<Pack>> stress;
     cells_.for_each_batch([&](const Batch& batch) {
       const Nodes u = batch.values(state.q);
       at.set(batch, u);
       stress.clear();
-      const Pack p = pressure(batch, at, stress);
+      const Pack p = pressure(*law, batch, at, stress);
       const Tensor3<Pack> H = centroid_gradient(batch, u);
       const Dilated<Pack> centre = at.at_gradient(H);
-      const DilatedStress<Pack> there(centre, law_->P(index(batch, 0), centre.H));
+      const DilatedStress<Pack> there(centre, law->P(index(batch, 0), centre.H));
       visit_stresses(batch,
                      {H, there.distortion + Pack(p * centre.J) * centre.G, 1.0 + at.theta_change(),
-                      law_->psi(index(batch, 0), centre.H)},
+                      law->psi(index(batch, 0), centre.H)},
                      visit);
     });
   }
@@ -235,18 +250,19 @@ class MeanDilatationTerm final : public ElasticTerm {
   }
 
   /// Computes the pressure of the cells, and the stresses of their points on the way.
-  Pack pressure(const Batch& batch, const BatchState& at, std::vector<DilatedStress<Pack>>& stress) const {
+  static Pack pressure(const LawField& law, const Batch& batch, const BatchState& at,
+                       std::vector<DilatedStress<Pack>>& stress) {
     Pack integral = 0.0;
     for (std::size_t k = 0; k < at.size(); ++k) {
-      stress.emplace_back(at.point(k), law_->P(index(batch, k), at.point(k).H));
+      stress.emplace_back(at.point(k), law.P(index(batch, k), at.point(k).H));
       integral += at.weight(k) * stress.back().pressure;
     }
     return at.mean(integral);
   }
 
   /// The difference between the pressure at q and the one extrapolated from `previous` (extrapolation_error).
-  Pack pressure_error(const Batch& batch, std::span<const double> q, std::span<const double> previous,
-                      const Pack& p) const {
+  static Pack pressure_error(const LawField& law, const Batch& batch, std::span<const double> q,
+                             std::span<const double> previous, const Pack& p) {
     constexpr double part = 1e-3;
     BatchState at;
     std::vector<DilatedStress<Pack>> stress;
@@ -258,7 +274,7 @@ class MeanDilatationTerm final : public ElasticTerm {
       }
       at.set(batch, there);
       stress.clear();
-      return select(at.valid(), pressure(batch, at, stress), Pack(nan));
+      return select(at.valid(), pressure(law, batch, at, stress), Pack(nan));
     };
     const Pack extrapolated = at_part(0.0) + (0.5 / part) * (at_part(part) - at_part(-part));
     const Pack error = extrapolated - p;
@@ -275,7 +291,7 @@ class MeanDilatationTerm final : public ElasticTerm {
     return std::isnan(result) ? infinity : result;
   }
 
-  std::shared_ptr<const LawField> law_;
+  BodyLaw law_;
   BodyCells<order> cells_;
   PetscInt num_owned_nodes_;
 };
@@ -283,8 +299,10 @@ class MeanDilatationTerm final : public ElasticTerm {
 }  // namespace
 
 std::unique_ptr<ElasticTerm> make_mean_dilatation_term(std::shared_ptr<const LawField> law, const CellGroups<2>& groups,
-                                                       int body, PetscInt num_owned_nodes) {
-  return std::make_unique<MeanDilatationTerm>(std::move(law), groups, body, num_owned_nodes);
+                                                       int body, PetscInt num_owned_nodes,
+                                                       std::shared_ptr<const Activation> shortening) {
+  return std::make_unique<MeanDilatationTerm>(BodyLaw(std::move(law), std::move(shortening)), groups, body,
+                                              num_owned_nodes);
 }
 
 }  // namespace pliant

@@ -21,6 +21,7 @@ namespace pliant {
 /// As make_elastic_term, for quadratic cells and any law that is exact under rotation; its energy is a barrier in J at
 /// the quadrature points where the law's is.
 std::unique_ptr<ElasticTerm> make_mean_dilatation_term(std::shared_ptr<const LawField> law, const CellGroups<2>& groups,
-                                                       int body, PetscInt num_owned_nodes);
+                                                       int body, PetscInt num_owned_nodes,
+                                                       std::shared_ptr<const Activation> shortening = nullptr);
 
 }  // namespace pliant

@@ -1,20 +1,20 @@
 #include "energy/volume/mixed.hpp"
 
 #include "base/limits.hpp"
+#include "energy/volume/body_law.hpp"
 #include "energy/volume/elastic_cells.hpp"
 #include "material/kinematics.hpp"
-#include "material/loading.hpp"
 #include "material/projection.hpp"
 #include "petsc/ghosted.hpp"
 
+#include <algorithm>
 #include <vector>
 
 namespace pliant {
 namespace {
 
-using Batch = CellBatch<2>;
-using MixedPoint = CellPoint<2>;
 using Lanes = PressureCoupling::Lanes;
+using PressureMatrix = std::array<std::array<Pack, 4>, 4>;
 
 /// The volume at a point: j = J - 1 (0 where J <= 0), and g of it.
 struct VolumeState {
@@ -30,24 +30,29 @@ struct VolumeState {
   }
 };
 
-/// The largest shear modulus in the planes along the axes, of a body at rest [Pa].
-double stiffness_against_shear(const ElasticLawSpec& law) {
-  const Tangent<double> A = tangent_at_rest(law);
-  double largest = 0.0;
+/// The largest shear moduli in the planes along the axes, of a body at rest at its n-th pack of points [Pa].
+Pack stiffness_against_shear(const LawField& law, std::size_t n) {
+  Tangent<Pack> A;
+  law.tangent(n, Tensor3<Pack>{}, A);
+  Pack largest = 0.0;
   for (std::size_t p = 0; p < 9; ++p) {
-    if (p % 4 != 0) largest = std::max(largest, A[9 * p + p]);
+    if (p % 4 != 0) largest = select(A[9 * p + p] > largest, A[9 * p + p], largest);
   }
   return largest;
 }
 
+template <int Order>
 class MixedTermOf final : public MixedTerm {
+  using Batch = CellBatch<Order>;
+  using Point = CellPoint<Order>;
+  static constexpr int num_nodes = CellGroup<Order>::num_nodes;
+
  public:
-  MixedTermOf(const VolumeSplit& law, const CellGroups<2>& groups, int body, PetscInt num_owned_nodes,
-              const PressureField& pressures)
-      : law_(make_law_field(law.rest)),
-        compliance_(1.0 / law.kappa),
+  MixedTermOf(MixedLaw law, const CellGroups<Order>& groups, int body, PetscInt num_owned_nodes,
+              const PressureField& pressures, std::shared_ptr<const Activation> shortening)
+      : law_(law.rest, std::move(shortening)),
+        compliance_(std::move(law.compliance)),
         form_(law.form),
-        shear_modulus_(stiffness_against_shear(law.rest)),
         cells_(groups, body, num_owned_nodes),
         pressures_(pressures) {
     const auto& of_node = pressures.layout().of_node[static_cast<std::size_t>(body)];
@@ -56,57 +61,84 @@ class MixedTermOf final : public MixedTerm {
       for (int a = 0; a < 4; ++a) {
         for (int lane = 0; lane < pack_size; ++lane) numbers[a][lane] = of_node[batch.batch().nodes[a][lane]];
       }
+      const Pack mu = stiffness_against_shear(*law.rest, Point{batch, 0}.index());
+      shear_moduli_.push_back(mu);
+      shear_modulus_ = std::max(shear_modulus_, static_cast<double>(std::experimental::hmax(mu)));
     });
   }
 
   std::string_view name() const override { return "elastic with pressure"; }
-  TermDeclaration declaration() const override { return {.is_potential = false}; }
+  TermDeclaration declaration() const override {
+    return {.is_potential = false, .depends_on_time = law_.depends_on_time()};
+  }
 
   /// At the present pressures.
   double value(const LocalStage& stage, std::span<const double> q) const override {
     const ConstGhostedView p(pressures_.values());
+    const BodyLaw::Now law = law_.at(instant_of(stage));
     return integrate([&](const Batch& batch, std::size_t number) {
-      return [this, u0 = batch.values(stage.reference()), du = batch.change(q, stage.reference()),
-              p = gather_pressures(p.span(), number)](const MixedPoint& point) {
+      return [this, &law, u0 = batch.values(stage.reference()), du = batch.change(q, stage.reference()),
+              p = gather_pressures(p.span(), number)](const Point& point) {
         const Tensor3<Pack> H0 = point.gradient(u0), dH = point.gradient(du);
         const VolumeState before(form_, H0), after(form_, H0 + dH);
         const Pack change =
-            law_->psi_change(point.index(), H0, dH) + pressure_at(point, p) * (after.measure.g - before.measure.g);
+            law->psi_change(point.index(), H0, dH) + pressure_at(point, p) * (after.measure.g - before.measure.g);
         return select(before.valid && after.valid, change, Pack(infinity));
       };
     });
   }
 
-  double energy(std::span<const double> q, std::span<const double> /*z*/) const override {
+  double energy(std::span<const double> q, std::span<const double> z) const override { return energy_at({}, q, z); }
+
+  double energy_at(const Instant& at, std::span<const double> q, std::span<const double> /*z*/) const override {
     const ConstGhostedView p(pressures_.values());
-    return integrate([&](const Batch& batch, std::size_t number) {
-      return [this, u = batch.values(q), p = gather_pressures(p.span(), number)](const MixedPoint& point) {
-        return density(point.index(), point.gradient(u), pressure_at(point, p));
+    const BodyLaw::Now law = law_.at(at);
+    const double of_cells = integrate([&](const Batch& batch, std::size_t number) {
+      return [this, &law, u = batch.values(q), p = gather_pressures(p.span(), number)](const Point& point) {
+        return density(*law, point.index(), point.gradient(u), pressure_at(point, p));
       };
+    });
+    CompensatedSum<Pack> of_pressures;
+    for_each_batch([&](const Batch& batch, std::size_t number) {
+      const auto y = gather_pressures(p.span(), number);
+      const auto Cy = product(pressure_matrix(batch, number), y);
+      const Pack half = 0.5 * ((Cy[0] * y[0] + Cy[1] * y[1]) + (Cy[2] * y[2] + Cy[3] * y[3]));
+      of_pressures.add(select(batch.batch().owned > 0.0, half, Pack(0.0)));
+    });
+    return of_cells - sum(of_pressures.total());
+  }
+
+  double supply(const LocalStage& stage, std::span<const double> q) const override {
+    if (!law_.depends_on_time()) return 0.0;
+    const auto power = law_.supply(stage);
+    return cells_.integrate([&](const Batch& batch) {
+      return [&power, u = batch.values(q)](const Point& point) { return power(point.index(), point.gradient(u)); };
     });
   }
 
-  void add_gradient(const LocalStage&, std::span<const double> q, std::span<double> r) const override {
+  void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override {
     const ConstGhostedView p(pressures_.values());
+    const BodyLaw::Now law = law_.at(instant_of(stage));
     std::size_t number = 0;
     const auto stress_of = [&](const Batch& batch) {
-      return [this, u = batch.values(q), p = gather_pressures(p.span(), number++)](const MixedPoint& point) {
-        return stress(point.index(), point.gradient(u), pressure_at(point, p));
+      return [this, &law, u = batch.values(q), p = gather_pressures(p.span(), number++)](const Point& point) {
+        return stress(*law, point.index(), point.gradient(u), pressure_at(point, p));
       };
     };
     cells_.add_forces(stress_of, r);
   }
 
-  void add_hessian(const LocalStage&, std::span<const double> q, const BlockWriter& K,
+  void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                    Projection projection) const override {
     const ConstGhostedView p(pressures_.values());
+    const BodyLaw::Now law = law_.at(instant_of(stage));
     std::size_t number = 0;
     const auto tangent_of = [&](const Batch& batch) {
       return
-          [this, projection, u = batch.values(q), p = gather_pressures(p.span(), number++)](const MixedPoint& point) {
+          [this, &law, projection, u = batch.values(q), p = gather_pressures(p.span(), number++)](const Point& point) {
             const Tensor3<Pack> H = point.gradient(u), F = add_to_diagonal(H, 1.0);
             Tangent<Pack> A;
-            law_->tangent(point.index(), H, A);
+            law->tangent(point.index(), H, A);
             // p (g'' cof F (x) cof F + g' d cof F/dF), the latter eps_ikm eps_JLN F_mN
             const VolumeState volume(form_, H);
             const Pack at = select(volume.valid, pressure_at(point, p), Pack(nan));
@@ -138,12 +170,14 @@ class MixedTermOf final : public MixedTerm {
 
   void stresses(const BodyState& state, const StressVisitor& visit) const override {
     const ConstGhostedView values(pressures_.values());
+    const BodyLaw::Now law = law_.at(state.at);
     for_each_batch([&](const Batch& batch, std::size_t number) {
       const Tensor3<Pack> H = centroid_gradient(batch, batch.values(state.q));
-      const std::size_t n = MixedPoint{batch, 0}.index();
+      const std::size_t n = Point{batch, 0}.index();
       const auto p = gather_pressures(values.span(), number);
       const Pack mean = 0.25 * ((p[0] + p[1]) + (p[2] + p[3]));
-      visit_stresses(batch, {H, stress(n, H, mean), det(add_to_diagonal(H, 1.0)), density(n, H, mean)}, visit);
+      const Pack energy = density(*law, n, H, mean) - 0.5 * compliance_[n] * (mean * mean);
+      visit_stresses(batch, {H, stress(*law, n, H, mean), det(add_to_diagonal(H, 1.0)), energy}, visit);
     });
   }
 
@@ -151,14 +185,14 @@ class MixedTermOf final : public MixedTerm {
     const ConstGhostedView values(pressures_.values());
     for_each_batch([&](const Batch& batch, std::size_t number) {
       const auto u = batch.values(q);
-      const auto p = gather_pressures(values.span(), number);
-      std::array<Pack, 4> f{};
+      auto f = product(pressure_matrix(batch, number), gather_pressures(values.span(), number));
+      for (Pack& entry : f) entry = -entry;
       for (int k = 0; k < batch.group.rule.size(); ++k) {
-        const MixedPoint point{batch, k};
+        const Point point{batch, k};
         const VolumeState volume(form_, point.gradient(u));
-        const Pack residual = point.weight() * (volume.measure.g - compliance_ * pressure_at(point, p));
+        const Pack g = point.weight() * volume.measure.g;
         const auto N = shape_values(point);
-        for (int b = 0; b < 4; ++b) f[b] += N[b] * select(volume.valid, residual, Pack(nan));
+        for (int b = 0; b < 4; ++b) f[b] += N[b] * select(volume.valid, g, Pack(nan));
       }
       scatter(batch, number, f, r);
     });
@@ -168,7 +202,7 @@ class MixedTermOf final : public MixedTerm {
     for_each_batch([&](const Batch& batch, std::size_t number) {
       std::array<Pack, 4> f{};
       for (int k = 0; k < batch.group.rule.size(); ++k) {
-        const MixedPoint point{batch, k};
+        const Point point{batch, k};
         const auto N = shape_values(point);
         for (int b = 0; b < 4; ++b) f[b] += N[b] * point.weight();
       }
@@ -179,10 +213,9 @@ class MixedTermOf final : public MixedTerm {
   void couple(std::span<const double> q, const std::function<void(const PressureCoupling&)>& visit) const override {
     for_each_batch([&](const Batch& batch, std::size_t number) {
       const auto u = batch.values(q);
-      std::array<std::array<Pack, 4>, 3 * CellGroup<2>::num_nodes> B{};
-      std::array<std::array<Pack, 4>, 4> C{};
+      std::array<std::array<Pack, 4>, 3 * num_nodes> B{};
       for (int k = 0; k < batch.group.rule.size(); ++k) {
-        const MixedPoint point{batch, k};
+        const Point point{batch, k};
         const auto N = shape_values(point);
         const auto& dN = point.shape_gradients();
         const Pack weight = point.weight();
@@ -191,17 +224,16 @@ class MixedTermOf final : public MixedTerm {
         const Pack slope = select(volume.valid, volume.measure.slope, Pack(nan));
         const Tensor3<Pack> S =
             Pack(weight * slope) * pulled_back(cofactor(add_to_diagonal(H, 1.0)), point.inverse_jacobian());
-        for (int a = 0; a < CellGroup<2>::num_nodes; ++a) {
+        for (int a = 0; a < num_nodes; ++a) {
           for (int i = 0; i < 3; ++i) {
             const Pack s = S(i, 0) * dN[a][0] + S(i, 1) * dN[a][1] + S(i, 2) * dN[a][2];
             for (int b = 0; b < 4; ++b) B[3 * a + i][b] += N[b] * s;
           }
         }
-        for (int b = 0; b < 4; ++b) {
-          for (int c = 0; c < 4; ++c) C[b][c] += compliance_ * N[b] * N[c] * weight;
-        }
       }
-      visit({batch.batch().num_lanes, batch.batch().nodes, numbers_[number], B, C});
+      const PressureMatrix C = pressure_matrix(batch, number);
+      visit({batch.batch().num_lanes, batch.batch().nodes, numbers_[number], B, C,
+             compliance_[Point{batch, 0}.index()] > 0.0});
     });
   }
 
@@ -210,12 +242,43 @@ class MixedTermOf final : public MixedTerm {
  private:
   using Pressures = std::array<Pack, 4>;
 
-  static std::array<double, 4> shape_values(const MixedPoint& point) {
+  static std::array<double, 4> shape_values(const Point& point) {
     return Tet<1>::values(point.in.group.rule.points[point.number]);
   }
-  static Pack pressure_at(const MixedPoint& point, const Pressures& p) {
+  static Pack pressure_at(const Point& point, const Pressures& p) {
     const auto N = shape_values(point);
     return (N[0] * p[0] + N[1] * p[1]) + (N[2] * p[2] + N[3] * p[3]);
+  }
+
+  /// C of the cells: int N_b N_c / kappa, and what S adds.
+  PressureMatrix pressure_matrix(const Batch& batch, std::size_t number) const {
+    PressureMatrix C{};
+    if constexpr (Order == 1) {
+      Pack volume = 0.0;
+      for (int k = 0; k < batch.group.rule.size(); ++k) volume += Point{batch, k}.weight();
+      const Pack compliance = compliance_[Point{batch, 0}.index()], stabilization = 1.0 / shear_moduli_[number];
+      for (int b = 0; b < 4; ++b) {
+        for (int c = 0; c < 4; ++c) {
+          const double mean = b == c ? 1.0 / 10 : 1.0 / 20;  // of N_b N_c; that of N_b is 1/4
+          C[b][c] = volume * (compliance * mean + stabilization * (mean - 1.0 / 16));
+        }
+      }
+    } else {
+      for (int k = 0; k < batch.group.rule.size(); ++k) {
+        const Point point{batch, k};
+        const auto N = shape_values(point);
+        const Pack weight = point.weight() * compliance_[point.index()];
+        for (int b = 0; b < 4; ++b) {
+          for (int c = 0; c < 4; ++c) C[b][c] += N[b] * N[c] * weight;
+        }
+      }
+    }
+    return C;
+  }
+  static Pressures product(const PressureMatrix& C, const Pressures& p) {
+    Pressures result;
+    for (int b = 0; b < 4; ++b) result[b] = (C[b][0] * p[0] + C[b][1] * p[1]) + (C[b][2] * p[2] + C[b][3] * p[3]);
+    return result;
   }
 
   Pressures gather_pressures(std::span<const double> local, std::size_t number) const {
@@ -229,14 +292,15 @@ class MixedTermOf final : public MixedTerm {
     }
   }
 
-  Tensor3<Pack> stress(std::size_t n, const Tensor3<Pack>& H, const Pack& p) const {
+  Tensor3<Pack> stress(const LawField& law, std::size_t n, const Tensor3<Pack>& H, const Pack& p) const {
     const VolumeState volume(form_, H);
     const Pack slope = select(volume.valid, p * volume.measure.slope, Pack(nan));
-    return law_->P(n, H) + slope * cofactor(add_to_diagonal(H, 1.0));
+    return law.P(n, H) + slope * cofactor(add_to_diagonal(H, 1.0));
   }
-  Pack density(std::size_t n, const Tensor3<Pack>& H, const Pack& p) const {
+  /// psi + p g.
+  Pack density(const LawField& law, std::size_t n, const Tensor3<Pack>& H, const Pack& p) const {
     const VolumeState volume(form_, H);
-    const Pack value = law_->psi(n, H) + p * (volume.measure.g - 0.5 * compliance_ * p);
+    const Pack value = law.psi(n, H) + p * volume.measure.g;
     return select(volume.valid, value, Pack(infinity));
   }
 
@@ -252,20 +316,53 @@ class MixedTermOf final : public MixedTerm {
     return cells_.integrate([&](const Batch& batch) { return density_of(batch, number++); });
   }
 
-  std::unique_ptr<LawField> law_;
-  double compliance_;  // 1 / kappa
+  BodyLaw law_;                // with kappa = 0
+  PerPoint<Pack> compliance_;  // 1 / kappa
   VolumetricForm form_;
-  double shear_modulus_;
-  BodyCells<2> cells_;
+  double shear_modulus_ = 0.0;      // the largest
+  std::vector<Pack> shear_moduli_;  // of the cells of each batch
+  BodyCells<Order> cells_;
   const PressureField& pressures_;
   std::vector<std::array<Lanes, 4>> numbers_;  // local pressures of each batch
 };
 
 }  // namespace
 
-std::unique_ptr<MixedTerm> make_mixed_term(const VolumeSplit& law, const CellGroups<2>& groups, int body,
-                                           PetscInt num_owned_nodes, const PressureField& pressures) {
-  return std::make_unique<MixedTermOf>(law, groups, body, num_owned_nodes, pressures);
+MixedLaw make_mixed_law(const VolumeSplit& uniform) {
+  return {make_law_field(uniform.rest), {{Pack(1.0 / uniform.kappa)}}, uniform.form};
 }
+
+template <int Order>
+MixedLaw make_varying_mixed_law(const ElasticLawSpec& common, VolumetricForm form, const NodeLayout& layout,
+                                const CellGroups<Order>& groups, int body,
+                                const std::function<VolumeSplit(PetscInt, const std::array<double, 3>&)>& at) {
+  const std::vector<PackPlaces> places = places_of_points<Order>(layout, groups, body);
+  PerPoint<Pack> compliance;
+  compliance.values.resize(std::max<std::size_t>(places.size(), 1));
+  auto rest = make_law_field(common, places.size(), [&](std::size_t n, int lane) {
+    const VolumeSplit there = at(places[n].cell[lane], places[n].X[lane]);
+    compliance.values[n][lane] = 1.0 / there.kappa;
+    return there.rest;
+  });
+  return {std::move(rest), std::move(compliance), form};
+}
+
+template <int Order>
+std::unique_ptr<MixedTerm> make_mixed_term(MixedLaw law, const CellGroups<Order>& groups, int body,
+                                           PetscInt num_owned_nodes, const PressureField& pressures,
+                                           std::shared_ptr<const Activation> shortening) {
+  return std::make_unique<MixedTermOf<Order>>(std::move(law), groups, body, num_owned_nodes, pressures,
+                                              std::move(shortening));
+}
+
+#define PLIANT_INSTANTIATE(Order)                                                                               \
+  template MixedLaw make_varying_mixed_law<Order>(                                                              \
+      const ElasticLawSpec&, VolumetricForm, const NodeLayout&, const CellGroups<Order>&, int,                  \
+      const std::function<VolumeSplit(PetscInt, const std::array<double, 3>&)>&);                               \
+  template std::unique_ptr<MixedTerm> make_mixed_term<Order>(MixedLaw, const CellGroups<Order>&, int, PetscInt, \
+                                                             const PressureField&, std::shared_ptr<const Activation>);
+PLIANT_INSTANTIATE(1)
+PLIANT_INSTANTIATE(2)
+#undef PLIANT_INSTANTIATE
 
 }  // namespace pliant

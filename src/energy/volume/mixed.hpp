@@ -1,12 +1,20 @@
-/// Strain energy of a nearly or fully incompressible body with a pressure of its own: quadratic displacements, linear
-/// continuous pressures (Taylor & Hood).
+/// Strain energy of a nearly or fully incompressible body with a pressure of its own, continuous and linear on
+/// tetrahedra:
 ///
-///     Pi(q, p) = int psi(F) + p g(J) - p^2/(2 kappa) dX
+///     Pi(q, p) = int psi(F) + p g(J) - p^2/(2 kappa) dX - S(p)
 ///
 /// psi is the law without its part of the volume kappa U(J), and U = g^2/2 (material/volumetric.hpp), so that p = kappa
 /// g(J), in tension positive, in the weak sense. In an incompressible body 1/kappa = 0, and p holds the volume. Pi has
 /// a saddle point instead of a minimum, so that a line search cannot use it (energy/equation/mixed_equation.hpp).
-/// Source: Brink & Stein, Comput. Mech. 19 (1996) 105-119; Taylor & Hood, Comput. Fluids 1 (1973) 73-100.
+///
+/// With quadratic displacements (Taylor & Hood) S = 0. With linear ones, whose pressures would oscillate, pressures pay
+/// for what differs from their mean pm in each cell,
+///
+///     S(p) = int (p - pm)^2 / (2 mu) dX,   mu the shear modulus at rest,
+///
+/// which vanishes faster than the error of the element as the mesh is refined.
+/// Sources: Brink & Stein, Comput. Mech. 19 (1996) 105-119; Taylor & Hood, Comput. Fluids 1 (1973) 73-100; Dohrmann &
+/// Bochev, Int. J. Numer. Meth. Fluids 46 (2004) 183-201 (S, with the viscosity of a fluid in place of mu).
 #pragma once
 
 #include "energy/volume/elastic.hpp"
@@ -36,10 +44,11 @@ class PressureField {
 struct PressureCoupling {
   using Lanes = std::array<PetscInt, pack_size>;
   int num_lanes;
-  const std::array<Lanes, 10>& nodes;            ///< local nodes
-  const std::array<Lanes, 4>& pressures;         ///< local pressures
-  const std::array<std::array<Pack, 4>, 30>& B;  ///< d2Pi / dq dp, at [3 node + component][pressure] [m^2]
-  const std::array<std::array<Pack, 4>, 4>& C;   ///< -d2Pi / dp dp [m^3/Pa]
+  std::span<const Lanes> nodes;                 ///< local nodes, of which the first four have pressures
+  const std::array<Lanes, 4>& pressures;        ///< local pressures
+  std::span<const std::array<Pack, 4>> B;       ///< d2Pi / dq dp, at [3 node + component][pressure] [m^2]
+  const std::array<std::array<Pack, 4>, 4>& C;  ///< -d2Pi / dp dp [m^3/Pa]
+  Pack::mask_type is_compressible;              ///< cells with 1/kappa > 0
 };
 
 /// The elastic term of one body at the present pressures.
@@ -55,8 +64,27 @@ class MixedTerm : public ElasticTerm {
   virtual double shear_modulus() const = 0;
 };
 
-/// `pressures` must outlive the term. Uniform bodies only.
-std::unique_ptr<MixedTerm> make_mixed_term(const VolumeSplit& law, const CellGroups<2>& groups, int body,
-                                           PetscInt num_owned_nodes, const PressureField& pressures);
+/// A law in two parts, point by point.
+struct MixedLaw {
+  std::shared_ptr<const LawField> rest;  ///< with kappa = 0
+  PerPoint<Pack> compliance;             ///< 1/kappa [1/Pa]
+  VolumetricForm form;
+};
+
+/// The law of a uniform body.
+MixedLaw make_mixed_law(const VolumeSplit& uniform);
+
+/// The law of a body whose parameters vary in space: `at(local cell, reference position)`, all of the kind of `common`
+/// and the form `form`.
+template <int Order>
+MixedLaw make_varying_mixed_law(const ElasticLawSpec& common, VolumetricForm form, const NodeLayout& layout,
+                                const CellGroups<Order>& groups, int body,
+                                const std::function<VolumeSplit(PetscInt, const std::array<double, 3>&)>& at);
+
+/// `groups` and `pressures` must outlive the term. `shortening`: active strain of the fibres, or nullptr.
+template <int Order>
+std::unique_ptr<MixedTerm> make_mixed_term(MixedLaw law, const CellGroups<Order>& groups, int body,
+                                           PetscInt num_owned_nodes, const PressureField& pressures,
+                                           std::shared_ptr<const Activation> shortening = nullptr);
 
 }  // namespace pliant

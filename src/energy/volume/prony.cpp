@@ -1,111 +1,11 @@
 #include "energy/volume/prony.hpp"
 
+#include "energy/volume/branch_law.hpp"
 #include "energy/volume/cell_stresses.hpp"
 #include "energy/volume/point_tensor.hpp"
-#include "material/kinematics.hpp"
 #include "material/projection.hpp"
 
-#include <array>
-
 namespace pliant {
-namespace {
-
-using Symmetric = std::array<Pack, num_symmetric>;
-
-bool is_small_strain(const LawField& elastic) {
-  return elastic.traits().constant_tangent;
-}
-
-Tensor3<Pack> inverse(const Tensor3<Pack>& F) {
-  return (1.0 / det(F)) * transpose(cofactor(F));
-}
-
-Tensor3<Pack> strain_of(const LawField& elastic, const Tensor3<Pack>& H) {
-  return is_small_strain(elastic) ? small_strain(H) : green_lagrange(H);
-}
-
-/// S_e = F^-1 P_e, or the stress itself of a law of small strain.
-Tensor3<Pack> stress_of(const LawField& elastic, std::size_t n, const Tensor3<Pack>& H) {
-  const Tensor3<Pack> P = elastic.P(n, H);
-  return is_small_strain(elastic) ? P : matmul(inverse(add_to_diagonal(H, 1.0)), P);
-}
-
-/// The symmetric tensor of unit size in the k-th component.
-Tensor3<Pack> unit(int k) {
-  const double size = k < 3 ? 1.0 : 0.5;
-  Tensor3<Pack> D{};
-  D(symmetric_rows[k], symmetric_columns[k]) = D(symmetric_columns[k], symmetric_rows[k]) = size;
-  return D;
-}
-
-Symmetric components(const Tensor3<Pack>& S) {
-  Symmetric s;
-  for (int k = 0; k < num_symmetric; ++k) s[k] = S(symmetric_rows[k], symmetric_columns[k]);
-  return s;
-}
-
-/// C_kl = unit_k : dS(unit_l), symmetric and positive definite where psi_e is convex in E. dE = sym(F^T dF) of dF =
-/// F^-T dE, and dS = F^-1 (dP - dF S).
-struct Stiffness {
-  std::array<Symmetric, num_symmetric> C;
-
-  Stiffness(const LawField& elastic, std::size_t n, const Tensor3<Pack>& H, const Tensor3<Pack>& S) {
-    Tangent<Pack> A;
-    elastic.tangent(n, H, A);
-    const Tensor3<Pack> G = is_small_strain(elastic) ? identity<Pack>() : inverse(add_to_diagonal(H, 1.0));
-    for (int l = 0; l < num_symmetric; ++l) {
-      const Tensor3<Pack> dF = matmul(transpose(G), unit(l));
-      Tensor3<Pack> dP{};
-      for (int p = 0; p < 9; ++p) {
-        for (int q = 0; q < 9; ++q) dP.a[p] += A[9 * p + q] * dF.a[q];
-      }
-      const Symmetric dS = components(is_small_strain(elastic) ? dP : matmul(G, dP - matmul(dF, S)));
-      for (int k = 0; k < num_symmetric; ++k) C[k][l] = dS[k];
-    }
-  }
-
-  /// Solves C x = b by elimination without pivoting.
-  Symmetric solve(Symmetric b) const {
-    auto U = C;
-    for (int k = 0; k < num_symmetric; ++k) {
-      for (int i = k + 1; i < num_symmetric; ++i) {
-        const Pack factor = U[i][k] / U[k][k];
-        for (int j = k; j < num_symmetric; ++j) U[i][j] -= factor * U[k][j];
-        b[i] -= factor * b[k];
-      }
-    }
-    for (int k = num_symmetric - 1; k >= 0; --k) {
-      for (int j = k + 1; j < num_symmetric; ++j) b[k] -= U[k][j] * b[j];
-      b[k] /= U[k][k];
-    }
-    return b;
-  }
-};
-
-}  // namespace
-
-BranchState branch_state(const LawField& elastic, std::size_t n, const Tensor3<Pack>& H, const Tensor3<Pack>& A) {
-  constexpr int most_iterations = 40;
-  constexpr double longest = 0.3;     // of F^-1 dF: a law with a barrier stays within it
-  constexpr double accuracy = 1e-14;  // of the strain
-  Tensor3<Pack> at = H;
-  for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    const Tensor3<Pack> S = stress_of(elastic, n, at);
-    const Symmetric x = Stiffness(elastic, n, at, S).solve(components(A - S));
-    Tensor3<Pack> dE{};
-    for (int k = 0; k < num_symmetric; ++k) dE = dE + x[k] * unit(k);
-    const Tensor3<Pack> G = is_small_strain(elastic) ? identity<Pack>() : inverse(add_to_diagonal(at, 1.0));
-    const Tensor3<Pack> dF = matmul(transpose(G), dE);
-    const Tensor3<Pack> relative = matmul(G, dF);
-    const Pack size = 1.0 / (longest * longest) * dot(relative, relative);
-    at = at + select(size > 1.0, 1.0 / size, Pack(1.0)) * dF;
-    const Tensor3<Pack> E = strain_of(elastic, at);
-    if (!any_of(dot(dE, dE) > accuracy * accuracy * (accuracy + dot(E, E)))) break;
-  }
-  const Tensor3<Pack> elongation = strain_of(elastic, H) - strain_of(elastic, at);
-  return {elastic.psi(n, H) - elastic.psi(n, at) - dot(A, elongation), elongation};
-}
-
 namespace {
 
 template <int Order>
@@ -117,6 +17,7 @@ class PronyTerm final : public StressTerm {
   PronyTerm(std::vector<Prony> branches, std::shared_ptr<const LawField> elastic, BodyCells<Order> cells)
       : branches_(std::move(branches)),
         elastic_(std::move(elastic)),
+        branch_law_(*elastic_),
         cells_(std::move(cells)),
         num_per_branch_(num_symmetric * cells_.num_points()) {}
 
@@ -128,8 +29,8 @@ class PronyTerm final : public StressTerm {
       return [this, &stage, u0 = batch.values(stage.reference()),
               du = batch.change(q, stage.reference())](const Point& point) {
         const Tensor3<Pack> H0 = point.gradient(u0), dH = point.gradient(du);
-        const Tensor3<Pack> dE = is_small_strain(*elastic_) ? small_strain(dH) : green_lagrange_change(H0, dH);
-        return weight(stage.dt) * elastic_->psi_change(point.index(), H0, dH) - dot(forgotten(stage, point), dE);
+        return weight(stage.dt) * elastic_->psi_change(point.index(), H0, dH) -
+               dot(forgotten(stage, point), branch_law_.strain_change(H0, dH));
       };
     });
   }
@@ -137,9 +38,8 @@ class PronyTerm final : public StressTerm {
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override {
     const auto stress = [&](const Batch& batch) {
       return [this, &stage, u = batch.values(q)](const Point& point) {
-        const Tensor3<Pack> H = point.gradient(u), A = forgotten(stage, point);
-        const Tensor3<Pack> FA = is_small_strain(*elastic_) ? A : A + matmul(H, A);
-        return weight(stage.dt) * elastic_->P(point.index(), H) - FA;
+        const Tensor3<Pack> H = point.gradient(u);
+        return weight(stage.dt) * elastic_->P(point.index(), H) - branch_law_.force(H, forgotten(stage, point));
       };
     };
     cells_.add_forces(stress, r);
@@ -150,9 +50,10 @@ class PronyTerm final : public StressTerm {
     const auto tangent_of = [&](const Batch& batch) {
       return [this, &stage, projection, u = batch.values(q)](const Point& point) {
         Tangent<Pack> A;
-        elastic_->tangent(point.index(), point.gradient(u), A);
+        const Tensor3<Pack> H = point.gradient(u);
+        elastic_->tangent(point.index(), H, A);
         for (Pack& entry : A) entry *= weight(stage.dt);
-        if (!is_small_strain(*elastic_)) subtract(forgotten(stage, point), A);
+        branch_law_.subtract_stiffness(H, forgotten(stage, point), A);
         if (projection == Projection::positive_semidefinite) project_to_positive_semidefinite(A);
         return A;
       };
@@ -174,7 +75,7 @@ class PronyTerm final : public StressTerm {
       const auto u = batch.values(q);
       for (int k = 0; k < batch.group.rule.size(); ++k) {
         const Point point{batch, k};
-        const Tensor3<Pack> S = stress_of(*elastic_, point.index(), point.gradient(u));
+        const Tensor3<Pack> S = branch_law_.stress(point.index(), point.gradient(u));
         for (std::size_t i = 0; i < branches_.size(); ++i) {
           store_symmetric(point, ended(i, stage, point, S), branch(i, z));
         }
@@ -188,7 +89,7 @@ class PronyTerm final : public StressTerm {
         Pack total = 0.0;
         for (std::size_t i = 0; i < branches_.size(); ++i) {
           const Tensor3<Pack> A = load_symmetric(point, branch(i, z));
-          total += branches_[i].ratio * branch_state(*elastic_, point.index(), point.gradient(u), A).energy;
+          total += branches_[i].ratio * branch_law_.state(point.index(), point.gradient(u), A).energy;
         }
         return total;
       };
@@ -199,19 +100,20 @@ class PronyTerm final : public StressTerm {
 
   /// sum_i H_i, and what the branches store.
   void stresses(const BodyState& state, const StressVisitor& visit) const override {
+    const bool is_small = branch_law_.strain_measure() == BranchLaw::Strain::small;
     const auto at_points = [&](const Batch& batch) {
       return [&, u = batch.values(state.q)](const Point& point) {
-        const Tensor3<Pack> H = point.gradient(u), S = stress_of(*elastic_, point.index(), H);
+        const Tensor3<Pack> H = point.gradient(u), P = elastic_->P(point.index(), H);
         PointStress total;
         for (std::size_t i = 0; i < branches_.size(); ++i) {
           const Tensor3<Pack> A = load_symmetric(point, branch(i, state.z));
-          total.S = total.S + branches_[i].ratio * (S - A);
-          total.energy += branches_[i].ratio * branch_state(*elastic_, point.index(), H, A).energy;
+          const Tensor3<Pack> P_i = P - branch_law_.force(H, A);
+          total.S = total.S + branches_[i].ratio * (is_small ? P_i : pulled_back_stress(H, P_i));
+          total.energy += branches_[i].ratio * branch_law_.state(point.index(), H, A).energy;
         }
         return total;
       };
     };
-    const bool is_small = is_small_strain(*elastic_);
     visit_mean_stresses(cells_, state.q, is_small ? StressMeasure::small_strain : StressMeasure::second_piola_kirchhoff,
                         at_points, visit);
   }
@@ -219,11 +121,11 @@ class PronyTerm final : public StressTerm {
   double dissipation(const LocalStage& stage, std::span<const double> q) const override {
     return cells_.integrate([&](const Batch& batch) {
       return [this, &stage, u = batch.values(q)](const Point& point) {
-        const Tensor3<Pack> H = point.gradient(u), S = stress_of(*elastic_, point.index(), H);
+        const Tensor3<Pack> H = point.gradient(u), S = branch_law_.stress(point.index(), H);
         Pack total = 0.0;
         for (std::size_t i = 0; i < branches_.size(); ++i) {
           const Tensor3<Pack> A = ended(i, stage, point, S);
-          const BranchState state = branch_state(*elastic_, point.index(), H, A);
+          const BranchState state = branch_law_.state(point.index(), H, A);
           total += branches_[i].ratio / branches_[i].relaxation_time * dot(S - A, state.elongation);
         }
         return total;
@@ -254,14 +156,6 @@ class PronyTerm final : public StressTerm {
     const Tensor3<Pack> A0 = load_symmetric(point, branch(i, stage.z0));
     return A0 + stage.dt / (branches_[i].relaxation_time + stage.dt) * (S - A0);
   }
-  /// A_iJkL -= d_ik B_JL.
-  static void subtract(const Tensor3<Pack>& B, Tangent<Pack>& A) {
-    for (int i = 0; i < 3; ++i) {
-      for (int J = 0; J < 3; ++J) {
-        for (int L = 0; L < 3; ++L) A[9 * (3 * i + J) + 3 * i + L] -= B(J, L);
-      }
-    }
-  }
   template <class T>
   std::span<T> branch(std::size_t i, std::span<T> z) const {
     return z.subspan(i * num_per_branch_, num_per_branch_);
@@ -269,6 +163,7 @@ class PronyTerm final : public StressTerm {
 
   std::vector<Prony> branches_;
   std::shared_ptr<const LawField> elastic_;
+  BranchLaw branch_law_;
   BodyCells<Order> cells_;
   std::size_t num_per_branch_;  // internal variables
 };

@@ -20,9 +20,11 @@
 ///     D_i = g_i (S_e - A_i) : (E - E_i) / tau_i
 ///     H_i : Edot = d/dt Y_i + D_i
 ///
-/// A law of small strain (linear) has its stress and the small strain in the place of S_e and E.
+/// A law of small strain (linear) has its stress and the small strain in the place of S_e and E. A law without its part
+/// of the volume (`volumetric` other than standard) that does not feel a change of volume has the isochoric strain
+/// (J^(-2/3) C - I)/2, so that its branches do not resist one either (energy/volume/branch_law.hpp).
 /// Sources: Simo, Comput. Methods Appl. Mech. Eng. 60 (1987), 153-173; Holzapfel, Nonlinear Solid Mechanics (2000),
-/// section 6.10. They take the isochoric part of S_e; its energy is not convex in E, and Y and D would not exist.
+/// section 6.10.
 #pragma once
 
 #include "energy/term.hpp"
@@ -35,19 +37,8 @@
 
 namespace pliant {
 
-/// The energy that a branch stores per reference volume, and the strain from which it is measured.
-struct BranchState {
-  Pack energy;               ///< psi_e(E) - psi_e(E_i) - A_i : (E - E_i) [J/m^3]
-  Tensor3<Pack> elongation;  ///< E - E_i
-};
-
-/// The state of a branch that has relaxed by the stress A [Pa] at the gradient H, by Newton's method starting from E;
-/// `n` as in LawField. If psi_e is not convex and there is no such strain, the result of the last iteration.
-BranchState branch_state(const LawField& elastic, std::size_t n, const Tensor3<Pack>& H, const Tensor3<Pack>& A);
-
 /// The branches of one body. `groups` holds the cells of all bodies and must outlive the term. Internal variables: A at
-/// every
-/// quadrature point (energy/volume/point_tensor.hpp), branch by branch; 0 at rest.
+/// every quadrature point (energy/volume/point_tensor.hpp), branch by branch; 0 at rest.
 template <int Order>
 std::unique_ptr<EnergyTerm> make_prony_term(std::vector<Prony> branches, std::shared_ptr<const LawField> elastic,
                                             const CellGroups<Order>& groups, int body, PetscInt num_owned_nodes);

@@ -239,7 +239,8 @@ std::unique_ptr<EnergyTerm> make_viscous_term(const ViscosityVariant& law, const
                 {m->name, m->moduli == Moduli::relative ? proportional(shear, bulk) : uniform(shear, bulk), tau});
   }
   if (const auto* s = std::get_if<WithStrainRate<StiffnessProportional>>(&law)) {
-    return make_alone({s->name, proportional(s->law.time, s->law.time), 0.0}, s->rate);
+    const double of_bulk = s->law.resists_dilatation ? s->law.time : 0.0;
+    return make_alone({s->name, proportional(s->law.time, of_bulk), 0.0}, s->rate);
   }
   const auto& [k, rate] = std::get<WithStrainRate<KelvinVoigt>>(law);
   return make_alone({k.name, uniform(k.shear, k.bulk), 0.0}, rate);

@@ -1,6 +1,7 @@
 #include "input/checks/volumetric.hpp"
 
 #include "input/elasticity.hpp"
+#include "material/registry.hpp"
 #include "material/volume_split.hpp"
 
 #include <algorithm>
@@ -33,44 +34,41 @@ void check_mean_dilatation(const ElasticityConfig& e, const ElasticityRule& rule
 }
 
 void check_mixed(const ElasticityConfig& e, const ElasticityRule& rule, Diagnostics& diagnostics) {
-  if (!rule.is_uniform()) {
-    diagnostics.add(
-        e.where,
-        "'volumetric: mixed' needs elastic constants that are the same everywhere; give each region a body of "
-        "its own, or use 'volumetric: mean-dilatation'");
-    return;
-  }
-  const auto split = split_volume(rule.law_at(0, {}));
-  if (!split) {
+  if (!volumetric_form_of(rule.kind())) {
     diagnostics.add(e.where,
                     fmt::format("'volumetric: mixed' needs an energy with a separate volumetric part, which model "
                                 "'{}' does not have; use one of {}, or 'volumetric: mean-dilatation'",
                                 e.model, names_of_split_laws()));
-  } else if (!(split->kappa > 0.0)) {
-    diagnostics.add(e.where,
-                    fmt::format("'volumetric: mixed' needs a volumetric part that resists a change of volume; with "
-                                "these constants, that of model '{}' is {:.3g} Pa; use 'volumetric: standard'",
-                                e.model, split->kappa));
+  } else if (rule.is_uniform()) {
+    const double kappa = split_volume(rule.law_at(0, {}))->kappa;
+    if (!(kappa > 0.0)) diagnostics.add(e.where, lacks_volumetric_stiffness(e.model, kappa));
   }
 }
 
-/// Reports what acts on the displacement at every point in addition to the elastic law, which neither treatment allows.
-void check_points(const BodyConfig& body, Diagnostics& diagnostics) {
-  if (body.active && std::holds_alternative<ActiveConfig::Shortening>(body.active->contraction)) {
-    diagnostics.add(body.active->where,
-                    "'shortening' can only be used with 'volumetric: standard'; give the fibres a 'stress' instead");
-  }
+/// Reports viscosities that would resist a change of volume at every point, which 'volumetric' is meant to avoid.
+void check_viscosity(const BodyConfig& body, const std::optional<ElasticityRule>& rule, Diagnostics& diagnostics) {
+  const bool splits = rule && volumetric_form_of(rule->kind());
   for (const auto& mechanism : body.viscosity) {
     const auto* branch = std::get_if<MaxwellRatios>(&mechanism.law);
-    const bool resists = std::holds_alternative<Prony>(mechanism.law) ||
-                         std::holds_alternative<StiffnessProportional>(mechanism.law) ||
-                         (branch != nullptr && branch->bulk_ratio > 0.0);
-    if (!resists) continue;
-    diagnostics.add(
-        mechanism.where,
-        fmt::format("viscosity '{}' resists a change of volume at every point, which 'volumetric' is meant to "
-                    "avoid; use kelvin-voigt, or maxwell with a 'shear_ratio' only",
-                    name_of(mechanism.law)));
+    if (branch != nullptr && branch->bulk_ratio > 0.0) {
+      diagnostics.add(mechanism.where,
+                      "a maxwell branch with a 'bulk_ratio' resists a change of volume at every point, which "
+                      "'volumetric' is meant to avoid; give a 'shear_ratio' only");
+    }
+    if (!rule || !std::holds_alternative<Prony>(mechanism.law)) continue;
+    if (!splits) {
+      diagnostics.add(
+          mechanism.where,
+          fmt::format("a prony branch relaxes the law without its volumetric part here, and model '{}' does "
+                      "not have one; use one of {}, or maxwell with a 'shear_ratio'",
+                      body.elasticity->model, names_of_split_laws()));
+    } else if (!can_relax(split_volume(typical_law(rule->kind().row))->rest)) {
+      diagnostics.add(
+          mechanism.where,
+          fmt::format("a prony branch cannot follow model '{}' without its volumetric part, which does not "
+                      "resist every deformation; use maxwell with a 'shear_ratio', or 'volumetric: standard'",
+                      body.elasticity->model));
+    }
   }
 }
 
@@ -81,22 +79,23 @@ void check_mixed(const Config& config, const InputNode& root, Diagnostics& diagn
   if (std::holds_alternative<MethodConfig::PetscIntegrator>(time.method.kind)) {
     diagnostics.add(time.method.where,
                     "'volumetric: mixed' needs one of Pliant's own methods; PETSc's do not support pressures");
-  } else if (method != nullptr && !method->stiffly_accurate) {
+  } else if (method != nullptr && !method->stiffly_accurate && has_incompressible_body(config)) {
     diagnostics.add(time.method.where,
-                    fmt::format("'volumetric: mixed' needs a stiffly accurate method, because pressures are known only "
-                                "at stages, and a step of '{}' does not end with one; use bdf2, dirk22 or dirk33, or "
-                                "'volumetric: mean-dilatation'",
+                    fmt::format("an incompressible body needs a stiffly accurate method, because its pressures are "
+                                "known only at stages, and a step of '{}' does not end with one; use bdf2, dirk22 or "
+                                "dirk33, or a poissons_ratio below 1/2",
                                 method->name));
   }
-  if (config.solver.linear == LinearSolver::amg || config.solver.linear == LinearSolver::p_multigrid) {
+  if (config.solver.linear == LinearSolver::p_multigrid) {
     diagnostics.add(given(root, {"solver", "linear"})->where,
-                    "'volumetric: mixed' has an indefinite matrix, which multigrid cannot solve; use 'cholesky'");
+                    "'volumetric: mixed' has an indefinite matrix, which p-multigrid cannot solve; use 'amg' or "
+                    "'cholesky'");
   }
   const auto& start = config.initial.displacement;
-  if (std::ranges::any_of(start, [](const Expression& e) { return !e.is_zero(); })) {
+  if (has_incompressible_body(config) && std::ranges::any_of(start, [](const Expression& e) { return !e.is_zero(); })) {
     diagnostics.add(given(root, {"initial", "displacement"})->where,
-                    "'volumetric: mixed' must start from undeformed bodies, whose pressure is known; use 'volumetric: "
-                    "mean-dilatation'");
+                    "an incompressible body must start undeformed, because its deformation does not determine its "
+                    "pressure; use a poissons_ratio below 1/2");
   }
 }
 
@@ -105,10 +104,10 @@ void check_mixed(const Config& config, const InputNode& root, Diagnostics& diagn
 void check_volumetric(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   const VolumetricTreatment treatment = config.volumetric;
   for (const auto& body : config.bodies) {
-    if (treatment != VolumetricTreatment::standard) check_points(body, diagnostics);
     if (!body.elasticity) continue;
     const ElasticityConfig& elasticity = *body.elasticity;
     const auto rule = rule_of(elasticity);
+    if (treatment != VolumetricTreatment::standard) check_viscosity(body, rule, diagnostics);
     if (!rule) continue;
     if (treatment == VolumetricTreatment::mixed) {
       check_mixed(elasticity, *rule, diagnostics);
@@ -119,13 +118,31 @@ void check_volumetric(const Config& config, const InputNode& root, Diagnostics& 
     }
   }
   if (treatment == VolumetricTreatment::mixed) check_mixed(config, root, diagnostics);
-  if (treatment == VolumetricTreatment::standard || config.element == ElementOrder::p2) return;
+  if (treatment != VolumetricTreatment::mean_dilatation || config.element == ElementOrder::p2) return;
   const InputNode* key = root.find("volumetric");
-  diagnostics.add(key->where, fmt::format("'volumetric: {}' needs quadratic tetrahedra; add 'element: P2'", key->text));
+  diagnostics.add(
+      key->where,
+      fmt::format("'volumetric: {}' needs quadratic tetrahedra; add 'element: P2', or use 'volumetric: mixed'",
+                  key->text));
 }
 
 bool is_incompressible(const ElasticLawSpec& law) {
   return std::ranges::any_of(law.parameters, [](double p) { return std::isinf(p); });
+}
+
+bool has_incompressible_body(const Config& config) {
+  return std::ranges::any_of(config.bodies, [](const BodyConfig& body) {
+    if (!body.elasticity) return false;
+    const auto rule = rule_of(*body.elasticity);
+    return rule && rule->is_uniform() && is_incompressible(rule->law_at(0, {}));
+  });
+}
+
+std::string lacks_volumetric_stiffness(std::string_view model, double kappa) {
+  return fmt::format(
+      "'volumetric: mixed' needs a volumetric part that resists a change of volume; with these "
+      "constants, that of model '{}' is {:.3g} Pa; use 'volumetric: standard'",
+      model, kappa);
 }
 
 }  // namespace pliant

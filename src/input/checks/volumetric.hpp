@@ -5,6 +5,7 @@
 #include "input/tree.hpp"
 #include "material/elastic_law.hpp"
 
+#include <string>
 #include <string_view>
 
 namespace pliant {
@@ -14,6 +15,12 @@ void check_volumetric(const Config& config, const InputNode& root, Diagnostics& 
 
 /// Is the law's resistance to a change of volume infinite?
 bool is_incompressible(const ElasticLawSpec& law);
+
+/// Is a body incompressible everywhere?
+bool has_incompressible_body(const Config& config);
+
+/// The error of a law with the volumetric part `kappa` [Pa] <= 0 in a body with pressures.
+std::string lacks_volumetric_stiffness(std::string_view model, double kappa);
 
 inline constexpr std::string_view incompressible_without_pressures =
     "displacements alone cannot represent an incompressible body; add 'volumetric: mixed' or lower "

@@ -37,7 +37,8 @@ std::ostream& operator<<(std::ostream& out, const Case& c) {
 
 std::vector<Case> every_case() {
   std::vector<Case> cases;
-  for (const BodySpec body : {BodySpec{2, Shape::jittered, 2}, BodySpec{2, Shape::curved, 2}}) {
+  for (const BodySpec body :
+       {BodySpec{1, Shape::jittered, 2}, BodySpec{2, Shape::jittered, 2}, BodySpec{2, Shape::curved, 2}}) {
     for (auto law : test::every_law(1000.0, 0.45)) {
       if (!split_volume(law)) continue;
       for (const auto form : {VolumetricForm::log, VolumetricForm::quadratic, VolumetricForm::mixed}) {
@@ -64,7 +65,7 @@ class Mixed : public ::testing::TestWithParam<Case> {
     equation_->enter(at_rest_, q0_.get(), x0_.get());
   }
 
-  int degree() const { return elastic_quadrature_degree(GetParam().law.traits(), 2); }
+  int degree() const { return elastic_quadrature_degree(GetParam().law.traits(), GetParam().body.order); }
 
   /// Displacements by the field, pressures that differ from vertex to vertex.
   Handle<Vec> unknowns(const test::Field& displacement, double pressure) const {
@@ -94,13 +95,10 @@ class Mixed : public ::testing::TestWithParam<Case> {
 
   Scratch scratch_{comm};
   std::string file_ = scratch_.file("body.msh", [&](const std::string& f) { test::write_body(f, GetParam().body); });
-  Solid solid_{comm, file_, 2, degree()};
-  PressureField field_{
-      make_pressure_layout(solid_.layout(),
-                           std::vector<int>(static_cast<std::size_t>(solid_.layout().num_local_cells), 0), 1),
-      comm};
-  std::unique_ptr<MixedTerm> term_ = make_mixed_term(*split_volume(GetParam().law), std::get<1>(solid_.groups()), 0,
-                                                     solid_.layout().num_owned_nodes, field_);
+  Solid solid_{comm, file_, GetParam().body.order, degree()};
+  std::unique_ptr<PressureField> pressures_ = solid_.pressure_field();
+  PressureField& field_ = *pressures_;
+  std::unique_ptr<MixedTerm> term_ = solid_.mixed(make_mixed_law(*split_volume(GetParam().law)), field_);
   TestStage stage_{solid_, 0.0, 1.0};
   std::vector<char> prescribed_ = solid_.nothing_prescribed();
   std::optional<IncrementalPotential> potential_;
@@ -203,11 +201,11 @@ TEST_P(Mixed, UniformStrainsAreTheLaws) {
 // The matrix of a body at rest that is held in one place and cannot be compressed: as many negative eigenvalues as
 // pressures.
 TEST_P(Mixed, NegativeEigenvaluesAreThoseOfThePressures) {
-  if (sum(comm, 1.0) > 1.0) return;  // a dense problem of one rank
-  for (PetscInt i = 0; i < 9; ++i) prescribed_[static_cast<std::size_t>(i)] = 1;
+  if (sum(comm, 1.0) > 1.0) return;                                                // a dense problem of one rank
+  for (PetscInt i = 0; i < 12; ++i) prescribed_[static_cast<std::size_t>(i)] = 1;  // four nodes, not all on a line
   VolumeSplit law = *split_volume(GetParam().law);
   law.kappa = std::numeric_limits<double>::infinity();
-  const auto term = make_mixed_term(law, std::get<1>(solid_.groups()), 0, solid_.layout().num_owned_nodes, field_);
+  const auto term = solid_.mixed(make_mixed_law(law), field_);
   IncrementalPotential potential(solid_.layout(), solid_.pattern(), {term.get()}, prescribed_);
   MixedEquation equation(potential, solid_.layout(), {term.get()}, field_);
   equation.enter(at_rest_, q0_.get(), x0_.get());
@@ -220,6 +218,102 @@ TEST_P(Mixed, NegativeEigenvaluesAreThoseOfThePressures) {
   check(MatGetValues(A.get(), size, all.data(), size, all.data(), dense.data()));
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(dense, Eigen::EigenvaluesOnly);
   EXPECT_EQ((solver.eigenvalues().array() < 0.0).count(), equation.num_negative_pivots());
+}
+
+// Pressures that follow from the displacements are where the derivative by them vanishes.
+TEST_P(Mixed, SettledPressuresAreThoseOfTheDisplacements) {
+  const auto q = solid_.vector(test::strained);
+  equation_->settle(q.get());
+  std::vector<double> r(static_cast<std::size_t>(field_.layout().num_local), 0.0), m(r.size(), 0.0);
+  term_->add_pressure_gradient(test::local_values(q.get()), r);
+  term_->add_pressure_volumes(m);
+  for (PetscInt i = 0; i < field_.layout().num_owned; ++i) EXPECT_LE(std::abs(r[i]), 1e-11 * m[i]);
+  PetscReal largest = 0.0;
+  check(VecNorm(field_.values(), NORM_INFINITY, &largest));
+  EXPECT_GT(largest, 1.0);
+}
+
+/// A cube whose constants vary, or whose fibres shorten: its derivatives.
+class MixedVariant : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Orders, MixedVariant, ::testing::Values(1, 2));
+
+void expect_derivatives(const Solid& solid, MixedTerm& term, PressureField& field) {
+  {
+    const ArrayView p(field.values());
+    for (PetscInt n = 0; n < solid.layout().num_owned_nodes; ++n) {
+      const PetscInt number = field.layout().of_node[0][static_cast<std::size_t>(n)];
+      if (number >= 0) p[number] = 100.0 * (1.0 + test::rough(solid.layout().position(n), 0, 5));
+    }
+  }
+  update_ghosts(field.values());
+  IncrementalPotential potential(solid.layout(), solid.pattern(), {&term}, solid.nothing_prescribed());
+  const TestStage stage(solid, 0.3, 0.1);
+  potential.begin_stage(stage.point);
+  const auto q = solid.vector(test::strained), d = solid.vector(test::rough_field(0.05, 11));
+  const auto at = [&](double s) { return test::moved(q.get(), s, d.get()); };
+  const auto r = potential.make_vector(), Kd = potential.make_vector();
+  potential.gradient(q.get(), r.get());
+  const auto value = [&](double s) { return potential.value(at(s).get()); };
+  const double slope = (8.0 * (value(h) - value(-h)) - (value(2.0 * h) - value(-2.0 * h))) / (12.0 * h);
+  EXPECT_NEAR(test::dot(r.get(), d.get()), slope, 1e-9 * test::norm(r.get()) * test::norm(d.get()));
+  const Handle<Mat> K = potential.make_hessian();
+  potential.hessian(q.get(), K.get(), Projection::none);
+  check(MatMult(K.get(), d.get(), Kd.get()));
+  const auto gradient = [&](double s) {
+    auto g = potential.make_vector();
+    potential.gradient(at(s).get(), g.get());
+    return g;
+  };
+  const auto difference = gradient(h);
+  check(VecAXPY(difference.get(), -1.0, gradient(-h).get()));
+  check(VecScale(difference.get(), 8.0));
+  check(VecAXPY(difference.get(), -1.0, gradient(2.0 * h).get()));
+  check(VecAXPY(difference.get(), 1.0, gradient(-2.0 * h).get()));
+  check(VecScale(difference.get(), 1.0 / (12.0 * h)));
+  ASSERT_GT(test::norm(Kd.get()), 1e-2);
+  EXPECT_LE(test::distance(Kd.get(), difference.get()), 1e-9 * test::norm(Kd.get()));
+}
+
+TEST_P(MixedVariant, DerivativesWithShortenedFibres) {
+  const Scratch scratch(comm);
+  const auto file = scratch.file("body.msh", [&](const std::string& f) {
+    test::write_body(f, {GetParam(), Shape::jittered, 2});
+  });
+  const auto law = make_law("neo-hookean-isochoric", 1000.0, 0.45);
+  const Solid solid(comm, file, GetParam(), elastic_quadrature_degree(law.traits(), GetParam()));
+  const auto field = solid.pressure_field();
+  const auto shortening = solid.activation(Expression("0.2*sin(2*t)+0.05*x"), FibreField::Kind::varying);
+  const auto term = solid.mixed(make_mixed_law(*split_volume(law)), *field, shortening);
+  EXPECT_TRUE(term->declaration().depends_on_time);
+  expect_derivatives(solid, *term, *field);
+}
+
+TEST_P(MixedVariant, ConstantsThatVaryAreThoseOfTheirPlace) {
+  const Scratch scratch(comm);
+  const auto file = scratch.file("body.msh", [&](const std::string& f) {
+    test::write_body(f, {GetParam(), Shape::jittered, 2});
+  });
+  const auto law_at = [](const Point& X) { return make_law("neo-hookean-isochoric", 1000.0 * (1.0 + X[0]), 0.45); };
+  const auto common = law_at({});
+  const Solid solid(comm, file, GetParam(), elastic_quadrature_degree(common.traits(), GetParam()));
+  const auto field = solid.pressure_field();
+  const auto law = std::visit(
+      [&]<int Order>(const CellGroups<Order>& groups) {
+        return make_varying_mixed_law<Order>(common, *volumetric_form_of(common), solid.layout(), groups, 0,
+                                             [&](PetscInt, const Point& X) { return *split_volume(law_at(X)); });
+      },
+      solid.groups());
+  const auto term = solid.mixed(law, *field);
+  EXPECT_NEAR(maximum(comm, term->shear_modulus()), 2000.0 / 2.9, 200.0);
+  expect_derivatives(solid, *term, *field);
+  // The energy of a stretch is the integral of 1 + x, as the pressures settle: twice 3/4 of that at x = 0.
+  const auto q = solid.vector([](const Point& x) { return Point{1e-4 * x[0], 1e-4 * x[1], 1e-4 * x[2]}; });
+  IncrementalPotential potential(solid.layout(), solid.pattern(), {term.get()}, solid.nothing_prescribed());
+  MixedEquation equation(potential, solid.layout(), {term.get()}, *field);
+  equation.settle(q.get());
+  const double volume = 3e-4, kappa = split_volume(common)->kappa;
+  const double energy = sum(comm, term->energy(test::local_values(q.get()), {}));
+  EXPECT_NEAR(energy, 0.5 * kappa * volume * volume * 1.5, 2e-2 * energy);
 }
 
 // Against the energy and its derivatives, which have tests of their own.

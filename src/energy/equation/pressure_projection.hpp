@@ -1,0 +1,29 @@
+/// The pressures that belong to displacements by themselves, dPi/dp = 0 (energy/volume/mixed.hpp): a linear problem
+/// with the mass matrix of the pressures over the bulk modulus.
+#pragma once
+
+#include "energy/volume/mixed.hpp"
+
+#include <span>
+
+#include <petscksp.h>
+
+namespace pliant {
+
+/// C = -d2Pi/dp2 of all terms, which does not depend on the state. Collective.
+Handle<Mat> make_compliance(std::span<const MixedTerm* const> terms, const NodeLayout& layout,
+                            const PressureLayout& pressures);
+
+class PressureProjection {
+ public:
+  /// Every body must be compressible. Collective.
+  explicit PressureProjection(Handle<Mat> compliance);
+
+  /// p = C^-1 r, with r = dPi/dp at p = 0. Collective.
+  void solve(Vec r, Vec p);
+
+ private:
+  Handle<KSP> solver_;
+};
+
+}  // namespace pliant
