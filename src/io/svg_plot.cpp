@@ -56,8 +56,10 @@ struct Span {
 struct Curve {
   std::string name;
   std::vector<AxisPoint> points;
-  std::string colour;
+  std::size_t look;  // number of its colour and its mark
   SeriesStyle style;
+
+  const char* colour() const { return colours[look % colours.size()]; }
 };
 
 /// The corners at the hypotenuse's ends; the right angle is at (right.x, left.y).
@@ -96,7 +98,9 @@ std::vector<Curve> curves_of(const Plot& plot) {
   std::vector<Curve> curves;
   for (const PlotSeries& series : plot.series) {
     assert(series.x.size() == series.y.size());
-    Curve curve{series.name, {}, colours[series.colour.value_or(curves.size()) % colours.size()],
+    Curve curve{series.name,
+                {},
+                series.look.value_or(curves.size()),
                 series.style == SeriesStyle::by_scale ? by_scale : series.style};
     for (std::size_t i = 0; i < series.x.size(); ++i) {
       if (!can_be_shown(series.x[i], across) || !can_be_shown(series.y[i], plot.scale)) continue;
@@ -288,29 +292,30 @@ std::string mark(std::size_t number, double x, double y) {
   }
 }
 
-std::string draw_curve(const Curve& curve, const Axes& axes, std::size_t number) {
+std::string draw_curve(const Curve& curve, const Axes& axes) {
   std::string corners, marks;
   for (const AxisPoint& p : curve.points) {
     const double x = axes.column(p.x), y = axes.row(p.y);
     corners += fmt::format("{}{:.2f},{:.2f}", corners.empty() ? "" : " ", x, y);
     if (curve.style == SeriesStyle::line) continue;  // a curve, not a few measurements
-    marks += mark(number, x, y) + fmt::format("><title>{}: {:.4g}, {:.4g}</title>", xml_escaped(curve.name),
-                                              off_axis(p.x, axes.x_scale), off_axis(p.y, axes.y_scale));
-    marks += number % 4 == 0 ? "</circle>\n" : number % 4 == 1 ? "</rect>\n" : "</path>\n";
+    marks += mark(curve.look, x, y) + fmt::format("><title>{}: {:.4g}, {:.4g}</title>", xml_escaped(curve.name),
+                                                  off_axis(p.x, axes.x_scale), off_axis(p.y, axes.y_scale));
+    marks += curve.look % 4 == 0 ? "</circle>\n" : curve.look % 4 == 1 ? "</rect>\n" : "</path>\n";
   }
   const std::string line = curve.style == SeriesStyle::marks ? "" : "<polyline points=\"" + corners + "\"/>\n";
-  return fmt::format("<g class=\"series\" stroke=\"{0}\" fill=\"{0}\">\n{1}{2}</g>\n", curve.colour, line, marks);
+  return fmt::format("<g class=\"series\" stroke=\"{0}\" fill=\"{0}\">\n{1}{2}</g>\n", curve.colour(), line, marks);
 }
 
 std::string draw_legend(const std::vector<Curve>& curves) {
   std::string out;
   double y = frame_top + 12;
-  for (std::size_t i = 0; i < curves.size(); ++i, y += legend_line) {
-    out += fmt::format("<g class=\"series\" stroke=\"{0}\" fill=\"{0}\">\n", curves[i].colour);
-    if (curves[i].style != SeriesStyle::marks) out += line(legend_left, y, legend_left + 28, y, "sample");
-    if (curves[i].style != SeriesStyle::line) out += mark(i, legend_left + 14, y) + "/>\n";
+  for (const Curve& curve : curves) {
+    out += fmt::format("<g class=\"series\" stroke=\"{0}\" fill=\"{0}\">\n", curve.colour());
+    if (curve.style != SeriesStyle::marks) out += line(legend_left, y, legend_left + 28, y, "sample");
+    if (curve.style != SeriesStyle::line) out += mark(curve.look, legend_left + 14, y) + "/>\n";
     out += "</g>\n";
-    out += text(legend_left + 38, y + 4, "name", curves[i].name);
+    out += text(legend_left + 38, y + 4, "name", curve.name);
+    y += legend_line;
   }
   return out;
 }
@@ -389,7 +394,7 @@ std::string svg(const Plot& plot) {
   out += "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
   out += text(frame_left, frame_top - 20, "heading", plot.title) + draw_axes(plot, axes);
   for (const SlopeTriangle& triangle : triangles) out += draw_triangle(triangle, axes);
-  for (std::size_t i = 0; i < curves.size(); ++i) out += draw_curve(curves[i], axes, i);
+  for (const Curve& curve : curves) out += draw_curve(curve, axes);
   for (const SlopeTriangle& triangle : triangles) out += draw_order(triangle, axes);
   return out + draw_legend(curves) + "</svg>\n";
 }

@@ -25,7 +25,7 @@ struct PlotSeries {
   std::string name;
   std::vector<double> x, y;
   SeriesStyle style = SeriesStyle::by_scale;
-  std::optional<std::size_t> colour = {};  ///< its place among the colours; by default the series' own
+  std::optional<std::size_t> look = {};  ///< number of its colour and mark; by default the number of the series
 };
 
 struct Plot {
@@ -34,8 +34,8 @@ struct Plot {
   std::string y_label;
   std::vector<PlotSeries> series;
   std::vector<double> slopes = {};  ///< orders p; each is drawn as a triangle of slope p below the series nearest to it
-  Scale scale = Scale::logarithmic;     ///< of both axes
-  std::optional<Scale> x_scale = {};    ///< of the horizontal axis, if it has another
+  Scale scale = Scale::logarithmic;   ///< of both axes
+  std::optional<Scale> x_scale = {};  ///< of the horizontal axis, if it has another
 };
 
 /// The plot as a complete SVG document; texts may be any UTF-8. Not collective.

@@ -48,7 +48,7 @@ bool takes_bulk_modulus(const LawInfo& law) {
   return !takes_two_constants(law) && law.directions.empty() && has(law, bulk);
 }
 
-/// Of those that a law can have for a parameter.
+/// One of the constants that laws have for parameters.
 template <class T>
 T value_of(Constant c, const LameOf<T>& l) {
   if (c == shear) return l.mu;

@@ -1,7 +1,6 @@
 /// A kind of elastic law in the registry: the functions made from its type, next to the row for users.
 #pragma once
 
-#include "base/dual_math.hpp"
 #include "material/energy_change.hpp"
 #include "material/law_field.hpp"
 
@@ -82,22 +81,22 @@ template <template <class> class L>
 requires ElasticLawTemplate<L>
 constexpr LawKind law_kind() {
   LawKind kind{traits_of<L<double>>(),
-          [](const ElasticLawSpec& law) -> std::optional<Lame> {
-            if constexpr (IsotropicLaw<L<double>>) {
-              return L<double>::of({law.parameters, law.volumetric, law.directions}).at_rest();
-            } else {
-              return std::nullopt;
-            }
-          },
-          [](std::size_t num_packs, const LawOfLane& at) -> std::unique_ptr<LawField> {
-            std::vector<L<Pack>> laws;
-            for (std::size_t n = 0; n < num_packs; ++n) {
-              std::array<ElasticLawSpec, pack_size> lanes;
-              for (int lane = 0; lane < pack_size; ++lane) lanes[lane] = at(n, lane);
-              laws.push_back(packed<L<Pack>>(lanes));
-            }
-            return std::make_unique<LawFieldOf<L<Pack>>>(std::move(laws));
-          }};
+               [](const ElasticLawSpec& law) -> std::optional<Lame> {
+                 if constexpr (IsotropicLaw<L<double>>) {
+                   return L<double>::of({law.parameters, law.volumetric, law.directions}).at_rest();
+                 } else {
+                   return std::nullopt;
+                 }
+               },
+               [](std::size_t num_packs, const LawOfLane& at) -> std::unique_ptr<LawField> {
+                 std::vector<L<Pack>> laws;
+                 for (std::size_t n = 0; n < num_packs; ++n) {
+                   std::array<ElasticLawSpec, pack_size> lanes;
+                   for (int lane = 0; lane < pack_size; ++lane) lanes[lane] = at(n, lane);
+                   laws.push_back(packed<L<Pack>>(lanes));
+                 }
+                 return std::make_unique<LawFieldOf<L<Pack>>>(std::move(laws));
+               }};
   if constexpr (IsotropicLaw<L<double>>) {
     kind.dual_stress = [](const LawData<Dual<double>>& data, const Tensor3<double>& H) {
       return L<Dual<double>>::of(data).P(make_tensor([&](int i, int j) -> Dual<double> { return H(i, j); }));

@@ -15,6 +15,7 @@
 #include <iterator>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace pliant {
 namespace {
@@ -38,8 +39,9 @@ std::vector<MaterialTest> read_tests(const FitConfig& config) {
       tests.push_back(read_test(test, fs::path(config.file).parent_path().string()));
       const bool has_zero = std::ranges::find(tests.back().y, 0.0) != tests.back().y.end();
       if (config.residual == ResidualKind::relative && has_zero) {
-        throw InputError(test.data.where, "the table has the value 0, to which no residual is relative; delete the row, "
-                                          "or choose 'residual: absolute'");
+        throw InputError(test.data.where,
+                         "the table has the value 0, to which no residual is relative; delete the row, "
+                         "or choose 'residual: absolute'");
       }
     } catch (const InputError& error) {
       errors.insert(errors.end(), error.diagnostics().begin(), error.diagnostics().end());
@@ -93,9 +95,9 @@ void add_warnings(FittedMaterial& fit, const std::vector<FreeParameter>& paramet
   }
   constexpr int several = 5;
   if (outcome.minimum.is_converged && outcome.num_starts >= several && outcome.num_best == 1) {
-    fit.warnings.push_back(fmt::format(
-        "only one of {} starts led to the best minimum, so there may be a better one; try more starts",
-        outcome.num_starts));
+    fit.warnings.push_back(
+        fmt::format("only one of {} starts led to the best minimum, so there may be a better one; try more starts",
+                    outcome.num_starts));
   }
 }
 
@@ -105,11 +107,10 @@ void add_stability(FittedMaterial& fit) {
   }
   fit.stability = stability_of(fit.material, fit.all, fit.tests);
   for (const StabilityRange& range : fit.stability) {
-    for (const std::string& failure : range.failures) {
-      const auto& name = loadings[static_cast<std::size_t>(range.loading)].name;
-      auto& to = range.is_measured ? fit.warnings : fit.notes;
-      to.push_back(fmt::format("{} loading{}: {}", name, range.is_measured ? "" : ", which was not measured", failure));
-    }
+    if (range.failures.empty()) continue;
+    auto& to = range.is_measured ? fit.warnings : fit.notes;
+    to.push_back(fmt::format("{} loading{}: {}", loadings[static_cast<std::size_t>(range.loading)].name,
+                             range.is_measured ? "" : ", which was not measured", fmt::join(range.failures, "; ")));
   }
 }
 
@@ -144,8 +145,8 @@ ExitCode fit_command(MPI_Comm comm, const std::string& file, const std::string& 
     write_text_atomically(directory / "fit.csv", fit_csv(fit));
     write_text_atomically(directory / "material.yaml", material_yaml(fit));
     write_report(fit, directory);
-    console.print(fmt::format("results: {0}/report.html, {0}/fit.csv, {0}/material.yaml, {0}/*.svg",
-                              directory.string()));
+    console.print(
+        fmt::format("results: {0}/report.html, {0}/fit.csv, {0}/material.yaml, {0}/*.svg", directory.string()));
   });
   return any_rank(comm, is_converged) ? ExitCode::done : ExitCode::study_failed;
 }

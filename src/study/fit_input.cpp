@@ -217,7 +217,8 @@ std::string fit_schema() {
 }
 
 std::string fit_reference() {
-  return "# The fit file\n\n<!-- Written by `pliant schema --fit --markdown` from the table in src/study/fit_input.cpp; "
+  return "# The fit file\n\n<!-- Written by `pliant schema --fit --markdown` from the table in "
+         "src/study/fit_input.cpp; "
          "change it there. -->\n\nThe keys of the file that `pliant fit` reads. [From a test to a "
          "material](fitting.md) explains them by examples. Numbers have units as in [an input](input.md).\n" +
          key_reference(fit_keys());

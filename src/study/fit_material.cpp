@@ -89,9 +89,8 @@ void refuse_with_incompressible(const FitMaterialConfig& material, const Elastic
     const bool is_stiffness = held.key == "shear_modulus" && has(kind.info().parameters, held.key);
     if (!is_one_of_pair(held.key) || is_stiffness) continue;
     throw InputError(held.where, fmt::format("'{}' does not go with 'incompressible: true'; {}", held.key,
-                                             held.key == "youngs_modulus"
-                                                 ? "give a third of it as 'shear_modulus'"
-                                                 : "leave one of the two out"));
+                                             held.key == "youngs_modulus" ? "give a third of it as 'shear_modulus'"
+                                                                          : "leave one of the two out"));
   }
 }
 
@@ -217,8 +216,8 @@ Sensitive FitMaterial::incompressible_stress(const SeededParameters& seeded, Loa
   for (std::size_t k = 0; k < seeded.size(); ++k) {
     const auto P = dual_stress(kind_, seeded[k], H);
     // The pressure takes the traction from the free sides.
-    const Dual<double> stress = free.empty() ? P(0, 1)
-                                             : P(0, 0) - ((1.0 + H(free[0], free[0])) / (1.0 + H(0, 0))) * P(free[0], free[0]);
+    const Dual<double> stress =
+        free.empty() ? P(0, 1) : P(0, 0) - ((1.0 + H(free[0], free[0])) / (1.0 + H(0, 0))) * P(free[0], free[0]);
     result.value = stress.value;
     if (k < free_.size()) result.slopes[k] = stress.slope;
   }

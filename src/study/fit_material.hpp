@@ -21,7 +21,7 @@ struct FitParameter {
   std::string unit;  ///< SI
   double lower;      ///< least and largest admissible values
   double upper;
-  double typical;    ///< of the law: for the first start
+  double typical;  ///< of the law: for the first start
   bool is_free = true;
   double held = 0.0;  ///< its value if it is not free
 };

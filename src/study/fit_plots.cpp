@@ -75,8 +75,8 @@ void add_curves(const FittedMaterial& fit, const MaterialTest& test, const std::
   const auto curve = predicted_values(fit, test, places);
   constexpr std::array parts{"storage", "loss"};
   for (std::size_t k = 0; k < channels(test); ++k) {
-    const std::string name = channels(test) > 1 ? fmt::format("{}{}", label.empty() ? "" : label + " ", parts[k])
-                                                : label;
+    const std::string name =
+        channels(test) > 1 ? fmt::format("{}{}", label.empty() ? "" : label + " ", parts[k]) : label;
     const std::size_t colour = plot.series.size() / 2;
     plot.series.push_back({name.empty() ? "measured" : name + ", measured", test.x,
                            channel(test.y, k, channels(test), 1.0 / unit.size), SeriesStyle::marks, colour});
@@ -99,8 +99,10 @@ Plot residual_plot(const FittedMaterial& fit, const MaterialTest& test, std::vec
   const TestKindInfo& info = test_kinds()[static_cast<std::size_t>(test.config.kind)];
   const bool is_relative = fit.config.residual == ResidualKind::relative;
   const StressUnit unit = is_relative ? StressUnit{"%", 0.01} : unit_for(largest_of(residuals));
-  Plot plot{test.name + ": residuals", std::string(info.abscissa),
-            is_relative ? "relative residual [%]" : fmt::format("residual [{}]", unit.name), {}};
+  Plot plot{test.name + ": residuals",
+            std::string(info.abscissa),
+            is_relative ? "relative residual [%]" : fmt::format("residual [{}]", unit.name),
+            {}};
   plot.scale = Scale::linear;
   if (!test.is_elastic() && spans_decades(test.x)) plot.x_scale = Scale::logarithmic;
   const auto [low, high] = std::ranges::minmax(test.x);
@@ -126,7 +128,12 @@ std::vector<NamedPlot> plots_of(const FittedMaterial& fit) {
   }
   if (stretched.size() > 1) {
     const StressUnit unit = unit_for(largest_of(stresses));
-    Plot plot{"all tests", "stretch; 1 + amount of shear", fmt::format("nominal stress [{}]", unit.name), {}};
+    const bool has_shear = std::ranges::any_of(
+        stretched, [](const MaterialTest* test) { return test->config.kind == TestKind::simple_shear; });
+    Plot plot{"all tests",
+              has_shear ? "stretch; 1 + amount of shear" : "stretch",
+              fmt::format("nominal stress [{}]", unit.name),
+              {}};
     plot.scale = Scale::linear;
     for (const MaterialTest* test : stretched) {
       add_curves(fit, *test, std::string(test_kinds()[static_cast<std::size_t>(test->config.kind)].name), unit, plot);

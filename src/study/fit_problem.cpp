@@ -7,8 +7,7 @@
 
 namespace pliant {
 
-FitProblem::FitProblem(std::vector<FreeParameter> parameters, std::vector<Measurements> measurements,
-                       ResidualKind kind)
+FitProblem::FitProblem(std::vector<FreeParameter> parameters, std::vector<Measurements> measurements, ResidualKind kind)
     : parameters_(std::move(parameters)), measurements_(std::move(measurements)), kind_(kind), norm_(0.0) {
   for (const Measurements& group : measurements_) {
     for (const double y : group.values) norm_ += group.weight * std::pow(y / divisor(y), 2);
@@ -62,8 +61,7 @@ LeastSquaresProblem FitProblem::least_squares() const {
         const double factor = std::sqrt(group.weight) / (divisor(group.values[i]) * norm_);
         r[row] = factor * (predicted[i].value - group.values[i]);
         for (std::size_t j = 0; j < parameters.size(); ++j) {
-          jacobian[row * parameters.size() + j] =
-              factor * predicted[i].slopes[j] * slope_outside(j, parameters[j]);
+          jacobian[row * parameters.size() + j] = factor * predicted[i].slopes[j] * slope_outside(j, parameters[j]);
         }
       }
     }
@@ -105,9 +103,8 @@ FitOutcome FitProblem::solve(int num_starts, const std::function<std::vector<dou
   };
   outcome.minimum = *std::ranges::min_element(minima, is_better);
   outcome.num_starts = static_cast<int>(minima.size());
-  outcome.num_best = static_cast<int>(std::ranges::count_if(minima, [&](const Minimum& m) {
-    return m.is_converged && m.sum <= outcome.minimum.sum * (1.0 + same) + 1e-24;
-  }));
+  outcome.num_best = static_cast<int>(std::ranges::count_if(
+      minima, [&](const Minimum& m) { return m.is_converged && m.sum <= outcome.minimum.sum * (1.0 + same) + 1e-24; }));
   outcome.values = outside(outcome.minimum.x);
   add_statistics(outcome);
   return outcome;

@@ -1,5 +1,5 @@
-/// Parameters fitted to measurements, wherever the predictions come from: scaling, several starts, and the statistics of
-/// the best minimum.
+/// Parameters fitted to measurements, wherever the predictions come from: scaling, several starts, and the statistics
+/// of the best minimum.
 #pragma once
 
 #include "study/fit_config.hpp"
@@ -60,9 +60,9 @@ class FitProblem {
 
  private:
   LeastSquaresProblem least_squares() const;
-  std::vector<double> inside(std::span<const double> parameters) const;   ///< as the optimiser sees them
-  std::vector<double> outside(std::span<const double> unknowns) const;    ///< and back
-  double slope_outside(std::size_t j, double parameter) const;            ///< d parameter / d unknown
+  std::vector<double> inside(std::span<const double> parameters) const;  ///< as the optimiser sees them
+  std::vector<double> outside(std::span<const double> unknowns) const;   ///< and back
+  double slope_outside(std::size_t j, double parameter) const;           ///< d parameter / d unknown
   double divisor(double measured) const;
   void add_statistics(FitOutcome& outcome) const;
 

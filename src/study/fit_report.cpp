@@ -11,6 +11,7 @@
 #include <string>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace pliant {
 namespace {
@@ -95,8 +96,8 @@ std::string tests(const FittedMaterial& fit) {
   const auto summaries = summaries_of(fit);
   for (std::size_t n = 0; n < summaries.size(); ++n) {
     const TestSummary& test = summaries[n];
-    table.add({test.name, std::to_string(test.count), number(fit.tests[n].config.weight), fmt::format("{:.7g}", test.sum),
-               number(test.mean_square), fmt::format("{:.5f}", test.determination)});
+    table.add({test.name, std::to_string(test.count), number(fit.tests[n].config.weight),
+               fmt::format("{:.7g}", test.sum), number(test.mean_square), fmt::format("{:.5f}", test.determination)});
   }
   return part("Tests", "The differences between the law and the measurements.", table.text());
 }
@@ -115,9 +116,11 @@ std::string plots(const std::vector<NamedPlot>& all) {
     }
     text += picture;
   }
-  return part("Curves", "Measurements (marks) and the fitted law (lines), and below the residuals: law minus "
+  return part("Curves",
+              "Measurements (marks) and the fitted law (lines), and below the residuals: law minus "
               "measurement. Residuals that follow a curve instead of scattering show that the law does not have the "
-              "shape of the data.", text);
+              "shape of the data.",
+              text);
 }
 
 std::string correlations(const FittedMaterial& fit) {
@@ -169,8 +172,7 @@ std::string determined(const FittedMaterial& fit) {
 std::string stability(const FittedMaterial& fit) {
   HtmlTable table({"loading", "range", "measured", "finding"});
   for (const StabilityRange& range : fit.stability) {
-    std::string finding;
-    for (const std::string& failure : range.failures) finding += (finding.empty() ? "" : "; ") + failure;
+    const std::string finding = fmt::format("{}", fmt::join(range.failures, "; "));
     table.add({std::string(loadings[static_cast<std::size_t>(range.loading)].name),
                fmt::format("{:.3g} to {:.3g}", range.lowest, range.highest), range.is_measured ? "yes" : "no",
                finding.empty() ? "stable" : finding});

@@ -72,7 +72,10 @@ bool is_baker_ericksen_stable(const LoadedState& state) {
 class Walk {
  public:
   Walk(const FitMaterial& material, std::span<const double> all, Loading loading)
-      : law_(material.law(all)), path_(law_, loading), loading_(loading), is_incompressible_(material.is_incompressible()) {}
+      : law_(material.law(all)),
+        path_(law_, loading),
+        loading_(loading),
+        is_incompressible_(material.is_incompressible()) {}
 
   std::vector<std::string> to(double end) {
     std::vector<std::string> failures;
@@ -83,8 +86,7 @@ class Walk {
     double before = 0.0;
     for (int n = 1; n <= num_samples; ++n) {
       const double amount = 1.0 + (end - 1.0) * n / num_samples;
-      const auto state =
-          is_incompressible_ ? loaded_incompressible(law_, loading_, amount) : path_.to(amount);
+      const auto state = is_incompressible_ ? loaded_incompressible(law_, loading_, amount) : path_.to(amount);
       if (!state) {
         failures.push_back(fmt::format("the law has no state of equilibrium at {:.3g}", amount));
         break;

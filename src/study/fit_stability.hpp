@@ -13,8 +13,8 @@ namespace pliant {
 /// One loading over a range of stretches, and where the law first fails in it, going out from rest.
 struct StabilityRange {
   Loading loading;
-  double lowest, highest;      ///< stretches (amounts) that were looked at
-  bool is_measured;            ///< by a test of this loading; others are looked at up to the same I1
+  double lowest, highest;             ///< stretches (amounts) that were looked at
+  bool is_measured;                   ///< by a test of this loading; others are looked at up to the same I1
   std::vector<std::string> failures;  ///< in words, with the stretch; empty: stable
 };
 

@@ -137,9 +137,10 @@ void FitStarts::read_bounds(const FitConfig& config) {
                                                     "hold a constant, give it in 'material'",
                                                     given.name));
     } else if (pair[1] < p.lower || pair[0] > p.upper) {
-      diagnostics.add(given.node.where, fmt::format("no value of '{}' in these bounds is admissible; it is between {:g} "
-                                                    "and {:g}",
-                                                    given.name, p.lower, p.upper));
+      diagnostics.add(given.node.where,
+                      fmt::format("no value of '{}' in these bounds is admissible; it is between {:g} "
+                                  "and {:g}",
+                                  given.name, p.lower, p.upper));
     } else {
       p.lower = std::max(p.lower, pair[0]);
       p.upper = std::min(p.upper, pair[1]);

@@ -54,13 +54,11 @@ std::string unit_of(const std::string& unit) {
 std::string fit_heading(const FittedMaterial& fit) {
   const std::size_t count = fit.residuals.size();
   const int terms = fit.config.material.terms.value_or(0);
-  return fmt::format("{}{}{}{}; {} test{}, {} measurements", fit.config.material.model,
-                     terms > 1 ? fmt::format(" with {} terms", terms) : "",
-                     fit.material.is_incompressible() ? ", incompressible" : "",
-                     fit.material.num_branches() > 0
-                         ? fmt::format(", with {} Prony branches", fit.material.num_branches())
-                         : "",
-                     fit.tests.size(), fit.tests.size() == 1 ? "" : "s", count);
+  return fmt::format(
+      "{}{}{}{}; {} test{}, {} measurements", fit.config.material.model,
+      terms > 1 ? fmt::format(" with {} terms", terms) : "", fit.material.is_incompressible() ? ", incompressible" : "",
+      fit.material.num_branches() > 0 ? fmt::format(", with {} Prony branches", fit.material.num_branches()) : "",
+      fit.tests.size(), fit.tests.size() == 1 ? "" : "s", count);
 }
 
 std::vector<TestSummary> summaries_of(const FittedMaterial& fit) {
@@ -76,8 +74,8 @@ std::vector<TestSummary> summaries_of(const FittedMaterial& fit) {
       spread += std::pow(y[i] - mean, 2);
     }
     const double sum = fit.outcome.sums[n];
-    result.push_back({fit.tests[n].name, y.size(), sum, std::sqrt(sum / static_cast<double>(y.size())),
-                      1.0 - differences / spread});
+    result.push_back(
+        {fit.tests[n].name, y.size(), sum, std::sqrt(sum / static_cast<double>(y.size())), 1.0 - differences / spread});
   }
   return result;
 }

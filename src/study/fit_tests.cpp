@@ -119,7 +119,8 @@ std::vector<Sensitive> relaxing_stress(const FitMaterial& material, std::span<co
     Sensitive stress{0.0, std::vector<double>(material.num_free(), 0.0)};
     for (std::size_t j = 0; j < elastic.size(); ++j) {
       stress.value += weights.total[j] * elastic[j].value;
-      for (std::size_t k = 0; k < stress.slopes.size(); ++k) stress.slopes[k] += weights.total[j] * elastic[j].slopes[k];
+      for (std::size_t k = 0; k < stress.slopes.size(); ++k)
+        stress.slopes[k] += weights.total[j] * elastic[j].slopes[k];
       for (std::size_t n = 0; n < branches.size(); ++n) {
         add(stress.slopes, branches[n].ratio_place, weights.by_ratio[n][j] * elastic[j].value);
         add(stress.slopes, branches[n].time_place, weights.by_time[n][j] * elastic[j].value);

@@ -24,9 +24,9 @@ std::span<const TestKindInfo> test_kinds();
 /// One measured curve with the axis over which it was measured. All in SI.
 struct MaterialTest {
   FitTestConfig config;
-  std::string name;         ///< for tables: the kind and the file
-  std::vector<double> x;    ///< stretch, 1 + amount of shear, volume ratio, time [s], angular frequency [1/s]
-  std::vector<double> y;    ///< nominal stress, pressure, or storage and then loss modulus: two for each x [Pa]
+  std::string name;       ///< for tables: the kind and the file
+  std::vector<double> x;  ///< stretch, 1 + amount of shear, volume ratio, time [s], angular frequency [1/s]
+  std::vector<double> y;  ///< nominal stress, pressure, or storage and then loss modulus: two for each x [Pa]
 
   bool is_elastic() const { return config.kind < TestKind::relaxation; }
   /// The amount at which a relaxing specimen is held.

@@ -210,7 +210,9 @@ Svd svd(std::vector<std::vector<double>> A) {
   const std::size_t p = A.size();
   std::vector<std::vector<double>> V(p, std::vector<double>(p, 0.0));
   for (std::size_t j = 0; j < p; ++j) V[j][j] = 1.0;
-  const auto product = [](const auto& x, const auto& y) { return std::inner_product(x.begin(), x.end(), y.begin(), 0.0); };
+  const auto product = [](const auto& x, const auto& y) {
+    return std::inner_product(x.begin(), x.end(), y.begin(), 0.0);
+  };
   constexpr int most_sweeps = 60;
   bool has_turned = true;
   for (int sweep = 0; sweep < most_sweeps && has_turned; ++sweep) {

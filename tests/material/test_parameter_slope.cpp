@@ -97,8 +97,8 @@ TEST_P(EveryIsotropicLaw, IsTheLimitOfAStiffVolumeWhereItIsIncompressible) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Registry, EveryIsotropicLaw, testing::ValuesIn(isotropic_laws()), [](const auto& info) {
-  std::string name(elastic_laws()[info.param].name);
+INSTANTIATE_TEST_SUITE_P(Registry, EveryIsotropicLaw, testing::ValuesIn(isotropic_laws()), [](const auto& row) {
+  std::string name(elastic_laws()[row.param].name);
   std::erase(name, '-');
   return name;
 });
@@ -115,8 +115,8 @@ TEST(Constants, HaveTheSlopesOfTheParametersThatFollow) {
   const std::vector<double> values{1e6, 0.35, 1e6 / 2.7, 1e6 / 0.9, 1e6 * 0.35 / (1.35 * 0.3)};
   for (std::size_t i = 0; i < constants.size(); ++i) {
     for (std::size_t j = i + 1; j < constants.size(); ++j) {
-      all.push_back({"neo-hookean", {std::string(constants[i].name), std::string(constants[j].name)},
-                     {values[i], values[j]}});
+      all.push_back(
+          {"neo-hookean", {std::string(constants[i].name), std::string(constants[j].name)}, {values[i], values[j]}});
     }
   }
   for (const Given& given : all) {

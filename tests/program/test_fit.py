@@ -64,8 +64,9 @@ class KnownMinima(Fit):
         for kind, c10, c01, total in (("equibiaxial", ".1710884", ".0045916", ".04835536"),
                                       ("uniaxial", ".4088175", "-.7509699", "9.614727")):
             done, parameters, sums = self.treloar("model: mooney-rivlin", kind)
-            self.assertAlmostEqual(parameters["c10"][0] / 1e6, float(c10), delta=0.51e-7)
-            self.assertAlmostEqual(parameters["c01"][0] / 1e6, float(c01), delta=0.51e-7)
+            # Rounded to eight digits and then to seven: c10 of uniaxial tension is .408817445.
+            self.assertAlmostEqual(parameters["c10"][0] / 1e6, float(c10), delta=0.55e-7)
+            self.assertAlmostEqual(parameters["c01"][0] / 1e6, float(c01), delta=0.55e-7)
             self.assert_close(sums[kind] / 1e12, total, 7)
             self.assertEqual("unstable at rest" in done.stderr, kind == "uniaxial")
 
@@ -200,13 +201,13 @@ class MadeData(Fit):
         self.check_series(parameters, 1e-9)
 
     def test_standard_errors_are_the_scatter_of_repeated_tests(self):
-        # Linearised statistics against a Monte Carlo of noise; 200 samples have a scatter of 5 % themselves.
+        # Linearised statistics against a Monte Carlo of noise; 100 samples have a scatter of 7 % themselves.
         random = np.random.default_rng(7)
         stretch = np.linspace(1.05, 3, 25)
         clean = ogden_stress("uniaxial", stretch, ((3e5, 3.0),))
         tests = "material: {model: ogden, incompressible: true}\nstarts: 1\ntests: [{kind: uniaxial, data: noisy.csv}]\n"
         found, errors = [], []
-        for _ in range(200):
+        for _ in range(100):
             self.table("noisy.csv", "stretch,stress", stretch, clean + 2e4 * random.standard_normal(len(clean)))
             _, parameters, _ = self.fit(tests)
             found.append([parameters[name][0] for name in ("mu1", "alpha1")])
@@ -302,7 +303,7 @@ BAD = {
     "terms of a law without": (GOOD.replace("{model: neo-hookean", "@{terms: 2, model: neo-hookean"), "terms are fixed"),
     "bounds of nothing": (GOOD + "bounds: {@shear_modul: [1, 2]}\n", "did you mean 'shear_modulus'"),
     "bounds the wrong way": (GOOD + "bounds: {shear_modulus: @[2, 1]}\n", "first below the second"),
-    "bounds in a wrong unit": (GOOD + "bounds: {shear_modulus: [@1 m, 2 m]}\n", "1 m"),
+    "bounds in a wrong unit": (GOOD + "bounds: {shear_modulus: [@1 m, 2]}\n", "1 m"),
     "bounds that no value meets": (GOOD + "bounds: {shear_modulus: @[-2, -1]}\n", "no value of"),
     "an initial value out of bounds": (GOOD + "initial: {shear_modulus: @-1}\n", "between its bounds"),
     "relaxation without viscosity": (GOOD.replace("{kind: uniaxial", "@{kind: relaxation, stretch: 2"), "no section 'viscosity'"),

@@ -1,7 +1,6 @@
 // Least squares: minima, bounds and what is not determined, of problems whose answers are known.
-#include "study/least_squares.hpp"
-
 #include "base/limits.hpp"
+#include "study/least_squares.hpp"
 
 #include <array>
 #include <cmath>
