@@ -21,6 +21,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Need = KeyGroup::Need;
 
+constexpr const char* fit_introduction = R"md(# The fit file
+
+<!-- Written by `pliant schema --fit --markdown` from the table in src/study/fit_input.cpp; change it there. -->
+
+The keys of the file that `pliant fit` reads. [From a test to a material](fitting.md) explains them by examples. Numbers have units as in
+[an input](input.md).
+)md";
+
 /// The rows of the laws that can be fitted: isotropic ones.
 std::vector<std::size_t> fitted_laws() {
   std::vector<std::size_t> rows;
@@ -48,8 +56,8 @@ Field<FitMaterialConfig> held_field(const ParameterInfo& p) {
     double value = 0.0;
     if (read(node, key, diagnostics, value)) into.held.push_back({key, value, node.where});
   };
-  return std::move(result).otherwise_in_words("fitted").only_with(
-      fitted_laws_that([&](std::size_t row) { return takes(row, p.name); }));
+  result.info.only_with = fitted_laws_that([&](std::size_t row) { return takes(row, p.name); });
+  return std::move(result).otherwise_in_words("fitted");
 }
 
 std::vector<Field<FitMaterialConfig>> held_fields() {
@@ -217,11 +225,7 @@ std::string fit_schema() {
 }
 
 std::string fit_reference() {
-  return "# The fit file\n\n<!-- Written by `pliant schema --fit --markdown` from the table in "
-         "src/study/fit_input.cpp; "
-         "change it there. -->\n\nThe keys of the file that `pliant fit` reads. [From a test to a "
-         "material](fitting.md) explains them by examples. Numbers have units as in [an input](input.md).\n" +
-         key_reference(fit_keys());
+  return std::string(fit_introduction) + key_reference(fit_keys());
 }
 
 FitConfig read_fit(const std::string& text, const std::string& file) {

@@ -122,6 +122,12 @@ void FitMaterial::add_constants(const FitMaterialConfig& material) {
     parameters_.push_back(parameter_from(info_of_constant(law, key), key));
   };
   for (const HeldConstant& constant : held) {
+    if (!takes(kind_.row, constant.key)) {
+      throw InputError(constant.where, fmt::format("'{}' is not a parameter of {}", constant.key, material.model));
+    }
+    if (constant.key == "poissons_ratio" && constant.value == 0.5) {
+      throw InputError(constant.where, "a 'poissons_ratio' of 1/2 is written 'incompressible: true'");
+    }
     parameters_.push_back(parameter_from(info_of_constant(law, constant.key), constant.key));
     parameters_.back().is_free = false;
     parameters_.back().held = constant.value;
