@@ -95,6 +95,9 @@ Section<FitMaterialConfig> material_keys() {
       field("volumetric_energy", &M::volumetric, choice_of(forms), "energy of a change of volume, as in an input")
           .otherwise("mixed")};
   section.fields[1].info.only_with = {{"model", "ogden"}};
+  section.groups.push_back({{"volumetric_energy"}, Need::any, fitted_laws_that([](std::size_t row) {
+                              return typical_law(row).traits().takes_volumetric_form;
+                            })});
   for (auto& f : held_fields()) section.fields.push_back(std::move(f));
   return section;
 }

@@ -53,7 +53,7 @@ RoughModuli rough_moduli(std::span<const MaterialTest> tests) {
   return moduli;
 }
 
-/// The shortest and the longest time in the tests of viscosity [s].
+/// The shortest and the longest time in the tests of viscosity [s]; 1 if there are none.
 std::vector<double> times_of(std::span<const MaterialTest> tests) {
   std::vector<double> times;
   for (const MaterialTest& test : tests) {
@@ -62,7 +62,7 @@ std::vector<double> times_of(std::span<const MaterialTest> tests) {
       if (test.config.kind == TestKind::dma) times.push_back(1.0 / x);
     }
   }
-  if (times.empty()) return {};
+  if (times.empty()) return {1.0, 1.0};
   return {std::ranges::min(times), std::ranges::max(times)};
 }
 
@@ -92,7 +92,10 @@ FitStarts::FitStarts(const FitConfig& config, const FitMaterial& material, std::
 
 void FitStarts::guess(const FitMaterial& material, std::span<const MaterialTest> tests) {
   std::vector<double> typical;
-  for (const std::size_t n : material.free()) typical.push_back(material.parameters()[n].typical);
+  for (const std::size_t n : material.free()) {
+    const FitParameter& p = material.parameters()[n];
+    typical.push_back(p.name == "bulk_modulus" ? 2e6 : p.name == "poissons_ratio" ? 0.4 : p.typical);
+  }
   const RoughModuli shown = rough_moduli(tests);
   // The stiffness of the typical law, whose constants in Pa are then scaled together.
   const auto rest = material.law(material.all_values(typical)).at_rest();
@@ -104,7 +107,6 @@ void FitStarts::guess(const FitMaterial& material, std::span<const MaterialTest>
     const FreeParameter& p = parameters_[j];
     double value = p.unit == "Pa" ? factor * typical[j] : typical[j];
     if (p.name == "bulk_modulus" && shown.bulk) value = *shown.bulk;
-    if (p.name == "poissons_ratio") value = 0.4;
     if (p.name.ends_with(".ratio")) value = 1.0 / count;
     if (is_time(p)) {
       // Spread over the decades of the data.

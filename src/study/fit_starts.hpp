@@ -31,7 +31,7 @@ class FitStarts {
   std::vector<FreeParameter> parameters_;
   std::vector<double> first_;
   std::vector<bool> has_bounds_;         ///< both, by the user
-  std::vector<double> earliest_latest_;  ///< of the data in time [s]; empty if there are none
+  std::vector<double> earliest_latest_;  ///< of the data in time [s]
 };
 
 }  // namespace pliant

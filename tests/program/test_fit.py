@@ -304,6 +304,7 @@ BAD = {
     "a constant too many": (GOOD.replace("{model: neo-hookean, incompressible: true",
                                          "@{model: neo-hookean, poissons_ratio: 0.3, youngs_modulus: 1, bulk_modulus: 1"),
                             "needs two of"),
+    "a volume of another law": (GOOD.replace("true}", "true, @volumetric_energy: log}"), "only be given with 'model: "),
     "terms of a law without": (GOOD.replace("{model: neo-hookean", "@{terms: 2, model: neo-hookean"), "terms are fixed"),
     "bounds of nothing": (GOOD + "bounds: {@shear_modul: [1, 2]}\n", "did you mean 'shear_modulus'"),
     "bounds the wrong way": (GOOD + "bounds: {shear_modulus: @[2, 1]}\n", "first below the second"),
