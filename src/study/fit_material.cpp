@@ -62,10 +62,7 @@ const ParameterInfo& info_of_constant(const LawInfo& law, std::string_view key) 
 }
 
 /// Which constants of the isotropic solid are unknown, where a law has two (a shear and a bulk modulus).
-std::vector<std::string> unknown_pair(const std::vector<std::string>& held, bool is_incompressible) {
-  if (is_incompressible) {
-    return held.empty() ? std::vector<std::string>{"shear_modulus"} : std::vector<std::string>{};
-  }
+std::vector<std::string> unknown_pair(const std::vector<std::string>& held) {
   if (held.empty()) return {"shear_modulus", "bulk_modulus"};
   if (held.size() > 1) return {};
   if (held.front() == "shear_modulus") return {"bulk_modulus"};
@@ -143,8 +140,8 @@ void FitMaterial::add_constants(const FitMaterialConfig& material) {
   }
   const bool has_shear = has(law.parameters, "shear_modulus");
   const bool has_bulk = has(law.parameters, "bulk_modulus") || has(law.parameters, "lame_lambda");
-  if (has_shear && has_bulk) {
-    for (const std::string& key : unknown_pair(pair, is_incompressible_)) add_free(key);
+  if (has_shear && has_bulk && !is_incompressible_) {
+    for (const std::string& key : unknown_pair(pair)) add_free(key);
   } else if (has_shear) {
     add_free("shear_modulus");
   } else if (has_bulk && !is_incompressible_ && pair.empty()) {

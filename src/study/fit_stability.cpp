@@ -17,10 +17,10 @@ double distortion(Loading loading, double amount) {
   return 2.0 * trace(H) + dot(H, H);
 }
 
-/// The amount on the side of `towards` (0 or infinity) at which I1 - 3 has a value, by bisection.
-double amount_of(Loading loading, double value, bool in_tension) {
-  double near = 1.0, far = in_tension ? 2.0 : 0.5;
-  while (distortion(loading, far) < value) far = in_tension ? 2.0 * far : 0.5 * far;
+/// The amount at which I1 - 3 has a value, by bisection. `factor`: from rest to the side of rest, above or below 1.
+double amount_of(Loading loading, double value, double factor) {
+  double near = 1.0, far = factor;
+  while (distortion(loading, far) < value) far *= factor;
   for (int n = 0; n < 60; ++n) {
     const double middle = 0.5 * (near + far);
     (distortion(loading, middle) < value ? near : far) = middle;
@@ -46,15 +46,14 @@ bool is_positive(const std::array<std::array<double, 3>, 3>& T, std::size_t size
   return first > 0.0 && second > 0.0 && (size < 3 || det(whole) > 0.0);
 }
 
-bool is_drucker_stable(const LoadedState& state, bool is_incompressible) {
-  auto T = logarithmic_stiffness(state);
-  if (!is_incompressible) return is_positive(T, 3);
-  // ln l_3 = -ln l_1 - ln l_2. The pressure adds the same to all stresses, which do no work at constant volume.
+/// The same of a body whose volume is constant, ln l_3 = -ln l_1 - ln l_2: its first two rows and columns. The pressure
+/// adds the same to all stresses, which do no work then.
+std::array<std::array<double, 3>, 3> at_constant_volume(const std::array<std::array<double, 3>, 3>& T) {
   std::array<std::array<double, 3>, 3> reduced{};
   for (std::size_t i = 0; i < 2; ++i) {
     for (std::size_t j = 0; j < 2; ++j) reduced[i][j] = T[i][j] - T[i][2] - T[2][j] + T[2][2];
   }
-  return is_positive(reduced, 2);
+  return reduced;
 }
 
 bool is_baker_ericksen_stable(const LoadedState& state) {
@@ -95,7 +94,9 @@ class Walk {
       if (!((stress - before) * (end - 1.0) > 0.0)) fail(0, "the nominal stress falls from", amount);
       before = stress;
       if (loading_ == Loading::simple_shear) continue;  // its stretches are those of pure shear
-      if (!is_drucker_stable(*state, is_incompressible_)) fail(1, "Drucker's condition fails from", amount);
+      const auto T = logarithmic_stiffness(*state);
+      if (!(is_incompressible_ ? is_positive(at_constant_volume(T), 2) : is_positive(T, 3)))
+        fail(1, "Drucker's condition fails from", amount);
       if (loading_ != Loading::volumetric && !is_baker_ericksen_stable(*state)) {
         fail(2, "the Baker-Ericksen inequality fails from", amount);
       }
@@ -142,8 +143,8 @@ std::vector<StabilityRange> stability_of(const FitMaterial& material, std::span<
     if (range.is_measured) {
       result.push_back(looked_at(material, all, std::move(range)));
     } else if (largest > 0.0 && range.loading != Loading::volumetric && range.loading != Loading::simple_shear) {
-      range.lowest = amount_of(range.loading, largest, false);
-      range.highest = amount_of(range.loading, largest, true);
+      range.lowest = amount_of(range.loading, largest, 0.5);
+      range.highest = amount_of(range.loading, largest, 2.0);
       result.push_back(looked_at(material, all, std::move(range)));
     }
   }

@@ -102,8 +102,7 @@ std::vector<std::string> fit_tables(const FittedMaterial& fit) {
   const auto summaries = summaries_of(fit);
   for (const TestSummary& test : summaries) name_width = std::max(name_width, test.name.size());
   lines.push_back(fmt::format("{:<{}}  {:>6}  {:>19}  {:>11}  {:>8}", "test", name_width, "points",
-                              fmt::format("residual sum{}", unit), is_relative ? "rms" : "rms [Pa]",
-                              "R^2"));
+                              fmt::format("residual sum{}", unit), is_relative ? "rms" : "rms [Pa]", "R^2"));
   for (const TestSummary& test : summaries) {
     lines.push_back(fmt::format("{:<{}}  {:>6}  {:>19.7g}  {:>11.4g}  {:>8.5f}", test.name, name_width, test.count,
                                 test.sum, test.mean_square, test.determination));
