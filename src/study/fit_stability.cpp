@@ -46,8 +46,8 @@ bool is_positive(const std::array<std::array<double, 3>, 3>& T, std::size_t size
   return first > 0.0 && second > 0.0 && (size < 3 || det(whole) > 0.0);
 }
 
-/// The stiffness of a body whose volume is constant, ln l_3 = -ln l_1 - ln l_2: its first two rows and columns. The pressure
-/// adds the same to all stresses, which do no work then.
+/// The stiffness of a body whose volume is constant, ln l_3 = -ln l_1 - ln l_2: its first two rows and columns. The
+/// pressure adds the same to all stresses, which do no work then.
 std::array<std::array<double, 3>, 3> at_constant_volume(const std::array<std::array<double, 3>, 3>& T) {
   std::array<std::array<double, 3>, 3> reduced{};
   for (std::size_t i = 0; i < 2; ++i) {
