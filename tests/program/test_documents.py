@@ -121,8 +121,8 @@ def write_measurements(directory):
     """Tables for the fits that the documents show: Treloar's, and made ones of viscosity."""
     for file in (ROOT / "input/data").glob("*.csv"):
         shutil.copy(file, directory)
-    time = np.geomspace(0.01, 60, 30)
-    relaxing = np.column_stack([time, 2e5 * (1 + 0.5 * np.exp(-time / 0.2) + 0.8 * np.exp(-time / 7))])
+    time = np.geomspace(1.2, 60, 30)  # held since 1 s
+    relaxing = np.column_stack([time, 2e5 * (1 + 0.5 * np.exp(-time / 2) + 0.8 * np.exp(-time / 15))])
     np.savetxt(directory / "held.csv", relaxing, delimiter=",", header="time,stress", comments="")
     w = np.geomspace(0.1, 1e4, 30)
     modulus = 1e5 * (1 + sum(0.3 * 1j * w * tau / (1 + 1j * w * tau) for tau in (1e-3, 1e-2, 1e-1, 1)))
