@@ -67,8 +67,11 @@ std::vector<std::string> choices_of(const CLI::Option& option) {
 
 /// Files that fit an argument, as a pattern of bash.
 std::string pattern_of(const CLI::Option& argument) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 4> patterns{
-      {{"INPUT", "*.@(yaml|yml)"}, {"CHECKPOINT", "*.h5"}, {"FILE", "*.h5"}, {"RESULT", "*.@(h5|xdmf)"}}};
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 5> patterns{{{"INPUT", "*.@(yaml|yml)"},
+                                                                                   {"FIT", "*.@(yaml|yml)"},
+                                                                                   {"CHECKPOINT", "*.h5"},
+                                                                                   {"FILE", "*.h5"},
+                                                                                   {"RESULT", "*.@(h5|xdmf)"}}};
   const std::string name = argument.get_name(/*positional=*/true);
   const auto* found = std::ranges::find(patterns, name, &std::pair<std::string_view, std::string_view>::first);
   return std::string(found == patterns.end() ? "*" : found->second);
@@ -206,7 +209,7 @@ std::string man_page(const CLI::App& program, const std::string& versions) {
   }
   constexpr std::array<std::pair<int, std::string_view>, 7> codes{
       {{0, "done"},
-       {1, "a convergence study or a sweep did not pass"},
+       {1, "a convergence study or a sweep did not pass, or a fit did not converge"},
        {2, "the input or the command line is wrong"},
        {3, "the solve failed after every retry; the last good state is on disk"},
        {4, "a file could not be read or written"},

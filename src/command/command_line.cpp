@@ -7,6 +7,8 @@
 #include "input/reference.hpp"
 #include "petsc/session.hpp"
 #include "run/version.hpp"
+#include "study/fit.hpp"
+#include "study/fit_input.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -125,6 +127,7 @@ CommandLine::CommandLine(MPI_Comm comm, const SweepOptions& of_sweep)
   add_check();
   add_converge();
   add_sweep();
+  add_fit();
   add_mesh();
   add_methods();
   add_materials();
@@ -321,6 +324,19 @@ void CommandLine::add_sweep() {
   });
 }
 
+void CommandLine::add_fit() {
+  CLI::App* fit = app_.add_subcommand("fit", "fit the constants of a material to measurements");
+  fit->footer(examples({"pliant fit rubber.yaml --output out/rubber"}));
+  fit->add_option("FIT", arguments_.file, "the fit file (YAML)")->required();
+  add_output(*fit, "directory for fit.csv, material.yaml, report.html and the plots; default: out/<name of the file>");
+  fit->callback([this] {
+    command_ = [this] {
+      Console console(comm_, Verbosity::normal);
+      result_ = fit_command(comm_, arguments_.file, arguments_.output, console);
+    };
+  });
+}
+
 void CommandLine::add_mesh() {
   CLI::App* mesh = app_.add_subcommand("mesh", "work on a mesh alone")->require_subcommand(1);
   mesh->footer(examples({"pliant mesh convert part.step part.h5 --size \"2 mm\" --scale 0.001"}));
@@ -370,8 +386,11 @@ void CommandLine::add_materials() {
 }
 
 void CommandLine::add_schema() {
-  CLI::App& schema = add_text("schema", "print the JSON schema of the input",
-                              [this] { return arguments_.markdown ? input_reference() : json_schema(); });
+  CLI::App& schema = add_text("schema", "print the JSON schema of the input", [this] {
+    if (arguments_.is_of_fit) return arguments_.markdown ? fit_reference() : fit_schema();
+    return arguments_.markdown ? input_reference() : json_schema();
+  });
+  schema.add_flag("--fit", arguments_.is_of_fit, "of the file that pliant fit reads, instead of the input");
   schema.add_flag("--markdown", arguments_.markdown, "print the reference of the input in Markdown instead");
   schema.footer(examples({"pliant schema > input.schema.json", "pliant schema --markdown > input.md"}));
 }

@@ -35,6 +35,7 @@ class CommandLine {
     std::array<double, 2> stretches{0.6, 2.0};
     bool quiet = false;
     bool markdown = false;
+    bool is_of_fit = false;
     bool continues = false;
     StudyOptions study;
     Conversion conversion;
@@ -59,6 +60,7 @@ class CommandLine {
   void add_check();
   void add_converge();
   void add_sweep();
+  void add_fit();
   void add_mesh();
   void add_methods();
   void add_materials();

@@ -73,9 +73,9 @@ Plot stress_stretch_plot(const ElasticLawSpec& law, double lowest, double highes
             "force per reference area [kPa]",
             {}};
   plot.scale = Scale::linear;
-  for (std::size_t n = 0; n < loadings.size(); ++n) {
-    const auto loading = static_cast<Loading>(n);
-    PlotSeries series{fmt::format("{}, {}", loadings[n].name, loadings[n].stress), {}, {}};
+  for (const Loading loading : {Loading::uniaxial, Loading::equibiaxial, Loading::simple_shear}) {
+    const LoadingInfo& info = loadings[static_cast<std::size_t>(loading)];
+    PlotSeries series{fmt::format("{}, {}", info.name, info.stress), {}, {}};
     const double from = loading == Loading::simple_shear ? std::max(lowest, 1.0) : lowest;
     for (int k = 0; k <= num_points; ++k) {
       const double amount = from + (highest - from) * k / num_points;

@@ -145,11 +145,14 @@ void write_sections(const std::string& path, const std::vector<KeyInfo>& keys, s
 
 }  // namespace
 
-std::string input_reference() {
-  std::string out = input_introduction;
-  out += "\n## Top level\n" + table("", input_keys());
-  write_sections("", input_keys(), out);
+std::string key_reference(const std::vector<KeyInfo>& keys) {
+  std::string out = "\n## Top level\n" + table("", keys);
+  write_sections("", keys, out);
   return out;
+}
+
+std::string input_reference() {
+  return input_introduction + key_reference(input_keys());
 }
 
 }  // namespace pliant

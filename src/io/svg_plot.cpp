@@ -56,7 +56,10 @@ struct Span {
 struct Curve {
   std::string name;
   std::vector<AxisPoint> points;
-  std::string colour;
+  std::size_t look;  // number of its colour and its mark
+  SeriesStyle style;
+
+  const char* colour() const { return colours[look % colours.size()]; }
 };
 
 /// The corners at the hypotenuse's ends; the right angle is at (right.x, left.y).
@@ -66,7 +69,7 @@ struct SlopeTriangle {
 };
 
 struct Axes {
-  Scale scale;
+  Scale x_scale, y_scale;
   Span x, y;
 
   double column(double at) const { return frame_left + frame_width * (at - x.low) / x.length(); }
@@ -81,22 +84,35 @@ double on_axis(double value, Scale scale) {
   return scale == Scale::logarithmic ? std::log10(value) : value;
 }
 
+double off_axis(double at, Scale scale) {
+  return scale == Scale::logarithmic ? std::pow(10.0, at) : at;
+}
+
+Scale x_scale_of(const Plot& plot) {
+  return plot.x_scale.value_or(plot.scale);
+}
+
 std::vector<Curve> curves_of(const Plot& plot) {
+  const auto by_scale = plot.scale == Scale::linear ? SeriesStyle::line : SeriesStyle::by_scale;
+  const Scale across = x_scale_of(plot);
   std::vector<Curve> curves;
   for (const PlotSeries& series : plot.series) {
     assert(series.x.size() == series.y.size());
-    Curve curve{series.name, {}, colours[curves.size() % colours.size()]};
+    Curve curve{series.name,
+                {},
+                series.look.value_or(curves.size()),
+                series.style == SeriesStyle::by_scale ? by_scale : series.style};
     for (std::size_t i = 0; i < series.x.size(); ++i) {
-      if (!can_be_shown(series.x[i], plot.scale) || !can_be_shown(series.y[i], plot.scale)) continue;
-      curve.points.push_back({on_axis(series.x[i], plot.scale), on_axis(series.y[i], plot.scale)});
+      if (!can_be_shown(series.x[i], across) || !can_be_shown(series.y[i], plot.scale)) continue;
+      curve.points.push_back({on_axis(series.x[i], across), on_axis(series.y[i], plot.scale)});
     }
     curves.push_back(std::move(curve));
   }
   return curves;
 }
 
-Axes axes_of(const std::vector<Curve>& curves, const std::vector<SlopeTriangle>& triangles, Scale scale) {
-  Axes axes{scale, {}, {}};
+Axes axes_of(const std::vector<Curve>& curves, const std::vector<SlopeTriangle>& triangles, const Plot& plot) {
+  Axes axes{x_scale_of(plot), plot.scale, {}, {}};
   for (const Curve& curve : curves) {
     for (const AxisPoint& p : curve.points) {
       axes.x.include(p.x);
@@ -107,7 +123,7 @@ Axes axes_of(const std::vector<Curve>& curves, const std::vector<SlopeTriangle>&
     axes.y.include(t.left.y);
     axes.y.include(t.right.y);
   }
-  return {scale, axes.x.padded(scale), axes.y.padded(scale)};
+  return {axes.x_scale, axes.y_scale, axes.x.padded(axes.x_scale), axes.y.padded(axes.y_scale)};
 }
 
 /// Slope of the least-squares line; nothing if all points have the same x.
@@ -168,7 +184,7 @@ SlopeTriangle triangle_below(std::vector<AxisPoint> curve, double order, double 
 std::vector<SlopeTriangle> triangles_of(const Plot& plot, const std::vector<Curve>& curves) {
   std::vector<const Curve*> owners;
   for (const double order : plot.slopes) owners.push_back(nearest_curve(curves, order));
-  const double gap = axes_of(curves, {}, plot.scale).y.length() * triangle_gap / frame_height;
+  const double gap = axes_of(curves, {}, plot).y.length() * triangle_gap / frame_height;
   std::vector<SlopeTriangle> triangles;
   for (std::size_t i = 0; i < owners.size(); ++i) {
     if (owners[i] == nullptr) continue;
@@ -245,12 +261,12 @@ std::string text(double x, double y, const std::string& style, const std::string
 std::string draw_axes(const Plot& plot, const Axes& axes) {
   const double right = frame_left + frame_width, bottom = frame_top + frame_height;
   std::string out = "<g aria-hidden=\"true\">\n";
-  for (const Tick& tick : ticks_of(axes.x, axes.scale)) {
+  for (const Tick& tick : ticks_of(axes.x, axes.x_scale)) {
     const double x = axes.column(tick.at);
     out += line(x, frame_top, x, bottom, tick.label.empty() ? "minor" : "major");
     if (!tick.label.empty()) out += text(x, bottom + 18, "tick middle", tick.label);
   }
-  for (const Tick& tick : ticks_of(axes.y, axes.scale)) {
+  for (const Tick& tick : ticks_of(axes.y, axes.y_scale)) {
     const double y = axes.row(tick.at);
     out += line(frame_left, y, right, y, tick.label.empty() ? "minor" : "major");
     if (!tick.label.empty()) out += text(frame_left - 8, y + 4, "tick end", tick.label);
@@ -276,29 +292,30 @@ std::string mark(std::size_t number, double x, double y) {
   }
 }
 
-std::string draw_curve(const Curve& curve, const Axes& axes, std::size_t number) {
+std::string draw_curve(const Curve& curve, const Axes& axes) {
   std::string corners, marks;
   for (const AxisPoint& p : curve.points) {
     const double x = axes.column(p.x), y = axes.row(p.y);
     corners += fmt::format("{}{:.2f},{:.2f}", corners.empty() ? "" : " ", x, y);
-    if (axes.scale == Scale::linear) continue;  // a curve, not a few measurements
-    marks += mark(number, x, y) + fmt::format("><title>{}: {:.4g}, {:.4g}</title>", xml_escaped(curve.name),
-                                              std::pow(10.0, p.x), std::pow(10.0, p.y));
-    marks += number % 4 == 0 ? "</circle>\n" : number % 4 == 1 ? "</rect>\n" : "</path>\n";
+    if (curve.style == SeriesStyle::line) continue;  // a curve, not a few measurements
+    marks += mark(curve.look, x, y) + fmt::format("><title>{}: {:.4g}, {:.4g}</title>", xml_escaped(curve.name),
+                                                  off_axis(p.x, axes.x_scale), off_axis(p.y, axes.y_scale));
+    marks += curve.look % 4 == 0 ? "</circle>\n" : curve.look % 4 == 1 ? "</rect>\n" : "</path>\n";
   }
-  return fmt::format("<g class=\"series\" stroke=\"{0}\" fill=\"{0}\">\n<polyline points=\"{1}\"/>\n{2}</g>\n",
-                     curve.colour, corners, marks);
+  const std::string line = curve.style == SeriesStyle::marks ? "" : "<polyline points=\"" + corners + "\"/>\n";
+  return fmt::format("<g class=\"series\" stroke=\"{0}\" fill=\"{0}\">\n{1}{2}</g>\n", curve.colour(), line, marks);
 }
 
-std::string draw_legend(const std::vector<Curve>& curves, Scale scale) {
+std::string draw_legend(const std::vector<Curve>& curves) {
   std::string out;
   double y = frame_top + 12;
-  for (std::size_t i = 0; i < curves.size(); ++i, y += legend_line) {
-    out += fmt::format("<g class=\"series\" stroke=\"{0}\" fill=\"{0}\">\n", curves[i].colour);
-    out += line(legend_left, y, legend_left + 28, y, "sample");
-    if (scale == Scale::logarithmic) out += mark(i, legend_left + 14, y) + "/>\n";
+  for (const Curve& curve : curves) {
+    out += fmt::format("<g class=\"series\" stroke=\"{0}\" fill=\"{0}\">\n", curve.colour());
+    if (curve.style != SeriesStyle::marks) out += line(legend_left, y, legend_left + 28, y, "sample");
+    if (curve.style != SeriesStyle::line) out += mark(curve.look, legend_left + 14, y) + "/>\n";
     out += "</g>\n";
-    out += text(legend_left + 38, y + 4, "name", curves[i].name);
+    out += text(legend_left + 38, y + 4, "name", curve.name);
+    y += legend_line;
   }
   return out;
 }
@@ -331,7 +348,7 @@ double width_of(const std::vector<Curve>& curves) {
 
 /// A description in words, for those who do not see the picture.
 std::string description(const Plot& plot, const std::vector<Curve>& curves) {
-  const bool is_logarithmic = plot.scale == Scale::logarithmic;
+  const bool is_logarithmic = plot.scale == Scale::logarithmic && x_scale_of(plot) == Scale::logarithmic;
   std::string out = plot.y_label + " over " + plot.x_label + (is_logarithmic ? ", both logarithmic." : ".");
   for (const Curve& curve : curves) {
     out += " " + curve.name + ": " + std::to_string(curve.points.size()) + " points";
@@ -364,7 +381,7 @@ text { font-family: "DejaVu Sans", Verdana, Arial, sans-serif; font-size: 12px; 
 std::string svg(const Plot& plot) {
   const auto curves = curves_of(plot);
   const auto triangles = triangles_of(plot, curves);
-  const Axes axes = axes_of(curves, triangles, plot.scale);
+  const Axes axes = axes_of(curves, triangles, plot);
   const double legend_bottom = frame_top + 12 + legend_line * static_cast<double>(curves.size());
   const double width = width_of(curves), tall = std::max(height, legend_bottom);
   std::string out = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
@@ -377,9 +394,9 @@ std::string svg(const Plot& plot) {
   out += "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
   out += text(frame_left, frame_top - 20, "heading", plot.title) + draw_axes(plot, axes);
   for (const SlopeTriangle& triangle : triangles) out += draw_triangle(triangle, axes);
-  for (std::size_t i = 0; i < curves.size(); ++i) out += draw_curve(curves[i], axes, i);
+  for (const Curve& curve : curves) out += draw_curve(curve, axes);
   for (const SlopeTriangle& triangle : triangles) out += draw_order(triangle, axes);
-  return out + draw_legend(curves, plot.scale) + "</svg>\n";
+  return out + draw_legend(curves) + "</svg>\n";
 }
 
 void write_svg(MPI_Comm comm, const std::filesystem::path& file, const Plot& plot) {

@@ -1,8 +1,9 @@
 /// Plots as SVG files, in the style of tools/plot.py: double-logarithmic ones of convergence studies, linear ones of
-/// laws.
+/// laws, measurements with the curves that were fitted to them.
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,14 +11,22 @@
 
 namespace pliant {
 
+enum class Scale { logarithmic, linear };
+
+enum class SeriesStyle {
+  by_scale,  ///< a line, with marks if the vertical axis is logarithmic
+  line,
+  marks,
+};
+
 /// Points joined by lines; x and y are equally long. Points that the plot cannot show (not finite, or not above zero
 /// where it is logarithmic) are left out.
 struct PlotSeries {
   std::string name;
   std::vector<double> x, y;
+  SeriesStyle style = SeriesStyle::by_scale;
+  std::optional<std::size_t> look = {};  ///< number of its colour and mark; by default the number of the series
 };
-
-enum class Scale { logarithmic, linear };
 
 struct Plot {
   std::string title;
@@ -25,7 +34,8 @@ struct Plot {
   std::string y_label;
   std::vector<PlotSeries> series;
   std::vector<double> slopes = {};  ///< orders p; each is drawn as a triangle of slope p below the series nearest to it
-  Scale scale = Scale::logarithmic;  ///< of both axes
+  Scale scale = Scale::logarithmic;   ///< of both axes
+  std::optional<Scale> x_scale = {};  ///< of the horizontal axis, if it has another
 };
 
 /// The plot as a complete SVG document; texts may be any UTF-8. Not collective.

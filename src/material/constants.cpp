@@ -2,6 +2,7 @@
 
 #include "base/limits.hpp"
 #include "base/text.hpp"
+#include "material/law_kind.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -47,20 +48,50 @@ bool takes_bulk_modulus(const LawInfo& law) {
   return !takes_two_constants(law) && law.directions.empty() && has(law, bulk);
 }
 
-double value_of(Constant c, const Lame& l) {
-  switch (c) {
-    case youngs:
-      return youngs_modulus(l);
-    case poissons:
-      return poissons_ratio(l);
-    case shear:
-      return l.mu;
-    case bulk:
-      return bulk_modulus(l);
-    case lame_first:
-      break;
-  }
+/// One of the constants that laws have for parameters.
+template <class T>
+T value_of(Constant c, const LameOf<T>& l) {
+  if (c == shear) return l.mu;
+  if (c == bulk) return l.lambda + 2.0 / 3.0 * l.mu;
   return l.lambda;
+}
+
+double shear_modulus_at_rest(std::size_t row, const std::vector<double>& parameters) {
+  return ElasticLawSpec{row, parameters}.at_rest().value_or(Lame{}).mu;
+}
+Dual<double> shear_modulus_at_rest(std::size_t row, const std::vector<Dual<double>>& parameters) {
+  const auto at_rest = kind_of(row).dual_at_rest;
+  return at_rest == nullptr ? Dual<double>() : at_rest({parameters}).mu;
+}
+
+/// mu and lambda from two of the constants by their indices, in ascending order.
+template <class T>
+LameOf<T> lame_from(int first, const T& a, int second, const T& b) {
+  switch (10 * first + second) {
+    case 10 * youngs + poissons:
+      return {a / (2.0 * (1.0 + b)), a * b / ((1.0 + b) * (1.0 - 2.0 * b))};
+    case 10 * youngs + shear:
+      return {b, b * (a - 2.0 * b) / (3.0 * b - a)};
+    case 10 * youngs + bulk:
+      return {3.0 * b * a / (9.0 * b - a), 3.0 * b * (3.0 * b - a) / (9.0 * b - a)};
+    case 10 * youngs + lame_first: {
+      using std::sqrt;
+      const T R = sqrt(T(a * a + 9.0 * b * b + 2.0 * a * b));
+      return {0.25 * (a - 3.0 * b + R), b};
+    }
+    case 10 * poissons + shear:
+      return {b, 2.0 * b * a / (1.0 - 2.0 * a)};
+    case 10 * poissons + bulk:
+      return {1.5 * b * (1.0 - 2.0 * a) / (1.0 + a), 3.0 * b * a / (1.0 + a)};
+    case 10 * poissons + lame_first:
+      return {b * (1.0 - 2.0 * a) / (2.0 * a), b};
+    case 10 * shear + bulk:
+      return {a, b - 2.0 / 3.0 * a};
+    case 10 * shear + lame_first:
+      return {a, b};
+    default:
+      return {1.5 * (a - b), b};  // bulk, lame_lambda
+  }
 }
 
 }  // namespace
@@ -78,30 +109,7 @@ bool takes(std::size_t row, std::string_view key) {
 }
 
 Lame lame_of(int first, double a, int second, double b) {
-  switch (10 * first + second) {
-    case 10 * youngs + poissons:
-      return lame(a, b);
-    case 10 * youngs + shear:
-      return {b, b * (a - 2.0 * b) / (3.0 * b - a)};
-    case 10 * youngs + bulk:
-      return {3.0 * b * a / (9.0 * b - a), 3.0 * b * (3.0 * b - a) / (9.0 * b - a)};
-    case 10 * youngs + lame_first: {
-      const double R = std::sqrt(a * a + 9.0 * b * b + 2.0 * a * b);
-      return {0.25 * (a - 3.0 * b + R), b};
-    }
-    case 10 * poissons + shear:
-      return {b, 2.0 * b * a / (1.0 - 2.0 * a)};
-    case 10 * poissons + bulk:
-      return {1.5 * b * (1.0 - 2.0 * a) / (1.0 + a), 3.0 * b * a / (1.0 + a)};
-    case 10 * poissons + lame_first:
-      return {b * (1.0 - 2.0 * a) / (2.0 * a), b};
-    case 10 * shear + bulk:
-      return {a, b - 2.0 / 3.0 * a};
-    case 10 * shear + lame_first:
-      return {a, b};
-    default:
-      return {1.5 * (a - b), b};  // bulk, lame_lambda
-  }
+  return lame_from(first, a, second, b);
 }
 
 std::string equivalents(const Lame& l) {
@@ -148,30 +156,38 @@ ConstantsRule::ConstantsRule(std::size_t row, std::vector<std::string> keys, con
   if (!errors.empty()) throw InputError(std::move(errors));
 }
 
-std::vector<double> ConstantsRule::operator()(std::span<const double> values) const {
+template <class T>
+std::vector<T> ConstantsRule::parameters(std::span<const T> values) const {
   const LawInfo& law = elastic_laws()[row_];
-  std::vector<double> result(law.parameters.size(), 0.0);
+  std::vector<T> result(law.parameters.size());
   for (std::size_t p = 0; p < result.size(); ++p) {
     const int key = key_of_parameter_[p];
-    result[p] = key >= 0 ? values[key] : law.parameters[p].fallback.value_or(0.0);
+    result[p] = key >= 0 ? values[key] : T(law.parameters[p].fallback.value_or(0.0));
   }
   if (constants_.empty()) return result;
   const auto [first, first_key] = constants_.front();
   if (takes_two_constants(law)) {
     const auto [second, second_key] = constants_.back();
-    const Lame l = lame_of(first, values[first_key], second, values[second_key]);
-    for (const Constant c : {youngs, poissons, shear, bulk, lame_first}) {
+    const LameOf<T> l = lame_from(first, values[first_key], second, values[second_key]);
+    for (const Constant c : {shear, bulk, lame_first}) {
       const int p = place_in(law.parameters, constants[c].name);
       if (p >= 0) result[p] = value_of(c, l);
     }
   } else if (const int p = place_in(law.parameters, constants[bulk].name); first == bulk) {
     result[p] = values[first_key];
   } else {
-    const auto rest = ElasticLawSpec{row_, result}.at_rest();
-    const double nu = values[first_key];
-    result[p] = 2.0 * rest.value_or(Lame{}).mu * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu));
+    const T nu = values[first_key];
+    result[p] = 2.0 * shear_modulus_at_rest(row_, result) * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu));
   }
   return result;
+}
+
+std::vector<double> ConstantsRule::operator()(std::span<const double> values) const {
+  return parameters(values);
+}
+
+std::vector<Dual<double>> ConstantsRule::operator()(std::span<const Dual<double>> values) const {
+  return parameters(values);
 }
 
 std::vector<std::string> ConstantsRule::errors(std::span<const double> values) const {

@@ -6,6 +6,7 @@
 /// If bulk_modulus stands alone, because the law has its own shear stiffness, poissons_ratio may replace it.
 #pragma once
 
+#include "base/dual.hpp"
 #include "material/elastic_law.hpp"
 
 #include <string>
@@ -29,10 +30,15 @@ class ConstantsRule {
 
   /// The law's parameters from the values of the keys, in their order.
   std::vector<double> operator()(std::span<const double> values) const;
+  /// The same with their derivatives.
+  std::vector<Dual<double>> operator()(std::span<const Dual<double>> values) const;
   /// Messages for values that are not admissible; empty if all are.
   std::vector<std::string> errors(std::span<const double> values) const;
 
  private:
+  template <class T>
+  std::vector<T> parameters(std::span<const T> values) const;
+
   std::size_t row_;
   std::vector<std::string> keys_;
   std::vector<int> key_of_parameter_;           // -1: not given directly

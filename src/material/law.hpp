@@ -1,7 +1,7 @@
 /// The contract of an elastic law: pure functions of H = grad u (F = I + H) on a scalar type T, which may be a pack.
 ///
-/// A law is a struct template on S, the type of its parameters (a double, or a pack if they differ from cell to cell),
-/// with
+/// A law is a struct template on S, the type of its parameters (a double, a pack if they differ from cell to cell, or a
+/// dual number for the derivatives of an isotropic law by them), with
 ///   of(data)      the law of these parameters, in the order of its row in the registry
 ///   psi(H)        strain energy per reference volume [J/m^3]
 ///   P(H)          first Piola-Kirchhoff stress P_iJ = d psi / d F_iJ [Pa]
@@ -13,6 +13,7 @@
 /// floating-point exception is raised. A law with a limit of stretch declares `has_stretch_limit`.
 #pragma once
 
+#include "base/dual_math.hpp"
 #include "base/simd.hpp"
 #include "base/tensor.hpp"
 #include "material/lame.hpp"

@@ -31,6 +31,10 @@ struct LawKind {
   LawTraits traits;
   std::optional<Lame> (*at_rest)(const ElasticLawSpec& law);
   std::unique_ptr<LawField> (*field)(std::size_t num_packs, const LawOfLane& at);
+  /// P(H) and Hooke's constants at rest with their derivatives by the parameters (material/parameter_slope.hpp);
+  /// nullptr for laws that are not isotropic.
+  Tensor3<Dual<double>> (*dual_stress)(const LawData<Dual<double>>& data, const Tensor3<double>& H) = nullptr;
+  LameOf<Dual<double>> (*dual_at_rest)(const LawData<Dual<double>>& data) = nullptr;
 };
 
 template <ElasticLaw L>
@@ -76,23 +80,30 @@ L packed(const std::array<ElasticLawSpec, pack_size>& lanes) {
 template <template <class> class L>
 requires ElasticLawTemplate<L>
 constexpr LawKind law_kind() {
-  return {traits_of<L<double>>(),
-          [](const ElasticLawSpec& law) -> std::optional<Lame> {
-            if constexpr (IsotropicLaw<L<double>>) {
-              return L<double>::of({law.parameters, law.volumetric, law.directions}).at_rest();
-            } else {
-              return std::nullopt;
-            }
-          },
-          [](std::size_t num_packs, const LawOfLane& at) -> std::unique_ptr<LawField> {
-            std::vector<L<Pack>> laws;
-            for (std::size_t n = 0; n < num_packs; ++n) {
-              std::array<ElasticLawSpec, pack_size> lanes;
-              for (int lane = 0; lane < pack_size; ++lane) lanes[lane] = at(n, lane);
-              laws.push_back(packed<L<Pack>>(lanes));
-            }
-            return std::make_unique<LawFieldOf<L<Pack>>>(std::move(laws));
-          }};
+  LawKind kind{traits_of<L<double>>(),
+               [](const ElasticLawSpec& law) -> std::optional<Lame> {
+                 if constexpr (IsotropicLaw<L<double>>) {
+                   return L<double>::of({law.parameters, law.volumetric, law.directions}).at_rest();
+                 } else {
+                   return std::nullopt;
+                 }
+               },
+               [](std::size_t num_packs, const LawOfLane& at) -> std::unique_ptr<LawField> {
+                 std::vector<L<Pack>> laws;
+                 for (std::size_t n = 0; n < num_packs; ++n) {
+                   std::array<ElasticLawSpec, pack_size> lanes;
+                   for (int lane = 0; lane < pack_size; ++lane) lanes[lane] = at(n, lane);
+                   laws.push_back(packed<L<Pack>>(lanes));
+                 }
+                 return std::make_unique<LawFieldOf<L<Pack>>>(std::move(laws));
+               }};
+  if constexpr (IsotropicLaw<L<double>>) {
+    kind.dual_stress = [](const LawData<Dual<double>>& data, const Tensor3<double>& H) {
+      return L<Dual<double>>::of(data).P(make_tensor([&](int i, int j) -> Dual<double> { return H(i, j); }));
+    };
+    kind.dual_at_rest = [](const LawData<Dual<double>>& data) { return L<Dual<double>>::of(data).at_rest(); };
+  }
+  return kind;
 }
 
 /// The kind of the law in that row.

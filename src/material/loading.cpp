@@ -1,42 +1,29 @@
 #include "material/loading.hpp"
 
-#include "material/law_field.hpp"
-
+#include <algorithm>
 #include <cmath>
-#include <memory>
-#include <vector>
 
 namespace pliant {
 namespace {
-
-/// Diagonal entries of H that the loading leaves free.
-std::vector<int> free_entries(Loading loading) {
-  if (loading == Loading::uniaxial) return {1, 2};
-  if (loading == Loading::equibiaxial) return {2};
-  return {};
-}
 
 void prescribe(Tensor3<double>& H, Loading loading, double amount) {
   if (loading == Loading::simple_shear) {
     H(0, 1) = amount - 1.0;
     return;
   }
-  H(0, 0) = amount - 1.0;
-  if (loading == Loading::equibiaxial) H(1, 1) = amount - 1.0;
+  const double strain = loading == Loading::volumetric ? std::cbrt(amount) - 1.0 : amount - 1.0;
+  H(0, 0) = strain;
+  if (loading == Loading::equibiaxial || loading == Loading::volumetric) H(1, 1) = strain;
+  if (loading == Loading::volumetric) H(2, 2) = strain;
 }
 
-struct Response {
-  Tensor3<double> P;  ///< [Pa]
-  Tangent<double> A;  ///< dP/dH [Pa]
-};
-
 /// The law of a uniform body; all lanes of the packs are equal.
-Response response(const LawField& law, const Tensor3<double>& H) {
+LoadedState response(const LawField& law, const Tensor3<double>& H) {
   const auto pack = make_tensor([&](int i, int j) -> Pack { return H(i, j); });
   const Tensor3<Pack> P = law.P(0, pack);
   Tangent<Pack> A;
   law.tangent(0, pack, A);
-  Response at{make_tensor([&](int i, int j) -> double { return P(i, j)[0]; }), {}};
+  LoadedState at{H, make_tensor([&](int i, int j) -> double { return P(i, j)[0]; }), {}};
   for (std::size_t n = 0; n < A.size(); ++n) at.A[n] = A[n][0];
   return at;
 }
@@ -45,7 +32,7 @@ Response response(const LawField& law, const Tensor3<double>& H) {
 bool release(const LawField& law, const std::vector<int>& free, Tensor3<double>& H) {
   constexpr int most_iterations = 30;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    const auto [P, A] = response(law, H);
+    const auto [at, P, A] = response(law, H);
     double residual = 0.0, size = 0.0;
     for (const int k : free) residual = std::max(residual, std::abs(P(k, k)));
     for (const double p : P.a) size = std::max(size, std::abs(p));
@@ -71,17 +58,58 @@ bool release(const LawField& law, const std::vector<int>& free, Tensor3<double>&
 
 }  // namespace
 
-std::optional<LoadedState> loaded(const ElasticLawSpec& spec, Loading loading, double amount) {
-  const std::unique_ptr<LawField> law = make_law_field(spec);
-  const auto free = free_entries(loading);
+std::vector<int> free_entries(Loading loading) {
+  if (loading == Loading::uniaxial) return {1, 2};
+  if (loading == Loading::equibiaxial || loading == Loading::pure_shear) return {2};
+  return {};
+}
+
+LoadingPath::LoadingPath(const ElasticLawSpec& law, Loading loading) : law_(make_law_field(law)), loading_(loading) {}
+
+std::optional<LoadedState> LoadingPath::to(double amount) {
+  const auto free = free_entries(loading_);
   constexpr double largest_step = 0.05;
-  const int steps = static_cast<int>(std::ceil(std::abs(amount - 1.0) / largest_step));
-  Tensor3<double> H{};
+  const int steps = static_cast<int>(std::ceil(std::abs(amount - amount_) / largest_step));
+  const double from = amount_;
   for (int n = 1; n <= steps; ++n) {
-    prescribe(H, loading, 1.0 + (amount - 1.0) * n / steps);
-    if (!release(*law, free, H)) return std::nullopt;
+    const double next = from + (amount - from) * n / steps;
+    Tensor3<double> H = H_;
+    prescribe(H, loading_, next);
+    if (!release(*law_, free, H)) return std::nullopt;
+    H_ = H;
+    amount_ = next;
   }
-  return LoadedState{H, response(*law, H).P};
+  return response(*law_, H_);
+}
+
+std::optional<LoadedState> loaded(const ElasticLawSpec& law, Loading loading, double amount) {
+  return LoadingPath(law, loading).to(amount);
+}
+
+Tensor3<double> incompressible_state(Loading loading, double amount) {
+  Tensor3<double> H{};
+  prescribe(H, loading, amount);
+  const double side = loading == Loading::uniaxial      ? 1.0 / std::sqrt(amount)
+                      : loading == Loading::equibiaxial ? 1.0 / (amount * amount)
+                                                        : 1.0 / amount;
+  for (const int k : free_entries(loading)) H(k, k) = side - 1.0;
+  return H;
+}
+
+LoadedState loaded_incompressible(const ElasticLawSpec& law, Loading loading, double amount) {
+  LoadedState state = response(*make_law_field(law), incompressible_state(loading, amount));
+  const auto free = free_entries(loading);
+  if (free.empty()) return state;
+  const auto stretch = [&](int k) { return 1.0 + state.H(k, k); };
+  const double pressure = state.P(free.front(), free.front()) * stretch(free.front());
+  // P - p F^-T, and with F diagonal d(F^-T)_iJ / dF_Ji = -1/(l_i l_J).
+  for (int i = 0; i < 3; ++i) {
+    state.P(i, i) -= pressure / stretch(i);
+    for (int J = 0; J < 3; ++J) {
+      state.A[static_cast<std::size_t>(9 * (3 * i + J) + 3 * J + i)] += pressure / (stretch(i) * stretch(J));
+    }
+  }
+  return state;
 }
 
 Tangent<double> tangent_at_rest(const ElasticLawSpec& law) {

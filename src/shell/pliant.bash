@@ -11,6 +11,7 @@ _pliant() {
       ' check') path='check' ;;
       ' converge') path='converge' ;;
       ' sweep') path='sweep' ;;
+      ' fit') path='fit' ;;
       ' mesh') path='mesh' ;;
       'mesh convert') path='mesh convert' ;;
       ' methods') path='methods' ;;
@@ -23,7 +24,7 @@ _pliant() {
     esac
   done
   case $path in
-    '') options='-h --help --version' words='run resume info report check converge sweep mesh methods materials schema help completion man' files='' ;;
+    '') options='-h --help --version' words='run resume info report check converge sweep fit mesh methods materials schema help completion man' files='' ;;
     'run') options='-h --help --set --output --continue --quiet' words='' files='*.@(yaml|yml)' ;;
     'resume') options='-h --help --set --output --quiet' words='' files='*.h5' ;;
     'info') options='-h --help' words='' files='*.h5' ;;
@@ -31,12 +32,13 @@ _pliant() {
     'check') options='-h --help --set' words='' files='*.@(yaml|yml)' ;;
     'converge') options='-h --help --set --output --in --levels --methods --no-check' words='' files='*.@(yaml|yml)' ;;
     'sweep') options='-h --help --set --output --continue --jobs --ranks' words='' files='*.@(yaml|yml)' ;;
+    'fit') options='-h --help --output' words='' files='*.@(yaml|yml)' ;;
     'mesh') options='-h --help' words='convert' files='' ;;
     'mesh convert') options='-h --help --size --scale --allow-commands' words='' files='*' ;;
     'methods') options='-h --help' words='' files='' ;;
     'materials') options='-h --help --markdown' words='plot' files='' ;;
     'materials plot') options='-h --help --set --stretch --output' words='' files='*' ;;
-    'schema') options='-h --help --markdown' words='' files='' ;;
+    'schema') options='-h --help --fit --markdown' words='' files='' ;;
     'help') options='-h --help' words='' files='*' ;;
     'completion') options='-h --help' words='' files='' ;;
     'man') options='-h --help' words='' files='' ;;
@@ -52,6 +54,7 @@ _pliant() {
     'converge --output') files='*' ;;
     'converge --in') words='time space tolerance' ;;
     'sweep --output') files='*' ;;
+    'fit --output') files='*' ;;
     'materials plot --output') files='*' ;;
   esac
   if [[ $current == -* ]]; then

@@ -235,5 +235,28 @@ TEST(SvgPlot, IsWrittenInOneGo) {
   EXPECT_THROW(write_svg(comm, directory / "missing" / "plot.svg", study()), FileError) << "on every rank";
 }
 
+TEST(SvgPlot, MeasurementsAreMarksAndTheirCurveHasTheSameColour) {
+  Plot plot{"fit", "time [s]", "stress [kPa]", {}};
+  plot.scale = Scale::linear;
+  plot.x_scale = Scale::logarithmic;
+  plot.series = {{"measured", {1.0, 10.0, 100.0}, {3.0, 2.0, 1.0}, SeriesStyle::marks, 1},
+                 {"fitted", {1.0, 100.0}, {3.0, 1.0}, SeriesStyle::line, 1}};
+  const std::string picture = svg(plot);
+  ASSERT_EQ(polylines(picture).size(), 1u);
+  const auto marks =
+      all_matches(picture, R"re(<rect x="([\d.]+)" y="([\d.]+)" width="7.2" height="7.2"><title>([^<]*))re");
+  ASSERT_EQ(marks.size(), 3u);
+  EXPECT_EQ(marks[1][3], "measured: 10, 2");
+  // Decades are equally far apart, and so are stresses.
+  for (const std::size_t axis : {1u, 2u}) {
+    EXPECT_NEAR(std::stod(marks[1][axis]), 0.5 * (std::stod(marks[0][axis]) + std::stod(marks[2][axis])), 0.02);
+  }
+  EXPECT_EQ(all_matches(picture, "<g class=\"series\" stroke=\"(#[0-9a-f]+)\"").size(), 4u);
+  std::set<std::string> colours;
+  for (const auto& match : all_matches(picture, "<g class=\"series\" stroke=\"(#[0-9a-f]+)\""))
+    colours.insert(match[1]);
+  EXPECT_EQ(colours.size(), 1u);
+}
+
 }  // namespace
 }  // namespace pliant::test_svg_plot

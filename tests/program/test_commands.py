@@ -61,9 +61,11 @@ class Commands(ProgramTest):
     def test_schema(self):
         schema = json.loads(self.text("schema"))
         jsonschema.Draft7Validator.check_schema(schema)
+        of_fit = json.loads(self.text("schema", "--fit"))
+        jsonschema.Draft7Validator.check_schema(of_fit)
         for file in sorted((ROOT / "input").rglob("*.yaml")):
             with self.subTest(file.name):
-                jsonschema.validate(yaml.safe_load(file.read_text(encoding="utf-8")), schema)
+                jsonschema.validate(yaml.safe_load(file.read_text(encoding="utf-8")), of_fit if file.parent.name == "fit" else schema)
         jsonschema.validate(yaml.safe_load(INPUT), schema)
         for bad in (INPUT.replace("density", "densty"), INPUT.replace("element: P2", "element: P3"), "mesh: {}"):
             with self.assertRaises(jsonschema.ValidationError):

@@ -2,13 +2,14 @@
 
 A block marked `sh` is a script: it runs in a folder that looks like a clone, where `build/bin/pliant` and `pliant` are the
 program with a short run and a coarse mesh, and `mpirun -n N` starts at most two ranks. A block marked `yaml` is an input or
-goes into a small one, which `pliant check` must find well.
+goes into a small one, which `pliant check` must find well; or it is a fit, which `pliant fit` must bring to an end.
 """
 import itertools
 import json
 import os
 import pathlib
 import re
+import shutil
 import subprocess
 import unittest
 
@@ -114,6 +115,19 @@ def small_settings():
             number, _, unit = str(time["step"]).partition(" ")
             settings[file.name] = [f"time.end={2 * float(number)}" + (f" {unit}" if unit else "")]
     return settings
+
+
+def write_measurements(directory):
+    """Tables for the fits that the documents show: Treloar's, and made ones of viscosity."""
+    for file in (ROOT / "input/data").glob("*.csv"):
+        shutil.copy(file, directory)
+    time = np.geomspace(1.2, 60, 30)  # held since 1 s
+    relaxing = np.column_stack([time, 2e5 * (1 + 0.5 * np.exp(-time / 2) + 0.8 * np.exp(-time / 15))])
+    np.savetxt(directory / "held.csv", relaxing, delimiter=",", header="time,stress", comments="")
+    w = np.geomspace(0.1, 1e4, 30)
+    modulus = 1e5 * (1 + sum(0.3 * 1j * w * tau / (1 + 1j * w * tau) for tau in (1e-3, 1e-2, 1e-1, 1)))
+    np.savetxt(directory / "sweep.csv", np.column_stack([w, modulus.real, modulus.imag]), delimiter=",",
+               header="angular_frequency,storage_modulus,loss_modulus", comments="")
 
 
 class UniqueKeys(yaml.SafeLoader):
@@ -239,6 +253,13 @@ class Documents(ProgramTest):
                     for key, value in part.items():
                         for entry in value if isinstance(value, list) else [value]:
                             self.assertIn(entry, whole[key] if isinstance(value, list) else [whole[key]])
+                    continue
+                if {"material", "tests"} <= set(part):
+                    (self.directory / "fit").mkdir(exist_ok=True)
+                    write_measurements(self.directory / "fit")
+                    (self.directory / "data").is_symlink() or (self.directory / "data").symlink_to(ROOT / "input/data")
+                    done = self.call("fit", self.write("fit/fit.yaml", text))
+                    self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
                     continue
                 if {"mesh", "bodies", "time"} <= set(part):
                     file = self.write("input/whole.yaml", text)

@@ -7,6 +7,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCHEMA = ROOT / "docs/input.schema.json"
+FIT_SCHEMA = ROOT / "docs/fit.schema.json"
 PROGRAM = pathlib.Path(os.environ.get("PLIANT", ROOT / "build/bin/pliant"))
 
 
@@ -14,16 +15,26 @@ PROGRAM = pathlib.Path(os.environ.get("PLIANT", ROOT / "build/bin/pliant"))
 class Inputs(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        command = [PROGRAM, "schema"]
-        cls.schema = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, check=True, text=True).stdout
+        cls.schema, cls.fit_schema = (cls.printed("schema", *options) for options in ((), ("--fit",)))
+
+    @staticmethod
+    def printed(*arguments):
+        return subprocess.run([PROGRAM, *arguments], stdin=subprocess.DEVNULL, capture_output=True, check=True, text=True).stdout
 
     def test_the_schema_of_the_documents_is_the_program_s(self):
-        # `pliant schema > docs/input.schema.json` writes it.
+        # `pliant schema > docs/input.schema.json` writes it, `pliant schema --fit > docs/fit.schema.json` the other.
         self.assertEqual(SCHEMA.read_text(encoding="utf-8"), self.schema)
+        self.assertEqual(FIT_SCHEMA.read_text(encoding="utf-8"), self.fit_schema)
+
+    def test_the_reference_of_fits_is_the_program_s(self):
+        # `pliant schema --fit --markdown > docs/fit-file.md` writes it.
+        page = (ROOT / "docs/fit-file.md").read_text(encoding="utf-8")
+        self.assertEqual(page, self.printed("schema", "--fit", "--markdown"))
 
     def test_inputs_name_the_schema(self):
         for file in sorted((ROOT / "input").rglob("*.yaml")):
-            line = f"# yaml-language-server: $schema={os.path.relpath(SCHEMA, file.parent)}"
+            schema = FIT_SCHEMA if file.parent.name == "fit" else SCHEMA
+            line = f"# yaml-language-server: $schema={os.path.relpath(schema, file.parent)}"
             self.assertEqual(file.read_text(encoding="utf-8").splitlines()[0], line, f"line 1 of {file.relative_to(ROOT)}")
 
     def test_every_key_has_a_text_for_editors(self):
@@ -35,7 +46,8 @@ class Inputs(unittest.TestCase):
                     if isinstance(part, dict):
                         yield from without_text(f"{name}.{key}", part)
 
-        self.assertEqual(list(without_text("", json.loads(self.schema))), [])
+        for schema in (self.schema, self.fit_schema):
+            self.assertEqual(list(without_text("", json.loads(schema))), [])
 
 
 if __name__ == "__main__":

@@ -1,0 +1,163 @@
+#include "study/fit_data.hpp"
+
+#include "base/text.hpp"
+#include "base/units.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace pliant {
+namespace {
+
+/// A cell of a line and the column of the text where it begins, from 1.
+struct Cell {
+  std::string text;
+  int column;
+};
+
+std::vector<Cell> split_line(std::string_view line) {
+  std::vector<Cell> cells;
+  for (std::size_t begin = 0; begin <= line.size();) {
+    const std::size_t end = std::min(line.find(',', begin), line.size());
+    const std::string_view whole = line.substr(begin, end - begin), text = trimmed(whole);
+    const std::size_t blanks = text.empty() ? 0 : static_cast<std::size_t>(text.data() - whole.data());
+    cells.push_back({std::string(text), static_cast<int>(begin + blanks) + 1});
+    begin = end + 1;
+  }
+  return cells;
+}
+
+/// A cell of the header: the name in the form in which names are compared, and the unit.
+struct Heading {
+  std::string name, unit;
+};
+
+Heading heading_of(std::string text) {
+  if (text.size() > 1 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
+  Heading heading{text, ""};
+  const std::size_t open = text.find_first_of("[(");
+  if (open != std::string::npos && (text.back() == ']' || text.back() == ')')) {
+    heading.unit = trimmed(std::string_view(text).substr(open + 1, text.size() - open - 2));
+    heading.name = trimmed(std::string_view(text).substr(0, open));
+  }
+  for (char& c : heading.name) c = c == ' ' ? '_' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return heading;
+}
+
+/// Where a wanted column is in the table, and how its numbers become what is wanted.
+struct FoundColumn {
+  std::size_t place;
+  double factor, offset;
+};
+
+/// The file while it is read.
+class Table {
+ public:
+  explicit Table(std::string file) : file_(std::move(file)) {}
+
+  std::vector<std::vector<double>> read(std::istream& stream, std::span<const std::vector<ColumnForm>> wanted) {
+    std::vector<std::vector<double>> columns(wanted.size());
+    std::vector<FoundColumn> found;
+    std::size_t width = 0;
+    int number = 0;
+    for (std::string line; std::getline(stream, line);) {
+      ++number;
+      if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
+      if (line.ends_with('\r')) line.pop_back();
+      if (trimmed(line).empty() || trimmed(line).front() == '#') continue;
+      const auto cells = split_line(line);
+      if (width == 0) {
+        width = cells.size();
+        found = columns_of(cells, number, wanted);
+      } else if (cells.size() != width) {
+        fail(number, 1,
+             fmt::format("this row has {} values, the header {} columns; values are separated by ',' and a decimal "
+                         "point is written '.'",
+                         cells.size(), width));
+      } else {
+        for (std::size_t k = 0; k < found.size(); ++k) append(cells[found[k].place], number, found[k], columns[k]);
+      }
+      if (errors_.size() > most_errors) break;
+    }
+    if (width == 0) fail(0, 0, "the table is empty; its first line names the columns");
+    if (errors_.empty() && columns.front().empty()) fail(0, 0, "the table has a header, but no rows");
+    if (!errors_.empty()) throw InputError(std::move(errors_));
+    return columns;
+  }
+
+ private:
+  static constexpr std::size_t most_errors = 20;
+
+  void fail(int line, int column, std::string message) {
+    errors_.push_back({Severity::error, {file_, line, column}, std::move(message)});
+  }
+
+  std::vector<FoundColumn> columns_of(const std::vector<Cell>& header, int line,
+                                      std::span<const std::vector<ColumnForm>> wanted) {
+    std::vector<FoundColumn> found;
+    for (const auto& forms : wanted) {
+      if (const auto column = column_of(header, line, forms)) found.push_back(*column);
+    }
+    if (found.size() != wanted.size()) found.clear();
+    return found;
+  }
+
+  std::optional<FoundColumn> column_of(const std::vector<Cell>& header, int line,
+                                       const std::vector<ColumnForm>& forms) {
+    std::vector<std::string> given, names;
+    for (const Cell& cell : header) given.push_back(heading_of(cell.text).name);
+    for (const ColumnForm& form : forms) {
+      names.emplace_back(form.name);
+      const auto place = static_cast<std::size_t>(std::ranges::find(given, form.name) - given.begin());
+      if (place == given.size()) continue;
+      const std::string unit = heading_of(header[place].text).unit;
+      try {
+        const double factor = unit.empty() ? 1.0 : parse_quantity("1 " + unit, std::string(form.unit));
+        return FoundColumn{place, form.factor * factor, form.offset};
+      } catch (const UnitError& error) {
+        fail(line, header[place].column, fmt::format("'{}': {}", header[place].text, error.what()));
+        return std::nullopt;
+      }
+    }
+    std::string close;
+    for (const std::string& name : given) close = close.empty() ? did_you_mean(name, names) : close;
+    fail(line, 1,
+         fmt::format("the table has no column '{}'{}; its header names {}", fmt::join(names, "' or '"), close,
+                     joined(given)));
+    return std::nullopt;
+  }
+
+  void append(const Cell& cell, int line, const FoundColumn& column, std::vector<double>& to) {
+    const auto value = parse_number(cell.text);
+    if (!value) {
+      fail(line, cell.column,
+           fmt::format("'{}' is not a number; units stand in the header, such as 'stress [MPa]'", excerpt(cell.text)));
+      return;
+    }
+    to.push_back(column.factor * *value + column.offset);
+  }
+
+  std::string file_;
+  std::vector<Diagnostic> errors_;
+};
+
+}  // namespace
+
+std::vector<std::vector<double>> read_measurements(const std::string& file, const Location& named,
+                                                   std::span<const std::vector<ColumnForm>> wanted) {
+  std::error_code ignored;
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream || std::filesystem::is_directory(file, ignored)) {
+    throw InputError(named, fmt::format("'data': cannot read '{}'; give the path of a CSV file, relative to this file",
+                                        excerpt(file, 200)));
+  }
+  return Table(file).read(stream, wanted);
+}
+
+}  // namespace pliant
