@@ -3,7 +3,8 @@
 /// Users give a law's own parameters by their names. If the law has elastic constants of the isotropic solid at rest
 /// (shear_modulus, bulk_modulus, lame_lambda), users may give any two of
 ///     youngs_modulus, poissons_ratio, shear_modulus, bulk_modulus, lame_lambda.
-/// If bulk_modulus stands alone, because the law has its own shear stiffness, poissons_ratio may replace it.
+/// If an isotropic law has shear stiffnesses of its own and one parameter of the volume (bulk_modulus, lambda),
+/// bulk_modulus or poissons_ratio at small strain may replace that one.
 #pragma once
 
 #include "material/elastic_law.hpp"

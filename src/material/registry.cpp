@@ -36,6 +36,12 @@ constexpr std::array mooney_rivlin_5{
     coefficient("c11", "of (I1b - 3) (I2b - 3)", 5e3),
     coefficient("c02", "of (I2b - 3)^2", 3e3),
     bulk_modulus_at_rest};
+constexpr std::array mooney_rivlin_coupled{
+    coefficient("c1", "of I1 - 3; c1 + c2 is half the shear modulus at small strain", 150e3),
+    coefficient("c2", "of I2 - 3", 50e3),
+    ParameterInfo{"lambda", "Pa", -infinity, infinity,
+                  "of (ln J)^2/2; the first Lame parameter at small strain is lambda + 4 c2", LowerBound::excluded,
+                  1.6e6}};
 constexpr std::array yeoh{coefficient("c10", "of I1b - 3; half the shear modulus at small strain", 200e3),
                           coefficient("c20", "of (I1b - 3)^2", -10e3), coefficient("c30", "of (I1b - 3)^3", 5e3),
                           bulk_modulus_at_rest};
@@ -112,6 +118,11 @@ constexpr std::array<LawInfo, ElasticLaws::size> own_laws{{
      "psi = c10 i1 + c01 i2 + c20 i1^2 + c11 i1 i2 + c02 i2^2 + kappa U(J), i1 = I1b - 3, i2 = I2b - 3",
      mooney_rivlin_5, "Rivlin & Saunders (1951); Holzapfel (2000), section 6.5",
      "rubbers whose stress-stretch curve has an upturn; fit to more than one kind of test"},
+    {MooneyRivlinCoupled<double>::name,
+     "psi = c1 (I1 - 3) + c2 (I2 - 3) - 2 (c1 + 2 c2) ln J + lambda/2 (ln J)^2, I1, I2: invariants of F^T F",
+     mooney_rivlin_coupled, "Maas et al., FEBio Theory Manual, coupled Mooney-Rivlin; Ciarlet & Geymonat (1982)",
+     "compressible rubbers and foams up to a stretch of about 2; comparison with programs that do not split off the "
+     "volume"},
     {Yeoh<double>::name, "psi = c10 i1 + c20 i1^2 + c30 i1^3 + kappa U(J), i1 = I1b - 3", yeoh,
      "Yeoh, Rubber Chem. Technol. 66 (1993)",
      "filled rubbers at large strain, also when only tension has been measured; c20 is usually below 0"},

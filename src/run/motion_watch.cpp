@@ -26,7 +26,7 @@ constexpr std::string_view of_graphics = "it is made for computer graphics at mo
 /// Generous bounds: beyond them, a number is mistyped or the law is used outside its range. An inflated membrane has
 /// small principal stretches as well as large ones; most laws therefore have practically no lower bound.
 constexpr double no_bound = 0.02;
-constexpr std::array<std::pair<std::string_view, TrustedStretches>, 16> trusted{{
+constexpr std::array<std::pair<std::string_view, TrustedStretches>, 17> trusted{{
     {"linear", {0.8, 1.2, "it is for strains of a few per cent, and treats rotation as strain"}},
     {"saint-venant-kirchhoff", {0.6, 2.0, "it is for small strain, and collapses at a stretch below 0.577"}},
     {"neo-hookean", {no_bound, 4.0, rubber_tears}},
@@ -36,6 +36,8 @@ constexpr std::array<std::pair<std::string_view, TrustedStretches>, 16> trusted{
     {"arap", {no_bound, 4.0, of_graphics}},
     {"mooney-rivlin", {no_bound, 5.0, "it is fitted to rubber at a stretch below 3, and rubber tears at 5 to 8"}},
     {"mooney-rivlin-5", {no_bound, 7.0, "it is fitted to rubber, which tears at 5 to 8"}},
+    {"mooney-rivlin-coupled",
+     {no_bound, 5.0, "it is fitted to rubber at a stretch below 3, and rubber tears at 5 to 8"}},
     {"yeoh", {no_bound, 7.0, "it is fitted to rubber, which tears at 5 to 8"}},
     {"ogden", {no_bound, 8.0, "it is fitted to rubber, which tears at 5 to 8"}},
     {"gent", {no_bound, 10.0, "it is fitted to rubber, which tears at 5 to 8"}},

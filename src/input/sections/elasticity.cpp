@@ -25,7 +25,7 @@ std::vector<std::string> other_names(std::string_view constant) {
   if (constant == "poissons_ratio") return {"nu", "Poisson", "poisson"};
   if (constant == "shear_modulus") return {"mu", "G", "shear", "lame_mu"};
   if (constant == "bulk_modulus") return {"K", "kappa", "bulk"};
-  if (constant == "lame_lambda") return {"lambda", "lame", "lmbda"};
+  if (constant == "lame_lambda") return {"lame", "lmbda"};
   return {};
 }
 
