@@ -22,10 +22,6 @@ const ParameterInfo* find_parameter(const LawInfo& law, std::string_view name) {
   return nullptr;
 }
 
-bool is_elastic_constant(std::string_view name) {
-  return std::ranges::find(elastic_constants(), name, &ParameterInfo::name) != elastic_constants().end();
-}
-
 std::pair<std::string, double> parsed(const LawInfo& law, const std::string& setting) {
   const std::size_t sign = setting.find('=');
   const std::string key = setting.substr(0, sign);
@@ -61,7 +57,8 @@ ElasticLawSpec law_for_plot(const std::string& name, const std::vector<std::stri
     return std::ranges::find(row->parameters, given.first, &ParameterInfo::name) == row->parameters.end();
   });
   for (const auto& p : row->parameters) {
-    if (!replaces || !is_elastic_constant(p.name)) constants.emplace(p.name, p.typical);
+    const bool is_replaced = replaces && follows_from_constants(static_cast<std::size_t>(row - rows.begin()), p.name);
+    if (!is_replaced) constants.emplace(p.name, p.typical);
   }
   return make_law(name, constants);
 }

@@ -35,8 +35,8 @@ std::string parameter_table(std::span<const ParameterInfo> parameters, bool has_
                                  : "| key | unit | admissible | meaning |\n|---|---|---|---|\n";
   for (const auto& p : parameters) {
     const std::string typical = has_typical ? fmt::format(" {:g} |", p.typical) : "";
-    const std::string fallback = p.fallback ? fmt::format("; {:g} if not given", *p.fallback) : "";
-    text += fmt::format("| `{}` | {} | {} |{} {}{} |\n", p.name, p.unit, admissible(p), typical, p.meaning, fallback);
+    text += fmt::format("| `{}` | {} | {} |{} {}{} |\n", p.name, p.unit, admissible(p), typical, p.meaning,
+                        fallback_words(p));
   }
   return text;
 }

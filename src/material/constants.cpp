@@ -82,6 +82,10 @@ bool takes(std::size_t row, std::string_view key) {
   return place_in(law.parameters, key) >= 0;
 }
 
+bool follows_from_constants(std::size_t row, std::string_view parameter) {
+  return place_in(constants, parameter) >= 0 || parameter == parameter_of_volume(elastic_laws()[row]);
+}
+
 Lame lame_of(int first, double a, int second, double b) {
   switch (10 * first + second) {
     case 10 * youngs + poissons:
@@ -150,7 +154,9 @@ ConstantsRule::ConstantsRule(std::size_t row, std::vector<std::string> keys, con
   for (std::size_t p = 0; p < law.parameters.size(); ++p) {
     const bool is_constant =
         law.parameters[p].name == of_volume || (two && place_in(constants, law.parameters[p].name) >= 0);
-    if (is_constant || key_of_parameter_[p] >= 0 || law.parameters[p].fallback) continue;
+    if (is_constant || key_of_parameter_[p] >= 0) continue;
+    const bool is_needed = std::ranges::find(keys_, law.parameters[p].needed_with) != keys_.end();
+    if (law.parameters[p].fallback && !is_needed) continue;
     errors.push_back(
         {Severity::error, where,
          fmt::format("missing key '{}' of {}: {}", law.parameters[p].name, law.name, law.parameters[p].meaning)});

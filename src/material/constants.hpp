@@ -21,6 +21,9 @@ std::span<const ParameterInfo> elastic_constants();
 /// Whether a law (by its row) accepts this key: one of its parameters, or a constant that determines them.
 bool takes(std::size_t row, std::string_view key);
 
+/// Whether elastic_constants() determine this parameter of a law.
+bool follows_from_constants(std::size_t row, std::string_view parameter);
+
 /// The rule that converts the values of certain keys to the parameters of a law: checked once, applied at every point.
 class ConstantsRule {
  public:

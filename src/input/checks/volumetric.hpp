@@ -16,7 +16,7 @@ void check_volumetric(const Config& config, const InputNode& root, Diagnostics& 
 bool is_incompressible(const ElasticLawSpec& law);
 
 inline constexpr std::string_view incompressible_without_pressures =
-    "displacements alone cannot represent an incompressible body; add 'volumetric: mixed' or lower "
-    "'poissons_ratio'";
+    "displacements alone cannot represent an incompressible body; add 'volumetric: mixed', or lower 'poissons_ratio' "
+    "('incompressible: true' stands for 1/2)";
 
 }  // namespace pliant

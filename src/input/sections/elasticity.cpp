@@ -6,6 +6,7 @@
 #include "input/sections/cell_data.hpp"
 #include "input/sections/laws.hpp"
 #include "material/constants.hpp"
+#include "material/volume_split.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -87,8 +88,7 @@ std::vector<Field<ElasticityConfig>> constant_fields() {
           owners.emplace_back(other.name);
         }
       }
-      const std::string fallback = p.fallback ? fmt::format("; {:g} if not given", *p.fallback) : "";
-      fields.push_back(constant_field(p, fmt::format("{}: {}{}", joined_names(owners), p.meaning, fallback)));
+      fields.push_back(constant_field(p, fmt::format("{}: {}{}", joined_names(owners), p.meaning, fallback_words(p))));
     }
   }
   return fields;
@@ -123,6 +123,18 @@ Section<ElasticityConfig> elasticity_keys() {
       laws_with_form.push_back({"model", std::string(elastic_laws()[row].name)});
     }
   }
+  std::vector<Anchor> laws_with_split =
+      laws_that([](std::size_t row) { return split_volume(typical_law(row)).has_value(); });
+  section.fields.push_back(field("incompressible", &E::incompressible, truth(),
+                                 "whether the volume cannot change at all, in place of the constant that resists it: a "
+                                 "Poisson's ratio of 1/2; needs `volumetric: mixed`")
+                               .otherwise("false")
+                               .left_out_if([laws_with_split](const E& e) {
+                                 return std::ranges::find(laws_with_split, e.model, &Anchor::value) ==
+                                        laws_with_split.end();
+                               }));
+  section.fields.back().info.only_with = laws_with_split;
+  section.groups.push_back({{"incompressible"}, KeyGroup::Need::any, laws_with_split});
   const auto has_no_form = [laws_with_form](const E& e) {
     return std::ranges::find(laws_with_form, e.model, &Anchor::value) == laws_with_form.end();
   };
