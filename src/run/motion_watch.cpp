@@ -137,7 +137,8 @@ MotionWatch::MotionWatch(const Config& config, const Model& model)
          law,
          trusted_stretches(law).value_or(TrustedStretches{no_bound, 10.0, "the range of this law is not known"}),
          {},
-         {}});
+         {},
+         rule.is_uniform() ? stable_stretches(rule.law_at(0, {})) : std::nullopt});
   }
 }
 
@@ -154,18 +155,37 @@ std::string MotionWatch::in_words(const Body& body, const Extreme& extreme) cons
       extreme.stretch, x, y, z, body.law, body.trusted.why);
 }
 
+std::string MotionWatch::instability(const Body& body, const Extreme& extreme, double limit) const {
+  const auto& [x, y, z] = extreme.X;
+  return fmt::format(
+      "{}: at {} '{}' is stretched to {:.3g} times its length near X = ({:.4g}, {:.4g}, {:.4g}), but with these "
+      "constants '{}' is stable up to {:.3g} in such a state only; what follows may depend on the mesh",
+      to_string(body.where), instant(extreme.time), body.name, extreme.stretch, x, y, z, body.law, limit);
+}
+
 void MotionWatch::look_at_stretches(double time, std::span<const double> u, std::vector<std::string>& news) {
   const NodeLayout& layout = model_.layout();
-  std::vector<Found> least(bodies_.size()), most(bodies_.size());
+  std::vector<Found> least(bodies_.size()), most(bodies_.size()), unstable(bodies_.size());
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
     const auto body = static_cast<std::size_t>(model_.body_of_cell()[c]);
     const auto H = layout.order == 1 ? displacement_gradient<1>(layout, c, u) : displacement_gradient<2>(layout, c, u);
     const auto l = principal_stretches(H).l;  // in descending order
     most[body].take(l[0], l[0], c, layout);
     least[body].take(l[2], 1.0 / std::max(l[2], 1e-9), c, layout);
+    if (!bodies_[body].stable || !(l[2] > 0.0)) continue;
+    if (const double excess = l[0] / bodies_[body].stable->limit(l); excess > 1.0) {
+      unstable[body].take(l[0], excess, c, layout);
+    }
   }
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     Body& body = bodies_[b];
+    if (body.stable) {
+      const Found found = of_all_ranks(layout.comm, unstable[b]);
+      if (found.excess > 1.0) {
+        news.push_back(instability(body, {found.stretch, 1.0, found.X, time}, found.stretch / found.excess));
+        body.stable.reset();
+      }
+    }
     for (const auto& [found, extreme] : {std::pair{of_all_ranks(layout.comm, most[b]), &body.largest},
                                          {of_all_ranks(layout.comm, least[b]), &body.smallest}}) {
       const bool is_large = extreme == &body.largest;
