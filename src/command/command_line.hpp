@@ -35,6 +35,7 @@ class CommandLine {
     std::array<double, 2> stretches{0.6, 2.0};
     bool quiet = false;
     bool markdown = false;
+    bool library = false;  ///< of measured materials
     bool continues = false;
     StudyOptions study;
     Conversion conversion;

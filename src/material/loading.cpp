@@ -1,7 +1,9 @@
 #include "material/loading.hpp"
 
 #include "material/law_field.hpp"
+#include "material/volume_split.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -69,9 +71,40 @@ bool release(const LawField& law, const std::vector<int>& free, Tensor3<double>&
   return false;
 }
 
+/// The state of an incompressible body, whose law without volumetric part is `rest`: its pressure follows from the free
+/// face normal to z, and the sides of a bar, if they differ, from their equal pressures.
+std::optional<LoadedState> loaded_at_constant_volume(const LawField& rest, Loading loading, double amount) {
+  Tensor3<double> H{};
+  prescribe(H, loading, amount);
+  if (loading == Loading::simple_shear) return LoadedState{H, response(rest, H).P};  // the pressure has no shear
+  const double along = loading == Loading::equibiaxial ? amount * amount : amount;
+  double log_side = loading == Loading::equibiaxial ? 0.0 : -0.5 * std::log(along);  // ln F_yy of a bar
+  constexpr int most_iterations = 50;
+  constexpr double largest_change = 0.1;
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    if (loading == Loading::uniaxial) H(1, 1) = std::expm1(log_side);
+    H(2, 2) = std::expm1(-std::log(along) - (loading == Loading::uniaxial ? log_side : 0.0));
+    auto [P, A] = response(rest, H);
+    const std::array<double, 3> l{1.0 + H(0, 0), 1.0 + H(1, 1), 1.0 + H(2, 2)};
+    const double tau_y = l[1] * P(1, 1), tau_z = l[2] * P(2, 2);
+    const double size = std::abs(tau_y) + std::abs(tau_z) + std::abs(l[0] * P(0, 0));
+    if (!std::isfinite(size)) return std::nullopt;
+    if (loading == Loading::equibiaxial || std::abs(tau_y - tau_z) <= 1e-13 * size) {
+      for (int i = 0; i < 3; ++i) P(i, i) -= tau_z / l[static_cast<std::size_t>(i)];
+      return LoadedState{H, P};
+    }
+    const double slope = l[1] * l[1] * A[40] - 2.0 * l[1] * l[2] * A[44] + l[2] * l[2] * A[80] + tau_y + tau_z;
+    log_side -= std::clamp((tau_y - tau_z) / slope, -largest_change, largest_change);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<LoadedState> loaded(const ElasticLawSpec& spec, Loading loading, double amount) {
+  if (const auto split = split_volume(spec); split && std::isinf(split->kappa)) {
+    return loaded_at_constant_volume(*make_law_field(split->rest), loading, amount);
+  }
   const std::unique_ptr<LawField> law = make_law_field(spec);
   const auto free = free_entries(loading);
   constexpr double largest_step = 0.05;

@@ -31,7 +31,7 @@ struct LoadedState {
 };
 
 /// The state of a specimen deformed from rest to `amount`: the stretch, or 1 + the amount of shear. Newton's method
-/// finds the free stretches in increments. nullopt if the law has no such state.
+/// finds the free stretches in increments. An incompressible law keeps the volume. nullopt if there is no such state.
 std::optional<LoadedState> loaded(const ElasticLawSpec& law, Loading loading, double amount);
 
 /// dP/dH at rest [Pa].

@@ -5,6 +5,7 @@
 #include "input/analysis.hpp"
 #include "input/elasticity.hpp"
 #include "input/loads.hpp"
+#include "material/library.hpp"
 #include "material/stability.hpp"
 #include "model/events.hpp"
 #include "model/loads.hpp"
@@ -117,7 +118,9 @@ void check_stability(const BodyConfig& body, Warnings& warnings) {
   if (!rule.is_uniform()) return;
   const auto stable = stable_stretches(rule.law_at(0, {}));
   if (!stable) return;
-  const std::string words = in_words(*stable, strongest_compression, largest_stretch);
+  const LibraryMaterial* material = find_material(body.elasticity->library);
+  const double largest = material != nullptr ? std::min(material->highest_stretch, largest_stretch) : largest_stretch;
+  const std::string words = in_words(*stable, std::max(strongest_compression, 1.0 / largest), largest);
   if (words.empty()) return;
   warnings.add(
       body.elasticity->where,

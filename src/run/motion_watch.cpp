@@ -3,6 +3,7 @@
 #include "base/tensor.hpp"
 #include "fem/element.hpp"
 #include "input/elasticity.hpp"
+#include "material/library.hpp"
 #include "material/spectral.hpp"
 #include "model/joint_stops.hpp"
 #include "petsc/collective.hpp"
@@ -126,20 +127,26 @@ MotionWatch::MotionWatch(const Config& config, const Model& model)
       q_(make_vector(model.layout())) {
   for (std::size_t b = 0; b < model.body_names().size(); ++b) {
     if (b >= config.bodies.size() || config.bodies[b].is_rigid) {
-      bodies_.push_back({{}, model.body_names()[b], {}, {no_bound, infinity, {}}, {}, {}});  // nothing stretches it
+      bodies_.push_back({{}, model.body_names()[b], {}, {no_bound, infinity, {}}, {}, {}, {}});  // nothing stretches it
       continue;
     }
-    const ElasticityRule rule(*config.bodies[b].elasticity);
-    const std::string law(rule.kind().info().name);
-    bodies_.push_back(
-        {config.bodies[b].elasticity->where,
-         model.body_names()[b],
-         law,
-         trusted_stretches(law).value_or(TrustedStretches{no_bound, 10.0, "the range of this law is not known"}),
-         {},
-         {},
-         rule.is_uniform() ? stable_stretches(rule.law_at(0, {})) : std::nullopt});
+    bodies_.push_back(watched(*config.bodies[b].elasticity, model.body_names()[b]));
   }
+}
+
+MotionWatch::Body MotionWatch::watched(const ElasticityConfig& elasticity, const std::string& name) {
+  const ElasticityRule rule(elasticity);
+  Body body{elasticity.where, name, std::string(rule.kind().info().name), {no_bound, 10.0, {}}, {}, {}, {}};
+  if (rule.is_uniform()) body.stable = stable_stretches(rule.law_at(0, {}));
+  const auto of_law = trusted_stretches(body.law);
+  if (of_law) body.trusted = *of_law;
+  body.why = of_law ? of_law->why : "the range of this law is not known";
+  if (const LibraryMaterial* material = find_material(elasticity.library)) {
+    body.law = material->name;
+    body.trusted = {1.0 / material->highest_stretch, material->highest_stretch, {}};
+    body.why = fmt::format("it was measured up to a stretch of {:g}", material->highest_stretch);
+  }
+  return body;
 }
 
 std::string MotionWatch::instant(double time) const {
@@ -152,7 +159,7 @@ std::string MotionWatch::in_words(const Body& body, const Extreme& extreme) cons
       "{}: at {} '{}' is {} to {:.3g} times its length near X = ({:.4g}, {:.4g}, {:.4g}), beyond the range of '{}': "
       "{}; check loads and moduli: a number without a unit is in SI",
       to_string(body.where), instant(extreme.time), body.name, extreme.stretch > 1.0 ? "stretched" : "compressed",
-      extreme.stretch, x, y, z, body.law, body.trusted.why);
+      extreme.stretch, x, y, z, body.law, body.why);
 }
 
 std::string MotionWatch::instability(const Body& body, const Extreme& extreme, double limit) const {

@@ -51,11 +51,13 @@ class MotionWatch {
   struct Body {
     Location where;  ///< place of its elasticity in the input
     std::string name, law;
-    TrustedStretches trusted;
+    TrustedStretches trusted;  ///< of the law, or those at which its material was measured
+    std::string why;           ///< instead of that of `trusted`
     Extreme smallest, largest;
     std::optional<StableStretches> stable = {};  ///< where they are known and the user has not been warned
   };
 
+  static Body watched(const ElasticityConfig& elasticity, const std::string& name);
   /// "t = 0.1 s"
   std::string instant(double time) const;
   std::string in_words(const Body& body, const Extreme& extreme) const;

@@ -7,7 +7,7 @@ import xml.etree.ElementTree
 
 import numpy as np
 
-from program import ProgramTest, write_box
+from program import ProgramTest, read_history, write_box
 
 STRETCHED = """
 mesh: {{file: bar.msh}}
@@ -164,6 +164,46 @@ class Materials(ProgramTest):
                 self.assertEqual(len(curves), 3)
                 for points in curves:
                     self.assertGreater(len(points), 40)  # of 161: some laws end before a stretch of 2
+
+    def test_measured_materials(self):
+        """A body of the library is the body that its row describes; a run beyond the measured stretch is reported."""
+        write_box(self.directory / "cube.msh", (1, 1, 1), (1.0, 1.0, 1.0))
+
+        def run(elasticity, stretch, name):
+            self.write("cube.yaml", CUBE.format(elasticity="X", stretch=stretch, also="").replace("{model: X, incompressible: true}", elasticity))
+            done = self.call("run", "cube.yaml", "--output", name)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            return read_history(self.directory / name)["right_fx"][-1], done.stdout + done.stderr
+
+        own, _ = run("{model: yeoh, c10: 8002, c20: 80.8, poissons_ratio: 0.499}", 2, "own")
+        force, told = run("{library: ecoflex-00-30}", 2, "library")
+        self.assertEqual(force, own)
+        self.assertNotIn("warning", told)
+        self.assertAlmostEqual(force, 29.72e3, delta=0.011 * 114.76e3)  # as measured, and the deviation of the fit
+        softer, _ = run("{library: ecoflex-00-30, c10: 4001, c20: 40.4, incompressible: true}", 2, "softer")
+        self.assertAlmostEqual(softer / force, 0.5, delta=2e-3)  # 1 - 2 nu
+        _, told = run("{library: ninjaflex, poissons_ratio: 0.49}", 2.2, "far")
+        self.assertIn("beyond the range of 'ninjaflex': it was measured up to a stretch of 2", told)
+
+    def test_density_of_a_measured_material(self):
+        write_box(self.directory / "bar.msh", (1, 1, 1), (1.0, 0.1, 0.1))
+        for body, mass in (("{elasticity: {library: dragon-skin-20}}", 10.8), ("{density: 500, elasticity: {library: dragon-skin-20}}", 5)):
+            self.write("bar.yaml", f"mesh: {{file: bar.msh}}\nbodies: [{body}]\nloads: [{{gravity: [0, 0, -1]}}]\n"
+                       "constraints: [{surface: left, displacement: [0, 0, 0]}]\ntime: {method: static}\n")
+            history = self.run_input(self.directory / "bar.yaml")
+            self.assertAlmostEqual(history["left_fz"][-1], mass, delta=1e-6)
+        self.write("bar.yaml", "mesh: {file: bar.msh}\nbodies: [{elasticity: {library: rtv615}}]\nloads: [{gravity: [0, 0, -1]}]\ntime: {method: static}\n")
+        done = self.call("run", "bar.yaml")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("missing key 'density'", done.stderr)
+
+    def test_library_is_listed_and_drawn(self):
+        listed = self.call("materials", "--library").stdout
+        for name in ("ecoflex-00-30", "dragon-skin-10", "natural-rubber-treloar", "ninjaflex"):
+            self.assertIn(name, listed)
+            done = self.call("materials", "plot", name, "--stretch", "1", "2")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertTrue((self.directory / f"{name}.svg").exists())
 
     def test_bodies_that_leave_the_stable_range(self):
         """The force of this bar is largest at a stretch of 1.8; the ends are prescribed, so the run goes on."""
