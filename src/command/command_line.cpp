@@ -5,6 +5,7 @@
 #include "command/material_reference.hpp"
 #include "command/resume.hpp"
 #include "input/reference.hpp"
+#include "material/library.hpp"
 #include "petsc/session.hpp"
 #include "run/version.hpp"
 #include "study/fit.hpp"
@@ -365,14 +366,19 @@ void CommandLine::add_methods() {
 }
 
 void CommandLine::add_materials() {
-  CLI::App& materials = add_text("materials", "list the material laws, or plot one",
-                                 [this] { return arguments_.markdown ? material_reference() : materials_text(); });
+  CLI::App& materials = add_text("materials", "list the material laws, or plot one", [this] {
+    if (arguments_.library) return library_text();
+    return arguments_.markdown ? material_reference() : materials_text();
+  });
+  materials.add_flag("--library", arguments_.library, "list the measured materials with their sources instead");
   materials.add_flag("--markdown", arguments_.markdown, "print the reference of the laws in Markdown instead");
-  materials.footer(examples({"pliant materials", "pliant materials plot yeoh --set c10=0.2MPa"}));
-  CLI::App* plot = materials.add_subcommand("plot", "draw stress over stretch of an elastic law");
-  plot->footer(examples({"pliant materials plot yeoh",
+  materials.footer(
+      examples({"pliant materials", "pliant materials --library", "pliant materials plot yeoh --set c10=0.2MPa"}));
+  CLI::App* plot =
+      materials.add_subcommand("plot", "draw stress over stretch of an elastic law or a measured material");
+  plot->footer(examples({"pliant materials plot yeoh", "pliant materials plot ecoflex-00-30 --stretch 1 5",
                          "pliant materials plot ogden --set mu1=0.3MPa --stretch 0.5 3 --output ogden.svg"}));
-  plot->add_option("LAW", arguments_.file, "name of the law")->required();
+  plot->add_option("LAW", arguments_.file, "name of the law, or of a material of the library")->required();
   plot->add_option("--set", arguments_.settings,
                    "KEY=VALUE: a parameter of the law; the others are typical ones; may be repeated")
       ->allow_extra_args(false);

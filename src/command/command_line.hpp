@@ -36,6 +36,7 @@ class CommandLine {
     bool quiet = false;
     bool markdown = false;
     bool is_of_fit = false;
+    bool library = false;  ///< of measured materials
     bool continues = false;
     StudyOptions study;
     Conversion conversion;

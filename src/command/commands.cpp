@@ -246,7 +246,8 @@ std::string materials_text() {
   }
   text +=
       "U(J) by volumetric_energy: log (ln J)^2/2, quadratic (J - 1)^2/2, mixed (J^2 - 1 - 2 ln J)/4, the default.\n"
-      "Stress over stretch as a picture: pliant materials plot LAW\n\n";
+      "Stress over stretch as a picture: pliant materials plot LAW\n"
+      "Measured materials: pliant materials --library\n\n";
   list("VISCOSITY (bodies[].viscosity)", viscosity_laws());
   text += "rate: the form of the strain rate of kelvin-voigt; auto takes what suits the method\n";
   for (const auto& rate : strain_rates()) {

@@ -3,6 +3,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "material/constants.hpp"
+#include "material/library.hpp"
 #include "material/loading.hpp"
 
 #include <algorithm>
@@ -20,10 +21,6 @@ const ParameterInfo* find_parameter(const LawInfo& law, std::string_view name) {
     if (found != parameters.end()) return &*found;
   }
   return nullptr;
-}
-
-bool is_elastic_constant(std::string_view name) {
-  return std::ranges::find(elastic_constants(), name, &ParameterInfo::name) != elastic_constants().end();
 }
 
 std::pair<std::string, double> parsed(const LawInfo& law, const std::string& setting) {
@@ -47,21 +44,31 @@ std::pair<std::string, double> parsed(const LawInfo& law, const std::string& set
 
 ElasticLawSpec law_for_plot(const std::string& name, const std::vector<std::string>& settings) {
   const auto rows = elastic_laws();
-  const auto row = std::ranges::find(rows, name, &LawInfo::name);
+  const LibraryMaterial* material = find_material(name);
+  const auto row = std::ranges::find(rows, material != nullptr ? material->law : name, &LawInfo::name);
   if (row == rows.end()) {
     std::vector<std::string> names;
     for (const auto& law : rows) names.emplace_back(law.name);
-    throw InputError({}, fmt::format("there is no elastic law '{}'{}; the laws are {}", name, did_you_mean(name, names),
-                                     joined(names)));
+    for (const auto& entry : material_library()) names.emplace_back(entry.name);
+    throw InputError({}, fmt::format("there is no elastic law or material '{}'{}; there are {}", name,
+                                     did_you_mean(name, names), joined(names)));
   }
   GivenConstants constants;
   for (const auto& setting : settings) constants.insert(parsed(*row, setting));
+  if (material != nullptr) {
+    const bool gives_volume = constants.contains("poissons_ratio") || constants.contains("bulk_modulus");
+    for (const auto& [key, value] : constants_of(*material)) {
+      if (key != "poissons_ratio" || !gives_volume) constants.emplace(key, value);
+    }
+    return make_law(material->law, constants);
+  }
   // Elastic constants that the law does not have replace those that it has.
   const bool replaces = std::ranges::any_of(constants, [&](const auto& given) {
     return std::ranges::find(row->parameters, given.first, &ParameterInfo::name) == row->parameters.end();
   });
   for (const auto& p : row->parameters) {
-    if (!replaces || !is_elastic_constant(p.name)) constants.emplace(p.name, p.typical);
+    const bool is_replaced = replaces && follows_from_constants(static_cast<std::size_t>(row - rows.begin()), p.name);
+    if (!is_replaced) constants.emplace(p.name, p.typical);
   }
   return make_law(name, constants);
 }

@@ -13,8 +13,8 @@ namespace pliant {
 /// law.
 Plot stress_stretch_plot(const ElasticLawSpec& law, double lowest, double highest);
 
-/// The law as the command line describes it: typical parameters, some of them replaced by `settings`, each
-/// "key=value", where the value may have a unit. Throws InputError.
+/// The law, or the material of the library, as the command line describes it: typical parameters, some of them replaced
+/// by `settings`, each "key=value", where the value may have a unit. Throws InputError.
 ElasticLawSpec law_for_plot(const std::string& name, const std::vector<std::string>& settings);
 
 }  // namespace pliant

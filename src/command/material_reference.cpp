@@ -2,6 +2,7 @@
 
 #include "material/constants.hpp"
 #include "material/elastic_law.hpp"
+#include "material/library.hpp"
 #include "material/viscosity_registry.hpp"
 
 #include <span>
@@ -35,8 +36,8 @@ std::string parameter_table(std::span<const ParameterInfo> parameters, bool has_
                                  : "| key | unit | admissible | meaning |\n|---|---|---|---|\n";
   for (const auto& p : parameters) {
     const std::string typical = has_typical ? fmt::format(" {:g} |", p.typical) : "";
-    const std::string fallback = p.fallback ? fmt::format("; {:g} if not given", *p.fallback) : "";
-    text += fmt::format("| `{}` | {} | {} |{} {}{} |\n", p.name, p.unit, admissible(p), typical, p.meaning, fallback);
+    text += fmt::format("| `{}` | {} | {} |{} {}{} |\n", p.name, p.unit, admissible(p), typical, p.meaning,
+                        fallback_words(p));
   }
   return text;
 }
@@ -44,6 +45,27 @@ std::string parameter_table(std::span<const ParameterInfo> parameters, bool has_
 std::string heading(const LawInfo& law) {
   return fmt::format("\n### {}\n\n    {}\n\nUse: {}.\nSource: {}.\n\n", law.name, law.formula, law.when_to_use,
                      law.source);
+}
+
+std::string library_table() {
+  std::string text =
+      "`elasticity: {library: NAME}` gives a body a law and constants that were fitted to published tests "
+      "([how to use them](materials.md#measured-materials)).\n\n"
+      "| name | law | constants | E at small strain | density | stretch up to |\n|---|---|---|---|---|---|\n";
+  for (const LibraryMaterial& m : material_library()) {
+    std::string constants;
+    for (const auto& [key, value] : m.constants) {
+      constants += fmt::format("{}`{}` {:g}", constants.empty() ? "" : ", ", key, value);
+    }
+    const double mu = make_law(m.law, constants_of(m)).at_rest().value().mu;
+    text += fmt::format("| `{}` | `{}` | {} | {:.3g} MPa | {} | {:g} |\n", m.name, m.law, constants, 3e-6 * mu,
+                        m.density ? fmt::format("{:g} kg/m^3", *m.density) : "", m.highest_stretch);
+  }
+  text += "\n";
+  for (const LibraryMaterial& m : material_library()) {
+    text += fmt::format("- **{}**: {}. Fit: {}. Source: {}.\n", m.name, m.tests, m.fit, m.source);
+  }
+  return text;
 }
 
 }  // namespace
@@ -59,6 +81,7 @@ std::string material_reference() {
     text += heading(law) + parameter_table(law.parameters, true);
     text += fmt::format("\n![{0}: nominal stress over stretch](images/law-{0}.svg)\n", law.name);
   }
+  text += "\n## Measured materials\n\n" + library_table();
   text += "\n## Viscous laws\n";
   for (const auto& law : viscosity_laws()) text += heading(law) + parameter_table(law.parameters, false);
   return text;

@@ -83,7 +83,7 @@ void check_bodies(const Config& config, const InputNode& root, Diagnostics& diag
       diagnostics.add({active->where, {"fibre"}}, active->where,
                       "missing key 'fibre' in active: the elastic law has no fibres of its own");
     }
-    if (given(entry(root, "bodies", i), {"density"}) != nullptr) continue;
+    if (bodies[i].density || given(entry(root, "bodies", i), {"density"}) != nullptr) continue;
     const Analysis analysis = analysis_of(config);
     const auto is_needed_by = [&](const std::string& what) {
       diagnostics.add({bodies[i].where, {"density"}}, bodies[i].where,

@@ -65,8 +65,10 @@ struct GivenDirection {
 
 struct ElasticityConfig {
   std::string model;                     ///< name in the registry of elastic laws
+  std::string library;                   ///< the measured material (material/library.hpp) that fills in the rest, or ""
   std::vector<GivenConstant> constants;  ///< constants of the law (material/constants.hpp)
   std::vector<GivenDirection> directions;
+  bool incompressible = false;  ///< in place of the constant that resists a change of volume
   VolumetricForm volumetric_energy = VolumetricForm::mixed;
   Location where;
 };

@@ -1,5 +1,7 @@
 #include "input/defaults.hpp"
 
+#include "material/library.hpp"
+
 #include <algorithm>
 #include <filesystem>
 
@@ -63,6 +65,10 @@ void complete_defaults(Config& config, const InputNode& root) {
   }
   if (config.output.directory.empty()) config.output.directory = (fs::path("out") / input.stem()).string();
   if (const InputNode* every = given(root, {"output", "every"})) config.output.every_where = every->where;
+  for (BodyConfig& body : config.bodies) {
+    if (!body.elasticity || body.density) continue;
+    if (const LibraryMaterial* material = find_material(body.elasticity->library)) body.density = material->density;
+  }
   complete_time(config.time, root);
   place_whole_mesh_parts(config.bodies);
   place_whole_mesh_parts(config.loads);

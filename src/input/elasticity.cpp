@@ -1,6 +1,8 @@
 #include "input/elasticity.hpp"
 
+#include "base/limits.hpp"
 #include "material/loading.hpp"
+#include "material/volume_split.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,9 +18,25 @@ std::size_t row_of(std::string_view model) {
   return static_cast<std::size_t>(std::ranges::find(laws, model, &LawInfo::name) - laws.begin());
 }
 
+/// What `incompressible: true` stands for: a constant of the law and its value.
+std::pair<std::string_view, double> incompressibility(std::size_t row) {
+  if (takes(row, "poissons_ratio")) return {"poissons_ratio", 0.5};
+  return {"bulk_modulus", infinity};
+}
+
 std::vector<std::string> keys_of(const ElasticityConfig& config) {
   std::vector<std::string> keys;
   for (const auto& constant : config.constants) keys.push_back(constant.key);
+  if (!config.incompressible) return keys;
+  for (const auto& constant : config.constants) {
+    for (const auto* of_volume : {"poissons_ratio", "bulk_modulus", "lame_lambda", "lambda"}) {
+      if (constant.key != of_volume) continue;
+      throw InputError(constant.where, fmt::format("'{}' contradicts 'incompressible: true', which takes its place; "
+                                                   "remove one of them",
+                                                   constant.key));
+    }
+  }
+  keys.emplace_back(incompressibility(row_of(config.model)).first);
   return keys;
 }
 
@@ -82,6 +100,7 @@ std::vector<double> ElasticityRule::constants_at(PetscInt cell, const std::array
       throw InputError(c.where, fmt::format("cell data '{}' has no value{}", c.cell_data, at_place(X)));
     }
   }
+  if (config_.incompressible) values.push_back(incompressibility(kind_.row).second);
   return values;
 }
 
@@ -143,12 +162,14 @@ std::string describe(const ElasticLawSpec& law) {
 
 WaveModuli wave_moduli(const ElasticLawSpec& law) {
   if (const auto rest = law.at_rest()) return {rest->lambda + 2.0 * rest->mu, rest->mu};
-  const Tangent<double> A = tangent_at_rest(law);
+  const auto split = split_volume(law);  // the tangent of an incompressible law is infinite
+  const Tangent<double> A = tangent_at_rest(split ? split->rest : law);
+  const double kappa = split ? split->kappa : 0.0;
   // Plane waves along the axes: the moduli of stretch and of shear there.
   WaveModuli moduli{0.0, std::numeric_limits<double>::infinity()};
   for (std::size_t p = 0; p < 9; ++p) {
     const double modulus = A[9 * p + p];
-    if (p % 4 == 0) moduli.largest = std::max(moduli.largest, modulus);
+    if (p % 4 == 0) moduli.largest = std::max(moduli.largest, modulus + kappa);
     if (p % 4 != 0) moduli.smallest = std::min(moduli.smallest, modulus);
   }
   return moduli;

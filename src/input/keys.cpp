@@ -58,7 +58,7 @@ Section<BodyConfig> body_keys() {
           selector<BodyConfig>("volume", SelectionKind::volume, "the volume that the body fills")
               .otherwise_in_words("the whole mesh"),
           field("density", &BodyConfig::density, quantity("kg/m^3", Range::above(0)), "mass per reference volume")
-              .otherwise_in_words("none; needed for dynamics and for gravity"),
+              .otherwise_in_words("that of the elasticity's `library`; needed for dynamics and for gravity"),
           field("elasticity", &BodyConfig::elasticity, elasticity_format(), "elastic law of a body that is not rigid"),
           field("attached", &BodyConfig::attached, list_of(name_of_part(), 1),
                 "of a rigid body: names of surfaces of other bodies that move with it, rigidly (RBE2)")

@@ -172,6 +172,13 @@ bool has_default(const std::string& key, const KeyInfo& section) {
                      [&](const KeyInfo& child) { return child.key == key && !child.fallback.empty(); });
 }
 
+/// The key for which users may mean this key of another choice.
+std::optional<std::string> synonym_of(const std::string& key, const std::vector<KeyInfo>& keys) {
+  const auto found =
+      std::find_if(keys.begin(), keys.end(), [&](const KeyInfo& other) { return holds(other.also, key); });
+  return found == keys.end() ? std::nullopt : std::optional(found->key);
+}
+
 /// Reports keys whose owners are not given. None where a choice is missing, which is already an error.
 void check_strays(const InputNode& node, const std::string& name, const KeyInfo& section, Diagnostics& diagnostics) {
   for (const KeyGroup& group : section.groups) {
@@ -184,8 +191,9 @@ void check_strays(const InputNode& node, const std::string& name, const KeyInfo&
     if (anchors.empty() || std::any_of(anchors.begin(), anchors.end(), is_there)) continue;
     const bool is_chosen_by_default = !is_given(node, anchors[0].key) && has_default(anchors[0].key, section);
     if (!anchors[0].value.empty() && !is_chosen_by_default && is_open(anchors[0].key, node, section)) continue;
-    diagnostics.add(node.find(key.key)->key_where,
-                    "'" + key.key + "' can only be given with " + quoted(anchors) + in_section(name));
+    const std::string message = "'" + key.key + "' can only be given with " + quoted(anchors) + in_section(name);
+    const auto meant = synonym_of(key.key, usable(node, section));
+    diagnostics.add(node.find(key.key)->key_where, meant ? message + " (did you mean '" + *meant + "'?)" : message);
   }
 }
 

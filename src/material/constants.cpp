@@ -38,14 +38,19 @@ bool has(const LawInfo& law, Constant c) {
   return place_in(law.parameters, constants[c].name) >= 0;
 }
 
-/// Whether the law has two constants of the isotropic solid; otherwise it has a bulk modulus alone, or none.
+/// Whether the law has two constants of the isotropic solid; otherwise it has one parameter of the volume, or none.
 bool takes_two_constants(const LawInfo& law) {
   return has(law, shear) && (has(law, bulk) || has(law, lame_first));
 }
 
-/// Whether the law has a bulk modulus alone and is isotropic, so that Poisson's ratio can replace it.
-bool takes_bulk_modulus(const LawInfo& law) {
-  return !takes_two_constants(law) && law.directions.empty() && has(law, bulk);
+/// The one parameter of the volume of an isotropic law, which bulk_modulus or poissons_ratio can replace: the first
+/// Lame parameter at rest is this parameter and a number. Empty if there is none.
+std::string_view parameter_of_volume(const LawInfo& law) {
+  if (takes_two_constants(law) || !law.directions.empty()) return {};
+  for (const std::string_view name : {std::string_view("bulk_modulus"), std::string_view("lambda")}) {
+    if (place_in(law.parameters, name) >= 0) return name;
+  }
+  return {};
 }
 
 /// One of the constants that laws have for parameters.
@@ -56,12 +61,12 @@ T value_of(Constant c, const LameOf<T>& l) {
   return l.lambda;
 }
 
-double shear_modulus_at_rest(std::size_t row, const std::vector<double>& parameters) {
-  return ElasticLawSpec{row, parameters}.at_rest().value_or(Lame{}).mu;
+Lame at_rest_of(std::size_t row, const std::vector<double>& parameters) {
+  return ElasticLawSpec{row, parameters}.at_rest().value_or(Lame{});
 }
-Dual<double> shear_modulus_at_rest(std::size_t row, const std::vector<Dual<double>>& parameters) {
+LameOf<Dual<double>> at_rest_of(std::size_t row, const std::vector<Dual<double>>& parameters) {
   const auto at_rest = kind_of(row).dual_at_rest;
-  return at_rest == nullptr ? Dual<double>() : at_rest({parameters}).mu;
+  return at_rest == nullptr ? LameOf<Dual<double>>{} : at_rest({parameters});
 }
 
 /// mu and lambda from two of the constants by their indices, in ascending order.
@@ -104,8 +109,12 @@ bool takes(std::size_t row, std::string_view key) {
   const LawInfo& law = elastic_laws()[row];
   const int constant = place_in(constants, key);
   if (constant >= 0 && takes_two_constants(law)) return true;
-  if (constant == poissons && takes_bulk_modulus(law)) return true;
+  if ((constant == poissons || constant == bulk) && !parameter_of_volume(law).empty()) return true;
   return place_in(law.parameters, key) >= 0;
+}
+
+bool follows_from_constants(std::size_t row, std::string_view parameter) {
+  return place_in(constants, parameter) >= 0 || parameter == parameter_of_volume(elastic_laws()[row]);
 }
 
 Lame lame_of(int first, double a, int second, double b) {
@@ -122,10 +131,13 @@ ConstantsRule::ConstantsRule(std::size_t row, std::vector<std::string> keys, con
   const LawInfo& law = elastic_laws()[row];
   std::vector<Diagnostic> errors;
   key_of_parameter_.assign(law.parameters.size(), -1);
-  const bool two = takes_two_constants(law), one = takes_bulk_modulus(law);
+  const bool two = takes_two_constants(law);
+  const std::string_view of_volume = parameter_of_volume(law);
+  std::size_t num_given = 0;  // of the constants, or of what may stand for the parameter of the volume
   for (std::size_t k = 0; k < keys_.size(); ++k) {
     const int constant = place_in(constants, keys_[k]), own = place_in(law.parameters, keys_[k]);
-    const bool belongs = two ? constant >= 0 : one && (constant == bulk || constant == poissons);
+    const bool belongs = two ? constant >= 0 : !of_volume.empty() && (constant == bulk || constant == poissons);
+    if (belongs || keys_[k] == of_volume) ++num_given;
     if (belongs) {
       constants_.push_back({constant, static_cast<int>(k)});
     } else if (own >= 0) {
@@ -138,17 +150,21 @@ ConstantsRule::ConstantsRule(std::size_t row, std::vector<std::string> keys, con
     }
   }
   std::ranges::sort(constants_);
-  const std::size_t wanted = two ? 2 : one ? 1 : 0;
-  if (constants_.size() != wanted) {
-    const std::string given = constants_.empty() ? "none is given" : fmt::format("{} given", constants_.size());
+  const std::size_t wanted = two ? 2 : of_volume.empty() ? 0 : 1;
+  if (num_given != wanted) {
+    const std::string given = num_given == 0 ? "none is given" : fmt::format("{} given", num_given);
     errors.push_back({Severity::error, where,
                       two ? fmt::format("{} needs two of {}; {}", law.name, names_of_parameters(constants),
-                                        constants_.size() == 1 ? "one is given" : given)
-                          : fmt::format("{} needs one of bulk_modulus, poissons_ratio; {}", law.name, given)});
+                                        num_given == 1 ? "one is given" : given)
+                          : fmt::format("{} needs one of {}bulk_modulus, poissons_ratio; {}", law.name,
+                                        of_volume == "lambda" ? "lambda, " : "", given)});
   }
   for (std::size_t p = 0; p < law.parameters.size(); ++p) {
-    const bool is_constant = (two || one) && place_in(constants, law.parameters[p].name) >= 0;
-    if (is_constant || key_of_parameter_[p] >= 0 || law.parameters[p].fallback) continue;
+    const bool is_constant =
+        law.parameters[p].name == of_volume || (two && place_in(constants, law.parameters[p].name) >= 0);
+    if (is_constant || key_of_parameter_[p] >= 0) continue;
+    const bool is_needed = std::ranges::find(keys_, law.parameters[p].needed_with) != keys_.end();
+    if (law.parameters[p].fallback && !is_needed) continue;
     errors.push_back(
         {Severity::error, where,
          fmt::format("missing key '{}' of {}: {}", law.parameters[p].name, law.name, law.parameters[p].meaning)});
@@ -173,11 +189,15 @@ std::vector<T> ConstantsRule::parameters(std::span<const T> values) const {
       const int p = place_in(law.parameters, constants[c].name);
       if (p >= 0) result[p] = value_of(c, l);
     }
-  } else if (const int p = place_in(law.parameters, constants[bulk].name); first == bulk) {
-    result[p] = values[first_key];
   } else {
-    const T nu = values[first_key];
-    result[p] = 2.0 * shear_modulus_at_rest(row_, result) * (1.0 + nu) / (3.0 * (1.0 - 2.0 * nu));
+    const int p = place_in(law.parameters, parameter_of_volume(law));
+    const LameOf<T> rest = at_rest_of(row_, result);  // with this parameter at 0
+    const T value = values[first_key];
+    if (first == bulk) {
+      result[p] = value - (rest.lambda + 2.0 / 3.0 * rest.mu);  // of rest: 0 where the parameter is the modulus itself
+    } else {
+      result[p] = 2.0 * rest.mu * value / (1.0 - 2.0 * value) - rest.lambda;
+    }
   }
   return result;
 }

@@ -3,7 +3,8 @@
 /// Users give a law's own parameters by their names. If the law has elastic constants of the isotropic solid at rest
 /// (shear_modulus, bulk_modulus, lame_lambda), users may give any two of
 ///     youngs_modulus, poissons_ratio, shear_modulus, bulk_modulus, lame_lambda.
-/// If bulk_modulus stands alone, because the law has its own shear stiffness, poissons_ratio may replace it.
+/// If an isotropic law has shear stiffnesses of its own and one parameter of the volume (bulk_modulus, lambda),
+/// bulk_modulus or poissons_ratio at small strain may replace that one.
 #pragma once
 
 #include "base/dual.hpp"
@@ -20,6 +21,9 @@ std::span<const ParameterInfo> elastic_constants();
 
 /// Whether a law (by its row) accepts this key: one of its parameters, or a constant that determines them.
 bool takes(std::size_t row, std::string_view key);
+
+/// Whether elastic_constants() determine this parameter of a law.
+bool follows_from_constants(std::size_t row, std::string_view parameter);
 
 /// The rule that converts the values of certain keys to the parameters of a law: checked once, applied at every point.
 class ConstantsRule {

@@ -15,6 +15,12 @@ std::string admissible(const ParameterInfo& p) {
   return has_upper ? fmt::format("< {}", p.upper) : "any";
 }
 
+std::string fallback_words(const ParameterInfo& p) {
+  if (!p.fallback) return "";
+  return p.needed_with.empty() ? fmt::format("; {:g} if not given", *p.fallback)
+                               : fmt::format("; left out with {}", p.needed_with);
+}
+
 std::optional<std::string> error_in(const ParameterInfo& parameter, double value) {
   const bool may_be_lower = parameter.lower_bound == LowerBound::included;
   const bool is_above = may_be_lower ? value >= parameter.lower : value > parameter.lower;

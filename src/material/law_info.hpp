@@ -24,6 +24,7 @@ struct ParameterInfo {
   double typical = 1.0;                           ///< typical of a soft body: for examples, plots and tests
   std::optional<double> fallback = {};            ///< its value if the user does not give it
   UpperBound upper_bound = UpperBound::excluded;  ///< whether `upper` itself is admissible
+  std::string_view needed_with = {};              ///< a parameter with which this one has to be given all the same
 };
 
 struct LawInfo {
@@ -37,6 +38,9 @@ struct LawInfo {
 
 /// The admissible values: "> 0", "between -1 and 0.5", "any".
 std::string admissible(const ParameterInfo& parameter);
+
+/// What holds if the user does not give it, as the end of a description: "; 0 if not given", "".
+std::string fallback_words(const ParameterInfo& parameter);
 
 /// A message if the value of a parameter is not admissible; nullopt if it is.
 std::optional<std::string> error_in(const ParameterInfo& parameter, double value);

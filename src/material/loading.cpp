@@ -1,5 +1,7 @@
 #include "material/loading.hpp"
 
+#include "material/volume_split.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -56,6 +58,47 @@ bool release(const LawField& law, const std::vector<int>& free, Tensor3<double>&
   return false;
 }
 
+/// P - p F^-T and its derivative, for a diagonal F: d(F^-T)_iJ / dF_Ji = -1/(l_i l_J).
+void subtract_pressure(double pressure, LoadedState& state) {
+  const auto stretch = [&](int k) { return 1.0 + state.H(k, k); };
+  for (int i = 0; i < 3; ++i) {
+    state.P(i, i) -= pressure / stretch(i);
+    for (int J = 0; J < 3; ++J) {
+      state.A[static_cast<std::size_t>(9 * (3 * i + J) + 3 * J + i)] += pressure / (stretch(i) * stretch(J));
+    }
+  }
+}
+
+/// The state of an incompressible body, whose law without volumetric part is `rest`: its pressure follows from the free
+/// face normal to z, and the sides of a bar, if they differ, from their equal pressures.
+std::optional<LoadedState> loaded_at_constant_volume(const LawField& rest, Loading loading, double amount) {
+  if (loading == Loading::volumetric) return std::nullopt;
+  Tensor3<double> H{};
+  prescribe(H, loading, amount);
+  if (loading == Loading::simple_shear) return response(rest, H);  // the pressure has no shear
+  const double along = loading == Loading::equibiaxial ? amount * amount : amount;
+  double log_side = loading == Loading::equibiaxial ? 0.0 : -0.5 * std::log(along);  // ln F_yy of a bar
+  constexpr int most_iterations = 50;
+  constexpr double largest_change = 0.1;
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    if (loading == Loading::uniaxial) H(1, 1) = std::expm1(log_side);
+    H(2, 2) = std::expm1(-std::log(along) - (loading == Loading::uniaxial ? log_side : 0.0));
+    LoadedState state = response(rest, H);
+    const auto& [at, P, A] = state;
+    const std::array<double, 3> l{1.0 + H(0, 0), 1.0 + H(1, 1), 1.0 + H(2, 2)};
+    const double tau_y = l[1] * P(1, 1), tau_z = l[2] * P(2, 2);
+    const double size = std::abs(tau_y) + std::abs(tau_z) + std::abs(l[0] * P(0, 0));
+    if (!std::isfinite(size)) return std::nullopt;
+    if (loading != Loading::uniaxial || std::abs(tau_y - tau_z) <= 1e-13 * size) {
+      subtract_pressure(tau_z, state);
+      return state;
+    }
+    const double slope = l[1] * l[1] * A[40] - 2.0 * l[1] * l[2] * A[44] + l[2] * l[2] * A[80] + tau_y + tau_z;
+    log_side -= std::clamp((tau_y - tau_z) / slope, -largest_change, largest_change);
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::vector<int> free_entries(Loading loading) {
@@ -83,6 +126,9 @@ std::optional<LoadedState> LoadingPath::to(double amount) {
 }
 
 std::optional<LoadedState> loaded(const ElasticLawSpec& law, Loading loading, double amount) {
+  if (const auto split = split_volume(law); split && std::isinf(split->kappa)) {
+    return loaded_at_constant_volume(*make_law_field(split->rest), loading, amount);
+  }
   return LoadingPath(law, loading).to(amount);
 }
 
@@ -100,15 +146,8 @@ LoadedState loaded_incompressible(const ElasticLawSpec& law, Loading loading, do
   LoadedState state = response(*make_law_field(law), incompressible_state(loading, amount));
   const auto free = free_entries(loading);
   if (free.empty()) return state;
-  const auto stretch = [&](int k) { return 1.0 + state.H(k, k); };
-  const double pressure = state.P(free.front(), free.front()) * stretch(free.front());
-  // P - p F^-T, and with F diagonal d(F^-T)_iJ / dF_Ji = -1/(l_i l_J).
-  for (int i = 0; i < 3; ++i) {
-    state.P(i, i) -= pressure / stretch(i);
-    for (int J = 0; J < 3; ++J) {
-      state.A[static_cast<std::size_t>(9 * (3 * i + J) + 3 * J + i)] += pressure / (stretch(i) * stretch(J));
-    }
-  }
+  const int k = free.front();
+  subtract_pressure(state.P(k, k) * (1.0 + state.H(k, k)), state);
   return state;
 }
 

@@ -58,7 +58,8 @@ class LoadingPath {
   Tensor3<double> H_{};
 };
 
-/// The state of a specimen deformed from rest to `amount`; nullopt if the law has no such state.
+/// The state of a specimen deformed from rest to `amount`: the stretch, or 1 + the amount of shear. Newton's method
+/// finds the free stretches in increments. An incompressible law keeps the volume. nullopt if there is no such state.
 std::optional<LoadedState> loaded(const ElasticLawSpec& law, Loading loading, double amount);
 
 /// H of an incompressible body (J = 1), whose free sides deform alike, whatever its law. Not for volumetric loading.

@@ -16,12 +16,23 @@ constexpr ParameterInfo shear_modulus{"shear_modulus",      "Pa", 0.0, infinity,
                                       LowerBound::excluded, 400e3};
 constexpr ParameterInfo lame_lambda{
     "lame_lambda", "Pa", -infinity, infinity, "first Lame parameter at small strain", LowerBound::excluded, 1.6e6};
-constexpr ParameterInfo bulk_modulus_at_rest{
-    "bulk_modulus", "Pa", 0.0, infinity, "stiffness against volume change at small strain", LowerBound::excluded, 2e6};
+constexpr ParameterInfo bulk_modulus_at_rest{"bulk_modulus",
+                                             "Pa",
+                                             0.0,
+                                             infinity,
+                                             "stiffness against volume change at small strain",
+                                             LowerBound::excluded,
+                                             2e6,
+                                             std::nullopt,
+                                             UpperBound::included};
 
 constexpr ParameterInfo coefficient(std::string_view name, std::string_view meaning, double typical,
-                                    double lower = -infinity) {
-  return {name, "Pa", lower, infinity, meaning, LowerBound::included, typical};
+                                    double lower = -infinity, std::optional<double> fallback = {}) {
+  return {name, "Pa", lower, infinity, meaning, LowerBound::included, typical, fallback};
+}
+/// A coefficient of a higher term, which may be left out.
+constexpr ParameterInfo higher(std::string_view name, std::string_view meaning, double typical) {
+  return coefficient(name, meaning, typical, -infinity, 0.0);
 }
 
 constexpr std::array lame_parameters{shear_modulus, lame_lambda};
@@ -32,12 +43,18 @@ constexpr std::array mooney_rivlin{
 constexpr std::array mooney_rivlin_5{
     coefficient("c10", "of I1b - 3; c10 + c01 is half the shear modulus at small strain", 150e3),
     coefficient("c01", "of I2b - 3", 50e3),
-    coefficient("c20", "of (I1b - 3)^2", 20e3),
-    coefficient("c11", "of (I1b - 3) (I2b - 3)", 5e3),
-    coefficient("c02", "of (I2b - 3)^2", 3e3),
+    higher("c20", "of (I1b - 3)^2", 20e3),
+    higher("c11", "of (I1b - 3) (I2b - 3)", 5e3),
+    higher("c02", "of (I2b - 3)^2", 3e3),
     bulk_modulus_at_rest};
+constexpr std::array mooney_rivlin_coupled{
+    coefficient("c1", "of I1 - 3; c1 + c2 is half the shear modulus at small strain", 150e3),
+    coefficient("c2", "of I2 - 3", 50e3),
+    ParameterInfo{"lambda", "Pa", -infinity, infinity,
+                  "of (ln J)^2/2; the first Lame parameter at small strain is lambda + 4 c2", LowerBound::excluded,
+                  1.6e6}};
 constexpr std::array yeoh{coefficient("c10", "of I1b - 3; half the shear modulus at small strain", 200e3),
-                          coefficient("c20", "of (I1b - 3)^2", -10e3), coefficient("c30", "of (I1b - 3)^3", 5e3),
+                          higher("c20", "of (I1b - 3)^2", -10e3), higher("c30", "of (I1b - 3)^3", 5e3),
                           bulk_modulus_at_rest};
 constexpr std::array gent{
     shear_modulus, bulk_modulus_at_rest,
@@ -51,23 +68,28 @@ constexpr ParameterInfo ogden_modulus(std::string_view name, std::string_view me
   return {name, "Pa", -infinity, infinity, meaning, LowerBound::excluded, typical, fallback};
 }
 constexpr ParameterInfo ogden_exponent(std::string_view name, std::string_view meaning, double typical,
-                                       std::optional<double> fallback = {}) {
-  return {name, "1", -infinity, infinity, meaning, LowerBound::excluded, typical, fallback};
+                                       std::string_view modulus = {}) {
+  const auto fallback = modulus.empty() ? std::nullopt : std::optional(2.0);
+  return {name,   "1", -infinity, infinity, meaning, LowerBound::excluded, typical, fallback, UpperBound::excluded,
+          modulus};
 }
 constexpr std::array ogden{
     ogden_modulus("mu1", "contribution of the first term to the shear modulus at small strain", 220e3),
     ogden_exponent("alpha1", "exponent of the first term", 1.3),
     ogden_modulus("mu2", "of the second term", 100e3, 0.0),
-    ogden_exponent("alpha2", "of the second term", 5.0, 2.0),
+    ogden_exponent("alpha2", "of the second term", 5.0, "mu2"),
     ogden_modulus("mu3", "of the third term", 60e3, 0.0),
-    ogden_exponent("alpha3", "of the third term", -2.0, 2.0),
+    ogden_exponent("alpha3", "of the third term", -2.0, "mu3"),
     ogden_modulus("mu4", "of the fourth term", 20e3, 0.0),
-    ogden_exponent("alpha4", "of the fourth term", -4.0, 2.0),
+    ogden_exponent("alpha4", "of the fourth term", -4.0, "mu4"),
     bulk_modulus_at_rest};
 constexpr std::array shear_alone{shear_modulus};
 
-constexpr ParameterInfo exponent(std::string_view name, std::string_view meaning, double typical) {
-  return {name, "1", 0.0, infinity, meaning, LowerBound::excluded, typical};
+/// It may be left out together with `stiffness`, if that is given.
+constexpr ParameterInfo exponent(std::string_view name, std::string_view meaning, double typical,
+                                 std::string_view stiffness = {}) {
+  const auto fallback = stiffness.empty() ? std::nullopt : std::optional(1.0);
+  return {name, "1", 0.0, infinity, meaning, LowerBound::excluded, typical, fallback, UpperBound::excluded, stiffness};
 }
 
 constexpr std::array guccione{
@@ -85,10 +107,10 @@ constexpr std::array holzapfel_ogden{coefficient("a", "shear modulus of the grou
                                      exponent("b", "stiffening of the ground matrix", 1.5),
                                      coefficient("a_f", "along the fibres", 400e3, 0.0),
                                      exponent("b_f", "stiffening along the fibres", 1.2),
-                                     coefficient("a_s", "along the sheets", 100e3, 0.0),
-                                     exponent("b_s", "stiffening along the sheets", 0.9),
-                                     coefficient("a_fs", "of shear between fibres and sheets", 50e3, 0.0),
-                                     exponent("b_fs", "stiffening in shear between fibres and sheets", 1.1),
+                                     coefficient("a_s", "along the sheets", 100e3, 0.0, 0.0),
+                                     exponent("b_s", "stiffening along the sheets", 0.9, "a_s"),
+                                     coefficient("a_fs", "of shear between fibres and sheets", 50e3, 0.0, 0.0),
+                                     exponent("b_fs", "stiffening in shear between fibres and sheets", 1.1, "a_fs"),
                                      bulk_modulus_at_rest};
 
 constexpr std::array<LawInfo, ElasticLaws::size> own_laws{{
@@ -112,6 +134,11 @@ constexpr std::array<LawInfo, ElasticLaws::size> own_laws{{
      "psi = c10 i1 + c01 i2 + c20 i1^2 + c11 i1 i2 + c02 i2^2 + kappa U(J), i1 = I1b - 3, i2 = I2b - 3",
      mooney_rivlin_5, "Rivlin & Saunders (1951); Holzapfel (2000), section 6.5",
      "rubbers whose stress-stretch curve has an upturn; fit to more than one kind of test"},
+    {MooneyRivlinCoupled<double>::name,
+     "psi = c1 (I1 - 3) + c2 (I2 - 3) - 2 (c1 + 2 c2) ln J + lambda/2 (ln J)^2, I1, I2: invariants of F^T F",
+     mooney_rivlin_coupled, "Maas et al., FEBio Theory Manual, coupled Mooney-Rivlin; Ciarlet & Geymonat (1982)",
+     "compressible rubbers and foams up to a stretch of about 2; comparison with programs that do not split off the "
+     "volume"},
     {Yeoh<double>::name, "psi = c10 i1 + c20 i1^2 + c30 i1^3 + kappa U(J), i1 = I1b - 3", yeoh,
      "Yeoh, Rubber Chem. Technol. 66 (1993)",
      "filled rubbers at large strain, also when only tension has been measured; c20 is usually below 0"},
@@ -224,9 +251,7 @@ ElasticLawSpec make_law(std::string_view name, const GivenConstants& constants, 
 ElasticLawSpec make_law(std::string_view name, double youngs_modulus, double poissons_ratio, const Location& where) {
   GivenConstants constants{{"youngs_modulus", youngs_modulus}, {"poissons_ratio", poissons_ratio}};
   for (const auto& p : rows()[row_of(name, where)].parameters) {
-    if (std::ranges::find(elastic_constants(), p.name, &ParameterInfo::name) == elastic_constants().end()) {
-      constants[std::string(p.name)] = p.typical;
-    }
+    if (!follows_from_constants(row_of(name, where), p.name)) constants[std::string(p.name)] = p.typical;
   }
   return make_law(name, constants, where);
 }

@@ -13,6 +13,7 @@
 #include "material/law_kind.hpp"
 #include "material/linear.hpp"
 #include "material/mooney_rivlin.hpp"
+#include "material/mooney_rivlin_coupled.hpp"
 #include "material/neo_hookean.hpp"
 #include "material/neo_hookean_isochoric.hpp"
 #include "material/ogden.hpp"
@@ -32,9 +33,9 @@ struct LawList {
   static constexpr std::size_t size = sizeof...(L);
 };
 
-using ElasticLaws =
-    LawList<Linear, SaintVenantKirchhoff, NeoHookean, NeoHookeanIsochoric, MooneyRivlin, MooneyRivlin5, Yeoh, Gent,
-            ArrudaBoyce, Ogden, StableNeoHookean, FixedCorotated, Arap, Guccione, HolzapfelGasserOgden, HolzapfelOgden>;
+using ElasticLaws = LawList<Linear, SaintVenantKirchhoff, NeoHookean, NeoHookeanIsochoric, MooneyRivlin, MooneyRivlin5,
+                            MooneyRivlinCoupled, Yeoh, Gent, ArrudaBoyce, Ogden, StableNeoHookean, FixedCorotated, Arap,
+                            Guccione, HolzapfelGasserOgden, HolzapfelOgden>;
 using ElasticLawVariant = ElasticLaws::Variant<double>;
 
 /// The law itself, one of ElasticLaws.

@@ -1,5 +1,6 @@
 #include "material/volume_split.hpp"
 
+#include "material/mooney_rivlin_coupled.hpp"
 #include "material/neo_hookean.hpp"
 
 #include <algorithm>
@@ -14,6 +15,7 @@ struct Part {
 };
 std::optional<Part> part_of(const ElasticLawSpec& law) {
   if (law.info().name == NeoHookean<double>::name) return Part{"lame_lambda", VolumetricForm::log};
+  if (law.info().name == MooneyRivlinCoupled<double>::name) return Part{"lambda", VolumetricForm::log};
   if (law.traits().takes_volumetric_form) return Part{"bulk_modulus", law.volumetric};
   return std::nullopt;
 }

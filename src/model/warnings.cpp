@@ -5,6 +5,8 @@
 #include "input/analysis.hpp"
 #include "input/elasticity.hpp"
 #include "input/loads.hpp"
+#include "material/library.hpp"
+#include "material/stability.hpp"
 #include "material/volume_split.hpp"
 #include "model/events.hpp"
 #include "model/loads.hpp"
@@ -68,6 +70,8 @@ constexpr double no_stiffness = 1e-4;        // shear modulus of bodies that are
 constexpr double fastest_shear_wave = 1e4;   // [m/s]; of diamond 12000, of steel 3200
 constexpr double longest_body = 50.0;        // [m]
 constexpr double locking_ratio = 0.49;       // Poisson's, of linear elements
+/// Stretches that runs of soft bodies reach; a law may become unstable beyond them without a word.
+constexpr double strongest_compression = 0.3, largest_stretch = 4.0;
 
 void check_body(const Config& config, const BodyConfig& body, Warnings& warnings) {
   if (body.is_rigid) return;
@@ -107,6 +111,24 @@ void check_body(const Config& config, const BodyConfig& body, Warnings& warnings
                     "'volumetric: mixed'",
                     ratio));
   }
+}
+
+/// Warns of constants with which the law softens until it cannot carry its force.
+void check_stability(const BodyConfig& body, Warnings& warnings) {
+  if (body.is_rigid) return;
+  const ElasticityRule rule(*body.elasticity);
+  if (!rule.is_uniform()) return;
+  const auto stable = stable_stretches(rule.law_at(0, {}));
+  if (!stable) return;
+  const LibraryMaterial* material = find_material(body.elasticity->library);
+  const double largest = material != nullptr ? std::min(material->highest_stretch, largest_stretch) : largest_stretch;
+  const std::string words = in_words(*stable, std::max(strongest_compression, 1.0 / largest), largest);
+  if (words.empty()) return;
+  warnings.add(
+      body.elasticity->where,
+      fmt::format("with these constants '{}' is stable only {}; beyond, the force of a specimen falls while it "
+                  "is stretched on; check signs and units, or fit the constants to several kinds of test",
+                  body.elasticity->model, words));
 }
 
 /// Warns of degrees typed as radians: whole numbers of several turns.
@@ -167,7 +189,10 @@ std::vector<Diagnostic> warnings_about(const Config& config) {
         "than drawn: leave 'scale' out");
   }
   check_time(config, warnings);
-  for (const BodyConfig& body : config.bodies) check_body(config, body, warnings);
+  for (const BodyConfig& body : config.bodies) {
+    check_body(config, body, warnings);
+    check_stability(body, warnings);
+  }
   check_angles(config, warnings);
   check_gravity(config, warnings);
   return std::move(warnings).found();

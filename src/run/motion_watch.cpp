@@ -3,6 +3,7 @@
 #include "base/tensor.hpp"
 #include "fem/element.hpp"
 #include "input/elasticity.hpp"
+#include "material/library.hpp"
 #include "material/spectral.hpp"
 #include "model/joint_stops.hpp"
 #include "petsc/collective.hpp"
@@ -26,7 +27,7 @@ constexpr std::string_view of_graphics = "it is made for computer graphics at mo
 /// Generous bounds: beyond them, a number is mistyped or the law is used outside its range. An inflated membrane has
 /// small principal stretches as well as large ones; most laws therefore have practically no lower bound.
 constexpr double no_bound = 0.02;
-constexpr std::array<std::pair<std::string_view, TrustedStretches>, 16> trusted{{
+constexpr std::array<std::pair<std::string_view, TrustedStretches>, 17> trusted{{
     {"linear", {0.8, 1.2, "it is for strains of a few per cent, and treats rotation as strain"}},
     {"saint-venant-kirchhoff", {0.6, 2.0, "it is for small strain, and collapses at a stretch below 0.577"}},
     {"neo-hookean", {no_bound, 4.0, rubber_tears}},
@@ -36,6 +37,8 @@ constexpr std::array<std::pair<std::string_view, TrustedStretches>, 16> trusted{
     {"arap", {no_bound, 4.0, of_graphics}},
     {"mooney-rivlin", {no_bound, 5.0, "it is fitted to rubber at a stretch below 3, and rubber tears at 5 to 8"}},
     {"mooney-rivlin-5", {no_bound, 7.0, "it is fitted to rubber, which tears at 5 to 8"}},
+    {"mooney-rivlin-coupled",
+     {no_bound, 5.0, "it is fitted to rubber at a stretch below 3, and rubber tears at 5 to 8"}},
     {"yeoh", {no_bound, 7.0, "it is fitted to rubber, which tears at 5 to 8"}},
     {"ogden", {no_bound, 8.0, "it is fitted to rubber, which tears at 5 to 8"}},
     {"gent", {no_bound, 10.0, "it is fitted to rubber, which tears at 5 to 8"}},
@@ -124,19 +127,26 @@ MotionWatch::MotionWatch(const Config& config, const Model& model)
       q_(make_vector(model.layout())) {
   for (std::size_t b = 0; b < model.body_names().size(); ++b) {
     if (b >= config.bodies.size() || config.bodies[b].is_rigid) {
-      bodies_.push_back({{}, model.body_names()[b], {}, {no_bound, infinity, {}}, {}, {}});  // nothing stretches it
+      bodies_.push_back({{}, model.body_names()[b], {}, {no_bound, infinity, {}}, {}, {}, {}});  // nothing stretches it
       continue;
     }
-    const ElasticityRule rule(*config.bodies[b].elasticity);
-    const std::string law(rule.kind().info().name);
-    bodies_.push_back(
-        {config.bodies[b].elasticity->where,
-         model.body_names()[b],
-         law,
-         trusted_stretches(law).value_or(TrustedStretches{no_bound, 10.0, "the range of this law is not known"}),
-         {},
-         {}});
+    bodies_.push_back(watched(*config.bodies[b].elasticity, model.body_names()[b]));
   }
+}
+
+MotionWatch::Body MotionWatch::watched(const ElasticityConfig& elasticity, const std::string& name) {
+  const ElasticityRule rule(elasticity);
+  Body body{elasticity.where, name, std::string(rule.kind().info().name), {no_bound, 10.0, {}}, {}, {}, {}};
+  if (rule.is_uniform()) body.stable = stable_stretches(rule.law_at(0, {}));
+  const auto of_law = trusted_stretches(body.law);
+  if (of_law) body.trusted = *of_law;
+  body.why = of_law ? of_law->why : "the range of this law is not known";
+  if (const LibraryMaterial* material = find_material(elasticity.library)) {
+    body.law = material->name;
+    body.trusted = {1.0 / material->highest_stretch, material->highest_stretch, {}};
+    body.why = fmt::format("it was measured up to a stretch of {:g}", material->highest_stretch);
+  }
+  return body;
 }
 
 std::string MotionWatch::instant(double time) const {
@@ -149,21 +159,40 @@ std::string MotionWatch::in_words(const Body& body, const Extreme& extreme) cons
       "{}: at {} '{}' is {} to {:.3g} times its length near X = ({:.4g}, {:.4g}, {:.4g}), beyond the range of '{}': "
       "{}; check loads and moduli: a number without a unit is in SI",
       to_string(body.where), instant(extreme.time), body.name, extreme.stretch > 1.0 ? "stretched" : "compressed",
-      extreme.stretch, x, y, z, body.law, body.trusted.why);
+      extreme.stretch, x, y, z, body.law, body.why);
+}
+
+std::string MotionWatch::instability(const Body& body, const Extreme& extreme, double limit) const {
+  const auto& [x, y, z] = extreme.X;
+  return fmt::format(
+      "{}: at {} '{}' is stretched to {:.3g} times its length near X = ({:.4g}, {:.4g}, {:.4g}), but with these "
+      "constants '{}' is stable up to {:.3g} in such a state only; what follows may depend on the mesh",
+      to_string(body.where), instant(extreme.time), body.name, extreme.stretch, x, y, z, body.law, limit);
 }
 
 void MotionWatch::look_at_stretches(double time, std::span<const double> u, std::vector<std::string>& news) {
   const NodeLayout& layout = model_.layout();
-  std::vector<Found> least(bodies_.size()), most(bodies_.size());
+  std::vector<Found> least(bodies_.size()), most(bodies_.size()), unstable(bodies_.size());
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
     const auto body = static_cast<std::size_t>(model_.body_of_cell()[c]);
     const auto H = layout.order == 1 ? displacement_gradient<1>(layout, c, u) : displacement_gradient<2>(layout, c, u);
     const auto l = principal_stretches(H).l;  // in descending order
     most[body].take(l[0], l[0], c, layout);
     least[body].take(l[2], 1.0 / std::max(l[2], 1e-9), c, layout);
+    if (!bodies_[body].stable || !(l[2] > 0.0)) continue;
+    if (const double excess = l[0] / bodies_[body].stable->limit(l); excess > 1.0) {
+      unstable[body].take(l[0], excess, c, layout);
+    }
   }
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     Body& body = bodies_[b];
+    if (body.stable) {
+      const Found found = of_all_ranks(layout.comm, unstable[b]);
+      if (found.excess > 1.0) {
+        news.push_back(instability(body, {found.stretch, 1.0, found.X, time}, found.stretch / found.excess));
+        body.stable.reset();
+      }
+    }
     for (const auto& [found, extreme] : {std::pair{of_all_ranks(layout.comm, most[b]), &body.largest},
                                          {of_all_ranks(layout.comm, least[b]), &body.smallest}}) {
       const bool is_large = extreme == &body.largest;

@@ -2,6 +2,7 @@
 /// bodies that pass through one another, and joints far beyond their stops.
 #pragma once
 
+#include "material/stability.hpp"
 #include "model/model.hpp"
 #include "run/simulation.hpp"
 
@@ -27,7 +28,8 @@ class MotionWatch {
   /// `config` and `model` outlive the watch.
   MotionWatch(const Config& config, const Model& model);
 
-  /// New warnings about the stretches of the state; to be called for every frame.
+  /// New warnings about the stretches of the state, and once per body about those at which its law is not stable; to
+  /// be called for every frame.
   std::vector<std::string> look(const StepRecord& record);
 
   /// A warning, once per run, if parts of the mesh that share no node pass through one another. To be called for every
@@ -49,13 +51,17 @@ class MotionWatch {
   struct Body {
     Location where;  ///< place of its elasticity in the input
     std::string name, law;
-    TrustedStretches trusted;
+    TrustedStretches trusted;  ///< of the law, or those at which its material was measured
+    std::string why;           ///< instead of that of `trusted`
     Extreme smallest, largest;
+    std::optional<StableStretches> stable = {};  ///< where they are known and the user has not been warned
   };
 
+  static Body watched(const ElasticityConfig& elasticity, const std::string& name);
   /// "t = 0.1 s"
   std::string instant(double time) const;
   std::string in_words(const Body& body, const Extreme& extreme) const;
+  std::string instability(const Body& body, const Extreme& extreme, double limit) const;
   void look_at_stretches(double time, std::span<const double> u, std::vector<std::string>& news);
   /// "'a' and 'b'", or "two parts of 'a'".
   std::string names_of(int component, int other) const;

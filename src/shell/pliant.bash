@@ -36,7 +36,7 @@ _pliant() {
     'mesh') options='-h --help' words='convert' files='' ;;
     'mesh convert') options='-h --help --size --scale --allow-commands' words='' files='*' ;;
     'methods') options='-h --help' words='' files='' ;;
-    'materials') options='-h --help --markdown' words='plot' files='' ;;
+    'materials') options='-h --help --library --markdown' words='plot' files='' ;;
     'materials plot') options='-h --help --set --stretch --output' words='' files='*' ;;
     'schema') options='-h --help --fit --markdown' words='' files='' ;;
     'help') options='-h --help' words='' files='*' ;;

@@ -239,9 +239,10 @@ std::vector<ElasticLawSpec> every_law(double youngs_modulus, double poissons_rat
     ElasticLawSpec law = typical_law(row);
     const double scale = wanted.mu / softest_shear(law);
     for (std::size_t p = 0; p < law.parameters.size(); ++p) {
-      const auto& [name, unit, lower, upper, meaning, bound, typical, fallback, upper_bound] = law.info().parameters[p];
+      const auto& [name, unit, lower, upper, meaning, bound, typical, fallback, upper_bound, with] =
+          law.info().parameters[p];
       if (unit == "Pa") law.parameters[p] *= scale;
-      if (name == "lame_lambda") law.parameters[p] = wanted.lambda;
+      if (name == "lame_lambda" || name == "lambda") law.parameters[p] = wanted.lambda;
       if (name == "bulk_modulus") law.parameters[p] = bulk_modulus(wanted);
     }
     laws.push_back(law);

@@ -37,6 +37,8 @@ bodies:
   - volume: three
     density: 900
     elasticity: *law
+  - volume: four
+    elasticity: {library: ecoflex-00-30, poissons_ratio: 0.49, incompressible: false}
   - volume: two
     density: 900
     elasticity: {model: linear, youngs_modulus: {cell_data: stiffness}, poissons_ratio: 0.1*x}

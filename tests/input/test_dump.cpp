@@ -91,6 +91,9 @@ TEST(Dump, SpellsOutEveryKeyOfTheTable) {
     }
     collect_paths(parse_yaml(dump(read(everything, {{"bodies", body + "}}]"}})), "dump", none), "", written);
   }
+  collect_paths(
+      parse_yaml(dump(read(smallest, {{"bodies", "[{elasticity: {library: ecoflex-00-30}}]"}})), "dump", none), "",
+      written);
   for (const char* active : {"{stress: 20 kPa, fibre: {cell_data: f}}", "{shortening: 0.1*t, fibre: [1, y, 0]}"}) {
     const std::string body =
         "[{density: 1, elasticity: {model: linear, youngs_modulus: {cell_data: \"the E\"}, "
@@ -152,6 +155,8 @@ TEST_P(RoundTrip, KeepsTheConfiguration) {
 INSTANTIATE_TEST_SUITE_P(Inputs, RoundTrip,
                          testing::Values(smallest, everything,
                                          smallest + "title: \"line\\none\\ttab \\\\ caf\u00e9\"\n",
+                                         "mesh: {file: a.msh}\nbodies: [{elasticity: {library: ecoflex-00-30, c10: 9 "
+                                         "kPa}}]\ntime: {step: 10 ms, end: 1}\n",
                                          smallest + "constraints: [{surface: \"null\", displacement: [0, 0, 0]}]\n",
                                          smallest + "constraints: [{surface: \"~\", displacement: [0, 0, 0]}]\n",
                                          smallest +

@@ -103,7 +103,7 @@ TEST(InputTraps, OfTheKeysOfElasticityThoseOfTheLawAreListed) {
     return text.substr(start, text.find('\n', start) - start);
   };
   EXPECT_EQ(keys_of("linear"),
-            "the keys are model, youngs_modulus, poissons_ratio, shear_modulus, bulk_modulus, lame_lambda");
+            "the keys are model, library, youngs_modulus, poissons_ratio, shear_modulus, bulk_modulus, lame_lambda");
   EXPECT_NE(keys_of("holzapfel-ogden").find("sheet"), std::string::npos);
   EXPECT_EQ(keys_of("holzapfel-ogden").find("youngs_modulus"), std::string::npos);
   EXPECT_NE(keys_of("no-such-law").find("youngs_modulus"), std::string::npos);

@@ -136,6 +136,15 @@ Stretches principal_stress(const MooneyRivlin5<double>& law, const Stretches& l)
                       law.c01 + law.c11 * (I1 - 3) + 2 * law.c02 * (I2 - 3)};
   });
 }
+Stretches principal_stress(const MooneyRivlinCoupled<double>& law, const Stretches& l) {
+  const double I1 = l[0] * l[0] + l[1] * l[1] + l[2] * l[2], log_J = std::log(product(l));
+  Stretches P;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double square = l[i] * l[i];
+    P[i] = (2 * law.c1 * (square - 1) + 2 * law.c2 * (square * (I1 - square) - 2) + law.lambda * log_J) / l[i];
+  }
+  return P;
+}
 Stretches principal_stress(const Yeoh<double>& law, const Stretches& l) {
   return from_invariants(l, law.volumetric, [&](double I1, double) {
     return std::array{law.c10 + 2 * law.c20 * (I1 - 3) + 3 * law.c30 * (I1 - 3) * (I1 - 3), 0.0};

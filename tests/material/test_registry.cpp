@@ -96,6 +96,21 @@ TEST(Constants, PoissonsRatioStandsForTheBulkModulus) {
   EXPECT_NEAR(poissons_ratio(*rest), 0.45, 1e-14);
 }
 
+// FEBio's lambda, or what stands for it at small strain: lambda + 4 c2 is Lame's parameter there.
+TEST(Constants, OfCoupledMooneyRivlin) {
+  const auto lambda_of = [](const char* key, double value) {
+    return make_law("mooney-rivlin-coupled", {{"c1", 3e5}, {"c2", 1e5}, {key, value}}).parameters[2];
+  };
+  EXPECT_EQ(lambda_of("lambda", 1e6), 1e6);
+  const Lame rest{8e5, 1.4e6};
+  EXPECT_NEAR(lambda_of("bulk_modulus", bulk_modulus(rest)), 1e6, 1e-9);
+  EXPECT_NEAR(lambda_of("poissons_ratio", poissons_ratio(rest)), 1e6, 1e-8);
+  EXPECT_EQ(lambda_of("poissons_ratio", 0.5), infinity);
+  EXPECT_THROW(make_law("mooney-rivlin-coupled", {{"c1", 3e5}, {"c2", 1e5}}), InputError);
+  EXPECT_THROW(make_law("mooney-rivlin-coupled", {{"c1", 3e5}, {"c2", 1e5}, {"lambda", 1e6}, {"bulk_modulus", 1e6}}),
+               InputError);
+}
+
 TEST(Constants, MistakesAreTold) {
   const auto message = [](std::string_view name, const GivenConstants& constants) -> std::string {
     try {

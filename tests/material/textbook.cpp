@@ -70,6 +70,12 @@ Quad psi(const MooneyRivlin5<double>& law, const Tensor3<Quad>& H) {
   return law.c10 * I.i1 + law.c01 * I.i2 + law.c20 * I.i1 * I.i1 + law.c11 * I.i1 * I.i2 + law.c02 * I.i2 * I.i2 +
          volumetric_energy(law.volumetric, I.J);
 }
+Quad psi(const MooneyRivlinCoupled<double>& law, const Tensor3<Quad>& H) {
+  const Tensor3<Quad> F = add_to_diagonal(H, 1), C = matmul(transpose(F), F);
+  const Quad log_J = log_reference(det(F));
+  return law.c1 * (trace(C) - 3) + law.c2 * (second_invariant(C) - 3) - 2 * (law.c1 + 2 * Quad(law.c2)) * log_J +
+         law.lambda / 2 * log_J * log_J;
+}
 
 Quad psi(const Yeoh<double>& law, const Tensor3<Quad>& H) {
   const Invariants I(H);

@@ -23,7 +23,7 @@ bool has_incompressible_body(const Config& config);
 std::string lacks_volumetric_stiffness(std::string_view model, double kappa);
 
 inline constexpr std::string_view incompressible_without_pressures =
-    "displacements alone cannot represent an incompressible body; add 'volumetric: mixed' or lower "
-    "'poissons_ratio'";
+    "displacements alone cannot represent an incompressible body; add 'volumetric: mixed', or lower 'poissons_ratio' "
+    "('incompressible: true' stands for 1/2)";
 
 }  // namespace pliant

@@ -6,6 +6,8 @@
 #include "input/sections/cell_data.hpp"
 #include "input/sections/laws.hpp"
 #include "material/constants.hpp"
+#include "material/library.hpp"
+#include "material/volume_split.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -87,11 +89,16 @@ std::vector<Field<ElasticityConfig>> constant_fields() {
           owners.emplace_back(other.name);
         }
       }
-      const std::string fallback = p.fallback ? fmt::format("; {:g} if not given", *p.fallback) : "";
-      fields.push_back(constant_field(p, fmt::format("{}: {}{}", joined_names(owners), p.meaning, fallback)));
+      fields.push_back(constant_field(p, fmt::format("{}: {}{}", joined_names(owners), p.meaning, fallback_words(p))));
     }
   }
   return fields;
+}
+
+std::vector<std::string> library_names() {
+  std::vector<std::string> names;
+  for (const LibraryMaterial& material : material_library()) names.emplace_back(material.name);
+  return names;
 }
 
 Section<ElasticityConfig> elasticity_keys() {
@@ -99,7 +106,18 @@ Section<ElasticityConfig> elasticity_keys() {
   Section<E> section;
   section.where = &E::where;
   section.fields.push_back(
-      field("model", &E::model, choice(law_names(elastic_laws())), "elastic law (`pliant materials`)").required());
+      field("model", &E::model, choice(law_names(elastic_laws())), "elastic law (`pliant materials`)")
+          .otherwise_in_words("that of the `library`")
+          .left_out_if([](const E& e) { return !e.library.empty(); }));
+  section.fields.push_back(field("library", &E::library, choice(library_names()),
+                                 "measured material that gives the law, its constants and the density "
+                                 "(`pliant materials --library`); keys next to it take precedence")
+                               .otherwise_in_words("none")
+                               .left_out_if([](const E& e) { return e.library.empty(); }));
+  // As everybody calls the first Lame parameter, which is another key: said where the law has no lambda.
+  section.groups.push_back(
+      {{"lambda"}, KeyGroup::Need::any, laws_that([](std::size_t row) { return takes(row, "lambda"); })});
+  section.groups.push_back({{"model", "library"}, KeyGroup::Need::exactly_one});
   for (auto& f : constant_fields()) section.fields.push_back(std::move(f));
   section.fields.push_back(
       direction_field("fibre", &E::directions, "direction of the fibres, for laws that have some"));
@@ -123,6 +141,19 @@ Section<ElasticityConfig> elasticity_keys() {
       laws_with_form.push_back({"model", std::string(elastic_laws()[row].name)});
     }
   }
+  std::vector<Anchor> laws_with_split =
+      laws_that([](std::size_t row) { return split_volume(typical_law(row)).has_value(); });
+  section.fields.push_back(field("incompressible", &E::incompressible, truth(),
+                                 "whether the volume cannot change at all, in place of the constant that resists it: a "
+                                 "Poisson's ratio of 1/2; needs `volumetric: mixed`")
+                               .otherwise("false")
+                               .left_out_if([laws_with_split](const E& e) {
+                                 return std::ranges::find(laws_with_split, e.model, &Anchor::value) ==
+                                        laws_with_split.end();
+                               }));
+  section.fields.back().info.only_with = laws_with_split;
+  section.groups.push_back({{"incompressible"}, KeyGroup::Need::any, laws_with_split});
+  for (auto* laws : {&laws_with_split, &laws_with_form}) laws->push_back({"library"});  // their laws have both
   const auto has_no_form = [laws_with_form](const E& e) {
     return std::ranges::find(laws_with_form, e.model, &Anchor::value) == laws_with_form.end();
   };
@@ -133,6 +164,21 @@ Section<ElasticityConfig> elasticity_keys() {
   section.fields.back().info.only_with = laws_with_form;
   section.groups.push_back({{"volumetric_energy"}, KeyGroup::Need::any, laws_with_form});
   return section;
+}
+
+/// The law and the constants of the material that `library` names, where the input does not give them.
+void complete_from_library(ElasticityConfig& e) {
+  const LibraryMaterial* material = find_material(e.library);
+  if (material == nullptr) return;
+  e.model = material->law;
+  const auto gives = [&](std::string_view key) {
+    return std::ranges::find(e.constants, key, &GivenConstant::key) != e.constants.end();
+  };
+  for (const auto& [key, value] : material->constants) {
+    if (!gives(key)) e.constants.push_back({std::string(key), Expression(value), {}, e.where});
+  }
+  if (e.incompressible || gives("poissons_ratio") || gives("bulk_modulus")) return;
+  e.constants.push_back({"poissons_ratio", Expression(library_poissons_ratio), {}, e.where});
 }
 
 /// Whether the constants determine the law; where they are numbers, whether it is admissible.
@@ -153,7 +199,9 @@ Format<ElasticityConfig> elasticity_format() {
                                      ElasticityConfig& into) {
     const std::size_t before = diagnostics.num_errors();
     const bool good = read(node, name, diagnostics, into);
-    if (good && diagnostics.num_errors() == before) check_law(into, diagnostics);
+    if (!good || diagnostics.num_errors() != before) return good;
+    complete_from_library(into);
+    check_law(into, diagnostics);
     return good;
   };
   return format;
