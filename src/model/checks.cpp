@@ -16,11 +16,28 @@ void require_compressible(const ElasticLawSpec& law, const Location& where) {
   if (is_incompressible(law)) throw InputError(where, std::string(incompressible_without_pressures));
 }
 
-void require_volumetric_stiffness(const VolumeSplit& law, bool is_uniform, const ElasticityConfig& elasticity) {
+void require_volumetric_stiffness(const VolumeSplit& law, const ElasticityConfig& elasticity) {
   if (!(law.kappa > 0.0)) throw InputError(elasticity.where, lacks_volumetric_stiffness(elasticity.model, law.kappa));
-  if (is_uniform || std::isfinite(law.kappa)) return;
-  throw InputError(elasticity.where,
-                   "the body is incompressible at some places only; give the incompressible region a body of its own");
+}
+
+bool is_incompressible(MPI_Comm comm, VolumeOfPoints found, const Config& config, std::size_t body) {
+  const bool some_compressible = maximum(comm, found.some_compressible ? 1.0 : 0.0) > 0.0;
+  if (!(maximum(comm, found.some_incompressible ? 1.0 : 0.0) > 0.0)) return false;
+  if (some_compressible) {
+    throw InputError(
+        config.bodies[body].elasticity->where,
+        "the body is incompressible at some places only; give the incompressible region a body of its own");
+  }
+  if (const auto error = method_error_of_incompressible_bodies(config))
+    throw InputError(config.time.method.where, *error);
+  return true;
+}
+
+void reject_undetermined_pressures(const Config& config) {
+  throw InputError(
+      {config.file, 0, 0},
+      "the pressure of an incompressible body is not determined, because its whole surface is held; free a "
+      "part of it, or use a poissons_ratio below 1/2");
 }
 
 void require_factorization(const Config& config, bool is_plain) {

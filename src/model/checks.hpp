@@ -18,9 +18,20 @@ namespace pliant {
 /// Throws InputError at `where` if the law is incompressible, for bodies without pressures.
 void require_compressible(const ElasticLawSpec& law, const Location& where);
 
-/// Throws InputError if the law of a body with pressures does not resist a change of volume, or if it is incompressible
-/// at some places only.
-void require_volumetric_stiffness(const VolumeSplit& law, bool is_uniform, const ElasticityConfig& elasticity);
+/// Throws InputError if the law of a body with pressures does not resist a change of volume.
+void require_volumetric_stiffness(const VolumeSplit& law, const ElasticityConfig& elasticity);
+
+/// What the points of a body on this rank are like.
+struct VolumeOfPoints {
+  bool some_compressible = false, some_incompressible = false;
+};
+
+/// Whether a body with pressures is incompressible: at all points that the ranks found, or at none. Throws InputError
+/// otherwise, or if the method cannot be used with it. Collective.
+bool is_incompressible(MPI_Comm comm, VolumeOfPoints found, const Config& config, std::size_t body);
+
+/// Throws InputError: the pressures of incompressible bodies are not determined.
+[[noreturn]] void reject_undetermined_pressures(const Config& config);
 
 /// Throws InputError if algebraic multigrid cannot solve for the pressures: `is_plain` if the unknowns are those of the
 /// nodes, and no pairs of surfaces couple them.

@@ -1,8 +1,8 @@
 #include "model/elastic_parts.hpp"
 
 #include "energy/volume/mean_dilatation.hpp"
-#include "model/checks.hpp"
 
+#include <cmath>
 #include <utility>
 
 namespace pliant {
@@ -11,12 +11,12 @@ namespace {
 using LawAt = std::function<ElasticLawSpec(PetscInt, const std::array<double, 3>&)>;
 
 template <int Order>
-MixedLaw make_split_law(const ElasticBody<Order>& on, VolumetricForm form, const LawAt& law_at) {
+MixedLaw make_split_law(const ElasticBody<Order>& on, VolumetricForm form, const LawAt& law_at, ElasticParts& parts) {
   const auto split_at = [&](PetscInt cell, const std::array<double, 3>& X) {
     VolumeSplit split = *split_volume(law_at(cell, X));
     if (on.pressures != nullptr) {
-      require_volumetric_stiffness(split, on.rule.is_uniform(),
-                                   *on.config.bodies[static_cast<std::size_t>(on.body)].elasticity);
+      require_volumetric_stiffness(split, *on.config.bodies[static_cast<std::size_t>(on.body)].elasticity);
+      (std::isinf(split.kappa) ? parts.volume.some_incompressible : parts.volume.some_compressible) = true;
     }
     return split;
   };
@@ -39,8 +39,8 @@ ElasticParts make_elastic_parts(const ElasticBody<Order>& on, const LawAt& law_a
   const PetscInt num_owned = on.layout.num_owned_nodes;
   const auto form = volumetric_form_of(on.rule.kind());
   MixedLaw split;
-  if (treatment != VolumetricTreatment::standard && form) split = make_split_law(on, *form, law_at);
   ElasticParts parts;
+  if (treatment != VolumetricTreatment::standard && form) split = make_split_law(on, *form, law_at, parts);
   parts.shape = split.rest;
   if (on.pressures != nullptr) {
     auto term =

@@ -3,6 +3,7 @@
 
 #include "energy/volume/mixed.hpp"
 #include "input/elasticity.hpp"
+#include "model/checks.hpp"
 
 #include <functional>
 #include <memory>
@@ -23,6 +24,7 @@ struct ElasticBody {
 struct ElasticParts {
   std::unique_ptr<ElasticTerm> term;
   MixedTerm* mixed = nullptr;             ///< the term, if it has pressures
+  VolumeOfPoints volume;                  ///< if the term has pressures
   std::shared_ptr<const LawField> shape;  ///< what viscosity follows: the law, without its volumetric part if that is
                                           ///< treated apart
 };

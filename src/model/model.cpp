@@ -76,6 +76,9 @@ void Model::check_method(const Config& config) {
   }
   auto warnings =
       warnings_about_method(config, {layout_, body_of_cell_, shear_waves, wave_speeds_.slowest, mesh_report_});
+  if (is_incompressible_) {
+    if (auto warning = warning_about_pressures(config)) warnings.push_back(std::move(*warning));
+  }
   const Method* method = method_of(config.time);
   const auto rings = [](const BodyConfig& body) { return !body.is_rigid && body.viscosity.empty(); };
   if (warnings.empty() && method != nullptr && method->stability == Stability::not_a_stable &&
@@ -133,6 +136,7 @@ void Model::build_cells(const Config& config, const Mesh& mesh) {
   wave_speeds_ = {0.0, HUGE_VAL};
   shear_moduli_.assign(rules.size(), 0.0);
   const MeshCellData cell_data(mesh, layout_);
+  std::vector<VolumeOfPoints> found(rules.size());
   on_every_rank(layout_.comm, [&] {
     for (std::size_t b = 0; b < rules.size(); ++b) {
       const int body = static_cast<int>(b);
@@ -155,11 +159,15 @@ void Model::build_cells(const Config& config, const Mesh& mesh) {
       }
       ElasticParts parts =
           make_elastic_parts<Order>({config, rule, layout_, groups, body, pressures_.get()}, law_at, active.shortening);
+      found[b] = parts.volume;
       laws_.push_back(std::move(parts.shape));
       if (parts.mixed != nullptr) mixed_.push_back(parts.mixed);
       elastic_.push_back(std::move(parts.term));
     }
   });
+  for (std::size_t b = 0; b < rules.size() && is_mixed; ++b) {
+    if (rules[b] && is_incompressible(layout_.comm, found[b], config, b)) is_incompressible_ = true;
+  }
   wave_speeds_ = {maximum(layout_.comm, wave_speeds_.fastest), minimum(layout_.comm, wave_speeds_.slowest)};
   for (double& modulus : shear_moduli_) modulus = maximum(layout_.comm, modulus);
   set_moduli_of_rigid_bodies(config, shear_moduli_);
@@ -363,6 +371,7 @@ void Model::prepare(const Config& config) {
   update_ghosts(pressures_->values());
   mixed_equation_ =
       std::make_unique<MixedEquation>(*potential_, layout_, mixed_, *pressures_, constraints_->rigid_parts());
+  if (constraints_->map() == nullptr && !mixed_equation_->determines_pressures()) reject_undetermined_pressures(config);
 }
 
 StageEquation& Model::equation() {
@@ -407,7 +416,7 @@ void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
   constraints_->motion().complete_step(before_start, q, v);
   check(VecCopy(wanted.get(), v));
   motion().restart(before_start, q, v);
-  if (has_incompressible_body(config)) {
+  if (is_incompressible_) {
     require_undeformed(config, q);
   } else if (mixed_equation_) {
     mixed_equation_->settle(q);

@@ -147,6 +147,7 @@ class Model {
   std::unique_ptr<PressureField> pressures_;
   std::vector<const MixedTerm*> mixed_;
   std::unique_ptr<MixedEquation> mixed_equation_;
+  bool is_incompressible_ = false;  // any body
   std::unique_ptr<ConstrainedEquation> constrained_equation_;
   std::vector<ProbeLocation> probes_;
   Components components_;

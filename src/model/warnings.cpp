@@ -313,6 +313,18 @@ std::vector<Diagnostic> warnings_about_start(const Config& config, const NodeLay
   return std::move(warnings).found();
 }
 
+std::optional<Diagnostic> warning_about_pressures(const Config& config) {
+  const Method* method = method_of(config.time);
+  if (method == nullptr || method->num_stages == 1 || analysis_of(config) != Analysis::dynamic) return std::nullopt;
+  return Diagnostic{
+      Severity::warning, config.time.method.where,
+      fmt::format(
+          "an incompressible body moves as it should with '{}', but its pressures, stresses and reactions have "
+          "errors that shorter steps do not reduce, because a step of several stages determines them at the last "
+          "one alone; use bdf2 or bdf3 for these",
+          method->name)};
+}
+
 std::vector<Diagnostic> warnings_about_iterations(const Config& config, double iterations) {
   constexpr double many = 10.0;
   if (iterations <= many || config.volumetric == VolumetricTreatment::mixed) return {};

@@ -6,12 +6,17 @@
 #include "mesh/report.hpp"
 #include "model/selections.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace pliant {
 
 /// Warnings that need only the input, including those about its text.
 std::vector<Diagnostic> warnings_about(const Config& config);
+
+/// Warns of a method with several stages, in a dynamic analysis of incompressible bodies: the pressure is the
+/// multiplier of a constraint on the displacement (a problem of index 3), whose order is that of a stage, less two.
+std::optional<Diagnostic> warning_about_pressures(const Config& config);
 
 /// Warns of bodies whose resistance to a change of volume makes Newton's method slow, as it is with `iterations` per
 /// stage; at most one warning.

@@ -76,8 +76,9 @@ void Simulation::keep(Archive& archive) {
     keep_part();
   };
   part("advance", [&] { advance_->keep(archive); });
-  part("ledger", [&] { ledger_->keep(archive, advance_->state()); });
+  // The energies that the ledger computes need the pressures.
   if (MixedEquation* mixed = model_.mixed_equation()) part("mixed", [&] { mixed->keep(archive); });
+  part("ledger", [&] { ledger_->keep(archive, advance_->state()); });
   part("control", [&] {
     StepProgress progress = control_->progress();
     double step = plan_.dt;

@@ -151,6 +151,12 @@ bool is_p_multigrid(PC pc) {
 void renew(PC pc, Mat K) {
   PetscBool is_gamg = PETSC_FALSE;
   check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCGAMG, &is_gamg));
+  if (const auto parts = saddle_point_of(K); parts && !is_factorization(pc)) {
+    check(PCSetType(pc, PCNONE));  // its parts would keep their old patterns
+    use_split(pc, *parts);
+    check(PCSetFromOptions(pc));
+    return;
+  }
   if (!is_gamg) {
     check(PCReset(pc));
     check(PCSetOperators(pc, K, K));  // the reset has dropped them, and MUMPS is chosen by the matrix

@@ -112,6 +112,10 @@ void MixedEquation::find_idle_pressures(std::span<const int> rigid_parts) {
   std::copy_n(is_idle_.begin(), num_p_, prescribed_.begin() + num_q_);
 }
 
+bool MixedEquation::determines_pressures() const {
+  return are_felt(mixed_, layout_, prescribed_, is_idle_);
+}
+
 PetscInt MixedEquation::global_displacement(PetscInt entry) const {
   return entry + first_pressure_[owner_of(first_node_, entry / 3)];
 }

@@ -29,6 +29,9 @@ class MixedEquation final : public StageEquation {
                 PressureField& pressures, std::span<const int> rigid_parts = {});
 
   const PressureLayout& pressure_layout() const { return pressures_.layout(); }
+  /// Whether displacements that are free feel every pressure. Incompressible bodies whose whole surface is held do not
+  /// feel a pressure that is the same everywhere. Collective.
+  bool determines_pressures() const;
   /// Sets the pressures from which the next solve starts. Collective.
   void keep(Archive& archive);
   /// Sets the pressures to those that belong to the displacements, dPi/dp = 0: for states that are not the end of a

@@ -14,6 +14,12 @@ namespace pliant {
 Handle<Mat> make_compliance(std::span<const MixedTerm* const> terms, const NodeLayout& layout,
                             const PressureLayout& pressures);
 
+/// Whether free displacements feel every pressure: incompressible bodies whose whole surface is held do not feel one
+/// that is the same everywhere. `prescribed`: per owned component; `is_idle`: per local pressure, those that are left
+/// out. Collective.
+bool are_felt(std::span<const MixedTerm* const> terms, const NodeLayout& layout, std::span<const char> prescribed,
+              std::span<const char> is_idle);
+
 class PressureProjection {
  public:
   /// Every body must be compressible. Collective.

@@ -35,10 +35,10 @@ void check_mean_dilatation(const ElasticityConfig& e, const ElasticityRule& rule
 
 void check_mixed(const ElasticityConfig& e, const ElasticityRule& rule, Diagnostics& diagnostics) {
   if (!volumetric_form_of(rule.kind())) {
-    diagnostics.add(e.where,
-                    fmt::format("'volumetric: mixed' needs an energy with a separate volumetric part, which model "
-                                "'{}' does not have; use one of {}, or 'volumetric: mean-dilatation'",
-                                e.model, names_of_split_laws()));
+    diagnostics.add(
+        e.where, fmt::format("'volumetric: mixed' needs an energy with a separate volumetric part, which model "
+                             "'{}' does not have; use one of {}, or 'element: P2' with 'volumetric: mean-dilatation'",
+                             e.model, names_of_split_laws()));
   } else if (rule.is_uniform()) {
     const double kappa = split_volume(rule.law_at(0, {}))->kappa;
     if (!(kappa > 0.0)) diagnostics.add(e.where, lacks_volumetric_stiffness(e.model, kappa));
@@ -63,11 +63,10 @@ void check_viscosity(const BodyConfig& body, const std::optional<ElasticityRule>
                       "not have one; use one of {}, or maxwell with a 'shear_ratio'",
                       body.elasticity->model, names_of_split_laws()));
     } else if (!can_relax(split_volume(typical_law(rule->kind().row))->rest)) {
-      diagnostics.add(
-          mechanism.where,
-          fmt::format("a prony branch cannot follow model '{}' without its volumetric part, which does not "
-                      "resist every deformation; use maxwell with a 'shear_ratio', or 'volumetric: standard'",
-                      body.elasticity->model));
+      diagnostics.add(mechanism.where,
+                      fmt::format("a prony branch cannot follow model '{}' without its volumetric part, which does not "
+                                  "resist every deformation; use 'volumetric: standard'",
+                                  body.elasticity->model));
     }
   }
 }
@@ -75,16 +74,12 @@ void check_viscosity(const BodyConfig& body, const std::optional<ElasticityRule>
 /// Reports what cannot be combined with pressures, which have neither history nor inertia.
 void check_mixed(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   const TimeConfig& time = config.time;
-  const Method* method = method_of(time);
   if (std::holds_alternative<MethodConfig::PetscIntegrator>(time.method.kind)) {
     diagnostics.add(time.method.where,
                     "'volumetric: mixed' needs one of Pliant's own methods; PETSc's do not support pressures");
-  } else if (method != nullptr && !method->stiffly_accurate && has_incompressible_body(config)) {
-    diagnostics.add(time.method.where,
-                    fmt::format("an incompressible body needs a stiffly accurate method, because its pressures are "
-                                "known only at stages, and a step of '{}' does not end with one; use bdf2, dirk22 or "
-                                "dirk33, or a poissons_ratio below 1/2",
-                                method->name));
+  } else if (const auto error = method_error_of_incompressible_bodies(config);
+             error && has_incompressible_body(config)) {
+    diagnostics.add(time.method.where, *error);
   }
   if (config.solver.linear == LinearSolver::p_multigrid) {
     diagnostics.add(given(root, {"solver", "linear"})->where,
@@ -136,6 +131,15 @@ bool has_incompressible_body(const Config& config) {
     const auto rule = rule_of(*body.elasticity);
     return rule && rule->is_uniform() && is_incompressible(rule->law_at(0, {}));
   });
+}
+
+std::optional<std::string> method_error_of_incompressible_bodies(const Config& config) {
+  const Method* method = method_of(config.time);
+  if (method == nullptr || method->stiffly_accurate) return std::nullopt;
+  return fmt::format(
+      "an incompressible body needs a stiffly accurate method, because its pressures are known only at "
+      "stages, and a step of '{}' does not end with one; use bdf2, or a poissons_ratio below 1/2",
+      method->name);
 }
 
 std::string lacks_volumetric_stiffness(std::string_view model, double kappa) {

@@ -5,6 +5,7 @@
 #include "input/tree.hpp"
 #include "material/elastic_law.hpp"
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -18,6 +19,9 @@ bool is_incompressible(const ElasticLawSpec& law);
 
 /// Is a body incompressible everywhere?
 bool has_incompressible_body(const Config& config);
+
+/// The error of a method that cannot be used with incompressible bodies; nullopt if it can.
+std::optional<std::string> method_error_of_incompressible_bodies(const Config& config);
 
 /// The error of a law with the volumetric part `kappa` [Pa] <= 0 in a body with pressures.
 std::string lacks_volumetric_stiffness(std::string_view model, double kappa);
