@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from program import ProgramTest, write_box
+from program import SIDES, ProgramTest, read_history, write_box
 
 CUBE = (1, 1, 1)
 SYMMETRY = ", ".join(f"{{surface: {side}, normal_displacement: 0}}" for side in ("left", "front", "bottom"))
@@ -104,6 +104,73 @@ solver: {linear: amg}
         done = self.call("run", "in.yaml", ranks=2)
         self.assertEqual(done.returncode, 2)
         self.assertIn("use 'solver: {linear: cholesky}'", done.stderr)
+
+    def test_multigrid_with_a_spring(self):
+        """What couples far nodes changes the pattern of the matrix."""
+        write_box(self.directory / "cube.msh", (2, 2, 2), CUBE)
+        self.write("in.yaml", """mesh: {file: cube.msh}
+volumetric: mixed
+bodies: [{volume: body, density: 1000, elasticity: {model: neo-hookean, shear_modulus: 1 MPa, poissons_ratio: 0.5}}]
+constraints: [{surface: left, displacement: [0, 0, 0]}]
+springs: [{name: s, points: [[0.9, 0.5, 0.5], {body: ground, point: [3, 0.5, 0.5]}], stiffness: 1e5, rest: 1}]
+time: {method: backward-euler, step: 0.01, end: 0.05}
+solver: {newton: {relative: 1e-10}}
+""")
+        exact = self.run_input("in.yaml", output="exact")
+        self.assert_same_history(self.run_input("in.yaml", "solver.linear=amg", ranks=2), exact, 1e-6)
+
+    def test_restart_with_pressures_in_contact(self):
+        """The energies that steps are judged by need the pressures of the checkpoint."""
+        write_box(self.directory / "cube.msh", (2, 2, 2), CUBE)
+        self.write("in.yaml", """mesh: {file: cube.msh}
+volumetric: mixed
+bodies: [{volume: body, density: 1000, elasticity: {model: neo-hookean-isochoric, shear_modulus: 1e5, poissons_ratio: 0.49}}]
+initial: {velocity: [0.5, 0, -1]}
+loads: [{gravity: [0, 0, -9.81]}]
+contact: {law: barrier, friction: 0, obstacles: [{name: floor, shape: plane, point: [0, 0, -0.03], normal: [0, 0, 1]}]}
+time: {method: dirk22, step: 0.005, end: 0.05}
+checkpoint: {every: 4}
+""")
+        whole = self.run_input("in.yaml")
+        self.pliant("resume", "out/checkpoint-000008.h5", "--output", "resumed", "--quiet")
+        resumed = read_history(self.directory / "resumed")
+        for name, values in resumed.items():
+            np.testing.assert_array_equal(values[-2:], whole[name][-2:], err_msg=name)
+
+    def test_graded_incompressible_bodies(self):
+        write_box(self.directory / "bar.msh", (2, 2, 2), CUBE)
+        text = f"""mesh: {{file: bar.msh}}
+volumetric: mixed
+bodies: [{{volume: body, elasticity: {{model: neo-hookean, shear_modulus: "1e5*(1 + x)", poissons_ratio: NU}}}}]
+constraints: [{SYMMETRY}, {{surface: right, normal_displacement: 0.2}}]
+time: {{method: static}}
+output: {{fields: [displacement, volume_ratio]}}
+"""
+        self.write("in.yaml", text.replace("NU", "0.5"))
+        h = self.run_input("in.yaml", ranks=2)
+        mean = 1e5 * 1 / np.log(2)  # of layers one behind the other, at small strain
+        self.assertLess(abs(h["right_fx"][-1] / (mean * (1.2 - 1.2**-2)) - 1), 0.05)
+        self.write("in.yaml", text.replace("NU", '"0.5 - 0.01*(x > 0.5)"'))
+        done = self.call("run", "in.yaml", ranks=2)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("incompressible at some places only", done.stderr)
+
+    def test_pressures_that_nothing_determines(self):
+        write_box(self.directory / "cube.msh", (2, 2, 2), CUBE)
+        sides = ", ".join(f"{{surface: {side}, normal_displacement: 0}}" for side in SIDES)
+        for element in ("P1", "P2"):
+            self.write("in.yaml", f"""mesh: {{file: cube.msh}}
+element: {element}
+volumetric: mixed
+bodies: [{{volume: body, density: 1000, elasticity: {{model: neo-hookean, shear_modulus: 1e5, poissons_ratio: 0.5}}}}]
+constraints: [{sides}]
+loads: [{{gravity: [0, 0, -9.81]}}]
+time: {{method: static}}
+""")
+            done = self.call("run", "in.yaml", ranks=2)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("the pressure of an incompressible body is not determined", done.stderr)
+            self.pliant("run", "in.yaml", "--set", "bodies.0.elasticity.poissons_ratio=0.499", "--quiet")
 
     def test_slow_iterations_name_the_cure(self):
         write_box(self.directory / "block.msh", (3, 3, 3), (1, 1, 1))
