@@ -1,5 +1,6 @@
 // What a material shows in each kind of test has the derivatives that differences show, and a fit finds known
 // constants.
+#include "places.hpp"
 #include "study/fit.hpp"
 #include "study/fit_data.hpp"
 #include "study/fit_input.hpp"
@@ -146,6 +147,20 @@ TEST(Measurements, HaveUnitsInTheirHeader) {
   const auto columns = read_measurements(file, {}, wanted);
   EXPECT_EQ(columns[0], (std::vector<double>{1.5, 0.8}));
   EXPECT_EQ(columns[1], (std::vector<double>{0.25e6, -0.1e6}));
+}
+
+TEST(FitFile, ShippedFitsAreGood) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(source_root() / "input/fit")) {
+    std::ifstream stream(entry.path());
+    const std::string text{std::istreambuf_iterator<char>(stream), {}};
+    const FitConfig config = read_fit(text, entry.path().string());
+    for (const FitTestConfig& test : config.tests) {
+      EXPECT_FALSE(read_test(test, entry.path().parent_path().string()).x.empty()) << entry.path();
+    }
+    ++count;
+  }
+  EXPECT_GT(count, 0);
 }
 
 TEST(FitOfAMaterial, FindsTheModulusAndItsError) {
