@@ -36,12 +36,20 @@ int term_of(std::string_view name) {
   return number;
 }
 
+/// The term of a law that a parameter belongs to, if the law offers terms to choose from, each a modulus and an
+/// exponent that it needs; else 0.
+int choosable_term_of(const LawInfo& law, const ParameterInfo& parameter) {
+  const int term = term_of(parameter.name);
+  const bool has_exponent = std::ranges::any_of(law.parameters, [&](const ParameterInfo& p) {
+    return p.fallback && !p.needed_with.empty() && term_of(p.name) == term;
+  });
+  return parameter.fallback && has_exponent ? term : 0;
+}
+
 /// How many terms a law offers to choose from; 0 if its terms are fixed.
 int most_terms(const LawInfo& law) {
   int most = 0;
-  for (const ParameterInfo& p : law.parameters) {
-    if (p.fallback) most = std::max(most, term_of(p.name));
-  }
+  for (const ParameterInfo& p : law.parameters) most = std::max(most, choosable_term_of(law, p));
   return most;
 }
 
@@ -130,9 +138,9 @@ void FitMaterial::add_constants(const FitMaterialConfig& material) {
     parameters_.back().held = constant.value;
   }
   for (const ParameterInfo& p : law.parameters) {
-    if (is_one_of_pair(p.name)) continue;
-    const bool is_wanted = !p.fallback || (term_of(p.name) > 0 && term_of(p.name) <= material.terms.value_or(1));
-    if (is_wanted) add_free(std::string(p.name));
+    const bool is_infinite = is_incompressible_ && follows_from_constants(kind_.row, p.name);
+    if (is_one_of_pair(p.name) || is_infinite) continue;
+    if (choosable_term_of(law, p) <= material.terms.value_or(1)) add_free(std::string(p.name));
   }
   std::vector<std::string> pair;
   for (const HeldConstant& constant : held) {

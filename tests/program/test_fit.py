@@ -70,6 +70,12 @@ class KnownMinima(Fit):
             self.assert_close(sums[kind] / 1e12, total, 7)
             self.assertEqual("unstable at rest" in done.stderr, kind == "uniaxial")
 
+    def test_coupled_law_is_the_other_where_nothing_is_compressed(self):
+        _, one, _ = self.treloar("model: mooney-rivlin", "uniaxial")
+        _, other, _ = self.treloar("model: mooney-rivlin-coupled", "uniaxial")
+        self.assertEqual(list(other), ["c1", "c2"])
+        np.testing.assert_allclose(list(other.values()), list(one.values()), rtol=1e-7)
+
     def test_linear_laws_land_on_the_solution_of_the_normal_equations(self):
         _, parameters, _ = self.treloar("model: yeoh", "uniaxial", "pure-shear")
         matrix, right = [], []
