@@ -50,7 +50,7 @@ ElasticLawSpec law_for_plot(const std::string& name, const std::vector<std::stri
     std::vector<std::string> names;
     for (const auto& law : rows) names.emplace_back(law.name);
     for (const auto& entry : material_library()) names.emplace_back(entry.name);
-    throw InputError({}, fmt::format("there is no elastic law or material '{}'{}; there are {}", name,
+    throw InputError({}, fmt::format("unknown elastic law or material '{}'{}; choose one of {}", name,
                                      did_you_mean(name, names), joined(names)));
   }
   GivenConstants constants;

@@ -29,7 +29,7 @@ struct LibraryMaterial {
 
 std::span<const LibraryMaterial> material_library();
 
-/// nullptr if there is no such material.
+/// nullptr if the library does not contain it.
 const LibraryMaterial* find_material(std::string_view name);
 
 /// Poisson's ratio where users give nothing about the volume.

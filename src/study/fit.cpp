@@ -91,7 +91,7 @@ void add_warnings(FittedMaterial& fit, const std::vector<FreeParameter>& paramet
     }
   }
   if (!known.is_determined.empty() && std::isnan(known.variance)) {
-    fit.warnings.emplace_back("there are no more measurements than parameters, so standard errors are unknown");
+    fit.warnings.emplace_back("standard errors are unknown: they need more measurements than parameters");
   }
   constexpr int several = 5;
   if (outcome.minimum.is_converged && outcome.num_starts >= several && outcome.num_best == 1) {

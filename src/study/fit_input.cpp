@@ -190,7 +190,7 @@ void check_tests(const FitConfig& config, Diagnostics& diagnostics) {
   for (const FitTestConfig& test : config.tests) {
     const bool needs_branches = test.kind == TestKind::relaxation || test.kind == TestKind::dma;
     if (needs_branches && !config.viscosity) {
-      diagnostics.add(test.where, "this test shows viscosity, but there is no section 'viscosity'; add one");
+      diagnostics.add(test.where, "this test measures viscosity; add a section 'viscosity'");
     }
     if (test.kind == TestKind::volumetric && config.material.is_incompressible) {
       diagnostics.add(test.where, "a volumetric test does not go with 'incompressible: true'; leave one of them out");

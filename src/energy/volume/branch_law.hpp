@@ -45,7 +45,7 @@ class BranchLaw {
   Tensor3<Pack> force(const Tensor3<Pack>& H, const Tensor3<Pack>& A) const;
   /// K -= d2(A : D)/dH2.
   void subtract_stiffness(const Tensor3<Pack>& H, const Tensor3<Pack>& A, Tangent<Pack>& K) const;
-  /// By Newton's method starting from H. If there is no minimum, the result of the last iteration.
+  /// By Newton's method starting from H; the result of the last iteration if psi_e - A : D has no minimum.
   BranchState state(std::size_t n, const Tensor3<Pack>& H, const Tensor3<Pack>& A) const;
 
  private:

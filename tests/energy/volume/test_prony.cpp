@@ -187,8 +187,8 @@ TEST_F(PronySeries, OnSaintVenantKirchhoffIsMaxwell) {
   EXPECT_NEAR(a.stored, b.stored, 1e-11 * std::abs(b.stored));
 }
 
-TEST_F(PronySeries, PowerIsStoredOrDissipated) {
-  PronyBody body(comm, file_, [](const Solid& s) { return s.prony({{0.5, 0.05}, {1.5, 0.3}}, "neo-hookean"); });
+/// What is not stored and not lost falls with the length of the stages.
+void expect_power_to_be_stored_or_lost(PronyBody& body) {
   const auto gap = [&](double h) {
     const auto r = body.after_two_stages(h);
     EXPECT_GT(r.lost, 0.0);
@@ -197,6 +197,11 @@ TEST_F(PronySeries, PowerIsStoredOrDissipated) {
   const double coarse = gap(2e-4), fine = gap(1e-4);
   EXPECT_LT(std::abs(coarse), 0.02);
   EXPECT_NEAR(std::log2(coarse / fine), 1.0, 0.02);
+}
+
+TEST_F(PronySeries, PowerIsStoredOrDissipated) {
+  PronyBody body(comm, file_, [](const Solid& s) { return s.prony({{0.5, 0.05}, {1.5, 0.3}}, "neo-hookean"); });
+  expect_power_to_be_stored_or_lost(body);
 }
 
 // Large strains, and laws that are not convex in the strain: the branch is free of stress at the minimum.
@@ -219,14 +224,7 @@ TEST_F(PronySeries, IsochoricBranchesStoreAndLose) {
 TEST_F(PronySeries, PowerOfIsochoricBranchesIsStoredOrDissipated) {
   const auto rest = test::without_volume("mooney-rivlin");
   PronyBody body(comm, file_, [&](const Solid& s) { return s.prony({{0.5, 0.05}, {1.5, 0.3}}, rest); });
-  const auto gap = [&](double h) {
-    const auto r = body.after_two_stages(h);
-    EXPECT_GT(r.lost, 0.0);
-    return (r.power - r.lost - r.stored) / r.power;
-  };
-  const double coarse = gap(2e-4), fine = gap(1e-4);
-  EXPECT_LT(std::abs(coarse), 0.02);
-  EXPECT_NEAR(std::log2(coarse / fine), 1.0, 0.02);
+  expect_power_to_be_stored_or_lost(body);
 }
 
 TEST_F(PronySeries, NothingDependsOnTheNumberOfRanks) {
