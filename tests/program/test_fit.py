@@ -317,7 +317,7 @@ BAD = {
     "bounds in a wrong unit": (GOOD + "bounds: {shear_modulus: [@1 m, 2]}\n", "1 m"),
     "bounds that no value meets": (GOOD + "bounds: {shear_modulus: @[-2, -1]}\n", "no value of"),
     "an initial value out of bounds": (GOOD + "initial: {shear_modulus: @-1}\n", "between its bounds"),
-    "relaxation without viscosity": (GOOD.replace("{kind: uniaxial", "@{kind: relaxation, stretch: 2"), "no section 'viscosity'"),
+    "relaxation without viscosity": (GOOD.replace("{kind: uniaxial", "@{kind: relaxation, stretch: 2"), "add a section 'viscosity'"),
     "viscosity without a test": (GOOD + "viscosity: @{model: prony, terms: 1}\n", "no test shows viscosity"),
     "relaxation from nowhere": (GOOD.replace("{kind: uniaxial", "@{kind: relaxation") + "viscosity: {model: prony, terms: 1}\n",
                                 "stretch, shear is needed"),
