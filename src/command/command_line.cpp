@@ -128,6 +128,7 @@ CommandLine::CommandLine(MPI_Comm comm, const SweepOptions& of_sweep)
   add_check();
   add_converge();
   add_sweep();
+  add_sensitivity();
   add_fit();
   add_mesh();
   add_methods();
@@ -321,6 +322,33 @@ void CommandLine::add_sweep() {
       }
       Console console(comm_, Verbosity::normal);
       result_ = sweep_command(arguments_.file, arguments_.overrides(), arguments_.sweep, console);
+    };
+  });
+}
+
+void CommandLine::add_sensitivity() {
+  CLI::App* sensitivity =
+      app_.add_subcommand("sensitivity", "derivatives of the history of a run by numbers of its input");
+  sensitivity->footer(
+      examples({"pliant sensitivity finger.yaml --of tip_z --to bodies.0.elasticity.youngs_modulus,bodies.0.density",
+                "mpirun -n 2 pliant sensitivity grip.yaml --of tip_x,tip_z --to contact.friction"}));
+  add_input(*sensitivity);
+  add_output(*sensitivity, "directory for sensitivity.csv and the plots");
+  sensitivity->add_option("--of", arguments_.sensitivity.columns, "columns of history.csv, e.g. tip_z,clamp_fx")
+      ->required()
+      ->delimiter(',')
+      ->type_name("COLUMN,...");
+  sensitivity
+      ->add_option("--to", arguments_.sensitivity.numbers,
+                   "numbers of the input, named as for --set, e.g. bodies.0.density,contact.friction")
+      ->required()
+      ->delimiter(',')
+      ->type_name("KEY,...");
+  sensitivity->callback([this] {
+    command_ = [this] {
+      Console console(comm_, Verbosity::normal);
+      result_ =
+          sensitivity_command(comm_, arguments_.file, arguments_.overrides(), arguments_.sensitivity, console);
     };
   });
 }

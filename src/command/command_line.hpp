@@ -4,6 +4,7 @@
 #include "command/commands.hpp"
 #include "command/report.hpp"
 #include "study/converge.hpp"
+#include "study/sensitivity.hpp"
 #include "study/sweep.hpp"
 
 #include <array>
@@ -41,6 +42,7 @@ class CommandLine {
     StudyOptions study;
     Conversion conversion;
     SweepOptions sweep;
+    SensitivityOptions sensitivity;
     ReportOptions report;
     std::string refine;
     std::vector<std::string> words;
@@ -61,6 +63,7 @@ class CommandLine {
   void add_check();
   void add_converge();
   void add_sweep();
+  void add_sensitivity();
   void add_fit();
   void add_mesh();
   void add_methods();

@@ -70,10 +70,14 @@ Config read_input(const std::string& text, const std::string& file, const std::v
   return config;
 }
 
-Config read_input_file(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides) {
+std::string input_text(MPI_Comm comm, const std::string& file) {
   std::string text;
   on_root(comm, [&] { text = file_text(file); });
-  return read_input(broadcast(comm, std::move(text)), file, overrides);
+  return broadcast(comm, std::move(text));
+}
+
+Config read_input_file(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides) {
+  return read_input(input_text(comm, file), file, overrides);
 }
 
 std::string dump(const Config& config) {

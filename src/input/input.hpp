@@ -19,6 +19,10 @@ Config read_input(const std::string& text, const std::string& file, const std::v
 /// Every rank returns the same or throws the same. Collective.
 Config read_input_file(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides);
 
+/// The text of the file, the same on every rank, for inputs that are read several times. Throws like read_input_file.
+/// Collective.
+std::string input_text(MPI_Comm comm, const std::string& file);
+
 /// The configuration as YAML: every default spelled out, SI units, the mesh's file absolute. Reading it, from any
 /// directory, gives the same configuration.
 std::string dump(const Config& config);

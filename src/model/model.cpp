@@ -12,6 +12,7 @@
 #include "model/initial_displacement.hpp"
 #include "model/joint_efforts.hpp"
 #include "model/mesh_cell_data.hpp"
+#include "model/mesh_source.hpp"
 #include "model/method_warnings.hpp"
 #include "model/rigid_bodies.hpp"
 #include "model/selections.hpp"
@@ -32,22 +33,24 @@
 namespace pliant {
 
 Model::Model(MPI_Comm comm, const Config& given, const TermFactory& additional) : config_(with_rigid_bodies(given)) {
-  const Config& config = config_;
-  // The size in the input is in metres, that of gmsh in the unit of the geometry.
-  auto size = config.mesh.size;
-  if (size) *size /= config.mesh.scale;
   const Mesh mesh = [&] {
     const Stopwatch watch(mesh_seconds_);
-    return read_mesh(
-        comm, {config.mesh.file.value, config.mesh.file.where, size, config.mesh.scale, config.mesh.refine,
-               config.mesh.allow_commands ? Commands::allowed : Commands::refused, config.mesh.time_limit,
-               parts_that_meet(config), added_tetrahedra(config), added_volumes(config), curves_of_tendons(config)});
+    return read_mesh(comm, mesh_source(given));
   }();
+  build(mesh, additional);
+}
+
+Model::Model(const Mesh& mesh, const Config& given, const TermFactory& additional) : config_(with_rigid_bodies(given)) {
+  build(mesh, additional);
+}
+
+void Model::build(const Mesh& mesh, const TermFactory& additional) {
+  const Config& config = config_;
   mesh_report_ = mesh.report;
   const int order = static_cast<int>(config.element);
   layout_ = make_layout(mesh, order);
   fingerprint_ = fingerprint(layout_);
-  on_every_rank(comm, [&] { pattern_ = std::make_unique<BlockPattern>(layout_); });
+  on_every_rank(layout_.comm, [&] { pattern_ = std::make_unique<BlockPattern>(layout_); });
   if (order == 1 && mesh.geometry_order == 2) {
     diagnostics_.push_back(note("the mesh has curved edges, which P1 elements straighten; `element: P2` keeps them"));
   }

@@ -43,6 +43,8 @@ class Model {
  public:
   /// Throws InputError with all errors that only the mesh reveals. Collective.
   Model(MPI_Comm comm, const Config& config, const TermFactory& additional = {});
+  /// On a mesh that is there already, that of mesh_source (model/mesh_source.hpp).
+  Model(const Mesh& mesh, const Config& config, const TermFactory& additional = {});
   Model(const Model&) = delete;
   Model& operator=(const Model&) = delete;
 
@@ -101,6 +103,7 @@ class Model {
   void check_contact_at_start(Vec q) const;
 
  private:
+  void build(const Mesh& mesh, const TermFactory& additional);
   void build_terms(const Config& config, const Mesh& mesh);
   /// Parts of the mesh that neither nodes nor constraints join.
   void find_components(const Config& config, Selections& selections);

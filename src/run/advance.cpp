@@ -4,6 +4,7 @@
 #include "solver/petsc_integrator.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
@@ -41,9 +42,32 @@ std::unique_ptr<NewtonSolver> make_newton(const Config& config, Model& model) {
   });
 }
 
-StageSolve stage_solve_of(NewtonSolver& newton) {
-  return [&newton](const StagePoint& stage, Vec q) { return newton.solve(stage, q); };
-}
+/// Newton's method, and who follows it. Without a solver, if stages are solved elsewhere.
+class StageSolver {
+ public:
+  StageSolver(const Config& config, Model& model, Stages stages)
+      : newton_(stages == Stages::solved_here ? make_newton(config, model) : nullptr) {}
+
+  StageReport operator()(const StagePoint& stage, Vec q) {
+    const StageReport report = newton_->solve(stage, q);
+    if (follower_ != nullptr && report.outcome == StageOutcome::converged) follower_->end_stage(*newton_, q);
+    return report;
+  }
+  void follow(StageFollower& follower) { follower_ = &follower; }
+  void forget() {
+    if (newton_) newton_->forget();
+  }
+  std::optional<FailedStage> examine() { return newton_ ? newton_->examine() : std::nullopt; }
+  void watch(std::function<void(const StageProgress&)> watcher) {
+    if (newton_) newton_->watch(std::move(watcher));
+  }
+  const SolverStatistics& statistics() const { return newton_ ? newton_->statistics() : none_; }
+
+ private:
+  std::unique_ptr<NewtonSolver> newton_;
+  StageFollower* follower_ = nullptr;
+  SolverStatistics none_;
+};
 
 std::string description_of(const Config& config, Model& model) {
   return fmt::format("solver: {}{}", describe(model.equation(), linear_kind(config, model.layout())),
@@ -53,17 +77,29 @@ std::string description_of(const Config& config, Model& model) {
 /// Advances in time by a method of the table, or by the user's own.
 class TimeAdvance final : public Advance {
  public:
-  TimeAdvance(const Config& config, Model& model, Ledger& ledger, const StateView& initial)
-      : newton_(make_newton(config, model)),
+  TimeAdvance(const Config& config, Model& model, Ledger& ledger, const StateView& initial, Stages stages)
+      : solver_(config, model, stages),
         description_(description_of(config, model)),
         ledger_(ledger),
-        integrator_(options_of(config), system_of(model, ledger, *newton_), initial) {
+        motion_(model.motion()),
+        integrator_(options_of(config), system_of(model, ledger, solver_), initial) {
     if (const auto& adaptive = config.time.adaptive) {
       norm_.emplace(Tolerances{adaptive->relative, adaptive->absolute, adaptive->absolute_velocity}, initial);
     }
   }
 
   StepAttempt attempt(const Step& step) override { return integrator_.attempt(step); }
+  void begin(const Step& step) override { stepper_ = &integrator_.begin(step); }
+  const StagePoint& start_stage(Vec guess) override {
+    const StagePoint& stage = stepper_->start_stage();
+    check(VecCopy(guess, unknown()));
+    motion_.start_stage(stage, unknown());
+    return stage;
+  }
+  Vec unknown() const override { return stepper_->unknown(); }
+  void end_stage() override { stepper_->end_stage(); }
+  StepAttempt end_step() override { return stepper_->end_step(); }
+  void follow(StageFollower& follower) override { solver_.follow(follower); }
   void accept(const StepAttempt& attempt) override {
     if (norm_) norm_->accept(attempt);
     integrator_.accept(attempt);
@@ -79,10 +115,10 @@ class TimeAdvance final : public Advance {
     integrator_.keep(archive);
     if (norm_) norm_->keep(archive);
   }
-  void forget() override { newton_->forget(); }
-  std::optional<FailedStage> examine() override { return newton_->examine(); }
-  void watch(std::function<void(const StageProgress&)> watcher) override { newton_->watch(std::move(watcher)); }
-  const SolverStatistics& solver_statistics() const override { return newton_->statistics(); }
+  void forget() override { solver_.forget(); }
+  std::optional<FailedStage> examine() override { return solver_.examine(); }
+  void watch(std::function<void(const StageProgress&)> watcher) override { solver_.watch(std::move(watcher)); }
+  const SolverStatistics& solver_statistics() const override { return solver_.statistics(); }
   std::vector<std::string> description() const override { return {description_}; }
 
  private:
@@ -90,9 +126,9 @@ class TimeAdvance final : public Advance {
     return {*integrator_of(config), config.time.startup.value(),
             config.time.adaptive ? ErrorEstimate::local : ErrorEstimate::none};
   }
-  static System system_of(Model& model, Ledger& ledger, NewtonSolver& newton) {
+  static System system_of(Model& model, Ledger& ledger, StageSolver& solver) {
     System system;
-    system.solve = stage_solve_of(newton);
+    system.solve = [&solver](const StagePoint& stage, Vec q) { return solver(stage, q); };
     system.motion = model.motion();
     system.internal = model.potential().internal_variables();
     system.quadratures = ledger.quadratures();
@@ -100,10 +136,12 @@ class TimeAdvance final : public Advance {
     return system;
   }
 
-  std::unique_ptr<NewtonSolver> newton_;
+  StageSolver solver_;
   std::string description_;
   Ledger& ledger_;
+  PrescribedMotion motion_;
   Integrator integrator_;
+  Stepper* stepper_ = nullptr;  // of the step that is taken stage by stage
   std::optional<ErrorNorm> norm_;
 };
 
@@ -140,8 +178,8 @@ class PetscAdvance final : public Advance {
 /// Advances the load factor from 0 to 1 at a fixed time; "time" of a step is the load factor.
 class LoadAdvance final : public Advance {
  public:
-  LoadAdvance(const Config& config, Model& model, Vec q)
-      : newton_(make_newton(config, model)),
+  LoadAdvance(const Config& config, Model& model, Vec q, Stages stages)
+      : solver_(config, model, stages),
         description_(description_of(config, model)),
         motion_(model.constraints().motion()),
         time_(config.time.end) {
@@ -151,25 +189,40 @@ class LoadAdvance final : public Advance {
   }
 
   StepAttempt attempt(const Step& step) override {
+    begin(step);
     extrapolate(step.time);
+    start_at(q_.get());
+    const StageReport report = solver_(stage_, q_.get());
+    StepAttempt result = end_step();
+    result.report = report;
+    return result;
+  }
+
+  void begin(const Step& step) override {
+    stage_ = {.time = time_,
+              .dt = 1.0,
+              .q0 = start_.get(),
+              .v0 = start_velocity_.get(),
+              .load_factor = step.time,
+              .step_start = time_ - 1.0,
+              .accepted = state_.get()};
+  }
+  const StagePoint& start_stage(Vec guess) override {
+    check(VecCopy(guess, q_.get()));
+    start_at(q_.get());
+    return stage_;
+  }
+  Vec unknown() const override { return q_.get(); }
+  void end_stage() override {}
+  StepAttempt end_step() override {
     StepAttempt result;
-    result.time = step.time;
-    result.last_stage = {.time = time_,
-                         .dt = 1.0,
-                         .q0 = start_.get(),
-                         .v0 = start_velocity_.get(),
-                         .load_factor = step.time,
-                         .step_start = time_ - 1.0,
-                         .accepted = state_.get()};
-    motion_.start_stage(result.last_stage, q_.get());
-    // Time stands still: prescribed functions of time have no rate.
-    check(VecCopy(state_.get(), start_.get()));
-    check(VecSet(start_velocity_.get(), 0.0));
-    result.report = newton_->solve(result.last_stage, q_.get());
+    result.time = stage_.load_factor;
+    result.last_stage = stage_;
     result.q = result.last_q = q_.get();
     result.v = result.last_a = zero_.get();
     return result;
   }
+  void follow(StageFollower& follower) override { solver_.follow(follower); }
 
   void accept(const StepAttempt& attempt) override {
     check(VecCopy(state_.get(), earlier_.get()));
@@ -183,13 +236,20 @@ class LoadAdvance final : public Advance {
     archive.number("earlier_load_factor", earlier_factor_);
     archive.vector("earlier_q", Entries::nodes, earlier_.get());
   }
-  void forget() override { newton_->forget(); }
-  std::optional<FailedStage> examine() override { return newton_->examine(); }
-  void watch(std::function<void(const StageProgress&)> watcher) override { newton_->watch(std::move(watcher)); }
-  const SolverStatistics& solver_statistics() const override { return newton_->statistics(); }
+  void forget() override { solver_.forget(); }
+  std::optional<FailedStage> examine() override { return solver_.examine(); }
+  void watch(std::function<void(const StageProgress&)> watcher) override { solver_.watch(std::move(watcher)); }
+  const SolverStatistics& solver_statistics() const override { return solver_.statistics(); }
   std::vector<std::string> description() const override { return {description_}; }
 
  private:
+  /// The start of the stage, and the prescribed entries of a guess of its end.
+  void start_at(Vec q) {
+    motion_.start_stage(stage_, q);
+    // Time stands still: prescribed functions of time have no rate.
+    check(VecCopy(state_.get(), start_.get()));
+    check(VecSet(start_velocity_.get(), 0.0));
+  }
   /// The guess, by linear extrapolation of the last two states.
   void extrapolate(double load_factor) {
     constexpr double longest = 2.0;  // relative to the previous step
@@ -200,9 +260,10 @@ class LoadAdvance final : public Advance {
     check(VecAXPBYPCZ(q_.get(), part, -part, 1.0, state_.get(), earlier_.get()));
   }
 
-  std::unique_ptr<NewtonSolver> newton_;
+  StageSolver solver_;
   std::string description_;
   PrescribedMotion motion_;
+  StagePoint stage_;
   double time_;
   double load_factor_ = 0.0, earlier_factor_ = 0.0;
   Handle<Vec> state_, earlier_, q_, start_, zero_, start_velocity_;
@@ -225,9 +286,24 @@ LinearKind linear_kind(const Config& config, const NodeLayout& layout) {
   return automatic_linear_kind(3 * layout.num_global_nodes, layout.order);
 }
 
-std::unique_ptr<Advance> make_advance(const Config& config, Model& model, Ledger& ledger, const StateView& initial) {
+void Advance::begin(const Step& /*step*/) {
+  throw std::logic_error("this integrator takes no steps stage by stage");
+}
+const StagePoint& Advance::start_stage(Vec /*guess*/) {
+  throw std::logic_error("no step was begun");
+}
+Vec Advance::unknown() const {
+  throw std::logic_error("no step was begun");
+}
+void Advance::end_stage() {}
+StepAttempt Advance::end_step() {
+  return {};
+}
+
+std::unique_ptr<Advance> make_advance(const Config& config, Model& model, Ledger& ledger, const StateView& initial,
+                                      Stages stages) {
   if (analysis_of(config) == Analysis::static_equilibrium) {
-    return std::make_unique<LoadAdvance>(config, model, initial.q);
+    return std::make_unique<LoadAdvance>(config, model, initial.q, stages);
   }
   if (const PetscMethod* method = find_petsc_method(method_name(config.time.method))) {
     if (const ConstraintMap* map = model.constraints().map(); map != nullptr && !map->is_linear()) {
@@ -242,7 +318,7 @@ std::unique_ptr<Advance> make_advance(const Config& config, Model& model, Ledger
     }
     return std::make_unique<PetscAdvance>(config, model, ledger, *method, initial);
   }
-  return std::make_unique<TimeAdvance>(config, model, ledger, initial);
+  return std::make_unique<TimeAdvance>(config, model, ledger, initial, stages);
 }
 
 }  // namespace pliant

@@ -15,6 +15,25 @@
 
 namespace pliant {
 
+/// What follows a simulation from stage to stage: the runs of neighbouring inputs (study/tangent_run.hpp). All methods are
+/// collective.
+class StageFollower {
+ public:
+  virtual ~StageFollower() = default;
+  /// The simulation tries this step from its last accepted state.
+  virtual void begin_step(const Step& step) = 0;
+  /// The solver has just solved a stage of it; q is the configuration.
+  virtual void end_stage(NewtonSolver& solver, Vec q) = 0;
+  /// The step was accepted. `restarts`: the next one starts anew (Advance::restart).
+  virtual void end_step(bool restarts) = 0;
+};
+
+/// Where the stages of a simulation are solved.
+enum class Stages {
+  solved_here,      ///< by a solver of its own
+  solved_elsewhere  ///< and given to it, one by one: it has no solver
+};
+
 /// A step's outcome is only a proposal until it is accepted. All methods are collective.
 class Advance {
  public:
@@ -28,6 +47,19 @@ class Advance {
   virtual void restart() {}
   /// Estimated error of a converged attempt in units of the tolerances; 0 if errors are not estimated.
   virtual double error(const StepAttempt& /*attempt*/) const { return 0.0; }
+
+  /// A step stage by stage, with solutions that are found elsewhere: `begin`, for each stage `start_stage` and
+  /// `end_stage`, then `end_step`, in place of `attempt`. PETSc's integrators do not take such steps.
+  virtual void begin(const Step& step);
+  /// The next stage, valid until the next call; sets `unknown` to `guess` with its prescribed entries at their values.
+  virtual const StagePoint& start_stage(Vec guess);
+  virtual Vec unknown() const;
+  /// `unknown` is the solution.
+  virtual void end_stage();
+  virtual StepAttempt end_step();
+
+  /// Calls the follower's `end_stage` after each stage.
+  virtual void follow(StageFollower& /*follower*/) {}
 
   /// The last accepted state.
   virtual StateView state() const = 0;
@@ -52,6 +84,7 @@ class Advance {
 LinearKind linear_kind(const Config& config, const NodeLayout& layout);
 
 /// Makes the Advance for the input's method, from the initial state. `config`, `model` and `ledger` outlive the result.
-std::unique_ptr<Advance> make_advance(const Config& config, Model& model, Ledger& ledger, const StateView& initial);
+std::unique_ptr<Advance> make_advance(const Config& config, Model& model, Ledger& ledger, const StateView& initial,
+                                      Stages stages);
 
 }  // namespace pliant

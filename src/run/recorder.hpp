@@ -3,7 +3,7 @@
 
 #include "io/history_writer.hpp"
 #include "io/result_writer.hpp"
-#include "model/rigid_states.hpp"
+#include "run/history_row.hpp"
 #include "run/mechanism_drawing.hpp"
 #include "run/obstacle_drawing.hpp"
 #include "run/simulation.hpp"
@@ -40,21 +40,13 @@ class Recorder {
   double seconds() const { return seconds_; }
 
  private:
-  /// Gauge pressure [Pa] and volume [m^3] of each cavity.
-  std::vector<double> cavity_states(const StepRecord& record);
-  std::vector<double> tendon_states(const StepRecord& record);
-  /// Length [m] and force [N] of each spring.
-  std::vector<double> spring_states(const StepRecord& record);
-  double contact_energy(const StepRecord& record);
   void add_contact_fields(const StepRecord& record, std::vector<std::vector<double>>& storage,
                           std::vector<OutputField>& fields);
-  std::vector<std::string> columns(const Config& config, const Ledger& ledger) const;
 
   Model& model_;
-  RigidStates rigid_states_;
+  HistoryRow row_;
   std::vector<std::string> fields_;
   double time_scale_;                  // interval from which velocities of obstacles are computed [s]
-  std::optional<double> static_time_;  // at which formulas are evaluated while the load factor grows [s]
   double seconds_ = 0.0;
   ResultWriter result_;
   std::optional<ObstacleDrawing> drawing_;  // of obstacles, if there are any
@@ -62,7 +54,6 @@ class Recorder {
   MechanismDrawing mechanism_drawing_;
   std::optional<MechanismWriter> mechanisms_;  // if there are any
   HistoryWriter history_;
-  Handle<Vec> q_, v_;
 };
 
 }  // namespace pliant

@@ -28,7 +28,8 @@ StepOutcome::Kind outcome_of(const RetryDecision& decision, StepOutcome::Kind ot
 
 }  // namespace
 
-Simulation::Simulation(const Config& config, Model& model) : analysis_(analysis_of(config)), model_(model) {
+Simulation::Simulation(const Config& config, Model& model, Stages stages)
+    : analysis_(analysis_of(config)), model_(model) {
   model.prepare(config);
   q_ = make_vector(model.layout());
   v_ = make_vector(model.layout());
@@ -42,7 +43,7 @@ Simulation::Simulation(const Config& config, Model& model) : analysis_(analysis_
   StateView initial{0.0, q_.get(), v_.get(), z.get()};
   ledger_.emplace(model, analysis_, initial);
   if (analysis_ == Analysis::dynamic) initial.w = ledger_->works();
-  advance_ = make_advance(config, model, *ledger_, initial);
+  advance_ = make_advance(config, model, *ledger_, initial, stages);
   set_plan(config);
   control_.emplace(plan_);
   record_.q = q_.get();
@@ -114,6 +115,7 @@ void Simulation::keep(Archive& archive) {
 
 StepOutcome Simulation::advance() {
   const Step step = control_->next();
+  if (follower_ != nullptr) follower_->begin_step(step);
   StepAttempt attempt = advance_->attempt(step);
   record_.a = nullptr;  // it belonged to the advance
   if (attempt.report.outcome == StageOutcome::converged) {
@@ -135,12 +137,34 @@ StepOutcome Simulation::advance() {
   accept(attempt, step);
   control_->accept(error);
   const bool touches = touched || record_.contact.num_points > 0.0;
-  if (control_->at_event() || extrapolates_impact(step, touches)) {
-    advance_->restart();
-    steps_since_restart_ = 0;
-    record_.z = advance_->state().z;
-  }
+  const bool restarts = control_->at_event() || extrapolates_impact(step, touches);
+  if (restarts) restart();
+  if (follower_ != nullptr) follower_->end_step(restarts);
   return {StepOutcome::Kind::accepted, std::move(concession), step};
+}
+
+void Simulation::restart() {
+  advance_->restart();
+  steps_since_restart_ = 0;
+  record_.z = advance_->state().z;
+}
+
+void Simulation::follow(StageFollower& follower) {
+  follower_ = &follower;
+  advance_->follow(follower);
+}
+
+void Simulation::begin(const Step& step) {
+  step_ = step;
+  advance_->begin(step);
+}
+
+void Simulation::end_step(bool restarts) {
+  const StepAttempt attempt = advance_->end_step();
+  record_.a = nullptr;
+  if (settles_pressures_) model_.mixed_equation()->settle(attempt.q);
+  accept(attempt, step_);
+  if (restarts) restart();
 }
 
 // The formula of a multistep method extrapolates the velocity of past steps. With steps of one length and one formula,

@@ -60,13 +60,23 @@ class Simulation {
  public:
   /// Starts from the input's initial state. `model` and `config` outlive the object; the model's terms are set up for
   /// the method of `config`. Throws InputError if the initial state or a PETSc option is wrong.
-  Simulation(const Config& config, Model& model);
+  Simulation(const Config& config, Model& model, Stages stages = Stages::solved_here);
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
   bool finished() const { return control_->finished(); }
   /// Tries one step.
   StepOutcome advance();
+
+  /// Calls the follower at each step and stage from now on; it outlives the simulation.
+  void follow(StageFollower& follower);
+  /// A step that another simulation takes too, stage by stage, with solutions that are found elsewhere (Advance::begin).
+  /// It is accepted as it is.
+  void begin(const Step& step);
+  const StagePoint& start_stage(Vec guess) { return advance_->start_stage(guess); }
+  Vec unknown() const { return advance_->unknown(); }
+  void end_stage() { advance_->end_stage(); }
+  void end_step(bool restarts);
 
   /// The last completed step; its acceleration is known until the next one is tried.
   const StepRecord& record() const { return record_; }
@@ -102,6 +112,7 @@ class Simulation {
   bool ends_inside_out(const StepAttempt& attempt);
   StepOutcome reject(const StepAttempt& attempt, const Step& step);
   void accept(const StepAttempt& attempt, const Step& step);
+  void restart();
   /// Measures `contact` of the state in `q_`, and updates its ghosts.
   void measure_contact();
   /// Whether the next step would amplify an impact in this step, which was accepted.
@@ -123,6 +134,8 @@ class Simulation {
   double contact_start_ = 0.0;      // end of the last step without contact [s]
   bool settles_pressures_ = false;  // because steps do not end with a stage
   std::int64_t steps_since_restart_ = 0;
+  Step step_;  // that is taken stage by stage
+  StageFollower* follower_ = nullptr;
 };
 
 }  // namespace pliant

@@ -24,7 +24,8 @@ NewtonSolver::NewtonSolver(StageEquation& equation, const NewtonOptions& options
       guesses_(objective_, loop_.system(), statistics_),
       equilibria_(objective_, loop_, statistics_, options.relative),
       roots_(objective_, loop_),
-      coefficients_(objective_, loop_, statistics_) {}
+      coefficients_(objective_, loop_, statistics_),
+      tangent_(objective_, loop_.system(), loop_.linear_solver()) {}
 
 StageReport NewtonSolver::solve(const StagePoint& stage, Vec q) {
   ++statistics_.stages;

@@ -11,6 +11,7 @@
 #include "solver/objective.hpp"
 #include "solver/root_search.hpp"
 #include "solver/statistics.hpp"
+#include "solver/tangent_system.hpp"
 #include "time/stage.hpp"
 
 #include <functional>
@@ -60,6 +61,12 @@ class NewtonSolver {
 
   const SolverStatistics& statistics() const { return statistics_; }
 
+  /// After a stage was solved, and until the next one: its equation, the unknowns that solve it, and the linear system
+  /// of its tangent.
+  StageEquation& equation() { return equation_; }
+  Vec unknowns() const { return unknowns_.get(); }
+  TangentSystem& tangent() { return tangent_; }
+
  private:
   /// A stage that could not be solved, with its last iterate.
   struct Failure {
@@ -84,6 +91,7 @@ class NewtonSolver {
   EquilibriumSearch equilibria_;
   RootSearch roots_;
   CoefficientSearch coefficients_;
+  TangentSystem tangent_;
   std::optional<Failure> failure_;
 };
 

@@ -5,6 +5,7 @@
 #include "petsc/collective.hpp"
 #include "study/fit_input.hpp"
 #include "study/fit_report.hpp"
+#include "study/fit_run.hpp"
 #include "study/fit_starts.hpp"
 #include "study/fit_tables.hpp"
 
@@ -123,7 +124,7 @@ FittedMaterial fit_material(const std::string& text, const std::string& file) {
   FittedMaterial fit{config, FitMaterial(config.material, config.viscosity), std::move(tests), {}, {}, {}, {}, {}, {}};
   const FitStarts starts(config, fit.material, fit.tests);
   const FitProblem problem(starts.parameters(), measurements_of(fit.tests, fit.material), config.residual);
-  fit.outcome = problem.solve(config.starts, starts);
+  fit.outcome = problem.solve(config.starts.value_or(10), starts);
   fit.all = fit.material.all_values(fit.outcome.values);
   if (fit.outcome.num_starts > 0) fit.residuals = problem.residuals(fit.outcome.values);
   add_warnings(fit, starts.parameters());
@@ -132,10 +133,16 @@ FittedMaterial fit_material(const std::string& text, const std::string& file) {
 }
 
 ExitCode fit_command(MPI_Comm comm, const std::string& file, const std::string& output, Console& console) {
+  std::string text;
+  on_root(comm, [&] { text = text_of_fit(file); });
+  text = broadcast(comm, std::move(text));
+  const fs::path directory = output.empty() ? fs::path("out") / fs::path(file).stem() : fs::path(output);
+  if (const FitConfig config = read_fit(text, file); config.input) {
+    return fit_run_command(comm, config, directory.string(), console);
+  }
   bool is_converged = false;
   on_root(comm, [&] {
-    const FittedMaterial fit = fit_material(text_of_fit(file), file);
-    const fs::path directory = output.empty() ? fs::path("out") / fs::path(file).stem() : fs::path(output);
+    const FittedMaterial fit = fit_material(text, file);
     is_converged = fit.outcome.minimum.is_converged;
     for (const std::string& line : fit_tables(fit)) console.print(line);
     for (const std::string& note : fit.notes) console.report({Severity::note, {}, note});

@@ -32,8 +32,8 @@ struct FittedMaterial {
 FittedMaterial fit_material(const std::string& text, const std::string& file);
 
 /// Runs the fit, prints its tables, and writes fit.csv, material.yaml, report.html and the plots in it as SVG files
-/// into the directory `output`. Returns done if the fit converged, otherwise study_failed. Collective; rank 0 does the
-/// work.
+/// into the directory `output`. Returns done if the fit converged, otherwise study_failed. A fit of numbers of an input
+/// is that of study/fit_run.hpp. Collective; rank 0 does the work.
 ExitCode fit_command(MPI_Comm comm, const std::string& file, const std::string& output, Console& console);
 
 }  // namespace pliant

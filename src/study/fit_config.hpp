@@ -61,16 +61,30 @@ struct NamedNode {
   InputNode node;
 };
 
+/// A column of the history of a run, and what was measured of it.
+struct FitTargetConfig {
+  std::string column;
+  Located<std::string> data;  ///< table with the columns `time` and that one
+  std::optional<InputNode> scale;
+  double weight = 1.0;  ///< of the squared residuals
+  Location where;
+};
+
+/// A fit of a material by itself, or of numbers of an input by runs of it: then `input`, `parameters` and `targets` are
+/// there, and nothing else but `title` and `starts`.
 struct FitConfig {
   std::string file;
   std::string title;
+  std::optional<Located<std::string>> input;
+  std::vector<NamedNode> parameters;  ///< keys of the input, each with a pair of bounds
+  std::vector<FitTargetConfig> targets;
   FitMaterialConfig material;
   std::optional<FitViscosityConfig> viscosity;
   std::vector<FitTestConfig> tests;
   ResidualKind residual = ResidualKind::absolute;
   std::vector<NamedNode> bounds;   ///< a pair for each
   std::vector<NamedNode> initial;  ///< values of the first start
-  int starts = 10;
+  std::optional<int> starts;
 };
 
 }  // namespace pliant

@@ -161,16 +161,41 @@ Format<std::vector<NamedNode>> by_parameter(const std::string& value) {
   return format;
 }
 
+Section<FitTargetConfig> target_keys() {
+  using T = FitTargetConfig;
+  Field<T> scale{info_of("scale", quantity("1"), "how large a residual counts as 1: the scatter of the measurements")};
+  scale.info.type = "quantity in the unit of the column";
+  scale.read = [](const InputNode& node, Diagnostics&, T& into) { into.scale = node; };
+  return {{field("column", &T::column, text(), "a column of history.csv: `tip_z`, `clamp_fx`").required(),
+           field("data", &T::data, name_of_part(),
+                 "table of the measurements (CSV) with the columns `time` and that one, relative to this file")
+               .required(),
+           std::move(scale).otherwise_in_words("the largest measured value"),
+           field("weight", &T::weight, quantity("1", Range::above(0)), "factor of the target's squared residuals")
+               .otherwise("1")},
+          {},
+          &T::where};
+}
+
+/// The keys of a fit of a material, and those of a fit by runs.
+std::vector<KeyGroup> fit_groups() {
+  const Anchor material{"material"}, input{"input"};
+  return {{{"material", "input"}, Need::exactly_one},
+          {{"tests"}, Need::all, {material}},
+          {{"viscosity", "residual", "bounds", "initial"}, Need::any, {material}},
+          {{"parameters", "targets"}, Need::all, {input}}};
+}
+
 const Format<FitConfig>& fit_format() {
   using F = FitConfig;
   static const Format<FitConfig> format = map_of(Section<F>{
       {field("title", &F::title, text(), "free text for the report"),
        field("material", &F::material, map_of(material_keys()),
              "the elastic law; its constants are fitted unless they are given here")
-           .required(),
+           .or_none("none: numbers of an `input` are fitted"),
        field("viscosity", &F::viscosity, map_of(viscosity_keys()), "the viscous branches")
            .or_none("none; needed by tests in time or frequency"),
-       field("tests", &F::tests, list_of(map_of(test_keys()), 1), "the measurements").required(),
+       field("tests", &F::tests, list_of(map_of(test_keys()), 1), "the measurements"),
        field("residual", &F::residual,
              choice_of<ResidualKind>({{"absolute", ResidualKind::absolute}, {"relative", ResidualKind::relative}}),
              "whether differences from the measurements or their ratios to them are made small")
@@ -181,8 +206,20 @@ const Format<FitConfig>& fit_format() {
            .or_none("typical values of the law, scaled to the data"),
        field("starts", &F::starts, integer(Range::from_to(1, 10000)),
              "number of starts; the best minimum counts. They are the same every time")
-           .otherwise("10")}});
+           .otherwise_in_words("10, with `input` 1"),
+       field("input", &F::input, name_of_part(), "the input of which numbers are fitted, relative to this file"),
+       field("parameters", &F::parameters, by_parameter("[lowest, highest]"),
+             "numbers of the input, named as for --set, with their bounds"),
+       field("targets", &F::targets, list_of(map_of(target_keys()), 1), "what was measured of the motion")},
+      fit_groups()});
   return format;
+}
+
+/// Two curves may be of one column; a parameter is one.
+void check_parameters(const FitConfig& config, Diagnostics& diagnostics) {
+  if (config.input && config.parameters.empty()) {
+    diagnostics.add(config.input->where, "no parameters to fit; name numbers of the input in 'parameters'");
+  }
 }
 
 /// What the keys of several sections say together.
@@ -240,6 +277,7 @@ FitConfig read_fit(const std::string& text, const std::string& file) {
   config.file = file;
   warn_of_decimal_commas(root, diagnostics);
   check_tests(config, diagnostics);
+  check_parameters(config, diagnostics);
   diagnostics.throw_if_errors();
   return config;
 }

@@ -7,8 +7,13 @@
 
 namespace pliant {
 
-FitProblem::FitProblem(std::vector<FreeParameter> parameters, std::vector<Measurements> measurements, ResidualKind kind)
-    : parameters_(std::move(parameters)), measurements_(std::move(measurements)), kind_(kind), norm_(0.0) {
+FitProblem::FitProblem(std::vector<FreeParameter> parameters, std::vector<Measurements> measurements, ResidualKind kind,
+                       double error_of_prediction)
+    : parameters_(std::move(parameters)),
+      measurements_(std::move(measurements)),
+      kind_(kind),
+      error_of_prediction_(error_of_prediction),
+      norm_(0.0) {
   for (const Measurements& group : measurements_) {
     for (const double y : group.values) norm_ += group.weight * std::pow(y / divisor(y), 2);
   }
@@ -50,6 +55,7 @@ LeastSquaresProblem FitProblem::least_squares() const {
   }
   problem.lower = inside(lower);
   problem.upper = inside(upper);
+  problem.error_of_evaluation = error_of_prediction_;
   problem.num_residuals = 0;
   for (const Measurements& group : measurements_) problem.num_residuals += group.values.size();
   problem.evaluate = [this](std::span<const double> x, std::span<double> r, std::span<double> jacobian) {

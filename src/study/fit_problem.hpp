@@ -48,7 +48,9 @@ struct FitOutcome {
 
 class FitProblem {
  public:
-  FitProblem(std::vector<FreeParameter> parameters, std::vector<Measurements> measurements, ResidualKind kind);
+  /// `error_of_prediction`: relative to the size of the measurements; smaller residuals are none.
+  FitProblem(std::vector<FreeParameter> parameters, std::vector<Measurements> measurements, ResidualKind kind,
+             double error_of_prediction = 1e-12);
 
   /// The best of the minima from `num_starts` starts. `start(n)` is the n-th, n >= 0; those where the model does not
   /// exist are passed over. Not collective.
@@ -69,6 +71,7 @@ class FitProblem {
   std::vector<FreeParameter> parameters_;
   std::vector<Measurements> measurements_;
   ResidualKind kind_;
+  double error_of_prediction_;
   double norm_;  ///< of the measurements, by which the optimiser divides
 };
 

@@ -52,9 +52,8 @@ double orthogonality(const LeastSquaresProblem& problem, std::span<const double>
   const Linearised at(problem, x);
   if (!is_finite(at.r) || !is_finite(at.J)) return nan;
   const double size = length(at.r);
-  constexpr double nothing = 1e-12;  // residuals are relative to the data
   double largest = 0.0;
-  for (std::size_t j = 0; j < at.num_columns() && size > nothing; ++j) {
+  for (std::size_t j = 0; j < at.num_columns() && size > problem.error_of_evaluation; ++j) {
     const auto column = at.column(j);
     const double gradient = std::inner_product(column.begin(), column.end(), at.r.begin(), 0.0);
     if (length(column) > 0.0 && !is_held(problem, x, j, gradient)) {

@@ -33,9 +33,19 @@ Integrator::Integrator(const IntegratorOptions& options, System system, const St
   if (const Method* starter = starter_of(options)) starter_.emplace(*starter, std::move(system), initial);
 }
 
-StepAttempt Integrator::attempt(const Step& step) & {
+Stepper& Integrator::stepper_for(const Step& step) {
   const bool starts = history_.size() < method().num_steps || !stepper_.can_take(history_, step);
-  Stepper& stepper = starter_ && starts ? *starter_ : stepper_;
+  return starter_ && starts ? *starter_ : stepper_;
+}
+
+Stepper& Integrator::begin(const Step& step) & {
+  Stepper& stepper = stepper_for(step);
+  stepper.begin(history_, step);
+  return stepper;
+}
+
+StepAttempt Integrator::attempt(const Step& step) & {
+  Stepper& stepper = stepper_for(step);
   StepAttempt attempt = stepper.attempt(history_, step);
   if (error_ && attempt.report.outcome == StageOutcome::converged) error_->estimate(history_, stepper, attempt);
   return attempt;

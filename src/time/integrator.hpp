@@ -27,6 +27,8 @@ class Integrator {
   /// Tries the step from the newest state; allocates nothing. Estimates the error if that was requested and the method
   /// has an estimate. Collective.
   StepAttempt attempt(const Step& step) &;
+  /// Begins the step to be taken stage by stage: the stepper that takes it. Errors are not estimated. Collective.
+  Stepper& begin(const Step& step) &;
   /// Makes the last attempt, which converged, the newest state. Collective.
   void accept(const StepAttempt& attempt);
   /// Forgets all but the newest state and starts the method again: after an event at which prescribed velocities or
@@ -43,6 +45,8 @@ class Integrator {
   const Method& method() const { return stepper_.method(); }
 
  private:
+  Stepper& stepper_for(const Step& step);
+
   PrescribedMotion motion_;
   double last_dt_ = 0.0;  // of the last step accepted
   Stepper stepper_;

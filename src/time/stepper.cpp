@@ -38,39 +38,63 @@ Stepper::Stepper(const Method& method, System system, const StateView& like)
 }
 
 StepAttempt Stepper::attempt(const History& history, const Step& step) & {
-  assert(step.time > history.newest().time && step.dt > 0.0);
-  const BdfWeights weight = weights(history, step);
-  set_base(history, weight.alpha());
-  StepAttempt attempt;
-  attempt.time = step.time;
-  for (std::size_t i = 0; i < method_.b.size(); ++i) {
-    StagePoint stage;
-    stage.time = step.time - weight.beta * (1.0 - method_.c[i]) * step.dt;  // exactly the end of the step for c_i = 1
-    // A stage at the end of a step sees what jumps there with its value before the jump.
-    if (step.ends_at_event && stage.time == step.time) stage.time = std::nextafter(step.time, step.time - step.dt);
-    stage.dt = weight.beta * method_.A[i][i] * step.dt;
-    stage.step_start = history.newest().time;
-    (system_.space ? stage.centre : stage.accepted) = history.newest().q.get();
-    stage.end_time = step.time;
-    start_stage(i, history, stage);
-    const StageReport report = system_.solve(stage, q_.stage());
-    attempt.report.newton_iterations += report.newton_iterations;
-    attempt.report.linear_iterations += report.linear_iterations;
+  begin(history, step);
+  StageReport total;
+  for (int i = 0; i < method_.num_stages; ++i) {
+    const StageReport report = system_.solve(start_stage(), unknown());
+    total.newton_iterations += report.newton_iterations;
+    total.linear_iterations += report.linear_iterations;
     if (report.outcome != StageOutcome::converged) {
-      attempt.report.outcome = report.outcome;
-      attempt.report.reason = report.reason;
-      return attempt;
+      total.outcome = report.outcome;
+      total.reason = report.reason;
+      StepAttempt failed;
+      failed.time = step.time;
+      failed.report = total;
+      return failed;
     }
-    end_stage(i, stage);
-    for (std::size_t m = 0; m < w_.size(); ++m) w_[m] += weight.beta * step.dt * method_.b[i] * rates_[m];
-    attempt.last_stage = stage;
+    end_stage();
   }
-  complete_step(history.newest(), step);
+  StepAttempt attempt = end_step();
+  attempt.report = total;
+  return attempt;
+}
+
+void Stepper::begin(const History& history, const Step& step) {
+  assert(step.time > history.newest().time && step.dt > 0.0);
+  history_ = &history;
+  step_ = step;
+  number_ = 0;
+  weight_ = weights(history, step);
+  set_base(history, weight_.alpha());
+}
+
+const StagePoint& Stepper::start_stage() {
+  const std::size_t i = number_;
+  stage_ = {};
+  // Exactly the end of the step for c_i = 1.
+  stage_.time = step_.time - weight_.beta * (1.0 - method_.c[i]) * step_.dt;
+  // A stage at the end of a step sees what jumps there with its value before the jump.
+  if (step_.ends_at_event && stage_.time == step_.time) {
+    stage_.time = std::nextafter(step_.time, step_.time - step_.dt);
+  }
+  stage_.dt = weight_.beta * method_.A[i][i] * step_.dt;
+  stage_.step_start = history_->newest().time;
+  (system_.space ? stage_.centre : stage_.accepted) = history_->newest().q.get();
+  stage_.end_time = step_.time;
+  start(stage_);
+  return stage_;
+}
+
+StepAttempt Stepper::end_step() {
+  complete_step();
+  StepAttempt attempt;
+  attempt.time = step_.time;
   attempt.q = system_.space ? end_q_.get() : q_.end();
   attempt.v = v_.end();
   if (z_) attempt.z = z_->end();
   attempt.w = w_;
   if (method_.stiffly_accurate) attempt.a = a_.get();
+  attempt.last_stage = stage_;
   attempt.last_q = q_.stage();
   attempt.last_a = a_.get();
   return attempt;
@@ -117,7 +141,8 @@ void Stepper::set_base(const History& history, std::span<const double> alpha) {
 }
 
 // Y_i0, and the guess
-void Stepper::start_stage(std::size_t i, const History& history, StagePoint& stage) {
+void Stepper::start(StagePoint& stage) {
+  const std::size_t i = number_;
   for (StageVariable* y : {&q_, &v_, z_ ? &*z_ : nullptr}) {
     if (y != nullptr) y->start_stage(method_.At[i]);
   }
@@ -137,13 +162,14 @@ void Stepper::start_stage(std::size_t i, const History& history, StagePoint& sta
       check(VecWAXPY(q_.stage(), stage.dt, stage.v0, stage.q0));
       break;
     case Guess::predicted:
-      predict(history, stage, q_.stage());
+      predict(stage, q_.stage());
       break;
   }
   system_.motion.start_stage(stage, q_.stage());
 }
 
-void Stepper::predict(const History& history, const StagePoint& stage, Vec q) const {
+void Stepper::predict(const StagePoint& stage, Vec q) const {
+  const History& history = *history_;
   int num_used = std::min(history.size(), num_states(Guess::predicted));
   // A polynomial says little beyond the length of the steps before it.
   while (num_used > 1 && stage.time - history[0].time >
@@ -164,7 +190,9 @@ void Stepper::predict(const History& history, const StagePoint& stage, Vec q) co
 }
 
 // v_i = (q_i - q_i0) / dt_i, a_i = (v_i - v_i0) / dt_i where it is needed, z_i, and Y_i - y*
-void Stepper::end_stage(std::size_t i, const StagePoint& stage) {
+void Stepper::end_stage() {
+  const std::size_t i = number_++;
+  const StagePoint& stage = stage_;
   const Vec rate = system_.space ? rate_.get() : v_.stage();
   check(VecWAXPY(rate, -1.0, stage.q0, q_.stage()));
   check(VecScale(rate, 1.0 / stage.dt));
@@ -175,18 +203,20 @@ void Stepper::end_stage(std::size_t i, const StagePoint& stage) {
     check(VecScale(a_.get(), 1.0 / stage.dt));
   }
   if (!w_.empty()) system_.quadratures.rates(stage, q_.stage(), v_.stage(), a_.get(), rates_);
+  for (std::size_t m = 0; m < w_.size(); ++m) w_[m] += weight_.beta * step_.dt * method_.b[i] * rates_[m];
   q_.end_stage(i);
   v_.end_stage(i);
   if (z_) z_->end_stage(i);
 }
 
 // y_{n+1}
-void Stepper::complete_step(const State& newest, const Step& step) {
+void Stepper::complete_step() {
+  const State& newest = history_->newest();
   q_.complete_step(method_.bt);
   v_.complete_step(method_.bt);
   if (system_.space) system_.space->retract(newest.q.get(), q_.end(), end_q_.get());
   const Vec end_q = system_.space ? end_q_.get() : q_.end();
-  system_.motion.complete_step(step, end_q, v_.end());
+  system_.motion.complete_step(step_, end_q, v_.end());
   if (z_) {
     z_->complete_step(method_.bt);
     system_.internal.complete_step(end_q, z_->end());

@@ -75,6 +75,16 @@ class Stepper {
   /// Tries the step from the newest state of `history` to `step.time`; takes no memory. Collective.
   StepAttempt attempt(const History& history, const Step& step) &;
 
+  /// The same stage by stage, with solutions that are found elsewhere: `begin`, for each stage `start_stage` and
+  /// `end_stage` with its solution in `unknown`, then `end_step`. `history` outlives the step. Collective.
+  void begin(const History& history, const Step& step);
+  /// The next stage, with a guess in `unknown`; valid until the next call.
+  const StagePoint& start_stage();
+  void end_stage();
+  StepAttempt end_step();
+  /// The solution of the present stage, as System::solve takes and leaves it.
+  Vec unknown() const { return q_.stage(); }
+
   /// Whether the method can take the step.
   bool can_take(const History& history, const Step& step) const;
   /// q, v = sum_i (bt - bt_embedded)_i (Y_i - y*) of the last attempt, which converged: the difference to a formula of
@@ -86,10 +96,9 @@ class Stepper {
  private:
   BdfWeights weights(const History& history, const Step& step);
   void set_base(const History& history, std::span<const double> alpha);
-  void start_stage(std::size_t i, const History& history, StagePoint& stage);
-  void end_stage(std::size_t i, const StagePoint& stage);
-  void complete_step(const State& newest, const Step& step);
-  void predict(const History& history, const StagePoint& stage, Vec q) const;
+  void start(StagePoint& stage);
+  void complete_step();
+  void predict(const StagePoint& stage, Vec q) const;
 
   Method method_;
   System system_;
@@ -99,6 +108,12 @@ class Stepper {
   std::vector<double> w_, rates_;
   std::vector<double> embedded_;  // bt - bt_embedded
   Handle<Vec> a_;
+  // The step that was begun last, and its present stage.
+  const History* history_ = nullptr;
+  Step step_;
+  BdfWeights weight_;
+  std::size_t number_ = 0;  // of the stage, from 0
+  StagePoint stage_;
   // Only for problems with a space: the coordinates of the past states, xi' of a stage, the configuration at the end of
   // the step.
   std::vector<Handle<Vec>> charted_;

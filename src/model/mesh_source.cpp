@@ -1,0 +1,27 @@
+#include "model/mesh_source.hpp"
+
+#include "model/rigid_bodies.hpp"
+#include "model/start_adjustment.hpp"
+#include "model/tendons.hpp"
+
+namespace pliant {
+
+MeshSource mesh_source(const Config& given) {
+  const Config config = with_rigid_bodies(given);
+  // The size in the input is in metres, that of gmsh in the unit of the geometry.
+  auto size = config.mesh.size;
+  if (size) *size /= config.mesh.scale;
+  return {config.mesh.file.value,
+          config.mesh.file.where,
+          size,
+          config.mesh.scale,
+          config.mesh.refine,
+          config.mesh.allow_commands ? Commands::allowed : Commands::refused,
+          config.mesh.time_limit,
+          parts_that_meet(config),
+          added_tetrahedra(config),
+          added_volumes(config),
+          curves_of_tendons(config)};
+}
+
+}  // namespace pliant

@@ -1,0 +1,201 @@
+#include "run/history_row.hpp"
+
+#include "petsc/collective.hpp"
+#include "petsc/ghosted.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace pliant {
+namespace {
+
+using Kind = ContactGroup::Kind;
+
+}  // namespace
+
+HistoryRow::HistoryRow(const Config& config, Model& model, const Ledger& ledger)
+    : model_(model),
+      rigid_states_(config, model),
+      static_time_(analysis_of(config) == Analysis::static_equilibrium ? std::optional(config.time.end) : std::nullopt),
+      columns_(names_of_columns(config, ledger)),
+      q_(make_vector(model.layout())),
+      v_(make_vector(model.layout())) {}
+
+std::vector<std::string> HistoryRow::names_of_columns(const Config& config, const Ledger& ledger) const {
+  std::vector<std::string> names{"step",
+                                 "time",
+                                 "dt",
+                                 "newton_iterations",
+                                 "linear_iterations",
+                                 "kinetic_energy",
+                                 "elastic_energy",
+                                 "load_potential",
+                                 "dissipated_energy",
+                                 "load_work",
+                                 "energy_balance_error",
+                                 "px",
+                                 "py",
+                                 "pz",
+                                 "Lx",
+                                 "Ly",
+                                 "Lz"};
+  const Contacts* contacts = model_.contacts();
+  const auto add_columns = [&](Kind kind, const std::array<const char*, 3>& suffixes) {
+    if (contacts == nullptr) return;
+    for (const ContactGroup& group : contacts->groups()) {
+      if (group.kind != kind) continue;
+      for (const char* suffix : suffixes) names.push_back(group.name + suffix);
+    }
+  };
+  constexpr std::array force_suffixes{"_fx", "_fy", "_fz"}, impulse_suffixes{"_jx", "_jy", "_jz"};
+  add_columns(Kind::obstacle, force_suffixes);
+  for (const auto& probe : config.probes) {
+    for (const char* suffix : {"_x", "_y", "_z", "_vx", "_vy", "_vz"}) names.push_back(probe.name + suffix);
+  }
+  for (const auto& support : model_.constraints().supports()) {
+    for (const char* suffix : {"_fx", "_fy", "_fz"}) names.push_back(support.name + suffix);
+  }
+  for (const char* name : {"numerical_dissipation", "support_work"}) names.emplace_back(name);
+  for (std::string mechanism : ledger.mechanisms()) {
+    std::ranges::replace(mechanism, '-', '_');
+    names.push_back("dissipated_" + mechanism);
+  }
+  for (const auto& support : model_.constraints().supports()) {
+    if (!support.rigid_part) continue;
+    for (const char* suffix : {"_tx", "_ty", "_tz"}) names.push_back(support.name + suffix);
+  }
+  for (const auto& cavity : model_.cavities()) {
+    for (const char* suffix : {"_pressure", "_volume"}) names.push_back(cavity.name + suffix);
+  }
+  if (contacts != nullptr) {
+    names.emplace_back("contact_energy");
+    add_columns(Kind::obstacle, impulse_suffixes);
+    add_columns(Kind::obstacle_on_body, force_suffixes);
+    add_columns(Kind::bodies, force_suffixes);
+    add_columns(Kind::bodies, impulse_suffixes);
+    for (const char* name : {"contact_gap_min", "contact_points"}) names.emplace_back(name);
+  }
+  for (std::string& name : rigid_states_.columns()) names.push_back(std::move(name));
+  for (const ModelTendon& tendon : model_.tendons()) {
+    for (const char* suffix : {"_tension", "_length"}) names.push_back(tendon.name + suffix);
+  }
+  for (const std::string& spring : model_.springs().names) {
+    for (const char* suffix : {"_length", "_force"}) names.push_back(spring + suffix);
+  }
+  return names;
+}
+
+std::vector<double> HistoryRow::values(const StepRecord& record, const Ledger& ledger) {
+  const Energies& e = ledger.energies();
+  std::vector<double> row{static_cast<double>(record.step),
+                          record.time,
+                          record.dt,
+                          static_cast<double>(record.newton_iterations),
+                          static_cast<double>(record.linear_iterations),
+                          e.kinetic,
+                          e.elastic,
+                          e.load_potential,
+                          e.dissipated,
+                          e.load_work,
+                          e.balance_error};
+  row.insert(row.end(), e.momenta.linear.begin(), e.momenta.linear.end());
+  row.insert(row.end(), e.momenta.angular.begin(), e.momenta.angular.end());
+  const auto add_contacts = [&](Kind kind, std::array<double, 3> ContactForce::*numbers) {
+    if (model_.contacts() == nullptr) return;
+    for (std::size_t c = 0; c < ledger.contacts().size(); ++c) {
+      if (model_.contacts()->groups()[c].kind != kind) continue;
+      const auto& values = ledger.contacts()[c].*numbers;
+      row.insert(row.end(), values.begin(), values.end());
+    }
+  };
+  add_contacts(Kind::obstacle, &ContactForce::force);
+
+  if (!model_.probes().empty()) {
+    check(VecCopy(record.q, q_.get()));
+    check(VecCopy(record.v, v_.get()));
+    update_ghosts(q_.get());
+    update_ghosts(v_.get());
+    const ConstGhostedView u(q_.get()), velocity(v_.get());
+    std::vector<double> values;
+    for (const auto& probe : model_.probes()) {
+      const auto X = probe.interpolate(model_.layout().coordinates), d = probe.interpolate(u.span()),
+                 w = probe.interpolate(velocity.span());
+      for (int i = 0; i < 3; ++i) values.push_back(X[i] + d[i]);
+      values.insert(values.end(), w.begin(), w.end());
+    }
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM,
+                            model_.layout().comm));
+    row.insert(row.end(), values.begin(), values.end());
+  }
+  for (const auto& [force, torque] : ledger.reactions()) row.insert(row.end(), force.begin(), force.end());
+  row.push_back(e.numerical_dissipation);
+  row.push_back(e.support_work);
+  row.insert(row.end(), e.dissipated_by.begin(), e.dissipated_by.end());
+  for (std::size_t s = 0; s < ledger.reactions().size(); ++s) {
+    const auto& torque = ledger.reactions()[s].torque;
+    if (model_.constraints().supports()[s].rigid_part) row.insert(row.end(), torque.begin(), torque.end());
+  }
+  for (const double value : cavity_states(record)) row.push_back(value);
+  if (model_.contacts() != nullptr) {
+    row.push_back(contact_energy(record));
+    add_contacts(Kind::obstacle, &ContactForce::impulse);
+    add_contacts(Kind::obstacle_on_body, &ContactForce::force);
+    add_contacts(Kind::bodies, &ContactForce::force);
+    add_contacts(Kind::bodies, &ContactForce::impulse);
+    row.insert(row.end(), {record.contact.gap, record.contact.num_points});
+  }
+  for (const double number :
+       rigid_states_.values(model_.instant(record.time), record.q, record.v, ledger.joint_reactions()))
+    row.push_back(number);
+  for (const double number : tendon_states(record)) row.push_back(number);
+  for (const double number : spring_states(record)) row.push_back(number);
+  return row;
+}
+
+std::vector<double> HistoryRow::cavity_states(const StepRecord& record) {
+  std::vector<double> values;
+  if (model_.cavities().empty()) return values;
+  check(VecCopy(record.q, q_.get()));
+  update_ghosts(q_.get());
+  const ConstGhostedView u(q_.get());
+  for (const auto& cavity : model_.cavities()) {
+    const double swept = sum(model_.layout().comm, cavity.term->swept(u.span()));
+    const LoadState at = static_time_ ? LoadState{*static_time_, record.time} : LoadState{record.time, 1.0};
+    values.insert(values.end(), {cavity.term->pressure(swept, at), cavity.volume - swept});
+  }
+  return values;
+}
+
+std::vector<double> HistoryRow::tendon_states(const StepRecord& record) {
+  std::vector<double> values;
+  if (model_.tendons().empty()) return values;
+  check(VecCopy(record.q, q_.get()));
+  update_ghosts(q_.get());
+  const ConstGhostedView u(q_.get());
+  const Instant at = model_.instant(record.time);
+  for (const ModelTendon& tendon : model_.tendons()) {
+    const double longer = lengthening_of(tendon, model_.layout(), u.span());
+    values.insert(values.end(),
+                  {tension_at_pulled_end(tendon.drive, longer, at.time, at.load_factor), tendon.length + longer});
+  }
+  return values;
+}
+
+std::vector<double> HistoryRow::spring_states(const StepRecord& record) {
+  if (model_.springs().names.empty()) return {};
+  check(VecCopy(record.q, q_.get()));
+  check(VecCopy(record.v, v_.get()));
+  update_ghosts(q_.get());
+  update_ghosts(v_.get());
+  const ConstGhostedView u(q_.get()), velocity(v_.get());
+  return states_of(model_.springs(), model_.layout(), u.span(), velocity.span());
+}
+
+double HistoryRow::contact_energy(const StepRecord& record) {
+  check(VecCopy(record.q, q_.get()));
+  update_ghosts(q_.get());
+  const ConstGhostedView u(q_.get());
+  return sum(model_.layout().comm, model_.contacts()->energy(model_.instant(record.time), u.span()));
+}
+
+}  // namespace pliant

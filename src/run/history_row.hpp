@@ -1,0 +1,39 @@
+/// The numbers that a run tells of each step: the columns of history.csv (docs/output.md).
+#pragma once
+
+#include "model/rigid_states.hpp"
+#include "run/ledger.hpp"
+#include "run/simulation.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pliant {
+
+class HistoryRow {
+ public:
+  /// The columns depend on what the model has, and on the ledger's mechanisms. `model` outlives the object. Collective.
+  HistoryRow(const Config& config, Model& model, const Ledger& ledger);
+
+  const std::vector<std::string>& columns() const { return columns_; }
+  /// One number for each column, the same on every rank; SI units. Collective.
+  std::vector<double> values(const StepRecord& record, const Ledger& ledger);
+
+ private:
+  std::vector<std::string> names_of_columns(const Config& config, const Ledger& ledger) const;
+  /// Gauge pressure [Pa] and volume [m^3] of each cavity.
+  std::vector<double> cavity_states(const StepRecord& record);
+  std::vector<double> tendon_states(const StepRecord& record);
+  /// Length [m] and force [N] of each spring.
+  std::vector<double> spring_states(const StepRecord& record);
+  double contact_energy(const StepRecord& record);
+
+  Model& model_;
+  RigidStates rigid_states_;
+  std::optional<double> static_time_;  // at which formulas are evaluated while the load factor grows [s]
+  std::vector<std::string> columns_;
+  Handle<Vec> q_, v_;
+};
+
+}  // namespace pliant

@@ -1,0 +1,34 @@
+/// The linear system of the tangent of a stage: how its solution moves with what it depends on.
+#pragma once
+
+#include "petsc/handle.hpp"
+#include "solver/linear_system.hpp"
+#include "solver/objective.hpp"
+
+namespace pliant {
+
+/// K y = r with the exact Hessian K at the solution of a stage, for several right-hand sides r: what a change of the
+/// residual moves the solution by. The kept factor preconditions it. Collective.
+class TangentSystem {
+ public:
+  /// The linear solver `ksp` is that of `system`. The references outlive the object.
+  TangentSystem(Objective& objective, LinearSystem& system, KSP ksp)
+      : objective_(objective), system_(system), ksp_(ksp) {}
+
+  /// Assembles K at q, the unknowns that solve the present stage. Returns false if it has no factor.
+  bool begin(Vec q);
+  /// Solves to ten digits; returns false if the linear solver fails.
+  bool solve(Vec r, Vec y);
+  /// To be called after the last solve: the next stage may begin.
+  void end();
+
+ private:
+  bool has_solved() const;
+
+  Objective& objective_;
+  LinearSystem& system_;
+  KSP ksp_;
+  Vec q_ = nullptr;
+};
+
+}  // namespace pliant

@@ -1,0 +1,228 @@
+#include "study/tangent_run.hpp"
+
+#include "model/mesh_source.hpp"
+#include "petsc/array_view.hpp"
+#include "solver/merit.hpp"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// The change of a number, as a part of it: where h^2 and the rounding errors over h are about equal. Smaller parts are
+/// tried where the input does not take the larger change.
+constexpr std::array parts_of_number{1e-5, 1e-6};
+/// Relative residual of linear systems whose products are differences.
+constexpr double relative_residual = 1e-6;
+/// They are solved again for what is left until it moves the solution by no more than this part of the first time.
+constexpr int most_rounds = 8;
+constexpr double settled = 1e-8, nearly_settled = 1e-4;
+/// Along which part of the change that the matrix alone would make the first differences are taken.
+constexpr double cautious = 0.01;
+
+/// Copies what x has in addition to displacements.
+void copy_extra_unknowns(const NodeLayout& layout, Vec from, Vec to) {
+  const ConstArrayView source(from);
+  const ArrayView target(to);
+  const auto first = 3 * static_cast<std::size_t>(layout.num_owned_nodes);
+  for (std::size_t i = first; i < source.span().size(); ++i) target.span()[i] = source.span()[i];
+}
+
+}  // namespace
+
+/// The run of another value, led by solutions of the run beside it.
+struct TangentRun::Neighbour {
+  Neighbour(const Mesh& mesh, Config given)
+      : config(std::move(given)),
+        model(mesh, config),
+        simulation(config, model, Stages::solved_elsewhere),
+        row(config, model, simulation.ledger()),
+        unknowns(model.equation().make_vector()),
+        residual(model.equation().make_vector()) {}
+
+  /// Begins the stage at the solution of the other run.
+  void start_stage(Vec q, Vec solution) {
+    const StagePoint& stage = simulation.start_stage(q);
+    StageEquation& equation = model.equation();
+    equation.enter(stage, simulation.unknown(), unknowns.get());
+    copy_extra_unknowns(model.layout(), solution, unknowns.get());
+  }
+  /// Brings coefficients and the residual to the unknowns.
+  void measure(bool coefficients_follow) {
+    StageEquation& equation = model.equation();
+    equation.freeze(unknowns.get());
+    if (coefficients_follow) equation.refreeze(unknowns.get());
+    equation.gradient(unknowns.get(), residual.get());
+  }
+  void end_stage() {
+    model.equation().leave(unknowns.get(), simulation.unknown());
+    simulation.end_stage();
+  }
+  std::vector<double> values() { return row.values(simulation.record(), simulation.ledger()); }
+
+  Config config;
+  Model model;
+  Simulation simulation;
+  HistoryRow row;
+  Handle<Vec> unknowns, residual;
+};
+
+struct TangentRun::Pair {
+  /// r = half the difference of the residuals.
+  void measure(bool coefficients_follow, Vec r) {
+    for (Neighbour* run : {below.get(), above.get()}) run->measure(coefficients_follow);
+    check(VecWAXPY(r, -1.0, below->residual.get(), above->residual.get()));
+    check(VecScale(r, 0.5));
+  }
+  /// Moves the unknowns by -d above and d below.
+  void move(Vec d) {
+    check(VecAXPY(above->unknowns.get(), -1.0, d));
+    check(VecAXPY(below->unknowns.get(), 1.0, d));
+  }
+
+  std::unique_ptr<Neighbour> below, above;
+  double spacing = 0.0;
+};
+
+TangentRun::TangentRun(const Mesh& mesh, const VariedInput& input, std::span<const double> values,
+                       std::span<const double> sizes)
+    : config_(input.at(values)), model_(mesh, config_) {
+  if (analysis_of(config_) != Analysis::static_equilibrium && integrator_of(config_) == nullptr) {
+    throw InputError(config_.time.method.where, "derivatives need one of Pliant's own methods, not one of PETSc's");
+  }
+  simulation_.emplace(config_, model_);
+  row_.emplace(config_, model_, simulation_->ledger());
+  for (Handle<Vec>* v : {&r_, &change_, &scaled_}) *v = model_.equation().make_vector();
+  whole_ = std::make_unique<OperatorSystem>(r_.get());
+  for (std::size_t n = 0; n < values.size(); ++n) add_pair(mesh, input, values, n, sizes.empty() ? 0.0 : sizes[n]);
+  slopes_.resize(pairs_.size());
+  simulation_->follow(*this);
+  measure();
+}
+
+TangentRun::~TangentRun() = default;
+
+void TangentRun::add_pair(const Mesh& mesh, const VariedInput& input, std::span<const double> values, std::size_t n,
+                          double size) {
+  const double value = values[n];
+  if (value != 0.0) size = std::abs(value);
+  if (size == 0.0) {
+    throw InputError({input.file(), 0, 0},
+                     fmt::format("'{}' is 0, so that no change of it is a small one; give it a value, however small",
+                                 input.numbers()[n].key));
+  }
+  std::vector<double> changed(values.begin(), values.end());
+  const auto neighbour = [&](double by) {
+    changed[n] = value + by;
+    return std::make_unique<Neighbour>(mesh, input.at(changed));
+  };
+  for (const double part : parts_of_number) {
+    // A number at the end of its range is changed to one side alone.
+    for (const auto& [down, up] : {std::pair(-1.0, 1.0), std::pair(0.0, 0.01), std::pair(-0.01, 0.0)}) {
+      try {
+        Pair pair{neighbour(down * part * size), neighbour(up * part * size), 0.0};
+        pair.spacing = (value + up * part * size) - (value + down * part * size);
+        pairs_.push_back(std::move(pair));
+        return;
+      } catch (const InputError&) {
+        if (part == parts_of_number.back() && up == 0.0) throw;
+      }
+    }
+  }
+}
+
+void TangentRun::advance() {
+  for (;;) {
+    const StepOutcome outcome = simulation_->advance();
+    if (outcome.is_input_error) throw InputError({config_.file, 0, 0}, outcome.reason);
+    if (outcome.kind == StepOutcome::Kind::failed) throw SolveError(outcome.reason);
+    if (outcome.kind != StepOutcome::Kind::accepted) continue;
+    measure();
+    return;
+  }
+}
+
+void TangentRun::begin_step(const Step& step) {
+  for (Pair& pair : pairs_) {
+    for (Neighbour* run : {pair.below.get(), pair.above.get()}) run->simulation.begin(step);
+  }
+}
+
+void TangentRun::end_stage(NewtonSolver& solver, Vec q) {
+  const Vec solution = solver.unknowns();
+  StageEquation& equation = solver.equation();
+  const bool coefficients_follow = equation.refreeze(solution);
+  // The Hessian of a potential is that of all its forces.
+  const bool is_whole = equation.is_potential() && !coefficients_follow;
+  TangentSystem& system = solver.tangent();
+  const auto require = [&](bool works) {
+    if (works) return;
+    throw SolveError(fmt::format("the derivatives cannot be computed at t = {:.6g}: their linear system has no solution; "
+                                 "the run is at a point where it may go on in several ways",
+                                 time()));
+  };
+  require(system.begin(solution));
+  for (Pair& pair : pairs_) {
+    for (Neighbour* run : {pair.below.get(), pair.above.get()}) run->start_stage(q, solution);
+    double first = 0.0, last = 0.0, size = 0.0;
+    for (int round = 0; round < most_rounds; ++round) {
+      pair.measure(coefficients_follow, r_.get());
+      require(std::isfinite(norm(r_.get())));
+      require(system.solve(r_.get(), change_.get()));
+      if (norm(change_.get()) == 0.0) break;
+      // Without what the matrix leaves out the change may be far too large.
+      if (round <= 1) size = round == 0 ? cautious * norm(change_.get()) : first;
+      if (!is_whole) require(solve_for_whole(pair, coefficients_follow, system, size));
+      pair.move(change_.get());
+      last = norm(change_.get());
+      if (round == 0) first = last;
+      if (is_whole || last <= settled * first) break;
+    }
+    require(is_whole || last <= nearly_settled * first);
+    for (Neighbour* run : {pair.below.get(), pair.above.get()}) run->end_stage();
+  }
+  system.end();
+}
+
+/// Solves with the derivative of all forces, by differences along changes of this size.
+bool TangentRun::solve_for_whole(Pair& pair, bool coefficients_follow, TangentSystem& system, double size) {
+  const auto product = [&](Vec x, Vec y) {
+    const double factor = size / norm(x);
+    check(VecCopy(x, scaled_.get()));
+    check(VecScale(scaled_.get(), -factor));
+    pair.move(scaled_.get());
+    pair.measure(coefficients_follow, y);
+    check(VecScale(scaled_.get(), -1.0));
+    pair.move(scaled_.get());
+    check(VecAXPY(y, -1.0, r_.get()));
+    check(VecScale(y, 1.0 / factor));
+  };
+  bool works = true;
+  const auto inverse = [&](Vec x, Vec y) { works = system.solve(x, y) && works; };
+  return whole_->solve(product, inverse, r_.get(), change_.get(), relative_residual) && works;
+}
+
+void TangentRun::end_step(bool restarts) {
+  for (Pair& pair : pairs_) {
+    for (Neighbour* run : {pair.below.get(), pair.above.get()}) run->simulation.end_step(restarts);
+  }
+}
+
+void TangentRun::measure() {
+  values_ = row_->values(simulation_->record(), simulation_->ledger());
+  for (std::size_t n = 0; n < pairs_.size(); ++n) {
+    const std::vector<double> below = pairs_[n].below->values(), above = pairs_[n].above->values();
+    slopes_[n].resize(values_.size());
+    for (std::size_t c = 0; c < values_.size(); ++c) slopes_[n][c] = (above[c] - below[c]) / pairs_[n].spacing;
+  }
+}
+
+Mesh mesh_of(MPI_Comm comm, const VariedInput& input) {
+  return read_mesh(comm, mesh_source(input.given()));
+}
+
+}  // namespace pliant

@@ -1,0 +1,133 @@
+#include "study/varied_input.hpp"
+
+#include "base/text.hpp"
+#include "base/units.hpp"
+#include "input/keys.hpp"
+#include "input/parse.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <optional>
+#include <sstream>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// Sections on which the mesh, the steps or the files depend, not the mechanics.
+constexpr std::array<std::string_view, 6> other_sections{"mesh", "time", "solver", "output", "checkpoint", "element"};
+
+std::vector<std::string> parts_of(const std::string& path) {
+  std::vector<std::string> parts;
+  std::istringstream stream(path);
+  for (std::string part; std::getline(stream, part, '.');) parts.push_back(part);
+  return parts;
+}
+
+const InputNode* entry(const InputNode& node, const std::string& part) {
+  if (node.kind != InputNode::Kind::list) return node.find(part);
+  std::size_t index = 0;
+  const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), index);
+  const bool is_index = error == std::errc() && end == part.data() + part.size() && index < node.children.size();
+  return is_index ? &node.children[index] : nullptr;
+}
+
+/// The description of the key at the end of the path; nullptr where the table knows none.
+const KeyInfo* key_info(const std::vector<std::string>& parts) {
+  const std::vector<KeyInfo>* among = &input_keys();
+  const KeyInfo* found = nullptr;
+  for (const std::string& part : parts) {
+    const bool is_index = part.find_first_not_of("0123456789") == std::string::npos;
+    if (is_index) continue;
+    const auto key = std::ranges::find(*among, part, &KeyInfo::key);
+    if (key == among->end()) return nullptr;
+    found = &*key;
+    among = &key->children;
+  }
+  return found;
+}
+
+/// The unit in what the table says of the key: "pressure [Pa] or formula of t".
+std::string unit_of(const KeyInfo* info) {
+  if (info == nullptr) return "1";
+  const std::size_t open = info->type.find('['), close = info->type.find(']');
+  return open < close && close != std::string::npos ? info->type.substr(open + 1, close - open - 1) : "1";
+}
+
+const InputNode* node_at(const InputNode& tree, const std::vector<std::string>& parts) {
+  const InputNode* node = &tree;
+  for (const std::string& part : parts) {
+    node = entry(*node, part);
+    if (node == nullptr) return nullptr;
+  }
+  return node;
+}
+
+/// The value in SI; nothing if it is another thing than a single number.
+std::optional<double> number_of(const InputNode& node, const std::string& unit) {
+  if (node.kind != InputNode::Kind::scalar) return std::nullopt;
+  try {
+    return parse_quantity(node.text, unit);
+  } catch (const UnitError&) {
+    return std::nullopt;
+  }
+}
+
+/// `as_typed`: the user's tree, `as_read`: with all defaults, perhaps in another form.
+VariedNumber number_at(const InputNode& as_typed, const InputNode& as_read, const std::string& key,
+                       const Location& where) {
+  const auto parts = parts_of(key);
+  const auto is_of = [&](std::string_view section) { return !parts.empty() && parts.front() == section; };
+  if (std::ranges::any_of(other_sections, is_of)) {
+    throw InputError(where, fmt::format("'{}' cannot be varied: mesh, steps and files must be the same for all values; "
+                                        "numbers of bodies, loads, constraints or contact can",
+                                        key));
+  }
+  const InputNode* node = node_at(as_typed, parts);
+  if (node == nullptr) node = node_at(as_read, parts);
+  if (node == nullptr) {
+    throw InputError(where, fmt::format("the input has no '{}'; name a number as --set does, such as "
+                                        "bodies.0.density; `run.yaml` of a run lists all",
+                                        key));
+  }
+  const KeyInfo* info = key_info(parts);
+  const bool is_counted = info != nullptr && info->type.starts_with("whole number");
+  const std::string unit = unit_of(info);
+  const auto value = is_counted ? std::nullopt : number_of(*node, unit);
+  if (!value) {
+    throw InputError(where, fmt::format("'{}' is {}; only single numbers that may change by little can be varied", key,
+                                        is_counted ? "a " + info->type : description(*node)));
+  }
+  return {key, *value, unit};
+}
+
+}  // namespace
+
+VariedInput::VariedInput(std::string text, std::string file, std::vector<Override> changes,
+                         const std::vector<std::string>& keys, const std::string& option)
+    : text_(std::move(text)),
+      file_(std::move(file)),
+      changes_(std::move(changes)),
+      given_(read_input(text_, file_, changes_)) {
+  Diagnostics ignored;
+  InputNode as_typed = parse_yaml(text_, file_, ignored);
+  for (const Override& change : changes_) apply_override(change, as_typed, ignored);
+  const InputNode as_read = write_config(given_);
+  for (const std::string& key : keys) {
+    const Location where{option, 0, 0};
+    if (std::ranges::find(numbers_, key, &VariedNumber::key) != numbers_.end()) {
+      throw InputError(where, fmt::format("'{}' is named twice", key));
+    }
+    numbers_.push_back(number_at(as_typed, as_read, key, where));
+  }
+}
+
+Config VariedInput::at(std::span<const double> values) const {
+  std::vector<Override> changes = changes_;
+  for (std::size_t n = 0; n < numbers_.size(); ++n) changes.push_back({numbers_[n].key, format_number(values[n])});
+  return read_input(text_, file_, changes);
+}
+
+}  // namespace pliant
