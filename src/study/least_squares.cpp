@@ -86,7 +86,7 @@ class TaoProblem {
     fill(x.get(), [&](std::size_t j) { return start[j] / scale_[j]; });
     fill(lower.get(), [&](std::size_t j) { return std::max(problem_.lower[j] / scale_[j], PETSC_NINFINITY); });
     fill(upper.get(), [&](std::size_t j) { return std::min(problem_.upper[j] / scale_[j], PETSC_INFINITY); });
-    const Handle<Tao> tao = gauss_newton();
+    const Handle<Tao> tao = gauss_newton(problem_.error_of_evaluation);
     check(TaoSetSolution(tao.get(), x.get()));
     check(TaoSetVariableBounds(tao.get(), lower.get(), upper.get()));
     check(TaoSetResidualRoutine(tao.get(), r.get(), residual_callback, this));
@@ -139,7 +139,7 @@ class TaoProblem {
     return *last_;
   }
 
-  static Handle<Tao> gauss_newton() {
+  static Handle<Tao> gauss_newton(double error_of_evaluation) {
     Handle<Tao> tao;
     check(TaoCreate(PETSC_COMM_SELF, tao.out()));
     check(TaoSetType(tao.get(), TAOBRGN));
@@ -147,7 +147,7 @@ class TaoProblem {
     Tao inner = nullptr;
     check(TaoBRGNGetSubsolver(tao.get(), &inner));
     check(TaoSetType(inner, TAOBNTR));
-    constexpr double gradient = 1e-15, relative = 1e-13, reduction = 1e-13;
+    const double gradient = 1e-3 * error_of_evaluation, relative = 0.1 * error_of_evaluation, reduction = relative;
     constexpr PetscInt most_iterations = 500, most_evaluations = 5000;
     for (Tao each : {tao.get(), inner}) {
       check(TaoSetTolerances(each, gradient, relative, reduction));

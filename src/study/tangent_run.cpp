@@ -166,29 +166,36 @@ void TangentRun::end_stage(NewtonSolver& solver, Vec q) {
                                  time()));
   };
   require(system.begin(solution));
+  const double floor = equation.rounding_floor(solution);
   for (Pair& pair : pairs_) {
     for (Neighbour* run : {pair.below.get(), pair.above.get()}) run->start_stage(q, solution);
-    double first = 0.0, last = 0.0, size = 0.0;
-    for (int round = 0; round < most_rounds; ++round) {
-      pair.measure(coefficients_follow, r_.get());
-      require(std::isfinite(norm(r_.get())));
-      require(system.solve(r_.get(), change_.get()));
-      if (norm(change_.get()) == 0.0) break;
-      // Without what the matrix leaves out the change may be far too large.
-      if (round <= 1) size = round == 0 ? cautious * norm(change_.get()) : first;
-      if (!is_whole) require(solve_for_whole(pair, coefficients_follow, system, size));
-      pair.move(change_.get());
-      last = norm(change_.get());
-      if (round == 0) first = last;
-      if (is_whole || last <= settled * first) break;
-    }
-    require(is_whole || last <= nearly_settled * first);
+    require(solve(pair, system, {coefficients_follow, is_whole, floor}));
     for (Neighbour* run : {pair.below.get(), pair.above.get()}) run->end_stage();
   }
   system.end();
 }
 
-/// Solves with the derivative of all forces, by differences along changes of this size.
+bool TangentRun::solve(Pair& pair, TangentSystem& system, const StageTangent& stage) {
+  double first = 0.0, last = 0.0, size = 0.0;
+  for (int round = 0; round < most_rounds; ++round) {
+    pair.measure(stage.coefficients_follow, r_.get());
+    if (!std::isfinite(norm(r_.get()))) return false;
+    const bool is_rounding = norm(r_.get()) <= stage.floor;
+    if (is_rounding && round > 0) return true;
+    if (!system.solve(r_.get(), change_.get())) return false;
+    if (norm(change_.get()) == 0.0) return true;
+    // Without what the matrix leaves out the change may be far too large.
+    if (round <= 1) size = round == 0 ? cautious * norm(change_.get()) : first;
+    const bool needs_more = !stage.is_whole && !is_rounding;
+    if (needs_more && !solve_for_whole(pair, stage.coefficients_follow, system, size)) return false;
+    pair.move(change_.get());
+    last = norm(change_.get());
+    if (round == 0) first = last;
+    if (!needs_more || last <= settled * first) return true;
+  }
+  return last <= nearly_settled * first;
+}
+
 bool TangentRun::solve_for_whole(Pair& pair, bool coefficients_follow, TangentSystem& system, double size) {
   const auto product = [&](Vec x, Vec y) {
     const double factor = size / norm(x);

@@ -62,6 +62,15 @@ class TangentRun final : private StageFollower {
   void add_pair(const Mesh& mesh, const VariedInput& input, std::span<const double> values, std::size_t n,
                 double size);
   void measure();
+  /// What the equation of a stage is at its solution.
+  struct StageTangent {
+    bool coefficients_follow;  ///< its solution (StageEquation::refreeze)
+    bool is_whole;             ///< its Hessian is the derivative of all forces
+    double floor;              ///< rounding errors of its residual [N]
+  };
+  /// Moves the unknowns of the pair to the solutions of their stages; false if there are none.
+  bool solve(Pair& pair, TangentSystem& system, const StageTangent& stage);
+  /// Solves with the derivative of all forces, by differences along changes of this size.
   bool solve_for_whole(Pair& pair, bool coefficients_follow, TangentSystem& system, double size);
 
   Config config_;
