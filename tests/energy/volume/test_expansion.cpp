@@ -174,7 +174,7 @@ TEST_P(Expanding, SupplyIsTheRateOfTheEnergy) {
   set_rough_pressures();
   const auto q = test::local_values(solid_.vector(test::strained).get());
   const auto energy = [&](double t) { return sum(comm, term->energy_at({t}, q, {})); };
-  constexpr double h = 1e-3;
+  constexpr double h = 1e-4;  // so short that no fibre becomes slack in between
   const double slope =
       (8.0 * (energy(time + h) - energy(time - h)) - (energy(time + 2.0 * h) - energy(time - 2.0 * h))) / (12.0 * h);
   ASSERT_GT(std::abs(slope), 1.0);
