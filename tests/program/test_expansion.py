@@ -95,7 +95,7 @@ class Expansion(ProgramTest):
                 h = self.brick(NEO_HOOKEAN, stretch, held, "method: static, load_steps: 2", kind, n=(2, 1, 1),
                                more=[f"mesh.scale={scale}", f"probes=[{{name: tip, point: [{scale}, {scale}, {scale}]}}]"])
                 kept[name, kind] = [h["tip_" + x][-1] for x in "xyz"] + [h["elastic_energy"][-1]]
-                self.assertGreater(kept[name, kind][0], 1.05 * s)
+                self.assertGreater(np.abs(kept[name, kind][:3] - np.array(s)).max(), 0.2)
                 np.testing.assert_allclose(kept[name, kind], kept["expanded", kind], rtol=1e-8)
 
     def test_strip_of_two_metals(self):

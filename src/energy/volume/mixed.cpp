@@ -125,8 +125,8 @@ class MixedTermOf final : public MixedTerm {
         return power(point.index(), H) + growth(point.index()) * pressure_at(point, p) * (volume.measure.g - loss);
       };
     });
-    return of_cells - half_of_squares(p.span(), [&](const Batch& batch, std::size_t /*number*/) {
-             return compliance_matrix(batch, growth);
+    return of_cells - half_of_squares(p.span(), [&](const Batch& batch, std::size_t number) {
+             return pressure_matrix(batch, number, growth);
            });
   }
 
@@ -259,11 +259,9 @@ class MixedTermOf final : public MixedTerm {
     return (N[0] * p[0] + N[1] * p[1]) + (N[2] * p[2] + N[3] * p[3]);
   }
 
-  static constexpr double mean_product(int b, int c) { return b == c ? 1.0 / 10 : 1.0 / 20; }  // of N_b N_c in a cell
-
-  /// int f N_b N_c / kappa dX, f(n) a function of the pack's number.
+  /// int f N_b N_c / kappa dX, and what S adds with f dX in the place of dX; f(n) is a function of the pack's number.
   template <class F>
-  PressureMatrix compliance_matrix(const Batch& batch, const F& f) const {
+  PressureMatrix pressure_matrix(const Batch& batch, std::size_t number, const F& f) const {
     PressureMatrix C{};
     if constexpr (Order == 1) {
       Pack volume = 0.0;
@@ -271,9 +269,12 @@ class MixedTermOf final : public MixedTerm {
         const Point point{batch, k};
         volume += point.weight() * f(point.index());
       }
-      const Pack compliance = volume * compliance_[Point{batch, 0}.index()];
+      const Pack compliance = compliance_[Point{batch, 0}.index()], stabilization = 1.0 / shear_moduli_[number];
       for (int b = 0; b < 4; ++b) {
-        for (int c = 0; c < 4; ++c) C[b][c] = mean_product(b, c) * compliance;
+        for (int c = 0; c < 4; ++c) {
+          const double mean = b == c ? 1.0 / 10 : 1.0 / 20;  // of N_b N_c; that of N_b is 1/4
+          C[b][c] = volume * (compliance * mean + stabilization * (mean - 1.0 / 16));
+        }
       }
     } else {
       for (int k = 0; k < batch.group.rule.size(); ++k) {
@@ -287,19 +288,10 @@ class MixedTermOf final : public MixedTerm {
     }
     return C;
   }
-  /// C of the cells: int s^3 N_b N_c / kappa dX, and what S adds.
+  /// C of the cells.
   PressureMatrix pressure_matrix(const Batch& batch, std::size_t number,
                                  const PerPoint<ExpandedPoint>& expanded) const {
-    PressureMatrix C = compliance_matrix(batch, [&](std::size_t n) { return expanded[n].volume; });
-    if constexpr (Order == 1) {
-      Pack volume = 0.0;
-      for (int k = 0; k < batch.group.rule.size(); ++k) volume += Point{batch, k}.weight();
-      const Pack stabilization = volume / shear_moduli_[number];
-      for (int b = 0; b < 4; ++b) {
-        for (int c = 0; c < 4; ++c) C[b][c] += stabilization * (mean_product(b, c) - 1.0 / 16);
-      }
-    }
-    return C;
+    return pressure_matrix(batch, number, [&](std::size_t n) { return expanded[n].volume; });
   }
   /// p^T C p / 2 of the owned cells, C = `matrix_of(batch, number)`.
   template <class MatrixOf>
