@@ -94,6 +94,12 @@ struct ActiveConfig {
   Location where;
 };
 
+/// Expansion by heat or swelling.
+struct ExpansionConfig {
+  Expression stretch;  ///< in all directions, free of stress; a function of x, y, z, t
+  Location where;
+};
+
 struct BodyConfig {
   Selection part;                 ///< volume, or everything
   std::optional<double> density;  ///< [kg/m^3]; required for dynamics and gravity
@@ -104,6 +110,7 @@ struct BodyConfig {
   std::optional<ElasticityConfig> elasticity;  ///< of a body that is not rigid
   std::vector<ViscosityConfig> viscosity;
   std::optional<ActiveConfig> active;
+  std::optional<ExpansionConfig> expansion;
   Location where;
 };
 

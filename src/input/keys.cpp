@@ -78,6 +78,9 @@ Section<BodyConfig> body_keys() {
               .otherwise_in_words("none"),
           field("active", &BodyConfig::active, map_of(active_keys()), "contraction along fibres, as in muscle")
               .otherwise_in_words("none"),
+          field("expansion", &BodyConfig::expansion, map_of(expansion_keys()),
+                "expansion by heat or swelling, the same in all directions")
+              .otherwise_in_words("none"),
       },
       {},
       &BodyConfig::where};

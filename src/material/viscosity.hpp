@@ -47,7 +47,7 @@ struct IsotropicTensor {
 };
 
 template <class S>
-PLIANT_INLINE constexpr IsotropicTensor<S> operator*(double s, const IsotropicTensor<S>& C) {
+PLIANT_INLINE constexpr IsotropicTensor<S> operator*(const std::type_identity_t<S>& s, const IsotropicTensor<S>& C) {
   return {s * C.shear, s * C.bulk};
 }
 

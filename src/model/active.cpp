@@ -1,12 +1,22 @@
 #include "model/active.hpp"
 
 #include "input/directions.hpp"
+#include "petsc/collective.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
 
 namespace pliant {
 
 template <int Order>
 ActiveParts make_active_parts(const BodyConfig& config, const ActiveBody<Order>& on) {
-  if (!config.active) return {};
+  ActiveParts parts;
+  if (config.expansion) {
+    parts.shape.expansion = make_expansion<Order>(config.expansion->stretch, on.layout, on.groups, on.body);
+  }
+  if (!config.active) return parts;
   const ActiveConfig& active = *config.active;
   const auto& directions = active.fibre.empty() ? config.elasticity->directions : active.fibre;
   DirectionRule fibre(directions.front());
@@ -16,8 +26,34 @@ ActiveParts make_active_parts(const BodyConfig& config, const ActiveBody<Order>&
   const auto make = [&](const Expression& amount) {
     return std::make_shared<Activation>(make_activation<Order>(amount, field, on.layout, on.groups, on.body));
   };
-  if (const auto* stress = std::get_if<ActiveConfig::Stress>(&active.contraction)) return {make(stress->tension), {}};
-  return {{}, make(std::get<ActiveConfig::Shortening>(active.contraction).part)};
+  if (const auto* stress = std::get_if<ActiveConfig::Stress>(&active.contraction)) {
+    parts.tension = make(stress->tension);
+  } else {
+    parts.shape.shortening = make(std::get<ActiveConfig::Shortening>(active.contraction).part);
+  }
+  return parts;
+}
+
+void require_positive_stretches(const Config& config, MPI_Comm comm,
+                                std::span<const std::shared_ptr<const FreeExpansion>> expansions, double time) {
+  for (std::size_t b = 0; b < expansions.size(); ++b) {
+    if (!expansions[b]) continue;
+    double smallest = HUGE_VAL;
+    for (const Pack& change : expansions[b]->changes({.time = time}).values) {
+      for (int lane = 0; lane < pack_size; ++lane) {
+        const double s = 1.0 + change[lane];
+        smallest = std::isfinite(s) ? std::min(smallest, s) : -HUGE_VAL;
+      }
+    }
+    smallest = minimum(comm, smallest);
+    if (smallest > 0.0) continue;
+    const Location& where = config.bodies[b].expansion->where;
+    if (std::isinf(smallest)) throw InputError(where, fmt::format("the stretch is not finite at t = {:g}", time));
+    throw InputError(where,
+                     fmt::format("the stretch must be > 0 in the whole body; at t = {:g} it is {:.4g}. 1 means no "
+                                 "expansion, 1.02 makes free lengths 2 % longer",
+                                 time, smallest));
+  }
 }
 
 template ActiveParts make_active_parts<1>(const BodyConfig&, const ActiveBody<1>&);

@@ -1,15 +1,17 @@
-/// Bodies that contract.
+/// Bodies that contract or expand.
 #pragma once
 
 #include "energy/volume/active_stress.hpp"
+#include "energy/volume/expansion.hpp"
 #include "input/cell_data.hpp"
 #include "input/config.hpp"
 
 #include <memory>
+#include <span>
 
 namespace pliant {
 
-/// What the contraction of a body is built on.
+/// What the contraction or the expansion of a body is built on.
 template <int Order>
 struct ActiveBody {
   const CellData& data;
@@ -20,9 +22,14 @@ struct ActiveBody {
 
 /// nullptr where the body has none.
 struct ActiveParts {
-  std::shared_ptr<const Activation> tension;     ///< [Pa]
-  std::shared_ptr<const Activation> shortening;  ///< per length
+  std::shared_ptr<const Activation> tension;  ///< [Pa]
+  FreeShape shape;                            ///< the shape free of stress
 };
+
+/// Throws InputError if a stretch of `expansions`, per body of `config`, is not positive somewhere at a time.
+/// Collective.
+void require_positive_stretches(const Config& config, MPI_Comm comm,
+                                std::span<const std::shared_ptr<const FreeExpansion>> expansions, double time);
 
 /// Throws InputError. Not collective.
 template <int Order>

@@ -33,8 +33,7 @@ std::shared_ptr<const LawField> make_whole_law(const ElasticBody<Order>& on, con
 }  // namespace
 
 template <int Order>
-ElasticParts make_elastic_parts(const ElasticBody<Order>& on, const LawAt& law_at,
-                                std::shared_ptr<const Activation> shortening) {
+ElasticParts make_elastic_parts(const ElasticBody<Order>& on, const LawAt& law_at, FreeShape shape) {
   const VolumetricTreatment treatment = on.config.volumetric;
   const PetscInt num_owned = on.layout.num_owned_nodes;
   const auto form = volumetric_form_of(on.rule.kind());
@@ -44,7 +43,7 @@ ElasticParts make_elastic_parts(const ElasticBody<Order>& on, const LawAt& law_a
   parts.shape = split.rest;
   if (on.pressures != nullptr) {
     auto term =
-        make_mixed_term<Order>(std::move(split), on.groups, on.body, num_owned, *on.pressures, std::move(shortening));
+        make_mixed_term<Order>(std::move(split), on.groups, on.body, num_owned, *on.pressures, std::move(shape));
     parts.mixed = term.get();
     parts.term = std::move(term);
     return parts;
@@ -53,15 +52,15 @@ ElasticParts make_elastic_parts(const ElasticBody<Order>& on, const LawAt& law_a
   if (!parts.shape) parts.shape = whole;
   if constexpr (Order == 2) {
     if (treatment == VolumetricTreatment::mean_dilatation) {
-      parts.term = make_mean_dilatation_term(std::move(whole), on.groups, on.body, num_owned, std::move(shortening));
+      parts.term = make_mean_dilatation_term(std::move(whole), on.groups, on.body, num_owned, std::move(shape));
       return parts;
     }
   }
-  parts.term = make_elastic_term<Order>(std::move(whole), on.groups, on.body, num_owned, std::move(shortening));
+  parts.term = make_elastic_term<Order>(std::move(whole), on.groups, on.body, num_owned, std::move(shape));
   return parts;
 }
 
-template ElasticParts make_elastic_parts<1>(const ElasticBody<1>&, const LawAt&, std::shared_ptr<const Activation>);
-template ElasticParts make_elastic_parts<2>(const ElasticBody<2>&, const LawAt&, std::shared_ptr<const Activation>);
+template ElasticParts make_elastic_parts<1>(const ElasticBody<1>&, const LawAt&, FreeShape);
+template ElasticParts make_elastic_parts<2>(const ElasticBody<2>&, const LawAt&, FreeShape);
 
 }  // namespace pliant

@@ -34,6 +34,6 @@ struct ElasticParts {
 template <int Order>
 ElasticParts make_elastic_parts(const ElasticBody<Order>& on,
                                 const std::function<ElasticLawSpec(PetscInt, const std::array<double, 3>&)>& law_at,
-                                std::shared_ptr<const Activation> shortening);
+                                FreeShape shape);
 
 }  // namespace pliant

@@ -106,6 +106,7 @@ std::vector<DrivingFormula> driving_formulas(const Config& config) {
   using Kind = DrivingFormula::Kind;
   std::vector<DrivingFormula> all;
   for (const BodyConfig& body : config.bodies) {
+    if (body.expansion) Formulas(Kind::force, body.expansion->where, all).add(body.expansion->stretch);
     if (!body.active) continue;
     Formulas formulas(Kind::force, body.active->where, all);
     std::visit(formulas, body.active->contraction);

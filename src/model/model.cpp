@@ -145,6 +145,7 @@ void Model::build_cells(const Config& config, const Mesh& mesh) {
       const int body = static_cast<int>(b);
       if (!rules[b]) {
         laws_.push_back(nullptr);
+        expansions_.push_back(nullptr);
         continue;
       }
       ElasticityRule& rule = *rules[b];
@@ -160,8 +161,9 @@ void Model::build_cells(const Config& config, const Mesh& mesh) {
       if (active.tension) {
         active_.push_back(make_active_stress_term<Order>(active.tension, groups, body, layout_.num_owned_nodes));
       }
+      expansions_.push_back(active.shape.expansion);
       ElasticParts parts =
-          make_elastic_parts<Order>({config, rule, layout_, groups, body, pressures_.get()}, law_at, active.shortening);
+          make_elastic_parts<Order>({config, rule, layout_, groups, body, pressures_.get()}, law_at, active.shape);
       found[b] = parts.volume;
       laws_.push_back(std::move(parts.shape));
       if (parts.mixed != nullptr) mixed_.push_back(parts.mixed);
@@ -346,7 +348,7 @@ void Model::prepare(const Config& config) {
   if (ConstraintMap* map = constraints_->map()) {
     map->set_rigidity(analysis == Analysis::dynamic ? Rigidity::of_accelerations : Rigidity::of_configurations);
   }
-  viscous_ = make_viscous_terms(config, {layout_, *pattern_, cells_, laws_});
+  viscous_ = make_viscous_terms(config, {layout_, *pattern_, cells_, laws_, expansions_});
   std::vector<const EnergyTerm*> terms;
   for (const auto& term : elastic_) terms.push_back(term.get());
   for (const auto& term : active_) terms.push_back(term.get());
@@ -395,6 +397,7 @@ PrescribedMotion Model::motion(Correction correction) const {
 void Model::require_finite(double time) const {
   loads_->require_finite(time);
   constraints_->require_finite(time);
+  require_positive_stretches(config_, layout_.comm, expansions_, time);
   require_finite_formulas(config_, time);
 }
 
@@ -422,7 +425,7 @@ void Model::set_initial_state(const Config& config, Vec q, Vec v) const {
   if (is_incompressible_) {
     require_undeformed(config, q);
   } else if (mixed_equation_) {
-    mixed_equation_->settle(q);
+    mixed_equation_->settle(q, instant(0.0));
   }
   update_ghosts(q);
   const ConstGhostedView at(q);

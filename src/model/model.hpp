@@ -133,7 +133,8 @@ class Model {
   std::vector<double> densities_;
   std::vector<double> shear_moduli_;  // of each body's stiffest part at rest [Pa]
   std::variant<CellGroups<1>, CellGroups<2>> cells_;
-  std::vector<std::shared_ptr<const LawField>> laws_;  // of each body: elastic, or its part without volume
+  std::vector<std::shared_ptr<const LawField>> laws_;             // of each body: elastic, or its part without volume
+  std::vector<std::shared_ptr<const FreeExpansion>> expansions_;  // of each body; nullptr: none
   std::vector<std::unique_ptr<ElasticTerm>> elastic_;
   std::vector<std::unique_ptr<EnergyTerm>> active_;
   std::vector<std::unique_ptr<EnergyTerm>> viscous_;

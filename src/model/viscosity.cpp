@@ -60,12 +60,12 @@ std::vector<std::unique_ptr<EnergyTerm>> make_terms(const Config& config, const 
       if (const auto* branch = std::get_if<Prony>(&mechanism.law)) branches.push_back(*branch);
       const auto law = std::visit(LawInStrain{mechanism.rate.value_or(automatic), resists_dilatation}, mechanism.law);
       if (!law) continue;
-      terms.push_back(
-          make_viscous_term<Order>(*law, *on.elastic[b], groups, static_cast<int>(b), on.layout.num_owned_nodes));
+      terms.push_back(make_viscous_term<Order>(*law, *on.elastic[b], groups, static_cast<int>(b),
+                                               on.layout.num_owned_nodes, on.expansions[b]));
     }
     if (branches.empty()) continue;
     terms.push_back(make_prony_term<Order>(std::move(branches), on.elastic[b], groups, static_cast<int>(b),
-                                           on.layout.num_owned_nodes));
+                                           on.layout.num_owned_nodes, on.expansions[b]));
   }
   const auto damping = damping_densities(config);
   if (std::ranges::any_of(damping, [](double density) { return density > 0.0; })) {

@@ -1,7 +1,7 @@
 /// The terms of the bodies' viscosity.
 #pragma once
 
-#include "energy/term.hpp"
+#include "energy/volume/expansion.hpp"
 #include "fem/cells.hpp"
 #include "fem/layout.hpp"
 #include "input/config.hpp"
@@ -18,7 +18,8 @@ struct BodyParts {
   const NodeLayout& layout;
   const BlockPattern& pattern;
   const std::variant<CellGroups<1>, CellGroups<2>>& cells;
-  const std::vector<std::shared_ptr<const LawField>>& elastic;  ///< per body, what viscosity follows
+  const std::vector<std::shared_ptr<const LawField>>& elastic;          ///< per body, what viscosity follows
+  const std::vector<std::shared_ptr<const FreeExpansion>>& expansions;  ///< per body; nullptr: none
 };
 
 /// Whether any body has a viscosity.

@@ -131,6 +131,7 @@ MotionWatch::MotionWatch(const Config& config, const Model& model)
       continue;
     }
     bodies_.push_back(watched(*config.bodies[b].elasticity, model.body_names()[b]));
+    if (const auto& expansion = config.bodies[b].expansion) bodies_.back().expansion = expansion->stretch;
   }
 }
 
@@ -176,7 +177,13 @@ void MotionWatch::look_at_stretches(double time, std::span<const double> u, std:
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
     const auto body = static_cast<std::size_t>(model_.body_of_cell()[c]);
     const auto H = layout.order == 1 ? displacement_gradient<1>(layout, c, u) : displacement_gradient<2>(layout, c, u);
-    const auto l = principal_stretches(H).l;  // in descending order
+    auto l = principal_stretches(H).l;  // in descending order
+    if (const auto& expansion = bodies_[body].expansion) {
+      const auto [x, y, z] = middle(layout, c);
+      const Instant at = model_.instant(time);
+      const double s = 1.0 + at.load_factor * ((*expansion)(x, y, z, at.time) - 1.0);
+      for (double& stretch : l) stretch /= s;
+    }
     most[body].take(l[0], l[0], c, layout);
     least[body].take(l[2], 1.0 / std::max(l[2], 1e-9), c, layout);
     if (!bodies_[body].stable || !(l[2] > 0.0)) continue;

@@ -55,6 +55,7 @@ class MotionWatch {
     std::string why;           ///< instead of that of `trusted`
     Extreme smallest, largest;
     std::optional<StableStretches> stable = {};  ///< where they are known and the user has not been warned
+    std::optional<Expression> expansion = {};    ///< the stretch that the law does not see
   };
 
   static Body watched(const ElasticityConfig& elasticity, const std::string& name);

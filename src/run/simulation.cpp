@@ -119,7 +119,7 @@ StepOutcome Simulation::advance() {
   StepAttempt attempt = advance_->attempt(step);
   record_.a = nullptr;  // it belonged to the advance
   if (attempt.report.outcome == StageOutcome::converged) {
-    if (settles_pressures_) model_.mixed_equation()->settle(attempt.q);
+    if (settles_pressures_) model_.mixed_equation()->settle(attempt.q, model_.instant(attempt.time));
     if (auto reason = impossibility(attempt, step)) {
       attempt.report.outcome = StageOutcome::retry;
       attempt.report.reason = std::move(*reason);

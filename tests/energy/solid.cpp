@@ -20,20 +20,22 @@ Solid::Solid(MPI_Comm comm, const std::string& file, int order, int degree) : bo
   }
 }
 
-std::unique_ptr<ElasticTerm> Solid::elastic(const ElasticLawSpec& law, Dilatation dilatation) const {
+std::unique_ptr<ElasticTerm> Solid::elastic(const ElasticLawSpec& law, Dilatation dilatation, FreeShape shape) const {
   if (dilatation == Dilatation::mean) {
-    return make_mean_dilatation_term(make_law_field(law), std::get<1>(groups_), 0, layout().num_owned_nodes);
+    return make_mean_dilatation_term(make_law_field(law), std::get<1>(groups_), 0, layout().num_owned_nodes,
+                                     std::move(shape));
   }
-  if (layout().order == 1) return make_elastic_term<1>(law, std::get<0>(groups_), 0, layout().num_owned_nodes);
-  return make_elastic_term<2>(law, std::get<1>(groups_), 0, layout().num_owned_nodes);
-}
-
-std::unique_ptr<MixedTerm> Solid::mixed(MixedLaw law, const PressureField& field,
-                                        std::shared_ptr<const Activation> shortening) const {
   return std::visit(
       [&]<int Order>(const CellGroups<Order>& groups) {
-        return make_mixed_term<Order>(std::move(law), groups, 0, layout().num_owned_nodes, field,
-                                      std::move(shortening));
+        return make_elastic_term<Order>(make_law_field(law), groups, 0, layout().num_owned_nodes, std::move(shape));
+      },
+      groups_);
+}
+
+std::unique_ptr<MixedTerm> Solid::mixed(MixedLaw law, const PressureField& field, FreeShape shape) const {
+  return std::visit(
+      [&]<int Order>(const CellGroups<Order>& groups) {
+        return make_mixed_term<Order>(std::move(law), groups, 0, layout().num_owned_nodes, field, std::move(shape));
       },
       groups_);
 }
@@ -43,12 +45,13 @@ std::unique_ptr<PressureField> Solid::pressure_field() const {
   return std::make_unique<PressureField>(make_pressure_layout(layout(), one_body, 1), layout().comm);
 }
 
-std::unique_ptr<EnergyTerm> Solid::viscous(const ViscosityVariant& law) const {
+std::unique_ptr<EnergyTerm> Solid::viscous(const ViscosityVariant& law,
+                                           std::shared_ptr<const FreeExpansion> expansion) const {
   const auto elastic = make_law_field(
       make_law("linear", {{"shear_modulus", stiffness_at_rest.shear}, {"bulk_modulus", stiffness_at_rest.bulk}}));
   const PetscInt num_owned = layout().num_owned_nodes;
-  if (layout().order == 1) return make_viscous_term<1>(law, *elastic, std::get<0>(groups_), 0, num_owned);
-  return make_viscous_term<2>(law, *elastic, std::get<1>(groups_), 0, num_owned);
+  if (layout().order == 1) return make_viscous_term<1>(law, *elastic, std::get<0>(groups_), 0, num_owned, expansion);
+  return make_viscous_term<2>(law, *elastic, std::get<1>(groups_), 0, num_owned, expansion);
 }
 
 std::unique_ptr<EnergyTerm> Solid::prony(const std::vector<Prony>& branches, std::string_view law,
@@ -56,11 +59,12 @@ std::unique_ptr<EnergyTerm> Solid::prony(const std::vector<Prony>& branches, std
   return prony(branches, make_law(law, youngs_modulus, poissons_ratio));
 }
 
-std::unique_ptr<EnergyTerm> Solid::prony(const std::vector<Prony>& branches, const ElasticLawSpec& law) const {
+std::unique_ptr<EnergyTerm> Solid::prony(const std::vector<Prony>& branches, const ElasticLawSpec& law,
+                                         std::shared_ptr<const FreeExpansion> expansion) const {
   std::shared_ptr<const LawField> elastic = make_law_field(law);
   const PetscInt num_owned = layout().num_owned_nodes;
-  if (layout().order == 1) return make_prony_term<1>(branches, elastic, std::get<0>(groups_), 0, num_owned);
-  return make_prony_term<2>(branches, elastic, std::get<1>(groups_), 0, num_owned);
+  if (layout().order == 1) return make_prony_term<1>(branches, elastic, std::get<0>(groups_), 0, num_owned, expansion);
+  return make_prony_term<2>(branches, elastic, std::get<1>(groups_), 0, num_owned, expansion);
 }
 
 std::unique_ptr<MassDamping> Solid::mass_damping(double density, Mass mass) const {
@@ -92,13 +96,9 @@ std::unique_ptr<EnergyTerm> Solid::active_stress(const Expression& tension, Fibr
       groups_);
 }
 
-std::unique_ptr<ElasticTerm> Solid::shortened(const ElasticLawSpec& law, const Expression& shortening,
-                                              FibreField::Kind kind) const {
+std::shared_ptr<const FreeExpansion> Solid::expansion(const Expression& stretch) const {
   return std::visit(
-      [&]<int Order>(const CellGroups<Order>& groups) {
-        return make_elastic_term<Order>(make_law_field(law), groups, 0, layout().num_owned_nodes,
-                                        activation(shortening, kind));
-      },
+      [&]<int Order>(const CellGroups<Order>& groups) { return make_expansion<Order>(stretch, layout(), groups, 0); },
       groups_);
 }
 

@@ -51,24 +51,24 @@ class Solid {
   const BlockPattern& pattern() const { return body_.pattern; }
   const std::variant<CellGroups<1>, CellGroups<2>>& groups() const { return groups_; }
 
-  std::unique_ptr<ElasticTerm> elastic(const ElasticLawSpec& law, Dilatation dilatation = Dilatation::pointwise) const;
+  std::unique_ptr<ElasticTerm> elastic(const ElasticLawSpec& law, Dilatation dilatation = Dilatation::pointwise,
+                                       FreeShape shape = {}) const;
   /// With the pressures of `field` (pressure_field).
-  std::unique_ptr<MixedTerm> mixed(MixedLaw law, const PressureField& field,
-                                   std::shared_ptr<const Activation> shortening = nullptr) const;
+  std::unique_ptr<MixedTerm> mixed(MixedLaw law, const PressureField& field, FreeShape shape = {}) const;
   /// The pressures of the body, all zero. Collective.
   std::unique_ptr<PressureField> pressure_field() const;
-  std::unique_ptr<EnergyTerm> viscous(const ViscosityVariant& law) const;
+  std::unique_ptr<EnergyTerm> viscous(const ViscosityVariant& law,
+                                      std::shared_ptr<const FreeExpansion> expansion = nullptr) const;
   std::unique_ptr<EnergyTerm> prony(const std::vector<Prony>& branches, std::string_view law,
                                     double youngs_modulus = prony_modulus, double poissons_ratio = 0.3) const;
-  std::unique_ptr<EnergyTerm> prony(const std::vector<Prony>& branches, const ElasticLawSpec& law) const;
+  std::unique_ptr<EnergyTerm> prony(const std::vector<Prony>& branches, const ElasticLawSpec& law,
+                                    std::shared_ptr<const FreeExpansion> expansion = nullptr) const;
   /// alpha rho [kg/(s m^3)].
   std::unique_ptr<MassDamping> mass_damping(double density, Mass mass) const;
   /// An amount of contraction along fibres that turn from place to place, or lie across all axes.
   std::shared_ptr<const Activation> activation(const Expression& amount, FibreField::Kind kind) const;
   std::unique_ptr<EnergyTerm> active_stress(const Expression& tension, FibreField::Kind kind) const;
-  /// The law under active strain.
-  std::unique_ptr<ElasticTerm> shortened(const ElasticLawSpec& law, const Expression& shortening,
-                                         FibreField::Kind kind) const;
+  std::shared_ptr<const FreeExpansion> expansion(const Expression& stretch) const;
   std::unique_ptr<Inertia> inertia(double density, Mass mass) const;
   /// A force per mass on the whole body [N/kg].
   std::unique_ptr<DeadLoad> gravity(double density, const std::array<Expression, 3>& value) const;

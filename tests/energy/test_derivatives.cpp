@@ -7,6 +7,7 @@ namespace pliant::test_derivatives {
 namespace {
 
 using test::BodySpec;
+using test::Dilatation;
 using test::Point;
 using test::Scratch;
 using test::Shape;
@@ -43,9 +44,11 @@ std::vector<TermCase> every_case() {
       if (law.info().name != "neo-hookean" && law.info().name != "guccione") continue;
       for (const auto& [name, amount] : {std::pair{"Uniform", "0.1*sin(2*t)"}, {"Varied", "0.1*(1-x)+0.05*z*t"}}) {
         const Expression shortening(amount);
-        cases.push_back(
-            {test::name_of(law) + "Shortened" + name, body, elastic_quadrature_degree(law.traits(), body.order),
-             [=](const Solid& solid) { return solid.shortened(law, shortening, FibreField::Kind::varying); }});
+        cases.push_back({test::name_of(law) + "Shortened" + name, body,
+                         elastic_quadrature_degree(law.traits(), body.order), [=](const Solid& solid) {
+                           const FreeShape shape{solid.activation(shortening, FibreField::Kind::varying), nullptr};
+                           return solid.elastic(law, Dilatation::pointwise, shape);
+                         }});
       }
     }
     cases.push_back({"activeStressUniform", body, 2 * (body.order - 1), [](const Solid& solid) {

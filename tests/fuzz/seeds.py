@@ -37,6 +37,7 @@ bodies:
   - volume: three
     density: 900
     elasticity: *law
+    expansion: {stretch: "1 + 0.01*min(t, x)"}
   - volume: four
     elasticity: {library: ecoflex-00-30, poissons_ratio: 0.49, incompressible: false}
   - volume: two

@@ -100,6 +100,11 @@ TEST(Dump, SpellsOutEveryKeyOfTheTable) {
         "poissons_ratio: 0}, active: ";
     collect_paths(parse_yaml(dump(read(everything, {{"bodies", body + active + "}]"}})), "dump", none), "", written);
   }
+  collect_paths(parse_yaml(dump(read(smallest, {{"bodies",
+                                                 "[{density: 1, elasticity: {model: linear, youngs_modulus: 1, "
+                                                 "poissons_ratio: 0}, expansion: {stretch: 1+0.1*t}}]"}})),
+                           "dump", none),
+                "", written);
   for (const auto& path : expected) {
     EXPECT_NE(std::find(written.begin(), written.end(), path), written.end()) << path << " is not written";
   }

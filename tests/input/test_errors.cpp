@@ -145,6 +145,12 @@ INSTANTIATE_TEST_SUITE_P(
             "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}, active: "
             "{fibre: [1, 0, 0], stress: 1, @shortening: 0.1}}]",
             "shortening"},
+        Bad{2,
+            "bodies: [{density: 1, elasticity: {model: linear, youngs_modulus: 1, poissons_ratio: 0}, expansion: "
+            "{stretch: @1 m}}]",
+            "'stretch': '1 m' is a length, but a number is expected"},
+        Bad{2, "bodies: [{density: 1, rigid: true, expansion: @{stretch: 1.1}}]",
+            "bodies[0] is rigid: remove 'expansion'"},
         Bad{2, "bodies: [{density: 1, elasticity: {model: @neohookean, youngs_modulus: 1, poissons_ratio: 0}}]",
             "not 'neohookean' (did you mean 'neo-hookean'?)"},
         Bad{5, "time: {step: @10 mm, end: 1}", "'step': '10 mm' is a length, but a time [s] is expected"},

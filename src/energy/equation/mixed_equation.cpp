@@ -89,7 +89,7 @@ void MixedEquation::find_idle_pressures(std::span<const int> rigid_parts) {
     for (const MixedTerm* term : mixed_) {
       // Stabilized pressures depend on those of neighbouring cells: none is idle if one is not.
       bool any_needed = false, are_stabilized = false;
-      term->couple(rest, [&](const PressureCoupling& cells) {
+      term->couple({}, rest, [&](const PressureCoupling& cells) {
         for (int lane = 0; lane < cells.num_lanes; ++lane) {
           const bool needs_all = cells.is_compressible[lane] || !moves_as_given(cells, lane);
           any_needed = any_needed || needs_all;
@@ -99,7 +99,7 @@ void MixedEquation::find_idle_pressures(std::span<const int> rigid_parts) {
       });
       any_needed = maximum(layout_.comm, any_needed ? 1.0 : 0.0) > 0.0;
       if (!any_needed || !are_stabilized) continue;
-      term->couple(rest, [&](const PressureCoupling& cells) {
+      term->couple({}, rest, [&](const PressureCoupling& cells) {
         for (const auto& numbers : cells.pressures) {
           for (int lane = 0; lane < cells.num_lanes; ++lane) is_needed.span()[numbers[lane]] = 1.0;
         }
@@ -162,6 +162,7 @@ void MixedEquation::join(Vec q, Vec x) const {
 
 StagePoint MixedEquation::enter(const StagePoint& stage, Vec q, Vec x) {
   potential_.begin_stage(stage);
+  instant_ = {stage.time, stage.load_factor};
   check(VecCopy(pressures_.values(), last_pressures_.get()));
   join(q, x);
   join(stage.q0, q0_.get());
@@ -195,19 +196,20 @@ void MixedEquation::keep(Archive& archive) {
   update_ghosts(pressures_.values());
 }
 
-void MixedEquation::pressure_gradient(std::span<const double> q, Vec r) const {
+void MixedEquation::pressure_gradient(const Instant& at, std::span<const double> q, Vec r) const {
   const GhostedView rows(r);
   std::fill(rows.span().begin(), rows.span().end(), 0.0);
-  for (const MixedTerm* term : mixed_) term->add_pressure_gradient(q, rows.span());
+  for (const MixedTerm* term : mixed_) term->add_pressure_gradient(at, q, rows.span());
 }
 
-void MixedEquation::settle(Vec q) {
-  if (!projection_) projection_.emplace(make_compliance(mixed_, layout_, pressures_.layout()));
+void MixedEquation::settle(Vec q, const Instant& at) {
+  const bool changes = std::ranges::any_of(mixed_, [](const MixedTerm* m) { return m->declaration().depends_on_time; });
+  if (!projection_ || changes) projection_.emplace(make_compliance(mixed_, layout_, pressures_.layout(), at));
   update_ghosts(q);
-  const ConstGhostedView at(q);
+  const ConstGhostedView displacement(q);
   check(VecSet(pressures_.values(), 0.0));
   update_ghosts(pressures_.values());
-  pressure_gradient(at.span(), work_.get());
+  pressure_gradient(at, displacement.span(), work_.get());
   projection_->solve(work_.get(), pressures_.values());
   update_ghosts(pressures_.values());
 }
@@ -243,7 +245,7 @@ void MixedEquation::gradient(Vec x, Vec r) {
   update_ghosts(q_.get());
   {
     const ConstGhostedView q(q_.get());
-    pressure_gradient(q.span(), work_.get());
+    pressure_gradient(instant_, q.span(), work_.get());
   }
   const ConstArrayView from(r_.get()), rows(work_.get());
   const ArrayView to(r);
@@ -256,7 +258,7 @@ void MixedEquation::gradient(Vec x, Vec r) {
 template <class Visit>
 void MixedEquation::for_each_coupling(std::span<const double> q, const Visit& visit) const {
   for (const MixedTerm* term : mixed_) {
-    term->couple(q, [&](const PressureCoupling& cells) {
+    term->couple(instant_, q, [&](const PressureCoupling& cells) {
       for (int lane = 0; lane < cells.num_lanes; ++lane) {
         for (int b = 0; b < 4; ++b) {
           const PetscInt p = cells.pressures[b][lane];

@@ -34,9 +34,9 @@ class MixedEquation final : public StageEquation {
   bool determines_pressures() const;
   /// Sets the pressures from which the next solve starts. Collective.
   void keep(Archive& archive);
-  /// Sets the pressures to those that belong to the displacements, dPi/dp = 0: for states that are not the end of a
-  /// stage. Every body must be compressible. Collective.
-  void settle(Vec q);
+  /// Sets the pressures to those that belong to the displacements at the instant, dPi/dp = 0: for states that are not
+  /// the end of a stage. Every body must be compressible. Collective.
+  void settle(Vec q, const Instant& at);
 
   /// The guess of the pressures is their last solution.
   StagePoint enter(const StagePoint& stage, Vec q, Vec x) override;
@@ -86,7 +86,7 @@ class MixedEquation final : public StageEquation {
   void join(Vec q, Vec x) const;
   void take_displacement(Vec x, Vec q) const;
   /// r = dPi/dp, owned and complete; q has its ghosts.
-  void pressure_gradient(std::span<const double> q, Vec r) const;
+  void pressure_gradient(const Instant& at, std::span<const double> q, Vec r) const;
   void attach_parts(Mat A) const;
 
   IncrementalPotential& potential_;
@@ -103,6 +103,7 @@ class MixedEquation final : public StageEquation {
   PetscObjectId pattern_of_K_ = 0;
   Handle<Mat> K_;
   std::optional<PressureProjection> projection_;  // made when it is needed
+  Instant instant_;                               // of the stage
   std::vector<RankOne> rank_one_;                 // of the potential
   Handle<Vec> q_, r_, d_, work_, last_pressures_;
   Handle<Vec> q0_, v0_, accepted_;  // of the stage, in x

@@ -8,7 +8,7 @@
 namespace pliant {
 
 Handle<Mat> make_compliance(std::span<const MixedTerm* const> terms, const NodeLayout& layout,
-                            const PressureLayout& pressures) {
+                            const PressureLayout& pressures, const Instant& at) {
   const auto global = [&](PetscInt p) {
     return p < pressures.num_owned ? pressures.first_global + p
                                    : pressures.ghost_globals[static_cast<std::size_t>(p - pressures.num_owned)];
@@ -17,7 +17,7 @@ Handle<Mat> make_compliance(std::span<const MixedTerm* const> terms, const NodeL
   std::vector<double> values;
   const std::vector<double> rest(3 * static_cast<std::size_t>(layout.num_local_nodes), 0.0);
   for (const MixedTerm* term : terms) {
-    term->couple(rest, [&](const PressureCoupling& cells) {
+    term->couple(at, rest, [&](const PressureCoupling& cells) {
       for (int lane = 0; lane < cells.num_lanes; ++lane) {
         for (int b = 0; b < 4; ++b) {
           if (cells.pressures[b][lane] >= pressures.num_owned) continue;
@@ -59,7 +59,7 @@ bool are_felt(std::span<const MixedTerm* const> terms, const NodeLayout& layout,
   for (const MixedTerm* term : terms) {
     std::vector<double> force(rest.size(), 0.0);
     bool is_compressible = false;
-    term->couple(rest, [&](const PressureCoupling& cells) {
+    term->couple({}, rest, [&](const PressureCoupling& cells) {
       for (int lane = 0; lane < cells.num_lanes; ++lane) {
         is_compressible = is_compressible || cells.is_compressible[lane];
         for (std::size_t row = 0; row < cells.B.size(); ++row) {

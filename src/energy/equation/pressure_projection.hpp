@@ -10,9 +10,9 @@
 
 namespace pliant {
 
-/// C = -d2Pi/dp2 of all terms, which does not depend on the state. Collective.
+/// C = -d2Pi/dp2 of all terms at an instant, which does not depend on the displacements. Collective.
 Handle<Mat> make_compliance(std::span<const MixedTerm* const> terms, const NodeLayout& layout,
-                            const PressureLayout& pressures);
+                            const PressureLayout& pressures, const Instant& at = {});
 
 /// Whether free displacements feel every pressure: incompressible bodies whose whole surface is held do not feel one
 /// that is the same everywhere. `prescribed`: per owned component; `is_idle`: per local pressure, those that are left

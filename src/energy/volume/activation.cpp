@@ -6,11 +6,11 @@
 
 namespace pliant {
 
-Activation::Activation(Expression amount, std::vector<PackPlaces> places, PerPoint<PackDirection> fibres)
-    : amount_(std::move(amount)), places_(std::move(places)), fibres_(std::move(fibres)) {}
+GivenAmount::GivenAmount(Expression amount, std::vector<PackPlaces> places, double at_rest)
+    : amount_(std::move(amount)), places_(std::move(places)), at_rest_(at_rest) {}
 
 template <class F>
-PerPoint<Pack> Activation::at_points(const F& f) const {
+PerPoint<Pack> GivenAmount::at_points(const F& f) const {
   if (!amount_.depends_on_space()) return {{Pack(f(std::array<double, 3>{}))}};
   PerPoint<Pack> result;
   result.values.reserve(places_.size());
@@ -20,13 +20,14 @@ PerPoint<Pack> Activation::at_points(const F& f) const {
   return result;
 }
 
-PerPoint<Pack> Activation::amounts(const Instant& at) const {
-  return at_points([&](const std::array<double, 3>& X) { return at.load_factor * amount_(X[0], X[1], X[2], at.time); });
+PerPoint<Pack> GivenAmount::amounts(const Instant& at) const {
+  return at_points(
+      [&](const std::array<double, 3>& X) { return at.load_factor * (amount_(X[0], X[1], X[2], at.time) - at_rest_); });
 }
 
-PerPoint<Pack> Activation::rates(const LocalStage& stage) const {
+PerPoint<Pack> GivenAmount::rates(const Instant& at, double time_scale) const {
   const GivenDisplacement given{{amount_, std::nullopt, std::nullopt}};
-  const GivenKinematics around(given, stage.time, stage.dt, stage.load_factor);
+  const GivenKinematics around(given, at.time, time_scale, at.load_factor);
   return at_points([&](const std::array<double, 3>& X) { return around(0, X).v; });
 }
 
@@ -47,7 +48,7 @@ Activation make_activation(const Expression& amount, const FibreField& fibres, c
       }
     }
   }
-  return {amount, std::move(places), std::move(directions)};
+  return {{amount, std::move(places)}, std::move(directions)};
 }
 
 template Activation make_activation<1>(const Expression&, const FibreField&, const NodeLayout&, const CellGroups<1>&,

@@ -1,4 +1,5 @@
-/// Contraction of a body along its fibres as a function of time: common to active stress and active strain.
+/// What is given inside a body as a function of place and time; contraction along its fibres, common to active stress
+/// and active strain.
 #pragma once
 
 #include "base/expression.hpp"
@@ -6,22 +7,26 @@
 #include "energy/volume/body_points.hpp"
 
 #include <functional>
+#include <utility>
 
 namespace pliant {
 
 /// Unit vectors in the reference body.
 using PackDirection = std::array<Pack, 3>;
 
-class Activation {
+/// A number at all points of a body.
+class GivenAmount {
  public:
-  /// `amount` is a function of place and time, `places` are the positions of all points of the body.
-  Activation(Expression amount, std::vector<PackPlaces> places, PerPoint<PackDirection> fibres);
+  /// `amount` is a function of place and time, `places` are the positions of all points of the body. `at_rest` is the
+  /// amount that has no effect.
+  GivenAmount(Expression amount, std::vector<PackPlaces> places, double at_rest = 0.0);
 
-  const PackDirection& fibre(std::size_t n) const { return fibres_[n]; }
-  /// The amounts at the instant, times its load factor.
+  /// The amounts at the instant less `at_rest`, times its load factor.
   PerPoint<Pack> amounts(const Instant& at) const;
-  /// Their time rates at the end of the stage, by differences of sixth order over its length.
-  PerPoint<Pack> rates(const LocalStage& stage) const;
+  /// Their time rates at the instant, just before it (after it at 0), where they are smooth over `time_scale`.
+  PerPoint<Pack> rates(const Instant& at, double time_scale) const;
+  /// Likewise at the end of the stage.
+  PerPoint<Pack> rates(const LocalStage& stage) const { return rates(instant_of(stage), stage.dt); }
 
  private:
   template <class F>
@@ -29,6 +34,17 @@ class Activation {
 
   Expression amount_;
   std::vector<PackPlaces> places_;
+  double at_rest_;
+};
+
+class Activation : public GivenAmount {
+ public:
+  Activation(GivenAmount amount, PerPoint<PackDirection> fibres)
+      : GivenAmount(std::move(amount)), fibres_(std::move(fibres)) {}
+
+  const PackDirection& fibre(std::size_t n) const { return fibres_[n]; }
+
+ private:
   PerPoint<PackDirection> fibres_;
 };
 

@@ -14,8 +14,8 @@ class ElasticTermOf final : public ElasticTerm {
 
  public:
   ElasticTermOf(std::shared_ptr<const LawField> law, const CellGroups<Order>& groups, int body,
-                PetscInt num_owned_nodes, std::shared_ptr<const Activation> shortening)
-      : law_(std::move(law), std::move(shortening)), cells_(groups, body, num_owned_nodes) {}
+                PetscInt num_owned_nodes, FreeShape shape)
+      : law_(std::move(law), std::move(shape)), cells_(groups, body, num_owned_nodes) {}
 
   std::string_view name() const override { return "elastic"; }
   TermDeclaration declaration() const override {
@@ -42,7 +42,7 @@ class ElasticTermOf final : public ElasticTerm {
 
   double supply(const LocalStage& stage, std::span<const double> q) const override {
     if (!law_.depends_on_time()) return 0.0;
-    const auto power = law_.supply(stage);
+    const BodyLaw::Supply power = law_.supply(stage);
     return cells_.integrate([&](const Batch& batch) {
       return [&power, u = batch.values(q)](const Point& point) { return power(point.index(), point.gradient(u)); };
     });
@@ -84,7 +84,7 @@ class ElasticTermOf final : public ElasticTerm {
   }
 
   void stresses(const BodyState& state, const StressVisitor& visit) const override {
-    const BodyLaw::Now law = law_.at(state.at);
+    const BodyLaw::Now law = law_.at_centroids(state.at, cells_);
     cells_.for_each_batch([&](const Batch& batch) {
       const Tensor3<Pack> H = centroid_gradient(batch, batch.values(state.q));
       const std::size_t n = Point{batch, 0}.index();
@@ -101,9 +101,8 @@ class ElasticTermOf final : public ElasticTerm {
 
 template <int Order>
 std::unique_ptr<ElasticTerm> make_elastic_term(std::shared_ptr<const LawField> law, const CellGroups<Order>& groups,
-                                               int body, PetscInt num_owned_nodes,
-                                               std::shared_ptr<const Activation> shortening) {
-  return std::make_unique<ElasticTermOf<Order>>(std::move(law), groups, body, num_owned_nodes, std::move(shortening));
+                                               int body, PetscInt num_owned_nodes, FreeShape shape) {
+  return std::make_unique<ElasticTermOf<Order>>(std::move(law), groups, body, num_owned_nodes, std::move(shape));
 }
 
 template <int Order>
@@ -115,11 +114,11 @@ std::unique_ptr<LawField> make_varying_law(
                         [&](std::size_t n, int lane) { return at(places[n].cell[lane], places[n].X[lane]); });
 }
 
-#define PLIANT_INSTANTIATE(Order)                                                                                   \
-  template std::unique_ptr<ElasticTerm> make_elastic_term<Order>(                                                   \
-      std::shared_ptr<const LawField>, const CellGroups<Order>&, int, PetscInt, std::shared_ptr<const Activation>); \
-  template std::unique_ptr<LawField> make_varying_law<Order>(                                                       \
-      const ElasticLawSpec&, const NodeLayout&, const CellGroups<Order>&, int,                                      \
+#define PLIANT_INSTANTIATE(Order)                                                                                     \
+  template std::unique_ptr<ElasticTerm> make_elastic_term<Order>(std::shared_ptr<const LawField>,                     \
+                                                                 const CellGroups<Order>&, int, PetscInt, FreeShape); \
+  template std::unique_ptr<LawField> make_varying_law<Order>(                                                         \
+      const ElasticLawSpec&, const NodeLayout&, const CellGroups<Order>&, int,                                        \
       const std::function<ElasticLawSpec(PetscInt, const std::array<double, 3>&)>&);
 PLIANT_INSTANTIATE(1)
 PLIANT_INSTANTIATE(2)

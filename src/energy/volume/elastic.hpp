@@ -2,7 +2,7 @@
 #pragma once
 
 #include "energy/stress.hpp"
-#include "energy/volume/activation.hpp"
+#include "energy/volume/expansion.hpp"
 #include "fem/cells.hpp"
 #include "material/law_field.hpp"
 
@@ -19,12 +19,10 @@ class ElasticTerm : public StressTerm {
 };
 
 /// `groups` holds the cells of all bodies and must outlive the term; those of `body` belong to the term. The packs of
-/// `law` are the body's quadrature points (CellPoint::index). `shortening`, if given, is the active strain of its
-/// fibres.
+/// `law` are the body's quadrature points (CellPoint::index).
 template <int Order>
 std::unique_ptr<ElasticTerm> make_elastic_term(std::shared_ptr<const LawField> law, const CellGroups<Order>& groups,
-                                               int body, PetscInt num_owned_nodes,
-                                               std::shared_ptr<const Activation> shortening = nullptr);
+                                               int body, PetscInt num_owned_nodes, FreeShape shape = {});
 
 /// Likewise for a uniform body.
 template <int Order>

@@ -19,10 +19,43 @@ using QuadraturePoint = CellPoint<order>;
 using Nodes = NodeValues<num_nodes>;
 using Mask = Pack::mask_type;
 
+/// How the volumes of the points of a batch share a change of the cells' volume: s^3 over its mean in the cell.
+struct VolumeShares {
+  std::vector<Pack> changes;  ///< m - 1
+  std::vector<Pack> rates;    ///< dm/dt [1/s], if asked for
+
+  void set(const Batch& batch, const PerPoint<ExpandedPoint>& points, const PerPoint<Pack>* rates_of_expansion) {
+    const auto n = static_cast<std::size_t>(batch.group.rule.size());
+    changes.assign(n, Pack(0.0));
+    rates.assign(n, Pack(0.0));
+    if (points.values.size() <= 1) return;
+    Pack size = 0.0, volume = 0.0, growth = 0.0;
+    const auto at = [&](std::size_t k) { return QuadraturePoint{batch, static_cast<int>(k)}; };
+    const auto rate = [&](std::size_t k) {  // d(s^3)/dt
+      const ExpandedPoint& there = points[at(k).index()];
+      return rates_of_expansion == nullptr
+                 ? Pack(0.0)
+                 : Pack(3.0 * there.volume * there.inverse * (*rates_of_expansion)[at(k).index()]);
+    };
+    for (std::size_t k = 0; k < n; ++k) {
+      size += at(k).weight();
+      volume += at(k).weight() * points[at(k).index()].volume;
+      growth += at(k).weight() * rate(k);
+    }
+    size = select(size > 0.0, size, Pack(1.0));  // padding lanes have none
+    const Pack mean = select(volume > 0.0, volume / size, Pack(1.0));
+    for (std::size_t k = 0; k < n; ++k) {
+      const Pack& s3 = points[at(k).index()].volume;
+      changes[k] = (s3 - mean) / mean;
+      rates[k] = (rate(k) - s3 / mean * (growth / size)) / mean;
+    }
+  }
+};
+
 /// The cells of a batch under a displacement: their points, and what these have in common.
 class BatchState {
  public:
-  void set(const Batch& batch, const Nodes& u) {
+  void set(const Batch& batch, const Nodes& u, const VolumeShares& shares) {
     const int n = batch.group.rule.size();
     weights_.clear();
     points_.clear();
@@ -43,13 +76,13 @@ class BatchState {
     share_ = 1.0 / select(volume_ > 0.0, volume_, Pack(1.0));
     // Inverted cells are treated as at rest: their results are replaced.
     theta_change_ = select(valid_, theta_change * share_, Pack(0.0));
-    for (const auto& at : H) points_.push_back(at_gradient(at));
+    for (std::size_t k = 0; k < H.size(); ++k) points_.push_back(at_gradient(H[k], shares.changes[k]));
   }
 
-  /// A point of these cells, at any position.
-  Dilated<Pack> at_gradient(Tensor3<Pack> H) const {
+  /// A point of these cells, at any position, with its share of the volume less 1.
+  Dilated<Pack> at_gradient(Tensor3<Pack> H, const Pack& share) const {
     for (Pack& h : H.a) h = select(valid_, h, Pack(0.0));
-    return dilated(H, volume_change(H), theta_change_);
+    return dilated(H, volume_change(H), Pack(theta_change_ + share * (1.0 + theta_change_)));
   }
 
   std::size_t size() const { return points_.size(); }
@@ -102,11 +135,14 @@ class MeanDilatationTerm final : public ElasticTerm {
 
   double value(const LocalStage& stage, std::span<const double> q) const override {
     const BodyLaw::Now law = law_.at(instant_of(stage));
+    const auto expanded = law_.expanded(instant_of(stage));
     BatchState start;
+    VolumeShares shares;
     std::vector<Tensor3<Pack>> dF;
     std::vector<Pack> dJ;
     return sum_over_cells([&](const Batch& batch) {
-      start.set(batch, batch.values(stage.reference()));
+      shares.set(batch, expanded, nullptr);
+      start.set(batch, batch.values(stage.reference()), shares);
       const Nodes du = batch.change(q, stage.reference());
       dF.clear();
       dJ.clear();
@@ -122,8 +158,8 @@ class MeanDilatationTerm final : public ElasticTerm {
       Pack energy = 0.0;
       for (std::size_t k = 0; k < start.size(); ++k) {
         for (Pack& h : dF[k].a) h = select(valid, h, Pack(0.0));
-        const Tensor3<Pack> change =
-            dilated_change(start.point(k), dF[k], select(valid, dJ[k], Pack(0.0)), select(valid, dtheta, Pack(0.0)));
+        const Tensor3<Pack> change = dilated_change(start.point(k), dF[k], select(valid, dJ[k], Pack(0.0)),
+                                                    select(valid, Pack((1.0 + shares.changes[k]) * dtheta), Pack(0.0)));
         energy += start.weight(k) * law->psi_change(index(batch, k), start.point(k).H, change);
       }
       return select(valid, energy, Pack(infinity));
@@ -134,9 +170,12 @@ class MeanDilatationTerm final : public ElasticTerm {
 
   double energy_at(const Instant& instant, std::span<const double> q, std::span<const double> /*z*/) const override {
     const BodyLaw::Now law = law_.at(instant);
+    const auto expanded = law_.expanded(instant);
     BatchState at;
+    VolumeShares shares;
     return sum_over_cells([&](const Batch& batch) {
-      at.set(batch, batch.values(q));
+      shares.set(batch, expanded, nullptr);
+      at.set(batch, batch.values(q), shares);
       Pack energy = 0.0;
       for (std::size_t k = 0; k < at.size(); ++k) energy += at.weight(k) * law->psi(index(batch, k), at.point(k).H);
       return select(at.valid(), energy, Pack(infinity));
@@ -145,24 +184,37 @@ class MeanDilatationTerm final : public ElasticTerm {
 
   double supply(const LocalStage& stage, std::span<const double> q) const override {
     if (!law_.depends_on_time()) return 0.0;
-    const auto power = law_.supply(stage);
+    const BodyLaw::Supply power = law_.supply(stage);
+    const BodyLaw::Now law = law_.at(instant_of(stage));
+    const auto expanded = law_.expanded(instant_of(stage));
+    const PerPoint<Pack> rates = law_.rates_of_expansion(stage);
     BatchState at;
+    VolumeShares shares;
     return sum_over_cells([&](const Batch& batch) {
-      at.set(batch, batch.values(q));
+      shares.set(batch, expanded, &rates);
+      at.set(batch, batch.values(q), shares);
       Pack total = 0.0;
-      for (std::size_t k = 0; k < at.size(); ++k) total += at.weight(k) * power(index(batch, k), at.point(k).H);
+      for (std::size_t k = 0; k < at.size(); ++k) {
+        const Dilated<Pack>& point = at.point(k);
+        const Pack pressure = DilatedStress<Pack>(point, law->P(index(batch, k), point.H)).pressure;
+        total +=
+            at.weight(k) * (power(index(batch, k), point.H) + pressure * (1.0 + at.theta_change()) * shares.rates[k]);
+      }
       return total;
     });
   }
 
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override {
     const BodyLaw::Now law = law_.at(instant_of(stage));
+    const auto expanded = law_.expanded(instant_of(stage));
     BatchState at;
+    VolumeShares shares;
     std::vector<DilatedStress<Pack>> stress;
     cells_.for_each_batch([&](const Batch& batch) {
-      at.set(batch, batch.values(q));
+      shares.set(batch, expanded, nullptr);
+      at.set(batch, batch.values(q), shares);
       stress.clear();
-      const Pack p = pressure(*law, batch, at, stress);
+      const Pack p = pressure(*law, batch, at, shares, stress);
       Nodes f{};
       for (std::size_t k = 0; k < at.size(); ++k) {
         const QuadraturePoint point{batch, static_cast<int>(k)};
@@ -179,16 +231,19 @@ class MeanDilatationTerm final : public ElasticTerm {
   void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                    Projection projection) const override {
     const BodyLaw::Now law = law_.at(instant_of(stage));
+    const auto expanded = law_.expanded(instant_of(stage));
     BatchState at;
+    VolumeShares shares;
     std::vector<DilatedStress<Pack>> stress;
     CellMatrix<num_nodes> matrix;
     std::vector<LinearMatrix> points;
     Tangent<Pack> Ab;
     cells_.for_each_batch([&](const Batch& batch) {
-      at.set(batch, batch.values(q));
+      shares.set(batch, expanded, nullptr);
+      at.set(batch, batch.values(q), shares);
       stress.clear();
-      Pack p = pressure(*law, batch, at, stress);
-      if (!stage.previous.empty()) p += pressure_error(*law, batch, q, stage.previous, p);
+      Pack p = pressure(*law, batch, at, shares, stress);
+      if (!stage.previous.empty()) p += pressure_error(*law, batch, shares, {q, stage.previous}, p);
       points.resize(at.size());
       Nodes g{}, h{};
       Pack k_theta = 0.0;
@@ -199,6 +254,9 @@ class MeanDilatationTerm final : public ElasticTerm {
         const Pack& w = at.weight(k);
         law->tangent(index(batch, k), at.point(k).H, Ab);
         DilatedTangent<Pack> tangent(at.point(k), law->P(index(batch, k), at.point(k).H), Ab, p);
+        const Pack share = 1.0 + shares.changes[k];
+        tangent.coupling = share * tangent.coupling;
+        tangent.thetatheta *= share * share;
         if (projection == Projection::positive_semidefinite) project(tangent);
         for (Pack& entry : tangent.FF) entry = select(at.valid(), entry, Pack(nan));
         set_linear_matrix(tangent.FF, X, w, points[k]);
@@ -226,20 +284,25 @@ class MeanDilatationTerm final : public ElasticTerm {
   }
 
   void stresses(const BodyState& state, const StressVisitor& visit) const override {
-    const BodyLaw::Now law = law_.at(state.at);
+    const BodyLaw::Now law = law_.at(state.at), at_centres = law_.at_centroids(state.at, cells_);
+    const auto expanded = law_.expanded(state.at), of_centres = law_.expanded_at_centroids(state.at, cells_);
     BatchState at;
+    VolumeShares shares;
     std::vector<DilatedStress<Pack>> stress;
     cells_.for_each_batch([&](const Batch& batch) {
       const Nodes u = batch.values(state.q);
-      at.set(batch, u);
+      shares.set(batch, expanded, nullptr);
+      at.set(batch, u, shares);
       stress.clear();
-      const Pack p = pressure(*law, batch, at, stress);
+      const Pack p = pressure(*law, batch, at, shares, stress);
       const Tensor3<Pack> H = centroid_gradient(batch, u);
-      const Dilated<Pack> centre = at.at_gradient(H);
-      const DilatedStress<Pack> there(centre, law->P(index(batch, 0), centre.H));
+      const std::size_t first = index(batch, 0);
+      const Pack s3 = expanded[first].volume / (1.0 + shares.changes[0]);  // its mean over the cell
+      const Dilated<Pack> centre = at.at_gradient(H, Pack(of_centres[first].volume / s3 - 1.0));
+      const DilatedStress<Pack> there(centre, at_centres->P(first, centre.H));
       visit_stresses(batch,
                      {H, there.distortion + Pack(p * centre.J) * centre.G, 1.0 + at.theta_change(),
-                      law->psi(index(batch, 0), centre.H)},
+                      at_centres->psi(first, centre.H)},
                      visit);
     });
   }
@@ -250,31 +313,36 @@ class MeanDilatationTerm final : public ElasticTerm {
   }
 
   /// Computes the pressure of the cells, and the stresses of their points on the way.
-  static Pack pressure(const LawField& law, const Batch& batch, const BatchState& at,
+  static Pack pressure(const LawField& law, const Batch& batch, const BatchState& at, const VolumeShares& shares,
                        std::vector<DilatedStress<Pack>>& stress) {
     Pack integral = 0.0;
     for (std::size_t k = 0; k < at.size(); ++k) {
       stress.emplace_back(at.point(k), law.P(index(batch, k), at.point(k).H));
-      integral += at.weight(k) * stress.back().pressure;
+      integral += at.weight(k) * (1.0 + shares.changes[k]) * stress.back().pressure;
     }
     return at.mean(integral);
   }
 
+  /// The displacements of an iteration.
+  struct Iterates {
+    std::span<const double> q, previous;
+  };
+
   /// The difference between the pressure at q and the one extrapolated from `previous` (extrapolation_error).
-  static Pack pressure_error(const LawField& law, const Batch& batch, std::span<const double> q,
-                             std::span<const double> previous, const Pack& p) {
+  static Pack pressure_error(const LawField& law, const Batch& batch, const VolumeShares& shares,
+                             const Iterates& iterates, const Pack& p) {
     constexpr double part = 1e-3;
     BatchState at;
     std::vector<DilatedStress<Pack>> stress;
-    const Nodes u = batch.values(previous), du = batch.change(q, previous);
+    const Nodes u = batch.values(iterates.previous), du = batch.change(iterates.q, iterates.previous);
     const auto at_part = [&](double way) {
       Nodes there = u;
       for (std::size_t a = 0; a < there.size(); ++a) {
         for (int i = 0; i < 3; ++i) there[a][i] += way * du[a][i];
       }
-      at.set(batch, there);
+      at.set(batch, there, shares);
       stress.clear();
-      return select(at.valid(), pressure(law, batch, at, stress), Pack(nan));
+      return select(at.valid(), pressure(law, batch, at, shares, stress), Pack(nan));
     };
     const Pack extrapolated = at_part(0.0) + (0.5 / part) * (at_part(part) - at_part(-part));
     const Pack error = extrapolated - p;
@@ -299,10 +367,8 @@ class MeanDilatationTerm final : public ElasticTerm {
 }  // namespace
 
 std::unique_ptr<ElasticTerm> make_mean_dilatation_term(std::shared_ptr<const LawField> law, const CellGroups<2>& groups,
-                                                       int body, PetscInt num_owned_nodes,
-                                                       std::shared_ptr<const Activation> shortening) {
-  return std::make_unique<MeanDilatationTerm>(BodyLaw(std::move(law), std::move(shortening)), groups, body,
-                                              num_owned_nodes);
+                                                       int body, PetscInt num_owned_nodes, FreeShape shape) {
+  return std::make_unique<MeanDilatationTerm>(BodyLaw(std::move(law), std::move(shape)), groups, body, num_owned_nodes);
 }
 
 }  // namespace pliant

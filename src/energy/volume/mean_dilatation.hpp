@@ -10,6 +10,9 @@
 ///     d2U/dq2  = int dF : (Psi_FF + p d cof F/dF) : dF + h g^T + g h^T + (int Psi_theta,theta) g g^T
 ///     h        = int Psi_F,theta : dF
 ///
+/// In a body that expands by s (energy/volume/expansion.hpp) each point has its share of the cell's volume, m theta
+/// with m = V_e s^3 / int s^3 dX in the place of theta.
+///
 /// Sources: Nagtegaal, Parks & Rice, Comput. Methods Appl. Mech. Eng. 4 (1974) 153-177; Simo, Taylor & Pister, ibid. 51
 /// (1985) 177-208.
 #pragma once
@@ -21,7 +24,6 @@ namespace pliant {
 /// As make_elastic_term, for quadratic cells and any law that is exact under rotation; its energy is a barrier in J at
 /// the quadrature points where the law's is.
 std::unique_ptr<ElasticTerm> make_mean_dilatation_term(std::shared_ptr<const LawField> law, const CellGroups<2>& groups,
-                                                       int body, PetscInt num_owned_nodes,
-                                                       std::shared_ptr<const Activation> shortening = nullptr);
+                                                       int body, PetscInt num_owned_nodes, FreeShape shape = {});
 
 }  // namespace pliant

@@ -49,8 +49,8 @@ class MixedTermOf final : public MixedTerm {
 
  public:
   MixedTermOf(MixedLaw law, const CellGroups<Order>& groups, int body, PetscInt num_owned_nodes,
-              const PressureField& pressures, std::shared_ptr<const Activation> shortening)
-      : law_(law.rest, std::move(shortening)),
+              const PressureField& pressures, FreeShape shape)
+      : law_(law.rest, std::move(shape)),
         compliance_(std::move(law.compliance)),
         form_(law.form),
         cells_(groups, body, num_owned_nodes),
@@ -76,13 +76,15 @@ class MixedTermOf final : public MixedTerm {
   double value(const LocalStage& stage, std::span<const double> q) const override {
     const ConstGhostedView p(pressures_.values());
     const BodyLaw::Now law = law_.at(instant_of(stage));
+    const auto expanded = law_.expanded(instant_of(stage));
     return integrate([&](const Batch& batch, std::size_t number) {
-      return [this, &law, u0 = batch.values(stage.reference()), du = batch.change(q, stage.reference()),
+      return [this, &law, &expanded, u0 = batch.values(stage.reference()), du = batch.change(q, stage.reference()),
               p = gather_pressures(p.span(), number)](const Point& point) {
         const Tensor3<Pack> H0 = point.gradient(u0), dH = point.gradient(du);
-        const VolumeState before(form_, H0), after(form_, H0 + dH);
-        const Pack change =
-            law->psi_change(point.index(), H0, dH) + pressure_at(point, p) * (after.measure.g - before.measure.g);
+        const ExpandedPoint& at = expanded[point.index()];
+        const VolumeState before(form_, at.strain(H0)), after(form_, at.strain(H0 + dH));
+        const Pack change = law->psi_change(point.index(), H0, dH) +
+                            at.volume * pressure_at(point, p) * (after.measure.g - before.measure.g);
         return select(before.valid && after.valid, change, Pack(infinity));
       };
     });
@@ -93,37 +95,52 @@ class MixedTermOf final : public MixedTerm {
   double energy_at(const Instant& at, std::span<const double> q, std::span<const double> /*z*/) const override {
     const ConstGhostedView p(pressures_.values());
     const BodyLaw::Now law = law_.at(at);
+    const auto expanded = law_.expanded(at);
     const double of_cells = integrate([&](const Batch& batch, std::size_t number) {
-      return [this, &law, u = batch.values(q), p = gather_pressures(p.span(), number)](const Point& point) {
-        return density(*law, point.index(), point.gradient(u), pressure_at(point, p));
+      return [this, &law, &expanded, u = batch.values(q), p = gather_pressures(p.span(), number)](const Point& point) {
+        const std::size_t n = point.index();
+        return density(*law, expanded[n], n, point.gradient(u), pressure_at(point, p));
       };
     });
-    CompensatedSum<Pack> of_pressures;
-    for_each_batch([&](const Batch& batch, std::size_t number) {
-      const auto y = gather_pressures(p.span(), number);
-      const auto Cy = product(pressure_matrix(batch, number), y);
-      const Pack half = 0.5 * ((Cy[0] * y[0] + Cy[1] * y[1]) + (Cy[2] * y[2] + Cy[3] * y[3]));
-      of_pressures.add(select(batch.batch().owned > 0.0, half, Pack(0.0)));
-    });
-    return of_cells - sum(of_pressures.total());
+    return of_cells - half_of_squares(p.span(), [&](const Batch& batch, std::size_t number) {
+             return pressure_matrix(batch, number, expanded);
+           });
   }
 
   double supply(const LocalStage& stage, std::span<const double> q) const override {
     if (!law_.depends_on_time()) return 0.0;
-    const auto power = law_.supply(stage);
-    return cells_.integrate([&](const Batch& batch) {
-      return [&power, u = batch.values(q)](const Point& point) { return power(point.index(), point.gradient(u)); };
+    const ConstGhostedView p(pressures_.values());
+    const BodyLaw::Supply power = law_.supply(stage);
+    const auto expanded = law_.expanded(instant_of(stage));
+    const PerPoint<Pack> rates = law_.rates_of_expansion(stage);
+    const auto growth = [&](std::size_t n) -> Pack {  // d(s^3)/dt
+      return 3.0 * expanded[n].volume * expanded[n].inverse * rates[n];
+    };
+    const double of_cells = integrate([&](const Batch& batch, std::size_t number) {
+      return [this, &power, &expanded, &growth, u = batch.values(q),
+              p = gather_pressures(p.span(), number)](const Point& point) {
+        const Tensor3<Pack> H = point.gradient(u);
+        const VolumeState volume(form_, expanded[point.index()].strain(H));
+        const Pack loss = (1.0 + volume.j) * volume.measure.slope;  // d/ds (s^3 g(J/s^3)) = 3 s^2 (g - J_e g')
+        return power(point.index(), H) + growth(point.index()) * pressure_at(point, p) * (volume.measure.g - loss);
+      };
     });
+    return of_cells - half_of_squares(p.span(), [&](const Batch& batch, std::size_t number) {
+             return pressure_matrix(batch, number, growth);
+           });
   }
 
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override {
     const ConstGhostedView p(pressures_.values());
     const BodyLaw::Now law = law_.at(instant_of(stage));
+    const auto expanded = law_.expanded(instant_of(stage));
     std::size_t number = 0;
     const auto stress_of = [&](const Batch& batch) {
-      return [this, &law, u = batch.values(q), p = gather_pressures(p.span(), number++)](const Point& point) {
-        return stress(*law, point.index(), point.gradient(u), pressure_at(point, p));
-      };
+      return
+          [this, &law, &expanded, u = batch.values(q), p = gather_pressures(p.span(), number++)](const Point& point) {
+            const std::size_t n = point.index();
+            return stress(*law, expanded[n], n, point.gradient(u), pressure_at(point, p));
+          };
     };
     cells_.add_forces(stress_of, r);
   }
@@ -132,34 +149,19 @@ class MixedTermOf final : public MixedTerm {
                    Projection projection) const override {
     const ConstGhostedView p(pressures_.values());
     const BodyLaw::Now law = law_.at(instant_of(stage));
+    const auto expanded = law_.expanded(instant_of(stage));
     std::size_t number = 0;
     const auto tangent_of = [&](const Batch& batch) {
-      return
-          [this, &law, projection, u = batch.values(q), p = gather_pressures(p.span(), number++)](const Point& point) {
-            const Tensor3<Pack> H = point.gradient(u), F = add_to_diagonal(H, 1.0);
-            Tangent<Pack> A;
-            law->tangent(point.index(), H, A);
-            // p (g'' cof F (x) cof F + g' d cof F/dF), the latter eps_ikm eps_JLN F_mN
-            const VolumeState volume(form_, H);
-            const Pack at = select(volume.valid, pressure_at(point, p), Pack(nan));
-            const Pack curvature = at * volume.measure.curvature, slope = at * volume.measure.slope;
-            const Tensor3<Pack> C = cofactor(F);
-            for (int i = 0; i < 3; ++i) {
-              for (int J = 0; J < 3; ++J) {
-                for (int k = 0; k < 3; ++k) {
-                  for (int L = 0; L < 3; ++L) {
-                    Pack& entry = A[9 * (3 * i + J) + 3 * k + L];
-                    entry += curvature * (C(i, J) * C(k, L));
-                    if (i == k || J == L) continue;
-                    const double sign = ((k - i + 3) % 3 == 1) == ((L - J + 3) % 3 == 1) ? 1.0 : -1.0;
-                    entry += sign * slope * F(3 - i - k, 3 - J - L);
-                  }
-                }
-              }
-            }
-            if (projection == Projection::positive_semidefinite) project_to_positive_semidefinite(A);
-            return A;
-          };
+      return [this, &law, &expanded, projection, u = batch.values(q),
+              p = gather_pressures(p.span(), number++)](const Point& point) {
+        const ExpandedPoint& at = expanded[point.index()];
+        const Tensor3<Pack> H = point.gradient(u);
+        Tangent<Pack> A;
+        law->tangent(point.index(), H, A);
+        add_stiffness_of_volume(at.strain(H), Pack(at.volume * at.inverse * at.inverse * pressure_at(point, p)), A);
+        if (projection == Projection::positive_semidefinite) project_to_positive_semidefinite(A);
+        return A;
+      };
     };
     cells_.add_stiffness(tangent_of, K);
   }
@@ -170,27 +172,31 @@ class MixedTermOf final : public MixedTerm {
 
   void stresses(const BodyState& state, const StressVisitor& visit) const override {
     const ConstGhostedView values(pressures_.values());
-    const BodyLaw::Now law = law_.at(state.at);
+    const BodyLaw::Now law = law_.at_centroids(state.at, cells_);
+    const auto expanded = law_.expanded_at_centroids(state.at, cells_);
     for_each_batch([&](const Batch& batch, std::size_t number) {
       const Tensor3<Pack> H = centroid_gradient(batch, batch.values(state.q));
       const std::size_t n = Point{batch, 0}.index();
+      const ExpandedPoint& at = expanded[n];
       const auto p = gather_pressures(values.span(), number);
       const Pack mean = 0.25 * ((p[0] + p[1]) + (p[2] + p[3]));
-      const Pack energy = density(*law, n, H, mean) - 0.5 * compliance_[n] * (mean * mean);
-      visit_stresses(batch, {H, stress(*law, n, H, mean), det(add_to_diagonal(H, 1.0)), energy}, visit);
+      const Pack energy = density(*law, at, n, H, mean) - 0.5 * at.volume * compliance_[n] * (mean * mean);
+      visit_stresses(batch, {H, stress(*law, at, n, H, mean), det(add_to_diagonal(H, 1.0)), energy}, visit);
     });
   }
 
-  void add_pressure_gradient(std::span<const double> q, std::span<double> r) const override {
+  void add_pressure_gradient(const Instant& at, std::span<const double> q, std::span<double> r) const override {
     const ConstGhostedView values(pressures_.values());
+    const auto expanded = law_.expanded(at);
     for_each_batch([&](const Batch& batch, std::size_t number) {
       const auto u = batch.values(q);
-      auto f = product(pressure_matrix(batch, number), gather_pressures(values.span(), number));
+      auto f = product(pressure_matrix(batch, number, expanded), gather_pressures(values.span(), number));
       for (Pack& entry : f) entry = -entry;
       for (int k = 0; k < batch.group.rule.size(); ++k) {
         const Point point{batch, k};
-        const VolumeState volume(form_, point.gradient(u));
-        const Pack g = point.weight() * volume.measure.g;
+        const ExpandedPoint& there = expanded[point.index()];
+        const VolumeState volume(form_, there.strain(point.gradient(u)));
+        const Pack g = point.weight() * there.volume * volume.measure.g;
         const auto N = shape_values(point);
         for (int b = 0; b < 4; ++b) f[b] += N[b] * select(volume.valid, g, Pack(nan));
       }
@@ -210,7 +216,9 @@ class MixedTermOf final : public MixedTerm {
     });
   }
 
-  void couple(std::span<const double> q, const std::function<void(const PressureCoupling&)>& visit) const override {
+  void couple(const Instant& at, std::span<const double> q,
+              const std::function<void(const PressureCoupling&)>& visit) const override {
+    const auto expanded = law_.expanded(at);
     for_each_batch([&](const Batch& batch, std::size_t number) {
       const auto u = batch.values(q);
       std::array<std::array<Pack, 4>, 3 * num_nodes> B{};
@@ -218,8 +226,9 @@ class MixedTermOf final : public MixedTerm {
         const Point point{batch, k};
         const auto N = shape_values(point);
         const auto& dN = point.shape_gradients();
-        const Pack weight = point.weight();
-        const Tensor3<Pack> H = point.gradient(u);
+        const ExpandedPoint& there = expanded[point.index()];
+        const Pack weight = point.weight() * there.volume * there.inverse;
+        const Tensor3<Pack> H = there.strain(point.gradient(u));
         const VolumeState volume(form_, H);
         const Pack slope = select(volume.valid, volume.measure.slope, Pack(nan));
         const Tensor3<Pack> S =
@@ -231,7 +240,7 @@ class MixedTermOf final : public MixedTerm {
           }
         }
       }
-      const PressureMatrix C = pressure_matrix(batch, number);
+      const PressureMatrix C = pressure_matrix(batch, number, expanded);
       visit({batch.batch().num_lanes, batch.batch().nodes, numbers_[number], B, C,
              compliance_[Point{batch, 0}.index()] > 0.0});
     });
@@ -250,12 +259,16 @@ class MixedTermOf final : public MixedTerm {
     return (N[0] * p[0] + N[1] * p[1]) + (N[2] * p[2] + N[3] * p[3]);
   }
 
-  /// C of the cells: int N_b N_c / kappa, and what S adds.
-  PressureMatrix pressure_matrix(const Batch& batch, std::size_t number) const {
+  /// int f N_b N_c / kappa dX, and what S adds with f dX in the place of dX; f(n) is a function of the pack's number.
+  template <class F>
+  PressureMatrix pressure_matrix(const Batch& batch, std::size_t number, const F& f) const {
     PressureMatrix C{};
     if constexpr (Order == 1) {
       Pack volume = 0.0;
-      for (int k = 0; k < batch.group.rule.size(); ++k) volume += Point{batch, k}.weight();
+      for (int k = 0; k < batch.group.rule.size(); ++k) {
+        const Point point{batch, k};
+        volume += point.weight() * f(point.index());
+      }
       const Pack compliance = compliance_[Point{batch, 0}.index()], stabilization = 1.0 / shear_moduli_[number];
       for (int b = 0; b < 4; ++b) {
         for (int c = 0; c < 4; ++c) {
@@ -267,13 +280,30 @@ class MixedTermOf final : public MixedTerm {
       for (int k = 0; k < batch.group.rule.size(); ++k) {
         const Point point{batch, k};
         const auto N = shape_values(point);
-        const Pack weight = point.weight() * compliance_[point.index()];
+        const Pack weight = point.weight() * f(point.index()) * compliance_[point.index()];
         for (int b = 0; b < 4; ++b) {
           for (int c = 0; c < 4; ++c) C[b][c] += N[b] * N[c] * weight;
         }
       }
     }
     return C;
+  }
+  /// C of the cells.
+  PressureMatrix pressure_matrix(const Batch& batch, std::size_t number,
+                                 const PerPoint<ExpandedPoint>& expanded) const {
+    return pressure_matrix(batch, number, [&](std::size_t n) { return expanded[n].volume; });
+  }
+  /// p^T C p / 2 of the owned cells, C = `matrix_of(batch, number)`.
+  template <class MatrixOf>
+  double half_of_squares(std::span<const double> p, const MatrixOf& matrix_of) const {
+    CompensatedSum<Pack> total;
+    for_each_batch([&](const Batch& batch, std::size_t number) {
+      const auto y = gather_pressures(p, number);
+      const auto Cy = product(matrix_of(batch, number), y);
+      const Pack half = 0.5 * ((Cy[0] * y[0] + Cy[1] * y[1]) + (Cy[2] * y[2] + Cy[3] * y[3]));
+      total.add(select(batch.batch().owned > 0.0, half, Pack(0.0)));
+    });
+    return sum(total.total());
   }
   static Pressures product(const PressureMatrix& C, const Pressures& p) {
     Pressures result;
@@ -292,15 +322,39 @@ class MixedTermOf final : public MixedTerm {
     }
   }
 
-  Tensor3<Pack> stress(const LawField& law, std::size_t n, const Tensor3<Pack>& H, const Pack& p) const {
+  /// A += p (g'' cof F (x) cof F + g' d cof F/dF), the latter eps_ikm eps_JLN F_mN.
+  void add_stiffness_of_volume(const Tensor3<Pack>& H, const Pack& p, Tangent<Pack>& A) const {
     const VolumeState volume(form_, H);
+    const Pack at = select(volume.valid, p, Pack(nan));
+    const Pack curvature = at * volume.measure.curvature, slope = at * volume.measure.slope;
+    const Tensor3<Pack> F = add_to_diagonal(H, 1.0), C = cofactor(F);
+    for (int i = 0; i < 3; ++i) {
+      for (int J = 0; J < 3; ++J) {
+        for (int k = 0; k < 3; ++k) {
+          for (int L = 0; L < 3; ++L) {
+            Pack& entry = A[9 * (3 * i + J) + 3 * k + L];
+            entry += curvature * (C(i, J) * C(k, L));
+            if (i == k || J == L) continue;
+            const double sign = ((k - i + 3) % 3 == 1) == ((L - J + 3) % 3 == 1) ? 1.0 : -1.0;
+            entry += sign * slope * F(3 - i - k, 3 - J - L);
+          }
+        }
+      }
+    }
+  }
+
+  Tensor3<Pack> stress(const LawField& law, const ExpandedPoint& at, std::size_t n, const Tensor3<Pack>& H,
+                       const Pack& p) const {
+    const Tensor3<Pack> H_e = at.strain(H);
+    const VolumeState volume(form_, H_e);
     const Pack slope = select(volume.valid, p * volume.measure.slope, Pack(nan));
-    return law.P(n, H) + slope * cofactor(add_to_diagonal(H, 1.0));
+    return law.P(n, H) + Pack(at.volume * at.inverse * slope) * cofactor(add_to_diagonal(H_e, 1.0));
   }
   /// psi + p g.
-  Pack density(const LawField& law, std::size_t n, const Tensor3<Pack>& H, const Pack& p) const {
-    const VolumeState volume(form_, H);
-    const Pack value = law.psi(n, H) + p * volume.measure.g;
+  Pack density(const LawField& law, const ExpandedPoint& at, std::size_t n, const Tensor3<Pack>& H,
+               const Pack& p) const {
+    const VolumeState volume(form_, at.strain(H));
+    const Pack value = law.psi(n, H) + at.volume * p * volume.measure.g;
     return select(volume.valid, value, Pack(infinity));
   }
 
@@ -349,10 +403,9 @@ MixedLaw make_varying_mixed_law(const ElasticLawSpec& common, VolumetricForm for
 
 template <int Order>
 std::unique_ptr<MixedTerm> make_mixed_term(MixedLaw law, const CellGroups<Order>& groups, int body,
-                                           PetscInt num_owned_nodes, const PressureField& pressures,
-                                           std::shared_ptr<const Activation> shortening) {
+                                           PetscInt num_owned_nodes, const PressureField& pressures, FreeShape shape) {
   return std::make_unique<MixedTermOf<Order>>(std::move(law), groups, body, num_owned_nodes, pressures,
-                                              std::move(shortening));
+                                              std::move(shape));
 }
 
 #define PLIANT_INSTANTIATE(Order)                                                                               \
@@ -360,7 +413,7 @@ std::unique_ptr<MixedTerm> make_mixed_term(MixedLaw law, const CellGroups<Order>
       const ElasticLawSpec&, VolumetricForm, const NodeLayout&, const CellGroups<Order>&, int,                  \
       const std::function<VolumeSplit(PetscInt, const std::array<double, 3>&)>&);                               \
   template std::unique_ptr<MixedTerm> make_mixed_term<Order>(MixedLaw, const CellGroups<Order>&, int, PetscInt, \
-                                                             const PressureField&, std::shared_ptr<const Activation>);
+                                                             const PressureField&, FreeShape);
 PLIANT_INSTANTIATE(1)
 PLIANT_INSTANTIATE(2)
 #undef PLIANT_INSTANTIATE

@@ -5,7 +5,8 @@
 ///
 /// psi is the law without its part of the volume kappa U(J), and U = g^2/2 (material/volumetric.hpp), so that p = kappa
 /// g(J), in tension positive, in the weak sense. In an incompressible body 1/kappa = 0, and p holds the volume. Pi has
-/// a saddle point instead of a minimum, so that a line search cannot use it (energy/equation/mixed_equation.hpp).
+/// a saddle point instead of a minimum, so that a line search cannot use it (energy/equation/mixed_equation.hpp). In a
+/// body that expands by s (energy/volume/expansion.hpp) the integrand is that of F/s, times s^3.
 ///
 /// With quadratic displacements (Taylor & Hood) S = 0. With linear ones, whose pressures would oscillate, pressures pay
 /// for what differs from their mean pm in each cell,
@@ -55,11 +56,12 @@ struct PressureCoupling {
 class MixedTerm : public ElasticTerm {
  public:
   /// r_p += dPi/dp [m^3], rows of owned pressures complete.
-  virtual void add_pressure_gradient(std::span<const double> q, std::span<double> r) const = 0;
+  virtual void add_pressure_gradient(const Instant& at, std::span<const double> q, std::span<double> r) const = 0;
   /// m_p += int N_p dX [m^3], likewise.
   virtual void add_pressure_volumes(std::span<double> m) const = 0;
   /// Calls `visit` for each batch of cells; always in the same order.
-  virtual void couple(std::span<const double> q, const std::function<void(const PressureCoupling&)>& visit) const = 0;
+  virtual void couple(const Instant& at, std::span<const double> q,
+                      const std::function<void(const PressureCoupling&)>& visit) const = 0;
   /// Shear stiffness at rest [Pa].
   virtual double shear_modulus() const = 0;
 };
@@ -81,10 +83,10 @@ MixedLaw make_varying_mixed_law(const ElasticLawSpec& common, VolumetricForm for
                                 const CellGroups<Order>& groups, int body,
                                 const std::function<VolumeSplit(PetscInt, const std::array<double, 3>&)>& at);
 
-/// `groups` and `pressures` must outlive the term. `shortening`: active strain of the fibres, or nullptr.
+/// `groups` and `pressures` must outlive the term.
 template <int Order>
 std::unique_ptr<MixedTerm> make_mixed_term(MixedLaw law, const CellGroups<Order>& groups, int body,
                                            PetscInt num_owned_nodes, const PressureField& pressures,
-                                           std::shared_ptr<const Activation> shortening = nullptr);
+                                           FreeShape shape = {});
 
 }  // namespace pliant

@@ -22,12 +22,13 @@
 ///
 /// A law of small strain (linear) has its stress and the small strain in the place of S_e and E. A law without its part
 /// of the volume (`volumetric` other than standard) that does not feel a change of volume has the isochoric strain
-/// (J^(-2/3) C - I)/2, so that its branches do not resist one either (energy/volume/branch_law.hpp).
+/// (J^(-2/3) C - I)/2, so that its branches do not resist one either (energy/volume/branch_law.hpp). In a body that
+/// expands by s (energy/volume/expansion.hpp) all of this is that of F/s, per volume of the expanded body.
 /// Sources: Simo, Comput. Methods Appl. Mech. Eng. 60 (1987), 153-173; Holzapfel, Nonlinear Solid Mechanics (2000),
 /// section 6.10.
 #pragma once
 
-#include "energy/term.hpp"
+#include "energy/volume/expansion.hpp"
 #include "fem/cells.hpp"
 #include "material/law_field.hpp"
 #include "material/viscosity.hpp"
@@ -41,6 +42,7 @@ namespace pliant {
 /// every quadrature point (energy/volume/point_tensor.hpp), branch by branch; 0 at rest.
 template <int Order>
 std::unique_ptr<EnergyTerm> make_prony_term(std::vector<Prony> branches, std::shared_ptr<const LawField> elastic,
-                                            const CellGroups<Order>& groups, int body, PetscInt num_owned_nodes);
+                                            const CellGroups<Order>& groups, int body, PetscInt num_owned_nodes,
+                                            std::shared_ptr<const FreeExpansion> expansion = nullptr);
 
 }  // namespace pliant

@@ -44,42 +44,46 @@ class ViscousTerm final : public StressTerm {
   using Point = CellPoint<Order>;
 
  public:
-  ViscousTerm(Dashpot dashpot, BodyCells<Order> cells) : dashpot_(std::move(dashpot)), cells_(std::move(cells)) {}
+  ViscousTerm(Dashpot dashpot, BodyCells<Order> cells, std::shared_ptr<const FreeExpansion> expansion)
+      : dashpot_(std::move(dashpot)), cells_(std::move(cells)), expansion_(std::move(expansion)) {}
 
   std::string_view name() const override { return dashpot_.name; }
   TermDeclaration declaration() const override {
     return {.is_potential = (reference != Reference::rate), .dissipates = true};
   }
 
-  /// 1/2 D:C:D - 1/2 D0:C:D0 = (D - D0):C:(D + D0)/2 with D0 = D at q0.
+  /// s dE/dD (D:C:D - D0:C:D0)/2 = s dE/dD (D - D0):C:(D + D0)/2 with D0 = D at q0.
   double value(const LocalStage& stage, std::span<const double> q) const override {
     if constexpr (reference == Reference::rate) return 0.0;
     return integrate(stage, q, [&](const Increment& d) {
-      return dot(d.D_change, dashpot_.stiffness(d.n, stage.dt)(d.D - 0.5 * d.D_change));
+      return d.stress / d.slope * dot(d.D_change, dashpot_.stiffness(d.n, stage.dt)(d.D - 0.5 * d.D_change));
     });
   }
 
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override {
+    const auto expanded = expanded_at(stage);
     const auto stress_of = [&](const Batch& batch) {
-      return [this, dt = stage.dt, increment = increments(stage, q, batch)](const Point& point) {
+      return [this, dt = stage.dt, increment = increments(expanded, stage, q, batch)](const Point& point) {
         const Increment d = increment(point);
-        return matmul(d.F, dashpot_.stiffness(d.n, dt)(d.D));  // P = F S
+        return d.stress * matmul(d.F, dashpot_.stiffness(d.n, dt)(d.D));  // P = F S
       };
     };
     cells_.add_forces(stress_of, r);
   }
 
-  /// dP = dF S + F C:sym(F^T dF) is Saint Venant-Kirchhoff's. The rate's is dF S + F C:sym((F + dF0)^T dF), dF0 = F -
-  /// F0, without symmetry; with F + dF0/2 on both sides of C it is symmetric and differs in the first order of dF0 by a
-  /// skew part alone.
+  /// dP = dF S + F C:dD is, but for the factor dD/dE, Saint Venant-Kirchhoff's. The rate's is dF S + F C:sym((F +
+  /// dF0)^T dF), dF0 = F - F0 - 2 k dt F, without symmetry; with F + dF0/2 on both sides of C it is symmetric and
+  /// differs in the first order of dF0 by a skew part alone.
   void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                    Projection projection) const override {
+    const auto expanded = expanded_at(stage);
     const auto tangent_of = [&](const Batch& batch) {
-      return [this, dt = stage.dt, projection, increment = increments(stage, q, batch)](const Point& point) {
+      return [this, dt = stage.dt, projection, increment = increments(expanded, stage, q, batch)](const Point& point) {
         const Increment d = increment(point);
-        const IsotropicTensor<Pack> C = dashpot_.stiffness(d.n, dt);
+        IsotropicTensor<Pack> C = d.stress * dashpot_.stiffness(d.n, dt);
         Tensor3<Pack> S = C(d.D), F = d.F;
-        if constexpr (reference == Reference::rate) F = F + 0.5 * d.F_change;
+        if constexpr (reference == Reference::rate) F = Pack(0.5 + 0.5 * d.slope / d.inverse2) * F + 0.5 * d.F_change;
+        C = (reference == Reference::rate ? d.inverse2 : d.slope) * C;
         // The part F C F is already semidefinite.
         if (projection == Projection::positive_semidefinite) project_to_positive_semidefinite(S);
         return SaintVenantKirchhoff<Pack>::Linearization<Pack>{C.shear, C.lambda(), F, S, {}}.tangent();
@@ -99,10 +103,11 @@ class ViscousTerm final : public StressTerm {
   void end_stage(const LocalStage& stage, std::span<const double> q, std::span<double> z) const override {
     if constexpr (reference == Reference::internal) {
       const double share = stage.dt / (dashpot_.relaxation_time + stage.dt);
+      const auto expanded = expanded_at(stage);
       cells_.for_each_batch([&](const Batch& batch) {
-        const auto increment = increments(stage, q, batch);
+        const auto increment = increments(expanded, stage, q, batch);
         for_each_point(batch, [&](const Point& point) {
-          store_symmetric(point, load_symmetric(point, stage.z0) + share * increment(point).D, z);
+          store_symmetric(point, load_symmetric(point, stage.z0) + share * increment(point).E_change, z);
         });
       });
     }
@@ -117,13 +122,30 @@ class ViscousTerm final : public StressTerm {
   }
 
   /// 1/2 (E - G):eta/tau:(E - G), stored in the spring.
-  double energy(std::span<const double> q, std::span<const double> z) const override {
+  double energy(std::span<const double> q, std::span<const double> z) const override { return energy_at({}, q, z); }
+
+  double energy_at(const Instant& at, std::span<const double> q, std::span<const double> z) const override {
     if (reference != Reference::internal || dashpot_.relaxation_time == 0.0) return 0.0;
+    const auto expanded = expanded_points(expansion_.get(), at, ExpansionSplit::multiplicative);
     return cells_.integrate([&](const Batch& batch) {
-      return [this, z, u = batch.values(q)](const Point& point) {
-        const Tensor3<Pack> D = green_lagrange(point.gradient(u)) - load_symmetric(point, z);
-        return 0.5 * dot(D, dashpot_.stiffness(point.index(), 0.0)(D));
+      return [this, z, &expanded, u = batch.values(q)](const Point& point) {
+        const ExpandedPoint& there = expanded[point.index()];
+        const Tensor3<Pack> D = green_lagrange(there.strain(point.gradient(u))) - load_symmetric(point, z);
+        return 0.5 * there.volume * dot(D, dashpot_.stiffness(point.index(), 0.0)(D));
       };
+    });
+  }
+
+  /// d/dt (s^3 y(E_e)) at fixed E and G: s^3 k (3 y - S : C_e), with y = 0 without a spring.
+  double supply(const LocalStage& stage, std::span<const double> q) const override {
+    if (!expansion_) return 0.0;
+    const bool has_spring = dashpot_.relaxation_time > 0.0;
+    return integrate(stage, q, [&](const Increment& d) {
+      const Tensor3<Pack> S = dashpot_.stiffness(d.n, stage.dt)(d.D);
+      const Tensor3<Pack> C_e = d.inverse2 * matmul(transpose(d.F), d.F);
+      if (!has_spring) return Pack(-d.volume * d.rate * dot(S, C_e));
+      const Tensor3<Pack> left = (dashpot_.relaxation_time / (dashpot_.relaxation_time + stage.dt)) * d.D;  // E_e - G
+      return Pack(d.volume * d.rate * (1.5 * dot(left, S) - dot(S, C_e)));
     });
   }
 
@@ -134,17 +156,21 @@ class ViscousTerm final : public StressTerm {
   void stresses(const BodyState& state, const StressVisitor& visit) const override {
     const bool has_spring = dashpot_.relaxation_time > 0.0;
     const bool is_at_rest = has_spring ? state.z.empty() : state.v.empty();
+    const Expanded expanded = expanded_at(state.at, state.at.time > 0.0 ? state.at.time : 1.0);
     const auto at_points = [&](const Batch& batch) {
       return [&, u = batch.values(state.q), v = batch.values(has_spring ? state.q : state.v)](const Point& point) {
         const Tensor3<Pack> H = point.gradient(u);
+        const ExpandedPoint& at = expanded.points[point.index()];
+        const Pack inverse2 = at.inverse * at.inverse, scale = at.volume * inverse2;
         if (!has_spring) {
           const Tensor3<Pack> F = add_to_diagonal(H, 1.0);
-          return PointStress{dashpot_.viscosity(point.index())(small_strain(matmul(transpose(F), point.gradient(v)))),
-                             0.0};
+          const Pack k = expanded.rates[point.index()] * at.inverse;
+          const Tensor3<Pack> rate = small_strain(matmul(transpose(F), point.gradient(v) - k * F));
+          return PointStress{scale * dashpot_.viscosity(point.index())(inverse2 * rate), 0.0};
         }
-        const Tensor3<Pack> D = green_lagrange(H) - load_symmetric(point, state.z);
+        const Tensor3<Pack> D = green_lagrange(at.strain(H)) - load_symmetric(point, state.z);
         const Tensor3<Pack> S = dashpot_.stiffness(point.index(), 0.0)(D);
-        return PointStress{S, 0.5 * dot(D, S)};
+        return PointStress{scale * S, 0.5 * at.volume * dot(D, S)};
       };
     };
     if (!is_at_rest) visit_mean_stresses(cells_, state.q, StressMeasure::second_piola_kirchhoff, at_points, visit);
@@ -152,43 +178,78 @@ class ViscousTerm final : public StressTerm {
 
   double dissipation(const LocalStage& stage, std::span<const double> q) const override {
     const double per_time = 1.0 / (dashpot_.relaxation_time + stage.dt);
-    return per_time *
-           integrate(stage, q, [&](const Increment& d) { return dot(d.D, dashpot_.stiffness(d.n, stage.dt)(d.D)); });
+    return per_time * integrate(stage, q, [&](const Increment& d) {
+             return d.volume * dot(d.D, dashpot_.stiffness(d.n, stage.dt)(d.D));
+           });
   }
 
  private:
-  /// The stage at a point. D = E - G0, or its replacement; D_change = D - D at q0, summed from dH, so that the digits
+  /// The expansion of the body, and its rates ds/dt [1/s].
+  struct Expanded {
+    PerPoint<ExpandedPoint> points;
+    PerPoint<Pack> rates{{Pack(0.0)}};
+  };
+  Expanded expanded_at(const Instant& at, double time_scale) const {
+    Expanded result{expanded_points(expansion_.get(), at, ExpansionSplit::multiplicative)};
+    if (expansion_) result.rates = expansion_->stretch().rates(at, time_scale);
+    return result;
+  }
+  Expanded expanded_at(const LocalStage& stage) const { return expanded_at(instant_of(stage), stage.dt); }
+
+  /// The stage at a point. D = E_e - G0, or its replacement; D_change = D - D at q0, summed from dH, so that the digits
   /// of a stiff body's small strains are kept.
   struct Increment {
     std::size_t n;  // number of the pack
     Tensor3<Pack> F, F_change, D, D_change;
+    Tensor3<Pack> E_change;               // of what the internal variable follows: E of a dashpot alone, else E_e
+    Pack inverse2, volume, stress, rate;  // 1/s^2, s^3, s, k
+    Pack slope;                           // dD/dE
   };
 
   /// Increments of a batch as a function of the point.
-  PLIANT_INLINE static auto increments(const LocalStage& stage, std::span<const double> q, const Batch& batch) {
+  PLIANT_INLINE auto increments(const Expanded& expanded, const LocalStage& stage, std::span<const double> q,
+                                const Batch& batch) const {
     assert(reference != Reference::internal || !stage.z0.empty());
-    return [z0 = stage.z0, u0 = batch.values(stage.q0), du = batch.change(q, stage.q0)](const Point& point) {
+    const bool has_spring = dashpot_.relaxation_time > 0.0;
+    return [&expanded, has_spring, dt = stage.dt, z0 = stage.z0, u0 = batch.values(stage.q0),
+            du = batch.change(q, stage.q0)](const Point& point) {
       const Tensor3<Pack> H0 = point.gradient(u0), dH = point.gradient(du);
+      const ExpandedPoint& at = expanded.points[point.index()];
       Increment d;
       d.n = point.index();
       d.F = add_to_diagonal(H0 + dH, 1.0);
       d.F_change = dH;
+      d.inverse2 = at.inverse * at.inverse;
+      d.volume = at.volume;
+      d.stress = at.volume * d.inverse2;
+      d.rate = at.inverse * expanded.rates[point.index()];
+      d.slope = has_spring ? d.inverse2 : Pack(d.inverse2 * (1.0 - 2.0 * dt * d.rate));
+      Tensor3<Pack> change;
       if constexpr (reference == Reference::rate) {
-        d.D_change = small_strain(matmul(transpose(d.F), dH));
+        change = small_strain(matmul(transpose(d.F), dH));
       } else {
-        d.D_change = green_lagrange_change(H0, dH);
+        change = green_lagrange_change(H0, dH);
       }
-      d.D = d.D_change;
-      if constexpr (reference == Reference::internal) d.D = d.D + (green_lagrange(H0) - load_symmetric(point, z0));
+      d.D_change = d.slope * change;
+      if (has_spring) {
+        d.E_change = d.D = d.D_change + (green_lagrange(at.strain(H0)) - load_symmetric(point, z0));
+        return d;
+      }
+      if constexpr (reference == Reference::internal)
+        change = change + (green_lagrange(H0) - load_symmetric(point, z0));
+      d.E_change = change;
+      d.D = d.inverse2 * (change - Pack(dt * d.rate) * matmul(transpose(d.F), d.F));
       return d;
     };
   }
 
   template <class Density>
   double integrate(const LocalStage& stage, std::span<const double> q, Density density) const {
+    const auto expanded = expanded_at(stage);
     return cells_.integrate([&](const Batch& batch) {
-      return
-          [density, increment = increments(stage, q, batch)](const Point& point) { return density(increment(point)); };
+      return [density, increment = increments(expanded, stage, q, batch)](const Point& point) {
+        return density(increment(point));
+      };
     });
   }
 
@@ -199,6 +260,7 @@ class ViscousTerm final : public StressTerm {
 
   Dashpot dashpot_;
   BodyCells<Order> cells_;
+  std::shared_ptr<const FreeExpansion> expansion_;
 };
 
 template <Reference reference>
@@ -208,10 +270,12 @@ constexpr std::integral_constant<Reference, reference> from{};
 
 template <int Order>
 std::unique_ptr<EnergyTerm> make_viscous_term(const ViscosityVariant& law, const LawField& elastic,
-                                              const CellGroups<Order>& groups, int body, PetscInt num_owned_nodes) {
+                                              const CellGroups<Order>& groups, int body, PetscInt num_owned_nodes,
+                                              std::shared_ptr<const FreeExpansion> expansion) {
   BodyCells<Order> cells(groups, body, num_owned_nodes);
   const auto make = [&](auto reference, Dashpot dashpot) -> std::unique_ptr<EnergyTerm> {
-    return std::make_unique<ViscousTerm<Order, decltype(reference)::value>>(std::move(dashpot), std::move(cells));
+    return std::make_unique<ViscousTerm<Order, decltype(reference)::value>>(std::move(dashpot), std::move(cells),
+                                                                            std::move(expansion));
   };
   const auto make_alone = [&](Dashpot dashpot, StrainRate rate) {
     switch (rate) {
@@ -248,7 +312,8 @@ std::unique_ptr<EnergyTerm> make_viscous_term(const ViscosityVariant& law, const
 
 #define PLIANT_INSTANTIATE(Order)                                                                         \
   template std::unique_ptr<EnergyTerm> make_viscous_term<Order>(const ViscosityVariant&, const LawField&, \
-                                                                const CellGroups<Order>&, int, PetscInt);
+                                                                const CellGroups<Order>&, int, PetscInt,  \
+                                                                std::shared_ptr<const FreeExpansion>);
 PLIANT_INSTANTIATE(1)
 PLIANT_INSTANTIATE(2)
 #undef PLIANT_INSTANTIATE

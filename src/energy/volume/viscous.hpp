@@ -12,9 +12,14 @@
 /// (docs/theory.md, "Strain rates and their orders"). The three forms of the rate of a dashpot alone differ in the
 /// reference strain G0: `secant` has E(q0), `reconstructed` takes G = E as one more variable of the method, `exact`
 /// uses sym(F^T (F - F0)) instead of E - G0, and has no potential.
+///
+/// A body that expands by s (energy/volume/expansion.hpp) has E_e = (E - (s^2 - 1)/2 I) / s^2 in the place of E, and
+/// the volume s^3 dX: expansion alone meets no resistance. With k = sdot/s the rate of a dashpot alone is
+///
+///     Edot_e = (Edot - k C) / s^2,   C = 2 E + I
 #pragma once
 
-#include "energy/term.hpp"
+#include "energy/volume/expansion.hpp"
 #include "fem/cells.hpp"
 #include "material/law_field.hpp"
 #include "material/viscosity.hpp"
@@ -47,7 +52,8 @@ using ViscosityVariant = std::variant<WithStrainRate<KelvinVoigt>, Maxwell, With
 /// elastic law, gives what is proportional to its stiffness; its packs are the body's quadrature points.
 template <int Order>
 std::unique_ptr<EnergyTerm> make_viscous_term(const ViscosityVariant& law, const LawField& elastic,
-                                              const CellGroups<Order>& groups, int body, PetscInt num_owned_nodes);
+                                              const CellGroups<Order>& groups, int body, PetscInt num_owned_nodes,
+                                              std::shared_ptr<const FreeExpansion> expansion = nullptr);
 
 /// The form of the strain rate that keeps the method's order: a form with a potential if there is one (`secant`, which
 /// needs no memory, before `reconstructed`), else `exact`.

@@ -24,4 +24,14 @@ Section<ActiveConfig> active_keys() {
       &A::where};
 }
 
+Section<ExpansionConfig> expansion_keys() {
+  using E = ExpansionConfig;
+  return {{
+              field("stretch", &E::stretch, expression("1", Variables::space_and_time),
+                    "length of a free body over its length in the mesh, > 0; 1: no expansion"),
+          },
+          {},
+          &E::where};
+}
+
 }  // namespace pliant

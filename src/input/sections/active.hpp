@@ -1,4 +1,4 @@
-/// The keys of `bodies[].active`.
+/// The keys of `bodies[].active` and `bodies[].expansion`.
 #pragma once
 
 #include "input/schema.hpp"
@@ -6,5 +6,6 @@
 namespace pliant {
 
 Section<ActiveConfig> active_keys();
+Section<ExpansionConfig> expansion_keys();
 
 }  // namespace pliant

@@ -184,7 +184,7 @@ TEST_P(Mixed, UniformStrainsAreTheLaws) {
   term_->add_gradient(stage, local, r);
   like->add_gradient(stage, local, expected);
   for (PetscInt i = 0; i < 3 * solid_.layout().num_owned_nodes; ++i) EXPECT_NEAR(r[i], expected[i], 1e-10);
-  term_->add_pressure_gradient(local, volume);
+  term_->add_pressure_gradient({}, local, volume);
   for (PetscInt i = 0; i < field_.layout().num_owned; ++i) EXPECT_NEAR(volume[i], 0.0, 1e-15);
   std::vector<CellStress> stresses;
   like->stresses({.q = local}, [&](PetscInt, const CellStress& s) { stresses.push_back(s); });
@@ -223,9 +223,9 @@ TEST_P(Mixed, NegativeEigenvaluesAreThoseOfThePressures) {
 // Pressures that follow from the displacements are where the derivative by them vanishes.
 TEST_P(Mixed, SettledPressuresAreThoseOfTheDisplacements) {
   const auto q = solid_.vector(test::strained);
-  equation_->settle(q.get());
+  equation_->settle(q.get(), {});
   std::vector<double> r(static_cast<std::size_t>(field_.layout().num_local), 0.0), m(r.size(), 0.0);
-  term_->add_pressure_gradient(test::local_values(q.get()), r);
+  term_->add_pressure_gradient({}, test::local_values(q.get()), r);
   term_->add_pressure_volumes(m);
   for (PetscInt i = 0; i < field_.layout().num_owned; ++i) EXPECT_LE(std::abs(r[i]), 1e-11 * m[i]);
   PetscReal largest = 0.0;
@@ -282,8 +282,8 @@ TEST_P(MixedVariant, DerivativesWithShortenedFibres) {
   const auto law = make_law("neo-hookean-isochoric", 1000.0, 0.45);
   const Solid solid(comm, file, GetParam(), elastic_quadrature_degree(law.traits(), GetParam()));
   const auto field = solid.pressure_field();
-  const auto shortening = solid.activation(Expression("0.2*sin(2*t)+0.05*x"), FibreField::Kind::varying);
-  const auto term = solid.mixed(make_mixed_law(*split_volume(law)), *field, shortening);
+  const FreeShape shape{solid.activation(Expression("0.2*sin(2*t)+0.05*x"), FibreField::Kind::varying), nullptr};
+  const auto term = solid.mixed(make_mixed_law(*split_volume(law)), *field, shape);
   EXPECT_TRUE(term->declaration().depends_on_time);
   expect_derivatives(solid, *term, *field);
 }
@@ -310,7 +310,7 @@ TEST_P(MixedVariant, ConstantsThatVaryAreThoseOfTheirPlace) {
   const auto q = solid.vector([](const Point& x) { return Point{1e-4 * x[0], 1e-4 * x[1], 1e-4 * x[2]}; });
   IncrementalPotential potential(solid.layout(), solid.pattern(), {term.get()}, solid.nothing_prescribed());
   MixedEquation equation(potential, solid.layout(), {term.get()}, *field);
-  equation.settle(q.get());
+  equation.settle(q.get(), {});
   const double volume = 3e-4, kappa = split_volume(common)->kappa;
   const double energy = sum(comm, term->energy(test::local_values(q.get()), {}));
   EXPECT_NEAR(energy, 0.5 * kappa * volume * volume * 1.5, 2e-2 * energy);
