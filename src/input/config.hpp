@@ -8,6 +8,7 @@
 #include "input/output_config.hpp"
 #include "material/contact_law.hpp"
 #include "material/foundation.hpp"
+#include "material/mullins.hpp"
 #include "material/viscosity_registry.hpp"
 #include "material/volumetric_form.hpp"
 #include "time/method.hpp"
@@ -94,6 +95,12 @@ struct ActiveConfig {
   Location where;
 };
 
+/// Softening by the largest strain of the past.
+struct MullinsConfig {
+  Mullins law;
+  Location where;
+};
+
 struct BodyConfig {
   Selection part;                 ///< volume, or everything
   std::optional<double> density;  ///< [kg/m^3]; required for dynamics and gravity
@@ -104,6 +111,7 @@ struct BodyConfig {
   std::optional<ElasticityConfig> elasticity;  ///< of a body that is not rigid
   std::vector<ViscosityConfig> viscosity;
   std::optional<ActiveConfig> active;
+  std::optional<MullinsConfig> mullins;
   Location where;
 };
 

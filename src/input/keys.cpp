@@ -8,6 +8,7 @@
 #include "input/sections/elasticity.hpp"
 #include "input/sections/laws.hpp"
 #include "input/sections/loads.hpp"
+#include "input/sections/mullins.hpp"
 #include "input/sections/rigid_bodies.hpp"
 #include "input/sections/tendons.hpp"
 #include "input/sections/viscosity.hpp"
@@ -77,6 +78,9 @@ Section<BodyConfig> body_keys() {
                 "law of viscosity, in addition to the elastic law; several act in parallel")
               .otherwise_in_words("none"),
           field("active", &BodyConfig::active, map_of(active_keys()), "contraction along fibres, as in muscle")
+              .otherwise_in_words("none"),
+          field("mullins", &BodyConfig::mullins, map_of(mullins_keys()),
+                "softening of rubber by the largest strain of the past (Mullins effect, Ogden & Roxburgh)")
               .otherwise_in_words("none"),
       },
       {},

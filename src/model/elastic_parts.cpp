@@ -40,8 +40,12 @@ ElasticParts make_elastic_parts(const ElasticBody<Order>& on, const LawAt& law_a
   const auto form = volumetric_form_of(on.rule.kind());
   MixedLaw split;
   ElasticParts parts;
-  if (treatment != VolumetricTreatment::standard && form) split = make_split_law(on, *form, law_at, parts);
-  parts.shape = split.rest;
+  const bool softens = on.config.bodies[static_cast<std::size_t>(on.body)].mullins.has_value();
+  if ((treatment != VolumetricTreatment::standard || softens) && form) {
+    split = make_split_law(on, *form, law_at, parts);
+  }
+  if (softens) parts.distortion = split.rest;
+  if (treatment != VolumetricTreatment::standard) parts.shape = split.rest;
   if (on.pressures != nullptr) {
     auto term =
         make_mixed_term<Order>(std::move(split), on.groups, on.body, num_owned, *on.pressures, std::move(shortening));

@@ -2,6 +2,7 @@
 
 #include "base/stopwatch.hpp"
 #include "energy/constraint/velocity_projection.hpp"
+#include "energy/volume/mullins.hpp"
 #include "fem/entry_keys.hpp"
 #include "input/checks/volumetric.hpp"
 #include "input/elasticity.hpp"
@@ -162,6 +163,10 @@ void Model::build_cells(const Config& config, const Mesh& mesh) {
       found[b] = parts.volume;
       laws_.push_back(std::move(parts.shape));
       if (parts.mixed != nullptr) mixed_.push_back(parts.mixed);
+      if (const auto& mullins = config.bodies[b].mullins) {
+        softening_.push_back(make_mullins_term<Order>(mullins->law, std::move(parts.distortion), groups, body,
+                                                      layout_.num_owned_nodes));
+      }
       elastic_.push_back(std::move(parts.term));
     }
   });
@@ -345,6 +350,8 @@ void Model::prepare(const Config& config) {
   }
   viscous_ = make_viscous_terms(config, {layout_, *pattern_, cells_, laws_});
   std::vector<const EnergyTerm*> terms;
+  // Results take volume ratios from the last stress that counts as elastic, which must be that of the law.
+  for (const auto& term : softening_) terms.push_back(term.get());
   for (const auto& term : elastic_) terms.push_back(term.get());
   for (const auto& term : active_) terms.push_back(term.get());
   for (const auto& term : viscous_) terms.push_back(term.get());

@@ -38,7 +38,7 @@ Simulation::Simulation(const Config& config, Model& model) : analysis_(analysis_
     model.check_contact_at_start(q_.get());
   }
   const Handle<Vec> z = model.potential().make_internal();
-  if (z.get() != nullptr) model.potential().internal_variables().complete_step(q_.get(), z.get());
+  if (z.get() != nullptr) model.potential().internal_variables().complete_step(nullptr, q_.get(), z.get());
   StateView initial{0.0, q_.get(), v_.get(), z.get()};
   ledger_.emplace(model, analysis_, initial);
   if (analysis_ == Analysis::dynamic) initial.w = ledger_->works();

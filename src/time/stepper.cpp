@@ -51,6 +51,7 @@ StepAttempt Stepper::attempt(const History& history, const Step& step) & {
     stage.dt = weight.beta * method_.A[i][i] * step.dt;
     stage.step_start = history.newest().time;
     (system_.space ? stage.centre : stage.accepted) = history.newest().q.get();
+    stage.accepted_z = history.newest().z.get();
     stage.end_time = step.time;
     start_stage(i, history, stage);
     const StageReport report = system_.solve(stage, q_.stage());
@@ -189,7 +190,7 @@ void Stepper::complete_step(const State& newest, const Step& step) {
   system_.motion.complete_step(step, end_q, v_.end());
   if (z_) {
     z_->complete_step(method_.bt);
-    system_.internal.complete_step(end_q, z_->end());
+    system_.internal.complete_step(newest.z.get(), end_q, z_->end());
   }
   for (std::size_t m = 0; m < w_.size(); ++m) w_[m] += newest.w[m];
 }

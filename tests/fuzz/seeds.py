@@ -37,6 +37,7 @@ bodies:
   - volume: three
     density: 900
     elasticity: *law
+    mullins: {r: 2.1, m: 20 kPa, beta: 0.1}
   - volume: four
     elasticity: {library: ecoflex-00-30, poissons_ratio: 0.49, incompressible: false}
   - volume: two
