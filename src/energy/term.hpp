@@ -99,10 +99,10 @@ struct TermDeclaration {
   bool refreezes = false;                ///< coefficients are frozen at LocalStage::frozen: StageEquation::refreeze
   Symmetry symmetry = Symmetry::symmetric;
   Account account = Account::stored;
-  bool depends_on_time = false;   ///< `energy_at` changes with time at a fixed configuration: `supply`
-  bool rotates_with_body = true;  ///< its stiffness rotates with the body, as elastic stiffness does
-  bool is_wall = false;           ///< its barrier separates states: no step may jump over it
-  bool dissipates = false;        ///< it may dissipate energy; the ledger lists that under the term's name
+  bool depends_on_time = false;      ///< `energy_at` changes with time at a fixed configuration: `supply`
+  bool rotates_with_body = true;     ///< its stiffness rotates with the body, as elastic stiffness does
+  bool is_wall = false;              ///< its barrier separates states: no step may jump over it
+  bool dissipates = false;           ///< it may dissipate energy; the ledger lists that under the term's name
   bool dissipates_by_state = false;  ///< by `dissipated`
 };
 

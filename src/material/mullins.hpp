@@ -8,9 +8,9 @@
 ///
 ///     h(W; Wm) = int_W^Wm 1 - eta dw = s/r E(x),   E(x) = int_0^x erf = x erf(x) - (1 - exp(-x^2))/sqrt(pi)
 ///
-/// Unloading to W = 0 returns h(0; Wm) less than what loading took: what has been lost so far is a function of Wm alone.
-/// Sources: Ogden & Roxburgh, Proc. R. Soc. A 455 (1999) 2861-2877 (beta = 0); Bose, Hurtado & Zapas, Modelling of
-/// stress softening in filled elastomers, in: Constitutive Models for Rubber III (2003) (beta).
+/// Unloading to W = 0 returns h(0; Wm) less than what loading took: what has been lost so far is a function of Wm
+/// alone. Sources: Ogden & Roxburgh, Proc. R. Soc. A 455 (1999) 2861-2877 (beta = 0); Bose, Hurtado & Zapas, Modelling
+/// of stress softening in filled elastomers, in: Constitutive Models for Rubber III (2003) (beta).
 #pragma once
 
 #include "base/simd.hpp"

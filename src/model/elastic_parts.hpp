@@ -23,8 +23,8 @@ struct ElasticBody {
 
 struct ElasticParts {
   std::unique_ptr<ElasticTerm> term;
-  MixedTerm* mixed = nullptr;             ///< the term, if it has pressures
-  VolumeOfPoints volume;                  ///< if the term has pressures
+  MixedTerm* mixed = nullptr;                  ///< the term, if it has pressures
+  VolumeOfPoints volume;                       ///< if the term has pressures
   std::shared_ptr<const LawField> distortion;  ///< the law without its volumetric part, where `mullins` needs it
   std::shared_ptr<const LawField> shape;  ///< what viscosity follows: the law, without its volumetric part if that is
                                           ///< treated apart

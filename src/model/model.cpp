@@ -164,8 +164,8 @@ void Model::build_cells(const Config& config, const Mesh& mesh) {
       laws_.push_back(std::move(parts.shape));
       if (parts.mixed != nullptr) mixed_.push_back(parts.mixed);
       if (const auto& mullins = config.bodies[b].mullins) {
-        softening_.push_back(make_mullins_term<Order>(mullins->law, std::move(parts.distortion), groups, body,
-                                                      layout_.num_owned_nodes));
+        softening_.push_back(
+            make_mullins_term<Order>(mullins->law, std::move(parts.distortion), groups, body, layout_.num_owned_nodes));
       }
       elastic_.push_back(std::move(parts.term));
     }

@@ -27,10 +27,10 @@ struct StagePoint {
   Vec z0 = nullptr;         ///< internal variables at the stage's start; nullptr if there are none
   /// Set while the last stage of a step on a vector space is solved: q_{n+1} = end_rest + end_weight q. Otherwise 0.
   double end_weight = 0.0;
-  Vec end_rest = nullptr;  ///< nullptr: zero, as for stiffly accurate methods
-  double end_time = 0.0;   ///< t_{n+1}, where end_weight is set [s]
-  Vec centre = nullptr;    ///< q_n, around which coordinates are taken; nullptr on a vector space
-  Vec accepted = nullptr;  ///< q_n on a vector space: the configuration from which the step starts [m]
+  Vec end_rest = nullptr;    ///< nullptr: zero, as for stiffly accurate methods
+  double end_time = 0.0;     ///< t_{n+1}, where end_weight is set [s]
+  Vec centre = nullptr;      ///< q_n, around which coordinates are taken; nullptr on a vector space
+  Vec accepted = nullptr;    ///< q_n on a vector space: the configuration from which the step starts [m]
   Vec accepted_z = nullptr;  ///< z_n, the internal variables from which the step starts; nullptr if there are none
 };
 

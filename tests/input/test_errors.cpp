@@ -189,8 +189,7 @@ INSTANTIATE_TEST_SUITE_P(
             "give a 'shear_ratio' only"},
         Bad{5, "time: {method: @petsc:bdf, step: 0.01, end: 1}\nelement: P2\nvolumetric: mixed",
             "needs one of Pliant's own methods"},
-        Bad{2, "bodies: [{volume: a, density: 1, rigid: true, mullins: @{r: 2, m: 1}}]",
-            "is rigid: remove 'mullins'"},
+        Bad{2, "bodies: [{volume: a, density: 1, rigid: true, mullins: @{r: 2, m: 1}}]", "is rigid: remove 'mullins'"},
 
         Bad{6, "element: P2\nvolumetric: mixed\nsolver: {linear: @p-multigrid}", "which p-multigrid cannot solve"},
         Bad{6, "solver: {linear: @p-multigrid}",
@@ -393,19 +392,18 @@ TEST_P(BadSofteningOfABody, IsToldOnceAtItsPlace) {
 
 INSTANTIATE_TEST_SUITE_P(
     Softening, BadSofteningOfABody,
-    ::testing::Values(
-        BadSoftening{"neo-hookean", "@{m: 1}}]", "missing key 'r' in mullins"},
-        BadSoftening{"neo-hookean", "{r: @1, m: 1}}]", "'r' must be > 1"},
-        BadSoftening{"neo-hookean", "{r: 2, m: @-1}}]", "'m' must be >= 0"},
-        BadSoftening{"neo-hookean", "{r: 2, beta: @-1}}]", "'beta' must be >= 0"},
-        BadSoftening{"neo-hookean", "{r: 2, m: @1 mm}}]", "'1 mm' is a length"},
-        BadSoftening{"neo-hookean", "@{r: 2}}]", "'mullins' needs an 'm' or a 'beta' above 0"},
-        BadSoftening{"saint-venant-kirchhoff", "@{r: 2, m: 1}}]",
-                     "and model 'saint-venant-kirchhoff' has no separate volumetric part; use one of "},
-        BadSoftening{"neo-hookean", "@{r: 2, m: 1}, active: {fibre: [1, 0, 0], shortening: t}}]",
-                     "cannot follow a body whose fibres shorten"},
-        BadSoftening{"neo-hookean", "@{r: 2, m: 1 J/m^3}}]\nelement: P2\nvolumetric: mean-dilatation",
-                     "without its volumetric part, model 'neo-hookean' still feels a change of volume"}));
+    ::testing::Values(BadSoftening{"neo-hookean", "@{m: 1}}]", "missing key 'r' in mullins"},
+                      BadSoftening{"neo-hookean", "{r: @1, m: 1}}]", "'r' must be > 1"},
+                      BadSoftening{"neo-hookean", "{r: 2, m: @-1}}]", "'m' must be >= 0"},
+                      BadSoftening{"neo-hookean", "{r: 2, beta: @-1}}]", "'beta' must be >= 0"},
+                      BadSoftening{"neo-hookean", "{r: 2, m: @1 mm}}]", "'1 mm' is a length"},
+                      BadSoftening{"neo-hookean", "@{r: 2}}]", "'mullins' needs an 'm' or a 'beta' above 0"},
+                      BadSoftening{"saint-venant-kirchhoff", "@{r: 2, m: 1}}]",
+                                   "and model 'saint-venant-kirchhoff' has no separate volumetric part; use one of "},
+                      BadSoftening{"neo-hookean", "@{r: 2, m: 1}, active: {fibre: [1, 0, 0], shortening: t}}]",
+                                   "cannot follow a body whose fibres shorten"},
+                      BadSoftening{"neo-hookean", "@{r: 2, m: 1 J/m^3}}]\nelement: P2\nvolumetric: mean-dilatation",
+                                   "without its volumetric part, model 'neo-hookean' still feels a change of volume"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Methods, BadInput,

@@ -104,7 +104,8 @@ class MullinsTerm final : public StressTerm {
       return [&, u = batch.values(state.q)](const Point& point) {
         const Tensor3<Pack> H = point.gradient(u);
         const Pack Wm = largest(point, state.z);
-        return PointStress{pulled_back_stress(H, stress(point, H, Wm)), stored(point, H, Wm)};
+        const Pack change = softening_.eta_change(distortion_->psi(point.index(), H), Wm);
+        return PointStress{pulled_back_stress(H, stress(point, H, Wm)), stored(point, H, Wm), -change};
       };
     };
     visit_mean_stresses(cells_, state.q, StressMeasure::second_piola_kirchhoff, at_points, visit);

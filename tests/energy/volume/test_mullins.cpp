@@ -1,8 +1,7 @@
 // Softening of a body: forces, stiffness, what it stores and loses, on both sides of the largest strain of the past.
-#include "energy/volume/mullins.hpp"
-
 #include "energy/solid.hpp"
 #include "energy/volume/internal_keys.hpp"
+#include "energy/volume/mullins.hpp"
 #include "material/volume_split.hpp"
 
 #include <map>
@@ -109,7 +108,8 @@ TEST_P(Mullins, ForcesAndStiffnessBelowTheLargestStrainAreDerivatives) {
     const auto g = body_.gradient(q);
     const double expected = difference([&](double s) { return body_.potential.value(at(s).get()); }) / (12.0 * h);
     ASSERT_GT(std::abs(expected), 1e-4 * test::norm(g.get()) * test::norm(direction_.get()));
-    EXPECT_NEAR(test::dot(g.get(), direction_.get()), expected, 1e-9 * test::norm(g.get()) * test::norm(direction_.get()));
+    EXPECT_NEAR(test::dot(g.get(), direction_.get()), expected,
+                1e-9 * test::norm(g.get()) * test::norm(direction_.get()));
 
     const Handle<Mat> K = body_.potential.make_hessian();
     body_.potential.hessian(q, K.get(), Projection::none);
@@ -142,8 +142,10 @@ TEST_P(Mullins, TheProjectedStiffnessIsSemidefinite) {
       const Handle<Vec> d = body_.solid.vector(test::rough_field(1.0, 20 + seed));
       check(MatMult(K.get(), d.get(), Kd.get()));
       const double power = test::dot(d.get(), Kd.get());
-      if (projection == Projection::none) is_indefinite = is_indefinite || power < 0.0;
-      else EXPECT_GE(power, -1e-12 * test::norm(d.get()) * test::norm(Kd.get()));
+      if (projection == Projection::none)
+        is_indefinite = is_indefinite || power < 0.0;
+      else
+        EXPECT_GE(power, -1e-12 * test::norm(d.get()) * test::norm(Kd.get()));
     }
   }
   EXPECT_TRUE(is_indefinite);
@@ -184,10 +186,12 @@ TEST_P(Mullins, NothingDependsOnTheNumberOfRanks) {
   EXPECT_NEAR(test::norm(body_.gradient(below_.get()).get()), test::norm(r.get()), 1e-13 * test::norm(r.get()));
 
   // The largest energies are found again under their keys, next to tensors too.
-  const auto prony = body_.solid.prony({{0.3, 0.1}}, "neo-hookean"), of_whole = whole.solid.prony({{0.3, 0.1}}, "neo-hookean");
+  const auto prony = body_.solid.prony({{0.3, 0.1}}, "neo-hookean"),
+             of_whole = whole.solid.prony({{0.3, 0.1}}, "neo-hookean");
   const std::vector<const EnergyTerm*> terms{prony.get(), body_.term.get()}, all{of_whole.get(), whole.term.get()};
   ASSERT_EQ(internal_components(terms), 1);
-  const auto keys = internal_keys(body_.solid.layout(), terms), keys_of_whole = internal_keys(whole.solid.layout(), all);
+  const auto keys = internal_keys(body_.solid.layout(), terms),
+             keys_of_whole = internal_keys(whole.solid.layout(), all);
   ASSERT_EQ(keys.size(), prony->num_internal() + body_.term->num_internal());
   ASSERT_EQ(keys_of_whole.size(), of_whole->num_internal() + whole.term->num_internal());
   std::map<EntryKey, std::size_t> place;
