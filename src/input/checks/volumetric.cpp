@@ -75,7 +75,7 @@ void check_viscosity(const BodyConfig& body, const std::optional<ElasticityRule>
 void check_mullins(const Config& config, const BodyConfig& body, const ElasticityRule& rule, Diagnostics& diagnostics) {
   const Location& where = body.mullins->where;
   const std::string& model = body.elasticity->model;
-  if (!(body.mullins->law.m + body.mullins->law.beta > 0.0)) {
+  if (body.mullins->law.m + body.mullins->law.beta == 0.0) {
     diagnostics.add(where, "'mullins' needs an 'm' or a 'beta' above 0: the stress would jump at every reversal");
   }
   if (body.active && std::holds_alternative<ActiveConfig::Shortening>(body.active->contraction)) {
