@@ -3,7 +3,6 @@
 
 #include "base/error.hpp"
 #include "base/expression.hpp"
-#include "base/limits.hpp"
 #include "input/located.hpp"
 #include "input/mechanism_config.hpp"
 #include "input/output_config.hpp"
@@ -98,7 +97,7 @@ struct ActiveConfig {
 
 /// Softening by the largest strain of the past.
 struct MullinsConfig {
-  Mullins law{nan, nan, nan};  ///< not a number where what is given is wrong
+  Mullins law;
   Location where;
 };
 

@@ -13,6 +13,7 @@
 /// of stress softening in filled elastomers, in: Constitutive Models for Rubber III (2003) (beta).
 #pragma once
 
+#include "base/limits.hpp"
 #include "base/simd.hpp"
 #include "base/vector_math.hpp"
 
@@ -21,11 +22,11 @@
 
 namespace pliant {
 
-/// r > 1, m >= 0, beta >= 0, m + beta > 0.
+/// r > 1, m >= 0, beta >= 0, m + beta > 0; not numbers until they are given.
 struct Mullins {
-  double r;     ///< 1 - 1/r is the least eta [1]
-  double m;     ///< [J/m^3]
-  double beta;  ///< [1]
+  double r = nan;     ///< 1 - 1/r is the least eta [1]
+  double m = nan;     ///< [J/m^3]
+  double beta = nan;  ///< [1]
 
   /// eta - 1.
   Pack eta_change(const Pack& W, const Pack& Wm) const { return (-1.0 / r) * erf(distance(W, Wm)); }
