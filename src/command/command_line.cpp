@@ -347,8 +347,7 @@ void CommandLine::add_sensitivity() {
   sensitivity->callback([this] {
     command_ = [this] {
       Console console(comm_, Verbosity::normal);
-      result_ =
-          sensitivity_command(comm_, arguments_.file, arguments_.overrides(), arguments_.sensitivity, console);
+      result_ = sensitivity_command(comm_, arguments_.file, arguments_.overrides(), arguments_.sensitivity, console);
     };
   });
 }

@@ -27,6 +27,7 @@ struct CellStress {
   std::array<double, 6> cauchy{};  ///< xx yy zz xy yz xz [Pa]
   double volume_ratio = 1.0;       ///< J
   double energy_density = 0.0;     ///< stored per reference volume [J/m^3]
+  double softening = 0.0;          ///< part of the law's stress of distortion that is lost, 1 - eta
 };
 
 /// Equivalent stress of a Cauchy stress: xx yy zz xy yz xz [Pa].

@@ -42,6 +42,8 @@ struct LocalStage {
   /// Displacement from which the step starts, at `step_start` [m]; empty if there is none (StagePoint::accepted).
   std::span<const double> accepted = {};
   double step_start = 0.0;  ///< t_n [s]
+  /// The term's own internal variables there; empty: none before (StagePoint::accepted_z).
+  std::span<const double> accepted_z = {};
 
   /// The displacement relative to which `EnergyTerm::value` is computed: close to q, and never beyond a barrier, as q0
   /// may be when a method extrapolates it.
@@ -97,18 +99,22 @@ struct TermDeclaration {
   bool refreezes = false;                ///< coefficients are frozen at LocalStage::frozen: StageEquation::refreeze
   Symmetry symmetry = Symmetry::symmetric;
   Account account = Account::stored;
-  bool depends_on_time = false;   ///< `energy_at` changes with time at a fixed configuration: `supply`
-  bool rotates_with_body = true;  ///< its stiffness rotates with the body, as elastic stiffness does
-  bool is_wall = false;           ///< its barrier separates states: no step may jump over it
-  bool dissipates = false;        ///< `dissipation` may be positive; the ledger lists it under the term's name
+  bool depends_on_time = false;      ///< `energy_at` changes with time at a fixed configuration: `supply`
+  bool rotates_with_body = true;     ///< its stiffness rotates with the body, as elastic stiffness does
+  bool is_wall = false;              ///< its barrier separates states: no step may jump over it
+  bool dissipates = false;           ///< it may dissipate energy; the ledger lists that under the term's name
+  bool dissipates_by_state = false;  ///< by `dissipated`
 };
 
-/// Where a symmetric tensor of six internal variables is evaluated.
+/// Where internal variables belong: EnergyTerm::internal_components of them.
 struct InternalPlace {
   PetscInt cell = 0;              ///< local
   std::array<double, 3> point{};  ///< on the reference cell
   int number = 0;                 ///< index among those of the term at this point
 };
+
+/// Components of a symmetric tensor: xx yy zz xy yz xz.
+inline constexpr int num_symmetric = 6;
 
 /// The forces of frozen coefficients, and their upper bound, summed over points [N].
 struct DragBound {
@@ -142,15 +148,19 @@ class EnergyTerm {
   /// K = d2Phi/dq2 on the whole pattern, if that costs no more than clearing K. False: K is unchanged.
   virtual bool set_hessian(const LocalStage& /*stage*/, const BlockWriter& /*K*/) const { return false; }
 
-  /// Numbers of internal variables on this rank (those of ghost cells included, computed there too); symmetric tensors
-  /// at points of cells.
+  /// Numbers of internal variables on this rank (those of ghost cells included, computed there too): symmetric tensors
+  /// or single numbers at points of cells.
   virtual std::size_t num_internal() const { return 0; }
-  /// The place of each six of them.
+  /// How many of them belong to one place: num_symmetric or 1.
+  virtual int internal_components() const { return num_symmetric; }
+  /// Their places.
   virtual void place_internal(std::span<InternalPlace> /*places*/) const {}
   /// z = the internal variables at the end of the stage with the solution q.
   virtual void end_stage(const LocalStage& /*stage*/, std::span<const double> /*q*/, std::span<double> /*z*/) const {}
-  /// Sets those of z that are functions of q to their values at q; leaves the others as the method set them.
-  virtual void complete_step(std::span<const double> /*q*/, std::span<double> /*z*/) const {}
+  /// Sets those of z that do not follow from the method's formula: functions of q, and of q and the variables of the
+  /// last accepted state, `accepted_z` (empty at the start). Leaves the others as the method set them.
+  virtual void complete_step(std::span<const double> /*accepted_z*/, std::span<const double> /*q*/,
+                             std::span<double> /*z*/) const {}
 
   /// Energy of the owned cells or nodes, if the account is `stored` or `load_potential` [J].
   virtual double energy(std::span<const double> /*q*/, std::span<const double> /*z*/) const { return 0.0; }
@@ -163,6 +173,10 @@ class EnergyTerm {
   virtual double supply(const LocalStage& /*stage*/, std::span<const double> /*q*/) const { return 0.0; }
   /// Power that the owned cells dissipate by physical mechanisms at the end of the stage [W], >= 0.
   virtual double dissipation(const LocalStage& /*stage*/, std::span<const double> /*q*/) const { return 0.0; }
+
+  /// What the owned cells have dissipated, if it is a function of the internal variables alone
+  /// (`dissipates_by_state`), as of a mechanism that does not depend on rates [J]; not part of `dissipation`.
+  virtual double dissipated(std::span<const double> /*z*/) const { return 0.0; }
 
   /// For a term with coefficients frozen at the step's start (`has_frozen_coefficients`): its forces at q with those
   /// coefficients, on this rank.

@@ -69,7 +69,7 @@ void check_bodies(const Config& config, const InputNode& root, Diagnostics& diag
           "'" + std::string(key) + "' is for rigid bodies, which hold surfaces of others: add 'rigid: true'");
     }
     if (bodies[i].is_rigid) {
-      for (const char* key : {"elasticity", "viscosity", "active", "expansion"}) {
+      for (const char* key : {"elasticity", "viscosity", "active", "expansion", "mullins"}) {
         const InputNode* node = given(entry(root, "bodies", i), {key});
         if (node == nullptr) continue;
         diagnostics.add(node->where,

@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "base/expression.hpp"
 #include "input/located.hpp"
+#include "input/material_config.hpp"
 #include "input/mechanism_config.hpp"
 #include "input/output_config.hpp"
 #include "material/contact_law.hpp"
@@ -94,12 +95,6 @@ struct ActiveConfig {
   Location where;
 };
 
-/// Expansion by heat or swelling.
-struct ExpansionConfig {
-  Expression stretch;  ///< in all directions, free of stress; a function of x, y, z, t
-  Location where;
-};
-
 struct BodyConfig {
   Selection part;                 ///< volume, or everything
   std::optional<double> density;  ///< [kg/m^3]; required for dynamics and gravity
@@ -111,6 +106,7 @@ struct BodyConfig {
   std::vector<ViscosityConfig> viscosity;
   std::optional<ActiveConfig> active;
   std::optional<ExpansionConfig> expansion;
+  std::optional<MullinsConfig> mullins;
   Location where;
 };
 

@@ -8,6 +8,7 @@
 #include "input/sections/elasticity.hpp"
 #include "input/sections/laws.hpp"
 #include "input/sections/loads.hpp"
+#include "input/sections/mullins.hpp"
 #include "input/sections/rigid_bodies.hpp"
 #include "input/sections/tendons.hpp"
 #include "input/sections/viscosity.hpp"
@@ -80,6 +81,9 @@ Section<BodyConfig> body_keys() {
               .otherwise_in_words("none"),
           field("expansion", &BodyConfig::expansion, map_of(expansion_keys()),
                 "expansion by heat or swelling, the same in all directions")
+              .otherwise_in_words("none"),
+          field("mullins", &BodyConfig::mullins, map_of(mullins_keys()),
+                "softening of rubber by the largest strain of the past (Mullins effect, Ogden & Roxburgh)")
               .otherwise_in_words("none"),
       },
       {},

@@ -10,7 +10,7 @@
 namespace pliant {
 
 /// Fields that results may hold.
-inline constexpr std::array<std::string_view, 15> output_fields{"displacement",
+inline constexpr std::array<std::string_view, 16> output_fields{"displacement",
                                                                 "velocity",
                                                                 "acceleration",
                                                                 "cauchy_stress",
@@ -22,6 +22,7 @@ inline constexpr std::array<std::string_view, 15> output_fields{"displacement",
                                                                 "energy_density",
                                                                 "elastic_energy_density",
                                                                 "viscous_energy_density",
+                                                                "softening",
                                                                 "contact_pressure",
                                                                 "contact_gap",
                                                                 "contact_slip"};

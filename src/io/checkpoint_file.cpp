@@ -140,12 +140,12 @@ const GlobalOrder& ArchiveOrders::of(Entries entries) const {
   return pressures;
 }
 
-int ArchiveOrders::components_of(Entries entries) {
+int ArchiveOrders::components_of(Entries entries) const {
   switch (entries) {
     case Entries::nodes:
       return 3;
     case Entries::internal:
-      return 6;
+      return internal_components;
     case Entries::pressures:
       break;
   }
@@ -158,7 +158,7 @@ void CheckpointWriter::exchange(const std::string& path, std::span<double> x) {
 
 void CheckpointWriter::exchange(const std::string& path, Entries entries, Vec x) {
   const GlobalOrder& order = orders_.of(entries);
-  const int components = ArchiveOrders::components_of(entries);
+  const int components = orders_.components_of(entries);
   const ConstArrayView values(x);
   vectors_.push_back({path, &order, components, order.rows(values.span(), components)});
 }
@@ -218,7 +218,7 @@ void CheckpointReader::exchange(const std::string& path, std::span<double> x) {
 
 void CheckpointReader::exchange(const std::string& path, Entries entries, Vec x) {
   const GlobalOrder& order = orders_.of(entries);
-  const int components = ArchiveOrders::components_of(entries);
+  const int components = orders_.components_of(entries);
   std::vector<double> rows(static_cast<std::size_t>(components * order.num_rows()));
   on_every_rank(comm_, [&] {
     const QuietHdf5 quiet;

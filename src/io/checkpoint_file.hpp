@@ -40,9 +40,10 @@ struct ArchiveOrders {
   GlobalOrder nodes;
   GlobalOrder internal;
   GlobalOrder pressures;
+  int internal_components = 6;
 
   const GlobalOrder& of(Entries entries) const;
-  static int components_of(Entries entries);
+  int components_of(Entries entries) const;
 };
 
 /// Collects the state that objects keep, then writes it.

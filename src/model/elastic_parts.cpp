@@ -1,6 +1,7 @@
 #include "model/elastic_parts.hpp"
 
 #include "energy/volume/mean_dilatation.hpp"
+#include "energy/volume/mullins.hpp"
 
 #include <cmath>
 #include <utility>
@@ -39,8 +40,12 @@ ElasticParts make_elastic_parts(const ElasticBody<Order>& on, const LawAt& law_a
   const auto form = volumetric_form_of(on.rule.kind());
   MixedLaw split;
   ElasticParts parts;
-  if (treatment != VolumetricTreatment::standard && form) split = make_split_law(on, *form, law_at, parts);
-  parts.shape = split.rest;
+  const auto& mullins = on.config.bodies[static_cast<std::size_t>(on.body)].mullins;
+  if ((treatment != VolumetricTreatment::standard || mullins) && form) {
+    split = make_split_law(on, *form, law_at, parts);
+  }
+  if (mullins) parts.softening = make_mullins_term<Order>(mullins->law, split.rest, on.groups, on.body, num_owned);
+  if (treatment != VolumetricTreatment::standard) parts.shape = split.rest;
   if (on.pressures != nullptr) {
     auto term =
         make_mixed_term<Order>(std::move(split), on.groups, on.body, num_owned, *on.pressures, std::move(shape));

@@ -25,6 +25,7 @@ struct ElasticParts {
   std::unique_ptr<ElasticTerm> term;
   MixedTerm* mixed = nullptr;             ///< the term, if it has pressures
   VolumeOfPoints volume;                  ///< if the term has pressures
+  std::unique_ptr<StressTerm> softening;  ///< where the body has `mullins`
   std::shared_ptr<const LawField> shape;  ///< what viscosity follows: the law, without its volumetric part if that is
                                           ///< treated apart
 };

@@ -140,14 +140,12 @@ void Model::build_cells(const Config& config, const Mesh& mesh) {
   shear_moduli_.assign(rules.size(), 0.0);
   const MeshCellData cell_data(mesh, layout_);
   std::vector<VolumeOfPoints> found(rules.size());
+  laws_.resize(rules.size());
+  expansions_.resize(rules.size());
   on_every_rank(layout_.comm, [&] {
     for (std::size_t b = 0; b < rules.size(); ++b) {
       const int body = static_cast<int>(b);
-      if (!rules[b]) {
-        laws_.push_back(nullptr);
-        expansions_.push_back(nullptr);
-        continue;
-      }
+      if (!rules[b]) continue;
       ElasticityRule& rule = *rules[b];
       rule.bind(cell_data);
       const auto law_at = [&](PetscInt cell, const std::array<double, 3>& X) {
@@ -161,12 +159,13 @@ void Model::build_cells(const Config& config, const Mesh& mesh) {
       if (active.tension) {
         active_.push_back(make_active_stress_term<Order>(active.tension, groups, body, layout_.num_owned_nodes));
       }
-      expansions_.push_back(active.shape.expansion);
-      ElasticParts parts =
+      expansions_[b] = active.shape.expansion;
+      auto parts =
           make_elastic_parts<Order>({config, rule, layout_, groups, body, pressures_.get()}, law_at, active.shape);
       found[b] = parts.volume;
-      laws_.push_back(std::move(parts.shape));
+      laws_[b] = std::move(parts.shape);
       if (parts.mixed != nullptr) mixed_.push_back(parts.mixed);
+      if (parts.softening) softening_.push_back(std::move(parts.softening));
       elastic_.push_back(std::move(parts.term));
     }
   });
@@ -350,6 +349,8 @@ void Model::prepare(const Config& config) {
   }
   viscous_ = make_viscous_terms(config, {layout_, *pattern_, cells_, laws_, expansions_});
   std::vector<const EnergyTerm*> terms;
+  // Results take volume ratios from the last stress that counts as elastic, which must be that of the law.
+  for (const auto& term : softening_) terms.push_back(term.get());
   for (const auto& term : elastic_) terms.push_back(term.get());
   for (const auto& term : active_) terms.push_back(term.get());
   for (const auto& term : viscous_) terms.push_back(term.get());

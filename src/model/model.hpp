@@ -136,6 +136,7 @@ class Model {
   std::vector<std::shared_ptr<const LawField>> laws_;             // of each body: elastic, or its part without volume
   std::vector<std::shared_ptr<const FreeExpansion>> expansions_;  // of each body; nullptr: none
   std::vector<std::unique_ptr<ElasticTerm>> elastic_;
+  std::vector<std::unique_ptr<EnergyTerm>> softening_;
   std::vector<std::unique_ptr<EnergyTerm>> active_;
   std::vector<std::unique_ptr<EnergyTerm>> viscous_;
   std::vector<std::unique_ptr<EnergyTerm>> joint_efforts_;

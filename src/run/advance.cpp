@@ -178,14 +178,18 @@ class PetscAdvance final : public Advance {
 /// Advances the load factor from 0 to 1 at a fixed time; "time" of a step is the load factor.
 class LoadAdvance final : public Advance {
  public:
-  LoadAdvance(const Config& config, Model& model, Vec q, Stages stages)
+  LoadAdvance(const Config& config, Model& model, const StateView& initial, Stages stages)
       : solver_(config, model, stages),
         description_(description_of(config, model)),
         motion_(model.constraints().motion()),
+        internal_(model.potential().internal_variables()),
         time_(config.time.end) {
     for (Handle<Vec>* v : {&state_, &earlier_, &q_, &start_, &zero_, &start_velocity_})
       *v = make_vector(model.layout());
-    check(VecCopy(q, state_.get()));
+    check(VecCopy(initial.q, state_.get()));
+    if (initial.z == nullptr) return;
+    for (Handle<Vec>* z : {&state_z_, &z_}) check(VecDuplicate(initial.z, z->out()));
+    check(VecCopy(initial.z, state_z_.get()));
   }
 
   StepAttempt attempt(const Step& step) override {
@@ -193,7 +197,8 @@ class LoadAdvance final : public Advance {
     extrapolate(step.time);
     start_at(q_.get());
     const StageReport report = solver_(stage_, q_.get());
-    StepAttempt result = end_step();
+    StepAttempt result = report.outcome == StageOutcome::converged ? end_step() : StepAttempt{};
+    result.time = step.time;
     result.report = report;
     return result;
   }
@@ -205,7 +210,9 @@ class LoadAdvance final : public Advance {
               .v0 = start_velocity_.get(),
               .load_factor = step.time,
               .step_start = time_ - 1.0,
-              .accepted = state_.get()};
+              .z0 = state_z_.get(),
+              .accepted = state_.get(),
+              .accepted_z = state_z_.get()};
   }
   const StagePoint& start_stage(Vec guess) override {
     check(VecCopy(guess, q_.get()));
@@ -220,6 +227,10 @@ class LoadAdvance final : public Advance {
     result.last_stage = stage_;
     result.q = result.last_q = q_.get();
     result.v = result.last_a = zero_.get();
+    if (!z_) return result;
+    check(VecCopy(state_z_.get(), z_.get()));
+    internal_.complete_step(state_z_.get(), q_.get(), z_.get());
+    result.z = z_.get();
     return result;
   }
   void follow(StageFollower& follower) override { solver_.follow(follower); }
@@ -228,13 +239,15 @@ class LoadAdvance final : public Advance {
     check(VecCopy(state_.get(), earlier_.get()));
     earlier_factor_ = std::exchange(load_factor_, attempt.time);
     check(VecCopy(attempt.q, state_.get()));
+    if (state_z_) check(VecCopy(attempt.z, state_z_.get()));
   }
-  StateView state() const override { return {load_factor_, state_.get(), zero_.get()}; }
+  StateView state() const override { return {load_factor_, state_.get(), zero_.get(), state_z_.get()}; }
   void keep(Archive& archive) override {
     archive.number("load_factor", load_factor_);
     archive.vector("q", Entries::nodes, state_.get());
     archive.number("earlier_load_factor", earlier_factor_);
     archive.vector("earlier_q", Entries::nodes, earlier_.get());
+    if (state_z_) archive.vector("z", Entries::internal, state_z_.get());
   }
   void forget() override { solver_.forget(); }
   std::optional<FailedStage> examine() override { return solver_.examine(); }
@@ -264,9 +277,11 @@ class LoadAdvance final : public Advance {
   std::string description_;
   PrescribedMotion motion_;
   StagePoint stage_;
+  InternalVariables internal_;
   double time_;
   double load_factor_ = 0.0, earlier_factor_ = 0.0;
   Handle<Vec> state_, earlier_, q_, start_, zero_, start_velocity_;
+  Handle<Vec> state_z_, z_;  // null if there are none
 };
 
 }  // namespace
@@ -303,7 +318,7 @@ StepAttempt Advance::end_step() {
 std::unique_ptr<Advance> make_advance(const Config& config, Model& model, Ledger& ledger, const StateView& initial,
                                       Stages stages) {
   if (analysis_of(config) == Analysis::static_equilibrium) {
-    return std::make_unique<LoadAdvance>(config, model, initial.q, stages);
+    return std::make_unique<LoadAdvance>(config, model, initial, stages);
   }
   if (const PetscMethod* method = find_petsc_method(method_name(config.time.method))) {
     if (const ConstraintMap* map = model.constraints().map(); map != nullptr && !map->is_linear()) {

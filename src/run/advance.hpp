@@ -15,8 +15,8 @@
 
 namespace pliant {
 
-/// What follows a simulation from stage to stage: the runs of neighbouring inputs (study/tangent_run.hpp). All methods are
-/// collective.
+/// What follows a simulation from stage to stage: the runs of neighbouring inputs (study/tangent_run.hpp). All methods
+/// are collective.
 class StageFollower {
  public:
   virtual ~StageFollower() = default;

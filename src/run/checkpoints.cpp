@@ -56,10 +56,11 @@ const ArchiveOrders& Checkpoints::orders() {
   const MixedEquation* mixed = model_.mixed_equation();
   const auto of_pressures =
       mixed != nullptr ? pressure_keys(model_.layout(), mixed->pressure_layout()) : std::vector<EntryKey>{};
-  orders_ =
-      std::make_unique<ArchiveOrders>(ArchiveOrders{{comm, node_keys(model_.layout())},
-                                                    {comm, internal_keys(model_.layout(), model_.potential().terms())},
-                                                    {comm, of_pressures}});
+  const auto terms = model_.potential().terms();
+  orders_ = std::make_unique<ArchiveOrders>(ArchiveOrders{{comm, node_keys(model_.layout())},
+                                                          {comm, internal_keys(model_.layout(), terms)},
+                                                          {comm, of_pressures},
+                                                          internal_components(terms)});
   return *orders_;
 }
 

@@ -14,6 +14,10 @@ void sum_over_ranks(MPI_Comm comm, double* values, int count) {
   check_mpi(MPI_Allreduce(MPI_IN_PLACE, values, count, MPI_DOUBLE, MPI_SUM, comm));
 }
 
+double sum_of(std::span<const double> values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
 }  // namespace
 
 Ledger::Ledger(Model& model, Analysis analysis, const StateView& initial)
@@ -25,6 +29,7 @@ Ledger::Ledger(Model& model, Analysis analysis, const StateView& initial)
     const auto known = std::ranges::find(mechanisms_, term->name());
     mechanism_of_term_.push_back(static_cast<std::size_t>(known - mechanisms_.begin()));
     if (term->declaration().dissipates && known == mechanisms_.end()) mechanisms_.emplace_back(term->name());
+    if (term->declaration().dissipates_by_state) dissipates_by_state_ = true;
   }
   if (const Contacts* contacts = model.contacts()) contacts_.resize(contacts->groups().size());
   for (const EnergyTerm* term : model.potential().terms()) {
@@ -36,6 +41,7 @@ Ledger::Ledger(Model& model, Analysis analysis, const StateView& initial)
   }
   works_ = last_powers_ = no_works();
   energies_.dissipated_by.resize(mechanisms_.size());
+  energies_.dissipated_by_state.resize(mechanisms_.size());
   for (Handle<Vec>* x : {&q_, &at_, &direction_, &reaction_}) *x = make_vector(model.layout());
   measure(initial);
   initial_ = energies_;
@@ -47,7 +53,7 @@ Ledger::Ledger(Model& model, Analysis analysis, const StateView& initial)
   const Handle<Vec> at_rest = make_vector(model.layout());
   StagePoint start{initial.time, 1e-12, initial.q, at_rest.get()};  // in which nothing relaxes
   start.load_factor = analysis == Analysis::static_equilibrium ? 0.0 : 1.0;
-  start.z0 = initial.z;
+  start.z0 = start.accepted_z = initial.z;
   keep_forces(start, initial.q);
 }
 
@@ -125,7 +131,8 @@ Ledger::Gain Ledger::gain(const StepAttempt& attempt) {
   const Energies after = std::exchange(energies_, before);
   const auto done = [&](Work w) { return attempt.w[w] - works_[w]; };
   const double fallen = before.load_potential - after.load_potential;
-  const double change = after.kinetic - before.kinetic + after.elastic - before.elastic;
+  const auto lost = [](const Energies& e) { return sum_of(e.dissipated_by_state); };
+  const double change = after.kinetic - before.kinetic + after.elastic - before.elastic + lost(after) - lost(before);
   return {change - fallen - done(kinetic) - done(stored) - done(potential),
           before.kinetic + before.elastic + std::max(0.0, fallen) + std::max(0.0, done(loads) + done(supports))};
 }
@@ -147,6 +154,7 @@ void Ledger::keep(Archive& archive, const StateView& newest) {
   archive.number("initial_kinetic", initial_.kinetic);
   archive.number("initial_elastic", initial_.elastic);
   archive.number("initial_load_potential", initial_.load_potential);
+  if (dissipates_by_state_) archive.numbers("initial_dissipated", initial_.dissipated_by_state);
   if (analysis_ != Analysis::dynamic) {
     archive.vector("reaction", Entries::nodes, reaction_.get());
     archive.number("released", released_);
@@ -166,14 +174,18 @@ void Ledger::balance() {
   Energies& e = energies_;
   const auto mechanisms = std::span(works_).subspan(num_works, mechanisms_.size());
   e.dissipated_by.assign(mechanisms.begin(), mechanisms.end());
+  for (std::size_t m = 0; m < mechanisms_.size(); ++m) {
+    e.dissipated_by[m] += e.dissipated_by_state[m] - initial_.dissipated_by_state[m];
+  }
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     for (std::size_t i = 0; i < 3; ++i) contacts_[c].impulse[i] = works_[first_impulse() + 3 * c + i];
   }
-  e.dissipated = std::accumulate(e.dissipated_by.begin(), e.dissipated_by.end(), 0.0);
+  e.dissipated = sum_of(e.dissipated_by);
+  const double dissipated_by_state = sum_of(e.dissipated_by_state) - sum_of(initial_.dissipated_by_state);
   e.support_work = works_[supports];
   e.load_work = works_[loads] + works_[supports];
   e.numerical_dissipation = (works_[kinetic] - (e.kinetic - initial_.kinetic)) +
-                            (works_[stored] - (e.elastic - initial_.elastic)) +
+                            (works_[stored] - dissipated_by_state - (e.elastic - initial_.elastic)) +
                             (works_[potential] - (e.load_potential - initial_.load_potential)) + released_;
   e.balance_error = (e.kinetic - initial_.kinetic) + (e.elastic - initial_.elastic) +
                     (e.load_potential - initial_.load_potential) + e.dissipated + e.numerical_dissipation - e.load_work;
@@ -268,6 +280,15 @@ void Ledger::measure(const StateView& state) {
     const Account account = account_of(*sum.terms()[k]);
     if (account == Account::stored) energies_.elastic += energies[k];
     if (account == Account::load_potential) energies_.load_potential += energies[k];
+  }
+  if (dissipates_by_state_) {
+    energies_.dissipated_by_state.assign(mechanisms_.size(), 0.0);
+    const auto dissipated = model_.potential().accounts().dissipated(state.z);
+    for (std::size_t k = 0; k < dissipated.size(); ++k) {
+      if (sum.terms()[k]->declaration().dissipates) {
+        energies_.dissipated_by_state[mechanism_of_term_[k]] += dissipated[k];
+      }
+    }
   }
   if (analysis_ != Analysis::dynamic || model_.inertia() == nullptr) return;
   check(VecCopy(state.q, at_.get()));

@@ -27,14 +27,15 @@ namespace pliant {
 /// work, as do all loads of a static analysis, which grow from step to step, and the shortening of active fibres.
 /// Kinetic energy and momenta belong to inertia and are zero without it (static, quasistatic).
 struct Energies {
-  double kinetic = 0.0;                ///< [J]
-  double elastic = 0.0;                ///< stored in the material, including springs of viscous branches [J]
-  double load_potential = 0.0;         ///< -int f . u of the constant dead loads [J]
-  double dissipated = 0.0;             ///< by physical mechanisms, since the start [J]
-  std::vector<double> dissipated_by;   ///< by each of Ledger::mechanisms() [J]
-  double load_work = 0.0;              ///< of other loads and of prescribed motion, since the start [J]
-  double support_work = 0.0;           ///< the part of it due to prescribed motion [J]
-  double numerical_dissipation = 0.0;  ///< by the method, since the start; negative if it created energy [J]
+  double kinetic = 0.0;                     ///< [J]
+  double elastic = 0.0;                     ///< stored in the material, including springs of viscous branches [J]
+  double load_potential = 0.0;              ///< -int f . u of the constant dead loads [J]
+  double dissipated = 0.0;                  ///< by physical mechanisms, since the start [J]
+  std::vector<double> dissipated_by;        ///< by each of Ledger::mechanisms() [J]
+  std::vector<double> dissipated_by_state;  ///< EnergyTerm::dissipated of the state, likewise [J]
+  double load_work = 0.0;                   ///< of other loads and of prescribed motion, since the start [J]
+  double support_work = 0.0;                ///< the part of it due to prescribed motion [J]
+  double numerical_dissipation = 0.0;       ///< by the method, since the start; negative if it created energy [J]
   /// kinetic + elastic + load_potential + dissipated + numerical_dissipation - load_work - initial [J]: as small as
   /// Newton's tolerance allows.
   double balance_error = 0.0;
@@ -108,6 +109,7 @@ class Ledger {
   Analysis analysis_;
   std::vector<std::string> mechanisms_;
   std::vector<std::size_t> mechanism_of_term_;  // of terms that dissipate
+  bool dissipates_by_state_ = false;            // TermDeclaration::dissipates_by_state of any term
   Energies energies_;
   Energies initial_;
   Works works_;        // since the start

@@ -25,6 +25,7 @@ struct CellState {
   std::array<std::array<double, 6>, num_stress_parts> cauchy{};
   std::array<double, num_stress_parts> energy_density{};
   double volume_ratio = 1.0;
+  double softening = 0.0;
 
   std::array<double, 6> total_cauchy() const {
     std::array<double, 6> total{};
@@ -52,7 +53,7 @@ void put_energy(const CellState& cell, double* out) {
   *out = cell.energy_density[static_cast<std::size_t>(part)];
 }
 
-constexpr std::array<CellResult, 9> cell_fields{{
+constexpr std::array<CellResult, 10> cell_fields{{
     {"cauchy_stress", "Pa", 6, [](const CellState& cell, double* out) { std::ranges::copy(cell.total_cauchy(), out); }},
     {"elastic_cauchy_stress", "Pa", 6, put_cauchy<StressPart::elastic>},
     {"viscous_cauchy_stress", "Pa", 6, put_cauchy<StressPart::viscous>},
@@ -65,6 +66,7 @@ constexpr std::array<CellResult, 9> cell_fields{{
      }},
     {"elastic_energy_density", "J/m^3", 1, put_energy<StressPart::elastic>},
     {"viscous_energy_density", "J/m^3", 1, put_energy<StressPart::viscous>},
+    {"softening", "", 1, [](const CellState& cell, double* out) { *out = cell.softening; }},
 }};
 
 struct NodeField {
@@ -105,6 +107,7 @@ std::vector<CellState> cell_states(Model& model, const StepRecord& record) {
                                                   state.cauchy[p][k] += stress.cauchy[k];
                                                 }
                                                 state.energy_density[p] += stress.energy_density;
+                                                state.softening += stress.softening;
                                                 if (part == StressPart::elastic)
                                                   state.volume_ratio = stress.volume_ratio;
                                               });
@@ -149,8 +152,8 @@ Recorder::Recorder(const Config& config, Model& model, const Ledger& ledger, con
       result_(model.layout().comm, prepared_directory(model.layout().comm, config), config.title,
               output_mesh(config, model), earlier ? earlier->last_frame : -1),
       mechanism_drawing_(config, model),
-      history_(model.layout().comm, std::filesystem::path(config.output.directory) / "history.csv",
-               row_.columns(), earlier ? std::optional(static_cast<double>(earlier->last_row)) : std::nullopt) {
+      history_(model.layout().comm, std::filesystem::path(config.output.directory) / "history.csv", row_.columns(),
+               earlier ? std::optional(static_cast<double>(earlier->last_row)) : std::nullopt) {
   const std::int64_t last_frame = earlier ? earlier->last_frame : -1;
   if (!mechanism_drawing_.parts().names.empty()) {
     mechanisms_.emplace(model.layout().comm, result_, config.title, mechanism_drawing_.parts(), last_frame);

@@ -46,7 +46,7 @@ class Recorder {
   Model& model_;
   HistoryRow row_;
   std::vector<std::string> fields_;
-  double time_scale_;                  // interval from which velocities of obstacles are computed [s]
+  double time_scale_;  // interval from which velocities of obstacles are computed [s]
   double seconds_ = 0.0;
   ResultWriter result_;
   std::optional<ObstacleDrawing> drawing_;  // of obstacles, if there are any

@@ -39,7 +39,7 @@ Simulation::Simulation(const Config& config, Model& model, Stages stages)
     model.check_contact_at_start(q_.get());
   }
   const Handle<Vec> z = model.potential().make_internal();
-  if (z.get() != nullptr) model.potential().internal_variables().complete_step(q_.get(), z.get());
+  if (z.get() != nullptr) model.potential().internal_variables().complete_step(nullptr, q_.get(), z.get());
   StateView initial{0.0, q_.get(), v_.get(), z.get()};
   ledger_.emplace(model, analysis_, initial);
   if (analysis_ == Analysis::dynamic) initial.w = ledger_->works();
@@ -162,7 +162,7 @@ void Simulation::begin(const Step& step) {
 void Simulation::end_step(bool restarts) {
   const StepAttempt attempt = advance_->end_step();
   record_.a = nullptr;
-  if (settles_pressures_) model_.mixed_equation()->settle(attempt.q);
+  if (settles_pressures_) model_.mixed_equation()->settle(attempt.q, model_.instant(attempt.time));
   accept(attempt, step_);
   if (restarts) restart();
 }

@@ -70,8 +70,8 @@ class Simulation {
 
   /// Calls the follower at each step and stage from now on; it outlives the simulation.
   void follow(StageFollower& follower);
-  /// A step that another simulation takes too, stage by stage, with solutions that are found elsewhere (Advance::begin).
-  /// It is accepted as it is.
+  /// A step that another simulation takes too, stage by stage, with solutions that are found elsewhere
+  /// (Advance::begin). It is accepted as it is.
   void begin(const Step& step);
   const StagePoint& start_stage(Vec guess) { return advance_->start_stage(guess); }
   Vec unknown() const { return advance_->unknown(); }

@@ -21,8 +21,8 @@ class OperatorSystem {
   OperatorSystem(const OperatorSystem&) = delete;  // PETSc's objects point to it
   OperatorSystem& operator=(const OperatorSystem&) = delete;
 
-  /// Solves from y = 0 until the residual has fallen to this part of its norm. Returns false if that fails; y is then the
-  /// best known.
+  /// Solves from y = 0 until the residual has fallen to this part of its norm. Returns false if that fails; y is then
+  /// the best known.
   bool solve(const Function& product, const Function& inverse, Vec r, Vec y, double tolerance);
 
  private:

@@ -113,9 +113,10 @@ std::string correlations_on_page(const std::vector<std::string>& names, const Fi
     correlation.add(row);
     covariance.add(other);
   }
-  return part_of_page("Correlation",
-              "Near 1 or -1: the data determine a combination of the two parameters well, but hardly each of them.",
-              correlation.text()) +
+  return part_of_page(
+             "Correlation",
+             "Near 1 or -1: the data determine a combination of the two parameters well, but hardly each of them.",
+             correlation.text()) +
          part_of_page("Covariance", "In the products of the parameters' SI units.", covariance.text());
 }
 
@@ -135,10 +136,11 @@ std::string determination_on_page(const std::vector<std::string>& names, const D
     if (known.is_at_bound[j]) text += "<p>At a bound: " + escaped(names[j]) + "</p>\n";
     if (!known.is_determined[j]) text += "<p>Not determined by the data: " + escaped(names[j]) + "</p>\n";
   }
-  return part_of_page("What the data determine",
-              "Singular values of the sensitivity of all residuals to relative changes of the parameters. A change in "
-              "a direction with a small value hardly shows in the tests; below 1e-8 of the largest, not at all.",
-              text);
+  return part_of_page(
+      "What the data determine",
+      "Singular values of the sensitivity of all residuals to relative changes of the parameters. A change in "
+      "a direction with a small value hardly shows in the tests; below 1e-8 of the largest, not at all.",
+      text);
 }
 
 std::string messages_on_page(const std::vector<std::string>& warnings, const std::vector<std::string>& notes) {

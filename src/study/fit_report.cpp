@@ -39,7 +39,8 @@ std::string tests(const FittedMaterial& fit) {
   for (std::size_t n = 0; n < summaries.size(); ++n) {
     const TestSummary& test = summaries[n];
     table.add({test.name, std::to_string(test.count), number_on_page(fit.tests[n].config.weight),
-               fmt::format("{:.7g}", test.sum), number_on_page(test.mean_square), fmt::format("{:.5f}", test.determination)});
+               fmt::format("{:.7g}", test.sum), number_on_page(test.mean_square),
+               fmt::format("{:.5f}", test.determination)});
   }
   return part_of_page("Tests", "The differences between the law and the measurements.", table.text());
 }
@@ -52,12 +53,13 @@ std::string stability(const FittedMaterial& fit) {
                fmt::format("{:.3g} to {:.3g}", range.lowest, range.highest), range.is_measured ? "yes" : "no",
                finding.empty() ? "stable" : finding});
   }
-  return part_of_page("Stability",
-              "Whether the nominal stress rises with the stretch, whether Drucker's condition holds (every small "
-              "further strain needs work), and whether the larger principal stress goes with the larger stretch "
-              "(Baker-Ericksen). Loadings that were not measured are examined up to the same distortion "
-              "(I<sub>1</sub>).",
-              table.text());
+  return part_of_page(
+      "Stability",
+      "Whether the nominal stress rises with the stretch, whether Drucker's condition holds (every small "
+      "further strain needs work), and whether the larger principal stress goes with the larger stretch "
+      "(Baker-Ericksen). Loadings that were not measured are examined up to the same distortion "
+      "(I<sub>1</sub>).",
+      table.text());
 }
 
 }  // namespace

@@ -13,8 +13,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <deque>
+#include <filesystem>
 #include <optional>
 
 #include <fmt/format.h>
@@ -67,10 +67,11 @@ FitTarget read_target(const FitTargetConfig& config, const std::string& folder, 
   target.values = std::move(columns[1]);
   for (const double t : target.times) {
     if (t >= 0.0 && t <= end * (1.0 + 1e-12)) continue;
-    throw InputError(config.data.where,
-                     fmt::format("'{}' has a row at t = {:g} s, but the run goes from 0 to {:g} s; leave the row out, or "
-                                 "give the input another 'time.end'",
-                                 config.data.value, t, end));
+    throw InputError(
+        config.data.where,
+        fmt::format("'{}' has a row at t = {:g} s, but the run goes from 0 to {:g} s; leave the row out, or "
+                    "give the input another 'time.end'",
+                    config.data.value, t, end));
   }
   const auto largest = std::ranges::max(target.values, {}, [](double v) { return std::abs(v); });
   target.scale = largest != 0.0 ? std::abs(largest) : 1.0;
@@ -152,7 +153,8 @@ class FitRuns {
       outcome = fmt::format("the run fails: {}", error.what());
     }
     std::string line = fmt::format("run {}:", known_.size() + 1);
-    for (std::size_t j = 0; j < values.size(); ++j) line += fmt::format(" {} = {:.6g};", parameters_[j].name, values[j]);
+    for (std::size_t j = 0; j < values.size(); ++j)
+      line += fmt::format(" {} = {:.6g};", parameters_[j].name, values[j]);
     console_.print(fmt::format("{} {}", line, outcome));
     return known_.emplace_back(Known{values, std::move(curves)}).curves;
   }
@@ -210,8 +212,8 @@ class FitRuns {
 void add_warnings(FittedRun& fit, const std::vector<FreeParameter>& parameters) {
   const Determination& known = fit.outcome.determination;
   if (!fit.outcome.minimum.is_converged) {
-    fit.warnings.push_back(fmt::format("the fit has not converged ({}); try more starts or closer bounds",
-                                       fit.outcome.minimum.reason));
+    fit.warnings.push_back(
+        fmt::format("the fit has not converged ({}); try more starts or closer bounds", fit.outcome.minimum.reason));
   }
   for (std::size_t j = 0; j < known.is_determined.size(); ++j) {
     const std::string& name = parameters[j].name;

@@ -38,9 +38,9 @@ struct FittedRun {
 };
 
 /// Runs the fit: least squares of the residuals over their scales, with the derivatives of TangentRun, each run on all
-/// ranks. Prints progress and tables; writes fit.csv, fitted.yaml, report.html and the plots in it as SVG files into the
-/// directory. Returns done if the fit converged, otherwise study_failed. Throws InputError with every error of the fit
-/// file, its tables and the input. Collective.
+/// ranks. Prints progress and tables; writes fit.csv, fitted.yaml, report.html and the plots in it as SVG files into
+/// the directory. Returns done if the fit converged, otherwise study_failed. Throws InputError with every error of the
+/// fit file, its tables and the input. Collective.
 ExitCode fit_run_command(MPI_Comm comm, const FitConfig& config, const std::string& directory, Console& console);
 
 }  // namespace pliant

@@ -113,7 +113,8 @@ std::vector<std::string> fit_tables(const FittedRun& fit) {
     lines.push_back(fmt::format("{:<{}}  {:>14.7g}  {:>14.3g}  {}", fit.numbers[j].key, width, fit.outcome.values[j],
                                 fit.outcome.standard_errors[j], unit_shown(fit.numbers[j].unit)));
   }
-  lines.push_back(fmt::format("{:<{}}  {:>6}  {:>12}  {:<6}  {:>8}", "target", name_width, "points", "rms", "unit", "R^2"));
+  lines.push_back(
+      fmt::format("{:<{}}  {:>6}  {:>12}  {:<6}  {:>8}", "target", name_width, "points", "rms", "unit", "R^2"));
   for (std::size_t n = 0; n < fit.targets.size(); ++n) {
     const FitTarget& target = fit.targets[n];
     lines.push_back(fmt::format("{:<{}}  {:>6}  {:>12.4g}  {:<6}  {:>8.5f}", target.name, name_width,

@@ -21,9 +21,9 @@ namespace fs = std::filesystem;
 /// The derivatives of one column over time.
 struct SensitiveColumn {
   std::string name;
-  std::size_t place;                         ///< among the columns of the history
-  std::vector<double> values;                ///< of each step
-  std::vector<std::vector<double>> slopes;   ///< of each number, of each step
+  std::size_t place;                        ///< among the columns of the history
+  std::vector<double> values;               ///< of each step
+  std::vector<std::vector<double>> slopes;  ///< of each number, of each step
 };
 
 std::vector<SensitiveColumn> find_columns(const std::vector<std::string>& names, const std::vector<std::string>& all) {
@@ -31,9 +31,8 @@ std::vector<SensitiveColumn> find_columns(const std::vector<std::string>& names,
   for (const std::string& name : names) {
     const auto found = std::ranges::find(all, name);
     if (found == all.end()) {
-      throw InputError({"--of " + name, 0, 0},
-                       fmt::format("history.csv has no column '{}'{}; it has {}", name, did_you_mean(name, all),
-                                   joined(all)));
+      throw InputError({"--of " + name, 0, 0}, fmt::format("history.csv has no column '{}'{}; it has {}", name,
+                                                           did_you_mean(name, all), joined(all)));
     }
     result.push_back({name, static_cast<std::size_t>(found - all.begin()), {}, {}});
   }
@@ -131,8 +130,8 @@ class SensitivityStudy {
   }
 
   void print() const {
-    const std::string end = fmt::format("{} = {:.6g}{}", is_static() ? "load factor" : "t", times_.back(),
-                                        is_static() ? "" : " s");
+    const std::string end =
+        fmt::format("{} = {:.6g}{}", is_static() ? "load factor" : "t", times_.back(), is_static() ? "" : " s");
     std::size_t width = 6;
     for (const VariedNumber& p : numbers_) width = std::max(width, p.key.size());
     console_.print(fmt::format("derivatives at {}, in SI units", end));

@@ -161,9 +161,10 @@ void TangentRun::end_stage(NewtonSolver& solver, Vec q) {
   TangentSystem& system = solver.tangent();
   const auto require = [&](bool works) {
     if (works) return;
-    throw SolveError(fmt::format("the derivatives cannot be computed at t = {:.6g}: their linear system has no solution; "
-                                 "the run is at a point where it may go on in several ways",
-                                 time()));
+    throw SolveError(
+        fmt::format("the derivatives cannot be computed at t = {:.6g}: their linear system has no solution; "
+                    "the run is at a point where it may go on in several ways",
+                    time()));
   };
   require(system.begin(solution));
   const double floor = equation.rounding_floor(solution);

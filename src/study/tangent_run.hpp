@@ -15,9 +15,9 @@
 
 namespace pliant {
 
-/// The tangent-linear model of a run: the derivatives s = dq/dp of the discrete motion by numbers p, stage by stage with
-/// the stages of the method itself, its steps held. Where the stage's equation is r(q; y0, p) = 0, with y0 the start
-/// that the method's formula makes of earlier states,
+/// The tangent-linear model of a run: the derivatives s = dq/dp of the discrete motion by numbers p, stage by stage
+/// with the stages of the method itself, its steps held. Where the stage's equation is r(q; y0, p) = 0, with y0 the
+/// start that the method's formula makes of earlier states,
 ///
 ///     K s = -dr/dy0 s0 - dr/dp
 ///
@@ -33,8 +33,8 @@ namespace pliant {
 class TangentRun final : private StageFollower {
  public:
   /// The run of `input` with these values of its numbers, on the mesh of the input, which is not needed afterwards.
-  /// `sizes`: of each number, of which a small part is a small change if its value is 0; may be empty. Throws InputError
-  /// where neither larger nor smaller values are taken. Collective.
+  /// `sizes`: of each number, of which a small part is a small change if its value is 0; may be empty. Throws
+  /// InputError where neither larger nor smaller values are taken. Collective.
   TangentRun(const Mesh& mesh, const VariedInput& input, std::span<const double> values,
              std::span<const double> sizes = {});
   ~TangentRun() override;
@@ -59,8 +59,7 @@ class TangentRun final : private StageFollower {
   void begin_step(const Step& step) override;
   void end_stage(NewtonSolver& solver, Vec q) override;
   void end_step(bool restarts) override;
-  void add_pair(const Mesh& mesh, const VariedInput& input, std::span<const double> values, std::size_t n,
-                double size);
+  void add_pair(const Mesh& mesh, const VariedInput& input, std::span<const double> values, std::size_t n, double size);
   void measure();
   /// What the equation of a stage is at its solution.
   struct StageTangent {

@@ -27,10 +27,11 @@ struct StagePoint {
   Vec z0 = nullptr;         ///< internal variables at the stage's start; nullptr if there are none
   /// Set while the last stage of a step on a vector space is solved: q_{n+1} = end_rest + end_weight q. Otherwise 0.
   double end_weight = 0.0;
-  Vec end_rest = nullptr;  ///< nullptr: zero, as for stiffly accurate methods
-  double end_time = 0.0;   ///< t_{n+1}, where end_weight is set [s]
-  Vec centre = nullptr;    ///< q_n, around which coordinates are taken; nullptr on a vector space
-  Vec accepted = nullptr;  ///< q_n on a vector space: the configuration from which the step starts [m]
+  Vec end_rest = nullptr;    ///< nullptr: zero, as for stiffly accurate methods
+  double end_time = 0.0;     ///< t_{n+1}, where end_weight is set [s]
+  Vec centre = nullptr;      ///< q_n, around which coordinates are taken; nullptr on a vector space
+  Vec accepted = nullptr;    ///< q_n on a vector space: the configuration from which the step starts [m]
+  Vec accepted_z = nullptr;  ///< z_n, the internal variables from which the step starts; nullptr if there are none
 };
 
 enum class StageOutcome { converged, retry, fatal };
@@ -64,9 +65,9 @@ struct PrescribedMotion {
 struct InternalVariables {
   /// z = the variables at the end of the converged stage (from stage.z0 and q). Collective.
   std::function<void(const StagePoint& stage, Vec q, Vec z)> end_stage;
-  /// On entry z is the result of the method's formula for the end of a step; those that are functions of q are set to
-  /// their values at q. Collective.
-  std::function<void(Vec q, Vec z)> complete_step = [](Vec, Vec) {};
+  /// On entry z is the result of the method's formula for the end of a step; those that the formula does not concern
+  /// are set: functions of q, and of q and z_n (nullptr at the start of the motion). Collective.
+  std::function<void(Vec accepted_z, Vec q, Vec z)> complete_step = [](Vec, Vec, Vec) {};
 };
 
 /// Quadratures: integrals along the motion, dw/dt = rate(t, q, v), integrated by the method itself (energies, works).

@@ -80,6 +80,7 @@ const StagePoint& Stepper::start_stage() {
   stage_.dt = weight_.beta * method_.A[i][i] * step_.dt;
   stage_.step_start = history_->newest().time;
   (system_.space ? stage_.centre : stage_.accepted) = history_->newest().q.get();
+  stage_.accepted_z = history_->newest().z.get();
   stage_.end_time = step_.time;
   start(stage_);
   return stage_;
@@ -219,7 +220,7 @@ void Stepper::complete_step() {
   system_.motion.complete_step(step_, end_q, v_.end());
   if (z_) {
     z_->complete_step(method_.bt);
-    system_.internal.complete_step(end_q, z_->end());
+    system_.internal.complete_step(newest.z.get(), end_q, z_->end());
   }
   for (std::size_t m = 0; m < w_.size(); ++m) w_[m] += newest.w[m];
 }

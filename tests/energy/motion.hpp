@@ -20,7 +20,7 @@ inline std::array<std::vector<double>, 2> end_of_motion(IncrementalPotential& po
   system.guess = Guess::extrapolated;
   if (start.z != nullptr) {
     system.internal = potential.internal_variables();
-    system.internal.complete_step(start.q, start.z);
+    system.internal.complete_step(nullptr, start.q, start.z);
   }
   Integrator integrator({method, Startup::dirk33}, system, start);
   for (int n = 1; n <= num_steps; ++n) {

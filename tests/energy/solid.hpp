@@ -138,7 +138,7 @@ struct TestStage {
     earlier.q0 = earlier.v0 = rest.get();
     earlier.z0 = zero.get();
     potential.internal_variables().end_stage(earlier, solid.vector(end).get(), z0.get());
-    point.z0 = z0.get();
+    point.z0 = point.accepted_z = z0.get();
   }
 };
 

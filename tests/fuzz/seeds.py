@@ -38,6 +38,7 @@ bodies:
     density: 900
     elasticity: *law
     expansion: {stretch: "1 + 0.01*min(t, x)"}
+    mullins: {r: 2.1, m: 20 kPa, beta: 0.1}
   - volume: four
     elasticity: {library: ecoflex-00-30, poissons_ratio: 0.49, incompressible: false}
   - volume: two

@@ -58,7 +58,7 @@ TEST(Dump, SpellsOutEveryKeyOfTheTable) {
   collect_paths(parse_yaml(dump(read(everything, {{"bodies",
                                                    "[{density: 1, elasticity: {model: neo-hookean, youngs_modulus: 1, "
                                                    "poissons_ratio: 0}, viscosity: {model: prony, ratio: 0.3, "
-                                                   "relaxation_time: 1}}]"}})),
+                                                   "relaxation_time: 1}, mullins: {r: 2, m: 1, beta: 0.1}}]"}})),
                            "dump", none),
                 "", written);
   const std::vector<Override> mechanism{

@@ -195,6 +195,7 @@ INSTANTIATE_TEST_SUITE_P(
             "give a 'shear_ratio' only"},
         Bad{5, "time: {method: @petsc:bdf, step: 0.01, end: 1}\nelement: P2\nvolumetric: mixed",
             "needs one of Pliant's own methods"},
+        Bad{2, "bodies: [{volume: a, density: 1, rigid: true, mullins: @{r: 2, m: 1}}]", "is rigid: remove 'mullins'"},
 
         Bad{6, "element: P2\nvolumetric: mixed\nsolver: {linear: @p-multigrid}", "which p-multigrid cannot solve"},
         Bad{6, "solver: {linear: @p-multigrid}",
@@ -375,6 +376,40 @@ INSTANTIATE_TEST_SUITE_P(
                      "'20 Pa' is a pressure, but a viscosity [Pa*s] is expected"},
         BadViscosity{"{model: kelvin-voigt, shear: 1, rate: @exakt}", "(did you mean 'exact'?)"},
         BadViscosity{"{model: maxwell, shear_modulus: 1, relaxation_time: @0}", "'relaxation_time' must be > 0 [s]"}));
+
+/// Of line 2 with this softening of a law with two moduli.
+struct BadSoftening {
+  std::string model;
+  std::string rest;  ///< of the body and the input; '@' marks the place
+  const char* message;
+};
+
+void PrintTo(const BadSoftening& bad, std::ostream* out) {
+  *out << bad.model << " " << bad.rest;
+}
+
+class BadSofteningOfABody : public ::testing::TestWithParam<BadSoftening> {};
+
+TEST_P(BadSofteningOfABody, IsToldOnceAtItsPlace) {
+  const std::string text = "bodies: [{density: 1, elasticity: {model: " + GetParam().model +
+                           ", youngs_modulus: 1, poissons_ratio: 0.3}, mullins: " + GetParam().rest;
+  test::expect_told_once({2, text.c_str(), GetParam().message});
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Softening, BadSofteningOfABody,
+    ::testing::Values(BadSoftening{"neo-hookean", "@{m: 1}}]", "missing key 'r' in mullins"},
+                      BadSoftening{"neo-hookean", "{r: @1, m: 1}}]", "'r' must be > 1"},
+                      BadSoftening{"neo-hookean", "{r: 2, m: @-1}}]", "'m' must be >= 0"},
+                      BadSoftening{"neo-hookean", "{r: 2, beta: @-1}}]", "'beta' must be >= 0"},
+                      BadSoftening{"neo-hookean", "{r: 2, m: @1 mm}}]", "'1 mm' is a length"},
+                      BadSoftening{"neo-hookean", "@{r: 2}}]", "'mullins' needs an 'm' or a 'beta' above 0"},
+                      BadSoftening{"saint-venant-kirchhoff", "@{r: 2, m: 1}}]",
+                                   "and model 'saint-venant-kirchhoff' has no separate volumetric part; use one of "},
+                      BadSoftening{"neo-hookean", "@{r: 2, m: 1}, active: {fibre: [1, 0, 0], shortening: t}}]",
+                                   "cannot follow a body whose fibres shorten"},
+                      BadSoftening{"neo-hookean", "@{r: 2, m: 1 J/m^3}}]\nelement: P2\nvolumetric: mean-dilatation",
+                                   "without its volumetric part, model 'neo-hookean' still feels a change of volume"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Methods, BadInput,

@@ -60,7 +60,7 @@ End after_steps(MPI_Comm comm, const std::string& file, const StepCase& c) {
   const Handle<Vec> z = potential.make_internal();
   if (z) {
     system.internal = potential.internal_variables();
-    system.internal.complete_step(q.get(), z.get());
+    system.internal.complete_step(nullptr, q.get(), z.get());
   }
   Integrator integrator({*find_method(c.method)}, system, {0.0, q.get(), v.get(), z.get(), {}});
   End end;

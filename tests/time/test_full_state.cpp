@@ -152,7 +152,7 @@ TEST_P(FullStates, AllPartsKeepTheOrderWithChangingSteps) {
 // Internal variables that are functions of q are set to them at the end, and stand so in the history.
 TEST_P(FullStates, CompletedStepsSetWhatIsAFunctionOfTheConfiguration) {
   System system = maxwell_pendulum();
-  system.internal.complete_step = [](Vec q, Vec z) {
+  system.internal.complete_step = [](Vec /*accepted_z*/, Vec q, Vec z) {
     const ConstArrayView at(q);
     const ArrayView values(z);
     values[1] = strain(at[1]);

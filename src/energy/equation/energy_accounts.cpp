@@ -50,6 +50,14 @@ std::vector<double> EnergyAccounts::energies(const Instant& when, Vec q, Vec z) 
   return result;
 }
 
+std::vector<double> EnergyAccounts::dissipated(Vec z) const {
+  std::vector<double> result(terms_.size(), 0.0);
+  if (z == nullptr) return result;
+  for (std::size_t k = 0; k < terms_.size(); ++k) result[k] = terms_[k].dissipated(terms_.internal_of(k, z));
+  sum_in_place(terms_.layout().comm, result);
+  return result;
+}
+
 double EnergyAccounts::supplied(const Instant& from, const Instant& to, Vec q) {
   const auto is_concerned = [](const EnergyTerm* term) { return term->declaration().depends_on_time; };
   if (std::ranges::none_of(terms_.all(), is_concerned)) return 0.0;

@@ -29,6 +29,8 @@ class EnergyAccounts {
   std::vector<TermPower> powers(Vec q, Vec v, Vec r);
   /// EnergyTerm::energy_at of each term; z may be nullptr if there are no internal variables [J].
   std::vector<double> energies(const Instant& when, Vec q, Vec z);
+  /// EnergyTerm::dissipated of each term; z as above [J].
+  std::vector<double> dissipated(Vec z) const;
   /// Change of the energies at fixed q from one instant to another, which time alone causes [J].
   double supplied(const Instant& from, const Instant& to, Vec q);
   /// Calls `visit` for the stress that each term has in each of its owned cells; z as above, v = nullptr: at rest.

@@ -388,10 +388,12 @@ InternalVariables IncrementalPotential::internal_variables() {
     for (std::size_t k = 0; k < terms_.size(); ++k)
       terms_[k].end_stage(terms_.stage_of(k), at, terms_.internal_of(k, values.span()));
   };
-  internal.complete_step = [this](Vec q, Vec z) {
+  internal.complete_step = [this](Vec accepted_z, Vec q, Vec z) {
     const auto at = terms_.arrays().at(q);
     const ArrayView values(z);
-    for (std::size_t k = 0; k < terms_.size(); ++k) terms_[k].complete_step(at, terms_.internal_of(k, values.span()));
+    for (std::size_t k = 0; k < terms_.size(); ++k) {
+      terms_[k].complete_step(terms_.internal_of(k, accepted_z), at, terms_.internal_of(k, values.span()));
+    }
   };
   return internal;
 }

@@ -45,6 +45,7 @@ const FunctionOfSum& StageTerms::function_of_sum(std::size_t k) const {
 void StageTerms::begin(const StagePoint& stage) {
   arrays_.begin(stage);
   z0_ = stage.z0;
+  accepted_z_ = stage.accepted_z;
 }
 
 std::span<const double> StageTerms::at(Vec q) {
@@ -81,6 +82,7 @@ const LocalStage& StageTerms::stage_of(std::size_t k) {
   stage.near = near(k);
   stage.near_frozen = near_frozen(k);
   stage.z0 = internal_of(k, z0_);
+  stage.accepted_z = internal_of(k, accepted_z_);
   return stage;
 }
 

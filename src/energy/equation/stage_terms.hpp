@@ -64,7 +64,7 @@ class StageTerms {
   std::vector<std::size_t> functions_of_sum_, pair_terms_;
   std::vector<std::optional<std::size_t>> pairs_of_term_;  // number of its coupling in PairAssembly
   std::vector<std::size_t> first_internal_;                // of each term, and their total
-  Vec z0_ = nullptr;                                       // of the stage, borrowed
+  Vec z0_ = nullptr, accepted_z_ = nullptr;                // of the stage, borrowed
   std::vector<SumOverRanks> sums_;                         // of each term, at the last configuration
   std::vector<double> rows_;
 };

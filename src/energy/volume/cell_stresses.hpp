@@ -23,6 +23,7 @@ struct CentroidState {
   Tensor3<Pack> P;  ///< [Pa]
   Pack J;           ///< the volume ratio to be reported
   Pack psi;         ///< [J/m^3]
+  Pack softening = 0.0;
 };
 
 /// Calls `visit(local cell, stress)` for the owned cells of a batch.
@@ -32,10 +33,11 @@ void visit_stresses(const CellBatch<Order>& batch, const CentroidState& at, cons
     if (batch.batch().owned[lane] == 0.0) continue;
     const Tensor3<double> F = add_to_diagonal(one_lane(at.H, lane), 1.0);
     const Tensor3<double> sigma = (1.0 / det(F)) * matmul(one_lane(at.P, lane), transpose(F));
-    visit(
-        batch.local_cell(lane),
-        CellStress{
-            {sigma(0, 0), sigma(1, 1), sigma(2, 2), sigma(0, 1), sigma(1, 2), sigma(0, 2)}, at.J[lane], at.psi[lane]});
+    visit(batch.local_cell(lane),
+          CellStress{{sigma(0, 0), sigma(1, 1), sigma(2, 2), sigma(0, 1), sigma(1, 2), sigma(0, 2)},
+                     at.J[lane],
+                     at.psi[lane],
+                     at.softening[lane]});
   }
 }
 
@@ -43,6 +45,7 @@ void visit_stresses(const CellBatch<Order>& batch, const CentroidState& at, cons
 struct PointStress {
   Tensor3<Pack> S{};  ///< second Piola-Kirchhoff, or the stress of a law of small strain [Pa]
   Pack energy = 0.0;  ///< [J/m^3]
+  Pack softening = 0.0;
 };
 
 /// Whether PointStress::S is pushed forward.
@@ -62,12 +65,13 @@ void visit_mean_stresses(const BodyCells<Order>& cells, std::span<const double> 
       const PointStress there = at_point(point);
       mean.S = mean.S + point.weight() * there.S;
       mean.energy += point.weight() * there.energy;
+      mean.softening += point.weight() * there.softening;
       volume += point.weight();
     }
     const Pack share = 1.0 / select(volume > 0.0, volume, Pack(1.0));  // padding lanes have none
     const Tensor3<Pack> H = centroid_gradient(batch, batch.values(q)), F = add_to_diagonal(H, 1.0), S = share * mean.S;
     const bool is_small = measure == StressMeasure::small_strain;
-    visit_stresses(batch, {H, is_small ? S : matmul(F, S), det(F), share * mean.energy}, visit);
+    visit_stresses(batch, {H, is_small ? S : matmul(F, S), det(F), share * mean.energy, share * mean.softening}, visit);
   });
 }
 

@@ -1,6 +1,5 @@
 #include "energy/volume/internal_keys.hpp"
 
-#include "energy/volume/point_tensor.hpp"
 #include "fem/element.hpp"
 
 #include <algorithm>
@@ -12,15 +11,24 @@
 namespace pliant {
 namespace {
 
-constexpr int point_bits = 14;  // per coordinate: 6e-5 distinguishes all points of a rule
+constexpr int point_bits = 13;  // per coordinate: 2e-4 distinguishes all points of a rule
 constexpr std::int64_t most_per_term = 1024;
+constexpr std::int64_t most_components = 8;
 
 }  // namespace
 
+int internal_components(std::span<const EnergyTerm* const> terms) {
+  const bool have_numbers = std::ranges::any_of(
+      terms, [](const EnergyTerm* term) { return term->num_internal() > 0 && term->internal_components() == 1; });
+  return have_numbers ? 1 : num_symmetric;
+}
+
 std::vector<EntryKey> internal_keys(const NodeLayout& layout, std::span<const EnergyTerm* const> terms) {
   std::vector<EntryKey> keys;
+  const int shared = internal_components(terms);
   for (std::size_t k = 0; k < terms.size(); ++k) {
-    std::vector<InternalPlace> places(terms[k]->num_internal() / num_symmetric);
+    const int components = terms[k]->internal_components();
+    std::vector<InternalPlace> places(terms[k]->num_internal() / static_cast<std::size_t>(components));
     terms[k]->place_internal(places);
     for (const auto& place : places) {
       assert(place.number < most_per_term);
@@ -33,7 +41,9 @@ std::vector<EntryKey> internal_keys(const NodeLayout& layout, std::span<const En
       for (std::size_t a = 1; a < 4; ++a) {
         key = (key << point_bits) + std::llround(std::ldexp(corners[a].second, point_bits - 1));
       }
-      keys.push_back({layout.cell_numbers[place.cell], key});
+      for (int c = 0; c < components; c += shared) {
+        keys.push_back({layout.cell_numbers[place.cell], most_components * key + c});
+      }
     }
   }
   return keys;

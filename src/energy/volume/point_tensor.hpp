@@ -1,5 +1,5 @@
-/// Symmetric tensors at the quadrature points of a body, among the internal variables of a term: xx yy zz xy yz xz,
-/// cell by cell in the order of the groups, ghost cells included.
+/// Symmetric tensors (xx yy zz xy yz xz) and single numbers at the quadrature points of a body, among the internal
+/// variables of a term: cell by cell in the order of the groups, ghost cells included.
 #pragma once
 
 #include "energy/term.hpp"
@@ -7,26 +7,40 @@
 
 namespace pliant {
 
-inline constexpr int num_symmetric = 6;
 inline constexpr std::array<int, num_symmetric> symmetric_rows{0, 1, 2, 0, 1, 0}, symmetric_columns{0, 1, 2, 1, 2, 2};
+
+/// Index of a lane's point among those of the body on this rank.
+template <int Order>
+std::size_t number_of_point(const CellPoint<Order>& point, int lane) {
+  return point.in.cell(lane) * point.in.group.rule.size() + point.number;
+}
 
 template <int Order>
 std::size_t first_component(const CellPoint<Order>& point, int lane) {
-  return num_symmetric * (point.in.cell(lane) * point.in.group.rule.size() + point.number);
+  return num_symmetric * number_of_point(point, lane);
 }
 
-/// The places of the tensors of all points; `number`: the index among the term's tensors at each point.
+/// The places of all points; `number`: the index among what the term has at each point.
 template <int Order>
-void place_symmetric(const BodyCells<Order>& cells, int number, std::span<InternalPlace> places) {
+void place_points(const BodyCells<Order>& cells, int number, std::span<InternalPlace> places) {
   cells.for_each_batch([&](const CellBatch<Order>& batch) {
     for (int k = 0; k < batch.group.rule.size(); ++k) {
       const CellPoint<Order> point{batch, k};
       for (int lane = 0; lane < batch.batch().num_lanes; ++lane) {
-        places[first_component(point, lane) / num_symmetric] = {batch.local_cell(lane), batch.group.rule.points[k],
-                                                                number};
+        places[number_of_point(point, lane)] = {batch.local_cell(lane), batch.group.rule.points[k], number};
       }
     }
   });
+}
+
+template <int Order>
+PLIANT_INLINE Pack load_number(const CellPoint<Order>& point, std::span<const double> z) {
+  return Pack([&](auto lane) { return z[number_of_point(point, lane)]; });
+}
+
+template <int Order>
+PLIANT_INLINE void store_number(const CellPoint<Order>& point, const Pack& value, std::span<double> z) {
+  for (int lane = 0; lane < point.in.batch().num_lanes; ++lane) z[number_of_point(point, lane)] = value[lane];
 }
 
 template <int Order>

@@ -77,7 +77,7 @@ class PronyTerm final : public StressTerm {
   void place_internal(std::span<InternalPlace> places) const override {
     const std::size_t num_points = cells_.num_points();
     for (std::size_t i = 0; i < branches_.size(); ++i) {
-      place_symmetric(cells_, static_cast<int>(i), places.subspan(i * num_points, num_points));
+      place_points(cells_, static_cast<int>(i), places.subspan(i * num_points, num_points));
     }
   }
 

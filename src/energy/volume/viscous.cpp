@@ -97,7 +97,7 @@ class ViscousTerm final : public StressTerm {
   }
 
   void place_internal(std::span<InternalPlace> places) const override {
-    if (reference == Reference::internal) place_symmetric(cells_, 0, places);
+    if (reference == Reference::internal) place_points(cells_, 0, places);
   }
 
   void end_stage(const LocalStage& stage, std::span<const double> q, std::span<double> z) const override {
@@ -113,7 +113,8 @@ class ViscousTerm final : public StressTerm {
     }
   }
 
-  void complete_step(std::span<const double> q, std::span<double> z) const override {
+  void complete_step(std::span<const double> /*accepted_z*/, std::span<const double> q,
+                     std::span<double> z) const override {
     if (reference != Reference::internal || dashpot_.relaxation_time > 0.0) return;
     cells_.for_each_batch([&](const Batch& batch) {
       const auto u = batch.values(q);

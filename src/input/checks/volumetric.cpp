@@ -71,6 +71,38 @@ void check_viscosity(const BodyConfig& body, const std::optional<ElasticityRule>
   }
 }
 
+/// Reports what softening cannot be combined with.
+void check_mullins(const Config& config, const BodyConfig& body, const ElasticityRule& rule, Diagnostics& diagnostics) {
+  const Location& where = body.mullins->where;
+  const std::string& model = body.elasticity->model;
+  if (body.mullins->law.m + body.mullins->law.beta == 0.0) {
+    diagnostics.add(where, "'mullins' needs an 'm' or a 'beta' above 0: the stress would jump at every reversal");
+  }
+  if (body.active && std::holds_alternative<ActiveConfig::Shortening>(body.active->contraction)) {
+    diagnostics.add(where,
+                    "'mullins' cannot follow a body whose fibres shorten, because the law sees only a part of its "
+                    "deformation; let them pull, with a 'stress' in place of the 'shortening'");
+  }
+  if (body.expansion) {
+    diagnostics.add(where,
+                    "'mullins' cannot follow a body that expands, because the law sees only a part of its deformation; "
+                    "leave 'expansion' or 'mullins' out");
+  }
+  if (!volumetric_form_of(rule.kind())) {
+    diagnostics.add(where,
+                    fmt::format("'mullins' softens the resistance to a change of shape alone, and model '{}' has no "
+                                "separate volumetric part; use one of {}",
+                                model, names_of_split_laws()));
+  } else if (config.volumetric == VolumetricTreatment::mean_dilatation &&
+             !is_isochoric(*make_law_field(split_volume(typical_law(rule.kind().row))->rest))) {
+    diagnostics.add(where,
+                    fmt::format("without its volumetric part, model '{}' still feels a change of volume, which "
+                                "'volumetric: mean-dilatation' averages and 'mullins' cannot follow; use 'volumetric: "
+                                "mixed' or another model, such as neo-hookean-isochoric",
+                                model));
+  }
+}
+
 /// Reports what cannot be combined with pressures, which have neither history nor inertia.
 void check_mixed(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   const TimeConfig& time = config.time;
@@ -104,6 +136,7 @@ void check_volumetric(const Config& config, const InputNode& root, Diagnostics& 
     const auto rule = rule_of(elasticity);
     if (treatment != VolumetricTreatment::standard) check_viscosity(body, rule, diagnostics);
     if (!rule) continue;
+    if (body.mullins) check_mullins(config, body, *rule, diagnostics);
     if (treatment == VolumetricTreatment::mixed) {
       check_mixed(elasticity, *rule, diagnostics);
     } else if (rule->is_uniform() && is_incompressible(rule->law_at(0, {}))) {

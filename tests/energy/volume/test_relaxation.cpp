@@ -86,7 +86,7 @@ Losses follow(const Solid& solid, IncrementalPotential& potential, const Method&
   const Handle<Vec> z = potential.make_internal();
   if (z) {
     system.internal = potential.internal_variables();
-    system.internal.complete_step(q.get(), z.get());
+    system.internal.complete_step(nullptr, q.get(), z.get());
   }
   const double nothing = 0.0;
   Integrator integrator({method, Startup::dirk33}, system, {0.0, q.get(), v.get(), z.get(), {&nothing, 1}});
@@ -287,7 +287,7 @@ TEST_P(GivenMotion, ALoadedBarCreepsAsItsFormulaSays) {
       const Handle<Vec> z = potential.make_internal();
       if (z) {
         system.internal = potential.internal_variables();
-        system.internal.complete_step(q.get(), z.get());
+        system.internal.complete_step(nullptr, q.get(), z.get());
       }
       Integrator integrator({GetParam(), Startup::dirk33}, system, {0.0, q.get(), v.get(), z.get(), {}});
       const int num_steps = level == 0 ? 20 : 40;

@@ -252,7 +252,7 @@ TEST_P(Viscous, CompletedStepsHoldTheStrainsOfTheirConfiguration) {
   if (!z) return;
   const auto q = solid_.vector(at_time(0.0));
   check(VecSet(z.get(), 0.25));
-  body_.potential.internal_variables().complete_step(q.get(), z.get());
+  body_.potential.internal_variables().complete_step(nullptr, q.get(), z.get());
   const Handle<Vec> expected =
       holds_strain ? body_.stage_from(at_time(0.0)).z0.share() : body_.potential.make_internal();
   if (!holds_strain) check(VecSet(expected.get(), 0.25));
