@@ -1,4 +1,4 @@
-/// The numbers that a run tells of each step: the columns of history.csv (docs/output.md).
+/// The numbers that a run reports for each step: the columns of history.csv (docs/output.md).
 #pragma once
 
 #include "model/rigid_states.hpp"

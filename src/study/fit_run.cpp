@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of the motion, as Newton's method leaves it.
+/// The relative error that Newton's method leaves in a motion.
 constexpr double error_of_runs = 1e-9;
 
 /// A column of a run over time, with its derivatives.

@@ -34,7 +34,7 @@ void copy_extra_unknowns(const NodeLayout& layout, Vec from, Vec to) {
 
 }  // namespace
 
-/// The run of another value, led by solutions of the run beside it.
+/// The run of another value, with the solutions of the run in the middle.
 struct TangentRun::Neighbour {
   Neighbour(const Mesh& mesh, Config given)
       : config(std::move(given)),
@@ -163,7 +163,7 @@ void TangentRun::end_stage(NewtonSolver& solver, Vec q) {
     if (works) return;
     throw SolveError(
         fmt::format("the derivatives cannot be computed at t = {:.6g}: their linear system has no solution; "
-                    "the run is at a point where it may go on in several ways",
+                    "the run is at a point where it may continue in several ways",
                     time()));
   };
   require(system.begin(solution));

@@ -25,11 +25,11 @@ namespace pliant {
 /// variables, quadratures, numbers of the history), are central differences between two neighbouring inputs, p - h and
 /// p + h, which follow the run: each with its own model and the whole stage algebra, but without a solver; their
 /// solutions are q -+ h s. So every number of the input has a derivative that no term need know, with an error of h^2
-/// (h is 1e-4 of the number) and of rounding errors over h.
+/// (h is 1e-5 of the number) and of rounding errors over h.
 ///
 /// What jumps has no derivative: where friction turns from sticking to sliding or the length of a step follows the
 /// error, the derivative is that of the branch that the run takes, with the steps that it takes. (docs/sensitivity.md;
-/// the tangent-linear layer of implicit Runge-Kutta methods: Sandu, Lect. Notes Comput. Sci. 3991 (2006) 50-57.)
+/// Petzold, Li, Cao & Serban 2006, Sensitivity analysis of differential-algebraic equations.)
 class TangentRun final : private StageFollower {
  public:
   /// The run of `input` with these values of its numbers, on the mesh of the input, which is not needed afterwards.
@@ -44,7 +44,7 @@ class TangentRun final : private StageFollower {
   /// Those of history.csv.
   const std::vector<std::string>& columns() const { return row_->columns(); }
   bool finished() const { return simulation_->finished(); }
-  /// Goes on to the next completed step. Throws SolveError if there is none. Collective.
+  /// Continues to the next completed step. Throws SolveError if there is none. Collective.
   void advance();
 
   double time() const { return simulation_->record().time; }

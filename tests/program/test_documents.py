@@ -254,6 +254,11 @@ class Documents(ProgramTest):
                         for entry in value if isinstance(value, list) else [value]:
                             self.assertIn(entry, whole[key] if isinstance(value, list) else [whole[key]])
                     continue
+                if {"input", "targets"} <= set(part):
+                    text = text.replace("../released", f"{ROOT}/input/released").replace("../data", f"{ROOT}/input/data")
+                    done = self.call("fit", self.write("motion.yaml", text))
+                    self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+                    continue
                 if {"material", "tests"} <= set(part):
                     (self.directory / "fit").mkdir(exist_ok=True)
                     write_measurements(self.directory / "fit")
