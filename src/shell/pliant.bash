@@ -11,6 +11,7 @@ _pliant() {
       ' check') path='check' ;;
       ' converge') path='converge' ;;
       ' sweep') path='sweep' ;;
+      ' sensitivity') path='sensitivity' ;;
       ' fit') path='fit' ;;
       ' mesh') path='mesh' ;;
       'mesh convert') path='mesh convert' ;;
@@ -24,7 +25,7 @@ _pliant() {
     esac
   done
   case $path in
-    '') options='-h --help --version' words='run resume info report check converge sweep fit mesh methods materials schema help completion man' files='' ;;
+    '') options='-h --help --version' words='run resume info report check converge sweep sensitivity fit mesh methods materials schema help completion man' files='' ;;
     'run') options='-h --help --set --output --continue --quiet' words='' files='*.@(yaml|yml)' ;;
     'resume') options='-h --help --set --output --quiet' words='' files='*.h5' ;;
     'info') options='-h --help' words='' files='*.h5' ;;
@@ -32,6 +33,7 @@ _pliant() {
     'check') options='-h --help --set' words='' files='*.@(yaml|yml)' ;;
     'converge') options='-h --help --set --output --in --levels --methods --no-check' words='' files='*.@(yaml|yml)' ;;
     'sweep') options='-h --help --set --output --continue --jobs --ranks' words='' files='*.@(yaml|yml)' ;;
+    'sensitivity') options='-h --help --set --output --of --to' words='' files='*.@(yaml|yml)' ;;
     'fit') options='-h --help --output' words='' files='*.@(yaml|yml)' ;;
     'mesh') options='-h --help' words='convert' files='' ;;
     'mesh convert') options='-h --help --size --scale --allow-commands' words='' files='*' ;;
@@ -45,7 +47,7 @@ _pliant() {
   esac
   # What follows an option that takes a value is that.
   case $previous in
-    --set | --output | --size | --in | --levels | --methods | --jobs | --ranks | --scale | --stretch) options='' words='' files='' ;;
+    --set | --output | --size | --in | --levels | --methods | --jobs | --ranks | --of | --to | --scale | --stretch) options='' words='' files='' ;;
   esac
   case "$path $previous" in
     'run --output') files='*' ;;
@@ -54,6 +56,7 @@ _pliant() {
     'converge --output') files='*' ;;
     'converge --in') words='time space tolerance' ;;
     'sweep --output') files='*' ;;
+    'sensitivity --output') files='*' ;;
     'fit --output') files='*' ;;
     'materials plot --output') files='*' ;;
   esac

@@ -2,6 +2,7 @@
 
 #include "base/file.hpp"
 #include "base/text.hpp"
+#include "io/history_reader.hpp"
 #include "io/history_writer.hpp"
 #include "io/svg_plot.hpp"
 #include "petsc/collective.hpp"
@@ -85,7 +86,13 @@ class SensitivityStudy {
 
   void write() const {
     const fs::path directory = run_->config().output.directory;
-    on_root(comm_, [&] { write_text_atomically(directory / "sensitivity.csv", csv()); });
+    on_root(comm_, [&] {
+      write_text_atomically(directory / "sensitivity.csv", csv());
+      std::string numbers = "number,value,unit\n";
+      for (const VariedNumber& p : numbers_)
+        numbers += fmt::format("{},{},{}\n", p.key, format_number(p.value), p.unit);
+      write_text_atomically(directory / "numbers.csv", numbers);
+    });
     for (const SensitiveColumn& column : columns_) {
       write_svg(comm_, directory / fmt::format("sensitivity_{}.svg", column.name), plot(column));
     }
@@ -119,7 +126,8 @@ class SensitivityStudy {
     Plot plot;
     plot.title = fmt::format("{}: relative sensitivities", column.name);
     plot.x_label = is_static() ? "load factor" : "time [s]";
-    plot.y_label = fmt::format("p d({})/dp [SI]", column.name);
+    const std::string_view unit = unit_of_column(column.name);
+    plot.y_label = fmt::format("p d({})/dp{}", column.name, unit.empty() ? "" : fmt::format(" [{}]", unit));
     plot.scale = Scale::linear;
     for (std::size_t n = 0; n < numbers_.size(); ++n) {
       std::vector<double> scaled = column.slopes[n];

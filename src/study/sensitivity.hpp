@@ -19,7 +19,8 @@ struct SensitivityOptions {
 
 /// Runs the input with the derivatives of the columns by the numbers (study/tangent_run.hpp). Writes sensitivity.csv,
 /// one row for each step: time, and for each column y its value, and for each number p the derivative dy/dp and the
-/// relative one, p dy/dp; in SI units. Writes a plot of the relative ones for each column, and prints those at the end.
+/// relative one, p dy/dp; in SI units. Writes
+/// numbers.csv (number,value,unit), a plot of the relative ones for each column, and prints those at the end.
 /// Throws InputError for unknown columns and numbers, SolveError where the run fails; what was computed until then is
 /// written. Collective.
 ExitCode sensitivity_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& changes,

@@ -131,7 +131,8 @@ class Package(ProgramTest):
         """The blocks of the page one after another, as a reader types them; their beam with a coarser mesh."""
         for name in ("input/verification", "meshes"):
             (self.directory / name).mkdir(parents=True)
-        shutil.copy(ROOT / "input/verification/pendulum.yaml", self.directory / "input/verification")
+        for name in ("input/verification/pendulum.yaml", "input/released_beam.yaml", "meshes/cantilever.geo"):
+            shutil.copy(ROOT / name, self.directory / name)
         text = (ROOT / "input/beam_small.yaml").read_text()
         self.write("input/beam_small.yaml", text.replace("volume: beam", "volume: body").replace("surface: clamp", "surface: left"))
         write_box("meshes/beam_small.msh", (4, 1, 1), (1, 0.2, 0.2))

@@ -11,7 +11,8 @@ from .error import PliantError
 from .history import History
 from .result import Field, Frame, Joint, Line, Mechanisms, Mesh, Obstacles, Result, von_mises
 from .runs import Run, resume, run
+from .studies import Fit, Sensitivity, fit, sensitivity
 from .surface import Surface
 
-__all__ = ["Checkpoint", "Field", "Frame", "History", "Joint", "Line", "Mechanisms", "Mesh", "Obstacles", "PliantError", "Result", "Run",
-           "Surface", "resume", "run", "von_mises"]
+__all__ = ["Checkpoint", "Field", "Fit", "Frame", "History", "Joint", "Line", "Mechanisms", "Mesh", "Obstacles", "PliantError", "Result",
+           "Run", "Sensitivity", "Surface", "fit", "resume", "run", "sensitivity", "von_mises"]

@@ -100,7 +100,7 @@ def run(source: "Union[Path, Mapping[str, Any]]", overrides: "Optional[Mapping[s
 
     PliantError with the program's message if it fails; subprocess.TimeoutExpired if it takes too long.
     """
-    settings = _settings(overrides, output) + ["--continue"] * go_on
+    settings = settings_of(overrides, output) + ["--continue"] * go_on
     if not isinstance(source, (Mapping, str, os.PathLike)):
         raise PliantError(f"an input is a file, its text, or a dictionary, not {source!r}")
     is_file = not isinstance(source, Mapping) and "\n" not in os.fspath(source)
@@ -123,10 +123,11 @@ def run(source: "Union[Path, Mapping[str, Any]]", overrides: "Optional[Mapping[s
 def resume(checkpoint: Path, overrides: "Optional[Mapping[str, Any]]" = None, *, output: Optional[Path] = None, ranks: int = 1,
            petsc_options: Sequence[str] = (), timeout: Optional[float] = None) -> Run:
     """Resumes from a checkpoint, or from the newest one in a directory; otherwise as `run`."""
-    return _finished(["resume", os.fspath(checkpoint), *_settings(overrides, output)], ranks, petsc_options, timeout)
+    return _finished(["resume", os.fspath(checkpoint), *settings_of(overrides, output)], ranks, petsc_options, timeout)
 
 
-def _settings(overrides: "Optional[Mapping[str, Any]]", output: Optional[Path]) -> "list[str]":
+def settings_of(overrides: "Optional[Mapping[str, Any]]", output: Optional[Path]) -> "list[str]":
+    """The options of the command line."""
     if overrides is not None and not isinstance(overrides, Mapping):
         raise PliantError(f"overrides: a dictionary is expected, such as {{'time.step': '5 ms'}}, not {overrides!r}")
     if output is not None and not os.fspath(output):
@@ -147,7 +148,9 @@ def _flow(value: Any) -> str:
     return text[: -len("\n...")] if text.endswith("\n...") else text
 
 
-def _finished(arguments: "list[str]", ranks: int, petsc_options: Sequence[str], timeout: Optional[float]) -> Run:
+def completed(arguments: "list[str]", ranks: int, petsc_options: Sequence[str], timeout: Optional[float],
+              accepted: "tuple[int, ...]" = (0,)) -> "subprocess.CompletedProcess[str]":
+    """Starts the program and waits for its end; PliantError unless the exit code is one of those accepted."""
     if not isinstance(ranks, (int, np.integer)) or ranks < 1:
         raise PliantError(f"ranks={ranks!r}: a whole number from 1 is needed")
     command = [program(), *arguments]
@@ -157,8 +160,13 @@ def _finished(arguments: "list[str]", ranks: int, petsc_options: Sequence[str], 
         command = ["mpirun", "--quiet", "--bind-to", "none", "--oversubscribe", "-n", str(ranks), *command]
     environment = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **os.environ}
     done = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL, env=environment, timeout=timeout, check=False)
-    if done.returncode != 0:
+    if done.returncode not in accepted:
         raise PliantError(done.stderr.strip() or f"pliant ended with {done.returncode}", done.returncode)
+    return done
+
+
+def _finished(arguments: "list[str]", ranks: int, petsc_options: Sequence[str], timeout: Optional[float]) -> Run:
+    done = completed(arguments, ranks, petsc_options, timeout)
     # The last line that it prints of the results names them: "results: DIRECTORY/result.xdmf, DIRECTORY/history.csv".
     line = next(line for line in reversed(done.stdout.splitlines()) if line.startswith("results: "))
     directory = line[len("results: "):].split("/result.xdmf,")[0]

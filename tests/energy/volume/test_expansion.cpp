@@ -345,7 +345,7 @@ TEST_P(ViscousExpanding, AFreeBodyGrowsWithoutStress) {
     TestStage stage(solid_, time, dt, size(time - dt));
     if (Handle<Vec> start = potential.make_internal()) {
       stage.z0 = potential.make_internal();
-      potential.internal_variables().complete_step(stage.q0.get(), start.get());
+      potential.internal_variables().complete_step(nullptr, stage.q0.get(), start.get());
       check(VecCopy(start.get(), stage.z0.get()));
       stage.point.z0 = stage.z0.get();
     }
