@@ -13,10 +13,10 @@ namespace pliant {
 struct LeastSquaresProblem {
   std::size_t num_residuals;
   std::vector<double> lower, upper;
-  /// A residual no longer than this is none: it is left by the errors of the evaluation.
-  double error_of_evaluation = 1e-12;
   /// Sets the residuals [n] and the Jacobian dr_i/dx_j at [p i + j]; NaN where they do not exist.
   std::function<void(std::span<const double> x, std::span<double> r, std::span<double> jacobian)> evaluate;
+  /// A residual no longer than this is none: it is left by the errors of the evaluation.
+  double error_of_evaluation = 1e-12;
 
   std::size_t num_parameters() const { return lower.size(); }
 };
