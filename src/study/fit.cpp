@@ -72,36 +72,6 @@ std::vector<Measurements> measurements_of(const std::vector<MaterialTest>& tests
   return result;
 }
 
-void add_warnings(FittedMaterial& fit, const std::vector<FreeParameter>& parameters) {
-  const FitOutcome& outcome = fit.outcome;
-  const Determination& known = outcome.determination;
-  if (!outcome.minimum.is_converged) {
-    fit.warnings.push_back(fmt::format("the fit has not converged ({}); try more starts, closer bounds or another law",
-                                       outcome.minimum.reason));
-  }
-  for (std::size_t j = 0; j < known.is_determined.size(); ++j) {
-    const std::string& name = parameters[j].name;
-    if (known.is_at_bound[j]) {
-      fit.warnings.push_back(fmt::format("'{}' is at a bound, {:.6g} {}; it has no standard error", name,
-                                         outcome.values[j], parameters[j].unit));
-    } else if (!known.is_determined[j]) {
-      fit.warnings.push_back(fmt::format("the data do not determine '{}'; add a test that does, or hold it", name));
-    } else if (outcome.standard_errors[j] > std::abs(outcome.values[j])) {
-      fit.warnings.push_back(
-          fmt::format("the data hardly determine '{}': its standard error is larger than its value", name));
-    }
-  }
-  if (!known.is_determined.empty() && std::isnan(known.variance)) {
-    fit.warnings.emplace_back("standard errors are unknown: they need more measurements than parameters");
-  }
-  constexpr int several = 5;
-  if (outcome.minimum.is_converged && outcome.num_starts >= several && outcome.num_best == 1) {
-    fit.warnings.push_back(
-        fmt::format("only one of {} starts led to the best minimum, so there may be a better one; try more starts",
-                    outcome.num_starts));
-  }
-}
-
 void add_stability(FittedMaterial& fit) {
   if (const std::string text = instability_at_rest(fit.material, fit.all); !text.empty()) {
     fit.warnings.push_back(text + "; an input will not take it");
@@ -127,7 +97,7 @@ FittedMaterial fit_material(const std::string& text, const std::string& file) {
   fit.outcome = problem.solve(config.starts.value_or(10), starts);
   fit.all = fit.material.all_values(fit.outcome.values);
   if (fit.outcome.num_starts > 0) fit.residuals = problem.residuals(fit.outcome.values);
-  add_warnings(fit, starts.parameters());
+  fit.warnings = warnings_about(fit.outcome, starts.parameters());
   if (fit.outcome.num_starts > 0) add_stability(fit);
   return fit;
 }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 namespace pliant {
 
 FitProblem::FitProblem(std::vector<FreeParameter> parameters, std::vector<Measurements> measurements, ResidualKind kind,
@@ -143,6 +145,37 @@ void FitProblem::add_statistics(FitOutcome& outcome) const {
     for (std::size_t i = 0; i < group.values.size(); ++i, ++next) sum += *next * *next;
     outcome.sums.push_back(sum);
   }
+}
+
+std::vector<std::string> warnings_about(const FitOutcome& outcome, std::span<const FreeParameter> parameters) {
+  std::vector<std::string> warnings;
+  const Determination& known = outcome.determination;
+  if (!outcome.minimum.is_converged) {
+    warnings.push_back(fmt::format("the fit has not converged ({}); try more starts, closer bounds or another model",
+                                   outcome.minimum.reason));
+  }
+  for (std::size_t j = 0; j < known.is_determined.size(); ++j) {
+    const std::string& name = parameters[j].name;
+    if (known.is_at_bound[j]) {
+      warnings.push_back(fmt::format("'{}' is at a bound, {:.6g} {}; it has no standard error", name, outcome.values[j],
+                                     parameters[j].unit));
+    } else if (!known.is_determined[j]) {
+      warnings.push_back(fmt::format("the data do not determine '{}'; add measurements that do, or hold it", name));
+    } else if (outcome.standard_errors[j] > std::abs(outcome.values[j])) {
+      warnings.push_back(
+          fmt::format("the data hardly determine '{}': its standard error is larger than its value", name));
+    }
+  }
+  if (!known.is_determined.empty() && std::isnan(known.variance)) {
+    warnings.emplace_back("standard errors are unknown: they need more measurements than parameters");
+  }
+  constexpr int several = 5;
+  if (outcome.minimum.is_converged && outcome.num_starts >= several && outcome.num_best == 1) {
+    warnings.push_back(
+        fmt::format("only one of {} starts led to the best minimum, so there may be a better one; try more starts",
+                    outcome.num_starts));
+  }
+  return warnings;
 }
 
 }  // namespace pliant

@@ -46,6 +46,9 @@ struct FitOutcome {
   int num_best = 0;    ///< that led to the best minimum
 };
 
+/// What a user should know of the outcome: no convergence, parameters that the data do not determine, few good starts.
+std::vector<std::string> warnings_about(const FitOutcome& outcome, std::span<const FreeParameter> parameters);
+
 class FitProblem {
  public:
   /// `error_of_prediction`: relative to the size of the measurements; smaller residuals are none.

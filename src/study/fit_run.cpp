@@ -209,29 +209,6 @@ class FitRuns {
   std::deque<Known> known_;  // all runs so far
 };
 
-void add_warnings(FittedRun& fit, const std::vector<FreeParameter>& parameters) {
-  const Determination& known = fit.outcome.determination;
-  if (!fit.outcome.minimum.is_converged) {
-    fit.warnings.push_back(
-        fmt::format("the fit has not converged ({}); try more starts or closer bounds", fit.outcome.minimum.reason));
-  }
-  for (std::size_t j = 0; j < known.is_determined.size(); ++j) {
-    const std::string& name = parameters[j].name;
-    if (known.is_at_bound[j]) {
-      fit.warnings.push_back(fmt::format("'{}' is at a bound, {:.6g} {}; it has no standard error", name,
-                                         fit.outcome.values[j], parameters[j].unit));
-    } else if (!known.is_determined[j]) {
-      fit.warnings.push_back(fmt::format("the measurements do not determine '{}'", name));
-    } else if (fit.outcome.standard_errors[j] > std::abs(fit.outcome.values[j])) {
-      fit.warnings.push_back(
-          fmt::format("the measurements hardly determine '{}': its standard error is larger than its value", name));
-    }
-  }
-  if (!known.is_determined.empty() && std::isnan(known.variance)) {
-    fit.warnings.emplace_back("standard errors are unknown: they need more measurements than parameters");
-  }
-}
-
 std::vector<std::string> keys_of(const FitConfig& config) {
   std::vector<std::string> keys;
   for (const NamedNode& given : config.parameters) keys.push_back(given.name);
@@ -285,7 +262,7 @@ FittedRun fit_run(MPI_Comm comm, const FitConfig& config, Console& console) {
   }
   fit.num_runs = runs.num_runs();
   fit.input = dump(input.at(fit.outcome.values));
-  add_warnings(fit, parameters);
+  fit.warnings = warnings_about(fit.outcome, parameters);
   return fit;
 }
 

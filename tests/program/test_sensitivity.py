@@ -38,7 +38,7 @@ probes: [{{name: corner, point: [2, 1, 1]}}]
 solver: {{newton: {{relative: 1.0e-13}}}}
 """
 SOFT = "neo-hookean, youngs_modulus: 10, poissons_ratio: 0.3"
-# The same method's start from an exact value would differ, so differences are of whole runs, of fourth order.
+# The relative change of a number in differences of whole runs, which are of fourth order.
 PART = 1e-3
 
 
@@ -81,7 +81,7 @@ class Derivatives(ProgramTest):
             with self.subTest(method, viscosity=name):
                 entry, key, value = VISCOSITIES[name]
                 by_number = {f"bodies.0.viscosity.0.{key}": value} if n % 2 else {"bodies.0.elasticity.youngs_modulus": 10}
-                # The principal stretches of Maxwell's law near rest have larger rounding errors.
+                # Maxwell was measured at 2e-7, the others below 1e-7.
                 self.compare(self.block(viscosity=entry, method=method),
                              ("corner_x", "corner_vz", "elastic_energy", "dissipated_energy"), by_number,
                              within=5e-7 if name == "maxwell" else 1e-7)

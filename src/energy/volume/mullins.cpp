@@ -112,7 +112,7 @@ class MullinsTerm final : public StressTerm {
   }
 
  private:
-  /// Wm; 0 where there is no past.
+  /// Wm; 0 at the start.
   static Pack largest(const Point& point, std::span<const double> z) {
     return z.empty() ? Pack(0.0) : load_number(point, z);
   }

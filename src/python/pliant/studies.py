@@ -26,7 +26,7 @@ class Sensitivity:
     def derivative(self, column: str, number: str) -> np.ndarray:
         """(n,): d column / d number."""
         if column not in self.jacobians or number not in self.numbers:
-            raise PliantError(f"there is no derivative of '{column}' by '{number}'; columns: {', '.join(self.jacobians)}; numbers: "
+            raise PliantError(f"'{column}' was not differentiated by '{number}'; columns: {', '.join(self.jacobians)}; numbers: "
                               f"{', '.join(self.numbers)}")
         return self.jacobians[column][:, list(self.numbers).index(number)]
 
