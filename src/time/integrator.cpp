@@ -33,19 +33,20 @@ Integrator::Integrator(const IntegratorOptions& options, System system, const St
   if (const Method* starter = starter_of(options)) starter_.emplace(*starter, std::move(system), initial);
 }
 
-Stepper& Integrator::stepper_for(const Step& step) {
+Stepper& Integrator::choose(const Step& step) {
   const bool starts = history_.size() < method().num_steps || !stepper_.can_take(history_, step);
-  return starter_ && starts ? *starter_ : stepper_;
+  starter_takes_ = starter_ && starts;
+  return starter_takes_ ? *starter_ : stepper_;
 }
 
 Stepper& Integrator::begin(const Step& step) & {
-  Stepper& stepper = stepper_for(step);
+  Stepper& stepper = choose(step);
   stepper.begin(history_, step);
   return stepper;
 }
 
 StepAttempt Integrator::attempt(const Step& step) & {
-  Stepper& stepper = stepper_for(step);
+  Stepper& stepper = choose(step);
   StepAttempt attempt = stepper.attempt(history_, step);
   if (error_ && attempt.report.outcome == StageOutcome::converged) error_->estimate(history_, stepper, attempt);
   return attempt;
@@ -54,6 +55,13 @@ StepAttempt Integrator::attempt(const Step& step) & {
 void Integrator::accept(const StepAttempt& attempt) {
   last_dt_ = attempt.time - history_.newest().time;
   pliant::accept(attempt, history_);
+  if (starter_takes_) {
+    starter_->accept();
+    stepper_.restart();
+  } else {
+    stepper_.accept();
+    if (starter_) starter_->restart();
+  }
   if (error_) error_->accept(attempt);
 }
 
@@ -62,6 +70,14 @@ void Integrator::keep(Archive& archive) {
     const Archive::Section section(archive, "history");
     history_.keep(archive);
   }
+  {
+    const Archive::Section section(archive, "stages");
+    stepper_.keep(archive);
+  }
+  if (starter_) {
+    const Archive::Section section(archive, "starter");
+    starter_->keep(archive);
+  }
   if (!error_) return;
   const Archive::Section section(archive, "error");
   error_->keep(archive);
@@ -69,6 +85,8 @@ void Integrator::keep(Archive& archive) {
 
 void Integrator::restart() {
   const State& newest = history_.restart();
+  stepper_.restart();
+  if (starter_) starter_->restart();
   motion_.restart({newest.time, last_dt_}, newest.q.get(), newest.v.get());
   if (error_) error_->restart();
 }

@@ -45,12 +45,14 @@ class Integrator {
   const Method& method() const { return stepper_.method(); }
 
  private:
-  Stepper& stepper_for(const Step& step);
+  /// The stepper that takes the step.
+  Stepper& choose(const Step& step);
 
   PrescribedMotion motion_;
   double last_dt_ = 0.0;  // of the last step accepted
   Stepper stepper_;
   std::optional<Stepper> starter_;
+  bool starter_takes_ = false;  // the step that was begun last
   std::optional<LocalError> error_;
   History history_;
 };

@@ -26,6 +26,7 @@ Stepper::Stepper(const Method& method, System system, const StateView& like)
   for (std::size_t i = 0; i < method_.bt_embedded.size(); ++i)
     embedded_.push_back(method_.bt[i] - method_.bt_embedded[i]);
   const auto l = static_cast<std::size_t>(method_.num_steps);
+  if (system_.guess == Guess::predicted && !system_.space) predictor_.emplace(method_.num_stages, like.v);
   if (system_.space) {
     check(VecDuplicate(like.v, rate_.out()));
     check(VecDuplicate(like.q, end_q_.out()));
@@ -66,6 +67,19 @@ void Stepper::begin(const History& history, const Step& step) {
   number_ = 0;
   weight_ = weights(history, step);
   set_base(history, weight_.alpha());
+  if (predictor_) predictor_->begin();
+}
+
+void Stepper::accept() {
+  if (predictor_) predictor_->accept();
+}
+
+void Stepper::restart() {
+  if (predictor_) predictor_->restart();
+}
+
+void Stepper::keep(Archive& archive) {
+  if (predictor_) predictor_->keep(archive);
 }
 
 const StagePoint& Stepper::start_stage() {
@@ -169,25 +183,32 @@ void Stepper::start(StagePoint& stage) {
   system_.motion.start_stage(stage, q_.stage());
 }
 
-void Stepper::predict(const StagePoint& stage, Vec q) const {
+void Stepper::predict(const StagePoint& stage, Vec q) {
+  check(VecWAXPY(q, stage.dt, stage.v0, stage.q0));
+  if (!predictor_) return;
+  continue_velocity(stage, a_.get());
+  predictor_->predict(number_, stage.time, a_.get());
+  check(VecAXPY(q, stage.dt * stage.dt, a_.get()));
+}
+
+void Stepper::continue_velocity(const StagePoint& stage, Vec a) const {
   const History& history = *history_;
+  check(VecZeroEntries(a));
   int num_used = std::min(history.size(), num_states(Guess::predicted));
   // A polynomial says little beyond the length of the steps before it.
   while (num_used > 1 && stage.time - history[0].time >
                              max_extrapolation * (history[0].time - history[num_used - 1].time) / (num_used - 1))
     --num_used;
-  if (system_.space || num_used == 1) {
-    check(VecWAXPY(q, stage.dt, stage.v0, stage.q0));
-    return;
-  }
-  check(VecCopy(stage.q0, q));
+  if (num_used == 1) return;
   for (int r = 0; r < num_used; ++r) {
-    double weight = stage.dt;
+    double weight = 1.0;
     for (int k = 0; k < num_used; ++k) {
       if (k != r) weight *= (stage.time - history[k].time) / (history[r].time - history[k].time);
     }
-    check(VecAXPY(q, weight, history[r].v.get()));
+    check(VecAXPY(a, weight, history[r].v.get()));
   }
+  check(VecAXPY(a, -1.0, stage.v0));
+  check(VecScale(a, 1.0 / stage.dt));
 }
 
 // v_i = (q_i - q_i0) / dt_i, a_i = (v_i - v_i0) / dt_i where it is needed, z_i, and Y_i - y*
@@ -199,12 +220,13 @@ void Stepper::end_stage() {
   check(VecScale(rate, 1.0 / stage.dt));
   if (system_.space) system_.space->velocity(q_.stage(), rate, v_.stage());
   if (z_) system_.internal.end_stage(stage, q_.stage(), z_->stage());
-  if (i + 1 == method_.b.size() || !w_.empty()) {
+  if (i + 1 == method_.b.size() || !w_.empty() || predictor_) {
     check(VecWAXPY(a_.get(), -1.0, stage.v0, v_.stage()));
     check(VecScale(a_.get(), 1.0 / stage.dt));
   }
   if (!w_.empty()) system_.quadratures.rates(stage, q_.stage(), v_.stage(), a_.get(), rates_);
   for (std::size_t m = 0; m < w_.size(); ++m) w_[m] += weight_.beta * step_.dt * method_.b[i] * rates_[m];
+  if (predictor_) predictor_->end_stage(i, a_.get());
   q_.end_stage(i);
   v_.end_stage(i);
   if (z_) z_->end_stage(i);

@@ -6,6 +6,7 @@
 #include "time/method.hpp"
 #include "time/space.hpp"
 #include "time/stage.hpp"
+#include "time/stage_predictor.hpp"
 #include "time/stage_variable.hpp"
 #include "time/state.hpp"
 #include "time/step.hpp"
@@ -21,8 +22,9 @@ enum class Guess {
   start,         ///< q_i0
   extrapolated,  ///< q_i0 + dt_i v_i0, where inertia alone would lead; on a vector space the stage's solution lies
                  ///< exactly dt_i^2 a_i from it
-  predicted      ///< q_i0 + dt_i v, the velocity continued from those of the newest states: along a parabola through
-                 ///< three, a line through two; extrapolated where there is one state, or a space
+  predicted      ///< q_i0 + dt_i v_i0 + dt_i^2 a, with the acceleration that continues the motion: by regression on the
+                 ///< stages of the last steps (StagePredictor), or such that the velocity lies on the parabola through
+                 ///< those of three states (the line through two); extrapolated where there is one state, or a space
 };
 
 /// What moves: the equation of a stage and all that goes with it.
@@ -74,6 +76,10 @@ class Stepper {
 
   /// Tries the step from the newest state of `history` to `step.time`; takes no memory. Collective.
   StepAttempt attempt(const History& history, const Step& step) &;
+  /// The last attempt is in the history, and guesses may build upon it. Collective.
+  void accept();
+  /// What comes next does not continue steps of this stepper.
+  void restart();
 
   /// The same stage by stage, with solutions that are found elsewhere: `begin`, for each stage `start_stage` and
   /// `end_stage` with its solution in `unknown`, then `end_step`. `history` outlives the step. Collective.
@@ -87,6 +93,8 @@ class Stepper {
 
   /// Whether the method can take the step.
   bool can_take(const History& history, const Step& step) const;
+  /// Collective.
+  void keep(Archive& archive);
   /// q, v = sum_i (bt - bt_embedded)_i (Y_i - y*) of the last attempt, which converged: the difference to a formula of
   /// the order Method::embedded_order. Collective.
   void embedded_difference(Vec q, Vec v) const;
@@ -98,7 +106,9 @@ class Stepper {
   void set_base(const History& history, std::span<const double> alpha);
   void start(StagePoint& stage);
   void complete_step();
-  void predict(const StagePoint& stage, Vec q) const;
+  void predict(const StagePoint& stage, Vec q);
+  /// Sets a to the change of v0 that puts the velocity on the curve through those of the newest states, over dt.
+  void continue_velocity(const StagePoint& stage, Vec a) const;
 
   Method method_;
   System system_;
@@ -108,6 +118,7 @@ class Stepper {
   std::vector<double> w_, rates_;
   std::vector<double> embedded_;  // bt - bt_embedded
   Handle<Vec> a_;
+  std::optional<StagePredictor> predictor_;
   // The step that was begun last, and its present stage.
   const History* history_ = nullptr;
   Step step_;
