@@ -3,6 +3,8 @@
 #include "petsc/session.hpp"
 #include "places.hpp"
 
+#include <cstdlib>
+
 #include <gtest/gtest.h>
 
 namespace {
@@ -30,6 +32,8 @@ std::filesystem::path build_root() {
 }  // namespace pliant
 
 int main(int argc, char** argv) {
+  // No test sees the meshes that others, or the user, have kept.
+  for (const char* place : {"XDG_CACHE_HOME", "HOME"}) unsetenv(place);
   testing::InitGoogleTest(&argc, argv);
   pliant::Session session("tests", {});
   if (pliant::rank(MPI_COMM_WORLD) != 0) {

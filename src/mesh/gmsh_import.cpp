@@ -2,6 +2,7 @@
 
 #include "mesh/gmsh_module.hpp"
 #include "mesh/isolated.hpp"
+#include "mesh/kept_mesh.hpp"
 #include "mesh/msh_reader.hpp"
 #include "mesh/script_commands.hpp"
 #include "mesh/source_checks.hpp"
@@ -67,9 +68,13 @@ SerialMesh import_mesh(const MeshSource& source) {
   if (extension == ".msh") return read_msh(source.file);
   if (extension == ".brep") require_whole_brep(source.file);
   if (extension == ".geo") require_whole_script(source.file);
-  if (source.commands == Commands::refused) require_no_commands(source.file);
-  return isolated(gmsh_isolation(source),
-                  [&] { return gmsh_module().mesh_geometry(source, geometries.at(extension)); });
+  const auto make = [&] {
+    return isolated(gmsh_isolation(source),
+                    [&] { return gmsh_module().mesh_geometry(source, geometries.at(extension)); });
+  };
+  if (source.commands == Commands::allowed) return make();
+  const LoadedFiles loaded = require_no_commands(source.file);
+  return loaded.is_all ? kept_or_made(recipe_of(source, loaded.files), make) : make();
 }
 
 }  // namespace pliant

@@ -37,6 +37,9 @@ constexpr std::array<Command, 12> commands{{{"SystemCall", "runs a program"},
                                             {"S2N", "can turn a text into a command"}}};
 
 const Words loading{"Include", "Merge", "MergeWithBoundingBox"};
+// What they return depends on more than the files.
+const Words asking{"GetEnv", "GetString", "GetNumber", "Today", "Cpu", "Memory", "TotalMemory", "Rand", "FileExists", "Exists",
+                   "CurrentDir", "CurrentDirectory", "AbsolutePath", "GmshExecutableName", "OnelabAction"};
 const Words printing{"Printf", "Warning", "Error"};
 const Words skipping{"If", "ElseIf", "Else", "For", "Macro", "Function"};
 const Words ending{"EndIf", "ElseIf", "Else", "EndFor", "Return"};
@@ -142,12 +145,14 @@ class Examination {
     const auto canonical = std::filesystem::weakly_canonical(file, error);
     if (!seen_.insert(canonical.string()).second) return;
     if (!std::filesystem::is_regular_file(file, error)) return;  // gmsh reports what it cannot load
+    loaded_.files.push_back(canonical);
     if (!is_one_of(other_formats, file.extension().string())) examine_script(file, place);
     const std::string options = file.string() + ".opt";
     examine(options, place.empty() ? "in '" + options + "', which gmsh loads too, " : place);
   }
 
   std::vector<std::string> take_reasons() { return std::move(reasons_); }
+  LoadedFiles take_loaded() { return std::move(loaded_); }
 
  private:
   void examine_script(const std::filesystem::path& file, const std::string& place) {
@@ -171,6 +176,8 @@ class Examination {
       reasons_.push_back(fmt::format("{}line {}, column {}: {}", place, line, column, what));
     };
     find_commands(parts.tokens, told);
+    const auto asks = [](const Token& t) { return t.kind == TokenKind::word && is_one_of(asking, t.text); };
+    if (std::ranges::any_of(parts.tokens, asks)) loaded_.is_all = false;
     if (may_run_asides(parts)) {
       for (const Token& word : all_words(script)) {
         const auto is_told = [&](const Token& t) { return t.at == word.at && t.kind == TokenKind::word; };
@@ -232,15 +239,16 @@ class Examination {
 
   std::set<std::string> seen_;
   std::vector<std::string> reasons_;
+  LoadedFiles loaded_;
 };
 
 }  // namespace
 
-void require_no_commands(const std::string& file) {
+LoadedFiles require_no_commands(const std::string& file) {
   Examination examination;
   examination.examine(file, "");
   std::vector<std::string> reasons = examination.take_reasons();
-  if (reasons.empty()) return;
+  if (reasons.empty()) return examination.take_loaded();
   constexpr std::size_t shown = 5;
   if (reasons.size() > shown) {
     reasons.at(shown - 1) += fmt::format(" (and {} more such places)", reasons.size() - shown);

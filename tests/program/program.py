@@ -25,6 +25,7 @@ PROGRAM = pathlib.Path(os.environ.get("PLIANT", ROOT / "build/bin/pliant")).reso
 ENVIRONMENT = {
     **os.environ,
     "OMP_NUM_THREADS": "1",
+    "XDG_CACHE_HOME": os.devnull,  # no mesh is kept
     "OPENBLAS_NUM_THREADS": "1",
     "OMPI_ALLOW_RUN_AS_ROOT": "1",
     "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
