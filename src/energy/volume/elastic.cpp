@@ -71,7 +71,7 @@ class ElasticTermOf final : public ElasticTerm {
           const auto S = [&](const Tensor3<Pack>& at) { return second_stress(at, law->P(point.index(), at)); };
           add_geometric_stiffness(extrapolation_error(S, H, point.gradient(du)), A);
         }
-        if (projection == Projection::positive_semidefinite) project_to_positive_semidefinite(A);
+        if (projection == Projection::positive_semidefinite) project_to_positive_semidefinite(A, H);
         return A;
       };
     };

@@ -159,7 +159,7 @@ class MixedTermOf final : public MixedTerm {
         Tangent<Pack> A;
         law->tangent(point.index(), H, A);
         add_stiffness_of_volume(at.strain(H), Pack(at.volume * at.inverse * at.inverse * pressure_at(point, p)), A);
-        if (projection == Projection::positive_semidefinite) project_to_positive_semidefinite(A);
+        if (projection == Projection::positive_semidefinite) project_to_positive_semidefinite(A, H);
         return A;
       };
     };

@@ -56,7 +56,7 @@ class MullinsTerm final : public StressTerm {
           const Pack there = slope * P.a[p];
           for (std::size_t k = 0; k < 9; ++k) A[9 * p + k] = change * A[9 * p + k] + there * P.a[k];
         }
-        if (projection == Projection::positive_semidefinite) project_to_positive_semidefinite(A);
+        if (projection == Projection::positive_semidefinite) project_to_positive_semidefinite(A, H);
         return A;
       };
     };

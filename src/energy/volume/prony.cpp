@@ -65,7 +65,7 @@ class PronyTerm final : public StressTerm {
         branch_law_.subtract_stiffness(H, forgotten(stage, point), A);
         const Pack scale = at.volume * at.inverse * at.inverse;
         for (Pack& entry : A) entry *= scale;
-        if (projection == Projection::positive_semidefinite) project_to_positive_semidefinite(A);
+        if (projection == Projection::positive_semidefinite) project_to_positive_semidefinite(A, H);
         return A;
       };
     };
