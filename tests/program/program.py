@@ -22,6 +22,7 @@ sys.path.insert(0, str(ROOT / "tools"))
 import beam_mesh  # noqa: E402
 
 PROGRAM = pathlib.Path(os.environ.get("PLIANT", ROOT / "build/bin/pliant")).resolve()
+LONG = bool(os.environ.get("PLIANT_LONG_TESTS"))  # everything, where otherwise a part is run
 ENVIRONMENT = {
     **os.environ,
     "OMP_NUM_THREADS": "1",
@@ -31,6 +32,8 @@ ENVIRONMENT = {
     # All ranks are here; a search for networks is much of the time that a short run takes.
     "OMPI_MCA_pml": "ob1",
     "OMPI_MCA_btl": "self,vader",
+    # A rank that waits leaves its core to others; Open MPI sees to that only where it starts more ranks than there are cores.
+    "OMPI_MCA_mpi_yield_when_idle": "1",
 }
 # When a rank ends with an error, mpirun waits so long for the others, which have ended too; after a signal they need it.
 UNSIGNALLED = {"OMPI_MCA_odls_base_sigkill_timeout": "0"}
@@ -38,6 +41,19 @@ ENVIRONMENT.pop("DISPLAY", None)  # MPI asks an X server for its graphics cards,
 
 LINE, TRIANGLE, TETRAHEDRON, TRIANGLE_6, TETRAHEDRON_10 = 1, 2, 4, 9, 11  # gmsh's element types
 SIDES = ("left", "right", "front", "back", "bottom", "top")  # surfaces of a box: x, y, z, each at its low and high end
+
+
+long_test = unittest.skipUnless(LONG, "PLIANT_LONG_TESTS is not set")
+
+
+def swept(values, usually):
+    """All values of a sweep with PLIANT_LONG_TESTS; otherwise those that are `usually` run, some of them."""
+    missing = [value for value in usually if value not in values]
+    assert not missing, f"{missing} are not among {values}"
+    return values if LONG else usually
+
+
+ALL_OR_SOME = "all" if LONG else "bdf2,dirk23,dirk33"  # methods of a study of order
 
 
 def command(arguments, ranks=1):

@@ -5,7 +5,7 @@ import unittest
 
 import numpy as np
 
-from program import ProgramTest, box, write_box, write_mesh
+from program import ProgramTest, box, swept, write_box, write_mesh
 
 LAW = "elasticity: {model: neo-hookean, youngs_modulus: 1e5, poissons_ratio: 0.3}"
 
@@ -83,7 +83,7 @@ class Constraints(ProgramTest):
         cell = [corner, '{surface: right, periodic_with: left, difference: [0, "0.3*t", 0]}',
                 "{surface: back, periodic_with: front}", "{surface: top, periodic_with: bottom, difference: [0, 0, free]}"]
         time = "time: {method: quasistatic, step: 0.1, end: 1}\n"
-        history = self.solve("cube.msh", cell, more=time, ranks=2)
+        history = self.solve("cube.msh", cell, more=time)
         energy, force = history["elastic_energy"], history["right_fy"]
         slope = (8 * (energy[6] - energy[4]) - (energy[7] - energy[3])) / (12 * 0.03)
         self.assertAlmostEqual(force[5] / slope, 1, delta=1e-4)
@@ -136,7 +136,7 @@ class Constraints(ProgramTest):
         more = (f"probes: [{{name: foot, point: [0, 0, 0]}}]\nloads: [{{gravity: [0, 0, -9.81]}}]\n"
                 f"initial: {{velocity: ['{rate}*(z-1)', 0, '-{rate}*x']}}\n"
                 f"time: {{method: implicit-midpoint, step: {step}, end: {end}}}\n")
-        h = self.solve("bar.msh", [self.HINGE], "bodies.0.elasticity.youngs_modulus=1e9", more=more, ranks=2)
+        h = self.solve("bar.msh", [self.HINGE], "bodies.0.elasticity.youngs_modulus=1e9", more=more)
         # About the hinge, per mass: (length^2 / 3 + width^2 / 12), by steps of a twentieth.
         inertia, y, dt = 1 / 3 + 0.04 / 12, np.array([0.0, rate]), step / 20
         slope = lambda y: np.array([y[1], -9.81 * 0.5 / inertia * np.sin(y[0])])  # noqa: E731
@@ -202,13 +202,13 @@ class Constraints(ProgramTest):
                 'cavities: [{name: gas, where: "x > -1", volume: 3, gas: {pressure: 1 kPa, ambient: 1 kPa}}]\n'
                 "time: {method: dirk22, step: 10 ms, end: 40 ms}\n")
         for name, constraints in kinds.items():
-            for nu in ("0.49", "0.5"):
+            for nu in swept(("0.5", "0.49"), ("0.5",)):
                 with self.subTest(name, nu=nu):
                     material = f"bodies.0.elasticity.poissons_ratio={nu}"
                     one = self.solve("cube.msh", constraints, material, more=more)
                     self.assertGreater(one["kinetic_energy"][-1], 1e-3)
                     self.assertLess(np.abs(one["energy_balance_error"]).max(), 1e-7 * one["kinetic_energy"].max())
-                    for ranks in (2, 3):
+                    for ranks in swept((2, 3), (2,)):
                         self.assert_same_history(self.solve("cube.msh", constraints, material, more=more, ranks=ranks), one, 1e-7)
 
     def test_integrators_of_petsc(self):
@@ -220,7 +220,7 @@ class Constraints(ProgramTest):
             "periodic": ['{surface: back, periodic_with: front, difference: [0, "5*t^2", free]}'],
             "turned": ['{surface: left, rigid: {rotation: {axis: [0, 0, 1], angle: "20*t^2"}, translation: [0, 0, 0]}}']}
         probes = "probes: [{name: tip, point: [1, 1, 1]}]\n"
-        for name, constraints in kinds.items():
+        for name, constraints in swept(list(kinds.items()), list(kinds.items())[2:]):
             def end(method, step, ranks=1):
                 more = f'loads: [{{force_density: [0, 0, "-1e7*t^3"]}}]\ntime: {{method: {method}, step: {step}, end: 0.1}}\n'
                 history = self.solve("cube.msh", constraints, more=probes + more, ranks=ranks)
@@ -229,11 +229,11 @@ class Constraints(ProgramTest):
             exact = end("dirk33", 0.1 / 800)
             for method, order in (("alpha2", 2), ("bdf", 2), ("arkimex", 3)):
                 with self.subTest(name, method=method):
-                    errors = [np.linalg.norm(end(f"{{petsc: {method}}}", 0.1 / n) - exact) for n in (100, 200)]
+                    one, finer = (end(f"{{petsc: {method}}}", 0.1 / n) for n in (100, 200))
+                    errors = [np.linalg.norm(found - exact) for found in (one, finer)]
                     self.assertGreater(np.log2(errors[0] / errors[1]), order - 0.3, errors)
                     self.assertLess(errors[1], 1e-3)
                     two = end(f"{{petsc: {method}}}", 0.1 / 100, ranks=2)
-                    one = end(f"{{petsc: {method}}}", 0.1 / 100)
                     np.testing.assert_allclose(two, one, rtol=1e-9)
 
     def test_mistakes_against_the_mesh(self):
