@@ -32,8 +32,6 @@ ENVIRONMENT = {
     # All ranks are here; a search for networks is much of the time that a short run takes.
     "OMPI_MCA_pml": "ob1",
     "OMPI_MCA_btl": "self,vader",
-    # A rank that waits leaves its core to others; Open MPI sees to that only where it starts more ranks than there are cores.
-    "OMPI_MCA_mpi_yield_when_idle": "1",
 }
 # When a rank ends with an error, mpirun waits so long for the others, which have ended too; after a signal they need it.
 UNSIGNALLED = {"OMPI_MCA_odls_base_sigkill_timeout": "0"}
