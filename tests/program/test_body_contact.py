@@ -105,7 +105,7 @@ class BodyContact(ProgramTest):
 
     def test_nothing_passes_however_fast(self):
         cases = (("P1", 40, "1e6"), ("P2", 3, "1e5"), ("P1", 2, "1e5"))
-        for element, speed, young in swept(cases, cases[:2]):
+        for element, speed, young in swept(cases, cases[:1]):
             with self.subTest(element=element, speed=speed):
                 name = f"fast{element}{speed}"
                 h = self.run_blocks(name, element=element, young=young,
@@ -296,7 +296,7 @@ Mesh.MeshSizeMax = 0.7;
         self.assertIn("gap = 1e-4;", text)
         self.write("patch.geo", text.replace("gap = 1e-4;", "gap = -0.01;"))
         law = "elasticity: {model: linear, youngs_modulus: 125, poissons_ratio: 0.25}"
-        for element in ("P1", "P2"):
+        for element in swept(("P1", "P2"), ("P1",)):
             with self.subTest(element):
                 file = self.write("patch.yaml", f"""
 mesh: {{file: patch.geo}}

@@ -52,7 +52,7 @@ solver: {{newton: {{relative: 1e-11}}}}
         """A spinning, vibrating block with all that acts at its points: no treatment of the volume lowers an order."""
         write_box(self.directory / "block.msh", (1, 1, 1), CUBE)
         cases = (("mixed", "P1", 0.01), ("mixed", "P2", 0.005), ("mean-dilatation", "P2", 0.005))
-        for treatment, element, step in swept(cases, cases[::2]):
+        for treatment, element, step in swept(cases, cases[:1]):
             with self.subTest(treatment, element=element):
                 file = self.write("block.yaml", f"""mesh: {{file: block.msh}}
 element: {element}
