@@ -7,7 +7,7 @@ import xml.etree.ElementTree
 
 import numpy as np
 
-from program import ALL_OR_SOME, ROOT, ProgramTest, long_test
+from program import ALL_OR_SOME, ROOT, ProgramTest, long_test, swept
 
 INPUTS = ROOT / "input/convergence"
 COLUMNS = ["method", "level", "step", "size", "error_displacement", "error_velocity", "order_displacement", "order_velocity"]
@@ -114,7 +114,8 @@ class Convergence(ProgramTest):
     }
 
     def test_quadratic_elements_lose_their_order_at_edges_alone(self):
-        for name, (order, displacement) in self.GIVEN_SURFACES.items():
+        cases = list(self.GIVEN_SURFACES.items())
+        for name, (order, displacement) in swept(cases, cases[:1]):
             with self.subTest(name):
                 file = self.write("given.yaml", f"""mesh: {{file: {ROOT}/meshes/unit_cube.msh}}
 element: P2

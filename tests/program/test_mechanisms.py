@@ -191,7 +191,7 @@ loads: [{gravity: [0, -9.81, 0]}]
                 self.assertLess(h["pivot_angle"].min(), -0.8)
                 self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-10)
         # Thrown back elastically: it comes up again.
-        h = self.solve(swing.replace("MORE", ", limit_stiffness: 1e5"), "method: dirk33, step: 0.5 ms, end: 1")
+        h = self.solve(swing.replace("MORE", ", limit_stiffness: 1e5"), "method: dirk33, step: 1 ms, end: 1")
         self.assertGreater(h["pivot_angle"].min(), -0.82)
         again = h["pivot_angle"][len(h["time"]) // 2:].max()
         self.assertGreater(again, -0.01)
@@ -316,7 +316,7 @@ loads: [{gravity: [0, 0, -10]}]
 
     def test_ranks_and_restart_do_not_matter(self):
         self.write("soft.geo", SOFT_MESH)
-        texts = (self.chain("universal"), SOFT, "element: P2\nvolumetric: mixed\n" + SOFT.replace("0.3}", "0.49}"))
+        texts = (self.chain("universal"), "element: P2\nvolumetric: mixed\n" + SOFT.replace("0.3}", "0.49}"), SOFT)
         for text in swept(texts, texts[::2]):
             time = "method: bdf2, step: 4 ms, end: 40 ms"
             one, *others = [self.solve(text, time, ranks) for ranks in swept((1, 2, 3), (1, 2))]
@@ -325,9 +325,7 @@ loads: [{gravity: [0, 0, -10]}]
         self.write("in.yaml", SOFT + "time: {method: bdf2, step: 4 ms, end: 20 ms}\n")
         self.pliant("run", "in.yaml", "--quiet", "--output", "half", "--set", "checkpoint={}")
         self.pliant("resume", "half", "--quiet", "--set", "time.end=40ms", ranks=2)
-        resumed = read_history(self.directory / "half")
-        whole = self.solve(SOFT, "method: bdf2, step: 4 ms, end: 40 ms")
-        self.assert_same_history(resumed, whole, 1e-7)
+        self.assert_same_history(read_history(self.directory / "half"), one, 1e-7)  # of the last text
 
     def test_soft_bodies_between_rigid_ones_keep_the_order(self):
         self.write("soft.geo", SOFT_MESH)

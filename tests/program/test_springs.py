@@ -164,8 +164,8 @@ class Springs(ProgramTest):
 
     def test_ranks_and_restart_do_not_matter(self):
         write_box(self.directory / "bar.msh", (4, 1, 1), (0.4, 0.1, 0.1))
-        texts = (TUMBLING, SOFT, "element: P2\n" + SOFT)
-        for text in swept(texts, texts[:2]):
+        texts = (TUMBLING, "element: P2\n" + SOFT, SOFT)
+        for text in swept(texts, texts[::2]):
             one, *others = [self.solve(text, "method: bdf2, step: 4 ms, end: 40 ms", ranks) for ranks in swept((1, 3, 2), (1, 3))]
             self.assertLess(np.abs(one["energy_balance_error"]).max(), 1e-8 * one["kinetic_energy"].max())
             for other in others:
@@ -173,7 +173,7 @@ class Springs(ProgramTest):
         self.write("in.yaml", SOFT + "time: {method: bdf2, step: 4 ms, end: 20 ms}\n")
         self.pliant("run", "in.yaml", "--quiet", "--output", "half", "--set", "checkpoint={}")
         self.pliant("resume", "half", "--quiet", "--set", "time.end=40ms", ranks=2)
-        self.assert_same_history(read_history(self.directory / "half"), self.solve(SOFT, "method: bdf2, step: 4 ms, end: 40 ms"), 1e-7)
+        self.assert_same_history(read_history(self.directory / "half"), one, 1e-7)  # of the last text
 
     def test_points_in_rigid_volumes(self):
         # A rigid brick with a mesh, held by a point beside it: the same as one without a mesh.
