@@ -131,7 +131,7 @@ class ProgramTest(unittest.TestCase):
         path.write_text(text, encoding="utf-8")
         return path
 
-    def call(self, *arguments, ranks=1, timeout=120):
+    def call(self, *arguments, ranks=1, timeout=300):
         return finish(start(arguments, self.directory, ranks, UNSIGNALLED), timeout)
 
     def pliant(self, *arguments, ranks=1, status=0):
@@ -144,7 +144,7 @@ class ProgramTest(unittest.TestCase):
         self.write("in.yaml", text + f"time: {{{time}}}\noutput: {{every: 1}}\n")
         return self.run_input("in.yaml", *more, ranks=ranks)
 
-    def run_input(self, file, *settings, ranks=1, output="out", options=(), timeout=120):
+    def run_input(self, file, *settings, ranks=1, output="out", options=(), timeout=300):
         """Runs an input that must succeed; returns its history. `settings`: KEY.PATH=VALUE."""
         arguments = ["run", file, "--quiet", "--output", output]
         for setting in settings:

@@ -5,7 +5,7 @@ import unittest
 
 import numpy as np
 
-from program import ProgramTest, box, swept, write_box, write_mesh
+from program import LONG, ProgramTest, box, swept, write_box, write_mesh
 
 LAW = "elasticity: {model: neo-hookean, youngs_modulus: 1e5, poissons_ratio: 0.3}"
 
@@ -233,8 +233,8 @@ class Constraints(ProgramTest):
                     errors = [np.linalg.norm(found - exact) for found in (one, finer)]
                     self.assertGreater(np.log2(errors[0] / errors[1]), order - 0.3, errors)
                     self.assertLess(errors[1], 1e-3)
-                    two = end(f"{{petsc: {method}}}", 0.1 / 100, ranks=2)
-                    np.testing.assert_allclose(two, one, rtol=1e-9)
+                    if LONG or method == "bdf":
+                        np.testing.assert_allclose(end(f"{{petsc: {method}}}", 0.1 / 100, ranks=2), one, rtol=1e-9)
 
     def test_mistakes_against_the_mesh(self):
         write_box(self.directory / "cube.msh", (2, 3, 2))

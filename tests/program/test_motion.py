@@ -36,7 +36,7 @@ class Motion(ProgramTest):
             "rigid": [held, '{surface: right, rigid: {translation: ["0.1*t", free, 0], rotation: free}}'],
             "displaced": [held, '{equation: [{surface: right, component: x}], value: "0.05 + t"}'],
         }
-        for name, constraints in cases.items():
+        for name, constraints in swept(list(cases.items()), list(cases.items())[1::2]):
             with self.subTest(name):
                 one, *others = [self.solve(constraints, "method: bdf2, step: 5 ms, end: 20 ms", ranks,
                                            "initial: {velocity: [0.01, 0.02, 0.03]}\n") for ranks in swept((1, 3, 2), (1, 3))]
