@@ -92,7 +92,7 @@ class Determinism(ProgramTest):
         write_box(self.directory / "box.msh", (6, 2, 2), (0.3, 0.1, 0.1))
         file = self.write("in.yaml", SMALL)
         cases = list(self.CASES.items())
-        for name, settings in swept(cases, cases[::2]):
+        for name, settings in swept(cases, cases[2:]):
             settings = [*settings, "solver.newton.relative=1e-12"]
             alone = self.run_input(file, *settings, output="alone")
             for ranks in (1, 2):

@@ -26,7 +26,7 @@ loads: [{gravity: [0, 0, -9.81]}]
         time = "method: dirk33, step: 2 ms, end: 0.1"
         shape = ", surface: {file: cube.stl, scale: 0.001, size: 0.06}"
         without = self.solve(text.replace("SURFACE", ""), time)
-        cases = (("P1", 2), ("P2", 1), ("P1", 1), ("P2", 2))
+        cases = (("P1", 1), ("P2", 1), ("P1", 2), ("P2", 2))
         for element, ranks in swept(cases, cases[:2]):
             one = self.solve(text.replace("SURFACE", shape) + f"element: {element}\n", time, ranks)
             np.testing.assert_allclose(one["cube_z"], 0.02 - 0.5 * 9.81 * one["time"] ** 2, atol=1e-12)
@@ -80,9 +80,10 @@ constraints: [{surface: left, displacement: [0, 0, 0]}]
         moment, EI = 4e-3, 1e6 * 0.01**4 / 12
         angle = moment * 0.1 / EI
         turned = text + f"loads: [{{torque: [0, {moment}, 0], volume: hub}}]\n"
-        one, two = [self.solve(turned, "method: static, load_steps: 4", ranks) for ranks in (1, 2)]
+        one, *others = [self.solve(turned, "method: static, load_steps: 4", ranks) for ranks in swept((1, 2), (1,))]
         np.testing.assert_allclose(2 * np.arctan2(one["hub_qy"][-1], one["hub_qw"][-1]), angle, rtol=0.005)
-        np.testing.assert_allclose(two["hub_qy"], one["hub_qy"], rtol=1e-7, atol=1e-12)
+        for other in others:
+            np.testing.assert_allclose(other["hub_qy"], one["hub_qy"], rtol=1e-7, atol=1e-12)
         # A force at the point acts with its arm: M = F (0.12 - x).
         force = 1e-3
         bent = self.solve(text + f"loads: [{{force: [0, 0, {-force}], volume: hub}}]\n", "method: static")
