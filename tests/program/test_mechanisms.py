@@ -166,7 +166,7 @@ joints:
         both = self.chain("hinge", ", spring: {stiffness: 30, rest: 0.3}, damping: 0.5, friction: 0.3, stick_rate: 2, motor: {target: \"0.4*sin(5*t)\", stiffness: 20, damping: 1, limit: 3}")
         self.write("in.yaml", both + "time: {method: bdf2, step: 5 ms, end: 40 ms}\n")
         self.pliant("converge", "in.yaml", "--in", "time", "--levels", "3", "--methods", ALL_OR_SOME)
-        one, *others = [self.solve(both, "method: bdf2, step: 5 ms, end: 0.1", ranks) for ranks in swept((1, 3, 2), (1, 3))]
+        one, *others = [self.solve(both, "method: bdf2, step: 5 ms, end: 0.1", ranks) for ranks in swept((1, 2, 3), (1,))]
         self.assertGreater(np.abs(one["b_effort"]).max(), 0.5)
         for other in others:
             self.assert_same_history(other, one, 1e-9)

@@ -150,7 +150,7 @@ class Continuation(RestartTest):
     def test_killed(self):
         """Each method once, from one number of ranks to another."""
         chance = self.chance()
-        for number, method in enumerate(swept(METHODS, METHODS[1::4])):
+        for number, method in enumerate(swept(METHODS, METHODS[1:2])):
             with self.subTest(method):
                 ranks = (1 + number % 3, 1 + (number + 1) % 3)
                 self.check_kills([f"time.method={method}", "time.end=0.2"], ranks, 1, chance)

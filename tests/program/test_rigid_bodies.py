@@ -46,10 +46,11 @@ constraints:
 contact: {law: barrier, pairs: all}
 loads: [{gravity: [0, 0, -9.81], volume: cube}]
 """
-        one, two = [self.solve(text, "method: static, load_steps: 2", ranks) for ranks in (1, 2)]
+        one, *others = [self.solve(text, "method: static, load_steps: 2", ranks) for ranks in swept((1, 2), (1,))]
         np.testing.assert_allclose(one["bottom_fz"][-1], 100 * 9.81, rtol=1e-6)
         self.assertLess(one["cube_z"][-1], 1.2 - 0.008)
-        np.testing.assert_allclose(two["cube_z"][-1], one["cube_z"][-1], atol=1e-7)
+        for other in others:
+            np.testing.assert_allclose(other["cube_z"][-1], one["cube_z"][-1], atol=1e-7)
 
     def test_a_shape_does_not_touch_what_is_attached_to_it(self):
         # The shape lies on the surface that it holds. Its weight goes through that, and not through contact.
@@ -100,11 +101,12 @@ joints: [{name: pivot, type: hinge, between: [ground, hub], point: [-0.02, 0.025
 loads: [{gravity: [0, 0, -9.81]}]
 """
         time = "method: bdf2, step: 1 ms, end: 0.1"
-        one, two = [self.solve(text, time, ranks) for ranks in (1, 2)]
+        one, *others = [self.solve(text, time, ranks) for ranks in swept((1, 2), (1,))]
         arm, inertia = 0.17, (0.3**2 + 0.05**2) / 12 + 0.17**2
         rate = 9.81 * arm / inertia * 0.1
         np.testing.assert_allclose(one["pivot_rate"][-1], rate, rtol=0.03)
-        np.testing.assert_allclose(two["pivot_angle"], one["pivot_angle"], atol=1e-9)
+        for other in others:
+            np.testing.assert_allclose(other["pivot_angle"], one["pivot_angle"], atol=1e-9)
         self.assertLess(np.abs(one["energy_balance_error"]).max(), 1e-9 * one["kinetic_energy"].max())
 
     def test_forces_and_torques_move_rigid_bodies(self):
@@ -115,7 +117,8 @@ bodies: [{volume: body, density: 1000, rigid: true}]
         given = """rigid_bodies: [{name: body, mass: 1, inertia: [0.0016666666666666668, 0.0016666666666666668, 0.0016666666666666668], center: [0.05, 0.05, 0.05]}]
 """
         loads = 'loads: [{force: ["3*t", 0, 0], volume: body}, {torque: [0, 0, 0.01], volume: body}]\n'
-        for text, ranks in ((meshed, 1), (given, 1), (given, 2)):
+        cases = ((meshed, 1), (given, 1), (given, 2))
+        for text, ranks in swept(cases, cases[:2]):
             h = self.solve(text + loads, "method: dirk33, step: 5 ms, end: 0.2", ranks)
             t = h["time"]
             np.testing.assert_allclose(h["body_x"], 0.05 + 0.5 * t**3, atol=1e-9)
@@ -162,7 +165,7 @@ class CoupledSurfaces(ProgramTest):
         held = BAR + probes + "constraints:\n" + SYMMETRY
         expected = self.solve(held + f"loads: [{{surface: right, traction: [{force / WIDTH**2}, 0, 0]}}]\n", "method: static")
         through_hub = f"loads: [{{force: [{force}, 0, 0], volume: hub}}]\n"
-        for ranks in swept((1, 2, 3), (2,)):
+        for ranks in swept((1, 2, 3), (1,)):
             h = self.solve(held + through_hub + hub(), "method: static", ranks)
             for column in (f"{probe}_{axis}" for probe in ("corner", "middle", "inside") for axis in "xyz"):
                 self.assertLess(abs(h[column][-1] - expected[column][-1]), 1e-9 * LENGTH, column)
@@ -188,7 +191,7 @@ loads: [{{force: [0, 0.01, 0.02], volume: NAME}}, {{torque: [0.02, 0, 0], volume
         meshed = BAR.replace("bar.msh", "two.msh").replace("[{density", "[{volume: bar, density").replace(
             "0.3}}]", "0.3}}, {volume: cap, density: 1000, rigid: true, coupled: [right]}]") + more.replace("NAME", "cap")
         expected = self.solve(without, "method: static")
-        for ranks in swept((1, 2), (2,)):
+        for ranks in swept((1, 2), (1,)):
             h = self.solve(meshed, "method: static", ranks)
             for axis in "xyz":
                 np.testing.assert_allclose(h[f"end_{axis}"], expected[f"end_{axis}"], atol=1e-8 * LENGTH)
@@ -240,7 +243,7 @@ loads: [{{force: [0, 0.01, 0.02], volume: NAME}}, {{torque: [0.02, 0, 0], volume
         np.testing.assert_allclose(h["pivot_angle"][-1], 0.05 * 2 / (2 + stiffness), rtol=0.02)
         np.testing.assert_allclose(h["pivot_fz"][-1], -h["left_fz"][-1], rtol=1e-6)
         moving = text.replace("TARGET", "'0.5*min(t/0.02, 1)'")
-        one, *others = [self.solve(moving, "method: bdf2, step: 2 ms, end: 0.04", ranks) for ranks in swept((1, 2, 3), (1, 2))]
+        one, *others = [self.solve(moving, "method: bdf2, step: 2 ms, end: 0.04", ranks) for ranks in swept((1, 2, 3), (1,))]
         self.assertGreater(one["pivot_angle"][-1], 0.05)
         self.assertLess(np.abs(one["energy_balance_error"]).max(), 1e-7 * one["kinetic_energy"].max())
         for other in others:

@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from program import ProgramTest, read_history, swept, write_box
+from program import LONG, ProgramTest, read_history, swept, write_box
 
 FINGER = """mesh: {file: finger.msh}
 element: P2
@@ -189,7 +189,8 @@ probes: [{name: tip, point: [1, 0, 0]}]
         for message, wrong in cases.items():
             with self.subTest(message):
                 self.write("in.yaml", wrong.replace(", MORE", "") + "time: {method: static}\n")
-                self.assertIn(message, self.pliant("check", "in.yaml", ranks=2, status=2).stderr)
+                ranks = 2 if LONG or "direction" in message else 1
+                self.assertIn(message, self.pliant("check", "in.yaml", ranks=ranks, status=2).stderr)
         self.solve(own.replace("tension:", "pulled_at: [0, 0, 0], friction: 0.1, tension:"), "method: quasistatic, step: 0.1, end: 0.1")
 
     def test_mistakes_are_told(self):

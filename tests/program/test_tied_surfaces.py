@@ -101,7 +101,7 @@ class TiedSurfaces(ProgramTest):
                 used = law if treatment == "standard" else ""
                 self.write_input([*held, f"{{surface: {a}, tied_to: {b}}}"],
                                  "loads: [{surface: upper_top, traction: [0, 0, -1e-4]}]\n", element, treatment, used)
-                for ranks in swept((1, 2, 3), (2,)) if treatment == treatments[-1] else (1,):
+                for ranks in swept((1, 2, 3), (1,)) if treatment == treatments[-1] else (1,):
                     with self.subTest(element=element, treatment=treatment, dependent=a, ranks=ranks):
                         rest, u = self.fields(ranks=ranks)
                         u = 1e6 * u
@@ -124,7 +124,7 @@ class TiedSurfaces(ProgramTest):
         orders = list(itertools.permutations(ties))
         for order in swept(orders, orders[::2]):
             self.write_input([*order, *held], mesh="corner.msh", bodies=("floor", "wall", "block"))
-            self.assert_linear(*self.fields(ranks=1 + (order[0] == ties[0])), H, 1e-11)
+            self.assert_linear(*self.fields(ranks=2 if LONG and order[0] == ties[0] else 1), H, 1e-11)
 
     def test_a_periodic_cell(self):
         # Its sides are periodic above and below the tie, and its ends move.
@@ -136,7 +136,7 @@ class TiedSurfaces(ProgramTest):
             sides = [f"{{surface: {body}_{b}, periodic_with: {body}_{a}, difference: {H[:, axis].tolist()}}}"
                      for body in ("lower", "upper") for axis, (a, b) in enumerate((("left", "right"), ("front", "back")))]
             self.write_input(["{surface: upper_bottom, tied_to: lower_top}", *sides, *ends], "", element)
-            for ranks in swept((1, 3), (1,) if element == "P2" else (3,)):
+            for ranks in swept((1, 3), (1,)):
                 self.assert_linear(*self.fields(ranks=ranks), H, 1e-11)
 
     def test_a_prescribed_dependent_surface_moves_the_other(self):
@@ -155,7 +155,7 @@ class TiedSurfaces(ProgramTest):
             self.write_input(["{surface: upper_bottom, tied_to: lower_top, tolerance: 0.05}"],
                              'initial: {velocity: ["-2*y", "2*x + z", "0.5*y"]}\n'
                              "time: {method: implicit-midpoint, step: 0.02, end: 0.4}\n", element)
-            for ranks in swept((1, 2), (2,) if element == "P1" else (1,)):
+            for ranks in swept((1, 2), (1,)):
                 with self.subTest(name, element=element, ranks=ranks):
                     h = self.run_input("in.yaml", ranks=ranks)
                     size = max(np.abs(h[f"L{axis}"]).max() for axis in "xyz")
