@@ -8,7 +8,7 @@ import unittest
 import numpy as np
 import scipy.optimize
 
-from program import ENVIRONMENT, PROGRAM, ROOT, ProgramTest, swept, write_box
+from program import ENVIRONMENT, LONG, PROGRAM, ROOT, ProgramTest, swept, write_box
 
 sys.path.insert(0, str(ROOT / "src/python"))
 os.environ.update(ENVIRONMENT, PLIANT=str(PROGRAM))
@@ -246,7 +246,7 @@ class Fits(Motion):
 
     def test_numbers_that_made_the_motion(self):
         self.measure()
-        done = self.fit(ranks=2)
+        done = self.fit(ranks=2 if LONG else 1)
         self.assertNotIn("warning", done.stderr)
         for key, row in self.fitted().items():
             self.assertAlmostEqual(float(row["value"]) / TRUTH[key], 1, delta=1e-6)
@@ -299,7 +299,7 @@ class Fits(Motion):
                 ("material", "material: {model: neo-hookean}\n" + FIT)):
             with self.subTest(words):
                 self.write("short.yaml", FINGER.replace("0.3 s", "0.1 s"))
-                for ranks in (1, 2):
+                for ranks in swept((1, 2), (1,)):
                     done = self.fit(text, ranks=ranks, status=2)
                     self.assertIn(words, done.stderr)
 
