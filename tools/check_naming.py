@@ -1,11 +1,12 @@
 #!/usr/bin/python3
 """Checks names in src/ and tests/ by the rules of .clang-tidy, as build/ compiles them.
 
-  tools/check_naming.py [--build DIR] [--all-checks] [FILE.cpp ...]      without files: all
+  tools/check_naming.py [--build DIR] [--all-checks] [--changed | FILE.cpp ...]      without files: all
 
 Most of clang-tidy's time goes into headers, so all sources of src/ are checked as one translation unit, and all of tests/. Their unnamed
 namespaces get different names for that. Sources that clash nevertheless are named and checked one by one, which takes seconds for each;
-another name in one of them saves the time. --all-checks adds the checks for likely errors: minutes.
+another name in one of them saves the time. All take ten minutes; --changed checks what the last commits changed, and what is not
+committed, unless PLIANT_LONG_TESTS is set. --all-checks adds the checks for likely errors: minutes.
 """
 import argparse
 import concurrent.futures
@@ -21,6 +22,7 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 CLANG_TIDY = "clang-tidy-16"  # the first that knows std::source_location
+RECENT = 5  # commits
 QUIET = re.compile(r"^(\d+ warnings?( and \d+ errors?)? generated\.|Error while processing .*|)$")
 
 
@@ -39,6 +41,27 @@ def commands(build):
         options = iter(word for word in words[words[0].endswith("ccache") + 1 : words.index("-o")] if word != "-c")
         options = [(word, next(options)) if word == "-isystem" else (word,) for word in options]
         found |= {file: options for file in sources_of(pathlib.Path(entry["file"])) if ROOT in file.parents}
+    return found
+
+
+def git(*arguments):
+    return subprocess.run(["git", "-C", ROOT, *arguments], capture_output=True, text=True, check=True).stdout.splitlines()
+
+
+def changed(sources):
+    """The sources that changed since RECENT commits, and for each header that did one that includes it."""
+    try:
+        before = git("rev-list", "--first-parent", f"--max-count={RECENT + 1}", "HEAD")[-1]
+        names = git("diff", "--name-only", before) + git("ls-files", "--others", "--exclude-standard")
+    except subprocess.CalledProcessError:
+        return sources  # not in a repository
+    files = {ROOT / name for name in names}
+    found = files & sources
+    for header in sorted(file for file in files if file.suffix == ".hpp" and file.exists()):
+        includes = re.compile(rf'^#include "(.*/)?{re.escape(header.name)}"', re.MULTILINE)
+        users = {file for file in sources if includes.search(file.read_text())}
+        if users and not users & found:
+            found.add(min(users, key=lambda file: (file.stem != header.stem, file.stat().st_size, file)))
     return found
 
 
@@ -95,6 +118,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build", help="the configured build folder")
     parser.add_argument("--all-checks", action="store_true", help="not names only, but everything in .clang-tidy")
+    parser.add_argument("--changed", action="store_true", help="what the last commits changed, or is not committed")
     parser.add_argument("files", type=pathlib.Path, nargs="*", metavar="FILE.cpp")
     arguments = parser.parse_args()
     try:
@@ -102,6 +126,8 @@ def main():
     except OSError as error:
         sys.exit(f"{error.filename}: {error.strerror}; configure first: tools/setup.sh test")
     chosen = {file.resolve() for file in arguments.files} or set(options_of)
+    if arguments.changed and not os.environ.get("PLIANT_LONG_TESTS"):
+        chosen = changed(chosen)
     if chosen - set(options_of):
         sys.exit(f"not compiled in {arguments.build}: " + " ".join(str(file) for file in chosen - set(options_of)))
     groups = {}

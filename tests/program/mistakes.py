@@ -1,15 +1,13 @@
 """What the tests of mistakes share: many runs at a time, each of which must end with one message and the right exit code."""
 import concurrent.futures
-import os
 import re
 import time
 
-from program import ProgramTest, finish, start
+from program import LONG, ProgramTest, finish, start
 
 FROM_MPIRUN = re.compile(r"-{20,}\n.*?-{20,}\n", re.DOTALL)  # what it says of a code that is not 0
 NOISE = ("PETSC ERROR", "Traceback", "terminate called", "Segmentation", "PetscFailure", "MPI_ABORT", "HDF5-DIAG", "pliant failed",
          "gmsh died", "HDF5:")
-LONG = bool(os.environ.get("PLIANT_LONG_TESTS"))  # every case, not samples of them
 
 
 class MistakesTest(ProgramTest):

@@ -22,6 +22,7 @@ sys.path.insert(0, str(ROOT / "tools"))
 import beam_mesh  # noqa: E402
 
 PROGRAM = pathlib.Path(os.environ.get("PLIANT", ROOT / "build/bin/pliant")).resolve()
+LONG = bool(os.environ.get("PLIANT_LONG_TESTS"))  # everything, where otherwise a part is run
 ENVIRONMENT = {
     **os.environ,
     "OMP_NUM_THREADS": "1",
@@ -39,6 +40,19 @@ ENVIRONMENT.pop("DISPLAY", None)  # MPI asks an X server for its graphics cards,
 
 LINE, TRIANGLE, TETRAHEDRON, TRIANGLE_6, TETRAHEDRON_10 = 1, 2, 4, 9, 11  # gmsh's element types
 SIDES = ("left", "right", "front", "back", "bottom", "top")  # surfaces of a box: x, y, z, each at its low and high end
+
+
+long_test = unittest.skipUnless(LONG, "PLIANT_LONG_TESTS is not set")
+
+
+def swept(values, usually):
+    """All values of a sweep with PLIANT_LONG_TESTS; otherwise those that are `usually` run, some of them."""
+    missing = [value for value in usually if value not in values]
+    assert not missing, f"{missing} are not among {values}"
+    return values if LONG else usually
+
+
+ALL_OR_SOME = "all" if LONG else "bdf2,dirk23,dirk33"  # methods of a study of order
 
 
 def command(arguments, ranks=1):
@@ -118,7 +132,7 @@ class ProgramTest(unittest.TestCase):
         path.write_text(text, encoding="utf-8")
         return path
 
-    def call(self, *arguments, ranks=1, timeout=120):
+    def call(self, *arguments, ranks=1, timeout=300):
         return finish(start(arguments, self.directory, ranks, UNSIGNALLED), timeout)
 
     def pliant(self, *arguments, ranks=1, status=0):
@@ -131,7 +145,7 @@ class ProgramTest(unittest.TestCase):
         self.write("in.yaml", text + f"time: {{{time}}}\noutput: {{every: 1}}\n")
         return self.run_input("in.yaml", *more, ranks=ranks)
 
-    def run_input(self, file, *settings, ranks=1, output="out", options=(), timeout=120):
+    def run_input(self, file, *settings, ranks=1, output="out", options=(), timeout=300):
         """Runs an input that must succeed; returns its history. `settings`: KEY.PATH=VALUE."""
         arguments = ["run", file, "--quiet", "--output", output]
         for setting in settings:

@@ -5,7 +5,7 @@ import unittest
 import h5py
 import numpy as np
 
-from program import ROOT, ProgramTest, read_history
+from program import LONG, ROOT, ProgramTest, read_history, swept
 
 BLOCKS = ROOT / "meshes/falling_blocks.geo"
 GEOMETRY = """SetFactory("OpenCASCADE");
@@ -100,11 +100,12 @@ class BodyContact(ProgramTest):
         # Whatever cuts the interface.
         options["time"] = "method: bdf2, step: 5 ms, end: 0.06"
         h = self.run_blocks("alone", **options)
-        for ranks in (2, 3):
+        for ranks in swept((2, 3), (2,)):
             self.assert_same_history(h, self.run_blocks(f"rest{ranks}", ranks=ranks, **options), 1e-5)
 
     def test_nothing_passes_however_fast(self):
-        for element, speed, young in (("P1", 2, "1e5"), ("P1", 40, "1e6"), ("P2", 3, "1e5")):
+        cases = (("P1", 40, "1e6"), ("P2", 3, "1e5"), ("P1", 2, "1e5"))
+        for element, speed, young in swept(cases, cases[:1]):
             with self.subTest(element=element, speed=speed):
                 name = f"fast{element}{speed}"
                 h = self.run_blocks(name, element=element, young=young,
@@ -191,26 +192,27 @@ Mesh.MeshSizeMax = 0.7;
     def test_a_block_slides_down_a_slab_as_coulomb_says(self):
         """On a slope of 1/2: the block starts at a velocity that friction keeps or takes away."""
         self.write("blocks.geo", GEOMETRY % "1.005")
-        for friction, ranks in ((0.45, 2), (0.55, 1)):
-            for update in ("iterated", "frozen"):
-                with self.subTest(friction=friction, update=update):
-                    text = two_blocks(f"law: barrier, friction_update: {update}, stick_velocity: 0.1 mm/s, "
-                                      f"pairs: [{{name: grip, surface: block, with: base, friction: {friction}}}]",
-                                      "method: bdf2, step: 2 ms, end: 0.08", young="1e7", velocity='["0.2*(z > 11e-3)", 0, 0]')
-                    text = text.replace(f"[0, 0, {-G}]", f"[{G / 5**0.5}, 0, {-2 * G / 5**0.5}]")
-                    h = self.run_input(self.write("slope.yaml", text), output="slope", ranks=ranks)
-                    # Whatever the block does: while it slides, friction is in proportion to the pressure.
-                    tolerance = 2e-3 if update == "iterated" else 0.1  # at the start of a step, which misses a part of impacts
-                    np.testing.assert_allclose(h["grip_jx"][-1], -friction * h["grip_jz"][-1], rtol=tolerance)
-                    weight = 1000 * 8e-6 * 2 * G / 5**0.5
-                    np.testing.assert_allclose(h["grip_jz"][-1], weight * h["time"][-1], rtol=0.15)  # it bounces
-                    self.assertGreater(h["dissipated_friction"][-1], 0)
-                    self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-7 * h["dissipated_friction"][-1])
+        cases = [(friction, update) for friction in (0.45, 0.55) for update in ("iterated", "frozen")]
+        for number, (friction, update) in enumerate(swept(cases, cases[::3])):
+            with self.subTest(friction=friction, update=update):
+                text = two_blocks(f"law: barrier, friction_update: {update}, stick_velocity: 0.1 mm/s, "
+                                  f"pairs: [{{name: grip, surface: block, with: base, friction: {friction}}}]",
+                                  "method: bdf2, step: 2 ms, end: 0.08", young="1e7", velocity='["0.2*(z > 11e-3)", 0, 0]')
+                text = text.replace(f"[0, 0, {-G}]", f"[{G / 5**0.5}, 0, {-2 * G / 5**0.5}]")
+                h = self.run_input(self.write("slope.yaml", text), output="slope", ranks=1 + number // 2 if LONG else 1)
+                # Whatever the block does: while it slides, friction is in proportion to the pressure.
+                tolerance = 2e-3 if update == "iterated" else 0.1  # at the start of a step, which misses a part of impacts
+                np.testing.assert_allclose(h["grip_jx"][-1], -friction * h["grip_jz"][-1], rtol=tolerance)
+                weight = 1000 * 8e-6 * 2 * G / 5**0.5
+                np.testing.assert_allclose(h["grip_jz"][-1], weight * h["time"][-1], rtol=0.15)  # it bounces
+                self.assertGreater(h["dissipated_friction"][-1], 0)
+                self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-7 * h["dissipated_friction"][-1])
 
     def test_a_penalty_holds_what_lies_on_it(self):
         damped = ", viscosity: [{model: mass-proportional, decay_rate: 40}]"
         weight = 1000 * G * 0.02**3
-        for element, pairs in (("P1", "all"), ("P1", "[{name: grip, surface: block, with: base}]"), ("P2", "all")):
+        cases = (("P1", "[{name: grip, surface: block, with: base}]"), ("P1", "all"), ("P2", "all"))
+        for element, pairs in swept(cases, cases[:1]):
             with self.subTest(element=element, pairs=pairs):
                 options = {"rest": damped, "time": "method: bdf2, step: 5 ms, end: 0.5", "element": element,
                            "contact": f"law: penalty, pairs: {pairs}"}
@@ -227,12 +229,13 @@ Mesh.MeshSizeMax = 0.7;
                     self.assertGreater(frame["contact_pressure"][:].max(), 0.5 * 1000 * G * 0.02)
                 options["time"] = "method: bdf2, step: 5 ms, end: 0.06"
                 h = self.run_blocks("alone", **options)
-                for ranks in (2, 3):
+                for ranks in swept((2, 3), ()):
                     self.assert_same_history(h, self.run_blocks(f"soft{ranks}", ranks=ranks, **options), 1e-5)
 
     def test_every_method_keeps_momentum_on_a_penalty(self):
         # Free blocks that meet at 2 m/s.
-        for method in ("backward-euler", "bdf2", "bdf3", "dirk22", "dirk23", "dirk33", "implicit-midpoint", "symplectic-dirk22"):
+        methods = ("backward-euler", "bdf2", "bdf3", "dirk22", "dirk23", "dirk33", "implicit-midpoint", "symplectic-dirk22")
+        for method in swept(methods, ("bdf2", "dirk23", "symplectic-dirk22")):
             with self.subTest(method):
                 text = two_blocks("law: penalty, friction: 0.3, pairs: [{name: grip, surface: base, with: block}]",
                                   f"method: {method}, step: 0.2 ms, end: 12 ms", young="1e6", velocity='[0.3, 0, "z > 0.011 ? -1 : 0"]')
@@ -252,23 +255,24 @@ Mesh.MeshSizeMax = 0.7;
         self.write("three.geo", (GEOMETRY % "1.1").replace("Physical Volume", "Box(3) = {-1, -1, 3.2, 2, 2, 2};\nPhysical Volume", 1)
                    + 'Physical Volume("top") = {3};\n')
         text = two_blocks("pairs: [{name: soft, surface: base, with: block}, {name: hard, surface: block, with: top, law: barrier}]",
-                          "method: bdf2, step: 1 ms, end: 60 ms", file="three.geo").replace(
+                          "method: bdf2, step: 1 ms, end: 30 ms", file="three.geo").replace(
             "bodies:\n", "bodies:\n  - {volume: top, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e5, poissons_ratio: 0.3}}\n")
-        file = self.write("mixed.yaml", text + "checkpoint: {every: 30}\n")
+        file = self.write("mixed.yaml", text + "checkpoint: {every: 15}\n")
         whole = self.run_input(file, output="whole")
         self.assertLess(whole["soft_fz"].min(), 0)
         self.assertLess(whole["hard_fz"].min(), 0)
-        self.run_input(file, output="part", ranks=2)
+        self.run_input(file, output="part")
         for later in sorted((self.directory / "part").glob("checkpoint-*.h5"))[1:]:
             later.unlink()
-        done = self.call("resume", "part", "--quiet", ranks=3)
+        done = self.call("resume", "part", "--quiet", ranks=2)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assert_same_history(whole, read_history(self.directory / "part"), 1e-5)
 
     def test_a_penalty_says_what_it_cannot_hold(self):
         # A thin plate, and a block that would be beyond it after one step.
         self.write("thin.geo", GEOMETRY.replace("-2, -2, 0, 4, 4, 1", "-2, -2, 0.8, 4, 4, 0.2") % "1.2")
-        for speed, ranks in ((30, 1), (30, 2), (3, 2)):
+        cases = ((30, 1), (3, 1), (3, 2), (30, 2))
+        for speed, ranks in swept(cases, cases[:2]):
             text = two_blocks("law: penalty, pairs: all", "method: bdf2, step: 4 ms, least_step: 1 ms, end: 0.02", file="thin.geo",
                               velocity=f'[0, 0, "z > 0.011 ? -{speed} : 0"]', young="1e4").replace("least_step: 1 ms, ", "")
             done = self.call("run", self.write("thin.yaml", text), ranks=ranks)
@@ -292,7 +296,7 @@ Mesh.MeshSizeMax = 0.7;
         self.assertIn("gap = 1e-4;", text)
         self.write("patch.geo", text.replace("gap = 1e-4;", "gap = -0.01;"))
         law = "elasticity: {model: linear, youngs_modulus: 125, poissons_ratio: 0.25}"
-        for element in ("P1", "P2"):
+        for element in swept(("P1", "P2"), ("P1",)):
             with self.subTest(element):
                 file = self.write("patch.yaml", f"""
 mesh: {{file: patch.geo}}
@@ -304,7 +308,7 @@ contact: {{law: penalty, stiffness: 1e6, width: 1e-6, threshold: 1e-6, pairs: [{
 time: {{method: static}}
 output: {{fields: [cauchy_stress]}}
 """)
-                done = self.call("run", file, ranks=2)
+                done = self.call("run", file)
                 self.assertEqual(done.returncode, 0, done.stderr)
                 self.assertNotIn("warning", done.stderr)
                 self.assertAlmostEqual(read_history(self.directory / "out/patch")["patch_fz"][-1], -0.625, delta=1e-3 * 0.625)
@@ -351,7 +355,7 @@ output: {{fields: [cauchy_stress]}}
                 ("within", {"file": within}, "'base' and 'block' overlap at the start in 1 place")):
             with self.subTest(name):
                 file = self.write(name + ".yaml", two_blocks(**options))
-                for ranks in (1, 2):
+                for ranks in swept((1, 2), (1,)):
                     done = self.call("run", file, "--quiet", ranks=ranks)
                     self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
                     self.assertEqual(done.stderr.count(expected), 1, done.stderr)

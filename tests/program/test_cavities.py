@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from program import ROOT, ProgramTest, write_box
+from program import LONG, ROOT, ProgramTest, write_box
 from thick_shell import ThickShell
 
 INNER, OUTER, LENGTH = 0.5, 1.0, 0.2
@@ -51,8 +51,8 @@ class Cavities(ProgramTest):
             expected = tube.pressure(INNER * np.sqrt(h["bore_volume"][step] / VOLUME))
             self.assertAlmostEqual(h["bore_pressure"][step], expected, delta=1e-4 * expected)
         self.assertAlmostEqual(h["bore_x"][-1], INNER * np.sqrt(1.5), delta=1e-3 * INNER)
-        again = self.history(text, ranks=2)
-        self.assert_same_history(h, again, 1e-7)
+        if LONG:
+            self.assert_same_history(h, self.history(text, ranks=2), 1e-7)
 
     def test_a_given_pressure_is_the_same_as_that_load(self):
         self.tube((2, 3, 1))
@@ -83,7 +83,7 @@ class Cavities(ProgramTest):
         self.tube((2, 3, 1))
         text = TUBE + (f"cavities: [{{name: c, surface: left, volume: {VOLUME}, "
                        f'liquid: {{bulk_modulus: 1e11, flow: "{VOLUME}*(t < 0.1 ? 2 : 1)"}}}}]\n')
-        h = self.history(text + "time: {method: bdf2, step: 10 ms, end: 0.2, events: [0.1]}\n", ranks=2)
+        h = self.history(text + "time: {method: bdf2, step: 10 ms, end: 0.2, events: [0.1]}\n", ranks=2 if LONG else 1)
         t = h["time"]
         np.testing.assert_allclose(h["c_volume"] / VOLUME, 1 + 2 * np.minimum(t, 0.1) + np.maximum(0, t - 0.1), rtol=1e-5)
         np.testing.assert_allclose(h["energy_balance_error"], 0, atol=1e-7 * h["elastic_energy"].max())
@@ -104,7 +104,7 @@ class Cavities(ProgramTest):
         # 5 chambers of 6 mm x 16 mm x 16 mm, and 4 pieces of channel of 8 mm x 6 mm x 3 mm.
         volume = 5 * 6 * 16 * 16e-9 + 4 * 8 * 6 * 3e-9
         self.assertIn(f"chamber: volume {volume:.6g} m^3", self.call("check", ROOT / "input/pneumatic_actuator.yaml").stdout)
-        h = self.run_input(ROOT / "input/pneumatic_actuator.yaml", "time.end=0.24", "time.events=[0.2]", ranks=2)
+        h = self.run_input(ROOT / "input/pneumatic_actuator.yaml", "time.end=0.24", "time.events=[0.2]")
         amount = 1 + 0.5 * np.minimum(h["time"] / 0.2, 1)
         np.testing.assert_allclose((h["chamber_pressure"] + 101325) * h["chamber_volume"], 101325 * h["chamber_volume"][0] * amount,
                                    rtol=1e-10)

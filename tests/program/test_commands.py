@@ -9,7 +9,7 @@ import unittest
 import jsonschema
 import yaml
 
-from program import ENVIRONMENT, PROGRAM, ROOT, ProgramTest, write_box
+from program import ENVIRONMENT, PROGRAM, ROOT, ProgramTest, swept, write_box
 
 INPUT = """
 mesh: {file: bar.msh}
@@ -31,7 +31,7 @@ class Commands(ProgramTest):
     def test_check(self):
         write_box(self.directory / "bar.msh", (8, 2, 2), (1, 0.2, 0.2))
         file = self.write("bar.yaml", INPUT)
-        for ranks in (1, 2, 3):
+        for ranks in swept((1, 2, 3), (1, 3)):
             with self.subTest(ranks=ranks):
                 text = self.text("check", file, ranks=ranks)
                 # Bodies, surfaces, quality, unknowns, time scales, memory.

@@ -5,7 +5,7 @@ import unittest
 
 import numpy as np
 
-from program import ProgramTest, box, write_box, write_mesh
+from program import LONG, ProgramTest, box, swept, write_box, write_mesh
 
 LAW = "elasticity: {model: neo-hookean, youngs_modulus: 1e5, poissons_ratio: 0.3}"
 
@@ -52,7 +52,7 @@ class Constraints(ProgramTest):
         held = "{surface: bottom, displacement: [0, 0, 0]}"
         probes = f"probes: [{{name: tip, point: [{tip[0]}, {tip[1]}, {tip[2]}]}}]\n"
         full = self.solve("whole.msh", [held, lid], more=probes)
-        for ranks in (1, 2):
+        for ranks in swept((1, 2), (2,)):
             part = self.solve("half.msh", [held, lid, "{surface: left, symmetry: plane}"], more=probes, ranks=ranks)
             self.assertAlmostEqual(2 * part["elastic_energy"][-1] / full["elastic_energy"][-1], 1, delta=1e-9)
             self.assertGreater(np.abs(part["tip_x"][-1] - tip[0]), 1e-3)
@@ -83,7 +83,7 @@ class Constraints(ProgramTest):
         cell = [corner, '{surface: right, periodic_with: left, difference: [0, "0.3*t", 0]}',
                 "{surface: back, periodic_with: front}", "{surface: top, periodic_with: bottom, difference: [0, 0, free]}"]
         time = "time: {method: quasistatic, step: 0.1, end: 1}\n"
-        history = self.solve("cube.msh", cell, more=time, ranks=2)
+        history = self.solve("cube.msh", cell, more=time)
         energy, force = history["elastic_energy"], history["right_fy"]
         slope = (8 * (energy[6] - energy[4]) - (energy[7] - energy[3])) / (12 * 0.03)
         self.assertAlmostEqual(force[5] / slope, 1, delta=1e-4)
@@ -99,7 +99,7 @@ class Constraints(ProgramTest):
         grip = ('{surface: right, rigid: {translation: [free, "0.1*t", 0], '
                 'rotation: {axis: [2, 0, 0], angle: "2*t"}, center: [3, 0, 0]}}')
         ends = ["{surface: left, displacement: [0, 0, 0]}", grip]
-        history = self.solve("bar.msh", ends, more="time: {method: quasistatic, step: 0.1, end: 1}\n", ranks=2)
+        history = self.solve("bar.msh", ends, more="time: {method: quasistatic, step: 0.1, end: 1}\n")
         power = 2 * history["right_tx"] + 0.1 * history["right_fy"]
         energy = history["elastic_energy"]
         slope = (8 * (energy[6] - energy[4]) - (energy[7] - energy[3])) / (12 * 0.1)
@@ -120,7 +120,7 @@ class Constraints(ProgramTest):
         x, z = straight["foot_x"][-1], straight["foot_z"][-1] - 1
         self.assertLess(z, -1.001)
         weight = 0.16 * 1000 * g
-        for ranks in (1, 2):
+        for ranks in swept((1, 2), (1,)):
             h = self.solve("bar.msh", [self.HINGE], more=more % (-g * np.sin(tilt), -g * np.cos(tilt)), ranks=ranks)
             self.assertAlmostEqual(h["elastic_energy"][-1] / straight["elastic_energy"][-1], 1, delta=1e-8)
             self.assertAlmostEqual(h["foot_x"][-1], x * np.cos(tilt) + z * np.sin(tilt), delta=1e-8)
@@ -136,7 +136,7 @@ class Constraints(ProgramTest):
         more = (f"probes: [{{name: foot, point: [0, 0, 0]}}]\nloads: [{{gravity: [0, 0, -9.81]}}]\n"
                 f"initial: {{velocity: ['{rate}*(z-1)', 0, '-{rate}*x']}}\n"
                 f"time: {{method: implicit-midpoint, step: {step}, end: {end}}}\n")
-        h = self.solve("bar.msh", [self.HINGE], "bodies.0.elasticity.youngs_modulus=1e9", more=more, ranks=2)
+        h = self.solve("bar.msh", [self.HINGE], "bodies.0.elasticity.youngs_modulus=1e9", more=more)
         # About the hinge, per mass: (length^2 / 3 + width^2 / 12), by steps of a twentieth.
         inertia, y, dt = 1 / 3 + 0.04 / 12, np.array([0.0, rate]), step / 20
         slope = lambda y: np.array([y[1], -9.81 * 0.5 / inertia * np.sin(y[0])])  # noqa: E731
@@ -155,7 +155,7 @@ class Constraints(ProgramTest):
         write_box(self.directory / "bar.msh", (4, 2, 2), (1, 0.4, 0.3))
         more = ("initial: {velocity: ['1+2*y*y', '3*z', '-3*y+2*x*x']}\n"
                 "time: {method: implicit-midpoint, step: 0.01, end: 0.3}\n")
-        for ranks in (1, 2):
+        for ranks in swept((1, 2), (1,)):
             h = self.solve("bar.msh", ["{surface: left, rigid: {}}", "{surface: right, rigid: {}}"], more=more, ranks=ranks)
             scale = np.abs([h[c] for c in ("px", "py", "pz", "Lx", "Ly", "Lz")]).max()
             for column in ("px", "py", "pz", "Lx", "Ly", "Lz"):
@@ -180,7 +180,7 @@ class Constraints(ProgramTest):
         at = text.index("@")
         place = f"in.yaml:{text[:at].count(chr(10)) + 1}:{at - text[:at].rfind(chr(10))}:"
         self.write("in.yaml", text.replace("@", ""))
-        done = self.call("run", "in.yaml", ranks=2)
+        done = self.call("run", "in.yaml", ranks=2 if LONG else 1)
         self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
         self.assertIn(place, done.stderr)
         self.assertRegex(done.stderr, words)
@@ -202,13 +202,13 @@ class Constraints(ProgramTest):
                 'cavities: [{name: gas, where: "x > -1", volume: 3, gas: {pressure: 1 kPa, ambient: 1 kPa}}]\n'
                 "time: {method: dirk22, step: 10 ms, end: 40 ms}\n")
         for name, constraints in kinds.items():
-            for nu in ("0.49", "0.5"):
+            for nu in swept(("0.5", "0.49"), ("0.5",)):
                 with self.subTest(name, nu=nu):
                     material = f"bodies.0.elasticity.poissons_ratio={nu}"
                     one = self.solve("cube.msh", constraints, material, more=more)
                     self.assertGreater(one["kinetic_energy"][-1], 1e-3)
                     self.assertLess(np.abs(one["energy_balance_error"]).max(), 1e-7 * one["kinetic_energy"].max())
-                    for ranks in (2, 3):
+                    for ranks in swept((2, 3), (2,) if name in ("periodic", "turning", "equation") else ()):
                         self.assert_same_history(self.solve("cube.msh", constraints, material, more=more, ranks=ranks), one, 1e-7)
 
     def test_integrators_of_petsc(self):
@@ -220,7 +220,7 @@ class Constraints(ProgramTest):
             "periodic": ['{surface: back, periodic_with: front, difference: [0, "5*t^2", free]}'],
             "turned": ['{surface: left, rigid: {rotation: {axis: [0, 0, 1], angle: "20*t^2"}, translation: [0, 0, 0]}}']}
         probes = "probes: [{name: tip, point: [1, 1, 1]}]\n"
-        for name, constraints in kinds.items():
+        for name, constraints in swept(list(kinds.items()), list(kinds.items())[2:]):
             def end(method, step, ranks=1):
                 more = f'loads: [{{force_density: [0, 0, "-1e7*t^3"]}}]\ntime: {{method: {method}, step: {step}, end: 0.1}}\n'
                 history = self.solve("cube.msh", constraints, more=probes + more, ranks=ranks)
@@ -229,12 +229,12 @@ class Constraints(ProgramTest):
             exact = end("dirk33", 0.1 / 800)
             for method, order in (("alpha2", 2), ("bdf", 2), ("arkimex", 3)):
                 with self.subTest(name, method=method):
-                    errors = [np.linalg.norm(end(f"{{petsc: {method}}}", 0.1 / n) - exact) for n in (100, 200)]
+                    one, finer = (end(f"{{petsc: {method}}}", 0.1 / n) for n in (100, 200))
+                    errors = [np.linalg.norm(found - exact) for found in (one, finer)]
                     self.assertGreater(np.log2(errors[0] / errors[1]), order - 0.3, errors)
                     self.assertLess(errors[1], 1e-3)
-                    two = end(f"{{petsc: {method}}}", 0.1 / 100, ranks=2)
-                    one = end(f"{{petsc: {method}}}", 0.1 / 100)
-                    np.testing.assert_allclose(two, one, rtol=1e-9)
+                    if LONG or method == "bdf":
+                        np.testing.assert_allclose(end(f"{{petsc: {method}}}", 0.1 / 100, ranks=2), one, rtol=1e-9)
 
     def test_mistakes_against_the_mesh(self):
         write_box(self.directory / "cube.msh", (2, 3, 2))

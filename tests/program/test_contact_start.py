@@ -10,7 +10,7 @@ from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
 
 from overlaps import overlaps
-from program import ProgramTest, start, finish, read_history, UNSIGNALLED
+from program import ProgramTest, start, finish, read_history, swept, UNSIGNALLED
 from test_body_contact import GEOMETRY, two_blocks
 
 THREE = """SetFactory("OpenCASCADE");
@@ -63,16 +63,15 @@ contact: {{law: barrier, {contact}}}
 time: {{{time}}}
 """)
 
-    def check_on_ranks(self, file):
+    def check_on_ranks(self, file, usually=(1, 3)):
         """The tables, the same on every rank count."""
         texts = []
-        for ranks in (1, 2, 3):
+        for ranks in swept((1, 3, 2), usually):
             done = self.call("check", file, ranks=ranks)
             self.assertEqual(done.returncode, 0, done.stderr)
             begin = re.search("^(contact pairs|obstacles)$", done.stdout, re.M).start()
             texts.append(done.stdout[begin:done.stdout.index("unknowns\n")])
-        self.assertEqual(texts[0], texts[1])
-        self.assertEqual(texts[0], texts[2])
+        self.assertEqual(set(texts), {texts[0]})
         return tables(texts[0])
 
     def test_all_bodies(self):
@@ -89,7 +88,7 @@ time: {{{time}}}
         self.assertRegex(found["rest"], r"^2 more pairs of bodies farther apart than 0\.0\d+ m$")
 
     def test_excluded_bodies_are_not_counted(self):
-        found = self.check_on_ranks(self.three("pairs: all, exclude: [[base, moon], [base, block]]"))
+        found = self.check_on_ranks(self.three("pairs: all, exclude: [[base, moon], [base, block]]"), (1,))
         self.assertEqual(found["contact pairs"], [])
         self.assertRegex(found["rest"], r"^1 pair of bodies farther apart than")
 
@@ -102,7 +101,7 @@ time: {{{time}}}
         for time in ("method: backward-euler, step: 2 ms, end: 0.02", "method: static"):
             with self.subTest(time):
                 file = self.three(contact.replace("thickness: 1 mm, ", "threshold: 1 mm, "), time=time)
-                found = self.check_on_ranks(file)
+                found = self.check_on_ranks(file, (1,) if "static" in time else (1, 3))
                 grip, far, itself = found["contact pairs"]
                 self.assertEqual([row["pair"] for row in found["contact pairs"]], ["grip", "1", "2"])
                 self.assertEqual((grip["between"], grip["stiffness [Pa/m]"], grip["width [m]"]), ("under with top", "3e+08", "0.0001"))
@@ -118,11 +117,11 @@ time: {{{time}}}
                 self.assertEqual((ball["nearest body"], ball["gap at the start [m]"]), ("moon", "0.029"))
 
     def test_a_displacement_at_the_start_counts(self):
-        [row] = self.check_on_ranks(self.three("pairs: all", initial='[0, 0, "z > 0.011 ? -1e-3 : 0"]'))["contact pairs"]
+        [row] = self.check_on_ranks(self.three("pairs: all", initial='[0, 0, "z > 0.011 ? -1e-3 : 0"]'), (1,))["contact pairs"]
         self.assertEqual(row["gap at the start [m]"], "0.001")
 
     def test_a_start_within_the_thickness_is_named(self):
-        for ranks in (1, 2):
+        for ranks in swept((1, 2), (1,)):
             done = self.call("run", self.three("pairs: all, threshold: 2.5 mm"), "--quiet", ranks=ranks)
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertRegex(done.stderr, r"'base' and 'block' start 0.0005 m nearer than their 'thickness' at \(.*\), and the barrier needs a gap")
@@ -148,12 +147,12 @@ class Overlap(ProgramTest):
         self.assertEqual({grid.GetCellType(i) for i in range(grid.GetNumberOfCells())}, {5})
         return corners, values
 
-    def overlap(self, name, geometry, expected, element="P1", **options):
+    def overlap(self, name, geometry, expected, element="P1", usually=(1,), **options):
         """The facets; message and file are the same on 1 and 2 ranks."""
         self.write(name + ".geo", geometry)
         file = self.write(name + ".yaml", two_blocks(file=name + ".geo", element=element, **options))
         messages, pictures = [], []
-        for ranks in (1, 2):
+        for ranks in swept((1, 2), usually):
             out = f"{name}{ranks}"
             done = finish(start(["run", file, "--quiet", "--output", out], self.directory, ranks, UNSIGNALLED), 120)
             self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
@@ -163,9 +162,9 @@ class Overlap(ProgramTest):
             self.assertIn(f"{out}/overlap.vtu", message)
             messages.append(message.replace(out, ""))
             pictures.append(self.facets(self.directory / out / "overlap.vtu"))
-        self.assertEqual(*messages)
+        self.assertEqual(set(messages), {messages[0]})
         sums = [np.sort(np.column_stack([corners.sum(axis=1), *values.values()]).round(12), axis=0) for corners, values in pictures]
-        np.testing.assert_allclose(sums[0], sums[1], atol=1e-11)
+        np.testing.assert_allclose(sums[0], sums[-1], atol=1e-11)
         # What `run` refuses, `check` refuses, and it writes nothing.
         done = self.call("check", file)
         self.assertEqual(done.returncode, 2)
@@ -173,23 +172,23 @@ class Overlap(ProgramTest):
         return pictures[0]
 
     def test_a_block_in_its_base(self):
-        for element in ("P1", "P2"):
-            for contact in ("law: barrier, pairs: all", "law: barrier, pairs: [{surface: block, with: base}]"):
-                with self.subTest(element=element, contact=contact):
-                    corners, values = self.overlap(
-                        "within" + element, GEOMETRY % "0.3",
-                        r"^\S+:\d+:\d+: 'base' and 'block' overlap at the start in 1 place \(\d+ triangles\), 0\.007 m deep at \(.*, .*, 0\.01\)",
-                        element, contact=contact)
-                    self.assertEqual(set(values), {"body", "other", "depth"})
-                    self.assertEqual(set(values["body"]), {0, 1})
-                    np.testing.assert_array_equal(values["other"], 1 - values["body"])
-                    self.assertAlmostEqual(values["depth"].max(), 0.007, delta=1e-12)
-                    self.assertGreaterEqual(values["depth"].min(), 0)
-                    # The bottom of the block is 3 mm above that of the base, and below its top.
-                    bottom = (values["body"] == 1) & (corners[..., 2] < 0.00301).all(axis=1)
-                    np.testing.assert_allclose(values["depth"][bottom], 0.003, atol=1e-12)
-                    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
-                    self.assertAlmostEqual(area[bottom].sum(), 4e-4, delta=1e-12)
+        cases = [(element, f"law: barrier, pairs: {pairs}") for element in ("P1", "P2") for pairs in ("all", "[{surface: block, with: base}]")]
+        for element, contact in swept(cases, cases[::3]):
+            with self.subTest(element=element, contact=contact):
+                corners, values = self.overlap(
+                    "within" + element, GEOMETRY % "0.3",
+                    r"^\S+:\d+:\d+: 'base' and 'block' overlap at the start in 1 place \(\d+ triangles\), 0\.007 m deep at \(.*, .*, 0\.01\)",
+                    element, contact=contact)
+                self.assertEqual(set(values), {"body", "other", "depth"})
+                self.assertEqual(set(values["body"]), {0, 1})
+                np.testing.assert_array_equal(values["other"], 1 - values["body"])
+                self.assertAlmostEqual(values["depth"].max(), 0.007, delta=1e-12)
+                self.assertGreaterEqual(values["depth"].min(), 0)
+                # The bottom of the block is 3 mm above that of the base, and below its top.
+                bottom = (values["body"] == 1) & (corners[..., 2] < 0.00301).all(axis=1)
+                np.testing.assert_allclose(values["depth"][bottom], 0.003, atol=1e-12)
+                area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+                self.assertAlmostEqual(area[bottom].sum(), 4e-4, delta=1e-12)
 
     def test_coarse_balls_that_are_apart(self):
         # 10 mm, but the triangles that have the mean of the facets are farther outside than that.
@@ -236,7 +235,7 @@ Physical Volume("block") = {2, 3};
 Physical Surface("floor") = {5};
 Mesh.MeshSizeMax = 0.5;
 """
-        self.overlap("legs", legs, "'base' and 'block' overlap at the start in 2 places .* 0.001 m deep")
+        self.overlap("legs", legs, "'base' and 'block' overlap at the start in 2 places .* 0.001 m deep", usually=(1, 2))
         corners, values = self.overlap("touching", GEOMETRY % "1", "'base' and 'block' touch at the start in 1 place .*, near .*needs a gap")
         self.assertEqual(values["depth"].max(), 0)
         self.assertTrue((np.abs(corners[..., 2] - 0.01).min(axis=1) < 1e-12).all())
@@ -290,23 +289,26 @@ class Resolve(ProgramTest):
     def test_shapes_that_touch_or_overlap(self):
         shapes = {"touching": (GEOMETRY % "1", "touch in the mesh"), "low": (GEOMETRY % "0.95", "overlap by up to 0.0005 m"),
                   "pin": (PIN, "overlap by up to"), "wedges": (WEDGES, "overlap by up to 0.000")}
-        for name, element in (("touching", "P1"), ("touching", "P2"), ("low", "P1"), ("pin", "P2"), ("wedges", "P2")):
+        cases = (("low", "P1"), ("pin", "P2"), ("touching", "P1"), ("touching", "P2"), ("wedges", "P2"))
+        for name, element in swept(cases, cases[:2]):
             geometry, expected = shapes[name]
             self.write(name + ".geo", "Mesh.ElementOrder = 2;\n" + geometry)
             with self.subTest(shape=name, element=element):
                 file = self.write(name + element + ".yaml",
                                   two_blocks(self.RESOLVE, file=name + ".geo", element=element,
                                              time="method: backward-euler, step: 1 ms, end: 3 ms"))
-                notes = [self.note(file, ranks) for ranks in (1, 3)]
+                numbers_of_ranks = swept((1, 3), (1, 3) if name == "low" else (1,))
+                notes = [self.note(file, ranks) for ranks in numbers_of_ranks]
                 self.assertIn(expected, notes[0])
                 self.assertRegex(notes[0], "'start: resolve' moves [1-9][0-9]* nodes")
-                self.assertEqual(*notes)
+                self.assertEqual(set(notes), {notes[0]})
                 h = self.run_input(file, output=name + element)
                 self.assertEqual(h["contact_energy"][0], 0)
                 self.assertGreater(h["contact_gap_min"].min(), 0)
                 self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-6 * np.abs(h["load_potential"]).max())
                 self.assertEqual(overlaps(self.directory / (name + element) / "result.h5"), [])
-                self.assert_same_history(h, self.run_input(file, output=name + "3", ranks=3), 1e-5)
+                for ranks in numbers_of_ranks[1:]:
+                    self.assert_same_history(h, self.run_input(file, output=name + "3", ranks=ranks), 1e-5)
 
     def test_flat_surfaces_stay_flat(self):
         # Two blocks of 1 x 0.5 m that do not fit, without transverse strain, shortened by 1 %: the same stress everywhere.
@@ -321,7 +323,7 @@ MeshSize{ PointsOf{ Volume{1}; } } = 0.35;
 MeshSize{ PointsOf{ Volume{2}; } } = 0.25;
 """)
         law = "density: 1000, elasticity: {model: saint-venant-kirchhoff, youngs_modulus: 1e6, poissons_ratio: 0}"
-        for element, spread in (("P1", 0.03), ("P2", 0.03)):
+        for element in swept(("P1", "P2"), ("P1",)):
             file = self.write("patch.yaml", f"""
 mesh: {{file: patch.geo}}
 element: {element}
@@ -338,7 +340,7 @@ output: {{fields: [cauchy_stress]}}
                 stress = frame["cauchy_stress"][:]
             vertical = stress[:, 2] if stress.shape[1] == 6 else stress.reshape(-1, 3, 3)[:, 2, 2]
             self.assertAlmostEqual(np.mean(vertical) / -9.9e3, 1, delta=0.01)
-            self.assertLess(np.abs(vertical / np.mean(vertical) - 1).max(), spread)
+            self.assertLess(np.abs(vertical / np.mean(vertical) - 1).max(), 0.03)
 
     def test_selections_are_by_the_mesh_as_it_is_given(self):
         self.write("blocks.geo", GEOMETRY % "1")
@@ -380,12 +382,13 @@ output: {{fields: [cauchy_stress]}}
 
     def test_what_is_too_deep_is_told(self):
         fine = GEOMETRY.replace("Max = 1", "Max = 0.4").replace("Min = 1", "Min = 0.4")
-        for height, expected in ((0.7, "flatten an element near"), (0.4, "overlap at the start in 1 place")):
+        cases = ((0.7, 1, "flatten an element near"), (0.4, 1, "overlap at the start in 1 place"),
+                 (0.7, 2, "flatten an element near"), (0.4, 2, "overlap at the start in 1 place"))
+        for height, ranks, expected in swept(cases, cases[:2]):
             self.write("blocks.geo", fine % height)
-            for ranks in (1, 2):
-                done = self.call("run", self.write("two.yaml", two_blocks(self.RESOLVE)), "--quiet", ranks=ranks)
-                self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
-                self.assertRegex(done.stderr, expected)
+            done = self.call("run", self.write("two.yaml", two_blocks(self.RESOLVE)), "--quiet", ranks=ranks)
+            self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+            self.assertRegex(done.stderr, expected)
 
 
 if __name__ == "__main__":

@@ -7,7 +7,7 @@ import unittest
 import h5py
 import numpy as np
 
-from program import ProgramTest, write_box
+from program import ProgramTest, swept, write_box
 
 INNER, THICKNESS, WIDTH = 1.0, 0.2, 0.2
 VOLUME = math.pi / 2 * ((INNER + THICKNESS) ** 2 - INNER**2) * WIDTH
@@ -42,7 +42,7 @@ class Curved(ProgramTest):
         return float(re.search(r"mass (\S+) kg", done.stdout)[1]), done.stdout
 
     def test_mass(self):
-        for ranks in (1, 2, 3):
+        for ranks in swept((1, 2, 3), (1, 3)):
             with self.subTest(ranks=ranks):
                 quadratic, _ = self.mass(ranks=ranks)
                 linear, text = self.mass("element=P1", ranks=ranks)
@@ -52,13 +52,13 @@ class Curved(ProgramTest):
                 self.assertIn("P1 elements straighten", text)
 
     def test_supports_carry_the_whole_weight(self):
-        history = self.run_input(self.input, "time.method=static", ranks=2)
+        history = self.run_input(self.input, "time.method=static")
         self.assertAlmostEqual(history["left_fz"][-1] / (9.81 * 1000 * VOLUME), 1, delta=1e-4)
 
     def test_any_number_of_ranks(self):
         alone = self.run_input(self.input)
         self.assertLess(alone["top_z"][-1], 1.1 - 0.01)
-        for ranks in (2, 3):
+        for ranks in swept((2, 3), (2,)):
             with self.subTest(ranks=ranks):
                 self.assert_same_history(alone, self.run_input(self.input, ranks=ranks, output=str(ranks)), 1e-9)
 

@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from program import ProgramTest, write_box
+from program import ProgramTest, swept, write_box
 
 BAR = """
 mesh: {file: bar.msh}
@@ -77,7 +77,7 @@ initial: {velocity: ["0.3 - 2*(y - 0.1) + 0.2*(x - 0.5)", "0.1 + 2*(x - 0.5)", "
 time: {method: bdf2, step: 0.01, end: 0.2}
 solver: {newton: {relative: 1e-10}}
 """
-        for ranks in (1, 2):
+        for ranks in swept((1, 2), (1,)):
             with self.subTest(ranks=ranks):
                 loss = []
                 for dt in (0.01, 0.005):

@@ -7,7 +7,7 @@ import unittest
 import numpy as np
 import yaml
 
-from program import ROOT, ProgramTest, write_cube
+from program import ROOT, ProgramTest, long_test, write_cube
 
 DATA = ROOT / "input/data"
 UNIAXIAL, EQUIBIAXIAL, PURE_SHEAR = (DATA / f"treloar_{name}.csv" for name in ("uniaxial", "equibiaxial", "pure_shear"))
@@ -206,6 +206,7 @@ class MadeData(Fit):
                                     "tests: [{kind: dma, data: dma.csv, weight: 3}]\n")
         self.check_series(parameters, 1e-9)
 
+    @long_test
     def test_standard_errors_are_the_scatter_of_repeated_tests(self):
         # Linearised statistics against a Monte Carlo of noise; 100 samples have a scatter of 7 % themselves.
         random = np.random.default_rng(7)

@@ -2,7 +2,7 @@
 import unittest
 
 import numpy as np
-from program import ROOT, ProgramTest
+from program import ROOT, ProgramTest, long_test
 
 # File in input/ -> what makes it small.
 SMALL = {
@@ -62,6 +62,7 @@ class Inputs(ProgramTest):
         self.assertAlmostEqual(h["grip_fz"][-1] / weight, 0.95, delta=0.03)
         self.assertEqual(h["left_tension"][-1], 5)
 
+    @long_test  # test_documents.py runs some steps of it
     @looked_at("gripper.yaml")
     def test_the_gripper_lifts_the_fruit(self):
         # Coarser in time than the input, and up to where the fruit is in the air, held by the fingers alone.

@@ -150,7 +150,7 @@ class Ledger(ProgramTest):
                 self.check_swing([model])
 
     def test_viscosities_side_by_side(self):
-        self.check_swing(list(self.VISCOSITY), ranks=2)
+        self.check_swing(list(self.VISCOSITY))
 
     def test_foundation(self):
         h, m = self.swing("", "loads=[{surface: bottom, spring: 1e5, dashpot: 500}]")

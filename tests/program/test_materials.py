@@ -7,7 +7,7 @@ import xml.etree.ElementTree
 
 import numpy as np
 
-from program import ProgramTest, read_history, write_box
+from program import ProgramTest, read_history, swept, write_box
 
 STRETCHED = """
 mesh: {{file: bar.msh}}
@@ -96,7 +96,8 @@ class Materials(ProgramTest):
         write_box(self.directory / "cube.msh", (1, 1, 1), (1.0, 1.0, 1.0))
         step = 1e-30j
         for elasticity, W in ENERGIES.items():
-            for l, b, also in ((1.5, 1.5**-0.5, ""), (1.2, 1.2, ALONG_Y.format(stretch=1.2))):
+            tests = ((1.5, 1.5**-0.5, ""), (1.2, 1.2, ALONG_Y.format(stretch=1.2)))
+            for l, b, also in swept(tests, tests if elasticity.startswith("mooney") else tests[:1]):
                 with self.subTest(elasticity, stretch=l, across=b):
                     self.write("cube.yaml", CUBE.format(elasticity=elasticity, stretch=l, also=also))
                     history = self.run_input(self.directory / "cube.yaml")
@@ -211,7 +212,7 @@ class Materials(ProgramTest):
         elasticity = "yeoh, c10: 3, c20: -0.3"
         for stretch, leaves in ((1.3, False), (2.4, True)):
             self.write("cube.yaml", CUBE.format(elasticity=elasticity, stretch=stretch, also=""))
-            for ranks in (1, 2):
+            for ranks in swept((1, 2), (1,)):
                 done = self.call("run", "cube.yaml", "--output", f"{stretch}-{ranks}", ranks=ranks)
                 self.assertEqual(done.returncode, 0, done.stderr)
                 told = done.stderr + done.stdout

@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from program import ROOT, ProgramTest, read_history, write_box
+from program import ALL_OR_SOME, ROOT, ProgramTest, read_history, swept, write_box
 
 CHAIN = """rigid_bodies:
   - {name: one, mass: 1, inertia: [0.01, 0.02, 0.03], center: [0.5, 0, 0]}
@@ -122,7 +122,7 @@ loads: [{gravity: [0, 0, -9.81]}]
 
     def test_every_method_keeps_its_order(self):
         self.write("in.yaml", self.chain("universal") + "time: {method: bdf2, step: 10 ms, end: 80 ms}\n")
-        self.pliant("converge", "in.yaml", "--in", "time", "--levels", "3", "--methods", "all")
+        self.pliant("converge", "in.yaml", "--in", "time", "--levels", "3", "--methods", ALL_OR_SOME)
 
     def test_springs_dampers_and_motors(self):
         wheel = """rigid_bodies:
@@ -165,8 +165,8 @@ joints:
         # Between two bodies that turn, of all methods, on several ranks.
         both = self.chain("hinge", ", spring: {stiffness: 30, rest: 0.3}, damping: 0.5, friction: 0.3, stick_rate: 2, motor: {target: \"0.4*sin(5*t)\", stiffness: 20, damping: 1, limit: 3}")
         self.write("in.yaml", both + "time: {method: bdf2, step: 5 ms, end: 40 ms}\n")
-        self.pliant("converge", "in.yaml", "--in", "time", "--levels", "3", "--methods", "all")
-        one, *others = [self.solve(both, "method: bdf2, step: 5 ms, end: 0.1", ranks) for ranks in (1, 2, 3)]
+        self.pliant("converge", "in.yaml", "--in", "time", "--levels", "3", "--methods", ALL_OR_SOME)
+        one, *others = [self.solve(both, "method: bdf2, step: 5 ms, end: 0.1", ranks) for ranks in swept((1, 2, 3), (1,))]
         self.assertGreater(np.abs(one["b_effort"]).max(), 0.5)
         for other in others:
             self.assert_same_history(other, one, 1e-9)
@@ -184,14 +184,14 @@ joints:
 joints: [{name: pivot, type: hinge, between: [ground, bob], point: [0, 0, 0], axis: [0, 0, 1], limits: [-0.8, 0.4]MORE}]
 loads: [{gravity: [0, -9.81, 0]}]
 """
-        for method in ("backward-euler", "bdf2", "dirk22", "dirk33", "implicit-midpoint"):
+        for method in swept(("backward-euler", "bdf2", "dirk22", "dirk33", "implicit-midpoint"), ("bdf2", "dirk33")):
             with self.subTest(method):
                 h = self.solve(swing.replace("MORE", ""), f"method: {method}, step: 5 ms, end: 1")
                 self.assertGreater(h["pivot_angle"].min(), -0.84)
                 self.assertLess(h["pivot_angle"].min(), -0.8)
                 self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-10)
         # Thrown back elastically: it comes up again.
-        h = self.solve(swing.replace("MORE", ", limit_stiffness: 1e5"), "method: dirk33, step: 0.5 ms, end: 1")
+        h = self.solve(swing.replace("MORE", ", limit_stiffness: 1e5"), "method: dirk33, step: 1 ms, end: 1")
         self.assertGreater(h["pivot_angle"].min(), -0.82)
         again = h["pivot_angle"][len(h["time"]) // 2:].max()
         self.assertGreater(again, -0.01)
@@ -272,7 +272,7 @@ joints:
     def test_energy_stays_over_many_steps(self):
         # Three hinges with skew axes, their input as it is shipped: 1000 steps, half a period and more of each body.
         text = (ROOT / "input/verification/hinge_chain.yaml").read_text(encoding="utf-8").split("time:")[0]
-        for method in ("implicit-midpoint", "symplectic-dirk22"):
+        for method in swept(("implicit-midpoint", "symplectic-dirk22"), ("implicit-midpoint",)):
             with self.subTest(method):
                 h = self.solve(text, f"method: {method}, step: 2 ms, end: 2")
                 energy, scale = h["kinetic_energy"] + h["load_potential"], h["kinetic_energy"].max()
@@ -316,17 +316,16 @@ loads: [{gravity: [0, 0, -10]}]
 
     def test_ranks_and_restart_do_not_matter(self):
         self.write("soft.geo", SOFT_MESH)
-        for text in (self.chain("universal"), SOFT, "element: P2\nvolumetric: mixed\n" + SOFT.replace("0.3}", "0.49}")):
+        texts = (self.chain("universal"), "element: P2\nvolumetric: mixed\n" + SOFT.replace("0.3}", "0.49}"), SOFT)
+        for text in swept(texts, texts[::2]):
             time = "method: bdf2, step: 4 ms, end: 40 ms"
-            one, *others = [self.solve(text, time, ranks) for ranks in (1, 2, 3)]
+            one, *others = [self.solve(text, time, ranks) for ranks in swept((1, 2, 3), (1, 2))]
             for other in others:
                 self.assert_same_history(other, one, 1e-7)
         self.write("in.yaml", SOFT + "time: {method: bdf2, step: 4 ms, end: 20 ms}\n")
         self.pliant("run", "in.yaml", "--quiet", "--output", "half", "--set", "checkpoint={}")
         self.pliant("resume", "half", "--quiet", "--set", "time.end=40ms", ranks=2)
-        resumed = read_history(self.directory / "half")
-        whole = self.solve(SOFT, "method: bdf2, step: 4 ms, end: 40 ms")
-        self.assert_same_history(resumed, whole, 1e-7)
+        self.assert_same_history(read_history(self.directory / "half"), one, 1e-7)  # of the last text
 
     def test_soft_bodies_between_rigid_ones_keep_the_order(self):
         self.write("soft.geo", SOFT_MESH)
@@ -380,7 +379,7 @@ loads: [{gravity: [0, 0, -9.81]}]
         for message, text in cases.items():
             with self.subTest(message):
                 self.write("in.yaml", text + "time: {method: bdf2, step: 10 ms, end: 0.1}\n")
-                for ranks in (1, 2):
+                for ranks in swept((1, 2), (1,)):
                     self.assertIn(message, self.pliant("check", "in.yaml", ranks=ranks, status=2).stderr)
 
 

@@ -7,8 +7,8 @@ import re
 import sys
 import unittest
 
-from mistakes import LONG, MistakesTest
-from program import finish, start
+from mistakes import MistakesTest
+from program import LONG, finish, start
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "mesh"))
 

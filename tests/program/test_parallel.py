@@ -5,7 +5,7 @@ import unittest
 import h5py
 import numpy as np
 
-from program import ProgramTest, write_box
+from program import ProgramTest, swept, write_box
 
 INPUT = """
 mesh: {file: bar.msh}
@@ -49,7 +49,7 @@ class Parallel(ProgramTest):
             alone = self.run_input(file, output=order)
             self.assertEqual(len(alone["step"]), 13)
             self.assertGreater(np.abs(alone["tip_z"] - alone["tip_z"][0]).max(), 1e-3)
-            for ranks in (2, 3):
+            for ranks in swept((2, 3), (2, 3) if order == "P1" else (2,)):
                 with self.subTest(order, ranks=ranks):
                     self.assert_same_history(alone, self.run_input(file, ranks=ranks, output=f"{order}_{ranks}"), 1e-9)
 
@@ -60,7 +60,7 @@ class Parallel(ProgramTest):
         self.assertIn("bar.h5: 864 tetrahedra, 260 vertices", done.stdout)
         file = self.write("in.yaml", INPUT.replace("ORDER", "P1"))
         whole = self.run_input(file)
-        for ranks in (1, 2, 3):
+        for ranks in swept((1, 2, 3), (1, 3)):
             with self.subTest(ranks=ranks):
                 parts = self.run_input(file, "mesh.file=bar.h5", ranks=ranks, output=f"parts_{ranks}")
                 self.assert_same_history(whole, parts, 1e-9)
@@ -91,7 +91,8 @@ class Determinism(ProgramTest):
     def test_the_same_again(self):
         write_box(self.directory / "box.msh", (6, 2, 2), (0.3, 0.1, 0.1))
         file = self.write("in.yaml", SMALL)
-        for name, settings in self.CASES.items():
+        cases = list(self.CASES.items())
+        for name, settings in swept(cases, cases[2:]):
             settings = [*settings, "solver.newton.relative=1e-12"]
             alone = self.run_input(file, *settings, output="alone")
             for ranks in (1, 2):

@@ -5,7 +5,7 @@ import unittest
 
 import numpy as np
 
-from program import ROOT, ProgramTest, write_box
+from program import ROOT, ProgramTest, swept, write_box
 
 CUBE = f"mesh: {{file: {ROOT}/meshes/unit_cube.msh, scale: 0.1, refine: 1}}\n"
 METHODS = ("backward-euler", "bdf2", "bdf3", "dirk22", "dirk33", "implicit-midpoint", "dirk23", "symplectic-dirk22")
@@ -35,7 +35,7 @@ class Tolerance(Robustness):
 contact: {law: barrier, obstacles: [{name: o, shape: plane, normal: [0, 0, 1]}]}
 time: {method: bdf2, step: 5 ms, end: 80 ms}
 """
-        for method in STIFFLY_ACCURATE:
+        for method in swept(STIFFLY_ACCURATE, ("bdf2", "dirk33")):
             with self.subTest(method):
                 h = self.run_text(text, f"time.method={method}")
                 np.testing.assert_allclose(h["o_jz"][-1], h["pz"][-1] - h["pz"][0], rtol=1e-6)
@@ -47,7 +47,7 @@ time: {method: bdf2, step: 5 ms, end: 80 ms}
 time: {step: 25 ms, end: 0.25}
 probes: [{name: p, point: [0.1, 0.1, 0.1]}]
 """
-        for method in STIFFLY_ACCURATE:
+        for method in swept(STIFFLY_ACCURATE, ("bdf2", "dirk22")):
             with self.subTest(method):
                 h = self.run_text(text, f"time.method={method}")
                 self.assert_no_step_failed()
@@ -70,7 +70,7 @@ probes: [{name: p, point: [0.1, 0.1, 0.1]}]
             "follower pressure": clamped + body("1e6") + "loads: [{surface: top, pressure: 100}]\n",
         }
         for name, text in cases.items():
-            for method in ("backward-euler", "bdf2", "dirk33"):
+            for method in swept(("backward-euler", "bdf2", "dirk33"), ("bdf2",)):
                 with self.subTest(name, method=method):
                     text_of_method = text + probe + f"time: {{method: {method}, step: 10 ms, end: 100 ms}}\n"
                     h = self.run_text(text_of_method)
@@ -82,10 +82,11 @@ probes: [{name: p, point: [0.1, 0.1, 0.1]}]
 
 class Arrival(Robustness):
     def test_static_analysis_under_a_formula_of_time(self):
-        for constraint in ('{where: "x > 0.999", displacement: ["1.5*t", 0, 0]}',
-                           '{where: "x > 0.999", normal_displacement: "1.5*t"}',
-                           '{where: "x > 0.999", displacement_along: "1.5*t", direction: [2, 1, 0]}',
-                           '{where: "x > 0.999", rigid: {translation: ["1.5*t", 0, 0], rotation: fixed}}'):
+        constraints = ('{where: "x > 0.999", displacement: ["1.5*t", 0, 0]}',
+                       '{where: "x > 0.999", normal_displacement: "1.5*t"}',
+                       '{where: "x > 0.999", displacement_along: "1.5*t", direction: [2, 1, 0]}',
+                       '{where: "x > 0.999", rigid: {translation: ["1.5*t", 0, 0], rotation: fixed}}')
+        for constraint in swept(constraints, constraints[::2]):
             with self.subTest(constraint):
                 self.run_text(f"mesh: {{file: {ROOT}/meshes/unit_cube.msh, refine: 1}}\n" + body("1e5") + f"""constraints:
   - {{where: "x < 1e-6", displacement: [0, 0, 0]}}
@@ -100,7 +101,7 @@ time: {{method: static, end: 1, load_steps: 10}}
 contact: {obstacles: [{name: o, shape: plane, normal: [0, 0, 1]}]}
 time: {step: 2 ms, end: 16 ms}
 """
-        for method in ("bdf2", "dirk22", "dirk33"):
+        for method in swept(("bdf2", "dirk22", "dirk33"), ("bdf2", "dirk33")):
             with self.subTest(method):
                 self.run_text(text, f"time.method={method}")
                 self.assert_no_step_failed()
@@ -129,11 +130,12 @@ contact: {law: penalty, obstacles: [{name: o, shape: plane, normal: [0, 0, 1], f
 initial: {velocity: ["2 - 20*(y - 0.05)", "20*(x - 0.05)", -1]}
 time: {step: 3 ms, end: 30 ms}
 """
-        for method in ("backward-euler", "bdf2", "dirk22", "dirk33", "implicit-midpoint"):
-            for update in ("frozen", "iterated"):
-                with self.subTest(method, update=update):
-                    self.run_text(text, f"time.method={method}", f"contact.friction_update={update}")
-                    self.assert_no_step_failed()
+        methods = ("backward-euler", "bdf2", "dirk22", "dirk33", "implicit-midpoint")
+        cases = [(method, update) for method in methods for update in ("frozen", "iterated")]
+        for method, update in swept(cases, (("bdf2", "frozen"), ("dirk33", "iterated"))):
+            with self.subTest(method, update=update):
+                self.run_text(text, f"time.method={method}", f"contact.friction_update={update}")
+                self.assert_no_step_failed()
 
     def test_thin_beam_under_follower_pressure(self):
         """Clamped, 200 times as long as thick, rolled up by a pressure that stays normal to it: in a few iterations."""
@@ -159,8 +161,8 @@ probes: [{{name: tip, point: [{length}, {width / 2}, {thickness / 2}]}}]
         """Bonded ends of a nearly incompressible block are pulled apart or pressed together: there are bifurcations on
         the way, and the equilibrium that is left ends in a fold. The body goes down to another, far away."""
         laws = {"neo": "neo-hookean-isochoric, shear_modulus: 4e5", "mooney": "mooney-rivlin, c10: 1.5e5, c01: 0.5e5"}
-        for element, treatment, law, stretch, n in (("P1", "standard", "mooney", 7, 3), ("P2", "mixed", "neo", 0.4, 2),
-                                                    ("P2", "mean-dilatation", "neo", 0.3, 2)):
+        cases = (("P1", "standard", "mooney", 7, 3), ("P2", "mixed", "neo", 0.4, 2), ("P2", "mean-dilatation", "neo", 0.3, 2))
+        for element, treatment, law, stretch, n in swept(cases, cases[1:2]):
             with self.subTest(treatment):
                 self.write("block.geo", f"""Point(1) = {{0, 0, 0}};
 line[] = Extrude {{0, 1, 0}} {{ Point{{1}}; Layers{{{n}}}; }};

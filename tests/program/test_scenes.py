@@ -4,7 +4,7 @@ import re
 import unittest
 
 from overlaps import overlaps
-from program import ProgramTest
+from program import ProgramTest, swept
 from scene_runs import run_scene
 from scenes import write_scene
 
@@ -14,7 +14,7 @@ SEEDS = {3: 2, 7: 1, 8: 1, 13: 1, 57: 1}
 
 class Scenes(ProgramTest):
     def test_bodies_do_not_pass_one_another(self):
-        for seed, ranks in SEEDS.items():
+        for seed, ranks in swept(list(SEEDS.items()), [(3, 2), (8, 1), (57, 1)]):
             with self.subTest(seed=seed, ranks=ranks):
                 directory = self.directory / str(seed)
                 directory.mkdir()

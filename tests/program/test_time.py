@@ -4,7 +4,7 @@ import unittest
 
 import numpy as np
 
-from program import ProgramTest, read_history, write_box
+from program import ProgramTest, read_history, swept, write_box
 
 OWN = ("backward-euler", "bdf2", "bdf3", "dirk22", "dirk23", "dirk33", "implicit-midpoint", "symplectic-dirk22")
 PETSC = ("alpha2", "bdf", "arkimex")
@@ -146,7 +146,7 @@ solver: {newton: {relative: 1e-3}}
 
     def test_the_books_close(self):
         for method in OWN:
-            for viscosity in ((), (MAXWELL,)):
+            for viscosity in swept(((), (MAXWELL,)), ((MAXWELL,),) if OWN.index(method) % 2 else ((),)):
                 with self.subTest(method, viscosity=viscosity):
                     h = self.history(DRIVEN, "time.method=" + method, *viscosity)
                     self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-7 * largest_energy(h))
@@ -195,7 +195,7 @@ solver: {newton: {relative: 1e-3}}
         text = BODY + TIP + 'loads: [{where: "x > -1", pressure: "PRESSURE"}]\n'
         text += 'initial: {velocity: ["0.3 - (y - 0.1)", "0.1 + (x - 0.5)", -0.2]}\n'
         text += "time: {method: implicit-midpoint, step: 0.01, end: 0.2}\n"
-        for pressure in ("5e3", "-5e3", "5e3*sin(30*t)"):
+        for pressure in swept(("5e3", "-5e3", "5e3*sin(30*t)"), ("-5e3", "5e3*sin(30*t)")):
             with self.subTest(pressure):
                 h = self.history(text.replace("PRESSURE", pressure))
                 for kind, names in (("p", ["px", "py", "pz"]), ("L", ["Lx", "Ly", "Lz"])):
@@ -216,7 +216,7 @@ solver: {newton: {relative: 1e-3}}
 
     def check_stiff(self, text, steps=("10 ms", "25 ms")):
         write_box(self.directory / "cube.msh", (4, 4, 4), (0.1, 0.1, 0.1))
-        for method in ("backward-euler", "bdf2", "dirk22"):
+        for method in swept(("backward-euler", "bdf2", "dirk22"), ("bdf2", "dirk22")):
             for step in steps:
                 with self.subTest(method, step=step):
                     done, h = self.log(text, "time.method=" + method, "time.step=" + step)
