@@ -128,6 +128,7 @@ CommandLine::CommandLine(MPI_Comm comm, const SweepOptions& of_sweep)
   add_check();
   add_converge();
   add_sweep();
+  add_compare();
   add_sensitivity();
   add_fit();
   add_mesh();
@@ -298,7 +299,8 @@ void CommandLine::add_sweep() {
   CLI::App* sweep = app_.add_subcommand("sweep", "run the input once for each of several values, side by side");
   sweep->footer(
       examples({"pliant sweep beam.yaml --set \"time.step=[10 ms, 5 ms]\"",
-                "pliant sweep beam.yaml --set \"element=[P1, P2]\" --set \"time.method=[bdf2, dirk22]\" --jobs 2"}));
+                "pliant sweep beam.yaml --set \"element=[P1, P2]\" --set \"time.method=[bdf2, dirk22]\" --jobs 2",
+                "pliant sweep beam.yaml --set \"bodies.0.density=[900, 1000, 1100]\" --result \"max(tip_z)\""}));
   sweep->add_option("INPUT", arguments_.file, "the input file (YAML)")->required();
   sweep
       ->add_option("--set", arguments_.settings,
@@ -307,6 +309,12 @@ void CommandLine::add_sweep() {
       ->required()
       ->allow_extra_args(false);
   add_output(*sweep, "directory for the runs, sweep.csv and the plots");
+  sweep
+      ->add_option("--result", arguments_.results,
+                   "a number of each run, for the table and a plot over the values: FUNCTION(COLUMN) of its history, "
+                   "e.g. max(tip_z), or NAME=FUNCTION(COLUMN). May be repeated")
+      ->allow_extra_args(false)
+      ->type_name("FUNCTION(COLUMN)");
   sweep->add_flag("--continue", arguments_.sweep.continues, "skip finished runs, continue those that were begun");
   sweep->add_option("--jobs", arguments_.sweep.at_once, "runs at a time; default: as many as the processors allow")
       ->check(CLI::Range(1, 1024))
@@ -320,8 +328,33 @@ void CommandLine::add_sweep() {
       if (is_part_of_a_job(arguments_.sweep.environment)) {
         throw InputError({"pliant sweep", 0, 0}, "start it without mpirun; --ranks 2 gives each run two ranks");
       }
+      for (const std::string& text : arguments_.results) {
+        arguments_.sweep.results.push_back(parse_run_number(text, "--result"));
+      }
       Console console(comm_, Verbosity::normal);
       result_ = sweep_command(arguments_.file, arguments_.overrides(), arguments_.sweep, console);
+    };
+  });
+}
+
+void CommandLine::add_compare() {
+  CLI::App* compare = app_.add_subcommand("compare", "histories of several runs in common plots, and their differences");
+  compare->footer(examples({"pliant compare out/coarse out/fine",
+                            "pliant compare out/a out/b out/c --of tip_z,kinetic_energy --output out/abc"}));
+  compare->add_option("RUN", arguments_.compare.runs, "directories of results, or files history.csv; the first is what the others are compared with")
+      ->required()
+      ->expected(2, 100);
+  compare->add_option("--of", arguments_.compare.columns, "columns of the histories; default: all but counts")
+      ->delimiter(',')
+      ->type_name("COLUMN,...");
+  compare->add_option("--output", arguments_.compare.output, "directory for compare.csv and the plots")
+      ->capture_default_str()
+      ->type_name("DIR");
+  compare->callback([this] {
+    command_ = [this] {
+      if (num_ranks(comm_) > 1) throw InputError({"pliant compare", 0, 0}, "start it without mpirun");
+      Console console(comm_, Verbosity::normal);
+      result_ = compare_command(arguments_.compare, console);
     };
   });
 }

@@ -3,6 +3,7 @@
 
 #include "command/commands.hpp"
 #include "command/report.hpp"
+#include "study/compare.hpp"
 #include "study/converge.hpp"
 #include "study/sensitivity.hpp"
 #include "study/sweep.hpp"
@@ -42,6 +43,8 @@ class CommandLine {
     StudyOptions study;
     Conversion conversion;
     SweepOptions sweep;
+    std::vector<std::string> results;  ///< of a sweep
+    CompareOptions compare;
     SensitivityOptions sensitivity;
     ReportOptions report;
     std::string refine;
@@ -63,6 +66,7 @@ class CommandLine {
   void add_check();
   void add_converge();
   void add_sweep();
+  void add_compare();
   void add_sensitivity();
   void add_fit();
   void add_mesh();

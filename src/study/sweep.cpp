@@ -6,12 +6,13 @@
 #include "io/history_reader.hpp"
 #include "io/history_writer.hpp"
 #include "io/svg_plot.hpp"
+#include "study/history_plots.hpp"
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <fstream>
 #include <limits>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
@@ -23,8 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t most_runs = 1000;
-/// Columns of a history that describe the computation, not the body.
-constexpr std::array<std::string_view, 5> bookkeeping{"step", "time", "dt", "newton_iterations", "linear_iterations"};
 
 /// For people and names of files.
 std::string plain_text(const InputNode& value) {
@@ -42,17 +41,6 @@ struct Case {
   std::vector<std::string> values;  ///< of the swept keys
   fs::path directory;
 };
-
-/// A name that every file system takes.
-std::string file_name(std::string text) {
-  constexpr std::size_t longest = 100;
-  for (char& c : text) {
-    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && std::string_view("._=+-,").find(c) == std::string::npos) {
-      c = '_';
-    }
-  }
-  return text.substr(0, longest);
-}
 
 std::string in_words(const Ended& how) {
   if (how.code == 0) return "done";
@@ -86,7 +74,8 @@ class Sweep {
       console_.print(fmt::format("[{}/{}] {}: {} after {:.3g} s", ++done, cases_.size(),
                                  cases_[index].directory.filename().string(), in_words(how), how.seconds));
     });
-    for (const Case& one : cases_) histories_.push_back(read_history(one.directory / "history.csv"));
+    for (const Case& one : cases_) histories_.push_back({label(one.values), read_history(one.directory / "history.csv")});
+    warn_of_missing_columns();
     print_table();
     write_text_atomically(directory_ / "sweep.csv", csv());
     const std::size_t plots = draw();
@@ -159,7 +148,7 @@ class Sweep {
         one.values.insert(one.values.begin(), plain_text(value));
       }
       const std::string name =
-          file_name(fmt::format("{:0{}}_{}", number + 1, std::max<std::size_t>(width, 2), label(one.values)));
+          file_name_of(fmt::format("{:0{}}_{}", number + 1, std::max<std::size_t>(width, 2), label(one.values)));
       const fs::path directory = read_input(text_, file_, one.changes).output.directory;
       if (number == 0) directory_ = directory;
       one.directory = directory_ / name;
@@ -168,10 +157,12 @@ class Sweep {
     make_directory(directory_);
   }
 
-  /// "step = 5 ms, method = bdf2": keys by their last component, if that distinguishes them.
+  /// "step = 5 ms, method = bdf2": keys by their last component, if that distinguishes them; those with a value.
   std::string label(const std::vector<std::string>& values) const {
     std::vector<std::string> parts;
-    for (std::size_t k = 0; k < swept_.size(); ++k) parts.push_back(short_name(k) + "=" + values[k]);
+    for (std::size_t k = 0; k < swept_.size(); ++k) {
+      if (!values[k].empty()) parts.push_back(short_name(k) + "=" + values[k]);
+    }
     return fmt::format("{}", fmt::join(parts, ","));
   }
 
@@ -206,9 +197,18 @@ class Sweep {
     return program;
   }
 
+  void warn_of_missing_columns() const {
+    const auto all = columns_of(histories_);
+    for (const RunNumber& result : options_.results) {
+      if (all.empty() || std::ranges::find(all, result.column) != all.end()) continue;
+      console_.warn(fmt::format("no history has the column '{}' of --result {}{}", result.column, result.name,
+                                did_you_mean(result.column, all)));
+    }
+  }
+
   /// The last value of a column, NaN if there is none.
   double last(std::size_t run, std::string_view column) const {
-    const auto* values = histories_[run].find(column);
+    const auto* values = histories_[run].table.find(column);
     return values == nullptr || values->empty() ? std::numeric_limits<double>::quiet_NaN() : values->back();
   }
 
@@ -216,15 +216,19 @@ class Sweep {
     std::vector<std::vector<std::string>> rows(1);
     for (std::size_t k = 0; k < swept_.size(); ++k) rows[0].push_back(short_name(k));
     for (const char* name : {"end", "steps", "time [s]", "newton", "seconds"}) rows[0].emplace_back(name);
+    for (const RunNumber& result : options_.results) rows[0].push_back(result.name);
     for (std::size_t i = 0; i < cases_.size(); ++i) {
       auto row = cases_[i].values;
       row.push_back(in_words(ended_[i]));
       double iterations = 0.0;
-      if (const auto* newton = histories_[i].find("newton_iterations")) {
+      if (const auto* newton = histories_[i].table.find("newton_iterations")) {
         for (const double n : *newton) iterations += n;
       }
       for (const double number : {last(i, "step"), last(i, "time"), iterations, ended_[i].seconds}) {
         row.push_back(fmt::format("{:.4g}", number));
+      }
+      for (const RunNumber& result : options_.results) {
+        row.push_back(fmt::format("{:.6g}", result.of(histories_[i].table)));
       }
       rows.push_back(std::move(row));
     }
@@ -239,59 +243,77 @@ class Sweep {
     }
   }
 
-  /// Names of columns in the order in which histories bring them.
-  std::vector<std::string> columns() const {
-    std::vector<std::string> names;
-    for (const HistoryTable& history : histories_) {
-      for (const std::string& name : history.names) {
-        if (std::ranges::find(names, name) == names.end()) names.push_back(name);
-      }
-    }
-    return names;
-  }
-
   std::string csv() const {
     std::vector<std::string> header;
     for (const auto& key : swept_) header.push_back(key.path);
     for (const char* name : {"directory", "exit_code", "seconds"}) header.emplace_back(name);
-    const std::vector<std::string> names = columns();
+    const std::vector<std::string> names = columns_of(histories_);
+    for (const RunNumber& result : options_.results) header.push_back(result.name);
     header.insert(header.end(), names.begin(), names.end());
     std::string text = csv_header(header) + "\n";
     for (std::size_t i = 0; i < cases_.size(); ++i) {
       auto row = cases_[i].values;
       row.push_back(cases_[i].directory.filename().string());
       std::vector<double> numbers{static_cast<double>(ended_[i].code), ended_[i].seconds};
+      for (const RunNumber& result : options_.results) numbers.push_back(result.of(histories_[i].table));
       for (const std::string& name : names) numbers.push_back(last(i, name));
       text += csv_header(row) + "," + csv_row(numbers) + "\n";
     }
     return text;
   }
 
-  /// One plot for each column that varies in some run. Returns how many.
+  /// One plot for each column that varies in some run, and for each result. Returns how many.
   std::size_t draw() const {
     std::size_t count = 0;
-    for (const std::string& name : columns()) {
-      if (std::ranges::find(bookkeeping, name) != bookkeeping.end()) continue;
-      Plot plot;
-      plot.title = name;
-      plot.x_label = "time [s]";
-      const auto unit = unit_of_column(name);
-      plot.y_label = unit.empty() ? name : fmt::format("{} [{}]", name, unit);
-      plot.scale = Scale::linear;
-      bool varies = false;
-      for (std::size_t i = 0; i < cases_.size(); ++i) {
-        const auto* time = histories_[i].find("time");
-        const auto* values = histories_[i].find(name);
-        if (time == nullptr || values == nullptr || values->empty()) continue;
-        const auto [low, high] = std::ranges::minmax(*values);
-        varies = varies || high > low;
-        plot.series.push_back({label(cases_[i].values), *time, *values});
-      }
-      if (!varies) continue;
-      write_text_atomically(directory_ / (file_name(name) + ".svg"), svg(plot));
-      ++count;
+    for (const std::string& name : columns_of(histories_)) {
+      if (!is_bookkeeping(name) && draw_column(histories_, name, directory_)) ++count;
     }
+    for (const RunNumber& result : options_.results) count += draw_result(result) ? 1 : 0;
     return count;
+  }
+
+  /// The result over the values of the key that has the most numbers, one curve for each choice of the others.
+  bool draw_result(const RunNumber& result) const {
+    std::size_t along = swept_.size();
+    for (std::size_t k = 0; k < swept_.size(); ++k) {
+      if (numbers_of(k) && (along == swept_.size() || swept_[k].values.size() > swept_[along].values.size())) along = k;
+    }
+    if (along == swept_.size()) return false;
+    const auto [values, unit] = *numbers_of(along);
+    Plot plot{result.name, unit.empty() ? short_name(along) : fmt::format("{} [{}]", short_name(along), unit),
+              result.name, {}};
+    plot.scale = Scale::linear;
+    for (std::size_t i = 0; i < cases_.size(); ++i) {
+      auto others = cases_[i].values;
+      const auto same = std::ranges::find(swept_[along].values, others[along], plain_text);
+      others[along].clear();
+      std::string name = label(others);
+      auto series = std::ranges::find(plot.series, name, &PlotSeries::name);
+      if (series == plot.series.end()) series = plot.series.insert(series, {name, {}, {}});
+      series->x.push_back(values[static_cast<std::size_t>(same - swept_[along].values.begin())]);
+      series->y.push_back(result.of(histories_[i].table));
+    }
+    for (PlotSeries& series : plot.series) {
+      if (series.name.empty()) series.name = result.name;
+    }
+    write_text_atomically(directory_ / (file_name_of(result.name) + ".svg"), svg(plot));
+    return true;
+  }
+
+  /// The values of a key as numbers, with their unit, if they are numbers of the same unit.
+  std::optional<std::pair<std::vector<double>, std::string>> numbers_of(std::size_t k) const {
+    std::vector<double> numbers;
+    std::optional<std::string> unit;
+    for (const InputNode& value : swept_[k].values) {
+      const std::string text = plain_text(value);
+      const std::size_t end = std::min(text.find(' '), text.size());
+      const auto number = parse_number(std::string_view(text).substr(0, end));
+      const std::string own(trimmed(std::string_view(text).substr(end)));
+      if (!number || (unit && *unit != own)) return std::nullopt;
+      unit = own;
+      numbers.push_back(*number);
+    }
+    return std::pair{numbers, unit.value_or("")};
   }
 
   ExitCode outcome() const {
@@ -316,7 +338,7 @@ class Sweep {
   fs::path directory_;
   std::vector<Case> cases_;
   std::vector<Ended> ended_;
-  std::vector<HistoryTable> histories_;
+  std::vector<LabelledHistory> histories_;
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "input/tree.hpp"
 #include "run/console.hpp"
 #include "study/processes.hpp"
+#include "study/run_numbers.hpp"
 
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@ struct SweepOptions {
   int at_once = 0;                         ///< runs at a time; 0: as many as the processors allow
   int ranks = 1;                           ///< of each run
   bool continues = false;                  ///< skip finished runs, resume those that were begun
+  std::vector<RunNumber> results;          ///< taken from each run
   std::vector<std::string> petsc_options;  ///< of each run
   Environment environment;                 ///< of each run
 };
@@ -22,8 +24,8 @@ struct SweepOptions {
 /// Runs the input once for every combination of the swept values: a list in `changes`, where the input takes no list
 /// (or a list of such, where it takes one), is swept; the other changes hold for all. Each run has a directory of its
 /// own in `output.directory`, named after its values. Prints a table, and writes sweep.csv (one row for each run: its
-/// values, how it ended, the last row of its history) and, for every column of the history that varies, a plot of all
-/// runs over time. Values that are not valid throw InputError before anything runs. Returns done; the exit code of
+/// values, how it ended, the results, the last row of its history) and, for every column of the history that varies, a
+/// plot of all runs over time, and of each result over the swept values. Values that are not valid throw InputError before anything runs. Returns done; the exit code of
 /// the first run that failed; interrupted after `stop_signals`, which the runs get too. One process only.
 ExitCode sweep_command(const std::string& file, const std::vector<Override>& changes, const SweepOptions& options,
                        Console& console);
