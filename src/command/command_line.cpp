@@ -8,7 +8,6 @@
 #include "material/library.hpp"
 #include "petsc/session.hpp"
 #include "run/version.hpp"
-#include "study/fit.hpp"
 #include "study/fit_input.hpp"
 
 #include <algorithm>
@@ -69,11 +68,6 @@ std::string help_text(CLI::App& app, std::vector<std::string> words) {
     at = *found;
   }
   return at->help(above);
-}
-
-/// What stands below the options in the help of a command.
-std::string examples(const std::vector<std::string>& lines) {
-  return fmt::format("Examples:\n  {}", fmt::join(lines, "\n  "));
 }
 
 /// PETSc passes over words that belong to no option.
@@ -322,45 +316,6 @@ void CommandLine::add_sweep() {
       }
       Console console(comm_, Verbosity::normal);
       result_ = sweep_command(arguments_.file, arguments_.overrides(), arguments_.sweep, console);
-    };
-  });
-}
-
-void CommandLine::add_sensitivity() {
-  CLI::App* sensitivity =
-      app_.add_subcommand("sensitivity", "derivatives of the history of a run by numbers of its input");
-  sensitivity->footer(
-      examples({"pliant sensitivity finger.yaml --of tip_z --to bodies.0.elasticity.youngs_modulus,bodies.0.density",
-                "mpirun -n 2 pliant sensitivity grip.yaml --of tip_x,tip_z --to contact.friction"}));
-  add_input(*sensitivity);
-  add_output(*sensitivity, "directory for sensitivity.csv and the plots");
-  sensitivity->add_option("--of", arguments_.sensitivity.columns, "columns of history.csv, e.g. tip_z,clamp_fx")
-      ->required()
-      ->delimiter(',')
-      ->type_name("COLUMN,...");
-  sensitivity
-      ->add_option("--to", arguments_.sensitivity.numbers,
-                   "numbers of the input, named as for --set, e.g. bodies.0.density,contact.friction")
-      ->required()
-      ->delimiter(',')
-      ->type_name("KEY,...");
-  sensitivity->callback([this] {
-    command_ = [this] {
-      Console console(comm_, Verbosity::normal);
-      result_ = sensitivity_command(comm_, arguments_.file, arguments_.overrides(), arguments_.sensitivity, console);
-    };
-  });
-}
-
-void CommandLine::add_fit() {
-  CLI::App* fit = app_.add_subcommand("fit", "fit the constants of a material to measurements");
-  fit->footer(examples({"pliant fit rubber.yaml --output out/rubber"}));
-  fit->add_option("FIT", arguments_.file, "the fit file (YAML)")->required();
-  add_output(*fit, "directory for fit.csv, material.yaml, report.html and the plots; default: out/<name of the file>");
-  fit->callback([this] {
-    command_ = [this] {
-      Console console(comm_, Verbosity::normal);
-      result_ = fit_command(comm_, arguments_.file, arguments_.output, console);
     };
   });
 }

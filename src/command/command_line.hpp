@@ -4,6 +4,7 @@
 #include "command/commands.hpp"
 #include "command/report.hpp"
 #include "study/converge.hpp"
+#include "study/gradient.hpp"
 #include "study/sensitivity.hpp"
 #include "study/sweep.hpp"
 
@@ -43,6 +44,7 @@ class CommandLine {
     Conversion conversion;
     SweepOptions sweep;
     SensitivityOptions sensitivity;
+    GradientOptions gradient;
     ReportOptions report;
     std::string refine;
     std::vector<std::string> words;
@@ -64,6 +66,7 @@ class CommandLine {
   void add_converge();
   void add_sweep();
   void add_sensitivity();
+  void differentiate();
   void add_fit();
   void add_mesh();
   void add_methods();

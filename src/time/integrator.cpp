@@ -46,6 +46,7 @@ Stepper& Integrator::begin(const Step& step) & {
 
 StepAttempt Integrator::attempt(const Step& step) & {
   Stepper& stepper = stepper_for(step);
+  last_stepper_ = &stepper;
   StepAttempt attempt = stepper.attempt(history_, step);
   if (error_ && attempt.report.outcome == StageOutcome::converged) error_->estimate(history_, stepper, attempt);
   return attempt;

@@ -43,12 +43,15 @@ class Integrator {
   /// The newest accepted state.
   const State& state() const { return history_.newest(); }
   const Method& method() const { return stepper_.method(); }
+  /// The stepper that tried the last step; nullptr if none was tried.
+  const Stepper* last_stepper() const { return last_stepper_; }
 
  private:
   Stepper& stepper_for(const Step& step);
 
   PrescribedMotion motion_;
   double last_dt_ = 0.0;  // of the last step accepted
+  const Stepper* last_stepper_ = nullptr;
   Stepper stepper_;
   std::optional<Stepper> starter_;
   std::optional<LocalError> error_;
