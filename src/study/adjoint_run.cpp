@@ -272,19 +272,26 @@ void AdjointRun::solve(const RecordedStage& stage, Vec b) {
   check(VecZeroEntries(lambda_.get()));
   if (norm(rhs_.get()) == 0.0) return;
   TangentSystem& system = recording_->solver()->tangent();
-  bool works = system.begin(unknowns_.get());
   StageAdjoint adjoint = model_.potential().adjoint();
-  if (works && !adjoint.has_rest()) {
-    works = system.solve(rhs_.get(), lambda_.get());
-  } else if (works) {
-    const auto product = [&](Vec x, Vec y) {
-      system.multiply(x, y);
-      adjoint.add_transposed_rest(unknowns_.get(), x, y);
-      clear_prescribed(y);
-    };
-    bool is_inverse = true;
-    const auto inverse = [&](Vec x, Vec y) { is_inverse = system.solve(x, y) && is_inverse; };
-    works = whole_->solve(product, inverse, rhs_.get(), lambda_.get(), relative_residual) && is_inverse;
+  const auto product = [&](Vec x, Vec y) {
+    system.multiply(x, y);
+    adjoint.add_transposed_rest(unknowns_.get(), x, y);
+    clear_prescribed(y);
+  };
+  bool works = system.begin(unknowns_.get());
+  const auto inverse = [&](Vec x, Vec y) { works = works && system.solve(x, y); };
+  // Solved again for what is left: the errors of all stages add up.
+  const Vec left = seed_.get(), part = unused_.get();
+  check(VecCopy(rhs_.get(), left));
+  for (int round = 0; round < 2 && works && norm(left) > 0.0; ++round) {
+    if (adjoint.has_rest()) {
+      works = whole_->solve(product, inverse, left, part, relative_residual) && works;
+    } else {
+      inverse(left, part);
+    }
+    check(VecAXPY(lambda_.get(), 1.0, part));
+    product(lambda_.get(), left);
+    check(VecAYPX(left, -1.0, rhs_.get()));
   }
   system.end();
   if (!works) {

@@ -140,9 +140,9 @@ loads: [{gravity: [0, 0, -3]}]"""
                 for column in expected[0]:
                     a, b = (np.array([float(row[column]) for row in t]) for t in (self.table(name), expected))
                     np.testing.assert_allclose(a, b, rtol=0, atol=1e-9 * np.abs(b).max(), err_msg=f"{column} on {ranks} ranks")
-        # Differences of fourth order of whole runs, in two cells and along a direction.
+        # Differences of fourth order of whole runs, in a cell and along a direction.
         direction = np.random.default_rng(6).standard_normal(len(cells))
-        for change in (np.eye(len(cells))[3], np.eye(len(cells))[10], direction):
+        for change in (np.eye(len(cells))[3], direction):
             ends = []
             for factor in (-2, -1, 1, 2):
                 run_with(values + 0.01 * factor * change)

@@ -205,7 +205,8 @@ class MeanDilatationTerm final : public ElasticTerm {
   }
 
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override {
-    for_each_force(stage, q, [&](const Batch& batch, const Nodes& f) { scatter_add<order>(batch.batch(), f, r.data()); });
+    for_each_force(stage, q,
+                   [&](const Batch& batch, const Nodes& f) { scatter_add<order>(batch.batch(), f, r.data()); });
   }
 
   bool has_adjoint() const override { return true; }

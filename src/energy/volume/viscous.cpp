@@ -141,8 +141,7 @@ class ViscousTerm final : public StressTerm {
         const Increment at = increment(point);
         const Tensor3<Pack> L = point.gradient(l), F = middle(at);
         const IsotropicTensor<Pack> C = at.stress * dashpot_.stiffness(at.n, dt);
-        const Tensor3<Pack> exact =
-            matmul(Pack(at.slope / at.inverse2) * at.F + at.F_change, multiplier(at, L, dt));
+        const Tensor3<Pack> exact = matmul(Pack(at.slope / at.inverse2) * at.F + at.F_change, multiplier(at, L, dt));
         return at.inverse2 * (exact - matmul(F, C(small_strain(matmul(transpose(F), L)))));
       };
     };

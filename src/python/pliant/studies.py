@@ -106,7 +106,7 @@ def gradient(source: Path, weights: "Mapping[str, Any]", *, to: Sequence[str] = 
     os.makedirs(directory, exist_ok=True)
     file = os.path.join(directory, "weights.csv")
     with open(file, "w", encoding="utf-8", newline="") as stream:
-        writer = csv.writer(stream)
+        writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(columns)
         writer.writerows([repr(x) for x in row] for row in np.stack(list(columns.values()), axis=1).tolist())
     arguments = ["--to", ",".join(to)] * bool(to) + ["--fields", ",".join(fields)] * bool(fields)
