@@ -152,6 +152,10 @@ std::string option_in_man(const CLI::Option& option) {
 
 }  // namespace
 
+std::string examples(const std::vector<std::string>& lines) {
+  return fmt::format("Examples:\n  {}", fmt::join(lines, "\n  "));
+}
+
 std::string bash_completion(const CLI::App& program) {
   BashCases cases;
   for (const auto& command : commands_of(program)) cases.add(command);

@@ -2,12 +2,16 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace CLI {  // NOLINT(readability-identifier-naming): CLI11 calls itself so
 class App;
 }
 
 namespace pliant {
+
+/// What stands below the options in the help of a command.
+std::string examples(const std::vector<std::string>& lines);
 
 /// A script for bash that completes commands, options, choices and files.
 std::string bash_completion(const CLI::App& program);

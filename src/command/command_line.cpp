@@ -8,7 +8,6 @@
 #include "material/library.hpp"
 #include "petsc/session.hpp"
 #include "run/version.hpp"
-#include "study/fit.hpp"
 #include "study/fit_input.hpp"
 
 #include <algorithm>
@@ -71,11 +70,6 @@ std::string help_text(CLI::App& app, std::vector<std::string> words) {
   return at->help(above);
 }
 
-/// What stands below the options in the help of a command.
-std::string examples(const std::vector<std::string>& lines) {
-  return fmt::format("Examples:\n  {}", fmt::join(lines, "\n  "));
-}
-
 /// PETSc passes over words that belong to no option.
 void require_options(const std::vector<std::string>& petsc_options) {
   const auto is_option = [](const std::string& word) {
@@ -88,11 +82,6 @@ void require_options(const std::vector<std::string>& petsc_options) {
         {"PETSc options", 0, 0},
         fmt::format("'{}' belongs to no option; they begin with '-', and have one value at most", petsc_options[i]));
   }
-}
-
-/// Did mpirun start it?
-bool is_part_of_a_job(const Environment& environment) {
-  return std::ranges::any_of(environment, [](const std::string& v) { return v.starts_with("OMPI_COMM_WORLD_SIZE="); });
 }
 
 }  // namespace
@@ -291,109 +280,6 @@ void CommandLine::add_converge() {
                                                                    : Refine::time;
       arguments_.study.checks_orders = !arguments_.accepts_any_order;
       result_ = converge_command(comm_, arguments_.file, arguments_.overrides(), arguments_.study, console);
-    };
-  });
-}
-
-void CommandLine::add_sweep() {
-  CLI::App* sweep = app_.add_subcommand("sweep", "run the input once for each of several values, side by side");
-  sweep->footer(
-      examples({"pliant sweep beam.yaml --set \"time.step=[10 ms, 5 ms]\"",
-                "pliant sweep beam.yaml --set \"element=[P1, P2]\" --set \"time.method=[bdf2, dirk22]\" --jobs 2",
-                "pliant sweep beam.yaml --set \"bodies.0.density=[900, 1000, 1100]\" --result \"max(tip_z)\""}));
-  sweep->add_option("INPUT", arguments_.file, "the input file (YAML)")->required();
-  sweep
-      ->add_option("--set", arguments_.settings,
-                   "KEY.PATH=[VALUE, ...]: the values to try; several lists: every combination. KEY.PATH=VALUE: the "
-                   "same for all runs. May be repeated")
-      ->required()
-      ->allow_extra_args(false);
-  add_output(*sweep, "directory for the runs, sweep.csv and the plots");
-  sweep
-      ->add_option("--result", arguments_.results,
-                   "a number of each run, for the table and a plot over the values: FUNCTION(COLUMN) of its history, "
-                   "e.g. max(tip_z), or NAME=FUNCTION(COLUMN). May be repeated")
-      ->allow_extra_args(false)
-      ->type_name("FUNCTION(COLUMN)");
-  sweep->add_flag("--continue", arguments_.sweep.continues, "skip finished runs, continue those that were begun");
-  sweep->add_option("--jobs", arguments_.sweep.at_once, "runs at a time; default: as many as the processors allow")
-      ->check(CLI::Range(1, 1024))
-      ->type_name("N");
-  sweep->add_option("--ranks", arguments_.sweep.ranks, "ranks of each run")
-      ->check(CLI::Range(1, 1024))
-      ->type_name("N")
-      ->capture_default_str();
-  sweep->callback([this] {
-    command_ = [this] {
-      if (is_part_of_a_job(arguments_.sweep.environment)) {
-        throw InputError({"pliant sweep", 0, 0}, "start it without mpirun; --ranks 2 gives each run two ranks");
-      }
-      for (const std::string& text : arguments_.results) {
-        arguments_.sweep.results.push_back(parse_run_number(text, "--result"));
-      }
-      Console console(comm_, Verbosity::normal);
-      result_ = sweep_command(arguments_.file, arguments_.overrides(), arguments_.sweep, console);
-    };
-  });
-}
-
-void CommandLine::add_compare() {
-  CLI::App* compare = app_.add_subcommand("compare", "histories of several runs in common plots, and their differences");
-  compare->footer(examples({"pliant compare out/coarse out/fine",
-                            "pliant compare out/a out/b out/c --of tip_z,kinetic_energy --output out/abc"}));
-  compare->add_option("RUN", arguments_.compare.runs, "directories of results, or files history.csv; the first is what the others are compared with")
-      ->required()
-      ->expected(2, 100);
-  compare->add_option("--of", arguments_.compare.columns, "columns of the histories; default: all but counts")
-      ->delimiter(',')
-      ->type_name("COLUMN,...");
-  compare->add_option("--output", arguments_.compare.output, "directory for compare.csv and the plots")
-      ->capture_default_str()
-      ->type_name("DIR");
-  compare->callback([this] {
-    command_ = [this] {
-      if (num_ranks(comm_) > 1) throw InputError({"pliant compare", 0, 0}, "start it without mpirun");
-      Console console(comm_, Verbosity::normal);
-      result_ = compare_command(arguments_.compare, console);
-    };
-  });
-}
-
-void CommandLine::add_sensitivity() {
-  CLI::App* sensitivity =
-      app_.add_subcommand("sensitivity", "derivatives of the history of a run by numbers of its input");
-  sensitivity->footer(
-      examples({"pliant sensitivity finger.yaml --of tip_z --to bodies.0.elasticity.youngs_modulus,bodies.0.density",
-                "mpirun -n 2 pliant sensitivity grip.yaml --of tip_x,tip_z --to contact.friction"}));
-  add_input(*sensitivity);
-  add_output(*sensitivity, "directory for sensitivity.csv and the plots");
-  sensitivity->add_option("--of", arguments_.sensitivity.columns, "columns of history.csv, e.g. tip_z,clamp_fx")
-      ->required()
-      ->delimiter(',')
-      ->type_name("COLUMN,...");
-  sensitivity
-      ->add_option("--to", arguments_.sensitivity.numbers,
-                   "numbers of the input, named as for --set, e.g. bodies.0.density,contact.friction")
-      ->required()
-      ->delimiter(',')
-      ->type_name("KEY,...");
-  sensitivity->callback([this] {
-    command_ = [this] {
-      Console console(comm_, Verbosity::normal);
-      result_ = sensitivity_command(comm_, arguments_.file, arguments_.overrides(), arguments_.sensitivity, console);
-    };
-  });
-}
-
-void CommandLine::add_fit() {
-  CLI::App* fit = app_.add_subcommand("fit", "fit the constants of a material to measurements");
-  fit->footer(examples({"pliant fit rubber.yaml --output out/rubber"}));
-  fit->add_option("FIT", arguments_.file, "the fit file (YAML)")->required();
-  add_output(*fit, "directory for fit.csv, material.yaml, report.html and the plots; default: out/<name of the file>");
-  fit->callback([this] {
-    command_ = [this] {
-      Console console(comm_, Verbosity::normal);
-      result_ = fit_command(comm_, arguments_.file, arguments_.output, console);
     };
   });
 }

@@ -5,6 +5,7 @@
 #include "command/report.hpp"
 #include "study/compare.hpp"
 #include "study/converge.hpp"
+#include "study/gradient.hpp"
 #include "study/sensitivity.hpp"
 #include "study/sweep.hpp"
 
@@ -46,6 +47,7 @@ class CommandLine {
     std::vector<std::string> results;  ///< of a sweep
     CompareOptions compare;
     SensitivityOptions sensitivity;
+    GradientOptions gradient;
     ReportOptions report;
     std::string refine;
     std::vector<std::string> words;
@@ -68,6 +70,7 @@ class CommandLine {
   void add_sweep();
   void add_compare();
   void add_sensitivity();
+  void differentiate();
   void add_fit();
   void add_mesh();
   void add_methods();

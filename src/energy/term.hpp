@@ -121,6 +121,20 @@ struct DragBound {
   double exerted = 0.0, allowed = 0.0;
 };
 
+/// Multipliers of what a stage computes: derivatives of a number that depends on it (docs/theory.md, "The adjoint of a
+/// run").
+struct StageMultipliers {
+  std::span<const double> residual;  ///< of dPhi/dq, per local entry
+  std::span<const double> internal;  ///< of the term's own internal variables at the end of the stage
+};
+
+/// Where the products of the multipliers with transposed derivatives are added, by what a stage depends on.
+struct StageSlopes {
+  std::span<double> q;       ///< of the internal variables alone: the residual's derivative is the Hessian
+  std::span<double> q0, v0;  ///< of both, by the start of the stage
+  std::span<double> z0;      ///< likewise, the term's own
+};
+
 /// One contribution to the incremental potential of a stage (docs/theory.md, "The incremental potential"). The arrays
 /// span all local nodes, and those of patches of other ranks if it couples pairs; a term adds to the rows of owned
 /// nodes completely (what it leaves in ghost rows is ignored), and counts energies of owned cells and nodes only, so
@@ -181,6 +195,24 @@ class EnergyTerm {
   /// For a term with coefficients frozen at the step's start (`has_frozen_coefficients`): its forces at q with those
   /// coefficients, on this rank.
   virtual DragBound bound(const LocalStage& /*stage*/, std::span<const double> /*q*/) const { return {}; }
+
+  /// Whether adjoints know the term: its forces depend on q and time alone and have a symmetric Hessian, or it has the
+  /// functions that follow.
+  virtual bool has_adjoint() const { return false; }
+  /// Adds (dr/dy)^T m.residual + (dz/dy)^T m.internal for each y of the slopes, rows of owned nodes completely; z at
+  /// the end of the stage (`end_stage`).
+  virtual void pull_back(const LocalStage& /*stage*/, std::span<const double> /*q*/, const StageMultipliers& /*m*/,
+                         const StageSlopes& /*slopes*/) const {}
+  /// The same for `complete_step`: multipliers of z become those of what the method's formula set, and (dz/dq)^T z is
+  /// added to r.
+  virtual void pull_back_completion(std::span<const double> /*q*/, std::span<double> /*z*/,
+                                    std::span<double> /*r*/) const {}
+  /// r += (dr/dq)^T d - K d, K the Hessian, of a term without a potential.
+  virtual void add_transposed_rest(const LocalStage& /*stage*/, std::span<const double> /*q*/,
+                                   std::span<const double> /*d*/, std::span<double> /*r*/) const {}
+  /// works += dPhi/dq . d of each local cell [J], for terms that depend on the laws of bodies.
+  virtual void add_cell_works(const LocalStage& /*stage*/, std::span<const double> /*q*/, std::span<const double> /*d*/,
+                              std::span<double> /*works*/) const {}
 
   /// Whether the force on an owned node counts in the term's resultant (TermPower::force).
   virtual bool is_measured_at(PetscInt /*node*/) const { return true; }

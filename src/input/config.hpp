@@ -54,6 +54,7 @@ struct GivenConstant {
   Expression value;
   std::string cell_data;  ///< name of the data; empty: `value` counts
   Location where;
+  double factor = 1.0;  ///< by which all values are multiplied, for derivatives
 };
 
 /// A preferred direction, of any length: a function of x, y, z, or data of the mesh file.

@@ -96,6 +96,7 @@ std::vector<double> ElasticityRule::constants_at(PetscInt cell, const std::array
   for (std::size_t k = 0; k < config_.constants.size(); ++k) {
     const GivenConstant& c = config_.constants[k];
     values.push_back(c.cell_data.empty() ? c.value(X[0], X[1], X[2], 0.0) : data_->at(data_of_constant_[k], cell)[0]);
+    values.back() *= c.factor;
     if (!c.cell_data.empty() && std::isnan(values.back())) {
       throw InputError(c.where, fmt::format("cell data '{}' has no value{}", c.cell_data, at_place(X)));
     }

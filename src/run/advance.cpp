@@ -50,7 +50,7 @@ class StageSolver {
 
   StageReport operator()(const StagePoint& stage, Vec q) {
     const StageReport report = newton_->solve(stage, q);
-    if (follower_ != nullptr && report.outcome == StageOutcome::converged) follower_->end_stage(*newton_, q);
+    if (follower_ != nullptr && report.outcome == StageOutcome::converged) follower_->end_stage(*newton_, stage, q);
     return report;
   }
   void follow(StageFollower& follower) { follower_ = &follower; }
@@ -110,6 +110,7 @@ class TimeAdvance final : public Advance {
     if (!state().w.empty()) integrator_.set_quadratures(ledger_.works());
   }
   double error(const StepAttempt& attempt) const override { return norm_ ? (*norm_)(attempt) : 0.0; }
+  const Stepper* stepper() const override { return integrator_.last_stepper(); }
   StateView state() const override { return integrator_.state().view(); }
   void keep(Archive& archive) override {
     integrator_.keep(archive);

@@ -22,8 +22,8 @@ class StageFollower {
   virtual ~StageFollower() = default;
   /// The simulation tries this step from its last accepted state.
   virtual void begin_step(const Step& step) = 0;
-  /// The solver has just solved a stage of it; q is the configuration.
-  virtual void end_stage(NewtonSolver& solver, Vec q) = 0;
+  /// The solver has just solved this stage of it; q is the configuration.
+  virtual void end_stage(NewtonSolver& solver, const StagePoint& stage, Vec q) = 0;
   /// The step was accepted. `restarts`: the next one starts anew (Advance::restart).
   virtual void end_step(bool restarts) = 0;
 };
@@ -60,6 +60,9 @@ class Advance {
 
   /// Calls the follower's `end_stage` after each stage.
   virtual void follow(StageFollower& /*follower*/) {}
+
+  /// The formulas of the last step that was tried; nullptr for load steps and PETSc's integrators.
+  virtual const Stepper* stepper() const { return nullptr; }
 
   /// The last accepted state.
   virtual StateView state() const = 0;

@@ -70,6 +70,8 @@ class Simulation {
 
   /// Calls the follower at each step and stage from now on; it outlives the simulation.
   void follow(StageFollower& follower);
+  /// Advance::stepper.
+  const Stepper* stepper() const { return advance_->stepper(); }
   /// A step that another simulation takes too, stage by stage, with solutions that are found elsewhere
   /// (Advance::begin). It is accepted as it is.
   void begin(const Step& step);

@@ -33,7 +33,7 @@ _pliant() {
     'check') options='-h --help --set' words='' files='*.@(yaml|yml)' ;;
     'converge') options='-h --help --set --output --in --levels --methods --no-check' words='' files='*.@(yaml|yml)' ;;
     'sweep') options='-h --help --set --output --continue --jobs --ranks' words='' files='*.@(yaml|yml)' ;;
-    'sensitivity') options='-h --help --set --output --of --to' words='' files='*.@(yaml|yml)' ;;
+    'sensitivity') options='-h --help --set --output --of --adjoint --to --fields --kept-steps' words='' files='*.@(yaml|yml)' ;;
     'fit') options='-h --help --output' words='' files='*.@(yaml|yml)' ;;
     'mesh') options='-h --help' words='convert' files='' ;;
     'mesh convert') options='-h --help --size --scale --allow-commands' words='' files='*' ;;
@@ -47,7 +47,7 @@ _pliant() {
   esac
   # What follows an option that takes a value is that.
   case $previous in
-    --set | --output | --size | --in | --levels | --methods | --jobs | --ranks | --of | --to | --scale | --stretch) options='' words='' files='' ;;
+    --set | --output | --size | --in | --levels | --methods | --jobs | --ranks | --of | --adjoint | --to | --fields | --kept-steps | --scale | --stretch) options='' words='' files='' ;;
   esac
   case "$path $previous" in
     'run --output') files='*' ;;

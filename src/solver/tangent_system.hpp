@@ -19,6 +19,8 @@ class TangentSystem {
   bool begin(Vec q);
   /// Solves to ten digits; returns false if the linear solver fails.
   bool solve(Vec r, Vec y);
+  /// y = K x.
+  void multiply(Vec x, Vec y) const { check(MatMult(system_.matrix(), x, y)); }
   /// To be called after the last solve: the next stage may begin.
   void end();
 

@@ -3,8 +3,8 @@
 #include "model/mesh_source.hpp"
 #include "petsc/array_view.hpp"
 #include "solver/merit.hpp"
+#include "study/neighbours.hpp"
 
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -13,9 +13,6 @@
 namespace pliant {
 namespace {
 
-/// The change of a number, as a part of it: where h^2 and the rounding errors over h are about equal. Smaller parts are
-/// tried where the input does not take the larger change.
-constexpr std::array parts_of_number{1e-5, 1e-6};
 /// Relative residual of linear systems whose products are differences.
 constexpr double relative_residual = 1e-6;
 /// They are solved again for what is left until it moves the solution by no more than this part of the first time.
@@ -110,29 +107,13 @@ void TangentRun::add_pair(const Mesh& mesh, const VariedInput& input, std::span<
                           double size) {
   const double value = values[n];
   if (value != 0.0) size = std::abs(value);
-  if (size == 0.0) {
-    throw InputError({input.file(), 0, 0},
-                     fmt::format("'{}' is 0, so that no change of it is a small one; give it a value, however small",
-                                 input.numbers()[n].key));
-  }
+  if (size == 0.0) throw without_neighbours(input.file(), input.numbers()[n].key);
   std::vector<double> changed(values.begin(), values.end());
-  const auto neighbour = [&](double by) {
-    changed[n] = value + by;
+  auto [below, above, spacing] = neighbours_of(value, size, [&](double other) {
+    changed[n] = other;
     return std::make_unique<Neighbour>(mesh, input.at(changed));
-  };
-  for (const double part : parts_of_number) {
-    // A number at the end of its range is changed to one side alone.
-    for (const auto& [down, up] : {std::pair(-1.0, 1.0), std::pair(0.0, 0.01), std::pair(-0.01, 0.0)}) {
-      try {
-        Pair pair{neighbour(down * part * size), neighbour(up * part * size), 0.0};
-        pair.spacing = (value + up * part * size) - (value + down * part * size);
-        pairs_.push_back(std::move(pair));
-        return;
-      } catch (const InputError&) {
-        if (part == parts_of_number.back() && up == 0.0) throw;
-      }
-    }
-  }
+  });
+  pairs_.push_back({std::move(below), std::move(above), spacing});
 }
 
 void TangentRun::advance() {
@@ -152,7 +133,7 @@ void TangentRun::begin_step(const Step& step) {
   }
 }
 
-void TangentRun::end_stage(NewtonSolver& solver, Vec q) {
+void TangentRun::end_stage(NewtonSolver& solver, const StagePoint& /*stage*/, Vec q) {
   const Vec solution = solver.unknowns();
   StageEquation& equation = solver.equation();
   const bool coefficients_follow = equation.refreeze(solution);

@@ -57,7 +57,7 @@ class TangentRun final : private StageFollower {
   struct Pair;
 
   void begin_step(const Step& step) override;
-  void end_stage(NewtonSolver& solver, Vec q) override;
+  void end_stage(NewtonSolver& solver, const StagePoint& stage, Vec q) override;
   void end_step(bool restarts) override;
   void add_pair(const Mesh& mesh, const VariedInput& input, std::span<const double> values, std::size_t n, double size);
   void measure();

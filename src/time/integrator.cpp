@@ -35,8 +35,9 @@ Integrator::Integrator(const IntegratorOptions& options, System system, const St
 
 Stepper& Integrator::choose(const Step& step) {
   const bool starts = history_.size() < method().num_steps || !stepper_.can_take(history_, step);
-  starter_takes_ = starter_ && starts;
-  return starter_takes_ ? *starter_ : stepper_;
+  Stepper& stepper = starter_ && starts ? *starter_ : stepper_;
+  last_stepper_ = &stepper;
+  return stepper;
 }
 
 Stepper& Integrator::begin(const Step& step) & {
@@ -55,7 +56,7 @@ StepAttempt Integrator::attempt(const Step& step) & {
 void Integrator::accept(const StepAttempt& attempt) {
   last_dt_ = attempt.time - history_.newest().time;
   pliant::accept(attempt, history_);
-  if (starter_takes_) {
+  if (starter_ && last_stepper_ == &*starter_) {
     starter_->accept();
     stepper_.restart();
   } else {

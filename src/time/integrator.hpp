@@ -43,6 +43,8 @@ class Integrator {
   /// The newest accepted state.
   const State& state() const { return history_.newest(); }
   const Method& method() const { return stepper_.method(); }
+  /// The stepper that tried or began the last step; nullptr if none did.
+  const Stepper* last_stepper() const { return last_stepper_; }
 
  private:
   /// The stepper that takes the step.
@@ -50,9 +52,9 @@ class Integrator {
 
   PrescribedMotion motion_;
   double last_dt_ = 0.0;  // of the last step accepted
+  const Stepper* last_stepper_ = nullptr;
   Stepper stepper_;
   std::optional<Stepper> starter_;
-  bool starter_takes_ = false;  // the step that was begun last
   std::optional<LocalError> error_;
   History history_;
 };

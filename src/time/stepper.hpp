@@ -100,6 +100,8 @@ class Stepper {
   void embedded_difference(Vec q, Vec v) const;
 
   const Method& method() const { return method_; }
+  /// The weights of the past states in the step that was begun last.
+  const BdfWeights& weights_of_step() const { return weight_; }
 
  private:
   BdfWeights weights(const History& history, const Step& step);

@@ -33,6 +33,7 @@ class BodyContact final : public BodyTerm {
   TermDeclaration declaration() const override {
     return {.account = Account::stored, .is_wall = !bodies().is_penalty()};
   }
+  bool has_adjoint() const override { return true; }
 
   double value(const LocalStage& stage, std::span<const double> q) const override {
     return bodies().energy(*stage.near, q);

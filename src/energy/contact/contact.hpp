@@ -21,6 +21,7 @@ class Contact final : public EnergyTerm {
       : surface_(std::move(surface)), obstacle_(std::move(obstacle)) {}
 
   std::string_view name() const override { return "contact"; }
+  bool has_adjoint() const override { return true; }
   TermDeclaration declaration() const override {
     return {.account = Account::stored,
             .depends_on_time = obstacle_->moves(),

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "energy/equation/energy_accounts.hpp"
+#include "energy/equation/stage_adjoint.hpp"
 #include "energy/equation/stage_terms.hpp"
 #include "energy/stage_equation.hpp"
 #include "fem/block_matrix.hpp"
@@ -42,6 +43,8 @@ class IncrementalPotential final : public StageEquation {
   void gradient_of(const std::function<bool(const EnergyTerm&)>& wanted, Vec q, Vec r);
   /// What the terms do in the stage, for ledgers and results. Refers to this object. Not collective.
   EnergyAccounts accounts() { return EnergyAccounts(terms_); }
+  /// The transposed derivatives of the stage. Refers to this object. Not collective.
+  StageAdjoint adjoint() { return StageAdjoint(terms_); }
   /// A zero matrix for the Hessian, with the rigid-body modes as its near-null space.
   Handle<Mat> make_hessian() const override;
   std::optional<Coarsening> make_coarsening() const override;

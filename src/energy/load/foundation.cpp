@@ -132,6 +132,16 @@ void Foundation::add_hessian(const LocalStage& stage, std::span<const double>, c
   }
 }
 
+void Foundation::pull_back(const LocalStage& stage, std::span<const double> /*q*/, const StageMultipliers& m,
+                           const StageSlopes& slopes) const {
+  const double c = stiffness_.dashpot / stage.dt;
+  for (const auto& [row, column, number, M] : matrix_.blocks) {
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) slopes.q0[3 * row + i] -= c * M(i, j) * m.residual[3 * column + j];
+    }
+  }
+}
+
 double Foundation::energy(std::span<const double> q, std::span<const double> /*z*/) const {
   const auto u = [&](PetscInt i) { return q[i]; };
   return 0.5 * stiffness_.spring * product(matrix_, u, u);

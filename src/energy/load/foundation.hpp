@@ -50,6 +50,9 @@ class Foundation final : public EnergyTerm {
                    Projection projection) const override;
   double energy(std::span<const double> q, std::span<const double> z) const override;
   double dissipation(const LocalStage& stage, std::span<const double> q) const override;
+  bool has_adjoint() const override { return true; }
+  void pull_back(const LocalStage& stage, std::span<const double> q, const StageMultipliers& m,
+                 const StageSlopes& slopes) const override;
 
  private:
   FoundationMatrix matrix_;

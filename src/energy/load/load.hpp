@@ -54,6 +54,7 @@ class DeadLoad final : public EnergyTerm {
   TermDeclaration declaration() const override {
     return {.account = depends_on_time() ? Account::load : Account::load_potential};
   }
+  bool has_adjoint() const override { return true; }
   double value(const LocalStage& stage, std::span<const double> q) const override;
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override;
   void add_hessian(const LocalStage&, std::span<const double>, const BlockWriter&, Projection) const override {}

@@ -19,6 +19,7 @@ class FollowerPressure final : public EnergyTerm {
 
   std::string_view name() const override { return "pressure"; }
   TermDeclaration declaration() const override;
+  bool has_adjoint() const override { return has_potential(); }
   /// Zero where there is no potential.
   double value(const LocalStage& stage, std::span<const double> q) const override;
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override;

@@ -20,6 +20,7 @@ class ActiveStress final : public StressTerm {
 
   std::string_view name() const override { return "active-stress"; }
   TermDeclaration declaration() const override { return {.account = Account::load}; }
+  bool has_adjoint() const override { return true; }
 
   /// T/2 (I4 - I4 at q0) = T (F + dF/2) f . dF f, F at q0.
   double value(const LocalStage& stage, std::span<const double> q) const override {

@@ -32,6 +32,10 @@ struct CellBatch {
     return d;
   }
   PetscInt local_cell(int lane) const { return group.cells[number * pack_size + static_cast<std::size_t>(lane)]; }
+  /// Adds the lanes' values to those of their local cells.
+  void add_to_cells(const Pack& value, std::span<double> of_cells) const {
+    for (int lane = 0; lane < batch().num_lanes; ++lane) of_cells[local_cell(lane)] += value[lane];
+  }
   /// Index among the rank's cells of the body; padding lanes have that of the cell they repeat.
   std::size_t cell(int lane) const { return first_cell + (lane < batch().num_lanes ? lane : 0); }
 };
@@ -135,17 +139,32 @@ class BodyCells {
   template <class StressOf>
   void add_forces(StressOf stress_of, std::span<double> r) const {
     for_each_batch([&](const CellBatch<Order>& batch) __attribute__((always_inline)) {
+      const auto f = nodal_forces(batch, stress_of(batch), [](const CellPoint<Order>& p) { return p.weight(); });
+      scatter_add<Order>(batch.batch(), f, r.data());
+    });
+  }
+
+  /// The same with each point counted once, whatever its volume: derivatives of functions of grad u at points.
+  template <class SlopeOf>
+  void add_slopes_of_points(SlopeOf slope_of, std::span<double> r) const {
+    for_each_batch([&](const CellBatch<Order>& batch) {
+      const auto f = nodal_forces(batch, slope_of(batch), [](const CellPoint<Order>&) { return Pack(1.0); });
+      scatter_add<Order>(batch.batch(), f, r.data());
+    });
+  }
+
+  /// works += int P : grad d dX of each local cell.
+  template <class StressOf>
+  void add_works(StressOf stress_of, std::span<const double> d, std::span<double> works) const {
+    for_each_batch([&](const CellBatch<Order>& batch) {
       const auto stress = stress_of(batch);
-      NodeValues<num_nodes> f{};
+      const auto change = batch.values(d);
+      Pack work = 0.0;
       for (int k = 0; k < batch.group.rule.size(); ++k) {
         const CellPoint<Order> point{batch, k};
-        const auto& dN = point.shape_gradients();
-        const Tensor3<Pack> S = point.weight() * pulled_back(stress(point), point.inverse_jacobian());
-        for (int a = 0; a < num_nodes; ++a) {
-          for (int i = 0; i < 3; ++i) f[a][i] += S(i, 0) * dN[a][0] + S(i, 1) * dN[a][1] + S(i, 2) * dN[a][2];
-        }
+        work += point.weight() * dot(stress(point), point.gradient(change));
       }
-      scatter_add<Order>(batch.batch(), f, r.data());
+      batch.add_to_cells(work, works);
     });
   }
 
@@ -184,6 +203,21 @@ class BodyCells {
   }
 
  private:
+  template <class Stress, class Weight>
+  PLIANT_INLINE static NodeValues<num_nodes> nodal_forces(const CellBatch<Order>& batch, const Stress& stress,
+                                                          Weight weight) {
+    NodeValues<num_nodes> f{};
+    for (int k = 0; k < batch.group.rule.size(); ++k) {
+      const CellPoint<Order> point{batch, k};
+      const auto& dN = point.shape_gradients();
+      const Tensor3<Pack> S = weight(point) * pulled_back(stress(point), point.inverse_jacobian());
+      for (int a = 0; a < num_nodes; ++a) {
+        for (int i = 0; i < 3; ++i) f[a][i] += S(i, 0) * dN[a][0] + S(i, 1) * dN[a][1] + S(i, 2) * dN[a][2];
+      }
+    }
+    return f;
+  }
+
   std::vector<const Group*> groups_;
   PetscInt num_owned_nodes_;
 };

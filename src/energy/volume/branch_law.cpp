@@ -120,6 +120,28 @@ Tensor3<Pack> BranchLaw::force(const Tensor3<Pack>& H, const Tensor3<Pack>& A) c
   return a * (FA - Pack(dot(FA, F) / 3.0) * G);  // (F A) : F = A : C
 }
 
+Tensor3<Pack> BranchLaw::pulled_back_force(const Tensor3<Pack>& H, const Tensor3<Pack>& L) const {
+  if (measure_ == Strain::small) return L;
+  const Tensor3<Pack> F = add_to_diagonal(H, 1.0), FL = matmul(transpose(F), L);
+  if (measure_ == Strain::green_lagrange) return FL;
+  const Tensor3<Pack> G = transpose(inverse(F));
+  const Pack a = 1.0 + expm1(Pack(-2.0 / 3.0 * log1p(volume_change(H))));
+  return a * (FL - Pack(dot(G, L) / 3.0) * matmul(transpose(F), F));
+}
+
+// With S' = F^-1 P and M = F^-T Z, Z : dS' = M : dP - M : (dF S'); S = J^(2/3) S' of the isochoric strain.
+Tensor3<Pack> BranchLaw::stress_slope(std::size_t n, const Tensor3<Pack>& H, const Tensor3<Pack>& Z) const {
+  Tangent<Pack> A;
+  elastic_.tangent(n, H, A);
+  if (measure_ == Strain::small) return product(A, Z);
+  const Tensor3<Pack> G = transpose(inverse(add_to_diagonal(H, 1.0))), M = matmul(G, Z);
+  const Tensor3<Pack> S = pulled_back_stress(H, elastic_.P(n, H));
+  const Tensor3<Pack> slope = product(A, M) - matmul(M, transpose(S));
+  if (measure_ == Strain::green_lagrange) return slope;
+  const Pack b = 1.0 + expm1(Pack(2.0 / 3.0 * log1p(volume_change(H))));
+  return b * (slope + Pack(2.0 / 3.0 * dot(Z, S)) * G);
+}
+
 // Isochoric, with a = J^(-2/3), G = F^-T, M = F A and w = A : C, d(a M - a w/3 G) is
 //   a dF A - 2 a/3 ((G:dF) M + (M:dF) G) + 2 a w/9 (G:dF) G + a w/3 G dF^T G.
 void BranchLaw::subtract_stiffness(const Tensor3<Pack>& H, const Tensor3<Pack>& A, Tangent<Pack>& K) const {

@@ -43,6 +43,10 @@ class BranchLaw {
   Tensor3<Pack> stress(std::size_t n, const Tensor3<Pack>& H) const;
   /// d(A : D)/dH [Pa].
   Tensor3<Pack> force(const Tensor3<Pack>& H, const Tensor3<Pack>& A) const;
+  /// B with B : dA = L : force(H, dA) for symmetric dA.
+  Tensor3<Pack> pulled_back_force(const Tensor3<Pack>& H, const Tensor3<Pack>& L) const;
+  /// d(Z : S)/dH for symmetric Z [Pa].
+  Tensor3<Pack> stress_slope(std::size_t n, const Tensor3<Pack>& H, const Tensor3<Pack>& Z) const;
   /// K -= d2(A : D)/dH2.
   void subtract_stiffness(const Tensor3<Pack>& H, const Tensor3<Pack>& A, Tangent<Pack>& K) const;
   /// By Newton's method starting from H; the result of the last iteration if psi_e - A : D has no minimum.

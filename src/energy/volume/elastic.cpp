@@ -50,10 +50,14 @@ class ElasticTermOf final : public ElasticTerm {
 
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override {
     const BodyLaw::Now law = law_.at(instant_of(stage));
-    const auto stress_of = [&](const Batch& batch) {
-      return [&law, u = batch.values(q)](const Point& point) { return law->P(point.index(), point.gradient(u)); };
-    };
-    cells_.add_forces(stress_of, r);
+    cells_.add_forces(stresses_of(law, q), r);
+  }
+
+  bool has_adjoint() const override { return true; }
+  void add_cell_works(const LocalStage& stage, std::span<const double> q, std::span<const double> d,
+                      std::span<double> works) const override {
+    const BodyLaw::Now law = law_.at(instant_of(stage));
+    cells_.add_works(stresses_of(law, q), d, works);
   }
 
   void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
@@ -93,6 +97,12 @@ class ElasticTermOf final : public ElasticTerm {
   }
 
  private:
+  static auto stresses_of(const BodyLaw::Now& law, std::span<const double> q) {
+    return [&law, q](const Batch& batch) {
+      return [&law, u = batch.values(q)](const Point& point) { return law->P(point.index(), point.gradient(u)); };
+    };
+  }
+
   BodyLaw law_;
   BodyCells<Order> cells_;
 };

@@ -28,6 +28,15 @@ bool Inertia::set_hessian(const LocalStage& stage, const BlockWriter& K) const {
   return true;
 }
 
+void Inertia::pull_back(const LocalStage& stage, std::span<const double> /*q*/, const StageMultipliers& m,
+                        const StageSlopes& slopes) const {
+  std::vector<double> d(m.residual.begin(), m.residual.end());
+  for (double& x : d) x *= -1.0 / stage.dt;
+  mass_.add_times(d, slopes.v0);
+  for (double& x : d) x /= stage.dt;
+  mass_.add_times(d, slopes.q0);
+}
+
 Momenta Inertia::momenta(std::span<const double> X, std::span<const double> q, std::span<const double> v) const {
   std::vector<double> p(v.size(), 0.0);
   mass_.add_times(v, p);

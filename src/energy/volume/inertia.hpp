@@ -28,6 +28,9 @@ class Inertia final : public EnergyTerm {
   void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                    Projection projection) const override;
   bool set_hessian(const LocalStage& stage, const BlockWriter& K) const override;
+  bool has_adjoint() const override { return true; }
+  void pull_back(const LocalStage& stage, std::span<const double> q, const StageMultipliers& m,
+                 const StageSlopes& slopes) const override;
 
   const MassMatrix& mass() const { return mass_; }
   /// 1/2 v . M v of the owned nodes [J].

@@ -24,6 +24,13 @@ void MassDamping::add_hessian(const LocalStage& stage, std::span<const double>, 
   matrix_.add_to(1.0 / stage.dt, K);
 }
 
+void MassDamping::pull_back(const LocalStage& stage, std::span<const double> /*q*/, const StageMultipliers& m,
+                            const StageSlopes& slopes) const {
+  std::vector<double> d(m.residual.begin(), m.residual.end());
+  for (double& x : d) x *= -1.0 / stage.dt;
+  matrix_.add_times(d, slopes.q0);
+}
+
 double MassDamping::dissipation(const LocalStage& stage, std::span<const double> q) const {
   const std::vector<double> v = velocity(stage, q);
   return matrix_.product(v, v);

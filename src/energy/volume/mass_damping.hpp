@@ -25,6 +25,9 @@ class MassDamping final : public EnergyTerm {
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override;
   void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                    Projection projection) const override;
+  bool has_adjoint() const override { return true; }
+  void pull_back(const LocalStage& stage, std::span<const double> q, const StageMultipliers& m,
+                 const StageSlopes& slopes) const override;
   double dissipation(const LocalStage& stage, std::span<const double> q) const override;
 
  private:

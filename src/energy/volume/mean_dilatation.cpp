@@ -205,6 +205,26 @@ class MeanDilatationTerm final : public ElasticTerm {
   }
 
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override {
+    for_each_force(stage, q,
+                   [&](const Batch& batch, const Nodes& f) { scatter_add<order>(batch.batch(), f, r.data()); });
+  }
+
+  bool has_adjoint() const override { return true; }
+  void add_cell_works(const LocalStage& stage, std::span<const double> q, std::span<const double> d,
+                      std::span<double> works) const override {
+    for_each_force(stage, q, [&](const Batch& batch, const Nodes& f) {
+      const Nodes change = batch.values(d);
+      Pack work = 0.0;
+      for (std::size_t a = 0; a < f.size(); ++a) {
+        for (int i = 0; i < 3; ++i) work += f[a][i] * change[a][i];
+      }
+      batch.add_to_cells(work, works);
+    });
+  }
+
+  /// Calls `visit(batch, the forces of its cells on their nodes)`.
+  template <class Visit>
+  void for_each_force(const LocalStage& stage, std::span<const double> q, Visit visit) const {
     const BodyLaw::Now law = law_.at(instant_of(stage));
     const auto expanded = law_.expanded(instant_of(stage));
     BatchState at;
@@ -224,7 +244,7 @@ class MeanDilatationTerm final : public ElasticTerm {
       for (auto& node : f) {
         for (Pack& component : node) component = select(at.valid(), component, Pack(nan));
       }
-      scatter_add<order>(batch.batch(), f, r.data());
+      visit(batch, f);
     });
   }
 

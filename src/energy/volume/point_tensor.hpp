@@ -64,4 +64,27 @@ PLIANT_INLINE void store_symmetric(const CellPoint<Order>& point, const Tensor3<
   }
 }
 
+/// The multiplier of a symmetric tensor whose components have the multipliers z: Z : dG = sum of z_k dG_k.
+template <int Order>
+PLIANT_INLINE Tensor3<Pack> load_multiplier(const CellPoint<Order>& point, std::span<const double> z) {
+  Tensor3<Pack> Z = load_symmetric(point, z);
+  for (int k = 3; k < num_symmetric; ++k) {
+    Z(symmetric_rows[k], symmetric_columns[k]) *= 0.5;
+    Z(symmetric_columns[k], symmetric_rows[k]) *= 0.5;
+  }
+  return Z;
+}
+
+/// z += the multipliers of the components of a symmetric tensor with the multiplier Z, which need not be symmetric.
+template <int Order>
+PLIANT_INLINE void add_multiplier(const CellPoint<Order>& point, const Tensor3<Pack>& Z, std::span<double> z) {
+  for (int lane = 0; lane < point.in.batch().num_lanes; ++lane) {
+    double* p = z.data() + first_component(point, lane);
+    for (int k = 0; k < num_symmetric; ++k) {
+      const int i = symmetric_rows[k], j = symmetric_columns[k];
+      p[k] += i == j ? Z(i, i)[lane] : Z(i, j)[lane] + Z(j, i)[lane];
+    }
+  }
+}
+
 }  // namespace pliant

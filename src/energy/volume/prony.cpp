@@ -41,15 +41,51 @@ class PronyTerm final : public StressTerm {
 
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override {
     const auto expanded = expanded_at(instant_of(stage));
-    const auto stress = [&](const Batch& batch) {
-      return [this, &stage, &expanded, u = batch.values(q)](const Point& point) {
+    cells_.add_forces(stresses_of(expanded, stage, q), r);
+  }
+
+  bool has_adjoint() const override { return true; }
+
+  void add_cell_works(const LocalStage& stage, std::span<const double> q, std::span<const double> d,
+                      std::span<double> works) const override {
+    const auto expanded = expanded_at(instant_of(stage));
+    cells_.add_works(stresses_of(expanded, stage, q), d, works);
+  }
+
+  void pull_back(const LocalStage& stage, std::span<const double> q, const StageMultipliers& m,
+                 const StageSlopes& slopes) const override {
+    const auto expanded = expanded_at(instant_of(stage));
+    cells_.for_each_batch([&](const Batch& batch) {
+      const auto u = batch.values(q), l = batch.values(m.residual);
+      for (int k = 0; k < batch.group.rule.size(); ++k) {
+        const Point point{batch, k};
         const ExpandedPoint& at = expanded[point.index()];
         const Tensor3<Pack> H = at.strain(point.gradient(u));
-        return Pack(at.volume * at.inverse) *
-               (weight(stage.dt) * elastic_->P(point.index(), H) - branch_law_.force(H, forgotten(stage, point)));
+        const Tensor3<Pack> B =
+            Pack(-point.weight() * at.volume * at.inverse) * branch_law_.pulled_back_force(H, point.gradient(l));
+        for (std::size_t i = 0; i < branches_.size(); ++i) {
+          add_multiplier(point, Pack(weight(i, stage.dt)) * B, branch(i, slopes.z0));
+        }
+      }
+    });
+    for (std::size_t i = 0; i < branches_.size(); ++i) {
+      const double left = branches_[i].relaxation_time / (branches_[i].relaxation_time + stage.dt);
+      const auto of_start = branch(i, slopes.z0);
+      const auto of_end = branch(i, m.internal);
+      for (std::size_t k = 0; k < of_start.size(); ++k) of_start[k] += left * of_end[k];
+    }
+    const auto slope_of = [&](const Batch& batch) {
+      return [this, &stage, &m, &expanded, u = batch.values(q)](const Point& point) {
+        const ExpandedPoint& at = expanded[point.index()];
+        Tensor3<Pack> Z{};
+        for (std::size_t i = 0; i < branches_.size(); ++i) {
+          const double share = stage.dt / (branches_[i].relaxation_time + stage.dt);
+          Z = Z + share * load_multiplier(point, branch(i, m.internal));
+        }
+        return at.inverse * branch_law_.stress_slope(point.index(), at.strain(point.gradient(u)), Z);
       };
     };
-    cells_.add_forces(stress, r);
+    cells_.add_slopes_of_points(slope_of, slopes.q);
   }
 
   void add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
@@ -176,6 +212,16 @@ class PronyTerm final : public StressTerm {
   }
 
  private:
+  auto stresses_of(const PerPoint<ExpandedPoint>& expanded, const LocalStage& stage, std::span<const double> q) const {
+    return [this, &expanded, &stage, q](const Batch& batch) {
+      return [this, &stage, &expanded, u = batch.values(q)](const Point& point) {
+        const ExpandedPoint& at = expanded[point.index()];
+        const Tensor3<Pack> H = at.strain(point.gradient(u));
+        return Pack(at.volume * at.inverse) *
+               (weight(stage.dt) * elastic_->P(point.index(), H) - branch_law_.force(H, forgotten(stage, point)));
+      };
+    };
+  }
   PerPoint<ExpandedPoint> expanded_at(const Instant& instant) const {
     return expanded_points(expansion_.get(), instant, split_of(*elastic_));
   }

@@ -6,7 +6,9 @@
 #include "material/projection.hpp"
 #include "material/saint_venant_kirchhoff.hpp"
 
+#include <algorithm>
 #include <cassert>
+#include <utility>
 
 namespace pliant {
 namespace {
@@ -62,13 +64,88 @@ class ViscousTerm final : public StressTerm {
 
   void add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const override {
     const auto expanded = expanded_at(stage);
-    const auto stress_of = [&](const Batch& batch) {
-      return [this, dt = stage.dt, increment = increments(expanded, stage, q, batch)](const Point& point) {
+    cells_.add_forces(stresses_of(expanded, stage, q), r);
+  }
+
+  bool has_adjoint() const override { return true; }
+
+  void add_cell_works(const LocalStage& stage, std::span<const double> q, std::span<const double> d,
+                      std::span<double> works) const override {
+    const auto expanded = expanded_at(stage);
+    cells_.add_works(stresses_of(expanded, stage, q), d, works);
+  }
+
+  /// P : L = S : sym(F^T L) changes by Y : dD with Y = C : sym(F^T L).
+  void pull_back(const LocalStage& stage, std::span<const double> q, const StageMultipliers& m,
+                 const StageSlopes& slopes) const override {
+    const auto expanded = expanded_at(stage);
+    const auto multiplier_of = [&](const Batch& batch) {
+      return [this, dt = stage.dt, increment = increments(expanded, stage, q, batch),
+              l = batch.values(m.residual)](const Point& point) {
         const Increment d = increment(point);
-        return d.stress * matmul(d.F, dashpot_.stiffness(d.n, dt)(d.D));  // P = F S
+        return std::pair(d, multiplier(d, point.gradient(l), dt));
       };
     };
-    cells_.add_forces(stress_of, r);
+    if constexpr (reference == Reference::internal) {
+      const bool has_spring = dashpot_.relaxation_time > 0.0;
+      const double share = stage.dt / (dashpot_.relaxation_time + stage.dt);
+      cells_.for_each_batch([&](const Batch& batch) {
+        const auto multiplier_at = multiplier_of(batch);
+        for_each_point(batch, [&](const Point& point) {
+          const auto [d, Y] = multiplier_at(point);
+          const Pack scale = has_spring ? Pack(1.0) : d.inverse2;
+          add_multiplier(point, Pack(-point.weight() * scale) * Y, slopes.z0);
+        });
+      });
+      for (std::size_t i = 0; i < slopes.z0.size(); ++i) slopes.z0[i] += (1.0 - share) * m.internal[i];
+      const auto slope_of = [&](const Batch& batch) {
+        return [share, has_spring, increment = increments(expanded, stage, q, batch), &m](const Point& point) {
+          const Increment d = increment(point);
+          return Pack(has_spring ? share * d.inverse2 : Pack(share)) * matmul(d.F, load_multiplier(point, m.internal));
+        };
+      };
+      cells_.add_slopes_of_points(slope_of, slopes.q);
+    } else {
+      const auto slope_of = [&](const Batch& batch) {
+        return [multiplier_at = multiplier_of(batch)](const Point& point) {
+          const auto [d, Y] = multiplier_at(point);
+          // E(q0), or F0 of sym(F^T (F - F0)).
+          const Tensor3<Pack> F = reference == Reference::start ? d.F - d.F_change : d.F;
+          return Pack(-d.inverse2) * matmul(F, Y);
+        };
+      };
+      cells_.add_forces(slope_of, slopes.q0);
+    }
+  }
+
+  void pull_back_completion(std::span<const double> q, std::span<double> z, std::span<double> r) const override {
+    if (reference != Reference::internal || dashpot_.relaxation_time > 0.0) return;
+    const auto slope_of = [&](const Batch& batch) {
+      return [z, u = batch.values(q)](const Point& point) {
+        return matmul(add_to_diagonal(point.gradient(u), 1.0), load_multiplier(point, z));
+      };
+    };
+    cells_.add_slopes_of_points(slope_of, r);
+    std::ranges::fill(z, 0.0);
+  }
+
+  /// The derivative of P : L by F is L S + (dF + (1 - 2 k dt) F) Y / s^2, dF = F - F0; add_hessian has another second
+  /// part.
+  void add_transposed_rest(const LocalStage& stage, std::span<const double> q, std::span<const double> d,
+                           std::span<double> r) const override {
+    if constexpr (reference != Reference::rate) return;
+    const auto expanded = expanded_at(stage);
+    const auto rest_of = [&](const Batch& batch) {
+      return [this, dt = stage.dt, increment = increments(expanded, stage, q, batch),
+              l = batch.values(d)](const Point& point) {
+        const Increment at = increment(point);
+        const Tensor3<Pack> L = point.gradient(l), F = middle(at);
+        const IsotropicTensor<Pack> C = at.stress * dashpot_.stiffness(at.n, dt);
+        const Tensor3<Pack> exact = matmul(Pack(at.slope / at.inverse2) * at.F + at.F_change, multiplier(at, L, dt));
+        return at.inverse2 * (exact - matmul(F, C(small_strain(matmul(transpose(F), L)))));
+      };
+    };
+    cells_.add_forces(rest_of, r);
   }
 
   /// dP = dF S + F C:dD is, but for the factor dD/dE, Saint Venant-Kirchhoff's. The rate's is dF S + F C:sym((F +
@@ -82,7 +159,7 @@ class ViscousTerm final : public StressTerm {
         const Increment d = increment(point);
         IsotropicTensor<Pack> C = d.stress * dashpot_.stiffness(d.n, dt);
         Tensor3<Pack> S = C(d.D), F = d.F;
-        if constexpr (reference == Reference::rate) F = Pack(0.5 + 0.5 * d.slope / d.inverse2) * F + 0.5 * d.F_change;
+        if constexpr (reference == Reference::rate) F = middle(d);
         C = (reference == Reference::rate ? d.inverse2 : d.slope) * C;
         // The part F C F is already semidefinite.
         if (projection == Projection::positive_semidefinite) project_to_positive_semidefinite(S);
@@ -241,6 +318,24 @@ class ViscousTerm final : public StressTerm {
       d.E_change = change;
       d.D = d.inverse2 * (change - Pack(dt * d.rate) * matmul(transpose(d.F), d.F));
       return d;
+    };
+  }
+
+  /// F + dF0/2 of add_hessian.
+  PLIANT_INLINE static Tensor3<Pack> middle(const Increment& d) {
+    return Pack(0.5 + 0.5 * d.slope / d.inverse2) * d.F + 0.5 * d.F_change;
+  }
+  /// Y, of P : L.
+  PLIANT_INLINE Tensor3<Pack> multiplier(const Increment& d, const Tensor3<Pack>& L, double dt) const {
+    return d.stress * dashpot_.stiffness(d.n, dt)(small_strain(matmul(transpose(d.F), L)));
+  }
+
+  PLIANT_INLINE auto stresses_of(const Expanded& expanded, const LocalStage& stage, std::span<const double> q) const {
+    return [this, &expanded, &stage, q](const Batch& batch) {
+      return [this, dt = stage.dt, increment = increments(expanded, stage, q, batch)](const Point& point) {
+        const Increment d = increment(point);
+        return d.stress * matmul(d.F, dashpot_.stiffness(d.n, dt)(d.D));  // P = F S
+      };
     };
   }
 

@@ -11,8 +11,8 @@ from .error import PliantError
 from .history import History
 from .result import Field, Frame, Joint, Line, Mechanisms, Mesh, Obstacles, Result, von_mises
 from .runs import Run, resume, run
-from .studies import Fit, Sensitivity, fit, sensitivity
+from .studies import Fit, Gradient, Sensitivity, fit, gradient, sensitivity
 from .surface import Surface
 
-__all__ = ["Checkpoint", "Field", "Fit", "Frame", "History", "Joint", "Line", "Mechanisms", "Mesh", "Obstacles", "PliantError", "Result",
-           "Run", "Sensitivity", "Surface", "fit", "resume", "run", "sensitivity", "von_mises"]
+__all__ = ["Checkpoint", "Field", "Fit", "Frame", "Gradient", "History", "Joint", "Line", "Mechanisms", "Mesh", "Obstacles", "PliantError",
+           "Result", "Run", "Sensitivity", "Surface", "fit", "gradient", "resume", "run", "sensitivity", "von_mises"]

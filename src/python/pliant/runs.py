@@ -8,7 +8,7 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Mapping, Sequence
-from typing import Any, Optional, Union
+from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 import yaml
@@ -17,6 +17,9 @@ from .checkpoint import Checkpoint
 from .error import PliantError
 from .history import History
 from .result import Result
+
+if TYPE_CHECKING:
+    from .studies import Gradient
 
 Path = Union[str, "os.PathLike[str]"]
 
@@ -43,6 +46,15 @@ class Run:
         """How it ended, where the time went, what the solver did (summary.json)."""
         with open(os.path.join(self.directory, "summary.json"), encoding="utf-8") as file:
             return json.load(file)
+
+    def gradient(self, weights: "Mapping[str, Any]", to: Sequence[str] = (), *, fields: Sequence[str] = (), ranks: int = 1,
+                 timeout: Optional[float] = None, kept_steps: Optional[int] = None) -> "Gradient":
+        """The derivatives of a number J by numbers and fields of the input. `weights`: (n,) arrays of dJ/d(column) by column, one
+        number for each row of the history. The run is computed again, into `gradient` in its directory; everything else as in
+        `pliant.gradient`."""
+        from .studies import gradient
+        return gradient(os.path.join(self.directory, "run.yaml"), {"time": self.history.time, **weights}, to=to, fields=fields,
+                        output=os.path.join(self.directory, "gradient"), ranks=ranks, timeout=timeout, kept_steps=kept_steps)
 
     @property
     def checkpoint(self) -> Checkpoint:

@@ -32,6 +32,20 @@ class Sensitivity:
 
 
 @dataclasses.dataclass(frozen=True)
+class Gradient:
+    """Derivatives of one number by numbers and fields of an input; SI units."""
+
+    directory: str
+    numbers: "dict[str, float]"  #: the derivative by each number, by key
+    values: "dict[str, float]"  #: the values of the numbers
+    fields: "dict[str, np.ndarray]" = dataclasses.field(repr=False)  #: by key: (m,) by the value in each cell, (n, 3) at each node
+    field_values: "dict[str, np.ndarray]" = dataclasses.field(repr=False)  #: (m,) by key; NaN in other bodies
+    cells: np.ndarray = dataclasses.field(repr=False)  #: (m,) number in the mesh of each cell, ascending; (0,) without fields of cells
+    centroids: np.ndarray = dataclasses.field(repr=False)  #: (m, 3) of the cells [m]
+    points: np.ndarray = dataclasses.field(repr=False)  #: (n, 3) of the nodes [m]; (0, 3) without fields of nodes
+
+
+@dataclasses.dataclass(frozen=True)
 class Fit:
     """What measurements say about numbers; SI units."""
 
@@ -65,6 +79,64 @@ def sensitivity(source: Path, *, of: Sequence[str], to: Sequence[str], overrides
     with open(os.path.join(directory, "numbers.csv"), encoding="utf-8", newline="") as file:
         numbers = {row["number"]: float(row["value"]) for row in csv.DictReader(file)}
     return Sensitivity(directory, table["time"], numbers, {c: table[c] for c in of}, jacobians)
+
+
+def gradient(source: Path, weights: "Mapping[str, Any]", *, to: Sequence[str] = (), fields: Sequence[str] = (),
+             overrides: "Optional[Mapping[str, Any]]" = None, output: Path = "out", ranks: int = 1, petsc_options: Sequence[str] = (),
+             timeout: Optional[float] = None, kept_steps: Optional[int] = None) -> Gradient:
+    """Runs an input file, and goes back through it: the derivatives of one number J, a function of columns of the history, by as many
+    numbers and fields as there are. A vector-Jacobian product, as the backward pass of PyTorch and JAX wants it.
+
+    `weights`: (n,) arrays, "time" [s] of steps, and dJ/d(column) at these times by column: positions and velocities of probes.
+    `to`: numbers of the input, named as in `overrides`. `fields`: constants of which each cell has a value
+    (bodies.0.elasticity.youngs_modulus), and initial.velocity and initial.displacement of each node. `kept_steps`: how many steps
+    are kept in memory; the others are computed twice.
+
+        g = pliant.gradient("beam.yaml", {"time": h.time, "tip_z": 2 * (h["tip_z"] - measured)}, to=["bodies.0.density"])
+        g.numbers["bodies.0.density"]
+
+    PliantError with the program's message if it fails; subprocess.TimeoutExpired if it takes too long.
+    """
+    if isinstance(to, str) or isinstance(fields, str) or not (to or fields):
+        raise PliantError("to and fields are lists of names, such as to=['bodies.0.density']; one of them is needed")
+    columns = {name: np.asarray(column, dtype=float) for name, column in weights.items()}
+    if "time" not in columns or any(column.shape != (len(columns["time"]),) for column in columns.values()):
+        raise PliantError("weights: a dictionary of equally long arrays is expected, with 'time' and columns of the history")
+    directory = os.path.abspath(output)
+    os.makedirs(directory, exist_ok=True)
+    file = os.path.join(directory, "weights.csv")
+    with open(file, "w", encoding="utf-8", newline="") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows([repr(x) for x in row] for row in np.stack(list(columns.values()), axis=1).tolist())
+    arguments = ["--to", ",".join(to)] * bool(to) + ["--fields", ",".join(fields)] * bool(fields)
+    arguments += ["--kept-steps", str(kept_steps)] * (kept_steps is not None)
+    completed(["sensitivity", os.fspath(source), "--adjoint", file, *arguments, *settings_of(overrides, output)], ranks, petsc_options, timeout)
+    numbers = []
+    if to:
+        with open(os.path.join(directory, "gradient.csv"), encoding="utf-8", newline="") as stream:
+            numbers = list(csv.DictReader(stream))
+    of_nodes = [key for key in fields if key.startswith("initial.")]
+    of_cells = [key for key in fields if key not in of_nodes]
+    cells = _table(directory, "gradient_cells.csv", bool(of_cells))
+    nodes = _table(directory, "gradient_nodes.csv", bool(of_nodes))
+    slopes = {key: cells[f"derivative({key})"] for key in of_cells}
+    slopes.update({key: np.stack([nodes[f"derivative({key})_{axis}"] for axis in "xyz"], axis=1) for key in of_nodes})
+    return Gradient(directory, {row["number"]: float(row["derivative"]) for row in numbers},
+                    {row["number"]: float(row["value"]) for row in numbers}, slopes, {key: cells[key] for key in of_cells},
+                    cells["cell"].astype(np.int64), _positions(cells), _positions(nodes))
+
+
+def _table(directory: str, name: str, exists: bool) -> "dict[str, np.ndarray]":
+    if not exists:
+        return {column: np.zeros(0) for column in ("cell", "x", "y", "z")}
+    with open(os.path.join(directory, name), encoding="utf-8", newline="") as stream:
+        header, *rows = csv.reader(stream)
+    return dict(zip(header, np.array(rows, dtype=float).T))
+
+
+def _positions(table: "dict[str, np.ndarray]") -> np.ndarray:
+    return np.stack([table[axis] for axis in "xyz"], axis=1)
 
 
 def fit(file: Path, *, output: Optional[Path] = None, ranks: int = 1, timeout: Optional[float] = None) -> Fit:

@@ -1,0 +1,104 @@
+#include "study/recorded_step.hpp"
+
+#include "petsc/array_view.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace pliant {
+namespace {
+
+Handle<Vec> copied(Vec x) {
+  Handle<Vec> copy;
+  if (x == nullptr) return copy;
+  check(VecDuplicate(x, copy.out()));
+  check(VecCopy(x, copy.get()));
+  return copy;
+}
+
+double bytes_of(Vec x) {
+  PetscInt size = 0;
+  if (x != nullptr) check(VecGetLocalSize(x, &size));
+  return static_cast<double>(sizeof(double)) * static_cast<double>(size);
+}
+
+/// Items one after another, in the order in which they are kept.
+class Storing final : public Archive {
+ public:
+  explicit Storing(std::vector<std::vector<double>>& items) : items_(items) {}
+  bool restores() const override { return false; }
+
+ protected:
+  void exchange(const std::string& /*path*/, std::span<double> x) override { items_.emplace_back(x.begin(), x.end()); }
+  void exchange(const std::string& path, Entries /*entries*/, Vec x) override {
+    const ArrayView values(x);
+    exchange(path, values.span());
+  }
+
+ private:
+  std::vector<std::vector<double>>& items_;
+};
+
+class Restoring final : public Archive {
+ public:
+  explicit Restoring(const std::vector<std::vector<double>>& items) : items_(items) {}
+  bool restores() const override { return true; }
+
+ protected:
+  void exchange(const std::string& /*path*/, std::span<double> x) override {
+    std::ranges::copy(items_[next_++], x.begin());
+  }
+  void exchange(const std::string& path, Entries /*entries*/, Vec x) override {
+    const ArrayView values(x);
+    exchange(path, values.span());
+  }
+
+ private:
+  const std::vector<std::vector<double>>& items_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace
+
+void StepRecording::begin_step(const Step& step) {
+  tried_ = {};
+  tried_.step = step;
+}
+
+void StepRecording::end_stage(NewtonSolver& solver, const StagePoint& stage, Vec q) {
+  solver_ = &solver;
+  RecordedStage kept{stage, copied(q), copied(stage.q0), copied(stage.v0), copied(stage.z0)};
+  kept.point.q0 = kept.q0.get();
+  kept.point.v0 = kept.v0.get();
+  kept.point.z0 = kept.z0.get();
+  kept.point.end_rest = kept.point.accepted = kept.point.accepted_z = nullptr;
+  kept.point.end_weight = 0.0;
+  tried_.stages.push_back(std::move(kept));
+}
+
+void StepRecording::end_step(bool restarts) {
+  const StepRecord& record = simulation_.record();
+  tried_.number = record.step;
+  tried_.restarts = restarts;
+  if (const Stepper* stepper = simulation_.stepper()) {
+    tried_.method = &stepper->method();
+    tried_.weights = stepper->weights_of_step();
+    if (record.z != nullptr && !tried_.method->stiffly_accurate) tried_.end_q = copied(record.q);
+  }
+  double bytes = bytes_of(tried_.end_q.get());
+  for (const RecordedStage& stage : tried_.stages) bytes += 3.0 * bytes_of(stage.q.get()) + bytes_of(stage.z0.get());
+  bytes_ = std::max(bytes_, bytes);
+  steps_.push_back(std::exchange(tried_, {}));
+}
+
+StateInMemory::StateInMemory(Simulation& simulation) {
+  Storing archive(items_);
+  simulation.keep(archive);
+}
+
+void StateInMemory::restore(Simulation& simulation) const {
+  Restoring archive(items_);
+  simulation.keep(archive);
+}
+
+}  // namespace pliant

@@ -1,0 +1,216 @@
+#!/usr/bin/python3
+"""Adjoints of runs: against the derivatives that follow the run, against differences of runs, and from Python."""
+import csv
+import os
+import pathlib
+import sys
+import unittest
+
+import h5py
+import numpy as np
+
+from program import ENVIRONMENT, PROGRAM, ROOT, ProgramTest, write_box
+
+sys.path.insert(0, str(ROOT / "src/python"))
+os.environ.update(ENVIRONMENT, PLIANT=str(PROGRAM))
+
+import pliant  # noqa: E402
+
+# Each method with a viscosity, and a number of that.
+CASES = {"backward-euler": ("{model: kelvin-voigt, shear: 0.3, bulk: 0.1}", "shear"),
+         "bdf2": ("{model: maxwell, shear_ratio: 0.5, relaxation_time: 0.1}", "relaxation_time"),
+         "bdf3": ("{model: kelvin-voigt, shear: 0.3}", "shear"),
+         "dirk22": ("{model: prony, ratio: 0.5, relaxation_time: 0.1}", "ratio"),
+         "dirk23": ("{model: kelvin-voigt, shear: 0.3, bulk: 0.1}", "bulk"),
+         "dirk33": ("{model: kelvin-voigt, shear: 0.3}", "shear"),
+         "implicit-midpoint": ("{model: maxwell, shear_ratio: 0.5, relaxation_time: 0.1}", "shear_ratio"),
+         "symplectic-dirk22": ("{model: stiffness-proportional, time: 0.02}, {model: mass-proportional, decay_rate: 0.5}", "0.time")}
+COLUMNS = ("corner_x", "corner_z", "corner_vy", "middle_y")
+YOUNG = "bodies.0.elasticity.youngs_modulus"
+BLOCK = """mesh: {{file: block.msh}}
+element: {element}
+volumetric: {volumetric}
+bodies:
+  - volume: body
+    density: 1
+    elasticity: {{model: {law}, youngs_modulus: 10, poissons_ratio: 0.3}}
+    viscosity: [{viscosity}]
+{more}
+initial: {{velocity: ["-(y - 0.5) + z + 0.4*x", "(x - 0.5) - 0.3*y*z", "-x + 0.5*z"]}}
+time: {{method: {method}, step: 0.02, end: 0.16}}
+probes: [{{name: corner, point: [2, 1, 1]}}, {{name: middle, point: [0.9, 0.45, 0.4]}}]
+solver: {{newton: {{relative: 1.0e-13}}}}
+"""
+HELD = """constraints: [{surface: left, displacement: [0, 0, "0.1*sin(3*t)"]}]
+loads: [{surface: right, traction: [0.2, 0, "0.3*t"]}, {gravity: [0, 0, -1]}]"""
+
+
+class Adjoint(ProgramTest):
+    def block(self, method="bdf2", viscosity="", element="P1", volumetric="standard", law="neo-hookean", more="", n=(2, 1, 1)):
+        write_box(self.directory / "block.msh", n, (2, 1, 1))
+        text = BLOCK.format(element=element, volumetric=volumetric, law=law, viscosity=viscosity, more=more, method=method)
+        return self.write("block.yaml", text if viscosity else text.replace("    viscosity: []\n", ""))
+
+    def weigh(self, times, columns=COLUMNS):
+        """Writes weights of all columns at these times; returns them."""
+        weights = np.random.default_rng(3).standard_normal((len(times), len(columns)))
+        rows = "".join(",".join(map(repr, row)) + "\n" for row in np.column_stack([times, weights]).tolist())
+        self.write("weights.csv", f"time,{','.join(columns)}\n" + rows)
+        return weights
+
+    def table(self, name):
+        with open(self.directory / "adjoint" / name, encoding="utf-8") as stream:
+            return list(csv.DictReader(stream))
+
+    def adjoint(self, file, numbers=(), fields=(), *settings, ranks=1, more=()):
+        """The derivatives by numbers, by key."""
+        arguments = (["--to", ",".join(numbers)] if numbers else []) + (["--fields", ",".join(fields)] if fields else [])
+        self.pliant("sensitivity", file, "--adjoint", "weights.csv", *arguments, "--output", "adjoint", *more,
+                    *[word for s in settings for word in ("--set", s)], ranks=ranks)
+        return {row["number"]: float(row["derivative"]) for row in self.table("gradient.csv")} if numbers else {}
+
+    def compare(self, file, numbers, *settings, within=1e-7, columns=COLUMNS):
+        """Against the derivatives of every column, with weights at every step."""
+        self.pliant("sensitivity", file, "--of", ",".join(columns), "--to", ",".join(numbers), "--output", "tangent",
+                    *[word for s in settings for word in ("--set", s)])
+        with open(self.directory / "tangent" / "sensitivity.csv", encoding="utf-8") as stream:
+            rows = list(csv.DictReader(stream))
+        weights = self.weigh([float(row["time"]) for row in rows], columns)
+        found = self.adjoint(file, numbers, (), *settings)
+        for key in numbers:
+            slopes = np.array([[float(row[f"d({c})/d({key})"]) for c in columns] for row in rows])
+            with self.subTest(key=key):
+                self.assertNotEqual(found[key], 0)
+                # Relative to the sum of what the steps add.
+                self.assertLessEqual(abs(found[key] - (weights * slopes).sum()), within * np.abs(weights * slopes).sum())
+
+    def test_every_method_and_viscosity(self):
+        for method, (viscosity, number) in CASES.items():
+            with self.subTest(method):
+                key = "bodies.0.viscosity." + (number if "." in number else f"0.{number}")
+                self.compare(self.block(method, viscosity), (YOUNG, key, "bodies.0.density"))
+
+    def test_supports_loads_contact_and_steps(self):
+        """Numbers of what moves and pulls; steps that follow their error, events, quadratic cells, statics."""
+        held = ("loads.1.gravity.2", YOUNG)
+        self.compare(self.block("dirk22", CASES["dirk22"][0], "P2", "mean-dilatation", more=HELD, n=(1, 1, 1)), held)
+        self.compare(self.block("dirk23", CASES["dirk23"][0], more=HELD), held, "time.adaptive.relative=1e-4",
+                     "time.adaptive.absolute=1e-5", within=1e-6)
+        jump = "constraints: [{surface: left, displacement: [0, 0, \"t < 0.07 ? 0 : 0.3*(t - 0.07)\"]}]"
+        self.compare(self.block("bdf3", CASES["bdf3"][0], more=jump), (YOUNG, "bodies.0.density"))
+        floor = """contact: {law: penalty, stiffness: 100, obstacles: [{name: floor, shape: plane, normal: [0, 0, 1], point: [0, 0, -0.01]}]}
+loads: [{gravity: [0, 0, -3]}]"""
+        self.compare(self.block("bdf2", CASES["backward-euler"][0], more=floor), (YOUNG, "contact.stiffness"), within=1e-6)
+        static = self.block(more=HELD).read_text().replace("method: bdf2, step: 0.02, end: 0.16", "method: static, load_steps: 2")
+        static = static[:static.index("initial:")] + static[static.index("time:"):]
+        self.write("static.yaml", static.replace("0.1*sin(3*t)", "0.1").replace("0.3*t", "0.3"))
+        self.compare("static.yaml", held, columns=("corner_x", "middle_z"))
+
+    def test_fields(self):
+        """A value in each cell, against differences of runs; the same on all ranks, and from steps that are repeated."""
+        file = self.block("dirk22", CASES["dirk22"][0], n=(2, 2, 1))
+        text = pathlib.Path(file).read_text().replace("youngs_modulus: 10", "youngs_modulus: {cell_data: E}")
+        self.write("field.yaml", text)
+        mesh = (self.directory / "block.msh").read_text()
+        elements = mesh[mesh.index("$Elements"):].splitlines()[2:-1]
+        cells = [line.split()[0] for line in elements if line.split()[1] == "4"]
+        values = 10 + np.random.default_rng(5).random(len(cells))
+
+        def run_with(values):
+            rows = "".join(f"{cell} {value!r}\n" for cell, value in zip(cells, values.tolist()))
+            (self.directory / "block.msh").write_text(
+                f'{mesh}$ElementData\n1\n"E"\n1\n0.0\n3\n0\n1\n{len(cells)}\n{rows}$EndElementData\n')
+
+        run_with(values)
+        h = self.run_input("field.yaml")
+        weights = self.weigh(h["time"])
+        fields = (YOUNG, "bodies.0.viscosity.0.relaxation_time", "initial.velocity")
+        self.adjoint("field.yaml", ("bodies.0.density",), fields)
+        table, nodes = self.table("gradient_cells.csv"), self.table("gradient_nodes.csv")
+        slopes = np.array([float(row[f"derivative({YOUNG})"]) for row in table])
+        self.assertEqual([int(row["cell"]) for row in table], list(range(len(cells))))
+        np.testing.assert_allclose([float(row[YOUNG]) for row in table], values, rtol=1e-12)
+        with h5py.File(self.directory / "adjoint" / "gradient.h5") as stream:
+            stored = stream[f"frames/000000/derivative({YOUNG})"][:]
+            self.assertEqual(sorted(stored.ravel().tolist()), sorted(slopes.tolist()))
+        # A different number of steps in memory, and other numbers of ranks.
+        for ranks, more in ((1, ("--kept-steps", "3")), (2, ()), (3, ())):
+            self.adjoint("field.yaml", (), fields, ranks=ranks, more=more)
+            for name, expected in (("gradient_cells.csv", table), ("gradient_nodes.csv", nodes)):
+                for column in expected[0]:
+                    a, b = (np.array([float(row[column]) for row in t]) for t in (self.table(name), expected))
+                    np.testing.assert_allclose(a, b, rtol=0, atol=1e-9 * np.abs(b).max(), err_msg=f"{column} on {ranks} ranks")
+        # Differences of fourth order of whole runs, in a cell and along a direction.
+        direction = np.random.default_rng(6).standard_normal(len(cells))
+        for change in (np.eye(len(cells))[3], direction):
+            ends = []
+            for factor in (-2, -1, 1, 2):
+                run_with(values + 0.01 * factor * change)
+                h = self.run_input("field.yaml")
+                ends.append((weights * np.stack([h[c] for c in COLUMNS], axis=1)).sum())
+            expected = (ends[0] - 8 * ends[1] + 8 * ends[2] - ends[3]) / 0.12
+            self.assertLessEqual(abs(slopes @ change - expected), 1e-7 * np.abs(slopes * change).sum())
+        run_with(values)
+        # Velocities at the start.
+        ends = []
+        for h in (-1e-3, 1e-3):
+            self.write("faster.yaml", (self.directory / "field.yaml").read_text().replace("-x + 0.5*z", f"-x + 0.5*z + {h}*x*y"))
+            h = self.run_input("faster.yaml")
+            ends.append((weights * np.stack([h[c] for c in COLUMNS], axis=1)).sum())
+        by_velocity = sum(float(row["derivative(initial.velocity)_z"]) * float(row["x"]) * float(row["y"]) for row in nodes)
+        self.assertLessEqual(abs(by_velocity - (ends[1] - ends[0]) / 2e-3), 1e-6 * abs(by_velocity))
+
+    def test_from_python(self):
+        file = self.block("bdf2", CASES["bdf2"][0], more=HELD)
+        run = pliant.run(file, output=self.directory / "out")
+        aim = run.history["corner_z"] + 0.01
+        weights = {"corner_z": 2 * (run.history["corner_z"] - aim)}
+        gradient = run.gradient(weights, to=["bodies.0.density", YOUNG], fields=[YOUNG, "initial.displacement"])
+        s = pliant.sensitivity(file, of=["corner_z"], to=["bodies.0.density", YOUNG], output=self.directory / "tangent")
+        for n, key in enumerate(("bodies.0.density", YOUNG)):
+            self.assertAlmostEqual(gradient.numbers[key] / (weights["corner_z"] @ s.jacobians["corner_z"][:, n]), 1, delta=1e-7)
+        self.assertEqual(gradient.values, {"bodies.0.density": 1, YOUNG: 10})
+        # All cells together are the number; what is held at the start does not move.
+        self.assertAlmostEqual(gradient.fields[YOUNG].sum() / gradient.numbers[YOUNG], 1, delta=1e-7)
+        np.testing.assert_array_equal(gradient.field_values[YOUNG], np.full(len(gradient.cells), 10.0))
+        self.assertEqual(gradient.centroids.shape, (len(gradient.cells), 3))
+        at_support = gradient.points[:, 0] == 0
+        self.assertEqual(np.abs(gradient.fields["initial.displacement"][at_support]).max(), 0)
+        self.assertGreater(np.abs(gradient.fields["initial.displacement"][~at_support]).min(), 0)
+        with self.assertRaisesRegex(pliant.PliantError, "with 'time' and columns"):
+            pliant.gradient(file, {"time": [0, 1], "corner_z": [1]}, to=[YOUNG])
+        with self.assertRaisesRegex(pliant.PliantError, "one of them is needed"):
+            run.gradient(weights)
+
+    def test_mistakes(self):
+        file = self.block(viscosity=CASES["bdf2"][0], more="contact: {obstacles: [{name: floor, shape: plane, normal: [0, 0, 1], "
+                                                           "point: [0, 0, -9]}]}")
+        self.weigh([0.04, 0.16])
+        to = ("--adjoint", "weights.csv", "--to", YOUNG)
+        for words, table, arguments, settings in (
+                ("has no column 'corner_q' (did you mean 'corner_", "time,corner_q\n0.04,1\n", to, ()),
+                ("'px' has no adjoint", "time,px\n0.04,1\n", to, ()),
+                ("bad.csv:1:1: the table has no column 'time'", "t,corner_x\n0.04,1\n", to, ()),
+                ("bad.csv:2:1: no step ends at 0.05; the nearest is at 0.0", "time,corner_x\n0.05,1\n", to, ()),
+                ("bad.csv:3:1: a number is missing", "time,corner_x\n0.04,1\n0.08,\n", to, ()),
+                ("there is no file 'none.csv'", "", ("--adjoint", "none.csv", "--to", YOUNG), ()),
+                ("either --of COLUMN,... or --adjoint", "", ("--to", YOUNG), ()),
+                ("--to KEY,... or --fields KEY,... is needed", "", ("--adjoint", "weights.csv"), ()),
+                ("'bodies.0.density' has no value in each cell", "", ("--adjoint", "weights.csv", "--fields", "bodies.0.density"), ()),
+                ("has no constant 'c10'", "", ("--adjoint", "weights.csv", "--fields", "bodies.0.elasticity.c10"), ()),
+                ("is named twice", "", ("--adjoint", "weights.csv", "--fields", f"{YOUNG},{YOUNG}"), ()),
+                ("what has no adjoint: friction", "", to, ("contact.friction=0.3",)),
+                ("'volumetric: mixed' have no adjoint", "", to, ("volumetric=mixed", "bodies.0.elasticity.model=neo-hookean-isochoric")),
+                ("one of Pliant's own methods", "", to, ("time.method=petsc:bdf",))):
+            self.write("bad.csv", table)
+            with self.subTest(words):
+                # Those that ranks find together.
+                for ranks in (1, 2) if "adjoint" in words or "no step" in words or "file" in words else (2,):
+                    done = self.call("sensitivity", file, *(a if a != "weights.csv" or not table else "bad.csv" for a in arguments),
+                                     *[word for s in settings for word in ("--set", s)], ranks=ranks)
+                    self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+                    self.assertIn(words, done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
