@@ -61,10 +61,13 @@ void CommandLine::add_sweep() {
 }
 
 void CommandLine::add_compare() {
-  CLI::App* compare = app_.add_subcommand("compare", "histories of several runs in common plots, and their differences");
+  CLI::App* compare =
+      app_.add_subcommand("compare", "histories of several runs in common plots, and their differences");
   compare->footer(examples({"pliant compare out/coarse out/fine",
                             "pliant compare out/a out/b out/c --of tip_z,kinetic_energy --output out/abc"}));
-  compare->add_option("RUN", arguments_.compare.runs, "directories of results, or files history.csv; the others are compared with the first")
+  compare
+      ->add_option("RUN", arguments_.compare.runs,
+                   "directories of results, or files history.csv; the others are compared with the first")
       ->required()
       ->expected(2, 100);
   compare->add_option("--of", arguments_.compare.columns, "columns of the histories; default: all but counts")

@@ -38,8 +38,14 @@ constexpr std::array<Command, 12> commands{{{"SystemCall", "runs a program"},
 
 const Words loading{"Include", "Merge", "MergeWithBoundingBox"};
 // What they return depends on more than the files.
-const Words asking{"GetEnv", "GetString", "GetNumber", "Today", "Cpu", "Memory", "TotalMemory", "Rand", "FileExists", "Exists",
-                   "CurrentDir", "CurrentDirectory", "AbsolutePath", "GmshExecutableName", "OnelabAction"};
+const Words asking{"GetEnv",       "GetString",
+                   "GetNumber",    "Today",
+                   "Cpu",          "Memory",
+                   "TotalMemory",  "Rand",
+                   "FileExists",   "Exists",
+                   "CurrentDir",   "CurrentDirectory",
+                   "AbsolutePath", "GmshExecutableName",
+                   "OnelabAction"};
 const Words printing{"Printf", "Warning", "Error"};
 const Words skipping{"If", "ElseIf", "Else", "For", "Macro", "Function"};
 const Words ending{"EndIf", "ElseIf", "Else", "EndFor", "Return"};

@@ -11,6 +11,7 @@ _pliant() {
       ' check') path='check' ;;
       ' converge') path='converge' ;;
       ' sweep') path='sweep' ;;
+      ' compare') path='compare' ;;
       ' sensitivity') path='sensitivity' ;;
       ' fit') path='fit' ;;
       ' mesh') path='mesh' ;;
@@ -25,14 +26,15 @@ _pliant() {
     esac
   done
   case $path in
-    '') options='-h --help --version' words='run resume info report check converge sweep sensitivity fit mesh methods materials schema help completion man' files='' ;;
+    '') options='-h --help --version' words='run resume info report check converge sweep compare sensitivity fit mesh methods materials schema help completion man' files='' ;;
     'run') options='-h --help --set --output --continue --quiet' words='' files='*.@(yaml|yml)' ;;
     'resume') options='-h --help --set --output --quiet' words='' files='*.h5' ;;
     'info') options='-h --help' words='' files='*.h5' ;;
     'report') options='-h --help --output --size' words='' files='*.@(h5|xdmf)' ;;
     'check') options='-h --help --set' words='' files='*.@(yaml|yml)' ;;
     'converge') options='-h --help --set --output --in --levels --methods --no-check' words='' files='*.@(yaml|yml)' ;;
-    'sweep') options='-h --help --set --output --continue --jobs --ranks' words='' files='*.@(yaml|yml)' ;;
+    'sweep') options='-h --help --set --output --result --continue --jobs --ranks' words='' files='*.@(yaml|yml)' ;;
+    'compare') options='-h --help --of --output' words='' files='*' ;;
     'sensitivity') options='-h --help --set --output --of --adjoint --to --fields --kept-steps' words='' files='*.@(yaml|yml)' ;;
     'fit') options='-h --help --output' words='' files='*.@(yaml|yml)' ;;
     'mesh') options='-h --help' words='convert' files='' ;;
@@ -47,7 +49,7 @@ _pliant() {
   esac
   # What follows an option that takes a value is that.
   case $previous in
-    --set | --output | --size | --in | --levels | --methods | --jobs | --ranks | --of | --adjoint | --to | --fields | --kept-steps | --scale | --stretch) options='' words='' files='' ;;
+    --set | --output | --size | --in | --levels | --methods | --result | --jobs | --ranks | --of | --adjoint | --to | --fields | --kept-steps | --scale | --stretch) options='' words='' files='' ;;
   esac
   case "$path $previous" in
     'run --output') files='*' ;;
@@ -56,6 +58,7 @@ _pliant() {
     'converge --output') files='*' ;;
     'converge --in') words='time space tolerance' ;;
     'sweep --output') files='*' ;;
+    'compare --output') files='*' ;;
     'sensitivity --output') files='*' ;;
     'fit --output') files='*' ;;
     'materials plot --output') files='*' ;;

@@ -90,7 +90,9 @@ class Comparison {
         plot.series.push_back({other->label, found->time, found->value});
       }
       plots += draw_column(histories_, column, directory) ? 1 : 0;
-      if (std::ranges::all_of(plot.series, [](const PlotSeries& s) { return std::ranges::count(s.y, 0.0) == std::ssize(s.y); })) continue;
+      if (std::ranges::all_of(plot.series,
+                              [](const PlotSeries& s) { return std::ranges::count(s.y, 0.0) == std::ssize(s.y); }))
+        continue;
       write_text_atomically(directory / (file_name_of(column) + "_difference.svg"), svg(plot));
       ++plots;
     }

@@ -84,6 +84,7 @@ RunNumber parse_run_number(const std::string& text, const std::string& option) {
     throw refuse(fmt::format("there is no function '{}'{}", function, did_you_mean(function, names)));
   }
   number.function = same->value;
+  number.unit = function.starts_with("time_of") ? "s" : std::string(unit_of_column(number.column));
   return number;
 }
 

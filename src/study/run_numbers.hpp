@@ -12,6 +12,7 @@ namespace pliant {
 struct RunNumber {
   std::string name;  ///< as the user calls it
   std::string column;
+  std::string unit;  ///< SI; empty if unknown
   double (*function)(const std::vector<double>& time, const std::vector<double>& values) = nullptr;
 
   /// NaN if the history has no such column, or no rows.

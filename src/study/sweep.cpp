@@ -74,7 +74,8 @@ class Sweep {
       console_.print(fmt::format("[{}/{}] {}: {} after {:.3g} s", ++done, cases_.size(),
                                  cases_[index].directory.filename().string(), in_words(how), how.seconds));
     });
-    for (const Case& one : cases_) histories_.push_back({label(one.values), read_history(one.directory / "history.csv")});
+    for (const Case& one : cases_)
+      histories_.push_back({label(one.values), read_history(one.directory / "history.csv")});
     warn_of_missing_columns();
     print_table();
     write_text_atomically(directory_ / "sweep.csv", csv());
@@ -280,8 +281,10 @@ class Sweep {
     }
     if (along == swept_.size()) return false;
     const auto [values, unit] = *numbers_of(along);
-    Plot plot{result.name, unit.empty() ? short_name(along) : fmt::format("{} [{}]", short_name(along), unit),
-              result.name, {}};
+    const auto labelled = [](const std::string& name, const std::string& of) {
+      return of.empty() ? name : fmt::format("{} [{}]", name, of);
+    };
+    Plot plot{result.name, labelled(short_name(along), unit), labelled(result.name, result.unit), {}};
     plot.scale = Scale::linear;
     for (std::size_t i = 0; i < cases_.size(); ++i) {
       auto others = cases_[i].values;

@@ -25,8 +25,9 @@ struct SweepOptions {
 /// (or a list of such, where it takes one), is swept; the other changes hold for all. Each run has a directory of its
 /// own in `output.directory`, named after its values. Prints a table, and writes sweep.csv (one row for each run: its
 /// values, how it ended, the results, the last row of its history) and, for every column of the history that varies, a
-/// plot of all runs over time, and of each result over the swept values. Values that are not valid throw InputError before anything runs. Returns done; the exit code of
-/// the first run that failed; interrupted after `stop_signals`, which the runs get too. One process only.
+/// plot of all runs over time, and of each result over the swept values. Values that are not valid throw InputError
+/// before anything runs. Returns done; the exit code of the first run that failed; interrupted after `stop_signals`,
+/// which the runs get too. One process only.
 ExitCode sweep_command(const std::string& file, const std::vector<Override>& changes, const SweepOptions& options,
                        Console& console);
 

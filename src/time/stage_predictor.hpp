@@ -13,8 +13,8 @@ namespace pliant {
 
 /// Predicts the acceleration (v_i - v_i0) / dt_i of a stage by linear regression on those of the same stage in the last
 /// steps. (Stages of different number have errors of their own of order dt^2, which a curve through all of them would
-/// take for motion; from step to step they change smoothly.) What the regression missed at the stage before, in the same
-/// step, it is expected to miss again.
+/// take for motion; from step to step they change smoothly.) What the regression missed at the stage before, in the
+/// same step, it is expected to miss again.
 ///
 /// The coefficients are those that would have predicted the same stage of the last step best, in the least-squares
 /// sense: as few as there are, they also predict what a polynomial does not, such as the decay and the vibration of a
@@ -50,14 +50,14 @@ class StagePredictor {
 
   /// What an attempt teaches about a stage.
   struct Lesson {
-    std::size_t num_past = 0;      ///< accelerations that the coefficients are for; 0 if there was no prediction
-    Coefficients coefficients{};   ///< minus those of the polynomial
+    std::size_t num_past = 0;     ///< accelerations that the coefficients are for; 0 if there was no prediction
+    Coefficients coefficients{};  ///< minus those of the polynomial
     double error_of_regression = 0.0, error_of_caller = 0.0;
   };
 
   struct Stage {
-    std::vector<Handle<Vec>> a;                 // accelerations: of the attempt, then of past steps, newest first
-    std::array<double, depth + 1> times{};      // of the stages
+    std::vector<Handle<Vec>> a;             // accelerations: of the attempt, then of past steps, newest first
+    std::array<double, depth + 1> times{};  // of the stages
     std::size_t num_past = 0;
     Lesson tried, accepted;
   };
@@ -71,11 +71,11 @@ class StagePredictor {
   static Coefficients fit(std::span<const Vec> past, const Coefficients& prior, Vec a);
 
   std::vector<Stage> stages_;
-  std::size_t num_ended_ = 0;                // stages of the attempt
-  std::size_t num_used_ = 0;                 // past accelerations in the present prediction
-  Coefficients prior_{};                     // of the present prediction
-  Handle<Vec> missed_;                       // by the regression at the stage before
-  Handle<Vec> regression_, caller_;          // predictions for the present stage
+  std::size_t num_ended_ = 0;        // stages of the attempt
+  std::size_t num_used_ = 0;         // past accelerations in the present prediction
+  Coefficients prior_{};             // of the present prediction
+  Handle<Vec> missed_;               // by the regression at the stage before
+  Handle<Vec> regression_, caller_;  // predictions for the present stage
   std::array<Vec, depth> borrowed_{};
 };
 

@@ -2,6 +2,7 @@
 #include "states.hpp"
 
 #include <eigen3/Eigen/Eigenvalues>
+
 #include <gtest/gtest.h>
 
 namespace pliant::test_projection {

@@ -116,5 +116,21 @@ class OddMeshes(MistakesTest):
                 self.assertIn(words, done.stdout + done.stderr)
 
 
+class KeptMeshes(MistakesTest):
+    def test_the_second_run_takes_the_mesh_of_the_first(self):
+        (self.directory / "cube.geo").write_text('SetFactory("OpenCASCADE");\nBox(1) = {0, 0, 0, 1, 1, 1};\n'
+                                                 'Physical Surface("left") = {1};\nPhysical Volume("cube") = {1};\n', encoding="utf-8")
+        source = self.write("cube.yaml", INPUT.replace("@FILE", "cube.geo").replace("FILE", "cube") + "probes: [{name: tip, point: [1, 1, 1]}]\n").name
+        keeping = {"XDG_CACHE_HOME": str(self.directory / "cache")}
+        ends = []
+        for number, ranks in enumerate((1, 1, 2)):
+            done = finish(start(["run", source], self.directory, ranks, keeping), 120)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            told = "note: its mesh is that of an earlier run, kept as " + str(self.directory / "cache/pliant/meshes")
+            self.assertEqual(told in done.stdout, number > 0, done.stdout)
+            ends.append((self.directory / "out-cube/history.csv").read_text(encoding="utf-8"))
+        self.assertEqual(ends[0], ends[1])
+
+
 if __name__ == "__main__":
     unittest.main()

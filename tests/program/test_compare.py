@@ -1,0 +1,92 @@
+#!/usr/bin/python3
+"""Runs side by side: their differences in a table and in plots, and numbers that a sweep takes from its runs."""
+import csv
+import unittest
+from xml.etree import ElementTree
+
+import numpy as np
+
+from program import ROOT, ProgramTest, read_history
+
+INPUT = ROOT / "input/beam_small.yaml"
+
+
+def texts_of(file):
+    return "".join(ElementTree.parse(file).getroot().itertext())
+
+
+class Compare(ProgramTest):
+    def compare(self, *arguments, code=0):
+        done = self.call("compare", *arguments)
+        self.assertEqual(done.returncode, code, done.stdout + done.stderr)
+        return done
+
+    def test_differences_of_two_steps(self):
+        coarse = self.run_input(INPUT, "time.step=20 ms", "time.end=60 ms", output="coarse")
+        fine = self.run_input(INPUT, "time.step=10 ms", "time.end=60 ms", output="fine")
+        done = self.compare("coarse", "fine/history.csv", "--output", "both")
+        with open(self.directory / "both/compare.csv", encoding="utf-8", newline="") as file:
+            rows = {row["column"]: row for row in csv.DictReader(file)}
+        # Both have the times of the coarse run.
+        expected = fine["tip_z"][::2] - coarse["tip_z"]
+        at = np.argmax(np.abs(expected))
+        row = rows["tip_z"]
+        self.assertAlmostEqual(float(row["largest_difference"]), expected[at], delta=1e-9 * abs(expected[at]))
+        self.assertAlmostEqual(float(row["time"]), coarse["time"][at])
+        self.assertAlmostEqual(float(row["relative_to_range"]), abs(expected[at]) / np.ptp(coarse["tip_z"]), delta=1e-9)
+        self.assertEqual((row["unit"], row["run"]), ("m", "fine"))
+        self.assertNotIn("newton_iterations", rows)
+        self.assertRegex(done.stdout, r"(?m)^  tip_z \[m\]: [-+]\d\S+ in fine at t = 0\.06 s, ")
+        self.assertIn("coarse", texts_of(self.directory / "both/tip_z.svg"))
+        self.assertIn("differences from coarse", texts_of(self.directory / "both/tip_z_difference.svg"))
+        # Other steps are interpolated: the other way round, at every second time.
+        self.compare("fine", "coarse", "--of", "tip_z", "--output", "back")
+        with open(self.directory / "back/compare.csv", encoding="utf-8", newline="") as file:
+            (row,) = csv.DictReader(file)
+        between = np.interp(fine["time"], coarse["time"], coarse["tip_z"]) - fine["tip_z"]
+        self.assertAlmostEqual(float(row["largest_difference"]), between[np.argmax(np.abs(between))], delta=1e-12)
+        # A run differs from itself by nothing, and two of the same name are told apart.
+        self.compare("coarse", "coarse", "--output", "same")
+        with open(self.directory / "same/compare.csv", encoding="utf-8", newline="") as file:
+            same = list(csv.DictReader(file))
+        self.assertEqual({float(row["largest_difference"]) for row in same}, {0.0})
+        self.assertEqual({row["run"] for row in same}, {"coarse (2)"})
+        self.assertFalse((self.directory / "same/tip_z_difference.svg").exists())
+        for arguments, expected in ((("coarse", "nowhere"), "nowhere: it has no history"),
+                                    (("coarse", "fine", "--of", "tip_q"), "no run has this column (did you mean 'tip_")):
+            told = self.compare(*arguments, code=2)
+            self.assertIn(expected, told.stderr)
+            self.assertEqual(told.stderr.count("\n"), 1)
+
+    def test_results_of_a_sweep(self):
+        done = self.call("sweep", INPUT, "--output", "out", "--set", "bodies.0.density=[900, 1000]", "--set",
+                         "time.method=[bdf2, backward-euler]", "--set", "time.end=40 ms", "--result", "lowest=min(tip_z)", "--result",
+                         "mean(kinetic_energy)", "--result", "max(tip_q)")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("no history has the column 'tip_q' of --result max(tip_q) (did you mean 'tip_", done.stderr)
+        with open(self.directory / "out/sweep.csv", encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len(rows), 4)
+        for row in rows:
+            history = read_history(self.directory / "out" / row["directory"])
+            self.assertEqual(float(row["lowest"]), history["tip_z"].min())
+            t, y = history["time"], history["kinetic_energy"]
+            mean = np.sum(0.5 * (y[1:] + y[:-1]) * np.diff(t)) / (t[-1] - t[0])
+            self.assertAlmostEqual(float(row["mean(kinetic_energy)"]), mean, delta=1e-12 * mean)
+            self.assertEqual(row["max(tip_q)"].lower(), "nan")
+            self.assertRegex(done.stdout, rf"(?m)^{row['bodies.0.density']} +{row['time.method']} .* {float(row['lowest']):.6g} ")
+        text = texts_of(self.directory / "out/lowest.svg")
+        for part in ("density", "method=bdf2", "method=backward-euler"):
+            self.assertIn(part, text)
+
+    def test_mistakes_in_results(self):
+        for result, expected in (("tip_z", "no parentheses"), ("most(tip_z)", "there is no function 'most'"), ("=max(tip_z)", "a name is missing")):
+            with self.subTest(result):
+                done = self.call("sweep", INPUT, "--set", "time.step=[10 ms, 5 ms]", "--result", result)
+                self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
+                self.assertIn(expected, done.stderr)
+                self.assertIn("e.g. max(tip_z)", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
