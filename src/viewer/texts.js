@@ -1,13 +1,8 @@
 // The words of the page: what ran, how it ended, what it took, its input.
+import { element } from "./elements.js";
 import { grouped, short } from "./numbers.js";
 
 const place = (id) => document.getElementById(id);
-
-function element(tag, properties = {}, ...children) {
-  const made = Object.assign(document.createElement(tag), properties);
-  made.append(...children);
-  return made;
-}
 
 /// Value of a key of run.yaml, whose lines are plain.
 const given = (input, key) => input.match(new RegExp(`^ *${key}: *"?([^"\\n{]+)"?$`, "m"))?.[1];
