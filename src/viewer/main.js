@@ -12,6 +12,8 @@ import { View, VIEWS } from "./scene.js";
 import { showFacts, showRun, showTexts } from "./texts.js";
 import "./style.css";  // after that of the plots, which it changes
 
+/// Of a static analysis the time is a load factor.
+const isStatic = /^time:\n(?: .*\n)*?  method: static$/m.test(report.input);
 const place = (id) => document.getElementById(id);
 
 /// The axes of space, seen as the bodies are.
@@ -27,14 +29,12 @@ function drawTriad(camera) {
 
 async function start() {
   const history = await readHistory();
-  showFacts(report, history);
+  showFacts(report, history, isStatic);
   showRun(place("run"), report);
   showTexts(place("texts"), report);
   const bodies = await Bodies.load();
-  const isStatic = /^analysis: static/m.test(report.input) || /^time:\n(?: .*\n)*?  analysis: static/m.test(report.input);
   const player = new Player(bodies.frames, isStatic);
-  const timeLabel = isStatic ? "load" : "time [s]";
-  const plots = new Plots(place("plots"), history, { timeLabel, seek: (time) => player.seek(time) });
+  const plots = new Plots(place("plots"), history, { isStatic, seek: (time) => player.seek(time) });
   player.listen((time) => plots.mark(time));
   let view;
   try {
@@ -53,7 +53,7 @@ async function start() {
     points.draw();
   };
   const picture = new Picture({ report, view, panel, player, points });
-  place("panel").append(pictureControls(picture));
+  place("panel").append(...pictureControls(picture));
   const preferred = bodies.fields.findIndex((f) => f.name === "von_mises_stress");
   panel.colour.value = String(preferred >= 0 ? preferred : bodies.fields.length ? 0 : "none");
   await panel.paint();

@@ -41,11 +41,12 @@ export function short(value, digits = 4) {
 
 export const grouped = (n) => n.toLocaleString("en").replaceAll(",", "\u2009");
 
-/// A time with as many decimals as distinguish the frames.
-export function timeText(times) {
-  const last = Math.max(...times.map(Math.abs)), [factor, unit] = handyUnit("s", last);
+/// A time, or a load, which has no unit, with as many decimals as distinguish the frames.
+export function timeText(times, unitOfTime) {
+  const last = Math.max(...times.map(Math.abs)), [factor, unit] = handyUnit(unitOfTime, last);
   const gap = times.length > 1 ? (last / factor) / (times.length - 1) : 1;
-  const decimals = Math.min(6, Math.max(0, Math.ceil(-Math.log10(gap || 1) + 0.3)));
+  const enough = Math.max(0, Math.ceil(-Math.log10(gap || 1) + 0.3)), scaled = gap * 10 ** enough;
+  const decimals = Math.min(6, enough + (Math.abs(scaled - Math.round(scaled)) > 0.01 * scaled ? 1 : 0));  // 0.75, not 0.8
   return (t) => [(t / factor).toFixed(decimals), unit];
 }
 

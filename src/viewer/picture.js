@@ -1,9 +1,11 @@
 // What is saved from the page: the picture with its legend, title and time, and a video of it.
 import { element } from "./elements.js";
 import { drawLegend } from "./legend.js";
+import { webm } from "./webm.js";
 
-const FORMATS = ["video/webm;codecs=vp9", "video/webm;codecs=vp8", "video/webm", "video/mp4"];
-const RATE = 12e6;  // [bit/s]
+const CODECS = { "vp09.00.51.08": "V_VP9", vp8: "V_VP8" };
+const RATE = 30, BITS = 12e6, KEYS = 30;  // pictures and bits in a second, pictures from key to key
+const REST = 0.3;  // [s] for which the last picture stays
 
 const styleOf = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
@@ -19,7 +21,7 @@ export class Picture {
     Object.assign(this, { view, panel, player, points, title: document.title });
     this.run = report.directory.split("/").filter(Boolean).at(-1) || "pliant";
     this.canvas = document.createElement("canvas");
-    this.pen = this.canvas.getContext("2d");
+    this.pen = this.canvas.getContext("2d", { willReadFrequently: true });  // by the encoder
   }
 
   /// The picture as it is on the screen, in pixels of the screen.
@@ -77,44 +79,70 @@ export class Picture {
   savePicture() {
     this.view.render();  // with what was set since the last drawing
     const [number, unit] = this.player.text(this.player.time);
-    const name = `${this.run}_${this.player.isStatic ? "load" : "t"}${number}${this.player.isStatic ? "" : unit.replace("µ", "u")}.png`;
+    const name = `${this.run}_${this.player.isStatic ? "load" : "t"}${number}${unit.replace("µ", "u")}.png`;
     this.compose().toBlob((blob) => save(blob, name), "image/png");
   }
 
-  static format() {
-    if (!globalThis.MediaRecorder || !HTMLCanvasElement.prototype.captureStream) return null;
-    return FORMATS.find((format) => MediaRecorder.isTypeSupported(format)) ?? null;
+  /// A video of all from the start to the end, at the speed of the player, with every picture however slow this browser
+  /// draws; a second call ends it early. `changed(share)`: how much is done, null at the end.
+  async record(changed) {
+    if (this.isRecording) return (this.isRecording = false);
+    this.isRecording = true;
+    this.player.pause();
+    try {
+      await this.encode(changed);
+    } finally {
+      this.isRecording = false;
+      changed(null);
+    }
   }
 
-  /// Plays from the start to the end and saves that as a video; a second call ends it early. `told(isRecording)`.
-  record(told) {
-    const { player, view } = this;
-    if (this.recorder) return player.pause();
-    this.compose();
-    const type = Picture.format(), parts = [];
-    const recorder = (this.recorder = new MediaRecorder(this.canvas.captureStream(30), { mimeType: type, videoBitsPerSecond: RATE }));
-    recorder.ondataavailable = ({ data }) => data.size && parts.push(data);
-    recorder.onstop = () => {
-      this.recorder = view.recorded = player.paused = null;
-      told(false);
-      save(new Blob(parts, { type: type.split(";")[0] }), `${this.run}.${type.includes("mp4") ? "mp4" : "webm"}`);
-    };
-    view.recorded = () => this.compose();
-    player.seek(player.start);
-    recorder.start(500);
-    told(true);
-    player.play();
-    // The last picture stays for a moment.
-    player.paused = () => setTimeout(() => recorder.state === "recording" && recorder.stop(), 400);
+  async encode(changed) {
+    const { player, view } = this, { width, height } = this.compose();
+    const size = { width, height, bitrate: BITS, framerate: RATE, latencyMode: "realtime" };
+    let codec = null;
+    for (const name of Object.keys(CODECS)) {
+      if (!codec && (await VideoEncoder.isConfigSupported({ codec: name, ...size })).supported) codec = name;
+    }
+    if (!codec) throw new Error("this browser encodes no video of this size");
+    const pictures = [];
+    let failure = null;
+    const encoder = new VideoEncoder({ error: (error) => (failure = error), output: (chunk) => {
+      const data = new Uint8Array(chunk.byteLength);
+      chunk.copyTo(data);
+      pictures.push({ time: Math.round(chunk.timestamp / 1000), isKey: chunk.type === "key", data });
+    } });
+    encoder.configure({ codec, ...size });
+    const moving = Math.ceil(((player.end - player.start) / player.speed()) * RATE), count = moving + 1 + Math.round(REST * RATE);
+    for (let i = 0; i < count && this.isRecording && !failure; ++i) {
+      player.seek(i < moving ? player.start + (i * player.speed()) / RATE : player.end);
+      view.render();
+      const frame = new VideoFrame(this.compose(), { timestamp: (1e6 * i) / RATE, duration: 1e6 / RATE });
+      encoder.encode(frame, { keyFrame: i % KEYS === 0 });
+      frame.close();
+      changed(i / count);
+      do await new Promise((done) => setTimeout(done)); while (encoder.encodeQueueSize > 4);
+    }
+    if (!failure) await encoder.flush();
+    if (failure) throw failure;
+    encoder.close();
+    save(webm(pictures, { codec: CODECS[codec], width, height, length: (1000 * pictures.length) / RATE }), `${this.run}.webm`);
   }
 }
 
 /// The row of the panel.
 export function pictureControls(picture) {
-  const type = Picture.format();
-  const video = element("button", { id: "save-video", textContent: "Video", disabled: !type,
-    title: type ? "play all and save it as a video, at the speed of the player" : "this browser does not record videos",
-    onclick: () => picture.record((isRecording) => (video.textContent = isRecording ? "Stop" : "Video")) });
-  return element("div", { className: "row views" },
-    element("button", { id: "save-picture", textContent: "PNG", title: "save the picture with its legend and time", onclick: () => picture.savePicture() }), video);
+  const isAble = Boolean(globalThis.VideoEncoder);
+  const word = element("span", { className: "refused", hidden: true });
+  const video = element("button", { id: "save-video", textContent: "Video", disabled: !isAble,
+    title: isAble ? "save all of it as a video, at the speed of the player" : "this browser does not encode videos",
+    onclick: () => {
+      word.hidden = true;
+      picture.record((share) => (video.textContent = share === null ? "Video" : `Stop at ${Math.floor(100 * share)} %`)).catch((error) => {
+        word.hidden = false;
+        word.textContent = error.message;
+      });
+    } });
+  return [element("div", { className: "row views" },
+    element("button", { id: "save-picture", textContent: "PNG", title: "save the picture with its legend and time", onclick: () => picture.savePicture() }), video), word];
 }

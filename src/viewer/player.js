@@ -17,13 +17,13 @@ export class Player {
     const seconds = Math.min(12, Math.max(3, frames.length / 25));
     this.pace = span / seconds;
     if (this.pace > 0.6 && this.pace < 1.7) this.pace = 1;
-    this.text = timeText(frames.map((f) => f.time));
+    this.text = timeText(frames.map((f) => f.time), isStatic ? "" : "s");
     place("scrub").min = this.start;
     place("scrub").max = this.end > this.start ? this.end : this.start + 1;
     for (const factor of [0.1, 0.25, 0.5, 1, 2, 4]) {
       place("speed").append(new Option(`${factor}×`, factor, factor === 1, factor === 1));
     }
-    place("speed").onchange = () => (place("pace").textContent = isStatic ? "" : paceText(this.pace * Number(place("speed").value)));
+    place("speed").onchange = () => (place("pace").textContent = isStatic ? "" : paceText(this.speed()));
     place("speed").onchange();
     place("scrub").oninput = () => this.seek(Number(place("scrub").value));
     place("play").onclick = () => (this.playing ? this.pause() : this.play());
@@ -36,6 +36,11 @@ export class Player {
     this.listeners.push(listener);
   }
 
+  /// Seconds of the run that are shown in one.
+  speed() {
+    return this.pace * Number(place("speed").value);
+  }
+
   icon() {
     place("play").innerHTML = `<svg viewBox="0 0 16 16" width="16" height="16"><path d="${ICONS[this.playing ? "pause" : "play"]}"/></svg>`;
     place("play").setAttribute("aria-label", this.playing ? "Pause" : "Play");
@@ -46,7 +51,7 @@ export class Player {
     place("scrub").value = this.time;
     place("scrub").style.setProperty("--done", `${(100 * (this.time - this.start)) / (this.end - this.start || 1)}%`);
     const [number, unit] = this.text(this.time);
-    place("time").innerHTML = `<b>${number}</b> ${unit}`;
+    place("time").innerHTML = this.isStatic ? `load <b>${number}</b>` : `<b>${number}</b> ${unit}`;
     for (const listener of this.listeners) listener(this.time);
   }
 
@@ -57,7 +62,7 @@ export class Player {
     let last = performance.now();
     const tick = (now) => {
       if (!this.playing) return;
-      const step = Math.max(0, Math.min(0.25, (now - last) / 1000)) * this.pace * Number(place("speed").value);
+      const step = Math.max(0, Math.min(0.25, (now - last) / 1000)) * this.speed();
       last = now;
       this.seek(this.time + step);
       if (this.time >= this.end) this.pause();
@@ -69,7 +74,6 @@ export class Player {
   pause() {
     this.playing = false;
     this.icon();
-    this.paused?.();
   }
 
   /// To the next frame, or back.

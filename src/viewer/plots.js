@@ -38,7 +38,7 @@ function triples(history, suffixes) {
 }
 
 /// What is to be plotted: title, unit, lines of name and values.
-function* plotsOf(history) {
+function* plotsOf(history, isStatic) {
   const energies = ENERGIES.filter((n) => history.has(n) && largest(history.get(n)) > 0);
   if (energies.length) {
     yield { title: "Energies", unit: "J", lines: energies.map((n) => [spelt(n).replace(/ energy$/, ""), history.get(n)]) };
@@ -69,16 +69,16 @@ function* plotsOf(history) {
   const newton = history.get("newton_iterations");
   if (newton?.length > 1) yield { title: "Newton iterations", note: "per step", unit: "", lines: [["iterations", newton]], steps: true, zero: true };
   const dt = history.get("dt");
-  if (dt?.length > 2) yield { title: "Time step", unit: "s", lines: [["dt", dt]], steps: true, zero: true, colour: 2 };
+  if (dt?.length > 2 && !isStatic) yield { title: "Time step", unit: "s", lines: [["dt", dt]], steps: true, zero: true, colour: 2 };
 }
 
 /// `seek(time)` is called when a plot is clicked.
 export class Plots {
-  constructor(place, history, { timeLabel, seek }) {
-    Object.assign(this, { place, timeLabel, seek, made: [] });
+  constructor(place, history, { isStatic, seek }) {
+    Object.assign(this, { place, seek, made: [], timeLabel: isStatic ? "load" : "time [s]" });
     this.sync = uPlot.sync("history");
     const time = history.get("time");
-    if (time?.length) for (const plot of [...plotsOf(history)].slice(0, 40)) this.add(plot, time);
+    if (time?.length) for (const plot of [...plotsOf(history, isStatic)].slice(0, 40)) this.add(plot, time);
     new ResizeObserver(() => this.resize()).observe(place);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.made.forEach(({ chart }) => chart.redraw(false, true)));
   }

@@ -277,20 +277,16 @@ export class View {
   }
 
   touch() {
-    if (this.waiting) return;
-    this.waiting = true;
-    requestAnimationFrame(() => {
-      this.waiting = false;
-      this.controls.update();
-      this.render();
-    });
+    this.waiting ||= requestAnimationFrame(() => this.render());
   }
 
   /// Now, with what has been set.
   render() {
+    cancelAnimationFrame(this.waiting);
+    this.waiting = 0;
+    this.controls.update();
     if (this.stale) this.move();
     this.draw();
-    this.recorded?.();
   }
 
   /// Positions and colours of the time that is set.
