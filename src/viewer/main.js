@@ -12,7 +12,7 @@ import { View, VIEWS } from "./scene.js";
 import { showFacts, showRun, showTexts } from "./texts.js";
 import "./style.css";  // after that of the plots, which it changes
 
-/// Of a static analysis the time is a load factor.
+/// The time of a static analysis is a load factor.
 const isStatic = /^time:\n(?: .*\n)*?  method: static$/m.test(report.input);
 const place = (id) => document.getElementById(id);
 

@@ -43,11 +43,13 @@ export class Picture {
     for (const mark of this.points.marks ?? []) this.drawMark(mark, { font, ink, card, wide });
     pen.textAlign = "left";
     pen.textBaseline = "alphabetic";
-    pen.fillStyle = ink;
-    pen.font = `600 18px ${font}`;
-    pen.fillText(this.title, 16, 32, wide - 200);
-    pen.font = `14px ${font}`;
-    pen.fillText(this.timeLine(), 16, 54);
+    for (const [text, size, bottom] of [[this.title, "600 18px", 32], [this.timeLine(), "14px", 56]]) {
+      pen.font = `${size} ${font}`;
+      pen.fillStyle = card;
+      pen.fillRect(10, bottom - 20, Math.min(pen.measureText(text).width, wide - 200) + 12, 26);
+      pen.fillStyle = ink;
+      pen.fillText(text, 16, bottom, wide - 200);
+    }
     drawLegend(pen, this.panel.shown, this.panel.note, { right: wide - 12, top: 12, font, ink, card });
     return canvas;
   }
