@@ -1,4 +1,5 @@
 // The surfaces of the bodies at any time, between frames too.
+import { straddles } from "./colours.js";
 import { report, accumulated, int32, rows, EarlierNeighbours } from "./data.js";
 
 const AXES = [0, 1, 2];
@@ -117,10 +118,24 @@ export class Bodies {
       add(component, target, 0, 1);
       return;
     }
-    const vectors = new Float32Array(3 * surface.size);
-    if (isDisplacement) for (let i = 0; i < vectors.length; ++i) vectors[i] = shift[i % 3];
-    for (const k of AXES) add(k, vectors, k, 3);
+    const vectors = this.vectors(at, field);
     for (let v = 0; v < surface.size; ++v) target[v] = Math.hypot(vectors[3 * v], vectors[3 * v + 1], vectors[3 * v + 2]);
+  }
+
+  /// Values of a needed field with three components.
+  vectors(at, field) {
+    const { surface, parts, shift } = at, vectors = new Float32Array(3 * surface.size);
+    const of = this.values.get(field)[surface.number];
+    if (this.moves && field === 0) for (let i = 0; i < vectors.length; ++i) vectors[i] = shift[i % 3];
+    for (const k of AXES) for (const [frame, weight] of parts) of[k].addTo(vectors, k, 3, this.rowOfFrame[frame], weight);
+    return vectors;
+  }
+
+  /// Values of a needed field at a vertex: its components.
+  valuesAt(at, field, vertex) {
+    const { surface, parts, shift } = at;
+    return this.values.get(field)[surface.number].map((rows, k) =>
+      parts.reduce((sum, [frame, weight]) => sum + weight * rows.value(this.rowOfFrame[frame], vertex), this.moves && field === 0 ? shift[k] : 0));
   }
 
   /// Lowest and highest value over all frames; of peaks the uppermost and lowermost thousandth are left out, for at sharp
@@ -136,10 +151,9 @@ export class Bodies {
       if (sorted.length < values.length) samples.push(0);
     }
     let low = Math.min(...samples), high = Math.max(...samples);
-    const diverging = low < -0.02 * (high - low) && high > 0.02 * (high - low);
-    if (diverging) [low, high] = [-Math.max(-low, high), Math.max(-low, high)];
+    if (straddles(low, high)) [low, high] = [-Math.max(-low, high), Math.max(-low, high)];
     else if (low >= 0 && low < 0.5 * high) low = 0;
     if (!(high > low)) [low, high] = low === 0 ? [0, 1] : [low - Math.abs(low) / 2, low + Math.abs(low) / 2];
-    return { low, high, kind: diverging ? "diverging" : "sequential" };
+    return { low, high };
   }
 }

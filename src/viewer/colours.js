@@ -1,9 +1,10 @@
 // Values to colours: perceptually uniform maps; a diverging one about zero for values of both signs.
 import { DataTexture, LinearFilter, NearestFilter, SRGBColorSpace } from "three";
 
-// Stops of matplotlib's viridis and of ColorBrewer's RdBu, without the darkest ends: shading needs colours that can
-// become darker.
+// Stops of matplotlib's viridis and cividis (the one for every colour vision) and of ColorBrewer's RdBu, without the darkest
+// ends: shading needs colours that can become darker.
 const VIRIDIS = ["46307e", "3f4788", "365d8d", "2c728e", "23888e", "1f9d8a", "2db27d", "54c568", "86d549", "bddf26", "fde725"];
+const CIVIDIS = ["0f3570", "2f4670", "45566f", "57656f", "6a7470", "7b8376", "8e9377", "a3a474", "b9b66c", "d0c860", "e8dc4d", "fde737"];
 const RED_BLUE = ["2166ac", "4393c3", "92c5de", "d1e5f0", "f7f7f7", "fddbc7", "f4a582", "d6604d", "b2182b"];
 const NAMES = ["5b8fd6", "e08a5c", "5fb88a", "a283cf", "d8b04c", "63b9c7", "cf7198", "8f98a6", "9bbf5a", "c08f72"];
 
@@ -16,7 +17,23 @@ function between(stops, s) {
   return a.map((x, k) => Math.round(x + (at - i) * (b[k] - x)));
 }
 
-const stopsOf = (kind) => (kind === "diverging" ? RED_BLUE : VIRIDIS);
+const STOPS = { viridis: VIRIDIS, cividis: CIVIDIS, diverging: RED_BLUE };
+const stopsOf = (kind) => STOPS[kind];
+
+/// Names of maps for people. The diverging one has its middle at zero.
+export const MAPS = { auto: "automatic", viridis: "viridis", cividis: "cividis", diverging: "blue to red about 0" };
+
+/// Whether a range has values of both signs, not just by rounding.
+export const straddles = (low, high) => low < -0.02 * (high - low) && high > 0.02 * (high - low);
+
+/// The map of a range that has not been given one.
+export const mapOf = (chosen, low, high) => (chosen !== "auto" ? chosen : straddles(low, high) ? "diverging" : "viridis");
+
+/// Where a value of a range is on a map: 0 to 1.
+export function shareOf(kind, value, low, high) {
+  const within = Math.min(high, Math.max(low, value)), most = Math.max(Math.abs(low), Math.abs(high));
+  return kind === "diverging" ? (within / most + 1) / 2 : (within - low) / (high - low);
+}
 
 /// The colour of a map at 0 <= s <= 1, or at the nearer end: red, green, blue up to 255.
 export const colourAt = (kind, s) => between(stopsOf(kind), Math.min(1, Math.max(0, s)));
@@ -33,14 +50,17 @@ function texture(colours, filter) {
 const map = (stops) => Array.from({ length: 256 }, (_, i) => between(stops, i / 255));
 const textures = new Map();
 
-/// One of "sequential", "diverging".
+/// One of the names of MAPS, but not "auto".
 export function colourMap(kind) {
   if (!textures.has(kind)) textures.set(kind, texture(map(stopsOf(kind)), LinearFilter));
   return textures.get(kind);
 }
 
-export const gradient = (kind) =>
-  `linear-gradient(to top, ${stopsOf(kind).map((c) => "#" + c).join(", ")})`;
+/// The part of a map that a range takes, upwards.
+export function gradient(kind, low, high) {
+  const stops = Array.from({ length: 17 }, (_, i) => colourAt(kind, shareOf(kind, low + (i / 16) * (high - low), low, high)));
+  return `linear-gradient(to top, ${stops.map((c) => `rgb(${c})`).join(", ")})`;
+}
 
 export const nameColour = (i) => "#" + NAMES[i % NAMES.length];
 

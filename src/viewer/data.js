@@ -79,6 +79,10 @@ class Rows {
     const begin = row * this.size, low = weight * this.low, step = weight * this.step;
     for (let v = 0, to = first; v < this.size; ++v, to += stride) target[to] += low + step * this.values[begin + v];
   }
+
+  value(row, v) {
+    return this.low + this.step * this.values[row * this.size + v];
+  }
 }
 
 export const rows = async (block, neighbours, scale) => new Rows(await unpackedRows(block, neighbours), neighbours.size, scale);

@@ -4,12 +4,16 @@ import { Bodies } from "./bodies.js";
 import { Mechanisms } from "./mechanisms.js";
 import { Obstacles } from "./obstacles.js";
 import { Panel } from "./panel.js";
+import { Picture, pictureControls } from "./picture.js";
 import { Player } from "./player.js";
 import { Plots } from "./plots.js";
+import { Points } from "./points.js";
 import { View, VIEWS } from "./scene.js";
 import { showFacts, showRun, showTexts } from "./texts.js";
 import "./style.css";  // after that of the plots, which it changes
 
+/// The time of a static analysis is a load factor.
+const isStatic = /^time:\n(?: .*\n)*?  method: static$/m.test(report.input);
 const place = (id) => document.getElementById(id);
 
 /// The axes of space, seen as the bodies are.
@@ -25,13 +29,12 @@ function drawTriad(camera) {
 
 async function start() {
   const history = await readHistory();
-  showFacts(report, history);
+  showFacts(report, history, isStatic);
   showRun(place("run"), report);
   showTexts(place("texts"), report);
   const bodies = await Bodies.load();
-  const player = new Player(bodies.frames);
-  const isStatic = /^analysis: static/m.test(report.input) || /^time:\n(?: .*\n)*?  analysis: static/m.test(report.input);
-  const plots = new Plots(place("plots"), history, { timeLabel: isStatic ? "load" : "time [s]", seek: (time) => player.seek(time) });
+  const player = new Player(bodies.frames, isStatic);
+  const plots = new Plots(place("plots"), history, { isStatic, seek: (time) => player.seek(time) });
   player.listen((time) => plots.mark(time));
   let view;
   try {
@@ -43,8 +46,14 @@ async function start() {
     document.documentElement.dataset.ready = "without 3D";
     return;
   }
-  view.look = drawTriad;
   const panel = new Panel(place("panel"), view, bodies, place("legend"));
+  const points = new Points(view, panel, plots, { marks: place("marks"), table: place("points") });
+  view.look = (camera) => {
+    drawTriad(camera);
+    points.draw();
+  };
+  const picture = new Picture({ report, view, panel, player, points });
+  place("panel").append(...pictureControls(picture));
   const preferred = bodies.fields.findIndex((f) => f.name === "von_mises_stress");
   panel.colour.value = String(preferred >= 0 ? preferred : bodies.fields.length ? 0 : "none");
   await panel.paint();
@@ -52,7 +61,7 @@ async function start() {
   view.aim(VIEWS.iso);
   player.seek(player.end);
   // For those who drive the page from outside.
-  window.pliant = { player, view, panel, bodies, history };
+  window.pliant = { player, view, panel, bodies, history, points, picture };
   requestAnimationFrame(() => requestAnimationFrame(() => (document.documentElement.dataset.ready = "yes")));
 }
 

@@ -4,7 +4,7 @@ import { BufferAttribute, BufferGeometry, CanvasTexture, Color, Group, Points, P
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
 import { LineSegments2 } from "three/addons/lines/LineSegments2.js";
 import { LineSegmentsGeometry } from "three/addons/lines/LineSegmentsGeometry.js";
-import { colourAt } from "./colours.js";
+import { colourAt, shareOf } from "./colours.js";
 import { report, int32, rows, EarlierNeighbours } from "./data.js";
 
 const AXES = [0, 1, 2];
@@ -87,7 +87,7 @@ export class Mechanisms {
     if (low < -0.02 * (high - low)) [low, high] = [-Math.max(-low, high), Math.max(-low, high)];
     else low = 0;
     if (!(high > low)) high = 1;
-    return { low, high, kind: low < 0 ? "diverging" : "sequential" };
+    return { low, high };
   }
 
   /// `looks`: by name, "hidden" or not.
@@ -123,7 +123,7 @@ export class Mechanisms {
         positions.push(x[v], x[v + 1], x[v + 2]);
       }
       if (range && p < part.names.length - part.joints.length) {
-        const [r, g, b] = colourAt(range.kind, (tension[s] - range.low) / (range.high - range.low));
+        const [r, g, b] = colourAt(range.kind, shareOf(range.kind, tension[s], range.low, range.high));
         colour.setRGB(r / 255, g / 255, b / 255, SRGBColorSpace);
       } else {
         colour.set(colourOf(part.kinds[p]));

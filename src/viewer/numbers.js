@@ -3,8 +3,13 @@
 const PREFIXES = [["n", 1e-9], ["µ", 1e-6], ["m", 1e-3], ["", 1], ["k", 1e3], ["M", 1e6], ["G", 1e9]];
 const PREFIXED = new Set(["m", "Pa", "m/s", "N", "J", "W", "m/s^2", "J/m^3", "s", "N m", "N s"]);
 
-/// The factor and the unit that give handy numbers: 2.3e5 Pa as 230 kPa.
+/// The factor and the unit that give handy numbers: 2.3e5 Pa as 230 kPa, 2e-9 m^3 as 2 mm^3.
 export function handyUnit(unit, largest) {
+  const power = unit.match(/^m\^([23])$/)?.[1];
+  if (power && largest > 0) {
+    const [prefix, factor] = [["µ", 1e-6], ["m", 1e-3], ["c", 1e-2]].find(([, f]) => largest < 1000 * f ** power) ?? ["", 1];
+    return [factor ** power, prefix + unit];
+  }
   if (!PREFIXED.has(unit) || !(largest > 0)) return [1, unit];
   let [prefix, factor] = PREFIXES.find(([, f]) => largest < 1000 * f) ?? PREFIXES.at(-1);
   if ((unit.startsWith("m") || unit === "s") && factor > 1) [prefix, factor] = ["", 1];
@@ -36,12 +41,20 @@ export function short(value, digits = 4) {
 
 export const grouped = (n) => n.toLocaleString("en").replaceAll(",", "\u2009");
 
-/// A time with as many decimals as distinguish the frames.
-export function timeText(times) {
-  const last = Math.max(...times.map(Math.abs)), [factor, unit] = handyUnit("s", last);
+/// A time, or a load, which has no unit, with as many decimals as distinguish the frames.
+export function timeText(times, unitOfTime) {
+  const last = Math.max(...times.map(Math.abs)), [factor, unit] = handyUnit(unitOfTime, last);
   const gap = times.length > 1 ? (last / factor) / (times.length - 1) : 1;
-  const decimals = Math.min(6, Math.max(0, Math.ceil(-Math.log10(gap || 1) + 0.3)));
+  const enough = Math.max(0, Math.ceil(-Math.log10(gap || 1) + 0.3)), scaled = gap * 10 ** enough;
+  const decimals = Math.min(6, enough + (Math.abs(scaled - Math.round(scaled)) > 0.01 * scaled ? 1 : 0));  // 0.75, not 0.8
   return (t) => [(t / factor).toFixed(decimals), unit];
+}
+
+/// How fast it is shown: 0.17 s in a second as "1/6 of real time".
+export function paceText(pace) {
+  if (Math.abs(pace - 1) < 0.01) return "real time";
+  const rounded = (x) => grouped(Number(x.toPrecision(x < 3 ? 2 : x < 10 ? 1 : 2)));
+  return pace < 1 ? `1/${rounded(1 / pace)} of real time` : `${rounded(pace)} × real time`;
 }
 
 /// von_mises_stress as "von Mises stress"

@@ -1,35 +1,18 @@
 // The controls next to the drawing: colours, scale of the displacement, what is shown.
-import { gradient, nameColour } from "./colours.js";
-import { handyUnit, short, spelt, ticks, typeset } from "./numbers.js";
+import { arrowControls } from "./arrows.js";
+import { clipControls } from "./clip.js";
+import { MAPS, mapOf, nameColour } from "./colours.js";
+import { element, NumberField, refuseFactor } from "./elements.js";
+import { showLegend } from "./legend.js";
+import { handyUnit, short, spelt, typeset } from "./numbers.js";
 import { LOOKS, VIEWS } from "./scene.js";
 
-function element(tag, properties = {}, ...children) {
-  const made = Object.assign(document.createElement(tag), properties);
-  made.append(...children);
-  return made;
-}
-
-/// The colour bar, or the bodies' names.
-export function showLegend(place, { label, unit, low, high, kind }) {
-  place.replaceChildren();
-  if (!kind) return;
-  const [factor, handy] = handyUnit(unit, Math.max(Math.abs(low), Math.abs(high)));
-  const bar = element("div", { className: "bar" });
-  bar.style.background = gradient(kind);
-  const marks = element("div", { className: "marks" });
-  for (const value of ticks(low / factor, high / factor)) {
-    const share = (value * factor - low) / (high - low);
-    const mark = element("span", { textContent: short(Math.abs(value) < 1e-12 * Math.abs(high / factor) ? 0 : value) });
-    mark.style.bottom = `${100 * share}%`;
-    marks.append(mark);
-  }
-  place.append(element("div", { className: "label" }, element("b", { textContent: label }), element("span", { textContent: handy ? ` ${typeset(handy)}` : "" })),
-               element("div", { className: "scale" }, bar, marks));
-}
+const SEEN = { iso: "from the front, above", front: "towards +y", back: "towards -y", left: "towards +x", right: "towards -x", top: "towards -z", bottom: "towards +z" };
 
 export class Panel {
   constructor(place, view, bodies, legend) {
-    Object.assign(this, { view, bodies, legend, ranges: new Map() });
+    Object.assign(this, { view, bodies, legend, ranges: new Map(), shown: {}, note: "", marksExtremes: false });
+    this.painted = () => {};  // called when other colours are shown
     this.colour = element("select", { id: "colour" });
     this.colour.append(new Option("plain", "none"));
     if (bodies.names.length > 1) this.colour.append(new Option("Body", "bodies"));
@@ -37,20 +20,36 @@ export class Panel {
     bodies.fields.forEach((field, i) => this.colour.append(new Option(spelt(field.name), i)));
     this.component = element("select", { id: "component" });
     [["magnitude", -1], ["x", 0], ["y", 1], ["z", 2]].forEach(([name, value]) => this.component.append(new Option(name, value)));
-    this.low = element("input", { type: "number", step: "any", title: "lowest value of the colours" });
-    this.high = element("input", { type: "number", step: "any", title: "highest value of the colours" });
-    this.scale = element("input", { type: "number", step: "any", value: 1, id: "scale" });
+    const low = (this.low = new NumberField({ id: "low", title: "lowest value of the colours",
+      refuse: (value) => (Math.abs(value) > 1e30 ? "too large" : value >= high.value ? "not below the highest" : ""),
+      apply: (value) => this.setRange(value * this.factor, this.shown.high) }));
+    const high = (this.high = new NumberField({ id: "high", title: "highest value of the colours",
+      refuse: (value) => (Math.abs(value) > 1e30 ? "too large" : value <= low.value ? "not above the lowest" : ""),
+      apply: (value) => this.setRange(this.shown.low, value * this.factor) }));
+    this.map = element("select", { id: "map", title: "colour map" });
+    this.map.setAttribute("aria-label", this.map.title);
+    for (const [value, text] of Object.entries(MAPS)) this.map.append(new Option(`Map: ${text}`, value));
+    const scale = new NumberField({ id: "scale", title: "factor of the displacements", value: 1, refuse: refuseFactor, apply: (value) => view.set({ scale: value }) });
+    const extremes = element("input", { type: "checkbox", id: "show-extremes" });
+    extremes.onchange = () => {
+      this.marksExtremes = extremes.checked;
+      view.set({});
+    };
     place.append(
       element("h2", { textContent: "Colour" }), element("div", { className: "row" }, this.colour),
       (this.componentRow = element("div", { className: "row" }, this.component)),
-      (this.rangeRow = element("div", { className: "row range" }, this.low, element("span", { textContent: "to" }), this.high,
+      (this.rangeRow = element("div", { className: "row range" }, low.input, element("span", { textContent: "to" }), high.input,
         element("button", { textContent: "auto", title: "the range over all frames", onclick: () => this.paint() }))),
+      low.word, high.word,
+      (this.mapRow = element("div", { className: "row" }, this.map)),
+      (this.extremesRow = element("label", { className: "row check" }, extremes, element("span", { textContent: "Mark minimum and maximum" }))),
       element("h2", { textContent: "Shape" }));
     if (bodies.moves) {
-      place.append(element("label", { className: "row" }, element("span", { textContent: "Displacements ×" }), this.scale));
+      place.append(element("label", { className: "row" }, element("span", { textContent: "Displacements ×" }), scale.input), scale.word);
     }
     place.append(this.check("Edges of elements", "edges"), this.check("Outline at the start", "outline"));
-    if (this.flies()) place.append(this.check("Follow the bodies", "follow", () => view.aim(this.direction())));
+    if (this.flies()) place.append(this.check("Follow the bodies", "follow", () => view.aim(view.direction())));
+    place.append(...arrowControls(view, () => this.legendAnew()), ...clipControls(view));
     this.looks = { bodies: bodies.names.map(() => "solid"), obstacles: {}, mechanisms: {} };
     const obstacles = view.obstacles?.names ?? [];
     for (const name of obstacles) this.looks.obstacles[name] = "transparent";
@@ -67,17 +66,9 @@ export class Panel {
         this.choices("part", names, this.looks.mechanisms, (i) => names[i], (i) => colours[i], { looks: ["shown", "hidden"], kinds }));
     }
     place.append(element("h2", { textContent: "View" }), element("div", { className: "row views" },
-      ...Object.entries(VIEWS).map(([name, direction]) => element("button", {
-        textContent: name, title: name === "iso" ? "from the front, above" : `along ${name}`, onclick: () => view.aim(direction) })),
-      element("button", { textContent: "PNG", title: "save the picture", onclick: () => this.save() })));
+      ...Object.entries(VIEWS).map(([name, direction]) => element("button", { textContent: name, title: SEEN[name], onclick: () => view.aim(direction) }))));
     this.colour.onchange = this.component.onchange = () => this.paint();
-    this.low.onchange = this.high.onchange = () =>
-      this.setRange(Number(this.low.value) * this.factor, Number(this.high.value) * this.factor);
-    this.scale.onchange = () => Number.isFinite(this.scale.valueAsNumber) && view.set({ scale: this.scale.valueAsNumber });
-  }
-
-  direction() {
-    return this.view.camera.position.clone().sub(this.view.controls.target).toArray();
+    this.map.onchange = () => (this.byField ? this.setRange(this.shown.low, this.shown.high) : this.paint());
   }
 
   flies() {
@@ -116,42 +107,53 @@ export class Panel {
     return list;
   }
 
-  /// Colours by what is chosen.
+  /// Colours by what is chosen, over the range of all frames.
   async paint() {
     const chosen = this.colour.value, byField = !["none", "bodies", "tension"].includes(chosen);
-    this.rangeRow.hidden = !byField;
+    const isTension = chosen === "tension";
+    this.byField = byField;
+    this.rangeRow.hidden = this.extremesRow.hidden = !byField;
+    this.mapRow.hidden = !byField && !isTension;
     this.componentRow.hidden = !byField || this.bodies.fields[chosen].scales.length === 1;
-    const tension = chosen === "tension" ? this.view.mechanisms.range() : null;
-    this.view.set({ tension });
     if (!byField) {
-      this.view.set({ field: -1 });
-      this.view.paint(tension ? "none" : chosen);
-      showLegend(this.legend, tension ? { label: "Tension", unit: "N", ...tension } : {});
+      const range = isTension ? this.view.mechanisms.range() : null;
+      if (range) range.kind = mapOf(this.map.value, range.low, range.high);
+      this.view.set({ tension: range, field: -1 });
+      this.view.paint(isTension ? "none" : chosen);
+      this.shown = range ? { label: "Tension", unit: "N", ...range } : {};
+      this.legendAnew();
+      this.painted();
       return;
     }
     const field = Number(chosen), component = this.componentRow.hidden ? 0 : Number(this.component.value);
     await this.bodies.need(field);
     const key = `${field} ${component}`;
     if (!this.ranges.has(key)) this.ranges.set(key, this.bodies.range(field, component));
-    const { low, high, kind } = this.ranges.get(key);
-    this.now = { field, component, kind };
+    const { low, high } = this.ranges.get(key);
+    this.now = { field, component };
     this.setRange(low, high);
+    this.painted();
   }
 
   setRange(low, high) {
-    if (!(high > low)) return this.paint();
-    const { field, component, kind } = this.now, { name, unit, scales } = this.bodies.fields[field];
+    const { field, component } = this.now, { name, unit, scales } = this.bodies.fields[field], kind = mapOf(this.map.value, low, high);
     [this.factor] = handyUnit(unit, Math.max(Math.abs(low), Math.abs(high)));  // as the colour bar has it
     this.low.value = Number((low / this.factor).toPrecision(3));
     this.high.value = Number((high / this.factor).toPrecision(3));
-    this.view.set({ field, component, low, high });
-    this.view.paint(kind);
     const part = scales.length === 1 || component < 0 ? "" : ` ${"xyz"[component]}`;
-    showLegend(this.legend, { label: spelt(name) + part, unit, low, high, kind });
+    this.shown = { label: spelt(name) + part, unit, low, high, kind };
+    this.view.set({ field, component, low, high, tension: null });
+    this.view.paint(kind);
+    this.legendAnew();
   }
 
-  save() {
-    const link = element("a", { download: "pliant.png", href: this.view.canvas.toDataURL("image/png") });
-    link.click();
+  legendAnew() {
+    const { arrows } = this.view, { name, unit } = this.bodies.fields[arrows.field] ?? {};
+    this.note = "";
+    if (name) {
+      const longest = arrows.longest.get(arrows.field), [factor, handy] = handyUnit(unit, longest);
+      this.note = `arrows: ${spelt(name).toLowerCase()} up to ${short(longest / factor, 3)} ${typeset(handy)}`;
+    }
+    showLegend(this.legend, this.shown, this.note);
   }
 }

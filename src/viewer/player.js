@@ -1,12 +1,13 @@
 // The time that is shown, and what moves it.
-import { timeText } from "./numbers.js";
+import { paceText, timeText } from "./numbers.js";
 
 const place = (id) => document.getElementById(id);
 const ICONS = { play: "M3 1.5v13l11-6.5z", pause: "M3 1.5h3.5v13H3zM9.5 1.5H13v13H9.5z" };
 
 export class Player {
-  constructor(frames) {
-    this.frames = frames;
+  /// `isStatic`: the time is that of a load, which has no pace.
+  constructor(frames, isStatic) {
+    Object.assign(this, { frames, isStatic });
     this.start = frames[0].time;
     this.end = frames.at(-1).time;
     this.listeners = [];
@@ -16,21 +17,28 @@ export class Player {
     const seconds = Math.min(12, Math.max(3, frames.length / 25));
     this.pace = span / seconds;
     if (this.pace > 0.6 && this.pace < 1.7) this.pace = 1;
-    this.text = timeText(frames.map((f) => f.time));
+    this.text = timeText(frames.map((f) => f.time), isStatic ? "" : "s");
     place("scrub").min = this.start;
     place("scrub").max = this.end > this.start ? this.end : this.start + 1;
     for (const factor of [0.1, 0.25, 0.5, 1, 2, 4]) {
       place("speed").append(new Option(`${factor}×`, factor, factor === 1, factor === 1));
     }
-    place("speed").title = `1× shows ${Number(this.pace.toPrecision(2))} s in a second`;
+    place("speed").onchange = () => (place("pace").textContent = isStatic ? "" : paceText(this.speed()));
+    place("speed").onchange();
     place("scrub").oninput = () => this.seek(Number(place("scrub").value));
     place("play").onclick = () => (this.playing ? this.pause() : this.play());
     addEventListener("keydown", (event) => this.key(event));
+    this.releaseKeys();
     this.icon();
   }
 
   listen(listener) {
     this.listeners.push(listener);
+  }
+
+  /// Seconds of the run that are shown in one.
+  speed() {
+    return this.pace * Number(place("speed").value);
   }
 
   icon() {
@@ -43,7 +51,7 @@ export class Player {
     place("scrub").value = this.time;
     place("scrub").style.setProperty("--done", `${(100 * (this.time - this.start)) / (this.end - this.start || 1)}%`);
     const [number, unit] = this.text(this.time);
-    place("time").innerHTML = `<b>${number}</b> ${unit}`;
+    place("time").innerHTML = this.isStatic ? `load <b>${number}</b>` : `<b>${number}</b> ${unit}`;
     for (const listener of this.listeners) listener(this.time);
   }
 
@@ -54,7 +62,7 @@ export class Player {
     let last = performance.now();
     const tick = (now) => {
       if (!this.playing) return;
-      const step = Math.max(0, Math.min(0.25, (now - last) / 1000)) * this.pace * Number(place("speed").value);
+      const step = Math.max(0, Math.min(0.25, (now - last) / 1000)) * this.speed();
       last = now;
       this.seek(this.time + step);
       if (this.time >= this.end) this.pause();
@@ -75,12 +83,43 @@ export class Player {
     this.seek(this.frames[Math.min(this.frames.length - 1, Math.max(0, now + by))].time);
   }
 
+  /// The keyboard belongs to the player again after a click on a control: only what is typed into, and what the keyboard
+  /// itself has reached, keeps it. The Tab key continues where the click was.
+  releaseKeys() {
+    const release = () => setTimeout(() => {
+      const { activeElement: active } = document;
+      if (active === this.clicked && !isTypedInto(active)) active.blur();
+    });
+    addEventListener("pointerdown", ({ target }) => {
+      const control = target.closest("label")?.control ?? target.closest("button, select, input, summary");
+      this.clicked = control ?? null;
+    }, true);
+    addEventListener("focusin", ({ target }) => target !== this.clicked && (this.clicked = null));
+    addEventListener("click", ({ target }) => target.tagName !== "SELECT" && release());
+    addEventListener("change", release);
+  }
+
   key(event) {
-    if (/^(INPUT|SELECT|TEXTAREA|BUTTON)$/.test(event.target.tagName) && event.target.type !== "range") return;
+    const { target, key } = event;
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    if (isTypedInto(target)) {
+      if (key === "Enter") target.blur();  // which is a change
+      return;
+    }
+    const isOwn = /^(INPUT|SELECT|BUTTON|SUMMARY)$/.test(target.tagName) && target.id !== "scrub";
+    if (isOwn && (target !== this.clicked || isOpen(target))) return;
     const action = { " ": () => (this.playing ? this.pause() : this.play()), ArrowRight: () => this.step(1), ArrowLeft: () => this.step(-1),
-                     Home: () => this.seek(this.start), End: () => this.seek(this.end) }[event.key];
+                     Home: () => this.seek(this.start), End: () => this.seek(this.end) }[key];
     if (!action) return;
     event.preventDefault();
     action();
   }
+}
+
+const isTypedInto = (target) => target.tagName === "TEXTAREA" || (target.tagName === "INPUT" && /^(number|text)$/.test(target.type));
+
+/// Whether a list of choices has its menu open; older browsers do not say, and the keys are then the list's.
+function isOpen(target) {
+  if (target.tagName !== "SELECT") return false;
+  return !CSS.supports("selector(:open)") || target.matches(":open");
 }

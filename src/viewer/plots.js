@@ -38,7 +38,7 @@ function triples(history, suffixes) {
 }
 
 /// What is to be plotted: title, unit, lines of name and values.
-function* plotsOf(history) {
+function* plotsOf(history, isStatic) {
   const energies = ENERGIES.filter((n) => history.has(n) && largest(history.get(n)) > 0);
   if (energies.length) {
     yield { title: "Energies", unit: "J", lines: energies.map((n) => [spelt(n).replace(/ energy$/, ""), history.get(n)]) };
@@ -69,23 +69,22 @@ function* plotsOf(history) {
   const newton = history.get("newton_iterations");
   if (newton?.length > 1) yield { title: "Newton iterations", note: "per step", unit: "", lines: [["iterations", newton]], steps: true, zero: true };
   const dt = history.get("dt");
-  if (dt?.length > 2) yield { title: "Time step", unit: "s", lines: [["dt", dt]], steps: true, zero: true, colour: 2 };
+  if (dt?.length > 2 && !isStatic) yield { title: "Time step", unit: "s", lines: [["dt", dt]], steps: true, zero: true, colour: 2 };
 }
 
 /// `seek(time)` is called when a plot is clicked.
 export class Plots {
-  constructor(place, history, { timeLabel, seek }) {
-    this.place = place;
-    this.made = [];
-    const time = history.get("time");
-    if (!time?.length) return;
+  constructor(place, history, { isStatic, seek }) {
+    Object.assign(this, { place, seek, made: [], timeLabel: isStatic ? "load" : "time [s]" });
     this.sync = uPlot.sync("history");
-    for (const plot of [...plotsOf(history)].slice(0, 40)) this.add(plot, time, timeLabel, seek);
+    const time = history.get("time");
+    if (time?.length) for (const plot of [...plotsOf(history, isStatic)].slice(0, 40)) this.add(plot, time);
     new ResizeObserver(() => this.resize()).observe(place);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.made.forEach(({ chart }) => chart.redraw(false, true)));
   }
 
-  add(plot, time, timeLabel, seek) {
+  /// `plot`: as of plotsOf; `first`: before the others. What `remove` takes.
+  add(plot, time) {
     const card = document.createElement("figure");
     // In steps the first row is the initial state, which took none.
     const from = plot.steps ? 1 : 0;
@@ -98,13 +97,13 @@ export class Plots {
     caption.children[1].textContent = label;
     const box = document.createElement("div");
     card.append(caption, box);
-    this.place.append(card);
+    this.place[plot.first ? "prepend" : "append"](card);
     const axis = (more) => ({
       stroke: () => styleOf("--faint"), grid: { stroke: () => styleOf("--rule"), width: 1 }, ticks: { show: false },
       font: "11px " + styleOf("--font"), ...more,
     });
     const show = (u, v) => (v == null ? "" : short(v));
-    const strokes = [null, ...plot.lines.map(([, , colour], i) => COLOURS[(colour ?? plot.colour ?? i) % COLOURS.length])];
+    const strokes = [null, ...plot.lines.map(([, , colour, own], i) => own ?? COLOURS[(colour ?? plot.colour ?? i) % COLOURS.length])];
     const chart = new uPlot({
       width: this.width(), height: 210, padding: [8, 8, 0, 0],
       cursor: { sync: { key: "history", setSeries: false }, points: { size: 6 }, drag: { x: true, y: false } },
@@ -112,17 +111,26 @@ export class Plots {
       scales: { x: { time: false }, y: plot.zero ? { range: (u, low, high) => [0, (high || 1) * 1.15] } : {} },
       axes: [axis({ size: 30, values: (u, v) => v.map((x) => short(x)) }),
              axis({ size: 58, values: (u, v) => v.map((x) => short(x)) })],
-      series: [{ label: timeLabel, value: show },
+      series: [{ label: this.timeLabel, value: show },
                ...plot.lines.map(([name], i) => ({
                  label: name, value: show, stroke: strokes[i + 1], width: 1.7, points: { show: false },
                  ...(plot.steps && { paths: uPlot.paths.stepped({ align: -1 }) }),
                }))],
-      hooks: { ready: [(u) => this.watch(u, seek)] },
+      hooks: { ready: [(u) => this.watch(u, this.seek), () => queueMicrotask(() => this.time !== undefined && this.mark(this.time))] },
     }, [time.subarray(from), ...values.map((v) => Array.from(v, (x) => (Number.isFinite(x) ? x / factor : null)))], box);
     const marker = document.createElement("div");
     marker.className = "now";
     chart.over.append(marker);
-    this.made.push({ chart, marker });
+    const made = { chart, marker, card };
+    this.made.push(made);
+    return made;
+  }
+
+  remove(made) {
+    this.made = this.made.filter((other) => other !== made);
+    this.sync.unsub(made.chart);
+    made.chart.destroy();
+    made.card.remove();
   }
 
   /// A click without a drag sets the time; a drag zooms, a double click takes it back.

@@ -4,10 +4,13 @@ import {
   MeshStandardMaterial, PerspectiveCamera, Scene, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
-import { colourMap, nameColours } from "./colours.js";
+import { Arrows } from "./arrows.js";
+import { Clip } from "./clip.js";
+import { colourMap, nameColours, shareOf } from "./colours.js";
 
 const VIEW_ANGLE = 24;  // [degrees], of the picture's height
-export const VIEWS = { iso: [0.62, -1, 0.48], x: [1, 0, 0], y: [0, -1, 0], z: [0, 0, 1] };
+/// From where the bodies are seen: z is up, the front is at low y.
+export const VIEWS = { iso: [0.62, -1, 0.48], front: [0, -1, 0], back: [0, 1, 0], left: [-1, 0, 0], right: [1, 0, 0], top: [0, 0, 1], bottom: [0, 0, -1] };
 const PLAIN = 0x9db2c9;
 const TRANSPARENT = 0.22;  // opacity of bodies that are drawn so
 /// How a body or an obstacle may be drawn.
@@ -86,15 +89,21 @@ export class View {
   constructor(canvas, bodies, obstacles, mechanisms) {
     this.bodies = bodies;
     this.canvas = canvas;
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, stencil: true, preserveDrawingBuffer: true });
+    this.renderer.localClippingEnabled = true;
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(VIEW_ANGLE, 1, 0.01, 1000);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.enableDamping = true;
     this.controls.dampingFactor = 0.12;
-    this.controls.addEventListener("change", () => this.touch());
-    this.controls.addEventListener("start", () => (this.aimed = null));  // from now on the viewer's own view
+    // Once it is moved by hand, the view is the viewer's own.
+    let isHeld = false;
+    for (const [name, held] of [["start", true], ["end", false]]) this.controls.addEventListener(name, () => (isHeld = held));
+    this.controls.addEventListener("change", () => {
+      if (isHeld) this.aimed = null;
+      this.touch();
+    });
     this.light();
     const surface = { roughness: 0.78, metalness: 0, side: DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 };
     this.materials = {
@@ -107,6 +116,9 @@ export class View {
     this.origin = this.centre();
     this.drawn = bodies.surfaces.map((surface) => new Drawn(surface, this.materials));
     for (const one of this.drawn) this.scene.add(one.all);
+    const { body, clear, edges, sharp } = this.materials;
+    this.clip = new Clip(this, this.drawn, [body, clear, edges, sharp]);
+    this.arrows = new Arrows(this);
     this.obstacles = obstacles;
     if (obstacles) this.scene.add(obstacles.group);
     this.mechanisms = mechanisms;
@@ -114,7 +126,8 @@ export class View {
     this.bodyColours = nameColours(Math.max(1, bodies.names.length));
     this.options = { time: 0, scale: 1, field: -1, component: -1, low: 0, high: 1, edges: false, outline: false,
                      follow: false, tension: null };
-    this.look = () => {};  // called after each drawing
+    this.shown = bodies.names.map(() => true);
+    this.moved = this.look = () => {};  // called with new positions, and after each drawing
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.ink());
     this.ink();
@@ -160,10 +173,22 @@ export class View {
 
   /// `looks`: of each body and of each obstacle's name, one of LOOKS; of what is hidden of mechanisms, "hidden".
   show(looks) {
+    this.shown = looks.bodies.map((look) => look !== "hidden");
     for (const one of this.drawn) one.show(looks.bodies);
     this.obstacles?.show(looks.obstacles);
     this.mechanisms?.show(looks.mechanisms);
     this.set({});
+  }
+
+  /// Whether a vertex of a surface is neither hidden with its body nor cut away.
+  isShown(surface, v) {
+    const x = this.positions.array;
+    return this.shown[surface.bodies[v]] && !this.clip.hides(x[3 * v], x[3 * v + 1], x[3 * v + 2]);
+  }
+
+  /// From where the bodies are seen now.
+  direction() {
+    return this.camera.position.clone().sub(this.controls.target).toArray();
   }
 
   /// Colours from a map, from the bodies' names, or none.
@@ -252,14 +277,16 @@ export class View {
   }
 
   touch() {
-    if (this.waiting) return;
-    this.waiting = true;
-    requestAnimationFrame(() => {
-      this.waiting = false;
-      this.controls.update();
-      if (this.stale) this.move();
-      this.draw();
-    });
+    this.waiting ||= requestAnimationFrame(() => this.render());
+  }
+
+  /// Now, with what has been set.
+  render() {
+    cancelAnimationFrame(this.waiting);
+    this.waiting = 0;
+    this.controls.update();
+    if (this.stale) this.move();
+    this.draw();
   }
 
   /// Positions and colours of the time that is set.
@@ -269,6 +296,8 @@ export class View {
     for (const one of this.drawn) one.all.visible = one.surface === at.surface;
     const { body, outline, edges } = this.drawn[at.surface.number];
     const attributes = body.geometry.attributes;
+    this.at = at;
+    this.positions = attributes.position;
     const origin = this.originAt(at);
     bodies.positions(at, options.scale, origin, attributes.position.array);
     attributes.position.needsUpdate = true;
@@ -283,21 +312,24 @@ export class View {
     }
     this.obstacles?.place(at, origin, this.sceneSize);
     this.mechanisms?.place(at, origin, options.scale, options.tension);
+    this.arrows.place(at, attributes.position.array);
     this.colour(at, attributes.uv);
+    this.moved(at);
   }
 
   colour(at, uv) {
     const { field, component, low, high } = this.options;
+    this.values = null;
     if (this.kind === "bodies") {
       const count = this.bodies.names.length;
       for (let v = 0; v < at.surface.size; ++v) uv.array[2 * v] = (at.surface.bodies[v] + 0.5) / count;
     } else if (field >= 0) {
-      const values = new Float32Array(at.surface.size);
+      const values = (this.values = new Float32Array(at.surface.size));
       this.bodies.scalars(at, field, component, values);
-      const scale = 1 / (high - low);
+      const [first, last] = [low, high].map((value) => shareOf(this.kind, value, low, high)), scale = (last - first) / (high - low);
       for (let v = 0; v < values.length; ++v) {
         // Half a texel at each end keeps the ends of the map apart.
-        uv.array[2 * v] = 0.5 / 256 + (255 / 256) * Math.min(1, Math.max(0, (values[v] - low) * scale));
+        uv.array[2 * v] = 0.5 / 256 + (255 / 256) * Math.min(last, Math.max(first, first + (values[v] - low) * scale));
       }
     }
     uv.needsUpdate = true;

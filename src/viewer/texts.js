@@ -1,18 +1,13 @@
 // The words of the page: what ran, how it ended, what it took, its input.
+import { element } from "./elements.js";
 import { grouped, short } from "./numbers.js";
 
 const place = (id) => document.getElementById(id);
 
-function element(tag, properties = {}, ...children) {
-  const made = Object.assign(document.createElement(tag), properties);
-  made.append(...children);
-  return made;
-}
-
 /// Value of a key of run.yaml, whose lines are plain.
 const given = (input, key) => input.match(new RegExp(`^ *${key}: *"?([^"\\n{]+)"?$`, "m"))?.[1];
 
-export function showFacts(report, history) {
+export function showFacts(report, history, isStatic) {
   const { title, result, summary, input } = report;
   place("title").textContent = document.title = title || "Untitled run";
   const outcome = summary?.outcome ?? "unfinished";
@@ -28,7 +23,7 @@ export function showFacts(report, history) {
   const steps = report.history.steps;
   if (steps > 0) facts.push(`${grouped(steps)} steps`);
   const times = history.get("time");
-  if (times?.length > 1) facts.push(`to t = ${short(times.at(-1))} s`);
+  if (times?.length > 1 && !isStatic) facts.push(`to t = ${short(times.at(-1))} s`);
   if (summary?.ranks > 1) facts.push(`${summary.ranks} ranks`);
   place("facts").textContent = [...facts, frames].join("  ·  ");
   place("made").textContent = `Made with ${report.program.split("\n")[0]} on ${report.written} from ${report.directory}`;

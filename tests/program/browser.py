@@ -111,6 +111,48 @@ class Browser:
                 raise AssertionError(f"never true: {expression}; the page complained of {self.errors}")
             time.sleep(0.05)
 
+    def drawn(self):
+        """Waits until the page has drawn what was set."""
+        self.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+    def click(self, place):
+        """The mouse on the middle of an element, or on (x, y) of the window."""
+        if isinstance(place, str):
+            place = self.evaluate(f"""(element => {{ element.scrollIntoView({{ block: "nearest" }});
+                const {{ x, y, width, height }} = element.getBoundingClientRect(); return [x + width / 2, y + height / 2];
+            }})(document.querySelector({json.dumps(place)}))""")
+        x, y = place
+        self.call("Input.dispatchMouseEvent", type="mouseMoved", x=x, y=y)
+        for kind in ("mousePressed", "mouseReleased"):
+            self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+        self.drawn()
+
+    def press(self, *keys):
+        """Keys of the keyboard, by their names: "ArrowLeft", " ", "5"."""
+        codes = {"Tab": 9, "Enter": 13, " ": 32, "End": 35, "Home": 36, "ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40}
+        for key in keys:
+            text = {"Enter": "\r"}.get(key, key if len(key) == 1 else None)
+            more = {"key": key, "code": {" ": "Space"}.get(key, key), "windowsVirtualKeyCode": codes.get(key, ord(key.upper()) if key.isalnum() and len(key) == 1 else 0)}
+            self.call("Input.dispatchKeyEvent", type="keyDown", **more, **({"text": text} if text else {}))
+            self.call("Input.dispatchKeyEvent", type="keyUp", **more)
+        self.drawn()
+
+    def enter(self, selector, text):
+        """Another text in a field."""
+        self.click(selector)
+        self.evaluate(f"document.querySelector({json.dumps(selector)}).select()")
+        self.press(*text, "Enter")
+
+    def choose(self, selector, text):
+        """The option of a list whose text begins so, as a user does who does not look at the menu: by its keys."""
+        self.evaluate(f"document.querySelector({json.dumps(selector)}).focus()")
+        at, to = self.evaluate(f"""(list => [list.selectedIndex, [...list.options].findIndex(o => o.textContent.startsWith({json.dumps(text)}))]
+            )(document.querySelector({json.dumps(selector)}))""")
+        if to < 0:
+            raise AssertionError(f"{selector} has no choice {text}")
+        self.press(*abs(to - at) * ["ArrowDown" if to > at else "ArrowUp"])
+        self.drawn()
+
     def picture(self, selector=None, file=None):
         """Pixels of an element, or of the window: height x width x 3."""
         more = {}

@@ -1,0 +1,359 @@
+#!/usr/bin/python3
+"""The controls of the page of `pliant report`, clicked and typed into as by its readers, against the numbers of the result."""
+import io
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import time
+import unittest
+
+import numpy as np
+from PIL import Image
+
+from browser import CHROMIUM, Browser
+from program import ROOT, ProgramTest, write_box
+from report_file import ReportFile
+
+INPUT = """
+title: a bar that sinks
+mesh: {file: bar.msh}
+bodies:
+  - {volume: body, density: 1200 kg/m^3, elasticity: {model: neo-hookean, youngs_modulus: 1 MPa, poissons_ratio: 0.4}}
+constraints: [{surface: left, displacement: [0, 0, 0]}]
+loads: [{gravity: [0, 0, -9.81]}]
+time: {method: bdf2, step: 10 ms, end: 0.1}
+output: {fields: [displacement, velocity, cauchy_stress]}
+"""
+NODE = shutil.which("node")
+
+
+@unittest.skipUnless(CHROMIUM, "needs the package chromium")
+class ReportControls(ProgramTest):
+    page = None  # one for all tests
+
+    def setUp(self):
+        super().setUp()
+        if ReportControls.page is None:
+            write_box(self.directory / "bar.msh", (8, 2, 2), (1, 0.2, 0.2), order=2)
+            self.run_input(self.write("bar.yaml", INPUT), "element=P2", output="sinking_bar")
+            done = self.call("report", self.directory / "sinking_bar")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            folder = pathlib.Path(tempfile.mkdtemp(prefix="pliant-controls-"))
+            self.addClassCleanup(shutil.rmtree, folder)
+            ReportControls.page = shutil.copy(self.directory / "sinking_bar/report.html", folder)
+            ReportControls.data = ReportFile(ReportControls.page)
+
+    def open(self, size=(1200, 900), page=None):
+        browser = Browser(size)
+        self.addCleanup(browser.__exit__)
+        browser.open(page or self.page)
+        browser.wait("document.documentElement?.dataset.ready === 'yes'")
+        self.addCleanup(lambda: self.assertEqual(browser.errors, []))
+        return browser
+
+    def positions(self, frame):
+        shift = np.array(self.data.result["frames"][frame]["shift"])
+        return self.data.positions(0) + self.data.field("displacement")[frame] + shift
+
+    def on_screen(self, browser, vertex):
+        """Where a vertex is in the window."""
+        return browser.evaluate("""(v => { const { view } = pliant, p = view.camera.position.clone().fromArray(view.positions.array, 3 * v).project(view.camera);
+            const { left, top, width, height } = view.canvas.getBoundingClientRect();
+            return [left + (p.x + 1) / 2 * width, top + (1 - p.y) / 2 * height]; })(%d)""" % vertex)
+
+    def test_keyboard_after_clicks(self):
+        browser = self.open()
+        now = lambda: browser.evaluate("pliant.player.time")
+        is_playing = lambda: browser.evaluate("pliant.player.playing")
+        # A button, a box, the scrubber, the picture: the keys are the player's again.
+        for control in ("#play", "#show-edges", ".views button", "#scrub", "#view"):
+            with self.subTest(control):
+                browser.click(control)
+                if is_playing():
+                    browser.click("#play")
+                browser.press("End")
+                self.assertAlmostEqual(now(), 0.1)
+                browser.press("ArrowLeft", "ArrowLeft", "ArrowRight")
+                self.assertAlmostEqual(now(), 0.09)
+                browser.press("Home")
+                self.assertEqual(now(), 0)
+                browser.press(" ")
+                self.assertTrue(is_playing())
+                browser.press(" ")
+                self.assertFalse(is_playing())
+        self.assertTrue(browser.evaluate("document.querySelector('#show-edges').checked"), "the space bar plays, and does not toggle")
+        # A list with its menu open, or reached by the keyboard, has its keys.
+        browser.press("End")
+        browser.choose("#colour", "Velocity")
+        self.assertIn("Velocity", browser.evaluate("document.querySelector('#legend').textContent"))
+        self.assertAlmostEqual(now(), 0.1)
+        browser.evaluate("document.querySelector('#show-outline').focus()")
+        browser.press(" ")
+        self.assertTrue(browser.evaluate("pliant.view.options.outline"))
+        self.assertFalse(is_playing())
+        # A field has what is typed, and gives the keys back after Enter.
+        browser.click("#scale")
+        browser.press("End", "0", "Home", "ArrowRight", "ArrowLeft", "2")
+        self.assertEqual(browser.evaluate("document.querySelector('#scale').value"), "210")
+        self.assertAlmostEqual(now(), 0.1)
+        browser.press("Enter", "Home")
+        self.assertEqual((browser.evaluate("pliant.view.options.scale"), now()), (210, 0))
+
+    def test_numbers_that_are_refused(self):
+        browser = self.open()
+        state = lambda: browser.evaluate("(o => [o.scale, o.low, o.high])(pliant.view.options)")
+        browser.enter("#scale", "2.5")
+        before = state()
+        self.assertEqual(before[0], 2.5)
+        typed = [("#scale", text, word) for text, word in (("0", "above 0"), ("-1", "above 0"), ("1e99", "1e6"), ("e", "not a number"))]
+        typed += [("#low", "1e9", "below the highest"), ("#high", "-1e9", "above the lowest"), ("#high", "e", "not a number"), ("#high", "1e99", "too large")]
+        for field, text, word in typed:
+            with self.subTest(field, text=text):
+                old = browser.evaluate(f"document.querySelector('{field}').value")
+                browser.enter(field, text)
+                words = browser.evaluate("[...document.querySelectorAll('.refused')].filter(w => !w.hidden).map(w => w.textContent).join()")
+                self.assertIn(word, words)
+                self.assertIn(f"{old} is kept", words)
+                self.assertEqual(browser.evaluate(f"document.querySelector('{field}').value"), old)
+                self.assertEqual(state(), before)
+                browser.enter(field, old)  # a good number takes the word away
+                self.assertTrue(browser.evaluate("[...document.querySelectorAll('.refused')].every(w => w.hidden)"))
+                before = state()
+
+    def test_extremes(self):
+        browser = self.open()
+        browser.choose("#colour", "Displacement")
+        browser.choose("#component", "z")
+        browser.evaluate("pliant.player.seek(0.05)")
+        browser.click("#show-extremes")
+        z = self.data.field("displacement")[5, :, 2] + self.data.result["frames"][5]["shift"][2]
+        low, high = browser.evaluate("pliant.points.extremes.map(e => [e.vertex, e.text])")
+        for (vertex, text), value, word in ((low, z.min(), "min"), (high, z.max(), "max")):
+            self.assertAlmostEqual(z[vertex], value, delta=1e-9)
+            said, number, unit = text.replace("\u2212", "-").split()
+            self.assertEqual((said, unit), (word, "mm"))
+            self.assertAlmostEqual(float(number), 1e3 * value, delta=5e-3 * abs(1e3 * value) + 1e-3)
+        # Where they stand on the page.
+        for i, (vertex, _) in enumerate((low, high)):
+            mark = browser.evaluate("(({ x, y, width }) => [x + width / 2, y + width / 2])(document.querySelectorAll('.extreme i')[%d].getBoundingClientRect())" % i)
+            np.testing.assert_allclose(mark, self.on_screen(browser, vertex), atol=1)
+        # They move with the time, and go with the switch.
+        browser.press("Home")
+        self.assertNotEqual(browser.evaluate("pliant.points.extremes.map(e => e.text).join()"), f"{low[1]},{high[1]}")
+        browser.click("#show-extremes")
+        self.assertEqual(browser.evaluate("document.querySelectorAll('.extreme').length"), 0)
+
+    def test_points(self):
+        browser = self.open()
+        plots = browser.evaluate("document.querySelectorAll('#plots figure').length")
+        x = self.positions(10)
+        corner = int(np.argmax(x @ [1, -1, 1]))  # next to the viewer
+        browser.click(self.on_screen(browser, corner))
+        browser.wait("pliant.points.picked.length === 1 && !document.querySelector('#points').hidden")
+        picked = browser.evaluate("pliant.points.picked[0].vertex")
+        self.assertLess(np.abs(x[picked] - x[corner]).max(), 1e-6)
+        # Every field of the page, at the time that is shown.
+        for frame in (10, 4):
+            browser.evaluate("pliant.player.seek(%g)" % self.data.result["frames"][frame]["time"])
+            browser.drawn()
+            rows = browser.evaluate("[...document.querySelectorAll('#points tr')].slice(1).map(r => [...r.children].map(c => c.textContent.replaceAll('\\u2212', '-')))")
+            factors = {"m": 1, "mm": 1e-3, "µm": 1e-6, "m/s": 1, "mm/s": 1e-3, "Pa": 1, "kPa": 1e3, "MPa": 1e6}
+            found = {name: float(value) * factors[unit] for name, value, unit in rows}
+            expected = {}
+            for k, axis in enumerate("xyz"):
+                expected[f"Position {axis}"] = self.positions(frame)[picked, k]
+                expected[f"Displacement {axis}"] = (self.positions(frame) - self.data.positions(0))[picked, k]
+                expected[f"Velocity {axis}"] = self.data.field("velocity")[frame, picked, k]
+            expected["Von Mises stress"] = self.data.field("von_mises_stress")[frame, picked, 0]
+            expected["Mean stress"] = self.data.field("mean_stress")[frame, picked, 0]
+            self.assertEqual(found.keys(), expected.keys())
+            for name, value in expected.items():
+                self.assertAlmostEqual(found[name], value, delta=1e-3 * abs(value) + 1e-7, msg=name)
+        # The history of the colours there.
+        self.assertEqual(browser.evaluate("document.querySelectorAll('#plots figure').length"), plots + 1)
+        drawn = browser.evaluate("(({ data }) => [[...data[0]], [...data[1]]])(pliant.points.plotted.chart)")
+        history = self.data.field("von_mises_stress")[:, picked, 0]
+        np.testing.assert_allclose(drawn[0], [frame["time"] for frame in self.data.result["frames"]])
+        np.testing.assert_allclose(np.array(drawn[1]) * history.max(), history * max(drawn[1]), atol=1e-6 * history.max() * max(drawn[1]))
+        # A drag rotates and picks nothing; a second click drops the point.
+        place = self.on_screen(browser, corner)
+        browser.call("Input.dispatchMouseEvent", type="mousePressed", x=place[0], y=place[1], button="left", clickCount=1)
+        browser.call("Input.dispatchMouseEvent", type="mouseMoved", x=place[0] + 40, y=place[1], button="left", buttons=1)
+        browser.call("Input.dispatchMouseEvent", type="mouseReleased", x=place[0] + 40, y=place[1], button="left", clickCount=1)
+        time.sleep(1)  # the rotation runs out
+        self.assertEqual(browser.evaluate("pliant.points.picked.length"), 1)
+        browser.click(self.on_screen(browser, picked))
+        self.assertEqual(browser.evaluate("[pliant.points.picked.length, document.querySelectorAll('.picked').length, document.querySelector('#points').hidden]"), [0, 0, True])
+        self.assertEqual(browser.evaluate("document.querySelectorAll('#plots figure').length"), plots)
+
+    def test_cut(self):
+        browser = self.open()
+        browser.choose("#colour", "plain")
+        whole = browser.picture("#view")
+        grey = lambda picture: np.mean((np.ptp(picture, axis=2) < 24) & (picture.max(axis=2) < 215) & (picture.min(axis=2) > 120))
+        x = self.positions(10)
+        for axis, name in enumerate("xyz"):
+            with self.subTest(name):
+                browser.choose("#clip", f"Cut across {name}")
+                cut = browser.picture("#view")
+                self.assertGreater(grey(cut), grey(whole) + 2e-3, "the bar is solid where it is cut")
+                low, high = self.range_of(axis)
+                shown = browser.evaluate("[...Array(%d).keys()].map(v => pliant.view.isShown(pliant.view.at.surface, v))" % len(x))
+                middle, away = (low + high) / 2, np.abs(x[:, axis] - (low + high) / 2) > 1e-3 * (high - low)
+                side = np.array(shown)[away] == (x[away, axis] < middle)
+                self.assertIn(side.mean(), (0, 1))
+                browser.click("#clip-flip")
+                flipped = browser.evaluate("[...Array(%d).keys()].map(v => pliant.view.isShown(pliant.view.at.surface, v))" % len(x))
+                self.assertTrue(np.all(np.array(shown)[away] != np.array(flipped)[away]))
+        # At the end of its way nothing, or all, is cut away.
+        browser.evaluate("document.querySelector('#clip-place').focus()")
+        browser.press("End")
+        self.assertEqual(browser.evaluate("document.querySelector('#clip-place').value"), "1")
+        browser.choose("#clip", "Cut along the screen")
+        browser.choose("#clip", "No cut")
+        self.assertLess(np.abs(browser.picture("#view") - whole).max(), 3)
+
+    def range_of(self, axis):
+        all_frames = [self.positions(k)[:, axis] for k in range(len(self.data.result["frames"]))]
+        return min(map(np.min, all_frames)), max(map(np.max, all_frames))
+
+    def test_colour_maps(self):
+        browser = self.open()
+        bar = lambda: browser.picture("#legend .bar")
+        kind = lambda: browser.evaluate("pliant.view.kind")
+        browser.choose("#colour", "Mean stress")  # tension above, pressure below
+        self.assertEqual(kind(), "diverging")
+        low, high = browser.evaluate("(o => [o.low, o.high])(pliant.view.options)")
+        self.assertEqual(low, -high)
+        middle = bar()[len(bar()) // 2, 6]
+        self.assertGreater(middle.min(), 235)
+        browser.enter("#low", "0")  # of one sign now
+        self.assertEqual(kind(), "viridis")
+        browser.choose("#map", "Map: blue")
+        self.assertEqual(kind(), "diverging")
+        picture = bar()
+        self.assertGreater(picture[-4, 6].min(), 225, "white at zero, the lower end")
+        self.assertGreater(picture[4, 6, 0], picture[4, 6, 2] + 60, "red above it")
+        # The body has them too.
+        def green():
+            r, g, b = np.moveaxis(browser.picture("#view")[:-120, :-150], 2, 0)
+            return np.mean((g > r + 40) & (g > b + 20))
+
+        browser.choose("#map", "Map: viridis")
+        with_greens = green()
+        browser.choose("#map", "Map: cividis")
+        ends = bar()[[-4, 4], 6]
+        self.assertGreater(ends[0, 2], ends[0, 0] + 60)
+        self.assertGreater(ends[1, 0], ends[1, 2] + 100)
+        self.assertLess(green(), 0.02 * with_greens)
+
+    def test_views_and_pace(self):
+        browser = self.open()
+        views = {"front": [0, -1, 0], "back": [0, 1, 0], "left": [-1, 0, 0], "right": [1, 0, 0], "top": [0, 0, 1], "bottom": [0, 0, -1]}
+        names = browser.evaluate("[...document.querySelectorAll('.views button')].map(b => b.textContent)")
+        for name, direction in views.items():
+            browser.evaluate(f"[...document.querySelectorAll('.views button')][{names.index(name)}].id = 'wanted-{name}'")
+            browser.click(f"#wanted-{name}")
+            seen = np.array(browser.evaluate("pliant.view.direction()"))
+            np.testing.assert_allclose(seen / np.linalg.norm(seen), direction, atol=0.02)
+        # 0.1 s in the three seconds that a short run takes.
+        pace = lambda: browser.evaluate("document.querySelector('#pace').textContent")
+        self.assertEqual(pace(), "1/30 of real time")
+        browser.choose("#speed", "0.5")
+        self.assertEqual(pace(), "1/60 of real time")
+
+    def test_saved_pictures_and_videos(self):
+        browser = self.open((900, 700))
+        browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(self.directory))
+
+        def saved(name):
+            end = time.monotonic() + 30
+            while not (self.directory / name).exists() or not (self.directory / name).stat().st_size:
+                self.assertLess(time.monotonic(), end, sorted(p.name for p in self.directory.iterdir()))
+                time.sleep(0.1)
+            return (self.directory / name).read_bytes()
+
+        browser.evaluate("pliant.player.seek(0.05)")
+        browser.click("#save-picture")
+        picture = np.asarray(Image.open(io.BytesIO(saved("sinking_bar_t50ms.png"))).convert("RGB")).astype(int)
+        width, height = browser.evaluate("(c => [c.clientWidth, c.clientHeight])(pliant.view.canvas)")
+        self.assertLessEqual(abs(picture.shape[1] - width) + abs(picture.shape[0] - height), 2)
+        self.assertLess(picture[10:60, 10:160].min(), 100, "title and time")
+        legend = picture[40:230, -36:-24]
+        self.assertGreater(np.ptp(legend[..., 0]), 120, "the colour bar")
+        self.assertGreater(np.mean(np.ptp(picture[60:, :-150], axis=2) > 60), 0.02, "the bar")
+        # The video has each of its pictures: 0.75 s of them, and 0.3 s of the last.
+        browser.choose("#speed", "4")
+        browser.click("#save-video")
+        browser.wait("document.querySelector('#save-video').textContent.startsWith('Stop')")
+        browser.wait("document.querySelector('#save-video').textContent === 'Video'", 120)
+        video = saved("sinking_bar.webm")
+        self.assertEqual(video[:4], b"\x1a\x45\xdf\xa3")
+        self.assertAlmostEqual(browser.evaluate("pliant.player.time"), 0.1)
+        self.write("video.html", "<video src=sinking_bar.webm muted></video>")
+        browser.open(self.directory / "video.html")
+        browser.wait("document.querySelector('video')?.readyState >= 2")
+        length, *size = browser.evaluate("(v => [v.duration, v.videoWidth, v.videoHeight])(document.querySelector('video'))")
+        self.assertAlmostEqual(length, 33 / 30, delta=0.02)
+        self.assertEqual(size, [picture.shape[1], picture.shape[0]])
+        pictures = []
+        for second in (0.02, 1.05):
+            browser.evaluate("new Promise(done => { const v = document.querySelector('video'); v.onseeked = done; v.currentTime = %g; })" % second)
+            browser.drawn()
+            pictures.append(browser.picture("video"))
+        self.assertGreater(np.mean(np.abs(pictures[0] - pictures[1]).max(axis=2) > 60), 0.01, "the bar has moved")
+        self.assertGreater(np.ptp(pictures[1][..., 0]), 120)
+
+    def test_loads_have_no_seconds(self):
+        write_box(self.directory / "bar.msh", (4, 1, 1), (1, 0.2, 0.2))
+        static = INPUT.replace("method: bdf2, step: 10 ms, end: 0.1", "method: static, load_steps: 4").replace("velocity, ", "")
+        self.run_input(self.write("bar.yaml", static), output="bent")
+        self.assertEqual(self.call("report", self.directory / "bent").returncode, 0)
+        browser = self.open(page=self.directory / "bent/report.html")
+        browser.call("Browser.setDownloadBehavior", behavior="allow", downloadPath=str(self.directory))
+        self.assertEqual(browser.evaluate("document.querySelector('.clock').textContent"), "load 1.00")
+        browser.press("ArrowLeft")
+        browser.click("#save-picture")
+        end = time.monotonic() + 30
+        while not (self.directory / "bent_load0.75.png").exists():
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.1)
+
+    def test_arrows(self):
+        browser = self.open()
+        browser.choose("#colour", "plain")
+        browser.choose("#arrows", "Arrows: displacement")
+        browser.wait("pliant.view.arrows.mesh?.count > 20")
+        lengths = """(() => { const { mesh } = pliant.view.arrows, found = [];
+            for (let i = 0; i < mesh.count; ++i) { const m = mesh.instanceMatrix.array.subarray(16 * i, 16 * i + 16); found.push([...m.subarray(12, 15), ...m.subarray(4, 7)]); }
+            return found; })()"""
+        arrows, origin = np.array(browser.evaluate(lengths)), np.array(browser.evaluate("pliant.view.origin"))
+        x, u = self.positions(10), self.positions(10) - self.data.positions(0)
+        size = np.linalg.norm(self.data.positions(0).max(axis=0) - self.data.positions(0).min(axis=0))
+        for arrow in arrows:
+            vertex = np.argmin(np.linalg.norm(x - origin - arrow[:3], axis=1))
+            self.assertLess(np.linalg.norm(x[vertex] - origin - arrow[:3]), 1e-5)
+            along = u[vertex] / np.linalg.norm(u[vertex])
+            self.assertGreater(arrow[3:] @ along, 0.999 * np.linalg.norm(arrow[3:]))
+        longest = np.linalg.norm(arrows[:, 3:], axis=1).max()
+        self.assertAlmostEqual(longest, 0.18 * size, delta=0.02 * size)
+        self.assertIn("arrows: displacement up to", browser.evaluate("document.querySelector('#legend').textContent"))
+        browser.enter("#arrow-scale", "2")
+        self.assertAlmostEqual(np.linalg.norm(np.array(browser.evaluate(lengths))[:, 3:], axis=1).max(), 2 * longest, delta=1e-3 * longest)
+        with_arrows = browser.picture("#view")
+        browser.choose("#arrows", "No arrows")
+        self.assertGreater(np.mean(np.abs(browser.picture("#view") - with_arrows).max(axis=2) > 60), 2e-3)
+
+    @unittest.skipUnless(NODE, "needs the package nodejs")
+    def test_numbers(self):
+        script = """import { handyUnit, paceText } from "%s";
+            console.log(JSON.stringify([[["m^3", 2e-9], ["m^3", 5e-6], ["m^3", 2], ["m^2", 3e-5], ["m", 0.02], ["Pa", 2e5]].map(([u, x]) => handyUnit(u, x)[1]),
+                                        [1 / 6, 1, 4, 0.004, 0.55].map(paceText)]));""" % (ROOT / "src/viewer/numbers.js").as_uri()
+        done = subprocess.run([NODE, "--input-type=module", "-e", script], capture_output=True, text=True, check=True)
+        self.assertEqual(done.stdout.strip(), '[["mm^3","cm^3","m^3","mm^2","mm","kPa"],'
+                         '["1/6 of real time","real time","4 × real time","1/250 of real time","1/1.8 of real time"]]')
+
+
+if __name__ == "__main__":
+    unittest.main()
