@@ -76,10 +76,10 @@ StageReport NewtonLoop::run(Vec q) {
 }
 
 void NewtonLoop::linearize(Vec q) {
-  const bool keeps_hessian = hessian_suffices();
-  if (!keeps_hessian) system_.assemble(q);
+  keeps_hessian_ = hessian_suffices();
+  if (!keeps_hessian_) system_.assemble(q);
   if (adapts_tolerance_) set_tolerance();
-  if (keeps_hessian) return;
+  if (keeps_hessian_) return;
   objective_.scale_merit(system_.sparse_matrix());
   if (!system_.prepare(q)) check(SNESSetJacobianDomainError(snes_.get()));
 }
@@ -104,7 +104,14 @@ void NewtonLoop::search(SNESLineSearch search) {
     system_.improve_poor_factor(q, r, y);
     system_.note_solve();
     if (system_.has_direction(r) && go_along(q, r, y, search)) return;
-    if (!system_.escalate(q)) break;
+    if (keeps_hessian_) {
+      keeps_hessian_ = false;
+      system_.assemble(q);
+      objective_.scale_merit(system_.sparse_matrix());
+      if (!system_.prepare(q)) break;
+    } else if (!system_.escalate(q)) {
+      break;
+    }
     system_.solve(r, y);
   }
   check(SNESLineSearchSetReason(search, SNES_LINESEARCH_FAILED_REDUCT));

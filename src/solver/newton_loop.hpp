@@ -22,6 +22,7 @@ namespace pliant {
 ///         (or K of the iterate before, if it suffices)
 ///       d = -K^-1 r, by a Krylov method              SNES's KSP, with the tolerance from Forcing
 ///       until a step length along d is accepted:     search: LineSearch along a NewtonLine
+///         K = Hessian(q) if it was kept; else
 ///         K, d = the next in the fallback sequence   Escalation; at its end the run fails
 ///       q, r = the new iterate and its residual
 ///
@@ -108,6 +109,7 @@ class NewtonLoop final : public Iteration {
   bool is_at_rounding_ = false;   // the last line search of this run ended there
   bool has_direction_ = false;    // there was a direction in this stage
   bool adapts_tolerance_ = true;  // false if the user gives a tolerance
+  bool keeps_hessian_ = false;    // the present iteration uses that of the iterate before
   bool may_keep_hessian_ = true;  // PETSc option -newton_keep_hessian
 };
 

@@ -42,7 +42,8 @@ StepAttempt Stepper::attempt(const History& history, const Step& step) & {
   begin(history, step);
   StageReport total;
   for (int i = 0; i < method_.num_stages; ++i) {
-    const StageReport report = system_.solve(start_stage(), unknown());
+    start_stage();
+    const StageReport report = solve_stage();
     total.newton_iterations += report.newton_iterations;
     total.linear_iterations += report.linear_iterations;
     if (report.outcome != StageOutcome::converged) {
@@ -58,6 +59,17 @@ StepAttempt Stepper::attempt(const History& history, const Step& step) & {
   StepAttempt attempt = end_step();
   attempt.report = total;
   return attempt;
+}
+
+StageReport Stepper::solve_stage() {
+  StageReport first = system_.solve(stage_, unknown());
+  if (first.outcome != StageOutcome::retry || !predictor_ || !predictor_->withdraw(a_.get())) return first;
+  set_guess(stage_, a_.get(), unknown());
+  system_.motion.start_stage(stage_, unknown());
+  StageReport second = system_.solve(stage_, unknown());
+  second.newton_iterations += first.newton_iterations;
+  second.linear_iterations += first.linear_iterations;
+  return second;
 }
 
 void Stepper::begin(const History& history, const Step& step) {
@@ -184,11 +196,18 @@ void Stepper::start(StagePoint& stage) {
 }
 
 void Stepper::predict(const StagePoint& stage, Vec q) {
-  check(VecWAXPY(q, stage.dt, stage.v0, stage.q0));
-  if (!predictor_) return;
+  if (!predictor_) {
+    check(VecWAXPY(q, stage.dt, stage.v0, stage.q0));
+    return;
+  }
   continue_velocity(stage, a_.get());
   predictor_->predict(number_, stage.time, a_.get());
-  check(VecAXPY(q, stage.dt * stage.dt, a_.get()));
+  set_guess(stage, a_.get(), q);
+}
+
+void Stepper::set_guess(const StagePoint& stage, Vec a, Vec q) const {
+  check(VecWAXPY(q, stage.dt, stage.v0, stage.q0));
+  check(VecAXPY(q, stage.dt * stage.dt, a));
 }
 
 void Stepper::continue_velocity(const StagePoint& stage, Vec a) const {

@@ -22,9 +22,10 @@ enum class Guess {
   start,         ///< q_i0
   extrapolated,  ///< q_i0 + dt_i v_i0, where inertia alone would lead; on a vector space the stage's solution lies
                  ///< exactly dt_i^2 a_i from it
-  predicted      ///< q_i0 + dt_i v_i0 + dt_i^2 a, with the acceleration that continues the motion: by regression on the
-                 ///< stages of the last steps (StagePredictor), or such that the velocity lies on the parabola through
-                 ///< those of three states (the line through two); extrapolated where there is one state, or a space
+  predicted      ///< q_i0 + dt_i v_i0 + dt_i^2 a, with the acceleration that continues the motion: by the
+                 ///< polynomial through those of the last steps (StagePredictor), or such that the velocity lies on the
+  ///< parabola through those of three states (the line through two); extrapolated where there is one state,
+  ///< or a space
 };
 
 /// What moves: the equation of a stage and all that goes with it.
@@ -108,7 +109,10 @@ class Stepper {
   void set_base(const History& history, std::span<const double> alpha);
   void start(StagePoint& stage);
   void complete_step();
+  /// Solves the present stage, from another guess if a predicted one leads to no solution.
+  StageReport solve_stage();
   void predict(const StagePoint& stage, Vec q);
+  void set_guess(const StagePoint& stage, Vec a, Vec q) const;
   /// Sets a to the change of v0 that puts the velocity on the curve through those of the newest states, over dt.
   void continue_velocity(const StagePoint& stage, Vec a) const;
 

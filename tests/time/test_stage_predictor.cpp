@@ -63,17 +63,15 @@ Guesses guesses_of(const Method& method, const Ode& ode, const std::vector<doubl
   return guesses;
 }
 
-std::vector<double> equal_steps(int n) {
-  std::vector<double> times;
-  for (int i = 1; i <= n; ++i) times.push_back(i * dt);
-  return times;
-}
-
-// Each mode of the accelerations of a stage obeys a recurrence of two terms from step to step, so that four
-// coefficients predict two modes, whose accelerations are of size 10 here.
-TEST_P(StagePrediction, FollowsTwoModes) {
-  const auto guesses = guesses_of(GetParam(), two_modes(1.5, 4.0), equal_steps(30), Guess::predicted);
-  EXPECT_LT(guesses.last(GetParam().num_stages), 1e-4);
+// The polynomial through four accelerations is of third degree, and that through three velocities of second.
+TEST_P(StagePrediction, FollowsSmoothMotionWithHighOrder) {
+  const Ode ode = two_modes(0.5, 1.0);
+  const auto error = [&](double step) {
+    std::vector<double> times;
+    for (int i = 1; i <= 12; ++i) times.push_back(i * step);
+    return guesses_of(GetParam(), ode, times, Guess::predicted).last(GetParam().num_stages);
+  };
+  EXPECT_GT(std::log2(error(0.2) / error(0.1)), 3.5);
 }
 
 // A short history, changing steps and a start anew all lead to a guess that is no worse than that of inertia alone.
