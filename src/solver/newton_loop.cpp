@@ -87,7 +87,7 @@ void NewtonLoop::linearize(Vec q) {
 bool NewtonLoop::hessian_suffices() const {
   PetscInt iteration = 0;
   check(SNESGetIterationNumber(snes_.get(), &iteration));
-  if (iteration == 0 || !may_keep_hessian_ || !adapts_tolerance_ || last_length_ != 1.0) return false;
+  if (iteration != 1 || !may_keep_hessian_ || !adapts_tolerance_ || last_length_ != 1.0) return false;
   if (objective_.aim() != Aim::minimum && objective_.aim() != Aim::root) return false;
   if (system_.escalation().is_projected() || system_.escalation().is_shifted()) return false;
   const auto& iterations = log_.iterations();

@@ -71,7 +71,7 @@ TEST_P(StagePrediction, FollowsSmoothMotionWithHighOrder) {
     for (int i = 1; i <= 12; ++i) times.push_back(i * step);
     return guesses_of(GetParam(), ode, times, Guess::predicted).last(GetParam().num_stages);
   };
-  EXPECT_GT(std::log2(error(0.2) / error(0.1)), 3.5);
+  EXPECT_GT(std::log2(error(0.05) / error(0.025)), 3.5);
 }
 
 // A short history, changing steps and a start anew all lead to a guess that is no worse than that of inertia alone.
