@@ -43,15 +43,18 @@ class Unpacker {
   }
   template <class Range>
   Range get_range() {
+    const auto size = get<std::size_t>();
+    if (size > bytes_.size() / sizeof(typename Range::value_type)) throw incomplete();
     Range range;
-    range.resize(get<std::size_t>());
+    range.resize(size);
     take(range.data(), range.size() * sizeof(typename Range::value_type));
     return range;
   }
 
  private:
+  static std::runtime_error incomplete() { return std::runtime_error("the bytes of a mesh are incomplete"); }
   void take(void* to, std::size_t size) {
-    if (size > bytes_.size()) throw std::runtime_error("the bytes of a mesh are incomplete");
+    if (size > bytes_.size()) throw incomplete();
     if (size == 0) return;  // memcpy takes no null pointers
     std::memcpy(to, bytes_.data(), size);
     bytes_.remove_prefix(size);

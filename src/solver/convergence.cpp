@@ -15,6 +15,9 @@ constexpr int max_lowered = 3;
 constexpr double much_less = 0.1;
 /// Forces below this fraction of those of the guess count as zero.
 constexpr double tiny_part = 1e-6;
+/// The scale is not lowered below this fraction of that of the guess. Forces and residual of an iterate near a solution
+/// without stress fall together, down to numbers like 1e-50 N, without meeting any tolerance.
+constexpr double least_part = 1e-12;
 /// Forces up to this multiple of the rounding floor count as zero.
 constexpr double no_forces = 10.0;
 
@@ -69,7 +72,7 @@ void Convergence::count_rounding(double residual, Vec q) {
 }
 
 void Convergence::lower_scale(Vec q) {
-  const double now = objective_.equation().force_scale(q);
+  const double now = std::max(objective_.equation().force_scale(q), least_part * first_scale_);
   if (now < much_less * scale_) scale_ = now;
 }
 

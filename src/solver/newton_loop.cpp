@@ -15,11 +15,6 @@ constexpr double nearly_converged = 1e-3;
 /// Iterations that end at a wall are not counted, but there are no more than this multiple of the limit in all. They
 /// find one by one what the bodies meet on their way, and lose less than the shorter steps that would follow.
 constexpr int most_per_counted = 4;
-/// The remainder of an iteration with the Hessian of the one before, as a multiple of what that left of the residual: a
-/// Taylor expansion gives 2.
-constexpr double remainder_of_kept_hessian = 2.0;
-/// Which fraction of the target that remainder may be.
-constexpr double part_of_target = 0.3;
 /// Relative tolerance of linear systems whose solutions are taken as whole steps: with errors in stiff directions, a
 /// step along soft ones would cause large forces.
 constexpr double tolerance_of_whole_steps = 1e-8;
@@ -76,23 +71,10 @@ StageReport NewtonLoop::run(Vec q) {
 }
 
 void NewtonLoop::linearize(Vec q) {
-  keeps_hessian_ = hessian_suffices();
-  if (!keeps_hessian_) system_.assemble(q);
+  system_.assemble(q);
   if (adapts_tolerance_) set_tolerance();
-  if (keeps_hessian_) return;
   objective_.scale_merit(system_.sparse_matrix());
   if (!system_.prepare(q)) check(SNESSetJacobianDomainError(snes_.get()));
-}
-
-bool NewtonLoop::hessian_suffices() const {
-  PetscInt iteration = 0;
-  check(SNESGetIterationNumber(snes_.get(), &iteration));
-  if (iteration != 1 || !may_keep_hessian_ || !adapts_tolerance_ || last_length_ != 1.0) return false;
-  if (objective_.aim() != Aim::minimum && objective_.aim() != Aim::root) return false;
-  if (system_.escalation().is_projected() || system_.escalation().is_shifted()) return false;
-  const auto& iterations = log_.iterations();
-  const double now = iterations.back().residual, before = iterations[iterations.size() - 2].residual;
-  return remainder_of_kept_hessian * (now / before) * now <= part_of_target * convergence_.target();
 }
 
 void NewtonLoop::search(SNESLineSearch search) {
@@ -104,14 +86,7 @@ void NewtonLoop::search(SNESLineSearch search) {
     system_.improve_poor_factor(q, r, y);
     system_.note_solve();
     if (system_.has_direction(r) && go_along(q, r, y, search)) return;
-    if (keeps_hessian_) {
-      keeps_hessian_ = false;
-      system_.assemble(q);
-      objective_.scale_merit(system_.sparse_matrix());
-      if (!system_.prepare(q)) break;
-    } else if (!system_.escalate(q)) {
-      break;
-    }
+    if (!system_.escalate(q)) break;
     system_.solve(r, y);
   }
   check(SNESLineSearchSetReason(search, SNES_LINESEARCH_FAILED_REDUCT));
@@ -313,9 +288,6 @@ NewtonLoop::NewtonLoop(Objective& objective, const NewtonOptions& options, Linea
   PetscBool tolerance_is_given = PETSC_FALSE;
   check(PetscOptionsHasName(nullptr, nullptr, "-ksp_rtol", &tolerance_is_given));
   adapts_tolerance_ = !tolerance_is_given;
-  PetscBool keeps_hessian = PETSC_TRUE;
-  check(PetscOptionsGetBool(nullptr, nullptr, "-newton_keep_hessian", &keeps_hessian, nullptr));
-  may_keep_hessian_ = keeps_hessian;
 }
 
 Handle<SNES> NewtonLoop::make_snes(Mat K, const NewtonOptions& options, LinearKind linear) {

@@ -19,10 +19,8 @@ namespace pliant {
 ///     r = gradient(q)
 ///     while judge(q, r) is `iterating`:             Convergence
 ///       K = Hessian(q), with a factor                linearize: LinearSystem, FactorPolicy
-///         (or K of the iterate before, if it suffices)
 ///       d = -K^-1 r, by a Krylov method              SNES's KSP, with the tolerance from Forcing
 ///       until a step length along d is accepted:     search: LineSearch along a NewtonLine
-///         K = Hessian(q) if it was kept; else
 ///         K, d = the next in the fallback sequence   Escalation; at its end the run fails
 ///       q, r = the new iterate and its residual
 ///
@@ -76,9 +74,6 @@ class NewtonLoop final : public Iteration {
   Handle<SNES> make_snes(Mat K, const NewtonOptions& options, LinearKind linear);
 
   void linearize(Vec q);
-  /// Whether an iteration with the Hessian of the iterate before is expected to meet the target: the last one, by a
-  /// whole step, has reduced the residual so much.
-  bool hessian_suffices() const;
   /// Sets the tolerance of the next linear system.
   void set_tolerance();
   void search(SNESLineSearch search);
@@ -109,8 +104,6 @@ class NewtonLoop final : public Iteration {
   bool is_at_rounding_ = false;   // the last line search of this run ended there
   bool has_direction_ = false;    // there was a direction in this stage
   bool adapts_tolerance_ = true;  // false if the user gives a tolerance
-  bool keeps_hessian_ = false;    // the present iteration uses that of the iterate before
-  bool may_keep_hessian_ = true;  // PETSc option -newton_keep_hessian
 };
 
 }  // namespace pliant

@@ -128,7 +128,7 @@ void AdjointRun::find_steps_of_weights() {
         times_, {}, [&](const auto& step) { return std::abs(step.second - weights_.times[n]); });
     const auto next = at->first > 0 ? times_.at(at->first - 1) : times_.rbegin()->second;
     if (std::abs(at->second - weights_.times[n]) > same_time * std::abs(at->second - next)) {
-      throw InputError({weights_.file, static_cast<int>(n) + 2, 1},
+      throw InputError({weights_.file, weights_.lines[n], 1},
                        fmt::format("no step ends at {:.9g}; the nearest is at {:.9g}: times are those of history.csv",
                                    weights_.times[n], at->second));
     }

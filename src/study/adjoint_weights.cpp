@@ -1,46 +1,30 @@
 #include "study/adjoint_weights.hpp"
 
 #include "base/text.hpp"
-#include "io/history_reader.hpp"
+#include "study/fit_data.hpp"
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <filesystem>
 
 #include <fmt/format.h>
 
 namespace pliant {
 
 AdjointWeights read_adjoint_weights(const std::string& file) {
-  if (!std::filesystem::is_regular_file(file)) {
-    throw InputError({"--adjoint " + file, 0, 0}, fmt::format("there is no file '{}'", file));
-  }
-  const HistoryTable table = read_history(file);
-  AdjointWeights weights{file, {}, {}, {}};
-  const std::vector<double>* times = table.find("time");
-  if (times == nullptr) {
+  const NumberTable table = read_numbers(file, {"--adjoint " + file, 0, 0});
+  const auto time = static_cast<std::size_t>(std::ranges::find(table.names, "time") - table.names.begin());
+  if (time == table.names.size()) {
     throw InputError({file, 1, 1},
                      "the table has no column 'time'; its header must be 'time' and names of columns of "
                      "history.csv, e.g. time,tip_z");
   }
-  weights.times = *times;
-  weights.rows.resize(times->size());
+  if (table.names.size() == 1) throw InputError({file, 1, 1}, "the table needs a column in addition to 'time'");
+  AdjointWeights weights{file, {}, table.columns[time], {}, table.lines};
+  weights.rows.resize(weights.times.size());
   for (std::size_t c = 0; c < table.names.size(); ++c) {
-    if (&table.columns[c] == times) continue;
+    if (c == time) continue;
     weights.columns.push_back(table.names[c]);
     for (std::size_t row = 0; row < weights.rows.size(); ++row) weights.rows[row].push_back(table.columns[c][row]);
-  }
-  if (weights.columns.empty() || weights.rows.empty()) {
-    throw InputError({file, 1, 1},
-                     "the table has no numbers: it needs a column in addition to 'time', and at least one row");
-  }
-  for (std::size_t row = 0; row < weights.rows.size(); ++row) {
-    const bool is_complete = std::isfinite(weights.times[row]) &&
-                             std::ranges::all_of(weights.rows[row], [](double w) { return std::isfinite(w); });
-    if (!is_complete) {
-      throw InputError({file, static_cast<int>(row) + 2, 1}, "a number is missing, or not finite");
-    }
   }
   return weights;
 }

@@ -15,6 +15,7 @@ struct AdjointWeights {
   std::vector<std::string> columns;
   std::vector<double> times;
   std::vector<std::vector<double>> rows;  ///< of each time, one number for each column
+  std::vector<int> lines;                 ///< of the file, for each time
 };
 
 /// Reads a CSV file with the columns `time` and names of columns of history.csv. Throws InputError. Not collective.

@@ -59,10 +59,7 @@ class Comparison {
  public:
   Comparison(const CompareOptions& options, Console& console) : options_(options), console_(console) {
     for (const std::string& run : options.runs) read(run);
-    std::set<std::string> labels;
-    for (LabelledHistory& history : histories_) {
-      if (!labels.insert(history.label).second) history.label += fmt::format(" ({})", labels.size() + 1);
-    }
+    tell_apart();
     choose_columns();
   }
 
@@ -78,7 +75,8 @@ class Comparison {
       for (auto other = std::next(histories_.begin()); other != histories_.end(); ++other) {
         const auto found = difference(histories_[0].table, other->table, column);
         if (!found) {
-          console_.print(fmt::format("  {}: {} has no such column, or no time in common", column, other->label));
+          console_.print(fmt::format("  {}: {} and {} do not both have it, or have no time in common", column,
+                                     histories_[0].label, other->label));
           continue;
         }
         const double relative = relative_to_range(column, found->largest);
@@ -112,6 +110,18 @@ class Comparison {
     // "out/a/." and "out/a/" are called a.
     const fs::path named = fs::is_directory(path) ? fs::weakly_canonical(path) : path.parent_path();
     histories_.push_back({named.filename().empty() ? run : named.filename().string(), std::move(table)});
+  }
+
+  /// Runs of the same name are called by what the user gave, and the same runs by their numbers too.
+  void tell_apart() {
+    const auto are_distinct = [&] {
+      std::set<std::string> labels;
+      return std::ranges::all_of(histories_, [&](const auto& history) { return labels.insert(history.label).second; });
+    };
+    if (are_distinct()) return;
+    for (std::size_t i = 0; i < histories_.size(); ++i) histories_[i].label = options_.runs[i];
+    if (are_distinct()) return;
+    for (std::size_t i = 0; i < histories_.size(); ++i) histories_[i].label += fmt::format(" ({})", i + 1);
   }
 
   void choose_columns() {

@@ -33,13 +33,18 @@ std::vector<Cell> split_line(std::string_view line) {
   return cells;
 }
 
+std::string unquoted(std::string text) {
+  const bool is_quoted = text.size() > 1 && text.front() == '"' && text.back() == '"';
+  return is_quoted ? text.substr(1, text.size() - 2) : text;
+}
+
 /// A cell of the header: the name in the form in which names are compared, and the unit.
 struct Heading {
   std::string name, unit;
 };
 
 Heading heading_of(std::string text) {
-  if (text.size() > 1 && text.front() == '"' && text.back() == '"') text = text.substr(1, text.size() - 2);
+  text = unquoted(std::move(text));
   Heading heading{text, ""};
   const std::size_t open = text.find_first_of("[(");
   if (open != std::string::npos && (text.back() == ']' || text.back() == ')')) {
@@ -61,8 +66,31 @@ class Table {
  public:
   explicit Table(std::string file) : file_(std::move(file)) {}
 
+  /// The columns that are wanted.
   std::vector<std::vector<double>> read(std::istream& stream, std::span<const std::vector<ColumnForm>> wanted) {
-    std::vector<std::vector<double>> columns(wanted.size());
+    return read(stream, [&](const auto& header, int line) { return columns_of(header, line, wanted); });
+  }
+
+  NumberTable read_all(std::istream& stream) {
+    NumberTable table;
+    table.columns = read(stream, [&](const auto& header, int) {
+      std::vector<FoundColumn> all;
+      for (const Cell& cell : header) {
+        table.names.push_back(unquoted(cell.text));
+        all.push_back({all.size(), 1.0, 0.0});
+      }
+      return all;
+    });
+    table.lines = lines_;
+    return table;
+  }
+
+ private:
+  static constexpr std::size_t most_errors = 20;
+
+  template <class Choose>
+  std::vector<std::vector<double>> read(std::istream& stream, const Choose& choose) {
+    std::vector<std::vector<double>> columns;
     std::vector<FoundColumn> found;
     std::size_t width = 0;
     int number = 0;
@@ -74,13 +102,15 @@ class Table {
       const auto cells = split_line(line);
       if (width == 0) {
         width = cells.size();
-        found = columns_of(cells, number, wanted);
+        found = choose(cells, number);
+        columns.resize(found.size());
       } else if (cells.size() != width) {
         fail(number, 1,
              fmt::format("this row has {} values, the header {} columns; values are separated by ',' and a decimal "
                          "point is written '.'",
                          cells.size(), width));
       } else {
+        lines_.push_back(number);
         for (std::size_t k = 0; k < found.size(); ++k) append(cells[found[k].place], number, found[k], columns[k]);
       }
       if (errors_.size() > most_errors) break;
@@ -90,9 +120,6 @@ class Table {
     if (!errors_.empty()) throw InputError(std::move(errors_));
     return columns;
   }
-
- private:
-  static constexpr std::size_t most_errors = 20;
 
   void fail(int line, int column, std::string message) {
     errors_.push_back({Severity::error, {file_, line, column}, std::move(message)});
@@ -145,19 +172,30 @@ class Table {
 
   std::string file_;
   std::vector<Diagnostic> errors_;
+  std::vector<int> lines_;  // of the rows
 };
+
+bool is_directory(const std::string& file) {
+  std::error_code ignored;
+  return std::filesystem::is_directory(file, ignored);
+}
 
 }  // namespace
 
 std::vector<std::vector<double>> read_measurements(const std::string& file, const Location& named,
                                                    std::span<const std::vector<ColumnForm>> wanted) {
-  std::error_code ignored;
   std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file, ignored)) {
+  if (!stream || is_directory(file)) {
     throw InputError(named, fmt::format("'data': cannot read '{}'; give the path of a CSV file, relative to this file",
                                         excerpt(file, 200)));
   }
   return Table(file).read(stream, wanted);
+}
+
+NumberTable read_numbers(const std::string& file, const Location& named) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream || is_directory(file)) throw InputError(named, "cannot read it; give the path of a CSV file");
+  return Table(file).read_all(stream);
 }
 
 }  // namespace pliant

@@ -26,4 +26,14 @@ struct ColumnForm {
 std::vector<std::vector<double>> read_measurements(const std::string& file, const Location& named,
                                                    std::span<const std::vector<ColumnForm>> wanted);
 
+/// All columns of a table in SI units, called as its header calls them.
+struct NumberTable {
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> columns;  ///< equally long
+  std::vector<int> lines;                    ///< of the file, for each row
+};
+
+/// Reads a table of the same form without units. Throws InputError with every error. Not collective.
+NumberTable read_numbers(const std::string& file, const Location& named);
+
 }  // namespace pliant

@@ -56,9 +56,14 @@ constexpr std::array<NamedFunction, 9> functions{
 double RunNumber::of(const HistoryTable& history) const {
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
   const auto *time = history.find("time"), *values = history.find(column);
-  if (time == nullptr || values == nullptr || values->empty()) return none;
-  if (std::ranges::any_of(*values, [](double y) { return std::isnan(y); })) return none;
-  return function(*time, *values);
+  if (time == nullptr || values == nullptr) return none;
+  Column t, y;
+  for (std::size_t i = 0; i < values->size(); ++i) {
+    if (std::isnan((*values)[i])) continue;
+    t.push_back((*time)[i]);
+    y.push_back((*values)[i]);
+  }
+  return y.empty() ? none : function(t, y);
 }
 
 RunNumber parse_run_number(const std::string& text, const std::string& option) {

@@ -8,14 +8,14 @@
 
 namespace pliant {
 
-/// FUNCTION(COLUMN) of a history, over all its rows.
+/// FUNCTION(COLUMN) of a history, over the rows that have a number in this column.
 struct RunNumber {
   std::string name;  ///< as the user calls it
   std::string column;
   std::string unit;  ///< SI; empty if unknown
   double (*function)(const std::vector<double>& time, const std::vector<double>& values) = nullptr;
 
-  /// NaN if the history has no such column, or no rows.
+  /// NaN if the history has no such column, or no number in it.
   double of(const HistoryTable& history) const;
 };
 

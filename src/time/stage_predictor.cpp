@@ -1,17 +1,13 @@
 #include "time/stage_predictor.hpp"
 
+#include "time/extrapolation.hpp"
+
 #include <algorithm>
+#include <span>
 #include <string>
 #include <utility>
 
 namespace pliant {
-namespace {
-
-/// A polynomial is not continued farther than this, in mean lengths of the past steps.
-constexpr double max_extrapolation = 2.0;
-
-}  // namespace
-
 StagePredictor::StagePredictor(int num_stages, Vec like) : stages_(static_cast<std::size_t>(num_stages)) {
   for (Stage& stage : stages_) {
     stage.a.resize(depth + 1);
@@ -24,33 +20,22 @@ void StagePredictor::begin() {
   num_ended_ = 0;
 }
 
-std::size_t StagePredictor::num_usable(const Stage& stage, double time) {
-  const auto& t = stage.times;
-  std::size_t n = stage.num_past;
-  while (n > 1 && time - t[1] > max_extrapolation * (t[1] - t[n]) / static_cast<double>(n - 1)) --n;
-  return n;
-}
-
-void StagePredictor::extrapolate(const Stage& stage, double time, std::size_t num_past) {
-  const auto& t = stage.times;
+void StagePredictor::extrapolate(const Stage& stage, double time) {
+  const auto past = std::span(stage.times).subspan(1, stage.num_past);
+  const auto used = past.first(num_extrapolated(past, time));
   check(VecZeroEntries(polynomial_.get()));
-  for (std::size_t r = 1; r <= num_past; ++r) {
-    double weight = 1.0;
-    for (std::size_t k = 1; k <= num_past; ++k) {
-      if (k != r) weight *= (time - t[k]) / (t[r] - t[k]);
-    }
-    check(VecAXPY(polynomial_.get(), weight, stage.a[r].get()));
+  for (std::size_t r = 0; r < used.size(); ++r) {
+    check(VecAXPY(polynomial_.get(), extrapolation_weight(used, r, time), stage.a[r + 1].get()));
   }
 }
 
 void StagePredictor::predict(std::size_t number, double time, Vec a) {
   Stage& stage = stages_[number];
   stage.times[0] = time;
-  const std::size_t num_past = num_usable(stage, time);
-  has_polynomial_ = num_past > 0;
+  has_polynomial_ = stage.num_past > 0;
   is_by_polynomial_ = false;
   if (!has_polynomial_) return;
-  extrapolate(stage, time, num_past);
+  extrapolate(stage, time);
   check(VecCopy(a, caller_.get()));
   const Lesson& lesson = stage.accepted;
   if (!lesson.is_known || !(lesson.error_of_polynomial < lesson.error_of_caller)) return;

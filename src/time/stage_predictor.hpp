@@ -58,10 +58,8 @@ class StagePredictor {
     Lesson tried, accepted;
   };
 
-  /// How many past accelerations the polynomial takes.
-  static std::size_t num_usable(const Stage& stage, double time);
-  /// polynomial_ = its value at `time`.
-  void extrapolate(const Stage& stage, double time, std::size_t num_past);
+  /// polynomial_ = that through the past accelerations, at `time`.
+  void extrapolate(const Stage& stage, double time);
 
   std::vector<Stage> stages_;
   std::size_t num_ended_ = 0;        // stages of the attempt

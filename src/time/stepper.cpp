@@ -1,5 +1,7 @@
 #include "time/stepper.hpp"
 
+#include "time/extrapolation.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -7,13 +9,6 @@
 #include <utility>
 
 namespace pliant {
-namespace {
-
-/// How many past steps a velocity is extrapolated from, in lengths of the step.
-constexpr double max_extrapolation = 2.0;
-
-}  // namespace
-
 Stepper::Stepper(const Method& method, System system, const StateView& like)
     : method_(method),
       system_(std::move(system)),
@@ -212,19 +207,15 @@ void Stepper::set_guess(const StagePoint& stage, Vec a, Vec q) const {
 
 void Stepper::continue_velocity(const StagePoint& stage, Vec a) const {
   const History& history = *history_;
+  std::array<double, num_states(Guess::predicted)> times{};
+  const auto num_known = std::min<std::size_t>(times.size(), static_cast<std::size_t>(history.size()));
+  for (std::size_t r = 0; r < num_known; ++r) times[r] = history[static_cast<int>(r)].time;
+  const auto known = std::span(times).first(num_known);
+  const auto used = known.first(num_extrapolated(known, stage.time));
   check(VecZeroEntries(a));
-  int num_used = std::min(history.size(), num_states(Guess::predicted));
-  // A polynomial says little beyond the length of the steps before it.
-  while (num_used > 1 && stage.time - history[0].time >
-                             max_extrapolation * (history[0].time - history[num_used - 1].time) / (num_used - 1))
-    --num_used;
-  if (num_used == 1) return;
-  for (int r = 0; r < num_used; ++r) {
-    double weight = 1.0;
-    for (int k = 0; k < num_used; ++k) {
-      if (k != r) weight *= (stage.time - history[k].time) / (history[r].time - history[k].time);
-    }
-    check(VecAXPY(a, weight, history[r].v.get()));
+  if (used.size() == 1) return;
+  for (std::size_t r = 0; r < used.size(); ++r) {
+    check(VecAXPY(a, extrapolation_weight(used, r, stage.time), history[static_cast<int>(r)].v.get()));
   }
   check(VecAXPY(a, -1.0, stage.v0));
   check(VecScale(a, 1.0 / stage.dt));

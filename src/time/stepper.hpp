@@ -22,10 +22,9 @@ enum class Guess {
   start,         ///< q_i0
   extrapolated,  ///< q_i0 + dt_i v_i0, where inertia alone would lead; on a vector space the stage's solution lies
                  ///< exactly dt_i^2 a_i from it
-  predicted      ///< q_i0 + dt_i v_i0 + dt_i^2 a, with the acceleration that continues the motion: by the
-                 ///< polynomial through those of the last steps (StagePredictor), or such that the velocity lies on the
-  ///< parabola through those of three states (the line through two); extrapolated where there is one state,
-  ///< or a space
+  predicted      ///< q_i0 + dt_i v_i0 + dt_i^2 a, a by the polynomial through those of the last steps
+                 ///< (StagePredictor), or such that the velocity lies on the parabola through those of three states
+                 ///< (the line through two); extrapolated where there is one state, or a space
 };
 
 /// What moves: the equation of a stage and all that goes with it.

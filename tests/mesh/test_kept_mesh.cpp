@@ -84,15 +84,16 @@ TEST_F(KeptMesh, IsMadeAnewWhereTheFileIsDamaged) {
   ASSERT_EQ(kept().size(), 1u);
   const fs::path file = kept()[0];
   const auto size = fs::file_size(file);
-  for (const auto& damage : {std::pair{size - 1, 'x'}, {size / 2, 'x'}, {std::uintmax_t{0}, 'x'}}) {
+  constexpr std::uintmax_t of_magic = 0, of_size = 24;  // the sixth byte of the recipe's size
+  for (const auto at : {size - 1, size / 2, of_magic, of_size}) {
     {
       std::fstream stream(file, std::ios::in | std::ios::out | std::ios::binary);
-      stream.seekg(static_cast<std::streamoff>(damage.first));
+      stream.seekg(static_cast<std::streamoff>(at));
       const auto old = static_cast<char>(stream.get());
-      stream.seekp(static_cast<std::streamoff>(damage.first));
+      stream.seekp(static_cast<std::streamoff>(at));
       stream.put(static_cast<char>(old ^ 1));
     }
-    EXPECT_FALSE(is_kept(import_mesh(source(box)))) << damage.first;
+    EXPECT_FALSE(is_kept(import_mesh(source(box)))) << at;
     EXPECT_TRUE(is_kept(import_mesh(source(box))));
   }
   fs::resize_file(file, size / 2);

@@ -182,6 +182,17 @@ loads: [{gravity: [0, 0, -3]}]"""
         with self.assertRaisesRegex(pliant.PliantError, "one of them is needed"):
             run.gradient(weights)
 
+    def test_weights_as_other_programs_write_them(self):
+        file = self.block(viscosity=CASES["bdf2"][0])
+        self.weigh([0.04, 0.16])
+        text = (self.directory / "weights.csv").read_text(encoding="utf-8")
+        expected = self.adjoint(file, (YOUNG,))
+        names, *rows = text.splitlines()
+        quoted = ",".join(f'"{name}"' for name in names.split(","))
+        for other in ("\r\n".join([quoted, *rows]), "\ufeff# weights\n" + text.rstrip("\n")):  # the last row without its end
+            (self.directory / "weights.csv").write_text(other, encoding="utf-8", newline="")
+            self.assertEqual(self.adjoint(file, (YOUNG,)), expected)
+
     def test_mistakes(self):
         file = self.block(viscosity=CASES["bdf2"][0], more="contact: {obstacles: [{name: floor, shape: plane, normal: [0, 0, 1], "
                                                            "point: [0, 0, -9]}]}")
@@ -192,8 +203,10 @@ loads: [{gravity: [0, 0, -3]}]"""
                 ("'px' has no adjoint", "time,px\n0.04,1\n", to, ()),
                 ("bad.csv:1:1: the table has no column 'time'", "t,corner_x\n0.04,1\n", to, ()),
                 ("bad.csv:2:1: no step ends at 0.05; the nearest is at 0.0", "time,corner_x\n0.05,1\n", to, ()),
-                ("bad.csv:3:1: a number is missing", "time,corner_x\n0.04,1\n0.08,\n", to, ()),
-                ("there is no file 'none.csv'", "", ("--adjoint", "none.csv", "--to", YOUNG), ()),
+                ("bad.csv:3:6: '' is not a number", "time,corner_x\n0.04,1\n0.08,\n", to, ()),
+                ("bad.csv:3:1: this row has 1 values", "time,corner_x\n0.04,1\n0.08", to, ()),
+                ("bad.csv:2:6: 'nan' is not a number", "time,corner_x\n0.04,nan\n", to, ()),
+                ("--adjoint none.csv: cannot read it; give the path of a CSV file", "", ("--adjoint", "none.csv", "--to", YOUNG), ()),
                 ("either --of COLUMN,... or --adjoint", "", ("--to", YOUNG), ()),
                 ("--to KEY,... or --fields KEY,... is needed", "", ("--adjoint", "weights.csv"), ()),
                 ("'bodies.0.density' has no value in each cell", "", ("--adjoint", "weights.csv", "--fields", "bodies.0.density"), ()),

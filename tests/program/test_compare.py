@@ -46,11 +46,11 @@ class Compare(ProgramTest):
         between = np.interp(fine["time"], coarse["time"], coarse["tip_z"]) - fine["tip_z"]
         self.assertAlmostEqual(float(row["largest_difference"]), between[np.argmax(np.abs(between))], delta=1e-12)
         # A run differs from itself by nothing, and two of the same name are told apart.
-        self.compare("coarse", "coarse", "--output", "same")
+        self.compare("coarse", "coarse", "coarse", "--output", "same")
         with open(self.directory / "same/compare.csv", encoding="utf-8", newline="") as file:
             same = list(csv.DictReader(file))
         self.assertEqual({float(row["largest_difference"]) for row in same}, {0.0})
-        self.assertEqual({row["run"] for row in same}, {"coarse (2)"})
+        self.assertEqual({row["run"] for row in same}, {"coarse (2)", "coarse (3)"})
         self.assertFalse((self.directory / "same/tip_z_difference.svg").exists())
         for arguments, expected in ((("coarse", "nowhere"), "nowhere: it has no history"),
                                     (("coarse", "fine", "--of", "tip_q"), "no run has this column (did you mean 'tip_")):

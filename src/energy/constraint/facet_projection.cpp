@@ -1,6 +1,5 @@
 #include "energy/constraint/facet_projection.hpp"
 
-#include "base/cholesky.hpp"
 #include "collision/closest_points.hpp"
 #include "fem/element.hpp"
 #include "fem/quadrature.hpp"
@@ -115,6 +114,29 @@ std::array<double, 3> reference_point(const FacetOfCell& facet, const Vector3<do
   return best;
 }
 
+/// p = M^-1 b by Cholesky's factorization, for all right-hand sides in place; M is symmetric, of the size of the b.
+template <class RightHandSides>
+void solve_by_cholesky(std::array<std::array<double, 6>, 6>& M, std::size_t n, RightHandSides& all) {
+  for (std::size_t j = 0; j < n; ++j) {
+    for (std::size_t k = 0; k < j; ++k) M[j][j] -= M[j][k] * M[j][k];
+    M[j][j] = std::sqrt(M[j][j]);
+    for (std::size_t i = j + 1; i < n; ++i) {
+      for (std::size_t k = 0; k < j; ++k) M[i][j] -= M[i][k] * M[j][k];
+      M[i][j] /= M[j][j];
+    }
+  }
+  for (auto& [node, b] : all) {
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t k = 0; k < i; ++k) b[i] -= M[i][k] * b[k];
+      b[i] /= M[i][i];
+    }
+    for (std::size_t i = n; i-- > 0;) {
+      for (std::size_t k = i + 1; k < n; ++k) b[i] -= M[k][i] * b[k];
+      b[i] /= M[i][i];
+    }
+  }
+}
+
 /// The integrals over a facet, summed point by point.
 class Projector {
  public:
@@ -133,8 +155,7 @@ class Projector {
       add(tile);
     }
     if (covered_ < least_coverage * whole_) return std::nullopt;
-    factorize_by_cholesky(mass_, nodes_.size());
-    for (auto& [node, p] : right_) solve_by_cholesky(mass_, std::span(p).first(nodes_.size()));
+    solve_by_cholesky(mass_, nodes_.size(), right_);
     result.weights.resize(nodes_.size());
     for (const auto& [node, p] : right_) {
       for (std::size_t k = 0; k < nodes_.size(); ++k) result.weights[k].push_back({node, p[k]});
@@ -232,7 +253,7 @@ class Projector {
   std::vector<FacetTile> tiles_;
   QuadratureRule<2> rule_;
   double whole_ = 0.0, covered_ = 0.0;
-  SmallMatrix<6> mass_{};
+  std::array<std::array<double, 6>, 6> mass_{};
   std::map<PetscInt, std::array<double, 6>> right_;
 };
 
