@@ -3,7 +3,7 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-set(PLIANT_LAYERS base petsc material collision mesh fem time energy solver io input model run study command)
+set(PLIANT_LAYERS base petsc material collision mesh fem time energy multigrid solver io input model run study command)
 set(pliant_cmake ${CMAKE_INSTALL_LIBDIR}/cmake/pliant)
 set(pliant_share ${CMAKE_INSTALL_DATADIR}/pliant)
 

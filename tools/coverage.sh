@@ -12,7 +12,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 source "$root/tools/environment.sh"
 
 layers=("$@")
-((${#layers[@]} > 0)) || layers=(base petsc material mesh fem time energy solver io input model run study command program)
+((${#layers[@]} > 0)) || layers=(base petsc material mesh fem time energy multigrid solver io input model run study command program)
 program_tests=(test_errors test_faults test_meshes test_commands test_post_mortem test_restart test_outputs test_interruption
   test_sweep test_convergence test_report test_shell test_cavities test_constraints test_muscle test_materials test_loads)
 command -v gcovr >/dev/null || fail "gcovr is needed: apt-get install gcovr"

@@ -12,7 +12,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 source "$root/tools/environment.sh"
 
 layers=("$@")
-((${#layers[@]} > 0)) || layers=(base petsc material mesh fem time energy solver io input model run study command fuzz program)
+((${#layers[@]} > 0)) || layers=(base petsc material mesh fem time energy multigrid solver io input model run study command fuzz program)
 # One of each kind: steps, contact, cavities, resuming, meshes.
 program_tests=(test_loads.Loads.test_dashpots_brake_a_body test_contact.Contact.test_{slope,ranks_agree}
   test_cavities.Cavities.test_{gas_swings_with_the_tube_and_keeps_its_law,liquid_flows_in}

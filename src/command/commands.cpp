@@ -167,7 +167,7 @@ ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector
 
   report_contact(model, config, console);
 
-  const LinearKind kind = linear_kind(config, layout);
+  const LinearKind kind = linear_kind(config, model);
   const Memory memory = predicted_memory(model, kind);
   const auto prescribed = std::count(model.constraints().prescribed().flags().begin(),
                                      model.constraints().prescribed().flags().begin() + 3 * layout.num_owned_nodes, 1);

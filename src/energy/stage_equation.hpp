@@ -89,6 +89,8 @@ class StageEquation {
   /// K = dr/dq [N/m] without its rank-one terms, or an approximation; rows and columns of prescribed entries are zero
   /// except for the diagonal.
   virtual void hessian(Vec q, Mat K, Projection projection) = 0;
+  /// Lets the near-null space of K be the rigid motions of the bodies where they are at q.
+  virtual void follow_rigid_motions(Vec /*q*/, Mat /*K*/) const {}
   /// The number of rank-one terms of the Hessian in addition to K.
   virtual std::size_t num_rank_one() const { return 0; }
   /// The rank-one terms at q; `parts` has num_rank_one() of them, with vectors of make_vector().

@@ -127,20 +127,22 @@ void set_near_null_modes(Mat K, std::vector<Handle<Vec>> modes) {
   check(MatSetNearNullSpace(K, space.get()));
 }
 
-std::vector<Handle<Vec>> rigid_body_modes(const NodeLayout& layout, std::span<const char> prescribed) {
+std::vector<Handle<Vec>> rigid_body_modes(const NodeLayout& layout, std::span<const char> prescribed,
+                                          std::span<const double> displacements) {
   std::vector<Handle<Vec>> modes(6);
   for (int m = 0; m < 6; ++m) {
     check(VecCreateMPI(layout.comm, 3 * layout.num_owned_nodes, PETSC_DETERMINE, modes[m].out()));
     const ArrayView mode(modes[m].get());
     for (PetscInt a = 0; a < layout.num_owned_nodes; ++a) {
-      const auto X = layout.position(a);
+      auto x = layout.position(a);
+      for (std::size_t i = 0; i < 3 && !displacements.empty(); ++i) x[i] += displacements[3 * static_cast<std::size_t>(a) + i];
       std::array<double, 3> u{};
       if (m < 3) {
         u[m] = 1.0;
       } else {
         const int i = m - 3, j = (i + 1) % 3, k = (i + 2) % 3;
-        u[j] = -X[k];
-        u[k] = X[j];
+        u[j] = -x[k];
+        u[k] = x[j];
       }
       for (int i = 0; i < 3; ++i) mode[3 * a + i] = prescribed[3 * a + i] ? 0.0 : u[i];
     }

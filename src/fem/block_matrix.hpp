@@ -118,7 +118,8 @@ void set_near_null_modes(Mat matrix, std::vector<Handle<Vec>> modes);
 
 /// Three translations and three rotations of the reference configuration, zero on prescribed entries (flags as in
 /// RowElimination): the near-null space of a stiffness. Multigrid represents them on coarse levels. Collective.
-std::vector<Handle<Vec>> rigid_body_modes(const NodeLayout& layout, std::span<const char> is_prescribed);
+std::vector<Handle<Vec>> rigid_body_modes(const NodeLayout& layout, std::span<const char> is_prescribed,
+                                          std::span<const double> displacements = {});
 
 /// Symmetric elimination of prescribed entries from a matrix of the pattern: rows and columns to zero, diagonal to a
 /// given value.

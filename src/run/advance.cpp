@@ -38,7 +38,7 @@ auto with_user_options(const Make& make) {
 std::unique_ptr<NewtonSolver> make_newton(const Config& config, Model& model) {
   return with_user_options([&] {
     return std::make_unique<NewtonSolver>(model.equation(), newton_options(config),
-                                          linear_kind(config, model.layout()));
+                                          linear_kind(config, model));
   });
 }
 
@@ -70,7 +70,7 @@ class StageSolver {
 };
 
 std::string description_of(const Config& config, Model& model) {
-  return fmt::format("solver: {}{}", describe(model.equation(), linear_kind(config, model.layout())),
+  return fmt::format("solver: {}{}", describe(model.equation(), linear_kind(config, model)),
                      model.constraints().map() != nullptr ? ", in the unknowns that constraints leave free" : "");
 }
 
@@ -151,7 +151,7 @@ class PetscAdvance final : public Advance {
  public:
   PetscAdvance(const Config& config, Model& model, Ledger& ledger, const PetscMethod& method, const StateView& initial)
       : name_(method.name), ledger_(ledger), integrator_(with_user_options([&] {
-          const PetscIntegratorOptions options{method, newton_options(config), linear_kind(config, model.layout())};
+          const PetscIntegratorOptions options{method, newton_options(config), linear_kind(config, model)};
           return std::make_unique<PetscIntegrator>(options, model.equation(), model.motion(Correction::of_slaves),
                                                    initial);
         })) {}
@@ -287,7 +287,15 @@ class LoadAdvance final : public Advance {
 
 }  // namespace
 
-LinearKind linear_kind(const Config& config, const NodeLayout& layout) {
+/// Whether multigrid may take the place of a factorization. Where energies are minimised in statics, and near barriers, it
+/// is the factorization that tells whether a Hessian is definite.
+bool may_adapt_linear_solver(const Config& config, Model& model) {
+  const StageEquation& equation = model.equation();
+  return analysis_of(config) == Analysis::dynamic && find_petsc_method(method_name(config.time.method)) == nullptr &&
+         equation.symmetry() == Symmetry::symmetric && !equation.has_walls() && equation.num_rank_one() == 0;
+}
+
+LinearKind linear_kind(const Config& config, Model& model) {
   switch (config.solver.linear) {
     case LinearSolver::cholesky:
       return LinearKind::cholesky;
@@ -299,7 +307,8 @@ LinearKind linear_kind(const Config& config, const NodeLayout& layout) {
       break;
   }
   if (config.volumetric == VolumetricTreatment::mixed) return LinearKind::cholesky;  // the matrix is indefinite
-  return automatic_linear_kind(3 * layout.num_global_nodes, layout.order);
+  const NodeLayout& layout = model.layout();
+  return automatic_linear_kind(3 * layout.num_global_nodes, layout.order, may_adapt_linear_solver(config, model));
 }
 
 void Advance::begin(const Step& /*step*/) {

@@ -84,7 +84,7 @@ class Advance {
 };
 
 /// The linear solver that the input asks for, or the automatic choice.
-LinearKind linear_kind(const Config& config, const NodeLayout& layout);
+LinearKind linear_kind(const Config& config, Model& model);
 
 /// Makes the Advance for the input's method, from the initial state. `config`, `model` and `ledger` outlive the result.
 std::unique_ptr<Advance> make_advance(const Config& config, Model& model, Ledger& ledger, const StateView& initial,

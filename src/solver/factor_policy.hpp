@@ -27,8 +27,8 @@ class FactorPolicy {
   };
   /// Which factor preconditions a linear system: its own, or a kept one.
   enum class Factor { own, kept };
-  /// What is factorized of the matrix.
-  enum class Factored { whole, symmetric_part };
+  /// What is factorized of the matrix; nothing if multigrid takes the place of a factorization while that pays.
+  enum class Factored { whole, symmetric_part, nothing };
 
   explicit FactorPolicy(Solver solver) : solver_(solver) {}
 
@@ -54,9 +54,9 @@ class FactorPolicy {
     double cost_of_set_up = 0.0;
   };
   void note_solve(const Solve& solve, Factor factor);
-  /// Whether a solve took more iterations than it would with a sound factor of its own matrix, or than pays for that of
-  /// its symmetric part, which takes half the work.
-  static bool is_poor(int iterations, Factor factor, Factored factored);
+  /// Whether a solve took more iterations than it would with a sound factor of its own matrix, or than pays: for the
+  /// factor of its symmetric part, which takes half the work, and for multigrid.
+  static bool is_poor(const Solve& solve, Factor factor, Factored factored);
 
  private:
   Solver solver_;

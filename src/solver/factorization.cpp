@@ -99,17 +99,53 @@ std::optional<PetscInt> negative_pivots_of_petsc(PC pc) {
 }
 
 void Factorization::set_up(Mat K) {
-  if (!multigrid_) factorize(K);
-  if (outcome_ == SetUp::out_of_memory || (multigrid_ && pattern_of_multigrid_ != pattern_id(K))) make_multigrid(K);
-  if (!multigrid_) return;
+  if (kind_ == Kind::factors && !is_multigrid()) factorize(K);
+  if (kind_ != Kind::factors || is_multigrid() || outcome_ == SetUp::out_of_memory) set_up_multigrid(K);
+  if (kind_ == Kind::adaptive && (outcome_ != SetUp::sound || blocks_ == nullptr)) {
+    become_factors();
+    set_up(K);
+  }
+}
+
+void Factorization::become_factors() {
+  kind_ = Kind::factors;
+  blocks_.reset();
+  multigrid_ = {};
+  of_multigrid_ = {};
+  single_.emplace(symmetry_);
+}
+
+void Factorization::set_up_multigrid(Mat K) {
+  const bool is_new = !is_multigrid() || pattern_of_multigrid_ != pattern_id(K);
+  outcome_ = SetUp::sound;
+  if (is_new) {
+    single_.reset();
+    double_ = {};
+    multigrid_ = {};
+    pattern_of_multigrid_ = pattern_id(K);
+    blocks_ = is_symmetric(symmetry_) ? BlockMultigrid::make(K) : nullptr;
+    if (blocks_ || kind_ == Kind::adaptive) return;
+    make_multigrid_of_petsc(K);
+  } else if (blocks_) {
+    if (!blocks_->set_up(K)) outcome_ = SetUp::singular;
+    return;
+  }
   check(MatCopy(K, of_multigrid_.get(), SAME_NONZERO_PATTERN));
   check(PCSetOperators(multigrid_.get(), of_multigrid_.get(), of_multigrid_.get()));
   check(PCSetUp(multigrid_.get()));
-  outcome_ = SetUp::sound;
+  PCFailedReason failure = PC_NOERROR;
+  check(PCGetFailedReason(multigrid_.get(), &failure));
+  if (failure != PC_NOERROR) outcome_ = SetUp::singular;
+}
+
+void Factorization::apply(Vec b, Vec x) {
+  if (single_) return single_->solve(b, x);
+  if (blocks_) return blocks_->apply(b, x);
+  check(PCApply(other().get(), b, x));
 }
 
 std::optional<PetscInt> Factorization::negative_pivots() const {
-  if (!is_symmetric(symmetry_) || multigrid_) return std::nullopt;
+  if (!is_symmetric(symmetry_) || is_multigrid()) return std::nullopt;
   return single_ ? single_->negative_pivots() : negative_pivots_of_petsc(double_.get());
 }
 
@@ -120,6 +156,10 @@ double Factorization::cost_of_set_up() const {
 }
 
 void Factorization::view(PetscViewer viewer) const {
+  if (blocks_) {
+    return check(PetscViewerASCIIPrintf(viewer, "    levels %d, entries of their matrices over those of the finest %.3g\n",
+                                        blocks_->num_levels(), blocks_->operator_complexity()));
+  }
   if (!single_) return check(PCView(other().get(), viewer));
   if (outcome_ != SetUp::sound) return;
   const auto size = single_->size();
@@ -128,12 +168,17 @@ void Factorization::view(PetscViewer viewer) const {
 }
 
 const char* Factorization::name() const {
-  if (multigrid_) return "algebraic multigrid, because there is too little memory for a factorization";
+  if (is_replaced()) return "algebraic multigrid, because there is too little memory for a factorization";
+  if (kind_ != Kind::factors) return blocks_ ? "smoothed aggregation in single precision" : "algebraic multigrid (GAMG)";
   return single_ ? "MUMPS factorization in single precision" : "MUMPS factorization in double precision";
 }
 
 bool Factorization::refine() {
-  if (multigrid_ || ordering_ != pord) return false;
+  if (kind_ == Kind::adaptive) {
+    become_factors();
+    return true;
+  }
+  if (is_multigrid() || ordering_ != pord) return false;
   if (is_of_symmetric_part()) {
     factorize_whole();
   } else if (single_) {
@@ -187,10 +232,7 @@ void Factorization::make_double(Mat K) {
   control_mumps(double_.get(), K, first_workspace, ordering_);
 }
 
-void Factorization::make_multigrid(Mat K) {
-  single_.reset();
-  double_ = {};
-  pattern_of_multigrid_ = pattern_id(K);
+void Factorization::make_multigrid_of_petsc(Mat K) {
   check(MatDuplicate(K, MAT_COPY_VALUES, of_multigrid_.out()));
   check(MatPropagateSymmetryOptions(K, of_multigrid_.get()));
   MatNullSpace near = nullptr;

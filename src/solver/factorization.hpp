@@ -1,46 +1,65 @@
-/// A sparse factorization (MUMPS) as a preconditioner that stays usable: in single or double precision, or replaced.
+/// A preconditioner that belongs to the matrix of its last set-up: a factorization (MUMPS) or multigrid.
 #pragma once
 
+#include "multigrid/block_multigrid.hpp"
 #include "petsc/handle.hpp"
+#include "solver/linear_kind.hpp"
 #include "solver/single_factorization.hpp"
 
+#include <memory>
 #include <optional>
 #include <utility>
 
 namespace pliant {
 
-/// A factorization in single precision while that is accurate enough, then in double; multigrid if memory is too small.
-/// That of a nearly symmetric matrix is its symmetric part's, half the work, while that is near enough.
+/// A factorization in single precision while that is accurate enough, then in double; multigrid if memory is too small,
+/// or from the start. The factorization of a nearly symmetric matrix is its symmetric part's, half the work, while that
+/// is near enough. Multigrid is BlockMultigrid where the matrix allows, otherwise PETSc's GAMG.
 /// All methods are collective unless they only read.
 class Factorization {
  public:
-  explicit Factorization(Symmetry symmetry) : symmetry_(symmetry), single_(std::in_place, symmetry) {}
+  enum class Kind {
+    factors,
+    multigrid,
+    adaptive  ///< multigrid, until `refine` asks for factors
+  };
+  Factorization(Symmetry symmetry, Kind kind) : symmetry_(symmetry), kind_(kind) {
+    if (kind == Kind::factors) single_.emplace(symmetry);
+  }
 
   void set_up(Mat K);
-  void apply(Vec b, Vec x) { single_ ? single_->solve(b, x) : check(PCApply(other().get(), b, x)); }
+  void apply(Vec b, Vec x);
   std::optional<PetscInt> negative_pivots() const;
   SetUp outcome() const { return outcome_; }
   double cost_of_set_up() const;
   void view(PetscViewer viewer) const;
   const char* name() const;
-  bool is_multigrid() const { return static_cast<bool>(multigrid_); }
+  /// Whether multigrid has taken the place of a factorization.
+  bool is_replaced() const { return kind_ == Kind::factors && is_multigrid(); }
+  bool uses_near_null_space() const { return kind_ != Kind::factors || is_multigrid(); }
+  bool may_become_factors() const { return kind_ == Kind::adaptive; }
   bool is_of_symmetric_part() const { return single_ && symmetry_ == Symmetry::nearly_symmetric; }
   /// Makes all further set-ups more accurate; false if nothing better is available.
   bool refine();
 
  private:
+  bool is_multigrid() const { return blocks_ != nullptr || multigrid_; }
   const Handle<PC>& other() const { return multigrid_ ? multigrid_ : double_; }
   void factorize(Mat K);
   void factorize_whole();
   /// Keeps the factors of K until the next set-up, although K changes: PETSc would factorize anew at the next solve.
   static void keep(PC pc) { check(PCSetReusePreconditioner(pc, PETSC_TRUE)); }
   void make_double(Mat K);
-  /// Works on a copy of K: like a factorization, it belongs to the matrix of the last set-up.
-  void make_multigrid(Mat K);
+  void become_factors();
+  void set_up_multigrid(Mat K);
+  /// Works on a copy of K, since GAMG smooths with the matrix itself.
+  void make_multigrid_of_petsc(Mat K);
 
   Symmetry symmetry_;
+  Kind kind_;
   // One of them.
   std::optional<SingleFactorization> single_;
+  std::unique_ptr<BlockMultigrid> blocks_;
   Handle<PC> double_, multigrid_;
   PetscObjectId pattern_of_double_ = 0;
   Handle<Mat> of_multigrid_;

@@ -54,8 +54,8 @@ PetscErrorCode destroy_callback(PC pc) {
   return CallbackGuard().run([&] { delete factorization_of(pc); });
 }
 
-void use_factorization(PC pc, Symmetry symmetry) {
-  auto factorization = std::make_unique<Factorization>(symmetry);
+void use_factorization(PC pc, Symmetry symmetry, Factorization::Kind kind) {
+  auto factorization = std::make_unique<Factorization>(symmetry, kind);
   check(PCSetType(pc, PCSHELL));
   check(PCShellSetName(pc, factorization->name()));
   check(PCShellSetContext(pc, factorization.release()));
@@ -97,11 +97,8 @@ void use_p_multigrid(PC pc, Mat K, const Coarsening& coarsening) {
   check(KSPGetPC(coarse, &of_coarse));
   PetscInt num_unknowns = 0;
   check(MatGetSize(linear.get(), &num_unknowns, nullptr));
-  if (automatic_linear_kind(num_unknowns, 1) == LinearKind::cholesky) {
-    use_factorization(of_coarse, Symmetry::symmetric);
-  } else {
-    use_algebraic_multigrid(of_coarse);
-  }
+  const bool is_small = automatic_linear_kind(num_unknowns, 1, false) == LinearKind::cholesky;
+  use_factorization(of_coarse, Symmetry::symmetric, is_small ? Factorization::Kind::factors : Factorization::Kind::multigrid);
 }
 
 /// Displacements by algebraic multigrid, then pressures by their approximate Schur complement.
@@ -220,13 +217,16 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
   check(KSPSetTolerances(ksp, 1e-5, PETSC_DEFAULT, PETSC_DEFAULT,
                          kind == LinearKind::cholesky ? max_iterations_with_factor : max_iterations_of_multigrid));
   if (may_be_single) {
-    use_factorization(pc, symmetry);
+    use_factorization(pc, symmetry, Factorization::Kind::factors);
   } else if (kind == LinearKind::cholesky) {
     use_double_precision(pc, symmetry);
   } else if (coarsening != nullptr && symmetry == Symmetry::symmetric) {
     use_p_multigrid(pc, K, *coarsening);
   } else if (const auto parts = saddle_point_of(K)) {
     use_split(pc, *parts);
+  } else if (is_symmetric(symmetry)) {
+    const bool is_adaptive = kind == LinearKind::adaptive;
+    use_factorization(pc, symmetry, is_adaptive ? Factorization::Kind::adaptive : Factorization::Kind::multigrid);
   } else {
     use_algebraic_multigrid(pc);
   }
@@ -266,7 +266,17 @@ bool refine_factorization(PC pc) {
 
 bool uses_multigrid_instead(PC pc) {
   const Factorization* factorization = factorization_of(pc);
-  return factorization != nullptr && factorization->is_multigrid();
+  return factorization != nullptr && factorization->is_replaced();
+}
+
+bool uses_near_null_space(PC pc) {
+  const Factorization* factorization = factorization_of(pc);
+  return factorization != nullptr && factorization->uses_near_null_space();
+}
+
+bool may_become_factorization(PC pc) {
+  const Factorization* factorization = factorization_of(pc);
+  return factorization != nullptr && factorization->may_become_factors();
 }
 
 bool is_of_symmetric_part(PC pc) {

@@ -35,6 +35,12 @@ bool refine_factorization(PC pc);
 /// Whether the factorization is that of the symmetric part of a nearly symmetric matrix.
 bool is_of_symmetric_part(PC pc);
 
+/// Whether a set-up uses the near-null space of the matrix.
+bool uses_near_null_space(PC pc);
+
+/// Whether multigrid takes the place of a factorization until `refine_factorization`.
+bool may_become_factorization(PC pc);
+
 /// Whether multigrid has replaced the factorization.
 bool uses_multigrid_instead(PC pc);
 

@@ -136,6 +136,7 @@ void LinearSystem::forget() {
 
 void LinearSystem::factorize(Vec q) {
   const Stopwatch watch(statistics_.factorization_seconds);
+  if (uses_near_null_space(preconditioner_.get())) equation_.follow_rigid_motions(q, K_.get());
   factor_.note_set_up(set_up_preconditioner(preconditioner_.get(), K_.get()));
   statistics_.uses_multigrid_instead = uses_multigrid_instead(preconditioner_.get());
   if (rank_one_ && !factor_.has_failed() && !rank_one_->set_up()) factor_.note_failure();
@@ -221,6 +222,8 @@ bool LinearSystem::escalate(Vec q) {
         factor_.renew();  // the next Hessian may need no projection
         break;
       case projected_and_shifted:
+        // Multigrid that fails with a projected Hessian is of no use here.
+        if (may_become_factorization(preconditioner_.get())) (void)refine_factorization(preconditioner_.get());
         shift(regularization * mean_diagonal());
         factorize(q);
         factor_.renew();
@@ -235,8 +238,9 @@ bool LinearSystem::escalate(Vec q) {
 void LinearSystem::improve_poor_factor(Vec q, Vec r, Vec y) {
   using enum FactorPolicy::Factored;
   const auto is_poor = [&] {
-    return FactorPolicy::is_poor(last_iterations(), whose_factor(),
-                                 is_of_symmetric_part(preconditioner_.get()) ? symmetric_part : whole);
+    PC pc = preconditioner_.get();
+    const auto factored = may_become_factorization(pc) ? nothing : is_of_symmetric_part(pc) ? symmetric_part : whole;
+    return FactorPolicy::is_poor(last_solve(), whose_factor(), factored);
   };
   while (is_poor() && refine_factorization(preconditioner_.get())) {
     if (!factorize_definite(q)) return;
@@ -256,12 +260,14 @@ PetscInt LinearSystem::last_iterations() const {
   return iterations;
 }
 
-void LinearSystem::note_solve() {
+FactorPolicy::Solve LinearSystem::last_solve() const {
   PetscReal tolerance = 0.0;
   check(KSPGetTolerances(ksp_, &tolerance, nullptr, nullptr, nullptr));
-  factor_.note_solve(
-      {static_cast<int>(last_iterations()), -std::log10(tolerance), cost_of_set_up(preconditioner_.get())},
-      whose_factor());
+  return {static_cast<int>(last_iterations()), -std::log10(tolerance), cost_of_set_up(preconditioner_.get())};
+}
+
+void LinearSystem::note_solve() {
+  factor_.note_solve(last_solve(), whose_factor());
 }
 
 bool LinearSystem::has_direction(Vec r) const {

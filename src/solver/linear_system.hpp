@@ -96,6 +96,7 @@ class LinearSystem {
   /// Number of negative eigenvalues of the Hessian with its rank-one terms, from the factorization of the current K.
   std::optional<PetscInt> negative_eigenvalues() const;
   PetscInt last_iterations() const;
+  FactorPolicy::Solve last_solve() const;
 
   Objective& objective_;
   StageEquation& equation_;

@@ -91,12 +91,23 @@ TEST(FactorPolicy, ForgetsALackOfMemoryWithTheStage) {
 }
 
 TEST(FactorPolicy, OnlyAFactorOfTheVeryMatrixCanBePoor) {
-  EXPECT_FALSE(FactorPolicy::is_poor(40, Factor::own, Factored::whole));
-  EXPECT_TRUE(FactorPolicy::is_poor(41, Factor::own, Factored::whole));
-  EXPECT_FALSE(FactorPolicy::is_poor(1000, Factor::kept, Factored::whole));
-  EXPECT_FALSE(FactorPolicy::is_poor(15, Factor::own, Factored::symmetric_part));
-  EXPECT_TRUE(FactorPolicy::is_poor(16, Factor::own, Factored::symmetric_part));
-  EXPECT_FALSE(FactorPolicy::is_poor(1000, Factor::kept, Factored::symmetric_part));
+  const auto is_poor = [](int iterations, Factor factor, Factored factored) {
+    return FactorPolicy::is_poor({.iterations = iterations, .digits = 4.0}, factor, factored);
+  };
+  EXPECT_FALSE(is_poor(40, Factor::own, Factored::whole));
+  EXPECT_TRUE(is_poor(41, Factor::own, Factored::whole));
+  EXPECT_FALSE(is_poor(1000, Factor::kept, Factored::whole));
+  EXPECT_FALSE(is_poor(15, Factor::own, Factored::symmetric_part));
+  EXPECT_TRUE(is_poor(16, Factor::own, Factored::symmetric_part));
+  EXPECT_FALSE(is_poor(1000, Factor::kept, Factored::symmetric_part));
+  EXPECT_FALSE(is_poor(24, Factor::own, Factored::nothing));
+  EXPECT_TRUE(is_poor(25, Factor::own, Factored::nothing));
+  EXPECT_FALSE(is_poor(1000, Factor::kept, Factored::nothing));
+}
+
+TEST(FactorPolicy, MultigridMayTakeAFewIterationsForFewDigits) {
+  EXPECT_FALSE(FactorPolicy::is_poor({.iterations = 18, .digits = 0.5}, Factor::own, FactorPolicy::Factored::nothing));
+  EXPECT_TRUE(FactorPolicy::is_poor({.iterations = 19, .digits = 0.5}, Factor::own, FactorPolicy::Factored::nothing));
 }
 
 TEST(FactorPolicy, RenewsOnRequest) {

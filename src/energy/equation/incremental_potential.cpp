@@ -236,6 +236,11 @@ Handle<Mat> IncrementalPotential::make_hessian_of(const BlockPattern& pattern) c
   return K;
 }
 
+void IncrementalPotential::follow_rigid_motions(Vec q, Mat K) const {
+  const ConstArrayView displacements(q);
+  set_near_null_modes(K, rigid_body_modes(layout_, prescribed_, displacements));
+}
+
 std::optional<Coarsening> IncrementalPotential::make_coarsening() const {
   if (layout_.order == 1) return std::nullopt;
   return pliant::make_coarsening(layout_, prescribed_);

@@ -53,6 +53,7 @@ class IncrementalPotential final : public StageEquation {
   void hessian(Vec q, Mat K, Projection projection) override;
   void extrapolate_from(Vec q) override { terms_.arrays().extrapolate_from(q); }
   bool is_static() const override;
+  void follow_rigid_motions(Vec q, Mat K) const override;
   std::size_t num_rank_one() const override { return terms_.functions_of_sum().size(); }
   void rank_one_parts(Vec q, std::vector<RankOne>& parts) override;
   bool move_rigidly(Vec q) override;
