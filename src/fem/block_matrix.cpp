@@ -135,7 +135,8 @@ std::vector<Handle<Vec>> rigid_body_modes(const NodeLayout& layout, std::span<co
     const ArrayView mode(modes[m].get());
     for (PetscInt a = 0; a < layout.num_owned_nodes; ++a) {
       auto x = layout.position(a);
-      for (std::size_t i = 0; i < 3 && !displacements.empty(); ++i) x[i] += displacements[3 * static_cast<std::size_t>(a) + i];
+      for (std::size_t i = 0; i < 3 && !displacements.empty(); ++i)
+        x[i] += displacements[3 * static_cast<std::size_t>(a) + i];
       std::array<double, 3> u{};
       if (m < 3) {
         u[m] = 1.0;

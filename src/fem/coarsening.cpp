@@ -82,24 +82,6 @@ Coarsening make_coarsening(const NodeLayout& layout, std::span<const char> presc
   }
   check(MatAssemblyBegin(P, MAT_FINAL_ASSEMBLY));
   check(MatAssemblyEnd(P, MAT_FINAL_ASSEMBLY));
-
-  std::vector<Handle<Vec>> modes;
-  for (const Handle<Vec>& fine : rigid_body_modes(layout, prescribed)) {
-    Handle<Vec> coarse;
-    check(MatCreateVecs(P, coarse.out(), nullptr));
-    {
-      const ConstArrayView from(fine.get());
-      const ArrayView to(coarse.get());
-      PetscInt vertex = 0;
-      for (PetscInt n = 0; n < layout.num_owned_nodes; ++n) {
-        if (ends[n][0] >= 0) continue;
-        for (int i = 0; i < 3; ++i) to[3 * vertex + i] = from[3 * n + i];
-        ++vertex;
-      }
-    }
-    modes.push_back(std::move(coarse));
-  }
-  result.near_null = near_null_space(layout.comm, std::move(modes));
   return result;
 }
 

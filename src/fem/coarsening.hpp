@@ -10,8 +10,7 @@ namespace pliant {
 
 /// The space of P1 displacements inside that of P2 displacements on the same mesh.
 struct Coarsening {
-  Handle<Mat> prolongation;        ///< P2 values of P1 functions; columns: three per vertex, by owner
-  Handle<MatNullSpace> near_null;  ///< rigid-body modes as P1 functions, zero on prescribed entries
+  Handle<Mat> prolongation;  ///< P2 values of P1 functions; columns: three per vertex, by owner
 };
 
 /// Restriction of quadratic elements: vertices keep their values, mid-edge nodes take the mean of two. Functions of the

@@ -3,6 +3,7 @@
 #include "base/inline.hpp"
 
 #include <algorithm>
+
 #include <experimental/simd>
 
 namespace pliant {

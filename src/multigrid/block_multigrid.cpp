@@ -5,14 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
-
 #include <eigen3/Eigen/Dense>
+#include <utility>
 
 namespace pliant {
 namespace {
 
-/// A level of so many nodes is solved by a dense factorization on every rank, and one of more if it cannot be coarsened.
+/// A level of so many nodes is solved by a dense factorization on every rank, and one of more if it cannot be
+/// coarsened.
 constexpr PetscInt max_nodes_of_coarsest = 100, max_nodes_that_cannot = 500;
 /// A level with more than this part of the nodes of the finer one is not worth its cost.
 constexpr double least_coarsening = 0.7;
@@ -49,7 +49,7 @@ void BlockMultigrid::Deleter::operator()(Coarsest* coarsest) const {
   delete coarsest;
 }
 
-std::unique_ptr<BlockMultigrid> BlockMultigrid::make(Mat K) {
+std::unique_ptr<BlockMultigrid> BlockMultigrid::make(Mat K, Mat P) {
   std::unique_ptr<BlockMultigrid> multigrid(new BlockMultigrid);
   {
     const std::optional<MatrixBlocks> blocks = MatrixBlocks::of(K);
@@ -57,6 +57,7 @@ std::unique_ptr<BlockMultigrid> BlockMultigrid::make(Mat K) {
     const bool lacks_modes = blocks->num_rows() > 0 && modes_of(K, blocks->num_rows()).values.empty();
     if (any_rank(PetscObjectComm(reinterpret_cast<PetscObject>(K)), lacks_modes)) return nullptr;
     multigrid->add_level(blocks->make_halo(), blocks->pattern());
+    if (P != nullptr) multigrid->given_ = given_prolongation(P, multigrid->levels_.front().halo());
   }
   if (!multigrid->set_up(K)) return nullptr;
   return multigrid;
@@ -81,6 +82,10 @@ bool BlockMultigrid::set_up(Mat K) {
     const BlockSource& values = values_of(n, *finest);
     if (!levels_[n].take(values)) return false;
     if (levels_[n].halo().num_global() <= max_nodes_of_coarsest) return factorize_coarsest(values);
+    if (n == 0 && given_) {
+      modes = inject(values, modes);
+      continue;
+    }
     if (aggregates_.size() == n) aggregates_.push_back(aggregate(levels_[n].matrix()));
     switch (depth_after(aggregates_[n], levels_[n].halo())) {
       case Depth::deeper:
@@ -92,6 +97,18 @@ bool BlockMultigrid::set_up(Mat K) {
         return false;
     }
   }
+}
+
+Modes BlockMultigrid::inject(const BlockSource& values, const Modes& modes) {
+  const bool is_new = transfers_.empty();
+  if (is_new) {
+    aggregates_.emplace_back();
+    transfers_.push_back(std::make_unique<GalerkinProduct>(levels_.front().matrix(), levels_.front().halo(), *given_));
+  }
+  GalerkinProduct& transfer = *transfers_.front();
+  transfer.compute(levels_.front().matrix(), values);
+  if (is_new) add_level(transfer.coarse(), transfer.pattern());
+  return injected(modes, *given_, transfer.coarse().first());
 }
 
 Modes BlockMultigrid::coarsen(std::size_t n, const BlockSource& values, Modes modes) {
@@ -128,7 +145,8 @@ bool BlockMultigrid::factorize_coarsest(const BlockSource& values) {
       values.read(row, k - A.begin(row), block.data());
       const std::size_t column = static_cast<std::size_t>(halo.global(A.columns[k])) * h;
       for (std::size_t r = 0; r < h; ++r) {
-        for (std::size_t c = 0; c < h; ++c) rows[(static_cast<std::size_t>(row) * h + r) * n + column + c] = block[c * h + r];
+        for (std::size_t c = 0; c < h; ++c)
+          rows[(static_cast<std::size_t>(row) * h + r) * n + column + c] = block[c * h + r];
       }
     }
   }
@@ -136,7 +154,8 @@ bool BlockMultigrid::factorize_coarsest(const BlockSource& values) {
   const std::vector<double> all = gathered(halo.comm(), rows);
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const auto size = static_cast<Eigen::Index>(n);
-  coarsest_.reset(new Coarsest{Eigen::PartialPivLU<Eigen::MatrixXd>(Eigen::Map<const RowMajor>(all.data(), size, size))});
+  coarsest_.reset(
+      new Coarsest{Eigen::PartialPivLU<Eigen::MatrixXd>(Eigen::Map<const RowMajor>(all.data(), size, size))});
   return std::isfinite(coarsest_->factors.matrixLU().sum());
 }
 
@@ -144,8 +163,7 @@ double BlockMultigrid::operator_complexity() const {
   double finest = 0.0, all = 0.0;
   for (const Level& level : levels_) {
     const auto comm = level.halo().comm();
-    const double entries =
-        sum(comm, static_cast<double>(level.matrix().columns.size() * level.matrix().block_size()));
+    const double entries = sum(comm, static_cast<double>(level.matrix().columns.size() * level.matrix().block_size()));
     if (finest == 0.0) finest = entries;
     all += entries;
   }
@@ -156,7 +174,8 @@ void BlockMultigrid::solve_coarsest(Work& work) {
   const Level& level = levels_.back();
   const std::span own = std::span(work.b).first(level.num_own_entries());
   const std::vector<float> all = gathered(level.halo().comm(), own);
-  const Eigen::VectorXd b = Eigen::Map<const Eigen::VectorXf>(all.data(), static_cast<Eigen::Index>(all.size())).cast<double>();
+  const Eigen::VectorXd b =
+      Eigen::Map<const Eigen::VectorXf>(all.data(), static_cast<Eigen::Index>(all.size())).cast<double>();
   const Eigen::VectorXd x = coarsest_->factors.solve(b);
   const PetscInt begin = level.halo().first() * level.matrix().height;
   for (std::size_t i = 0; i < own.size(); ++i) work.x[i] = static_cast<float>(x[begin + static_cast<PetscInt>(i)]);
@@ -172,9 +191,9 @@ void BlockMultigrid::cycle(std::size_t n) {
   level.smooth_from_zero(work.b, work.x);
   level.residual(work.b, work.x, work.r);
   multiply_transposed(transfer.prolongation(), own(work.r), coarse.b);
-  transfer.coarse().add_to_owners(std::span(coarse.b), Modes::number);
+  transfer.coarse().add_to_owners(std::span(coarse.b), transfer.prolongation().width);
   cycle(n + 1);
-  transfer.coarse().fetch(std::span(coarse.x), Modes::number);
+  transfer.coarse().fetch(std::span(coarse.x), transfer.prolongation().width);
   add_product(transfer.prolongation(), coarse.x, own(work.x));
   level.smooth_further(work.b, work.x);
 }

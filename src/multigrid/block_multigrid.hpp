@@ -6,18 +6,20 @@
 #include "petsc/handle.hpp"
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace pliant {
 
 /// A V-cycle of smoothed aggregation (Vanek, Mandel & Brezina 1996) over blocks of 3 x 3 and, on the coarser levels, of
-/// 6 x 6: a rigid motion for each aggregate. The coarsest level is solved by every rank. Like a factorization it belongs
-/// to the matrix of the last set-up, and to its near-null modes, which turn with the body; aggregates stay.
+/// 6 x 6: a rigid motion for each aggregate. The coarsest level is solved by every rank. Like a factorization it
+/// belongs to the matrix of the last set-up, and to its near-null modes, which turn with the body; aggregates stay.
 class BlockMultigrid {
  public:
   /// Multigrid for matrices with the pattern of K; nullptr if K is not made of blocks of 3 x 3, has no near-null modes,
   /// or cannot be coarsened. Collective.
-  static std::unique_ptr<BlockMultigrid> make(Mat K);
+  /// `P`: the prolongation to the first level from nodes that are those of a coarser level too; null: aggregates.
+  static std::unique_ptr<BlockMultigrid> make(Mat K, Mat P = nullptr);
 
   /// Takes the values of K, of the same pattern. Returns false if a level is not positive definite. Collective.
   bool set_up(Mat K);
@@ -37,6 +39,7 @@ class BlockMultigrid {
   void add_level(Halo halo, BlockCsr pattern);
   /// Whether the level with these aggregates has a coarser one.
   static Depth depth_after(const Aggregates& aggregates, const Halo& halo);
+  Modes inject(const BlockSource& values, const Modes& modes);
   /// Computes the matrix of level n + 1; returns its modes.
   Modes coarsen(std::size_t n, const BlockSource& values, Modes modes);
   const BlockSource& values_of(std::size_t level, const BlockSource& finest) const;
@@ -46,6 +49,7 @@ class BlockMultigrid {
 
   std::vector<Level> levels_;  // finest first
   std::vector<Aggregates> aggregates_;
+  std::optional<ProlongationRows> given_;                    // from the second level to the first
   std::vector<std::unique_ptr<GalerkinProduct>> transfers_;  // to the next level
   std::vector<Work> work_;
   struct Coarsest;

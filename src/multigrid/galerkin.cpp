@@ -48,9 +48,7 @@ void GalerkinProduct::take(const ProlongationRows& rows) {
 
 void GalerkinProduct::make_pattern(const BlockCsr& A, const Halo& fine, const std::vector<PetscInt>& columns,
                                    int num_own) {
-  const auto of_row = [&](int row) {
-    return std::span(columns).subspan(P_.begin(row), P_.end(row) - P_.begin(row));
-  };
+  const auto of_row = [&](int row) { return std::span(columns).subspan(P_.begin(row), P_.end(row) - P_.begin(row)); };
   const Halo owners(fine.comm(), num_own, {});
   const auto is_own = [&](PetscInt node) { return owners.owns(node); };
   std::vector<std::vector<PetscInt>> lists(static_cast<std::size_t>(num_own));
@@ -84,6 +82,12 @@ void GalerkinProduct::make_pattern(const BlockCsr& A, const Halo& fine, const st
   for (std::vector<PetscInt>& list : lists) {
     sort_unique(list);
     std::ranges::remove_copy_if(list, std::back_inserter(ghosts), is_own);
+  }
+  for (const std::vector<Place>& list : of_others) {
+    for (const Place& place : list) {
+      ghosts.push_back(place.row);
+      if (!is_own(place.column)) ghosts.push_back(place.column);
+    }
   }
   sort_unique(ghosts);
   coarse_ = Halo(fine.comm(), num_own, std::move(ghosts));
@@ -128,7 +132,7 @@ std::size_t GalerkinProduct::find(int row, int column) const {
 }
 
 BlockCsr GalerkinProduct::pattern() const {
-  BlockCsr A(width, width);
+  BlockCsr A(P_.width, P_.width);
   A.offsets.assign(offsets_.begin(), offsets_.begin() + coarse_.num_owned() + 1);
   A.columns.assign(columns_.begin(), columns_.begin() + A.offsets.back());
   return A;
@@ -136,10 +140,10 @@ BlockCsr GalerkinProduct::pattern() const {
 
 void GalerkinProduct::read(int row, std::size_t k, double* block) const {
   const std::size_t at = static_cast<std::size_t>(offsets_[static_cast<std::size_t>(row)]) + k;
-  std::copy_n(sums_.data() + at * block_size, block_size, block);
+  std::copy_n(sums_.data() + at * block_size(), block_size(), block);
 }
 
-template <int height>
+template <int height, int width>
 void GalerkinProduct::add_products(const BlockCsr& A, const BlockSource& values) {
   constexpr std::size_t size = std::size_t{height} * width;
   std::vector<int> slot_of(static_cast<std::size_t>(coarse_.num_local()), -1);
@@ -173,7 +177,7 @@ void GalerkinProduct::add_products(const BlockCsr& A, const BlockSource& values)
     for (std::size_t l = P_.begin(i); l < P_.end(i); ++l) {
       const float* const p = P_.block(l);
       for (std::size_t slot = 0; slot < columns.size(); ++slot) {
-        double* const sum = sums_.data() + find(P_.columns[l], columns[slot]) * block_size;
+        double* const sum = sums_.data() + find(P_.columns[l], columns[slot]) * std::size_t{width} * width;
         const double* const right = AP.data() + slot * size;
         for (int m = 0; m < width; ++m) {
           for (int n = 0; n < width; ++n) {
@@ -189,14 +193,19 @@ void GalerkinProduct::add_products(const BlockCsr& A, const BlockSource& values)
 }
 
 void GalerkinProduct::compute(const BlockCsr& A, const BlockSource& values) {
-  sums_.assign(columns_.size() * block_size, 0.0);
-  A.height == 3 ? add_products<3>(A, values) : add_products<6>(A, values);
-  const std::size_t own = static_cast<std::size_t>(offsets_[static_cast<std::size_t>(coarse_.num_owned())]) * block_size;
+  const std::size_t size = block_size();
+  sums_.assign(columns_.size() * size, 0.0);
+  if (A.height == 6) {
+    add_products<6, 6>(A, values);
+  } else {
+    P_.width == 6 ? add_products<3, 6>(A, values) : add_products<3, 3>(A, values);
+  }
+  const std::size_t own = static_cast<std::size_t>(offsets_[static_cast<std::size_t>(coarse_.num_owned())]) * size;
   const std::vector<double> sent(sums_.begin() + static_cast<std::ptrdiff_t>(own), sums_.end());
   sums_.resize(own);
-  const std::vector<double> parts = exchanged(coarse_.comm(), sent, num_sent_, num_received_, block_size);
+  const std::vector<double> parts = exchanged(coarse_.comm(), sent, num_sent_, num_received_, size);
   for (std::size_t k = 0; k < received_.size(); ++k) {
-    for (std::size_t e = 0; e < block_size; ++e) sums_[received_[k] * block_size + e] += parts[k * block_size + e];
+    for (std::size_t e = 0; e < size; ++e) sums_[received_[k] * size + e] += parts[k * size + e];
   }
   complete_diagonal();
 }
@@ -204,9 +213,9 @@ void GalerkinProduct::compute(const BlockCsr& A, const BlockSource& values) {
 // A mode that an aggregate lacks has no energy; a one keeps the matrix regular.
 void GalerkinProduct::complete_diagonal() {
   for (int row = 0; row < coarse_.num_owned(); ++row) {
-    double* const block = sums_.data() + find(row, row) * block_size;
-    for (int m = 0; m < width; ++m) {
-      if (block[m * width + m] == 0.0) block[m * width + m] = 1.0;
+    double* const block = sums_.data() + find(row, row) * block_size();
+    for (int m = 0; m < P_.width; ++m) {
+      if (block[m * P_.width + m] == 0.0) block[m * P_.width + m] = 1.0;
     }
   }
 }

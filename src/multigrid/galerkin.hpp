@@ -33,12 +33,10 @@ class GalerkinProduct : public BlockSource {
   void forget_sums() { sums_ = {}; }
 
  private:
-  static constexpr int width = Modes::number;
-  static constexpr std::size_t block_size = std::size_t{width} * width;
-
   void make_pattern(const BlockCsr& A, const Halo& fine, const std::vector<PetscInt>& columns, int num_own);
   void plan_exchange();
-  template <int height>
+  std::size_t block_size() const { return static_cast<std::size_t>(P_.width) * static_cast<std::size_t>(P_.width); }
+  template <int height, int width>
   void add_products(const BlockCsr& A, const BlockSource& values);
   std::size_t find(int row, int column) const;
   void complete_diagonal();

@@ -25,7 +25,7 @@ class Halo {
   int num_owned() const { return num_owned_; }
   int num_ghosts() const { return static_cast<int>(ghosts_.size()); }
   int num_local() const { return num_owned_ + num_ghosts(); }
-  /// Of all ranks.
+  /// The number of nodes of all ranks.
   PetscInt num_global() const { return begins_.back(); }
   PetscInt first() const { return first_; }
   bool owns(PetscInt node) const { return node >= first_ && node < first_ + num_owned_; }
@@ -54,7 +54,7 @@ class Halo {
   PetscMPIInt tag_ = 0;
   int num_owned_ = 0;
   PetscInt first_ = 0;
-  std::vector<PetscInt> begins_{0};       // first node of each rank, and the number of all
+  std::vector<PetscInt> begins_{0};  // first node of each rank, and the number of all
   std::vector<PetscInt> ghosts_;
   std::vector<int> num_of_owner_;         // ghosts of each rank
   std::vector<std::vector<int>> wanted_;  // own nodes that are ghosts of each rank

@@ -4,11 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <eigen3/Eigen/Dense>
 #include <limits>
 #include <numeric>
 #include <utility>
-
-#include <eigen3/Eigen/Dense>
 
 namespace pliant {
 namespace {

@@ -33,7 +33,9 @@ class Level {
 
  private:
   enum class Start { zero, given };
-  std::size_t num_entries(int nodes) const { return static_cast<std::size_t>(nodes) * static_cast<std::size_t>(A_.height); }
+  std::size_t num_entries(int nodes) const {
+    return static_cast<std::size_t>(nodes) * static_cast<std::size_t>(A_.height);
+  }
   std::span<float> own(std::span<float> x) const { return x.first(num_own_entries()); }
   std::span<const float> own(std::span<const float> x) const { return x.first(num_own_entries()); }
   void invert_diagonal();

@@ -17,8 +17,8 @@ class BlockSource {
   virtual void read(int row, std::size_t k, double* block) const = 0;
 };
 
-/// The rows of a rank of an AIJ matrix, each node with three rows and columns. Refers to the matrix's arrays, which must
-/// not be assembled anew meanwhile.
+/// The rows of a rank of an AIJ matrix, each node with three rows and columns. Refers to the matrix's arrays, which
+/// must not be assembled anew meanwhile.
 class MatrixBlocks : public BlockSource {
  public:
   /// Nothing if the matrix is not made of whole blocks of 3 x 3, on any rank. Collective.
@@ -46,7 +46,9 @@ class MatrixBlocks : public BlockSource {
     void close();
     bool is_of_blocks(PetscInt num_rows) const;
     double largest(PetscInt num_rows) const;
-    std::size_t num_blocks(int row) const { return static_cast<std::size_t>(offsets[3 * row + 1] - offsets[3 * row]) / 3; }
+    std::size_t num_blocks(int row) const {
+      return static_cast<std::size_t>(offsets[3 * row + 1] - offsets[3 * row]) / 3;
+    }
   };
   MatrixBlocks() = default;
 

@@ -16,12 +16,13 @@ constexpr double dependent = 1e-8;
 std::vector<std::vector<int>> members(const Aggregates& aggregates) {
   std::vector<std::vector<int>> nodes(static_cast<std::size_t>(aggregates.number));
   for (std::size_t i = 0; i < aggregates.of_node.size(); ++i) {
-    if (aggregates.of_node[i] >= 0) nodes[static_cast<std::size_t>(aggregates.of_node[i])].push_back(static_cast<int>(i));
+    if (aggregates.of_node[i] >= 0)
+      nodes[static_cast<std::size_t>(aggregates.of_node[i])].push_back(static_cast<int>(i));
   }
   return nodes;
 }
 
-/// Of columns of the modes over some nodes.
+/// The scalar product of two columns of the modes over some nodes.
 double product(const Modes& modes, std::span<const int> nodes, int a, int b) {
   double sum = 0.0;
   for (const int node : nodes) {
@@ -48,7 +49,7 @@ void scale(Modes& modes, std::span<const int> nodes, int column, double by) {
 /// The rows of a prolongation as they are computed.
 class RowBuilder {
  public:
-  explicit RowBuilder(int height) { rows_.blocks.height = height, rows_.blocks.width = Modes::number; }
+  RowBuilder(int height, int width) { rows_.blocks.height = height, rows_.blocks.width = width; }
 
   /// The block of the current row in a column, zero at first.
   double* block(PetscInt column) {
@@ -129,6 +130,42 @@ Modes orthonormalise(const Aggregates& aggregates, Modes& modes) {
   return coarse;
 }
 
+ProlongationRows given_prolongation(Mat P, const Halo& fine) {
+  RowBuilder rows(3, 3);
+  PetscInt begin = 0, num_columns = 0;
+  check(MatGetOwnershipRange(P, &begin, nullptr));
+  check(MatGetLocalSize(P, nullptr, &num_columns));
+  for (int i = 0; i < fine.num_owned(); ++i) {
+    for (int r = 0; r < 3; ++r) {
+      PetscInt count = 0;
+      const PetscInt* columns = nullptr;
+      const PetscScalar* values = nullptr;
+      check(MatGetRow(P, begin + 3 * i + r, &count, &columns, &values));
+      for (PetscInt k = 0; k < count; ++k) rows.block(columns[k] / 3)[3 * (columns[k] % 3) + r] = values[k];
+      check(MatRestoreRow(P, begin + 3 * i + r, &count, &columns, &values));
+    }
+    rows.finish_row();
+  }
+  ProlongationRows all = rows.take();
+  all.num_own_columns = static_cast<int>(num_columns / 3);
+  fetch_rows(all, fine);
+  return all;
+}
+
+Modes injected(const Modes& fine, const ProlongationRows& rows, PetscInt first_coarse) {
+  Modes coarse;
+  coarse.values.resize(static_cast<std::size_t>(rows.num_own_columns) * coarse.block_size());
+  const auto num_own = static_cast<int>(fine.values.size() / fine.block_size());
+  for (int i = 0; i < num_own; ++i) {
+    const std::size_t k = rows.blocks.begin(i);
+    const bool is_coarse_too = rows.blocks.end(i) == k + 1 && rows.blocks.block(k)[0] == 1.0F;
+    if (is_coarse_too) {
+      std::copy_n(fine.block(i), fine.block_size(), coarse.block(static_cast<int>(rows.columns[k] - first_coarse)));
+    }
+  }
+  return coarse;
+}
+
 ProlongationRows smoothed_prolongation(const BlockCsr& A, const Halo& halo, std::span<const float> D, double largest,
                                        const Aggregates& aggregates, const Modes& orthonormal) {
   const int h = A.height;
@@ -145,7 +182,7 @@ ProlongationRows smoothed_prolongation(const BlockCsr& A, const Halo& halo, std:
   halo.fetch(std::span(T.values), static_cast<int>(T.block_size()));
 
   const double omega = 4.0 / (3.0 * largest);
-  RowBuilder rows(h);
+  RowBuilder rows(h, Modes::number);
   std::vector<double> AT(T.block_size());
   for (int i = 0; i < halo.num_owned(); ++i) {
     const PetscInt own = coarse[static_cast<std::size_t>(i)];
@@ -170,7 +207,8 @@ ProlongationRows smoothed_prolongation(const BlockCsr& A, const Halo& halo, std:
       const float* const inverse = &D[static_cast<std::size_t>(i) * A.block_size()];
       for (int m = 0; m < Modes::number; ++m) {
         for (int c = 0; c < h; ++c) {
-          for (int r = 0; r < h; ++r) sum[m * h + r] -= omega * inverse[c * h + r] * AT[static_cast<std::size_t>(m * h + c)];
+          for (int r = 0; r < h; ++r)
+            sum[m * h + r] -= omega * inverse[c * h + r] * AT[static_cast<std::size_t>(m * h + c)];
         }
       }
     }

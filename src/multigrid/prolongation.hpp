@@ -3,6 +3,7 @@
 
 #include "multigrid/aggregation.hpp"
 #include "multigrid/halo.hpp"
+#include "petsc/handle.hpp"
 
 #include <vector>
 
@@ -22,7 +23,7 @@ struct Modes {
 
 /// Rows of a prolongation, for own nodes and then for ghosts; columns are numbers of coarse nodes through the ranks.
 struct ProlongationRows {
-  BlockCsr blocks;  ///< its columns are empty
+  BlockCsr blocks;  ///< without columns
   std::vector<PetscInt> columns;
   int num_own_columns = 0;  ///< coarse nodes of this rank
 };
@@ -30,6 +31,12 @@ struct ProlongationRows {
 /// Modes of each aggregate, orthonormal, in place of those of its nodes; what they were in terms of these becomes the
 /// modes of the coarse nodes (a QR decomposition by aggregate). Not collective.
 Modes orthonormalise(const Aggregates& aggregates, Modes& modes);
+
+/// The rows of a matrix that prolongs nodes of a coarser mesh, with three rows and columns for each node. Collective.
+ProlongationRows given_prolongation(Mat P, const Halo& fine);
+
+/// The modes at the coarse nodes of such a prolongation, each of which is a node of the fine mesh too. Not collective.
+Modes injected(const Modes& fine, const ProlongationRows& rows, PetscInt first_coarse);
 
 /// (1 - omega D^-1 A) T with omega = 4 / (3 largest), for T of the orthonormal modes. `D`: inverse of the diagonal
 /// blocks; `largest`: eigenvalue of D^-1 A. Nodes in no aggregate have no row. Collective.

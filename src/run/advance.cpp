@@ -37,8 +37,7 @@ auto with_user_options(const Make& make) {
 /// Advances with Pliant's own Newton's method.
 std::unique_ptr<NewtonSolver> make_newton(const Config& config, Model& model) {
   return with_user_options([&] {
-    return std::make_unique<NewtonSolver>(model.equation(), newton_options(config),
-                                          linear_kind(config, model));
+    return std::make_unique<NewtonSolver>(model.equation(), newton_options(config), linear_kind(config, model));
   });
 }
 
@@ -287,8 +286,8 @@ class LoadAdvance final : public Advance {
 
 }  // namespace
 
-/// Whether multigrid may take the place of a factorization. Where energies are minimised in statics, and near barriers, it
-/// is the factorization that tells whether a Hessian is definite.
+/// Whether multigrid may take the place of a factorization. In statics and near barriers, the factorization shows
+/// whether a Hessian is definite.
 bool may_adapt_linear_solver(const Config& config, Model& model) {
   const StageEquation& equation = model.equation();
   return analysis_of(config) == Analysis::dynamic && find_petsc_method(method_name(config.time.method)) == nullptr &&

@@ -10,8 +10,8 @@ constexpr int max_fresh_iterations = 40;
 /// The same with the factor of its symmetric part: those that are saved by not factorizing the whole matrix, about.
 constexpr int max_iterations_with_symmetric_part = 15;
 /// Iterations with multigrid for each digit, of `least_digits` at least, beyond which a factorization is likely to take
-/// less time. Measured on beams, cubes and thin walls of 25,000 unknowns (1.6 to 4, where multigrid takes a third to two
-/// thirds of the time); the times are about equal at 5, and for more unknowns or ranks at more.
+/// less time. Measured on beams, cubes and thin walls of 25,000 unknowns (1.6 to 4, where multigrid takes a third to
+/// two thirds of the time); the times are about equal at 5, and for more unknowns or ranks at more.
 constexpr double max_multigrid_per_digit = 6.0;
 constexpr double least_digits = 3.0;
 

@@ -123,7 +123,7 @@ void Factorization::set_up_multigrid(Mat K) {
     double_ = {};
     multigrid_ = {};
     pattern_of_multigrid_ = pattern_id(K);
-    blocks_ = is_symmetric(symmetry_) ? BlockMultigrid::make(K) : nullptr;
+    blocks_ = is_symmetric(symmetry_) ? BlockMultigrid::make(K, P_.get()) : nullptr;
     if (blocks_ || kind_ == Kind::adaptive) return;
     make_multigrid_of_petsc(K);
   } else if (blocks_) {
@@ -157,7 +157,8 @@ double Factorization::cost_of_set_up() const {
 
 void Factorization::view(PetscViewer viewer) const {
   if (blocks_) {
-    return check(PetscViewerASCIIPrintf(viewer, "    levels %d, entries of their matrices over those of the finest %.3g\n",
+    return check(PetscViewerASCIIPrintf(viewer,
+                                        "    levels %d, entries of their matrices over those of the finest %.3g\n",
                                         blocks_->num_levels(), blocks_->operator_complexity()));
   }
   if (!single_) return check(PCView(other().get(), viewer));
@@ -169,7 +170,8 @@ void Factorization::view(PetscViewer viewer) const {
 
 const char* Factorization::name() const {
   if (is_replaced()) return "algebraic multigrid, because there is too little memory for a factorization";
-  if (kind_ != Kind::factors) return blocks_ ? "smoothed aggregation in single precision" : "algebraic multigrid (GAMG)";
+  if (kind_ != Kind::factors)
+    return blocks_ ? "smoothed aggregation in single precision" : "algebraic multigrid (GAMG)";
   return single_ ? "MUMPS factorization in single precision" : "MUMPS factorization in double precision";
 }
 

@@ -23,7 +23,8 @@ class Factorization {
     multigrid,
     adaptive  ///< multigrid, until `refine` asks for factors
   };
-  Factorization(Symmetry symmetry, Kind kind) : symmetry_(symmetry), kind_(kind) {
+  /// `P`: the prolongation to the finest level of multigrid, if there is one.
+  Factorization(Symmetry symmetry, Kind kind, Mat P) : symmetry_(symmetry), kind_(kind), P_(shared(P)) {
     if (kind == Kind::factors) single_.emplace(symmetry);
   }
 
@@ -43,6 +44,10 @@ class Factorization {
   bool refine();
 
  private:
+  static Handle<Mat> shared(Mat P) {
+    if (P != nullptr) check(PetscObjectReference(reinterpret_cast<PetscObject>(P)));
+    return Handle<Mat>(P);
+  }
   bool is_multigrid() const { return blocks_ != nullptr || multigrid_; }
   const Handle<PC>& other() const { return multigrid_ ? multigrid_ : double_; }
   void factorize(Mat K);
@@ -57,6 +62,7 @@ class Factorization {
 
   Symmetry symmetry_;
   Kind kind_;
+  Handle<Mat> P_;
   // One of them.
   std::optional<SingleFactorization> single_;
   std::unique_ptr<BlockMultigrid> blocks_;

@@ -54,8 +54,8 @@ PetscErrorCode destroy_callback(PC pc) {
   return CallbackGuard().run([&] { delete factorization_of(pc); });
 }
 
-void use_factorization(PC pc, Symmetry symmetry, Factorization::Kind kind) {
-  auto factorization = std::make_unique<Factorization>(symmetry, kind);
+void use_factorization(PC pc, Symmetry symmetry, Factorization::Kind kind, Mat P = nullptr) {
+  auto factorization = std::make_unique<Factorization>(symmetry, kind, P);
   check(PCSetType(pc, PCSHELL));
   check(PCShellSetName(pc, factorization->name()));
   check(PCShellSetContext(pc, factorization.release()));
@@ -63,42 +63,6 @@ void use_factorization(PC pc, Symmetry symmetry, Factorization::Kind kind) {
   check(PCShellSetApply(pc, apply_callback));
   check(PCShellSetView(pc, view_callback));
   check(PCShellSetDestroy(pc, destroy_callback));
-}
-
-/// P^T K P, with the rigid-body modes as functions of the coarse space.
-Handle<Mat> coarse_operator(Mat K, Mat P, MatNullSpace near_null) {
-  Handle<Mat> linear;
-  check(MatPtAP(K, P, MAT_INITIAL_MATRIX, PETSC_DEFAULT, linear.out()));
-  check(MatSetOption(linear.get(), MAT_SYMMETRIC, PETSC_TRUE));
-  check(MatSetOption(linear.get(), MAT_SYMMETRY_ETERNAL, PETSC_TRUE));
-  check(MatSetNearNullSpace(linear.get(), near_null));
-  return linear;
-}
-
-/// Two levels, quadratic and linear elements: Chebyshev smoothing on the first (Adams et al. 2003, "Parallel multigrid
-/// smoothing: polynomial versus Gauss-Seidel"), and on the second a factorization, or algebraic multigrid if a
-/// factorization would be too large.
-void use_p_multigrid(PC pc, Mat K, const Coarsening& coarsening) {
-  Mat P = coarsening.prolongation.get();
-  check(PCSetType(pc, PCMG));
-  check(PCMGSetLevels(pc, 2, nullptr));
-  check(PCMGSetGalerkin(pc, PC_MG_GALERKIN_NONE));
-  check(PCMGSetInterpolation(pc, 1, P));
-  KSP smoother = nullptr, coarse = nullptr;
-  PC of_smoother = nullptr, of_coarse = nullptr;
-  check(PCMGGetSmoother(pc, 1, &smoother));
-  check(KSPSetType(smoother, KSPCHEBYSHEV));
-  check(KSPGetPC(smoother, &of_smoother));
-  check(PCSetType(of_smoother, PCJACOBI));
-  check(PCMGGetCoarseSolve(pc, &coarse));
-  check(KSPSetType(coarse, KSPPREONLY));
-  const Handle<Mat> linear = coarse_operator(K, P, coarsening.near_null.get());
-  check(KSPSetOperators(coarse, linear.get(), linear.get()));
-  check(KSPGetPC(coarse, &of_coarse));
-  PetscInt num_unknowns = 0;
-  check(MatGetSize(linear.get(), &num_unknowns, nullptr));
-  const bool is_small = automatic_linear_kind(num_unknowns, 1, false) == LinearKind::cholesky;
-  use_factorization(of_coarse, Symmetry::symmetric, is_small ? Factorization::Kind::factors : Factorization::Kind::multigrid);
 }
 
 /// Displacements by algebraic multigrid, then pressures by their approximate Schur complement.
@@ -136,14 +100,6 @@ void choose_solvers_of_parts(PC pc) {
   check(PetscFree(parts));
 }
 
-bool is_p_multigrid(PC pc) {
-  PetscBool is_multigrid = PETSC_FALSE;
-  check(PetscObjectTypeCompare(reinterpret_cast<PetscObject>(pc), PCMG, &is_multigrid));
-  PetscInt num_levels = 0;
-  if (is_multigrid) check(PCMGGetLevels(pc, &num_levels));
-  return num_levels == 2;
-}
-
 /// Prepares one of PETSc's preconditioners for a matrix with another pattern.
 void renew(PC pc, Mat K) {
   PetscBool is_gamg = PETSC_FALSE;
@@ -163,29 +119,6 @@ void renew(PC pc, Mat K) {
   check(PCSetType(pc, PCNONE));  // its levels would keep their old sizes
   use_algebraic_multigrid(pc);
   check(PCSetFromOptions(pc));
-}
-
-/// Updates the operator of the coarse level from the fine one; PCs without levels are left unchanged.
-void update_coarse_level(PC pc, Mat K, bool is_new_pattern) {
-  if (!is_p_multigrid(pc)) return;
-  Mat P = nullptr, linear = nullptr;
-  KSP coarse = nullptr;
-  check(PCMGGetInterpolation(pc, 1, &P));
-  check(PCMGGetCoarseSolve(pc, &coarse));
-  check(KSPGetOperators(coarse, &linear, nullptr));
-  Handle<Mat> renewed;
-  if (is_new_pattern) {
-    MatNullSpace near_null = nullptr;
-    check(MatGetNearNullSpace(linear, &near_null));
-    renewed = coarse_operator(K, P, near_null);
-    linear = renewed.get();
-    PC of_coarse = nullptr;
-    check(KSPGetPC(coarse, &of_coarse));
-    if (factorization_of(of_coarse) == nullptr) renew(of_coarse, linear);
-  } else {
-    check(MatPtAP(K, P, MAT_REUSE_MATRIX, PETSC_DEFAULT, &linear));
-  }
-  check(KSPSetOperators(coarse, linear, linear));
 }
 
 }  // namespace
@@ -212,7 +145,7 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
   PC pc = nullptr;
   check(KSPGetPC(ksp, &pc));
   check(KSPSetOperators(ksp, K, K));
-  (void)takes_new_pattern(reinterpret_cast<PetscObject>(pc), K);  // that of the coarse level below
+  (void)takes_new_pattern(reinterpret_cast<PetscObject>(pc), K);
   const bool may_be_single = kind == LinearKind::cholesky && symmetry != Symmetry::indefinite;
   check(KSPSetTolerances(ksp, 1e-5, PETSC_DEFAULT, PETSC_DEFAULT,
                          kind == LinearKind::cholesky ? max_iterations_with_factor : max_iterations_of_multigrid));
@@ -220,13 +153,12 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
     use_factorization(pc, symmetry, Factorization::Kind::factors);
   } else if (kind == LinearKind::cholesky) {
     use_double_precision(pc, symmetry);
-  } else if (coarsening != nullptr && symmetry == Symmetry::symmetric) {
-    use_p_multigrid(pc, K, *coarsening);
   } else if (const auto parts = saddle_point_of(K)) {
     use_split(pc, *parts);
   } else if (is_symmetric(symmetry)) {
     const bool is_adaptive = kind == LinearKind::adaptive;
-    use_factorization(pc, symmetry, is_adaptive ? Factorization::Kind::adaptive : Factorization::Kind::multigrid);
+    use_factorization(pc, symmetry, is_adaptive ? Factorization::Kind::adaptive : Factorization::Kind::multigrid,
+                      coarsening != nullptr ? coarsening->prolongation.get() : nullptr);
   } else {
     use_algebraic_multigrid(pc);
   }
@@ -241,10 +173,9 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
 SetUp set_up_preconditioner(PC pc, Mat K) {
   check(PCSetReusePreconditioner(pc, PETSC_FALSE));
   const bool is_new_pattern = takes_new_pattern(reinterpret_cast<PetscObject>(pc), K);
-  // The p-multigrid set up here keeps its levels; nothing in PETSc's own preconditioners would fit the new pattern.
-  if (is_new_pattern && factorization_of(pc) == nullptr && !is_p_multigrid(pc)) renew(pc, K);
+  // Nothing in PETSc's own preconditioners would fit the new pattern.
+  if (is_new_pattern && factorization_of(pc) == nullptr) renew(pc, K);
   check(PCSetOperators(pc, K, K));
-  update_coarse_level(pc, K, is_new_pattern);
   SetUp outcome = SetUp::sound;
   if (const Factorization* factorization = factorization_of(pc)) {
     check(PCSetUp(pc));

@@ -12,8 +12,8 @@
 namespace pliant {
 
 /// Sets up `ksp` for the matrix K (with its near-null space, for multigrid) and the given method: conjugate gradients
-/// if K is symmetric and not indefinite, GMRES otherwise. p-multigrid needs the coarse space, which is copied, and a
-/// symmetric K; without them it becomes algebraic multigrid. PETSc options (-ksp_..., -pc_..., -mat_mumps_...)
+/// if K is symmetric and not indefinite, GMRES otherwise. p-multigrid needs the coarse space and a symmetric K;
+/// without them it becomes algebraic multigrid. PETSc options (-ksp_..., -pc_..., -mat_mumps_...)
 /// override. Collective.
 void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
                              const Coarsening* coarsening = nullptr);

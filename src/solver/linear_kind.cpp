@@ -15,7 +15,7 @@ constexpr PetscInt min_unknowns_of_multigrid = 10000;
 
 LinearKind automatic_linear_kind(PetscInt num_unknowns, int order, bool may_adapt) {
   if (num_unknowns <= max_unknowns_of_factorization) {
-    const bool adapts = may_adapt && order == 1 && num_unknowns >= min_unknowns_of_multigrid;
+    const bool adapts = may_adapt && num_unknowns >= min_unknowns_of_multigrid;
     return adapts ? LinearKind::adaptive : LinearKind::cholesky;
   }
   return order == 1 ? LinearKind::amg : LinearKind::p_multigrid;
@@ -31,12 +31,12 @@ std::string describe(LinearKind kind, Symmetry symmetry) {
     return krylov + " with algebraic multigrid (GAMG) for displacements, Schur complement for pressures";
   }
   if (kind == LinearKind::amg) {
-    return fmt::format("{} with {}", krylov, symmetry == Symmetry::symmetric ? multigrid : "algebraic multigrid (GAMG)");
+    return fmt::format("{} with {}", krylov,
+                       symmetry == Symmetry::symmetric ? multigrid : "algebraic multigrid (GAMG)");
   }
   if (kind == LinearKind::p_multigrid) {
     return krylov +
-           " with p-multigrid (quadratic elements, then linear ones by a factorization, or algebraic multigrid if they "
-           "are many)";
+           " with p-multigrid (quadratic elements, linear ones, then smoothed aggregation, in single precision)";
   }
   const char* factors = symmetry == Symmetry::unsymmetric        ? "LU factorization"
                         : symmetry == Symmetry::nearly_symmetric ? "LDL^T factorization of the symmetric part"

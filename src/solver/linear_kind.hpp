@@ -16,8 +16,8 @@ enum class LinearKind {
   p_multigrid  ///< for quadratic elements: linear elements as the coarse level, solved by one of the others
 };
 
-/// The kind chosen for `auto`, for elements of that order. `may_adapt`: whether multigrid may solve although it does not
-/// count negative eigenvalues.
+/// The kind chosen for `auto`, for elements of that order. `may_adapt`: whether multigrid may solve although it does
+/// not count negative eigenvalues.
 LinearKind automatic_linear_kind(PetscInt num_unknowns, int order, bool may_adapt);
 
 /// "conjugate gradients preconditioned by a MUMPS LDL^T factorization ..."

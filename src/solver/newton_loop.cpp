@@ -308,7 +308,8 @@ Handle<SNES> NewtonLoop::make_snes(Mat K, const NewtonOptions& options, LinearKi
   check(SNESGetLineSearch(snes, &search));
   check(SNESLineSearchSetType(search, SNESLINESEARCHSHELL));
   check(SNESLineSearchShellSetUserFunc(search, line_search_callback, this));
-  const auto coarsening = linear == LinearKind::p_multigrid ? equation_.make_coarsening() : std::nullopt;
+  const bool has_levels = linear == LinearKind::p_multigrid || linear == LinearKind::adaptive;
+  const auto coarsening = has_levels ? equation_.make_coarsening() : std::nullopt;
   configure_linear_solver(linear_solver_of(snes), K, linear, equation_.symmetry(), coarsening ? &*coarsening : nullptr);
   check(SNESSetFromOptions(snes));
   return made;

@@ -6,8 +6,8 @@
 
 namespace pliant {
 
-/// How many of the values a polynomial should pass through that is continued to `time`: one that continues for more than
-/// twice their mean distance says little. `times`: of the values, newest first, at least one.
+/// How many of the values a polynomial should pass through that is continued to `time`: one that continues for more
+/// than twice their mean distance says little. `times`: of the values, newest first, at least one.
 inline std::size_t num_extrapolated(std::span<const double> times, double time) {
   constexpr double longest = 2.0;
   std::size_t n = times.size();

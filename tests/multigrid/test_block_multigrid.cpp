@@ -52,7 +52,8 @@ TEST(BlockMultigrid, IterationsHardlyGrowWithTheSize) {
 }
 
 TEST(BlockMultigrid, TheScaleOfTheMatrixDoesNotMatter) {
-  const Lattice usual(PETSC_COMM_WORLD, 12, 6, 6), weak(PETSC_COMM_WORLD, 12, 6, 6, 1e-25), stiff(PETSC_COMM_WORLD, 12, 6, 6, 1e30);
+  const Lattice usual(PETSC_COMM_WORLD, 12, 6, 6), weak(PETSC_COMM_WORLD, 12, 6, 6, 1e-25),
+      stiff(PETSC_COMM_WORLD, 12, 6, 6, 1e30);
   const int expected = iterations(usual.K(), *BlockMultigrid::make(usual.K()));
   EXPECT_LE(expected, 30);
   // Eliminated rows have ones on their diagonals.

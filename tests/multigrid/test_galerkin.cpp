@@ -5,6 +5,7 @@
 #include "petsc/collective.hpp"
 
 #include <eigen3/Eigen/Dense>
+
 #include <gtest/gtest.h>
 
 namespace pliant {
@@ -64,7 +65,8 @@ TEST_F(Coarsened, EveryBoundNodeIsInOneAggregate) {
     bool is_bound = false;
     for (std::size_t k = level_.matrix().begin(node); k < level_.matrix().end(node); ++k) {
       const int other = level_.matrix().columns[k];
-      is_bound = is_bound || (other != node && other < level_.halo().num_owned() && level_.matrix().block(k)[0] != 0.0F);
+      is_bound =
+          is_bound || (other != node && other < level_.halo().num_owned() && level_.matrix().block(k)[0] != 0.0F);
     }
     if (is_bound) {
       EXPECT_GE(of, 0);
