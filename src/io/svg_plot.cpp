@@ -16,7 +16,7 @@
 namespace pliant {
 namespace {
 
-/// Those of tools/plot.py.
+/// Those of `pliant plot`.
 constexpr std::array colours{"#3b6fb6", "#d1603d", "#3f9c6b", "#8a63b8", "#c79a2b", "#4aa5b5", "#b5507c", "#6d7580"};
 
 /// Size of the document [px].
