@@ -37,7 +37,7 @@ _pliant() {
     'plot') options='-h --help -o --output' words='' files='*' ;;
     'check') options='-h --help --set' words='' files='*.@(yaml|yml)' ;;
     'converge') options='-h --help --set --output --in --levels --methods --no-check' words='' files='*.@(yaml|yml)' ;;
-    'sweep') options='-h --help --set --output --result --continue --jobs --ranks' words='' files='*.@(yaml|yml)' ;;
+    'sweep') options='-h --help --set --output --result --samples --seed --logarithmic --continue --jobs --ranks' words='' files='*.@(yaml|yml)' ;;
     'compare') options='-h --help --of --output' words='' files='*' ;;
     'sensitivity') options='-h --help --set --output --of --adjoint --to --fields --kept-steps' words='' files='*.@(yaml|yml)' ;;
     'fit') options='-h --help --output' words='' files='*.@(yaml|yml)' ;;
@@ -53,7 +53,7 @@ _pliant() {
   esac
   # What follows an option that takes a value is that.
   case $previous in
-    --set | --output | --size | -o | --field | --range | --movie | --fps | --frame | --view | --scale | --hide | --transparent | --title | --in | --levels | --methods | --result | --jobs | --ranks | --of | --adjoint | --to | --fields | --kept-steps | --stretch) options='' words='' files='' ;;
+    --set | --output | --size | -o | --field | --range | --movie | --fps | --frame | --view | --scale | --hide | --transparent | --title | --in | --levels | --methods | --result | --samples | --seed | --logarithmic | --jobs | --ranks | --of | --adjoint | --to | --fields | --kept-steps | --stretch) options='' words='' files='' ;;
   esac
   case "$path $previous" in
     'run --output') files='*' ;;
