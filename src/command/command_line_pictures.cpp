@@ -45,19 +45,22 @@ CLI::App& CommandLine::add_drawing(const char* name, const char* what, const Dra
 }
 
 void CommandLine::add_render() {
-  CLI::App& render = add_drawing("render", "draw a result as pictures or a movie",
+  CLI::App& render = add_drawing("render", "draw a result as pictures, a movie or a 3D model",
                                  {"RESULT", "the output directory of a run, its result.xdmf or its result.h5"});
   render.footer(examples({"pliant render out/beam", "pliant render out/beam --field von_mises_stress --movie mp4",
-                          "pliant render out/beam --frame 10 --view=-1,0.5,0.3 --hide floor --output beam.png"}));
+                          "pliant render out/beam --frame 10 --view=-1,0.5,0.3 --hide floor --output beam.png",
+                          "pliant render out/beam --field von_mises_stress --output beam.glb"}));
   add(render,
-      {{"-o,--output", "FILE", "file to write (with --frames: directory); default: in the output directory"},
+      {{"-o,--output", "FILE",
+        "file to write (with --frames: directory), a picture, or all frames as a 3D model (.glb); default: in the "
+        "output directory"},
        {"--field", "FIELD",
         "what colours the body: displacement (default), velocity, von_mises_stress, velocity_z, cauchy_stress_xx, "
         "body, "
         "rank, ..., tension (colours tendons and springs), or none"},
        {"--range", "LOW,HIGH", "of the colours, in SI units; default: that of all frames"},
-       {"--movie", "mp4|gif", "write a movie of all frames"},
-       {"--fps", "N", "frames per second of the movie (25)"},
+       {"--movie", "mp4|gif|glb", "write a movie of all frames, or a 3D model that moves (.glb)"},
+       {"--fps", "N", "frames per second of the movie (25); of a .glb, which otherwise plays in real time"},
        {"--frame", "N", "which frame to draw, from 0; -1 or last is the last (default: last)"},
        {"--view", "iso|front|back|right|left|top|bottom",
         "where the viewer stands, seen from the body: a direction X,Y,Z or one of iso, front, back, right, left, top, "

@@ -60,7 +60,7 @@ _pliant() {
     'resume --output') files='*' ;;
     'report --output') files='*' ;;
     'render -o' | 'render --output') files='*' ;;
-    'render --movie') words='mp4 gif' ;;
+    'render --movie') words='mp4 gif glb' ;;
     'render --view') words='iso front back right left top bottom' ;;
     'plot -o' | 'plot --output') files='*' ;;
     'converge --output') files='*' ;;

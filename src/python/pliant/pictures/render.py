@@ -1,4 +1,4 @@
-"""Turns a result of Pliant into a picture, a series of pictures or a movie.
+"""Turns a result of Pliant into a picture, a series of pictures, a movie, or a model that moves.
 
 Needs no screen: VTK draws into a virtual one, which this program starts and ends.
 """
@@ -26,10 +26,38 @@ def chosen_frames(result, options):
     return [result.frames[options.frame]]
 
 
+def is_model(options):
+    """Is a .glb wanted?"""
+    return options.movie == "glb" or (options.output or "").lower().endswith(".glb")
+
+
+def write_model(result, options):
+    """All frames as an animation, at their times or, with --fps, evenly; without --movie and with --frame that frame alone. --frame is
+    also the one whose colours are shown, by default the last."""
+    from .model import Model
+
+    for name in ("view", "size", "mesh_edges", "outline", "frames"):
+        if getattr(options, name) != parser_of("").get_default(name):
+            raise PliantError(f"--{name.replace('_', '-')} has no effect on a .glb, which is a model instead of a picture: leave it out")
+    file = options.output or os.path.join(result.directory, "movie.glb")
+    if not file.lower().endswith(".glb") or options.movie not in (None, "glb"):
+        raise PliantError(f"{file}: the name of a model ends in .glb, those of movies in .mp4 or .gif")
+    shown = chosen_frames(result, argparse.Namespace(frames=False, movie=None, frame=options.frame))[0]
+    frames = [shown] if options.frame is not None and options.movie is None else result.frames
+    times = np.array([frame.time for frame in frames])
+    if options.fps is not None:
+        times = np.arange(len(frames)) / options.fps
+    Model(result, frames, shown, options).write(file, times - times[0])
+    print(file)
+
+
 def run(options):
     result = Result(options.result)
     if options.field is None:
         options.field = "displacement" if "displacement" in result[0].field_names else "none"
+    if is_model(options):
+        write_model(result, options)
+        return
     frames = chosen_frames(result, options)
     from .movie import write_movie
     from .renderer import Renderer  # which needs VTK
@@ -39,7 +67,7 @@ def run(options):
     start_screen()
     if options.movie:
         file = options.output or os.path.join(result.directory, f"movie.{options.movie}")
-        write_movie((renderer.picture(frame) for frame in frames), file, options.fps)
+        write_movie((renderer.picture(frame) for frame in frames), file, options.fps or 25)
         print(file)
     elif options.frames:
         folder = options.output or os.path.join(result.directory, "frames")
@@ -113,14 +141,15 @@ def _with_negative_values(arguments):
 def parser_of(program):
     parser = Parser(prog=program, description=__doc__.split("\n")[0])
     parser.add_argument("result", help="the output directory of a run, its result.xdmf or its result.h5")
-    parser.add_argument("-o", "--output", help="file to write (with --frames: directory); default: in the output directory")
+    parser.add_argument("-o", "--output", help="file to write (with --frames: directory), a picture, or all frames as a 3D model (.glb); "
+                        "default: in the output directory")
     parser.add_argument("--field", help="what colours the body: displacement (default), velocity, von_mises_stress, "
                         "velocity_z, cauchy_stress_xx, body, rank, ..., tension (colours tendons and springs), or none")
     parser.add_argument("--range", type=_range, metavar="LOW,HIGH", help="of the colours, in SI units; default: that of all frames")
     what = parser.add_mutually_exclusive_group()
     what.add_argument("--frames", action="store_true", help="write every frame as a PNG")
-    what.add_argument("--movie", choices=("mp4", "gif"), help="write a movie of all frames")
-    parser.add_argument("--fps", type=_positive, default=25, help="frames per second of the movie (25)")
+    what.add_argument("--movie", choices=("mp4", "gif", "glb"), help="write a movie of all frames, or a 3D model that moves (.glb)")
+    parser.add_argument("--fps", type=_positive, help="frames per second of the movie (25); of a .glb, which otherwise plays in real time")
     parser.add_argument("--frame", type=_frame, metavar="N|last", help="which frame to draw, from 0; -1 or last is the last (default: last)")
     parser.add_argument("--view", type=_view, default=VIEWS["iso"], metavar="X,Y,Z|NAME",
                         help=f"where the viewer stands, seen from the body: a direction X,Y,Z or one of {', '.join(VIEWS)} (iso)")
@@ -138,4 +167,4 @@ def parser_of(program):
 
 def main(arguments, program):
     options = parser_of(program).parse_args(_with_negative_values(arguments))
-    return exit_code(program, lambda: run(options), PliantError, options.output, ".png, .jpg, .tif")
+    return exit_code(program, lambda: run(options), PliantError, options.output, ".png, .jpg, .tif, .glb")
