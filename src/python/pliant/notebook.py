@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 
 import numpy as np
 
+from .error import PliantError
+
 if TYPE_CHECKING:
     from .history import History
     from .result import Frame, Result
@@ -16,8 +18,11 @@ if TYPE_CHECKING:
 
 ENERGIES = ("kinetic_energy", "elastic_energy", "load_potential", "dissipated_energy", "load_work")
 COUNTED = ("step", "newton_iterations", "linear_iterations", "contact_points")
-MOST_TRIANGLES = 60_000  # of a small picture; more take longer than a second
+MOST_CELLS, MOST_TRIANGLES = 500_000, 60_000  # of a small picture; more take longer than a second
 VIEW = np.array([0.62, -1.0, 0.48])  # from where it looks
+
+# A run is shown although its files were moved or removed since.
+UNREADABLE = (PliantError, OSError, KeyError, ValueError, RuntimeError)
 
 Rows = Iterable["tuple[str, str]"]
 
@@ -48,7 +53,7 @@ def history_in_a_line(history: "History") -> str:
 def run_in_a_line(run: "Run") -> str:
     try:
         summary, end = run.summary, run.history.time[-1]
-    except Exception:  # its files were moved or removed since: it is still shown
+    except UNREADABLE:
         return f"Run({run.directory!r})"
     steps = plural(summary["steps"]["accepted"], "step")
     return f"Run({run.directory!r}: {summary['outcome']}, {steps} to t = {end:g} in {summary['seconds']['total']:.3g} s)"
@@ -168,7 +173,7 @@ def run_as_html(run: "Run") -> str:
     rows = [("directory", run.directory)]
     try:
         summary, history = run.summary, run.history
-    except Exception:  # its files were moved or removed since
+    except UNREADABLE:
         return card("Run", [*rows, ("state", "its files cannot be read")])
     seconds = summary["seconds"]["total"]
     rows += [("input", os.path.join(run.directory, "run.yaml")),
@@ -181,7 +186,7 @@ def run_as_html(run: "Run") -> str:
         title = run.result.title or title
         body = picture_of_frame(run.result[-1])
         picture = body if picture is None else picture + (body or "")
-    except Exception:  # a run may write no result that can be read any more; the history is there
+    except UNREADABLE:
         pass
     return card(title, rows, picture, folded("what the program printed", f"<pre>{html.escape(run.log)}</pre>"))
 
@@ -228,6 +233,8 @@ def picture_of_frame(frame: "Frame") -> "Optional[str]":
     """The bodies in their current shape, coloured by the length of the displacement; None where that would take long."""
     from .surface import Surface  # which needs results
 
+    if len(frame.mesh.cells) > MOST_CELLS:
+        return None
     surface = Surface(frame.mesh, divisions=1)
     figure = _figure(3.2, 2.4) if 0 < len(surface.triangles) <= MOST_TRIANGLES else None
     if figure is None:
