@@ -3,7 +3,7 @@ import pathlib
 import sys
 
 _here = pathlib.Path(__file__).resolve()
-for _folder in (_here.parents[1] / "src/python", _here.parents[3] / "lib/python3/dist-packages"):
+for _folder in (_here.parent.parent / "src/python", _here.parent.parent.parent.parent / "lib/python3/dist-packages"):
     if (_folder / "pliant").is_dir():
         sys.path.insert(0, str(_folder))
         break
