@@ -159,11 +159,12 @@ class Drawing {
     std::string cells = "<g shape-rendering=\"crispEdges\">\n", numbers;
     for (std::size_t j = 0; j < grid.y.size(); ++j) {
       for (std::size_t i = 0; i < grid.x.size(); ++i) {
-        const double left = axes_.column(x[i]), top = axes_.row(y[j + 1]), value = grid.at(i, j);
-        const double width = axes_.column(x[i + 1]) - left, tall = axes_.row(y[j]) - top;
-        cells +=
-            fmt::format("<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" fill=\"{}\">{}</rect>\n",
-                        left, top, width, tall, fill(value), title(grid.x[i], grid.y[j], value));
+        // At whole pixels: no gap between neighbours.
+        const double left = std::round(axes_.column(x[i])), top = std::round(axes_.row(y[j + 1])),
+                     value = grid.at(i, j);
+        const double width = std::round(axes_.column(x[i + 1])) - left, tall = std::round(axes_.row(y[j])) - top;
+        cells += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{}\">{}</rect>\n", left, top,
+                             width, tall, fill(value), title(grid.x[i], grid.y[j], value));
         constexpr double least_width = 54, least_height = 24;  // for a number
         if (width < least_width || tall < least_height) continue;
         const bool is_dark = std::isfinite(value) && colour(value).is_dark();

@@ -8,6 +8,7 @@
 #include "study/history_plots.hpp"
 #include "study/latin_hypercube.hpp"
 #include "study/sweep_plots.hpp"
+#include "study/varied_input.hpp"
 
 #include <algorithm>
 #include <array>
@@ -176,7 +177,8 @@ class Sweep {
     const auto values = values_of_cases(count);
     for (std::size_t k = 0; k < swept_.size(); ++k) {
       const auto& range = swept_[k].range;
-      keys_.push_back({short_name(k), {}, range.has_value()});
+      const std::string unit = unit_of_key(swept_[k].path);
+      keys_.push_back({short_name(k), {}, unit == "1" ? "" : unit, range.has_value()});
       if (range && range->is_logarithmic) keys_[k].scale = Scale::logarithmic;
       for (const auto& of_case : values) keys_[k].texts.push_back(plain_text(of_case[k]));
     }

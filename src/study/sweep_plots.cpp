@@ -1,12 +1,15 @@
 #include "study/sweep_plots.hpp"
 
 #include "base/file.hpp"
+#include "base/limits.hpp"
 #include "base/text.hpp"
 #include "io/svg_map.hpp"
 #include "io/svg_plot.hpp"
 #include "study/history_plots.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <set>
 
 #include <fmt/format.h>
@@ -27,12 +30,21 @@ struct Numbers {
     return unit.empty() ? keys[key].name : fmt::format("{} [{}]", keys[key].name, unit);
   }
 
-  /// Logarithmic if the user wants it, or else for positive numbers of different orders of magnitude.
+  /// What the user wants; or else, for values of a list, logarithmic where they are positive and their factors are more
+  /// alike than their steps.
   Scale scale(const std::vector<SweptValues>& keys) const {
-    constexpr double many = 30.0;
-    const auto [low, high] = std::ranges::minmax(values);
-    const bool is_wide = low > 0.0 && high > many * low && !keys[key].is_sampled;
-    return keys[key].scale.value_or(is_wide ? Scale::logarithmic : Scale::linear);
+    if (keys[key].scale || keys[key].is_sampled) return keys[key].scale.value_or(Scale::linear);
+    const std::set<double> distinct(values.begin(), values.end());
+    if (distinct.size() < 2 || *distinct.begin() <= 0.0) return Scale::linear;
+    double least_step = infinity, largest_step = 0.0, least_factor = infinity, largest_factor = 0.0;
+    for (auto a = distinct.begin(), b = std::next(a); b != distinct.end(); a = b++) {
+      least_step = std::min(least_step, *b - *a);
+      largest_step = std::max(largest_step, *b - *a);
+      least_factor = std::min(least_factor, std::log(*b / *a));
+      largest_factor = std::max(largest_factor, std::log(*b / *a));
+    }
+    const bool has_like_factors = largest_factor / least_factor < largest_step / least_step;
+    return has_like_factors ? Scale::logarithmic : Scale::linear;
   }
 };
 
@@ -42,7 +54,8 @@ std::optional<Numbers> numbers_of(const std::vector<SweptValues>& keys, std::siz
   for (const std::string& text : keys[key].texts) {
     const std::size_t end = std::min(text.find(' '), text.size());
     const auto number = parse_number(std::string_view(text).substr(0, end));
-    const std::string unit(trimmed(std::string_view(text).substr(end)));
+    std::string unit(trimmed(std::string_view(text).substr(end)));
+    if (unit.empty()) unit = keys[key].unit;
     if (!number || (!numbers.values.empty() && numbers.unit != unit)) return std::nullopt;
     numbers.unit = unit;
     numbers.values.push_back(*number);

@@ -14,6 +14,7 @@ namespace pliant {
 struct SweptValues {
   std::string name;                 ///< short, for labels
   std::vector<std::string> texts;   ///< as typed, "5 ms"
+  std::string unit;                 ///< of those without one; may be empty
   bool is_sampled = false;          ///< from a range, instead of a list
   std::optional<Scale> scale = {};  ///< of its axis; by default what suits the values
 };

@@ -68,7 +68,7 @@ TEST(SvgMap, ColoursTheRectanglesOfAGrid) {
   ASSERT_EQ(cells.size(), 15u);
   double area = 0.0;
   for (const auto& cell : cells) area += std::stod(cell[3]) * std::stod(cell[4]);
-  EXPECT_NEAR(area, svg_frame::width * svg_frame::height, 20.0);
+  EXPECT_EQ(area, svg_frame::width * svg_frame::height);
   EXPECT_EQ(cells[0][5], "#440154");  // the ends of viridis
   EXPECT_EQ(cells[14][5], "#fde725");
   EXPECT_EQ(cells[7][5], "#d5d9df");
