@@ -13,10 +13,10 @@ set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "${PROJECT_DESCRIPTION}
  Simulates hyperelastic and viscoelastic bodies, meshed by gmsh, under large
  deformation, in motion or at rest, on any number of MPI ranks.")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)  # dpkg-shlibdeps finds what the program and its module link
-# What `import pliant` imports is needed, so that it does not fail; the tools that draw ask for more.
+# What `import pliant` imports is needed, so that it does not fail; `pliant render` and `pliant plot` say what they need besides.
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "openmpi-bin, python3-h5py, python3-numpy, python3-yaml")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS libopenblas0-pthread)  # the slow reference BLAS satisfies PETSc too
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "gmsh, paraview, python3-vtk9, python3-matplotlib, python3-pil, ffmpeg")
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "gmsh, paraview, python3-vtk9, python3-matplotlib, python3-pil, ffmpeg, xvfb")
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libpliant-dev)
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "${PROJECT_DESCRIPTION}: libraries

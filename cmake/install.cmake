@@ -12,12 +12,14 @@ install(TARGETS pliant_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPO
 install(TARGETS pliant_gmsh LIBRARY DESTINATION lib/pliant COMPONENT program)
 install(DIRECTORY input meshes docs DESTINATION ${pliant_share} COMPONENT program
         PATTERN "conf.py" EXCLUDE PATTERN "site.css" EXCLUDE PATTERN "Doxyfile" EXCLUDE PATTERN "headers.sed" EXCLUDE PATTERN "__pycache__" EXCLUDE)
-# The Python package, where Debian's interpreter looks if the prefix is /usr, and the tools that stand on it.
+# The Python package, where Debian's interpreter looks if the prefix is /usr, and the program for `render` and `plot`: in
+# ../lib/python3/dist-packages from its own folder, as in the folder of the build.
 install(DIRECTORY src/python/pliant DESTINATION lib/python3/dist-packages COMPONENT program
         FILES_MATCHING PATTERN "*.py" PATTERN "py.typed" PATTERN "__pycache__" EXCLUDE)
-install(PROGRAMS tools/render.py tools/plot.py tools/work_precision.py tools/beam_mesh.py DESTINATION ${pliant_share}/tools
-        COMPONENT program)
-install(FILES tools/command_line.py tools/mechanism_lines.py tools/package.py tools/page.py DESTINATION ${pliant_share}/tools COMPONENT program)
+file(MAKE_DIRECTORY ${CMAKE_BINARY_DIR}/lib/python3/dist-packages)
+file(CREATE_LINK ${CMAKE_SOURCE_DIR}/src/python/pliant ${CMAKE_BINARY_DIR}/lib/python3/dist-packages/pliant SYMBOLIC)
+install(PROGRAMS tools/work_precision.py tools/beam_mesh.py DESTINATION ${pliant_share}/tools COMPONENT program)
+install(FILES tools/package.py DESTINATION ${pliant_share}/tools COMPONENT program)
 install(FILES README.md CHANGELOG.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT program)
 install(FILES src/shell/pliant.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program
         RENAME pliant)

@@ -1,9 +1,11 @@
-"""The Python package of this clone, or the one that is installed."""
+"""The Python package of this clone, or that of the installation to which this file belongs."""
 import pathlib
 import sys
 
-_clone = pathlib.Path(__file__).resolve().parent.parent / "src/python"
-if _clone.is_dir():
-    sys.path.insert(0, str(_clone))
+_here = pathlib.Path(__file__).resolve()
+for _folder in (_here.parent.parent / "src/python", _here.parent.parent.parent.parent / "lib/python3/dist-packages"):
+    if (_folder / "pliant").is_dir():
+        sys.path.insert(0, str(_folder))
+        break
 
 from pliant import History, PliantError, Result, Surface  # noqa: E402, F401

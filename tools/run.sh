@@ -57,5 +57,5 @@ fi
 directory=$(output_directory "$@")
 "$build/bin/pliant" report "$directory" </dev/null || true  # without npm there are pictures all the same
 say "drawing $directory"
-file=$("$python" "$root/tools/render.py" "$directory" </dev/null | tail -n 1)
+file=$("$build/bin/pliant" render "$directory" </dev/null | tail -n 1)
 echo "picture: $file"

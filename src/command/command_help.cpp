@@ -126,7 +126,9 @@ struct BashCases {
       if (std::ranges::find(taking, name) == taking.end()) taking.push_back(name);
     }
     const auto choices = choices_of(option);
-    const std::string place = fmt::format("    '{} --{}') ", path, option.get_lnames().front());
+    std::vector<std::string> places;
+    for (const auto& name : names_of(option)) places.push_back(fmt::format("'{} {}'", path, name));
+    const std::string place = fmt::format("    {}) ", fmt::join(places, " | "));
     if (!choices.empty()) values += place + fmt::format("words='{}' ;;\n", fmt::join(choices, " "));
     if (option.check_lname("output")) values += place + "files='*' ;;\n";
   }

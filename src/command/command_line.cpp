@@ -114,6 +114,8 @@ CommandLine::CommandLine(MPI_Comm comm, const SweepOptions& of_sweep)
   add_resume();
   add_info();
   add_report();
+  add_render();
+  add_plot();
   add_check();
   add_converge();
   add_sweep();
@@ -128,6 +130,7 @@ CommandLine::CommandLine(MPI_Comm comm, const SweepOptions& of_sweep)
 }
 
 ExitCode CommandLine::operator()(int argc, const char* const* argv) {
+  words_.assign(argv + 1, argv + argc);
   try {
     app_.parse(argc, argv);
   } catch (const CLI::Success& asked) {

@@ -65,6 +65,13 @@ class CommandLine {
   void add_resume();
   void add_info();
   void add_report();
+  struct DrawnPlace {
+    const char *name, *what;
+  };
+  /// A command that Python code carries out, which reads the options too; `place`: its argument.
+  CLI::App& add_drawing(const char* name, const char* what, const DrawnPlace& place);
+  void add_render();
+  void add_plot();
   void add_check();
   void add_converge();
   void add_sweep();
@@ -83,7 +90,8 @@ class CommandLine {
   bool speaks_;
   Arguments arguments_;
   CLI::App app_;
-  std::function<void()> command_;  // that was named
+  std::vector<std::string> words_;  // as they were typed
+  std::function<void()> command_;   // that was named
   ExitCode result_ = ExitCode::done;
 };
 

@@ -23,12 +23,13 @@ void CommandLine::add_sweep() {
   sweep->footer(
       examples({"pliant sweep beam.yaml --set \"time.step=[10 ms, 5 ms]\"",
                 "pliant sweep beam.yaml --set \"element=[P1, P2]\" --set \"time.method=[bdf2, dirk22]\" --jobs 2",
-                "pliant sweep beam.yaml --set \"bodies.0.density=[900, 1000, 1100]\" --result \"max(tip_z)\""}));
+                "pliant sweep beam.yaml --set \"bodies.0.density=[900, 1000, 1100]\" --result \"max(tip_z)\"",
+                "pliant sweep beam.yaml --set bodies.0.density=900..1100 --samples 20 --result \"max(tip_z)\""}));
   sweep->add_option("INPUT", arguments_.file, "the input file (YAML)")->required();
   sweep
       ->add_option("--set", arguments_.settings,
-                   "KEY.PATH=[VALUE, ...]: the values to try; several lists: every combination. KEY.PATH=VALUE: the "
-                   "same for all runs. May be repeated")
+                   "KEY.PATH=[VALUE, ...]: the values to try; several lists: every combination. KEY.PATH=LOW..HIGH: a "
+                   "range for --samples. KEY.PATH=VALUE: the same for all runs. May be repeated")
       ->required()
       ->allow_extra_args(false);
   add_output(*sweep, "directory for the runs, sweep.csv and the plots");
@@ -38,6 +39,22 @@ void CommandLine::add_sweep() {
                    "e.g. max(tip_z), or NAME=FUNCTION(COLUMN). May be repeated")
       ->allow_extra_args(false)
       ->type_name("FUNCTION(COLUMN)");
+  auto* samples = sweep
+                      ->add_option("--samples", arguments_.sweep.samples,
+                                   "points to take from all ranges together, spread evenly over each of them (Latin "
+                                   "hypercube)")
+                      ->check(CLI::Range(1, 1000))
+                      ->type_name("N");
+  sweep->add_option("--seed", arguments_.sweep.seed, "another number takes other samples; the same takes the same")
+      ->type_name("N")
+      ->capture_default_str()
+      ->needs(samples);
+  sweep
+      ->add_option("--logarithmic", arguments_.sweep.logarithmic,
+                   "keys whose ranges are sampled by factors: as many samples from 1 to 10 as from 10 to 100")
+      ->delimiter(',')
+      ->type_name("KEY,...")
+      ->needs(samples);
   sweep->add_flag("--continue", arguments_.sweep.continues, "skip finished runs, continue those that were begun");
   sweep->add_option("--jobs", arguments_.sweep.at_once, "runs at a time; default: as many as the processors allow")
       ->check(CLI::Range(1, 1024))

@@ -16,41 +16,16 @@
 namespace pliant {
 namespace {
 
-/// Those of tools/plot.py.
+/// Those of `pliant plot`.
 constexpr std::array colours{"#3b6fb6", "#d1603d", "#3f9c6b", "#8a63b8", "#c79a2b", "#4aa5b5", "#b5507c", "#6d7580"};
 
-/// Size of the document [px].
-constexpr double frame_left = 84, frame_top = 52, frame_width = 560, frame_height = 400;
-constexpr double height = frame_top + frame_height + 64;
-constexpr double legend_left = frame_left + frame_width + 24, legend_line = 22, letter_width = 6.8;
+constexpr double height = svg_frame::bottom + 64;
+constexpr double legend_left = svg_frame::right + 24, legend_line = 22;
 constexpr double triangle_gap = 16;  // between a series and the triangle below it
 
 /// A point in axis coordinates: decimal logarithms on logarithmic axes.
 struct AxisPoint {
   double x, y;
-};
-
-/// Limits of an axis.
-struct Span {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-
-  void include(double value) {
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  double length() const { return high - low; }
-  double magnitude() const { return std::max(std::abs(low), std::abs(high)); }
-  /// Adds a margin around the data, and makes the axis long enough for ticks: on a logarithmic axis at least a factor
-  /// of 4; on a linear one values that labels of nine digits cannot distinguish make a flat line.
-  Span padded(Scale scale) const {
-    if (low > high) return {-1.0, 0.0};
-    constexpr double zero = 1e-300;  // so that fractions of it are not denormal numbers
-    const bool is_flat = length() <= std::max(1e-7 * magnitude(), zero);
-    const double least = scale == Scale::logarithmic ? 0.6 : !is_flat ? 0.0 : magnitude() <= zero ? 1.0 : magnitude();
-    const double room = std::max(0.06 * length(), 0.5 * (least - length()));
-    return {low - room, high + room};
-  }
 };
 
 struct Curve {
@@ -67,26 +42,6 @@ struct SlopeTriangle {
   AxisPoint left, right;
   double order;
 };
-
-struct Axes {
-  Scale x_scale, y_scale;
-  Span x, y;
-
-  double column(double at) const { return frame_left + frame_width * (at - x.low) / x.length(); }
-  double row(double at) const { return frame_top + frame_height * (y.high - at) / y.length(); }
-};
-
-bool can_be_shown(double value, Scale scale) {
-  return std::isfinite(value) && (scale == Scale::linear || value > 0.0);
-}
-
-double on_axis(double value, Scale scale) {
-  return scale == Scale::logarithmic ? std::log10(value) : value;
-}
-
-double off_axis(double at, Scale scale) {
-  return scale == Scale::logarithmic ? std::pow(10.0, at) : at;
-}
 
 Scale x_scale_of(const Plot& plot) {
   return plot.x_scale.value_or(plot.scale);
@@ -184,7 +139,7 @@ SlopeTriangle triangle_below(std::vector<AxisPoint> curve, double order, double 
 std::vector<SlopeTriangle> triangles_of(const Plot& plot, const std::vector<Curve>& curves) {
   std::vector<const Curve*> owners;
   for (const double order : plot.slopes) owners.push_back(nearest_curve(curves, order));
-  const double gap = axes_of(curves, {}, plot).y.length() * triangle_gap / frame_height;
+  const double gap = axes_of(curves, {}, plot).y.length() * triangle_gap / svg_frame::height;
   std::vector<SlopeTriangle> triangles;
   for (std::size_t i = 0; i < owners.size(); ++i) {
     if (owners[i] == nullptr) continue;
@@ -197,85 +152,6 @@ std::vector<SlopeTriangle> triangles_of(const Plot& plot, const std::vector<Curv
         triangle_below(owners[i]->points, plot.slopes[i], gap, (same(i) + 1.0) / parts, std::min(0.25, 0.7 / parts)));
   }
   return triangles;
-}
-
-/// "10⁻³".
-std::string power_of_ten(int exponent) {
-  static constexpr std::array superscripts{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
-  std::string text = exponent < 0 ? "10⁻" : "10";
-  for (const char digit : std::to_string(std::abs(exponent)))
-    text += superscripts[static_cast<std::size_t>(digit - '0')];
-  return text;
-}
-
-struct Tick {
-  double at;          // on the axis
-  std::string label;  // empty: a line of the grid only
-};
-
-/// Decades are labelled (on long axes every second, third, ...); on short axes so are 2 and 5, and the grid has 2 to 9.
-std::vector<Tick> decades_of(const Span& span) {
-  constexpr double most_labels = 9, short_axis = 2.0, grid_axis = 4.0;
-  const int every = std::max(1, static_cast<int>(std::ceil(span.length() / most_labels)));
-  std::vector<Tick> ticks;
-  for (int decade = static_cast<int>(std::floor(span.low)); decade <= span.high; ++decade) {
-    for (int digit = 1; digit < 10; ++digit) {
-      const double at = decade + std::log10(digit);
-      if (at < span.low || at > span.high) continue;
-      const bool has_label =
-          digit == 1 ? decade % every == 0 : span.length() < short_axis && (digit == 2 || digit == 5);
-      if (!has_label && (digit == 1 || span.length() > grid_axis)) continue;
-      const std::string factor = digit == 1 ? "" : std::to_string(digit) + "·";
-      ticks.push_back({at, has_label ? factor + power_of_ten(decade) : ""});
-    }
-  }
-  return ticks;
-}
-
-/// Multiples of 1, 2 or 5 times a power of ten, about six of them.
-std::vector<Tick> multiples_of(const Span& span) {
-  const double power = std::pow(10.0, std::floor(std::log10(span.length() / 6.0)));
-  const double ratio = span.length() / 6.0 / power;
-  const double distance = power * (ratio < 1.5 ? 1.0 : ratio < 3.5 ? 2.0 : ratio < 7.5 ? 5.0 : 10.0);
-  const int digits = std::max(6, 1 + static_cast<int>(std::ceil(std::log10(span.magnitude() / distance))));
-  std::vector<Tick> ticks;
-  for (double n = std::ceil(span.low / distance); n * distance <= span.high; ++n) {
-    ticks.push_back({n * distance, fmt::format("{:.{}g}", n * distance + 0.0, digits)});
-  }
-  return ticks;
-}
-
-std::vector<Tick> ticks_of(const Span& span, Scale scale) {
-  return scale == Scale::logarithmic ? decades_of(span) : multiples_of(span);
-}
-
-std::string line(double x1, double y1, double x2, double y2, const std::string& style) {
-  return fmt::format("<line x1=\"{:.2f}\" y1=\"{:.2f}\" x2=\"{:.2f}\" y2=\"{:.2f}\" class=\"{}\"/>\n", x1, y1, x2, y2,
-                     style);
-}
-
-std::string text(double x, double y, const std::string& style, const std::string& content) {
-  return fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" class=\"{}\">{}</text>\n", x, y, style, xml_escaped(content));
-}
-
-std::string draw_axes(const Plot& plot, const Axes& axes) {
-  const double right = frame_left + frame_width, bottom = frame_top + frame_height;
-  std::string out = "<g aria-hidden=\"true\">\n";
-  for (const Tick& tick : ticks_of(axes.x, axes.x_scale)) {
-    const double x = axes.column(tick.at);
-    out += line(x, frame_top, x, bottom, tick.label.empty() ? "minor" : "major");
-    if (!tick.label.empty()) out += text(x, bottom + 18, "tick middle", tick.label);
-  }
-  for (const Tick& tick : ticks_of(axes.y, axes.y_scale)) {
-    const double y = axes.row(tick.at);
-    out += line(frame_left, y, right, y, tick.label.empty() ? "minor" : "major");
-    if (!tick.label.empty()) out += text(frame_left - 8, y + 4, "tick end", tick.label);
-  }
-  out += line(frame_left, bottom, right, bottom, "axis") + line(frame_left, frame_top, frame_left, bottom, "axis");
-  out += "</g>\n" + text(frame_left + frame_width / 2, bottom + 44, "label middle", plot.x_label);
-  const double middle = frame_top + frame_height / 2;
-  return out + fmt::format("<text transform=\"translate(22,{:.2f}) rotate(-90)\" class=\"label middle\">{}</text>\n",
-                           middle, xml_escaped(plot.y_label));
 }
 
 /// Marks differ in form too, for eyes and printers without colours.
@@ -308,13 +184,13 @@ std::string draw_curve(const Curve& curve, const Axes& axes) {
 
 std::string draw_legend(const std::vector<Curve>& curves) {
   std::string out;
-  double y = frame_top + 12;
+  double y = svg_frame::top + 12;
   for (const Curve& curve : curves) {
     out += fmt::format("<g class=\"series\" stroke=\"{0}\" fill=\"{0}\">\n", curve.colour());
-    if (curve.style != SeriesStyle::marks) out += line(legend_left, y, legend_left + 28, y, "sample");
+    if (curve.style != SeriesStyle::marks) out += svg_line(legend_left, y, legend_left + 28, y, "sample");
     if (curve.style != SeriesStyle::line) out += mark(curve.look, legend_left + 14, y) + "/>\n";
     out += "</g>\n";
-    out += text(legend_left + 38, y + 4, "name", curve.name);
+    out += svg_text(legend_left + 38, y + 4, "name", curve.name);
     y += legend_line;
   }
   return out;
@@ -330,20 +206,14 @@ std::string draw_triangle(const SlopeTriangle& triangle, const Axes& axes) {
 /// The labels of the vertical axis.
 std::string draw_order(const SlopeTriangle& triangle, const Axes& axes) {
   const double middle = 0.5 * (triangle.left.y + triangle.right.y);
-  return text(axes.column(triangle.right.x) + 6, axes.row(middle) + 4, "order",
-              fmt::format("order {:g}", triangle.order));
-}
-
-/// Letters, not bytes.
-std::size_t length(const std::string& utf8) {
-  return static_cast<std::size_t>(
-      std::count_if(utf8.begin(), utf8.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+  return svg_text(axes.column(triangle.right.x) + 6, axes.row(middle) + 4, "order",
+                  fmt::format("order {:g}", triangle.order));
 }
 
 double width_of(const std::vector<Curve>& curves) {
   std::size_t longest = 0;
-  for (const Curve& curve : curves) longest = std::max(longest, length(curve.name));
-  return std::ceil(legend_left + 38 + letter_width * static_cast<double>(longest) + 16);
+  for (const Curve& curve : curves) longest = std::max(longest, num_letters(curve.name));
+  return std::ceil(legend_left + 38 + svg_frame::letter_width * static_cast<double>(longest) + 16);
 }
 
 /// A description in words, for those who do not see the picture.
@@ -359,40 +229,17 @@ std::string description(const Plot& plot, const std::vector<Curve>& curves) {
   return out;
 }
 
-constexpr const char* style = R"(<style>
-text { font-family: "DejaVu Sans", Verdana, Arial, sans-serif; font-size: 12px; fill: #2d3139; }
-.heading { font-size: 15px; font-weight: bold; }
-.label { font-size: 13px; }
-.tick { fill: #5a606b; }
-.middle { text-anchor: middle; }
-.end { text-anchor: end; }
-.major { stroke: #d5d9df; stroke-width: 1; }
-.minor { stroke: #eef0f3; stroke-width: 1; }
-.axis { stroke: #8b919b; stroke-width: 1; }
-.series polyline { fill: none; stroke-width: 2; stroke-linejoin: round; }
-.sample { stroke-width: 2; }
-.slope { fill: #eceef1; fill-opacity: 0.7; stroke: #6d7580; stroke-width: 1; }
-.order { fill: #5a606b; stroke: white; stroke-width: 3; paint-order: stroke; }
-</style>
-)";
-
 }  // namespace
 
 std::string svg(const Plot& plot) {
   const auto curves = curves_of(plot);
   const auto triangles = triangles_of(plot, curves);
   const Axes axes = axes_of(curves, triangles, plot);
-  const double legend_bottom = frame_top + 12 + legend_line * static_cast<double>(curves.size());
+  const double legend_bottom = svg_frame::top + 12 + legend_line * static_cast<double>(curves.size());
   const double width = width_of(curves), tall = std::max(height, legend_bottom);
-  std::string out = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
-  out += fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" role=\"img\" "
-      "aria-labelledby=\"title description\">\n",
-      width, tall);
-  out += "<title id=\"title\">" + xml_escaped(plot.title) + "</title>\n";
-  out += "<desc id=\"description\">" + xml_escaped(description(plot, curves)) + "</desc>\n" + style;
-  out += "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
-  out += text(frame_left, frame_top - 20, "heading", plot.title) + draw_axes(plot, axes);
+  std::string out = svg_head(width, tall, plot.title, description(plot, curves));
+  out += svg_text(svg_frame::left, svg_frame::top - 20, "heading", plot.title) +
+         draw_axes(axes, plot.x_label, plot.y_label);
   for (const SlopeTriangle& triangle : triangles) out += draw_triangle(triangle, axes);
   for (const Curve& curve : curves) out += draw_curve(curve, axes);
   for (const SlopeTriangle& triangle : triangles) out += draw_order(triangle, axes);

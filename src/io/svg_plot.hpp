@@ -1,6 +1,8 @@
-/// Plots as SVG files, in the style of tools/plot.py: double-logarithmic ones of convergence studies, linear ones of
+/// Plots as SVG files, in the style of `pliant plot`: double-logarithmic ones of convergence studies, linear ones of
 /// laws, measurements with the curves that were fitted to them.
 #pragma once
+
+#include "io/svg_axes.hpp"
 
 #include <filesystem>
 #include <optional>
@@ -10,8 +12,6 @@
 #include <petscsys.h>
 
 namespace pliant {
-
-enum class Scale { logarithmic, linear };
 
 enum class SeriesStyle {
   by_scale,  ///< a line, with marks if the vertical axis is logarithmic

@@ -8,6 +8,8 @@ _pliant() {
       ' resume') path='resume' ;;
       ' info') path='info' ;;
       ' report') path='report' ;;
+      ' render') path='render' ;;
+      ' plot') path='plot' ;;
       ' check') path='check' ;;
       ' converge') path='converge' ;;
       ' sweep') path='sweep' ;;
@@ -26,14 +28,16 @@ _pliant() {
     esac
   done
   case $path in
-    '') options='-h --help --version' words='run resume info report check converge sweep compare sensitivity fit mesh methods materials schema help completion man' files='' ;;
+    '') options='-h --help --version' words='run resume info report render plot check converge sweep compare sensitivity fit mesh methods materials schema help completion man' files='' ;;
     'run') options='-h --help --set --output --continue --quiet' words='' files='*.@(yaml|yml)' ;;
     'resume') options='-h --help --set --output --quiet' words='' files='*.h5' ;;
     'info') options='-h --help' words='' files='*.h5' ;;
     'report') options='-h --help --output --size' words='' files='*.@(h5|xdmf)' ;;
+    'render') options='-h --help -o --output --field --range --movie --fps --frame --view --size --scale --hide --transparent --title --frames --mesh-edges --outline' words='' files='*.@(h5|xdmf)' ;;
+    'plot') options='-h --help -o --output' words='' files='*' ;;
     'check') options='-h --help --set' words='' files='*.@(yaml|yml)' ;;
     'converge') options='-h --help --set --output --in --levels --methods --no-check' words='' files='*.@(yaml|yml)' ;;
-    'sweep') options='-h --help --set --output --result --continue --jobs --ranks' words='' files='*.@(yaml|yml)' ;;
+    'sweep') options='-h --help --set --output --result --samples --seed --logarithmic --continue --jobs --ranks' words='' files='*.@(yaml|yml)' ;;
     'compare') options='-h --help --of --output' words='' files='*' ;;
     'sensitivity') options='-h --help --set --output --of --adjoint --to --fields --kept-steps' words='' files='*.@(yaml|yml)' ;;
     'fit') options='-h --help --output' words='' files='*.@(yaml|yml)' ;;
@@ -49,12 +53,16 @@ _pliant() {
   esac
   # What follows an option that takes a value is that.
   case $previous in
-    --set | --output | --size | --in | --levels | --methods | --result | --jobs | --ranks | --of | --adjoint | --to | --fields | --kept-steps | --scale | --stretch) options='' words='' files='' ;;
+    --set | --output | --size | -o | --field | --range | --movie | --fps | --frame | --view | --scale | --hide | --transparent | --title | --in | --levels | --methods | --result | --samples | --seed | --logarithmic | --jobs | --ranks | --of | --adjoint | --to | --fields | --kept-steps | --stretch) options='' words='' files='' ;;
   esac
   case "$path $previous" in
     'run --output') files='*' ;;
     'resume --output') files='*' ;;
     'report --output') files='*' ;;
+    'render -o' | 'render --output') files='*' ;;
+    'render --movie') words='mp4 gif glb' ;;
+    'render --view') words='iso front back right left top bottom' ;;
+    'plot -o' | 'plot --output') files='*' ;;
     'converge --output') files='*' ;;
     'converge --in') words='time space tolerance' ;;
     'sweep --output') files='*' ;;

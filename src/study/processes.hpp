@@ -13,12 +13,11 @@ using Environment = std::vector<std::string>;
 
 /// The environment of this process, to be taken before MPI starts: MPI adds variables that make programs believe that
 /// they belong to the same job.
-/// belong to the same job.
 Environment current_environment();
 
 struct Program {
   std::vector<std::string> arguments;  ///< the first one: the program, as a path or to be searched for in PATH
-  std::filesystem::path log;           ///< its output is appended here
+  std::filesystem::path log;           ///< its output is appended here; empty: it has our input and outputs
 };
 
 /// How a program ended.

@@ -5,15 +5,17 @@
 #include "input/input.hpp"
 #include "io/history_reader.hpp"
 #include "io/history_writer.hpp"
-#include "io/svg_plot.hpp"
 #include "study/history_plots.hpp"
+#include "study/latin_hypercube.hpp"
+#include "study/sweep_plots.hpp"
+#include "study/varied_input.hpp"
 
 #include <algorithm>
 #include <array>
 #include <fstream>
 #include <limits>
 #include <optional>
-#include <set>
+#include <stdexcept>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -30,17 +32,21 @@ std::string plain_text(const InputNode& value) {
   return value.kind == InputNode::Kind::scalar ? value.text : flow_text(value);
 }
 
-/// A key with the values that it is given one after another.
+/// A key with the values that it is given one after another, or a range from which samples are taken.
 struct SweptKey {
   std::string path;
   std::vector<InputNode> values;
+  std::optional<NumberRange> range;
 };
 
 struct Case {
-  std::vector<Override> changes;    ///< all of them
-  std::vector<std::string> values;  ///< of the swept keys
+  std::vector<Override> changes;  ///< all of them
   fs::path directory;
 };
+
+InputError refusal(const std::string& why) {
+  return {{"pliant sweep", 0, 0}, why};
+}
 
 std::string in_words(const Ended& how) {
   if (how.code == 0) return "done";
@@ -58,6 +64,7 @@ class Sweep {
     }
     text_.assign(std::istreambuf_iterator<char>(stream), {});
     sort(changes);
+    mark_logarithmic();
     make_cases();
   }
 
@@ -74,8 +81,9 @@ class Sweep {
       console_.print(fmt::format("[{}/{}] {}: {} after {:.3g} s", ++done, cases_.size(),
                                  cases_[index].directory.filename().string(), in_words(how), how.seconds));
     });
-    for (const Case& one : cases_)
-      histories_.push_back({label(one.values), read_history(one.directory / "history.csv")});
+    for (std::size_t i = 0; i < cases_.size(); ++i) {
+      histories_.push_back({label_of(keys_, i), read_history(cases_[i].directory / "history.csv")});
+    }
     warn_of_missing_columns();
     print_table();
     write_text_atomically(directory_ / "sweep.csv", csv());
@@ -86,35 +94,65 @@ class Sweep {
   }
 
  private:
-  /// Which changes are swept: those with a list where the input does not accept one.
+  /// Which changes are swept: those with a list where the input does not accept one, and those with a range.
   void sort(const std::vector<Override>& changes) {
     std::vector<std::pair<const Override*, InputNode>> lists;
     for (const Override& change : changes) {
       InputNode value = value_of(change);
-      if (value.kind == InputNode::Kind::list && !value.children.empty()) {
+      if ((value.kind == InputNode::Kind::list && !value.children.empty()) || range_of(change, value)) {
         lists.emplace_back(&change, std::move(value));
       } else {
         fixed_.push_back(change);
       }
     }
     for (const auto& [change, value] : lists) {
-      if (accepts(*change)) {
+      if (const auto range = range_of(*change, value)) {
+        swept_.push_back({change->path, {}, range});
+      } else if (accepts(*change)) {
         fixed_.push_back(*change);
       } else {
-        swept_.push_back({change->path, value.children});
+        swept_.push_back({change->path, value.children, {}});
       }
     }
     for (auto later = swept_.begin(); later != swept_.end(); ++later) {
       const auto is_replaced = [&](const SweptKey& key) { return (key.path + '.').starts_with(later->path + '.'); };
       const auto lost = std::find_if(swept_.begin(), later, is_replaced);
       if (lost == later) continue;
-      throw InputError({"pliant sweep", 0, 0},
-                       fmt::format("the values of '{}' would replace those of '{}' before it; sweep one of them alone",
-                                   later->path, lost->path));
+      throw refusal(fmt::format("the values of '{}' would replace those of '{}' before it; sweep one of them alone",
+                                later->path, lost->path));
     }
     if (swept_.empty()) {
-      throw InputError({"pliant sweep", 0, 0},
-                       "nothing varies: give a key a list of values, e.g. --set 'time.step=[10 ms, 5 ms, 2 ms]'");
+      throw refusal("nothing varies: give a key a list of values, e.g. --set 'time.step=[10 ms, 5 ms, 2 ms]'");
+    }
+    const auto ranged = std::ranges::find_if(swept_, [](const SweptKey& key) { return key.range.has_value(); });
+    if (ranged != swept_.end() && options_.samples == 0) {
+      throw refusal(
+          fmt::format("'{}' has a range: say how many values to take from it, e.g. --samples 20", ranged->path));
+    }
+    if (ranged == swept_.end() && options_.samples > 0) {
+      throw refusal("--samples takes values from ranges, and no key has one, e.g. --set bodies.0.density=900..1100");
+    }
+  }
+
+  static std::optional<NumberRange> range_of(const Override& change, const InputNode& value) {
+    if (value.kind != InputNode::Kind::scalar) return std::nullopt;
+    try {
+      return parse_range(value.text);
+    } catch (const std::invalid_argument& error) {
+      throw InputError({fmt::format("--set {}={}", change.path, change.value), 0, 0}, error.what());
+    }
+  }
+
+  void mark_logarithmic() {
+    for (const std::string& path : options_.logarithmic) {
+      const auto key = std::ranges::find_if(swept_, [&](const SweptKey& k) { return k.path == path && k.range; });
+      if (key == swept_.end()) {
+        throw InputError({"--logarithmic " + path, 0, 0}, "this key has no range, as in --set KEY=LOW..HIGH");
+      }
+      if (key->range->low <= 0.0) {
+        throw InputError({"--logarithmic " + path, 0, 0}, "both ends of the range must be positive");
+      }
+      key->range->is_logarithmic = true;
     }
   }
 
@@ -127,29 +165,31 @@ class Sweep {
     }
   }
 
-  /// Every combination; the last key varies fastest.
+  /// Every combination; the last list varies fastest, and the samples within it.
   void make_cases() {
-    std::size_t count = 1;
+    std::size_t count = static_cast<std::size_t>(std::max(options_.samples, 1));
     for (const auto& key : swept_) {
-      count *= key.values.size();
+      count *= key.range ? 1 : key.values.size();
       if (count > most_runs) {
-        throw InputError({"pliant sweep", 0, 0},
-                         fmt::format("the sweep has more than {} runs: sweep fewer values", most_runs));
+        throw refusal(fmt::format("the sweep has more than {} runs: sweep fewer values", most_runs));
       }
+    }
+    const auto values = values_of_cases(count);
+    for (std::size_t k = 0; k < swept_.size(); ++k) {
+      const auto& range = swept_[k].range;
+      const std::string unit = unit_of_key(swept_[k].path);
+      keys_.push_back({short_name(k), {}, unit == "1" ? "" : unit, range.has_value()});
+      if (range && range->is_logarithmic) keys_[k].scale = Scale::logarithmic;
+      for (const auto& of_case : values) keys_[k].texts.push_back(plain_text(of_case[k]));
     }
     const std::size_t width = std::to_string(count).size();
     for (std::size_t number = 0; number < count; ++number) {
-      Case one;
-      one.changes = fixed_;
-      std::size_t rest = number;
-      for (auto key = swept_.rbegin(); key != swept_.rend(); ++key) {
-        const InputNode& value = key->values[rest % key->values.size()];
-        rest /= key->values.size();
-        one.changes.push_back({key->path, flow_text(value)});
-        one.values.insert(one.values.begin(), plain_text(value));
+      Case one{fixed_, {}};
+      for (std::size_t k = 0; k < swept_.size(); ++k) {
+        one.changes.push_back({swept_[k].path, flow_text(values[number][k])});
       }
       const std::string name =
-          file_name_of(fmt::format("{:0{}}_{}", number + 1, std::max<std::size_t>(width, 2), label(one.values)));
+          file_name_of(fmt::format("{:0{}}_{}", number + 1, std::max<std::size_t>(width, 2), label_of(keys_, number)));
       const fs::path directory = read_input(text_, file_, one.changes).output.directory;
       if (number == 0) directory_ = directory;
       one.directory = directory_ / name;
@@ -158,13 +198,25 @@ class Sweep {
     make_directory(directory_);
   }
 
-  /// "step = 5 ms, method = bdf2": keys by their last component, if that distinguishes them; those with a value.
-  std::string label(const std::vector<std::string>& values) const {
-    std::vector<std::string> parts;
-    for (std::size_t k = 0; k < swept_.size(); ++k) {
-      if (!values[k].empty()) parts.push_back(short_name(k) + "=" + values[k]);
+  /// Cases x swept keys.
+  std::vector<std::vector<InputNode>> values_of_cases(std::size_t count) const {
+    const auto num_ranges = std::ranges::count_if(swept_, [](const SweptKey& key) { return key.range.has_value(); });
+    const std::size_t samples = static_cast<std::size_t>(std::max(options_.samples, 1));
+    const auto points = latin_hypercube(samples, static_cast<std::size_t>(num_ranges), options_.seed);
+    std::vector<std::vector<InputNode>> cases(count, std::vector<InputNode>(swept_.size()));
+    for (std::size_t number = 0; number < count; ++number) {
+      std::size_t rest = number / samples, range = static_cast<std::size_t>(num_ranges);
+      for (std::size_t k = swept_.size(); k-- > 0;) {
+        const SweptKey& key = swept_[k];
+        if (key.range) {
+          cases[number][k] = value_of({key.path, key.range->at(points[number % samples][--range])});
+        } else {
+          cases[number][k] = key.values[rest % key.values.size()];
+          rest /= key.values.size();
+        }
+      }
     }
-    return fmt::format("{}", fmt::join(parts, ","));
+    return cases;
   }
 
   std::string short_name(std::size_t k) const {
@@ -213,13 +265,19 @@ class Sweep {
     return values == nullptr || values->empty() ? std::numeric_limits<double>::quiet_NaN() : values->back();
   }
 
+  std::vector<std::string> values_of(std::size_t run) const {
+    std::vector<std::string> texts;
+    for (const SweptValues& key : keys_) texts.push_back(key.texts[run]);
+    return texts;
+  }
+
   void print_table() const {
     std::vector<std::vector<std::string>> rows(1);
-    for (std::size_t k = 0; k < swept_.size(); ++k) rows[0].push_back(short_name(k));
+    for (const SweptValues& key : keys_) rows[0].push_back(key.name);
     for (const char* name : {"end", "steps", "time [s]", "newton", "seconds"}) rows[0].emplace_back(name);
     for (const RunNumber& result : options_.results) rows[0].push_back(result.name);
     for (std::size_t i = 0; i < cases_.size(); ++i) {
-      auto row = cases_[i].values;
+      auto row = values_of(i);
       row.push_back(in_words(ended_[i]));
       double iterations = 0.0;
       if (const auto* newton = histories_[i].table.find("newton_iterations")) {
@@ -253,7 +311,7 @@ class Sweep {
     header.insert(header.end(), names.begin(), names.end());
     std::string text = csv_header(header) + "\n";
     for (std::size_t i = 0; i < cases_.size(); ++i) {
-      auto row = cases_[i].values;
+      auto row = values_of(i);
       row.push_back(cases_[i].directory.filename().string());
       std::vector<double> numbers{static_cast<double>(ended_[i].code), ended_[i].seconds};
       for (const RunNumber& result : options_.results) numbers.push_back(result.of(histories_[i].table));
@@ -263,60 +321,18 @@ class Sweep {
     return text;
   }
 
-  /// One plot for each column that varies in some run, and for each result. Returns how many.
+  /// One plot for each column that varies in some run, and those of each result. Returns how many.
   std::size_t draw() const {
     std::size_t count = 0;
     for (const std::string& name : columns_of(histories_)) {
       if (!is_bookkeeping(name) && draw_column(histories_, name, directory_)) ++count;
     }
-    for (const RunNumber& result : options_.results) count += draw_result(result) ? 1 : 0;
+    for (const RunNumber& result : options_.results) {
+      SweptResult found{result.name, result.unit, {}};
+      for (const LabelledHistory& history : histories_) found.values.push_back(result.of(history.table));
+      count += draw_result(keys_, found, directory_);
+    }
     return count;
-  }
-
-  /// The result over the values of the key that has the most numbers, one curve for each choice of the others.
-  bool draw_result(const RunNumber& result) const {
-    std::size_t along = swept_.size();
-    for (std::size_t k = 0; k < swept_.size(); ++k) {
-      if (numbers_of(k) && (along == swept_.size() || swept_[k].values.size() > swept_[along].values.size())) along = k;
-    }
-    if (along == swept_.size()) return false;
-    const auto [values, unit] = *numbers_of(along);
-    const auto labelled = [](const std::string& name, const std::string& of) {
-      return of.empty() ? name : fmt::format("{} [{}]", name, of);
-    };
-    Plot plot{result.name, labelled(short_name(along), unit), labelled(result.name, result.unit), {}};
-    plot.scale = Scale::linear;
-    for (std::size_t i = 0; i < cases_.size(); ++i) {
-      auto others = cases_[i].values;
-      const auto same = std::ranges::find(swept_[along].values, others[along], plain_text);
-      others[along].clear();
-      std::string name = label(others);
-      auto series = std::ranges::find(plot.series, name, &PlotSeries::name);
-      if (series == plot.series.end()) series = plot.series.insert(series, {name, {}, {}});
-      series->x.push_back(values[static_cast<std::size_t>(same - swept_[along].values.begin())]);
-      series->y.push_back(result.of(histories_[i].table));
-    }
-    for (PlotSeries& series : plot.series) {
-      if (series.name.empty()) series.name = result.name;
-    }
-    write_text_atomically(directory_ / (file_name_of(result.name) + ".svg"), svg(plot));
-    return true;
-  }
-
-  /// The values of a key as numbers, with their unit, if they are numbers of the same unit.
-  std::optional<std::pair<std::vector<double>, std::string>> numbers_of(std::size_t k) const {
-    std::vector<double> numbers;
-    std::optional<std::string> unit;
-    for (const InputNode& value : swept_[k].values) {
-      const std::string text = plain_text(value);
-      const std::size_t end = std::min(text.find(' '), text.size());
-      const auto number = parse_number(std::string_view(text).substr(0, end));
-      const std::string own(trimmed(std::string_view(text).substr(end)));
-      if (!number || (unit && *unit != own)) return std::nullopt;
-      unit = own;
-      numbers.push_back(*number);
-    }
-    return std::pair{numbers, unit.value_or("")};
   }
 
   ExitCode outcome() const {
@@ -338,6 +354,7 @@ class Sweep {
   Console& console_;
   std::vector<Override> fixed_;
   std::vector<SweptKey> swept_;
+  std::vector<SweptValues> keys_;  // in the order of swept_
   fs::path directory_;
   std::vector<Case> cases_;
   std::vector<Ended> ended_;

@@ -105,6 +105,10 @@ VariedNumber number_at(const InputNode& as_typed, const InputNode& as_read, cons
 
 }  // namespace
 
+std::string unit_of_key(const std::string& key) {
+  return unit_of(key_info(parts_of(key)));
+}
+
 VariedInput::VariedInput(std::string text, std::string file, std::vector<Override> changes,
                          const std::vector<std::string>& keys, const std::string& option)
     : text_(std::move(text)),

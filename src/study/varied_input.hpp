@@ -16,6 +16,10 @@ struct VariedNumber {
   std::string unit;    ///< SI; "1" for numbers without a unit
 };
 
+/// The SI unit of bare numbers at a key of the input, as the table of keys has it; "1" for a pure number, and where the
+/// table does not say.
+std::string unit_of_key(const std::string& key);
+
 class VariedInput {
  public:
   /// `text`: of the input, `file`: its name for messages. Throws InputError if the input is wrong, or a key is none of

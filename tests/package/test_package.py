@@ -10,8 +10,9 @@ import tempfile
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests/program"))
+sys.path[:0] = [str(ROOT / "tests/program"), str(ROOT / "tests/tools")]
 
+import synthetic  # noqa: E402
 from program import ENVIRONMENT, read_history  # noqa: E402
 
 BUILD = pathlib.Path(os.environ.get("PLIANT_BUILD", ROOT / "build"))
@@ -49,6 +50,20 @@ class Package(unittest.TestCase):
         packages = self.prefix / "lib/python3/dist-packages"
         text = run("/usr/bin/python3", "-c", f"import sys; sys.path.insert(0, {str(packages)!r}); import pliant; print(pliant.__file__)")
         self.assertTrue(text.startswith(str(packages)), text)
+
+    def test_the_installed_program_draws(self):
+        out = self.directory / "out"
+        synthetic.write_result(out, num_frames=1, order=1, cubes=(2, 1, 1))
+        synthetic.write_history(out, num_steps=2)
+        for command, file in (("render", "picture.png"), ("plot", "history.png")):
+            self.assertEqual(run(self.prefix / "bin/pliant", command, out), f"{out / file}\n")
+            self.assertEqual((out / file).read_bytes()[:4], b"\x89PNG")
+        # With the code that was installed, not that of the sources.
+        code = self.prefix / "lib/python3/dist-packages/pliant/pictures/start.py"
+        os.rename(code, code.with_suffix(".away"))
+        self.addCleanup(os.rename, code.with_suffix(".away"), code)
+        with self.assertRaisesRegex(AssertionError, f"returned 4\npliant plot: its Python code is missing: '{code}'"):
+            run(self.prefix / "bin/pliant", "plot", out)
 
     def test_another_program_adds_a_law_and_a_term(self):
         build = self.directory / "example"
@@ -99,7 +114,7 @@ class Package(unittest.TestCase):
             self.assertTrue(any(name.startswith(start) for name in needed), f"{start} is not among {needed}")
         self.assertLessEqual({"/usr/bin/pliant", "/usr/lib/pliant/libpliant_gmsh.so", "/usr/share/pliant/input/gripper_finger.yaml",
                               "/usr/share/pliant/meshes/gripper_finger.geo", "/usr/share/pliant/docs/index.md",
-                              "/usr/lib/python3/dist-packages/pliant/__init__.py", "/usr/share/pliant/tools/render.py",
+                              "/usr/lib/python3/dist-packages/pliant/__init__.py", "/usr/lib/python3/dist-packages/pliant/pictures/start.py",
                               "/usr/share/doc/pliant/copyright"}, content(of_program))
 
         # What a program needs to be built on the libraries is there where this machine's list has it.

@@ -63,6 +63,7 @@ if own[0] in ("run", "check", "converge", "sweep"):
     settings = small[os.path.basename(own[1])]
     if own[0] == "sweep":  # the first two values of a list
         own = [re.sub(r"=\\[([^][,]*,[^][,]*),[^][]*\\]$", r"=[\\1]", word) for word in own]
+        own = ["2" if before == "--samples" else word for before, word in zip([""] + own, own)]
     if own[0] == "converge":
         own.append("--no-check") if "--no-check" not in own else None
         own[own.index("--levels") + 1] = "2"

@@ -1,12 +1,16 @@
 #!/usr/bin/python3
 """The Python package: what it reads is what the program wrote, and what the page docs/python.md shows works."""
+import base64
 import contextlib
+import html.parser
 import io
 import os
 import re
 import shutil
 import sys
+import types
 import unittest
+from unittest import mock
 
 import h5py
 import numpy as np
@@ -30,6 +34,37 @@ output: {fields: [displacement, cauchy_stress]}
 checkpoint: {every: 2}
 probes: [{name: tip, point: [1, 0.1, 0.1]}]
 """
+
+
+class Reader(html.parser.HTMLParser):
+    """The texts of a piece of HTML in their order, and its pictures; every element is closed in its turn."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.texts, self.pictures, self.frames, self._open = [], [], [], []
+        self.feed(text)
+        self.close()
+        assert self._open == [], f"not closed: {self._open}"
+
+    def handle_starttag(self, tag, attrs):
+        if tag == "img":
+            self.pictures.append(base64.b64decode(dict(attrs)["src"].removeprefix("data:image/png;base64,"), validate=True))
+        else:
+            self._open.append(tag)
+            self.frames += [dict(attrs)["srcdoc"]] if tag == "iframe" else []
+
+    def handle_endtag(self, tag):
+        assert tag == "img" or self._open.pop() == tag, tag
+
+    def handle_startendtag(self, tag, attrs):
+        self.handle_starttag(tag, attrs)
+
+    def handle_data(self, data):
+        self.texts.append(data)
+
+    def after(self, name):
+        """The text behind a name in a table."""
+        return self.texts[self.texts.index(name) + 1]
 
 
 class Package(ProgramTest):
@@ -113,6 +148,70 @@ class Package(ProgramTest):
         self.write("text.h5", "no HDF5")
         with self.assertRaisesRegex(pliant.PliantError, "is not an HDF5 file"):
             pliant.Result("text.h5")
+
+    def test_notebooks(self):
+        """What a cell shows of a run, its result and its history, without a notebook."""
+        run = pliant.run("title: a <bar> & its end\n" + INPUT)
+        history, result = run.history, run.result
+        self.assertRegex(repr(run), r"^Run\('.*/out': done, 3 steps to t = 0\.03 in \S+ s\)$")
+        self.assertRegex(repr(result), r"^Result\('.*/out/result\.h5': 4 frames, t = 0 to 0\.03, 24 tetrahedra\)$")
+        self.assertRegex(repr(history), rf"^History\('.*/history\.csv': 4 rows, t = 0 to 0\.03, {len(history)} columns\)$")
+        shown = Reader(run._repr_html_())
+        self.assertEqual(shown.texts[0], "a <bar> & its end")
+        self.assertEqual(shown.after("elastic energy"), f"{history['elastic_energy'][-1]:.6g} J")
+        self.assertEqual(shown.after("tip"), "({:.6g}, {:.6g}, {:.6g}) m at the end".format(*history.vector("tip_")[-1]))
+        self.assertRegex(shown.after("files"), r"checkpoint-\d+\.h5 .*history\.csv \(.* kB\)")
+        self.assertEqual(shown.texts[-1], run.log)
+        self.assertEqual([picture[:4] for picture in shown.pictures], [b"\x89PNG"] * 2)
+        shown = Reader(result._repr_html_())
+        self.assertEqual(shown.after("mesh"), "24 linear tetrahedra, 20 nodes")
+        largest = np.linalg.norm(result[-1]["displacement"], axis=1).max()
+        self.assertEqual(shown.after("displacement"), f"up to {largest:.4g} m at the end")
+        self.assertEqual(len(shown.pictures), 1)
+        shown = Reader(history._repr_html_())
+        at = shown.texts.index("tip_z")
+        tip = history["tip_z"]
+        self.assertEqual(shown.texts[at + 1: at + 6], ["m", *(f"{x:.6g}" for x in (tip[0], tip[-1], tip.min(), tip.max()))])
+        with mock.patch.dict(sys.modules, {"matplotlib.figure": None}):
+            self.assertEqual(Reader(run._repr_html_()).pictures, [])
+        result.close()
+        self.assertRegex(repr(result), r"4 frames, t = 0 to 0\.03\)$")
+        self.assertEqual(Reader(result._repr_html_()).after("state"), "closed")
+        shutil.rmtree("out")
+        for gone in (run, pliant.Run(run.directory, run.log)):
+            self.assertIn(run.directory, repr(gone))
+            Reader(gone._repr_html_())
+
+    def test_page_of_a_result(self):
+        result = pliant.run(INPUT).result
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            result.show(output="page.html")
+        self.assertRegex(printed.getvalue(), rf"^{self.directory}/page\.html: .* open it in a browser\n$")
+        with self.assertRaisesRegex(pliant.PliantError, "cannot write"):
+            result.show(output="missing/page.html")
+        displayed = []
+        shell = types.SimpleNamespace(kernel=object())
+        notebook = {"IPython": types.SimpleNamespace(get_ipython=lambda: shell),
+                    "IPython.display": types.SimpleNamespace(HTML=str, display=displayed.append)}
+        with mock.patch.dict(sys.modules, notebook), contextlib.redirect_stdout(printed):
+            result.show(output="page.html", size=5)
+        with open("page.html", encoding="utf-8") as page:
+            self.assertEqual(Reader(displayed[0]).frames, [page.read()])
+        self.assertEqual(printed.getvalue().count("\n"), 1)
+
+    def test_history_as_dataframe(self):
+        history = pliant.run(INPUT).history
+        with mock.patch.dict(sys.modules, {"pandas": None}), self.assertRaisesRegex(pliant.PliantError, "install the package python3-pandas"):
+            history.to_dataframe()
+        try:
+            import pandas
+        except ImportError:
+            self.skipTest("needs the package python3-pandas")
+        frame = history.to_dataframe()
+        self.assertIsInstance(frame, pandas.DataFrame)
+        self.assertEqual(list(frame.columns), list(history))
+        np.testing.assert_array_equal(frame["tip_z"].to_numpy(), history["tip_z"])
 
     def test_frames_for_meshio(self):
         try:

@@ -54,6 +54,41 @@ class Sweep(ProgramTest):
         self.assertAlmostEqual(far / near, 2.0, delta=0.01)
         self.assertTrue(np.isfinite(far))
 
+    def test_samples_of_ranges(self):
+        settings = ("bodies.0.density=500..2000", "bodies.0.elasticity.youngs_modulus=0.1..10 MPa", "time.end=20 ms", "time.method=[bdf2, backward-euler]")
+        options = ("--samples", "4", "--seed", "3", "--logarithmic", "bodies.0.elasticity.youngs_modulus", "--result", "sag=min(tip_z)")
+        self.sweep(*settings, options=options)
+        rows = self.rows()
+        self.assertEqual([row["time.method"] for row in rows], ["bdf2"] * 4 + ["backward-euler"] * 4)
+        sampled = [(row["bodies.0.density"], row["bodies.0.elasticity.youngs_modulus"]) for row in rows]
+        self.assertEqual(sampled[:4], sampled[4:])
+        density = [(float(d) - 500) / 1500 for d, _ in sampled[:4]]
+        stiffness = [np.log10(float(e.removesuffix(" MPa")) / 0.1) / 2 for _, e in sampled[:4]]
+        for shares in (density, stiffness):
+            self.assertEqual(sorted(int(4 * share) for share in shares), [0, 1, 2, 3])
+        for row in rows:
+            history = read_history(self.directory / "out" / row["directory"])
+            self.assertEqual(float(row["sag"]), history["tip_z"].min())
+        names = {file.name for file in self.directory.glob("out/sag*.svg")}
+        self.assertEqual(names, {"sag_over_density.svg", "sag_over_youngs_modulus.svg", "sag_map,method=bdf2.svg", "sag_map,method=backward-euler.svg"})
+        for name, circles in (("sag_map,method=bdf2", 4), ("sag_over_density", 4)):
+            tree = ElementTree.parse(self.directory / f"out/{name}.svg").getroot()
+            marks = [m for m in tree.iter("{http://www.w3.org/2000/svg}circle") if m.find("{http://www.w3.org/2000/svg}title") is not None]
+            self.assertEqual(len(marks), circles)
+        again = self.call("sweep", INPUT, "--output", "out", "--continue", *options, *(a for s in settings for a in ("--set", s)))
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertEqual([row["directory"] for row in self.rows()], [row["directory"] for row in rows])
+        self.assertEqual(len(list(self.directory.glob("out/*/result.h5"))), 8)
+
+    def test_map_over_two_lists(self):
+        self.sweep("bodies.0.density=[500, 2000]", "bodies.0.elasticity.youngs_modulus=[0.1 MPa, 10 MPa]", "time.end=20 ms", options=("--result", "sag=min(tip_z)"))
+        tree = ElementTree.parse(self.directory / "out/sag_map.svg").getroot()
+        titles = ["".join(cell.itertext()) for cell in tree.iter("{http://www.w3.org/2000/svg}rect") if len(cell)]
+        shown = {title.split(":")[0]: float(title.split(":")[1]) for title in titles}
+        for row in self.rows():
+            place = f"{row['bodies.0.density']}, {row['bodies.0.elasticity.youngs_modulus'].removesuffix(' MPa')}"
+            self.assertAlmostEqual(shown[place], float(row["sag"]), delta=1e-5 * abs(float(row["sag"])))
+
     def test_mistakes_are_told_before_anything_runs(self):
         for settings, expected in (
             (["time.step=10 ms"], "nothing varies"),
@@ -68,6 +103,20 @@ class Sweep(ProgramTest):
                 self.assertIn(expected, done.stderr)
                 self.assertEqual(done.stderr.count("\n"), 1)
                 self.assertFalse((self.directory / "out").exists())
+        for setting, options, expected in (
+            ("time.step=1..2 ms", (), "'time.step' has a range: say how many values"),
+            ("time.step=[1, 2]", ("--samples", "3"), "no key has one"),
+            ("time.step=2..1 ms", ("--samples", "3"), "does not ascend"),
+            ("time.step=1 ms..2 s", ("--samples", "3"), "different units"),
+            ("time.step=1..2 kg", ("--samples", "3"), "is a mass"),
+            ("mesh.refine=0..2", ("--samples", "3"), "must be a whole number"),
+            ("time.step=1..2 ms", ("--samples", "3", "--logarithmic", "time.end"), "--logarithmic time.end: this key has no range"),
+            ("contact.friction=0..1", ("--samples", "3", "--logarithmic", "contact.friction"), "must be positive"),
+        ):
+            with self.subTest(setting):
+                done = self.sweep(setting, options=options, code=2)
+                self.assertIn(expected, done.stderr)
+                self.assertEqual(done.stderr.count("\n"), 1)
         done = self.call("sweep", self.directory, "--set", "time.step=[1, 2]")
         self.assertEqual((done.returncode, done.stderr.count("\n")), (2, 1), done.stderr)
         self.assertIn("give the path of an input file", done.stderr)

@@ -41,9 +41,9 @@ class WithResult(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout.strip()
 
-    def fails(self, text, *arguments, tool="render.py"):
+    def fails(self, text, *arguments, tool="render.py", code=2):
         done = run(tool, *arguments)
-        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertEqual(done.returncode, code, done.stderr)
         self.assertIn(text, done.stderr)
         self.assertEqual(done.stderr.strip().count("\n"), 0, done.stderr)
 
@@ -189,7 +189,7 @@ class Pictures(WithResult):
         self.fails("--field tension: the result has no tendons", self.directory, "--field", "tension")
         self.fails("--size", self.directory, "--size", "big")
         self.fails("--view", self.directory, "--view", "0,0,0")
-        self.fails("No such file", self.directory, "-o", self.path("missing/picture.png"))
+        self.fails("No such file", self.directory, "-o", self.path("missing/picture.png"), code=4)
         self.fails("picture.xyz", self.directory, "-o", self.path("picture.xyz"))
         with h5py.File(self.path("other.h5"), "w"):
             pass

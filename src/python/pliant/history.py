@@ -3,10 +3,11 @@ import csv
 import difflib
 import os
 from collections.abc import Iterator, Mapping
-from typing import Union
+from typing import Any, Union
 
 import numpy as np
 
+from . import notebook
 from .error import PliantError
 
 
@@ -47,6 +48,13 @@ class History(Mapping[str, np.ndarray]):
     def __len__(self) -> int:
         return len(self._columns)
 
+    def __repr__(self) -> str:
+        return notebook.history_in_a_line(self)
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the energies, and the range of every column."""
+        return notebook.history_as_html(self)
+
     @property
     def time(self) -> np.ndarray:
         """[s]; of a static run the load factor."""
@@ -55,3 +63,11 @@ class History(Mapping[str, np.ndarray]):
     def vector(self, name: str) -> np.ndarray:
         """Steps x 3: the columns <name>x, y, z, e.g. `tip_` for the position of the probe tip, `clamp_f` for a reaction."""
         return np.stack([self[name + axis] for axis in "xyz"], axis=1)
+
+    def to_dataframe(self) -> Any:
+        """A pandas.DataFrame with a row per step; PliantError where pandas is not installed."""
+        try:
+            import pandas
+        except ImportError:
+            raise PliantError("to_dataframe needs pandas: install the package python3-pandas, or `pip install pandas`") from None
+        return pandas.DataFrame(self._columns)

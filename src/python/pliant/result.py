@@ -7,6 +7,7 @@ from typing import Any, Optional, Union, overload
 import h5py
 import numpy as np
 
+from . import notebook
 from .error import PliantError
 from .files import opened, text
 
@@ -259,6 +260,28 @@ class Result(Sequence[Frame]):
 
     def __len__(self) -> int:
         return len(self.frames)
+
+    def __repr__(self) -> str:
+        return notebook.result_in_a_line(self)
+
+    def _repr_html_(self) -> str:
+        """For notebooks: mesh, bodies, the fields at the end, and a small picture where matplotlib is installed."""
+        return notebook.result_as_html(self)
+
+    def show(self, *, output: "Optional[Union[str, os.PathLike[str]]]" = None, size: float = 10, height: int = 640) -> None:
+        """The page of `pliant report`: in a notebook inline, elsewhere as a file, whose name is printed.
+
+        `output`: the file, by default report.html next to the result. `size`: the largest size of the page [MB]; frames are left out
+        if it would be larger. `height`: that of the page in the notebook [px]. PliantError with the program's message if it fails.
+        """
+        from .runs import completed  # which needs results
+
+        page = os.path.join(self.directory, "report.html") if output is None else os.path.abspath(output)
+        done = completed(["report", self.file, "--output", page, "--size", f"{size:g}"], 1, (), None)
+        if notebook.is_notebook():
+            notebook.show_page(page, height)
+        else:
+            print(done.stdout.strip())
 
     @property
     def times(self) -> np.ndarray:

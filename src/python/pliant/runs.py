@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Optional, Union
 import numpy as np
 import yaml
 
+from . import notebook
 from .checkpoint import Checkpoint
 from .error import PliantError
 from .history import History
@@ -30,6 +31,14 @@ class Run:
 
     directory: str
     log: str = dataclasses.field(repr=False)  #: what the program printed
+
+    def __repr__(self) -> str:
+        return notebook.run_in_a_line(self)
+
+    def _repr_html_(self) -> str:
+        """For notebooks: how it ended, energies, the last values of probes, its files, and small pictures where matplotlib is
+        installed."""
+        return notebook.run_as_html(self)
 
     @functools.cached_property
     def result(self) -> Result:

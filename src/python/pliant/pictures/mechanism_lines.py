@@ -7,8 +7,8 @@ from vtkmodules.vtkFiltersCore import vtkGlyph3D, vtkTubeFilter
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
-COLOURS = {"tendon": (214, 58, 80), "spring": (47, 158, 120)}
-JOINT = (232, 152, 28)
+from .shown import JOINT
+
 THICKNESS, DOT = 0.004, 0.014  # radius of lines and of the spheres at joints, as fractions of the scene's size
 
 
@@ -62,27 +62,3 @@ class DrawnMechanisms:
                           numpy_to_vtkIdTypeArray(np.ascontiguousarray(segments, dtype=np.int64).ravel(), deep=True))
             data.SetLines(cells)
         data.Modified()
-
-
-class ShownMechanisms:
-    """Those of a frame whose names are not in `hidden`; `colour_of`: colours of tensions, None for plain lines."""
-
-    def __init__(self, mechanisms, hidden, colour_of):
-        names, first_joint = np.array(mechanisms.names), len(mechanisms.names) - len(mechanisms.joints)
-        kept = ~np.isin(names[mechanisms.part], hidden)
-        part = mechanisms.part[kept]
-        self.points, self.segments = mechanisms.points, mechanisms.segments[kept]
-        self.joints = mechanisms.joints[~np.isin(names[first_joint:], hidden)]
-        self.colours = np.array([COLOURS.get(mechanisms.kinds[p], JOINT) for p in part], dtype=np.uint8).reshape(-1, 3)
-        is_line = part < first_joint
-        if colour_of is not None and is_line.any():
-            self.colours[is_line] = colour_of(mechanisms.tension[kept][is_line])
-
-    def cloud(self):
-        """Where they are."""
-        return self.points[np.append(self.segments.ravel(), self.joints)]
-
-
-def tensions_of(mechanisms):
-    """Of tendons and springs [N]."""
-    return mechanisms.tension[mechanisms.part < len(mechanisms.names) - len(mechanisms.joints)]

@@ -1,6 +1,8 @@
-"""What the command lines of the tools share: an error is reported in one line, and ends with exit code 2."""
+"""What the command lines of programs in Python share: an error is reported in one line, with the program's exit codes."""
 import argparse
 import sys
+
+WRONG, FILE = 2, 4
 
 
 class Parser(argparse.ArgumentParser):
@@ -8,9 +10,9 @@ class Parser(argparse.ArgumentParser):
         sys.exit(report(self.prog, message))
 
 
-def report(program, message):
+def report(program, message, code=WRONG):
     print(f"{program}: {message}", file=sys.stderr)
-    return 2
+    return code
 
 
 def exit_code(program, work, correctable, output, kinds):
@@ -20,7 +22,7 @@ def exit_code(program, work, correctable, output, kinds):
     except correctable as error:
         return report(program, error)
     except OSError as error:
-        return report(program, f"{error.filename}: {error.strerror}" if error.filename else error)
+        return report(program, f"{error.filename}: {error.strerror}" if error.filename else error, FILE)
     except ValueError as error:
         if "is not supported" in str(error) or "unknown file extension" in str(error):
             return report(program, f"{output}: the name must end in one of {kinds}")

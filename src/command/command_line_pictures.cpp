@@ -1,0 +1,89 @@
+// The commands that draw. Their options are described here, for help, completion and the manual;
+// src/python/pliant/pictures reads them.
+#include "command/command_help.hpp"
+#include "command/command_line.hpp"
+#include "command/pictures.hpp"
+#include "petsc/session.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace pliant {
+namespace {
+
+/// An option whose value is not read here.
+struct DrawingOption {
+  const char* names;
+  const char* type;
+  const char* what;
+  bool repeats = false;
+};
+
+void add(CLI::App& to, const std::vector<DrawingOption>& options) {
+  for (const DrawingOption& option : options) {
+    auto* added = to.add_option(option.names)->description(option.what)->type_name(option.type);
+    added->expected(1, option.repeats ? CLI::detail::expected_max_vector_size : 1)->allow_extra_args(false);
+    if (!option.repeats) added->take_last();
+  }
+}
+
+}  // namespace
+
+CLI::App& CommandLine::add_drawing(const char* name, const char* what, const DrawnPlace& place) {
+  CLI::App* drawing = app_.add_subcommand(name, what);
+  drawing->add_option(place.name)->description(place.what)->required();
+  drawing->callback([this, name] {
+    command_ = [this, name] {
+      if (num_ranks(comm_) > 1) {
+        throw InputError({std::string("pliant ") + name, 0, 0}, "start it without mpirun");
+      }
+      const auto after = std::ranges::find(words_, std::string(name)) + 1;
+      result_ = pictures_command(name, {after, words_.end()}, arguments_.sweep.environment);
+    };
+  });
+  return *drawing;
+}
+
+void CommandLine::add_render() {
+  CLI::App& render = add_drawing("render", "draw a result as pictures, a movie or a 3D model",
+                                 {"RESULT", "the output directory of a run, its result.xdmf or its result.h5"});
+  render.footer(examples({"pliant render out/beam", "pliant render out/beam --field von_mises_stress --movie mp4",
+                          "pliant render out/beam --frame 10 --view=-1,0.5,0.3 --hide floor --output beam.png",
+                          "pliant render out/beam --field von_mises_stress --output beam.glb"}));
+  add(render,
+      {{"-o,--output", "FILE",
+        "file to write (with --frames: directory), a picture, or all frames as a 3D model (.glb); default: in the "
+        "output directory"},
+       {"--field", "FIELD",
+        "what colours the body: displacement (default), velocity, von_mises_stress, velocity_z, cauchy_stress_xx, "
+        "body, "
+        "rank, ..., tension (colours tendons and springs), or none"},
+       {"--range", "LOW,HIGH", "of the colours, in SI units; default: that of all frames"},
+       {"--movie", "mp4|gif|glb", "write a movie of all frames, or a 3D model that moves (.glb)"},
+       {"--fps", "N", "frames per second of the movie (25); of a .glb, which otherwise plays in real time"},
+       {"--frame", "N", "which frame to draw, from 0; -1 or last is the last (default: last)"},
+       {"--view", "iso|front|back|right|left|top|bottom",
+        "where the viewer stands, seen from the body: a direction X,Y,Z or one of iso, front, back, right, left, top, "
+        "bottom (iso)"},
+       {"--size", "WxH", "in pixels (1280x800)"},
+       {"--scale", "FACTOR",
+        "displacements are multiplied by it (1); obstacles, tendons, springs and joints are drawn at 1 only"},
+       {"--hide", "NAME", "leave out a body, an obstacle, a tendon, a spring or a joint; may be repeated", true},
+       {"--transparent", "NAME", "draw a body or an obstacle transparent; may be repeated", true},
+       {"--title", "TEXT", "instead of the run's title"}});
+  for (const auto& [name, what] : {std::pair{"--frames", "write every frame as a PNG"},
+                                   std::pair{"--mesh-edges", "draw the edges of the elements"},
+                                   std::pair{"--outline", "draw the edges of the undeformed shape"}}) {
+    render.add_flag(name)->description(what);
+  }
+}
+
+void CommandLine::add_plot() {
+  CLI::App& plot = add_drawing("plot", "draw the history of a run: energies, probes, forces, iterations",
+                               {"RUN", "the output directory of a run, or its history.csv"});
+  plot.footer(examples({"pliant plot out/beam", "pliant plot out/beam --output beam.pdf"}));
+  add(plot,
+      {{"-o,--output", "FILE", "file to write (.png, .pdf, .svg); default: history.png in the output directory"}});
+}
+
+}  // namespace pliant

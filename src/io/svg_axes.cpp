@@ -1,0 +1,154 @@
+#include "io/svg_axes.hpp"
+
+#include "io/xdmf.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// "10⁻³".
+std::string power_of_ten(int exponent) {
+  static constexpr std::array superscripts{"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::string text = exponent < 0 ? "10⁻" : "10";
+  for (const char digit : std::to_string(std::abs(exponent)))
+    text += superscripts[static_cast<std::size_t>(digit - '0')];
+  return text;
+}
+
+/// Decades are labelled (on long axes every second, third, ...); on short axes so are 2 and 5, and the grid has 2 to 9.
+std::vector<AxisTick> decades_of(const AxisSpan& span) {
+  constexpr double most_labels = 9, short_axis = 2.0, grid_axis = 4.0;
+  const int every = std::max(1, static_cast<int>(std::ceil(span.length() / most_labels)));
+  std::vector<AxisTick> ticks;
+  for (int decade = static_cast<int>(std::floor(span.low)); decade <= span.high; ++decade) {
+    for (int digit = 1; digit < 10; ++digit) {
+      const double at = decade + std::log10(digit);
+      if (at < span.low || at > span.high) continue;
+      const bool has_label =
+          digit == 1 ? decade % every == 0 : span.length() < short_axis && (digit == 2 || digit == 5);
+      if (!has_label && (digit == 1 || span.length() > grid_axis)) continue;
+      const std::string factor = digit == 1 ? "" : std::to_string(digit) + "·";
+      ticks.push_back({at, has_label ? factor + power_of_ten(decade) : ""});
+    }
+  }
+  return ticks;
+}
+
+/// Multiples of 1, 2 or 5 times a power of ten, about six of them.
+std::vector<AxisTick> multiples_of(const AxisSpan& span) {
+  const double power = std::pow(10.0, std::floor(std::log10(span.length() / 6.0)));
+  const double ratio = span.length() / 6.0 / power;
+  const double distance = power * (ratio < 1.5 ? 1.0 : ratio < 3.5 ? 2.0 : ratio < 7.5 ? 5.0 : 10.0);
+  const int digits = std::max(6, 1 + static_cast<int>(std::ceil(std::log10(span.magnitude() / distance))));
+  std::vector<AxisTick> ticks;
+  for (double n = std::ceil(span.low / distance); n * distance <= span.high; ++n) {
+    ticks.push_back({n * distance, fmt::format("{:.{}g}", n * distance + 0.0, digits)});
+  }
+  return ticks;
+}
+
+constexpr const char* style = R"(<style>
+text { font-family: "DejaVu Sans", Verdana, Arial, sans-serif; font-size: 12px; fill: #2d3139; }
+.heading { font-size: 15px; font-weight: bold; }
+.label { font-size: 13px; }
+.tick { fill: #5a606b; }
+.middle { text-anchor: middle; }
+.end { text-anchor: end; }
+.major { stroke: #d5d9df; stroke-width: 1; }
+.minor { stroke: #eef0f3; stroke-width: 1; }
+.axis { stroke: #8b919b; stroke-width: 1; }
+.series polyline { fill: none; stroke-width: 2; stroke-linejoin: round; }
+.sample { stroke-width: 2; }
+.slope { fill: #eceef1; fill-opacity: 0.7; stroke: #6d7580; stroke-width: 1; }
+.order { fill: #5a606b; stroke: white; stroke-width: 3; paint-order: stroke; }
+</style>
+)";
+
+}  // namespace
+
+void AxisSpan::include(double value) {
+  low = std::min(low, value);
+  high = std::max(high, value);
+}
+
+double AxisSpan::magnitude() const {
+  return std::max(std::abs(low), std::abs(high));
+}
+
+AxisSpan AxisSpan::padded(Scale scale) const {
+  if (low > high) return {-1.0, 0.0};
+  constexpr double zero = 1e-300;  // so that fractions of it are not denormal numbers
+  const bool is_flat = length() <= std::max(1e-7 * magnitude(), zero);
+  const double least = scale == Scale::logarithmic ? 0.6 : !is_flat ? 0.0 : magnitude() <= zero ? 1.0 : magnitude();
+  const double room = std::max(0.06 * length(), 0.5 * (least - length()));
+  return {low - room, high + room};
+}
+
+bool can_be_shown(double value, Scale scale) {
+  return std::isfinite(value) && (scale == Scale::linear || value > 0.0);
+}
+
+double on_axis(double value, Scale scale) {
+  return scale == Scale::logarithmic ? std::log10(value) : value;
+}
+
+double off_axis(double at, Scale scale) {
+  return scale == Scale::logarithmic ? std::pow(10.0, at) : at;
+}
+
+std::vector<AxisTick> ticks_of(const AxisSpan& span, Scale scale) {
+  return scale == Scale::logarithmic ? decades_of(span) : multiples_of(span);
+}
+
+std::string svg_line(double x1, double y1, double x2, double y2, const std::string& style) {
+  return fmt::format("<line x1=\"{:.2f}\" y1=\"{:.2f}\" x2=\"{:.2f}\" y2=\"{:.2f}\" class=\"{}\"/>\n", x1, y1, x2, y2,
+                     style);
+}
+
+std::string svg_text(double x, double y, const std::string& style, const std::string& content) {
+  return fmt::format("<text x=\"{:.2f}\" y=\"{:.2f}\" class=\"{}\">{}</text>\n", x, y, style, xml_escaped(content));
+}
+
+std::string draw_axes(const Axes& axes, const std::string& x_label, const std::string& y_label) {
+  constexpr double left = svg_frame::left, top = svg_frame::top, right = svg_frame::right, bottom = svg_frame::bottom;
+  std::string out = "<g aria-hidden=\"true\">\n";
+  for (const AxisTick& tick : ticks_of(axes.x, axes.x_scale)) {
+    const double x = axes.column(tick.at);
+    out += svg_line(x, top, x, bottom, tick.label.empty() ? "minor" : "major");
+    if (!tick.label.empty()) out += svg_text(x, bottom + 18, "tick middle", tick.label);
+  }
+  for (const AxisTick& tick : ticks_of(axes.y, axes.y_scale)) {
+    const double y = axes.row(tick.at);
+    out += svg_line(left, y, right, y, tick.label.empty() ? "minor" : "major");
+    if (!tick.label.empty()) out += svg_text(left - 8, y + 4, "tick end", tick.label);
+  }
+  out += svg_line(left, bottom, right, bottom, "axis") + svg_line(left, top, left, bottom, "axis");
+  out += "</g>\n" + svg_text((left + right) / 2, bottom + 44, "label middle", x_label);
+  const double middle = (top + bottom) / 2;
+  return out + fmt::format("<text transform=\"translate(22,{:.2f}) rotate(-90)\" class=\"label middle\">{}</text>\n",
+                           middle, xml_escaped(y_label));
+}
+
+std::size_t num_letters(const std::string& utf8) {
+  return static_cast<std::size_t>(
+      std::count_if(utf8.begin(), utf8.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+}
+
+std::string svg_head(double width, double height, const std::string& title, const std::string& description) {
+  std::string out = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
+  out += fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" role=\"img\" "
+      "aria-labelledby=\"title description\">\n",
+      width, height);
+  out += "<title id=\"title\">" + xml_escaped(title) + "</title>\n";
+  out += "<desc id=\"description\">" + xml_escaped(description) + "</desc>\n" + style;
+  out += "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
+  return out;
+}
+
+}  // namespace pliant

@@ -1,0 +1,167 @@
+"""Draws the history of a run: energies and their balance, probes, forces, and what each step cost."""
+import os
+
+import matplotlib
+import numpy as np
+from matplotlib import pyplot as plt
+
+from pliant import History, PliantError, Result
+
+from .command_line import Parser, exit_code
+
+COLOURS = ["#3b6fb6", "#d1603d", "#3f9c6b", "#8a63b8", "#c79a2b", "#4aa5b5", "#b5507c", "#6d7580"]
+STYLE = {
+    "font.size": 9, "axes.titlesize": 10.5, "axes.titleweight": "bold", "axes.titlelocation": "left",
+    "axes.spines.top": False, "axes.spines.right": False, "axes.edgecolor": "#8b919b", "axes.labelcolor": "#2d3139",
+    "axes.grid": True, "grid.color": "#e3e6ea", "grid.linewidth": 0.8, "axes.axisbelow": True,
+    "xtick.color": "#5a606b", "ytick.color": "#5a606b", "text.color": "#2d3139", "lines.linewidth": 1.6,
+    "legend.frameon": False, "legend.fontsize": 8.5, "figure.facecolor": "white",
+    "axes.prop_cycle": matplotlib.cycler(color=COLOURS), "axes.formatter.useoffset": False,
+    "axes.formatter.limits": (-3, 4), "axes.formatter.use_mathtext": True,
+}
+ENERGIES = ("kinetic_energy", "elastic_energy", "load_potential", "dissipated_energy", "load_work")
+
+
+def changes(values):
+    """Does it vary by more than rounding?"""
+    return np.ptp(values) > 1e-12 * max(np.abs(values).max(), 1e-300)
+
+
+def triples(history, suffixes):
+    """Names of which the history has all three columns, e.g. `tip` for tip_x, tip_y, tip_z."""
+    first = [name[: -len(suffixes[0])] for name in history if name.endswith(suffixes[0])]
+    return [name for name in first if all(name + suffix in history for suffix in suffixes)]
+
+
+def show_legend(axes):
+    """Next to the curves, never over them."""
+    if axes.lines:
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+
+
+def draw_energies(axes, time, history):
+    axes.set_title("Energies")
+    for name in ENERGIES:
+        if name in history and np.any(history[name] != 0):
+            axes.plot(time, history[name], label=name.replace("_", " "))
+    axes.set_ylabel("energy [J]")
+    show_legend(axes)
+
+
+def draw_balance(axes, time, history):
+    axes.set_title("Energy balance")
+    error = history["energy_balance_error"]
+    turnover = max(np.ptp(history[name]) for name in ENERGIES if name in history)
+    relative = turnover > 0
+    axes.plot(time, error / turnover if relative else error, color=COLOURS[1])
+    axes.axhline(0, color="#8b919b", linewidth=0.8)
+    axes.set_ylabel("error / largest energy change" if relative else "error [J]")
+
+
+def draw_probes(axes, time, history, probes):
+    axes.set_title("Probes")
+    for probe in probes:
+        for axis in "xyz":
+            position = history[f"{probe}_{axis}"]
+            moved = position - position[0]
+            if changes(moved):
+                axes.plot(time, moved, label=f"{probe} {axis}")
+    axes.set_ylabel("moved from the start by [m]")
+    show_legend(axes)
+
+
+def draw_forces(axes, time, history, names):
+    axes.set_title("Forces of obstacles and constraints")
+    for name in names:
+        for axis in "xyz":
+            force = history[f"{name}_f{axis}"]
+            if changes(force):
+                axes.plot(time, force, label=f"{name} {axis}")
+    axes.set_ylabel("force [N]")
+    show_legend(axes)
+
+
+def draw_iterations(axes, time, history):
+    axes.set_title("Newton iterations per step")
+    iterations = history["newton_iterations"][1:]
+    axes.step(time[1:], iterations, where="mid", color=COLOURS[0])
+    axes.fill_between(time[1:], iterations, step="mid", color=COLOURS[0], alpha=0.15, linewidth=0)
+    axes.set_ylim(0, max(1, iterations.max(initial=1)) * 1.15)
+    axes.yaxis.set_major_locator(matplotlib.ticker.MaxNLocator(integer=True))
+    axes.set_ylabel(f"iterations (mean {iterations.mean():.1f})" if len(iterations) else "iterations")
+
+
+def draw_time_step(axes, time, history):
+    axes.set_title("Time step")
+    step = history["dt"][1:]
+    axes.step(time[1:], step, where="mid", color=COLOURS[2])
+    if np.all(step > 0) and step.max(initial=0) > 20 * step.min(initial=np.inf):
+        axes.set_yscale("log")
+    else:
+        axes.set_ylim(0, step.max(initial=1e-300) * 1.15)
+    axes.set_ylabel("dt [s]")
+
+
+def panels(history):
+    """The drawings this history has the columns for."""
+    chosen = []
+    if any(name in history for name in ENERGIES):
+        chosen.append(draw_energies)
+        if "energy_balance_error" in history:
+            chosen.append(draw_balance)
+    probes = triples(history, ("_x", "_y", "_z"))
+    if probes:
+        chosen.append(lambda axes, time, h: draw_probes(axes, time, h, probes))
+    forces = triples(history, ("_fx", "_fy", "_fz"))
+    if forces:
+        chosen.append(lambda axes, time, h: draw_forces(axes, time, h, forces))
+    if "newton_iterations" in history:
+        chosen.append(draw_iterations)
+    if "dt" in history:
+        chosen.append(draw_time_step)
+    return chosen
+
+
+def draw(history, title):
+    drawings = panels(history)
+    num_rows = max(1, -(-len(drawings) // 2))
+    figure, grid = plt.subplots(num_rows, 2, figsize=(12, 0.5 + 2.9 * num_rows), squeeze=False, layout="constrained")
+    figure.get_layout_engine().set(w_pad=0.12, h_pad=0.12)
+    figure.suptitle(title, x=0.012, ha="left", fontsize=13, fontweight="bold")
+    for axes, drawing in zip(grid.flat, drawings):
+        drawing(axes, history["time"], history)
+        axes.margins(x=0.01)
+        axes.set_xlabel("time [s]")
+    for axes in grid.flat[len(drawings):]:
+        axes.remove()
+    return figure
+
+
+def title_of(directory):
+    """The run's title, if its result is there and readable."""
+    try:
+        return Result(directory).title
+    except (PliantError, OSError, KeyError):  # a plot without a title is better than none
+        return os.path.basename(directory)
+
+
+def parser_of(program):
+    parser = Parser(prog=program, description=__doc__)
+    parser.add_argument("result", help="the output directory of a run, or its history.csv")
+    parser.add_argument("-o", "--output", help="file to write (.png, .pdf, .svg); default: history.png in the output directory")
+    return parser
+
+
+def main(arguments, program):
+    options = parser_of(program).parse_args(arguments)
+    plt.switch_backend("Agg")
+
+    def work():
+        history = History(options.result)
+        directory = os.path.dirname(os.path.abspath(history.file))
+        file = options.output or os.path.join(directory, "history.png")
+        with plt.rc_context(STYLE):
+            draw(history, title_of(directory)).savefig(file, dpi=150)
+        print(file)
+
+    return exit_code(program, work, PliantError, options.output, ".png, .pdf or .svg")

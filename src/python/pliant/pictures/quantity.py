@@ -1,0 +1,65 @@
+"""What colours the bodies: a field of the result, or a component of one."""
+import dataclasses
+
+import numpy as np
+
+from pliant import PliantError
+
+COMPONENTS = {3: "x y z".split(), 6: "xx yy zz xy yz xz".split(),
+              9: "xx xy xz yx yy yz zx zy zz".split()}
+
+
+@dataclasses.dataclass(frozen=True)
+class Quantity:
+    """What colours the body: a field of the result, or a component or the length of it."""
+
+    field: str
+    component: int  # -1: the length of a vector
+    label: str
+    unit: str
+    names: list  # of a quantity that counts bodies or ranks; else empty
+
+    def at_points(self, frame, surface):
+        """Values at the points of the surface; of counted things, at its faces."""
+        field = frame.field(self.field)
+        if self.names:
+            return field.values[surface.cell_of_face, 0]
+        values = _of_nodes(surface, field.values) if field.on_nodes else surface.of_cells(field.values)
+        return np.linalg.norm(values, axis=1) if self.component < 0 else values[:, self.component]
+
+
+def _of_nodes(surface, values):
+    """Nodal values at the points of the surface: infinite ones, such as gaps where nothing is near, stay so."""
+    infinite = np.isposinf(values)
+    if not infinite.any():
+        return surface.of_nodes(values)
+    finite = values[np.isfinite(values)]
+    at_points = surface.of_nodes(np.where(infinite, finite.max() if len(finite) > 0 else 0.0, values))
+    return np.where(surface.of_nodes(infinite.astype(float)) != 0, np.inf, at_points)
+
+
+def quantity_of(result, name):
+    """`displacement`, `displacement_z`, `cauchy_stress_xx`, ... as a Quantity."""
+    frame = result.frames[0]
+    known = frame.field_names
+    base, _, suffix = name.rpartition("_")
+    if name not in known and base in known:
+        field = frame.field(base)
+        components = COMPONENTS.get(field.values.shape[1], [])
+        if suffix not in components:
+            raise PliantError(f"the field '{base}' has no component '{suffix}'; it has {', '.join(components) or 'only one'}")
+        return Quantity(base, components.index(suffix), f"{_words(base)} {suffix}", field.unit, [])
+    field = frame.field(name)
+    if name == "body":
+        return Quantity(name, 0, "body", "", frame.mesh.body_names)
+    if name == "rank":
+        return Quantity(name, 0, "rank", "", [str(i) for i in range(int(field.values.max()) + 1)])
+    components = field.values.shape[1]
+    if components > 3:
+        example = COMPONENTS[components][0]
+        raise PliantError(f"'{name}' is a tensor: choose a component such as {name}_{example}, or von_mises_stress")
+    return Quantity(name, -1 if components == 3 else 0, _words(name), field.unit, [])
+
+
+def _words(name):
+    return name.replace("_", " ").replace("von mises", "von Mises").replace("cauchy", "Cauchy")

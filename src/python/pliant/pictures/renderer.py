@@ -1,0 +1,48 @@
+"""Frames of a result as pictures, all with the same camera and colour scale."""
+import numpy as np
+
+from .camera import fitted_camera
+from .page import Page, times_as_text
+from .scene import Scene
+from .shown import TRANSPARENT, Shown
+
+
+class Renderer:
+    """Draws `chosen` frames of a result."""
+
+    def __init__(self, result, chosen, options):
+        self._options = options
+        self._shown = shown = Shown(result, chosen, options)
+        self._scenes = {}
+        title = options.title if options.title is not None else result.title
+        self._page = Page(options.size, title, shown.quantity, shown.colours)
+        self._times = dict(zip((frame.name for frame in result.frames), times_as_text(result.frames)))
+        clouds = [*shown.clouds(), *shown.near_obstacles()]
+        clouds += [mechanisms.cloud() for mechanisms in map(shown.mechanisms, shown.sample()) if mechanisms is not None]
+        self._camera = fitted_camera(options.view, clouds, self._page.scene_size)
+
+    def _scene(self, frame):
+        if frame.mesh_group not in self._scenes:
+            shown = self._shown
+            shells = shown.shells(frame)
+            scene = Scene(shells, self._page.scene_size, self._options)
+            obstacles = shown.obstacles(frame)
+            if obstacles is not None:
+                clear = np.isin(np.array(obstacles.names)[obstacles.obstacle], self._options.transparent)
+                for chosen, opacity in ((~clear, 1.0), (clear, TRANSPARENT)):
+                    if chosen.any():
+                        scene.add_obstacles(obstacles.triangles[chosen], opacity)
+            if shown.mechanisms(frame) is not None:
+                scene.add_mechanisms(np.linalg.norm(np.ptp(shown.bodies, axis=0)))
+            if self._options.outline:
+                for shell in shells:
+                    scene.add_outline(shown.reference(shell, frame), shell.surface.triangles)
+            scene.aim(self._camera)
+            self._scenes[frame.mesh_group] = scene
+        return self._scenes[frame.mesh_group]
+
+    def picture(self, frame):
+        shown = self._shown
+        pixels = self._scene(frame).draw(shown.positions(frame), shown.colours_of(frame), shown.is_by_face, shown.obstacle_points(frame),
+                                         shown.mechanisms(frame))
+        return self._page.compose(pixels, self._times[frame.name])

@@ -1,0 +1,212 @@
+"""What is shown of a result: which bodies, obstacles and mechanisms, where they are in a frame, and their colours."""
+import dataclasses
+
+import numpy as np
+
+from pliant import PliantError, Surface
+
+from .camera import extreme, sheet
+from .colours import Colours, NamedColours
+from .quantity import Quantity, quantity_of
+
+PLAIN_BODY = (0.62, 0.70, 0.79)
+OBSTACLE = (0.93, 0.91, 0.88)
+TRANSPARENT = 0.25  # opacity of what is chosen to be transparent
+COLOURS = {"tendon": (214, 58, 80), "spring": (47, 158, 120)}
+JOINT = (232, 152, 28)
+
+
+@dataclasses.dataclass(frozen=True)
+class Shell:
+    """A surface that is drawn as one, and how."""
+
+    surface: Surface
+    opacity: float
+    names: "list[str]"  # of the bodies
+
+
+class ShownMechanisms:
+    """Those of a frame whose names are not in `hidden`; `colour_of`: colours of tensions, None for plain lines."""
+
+    def __init__(self, mechanisms, hidden, colour_of):
+        names, first_joint = np.array(mechanisms.names), len(mechanisms.names) - len(mechanisms.joints)
+        kept = ~np.isin(names[mechanisms.part], hidden)
+        part = mechanisms.part[kept]
+        self.points, self.segments = mechanisms.points, mechanisms.segments[kept]
+        self.joints = mechanisms.joints[~np.isin(names[first_joint:], hidden)]
+        self.colours = np.array([COLOURS.get(mechanisms.kinds[p], JOINT) for p in part], dtype=np.uint8).reshape(-1, 3)
+        is_line = part < first_joint
+        if colour_of is not None and is_line.any():
+            self.colours[is_line] = colour_of(mechanisms.tension[kept][is_line])
+
+    def cloud(self):
+        """Where they are."""
+        return self.points[np.append(self.segments.ravel(), self.joints)]
+
+
+def tensions_of(mechanisms):
+    """Of tendons and springs [N]."""
+    return mechanisms.tension[mechanisms.part < len(mechanisms.names) - len(mechanisms.joints)]
+
+
+class Shown:
+    """What `options` choose of the frames `chosen`: the same colours and parts in all of them.
+
+    `options`: field, range, scale, hide, transparent, outline, as `pliant render` has them.
+    """
+
+    def __init__(self, result, chosen, options):
+        self._result, self._options, self.frames = result, options, chosen
+        self._shells_of_mesh = {}
+        self._require_names(chosen[0])
+        self.by_tension = options.field == "tension"
+        self.quantity = self._chosen_quantity()
+        self.colours = self._colour_scale()
+        self.bodies = np.concatenate([extreme(points) for points in self.clouds()])  # points that bound them
+
+    def clouds(self):
+        """The points of the bodies in some frames, and those of the outline."""
+        for frame in self.sample():
+            yield from self.positions(frame)
+        if self._options.outline:
+            yield from (self.reference(shell, self.frames[0]) for shell in self.shells(self.frames[0]))
+
+    def _chosen_quantity(self):
+        if self._options.field == "none":
+            return None
+        if not self.by_tension:
+            return quantity_of(self._result, self._options.field)
+        if self.frames[0].mechanisms is None:
+            raise PliantError("--field tension: the result has no tendons and no springs")
+        return Quantity("tension", 0, "tension", "N", [])
+
+    def sample(self, at_most=60):
+        """Frames from which the camera and the colour scale are taken."""
+        picked = np.unique(np.linspace(0, len(self.frames) - 1, at_most).round().astype(int))
+        return [self.frames[i] for i in picked]
+
+    def _require_names(self, frame):
+        known = [*frame.mesh.body_names, *(frame.obstacles.names if frame.obstacles else [])]
+        lines = frame.mechanisms.names if frame.mechanisms else []
+        for option, names in (("hide", [*known, *lines]), ("transparent", known)):
+            for name in getattr(self._options, option):
+                if name not in names:
+                    raise PliantError(f"--{option} {name}: there is no body or obstacle of this name; there are {', '.join(names)}")
+
+    def shells(self, frame):
+        """The outside of the bodies that are neither hidden nor transparent, as one; then each transparent body."""
+        if frame.mesh_group not in self._shells_of_mesh:
+            mesh, options = frame.mesh, self._options
+            hidden, transparent = (np.array([name in names for name in mesh.body_names]) for names in (options.hide, options.transparent))
+            parts = [(~hidden & ~transparent, 1.0)]
+            parts += [(np.arange(len(hidden)) == k, TRANSPARENT) for k in np.nonzero(transparent & ~hidden)[0]]
+            shells = []
+            for of_body, opacity in parts:
+                cells = np.nonzero(of_body[mesh.body])[0]
+                names = [name for name, is_in in zip(mesh.body_names, of_body) if is_in]
+                shells += [Shell(Surface(mesh, cells=cells), opacity, names)] if len(cells) > 0 else []
+            if not shells:
+                raise PliantError("--hide: every body is hidden")
+            self._shells_of_mesh[frame.mesh_group] = shells
+        return self._shells_of_mesh[frame.mesh_group]
+
+    @staticmethod
+    def reference(shell, frame):
+        return shell.surface.of_nodes(frame.mesh.coordinates)
+
+    def positions(self, frame):
+        """Of each shell."""
+        displacement = frame.displacement()
+        found = []
+        for shell in self.shells(frame):
+            positions = self.reference(shell, frame) + self._options.scale * shell.surface.of_nodes(displacement)
+            if not np.isfinite(positions).all():
+                raise PliantError(f"the displacement at t = {frame.time:g} s is not finite")
+            found.append(positions)
+        return found
+
+    def obstacles(self, frame):
+        """Those that are not hidden; None where displacements are not drawn as they are: then nothing touches."""
+        obstacles = frame.obstacles if self._options.scale == 1 else None
+        if obstacles is None:
+            return None
+        shown = ~np.isin(np.array(obstacles.names)[obstacles.obstacle], self._options.hide)
+        if not shown.any():
+            return None
+        return dataclasses.replace(obstacles, triangles=obstacles.triangles[shown], obstacle=obstacles.obstacle[shown])
+
+    def mechanisms(self, frame):
+        """Those that are not hidden; None where displacements are not drawn as they are."""
+        given = frame.mechanisms if self._options.scale == 1 else None
+        if given is None:
+            return None
+        shown = ShownMechanisms(given, self._options.hide, self.colours if self.by_tension else None)
+        return shown if len(shown.segments) > 0 else None
+
+    def near_obstacles(self):
+        """Points of obstacles that belong into the picture: those next to the bodies, and the sheets of planes."""
+        middle = (self.bodies.min(axis=0) + self.bodies.max(axis=0)) / 2
+        reach = 1.5 * np.linalg.norm(self.bodies - middle, axis=1).max()
+        found = []
+        for obstacles in map(self.obstacles, self.sample()):
+            if obstacles is None:
+                continue
+            points = obstacles.points_of_others()
+            near = points[np.linalg.norm(points - middle, axis=1) < reach]
+            found += [near] if len(near) > 0 else []
+            found += [sheet(obstacles.points[corners], self.bodies) for corners in obstacles.planes()]
+        return found
+
+    def obstacle_points(self, frame):
+        """Where the points of obstacles are drawn: planes as sheets along the bodies."""
+        obstacles = self.obstacles(frame)
+        if obstacles is None:
+            return None
+        points = obstacles.points.copy()
+        for corners in obstacles.planes():
+            points[corners] = sheet(points[corners], self.bodies)
+        return points
+
+    def _values(self, frame):
+        """Of each shell."""
+        return [self.quantity.at_points(frame, shell.surface) for shell in self.shells(frame)]
+
+    @property
+    def is_by_face(self):
+        """Do faces have colours, instead of points?"""
+        return self.quantity is not None and not self.by_tension and bool(self.quantity.names)
+
+    def colours_of(self, frame):
+        """Of each shell, 8-bit RGB of each point, or of each triangle (`is_by_face`); None for plain bodies."""
+        shells = self.shells(frame)
+        if self.quantity is None or self.by_tension:
+            return [None] * len(shells)
+        colours = [self.colours(values) for values in self._values(frame)]
+        if self.is_by_face:
+            colours = [of_faces[shell.surface.face_of_triangle] for of_faces, shell in zip(colours, shells)]
+        return colours
+
+    def _colour_scale(self):
+        if self.quantity is None:
+            return None
+        if self.quantity.names:
+            return NamedColours(len(self.quantity.names))
+        if self._options.range is not None:
+            return Colours(*self._options.range)
+        # A magnitude starts at zero. Cell stresses at a sharp corner are far larger than elsewhere: the uppermost and
+        # lowermost thousandth get the colour of the ends.
+        of_lines = [tensions_of(frame.mechanisms) for frame in self.sample()] if self.by_tension else []
+        values = np.concatenate(of_lines or [_extent(np.concatenate(self._values(frame))) for frame in self.sample()])
+        low, high = values.min(), values.max()
+        return Colours(0.0 if 0 <= low < 0.5 * high else low, high)
+
+
+def _extent(values):
+    """The range of colours: of values that are not 0, as contact has few of them, all but a thousandth at either end, and 0 if it
+    occurs. Infinite ones, such as gaps where nothing is near, have the colour of the end."""
+    finite = values[np.isfinite(values)]
+    if len(finite) == 0:
+        return np.zeros(2)
+    others = finite[finite != 0]
+    ends = np.quantile(others, [0.001, 0.999]) if len(others) > 0 else np.zeros(2)
+    return ends if len(others) == len(finite) else np.append(ends, 0.0)

@@ -1,0 +1,33 @@
+"""What `pliant render` and `pliant plot` start, as a script: python3 start.py render|plot RESULT [OPTION ...]
+
+Exit codes are those of the program: 0 done, 2 an error that the user can correct, a module that is missing among them, 4 a file
+could not be written.
+"""
+import importlib
+import pathlib
+import signal
+import sys
+
+# The packages of Debian that have the modules.
+PACKAGES = {"h5py": "python3-h5py", "matplotlib": "python3-matplotlib", "numpy": "python3-numpy", "PIL": "python3-pil",
+            "vtkmodules": "python3-vtk9", "yaml": "python3-yaml"}
+
+
+def main(command, arguments):
+    signal.signal(signal.SIGINT, signal.SIG_DFL)  # ends it without a traceback
+    program = f"pliant {command}"
+    try:
+        return importlib.import_module(f"pliant.pictures.{command}").main(arguments, program)
+    except ImportError as error:
+        module = (error.name or "").partition(".")[0]
+        if module in PACKAGES:
+            print(f"{program}: {sys.executable} has no module '{module}': install the package {PACKAGES[module]}, or name another Python in "
+                  "the environment variable PLIANT_PYTHON", file=sys.stderr)
+        else:
+            print(f"{program}: {error}", file=sys.stderr)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.path[0] = str(pathlib.Path(__file__).resolve().parents[2])
+    sys.exit(main(sys.argv[1], sys.argv[2:]))

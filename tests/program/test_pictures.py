@@ -1,0 +1,86 @@
+#!/usr/bin/python3
+"""`pliant render` and `pliant plot`: they draw, take the options of their Python code, and say what is wrong or missing.
+
+What pictures show is tested in tests/tools.
+"""
+import importlib
+import re
+import sys
+import unittest
+
+import numpy as np
+from PIL import Image
+
+from program import ROOT, ProgramTest, finish, start
+
+sys.path[:0] = [str(ROOT / "tests/tools"), str(ROOT / "src/python")]
+
+import synthetic  # noqa: E402
+
+
+class Pictures(ProgramTest):
+    def setUp(self):
+        super().setUp()
+        self.out = self.directory / "out"
+
+    def call(self, *arguments, ranks=1, timeout=60, environment=None):
+        """With a folder for the caches of matplotlib and of the graphics library, which say so where they have none."""
+        return finish(start(arguments, self.directory, ranks, {"XDG_CACHE_HOME": str(self.directory / "cache"), **(environment or {})}), timeout)
+
+    def test_a_result_and_a_history_are_drawn(self):
+        synthetic.write_result(self.out, num_frames=2, cubes=(3, 1, 1))
+        synthetic.write_history(self.out, num_steps=5)
+        done = self.pliant("render", "out", "--view", "-1,0.5,0.3", "--hide", "root", "--size=320x240", "-o", "tip.png")
+        self.assertEqual((done.stdout, done.stderr), ("tip.png\n", ""))
+        with Image.open(self.directory / "tip.png") as picture:
+            self.assertEqual(picture.size, (320, 240))
+        done = self.pliant("plot", "out")
+        self.assertEqual(done.stdout, f"{self.out}/history.png\n")
+        with Image.open(self.out / "history.png") as picture:
+            self.assertGreater(len(np.unique(np.asarray(picture.convert("RGB")).reshape(-1, 3), axis=0)), 100)
+
+    def fails(self, status, words, *arguments, ranks=1, environment=None):
+        done = self.call(*arguments, ranks=ranks, environment=environment)
+        self.assertEqual((done.returncode, done.stdout), (status, ""), done.stderr)
+        self.assertRegex(done.stderr, words)
+        if ranks == 1:
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+
+    def test_errors_in_one_line(self):
+        synthetic.write_result(self.out, num_frames=1, order=1, cubes=(2, 1, 1))
+        synthetic.write_history(self.out, num_steps=2)
+        self.fails(2, "^pliant render: there is no result: missing does not exist$", "render", "missing")
+        self.fails(2, "^pliant plot: there is no history: .*history.csv does not exist", "plot", self.directory)
+        self.fails(2, "--sise.*see pliant render --help", "render", "out", "--sise", "3")
+        self.fails(2, "^pliant render: argument --size: invalid WIDTHxHEIGHT value: '3'", "render", "out", "--size", "3")
+        self.fails(2, "--hide arm: there is no body.*there are root, tip", "render", "out", "--hide", "root", "--hide", "arm")
+        self.fails(2, "plot.xyz: the name must end in one of", "plot", "out", "--output", "plot.xyz")
+        self.fails(4, "^pliant plot: .*missing/a.png: No such file", "plot", "out", "--output", "missing/a.png")
+        self.fails(2, "start it without mpirun", "plot", "out", ranks=2)
+
+    def test_what_is_missing(self):
+        synthetic.write_result(self.out, num_frames=1, order=1, cubes=(2, 1, 1))
+        modules = self.directory / "modules"
+        modules.mkdir()
+        for module, package, command in (("vtkmodules", "python3-vtk9", "render"), ("matplotlib", "python3-matplotlib", "plot"), ("h5py", "python3-h5py", "plot")):
+            file = modules / f"{module}.py"
+            file.write_text("raise ModuleNotFoundError(name=__name__)\n")
+            self.fails(2, f"^pliant {command}: /usr/bin/python3 has no module '{module}': install the package {package},", command, "out",
+                       environment={"PYTHONPATH": str(modules), "PYTHONDONTWRITEBYTECODE": "1"})
+            file.unlink()
+        self.fails(2, "'/missing/python' could not be started: install the package python3", "plot", "out", environment={"PLIANT_PYTHON": "/missing/python"})
+        self.fails(70, "its Python code failed \\(exit code 1\\)", "plot", "out", environment={"PLIANT_PYTHON": "/usr/bin/false"})
+
+    def test_options_are_those_of_the_code(self):
+        """Names and descriptions, which stand in C++ for help and completion, and in Python."""
+        for command in ("render", "plot"):
+            section = re.search(rf'(?ms)^\.SS "pliant {command} .*?(?=^\.S)', self.pliant("man").stdout)[0].replace("\\-", "-")
+            documented = dict(re.findall(r"^\.TP\n\.B ((?:-\w, )?--[\w-]+)[^\n]*\n([^\n]*)", section, re.M))
+            parser = importlib.import_module(f"pliant.pictures.{command}").parser_of("pliant")
+            taken = {", ".join(action.option_strings): action.help for action in parser._actions if action.option_strings}
+            del taken["-h, --help"]
+            self.assertEqual(documented, taken)
+
+
+if __name__ == "__main__":
+    unittest.main()
