@@ -82,10 +82,10 @@ class Cube {
   Handle<Mat> K_;
 };
 
-Handle<KSP> solver_of(const Cube& cube, Symmetry symmetry) {
+Handle<KSP> solver_of(const Cube& cube, Symmetry symmetry, LinearKind kind = LinearKind::cholesky) {
   Handle<KSP> ksp;
   check(KSPCreate(comm, ksp.out()));
-  configure_linear_solver(ksp.get(), cube.K(), LinearKind::cholesky, symmetry);
+  configure_linear_solver(ksp.get(), cube.K(), kind, symmetry);
   return ksp;
 }
 
@@ -335,6 +335,41 @@ TEST(LinearSolver, DoublePrecisionTakesOverWhereSingleDoesNotDo) {
   check(KSPGetIterationNumber(ksp.get(), &iterations));
   EXPECT_LE(iterations, 3);
   EXPECT_LE(cube.residual(x.get(), b.get()), 1e-5);
+}
+
+TEST(LinearSolver, MultigridBecomesAFactorizationWhereThatIsAskedFor) {
+  const Cube cube(1e6);
+  const auto ksp = solver_of(cube, Symmetry::symmetric, LinearKind::adaptive);
+  PC pc = preconditioner_of(ksp.get());
+  ASSERT_TRUE(set_up(ksp.get(), cube.K()));
+  EXPECT_TRUE(may_become_factorization(pc));
+  EXPECT_TRUE(uses_near_null_space(pc));
+  EXPECT_EQ(num_negative(ksp.get()), -1);
+  const auto b = cube.right_hand_side(), x = cube.vector();
+  std::array<PetscInt, 2> iterations{};
+  for (const std::size_t k : {0u, 1u}) {
+    check(KSPSolve(ksp.get(), b.get(), x.get()));
+    check(KSPGetIterationNumber(ksp.get(), &iterations[k]));
+    EXPECT_LE(cube.residual(x.get(), b.get()), 1e-5);
+    if (k == 1) break;
+    ASSERT_TRUE(refine_factorization(pc));
+    ASSERT_TRUE(set_up(ksp.get(), cube.K()));
+    EXPECT_FALSE(may_become_factorization(pc));
+    EXPECT_EQ(num_negative(ksp.get()), 0);
+  }
+  EXPECT_LE(iterations[1], 3);
+  EXPECT_GT(iterations[0], iterations[1]);
+  EXPECT_LE(iterations[0], 15);
+}
+
+// Without the rigid motions there are no levels, and the factorization is there from the start.
+TEST(LinearSolver, WhereThereIsNoMultigridThereIsAFactorization) {
+  const Cube cube(1e6);
+  check(MatSetNearNullSpace(cube.K(), nullptr));
+  const auto ksp = solver_of(cube, Symmetry::symmetric, LinearKind::adaptive);
+  ASSERT_TRUE(set_up(ksp.get(), cube.K()));
+  EXPECT_FALSE(may_become_factorization(preconditioner_of(ksp.get())));
+  EXPECT_EQ(num_negative(ksp.get()), 0);
 }
 
 // The finer the mesh, the better linear functions take care of what the smoother does not: the iterations stay.

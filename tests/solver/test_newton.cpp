@@ -312,8 +312,11 @@ TEST_F(Newton, ALineSearchWithoutDescentIsToBeRetried) {
 
 TEST_F(Newton, CholeskyAndMultigridAgree) {
   const auto file = mesh(4, Shape::jittered);
-  constexpr std::array<std::pair<int, LinearKind>, 3> kinds{
-      {{1, LinearKind::amg}, {2, LinearKind::amg}, {2, LinearKind::p_multigrid}}};
+  constexpr std::array<std::pair<int, LinearKind>, 5> kinds{{{1, LinearKind::amg},
+                                                             {2, LinearKind::amg},
+                                                             {2, LinearKind::p_multigrid},
+                                                             {1, LinearKind::adaptive},
+                                                             {2, LinearKind::adaptive}}};
   for (const auto& [order, multigrid] : kinds) {
     std::array<Handle<Vec>, 2> q;
     std::array<std::unique_ptr<Problem>, 2> problems;
