@@ -18,8 +18,8 @@ namespace {
 constexpr std::array<int, 3> terms_of_degree{1, 4, 10};
 /// Below this the normal equations, with columns of unit length, count as singular.
 constexpr double least_eigenvalue = 1e-5;
-/// The largest sum of squares of the weights with which values enter the recovered one: more would magnify their
-/// errors. The four points of a single cell reach 4 at its corners.
+/// The largest Samples::trusted_gain of a polynomial at its own vertex; beyond it the degree is lowered. The four
+/// points of a single cell reach 4 at its corners.
 constexpr double largest_gain = 5.0;
 
 /// Adds the ghosts' numbers to those of their owners, and then updates the ghosts. [node][component]. Collective.
@@ -162,7 +162,15 @@ void PatchRecovery::evaluate(const Patch& patch, std::span<const double> values,
   for (std::size_t k = 0; k < (is_good ? patch.num_nodes : patch.num_own); ++k) {
     const PetscInt node = nodes_[patch.first_node + k];
     const auto terms = terms_at(patch, layout_.position(node));
-    const Merit merit = !is_good ? lowered : k < patch.num_own ? own : of_neighbour;
+    double gain = 0.0;
+    for (std::size_t t = 0; t < num_terms; ++t) {
+      for (std::size_t u = 0; u < num_terms; ++u) {
+        gain += terms[t] * inverses_[patch.first_number + num_terms * t + u] * terms[u];
+      }
+    }
+    const bool is_trusted = is_good && gain < samples_.trusted_gain, is_own = k < patch.num_own;
+    if (!is_own && !is_trusted) continue;
+    const Merit merit = !is_own ? of_neighbour : is_trusted ? own : lowered;
     double* sum = &sums[merit][(width + 1) * static_cast<std::size_t>(node)];
     for (std::size_t t = 0; t < num_terms; ++t) {
       for (std::size_t c = 0; c < width; ++c) sum[c] += terms[t] * coefficients[width * t + c];

@@ -2,11 +2,13 @@
 ///
 /// Around each vertex a polynomial is fitted, by least squares, to the values in those cells of one body that touch the
 /// vertex. Its value at the vertex, and of the polynomials of both ends of an edge the mean of the values at the edge's
-/// node, are the recovered ones. Where a patch is too small for the degree, as at corners of the mesh, polynomials of
-/// the neighbours take its place; if none of these has the degree either, it is lowered. Fields that are polynomials of
-/// the degree are recovered exactly. Source: Zienkiewicz & Zhu, Int. J. Numer. Methods Eng. 33 (1992) 1331-1364.
+/// node, are the recovered ones. Where a patch is too small for the degree, or would magnify errors, as at corners of
+/// the mesh, polynomials of the neighbours take its place; if none of these serves either, the degree is lowered.
+/// Fields that are polynomials of the degree are recovered exactly. Source: Zienkiewicz & Zhu, Int. J. Numer. Methods
+/// Eng. 33 (1992) 1331-1364.
 #pragma once
 
+#include "base/limits.hpp"
 #include "fem/layout.hpp"
 
 #include <array>
@@ -17,10 +19,13 @@ namespace pliant {
 
 class PatchRecovery {
  public:
-  /// Where values are known in each cell, and the degree of the polynomials (0, 1 or 2).
+  /// Where values are known in each cell, and what is fitted to them.
   struct Samples {
     std::vector<std::array<double, 3>> points;  ///< on the reference tetrahedron
-    int degree = 1;
+    int degree = 1;                             ///< of the polynomials: 0, 1 or 2
+    /// The largest sum of squares of the weights with which values enter a recovered one; more would magnify their
+    /// errors, and a neighbour's polynomial or a lower degree is preferred.
+    double trusted_gain = infinity;
   };
 
   /// `body_of_cell`: per local cell; cells of body -1 are left out. The layout must outlive the object. Not collective.
