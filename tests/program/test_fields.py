@@ -178,6 +178,32 @@ class Fields(ProgramTest):
         w = np.einsum("i,j,k->ijk", 0.75 * weights, 0.5 * weights, 0.5 * weights).ravel()
         return x, y, z, w
 
+    def test_a_surface_inside_has_the_mean_of_both_sides(self):
+        points, triangles, cells = box((3, 2, 2))
+        faces = np.sort(cells[:, [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]]].reshape(-1, 3), axis=1)
+        triangles[5] = np.unique(faces[(np.abs(points[faces][:, :, 2] - 0.5) < 1e-9).all(axis=1)], axis=0)  # top, halfway up
+        above = (points[cells].mean(axis=1)[:, 2] > 0.5).astype(int)
+        write_mesh(self.directory / "two.msh", points, triangles, cells, (["soft", "stiff"], above))
+        law = "elasticity: {model: saint-venant-kirchhoff, youngs_modulus: %g, poissons_ratio: 0}"
+        self.write("two.yaml", f"""mesh: {{file: two.msh}}
+bodies:
+  - {{volume: soft, {law % 1e4}}}
+  - {{volume: stiff, {law % 3e4}}}
+constraints: [{{where: "x > -1", displacement: [0, 0, "0.1*z"]}}]
+time: {{method: static}}
+output:
+  history:
+    - {{name: between, of: first_piola_kirchhoff_stress_zz, in: top, take: mean}}
+    - {{name: most, of: first_piola_kirchhoff_stress_zz, in: top, take: max}}
+    - {{name: force, of: first_piola_kirchhoff_stress_zz, in: bottom, take: integral}}
+    - {{name: moved, of: displacement_z, in: top, take: integral}}
+""")
+        stress = 1e4 * 1.1 * (1.1**2 - 1) / 2  # F S
+        for ranks in swept((1, 2, 3), (1, 3)):
+            history = self.run_input("two.yaml", ranks=ranks)
+            for name, want in {"between": 2 * stress, "most": 3 * stress, "force": stress, "moved": 0.05}.items():
+                self.assertAlmostEqual(history[name][-1] / want, 1, delta=1e-12, msg=name)
+
     BEAM = """mesh: {file: beam.msh}
 element: %s
 bodies: [{volume: body, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 1e6, poissons_ratio: 0.3}}]
