@@ -7,6 +7,7 @@ import h5py
 import numpy as np
 
 from program import ProgramTest, box, read_history, swept, write_box, write_mesh
+from report_file import ReportFile
 
 YOUNG, NU = 2e5, 0.3
 MU, LAMBDA = YOUNG / (2 * (1 + NU)), YOUNG * NU / ((1 + NU) * (1 - 2 * NU))
@@ -305,6 +306,19 @@ output: {{nodal: true, fields: [principal_stress, discretization_error]}}
         for axis, X in zip("xyz", (10, 0.5, 0.5)):
             np.testing.assert_allclose(history[f"tip_u{axis}"], history[f"tip_{axis}"] - X, atol=1e-14)
         self.assertLess(history["tip_uz"][-1], -0.001)
+
+    def test_the_report_has_them(self):
+        self.beam("P1", (4, 1, 1), "output.fields=[displacement, principal_stress, log_strain, discretization_error]", "output.nodal=true")
+        self.pliant("report", "out")
+        report = ReportFile(self.directory / "out/report.html")
+        self.assertEqual([field["name"] for field in report.result["fields"]],
+                         ["displacement", "discretization_error", "principal_stress_1", "principal_stress_2", "principal_stress_3"])
+        values, _, _, _ = self.frame()
+        largest = report.field("principal_stress_1")[-1]  # every node is at the surface
+        self.assertAlmostEqual(largest.max() / values["principal_stress"][:, 0].max(), 1, delta=2e-3)
+        self.assertEqual(report.json["taken"], [{"column": "sag", "title": "min of displacement_z in right", "unit": "m"},
+                                                {"column": "peak", "title": "max of von_mises_stress", "unit": "Pa"}])
+        self.assertGreater(report.json["summary"]["discretization_error"]["share"], 0.5)
 
     def test_softened_expanded_and_rigid(self):
         """Strains are those of the whole deformation; a rigid body has none, and nodes that it shares are the other's."""
