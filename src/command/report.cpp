@@ -3,9 +3,12 @@
 #include "base/error.hpp"
 #include "base/file.hpp"
 #include "command/report_page.hpp"
+#include "input/output_fields.hpp"
+#include "input/parse.hpp"
 #include "io/history_reader.hpp"
 #include "io/packed_result.hpp"
 #include "petsc/collective.hpp"
+#include "run/result_fields.hpp"
 #include "run/summary.hpp"
 #include "run/version.hpp"
 
@@ -164,6 +167,29 @@ Json json_of(const HistoryTable& history, Page& page) {
   return json;
 }
 
+/// The columns of the history that are taken from fields, with their titles and units.
+Json columns_from_fields(const std::string& input) {
+  Json columns = Json::array();
+  Diagnostics ignored;
+  const InputNode root = parse_yaml(input, "run.yaml", ignored);
+  const InputNode* list = given(root, {"output", "history"});
+  if (list == nullptr) return columns;
+  for (const InputNode& entry : list->children) {
+    const auto text = [&](const char* key) {
+      const InputNode* value = given(entry, {key});
+      return value == nullptr ? std::string() : value->text;
+    };
+    const std::string take = text("take");
+    const auto of = field_component(text("of"));
+    const bool is_field_itself = take == "max" || take == "min" || take == "mean";  // others have a power of the metre
+    columns.push_back({{"column", text("name")},
+                       {"title", fmt::format("{} of {}{}", take, text("of"),
+                                             text("in").empty() ? "" : fmt::format(" in {}", text("in")))},
+                       {"unit", of && is_field_itself ? unit_of_field(of->field.name) : ""}});
+  }
+  return columns;
+}
+
 /// The summary for the terminal.
 std::string write_page(const fs::path& file, const ReportOptions& options) {
   const std::string_view viewer = report_page();
@@ -182,6 +208,7 @@ std::string write_page(const fs::path& file, const ReportOptions& options) {
   report["program"] = version_text();
   report["history"] = json_of(read_history(directory / "history.csv"), page);
   report["input"] = text_of(directory / "run.yaml");
+  report["taken"] = columns_from_fields(text_of(directory / "run.yaml"));
   report["summary"] = summary_json(directory);
   const double left = options.megabytes * 1e6 - static_cast<double>(page.filled(viewer, report).size());
   PackedResult packed;

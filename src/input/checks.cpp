@@ -2,6 +2,7 @@
 
 #include "base/text.hpp"
 #include "input/analysis.hpp"
+#include "input/checks/output.hpp"
 #include "input/checks/rigid_bodies.hpp"
 #include "input/checks/tendons.hpp"
 #include "input/checks/time.hpp"
@@ -157,16 +158,6 @@ void check_held(const Config& config, const InputNode& root, Diagnostics& diagno
   }
 }
 
-/// Entries of a list that must differ.
-void check_unique(const std::vector<std::string>& values, const std::vector<Location>& places, const std::string& what,
-                  Diagnostics& diagnostics) {
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const auto end = values.begin() + static_cast<std::ptrdiff_t>(i);
-    if (values[i].empty() || std::find(values.begin(), end, values[i]) == end) continue;
-    diagnostics.add(places[i], "the " + what + " '" + values[i] + "' is given twice");
-  }
-}
-
 void check_names(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   std::vector<std::string> names;
   std::vector<Location> places;
@@ -184,12 +175,6 @@ void check_names(const Config& config, const InputNode& root, Diagnostics& diagn
     places.push_back(name != nullptr ? name->where : config.cavities[i].where);
   }
   check_unique(names, places, "cavity name", diagnostics);
-
-  const InputNode* fields = given(root, {"output", "fields"});
-  if (fields == nullptr || fields->kind != InputNode::Kind::list) return;
-  places.clear();
-  for (const InputNode& f : fields->children) places.push_back(f.where);
-  check_unique(config.output.fields, places, "field", diagnostics);
 }
 
 void check_barrier(const Config& config, const InputNode& contact, Diagnostics& diagnostics) {
@@ -238,7 +223,7 @@ void check_contact_names(const Config& config, const InputNode& contact, Diagnos
       const InputNode* node = given(list->children[k], {"name"});
       names.push_back(name);
       places.push_back(node != nullptr ? node->where : entries[k].where);
-      const auto has_name = [&](const ConstraintConfig& c) { return c.part.name == name; };
+      const auto has_name = [&](const ConstraintConfig& c) { return (c.name.empty() ? c.part.name : c.name) == name; };
       if (std::ranges::any_of(config.constraints, has_name)) {
         diagnostics.add(places.back(), std::string("the ") + what + " name '" + name +
                                            "' is also the name of a constrained part, and history.csv has columns for "
@@ -253,15 +238,7 @@ void check_contact_names(const Config& config, const InputNode& contact, Diagnos
 
 void check_contact(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   const InputNode* contact = given(root, {"contact"});
-  if (!config.contact) {
-    const InputNode* fields = given(root, {"output", "fields"});
-    if (fields == nullptr || contact != nullptr) return;
-    for (const InputNode& field : fields->children) {
-      if (!field.text.starts_with("contact_")) continue;
-      diagnostics.add(field.where, "the field '" + field.text + "' needs 'contact', which this input does not have");
-    }
-    return;
-  }
+  if (!config.contact) return;
   check_barrier(config, *contact, diagnostics);
   check_self_contact(config, diagnostics);
   check_contact_start(config, *contact, diagnostics);
@@ -304,6 +281,7 @@ void check_combinations(const Config& config, const InputNode& root, Diagnostics
   check_held(config, root, diagnostics);
   check_names(config, root, diagnostics);
   check_contact(config, root, diagnostics);
+  check_output(config, root, diagnostics);
   check_tolerances(config, root, diagnostics);
   check_linear_solver(config, root, diagnostics);
 }

@@ -169,7 +169,8 @@ struct ConstraintConfig {
   using Kind = std::variant<Displacement, Symmetry, Normal, Along, Periodic, Tied, Rigid, Equation>;
 
   Kind kind;
-  Selection part;  ///< not of an equation
+  Selection part;    ///< not of an equation
+  std::string name;  ///< prefix of its columns in the history; empty: from the part or the place in the list
   Location where;
 };
 

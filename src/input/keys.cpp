@@ -9,6 +9,7 @@
 #include "input/sections/laws.hpp"
 #include "input/sections/loads.hpp"
 #include "input/sections/mullins.hpp"
+#include "input/sections/output.hpp"
 #include "input/sections/rigid_bodies.hpp"
 #include "input/sections/tendons.hpp"
 #include "input/sections/viscosity.hpp"
@@ -21,11 +22,6 @@ namespace pliant {
 namespace {
 
 using SelectionKind = Selection::Kind;
-
-template <std::size_t N>
-std::vector<std::string> strings(const std::array<std::string_view, N>& names) {
-  return {names.begin(), names.end()};
-}
 
 Section<MeshConfig> mesh_keys() {
   return {{
@@ -127,17 +123,6 @@ Section<SolverConfig> solver_keys() {
           "quadratic elements through linear ones; auto: by size")
           .otherwise("auto"),
       field("newton", &SolverConfig::newton, map_of(newton_keys()), "Newton's method"),
-  }};
-}
-
-Section<OutputConfig> output_keys() {
-  return {{
-      field("directory", &OutputConfig::directory, text(), "where results go, relative to the working directory")
-          .otherwise_in_words("out/<name of the input file>"),
-      field("every", &OutputConfig::every, quantity("s", Range::above(0)), "time between frames of the result")
-          .otherwise_in_words("every step"),
-      field("fields", &OutputConfig::fields, list_of(choice(strings(output_fields)), 1), "fields of the result")
-          .otherwise("[displacement, velocity, cauchy_stress]"),
   }};
 }
 

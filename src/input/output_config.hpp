@@ -1,7 +1,7 @@
 /// What an input wants written, as typed values in SI units.
 #pragma once
 
-#include "base/error.hpp"
+#include "input/located.hpp"
 
 #include <array>
 #include <optional>
@@ -10,11 +10,24 @@
 
 namespace pliant {
 
+/// A number taken from a field at every step: a column of the history.
+struct FieldColumnConfig {
+  /// `norm`: the root of the integral of the square, over all components.
+  enum class Take { max, min, mean, integral, norm };
+  std::string name;
+  Located<std::string> of;                 ///< a field, or a component of one (input/output_fields.hpp)
+  std::optional<Located<std::string>> in;  ///< name of a volume or surface; empty: all bodies
+  Take take = Take::max;
+  Location where;
+};
+
 struct OutputConfig {
   std::string directory;        ///< resolved against the working directory; default out/<input's stem>
   std::optional<double> every;  ///< [s]; default: the step
   Location every_where;         ///< of `every` in the input, where it is given
   std::vector<std::string> fields;
+  bool is_nodal = false;  ///< fields of cells are smoothed to values at nodes
+  std::vector<FieldColumnConfig> history;
 };
 
 /// When checkpoints are written, in addition to those of interrupted and failed runs.

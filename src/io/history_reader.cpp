@@ -45,7 +45,7 @@ std::string_view unit_of_column(const std::string& name) {
       {"N m s", {"L[xyz]"}},
       {"N", {"*_f[xyz]"}},
       {"N m", {"*_t[xyz]"}},
-      {"m", {"*_[xyz]"}},
+      {"m", {"*_[xyz]", "*_u[xyz]"}},
       {"m/s", {"*_v[xyz]"}},
       {"Pa", {"*_pressure"}},
       {"m^3", {"*_volume"}},

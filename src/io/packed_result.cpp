@@ -45,6 +45,11 @@ void same_vector(const double* value, double* reduced) {
   std::copy_n(value, 3, reduced);
 }
 
+template <int component>
+void one_of_three(const double* value, double* reduced) {
+  *reduced = value[component];
+}
+
 void same_number(const double* value, double* reduced) {
   *reduced = *value;
 }
@@ -56,7 +61,13 @@ std::vector<Channel> channels_of(const std::vector<ResultField>& fields) {
   };
   for (const auto& field : fields) {
     if (field.components == 1) channels.push_back({field.name, field, 1, same_number});
-    if (field.components == 3) channels.push_back({field.name, field, 3, same_vector});
+    if (field.components == 3 && field.name.starts_with("principal_")) {  // no vector
+      channels.push_back({field.name + "_1", field, 1, one_of_three<0>});
+      channels.push_back({field.name + "_2", field, 1, one_of_three<1>});
+      channels.push_back({field.name + "_3", field, 1, one_of_three<2>});
+    } else if (field.components == 3) {
+      channels.push_back({field.name, field, 3, same_vector});
+    }
     if (field.name != "cauchy_stress" || field.components != 6) continue;
     if (!has("von_mises_stress")) channels.push_back({"von_mises_stress", field, 1, von_mises});
     channels.push_back({"mean_stress", field, 1, mean});

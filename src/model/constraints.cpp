@@ -21,8 +21,9 @@ using Normal = ConstraintConfig::Normal;
 using Periodic = ConstraintConfig::Periodic;
 using Equation = ConstraintConfig::Equation;
 
-/// The support's name in the history: the surface's, else by its place in the list of constraints.
+/// The support's name in the history: its own, else the surface's, else by its place in the list of constraints.
 std::string support_name(const ConstraintConfig& constraint, std::size_t index) {
+  if (!constraint.name.empty()) return constraint.name;
   return constraint.part.kind == Selection::Kind::surface ? constraint.part.name
                                                           : fmt::format("constraint{}", index + 1);
 }

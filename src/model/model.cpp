@@ -167,6 +167,7 @@ void Model::build_cells(const Config& config, const Mesh& mesh) {
       if (parts.mixed != nullptr) mixed_.push_back(parts.mixed);
       if (parts.softening) softening_.push_back(std::move(parts.softening));
       elastic_.push_back(std::move(parts.term));
+      bodies_of_elastic_.push_back(body);
     }
   });
   for (std::size_t b = 0; b < rules.size() && is_mixed; ++b) {
@@ -214,10 +215,11 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
                            selections.facets(Selection{}), *as_meshed, layout_));
     }
   }
+  const std::vector<char> left_out = cells_without_mesh(config, layout_, body_of_cell_);
+  field_regions_ = find_field_regions(config, layout_, left_out, selections);
   constraints_ = std::make_unique<Constraints>(config, layout_, selections);
   require_factorization(config, constraints_->map() == nullptr && touching_each_other.empty());
   include(constraints_->description());
-  const std::vector<char> left_out = cells_without_mesh(config, layout_, body_of_cell_);
   const BodiesOnMesh bodies{config, layout_, body_of_cell_, left_out};
   tendons_ = make_tendons(bodies, mesh, selections);
   if (layout_.order == 1) {
@@ -260,12 +262,10 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   probes_ = locate(layout_, points, left_out);
   require_near(layout_, mesh_report_.bounds, probes_, config.probes);
   for (std::size_t p = 0; p < probes_.size(); ++p) {
-    const double far = probes_[p].distance;
-    if (far > 0.0) {
-      diagnostics_.push_back(
-          note(fmt::format("probe '{}' lies outside the mesh; the nearest node, {:.3g} m away, is recorded instead",
-                           config.probes[p].name, far)));
-    }
+    if (!(probes_[p].distance > 0.0)) continue;
+    diagnostics_.push_back(
+        note(fmt::format("probe '{}' lies outside the mesh; the nearest node, {:.3g} m away, is recorded instead",
+                         config.probes[p].name, probes_[p].distance)));
   }
 }
 

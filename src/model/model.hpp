@@ -13,6 +13,7 @@
 #include "model/constraints.hpp"
 #include "model/contacts.hpp"
 #include "model/couplings.hpp"
+#include "model/field_regions.hpp"
 #include "model/loads.hpp"
 #include "model/springs.hpp"
 #include "model/tendons.hpp"
@@ -56,6 +57,7 @@ class Model {
   const std::vector<int>& body_of_cell() const { return body_of_cell_; }
   const std::vector<std::string>& body_names() const { return body_names_; }
   const std::vector<std::unique_ptr<ElasticTerm>>& elastic() const { return elastic_; }
+  const std::vector<int>& bodies_of_elastic() const { return bodies_of_elastic_; }  ///< the body of each
   const Inertia* inertia() const { return inertia_.get(); }  ///< nullptr if no body has a density
   const Constraints& constraints() const { return *constraints_; }
   const std::vector<ModelTendon>& tendons() const { return tendons_; }
@@ -69,6 +71,10 @@ class Model {
   /// The equation with pressures as unknowns; nullptr if there are none.
   MixedEquation* mixed_equation() { return mixed_equation_.get(); }
   const std::vector<ProbeLocation>& probes() const { return probes_; }
+  /// The region of each entry of `output.history`.
+  const std::vector<FieldRegion>& field_regions() const { return field_regions_; }
+  /// The stiffest shear modulus of each body at rest [Pa].
+  const std::vector<double>& shear_moduli() const { return shear_moduli_; }
   const WaveSpeeds& wave_speeds() const { return wave_speeds_; }
   /// Wall-clock time that the mesh took: reading or meshing, checks, partition, distribution [s].
   double mesh_seconds() const { return mesh_seconds_; }
@@ -136,6 +142,7 @@ class Model {
   std::vector<std::shared_ptr<const LawField>> laws_;             // of each body: elastic, or its part without volume
   std::vector<std::shared_ptr<const FreeExpansion>> expansions_;  // of each body; nullptr: none
   std::vector<std::unique_ptr<ElasticTerm>> elastic_;
+  std::vector<int> bodies_of_elastic_;
   std::vector<std::unique_ptr<EnergyTerm>> softening_;
   std::vector<std::unique_ptr<EnergyTerm>> active_;
   std::vector<std::unique_ptr<EnergyTerm>> viscous_;
@@ -155,6 +162,7 @@ class Model {
   bool is_incompressible_ = false;  // any body
   std::unique_ptr<ConstrainedEquation> constrained_equation_;
   std::vector<ProbeLocation> probes_;
+  std::vector<FieldRegion> field_regions_;
   Components components_;
   std::uint64_t fingerprint_ = 0;
   std::vector<char> are_kept_apart_;       // of each two

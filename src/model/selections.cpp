@@ -181,6 +181,27 @@ bool Selections::has_group(Selection::Kind kind, const std::string& name) const 
   });
 }
 
+std::optional<Selection> Selections::volume_or_surface(const Located<std::string>& name) {
+  Selection part;
+  part.name = name.value;
+  part.where = name.where;
+  for (const auto kind : {Selection::Kind::volume, Selection::Kind::surface}) {
+    part.kind = kind;
+    if (has_group(kind, name.value)) return part;
+  }
+  std::vector<std::string> names;
+  for (const int d : {3, 2}) {
+    for (const auto& g : mesh_.groups) {
+      if (g.dimension == d) names.push_back(title(g));
+    }
+  }
+  report(name.where,
+         fmt::format("no volume or surface '{}' in the mesh{}; {}", name.value, did_you_mean(name.value, names),
+                     names.empty() ? "the mesh has none: leave the key out for all bodies"
+                                   : fmt::format("the mesh has: {}", joined(names))));
+  return std::nullopt;
+}
+
 EdgeList Selections::edges(const Selection& part) {
   const PhysicalGroup* g = group(part);
   if (g == nullptr) return {};

@@ -5,6 +5,7 @@
 #include "input/config.hpp"
 
 #include <initializer_list>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,8 @@ class Selections {
   FacetList outer_facets(const Selection& part, const Location& where, const std::string& reason);
   /// Whether the mesh has such a group. Not collective, and no error.
   bool has_group(Selection::Kind kind, const std::string& name) const;
+  /// The volume of this name or, if there is none, the surface; else an error. Not collective.
+  std::optional<Selection> volume_or_surface(const Located<std::string>& name);
   /// Counts a group as used, or reports that the mesh has none. Not collective.
   void use(const Selection& part) { (void)group(part); }
   /// Edges of a curve. Collective.

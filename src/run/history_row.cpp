@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 
+#include <fmt/format.h>
+
 namespace pliant {
 namespace {
 
@@ -15,6 +17,8 @@ using Kind = ContactGroup::Kind;
 
 HistoryRow::HistoryRow(const Config& config, Model& model, const Ledger& ledger)
     : model_(model),
+      fields_(config, model),
+      field_columns_(config, model, fields_),
       rigid_states_(config, model),
       static_time_(analysis_of(config) == Analysis::static_equilibrium ? std::optional(config.time.end) : std::nullopt),
       columns_(names_of_columns(config, ledger)),
@@ -82,10 +86,22 @@ std::vector<std::string> HistoryRow::names_of_columns(const Config& config, cons
   for (const std::string& spring : model_.springs().names) {
     for (const char* suffix : {"_length", "_force"}) names.push_back(spring + suffix);
   }
+  for (const auto& probe : config.probes) {
+    for (const char* suffix : {"_ux", "_uy", "_uz"}) names.push_back(probe.name + suffix);
+  }
+  for (const FieldColumnConfig& column : config.output.history) {
+    if (std::ranges::find(names, column.name) != names.end()) {
+      throw InputError(column.where,
+                       fmt::format("history.csv has a column '{}' of its own; choose another name", column.name));
+    }
+    names.push_back(column.name);
+  }
+  if (fields_.has_mesh_error()) names.emplace_back("discretization_error");
   return names;
 }
 
 std::vector<double> HistoryRow::values(const StepRecord& record, const Ledger& ledger) {
+  fields_.forget();
   const Energies& e = ledger.energies();
   std::vector<double> row{static_cast<double>(record.step),
                           record.time,
@@ -110,23 +126,8 @@ std::vector<double> HistoryRow::values(const StepRecord& record, const Ledger& l
   };
   add_contacts(Kind::obstacle, &ContactForce::force);
 
-  if (!model_.probes().empty()) {
-    check(VecCopy(record.q, q_.get()));
-    check(VecCopy(record.v, v_.get()));
-    update_ghosts(q_.get());
-    update_ghosts(v_.get());
-    const ConstGhostedView u(q_.get()), velocity(v_.get());
-    std::vector<double> values;
-    for (const auto& probe : model_.probes()) {
-      const auto X = probe.interpolate(model_.layout().coordinates), d = probe.interpolate(u.span()),
-                 w = probe.interpolate(velocity.span());
-      for (int i = 0; i < 3; ++i) values.push_back(X[i] + d[i]);
-      values.insert(values.end(), w.begin(), w.end());
-    }
-    check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()), MPI_DOUBLE, MPI_SUM,
-                            model_.layout().comm));
-    row.insert(row.end(), values.begin(), values.end());
-  }
+  const auto [probes, displacements] = probe_states(record);
+  row.insert(row.end(), probes.begin(), probes.end());
   for (const auto& [force, torque] : ledger.reactions()) row.insert(row.end(), force.begin(), force.end());
   row.push_back(e.numerical_dissipation);
   row.push_back(e.support_work);
@@ -149,7 +150,29 @@ std::vector<double> HistoryRow::values(const StepRecord& record, const Ledger& l
     row.push_back(number);
   for (const double number : tendon_states(record)) row.push_back(number);
   for (const double number : spring_states(record)) row.push_back(number);
+  row.insert(row.end(), displacements.begin(), displacements.end());
+  for (const double number : field_columns_.values(record)) row.push_back(number);
+  if (fields_.has_mesh_error()) row.push_back(fields_.mesh_error(record).share);
   return row;
+}
+
+std::array<std::vector<double>, 2> HistoryRow::probe_states(const StepRecord& record) {
+  if (model_.probes().empty()) return {};
+  check(VecCopy(record.q, q_.get()));
+  check(VecCopy(record.v, v_.get()));
+  update_ghosts(q_.get());
+  update_ghosts(v_.get());
+  const ConstGhostedView u(q_.get()), velocity(v_.get());
+  std::array<std::vector<double>, 2> values;
+  for (const auto& probe : model_.probes()) {
+    const auto X = probe.interpolate(model_.layout().coordinates), d = probe.interpolate(u.span()),
+               w = probe.interpolate(velocity.span());
+    for (std::size_t i = 0; i < 3; ++i) values[0].push_back(X[i] + d[i]);
+    values[0].insert(values[0].end(), w.begin(), w.end());
+    values[1].insert(values[1].end(), d.begin(), d.end());
+  }
+  for (auto& numbers : values) sum_in_place(model_.layout().comm, numbers);
+  return values;
 }
 
 std::vector<double> HistoryRow::cavity_states(const StepRecord& record) {

@@ -4,115 +4,17 @@
 #include "base/stopwatch.hpp"
 #include "input/input.hpp"
 #include "model/rigid_bodies.hpp"
-#include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
-#include "petsc/ghosted.hpp"
 #include "petsc/session.hpp"
 #include "run/version.hpp"
 
-#include <algorithm>
-#include <array>
 #include <filesystem>
-#include <numeric>
+#include <span>
 
 #include <fmt/format.h>
 
 namespace pliant {
 namespace {
-
-/// The parts of a cell's stress, and the quantities that go with them.
-struct CellState {
-  std::array<std::array<double, 6>, num_stress_parts> cauchy{};
-  std::array<double, num_stress_parts> energy_density{};
-  double volume_ratio = 1.0;
-  double softening = 0.0;
-
-  std::array<double, 6> total_cauchy() const {
-    std::array<double, 6> total{};
-    for (const auto& part : cauchy) {
-      for (std::size_t k = 0; k < total.size(); ++k) total[k] += part[k];
-    }
-    return total;
-  }
-};
-
-/// A field per cell.
-struct CellResult {
-  const char* name;
-  const char* unit;
-  int components;
-  void (*put)(const CellState&, double*);
-};
-
-template <StressPart part>
-void put_cauchy(const CellState& cell, double* out) {
-  std::ranges::copy(cell.cauchy[static_cast<std::size_t>(part)], out);
-}
-template <StressPart part>
-void put_energy(const CellState& cell, double* out) {
-  *out = cell.energy_density[static_cast<std::size_t>(part)];
-}
-
-constexpr std::array<CellResult, 10> cell_fields{{
-    {"cauchy_stress", "Pa", 6, [](const CellState& cell, double* out) { std::ranges::copy(cell.total_cauchy(), out); }},
-    {"elastic_cauchy_stress", "Pa", 6, put_cauchy<StressPart::elastic>},
-    {"viscous_cauchy_stress", "Pa", 6, put_cauchy<StressPart::viscous>},
-    {"active_cauchy_stress", "Pa", 6, put_cauchy<StressPart::active>},
-    {"von_mises_stress", "Pa", 1, [](const CellState& cell, double* out) { *out = von_mises(cell.total_cauchy()); }},
-    {"volume_ratio", "", 1, [](const CellState& cell, double* out) { *out = cell.volume_ratio; }},
-    {"energy_density", "J/m^3", 1,
-     [](const CellState& cell, double* out) {
-       *out = std::accumulate(cell.energy_density.begin(), cell.energy_density.end(), 0.0);
-     }},
-    {"elastic_energy_density", "J/m^3", 1, put_energy<StressPart::elastic>},
-    {"viscous_energy_density", "J/m^3", 1, put_energy<StressPart::viscous>},
-    {"softening", "", 1, [](const CellState& cell, double* out) { *out = cell.softening; }},
-}};
-
-struct NodeField {
-  const char* name;
-  const char* unit;
-  Vec StepRecord::*values;
-};
-
-constexpr std::array<NodeField, 3> node_fields{{
-    {"displacement", "m", &StepRecord::q},
-    {"velocity", "m/s", &StepRecord::v},
-    {"acceleration", "m/s^2", &StepRecord::a},
-}};
-
-/// A field per node, computed from its contact.
-struct ContactField {
-  const char* name;
-  const char* unit;
-  int components;
-  void (*put)(const NodalContact&, double*);
-};
-
-constexpr std::array<ContactField, 3> contact_fields{{
-    {"contact_pressure", "Pa", 1, [](const NodalContact& c, double* out) { *out = c.pressure; }},
-    {"contact_gap", "m", 1, [](const NodalContact& c, double* out) { *out = c.gap; }},
-    {"contact_slip", "m/s", 3,
-     [](const NodalContact& c, double* out) { std::copy(c.slip.begin(), c.slip.end(), out); }},
-}};
-
-/// The owned cells of a step.
-std::vector<CellState> cell_states(Model& model, const StepRecord& record) {
-  std::vector<CellState> cells(static_cast<std::size_t>(model.layout().num_owned_cells));
-  model.potential().accounts().visit_stresses(model.instant(record.time), record.q, record.v, record.z,
-                                              [&](StressPart part, PetscInt cell, const CellStress& stress) {
-                                                CellState& state = cells[static_cast<std::size_t>(cell)];
-                                                const auto p = static_cast<std::size_t>(part);
-                                                for (std::size_t k = 0; k < stress.cauchy.size(); ++k) {
-                                                  state.cauchy[p][k] += stress.cauchy[k];
-                                                }
-                                                state.energy_density[p] += stress.energy_density;
-                                                state.softening += stress.softening;
-                                                if (part == StressPart::elastic)
-                                                  state.volume_ratio = stress.volume_ratio;
-                                              });
-  return cells;
-}
 
 /// Starts the output directory; before the writers, so that they find it.
 std::filesystem::path prepared_directory(MPI_Comm comm, const Config& config) {
@@ -147,8 +49,7 @@ OutputMesh output_mesh(const Config& config, const Model& model) {
 Recorder::Recorder(const Config& config, Model& model, const Ledger& ledger, const std::optional<Recorded>& earlier)
     : model_(model),
       row_(config, model, ledger),
-      fields_(config.output.fields),
-      time_scale_(config.time.step > 0.0 ? config.time.step : 1.0),
+      names_(config.output.fields),
       result_(model.layout().comm, prepared_directory(model.layout().comm, config), config.title,
               output_mesh(config, model), earlier ? earlier->last_frame : -1),
       mechanism_drawing_(config, model),
@@ -168,18 +69,6 @@ void Recorder::record(const StepRecord& record, const Ledger& ledger) {
   history_.append(row_.values(record, ledger));
 }
 
-void Recorder::add_contact_fields(const StepRecord& record, std::vector<std::vector<double>>& storage,
-                                  std::vector<OutputField>& fields) {
-  const ConstArrayView u(record.q), velocity(record.v);
-  const auto nodes = model_.contacts()->at_nodes(model_.instant(record.time), time_scale_, u.span(), velocity.span());
-  for (const ContactField& field : contact_fields) {
-    if (std::ranges::find(fields_, field.name) == fields_.end()) continue;
-    auto& values = storage.emplace_back(field.components * nodes.size(), 0.0);
-    for (std::size_t a = 0; a < nodes.size(); ++a) field.put(nodes[a], &values[field.components * a]);
-    fields.push_back({field.name, field.unit, FieldLocation::node, field.components, values});
-  }
-}
-
 void Recorder::sync() {
   const Stopwatch watch(seconds_);
   history_.sync();
@@ -191,31 +80,12 @@ void Recorder::sync() {
 void Recorder::write_frame(const StepRecord& record) {
   const Stopwatch watch(seconds_);
   const NodeLayout& layout = model_.layout();
-  std::vector<std::vector<double>> storage;
-  storage.reserve(fields_.size());
+  const std::vector<FieldValues> values = row_.fields().at(record, names_);
   std::vector<OutputField> fields;
-  const auto wanted = [&](const char* name) {
-    return std::find(fields_.begin(), fields_.end(), name) != fields_.end();
-  };
-
-  for (const auto& field : node_fields) {
-    if (!wanted(field.name)) continue;
-    auto& values = storage.emplace_back(3 * static_cast<std::size_t>(layout.num_owned_nodes), 0.0);
-    if (Vec v = record.*field.values; v != nullptr) {
-      const ConstArrayView array(v);
-      std::copy(array.span().begin(), array.span().end(), values.begin());
-    }
-    fields.push_back({field.name, field.unit, FieldLocation::node, 3, values});
-  }
-  if (model_.contacts() != nullptr) add_contact_fields(record, storage, fields);
-  if (std::ranges::any_of(cell_fields, [&](const CellResult& field) { return wanted(field.name); })) {
-    const std::vector<CellState> cells = cell_states(model_, record);
-    for (const auto& field : cell_fields) {
-      if (!wanted(field.name)) continue;
-      auto& values = storage.emplace_back(field.components * cells.size(), 0.0);
-      for (std::size_t c = 0; c < cells.size(); ++c) field.put(cells[c], &values[field.components * c]);
-      fields.push_back({field.name, field.unit, FieldLocation::cell, field.components, values});
-    }
+  for (const FieldValues& field : values) {
+    const PetscInt rows = field.location == FieldLocation::node ? layout.num_owned_nodes : layout.num_owned_cells;
+    fields.push_back({std::string(field.info.name), field.unit, field.location, num_components(field.info.shape),
+                      std::span(field.values).first(field.width() * static_cast<std::size_t>(rows))});
   }
   const Instant at = model_.instant(record.time);
   if (obstacles_) obstacles_->write_frame(record.time, record.step, drawing_->points(at));

@@ -38,15 +38,13 @@ class Recorder {
   void sync();
 
   double seconds() const { return seconds_; }
+  /// The fields of the last state that was recorded.
+  ResultFields& fields() { return row_.fields(); }
 
  private:
-  void add_contact_fields(const StepRecord& record, std::vector<std::vector<double>>& storage,
-                          std::vector<OutputField>& fields);
-
   Model& model_;
   HistoryRow row_;
-  std::vector<std::string> fields_;
-  double time_scale_;  // interval from which velocities of obstacles are computed [s]
+  std::vector<std::string> names_;  // of the fields of frames
   double seconds_ = 0.0;
   ResultWriter result_;
   std::optional<ObstacleDrawing> drawing_;  // of obstacles, if there are any

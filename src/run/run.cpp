@@ -107,6 +107,7 @@ class Run {
       remove_post_mortem(comm_, config_);
       remove_overlap_file(comm_, config_);
       recorder_->record(record(), simulation_->ledger());
+      look_at_mesh_error();
       recorder_->write_frame(record());
     }
     setup_seconds_ = seconds_since(start_);
@@ -138,6 +139,7 @@ class Run {
       if (outcome.kind != StepOutcome::Kind::accepted) continue;
       if (!outcome.reason.empty()) console_.warn(outcome.reason);
       recorder_->record(record(), simulation_->ledger());
+      look_at_mesh_error();
       last_row_ = record().step;
       if (simulation_->analysis() == Analysis::dynamic)
         energy_watch_->look(simulation_->ledger().energies(), record().time);
@@ -192,6 +194,7 @@ class Run {
     archive.number("worst_newton_iterations", worst_.newton_iterations);
     archive.number("largest_energy", largest_energy_);
     energy_watch_->keep(archive);
+    mesh_error_watch_.keep(archive);
   }
 
   void write_checkpoint() {
@@ -295,7 +298,8 @@ class Run {
     const StepStatistics& steps = simulation_->steps();
     const RunSeconds t{seconds_since(start_),   setup_seconds_,  model_.mesh_seconds(), s.assembly_seconds,
                        s.factorization_seconds, s.solve_seconds, output_seconds()};
-    save({outcome, message, num_ranks(comm_), t, steps, s, worst_, energy_watch_->growth()});
+    save({outcome, message, num_ranks(comm_), t, steps, s, worst_, energy_watch_->growth(),
+          recorder_->fields().has_mesh_error() ? std::optional(mesh_error_watch_) : std::nullopt});
     console_.print(fmt::format(
         "time: {} s = set-up {} (mesh {}) + assembly {} + factorization {} + solve {} + output {} + rest {}",
         three_digits(t.total), three_digits(t.set_up), three_digits(t.mesh), three_digits(t.assembly),
@@ -314,6 +318,7 @@ class Run {
                                  worst_.time, worst_.newton_iterations));
     }
     console_.print(energy_line());
+    report_mesh_error();
     if (const auto growth = energy_watch_->growth()) {
       console_.warn(fmt::format(
           "{}: the energy grew without work: at t = {:.6g} s it was {:.3g} times the energy supplied{}, with steps "
@@ -329,6 +334,19 @@ class Run {
     for (const auto& option : unused_petsc_options()) {
       console_.warn(fmt::format("no solver used the PETSc option {}; is it misspelt?", option));
     }
+  }
+
+  void look_at_mesh_error() {
+    ResultFields& fields = recorder_->fields();
+    if (fields.has_mesh_error()) mesh_error_watch_.look(fields.mesh_error(record()), record().time);
+  }
+
+  void report_mesh_error() {
+    if (!recorder_->fields().has_mesh_error()) return;
+    const std::string when =
+        fmt::format("{} = {:.6g}{}", variable(), mesh_error_watch_.time(), is_static() ? "" : " s");
+    console_.print(in_words(mesh_error_watch_, when));
+    if (const auto warning = warning_about(mesh_error_watch_, config_)) console_.warn(to_string(*warning));
   }
 
   /// Reports a stage that takes long, and again each time its duration has doubled.
@@ -370,6 +388,7 @@ class Run {
   Console& console_;
   Model model_;
   MotionWatch watch_;
+  MeshErrorWatch mesh_error_watch_;
   std::optional<DirectoryLock> lock_;  // held by rank 0, on the output directory
   Checkpoints checkpoints_;
   std::optional<Simulation> simulation_;

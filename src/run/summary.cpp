@@ -62,6 +62,11 @@ void write_summary(const std::filesystem::path& directory, const Summary& summar
   if (const auto& growth = summary.energy_growth) {
     json["energy_growth"] = {{"factor", growth->factor}, {"time", growth->time}};
   }
+  if (const auto& watch = summary.mesh_error) {
+    const MeshError& error = watch->worst();
+    json["discretization_error"] = {
+        {"share", error.share}, {"energy", error.energy}, {"time", watch->time()}, {"place", error.place}};
+  }
   write_text_atomically(file_in(directory), json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 

@@ -1,6 +1,7 @@
 /// summary.json: how a run ended, its costs, and what its solver did; for reports and scripts.
 #pragma once
 
+#include "run/discretization_error.hpp"
 #include "run/energy_watch.hpp"
 #include "run/simulation.hpp"
 
@@ -35,6 +36,7 @@ struct Summary {
   SolverStatistics solver;
   WorstStep worst;
   std::optional<EnergyWatch::Growth> energy_growth;
+  std::optional<MeshErrorWatch> mesh_error;  ///< if the input asks for it
 };
 
 /// Replaces summary.json. For a resumed run it covers the part since resuming. Not collective.

@@ -34,7 +34,7 @@ async function start() {
   showTexts(place("texts"), report);
   const bodies = await Bodies.load();
   const player = new Player(bodies.frames, isStatic);
-  const plots = new Plots(place("plots"), history, { isStatic, seek: (time) => player.seek(time) });
+  const plots = new Plots(place("plots"), history, { isStatic, taken: report.taken ?? [], seek: (time) => player.seek(time) });
   player.listen((time) => plots.mark(time));
   let view;
   try {

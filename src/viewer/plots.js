@@ -38,7 +38,7 @@ function triples(history, suffixes) {
 }
 
 /// What is to be plotted: title, unit, lines of name and values.
-function* plotsOf(history, isStatic) {
+function* plotsOf(history, { isStatic, taken }) {
   const energies = ENERGIES.filter((n) => history.has(n) && largest(history.get(n)) > 0);
   if (energies.length) {
     yield { title: "Energies", unit: "J", lines: energies.map((n) => [spelt(n).replace(/ energy$/, ""), history.get(n)]) };
@@ -66,6 +66,11 @@ function* plotsOf(history, isStatic) {
   }
   const linear = history.has("px") ? varying([..."xyz"].map((k, i) => [k, history.get(`p${k}`), i])) : [];
   if (linear.length) yield { title: "Momentum", unit: "N s", lines: linear };
+  for (const { column, title, unit } of taken) {
+    if (history.has(column)) yield { title: column, note: title, unit, lines: [[column, history.get(column)]], colour: 3 };
+  }
+  const coarse = history.get("discretization_error");
+  if (coarse) yield { title: "Discretization error", note: "share of the elastic energy", unit: "", lines: [["error", coarse]], zero: true, colour: 1 };
   const newton = history.get("newton_iterations");
   if (newton?.length > 1) yield { title: "Newton iterations", note: "per step", unit: "", lines: [["iterations", newton]], steps: true, zero: true };
   const dt = history.get("dt");
@@ -74,11 +79,11 @@ function* plotsOf(history, isStatic) {
 
 /// `seek(time)` is called when a plot is clicked.
 export class Plots {
-  constructor(place, history, { isStatic, seek }) {
+  constructor(place, history, { isStatic, taken, seek }) {
     Object.assign(this, { place, seek, made: [], timeLabel: isStatic ? "load" : "time [s]" });
     this.sync = uPlot.sync("history");
     const time = history.get("time");
-    if (time?.length) for (const plot of [...plotsOf(history, isStatic)].slice(0, 40)) this.add(plot, time);
+    if (time?.length) for (const plot of [...plotsOf(history, { isStatic, taken })].slice(0, 40)) this.add(plot, time);
     new ResizeObserver(() => this.resize()).observe(place);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.made.forEach(({ chart }) => chart.redraw(false, true)));
   }

@@ -61,6 +61,12 @@ export function showRun(to, { summary }) {
     ["accepted", grouped(steps.accepted)], ["shortest", `${short(steps.shortest)} s`], ["longest", `${short(steps.longest)} s`],
     ["repeated after a failed solve", grouped(steps.failed)], ["repeated for accuracy", grouped(steps.inaccurate)],
     ...(worst ? [["hardest", `step ${grouped(worst.step)}, ${worst.newton_iterations} iterations`]] : [])]));
+  const mesh = summary.discretization_error;
+  if (mesh) {
+    to.append(table("Mesh", [
+      ["discretization error", `${short(100 * mesh.share, 2)} % of the elastic energy`],
+      ["most around", `${mesh.place.map((x) => short(x)).join(", ")} m`]]));
+  }
   to.append(table("Newton", [
     ["iterations", grouped(solver.newton_iterations)], ["stages", grouped(solver.stages)], ["factorizations", grouped(solver.factorizations)],
     ["linear iterations", grouped(solver.linear_iterations)], ["step lengths rejected", grouped(solver.backtracks)],

@@ -22,7 +22,7 @@ bodies: [{{density: 1 g/cm^3, {BODY}}}]
 constraints: [{{surface: left, displacement: [0, free, "0.1*sin(2*pi*t)"]}}]
 loads: [{{gravity: [0, 0, -9.81]}}, {{surface: top, traction: [0, 0, 1 kPa]}}, {{surface: 3, pressure: 2*t}}]
 time: {{method: bdf2, step: 5 ms, end: 1 s, startup: ramp, events: [0.1, 0.5 s]}}
-output: {{directory: out, every: 20 ms, fields: [displacement, velocity]}}
+output: {{directory: out, every: 20 ms, fields: [displacement, velocity], history: [{{name: peak, of: cauchy_stress_xx, in: beam, take: max}}]}}
 probes: [{{name: tip, point: [1, 0, 1 mm]}}]
 checkpoint: {{every: 10}}
 """,

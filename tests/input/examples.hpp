@@ -38,7 +38,7 @@ bodies:
       - {model: stiffness-proportional, time: 1 us, rate: secant}
       - {model: mass-proportional, decay_rate: 2 Hz}
 constraints:
-  - {surface: clamp, displacement: [0, free, "0.1*t"]}
+  - {name: wall, surface: clamp, displacement: [0, free, "0.1*t"]}
   - {volume: 3, displacement: [0, 0, 0]}
   - {curve: edge, displacement: [1 mm, 0, 0]}
   - {point: "corner one", displacement: [0, 0, 0]}
@@ -70,7 +70,14 @@ loads:
 initial: {displacement: ["0.01*x", 0, 0], velocity: [0, "-y", 3 km/h]}
 time: {method: bdf2, step: 10 ms, end: 2 s, startup: ramp, min_step: 1 us}
 solver: {linear: cholesky, newton: {relative: 1e-6, absolute: 1 mN, max_iterations: 20}}
-output: {directory: out/here, every: 20 ms, fields: [velocity, von_mises_stress]}
+output:
+  directory: out/here
+  every: 20 ms
+  fields: [velocity, von_mises_stress, discretization_error]
+  nodal: true
+  history:
+    - {name: peak, of: cauchy_stress_xx, in: beam, take: max}
+    - {name: "whole body", of: displacement, take: norm}
 checkpoint: {every: 100, minutes: 10}
 probes: [{name: tip, point: [1, 0.1, 100 mm]}, {name: "the root", point: [0, 0, 0]}]
 cavities:

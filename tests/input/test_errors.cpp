@@ -211,7 +211,25 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{6, "probes: [{name: a, point: @[0, 0]}]", "'point' must be a list of 3 values, not of 2"},
         Bad{6, "probes: [{name: a, point: [0, @x, 0]}]", "'point[1]': 'x' is not a number"},
         Bad{6, "probes: [{name: a, point: [0, 0, 0]}, {name: @a, point: [1, 0, 0]}]",
-            "the probe name 'a' is given twice"}));
+            "the probe name 'a' is given twice"},
+        Bad{6, "output: {nodal: @1}", "'nodal' must be true or false"},
+        Bad{6, "output: {history: [{name: a, of: @von_mises, take: max}]}",
+            "'of' must be a field of the result or a component of one, such as von_mises_stress or displacement_z, not "
+            "'von_mises'"},
+        Bad{6, "output: {history: [{name: a, of: @displacement_w, take: max}]}", "(did you mean 'displacement_"},
+        Bad{6, "output: {history: [{name: a, of: velocity, take: @maxx}]}",
+            "'take' must be one of max, min, mean, integral, norm, not 'maxx' (did you mean 'max'?)"},
+        Bad{6, "output: {history: [{name: a, of: @cauchy_stress, take: max}]}",
+            "'cauchy_stress' has 6 components, of which a column shows one: write cauchy_stress_xx, ..., "
+            "cauchy_stress_xz"},
+        Bad{6, "output: {history: [{name: a, of: @principal_stress, take: mean}]}", "write principal_stress_1, ..., "},
+        Bad{6, "output: {history: [{name: @time, of: velocity, take: max}]}",
+            "history.csv has a column 'time' of its own; choose another name"},
+        Bad{6, "output: {history: [{name: a, of: velocity, take: max}, {name: @a, of: velocity, take: min}]}",
+            "the column name 'a' is given twice"},
+        Bad{6, "output: {history: [@{name: a, of: velocity}]}", "missing key 'take'"},
+        Bad{6, "output: {history: [{name: a, of: @contact_gap, take: min}]}",
+            "the field 'contact_gap' needs 'contact', which this input does not have"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Formulas, BadInput,

@@ -234,6 +234,7 @@ TEST(HistoryTable, UnitsOfItsColumns) {
                                                                                    {"px", "N s"},
                                                                                    {"Lz", "N m s"},
                                                                                    {"tip_x", "m"},
+                                                                                   {"tip_uz", "m"},
                                                                                    {"tip_vz", "m/s"},
                                                                                    {"floor_ball_fy", "N"},
                                                                                    {"floor_jx", "N s"},

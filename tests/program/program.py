@@ -174,7 +174,7 @@ def kinds(history):
     counted = {"newton_iterations", "linear_iterations"}  # may differ where rounding decides
     rest = [n for n in history if n not in counted and not any(n in g for g in groups)]
     # Place, velocity, force with torque (bodies are about a metre large), impulse, rotation, angular velocity.
-    for letters in (("",), ("v",), ("f", "t"), ("j",), ("q",), ("w",)):
+    for letters in (("",), ("u",), ("v",), ("f", "t"), ("j",), ("q",), ("w",)):
         suffixes = [f"_{letter}{axis}" for letter in letters for axis in "xyz"]
         for first in [n for n in rest if n.endswith(suffixes[0])]:
             stem = first[: -len(suffixes[0])]

@@ -174,7 +174,7 @@ def names_in(tree, names):
             names_in(entry, names)
     elif isinstance(tree, dict):
         for key, value in tree.items():
-            kind = "surface" if key in ("periodic_with", "tied_to", "with") else key
+            kind = "surface" if key in ("periodic_with", "tied_to", "with", "in") else key
             if key in ("attached", "coupled"):
                 names_in([{"surface": name} for name in value], names)
             if key == "exclude":

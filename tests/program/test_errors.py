@@ -108,6 +108,10 @@ BAD_AGAINST_THE_MESH = {
                             "{surface: right, displacement: [0.1, 0, 0]}, @{surface: top, displacement: [0, 0, 0]}]",
                             "'right' and .*'top'|'top' and .*'right'"),
     "a static body that nothing holds": ("constraints", "constraints: []\ntime: {method: @static}", "constraint"),
+    "a column from nowhere": ("output", "output: {history: [{name: a, of: velocity, in: @bdoy, take: max}]}",
+                              "no volume or surface 'bdoy' in the mesh .did you mean 'body'"),
+    "a column of a probe's name": ("output", "probes: [{name: tip, point: [0, 0, 0]}]\n"
+                                   "output: {history: [@{name: tip_x, of: velocity, take: max}]}", "a column 'tip_x' of its own"),
     "unknown field": ("output", "output: {fields: [displacement, @stress]}", "stress"),
     "volumes that do not cover": ("bodies", "bodies: [{volume: @lower, " + LAW + "}]", "upper"),
     "volumes that share tetrahedra": ("bodies", "bodies: [{volume: body, " + LAW + "}, {volume: @whole, " + LAW + "}]",

@@ -279,6 +279,16 @@ class Plots(WithResult):
             history.write("201,1.00")  # a row that is just being written
         self.assertEqual(self.draw("-o", self.path("plot.pdf"), tool="plot.py"), self.path("plot.pdf"))
 
+    def test_columns_from_fields_are_drawn(self):
+        synthetic.write_history(self.directory)
+        heights = []
+        for entries in ("[]", "[{name: tip_x, of: displacement_x, in: tip, take: mean}, {name: tip_y, of: von_mises_stress, take: max}]"):
+            with open(self.path("run.yaml"), "w", encoding="utf-8") as file:
+                file.write(f"output: {{history: {entries}}}\n")
+            with Image.open(self.draw(tool="plot.py")) as picture:
+                heights.append(picture.size[1])
+        self.assertGreater(heights[1], heights[0] + 300)  # a row of two more
+
     def test_history_of_the_initial_state_alone(self):
         synthetic.write_history(self.directory, num_steps=1)
         with open(self.path("history.csv"), encoding="utf-8") as history:

@@ -80,7 +80,7 @@ double EnergyAccounts::supplied(const Instant& from, const Instant& to, Vec q) {
 
 void EnergyAccounts::visit_stresses(const Instant& at, Vec q, Vec v, Vec z,
                                     const std::function<void(StressPart, PetscInt, const CellStress&)>& visit) {
-  BodyState state{.at = at, .q = terms_.arrays().at(q)};
+  BodyState state{.at = at, .q = terms_.arrays().at(q), .visited = VisitedCells::local};
   if (v != nullptr) state.v = terms_.arrays().beside(v);
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     const auto* term = dynamic_cast<const StressTerm*>(&terms_[k]);

@@ -33,7 +33,8 @@ class EnergyAccounts {
   std::vector<double> dissipated(Vec z) const;
   /// Change of the energies at fixed q from one instant to another, which time alone causes [J].
   double supplied(const Instant& from, const Instant& to, Vec q);
-  /// Calls `visit` for the stress that each term has in each of its owned cells; z as above, v = nullptr: at rest.
+  /// Calls `visit` for the stress that each term has in each of its local cells, ghosts included; z as above, v =
+  /// nullptr: at rest.
   void visit_stresses(const Instant& at, Vec q, Vec v, Vec z,
                       const std::function<void(StressPart, PetscInt, const CellStress&)>& visit);
 

@@ -79,7 +79,7 @@ class ActiveStress final : public StressTerm {
         return PointStress{T[point.index()] * outer(f, f), 0.0};
       };
     };
-    visit_mean_stresses(cells_, state.q, StressMeasure::second_piola_kirchhoff, at_points, visit);
+    visit_mean_stresses(cells_, state, StressMeasure::second_piola_kirchhoff, at_points, visit);
   }
 
  private:

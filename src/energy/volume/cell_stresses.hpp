@@ -26,15 +26,16 @@ struct CentroidState {
   Pack softening = 0.0;
 };
 
-/// Calls `visit(local cell, stress)` for the owned cells of a batch.
+/// Calls `visit(local cell, stress)` for the cells of a batch.
 template <int Order, class Visit>
-void visit_stresses(const CellBatch<Order>& batch, const CentroidState& at, const Visit& visit) {
+void visit_stresses(const CellBatch<Order>& batch, const CentroidState& at, VisitedCells visited, const Visit& visit) {
   for (int lane = 0; lane < batch.batch().num_lanes; ++lane) {
-    if (batch.batch().owned[lane] == 0.0) continue;
-    const Tensor3<double> F = add_to_diagonal(one_lane(at.H, lane), 1.0);
+    if (visited == VisitedCells::owned && batch.batch().owned[lane] == 0.0) continue;
+    const Tensor3<double> H = one_lane(at.H, lane), F = add_to_diagonal(H, 1.0);
     const Tensor3<double> sigma = (1.0 / det(F)) * matmul(one_lane(at.P, lane), transpose(F));
     visit(batch.local_cell(lane),
           CellStress{{sigma(0, 0), sigma(1, 1), sigma(2, 2), sigma(0, 1), sigma(1, 2), sigma(0, 2)},
+                     H,
                      at.J[lane],
                      at.psi[lane],
                      at.softening[lane]});
@@ -54,7 +55,7 @@ enum class StressMeasure { second_piola_kirchhoff, small_strain };
 /// Visits the mean of a stress that is known only at the quadrature points, with the internal variables:
 /// `of_batch(CellBatch)` returns a PointStress as a function of a CellPoint.
 template <int Order, class OfBatch>
-void visit_mean_stresses(const BodyCells<Order>& cells, std::span<const double> q, StressMeasure measure,
+void visit_mean_stresses(const BodyCells<Order>& cells, const BodyState& state, StressMeasure measure,
                          const OfBatch& of_batch, const StressVisitor& visit) {
   cells.for_each_batch([&](const CellBatch<Order>& batch) {
     const auto at_point = of_batch(batch);
@@ -69,9 +70,11 @@ void visit_mean_stresses(const BodyCells<Order>& cells, std::span<const double> 
       volume += point.weight();
     }
     const Pack share = 1.0 / select(volume > 0.0, volume, Pack(1.0));  // padding lanes have none
-    const Tensor3<Pack> H = centroid_gradient(batch, batch.values(q)), F = add_to_diagonal(H, 1.0), S = share * mean.S;
+    const Tensor3<Pack> H = centroid_gradient(batch, batch.values(state.q)), F = add_to_diagonal(H, 1.0);
+    const Tensor3<Pack> S = share * mean.S;
     const bool is_small = measure == StressMeasure::small_strain;
-    visit_stresses(batch, {H, is_small ? S : matmul(F, S), det(F), share * mean.energy, share * mean.softening}, visit);
+    visit_stresses(batch, {H, is_small ? S : matmul(F, S), det(F), share * mean.energy, share * mean.softening},
+                   state.visited, visit);
   });
 }
 

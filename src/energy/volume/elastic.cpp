@@ -2,6 +2,7 @@
 
 #include "energy/volume/body_law.hpp"
 #include "energy/volume/elastic_cells.hpp"
+#include "energy/volume/recovery_error.hpp"
 #include "material/projection.hpp"
 
 namespace pliant {
@@ -92,8 +93,12 @@ class ElasticTermOf final : public ElasticTerm {
     cells_.for_each_batch([&](const Batch& batch) {
       const Tensor3<Pack> H = centroid_gradient(batch, batch.values(state.q));
       const std::size_t n = Point{batch, 0}.index();
-      visit_stresses(batch, {H, law->P(n, H), det(add_to_diagonal(H, 1.0)), law->psi(n, H)}, visit);
+      visit_stresses(batch, {H, law->P(n, H), det(add_to_diagonal(H, 1.0)), law->psi(n, H)}, state.visited, visit);
     });
+  }
+
+  void recovery_errors(const RecoveredState& state, const RecoveryErrorVisitor& visit) const override {
+    visit_recovery_errors(cells_, state, *law_.at_centroids(state.at, cells_), visit);
   }
 
  private:

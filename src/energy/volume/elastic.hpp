@@ -12,10 +12,28 @@
 
 namespace pliant {
 
+/// A displacement, and its gradient recovered at the nodes (fem/patch_recovery.hpp), in arrays of local nodes.
+struct RecoveredState {
+  Instant at = {};
+  std::span<const double> X;          ///< reference positions [m]
+  std::span<const double> q;          ///< displacement [m]
+  std::span<const double> gradients;  ///< nine numbers per node, row by row
+};
+
+/// The error of a cell (energy/volume/recovery_error.hpp).
+struct RecoveryError {
+  double energy = 0.0;  ///< [J]
+  double volume = 0.0;  ///< of the cell [m^3]
+};
+/// Called with a local cell.
+using RecoveryErrorVisitor = std::function<void(PetscInt, const RecoveryError&)>;
+
 /// The elastic term of one body; its stresses are evaluated at the centroids.
 class ElasticTerm : public StressTerm {
  public:
   StressPart part() const final { return StressPart::elastic; }
+  /// Calls `visit` for each local cell of the term.
+  virtual void recovery_errors(const RecoveredState& state, const RecoveryErrorVisitor& visit) const = 0;
 };
 
 /// `groups` holds the cells of all bodies and must outlive the term; those of `body` belong to the term. The packs of

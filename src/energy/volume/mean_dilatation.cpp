@@ -3,6 +3,7 @@
 #include "base/limits.hpp"
 #include "energy/volume/body_law.hpp"
 #include "energy/volume/elastic_cells.hpp"
+#include "energy/volume/recovery_error.hpp"
 #include "material/dilatation.hpp"
 #include "material/kinematics.hpp"
 #include "material/projection.hpp"
@@ -323,11 +324,42 @@ class MeanDilatationTerm final : public ElasticTerm {
       visit_stresses(batch,
                      {H, there.distortion + Pack(p * centre.J) * centre.G, 1.0 + at.theta_change(),
                       at_centres->psi(first, centre.H)},
-                     visit);
+                     state.visited, visit);
     });
   }
 
+  /// The error is that of the distortion: volumes of recovered gradients are less accurate than those of the cells.
+  void recovery_errors(const RecoveredState& state, const RecoveryErrorVisitor& visit) const override {
+    const BodyLaw::Now law = law_.at_centroids(state.at, cells_);
+    const auto stresses_of = [&](const Batch& batch, const RecoveryPoints<order>& points,
+                                 std::span<const Tensor3<Pack>> gradients) {
+      return distortions(*law, index(batch, 0), points.weights, gradients);
+    };
+    visit_recovery_errors(cells_, state, StressMeasure::second_piola_kirchhoff, stresses_of, visit);
+  }
+
  private:
+  /// Psi_F at points of these volumes in cells with these gradients.
+  static std::vector<Tensor3<Pack>> distortions(const LawField& law, std::size_t n, std::span<const Pack> weights,
+                                                std::span<const Tensor3<Pack>> gradients) {
+    Pack volume = 0.0, change = 0.0;
+    Mask valid(true);
+    for (std::size_t k = 0; k < weights.size(); ++k) {
+      const Pack j = volume_change(gradients[k]);
+      valid = valid && j > -1.0;
+      change += weights[k] * j;
+      volume += weights[k];
+    }
+    const Pack theta_change = select(valid, change / volume, Pack(0.0));
+    std::vector<Tensor3<Pack>> result;
+    for (Tensor3<Pack> H : gradients) {
+      for (Pack& h : H.a) h = select(valid, h, Pack(0.0));
+      const Dilated<Pack> at = dilated(H, volume_change(H), theta_change);
+      result.push_back(DilatedStress<Pack>(at, law.P(n, at.H)).distortion);
+    }
+    return result;
+  }
+
   static std::size_t index(const Batch& batch, std::size_t k) {
     return QuadraturePoint{batch, static_cast<int>(k)}.index();
   }

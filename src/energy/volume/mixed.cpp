@@ -3,6 +3,7 @@
 #include "base/limits.hpp"
 #include "energy/volume/body_law.hpp"
 #include "energy/volume/elastic_cells.hpp"
+#include "energy/volume/recovery_error.hpp"
 #include "material/kinematics.hpp"
 #include "material/projection.hpp"
 #include "petsc/ghosted.hpp"
@@ -181,8 +182,15 @@ class MixedTermOf final : public MixedTerm {
       const auto p = gather_pressures(values.span(), number);
       const Pack mean = 0.25 * ((p[0] + p[1]) + (p[2] + p[3]));
       const Pack energy = density(*law, at, n, H, mean) - 0.5 * at.volume * compliance_[n] * (mean * mean);
-      visit_stresses(batch, {H, stress(*law, at, n, H, mean), det(add_to_diagonal(H, 1.0)), energy}, visit);
+      visit_stresses(batch, {H, stress(*law, at, n, H, mean), det(add_to_diagonal(H, 1.0)), energy}, state.visited,
+                     visit);
     });
+  }
+
+  /// The error is that of the law without its volume: pressures have an error of their own, whose energy is far
+  /// smaller.
+  void recovery_errors(const RecoveredState& state, const RecoveryErrorVisitor& visit) const override {
+    visit_recovery_errors(cells_, state, *law_.at_centroids(state.at, cells_), visit);
   }
 
   void add_pressure_gradient(const Instant& at, std::span<const double> q, std::span<double> r) const override {

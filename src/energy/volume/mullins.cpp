@@ -108,7 +108,7 @@ class MullinsTerm final : public StressTerm {
         return PointStress{pulled_back_stress(H, stress(point, H, Wm)), stored(point, H, Wm), -change};
       };
     };
-    visit_mean_stresses(cells_, state.q, StressMeasure::second_piola_kirchhoff, at_points, visit);
+    visit_mean_stresses(cells_, state, StressMeasure::second_piola_kirchhoff, at_points, visit);
   }
 
  private:

@@ -190,7 +190,7 @@ class PronyTerm final : public StressTerm {
         return total;
       };
     };
-    visit_mean_stresses(cells_, state.q, is_small ? StressMeasure::small_strain : StressMeasure::second_piola_kirchhoff,
+    visit_mean_stresses(cells_, state, is_small ? StressMeasure::small_strain : StressMeasure::second_piola_kirchhoff,
                         at_points, visit);
   }
 

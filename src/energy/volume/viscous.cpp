@@ -251,7 +251,7 @@ class ViscousTerm final : public StressTerm {
         return PointStress{scale * S, 0.5 * at.volume * dot(D, S)};
       };
     };
-    if (!is_at_rest) visit_mean_stresses(cells_, state.q, StressMeasure::second_piola_kirchhoff, at_points, visit);
+    if (!is_at_rest) visit_mean_stresses(cells_, state, StressMeasure::second_piola_kirchhoff, at_points, visit);
   }
 
   double dissipation(const LocalStage& stage, std::span<const double> q) const override {

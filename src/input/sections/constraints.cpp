@@ -90,6 +90,10 @@ Section<ConstraintConfig> constraint_keys() {
   using Need = KeyGroup::Need;
   const auto place_and_time = Variables::space_and_time;
   return {{
+              field("name", &C::name, column_name(),
+                    "prefix of the columns of its reaction in history.csv; constraints with the same name have them "
+                    "in common")
+                  .otherwise_in_words("the surface's, else constraint1, constraint2, ... by its place in the list"),
               selector<C>("surface", SelectionKind::surface, "nodes of this surface"),
               selector<C>("volume", SelectionKind::volume, "nodes of this volume"),
               selector<C>("curve", SelectionKind::curve, "nodes of this curve"),

@@ -260,6 +260,62 @@ TEST_P(Elastic, StressesOfAUniformStrainAreTheLaws) {
       instantiate(GetParam().law));
 }
 
+// Between two uniform gradients: half of the difference of the stresses times that of the strains, in closed form; none
+// where they differ by a rotation.
+TEST_P(Elastic, ErrorsOfGradientsAreTheEnergiesOfTheirDifferences) {
+  const Tensor3<double> H{{0.1, 0.05, 0.0, -0.02, 0.08, 0.03, 0.0, 0.01, -0.06}};
+  const Tensor3<double> more{{0.12, 0.04, 0.01, -0.01, 0.1, 0.0, 0.02, 0.0, -0.05}};
+  const Tensor3<double> turn{{0.8, -0.6, 0.0, 0.6, 0.8, 0.0, 0.0, 0.0, 1.0}};
+  const Tensor3<double> turned = add_to_diagonal(matmul(turn, add_to_diagonal(H, 1.0)), -1.0);
+  const auto q = solid_.vector([&](const Point& x) {
+    Point u{};
+    for (int i = 0; i < 3; ++i) {
+      for (int k = 0; k < 3; ++k) u[i] += H(i, k) * x[k];
+    }
+    return u;
+  });
+  const auto local = test::local_values(q.get());
+  const auto errors = [&](const Tensor3<double>& recovered) {
+    std::vector<double> gradients;
+    for (PetscInt n = 0; n < solid_.layout().num_local_nodes; ++n) {
+      gradients.insert(gradients.end(), recovered.a.begin(), recovered.a.end());
+    }
+    std::array<double, 2> totals{};
+    term_->recovery_errors({{}, solid_.layout().coordinates, local, gradients},
+                           [&](PetscInt cell, const RecoveryError& error) {
+                             if (cell >= solid_.layout().num_owned_cells) return;
+                             totals[0] += error.energy;
+                             totals[1] += error.volume;
+                           });
+    sum_in_place(comm, totals);
+    return totals;
+  };
+  const double volume = GetParam().body.volume();
+  std::visit(
+      [&](const auto& law) {
+        const bool is_linear = test::is_linear(GetParam().law);
+        const auto stress = [&](const Tensor3<double>& at) {
+          const auto F = add_to_diagonal(at, 1.0), G = (1.0 / det(F)) * cofactor(F);
+          Tensor3<double> P = law.P(at);
+          if (is_linear) return P;
+          if (GetParam().dilatation == Dilatation::mean) P = P - (dot(P, F) / 3.0) * G;  // of the distortion alone
+          return matmul(transpose(G), P);
+        };
+        const auto strain = [&](const Tensor3<double>& at) {
+          return is_linear ? small_strain(at) : green_lagrange(at);
+        };
+        const double expected = 0.5 * dot(stress(more) - stress(H), strain(more) - strain(H)) * volume;
+        const auto [energy, size] = errors(more);
+        EXPECT_GT(expected, 0.0);
+        EXPECT_NEAR(size, volume, 1e-12);
+        EXPECT_NEAR(energy, expected, 1e-9 * expected);
+        if (!is_linear) {
+          EXPECT_NEAR(errors(turned)[0], 0.0, 1e-12 * std::abs(law.psi(H)) * volume);
+        }
+      },
+      instantiate(GetParam().law));
+}
+
 // Beyond a barrier: +inf on every rank, though one cell is inverted on one rank alone.
 TEST_P(Elastic, AnInvertedCellIsInfinitelyFarForEveryRank) {
   if (!is_barrier()) return;

@@ -3,6 +3,7 @@ import os
 
 import matplotlib
 import numpy as np
+import yaml
 from matplotlib import pyplot as plt
 
 from pliant import History, PliantError, Result
@@ -81,6 +82,19 @@ def draw_forces(axes, time, history, names):
     show_legend(axes)
 
 
+def draw_column(axes, time, history, name, title):
+    axes.set_title(title)
+    axes.plot(time, history[name], color=COLOURS[3])
+    axes.set_ylabel(name)
+
+
+def draw_mesh_error(axes, time, history):
+    axes.set_title("Discretization error")
+    axes.plot(time, 100 * history["discretization_error"], color=COLOURS[4])
+    axes.set_ylim(bottom=0)
+    axes.set_ylabel("% of the elastic energy")
+
+
 def draw_iterations(axes, time, history):
     axes.set_title("Newton iterations per step")
     iterations = history["newton_iterations"][1:]
@@ -102,8 +116,23 @@ def draw_time_step(axes, time, history):
     axes.set_ylabel("dt [s]")
 
 
-def panels(history):
-    """The drawings this history has the columns for."""
+def words(field):
+    return field.replace("_", " ").replace("von mises", "von Mises").replace("cauchy", "Cauchy")
+
+
+def columns_from_fields(directory):
+    """Names of the columns of `output.history`, and what they are."""
+    try:
+        with open(os.path.join(directory, "run.yaml"), encoding="utf-8") as file:
+            entries = yaml.safe_load(file)["output"]["history"]
+        return {entry["name"]: f"{entry['take']} of {words(entry['of'])}" + (f" in {entry['in']}" if "in" in entry else "")
+                for entry in entries}
+    except (OSError, KeyError, TypeError, yaml.YAMLError):  # a history alone, or a run without such columns
+        return {}
+
+
+def panels(history, taken):
+    """The drawings this history has the columns for. `taken`: as of columns_from_fields."""
     chosen = []
     if any(name in history for name in ENERGIES):
         chosen.append(draw_energies)
@@ -115,6 +144,11 @@ def panels(history):
     forces = triples(history, ("_fx", "_fy", "_fz"))
     if forces:
         chosen.append(lambda axes, time, h: draw_forces(axes, time, h, forces))
+    for name, title in taken.items():
+        if name in history:
+            chosen.append(lambda axes, time, h, name=name, title=title: draw_column(axes, time, h, name, title))
+    if "discretization_error" in history:
+        chosen.append(draw_mesh_error)
     if "newton_iterations" in history:
         chosen.append(draw_iterations)
     if "dt" in history:
@@ -122,8 +156,8 @@ def panels(history):
     return chosen
 
 
-def draw(history, title):
-    drawings = panels(history)
+def draw(history, title, taken):
+    drawings = panels(history, taken)
     num_rows = max(1, -(-len(drawings) // 2))
     figure, grid = plt.subplots(num_rows, 2, figsize=(12, 0.5 + 2.9 * num_rows), squeeze=False, layout="constrained")
     figure.get_layout_engine().set(w_pad=0.12, h_pad=0.12)
@@ -161,7 +195,7 @@ def main(arguments, program):
         directory = os.path.dirname(os.path.abspath(history.file))
         file = options.output or os.path.join(directory, "history.png")
         with plt.rc_context(STYLE):
-            draw(history, title_of(directory)).savefig(file, dpi=150)
+            draw(history, title_of(directory), columns_from_fields(directory)).savefig(file, dpi=150)
         print(file)
 
     return exit_code(program, work, PliantError, options.output, ".png, .pdf or .svg")

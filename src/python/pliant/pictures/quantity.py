@@ -7,6 +7,7 @@ from pliant import PliantError
 
 COMPONENTS = {3: "x y z".split(), 6: "xx yy zz xy yz xz".split(),
               9: "xx xy xz yx yy yz zx zy zz".split()}
+PRINCIPAL = "principal_"  # fields of three values in descending order
 
 
 @dataclasses.dataclass(frozen=True)
@@ -45,7 +46,7 @@ def quantity_of(result, name):
     base, _, suffix = name.rpartition("_")
     if name not in known and base in known:
         field = frame.field(base)
-        components = COMPONENTS.get(field.values.shape[1], [])
+        components = components_of(base, field)
         if suffix not in components:
             raise PliantError(f"the field '{base}' has no component '{suffix}'; it has {', '.join(components) or 'only one'}")
         return Quantity(base, components.index(suffix), f"{_words(base)} {suffix}", field.unit, [])
@@ -58,7 +59,14 @@ def quantity_of(result, name):
     if components > 3:
         example = COMPONENTS[components][0]
         raise PliantError(f"'{name}' is a tensor: choose a component such as {name}_{example}, or von_mises_stress")
+    if name.startswith(PRINCIPAL):
+        raise PliantError(f"'{name}' has three values: choose {name}_1 (the largest), {name}_2 or {name}_3")
     return Quantity(name, -1 if components == 3 else 0, _words(name), field.unit, [])
+
+
+def components_of(name, field):
+    """Their names; none of a number."""
+    return ["1", "2", "3"] if name.startswith(PRINCIPAL) else COMPONENTS.get(field.values.shape[1], [])
 
 
 def _words(name):

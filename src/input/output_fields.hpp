@@ -1,0 +1,72 @@
+/// The fields that results may hold, and their components.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace pliant {
+
+/// What the numbers of a field are.
+enum class FieldShape {
+  scalar,
+  vector,     ///< x y z
+  principal,  ///< 1 2 3: the largest first
+  symmetric,  ///< xx yy zz xy yz xz
+  tensor      ///< xx xy xz yx yy yz zx zy zz: row by row
+};
+
+/// Names of the components, such as "xx"; none of a scalar.
+std::vector<std::string> components_of(FieldShape shape);
+inline constexpr int num_components(FieldShape shape) {
+  constexpr std::array<int, 5> counts{1, 3, 3, 6, 9};
+  return counts[static_cast<std::size_t>(shape)];
+}
+
+struct OutputFieldInfo {
+  std::string_view name;
+  FieldShape shape = FieldShape::scalar;
+};
+
+inline constexpr std::array<OutputFieldInfo, 23> output_fields{{
+    {"displacement", FieldShape::vector},
+    {"velocity", FieldShape::vector},
+    {"acceleration", FieldShape::vector},
+    {"cauchy_stress", FieldShape::symmetric},
+    {"elastic_cauchy_stress", FieldShape::symmetric},
+    {"viscous_cauchy_stress", FieldShape::symmetric},
+    {"active_cauchy_stress", FieldShape::symmetric},
+    {"von_mises_stress"},
+    {"principal_stress", FieldShape::principal},
+    {"first_piola_kirchhoff_stress", FieldShape::tensor},
+    {"displacement_gradient", FieldShape::tensor},
+    {"green_lagrange_strain", FieldShape::symmetric},
+    {"log_strain", FieldShape::symmetric},
+    {"principal_stretches", FieldShape::principal},
+    {"volume_ratio"},
+    {"energy_density"},
+    {"elastic_energy_density"},
+    {"viscous_energy_density"},
+    {"softening"},
+    {"discretization_error"},
+    {"contact_pressure"},
+    {"contact_gap"},
+    {"contact_slip", FieldShape::vector},
+}};
+
+/// A field, or a component of one: displacement, displacement_z.
+struct FieldComponent {
+  OutputFieldInfo field;
+  std::optional<int> component;  ///< empty: all of them
+};
+
+/// What the name stands for; nothing if there is no such field.
+std::optional<FieldComponent> field_component(std::string_view name);
+
+/// Names of fields, and of their components too.
+std::vector<std::string> names_of_fields();
+std::vector<std::string> names_of_fields_and_components();
+
+}  // namespace pliant
