@@ -1,4 +1,4 @@
-"""Tendons, springs and joints in a picture: tubes and spheres that VTK draws."""
+"""Tendons, springs, rods and joints in a picture: tubes and spheres that VTK draws."""
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 from vtkmodules.vtkCommonCore import vtkPoints
@@ -7,7 +7,7 @@ from vtkmodules.vtkFiltersCore import vtkGlyph3D, vtkTubeFilter
 from vtkmodules.vtkFiltersSources import vtkSphereSource
 from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
-COLOURS = {"tendon": (214, 58, 80), "spring": (47, 158, 120)}
+COLOURS = {"tendon": (214, 58, 80), "spring": (47, 158, 120), "rod": (91, 111, 143)}
 JOINT = (232, 152, 28)
 THICKNESS, DOT = 0.004, 0.014  # radius of lines and of the spheres at joints, as fractions of the scene's size
 
