@@ -227,6 +227,8 @@ probes: [{name: tip, point: [0.1, 0.01, 0.01]}]
             "there is no mesh": line.replace("points: [[0, 0, 0], [1, 0, 0]]", "curve: wire"),
             "names a rod and a probe": line + "probes: [{name: beam, point: [0, 0, 0]}]\n",
         }
+        self.write("in.yaml", SHAKEN + "time: {method: bdf2, step: 2 ms, end: 0.2}\n")
+        self.assertIn("rods cannot be refined with the mesh", self.pliant("converge", "in.yaml", "--in", "space", status=2).stderr)
         for message, text in cases.items():
             with self.subTest(message):
                 self.write("in.yaml", text)
