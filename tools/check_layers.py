@@ -35,6 +35,7 @@ ROOMS = {
         "load": "",
         "contact": "",
         "rigid": "",
+        "rod": "volume",
         "pairs": "",
         "constraint": "rigid volume",
         "equation": "constraint pairs rigid volume",

@@ -149,7 +149,7 @@ ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector
   Model model(comm, config);
   const NodeLayout& layout = model.layout();
   console.print(fmt::format("{}: the input is well", file));
-  console.print(config.mesh.file.value.empty() ? "mesh: none but that of rigid bodies"
+  console.print(config.mesh.file.value.empty() ? "mesh: none but that of rods and rigid bodies"
                                                : fmt::format("mesh {}", config.mesh.file.value));
   std::string text = describe(model.mesh_report());
   if (!text.empty() && text.back() == '\n') text.pop_back();
@@ -159,6 +159,7 @@ ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector
   if (model.inertia() != nullptr) {
     console.print(fmt::format("  mass {:.6g} kg", sum(layout.comm, model.inertia()->mass().total())));
   }
+  for (const auto& line : rod_table(config, model)) console.print(line);
   for (const auto& line : mechanism_table(config, model)) console.print(line);
   if (!model.cavities().empty()) console.print("cavities");
   for (const auto& cavity : model.cavities()) {

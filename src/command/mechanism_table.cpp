@@ -79,6 +79,29 @@ std::vector<std::string> body_table(const Config& config, const Model& model) {
   return lines;
 }
 
+std::vector<std::string> rod_table(const Config& config, const Model& model) {
+  std::vector<std::string> lines;
+  const auto& rods = model.rods().rods;
+  if (!rods.empty()) lines.emplace_back("rods");
+  for (std::size_t r = 0; r < rods.size(); ++r) {
+    const RodConfig& rod = config.rods[r];
+    const RodSection section = section_of(rod);
+    const double E = rod.youngs_modulus, G = E / (2.0 * (1.0 + rod.poissons_ratio));
+    std::string text =
+        fmt::format("  {}: {} segments, {:.6g} m long", rod.name, rods[r].num_segments(), rods[r].length);
+    if (rod.density > 0.0) text += fmt::format(", mass {:.6g} kg", rod.density * section.area * rods[r].length);
+    text += fmt::format("; stiffness: E A {:.6g} N, E I {:.6g}", E * section.area, E * section.second_moments[0]);
+    if (rod.section) text += fmt::format(" and {:.6g}", E * section.second_moments[1]);
+    text += fmt::format(" N m^2, G J {:.6g} N m^2", G * section.torsion);
+    for (std::size_t end = 0; end < 2; ++end) {
+      const std::string& holder = rod.holder(end);
+      if (!holder.empty()) text += fmt::format(", {} fixed in {}", end == 0 ? "start" : "end", holder);
+    }
+    lines.push_back(std::move(text));
+  }
+  return lines;
+}
+
 std::vector<std::string> mechanism_table(const Config& config, const Model& model) {
   std::vector<std::string> lines;
   if (!config.joints.empty()) lines.emplace_back("joints");

@@ -11,6 +11,9 @@ namespace pliant {
 /// A heading and a line for each body: its cells and its material, or mass and centre of a rigid one. Collective.
 std::vector<std::string> body_table(const Config& config, const Model& model);
 
+/// Rods with their stiffness, likewise; nothing where there are none.
+std::vector<std::string> rod_table(const Config& config, const Model& model);
+
 /// Joints, springs and tendons, a heading and a line for each; nothing where there are none. Collective.
 std::vector<std::string> mechanism_table(const Config& config, const Model& model);
 

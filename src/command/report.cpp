@@ -131,6 +131,7 @@ Json json_of(const PackedField& field, Page& page) {
 
 Json json_of(const PackedResult& result, Page& page) {
   Json json{{"bodies", result.body_names},
+            {"unseen", result.unseen_bodies},
             {"nodes", result.num_nodes},
             {"cells", result.num_cells},
             {"order", result.nodes_per_cell == 10 ? 2 : 1},

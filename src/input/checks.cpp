@@ -4,6 +4,7 @@
 #include "input/analysis.hpp"
 #include "input/checks/output.hpp"
 #include "input/checks/rigid_bodies.hpp"
+#include "input/checks/rods.hpp"
 #include "input/checks/tendons.hpp"
 #include "input/checks/time.hpp"
 #include "input/checks/volumetric.hpp"
@@ -37,10 +38,10 @@ bool damps_by_mass(const ViscosityConfig& mechanism) {
   return std::holds_alternative<MassProportional>(mechanism.law);
 }
 
-/// Rigid bodies without a mesh need neither a mesh nor other bodies.
+/// Rigid bodies without a mesh, and rods, need neither a mesh nor other bodies.
 void check_parts(const Config& config, const InputNode& root, Diagnostics& diagnostics) {
   const bool has_mesh = root.find("mesh") != nullptr || root.find("bodies") != nullptr;
-  if (!config.rigid_bodies.empty() && !has_mesh) return;
+  if (!(config.rigid_bodies.empty() && config.rods.empty()) && !has_mesh) return;
   for (const char* key : {"mesh", "bodies"}) {
     if (given(root, {key}) != nullptr) continue;
     const InputNode* empty = root.find(key);
@@ -137,7 +138,8 @@ void check_held(const Config& config, const InputNode& root, Diagnostics& diagno
   const auto holds = [](const JointConfig& joint) {
     return std::ranges::find(joint.between, "ground") != joint.between.end();
   };
-  if (std::ranges::any_of(config.joints, holds)) return;
+  const auto is_clamped = [](const RodConfig& rod) { return rod.holder(0) == "ground" || rod.holder(1) == "ground"; };
+  if (std::ranges::any_of(config.joints, holds) || std::ranges::any_of(config.rods, is_clamped)) return;
   const InputNode* constraints = given(root, {"constraints"});
   const Location& where = config.time.method.where;
   if (constraints == nullptr || constraints->children.empty()) {
@@ -276,6 +278,7 @@ void check_combinations(const Config& config, const InputNode& root, Diagnostics
   check_bodies(config, root, diagnostics);
   check_rigid_bodies(config, diagnostics);
   check_tendons(config, diagnostics);
+  check_rods(config, diagnostics);
   check_moduli(config, diagnostics);
   check_volumetric(config, root, diagnostics);
   check_held(config, root, diagnostics);

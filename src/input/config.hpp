@@ -100,6 +100,7 @@ struct BodyConfig {
   Selection part;                 ///< volume, or everything
   std::optional<double> density;  ///< [kg/m^3]; required for dynamics and gravity
   bool is_rigid = false;
+  bool is_rod = false;                         ///< a rod, or a section of one; not from a key of the body
   std::vector<Located<std::string>> attached;  ///< of a rigid body: names of surfaces of others that move with it
   std::vector<Located<std::string>> coupled;   ///< of a rigid body: names of surfaces whose mean motion it follows
   std::optional<double> coupling_stiffness;    ///< of these [N/m]; none: from the material and the area
@@ -160,6 +161,7 @@ struct ConstraintConfig {
     RotationConfig rotation;
     std::optional<std::array<double, 3>> center;  ///< [m]; empty: the mean of the nodes
     std::vector<Selection> attached;              ///< parts that move with it; not from a key of the constraint
+    std::string support;                          ///< name of its reactions; empty: by its place in the input
     bool is_implied = false;                      ///< by a rigid body: the input has no such constraint
   };
   struct Equation {
@@ -431,6 +433,7 @@ struct Config {
   std::vector<JointConfig> joints;
   std::vector<TendonConfig> tendons;
   std::vector<SpringConfig> springs;
+  std::vector<RodConfig> rods;
   std::vector<ConstraintConfig> constraints;
   std::vector<LoadConfig> loads;
   std::vector<CavityConfig> cavities;

@@ -11,6 +11,7 @@
 #include "input/sections/mullins.hpp"
 #include "input/sections/output.hpp"
 #include "input/sections/rigid_bodies.hpp"
+#include "input/sections/rods.hpp"
 #include "input/sections/tendons.hpp"
 #include "input/sections/viscosity.hpp"
 #include "material/elastic_law.hpp"
@@ -149,7 +150,8 @@ Section<ProbeConfig> probe_keys() {
 Section<Config> config_keys() {
   return {{
       field("title", &Config::title, text(), "free text for the log and the results"),
-      field("mesh", &Config::mesh, map_of(mesh_keys()), "the mesh").or_none("none; only `rigid_bodies` need none"),
+      field("mesh", &Config::mesh, map_of(mesh_keys()), "the mesh")
+          .or_none("none; only `rigid_bodies` and `rods` need none"),
       field("element", &Config::element, choice_of<ElementOrder>({{"P1", ElementOrder::p1}, {"P2", ElementOrder::p2}}),
             "linear or quadratic tetrahedra")
           .otherwise("P1"),
@@ -172,6 +174,8 @@ Section<Config> config_keys() {
             "strings through the bodies that are pulled"),
       field("springs", &Config::springs, list_of(map_of(spring_keys()), 0),
             "springs and dampers between two points of bodies, or one and the ground"),
+      field("rods", &Config::rods, list_of(map_of(rod_keys()), 0),
+            "slender elastic rods: wires, tubes and beams, alone, on rigid bodies, or along curves of the mesh"),
       field("constraints", &Config::constraints, list_of(map_of(constraint_keys()), 0),
             "prescribed displacements (Dirichlet boundary conditions) and ties (multi-point constraints)"),
       field("loads", &Config::loads, list_of(map_of(load_keys()), 0),

@@ -99,6 +99,30 @@ struct TendonConfig {
   Location where;
 };
 
+/// A slender elastic rod.
+struct RodConfig {
+  struct Rectangle {
+    double width = 0.0;             ///< across `up` [m]
+    double height = 0.0;            ///< along `up` [m]
+    std::array<double, 3> up{};     ///< of any length
+    std::optional<double> torsion;  ///< constant J [m^4]; none: that of the rectangle
+  };
+  std::string name;
+  std::vector<std::array<double, 3>> points;  ///< along it [m]; empty: the nodes of `curve`
+  std::string curve;                          ///< physical group; empty: none
+  std::optional<int> segments;                ///< between two neighbouring points
+  std::optional<double> size;                 ///< greatest length of segments instead [m]
+  std::optional<double> radius;               ///< of a round section [m]
+  std::optional<Rectangle> section;           ///< none: round
+  double density = 0.0;                       ///< [kg/m^3]
+  double youngs_modulus = 0.0;                ///< [Pa]
+  double poissons_ratio = 0.0;
+  Located<std::string> start, end;  ///< what holds its first and last section: `ground`, a rigid body; empty: nothing
+  Location where;
+
+  const std::string& holder(std::size_t of_end) const { return of_end == 0 ? start.value : end.value; }
+};
+
 /// A spring, a damper or both, between two points.
 struct SpringConfig {
   std::string name;

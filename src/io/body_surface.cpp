@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/vector3.hpp"
+#include "io/rod_surface.hpp"
 #include "io/unit_sphere.hpp"
 #include "mesh/disjoint_sets.hpp"
 
@@ -31,12 +32,10 @@ constexpr std::size_t few_ellipsoids = 60;
 
 using Node = std::int32_t;
 
-/// Which bodies are only masses.
-std::vector<char> are_masses(const OutputMesh& mesh) {
+/// Which bodies are among those of these names.
+std::vector<char> are_among(const std::vector<std::string>& names, const OutputMesh& mesh) {
   std::vector<char> result;
-  for (const auto& name : mesh.body_names) {
-    result.push_back(std::ranges::find(mesh.masses, name) != mesh.masses.end() ? 1 : 0);
-  }
+  for (const auto& name : mesh.body_names) result.push_back(std::ranges::find(names, name) != names.end() ? 1 : 0);
   return result;
 }
 
@@ -52,9 +51,11 @@ struct Facet {
 std::vector<Facet> outer_facets(const OutputMesh& mesh) {
   std::vector<Facet> all;
   all.reserve(4 * mesh.bodies.size());
-  const std::vector<char> is_mass = are_masses(mesh);
+  const std::vector<char> is_mass = are_among(mesh.masses, mesh), is_rod = are_among(mesh.rods, mesh),
+                          is_section = are_among(mesh.sections, mesh);
   for (std::size_t c = 0; c < mesh.bodies.size(); ++c) {
-    if (is_mass[static_cast<std::size_t>(mesh.bodies[c])] != 0) continue;
+    const auto body = static_cast<std::size_t>(mesh.bodies[c]);
+    if (is_mass[body] != 0 || is_rod[body] != 0 || is_section[body] != 0) continue;
     const std::int64_t* nodes = &mesh.cells[c * static_cast<std::size_t>(mesh.nodes_per_cell)];
     for (int f = 0; f < 4; ++f) {
       Facet facet{{}, mesh.bodies[c], 4 * static_cast<std::int64_t>(c) + f};
@@ -233,7 +234,7 @@ BodySurface::Averages averages_of(const OutputMesh& mesh, const BodySurface& sur
 
 /// The corners of the tetrahedra that stand for masses, by body: those that belong to one cell.
 std::map<int, std::array<Node, 4>> corners_of_masses(const OutputMesh& mesh) {
-  const std::vector<char> is_mass = are_masses(mesh);
+  const std::vector<char> is_mass = are_among(mesh.masses, mesh);
   std::map<int, std::map<Node, int>> num_cells;
   for (std::size_t c = 0; c < mesh.bodies.size(); ++c) {
     if (is_mass[static_cast<std::size_t>(mesh.bodies[c])] == 0) continue;
@@ -306,6 +307,7 @@ BodySurface surface_of_bodies(const OutputMesh& mesh, std::size_t most_divided) 
     surface.triangles.push_back(vertex_of_root[sets.root(corner)]);
   }
   if (!mesh.masses.empty()) add_ellipsoids(mesh, surface);
+  add_prisms(mesh, surface);
   surface.averages = averages_of(mesh, surface);
   return surface;
 }

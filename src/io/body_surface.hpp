@@ -12,7 +12,8 @@ namespace pliant {
 
 /// Triangles around every body, counterclockwise seen from outside. Each body has vertices of its own, so that values
 /// may jump from one to the next, and so has each side of a sharp edge, so that averaged normals show it as one.
-/// Vertices near in space are near in number. Bodies that are only masses are ellipsoids (OutputMesh::masses).
+/// Vertices near in space are near in number. Bodies that are only masses are ellipsoids
+/// (OutputMesh::masses), rods are prisms (io/rod_surface.hpp).
 struct BodySurface {
   std::vector<std::int32_t> triangles;  ///< three vertices each
   int triangles_per_facet = 1;          ///< 1: corners of the facets; 4: also the middles of their edges
@@ -27,7 +28,7 @@ struct BodySurface {
     std::vector<double> weights;
   } averages;
 
-  /// The vertices of ellipsoids, the last ones: values are weighted sums of those at four nodes.
+  /// The vertices of ellipsoids and prisms, the last ones: values are weighted sums of those at four nodes.
   struct Blend {
     std::array<std::int64_t, 4> nodes;
     std::array<double, 4> weights;

@@ -1,11 +1,11 @@
-/// Tendons, springs and joints in addition to the time series of the bodies, as lines, for ParaView and other tools: in
-/// result.h5 (the numbers) and result_mechanisms.xdmf (what they mean).
+/// Tendons, springs, rods and joints in addition to the time series of the bodies, as lines, for ParaView and other
+/// tools: in result.h5 (the numbers) and result_mechanisms.xdmf (what they mean).
 ///
 /// result.h5
 ///   /mechanisms/points    num_points x 3, in the reference configuration [m]
 ///   /mechanisms/segments  num_segments x 2, point numbers; those of a tendon in order from its pulled end
 ///   /mechanisms/part      num_segments; attributes `names` and `kinds`, one per line: tendons ("tendon"), then springs
-///                         ("spring"), then joints (their types)
+///                         ("spring"), then rods ("rod"), then joints (their types)
 ///   /mechanisms/joints    num_joints, the point where each joint is; absent without joints
 ///   /mechanisms/frames/000040/points, tension, axes  at step 40: positions [m]; tension of each segment, 0 of joints
 ///                         [N]; num_joints x 3 unit vectors, zero of joints without an axis, absent without joints
@@ -22,10 +22,10 @@
 
 namespace pliant {
 
-/// Lines that show tendons, springs and joints, the same on every rank.
+/// Lines that show tendons, springs, rods and joints, the same on every rank.
 struct OutputMechanisms {
-  std::vector<std::string> names;      ///< of tendons, then springs, then joints
-  std::vector<std::string> kinds;      ///< of each: "tendon", "spring", or the type of a joint
+  std::vector<std::string> names;      ///< of tendons, then springs, then rods, then joints
+  std::vector<std::string> kinds;      ///< of each: "tendon", "spring", "rod", or the type of a joint
   std::vector<double> points;          ///< xyz by point, in the reference configuration [m]
   std::vector<std::int64_t> segments;  ///< two point numbers each
   std::vector<std::int32_t> parts;     ///< index into names of each segment

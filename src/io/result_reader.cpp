@@ -127,8 +127,11 @@ OutputMesh ResultReader::mesh(const std::string& group) const {
   result.bodies = table<int>(mesh.get(), "body", H5T_NATIVE_INT, 1);
   const Hdf5Handle body_of_cell = open_dataset(mesh.get(), "body");
   result.body_names = lines_of(text_attribute(body_of_cell.get(), "names"));
-  if (H5Aexists(body_of_cell.get(), "masses") > 0) {
-    result.masses = lines_of(text_attribute(body_of_cell.get(), "masses"));
+  for (const auto& [name, list] : {std::pair{"masses", &result.masses},
+                                   {"rods", &result.rods},
+                                   {"rectangular_rods", &result.rectangular_rods},
+                                   {"sections", &result.sections}}) {
+    if (H5Aexists(body_of_cell.get(), name) > 0) *list = lines_of(text_attribute(body_of_cell.get(), name));
   }
   const auto is_known = [&](std::int64_t node) { return node >= 0 && node < result.global_num_nodes; };
   const auto has_name = [&](int body) { return body >= 0 && body < std::ssize(result.body_names); };

@@ -58,6 +58,10 @@ struct OutputMesh {
   /// corners (1, 1, 1), (1, -1, -1), (-1, 1, -1), (-1, -1, 1) of the box around the ellipsoid with the body's moments
   /// of inertia.
   std::vector<std::string> masses;
+  /// Names of rods. Each cell of one is a segment x_0, x_1, p_1, p_2, in any order: p_1 and p_2 lie at the surface,
+  /// across the axis from its middle and at right angles. Those with a rectangular section, whose half sides they give;
+  /// and names of their sections that are held, which are not drawn.
+  std::vector<std::string> rods, rectangular_rods, sections;
 };
 
 enum class FieldLocation { node, cell };

@@ -43,19 +43,24 @@ bool same_side(const SerialMesh& mesh, std::span<const PetscInt> cell, int i, Pe
   return tetrahedron::volume(x) > 0.0;
 }
 
-void notice_parts(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_vertices, std::size_t num_added,
+void notice_parts(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_vertices, const AddedParts& added,
                   MeshReport& report) {
   DisjointSets vertices(static_cast<std::size_t>(num_vertices));
+  std::vector<char> is_used(static_cast<std::size_t>(num_vertices), 0);
   for (std::size_t c = 0; c < mesh.num_cells(); ++c) {
-    for (std::size_t i = 1; i < 4; ++i) {
-      vertices.join(static_cast<std::size_t>(mesh.cells[4 * c]), static_cast<std::size_t>(mesh.cells[4 * c + i]));
+    if (c >= added.first_of_rods && c < added.first_of_rods + added.num_of_rods) continue;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const auto vertex = static_cast<std::size_t>(mesh.cells[4 * c + i]);
+      is_used[vertex] = 1;
+      vertices.join(static_cast<std::size_t>(mesh.cells[4 * c]), vertex);
     }
   }
-  const std::size_t parts = vertices.count();
-  if (parts > 1 + num_added) {
-    report.notices.push_back("the mesh has " + std::to_string(parts - num_added) + " disconnected parts");
+  const auto num_unused = static_cast<std::size_t>(std::ranges::count(is_used, 0));
+  const std::size_t parts = vertices.count() - num_unused;
+  if (parts > 1 + added.num_parts) {
+    report.notices.push_back("the mesh has " + std::to_string(parts - added.num_parts) + " disconnected parts");
   }
-  const std::size_t by_facets = graph.num_components();
+  const std::size_t by_facets = graph.num_components() - added.num_of_rods;
   if (by_facets > parts) {
     report.notices.push_back(std::to_string(by_facets - parts + 1) +
                              " parts are connected only by an edge or a node: they hinge freely there");
@@ -127,7 +132,7 @@ std::vector<PetscInt> DualGraph::partition(int num_parts, long long& edge_cut) c
   return {part.begin(), part.end()};
 }
 
-void check_connections(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_vertices, std::size_t num_added,
+void check_connections(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_vertices, const AddedParts& added,
                        MeshReport& report) {
   std::vector<std::size_t> overlapping, crowded;
   for (std::size_t c = 0; c < mesh.num_cells(); ++c) {
@@ -151,7 +156,7 @@ void check_connections(const SerialMesh& mesh, const DualGraph& graph, PetscInt 
                       first_few(overlapping) + "; the mesh is folded there, remesh it");
   }
   if (!reasons.empty()) throw MeshDefect(reasons);
-  notice_parts(mesh, graph, num_vertices, num_added, report);
+  notice_parts(mesh, graph, num_vertices, added, report);
 }
 
 }  // namespace pliant

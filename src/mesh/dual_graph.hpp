@@ -38,10 +38,15 @@ class DualGraph {
   std::unique_ptr<idx_t, Free> adjacency_;
 };
 
+/// What is not worth a notice.
+struct AddedParts {
+  std::size_t num_parts = 0;                       ///< parts that stand for bodies
+  std::size_t first_of_rods = 0, num_of_rods = 0;  ///< cells of rods, which only nodes connect
+};
+
 /// Rejects tetrahedra that overlap at a common facet (both on the same side of it, or three sharing one). Adds notices
-/// of disconnected parts, and of parts that only an edge or a node connects; `num_added`: parts that are not worth one.
-/// Throws MeshDefect. Not collective.
-void check_connections(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_vertices, std::size_t num_added,
+/// of disconnected parts, and of parts that only an edge or a node connects. Throws MeshDefect. Not collective.
+void check_connections(const SerialMesh& mesh, const DualGraph& graph, PetscInt num_vertices, const AddedParts& added,
                        MeshReport& report);
 
 }  // namespace pliant

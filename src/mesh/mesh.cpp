@@ -1,5 +1,6 @@
 #include "mesh/mesh.hpp"
 
+#include "mesh/added_rods.hpp"
 #include "mesh/added_tetrahedra.hpp"
 #include "mesh/added_volumes.hpp"
 #include "mesh/distribute.hpp"
@@ -47,6 +48,9 @@ MeshParts prepare(const MeshSource& source, int num_parts, MeshReport& report) {
   for (double& x : parts.mesh.coordinates) x *= source.scale;
   parts.curves = wanted_curves(parts.mesh, source.curves);
   add_volumes(source, parts.mesh);
+  AddedParts added{source.num_added() - source.added_rods.size(), parts.mesh.num_cells()};
+  add_rods(source.added_rods, parts.curves, parts.mesh);
+  added.num_of_rods = parts.mesh.num_cells() - added.first_of_rods;
   add_tetrahedra(source.added_tetrahedra, parts.mesh);
   parts.num_vertices = repair(parts.mesh, source.meeting_parts, report);
   if (source.refine > 0 && parts.mesh.geometry_order() == 2) {
@@ -55,7 +59,7 @@ MeshParts prepare(const MeshSource& source, int num_parts, MeshReport& report) {
   }
   require_enough_cells(static_cast<std::int64_t>(parts.mesh.num_cells()), num_parts);
   const DualGraph graph(parts.mesh);
-  check_connections(parts.mesh, graph, parts.num_vertices, source.num_added(), report);
+  check_connections(parts.mesh, graph, parts.num_vertices, added, report);
   parts.part = graph.partition(num_parts, report.edge_cut);
   return parts;
 }
@@ -142,7 +146,7 @@ Mesh read_mesh(MPI_Comm comm, const MeshSource& source) {
     telling_the_user(source, [&] {
       if (source.num_added() == 0) return;
       throw MeshDefect(
-          "rigid bodies without a mesh cannot be added to Pliant's own format: name the mesh that it was "
+          "rods and rigid bodies without a mesh cannot be added to Pliant's own format: name the mesh that it was "
           "made from");
     });
     parts = read_mesh_file(comm, source);

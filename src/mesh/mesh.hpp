@@ -49,6 +49,18 @@ struct AddedVolume {
   double scale = 1.0;          ///< of the file's coordinates
 };
 
+/// A rod, whose segments are tetrahedra of a volume of its own, and whose ends that are held are volumes of one each
+/// (mesh/rod_chain.hpp).
+struct AddedRod {
+  std::string name;                           ///< of the volume
+  Location where;                             ///< the place in the user's input, for messages
+  std::vector<std::array<double, 3>> points;  ///< along it; empty: the nodes of `curve` [m]
+  std::string curve;                          ///< name or number of a physical curve; empty: none
+  std::optional<std::array<double, 3>> up;    ///< direction of the first director, of any length
+  std::array<double, 2> arms{};               ///< distances of the directors' points from the axis [m]
+  std::array<bool, 2> has_end{};              ///< whether the sections at the first and last point are held
+};
+
 /// The edges of a physical curve as the file has them, in the mesh of the volumes or not. Each is directed as the
 /// curve is.
 struct MeshCurve {
@@ -74,9 +86,10 @@ struct MeshSource {
   std::vector<std::string> meeting_parts = {};
   std::vector<AddedTetrahedron> added_tetrahedra = {};
   std::vector<AddedVolume> added_volumes = {};
+  std::vector<AddedRod> added_rods = {};
   /// Names or numbers of physical curves wanted as Mesh::curves.
   std::vector<std::string> curves = {};
-  std::size_t num_added() const { return added_tetrahedra.size() + added_volumes.size(); }
+  std::size_t num_added() const { return added_tetrahedra.size() + added_volumes.size() + added_rods.size(); }
 };
 
 /// The distributed mesh of tetrahedra. The vertices x0 .. x3 in the transitive closure of a cell have det(x1 - x0, x2 -

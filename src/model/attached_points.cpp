@@ -34,7 +34,7 @@ class Attachment {
   /// In the cell that holds it.
   ProbeLocation in_mesh(const BodyPoint& point, const ProbeLocation& located) {
     const auto& [x, y, z] = point.point;
-    if (bodies_.config.bodies.size() == bodies_.config.rigid_bodies.size()) {
+    if (bodies_.config.mesh.file.value.empty() && bodies_.config.rods.empty()) {
       refuse(point, fmt::format("{} has a point at ({:g}, {:g}, {:g}) in the mesh, and there is no mesh: name its "
                                 "body, as in {{body: {}, point: [{:g}, {:g}, {:g}]}}",
                                 of_.what, x, y, z, known_bodies().front(), x, y, z));

@@ -82,6 +82,19 @@ void require_near(const NodeLayout& layout, const std::array<double, 6>& bounds,
   if (!errors.empty()) throw InputError(std::move(errors));
 }
 
+std::vector<Diagnostic> notes_of_distant_probes(const std::vector<ProbeLocation>& locations,
+                                                const std::vector<ProbeConfig>& probes) {
+  std::vector<Diagnostic> notes;
+  for (std::size_t p = 0; p < locations.size(); ++p) {
+    const double far = locations[p].distance;
+    if (!(far > 0.0)) continue;
+    notes.push_back(
+        note(fmt::format("probe '{}' lies outside the mesh; the nearest node, {:.3g} m away, is recorded instead",
+                         probes[p].name, far)));
+  }
+  return notes;
+}
+
 void require_finite_initial(const Config& config, const NodeLayout& layout, const char* what, Vec values) {
   on_every_rank(layout.comm, [&] {
     const ConstArrayView view(values);

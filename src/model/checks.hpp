@@ -46,6 +46,10 @@ void require_undeformed(const Config& config, Vec q);
 void require_near(const NodeLayout& layout, const std::array<double, 6>& bounds,
                   const std::vector<ProbeLocation>& locations, const std::vector<ProbeConfig>& probes);
 
+/// A note for each probe that lies outside the mesh, where the nearest node is recorded.
+std::vector<Diagnostic> notes_of_distant_probes(const std::vector<ProbeLocation>& locations,
+                                                const std::vector<ProbeConfig>& probes);
+
 /// Throws InputError if an initial displacement or velocity (`what`) is not finite at a node. Collective.
 void require_finite_initial(const Config& config, const NodeLayout& layout, const char* what, Vec values);
 

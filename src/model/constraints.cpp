@@ -24,6 +24,8 @@ using Equation = ConstraintConfig::Equation;
 /// The support's name in the history: its own, else the surface's, else by its place in the list of constraints.
 std::string support_name(const ConstraintConfig& constraint, std::size_t index) {
   if (!constraint.name.empty()) return constraint.name;
+  const auto* rigid = std::get_if<ConstraintConfig::Rigid>(&constraint.kind);
+  if (rigid != nullptr && !rigid->support.empty()) return rigid->support;
   return constraint.part.kind == Selection::Kind::surface ? constraint.part.name
                                                           : fmt::format("constraint{}", index + 1);
 }

@@ -32,6 +32,22 @@ class LoadTerms {
   Term operator()(const LoadConfig& load) const {
     return std::visit([&](const auto& kind) { return make(kind, load); }, load.kind);
   }
+  /// The weight of rods; nothing if the load has none of it.
+  Term weight_of_rods(const LoadConfig& load) const {
+    const auto* gravity = std::get_if<LoadConfig::Gravity>(&load.kind);
+    if (gravity == nullptr || bodies_.rods.term == nullptr) return nullptr;
+    std::vector<char> pulled(bodies_.rods.term->num_segments(), 0);
+    bool any = false;
+    for (const ModelRod& rod : bodies_.rods.rods) {
+      const bool is_meant = load.part.kind == Selection::Kind::everything ||
+                            (load.part.kind == Selection::Kind::volume && load.part.name == rod.name);
+      if (!is_meant) continue;
+      any = true;
+      std::fill_n(pulled.begin() + static_cast<std::ptrdiff_t>(rod.first_segment), rod.num_segments(), char{1});
+    }
+    if (!any) return nullptr;
+    return dead_load(samples_of(bodies_.rods.term->masses(pulled)), gravity->acceleration);
+  }
   /// The weight of `rigid_bodies`; nothing if the load has none of it.
   Term weight_of_rigid_bodies(const LoadConfig& load) const {
     const auto* gravity = std::get_if<LoadConfig::Gravity>(&load.kind);
@@ -63,7 +79,7 @@ class LoadTerms {
   Term make(const LoadConfig::ForceDensity& force, const LoadConfig& load) const {
     auto inside = selections_.cells(load.part);
     // Bodies without a mesh have no volume.
-    const auto left_out = cells_without_mesh(config_, bodies_.layout, bodies_.body_of_cell);
+    const auto left_out = cells_without_mesh(config_, bodies_.body_of_cell);
     for (std::size_t c = 0; c < left_out.size(); ++c) inside[c] = static_cast<char>(inside[c] != 0 && left_out[c] == 0);
     return dead_load(cell_samples(bodies_.layout, {inside.begin(), inside.end()}, variation_of(force.value)),
                      force.value);
@@ -106,8 +122,11 @@ class LoadTerms {
 
   /// Samples of the masses of bodies at their centres.
   LoadSamples samples_at_centres(std::span<const AffineBody> bodies) const {
+    return samples_of(masses_of_affine_bodies(bodies_.layout, bodies_.body_of_cell, bodies));
+  }
+  static LoadSamples samples_of(const std::vector<MassAtNode>& masses) {
     LoadSamples samples{1, 1, {}, {{1.0}}, {}, {}};
-    for (const auto& [node, mass, centre] : masses_of_affine_bodies(bodies_.layout, bodies_.body_of_cell, bodies)) {
+    for (const auto& [node, mass, centre] : masses) {
       samples.nodes.push_back(node);
       samples.points.push_back(centre);
       samples.weights.push_back(mass);
@@ -173,6 +192,7 @@ LoadParts find_loads(const Config& config, const LoadedBodies& bodies, Selection
   for (const LoadConfig& load : config.loads) {
     if (auto term = term_of(load)) parts.terms.push_back({std::move(term), load.where});
     if (auto term = term_of.weight_of_rigid_bodies(load)) parts.terms.push_back({std::move(term), load.where});
+    if (auto term = term_of.weight_of_rods(load)) parts.terms.push_back({std::move(term), load.where});
   }
   return parts;
 }

@@ -6,6 +6,7 @@
 #include "fem/layout.hpp"
 #include "input/config.hpp"
 #include "model/cavities.hpp"
+#include "model/rods.hpp"
 #include "model/selections.hpp"
 
 #include <memory>
@@ -19,6 +20,7 @@ struct LoadedBodies {
   const BlockPattern& pattern;
   const std::vector<int>& body_of_cell;  ///< per local cell
   const std::vector<double>& densities;  ///< per body [kg/m^3]
+  const ModelRods& rods;
 };
 
 /// Whether any load has a dashpot, which needs motion.

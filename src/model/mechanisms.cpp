@@ -3,6 +3,7 @@
 #include "base/text.hpp"
 #include "input/analysis.hpp"
 #include "mesh/disjoint_sets.hpp"
+#include "model/rods.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
@@ -244,6 +245,7 @@ class RigidSystemBuilder {
       const auto& bodies = constraints_.config.rigid_bodies;
       const auto body = std::ranges::find(bodies, name, &RigidBodyConfig::name);
       if (body == bodies.end() || !body->attached.empty() || !body->coupled.empty()) continue;
+      if (!sections_held_by(constraints_.config, name).empty()) continue;
       const auto& [xx, yy, zz, xy, yz, zx] = body->inertia.moments;
       const double largest = xx + yy + zz;
       JointSystem::Matrix inertia(3, 3);

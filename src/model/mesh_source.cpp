@@ -1,8 +1,13 @@
 #include "model/mesh_source.hpp"
 
 #include "model/rigid_bodies.hpp"
+#include "model/rods.hpp"
 #include "model/start_adjustment.hpp"
 #include "model/tendons.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <utility>
 
 namespace pliant {
 
@@ -11,6 +16,8 @@ MeshSource mesh_source(const Config& given) {
   // The size in the input is in metres, that of gmsh in the unit of the geometry.
   auto size = config.mesh.size;
   if (size) *size /= config.mesh.scale;
+  std::vector<std::string> curves = curves_of_tendons(config);
+  std::ranges::move(curves_of_rods(config), std::back_inserter(curves));
   return {config.mesh.file.value,
           config.mesh.file.where,
           size,
@@ -21,7 +28,8 @@ MeshSource mesh_source(const Config& given) {
           parts_that_meet(config),
           added_tetrahedra(config),
           added_volumes(config),
-          curves_of_tendons(config)};
+          added_rods(config),
+          std::move(curves)};
 }
 
 }  // namespace pliant

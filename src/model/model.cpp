@@ -182,17 +182,18 @@ template <int Order>
 void Model::build_inertia(const Config& config) {
   const auto& groups = std::get<CellGroups<Order>>(cells_);
   const bool has_mass = std::any_of(densities_.begin(), densities_.end(), [](double d) { return d > 0.0; });
-  if (!has_mass && config.rigid_bodies.empty()) return;
+  if (!has_mass && config.rigid_bodies.empty() && config.rods.empty()) return;
   MassMatrix mass = make_mass_matrix<Order>(layout_, *pattern_, groups, densities_,
                                             config.mass == MassKind::consistent ? Mass::consistent : Mass::lumped);
   add_affine_bodies(layout_, *pattern_, body_of_cell_, masses_of_rigid_bodies(config), mass);
+  if (rods_.term) rods_.term->add_masses(*pattern_, mass);
   inertia_ = std::make_unique<Inertia>(layout_, std::move(mass));
 }
 
 void Model::build_terms(const Config& config, const Mesh& mesh) {
   // Selections are by places in the mesh as it is given, whatever is moved before the start.
   const std::optional<NodeLayout> as_meshed = resolves_start(config) ? std::optional(layout_) : std::nullopt;
-  Selections selections(mesh, as_meshed ? *as_meshed : layout_, names_of_rigid_bodies(config));
+  Selections selections(mesh, as_meshed ? *as_meshed : layout_, names_of_added_bodies(config));
 
   std::vector<Selection> parts;
   for (const auto& body : config.bodies) {
@@ -201,8 +202,9 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
     densities_.push_back(body.density.value_or(0.0));
   }
   body_of_cell_ = selections.cells(parts);
+  rods_ = make_rods(config, mesh, layout_, body_of_cell_, selections);
 
-  LoadParts load_parts = find_loads(config, {layout_, *pattern_, body_of_cell_, densities_}, selections);
+  LoadParts load_parts = find_loads(config, {layout_, *pattern_, body_of_cell_, densities_, rods_}, selections);
   FacetList touching;
   std::vector<TouchingSurfaces> touching_each_other;
   if (config.contact) {
@@ -215,11 +217,11 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
                            selections.facets(Selection{}), *as_meshed, layout_));
     }
   }
-  const std::vector<char> left_out = cells_without_mesh(config, layout_, body_of_cell_);
-  field_regions_ = find_field_regions(config, layout_, left_out, selections);
+  field_regions_ = find_field_regions(config, layout_, cells_without_mesh(config, body_of_cell_), selections);
   constraints_ = std::make_unique<Constraints>(config, layout_, selections);
   require_factorization(config, constraints_->map() == nullptr && touching_each_other.empty());
   include(constraints_->description());
+  const std::vector<char> left_out = cells_without_places(config, body_of_cell_);
   const BodiesOnMesh bodies{config, layout_, body_of_cell_, left_out};
   tendons_ = make_tendons(bodies, mesh, selections);
   if (layout_.order == 1) {
@@ -229,6 +231,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
     build_cells<2>(config, mesh);
     build_inertia<2>(config);
   }
+  add_bond(bodies, shear_moduli_, rods_);
   couplings_ = make_couplings(bodies, shear_moduli_, constraints_->rigid_parts(), selections);
   for (const ModelCoupling& coupling : couplings_) diagnostics_.push_back(coupling.note);
   include(selections.unused_groups());
@@ -261,12 +264,7 @@ void Model::build_terms(const Config& config, const Mesh& mesh) {
   for (const auto& probe : config.probes) points.push_back(probe.point);
   probes_ = locate(layout_, points, left_out);
   require_near(layout_, mesh_report_.bounds, probes_, config.probes);
-  for (std::size_t p = 0; p < probes_.size(); ++p) {
-    if (!(probes_[p].distance > 0.0)) continue;
-    diagnostics_.push_back(
-        note(fmt::format("probe '{}' lies outside the mesh; the nearest node, {:.3g} m away, is recorded instead",
-                         config.probes[p].name, probes_[p].distance)));
-  }
+  include(notes_of_distant_probes(probes_, config.probes));
 }
 
 void Model::find_components(const Config& config, Selections& selections) {
@@ -308,7 +306,8 @@ void Model::find_components(const Config& config, Selections& selections) {
     }
   }
   for (const BodyConfig& body : config.bodies) {
-    const auto surfaces = surfaces_held_by(body);
+    auto surfaces = surfaces_held_by(body);
+    if (body.is_rigid) std::ranges::move(sections_held_by(config, body.part.name), std::back_inserter(surfaces));
     if (surfaces.empty()) continue;
     std::vector<PetscInt> nodes = selections.nodes(body.part);
     for (const Selection& surface : surfaces) std::ranges::copy(selections.nodes(surface), std::back_inserter(nodes));
@@ -362,6 +361,7 @@ void Model::prepare(const Config& config) {
     if (tendon.friction && has_velocity) terms.push_back(tendon.friction.get());
   }
   for (const auto& term : springs_.terms) terms.push_back(term.get());
+  for (const EnergyTerm* term : rods_.terms()) terms.push_back(term);
   for (const ModelCoupling& coupling : couplings_) terms.push_back(coupling.term.get());
   for (const LocatedTerm& load : loads_->terms()) terms.push_back(load.term.get());
   if (contacts_) {

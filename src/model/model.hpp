@@ -15,6 +15,7 @@
 #include "model/couplings.hpp"
 #include "model/field_regions.hpp"
 #include "model/loads.hpp"
+#include "model/rods.hpp"
 #include "model/springs.hpp"
 #include "model/tendons.hpp"
 
@@ -62,6 +63,7 @@ class Model {
   const Constraints& constraints() const { return *constraints_; }
   const std::vector<ModelTendon>& tendons() const { return tendons_; }
   const ModelSprings& springs() const { return springs_; }
+  const ModelRods& rods() const { return rods_; }
   const std::vector<ModelCavity>& cavities() const { return loads_->cavities(); }
   const Contacts* contacts() const { return contacts_.get(); }  ///< nullptr if the input has none
   IncrementalPotential& potential() { return *potential_; }
@@ -149,6 +151,7 @@ class Model {
   std::vector<std::unique_ptr<EnergyTerm>> joint_efforts_;
   std::vector<ModelTendon> tendons_;
   ModelSprings springs_;
+  ModelRods rods_;
   std::vector<ModelCoupling> couplings_;
   std::unique_ptr<Loads> loads_;
   std::unique_ptr<Contacts> contacts_;

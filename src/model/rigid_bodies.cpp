@@ -1,6 +1,8 @@
 #include "model/rigid_bodies.hpp"
 
 #include "material/spectral.hpp"
+#include "mesh/rod_chain.hpp"
+#include "model/rods.hpp"
 #include "petsc/array_view.hpp"
 #include "petsc/collective.hpp"
 
@@ -65,9 +67,19 @@ int first_rigid_body(const Config& config, const NodeLayout& layout, const std::
   return static_cast<int>(maximum(layout.comm, last)) + 1 - static_cast<int>(config.rigid_bodies.size());
 }
 
-/// Whether cells of a body are a tetrahedron in its place. `number` in `rigid_bodies`; negative: none of them.
-bool stands_for_body(const Config& config, int number) {
-  return number >= 0 && !config.rigid_bodies[static_cast<std::size_t>(number)].surface;
+/// Whether cells of a body of the completed input are tetrahedra in its place: those of rods, too.
+bool stands_for_body(const Config& config, int body) {
+  if (body < 0) return false;
+  const auto first = static_cast<int>(config.bodies.size() - config.rigid_bodies.size());
+  if (body < first) return config.bodies[static_cast<std::size_t>(body)].is_rod;
+  return !config.rigid_bodies[static_cast<std::size_t>(body - first)].surface;
+}
+
+bool all_stand_for_bodies(const Config& config) {
+  for (std::size_t b = 0; b < config.bodies.size(); ++b) {
+    if (!stands_for_body(config, static_cast<int>(b))) return false;
+  }
+  return true;
 }
 
 bool is_made_rigid(const Config& config, const Selection& part) {
@@ -80,6 +92,7 @@ bool is_made_rigid(const Config& config, const Selection& part) {
 }  // namespace
 
 Config with_rigid_bodies(Config config) {
+  add_bodies_of_rods(config);
   for (const RigidBodyConfig& rigid : config.rigid_bodies) {
     BodyConfig body;
     body.part = part_named(Selection::Kind::volume, rigid.name, rigid.where);
@@ -106,6 +119,7 @@ Config with_rigid_bodies(Config config) {
       const bool is_of_body = constraint.part.kind == body.part.kind && constraint.part.name == body.part.name;
       if (rigid == nullptr || !is_of_body) continue;
       for (Selection& surface : surfaces_named(body.attached)) rigid->attached.push_back(std::move(surface));
+      for (Selection& section : sections_held_by(config, body.part.name)) rigid->attached.push_back(std::move(section));
     }
   }
   return config;
@@ -181,22 +195,40 @@ Vector3<double> center_of_rigid_body(const Config& config, const NodeLayout& lay
 std::vector<char> components_of_rigid_bodies(const Config& config, const NodeLayout& layout,
                                              const Components& components, const std::vector<int>& body_of_cell) {
   std::vector<char> result(static_cast<std::size_t>(components.count), 0);
-  if (config.rigid_bodies.empty()) return result;
-  const int first = first_rigid_body(config, layout, body_of_cell);
+  if (config.rigid_bodies.empty() && config.rods.empty()) return result;
+  std::vector<char> has_mesh(result.size(), 0);
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
-    if (!stands_for_body(config, body_of_cell[static_cast<std::size_t>(c)] - first)) continue;
-    result[static_cast<std::size_t>(components.of_node[layout.nodes_of_cell(c)[0]])] = 1;
+    const auto component = static_cast<std::size_t>(components.of_node[layout.nodes_of_cell(c)[0]]);
+    (stands_for_body(config, body_of_cell[static_cast<std::size_t>(c)]) ? result : has_mesh)[component] = 1;
   }
-  for (char& is_without : result) is_without = any_rank(layout.comm, is_without != 0) ? 1 : 0;
+  for (std::size_t k = 0; k < result.size(); ++k) {
+    const bool is_without = any_rank(layout.comm, result[k] != 0), has = any_rank(layout.comm, has_mesh[k] != 0);
+    result[k] = is_without && !has ? 1 : 0;
+  }
   return result;
 }
 
-std::vector<char> cells_without_mesh(const Config& config, const NodeLayout& layout,
-                                     const std::vector<int>& body_of_cell) {
-  if (config.rigid_bodies.empty() || config.rigid_bodies.size() == config.bodies.size()) return {};
-  const int first = first_rigid_body(config, layout, body_of_cell);
+std::vector<char> cells_without_mesh(const Config& config, const std::vector<int>& body_of_cell) {
+  if ((config.rigid_bodies.empty() && config.rods.empty()) || all_stand_for_bodies(config)) return {};
   std::vector<char> result;
-  for (const int body : body_of_cell) result.push_back(stands_for_body(config, body - first) ? 1 : 0);
+  for (const int body : body_of_cell) result.push_back(stands_for_body(config, body) ? 1 : 0);
+  return result;
+}
+
+std::vector<char> cells_without_places(const Config& config, const std::vector<int>& body_of_cell) {
+  if (config.rigid_bodies.empty() && config.rods.empty()) return {};
+  const bool only_rigid = config.rods.empty() && all_stand_for_bodies(config);
+  if (only_rigid) return {};
+  std::vector<char> is_left_out;
+  for (std::size_t b = 0; b < config.bodies.size(); ++b) {
+    const auto is_free_rod = [&](const RodConfig& rod) {
+      return rod.curve.empty() && config.bodies[b].part.name == rod.name;
+    };
+    const bool is_rod = config.bodies[b].is_rod && std::ranges::any_of(config.rods, is_free_rod);
+    is_left_out.push_back(stands_for_body(config, static_cast<int>(b)) && !is_rod ? 1 : 0);
+  }
+  std::vector<char> result;
+  for (const int body : body_of_cell) result.push_back(body < 0 ? 0 : is_left_out[static_cast<std::size_t>(body)]);
   return result;
 }
 
@@ -248,6 +280,26 @@ std::vector<std::array<Selection, 2>> attached_surfaces(const Config& config) {
     for (const Selection& surface : surfaces_held_by(body)) result.push_back({surface, body.part});
   }
   return result;
+}
+
+AddedBodies names_of_added_bodies(const Config& config) {
+  AddedBodies result = names_of_rigid_bodies(config);
+  for (std::string& name : names_of_rods(config)) {
+    result.names.push_back(name);
+    result.without_surface.push_back(std::move(name));
+  }
+  return result;
+}
+
+std::vector<std::string> names_of_rods(const Config& config) {
+  std::vector<std::string> names;
+  for (const RodConfig& rod : config.rods) {
+    names.push_back(rod.name);
+    for (std::size_t end = 0; end < 2; ++end) {
+      if (!rod.holder(end).empty()) names.push_back(name_of_end(rod.name, end));
+    }
+  }
+  return names;
 }
 
 AddedBodies names_of_rigid_bodies(const Config& config) {

@@ -12,8 +12,9 @@
 
 namespace pliant {
 
-/// The input with each entry of `rigid_bodies` among the bodies, after the others, and with the constraint that makes a
-/// body rigid where the input has none for it. Those of `rigid_bodies` have no density: their masses are given.
+/// The input with each entry of `rods` and `rigid_bodies` among the bodies, in this order after the others, and with
+/// the constraint that makes a body rigid where the input has none for it. Those of `rigid_bodies` have no density:
+/// their masses are given.
 Config with_rigid_bodies(Config config);
 
 /// One for each entry of `rigid_bodies` without a surface: about as large as the body.
@@ -36,13 +37,16 @@ BodyVolume volume_of_body(const NodeLayout& layout, const std::vector<int>& body
 Vector3<double> center_of_rigid_body(const Config& config, const NodeLayout& layout,
                                      const std::vector<int>& body_of_cell, int body);
 
+/// `config` of the following: completed by with_rigid_bodies.
+
 /// One flag per component: whether it stands for a body without a mesh, which has no surface. Collective.
 std::vector<char> components_of_rigid_bodies(const Config& config, const NodeLayout& layout,
                                              const Components& components, const std::vector<int>& body_of_cell);
 
 /// One flag per local cell: whether it stands for a body without a mesh; empty if none does, or all do.
-std::vector<char> cells_without_mesh(const Config& config, const NodeLayout& layout,
-                                     const std::vector<int>& body_of_cell);
+std::vector<char> cells_without_mesh(const Config& config, const std::vector<int>& body_of_cell);
+/// The same without rods that do not follow a curve of the mesh: places of the input may be in them.
+std::vector<char> cells_without_places(const Config& config, const std::vector<int>& body_of_cell);
 
 /// Puts `rigid_bodies`, the last of the bodies, to their places and velocities at the start.
 void set_start_of_rigid_bodies(const Config& config, const NodeLayout& layout, const std::vector<int>& body_of_cell,
@@ -57,7 +61,9 @@ std::vector<Selection> surfaces_held_by(const BodyConfig& body);
 /// All of them, each with the volume of its rigid body.
 std::vector<std::array<Selection, 2>> attached_surfaces(const Config& config);
 
-/// Names of `rigid_bodies`.
+/// Names of `rigid_bodies`, of `rods` and their sections that are held, and of all of them.
 AddedBodies names_of_rigid_bodies(const Config& config);
+std::vector<std::string> names_of_rods(const Config& config);
+AddedBodies names_of_added_bodies(const Config& config);
 
 }  // namespace pliant

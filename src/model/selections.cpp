@@ -83,6 +83,11 @@ Selections::Selections(const Mesh& mesh, const NodeLayout& layout, AddedBodies a
       added_node_[static_cast<std::size_t>(n)] = stands ? Added::without_surface : Added::with_surface;
     }
   }
+  // Nodes of a rod along a curve of the mesh are the mesh's.
+  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
+    if (of_cells[static_cast<std::size_t>(c)] >= 0) continue;
+    for (const PetscInt n : layout.nodes_of_cell(c)) added_node_[static_cast<std::size_t>(n)] = Added::none;
+  }
 }
 
 bool Selections::is_added(const PhysicalGroup& group) const {
@@ -95,7 +100,10 @@ FacetList Selections::without(const FacetList& facets, std::initializer_list<Add
   result.nodes_per_facet = facets.nodes_per_facet;
   for (PetscInt f = 0; f < facets.size(); ++f) {
     const auto nodes = facets.nodes_of(f);
-    if (std::ranges::find(kinds, added_node_[static_cast<std::size_t>(nodes[0])]) != kinds.end()) continue;
+    const auto is_of_kinds = [&](PetscInt n) {
+      return std::ranges::find(kinds, added_node_[static_cast<std::size_t>(n)]) != kinds.end();
+    };
+    if (std::ranges::any_of(nodes, is_of_kinds)) continue;
     result.nodes.insert(result.nodes.end(), nodes.begin(), nodes.end());
     result.is_owned.push_back(facets.is_owned[static_cast<std::size_t>(f)]);
     result.is_outer.push_back(facets.is_outer[static_cast<std::size_t>(f)]);

@@ -300,7 +300,7 @@ bool resolves_start(const Config& config) {
 }
 
 std::vector<std::string> parts_that_meet(const Config& config) {
-  std::vector<std::string> names = names_of_rigid_bodies(config).names;
+  std::vector<std::string> names = names_of_added_bodies(config).names;
   for (const auto& surfaces : tied_surfaces(config)) names.push_back(surfaces[1].name);
   if (!resolves_start(config)) return names;
   for (const ContactPairConfig& pair : config.contact->pairs.list) {

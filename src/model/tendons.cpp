@@ -1,6 +1,6 @@
 #include "model/tendons.hpp"
 
-#include "model/tendon_curve.hpp"
+#include "mesh/chain.hpp"
 #include "petsc/collective.hpp"
 
 #include <algorithm>
@@ -70,10 +70,10 @@ class Points {
     const auto found = std::ranges::find_if(mesh_.curves, is_it);
     if (found == mesh_.curves.end()) {
       const auto edges = edges_of_cells(bodies_.layout, selections_.edges(part));
-      return edges.empty() ? Chain{} : chain_of(edges);  // none has been reported
+      return edges.empty() ? Chain{} : chain_of(edges, "a tendon");  // none has been reported
     }
     selections_.use(part);
-    Chain chain = chain_of(found->edges);
+    Chain chain = chain_of(found->edges, "a tendon");
     if (chain.fault.empty()) chain.points = halved(std::move(chain.points), bodies_.config.mesh.refine);
     return chain;
   }

@@ -74,7 +74,7 @@ constexpr double locking_ratio = 0.49;       // Poisson's, of linear elements
 constexpr double strongest_compression = 0.3, largest_stretch = 4.0;
 
 void check_body(const Config& config, const BodyConfig& body, Warnings& warnings) {
-  if (body.is_rigid) return;
+  if (!body.elasticity) return;
   const ElasticityRule rule(*body.elasticity);
   if (!rule.is_uniform()) return;
   const auto rest = rule.law_at(0, {}).at_rest();
@@ -115,7 +115,7 @@ void check_body(const Config& config, const BodyConfig& body, Warnings& warnings
 
 /// Warns of constants with which the law softens until it cannot carry its force.
 void check_stability(const BodyConfig& body, Warnings& warnings) {
-  if (body.is_rigid) return;
+  if (!body.elasticity) return;
   const ElasticityRule rule(*body.elasticity);
   if (!rule.is_uniform()) return;
   const auto stable = stable_stretches(rule.law_at(0, {}));
@@ -329,7 +329,7 @@ std::vector<Diagnostic> warnings_about_iterations(const Config& config, double i
   constexpr double many = 10.0;
   if (iterations <= many || config.volumetric == VolumetricTreatment::mixed) return {};
   for (const BodyConfig& body : config.bodies) {
-    if (body.is_rigid) continue;
+    if (!body.elasticity) continue;
     const ElasticityRule rule(*body.elasticity);
     if (!rule.is_uniform() || !volumetric_form_of(rule.kind())) continue;
     const auto rest = rule.law_at(0, {}).at_rest();

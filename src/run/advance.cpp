@@ -20,7 +20,8 @@ NewtonOptions newton_options(const Config& config) {
   const auto& adaptive = config.time.adaptive;
   const double relative =
       adaptive ? std::min(newton.relative, part_left_by_newton * adaptive->relative) : newton.relative;
-  return {relative, newton.absolute, newton.max_iterations};
+  const auto slenderness = config.rods.empty() ? Slenderness::none : Slenderness::some;
+  return {relative, newton.absolute, newton.max_iterations, slenderness};
 }
 
 /// PETSc reads its options here, the same on every rank, so that all fail together.

@@ -86,6 +86,7 @@ std::vector<std::string> HistoryRow::names_of_columns(const Config& config, cons
   for (const std::string& spring : model_.springs().names) {
     for (const char* suffix : {"_length", "_force"}) names.push_back(spring + suffix);
   }
+  for (const ModelRod& rod : model_.rods().rods) names.push_back(rod.name + "_length");
   for (const auto& probe : config.probes) {
     for (const char* suffix : {"_ux", "_uy", "_uz"}) names.push_back(probe.name + suffix);
   }
@@ -150,6 +151,7 @@ std::vector<double> HistoryRow::values(const StepRecord& record, const Ledger& l
     row.push_back(number);
   for (const double number : tendon_states(record)) row.push_back(number);
   for (const double number : spring_states(record)) row.push_back(number);
+  for (const double number : lengths_of_rods(record)) row.push_back(number);
   row.insert(row.end(), displacements.begin(), displacements.end());
   for (const double number : field_columns_.values(record)) row.push_back(number);
   if (fields_.has_mesh_error()) row.push_back(fields_.mesh_error(record).share);
@@ -212,6 +214,21 @@ std::vector<double> HistoryRow::spring_states(const StepRecord& record) {
   update_ghosts(v_.get());
   const ConstGhostedView u(q_.get()), velocity(v_.get());
   return states_of(model_.springs(), model_.layout(), u.span(), velocity.span());
+}
+
+std::vector<double> HistoryRow::lengths_of_rods(const StepRecord& record) {
+  std::vector<double> lengths;
+  if (model_.rods().rods.empty()) return lengths;
+  check(VecCopy(record.q, q_.get()));
+  update_ghosts(q_.get());
+  const ConstGhostedView u(q_.get());
+  for (const ModelRod& rod : model_.rods().rods) {
+    const auto places = places_of(rod.points, model_.layout(), u.span());
+    double length = 0.0;
+    for (std::size_t k = 1; k < places.size(); ++k) length += norm(places[k] - places[k - 1]);
+    lengths.push_back(length);
+  }
+  return lengths;
 }
 
 double HistoryRow::contact_energy(const StepRecord& record) {

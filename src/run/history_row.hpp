@@ -34,6 +34,7 @@ class HistoryRow {
   std::vector<double> tendon_states(const StepRecord& record);
   /// Length [m] and force [N] of each spring.
   std::vector<double> spring_states(const StepRecord& record);
+  std::vector<double> lengths_of_rods(const StepRecord& record);
   double contact_energy(const StepRecord& record);
 
   Model& model_;

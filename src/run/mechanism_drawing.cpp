@@ -56,6 +56,10 @@ MechanismDrawing::MechanismDrawing(const Config& config, const Model& model) : m
     add_part(model.springs().names[k], "spring");
     add_line({ends[2 * k], ends[2 * k + 1]});
   }
+  for (const ModelRod& rod : model.rods().rods) {
+    add_part(rod.name, "rod");
+    add_line(places_of(rod.points, layout, at_rest));
+  }
   const auto& joints = model.constraints().joints();
   const double size = half_axis * diagonal_of(layout, parts_.points, joints);
   joint_points_.resize(joints.size());
@@ -169,6 +173,11 @@ void MechanismDrawing::move_lines(const Instant& at, Vec q, Vec v, MechanismStat
   for (const Vector3<double>& x : places_of(model_.springs().points, layout, u.span())) append(state.points, x);
   const auto lengths_and_forces = states_of(model_.springs(), layout, u.span(), velocity.span());
   for (std::size_t k = 1; k < lengths_and_forces.size(); k += 2) state.tensions.push_back(lengths_and_forces[k]);
+  for (const ModelRod& rod : model_.rods().rods) {
+    for (const Vector3<double>& x : places_of(rod.points, layout, u.span())) append(state.points, x);
+    const auto tensions = tensions_of(model_.rods(), rod, layout.comm, u.span());
+    state.tensions.insert(state.tensions.end(), tensions.begin(), tensions.end());
+  }
 }
 
 }  // namespace pliant

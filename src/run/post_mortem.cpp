@@ -92,9 +92,11 @@ std::vector<ReportedCell> worst_cells(const Model& model, const Picture& picture
   std::vector<ReportedCell> cells;
   for (PetscInt c = 0; c < layout.num_owned_cells; ++c) {
     const DeformedCell& shape = picture.cells[static_cast<std::size_t>(c)];
+    const bool is_of_rod = std::ranges::find(model.rods().rods, model.body_of_cell()[c], &ModelRod::body) !=
+                           model.rods().rods.end();  // meant to be slim
     ReportedCell cell{.volume_ratio = shape.volume_ratio,
                       .quality = shape.quality,
-                      .reference_quality = shape.reference_quality,
+                      .reference_quality = is_of_rod ? 1.0 : shape.reference_quality,
                       .body = static_cast<std::size_t>(model.body_of_cell()[c]),
                       .X = shape.X,
                       .row = rows.first + c};

@@ -43,6 +43,13 @@ OutputMesh output_mesh(const Config& config, const Model& model) {
   }
   mesh.body_names = model.body_names();
   mesh.masses = names_of_rigid_bodies(config).without_surface;
+  for (const RodConfig& rod : config.rods) {
+    mesh.rods.push_back(rod.name);
+    if (rod.section) mesh.rectangular_rods.push_back(rod.name);
+  }
+  mesh.sections = names_of_rods(config);
+  std::erase_if(mesh.sections,
+                [&](const std::string& name) { return std::ranges::find(mesh.rods, name) != mesh.rods.end(); });
   return mesh;
 }
 

@@ -11,10 +11,14 @@
 
 namespace pliant {
 
+/// Whether there are slender bodies, such as rods, which straight steps stretch much more than solutions do.
+enum class Slenderness { none, some };
+
 struct NewtonOptions {
   double relative = 1e-8;  ///< residual over the sum of the norms of the forces that balance at the starting guess
   double absolute = 0.0;   ///< residual [N]
   int max_iterations = 50;
+  Slenderness slenderness = Slenderness::none;
 };
 
 /// Compares the residual (out-of-balance force) with the forces that must balance. Their scale is taken at the guess,

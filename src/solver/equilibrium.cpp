@@ -7,6 +7,8 @@ namespace {
 
 /// Iterations to a nearby equilibrium: Newton's method converges quadratically.
 constexpr int max_followed = 8;
+/// Whole steps converge within a few, or not at all.
+constexpr int max_whole_steps = 12;
 /// How much a stage without an equilibrium adds to the count of difficulties, from which each other stage subtracts
 /// one, and the count from which a body may snap to a distant equilibrium. Before that, shorter steps may find a
 /// nearby one.
@@ -31,11 +33,16 @@ PetscInt num_local_displacements(StageEquation& equation, Vec q) {
 }  // namespace
 
 EquilibriumSearch::EquilibriumSearch(Objective& objective, Iteration& iteration, SolverStatistics& statistics,
-                                     double relative)
-    : objective_(objective), iteration_(iteration), statistics_(statistics), relative_(relative) {}
+                                     double relative, Slenderness slenderness)
+    : objective_(objective),
+      iteration_(iteration),
+      statistics_(statistics),
+      relative_(relative),
+      slenderness_(slenderness) {}
 
 void EquilibriumSearch::forget() {
   prefers_following_ = false;
+  prefers_whole_steps_ = false;
   trouble_ = 0;
 }
 
@@ -79,7 +86,19 @@ StageReport EquilibriumSearch::seek(Vec q, Vec second_guess, int max_iterations)
     return attempt(q, best.get(), Aim::any_equilibrium, few(), work) ||
            (second_guess != nullptr && attempt(q, second_guess, Aim::any_equilibrium, few(), work));
   };
-  const bool arrives = prefers_following_ ? follow() || minimise() : minimise() || follow();
+  const auto take_whole_steps = [&] {
+    if (slenderness_ == Slenderness::none) return false;
+    const int at_most = std::min(max_whole_steps, work.left());
+    const bool is_over = attempt(q, best.get(), Aim::whole_steps, at_most, work);
+    prefers_whole_steps_ = is_over && work.report.outcome == StageOutcome::converged && iteration_.is_stable(q);
+    if (is_over && !prefers_whole_steps_) work.report.outcome = StageOutcome::retry;
+    return prefers_whole_steps_;
+  };
+  const auto go_near = [&] {
+    if (prefers_whole_steps_) return take_whole_steps() || minimise();
+    return minimise() || take_whole_steps();
+  };
+  const bool arrives = prefers_following_ ? follow() || go_near() : go_near() || follow();
   if (!arrives && trouble_ >= trouble_before_snap && max_iterations > 3 * max_followed) {
     trouble_ = 0;  // if this does not help, shorter steps may
     check(VecCopy(lowest.get(), q));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "petsc/handle.hpp"
+#include "solver/convergence.hpp"
 #include "solver/iteration.hpp"
 #include "solver/objective.hpp"
 #include "solver/statistics.hpp"
@@ -10,9 +11,10 @@
 namespace pliant {
 
 /// Without inertia there may be an equilibrium but no minimum nearby. The search makes one attempt after another until
-/// one converges: a few iterations of Newton's method to a nearby minimum; a few to any nearby equilibrium, on the
-/// residual and regardless of the signs of the Hessian's eigenvalues; and, if shorter steps do not help, a descent to a
-/// distant minimum, to which the body snaps. The first two are made in the order that found the previous equilibrium.
+/// one converges: a few iterations of Newton's method to a nearby minimum; where bodies are slender, a few whole steps to
+/// a stable equilibrium, whether or not they lower the potential; a few to any nearby equilibrium, on the residual and
+/// regardless of the signs of the Hessian's eigenvalues; and, if shorter steps do not help, a descent to a distant
+/// minimum, to which the body snaps. The attempt that found the previous equilibrium is made first.
 ///
 /// Invariants:
 /// - Apart from a descent, all attempts of a stage together take at most the given number of iterations, except that an
@@ -23,7 +25,8 @@ namespace pliant {
 class EquilibriumSearch {
  public:
   /// `relative`: tolerance of the residual. The references outlive the object.
-  EquilibriumSearch(Objective& objective, Iteration& iteration, SolverStatistics& statistics, double relative);
+  EquilibriumSearch(Objective& objective, Iteration& iteration, SolverStatistics& statistics, double relative,
+                    Slenderness slenderness = Slenderness::none);
 
   /// Starts from the guess in q, and also from the second guess if it is not nullptr.
   StageReport seek(Vec q, Vec second_guess, int max_iterations);
@@ -50,8 +53,10 @@ class EquilibriumSearch {
   Iteration& iteration_;
   SolverStatistics& statistics_;
   double relative_;
-  int trouble_ = 0;                 // grows with each stage without an equilibrium, falls with each other stage
-  bool prefers_following_ = false;  // the previous equilibrium was not a minimum
+  Slenderness slenderness_;
+  int trouble_ = 0;                   // grows with each stage without an equilibrium, falls with each other stage
+  bool prefers_following_ = false;    // the previous equilibrium was not a minimum
+  bool prefers_whole_steps_ = false;  // it was found by these
 };
 
 }  // namespace pliant

@@ -22,7 +22,7 @@ NewtonSolver::NewtonSolver(StageEquation& equation, const NewtonOptions& options
       objective_(equation, statistics_),
       loop_(objective_, options, linear, statistics_),
       guesses_(objective_, loop_.system(), statistics_),
-      equilibria_(objective_, loop_, statistics_, options.relative),
+      equilibria_(objective_, loop_, statistics_, options.relative, options.slenderness),
       roots_(objective_, loop_),
       coefficients_(objective_, loop_, statistics_),
       tangent_(objective_, loop_.system(), loop_.linear_solver()) {}

@@ -1,4 +1,4 @@
-// Tendons, springs and joints, where the result has them: lines, and a dot where a joint is. What is inside a body is
+// Tendons, springs, rods and joints, where the result has them: lines, and a dot where a joint is. What is inside a body is
 // seen through it, fainter.
 import { BufferAttribute, BufferGeometry, CanvasTexture, Color, Group, Points, PointsMaterial, SRGBColorSpace } from "three";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
@@ -8,7 +8,7 @@ import { colourAt, shareOf } from "./colours.js";
 import { report, int32, rows, EarlierNeighbours } from "./data.js";
 
 const AXES = [0, 1, 2];
-const COLOURS = { tendon: "#d63a50", spring: "#2f9e78", joint: "#e8981c" };
+const COLOURS = { tendon: "#d63a50", spring: "#2f9e78", rod: "#5b6f8f", joint: "#e8981c" };
 const WIDTH = 3, DOT = 13, FAINT = 0.5;  // [pixels]; opacity behind a body
 
 const colourOf = (kind) => COLOURS[kind] ?? COLOURS.joint;
@@ -73,10 +73,10 @@ export class Mechanisms {
   }
 
   get hasTension() {
-    return this.kinds.some((kind) => kind === "tendon" || kind === "spring");
+    return this.kinds.some((kind) => ["tendon", "spring", "rod"].includes(kind));
   }
 
-  /// The range of the tensions of tendons and springs over all frames.
+  /// The range of the tensions of tendons, springs and rods over all frames.
   range() {
     let low = 0, high = 0;
     this.bodies.frames.forEach((frame, f) => {

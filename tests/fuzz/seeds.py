@@ -58,6 +58,14 @@ bodies: [{{{BODY}}}]
 constraints: [{{surface: left, displacement: [0, 0, 0]}}]
 time: {{method: static}}
 """,
+    "rods": """rods:
+  - {name: wire, points: [[0, 0, 0], [1, 0, 0]], size: 5 cm, radius: 1 mm, density: 7800, youngs_modulus: 200 GPa, poissons_ratio: 0.3,
+     start: ground}
+  - {name: strip, points: [[0, 0, 0], [0, 1, 0], [0, 1, 1]], segments: 3, section: {width: 1 cm, height: 1 mm, up: [1, 0, 0]},
+     density: 1000, youngs_modulus: 1 MPa, poissons_ratio: 0.5, end: tip}
+rigid_bodies: [{name: tip, center: [0, 1, 1]}]
+time: {method: bdf2, step: 5 ms, end: 1 s}
+""",
     "tableau": f"""mesh:
   file: 'a.msh'
 bodies:

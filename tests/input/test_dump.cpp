@@ -62,6 +62,7 @@ TEST(Dump, SpellsOutEveryKeyOfTheTable) {
                            "dump", none),
                 "", written);
   const std::vector<Override> mechanism{
+      {"mesh.refine", "0"},
       {"rigid_bodies",
        "[{name: r, mass: 1, inertia: [1, 1, 1], center: [0, 0, 0], velocity: [1, 0, 0], angular_velocity: "
        "[0, 0, 1], surface: {file: r.stl, scale: 1, size: 1}, attached: [a], coupled: [b], coupling_stiffness: 1}]"},
@@ -78,7 +79,13 @@ TEST(Dump, SpellsOutEveryKeyOfTheTable) {
        "[0, 0, 0], pull: t, stiffness: 1, friction: 0.1, stick_velocity: 1}]"},
       {"springs",
        "[{name: d, points: [[0, 0, 0], {body: r, point: [1, 0, 0]}], stiffness: 1, rest: 1, damping: 1, "
-       "tension_only: false}]"}};
+       "tension_only: false}]"},
+      {"rods",
+       "[{name: p, points: [[0, 0, 0], [1, 0, 0]], segments: 2, radius: 1, density: 1, youngs_modulus: 1, "
+       "poissons_ratio: 0, start: ground, end: r}, {name: w, points: [[0, 0, 0], [1, 0, 0]], size: 1, section: {width: "
+       "1, height: 1, up: [0, 0, 1], torsion_constant: 1}, density: 1, youngs_modulus: 1, poissons_ratio: 0}, {name: "
+       "x, "
+       "curve: c, radius: 1, density: 1, youngs_modulus: 1, poissons_ratio: 0}]"}};
   collect_paths(parse_yaml(dump(read(everything, mechanism)), "dump", none), "", written);
   for (std::size_t row = 0; row < elastic_laws().size(); ++row) {
     const ElasticLawSpec law = typical_law(row);

@@ -10,6 +10,7 @@ SMALL = {
     "bellows.yaml": ["element=P1", "mesh.size=5 mm", "time.step=0.1", "time.end=0.5"],
     "bracket.yaml": ["mesh.size=0.006", "element=P1", "time.load_steps=2"],
     "cantilever.yaml": ["mesh.size=0.2", "time.end=0.05"],
+    "coil_spring.yaml": ["time.end=0.03"],
     "dropped_club.yaml": ["mesh.size=0.02", "time.end=0.25"],
     "falling_blocks.yaml": ["mesh.size=0.012", "time.end=0.1", "time.step=0.004"],
     "four_clubs.yaml": ["mesh.size=0.02", "time.end=0.02"],

@@ -381,6 +381,21 @@ class Verification(ProgramTest):
             angle = start + h[f"{name}_angle"][-1] + 2 * np.pi * turns
             self.row(f"{name} at 30 ms", f"{expected:.8g} rad", angle, 3e-4)
 
+    def test_elastica(self):
+        loads = ((1, ".301721", ".056433"), (5, ".713792", ".387628"))
+        for force, down, back in loads:
+            h = self.history("elastica", f"loads.0.force=[0, 0, {-force}]")
+            self.about("elastica", "40 segments", 22)
+            self.row(f"deflection, P = {force} N", f"{float(down)} m", -h["tip_z"][-1], 5e-4)
+            self.row(f"shortening, P = {force} N", f"{float(back)} m", 1 - h["tip_x"][-1], 5e-4)
+
+    def test_bathes_bend(self):
+        h = self.history("bathe_bend")
+        self.about("bathe_bend", "32 segments", 23)
+        start = 100 * np.array([np.sin(np.pi / 4), 1 - np.cos(np.pi / 4), 0])
+        for axis, X, expected in zip("xyz", start, ("-23.5585", "-13.6040", "53.4718")):
+            self.row(f"u_{axis} of the tip", f"{expected} m", h[f"tip_{axis}"][-1] - X, 1e-3)
+
     def test_beam_theory(self):
         h = self.history("slender_beam")
         self.about("slender_beam", "as given", 7)

@@ -91,6 +91,23 @@ TEST_F(EquilibriumSearches, BeginAtAMinimumNearby) {
   EXPECT_EQ(report.newton_iterations, 3);
 }
 
+TEST_F(EquilibriumSearches, TakeWholeStepsWhereBodiesAreSlender) {
+  EquilibriumSearch slender(objective_, script_, statistics_, 1e-8, Slenderness::some);
+  script_.failures = 1;
+  EXPECT_EQ(slender.seek(q_.get(), nullptr, 50).outcome, StageOutcome::converged);
+  EXPECT_EQ(script_.aims(), (std::vector{Aim::minimum, Aim::whole_steps}));
+  // The next stage begins with what has helped.
+  script_.runs.clear();
+  script_.failures = 0;
+  slender.seek(q_.get(), nullptr, 50);
+  EXPECT_EQ(script_.aims(), std::vector{Aim::whole_steps});
+  // An equilibrium that is not stable does not count.
+  script_.runs.clear();
+  script_.finds_minimum = false;
+  EXPECT_EQ(slender.seek(q_.get(), nullptr, 50).outcome, StageOutcome::converged);
+  EXPECT_EQ(script_.aims(), (std::vector{Aim::whole_steps, Aim::minimum}));
+}
+
 TEST_F(EquilibriumSearches, ThenFollowAnyEquilibrium) {
   const StageReport report = stage(1);
   EXPECT_EQ(script_.aims(), (std::vector{Aim::minimum, Aim::any_equilibrium}));

@@ -82,6 +82,21 @@ void check_spring(const SpringConfig& spring, Diagnostics& diagnostics) {
   }
 }
 
+/// `take(name, what, where)` notes a name, or reports that it has been taken.
+template <class Take>
+void take_rods(const Config& config, const Take& take, Diagnostics& diagnostics) {
+  for (const RodConfig& rod : config.rods) {
+    take(rod.name, "rod", rod.where);
+    take(rod.name + "_start", "section of a rod", rod.where);
+    take(rod.name + "_end", "section of a rod", rod.where);
+    const auto has_name = [&](const BodyConfig& body) { return !body.is_rigid && body.part.name == rod.name; };
+    if (std::ranges::any_of(config.bodies, has_name)) {
+      diagnostics.add(rod.where,
+                      fmt::format("'{}' is also the volume of a body with a mesh; rename the rod", rod.name));
+    }
+  }
+}
+
 }  // namespace
 
 void check_rigid_bodies(const Config& config, Diagnostics& diagnostics) {
@@ -114,12 +129,17 @@ void check_rigid_bodies(const Config& config, Diagnostics& diagnostics) {
       diagnostics.add(body.where,
                       fmt::format("'{}' is also the volume of a body with a mesh; rename the rigid body", body.name));
     }
-    const bool is_alone = body.attached.empty() && body.coupled.empty();
+    const auto holds_end = [&](const RodConfig& rod) {
+      return rod.start.value == body.name || rod.end.value == body.name;
+    };
+    const bool is_alone = body.attached.empty() && body.coupled.empty() && std::ranges::none_of(config.rods, holds_end);
     if (body.mass == 0.0 && (is_alone || std::ranges::max(body.inertia.moments) > 0.0)) {
-      diagnostics.add(body.where,
-                      fmt::format("rigid body '{}' has no mass; only a point of reference has none, to which "
-                                  "a surface of another body is 'attached' or 'coupled', and no moments of inertia",
-                                  body.name));
+      diagnostics.add(
+          body.where,
+          fmt::format("rigid body '{}' has no mass; only a point of reference has none, to which "
+                      "a surface of another body is 'attached' or 'coupled', or in which a rod is fixed, and no "
+                      "moments of inertia",
+                      body.name));
     }
     if (!has_real_mass(body.inertia.moments)) {
       diagnostics.add(
@@ -148,6 +168,7 @@ void check_rigid_bodies(const Config& config, Diagnostics& diagnostics) {
     take(spring.name, "spring", spring.where);
     check_spring(spring, diagnostics);
   }
+  take_rods(config, take, diagnostics);
   for (const ProbeConfig& probe : config.probes) {
     const auto found = taken.find(probe.name);
     if (found == taken.end()) continue;

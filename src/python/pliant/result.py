@@ -22,6 +22,9 @@ class Mesh:
     body_names: "list[str]"
     #: Rigid bodies without a mesh and a surface: their cells make the tetrahedron with the same moments of inertia.
     masses: "list[str]" = dataclasses.field(default_factory=list)
+    #: Rods, whose cells are slim tetrahedra along the axis, and their sections that are held.
+    rods: "list[str]" = dataclasses.field(default_factory=list)
+    sections: "list[str]" = dataclasses.field(default_factory=list)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -46,10 +49,10 @@ class Obstacles:
 
 @dataclasses.dataclass(frozen=True)
 class Mechanisms:
-    """Tendons, springs and joints as lines, and where they are in a frame."""
+    """Tendons, springs, rods and joints as lines, and where they are in a frame."""
 
-    names: "list[str]"  #: of tendons, then springs, then joints
-    kinds: "list[str]"  #: of each: "tendon", "spring", or the type of a joint
+    names: "list[str]"  #: of tendons, then springs, then rods, then joints
+    kinds: "list[str]"  #: of each: "tendon", "spring", "rod", or the type of a joint
     points: np.ndarray  #: num_points x 3, current positions [m]
     segments: np.ndarray  #: num_segments x 2, point numbers
     part: np.ndarray  #: index into names of each segment
@@ -58,7 +61,7 @@ class Mechanisms:
     axes: np.ndarray  #: num_joints x 3, of unit length; zero of joints without an axis
 
     def points_along(self, part: int) -> np.ndarray:
-        """The points of a tendon or a spring in their order, numbers."""
+        """The points of a tendon, a spring or a rod in their order, numbers."""
         segments = self.segments[self.part == part]
         return np.append(segments[:, 0], segments[-1:, 1])
 
@@ -298,8 +301,9 @@ class Result(Sequence[Frame]):
         """Of all frames, unless the run was resumed: `Frame.mesh` is that of a frame."""
         if group not in self._meshes:
             given = self.h5[group]
-            names, masses = (text(given["body"].attrs.get(key, "")).split("\n") for key in ("names", "masses"))
-            self._meshes[group] = Mesh(given["coordinates"][()], given["cells"][()], given["body"][()], names, masses if masses[0] else [])
+            names, *others = (text(given["body"].attrs.get(key, "")).split("\n") for key in ("names", "masses", "rods", "sections"))
+            self._meshes[group] = Mesh(given["coordinates"][()], given["cells"][()], given["body"][()], names,
+                                       *(other if other[0] else [] for other in others))
         return self._meshes[group]
 
     def series(self, name: str, rows: Any = slice(None)) -> np.ndarray:
@@ -318,6 +322,11 @@ class Result(Sequence[Frame]):
     def springs(self) -> "dict[str, Line]":
         """In all frames, by name."""
         return self._lines("spring")
+
+    @property
+    def rods(self) -> "dict[str, Line]":
+        """In all frames, by name: `result.rods["wire"].points[-1]`; `tension` is the axial force."""
+        return self._lines("rod")
 
     @property
     def joints(self) -> "dict[str, Joint]":

@@ -13,7 +13,7 @@ class Surface:
     """The outer faces of a mesh, or of some of its cells, each divided into `divisions`^2 triangles, with points shared between
     neighbours.
 
-    A body that is only a mass (`Mesh.masses`) is the ellipsoid with its moments of inertia.
+    A body that is only a mass (`Mesh.masses`) is the ellipsoid with its moments of inertia. Rods (`Mesh.rods`) have no surface.
 
     Everything is topology: `positions`, `of_nodes` and `of_cells` turn nodal and cell values into values at the points, for any
     frame.
@@ -27,8 +27,8 @@ class Surface:
         self._mesh = mesh
         self._cells = np.arange(len(mesh.cells)) if cells is None else np.asarray(cells)
         quadratic = mesh.cells.shape[1] == 10
-        is_mass = np.isin(np.array(mesh.body_names), mesh.masses)[mesh.body[self._cells]]
-        of_mesh, masses = self._cells[~is_mass], self._cells[is_mass]
+        is_mass, is_rod = (np.isin(np.array(mesh.body_names), names)[mesh.body[self._cells]] for names in (mesh.masses, mesh.rods + mesh.sections))
+        of_mesh, masses = self._cells[~(is_mass | is_rod)], self._cells[is_mass]
         faces, cell = self._outer_faces(mesh.cells[of_mesh])
         self.cell_of_face = of_mesh[cell]
         if divisions is None:

@@ -1,4 +1,4 @@
-"""Tendons, springs and joints in a picture: tubes and spheres that VTK draws."""
+"""Tendons, springs, rods and joints in a picture: tubes and spheres that VTK draws."""
 import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
 from vtkmodules.vtkCommonCore import vtkPoints

@@ -12,7 +12,7 @@ from .quantity import Quantity, quantity_of
 PLAIN_BODY = (0.62, 0.70, 0.79)
 OBSTACLE = (0.93, 0.91, 0.88)
 TRANSPARENT = 0.25  # opacity of what is chosen to be transparent
-COLOURS = {"tendon": (214, 58, 80), "spring": (47, 158, 120)}
+COLOURS = {"tendon": (214, 58, 80), "spring": (47, 158, 120), "rod": (91, 111, 143)}
 JOINT = (232, 152, 28)
 
 

@@ -1,4 +1,4 @@
-/// Points of a tendon along a physical curve of the mesh.
+/// Points along a physical curve of the mesh, of a tendon or a rod.
 #pragma once
 
 #include "mesh/mesh.hpp"
@@ -18,8 +18,9 @@ struct Chain {
   std::string fault;        ///< in words, with what to do; empty: none
 };
 
-/// Puts edges, at least one, in their order. Ends are one point if they are equal.
-Chain chain_of(std::span<const MeshCurve::Edge> edges);
+/// Puts edges, at least one, in their order. Ends are one point if they are equal. `what`: what follows them, for the
+/// fault, such as: a tendon.
+Chain chain_of(std::span<const MeshCurve::Edge> edges, const std::string& what);
 
 /// Each part between neighbours in 2^times.
 std::vector<std::array<double, 3>> halved(std::vector<std::array<double, 3>> points, int times);

@@ -1,4 +1,4 @@
-#include "model/tendon_curve.hpp"
+#include "mesh/chain.hpp"
 
 #include <algorithm>
 #include <map>
@@ -32,23 +32,23 @@ std::string in_words(const Place& X) {
 
 }  // namespace
 
-Chain chain_of(std::span<const MeshCurve::Edge> edges) {
+Chain chain_of(std::span<const MeshCurve::Edge> edges, const std::string& what) {
   Chain chain;
   const std::map<Place, Joined> points = points_of(edges);
   std::vector<Place> ends;
   for (const auto& [X, joined] : points) {
     if (joined.edges.size() == 1) ends.push_back(X);
     if (joined.edges.size() < 3) continue;
-    chain.fault = fmt::format("branches at {}; a tendon is one line: make a group of each branch", in_words(X));
+    chain.fault = fmt::format("branches at {}; {} is one line: make a group of each branch", in_words(X), what);
     return chain;
   }
   if (ends.empty()) {
-    chain.fault = "is closed, and a tendon has two ends: leave a curve out of the group";
+    chain.fault = fmt::format("is closed, and {} has two ends: leave a curve out of the group", what);
     return chain;
   }
   if (ends.size() > 2) {
-    chain.fault = fmt::format("consists of {} pieces that do not meet; a tendon is one line: make a group of each",
-                              ends.size() / 2);
+    chain.fault = fmt::format("consists of {} pieces that do not meet; {} is one line: make a group of each",
+                              ends.size() / 2, what);
     return chain;
   }
   // From the end that an edge begins at; if both or none are, from the first in the order of coordinates.
@@ -66,7 +66,8 @@ Chain chain_of(std::span<const MeshCurve::Edge> edges) {
     chain.points.push_back(at);
   }
   if (chain.points.size() <= edges.size()) {
-    chain.fault = "consists of a line and closed loops; a tendon is one line: leave the loops out of the group";
+    chain.fault =
+        fmt::format("consists of a line and closed loops; {} is one line: leave the loops out of the group", what);
   }
   return chain;
 }

@@ -1,0 +1,431 @@
+#include "energy/rod/rods.hpp"
+
+#include "base/compensated_sum.hpp"
+#include "energy/rod/rod_stencil.hpp"
+#include "fem/straight_cell.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace pliant {
+namespace {
+
+/// Segments are sorted into so many kinds, so that not all of them are looked at as neighbours of all others.
+constexpr std::int64_t num_kinds = 32;
+
+using Place = std::array<double, 3>;
+using Corners = std::array<Place, 4>;
+/// Variables: three columns of a segment; t and d_1 of both segments of a vertex.
+constexpr std::size_t per_segment = 9, per_vertex = 12;
+
+/// The corners in ascending order, by which a cell is recognised.
+Corners sorted(Corners corners) {
+  std::ranges::sort(corners);
+  return corners;
+}
+
+/// 1/2 sum c (s^2 - s0^2) from the changes s - s0, all relative to what is at rest.
+template <std::size_t M>
+double change_of_energy(const std::array<double, M>& change, const std::array<double, M>& now,
+                        const std::array<double, M>& then, const std::array<double, M>& stiffness) {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < M; ++k) sum += 0.5 * stiffness[k] * change[k] * (now[k] + then[k]);
+  return sum;
+}
+
+/// The columns of segments depend on their nodes by h_i = sum_a w_ai u_a.
+using Weights = std::array<std::array<double, 3>, 4>;
+
+std::array<StencilNode<3>, 4> stencil_of_segment(const std::array<PetscInt, 4>& nodes, const Weights& weights) {
+  std::array<StencilNode<3>, 4> stencil;
+  for (std::size_t a = 0; a < 4; ++a) stencil[a] = {nodes[a], weights[a]};
+  return stencil;
+}
+
+/// The variables of a vertex: t and d_1 of its first segment, t and d_1 of its second.
+std::array<StencilNode<4>, 8> stencil_of_vertex(const std::array<std::array<PetscInt, 4>, 2>& nodes,
+                                                const std::array<const Weights*, 2>& weights) {
+  std::array<StencilNode<4>, 8> stencil;
+  for (std::size_t side = 0; side < 2; ++side) {
+    for (std::size_t a = 0; a < 4; ++a) {
+      StencilNode<4>& node = stencil[4 * side + a];
+      node.node = nodes[side][a];
+      for (std::size_t i = 0; i < 2; ++i) node.weights[2 * side + i] = (*weights[side])[a][i];
+    }
+  }
+  return stencil;
+}
+
+template <std::size_t N>
+Vector3<SecondOrder<N>> variables(const Vector3<double>& x, std::size_t first) {
+  return {SecondOrder<N>::variable(x[0], first), SecondOrder<N>::variable(x[1], first + 1),
+          SecondOrder<N>::variable(x[2], first + 2)};
+}
+
+/// t and d_1 of both segments of a vertex.
+using Frames = std::array<Vector3<double>, 4>;
+
+std::array<SecondOrder<per_vertex>, 3> strains_of_frames(const Frames& x) {
+  using Number = SecondOrder<per_vertex>;
+  const RodFrame<Number> a{variables<per_vertex>(x[0], 0), variables<per_vertex>(x[1], 3)},
+      b{variables<per_vertex>(x[2], 6), variables<per_vertex>(x[3], 9)};
+  return bending_and_twist(a, b);
+}
+
+}  // namespace
+
+struct Rods::Seen final : PairFeatures {
+  std::vector<SegmentNodes> segments;                 // with a node of this rank, or next to one
+  std::vector<std::array<SegmentNodes, 2>> vertices;  // of which this rank sees both segments
+};
+
+Rods::Rods(const NodeLayout& layout, std::span<const char> is_segment, std::vector<RodSegment> segments,
+           std::vector<RodVertex> vertices)
+    : num_owned_nodes_(layout.num_owned_nodes),
+      segments_(std::move(segments)),
+      vertices_(std::move(vertices)),
+      vertex_after_(segments_.size(), -1) {
+  std::map<Corners, std::size_t> number_of;
+  for (std::size_t s = 0; s < segments_.size(); ++s) {
+    const auto& X = segments_[s].corners;
+    number_of.emplace(sorted(X), s);
+    Frame& frame = frames_.emplace_back();
+    frame.axes[0] = unit(X[1] - X[0]);
+    // The directors' points are opposite to the middle of a segment, or to the place of a section.
+    const Vector3<double> across = X[2] - X[0];
+    frame.axes[1] = unit(across - dot(across, frame.axes[0]) * frame.axes[0]);
+    frame.axes[2] = cross(frame.axes[0], frame.axes[1]);
+    const auto gradients = linear_gradients(X);
+    for (std::size_t a = 0; a < 4; ++a) {
+      for (std::size_t i = 0; i < 3; ++i) frame.weights[a][i] = dot(gradients[a], frame.axes[i]);
+    }
+  }
+  for (std::size_t v = 0; v < vertices_.size(); ++v) {
+    const std::size_t first = vertices_[v].first;
+    vertex_after_[first] = static_cast<std::ptrdiff_t>(v);
+    const RodFrame<double> a{frames_[first].axes[0], frames_[first].axes[1]},
+        b{frames_[first + 1].axes[0], frames_[first + 1].axes[1]};
+    rest_.push_back(bending_and_twist(a, b));
+    rest_of_derivatives_.push_back(values_of(strains_of_frames({a.t, a.d, b.t, b.d})));
+  }
+  std::vector<char> is_others(static_cast<std::size_t>(layout.num_local_nodes), 0);
+  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
+    if (is_segment[static_cast<std::size_t>(c)] != 0) continue;
+    for (const PetscInt n : layout.nodes_of_cell(c)) is_others[static_cast<std::size_t>(n)] = 1;
+  }
+  patches_.nodes_per_patch = 4;
+  for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
+    if (is_segment[static_cast<std::size_t>(c)] == 0) continue;
+    const auto nodes = layout.nodes_of_cell(c);
+    Corners corners;
+    for (std::size_t a = 0; a < 4; ++a) corners[a] = layout.position(nodes[a]);
+    const std::size_t number = number_of.at(sorted(corners));
+    for (const Vector3<double>& X : segments_[number].corners) {
+      const auto at = std::ranges::find(corners, X) - corners.begin();
+      patches_.nodes.push_back(nodes[static_cast<std::size_t>(at)]);
+    }
+    patches_.keys.push_back(static_cast<std::int64_t>(number));
+    patches_.tags.push_back(static_cast<int>(static_cast<std::int64_t>(number) % num_kinds));
+    patches_.is_owned.push_back(patches_.nodes[patches_.nodes.size() - 4] < num_owned_nodes_ ? 1 : 0);
+    const RodSegment& segment = segments_[number];
+    if (segment.length > 0.0) add_middles(nodes, is_others, segment.axial / segment.length);
+  }
+}
+
+void Rods::add_middles(std::span<const PetscInt> nodes, std::span<const char> is_others, double stiffness) {
+  if (nodes.size() == 4) return;
+  constexpr std::array<std::array<std::size_t, 2>, 6> ends{{{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}}};
+  for (std::size_t e = 0; e < ends.size(); ++e) {
+    const PetscInt node = nodes[4 + e];
+    if (is_others[static_cast<std::size_t>(node)] != 0) continue;
+    middles_.push_back({node, nodes[ends[e][0]], nodes[ends[e][1]], stiffness});
+  }
+}
+
+Vector3<double> Rods::offset(const Middle& middle, std::span<const double> q) {
+  Vector3<double> d{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto of = [&](PetscInt node) { return q[3 * static_cast<std::size_t>(node) + i]; };
+    d[i] = of(middle.node) - 0.5 * (of(middle.a) + of(middle.b));
+  }
+  return d;
+}
+
+bool Rods::may_couple(int tag, int other) const {
+  const int apart = std::abs(tag - other);
+  return apart == 1 || apart == num_kinds - 1;
+}
+
+bool Rods::couples(std::int64_t key, std::int64_t other) const {
+  const std::int64_t first = std::min(key, other);
+  return std::max(key, other) == first + 1 && vertex_after_[static_cast<std::size_t>(first)] >= 0;
+}
+
+std::shared_ptr<const PairFeatures> Rods::features_of(const NearPatches& near) const {
+  auto seen = std::make_shared<Seen>();
+  std::map<std::size_t, SegmentNodes> by_number;
+  for (std::size_t p = 0; p < near.patches.size(); ++p) {
+    SegmentNodes segment{static_cast<std::size_t>(near.patches.keys[p]), {}, near.patches.is_owned[p] != 0};
+    std::ranges::copy(near.patches.nodes_of(p), segment.nodes.begin());
+    by_number.emplace(segment.number, segment);
+  }
+  for (const auto& [number, segment] : by_number) {
+    seen->segments.push_back(segment);
+    const auto next = by_number.find(number + 1);
+    if (next != by_number.end() && vertex_after_[number] >= 0) seen->vertices.push_back({segment, next->second});
+  }
+  return seen;
+}
+
+const Rods::Seen& Rods::seen(const NearPatches* near) {
+  static const Seen none;
+  return near != nullptr && near->features ? static_cast<const Seen&>(*near->features) : none;
+}
+
+TermDeclaration Rods::declaration() const {
+  TermDeclaration declaration;
+  declaration.rotates_with_body = false;
+  return declaration;
+}
+
+std::array<Vector3<double>, 3> Rods::change_of_columns(const SegmentNodes& of, std::span<const double> q) const {
+  std::array<Vector3<double>, 3> h{};
+  const auto& weights = frames_[of.number].weights;
+  for (std::size_t a = 0; a < 4; ++a) {
+    const auto first = 3 * static_cast<std::size_t>(of.nodes[a]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t c = 0; c < 3; ++c) h[i][c] += weights[a][i] * q[first + c];
+    }
+  }
+  return h;
+}
+
+std::array<double, 6> Rods::strains_of(const SegmentNodes& of, std::span<const double> q) const {
+  return stretch_and_distortion(frames_[of.number].axes, change_of_columns(of, q));
+}
+
+std::array<double, 6> Rods::stiffness_of(const SegmentNodes& of) const {
+  const RodSegment& segment = segments_[of.number];
+  std::array<double, 6> stiffness;
+  stiffness.fill(segment.length * segment.distortion);
+  stiffness[0] = segment.length * segment.axial;
+  return stiffness;
+}
+
+std::array<double, 3> Rods::strains_of(const std::array<SegmentNodes, 2>& of, std::span<const double> q) const {
+  std::array<RodFrame<double>, 2> frames;
+  for (std::size_t side = 0; side < 2; ++side) {
+    const auto h = change_of_columns(of[side], q);
+    const auto& axes = frames_[of[side].number].axes;
+    frames[side] = {axes[0] + h[0], axes[1] + h[1]};
+  }
+  return bending_and_twist(frames[0], frames[1]);
+}
+
+std::array<double, 3> Rods::stiffness_of(std::size_t vertex) const {
+  const RodVertex& of = vertices_[vertex];
+  return {of.bending[0] / of.length, of.bending[1] / of.length, of.torsion / of.length};
+}
+
+double Rods::value(const LocalStage& stage, std::span<const double> q) const {
+  CompensatedSum<double> sum;
+  const Seen& here = seen(stage.near);
+  const std::span<const double> from = stage.reference();
+  for (const SegmentNodes& segment : here.segments) {
+    if (!segment.is_counted) continue;
+    const auto now = change_of_columns(segment, q), then = change_of_columns(segment, from);
+    std::array<Vector3<double>, 3> change;
+    const auto& weights = frames_[segment.number].weights;
+    for (std::size_t i = 0; i < 3; ++i) {
+      change[i] = {};
+      for (std::size_t a = 0; a < 4; ++a) {
+        const auto first = 3 * static_cast<std::size_t>(segment.nodes[a]);
+        for (std::size_t c = 0; c < 3; ++c) change[i][c] += weights[a][i] * (q[first + c] - from[first + c]);
+      }
+    }
+    const auto& axes = frames_[segment.number].axes;
+    sum.add(change_of_energy(change_of_strains(axes, now, then, change), stretch_and_distortion(axes, now),
+                             stretch_and_distortion(axes, then), stiffness_of(segment)));
+  }
+  for (const auto& vertex : here.vertices) {
+    if (!vertex[0].is_counted) continue;
+    const auto number = static_cast<std::size_t>(vertex_after_[vertex[0].number]);
+    auto now = strains_of(vertex, q), then = strains_of(vertex, from);
+    std::array<double, 3> change{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      change[k] = now[k] - then[k];
+      now[k] -= rest_[number][k];
+      then[k] -= rest_[number][k];
+    }
+    sum.add(change_of_energy(change, now, then, stiffness_of(number)));
+  }
+  for (const Middle& middle : middles_) {
+    if (middle.node >= num_owned_nodes_) continue;
+    const Vector3<double> now = offset(middle, q), then = offset(middle, from);
+    sum.add(0.5 * middle.stiffness * dot(now - then, now + then));
+  }
+  return std::isfinite(sum.total()) ? sum.total() : std::numeric_limits<double>::infinity();
+}
+
+double Rods::energy_at(const Instant& at, std::span<const double> q, std::span<const double> /*z*/) const {
+  CompensatedSum<double> sum;
+  const Seen& here = seen(at.near);
+  for (const SegmentNodes& segment : here.segments) {
+    if (!segment.is_counted) continue;
+    const auto s = strains_of(segment, q);
+    sum.add(change_of_energy(s, s, {}, stiffness_of(segment)));
+  }
+  for (const auto& vertex : here.vertices) {
+    if (!vertex[0].is_counted) continue;
+    const auto number = static_cast<std::size_t>(vertex_after_[vertex[0].number]);
+    auto s = strains_of(vertex, q);
+    for (std::size_t k = 0; k < 3; ++k) s[k] -= rest_[number][k];
+    sum.add(change_of_energy(s, s, {}, stiffness_of(number)));
+  }
+  for (const Middle& middle : middles_) {
+    const Vector3<double> d = offset(middle, q);
+    if (middle.node < num_owned_nodes_) sum.add(0.5 * middle.stiffness * dot(d, d));
+  }
+  return sum.total();
+}
+
+// Straight steps of slender rods stretch them much more than the solution does. Forces extrapolated along the last step
+// keep that out of the Hessian (Magisano, Leonetti & Garcea 2017).
+StrainEnergy<9> Rods::derivatives_of(const SegmentNodes& segment, std::span<const double> q,
+                                     std::span<const double> previous) const {
+  using Columns = std::array<Vector3<double>, 3>;
+  const auto strains_at = [&](const Columns& h) {
+    std::array<Vector3<SecondOrder<per_segment>>, 3> columns;
+    for (std::size_t i = 0; i < 3; ++i) columns[i] = variables<per_segment>(h[i], 3 * i);
+    return stretch_and_distortion(frames_[segment.number].axes, columns);
+  };
+  const Columns h = change_of_columns(segment, q);
+  const auto strains = strains_at(h);
+  auto of_forces = values_of(strains);
+  if (!previous.empty()) {
+    const Columns before = change_of_columns(segment, previous);
+    std::array<double, per_segment> change;
+    for (std::size_t i = 0; i < per_segment; ++i) change[i] = h[i / 3][i % 3] - before[i / 3][i % 3];
+    of_forces = extrapolated(strains_at(before), change);
+  }
+  return derivatives(strains, {}, stiffness_of(segment), of_forces);
+}
+
+StrainEnergy<12> Rods::derivatives_of(const std::array<SegmentNodes, 2>& vertex, std::span<const double> q,
+                                      std::span<const double> previous) const {
+  const auto frames_at = [&](std::span<const double> u) {
+    Frames x;
+    for (std::size_t side = 0; side < 2; ++side) {
+      const auto h = change_of_columns(vertex[side], u);
+      const auto& axes = frames_[vertex[side].number].axes;
+      x[2 * side] = axes[0] + h[0];
+      x[2 * side + 1] = axes[1] + h[1];
+    }
+    return x;
+  };
+  const auto number = static_cast<std::size_t>(vertex_after_[vertex[0].number]);
+  const Frames x = frames_at(q);
+  const auto strains = strains_of_frames(x);
+  auto of_forces = values_of(strains);
+  if (!previous.empty()) {
+    const Frames before = frames_at(previous);
+    std::array<double, per_vertex> change;
+    for (std::size_t i = 0; i < per_vertex; ++i) change[i] = x[i / 3][i % 3] - before[i / 3][i % 3];
+    of_forces = extrapolated(strains_of_frames(before), change);
+  }
+  return derivatives(strains, rest_of_derivatives_[number], stiffness_of(number), of_forces);
+}
+
+void Rods::add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const {
+  const Seen& here = seen(stage.near);
+  for (const SegmentNodes& segment : here.segments) {
+    scatter_gradient(stencil_of_segment(segment.nodes, frames_[segment.number].weights),
+                     derivatives_of(segment, q).gradient, num_owned_nodes_, r);
+  }
+  for (const auto& vertex : here.vertices) {
+    scatter_gradient(stencil_of_vertex({vertex[0].nodes, vertex[1].nodes},
+                                       {&frames_[vertex[0].number].weights, &frames_[vertex[1].number].weights}),
+                     derivatives_of(vertex, q).gradient, num_owned_nodes_, r);
+  }
+  for (const Middle& middle : middles_) {
+    const std::array<StencilNode<1>, 3> stencil{{{middle.node, {1.0}}, {middle.a, {-0.5}}, {middle.b, {-0.5}}}};
+    const Vector3<double> force = middle.stiffness * offset(middle, q);
+    scatter_gradient(stencil, force, num_owned_nodes_, r);
+  }
+}
+
+void Rods::add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
+                       Projection projection) const {
+  const Seen& here = seen(stage.near);
+  for (const SegmentNodes& segment : here.segments) {
+    auto hessian = derivatives_of(segment, q, stage.previous).hessian;
+    if (projection == Projection::positive_semidefinite) make_positive_semidefinite<per_segment>(hessian);
+    scatter_hessian(stencil_of_segment(segment.nodes, frames_[segment.number].weights), hessian, num_owned_nodes_, K);
+  }
+  for (const auto& vertex : here.vertices) {
+    auto hessian = derivatives_of(vertex, q, stage.previous).hessian;
+    if (projection == Projection::positive_semidefinite) make_positive_semidefinite<per_vertex>(hessian);
+    scatter_hessian(stencil_of_vertex({vertex[0].nodes, vertex[1].nodes},
+                                      {&frames_[vertex[0].number].weights, &frames_[vertex[1].number].weights}),
+                    hessian, num_owned_nodes_, K);
+  }
+  for (const Middle& middle : middles_) {
+    const std::array<StencilNode<1>, 3> stencil{{{middle.node, {1.0}}, {middle.a, {-0.5}}, {middle.b, {-0.5}}}};
+    const double k = middle.stiffness;
+    scatter_hessian(stencil, std::array{k, 0.0, 0.0, 0.0, k, 0.0, 0.0, 0.0, k}, num_owned_nodes_, K);
+  }
+}
+
+// The axis has the mass, uniform over its length or in halves at its ends, and the frame the second moments.
+void Rods::add_masses(const BlockPattern& pattern, MassMatrix& mass) const {
+  for (std::size_t p = 0; p < patches_.size(); ++p) {
+    const auto number = static_cast<std::size_t>(patches_.keys[p]);
+    const RodSegment& segment = segments_[number];
+    const auto nodes = patches_.nodes_of(p);
+    const auto& weights = frames_[number].weights;
+    constexpr std::array at_centre{0.5, 0.5, 0.0, 0.0};
+    for (std::size_t a = 0; a < 4; ++a) {
+      if (nodes[a] >= num_owned_nodes_) continue;
+      for (std::size_t b = 0; b < 4; ++b) {
+        double shared = segment.mass * at_centre[a] * at_centre[b];
+        for (std::size_t i = 0; i < 3; ++i) shared += segment.second_moments[i] * weights[a][i] * weights[b][i];
+        mass.add(pattern.block(nodes[a], nodes[b]), shared);
+      }
+    }
+  }
+}
+
+std::vector<MassAtNode> Rods::masses(std::span<const char> of_segments) const {
+  std::vector<MassAtNode> result;
+  for (std::size_t p = 0; p < patches_.size(); ++p) {
+    const auto number = static_cast<std::size_t>(patches_.keys[p]);
+    const RodSegment& segment = segments_[number];
+    if (of_segments[number] == 0 || segment.mass == 0.0) continue;
+    const Vector3<double> middle = 0.5 * (segment.corners[0] + segment.corners[1]);
+    for (std::size_t a = 0; a < 2; ++a) {
+      const PetscInt node = patches_.nodes_of(p)[a];
+      if (node < num_owned_nodes_) result.push_back({node, 0.5 * segment.mass, middle});
+    }
+  }
+  return result;
+}
+
+std::vector<Rods::SegmentNodes> Rods::segments_here() const {
+  std::vector<SegmentNodes> result;
+  for (std::size_t p = 0; p < patches_.size(); ++p) {
+    SegmentNodes& segment = result.emplace_back();
+    segment.number = static_cast<std::size_t>(patches_.keys[p]);
+    segment.is_counted = patches_.is_owned[p] != 0;
+    std::ranges::copy(patches_.nodes_of(p), segment.nodes.begin());
+  }
+  std::ranges::sort(result, {}, &SegmentNodes::number);
+  return result;
+}
+
+double Rods::tension(const SegmentNodes& of, std::span<const double> u) const {
+  return segments_[of.number].axial * strains_of(of, u)[0];
+}
+
+}  // namespace pliant

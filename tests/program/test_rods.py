@@ -1,0 +1,242 @@
+#!/usr/bin/python3
+"""Rods, as users type them: closed forms of statics and vibrations, frames, orders, ranks, restart, rods in and on bodies."""
+import sys
+import unittest
+
+import numpy as np
+
+from program import ALL_OR_SOME, ROOT, ProgramTest, read_history, swept
+
+sys.path.insert(0, str(ROOT / "src/python"))
+
+import pliant  # noqa: E402
+
+# E I = 1 N m^2, and E A = 4e6 N: the axis hardly changes its length.
+SLENDER = "radius: 1 mm, youngs_modulus: 1.2732395447351628e12, poissons_ratio: 0.3"
+BEAM = f"""rods: [{{name: beam, points: [[0, 0, 0], [1, 0, 0]], segments: N, {SLENDER}, start: ground, end: tip}}]
+rigid_bodies: [{{name: tip, center: [1, 0, 0]}}]
+"""
+# A bent bar of a flat section, shaken in space: bending in both planes and twist.
+SHAKEN = """rods:
+  - name: beam
+    points: [[0, 0, 0], [0.3, 0, 0.1], [0.6, 0.1, 0.1]]
+    segments: 2
+    section: {width: 60 mm, height: 40 mm, up: [0, 0, 1]}
+    density: 1000
+    youngs_modulus: 1 MPa
+    poissons_ratio: 0.3
+    start: ground
+loads: [{gravity: [0, "2*(1-cos(8*t))", "-9.81*(1-cos(6*t))"]}]
+probes: [{name: tip, point: [0.6, 0.1, 0.1]}]
+"""
+# Two rods that meet in a block, one of them on the ground, the other free.
+JOINED = """rods:
+  - {name: mast, points: [[0, 0, 0], [0, 0, 0.5]], segments: 5, radius: 10 mm, density: 1000, youngs_modulus: 10 MPa, poissons_ratio: 0.3,
+     start: ground, end: block}
+  - {name: boom, points: [[0, 0, 0.5], [0.4, 0, 0.5]], size: 0.1, radius: 8 mm, density: 1000, youngs_modulus: 10 MPa, poissons_ratio: 0.3,
+     start: block}
+rigid_bodies: [{name: block, mass: 20 g, inertia: [1e-6, 1e-6, 1e-6], center: [0, 0, 0.5]}]
+loads: [{gravity: [0, 0, -9.81]}, {force: [0, "0.1*sin(20*t)", 0], volume: block}]
+"""
+
+
+class Rods(ProgramTest):
+    def end_of(self, text, ranks=1):
+        return {name: column[-1] for name, column in self.solve(text, "method: static", ranks).items()}
+
+    def assert_second_order(self, errors):
+        for coarse, fine in zip(errors, errors[1:]):
+            self.assertLess(np.abs(fine).max(), np.abs(coarse).max() / 3.3, errors)
+
+    def test_elastica(self):
+        # Bisshopp & Drucker 1945, with elliptic integrals: P L^2 / (E I) = 1 and 5.
+        loads = (("1", 0.301721, 0.056433), ("5", 0.713792, 0.387628))
+        for force, down, back in swept(loads, loads[:1]):
+            errors = []
+            for n in (6, 12, 24):
+                h = self.end_of(BEAM.replace("N,", f"{n},") + f"loads: [{{force: [0, 0, -{force}], volume: tip}}]\n")
+                errors.append([-h["tip_z"] - down, 1 - h["tip_x"] - back])
+            self.assertLess(np.abs(errors[-1]).max(), 5e-4)
+            self.assertLess(np.abs(errors[-1]).max(), np.abs(errors[0]).max() / 10)
+            # What holds the beam has the force and the moment about the clamp.
+            np.testing.assert_allclose(h["beam_start_fz"], float(force), rtol=1e-6)
+            np.testing.assert_allclose(h["beam_start_ty"], -float(force) * h["tip_x"], rtol=1e-5)
+
+    def test_a_moment_rolls_a_rod_up(self):
+        # M = 2 pi E I / L: a full circle; half of it: 2/pi above the clamp.
+        errors = []
+        for n in (8, 16):
+            h = self.end_of(BEAM.replace("N,", f"{n},") + 'loads: [{torque: [0, "-pi", 0], volume: tip}]\n')
+            errors.append([h["tip_x"], h["tip_z"] - 2 / np.pi])
+        self.assert_second_order(errors)
+        self.assertLess(np.abs(errors[-1]).max(), 2e-2)
+
+    def test_a_torque_twists_a_section_by_its_torsion_constant(self):
+        # A square: J = 0.140577 a^4 (Saint-Venant), and a circle.
+        square = "section: {width: 10 mm, height: 10 mm, up: [0, 0, 1]}, youngs_modulus: 2.6 MPa, poissons_ratio: 0.3"
+        for section, J in ((square, 0.14057701 * 0.01**4), (SLENDER.replace("1.2732395447351628e12", "2.6 MPa"), np.pi / 2 * 0.001**4)):
+            text = BEAM.replace("N,", "4,").replace(SLENDER, section)
+            twist = 0.5
+            h = self.end_of(text + f'loads: [{{torque: [{1e6 * J * twist!r}, 0, 0], volume: tip}}]\n')
+            np.testing.assert_allclose(2 * np.arcsin(h["tip_qx"]), twist, rtol=1e-6)
+            np.testing.assert_allclose(h["tip_x"], 1, atol=1e-9)
+
+    def test_a_cantilever_vibrates_at_its_natural_frequency(self):
+        # f = 1.875104^2 / (2 pi) sqrt(E I / (rho A L^4)); the velocity at the start is that of the first mode.
+        k, E, rho, r = 1.87510407, 1e6, 1000.0, 0.01
+        ratio = (np.cos(k) + np.cosh(k)) / (np.sin(k) + np.sinh(k))
+        shape = f"1e-3*(cosh({k}*x)-cos({k}*x)-{ratio}*(sinh({k}*x)-sin({k}*x)))"
+        f = k**2 / (2 * np.pi) * np.sqrt(E / rho) * r / 2
+        errors = []
+        for n in (8, 16):
+            text = f"""rods: [{{name: beam, points: [[0, 0, 0], [1, 0, 0]], segments: {n}, radius: {r}, density: {rho}, youngs_modulus: {E},
+  poissons_ratio: 0.3, start: ground}}]
+initial: {{velocity: [0, 0, "{shape}"]}}
+probes: [{{name: tip, point: [1, 0, 0]}}]
+"""
+            h = self.solve(text, f"method: symplectic-dirk22, step: {1 / f / 200}, end: {1.1 / f}")
+            z, t = h["tip_z"], h["time"]
+            zero = [t[i] - z[i] * (t[i + 1] - t[i]) / (z[i + 1] - z[i]) for i in range(1, len(t) - 1) if z[i] * z[i + 1] < 0]
+            errors.append([(zero[1] - zero[0]) * 2 * f - 1])
+        self.assertLess(abs(errors[-1][0]), 2e-3)
+        self.assertLess(abs(errors[1][0]), abs(errors[0][0]) / 3)
+
+    def test_natural_curvature_is_kept(self):
+        # An arc is without force, and stays where it is.
+        angles = np.linspace(0, 2, 9)
+        points = [[float(np.sin(a)), 0.0, float(1 - np.cos(a))] for a in angles]
+        text = f"rods: [{{name: arc, points: {points}, {SLENDER}, density: 1000, start: ground}}]\ninitial: {{velocity: [0, 0, 0]}}\n"
+        h = self.solve(text, "method: bdf2, step: 10 ms, end: 0.05")
+        self.assertLess(np.abs(h["elastic_energy"]).max(), 1e-12)
+
+    def test_a_free_rod_keeps_its_momenta_and_its_energy(self):
+        text = """rods: [{name: stick, points: [[0, 0, 0], [0.2, 0.1, 0], [0.3, 0.3, 0.1]], segments: 3, section: {width: 30 mm, height: 20 mm,
+  up: [0, 0, 1]}, density: 1000, youngs_modulus: 1 MPa, poissons_ratio: 0.3}]
+initial: {velocity: ["3*y", "-3*x+z", "2*x"]}
+solver: {newton: {relative: 1e-12}}
+"""
+        h = self.solve(text, "method: implicit-midpoint, step: 2 ms, end: 0.2")
+        for name in ("px", "py", "pz", "Lx", "Ly", "Lz"):
+            scale = max(np.abs(h[other]).max() for other in h if other[0] == name[0] and len(other) == 2)
+            np.testing.assert_allclose(h[name], h[name][0], atol=1e-9 * scale, err_msg=name)
+        energy = h["kinetic_energy"] + h["elastic_energy"]
+        np.testing.assert_allclose(energy, energy[0], rtol=2e-3)
+        self.assertGreater(h["elastic_energy"].max(), 1e-3 * energy[0])
+
+    def test_orders(self):
+        self.write("in.yaml", SHAKEN + "time: {method: bdf2, step: 2 ms, end: 0.2, startup: dirk33}\n")
+        self.pliant("converge", "in.yaml", "--in", "time", "--levels", "3", "--methods", ALL_OR_SOME)
+
+    def test_ranks_and_restart(self):
+        for text in swept((SHAKEN, JOINED), (JOINED,)):
+            time = "method: dirk22, step: 5 ms, end: 0.1"
+            one = self.solve(text + "solver: {newton: {relative: 1e-12}}\n", time)
+            self.assertLess(np.abs(one["energy_balance_error"]).max(), 1e-7 * np.abs(one["kinetic_energy"]).max())
+            quadratic = self.solve(text + "element: P2\nsolver: {newton: {relative: 1e-12}}\n", time, 2)
+            self.assert_same_history(one, {name: quadratic[name] for name in one}, 1e-7)
+            for ranks in swept((2, 3), (3,)):
+                self.assert_same_history(one, self.solve(text + "solver: {newton: {relative: 1e-12}}\n", time, ranks), 1e-7)
+            self.write("part.yaml", text + "solver: {newton: {relative: 1e-12}}\ncheckpoint: {}\n"
+                       "time: {method: dirk22, step: 5 ms, end: 0.05}\n")
+            self.run_input("part.yaml", output="part")
+            self.pliant("resume", "part", "--quiet", "--set", "time.end=0.1")
+            resumed = read_history(self.directory / "part")
+            for name in ("kinetic_energy", "elastic_energy", "Lx", "Ly", "pz"):
+                np.testing.assert_allclose(resumed[name][-1], one[name][-1], rtol=1e-6, atol=1e-9, err_msg=name)
+
+    def test_rods_meet_in_a_rigid_body_or_at_a_point(self):
+        h = self.solve(JOINED, "method: bdf2, step: 5 ms, end: 0.1")
+        self.assertLess(h["block_qw"].min(), 1 - 1e-4)  # the boom pulls it round
+        # Two strings of a swing, with a point in common, hinge there.
+        swing = """rods:
+  - {name: left, points: [[-0.3, 0, 0.4], [0, 0, 0]], segments: 1, radius: 1 mm, youngs_modulus: 1 GPa, poissons_ratio: 0.3, density: 1000,
+     start: ground}
+  - {name: right, points: [[0, 0, 0], [0.3, 0, 0.4]], segments: 1, radius: 1 mm, youngs_modulus: 1 GPa, poissons_ratio: 0.3, density: 1000,
+     end: ground}
+loads: [{gravity: [0, 0, -9.81]}]
+"""
+        h = self.end_of(swing)
+        weight = 2 * 0.5 * np.pi * 1e-6 * 1000 * 9.81
+        np.testing.assert_allclose(h["left_start_fz"] + h["right_end_fz"], weight, rtol=1e-6)
+        np.testing.assert_allclose(h["left_start_fx"], -h["right_end_fx"], rtol=1e-6)
+
+    def test_a_wire_in_a_body_adds_its_stiffness(self):
+        # Uniform tension of a bar without lateral contraction, with a wire inside and one on an edge.
+        self.write("bar.geo", """SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 0.1, 0.02, 0.02};
+Point(101) = {0, 0.01, 0.013}; Point(102) = {0.1, 0.01, 0.013};
+Line(101) = {101, 102};
+BooleanFragments{ Volume{1}; Delete; }{ Curve{101}; Delete; }
+Physical Volume("bar") = {1};
+Physical Curve("wire") = {101};
+Physical Curve("edge") = Curve In BoundingBox {-1e-6, -1e-6, -1e-6, 0.11, 1e-6, 1e-6};
+Physical Surface("left") = Surface In BoundingBox {-1e-6, -1, -1, 1e-6, 1, 1};
+Physical Surface("right") = Surface In BoundingBox {0.0999, -1, -1, 0.11, 1, 1};
+Mesh.MeshSizeMax = 0.012;
+""")
+        text = """mesh: {file: bar.geo}
+bodies: [{density: 1000, elasticity: {model: linear, youngs_modulus: 1 MPa, poissons_ratio: 0}}]
+rods: [{name: wire, curve: CURVE, radius: 0.5 mm, youngs_modulus: 1 GPa, poissons_ratio: 0.3, density: 7800}]
+probes: [{name: tip, point: [0.1, 0.01, 0.01]}]
+"""
+        strain = 1e-4
+        pulled = f"""constraints: [{{surface: left, displacement: [0, free, free]}}, {{surface: right, displacement: [{0.1 * strain}, free, free]}},
+  {{where: "x < 1e-9 && y < 1e-9", displacement: [free, 0, free]}}, {{where: "x < 1e-9 && z < 1e-9", displacement: [free, free, 0]}}]
+"""
+        together = strain * (1e6 * 4e-4 + 1e9 * np.pi * 0.25e-6)
+        for curve in ("wire", "edge"):
+            h = self.end_of(text.replace("CURVE", curve) + pulled)
+            np.testing.assert_allclose(h["right_fx"], together, rtol=1e-6)
+            np.testing.assert_allclose(h["wire_length"], 0.1 * (1 + strain), rtol=1e-9)
+        # Bent under its weight: the frames of the wire turn with the body, and nothing is left undetermined. A stiff wire
+        # makes the bar as stiff as it is itself.
+        bent = "constraints: [{surface: left, displacement: [0, 0, 0]}]\nloads: [{gravity: [0, 0, -0.1]}]\n"
+        stiff = text.replace("CURVE", "wire, start: ground").replace("1 GPa", "1e5 GPa")
+        soft = text.replace("CURVE", "wire").replace("1 GPa", "1 kPa")
+        one, *others = [self.end_of(stiff + bent, ranks) for ranks in swept((1, 2, 3), (1, 2))]
+        for other in others:
+            np.testing.assert_allclose(other["tip_z"], one["tip_z"], rtol=1e-6)
+        self.assertLess(abs(one["tip_z"] - 0.01), 0.02 * abs(self.end_of(soft + bent)["tip_z"] - 0.01))
+
+    def test_results(self):
+        self.solve(JOINED, "method: bdf2, step: 5 ms, end: 0.01", 2)
+        result = pliant.Result(self.directory / "out")
+        self.assertEqual(list(result.rods), ["mast", "boom"])
+        mast = result.rods["mast"]
+        self.assertEqual(mast.points.shape[1:], (6, 3))
+        np.testing.assert_allclose(mast.points[0, :, 2], np.linspace(0, 0.5, 6), atol=1e-12)
+        self.assertLess(mast.tension[-1].min(), 0)  # carries weight
+        self.assertEqual(result.mesh().rods, ["mast", "boom"])
+        self.assertEqual(result.mesh().sections, ["mast_start", "mast_end", "boom_start"])
+        shown = self.pliant("check", "in.yaml").stdout
+        self.assertRegex(shown, r"mast: 5 segments, 0.5 m long, mass 0.157\d* kg; stiffness: E A 3141.59 N, .*start fixed in ground")
+
+    def test_what_is_refused(self):
+        line = f"rods: [{{name: beam, points: [[0, 0, 0], [1, 0, 0]], {SLENDER}, start: ground}}]\ntime: {{method: static}}\n"
+        dynamic = line.replace("method: static", "method: bdf2, step: 1 ms, end: 1 ms")
+        cases = {
+            "missing key 'radius' of rod 'beam'": line.replace("radius: 1 mm, ", ""),
+            "rod 'beam' has a 'radius' and a rectangular 'section'": line.replace(
+                "radius: 1 mm", "radius: 1 mm, section: {width: 1, height: 1, up: [0, 0, 1]}"),
+            "is parallel to its `up`": line.replace("radius: 1 mm", "section: {width: 1, height: 1, up: [1, 0, 0]}"),
+            "rod 'beam' is fixed in 'grund', which is not a rigid body (did you mean 'ground'?)": line.replace("start: ground", "start: grund"),
+            "which dynamics needs": dynamic,
+            "which gravity needs": line + "loads: [{gravity: [0, 0, -1]}]\n",
+            "rod 'beam' has the same point twice": line.replace("[1, 0, 0]]", "[1, 0, 0], [1, 0, 0]]"),
+            "turns back on itself": line.replace("[1, 0, 0]]", "[1, 0, 0], [0.5, 0, 0]]"),
+            "there is no mesh": line.replace("points: [[0, 0, 0], [1, 0, 0]]", "curve: wire"),
+            "names a rod and a probe": line + "probes: [{name: beam, point: [0, 0, 0]}]\n",
+        }
+        self.write("in.yaml", SHAKEN + "time: {method: bdf2, step: 2 ms, end: 0.2}\n")
+        self.assertIn("rods cannot be refined with the mesh", self.pliant("converge", "in.yaml", "--in", "space", status=2).stderr)
+        for message, text in cases.items():
+            with self.subTest(message):
+                self.write("in.yaml", text)
+                done = self.call("run", "in.yaml", ranks=2 if "up" in message else 1)
+                self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+                self.assertIn(message, done.stderr)
+                self.assertRegex(done.stderr, r"in\.yaml:\d+:\d+: ")
+
+
+if __name__ == "__main__":
+    unittest.main()
