@@ -27,21 +27,17 @@ void sum_over_ranks(const NodeLayout& layout, std::span<double> values, std::siz
   const Handle<Vec> v = make_vector(layout);
   for (std::size_t first = 0; first < width; first += 3) {
     const std::size_t count = std::min<std::size_t>(3, width - first);
-    const auto copy = [&](bool into_vector) {
+    const auto for_each_number = [&](const auto& f) {
       const GhostedView view(v.get());
       for (PetscInt n = 0; n < layout.num_local_nodes; ++n) {
-        for (std::size_t c = 0; c < count; ++c) {
-          double& here = values[width * n + first + c];
-          double& there = view.span()[3 * n + c];
-          into_vector ? there = here : here = there;
-        }
+        for (std::size_t c = 0; c < count; ++c) f(values[width * n + first + c], view.span()[3 * n + c]);
       }
     };
-    copy(true);
+    for_each_number([](const double& here, double& there) { there = here; });
     check(VecGhostUpdateBegin(v.get(), ADD_VALUES, SCATTER_REVERSE));
     check(VecGhostUpdateEnd(v.get(), ADD_VALUES, SCATTER_REVERSE));
     update_ghosts(v.get());
-    copy(false);
+    for_each_number([](double& here, const double& there) { here = there; });
   }
 }
 
@@ -53,7 +49,7 @@ PatchRecovery::PatchRecovery(const NodeLayout& layout, std::span<const int> body
   for (PetscInt cell = 0; cell < layout.num_local_cells; ++cell) {
     if (body_of_cell[cell] < 0) continue;
     for (const PetscInt n : layout.nodes_of_cell(cell).first(4)) {
-      if (n < layout.num_owned_nodes) cells_around[{n, body_of_cell[cell]}].push_back(cell);
+      if (n < layout.num_owned_nodes) cells_around[std::pair(n, body_of_cell[cell])].push_back(cell);
     }
   }
   for (const auto& [of, cells] : cells_around) {
@@ -70,7 +66,8 @@ PatchRecovery::PatchRecovery(const NodeLayout& layout, std::span<const int> body
     }
     const auto add = [&](std::vector<PetscInt>& more) {
       std::ranges::sort(more);
-      more.erase(std::ranges::unique(more).begin(), more.end());
+      const auto rest = std::ranges::unique(more);
+      more.erase(rest.begin(), rest.end());
       nodes_.insert(nodes_.end(), more.begin(), more.end());
     };
     add(on_edges);
