@@ -117,6 +117,7 @@ struct RodConfig {
   double density = 0.0;                       ///< [kg/m^3]
   double youngs_modulus = 0.0;                ///< [Pa]
   double poissons_ratio = 0.0;
+  double damping = 0.0;             ///< viscous resistance per stiffness [s]
   Located<std::string> start, end;  ///< what holds its first and last section: `ground`, a rigid body; empty: nothing
   Location where;
 

@@ -361,7 +361,7 @@ void Model::prepare(const Config& config) {
     if (tendon.friction && has_velocity) terms.push_back(tendon.friction.get());
   }
   for (const auto& term : springs_.terms) terms.push_back(term.get());
-  for (const EnergyTerm* term : rods_.terms()) terms.push_back(term);
+  for (const EnergyTerm* term : rods_.terms(analysis != Analysis::static_equilibrium)) terms.push_back(term);
   for (const ModelCoupling& coupling : couplings_) terms.push_back(coupling.term.get());
   for (const LocatedTerm& load : loads_->terms()) terms.push_back(load.term.get());
   if (contacts_) {

@@ -1,6 +1,7 @@
 #include "model/rods.hpp"
 
 #include "energy/load/spring.hpp"
+#include "energy/rod/rod_viscosity.hpp"
 #include "fem/probe.hpp"
 #include "mesh/rod_chain.hpp"
 #include "petsc/collective.hpp"
@@ -73,7 +74,7 @@ std::size_t append(const RodConfig& rod, const RodChain& chain, MassKind kind, P
     return std::array{0.0, rod.density * I_1 * length, rod.density * I_2 * length};
   };
   const auto add_vertex = [&](double length) {
-    parts.vertices.push_back({parts.segments.size() - 1, length, {E * I_1, E * I_2}, G * section.torsion});
+    parts.vertices.push_back({parts.segments.size() - 1, length, {E * I_1, E * I_2}, G * section.torsion, rod.damping});
   };
   std::vector<double> lengths;
   for (const CornerPlaces& corners : chain.segments) {
@@ -90,7 +91,7 @@ std::size_t append(const RodConfig& rod, const RodChain& chain, MassKind kind, P
     double turning = l;  // whose rotary inertia is its own
     if (s == 0 && chain.ends[0]) turning -= part_of_section * l;
     if (s + 1 == lengths.size() && chain.ends[1]) turning -= part_of_section * l;
-    RodSegment segment{places(chain.segments[s]), l, E * section.area, 0.0, mass, rotary(turning)};
+    RodSegment segment{places(chain.segments[s]), l, E * section.area, 0.0, mass, rotary(turning), rod.damping};
     segment.distortion = std::min(segment.axial, distortion_by_bending * E * (I_1 + I_2) / (l * l));
     segment.second_moments[0] = mass * l * l / (kind == MassKind::lumped ? 4.0 : 12.0);
     if (s > 0) add_vertex(0.5 * (lengths[s - 1] + l));
@@ -262,6 +263,9 @@ ModelRods make_rods(const Config& config, const Mesh& mesh, const NodeLayout& la
     is_segment.push_back(body >= 0 && config.bodies[static_cast<std::size_t>(body)].is_rod ? 1 : 0);
   }
   result.term = std::make_unique<Rods>(layout, is_segment, std::move(parts.segments), std::move(parts.vertices));
+  if (std::ranges::any_of(config.rods, [](const RodConfig& rod) { return rod.damping > 0.0; })) {
+    result.viscosity = std::make_unique<RodViscosity>(*result.term);
+  }
   for (ModelRod& rod : result.rods) {
     rod.points = axis_of(*result.term, layout, rod.first_segment, rod.num_segments());
   }

@@ -30,8 +30,11 @@ struct ModelRods {
   std::unique_ptr<Rods> term;        ///< of all of them; nullptr: there are none
   std::unique_ptr<EnergyTerm> bond;  ///< add_bond; nullptr: none
 
-  std::vector<const EnergyTerm*> terms() const {
+  std::unique_ptr<EnergyTerm> viscosity;  ///< nullptr: none
+
+  std::vector<const EnergyTerm*> terms(bool has_velocity) const {
     std::vector<const EnergyTerm*> result;
+    if (viscosity && has_velocity) result.push_back(viscosity.get());
     if (term) result.push_back(term.get());
     if (bond) result.push_back(bond.get());
     return result;

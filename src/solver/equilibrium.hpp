@@ -11,9 +11,9 @@
 namespace pliant {
 
 /// Without inertia there may be an equilibrium but no minimum nearby. The search makes one attempt after another until
-/// one converges: a few iterations of Newton's method to a nearby minimum; where bodies are slender, a few whole steps to
-/// a stable equilibrium, whether or not they lower the potential; a few to any nearby equilibrium, on the residual and
-/// regardless of the signs of the Hessian's eigenvalues; and, if shorter steps do not help, a descent to a distant
+/// one converges: a few iterations of Newton's method to a nearby minimum; where bodies are slender, a few whole steps
+/// to a stable equilibrium, whether or not they lower the potential; a few to any nearby equilibrium, on the residual
+/// and regardless of the signs of the Hessian's eigenvalues; and, if shorter steps do not help, a descent to a distant
 /// minimum, to which the body snaps. The attempt that found the previous equilibrium is made first.
 ///
 /// Invariants:

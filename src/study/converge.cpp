@@ -407,9 +407,10 @@ std::vector<Config> read_configs(MPI_Comm comm, const std::string& file, const s
       throw InputError(config.time.method.where, "a static problem has no convergence in time; use --in space");
     }
     if (options.refine == Refine::space && !config.rods.empty()) {
-      throw InputError(config.rods.front().where,
-                       "rods cannot be refined with the mesh: run the input with other `segments` or `size`, and compare "
-                       "what the histories end with");
+      throw InputError(
+          config.rods.front().where,
+          "rods cannot be refined with the mesh: run the input with other `segments` or `size`, and compare "
+          "what the histories end with");
     }
     if (options.refine == Refine::tolerance && !config.time.adaptive) {
       throw InputError(config.time.method.where, "a study by tolerance needs `adaptive` in time");

@@ -82,7 +82,8 @@ TEST(Dump, SpellsOutEveryKeyOfTheTable) {
        "tension_only: false}]"},
       {"rods",
        "[{name: p, points: [[0, 0, 0], [1, 0, 0]], segments: 2, radius: 1, density: 1, youngs_modulus: 1, "
-       "poissons_ratio: 0, start: ground, end: r}, {name: w, points: [[0, 0, 0], [1, 0, 0]], size: 1, section: {width: "
+       "poissons_ratio: 0, damping: 1, start: ground, end: r}, {name: w, points: [[0, 0, 0], [1, 0, 0]], size: 1, "
+       "section: {width: "
        "1, height: 1, up: [0, 0, 1], torsion_constant: 1}, density: 1, youngs_modulus: 1, poissons_ratio: 0}, {name: "
        "x, "
        "curve: c, radius: 1, density: 1, youngs_modulus: 1, poissons_ratio: 0}]"}};

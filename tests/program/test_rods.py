@@ -101,6 +101,28 @@ probes: [{{name: tip, point: [1, 0, 0]}}]
         self.assertLess(abs(errors[-1][0]), 2e-3)
         self.assertLess(abs(errors[1][0]), abs(errors[0][0]) / 3)
 
+    def test_damping(self):
+        # Vibrations along a rod: the first mode of a clamped bar, with the damping ratio damping w / 2.
+        E, rho, damping = 1e6, 1000.0, 2e-3
+        omega = np.pi / 2 * np.sqrt(E / rho)
+        text = f"""rods: [{{name: bar, points: [[0, 0, 0], [1, 0, 0]], segments: 20, radius: 0.01, density: {rho}, youngs_modulus: {E},
+  poissons_ratio: 0.3, damping: {damping}, start: ground}}]
+initial: {{velocity: ["1e-3*sin(1.5707963268*x)", 0, 0]}}
+probes: [{{name: tip, point: [1, 0, 0]}}]
+solver: {{newton: {{relative: 1e-11}}}}
+"""
+        h = self.solve(text, f"method: dirk33, step: {0.02 / omega}, end: {12 / omega}")
+        decay = damping * omega**2 / 2
+        wave = np.sqrt(omega**2 - decay**2)
+        expected = 1e-3 / wave * np.exp(-decay * h["time"]) * np.sin(wave * h["time"])
+        np.testing.assert_allclose(h["tip_x"] - 1, expected, atol=6e-3 * 1e-3 / wave)
+        self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-8 * h["kinetic_energy"][0])
+        np.testing.assert_allclose(h["dissipated_rod_viscosity"][-1], h["kinetic_energy"][0] - h["kinetic_energy"][-1] - h["elastic_energy"][-1],
+                                   rtol=1e-3)
+        self.write("in.yaml", SHAKEN.replace("poissons_ratio: 0.3", "poissons_ratio: 0.3\n    damping: 2 ms")
+                   + "time: {method: bdf2, step: 2 ms, end: 0.1, startup: dirk33}\n")
+        self.pliant("converge", "in.yaml", "--in", "time", "--levels", "3", "--methods", ",".join(swept(("bdf2", "dirk22", "dirk33"), ("dirk22",))))
+
     def test_natural_curvature_is_kept(self):
         # An arc is without force, and stays where it is.
         angles = np.linspace(0, 2, 9)

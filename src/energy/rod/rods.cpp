@@ -1,7 +1,6 @@
 #include "energy/rod/rods.hpp"
 
 #include "base/compensated_sum.hpp"
-#include "energy/rod/rod_stencil.hpp"
 #include "fem/straight_cell.hpp"
 
 #include <algorithm>
@@ -75,11 +74,6 @@ std::array<SecondOrder<per_vertex>, 3> strains_of_frames(const Frames& x) {
 }
 
 }  // namespace
-
-struct Rods::Seen final : PairFeatures {
-  std::vector<SegmentNodes> segments;                 // with a node of this rank, or next to one
-  std::vector<std::array<SegmentNodes, 2>> vertices;  // of which this rank sees both segments
-};
 
 Rods::Rods(const NodeLayout& layout, std::span<const char> is_segment, std::vector<RodSegment> segments,
            std::vector<RodVertex> vertices)
@@ -291,51 +285,58 @@ double Rods::energy_at(const Instant& at, std::span<const double> q, std::span<c
   return sum.total();
 }
 
+Rods::Stencil<3, 4, 6> Rods::stencil(const SegmentNodes& segment, std::span<const double> q,
+                                     std::span<const double> from) const {
+  const Frame& frame = frames_[segment.number];
+  const auto h = change_of_columns(segment, q);
+  Stencil<3, 4, 6> result{stencil_of_segment(segment.nodes, frame.weights), {}, {}, stiffness_of(segment)};
+  std::array<Vector3<SecondOrder<per_segment>>, 3> columns;
+  for (std::size_t i = 0; i < 3; ++i) columns[i] = variables<per_segment>(h[i], 3 * i);
+  result.strains = stretch_and_distortion(frame.axes, columns);
+  for (double& r : result.resistance) r *= segments_[segment.number].damping;
+  if (from.empty()) return result;
+  const auto before = change_of_columns(segment, from);
+  for (std::size_t i = 0; i < per_segment; ++i) result.change[i] = h[i / 3][i % 3] - before[i / 3][i % 3];
+  return result;
+}
+
+Rods::Stencil<4, 8, 3> Rods::stencil(const std::array<SegmentNodes, 2>& vertex, std::span<const double> q,
+                                     std::span<const double> from) const {
+  const Frame &a = frames_[vertex[0].number], &b = frames_[vertex[1].number];
+  const auto frames_at = [&](std::span<const double> u) {
+    const auto h = change_of_columns(vertex[0], u), k = change_of_columns(vertex[1], u);
+    return Frames{a.axes[0] + h[0], a.axes[1] + h[1], b.axes[0] + k[0], b.axes[1] + k[1]};
+  };
+  const auto number = static_cast<std::size_t>(vertex_after_[vertex[0].number]);
+  const Frames x = frames_at(q);
+  Stencil<4, 8, 3> result{stencil_of_vertex({vertex[0].nodes, vertex[1].nodes}, {&a.weights, &b.weights}),
+                          {},
+                          strains_of_frames(x),
+                          stiffness_of(number)};
+  for (double& r : result.resistance) r *= vertices_[number].damping;
+  if (from.empty()) return result;
+  const Frames before = frames_at(from);
+  for (std::size_t i = 0; i < per_vertex; ++i) result.change[i] = x[i / 3][i % 3] - before[i / 3][i % 3];
+  return result;
+}
+
 // Straight steps of slender rods stretch them much more than the solution does. Forces extrapolated along the last step
 // keep that out of the Hessian (Magisano, Leonetti & Garcea 2017).
 StrainEnergy<9> Rods::derivatives_of(const SegmentNodes& segment, std::span<const double> q,
                                      std::span<const double> previous) const {
-  using Columns = std::array<Vector3<double>, 3>;
-  const auto strains_at = [&](const Columns& h) {
-    std::array<Vector3<SecondOrder<per_segment>>, 3> columns;
-    for (std::size_t i = 0; i < 3; ++i) columns[i] = variables<per_segment>(h[i], 3 * i);
-    return stretch_and_distortion(frames_[segment.number].axes, columns);
-  };
-  const Columns h = change_of_columns(segment, q);
-  const auto strains = strains_at(h);
-  auto of_forces = values_of(strains);
-  if (!previous.empty()) {
-    const Columns before = change_of_columns(segment, previous);
-    std::array<double, per_segment> change;
-    for (std::size_t i = 0; i < per_segment; ++i) change[i] = h[i / 3][i % 3] - before[i / 3][i % 3];
-    of_forces = extrapolated(strains_at(before), change);
-  }
-  return derivatives(strains, {}, stiffness_of(segment), of_forces);
+  const auto strains = stencil(segment, q, previous);
+  auto of_forces = values_of(strains.strains);
+  if (!previous.empty()) of_forces = extrapolated(stencil(segment, previous, {}).strains, strains.change);
+  return derivatives(strains.strains, {}, stiffness_of(segment), of_forces);
 }
 
 StrainEnergy<12> Rods::derivatives_of(const std::array<SegmentNodes, 2>& vertex, std::span<const double> q,
                                       std::span<const double> previous) const {
-  const auto frames_at = [&](std::span<const double> u) {
-    Frames x;
-    for (std::size_t side = 0; side < 2; ++side) {
-      const auto h = change_of_columns(vertex[side], u);
-      const auto& axes = frames_[vertex[side].number].axes;
-      x[2 * side] = axes[0] + h[0];
-      x[2 * side + 1] = axes[1] + h[1];
-    }
-    return x;
-  };
+  const auto strains = stencil(vertex, q, previous);
+  auto of_forces = values_of(strains.strains);
+  if (!previous.empty()) of_forces = extrapolated(stencil(vertex, previous, {}).strains, strains.change);
   const auto number = static_cast<std::size_t>(vertex_after_[vertex[0].number]);
-  const Frames x = frames_at(q);
-  const auto strains = strains_of_frames(x);
-  auto of_forces = values_of(strains);
-  if (!previous.empty()) {
-    const Frames before = frames_at(previous);
-    std::array<double, per_vertex> change;
-    for (std::size_t i = 0; i < per_vertex; ++i) change[i] = x[i / 3][i % 3] - before[i / 3][i % 3];
-    of_forces = extrapolated(strains_of_frames(before), change);
-  }
-  return derivatives(strains, rest_of_derivatives_[number], stiffness_of(number), of_forces);
+  return derivatives(strains.strains, rest_of_derivatives_[number], stiffness_of(number), of_forces);
 }
 
 void Rods::add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const {

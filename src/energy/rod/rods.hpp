@@ -1,6 +1,7 @@
 /// Slender rods: stretch, bending and twist of chains of segments (discrete elastic rods).
 #pragma once
 
+#include "energy/rod/rod_stencil.hpp"
 #include "energy/rod/rod_strains.hpp"
 #include "energy/term.hpp"
 #include "energy/volume/affine_bodies.hpp"
@@ -25,6 +26,7 @@ struct RodSegment {
   double distortion = 0.0;                   ///< stiffness against distortions of the frame [N]
   double mass = 0.0;                         ///< [kg]
   std::array<double, 3> second_moments{};    ///< int X_i^2 dm along the axes of the frame, about the centre [kg m^2]
+  double damping = 0.0;                      ///< viscous resistance per stiffness [s]
 };
 
 /// Where two segments meet: the one before and the one after, in the order of the rod.
@@ -33,6 +35,7 @@ struct RodVertex {
   double length = 0.0;              ///< half of both segments' lengths [m]
   std::array<double, 2> bending{};  ///< E I of bending in the planes of t and d_1, and of t and d_2 [N m^2]
   double torsion = 0.0;             ///< G J [N m^2]
+  double damping = 0.0;             ///< viscous resistance per stiffness [s]
 };
 
 /// All rods of a model. Their energy is
@@ -86,6 +89,7 @@ class Rods final : public EnergyTerm, public PairCoupling {
   double tension(const SegmentNodes& of, std::span<const double> u) const;
 
  private:
+  friend class RodViscosity;
   /// The axes of a segment's frame at rest, and how its columns follow from displacements: h_i = sum_a w_ai u_a.
   struct Frame {
     std::array<Vector3<double>, 3> axes{};
@@ -100,7 +104,10 @@ class Rods final : public EnergyTerm, public PairCoupling {
   void add_middles(std::span<const PetscInt> nodes, std::span<const char> is_others, double stiffness);
   /// u of the middle without the mean of the ends'.
   static Vector3<double> offset(const Middle& middle, std::span<const double> q);
-  struct Seen;
+  struct Seen final : PairFeatures {
+    std::vector<SegmentNodes> segments;                 // with a node of this rank, or next to one
+    std::vector<std::array<SegmentNodes, 2>> vertices;  // of which this rank sees both segments
+  };
   static const Seen& seen(const NearPatches* near);
 
   std::array<Vector3<double>, 3> change_of_columns(const SegmentNodes& of, std::span<const double> q) const;
@@ -113,6 +120,19 @@ class Rods final : public EnergyTerm, public PairCoupling {
                                  std::span<const double> previous = {}) const;
   StrainEnergy<12> derivatives_of(const std::array<SegmentNodes, 2>& vertex, std::span<const double> q,
                                   std::span<const double> previous = {}) const;
+
+  /// The nodes of a segment or a vertex, the change of its variables since `from`, its strains at q, and viscous
+  /// resistances to their rates.
+  template <std::size_t Vectors, std::size_t Nodes, std::size_t Strains>
+  struct Stencil {
+    std::array<StencilNode<Vectors>, Nodes> nodes;
+    std::array<double, 3 * Vectors> change;
+    std::array<SecondOrder<3 * Vectors>, Strains> strains;
+    std::array<double, Strains> resistance;
+  };
+  Stencil<3, 4, 6> stencil(const SegmentNodes& segment, std::span<const double> q, std::span<const double> from) const;
+  Stencil<4, 8, 3> stencil(const std::array<SegmentNodes, 2>& vertex, std::span<const double> q,
+                           std::span<const double> from) const;
 
   PetscInt num_owned_nodes_;
   std::vector<RodSegment> segments_;

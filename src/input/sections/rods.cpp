@@ -71,6 +71,10 @@ Section<RodConfig> rod_keys() {
           field("poissons_ratio", &R::poissons_ratio, quantity("1", {-1.0, 0.5, Range::Ends::high_included}),
                 "Poisson's ratio")
               .required(),
+          field(
+              "damping", &R::damping, quantity("s", Range::at_least(0)),
+              "viscosity: resistance to rates of stretch, bending and twist, as this time multiplied by the stiffness")
+              .otherwise("0"),
           field("start", &R::start, text(), "in what its section at the first point" + holder)
               .otherwise_in_words("in nothing: it is free")
               .left_out_if([](const R& rod) { return rod.start.value.empty(); }),

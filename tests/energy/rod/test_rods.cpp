@@ -1,6 +1,6 @@
 // Rods: derivatives, digits, objectivity, masses, and the same numbers on every number of ranks.
 #include "energy/equation/incremental_potential.hpp"
-#include "energy/rod/rods.hpp"
+#include "energy/rod/rod_viscosity.hpp"
 #include "energy/solid.hpp"
 #include "fem/cells.hpp"
 #include "mesh/rod_chain.hpp"
@@ -22,10 +22,13 @@ const std::vector<std::array<double, 3>> curve{{0.0, 0.0, 0.0}, {0.3, 0.0, 0.1},
                                                {0.6, 0.5, 0.1}, {0.4, 0.7, 0.3}, {0.1, 0.8, 0.2}};
 constexpr double mass_of_segment = 2.0;
 
+/// Which of its terms acts.
+enum class Acts { elasticity, viscosity };
+
 /// A bent rod whose first section is held: segment 0 is that section.
 class BentRod {
  public:
-  explicit BentRod(MPI_Comm comm, int order = 1) {
+  explicit BentRod(MPI_Comm comm, int order = 1, Acts acts = Acts::elasticity) {
     AddedRod rod;
     rod.name = "rod";
     rod.points = curve;
@@ -49,20 +52,26 @@ class BentRod {
       segment.distortion = 20.0;
       segment.mass = mass_of_segment;
       segment.second_moments = {0.01, 0.003, 0.002};
+      segment.damping = 0.02;
     };
     add(*chain.ends[0], 0.0);
     for (const CornerPlaces& corners : chain.segments) {
       add(corners, norm(Vector3<double>(corners[1]) - Vector3<double>(corners[0])));
-      vertices.push_back({segments.size() - 2, 0.1 + 0.05 * static_cast<double>(vertices.size()), {1.3, 0.7}, 0.9});
+      vertices.push_back(
+          {segments.size() - 2, 0.1 + 0.05 * static_cast<double>(vertices.size()), {1.3, 0.7}, 0.9, 0.03});
     }
     const std::vector<char> is_segment(static_cast<std::size_t>(layout_.num_local_cells), 1);
     term_ = std::make_unique<Rods>(layout_, is_segment, std::move(segments), std::move(vertices));
     const std::vector<char> prescribed(3 * static_cast<std::size_t>(layout_.num_local_nodes), 0);
     prescribed_ = prescribed;
-    potential_ = std::make_unique<IncrementalPotential>(layout_, *pattern_, std::vector<const EnergyTerm*>{term_.get()},
-                                                        prescribed_);
+    viscosity_ = std::make_unique<RodViscosity>(*term_);
+    const EnergyTerm* acting =
+        acts == Acts::elasticity ? static_cast<const EnergyTerm*>(term_.get()) : viscosity_.get();
+    potential_ =
+        std::make_unique<IncrementalPotential>(layout_, *pattern_, std::vector<const EnergyTerm*>{acting}, prescribed_);
     q0_ = potential_->make_vector();
     v0_ = potential_->make_vector();
+    if (acts == Acts::viscosity) check(VecCopy(rough(0.03, 2.2).get(), q0_.get()));
     stage_.dt = 0.1;
     stage_.q0 = q0_.get();
     stage_.v0 = v0_.get();
@@ -86,6 +95,8 @@ class BentRod {
     });
   }
   IncrementalPotential& potential() { return *potential_; }
+  Vec start() const { return q0_.get(); }
+  double dt() const { return stage_.dt; }
   const Rods& term() const { return *term_; }
   const NodeLayout& layout() const { return layout_; }
   const BlockPattern& pattern() const { return *pattern_; }
@@ -95,6 +106,7 @@ class BentRod {
   NodeLayout layout_;
   std::unique_ptr<BlockPattern> pattern_;
   std::unique_ptr<Rods> term_;
+  std::unique_ptr<RodViscosity> viscosity_;
   std::vector<char> prescribed_;
   std::unique_ptr<IncrementalPotential> potential_;
   Handle<Vec> q0_, v0_;
@@ -153,6 +165,31 @@ TEST_P(RodTerm, DerivativesAreThoseOfDifferences) {
     check(VecAXPY(after.get(), -1.0, y.get()));
     EXPECT_LT(size(after.get()), 1e-7 * size(y.get())) << amount;
   }
+}
+
+TEST_P(RodTerm, ViscosityHasTheHessianOfItsForcesAndDissipatesTheirPower) {
+  BentRod rod(MPI_COMM_WORLD, GetParam(), Acts::viscosity);
+  IncrementalPotential& potential = rod.potential();
+  constexpr double h = 1e-6;
+  const Handle<Vec> q = rod.rough(0.06, 0.3), d = rod.rough(1.0, 1.1);
+  const Handle<Vec> ahead = moved(q.get(), h, d.get()), behind = moved(q.get(), -h, d.get());
+  const Handle<Vec> r = potential.make_vector(), before = potential.make_vector(), after = potential.make_vector(),
+                    y = potential.make_vector();
+  const Handle<Mat> K = potential.make_hessian();
+  potential.hessian(q.get(), K.get(), Projection::none);
+  check(MatMult(K.get(), d.get(), y.get()));
+  potential.gradient(ahead.get(), after.get());
+  potential.gradient(behind.get(), before.get());
+  check(VecAXPY(after.get(), -1.0, before.get()));
+  check(VecScale(after.get(), 0.5 / h));
+  ASSERT_GT(size(y.get()), 0.1);
+  check(VecAXPY(after.get(), -1.0, y.get()));
+  EXPECT_LT(size(after.get()), 1e-7 * size(y.get()));
+  const Handle<Vec> v = moved(q.get(), -1.0, rod.start());
+  check(VecScale(v.get(), 1.0 / rod.dt()));
+  const TermPower power = potential.accounts().powers(q.get(), v.get(), r.get()).back();
+  EXPECT_GT(power.dissipated, 0.01);
+  EXPECT_NEAR(-power.exerted, power.dissipated, 1e-11 * power.dissipated);
 }
 
 TEST_P(RodTerm, ProjectedHessianIsPositiveSemidefinite) {
