@@ -99,14 +99,16 @@ struct TendonConfig {
   Location where;
 };
 
+/// A section of a rod.
+struct Rectangle {
+  double width = 0.0;             ///< across `up` [m]
+  double height = 0.0;            ///< along `up` [m]
+  std::array<double, 3> up{};     ///< of any length
+  std::optional<double> torsion;  ///< constant J [m^4]; none: that of the rectangle
+};
+
 /// A slender elastic rod.
 struct RodConfig {
-  struct Rectangle {
-    double width = 0.0;             ///< across `up` [m]
-    double height = 0.0;            ///< along `up` [m]
-    std::array<double, 3> up{};     ///< of any length
-    std::optional<double> torsion;  ///< constant J [m^4]; none: that of the rectangle
-  };
   std::string name;
   std::vector<std::array<double, 3>> points;  ///< along it [m]; empty: the nodes of `curve`
   std::string curve;                          ///< physical group; empty: none

@@ -5,8 +5,8 @@
 namespace pliant {
 namespace {
 
-Section<RodConfig::Rectangle> rectangle_keys() {
-  using R = RodConfig::Rectangle;
+Section<Rectangle> rectangle_keys() {
+  using R = Rectangle;
   return {{
       field("width", &R::width, quantity("m", Range::above(0)), "side across `up`").required(),
       field("height", &R::height, quantity("m", Range::above(0)), "side along `up`").required(),
@@ -19,22 +19,22 @@ Section<RodConfig::Rectangle> rectangle_keys() {
 }
 
 /// `circle`, or the sides of a rectangle.
-Format<std::optional<RodConfig::Rectangle>> section() {
+Format<std::optional<Rectangle>> section() {
   const auto circle = choice({"circle"});
-  const Format<RodConfig::Rectangle> rectangle = map_of(rectangle_keys());
-  Format<std::optional<RodConfig::Rectangle>> format{"`circle`, with `radius`, or `{width: .., height: .., up: [..]}`",
-                                                     either_schema(circle.schema, rectangle.schema),
-                                                     {},
-                                                     {},
-                                                     rectangle.children,
-                                                     rectangle.groups};
+  const Format<Rectangle> rectangle = map_of(rectangle_keys());
+  Format<std::optional<Rectangle>> format{"`circle`, with `radius`, or `{width: .., height: .., up: [..]}`",
+                                          either_schema(circle.schema, rectangle.schema),
+                                          {},
+                                          {},
+                                          rectangle.children,
+                                          rectangle.groups};
   format.read = [circle, rectangle](const InputNode& node, const std::string& name, Diagnostics& diagnostics,
-                                    std::optional<RodConfig::Rectangle>& into) {
+                                    std::optional<Rectangle>& into) {
     if (node.kind == InputNode::Kind::map) return rectangle.read(node, name, diagnostics, into.emplace());
     std::string word;
     return circle.read(node, name, diagnostics, word);
   };
-  format.write = [rectangle](const std::optional<RodConfig::Rectangle>& from) {
+  format.write = [rectangle](const std::optional<Rectangle>& from) {
     return from ? rectangle.write(*from) : InputNode::scalar("circle");
   };
   return format;
