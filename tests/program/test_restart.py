@@ -14,7 +14,7 @@ import unittest
 import h5py
 import numpy as np
 
-from program import LONG, ProgramTest, finish, long_test, ranks_of, read_history, start, swept, write_box
+from program import LONG, ProgramTest, box, finish, long_test, ranks_of, read_history, start, swept, write_box, write_mesh
 
 METHODS = ("backward-euler", "bdf2", "bdf3", "dirk22", "dirk23", "dirk33", "implicit-midpoint", "symplectic-dirk22")
 ADAPTIVE = ("bdf3", "dirk23", "dirk33")  # each estimates its error in another way
@@ -119,15 +119,25 @@ class Continuation(RestartTest):
             "contact": ("contact={obstacles: [{name: floor, friction: 0.4, shape: plane, point: [0, 0, -2 mm], normal: [0, 0, 1]}]}",
                         "constraints=[]", "initial={velocity: [1, 0, -0.5]}", "time.end=0.06"),
             "HDF5 mesh": ("mesh.file=box.h5", "time.end=0.06"),
+            # On three ranks one of them has tensors alone, another single numbers alone.
+            "two memories": ("mesh.file=two.msh", "time.end=0.06",
+                             "bodies=[{volume: near, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 50 kPa, "
+                             "poissons_ratio: 0.3}, viscosity: [{model: maxwell, shear_modulus: 10 kPa, relaxation_time: 20 ms}]}, "
+                             "{volume: far, density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 50 kPa, "
+                             "poissons_ratio: 0.3}, mullins: {r: 2, m: 10}}]"),
         }
         elastic = "bodies=[{density: 1000, elasticity: {model: linear, youngs_modulus: 50 kPa, poissons_ratio: 0.3}}]"
         cases |= {f"PETSc's {name}": (f"time.method={{petsc: {name}}}", "time.end=0.06", elastic)
                   for name in ("alpha2", "bdf", "arkimex")}
         done = self.call("mesh", "convert", "box.msh", "box.h5")
         self.assertEqual(done.returncode, 0, done.stderr)
+        points, sides, cells = box((6, 1, 1), (0.5, 0.1, 0.1))
+        write_mesh(self.directory / "two.msh", points, sides, cells,
+                   (["near", "far"], (points[cells].mean(axis=1)[:, 0] > 0.25).astype(int)))
+        on_other_ranks = {"events": 2, "mixed": 3, "contact": 2, "two memories": 3}
         for number, (name, settings) in enumerate(cases.items()):
             with self.subTest(name):
-                self.check_steps(*settings, ranks=2 + number % 2 if LONG or name in ("events", "mixed", "contact") else None)
+                self.check_steps(*settings, ranks=on_other_ranks.get(name, 2 + number % 2 if LONG else None))
 
     def check_steps(self, *settings, ranks=None):
         """From the first of two checkpoints, on one rank to the last bit, on others to the accuracy of the solver."""

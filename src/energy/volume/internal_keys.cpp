@@ -18,8 +18,9 @@ constexpr std::int64_t most_components = 8;
 }  // namespace
 
 int internal_components(std::span<const EnergyTerm* const> terms) {
-  const bool have_numbers = std::ranges::any_of(
-      terms, [](const EnergyTerm* term) { return term->num_internal() > 0 && term->internal_components() == 1; });
+  // Not whether this rank has such entries: all ranks write and read rows of one width.
+  const bool have_numbers =
+      std::ranges::any_of(terms, [](const EnergyTerm* term) { return term->internal_components() == 1; });
   return have_numbers ? 1 : num_symmetric;
 }
 
