@@ -56,13 +56,32 @@ inline constexpr std::array<OutputFieldInfo, 23> output_fields{{
     {"contact_slip", FieldShape::vector},
 }};
 
+/// The first columns of every history, in this order.
+inline constexpr std::array<std::string_view, 17> first_columns{"step",
+                                                                "time",
+                                                                "dt",
+                                                                "newton_iterations",
+                                                                "linear_iterations",
+                                                                "kinetic_energy",
+                                                                "elastic_energy",
+                                                                "load_potential",
+                                                                "dissipated_energy",
+                                                                "load_work",
+                                                                "energy_balance_error",
+                                                                "px",
+                                                                "py",
+                                                                "pz",
+                                                                "Lx",
+                                                                "Ly",
+                                                                "Lz"};
+
 /// A field, or a component of one: displacement, displacement_z.
 struct FieldComponent {
   OutputFieldInfo field;
   std::optional<int> component;  ///< empty: all of them
 };
 
-/// What the name stands for; nothing if there is no such field.
+/// What the name stands for; nothing if no field is called so.
 std::optional<FieldComponent> field_component(std::string_view name);
 
 /// Names of fields, and of their components too.

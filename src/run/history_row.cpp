@@ -1,5 +1,6 @@
 #include "run/history_row.hpp"
 
+#include "input/output_fields.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/ghosted.hpp"
 
@@ -26,23 +27,7 @@ HistoryRow::HistoryRow(const Config& config, Model& model, const Ledger& ledger)
       v_(make_vector(model.layout())) {}
 
 std::vector<std::string> HistoryRow::names_of_columns(const Config& config, const Ledger& ledger) const {
-  std::vector<std::string> names{"step",
-                                 "time",
-                                 "dt",
-                                 "newton_iterations",
-                                 "linear_iterations",
-                                 "kinetic_energy",
-                                 "elastic_energy",
-                                 "load_potential",
-                                 "dissipated_energy",
-                                 "load_work",
-                                 "energy_balance_error",
-                                 "px",
-                                 "py",
-                                 "pz",
-                                 "Lx",
-                                 "Ly",
-                                 "Lz"};
+  std::vector<std::string> names(first_columns.begin(), first_columns.end());
   const Contacts* contacts = model_.contacts();
   const auto add_columns = [&](Kind kind, const std::array<const char*, 3>& suffixes) {
     if (contacts == nullptr) return;

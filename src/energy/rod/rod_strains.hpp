@@ -5,39 +5,43 @@
 #include "base/vector3.hpp"
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 namespace pliant {
 
-/// A quadratic energy 1/2 sum_k c_k (s_k - s0_k)^2 of M strains s that depend on N numbers: its derivatives. The forces
-/// c_k (s_k - s0_k) in the Hessian are those at `extrapolated` strains, which may differ from s.
-template <std::size_t N>
-struct StrainEnergy {
+/// The gradient of a quadratic energy 1/2 sum_k c_k (s_k - s0_k)^2 of M strains s that depend on N numbers.
+template <std::size_t N, std::size_t M, int order>
+std::array<double, N> gradient_of(const std::array<Differentiated<N, order>, M>& strains,
+                                  const std::array<double, M>& rest, const std::array<double, M>& stiffness) {
   std::array<double, N> gradient{};
-  std::array<double, N * N> hessian{};  ///< by rows
-};
+  for (std::size_t k = 0; k < M; ++k) {
+    const double force = stiffness[k] * (strains[k].value - rest[k]);
+    for (std::size_t i = 0; i < N; ++i) gradient[i] += force * strains[k].slope[i];
+  }
+  return gradient;
+}
 
+/// Its Hessian, by rows, with the forces c_k (s_k - s0_k) of other strains, `of_forces`, in the place of s.
 template <std::size_t N, std::size_t M>
-StrainEnergy<N> derivatives(const std::array<SecondOrder<N>, M>& strains, const std::array<double, M>& rest,
-                            const std::array<double, M>& stiffness, const std::array<double, M>& extrapolated) {
-  StrainEnergy<N> result;
+std::array<double, N * N> hessian_of(const std::array<SecondOrder<N>, M>& strains, const std::array<double, M>& rest,
+                                     const std::array<double, M>& stiffness, const std::array<double, M>& of_forces) {
+  std::array<double, N * N> hessian{};
   for (std::size_t k = 0; k < M; ++k) {
     const SecondOrder<N>& s = strains[k];
-    const double c = stiffness[k], force = c * (s.value - rest[k]),
-                 extrapolated_force = c * (extrapolated[k] - rest[k]);
+    const double force = stiffness[k] * (of_forces[k] - rest[k]);
     for (std::size_t i = 0; i < N; ++i) {
-      result.gradient[i] += force * s.slope[i];
-      for (std::size_t j = 0; j < N; ++j) {
-        result.hessian[N * i + j] += c * s.slope[i] * s.slope[j] + extrapolated_force * s.bend_of(i, j);
-      }
+      const double slope = stiffness[k] * s.slope[i];
+      for (std::size_t j = 0; j < N; ++j) hessian[N * i + j] += slope * s.slope[j] + force * s.bend_of(i, j);
     }
   }
-  return result;
+  return hessian;
 }
 
 /// s + ds/dx dx: strains extrapolated along a change dx of what they depend on.
-template <std::size_t N, std::size_t M>
-std::array<double, M> extrapolated(const std::array<SecondOrder<N>, M>& strains, const std::array<double, N>& change) {
+template <std::size_t N, std::size_t M, int order>
+std::array<double, M> extrapolated(const std::array<Differentiated<N, order>, M>& strains,
+                                   const std::array<double, N>& change) {
   std::array<double, M> result;
   for (std::size_t k = 0; k < M; ++k) {
     result[k] = strains[k].value;
@@ -46,8 +50,8 @@ std::array<double, M> extrapolated(const std::array<SecondOrder<N>, M>& strains,
   return result;
 }
 
-template <std::size_t N, std::size_t M>
-std::array<double, M> values_of(const std::array<SecondOrder<N>, M>& strains) {
+template <std::size_t N, std::size_t M, int order>
+std::array<double, M> values_of(const std::array<Differentiated<N, order>, M>& strains) {
   return extrapolated(strains, {});
 }
 
@@ -93,22 +97,47 @@ std::array<T, 3> bending_and_twist(const RodFrame<T>& a, const RodFrame<T>& b) {
 
 /// Strains within a segment: the stretch |t| - 1 and the distortions t.d1, t.d2, d1.d2, (|d1|^2 - 1)/2, (|d2|^2 - 1)/2
 /// of its columns t, d1, d2 = axes + h, which are orthonormal at rest; small ones keep their digits.
-template <class T>
-std::array<T, 6> stretch_and_distortion(const std::array<Vector3<double>, 3>& axes,
-                                        const std::array<Vector3<T>, 3>& h) {
-  using std::sqrt;
+inline std::array<double, 6> stretch_and_distortion(const std::array<Vector3<double>, 3>& axes,
+                                                    const std::array<Vector3<double>, 3>& h) {
   const auto product = [&](std::size_t i, std::size_t j) {
-    T sum = dot(h[i], h[j]);
-    for (std::size_t c = 0; c < 3; ++c) sum = sum + axes[i][c] * h[j][c] + axes[j][c] * h[i][c];
-    return sum;
+    return dot(h[i], h[j]) + dot(axes[i], h[j]) + dot(axes[j], h[i]);
   };
-  const T square = product(0, 0);  // |t|^2 - 1
-  return {square / (T(1.0) + sqrt(T(1.0) + square)),
+  const double square = product(0, 0);  // |t|^2 - 1
+  return {square / (1.0 + std::sqrt(1.0 + square)),
           product(0, 1),
           product(0, 2),
           product(1, 2),
           0.5 * product(1, 1),
           0.5 * product(2, 2)};
+}
+
+/// The same with their derivatives by the nine components of h.
+template <int order>
+std::array<Differentiated<9, order>, 6> differentiated_stretch_and_distortion(
+    const std::array<Vector3<double>, 3>& axes, const std::array<Vector3<double>, 3>& h) {
+  const std::array<double, 6> values = stretch_and_distortion(axes, h);
+  const std::array columns{axes[0] + h[0], axes[1] + h[1], axes[2] + h[2]};
+  std::array<Differentiated<9, order>, 6> strains;
+  for (std::size_t k = 0; k < 6; ++k) strains[k].value = values[k];
+  const double length = 1.0 + values[0];
+  const Vector3<double> n = (1.0 / length) * columns[0];
+  for (std::size_t c = 0; c < 3; ++c) strains[0].slope[c] = n[c];
+  if constexpr (order == 2) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j <= i; ++j) strains[0].bend_at(i, j) = ((i == j ? 1.0 : 0.0) - n[i] * n[j]) / length;
+    }
+  }
+  constexpr std::array<std::array<std::size_t, 2>, 5> pairs{{{0, 1}, {0, 2}, {1, 2}, {1, 1}, {2, 2}}};
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const auto [i, j] = pairs[k];
+    const double part = i == j ? 0.5 : 1.0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      strains[k + 1].slope[3 * i + c] += part * columns[j][c];
+      strains[k + 1].slope[3 * j + c] += part * columns[i][c];
+      if constexpr (order == 2) strains[k + 1].bend_at(3 * j + c, 3 * i + c) = 1.0;
+    }
+  }
+  return strains;
 }
 
 /// What these are more at h than at h0, with the digits of small changes `change` = h - h0.

@@ -6,7 +6,7 @@
 namespace pliant {
 
 /// Resists the rates of all strains of rods in proportion to their stiffness: with the rates s' = ds/dx . x' at the end
-/// of the stage, x' = (x - x0)/dt, the forces are sum_k beta c_k s_k' ds_k/dx. There is no potential; the rate (s -
+/// of the stage, x' = (x - x0)/dt, the forces are sum_k beta c_k s_k' ds_k/dx, without a potential. The rate (s -
 /// s0)/dt would have one, and the first order for every method (docs/theory.md, "Strain rates and their orders"). The
 /// Hessian, beta c (ds/dx (ds/dx / dt + d2s/dx2 x')^T + s' d2s/dx2), is unsymmetric.
 class RodViscosity final : public EnergyTerm {
@@ -24,8 +24,9 @@ class RodViscosity final : public EnergyTerm {
   double dissipation(const LocalStage& stage, std::span<const double> q) const override;
 
  private:
-  /// Calls visit(stencil, is_counted) for each segment and vertex that has a resistance.
-  template <class Visit>
+  /// Calls visit(stencil, is_counted) for each segment and vertex that has a resistance, with that resistance as the
+  /// stiffness of the stencil.
+  template <int order, class Visit>
   void for_each(const LocalStage& stage, std::span<const double> q, const Visit& visit) const;
 
   const Rods& rods_;

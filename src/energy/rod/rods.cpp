@@ -57,20 +57,16 @@ std::array<StencilNode<4>, 8> stencil_of_vertex(const std::array<std::array<Pets
   return stencil;
 }
 
-template <std::size_t N>
-Vector3<SecondOrder<N>> variables(const Vector3<double>& x, std::size_t first) {
-  return {SecondOrder<N>::variable(x[0], first), SecondOrder<N>::variable(x[1], first + 1),
-          SecondOrder<N>::variable(x[2], first + 2)};
-}
-
 /// t and d_1 of both segments of a vertex.
 using Frames = std::array<Vector3<double>, 4>;
 
-std::array<SecondOrder<per_vertex>, 3> strains_of_frames(const Frames& x) {
-  using Number = SecondOrder<per_vertex>;
-  const RodFrame<Number> a{variables<per_vertex>(x[0], 0), variables<per_vertex>(x[1], 3)},
-      b{variables<per_vertex>(x[2], 6), variables<per_vertex>(x[3], 9)};
-  return bending_and_twist(a, b);
+/// Not inlined, so that forces at rest, which are differences of these values, vanish to the last bit.
+template <int order>
+[[gnu::noinline]] std::array<Differentiated<per_vertex, order>, 3> strains_of_frames(const Frames& x) {
+  using Number = Differentiated<per_vertex, order>;
+  std::array<Vector3<Number>, 4> v;
+  for (std::size_t i = 0; i < per_vertex; ++i) v[i / 3][i % 3] = Number::variable(x[i / 3][i % 3], i);
+  return bending_and_twist(RodFrame<Number>{v[0], v[1]}, RodFrame<Number>{v[2], v[3]});
 }
 
 }  // namespace
@@ -102,7 +98,7 @@ Rods::Rods(const NodeLayout& layout, std::span<const char> is_segment, std::vect
     const RodFrame<double> a{frames_[first].axes[0], frames_[first].axes[1]},
         b{frames_[first + 1].axes[0], frames_[first + 1].axes[1]};
     rest_.push_back(bending_and_twist(a, b));
-    rest_of_derivatives_.push_back(values_of(strains_of_frames({a.t, a.d, b.t, b.d})));
+    rest_of_derivatives_.push_back(values_of(strains_of_frames<1>({a.t, a.d, b.t, b.d})));
   }
   std::vector<char> is_others(static_cast<std::size_t>(layout.num_local_nodes), 0);
   for (PetscInt c = 0; c < layout.num_local_cells; ++c) {
@@ -245,7 +241,7 @@ double Rods::value(const LocalStage& stage, std::span<const double> q) const {
   }
   for (const auto& vertex : here.vertices) {
     if (!vertex[0].is_counted) continue;
-    const auto number = static_cast<std::size_t>(vertex_after_[vertex[0].number]);
+    const std::size_t number = number_of(vertex);
     auto now = strains_of(vertex, q), then = strains_of(vertex, from);
     std::array<double, 3> change{};
     for (std::size_t k = 0; k < 3; ++k) {
@@ -273,7 +269,7 @@ double Rods::energy_at(const Instant& at, std::span<const double> q, std::span<c
   }
   for (const auto& vertex : here.vertices) {
     if (!vertex[0].is_counted) continue;
-    const auto number = static_cast<std::size_t>(vertex_after_[vertex[0].number]);
+    const std::size_t number = number_of(vertex);
     auto s = strains_of(vertex, q);
     for (std::size_t k = 0; k < 3; ++k) s[k] -= rest_[number][k];
     sum.add(change_of_energy(s, s, {}, stiffness_of(number)));
@@ -285,70 +281,60 @@ double Rods::energy_at(const Instant& at, std::span<const double> q, std::span<c
   return sum.total();
 }
 
-Rods::Stencil<3, 4, 6> Rods::stencil(const SegmentNodes& segment, std::span<const double> q,
-                                     std::span<const double> from) const {
+template <int order>
+Rods::Stencil<3, 4, 6, order> Rods::stencil(const SegmentNodes& segment, std::span<const double> q,
+                                            std::span<const double> from) const {
   const Frame& frame = frames_[segment.number];
   const auto h = change_of_columns(segment, q);
-  Stencil<3, 4, 6> result{stencil_of_segment(segment.nodes, frame.weights), {}, {}, stiffness_of(segment)};
-  std::array<Vector3<SecondOrder<per_segment>>, 3> columns;
-  for (std::size_t i = 0; i < 3; ++i) columns[i] = variables<per_segment>(h[i], 3 * i);
-  result.strains = stretch_and_distortion(frame.axes, columns);
-  for (double& r : result.resistance) r *= segments_[segment.number].damping;
+  Stencil<3, 4, 6, order> result{stencil_of_segment(segment.nodes, frame.weights),
+                                 {},
+                                 differentiated_stretch_and_distortion<order>(frame.axes, h),
+                                 stiffness_of(segment)};
   if (from.empty()) return result;
   const auto before = change_of_columns(segment, from);
   for (std::size_t i = 0; i < per_segment; ++i) result.change[i] = h[i / 3][i % 3] - before[i / 3][i % 3];
   return result;
 }
 
-Rods::Stencil<4, 8, 3> Rods::stencil(const std::array<SegmentNodes, 2>& vertex, std::span<const double> q,
-                                     std::span<const double> from) const {
+template <int order>
+Rods::Stencil<4, 8, 3, order> Rods::stencil(const std::array<SegmentNodes, 2>& vertex, std::span<const double> q,
+                                            std::span<const double> from) const {
   const Frame &a = frames_[vertex[0].number], &b = frames_[vertex[1].number];
   const auto frames_at = [&](std::span<const double> u) {
     const auto h = change_of_columns(vertex[0], u), k = change_of_columns(vertex[1], u);
     return Frames{a.axes[0] + h[0], a.axes[1] + h[1], b.axes[0] + k[0], b.axes[1] + k[1]};
   };
-  const auto number = static_cast<std::size_t>(vertex_after_[vertex[0].number]);
   const Frames x = frames_at(q);
-  Stencil<4, 8, 3> result{stencil_of_vertex({vertex[0].nodes, vertex[1].nodes}, {&a.weights, &b.weights}),
-                          {},
-                          strains_of_frames(x),
-                          stiffness_of(number)};
-  for (double& r : result.resistance) r *= vertices_[number].damping;
+  Stencil<4, 8, 3, order> result{stencil_of_vertex({vertex[0].nodes, vertex[1].nodes}, {&a.weights, &b.weights}),
+                                 {},
+                                 strains_of_frames<order>(x),
+                                 stiffness_of(number_of(vertex))};
   if (from.empty()) return result;
   const Frames before = frames_at(from);
   for (std::size_t i = 0; i < per_vertex; ++i) result.change[i] = x[i / 3][i % 3] - before[i / 3][i % 3];
   return result;
 }
 
-// Straight steps of slender rods stretch them much more than the solution does. Forces extrapolated along the last step
-// keep that out of the Hessian (Magisano, Leonetti & Garcea 2017).
-StrainEnergy<9> Rods::derivatives_of(const SegmentNodes& segment, std::span<const double> q,
-                                     std::span<const double> previous) const {
-  const auto strains = stencil(segment, q, previous);
-  auto of_forces = values_of(strains.strains);
-  if (!previous.empty()) of_forces = extrapolated(stencil(segment, previous, {}).strains, strains.change);
-  return derivatives(strains.strains, {}, stiffness_of(segment), of_forces);
-}
-
-StrainEnergy<12> Rods::derivatives_of(const std::array<SegmentNodes, 2>& vertex, std::span<const double> q,
-                                      std::span<const double> previous) const {
-  const auto strains = stencil(vertex, q, previous);
-  auto of_forces = values_of(strains.strains);
-  if (!previous.empty()) of_forces = extrapolated(stencil(vertex, previous, {}).strains, strains.change);
-  const auto number = static_cast<std::size_t>(vertex_after_[vertex[0].number]);
-  return derivatives(strains.strains, rest_of_derivatives_[number], stiffness_of(number), of_forces);
-}
+// RodViscosity has them too.
+template Rods::Stencil<3, 4, 6, 1> Rods::stencil<1>(const SegmentNodes&, std::span<const double>,
+                                                    std::span<const double>) const;
+template Rods::Stencil<3, 4, 6, 2> Rods::stencil<2>(const SegmentNodes&, std::span<const double>,
+                                                    std::span<const double>) const;
+template Rods::Stencil<4, 8, 3, 1> Rods::stencil<1>(const std::array<SegmentNodes, 2>&, std::span<const double>,
+                                                    std::span<const double>) const;
+template Rods::Stencil<4, 8, 3, 2> Rods::stencil<2>(const std::array<SegmentNodes, 2>&, std::span<const double>,
+                                                    std::span<const double>) const;
 
 void Rods::add_gradient(const LocalStage& stage, std::span<const double> q, std::span<double> r) const {
   const Seen& here = seen(stage.near);
   for (const SegmentNodes& segment : here.segments) {
-    scatter_gradient(stencil_of_segment(segment.nodes, frames_[segment.number].weights),
-                     derivatives_of(segment, q).gradient, num_owned_nodes_, r);
+    const auto at = stencil<1>(segment, q, {});
+    scatter_gradient(at.nodes, gradient_of(at.strains, {}, at.stiffness), num_owned_nodes_, r);
   }
   for (const auto& vertex : here.vertices) {
-    scatter_gradient(stencil_of_vertex({vertex[0].nodes, vertex[1].nodes},
-                                       {&frames_[vertex[0].number].weights, &frames_[vertex[1].number].weights}),
-                     derivatives_of(vertex, q).gradient, num_owned_nodes_, r);
+    const auto at = stencil<1>(vertex, q, {});
+    scatter_gradient(at.nodes, gradient_of(at.strains, rest_of_derivatives_[number_of(vertex)], at.stiffness),
+                     num_owned_nodes_, r);
   }
   for (const Middle& middle : middles_) {
     const std::array<StencilNode<1>, 3> stencil{{{middle.node, {1.0}}, {middle.a, {-0.5}}, {middle.b, {-0.5}}}};
@@ -357,20 +343,29 @@ void Rods::add_gradient(const LocalStage& stage, std::span<const double> q, std:
   }
 }
 
+// Straight steps of slender rods stretch them much more than the solution does. Forces extrapolated along the last step
+// keep that out of the Hessian (Magisano, Leonetti & Garcea 2017).
+template <class Part, std::size_t M>
+void Rods::add_hessian_of(const Part& part, const std::array<double, M>& rest, std::span<const double> q,
+                          std::span<const double> previous, const BlockWriter& K, Projection projection) const {
+  const auto at = stencil<2>(part, q, previous);
+  const auto of_forces =
+      previous.empty() ? values_of(at.strains) : extrapolated(stencil<1>(part, previous, {}).strains, at.change);
+  auto hessian = hessian_of(at.strains, rest, at.stiffness, of_forces);
+  if (projection == Projection::positive_semidefinite) {
+    make_positive_semidefinite<std::tuple_size_v<decltype(at.change)>>(hessian);
+  }
+  scatter_hessian(at.nodes, hessian, num_owned_nodes_, K);
+}
+
 void Rods::add_hessian(const LocalStage& stage, std::span<const double> q, const BlockWriter& K,
                        Projection projection) const {
   const Seen& here = seen(stage.near);
   for (const SegmentNodes& segment : here.segments) {
-    auto hessian = derivatives_of(segment, q, stage.previous).hessian;
-    if (projection == Projection::positive_semidefinite) make_positive_semidefinite<per_segment>(hessian);
-    scatter_hessian(stencil_of_segment(segment.nodes, frames_[segment.number].weights), hessian, num_owned_nodes_, K);
+    add_hessian_of(segment, std::array<double, 6>{}, q, stage.previous, K, projection);
   }
   for (const auto& vertex : here.vertices) {
-    auto hessian = derivatives_of(vertex, q, stage.previous).hessian;
-    if (projection == Projection::positive_semidefinite) make_positive_semidefinite<per_vertex>(hessian);
-    scatter_hessian(stencil_of_vertex({vertex[0].nodes, vertex[1].nodes},
-                                      {&frames_[vertex[0].number].weights, &frames_[vertex[1].number].weights}),
-                    hessian, num_owned_nodes_, K);
+    add_hessian_of(vertex, rest_of_derivatives_[number_of(vertex)], q, stage.previous, K, projection);
   }
   for (const Middle& middle : middles_) {
     const std::array<StencilNode<1>, 3> stencil{{{middle.node, {1.0}}, {middle.a, {-0.5}}, {middle.b, {-0.5}}}};

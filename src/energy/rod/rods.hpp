@@ -115,24 +115,28 @@ class Rods final : public EnergyTerm, public PairCoupling {
   std::array<double, 6> stiffness_of(const SegmentNodes& of) const;
   std::array<double, 3> strains_of(const std::array<SegmentNodes, 2>& of, std::span<const double> q) const;
   std::array<double, 3> stiffness_of(std::size_t vertex) const;
-  /// `previous`: from where q was reached (LocalStage::previous), or nothing.
-  StrainEnergy<9> derivatives_of(const SegmentNodes& segment, std::span<const double> q,
-                                 std::span<const double> previous = {}) const;
-  StrainEnergy<12> derivatives_of(const std::array<SegmentNodes, 2>& vertex, std::span<const double> q,
-                                  std::span<const double> previous = {}) const;
-
-  /// The nodes of a segment or a vertex, the change of its variables since `from`, its strains at q, and viscous
-  /// resistances to their rates.
-  template <std::size_t Vectors, std::size_t Nodes, std::size_t Strains>
+  /// The nodes of a segment or a vertex, the change of its variables since `from`, and its strains at q with their
+  /// stiffness.
+  template <std::size_t Vectors, std::size_t Nodes, std::size_t Strains, int order>
   struct Stencil {
     std::array<StencilNode<Vectors>, Nodes> nodes;
     std::array<double, 3 * Vectors> change;
-    std::array<SecondOrder<3 * Vectors>, Strains> strains;
-    std::array<double, Strains> resistance;
+    std::array<Differentiated<3 * Vectors, order>, Strains> strains;
+    std::array<double, Strains> stiffness;
   };
-  Stencil<3, 4, 6> stencil(const SegmentNodes& segment, std::span<const double> q, std::span<const double> from) const;
-  Stencil<4, 8, 3> stencil(const std::array<SegmentNodes, 2>& vertex, std::span<const double> q,
-                           std::span<const double> from) const;
+  template <int order>
+  Stencil<3, 4, 6, order> stencil(const SegmentNodes& segment, std::span<const double> q,
+                                  std::span<const double> from) const;
+  template <int order>
+  Stencil<4, 8, 3, order> stencil(const std::array<SegmentNodes, 2>& vertex, std::span<const double> q,
+                                  std::span<const double> from) const;
+  /// `previous`: from where q was reached (LocalStage::previous), or nothing.
+  template <class Part, std::size_t M>
+  void add_hessian_of(const Part& part, const std::array<double, M>& rest, std::span<const double> q,
+                      std::span<const double> previous, const BlockWriter& K, Projection projection) const;
+  std::size_t number_of(const std::array<SegmentNodes, 2>& vertex) const {
+    return static_cast<std::size_t>(vertex_after_[vertex[0].number]);
+  }
 
   PetscInt num_owned_nodes_;
   std::vector<RodSegment> segments_;

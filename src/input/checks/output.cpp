@@ -9,31 +9,15 @@
 namespace pliant {
 namespace {
 
-/// Columns that the history of any run may have.
-constexpr std::array<std::string_view, 22> own_columns{"step",
-                                                       "time",
-                                                       "dt",
-                                                       "newton_iterations",
-                                                       "linear_iterations",
-                                                       "kinetic_energy",
-                                                       "elastic_energy",
-                                                       "load_potential",
-                                                       "dissipated_energy",
-                                                       "load_work",
-                                                       "energy_balance_error",
-                                                       "px",
-                                                       "py",
-                                                       "pz",
-                                                       "Lx",
-                                                       "Ly",
-                                                       "Lz",
-                                                       "numerical_dissipation",
-                                                       "support_work",
-                                                       "contact_energy",
-                                                       "contact_gap_min",
-                                                       "contact_points"};
+/// Columns that histories have after the first.
+constexpr std::array<std::string_view, 6> further_columns{"numerical_dissipation", "support_work",
+                                                          "contact_energy",        "contact_gap_min",
+                                                          "contact_points",        "discretization_error"};
 
-constexpr std::string_view share_of_error = "discretization_error";
+bool is_of_history(std::string_view column) {
+  return std::ranges::find(first_columns, column) != first_columns.end() ||
+         std::ranges::find(further_columns, column) != further_columns.end();
+}
 
 std::vector<Location> places_of(const InputNode* list) {
   std::vector<Location> places;
@@ -52,7 +36,7 @@ void check_columns(const Config& config, const InputNode& root, Diagnostics& dia
     const InputNode* name = given(list->children[k], {"name"});
     names.push_back(column.name);
     places.push_back(name != nullptr ? name->where : column.where);
-    if (std::ranges::find(own_columns, column.name) != own_columns.end() || column.name == share_of_error) {
+    if (is_of_history(column.name)) {
       diagnostics.add(places.back(), "history.csv has a column '" + column.name + "' of its own; choose another name");
     }
     const auto of = field_component(column.of.value);

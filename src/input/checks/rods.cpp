@@ -63,7 +63,7 @@ void check_rod(const Config& config, const RodConfig& rod, Diagnostics& diagnost
                                 is_dynamic ? "dynamics" : "gravity"));
   }
   if (!rod.curve.empty() && config.mesh.file.value.empty()) {
-    diagnostics.add(rod.where, fmt::format("rod '{}' follows a curve of the mesh, and there is no mesh: give its "
+    diagnostics.add(rod.where, fmt::format("rod '{}' follows a curve of the mesh, which this input lacks: give its "
                                            "'points'",
                                            rod.name));
   }

@@ -132,6 +132,23 @@ double product(Vec x, Vec y) {
   return result;
 }
 
+/// The Hessian at q, along d, is that of differences of the gradient.
+void expect_hessian_of_differences(IncrementalPotential& potential, Vec q, Vec d, double least) {
+  constexpr double h = 1e-6;
+  const Handle<Vec> ahead = moved(q, h, d), behind = moved(q, -h, d);
+  const Handle<Vec> before = potential.make_vector(), after = potential.make_vector(), y = potential.make_vector();
+  const Handle<Mat> K = potential.make_hessian();
+  potential.hessian(q, K.get(), Projection::none);
+  check(MatMult(K.get(), d, y.get()));
+  potential.gradient(ahead.get(), after.get());
+  potential.gradient(behind.get(), before.get());
+  check(VecAXPY(after.get(), -1.0, before.get()));
+  check(VecScale(after.get(), 0.5 / h));
+  ASSERT_GT(size(y.get()), least);
+  check(VecAXPY(after.get(), -1.0, y.get()));
+  EXPECT_LT(size(after.get()), 1e-7 * size(y.get()));
+}
+
 class RodTerm : public ::testing::TestWithParam<int> {};
 
 INSTANTIATE_TEST_SUITE_P(Elements, RodTerm, ::testing::Values(1, 2),
@@ -144,8 +161,7 @@ TEST_P(RodTerm, DerivativesAreThoseOfDifferences) {
   for (const double amount : {0.0, 0.02, 0.08}) {
     const Handle<Vec> q = rod.rough(amount, 0.3), d = rod.rough(1.0, 1.1);
     const Handle<Vec> ahead = moved(q.get(), h, d.get()), behind = moved(q.get(), -h, d.get());
-    const Handle<Vec> r = potential.make_vector(), before = potential.make_vector(), after = potential.make_vector(),
-                      y = potential.make_vector();
+    const Handle<Vec> r = potential.make_vector();
     potential.gradient(q.get(), r.get());
     if (amount > 0.0) {
       ASSERT_GT(size(r.get()), 1.0);
@@ -154,37 +170,15 @@ TEST_P(RodTerm, DerivativesAreThoseOfDifferences) {
     } else {
       EXPECT_LT(size(r.get()), 1e-11);  // at rest in the given curve
     }
-    const Handle<Mat> K = potential.make_hessian();
-    potential.hessian(q.get(), K.get(), Projection::none);
-    check(MatMult(K.get(), d.get(), y.get()));
-    potential.gradient(ahead.get(), after.get());
-    potential.gradient(behind.get(), before.get());
-    check(VecAXPY(after.get(), -1.0, before.get()));
-    check(VecScale(after.get(), 0.5 / h));
-    ASSERT_GT(size(y.get()), 1.0);
-    check(VecAXPY(after.get(), -1.0, y.get()));
-    EXPECT_LT(size(after.get()), 1e-7 * size(y.get())) << amount;
+    expect_hessian_of_differences(potential, q.get(), d.get(), 1.0);
   }
 }
 
 TEST_P(RodTerm, ViscosityHasTheHessianOfItsForcesAndDissipatesTheirPower) {
   BentRod rod(MPI_COMM_WORLD, GetParam(), Acts::viscosity);
   IncrementalPotential& potential = rod.potential();
-  constexpr double h = 1e-6;
-  const Handle<Vec> q = rod.rough(0.06, 0.3), d = rod.rough(1.0, 1.1);
-  const Handle<Vec> ahead = moved(q.get(), h, d.get()), behind = moved(q.get(), -h, d.get());
-  const Handle<Vec> r = potential.make_vector(), before = potential.make_vector(), after = potential.make_vector(),
-                    y = potential.make_vector();
-  const Handle<Mat> K = potential.make_hessian();
-  potential.hessian(q.get(), K.get(), Projection::none);
-  check(MatMult(K.get(), d.get(), y.get()));
-  potential.gradient(ahead.get(), after.get());
-  potential.gradient(behind.get(), before.get());
-  check(VecAXPY(after.get(), -1.0, before.get()));
-  check(VecScale(after.get(), 0.5 / h));
-  ASSERT_GT(size(y.get()), 0.1);
-  check(VecAXPY(after.get(), -1.0, y.get()));
-  EXPECT_LT(size(after.get()), 1e-7 * size(y.get()));
+  const Handle<Vec> q = rod.rough(0.06, 0.3), d = rod.rough(1.0, 1.1), r = potential.make_vector();
+  expect_hessian_of_differences(potential, q.get(), d.get(), 0.1);
   const Handle<Vec> v = moved(q.get(), -1.0, rod.start());
   check(VecScale(v.get(), 1.0 / rod.dt()));
   const TermPower power = potential.accounts().powers(q.get(), v.get(), r.get()).back();

@@ -22,7 +22,7 @@ def chosen_frames(result, options):
         return result.frames[-1:]
     count = len(result.frames)
     if not -count <= options.frame < count:
-        raise PliantError(f"there is no frame {options.frame}: the result has the frames 0 to {count - 1}")
+        raise PliantError(f"--frame {options.frame}: the result has the frames 0 to {count - 1}")
     return [result.frames[options.frame]]
 
 
