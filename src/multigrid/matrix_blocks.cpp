@@ -8,45 +8,90 @@
 
 namespace pliant {
 
-void MatrixBlocks::Part::open(Mat of) {
-  matrix = of;
+void MatrixBlocks::Part::open(Mat of, PetscInt num_rows, std::vector<PetscInt> entries) {
+  matrix_ = of;
+  entries_ = std::move(entries);
   PetscInt n = 0;
   PetscBool is_done = PETSC_FALSE;
-  check(MatGetRowIJ(matrix, 0, PETSC_FALSE, PETSC_FALSE, &n, &offsets, &columns, &is_done));
-  check(MatSeqAIJGetArrayRead(matrix, &values));
+  check(MatGetRowIJ(matrix_, 0, PETSC_FALSE, PETSC_FALSE, &n, &offsets_, &columns_, &is_done));
+  check(MatSeqAIJGetArrayRead(matrix_, &values_));
+  if (!is_of_blocks(num_rows)) find_blocks(num_rows);
 }
 
 void MatrixBlocks::Part::close() {
-  if (matrix == nullptr) return;
+  if (matrix_ == nullptr) return;
   PetscInt n = 0;
   PetscBool is_done = PETSC_FALSE;
-  (void)MatSeqAIJRestoreArrayRead(matrix, &values);
-  (void)MatRestoreRowIJ(matrix, 0, PETSC_FALSE, PETSC_FALSE, &n, &offsets, &columns, &is_done);
+  (void)MatSeqAIJRestoreArrayRead(matrix_, &values_);
+  (void)MatRestoreRowIJ(matrix_, 0, PETSC_FALSE, PETSC_FALSE, &n, &offsets_, &columns_, &is_done);
 }
 
 bool MatrixBlocks::Part::is_of_blocks(PetscInt num_rows) const {
   for (PetscInt row = 0; row < num_rows; row += 3) {
-    const PetscInt begin = offsets[row], size = offsets[row + 1] - begin;
+    const PetscInt begin = offsets_[row], size = offsets_[row + 1] - begin;
     if (size % 3 != 0) return false;
     for (PetscInt k = 0; k < size; ++k) {
-      if (columns[begin + k] != columns[begin + k - k % 3] + k % 3 || columns[begin + k - k % 3] % 3 != 0) return false;
+      const PetscInt first = entry(columns_[begin + k - k % 3]);
+      if (entry(columns_[begin + k]) != first + k % 3 || first % 3 != 0) return false;
     }
     for (PetscInt c = 1; c < 3; ++c) {
-      const PetscInt other = offsets[row + c];
-      if (offsets[row + c + 1] - other != size) return false;
-      for (PetscInt k = 0; k < size; ++k) {
-        if (columns[other + k] != columns[begin + k]) return false;
-      }
+      const PetscInt other = offsets_[row + c];
+      if (offsets_[row + c + 1] - other != size) return false;
+      if (!std::equal(columns_ + other, columns_ + other + size, columns_ + begin)) return false;
     }
   }
   return true;
 }
 
+void MatrixBlocks::Part::find_blocks(PetscInt num_rows) {
+  begins_ = {0};
+  std::vector<int> of_row;
+  for (PetscInt row = 0; row < num_rows; row += 3) {
+    of_row.clear();
+    for (PetscInt k = offsets_[row]; k < offsets_[row + 3]; ++k) {
+      of_row.push_back(static_cast<int>(entry(columns_[k]) / 3));
+    }
+    std::ranges::sort(of_row);
+    nodes_.insert(nodes_.end(), of_row.begin(), std::unique(of_row.begin(), of_row.end()));
+    begins_.push_back(static_cast<int>(nodes_.size()));
+  }
+}
+
 double MatrixBlocks::Part::largest(PetscInt num_rows) const {
   double size = 0.0;
-  if (matrix == nullptr) return size;
-  for (PetscInt k = 0; k < offsets[num_rows]; ++k) size = std::max(size, std::abs(values[k]));
+  if (matrix_ == nullptr) return size;
+  for (PetscInt k = 0; k < offsets_[num_rows]; ++k) size = std::max(size, std::abs(values_[k]));
   return size;
+}
+
+std::size_t MatrixBlocks::Part::num_blocks(int row) const {
+  const auto i = static_cast<std::size_t>(row);
+  if (!begins_.empty()) return static_cast<std::size_t>(begins_[i + 1] - begins_[i]);
+  return static_cast<std::size_t>(offsets_[3 * i + 1] - offsets_[3 * i]) / 3;
+}
+
+int MatrixBlocks::Part::node(int row, std::size_t k) const {
+  const auto i = static_cast<std::size_t>(row);
+  if (!begins_.empty()) return nodes_[static_cast<std::size_t>(begins_[i]) + k];
+  return static_cast<int>(entry(columns_[static_cast<std::size_t>(offsets_[3 * i]) + 3 * k]) / 3);
+}
+
+void MatrixBlocks::Part::read(int row, std::size_t k, double factor, double* block) const {
+  const PetscInt first = 3 * node(row, k);
+  for (int r = 0; r < 3; ++r) {
+    const PetscInt begin = offsets_[3 * row + r], end = offsets_[3 * row + r + 1];
+    if (begins_.empty()) {
+      const PetscScalar* const values = values_ + begin + 3 * static_cast<PetscInt>(k);
+      for (int c = 0; c < 3; ++c) block[3 * c + r] = factor * values[c];
+      continue;
+    }
+    for (int c = 0; c < 3; ++c) block[3 * c + r] = 0.0;
+    const auto project = [this](PetscInt column) { return entry(column); };
+    const PetscInt* at = std::ranges::lower_bound(columns_ + begin, columns_ + end, first, {}, project);
+    for (; at != columns_ + end && entry(*at) < first + 3; ++at) {
+      block[3 * (entry(*at) - first) + r] = factor * values_[at - columns_];
+    }
+  }
 }
 
 double MatrixBlocks::scale_to_one() {
@@ -66,27 +111,25 @@ std::optional<MatrixBlocks> MatrixBlocks::of(Mat K) {
   if (!is_distributed && !is_local) return std::nullopt;
   PetscInt num_rows = 0, num_columns = 0;
   check(MatGetLocalSize(K, &num_rows, &num_columns));
-  bool is_of_blocks = num_rows % 3 == 0 && num_rows == num_columns;
+  if (any_rank(blocks.comm_, num_rows % 3 != 0 || num_rows != num_columns)) return std::nullopt;
   blocks.num_rows_ = static_cast<int>(num_rows / 3);
   if (is_local) {
-    blocks.own_.open(K);
-  } else {
-    Mat own = nullptr, others = nullptr;
-    const PetscInt* map = nullptr;
-    PetscInt num_others = 0;
-    check(MatMPIAIJGetSeqAIJ(K, &own, &others, &map));
-    blocks.own_.open(own);
-    blocks.others_.open(others);
-    check(MatGetSize(others, nullptr, &num_others));
-    is_of_blocks = is_of_blocks && num_others % 3 == 0;
-    for (PetscInt k = 0; is_of_blocks && k < num_others; k += 3) {
-      is_of_blocks = map[k] % 3 == 0 && map[k + 1] == map[k] + 1 && map[k + 2] == map[k] + 2;
-      blocks.ghosts_.push_back(map[k] / 3);
-    }
-    is_of_blocks = is_of_blocks && blocks.others_.is_of_blocks(num_rows);
+    blocks.own_.open(K, num_rows, {});
+    return blocks;
   }
-  is_of_blocks = is_of_blocks && blocks.own_.is_of_blocks(num_rows);
-  if (any_rank(blocks.comm_, !is_of_blocks)) return std::nullopt;
+  Mat own = nullptr, others = nullptr;
+  const PetscInt* map = nullptr;
+  PetscInt num_others = 0;
+  check(MatMPIAIJGetSeqAIJ(K, &own, &others, &map));
+  check(MatGetSize(others, nullptr, &num_others));
+  std::vector<PetscInt> entries;  // counted by ghosts
+  for (PetscInt k = 0; k < num_others; ++k) {
+    const PetscInt node = map[k] / 3;
+    if (blocks.ghosts_.empty() || blocks.ghosts_.back() != node) blocks.ghosts_.push_back(node);
+    entries.push_back(3 * static_cast<PetscInt>(blocks.ghosts_.size() - 1) + map[k] % 3);
+  }
+  blocks.own_.open(own, num_rows, {});
+  blocks.others_.open(others, num_rows, std::move(entries));
   return blocks;
 }
 
@@ -110,14 +153,11 @@ Halo MatrixBlocks::make_halo() const {
 BlockCsr MatrixBlocks::pattern() const {
   BlockCsr A(3, 3);
   const auto take = [&A](const Part& part, int row, int first) {
-    const PetscInt* const columns = part.columns + part.offsets[3 * row];
-    for (std::size_t k = 0; k < part.num_blocks(row); ++k) {
-      A.columns.push_back(first + static_cast<int>(columns[3 * k] / 3));
-    }
+    for (std::size_t k = 0; k < part.num_blocks(row); ++k) A.columns.push_back(first + part.node(row, k));
   };
   for (int row = 0; row < num_rows_; ++row) {
     take(own_, row, 0);
-    if (others_.matrix != nullptr) take(others_, row, num_rows_);
+    if (others_.is_open()) take(others_, row, num_rows_);
     A.offsets.push_back(static_cast<int>(A.columns.size()));
   }
   return A;
@@ -125,12 +165,7 @@ BlockCsr MatrixBlocks::pattern() const {
 
 void MatrixBlocks::read(int row, std::size_t k, double* block) const {
   const std::size_t num_own = own_.num_blocks(row);
-  const Part& part = k < num_own ? own_ : others_;
-  const std::size_t at = k < num_own ? k : k - num_own;
-  for (int r = 0; r < 3; ++r) {
-    const PetscScalar* const values = part.values + part.offsets[3 * row + r] + 3 * at;
-    for (int c = 0; c < 3; ++c) block[3 * c + r] = factor_ * values[c];
-  }
+  k < num_own ? own_.read(row, k, factor_, block) : others_.read(row, k - num_own, factor_, block);
 }
 
 }  // namespace pliant

@@ -6,6 +6,7 @@
 #include "petsc/handle.hpp"
 
 #include <optional>
+#include <vector>
 
 namespace pliant {
 
@@ -17,11 +18,12 @@ class BlockSource {
   virtual void read(int row, std::size_t k, double* block) const = 0;
 };
 
-/// The rows of a rank of an AIJ matrix, each node with three rows and columns. Refers to the matrix's arrays, which
-/// must not be assembled anew meanwhile.
+/// The rows of a rank of an AIJ matrix, each node with three rows and columns. Constraints leave blocks of which only
+/// some entries are stored; the others are zero. Refers to the matrix's arrays, which must not be assembled anew
+/// meanwhile.
 class MatrixBlocks : public BlockSource {
  public:
-  /// Nothing if the matrix is not made of whole blocks of 3 x 3, on any rank. Collective.
+  /// Nothing if the rows or columns of a rank cannot be grouped by three. Collective.
   static std::optional<MatrixBlocks> of(Mat K);
   MatrixBlocks(MatrixBlocks&&) noexcept;
   MatrixBlocks& operator=(MatrixBlocks&&) = delete;
@@ -37,18 +39,29 @@ class MatrixBlocks : public BlockSource {
 
  private:
   /// A matrix of one rank.
-  struct Part {
-    Mat matrix = nullptr;
-    const PetscInt* offsets = nullptr;
-    const PetscInt* columns = nullptr;
-    const PetscScalar* values = nullptr;
-    void open(Mat of);
+  class Part {
+   public:
+    /// `entries`: the entry that each column belongs to, ascending, three for a node; empty: the column itself.
+    void open(Mat of, PetscInt num_rows, std::vector<PetscInt> entries);
     void close();
-    bool is_of_blocks(PetscInt num_rows) const;
+    bool is_open() const { return matrix_ != nullptr; }
     double largest(PetscInt num_rows) const;
-    std::size_t num_blocks(int row) const {
-      return static_cast<std::size_t>(offsets[3 * row + 1] - offsets[3 * row]) / 3;
-    }
+    std::size_t num_blocks(int row) const;
+    /// The node of the k-th block of a row.
+    int node(int row, std::size_t k) const;
+    void read(int row, std::size_t k, double factor, double* block) const;
+
+   private:
+    PetscInt entry(PetscInt column) const { return entries_.empty() ? column : entries_[column]; }
+    bool is_of_blocks(PetscInt num_rows) const;
+    void find_blocks(PetscInt num_rows);
+
+    Mat matrix_ = nullptr;
+    const PetscInt* offsets_ = nullptr;
+    const PetscInt* columns_ = nullptr;
+    const PetscScalar* values_ = nullptr;
+    std::vector<PetscInt> entries_;
+    std::vector<int> begins_, nodes_;  // of the blocks of each row; empty where all blocks are whole
   };
   MatrixBlocks() = default;
 

@@ -292,7 +292,7 @@ class LoadAdvance final : public Advance {
 bool may_adapt_linear_solver(const Config& config, Model& model) {
   const StageEquation& equation = model.equation();
   return analysis_of(config) == Analysis::dynamic && find_petsc_method(method_name(config.time.method)) == nullptr &&
-         equation.symmetry() == Symmetry::symmetric && !equation.has_walls() && equation.num_rank_one() == 0;
+         equation.symmetry() != Symmetry::indefinite && !equation.has_walls() && equation.num_rank_one() == 0;
 }
 
 LinearKind linear_kind(const Config& config, Model& model) {

@@ -123,7 +123,7 @@ void Factorization::set_up_multigrid(Mat K) {
     double_ = {};
     multigrid_ = {};
     pattern_of_multigrid_ = pattern_id(K);
-    blocks_ = is_symmetric(symmetry_) ? BlockMultigrid::make(K, P_.get()) : nullptr;
+    blocks_ = BlockMultigrid::make(K, P_.get());
     if (blocks_ || kind_ == Kind::adaptive) return;
     make_multigrid_of_petsc(K);
   } else if (blocks_) {

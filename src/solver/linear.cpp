@@ -155,12 +155,10 @@ void configure_linear_solver(KSP ksp, Mat K, LinearKind kind, Symmetry symmetry,
     use_double_precision(pc, symmetry);
   } else if (const auto parts = saddle_point_of(K)) {
     use_split(pc, *parts);
-  } else if (is_symmetric(symmetry)) {
+  } else {
     const bool is_adaptive = kind == LinearKind::adaptive;
     use_factorization(pc, symmetry, is_adaptive ? Factorization::Kind::adaptive : Factorization::Kind::multigrid,
                       coarsening != nullptr ? coarsening->prolongation.get() : nullptr);
-  } else {
-    use_algebraic_multigrid(pc);
   }
   set_krylov_method(ksp, symmetry);
   check(KSPSetFromOptions(ksp));

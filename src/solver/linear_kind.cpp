@@ -30,10 +30,7 @@ std::string describe(LinearKind kind, Symmetry symmetry) {
   if (kind != LinearKind::cholesky && symmetry == Symmetry::indefinite) {
     return krylov + " with algebraic multigrid (GAMG) for displacements, Schur complement for pressures";
   }
-  if (kind == LinearKind::amg) {
-    return fmt::format("{} with {}", krylov,
-                       symmetry == Symmetry::symmetric ? multigrid : "algebraic multigrid (GAMG)");
-  }
+  if (kind == LinearKind::amg) return fmt::format("{} with {}", krylov, multigrid);
   if (kind == LinearKind::p_multigrid) {
     return krylov +
            " with p-multigrid (quadratic elements, linear ones, then smoothed aggregation, in single precision)";

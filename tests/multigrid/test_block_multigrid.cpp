@@ -4,6 +4,7 @@
 #include "petsc/callback.hpp"
 
 #include <gtest/gtest.h>
+#include <vector>
 
 namespace pliant {
 namespace {
@@ -94,6 +95,112 @@ TEST(BlockMultigrid, TakesOtherValuesOfTheSamePattern) {
   PetscReal size = 1.0;
   check(VecNorm(x.get(), NORM_2, &size));
   EXPECT_EQ(size, 0.0);
+}
+
+/// Whether constraints make this entry a slave, which keeps nothing but its diagonal.
+bool is_slave(PetscInt entry) {
+  return entry / 3 % 4 == 1 && entry % 3 == entry / 12 % 3;
+}
+
+/// K without what belongs to slaves: the pattern too.
+Handle<Mat> without_slaves(Mat K) {
+  PetscInt begin = 0, end = 0;
+  check(MatGetOwnershipRange(K, &begin, &end));
+  std::vector<PetscInt> offsets{0}, columns;
+  std::vector<PetscScalar> values;
+  for (PetscInt row = begin; row < end; ++row) {
+    PetscInt count = 0;
+    const PetscInt* of_row = nullptr;
+    const PetscScalar* entries = nullptr;
+    check(MatGetRow(K, row, &count, &of_row, &entries));
+    for (PetscInt k = 0; k < count; ++k) {
+      if (of_row[k] != row && (is_slave(row) || is_slave(of_row[k]))) continue;
+      columns.push_back(of_row[k]);
+      values.push_back(entries[k]);
+    }
+    check(MatRestoreRow(K, row, &count, &of_row, &entries));
+    offsets.push_back(static_cast<PetscInt>(columns.size()));
+  }
+  Handle<Mat> result;
+  check(MatCreateMPIAIJWithArrays(PETSC_COMM_WORLD, end - begin, end - begin, PETSC_DETERMINE, PETSC_DETERMINE,
+                                  offsets.data(), columns.data(), values.data(), result.out()));
+  MatNullSpace space = nullptr;
+  PetscInt number = 0;
+  const Vec* modes = nullptr;
+  check(MatGetNearNullSpace(K, &space));
+  check(MatNullSpaceGetVecs(space, nullptr, &number, &modes));
+  std::vector<Handle<Vec>> copies;
+  std::vector<Vec> raw;
+  for (PetscInt m = 0; m < number; ++m) {
+    check(VecDuplicate(modes[m], copies.emplace_back().out()));
+    check(VecCopy(modes[m], copies.back().get()));
+    {
+      const ArrayView mode(copies.back().get());
+      for (PetscInt row = begin; row < end; ++row) {
+        if (is_slave(row)) mode[row - begin] = 0.0;
+      }
+    }
+    for (const Vec before : raw) {
+      PetscScalar product = 0.0;
+      check(VecDot(copies.back().get(), before, &product));
+      check(VecAXPY(copies.back().get(), -product, before));
+    }
+    check(VecNormalize(copies.back().get(), nullptr));
+    raw.push_back(copies.back().get());
+  }
+  Handle<MatNullSpace> of_result;
+  check(MatNullSpaceCreate(PETSC_COMM_WORLD, PETSC_FALSE, number, raw.data(), of_result.out()));
+  check(MatSetNearNullSpace(result.get(), of_result.get()));
+  return result;
+}
+
+TEST(MatrixBlocks, AreZeroWhereNothingIsStored) {
+  const Lattice lattice(PETSC_COMM_WORLD, 5, 4, 3);
+  const Handle<Mat> K = without_slaves(lattice.K());
+  const auto blocks = MatrixBlocks::of(K.get());
+  ASSERT_TRUE(blocks);
+  const BlockCsr pattern = blocks->pattern();
+  const Halo halo = blocks->make_halo();
+  PetscInt num_stored = 0, num_partial = 0;
+  for (int row = 0; row < pattern.num_rows(); ++row) {
+    for (std::size_t k = pattern.begin(row); k < pattern.end(row); ++k) {
+      double block[9];
+      blocks->read(row, k - pattern.begin(row), block);
+      const PetscInt i = 3 * halo.global(row), j = 3 * halo.global(pattern.columns[k]);
+      int num_zero = 0;
+      for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c) {
+          const PetscInt at = i + r, column = j + c;
+          PetscScalar expected = 0.0;
+          check(MatGetValues(K.get(), 1, &at, 1, &column, &expected));
+          EXPECT_EQ(block[3 * c + r], expected) << at << ' ' << column;
+          if (expected != 0.0) ++num_stored;
+          if (is_slave(at) || is_slave(column)) ++num_zero;
+        }
+      }
+      if (num_zero > 0) ++num_partial;
+    }
+  }
+  EXPECT_GT(num_partial, 0);
+  PetscInt num_not_zero = 0, begin = 0, end = 0;
+  check(MatGetOwnershipRange(K.get(), &begin, &end));
+  for (PetscInt row = begin; row < end; ++row) {
+    PetscInt count = 0;
+    const PetscScalar* entries = nullptr;
+    check(MatGetRow(K.get(), row, &count, nullptr, &entries));
+    for (PetscInt k = 0; k < count; ++k) num_not_zero += entries[k] != 0.0 ? 1 : 0;
+    check(MatRestoreRow(K.get(), row, &count, nullptr, &entries));
+  }
+  EXPECT_EQ(num_stored, num_not_zero);  // none is missing
+}
+
+TEST(BlockMultigrid, TakesWhatConstraintsLeave) {
+  const Lattice lattice(PETSC_COMM_WORLD, 12, 8, 8);
+  const Handle<Mat> K = without_slaves(lattice.K());
+  const auto of_all = BlockMultigrid::make(lattice.K()), of_rest = BlockMultigrid::make(K.get());
+  ASSERT_TRUE(of_all && of_rest);
+  EXPECT_GE(of_rest->num_levels(), 2);
+  EXPECT_LE(iterations(K.get(), *of_rest), iterations(lattice.K(), *of_all) + 5);
 }
 
 TEST(BlockMultigrid, OtherMatricesAreLeftToOthers) {

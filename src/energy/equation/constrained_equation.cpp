@@ -140,6 +140,12 @@ void ConstrainedEquation::set_near_null_space(Mat K) const {
   set_near_null_modes(K, std::move(reduced));
 }
 
+void ConstrainedEquation::follow_rigid_motions(Vec y, Mat K) const {
+  expand(y, x_.get());
+  equation_.follow_rigid_motions(x_.get(), full_.get());
+  set_near_null_space(K);
+}
+
 std::unique_ptr<NodalRotations> ConstrainedEquation::make_rotations() const {
   auto rotations = equation_.make_rotations();
   if (rotations) rotations->hold(map_.is_tied());

@@ -37,6 +37,7 @@ class ConstrainedEquation final : public StageEquation {
   Handle<Mat> make_hessian() const override;
   /// `K` comes from make_hessian.
   void hessian(Vec y, Mat K, Projection projection) override;
+  void follow_rigid_motions(Vec y, Mat K) const override;
   std::unique_ptr<NodalRotations> make_rotations() const override;
   Vec displacements(Vec y) override;
   std::size_t num_rank_one() const override { return equation_.num_rank_one(); }
