@@ -182,7 +182,7 @@ class Pictures(WithResult):
         self.fails("no field 'dispalcement'", self.directory, "--field", "dispalcement")
         self.fails("no component 'q'", self.directory, "--field", "velocity_q")
         self.fails("is a tensor", self.directory, "--field", "cauchy_stress")
-        self.fails("no frame 3", self.directory, "--frame", "3")
+        self.fails("--frame 3: the result has the frames 0 to 2", self.directory, "--frame", "3")
         self.fails("--hide arm: there is no body or obstacle of this name; there are root, tip", self.directory, "--hide", "arm")
         self.fails("no body or obstacle", self.directory, "--transparent", "arm")
         self.fails("every body is hidden", self.directory, "--hide", "root", "--hide", "tip")
