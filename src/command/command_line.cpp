@@ -86,6 +86,12 @@ void require_options(const std::vector<std::string>& petsc_options) {
 
 }  // namespace
 
+std::string CommandLine::Arguments::page() const {
+  if (!writes_page && !output.empty()) throw InputError({}, "--output is the file of --html, which is missing");
+  if (!writes_page || !output.empty()) return output;
+  return std::filesystem::path(file).stem().string() + ".html";
+}
+
 std::vector<Override> CommandLine::Arguments::overrides() const {
   std::vector<Override> result;
   for (const auto& setting : settings) {
@@ -241,12 +247,16 @@ void CommandLine::add_report() {
 
 void CommandLine::add_check() {
   CLI::App* check = app_.add_subcommand("check", "read the input, mesh and partition it, and report; solves nothing");
-  check->footer(examples({"pliant check beam.yaml", "mpirun -n 8 pliant check beam.yaml --set element=P2"}));
+  check->footer(examples({"pliant check beam.yaml", "mpirun -n 8 pliant check beam.yaml --set element=P2",
+                          "pliant check beam.yaml --html"}));
   add_input(*check);
+  check->add_flag("--html", arguments_.writes_page,
+                  "show the model on a page of HTML: bodies, groups, constraints, loads, contact, worst elements");
+  add_output(*check, "the file of --html; default: the input's name with .html, in the working directory");
   check->callback([this] {
     command_ = [this] {
       Console console(comm_, Verbosity::normal);
-      result_ = check_command(comm_, arguments_.file, arguments_.overrides(), console);
+      result_ = check_command(comm_, arguments_.file, arguments_.overrides(), arguments_.page(), console);
     };
   });
 }

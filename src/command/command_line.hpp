@@ -41,6 +41,7 @@ class CommandLine {
     bool is_of_fit = false;
     bool library = false;  ///< of measured materials
     bool continues = false;
+    bool writes_page = false;
     StudyOptions study;
     Conversion conversion;
     SweepOptions sweep;
@@ -55,6 +56,8 @@ class CommandLine {
 
     /// Throws InputError for a text that is not KEY.PATH=VALUE.
     std::vector<Override> overrides() const;
+    /// The page of `check`; empty: none is wanted.
+    std::string page() const;
   };
 
   void add_input(CLI::App& to);

@@ -5,11 +5,15 @@
 #include "command/contact_table.hpp"
 #include "command/material_plot.hpp"
 #include "command/mechanism_table.hpp"
+#include "command/model_page.hpp"
+#include "command/page_data.hpp"
 #include "energy/volume/viscous.hpp"
+#include "input/analysis.hpp"
 #include "input/elasticity.hpp"
 #include "input/keys.hpp"
 #include "material/elastic_law.hpp"
 #include "material/viscosity_registry.hpp"
+#include "model/mesh_source.hpp"
 #include "model/model.hpp"
 #include "petsc/collective.hpp"
 #include "petsc/ghosted.hpp"
@@ -22,6 +26,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -65,34 +70,43 @@ int num_neighbours(const NodeLayout& layout) {
   return count;
 }
 
+using Lines = std::vector<std::string>;
+
+void append(Lines& lines, std::vector<std::string> more) {
+  std::ranges::move(more, std::back_inserter(lines));
+}
+
 /// The cost of updating the ghosts: numbers and messages.
-void report_communication(const NodeLayout& layout, Console& console) {
+void describe_communication(const NodeLayout& layout, Lines& lines) {
   const auto ghosts = static_cast<double>(layout.ghost_global_nodes.size()), neighbours = 1.0 * num_neighbours(layout);
   if (num_ranks(layout.comm) == 1) return;
-  console.print(
+  lines.push_back(
       fmt::format("  ghosts: {:.0f} to {:.0f} nodes per rank, {:.0f} in all; from {:.0f} to {:.0f} other ranks",
                   minimum(layout.comm, ghosts), maximum(layout.comm, ghosts), sum(layout.comm, ghosts),
                   minimum(layout.comm, neighbours), maximum(layout.comm, neighbours)));
 }
 
-void report_time_scales(const Model& model, const Config& config, Console& console) {
+void describe_time_scales(const Model& model, const Config& config, Lines& lines) {
   const auto& [fastest, slowest] = model.wave_speeds();
-  if (!(fastest > 0.0)) return;
+  if (!(fastest > 0.0) || analysis_of(config) == Analysis::static_equilibrium) return;
   const auto& b = model.mesh_report().bounds;
   const double length = std::max({b[3] - b[0], b[4] - b[1], b[5] - b[2]});
   const double across = length / slowest;
-  console.print("time scales");
-  console.print(fmt::format("  pressure wave across the smallest edge  {:.3g} s (an explicit code's step)",
-                            model.mesh_report().min_edge / fastest));
-  console.print(fmt::format("  shear wave along the body               {:.3g} s", across));
+  lines.emplace_back("time scales");
+  lines.push_back(fmt::format("  pressure wave across the smallest edge  {:.3g} s (an explicit code's step)",
+                              model.mesh_report().min_edge / fastest));
+  lines.push_back(fmt::format("  shear wave along the body               {:.3g} s", across));
   // Bending is slower than any wave; a twentieth of the shear transit resolves the lowest modes of compact bodies.
-  console.print(
-      fmt::format("  suggested step                          {:.2g} s (a tenth of that); the input's step is {:.3g} s",
-                  across / 10.0, config.time.step));
+  constexpr double steps_per_wave = 10.0, steps_per_period = 20.0;
+  lines.push_back(fmt::format("  suggested step                          {:.2g} s where such waves matter (a tenth)",
+                              across / steps_per_wave));
+  lines.push_back(
+      fmt::format("  the input's step                        {:.3g} s: follows motions with periods from {:.2g} s on{}",
+                  config.time.step, steps_per_period * config.time.step, config.time.adaptive ? ", at the start" : ""));
 }
 
 /// Throws InputError where a run could not start from there. Collective.
-void report_contact(const Model& model, const Config& config, Console& console) {
+void describe_contact(const Model& model, const Config& config, Lines& lines) {
   if (model.contacts() == nullptr) return;
   const Handle<Vec> q = make_vector(model.layout()), v = make_vector(model.layout());
   if (analysis_of(config) != Analysis::static_equilibrium) {
@@ -102,7 +116,52 @@ void report_contact(const Model& model, const Config& config, Console& console) 
   }
   update_ghosts(q.get());
   const ConstGhostedView at(q.get());
-  for (const auto& line : contact_table(model.contacts()->summary(model.instant(0.0), at.span()))) console.print(line);
+  append(lines, contact_table(model.contacts()->summary(model.instant(0.0), at.span())));
+}
+
+/// What `pliant check` says of a model. Collective.
+Lines description_of(Model& model, const Config& config) {
+  const NodeLayout& layout = model.layout();
+  Lines lines{config.mesh.file.value.empty() ? "mesh: none but that of rods and rigid bodies"
+                                             : fmt::format("mesh {}", config.mesh.file.value)};
+  std::string text = describe(model.mesh_report());
+  if (!text.empty() && text.back() == '\n') text.pop_back();
+  lines.push_back(text);
+  append(lines, body_table(config, model));
+  if (model.inertia() != nullptr) {
+    lines.push_back(fmt::format("  mass {:.6g} kg", sum(layout.comm, model.inertia()->mass().total())));
+  }
+  append(lines, rod_table(config, model));
+  append(lines, mechanism_table(config, model));
+  if (!model.cavities().empty()) lines.emplace_back("cavities");
+  for (const auto& cavity : model.cavities()) {
+    lines.push_back(fmt::format("  {}: volume {:.6g} m^3", cavity.name, cavity.volume));
+  }
+  describe_contact(model, config, lines);
+
+  const LinearKind kind = linear_kind(config, model);
+  const Memory memory = predicted_memory(model, kind);
+  const auto prescribed = std::count(model.constraints().prescribed().flags().begin(),
+                                     model.constraints().prescribed().flags().begin() + 3 * layout.num_owned_nodes, 1);
+  const double mine = 3.0 * layout.num_owned_nodes;
+  lines.emplace_back("unknowns");
+  lines.push_back(fmt::format("  {} ({} prescribed), P{} elements; {:.0f} to {:.0f} per rank",
+                              3 * layout.num_global_nodes, sum(layout.comm, static_cast<PetscInt64>(prescribed)),
+                              layout.order, minimum(layout.comm, mine), maximum(layout.comm, mine)));
+  describe_communication(layout, lines);
+  lines.push_back(fmt::format("  linear solver: {}", describe(kind, model.equation().symmetry())));
+  lines.push_back(fmt::format("  predicted memory: matrix {}, {} about {}", bytes(memory.matrix),
+                              kind == LinearKind::cholesky ? "factor" : "multigrid", bytes(memory.factor)));
+  describe_time_scales(model, config, lines);
+  return lines;
+}
+
+void check_model(const Config& config, Model& model, const Mesh* mesh, const std::string& page, Console& console) {
+  const Lines lines = description_of(model, config);
+  console.print(fmt::format("{}: the input is well", config.file));
+  for (const auto& line : lines) console.print(line);
+  for (const auto& diagnostic : model.diagnostics()) console.report(diagnostic);
+  if (mesh != nullptr) console.print(write_model_page(*mesh, config, model, lines, page));
 }
 
 }  // namespace
@@ -144,45 +203,17 @@ ExitCode run_command(MPI_Comm comm, const std::string& file, const std::vector<O
 }
 
 ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides,
-                       Console& console) {
+                       const std::string& page, Console& console) {
   const Config config = read_input_file(comm, file, overrides);
-  Model model(comm, config);
-  const NodeLayout& layout = model.layout();
-  console.print(fmt::format("{}: the input is well", file));
-  console.print(config.mesh.file.value.empty() ? "mesh: none but that of rods and rigid bodies"
-                                               : fmt::format("mesh {}", config.mesh.file.value));
-  std::string text = describe(model.mesh_report());
-  if (!text.empty() && text.back() == '\n') text.pop_back();
-  console.print(text);
-
-  for (const auto& line : body_table(config, model)) console.print(line);
-  if (model.inertia() != nullptr) {
-    console.print(fmt::format("  mass {:.6g} kg", sum(layout.comm, model.inertia()->mass().total())));
+  if (page.empty()) {
+    Model model(comm, config);
+    check_model(config, model, nullptr, page, console);
+  } else {
+    require_viewer();
+    const Mesh mesh = read_mesh(comm, mesh_source(config));
+    Model model(mesh, config);
+    check_model(config, model, &mesh, page, console);
   }
-  for (const auto& line : rod_table(config, model)) console.print(line);
-  for (const auto& line : mechanism_table(config, model)) console.print(line);
-  if (!model.cavities().empty()) console.print("cavities");
-  for (const auto& cavity : model.cavities()) {
-    console.print(fmt::format("  {}: volume {:.6g} m^3", cavity.name, cavity.volume));
-  }
-
-  report_contact(model, config, console);
-
-  const LinearKind kind = linear_kind(config, model);
-  const Memory memory = predicted_memory(model, kind);
-  const auto prescribed = std::count(model.constraints().prescribed().flags().begin(),
-                                     model.constraints().prescribed().flags().begin() + 3 * layout.num_owned_nodes, 1);
-  const double mine = 3.0 * layout.num_owned_nodes;
-  console.print("unknowns");
-  console.print(fmt::format("  {} ({} prescribed), P{} elements; {:.0f} to {:.0f} per rank",
-                            3 * layout.num_global_nodes, sum(layout.comm, static_cast<PetscInt64>(prescribed)),
-                            layout.order, minimum(layout.comm, mine), maximum(layout.comm, mine)));
-  report_communication(layout, console);
-  console.print(fmt::format("  linear solver: {}", describe(kind, model.equation().symmetry())));
-  console.print(fmt::format("  predicted memory: matrix {}, {} about {}", bytes(memory.matrix),
-                            kind == LinearKind::cholesky ? "factor" : "multigrid", bytes(memory.factor)));
-  report_time_scales(model, config, console);
-  for (const auto& diagnostic : model.diagnostics()) console.report(diagnostic);
   return ExitCode::done;
 }
 

@@ -13,9 +13,10 @@ namespace pliant {
 
 ExitCode run_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides, Console& console);
 
-/// Reads or generates the mesh, partitions it and reports; solves nothing.
+/// Reads or generates the mesh, partitions it and reports; solves nothing. `page`: a file of HTML that shows the model;
+/// empty: none.
 ExitCode check_command(MPI_Comm comm, const std::string& file, const std::vector<Override>& overrides,
-                       Console& console);
+                       const std::string& page, Console& console);
 
 /// The arguments of `pliant mesh convert`.
 struct Conversion {

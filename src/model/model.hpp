@@ -64,6 +64,7 @@ class Model {
   const std::vector<ModelTendon>& tendons() const { return tendons_; }
   const ModelSprings& springs() const { return springs_; }
   const ModelRods& rods() const { return rods_; }
+  const Loads& loads() const { return *loads_; }
   const std::vector<ModelCavity>& cavities() const { return loads_->cavities(); }
   const Contacts* contacts() const { return contacts_.get(); }  ///< nullptr if the input has none
   IncrementalPotential& potential() { return *potential_; }

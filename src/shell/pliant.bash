@@ -35,7 +35,7 @@ _pliant() {
     'report') options='-h --help --output --size' words='' files='*.@(h5|xdmf)' ;;
     'render') options='-h --help -o --output --field --range --movie --fps --frame --view --size --scale --hide --transparent --title --frames --mesh-edges --outline' words='' files='*.@(h5|xdmf)' ;;
     'plot') options='-h --help -o --output' words='' files='*' ;;
-    'check') options='-h --help --set' words='' files='*.@(yaml|yml)' ;;
+    'check') options='-h --help --set --html --output' words='' files='*.@(yaml|yml)' ;;
     'converge') options='-h --help --set --output --in --levels --methods --no-check' words='' files='*.@(yaml|yml)' ;;
     'sweep') options='-h --help --set --output --result --samples --seed --logarithmic --continue --jobs --ranks' words='' files='*.@(yaml|yml)' ;;
     'compare') options='-h --help --of --output' words='' files='*' ;;
@@ -63,6 +63,7 @@ _pliant() {
     'render --movie') words='mp4 gif glb' ;;
     'render --view') words='iso front back right left top bottom' ;;
     'plot -o' | 'plot --output') files='*' ;;
+    'check --output') files='*' ;;
     'converge --output') files='*' ;;
     'converge --in') words='time space tolerance' ;;
     'sweep --output') files='*' ;;

@@ -4,7 +4,7 @@ import { element, NumberField, refuseFactor } from "./elements.js";
 import { spelt } from "./numbers.js";
 
 const SPACING = 1 / 24, LONGEST = 0.18;  // between arrows, and of the longest in all frames, relative to the bodies' size
-const OUTLINE = [[0, 0], [0.022, 0], [0.022, 0.7], [0.075, 0.7], [0, 1]];  // radius and height of an arrow
+export const OUTLINE = [[0, 0], [0.022, 0], [0.022, 0.7], [0.075, 0.7], [0, 1]];  // radius and height of an arrow
 const COLOUR = 0xd8433a;
 const UP = new Vector3(0, 1, 0);
 

@@ -1,6 +1,7 @@
 // `pliant report`: puts the page together.
 import { report, readHistory } from "./data.js";
 import { Bodies } from "./bodies.js";
+import { Items, showFindings } from "./items.js";
 import { Mechanisms } from "./mechanisms.js";
 import { Obstacles } from "./obstacles.js";
 import { Panel } from "./panel.js";
@@ -9,7 +10,7 @@ import { Player } from "./player.js";
 import { Plots } from "./plots.js";
 import { Points } from "./points.js";
 import { View, VIEWS } from "./scene.js";
-import { showFacts, showRun, showTexts } from "./texts.js";
+import { showFacts, showModelFacts, showRun, showTexts } from "./texts.js";
 import "./style.css";  // after that of the plots, which it changes
 
 /// The time of a static analysis is a load factor.
@@ -27,15 +28,29 @@ function drawTriad(camera) {
     `<text x="${(1.33 * x).toFixed(1)}" y="${(1.33 * y).toFixed(1)}" fill="${colours[k]}">${"xyz"[k]}</text>`).join("");
 }
 
-async function start() {
+/// What surrounds the drawing of a run: its history in plots.
+async function surroundRun(player) {
   const history = await readHistory();
   showFacts(report, history, isStatic);
   showRun(place("run"), report);
-  showTexts(place("texts"), report);
-  const bodies = await Bodies.load();
-  const player = new Player(bodies.frames, isStatic);
   const plots = new Plots(place("plots"), history, { isStatic, taken: report.taken ?? [], seek: (time) => player.seek(time) });
   player.listen((time) => plots.mark(time));
+  return { history, plots };
+}
+
+/// What surrounds that of a model before its run: what the check found. Nothing plays.
+function surroundModel() {
+  for (const part of document.querySelectorAll(".transport, #plots")) part.hidden = true;
+  showModelFacts(report);
+  showFindings(place("run"), report.model);
+  return {};
+}
+
+async function start() {
+  const bodies = await Bodies.load();
+  const player = new Player(bodies.frames, isStatic);
+  const { history, plots } = report.model ? surroundModel() : await surroundRun(player);
+  showTexts(place("texts"), report);
   let view;
   try {
     view = new View(place("view"), bodies, await Obstacles.load(bodies), await Mechanisms.load(bodies));
@@ -54,14 +69,21 @@ async function start() {
   };
   const picture = new Picture({ report, view, panel, player, points });
   place("panel").append(...pictureControls(picture));
-  const preferred = bodies.fields.findIndex((f) => f.name === "von_mises_stress");
-  panel.colour.value = String(preferred >= 0 ? preferred : bodies.fields.length ? 0 : "none");
+  let items;
+  if (report.model) {
+    items = await Items.load(view);
+    place("panel").prepend(...items.list());
+    panel.colour.value = bodies.names.length > 1 ? "bodies" : "none";
+  } else {
+    const preferred = bodies.fields.findIndex((f) => f.name === "von_mises_stress");
+    panel.colour.value = String(preferred >= 0 ? preferred : bodies.fields.length ? 0 : "none");
+  }
   await panel.paint();
   player.listen((time) => view.set({ time }));
   view.aim(VIEWS.iso);
   player.seek(player.end);
   // For those who drive the page from outside.
-  window.pliant = { player, view, panel, bodies, history, points, picture };
+  window.pliant = { player, view, panel, bodies, history, points, picture, items };
   requestAnimationFrame(() => requestAnimationFrame(() => (document.documentElement.dataset.ready = "yes")));
 }
 

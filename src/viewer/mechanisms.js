@@ -13,7 +13,8 @@ const WIDTH = 3, DOT = 13, FAINT = 0.5;  // [pixels]; opacity behind a body
 
 const colourOf = (kind) => COLOURS[kind] ?? COLOURS.joint;
 
-function disc() {
+/// A round dot.
+export function disc() {
   const canvas = document.createElement("canvas"), size = (canvas.width = canvas.height = 64);
   const pen = canvas.getContext("2d");
   pen.fillStyle = "#ffffff";

@@ -7,6 +7,16 @@ const place = (id) => document.getElementById(id);
 /// Value of a key of run.yaml, whose lines are plain.
 const given = (input, key) => input.match(new RegExp(`^ *${key}: *"?([^"\\n{]+)"?$`, "m"))?.[1];
 
+/// The same for a model that has not run.
+export function showModelFacts({ title, result, model, program, written, directory }) {
+  place("title").textContent = document.title = title;
+  place("outcome").textContent = "model";
+  const warnings = model.diagnostics.filter((d) => d.severity === "warning").length;
+  place("facts").textContent = [`${grouped(result.cells)} tetrahedra (P${result.order})`, `${grouped(result.nodes)} nodes`, "before the start",
+    ...(warnings ? [`${warnings} ${warnings === 1 ? "warning" : "warnings"}`] : [])].join("  ·  ");
+  place("made").textContent = `Made with ${program.split("\n")[0]} on ${written} from ${directory}`;
+}
+
 export function showFacts(report, history, isStatic) {
   const { title, result, summary, input } = report;
   place("title").textContent = document.title = title || "Untitled run";

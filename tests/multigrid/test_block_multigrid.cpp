@@ -3,8 +3,9 @@
 #include "petsc/array_view.hpp"
 #include "petsc/callback.hpp"
 
-#include <gtest/gtest.h>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 namespace pliant {
 namespace {

@@ -1,0 +1,314 @@
+#include "command/model_items.hpp"
+
+#include "energy/term.hpp"
+#include "input/input.hpp"
+#include "input/parse.hpp"
+#include "mesh/tetrahedron.hpp"
+#include "model/rigid_bodies.hpp"
+#include "model/selections.hpp"
+#include "petsc/collective.hpp"
+#include "petsc/ghosted.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+namespace pliant {
+namespace {
+
+/// Worst elements that are shown.
+constexpr std::size_t num_worst = 20;
+/// Instants at which loads are tried, to show them when they are largest.
+constexpr int num_instants = 21;
+/// Arrows of a load are so far apart, relative to the size of the bodies.
+constexpr double spacing_of_arrows = 1.0 / 30.0;
+
+/// What an entry of a list says, but for where it is and its name.
+std::string text_of(const InputNode& entry) {
+  constexpr std::array<std::string_view, 8> told_elsewhere{"surface", "volume", "curve", "point",
+                                                           "box",     "where",  "name",  "surfaces"};
+  std::string text;
+  for (const InputNode& child : entry.children) {
+    if (std::ranges::find(told_elsewhere, child.key) != told_elsewhere.end()) continue;
+    text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", child.key, flow_text(child));
+  }
+  return text;
+}
+
+bool is_same(const Location& a, const Location& b) {
+  return a.file == b.file && a.line == b.line && a.column == b.column;
+}
+
+class Collector {
+ public:
+  Collector(const Mesh& mesh, const Config& config, const Model& model, Vec q)
+      : mesh_(mesh),
+        config_(config),
+        completed_(with_rigid_bodies(config)),
+        model_(model),
+        layout_(model.layout()),
+        as_meshed_(make_layout(mesh, static_cast<int>(config.element))),
+        selections_(mesh, as_meshed_, names_of_added_bodies(completed_)) {
+    update_ghosts(q);
+    const ConstGhostedView local(q);
+    q_.assign(local.span().begin(), local.span().end());
+    Diagnostics ignored;
+    input_ = parse_yaml(dump(config), "run.yaml", ignored);
+  }
+
+  std::vector<ModelItem> take() {
+    add_constraints();
+    add_loads();
+    add_cavities();
+    add_contacts();
+    add_probes();
+    add_worst_cells();
+    add_groups();
+    return std::move(items_);
+  }
+
+ private:
+  Vector3<double> place(PetscInt node) const {
+    const auto X = layout_.position(node);
+    const auto k = 3 * static_cast<std::size_t>(node);
+    return {X[0] + q_[k], X[1] + q_[k + 1], X[2] + q_[k + 2]};
+  }
+  /// The places of owned nodes, of all ranks.
+  std::vector<double> places(const std::vector<PetscInt>& nodes) const {
+    std::vector<double> mine;
+    for (const PetscInt node : nodes) {
+      const Vector3<double> x = place(node);
+      mine.insert(mine.end(), {x[0], x[1], x[2]});
+    }
+    return gathered(layout_.comm, mine);
+  }
+  ModelItem& add(ModelItem::Kind kind, std::string name, std::string text) {
+    return items_.emplace_back(ModelItem{kind, std::move(name), std::move(text), {}, {}});
+  }
+  /// What the k-th entry of a section says.
+  std::string said(std::string_view section, std::size_t k) const {
+    const InputNode* list = given(input_, {section});
+    return list != nullptr && k < list->children.size() ? text_of(list->children[k]) : "";
+  }
+  static std::string named(const std::string& name, const std::string& part) {
+    return name.empty() ? part : fmt::format("{} ({})", name, part);
+  }
+
+  void add_constraints() {
+    for (std::size_t k = 0; k < config_.constraints.size(); ++k) {
+      const ConstraintConfig& constraint = config_.constraints[k];
+      std::vector<Selection> parts;
+      if (const auto* equation = std::get_if<ConstraintConfig::Equation>(&constraint.kind)) {
+        for (const EquationTermConfig& term : equation->terms) parts.push_back(term.part);
+      } else {
+        parts.push_back(constraint.part);
+      }
+      if (const auto* periodic = std::get_if<ConstraintConfig::Periodic>(&constraint.kind)) {
+        parts.push_back(periodic->partner);
+      }
+      if (const auto* tied = std::get_if<ConstraintConfig::Tied>(&constraint.kind)) parts.push_back(tied->partner);
+      std::string names;
+      std::vector<PetscInt> nodes;
+      for (const Selection& part : parts) {
+        names += (names.empty() ? "" : ", ") + describe(part);
+        std::ranges::copy(selections_.nodes(part), std::back_inserter(nodes));
+      }
+      add(ModelItem::Kind::constraint, named(constraint.name, names), said("constraints", k)).points = places(nodes);
+    }
+  }
+
+  /// Forces of a load on the local nodes [N].
+  std::vector<double> forces(const LoadConfig& load, const Instant& at) const {
+    std::vector<double> sum(q_.size(), 0.0);
+    const std::vector<double> rest(q_.size(), 0.0);
+    LocalStage stage;
+    stage.time = at.time;
+    stage.dt = config_.time.step;
+    stage.load_factor = at.load_factor;
+    stage.q0 = q_;
+    stage.v0 = rest;
+    for (const LocatedTerm& term : model_.loads().terms()) {
+      if (is_same(term.where, load.where)) term.term->add_gradient(stage, q_, sum);
+    }
+    for (double& f : sum) f = -f;
+    return sum;
+  }
+  double total(const std::vector<double>& forces) const {
+    double sum_of_sizes = 0.0;
+    for (std::size_t k = 0; k < 3 * static_cast<std::size_t>(layout_.num_owned_nodes); ++k) {
+      sum_of_sizes += std::abs(forces[k]);
+    }
+    return sum(layout_.comm, sum_of_sizes);
+  }
+
+  void add_loads() {
+    for (std::size_t k = 0; k < config_.loads.size(); ++k) {
+      const LoadConfig& load = config_.loads[k];
+      const bool acts_on_volumes = std::holds_alternative<LoadConfig::Gravity>(load.kind) ||
+                                   std::holds_alternative<LoadConfig::ForceDensity>(load.kind);
+      const std::vector<PetscInt> nodes = selections_.nodes(load.part);
+      ModelItem& item = add(ModelItem::Kind::load, describe(load.part), said("loads", k));
+      double largest = 0.0, when = 0.0;
+      for (int i = 0; i < num_instants; ++i) {
+        const double time = config_.time.end * i / (num_instants - 1);
+        const double size = total(forces(load, model_.instant(time)));
+        if (!(size > largest)) continue;
+        largest = size;
+        when = time;
+      }
+      if (!(largest > 0.0) || !std::isfinite(largest)) {
+        item.points = places(nodes);
+        continue;
+      }
+      set_arrows(item, nodes, forces(load, model_.instant(when)), acts_on_volumes);
+      if (when > 0.0) item.text += fmt::format("; arrows: at {:.4g} s, when it is largest", when);
+    }
+  }
+
+  /// Resultants of the forces near each other, at the middles of their nodes; of all where `in_one`.
+  void set_arrows(ModelItem& item, const std::vector<PetscInt>& nodes, const std::vector<double>& forces,
+                  bool in_one) const {
+    std::vector<double> mine;
+    for (const PetscInt node : nodes) {
+      const Vector3<double> x = place(node);
+      const double* const f = forces.data() + 3 * node;
+      mine.insert(mine.end(), {x[0], x[1], x[2], f[0], f[1], f[2]});
+    }
+    const std::vector<double> all = gathered(layout_.comm, mine);
+    const auto& b = model_.mesh_report().bounds;
+    const double cell = spacing_of_arrows * std::hypot(b[3] - b[0], b[4] - b[1], b[5] - b[2]);
+    struct Sum {
+      std::array<double, 6> numbers{};
+      double count = 0.0;
+    };
+    std::map<std::array<long long, 3>, Sum> sums;
+    for (std::size_t k = 0; k < all.size(); k += 6) {
+      std::array<long long, 3> key{};
+      for (std::size_t i = 0; i < 3 && !in_one && cell > 0.0; ++i) key[i] = std::llround(all[k + i] / cell);
+      Sum& sum = sums[key];
+      for (std::size_t i = 0; i < 6; ++i) sum.numbers[i] += all[k + i];
+      sum.count += 1.0;
+    }
+    for (const auto& [key, sum] : sums) {
+      for (std::size_t i = 0; i < 3; ++i) {
+        item.points.push_back(sum.numbers[i] / sum.count);
+        item.vectors.push_back(sum.numbers[i + 3]);
+      }
+    }
+  }
+
+  void add_cavities() {
+    for (std::size_t k = 0; k < config_.cavities.size(); ++k) {
+      const ModelCavity& cavity = model_.cavities()[k];
+      add(ModelItem::Kind::cavity, cavity.name,
+          fmt::format("volume {:.6g} m^3; {}", cavity.volume, said("cavities", k)))
+          .points = places(selections_.nodes(config_.cavities[k].part));
+    }
+  }
+
+  void add_contacts() {
+    if (model_.contacts() == nullptr) return;
+    const ContactSummary summary = model_.contacts()->summary(model_.instant(0.0), q_);
+    const auto add_rows = [this](const std::vector<ContactRow>& rows, bool are_obstacles) {
+      for (const ContactRow& row : rows) {
+        const std::string other = are_obstacles        ? "the obstacle " + row.name
+                                  : row.second.empty() ? "itself"
+                                                       : row.second;
+        const std::string gap = std::isfinite(row.start.gap)
+                                    ? fmt::format("gap {:.3g} m at {}", row.start.gap, place_text(row.start.place))
+                                    : "nothing is near";
+        ModelItem& item =
+            add(ModelItem::Kind::contact, fmt::format("{} with {}", row.first, other),
+                fmt::format("{}; {}, stiffness {:.3g} Pa/m, width {:.3g} m{}", gap,
+                            row.law.kind == NormalKind::barrier ? "barrier" : "penalty", row.law.stiffness,
+                            row.law.width, row.friction > 0.0 ? fmt::format(", friction {:g}", row.friction) : ""));
+        if (std::isfinite(row.start.gap)) item.points.assign(row.start.place.begin(), row.start.place.end());
+      }
+    };
+    add_rows(summary.pairs, false);
+    add_rows(summary.obstacles, true);
+  }
+
+  void add_probes() {
+    for (std::size_t k = 0; k < config_.probes.size(); ++k) {
+      const ProbeConfig& probe = config_.probes[k];
+      std::array<double, 3> x = model_.probes()[k].interpolate(q_);
+      check_mpi(MPI_Allreduce(MPI_IN_PLACE, x.data(), 3, MPI_DOUBLE, MPI_SUM, layout_.comm));
+      for (std::size_t i = 0; i < 3; ++i) x[i] += probe.point[i];
+      add(ModelItem::Kind::probe, probe.name, fmt::format("at {} m", place_text({x[0], x[1], x[2]})))
+          .points.assign(x.begin(), x.end());
+    }
+  }
+
+  void add_worst_cells() {
+    std::vector<std::array<double, 4>> mine;  // quality, place
+    for (PetscInt c = 0; c < layout_.num_owned_cells; ++c) {
+      const auto nodes = layout_.nodes_of_cell(c);
+      tetrahedron::Corners corners{};
+      Vector3<double> middle{};
+      for (std::size_t a = 0; a < 4; ++a) {
+        corners[a] = layout_.position(nodes[a]);
+        middle = middle + 0.25 * place(nodes[a]);
+      }
+      mine.push_back({tetrahedron::mean_ratio(corners), middle[0], middle[1], middle[2]});
+    }
+    const auto keep_worst = [](std::vector<std::array<double, 4>>& cells) {
+      std::ranges::sort(cells);
+      if (cells.size() > num_worst) cells.resize(num_worst);
+    };
+    keep_worst(mine);
+    std::vector<std::array<double, 4>> worst = gathered(layout_.comm, mine);
+    keep_worst(worst);
+    if (worst.empty()) return;
+    ModelItem& item =
+        add(ModelItem::Kind::cells, fmt::format("the worst {} elements", worst.size()),
+            fmt::format("quality {:.3g} to {:.3g} (mean ratio: 1 regular, 0 flat)", worst.front()[0], worst.back()[0]));
+    for (const auto& [quality, x, y, z] : worst) item.points.insert(item.points.end(), {x, y, z});
+  }
+
+  void add_groups() {
+    constexpr std::array<const char*, 4> kinds{"point", "curve", "surface", "volume"};
+    constexpr std::array selected{Selection::Kind::point, Selection::Kind::curve, Selection::Kind::surface,
+                                  Selection::Kind::volume};
+    for (const PhysicalGroup& group : mesh_.groups) {
+      const auto dimension = static_cast<std::size_t>(group.dimension);
+      const std::string name = group.name.empty() ? fmt::format("{}", group.tag) : group.name;
+      const auto& added = names_of_added_bodies(completed_).names;
+      if (std::ranges::find(added, name) != added.end()) continue;
+      Selection part;
+      part.kind = selected[dimension];
+      part.name = name;
+      std::vector<double> points = places(selections_.nodes(part));
+      const auto count = points.size() / 3;
+      add(ModelItem::Kind::group, name, fmt::format("{}, {} nodes", kinds[dimension], count)).points =
+          std::move(points);
+    }
+  }
+
+  const Mesh& mesh_;
+  const Config& config_;
+  const Config completed_;
+  const Model& model_;
+  const NodeLayout& layout_;
+  const NodeLayout as_meshed_;
+  Selections selections_;
+  std::vector<double> q_;  // of the local nodes
+  InputNode input_;        // as understood
+  std::vector<ModelItem> items_;
+};
+
+}  // namespace
+
+std::string to_string(ModelItem::Kind kind) {
+  constexpr std::array names{"group", "constraint", "load", "cavity", "contact", "probe", "cells"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+std::vector<ModelItem> model_items(const Mesh& mesh, const Config& config, const Model& model, Vec q) {
+  return Collector(mesh, config, model, q).take();
+}
+
+}  // namespace pliant
