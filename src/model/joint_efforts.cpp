@@ -58,7 +58,9 @@ std::vector<std::unique_ptr<EnergyTerm>> make_joint_efforts(const Config& config
       if (!body) {
         throw InputError(given.where,
                          fmt::format("joint '{}' has a spring, a motor, limits, damping or friction, and '{}' is a "
-                                     "part of a soft body: these act between rigid bodies and the ground only",
+                                     "part of a soft body: these act between rigid bodies and the ground; make it a "
+                                     "rigid body, a volume by 'rigid: true', a surface by 'attached' of one of "
+                                     "'rigid_bodies', and join that",
                                      given.name, given.between[side]));
       }
       joint.bodies[side] = *body;

@@ -353,6 +353,30 @@ loads: [{gravity: [0, 0, -9.81]}]
         self.assertLess(h["brick_vz"].min(), -0.3)
         self.assertGreater(h["brick_vz"].max(), 0.05)
 
+    def test_a_motor_turns_the_root_of_a_soft_body(self):
+        """Through a point of reference: a constraint does not have the rotation that the motor needs."""
+        write_box(self.directory / "bar.msh", (8, 2, 2), (0.4, 0.05, 0.05))
+        soft = """mesh: {file: bar.msh}
+bodies:
+  - {density: 1000, elasticity: {model: neo-hookean, youngs_modulus: 0.5 MPa, poissons_ratio: 0.4}, viscosity: [{model: kelvin-voigt, shear: 100}]}
+ROOT
+joints:
+  - {name: knuckle, type: hinge, between: [ground, root], point: [0, 0.025, 0.025], axis: [0, 1, 0],
+     motor: {target: "0.5*min(t/0.2, 1)", stiffness: 5, damping: 0.1}, limits: [-1, 0.3], limit_stiffness: 100}
+"""
+        time = "method: bdf2, step: 5 ms, end: 0.4"
+        root = "rigid_bodies: [{name: root, center: [0, 0.025, 0.025], attached: [left]}]"
+        histories = [self.solve(soft.replace("ROOT", root), time, ranks=ranks) for ranks in (1, 2)]
+        for h in histories:
+            self.assertGreater(h["knuckle_angle"].max(), 0.3)  # on its stop
+            self.assertLess(h["knuckle_angle"].max(), 0.33)
+            self.assertLess(np.abs(h["energy_balance_error"]).max(), 1e-5 * h["elastic_energy"].max())
+        np.testing.assert_allclose(histories[0]["knuckle_effort"], histories[1]["knuckle_effort"], atol=1e-6)
+
+        as_constraint = soft.replace("ROOT", "constraints: [{volume: body, rigid: {}}]").replace("[ground, root]", "[ground, body]")
+        self.write("in.yaml", as_constraint + f"time: {{{time}}}\n")
+        self.assertIn("a volume by 'rigid: true'", self.pliant("check", "in.yaml", status=2).stderr)
+
     def test_mistakes_are_told(self):
         chain = self.chain("ball")
         cases = {
