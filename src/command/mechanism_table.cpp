@@ -1,6 +1,8 @@
 #include "command/mechanism_table.hpp"
 
 #include "input/elasticity.hpp"
+#include "input/input.hpp"
+#include "input/parse.hpp"
 #include "model/rigid_bodies.hpp"
 #include "petsc/collective.hpp"
 
@@ -58,6 +60,9 @@ std::string line_of(const SpringConfig& spring, const LineSpring& on_mesh, doubl
 
 std::vector<std::string> body_table(const Config& config, const Model& model) {
   std::vector<std::string> lines{"bodies"};
+  Diagnostics ignored;
+  const InputNode input = parse_yaml(dump(config), config.file, ignored);
+  const InputNode* bodies = given(input, {"bodies"});
   for (std::size_t b = 0; b < config.bodies.size(); ++b) {
     const BodyConfig& body = config.bodies[b];
     std::string text = fmt::format("  {}: {}, {}", model.body_names()[b], cells_of(model, b),
@@ -69,6 +74,12 @@ std::vector<std::string> body_table(const Config& config, const Model& model) {
       text += ", center " + place(center);
     }
     lines.push_back(std::move(text));
+    if (bodies == nullptr || b >= bodies->children.size()) continue;
+    for (const char* key : {"viscosity", "active", "expansion", "mullins"}) {
+      if (const InputNode* more = bodies->children[b].find(key)) {
+        lines.push_back(fmt::format("    {}: {}", key, flow_text(*more)));
+      }
+    }
   }
   for (std::size_t r = 0; r < config.rigid_bodies.size(); ++r) {
     const RigidBodyConfig& body = config.rigid_bodies[r];

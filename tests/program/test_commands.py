@@ -53,6 +53,14 @@ class Commands(ProgramTest):
                 self.assertEqual(len(lines), len(set(lines)), "a note is given twice")
         self.assertEqual([p.name for p in self.directory.iterdir() if p.is_dir()], [], "check writes nothing")
 
+    def test_check_lists_what_else_a_body_has(self):
+        write_box(self.directory / "bar.msh", (2, 1, 1), (1, 0.2, 0.2))
+        more = ("viscosity: {model: maxwell, shear_modulus: 1 kPa, relaxation_time: 0.1}", "expansion: {stretch: 1 + 0.1*t}")
+        for key in more:
+            text = self.text("check", self.write("bar.yaml", INPUT.replace("density: 1000", f"density: 1000, {key}")))
+            self.assertIn(f"    {key.split(':')[0]}: ", text)
+            self.assertRegex(text, "shear_modulus: 1000, .*relaxation_time: 0.1" if "maxwell" in key else r'stretch: "?1 \+ 0\.1\*t')
+
     def test_check_of_the_inputs_of_studies(self):
         for file in sorted((ROOT / "input/convergence").glob("*.yaml")):  # the others are run by their tests
             with self.subTest(file.name):
